@@ -1,0 +1,77 @@
+"""Every deliberate error of hjsolve; one base, so that one ``except`` catches them all."""
+
+from __future__ import annotations
+
+
+class HJSolveError(Exception):
+    """Base of every error that hjsolve raises on purpose."""
+
+
+class InvalidInputError(HJSolveError, ValueError):
+    """An argument that cannot be used; the message says what to write instead."""
+
+
+class ExpressionError(InvalidInputError):
+    """A text that is not a formula hjsolve accepts.
+
+    Attributes:
+        source: what the text was given as, e.g. ``potential``.
+        text: the text itself, shortened where it is long.
+        position: zero-based place of the fault in the text, or None.
+    """
+
+    def __init__(self, message: str, *, source: str = "expression", text: str = "", position: int | None = None):
+        super().__init__(message)
+        self.source, self.text, self.position = source, text, position
+
+
+class InvalidSystemError(InvalidInputError):
+    """T, V, the coordinates or the parameters do not make a mechanical system."""
+
+
+class MissingValueError(InvalidInputError):
+    """A number was asked for and a parameter or an initial value has none."""
+
+
+class CatalogError(InvalidInputError):
+    """A catalog entry that does not exist or does not follow the schema."""
+
+
+class OutsideMotionError(InvalidInputError):
+    """A place or time was asked for that the motion never reaches."""
+
+
+class ForbiddenMotionError(InvalidInputError):
+    """No real motion has the constants given; the message names the nearest allowed region."""
+
+
+class NotSeparableError(HJSolveError, ArithmeticError):
+    """A solution was asked of a system that does not separate in its coordinates.
+
+    Attributes:
+        verdict: the ``Obstruction`` or ``Undecided`` that says why.
+    """
+
+    def __init__(self, message: str, verdict: object):
+        super().__init__(message)
+        self.verdict = verdict
+
+
+class NotConvergedError(HJSolveError, ArithmeticError):
+    """A computation fell short of the accuracy asked.
+
+    Attributes:
+        estimate: the unfinished ``Estimate``, or None.
+    """
+
+    def __init__(self, message: str, estimate: object = None):
+        super().__init__(message)
+        self.estimate = estimate
+
+
+class MissingExtraError(HJSolveError, ImportError):
+    """A feature needs an optional extra that is not installed; the message names it."""
+
+
+class InternalError(HJSolveError, AssertionError):
+    """A fault of hjsolve itself; please report it."""
