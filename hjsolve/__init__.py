@@ -1,0 +1,73 @@
+"""hjsolve: decide whether a mechanical system separates, solve it by quadratures, and give numbers with their error.
+
+    System ──separate──▶ Separation ──solve──▶ Solution ──motion──▶ Motion ──report──▶ file
+
+Every stage is a frozen value made by one verb. The names below are imported when they are first used, so that
+``import hjsolve`` itself loads neither sympy nor numpy.
+"""
+
+from __future__ import annotations
+
+import importlib
+from typing import TYPE_CHECKING, Any
+
+from hjsolve._version import __version__ as __version__
+
+if TYPE_CHECKING:
+    from hjsolve import catalog as catalog
+    from hjsolve.errors import CatalogError as CatalogError
+    from hjsolve.errors import ExpressionError as ExpressionError
+    from hjsolve.errors import ForbiddenMotionError as ForbiddenMotionError
+    from hjsolve.errors import HJSolveError as HJSolveError
+    from hjsolve.errors import InternalError as InternalError
+    from hjsolve.errors import InvalidInputError as InvalidInputError
+    from hjsolve.errors import InvalidSystemError as InvalidSystemError
+    from hjsolve.errors import MissingExtraError as MissingExtraError
+    from hjsolve.errors import MissingValueError as MissingValueError
+    from hjsolve.errors import NotConvergedError as NotConvergedError
+    from hjsolve.errors import NotSeparableError as NotSeparableError
+    from hjsolve.errors import OutsideMotionError as OutsideMotionError
+    from hjsolve.motion import Motion as Motion
+    from hjsolve.numeric.estimate import Estimate as Estimate
+    from hjsolve.reports import report as report
+    from hjsolve.separation import Obstruction as Obstruction
+    from hjsolve.separation import Separation as Separation
+    from hjsolve.separation import Undecided as Undecided
+    from hjsolve.separation import separate as separate
+    from hjsolve.solution import Solution as Solution
+    from hjsolve.solution import solve as solve
+    from hjsolve.system import Coordinate as Coordinate
+    from hjsolve.system import Domain as Domain
+    from hjsolve.system import Parameter as Parameter
+    from hjsolve.system import System as System
+
+_HOMES = {
+    "Coordinate": "system", "Domain": "system", "Parameter": "system", "System": "system",
+    "separate": "separation", "Separation": "separation", "Obstruction": "separation", "Undecided": "separation",
+    "solve": "solution", "Solution": "solution",
+    "Motion": "motion", "Estimate": "numeric.estimate",
+    "report": "reports",
+    "CatalogError": "errors", "ExpressionError": "errors", "ForbiddenMotionError": "errors", "HJSolveError": "errors",
+    "InternalError": "errors", "InvalidInputError": "errors", "InvalidSystemError": "errors",
+    "MissingExtraError": "errors", "MissingValueError": "errors", "NotConvergedError": "errors",
+    "NotSeparableError": "errors", "OutsideMotionError": "errors",
+}  # fmt: skip
+_MODULES = frozenset({"catalog"})
+
+__all__ = ["__version__", "catalog", *sorted(_HOMES)]  # noqa: PLE0604
+
+
+def __getattr__(name: str) -> Any:
+    """Import a public name when it is first asked for (PEP 562)."""
+    if name in _MODULES:
+        return importlib.import_module(f"hjsolve.{name}")
+    if name not in _HOMES:
+        raise AttributeError(f"module 'hjsolve' has no attribute {name!r}")
+    value = getattr(importlib.import_module(f"hjsolve.{_HOMES[name]}"), name)
+    globals()[name] = value
+    return value
+
+
+def __dir__() -> list[str]:
+    """List the public names, imported or not."""
+    return sorted(__all__)

@@ -1,0 +1,5 @@
+"""``python -m hjsolve``: the command line."""
+
+from hjsolve.cli import main
+
+raise SystemExit(main())
