@@ -1,0 +1,121 @@
+"""From formulas to functions of numbers: the only bridge between sympy and the numeric half."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+
+import sympy as sp
+
+from hjsolve.errors import InvalidInputError
+from hjsolve.numeric.tape import UNARY, Operation, Tape
+
+_FUNCTIONS = {getattr(sp, name.capitalize() if name == "abs" else name): name
+              for name in UNARY if name not in {"neg", "sqrt"}}
+
+
+def lower(expressions: Sequence[sp.Expr], arguments: Sequence[sp.Symbol]) -> Tape:
+    """Compile formulas to one tape, common parts computed once.
+
+    Args:
+        expressions: the outputs, in order.
+        arguments: the inputs, in order; every free symbol must be among them.
+
+    Returns:
+        The tape; exact numbers stay exact rationals until an arithmetic rounds them.
+
+    Raises:
+        InvalidInputError: a function or symbol that has no numerical value.
+    """
+    writer = _Writer(tuple(arguments))
+    outputs = tuple(writer.slot(sp.sympify(expression)) for expression in expressions)
+    return Tape(tuple(str(s) for s in arguments), tuple(writer.operations), outputs)
+
+
+class _Writer:
+    """Gives each different subexpression one slot."""
+
+    def __init__(self, arguments: tuple[sp.Symbol, ...]):
+        self.known: dict[sp.Expr, int] = {symbol: i for i, symbol in enumerate(arguments)}
+        self.lines: dict[Operation, int] = {}
+        self.operations: list[Operation] = []
+        self.inputs = len(arguments)
+
+    def slot(self, e: sp.Expr) -> int:
+        if e not in self.known:
+            self.known[e] = self._write(e)
+        return self.known[e]
+
+    def _emit(self, code: str, operands: tuple[int, ...] = (), payload: tuple[int, ...] = ()) -> int:
+        operation = Operation(code, operands, payload)
+        if operation not in self.lines:
+            self.lines[operation] = self.inputs + len(self.operations)
+            self.operations.append(operation)
+        return self.lines[operation]
+
+    def _write(self, e: sp.Expr) -> int:
+        if e.is_Rational:
+            return self._emit("rational", payload=(int(e.p), int(e.q)))
+        if e is sp.pi:
+            return self._emit("pi")
+        if e is sp.E:
+            return self._emit("exp", (self.slot(sp.Integer(1)),))
+        if e.is_Add:
+            return self._sum(e)
+        if e.is_Mul:
+            return self._product(e)
+        if isinstance(e, sp.exp):
+            return self._emit("exp", (self.slot(e.args[0]),))
+        if e.is_Pow:
+            return self._power(*e.as_base_exp())
+        name = _FUNCTIONS.get(e.func)
+        if name is None:
+            raise InvalidInputError(f"{e} has no numerical value here: give every symbol a value, and use only "
+                                    "the functions that formulas may contain")
+        return self._emit(name, (self.slot(e.args[0]),))
+
+    def _sum(self, e: sp.Add) -> int:
+        positive = [t for t in e.args if not t.could_extract_minus_sign()]
+        negative = [-t for t in e.args if t.could_extract_minus_sign()]
+        if positive:
+            total = self.slot(positive[0])
+        else:
+            total = self._emit("neg", (self.slot(negative.pop(0)),))
+        for term in positive[1:]:
+            total = self._emit("add", (total, self.slot(term)))
+        for term in negative:
+            total = self._emit("sub", (total, self.slot(term)))
+        return total
+
+    def _product(self, e: sp.Mul) -> int:
+        if e.could_extract_minus_sign():
+            return self._emit("neg", (self.slot(-e),))
+        numerator, denominator = sp.fraction(e)
+        if denominator is sp.S.One:
+            return self._factors(e)
+        return self._emit("div", (self._factors(numerator), self._factors(denominator)))
+
+    def _factors(self, e: sp.Expr) -> int:
+        if not e.is_Mul:
+            return self.slot(e)
+        slots = [self.slot(factor) for factor in e.args]
+        product = slots[0]
+        for other in slots[1:]:
+            product = self._emit("mul", (product, other))
+        return product
+
+    def _power(self, base: sp.Expr, exponent: sp.Expr) -> int:
+        if base is sp.E:
+            return self._emit("exp", (self.slot(exponent),))
+        if exponent.is_Integer:
+            if exponent == -1:
+                return self._emit("div", (self.slot(sp.Integer(1)), self.slot(base)))
+            return self._emit("power", (self.slot(base),), (int(exponent),))
+        if exponent.is_Rational and exponent.q == 2:
+            root = self._emit("sqrt", (self.slot(base),))
+            if exponent.p == 1:
+                return root
+            if exponent.p == -1:
+                return self._emit("div", (self.slot(sp.Integer(1)), root))
+            return self._emit("power", (root,), (int(exponent.p),))
+        logarithm = self._emit("log", (self.slot(base),))
+        return self._emit("exp", (self._emit("mul", (self.slot(exponent), logarithm)),))

@@ -1,0 +1,108 @@
+"""The two plain arithmetics: numpy floats and any number of digits."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, field
+from fractions import Fraction
+from functools import cache
+from typing import Any
+
+import mpmath
+import numpy as np
+
+from hjsolve.errors import InvalidInputError
+
+_NUMPY_NAMES = {"asin": "arcsin", "acos": "arccos", "atan": "arctan", "asinh": "arcsinh", "acosh": "arccosh",
+                "atanh": "arctanh", "neg": "negative", "abs": "absolute"}
+
+
+@dataclass(frozen=True, slots=True)
+class Float64:
+    """Double precision, elementwise over numpy arrays of any shape."""
+
+    def rational(self, numerator: int, denominator: int) -> Any:
+        return float(Fraction(numerator, denominator))
+
+    def pi(self) -> Any:
+        return np.pi
+
+    def add(self, x: Any, y: Any) -> Any:
+        return x + y
+
+    def sub(self, x: Any, y: Any) -> Any:
+        return x - y
+
+    def mul(self, x: Any, y: Any) -> Any:
+        return x * y
+
+    def div(self, x: Any, y: Any) -> Any:
+        return x / y
+
+    def power(self, x: Any, n: int) -> Any:
+        return np.float_power(x, n) if abs(n) > 3 else _small_power(x, n)
+
+    def unary(self, name: str, x: Any) -> Any:
+        return getattr(np, _NUMPY_NAMES.get(name, name))(x)
+
+
+def _small_power(x: Any, n: int) -> Any:
+    y = x * x if abs(n) == 2 else x * x * x if abs(n) == 3 else x
+    return y if n > 0 else 1.0 / y
+
+
+@cache
+def multiprecision(bits: int) -> Any:
+    """Return an mpmath context of its own with this precision, so that no global is touched."""
+    context = mpmath.ctx_mp.MPContext()
+    context.prec = bits
+    return context
+
+
+@dataclass(frozen=True, slots=True)
+class Multi:
+    """Scalars of a chosen precision.
+
+    Attributes:
+        bits: binary digits of the working precision.
+    """
+
+    bits: int
+    context: Any = field(init=False, repr=False, compare=False)
+
+    def __post_init__(self) -> None:
+        object.__setattr__(self, "context", multiprecision(self.bits))
+
+    def convert(self, value: Any) -> Any:
+        """Take an int, float, Fraction or mpf in; the value is rounded to the precision."""
+        if isinstance(value, Fraction):
+            return self.context.mpf(value.numerator) / value.denominator
+        return +self.context.convert(value)
+
+    def rational(self, numerator: int, denominator: int) -> Any:
+        return self.context.mpf(numerator) / denominator
+
+    def pi(self) -> Any:
+        return +self.context.pi
+
+    def add(self, x: Any, y: Any) -> Any:
+        return x + y
+
+    def sub(self, x: Any, y: Any) -> Any:
+        return x - y
+
+    def mul(self, x: Any, y: Any) -> Any:
+        return x * y
+
+    def div(self, x: Any, y: Any) -> Any:
+        return x / y
+
+    def power(self, x: Any, n: int) -> Any:
+        return x**n
+
+    def unary(self, name: str, x: Any) -> Any:
+        if name == "neg":
+            return -x
+        value = abs(x) if name == "abs" else getattr(self.context, name)(x)
+        if isinstance(value, self.context.mpc):
+            raise InvalidInputError(f"{name} of {self.context.nstr(x, 8)} is not real: the formula leaves its domain there")
+        return value

@@ -1,0 +1,250 @@
+"""From the initial place of a coordinate to its course: kind of motion, turning points, integrals."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import Any
+
+import numpy as np
+
+from hjsolve.errors import ForbiddenMotionError, NotConvergedError
+from hjsolve.numeric.anomaly import Rotation, libration, rotation
+from hjsolve.numeric.arithmetic import Float64, Multi, multiprecision
+from hjsolve.numeric.course import Bounded, Branch, Course, Frozen, Open, bounded, roughness
+from hjsolve.numeric.panels import Way
+from hjsolve.numeric.radicand import Number, Radicand
+from hjsolve.numeric.turning_points import End, Ray, first_end
+
+
+@dataclass(frozen=True)
+class Start:
+    """One coordinate at the initial time.
+
+    Attributes:
+        name: of the coordinate.
+        radicand: p² and its kernels.
+        place: q at any precision.
+        forward: sign of the shell momentum; 0 exactly at a turning point.
+        lower, upper: ends of the domain at any precision; None where there is none.
+        angle: True when p² has period 2π in q.
+        skipped: kernels that are zero everywhere.
+    """
+
+    name: str
+    radicand: Radicand
+    place: Number
+    forward: int
+    lower: Number | None
+    upper: Number | None
+    angle: bool
+    skipped: tuple[bool, ...]
+
+
+@dataclass(frozen=True)
+class Located:
+    """A course with the ends of its region.
+
+    Attributes:
+        course: the motion of the coordinate.
+        lower, upper: the ends found, in order of q.
+    """
+
+    course: Course
+    lower: End
+    upper: End
+
+
+def locate(start: Start, digits: int) -> Located:
+    """Classify the motion of one coordinate and integrate it.
+
+    Raises:
+        ForbiddenMotionError: p² < 0 at the initial place.
+        NotConvergedError: a zero of p² could not be decided, or an integrand stays rough.
+    """
+    forward = start.forward or _push(start)
+    if forward == 0:
+        return _rest(start, digits)
+    ahead = first_end(_ray(start, forward), digits=digits)
+    if start.forward == 0:
+        behind = End("turning", start.place)
+    elif ahead.kind == "round":
+        behind = ahead
+    else:
+        behind = first_end(_ray(start, -forward), digits=digits)
+    lower, upper = (behind, ahead) if forward > 0 else (ahead, behind)
+    if lower.kind == "turning" and upper.kind == "turning":
+        return Located(_libration(start, lower, upper, digits), lower, upper)
+    if ahead.kind == "round":
+        return Located(_rotation(start, forward, digits), lower, upper)
+    return Located(_open(start, forward, lower, upper, digits), lower, upper)
+
+
+def _push(start: Start) -> int:
+    """Direction in which a coordinate leaves a turning point: the sign of F′ (Greenwood, item 102); 0 when it rests."""
+    for bits in (256, 1024, 2048):
+        q = start.place(bits)
+        value, slope, bend = start.radicand.jet(q, bits)
+        noise = multiprecision(bits).mpf(2) ** (32 - bits) * (abs(bend) * max(abs(q), 1) + abs(value) + 1e-300)
+        if abs(slope) > noise:
+            return 1 if slope > 0 else -1
+    return 0
+
+
+def _ray(start: Start, side: int) -> Ray:
+    end = start.upper if side > 0 else start.lower
+    if start.angle:
+        return Ray(start.radicand, start.place, side, lambda bits: 2 * multiprecision(bits).pi, turns=True)
+    if end is None:
+        return Ray(start.radicand, start.place, side, None)
+    return Ray(start.radicand, start.place, side, lambda bits: abs(end(bits) - start.place(bits)))
+
+
+def _rest(start: Start, digits: int) -> Located:
+    bits = int(3.33 * digits) + 96
+    q = start.place(bits)
+    _, _, bend = start.radicand.jet(q, bits)
+    stable = bool(bend < 0)
+    scale = (-bend / 2) ** 0.5 if stable else 1
+    rates = [0 * q if skip else w / scale for w, skip in zip(start.radicand.weights(q, bits), start.skipped, strict=True)]
+    end = End("turning" if stable else "asymptote", start.place)
+    return Located(Frozen(q, rates, stable), end, end)
+
+
+def _libration(start: Start, lower: End, upper: End, digits: int) -> Bounded:
+    assert lower.place is not None and upper.place is not None
+    needed = int(3.33 * digits) + 48
+    bits = needed + 80
+    while True:
+        arithmetic = Multi(bits)
+        a, b = (arithmetic.convert(end.place(bits)) for end in (lower, upper))
+        plain = libration(a, b, None, None, arithmetic)
+        lost = _lost_bits(start.radicand, plain, bits)
+        if bits - lost >= needed:
+            break
+        if bits > 16384:
+            raise NotConvergedError(f"{start.name}: the turning points {float(a):.17g} and {float(b):.17g} are too close to separate")
+        bits = needed + lost + 16
+    place = arithmetic.convert(start.place(bits))
+    best = plain
+    if roughness(plain, start.radicand, start.skipped, bits) > 1e-7:
+        best = libration(a, b, _outside(start, a, b - a, -1, bits), _outside(start, b, b - a, 1, bits), arithmetic)
+    phase = best.phase(place, start.forward, arithmetic)
+    return bounded("libration", best, start.radicand, phase, start.skipped, digits, bits)
+
+
+def _lost_bits(radicand: Radicand, anomaly: Any, bits: int) -> int:
+    """How many bits p²/((q−a)(b−q)) loses by cancellation, measured against twice the precision."""
+    worst = 0
+    for χ in (0.3, 1.6, 2.9):
+        place = anomaly.place(Multi(bits).convert(χ), Multi(bits))
+        near, exact = radicand.value(place.q, bits), radicand.value(place.q, 2 * bits)
+        size = abs(exact)
+        if not size:
+            return bits
+        error = abs(near - exact) / size
+        worst = max(worst, int(bits + float(multiprecision(64).log(error, 2))) if error else 0)
+    return max(worst, 0)
+
+
+def _outside(start: Start, end: Any, width: Any, side: int, bits: int) -> Any | None:
+    """The nearest zero of p² beyond a turning point, roughly, or the end of the domain; None where all is far.
+
+    Only the choice of the anomaly depends on it, never the value of an integral.
+    """
+    context = multiprecision(bits)
+    domain = None if start.angle else start.upper if side > 0 else start.lower
+    limit = abs(domain(bits) - end) if domain is not None else 64 * width
+    inner, step = context.mpf(0), width * context.mpf(2) ** -70
+    while step < limit:
+        if start.radicand.value(end + side * step, bits) > 0:
+            for _ in range(24):
+                middle = (inner + step) / 2
+                inner, step = (inner, middle) if start.radicand.value(end + side * middle, bits) > 0 else (middle, step)
+            return end + side * step
+        inner, step = step, 2 * step
+    return domain(bits) if domain is not None else None
+
+
+def _rotation(start: Start, direction: int, digits: int) -> Bounded:
+    bits = int(3.33 * digits) + 128
+    arithmetic = Multi(bits)
+    slow, gap = _slow_place(start, bits)
+    anomaly: Rotation = rotation(slow, direction, gap, arithmetic)
+    phase = anomaly.phase(arithmetic.convert(start.place(bits)), direction, arithmetic)
+    lost = _lost_bits(start.radicand, anomaly, bits)
+    if gap is not None:
+        lost += int(max(0.0, -2 * float(arithmetic.context.log(gap, 2))))
+    if lost > 64:
+        bits += lost
+        arithmetic = Multi(bits)
+        anomaly = rotation(arithmetic.convert(slow), direction, gap, arithmetic)
+    return bounded("rotation", anomaly, start.radicand, phase, start.skipped, digits, bits)
+
+
+def _slow_place(start: Start, bits: int) -> tuple[Any, Any | None]:
+    """Where p² is least on the circle, and how far from the real axis its zero lies there."""
+    context, q0 = multiprecision(bits), start.place(bits)
+    grid = float(q0) + 2 * np.pi * np.arange(96) / 96
+    inputs = [float(x) for x in start.radicand.inputs(bits)]
+    values = np.broadcast_to(start.radicand.squared.run(Float64(), [grid, *inputs])[0], grid.shape)
+    q = context.convert(grid[int(np.argmin(values))])
+    for _ in range(60):
+        value, slope, bend = start.radicand.jet(q, bits)
+        if not bend > 0 or abs(slope / bend) > 0.1:
+            return q, None
+        q -= slope / bend
+        if abs(slope / bend) < context.mpf(2) ** (16 - bits // 2):
+            break
+    value, _, bend = start.radicand.jet(q, bits)
+    gap = (2 * value / bend) ** 0.5
+    return q, gap
+
+
+def _open(start: Start, forward: int, lower: End, upper: End, digits: int) -> Open:
+    bits = int(3.33 * digits) + 128
+    kinds = {lower.kind, upper.kind}
+    kind = "boundary" if "boundary" in kinds else "asymptotic" if "asymptote" in kinds else "escape"
+
+    def branch(origin: End, target: End, side: int) -> Branch:
+        assert origin.place is not None
+        first = origin.place(bits + 512)
+        length = abs(target.place(bits + 512) - first) if target.place is not None else _length(start, first, bits)
+        end = "infinity" if target.kind in {"infinity", "round"} else target.kind
+        way = Way(origin.kind == "turning", end, first, side, length)  # type: ignore[arg-type]
+        return Branch(way, start.radicand, start.skipped, digits, bits)
+
+    if "turning" in kinds:
+        out = branch(lower, upper, 1) if lower.kind == "turning" else branch(upper, lower, -1)
+        return Open(kind, out, out, _open_phase(out.way, start, forward, bits))  # type: ignore[arg-type]
+    here = End("boundary", start.place)
+    ahead, behind = (upper, lower) if forward > 0 else (lower, upper)
+    return Open(kind, branch(here, ahead, forward), branch(here, behind, -forward), 0 * start.place(bits))  # type: ignore[arg-type]
+
+
+def _length(start: Start, place: Any, bits: int) -> Any:
+    """A length over which p² changes by itself near a place."""
+    value, slope, bend = start.radicand.jet(place, bits)
+    if bend and slope and abs(value) < abs(slope * slope / bend):
+        return abs(slope / bend)
+    if value and slope:
+        return abs(value / slope)
+    return abs(place) if place else multiprecision(bits).mpf(1)
+
+
+def _open_phase(way: Way, start: Start, forward: int, bits: int) -> Any:
+    """Invert the map of a branch that starts at a turning point."""
+    if start.forward == 0:
+        return multiprecision(bits).mpf(0)
+    context = multiprecision(bits)
+    x = abs(start.place(bits) - way.start) / way.length
+    if way.end == "infinity":
+        y = context.sqrt(x)
+    else:
+        y = 2 * context.asin(context.sqrt(x)) if way.end == "boundary" else context.atanh(context.sqrt(x))
+    return y if forward == way.side else -y
+
+
+def forbidden(start: Start) -> ForbiddenMotionError:
+    """Make the error for p² < 0 at the initial place."""
+    value = float(start.radicand.value(start.place(128), 128))
+    return ForbiddenMotionError(f"{start.name}: no real motion passes through {float(start.place(64)):.12g}, p² = {value:.3g} < 0 there")

@@ -1,0 +1,257 @@
+"""The course of one separated coordinate: what kind of motion it makes, and its regular integrals.
+
+Every course answers the same questions for a phase χ that grows with time: where the coordinate is,
+and what the integrals Gⱼ(χ) = ∫ kⱼ dq/p are, one for each constant of the motion. Greenwood (5-70),
+(5-71): the motion is the set of phases for which Σᵢ Gᵢⱼ(χᵢ) keeps its value, and grows like t for the energy.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from dataclasses import dataclass
+from functools import lru_cache
+from typing import Any, Literal
+
+import numpy as np
+
+from hjsolve.numeric.anomaly import Anomaly, as_float
+from hjsolve.numeric.arithmetic import Float64, Multi
+from hjsolve.numeric.panels import Panels, Way, build
+from hjsolve.numeric.radicand import Radicand
+from hjsolve.numeric.series import Series, fit, trial
+
+Kind = Literal["libration", "rotation", "escape", "equilibrium", "asymptotic", "boundary"]
+
+
+def arithmetic_of(array: Any) -> Float64 | Multi:
+    """Return the arithmetic in which an array of phases is held."""
+    if array.dtype != object:
+        return Float64()
+    return Multi(array.flat[0].context.prec) if array.size else Float64()
+
+
+def elementwise(function: Callable[..., Any], χ: Any, outputs: int) -> Any:
+    """Apply a function of a float array, or of one ``mpf`` to an object array."""
+    if χ.dtype != object:
+        return function(χ)
+    return np.frompyfunc(function, 1, outputs)(χ)
+
+
+@dataclass(frozen=True)
+class Bounded:
+    """Libration or rotation: phases with period 2π.
+
+    Attributes:
+        kind: libration or rotation.
+        anomaly: the map χ ↦ q in many digits.
+        kernels: series of kⱼ (dq/dχ)/p.
+        momentum: series of p/(dq/dχ).
+        action: (1/2π) ∮ p dq, positive.
+        start: χ of the initial place.
+    """
+
+    kind: Kind
+    anomaly: Anomaly
+    kernels: list[Series]
+    momentum: Series
+    action: Any
+    start: Any
+
+    periodic = True
+
+    def integral(self, j: int, χ: Any) -> Any:
+        """Return Gⱼ from 0 to χ."""
+        mean = self.kernels[j].mean
+        return (float(mean) if χ.dtype == float else mean) * χ + elementwise(self.kernels[j].ripple, χ, 1)
+
+    def rate(self, j: int, χ: Any) -> Any:
+        """Return dGⱼ/dχ."""
+        return elementwise(self.kernels[j].value, χ, 1)
+
+    def place(self, χ: Any) -> tuple[Any, Any]:
+        """Return q (not reduced to one turn) and the shell momentum at χ."""
+        arithmetic = arithmetic_of(χ)
+        anomaly = as_float(self.anomaly) if isinstance(arithmetic, Float64) else self.anomaly
+        turn = np.rint(χ / (2 * np.pi)) if χ.dtype == float else elementwise(lambda x: x.context.nint(x / (2 * x.context.pi)), χ, 1)
+        rest = χ - 2 * arithmetic.pi() * turn
+
+        def at(x: Any) -> tuple[Any, Any]:
+            place = anomaly.place(x, arithmetic)
+            return place.q, self.momentum.value(x) * place.speed
+
+        q, p = elementwise(at, rest, 2)
+        return (q, p) if self.anomaly.even else (q + self.anomaly.direction * 2 * arithmetic.pi() * turn, p)
+
+
+@dataclass(frozen=True)
+class Frozen:
+    """A coordinate that rests: the phase only counts, as the limit of a vanishing libration.
+
+    Attributes:
+        rest: the place.
+        rates: kⱼ/√(−F″/2) there (kⱼ alone where the rest is unstable).
+        stable: True where F″ < 0.
+    """
+
+    rest: Any
+    rates: list[Any]
+    stable: bool
+
+    kind: Kind = "equilibrium"
+    start: Any = 0
+    action: Any = 0
+    periodic = True
+
+    def integral(self, j: int, χ: Any) -> Any:
+        return self.rate(j, χ) * χ
+
+    def rate(self, j: int, χ: Any) -> Any:
+        return (float(self.rates[j]) if χ.dtype == float else self.rates[j]) + 0 * χ
+
+    def place(self, χ: Any) -> tuple[Any, Any]:
+        return (float(self.rest) if χ.dtype == float else self.rest) + 0 * χ, 0 * χ
+
+
+@dataclass(frozen=True, eq=False)
+class Branch:
+    """One way of an open motion, from its start to its end, with what is integrated along it."""
+
+    way: Way
+    radicand: Radicand
+    skipped: tuple[bool, ...]
+    digits: int
+    bits: int
+
+    def integrands(self, y: Any) -> list[Any]:
+        """Return all kernels kⱼ |dq/dy| / |p|, then |p|/|dq/dy| (times the distance left to a boundary), at y."""
+        work = self.bits
+        x, left, _ = self.way.distances(y, Multi(64))
+        nearest = min(v for v in (x, left) if v is not None)
+        if nearest < self.way.length:
+            work += 64 + 3 * int(max(0.0, -float(Multi(64).context.log(nearest / self.way.length, 2))))
+        q, slope = self.way.position(y, Multi(work))
+        p = self.radicand.value(q, work) ** 0.5
+        weights = self.radicand.weights(q, work)
+        kernels = [0 * p if skip else w * abs(slope) / p for w, skip in zip(weights, self.skipped, strict=True)]
+        return [*kernels, p / abs(slope) * (self.way.distances(y, Multi(work))[1] / self.way.length if self.way.end == "boundary" else 1)]
+
+    def panels(self, function: int, amount: float) -> Panels:
+        """Return the integrals far enough that the one named reaches ``amount`` (as a power of two)."""
+        power = max(4, int(np.ceil(np.log2(max(abs(amount), 1e-300)))) + 1)
+        return _panels(self, function, power)
+
+    def panels_to(self, y: Any) -> Panels:
+        """Return the integrals up to y at least."""
+        return _panels(self, -2, max(2, int(np.ceil(np.log2(max(float(y), 1e-300)))) + 1))
+
+
+@lru_cache(maxsize=64)
+def _panels(branch: Branch, function: int, power: int) -> Panels:
+    """Build panels of a branch (a pure function; the newest ones are kept)."""
+    limit = Multi(branch.bits).context.mpf(2) ** power
+    far = Multi(branch.bits).context.mpf(2) ** 300
+
+    def enough(y: Any, integrals: list[Any]) -> bool:
+        if branch.way.end == "asymptote" and y > 60 + 2 * branch.digits:
+            return True
+        return bool(y > limit if function == -2 else abs(integrals[function]) > limit or y > far)
+
+    return build(branch.way, branch.integrands, enough, digits=branch.digits, bits=branch.bits)
+
+
+@dataclass(frozen=True, eq=False)
+class Open:
+    """Escape, asymptotic motion, or motion to an end of the domain.
+
+    Attributes:
+        kind: escape, asymptotic or boundary.
+        ahead: branch of the motion for χ ≥ 0.
+        behind: branch for χ ≤ 0, run backwards; the same branch where the motion turns at χ = 0.
+        start: χ of the initial place.
+        reach: how far the panels go: (function, amount of its integral).
+    """
+
+    kind: Kind
+    ahead: Branch
+    behind: Branch
+    start: Any
+    reach: tuple[int, float] = (0, 16.0)
+
+    periodic = False
+    action = None
+
+    def _sides(self, χ: Any) -> tuple[Any, Panels, Panels]:
+        function, amount = self.reach
+        ahead = self.ahead.panels(function, amount)
+        return χ >= 0, ahead, ahead if self.behind is self.ahead else self.behind.panels(function, amount)
+
+    def integral(self, j: int, χ: Any) -> Any:
+        forward, ahead, behind = self._sides(χ)
+        return np.where(forward, ahead.integral(j, abs(χ)), -behind.integral(j, abs(χ)))
+
+    def rate(self, j: int, χ: Any) -> Any:
+        forward, ahead, behind = self._sides(χ)
+        return np.where(forward, ahead.value(j, abs(χ)), behind.value(j, abs(χ)))
+
+    def limits(self) -> tuple[Any, Any]:
+        """Return the least and greatest phase that the panels hold; infinite along an asymptote, whose tail is known."""
+        _, ahead, behind = self._sides(np.zeros(1))
+        ends = [np.inf if b.way.end == "asymptote" else p.edges[-1] for b, p in ((self.behind, behind), (self.ahead, ahead))]
+        return -ends[0], ends[1]
+
+    def place(self, χ: Any) -> tuple[Any, Any]:
+        forward, ahead, behind = self._sides(χ)
+        (q1, p1), (q2, p2) = self._on(self.ahead, ahead, χ, 1), self._on(self.behind, behind, χ, -1)
+        return np.where(forward, q1, q2), np.where(forward, p1, p2)
+
+    def _on(self, branch: Branch, panels: Panels, χ: Any, sign: int) -> tuple[Any, Any]:
+        y, arithmetic = abs(χ), arithmetic_of(χ)
+        way = branch.way if χ.dtype == object else _float_way(branch.way)
+        q, slope = elementwise(lambda v: way.position(v, arithmetic), y, 2)
+        if way.end == "boundary":
+            _, left, _ = elementwise(lambda v: way.distances(v, arithmetic), y, 3)
+            slope = slope * (way.length / left)
+        return q, sign * slope * panels.value(-1, y)
+
+
+def _float_way(way: Way) -> Way:
+    return Way(way.turning, way.end, float(way.start), way.side, float(way.length))
+
+
+Course = Bounded | Frozen | Open
+
+
+def bounded(kind: Kind, anomaly: Anomaly, radicand: Radicand, start: Any, skipped: tuple[bool, ...], digits: int, bits: int) -> Bounded:
+    """Integrate over one cycle of a libration or rotation.
+
+    Args:
+        kind: libration or rotation.
+        anomaly: the map, at ``bits``.
+        radicand: p² and its kernels.
+        start: χ of the initial place.
+        skipped: which kernels are zero everywhere.
+        digits: relative digits wanted.
+        bits: working precision, enough for the cancellation at the turning points.
+    """
+    functions = _integrands(anomaly, radicand, skipped, bits)
+    *kernels, momentum, density = fit(functions, even=anomaly.even, digits=digits, bits=bits)
+    return Bounded(kind, anomaly, kernels, momentum, density.mean, start)
+
+
+def roughness(anomaly: Anomaly, radicand: Radicand, skipped: tuple[bool, ...], bits: int) -> float:
+    """Return how far few nodes are from resolving the integrands: the size of the last terms with twelve nodes."""
+    return max(s.tail for s in trial(_integrands(anomaly, radicand, skipped, bits), even=anomaly.even, nodes=12, bits=bits))
+
+
+def _integrands(anomaly: Anomaly, radicand: Radicand, skipped: tuple[bool, ...], bits: int) -> Callable[[Any], list[Any]]:
+    """kⱼ (dq/dχ)/p for each constant, p/(dq/dχ), and p dq/dχ, all regular functions of χ."""
+    arithmetic = Multi(bits)
+
+    def functions(χ: Any) -> list[Any]:
+        place = anomaly.place(χ, arithmetic)
+        root = (radicand.value(place.q, bits) / place.product) ** 0.5
+        weights = radicand.weights(place.q, bits)
+        kernels = [None if skip else w * place.stretch / root for w, skip in zip(weights, skipped, strict=True)]
+        return [*kernels, root / place.stretch, place.product * root * place.stretch]
+
+    return functions

@@ -1,0 +1,89 @@
+"""Jacobi's elliptic functions in terms of the complementary parameter, for any plain arithmetic.
+
+Bulirsch's descending Landen transformation (Numer. Math. 7 (1965) 78): the complementary parameter
+k′² is carried, so nothing is lost when k → 1. The quarter period is π/(2·AGM(1, k′)).
+"""
+
+from __future__ import annotations
+
+from typing import Any
+
+import numpy as np
+
+from hjsolve.numeric.arithmetic import Float64, Multi
+
+
+def quarter_period(complement: Any, arithmetic: Float64 | Multi) -> Any:
+    """Return K for the complementary parameter k′², 0 < k′² ≤ 1."""
+    means = _landen(complement, arithmetic)
+    return arithmetic.pi() / (2 * means[-1][0])
+
+
+def _landen(complement: Any, arithmetic: Float64 | Multi) -> list[tuple[Any, Any]]:
+    """The sequence of arithmetic and geometric means from (1, k′)."""
+    digits = 53 if isinstance(arithmetic, Float64) else arithmetic.bits
+    a, b = arithmetic.rational(1, 1), arithmetic.unary("sqrt", complement)
+    pairs = [(a, b)]
+    while abs(a - b) > a * 2.0 ** (-(digits // 2) - 2) if digits < 900 else abs(a - b) ** 2 > a * a * arithmetic.power(
+            arithmetic.rational(1, 2), digits + 4):
+        a, b = (a + b) / 2, arithmetic.unary("sqrt", a * b)
+        pairs.append((a, b))
+    pairs.append(((a + b) / 2, b))
+    return pairs
+
+
+def jacobi(u: Any, complement: Any, quarter: Any, arithmetic: Float64 | Multi) -> tuple[Any, Any, Any]:
+    """Return sn u, cn u, dn u for −2K ≤ u ≤ 2K, cn with full relative accuracy near its zeros ±K.
+
+    Args:
+        u: argument; scalar, or array for ``Float64``.
+        complement: k′² = 1 − k².
+        quarter: K, see ``quarter_period``.
+        arithmetic: where to compute.
+    """
+    if isinstance(arithmetic, Float64):
+        return _jacobi_array(np.asarray(u, dtype=float), float(complement), float(quarter), arithmetic)
+    size = abs(u)
+    folded = size > quarter
+    v = 2 * quarter - size if folded else size
+    far = v > quarter / 2
+    sn, cn, dn = _bulirsch(quarter - v if far else v, complement, arithmetic)
+    if far:
+        k = arithmetic.unary("sqrt", complement)
+        sn, cn, dn = cn / dn, k * sn / dn, k / dn
+    return (-sn if u < 0 else sn), (-cn if folded else cn), dn
+
+
+def _jacobi_array(u: Any, complement: float, quarter: float, arithmetic: Float64) -> tuple[Any, Any, Any]:
+    size = np.abs(u)
+    folded = size > quarter
+    v = np.where(folded, 2 * quarter - size, size)
+    far = v > quarter / 2
+    sn, cn, dn = _bulirsch(np.where(far, quarter - v, v), complement, arithmetic)
+    k = complement**0.5
+    sn, cn, dn = np.where(far, cn / dn, sn), np.where(far, k * sn / dn, cn), np.where(far, k / dn, dn)
+    return np.copysign(sn, u), np.where(folded, -cn, cn), dn
+
+
+def _bulirsch(u: Any, complement: Any, arithmetic: Float64 | Multi) -> tuple[Any, Any, Any]:
+    """sn, cn, dn for 0 ≤ u ≤ K/2."""
+    pairs = _landen(complement, arithmetic)
+    c = pairs[-1][0] * u
+    sine, cosine = arithmetic.unary("sin", c), arithmetic.unary("cos", c)
+    dn = 0 * u + 1
+    if isinstance(arithmetic, Multi) and not sine:
+        return sine, cosine, dn
+    with np.errstate(all="ignore"):
+        a = cosine / sine
+        c = pairs[-1][0] * a
+        for high, low in reversed(pairs[:-1]):
+            a = c * a
+            c = c * dn
+            dn = (low + a) / (high + a)
+            a = c / high
+        sn = 1 / arithmetic.unary("sqrt", c * c + 1)
+        cn = c * sn
+    if isinstance(arithmetic, Float64):
+        zero = sine == 0
+        sn, cn, dn = np.where(zero, 0.0, sn), np.where(zero, 1.0, cn), np.where(zero, 1.0, dn)
+    return sn, cn, dn

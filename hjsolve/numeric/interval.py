@@ -1,0 +1,190 @@
+"""Interval arithmetic: what a formula can be over a whole cell, as proof that it has no zero there.
+
+End points are numpy arrays: float64 for the fast pass, objects holding ``mpf`` where doubles cannot
+decide. Every result is widened by a few units in the last place, more than the rounding of the
+operation below it, so that the enclosure holds without directed rounding. A formula that leaves
+its domain gives the whole line, never an error: "nothing is known here".
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from dataclasses import dataclass
+from typing import Any, NamedTuple
+
+import numpy as np
+
+from hjsolve.numeric.arithmetic import Float64, Multi
+
+_RISING = {"exp", "sinh", "tanh", "asinh", "atan"}
+_RISING_ON = {"sqrt": (0.0, np.inf), "log": (0.0, np.inf), "asin": (-1.0, 1.0), "acosh": (1.0, np.inf), "atanh": (-1.0, 1.0)}
+
+
+class Interval(NamedTuple):
+    """Lower and upper ends, arrays of the same shape."""
+
+    low: Any
+    high: Any
+
+
+@dataclass(frozen=True)
+class Intervals:
+    """Interval arithmetic over a plain arithmetic.
+
+    Attributes:
+        plain: ``Float64()``, or ``Multi(bits)`` whose numbers then stand in object arrays.
+    """
+
+    plain: Float64 | Multi
+
+    @property
+    def unit(self) -> Any:
+        """Relative widening of one operation."""
+        return 4 * 2.0**-52 if isinstance(self.plain, Float64) else self.plain.context.mpf(2) ** (3 - self.plain.bits)
+
+    def point(self, x: Any) -> Interval:
+        """Enclose a number that the plain arithmetic may have to round."""
+        if isinstance(self.plain, Multi):
+            x = np.array(x, dtype=object)
+            return Interval(x, x)
+        nearest = float(x)
+        return Interval(*(np.float64(nearest),) * 2) if nearest == x else self._wide(np.float64(nearest), np.float64(nearest))
+
+    def _wide(self, low: Any, high: Any) -> Interval:
+        tiny = 1e-300 if isinstance(self.plain, Float64) else 0
+        with np.errstate(all="ignore"):
+            low, high = low - self.unit * abs(low) - tiny, high + self.unit * abs(high) + tiny
+        lost = (low != low) | (high != high)
+        return Interval(np.where(lost, -np.inf, low), np.where(lost, np.inf, high)) if np.any(lost) else Interval(low, high)
+
+    def rational(self, numerator: int, denominator: int) -> Interval:
+        value = np.array(self.plain.rational(numerator, denominator))
+        exact = denominator & (denominator - 1) == 0 and abs(numerator) < 2**53
+        return Interval(value, value) if exact else self._wide(value, value)
+
+    def pi(self) -> Interval:
+        value = np.array(self.plain.pi())
+        return self._wide(value, value)
+
+    def add(self, x: Interval, y: Interval) -> Interval:
+        with np.errstate(all="ignore"):
+            return self._wide(x.low + y.low, x.high + y.high)
+
+    def sub(self, x: Interval, y: Interval) -> Interval:
+        with np.errstate(all="ignore"):
+            return self._wide(x.low - y.high, x.high - y.low)
+
+    def mul(self, x: Interval, y: Interval) -> Interval:
+        with np.errstate(all="ignore"):
+            products = [_product(a, b) for a in x for b in y]
+            return self._wide(_least(products), _greatest(products))
+
+    def div(self, x: Interval, y: Interval) -> Interval:
+        straddles = (y.low <= 0) & (y.high >= 0)
+        with np.errstate(all="ignore"):
+            inverse = Interval(1 / np.where(straddles, 1, y.high), 1 / np.where(straddles, 1, y.low))
+            result = self.mul(x, self._wide(*inverse))
+        return Interval(np.where(straddles, -np.inf, result.low), np.where(straddles, np.inf, result.high))
+
+    def power(self, x: Interval, n: int) -> Interval:
+        if n < 0:
+            return self.div(self.rational(1, 1), self.power(x, -n))
+        with np.errstate(all="ignore"):
+            a, b = x.low**n, x.high**n
+        if n % 2:
+            return self._wide(a, b)
+        inside = (x.low <= 0) & (x.high >= 0)
+        return self._wide(np.where(inside, 0, np.minimum(a, b)), np.maximum(a, b))
+
+    def unary(self, name: str, x: Interval) -> Interval:
+        if name == "neg":
+            return Interval(-x.high, -x.low)
+        if name == "abs":
+            inside = (x.low <= 0) & (x.high >= 0)
+            a, b = abs(x.low), abs(x.high)
+            return Interval(np.where(inside, 0, np.minimum(a, b)), np.maximum(a, b))
+        if name in _RISING:
+            return self._rising(name, x, -np.inf, np.inf)
+        if name in _RISING_ON:
+            return self._rising(name, x, *_RISING_ON[name])
+        return _OTHERS[name](self, x)
+
+    def _call(self, name: str, x: Any) -> Any:
+        with np.errstate(all="ignore"):
+            if isinstance(self.plain, Float64):
+                return self.plain.unary(name, x)
+            return np.frompyfunc(lambda v: self._scalar(name, v), 1, 1)(x)
+
+    def _scalar(self, name: str, v: Any) -> Any:
+        context = self.plain.context
+        if name in {"sin", "cos"} and context.isinf(v):
+            return context.nan
+        value = getattr(context, name)(v)
+        return value if isinstance(value, context.mpf) else context.nan
+
+    def _rising(self, name: str, x: Interval, left: float, right: float) -> Interval:
+        outside = (x.low < left) | (x.high > right)
+        low, high = np.where(outside, 0.5 if right == 1 else 2, x.low), np.where(outside, 0.5 if right == 1 else 2, x.high)
+        result = self._wide(self._call(name, low), self._call(name, high))
+        return Interval(np.where(outside, -np.inf, result.low), np.where(outside, np.inf, result.high))
+
+    def _sine(self, x: Interval, name: str) -> Interval:
+        """Range of sin or cos: the values at the ends, and ±1 where a crest lies inside."""
+        turn, quarter = 2 * self.plain.pi(), self.plain.pi() / 2
+        crest = quarter if name == "sin" else 0 * quarter
+        a, b = self._call(name, x.low), self._call(name, x.high)
+        slack = 8 * self.unit * (1 + np.maximum(abs(x.low), abs(x.high)))
+
+        def contains(point: Any) -> Any:
+            with np.errstate(all="ignore"):
+                return _floor((x.high - point + slack) / turn) >= _floor((x.low - point - slack) / turn) + 1
+
+        everything = ~((x.high - x.low) < turn) | (a != a) | (b != b)
+        top, bottom = everything | contains(crest), everything | contains(crest + turn / 2)
+        low, high = self._wide(np.minimum(a, b), np.maximum(a, b))
+        return Interval(np.where(bottom, -1, low), np.where(top, 1, high))
+
+    def _tangent(self, x: Interval) -> Interval:
+        return self.div(self._sine(x, "sin"), self._sine(x, "cos"))
+
+    def _cosh(self, x: Interval) -> Interval:
+        size = self.unary("abs", x)
+        return self._wide(self._call("cosh", size.low), self._call("cosh", size.high))
+
+    def _acos(self, x: Interval) -> Interval:
+        return self.sub(self.div(self.pi(), self.rational(2, 1)), self.unary("asin", x))
+
+
+_OTHERS: dict[str, Callable[[Intervals, Interval], Interval]] = {
+    "sin": lambda field, x: field._sine(x, "sin"),
+    "cos": lambda field, x: field._sine(x, "cos"),
+    "tan": Intervals._tangent,
+    "cosh": Intervals._cosh,
+    "acos": Intervals._acos,
+}
+
+
+def _floor(x: Any) -> Any:
+    if getattr(x, "dtype", None) == object:
+        return np.frompyfunc(lambda v: v.context.floor(v) if v == v and abs(v) != np.inf else v, 1, 1)(x)
+    return np.floor(x)
+
+
+def _product(a: Any, b: Any) -> Any:
+    """a·b with 0·∞ = 0: an infinite end stands for "unbounded", not for a value."""
+    p = a * b
+    return np.where((a == 0) | (b == 0), 0, p)
+
+
+def _least(values: list[Any]) -> Any:
+    result = values[0]
+    for v in values[1:]:
+        result = np.minimum(result, v)
+    return result
+
+
+def _greatest(values: list[Any]) -> Any:
+    result = values[0]
+    for v in values[1:]:
+        result = np.maximum(result, v)
+    return result

@@ -1,0 +1,123 @@
+"""Value, first and second derivative together, in any arithmetic."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import Any, NamedTuple
+
+from hjsolve.numeric.tape import Arithmetic
+
+
+class Jet(NamedTuple):
+    """f, f′, f″ at one place (or over one cell); a derivative that is exactly zero is None."""
+
+    value: Any
+    first: Any = None
+    second: Any = None
+
+
+@dataclass(frozen=True, slots=True)
+class Jets:
+    """Differentiation by the chain rule over a plain arithmetic or over intervals.
+
+    Attributes:
+        plain: the arithmetic of each component.
+    """
+
+    plain: Arithmetic
+
+    def variable(self, x: Any) -> Jet:
+        """Return the jet of q itself."""
+        return Jet(x, self.plain.rational(1, 1))
+
+    def rational(self, numerator: int, denominator: int) -> Jet:
+        return Jet(self.plain.rational(numerator, denominator))
+
+    def pi(self) -> Jet:
+        return Jet(self.plain.pi())
+
+    def _plus(self, x: Any, y: Any) -> Any:
+        return y if x is None else x if y is None else self.plain.add(x, y)
+
+    def _times(self, x: Any, y: Any) -> Any:
+        return None if x is None or y is None else self.plain.mul(x, y)
+
+    def _minus(self, x: Any) -> Any:
+        return None if x is None else self.plain.unary("neg", x)
+
+    def _double(self, x: Any) -> Any:
+        return None if x is None else self.plain.mul(self.plain.rational(2, 1), x)
+
+    def add(self, x: Jet, y: Jet) -> Jet:
+        return Jet(self.plain.add(x.value, y.value), self._plus(x.first, y.first), self._plus(x.second, y.second))
+
+    def sub(self, x: Jet, y: Jet) -> Jet:
+        return self.add(x, self.unary("neg", y))
+
+    def mul(self, x: Jet, y: Jet) -> Jet:
+        first = self._plus(self._times(x.first, y.value), self._times(x.value, y.first))
+        cross = self._double(self._times(x.first, y.first))
+        second = self._plus(self._plus(self._times(x.second, y.value), cross), self._times(x.value, y.second))
+        return Jet(self.plain.mul(x.value, y.value), first, second)
+
+    def div(self, x: Jet, y: Jet) -> Jet:
+        return self.mul(x, self.power(y, -1))
+
+    def power(self, x: Jet, n: int) -> Jet:
+        a = self.plain
+        slope = a.mul(a.rational(n, 1), a.power(x.value, n - 1)) if n != 1 else a.rational(1, 1)
+        bend = a.mul(a.rational(n * (n - 1), 1), a.power(x.value, n - 2)) if n not in {1, 2} else a.rational(n * (n - 1), 1)
+        return self._chain(x, a.power(x.value, n), slope, bend)
+
+    def _chain(self, x: Jet, value: Any, slope: Any, bend: Any) -> Jet:
+        """Φ(f) with Φ′ = slope and Φ″ = bend at f."""
+        if x.first is None:
+            return Jet(value)
+        second = self._plus(self._times(bend, self.plain.power(x.first, 2)), self._times(slope, x.second))
+        return Jet(value, self._times(slope, x.first), second)
+
+    def unary(self, name: str, x: Jet) -> Jet:
+        if name == "neg":
+            return Jet(self.plain.unary("neg", x.value), self._minus(x.first), self._minus(x.second))
+        value = self.plain.unary(name, x.value)
+        if x.first is None:
+            return Jet(value)
+        return self._chain(x, value, *self._derivatives(name, x.value, value))
+
+    def _derivatives(self, name: str, x: Any, f: Any) -> tuple[Any, Any]:
+        """First and second derivative of an elementary function at x, where it has the value f."""
+        a = self.plain
+        one = a.rational(1, 1)
+        match name:
+            case "exp":
+                return f, f
+            case "sin" | "cos":
+                other = a.unary("cos" if name == "sin" else "sin", x)
+                return (other if name == "sin" else a.unary("neg", other)), a.unary("neg", f)
+            case "sinh" | "cosh":
+                return a.unary("cosh" if name == "sinh" else "sinh", x), f
+            case "log":
+                inverse = a.div(one, x)
+                return inverse, a.unary("neg", a.power(inverse, 2))
+            case "sqrt":
+                slope = a.div(a.rational(1, 2), f)
+                return slope, a.unary("neg", a.div(slope, a.mul(a.rational(2, 1), x)))
+            case "tan" | "tanh":
+                slope = a.add(one, a.power(f, 2)) if name == "tan" else a.sub(one, a.power(f, 2))
+                return slope, a.mul(a.rational(2 if name == "tan" else -2, 1), a.mul(f, slope))
+            case "abs":
+                return a.div(f, x), a.rational(0, 1)
+            case _:
+                return self._inverse_derivatives(name, x)
+
+    def _inverse_derivatives(self, name: str, x: Any) -> tuple[Any, Any]:
+        """asin, acos, atan, asinh, acosh, atanh: Φ′ = ±w⁻ˢ with w = 1 ± x² or x² − 1, s = 1 or ½."""
+        a = self.plain
+        one, square = a.rational(1, 1), a.power(x, 2)
+        w = a.sub(square, one) if name == "acosh" else a.add(one, square) if name in {"atan", "asinh"} else a.sub(one, square)
+        half = name not in {"atan", "atanh"}
+        slope = a.div(one, a.unary("sqrt", w) if half else w)
+        turn = a.mul(a.rational(1 if half else 2, 1), a.mul(x, a.div(slope, w)))
+        if name in {"atan", "asinh", "acosh"}:
+            turn = a.unary("neg", turn)
+        return (slope, turn) if name != "acos" else (a.unary("neg", slope), a.unary("neg", turn))

@@ -1,0 +1,206 @@
+"""Motions that do not come back: escape, collision with an end of the domain, creeping to a separatrix.
+
+One analytic parameter y runs from the start of a branch (a turning point, or any regular place) to
+its end; the map q(y) is chosen by the two ends so that dq/p is analytic in y up to and including both:
+
+    start → end            distance x from the start       what it cures
+    turning → infinity     x = L y²                        the inverse square root at the start
+    turning → boundary     x = ℓ sin²(y/2), y ≤ π          the same, and an integer power of p² at the end
+    turning → asymptote    x = ℓ tanh² y                   the same, and the double zero: t grows like y
+    regular → infinity     x = L y
+    regular → boundary     x = ℓ (1 − (1 − y)²), y ≤ 1
+    regular → asymptote    x = ℓ (1 − e^{−y})
+
+The integrals are Chebyshev series on panels whose length adapts to their decay; far out panels grow
+geometrically, so the cost rises with the logarithm of the time.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from dataclasses import dataclass
+from typing import Any
+
+import numpy as np
+
+from hjsolve.errors import NotConvergedError
+from hjsolve.numeric.arithmetic import Float64, Multi, multiprecision
+from hjsolve.numeric.turning_points import EndKind
+
+_MAX_PANELS = 400
+
+
+@dataclass(frozen=True)
+class Way:
+    """The map q(y) of one branch.
+
+    Attributes:
+        turning: True where the branch starts at a turning point.
+        end: ``infinity``, ``boundary`` or ``asymptote``.
+        start: q at y = 0.
+        side: +1 where q grows with y.
+        length: ℓ, the distance to the end; for infinity the length L that makes y a number of order one.
+    """
+
+    turning: bool
+    end: EndKind
+    start: Any
+    side: int
+    length: Any
+
+    def last(self, context: Any) -> Any:
+        """Return the greatest y, None where there is none."""
+        if self.end != "boundary":
+            return None
+        return +context.pi if self.turning else context.mpf(1)
+
+    def distances(self, y: Any, arithmetic: Float64 | Multi) -> tuple[Any, Any, Any]:
+        """Return x, the distance left to the end (None for infinity) and dx/dy, none of them by cancellation."""
+        call = arithmetic.unary
+        if self.end == "infinity":
+            return (self.length * y * y, None, 2 * self.length * y) if self.turning else (self.length * y, None, self.length + 0 * y)
+        if self.end == "boundary":
+            if self.turning:
+                sine, cosine = call("sin", y / 2), call("cos", y / 2)
+                return self.length * sine * sine, self.length * cosine * cosine, self.length * sine * cosine
+            rest = 1 - y
+            return self.length * y * (2 - y), self.length * rest * rest, 2 * self.length * rest
+        if self.turning:
+            rise, fall = call("tanh", y), 1 / call("cosh", y)
+            return self.length * rise * rise, self.length * fall * fall, 2 * self.length * rise * fall * fall
+        decay = call("exp", -y)
+        gone = 2 * call("exp", -y / 2) * call("sinh", y / 2)
+        return self.length * gone, self.length * decay, self.length * decay
+
+    def position(self, y: Any, arithmetic: Float64 | Multi) -> tuple[Any, Any]:
+        """Return q and dq/dy at y ≥ 0."""
+        x, left, slope = self.distances(y, arithmetic)
+        q = self.start + self.side * x
+        if left is not None:
+            finish = self.start + self.side * self.length
+            q = np.where(left < x, finish - self.side * left, q) if isinstance(x, np.ndarray) else q if x <= left else finish - self.side * left
+        return q, self.side * slope
+
+
+@dataclass(frozen=True)
+class Panels:
+    """Integrals along a branch, piecewise in Chebyshev polynomials.
+
+    Attributes:
+        edges: y at the panel ends, shape (panels + 1,).
+        coefficients: of the integrands, shape (functions, panels, degree + 1).
+        sums: coefficients of their integrals from y = 0, shape (functions, panels, degree + 2).
+        nodes: evaluations used.
+        finished: True when the edges reach the end of a boundary branch.
+    """
+
+    edges: Any
+    coefficients: Any
+    sums: Any
+    nodes: int
+    finished: bool
+
+    def value(self, function: int, y: Any) -> Any:
+        """Return the integrand at y ≥ 0."""
+        return self._clenshaw(self.coefficients[function], y)
+
+    def integral(self, function: int, y: Any) -> Any:
+        """Return its integral from 0 to y ≥ 0; past the last panel the integrand is continued by its last value."""
+        inside = np.minimum(y, self.edges[-1])
+        return self._clenshaw(self.sums[function], inside) + (y - inside) * self.value(function, inside)
+
+    def _clenshaw(self, table: Any, y: Any) -> Any:
+        panel = np.clip(np.searchsorted(self.edges, y, side="right") - 1, 0, len(self.edges) - 2)
+        left, right = self.edges[panel], self.edges[panel + 1]
+        x2 = 2 * ((np.minimum(y, self.edges[-1]) - left) - (right - np.minimum(y, self.edges[-1]))) / (right - left)
+        rows = table[panel]
+        b1 = b2 = 0 * x2
+        for k in range(rows.shape[-1] - 1, 0, -1):
+            b1, b2 = x2 * b1 - b2 + rows[..., k], b1
+        return x2 / 2 * b1 - b2 + rows[..., 0]
+
+
+def build(way: Way, integrands: Callable[[Any], list[Any]], enough: Callable[[Any, list[Any]], bool], *, digits: int, bits: int) -> Panels:
+    """Integrate along a branch, panel by panel.
+
+    Args:
+        way: the branch.
+        integrands: y (``mpf``) ↦ the values of all functions.
+        enough: (y, integrals so far) ↦ True when the branch is long enough.
+        digits: relative digits wanted.
+        bits: working precision.
+
+    Raises:
+        NotConvergedError: too many panels; the integrand is not analytic along the branch.
+    """
+    context = multiprecision(bits)
+    degree = max(20, int(1.3 * digits))
+    cosines = _cosine_table(degree, bits)
+    last = way.last(context)
+    y, step = context.mpf(0), context.mpf(1) / 2
+    totals: list[Any] | None = None
+    edges, values, sums, nodes = [y], [], [], 0
+    while totals is None or not enough(y, totals):
+        if last is not None:
+            step = min(step, last - y)
+        rows = _expand(integrands, y, step, cosines, context)
+        nodes += degree + 1
+        if _tail(rows) > 10.0 ** -(digits + 1):
+            step /= 2
+            if nodes > _MAX_PANELS * degree or step < context.mpf(2) ** -200:
+                raise NotConvergedError(f"the integrand stays rough near y = {float(y):.6g} on its way to {way.end}")
+            continue
+        if totals is None:
+            totals = [context.mpf(0)] * len(rows)
+        integrated = [_antiderivative(row, step / 2, total) for row, total in zip(rows, totals, strict=True)]
+        totals = [context.fsum(row) for row in integrated]
+        values.append(rows)
+        sums.append(integrated)
+        y += step
+        edges.append(y)
+        if last is not None and y >= last * (1 - context.mpf(2) ** (8 - bits)):
+            break
+        if len(values) > _MAX_PANELS:
+            raise NotConvergedError(f"more than {_MAX_PANELS} panels on the way to {way.end}")
+        step = 2 * step if way.end != "asymptote" else min(2 * step, context.mpf(2))
+    kind = float if digits <= 15 else object
+    return Panels(np.array(edges, dtype=kind), np.array(values, dtype=kind).transpose(1, 0, 2),
+                  np.array(sums, dtype=kind).transpose(1, 0, 2), nodes, last is not None and y >= last * (1 - 2.0**-40))
+
+
+def _cosine_table(degree: int, bits: int) -> list[list[Any]]:
+    context = multiprecision(bits)
+    n = degree + 1
+    return [[context.cos(context.pi * k * (2 * m + 1) / (2 * n)) for m in range(n)] for k in range(n)]
+
+
+def _expand(integrands: Callable[[Any], list[Any]], y: Any, step: Any, cosines: list[list[Any]], context: Any) -> list[list[Any]]:
+    """Chebyshev coefficients on [y, y + step] from values at Chebyshev points."""
+    n = len(cosines)
+    samples = [integrands(y + step * (1 + x) / 2) for x in cosines[1]]
+    rows = []
+    for j in range(len(samples[0])):
+        column = [s[j] for s in samples]
+        row = [2 * context.fdot(wave, column) / n for wave in cosines]
+        row[0] /= 2
+        rows.append(row)
+    return rows
+
+
+def _tail(rows: list[list[Any]]) -> float:
+    """Largest of the last three coefficients, relative to the largest of all, over all functions."""
+    worst = 0.0
+    for row in rows:
+        size = max(abs(c) for c in row)
+        if size:
+            worst = max(worst, float(max(abs(c) for c in row[-3:]) / size))
+    return worst
+
+
+def _antiderivative(row: list[Any], half: Any, start: Any) -> list[Any]:
+    """Coefficients of the integral, equal to ``start`` at the left edge (Mason & Handscomb, Chebyshev Polynomials, 2.43)."""
+    c = [*row, 0 * row[0], 0 * row[0]]
+    result = [0 * row[0], half * (c[0] - c[2] / 2)]
+    result += [half * (c[k - 1] - c[k + 1]) / (2 * k) for k in range(2, len(row) + 1)]
+    result[0] = start - sum(v if k % 2 == 0 else -v for k, v in enumerate(result))
+    return result

@@ -1,0 +1,70 @@
+"""p²(q) of one separated coordinate, at any precision and over intervals."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from dataclasses import dataclass
+from functools import cached_property
+from typing import Any
+
+import numpy as np
+
+from hjsolve.numeric.arithmetic import Float64, Multi
+from hjsolve.numeric.interval import Interval, Intervals
+from hjsolve.numeric.jet import Jet, Jets
+from hjsolve.numeric.tape import Tape
+
+Number = Callable[[int], Any]
+"""A real number as a rule: binary digits asked ↦ ``mpf`` with (about) that many right."""
+
+
+@dataclass(frozen=True)
+class Radicand:
+    """F(q) = p²(q; κ) and its kernels ½ ∂F/∂κⱼ, with the constants κ known exactly.
+
+    Attributes:
+        squared: tape of F; inputs q, then constants and parameters.
+        kernels: tape of ½ ∂F/∂κⱼ, one output a constant; same inputs.
+        inputs: constants and parameters at any precision.
+    """
+
+    squared: Tape
+    kernels: Tape
+    inputs: Callable[[int], list[Any]]
+
+    def value(self, q: Any, bits: int) -> Any:
+        """Return F(q) at the working precision ``bits``."""
+        return self.squared.run(Multi(bits), [q, *self.inputs(bits)])[0]
+
+    def jet(self, q: Any, bits: int) -> Jet:
+        """Return F, F′ and F″ at q; zeros where the formula does not contain q."""
+        jets = Jets(Multi(bits))
+        jet = self.squared.run(jets, [jets.variable(q), *(Jet(x) for x in self.inputs(bits))])[0]
+        zero = Multi(bits).rational(0, 1)
+        return Jet(*(zero if part is None else part for part in jet))
+
+    def weights(self, q: Any, bits: int) -> list[Any]:
+        """Return ½ ∂F/∂κⱼ at q."""
+        return self.kernels.run(Multi(bits), [q, *self.inputs(bits)])
+
+    @cached_property
+    def _enclosed_inputs(self) -> list[Any]:
+        field = Intervals(Float64())
+        return [Jet(field.point(x)) for x in self.inputs(128)]
+
+    def enclose(self, low: Any, high: Any, bits: int = 53) -> Jet:
+        """Enclose F, F′, F″ over cells [low, high]: arrays of floats, or of ``mpf`` above 53 bits.
+
+        The value is sharpened by the mean value form, F(m) + F′(cell)·(cell − m).
+        """
+        field = Intervals(Float64()) if bits == 53 else Intervals(Multi(bits))
+        inputs = self._enclosed_inputs if bits == 53 else [Jet(field.point(x)) for x in self.inputs(bits)]
+        jets, cell, middle = Jets(field), Interval(low, high), (low + high) / 2
+        value, first, second = self.squared.run(jets, [jets.variable(cell), *inputs])[0]
+        zero = Interval(0 * low, 0 * low)
+        first, second = (zero if part is None else part for part in (first, second))
+        centre = self.squared.run(field, [Interval(middle, middle), *(x.value for x in inputs)])[0]
+        with np.errstate(all="ignore"):
+            sharp = field.add(centre, field.mul(first, field.sub(cell, Interval(middle, middle))))
+            value = Interval(np.maximum(value.low, sharp.low), np.minimum(value.high, sharp.high))
+        return Jet(*(Interval(*(np.broadcast_to(end, np.shape(low)) for end in part)) for part in (value, first, second)))

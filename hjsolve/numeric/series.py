@@ -1,0 +1,182 @@
+"""Trigonometric series of the regular integrands, and their integrals term by term.
+
+The coefficients of an analytic periodic function fall geometrically, so the last ones tell whether
+the nodes were enough (a convergence test built in, as in the Darwin-anomaly series of Kerr orbits),
+and ∫ c₀ + Σ cₖ cos kχ dχ = c₀ χ + Σ (cₖ/k) sin kχ is an explicit time law for all times
+(Trefethen & Weideman, SIAM Review 56 (2014) 385, §3).
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from dataclasses import dataclass
+from functools import cache
+from typing import Any
+
+import numpy as np
+
+from hjsolve.errors import NotConvergedError
+from hjsolve.numeric.arithmetic import Multi, multiprecision
+
+MAX_NODES = 1536
+
+
+@dataclass(frozen=True)
+class Series:
+    """c₀ + Σₖ cₖ cos kχ + sₖ sin kχ.
+
+    Attributes:
+        mean: c₀, in many digits.
+        cosines, sines: k = 1, 2, …; float arrays, or object arrays of ``mpf`` above 15 digits; sines None for an even function.
+        nodes: function values behind it.
+        tail: size of the first term left out, relative to the largest value.
+    """
+
+    mean: Any
+    cosines: Any
+    sines: Any
+    nodes: int
+    tail: float
+
+    def value(self, χ: Any) -> Any:
+        """Return the function at χ (array for float coefficients, else a scalar)."""
+        real, _ = _horner(self.cosines, χ)
+        total = _like(self.mean, χ) + real
+        return total if self.sines is None else total + _horner(self.sines, χ)[1]
+
+    def ripple(self, χ: Any) -> Any:
+        """Return the periodic part of the integral from 0 to χ, that is ∫₀^χ − c₀ χ."""
+        k = np.arange(1, len(self.cosines) + 1)
+        total = _horner(self.cosines / k, χ)[1]
+        if self.sines is None:
+            return total
+        return total + np.sum(self.sines / k) - _horner(self.sines / k, χ)[0]
+
+    @property
+    def vanishes(self) -> bool:
+        """True for the zero function."""
+        return not self.mean and not len(self.cosines)
+
+
+def combine(weights: list[Any], series: list[Series]) -> Series:
+    """Return Σ wⱼ·seriesⱼ; a weight that is exactly zero leaves its series out."""
+    terms = [(w, s) for w, s in zip(weights, series, strict=True) if w and not s.vanishes]
+    if not terms:
+        return zero()
+    floats = all(s.cosines.dtype == float for _, s in terms)
+    length = max(len(s.cosines) for _, s in terms)
+
+    def total(parts: list[tuple[Any, Any]]) -> Any:
+        result = np.zeros(length) if floats else np.array([0 * terms[0][0]] * length, dtype=object)
+        for w, part in parts:
+            result[: len(part)] += (float(w) if floats else w) * part
+        return result
+
+    sines = [(w, s.sines) for w, s in terms if s.sines is not None]
+    return Series(sum(w * s.mean for w, s in terms), total([(w, s.cosines) for w, s in terms]), total(sines) if sines else None,
+                  max(s.nodes for _, s in terms), max(s.tail for _, s in terms))
+
+
+def zero() -> Series:
+    """Return the zero function."""
+    return Series(0, np.zeros(0), None, 0, 0.0)
+
+
+def constant(value: Any) -> Series:
+    """Return a constant function."""
+    return Series(value, np.zeros(0), None, 1, 0.0)
+
+
+def fit(function: Callable[[Any], list[Any]], *, even: bool, digits: int, bits: int) -> list[Series]:
+    """Represent periodic functions by series, with as many nodes as their own decay asks for.
+
+    Args:
+        function: χ (``mpf``) ↦ values of all functions there; None for one that is zero everywhere.
+        even: True when all are even in χ: half the nodes serve.
+        digits: relative digits wanted (of the largest value of each).
+        bits: working precision.
+
+    Raises:
+        NotConvergedError: ``MAX_NODES`` were not enough; a zero or pole of p² lies close to the path.
+    """
+    goal = 10.0 ** -(digits + 1)
+    nodes = 12
+    while True:
+        series = trial(function, even=even, nodes=nodes, bits=bits, digits=digits)
+        tail = max((s.tail for s in series), default=0.0)
+        if tail <= goal:
+            return series
+        if nodes >= MAX_NODES:
+            raise NotConvergedError(f"{nodes} nodes reached {tail:.1e} only: a zero or pole of p² lies close to the motion")
+        needed = 2 + (nodes - 2) * np.log(goal) / np.log(max(tail, 1e-300)) if tail < 0.1 else 2.0 * nodes
+        nodes = int(min(max(nodes + 2, needed), 3 * nodes, MAX_NODES)) + 1
+
+
+def trial(function: Callable[[Any], list[Any]], *, even: bool, nodes: int, bits: int, digits: int = 15) -> list[Series]:
+    """Represent periodic functions by series with a given number of nodes; arguments as in ``fit``."""
+    context = multiprecision(bits)
+    step = context.pi / nodes if even else 2 * context.pi / nodes
+    rows = [function(step * (2 * m + 1) / 2) for m in range(nodes)]
+    return [_one([row[j] for row in rows], even, digits, bits) for j in range(len(rows[0]))]
+
+
+def _one(values: list[Any], even: bool, digits: int, bits: int) -> Series:
+    """Discrete cosine (or Fourier) transform of values at midpoints, and the size of its last terms."""
+    if values[0] is None:
+        return zero()
+    context, nodes = multiprecision(bits), len(values)
+    mean = context.fsum(values) / nodes
+    largest = max(abs(v) for v in values)
+    rest = [v - mean for v in values]
+    if not largest or max(abs(v) for v in rest) <= largest * context.mpf(10) ** -(digits + 8):
+        return constant(mean)
+    top = nodes if even else (nodes + 1) // 2
+    table = _angles(nodes, even, bits)
+    tail = max(abs(_coefficient(rest, k, table, even)[part]) for k in range(max(1, top - 2), top) for part in (0, 1)) / largest
+    if digits > 15:
+        pairs = [_coefficient(rest, k, table, even) for k in range(1, top)]
+        cosines, sines = (np.array(part, dtype=object) for part in zip(*pairs, strict=True))
+    else:
+        angle = (np.pi / nodes if even else 2 * np.pi / nodes) * (np.arange(nodes) + 0.5)
+        waves = np.exp(1j * np.outer(np.arange(1, top), angle))
+        transformed = 2 / nodes * (waves @ np.array([float(v) for v in rest]))
+        cosines, sines = transformed.real, transformed.imag
+    return Series(mean, cosines, None if even else sines, nodes, float(tail))
+
+
+@cache
+def _angles(nodes: int, even: bool, bits: int) -> list[tuple[Any, Any]]:
+    """cos and sin of all multiples of half a step."""
+    context = multiprecision(bits)
+    step = context.pi / (2 * nodes) if even else context.pi / nodes
+    return [context.cos_sin(step * i) for i in range(4 * nodes if even else 2 * nodes)]
+
+
+def _coefficient(values: list[Any], k: int, table: list[tuple[Any, Any]], even: bool) -> tuple[Any, Any]:
+    cosine = sine = 0 * values[0]
+    for m, v in enumerate(values):
+        c, s = table[k * (2 * m + 1) % len(table)]
+        cosine += v * c
+        if not even:
+            sine += v * s
+    return 2 * cosine / len(values), 2 * sine / len(values)
+
+
+def _horner(coefficients: Any, χ: Any) -> tuple[Any, Any]:
+    """Σ cₖ cos kχ and Σ cₖ sin kχ for k = 1, 2, …, by Horner's rule in e^{iχ}."""
+    if isinstance(χ, np.ndarray) or isinstance(χ, float):
+        wave = np.exp(1j * np.asarray(χ))
+        total = np.zeros_like(wave)
+        for c in coefficients[::-1]:
+            total = (total + c) * wave
+        return total.real, total.imag
+    context = χ.context
+    wave = context.expj(χ)
+    total = context.mpc(0)
+    for c in coefficients[::-1]:
+        total = (total + c) * wave
+    return total.real, total.imag
+
+
+def _like(mean: Any, χ: Any) -> Any:
+    return float(mean) if isinstance(χ, np.ndarray | float) else mean

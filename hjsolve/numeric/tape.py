@@ -1,0 +1,90 @@
+"""A formula as a flat list of operations, run in any arithmetic.
+
+A ``Tape`` is what is left of a sympy expression when only numbers matter: it is made once by
+``hjsolve.lowering`` and then run by one loop in whatever arithmetic is asked — numpy floats, many
+digits, intervals, jets. An arithmetic is an object with a method for each operation code.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+from typing import Any, Protocol
+
+UNARY = (
+    "neg sqrt exp log sin cos tan asin acos atan sinh cosh tanh asinh acosh atanh abs".split()
+)
+"""Operation codes with one argument."""
+
+
+class Arithmetic(Protocol):
+    """Where a tape is run: constants, the four operations, powers and the elementary functions."""
+
+    def rational(self, numerator: int, denominator: int) -> Any: ...
+    def pi(self) -> Any: ...
+    def add(self, x: Any, y: Any) -> Any: ...
+    def sub(self, x: Any, y: Any) -> Any: ...
+    def mul(self, x: Any, y: Any) -> Any: ...
+    def div(self, x: Any, y: Any) -> Any: ...
+    def power(self, x: Any, n: int) -> Any: ...
+    def unary(self, name: str, x: Any) -> Any: ...
+
+
+@dataclass(frozen=True, slots=True)
+class Operation:
+    """One line of a tape: ``code`` applied to the slots ``operands``; ``payload`` is a constant or exponent."""
+
+    code: str
+    operands: tuple[int, ...] = ()
+    payload: tuple[int, ...] = ()
+
+
+@dataclass(frozen=True, slots=True)
+class Tape:
+    """Formulas compiled to slots: inputs first, then one slot an operation.
+
+    Attributes:
+        inputs: names of the inputs, in order.
+        operations: the lines, each filling the next slot.
+        outputs: the slots that hold the results.
+    """
+
+    inputs: tuple[str, ...]
+    operations: tuple[Operation, ...]
+    outputs: tuple[int, ...]
+
+    def run(self, arithmetic: Arithmetic, values: Sequence[Any]) -> list[Any]:
+        """Evaluate all outputs.
+
+        Args:
+            arithmetic: where to compute.
+            values: one value an input, of the arithmetic's own kind.
+
+        Returns:
+            One value an output, in order.
+        """
+        slots = list(values)
+        for operation in self.operations:
+            slots.append(_apply(arithmetic, operation, slots))
+        return [slots[i] for i in self.outputs]
+
+
+def _apply(arithmetic: Arithmetic, operation: Operation, slots: list[Any]) -> Any:
+    code, operands = operation.code, operation.operands
+    match code:
+        case "add":
+            return arithmetic.add(slots[operands[0]], slots[operands[1]])
+        case "mul":
+            return arithmetic.mul(slots[operands[0]], slots[operands[1]])
+        case "sub":
+            return arithmetic.sub(slots[operands[0]], slots[operands[1]])
+        case "div":
+            return arithmetic.div(slots[operands[0]], slots[operands[1]])
+        case "power":
+            return arithmetic.power(slots[operands[0]], operation.payload[0])
+        case "rational":
+            return arithmetic.rational(*operation.payload)
+        case "pi":
+            return arithmetic.pi()
+        case _:
+            return arithmetic.unary(code, slots[operands[0]])

@@ -1,0 +1,254 @@
+"""Where a motion turns: the zeros of p² next to the initial place, found by exclusion, not by luck.
+
+From the start the scan walks outward over cells. A cell is passed only when interval arithmetic
+proves F = p² > 0 on it, or proves F′ or F″ of one sign so that a few exact values decide it. What
+doubles cannot decide (near-circular, near-separatrix) is decided with more digits. A zero of F at a
+critical point that stays zero to ``_LAST_BITS`` digits is a double zero: the motion needs infinite
+time to reach it (Greenwood, item 41).
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import Any, Literal
+
+import numpy as np
+
+from hjsolve.errors import NotConvergedError
+from hjsolve.numeric.arithmetic import multiprecision
+from hjsolve.numeric.radicand import Number, Radicand
+
+EndKind = Literal["turning", "asymptote", "boundary", "infinity", "round"]
+_LAST_BITS = 2048
+_DEPTH = 40
+
+
+@dataclass(frozen=True)
+class End:
+    """Where the allowed region stops on one side.
+
+    Attributes:
+        kind: ``turning`` a simple zero of p²; ``asymptote`` a multiple zero, never reached; ``boundary``
+            an end of the coordinate's domain; ``infinity``; ``round`` none within a full turn of an angle.
+        place: the position at any precision; None for infinity and round.
+        power: at a boundary or at infinity, p² ~ distance**power.
+    """
+
+    kind: EndKind
+    place: Number | None = None
+    power: float = 1.0
+
+
+@dataclass(frozen=True)
+class Ray:
+    """A half line q = origin + side·x, 0 ≤ x < reach.
+
+    Attributes:
+        reach: distance to the end of the domain at any precision; None where there is none.
+        turns: True where the reach is a full turn of an angle, not an end.
+    """
+
+    radicand: Radicand
+    origin: Number
+    side: int
+    reach: Number | None
+    turns: bool = False
+
+    def place(self, x: Any, bits: int) -> Any:
+        return self.origin(bits) + self.side * multiprecision(bits).convert(x)
+
+    def jet(self, x: Any, bits: int) -> tuple[Any, Any, Any]:
+        """Return F, dF/dx and d²F/dx²."""
+        value, first, second = self.radicand.jet(self.place(x, bits), bits)
+        return value, self.side * first, second
+
+    def enclose(self, x0: Any, x1: Any, bits: int) -> tuple[Any, Any, Any]:
+        """Enclose the same over cells [x0, x1]."""
+        if bits == 53:
+            q0 = float(self.origin(128))
+            slack = 2.0**-52 * (abs(q0) + abs(x1))
+            ends = q0 + self.side * x0, q0 + self.side * x1
+        else:
+            convert = np.frompyfunc(multiprecision(bits).convert, 1, 1)
+            q0, slack = self.origin(bits), 0
+            ends = q0 + self.side * convert(x0), q0 + self.side * convert(x1)
+        value, first, second = self.radicand.enclose(np.minimum(*ends) - slack, np.maximum(*ends) + slack, bits)
+        return value, first if self.side > 0 else type(first)(-first.high, -first.low), second
+
+
+def first_end(ray: Ray, *, digits: int) -> End:
+    """Walk along the ray to the first zero of p², or to the end of the domain.
+
+    p² must be positive just after the origin (zero at the origin itself is allowed).
+
+    Args:
+        ray: where to look.
+        digits: relative digits wanted of a turning point's distance from the origin.
+
+    Raises:
+        NotConvergedError: a cell could not be decided even with many digits.
+    """
+    cells = _cells(ray)
+    todo = list(zip(cells[:-1], cells[1:], strict=True))
+    enclosures = _enclose(ray, todo, 53)
+    for cell, enclosure in zip(todo, enclosures, strict=True):
+        found = _search(ray, cell, enclosure, 0, digits)
+        if found is not None:
+            return found
+    if ray.turns:
+        return End("round")
+    return _beyond(ray, float(cells[-1]), digits)
+
+
+def _cells(ray: Ray) -> Any:
+    """Edges growing geometrically from the origin and, where the domain ends, shrinking towards its end."""
+    if ray.reach is None:
+        return np.concatenate([[0.0], _scale(ray) * 2.0 ** np.arange(-50, 120)])
+    reach = float(ray.reach(128))
+    outward = reach * 2.0 ** np.arange(-50, 0)
+    inward = [] if ray.turns else reach * (1 - 2.0 ** -np.arange(2, 41))
+    return np.concatenate([[0.0], outward, inward, [reach] if ray.turns else []])
+
+
+def _scale(ray: Ray) -> float:
+    """A length typical of the start: |q|, or where p² changes by itself."""
+    q = abs(float(ray.origin(128)))
+    if q:
+        return q
+    value, first, second = (abs(float(part)) for part in ray.jet(0, 128))
+    guesses = [value / first if first else 0.0, (value / second) ** 0.5 if second else 0.0]
+    return max(guesses) or 1.0
+
+
+def _enclose(ray: Ray, cells: list[tuple[float, float]], bits: int) -> list[Any]:
+    x0, x1 = (np.array(ends) for ends in zip(*cells, strict=True))
+    value, first, second = ray.enclose(x0, x1, bits)
+    return list(zip(value.low, value.high, first.low, first.high, second.low, second.high, strict=True))
+
+
+def _search(ray: Ray, cell: tuple[float, float], enclosure: Any, depth: int, digits: int) -> End | None:
+    """Decide one cell: an end in it, or None where p² stays positive."""
+    low, _, slope_low, slope_high, bend_low, bend_high = enclosure
+    if low > 0:
+        return None
+    if slope_low > 0 or slope_high < 0 or bend_low > 0 or bend_high < 0:
+        return _settle(ray, cell, digits)
+    if depth > _DEPTH:
+        raise NotConvergedError(f"p² could not be decided near q = {float(ray.place(cell[0], 128)):.15g}: it may have a zero of "
+                                "high multiplicity there")
+    parts = 8 if depth < 4 else 2
+    edges = np.linspace(*cell, parts + 1)
+    if len(set(edges)) < parts + 1:
+        return _settle(ray, cell, digits)
+    children = list(zip(edges[:-1], edges[1:], strict=True))
+    for child, inner in zip(children, _enclose(ray, children, 53 if depth < 6 else 64 * depth), strict=True):
+        found = _search(ray, child, inner, depth + 1, digits)
+        if found is not None:
+            return found
+    return None
+
+
+def _settle(ray: Ray, cell: tuple[float, float], digits: int) -> End | None:
+    """Decide a cell on which F is monotone or F′ is: at most one critical point, found exactly."""
+    x0, x1 = cell
+    bits = 256
+    f0, d0, _ = ray.jet(x0, bits)
+    f1, d1, _ = ray.jet(x1, bits)
+    if d0 * d1 >= 0:
+        return _turning(ray, x0, x1, digits) if f1 < 0 else None
+    if d0 > 0:
+        crest = _critical(ray, x0, x1, bits)
+        return _turning(ray, crest, x1, digits) if f1 < 0 else None
+    while True:
+        bottom = _critical(ray, x0, x1, bits)
+        value, _, bend = ray.jet(bottom, bits)
+        noise = max(abs(f0), abs(f1), abs(bend) * (x1 - x0) ** 2) * multiprecision(bits).mpf(2) ** (24 - bits)
+        if value < -noise:
+            return _turning(ray, x0, bottom, digits)
+        if value > noise:
+            return None
+        if bits >= _LAST_BITS:
+            return End("asymptote", lambda b: ray.place(_critical(ray, x0, x1, b + 32), b + 32), 2.0)
+        bits *= 2
+
+
+def _critical(ray: Ray, x0: Any, x1: Any, bits: int) -> Any:
+    """The zero of F′ in a cell where F′ is monotone."""
+    return _bracketed(lambda x: ray.jet(x, bits)[1:], x0, x1, bits)
+
+
+def _turning(ray: Ray, x0: Any, x1: Any, digits: int) -> End:
+    """A simple zero of F in a cell where F is monotone."""
+
+    def place(bits: int) -> Any:
+        extra = bits + 64
+        while True:
+            x = _bracketed(lambda y: ray.jet(y, extra)[:2], x0, x1, extra)
+            lost = multiprecision(extra).log(abs(ray.origin(extra)) / x + 1, 2) if x else 0
+            if extra >= bits + 32 + 2 * lost:
+                return ray.place(x, extra)
+            extra = int(bits + 64 + 2 * lost)
+
+    return End("turning", place)
+
+
+def _bracketed(function: Any, x0: Any, x1: Any, bits: int) -> Any:
+    """Newton's method kept inside a bracket, to the last bits.
+
+    Args:
+        function: x ↦ (f, f′) with one sign change of f on [x0, x1].
+        x0, x1: the bracket, x0 < x1.
+        bits: working precision.
+    """
+    context = multiprecision(bits)
+    left, right = context.convert(x0), context.convert(x1)
+    sign = -1 if function(right)[0] < 0 else 1
+    x = (left + right) / 2
+    tolerance = context.mpf(2) ** (8 - bits)
+    for count in range(4 * bits):
+        f, slope = function(x)
+        left, right = (x, right) if f * sign < 0 else (left, x)
+        step = f / slope if slope else right - left
+        if abs(step) <= tolerance * abs(x) or f == 0:
+            return x - step
+        new = x - step
+        if not left < new < right or count % 16 == 15:
+            new = (left + right) / 2
+        if right - left <= tolerance * right:
+            return new
+        x = new
+    return x
+
+
+def _beyond(ray: Ray, last: float, digits: int) -> End:
+    """What p² does past the last cell: a power of the distance to the end of the domain, or of q.
+
+    Signs are sampled along a geometric sequence; a sign change is a turning point.
+    """
+    bits = 1024
+    context = multiprecision(bits)
+    if ray.reach is None:
+        steps = [context.mpf(last) * context.mpf(2) ** k for k in range(0, 400, 16)]
+    else:
+        steps = [ray.reach(bits) * (1 - context.mpf(2) ** -k) for k in range(40, 440, 16)]
+    before = context.convert(last)
+    values = []
+    for x in steps:
+        values.append(ray.radicand.value(ray.place(x, bits), bits))
+        if values[-1] < 0:
+            return _turning(ray, before, x, digits)
+        before = x
+    power = _power(values, context) * (1 if ray.reach is None else -1)
+    if ray.reach is None:
+        return End("infinity", None, power)
+    reach = ray.reach
+    return End("boundary" if power < 2 else "asymptote", lambda b: ray.place(reach(b + 32), b + 32), power)
+
+
+def _power(values: list[Any], context: Any) -> float:
+    """Exponent of growth of p² from one sample to the next, a factor 2¹⁶ apart."""
+    if not values[-1] or not values[-2]:
+        return 0.0
+    ratio = float(context.log(values[-1] / values[-2], 2)) / 16
+    nearest = round(2 * ratio) / 2
+    return nearest if abs(ratio - nearest) < 1e-3 else ratio
