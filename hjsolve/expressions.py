@@ -1,0 +1,202 @@
+"""What a user writes → exact sympy expressions: formulas as text, formulas as sympy, and numbers of every kind.
+
+Nothing here evaluates text as Python. A formula in text goes through the parser of ``hjsolve.parser``; a sympy
+expression is taken over node by node, symbols matched by name; a number becomes the exact real number it is.
+"""
+
+from __future__ import annotations
+
+import math
+import numbers
+from collections.abc import Mapping
+from decimal import Decimal
+from fractions import Fraction
+
+import sympy as sp
+
+from hjsolve.errors import ExpressionError
+from hjsolve.parser import FUNCTIONS, MAX_BITS, Parser
+from hjsolve.tokens import MAX_DIGITS, Source, instead_of_word, printable, scan
+
+_SAME = (sp.Symbol, sp.Add, sp.Mul, sp.Pow, sp.exp, sp.log, sp.sin, sp.cos, sp.tan, sp.asin, sp.acos, sp.atan)
+_SAME += (sp.sinh, sp.cosh, sp.tanh, sp.asinh, sp.acosh, sp.atanh, type(sp.pi), type(sp.E))
+_NO_VELOCITIES: Mapping[str, sp.Symbol] = {}
+_MAX_PLACES = 4 * MAX_DIGITS
+_TOO_LARGE = Fraction(2) ** (MAX_BITS + 1)
+MAX_NODES = 20_000
+
+
+def parse(
+    text: str, names: Mapping[str, sp.Expr], *, velocities: Mapping[str, sp.Symbol] = _NO_VELOCITIES, source: str
+) -> sp.Expr:
+    """Read a formula.
+
+    Args:
+        text: the formula, in ASCII; ``dot(q)`` is a velocity, ``pi`` the constant, ``**`` a power.
+        names: the names that may occur and what they stand for; symbols are taken to be real.
+        velocities: what ``dot(q)`` stands for, by the name of the coordinate; none are accepted when left out.
+        source: what the text is called in an error, e.g. ``potential``.
+
+    Returns:
+        The formula with exact numbers: a decimal is the rational it spells.
+
+    Raises:
+        ExpressionError: the text is not such a formula; the message says where, and what to write instead.
+
+    Example:
+        >>> parse("-k/r + 0.1*r**2", {"k": sp.Symbol("k"), "r": sp.Symbol("r")}, source="potential")
+        -k/r + r**2/10
+    """
+    if not isinstance(text, str):
+        raise ExpressionError(f"{source}: expected a text, got {type(text).__name__}", source=source)
+    given = Source(source, text)
+    return Parser(given, scan(given), names, velocities).formula()
+
+
+def admit(
+    expression: sp.Expr,
+    names: Mapping[str, sp.Expr],
+    *,
+    velocities: Mapping[str, sp.Symbol] = _NO_VELOCITIES,
+    source: str,
+) -> sp.Expr:
+    """Take over a sympy expression: symbols are matched by name, floats become the exact numbers they are.
+
+    Args:
+        expression: sums, products, powers and the functions of ``parse``; a velocity is ``Symbol("dot(q)")``.
+        names: the names that may occur and what they stand for.
+        velocities: what ``Symbol("dot(q)")`` stands for, by the name of the coordinate.
+        source: what the expression is called in an error.
+
+    Returns:
+        The same expression in the symbols of ``names`` and ``velocities``.
+
+    Raises:
+        ExpressionError: it holds an undeclared symbol or something ``parse`` would not accept.
+    """
+    known = {**names, **{f"dot({name})": symbol for name, symbol in velocities.items()}}
+    replaced: dict[sp.Basic, sp.Basic] = {}
+    for count, node in enumerate(sp.preorder_traversal(expression)):
+        if count > MAX_NODES:
+            raise _refused(source, f"the expression has more than {MAX_NODES} nodes", expression)
+        if isinstance(node, sp.Symbol):
+            if node.name not in known:
+                raise _refused(source, instead_of_word(node.name, names, velocities, FUNCTIONS), expression)
+            replaced[node] = known[node.name]
+        elif isinstance(node, sp.Float):
+            replaced[node] = sp.Rational(node)
+        elif not node.is_Rational and not isinstance(node, _SAME):
+            _check_node(node, source)
+    return _real(expression.xreplace(replaced).replace(_is_reciprocal, _as_quotient), source)
+
+
+def _check_node(node: sp.Basic, source: str) -> None:
+    if _is_reciprocal(node):
+        return
+    if isinstance(node, sp.Derivative):
+        raise _refused(source, "write a velocity as Symbol('dot(q)'), not as a derivative", node)
+    if isinstance(node, sp.core.function.AppliedUndef):
+        raise _refused(source, f"write the symbol {node.func} instead of a function of time", node)
+    raise _refused(source, f"{type(node).__name__} is not accepted; known are {', '.join(FUNCTIONS)}", node)
+
+
+def _is_reciprocal(node: sp.Basic) -> bool:
+    return isinstance(node, (sp.cot, sp.sec, sp.csc, sp.coth, sp.sech, sp.csch))
+
+
+def _as_quotient(node: sp.Expr) -> sp.Expr:
+    return FUNCTIONS[type(node).__name__](node.args[0])
+
+
+def _real(expression: sp.Expr, source: str) -> sp.Expr:
+    if expression.has(sp.zoo, sp.nan, sp.oo, -sp.oo):
+        raise _refused(source, "the value is not finite", expression)
+    if expression.has(sp.I):
+        raise _refused(source, "the value is not real", expression)
+    if expression.has(sp.Abs, sp.sign, sp.arg, sp.re, sp.im):
+        raise _refused(source, "absolute values are not accepted; they have no derivative at zero", expression)
+    return expression
+
+
+def _refused(source: str, message: str, what: object) -> ExpressionError:
+    shown = printable(str(what))
+    return ExpressionError(f"{source}: {message} (in {shown[:60]})", source=source, text=shown[:200])
+
+
+def number(value: object, *, source: str) -> sp.Expr:
+    """Make a number exact.
+
+    Args:
+        value: an int, a float (the exact binary number it is), a Fraction, a Decimal, an mpf, a numpy scalar, a real
+            sympy number, or a text such as ``"1.2"``, ``"1/24"``, ``"pi/3"``, ``"sqrt(2)"``.
+        source: what the number is called in an error, e.g. ``parameter k``.
+
+    Returns:
+        The same number, exact: a Rational, or a constant expression such as pi/3.
+
+    Raises:
+        ExpressionError: it is not one finite real number.
+
+    Example:
+        >>> number("0.1", source="k"), number(0.5, source="k"), number("pi/3", source="k")
+        (1/10, 1/2, pi/3)
+    """
+    if isinstance(value, str):
+        return parse(value, {}, source=source)
+    if isinstance(value, sp.Expr):
+        return _constant(admit(value, {}, source=source), source)
+    if getattr(value, "shape", None) == () and hasattr(value, "item"):
+        value = value.item()
+    exact = _ratio(value)
+    if exact is None:
+        raise ExpressionError(f"{source}: expected one finite real number, got {_shown(value)}", source=source)
+    if max(abs(exact.numerator).bit_length(), exact.denominator.bit_length()) > MAX_BITS:
+        raise ExpressionError(f"{source}: the number is beyond 1e±{MAX_DIGITS}; choose other units", source=source)
+    return sp.Rational(exact.numerator, exact.denominator)
+
+
+def _shown(value: object) -> str:
+    if isinstance(value, (bool, int, float, complex, Decimal)):
+        return f"{type(value).__name__} {str(value)[:40]}"
+    return f"{type(value).__name__} {printable(repr(value))[:40]}"
+
+
+def _constant(expression: sp.Expr, source: str) -> sp.Expr:
+    """The expression, once its value at 20 digits is a finite real number."""
+    if expression.is_Rational:
+        return expression
+    value = expression.evalf(20)
+    if not (value.is_Float and value.is_finite):
+        raise _refused(source, "expected one finite real number", expression)
+    return expression
+
+
+def _ratio(value: object) -> Fraction | None:
+    """The exact rational a number is; None for what is not a finite real number."""
+    if isinstance(value, bool):
+        return None
+    if isinstance(value, numbers.Rational):
+        return Fraction(int(value.numerator), int(value.denominator))
+    if isinstance(value, Decimal):
+        return _ratio_of_decimal(value)
+    if hasattr(value, "_mpf_"):
+        return _ratio_of_mpf(*value._mpf_)
+    if isinstance(value, numbers.Real) and math.isfinite(value) and hasattr(value, "as_integer_ratio"):
+        return Fraction(*map(int, value.as_integer_ratio()))
+    return None
+
+
+def _ratio_of_decimal(value: Decimal) -> Fraction | None:
+    if not value.is_finite():
+        return None
+    _, digits, exponent = value.as_tuple()
+    return Fraction(value) if abs(int(exponent)) + len(digits) <= _MAX_PLACES else _TOO_LARGE
+
+
+def _ratio_of_mpf(sign: int, mantissa: int, exponent: int, bits: int) -> Fraction | None:
+    """(−1)^sign · mantissa · 2^exponent, mpmath's own form; an infinity or nan has mantissa 0 and exponent ≠ 0."""
+    if not mantissa:
+        return Fraction(0) if not exponent else None
+    if abs(exponent) + bits > 2 * MAX_BITS:
+        return _TOO_LARGE
+    return (-1) ** sign * int(mantissa) * Fraction(2) ** int(exponent)
