@@ -1,0 +1,171 @@
+"""The declared names of a system: coordinates and parameters, their symbols, and which names may be used."""
+
+from __future__ import annotations
+
+import keyword
+import re
+from collections.abc import Iterable, Mapping
+from dataclasses import dataclass
+from typing import Literal, get_args
+
+import sympy as sp
+
+from hjsolve.domains import Domain, read_domain
+from hjsolve.errors import InvalidSystemError
+from hjsolve.expressions import number
+from hjsolve.parser import RESERVED
+from hjsolve.tokens import nearest, printable
+
+Assumption = Literal["real", "positive", "negative", "nonnegative", "nonzero"]
+_ASSUMPTIONS: tuple[Assumption, ...] = get_args(Assumption)
+_OF_HJSOLVE = re.compile(r"(alpha|beta|mode)_[0-9]+")
+_MAX_NAME = 40
+
+
+@dataclass(frozen=True)
+class Coordinate:
+    """A generalized coordinate with the symbols of its value q, velocity ``dot(q)`` and momentum ``p_q``.
+
+    The value's symbol is positive (negative) where the domain proves it; all three are real.
+    """
+
+    name: str
+    domain: Domain
+    symbol: sp.Symbol
+    velocity: sp.Symbol
+    momentum: sp.Symbol
+
+
+@dataclass(frozen=True)
+class Parameter:
+    """A constant of the system; made by ``parameter``.
+
+    Attributes:
+        name: as written in formulas.
+        symbol: real, and of the sign that ``assume`` says.
+        value: the exact default, or None where a number must be given before anything is computed.
+        assume: what holds for every value: real, positive, negative, nonnegative, nonzero.
+        unit: for display only.
+        meaning: for display only.
+    """
+
+    name: str
+    symbol: sp.Symbol
+    value: sp.Expr | None
+    assume: Assumption
+    unit: str
+    meaning: str
+
+
+def parameter(
+    name: str, value: object = None, *, assume: str = "real", unit: str = "", meaning: str = ""
+) -> Parameter:
+    """Declare a parameter.
+
+    Args:
+        name: as written in formulas.
+        value: default, any number that ``expressions.number`` takes; None for no default.
+        assume: ``real``, ``positive``, ``negative``, ``nonnegative`` or ``nonzero``; every later value must satisfy it.
+        unit: unit of the value, for display.
+        meaning: a few words, for display.
+
+    Raises:
+        InvalidSystemError: the name cannot be used, the assumption is unknown, or the value does not satisfy it.
+        ExpressionError: the value is not a number.
+    """
+    check_name(name, "parameter")
+    if name == "t":
+        raise InvalidSystemError("parameter t: t is the time; T and V must not depend on it. Rename the constant")
+    known = next((known for known in _ASSUMPTIONS if known == assume), None)
+    if known is None:
+        raise InvalidSystemError(
+            f"parameter {name}: assume={printable(repr(assume))[:40]} is unknown; write one of {', '.join(_ASSUMPTIONS)}"
+        )
+    symbol = sp.Symbol(name, real=True) if known == "real" else sp.Symbol(name, real=True, **{known: True})
+    exact = None if value is None else number(value, source=f"parameter {name}")
+    declared = Parameter(name, symbol, exact, known, unit, meaning)
+    check_value(declared)
+    return declared
+
+
+def check_value(declared: Parameter) -> None:
+    """Refuse a value that contradicts the parameter's assumption."""
+    value = declared.value
+    if value is None:
+        return
+    sign = 0 if value.is_zero else (1 if value.evalf(20) > 0 else -1)
+    allowed = {"positive": (1,), "negative": (-1,), "nonnegative": (0, 1), "nonzero": (-1, 1)}
+    if sign not in allowed.get(declared.assume, (-1, 0, 1)):
+        raise InvalidSystemError(f"parameter {declared.name} = {value}: it is declared {declared.assume}")
+
+
+def read_parameters(given: Mapping[str, object]) -> tuple[Parameter, ...]:
+    """The parameters of a mapping name → Parameter, number or None."""
+    if not isinstance(given, Mapping):
+        raise InvalidSystemError(
+            f'parameters: expected a mapping such as {{"m": 1, "k": None}}, got {type(given).__name__}'
+        )
+    read = []
+    for name, value in given.items():
+        if isinstance(value, Parameter) and value.name != name:
+            raise InvalidSystemError(f"parameters: {printable(str(name))[:40]} is given the parameter {value.name}")
+        read.append(value if isinstance(value, Parameter) else parameter(name, value))
+    return tuple(read)
+
+
+def read_coordinates(given: Mapping[str, object], parameters: tuple[Parameter, ...]) -> tuple[Coordinate, ...]:
+    """The coordinates of a mapping name → domain, with the symbols that T and V are written in."""
+    if not isinstance(given, Mapping):
+        raise InvalidSystemError(
+            f'coordinates: expected a mapping such as {{"r": "0 < r", "theta": "angle"}}, got {type(given).__name__}'
+        )
+    if not given:
+        raise InvalidSystemError('coordinates: at least one is needed, such as {"x": "line"}')
+    for name in given:
+        check_name(name, "coordinate")
+    check_clashes([*given], [p.name for p in parameters])
+    symbols = {p.name: p.symbol for p in parameters}
+    return tuple(_coordinate(name, read_domain(name, domain, symbols)) for name, domain in given.items())
+
+
+def _coordinate(name: str, domain: Domain) -> Coordinate:
+    sign = domain.sign()
+    symbol = sp.Symbol(name, real=True) if sign == "unknown" else sp.Symbol(name, real=True, **{sign: True})
+    return Coordinate(name, domain, symbol, sp.Symbol(f"dot({name})", real=True), sp.Symbol(f"p_{name}", real=True))
+
+
+def check_name(name: object, role: str) -> None:
+    """Refuse what is not an ASCII identifier, a Python keyword, and names that already mean something."""
+    shown = printable(str(name))[:_MAX_NAME]
+    if not isinstance(name, str):
+        raise InvalidSystemError(f"{role} {shown}: a name must be a text, got {type(name).__name__}")
+    if keyword.iskeyword(name):
+        other = {"lambda": "lam"}.get(name, f"{name}_")
+        raise InvalidSystemError(f"{role} {shown}: a word of Python cannot be a name; write {other}")
+    if len(name) > _MAX_NAME or not re.fullmatch(r"[A-Za-z][A-Za-z0-9_]*", name):
+        raise InvalidSystemError(
+            f"{role} '{shown}': a name is an ASCII letter followed by letters, digits or _, at most {_MAX_NAME}, "
+            "such as r, theta, m_1"
+        )
+    if name in RESERVED:
+        raise InvalidSystemError(f"{role} {shown}: the name is taken by the formula language; write {name}_0")
+    if _OF_HJSOLVE.fullmatch(name):
+        raise InvalidSystemError(f"{role} {shown}: the name is kept for the constants of the solution; rename it")
+
+
+def check_clashes(coordinates: list[str], parameters: list[str]) -> None:
+    """Refuse a name that is declared twice, or that is the momentum of a coordinate."""
+    for name in parameters:
+        if name in coordinates:
+            raise InvalidSystemError(f"{name} is both a coordinate and a parameter; rename one of them")
+    for name in (*coordinates, *parameters):
+        if name.startswith("p_") and name[2:] in coordinates:
+            raise InvalidSystemError(f"{name} is the name of the momentum of {name[2:]}; choose another name")
+
+
+def unknown(name: object, known: Iterable[str], role: str) -> InvalidSystemError:
+    """The error for a name that the system does not declare."""
+    shown, known = printable(str(name))[:_MAX_NAME], list(known)
+    near = nearest(shown, known)
+    hint = f"did you mean {near}?" if near else f"known are {', '.join(known)}" if known else "it has none"
+    return InvalidSystemError(f"{shown!r} is not a {role} of the system; {hint}")

@@ -1,0 +1,96 @@
+"""Where a coordinate may go: the whole line, an angle, or an open interval; and the text that says so."""
+
+from __future__ import annotations
+
+import re
+from collections.abc import Mapping
+from dataclasses import dataclass
+from typing import Literal
+
+import sympy as sp
+
+from hjsolve.errors import InvalidSystemError
+from hjsolve.expressions import parse
+from hjsolve.tokens import nearest, printable
+
+_EXAMPLES = '"line", "angle", "0 < r" or "-a < x < a"'
+_INFINITE = re.compile(r"[+-]?\s*(oo|inf|infinity|∞)", re.IGNORECASE)
+
+
+@dataclass(frozen=True)
+class Domain:
+    """The values of a coordinate.
+
+    Attributes:
+        kind: ``line`` (−∞ < q < ∞), ``angle`` (of period 2π), or ``interval``.
+        lower: the open lower end of an interval; None where it has none.
+        upper: the open upper end of an interval; None where it has none.
+    """
+
+    kind: Literal["line", "angle", "interval"]
+    lower: sp.Expr | None = None
+    upper: sp.Expr | None = None
+
+    def written(self, name: str) -> str:
+        """The text that declares this domain for the coordinate ``name``, e.g. ``0 < r``."""
+        if self.kind != "interval":
+            return self.kind
+        left = "" if self.lower is None else f"{self.lower} < "
+        return f"{left}{name}" + ("" if self.upper is None else f" < {self.upper}")
+
+    def sign(self) -> Literal["positive", "negative", "unknown"]:
+        """The sign that every value of the domain provably has."""
+        if self.lower is not None and self.lower.is_nonnegative:
+            return "positive"
+        if self.upper is not None and self.upper.is_nonpositive:
+            return "negative"
+        return "unknown"
+
+
+def read_domain(name: str, text: object, parameters: Mapping[str, sp.Expr]) -> Domain:
+    """Read the domain of the coordinate ``name``.
+
+    Args:
+        name: the coordinate.
+        text: ``line``, ``angle``, or an inequality such as ``0 < r``, ``r > 0``, ``-a < x < a``; ends are open.
+        parameters: the names that bounds may use.
+
+    Raises:
+        InvalidSystemError: the text is no such domain.
+        ExpressionError: a bound is not a formula.
+    """
+    if not isinstance(text, str):
+        raise InvalidSystemError(f"domain of {name}: expected a text, {_EXAMPLES}, got {type(text).__name__}")
+    word = text.strip()
+    if word in ("line", "angle"):
+        return Domain(kind="line" if word == "line" else "angle")
+    shown = printable(word[:60])
+    if re.search(r"[≤≥=]", word):
+        advice = 'write "angle" for a full turn' if "2*pi" in word else "an end is never reached; write < or >"
+        raise InvalidSystemError(f'domain of {name}: "{shown}" includes an end, and domains are open; {advice}')
+    sides = re.split(r"[<>]", word)
+    signs = set(re.findall(r"[<>]", word))
+    if len(sides) not in (2, 3) or len(signs) != 1:
+        near = nearest(word, ("line", "angle"))
+        hint = f'did you mean "{near}"?' if near else f"write {_EXAMPLES}"
+        raise InvalidSystemError(f'domain of {name}: "{shown}" is not a domain; {hint}')
+    if signs == {">"}:
+        sides.reverse()
+    return _interval(name, [side.strip() for side in sides], shown, parameters)
+
+
+def _interval(name: str, sides: list[str], shown: str, parameters: Mapping[str, sp.Expr]) -> Domain:
+    """The interval lower < name < upper, either end of which may be missing."""
+    if sides.count(name) != 1 or (len(sides) == 3 and sides[1] != name):
+        message = f"expected {name} between its bounds, or on one side"
+        raise InvalidSystemError(f'domain of {name}: "{shown}" does not bound {name}; {message}, as in "0 < {name}"')
+    place = sides.index(name)
+    bounds = []
+    for side in (*sides[:place], *sides[place + 1 :]):
+        if _INFINITE.fullmatch(side):
+            raise InvalidSystemError(f'domain of {name}: "{shown}": leave out an infinite end, or write "line"')
+        bounds.append(parse(side, parameters, source=f"domain of {name}"))
+    lower, upper = (*bounds[:place], *([None] if place == 0 else []), *bounds[place:], None)[:2]
+    if lower is not None and upper is not None and (upper - lower).is_nonpositive:
+        raise InvalidSystemError(f'domain of {name}: "{shown}" is empty; the lower end must be below the upper')
+    return Domain(kind="interval", lower=lower, upper=upper)

@@ -1,0 +1,185 @@
+"""The kinetic energy as a quadratic form: mass matrix, linear terms, rest, and the inverse in readable squares.
+
+T = ½ Σ m_ij(q) q̇_i q̇_j + Σ a_i(q) q̇_i + T₀(q)                                      Greenwood (2-5)–(2-10)
+"""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Sequence
+from dataclasses import dataclass
+
+import sympy as sp
+
+from hjsolve.errors import InvalidSystemError
+from hjsolve.tokens import printable
+
+_MAX_OPERATIONS = 400
+
+
+def check_quadratic(kinetic: sp.Expr, velocities: Sequence[sp.Symbol]) -> sp.Expr:
+    """Return T once it is a polynomial of degree two at most in the velocities.
+
+    Raises:
+        InvalidSystemError: it is not, or a velocity does not occur.
+    """
+    symbols = frozenset(velocities)
+    if 2 < degree(kinetic, symbols) <= 4:
+        kinetic = sp.expand(kinetic)
+    if degree(kinetic, symbols) > 2:
+        term = max(sp.Add.make_args(kinetic), key=lambda term: degree(term, symbols))
+        raise InvalidSystemError(
+            f"kinetic: {printable(str(term))[:60]} is not quadratic in the velocities; "
+            "T must be a polynomial of second degree in dot(q), with coefficients that depend on the coordinates"
+        )
+    missing = [velocity.name for velocity in velocities if velocity not in kinetic.free_symbols]
+    if missing:
+        raise InvalidSystemError(
+            f"kinetic: {', '.join(missing)} does not occur in T; a coordinate without inertia must be eliminated first"
+        )
+    return kinetic
+
+
+def degree(expression: sp.Expr, symbols: frozenset[sp.Symbol]) -> float:
+    """Upper bound of the degree in the symbols, read off the structure; infinite where not a polynomial."""
+    if not expression.free_symbols & symbols:
+        return 0
+    if expression.is_Symbol:
+        return 1
+    if expression.is_Add:
+        return max(degree(term, symbols) for term in expression.args)
+    if expression.is_Mul:
+        return sum(degree(factor, symbols) for factor in expression.args)
+    if expression.is_Pow and expression.exp.is_Integer and expression.exp > 0:
+        return int(expression.exp) * degree(expression.base, symbols)
+    return math.inf
+
+
+def mass_entries(kinetic: sp.Expr, velocities: Sequence[sp.Symbol]) -> sp.ImmutableMatrix:
+    """m_ij = ∂²T/∂q̇_i∂q̇_j, shape (n, n)."""
+    rest = dict.fromkeys(velocities, sp.S.Zero)
+    slopes = [sp.diff(kinetic, velocity) for velocity in velocities]
+    n = len(velocities)
+    upper = {
+        (i, j): tidy(sp.diff(slopes[i], velocities[j]).xreplace(rest)) for i in range(n) for j in range(i, n)
+    }
+    return sp.ImmutableMatrix(n, n, lambda i, j: upper[min(i, j), max(i, j)])
+
+
+def blocks(matrix: sp.ImmutableMatrix) -> list[list[int]]:
+    """The index sets that a symmetric matrix couples, each in increasing order."""
+    found: list[list[int]] = []
+    for i in range(matrix.rows):
+        joined = [block for block in found if any(matrix[i, j] != 0 for j in block)]
+        found = [block for block in found if block not in joined]
+        found.append(sorted({i, *(j for block in joined for j in block)}))
+    return sorted(found)
+
+
+@dataclass(frozen=True)
+class Squares:
+    """½ xᵀM⁻¹x of one block as a sum of squares: ½ Σ_k (rows[k]·x)²/pivots[k], from M = L D Lᵀ and rows = L⁻¹."""
+
+    indices: tuple[int, ...]
+    rows: tuple[tuple[sp.Expr, ...], ...]
+    pivots: tuple[sp.Expr, ...]
+
+
+def squares(matrix: sp.ImmutableMatrix, block: Sequence[int]) -> Squares | None:
+    """Complete the squares of a block, the simplest pivot first; None where every pivot left is zero."""
+    left = list(block)
+    n = len(left)
+    remaining = {(i, j): matrix[i, j] for i in block for j in block}
+    unit = {i: [sp.S.One if i == j else sp.S.Zero for j in block] for i in block}
+    rows, pivots = [], []
+    while left:
+        usable = [i for i in left if remaining[i, i] != 0]
+        if not usable:
+            return None
+        k = min(usable, key=lambda i: (sp.count_ops(remaining[i, i]), left.index(i)))
+        left.remove(k)
+        pivot = remaining[k, k]
+        rows.append(tuple(unit[k]))
+        pivots.append(pivot)
+        for i in left:
+            ratio = tidy(remaining[i, k] / pivot)
+            unit[i] = [tidy(unit[i][j] - ratio * unit[k][j]) for j in range(n)]
+            for j in left:
+                if i <= j:
+                    remaining[i, j] = remaining[j, i] = tidy(remaining[i, j] - ratio * remaining[k, j])
+    return Squares(tuple(block), tuple(rows), tuple(pivots))
+
+
+def inverse(matrix: sp.ImmutableMatrix) -> sp.ImmutableMatrix:
+    """M⁻¹, block by block, in readable entries."""
+    result = sp.zeros(matrix.rows, matrix.rows)
+    for block in blocks(matrix):
+        completed = squares(matrix, block)
+        part = _adjugate_inverse(matrix, block) if completed is None else _from_squares(completed)
+        for i, a in enumerate(block):
+            for j, b in enumerate(block):
+                result[a, b] = part[i, j]
+    return sp.ImmutableMatrix(result)
+
+
+def _from_squares(completed: Squares) -> sp.Matrix:
+    n = len(completed.indices)
+    terms = list(zip(completed.rows, completed.pivots))
+    return sp.Matrix(n, n, lambda i, j: sp.Add(*(row[i] * row[j] / pivot for row, pivot in terms)))
+
+
+def _adjugate_inverse(matrix: sp.ImmutableMatrix, block: Sequence[int]) -> sp.Matrix:
+    part = matrix.extract(list(block), list(block))
+    return (part.adjugate() / part.det(method="berkowitz")).applyfunc(tidy)
+
+
+def half_inverse_form(matrix: sp.ImmutableMatrix, vector: Sequence[sp.Expr]) -> sp.Expr:
+    """½ xᵀM⁻¹x as a sum of squares wherever a block has pivots."""
+    terms = []
+    for block in blocks(matrix):
+        completed = squares(matrix, block)
+        if completed is None:
+            part = _adjugate_inverse(matrix, block)
+            x = sp.Matrix([vector[i] for i in block])
+            terms.append((x.T * part * x)[0, 0] / 2)
+            continue
+        for row, pivot in zip(completed.rows, completed.pivots):
+            terms.append(sp.Add(*(c * vector[i] for c, i in zip(row, block))) ** 2 / (2 * pivot))
+    return sp.Add(*terms)
+
+
+def tidy(expression: sp.Expr) -> sp.Expr:
+    """The shortest of a few equal forms: as it is, factored, and with sin² + cos² = 1 used either way."""
+    if expression.is_Mul and not expression.has(sp.sin, sp.cos):
+        return expression if expression.is_polynomial() else _shortest([expression, sp.cancel(expression)])
+    if not expression.has(sp.Add) or sp.count_ops(expression) > _MAX_OPERATIONS:
+        return expression
+    together = sp.together(expression)
+    numerator, denominator = together.as_numer_denom()
+    candidates = [expression, _shortest(_forms(numerator)) / _shortest(_forms(denominator))]
+    return _shortest(candidates)
+
+
+def _forms(polynomial: sp.Expr) -> list[sp.Expr]:
+    if not polynomial.is_Add and not polynomial.has(sp.Add):
+        return [polynomial]
+    return [polynomial, *(sp.factor(sp.expand(form)) for form in _pythagoras(sp.expand(polynomial)))]
+
+
+def _pythagoras(expanded: sp.Expr) -> list[sp.Expr]:
+    """The expanded expression with even powers of cos, or of sin, eliminated."""
+    if not expanded.has(sp.sin, sp.cos):
+        return [expanded]
+    return [expanded, *(expanded.replace(sp.Pow, lambda b, e, f=f: _other(b, e, f)) for f in (sp.cos, sp.sin))]
+
+
+def _other(base: sp.Expr, exponent: sp.Expr, eliminated: type[sp.Function]) -> sp.Expr:
+    if not (isinstance(base, eliminated) and exponent.is_Integer and exponent >= 2):
+        return sp.Pow(base, exponent)
+    partner = sp.sin if eliminated is sp.cos else sp.cos
+    half, odd = divmod(int(exponent), 2)
+    return (1 - partner(base.args[0]) ** 2) ** half * base**odd
+
+
+def _shortest(candidates: Sequence[sp.Expr]) -> sp.Expr:
+    return min(candidates, key=sp.count_ops)

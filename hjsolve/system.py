@@ -1,0 +1,261 @@
+"""A mechanical system: T and V in generalized coordinates, checked once when it is made.
+
+    L = T(q, q̇) − V(q),   T = ½ Σ m_ij(q) q̇_i q̇_j + Σ a_i(q) q̇_i + T₀(q)
+
+Everything else here is a pure function of a system.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterable, Mapping
+from dataclasses import dataclass, replace
+from typing import Literal
+
+import sympy as sp
+
+from hjsolve.declarations import (
+    Coordinate,
+    Parameter,
+    check_value,
+    parameter,
+    read_coordinates,
+    read_parameters,
+    unknown,
+)
+from hjsolve.definiteness import check_mass_matrix
+from hjsolve.domains import Domain
+from hjsolve.errors import InvalidSystemError, MissingValueError
+from hjsolve.expressions import admit, number, parse
+from hjsolve.kinetic import check_quadratic, half_inverse_form, inverse, mass_entries
+
+__all__ = [
+    "Coordinate", "Domain", "Parameter", "System", "hamiltonian", "inverse_mass_matrix", "kinetic_rest", "linear_terms",
+    "mass_matrix", "momenta", "parameter", "require_values", "velocities", "with_values",
+]  # fmt: skip
+
+
+@dataclass(frozen=True, init=False, repr=False)
+class System:
+    """A mechanical system, checked when it is made; two systems are equal when all their parts are.
+
+    Args:
+        coordinates: name → domain: ``"line"``, ``"angle"`` or an inequality such as ``"0 < r"``, ``"-a < x < a"``.
+        kinetic: T, as text or as a sympy expression in which a velocity is ``Symbol("dot(q)")``. A polynomial of second
+            degree in the velocities; terms linear in them (a charge in a magnetic field, a moving frame) belong here.
+        potential: V, of the coordinates only.
+        parameters: name → default value, ``None`` for no default, or a ``parameter(...)`` with assumption and unit.
+        signature: ``definite``: T must be positive definite on the domain; ``indefinite``: not degenerate (relativity).
+        title: for display.
+        id: of the catalog entry.
+
+    Raises:
+        InvalidSystemError: the parts do not make a mechanical system; the message says which and why.
+        ExpressionError: a formula, a bound or a value cannot be read.
+
+    Example:
+        >>> kepler = System({"r": "0 < r", "theta": "angle"}, "m/2*(dot(r)**2 + r**2*dot(theta)**2)", "-k/r", {"m": 1, "k": 1})
+        >>> hamiltonian(kepler)
+        -k/r + p_r**2/(2*m) + p_theta**2/(2*m*r**2)
+    """
+
+    coordinates: tuple[Coordinate, ...]
+    parameters: tuple[Parameter, ...]
+    kinetic: sp.Expr
+    potential: sp.Expr
+    signature: Literal["definite", "indefinite"]
+    title: str
+    id: str
+
+    def __init__(
+        self,
+        coordinates: Mapping[str, str],
+        kinetic: str | sp.Expr,
+        potential: str | float | sp.Expr = 0,
+        parameters: Mapping[str, object] | None = None,
+        *,
+        signature: str = "definite",
+        title: str = "",
+        id: str = "",  # noqa: A002 - the catalog's word
+    ):
+        constants = read_parameters({} if parameters is None else parameters)
+        places = read_coordinates(coordinates, constants)
+        _set(self, coordinates=places, parameters=constants, title=str(title), id=str(id))
+        _set(self, signature=_read_signature(signature))
+        _set(self, kinetic=_read_kinetic(self, kinetic), potential=_read_potential(self, potential))
+        _check_values(self)
+
+    @property
+    def symbols(self) -> dict[str, sp.Symbol]:
+        """Symbols of coordinates and parameters by name."""
+        return {part.name: part.symbol for part in (*self.coordinates, *self.parameters)}
+
+    @property
+    def defaults(self) -> dict[sp.Symbol, sp.Expr]:
+        """Exact default values by symbol, of the parameters that have one."""
+        return {p.symbol: p.value for p in self.parameters if p.value is not None}
+
+    def coordinate(self, name: str) -> Coordinate:
+        """The coordinate of this name; InvalidSystemError where there is none."""
+        for coordinate in self.coordinates:
+            if coordinate.name == name:
+                return coordinate
+        raise unknown(name, (c.name for c in self.coordinates), "coordinate")
+
+    def __repr__(self) -> str:
+        """The call that makes the system, as far as it differs from the defaults."""
+        places = {c.name: c.domain.written(c.name) for c in self.coordinates}
+        values = {p.name: None if p.value is None else str(p.value) for p in self.parameters}
+        rest = "".join(f", {key}={getattr(self, key)!r}" for key in ("title", "id") if getattr(self, key))
+        if self.signature != "definite":
+            rest = f", signature={self.signature!r}{rest}"
+        return (
+            f"System(coordinates={places}, kinetic={str(self.kinetic)!r}, potential={str(self.potential)!r}, "
+            f"parameters={values}{rest})"
+        )
+
+
+def _set(system: System, **fields: object) -> None:
+    for name, value in fields.items():
+        object.__setattr__(system, name, value)
+
+
+def _read_signature(signature: str) -> Literal["definite", "indefinite"]:
+    if signature == "definite":
+        return "definite"
+    if signature == "indefinite":
+        return "indefinite"
+    raise InvalidSystemError(f"signature: {signature!r} is unknown; write definite or indefinite")
+
+
+def _read(system: System, given: object, source: str) -> sp.Expr:
+    speeds = {c.name: c.velocity for c in system.coordinates}
+    if isinstance(given, str):
+        return parse(given, system.symbols, velocities=speeds, source=source)
+    if isinstance(given, sp.Expr):
+        return admit(given, system.symbols, velocities=speeds, source=source)
+    return number(given, source=source)
+
+
+def _read_kinetic(system: System, given: object) -> sp.Expr:
+    return check_quadratic(_read(system, given, "kinetic"), [c.velocity for c in system.coordinates])
+
+
+def _read_potential(system: System, given: object) -> sp.Expr:
+    potential = _read(system, given, "potential")
+    for c in system.coordinates:
+        if c.velocity in potential.free_symbols:
+            raise InvalidSystemError(
+                f"potential: V depends on {c.velocity}; V may depend on coordinates only. A term linear in velocities "
+                "belongs into kinetic, with the opposite sign (L = T − V)"
+            )
+    return potential
+
+
+def _check_values(system: System) -> None:
+    """What depends on the parameters' values: that the domains are not empty, and the sign of T."""
+    defaults = system.defaults
+    for c in system.coordinates:
+        lower, upper = c.domain.lower, c.domain.upper
+        if lower is None or upper is None or not (lower - upper).free_symbols <= defaults.keys():
+            continue
+        if not (upper - lower).xreplace(defaults).evalf(20) > 0:
+            raise InvalidSystemError(
+                f'domain of {c.name}: "{c.domain.written(c.name)}" is empty with the values given; '
+                "the lower end must be below the upper"
+            )
+    check_mass_matrix(mass_matrix(system), system.coordinates, system.parameters, system.signature)
+
+
+def with_values(system: System, values: Mapping[str, object]) -> System:
+    """The same system with other default values.
+
+    Args:
+        system: a system.
+        values: parameter name → number, as in ``System``; None takes the default away.
+
+    Raises:
+        InvalidSystemError: a name is not a parameter, a value contradicts an assumption, or T is not positive definite.
+        ExpressionError: a value is not a number.
+    """
+    if not values:
+        return system
+    names = [p.name for p in system.parameters]
+    for name in values:
+        if name not in names:
+            raise unknown(name, names, "parameter")
+    changed = []
+    for p in system.parameters:
+        if p.name in values:
+            value = values[p.name]
+            p = replace(p, value=None if value is None else number(value, source=f"parameter {p.name}"))
+            check_value(p)
+        changed.append(p)
+    other = object.__new__(System)
+    _set(other, **{**vars(system), "parameters": tuple(changed)})
+    _check_values(other)
+    return other
+
+
+def require_values(system: System, names: Iterable[str] | None = None) -> dict[sp.Symbol, sp.Expr]:
+    """The values of the parameters named, of all of them by default, by symbol.
+
+    Raises:
+        MissingValueError: some have none; the message lists them.
+        InvalidSystemError: a name is not a parameter.
+    """
+    known = {p.name: p for p in system.parameters}
+    wanted = list(known) if names is None else list(names)
+    for name in wanted:
+        if name not in known:
+            raise unknown(name, known, "parameter")
+    missing = [name for name in wanted if known[name].value is None]
+    if missing:
+        example = ", ".join(f'"{name}": …' for name in missing)
+        raise MissingValueError(f"no value for {', '.join(missing)}; give parameters={{{example}}}")
+    return {p.symbol: p.value for name in wanted if (p := known[name]).value is not None}
+
+
+def _speeds(system: System) -> list[sp.Symbol]:
+    return [c.velocity for c in system.coordinates]
+
+
+def mass_matrix(system: System) -> sp.ImmutableMatrix:
+    """m_ij(q) = ∂²T/∂q̇_i∂q̇_j, shape (n, n)."""
+    return mass_entries(system.kinetic, _speeds(system))
+
+
+def linear_terms(system: System) -> tuple[sp.Expr, ...]:
+    """a_i(q) of T₁ = Σ a_i q̇_i, one for each coordinate."""
+    rest = dict.fromkeys(_speeds(system), sp.S.Zero)
+    return tuple(sp.diff(system.kinetic, speed).xreplace(rest) for speed in _speeds(system))
+
+
+def kinetic_rest(system: System) -> sp.Expr:
+    """T₀(q), the part of T without velocities."""
+    return system.kinetic.xreplace(dict.fromkeys(_speeds(system), sp.S.Zero))
+
+
+def inverse_mass_matrix(system: System) -> sp.ImmutableMatrix:
+    """The inverse of the mass matrix, shape (n, n)."""
+    return inverse(mass_matrix(system))
+
+
+def _shifted(system: System) -> list[sp.Expr]:
+    """p_i − a_i, the part of the momentum that moves."""
+    return [c.momentum - a for c, a in zip(system.coordinates, linear_terms(system))]
+
+
+def hamiltonian(system: System) -> sp.Expr:
+    """H(q, p) = ½ (p − a)ᵀ M⁻¹ (p − a) − T₀ + V, Greenwood (4-109)–(4-112); squares completed where T is not diagonal."""
+    return half_inverse_form(mass_matrix(system), _shifted(system)) - kinetic_rest(system) + system.potential
+
+
+def momenta(system: System) -> dict[str, sp.Expr]:
+    """p_i = ∂T/∂q̇_i by name of the coordinate, in coordinates and velocities."""
+    return {c.name: sp.diff(system.kinetic, c.velocity) for c in system.coordinates}
+
+
+def velocities(system: System) -> dict[str, sp.Expr]:
+    """q̇ = M⁻¹ (p − a) by name of the coordinate, in coordinates and momenta."""
+    speeds = inverse_mass_matrix(system) * sp.Matrix(_shifted(system))
+    return {c.name: speed for c, speed in zip(system.coordinates, speeds)}
