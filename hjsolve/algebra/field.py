@@ -1,0 +1,372 @@
+"""The field of functions a system lives in: exact elements with factored denominators, relations and derivatives.
+
+An element is  coefficient · numerator · Π base_k^{e_k}  with a rational coefficient, an integer polynomial as numerator and
+integer exponents of registered base polynomials. Sums expand only what their terms do not share, so metrics that are products
+(ellipsoidal coordinates, spherical coordinates) stay products under multiplication and differentiation.
+
+Functions that are not rational enter as generators with the relations that hold between them:
+
+    s² = 1 − c²  (sin, cos),   s² = c² − 1  (sinh, cosh),   g^k = R  (roots),
+
+and nothing for exp, log, inverse functions and undetermined functions, which count as independent. A numerator is kept reduced
+modulo the relations. Every relation used is true on the coordinates' domain, hence: *a numerator that reduces to zero is a
+proof that the function is zero wherever it is defined*. A numerator that does not is a proof of nothing; that takes a witness.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterable, Mapping, Sequence
+from dataclasses import dataclass
+from fractions import Fraction
+from functools import cached_property
+from math import gcd, lcm
+
+import sympy as sp
+
+from . import poly as P
+from .poly import Budget, Poly, WorkLimitError
+
+MAX_POWER = 1000
+
+
+@dataclass(frozen=True)
+class Root:
+    """Relation of a generator g: g^order = radicand, the radicand free of g and later generators."""
+
+    order: int
+    radicand: Poly
+
+
+@dataclass(frozen=True)
+class Generator:
+    """One generator of the field.
+
+    Attributes:
+        atom: the sympy expression it stands for.
+        kind: symbol, cos, sin, cosh, sinh, root or other (taken as independent).
+        root: the relation it obeys, or None.
+        partner: number of the cosine that goes with a sine (cosh with sinh), else None.
+        low, high: bounds of its value on the domain; None is infinite.
+    """
+
+    atom: sp.Expr
+    kind: str
+    root: Root | None = None
+    partner: int | None = None
+    low: Fraction | None = None
+    high: Fraction | None = None
+
+
+@dataclass(frozen=True, eq=False)
+class Element:
+    """An element of a ``Field``; made by ``field.element`` and by arithmetic."""
+
+    field: Field
+    coefficient: Fraction
+    numerator: Poly
+    factors: dict[int, int]
+
+    @property
+    def is_zero(self) -> bool:
+        """Whether the numerator reduces to zero: a proof that this is the zero function."""
+        return not self.numerator
+
+    def __add__(self, other: Element | int | Fraction) -> Element:
+        return self.field.total([self, self.field.coerce(other)])
+
+    def __neg__(self) -> Element:
+        return Element(self.field, -self.coefficient, self.numerator, self.factors)
+
+    def __sub__(self, other: Element | int | Fraction) -> Element:
+        return self.field.total([self, -self.field.coerce(other)])
+
+    def __mul__(self, other: Element | int | Fraction) -> Element:
+        return self.field.product([self, self.field.coerce(other)])
+
+    __radd__ = __add__
+    __rmul__ = __mul__
+
+    def __truediv__(self, other: Element | int | Fraction) -> Element:
+        return self.field.product([self, self.field.coerce(other) ** -1])
+
+    def __pow__(self, n: int) -> Element:
+        return self.field.power(self, n)
+
+    @cached_property
+    def bases(self) -> list[tuple[Poly, int]]:
+        """Base polynomials with their exponents."""
+        return [(self.field.bases[b], e) for b, e in self.factors.items()]
+
+    @cached_property
+    def generators(self) -> frozenset[int]:
+        """Numbers of the generators that occur."""
+        seen = P.support(self.numerator)
+        for base, _ in self.bases:
+            seen |= P.support(base)
+        return frozenset(k for k, _ in P.exponents(seen))
+
+    def depends_on(self, symbol: sp.Symbol) -> bool:
+        """Whether the symbol occurs in any generator present."""
+        return any(symbol in self.field.generators[k].atom.free_symbols for k in self.generators)
+
+
+class Field:
+    """Generators, relations and bases, growing as expressions are read; see the module's text.
+
+    ``Field`` is the one mutable value of this package: a table of names that only grows. Elements are immutable.
+    """
+
+    def __init__(self, budget: Budget | None = None):
+        self.budget = budget or Budget()
+        self.generators: list[Generator] = []
+        self.bases: list[Poly] = []
+        self._numbers: dict[sp.Expr, int] = {}
+        self._base_numbers: dict[tuple[tuple[int, int], ...], int] = {}
+        self._splits: dict[tuple[tuple[int, int], ...], tuple[tuple[int, int], ...]] = {}
+        self._relations: dict[int, Root] = {}
+        self._mask = 0
+        self.zero = Element(self, Fraction(0), {}, {})
+        self.one = Element(self, Fraction(1), {0: 1}, {})
+
+    # generators ------------------------------------------------------------------------------------------------------
+
+    def number_of(self, atom: sp.Expr) -> int | None:
+        """Number of the generator that stands for this expression, if there is one."""
+        return self._numbers.get(atom)
+
+    def adjoin(self, generator: Generator) -> int:
+        """Add a generator and return its number."""
+        k = len(self.generators)
+        self.generators.append(generator)
+        self._numbers[generator.atom] = k
+        if generator.root is not None:
+            self._relations[k] = generator.root
+            self._mask |= (P.FIELD >> 1 & ~1) << (P.BITS * k)
+        return k
+
+    def generator(self, k: int, e: int = 1) -> Element:
+        """Generator k to the power e."""
+        return self._reduced_factors(Fraction(1), {0: 1}, {self._base(P.variable(k)): e})
+
+    @property
+    def guard(self) -> int:
+        """Guard mask of the present generators."""
+        return P.guard_bits(len(self.generators))
+
+    # making elements -------------------------------------------------------------------------------------------------
+
+    def coerce(self, value: Element | int | Fraction) -> Element:
+        """A number as an element."""
+        if isinstance(value, Element):
+            return value
+        return Element(self, Fraction(value), {0: 1}, {}) if value else self.zero
+
+    def from_poly(self, a: Poly, coefficient: Fraction = Fraction(1), factors: Mapping[int, int] | None = None) -> Element:
+        """coefficient · a · Π factors, normalised: a reduced modulo the relations, primitive, without monomial content."""
+        a = self.reduce(a)
+        if not a or not coefficient:
+            return self.zero
+        exponents = dict(factors or {})
+        if (n := P.content(a)) != 1:
+            a = {m: c // n for m, c in a.items()}
+            coefficient = coefficient * n
+        if common := P.monomial_content(a):
+            a = {m - common: c for m, c in a.items()}
+            for k, e in P.exponents(common):
+                b = self._base(P.variable(k))
+                exponents[b] = exponents.get(b, 0) + e
+        return self._reduced_factors(coefficient, a, exponents)
+
+    def _reduced_factors(self, coefficient: Fraction, a: Poly, exponents: dict[int, int]) -> Element:
+        """Bring the exponents of roots into 0 … order − 1, so that √R·√R is R and 1/√R is √R/R."""
+        exponents = {b: e for b, e in exponents.items() if e}
+        for b, e in list(exponents.items()):
+            base = self.bases[b]
+            if len(base) > 1:
+                continue
+            k = P.generators(base)[0]
+            g = self.generators[k]
+            if g.kind == "root" and g.root is not None and not 0 <= e < g.root.order:
+                whole, rest = divmod(e, g.root.order)
+                exponents[b] = rest
+                kept = Element(self, coefficient, a, {b: e for b, e in exponents.items() if e})
+                return self.product([kept, self.power(self.from_poly(g.root.radicand), whole)])
+        return Element(self, coefficient, a, exponents)
+
+    def reduce(self, a: Poly) -> Poly:
+        """Normal form of a polynomial modulo the relations."""
+        if not self._mask or not any(m & self._mask for m in a):
+            return a
+        for k in sorted(self._relations, reverse=True):
+            relation = self._relations[k]
+            high: dict[int, Poly] = {}
+            low: Poly = {}
+            for m, c in a.items():
+                n, rest = divmod(P.exponent(m, k), relation.order)
+                if n:
+                    m -= (n * relation.order) << (P.BITS * k)
+                    high.setdefault(n, {})[m] = c
+                else:
+                    low[m] = c
+            for n, part in high.items():
+                low = P.add(low, P.mul(part, self._poly_power(relation.radicand, n), self.budget))
+            if high:
+                a = low
+        return a
+
+    def _poly_power(self, a: Poly, n: int) -> Poly:
+        """aⁿ, reduced, n ≥ 0."""
+        if n > MAX_POWER:
+            raise WorkLimitError(f"a power {n} would have to be expanded")
+        result: Poly = {0: 1}
+        while n:
+            if n & 1:
+                result = self.reduce(P.mul(result, a, self.budget))
+            n >>= 1
+            if n:
+                a = self.reduce(P.mul(a, a, self.budget))
+        return result
+
+    # bases -----------------------------------------------------------------------------------------------------------
+
+    def _base(self, a: Poly) -> int:
+        """Number of a primitive base polynomial, registered when new."""
+        name = P.key(a)
+        if name not in self._base_numbers:
+            self._base_numbers[name] = len(self.bases)
+            self.bases.append(a)
+        return self._base_numbers[name]
+
+    def split(self, a: Poly) -> tuple[tuple[int, int], ...]:
+        """Write a primitive polynomial with positive leading coefficient as Π base^e over registered bases."""
+        if a == {0: 1}:
+            return ()
+        name = P.key(a)
+        if name not in self._splits:
+            self._splits[name] = self._split(a)
+        return self._splits[name]
+
+    def _split(self, a: Poly) -> tuple[tuple[int, int], ...]:
+        found: dict[int, int] = {}
+        seen = P.support(a)
+        for b, base in enumerate(list(self.bases)):
+            while len(base) > 1 and not P.support(base) & ~_fill(seen) and len(a) > 1:
+                quotient = P.exact_quotient(a, base, self.guard, self.budget)
+                if quotient is None:
+                    break
+                found[b] = found.get(b, 0) + 1
+                a = quotient
+        for factor, e in _factors(a):
+            if factor != {0: 1}:
+                b = self._base(factor)
+                found[b] = found.get(b, 0) + e
+        return tuple(found.items())
+
+    def factored(self, x: Element) -> Element:
+        """The same element with its numerator moved into the factors."""
+        if len(x.numerator) <= 1:
+            return x
+        factors = dict(x.factors)
+        for b, e in self.split(x.numerator):
+            factors[b] = factors.get(b, 0) + e
+        return Element(self, x.coefficient, {0: 1}, {b: e for b, e in factors.items() if e})
+
+    # arithmetic ------------------------------------------------------------------------------------------------------
+
+    def product(self, elements: Sequence[Element]) -> Element:
+        """Product; numerators are multiplied out, factors stay factored."""
+        coefficient, a, factors = Fraction(1), {0: 1}, {}
+        for x in elements:
+            if x.is_zero:
+                return self.zero
+            coefficient *= x.coefficient
+            a = P.mul(a, x.numerator, self.budget)
+            for b, e in x.factors.items():
+                factors[b] = factors.get(b, 0) + e
+        return self.from_poly(a, coefficient, factors)
+
+    def power(self, x: Element, n: int) -> Element:
+        """xⁿ; the numerator becomes a factor when n is negative or large.
+
+        Raises:
+            ZeroDivisionError: x is zero and n is negative.
+        """
+        if n == 0:
+            return self.one
+        if x.is_zero:
+            if n < 0:
+                raise ZeroDivisionError("division by an expression that is identically zero")
+            return x
+        if n == 1:
+            return x
+        y = self.factored(x)
+        return self._reduced_factors(y.coefficient**n, {0: 1}, {b: n * e for b, e in y.factors.items()})
+
+    def total(self, elements: Iterable[Element]) -> Element:
+        """Sum over the common denominator; factors that all terms share are not expanded."""
+        terms = [x for x in elements if not x.is_zero]
+        if not terms:
+            return self.zero
+        if len(terms) == 1:
+            return terms[0]
+        names = {b for x in terms for b in x.factors}
+        shared = {b: min(x.factors.get(b, 0) for x in terms) for b in names}
+        denominator = lcm(*(x.coefficient.denominator for x in terms))
+        numerator: Poly = {}
+        for x in terms:
+            n = x.coefficient.numerator * (denominator // x.coefficient.denominator)
+            part = x.numerator
+            for b in names:
+                if e := x.factors.get(b, 0) - shared[b]:
+                    part = self.reduce(P.mul(part, self._poly_power(self.bases[b], e), self.budget))
+            numerator = P.add(numerator, part, n)
+        return self.from_poly(numerator, Fraction(1, denominator), shared)
+
+    def cancelled(self, x: Element) -> Element:
+        """The same element after dividing the numerator by the denominators that divide it exactly."""
+        if len(x.numerator) <= 1:
+            return x
+        a, factors = x.numerator, dict(x.factors)
+        for b in [b for b, e in factors.items() if e < 0 and len(self.bases[b]) > 1]:
+            while factors[b] < 0 and (q := P.exact_quotient(a, self.bases[b], self.guard, self.budget)) is not None:
+                a, factors[b] = q, factors[b] + 1
+        return self.from_poly(a, x.coefficient, factors)
+
+    def sympy_ring(self, generators: Sequence[int]) -> object:
+        """A sympy polynomial ring with the generators given, for the few steps that need factoring."""
+        return sp.polys.rings.ring([f"g{k}" for k in generators], sp.ZZ)[0]
+
+
+def _fill(seen: int) -> int:
+    """Every bit of every field that is non-zero in ``seen``."""
+    return sum(P.FIELD << (P.BITS * k) for k, _ in P.exponents(seen))
+
+
+def _factors(a: Poly) -> list[tuple[Poly, int]]:
+    """Irreducible factors where that is cheap, else the polynomial itself."""
+    names = P.generators(a)
+    if len(a) <= 1 or len(a) > 40 or len(names) > 8 or _obviously_irreducible(a, names):
+        return [(a, 1)]
+    ring = sp.polys.rings.ring([f"g{k}" for k in names], sp.ZZ)[0]
+    element = ring.from_dict({tuple(P.exponent(m, k) for k in names): c for m, c in a.items()})
+    if sum(element.degrees()) > 24:
+        return [(a, 1)]
+    factors = []
+    for factor, e in element.factor_list()[1]:
+        packed = {sum(n << (P.BITS * k) for n, k in zip(ms, names, strict=True)): int(c) for ms, c in factor.terms()}
+        sign = 1 if packed[max(packed)] > 0 else -1
+        factors.append((P.scale(packed, sign), e))
+    return factors
+
+
+def _obviously_irreducible(a: Poly, names: Sequence[int]) -> bool:
+    """Linear in some generator with a coefficient that is a number prime to the rest."""
+    for k in names:
+        with_k = [m for m in a if P.exponent(m, k)]
+        if len(with_k) == 1 and with_k[0] == 1 << (P.BITS * k):
+            rest = 0
+            for m, c in a.items():
+                rest = gcd(rest, c) if m != with_k[0] else rest
+            if gcd(rest, a[with_k[0]]) == 1:
+                return True
+    return False

@@ -1,0 +1,121 @@
+"""Evaluating elements at random points modulo a prime: a filter in front of exact expansion.
+
+The image of the field under such a point respects all relations, so a value that is not 0 shows that a numerator does not
+reduce to zero. A value 0 shows nothing, but is right with probability 1 − degree/prime for random points (Schwartz 1980;
+Zippel 1979); the exact normal form then gives the proof.
+"""
+
+from __future__ import annotations
+
+import random
+from collections.abc import Iterable
+from math import gcd
+
+from . import poly as P
+from .field import Element, Field
+from .poly import Poly
+
+PRIMES = (2305843009213693907, 2305843009213693487)  # both ≡ 11 modulo 12: square and cube roots are powers
+ATTEMPTS = 200
+
+
+class NoRootError(ArithmeticError):
+    """A radicand has no root modulo the prime at this point; try another point."""
+
+
+class ModularPoint:
+    """Values of all generators modulo a prime; those of new generators are drawn when asked for."""
+
+    def __init__(self, field: Field, seed: int = 0):
+        self.field, self.prime = field, PRIMES[seed % 2]
+        self._random = random.Random(7919 * seed + 17)
+        self._values: dict[int, int] = {}
+        self._bases: dict[int, int] = {}
+
+    def value(self, k: int) -> int:
+        """Value of generator k."""
+        if k not in self._values:
+            self._draw(k)
+        return self._values[k]
+
+    def _draw(self, k: int) -> None:
+        p, g = self.prime, self.field.generators[k]
+        if g.kind in ("cos", "cosh"):
+            t = self._random.randrange(2, p - 1)
+            sign = 1 if g.kind == "cos" else -1
+            scale = pow(1 + sign * t * t, -1, p)
+            self._values[k] = (1 - sign * t * t) * scale % p
+            for other, h in enumerate(self.field.generators):
+                if h.partner == k:
+                    self._values[other] = 2 * t * scale % p
+        elif g.partner is not None:
+            self._draw(g.partner)
+        elif g.root is not None:
+            self._values[k] = self._root(self.poly(g.root.radicand), g.root.order)
+        else:
+            self._values[k] = self._random.randrange(2, p - 1)
+
+    def _root(self, x: int, q: int) -> int:
+        """A q-th root modulo the prime.
+
+        Raises:
+            NoRootError: there is none.
+        """
+        p, n, order = self.prime, 1, q
+        while order % 2 == 0:
+            order //= 2
+            n = n * ((p + 1) // 4) % (p - 1)
+        if gcd(order, p - 1) != 1:
+            raise NoRootError
+        root = pow(x, n * pow(order, -1, p - 1) % (p - 1), p)
+        if pow(root, q, p) != x % p:
+            raise NoRootError
+        return root
+
+    def poly(self, a: Poly) -> int:
+        """Value of a polynomial."""
+        p, total = self.prime, 0
+        for m, c in a.items():
+            for k, e in P.exponents(m):
+                c = c * pow(self.value(k), e, p) % p
+            total += c
+        return total % p
+
+    def element(self, x: Element) -> int:
+        """Value of an element.
+
+        Raises:
+            ZeroDivisionError: a denominator vanishes at this point.
+        """
+        p = self.prime
+        value = x.coefficient.numerator * pow(x.coefficient.denominator, -1, p) * self.poly(x.numerator) % p
+        for b, e in x.factors.items():
+            if b not in self._bases:
+                self._bases[b] = self.poly(self.field.bases[b])
+            if e < 0 and not self._bases[b]:
+                raise ZeroDivisionError("a denominator vanishes modulo the prime")
+            value = value * pow(self._bases[b], e, p) % p
+        return value
+
+
+def products_vanish(field: Field, products: Iterable[Iterable[Element]], points: int = 2) -> bool | None:
+    """Whether Σ Π of the elements given vanishes at random points modulo primes; None when no point could be found."""
+    lists = [list(factors) for factors in products]
+    good = 0
+    for seed in range(ATTEMPTS):
+        point = ModularPoint(field, seed)
+        try:
+            total = 0
+            for factors in lists:
+                term = 1
+                for x in factors:
+                    term = term * point.element(x) % point.prime
+                total += term
+        except (NoRootError, ZeroDivisionError):
+            continue
+        if total % point.prime:
+            return False
+        good += 1
+        if good == points:
+            return True
+    return None

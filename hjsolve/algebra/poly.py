@@ -1,0 +1,218 @@
+"""Sparse polynomials with integer coefficients in a growing list of generators.
+
+A polynomial is a ``dict`` from a packed monomial to a non-zero ``int``. A monomial is one Python integer with 16 bits per
+generator (generator k in bits 16k … 16k+15, the highest one always clear), so that multiplying monomials is adding integers
+and a new generator can join at any time. This is several times faster than polynomials over a fixed ring and, unlike calls
+into sympy, it can be stopped: every product is counted against a ``Budget``.
+"""
+
+from __future__ import annotations
+
+import time
+from collections.abc import Iterable
+from dataclasses import dataclass, field
+from math import gcd
+
+from ..errors import HJSolveError
+
+BITS = 16
+FIELD = (1 << BITS) - 1
+MAX_DEGREE = (1 << (BITS - 2)) - 1
+
+Poly = dict[int, int]
+
+
+class WorkLimitError(HJSolveError, ArithmeticError):
+    """An exact computation was given up because it outgrew its budget; the answer is unknown, not negative."""
+
+
+@dataclass
+class Budget:
+    """What an exact computation may cost: seconds until a deadline and terms in one product.
+
+    Attributes:
+        deadline: value of ``time.monotonic()`` at which work stops, or None.
+        terms: largest number of term-by-term products in one polynomial product.
+    """
+
+    deadline: float | None = None
+    terms: int = 4_000_000
+    _spent: int = field(default=0, repr=False)
+
+    @classmethod
+    def seconds(cls, seconds: float, terms: int = 4_000_000) -> Budget:
+        """Make a budget that ends this many seconds from now."""
+        return cls(time.monotonic() + seconds, terms)
+
+    @property
+    def left(self) -> float:
+        """Seconds left; infinite without a deadline."""
+        return float("inf") if self.deadline is None else self.deadline - time.monotonic()
+
+    def charge(self, work: int) -> None:
+        """Count ``work`` term products.
+
+        Raises:
+            WorkLimitError: too many at once, or the deadline is past.
+        """
+        if work > self.terms:
+            raise WorkLimitError(f"a product of polynomials needs {work} terms; {self.terms} are allowed")
+        self._spent += work
+        if self._spent > 20_000:
+            self._spent = 0
+            self.check()
+
+    def check(self) -> None:
+        """Raise ``WorkLimitError`` when the deadline is past."""
+        if self.deadline is not None and time.monotonic() > self.deadline:
+            raise WorkLimitError("the time budget of the exact computation is used up")
+
+
+def variable(k: int) -> Poly:
+    """Generator number k as a polynomial."""
+    return {1 << (BITS * k): 1}
+
+
+def constant(n: int) -> Poly:
+    """An integer as a polynomial."""
+    return {0: n} if n else {}
+
+
+def exponent(monomial: int, k: int) -> int:
+    """Exponent of generator k in a packed monomial."""
+    return (monomial >> (BITS * k)) & FIELD
+
+
+def exponents(monomial: int) -> list[tuple[int, int]]:
+    """Pairs (generator, exponent) of a packed monomial, exponents positive."""
+    found, k = [], 0
+    while monomial:
+        if e := monomial & FIELD:
+            found.append((k, e))
+        monomial >>= BITS
+        k += 1
+    return found
+
+
+def add(a: Poly, b: Poly, scale: int = 1) -> Poly:
+    """a + scale·b."""
+    total = dict(a)
+    for m, c in b.items():
+        value = total.get(m, 0) + scale * c
+        if value:
+            total[m] = value
+        else:
+            total.pop(m, None)
+    return total
+
+
+def scale(a: Poly, n: int) -> Poly:
+    """n·a."""
+    return {m: n * c for m, c in a.items()} if n else {}
+
+
+def mul(a: Poly, b: Poly, budget: Budget) -> Poly:
+    """a·b, charged to the budget."""
+    if len(a) > len(b):
+        a, b = b, a
+    budget.charge(len(a) * len(b))
+    if len(a) == 1:
+        ((m1, c1),) = a.items()
+        return {m1 + m: c1 * c for m, c in b.items()}
+    total: Poly = {}
+    get = total.get
+    terms = list(b.items())
+    for m1, c1 in a.items():
+        for m2, c2 in terms:
+            m = m1 + m2
+            total[m] = get(m, 0) + c1 * c2
+    return {m: c for m, c in total.items() if c}
+
+
+def content(a: Poly) -> int:
+    """Greatest common divisor of the coefficients, with the sign of the leading one; 0 for the zero polynomial."""
+    if not a:
+        return 0
+    g = 0
+    for c in a.values():
+        g = gcd(g, c)
+        if g == 1:
+            break
+    return g if a[max(a)] > 0 else -g
+
+
+def monomial_content(a: Iterable[int]) -> int:
+    """Greatest monomial that divides every monomial given."""
+    monomials = iter(a)
+    common = next(monomials, 0)
+    for m in monomials:
+        if not common:
+            return 0
+        common = _common(common, m)
+    return common
+
+
+def _common(a: int, b: int) -> int:
+    """Greatest common divisor of two packed monomials."""
+    out, shift = 0, 0
+    while a and b:
+        out |= min(a & FIELD, b & FIELD) << shift
+        a, b, shift = a >> BITS, b >> BITS, shift + BITS
+    return out
+
+
+def divides(a: int, b: int, guard: int) -> bool:
+    """Whether monomial a divides monomial b; guard has the top bit of every generator's field set."""
+    return ((b | guard) - a) & guard == guard
+
+
+def guard_bits(generators: int) -> int:
+    """The guard mask for this many generators."""
+    return sum(1 << (BITS * k + BITS - 1) for k in range(generators))
+
+
+def exact_quotient(a: Poly, b: Poly, guard: int, budget: Budget) -> Poly | None:
+    """a/b where b divides a exactly over the integers, else None."""
+    lead = max(b)
+    lead_c = b[lead]
+    rest, quotient = dict(a), {}
+    while rest:
+        m = max(rest)
+        c = rest[m]
+        if c % lead_c or not divides(lead, m, guard):
+            return None
+        dm, dc = m - lead, c // lead_c
+        quotient[dm] = dc
+        budget.charge(len(b))
+        for bm, bc in b.items():
+            t = bm + dm
+            value = rest.get(t, 0) - bc * dc
+            if value:
+                rest[t] = value
+            else:
+                rest.pop(t, None)
+    return quotient
+
+
+def partial(a: Poly, k: int) -> Poly:
+    """∂a/∂(generator k)."""
+    unit = 1 << (BITS * k)
+    return {m - unit: c * e for m, c in a.items() if (e := exponent(m, k))}
+
+
+def support(a: Poly) -> int:
+    """Packed monomial with a non-zero field for every generator that occurs in a."""
+    seen = 0
+    for m in a:
+        seen |= m
+    return seen
+
+
+def generators(a: Poly) -> list[int]:
+    """Numbers of the generators that occur in a, ascending."""
+    return [k for k, _ in exponents(support(a))]
+
+
+def key(a: Poly) -> tuple[tuple[int, int], ...]:
+    """A hashable form."""
+    return tuple(sorted(a.items()))

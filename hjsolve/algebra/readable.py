@@ -1,0 +1,106 @@
+"""The form of an expression that a person would write: chosen by counting, never by ``simplify``."""
+
+from __future__ import annotations
+
+from fractions import Fraction
+
+import sympy as sp
+
+from . import poly as P
+from .field import Element
+from .poly import Poly
+from .reader import Reader
+
+MAX_TERMS = 60
+
+
+def readable(reader: Reader, x: Element) -> sp.Expr:
+    """The shortest of a few forms of an element: as it stands, factored, expanded over its denominator, sin² ↔ 1 − cos²."""
+    if x.is_zero:
+        return sp.S.Zero
+    forms = [form for y in variants(reader, x) for form in _forms(reader, y)]
+    return min(forms, key=_length)
+
+
+def variants(reader: Reader, x: Element) -> list[Element]:
+    """The element with cos² eliminated in favour of sin², and the other way round, as far as that shortens it."""
+    x = reader.field.cancelled(x)
+    found = [x]
+    for k, g in enumerate(reader.field.generators):
+        if g.partner is not None and g.root is not None and {k, g.partner} & x.generators:
+            found.extend(_swapped(reader, y, k, g.partner) for y in list(found) if len(y.numerator) <= MAX_TERMS)
+    return found[:8]
+
+
+def _swapped(reader: Reader, x: Element, s: int, c: int) -> Element:
+    """Rewrite numerator and bases with c² = 1 − s² (c² = 1 + s² for hyperbolic functions)."""
+    field = reader.field
+    sign = -1 if field.generators[s].kind == "sin" else 1
+    square: Poly = {0: 1, 2 << (P.BITS * s): sign}
+    result = Element(field, x.coefficient, {0: 1}, {})
+    for a, e in [(x.numerator, 1), *x.bases]:
+        if any(P.exponent(m, c) > 1 for m in a):
+            a = _eliminate(reader, a, c, square)
+        result = _times_raw(reader, result, a, e)
+    return _cancel_raw(reader, result)
+
+
+def _eliminate(reader: Reader, a: Poly, c: int, square: Poly) -> Poly:
+    total: Poly = {}
+    for m, n in a.items():
+        pairs = P.exponent(m, c) // 2
+        term: Poly = {m - ((2 * pairs) << (P.BITS * c)): n}
+        for _ in range(pairs):
+            term = P.mul(term, square, reader.field.budget)
+        total = P.add(total, term)
+    return total
+
+
+def _times_raw(reader: Reader, x: Element, a: Poly, e: int) -> Element:
+    """x·a^e without reducing a modulo the relations, all of it in the factors."""
+    field = reader.field
+    n = P.content(a)
+    a = {m: k // n for m, k in a.items()}
+    common = P.monomial_content(a)
+    factors = dict(x.factors)
+    for k, power in P.exponents(common):
+        b = field._base(P.variable(k))
+        factors[b] = factors.get(b, 0) + e * power
+    for b, power in field.split({m - common: k for m, k in a.items()}):
+        factors[b] = factors.get(b, 0) + e * power
+    return Element(field, x.coefficient * Fraction(n) ** e, {0: 1}, {b: p for b, p in factors.items() if p})
+
+
+def _cancel_raw(reader: Reader, x: Element) -> Element:
+    """Gather positive factors with several terms into the numerator when there is only one of them."""
+    positive = [b for b, e in x.factors.items() if e > 0 and len(reader.field.bases[b]) > 1]
+    if len(positive) == 1 and x.factors[positive[0]] == 1:
+        factors = {b: e for b, e in x.factors.items() if b != positive[0]}
+        return Element(reader.field, x.coefficient, reader.field.bases[positive[0]], factors)
+    return x
+
+
+def _forms(reader: Reader, x: Element) -> list[sp.Expr]:
+    field = reader.field
+    forms = [reader.write(x)]
+    if 1 < len(x.numerator) <= MAX_TERMS:
+        forms.append(reader.write(field.factored(x)))
+        c = sp.Rational(x.coefficient.numerator, x.coefficient.denominator)
+        shared = sp.Mul(c, *[reader.write_poly(base) ** e for base, e in x.bases])
+        terms = [reader.write_poly({m: n}) * shared for m, n in x.numerator.items()]
+        forms.append(sp.Add(*terms))
+    return forms
+
+
+def _length(x: sp.Expr) -> tuple[int, int, str]:
+    return int(sp.count_ops(x)), len(x.free_symbols), sp.sstr(x)
+
+
+def cost(x: Element) -> int:
+    """A cheap measure of how long an element will print."""
+    if x.is_zero:
+        return 0
+    size = 2 * len(x.numerator) + len(str(x.coefficient)) - 1 + sum(m.bit_count() > 0 for m in x.numerator)
+    for base, e in x.bases:
+        size += (1 if len(base) == 1 else 2 * len(base)) + (abs(e) > 1)
+    return size

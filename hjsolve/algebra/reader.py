@@ -1,0 +1,365 @@
+"""Reading sympy expressions into a ``Field``, writing elements back, and differentiating them.
+
+Angles: sin and cos of n₁u₁ + n₂u₂ + … become polynomials in sin uₖ, cos uₖ, where uₖ is a monomial times the greatest
+rational number that makes all nₖ seen integers; exp and the hyperbolic functions likewise. Roots: a radicand is split into
+factors; those whose sign on the domain is proved get a root of their own (so √(ab) = √a·√b and √(P²) = P are recognised where
+they are true), the others stay together. A function nobody knows, f(r), is a generator, and so is each of its derivatives.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Iterable, Mapping
+from fractions import Fraction
+from math import gcd
+
+import sympy as sp
+
+from . import poly as P
+from .field import MAX_POWER, Element, Field, Generator, Root
+from .poly import Budget, Poly, WorkLimitError
+from .signs import Bounds, atom_bounds, sign_of
+
+TRIGONOMETRIC = (sp.sin, sp.cos, sp.tan, sp.cot, sp.sec, sp.csc)
+HYPERBOLIC = (sp.sinh, sp.cosh, sp.tanh, sp.coth, sp.sech, sp.csch)
+MAX_MULTIPLE = 60
+Pair = tuple[Element, Element]
+
+
+class OutsideFieldError(WorkLimitError):
+    """An expression that exact arithmetic cannot represent (complex numbers, piecewise functions)."""
+
+
+class Reader:
+    """Reads expressions of one system into its field.
+
+    Args:
+        expressions: what will be read; only looked through for the multiples of angles that occur.
+        bounds: lower and upper end of each coordinate's domain; None is infinite.
+        budget: work allowed.
+    """
+
+    def __init__(
+        self,
+        expressions: Iterable[sp.Expr] = (),
+        bounds: Mapping[sp.Symbol, Bounds] | None = None,
+        budget: Budget | None = None,
+    ):
+        self.field = Field(budget)
+        self.bounds = dict(bounds or {})
+        self._read: dict[sp.Expr, Element] = {}
+        self._derivatives: dict[tuple[int, sp.Symbol], Element] = {}
+        self._written: dict[int, sp.Expr] = {}
+        self._units: dict[tuple[str, sp.Expr], Fraction] = {}
+        self._exponential: set[sp.Expr] = set()
+        self._logarithms: dict[tuple[object, ...], Element] = {}
+        for expression in expressions:
+            self._look_through(expression)
+
+    # looking for angles ----------------------------------------------------------------------------------------------
+
+    def _look_through(self, expression: sp.Expr) -> None:
+        for node in expression.atoms(*TRIGONOMETRIC):
+            self._note("angle", node.args[0])
+        for node in expression.atoms(*HYPERBOLIC):
+            self._note("rapidity", node.args[0])
+        for node in expression.atoms(sp.exp):
+            self._note("rapidity", node.args[0])
+            self._exponential |= {m for m, _ in _linear_terms(node.args[0])}
+
+    def _note(self, kind: str, argument: sp.Expr) -> None:
+        for monomial, c in _linear_terms(argument):
+            self._units[kind, monomial] = _rational_gcd(self._units.get((kind, monomial), abs(c)), c)
+
+    def _multiples(self, kind: str, argument: sp.Expr) -> list[tuple[int, sp.Expr]]:
+        """The argument as Σ n_k u_k with integers n_k and unit angles u_k."""
+        parts = []
+        for monomial, c in _linear_terms(argument):
+            unit = self._units.setdefault((kind, monomial), abs(c))
+            n = c / unit
+            if n.denominator != 1:
+                n, unit = Fraction(1 if c > 0 else -1), abs(c)
+            if abs(n) > MAX_MULTIPLE:
+                raise WorkLimitError(f"a multiple angle, {n} times {monomial}, is too large to expand")
+            parts.append((int(n), sp.Rational(unit.numerator, unit.denominator) * monomial))
+        return parts
+
+    # reading ---------------------------------------------------------------------------------------------------------
+
+    def element(self, expression: sp.Expr) -> Element:
+        """Read an expression.
+
+        Raises:
+            OutsideFieldError: it holds something that is not a real function known here.
+            WorkLimitError: reading it needs more work than the budget allows.
+            ZeroDivisionError: it divides by something that is identically zero.
+        """
+        found = self._read.get(expression)
+        if found is None:
+            self.field.budget.check()
+            found = self._read[expression] = self._element(expression)
+        return found
+
+    def _element(self, x: sp.Expr) -> Element:
+        if x.is_Rational:
+            return self.field.coerce(Fraction(int(x.p), int(x.q)))
+        if x.is_Float:
+            return self.element(sp.Rational(x))
+        if x.is_Symbol:
+            return self._symbol(x)
+        if x.is_Add:
+            return self.field.total([self.element(a) for a in x.args])
+        if x.is_Mul:
+            return self.field.product([self.field.factored(self.element(a)) for a in x.args])
+        if x.is_Pow:
+            return self._power(x.base, x.exp)
+        if handler := _HANDLERS.get(x.func):
+            return handler(self, x.args[0])
+        return self._opaque(x)
+
+    def _symbol(self, x: sp.Symbol) -> Element:
+        low, high = atom_bounds(x, self.bounds)
+        return self._generator(Generator(x, "symbol", low=low, high=high))
+
+    def _generator(self, g: Generator) -> Element:
+        k = self.field.number_of(g.atom)
+        return self.field.generator(self.field.adjoin(g) if k is None else k)
+
+    def _opaque(self, x: sp.Expr) -> Element:
+        """Anything else that is real: an inverse function, an undetermined function, a derivative of one, π."""
+        known = isinstance(x, (sp.Function, sp.Derivative, sp.Subs, sp.NumberSymbol, sp.Integral))
+        if not known or isinstance(x, sp.Piecewise) or x.has(sp.I, sp.nan, sp.zoo, sp.oo):
+            raise OutsideFieldError(f"{sp.sstr(x)[:80]} has no exact arithmetic here")
+        low, high = atom_bounds(x, self.bounds)
+        return self._generator(Generator(x, "other", low=low, high=high))
+
+    def _power(self, base: sp.Expr, exponent: sp.Expr) -> Element:
+        if base is sp.E:
+            return self._exp(exponent)
+        if exponent.is_Integer:
+            if abs(int(exponent)) > MAX_POWER:
+                raise WorkLimitError(f"the exponent {exponent} is too large for exact arithmetic")
+            return self.field.power(self.element(base), int(exponent))
+        if exponent.is_Rational:
+            return self.root(self.element(base), int(exponent.p), int(exponent.q))
+        result = self.field.one
+        for monomial, c in _linear_terms(exponent):
+            if monomial == 1:
+                result = result * self._power(base, sp.Rational(c.numerator, c.denominator))
+                continue
+            unit = sp.Rational(1, c.denominator) * monomial
+            atom = sp.Pow(base, unit)
+            low = Fraction(0) if base.is_positive else None
+            result = result * self._generator(Generator(atom, "other", low=low)) ** c.numerator
+        return result
+
+    def _exp(self, argument: sp.Expr) -> Element:
+        result = self.field.one
+        for n, unit in self._multiples("rapidity", argument):
+            atom = sp.exp(unit)
+            if not isinstance(atom, sp.exp):
+                result = result * self.element(sp.exp(n * unit))
+                continue
+            result = result * self._generator(Generator(atom, "other", low=Fraction(0))) ** n
+        return result
+
+    def _pair(self, kind: str, argument: sp.Expr) -> Pair:
+        """(sine, cosine) of an argument, circular or hyperbolic."""
+        field = self.field
+        s, c = field.zero, field.one
+        sign = -1 if kind == "angle" else 1
+        for n, unit in self._multiples(kind, argument):
+            s1, c1 = self._unit_pair(kind, unit)
+            sn, cn = field.zero, field.one
+            for _ in range(abs(n)):
+                sn, cn = sn * c1 + cn * s1, cn * c1 + sn * s1 * sign
+            if n < 0:
+                sn = -sn
+            s, c = s * cn + c * sn, c * cn + s * sn * sign
+        return s, c
+
+    def _unit_pair(self, kind: str, unit: sp.Expr) -> Pair:
+        if kind == "rapidity" and unit.as_coeff_Mul()[1] in self._exponential:
+            e = self._exp(unit)
+            return (e - e**-1) * Fraction(1, 2), (e + e**-1) * Fraction(1, 2)
+        sine, cosine = (sp.sin, sp.cos) if kind == "angle" else (sp.sinh, sp.cosh)
+        s_atom, c_atom = sine(unit), cosine(unit)
+        if not isinstance(s_atom, sine) or not isinstance(c_atom, cosine):
+            return self.element(s_atom), self.element(c_atom)
+        low, high = atom_bounds(c_atom, self.bounds)
+        c = self._generator(Generator(c_atom, c_atom.func.__name__, low=low, high=high))
+        k = self.field.number_of(c_atom)
+        assert k is not None
+        square = {2 << (P.BITS * k): -1, 0: 1} if kind == "angle" else {2 << (P.BITS * k): 1, 0: -1}
+        low, high = atom_bounds(s_atom, self.bounds)
+        s = self._generator(Generator(s_atom, s_atom.func.__name__, Root(2, square), k, low, high))
+        return s, c
+
+    def _log(self, argument: sp.Expr) -> Element:
+        parts = sp.expand_log(sp.log(argument))
+        if not isinstance(parts, sp.log):
+            return self.element(parts)
+        y = self.element(parts.args[0])
+        name = (y.coefficient, P.key(y.numerator), frozenset(y.factors.items()))
+        if name not in self._logarithms:
+            low, high = atom_bounds(parts, self.bounds)
+            self._logarithms[name] = self._generator(Generator(parts, "other", low=low, high=high))
+        return self._logarithms[name]
+
+    # roots -----------------------------------------------------------------------------------------------------------
+
+    def root(self, x: Element, p: int, q: int) -> Element:
+        """x^(p/q), the real root, taken apart over the factors whose sign is proved."""
+        if x.is_zero:
+            return x
+        field = self.field
+        x = field.factored(x)
+        outside, rest_factors, negative = field.one, {}, x.coefficient < 0
+        for b, e in x.factors.items():
+            sign = sign_of(field, field.bases[b], self.bounds)
+            if sign == 0 and not (q % 2 == 1 and e % q == 0):
+                rest_factors[b] = e
+                continue
+            negative ^= sign < 0 and e % 2 == 1
+            whole, part = divmod(e * p, q)
+            base = Element(field, Fraction(1 if sign >= 0 else -1), {0: 1}, {b: 1})
+            outside = outside * base**whole
+            if part:
+                outside = outside * self._base_root(base, q) ** part
+        outside = outside * self._number_root(abs(x.coefficient), p, q)
+        if not rest_factors and not negative:
+            return outside
+        rest = Element(field, Fraction(-1 if negative else 1), {0: 1}, rest_factors)
+        return outside * self._rest_root(rest, q) ** p
+
+    def _base_root(self, base: Element, q: int) -> Element:
+        """base^(1/q) for ± a base polynomial that is not negative on the domain."""
+        ((b, _),) = base.factors.items()
+        radicand = P.scale(self.field.bases[b], int(base.coefficient))
+        return self._root_generator(radicand, self.field.one, q, nonnegative=True)
+
+    def _rest_root(self, rest: Element, q: int) -> Element:
+        """rest^(1/q) where rest = N/D: the generator is D·rest^(1/q), a root of N·D^(q−1), whatever the sign of D."""
+        field = self.field
+        up = Element(field, rest.coefficient, {0: 1}, {b: e for b, e in rest.factors.items() if e > 0})
+        down = Element(field, Fraction(1), {0: 1}, {b: -e for b, e in rest.factors.items() if e < 0})
+        radicand = field.total([up * down ** (q - 1), field.zero])
+        expanded: Poly = {0: int(radicand.coefficient)}
+        for base, e in [*radicand.bases, (radicand.numerator, 1)]:
+            for _ in range(e):
+                expanded = field.reduce(P.mul(expanded, base, field.budget))
+        return self._root_generator(expanded, down, q, nonnegative=not down.factors) / down
+
+    def _root_generator(self, radicand: Poly, factor: Element, q: int, *, nonnegative: bool) -> Element:
+        value = self.write(self.field.from_poly(radicand) / factor**q)
+        atom = self.write(factor) * sp.Pow(value, sp.Rational(1, q))
+        if atom.is_Rational:
+            return self.element(atom)
+        low = Fraction(0) if nonnegative and q % 2 == 0 else None
+        return self._generator(Generator(atom, "root", Root(q, radicand), low=low))
+
+    def _number_root(self, value: Fraction, p: int, q: int) -> Element:
+        """value^(p/q) for a positive rational number, over the roots of primes."""
+        result = self.field.one
+        for n, sign in ((value.numerator, 1), (value.denominator, -1)):
+            factors = sp.factorint(n) if n < 10**15 else {n: 1}
+            for prime, e in factors.items():
+                whole, part = divmod(sign * e * p, q)
+                result = result * Fraction(prime) ** whole
+                if part:
+                    atom = sp.Pow(sp.Integer(prime), sp.Rational(1, q))
+                    root = Generator(atom, "root", Root(q, {0: int(prime)}), low=Fraction(0))
+                    result = result * self._generator(root) ** part
+        return result
+
+    # derivatives and writing -----------------------------------------------------------------------------------------
+
+    def diff(self, x: Element, symbol: sp.Symbol) -> Element:
+        """∂x/∂symbol."""
+        field = self.field
+        terms = []
+        slope = self._poly_diff(x.numerator, symbol)
+        if not slope.is_zero:
+            terms.append(field.product([slope, Element(field, x.coefficient, {0: 1}, x.factors)]))
+        if any(symbol in field.generators[k].atom.free_symbols for k in x.generators):
+            for b, e in x.factors.items():
+                slope = self._poly_diff(field.bases[b], symbol)
+                if not slope.is_zero:
+                    lowered = {**x.factors, b: e - 1}
+                    kept = Element(field, x.coefficient * e, x.numerator, {k: n for k, n in lowered.items() if n})
+                    terms.append(field.product([slope, kept]))
+        return field.total(terms)
+
+    def log_diff(self, x: Element, symbol: sp.Symbol) -> Element:
+        """∂ ln x/∂symbol: only the factors that hold the symbol enter."""
+        x = self.field.factored(x)
+        terms = []
+        for b, e in x.factors.items():
+            slope = self._poly_diff(self.field.bases[b], symbol)
+            if not slope.is_zero:
+                terms.append(self.field.product([slope, Element(self.field, Fraction(e), {0: 1}, {b: -1})]))
+        return self.field.total(terms)
+
+    def _poly_diff(self, a: Poly, symbol: sp.Symbol) -> Element:
+        field = self.field
+        terms = []
+        for k in P.generators(a):
+            slope = self._generator_diff(k, symbol)
+            if not slope.is_zero:
+                terms.append(field.product([field.from_poly(P.partial(a, k)), slope]))
+        return field.total(terms)
+
+    def _generator_diff(self, k: int, symbol: sp.Symbol) -> Element:
+        if (k, symbol) not in self._derivatives:
+            atom = self.field.generators[k].atom
+            depends = symbol in atom.free_symbols
+            self._derivatives[k, symbol] = self.element(atom.diff(symbol)) if depends else self.field.zero
+        return self._derivatives[k, symbol]
+
+    def write(self, x: Element) -> sp.Expr:
+        """The element as a sympy expression: coefficient · factors · numerator, nothing expanded."""
+        c = sp.Rational(x.coefficient.numerator, x.coefficient.denominator)
+        parts = [self.write_poly(self.field.bases[b]) ** e for b, e in sorted(x.factors.items())]
+        return sp.Mul(c, *parts, self.write_poly(x.numerator))
+
+    def write_poly(self, a: Poly) -> sp.Expr:
+        """A polynomial as a sympy expression."""
+        generators = self.field.generators
+        terms = (sp.Mul(c, *[generators[k].atom ** e for k, e in P.exponents(m)]) for m, c in a.items())
+        return sp.Add(*terms)
+
+
+def _linear_terms(x: sp.Expr) -> list[tuple[sp.Expr, Fraction]]:
+    """The expression as Σ coefficient · monomial with rational coefficients."""
+    pairs = sp.expand(x).as_coefficients_dict().items()
+    return [(m, Fraction(int(c.p), int(c.q))) for m, c in pairs if c.is_Rational and c != 0]
+
+
+def _rational_gcd(a: Fraction, b: Fraction) -> Fraction:
+    """Greatest rational number of which both are integer multiples."""
+    return Fraction(gcd(a.numerator * b.denominator, b.numerator * a.denominator), a.denominator * b.denominator)
+
+
+def _pair_handler(kind: str, combine: Callable[[Element, Element], Element]) -> Callable[[Reader, sp.Expr], Element]:
+    def handler(reader: Reader, argument: sp.Expr) -> Element:
+        return combine(*reader._pair(kind, argument))
+
+    return handler
+
+
+_COMBINATIONS: tuple[Callable[[Element, Element], Element], ...] = (
+    lambda s, _: s,
+    lambda _, c: c,
+    lambda s, c: s / c,
+    lambda s, c: c / s,
+    lambda _, c: c**-1,
+    lambda s, _: s**-1,
+)
+
+_HANDLERS: dict[object, Callable[[Reader, sp.Expr], Element]] = {
+    **{f: _pair_handler("angle", h) for f, h in zip(TRIGONOMETRIC, _COMBINATIONS, strict=True)},
+    **{f: _pair_handler("rapidity", h) for f, h in zip(HYPERBOLIC, _COMBINATIONS, strict=True)},
+    sp.exp: Reader._exp,
+    sp.log: Reader._log,
+    sp.Abs: lambda reader, x: reader.root(reader.element(x) ** 2, 1, 2),
+    sp.sign: lambda reader, x: reader.element(x) / reader.element(sp.Abs(x)),
+}

@@ -1,0 +1,136 @@
+"""Base points: simple values at which all coordinates but some are held.
+
+A separable system satisfies its axis-line formula identically in the base point, so the values may be formal: sine and cosine
+become a rational point of the circle, an exponential a rational number, an undetermined function zero. Any substitution that
+respects the relations of the field will do, and the result is verified afterwards in any case.
+"""
+
+from __future__ import annotations
+
+import random
+from collections.abc import Iterator, Sequence
+from dataclasses import dataclass, field
+from fractions import Fraction
+
+import sympy as sp
+
+from ..algebra import poly as P
+from ..algebra.field import Element
+from ..algebra.poly import Poly
+from ..algebra.reader import OutsideFieldError, Reader
+
+ATTEMPTS = 40
+CIRCLE = ((1, 0), ("3/5", "4/5"), (0, 1), ("4/5", "3/5"), ("5/13", "12/13"), ("12/13", "5/13"), ("8/17", "15/17"))
+HYPERBOLA = (("3/4", "5/4"), ("4/3", "5/3"), (0, 1), ("5/12", "13/12"), ("12/5", "13/5"), ("8/15", "17/15"))
+LINE = (0, 1, 2, -1, 3, "1/2", -2, 5, "1/3", "5/2")
+UNKNOWNS = (sp.core.function.AppliedUndef, sp.Derivative, sp.Subs)
+
+
+@dataclass
+class BasePoint:
+    """Formal values of all coordinates.
+
+    Attributes:
+        reader: reader of the field.
+        symbols: the coordinates.
+        choices: which entry of the tables above each coordinate takes.
+    """
+
+    reader: Reader
+    symbols: Sequence[sp.Symbol]
+    choices: Sequence[int]
+    inside: bool = False
+    _values: dict[tuple[int, frozenset[int]], Element] = field(default_factory=dict)
+
+    def keep(self, x: Element, kept: set[int] | frozenset[int]) -> Element:
+        """x with every coordinate but those at the positions ``kept`` put to its base value.
+
+        Raises:
+            ZeroDivisionError: x has a pole there, or no real value.
+        """
+        frozen = frozenset(kept)
+        fixed = {q for i, q in enumerate(self.symbols) if i not in frozen}
+        result = self._poly(x.numerator, fixed, frozen) * x.coefficient
+        for base, e in x.bases:
+            if result.is_zero and e > 0:
+                break
+            result = result * self._poly(base, fixed, frozen) ** e
+        return self.reader.field.cancelled(result)
+
+    def _poly(self, a: Poly, fixed: set[sp.Symbol], kept: frozenset[int]) -> Element:
+        f = self.reader.field
+        values = {
+            k: self._value(k, kept) for k in P.generators(a) if fixed & f.generators[k].atom.free_symbols
+        }
+        if not values:
+            return f.from_poly(a)
+        terms = []
+        for m, c in a.items():
+            factors = [f.coerce(c)]
+            for k, e in P.exponents(m):
+                factors.append((values[k] if k in values else f.generator(k)) ** e)
+            terms.append(f.product(factors))
+        return f.total(terms)
+
+    def _value(self, k: int, kept: frozenset[int]) -> Element:
+        if (k, kept) not in self._values:
+            mapping: dict[sp.Expr, sp.Expr] = {}
+            for i, q in enumerate(self.symbols):
+                if i not in kept:
+                    mapping.update(self._table(q, self.choices[i]))
+            atom = self.reader.field.generators[k].atom
+            try:
+                self._values[k, kept] = self.reader.element(atom.xreplace(mapping))
+            except OutsideFieldError as fault:
+                raise ZeroDivisionError(f"{atom} has no real value at the base point") from fault
+        return self._values[k, kept]
+
+    def _table(self, q: sp.Symbol, choice: int) -> dict[sp.Expr, sp.Expr]:
+        """Values of q and of the generators that are functions of q alone."""
+        table: dict[sp.Expr, sp.Expr] = {q: self._coordinate(q, choice)}
+        for g in list(self.reader.field.generators):
+            if q not in g.atom.free_symbols or not g.atom.free_symbols <= {q}:
+                continue
+            if g.partner is not None:
+                points = CIRCLE if g.kind == "sin" else HYPERBOLA
+                s, c = points[choice % len(points)]
+                table[g.atom] = sp.Rational(s)
+                table[self.reader.field.generators[g.partner].atom] = sp.Rational(c)
+            elif isinstance(g.atom, sp.exp):
+                table[g.atom] = sp.Integer(1 + choice)
+            elif isinstance(g.atom, UNKNOWNS):
+                table[g.atom] = sp.Integer(choice // 2)
+        return table
+
+    def _coordinate(self, q: sp.Symbol, choice: int) -> sp.Expr:
+        lower, upper = self.reader.bounds.get(q, (None, None))
+        if not self.inside and not _is_number(lower) and not _is_number(upper):
+            return sp.Rational(LINE[choice % len(LINE)])
+        share = sp.Rational(choice + 1)
+        if lower is None and upper is None:
+            return sp.Rational(LINE[choice % len(LINE)])
+        if upper is None:
+            return lower + share
+        if lower is None:
+            return upper - share
+        whole = sp.Rational(1, choice + 2)
+        middle = lower + (upper - lower) * whole
+        if _is_number(lower) and _is_number(upper):
+            low, high = Fraction(float(lower)), Fraction(float(upper))
+            near = (low + (high - low) / (choice + 2)).limit_denominator(4 + 2 * choice)
+            return sp.Rational(near.numerator, near.denominator)
+        return middle
+
+
+def _is_number(end: sp.Expr | None) -> bool:
+    return end is not None and bool(end.is_number)
+
+
+def base_points(reader: Reader, symbols: Sequence[sp.Symbol]) -> Iterator[BasePoint]:
+    """Base points to try, the simplest first, then points inside the domain, then random ones."""
+    n = len(symbols)
+    first = [[0] * n, list(range(n)), [1] * n, list(range(1, n + 1)), [i + 3 for i in range(n)]]
+    generator = random.Random(n)
+    for attempt in range(ATTEMPTS):
+        choices = first[attempt] if attempt < len(first) else [generator.randrange(10) for _ in range(n)]
+        yield BasePoint(reader, symbols, choices, inside=attempt >= len(first))

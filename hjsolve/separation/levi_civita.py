@@ -1,0 +1,135 @@
+"""Levi-Civita's conditions: does a Hamiltonian separate in the coordinates it is written in?
+
+General form, any H(q, p), all i < j, identically in q and p (Levi-Civita, Math. Ann. 59 (1904) 383), with Hⁱ = ∂H/∂pᵢ, Hᵢ = ∂H/∂qᵢ:
+
+    L_ij = Hⁱ Hʲ H_ij + Hᵢ Hⱼ Hⁱʲ − Hⁱ Hⱼ H_iʲ − Hᵢ Hʲ H_jⁱ = 0.
+
+Orthogonal shells, H = ½ Σ gᵃᵃPₐ² + U (Eisenhart, Ann. Math. 35 (1934) 284; Benenti):
+
+    S_ij(f) = ∂ᵢ∂ⱼf − (∂ᵢ ln gʲʲ) ∂ⱼf − (∂ⱼ ln gⁱⁱ) ∂ᵢf = 0    for f = every gʰʰ and every coefficient of U in the constants.
+
+Metric conditions are taken in logarithmic form, S_ij(f)/f = ∂ᵢ∂ⱼ ln f + ∂ᵢ ln f ∂ⱼ ln f − (∂ᵢ ln gʲʲ) ∂ⱼ ln f − (∂ⱼ ln gⁱⁱ) ∂ᵢ ln f:
+a metric that is a product then needs only small fractions.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterator, Sequence
+from dataclasses import dataclass
+
+import sympy as sp
+
+from ..algebra import poly as P
+from ..algebra.field import Element
+from ..algebra.modular import products_vanish
+from ..algebra.poly import Poly
+from ..algebra.readable import cost
+from ..algebra.reader import Reader
+
+Products = list[list[Element]]
+
+
+@dataclass(frozen=True)
+class Condition:
+    """One condition that must vanish identically.
+
+    Attributes:
+        i: position of the first coordinate.
+        j: position of the second.
+        part: ``metric`` or ``potential``.
+        about: position h for the condition on gʰʰ, or None for the potential.
+        products: the condition as a sum of products of elements.
+        scale: element the sum has been divided by (gʰʰ), to give S_ij itself back.
+    """
+
+    i: int
+    j: int
+    part: str
+    about: int | None
+    products: Products
+    scale: Element
+
+
+class Conditions:
+    """The conditions of an orthogonal shell; derivatives are taken once.
+
+    Args:
+        reader: reads and differentiates.
+        symbols: essential coordinates.
+        metric: gᵃᵃ, one element per coordinate.
+        potential: U or V_eff; the constants in it are generators, so that vanishing means vanishing coefficient by coefficient.
+    """
+
+    def __init__(self, reader: Reader, symbols: Sequence[sp.Symbol], metric: Sequence[Element], potential: Element):
+        self.reader, self.symbols, self.metric, self.potential = reader, symbols, metric, potential
+        n = range(len(symbols))
+        self.log = [[reader.log_diff(metric[h], symbols[i]) for i in n] for h in n]
+        self.slope = [reader.diff(potential, symbols[i]) for i in n]
+
+    def __iter__(self) -> Iterator[Condition]:
+        """Metric conditions of all pairs first, then those of the potential."""
+        n = len(self.symbols)
+        pairs = [(i, j) for j in range(n) for i in range(j)]
+        for i, j in pairs:
+            for h in range(n):
+                yield Condition(i, j, "metric", h, self.of_metric(i, j, h), self.metric[h])
+        for i, j in pairs:
+            yield Condition(i, j, "potential", None, self.of_potential(i, j), self.reader.field.one)
+
+    def of_metric(self, i: int, j: int, h: int) -> Products:
+        """S_ij(gʰʰ)/gʰʰ."""
+        log = self.log
+        mixed = [self.reader.diff(log[h][i], self.symbols[j])]
+        if h == i:
+            return [mixed, [-log[j][i], log[i][j]]]
+        if h == j:
+            return [mixed, [-log[i][j], log[j][i]]]
+        return [mixed, [log[h][i], log[h][j]], [-log[j][i], log[h][j]], [-log[i][j], log[h][i]]]
+
+    def of_potential(self, i: int, j: int) -> Products:
+        """S_ij(U)."""
+        mixed = self.reader.diff(self.slope[i], self.symbols[j])
+        return [[mixed], [-self.log[j][i], self.slope[j]], [-self.log[i][j], self.slope[i]]]
+
+
+def vanishes(reader: Reader, products: Products) -> bool:
+    """Proof that a sum of products is zero: the modular filter, then the exact normal form.
+
+    False is no proof of the opposite.
+    """
+    if products_vanish(reader.field, products) is False:
+        return False
+    return total(reader, products).is_zero
+
+
+def total(reader: Reader, products: Products) -> Element:
+    """The sum of products as one element."""
+    return reader.field.total(reader.field.product(factors) for factors in products)
+
+
+def general_condition(reader: Reader, hamiltonian: Element, q: Sequence[sp.Symbol], p: Sequence[sp.Symbol], i: int, j: int) -> Products:
+    """L_ij of any Hamiltonian, as a sum of four products (Levi-Civita 1904; Greenwood gives no such test, see p. 208)."""
+    d = reader.diff
+    hi, hj = d(hamiltonian, q[i]), d(hamiltonian, q[j])
+    ui, uj = d(hamiltonian, p[i]), d(hamiltonian, p[j])
+    return [
+        [ui, uj, d(hi, q[j])],
+        [hi, hj, d(ui, p[j])],
+        [-ui, hj, d(hi, p[j])],
+        [-hi, uj, d(hj, p[i])],
+    ]
+
+
+def coefficients(reader: Reader, x: Element, symbols: Sequence[sp.Symbol]) -> list[Element]:
+    """The coefficients of a polynomial in some symbols, cheapest first; the element itself if a denominator holds them."""
+    field = reader.field
+    numbers = {k for s in symbols if (k := field.number_of(s)) is not None}
+    if any(numbers & set(P.generators(base)) and len(base) > 1 for base, _ in x.bases):
+        return [x]
+    groups: dict[int, Poly] = {}
+    for m, c in x.numerator.items():
+        inner = sum(e << (P.BITS * k) for k, e in P.exponents(m) if k in numbers)
+        groups.setdefault(inner, {})[m - inner] = c
+    kept = {b: e for b, e in x.factors.items() if not numbers & set(P.generators(field.bases[b]))}
+    found = [field.cancelled(field.from_poly(a, x.coefficient, kept)) for a in groups.values()]
+    return sorted(found, key=cost)

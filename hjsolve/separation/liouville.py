@@ -1,0 +1,163 @@
+"""Recognising Liouville's form T = Σ Rᵢpᵢ²/(2Σf), V = Σv/Σf, and finding its functions (Greenwood (5-125), (5-126)).
+
+With gⁱⁱ = Rᵢ/σ, σ = Σf: every ratio gⁱⁱ/gʲʲ = Rᵢ/Rⱼ must be a product of a function of qᵢ and one of qⱼ, and σ and σV must be sums of
+functions of one coordinate each. In two dimensions this is the same as Stäckel's form up to a rescaling; in more it is less.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from fractions import Fraction
+
+import sympy as sp
+
+from ..algebra.field import Element
+from ..algebra.readable import readable
+from ..algebra.reader import Reader
+from .basepoint import base_points
+from .enclosure import NoEnclosureError, Region, enclose
+from .verdicts import Liouville
+
+
+def recognise(
+    reader: Reader, names: Sequence[str], symbols: Sequence[sp.Symbol], metric: Sequence[Element], potential: Element, region: Region
+) -> Liouville | None:
+    """The functions f, R, v of an orthogonal system, or None when it is not of Liouville's form."""
+    ratios = _separate_ratios(reader, symbols, metric)
+    if ratios is None:
+        return None
+    σ = reader.field.cancelled(ratios[0] / metric[0])
+    if not _is_additive(reader, σ, symbols):
+        return None
+    if not any(σ.depends_on(q) for q in symbols):
+        ratios, σ = [x / σ for x in ratios], reader.field.one
+    σV = reader.field.cancelled(reader.field.factored(σ) * potential)
+    if not _is_additive(reader, σV, symbols):
+        return None
+    if _sign_somewhere(reader, σ, region) < 0:
+        ratios, σ, σV = [-x for x in ratios], -σ, -σV
+    f, v = split_sum(reader, σ, symbols), split_sum(reader, σV, symbols)
+    if f is None or v is None:
+        return None
+    return Liouville(
+        tuple(names),
+        tuple(readable(reader, x) for x in f),
+        tuple(readable(reader, x) for x in ratios),
+        tuple(readable(reader, x) for x in v),
+    )
+
+
+def _separate_ratios(reader: Reader, symbols: Sequence[sp.Symbol], metric: Sequence[Element]) -> list[Element] | None:
+    """R_i with R_i/R_j = gⁱⁱ/gʲʲ, R_i a function of q_i alone; constants go to the first coordinates."""
+    last = len(symbols) - 1
+    found: list[Element] = []
+    r_last = reader.field.one
+    for i in range(last):
+        ratio = reader.field.factored(reader.field.cancelled(metric[i] / metric[last]))
+        parts = split_product(reader, ratio, symbols, i, last)
+        if parts is None:
+            return None
+        if i == 0:
+            r_last = parts[1] ** -1
+        found.append(ratio * r_last)
+    found.append(r_last)
+    for i, x in enumerate(found):
+        others = [q for k, q in enumerate(symbols) if k != i]
+        if any(not reader.diff(x, q).is_zero for q in others):
+            return None
+    return [_without(reader, x, [q for k, q in enumerate(symbols) if k != i]) for i, x in enumerate(found)]
+
+
+def split_product(reader: Reader, x: Element, symbols: Sequence[sp.Symbol], i: int, j: int) -> tuple[Element, Element] | None:
+    """x = a(q_i)·b(q_j), constants in a; by its factors where they separate, else at a base point; None if it is no product."""
+    field = reader.field
+    log_slope = reader.log_diff(x, symbols[i])
+    if any(not reader.diff(log_slope, q).is_zero for k, q in enumerate(symbols) if k != i):
+        return None
+    a, b = {}, {}
+    for base, e in x.factors.items():
+        factor = Element(field, Fraction(1), {0: 1}, {base: e})
+        holds = [k for k, q in enumerate(symbols) if factor.depends_on(q)]
+        if not set(holds) <= {j} and not set(holds) <= {i}:
+            return _split_at_base_point(reader, x, symbols, i, j)
+        (b if holds == [j] else a)[base] = e
+    return Element(field, x.coefficient, x.numerator, a), Element(field, Fraction(1), {0: 1}, b)
+
+
+def _split_at_base_point(
+    reader: Reader, x: Element, symbols: Sequence[sp.Symbol], i: int, j: int
+) -> tuple[Element, Element] | None:
+    for point in base_points(reader, symbols):
+        try:
+            of_j = point.keep(x, {j})
+            return x / of_j, of_j / point.keep(x, set())
+        except ZeroDivisionError:
+            continue
+    return None
+
+
+def _is_additive(reader: Reader, x: Element, symbols: Sequence[sp.Symbol]) -> bool:
+    """Whether all mixed derivatives vanish."""
+    slopes = [reader.diff(x, q) for q in symbols]
+    return all(reader.diff(slopes[i], symbols[j]).is_zero for j in range(len(symbols)) for i in range(j))
+
+
+def split_sum(reader: Reader, x: Element, symbols: Sequence[sp.Symbol]) -> list[Element] | None:
+    """x = Σ x_i(q_i): term by term where the terms separate, else at a base point. Constants go to the first part."""
+    by_terms = _split_terms(reader, x, symbols)
+    if by_terms is not None:
+        return by_terms
+    for point in base_points(reader, symbols):
+        try:
+            constant = point.keep(x, set())
+            parts = [point.keep(x, {i}) - constant for i in range(len(symbols))]
+            parts[0] = parts[0] + constant
+            return [reader.field.cancelled(part) for part in parts]
+        except ZeroDivisionError:
+            continue
+    return None
+
+
+def _split_terms(reader: Reader, x: Element, symbols: Sequence[sp.Symbol]) -> list[Element] | None:
+    field = reader.field
+    parts = [field.zero] * len(symbols)
+    constants = []
+    for m, c in x.numerator.items():
+        term = field.from_poly({m: c}, x.coefficient, x.factors)
+        holds = [i for i, q in enumerate(symbols) if term.depends_on(q)]
+        if len(holds) > 1:
+            return None
+        if holds:
+            parts[holds[0]] = parts[holds[0]] + term
+        else:
+            constants.append(term)
+    home = next((i for i, part in enumerate(parts) if not part.is_zero), 0)
+    parts[home] = field.total([parts[home], *constants])
+    return parts
+
+
+def _without(reader: Reader, x: Element, others: Sequence[sp.Symbol]) -> Element:
+    """The same function written without symbols it does not really depend on."""
+    if not any(x.depends_on(q) for q in others):
+        return x
+    for point in base_points(reader, others):
+        try:
+            return point.keep(x, set())
+        except ZeroDivisionError:
+            continue
+    return x
+
+
+def _sign_somewhere(reader: Reader, x: Element, region: Region) -> int:
+    """Sign at the first point of the region where it is certain; +1 if nowhere."""
+    expression = reader.write(x)
+    for point in region.points(expression):
+        try:
+            lower, upper = enclose(expression, point)
+        except NoEnclosureError:
+            continue
+        if lower > 0 or upper < 0:
+            return 1 if lower > 0 else -1
+    return 1
+
+

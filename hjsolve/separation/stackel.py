@@ -1,0 +1,97 @@
+"""Stäckel's matrix and column by the base-point construction, made readable, and verified by substitution.
+
+Greenwood (p. 208) says that Stäckel's theorem "presents no direct method". This is one: hold all coordinates but the i-th at a
+base point q⁰ (written q̂ᵢ); a separable shell then has
+
+    ½ Pᵢ² = [E − V(q̂ᵢ) − Σ_{j≠i} gʲʲ(q̂ᵢ) aⱼ] / gⁱⁱ(q̂ᵢ),        Σⱼ gʲʲ(q⁰) aⱼ + V(q⁰) = E,
+
+linear in (E, a): a Stäckel matrix Φ and column ψ can be read off. Substitution decides: cᵀΦ = (1, 0, …, 0) and cᵀψ = V hold if and only
+if the shell separates (Eisenhart 1934; docs/theory).
+
+What may be changed without changing anything (Greenwood after (5-140)): columns 2 … n of Φ mixed by a constant nonsingular matrix,
+multiples of them added to column 1 and to ψ. ``columns`` uses this freedom.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+
+import sympy as sp
+
+from ..algebra.field import Element
+from ..algebra.readable import readable
+from ..algebra.reader import Reader
+from .basepoint import BasePoint, base_points
+from .columns import sparsest
+from .verdicts import Stackel
+
+Row = list[Element]
+
+
+@dataclass(frozen=True)
+class Matrix:
+    """Φ and ψ as elements of the field."""
+
+    rows: list[Row]
+    column: Row
+
+
+def construct(reader: Reader, symbols: Sequence[sp.Symbol], metric: Sequence[Element], potential: Element) -> Matrix | None:
+    """Φ and ψ of a shell in readable form; None when no base point gives a regular matrix or the certificate fails.
+
+    A failed certificate shows that the shell does not separate; which condition fails is for ``levi_civita`` to say.
+    """
+    for point in base_points(reader, symbols):
+        try:
+            raw = _at_base_point(reader, point, metric, potential)
+        except ZeroDivisionError:
+            continue
+        tidy = sparsest(reader, symbols, raw.rows, raw.column)
+        matrix = Matrix(*tidy)
+        return matrix if certified(reader, metric, potential, matrix) else None
+    return None
+
+
+def certified(reader: Reader, metric: Sequence[Element], potential: Element, matrix: Matrix) -> bool:
+    """Exact proof of cᵀΦ = (1, 0, …, 0) and cᵀψ = V."""
+    field = reader.field
+    for j in range(len(metric)):
+        entries = [metric[i] * matrix.rows[i][j] for i in range(len(metric))]
+        if not field.total([*entries, field.coerce(-1 if j == 0 else 0)]).is_zero:
+            return False
+    return field.total([*(g * ψ for g, ψ in zip(metric, matrix.column)), -potential]).is_zero
+
+
+def _at_base_point(reader: Reader, point: BasePoint, metric: Sequence[Element], potential: Element) -> Matrix:
+    """Φ and ψ in the constants (E, a₁, …, a_{n−1}); a_n is eliminated by the shell at the base point.
+
+    Raises:
+        ZeroDivisionError: the metric is singular at the base point or on a line through it.
+    """
+    field, n = reader.field, len(metric)
+    last = n - 1
+    g0 = [point.keep(g, set()) for g in metric]
+    V0 = point.keep(potential, set())
+    rows, column = [], []
+    for i in range(n):
+        g = [point.keep(x, {i}) for x in metric]
+        V = point.keep(potential, {i})
+        if any(x.is_zero for x in (*g, *g0)):
+            raise ZeroDivisionError("the metric vanishes on a line through the base point")
+        own = g[i] ** -1
+        through_last = field.coerce(0) if i == last else g[last] / (g0[last] * g[i])
+        row = [own - through_last]
+        for j in range(last):
+            direct = field.coerce(0) if j == i else -(g[j] * own)
+            row.append(field.cancelled(direct + through_last * g0[j]))
+        rows.append([field.cancelled(row[0]), *row[1:]])
+        column.append(field.cancelled(V * own - through_last * V0))
+    return Matrix(rows, column)
+
+
+def finished(reader: Reader, names: Sequence[str], metric: Sequence[sp.Expr], matrix: Matrix) -> Stackel:
+    """The verdict's form: readable expressions."""
+    entries = [[readable(reader, x) for x in row] for row in matrix.rows]
+    column = tuple(readable(reader, x) for x in matrix.column)
+    return Stackel(tuple(names), sp.ImmutableMatrix(entries), column, tuple(metric))

@@ -1,0 +1,294 @@
+"""Reduction to the energy shell: one quadratic form in the momenta that are left, and one potential.
+
+Every system of this project is, after its ignorable coordinates are replaced by their constant momenta c,
+
+    ½ Σₐ gᵃᵃ(q) Pₐ²  +  V_eff(q; c)  =  E,        Pₐ = pₐ + Aₐ(q; c),
+
+over the essential coordinates only (Greenwood 1977, §2-3, §4-3, (5-74)–(5-81)). Ignorable coordinates may be coupled to the
+rest (the top): eliminating them is symmetric Gaussian elimination of the mass matrix, which leaves the Schur complement as mass
+matrix, Σ rₖ²/(2dₖ) as centrifugal potential, and linear terms A. T₀ is folded, V′ = V − T₀ (2-152). Linear terms are shifted
+away when A = dχ; when they are not closed they are gyroscopic and the system is refused.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+
+import sympy as sp
+
+from .algebra.field import Element
+from .algebra.integration import closed_form_potential
+from .algebra.poly import Budget
+from .algebra.readable import cost, readable
+from .algebra.reader import Reader
+from .algebra.signs import Bounds
+from .system import Coordinate, System, kinetic_rest, linear_terms, mass_matrix
+
+
+@dataclass(frozen=True)
+class Step:
+    """One step of an argument.
+
+    Attributes:
+        title: a few words.
+        explanation: what was done and why, for a physicist.
+        formula: the result of the step, or None.
+    """
+
+    title: str
+    explanation: str
+    formula: sp.Basic | None = None
+
+
+@dataclass(frozen=True)
+class Shell:
+    """The energy shell of a system; see the module's text.
+
+    Attributes:
+        system: the system it was made from.
+        coordinates: the essential coordinates, in the user's order.
+        ignorable: the coordinates that H does not hold; their momentum symbols are the constants c.
+        inverse_metric: gᵃᵃ(q), one per essential coordinate.
+        potential: V_eff(q; c), energy not subtracted.
+        energy: the symbol of the energy.
+        shift: Aₐ(q; c), one per essential coordinate; zero where H has no linear terms.
+        shift_potential: χ with ∂χ/∂qₐ = Aₐ.
+        steps: the reduction in words and formulas.
+    """
+
+    system: System
+    coordinates: tuple[Coordinate, ...]
+    ignorable: tuple[Coordinate, ...]
+    inverse_metric: tuple[sp.Expr, ...]
+    potential: sp.Expr
+    energy: sp.Symbol
+    shift: tuple[sp.Expr, ...]
+    shift_potential: sp.Expr
+    steps: tuple[Step, ...]
+
+
+@dataclass(frozen=True)
+class Irreducible:
+    """No shell exists in these coordinates.
+
+    Attributes:
+        reason: ``metric`` (the essential coordinates are coupled in T) or ``gyroscopic`` (linear terms that are no gradient).
+        pair: names of the two coordinates.
+        residual: the mass-matrix entry, or the curl ∂ᵢAⱼ − ∂ⱼAᵢ, that would have to vanish.
+        steps: what had been done before.
+        essential: the coordinates that H holds.
+        ignorable: the others.
+    """
+
+    reason: str
+    pair: tuple[str, str]
+    residual: sp.Expr
+    steps: tuple[Step, ...]
+    essential: tuple[Coordinate, ...] = ()
+    ignorable: tuple[Coordinate, ...] = ()
+
+
+@dataclass(frozen=True)
+class _Lagrangian:
+    """T₂, T₁, T₀ and V as matrices of sympy expressions, without hidden ignorable coordinates."""
+
+    mass: sp.Matrix
+    linear: tuple[sp.Expr, ...]
+    rest: sp.Expr
+    potential: sp.Expr
+
+    def parts(self) -> list[sp.Expr]:
+        return [*self.mass, *self.linear, self.rest, self.potential]
+
+    def subs(self, symbol: sp.Symbol, value: sp.Expr) -> _Lagrangian:
+        linear = tuple(x.subs(symbol, value) for x in self.linear)
+        return _Lagrangian(
+            self.mass.subs(symbol, value), linear, self.rest.subs(symbol, value), self.potential.subs(symbol, value)
+        )
+
+
+@dataclass(frozen=True)
+class _Eliminated:
+    """Result of eliminating the ignorable coordinates."""
+
+    mass: list[list[Element]]
+    shift: list[Element]
+    centrifugal: list[Element]
+
+
+def domain_bounds(system: System) -> dict[sp.Symbol, Bounds]:
+    """Open interval of each coordinate; angles and lines have no ends."""
+    return {
+        c.symbol: (None, None) if c.domain.kind == "angle" else (c.domain.lower, c.domain.upper)
+        for c in system.coordinates
+    }
+
+
+def energy_symbol(system: System) -> sp.Symbol:
+    """The symbol E, or another letter where the user has taken E."""
+    taken = set(system.symbols)
+    return sp.Symbol(next(name for name in ("E", "h", "energy", "E_total") if name not in taken), real=True)
+
+
+def reduce(system: System, budget: Budget | None = None) -> Shell | Irreducible:
+    """Reduce a system to its energy shell.
+
+    Args:
+        system: any holonomic system with T = T₂ + T₁ + T₀ and V(q).
+        budget: work allowed to exact arithmetic; 20 s by default.
+
+    Returns:
+        The ``Shell``, or ``Irreducible`` with the pair of coordinates that stands in the way.
+
+    Raises:
+        WorkLimitError: exact arithmetic needs more than the budget, or T or V is outside its reach.
+    """
+    budget = budget or Budget.seconds(20.0)
+    lagrangian = _Lagrangian(mass_matrix(system), tuple(linear_terms(system)), kinetic_rest(system), system.potential)
+    reader = Reader(lagrangian.parts(), domain_bounds(system), budget)
+    ignorable, lagrangian = _find_ignorable(system, lagrangian, reader)
+    essential = [i for i, c in enumerate(system.coordinates) if c not in ignorable]
+    passive = [i for i, c in enumerate(system.coordinates) if c in ignorable]
+    eliminated = _eliminate(system, lagrangian, reader, essential, passive)
+    coordinates = tuple(system.coordinates[i] for i in essential)
+    steps = _reduction_steps(system, ignorable, lagrangian, eliminated, reader)
+    if (coupled := _coupled_pair(eliminated.mass, reader)) is not None:
+        i, j, residual = coupled
+        pair = coordinates[i].name, coordinates[j].name
+        return Irreducible("metric", pair, residual, steps, coordinates, ignorable)
+    if (curl := _curl(coordinates, eliminated.shift, reader)) is not None:
+        i, j, residual = curl
+        pair = coordinates[i].name, coordinates[j].name
+        return Irreducible("gyroscopic", pair, residual, steps, coordinates, ignorable)
+    return _shell(system, coordinates, ignorable, lagrangian, eliminated, reader, steps)
+
+
+def _shell(
+    system: System,
+    coordinates: tuple[Coordinate, ...],
+    ignorable: tuple[Coordinate, ...],
+    lagrangian: _Lagrangian,
+    eliminated: _Eliminated,
+    reader: Reader,
+    steps: tuple[Step, ...],
+) -> Shell:
+    metric = tuple(readable(reader, eliminated.mass[a][a] ** -1) for a in range(len(coordinates)))
+    centrifugal = [readable(reader, x) for x in eliminated.centrifugal]
+    potential = sp.Add(lagrangian.potential, -lagrangian.rest, *centrifugal)
+    shift = tuple(readable(reader, x) for x in eliminated.shift)
+    χ = closed_form_potential(reader, [c.symbol for c in coordinates], eliminated.shift)
+    energy = energy_symbol(system)
+    if any(shift):
+        steps += (_shift_step(coordinates, χ),)
+    shell = sp.Add(*(g * sp.Symbol(f"P_{c.name}") ** 2 / 2 for g, c in zip(metric, coordinates)), potential)
+    text = "What is left: half the inverse metric times the squared momenta plus the effective potential is the energy."
+    steps += (Step("Energy shell", text, sp.Eq(shell, energy, evaluate=False)),)
+    return Shell(system, coordinates, ignorable, metric, potential, energy, shift, χ, steps)
+
+
+def _find_ignorable(
+    system: System, lagrangian: _Lagrangian, reader: Reader
+) -> tuple[tuple[Coordinate, ...], _Lagrangian]:
+    """Coordinates that T and V do not hold, also where they seem to (cos²φ + sin²φ); those are set to a number."""
+    found = []
+    for c in system.coordinates:
+        holding = [x for x in lagrangian.parts() if c.symbol in x.free_symbols]
+        if any(not reader.diff(reader.element(x), c.symbol).is_zero for x in holding):
+            continue
+        if holding:
+            lagrangian = lagrangian.subs(c.symbol, _inside(c))
+        found.append(c)
+    return tuple(found), lagrangian
+
+
+def _inside(c: Coordinate) -> sp.Expr:
+    """A simple value inside a coordinate's domain."""
+    lower, upper = c.domain.lower, c.domain.upper
+    if c.domain.kind == "angle" or (lower is None and upper is None):
+        return sp.S.Zero
+    if lower is not None and upper is not None:
+        return (lower + upper) / 2
+    return lower + 1 if lower is not None else upper - 1
+
+
+def _eliminate(
+    system: System, lagrangian: _Lagrangian, reader: Reader, essential: Sequence[int], passive: Sequence[int]
+) -> _Eliminated:
+    """Symmetric elimination of the ignorable coordinates, simplest pivot first.
+
+    With m the mass matrix and r = (c − a) for ignorable, (−a) for essential coordinates, each pivot k adds r_k²/(2m_kk) to the
+    potential and replaces m by m − m_·k m_k·/m_kk, r by r − m_·k r_k/m_kk. What remains of r is A.
+    """
+    n = len(system.coordinates)
+    m = [[reader.element(lagrangian.mass[i, j]) for j in range(n)] for i in range(n)]
+    r = [-reader.element(a) for a in lagrangian.linear]
+    for i in passive:
+        r[i] = r[i] + reader.element(system.coordinates[i].momentum)
+    left, centrifugal = list(passive), []
+    positions = [system.coordinates[i].symbol for i in essential]
+    while left:
+        k = min(left, key=lambda i: (any(m[i][i].depends_on(q) for q in positions), cost(m[i][i])))
+        left.remove(k)
+        centrifugal.append(r[k] ** 2 / m[k][k] * reader.field.coerce(1) / 2)
+        others = [i for i in (*left, *essential) if not m[i][k].is_zero]
+        share = {i: reader.field.cancelled(m[i][k] / m[k][k]) for i in others}
+        for i in others:
+            r[i] = reader.field.cancelled(r[i] - share[i] * r[k])
+            for j in others:
+                m[i][j] = reader.field.cancelled(m[i][j] - share[i] * m[k][j])
+    return _Eliminated([[m[i][j] for j in essential] for i in essential], [r[i] for i in essential], centrifugal)
+
+
+def _coupled_pair(mass: list[list[Element]], reader: Reader) -> tuple[int, int, sp.Expr] | None:
+    for i in range(len(mass)):
+        for j in range(i):
+            if not mass[i][j].is_zero:
+                return j, i, readable(reader, mass[i][j])
+    return None
+
+
+def _curl(coordinates: tuple[Coordinate, ...], shift: list[Element], reader: Reader) -> tuple[int, int, sp.Expr] | None:
+    """The first ∂ᵢAⱼ − ∂ⱼAᵢ that is not zero (Greenwood (2-40))."""
+    for j in range(len(coordinates)):
+        for i in range(j):
+            curl = reader.diff(shift[j], coordinates[i].symbol) - reader.diff(shift[i], coordinates[j].symbol)
+            if not curl.is_zero:
+                return i, j, readable(reader, curl)
+    return None
+
+
+def _reduction_steps(
+    system: System,
+    ignorable: tuple[Coordinate, ...],
+    lagrangian: _Lagrangian,
+    eliminated: _Eliminated,
+    reader: Reader,
+) -> tuple[Step, ...]:
+    steps = []
+    if ignorable:
+        names = ", ".join(c.name for c in ignorable)
+        constants = ", ".join(str(c.momentum) for c in ignorable)
+        coupled = any(not x.is_zero for x in eliminated.shift) and not any(lagrangian.linear)
+        text = (
+            f"T and V do not hold {names}, so {constants} stay constant and W is linear in {names}. Eliminating the velocities "
+            f"adds the centrifugal potential shown" + (", and terms linear in the momenta left." if coupled else ".")
+        )
+        steps.append(Step("Ignorable coordinates", text, sp.Add(*(readable(reader, x) for x in eliminated.centrifugal))))
+    if lagrangian.rest != 0:
+        text = "The part of T without velocities acts as a potential: V' = V - T0."
+        steps.append(Step("Velocity-free part of T", text, lagrangian.potential - lagrangian.rest))
+    if not steps:
+        names = ", ".join(c.name for c in system.coordinates)
+        steps.append(Step("Ignorable coordinates", f"T or V holds each of {names}: none is ignorable.", None))
+    return tuple(steps)
+
+
+def _shift_step(coordinates: tuple[Coordinate, ...], χ: sp.Expr) -> Step:
+    text = (
+        "H has terms linear in the momenta left; together they are the gradient of the function shown, so they are removed by "
+        "completing the square: P = p + gradient, and W loses that function."
+    )
+    if len(coordinates) == 1:
+        text = "With one essential coordinate linear terms are always a gradient. " + text
+    return Step("Linear terms", text, χ)
