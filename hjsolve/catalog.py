@@ -1,0 +1,385 @@
+"""The catalog: mechanical systems as data, each with its literature, initial data, effects and reference values.
+
+An entry is one TOML file (catalog/README.md). Loading checks it once and gives frozen values; a user's own file and an
+inline ``[system]`` table go through the same door.
+"""
+
+from __future__ import annotations
+
+import tomllib
+from collections.abc import Iterable, Iterator, Mapping, Sequence
+from dataclasses import dataclass, field
+from decimal import Decimal
+from importlib.resources import files
+from importlib.resources.abc import Traversable
+from pathlib import Path
+from typing import Any
+
+from hjsolve import schema
+from hjsolve.errors import CatalogError, ExpressionError, InvalidInputError
+from hjsolve.expressions import number
+from hjsolve.system import System, parameter
+
+_FOLDERS = {"separable": "systems", "refused": "refused"}
+_LONGEST_FILE = 1_000_000
+
+
+@dataclass(frozen=True)
+class InitialData:
+    """Where a motion starts: coordinates, and velocities or momenta; numbers stay the texts of the file.
+
+    Attributes:
+        name: ``default`` for the table ``initial``, else the name under ``motions``.
+        kinds: the kind of motion expected of each coordinate; may be empty.
+    """
+
+    name: str
+    q: Mapping[str, object]
+    velocity: Mapping[str, object] | None = None
+    p: Mapping[str, object] | None = None
+    parameters: Mapping[str, object] = field(default_factory=dict)
+    kinds: Mapping[str, str] = field(default_factory=dict)
+    summary: str = ""
+
+    @property
+    def arguments(self) -> dict[str, Mapping[str, object]]:
+        """The keyword arguments for ``solution.motion``."""
+        given = {"q": self.q, "velocity": self.velocity, "p": self.p, "parameters": self.parameters}
+        return {name: value for name, value in given.items() if value}
+
+
+@dataclass(frozen=True)
+class Effect:
+    """An optional term of T or V, with the parameters it brings; absent from H until it is called for."""
+
+    name: str
+    summary: str
+    kinetic: str = ""
+    potential: str = ""
+    parameters: tuple[Mapping[str, object], ...] = ()
+    verdict: str = ""
+    cite: tuple[str, ...] = ()
+
+
+@dataclass(frozen=True)
+class Reference:
+    """A number known by another way than hjsolve's; ``value`` has all its digits.
+
+    Attributes:
+        quantity: as in catalog/README.md, e.g. ``period.r`` or ``q.theta``.
+        at: ``motion`` (a name) and ``t``, or values of constants and parameters.
+    """
+
+    quantity: str
+    at: Mapping[str, object]
+    value: str
+    how: str
+    cite: tuple[str, ...] = ()
+
+
+@dataclass(frozen=True)
+class Entry:
+    """One system of the catalog.
+
+    Attributes:
+        kind: ``separable``, ``refused``, or ``unchecked`` where the file expects nothing.
+        initial: the default motion, or None. motions: every motion by name, the default one included.
+        expect: what is known about separability (catalog/README.md), as in the file.
+        reason: why a refused system is refused. instead: what to do about it.
+        meanings: coordinate → (unit, meaning).
+    """
+
+    id: str
+    title: str
+    summary: str
+    kind: str
+    system: System
+    initial: InitialData | None
+    motions: Mapping[str, InitialData]
+    effects: Mapping[str, Effect]
+    expect: Mapping[str, Any]
+    references: tuple[Reference, ...]
+    cite: tuple[str, ...]
+    book: tuple[str, ...]
+    meanings: Mapping[str, tuple[str, str]]
+    reason: str = ""
+    instead: str = ""
+
+
+def ids(kind: str | None = None) -> tuple[str, ...]:
+    """List the catalog: the separable systems first, then the refused ones; or only one kind.
+
+    Args:
+        kind: ``separable``, ``refused`` or None for both.
+    Raises:
+        CatalogError: another kind.
+    """
+    if kind is not None and kind not in _FOLDERS:
+        raise CatalogError(f'kind: "{kind}" is not known{schema.nearest(kind, _FOLDERS)}')
+    kinds = [kind] if kind else list(_FOLDERS)
+    return tuple(name for k in kinds for name in sorted(f.name.removesuffix(".toml") for f in _toml_files(k)))
+
+
+def titles() -> dict[str, str]:
+    """Give the title of every entry by its id, without building any system."""
+    return {name: str(_read(*_locate(name))["title"]) for name in ids()}
+
+
+def load(entry: str | Path, *, effects: Iterable[str] = ()) -> System:
+    """Give the system of a catalog entry or of a TOML file, with some of its effects switched on.
+
+    Args:
+        entry: an id such as ``kepler-planar``, or the path of a ``.toml`` file of the same format.
+        effects: names of its effects; their terms are added to T and V, their parameters to the system's.
+
+    Returns:
+        The system; refused entries load too, so that ``separate`` can say why.
+
+    Raises:
+        CatalogError: no such entry or effect, or a file that does not follow the schema; one line for every fault.
+
+    Example:
+        >>> [c.name for c in load("kepler-planar").coordinates]
+        ['r', 'theta']
+    """
+    table, source = _checked(entry)
+    return from_table(_with_effects(table, tuple(effects), source), source=source)
+
+
+def describe(entry: str | Path) -> Entry:
+    """Give everything an entry holds.
+
+    Args:
+        entry: an id, or the path of a ``.toml`` file.
+
+    Returns:
+        The entry, its system built without effects.
+
+    Raises:
+        CatalogError: as ``load``; here initial data, effects, motions and references are checked as well.
+    """
+    table, source = _checked(entry)
+    system = from_table(table, source=source)
+    problems = list(_entry_faults(table, system))
+    if problems:
+        raise _refused(source, problems)
+    tables = {"default": table["initial"]} if "initial" in table else {}
+    motions = {name: _initial(name, data) for name, data in {**tables, **table.get("motions", {})}.items()}
+    expect = table.get("expect", {})
+    return Entry(
+        id=table["id"], title=table["title"], summary=table.get("summary", ""), system=system,
+        kind="unchecked" if not expect else "refused" if expect["verdict"] == "refused" else "separable",
+        initial=motions.get("default"), motions=motions, effects=_effects(table), expect=expect,
+        references=tuple(_reference(r) for r in table.get("reference", [])),
+        cite=tuple(table.get("cite", ())), book=tuple(table.get("book", ())),
+        meanings={c["name"]: (c.get("unit", ""), c.get("meaning", "")) for c in table["coordinates"]},
+        reason=table.get("reason", ""), instead=table.get("instead", ""),
+    )  # fmt: skip
+
+
+def from_table(table: Mapping[str, Any], *, source: str = "system") -> System:
+    """Build a system from an inline ``[system]`` table or the table of an entry.
+
+    Args:
+        table: keys ``coordinates``, ``kinetic`` and, where wanted, ``potential``, ``parameters``, ``signature``,
+            ``title``, ``id``; the further keys of an entry are allowed and not looked at.
+        source: what the table is called in errors, e.g. a file name.
+
+    Raises:
+        CatalogError: one line for every fault: the source, the key, what is wrong and what to write instead.
+    """
+    own = {key: value for key, value in table.items() if key not in schema.ENTRY or key in schema.SYSTEM} if (
+        isinstance(table, Mapping)) else table
+    problems = list(schema.faults(own, schema.SYSTEM))
+    if not problems:
+        problems = [*_repeated(own["coordinates"], "coordinates"), *_repeated(own.get("parameters", []), "parameters")]
+    if problems:
+        raise _refused(source, problems)
+    try:
+        return System(
+            coordinates={c["name"]: c["domain"] for c in own["coordinates"]},
+            kinetic=own["kinetic"], potential=own.get("potential", "0"),
+            parameters={p["name"]: _parameter(p) for p in own.get("parameters", [])},
+            signature=own.get("signature", "definite"), title=own.get("title", ""), id=own.get("id", ""),
+        )  # fmt: skip
+    except InvalidInputError as error:
+        raise CatalogError(f"{source}: {_one_line(error)}") from error
+
+
+def folder() -> Traversable:
+    """The catalog's folder: inside the installed package, or at the top of a source checkout."""
+    installed = files("hjsolve") / "_catalog"
+    return installed if installed.is_dir() else Path(__file__).resolve().parent.parent / "catalog"
+
+
+def _toml_files(kind: str) -> list[Traversable]:
+    place = folder() / _FOLDERS[kind]
+    return [f for f in place.iterdir() if f.name.endswith(".toml")] if place.is_dir() else []
+
+
+def _locate(entry: str | Path) -> tuple[Traversable, str]:
+    if isinstance(entry, Path) or str(entry).endswith(".toml"):
+        return Path(entry), str(entry)
+    for file in (file for kind in _FOLDERS for file in _toml_files(kind)):
+        if file.name == f"{entry}.toml":
+            return file, file.name
+    raise CatalogError(f'no catalog entry "{str(entry)[:40]}"{schema.nearest(str(entry)[:40], ids())}')
+
+
+def _read(file: Traversable, source: str) -> dict[str, Any]:
+    try:
+        data = file.read_bytes()
+        if len(data) > _LONGEST_FILE:
+            raise CatalogError(f"{source}: longer than {_LONGEST_FILE} bytes; an entry is a few pages")
+        return tomllib.loads(data.decode("utf-8"), parse_float=Decimal)
+    except OSError as error:
+        raise CatalogError(f"{source}: cannot be read ({error.strerror or type(error).__name__})") from error
+    except UnicodeDecodeError as error:
+        raise CatalogError(f"{source}: not UTF-8 at byte {error.start}") from error
+    except tomllib.TOMLDecodeError as error:
+        raise CatalogError(f"{source}: not TOML: {_one_line(error)}") from error
+    except RecursionError as error:
+        raise CatalogError(f"{source}: tables or lists nested too deeply") from error
+
+
+def _checked(entry: str | Path) -> tuple[dict[str, Any], str]:
+    file, source = _locate(entry)
+    table = _read(file, source)
+    problems = list(schema.faults(table, schema.ENTRY))
+    if not problems and table["id"] != file.name.removesuffix(".toml"):
+        problems.append(f'id: "{table["id"]}" must be the name of the file, "{file.name.removesuffix(".toml")}"')
+    if problems:
+        raise _refused(source, problems)
+    return table, source
+
+
+def _with_effects(table: Mapping[str, Any], names: Sequence[str], source: str) -> dict[str, Any]:
+    """T and V with the terms of the effects added; texts, so that what is absent was never parsed."""
+    known, result = table.get("effects", {}), dict(table)
+    for name in dict.fromkeys(names):
+        if name not in known:
+            raise CatalogError(f'{source}: no effect "{name}"{schema.nearest(name, known)}')
+        effect = known[name]
+        for term in ("kinetic", "potential"):
+            if effect.get(term):
+                result[term] = f"{result.get(term, '0')} + ({effect[term]})"
+        result["parameters"] = [*result.get("parameters", []), *effect.get("parameters", [])]
+        result["title"] = f"{result['title']}, with {name}"
+        result["id"] = f"{result['id']}+{name}"
+    return result
+
+
+def _effects(table: Mapping[str, Any]) -> dict[str, Effect]:
+    tuples = ("parameters", "cite")
+    return {
+        name: Effect(name=name, **{key: tuple(v) if key in tuples else v for key, v in effect.items()})
+        for name, effect in table.get("effects", {}).items()
+    }
+
+
+def _initial(name: str, table: Mapping[str, Any]) -> InitialData:
+    return InitialData(name=name, **table)
+
+
+def _reference(table: Mapping[str, Any]) -> Reference:
+    return Reference(**{key: tuple(value) if key == "cite" else value for key, value in table.items()})
+
+
+def _parameter(table: Mapping[str, Any]) -> Any:
+    return parameter(
+        table["name"], value=table.get("value"), assume=table.get("assume", "real"), unit=table.get("unit", ""),
+        meaning=table.get("meaning", ""),
+    )  # fmt: skip
+
+
+def _entry_faults(table: Mapping[str, Any], system: System) -> Iterator[str]:
+    """What the schema cannot see: names that must agree, numbers that must parse, references that must make sense."""
+    names, declared = [c.name for c in system.coordinates], [p.name for p in system.parameters]
+    motions = {"initial": table["initial"]} if "initial" in table else {}
+    motions |= {f"motions.{name}": data for name, data in table.get("motions", {}).items()}
+    for where, data in motions.items():
+        yield from _motion_faults(where, data, names, declared)
+    for name, effect in table.get("effects", {}).items():
+        if not effect.get("kinetic") and not effect.get("potential"):
+            yield f"effects.{name}: needs a term, kinetic or potential"
+        yield from _effect_faults(table, name)
+    refused = table.get("expect", {}).get("verdict") == "refused"
+    if refused and not (table.get("reason") and table.get("instead")):
+        yield "reason, instead: a refused entry says why, and what to do"
+    for key in ("pair", "ignorable"):
+        yield from _unknown(table.get("expect", {}).get(key, ()), names, f"expect.{key}", "coordinate")
+    known = {"default"} if "initial" in table else set()
+    for place, reference in enumerate(table.get("reference", []), start=1):
+        yield from _reference_faults(reference, f"reference[{place}]", names, known | set(table.get("motions", {})))
+
+
+def _motion_faults(where: str, data: Mapping[str, Any], names: list[str], declared: list[str]) -> Iterator[str]:
+    if ("velocity" in data) == ("p" in data):
+        yield f"{where}: give velocity or p, one of the two"
+    for key in ("q", "velocity", "p"):
+        given = data.get(key)
+        if given is None:
+            continue
+        yield from _unknown(given, names, f"{where}.{key}", "coordinate")
+        yield from (f"{where}.{key}.{name}: missing" for name in names if name not in given)
+        yield from _numbers(given, f"{where}.{key}")
+    yield from _unknown(data.get("parameters", {}), declared, f"{where}.parameters", "parameter")
+    yield from _numbers(data.get("parameters", {}), f"{where}.parameters")
+    for name, kind in data.get("kinds", {}).items():
+        yield from _unknown([name], names, f"{where}.kinds", "coordinate")
+        yield from _unknown([kind], schema.KINDS, f"{where}.kinds.{name}", "kind")
+
+
+def _effect_faults(table: Mapping[str, Any], name: str) -> Iterator[str]:
+    try:
+        from_table(_with_effects(table, (name,), ""), source=f"effects.{name}")
+    except CatalogError as error:
+        yield str(error)
+
+
+def _reference_faults(reference: Mapping[str, Any], where: str, names: list[str], motions: set[str]) -> Iterator[str]:
+    quantity, at = str(reference["quantity"]), reference["at"]
+    match = schema.QUANTITY.fullmatch(quantity)
+    if match is None:
+        yield f'{where}.quantity: "{quantity}" is not known; see "quantities" in catalog/README.md'
+    else:
+        coordinate = match["coordinate"] or match["turning"]
+        yield from _unknown([coordinate] if coordinate else [], names, f"{where}.quantity", "coordinate")
+        timed = quantity.split(".")[0] in ("q", "p", "velocity")
+        if timed != ("t" in at):
+            yield f"{where}.at: {'needs' if timed else 'must not have'} a time t"
+    if "motion" in at:
+        yield from _unknown([str(at["motion"])], sorted(motions), f"{where}.at.motion", "motion")
+    yield from _numbers({key: value for key, value in at.items() if key != "motion"}, f"{where}.at")
+    yield from _numbers({"value": reference["value"]}, where)
+
+
+def _numbers(table: Mapping[str, Any], where: str) -> Iterator[str]:
+    for name, value in table.items():
+        try:
+            number(value, source=f"{where}.{name}")
+        except ExpressionError as error:
+            yield _one_line(error)
+
+
+def _unknown(given: Iterable[str], known: Iterable[str], where: str, what: str) -> Iterator[str]:
+    words = list(known)
+    yield from (f'{where}: no {what} "{word}"{schema.nearest(word, words)}' for word in given if word not in words)
+
+
+def _repeated(tables: list[Mapping[str, Any]], where: str) -> Iterator[str]:
+    names = [table["name"] for table in tables]
+    yield from (f'{where}: "{name}" is declared twice' for name in dict.fromkeys(names) if names.count(name) > 1)
+
+
+def _refused(source: str, problems: list[str]) -> CatalogError:
+    return CatalogError("\n".join(f"{source}: {problem}" for problem in problems))
+
+
+def _one_line(error: Exception) -> str:
+    return " ".join(str(error).split())
+
+
+__all__ = [
+    "Effect", "Entry", "InitialData", "Reference", "describe", "folder", "from_table", "ids", "load", "titles",
+]  # fmt: skip

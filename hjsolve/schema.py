@@ -1,0 +1,146 @@
+"""The shape of a catalog entry: which keys a table may have, of what type, and one line for every fault.
+
+The schema is data; catalog/README.md says in words what every key means. Nothing here knows mechanics.
+"""
+
+from __future__ import annotations
+
+import difflib
+import re
+from collections.abc import Iterator, Mapping
+from dataclasses import dataclass, field
+from decimal import Decimal
+
+VERDICTS = ("liouville", "staeckel", "reduced", "refused")
+PARTS = ("metric", "potential", "gyroscopic")
+KINDS = ("libration", "rotation", "escape", "equilibrium", "asymptotic", "boundary", "ignorable")
+ASSUMPTIONS = ("real", "positive", "negative", "nonnegative", "nonzero")
+QUANTITY = re.compile(
+    r"(?:(?P<cycle>period|action|frequency|q|p|velocity|boundary_time)\.(?P<coordinate>\w+)"
+    r"|turning_point\.(?P<turning>\w+)\.(?:lower|upper)|constant\.(?P<constant>\w+))"
+)
+_WORDS = {
+    "text": "a text", "texts": "a list of texts", "number": "a number, best as a text such as \"1.2\"",
+    "numbers": "a table of numbers", "formulas": "a table of texts", "matrix": "a list of rows of texts",
+    "table": "a table", "tables": "a list of tables", "named": "a table of tables",
+}  # fmt: skip
+
+
+@dataclass(frozen=True)
+class Key:
+    """What one key holds: a type word of ``_WORDS``, whether it must be there, its own keys, the values allowed."""
+
+    type: str
+    required: bool = False
+    keys: Mapping[str, Key] = field(default_factory=dict)
+    choices: tuple[str, ...] = ()
+
+
+_TEXT, _NUMBERS, _FORMULAS = Key("text"), Key("numbers"), Key("formulas")
+_COORDINATE = {"name": Key("text", True), "domain": Key("text", True), "unit": _TEXT, "meaning": _TEXT}
+_PARAMETER = {
+    "name": Key("text", True), "value": Key("number"), "assume": Key("text", choices=ASSUMPTIONS), "unit": _TEXT,
+    "meaning": _TEXT,
+}  # fmt: skip
+_MOTION = {
+    "summary": _TEXT, "q": Key("numbers", True), "velocity": _NUMBERS, "p": _NUMBERS, "parameters": _NUMBERS,
+    "kinds": _FORMULAS,
+}  # fmt: skip
+_EFFECT = {
+    "summary": Key("text", True), "kinetic": _TEXT, "potential": _TEXT, "parameters": Key("tables", keys=_PARAMETER),
+    "verdict": Key("text", choices=VERDICTS), "cite": Key("texts"),
+}  # fmt: skip
+_LIOUVILLE = Key("table", keys={name: Key("formulas", True) for name in ("f", "R", "v")})
+_STAECKEL = Key("table", keys={"matrix": Key("matrix", True), "column": Key("texts", True)})
+_EXPECT = {
+    "verdict": Key("text", True, choices=VERDICTS), "ignorable": Key("texts"), "pair": Key("texts"),
+    "part": Key("text", choices=PARTS), "liouville": _LIOUVILLE, "staeckel": _STAECKEL,
+    "reduced": Key("table", keys={"liouville": _LIOUVILLE, "staeckel": _STAECKEL}),
+}  # fmt: skip
+_REFERENCE = {
+    "quantity": Key("text", True), "at": Key("numbers", True), "value": Key("text", True), "how": Key("text", True),
+    "cite": Key("texts"),
+}  # fmt: skip
+SYSTEM = {
+    "id": _TEXT, "title": _TEXT, "coordinates": Key("tables", True, keys=_COORDINATE),
+    "parameters": Key("tables", keys=_PARAMETER), "kinetic": Key("text", True), "potential": _TEXT,
+    "signature": Key("text", choices=("definite", "indefinite")),
+}  # fmt: skip
+"""The keys of an inline ``[system]`` table."""
+ENTRY = SYSTEM | {
+    "id": Key("text", True), "title": Key("text", True), "summary": _TEXT, "cite": Key("texts"), "book": Key("texts"),
+    "reason": _TEXT, "instead": _TEXT, "initial": Key("table", keys=_MOTION), "motions": Key("named", keys=_MOTION),
+    "effects": Key("named", keys=_EFFECT), "expect": Key("table", keys=_EXPECT),
+    "reference": Key("tables", keys=_REFERENCE),
+}  # fmt: skip
+"""The keys of a catalog file."""
+
+
+def nearest(word: str, known: object) -> str:
+    """The hint `; did you mean "x"?`, or the words known, or nothing."""
+    words = [str(w) for w in known] if isinstance(known, (Mapping, tuple, list, frozenset)) else []
+    close = difflib.get_close_matches(word, words, n=1, cutoff=0.6)
+    if close:
+        return f'; did you mean "{close[0]}"?'
+    return f"; known are {', '.join(words)}" if words else ""
+
+
+def faults(table: object, keys: Mapping[str, Key], where: str = "") -> Iterator[str]:
+    """Every way in which a table does not follow its schema, one line each, ``key: what is wrong``."""
+    if not isinstance(table, Mapping):
+        yield f"{where or 'the file'}: must be a table, not {_shown(table)}"
+        return
+    prefix = f"{where}." if where else ""
+    for name, value in table.items():
+        if name in keys:
+            yield from _value_faults(value, keys[name], f"{prefix}{name}")
+        else:
+            yield f'{prefix}{name}: unknown key{nearest(str(name), keys)}'
+    for name, key in keys.items():
+        if key.required and name not in table:
+            yield f"{prefix}{name}: missing; it must be {_WORDS[key.type]}"
+
+
+def _value_faults(value: object, key: Key, where: str) -> Iterator[str]:
+    if not _fits(value, key.type):
+        yield f"{where}: must be {_WORDS[key.type]}, not {_shown(value)}"
+    elif key.choices and value not in key.choices:
+        yield f'{where}: "{value}" is not known{nearest(str(value), key.choices)}'
+    elif key.type == "table":
+        yield from faults(value, key.keys, where)
+    elif key.type == "tables" and isinstance(value, list):
+        for place, item in enumerate(value, start=1):
+            yield from faults(item, key.keys, f"{where}[{place}]")
+    elif key.type == "named" and isinstance(value, Mapping):
+        for name, item in value.items():
+            yield from faults(item, key.keys, f"{where}.{name}")
+
+
+def _fits(value: object, kind: str) -> bool:
+    match kind:
+        case "text":
+            return isinstance(value, str)
+        case "number":
+            return _is_number(value)
+        case "texts":
+            return isinstance(value, list) and all(isinstance(item, str) for item in value)
+        case "matrix":
+            return isinstance(value, list) and all(_fits(row, "texts") for row in value)
+        case "tables":
+            return isinstance(value, list) and all(isinstance(item, Mapping) for item in value)
+        case "numbers":
+            return isinstance(value, Mapping) and all(_is_number(item) for item in value.values())
+        case "formulas":
+            return isinstance(value, Mapping) and all(isinstance(item, str) for item in value.values())
+        case _:
+            return isinstance(value, Mapping)
+
+
+def _is_number(value: object) -> bool:
+    return isinstance(value, (str, int, float, Decimal)) and not isinstance(value, bool)
+
+
+def _shown(value: object) -> str:
+    words = {bool: "true or false", dict: "a table", list: "a list", str: "a text", int: "an integer", Decimal: "a decimal"}
+    text = " ".join(str(value).split())
+    return f"{words.get(type(value), type(value).__name__)} ({text[:40]})"

@@ -1,0 +1,208 @@
+"""The solution by quadratures: momenta, Hamilton's characteristic function W, Jacobi's equations, all unevaluated.
+
+Greenwood (1977), chapter 5. With the separated shell Pᵢ² = 2(Σⱼ Φᵢⱼ αⱼ − ψᵢ), α₁ = E, and pᵢ = Pᵢ − Aᵢ,
+
+    W = Σ c_k q_k + Σᵢ ∫ Pᵢ dqᵢ − χ,     t − t₀ = ∂W/∂E (5-71),     −βⱼ = ∂W/∂αⱼ (5-70),     −β_k = ∂W/∂c_k (5-83).
+
+**Lower limits** are symbols q_0, one for each separated coordinate. An admissible value is a constant that does not depend
+on the separation constants, or a simple zero of Pᵢ²: only then does differentiation under the integral sign leave no
+boundary term (Greenwood, after (5-94)). The choice fixes what t₀ and the β mean. **Sign of the root**: printed +; it is + while
+the coordinate increases and − while it decreases, flips at each turning point, and enters W itself, which is therefore
+multivalued: it grows by ∮p dq with every cycle.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterable, Mapping
+from dataclasses import dataclass, replace
+from typing import TYPE_CHECKING, Any
+
+import sympy as sp
+
+from hjsolve.errors import NotSeparableError
+from hjsolve.separation import Constant, Obstruction, Separation, Undecided, separate
+from hjsolve.system import System
+
+if TYPE_CHECKING:
+    from hjsolve.motion import Motion
+
+
+@dataclass(frozen=True)
+class Solution:
+    """A complete integral of the Hamilton–Jacobi equation and what follows from it.
+
+    Attributes:
+        system: the system solved. separation: the verdict it was made from.
+        coordinates: names of the separated (essential) coordinates, in the order of Φ's rows.
+        constants: name → constant of the motion; E, then alpha_2, …, then the ignorable momenta.
+        momentum_squared: separated coordinate → Pᵢ²(qᵢ; constants, parameters).
+        shift: separated coordinate → Aᵢ(q; c), Pᵢ = pᵢ + Aᵢ; zero unless T has terms linear in the velocities.
+        shift_potential: χ, with ∂χ/∂qᵢ = Aᵢ.
+        momenta: every coordinate → its momentum ∂W/∂q; +√Pᵢ² − Aᵢ, or the constant itself.
+        lower_limits: separated coordinate → the symbol its quadratures start from.
+        characteristic_function: W, with unevaluated integrals.
+        time_law: t − t₀ = ∂W/∂E; None where every coordinate is ignorable (then E is a function of the other constants
+            and the orbit equations carry the time).
+        orbit_equations: name of a constant → −β = ∂W/∂(constant); for all constants but E.
+    """
+
+    system: System
+    separation: Separation
+    coordinates: tuple[str, ...]
+    constants: Mapping[str, Constant]
+    momentum_squared: Mapping[str, sp.Expr]
+    shift: Mapping[str, sp.Expr]
+    shift_potential: sp.Expr
+    momenta: Mapping[str, sp.Expr]
+    lower_limits: Mapping[str, sp.Symbol]
+    characteristic_function: sp.Expr
+    time_law: sp.Eq | None
+    orbit_equations: Mapping[str, sp.Eq]
+
+    def motion(self, **initial: Any) -> Motion:
+        """Start a motion: numbers for this solution.
+
+        This is the one call from the symbolic half up into the numeric half; the import happens here, at call time, so
+        that solving loads no numerical library. Arguments, returns and errors are those of ``hjsolve.motion.start``.
+        """
+        from hjsolve import motion
+
+        return motion.start(self, **initial)
+
+
+def solve(system: System | Separation) -> Solution:
+    """Solve a system by quadratures.
+
+    Args:
+        system: a system, or the ``Separation`` it already gave.
+
+    Returns:
+        The solution; every integral stays unevaluated.
+
+    Raises:
+        NotSeparableError: the system does not separate in its coordinates, or that could not be decided; the error
+            carries the verdict.
+
+    References:
+        Greenwood, Classical Dynamics (1977), (5-65)–(5-83), (5-142); Jacobi's theorem (5-53)–(5-62).
+    """
+    verdict = separate(system) if isinstance(system, System) else system
+    if not isinstance(verdict, Separation):
+        raise NotSeparableError(_why_not(verdict), verdict)
+    shell, names = verdict.shell, tuple(c.name for c in verdict.shell.coordinates)
+    squares = dict(zip(names, _momenta_squared(verdict), strict=True))
+    shift = dict(zip(names, shell.shift, strict=True))
+    roots = {name: sp.sqrt(square) for name, square in squares.items()}
+    taken = _names_taken(verdict)
+    limits = {name: _fresh(f"{name}_0", taken, real=True) for name in names}
+    separated = [(c.symbol, roots[c.name], limits[c.name]) for c in shell.coordinates]
+    W = sp.Add(
+        *(c.momentum * c.symbol for c in shell.ignorable),
+        *(_quadrature(root, q, start) for q, root, start in separated),
+        -shell.shift_potential,
+    )
+    momenta = {c.name: c.momentum for c in shell.ignorable} | {n: roots[n] - shift[n] for n in names}
+    return Solution(
+        system=verdict.system, separation=verdict, coordinates=names, constants=_named(verdict),
+        momentum_squared=squares, shift=shift, shift_potential=shell.shift_potential,
+        momenta={c.name: momenta[c.name] for c in verdict.system.coordinates}, lower_limits=limits,
+        characteristic_function=W, time_law=_time_law(verdict, separated, taken),
+        orbit_equations=_orbit_equations(verdict, separated, taken),
+    )  # fmt: skip
+
+
+def _momenta_squared(verdict: Separation) -> tuple[sp.Expr, ...]:
+    """Pᵢ² = 2(Σⱼ Φᵢⱼ αⱼ − ψᵢ), Greenwood (5-142); none where every coordinate is ignorable."""
+    staeckel = verdict.reduced.stackel
+    if staeckel is None:
+        return ()
+    alphas = [c.symbol for c in separation_constants(verdict)]
+    rows = range(len(staeckel.coordinates))
+    return tuple(
+        sp.expand_mul(2 * (sum(staeckel.matrix[i, j] * α for j, α in enumerate(alphas)) - staeckel.column[i])) for i in rows
+    )
+
+
+def _named(verdict: Separation) -> dict[str, Constant]:
+    """The constants, those meanings made plainer that a physicist would recognise."""
+    plainer = {c.name: _recognised(c, verdict) for c in separation_constants(verdict)[1:]}
+    return {name: replace(c, meaning=plainer.get(name) or c.meaning) for name, c in verdict.constants.items()}
+
+
+def _recognised(constant: Constant, verdict: Separation) -> str:
+    """Half the squared angular momentum (with what a field adds to it), or the motion of one coordinate alone."""
+    held = [c for c in verdict.system.coordinates if constant.expression.has(c.symbol, c.momentum)]
+    for polar in held:
+        for azimuth in held:
+            square = polar.momentum**2 / 2 + azimuth.momentum**2 / (2 * sp.sin(polar.symbol) ** 2)
+            rest = sp.expand(constant.expression - square)
+            if azimuth != polar and not rest.has(*(c.momentum for c in held)):
+                more = f", plus {sp.sstr(rest)}" if rest != 0 else ""
+                return f"half the square of the total angular momentum{more}"
+    if len(held) == 1:
+        return f"constant of the motion of {held[0].name} alone"
+    return ""
+
+
+def separation_constants(verdict: Separation) -> tuple[Constant, ...]:
+    """E, alpha_2, …: the constants that multiply the columns of Φ, in their order."""
+    ignorable = {c.momentum for c in verdict.shell.ignorable}
+    return tuple(c for c in verdict.constants.values() if c.symbol not in ignorable)
+
+
+def _quadrature(integrand: sp.Expr, q: sp.Symbol, start: sp.Symbol) -> sp.Expr:
+    return sp.S.Zero if integrand == 0 else sp.Integral(integrand, (q, start, q))
+
+
+def _derivative(verdict: Separation, separated: list[tuple[sp.Symbol, sp.Expr, sp.Symbol]], constant: sp.Symbol) -> sp.Expr:
+    """∂W/∂(constant) without the term c·q: Σ ∫ (∂Pᵢ²/∂c)/(2Pᵢ) dqᵢ − ∂χ/∂c."""
+    terms = [_quadrature(sp.diff(root**2, constant) / (2 * root), q, start) for q, root, start in separated]
+    return sp.Add(*terms, -sp.diff(verdict.shell.shift_potential, constant))
+
+
+def _time_law(
+    verdict: Separation, separated: list[tuple[sp.Symbol, sp.Expr, sp.Symbol]], taken: frozenset[str]
+) -> sp.Eq | None:
+    if not separated:
+        return None
+    t, t0 = _fresh("t", taken, real=True), _fresh("t_0", taken, real=True)
+    return sp.Eq(t - t0, _derivative(verdict, separated, verdict.shell.energy), evaluate=False)
+
+
+def _orbit_equations(
+    verdict: Separation, separated: list[tuple[sp.Symbol, sp.Expr, sp.Symbol]], taken: frozenset[str]
+) -> dict[str, sp.Eq]:
+    """−β = ∂W/∂α, −β = q + ∂W′/∂c; with no separated coordinate −β = q − t ∂H/∂c, from S = Σ c q − H(c) t (5-74)."""
+    position = {c.momentum: c.symbol for c in verdict.shell.ignorable}
+    equations = {}
+    for name, constant in verdict.constants.items():
+        if constant.symbol == verdict.shell.energy:
+            continue
+        right = position.get(constant.symbol, sp.S.Zero) + _derivative(verdict, separated, constant.symbol)
+        if not separated:
+            right -= _fresh("t", taken, real=True) * sp.diff(verdict.shell.potential, constant.symbol)
+        beta = _fresh("beta_" + name.removeprefix("alpha_").removeprefix("p_"), taken, real=True)
+        equations[name] = sp.Eq(-beta, right, evaluate=False)
+    return equations
+
+
+def _names_taken(verdict: Separation) -> frozenset[str]:
+    symbols = set(verdict.system.symbols) | {c.symbol.name for c in verdict.constants.values()}
+    return frozenset(symbols | {c.momentum.name for c in verdict.system.coordinates})
+
+
+def _fresh(name: str, taken: Iterable[str], **assumptions: bool) -> sp.Symbol:
+    """A symbol of this name, or with underscores added where the user already has it."""
+    while name in taken:
+        name += "_"
+    return sp.Symbol(name, **assumptions)
+
+
+def _why_not(verdict: Obstruction | Undecided) -> str:
+    pair = " and ".join(verdict.pair)
+    if isinstance(verdict, Undecided):
+        return f"whether the system separates could not be decided ({pair}, {verdict.part}); {verdict.advice}"
+    return f"the system does not separate in these coordinates: {pair} ({verdict.part}); {verdict.advice}"
+
+
+__all__ = ["Solution", "separation_constants", "solve"]

@@ -1,0 +1,192 @@
+"""The published numbers: are they right (two other ways), and does hjsolve reach them?
+
+The first half never touches ``hjsolve.motion``; the second half is hjsolve against the references at a relative 1e-13.
+"""
+
+import functools
+from typing import Any
+
+import mpmath
+import pytest
+import sympy as sp
+from mpmath import mp
+
+from hjsolve import catalog
+from hjsolve.catalog import Entry, Reference
+from hjsolve.expressions import number
+from hjsolve.solution import Solution, solve
+from hjsolve.system import hamiltonian, momenta
+from tests.reference.closed_forms import FORMS
+from tests.reference.regenerate import TAYLOR
+from tests.reference.taylor import Flow
+
+IDS = catalog.ids("separable")
+MOTIONS = [(name, motion) for name in IDS for motion in catalog.describe(name).motions]
+REFERENCES = [
+    pytest.param(name, reference, id="-".join([name, reference.quantity, *(str(v) for v in reference.at.values())]))
+    for name in IDS
+    for reference in catalog.describe(name).references
+]
+
+
+@functools.cache
+def entry(name: str) -> Entry:
+    return catalog.describe(name)
+
+
+@functools.cache
+def solution(name: str) -> Solution:
+    return solve(entry(name).system)
+
+
+def real(value: Any) -> mpmath.mpf:
+    return mp.mpf(sp.N(value, mp.dps + 10))
+
+
+def start(name: str, motion: str) -> tuple[dict[str, mpmath.mpf], dict[str, mpmath.mpf], dict[str, mpmath.mpf]]:
+    """(parameters, q, p) of a catalog motion as numbers."""
+    system, data = entry(name).system, entry(name).motions[motion]
+    texts = {p.name: p.value for p in system.parameters} | {n: number(v, source=n) for n, v in data.parameters.items()}
+    parameters = {n: real(v) for n, v in texts.items()}
+    q = {c.name: real(number(data.q[c.name], source=c.name)) for c in system.coordinates}
+    assert data.velocity is not None
+    point = {system.symbols[n]: v for n, v in (parameters | q).items()}
+    point |= {c.velocity: real(number(data.velocity[c.name], source=c.name)) for c in system.coordinates}
+    p = {n: real(expression.xreplace(point)) for n, expression in momenta(system).items()}
+    return parameters, q, p
+
+
+def agree(value: mpmath.mpf, text: str, tolerance: str) -> bool:
+    expected = mp.mpf(text)
+    return bool(abs(value - expected) <= mp.mpf(tolerance) * abs(expected))
+
+
+@pytest.mark.parametrize(("name", "motion"), MOTIONS)
+def test_the_closed_forms_give_the_published_values_again(name: str, motion: str) -> None:
+    with mp.workdps(60):
+        values = FORMS[name](*start(name, motion))
+        published = {r.quantity: r.value for r in entry(name).references if r.at == {"motion": motion}}
+        assert set(values) == set(published)
+        for quantity, (value, _) in values.items():
+            assert agree(value, published[quantity], "1e-38"), quantity
+
+
+def shell_at(name: str, motion: str) -> tuple[dict[str, sp.Expr], list[sp.Symbol], dict[sp.Symbol, mpmath.mpf]]:
+    """hjsolve's own P² with numbers for the parameters; the separation constants; all numbers."""
+    solved, (parameters, q, p) = solution(name), start(name, motion)
+    system = solved.system
+    point = {system.symbols[n]: v for n, v in (parameters | q).items()}
+    point |= {c.momentum: p[c.name] for c in system.coordinates}
+    values = {c.symbol: real(c.expression.xreplace(point)) for c in solved.constants.values()}
+    fixed = {system.symbols[n]: v for n, v in parameters.items()}
+    return {n: F.xreplace(fixed) for n, F in solved.momentum_squared.items()}, list(values), values
+
+
+def cycle(F: sp.Expr, q: sp.Symbol, constant: sp.Symbol | None, numbers: Any, ends: tuple[Any, Any] | None) -> mpmath.mpf:
+    """(1/2π)∮ p dq, or its derivative by a constant; tanh-sinh or Gauss–Legendre over χ, q = mid − half·cos χ."""
+    kernel = sp.lambdify(q, F.xreplace(numbers), "mpmath")
+    slope = sp.lambdify(q, F.diff(constant).xreplace(numbers) if constant is not None else 0, "mpmath")
+
+    def integrand(x: mpmath.mpf) -> mpmath.mpf:
+        root = mp.sqrt(abs(kernel(x)))
+        return root if constant is None else slope(x) / (2 * root)
+
+    if ends is None:
+        return mp.quad(integrand, [-mp.pi, -mp.pi / 2, 0, mp.pi / 2, mp.pi]) / (2 * mp.pi)
+    middle, half = (ends[0] + ends[1]) / 2, (ends[1] - ends[0]) / 2
+    return mp.quad(lambda χ: integrand(middle - half * mp.cos(χ)) * half * mp.sin(χ), [0, mp.pi / 2, mp.pi]) / mp.pi
+
+
+@pytest.mark.parametrize(("name", "motion"), MOTIONS)
+def test_quadratures_of_the_separated_momenta_give_the_published_actions_and_frequencies(name: str, motion: str) -> None:
+    """J by quadrature, Ω = ∂H/∂J by inverting the matrix ∂J/∂α of quadratures: no closed form, no ODE."""
+    with mp.workdps(50):
+        known = {r.quantity: r.value for r in entry(name).references if r.at == {"motion": motion}}
+        kinds = entry(name).motions[motion].kinds
+        if "escape" in kinds.values():
+            return
+        squares, constants, numbers = shell_at(name, motion)
+        rows, signs = [], []
+        for c in solution(name).system.coordinates:
+            sign = 1 if kinds[c.name] != "rotation" else mp.sign(mp.mpf(known[f"action.{c.name}"]))
+            signs.append(sign)
+            if kinds[c.name] == "ignorable":
+                rows.append([mp.mpf(1 if a == c.momentum else 0) for a in constants])
+                continue
+            ends = None
+            if kinds[c.name] == "libration":
+                ends = tuple(mp.mpf(known[f"turning_point.{c.name}.{end}"]) for end in ("lower", "upper"))
+            J = cycle(squares[c.name], c.symbol, None, numbers, ends)
+            assert agree(sign * J, known[f"action.{c.name}"], "1e-15"), c.name
+            rows.append([sign * cycle(squares[c.name], c.symbol, a, numbers, ends) for a in constants])
+        Ω = mp.matrix(rows) ** -1
+        energy = constants.index(solution(name).separation.shell.energy)
+        for place, c in enumerate(solution(name).system.coordinates):
+            assert agree(Ω[energy, place], known[f"frequency.{c.name}"], "1e-12"), c.name
+
+
+@pytest.mark.parametrize(("name", "motion"), MOTIONS)
+def test_the_equations_of_motion_of_our_own_hamiltonian_give_the_published_states(name: str, motion: str) -> None:
+    """Taylor integration at 25 digits of H as hjsolve's system gives it; the published values used another derivation."""
+    system = entry(name).system
+    with mp.workdps(35):
+        parameters, q, p = start(name, motion)
+        fixed = {system.symbols[n]: v for n, v in parameters.items()}
+        symbols = [c.symbol for c in system.coordinates], [c.momentum for c in system.coordinates]
+        flow = Flow(hamiltonian(system), *symbols, fixed, [*q.values(), *p.values()], digits=25)
+        states = [r for r in entry(name).references if r.at.get("motion") == motion and r.how == TAYLOR]
+        t = min({str(r.at["t"]) for r in states}, key=lambda text: abs(mp.mpf(text)))
+        reached = dict(zip([*(f"q.{n}" for n in q), *(f"p.{n}" for n in p)], flow.at(mp.mpf(t)), strict=True))
+        for reference in states:
+            if reference.at["t"] == t:
+                error = reached[reference.quantity] - mp.mpf(reference.value)
+                turns = mp.nint(error / (2 * mp.pi)) if reference.quantity.startswith("q.") else 0
+                assert abs(error - 2 * mp.pi * turns) < 1e-18 * abs(mp.mpf(reference.value)), reference.quantity
+
+
+@functools.cache
+def motion_of(name: str, motion: str) -> Any:
+    return solution(name).motion(**entry(name).motions[motion].arguments)
+
+
+@functools.cache
+def state_of(name: str, motion: str, t: str) -> Any:
+    return motion_of(name, motion).at(t)
+
+
+def measured(name: str, reference: Reference) -> tuple[float, float]:
+    """hjsolve's value and its error for one published quantity."""
+    motion, (kind, coordinate, *end) = str(reference.at["motion"]), reference.quantity.split(".")
+    if kind in ("q", "p", "velocity"):
+        state = state_of(name, motion, str(reference.at["t"]))
+        return float(getattr(state, kind)[coordinate]), float(getattr(state.error, kind)[coordinate])
+    found = motion_of(name, motion)
+    if kind == "turning_point":
+        estimate = found.turning_points[coordinate][0 if end == ["lower"] else 1]
+    else:
+        estimate = getattr(found, f"{kind}s")[coordinate]
+    return float(estimate.value), float(estimate.error)
+
+
+@pytest.mark.parametrize(("name", "reference"), REFERENCES)
+def test_hjsolve_reaches_the_published_value_to_1e13(name: str, reference: Reference) -> None:
+    """Relative, atol = 0; no published value is zero. The reported error must cover the true one."""
+    value, error = measured(name, reference)
+    with mp.workdps(50):
+        off = abs(mp.mpf(value) - mp.mpf(reference.value))
+        assert off <= 1e-13 * abs(mp.mpf(reference.value))
+        assert off <= mp.mpf(error), f"true error {mp.nstr(off, 3)} above the reported {error}"
+
+
+@pytest.mark.parametrize(("name", "motion"), MOTIONS)
+def test_every_coordinate_moves_in_the_way_the_entry_says(name: str, motion: str) -> None:
+    assert dict(motion_of(name, motion).kinds) == dict(entry(name).motions[motion].kinds)
+
+
+@pytest.mark.parametrize(("name", "motion"), MOTIONS)
+def test_quantities_that_do_not_exist_have_no_key(name: str, motion: str) -> None:
+    kinds, found = entry(name).motions[motion].kinds, motion_of(name, motion)
+    published = {r.quantity for r in entry(name).references if r.at == {"motion": motion}}
+    for coordinate, kind in kinds.items():
+        assert (coordinate in found.periods) == (f"period.{coordinate}" in published), (coordinate, kind)
+        assert (coordinate in found.frequencies) == (f"frequency.{coordinate}" in published), (coordinate, kind)

@@ -1,0 +1,81 @@
+"""Jacobi's theorem, symbolically: (q, p) → (α, β) is canonical over the whole catalog (Greenwood (6-76)–(6-79), (6-215))."""
+
+import pytest
+import sympy as sp
+
+from hjsolve import catalog
+from hjsolve.checks import check, poisson_bracket
+from hjsolve.solution import Solution, solve
+
+SYSTEMS = [(name, ()) for name in catalog.ids("separable")]
+SYSTEMS += [
+    (name, (effect.name,))
+    for name in catalog.ids("separable")
+    for effect in catalog.describe(name).effects.values()
+    if effect.verdict != "refused"
+]
+NAMES = ["+".join([name, *effects]) for name, effects in SYSTEMS]
+
+
+@pytest.fixture(scope="module")
+def solutions() -> dict[str, Solution]:
+    return {"+".join([name, *effects]): solve(catalog.load(name, effects=effects)) for name, effects in SYSTEMS}
+
+
+@pytest.mark.parametrize("name", NAMES)
+def test_constants_are_integrals_in_involution_and_conjugate_to_the_betas(solutions: dict[str, Solution], name: str) -> None:
+    checks = check(solutions[name])
+    assert [c.name for c in checks] == ["hamilton-jacobi", "momenta", "involution", "canonical"]
+    assert [c.verdict for c in checks] == ["proved"] * 4
+
+
+@pytest.mark.parametrize("name", NAMES)
+def test_one_constant_for_every_degree_of_freedom(solutions: dict[str, Solution], name: str) -> None:
+    solution = solutions[name]
+    count = len(solution.system.coordinates)
+    assert len(solution.constants) == count
+    assert len(solution.orbit_equations) + (solution.time_law is not None) == count
+    assert next(iter(solution.constants.values())).symbol == solution.separation.shell.energy
+
+
+def forged(solution: Solution, **changes: object) -> dict[str, str]:
+    return {c.name: c.verdict for c in check(Solution(**{**vars(solution), **changes}))}
+
+
+def test_a_constant_that_is_no_integral_is_seen(solutions: dict[str, Solution]) -> None:
+    solution = solutions["kepler-parabolic"]
+    constants = dict(solution.constants)
+    wrong = constants["alpha_2"]
+    u = solution.system.coordinate("u").symbol
+    constants["alpha_2"] = type(wrong)(wrong.name, wrong.symbol, wrong.expression + u, wrong.meaning)
+    assert forged(solution, constants=constants)["involution"] == "failed"
+
+
+def test_a_factor_two_in_an_orbit_equation_is_seen(solutions: dict[str, Solution]) -> None:
+    solution = solutions["kepler-spherical"]
+    for name, equation in solution.orbit_equations.items():
+        terms = [sp.Integral(2 * t.function, *t.limits) if isinstance(t, sp.Integral) else t for t in equation.rhs.args]
+        if isinstance(equation.rhs, sp.Integral):
+            terms = [sp.Integral(2 * equation.rhs.function, *equation.rhs.limits)]
+        wrong = {**solution.orbit_equations, name: sp.Eq(equation.lhs, sp.Add(*terms), evaluate=False)}
+        assert forged(solution, orbit_equations=wrong)["canonical"] == "failed", name
+
+
+def test_a_wrong_sign_in_the_time_law_is_seen(solutions: dict[str, Solution]) -> None:
+    solution = solutions["pendulum"]
+    integral = solution.time_law.rhs
+    wrong = sp.Eq(solution.time_law.lhs, sp.Integral(-integral.function, *integral.limits), evaluate=False)
+    assert forged(solution, time_law=wrong)["canonical"] == "failed"
+
+
+def test_a_forgotten_gauge_shift_is_seen(solutions: dict[str, Solution]) -> None:
+    """Rotating frames and magnetic fields bring terms linear in p; an ignored A breaks the equation."""
+    solution = solutions["projectile"]
+    wrong = {name: sp.Symbol("y", real=True) ** 0 for name in solution.shift}
+    assert forged(solution, shift=wrong)["hamilton-jacobi"] == "failed"
+
+
+def test_the_bracket_has_greenwoods_sign(solutions: dict[str, Solution]) -> None:
+    solution = solutions["harmonic-oscillator"]
+    x = solution.system.coordinate("x")
+    assert poisson_bracket(x.symbol, x.momentum, solution) == 1

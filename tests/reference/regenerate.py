@@ -1,0 +1,146 @@
+"""Write the ``[[reference]]`` tables of catalog/systems/*.toml anew.
+
+    python -m reference.regenerate [id …]      (from the folder tests/)
+
+Periods, actions, frequencies and turning points come from the closed forms; states from Taylor integration of
+Hamilton's equations, derived here from T and V with sympy alone. Each file keeps what is above the marker line.
+"""
+
+from __future__ import annotations
+
+import sys
+import tomllib
+from collections.abc import Iterator
+from dataclasses import dataclass
+from pathlib import Path
+
+import sympy
+from mpmath import mp, mpf
+
+from reference.closed_forms import FORMS, Values
+from reference.taylor import Flow
+
+CATALOG = Path(__file__).resolve().parents[2] / "catalog" / "systems"
+MARKER = "# Reference values below this line are written by tests/reference/regenerate.py; see catalog/README.md.\n"
+DIGITS = 40
+TAYLOR = "Taylor series of Hamilton's equations, local error 1e-55"
+SHARE = mpf("0.03")
+"""A time is passed over when a coordinate or momentum is smaller than this share of its size: a relative test of a
+number near its own zero would only test rounding."""
+
+
+@dataclass(frozen=True)
+class Motion:
+    """One catalog motion as numbers; everything derived from T and V by sympy, nothing by hjsolve."""
+
+    entry: str
+    name: str
+    names: tuple[str, ...]
+    angles: tuple[str, ...]
+    parameters: dict[str, mpf]
+    q: dict[str, mpf]
+    p: dict[str, mpf]
+    hamiltonian: sympy.Expr
+
+    def flow(self) -> Flow:
+        """A fresh Taylor integration from t = 0."""
+        q, p = [sympy.Symbol(n) for n in self.names], [sympy.Symbol(f"p_{n}") for n in self.names]
+        values = {sympy.Symbol(n): value for n, value in self.parameters.items()}
+        return Flow(self.hamiltonian, q, p, values, [*self.q.values(), *self.p.values()])
+
+    def closed_forms(self) -> Values:
+        """The closed-form quantities of this motion."""
+        return FORMS[self.entry](self.parameters, self.q, self.p)
+
+
+def number(text: str) -> mpf:
+    """The value of an exact text such as ``1.2`` or ``pi/3``."""
+    return mp.mpf(sympy.N(sympy.sympify(text, rational=True), mp.dps + 10))
+
+
+def hamiltonian(kinetic: sympy.Expr, potential: sympy.Expr, names: tuple[str, ...]) -> sympy.Expr:
+    """H(q, p) of a T that is homogeneous in the velocities, by the inverse of its matrix."""
+    v, p = (sympy.Matrix([sympy.Symbol(prefix + n) for n in names]) for prefix in ("v_", "p_"))
+    mass = sympy.hessian(kinetic, list(v))
+    return sympy.simplify((p.T * mass.inv() * p)[0] / 2) + potential
+
+
+def motions(entry: str) -> Iterator[Motion]:
+    """Every motion of one entry, ``default`` (the table ``initial``) first."""
+    table = tomllib.loads((CATALOG / f"{entry}.toml").read_text(encoding="utf-8"))
+    names = tuple(c["name"] for c in table["coordinates"])
+    kinetic, potential = (sympy.sympify(table[key].replace("dot(", "v_(")) for key in ("kinetic", "potential"))
+    velocity = {sympy.Function("v_")(sympy.Symbol(n)): sympy.Symbol(f"v_{n}") for n in names}
+    kinetic = kinetic.xreplace(velocity)
+    for name, data in {"default": table["initial"], **table.get("motions", {})}.items():
+        parameters = {par["name"]: number(par["value"]) for par in table["parameters"]}
+        parameters |= {n: number(text) for n, text in data.get("parameters", {}).items()}
+        q, v = ({n: number(data[key][n]) for n in names} for key in ("q", "velocity"))
+        point = {sympy.Symbol(n): value for n, value in (q | parameters).items()}
+        point |= {sympy.Symbol(f"v_{n}"): value for n, value in v.items()}
+        p = {n: mp.mpf(sympy.N(kinetic.diff(sympy.Symbol(f"v_{n}")).subs(point), mp.dps)) for n in names}
+        yield Motion(
+            entry, name, names, tuple(c["name"] for c in table["coordinates"] if c["domain"] == "angle"),
+            parameters, q, p, hamiltonian(kinetic, potential, names),
+        )
+
+
+def principal(angle: mpf) -> mpf:
+    """The value in (−π, π]."""
+    return angle - 2 * mp.pi * mp.ceil((angle - mp.pi) / (2 * mp.pi))
+
+
+def states(motion: Motion, closed: Values) -> Iterator[tuple[str, str, mpf]]:
+    """(quantity, t, value) at generic times: −0.6, 0.3, 2.9 and (default motion) 50 slowest periods."""
+    periods = [value for key, (value, _) in closed.items() if key.startswith("period.")]
+    unit = max(periods, default=mp.one)
+    shares = ["-0.6", "0.3", "2.9", "50"] if motion.name == "default" else ["-0.6", "2.9"]
+    size = [abs(value) for value in (*motion.q.values(), *motion.p.values())]
+    forward, backward = motion.flow(), motion.flow()
+    for share in shares:
+        flow = backward if share.startswith("-") else forward
+        t = mp.mpf(mp.nstr(unit * mp.mpf(share), 4 if abs(mp.mpf(share)) > 10 else 3))
+        while True:
+            text = mp.nstr(t, 8)
+            numbers = flow.at(number(text))
+            size = [max(s, abs(value)) for s, value in zip(size, numbers, strict=True)]
+            if all(abs(value) > SHARE * s for value, s in zip(numbers, size, strict=True) if s):
+                break
+            t += mp.sign(t) * mp.mpf("0.13")
+        for n, value in zip(motion.names, numbers[: len(motion.names)], strict=True):
+            yield f"q.{n}", text, principal(value) if n in motion.angles else value
+        for n, value in zip(motion.names, numbers[len(motion.names) :], strict=True):
+            yield f"p.{n}", text, value
+
+
+def block(quantity: str, at: str, value: mpf, how: str) -> str:
+    """One [[reference]] table."""
+    text = mp.nstr(value, DIGITS, strip_zeros=True)
+    return f'\n[[reference]]\nquantity = "{quantity}"\nat = {{{at}}}\nvalue = "{text}"\nhow = "{how}"\n'
+
+
+def tables(entry: str) -> str:
+    """All [[reference]] tables of one entry."""
+    text = ""
+    for motion in motions(entry):
+        closed = motion.closed_forms()
+        for quantity, (value, how) in closed.items():
+            text += block(quantity, f'motion = "{motion.name}"', value, how)
+        for quantity, t, value in states(motion, closed):
+            text += block(quantity, f'motion = "{motion.name}", t = "{t}"', value, TAYLOR)
+    return text
+
+
+def main(entries: list[str]) -> None:
+    """Rewrite the reference tables of the entries named, or of all."""
+    mp.dps = 70
+    for entry in entries or sorted(FORMS):
+        path = CATALOG / f"{entry}.toml"
+        head = path.read_text(encoding="utf-8").split(MARKER)[0].rstrip("\n") + "\n\n"
+        path.write_text(head + MARKER + tables(entry), encoding="utf-8")
+        sys.stdout.write(f"{entry}: {path.read_text(encoding='utf-8').count('[[reference]]')} values\n")
+        sys.stdout.flush()
+
+
+if __name__ == "__main__":
+    main(sys.argv[1:])
