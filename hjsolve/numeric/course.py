@@ -135,18 +135,13 @@ class Branch:
         kernels = [0 * p if skip else w * abs(slope) / p for w, skip in zip(weights, self.skipped, strict=True)]
         return [*kernels, p / abs(slope) * (self.way.distances(y, Multi(work))[1] / self.way.length if self.way.end == "boundary" else 1)]
 
-    def panels(self, function: int, amount: float) -> Panels:
-        """Return the integrals far enough that the one named reaches ``amount`` (as a power of two)."""
-        power = max(4, int(np.ceil(np.log2(max(abs(amount), 1e-300)))) + 1)
-        return _panels(self, function, power)
-
-    def panels_to(self, y: Any) -> Panels:
-        """Return the integrals up to y at least."""
-        return _panels(self, -2, max(2, int(np.ceil(np.log2(max(float(y), 1e-300)))) + 1))
+    def panels(self, weights: tuple[float, ...] | None, amount: float) -> Panels:
+        """Return the integrals so far that |Σ wⱼ Gⱼ| reaches ``amount``; without weights, that y does."""
+        return _panels(self, weights, int(np.ceil(np.log2(max(abs(amount), 1e-290)))) + 1)
 
 
 @lru_cache(maxsize=64)
-def _panels(branch: Branch, function: int, power: int) -> Panels:
+def _panels(branch: Branch, weights: tuple[float, ...] | None, power: int) -> Panels:
     """Build panels of a branch (a pure function; the newest ones are kept)."""
     limit = Multi(branch.bits).context.mpf(2) ** power
     far = Multi(branch.bits).context.mpf(2) ** 300
@@ -154,7 +149,9 @@ def _panels(branch: Branch, function: int, power: int) -> Panels:
     def enough(y: Any, integrals: list[Any]) -> bool:
         if branch.way.end == "asymptote" and y > 60 + 2 * branch.digits:
             return True
-        return bool(y > limit if function == -2 else abs(integrals[function]) > limit or y > far)
+        if weights is None:
+            return bool(y >= limit)
+        return bool(abs(sum(w * g for w, g in zip(weights, integrals, strict=False))) > limit or y > far)
 
     return build(branch.way, branch.integrands, enough, digits=branch.digits, bits=branch.bits)
 
@@ -168,22 +165,21 @@ class Open:
         ahead: branch of the motion for χ ≥ 0.
         behind: branch for χ ≤ 0, run backwards; the same branch where the motion turns at χ = 0.
         start: χ of the initial place.
-        reach: how far the panels go: (function, amount of its integral).
+        reach: how far the panels go: (weights, amount of the weighted sum of integrals), or (None, greatest phase).
     """
 
     kind: Kind
     ahead: Branch
     behind: Branch
     start: Any
-    reach: tuple[int, float] = (0, 16.0)
+    reach: tuple[tuple[float, ...] | None, float] = (None, 4.0)
 
     periodic = False
     action = None
 
     def _sides(self, χ: Any) -> tuple[Any, Panels, Panels]:
-        function, amount = self.reach
-        ahead = self.ahead.panels(function, amount)
-        return χ >= 0, ahead, ahead if self.behind is self.ahead else self.behind.panels(function, amount)
+        ahead = self.ahead.panels(*self.reach)
+        return χ >= 0, ahead, ahead if self.behind is self.ahead else self.behind.panels(*self.reach)
 
     def integral(self, j: int, χ: Any) -> Any:
         forward, ahead, behind = self._sides(χ)
@@ -192,6 +188,15 @@ class Open:
     def rate(self, j: int, χ: Any) -> Any:
         forward, ahead, behind = self._sides(χ)
         return np.where(forward, ahead.value(j, abs(χ)), behind.value(j, abs(χ)))
+
+    def edges(self) -> Any:
+        """Return the phases at all panel ends, increasing."""
+        _, ahead, behind = self._sides(np.zeros(1))
+        return np.concatenate([-behind.edges[:0:-1], ahead.edges])
+
+    def rate_sum(self, weights: tuple[float, ...], χ: Any) -> Any:
+        """Return Σ wⱼ dGⱼ/dχ."""
+        return sum(w * self.rate(j, χ) for j, w in enumerate(weights) if w)
 
     def limits(self) -> tuple[Any, Any]:
         """Return the least and greatest phase that the panels hold; infinite along an asymptote, whose tail is known."""

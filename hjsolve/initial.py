@@ -1,0 +1,164 @@
+"""Exact initial data: what the user wrote, as exact numbers, and the constants of the motion they give.
+
+Nothing is rounded here. A float is the binary number it is, "1.2" is 6/5, "sqrt(2)" stays a root; the
+constants of the motion are exact expressions that can be had to any number of digits. Whether one of
+them is zero (a parabolic orbit, a motion through the axis) is decided with ``_ZERO_BITS`` bits.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Mapping
+from dataclasses import dataclass
+from functools import lru_cache
+from typing import Any
+
+import sympy as sp
+
+from hjsolve.errors import InvalidInputError, MissingValueError
+from hjsolve.expressions import number
+from hjsolve.lowering import lower
+from hjsolve.numeric.arithmetic import Multi, multiprecision
+from hjsolve.solution import Solution
+from hjsolve.system import System, momenta
+
+_ZERO_BITS = 2048
+
+Values = Mapping[str, Any]
+
+
+@dataclass(frozen=True)
+class Initial:
+    """Everything exact at the initial time.
+
+    Attributes:
+        values: symbol → exact number, for parameters, coordinates and momenta.
+        constants: name → exact number, in the order of the solution.
+        exact: False when some input was a float: its last half ulp is in doubt, the computation is not.
+    """
+
+    values: Mapping[sp.Symbol, sp.Expr]
+    constants: Mapping[str, sp.Expr]
+    exact: bool
+
+
+def to_bits(value: sp.Expr) -> Callable[[int], Any]:
+    """Return a rule that gives an exact number to any binary precision."""
+    tape = lower([value], [])
+
+    @lru_cache(maxsize=32)
+    def at(bits: int) -> Any:
+        return multiprecision(bits).convert(tape.run(Multi(bits + 64), [])[0])
+
+    return at
+
+
+def is_zero(value: sp.Expr) -> bool:
+    """Decide whether an exact number is zero: by sympy's own rules, or to 2048 bits against its largest term."""
+    if value.is_zero is not None:
+        return bool(value.is_zero)
+    if value.is_Mul:
+        return any(is_zero(factor) for factor in value.args)
+    size = max(abs(to_bits(term)(64)) for term in sp.Add.make_args(value))
+    return bool(abs(to_bits(value)(_ZERO_BITS)) <= size * multiprecision(64).mpf(2) ** (64 - _ZERO_BITS))
+
+
+def sign(value: sp.Expr) -> int:
+    """Return −1, 0 or 1."""
+    if is_zero(value):
+        return 0
+    return 1 if to_bits(value)(_ZERO_BITS) > 0 else -1
+
+
+def parameter_values(system: System, given: Values) -> dict[sp.Symbol, sp.Expr]:
+    """Give every parameter its exact value: the one given, else the default.
+
+    Raises:
+        InvalidInputError: a name that is no parameter, or a value against the parameter's ``assume``.
+        MissingValueError: a parameter without any value.
+    """
+    known = {p.name: p for p in system.parameters}
+    for name in given:
+        if name not in known:
+            raise InvalidInputError(f"parameters: {name!r} is not a parameter of this system; it has {_listed(known)}")
+    values = {p.symbol: number(given[p.name], source=f"parameter {p.name}") if p.name in given else p.value for p in system.parameters}
+    missing = [p.name for p in system.parameters if values[p.symbol] is None]
+    if missing:
+        raise MissingValueError(f"no value for {_listed(missing)}: write parameters={{{missing[0]!r}: …}}")
+    for p in system.parameters:
+        if p.assume == "positive" and sign(values[p.symbol]) <= 0:
+            raise InvalidInputError(f"parameters: {p.name} must be positive, not {values[p.symbol]}")
+    return {symbol: value for symbol, value in values.items() if value is not None}
+
+
+def initial_data(solution: Solution, *, q: Values, velocity: Values | None, p: Values | None, parameters: Values) -> Initial:
+    """Read initial data and work out the constants of the motion.
+
+    Args:
+        solution: of the system.
+        q: every coordinate → number.
+        velocity, p: every coordinate → number; exactly one of the two.
+        parameters: name → number, where it differs from the default.
+
+    Raises:
+        InvalidInputError: unknown or missing names, both or none of velocity and p, a place outside the domain.
+    """
+    system = solution.system
+    values = parameter_values(system, parameters)
+    if (velocity is None) == (p is None):
+        raise InvalidInputError("initial data: give either velocity={…} or p={…}, a number for every coordinate")
+    places = _complete(system, q, "q")
+    rates = _complete(system, velocity if p is None else p, "velocity" if p is None else "p")  # type: ignore[arg-type]
+    values |= {c.symbol: places[c.name] for c in system.coordinates}
+    _inside_domains(system, values)
+    if p is None:
+        motion = {c.velocity: rates[c.name] for c in system.coordinates}
+        formulas = momenta(system)
+        values |= {c.momentum: sp.expand(formulas[c.name].subs({**values, **motion})) for c in system.coordinates}
+    else:
+        values |= {c.momentum: rates[c.name] for c in system.coordinates}
+    constants = {name: _clean(c.expression.subs(values)) for name, c in solution.constants.items()}
+    return Initial(values, constants, _all_exact(q, velocity, p, parameters))
+
+
+def _clean(value: sp.Expr) -> sp.Expr:
+    """Expand, and turn a number that is zero into 0."""
+    value = sp.expand(value)
+    if value.has(sp.zoo, sp.nan, sp.oo):
+        raise InvalidInputError("initial data: a constant of the motion is infinite there; the place is a singularity of the coordinates")
+    return sp.Integer(0) if is_zero(value) else value
+
+
+def _complete(system: System, given: Values, what: str) -> dict[str, sp.Expr]:
+    names = [c.name for c in system.coordinates]
+    for name in given:
+        if name not in names:
+            raise InvalidInputError(f"{what}: {name!r} is not a coordinate of this system; it has {_listed(names)}")
+    missing = [name for name in names if name not in given]
+    if missing:
+        raise MissingValueError(f"{what}: no value for {_listed(missing)}; every coordinate needs one")
+    return {name: number(given[name], source=f"{what}[{name}]") for name in names}
+
+
+def _inside_domains(system: System, values: Mapping[sp.Symbol, sp.Expr]) -> None:
+    for c in system.coordinates:
+        place = values[c.symbol]
+        for bound, side in ((c.domain.lower, 1), (c.domain.upper, -1)):
+            if bound is not None and sign(side * (place - bound.subs(values))) <= 0:
+                raise InvalidInputError(f"q[{c.name}]: {place} is not inside the domain, which {'begins' if side > 0 else 'ends'} at {bound}")
+
+
+def domain_ends(system: System, name: str, values: Mapping[sp.Symbol, sp.Expr]) -> tuple[sp.Expr | None, sp.Expr | None]:
+    """Return the exact ends of a coordinate's domain, None where it has none."""
+    domain = system.coordinate(name).domain
+    lower_end, upper_end = (None if b is None else b.subs(values) for b in (domain.lower, domain.upper))
+    return lower_end, upper_end
+
+
+def _all_exact(*groups: Values | None) -> bool:
+    return not any(isinstance(value, float) for group in groups if group for value in group.values())
+
+
+def _listed(names: Any) -> str:
+    return ", ".join(str(name) for name in names) or "none"
+
+

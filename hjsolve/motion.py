@@ -1,0 +1,327 @@
+"""One motion of a separable system: constants, kinds, turning points, periods, actions, and where it is at any time.
+
+Everything is computed from Jacobi's theorem (Greenwood (5-70), (5-71)): the constants come exactly from the initial
+data, each separated coordinate is classified and integrated over its anomaly (``numeric/``), and q(t) inverts the
+time law. No differential equation is integrated.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from dataclasses import dataclass, replace
+from typing import Any
+
+import numpy as np
+import sympy as sp
+
+from hjsolve.errors import InvalidInputError
+from hjsolve.expressions import number
+from hjsolve.initial import Initial, domain_ends, initial_data, sign, to_bits
+from hjsolve.lowering import lower
+from hjsolve.numeric.anomaly import Rotation
+from hjsolve.numeric.arithmetic import Multi, multiprecision
+from hjsolve.numeric.classify import Located, Start, forbidden, locate
+from hjsolve.numeric.course import Bounded, Frozen
+from hjsolve.numeric.estimate import Estimate
+from hjsolve.numeric.inverse import Torus, torus
+from hjsolve.numeric.radicand import Radicand
+from hjsolve.numeric.unbounded import Plan, plan
+from hjsolve.solution import Solution
+from hjsolve.state import State
+
+FLOAT_DIGITS = 15
+
+
+@dataclass(frozen=True, eq=False)
+class Motion:
+    """A motion, started by ``Solution.motion``; see the module's text.
+
+    Attributes:
+        solution: what is solved.
+        initial: the exact initial data and constants.
+        t0: the initial time, exact.
+        digits: digits asked of every number.
+        located: separated coordinate → its course and the ends of its region.
+        equations: Jacobi's equations made ready for inversion; None where every coordinate is ignorable.
+        kinds: coordinate → libration, rotation, escape, equilibrium, asymptotic, boundary or ignorable.
+        turning_points: coordinate → (lower, upper), None where there is none on that side; no key for a rotation.
+        constants: name → Estimate.
+        actions: coordinate → J = (1/2π) ∮ p dq over a full cycle, signed like p for a rotation.
+        frequencies: coordinate → Ω = ∂H/∂J in radians per unit time, where it exists.
+        periods: coordinate → 2π/|Ω|.
+        boundary_times: coordinate → time at which it reaches an end of its domain.
+    """
+
+    solution: Solution
+    initial: Initial
+    t0: sp.Expr
+    digits: int
+    located: Mapping[str, Located]
+    equations: Torus | Plan | None
+    kinds: Mapping[str, str]
+    turning_points: Mapping[str, tuple[Estimate | None, Estimate | None]]
+    constants: Mapping[str, Estimate]
+    actions: Mapping[str, Estimate]
+    frequencies: Mapping[str, Estimate]
+    periods: Mapping[str, Estimate]
+    boundary_times: Mapping[str, Estimate]
+
+    @property
+    def nodes(self) -> int:
+        """Quadrature nodes of the dearest coordinate."""
+        return max((_nodes(place.course) for place in self.located.values()), default=0)
+
+    def at(self, t: Any) -> State:
+        """Return the state at a time or times.
+
+        Args:
+            t: number (int, float, decimal or rational string, Fraction, mpf) or an array or list of them.
+
+        Returns:
+            The state; float64 up to 15 digits, mpf above.
+
+        Raises:
+            InvalidInputError: a time that is no finite real number.
+        """
+        from hjsolve.trajectory import state_at
+
+        return state_at(self, t)
+
+    def time_at(self, name: str, value: Any, passage: int = 0) -> Estimate:
+        """Return the time of the passage-th crossing of a position, counted from t₀ on.
+
+        Args:
+            name: coordinate. value: position, unwrapped for a rotating angle.
+            passage: 0 for the first crossing at t ≥ t₀, 1 for the next, −1 for the last before t₀ …
+
+        Raises:
+            OutsideMotionError: the motion never reaches that position, or not that often.
+        """
+        from hjsolve.passages import crossing_time
+
+        return crossing_time(self, name, value, passage)
+
+    def orbit(self, name: str, *, along: str, values: Any) -> Any:
+        """Return one coordinate where another passes given values for the first time after t₀ (orbit equation).
+
+        Args:
+            name: coordinate wanted; unwrapped if it is an angle.
+            along: coordinate whose values are given.
+            values: positions of ``along``, shape (m,).
+
+        Returns:
+            Array of shape (m,).
+        """
+        from hjsolve.passages import crossing_times
+
+        times = crossing_times(self, along, values)
+        return self.at(times).unwrapped(name)
+
+    def angles(self, t: Any) -> dict[str, Any]:
+        """Return the angle variables θ = θ₀ + Ω (t − t₀), in (−π, π], of every coordinate that has a frequency.
+
+        θ of a libration is zero when all coordinates stand at their lower turning points.
+        """
+        from hjsolve.passages import angle_variables
+
+        return angle_variables(self, t)
+
+
+def start(solution: Solution, *, q: Mapping[str, Any], velocity: Mapping[str, Any] | None = None, p: Mapping[str, Any] | None = None,
+          parameters: Mapping[str, Any] | None = None, t0: Any = 0, digits: int = FLOAT_DIGITS, certified: bool = False) -> Motion:
+    """Start a motion from initial data.
+
+    Args:
+        solution: of the system.
+        q: coordinate → position, every one.
+        velocity, p: coordinate → velocity or canonical momentum; one of the two, every coordinate.
+        parameters: name → value, where it differs from the default.
+        t0: time of the initial data.
+        digits: relative digits wanted, at least 1; float64 up to 15.
+        certified: ask for proved enclosures; not available yet.
+
+    Returns:
+        The motion.
+
+    Raises:
+        InvalidInputError: initial data that are no numbers, incomplete, or outside the domain.
+        MissingValueError: a parameter or an initial value is missing.
+        ForbiddenMotionError: no real motion has these constants.
+        NotConvergedError: a turning point or an integral could not be had to the digits asked.
+
+    Example:
+        >>> import hjsolve
+        >>> kepler = hjsolve.solve(hjsolve.catalog.load("kepler-planar"))
+        >>> motion = kepler.motion(q={"r": 1, "theta": 0}, velocity={"r": 0, "theta": "1.2"})
+        >>> motion.kinds["r"], round(motion.periods["r"].value, 9)
+        ('libration', 14.99332061)
+    """
+    if certified:
+        raise InvalidInputError("certified=True is not available in this version; raise digits instead")
+    if not isinstance(digits, int) or isinstance(digits, bool) or not 1 <= digits <= 2000:
+        raise InvalidInputError(f"digits: a whole number from 1 to 2000 is needed, not {digits!r}")
+    initial = initial_data(solution, q=q, velocity=velocity, p=p, parameters=parameters or {})
+    digits = max(digits, FLOAT_DIGITS)
+    located = {name: locate(_checked(_start(solution, initial, name)), digits) for name in solution.coordinates}
+    return _assemble(solution, initial, number(t0, source="t0"), digits, located)
+
+
+def _start(solution: Solution, initial: Initial, name: str) -> Start:
+    """Bring one separated coordinate over to numbers."""
+    coordinate = solution.system.coordinate(name)
+    F = solution.momentum_squared[name]
+    constants = [solution.constants[c].symbol for c in solution.constants]
+    parameters = [p.symbol for p in solution.system.parameters]
+    exact = [initial.constants[c] for c in solution.constants] + [initial.values[s] for s in parameters]
+    rules = [to_bits(value) for value in exact]
+    kernels = [sp.diff(F, c) / 2 for c in constants]
+    arguments = [coordinate.symbol, *constants, *parameters]
+    radicand = Radicand(lower([F], arguments), lower(kernels, arguments), lambda bits: [rule(bits) for rule in rules])
+    momentum = initial.values[coordinate.momentum] + solution.shift[name].subs(initial.values)
+    ends = [None if end is None else to_bits(end) for end in domain_ends(solution.system, name, initial.values)]
+    angle = coordinate.domain.kind == "angle" and _periodic(radicand, to_bits(initial.values[coordinate.symbol]))
+    return Start(name, radicand, to_bits(initial.values[coordinate.symbol]), sign(sp.expand(momentum)), ends[0], ends[1], angle,
+                 tuple(k == 0 for k in kernels))
+
+
+def _periodic(radicand: Radicand, place: Any) -> bool:
+    """True when p² has period 2π (a wheel on a slope has not, though its coordinate is an angle)."""
+    bits = 160
+    turn = 2 * multiprecision(bits).pi
+    for k in range(3):
+        q = place(bits) + k
+        here, there = radicand.value(q, bits), radicand.value(q + turn, bits)
+        if abs(here - there) > multiprecision(bits).mpf(2) ** -120 * (abs(here) + abs(there)):
+            return False
+    return True
+
+
+def _checked(begin: Start) -> Start:
+    value = begin.radicand.value(begin.place(256), 256)
+    if begin.forward and value < 0:
+        raise forbidden(begin)
+    return begin
+
+
+def _assemble(solution: Solution, initial: Initial, t0: sp.Expr, digits: int, located: dict[str, Located]) -> Motion:
+    courses = [located[name].course for name in solution.coordinates]
+    bits = int(3.33 * digits) + 128
+    bounded = all(c.periodic for c in courses)
+    equations = None if not courses else torus(courses, bits) if bounded else plan(courses)
+    kinds = {c.name: str(located[c.name].course.kind) if c.name in located else "ignorable" for c in solution.system.coordinates}
+    frequencies = _frequencies(solution, initial, located, equations, digits)
+    motion = Motion(
+        solution, initial, t0, digits, located, equations, kinds,
+        {name: _ends(place, digits) for name, place in located.items() if place.lower.kind != "round"},
+        {name: _estimate(to_bits(value)(bits), digits) for name, value in initial.constants.items()},
+        _actions(solution, initial, located, digits), frequencies,
+        {name: _period(f) for name, f in frequencies.items() if f.value}, {},
+    )  # fmt: skip
+    if "boundary" not in kinds.values():
+        return motion
+    from hjsolve.passages import boundary_times
+
+    return replace(motion, boundary_times=boundary_times(motion))
+
+
+def _estimate(value: Any, digits: int, nodes: int = 0) -> Estimate:
+    """Round a number computed with many digits to spare."""
+    if digits <= FLOAT_DIGITS:
+        return Estimate(float(value), abs(float(value)) * 2.0**-52, nodes=nodes)
+    context = multiprecision(int(3.33 * digits) + 16)
+    return Estimate(context.convert(value), abs(context.convert(value)) * context.mpf(10) ** -digits, nodes=nodes)
+
+
+def _period(frequency: Estimate) -> Estimate:
+    pi = np.pi if isinstance(frequency.value, float) else frequency.value.context.pi
+    value = 2 * pi / abs(frequency.value)
+    relative = abs(frequency.error / frequency.value)
+    return Estimate(value, value * (relative + 2.0**-52 * isinstance(value, float)), nodes=frequency.nodes)
+
+
+def _ends(place: Located, digits: int) -> tuple[Estimate | None, Estimate | None]:
+    bits = int(3.33 * digits) + 32
+    lower_end, upper_end = (_estimate(end.place(bits), digits) if end.kind == "turning" and end.place else None for end in (place.lower, place.upper))
+    return lower_end, upper_end
+
+
+def _nodes(course: Any) -> int:
+    return max((s.nodes for s in course.kernels), default=0) if isinstance(course, Bounded) else 0
+
+
+def _actions(solution: Solution, initial: Initial, located: Mapping[str, Located], digits: int) -> dict[str, Estimate]:
+    actions = {}
+    for coordinate in solution.system.coordinates:
+        if coordinate.name not in located:
+            if coordinate.domain.kind == "angle":
+                actions[coordinate.name] = _estimate(to_bits(initial.values[coordinate.momentum])(int(3.33 * digits) + 64), digits)
+            continue
+        course = located[coordinate.name].course
+        if isinstance(course, Frozen) and course.stable:
+            actions[coordinate.name] = _estimate(0, digits)
+        elif isinstance(course, Bounded):
+            value = course.action * course.anomaly.direction
+            if isinstance(course.anomaly, Rotation):
+                value -= _mean_shift(solution, initial, coordinate, digits)
+            actions[coordinate.name] = _estimate(value, digits, _nodes(course))
+    return actions
+
+
+def _mean_shift(solution: Solution, initial: Initial, coordinate: Any, digits: int) -> Any:
+    """(1/2π) ∫ A dq over a turn: what the shift p = P − A adds to the action of a rotation."""
+    A = solution.shift[coordinate.name]
+    if A == 0:
+        return 0
+    bits, nodes = int(3.33 * digits) + 64, 8 * digits
+    tape = lower([A.subs({s: v for s, v in initial.values.items() if s != coordinate.symbol})], [coordinate.symbol])
+    context = multiprecision(bits)
+    return context.fsum(tape.run(Multi(bits), [2 * context.pi * k / nodes])[0] for k in range(nodes)) / nodes
+
+
+def _frequencies(solution: Solution, initial: Initial, located: Mapping[str, Located], equations: Any, digits: int) -> dict[str, Estimate]:
+    """Ω = ∂H/∂J: the growth of the phases, and of the ignorable angles with them."""
+    system, names = solution.system, list(solution.coordinates)
+    if equations is None:
+        return _free_rates(solution, initial, digits)
+    result = {}
+    if isinstance(equations, Torus):
+        for k, name in enumerate(names):
+            course = equations.courses[k]
+            if not (isinstance(course, Frozen) and not course.stable):
+                direction = course.anomaly.direction if isinstance(course, Bounded) else 1
+                result[name] = _estimate(direction * equations.rates[k], digits, _nodes(course))
+        for j, c in enumerate(system.coordinates):
+            if c.name not in located and c.domain.kind == "angle":
+                result[c.name] = _estimate(mean_rate(solution, equations, c.name), digits, max(_nodes(x) for x in equations.courses))
+        return {c.name: result[c.name] for c in system.coordinates if c.name in result}
+    for step in equations.steps:
+        course = equations.courses[step.index]
+        if isinstance(course, Bounded) and step == equations.steps[0] or isinstance(course, Bounded) and step.weights[0] and _alone(equations, step):
+            mean = sum(w * series.mean for w, series in zip(step.weights, course.kernels, strict=False))
+            result[names[step.index]] = _estimate(course.anomaly.direction * step.weights[0] / mean, digits, _nodes(course))
+    return {name: f for name, f in result.items() if f.value}
+
+
+def _alone(scheme: Plan, step: Any) -> bool:
+    """True when a coordinate's equation holds none of the other coordinates."""
+    others = [c for i, c in enumerate(scheme.courses) if i != step.index]
+    phase = np.array([0.7])
+    return all(abs(float(np.ravel(sum(w * c.rate(j, phase) for j, w in enumerate(step.weights) if w))[0])) == 0 for c in others)
+
+
+def mean_rate(solution: Solution, equations: Torus, name: str) -> Any:
+    """Mean growth of an ignorable coordinate: −Σᵢ Ωᵢ · (mean of its kernel along i)."""
+    j = list(solution.constants).index(solution.system.coordinate(name).momentum.name)
+    return -sum(rate * mean_growth(course, j) for rate, course in zip(equations.rates, equations.courses, strict=True))
+
+
+def mean_growth(course: Any, j: int) -> Any:
+    """Growth of the j-th integral per unit phase of a bounded course."""
+    return course.kernels[j].mean if isinstance(course, Bounded) else course.rates[j]
+
+
+def _free_rates(solution: Solution, initial: Initial, digits: int) -> dict[str, Estimate]:
+    H = solution.separation.shell.potential
+    rates = {c.name: sp.diff(H, c.momentum).subs(initial.values) for c in solution.system.coordinates if c.domain.kind == "angle"}
+    return {name: _estimate(to_bits(rate)(int(3.33 * digits) + 64), digits) for name, rate in rates.items()}
+

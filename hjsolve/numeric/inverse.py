@@ -1,0 +1,253 @@
+"""From time to phases: Jacobi's equations Σᵢ Gᵢⱼ(χᵢ) = Cⱼ + δⱼ₁ (t − t₀) solved for χ₁ … χₙ.
+
+Where every coordinate is bounded the equations are multiplied by the inverse of the mean growths:
+χₖ + Σᵢ Dₖᵢ(χᵢ) = θₖ⁰ + Ωₖ (t − t₀), with D periodic. The right sides are the angle variables; they are
+reduced to one turn in double-double, so the millionth period is as accurate as the first.
+Coordinates whose equation holds no unsolved other one are solved alone, by bracketed Newton steps;
+the rest together. With unbounded coordinates the equations are solved as they stand.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+from typing import Any
+
+import numpy as np
+
+from hjsolve.errors import NotConvergedError
+from hjsolve.numeric.arithmetic import multiprecision
+from hjsolve.numeric.course import Bounded, Course, Frozen
+from hjsolve.numeric.double import split, turns
+from hjsolve.numeric.series import Series, combine, zero
+
+_EPS = 2.0**-52
+
+
+@dataclass(frozen=True)
+class Torus:
+    """The equations of a motion all of whose coordinates are bounded.
+
+    Attributes:
+        courses: one a coordinate.
+        rates: Ωₖ in many digits.
+        starts: θₖ⁰, the angle at t₀.
+        growth: inverse of the matrix of mean growths, growth[k][j].
+        ripples: Dₖᵢ as series (their means are ignored).
+        order: coordinates in the order in which they can be solved alone; the rest are coupled.
+        coupled: coordinates to be solved together, last.
+    """
+
+    courses: tuple[Course, ...]
+    rates: tuple[Any, ...]
+    starts: tuple[Any, ...]
+    growth: tuple[tuple[Any, ...], ...]
+    ripples: tuple[tuple[Series, ...], ...]
+    order: tuple[int, ...]
+    coupled: tuple[int, ...]
+
+
+def torus(courses: Sequence[Course], bits: int) -> Torus:
+    """Set up the angle form of Jacobi's equations.
+
+    Raises:
+        NotConvergedError: the matrix of mean growths is singular, so the angles do not exist.
+    """
+    n = len(courses)
+    context = multiprecision(bits)
+    means = context.matrix([[_mean(c, j) for c in courses] for j in range(n)])
+    try:
+        inverse = means**-1
+    except ZeroDivisionError:
+        raise NotConvergedError("the separated integrals are dependent: this motion has no angle variables") from None
+    growth = tuple(tuple(inverse[k, j] for j in range(n)) for k in range(n))
+    ripples = tuple(tuple(_ripple(growth[k], c, n) for c in courses) for k in range(n))
+    starts = []
+    for k in range(n):
+        total = context.mpf(0)
+        for i, c in enumerate(courses):
+            total += (c.start if i == k else 0) + _at(ripples[k][i], c.start)
+        starts.append(total)
+    order, coupled = _ordering([[i for i in range(n) if len(ripples[k][i].cosines)] for k in range(n)])
+    return Torus(tuple(courses), tuple(growth[k][0] for k in range(n)), tuple(starts), growth, ripples, order, coupled)
+
+
+def _mean(course: Course, j: int) -> Any:
+    return course.kernels[j].mean if isinstance(course, Bounded) else course.rates[j] if isinstance(course, Frozen) else None
+
+
+def _ripple(weights: Sequence[Any], course: Course, n: int) -> Series:
+    return combine(list(weights), course.kernels[:n]) if isinstance(course, Bounded) else zero()
+
+
+def _at(series: Series, χ: Any) -> Any:
+    """Ripple at one many-digit phase."""
+    if not len(series.cosines):
+        return 0
+    return series.ripple(χ) if series.cosines.dtype == object else float(series.ripple(np.array([float(χ)]))[0])
+
+
+def _ordering(needs: list[list[int]]) -> tuple[tuple[int, ...], tuple[int, ...]]:
+    """Split coordinates into those that can be solved one after the other and those that cannot."""
+    order: list[int] = []
+    left = set(range(len(needs)))
+    while ready := [k for k in sorted(left) if set(needs[k]) & left <= {k}]:
+        order.append(ready[0])
+        left.discard(ready[0])
+    return tuple(order), tuple(sorted(left))
+
+
+def phases(system: Torus, time: tuple[Any, Any]) -> tuple[list[Any], list[Any], list[Any]]:
+    """Solve for the phases at times given as two doubles each, relative to t₀.
+
+    Args:
+        system: the equations.
+        time: high and low parts, float arrays of shape (m,).
+
+    Returns:
+        For each coordinate: χ near [−π, π], the whole turns (float array), and a bound on the error of χ; shape (m,).
+    """
+    n = len(system.courses)
+    angles, whole = [], []
+    for k in range(n):
+        rate = split(system.rates[k] / (2 * multiprecision(160).pi))
+        count, rest = turns(rate, time)
+        angle = 2 * np.pi * rest + float(system.starts[k])
+        extra = np.rint(angle / (2 * np.pi))
+        angles.append(2 * np.pi * (rest - extra) + float(system.starts[k]))
+        whole.append(count + extra)
+    χ: list[Any] = [None] * n
+    errors: list[Any] = [None] * n
+    for k in system.order:
+        goal = angles[k] - sum((system.ripples[k][i].ripple(χ[i]) for i in system.order if χ[i] is not None and i != k), 0.0)
+        slack = sum((errors[i] for i in system.order if errors[i] is not None and len(system.ripples[k][i].cosines)), 0.0)
+        χ[k], errors[k] = _alone(system.ripples[k][k], goal, slack)
+    if system.coupled:
+        _together(system, angles, χ, errors)
+    return χ, whole, errors
+
+
+def _alone(ripple: Series, goal: Any, slack: Any) -> tuple[Any, Any]:
+    """Solve χ + D(χ) = θ, monotone in χ; the start comes from a table of the inverse."""
+    noise = _EPS * (np.abs(goal) + np.pi) + slack
+    if not len(ripple.cosines):
+        return goal, noise
+    grid = np.linspace(-np.pi, np.pi, 1025)
+    shift = 2 * np.pi * np.rint(goal / (2 * np.pi))
+    goal = goal - shift
+    table = grid + ripple.ripple(grid)
+    offset = np.where(goal > table[-1], 2 * np.pi, np.where(goal < table[0], -2 * np.pi, 0.0))
+    position = np.clip(np.searchsorted(table, goal - offset) - 1, 0, len(grid) - 2)
+    low, high = grid[position] + offset, grid[position + 1] + offset
+    share = (goal - offset - table[position]) / np.maximum(table[position + 1] - table[position], 1e-300)
+    χ = low + (high - low) * np.clip(share, 0, 1)
+    χ, residual, slope = bracketed(lambda x: (x + ripple.ripple(x) - goal, 1 + ripple.value(x) - float(ripple.mean)), χ, low, high)
+    size = float(np.sum(np.abs(ripple.cosines.astype(float) / np.arange(1, len(ripple.cosines) + 1))))
+    noise = noise + 2 * _EPS * (size + np.pi) + np.abs(residual)
+    return χ + shift, noise / np.maximum(slope, _EPS) + _EPS * np.pi
+
+
+def bracketed(function: Any, x: Any, low: Any, high: Any) -> tuple[Any, Any, Any]:
+    """Newton's method for an increasing function, element by element, never leaving its bracket.
+
+    Args:
+        function: x ↦ (f, f′), arrays of shape (m,).
+        x, low, high: start and bracket, shape (m,).
+
+    Returns:
+        The zero, the residual and the slope there.
+    """
+    for count in range(80):
+        f, slope = function(x)
+        low, high = np.where(f <= 0, np.maximum(low, x), low), np.where(f >= 0, np.minimum(high, x), high)
+        with np.errstate(all="ignore"):
+            new = x - f / slope
+        outside = ~((new >= low) & (new <= high))
+        if outside.any() or count > 8:
+            new = np.where(outside | ((count > 8) & (count % 4 == 3)), (low + high) / 2, new)
+        moved = np.abs(new - x)
+        x = new
+        if np.all(moved <= 4 * _EPS * np.maximum(np.abs(x), 1e-290)) or (count > 3 and np.all(moved <= 16 * _EPS)):
+            break
+    f, slope = function(x)
+    return x, f, slope
+
+
+def _together(system: Torus, angles: list[Any], χ: list[Any], errors: list[Any]) -> None:
+    """Solve the coupled coordinates by Newton's method, following the torus from the start where it fails."""
+    block = system.coupled
+    known = [angles[k] - sum((system.ripples[k][i].ripple(χ[i]) for i in system.order), 0.0) for k in block]
+    goal = np.stack(known)
+    found = _newton(system, goal, goal.copy(), 40)
+    bad = ~(np.max(np.abs(_residual(system, goal, found)), axis=0) < 1e-9)
+    if bad.any():
+        found[:, bad] = _follow(system, goal[:, bad])
+    residual = _residual(system, goal, found)
+    inverse = np.linalg.inv(_jacobian(system, found).transpose(2, 0, 1))
+    size = sum(float(np.sum(np.abs(system.ripples[k][i].cosines.astype(float)))) for k in block for i in block)
+    noise = np.max(np.abs(residual), axis=0) + _EPS * (np.max(np.abs(goal), axis=0) + size + np.pi)
+    bound = np.sum(np.abs(inverse), axis=2) * noise[:, None]
+    for row, k in enumerate(block):
+        χ[k], errors[k] = found[row], bound[:, row] + _EPS * np.pi
+
+
+def _residual(system: Torus, goal: Any, x: Any) -> Any:
+    block = system.coupled
+    return np.stack([x[row] - goal[row] + sum(system.ripples[k][i].ripple(x[c]) for c, i in enumerate(block)) for row, k in enumerate(block)])
+
+
+def _jacobian(system: Torus, x: Any) -> Any:
+    block = system.coupled
+    return np.stack([np.stack([(row == c) + system.ripples[k][i].value(x[c]) - float(system.ripples[k][i].mean)
+                               for c, i in enumerate(block)]) for row, k in enumerate(block)])
+
+
+def _newton(system: Torus, goal: Any, x: Any, steps: int) -> Any:
+    residual = _residual(system, goal, x)
+    for _ in range(steps):
+        jacobian = _jacobian(system, x).transpose(2, 0, 1)
+        step = -np.linalg.solve(jacobian, residual.T[..., None])[..., 0].T
+        size = np.max(np.abs(step), axis=0)
+        step *= np.minimum(1.0, 1.0 / np.maximum(size, 1e-300))
+        trial = x + step
+        new = _residual(system, goal, trial)
+        worse = np.max(np.abs(new), axis=0) > np.max(np.abs(residual), axis=0)
+        if np.all(size < 4 * _EPS * np.pi):
+            return trial
+        if worse.any():
+            trial = np.where(worse & (size > 1e-9), x + step / 4, trial)
+            new = _residual(system, goal, trial)
+        x, residual = trial, new
+    return x
+
+
+def _follow(system: Torus, goal: Any) -> Any:
+    """Walk on the torus from the start to each goal: the map is one to one, so small steps cannot fail.
+
+    Raises:
+        NotConvergedError: the steps became too small.
+    """
+    block = system.coupled
+    begin = np.array([[float(system.courses[k].start)] for k in block])
+    origin = begin + sum_ripples(system, begin)
+    result = np.empty_like(goal)
+    for m in range(goal.shape[1]):
+        x, done, step = begin.copy(), 0.0, 0.25
+        while done < 1:
+            share = min(1.0, done + step)
+            target = origin + share * (goal[:, m : m + 1] - origin)
+            trial = _newton(system, target, x, 12)
+            if np.max(np.abs(_residual(system, target, trial))) < 1e-10:
+                x, done, step = trial, share, 2 * step
+            elif step < 1e-6:
+                raise NotConvergedError("the phases of coupled coordinates could not be followed from the start")
+            else:
+                step /= 4
+        result[:, m] = x[:, 0]
+    return result
+
+
+def sum_ripples(system: Torus, x: Any) -> Any:
+    """Return Σᵢ Dₖᵢ(χᵢ) over the coupled block; shapes (coordinates, m)."""
+    block = system.coupled
+    return np.stack([sum(system.ripples[k][i].ripple(x[c]) for c, i in enumerate(block)) for k in block])

@@ -1,0 +1,97 @@
+"""Phases in many digits: Newton's method on Jacobi's equations, started from the phases in doubles."""
+
+from __future__ import annotations
+
+from typing import Any
+
+import numpy as np
+
+from hjsolve.errors import NotConvergedError
+from hjsolve.numeric.arithmetic import multiprecision
+from hjsolve.numeric.course import Course
+from hjsolve.numeric.inverse import Torus
+
+
+def on_torus(system: Torus, χ: list[Any], whole: list[Any], time: list[Any], bits: int) -> tuple[list[Any], list[Any]]:
+    """Refine phases of a bounded motion.
+
+    Args:
+        system: the equations.
+        χ, whole: phases and whole turns in doubles, one array a coordinate, shape (m,).
+        time: t − t₀ in many digits, m numbers.
+        bits: working precision; it must cover the number of turns as well.
+
+    Returns:
+        The phases as object arrays near [−π, π], and bounds on their errors.
+    """
+    context = multiprecision(bits)
+    n, turn = len(system.courses), 2 * context.pi
+    result = [np.empty(len(time), dtype=object) for _ in range(n)]
+    bounds = [np.empty(len(time), dtype=object) for _ in range(n)]
+    for m, t in enumerate(time):
+        goal = [system.starts[k] + system.rates[k] * t - turn * context.convert(float(whole[k][m])) for k in range(n)]
+
+        def equations(x: Any, goal: list[Any] = goal) -> tuple[Any, Any]:
+            residual = context.matrix([x[k] - goal[k] + sum(_ripple(system, k, i, x[i]) for i in range(n)) for k in range(n)])
+            slopes = context.matrix([[(k == i) + _slope(system, k, i, x[i]) for i in range(n)] for k in range(n)])
+            return residual, slopes
+
+        x, error = _newton(equations, [context.convert(float(χ[k][m])) for k in range(n)], context, bits)
+        for k in range(n):
+            result[k][m], bounds[k][m] = x[k], error
+    return result, bounds
+
+
+def _ripple(system: Torus, k: int, i: int, x: Any) -> Any:
+    series = system.ripples[k][i]
+    return series.ripple(x) if len(series.cosines) else 0
+
+
+def _slope(system: Torus, k: int, i: int, x: Any) -> Any:
+    series = system.ripples[k][i]
+    return series.value(x) - series.mean if len(series.cosines) else 0
+
+
+def unbounded(courses: list[Course], equations: int, χ: list[Any], time: list[Any], bits: int) -> tuple[list[Any], list[Any]]:
+    """Refine phases where some coordinate does not come back; arguments as in ``on_torus``."""
+    context = multiprecision(bits)
+    n = len(courses)
+
+    def single(value: Any) -> Any:
+        return np.array([value], dtype=object)
+
+    targets = [sum(c.integral(j, single(c.start))[0] for c in courses) for j in range(equations)]
+    result = [np.empty(len(time), dtype=object) for _ in range(n)]
+    bounds = [np.empty(len(time), dtype=object) for _ in range(n)]
+    for m, t in enumerate(time):
+
+        def system(x: Any, t: Any = t) -> tuple[Any, Any]:
+            residual = context.matrix([sum(c.integral(j, single(x[i]))[0] for i, c in enumerate(courses)) - targets[j] - (t if j == 0 else 0)
+                                       for j in range(equations)])
+            slopes = context.matrix([[c.rate(j, single(x[i]))[0] for i, c in enumerate(courses)] for j in range(equations)])
+            return residual, slopes
+
+        x, error = _newton(system, [context.convert(float(χ[k][m])) for k in range(n)], context, bits)
+        for k in range(n):
+            result[k][m], bounds[k][m] = x[k], error
+    return result, bounds
+
+
+def _newton(equations: Any, x: list[Any], context: Any, bits: int) -> tuple[list[Any], Any]:
+    """Newton's method from a start good to doubles.
+
+    Raises:
+        NotConvergedError: the corrections did not become small.
+    """
+    last = context.inf
+    for _ in range(24):
+        residual, slopes = equations(x)
+        step = context.lu_solve(slopes, -residual)
+        size = max(abs(s) for s in step)
+        x = [a + s for a, s in zip(x, step, strict=True)]
+        if size >= last / 2 and size < context.mpf(2) ** (-bits // 3):
+            return x, 4 * last
+        last = size
+        if size < context.mpf(2) ** (12 - bits):
+            return x, 4 * max(size, context.mpf(2) ** (12 - bits))
+    raise NotConvergedError("the phases could not be refined to the digits asked")

@@ -1,0 +1,271 @@
+"""Jacobi's equations where some coordinate does not come back.
+
+A coordinate whose motion in time is its own is found first: weights w with Σⱼ wⱼ kₗⱼ = 0 for every
+other coordinate l make Σⱼ wⱼ Gᵢⱼ(χᵢ) = Σⱼ wⱼ Cⱼ + w₁ (t − t₀) an equation for χᵢ alone (a Liouville time
+of its own). The rest is solved together, following the motion from its start in time.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass, replace
+from typing import Any
+
+import numpy as np
+
+from hjsolve.numeric.arithmetic import multiprecision
+from hjsolve.numeric.course import Bounded, Course, Frozen, Open
+from hjsolve.numeric.double import split, turns
+from hjsolve.numeric.inverse import _alone, bracketed
+from hjsolve.numeric.series import combine
+
+_EPS = 2.0**-52
+
+
+@dataclass(frozen=True)
+class Step:
+    """One coordinate solved alone: its index and the weights of the equations."""
+
+    index: int
+    weights: tuple[float, ...]
+
+
+@dataclass(frozen=True)
+class Plan:
+    """How the equations are solved.
+
+    Attributes:
+        courses: one a coordinate.
+        equations: number of constants the quadratures are taken for, the energy first.
+        steps: coordinates solved alone, in order.
+        coupled: the others.
+    """
+
+    courses: tuple[Course, ...]
+    equations: int
+    steps: tuple[Step, ...]
+    coupled: tuple[int, ...]
+
+
+def plan(courses: Sequence[Course]) -> Plan:
+    """Find which coordinates have a time of their own."""
+    n = len(courses)
+    samples = [_sample(c, n) for c in courses]
+    steps: list[Step] = []
+    left = list(range(n))
+    while left:
+        found = next((step for i in left if (step := _own(i, left, samples))), None)
+        if found is None:
+            break
+        steps.append(found)
+        left.remove(found.index)
+    return Plan(tuple(courses), n, tuple(steps), tuple(left))
+
+
+def _sample(course: Course, n: int) -> Any:
+    """Rows of kernels at a few phases, each scaled to unit size."""
+    χ = np.array([0.37, 0.81, 1.23, 1.77, 2.41, 2.93]) * (0.3 if isinstance(course, Open) else 1.0)
+    rows = np.stack([np.broadcast_to(course.rate(j, χ), χ.shape) for j in range(n)], axis=1)
+    return rows / np.max(np.abs(rows), axis=1, keepdims=True)
+
+
+def _own(i: int, left: list[int], samples: list[Any]) -> Step | None:
+    n = samples[i].shape[1]
+    others = np.concatenate([samples[l] for l in left if l != i] or [np.zeros((1, n))])
+    for j in range(n):
+        if np.all(others[:, j] == 0) and np.min(np.abs(samples[i][:, j])) > 1e-9:
+            return Step(i, tuple(float(j == c) for c in range(n)))
+    _, values, rows = np.linalg.svd(others)
+    rank = int(np.sum(values > 1e-12 * max(values[0], 1e-300)))
+    null = rows[rank:]
+    if not len(null):
+        return None
+    weights = null.T @ (null @ samples[i][0])
+    weights = weights / max(np.max(np.abs(weights)), 1e-300)
+    weights[np.abs(weights) < 1e-11] = 0.0
+    seen = samples[i] @ weights
+    return Step(i, tuple(float(w) for w in weights)) if np.min(np.abs(seen)) > 1e-6 else None
+
+
+def phases(scheme: Plan, time: tuple[Any, Any]) -> tuple[list[Any], list[Any], list[Any], Any]:
+    """Solve for the phases at times relative to t₀.
+
+    Args:
+        scheme: from ``plan``.
+        time: high and low parts, float arrays of shape (m,).
+
+    Returns:
+        For each coordinate χ, whole turns and a bound on the error of χ, shape (m,); and an array that is True
+        where the motion has ended before that time.
+    """
+    t = time[0] + time[1]
+    span = 2 * float(np.max(np.abs(t), initial=1e-3)) + 1e-300
+    courses = [_reaching(c, scheme, span, i) for i, c in enumerate(scheme.courses)]
+    targets = _targets(courses, scheme.equations)
+    n = len(courses)
+    χ: list[Any] = [None] * n
+    whole: list[Any] = [np.zeros_like(t)] * n
+    errors: list[Any] = [None] * n
+    ended = np.zeros(t.shape, dtype=bool)
+    for step in scheme.steps:
+        known = [(l, c) for l, c in enumerate(courses) if χ[l] is not None]
+        value, slack = _right_side(step, targets, known, χ, errors, t)
+        own = step.weights[0] if not known else 0.0
+        χ[step.index], whole[step.index], errors[step.index], gone = _solve(courses[step.index], step.weights, value, slack, own, time)
+        ended |= gone
+    if scheme.coupled:
+        _march(courses, scheme, targets, t, χ, errors, ended)
+    return χ, whole, errors, ended
+
+
+def _reaching(course: Course, scheme: Plan, span: float, i: int) -> Course:
+    """Let an open course hold enough panels for a time span: of its own clock, or of its part of the time."""
+    if not isinstance(course, Open):
+        return course
+    weights = next((s.weights for s in scheme.steps if s.index == i), tuple(float(j == 0) for j in range(scheme.equations)))
+    begin = replace(course, reach=(None, max(4.0, 2 * abs(float(course.start)))))
+    here = sum(abs(w * float(begin.integral(j, np.array([float(course.start)]))[0])) for j, w in enumerate(weights) if w)
+    others = 1.0 if weights[0] or len(scheme.courses) == 1 else 64.0
+    return replace(course, reach=(weights, here + others * span * max(abs(weights[0]), 1e-300) if weights[0] else here + others * span))
+
+
+def _targets(courses: list[Course], n: int) -> list[float]:
+    """Cⱼ = Σᵢ Gᵢⱼ at the start."""
+    return [sum(float(np.asarray(c.integral(j, np.array([float(c.start)])))[0]) for c in courses) for j in range(n)]
+
+
+def _right_side(step: Step, targets: list[float], known: list[tuple[int, Course]], χ: list[Any], errors: list[Any], t: Any) -> tuple[Any, Any]:
+    value = sum(w * c for w, c in zip(step.weights, targets, strict=True)) + step.weights[0] * t
+    slack = 0.0 * t
+    for l, course in known:
+        for j, w in enumerate(step.weights):
+            if w:
+                value = value - w * course.integral(j, χ[l])
+                slack = slack + np.abs(w * course.rate(j, χ[l]) * errors[l])
+    return value, slack
+
+
+def _solve(course: Course, weights: tuple[float, ...], value: Any, slack: Any, own: float, time: tuple[Any, Any]) -> tuple[Any, Any, Any, Any]:
+    """Solve Σ wⱼ Gⱼ(χ) = value for one coordinate."""
+    never = np.zeros(value.shape, dtype=bool)
+    if isinstance(course, Bounded):
+        total = combine(list(weights), course.kernels[: len(weights)])
+        scaled = combine([1 / total.mean], [total])
+        angle, whole = value / float(total.mean), 0.0 * value
+        if own:
+            count, rest = turns(split(own / total.mean / (2 * multiprecision(160).pi)), time)
+            start = angle - own / float(total.mean) * (time[0] + time[1])
+            whole = count + np.rint(rest)
+            angle = 2 * np.pi * (rest - np.rint(rest)) + start
+        x, error = _alone(scaled, angle, slack / abs(float(total.mean)))
+        return x, whole, error, never
+    if isinstance(course, Frozen):
+        rate = float(sum(w * float(r) for w, r in zip(weights, course.rates, strict=False)))
+        return value / rate, 0.0 * value, slack / abs(rate) + _EPS * np.abs(value / rate), never
+    return _solve_open(course, weights, value, slack)
+
+
+def _solve_open(course: Open, weights: tuple[float, ...], value: Any, slack: Any) -> tuple[Any, Any, Any, Any]:
+    def function(χ: Any) -> tuple[Any, Any]:
+        pairs = [(w * course.integral(j, χ), w * course.rate(j, χ)) for j, w in enumerate(weights) if w]
+        return sum(p[0] for p in pairs), sum(p[1] for p in pairs)
+
+    sign = 1.0 if function(np.array([0.1]))[1][0] > 0 else -1.0
+    edges = course.edges()
+    levels = sign * function(edges)[0]
+    goal = sign * value
+    position = np.clip(np.searchsorted(levels, goal) - 1, 0, len(edges) - 2)
+    low, high = edges[position], edges[position + 1]
+    floor, ceiling = course.limits()
+    if not np.isfinite(ceiling):
+        high = np.where(goal > levels[-1], edges[-1] + 2 + 2 * (goal - levels[-1]) / np.abs(course.rate_sum(weights, edges[-1:]))[0], high)
+    if not np.isfinite(floor):
+        low = np.where(goal < levels[0], edges[0] - 2 - 2 * (levels[0] - goal) / np.abs(course.rate_sum(weights, edges[:1]))[0], low)
+    ended = ((goal > levels[-1]) & np.isfinite(ceiling)) | ((goal < levels[0]) & np.isfinite(floor))
+
+    def equation(χ: Any) -> tuple[Any, Any]:
+        f, slope = function(χ)
+        return sign * f - goal, sign * slope
+
+    χ, residual, slope = bracketed(equation, (low + high) / 2, low, high)
+    noise = slack + 4 * _EPS * np.abs(goal) + np.where(ended, 0.0, np.abs(residual))
+    return χ, 0.0 * value, noise / np.maximum(np.abs(slope), 1e-300) + 2 * _EPS * np.abs(χ), ended
+
+
+def _march(courses: list[Course], scheme: Plan, targets: list[float], t: Any, χ: list[Any], errors: list[Any], ended: Any) -> None:
+    """Follow the coupled coordinates from t₀ through the sorted times, Newton's method at every step."""
+    block = scheme.coupled
+    begin = np.array([float(courses[i].start) for i in block])
+    limits = [courses[i].limits() if isinstance(courses[i], Open) else (-np.inf, np.inf) for i in block]
+    found = np.empty((len(block), len(t)))
+    bounds = np.empty_like(found)
+    for direction in (1, -1):
+        state, now = begin.copy(), 0.0
+        chosen = np.where(direction * t >= 0)[0] if direction == 1 else np.where(t < 0)[0]
+        for m in chosen[np.argsort(direction * t[chosen])]:
+            equations = _Equations(courses, scheme, targets, {l: float(χ[l][m]) for l in range(len(courses)) if χ[l] is not None})
+            state, now = equations.advance(state, now, float(t[m]), limits)
+            found[:, m] = state
+            bounds[:, m] = equations.bound(state, now)
+            ended[m] |= now != float(t[m])
+    for row, i in enumerate(block):
+        χ[i], errors[i] = found[row], bounds[row]
+
+
+@dataclass(frozen=True)
+class _Equations:
+    """Jacobi's equations in the coupled coordinates, at one value of those already known."""
+
+    courses: list[Course]
+    scheme: Plan
+    targets: list[float]
+    known: dict[int, float]
+
+    def _evaluate(self, x: Any, t: float) -> tuple[Any, Any]:
+        n = self.scheme.equations
+        residual = -np.array(self.targets)
+        residual[0] -= t
+        jacobian = np.zeros((n, len(x)))
+        for l, value in self.known.items():
+            residual += [float(self.courses[l].integral(j, np.array([value]))[0]) for j in range(n)]
+        for column, i in enumerate(self.scheme.coupled):
+            place = np.array([x[column]])
+            residual += [float(np.ravel(self.courses[i].integral(j, place))[0]) for j in range(n)]
+            jacobian[:, column] = [float(np.ravel(self.courses[i].rate(j, place))[0]) for j in range(n)]
+        return residual, jacobian
+
+    def advance(self, x: Any, now: float, goal: float, limits: list[tuple[float, float]]) -> tuple[Any, float]:
+        """Walk from one time to another; stop early where a coordinate reaches the end of its domain."""
+        step = goal - now
+        while now != goal:
+            target = goal if abs(goal - now) <= abs(step) else now + step
+            trial, worked = self._newton(x, target, limits)
+            if worked:
+                x, now, step = trial, target, 2 * step
+            elif abs(step) < 1e-13 * max(abs(goal), 1e-13):
+                return x, now
+            else:
+                step /= 4
+        return x, now
+
+    def _newton(self, x: Any, t: float, limits: list[tuple[float, float]]) -> tuple[Any, bool]:
+        last = np.inf
+        for _ in range(12):
+            residual, jacobian = self._evaluate(x, t)
+            step = np.linalg.lstsq(jacobian, -residual, rcond=None)[0]
+            size = float(np.max(np.abs(step) / (1 + np.abs(x))))
+            if size > 0.5 or size > 2 * last + 1e-12:
+                return x, False
+            x, last = x + step, size
+            if any(not low <= v <= high for v, (low, high) in zip(x, limits, strict=True)):
+                return x, False
+            if size < 8 * _EPS:
+                return x, True
+        return x, last < 1e-12
+
+    def bound(self, x: Any, t: float) -> Any:
+        """Bound the error of a solution from its residual and the rounding of the sums."""
+        residual, jacobian = self._evaluate(x, t)
+        noise = np.abs(residual) + 4 * _EPS * (np.abs(self.targets) + abs(t) * (np.arange(len(residual)) == 0) + np.abs(jacobian) @ np.abs(x))
+        return np.abs(np.linalg.pinv(jacobian)) @ noise + 2 * _EPS * np.abs(x)
+

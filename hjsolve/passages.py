@@ -1,0 +1,255 @@
+"""t(q): when a coordinate passes a place, reaches an end of its domain, and the angle variables."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+
+from hjsolve.errors import InvalidInputError, NotConvergedError, OutsideMotionError
+from hjsolve.expressions import number
+from hjsolve.initial import to_bits
+from hjsolve.numeric.arithmetic import Multi, multiprecision
+from hjsolve.numeric.course import Bounded, Course, Frozen, Open
+from hjsolve.numeric.double import split
+from hjsolve.numeric.estimate import Estimate
+from hjsolve.numeric.inverse import Torus
+from hjsolve.numeric.unbounded import Plan, Step
+from hjsolve.trajectory import _principal, _with_reach, solve, state_at
+
+if TYPE_CHECKING:
+    from hjsolve.motion import Motion
+
+_EPS = 2.0**-52
+_SCAN = 200_000
+
+
+def crossing_time(motion: Motion, name: str, value: Any, passage: int) -> Estimate:
+    """Return the time of a crossing; see ``Motion.time_at``."""
+    motion.solution.system.coordinate(name)
+    target = to_bits(number(value, source=f"value of {name}"))
+    if name not in motion.located:
+        return _scanned(motion, name, float(target(64)), passage)
+    course = motion.located[name].course
+    phase = _phase_of(motion, name, course, target, passage)
+    elapsed, error = _elapsed(motion, list(motion.solution.coordinates).index(name), phase)
+    return _shifted(motion, elapsed, error)
+
+
+def crossing_times(motion: Motion, name: str, values: Any) -> Any:
+    """Return the times of the first crossings after t₀, array of shape (m,)."""
+    return np.array([crossing_time(motion, name, v, 0).value for v in np.ravel(np.asarray(values, dtype=object))])
+
+
+def _shifted(motion: Motion, elapsed: Any, error: Any) -> Estimate:
+    """t₀ + elapsed time."""
+    if motion.digits > 15:
+        bits = int(3.33 * motion.digits) + 32
+        value = to_bits(motion.t0)(bits) + elapsed
+        return Estimate(value, abs(error) + abs(value) * multiprecision(bits).mpf(10) ** -motion.digits)
+    value = float(to_bits(motion.t0)(160) + elapsed)
+    return Estimate(value, float(error) + _EPS * abs(value))
+
+
+def _phase_of(motion: Motion, name: str, course: Course, target: Callable[[int], Any], passage: int) -> Any:
+    """Phase of the passage-th crossing, counted from the start."""
+    bits = int(3.33 * motion.digits) + 128
+    place, arithmetic = target(bits), Multi(bits)
+    if isinstance(course, Frozen):
+        raise OutsideMotionError(f"{name} rests at {float(course.rest):.12g}: it crosses nothing")
+    if isinstance(course, Bounded):
+        _require_between(motion, name, course, place)
+        χ = course.anomaly.phase(place, 1, arithmetic)
+        turn = 2 * arithmetic.pi()
+        around = {float(x % turn): x % turn for x in ((χ, -χ) if course.anomaly.even else (χ,))}
+        start = course.start
+        first = sorted(x + turn * arithmetic.context.ceil((start - x) / turn) for x in around.values())
+        return first[passage % len(first)] + turn * (passage // len(first))
+    phases = sorted(x for x in _open_phases(name, course, place, bits))
+    later = [x for x in phases if x >= course.start] if passage >= 0 else [x for x in phases if x < course.start][::-1]
+    index = passage if passage >= 0 else -passage - 1
+    if index >= len(later):
+        raise OutsideMotionError(f"{name} does not pass {float(place):.12g} that often: {len(later)} times {'after' if passage >= 0 else 'before'} t0")
+    return later[index]
+
+
+def _require_between(motion: Motion, name: str, course: Bounded, place: Any) -> None:
+    if course.anomaly.even and not course.anomaly.lower <= place <= course.anomaly.upper:  # type: ignore[union-attr]
+        low, high = motion.turning_points[name]
+        raise OutsideMotionError(f"{name} never reaches {float(place):.12g}: it moves between {low} and {high}")
+
+
+def _open_phases(name: str, course: Open, place: Any, bits: int) -> list[Any]:
+    """Phases of an unbounded course at a place: one on a branch, two where the branch turns."""
+    found = []
+    for sign, branch in ((1, course.ahead), (-1, course.behind)):
+        way = branch.way
+        x = way.side * (place - way.start) / way.length
+        if x < 0 or (way.end != "infinity" and x >= 1):
+            continue
+        context = multiprecision(bits)
+        if way.end == "infinity":
+            y = context.sqrt(x) if way.turning else x
+        elif way.end == "boundary":
+            y = 2 * context.asin(context.sqrt(x)) if way.turning else 1 - context.sqrt(1 - x)
+        else:
+            y = context.atanh(context.sqrt(x)) if way.turning else -context.log(1 - x)
+        found.append(sign * y)
+    if not found:
+        raise OutsideMotionError(f"{name} never reaches {float(place):.12g}")
+    return found
+
+
+def _elapsed(motion: Motion, k: int, phase: Any) -> tuple[Any, Any]:
+    """Time from t₀ until coordinate k has a phase, and a bound on its error."""
+    equations = motion.equations
+    many = motion.digits > 15
+    if isinstance(equations, Torus) and all(not len(s.cosines) for i, s in enumerate(equations.ripples[k]) if i != k):
+        ripple = equations.ripples[k][k]
+        wave = 0 if not len(ripple.cosines) else ripple.ripple(phase) if many else float(ripple.ripple(np.array([float(phase)]))[0])
+        time = (phase + wave - equations.starts[k]) / equations.rates[k]
+        size = float(np.sum(np.abs(ripple.cosines.astype(float)))) + 4.0
+        return time, _noise(motion) * size / abs(equations.rates[k])
+    if isinstance(equations, Plan) and (step := next((s for s in equations.steps if s.index == k), None)) and step is equations.steps[0] and step.weights[0]:
+        return _own_time(motion, equations.courses[k], step, phase)
+    return _sought(motion, k, float(phase))
+
+
+def _noise(motion: Motion) -> Any:
+    return 4 * _EPS if motion.digits <= 15 else multiprecision(64).mpf(10) ** -motion.digits
+
+
+def _own_time(motion: Motion, course: Course, step: Step, phase: Any) -> tuple[Any, Any]:
+    """Time of a coordinate whose equation holds no other."""
+    kind = object if motion.digits > 15 else float
+    here, start = np.array([phase], dtype=kind), np.array([course.start], dtype=kind)
+    course = _with_reach(course, np.array([float(phase)]))
+    total, size = 0, 0
+    for j, w in enumerate(step.weights):
+        if w:
+            there, begin = course.integral(j, here)[0], course.integral(j, start)[0]
+            total, size = total + w * (there - begin), size + abs(w * there) + abs(w * begin)
+    return total / step.weights[0], _noise(motion) * size / abs(step.weights[0])
+
+
+def _sought(motion: Motion, k: int, goal: float) -> tuple[Any, Any]:
+    """Time at which χₖ(t), increasing, passes a phase; by bracketing and the secant rule."""
+    assert motion.equations is not None
+
+    def full(t: float) -> tuple[float, float]:
+        χ, whole, errors, ended = solve(motion, (np.array([t]), np.zeros(1)))
+        return (np.inf if ended[0] else float(χ[k][0] + 2 * np.pi * whole[k][0])) - goal, float(errors[k][0])
+
+    low, high = 0.0, 0.0
+    step = 1.0 / max(float(abs(f.value)) for f in motion.frequencies.values()) if motion.frequencies else 1.0
+    if full(0.0)[0] < 0:
+        while full(high)[0] < 0:
+            low, high, step = high, high + step, 2 * step
+            _limit(step)
+    else:
+        while full(low)[0] > 0:
+            low, high, step = low - step, low, 2 * step
+            _limit(step)
+    return _root(lambda t: full(t)[0], low, high), _time_error(full, low, high)
+
+
+def _limit(step: float) -> None:
+    if step > 1e200:
+        raise OutsideMotionError("the place is not reached in any finite time")
+
+
+def _time_error(full: Callable[[float], tuple[float, float]], low: float, high: float) -> float:
+    t = (low + high) / 2
+    h = max(high - low, abs(t) * 1e-6, 1e-9)
+    slope = abs(full(t + h)[0] - full(t - h)[0]) / (2 * h)
+    return 4 * full(t)[1] / max(slope, 1e-300) + 4 * _EPS * abs(t)
+
+
+def _root(function: Callable[[float], float], low: float, high: float) -> float:
+    """Regula falsi with bisection (Illinois), to the last bits."""
+    f0, f1 = function(low), function(high)
+    for count in range(200):
+        if f0 == 0 or high - low <= 2 * _EPS * max(abs(low), abs(high)):
+            return low
+        middle = (low + high) / 2 if count % 3 == 2 or not np.isfinite(f1 - f0) else low - f0 * (high - low) / (f1 - f0)
+        middle = min(max(middle, low + 0.001 * (high - low)), high - 0.001 * (high - low))
+        f = function(middle)
+        if f <= 0:
+            low, f0 = middle, f
+        else:
+            high, f1 = middle, f
+    return low
+
+
+def _scanned(motion: Motion, name: str, value: float, passage: int) -> Estimate:
+    """Crossings of an ignorable coordinate, found by walking along the motion: it need not be monotone."""
+    if passage < 0:
+        raise InvalidInputError(f"time_at: passage counts from 0 for the ignorable coordinate {name}")
+    rates = [abs(float(f.value)) for f in motion.frequencies.values()]
+    start = float(to_bits(motion.t0)(64))
+    step = 0.04 / max(rates) if rates else 0.05
+    angle = motion.solution.system.coordinate(name).domain.kind == "angle"
+
+    def off(t: float) -> float:
+        return float(state_at(motion, t).unwrapped(name)) - value
+
+    def level(x: float) -> float:
+        return np.floor(x / (2 * np.pi)) if angle else float(x >= 0)
+
+    before, left = off(start), passage
+    if before == 0:
+        left -= 1
+    for k in range(_SCAN if rates else 4000):
+        t = start + (k + 1) * step if rates else start + step * 1.02**k
+        after = off(t)
+        if level(after) != level(before) or after == 0:
+            left -= 1
+            if left < 0:
+                edge = 2 * np.pi * max(level(after), level(before)) if angle else 0.0
+                sign = 1.0 if after > before else -1.0
+                previous = start + k * step if rates else (start + step * 1.02 ** (k - 1) if k else start)
+                time = _root(lambda s: sign * (off(s) - edge), previous, t)
+                state = state_at(motion, time)
+                return Estimate(time, 2 * float(state.error.q[name]) / max(abs(float(state.velocity[name])), 1e-300) + 4 * _EPS * abs(time))
+        before = after
+    raise NotConvergedError(f"{name} did not pass {value:.12g} in the time searched")
+
+
+def boundary_times(motion: Motion) -> dict[str, Estimate]:
+    """Return, for every coordinate that will reach an end of its domain, when."""
+    result = {}
+    for k, name in enumerate(motion.solution.coordinates):
+        course = motion.located[name].course
+        if isinstance(course, Open) and course.ahead.way.end == "boundary":
+            phase = course.ahead.way.last(multiprecision(int(3.33 * motion.digits) + 64))
+            result[name] = _shifted(motion, *_elapsed(motion, k, phase))
+    return result
+
+
+def angle_variables(motion: Motion, t: Any) -> dict[str, Any]:
+    """Return θ = θ₀ + Ω (t − t₀) in (−π, π]; see ``Motion.angles``."""
+    from hjsolve.motion import mean_growth
+    from hjsolve.numeric.double import turns
+    from hjsolve.trajectory import _phases, _shaped, oscillation
+
+    equations = motion.equations
+    phases, shape = _phases(motion, t)
+    result = {}
+    for name, frequency in motion.frequencies.items():
+        if not isinstance(equations, Torus):
+            continue
+        if name in motion.located:
+            k = list(motion.solution.coordinates).index(name)
+            rate, start = equations.rates[k], equations.starts[k]
+        else:
+            j = list(motion.solution.constants).index(motion.solution.system.coordinate(name).momentum.name)
+            rate = -sum(r * mean_growth(c, j) for r, c in zip(equations.rates, equations.courses, strict=True))
+            start = to_bits(motion.initial.values[motion.solution.system.coordinate(name).symbol])(160)
+            for i, course in enumerate(equations.courses):
+                series = oscillation(equations, i, j)
+                start -= float(series.ripple(np.array([float(course.start)]))[0]) if len(series.cosines) else 0
+        _, rest = turns(split(rate / (2 * multiprecision(160).pi)), phases.time)
+        direction = 1 if float(frequency.value) * float(rate) > 0 else -1
+        result[name] = _shaped(_principal(direction * (2 * np.pi * rest + float(start)))[0], shape)
+    return result

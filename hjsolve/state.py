@@ -1,0 +1,59 @@
+"""Where the system is at given times: positions, momenta, velocities, each with its error and status."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Mapping
+from dataclasses import dataclass, field
+from typing import Any
+
+
+@dataclass(frozen=True)
+class Errors:
+    """Absolute error bounds, laid out like the state itself; scalars or arrays shaped like t."""
+
+    q: Mapping[str, Any]
+    p: Mapping[str, Any]
+    velocity: Mapping[str, Any]
+
+
+@dataclass(frozen=True)
+class State:
+    """The state at the times ``t``.
+
+    Attributes:
+        t: the times asked, as given (scalar or array).
+        q: coordinate → position; the principal value in (−π, π] for an angle.
+        p: coordinate → canonical momentum.
+        velocity: coordinate → dq/dt.
+        turns: angle → whole turns (integers) to be added to ``q``.
+        status: ``ok`` or ``reaches_boundary`` for each time; where the motion has ended the numbers are NaN.
+        errors: the rule behind ``error``.
+    """
+
+    t: Any
+    q: Mapping[str, Any]
+    p: Mapping[str, Any]
+    velocity: Mapping[str, Any]
+    turns: Mapping[str, Any]
+    status: Any
+    errors: Callable[[], Errors] = field(repr=False, compare=False)
+
+    @property
+    def error(self) -> Errors:
+        """Bounds on the errors of q, p and velocity, worked out when asked for."""
+        return self.errors()
+
+    def unwrapped(self, name: str) -> Any:
+        """Return q plus its whole turns, the angle that grows without jumps; q itself for other coordinates."""
+        if name not in self.turns:
+            return self.q[name]
+        value = self.q[name]
+        pi = value.context.pi if hasattr(value, "context") else _pi_of(value)
+        return value + 2 * pi * self.turns[name]
+
+
+def _pi_of(value: Any) -> Any:
+    """π in the arithmetic of an array."""
+    if getattr(value, "dtype", None) == object and value.size:
+        return +value.flat[0].context.pi
+    return 3.141592653589793
