@@ -111,6 +111,7 @@ def ids(kind: str | None = None) -> tuple[str, ...]:
 
     Args:
         kind: ``separable``, ``refused`` or None for both.
+
     Raises:
         CatalogError: another kind.
     """
@@ -188,8 +189,7 @@ def from_table(table: Mapping[str, Any], *, source: str = "system") -> System:
     Raises:
         CatalogError: one line for every fault: the source, the key, what is wrong and what to write instead.
     """
-    own = {key: value for key, value in table.items() if key not in schema.ENTRY or key in schema.SYSTEM} if (
-        isinstance(table, Mapping)) else table
+    own = {key: value for key, value in table.items() if key not in schema.ENTRY or key in schema.SYSTEM}
     problems = list(schema.faults(own, schema.SYSTEM))
     if not problems:
         problems = [*_repeated(own["coordinates"], "coordinates"), *_repeated(own.get("parameters", []), "parameters")]
@@ -270,11 +270,7 @@ def _with_effects(table: Mapping[str, Any], names: Sequence[str], source: str) -
 
 
 def _effects(table: Mapping[str, Any]) -> dict[str, Effect]:
-    tuples = ("parameters", "cite")
-    return {
-        name: Effect(name=name, **{key: tuple(v) if key in tuples else v for key, v in effect.items()})
-        for name, effect in table.get("effects", {}).items()
-    }
+    return {name: Effect(name=name, **_frozen(effect)) for name, effect in table.get("effects", {}).items()}
 
 
 def _initial(name: str, table: Mapping[str, Any]) -> InitialData:
@@ -282,7 +278,11 @@ def _initial(name: str, table: Mapping[str, Any]) -> InitialData:
 
 
 def _reference(table: Mapping[str, Any]) -> Reference:
-    return Reference(**{key: tuple(value) if key == "cite" else value for key, value in table.items()})
+    return Reference(**_frozen(table))
+
+
+def _frozen(table: Mapping[str, Any]) -> dict[str, Any]:
+    return {key: tuple(value) if isinstance(value, list) else value for key, value in table.items()}
 
 
 def _parameter(table: Mapping[str, Any]) -> Any:
@@ -345,7 +345,7 @@ def _reference_faults(reference: Mapping[str, Any], where: str, names: list[str]
     else:
         coordinate = match["coordinate"] or match["turning"]
         yield from _unknown([coordinate] if coordinate else [], names, f"{where}.quantity", "coordinate")
-        timed = quantity.split(".")[0] in ("q", "p", "velocity")
+        timed = quantity.partition(".")[0] in ("q", "p", "velocity")
         if timed != ("t" in at):
             yield f"{where}.at: {'needs' if timed else 'must not have'} a time t"
     if "motion" in at:

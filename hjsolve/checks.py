@@ -57,7 +57,8 @@ def check(solution: Solution, *, budget: float = 20.0) -> tuple[Check, ...]:
         The Hamilton–Jacobi equation, the momenta, the involution of the constants, the canonical property.
     """
     laws = (
-        ("hamilton-jacobi", "H(q, dW/dq) = E identically in q and the constants (5-69)", [hamilton_jacobi_residual(solution)]),
+        ("hamilton-jacobi", "H(q, dW/dq) = E identically in q and the constants (5-69)",
+         [hamilton_jacobi_residual(solution)]),
         ("momenta", "p = dW/dq gives back every momentum when the constants are functions of (q, p) (5-72)",
          _momentum_residuals(solution)),
         ("involution", "the constants are integrals, (alpha, H) = 0, and in involution, (alpha_i, alpha_j) = 0 (6-236)",
@@ -130,7 +131,8 @@ def _canonical_residuals(solution: Solution) -> Iterator[sp.Expr]:
     if solution.time_law is not None:
         equations = {solution.separation.shell.energy.name: solution.time_law.rhs, **equations}
     names = list(equations)
-    slopes = {k: [_slope(solution, equations[k], c.name).xreplace(values) for c in solution.system.coordinates] for k in names}
+    coordinates = [c.name for c in solution.system.coordinates]
+    slopes = {k: [_slope(solution, equations[k], c).xreplace(values) for c in coordinates] for k in names}
     for j in names:
         κ = solution.constants[j].expression
         gradient = [κ.diff(c.momentum) for c in solution.system.coordinates]

@@ -141,6 +141,6 @@ def _is_number(value: object) -> bool:
 
 
 def _shown(value: object) -> str:
-    words = {bool: "true or false", dict: "a table", list: "a list", str: "a text", int: "an integer", Decimal: "a decimal"}
+    words = {bool: "true or false", dict: "a table", list: "a list", str: "a text", int: "an integer"}
     text = " ".join(str(value).split())
     return f"{words.get(type(value), type(value).__name__)} ({text[:40]})"

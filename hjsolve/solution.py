@@ -4,11 +4,11 @@ Greenwood (1977), chapter 5. With the separated shell Pᵢ² = 2(Σⱼ Φᵢⱼ 
 
     W = Σ c_k q_k + Σᵢ ∫ Pᵢ dqᵢ − χ,     t − t₀ = ∂W/∂E (5-71),     −βⱼ = ∂W/∂αⱼ (5-70),     −β_k = ∂W/∂c_k (5-83).
 
-**Lower limits** are symbols q_0, one for each separated coordinate. An admissible value is a constant that does not depend
-on the separation constants, or a simple zero of Pᵢ²: only then does differentiation under the integral sign leave no
-boundary term (Greenwood, after (5-94)). The choice fixes what t₀ and the β mean. **Sign of the root**: printed +; it is + while
-the coordinate increases and − while it decreases, flips at each turning point, and enters W itself, which is therefore
-multivalued: it grows by ∮p dq with every cycle.
+**Lower limits** are symbols q_0, one for each separated coordinate. An admissible value is a constant that does not
+depend on the separation constants, or a simple zero of Pᵢ²: only then does differentiation under the integral sign
+leave no boundary term (Greenwood, after (5-94)). The choice fixes what t₀ and the β mean. **Sign of the root**: printed
++; it is + while the coordinate increases and − while it decreases, flips at each turning point, and enters W itself,
+which is therefore multivalued: it grows by ∮p dq with every cycle.
 """
 
 from __future__ import annotations
@@ -25,6 +25,9 @@ from hjsolve.system import System
 
 if TYPE_CHECKING:
     from hjsolve.motion import Motion
+
+Separated = list[tuple[sp.Symbol, sp.Expr, sp.Symbol]]
+"""Of every separated coordinate: q, the root √Pᵢ², the lower limit."""
 
 
 @dataclass(frozen=True)
@@ -117,10 +120,8 @@ def _momenta_squared(verdict: Separation) -> tuple[sp.Expr, ...]:
     if staeckel is None:
         return ()
     alphas = [c.symbol for c in separation_constants(verdict)]
-    rows = range(len(staeckel.coordinates))
-    return tuple(
-        sp.expand_mul(2 * (sum(staeckel.matrix[i, j] * α for j, α in enumerate(alphas)) - staeckel.column[i])) for i in rows
-    )
+    Φ, ψ = staeckel.matrix, staeckel.column
+    return tuple(sp.expand_mul(2 * (sum(Φ[i, j] * α for j, α in enumerate(alphas)) - ψ[i])) for i in range(len(ψ)))
 
 
 def _named(verdict: Separation) -> dict[str, Constant]:
@@ -154,24 +155,20 @@ def _quadrature(integrand: sp.Expr, q: sp.Symbol, start: sp.Symbol) -> sp.Expr:
     return sp.S.Zero if integrand == 0 else sp.Integral(integrand, (q, start, q))
 
 
-def _derivative(verdict: Separation, separated: list[tuple[sp.Symbol, sp.Expr, sp.Symbol]], constant: sp.Symbol) -> sp.Expr:
+def _derivative(verdict: Separation, separated: Separated, constant: sp.Symbol) -> sp.Expr:
     """∂W/∂(constant) without the term c·q: Σ ∫ (∂Pᵢ²/∂c)/(2Pᵢ) dqᵢ − ∂χ/∂c."""
     terms = [_quadrature(sp.diff(root**2, constant) / (2 * root), q, start) for q, root, start in separated]
     return sp.Add(*terms, -sp.diff(verdict.shell.shift_potential, constant))
 
 
-def _time_law(
-    verdict: Separation, separated: list[tuple[sp.Symbol, sp.Expr, sp.Symbol]], taken: frozenset[str]
-) -> sp.Eq | None:
+def _time_law(verdict: Separation, separated: Separated, taken: frozenset[str]) -> sp.Eq | None:
     if not separated:
         return None
     t, t0 = _fresh("t", taken, real=True), _fresh("t_0", taken, real=True)
     return sp.Eq(t - t0, _derivative(verdict, separated, verdict.shell.energy), evaluate=False)
 
 
-def _orbit_equations(
-    verdict: Separation, separated: list[tuple[sp.Symbol, sp.Expr, sp.Symbol]], taken: frozenset[str]
-) -> dict[str, sp.Eq]:
+def _orbit_equations(verdict: Separation, separated: Separated, taken: frozenset[str]) -> dict[str, sp.Eq]:
     """−β = ∂W/∂α, −β = q + ∂W′/∂c; with no separated coordinate −β = q − t ∂H/∂c, from S = Σ c q − H(c) t (5-74)."""
     position = {c.momentum: c.symbol for c in verdict.shell.ignorable}
     equations = {}

@@ -82,7 +82,7 @@ def shell_at(name: str, motion: str) -> tuple[dict[str, sp.Expr], list[sp.Symbol
     return {n: F.xreplace(fixed) for n, F in solved.momentum_squared.items()}, list(values), values
 
 
-def cycle(F: sp.Expr, q: sp.Symbol, constant: sp.Symbol | None, numbers: Any, ends: tuple[Any, Any] | None) -> mpmath.mpf:
+def cycle(F: sp.Expr, q: sp.Symbol, constant: sp.Symbol | None, numbers: Any, ends: Any) -> mpmath.mpf:
     """(1/2π)∮ p dq, or its derivative by a constant; tanh-sinh or Gauss–Legendre over χ, q = mid − half·cos χ."""
     kernel = sp.lambdify(q, F.xreplace(numbers), "mpmath")
     slope = sp.lambdify(q, F.diff(constant).xreplace(numbers) if constant is not None else 0, "mpmath")
@@ -98,7 +98,7 @@ def cycle(F: sp.Expr, q: sp.Symbol, constant: sp.Symbol | None, numbers: Any, en
 
 
 @pytest.mark.parametrize(("name", "motion"), MOTIONS)
-def test_quadratures_of_the_separated_momenta_give_the_published_actions_and_frequencies(name: str, motion: str) -> None:
+def test_quadratures_of_the_separated_momenta_give_the_actions_and_frequencies(name: str, motion: str) -> None:
     """J by quadrature, Ω = ∂H/∂J by inverting the matrix ∂J/∂α of quadratures: no closed form, no ODE."""
     with mp.workdps(50):
         known = {r.quantity: r.value for r in entry(name).references if r.at == {"motion": motion}}
@@ -127,7 +127,7 @@ def test_quadratures_of_the_separated_momenta_give_the_published_actions_and_fre
 
 @pytest.mark.parametrize(("name", "motion"), MOTIONS)
 def test_the_equations_of_motion_of_our_own_hamiltonian_give_the_published_states(name: str, motion: str) -> None:
-    """Taylor integration at 25 digits of H as hjsolve's system gives it; the published values used another derivation."""
+    """Taylor integration at 25 digits of hjsolve's own H; the published values derived theirs by sympy alone."""
     system = entry(name).system
     with mp.workdps(35):
         parameters, q, p = start(name, motion)

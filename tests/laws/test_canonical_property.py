@@ -1,4 +1,4 @@
-"""Jacobi's theorem, symbolically: (q, p) → (α, β) is canonical over the whole catalog (Greenwood (6-76)–(6-79), (6-215))."""
+"""Jacobi's theorem: (q, p) → (α, β) is canonical over the whole catalog (Greenwood (6-76)–(6-79), (6-215))."""
 
 import pytest
 import sympy as sp
@@ -23,7 +23,7 @@ def solutions() -> dict[str, Solution]:
 
 
 @pytest.mark.parametrize("name", NAMES)
-def test_constants_are_integrals_in_involution_and_conjugate_to_the_betas(solutions: dict[str, Solution], name: str) -> None:
+def test_constants_are_in_involution_and_conjugate_to_the_betas(solutions: dict[str, Solution], name: str) -> None:
     checks = check(solutions[name])
     assert [c.name for c in checks] == ["hamilton-jacobi", "momenta", "involution", "canonical"]
     assert [c.verdict for c in checks] == ["proved"] * 4

@@ -39,13 +39,11 @@ def test_the_momenta_are_the_derivatives_of_w_as_printed(solutions: dict[str, So
 
 
 @pytest.mark.parametrize("name", NAMES)
-def test_the_equation_holds_numerically_with_signs_and_roots_as_printed(solutions: dict[str, Solution], name: str) -> None:
+def test_the_equation_holds_to_40_digits_with_the_roots_as_printed(solutions: dict[str, Solution], name: str) -> None:
     """At a point of a real motion, 40 digits, H's own formula: no squaring away, no zero test of ours."""
     solution = solutions[name]
     system = solution.system
     numbers = {p.symbol: p.value for p in system.parameters}
-    data = catalog.describe(name.split("+")[0]).initial
-    assert data is not None
     q = {c.symbol: sp.Rational(i + 4, 5) + sp.Rational(1, 7) for i, c in enumerate(system.coordinates)}
     p = {c.momentum: sp.Rational(3 + i, 2) for i, c in enumerate(system.coordinates)}
     values = {c.symbol: c.expression.xreplace({**numbers, **q, **p}) for c in solution.constants.values()}

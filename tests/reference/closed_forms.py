@@ -84,7 +84,8 @@ def _kepler_radial(m: mpf, k: mpf, E: mpf, L: mpf) -> Values:
     if E > 0:
         return {"turning_point.r.lower": (a * (e - 1), "a*(e - 1), a = k/(2*E), e = sqrt(1 + 2*E*L^2/(m*k^2))")}
     Ω = mp.sqrt(8 * abs(E) ** 3 / (m * k**2))
-    values = _cycle("r", Ω, k * mp.sqrt(m / (2 * abs(E))) - L, "Kepler: Omega = sqrt(-8*E^3/(m*k^2)), J = k*sqrt(-m/(2*E)) - L")
+    how = "Kepler: Omega = sqrt(-8*E^3/(m*k^2)), J = k*sqrt(-m/(2*E)) - L"
+    values = _cycle("r", Ω, k * mp.sqrt(m / (2 * abs(E))) - L, how)
     return values | _turns("r", a * (1 - e), a * (1 + e), "a*(1 -+ e), a = -k/(2*E), e = sqrt(1 + 2*E*L^2/(m*k^2))")
 
 

@@ -1,6 +1,6 @@
 """Write the ``[[reference]]`` tables of catalog/systems/*.toml anew.
 
-    python -m reference.regenerate [id …]      (from the folder tests/)
+    python -m tests.reference.regenerate [id …]
 
 Periods, actions, frequencies and turning points come from the closed forms; states from Taylor integration of
 Hamilton's equations, derived here from T and V with sympy alone. Each file keeps what is above the marker line.
@@ -17,8 +17,8 @@ from pathlib import Path
 import sympy
 from mpmath import mp, mpf
 
-from reference.closed_forms import FORMS, Values
-from reference.taylor import Flow
+from tests.reference.closed_forms import FORMS, Values
+from tests.reference.taylor import Flow
 
 CATALOG = Path(__file__).resolve().parents[2] / "catalog" / "systems"
 MARKER = "# Reference values below this line are written by tests/reference/regenerate.py; see catalog/README.md.\n"
@@ -91,9 +91,9 @@ def principal(angle: mpf) -> mpf:
 
 
 def states(motion: Motion, closed: Values) -> Iterator[tuple[str, str, mpf]]:
-    """(quantity, t, value) at generic times: −0.6, 0.3, 2.9 and (default motion) 50 slowest periods."""
-    periods = [value for key, (value, _) in closed.items() if key.startswith("period.")]
-    unit = max(periods, default=mp.one)
+    """(quantity, t, value) at generic times: −0.6, 0.3, 2.9 and (default motion) 50 periods of the slowest libration."""
+    periods = [closed[f"period.{n}"][0] for n in motion.names if f"turning_point.{n}.upper" in closed]
+    unit = max(periods or [value for key, (value, _) in closed.items() if key.startswith("period.")], default=mp.one)
     shares = ["-0.6", "0.3", "2.9", "50"] if motion.name == "default" else ["-0.6", "2.9"]
     size = [abs(value) for value in (*motion.q.values(), *motion.p.values())]
     forward, backward = motion.flow(), motion.flow()

@@ -38,16 +38,17 @@ class _Compiler:
         return self.slots[expr]
 
     def _new(self, expr: sympy.Expr) -> int:
-        if expr in self.values:
-            return self.emit("constant", (), self.values[expr])
-        if expr.is_number:
-            return self.emit("constant", (), mp.mpf(str(sympy.N(expr, mp.dps + 10))))
+        if (value := self._constant(expr)) is not None:
+            return self.emit("constant", (), value)
         if expr.is_Add or expr.is_Mul:
-            op = "add" if expr.is_Add else "multiply"
-            first, *rest = [self.slot(argument) for argument in expr.args]
+            numbers = [value for argument in expr.args if (value := self._constant(argument)) is not None]
+            first, *rest = [self.slot(argument) for argument in expr.args if self._constant(argument) is None]
             for other in rest:
-                first = self.emit(op, (first, other))
-            return first
+                first = self.emit("add" if expr.is_Add else "multiply", (first, other))
+            if not numbers:
+                return first
+            return self.emit("shift", (first,), mp.fsum(numbers)) if expr.is_Add else self.emit(
+                "scale", (first,), mp.fprod(numbers))
         if expr.is_Pow:
             return self._power(expr.base, expr.exp)
         if isinstance(expr, sympy.sin | sympy.cos):
@@ -59,9 +60,16 @@ class _Compiler:
         message = f"no power series rule for {expr}"
         raise TypeError(message)
 
+    def _constant(self, expr: sympy.Expr) -> mpf | None:
+        """The value of an expression of parameters and numbers, or None."""
+        if not expr.free_symbols <= self.values.keys():
+            return None
+        return mp.mpf(sympy.N(expr.xreplace(dict(self.values)), mp.dps + 10))
+
     def _power(self, base: sympy.Expr, exponent: sympy.Expr) -> int:
         if exponent.is_Integer and exponent > 0:
-            return self.slot(sympy.Mul(base, base ** (exponent - 1), evaluate=False)) if exponent > 1 else self.slot(base)
+            rest = self.slot(base if exponent == 2 else base ** (exponent - 1))
+            return self.emit("multiply", (self.slot(base), rest))
         return self.emit("power", (self.slot(base),), mp.mpf(exponent.p) / exponent.q)
 
 
@@ -71,6 +79,10 @@ def _coefficient(op: str, args: list[list[mpf]], out: list[list[mpf]], k: int, e
         out[0].append(extra if k == 0 else mp.zero)
     elif op == "add":
         out[0].append(args[0][k] + args[1][k])
+    elif op == "shift":
+        out[0].append(args[0][k] + extra if k == 0 else args[0][k])
+    elif op == "scale":
+        out[0].append(args[0][k] * extra)
     elif op == "multiply":
         out[0].append(mp.fdot(args[0][: k + 1], args[1][k::-1]))
     elif op == "power":

@@ -57,7 +57,8 @@ def test_the_verdict_of_separate_can_be_solved_without_a_second_test(kepler: Sol
 
 
 def test_names_the_user_has_taken_are_left_to_him() -> None:
-    system = System(coordinates={"t": "line"}, kinetic="dot(t)**2/2", potential="E*t_0*t**2", parameters={"E": 1, "t_0": 1})
+    parameters = {"E": 1, "t_0": 1}
+    system = System(coordinates={"t": "line"}, kinetic="dot(t)**2/2", potential="E*t_0*t**2", parameters=parameters)
     solution = solve(system)
     assert solution.time_law is not None
     names = {s.name for s in solution.time_law.lhs.free_symbols}
