@@ -4,10 +4,11 @@ Every system of this project is, after its ignorable coordinates are replaced by
 
     ½ Σₐ gᵃᵃ(q) Pₐ²  +  V_eff(q; c)  =  E,        Pₐ = pₐ + Aₐ(q; c),
 
-over the essential coordinates only (Greenwood 1977, §2-3, §4-3, (5-74)–(5-81)). Ignorable coordinates may be coupled to the
-rest (the top): eliminating them is symmetric Gaussian elimination of the mass matrix, which leaves the Schur complement as mass
-matrix, Σ rₖ²/(2dₖ) as centrifugal potential, and linear terms A. T₀ is folded, V′ = V − T₀ (2-152). Linear terms are shifted
-away when A = dχ; when they are not closed they are gyroscopic and the system is refused.
+over the essential coordinates only (Greenwood 1977, §2-3, §4-3, (5-74)–(5-81)). Ignorable coordinates may be coupled
+to the rest (the top): eliminating them is symmetric Gaussian elimination of the mass matrix, which leaves the Schur
+complement as mass matrix, Σ rₖ²/(2dₖ) as centrifugal potential, and linear terms A. T₀ is folded, V′ = V − T₀
+(2-152). Linear terms are shifted away when A = dχ; when they are not closed they are gyroscopic and the system is
+refused.
 """
 
 from __future__ import annotations
@@ -73,8 +74,8 @@ class Irreducible:
     """No shell exists in these coordinates.
 
     Attributes:
-        reason: ``metric`` (the essential coordinates are coupled in T) or ``gyroscopic`` (linear terms that are no gradient).
-        pair: names of the two coordinates.
+        reason: ``metric`` (the essential coordinates are coupled in T) or ``gyroscopic`` (linear terms that are no
+        gradient). pair: names of the two coordinates.
         residual: the mass-matrix entry, or the curl ∂ᵢAⱼ − ∂ⱼAᵢ, that would have to vanish.
         steps: what had been done before.
         essential: the coordinates that H holds.
@@ -204,12 +205,12 @@ def _find_ignorable(
 
 def _inside(c: Coordinate) -> sp.Expr:
     """A simple value inside a coordinate's domain."""
-    lower, upper = c.domain.lower, c.domain.upper
-    if c.domain.kind == "angle" or (lower is None and upper is None):
-        return sp.S.Zero
+    lower, upper = (None, None) if c.domain.kind == "angle" else (c.domain.lower, c.domain.upper)
     if lower is not None and upper is not None:
         return (lower + upper) / 2
-    return lower + 1 if lower is not None else upper - 1
+    if lower is not None:
+        return lower + 1
+    return sp.S.Zero if upper is None else upper - 1
 
 
 def _eliminate(
@@ -217,8 +218,8 @@ def _eliminate(
 ) -> _Eliminated:
     """Symmetric elimination of the ignorable coordinates, simplest pivot first.
 
-    With m the mass matrix and r = (c − a) for ignorable, (−a) for essential coordinates, each pivot k adds r_k²/(2m_kk) to the
-    potential and replaces m by m − m_·k m_k·/m_kk, r by r − m_·k r_k/m_kk. What remains of r is A.
+    With m the mass matrix and r = (c − a) for ignorable, (−a) for essential coordinates, each pivot k adds
+    r_k²/(2m_kk) to the potential and replaces m by m − m_·k m_k·/m_kk, r by r − m_·k r_k/m_kk. What remains of r is A.
     """
     n = len(system.coordinates)
     m = [[reader.element(lagrangian.mass[i, j]) for j in range(n)] for i in range(n)]
@@ -271,10 +272,13 @@ def _reduction_steps(
         constants = ", ".join(str(c.momentum) for c in ignorable)
         coupled = any(not x.is_zero for x in eliminated.shift) and not any(lagrangian.linear)
         text = (
-            f"T and V do not hold {names}, so {constants} stay constant and W is linear in {names}. Eliminating the velocities "
+            f"T and V do not hold {names}, so {constants} stay constant and W is linear in {names}. Eliminating the "
+            f"velocities "
             f"adds the centrifugal potential shown" + (", and terms linear in the momenta left." if coupled else ".")
         )
-        steps.append(Step("Ignorable coordinates", text, sp.Add(*(readable(reader, x) for x in eliminated.centrifugal))))
+        steps.append(
+            Step("Ignorable coordinates", text, sp.Add(*(readable(reader, x) for x in eliminated.centrifugal)))
+        )
     if lagrangian.rest != 0:
         text = "The part of T without velocities acts as a potential: V' = V - T0."
         steps.append(Step("Velocity-free part of T", text, lagrangian.potential - lagrangian.rest))
@@ -286,7 +290,8 @@ def _reduction_steps(
 
 def _shift_step(coordinates: tuple[Coordinate, ...], χ: sp.Expr) -> Step:
     text = (
-        "H has terms linear in the momenta left; together they are the gradient of the function shown, so they are removed by "
+        "H has terms linear in the momenta left; together they are the gradient of the function shown, so they are "
+        "removed by "
         "completing the square: P = p + gradient, and W loses that function."
     )
     if len(coordinates) == 1:

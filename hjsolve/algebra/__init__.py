@@ -1,1 +1,4 @@
-"""Exact arithmetic in the field a mechanical system lives in; below ``shell`` and ``separation``, above nothing but sympy."""
+"""Exact arithmetic in the field a mechanical system lives in.
+
+Below ``shell`` and ``separation``, above nothing but sympy.
+"""

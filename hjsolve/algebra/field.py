@@ -1,16 +1,18 @@
 """The field of functions a system lives in: exact elements with factored denominators, relations and derivatives.
 
-An element is  coefficient · numerator · Π base_k^{e_k}  with a rational coefficient, an integer polynomial as numerator and
-integer exponents of registered base polynomials. Sums expand only what their terms do not share, so metrics that are products
-(ellipsoidal coordinates, spherical coordinates) stay products under multiplication and differentiation.
+An element is  coefficient · numerator · Π base_k^{e_k}  with a rational coefficient, an integer polynomial as
+numerator and integer exponents of registered base polynomials. Sums expand only what their terms do not share, so
+metrics that are products (ellipsoidal coordinates, spherical coordinates) stay products under multiplication and
+differentiation.
 
 Functions that are not rational enter as generators with the relations that hold between them:
 
     s² = 1 − c²  (sin, cos),   s² = c² − 1  (sinh, cosh),   g^k = R  (roots),
 
-and nothing for exp, log, inverse functions and undetermined functions, which count as independent. A numerator is kept reduced
-modulo the relations. Every relation used is true on the coordinates' domain, hence: *a numerator that reduces to zero is a
-proof that the function is zero wherever it is defined*. A numerator that does not is a proof of nothing; that takes a witness.
+and nothing for exp, log, inverse functions and undetermined functions, which count as independent. A numerator is
+kept reduced modulo the relations. Every relation used is true on the coordinates' domain, hence: *a numerator that
+reduces to zero is a proof that the function is zero wherever it is defined*. A numerator that does not is a proof of
+nothing; that takes a witness.
 """
 
 from __future__ import annotations
@@ -23,7 +25,7 @@ from math import gcd, lcm
 
 import sympy as sp
 
-from . import poly as P
+from . import poly
 from .poly import Budget, Poly, WorkLimitError
 
 MAX_POWER = 1000
@@ -100,10 +102,10 @@ class Element:
     @cached_property
     def generators(self) -> frozenset[int]:
         """Numbers of the generators that occur."""
-        seen = P.support(self.numerator)
+        seen = poly.support(self.numerator)
         for base, _ in self.bases:
-            seen |= P.support(base)
-        return frozenset(k for k, _ in P.exponents(seen))
+            seen |= poly.support(base)
+        return frozenset(k for k, _ in poly.exponents(seen))
 
     def depends_on(self, symbol: sp.Symbol) -> bool:
         """Whether the symbol occurs in any generator present."""
@@ -124,6 +126,7 @@ class Field:
         self._base_numbers: dict[tuple[tuple[int, int], ...], int] = {}
         self._splits: dict[tuple[tuple[int, int], ...], tuple[tuple[int, int], ...]] = {}
         self._relations: dict[int, Root] = {}
+        self._base_values: dict[int, int] = {}
         self._mask = 0
         self.zero = Element(self, Fraction(0), {}, {})
         self.one = Element(self, Fraction(1), {0: 1}, {})
@@ -141,17 +144,17 @@ class Field:
         self._numbers[generator.atom] = k
         if generator.root is not None:
             self._relations[k] = generator.root
-            self._mask |= (P.FIELD >> 1 & ~1) << (P.BITS * k)
+            self._mask |= (poly.FIELD >> 1 & ~1) << (poly.BITS * k)
         return k
 
     def generator(self, k: int, e: int = 1) -> Element:
         """Generator k to the power e."""
-        return self._reduced_factors(Fraction(1), {0: 1}, {self._base(P.variable(k)): e})
+        return self._reduced_factors(Fraction(1), {0: 1}, {self._base(poly.variable(k)): e})
 
     @property
     def guard(self) -> int:
         """Guard mask of the present generators."""
-        return P.guard_bits(len(self.generators))
+        return poly.guard_bits(len(self.generators))
 
     # making elements -------------------------------------------------------------------------------------------------
 
@@ -161,21 +164,34 @@ class Field:
             return value
         return Element(self, Fraction(value), {0: 1}, {}) if value else self.zero
 
-    def from_poly(self, a: Poly, coefficient: Fraction = Fraction(1), factors: Mapping[int, int] | None = None) -> Element:
-        """coefficient · a · Π factors, normalised: a reduced modulo the relations, primitive, without monomial content."""
+    def from_poly(
+        self, a: Poly, coefficient: Fraction = Fraction(1), factors: Mapping[int, int] | None = None
+    ) -> Element:
+        """Element coefficient · a · Π factors, normalised.
+
+        The polynomial is reduced modulo the relations, primitive, without monomial content.
+        """
         a = self.reduce(a)
         if not a or not coefficient:
             return self.zero
         exponents = dict(factors or {})
-        if (n := P.content(a)) != 1:
+        if (n := poly.content(a)) != 1:
             a = {m: c // n for m, c in a.items()}
             coefficient = coefficient * n
-        if common := P.monomial_content(a):
+        if common := poly.monomial_content(a):
             a = {m - common: c for m, c in a.items()}
-            for k, e in P.exponents(common):
-                b = self._base(P.variable(k))
+            for k, e in poly.exponents(common):
+                b = self._base(poly.variable(k))
                 exponents[b] = exponents.get(b, 0) + e
         return self._reduced_factors(coefficient, a, exponents)
+
+    def monomial(self, m: int, coefficient: Fraction, factors: Mapping[int, int]) -> Element:
+        """Coefficient · monomial · Π factors with nothing multiplied out: sin²/sin² is 1, not (1 − cos²)/sin²."""
+        exponents = dict(factors)
+        for k, e in poly.exponents(m):
+            b = self._base(poly.variable(k))
+            exponents[b] = exponents.get(b, 0) + e
+        return self._reduced_factors(coefficient, {0: 1}, exponents)
 
     def _reduced_factors(self, coefficient: Fraction, a: Poly, exponents: dict[int, int]) -> Element:
         """Bring the exponents of roots into 0 … order − 1, so that √R·√R is R and 1/√R is √R/R."""
@@ -184,11 +200,11 @@ class Field:
             base = self.bases[b]
             if len(base) > 1:
                 continue
-            k = P.generators(base)[0]
+            k = poly.generators(base)[0]
             g = self.generators[k]
             if g.kind == "root" and g.root is not None and not 0 <= e < g.root.order:
-                whole, rest = divmod(e, g.root.order)
-                exponents[b] = rest
+                whole, part = divmod(e, g.root.order)
+                exponents[b] = part
                 kept = Element(self, coefficient, a, {b: e for b, e in exponents.items() if e})
                 return self.product([kept, self.power(self.from_poly(g.root.radicand), whole)])
         return Element(self, coefficient, a, exponents)
@@ -202,14 +218,14 @@ class Field:
             high: dict[int, Poly] = {}
             low: Poly = {}
             for m, c in a.items():
-                n, rest = divmod(P.exponent(m, k), relation.order)
+                n = poly.exponent(m, k) // relation.order
                 if n:
-                    m -= (n * relation.order) << (P.BITS * k)
+                    m -= (n * relation.order) << (poly.BITS * k)
                     high.setdefault(n, {})[m] = c
                 else:
                     low[m] = c
             for n, part in high.items():
-                low = P.add(low, P.mul(part, self._poly_power(relation.radicand, n), self.budget))
+                low = poly.add(low, poly.mul(part, self._poly_power(relation.radicand, n), self.budget))
             if high:
                 a = low
         return a
@@ -221,17 +237,17 @@ class Field:
         result: Poly = {0: 1}
         while n:
             if n & 1:
-                result = self.reduce(P.mul(result, a, self.budget))
+                result = self.reduce(poly.mul(result, a, self.budget))
             n >>= 1
             if n:
-                a = self.reduce(P.mul(a, a, self.budget))
+                a = self.reduce(poly.mul(a, a, self.budget))
         return result
 
     # bases -----------------------------------------------------------------------------------------------------------
 
     def _base(self, a: Poly) -> int:
         """Number of a primitive base polynomial, registered when new."""
-        name = P.key(a)
+        name = poly.key(a)
         if name not in self._base_numbers:
             self._base_numbers[name] = len(self.bases)
             self.bases.append(a)
@@ -241,17 +257,17 @@ class Field:
         """Write a primitive polynomial with positive leading coefficient as Π base^e over registered bases."""
         if a == {0: 1}:
             return ()
-        name = P.key(a)
+        name = poly.key(a)
         if name not in self._splits:
             self._splits[name] = self._split(a)
         return self._splits[name]
 
     def _split(self, a: Poly) -> tuple[tuple[int, int], ...]:
         found: dict[int, int] = {}
-        seen = P.support(a)
+        seen = poly.support(a)
         for b, base in enumerate(list(self.bases)):
-            while len(base) > 1 and not P.support(base) & ~_fill(seen) and len(a) > 1:
-                quotient = P.exact_quotient(a, base, self.guard, self.budget)
+            while len(base) > 1 and not poly.support(base) & ~_fill(seen) and len(a) > 1:
+                quotient = poly.exact_quotient(a, base, self.guard, self.budget)
                 if quotient is None:
                     break
                 found[b] = found.get(b, 0) + 1
@@ -275,12 +291,13 @@ class Field:
 
     def product(self, elements: Sequence[Element]) -> Element:
         """Product; numerators are multiplied out, factors stay factored."""
-        coefficient, a, factors = Fraction(1), {0: 1}, {}
+        coefficient, a = Fraction(1), {0: 1}
+        factors: dict[int, int] = {}
         for x in elements:
             if x.is_zero:
                 return self.zero
             coefficient *= x.coefficient
-            a = P.mul(a, x.numerator, self.budget)
+            a = poly.mul(a, x.numerator, self.budget)
             for b, e in x.factors.items():
                 factors[b] = factors.get(b, 0) + e
         return self.from_poly(a, coefficient, factors)
@@ -318,8 +335,8 @@ class Field:
             part = x.numerator
             for b in names:
                 if e := x.factors.get(b, 0) - shared[b]:
-                    part = self.reduce(P.mul(part, self._poly_power(self.bases[b], e), self.budget))
-            numerator = P.add(numerator, part, n)
+                    part = self.reduce(poly.mul(part, self._poly_power(self.bases[b], e), self.budget))
+            numerator = poly.add(numerator, part, n)
         return self.from_poly(numerator, Fraction(1, denominator), shared)
 
     def cancelled(self, x: Element) -> Element:
@@ -328,45 +345,54 @@ class Field:
             return x
         a, factors = x.numerator, dict(x.factors)
         for b in [b for b, e in factors.items() if e < 0 and len(self.bases[b]) > 1]:
-            while factors[b] < 0 and (q := P.exact_quotient(a, self.bases[b], self.guard, self.budget)) is not None:
+            while factors[b] < 0 and (q := self._quotient(a, b)) is not None:
                 a, factors[b] = q, factors[b] + 1
         return self.from_poly(a, x.coefficient, factors)
 
-    def sympy_ring(self, generators: Sequence[int]) -> object:
-        """A sympy polynomial ring with the generators given, for the few steps that need factoring."""
-        return sp.polys.rings.ring([f"g{k}" for k in generators], sp.ZZ)[0]
+    def _quotient(self, a: Poly, b: int) -> Poly | None:
+        """Quotient of a by base b where that is exact; values at one integer point rule most cases out."""
+        divisor = self._value_of(b)
+        if divisor and poly.value_modulo(a, divisor):
+            return None
+        return poly.exact_quotient(a, self.bases[b], self.guard, self.budget)
+
+    def _value_of(self, b: int) -> int:
+        if b not in self._base_values:
+            self._base_values[b] = abs(poly.value(self.bases[b]))
+        return self._base_values[b]
 
 
 def _fill(seen: int) -> int:
     """Every bit of every field that is non-zero in ``seen``."""
-    return sum(P.FIELD << (P.BITS * k) for k, _ in P.exponents(seen))
+    return sum(poly.FIELD << (poly.BITS * k) for k, _ in poly.exponents(seen))
 
 
 def _factors(a: Poly) -> list[tuple[Poly, int]]:
     """Irreducible factors where that is cheap, else the polynomial itself."""
-    names = P.generators(a)
+    names = poly.generators(a)
     if len(a) <= 1 or len(a) > 40 or len(names) > 8 or _obviously_irreducible(a, names):
         return [(a, 1)]
     ring = sp.polys.rings.ring([f"g{k}" for k in names], sp.ZZ)[0]
-    element = ring.from_dict({tuple(P.exponent(m, k) for k in names): c for m, c in a.items()})
+    element = ring.from_dict({tuple(poly.exponent(m, k) for k in names): c for m, c in a.items()})
     if sum(element.degrees()) > 24:
         return [(a, 1)]
     factors = []
     for factor, e in element.factor_list()[1]:
-        packed = {sum(n << (P.BITS * k) for n, k in zip(ms, names, strict=True)): int(c) for ms, c in factor.terms()}
+        packed = {sum(n << (poly.BITS * k) for n, k in zip(ms, names, strict=True)): int(c) for ms, c in factor.terms()}
         sign = 1 if packed[max(packed)] > 0 else -1
-        factors.append((P.scale(packed, sign), e))
+        factors.append((poly.scale(packed, sign), e))
     return factors
 
 
 def _obviously_irreducible(a: Poly, names: Sequence[int]) -> bool:
-    """Linear in some generator with a coefficient that is a number prime to the rest."""
+    """Linear in some generator, a = A·g + B, with A a monomial prime to B; a is primitive."""
     for k in names:
-        with_k = [m for m in a if P.exponent(m, k)]
-        if len(with_k) == 1 and with_k[0] == 1 << (P.BITS * k):
-            rest = 0
-            for m, c in a.items():
-                rest = gcd(rest, c) if m != with_k[0] else rest
-            if gcd(rest, a[with_k[0]]) == 1:
-                return True
+        top = [m for m in a if poly.exponent(m, k)]
+        if len(top) != 1 or poly.exponent(top[0], k) != 1:
+            continue
+        rest = [m for m in a if m != top[0]]
+        if gcd(a[top[0]], *(a[m] for m in rest)) == 1 and not poly.monomial_content(
+            [top[0] - (1 << (poly.BITS * k)), *rest]
+        ):
+            return True
     return False

@@ -1,8 +1,8 @@
 """Evaluating elements at random points modulo a prime: a filter in front of exact expansion.
 
-The image of the field under such a point respects all relations, so a value that is not 0 shows that a numerator does not
-reduce to zero. A value 0 shows nothing, but is right with probability 1 − degree/prime for random points (Schwartz 1980;
-Zippel 1979); the exact normal form then gives the proof.
+The image of the field under such a point respects all relations, so a value that is not 0 shows that a numerator does
+not reduce to zero. A value 0 shows nothing, but is right with probability 1 − degree/prime for random points
+(Schwartz 1980; Zippel 1979); the exact normal form then gives the proof.
 """
 
 from __future__ import annotations
@@ -11,7 +11,7 @@ import random
 from collections.abc import Iterable
 from math import gcd
 
-from . import poly as P
+from . import poly
 from .field import Element, Field
 from .poly import Poly
 
@@ -28,7 +28,7 @@ class ModularPoint:
 
     def __init__(self, field: Field, seed: int = 0):
         self.field, self.prime = field, PRIMES[seed % 2]
-        self._random = random.Random(7919 * seed + 17)
+        self._random = random.Random(7919 * seed + 17)  # noqa: S311
         self._values: dict[int, int] = {}
         self._bases: dict[int, int] = {}
 
@@ -76,7 +76,7 @@ class ModularPoint:
         """Value of a polynomial."""
         p, total = self.prime, 0
         for m, c in a.items():
-            for k, e in P.exponents(m):
+            for k, e in poly.exponents(m):
                 c = c * pow(self.value(k), e, p) % p
             total += c
         return total % p

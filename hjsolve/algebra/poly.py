@@ -1,13 +1,14 @@
 """Sparse polynomials with integer coefficients in a growing list of generators.
 
-A polynomial is a ``dict`` from a packed monomial to a non-zero ``int``. A monomial is one Python integer with 16 bits per
-generator (generator k in bits 16k … 16k+15, the highest one always clear), so that multiplying monomials is adding integers
-and a new generator can join at any time. This is several times faster than polynomials over a fixed ring and, unlike calls
-into sympy, it can be stopped: every product is counted against a ``Budget``.
+A polynomial is a ``dict`` from a packed monomial to a non-zero ``int``. A monomial is one Python integer with 16 bits
+per generator (generator k in bits 16k … 16k+15, the highest one always clear), so that multiplying monomials is
+adding integers and a new generator can join at any time. This is several times faster than polynomials over a fixed
+ring and, unlike calls into sympy, it can be stopped: every product is counted against a ``Budget``.
 """
 
 from __future__ import annotations
 
+import heapq
 import time
 from collections.abc import Iterable
 from dataclasses import dataclass, field
@@ -95,7 +96,7 @@ def exponents(monomial: int) -> list[tuple[int, int]]:
 
 
 def add(a: Poly, b: Poly, scale: int = 1) -> Poly:
-    """a + scale·b."""
+    """Sum a + scale·b."""
     total = dict(a)
     for m, c in b.items():
         value = total.get(m, 0) + scale * c
@@ -172,26 +173,56 @@ def guard_bits(generators: int) -> int:
 
 
 def exact_quotient(a: Poly, b: Poly, guard: int, budget: Budget) -> Poly | None:
-    """a/b where b divides a exactly over the integers, else None."""
+    """a/b where b divides a exactly over the integers, else None; by a heap of leading monomials."""
     lead = max(b)
-    lead_c = b[lead]
+    lead_c, tail = b[lead], [(m, c) for m, c in b.items() if m != lead]
+    if not divides(lead, max(a), guard) or not divides(min(b), min(a), guard):
+        return None
     rest, quotient = dict(a), {}
-    while rest:
-        m = max(rest)
-        c = rest[m]
+    heap = [-m for m in rest]
+    heapq.heapify(heap)
+    while heap:
+        m = -heapq.heappop(heap)
+        c = rest.pop(m, 0)
+        if not c:
+            continue
         if c % lead_c or not divides(lead, m, guard):
             return None
         dm, dc = m - lead, c // lead_c
         quotient[dm] = dc
         budget.charge(len(b))
-        for bm, bc in b.items():
+        for bm, bc in tail:
             t = bm + dm
-            value = rest.get(t, 0) - bc * dc
-            if value:
-                rest[t] = value
+            value = rest.get(t)
+            if value is None:
+                rest[t] = -bc * dc
+                heapq.heappush(heap, -t)
             else:
-                rest.pop(t, None)
+                rest[t] = value - bc * dc
     return quotient
+
+
+def value_modulo(a: Poly, n: int) -> int:
+    """Value modulo n at one fixed integer point; generator k is put to a number that depends on k only."""
+    total = 0
+    for m, c in a.items():
+        for k, e in exponents(m):
+            c = c * pow(_POINT[k % len(_POINT)] + k, e, n) % n
+        total += c
+    return total % n
+
+
+def value(a: Poly) -> int:
+    """Value at the same fixed integer point."""
+    total = 0
+    for m, c in a.items():
+        for k, e in exponents(m):
+            c *= (_POINT[k % len(_POINT)] + k) ** e
+        total += c
+    return total
+
+
+_POINT = (10007, 20021, 30047, 40093, 50129, 60161, 70199, 80231, 90281, 100343)
 
 
 def partial(a: Poly, k: int) -> Poly:

@@ -6,7 +6,7 @@ from fractions import Fraction
 
 import sympy as sp
 
-from . import poly as P
+from . import poly
 from .field import Element
 from .poly import Poly
 from .reader import Reader
@@ -15,7 +15,10 @@ MAX_TERMS = 60
 
 
 def readable(reader: Reader, x: Element) -> sp.Expr:
-    """The shortest of a few forms of an element: as it stands, factored, expanded over its denominator, sin² ↔ 1 − cos²."""
+    """The shortest of a few forms of an element.
+
+    As it stands, factored, expanded over its denominator, sin² ↔ 1 − cos².
+    """
     if x.is_zero:
         return sp.S.Zero
     forms = [form for y in variants(reader, x) for form in _forms(reader, y)]
@@ -36,10 +39,10 @@ def _swapped(reader: Reader, x: Element, s: int, c: int) -> Element:
     """Rewrite numerator and bases with c² = 1 − s² (c² = 1 + s² for hyperbolic functions)."""
     field = reader.field
     sign = -1 if field.generators[s].kind == "sin" else 1
-    square: Poly = {0: 1, 2 << (P.BITS * s): sign}
+    square: Poly = {0: 1, 2 << (poly.BITS * s): sign}
     result = Element(field, x.coefficient, {0: 1}, {})
     for a, e in [(x.numerator, 1), *x.bases]:
-        if any(P.exponent(m, c) > 1 for m in a):
+        if any(poly.exponent(m, c) > 1 for m in a):
             a = _eliminate(reader, a, c, square)
         result = _times_raw(reader, result, a, e)
     return _cancel_raw(reader, result)
@@ -48,23 +51,23 @@ def _swapped(reader: Reader, x: Element, s: int, c: int) -> Element:
 def _eliminate(reader: Reader, a: Poly, c: int, square: Poly) -> Poly:
     total: Poly = {}
     for m, n in a.items():
-        pairs = P.exponent(m, c) // 2
-        term: Poly = {m - ((2 * pairs) << (P.BITS * c)): n}
+        pairs = poly.exponent(m, c) // 2
+        term: Poly = {m - ((2 * pairs) << (poly.BITS * c)): n}
         for _ in range(pairs):
-            term = P.mul(term, square, reader.field.budget)
-        total = P.add(total, term)
+            term = poly.mul(term, square, reader.field.budget)
+        total = poly.add(total, term)
     return total
 
 
 def _times_raw(reader: Reader, x: Element, a: Poly, e: int) -> Element:
     """x·a^e without reducing a modulo the relations, all of it in the factors."""
     field = reader.field
-    n = P.content(a)
+    n = poly.content(a)
     a = {m: k // n for m, k in a.items()}
-    common = P.monomial_content(a)
+    common = poly.monomial_content(a)
     factors = dict(x.factors)
-    for k, power in P.exponents(common):
-        b = field._base(P.variable(k))
+    for k, power in poly.exponents(common):
+        b = field._base(poly.variable(k))
         factors[b] = factors.get(b, 0) + e * power
     for b, power in field.split({m - common: k for m, k in a.items()}):
         factors[b] = factors.get(b, 0) + e * power
@@ -92,8 +95,8 @@ def _forms(reader: Reader, x: Element) -> list[sp.Expr]:
     return forms
 
 
-def _length(x: sp.Expr) -> tuple[int, int, str]:
-    return int(sp.count_ops(x)), len(x.free_symbols), sp.sstr(x)
+def _length(x: sp.Expr) -> tuple[int, int]:
+    return int(sp.count_ops(x)), len(x.free_symbols)
 
 
 def cost(x: Element) -> int:

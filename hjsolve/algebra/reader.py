@@ -1,9 +1,10 @@
 """Reading sympy expressions into a ``Field``, writing elements back, and differentiating them.
 
 Angles: sin and cos of n₁u₁ + n₂u₂ + … become polynomials in sin uₖ, cos uₖ, where uₖ is a monomial times the greatest
-rational number that makes all nₖ seen integers; exp and the hyperbolic functions likewise. Roots: a radicand is split into
-factors; those whose sign on the domain is proved get a root of their own (so √(ab) = √a·√b and √(P²) = P are recognised where
-they are true), the others stay together. A function nobody knows, f(r), is a generator, and so is each of its derivatives.
+rational number that makes all nₖ seen integers; exp and the hyperbolic functions likewise. Roots: a radicand is split
+into factors; those whose sign on the domain is proved get a root of their own (so √(ab) = √a·√b and √(P²) = P are
+recognised where they are true), the others stay together. A function nobody knows, f(r), is a generator, and so is
+each of its derivatives.
 """
 
 from __future__ import annotations
@@ -14,7 +15,7 @@ from math import gcd
 
 import sympy as sp
 
-from . import poly as P
+from . import poly
 from .field import MAX_POWER, Element, Field, Generator, Root
 from .poly import Budget, Poly, WorkLimitError
 from .signs import Bounds, atom_bounds, sign_of
@@ -189,7 +190,7 @@ class Reader:
         c = self._generator(Generator(c_atom, c_atom.func.__name__, low=low, high=high))
         k = self.field.number_of(c_atom)
         assert k is not None
-        square = {2 << (P.BITS * k): -1, 0: 1} if kind == "angle" else {2 << (P.BITS * k): 1, 0: -1}
+        square = {2 << (poly.BITS * k): -1, 0: 1} if kind == "angle" else {2 << (poly.BITS * k): 1, 0: -1}
         low, high = atom_bounds(s_atom, self.bounds)
         s = self._generator(Generator(s_atom, s_atom.func.__name__, Root(2, square), k, low, high))
         return s, c
@@ -199,7 +200,7 @@ class Reader:
         if not isinstance(parts, sp.log):
             return self.element(parts)
         y = self.element(parts.args[0])
-        name = (y.coefficient, P.key(y.numerator), frozenset(y.factors.items()))
+        name = (y.coefficient, poly.key(y.numerator), frozenset(y.factors.items()))
         if name not in self._logarithms:
             low, high = atom_bounds(parts, self.bounds)
             self._logarithms[name] = self._generator(Generator(parts, "other", low=low, high=high))
@@ -234,7 +235,7 @@ class Reader:
     def _base_root(self, base: Element, q: int) -> Element:
         """base^(1/q) for ± a base polynomial that is not negative on the domain."""
         ((b, _),) = base.factors.items()
-        radicand = P.scale(self.field.bases[b], int(base.coefficient))
+        radicand = poly.scale(self.field.bases[b], int(base.coefficient))
         return self._root_generator(radicand, self.field.one, q, nonnegative=True)
 
     def _rest_root(self, rest: Element, q: int) -> Element:
@@ -246,7 +247,7 @@ class Reader:
         expanded: Poly = {0: int(radicand.coefficient)}
         for base, e in [*radicand.bases, (radicand.numerator, 1)]:
             for _ in range(e):
-                expanded = field.reduce(P.mul(expanded, base, field.budget))
+                expanded = field.reduce(poly.mul(expanded, base, field.budget))
         return self._root_generator(expanded, down, q, nonnegative=not down.factors) / down
 
     def _root_generator(self, radicand: Poly, factor: Element, q: int, *, nonnegative: bool) -> Element:
@@ -302,10 +303,10 @@ class Reader:
     def _poly_diff(self, a: Poly, symbol: sp.Symbol) -> Element:
         field = self.field
         terms = []
-        for k in P.generators(a):
+        for k in poly.generators(a):
             slope = self._generator_diff(k, symbol)
             if not slope.is_zero:
-                terms.append(field.product([field.from_poly(P.partial(a, k)), slope]))
+                terms.append(field.product([field.from_poly(poly.partial(a, k)), slope]))
         return field.total(terms)
 
     def _generator_diff(self, k: int, symbol: sp.Symbol) -> Element:
@@ -324,7 +325,7 @@ class Reader:
     def write_poly(self, a: Poly) -> sp.Expr:
         """A polynomial as a sympy expression."""
         generators = self.field.generators
-        terms = (sp.Mul(c, *[generators[k].atom ** e for k, e in P.exponents(m)]) for m, c in a.items())
+        terms = (sp.Mul(c, *[generators[k].atom ** e for k, e in poly.exponents(m)]) for m, c in a.items())
         return sp.Add(*terms)
 
 

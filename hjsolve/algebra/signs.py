@@ -11,7 +11,7 @@ from typing import TYPE_CHECKING
 
 import sympy as sp
 
-from . import poly as P
+from . import poly
 from .poly import Poly
 
 if TYPE_CHECKING:
@@ -44,7 +44,7 @@ def atom_bounds(atom: sp.Expr, bounds: Mapping[sp.Symbol, Bounds]) -> Range:
 
 
 def _circular(atom: sp.Expr, bounds: Mapping[sp.Symbol, Bounds]) -> Range:
-    """sin and cos of one bounded coordinate times a number, on the quarter turns where their sign is known."""
+    """Sin and cos of one bounded coordinate times a number, on the quarter turns where their sign is known."""
     coefficient, symbol = atom.args[0].as_coeff_Mul()
     lower, upper = bounds.get(symbol, (None, None)) if isinstance(symbol, sp.Symbol) else (None, None)
     whole: Range = (Fraction(-1), Fraction(1))
@@ -66,7 +66,9 @@ def _sign_range(x: sp.Expr, bounds: Mapping[sp.Symbol, Bounds]) -> Range:
     low, high = atom_bounds(symbol, bounds) if isinstance(symbol, sp.Symbol) else ANYTHING
     if coefficient.is_negative:
         low, high = (None if high is None else -high), (None if low is None else -low)
-    return (Fraction(0) if low is not None and low >= 0 else None), (Fraction(0) if high is not None and high <= 0 else None)
+    return (Fraction(0) if low is not None and low >= 0 else None), (
+        Fraction(0) if high is not None and high <= 0 else None
+    )
 
 
 def _rational_below(x: sp.Expr | None) -> Fraction | None:
@@ -95,13 +97,13 @@ def sign_of(field: Field, a: Poly, bounds: Mapping[sp.Symbol, Bounds]) -> int:
 
 def _sign_after_shift(field: Field, a: Poly, bounds: Mapping[sp.Symbol, Bounds]) -> int:
     """Sign of a after q = lower + t or q = upper − t (t ≥ 0) in each coordinate: all terms of one sign is a proof."""
-    for k in P.generators(a):
+    for k in poly.generators(a):
         symbol = field.generators[k].atom
         for end, side in zip(bounds.get(symbol, (None, None)), (1, -1), strict=True):
             shift = None if end is None else _as_poly(field, end)
-            if shift is None or P.exponent(P.support(shift), k):
+            if shift is None or poly.exponent(poly.support(shift), k):
                 continue
-            shifted = _substitute(field, a, k, P.add(shift, P.variable(k), side))
+            shifted = _substitute(field, a, k, poly.add(shift, poly.variable(k), side))
             low, high = _range_of(field, shifted, positive=k)
             if low is not None and low >= 0:
                 return 1
@@ -114,19 +116,19 @@ def _as_poly(field: Field, end: sp.Expr) -> Poly | None:
     """An end that is an integer or ± a symbol of the field, as a polynomial."""
     c, symbol = end.as_coeff_Mul()
     if end.is_Integer:
-        return P.constant(int(end))
+        return poly.constant(int(end))
     k = field.number_of(symbol)
-    return None if k is None or not c.is_Integer else P.scale(P.variable(k), int(c))
+    return None if k is None or not c.is_Integer else poly.scale(poly.variable(k), int(c))
 
 
 def _substitute(field: Field, a: Poly, k: int, value: Poly) -> Poly:
     total: Poly = {}
     for m, c in a.items():
-        e = P.exponent(m, k)
-        term: Poly = {m - (e << (P.BITS * k)): c}
+        e = poly.exponent(m, k)
+        term: Poly = {m - (e << (poly.BITS * k)): c}
         for _ in range(e):
-            term = P.mul(term, value, field.budget)
-        total = P.add(total, term)
+            term = poly.mul(term, value, field.budget)
+        total = poly.add(total, term)
     return total
 
 
@@ -135,7 +137,7 @@ def _range_of(field: Field, a: Poly, positive: int | None = None) -> Range:
     total: Range = (Fraction(0), Fraction(0))
     for m, c in a.items():
         term: Range = (Fraction(c), Fraction(c))
-        for k, e in P.exponents(m):
+        for k, e in poly.exponents(m):
             g = field.generators[k]
             base: Range = (Fraction(0), None) if k == positive else (g.low, g.high)
             term = _times(term, _power(base, e))

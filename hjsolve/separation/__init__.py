@@ -6,6 +6,6 @@ from .verdicts import Constant, Liouville, Obstruction, Reduced, Separation, Sta
 from .zero_test import NonZero, Unproved, Zero, is_zero
 
 __all__ = [
-    "DEFAULT_BUDGET", "Constant", "Liouville", "NonZero", "Obstruction", "Reduced", "Region", "Separation", "Stackel", "Undecided",
-    "Unproved", "Verdict", "Witness", "Zero", "is_zero", "region_of", "separate",
+    "DEFAULT_BUDGET", "Constant", "Liouville", "NonZero", "Obstruction", "Reduced", "Region", "Separation",
+    "Stackel", "Undecided", "Unproved", "Verdict", "Witness", "Zero", "is_zero", "region_of", "separate",
 ]  # fmt: skip

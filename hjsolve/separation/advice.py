@@ -10,11 +10,17 @@ import sympy as sp
 
 from ..system import System, kinetic_rest, linear_terms, mass_matrix
 
-ALWAYS = "This is a statement about these coordinates only: the system may separate in others, or be integrable without separating."
+ALWAYS = (
+    "This is a statement about these coordinates only: the system may separate in others, or be integrable without "
+    "separating."
+)
 
 
 def small_oscillations(system: System) -> bool:
-    """Whether T has constant coefficients and V − T₀ is a polynomial of degree two in coordinates that are no angles."""
+    """Whether T has constant coefficients and V − T₀ is a polynomial of degree two in coordinates that are no angles.
+
+    Hether T has constant coefficients and V − T₀ is a polynomial of degree two in coordinates that are no angles.
+    """
     symbols = [c.symbol for c in system.coordinates]
     mass = mass_matrix(system)
     if mass.free_symbols & set(symbols) or any(linear_terms(system)):
@@ -30,16 +36,19 @@ def for_metric(system: System, pair: tuple[str, str], coupled: bool) -> str:
     i, j = pair
     if small_oscillations(system):
         return (
-            f"T and V are quadratic forms with constant coefficients that couple {i} and {j}: use the normal modes as coordinates; "
+            f"T and V are quadratic forms with constant coefficients that couple {i} and {j}: use the normal modes "
+            f"as coordinates; "
             f"each mode is then a one-dimensional oscillator. {ALWAYS}"
         )
     if coupled:
         return (
-            f"The kinetic energy couples {i} and {j} by a term dot({i})*dot({j}), and no ignorable coordinate absorbs it. Look for "
+            f"The kinetic energy couples {i} and {j} by a term dot({i})*dot({j}), and no ignorable coordinate "
+            f"absorbs it. Look for "
             f"coordinates in which T is diagonal. {ALWAYS}"
         )
     return (
-        f"The kinetic energy alone mixes {i} and {j}: not even the free motion separates in these coordinates, whatever V is. Try "
+        f"The kinetic energy alone mixes {i} and {j}: not even the free motion separates in these coordinates, "
+        f"whatever V is. Try "
         f"coordinates of another family (polar, parabolic, elliptic; spherical, spheroidal, ellipsoidal). {ALWAYS}"
     )
 
@@ -49,12 +58,15 @@ def for_potential(system: System, pair: tuple[str, str]) -> str:
     i, j = pair
     if small_oscillations(system):
         return (
-            f"V couples {i} and {j}, but T and V are quadratic forms with constant coefficients: use the normal modes as "
+            f"V couples {i} and {j}, but T and V are quadratic forms with constant coefficients: use the normal "
+            f"modes as "
             f"coordinates. {ALWAYS}"
         )
     return (
-        f"The free motion separates in these coordinates; the potential is not of the form that they allow between {i} and {j}. "
-        f"Try the other coordinates in which the free motion separates (for a plane: Cartesian turned by an angle, polar, "
+        f"The free motion separates in these coordinates; the potential is not of the form that they allow between "
+        f"{i} and {j}. "
+        f"Try the other coordinates in which the free motion separates (for a plane: Cartesian turned by an angle, "
+        f"polar, "
         f"parabolic, elliptic, each about another centre or axis). {ALWAYS}"
     )
 
@@ -63,8 +75,10 @@ def for_gyroscopic(pair: tuple[str, str]) -> str:
     """Advice when linear terms are not a gradient."""
     i, j = pair
     return (
-        f"The terms linear in the velocities of {i} and {j} act like a magnetic field: they are not a gradient and cannot be shifted "
-        f"away. Change the gauge (add a total time derivative to L), or take coordinates in which the symmetry of the field makes "
+        f"The terms linear in the velocities of {i} and {j} act like a magnetic field: they are not a gradient and "
+        f"cannot be shifted "
+        f"away. Change the gauge (add a total time derivative to L), or take coordinates in which the symmetry of "
+        f"the field makes "
         f"one of them ignorable, e.g. polar angles about the field. {ALWAYS}"
     )
 
@@ -72,6 +86,7 @@ def for_gyroscopic(pair: tuple[str, str]) -> str:
 def for_undecided() -> str:
     """Advice when nothing was proved."""
     return (
-        "Neither a proof nor a counterexample was found within the budget. Give more time (budget=), write T and V in simpler "
+        "Neither a proof nor a counterexample was found within the budget. Give more time (budget=), write T and V "
+        "in simpler "
         "functions, or give numbers to some parameters."
     )

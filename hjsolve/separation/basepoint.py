@@ -1,8 +1,8 @@
 """Base points: simple values at which all coordinates but some are held.
 
-A separable system satisfies its axis-line formula identically in the base point, so the values may be formal: sine and cosine
-become a rational point of the circle, an exponential a rational number, an undetermined function zero. Any substitution that
-respects the relations of the field will do, and the result is verified afterwards in any case.
+A separable system satisfies its axis-line formula identically in the base point, so the values may be formal: sine
+and cosine become a rational point of the circle, an exponential a rational number, an undetermined function zero. Any
+substitution that respects the relations of the field will do, and the result is verified afterwards in any case.
 """
 
 from __future__ import annotations
@@ -14,7 +14,7 @@ from fractions import Fraction
 
 import sympy as sp
 
-from ..algebra import poly as P
+from ..algebra import poly
 from ..algebra.field import Element
 from ..algebra.poly import Poly
 from ..algebra.reader import OutsideFieldError, Reader
@@ -43,7 +43,7 @@ class BasePoint:
     _values: dict[tuple[int, frozenset[int]], Element] = field(default_factory=dict)
 
     def keep(self, x: Element, kept: set[int] | frozenset[int]) -> Element:
-        """x with every coordinate but those at the positions ``kept`` put to its base value.
+        """The element with every coordinate but those at the positions ``kept`` put to its base value.
 
         Raises:
             ZeroDivisionError: x has a pole there, or no real value.
@@ -59,15 +59,13 @@ class BasePoint:
 
     def _poly(self, a: Poly, fixed: set[sp.Symbol], kept: frozenset[int]) -> Element:
         f = self.reader.field
-        values = {
-            k: self._value(k, kept) for k in P.generators(a) if fixed & f.generators[k].atom.free_symbols
-        }
+        values = {k: self._value(k, kept) for k in poly.generators(a) if fixed & f.generators[k].atom.free_symbols}
         if not values:
             return f.from_poly(a)
         terms = []
         for m, c in a.items():
             factors = [f.coerce(c)]
-            for k, e in P.exponents(m):
+            for k, e in poly.exponents(m):
                 factors.append((values[k] if k in values else f.generator(k)) ** e)
             terms.append(f.product(factors))
         return f.total(terms)
@@ -130,7 +128,7 @@ def base_points(reader: Reader, symbols: Sequence[sp.Symbol]) -> Iterator[BasePo
     """Base points to try, the simplest first, then points inside the domain, then random ones."""
     n = len(symbols)
     first = [[0] * n, list(range(n)), [1] * n, list(range(1, n + 1)), [i + 3 for i in range(n)]]
-    generator = random.Random(n)
+    generator = random.Random(n)  # noqa: S311
     for attempt in range(ATTEMPTS):
         choices = first[attempt] if attempt < len(first) else [generator.randrange(10) for _ in range(n)]
         yield BasePoint(reader, symbols, choices, inside=attempt >= len(first))

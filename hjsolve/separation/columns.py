@@ -1,8 +1,9 @@
 """Choosing the separation constants so that Stäckel's matrix is sparse and reads as in a textbook.
 
 The rows of Φ are functions of one coordinate each. Written over a common denominator, each row is a list of coefficient
-functionals acting on constant column vectors. A column with a zero in row i is a vector in the kernel of row i. Since "sparsest
-basis" is a problem over a linear matroid, taking the sparsest admissible vectors greedily is optimal for the number of zeros.
+functionals acting on constant column vectors. A column with a zero in row i is a vector in the kernel of row i. Since
+"sparsest basis" is a problem over a linear matroid, taking the sparsest admissible vectors greedily is optimal for
+the number of zeros.
 """
 
 from __future__ import annotations
@@ -13,7 +14,7 @@ from itertools import combinations, islice
 
 import sympy as sp
 
-from ..algebra import poly as P
+from ..algebra import poly
 from ..algebra.field import Element
 from ..algebra.poly import Poly
 from ..algebra.readable import cost, variants
@@ -62,36 +63,39 @@ def _functionals(reader: Reader, q: sp.Symbol, row: Row) -> list[Vector]:
     for k, g in enumerate(field.generators):
         if g.partner is not None and q in g.atom.free_symbols:
             sign = -1 if g.kind == "sin" else 1
-            square: Poly = {0: 1, 2 << (P.BITS * k): sign}
+            square: Poly = {0: 1, 2 << (poly.BITS * k): sign}
             swapped = [(_eliminated(reader, a, g.partner, square), c) for a, c in scaled]
             found += _coefficients_of(reader, q, swapped)
     return found
 
 
 def _expanded(reader: Reader, x: Element) -> tuple[Poly, Fraction]:
-    """x = polynomial · number; factors with negative exponents must be free of coordinates and are moved to the rest."""
+    """Write x = polynomial · number.
+
+    Factors with negative exponents must be free of coordinates and are moved to the rest.
+    """
     field = reader.field
     a = x.numerator
     for base, e in x.bases:
         for _ in range(max(e, 0)):
-            a = field.reduce(P.mul(a, base, field.budget))
+            a = field.reduce(poly.mul(a, base, field.budget))
     return a, x.coefficient
 
 
 def _eliminated(reader: Reader, a: Poly, c: int, square: Poly) -> Poly:
     total: Poly = {}
     for m, n in a.items():
-        pairs = P.exponent(m, c) // 2
-        term: Poly = {m - ((2 * pairs) << (P.BITS * c)): n}
+        pairs = poly.exponent(m, c) // 2
+        term: Poly = {m - ((2 * pairs) << (poly.BITS * c)): n}
         for _ in range(pairs):
-            term = P.mul(term, square, reader.field.budget)
-        total = P.add(total, term)
+            term = poly.mul(term, square, reader.field.budget)
+        total = poly.add(total, term)
     return total
 
 
 def _coefficients_of(reader: Reader, q: sp.Symbol, scaled: Sequence[tuple[Poly, Fraction]]) -> list[Vector]:
     field = reader.field
-    mask = sum(P.FIELD << (P.BITS * k) for k, g in enumerate(field.generators) if q in g.atom.free_symbols)
+    mask = sum(poly.FIELD << (poly.BITS * k) for k, g in enumerate(field.generators) if q in g.atom.free_symbols)
     table: dict[int, list[Poly]] = {}
     for position, (a, _) in enumerate(scaled):
         for m, n in a.items():
@@ -106,7 +110,7 @@ def _distinct(reader: Reader, vectors: Iterable[Vector]) -> list[Vector]:
         lead = next((x for x in v if not x.is_zero), None)
         if lead is not None:
             w = [reader.field.cancelled(reader.field.factored(x / lead)) for x in v]
-            found.setdefault(tuple((x.coefficient, P.key(x.numerator), frozenset(x.factors.items())) for x in w), w)
+            found.setdefault(tuple((x.coefficient, poly.key(x.numerator), frozenset(x.factors.items())) for x in w), w)
     return list(found.values())
 
 
@@ -159,7 +163,7 @@ def _independent_lines(reader: Reader, rows: list[Row], candidates: list[Vector]
     """The n − 1 best independent candidates: most zeros first, then shortest, then upper triangular."""
     scored = []
     for position, v in enumerate(candidates):
-        image = _apply(reader, rows, [None, *v])
+        image = _scaled(reader, _apply(reader, rows, [None, *v]))
         zeros = tuple(x.is_zero for x in image)
         scored.append((-sum(zeros), sum(map(cost, image)), zeros, position, v))
     chosen: list[Vector] = []
@@ -186,7 +190,10 @@ def _rank(reader: Reader, vectors: Sequence[Vector]) -> int:
 
 
 def _scaled(reader: Reader, image: Row) -> Row:
-    """A column divided by the constant content of its last entry that is not zero, so that this entry has coefficient 1."""
+    """A column divided by the constant content of its last entry that is not zero.
+
+    So that this entry has coefficient 1.
+    """
     field = reader.field
     lead = next(x for x in reversed(image) if not x.is_zero)
     constant = _constant_part(reader, lead)
@@ -200,23 +207,23 @@ def _constant_part(reader: Reader, x: Element) -> Element:
     y = field.factored(x)
 
     def still(base: Poly) -> bool:
-        return not any(field.generators[k].atom.free_symbols & moving for k in P.generators(base))
+        return not any(field.generators[k].atom.free_symbols & moving for k in poly.generators(base))
 
     return Element(field, y.coefficient, {0: 1}, {b: e for b, e in y.factors.items() if still(field.bases[b])})
 
 
 def _ordered(columns: list[Row]) -> list[Row]:
-    """Columns by the place of their last entry that is not zero: upper triangular where possible."""
+    """Columns by the place of their last entry that is not zero, upper triangular where possible; then by length."""
 
-    def last(column: Row) -> tuple[int, int]:
+    def place(column: Row) -> tuple[int, int, int]:
         places = [i for i, x in enumerate(column) if not x.is_zero]
-        return places[-1], places[0]
+        return places[-1], places[0], sum(map(cost, column))
 
-    return sorted(columns, key=last)
+    return sorted(columns, key=place)
 
 
 def _best_point(reader: Reader, rows: list[Row], start: Row, functionals: list[Vector]) -> Row:
-    """start + Σ_{j≥2} Φ·ⱼ k_j with the constants k that leave the shortest column."""
+    """Start + Σ_{j≥2} Φ·ⱼ k_j with the constants k that leave the shortest column."""
     field, d = reader.field, len(rows) - 1
     augmented = _distinct(reader, [f for f in functionals if any(not x.is_zero for x in f[1:])])
     candidates: list[Vector] = [[field.zero] * d]
@@ -239,5 +246,3 @@ def _solution(reader: Reader, equations: Sequence[Vector]) -> Vector | None:
     if kernel is None or kernel[0].is_zero:
         return None
     return [reader.field.cancelled(x / kernel[0]) for x in kernel[1:]]
-
-

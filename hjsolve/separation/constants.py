@@ -23,18 +23,20 @@ def constants_of(shell: Shell, reader: Reader, matrix: Matrix | None) -> dict[st
         found += _separation_constants(shell, reader, matrix)
     for c in shell.ignorable:
         kind = "angular momentum" if c.domain.kind == "angle" else "momentum"
-        found.append(Constant(str(c.momentum), c.momentum, c.momentum, f"{kind} that belongs to {c.name}, which T and V do not hold"))
+        found.append(
+            Constant(
+                str(c.momentum), c.momentum, c.momentum, f"{kind} that belongs to {c.name}, which T and V do not hold"
+            )
+        )
     return {c.name: c for c in found}
 
 
 def _separation_constants(shell: Shell, reader: Reader, matrix: Matrix) -> list[Constant]:
     """α = Φ⁻¹(½P² + ψ), from Stäckel's separated equations (Greenwood (5-142))."""
-    half_squares = [
-        (reader.element(c.momentum) + reader.element(a)) ** 2 * reader.field.coerce(1) / 2
-        for c, a in zip(shell.coordinates, shell.shift)
-    ]
-    right = [s + ψ for s, ψ in zip(half_squares, matrix.column)]
-    values = _solve(reader, matrix.rows, right)
+    inverse = _inverse(reader, matrix.rows)
+    separated = []
+    for c, a, ψ in zip(shell.coordinates, shell.shift, matrix.column):
+        separated.append((c.momentum + a) ** 2 / 2 + readable(reader, ψ))
     taken = set(shell.system.symbols)
     names = [c.name for c in shell.coordinates]
     found = []
@@ -44,20 +46,21 @@ def _separation_constants(shell: Shell, reader: Reader, matrix: Matrix) -> list[
         while name in taken:
             name += "_"
         text = f"separation constant shared by {', '.join(holds)}"
-        expression = _as_sum(reader, values[j])
+        weights = [readable(reader, x) for x in inverse[j]]
+        expression = sp.Add(*(w * square for w, square in zip(weights, separated)))
         found.append(Constant(name, sp.Symbol(name, real=True), expression, text))
     return found
 
 
-def _as_sum(reader: Reader, x: Element) -> sp.Expr:
-    return readable(reader, reader.field.cancelled(x))
+def _inverse(reader: Reader, rows: list[list[Element]]) -> list[list[Element]]:
+    """Φ⁻¹ by Gauss–Jordan elimination that starts with the rows that hold least.
 
-
-def _solve(reader: Reader, rows: list[list[Element]], right: list[Element]) -> list[Element]:
-    """Gauss–Jordan elimination that starts with the rows that hold least: a triangular Φ is solved from below."""
+    A triangular Φ is solved from below.
+    """
     field, n = reader.field, len(rows)
-    work = [[*row, b] for row, b in zip(rows, right)]
-    left, place = list(range(n)), {}
+    work = [[*row, *(field.coerce(int(i == k)) for k in range(n))] for i, row in enumerate(rows)]
+    left: list[int] = list(range(n))
+    place: dict[int, int] = {}
     for _ in range(n):
         r = min(left, key=lambda i: sum(not x.is_zero for x in work[i][:n]))
         k = next(k for k in reversed(range(n)) if not work[r][k].is_zero and k not in place)
@@ -68,4 +71,4 @@ def _solve(reader: Reader, rows: list[list[Element]], right: list[Element]) -> l
         for other in range(n):
             if other != r and not (c := work[other][k]).is_zero:
                 work[other] = [field.cancelled(x - c * y) for x, y in zip(work[other], work[r])]
-    return [work[place[k]][n] for k in range(n)]
+    return [work[place[k]][n:] for k in range(n)]

@@ -10,6 +10,7 @@ import random
 from collections.abc import Callable, Iterator, Mapping
 from dataclasses import dataclass, field
 from fractions import Fraction
+from typing import Any
 
 import mpmath
 import sympy as sp
@@ -18,7 +19,7 @@ from mpmath import libmp
 from ..algebra.poly import Budget
 from ..algebra.signs import Bounds
 
-Interval = tuple[object, object]
+Interval = tuple[Any, Any]
 PRECISIONS = (64, 160, 400)
 POINTS = 24
 UNKNOWNS = (sp.core.function.AppliedUndef, sp.Derivative, sp.Subs)
@@ -67,7 +68,7 @@ class Region:
         symbols = expression.free_symbols.union(*(end.free_symbols for end in ends))
         coordinates = sorted((s for s in symbols if s in self.bounds), key=str)
         parameters = sorted((s for s in symbols if s not in self.bounds), key=str)
-        generator = random.Random(seed)
+        generator = random.Random(seed)  # noqa: S311
         for attempt in range(20 * POINTS):
             point = {s: self._parameter(s, attempt, i, generator) for i, s in enumerate(parameters)}
             values = [self._coordinate(s, point, attempt, i, generator) for i, s in enumerate(coordinates)]
@@ -91,7 +92,12 @@ class Region:
         return -value if symbol.is_nonnegative is None and attempt % 4 == 3 else value
 
     def _coordinate(
-        self, symbol: sp.Symbol, point: Mapping[sp.Expr, sp.Rational], attempt: int, place: int, generator: random.Random
+        self,
+        symbol: sp.Symbol,
+        point: Mapping[sp.Expr, sp.Rational],
+        attempt: int,
+        place: int,
+        generator: random.Random,
     ) -> sp.Rational | None:
         """A rational number inside the coordinate's interval; None when the interval is empty for these parameters."""
         lower, upper = (None if end is None else end.subs(point) for end in self.bounds[symbol])
@@ -110,7 +116,9 @@ class Region:
         return value if inside_lower and (upper is None or bool(value < upper)) else None
 
 
-def enclose(expression: sp.Expr, point: Mapping[sp.Expr, sp.Rational], precision: int = 64) -> tuple[mpmath.mpf, mpmath.mpf]:
+def enclose(
+    expression: sp.Expr, point: Mapping[sp.Expr, sp.Rational], precision: int = 64
+) -> tuple[mpmath.mpf, mpmath.mpf]:
     """Enclose the value of an expression at a rational point.
 
     Args:
@@ -203,7 +211,9 @@ def _log(x: Interval, prec: int) -> Interval:
     return libmp.mpi_log(x, prec)
 
 
-def _ratio(top: Callable[[Interval, int], Interval], bottom: Callable[[Interval, int], Interval]) -> Callable[[Interval, int], Interval]:
+def _ratio(
+    top: Callable[[Interval, int], Interval], bottom: Callable[[Interval, int], Interval]
+) -> Callable[[Interval, int], Interval]:
     return lambda x, prec: libmp.mpi_mul(top(x, prec), _inverse(bottom(x, prec), prec), prec)
 
 
@@ -246,7 +256,7 @@ def _abs(x: Interval, prec: int) -> Interval:
     return libmp.mpi_abs(x, prec)
 
 
-def _sign(x: Interval, prec: int) -> Interval:
+def _sign(x: Interval, _prec: int) -> Interval:
     if libmp.mpf_sign(x[0]) > 0:
         return _integer(1)
     if libmp.mpf_sign(x[1]) < 0:

@@ -1,15 +1,17 @@
 """Levi-Civita's conditions: does a Hamiltonian separate in the coordinates it is written in?
 
-General form, any H(q, p), all i < j, identically in q and p (Levi-Civita, Math. Ann. 59 (1904) 383), with Hⁱ = ∂H/∂pᵢ, Hᵢ = ∂H/∂qᵢ:
+General form, any H(q, p), all i < j, identically in q and p (Levi-Civita, Math. Ann. 59 (1904) 383), with Hⁱ =
+∂H/∂pᵢ, Hᵢ = ∂H/∂qᵢ:
 
     L_ij = Hⁱ Hʲ H_ij + Hᵢ Hⱼ Hⁱʲ − Hⁱ Hⱼ H_iʲ − Hᵢ Hʲ H_jⁱ = 0.
 
 Orthogonal shells, H = ½ Σ gᵃᵃPₐ² + U (Eisenhart, Ann. Math. 35 (1934) 284; Benenti):
 
-    S_ij(f) = ∂ᵢ∂ⱼf − (∂ᵢ ln gʲʲ) ∂ⱼf − (∂ⱼ ln gⁱⁱ) ∂ᵢf = 0    for f = every gʰʰ and every coefficient of U in the constants.
+    S_ij(f) = ∂ᵢ∂ⱼf − (∂ᵢ ln gʲʲ) ∂ⱼf − (∂ⱼ ln gⁱⁱ) ∂ᵢf = 0    for f = every gʰʰ and every coefficient of U in the
+    constants.
 
-Metric conditions are taken in logarithmic form, S_ij(f)/f = ∂ᵢ∂ⱼ ln f + ∂ᵢ ln f ∂ⱼ ln f − (∂ᵢ ln gʲʲ) ∂ⱼ ln f − (∂ⱼ ln gⁱⁱ) ∂ᵢ ln f:
-a metric that is a product then needs only small fractions.
+Metric conditions are taken in logarithmic form, S_ij(f)/f = ∂ᵢ∂ⱼ ln f + ∂ᵢ ln f ∂ⱼ ln f − (∂ᵢ ln gʲʲ) ∂ⱼ ln f − (∂ⱼ
+ln gⁱⁱ) ∂ᵢ ln f: a metric that is a product then needs only small fractions.
 """
 
 from __future__ import annotations
@@ -19,7 +21,7 @@ from dataclasses import dataclass
 
 import sympy as sp
 
-from ..algebra import poly as P
+from ..algebra import poly
 from ..algebra.field import Element
 from ..algebra.modular import products_vanish
 from ..algebra.poly import Poly
@@ -57,7 +59,8 @@ class Conditions:
         reader: reads and differentiates.
         symbols: essential coordinates.
         metric: gᵃᵃ, one element per coordinate.
-        potential: U or V_eff; the constants in it are generators, so that vanishing means vanishing coefficient by coefficient.
+        potential: U or V_eff; the constants in it are generators, so that vanishing means vanishing coefficient by
+            coefficient.
     """
 
     def __init__(self, reader: Reader, symbols: Sequence[sp.Symbol], metric: Sequence[Element], potential: Element):
@@ -107,8 +110,13 @@ def total(reader: Reader, products: Products) -> Element:
     return reader.field.total(reader.field.product(factors) for factors in products)
 
 
-def general_condition(reader: Reader, hamiltonian: Element, q: Sequence[sp.Symbol], p: Sequence[sp.Symbol], i: int, j: int) -> Products:
-    """L_ij of any Hamiltonian, as a sum of four products (Levi-Civita 1904; Greenwood gives no such test, see p. 208)."""
+def general_condition(
+    reader: Reader, hamiltonian: Element, q: Sequence[sp.Symbol], p: Sequence[sp.Symbol], i: int, j: int
+) -> Products:
+    """L_ij of any Hamiltonian, as a sum of four products (Levi-Civita 1904.
+
+    Greenwood gives no such test, see p. 208).
+    """
     d = reader.diff
     hi, hj = d(hamiltonian, q[i]), d(hamiltonian, q[j])
     ui, uj = d(hamiltonian, p[i]), d(hamiltonian, p[j])
@@ -121,15 +129,18 @@ def general_condition(reader: Reader, hamiltonian: Element, q: Sequence[sp.Symbo
 
 
 def coefficients(reader: Reader, x: Element, symbols: Sequence[sp.Symbol]) -> list[Element]:
-    """The coefficients of a polynomial in some symbols, cheapest first; the element itself if a denominator holds them."""
+    """The coefficients of a polynomial in some symbols, cheapest first.
+
+    The element itself if a denominator holds them.
+    """
     field = reader.field
     numbers = {k for s in symbols if (k := field.number_of(s)) is not None}
-    if any(numbers & set(P.generators(base)) and len(base) > 1 for base, _ in x.bases):
+    if any(numbers & set(poly.generators(base)) and len(base) > 1 for base, _ in x.bases):
         return [x]
     groups: dict[int, Poly] = {}
     for m, c in x.numerator.items():
-        inner = sum(e << (P.BITS * k) for k, e in P.exponents(m) if k in numbers)
+        inner = sum(e << (poly.BITS * k) for k, e in poly.exponents(m) if k in numbers)
         groups.setdefault(inner, {})[m - inner] = c
-    kept = {b: e for b, e in x.factors.items() if not numbers & set(P.generators(field.bases[b]))}
+    kept = {b: e for b, e in x.factors.items() if not numbers & set(poly.generators(field.bases[b]))}
     found = [field.cancelled(field.from_poly(a, x.coefficient, kept)) for a in groups.values()]
     return sorted(found, key=cost)

@@ -1,7 +1,8 @@
 """Recognising Liouville's form T = Σ Rᵢpᵢ²/(2Σf), V = Σv/Σf, and finding its functions (Greenwood (5-125), (5-126)).
 
-With gⁱⁱ = Rᵢ/σ, σ = Σf: every ratio gⁱⁱ/gʲʲ = Rᵢ/Rⱼ must be a product of a function of qᵢ and one of qⱼ, and σ and σV must be sums of
-functions of one coordinate each. In two dimensions this is the same as Stäckel's form up to a rescaling; in more it is less.
+With gⁱⁱ = Rᵢ/σ, σ = Σf: every ratio gⁱⁱ/gʲʲ = Rᵢ/Rⱼ must be a product of a function of qᵢ and one of qⱼ, and σ and σV
+must be sums of functions of one coordinate each. In two dimensions this is the same as Stäckel's form up to a
+rescaling; in more it is less.
 """
 
 from __future__ import annotations
@@ -12,7 +13,7 @@ from fractions import Fraction
 import sympy as sp
 
 from ..algebra.field import Element
-from ..algebra.readable import readable
+from ..algebra.readable import cost, readable, variants
 from ..algebra.reader import Reader
 from .basepoint import base_points
 from .enclosure import NoEnclosureError, Region, enclose
@@ -20,7 +21,12 @@ from .verdicts import Liouville
 
 
 def recognise(
-    reader: Reader, names: Sequence[str], symbols: Sequence[sp.Symbol], metric: Sequence[Element], potential: Element, region: Region
+    reader: Reader,
+    names: Sequence[str],
+    symbols: Sequence[sp.Symbol],
+    metric: Sequence[Element],
+    potential: Element,
+    region: Region,
 ) -> Liouville | None:
     """The functions f, R, v of an orthogonal system, or None when it is not of Liouville's form."""
     ratios = _separate_ratios(reader, symbols, metric)
@@ -68,24 +74,30 @@ def _separate_ratios(reader: Reader, symbols: Sequence[sp.Symbol], metric: Seque
     return [_without(reader, x, [q for k, q in enumerate(symbols) if k != i]) for i, x in enumerate(found)]
 
 
-def split_product(reader: Reader, x: Element, symbols: Sequence[sp.Symbol], i: int, j: int) -> tuple[Element, Element] | None:
-    """x = a(q_i)·b(q_j), constants in a; by its factors where they separate, else at a base point; None if it is no product."""
+def split_product(
+    reader: Reader, x: Element, symbols: Sequence[sp.Symbol], i: int, j: int
+) -> tuple[Element, Element] | None:
+    """Write x = a(q_i)·b(q_j), constants in a; by its factors where they separate, else at a base point.
+
+    None if it is no product.
+    """
     field = reader.field
     log_slope = reader.log_diff(x, symbols[i])
     if any(not reader.diff(log_slope, q).is_zero for k, q in enumerate(symbols) if k != i):
         return None
-    a, b = {}, {}
+    a: dict[int, int] = {}
+    b: dict[int, int] = {}
     for base, e in x.factors.items():
         factor = Element(field, Fraction(1), {0: 1}, {base: e})
         holds = [k for k, q in enumerate(symbols) if factor.depends_on(q)]
         if not set(holds) <= {j} and not set(holds) <= {i}:
-            return _split_at_base_point(reader, x, symbols, i, j)
+            return _split_at_base_point(reader, x, symbols, j)
         (b if holds == [j] else a)[base] = e
     return Element(field, x.coefficient, x.numerator, a), Element(field, Fraction(1), {0: 1}, b)
 
 
 def _split_at_base_point(
-    reader: Reader, x: Element, symbols: Sequence[sp.Symbol], i: int, j: int
+    reader: Reader, x: Element, symbols: Sequence[sp.Symbol], j: int
 ) -> tuple[Element, Element] | None:
     for point in base_points(reader, symbols):
         try:
@@ -103,10 +115,10 @@ def _is_additive(reader: Reader, x: Element, symbols: Sequence[sp.Symbol]) -> bo
 
 
 def split_sum(reader: Reader, x: Element, symbols: Sequence[sp.Symbol]) -> list[Element] | None:
-    """x = Σ x_i(q_i): term by term where the terms separate, else at a base point. Constants go to the first part."""
-    by_terms = _split_terms(reader, x, symbols)
-    if by_terms is not None:
-        return by_terms
+    """Write x = Σ x_i(q_i): term by term where the terms separate, else at a base point; constants go to the first."""
+    by_terms = [parts for y in variants(reader, x) if (parts := _split_terms(reader, y, symbols)) is not None]
+    if by_terms:
+        return min(by_terms, key=lambda parts: sum(map(cost, parts)))
     for point in base_points(reader, symbols):
         try:
             constant = point.keep(x, set())
@@ -123,7 +135,7 @@ def _split_terms(reader: Reader, x: Element, symbols: Sequence[sp.Symbol]) -> li
     parts = [field.zero] * len(symbols)
     constants = []
     for m, c in x.numerator.items():
-        term = field.from_poly({m: c}, x.coefficient, x.factors)
+        term = field.monomial(m, x.coefficient * c, x.factors)
         holds = [i for i, q in enumerate(symbols) if term.depends_on(q)]
         if len(holds) > 1:
             return None
@@ -159,5 +171,3 @@ def _sign_somewhere(reader: Reader, x: Element, region: Region) -> int:
         if lower > 0 or upper < 0:
             return 1 if lower > 0 else -1
     return 1
-
-

@@ -1,15 +1,15 @@
 """Stäckel's matrix and column by the base-point construction, made readable, and verified by substitution.
 
-Greenwood (p. 208) says that Stäckel's theorem "presents no direct method". This is one: hold all coordinates but the i-th at a
-base point q⁰ (written q̂ᵢ); a separable shell then has
+Greenwood (p. 208) says that Stäckel's theorem "presents no direct method". This is one: hold all coordinates but the
+i-th at a base point q⁰ (written q̂ᵢ); a separable shell then has
 
     ½ Pᵢ² = [E − V(q̂ᵢ) − Σ_{j≠i} gʲʲ(q̂ᵢ) aⱼ] / gⁱⁱ(q̂ᵢ),        Σⱼ gʲʲ(q⁰) aⱼ + V(q⁰) = E,
 
-linear in (E, a): a Stäckel matrix Φ and column ψ can be read off. Substitution decides: cᵀΦ = (1, 0, …, 0) and cᵀψ = V hold if and only
-if the shell separates (Eisenhart 1934; docs/theory).
+linear in (E, a): a Stäckel matrix Φ and column ψ can be read off. Substitution decides: cᵀΦ = (1, 0, …, 0) and cᵀψ =
+V hold if and only if the shell separates (Eisenhart 1934; docs/theory).
 
-What may be changed without changing anything (Greenwood after (5-140)): columns 2 … n of Φ mixed by a constant nonsingular matrix,
-multiples of them added to column 1 and to ψ. ``columns`` uses this freedom.
+What may be changed without changing anything (Greenwood after (5-140)): columns 2 … n of Φ mixed by a constant
+nonsingular matrix, multiples of them added to column 1 and to ψ. ``columns`` uses this freedom.
 """
 
 from __future__ import annotations
@@ -37,11 +37,16 @@ class Matrix:
     column: Row
 
 
-def construct(reader: Reader, symbols: Sequence[sp.Symbol], metric: Sequence[Element], potential: Element) -> Matrix | None:
+def construct(
+    reader: Reader, symbols: Sequence[sp.Symbol], metric: Sequence[Element], potential: Element
+) -> Matrix | None:
     """Φ and ψ of a shell in readable form; None when no base point gives a regular matrix or the certificate fails.
 
     A failed certificate shows that the shell does not separate; which condition fails is for ``levi_civita`` to say.
     """
+    if len(metric) == 1:
+        matrix = Matrix([[metric[0] ** -1]], [reader.field.cancelled(potential / metric[0])])
+        return matrix if certified(reader, metric, potential, matrix) else None
     for point in base_points(reader, symbols):
         try:
             raw = _at_base_point(reader, point, metric, potential)
@@ -90,8 +95,17 @@ def _at_base_point(reader: Reader, point: BasePoint, metric: Sequence[Element], 
     return Matrix(rows, column)
 
 
-def finished(reader: Reader, names: Sequence[str], metric: Sequence[sp.Expr], matrix: Matrix) -> Stackel:
-    """The verdict's form: readable expressions."""
+def finished(
+    reader: Reader, names: Sequence[str], metric: Sequence[sp.Expr], potential: sp.Expr, matrix: Matrix
+) -> Stackel:
+    """The verdict's form: readable expressions.
+
+    With one coordinate ψ = V/c is written term by term as the user wrote V.
+    """
     entries = [[readable(reader, x) for x in row] for row in matrix.rows]
-    column = tuple(readable(reader, x) for x in matrix.column)
+    if len(names) == 1:
+        terms = [readable(reader, reader.element(v) * matrix.rows[0][0]) for v in sp.Add.make_args(potential)]
+        column = (sp.Add(*terms),)
+    else:
+        column = tuple(readable(reader, x) for x in matrix.column)
     return Stackel(tuple(names), sp.ImmutableMatrix(entries), column, tuple(metric))

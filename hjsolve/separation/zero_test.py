@@ -3,11 +3,12 @@
 In this order, each step within the budget:
 
 1. values modulo a prime at random points, a filter that takes about a millisecond (``algebra.modular``);
-2. the exact normal form over the field of the expression (``algebra.field``): a numerator that reduces to zero is a proof;
-3. a rational witness where interval arithmetic excludes zero: a proof of the opposite;
+2. the exact normal form over the field of the expression (``algebra.field``): a numerator that reduces to zero is a
+proof; 3. a rational witness where interval arithmetic excludes zero: a proof of the opposite;
 4. otherwise ``Unproved``, with the value to 40 digits.
 
-``simplify``, ``equals`` and float thresholds decide nothing here: they miss zeros, take minutes and guess (docs, baselines).
+``simplify``, ``equals`` and float thresholds decide nothing here: they miss zeros, take minutes and guess (docs,
+baselines).
 """
 
 from __future__ import annotations
@@ -17,7 +18,6 @@ from dataclasses import dataclass
 import mpmath
 import sympy as sp
 
-from ..algebra.field import Element
 from ..algebra.modular import products_vanish
 from ..algebra.poly import Budget, WorkLimitError
 from ..algebra.reader import Reader
@@ -86,13 +86,6 @@ def is_zero(expression: sp.Expr, region: Region | None = None, *, budget: Budget
     except (WorkLimitError, ZeroDivisionError) as fault:
         reason = str(fault)
     return not_zero(expression, region, budget, reason)
-
-
-def element_is_zero(reader: Reader, x: Element, region: Region) -> Answer:
-    """Decide about an element of a field."""
-    if x.is_zero:
-        return Zero()
-    return not_zero(reader.write(x), region, reader.field.budget, "no witness was found")
 
 
 def not_zero(expression: sp.Expr, region: Region, budget: Budget, reason: str) -> NonZero | Unproved:

@@ -1,0 +1,169 @@
+"""Refusals: which pair, which part, what does not vanish, where it is proved not to, and what to try."""
+
+from __future__ import annotations
+
+from collections.abc import Iterable
+from dataclasses import dataclass
+
+import sympy as sp
+
+from ..algebra.field import Element
+from ..algebra.poly import Budget, WorkLimitError
+from ..algebra.readable import readable
+from ..algebra.reader import Reader
+from ..shell import Irreducible, Shell, Step, domain_bounds
+from ..system import System, hamiltonian
+from . import advice, levi_civita
+from .enclosure import Region
+from .levi_civita import Condition, Products
+from .verdicts import Obstruction, Undecided
+from .zero_test import NonZero, Unproved, not_zero
+
+
+@dataclass(frozen=True)
+class Setting:
+    """A shell as elements of its field.
+
+    Attributes:
+        shell: the shell.
+        region: domain of the coordinates and first values for parameters.
+        reader: reads and differentiates.
+        symbols: essential coordinates.
+        metric: inverse metric.
+        potential: V_eff.
+    """
+
+    shell: Shell
+    region: Region
+    reader: Reader
+    symbols: list[sp.Symbol]
+    metric: list[Element]
+    potential: Element
+
+
+def region_of(system: System) -> Region:
+    """Domain of the coordinates, default values of the parameters."""
+    return Region(domain_bounds(system), dict(system.defaults))
+
+
+def of_shell(shell: Shell, work: Budget) -> Setting:
+    """Read a shell into a field."""
+    reader = Reader([*shell.inverse_metric, shell.potential, *shell.shift], domain_bounds(shell.system), work)
+    metric = [reader.element(g) for g in shell.inverse_metric]
+    symbols = [c.symbol for c in shell.coordinates]
+    return Setting(shell, region_of(shell.system), reader, symbols, metric, reader.element(shell.potential))
+
+
+def refuse_condition(setting: Setting, condition: Condition) -> Obstruction | Undecided:
+    """Verdict on a condition that was not proved to hold."""
+    shell = setting.shell
+    pair = shell.coordinates[condition.i].name, shell.coordinates[condition.j].name
+    constants = [c.momentum for c in shell.ignorable]
+    parts = _residuals(setting.reader, [[*factors, condition.scale] for factors in condition.products], constants)
+    residual, answer = _simplest_nonzero(parts, setting.region, setting.reader.field.budget)
+    if isinstance(answer, NonZero):
+        words = advice.for_potential(shell.system, pair)
+        if condition.part == "metric":
+            words = advice.for_metric(shell.system, pair, coupled=False)
+        steps = (*shell.steps, _failure_step(condition, pair, residual, shell))
+        return Obstruction(shell.system, shell, pair, condition.part, residual, answer.witness, words, steps)
+    step = Step("Levi-Civita's conditions", f"One condition could not be decided: {answer.reason}.", residual)
+    return Undecided(
+        shell.system,
+        shell,
+        pair,
+        condition.part,
+        residual,
+        answer.point,
+        answer.value,
+        advice.for_undecided(),
+        (*shell.steps, step),
+    )
+
+
+def _residuals(reader: Reader, products: Products, constants: list[sp.Symbol]) -> Iterable[sp.Expr]:
+    """Coefficients of a sum of products in the constants, simplest first; the sum itself where that is too much."""
+    try:
+        whole = reader.field.cancelled(levi_civita.total(reader, products))
+        for part in levi_civita.coefficients(reader, whole, constants):
+            yield readable(reader, part)
+    except WorkLimitError:
+        yield sp.Add(*(sp.Mul(*map(reader.write, factors)) for factors in products))
+
+
+def _simplest_nonzero(parts: Iterable[sp.Expr], region: Region, budget: Budget) -> tuple[sp.Expr, NonZero | Unproved]:
+    """The first expression proved not to vanish, else the first of all with what is known about it."""
+    open_case: tuple[sp.Expr, Unproved] | None = None
+    for part in parts:
+        answer = not_zero(part, region, budget, "no witness was found")
+        if isinstance(answer, NonZero):
+            return part, answer
+        open_case = open_case or (part, answer)
+    assert open_case is not None, "a sum that did not reduce to zero has a coefficient"
+    return open_case
+
+
+def _failure_step(condition: Condition, pair: tuple[str, str], residual: sp.Expr, shell: Shell) -> Step:
+    proof = "is the expression shown; it would have to vanish identically, and is proved not to at the witness."
+    names = " and ".join(pair)
+    if condition.part == "metric":
+        about = shell.coordinates[condition.about or 0].name
+        text = f"For {names} the kinetic energy fails: S_ij of the inverse metric coefficient of {about} {proof}"
+    else:
+        text = f"The kinetic energy passes. For {names} the potential fails: S_ij(V) {proof}"
+    return Step("Levi-Civita's conditions", text, residual)
+
+
+# ------------------------------------------------------------------------------------------------ without a shell
+
+
+def refuse_without_shell(system: System, found: Irreducible, work: Budget) -> Obstruction | Undecided:
+    """Levi-Civita's general condition for coordinates that T couples, or that linear terms couple."""
+    H, region = hamiltonian(system), region_of(system)
+    reader = Reader([H, found.residual], domain_bounds(system), work)
+    h = reader.element(H)
+    q, p = [c.symbol for c in found.essential], [c.momentum for c in found.essential]
+    constants = [c.momentum for c in system.coordinates]
+    names = [c.name for c in found.essential]
+    pairs = [(i, j) for j in range(len(q)) for i in range(j)]
+    for i, j in sorted(pairs, key=lambda ij: {names[ij[0]], names[ij[1]]} != set(found.pair)):
+        products = levi_civita.general_condition(reader, h, q, p, i, j)
+        if levi_civita.vanishes(reader, products):
+            continue
+        residual, answer = _simplest_nonzero(_residuals(reader, products, constants), region, work)
+        if isinstance(answer, NonZero):
+            return _general_obstruction(system, found, (names[i], names[j]), residual, answer)
+        return _general_undecided(system, found, residual, answer, f"it could not be decided: {answer.reason}")
+    text = "it holds, so the system may separate after a change of coordinates that decouples T"
+    return _general_undecided(system, found, found.residual, Unproved({}, None, text), text)
+
+
+def _general_undecided(system: System, found: Irreducible, residual: sp.Expr, answer: Unproved, text: str) -> Undecided:
+    steps = (*found.steps, Step("Levi-Civita's general condition", f"{text[0].upper()}{text[1:]}.", residual))
+    words = "Replace one of the coordinates by a combination that decouples T or the linear terms. "
+    words += advice.for_undecided()
+    return Undecided(system, None, found.pair, found.reason, residual, answer.point, answer.value, words, steps)
+
+
+def _general_obstruction(
+    system: System, found: Irreducible, pair: tuple[str, str], residual: sp.Expr, answer: NonZero
+) -> Obstruction:
+    coupled = " and ".join(found.pair)
+    coupling = f"the terms linear in the velocities of {coupled} are no gradient (their curl is shown)"
+    words = advice.for_gyroscopic(found.pair)
+    if found.reason == "metric":
+        coupling = f"T couples {coupled} (mass-matrix entry shown)"
+        words = advice.for_metric(system, found.pair, coupled=True)
+    text = (
+        f"For {pair[0]} and {pair[1]} a coefficient of L_ij in the momenta is the expression shown; it would have to "
+        "vanish identically, and is proved not to at the witness."
+    )
+    steps = (
+        *found.steps,
+        Step("Coupling", f"After the reduction {coupling}: there is no orthogonal energy shell.", found.residual),
+        Step("Levi-Civita's general condition", text, residual),
+    )
+    return Obstruction(system, None, pair, found.reason, residual, answer.witness, words, steps)
+
+
+__all__ = ["Setting", "of_shell", "refuse_condition", "refuse_without_shell", "region_of"]
