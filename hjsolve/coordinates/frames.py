@@ -1,0 +1,166 @@
+"""Exact orthonormal frames: eigenvectors of symmetric matrices, square roots without a sign."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Mapping, Sequence
+
+import sympy as sp
+
+from hjsolve.coordinates.results import Vector
+
+
+Sign = Callable[[sp.Expr], int]
+
+
+def sign_by(values: Mapping[sp.Symbol, sp.Expr]) -> Sign:
+    """Return a function that tells the sign of a constant, where assumptions do not by the values of the parameters.
+
+    Args:
+        values: parameter → default value; parameters that have none count as 2, 3, 5, … in alphabetical order.
+    """
+
+    def sign(constant: sp.Expr) -> int:
+        if constant.is_zero or constant.is_positive or constant.is_negative:
+            return 0 if constant.is_zero else 1 if constant.is_positive else -1
+        missing = sorted(constant.free_symbols - set(values), key=str)
+        chosen = {s: sp.prime(i + 1) * (-1 if s.is_negative else 1) for i, s in enumerate(missing)}
+        number = constant.xreplace({**values, **chosen}).evalf(30)
+        return 0 if abs(number) < sp.Float("1e-20") else 1 if number > 0 else -1
+
+    return sign
+
+
+class TooHardError(ArithmeticError):
+    """An exact frame would need the roots of a cubic with symbolic coefficients."""
+
+
+def tidy(expression: sp.Expr) -> sp.Expr:
+    """Bring a constant to a short form: rational denominators, no nested radicals where they can be undone."""
+    if expression.is_Rational or expression.is_Symbol:
+        return expression
+    if not any(p.exp.is_Rational and not p.exp.is_Integer for p in expression.atoms(sp.Pow)):
+        return sp.expand(expression) if expression.is_number else sp.factor(expression)
+    if expression.is_number:
+        return sp.sqrtdenest(sp.radsimp(sp.expand(expression)))
+    return sp.radsimp(sp.factor(sp.sqrtdenest(expression)))
+
+
+def root(square: sp.Expr) -> sp.Expr:
+    """Return a square root of a non-negative quantity; its sign is of no importance, so |c| is written c."""
+    value = tidy(sp.sqrt(sp.factor(square)))
+    return value.replace(sp.Abs, lambda u: u)
+
+
+def norm_squared(v: Sequence[sp.Expr]) -> sp.Expr:
+    """Return v·v."""
+    return sp.factor(sp.Add(*(c**2 for c in v)))
+
+
+def unit(v: Sequence[sp.Expr]) -> Vector:
+    """Return v/|v|, with the first component that is not zero positive where its sign is known."""
+    entries = [tidy(c) for c in v]
+    length = sp.sqrt(norm_squared(entries))
+    lead = next(c for c in entries if c != 0)
+    sign = -1 if lead.is_negative else 1
+    return tuple(tidy(sign * c / length) for c in entries)
+
+
+def cross(a: Vector, b: Vector) -> Vector:
+    """Return a × b."""
+    return tuple(tidy(c) for c in sp.Matrix(a).cross(sp.Matrix(b)))
+
+
+def dot(a: Sequence[sp.Expr], b: Sequence[sp.Expr]) -> sp.Expr:
+    """Return a·b."""
+    return sp.expand(sp.Add(*(p * q for p, q in zip(a, b, strict=True))))
+
+
+def moved(origin: Vector, terms: Sequence[tuple[sp.Expr, Vector]]) -> Vector:
+    """Return origin + Σ length·direction."""
+    return tuple(tidy(c + sp.Add(*(length * v[i] for length, v in terms))) for i, c in enumerate(origin))
+
+
+def perpendicular_frame(axis: Vector, first: Vector | None = None) -> tuple[Vector, Vector, Vector]:
+    """Return (e₁, e₂, axis), right-handed and orthonormal; e₁ along ``first`` if given, else as simple as possible."""
+    if first is None:
+        candidates = [tuple(sp.Integer(int(i == j)) for j in range(3)) for i in range(3)]
+        first = next((c for c in candidates if dot(c, axis) == 0), None) or unit(
+            (axis[1], -axis[0], sp.S.Zero) if axis[0] != 0 else (sp.S.Zero, axis[2], -axis[1]))
+    return first, cross(axis, first), axis
+
+
+def eigenframe(A: sp.MatrixBase) -> list[tuple[sp.Expr, Vector]]:
+    """Return (eigenvalue, unit eigenvector) of a real symmetric matrix, exact; equal eigenvalues side by side.
+
+    Raises:
+        TooHardError: an irreducible cubic with symbolic coefficients.
+    """
+    n = A.rows
+    A = sp.Matrix(A).applyfunc(sp.expand)
+    if A.is_diagonal():
+        pairs = [(A[i, i], tuple(sp.Integer(int(i == j)) for j in range(n))) for i in range(n)]
+        return sorted(pairs, key=lambda pair: [p[0] for p in pairs].index(pair[0]))
+    result: list[tuple[sp.Expr, Vector]] = []
+    for value, multiplicity in _eigenvalues(A):
+        space = _nullspace(A, value, multiplicity)
+        basis: list[Vector] = []
+        for v in space:
+            rest = sp.Matrix(v)
+            for e in basis:
+                rest -= sp.Matrix(e) * dot(v, e)
+            basis.append(unit(tuple(rest)))
+        result.extend((value, e) for e in basis)
+    return result
+
+
+def _eigenvalues(A: sp.Matrix) -> list[tuple[sp.Expr, int]]:
+    s = sp.Symbol("s", real=True)
+    numbers = sorted((a for a in A.atoms(sp.Pow) if a.is_number and not a.exp.is_Integer), key=str)
+    options = {"extension": numbers} if numbers else {}
+    polynomial = sp.factor_list(A.charpoly(s).as_expr(s), s, **options)[1]
+    values: list[tuple[sp.Expr, int]] = []
+    for factor, multiplicity in polynomial:
+        degree = sp.degree(factor, s)
+        if degree <= 2:
+            values.extend((tidy(r), multiplicity) for r in sorted(sp.roots(factor, s), key=sp.default_sort_key))
+        elif factor.free_symbols == {s}:
+            values.extend((r, multiplicity) for r in sp.real_roots(factor, s))
+        else:
+            raise TooHardError
+    return values
+
+
+def _nullspace(A: sp.Matrix, value: sp.Expr, multiplicity: int) -> list[Vector]:
+    n = A.rows
+    B = (A - value * sp.eye(n)).applyfunc(tidy)
+    if n - multiplicity == 1:
+        row = next(B.row(i) for i in range(n) if any(sp.simplify(c) != 0 for c in B.row(i)))
+        lead = next(i for i, c in enumerate(row) if sp.simplify(c) != 0)
+        space = []
+        for free in (i for i in range(n) if i != lead):
+            v = [sp.S.Zero] * n
+            v[free], v[lead] = sp.S.One, tidy(-row[free] / row[lead])
+            space.append(tuple(v))
+        return space
+    for i in range(n):
+        for j in range(i + 1, n):
+            v = tuple(tidy(c) for c in B.row(i).cross(B.row(j)))
+            if any(sp.simplify(c) != 0 for c in v):
+                return [v]
+    raise TooHardError
+
+
+def sort_frame(frame: list[tuple[sp.Expr, Vector]], sign: Sign) -> list[tuple[sp.Expr, Vector]]:
+    """Sort (eigenvalue, vector) pairs from small to large eigenvalues; equal ones keep their order."""
+    ordered: list[tuple[sp.Expr, Vector]] = []
+    for value, axis in frame:
+        place = sum(1 for other, _ in ordered if sign(sp.expand(other - value)) <= 0)
+        ordered.insert(place, (value, axis))
+    return ordered
+
+
+def righted(e1: Vector, e2: Vector, e3: Vector) -> tuple[Vector, Vector, Vector]:
+    """Return the frame with the last vector turned round where it was left-handed."""
+    if sp.Matrix([e1, e2, e3]).det().evalf() < 0:
+        e3 = tuple(-c for c in e3)
+    return e1, e2, e3

@@ -1,0 +1,282 @@
+"""Killing tensors K with d(K·dV) = 0, exactly.
+
+The quadratic first integral ½K^{ij}p_i p_j + U of H = ½p² + V exists if and only if K is a Killing tensor and the
+one-form K·dV is closed (Benenti; Smirnov, math-ph/0604038):
+
+    ∂_j(K_i^l ∂_l V) − ∂_i(K_j^l ∂_l V) = 0,   i < j,
+
+which is linear in the constants of K: six in the plane, twenty in space. A concircular tensor
+L = A + w⊗x + x⊗w + m x⊗x gives the Killing tensor K = (tr L) g − L; those are all of them in the plane, and a
+ten-dimensional subspace in space (Rajaratnam, McLenaghan, Valero, SIGMA 12 (2016) 117).
+"""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+from functools import cache
+from itertools import combinations, combinations_with_replacement
+from random import Random
+from typing import Any
+
+import sympy as sp
+
+from hjsolve.coordinates.elimination import echelon_over_ring
+from hjsolve.coordinates.numerical_kernel import derivatives, numerical_rank, reconstructed_kernel
+from hjsolve.coordinates.point_algebra import Generators, Ground, PointAlgebra, ZeroDivisor, generators, prepared
+from hjsolve.errors import InternalError
+
+_POINTS_WITHOUT_NEWS = 4
+_MOST_POINTS = 200
+
+
+def concircular_basis(n: int) -> tuple[sp.ImmutableMatrix, ...]:
+    """Return the symmetric (n+1)×(n+1) matrices E_ab; M = [[A, w], [wᵀ, m]] stands for L = A + w⊙x + m x⊗x."""
+    basis = []
+    for a, b in combinations_with_replacement(range(n + 1), 2):
+        matrix = sp.zeros(n + 1, n + 1)
+        matrix[a, b] = matrix[b, a] = 1
+        basis.append(sp.ImmutableMatrix(matrix))
+    return tuple(basis)
+
+
+def concircular_tensor(matrix: sp.MatrixBase, x: Sequence[sp.Expr]) -> sp.ImmutableMatrix:
+    """Return L = A + w⊗x + x⊗w + m x⊗x for M = [[A, w], [wᵀ, m]]; shape (n, n)."""
+    n = len(x)
+    frame = sp.eye(n).row_join(sp.Matrix(x))
+    return sp.ImmutableMatrix((frame * matrix * frame.T).applyfunc(sp.expand))
+
+
+def killing_tensor(matrix: sp.MatrixBase, x: Sequence[sp.Expr]) -> sp.ImmutableMatrix:
+    """Return K = (tr L) g − L of a concircular tensor."""
+    L = concircular_tensor(matrix, x)
+    return sp.ImmutableMatrix((L.trace() * sp.eye(len(x)) - L).applyfunc(sp.expand))
+
+
+def killing_basis(x: Sequence[sp.Symbol]) -> tuple[sp.ImmutableMatrix, ...]:
+    """Return all Killing 2-tensors of the Euclidean plane (6) or space (20).
+
+    They are the symmetrised products of the n translations and n(n−1)/2 rotations. In space the 21 products obey one
+    syzygy, p·(x×p) = 0; the product p₃ ⊙ (x×p)₃ is left out.
+    """
+    n = len(x)
+    vectors = [sp.Matrix([int(i == j) for j in range(n)]) for i in range(n)]
+    for i, j in combinations(range(n), 2):
+        vectors.append(sp.Matrix([-x[j] if k == i else x[i] if k == j else 0 for k in range(n)]))
+    products = list(combinations_with_replacement(range(len(vectors)), 2))
+    if n == 3:
+        products.remove((2, 3))
+    return tuple(sp.ImmutableMatrix((vectors[a] * vectors[b].T + vectors[b] * vectors[a].T) / 2) for a, b in products)
+
+
+@dataclass(frozen=True)
+class Kernel:
+    """The solutions of d(K·dV) = 0 in the span of a basis.
+
+    Attributes:
+        vectors: one row of constants for each independent solution, reduced row echelon form, over Q(parameters).
+        complete: an independent numerical rank agrees with the dimension, so nothing was missed.
+        pivots: irreducible polynomials in the parameters; where none of them vanishes the dimension is this one.
+    """
+
+    vectors: tuple[tuple[sp.Expr, ...], ...]
+    complete: bool
+    pivots: tuple[sp.Expr, ...]
+
+    @property
+    def dimension(self) -> int:
+        """Number of independent solutions."""
+        return len(self.vectors)
+
+
+@cache
+def _coefficients(tensors: tuple[sp.ImmutableMatrix, ...], x: tuple[sp.Symbol, ...]) -> list[Any]:
+    """Write d(K·dV)_ij = Σ_a c_a V_a + Σ_ab c_ab V_ab; returns [(i, j)][tensor] = {slot: polynomial terms}."""
+    n = len(x)
+    slots = [(a,) for a in range(n)] + list(combinations_with_replacement(range(n), 2))
+    table = []
+    for i, j in combinations(range(n), 2):
+        row = []
+        for K in tensors:
+            entry: dict[tuple[int, ...], sp.Expr] = dict.fromkeys(slots, sp.S.Zero)
+            for a in range(n):
+                entry[(a,)] += sp.diff(K[i, a], x[j]) - sp.diff(K[j, a], x[i])
+                entry[min(a, j), max(a, j)] += K[i, a]
+                entry[min(a, i), max(a, i)] -= K[j, a]
+            row.append([(slots.index(slot), sp.Poly(value, *x).terms()) for slot, value in entry.items() if value])
+        table.append(row)
+    return table
+
+
+def _rows_at(algebra: PointAlgebra, values: Sequence[sp.Expr], table: list[Any], width: int) -> list[list[Any]]:
+    """Return the linear equations that one point gives."""
+    field = algebra.field
+    elements = [algebra.evaluate(value) for value in values]
+    x = list(algebra.point.values())
+    rows: list[list[Any]] = []
+    for equation in table:
+        parts: dict[Any, list[Any]] = {}
+        for column, tensor in enumerate(equation):
+            for slot, terms in tensor:
+                number = field.zero
+                for exponents, coefficient in terms:
+                    term = field.convert(coefficient)
+                    for q, e in zip(x, exponents, strict=True):
+                        term *= q**e
+                    number += term
+                for key, value in elements[slot].items():
+                    row = parts.setdefault(key, [field.zero] * width)
+                    row[column] += number * value
+        rows.extend(parts.values())
+    return rows
+
+
+def _reduce(row: list[Any], echelon: dict[int, list[Any]]) -> int | None:
+    """Reduce a row against an echelon form; add it and return its pivot, or None where it was dependent."""
+    for column, pivot_row in echelon.items():
+        if row[column]:
+            factor = row[column]
+            row = [a - factor * b for a, b in zip(row, pivot_row, strict=True)]
+    pivot = next((c for c, entry in enumerate(row) if entry), None)
+    if pivot is None:
+        return None
+    row = [entry / row[pivot] for entry in row]
+    for column, other in echelon.items():
+        if other[pivot]:
+            factor = other[pivot]
+            echelon[column] = [a - factor * b for a, b in zip(other, row, strict=True)]
+    echelon[pivot] = row
+    return pivot
+
+
+def _nullspace(echelon: dict[int, list[Any]], width: int, field: Any) -> list[list[Any]]:
+    """Return a basis of the kernel of an echelon form, itself in reduced echelon form."""
+    vectors = []
+    for free in (c for c in range(width) if c not in echelon):
+        vector = [field.zero] * width
+        vector[free] = field.one
+        for column, row in echelon.items():
+            vector[column] = -row[free]
+        vectors.append(vector)
+    reduced: dict[int, list[Any]] = {}
+    for vector in vectors:
+        _reduce(vector, reduced)
+    return [reduced[column] for column in sorted(reduced)]
+
+
+def _points(made_of: Generators, values: Sequence[sp.Expr], table: list[Any], width: int, random: Random):  # type: ignore[no-untyped-def]
+    """Yield the equations of one random regular point after another."""
+    for _ in range(_MOST_POINTS):
+        try:
+            yield _rows_at(PointAlgebra(made_of, random), values, table, width)
+        except (ZeroDivisor, ZeroDivisionError):
+            continue
+    raise InternalError("find_coordinates: no regular points of the potential were found")
+
+
+def _span(point_rows: Any, ground: Ground, width: int) -> list[list[Any]] | None:
+    """Return sparse equations over Q[parameters] that span those of all points, or None if not polynomial.
+
+    The equations of different points are rational combinations of a few ones with polynomial coefficients (those of
+    the monomials of the coordinates). They are found again by elimination over Q in the space of columns times
+    parameter monomials, which makes them sparse and their pivots independent of the points.
+    """
+    index: dict[Any, int] = {}
+    echelon: dict[int, dict[int, Any]] = {}
+    base, ring = ground.field.domain, ground.field.field.ring
+    quiet = 0
+    for rows in point_rows:
+        news = False
+        for row in rows:
+            flat: dict[int, Any] = {}
+            for column, entry in enumerate(row):
+                if not entry.denom.is_ground:
+                    return None
+                for monomial, coefficient in (entry.numer / entry.denom.LC).terms() if entry else ():
+                    flat[index.setdefault((column, monomial), len(index))] = coefficient
+            news |= _reduce_sparse(flat, echelon)
+        quiet = 0 if news else quiet + 1
+        if quiet == 2:
+            break
+        if len(echelon) > 400:
+            return None
+    names = {number: key for key, number in index.items()}
+    result = []
+    for sparse in echelon.values():
+        row = [ring.zero] * width
+        for number, coefficient in sparse.items():
+            column, monomial = names[number]
+            row[column] += ring.term_new(monomial, base.convert(coefficient))
+        result.append(row)
+    return result
+
+
+def _reduce_sparse(row: dict[int, Any], echelon: dict[int, dict[int, Any]]) -> bool:
+    def subtract(a: dict[int, Any], factor: Any, b: dict[int, Any]) -> None:
+        for key, value in b.items():
+            new = a.get(key, 0) - factor * value
+            if new:
+                a[key] = new
+            else:
+                a.pop(key, None)
+
+    for column, pivot_row in echelon.items():
+        if column in row:
+            subtract(row, row[column], pivot_row)
+    if not row:
+        return False
+    pivot = min(row)
+    lead = row[pivot]
+    row = {key: value / lead for key, value in row.items()}
+    for other in echelon.values():
+        if pivot in other:
+            subtract(other, other[pivot], row)
+    echelon[pivot] = row
+    return True
+
+
+def kernel(V: sp.Expr, x: Sequence[sp.Symbol], tensors: Sequence[sp.ImmutableMatrix], *, check: bool = True) -> Kernel:
+    """Solve d(K·dV) = 0 exactly for the constants k of K = Σ k_b K_b, over the field Q(parameters).
+
+    Args:
+        V: potential, an analytic expression in the Cartesian coordinates x and any parameters.
+        x: Cartesian coordinates.
+        tensors: the Killing tensors K_b, matrices of polynomials in x.
+        check: count the dimension a second time, by numbers.
+
+    Returns:
+        A ``Kernel``; the parameters are taken as independent (generic) quantities.
+    """
+    x, width = tuple(x), len(tensors)
+    values = prepared(derivatives(V, x), x)
+    made_of = generators(values, x)
+    ground, random = made_of.ground, Random(20161)
+    table = _coefficients(tuple(tensors), x)
+    stream = _points(made_of, values, table, width, random)
+    sparse = _span(stream, ground, width) if ground.parameters else None
+    pivots: tuple[sp.Expr, ...] = ()
+    if sparse is not None:
+        echelon, pivots = echelon_over_ring(sparse, ground.field)
+    else:
+        echelon = _dense_echelon(stream)
+    basis = _nullspace(echelon, width, ground.field)
+    vectors = tuple(tuple(ground.restore(entry) for entry in vector) for vector in basis)
+    complete = not check
+    if check:
+        upper = width - numerical_rank(V, x, table, width)
+        if upper > len(vectors) and not ground.parameters:
+            vectors = reconstructed_kernel(V, x, table, width) or vectors
+        complete = upper == len(vectors)
+    restored = tuple(p.xreplace({d: c for c, d in ground.opaque.items()}) for p in pivots)
+    return Kernel(vectors, complete, restored)
+
+
+def _dense_echelon(stream: Any) -> dict[int, list[Any]]:
+    echelon: dict[int, list[Any]] = {}
+    quiet = 0
+    for rows in stream:
+        news = [row for row in rows if _reduce(row, echelon) is not None]
+        quiet = 0 if news else quiet + 1
+        if quiet == _POINTS_WITHOUT_NEWS:
+            break
+    return echelon

@@ -1,0 +1,100 @@
+"""The rank of d(K·dV) = 0 counted by 60-digit numbers, independently of the exact elimination.
+
+An exact solution cannot be wrong, but radicals that depend on each other (√(r+x) √(r−x) = |y|) could hide one. The
+numerical rank bounds the dimension of the kernel from above; where the two meet, the kernel is complete.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from itertools import combinations_with_replacement
+from random import Random
+from typing import Any
+
+import mpmath
+import sympy as sp
+from sympy.core.function import AppliedUndef
+
+
+def derivatives(V: sp.Expr, x: Sequence[sp.Symbol]) -> list[sp.Expr]:
+    """Return the first and second derivatives of V, in the order of the slots."""
+    first = [sp.diff(V, q).doit() for q in x]
+    return first + [sp.diff(first[a], x[b]).doit() for a, b in combinations_with_replacement(range(len(x)), 2)]
+
+
+def _concrete(V: sp.Expr) -> sp.Expr:
+    """Replace undetermined functions by some definite ones; the rank can only get smaller."""
+    names = sorted({node.func.__name__ for node in V.atoms(AppliedUndef)})
+    return V.replace(lambda node: isinstance(node, AppliedUndef),
+                     lambda node: sum(sp.exp(a / sp.Integer(7 + 2 * names.index(node.func.__name__) + 4 * i))
+                                      for i, a in enumerate(node.args)) + sp.prod(node.args) ** 3)
+
+
+def _numerical_rows(V: sp.Expr, x: Sequence[sp.Symbol], table: list[Any], width: int) -> list[list[Any]]:
+    """Return equations at random real points, 60 digits, with random positive values of the parameters."""
+    V = _concrete(V)
+    random = Random(7)
+    parameters = sorted(V.free_symbols - set(x), key=str)
+    values = {p: sp.Rational(random.randint(3, 90), 37) * (-1 if p.is_negative else 1) for p in parameters}
+    functions = sp.lambdify(list(x), [d.xreplace(values) for d in derivatives(V, x)], "mpmath", cse=True)
+    rows: list[list[Any]] = []
+    while len(rows) < width + 8:
+        point = [mpmath.mpf(random.randint(-99, 99) * 2 + 1) / 83 for _ in x]
+        try:
+            slots = functions(*point)
+        except (ZeroDivisionError, ValueError):
+            continue
+        for equation in table:
+            rows.append([mpmath.fsum(slots[slot] * mpmath.fsum(
+                int(c.p) * mpmath.fprod(q**e for q, e in zip(point, exponents, strict=True)) / int(c.q)
+                for exponents, c in terms) for slot, terms in tensor) for tensor in equation])
+    return rows
+
+
+def _numerical_echelon(rows: list[list[Any]], width: int) -> tuple[list[list[Any]], list[int]]:
+    """Reduce with full pivoting; entries below 10⁻²⁵ of their row are zero."""
+    rows = [[entry / scale for entry in row] for row in rows if (scale := max(abs(e) for e in row))]
+    pivots: list[int] = []
+    while len(pivots) < width:
+        rest = rows[len(pivots):]
+        size, r, c = max(((abs(row[c]), r, c) for r, row in enumerate(rest) for c in range(width) if c not in pivots),
+                         default=(0, 0, 0))
+        if size < mpmath.mpf(10) ** -25:
+            break
+        k = len(pivots)
+        rows[k], rows[r + k] = rows[r + k], rows[k]
+        rows[k] = [entry / rows[k][c] for entry in rows[k]]
+        rows = [row if i == k else [a - row[c] * b for a, b in zip(row, rows[k], strict=True)] for i, row in
+                enumerate(rows)]
+        pivots.append(c)
+    return rows[: len(pivots)], pivots
+
+
+def numerical_rank(V: sp.Expr, x: Sequence[sp.Symbol], table: list[Any], width: int) -> int:
+    """Return the rank of d(K·dV) = 0 found by 60-digit numbers; it bounds the dimension of the kernel from above."""
+    with mpmath.workdps(60):
+        return len(_numerical_echelon(_numerical_rows(V, x, table, width), width)[1])
+
+
+def reconstructed_kernel(V: sp.Expr, x: Sequence[sp.Symbol], table: list[Any], width: int) -> Any:
+    """Recover the kernel from numbers where the radicals of V depend on each other; None unless it verifies."""
+    with mpmath.workdps(60):
+        rows, pivots = _numerical_echelon(_numerical_rows(V, x, table, width), width)
+        free = [c for c in range(width) if c not in pivots]
+        vectors = []
+        for column in free:
+            vector = [sp.S.Zero] * width
+            vector[column] = sp.S.One
+            for row, pivot in zip(rows, pivots, strict=True):
+                vector[pivot] = -_rational(row[column])
+            vectors.append(vector)
+        residual = max((abs(mpmath.fsum(a * mpmath.mpf(int(b.p)) / int(b.q) for a, b in zip(row, v, strict=True)))
+                        for row in _numerical_rows(V, x, table, width) for v in vectors), default=1)
+    if residual > mpmath.mpf(10) ** -20:
+        return None
+    return tuple(tuple(row) for row in sp.Matrix(vectors).rref()[0].tolist())
+
+
+def _rational(number: Any) -> sp.Rational:
+    """Return the simplest rational number within 10⁻²⁵ of a real number."""
+    return sp.nsimplify(sp.Float(str(mpmath.re(number)), 40), rational=True, tolerance=sp.Float("1e-25", 30))

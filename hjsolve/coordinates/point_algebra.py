@@ -1,0 +1,329 @@
+"""Exact values of an expression at a point, with radicals kept formal.
+
+The equation d(K·dV) = 0 is linear in the constants of K. Its coefficients are derivatives of V; at a rational point
+x they are elements of the algebra F[g₁, g₂, …]/(g_i^{q_i} − ρ_i(x)), where F = Q(parameters) or an algebraic number
+field, the g_i are the radicals of V and ρ_i their radicands. The basis monomials of the algebra are kept apart, so
+that every point gives one exact linear equation for each of them. Functions that are algebraically independent of the
+coordinates (exponentials, the tangent of half an angle, logarithms, undetermined functions) become independent
+random numbers at every point.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterable, Mapping, Sequence
+from dataclasses import dataclass
+from fractions import Fraction
+from functools import reduce
+from itertools import product
+from math import floor, lcm
+from random import Random
+from typing import Any
+
+import sympy as sp
+from sympy.core.function import AppliedUndef
+from sympy.polys.constructor import construct_domain
+
+from hjsolve.errors import InvalidSystemError
+
+Key = tuple[tuple[int, Fraction], ...]
+Element = dict[Key, Any]
+_HYPERBOLIC = (sp.sinh, sp.cosh, sp.tanh, sp.coth, sp.sech, sp.csch)
+_CIRCULAR = (sp.sin, sp.cos, sp.tan, sp.cot, sp.sec, sp.csc)
+
+
+class ZeroDivisor(Exception):
+    """The point chosen is not regular; another one is taken."""
+
+
+@dataclass(frozen=True)
+class Ground:
+    """The field of constants: Q(algebraic numbers)(parameters and opaque constants)."""
+
+    field: Any
+    parameters: tuple[sp.Symbol, ...]
+    opaque: Mapping[sp.Expr, sp.Symbol]
+
+    def convert(self, constant: sp.Expr) -> Any:
+        """Return the field element of an expression without coordinates."""
+        return self.field.from_sympy(sp.together(constant.xreplace(dict(self.opaque))))
+
+    def restore(self, element: Any) -> sp.Expr:
+        """Return the expression of a field element."""
+        expression = self.field.to_sympy(element)
+        return expression.xreplace({dummy: constant for constant, dummy in self.opaque.items()})
+
+
+def ground_field(expressions: Iterable[sp.Expr], coordinates: Sequence[sp.Symbol]) -> Ground:
+    """Find the field that the constants of some expressions live in."""
+    inside = set(coordinates)
+    parameters: set[sp.Symbol] = set()
+    numbers: set[sp.Expr] = set()
+    opaque: dict[sp.Expr, sp.Symbol] = {}
+
+    def visit(node: sp.Expr) -> None:
+        if node.is_Symbol:
+            if node not in inside:
+                parameters.add(node)
+        elif node.is_Rational:
+            return
+        elif node.free_symbols & inside or isinstance(node, AppliedUndef | sp.Subs | sp.Derivative):
+            for argument in node.args:
+                visit(argument)
+        elif node.is_Add or node.is_Mul or (node.is_Pow and node.exp.is_Integer):
+            for argument in node.args:
+                visit(argument)
+        elif not node.free_symbols and node.is_algebraic and node.is_real:
+            numbers.add(node)
+        elif node not in opaque:
+            opaque[node] = sp.Dummy(f"c{len(opaque)}", real=True)
+
+    for expression in expressions:
+        visit(expression)
+    base = construct_domain(sorted(numbers, key=str), extension=True)[0] if numbers else sp.QQ
+    base = base if base.is_Field else base.get_field()
+    symbols = tuple(sorted(parameters, key=str)) + tuple(opaque.values())
+    return Ground(base.frac_field(*symbols) if symbols else base, symbols, opaque)
+
+
+def _terms(argument: sp.Expr) -> list[tuple[sp.Rational, sp.Expr]]:
+    """Write an argument as a sum of rational multiples of monomials."""
+    return [term.as_coeff_Mul(rational=True) for term in sp.Add.make_args(sp.expand(argument))]
+
+
+def _prepare(expression: sp.Expr, coordinates: Sequence[sp.Symbol]) -> sp.Expr:
+    """Rewrite hyperbolic functions by exponentials, circular ones by sin and cos; sign u = |u|/u; split off phases."""
+    if expression.has(sp.Piecewise, sp.Heaviside, sp.floor, sp.Min, sp.Max):
+        raise InvalidSystemError("find_coordinates: the potential must be one analytic expression, not piecewise")
+    for function in _HYPERBOLIC:
+        expression = expression.replace(function, lambda u, f=function: f(u).rewrite(sp.exp))
+    for function in _CIRCULAR[2:]:
+        expression = expression.replace(function, lambda u, f=function: f(u).rewrite(sp.cos, sp.sin).rewrite(sp.sin))
+    expression = expression.replace(sp.DiracDelta, lambda *_: sp.S.Zero)
+
+    def split(function: Any) -> Any:
+        def apart(argument: sp.Expr) -> sp.Expr:
+            phase, moving = sp.expand(argument).as_independent(*coordinates, as_Add=True)
+            if phase == 0 or moving == 0:
+                return function(argument)
+            if function is sp.exp:
+                return sp.exp(phase) * sp.exp(moving)
+            c, s = sp.cos(phase), sp.sin(phase)
+            return c * sp.sin(moving) + s * sp.cos(moving) if function is sp.sin else c * sp.cos(moving) - s * sp.sin(moving)
+        return apart
+
+    for function in (sp.exp, sp.sin, sp.cos):
+        expression = expression.replace(function, split(function))
+    return expression.replace(sp.sign, lambda u: sp.Abs(u) / u)
+
+
+@dataclass(frozen=True)
+class Generators:
+    """What an expression is made of besides the coordinates: common denominators of exponents and of angles."""
+
+    coordinates: tuple[sp.Symbol, ...]
+    ground: Ground
+    denominators: Mapping[tuple[str, sp.Expr], int]
+
+
+def generators(expressions: Sequence[sp.Expr], coordinates: Sequence[sp.Symbol]) -> Generators:
+    """Collect the exponentials, angles and symbolic powers of some prepared expressions."""
+    found: dict[tuple[str, sp.Expr], int] = {}
+
+    def note(kind: str, argument: sp.Expr) -> None:
+        for coefficient, monomial in _terms(argument):
+            found[kind, monomial] = lcm(found.get((kind, monomial), 1), int(coefficient.q))
+
+    for node in sp.preorder_traversal(sp.Tuple(*expressions)):
+        if isinstance(node, sp.exp):
+            note("exp", node.args[0])
+        elif isinstance(node, sp.sin | sp.cos):
+            note("angle", node.args[0])
+        elif node.is_Pow and not node.exp.is_Rational:
+            for coefficient, rest in _terms(node.exp):
+                key = ("power", sp.Pow(node.base, rest, evaluate=False))
+                found[key] = lcm(found.get(key, 1), int(coefficient.q))
+    return Generators(tuple(coordinates), ground_field(expressions, coordinates), found)
+
+
+class PointAlgebra:
+    """Evaluation of expressions at one point; every result is an element {monomial in the radicals: field element}."""
+
+    def __init__(self, made_of: Generators, random: Random):
+        self.made_of, self.random, self.field = made_of, random, made_of.ground.field
+        self.point = {q: self._number() for q in made_of.coordinates}
+        self.roots: dict[sp.Expr, int] = {}
+        self.radicands: list[Element] = []
+        self.values: dict[sp.Expr, Element] = {}
+        self.free: dict[tuple[str, sp.Expr], Any] = {}
+
+    def _number(self) -> Any:
+        return self.field.convert(sp.Rational(self.random.randint(-40, 40) * 2 + 1, self.random.choice((1, 2, 3))))
+
+    def _transcendental(self, kind: str, argument: sp.Expr) -> Any:
+        if (kind, argument) not in self.free:
+            self.free[kind, argument] = self._number()
+        return self.free[kind, argument]
+
+    # ---- arithmetic -------------------------------------------------------------------------------------------
+    def constant(self, number: Any) -> Element:
+        """Embed the field."""
+        return {(): number} if number else {}
+
+    def add(self, a: Element, b: Element) -> Element:
+        """Return a + b."""
+        total = dict(a)
+        for key, value in b.items():
+            new = total.get(key, self.field.zero) + value
+            if new:
+                total[key] = new
+            else:
+                total.pop(key, None)
+        return total
+
+    def scale(self, number: Any, a: Element) -> Element:
+        """Return number·a for a field element."""
+        return {key: number * value for key, value in a.items()} if number else {}
+
+    def multiply(self, a: Element, b: Element) -> Element:
+        """Return a·b, reduced by g^q = ρ."""
+        total: Element = {}
+        for (k1, v1), (k2, v2) in product(a.items(), b.items()):
+            total = self.add(total, self.scale(v1 * v2, self._monomial(k1, k2)))
+        return total
+
+    def _monomial(self, first: Key, second: Key) -> Element:
+        exponents = dict(first)
+        for index, exponent in second:
+            exponents[index] = exponents.get(index, Fraction(0)) + exponent
+        key = tuple(sorted((i, e) for i, e in exponents.items() if e and e < 1))
+        key += tuple((i, e - 1) for i, e in exponents.items() if e > 1)
+        result: Element = {tuple(sorted(key)): self.field.one}
+        for index, exponent in exponents.items():
+            if exponent >= 1:
+                result = self.multiply(self.radicands[index], result)
+        return result
+
+    def power(self, a: Element, n: int) -> Element:
+        """Return aⁿ for an integer n."""
+        if n < 0:
+            return self.power(self.inverse(a), -n)
+        result = self.constant(self.field.one)
+        while n:
+            if n & 1:
+                result = self.multiply(result, a)
+            a, n = (self.multiply(a, a) if n > 1 else a), n >> 1
+        return result
+
+    def inverse(self, a: Element) -> Element:
+        """Return 1/a by linear algebra over the field in the smallest subalgebra that holds a."""
+        if not a:
+            raise ZeroDivisor
+        if len(a) == 1:
+            (key, value), = a.items()
+            result = self.constant(self.field.one / value)
+            for index, exponent in key:
+                result = self.multiply(result, {((index, 1 - exponent),): self.field.one})
+                result = self.multiply(result, self.inverse(self.radicands[index]))
+            return result
+        basis = self._subalgebra(a)
+        columns = [self.multiply(a, {key: self.field.one}) for key in basis]
+        rows = [[column.get(key, self.field.zero) for column in columns] for key in basis]
+        solution = _solve(rows, [self.field.one if key == () else self.field.zero for key in basis])
+        return {key: value for key, value in zip(basis, solution, strict=True) if value}
+
+    def _subalgebra(self, a: Element) -> list[Key]:
+        denominators: dict[int, int] = {}
+        queue = list(a)
+        while queue:
+            for index, exponent in queue.pop():
+                if index not in denominators:
+                    queue.extend(self.radicands[index])
+                denominators[index] = lcm(denominators.get(index, 1), exponent.denominator)
+        grids = [[(i, Fraction(e, q)) for e in range(q)] for i, q in sorted(denominators.items())]
+        return [tuple((i, e) for i, e in combination if e) for combination in product(*grids)]
+
+    # ---- evaluation -------------------------------------------------------------------------------------------
+    def evaluate(self, expression: sp.Expr) -> Element:
+        """Return the value of a prepared expression at the point."""
+        if expression not in self.values:
+            self.values[expression] = self._value(expression)
+        return self.values[expression]
+
+    def _value(self, node: sp.Expr) -> Element:
+        if node in self.point:
+            return self.constant(self.point[node])
+        if node.is_Add:
+            return reduce(self.add, map(self.evaluate, node.args))
+        if node.is_Mul:
+            return reduce(self.multiply, map(self.evaluate, node.args))
+        if not node.free_symbols & set(self.point) and not isinstance(node, AppliedUndef | sp.Subs | sp.Derivative):
+            return self.constant(self.made_of.ground.convert(node))
+        if node.is_Pow and node.exp.is_Rational:
+            return self._root(node.base, Fraction(int(node.exp.p), int(node.exp.q)))
+        if isinstance(node, sp.Abs):
+            return self._root(node.args[0] ** 2 if not node.args[0].is_Pow else sp.Pow(node.args[0], 2, evaluate=False),
+                              Fraction(1, 2))
+        if isinstance(node, sp.exp):
+            return self._product("exp", _terms(node.args[0]))
+        if node.is_Pow:
+            terms = [(c, sp.Pow(node.base, rest, evaluate=False)) for c, rest in _terms(node.exp) if rest != 1]
+            whole = [c for c, rest in _terms(node.exp) if rest == 1]
+            factor = self._root(node.base, Fraction(int(whole[0].p), int(whole[0].q))) if whole else self.constant(
+                self.field.one)
+            return self.multiply(factor, self._product("power", terms))
+        if isinstance(node, sp.sin | sp.cos):
+            cosine, sine = self._circle(_terms(node.args[0]))
+            return self.constant(sine if isinstance(node, sp.sin) else cosine)
+        return self.constant(self._transcendental("other", node))
+
+    def _product(self, kind: str, terms: list[tuple[sp.Rational, sp.Expr]]) -> Element:
+        value = self.field.one
+        for coefficient, monomial in terms:
+            base = self._transcendental(kind, monomial)
+            value *= base ** int(coefficient * self.made_of.denominators[kind, monomial])
+        return self.constant(value)
+
+    def _circle(self, terms: list[tuple[sp.Rational, sp.Expr]]) -> tuple[Any, Any]:
+        cosine, sine = self.field.one, self.field.zero
+        for coefficient, monomial in terms:
+            t = self._transcendental("angle", monomial)
+            one = self.field.one
+            c, s = (one - t * t) / (one + t * t), 2 * t / (one + t * t)
+            turns = int(coefficient * self.made_of.denominators["angle", monomial])
+            for _ in range(abs(turns)):
+                cosine, sine = (cosine * c - sine * s, sine * c + cosine * s) if turns > 0 else (
+                    cosine * c + sine * s, sine * c - cosine * s)
+        return cosine, sine
+
+    def _root(self, base: sp.Expr, exponent: Fraction) -> Element:
+        whole = floor(exponent)
+        result = self.power(self.evaluate(base), whole)
+        if exponent == whole:
+            return result
+        if base not in self.roots:
+            radicand = self.evaluate(base)
+            self.roots[base] = len(self.radicands)
+            self.radicands.append(radicand)
+        return self.multiply(result, {((self.roots[base], exponent - whole),): self.field.one})
+
+
+def _solve(rows: list[list[Any]], right: list[Any]) -> list[Any]:
+    """Solve a square linear system over a field by elimination."""
+    size = len(rows)
+    table = [[*row, value] for row, value in zip(rows, right, strict=True)]
+    for column in range(size):
+        pivot = next((r for r in range(column, size) if table[r][column]), None)
+        if pivot is None:
+            raise ZeroDivisor
+        table[column], table[pivot] = table[pivot], table[column]
+        table[column] = [entry / table[column][column] for entry in table[column]]
+        for r in range(size):
+            if r != column and table[r][column]:
+                factor = table[r][column]
+                table[r] = [a - factor * b for a, b in zip(table[r], table[column], strict=True)]
+    return [row[size] for row in table]
+
+
+def prepared(expressions: Sequence[sp.Expr], coordinates: Sequence[sp.Symbol]) -> list[sp.Expr]:
+    """Rewrite expressions so that only the functions known to ``PointAlgebra`` occur."""
+    return [_prepare(expression, coordinates) for expression in expressions]

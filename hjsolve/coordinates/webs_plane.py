@@ -1,0 +1,124 @@
+"""The webs of the plane: Cartesian, polar, parabolic, elliptic–hyperbolic.
+
+A concircular tensor L = A + w⊙x + m x⊗x of the plane, modulo the metric, is a symmetric product (x − f₁) ⊙ (x − f₂):
+two finite foci make an elliptic web, a double one a polar web, a focus and a direction a parabolic web (axis w), and
+a constant tensor a Cartesian web. In the constants of Smirnov (math-ph/0604038) k⁴ = [(e′−c′)² + 4f′²]/a².
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Sequence
+
+import sympy as sp
+
+from hjsolve.coordinates.branches import real_pieces
+from hjsolve.coordinates.families import Family, combination, parts, representatives
+from hjsolve.coordinates.frames import Sign, moved, root, tidy, unit
+from hjsolve.coordinates.results import Geometry, Vector
+from hjsolve.coordinates.words import in_words
+
+Lift = Callable[[Geometry], Geometry]
+_ORIGIN: Vector = (sp.S.Zero, sp.S.Zero)
+_STANDARD: tuple[Vector, ...] = ((sp.S.One, sp.S.Zero), (sp.S.Zero, sp.S.One))
+
+
+def _turned(first: Vector) -> tuple[Vector, Vector]:
+    return first, (tidy(-first[1]), first[0])
+
+
+def classify(M: sp.MatrixBase, sign: Sign) -> Geometry | None:
+    """Return the web of one concircular tensor; None for a multiple of the metric."""
+    A, w, m = parts(M)
+    if m != 0:
+        return _central(A / m, w / m, sign)
+    if any(c != 0 for c in w):
+        return _parabolic(A, w)
+    if A[0, 1] == 0 and sp.expand(A[0, 0] - A[1, 1]) == 0:
+        return None
+    return Geometry("cartesian", _ORIGIN, _turned(_low_direction(A, sign)[1]))
+
+
+def _low_direction(A: sp.MatrixBase, sign: Sign) -> tuple[sp.Expr, Vector]:
+    """Return (λ_max − λ_min, unit eigenvector of λ_min) of a symmetric 2×2 matrix that is not a multiple of 1."""
+    difference, off = sp.factor(A[0, 0] - A[1, 1]), sp.factor(A[0, 1])
+    if off == 0:
+        return (-difference, _STANDARD[0]) if sign(difference) < 0 else (difference, _STANDARD[1])
+    gap = tidy(sp.sqrt(sp.factor(difference**2 + 4 * off**2))).replace(sp.Abs, lambda u: u)
+    gap = -gap if sign(gap) < 0 else gap
+    return gap, unit((sp.expand(difference - gap), 2 * off))
+
+
+def _central(A: sp.MatrixBase, w: sp.MatrixBase, sign: Sign) -> Geometry:
+    """L = A + w⊙x + x⊗x: centre −w, and foci where A − w⊗w has different eigenvalues."""
+    centre = tuple(tidy(-c) for c in w)
+    rest = (A - w * w.T).applyfunc(sp.expand)
+    if sp.simplify(rest[0, 1]) == 0 and sp.simplify(rest[0, 0] - rest[1, 1]) == 0:
+        return Geometry("polar", centre, _STANDARD)
+    gap, axis = _low_direction(rest, sign)
+    k = root(gap)
+    foci = (moved(centre, [(k, axis)]), moved(centre, [(-k, axis)]))
+    return Geometry("elliptic", centre, _turned(axis), foci, {"a": k})
+
+
+def _parabolic(A: sp.MatrixBase, w: sp.MatrixBase) -> Geometry:
+    """L = A + w⊙x = (x − f)⊙w modulo the metric: −(w_x f_x − w_y f_y) = (A₁₁−A₂₂)/2, −(w_x f_y + w_y f_x) = A₁₂."""
+    difference, off = (A[0, 0] - A[1, 1]) / 2, A[0, 1]
+    square = w[0] ** 2 + w[1] ** 2
+    focus = (tidy(-(w[0] * difference + w[1] * off) / square), tidy((w[1] * difference - w[0] * off) / square))
+    return Geometry("parabolic", focus, _turned(unit(tuple(w))), (focus,))
+
+
+def _family_webs(kind: str, base: sp.MatrixBase | None, terms: Sequence[sp.MatrixBase], freedom: int,
+                 sign: Sign, lift: Lift) -> list[Geometry]:
+    """Return the simplest web of one kind in the linear family base + Σ t·term."""
+
+    def member(values: tuple[sp.Expr, ...]) -> Geometry | None:
+        found = classify(combination(base, terms, values, 2), sign)
+        return lift(found) if found is not None and found.kind == kind else None
+
+    if freedom == 0:
+        only = member(tuple(sp.S.One for _ in terms))
+        return [only] if only is not None else []
+    best = representatives(member, len(terms), lambda g: kind, 1, lambda g: g.complexity, 14)
+    return [in_words(best[kind], freedom, member)] if best else []
+
+
+def plane_webs(family: Family, sign: Sign, lift: Lift = lambda web: web) -> list[Geometry]:
+    """List the webs of a linear family, one representative for every kind and component.
+
+    Args:
+        family: the concircular tensors with d(K·dV) = 0, of n = 2.
+        sign: sign of a constant; decides on which axis the foci lie where parameters are left open.
+        lift: puts a plane web where it belongs (a cylinder in space); the family words are made of the lifted webs.
+    """
+    webs: list[Geometry] = []
+    if family.constant:
+        webs += _family_webs("cartesian", None, family.constant, len(family.constant) - 1, sign, lift)
+    if family.axial:
+        terms = (*family.axial, *family.constant)
+        webs += _family_webs("parabolic", None, terms, len(terms) - 1, sign, lift)
+    if family.central is not None:
+        terms = (*family.axial, *family.constant)
+        webs += _polar(family, terms, sign, lift)
+        webs += _family_webs("elliptic", family.central, terms, len(terms), sign, lift)
+    return webs
+
+
+def _polar(family: Family, terms: Sequence[sp.MatrixBase], sign: Sign, lift: Lift) -> list[Geometry]:
+    """Solve A − w⊗w = multiple of 1 for the parameters of the family."""
+    t = sp.symbols(f"t0:{len(terms)}", real=True)
+    A, w, _ = parts(combination(family.central, terms, t, 2))
+    rest = A - w * w.T
+    webs = []
+    for piece in real_pieces([rest[0, 0] - rest[1, 1], rest[0, 1]], t):
+
+        def member(values: tuple[sp.Expr, ...], piece=piece) -> Geometry | None:  # type: ignore[no-untyped-def]
+            place = dict(zip(piece.free, values, strict=True))
+            numbers = tuple(piece.values[u].subs(place) for u in t)
+            found = classify(combination(family.central, terms, numbers, 2), sign)
+            return None if found is None else lift(found)
+
+        best = representatives(member, len(piece.free), lambda _: "polar", 1, lambda g: g.complexity)
+        if best:
+            webs.append(in_words(best["polar"], len(piece.free), member))
+    return webs

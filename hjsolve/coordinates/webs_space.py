@@ -1,0 +1,247 @@
+"""The eleven webs of Euclidean space by the algorithm of Benenti, Eisenhart, Kalnins and Miller.
+
+After Rajaratnam and McLenaghan (arXiv 1404.2565; with Valero, SIGMA 12 (2016) 117): take the concircular tensors
+L = A + w⊙x + m x⊗x with d((tr L g − L) dV) = 0.
+
+- Central (m = 1, centre −w), N = A − w⊗w: three different eigenvalues of N make an ellipsoidal web; two equal ones a
+  spheroidal web, prolate where the odd one is the smaller; N = multiple of 1 splits off the radius: V is restricted to
+  the sphere and its separable webs there are sought among K = Σ c_ij L_i L_j (spherical, conical).
+- Axial (m = 0, w ≠ 0): A restricted to the plane perpendicular to w has different eigenvalues, paraboloidal, or equal
+  ones, rotational parabolic.
+- Constant: three different eigenvalues, Cartesian; two equal ones split off a direction: V is restricted to the plane
+  perpendicular to it and the plane webs of the restriction give cylinders.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Sequence
+from dataclasses import dataclass, replace
+
+import sympy as sp
+
+from hjsolve.coordinates.branches import Piece, real_pieces
+from hjsolve.coordinates.cylinders import cylinder_webs
+from hjsolve.coordinates.families import Family, combination, parts, representatives
+from hjsolve.coordinates.frames import Sign, eigenframe, moved, perpendicular_frame, righted, root, sort_frame, tidy, unit
+from hjsolve.coordinates.rank_one import V, annihilators, pair
+from hjsolve.coordinates.results import Geometry, Vector
+from hjsolve.coordinates.spheres import sphere_webs
+from hjsolve.coordinates.words import in_words
+
+_ZERO = sp.S.Zero
+_STANDARD: tuple[Vector, ...] = tuple(tuple(sp.Integer(int(i == j)) for j in range(3)) for i in range(3))
+
+
+@dataclass(frozen=True)
+class Potential:
+    """V(x) in Cartesian coordinates of equal mass, and how to tell the sign of its constants."""
+
+    V: sp.Expr
+    x: tuple[sp.Symbol, ...]
+    sign: Sign
+
+
+def classify(M: sp.MatrixBase, sign: Sign) -> Geometry | None:
+    """Return the web of one concircular tensor; kind ``sphere`` or ``split`` where a factor is left to be separated.
+
+    None for a multiple of the metric.
+    """
+    A, w, m = parts(M)
+    if m != 0:
+        return _central(A / m, w / m, sign)
+    if any(c != 0 for c in w):
+        return _axial(A, w, sign)
+    return _constant(A, sign)
+
+
+def _central(A: sp.MatrixBase, w: sp.MatrixBase, sign: Sign) -> Geometry:
+    centre = tuple(tidy(-c) for c in w)
+    frame = sort_frame(eigenframe(A - w * w.T), sign)
+    (low, e1), (middle, e2), (high, e3) = frame
+    first, second = tidy(middle - low), tidy(high - middle)
+    if first == 0 and second == 0:
+        return Geometry("sphere", centre, (e1, e2, e3))
+    if second == 0:
+        a = root(first)
+        foci = (moved(centre, [(a, e1)]), moved(centre, [(-a, e1)]))
+        return Geometry("prolate spheroidal", centre, perpendicular_frame(e1), foci, {"a": a})
+    if first == 0:
+        return Geometry("oblate spheroidal", centre, perpendicular_frame(e3), (), {"a": root(second)})
+    constants = {"a1": _ZERO, "a2": first, "a3": tidy(high - low)}
+    return Geometry("ellipsoidal", centre, righted(e1, e2, e3), (), constants)
+
+
+def _axial(A: sp.MatrixBase, w: sp.MatrixBase, sign: Sign) -> Geometry:
+    """L = A + w⊙x; in the frame (e₁, e₂, d = w/|w|) a shift removes A d, what is left is A on the plane ⟂ d."""
+    length = tidy(sp.sqrt(sp.Add(*(c**2 for c in w))))
+    d = tuple(tidy(c / length) for c in w)
+    A = (A / length).applyfunc(tidy)
+    e1, e2, _ = perpendicular_frame(d)
+    frame = sp.Matrix([e1, e2]).T
+    restricted = (frame.T * A * frame).applyfunc(tidy)
+    (low, f1), (high, f2) = sort_frame(eigenframe(restricted), sign)
+    axes = [tuple(tidy(c) for c in frame * sp.Matrix(f)) for f in (f1, f2)]
+    # with A shifted so that its lower eigenvalue on the plane is 0: A + w⊙x = (x − f) ⊙ d + (high − low) e₂⊗e₂
+    shifted = A - low * sp.eye(3)
+    push = [-tidy((sp.Matrix(e).T * shifted * sp.Matrix(d))[0]) for e in axes]
+    along = -tidy((sp.Matrix(d).T * shifted * sp.Matrix(d))[0]) / 2
+    focus = moved((_ZERO,) * 3, [(push[0], axes[0]), (push[1], axes[1]), (along, d)])
+    gap = tidy(high - low)
+    if gap == 0:
+        return Geometry("rotational parabolic", focus, perpendicular_frame(d), (focus,))
+    return Geometry("paraboloidal", focus, righted(d, axes[0], axes[1]), (focus, moved(focus, [(gap / 2, d)])),
+                    {"b": _ZERO, "c": gap})
+
+
+def _constant(A: sp.MatrixBase, sign: Sign) -> Geometry | None:
+    (low, e1), (middle, e2), (high, e3) = sort_frame(eigenframe(A), sign)
+    origin = (_ZERO,) * 3
+    equal = [tidy(middle - low) == 0, tidy(high - middle) == 0]
+    if all(equal):
+        return None
+    if any(equal):
+        return Geometry("split", origin, perpendicular_frame(e3 if equal[0] else e1))
+    return Geometry("cartesian", origin, righted(e1, e2, e3))
+
+
+def space_webs(family: Family, potential: Potential) -> list[Geometry]:
+    """List the webs of a linear family of concircular tensors, one representative for every kind and component."""
+    terms = (*family.axial, *family.constant)
+    webs = cylinder_webs(family.constant, potential.V, potential.x, potential.sign)
+    if family.axial:
+        webs += _axial_webs(terms, potential)
+    if family.central is not None:
+        webs += _central_webs(family, terms, potential)
+    return webs
+
+
+def _axial_webs(terms: Sequence[sp.MatrixBase], potential: Potential) -> list[Geometry]:
+    def member(values: tuple[sp.Expr, ...]) -> Geometry | None:
+        found = classify(combination(None, terms, values, 3), potential.sign)
+        return found if found is not None and found.kind in ("paraboloidal", "rotational parabolic") else None
+
+    webs = _sampled(member, len(terms), len(terms) - 1)
+    if any(web.kind == "paraboloidal" for web in webs) and len(terms) > 1:
+        webs = [web for web in webs if web.kind == "paraboloidal"]
+        webs += _rotational(terms, potential)
+    return webs
+
+
+def _central_webs(family: Family, terms: Sequence[sp.MatrixBase], potential: Potential) -> list[Geometry]:
+    def ellipsoid(values: tuple[sp.Expr, ...]) -> Geometry | None:
+        M = combination(family.central, terms, values, 3)
+        return _only(classify(M, potential.sign), "ellipsoidal") if _simple_spectrum(M) else None
+
+    webs: list[Geometry] = []
+    for sphere in _spheres(family):
+        webs += sphere_webs(sphere, potential.V, potential.x, potential.sign)
+    for kind in ("prolate spheroidal", "oblate spheroidal"):
+        webs += _spheroids(family, kind)
+    arbitrary = tuple(sp.Rational(3 * i * i + 2, 5 + i) for i in range(len(terms)))
+    if _simple_spectrum(combination(family.central, terms, arbitrary, 3)):
+        webs += [_with_foci(web) for web in _sampled(ellipsoid, len(terms), len(terms))]
+    return webs
+
+
+def _simple_spectrum(M: sp.MatrixBase) -> bool:
+    """Tell whether N = A − w⊗w of a central tensor has three different eigenvalues."""
+    A, w, m = parts(M)
+    s = sp.Symbol("s")
+    return bool(sp.simplify(sp.discriminant((A / m - w * w.T / m**2).charpoly(s).as_expr(s), s)) != 0)
+
+
+def _split_parts(family: Family) -> tuple[tuple[sp.Symbol, ...], sp.Matrix, sp.Matrix, list[sp.Matrix]]:
+    """Return the parameters s of w, w(s), A(s) − w(s)⊗w(s) and the functionals that do not see the constant tensors."""
+    s = sp.symbols(f"s0:{len(family.axial)}", real=True)
+    A, w, _ = parts(combination(family.central, family.axial, s, 3))
+    return s, w, A - w * w.T, annihilators([sp.Matrix(M[:3, :3]) for M in family.constant])
+
+
+def _spheres(family: Family) -> list[Geometry]:
+    """Find the centres about which V splits off the radius: A − w⊗w is constant up to constant tensors."""
+    s, w, N, functionals = _split_parts(family)
+    webs: list[Geometry] = []
+    for piece in real_pieces([pair(φ, N) for φ in functionals], s):
+
+        def member(values: tuple[sp.Expr, ...], piece: Piece = piece) -> Geometry | None:
+            centre = _at(-w, piece, values)
+            return None if centre is None else Geometry("sphere", centre, _STANDARD)
+
+        webs += _sampled(member, len(piece.free), len(piece.free))
+    return webs
+
+
+def _spheroids(family: Family, kind: str) -> list[Geometry]:
+    """Solve A − w⊗w + constant tensors = λ ∓ v⊗v: axis v, focal distance |v|, prolate for the upper sign."""
+    s, w, N, functionals = _split_parts(family)
+    v = sp.Matrix(V)
+    odd = v * v.T * (-1 if kind.startswith("prolate") else 1)
+    webs: list[Geometry] = []
+    for piece in real_pieces([pair(φ, N - odd) for φ in functionals], (*s, *V)):
+
+        def member(values: tuple[sp.Expr, ...], piece: Piece = piece) -> Geometry | None:
+            centre, axis = _at(-w, piece, values), _at(v, piece, values)
+            if centre is None or axis is None or not any(axis):
+                return None
+            return _spheroid(kind, centre, axis)
+
+        found = _sampled(member, len(piece.free), len(piece.free))
+        webs += [web for web in found if (web.freedom, web.family) not in {(o.freedom, o.family) for o in webs}]
+    return webs
+
+
+def _spheroid(kind: str, centre: Vector, axis: Vector) -> Geometry:
+    a = tidy(sp.sqrt(sp.Add(*(c**2 for c in axis)))).replace(sp.Abs, lambda u: u)
+    foci = (moved(centre, [(sp.S.One, axis)]), moved(centre, [(-sp.S.One, axis)])) if kind.startswith("prolate") else ()
+    return Geometry(kind, centre, perpendicular_frame(unit(axis)), foci, {"a": a})
+
+
+def _at(vector: sp.MatrixBase, piece: Piece, values: Sequence[sp.Expr]) -> Vector | None:
+    place = dict(zip(piece.free, values, strict=True))
+    numbers = tuple(tidy(c.subs(piece.values, simultaneous=True).subs(place)) for c in vector)
+    return None if any(n.has(sp.zoo, sp.nan, sp.oo) for n in numbers) else numbers
+
+
+def _with_foci(web: Geometry) -> Geometry:
+    """Add the ends of the focal conics: on e₁ at √(a₂−a₁) and √(a₃−a₁), on e₂ at √(a₃−a₂)."""
+    a2, a3 = web.lengths["a2"], web.lengths["a3"]
+    ends = ((root(a2), web.axes[0]), (root(a3), web.axes[0]), (root(tidy(a3 - a2)), web.axes[1]))
+    return replace(web, foci=tuple(moved(web.centre, [(s * k, e)]) for k, e in ends for s in (1, -1)))
+
+
+def _only(web: Geometry | None, *kinds: str) -> Geometry | None:
+    return web if web is not None and web.kind in kinds else None
+
+
+def _sampled(member: Callable[[tuple[sp.Expr, ...]], Geometry | None], count: int, freedom: int) -> list[Geometry]:
+    """Return the simplest member of every kind in a family."""
+    if freedom == 0:
+        only = member(tuple(sp.S.One for _ in range(count)))
+        return [] if only is None else [only]
+    best = representatives(member, count, lambda g: g.kind, 2, lambda g: g.complexity)
+    webs = []
+    for kind in best:
+        def same(values: tuple[sp.Expr, ...], kind: str = kind) -> Geometry | None:
+            return _only(member(values), kind)
+
+        webs.append(in_words(best[kind], freedom, same))
+    return webs
+
+
+def _rotational(terms: Sequence[sp.MatrixBase], potential: Potential) -> list[Geometry]:
+    """Find the axial tensors whose A is a multiple of 1 on the plane perpendicular to w."""
+    t = sp.symbols(f"t0:{len(terms)}", real=True)
+    shift = sp.Symbol("lambda_", real=True)
+    A, w, _ = parts(combination(None, terms, t, 3))
+    cross = sp.Matrix([[0, -w[2], w[1]], [w[2], 0, -w[0]], [-w[1], w[0], 0]])
+    seen = cross.T * (A - shift * sp.eye(3)) * cross
+    webs: list[Geometry] = []
+    for piece in real_pieces([seen[i, j] for i in range(3) for j in range(i, 3)], (shift, *t)):
+
+        def member(values: tuple[sp.Expr, ...], piece: Piece = piece) -> Geometry | None:
+            numbers = _at(sp.Matrix(t), piece, values)
+            return _only(classify(combination(None, terms, numbers, 3), potential.sign), "rotational parabolic") if (
+                numbers is not None) else None
+
+        webs += _sampled(member, len(piece.free), len(piece.free) - 1)
+    return webs
