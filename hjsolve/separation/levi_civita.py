@@ -135,12 +135,17 @@ def coefficients(reader: Reader, x: Element, symbols: Sequence[sp.Symbol]) -> li
     """
     field = reader.field
     numbers = {k for s in symbols if (k := field.number_of(s)) is not None}
-    if any(numbers & set(poly.generators(base)) and len(base) > 1 for base, _ in x.bases):
+    holding = [(b, e) for b, e in x.factors.items() if numbers & set(poly.generators(field.bases[b]))]
+    if any(e < 0 for _, e in holding):
         return [x]
+    numerator = x.numerator
+    for b, e in holding:
+        for _ in range(e):
+            numerator = field.reduce(poly.mul(numerator, field.bases[b], field.budget))
     groups: dict[int, Poly] = {}
-    for m, c in x.numerator.items():
+    for m, c in numerator.items():
         inner = sum(e << (poly.BITS * k) for k, e in poly.exponents(m) if k in numbers)
         groups.setdefault(inner, {})[m - inner] = c
-    kept = {b: e for b, e in x.factors.items() if not numbers & set(poly.generators(field.bases[b]))}
+    kept = {b: e for b, e in x.factors.items() if (b, e) not in holding}
     found = [field.cancelled(field.from_poly(a, x.coefficient, kept)) for a in groups.values()]
     return sorted(found, key=cost)
