@@ -1,0 +1,172 @@
+"""From a system, a verdict, a solution or a motion to the document that tells about it."""
+
+from __future__ import annotations
+
+import time
+from collections.abc import Mapping
+from dataclasses import dataclass, field
+from pathlib import Path
+from typing import Any, TypeAlias
+
+from hjsolve import catalog
+from hjsolve.errors import InvalidInputError
+from hjsolve.motion import Motion
+from hjsolve.reports import numerical, symbolic
+from hjsolve.reports.document import Code, Document, Note, Section, Text
+from hjsolve.separation import Obstruction, Separation, Undecided, separate
+from hjsolve.solution import Solution, solve
+from hjsolve.system import System
+
+Subject: TypeAlias = System | Separation | Obstruction | Undecided | Solution | Motion | str | Path
+
+
+@dataclass(frozen=True)
+class Material:
+    """Everything a report can tell, as far as it exists.
+
+    Attributes:
+        verdict: of the system.
+        solution: None where the system does not separate.
+        motion: None where no initial data are known.
+        entry: the catalog's entry or None.
+        summary: about the initial data.
+        clock: part → seconds.
+    """
+
+    verdict: Separation | Obstruction | Undecided
+    solution: Solution | None = None
+    motion: Motion | None = None
+    entry: catalog.Entry | None = None
+    summary: str = ""
+    clock: Mapping[str, float] = field(default_factory=dict)
+
+
+def gather(subject: Subject, *, initial: Mapping[str, Any] | None = None, motion: str = "default", digits: int = 15) -> Material:
+    """Bring a subject as far as its data allow: decide, solve, start a motion.
+
+    Args:
+        subject: a system, verdict, solution or motion; a catalog id, or the path of a TOML entry.
+        initial: keyword arguments for ``solution.motion``; without them those of the catalog entry.
+        motion: which motion of the catalog entry.
+        digits: of the numbers.
+
+    Returns:
+        What there is to tell.
+
+    Raises:
+        InvalidInputError: the subject is none of these, or the entry has no such motion.
+    """
+    clock: dict[str, float] = {}
+    if isinstance(subject, Motion):
+        return Material(subject.solution.separation, subject.solution, subject, _entry_of(subject.solution.system), "", clock)
+    entry = catalog.describe(subject) if isinstance(subject, str | Path) else None
+    if isinstance(subject, str | Path):
+        assert entry is not None
+        subject = entry.system
+    verdict, solution = _decided(subject, clock)
+    entry = entry or _entry_of(verdict.system)
+    if isinstance(verdict, Separation) and solution is None:
+        solution = _timed(clock, "solution by quadratures", lambda: solve(verdict))
+    if solution is None:
+        return Material(verdict, None, None, entry, "", clock)
+    data, summary = _initial(entry, initial, motion)
+    started = _timed(clock, "turning points, integrals, time law", lambda: solution.motion(**data, digits=digits)) if data else None
+    return Material(verdict, solution, started, entry, summary, clock)
+
+
+def _decided(subject: Any, clock: dict[str, float]) -> tuple[Any, Solution | None]:
+    match subject:
+        case System():
+            return _timed(clock, "reduction and test", lambda: separate(subject)), None
+        case Separation() | Obstruction() | Undecided():
+            return subject, None
+        case Solution():
+            return subject.separation, subject
+    raise InvalidInputError(
+        f"report: a System, a verdict, a Solution, a Motion, a catalog id or a TOML file is needed, not {type(subject).__name__}"
+    )
+
+
+def _entry_of(system: System) -> catalog.Entry | None:
+    """The catalog entry a system was loaded from, if it is still the same system."""
+    if not system.id or system.id not in catalog.ids():
+        return None
+    entry = catalog.describe(system.id)
+    return entry if entry.system == system else None
+
+
+def _initial(entry: catalog.Entry | None, given: Mapping[str, Any] | None, name: str) -> tuple[Mapping[str, Any] | None, str]:
+    if given is not None:
+        return given, ""
+    if entry is None or not entry.motions:
+        return None, ""
+    if name not in entry.motions:
+        raise InvalidInputError(f'motion: {entry.id} has no motion "{name}"; it has {", ".join(entry.motions)}')
+    chosen = entry.motions[name]
+    return chosen.arguments, chosen.summary
+
+
+def _timed(clock: dict[str, float], part: str, work: Any) -> Any:
+    begin = time.perf_counter()
+    result = work()
+    clock[part] = time.perf_counter() - begin
+    return result
+
+
+# ------------------------------------------------------------------------------------------------ the document
+def document(material: Material) -> Document:
+    """Write the document.
+
+    Args:
+        material: what there is to tell.
+
+    Returns:
+        The document, the same for every format.
+    """
+    verdict, entry = material.verdict, material.entry
+    system, clock = verdict.system, dict(material.clock)
+    sections: list[Section | None] = [
+        symbolic.system_section(system, entry.meanings if entry else {}, entry.summary if entry else ""),
+        symbolic.reduction_section(verdict), symbolic.test_section(verdict),
+    ]  # fmt: skip
+    if isinstance(verdict, Separation):
+        sections.append(symbolic.forms_section(verdict))
+    else:
+        sections.append(symbolic.refusal_section(verdict))
+    if material.solution is not None:
+        sections += symbolic.solution_sections(material.solution)
+    if material.motion is not None:
+        motion = material.motion
+        sections.append(_timed(clock, "figures", lambda: numerical.motion_section(motion, material.summary)))
+        sections.append(numerical.numbers_section(motion))
+    elif material.solution is not None:
+        sections.append(_no_numbers(system))
+    sections.append(numerical.how_section(clock, material.motion))
+    title = system.title or "A mechanical system"
+    return Document(title, system.id, _lead(material), tuple(s for s in sections if s is not None))
+
+
+def _lead(material: Material) -> Text:
+    sentence = symbolic.answer(material.verdict)
+    motion = material.motion
+    if motion is None or not motion.periods:
+        return sentence
+    names = [n for n in motion.solution.coordinates if n in motion.periods]
+    if not names:
+        return sentence
+    from hjsolve.reports.numbers import quantity
+    from hjsolve.reports.prose import listed
+
+    pieces: list[Any] = [" The motion shown is periodic in ", *listed(names), ", with period "]
+    for i, name in enumerate(names):
+        pieces += [" and " if i == len(names) - 1 else ", "] if i else []
+        pieces.append(quantity(motion.periods[name]))
+    return (*sentence, *pieces, ".")
+
+
+def _no_numbers(system: System) -> Section:
+    q = ", ".join(f'"{c.name}": …' for c in system.coordinates)
+    text: Text = ("No initial data were given, so there are no numbers and no drawings. Start a motion with ",
+                  Code(f"solution.motion(q={{{q}}}, velocity={{{q}}})"), " and report that, or give ", Code("--q"), " and ", Code("--velocity"),
+                  " on the command line.")  # fmt: skip
+    return Section("numbers", "Numbers", (Note(text),))

@@ -1,0 +1,92 @@
+"""Prose of the symbolic half turned into text with formulas: ``p_theta`` becomes p with index θ."""
+
+from __future__ import annotations
+
+import re
+
+from hjsolve.reports.boxes import Box, Glyph, row
+from hjsolve.reports.document import Inline, Mathematics, Text
+from hjsolve.reports.notation import GREEK, box, name_box
+from hjsolve.system import Domain, System
+
+_PHRASES = (
+    ("c^T Phi = (1, 0, ..., 0)", "cᵀΦ = (1, 0, …, 0)"), ("c^T psi = V", "cᵀψ = V"), ("S_ij(g^hh)", "Sᵢⱼ(gʰʰ)"), ("S_ij(V)", "Sᵢⱼ(V)"),
+    ("L_ij", "Lᵢⱼ"), ("S_ij", "Sᵢⱼ"), ("T = sum(R_i p_i^2)/(2 sum f_i), V = sum(v_i)/sum(f_i)", "T = ΣRᵢpᵢ²/(2Σfᵢ), V = Σvᵢ/Σfᵢ"),
+)  # fmt: skip
+
+
+def prose(text: str, system: System) -> Text:
+    """Set the names of a system inside a sentence as mathematics.
+
+    Args:
+        text: the sentence.
+        system: whose names they are.
+
+    Returns:
+        The sentence in pieces.
+    """
+    for plain, better in _PHRASES:
+        text = text.replace(plain, better)
+    text = re.sub(r"so (p_\w+) stay constant", r"so \1 stays constant", text)
+    names = {c.name for c in system.coordinates} | {p.name for p in system.parameters}
+    telling = {n for n in names if n in GREEK or re.fullmatch(r"[A-Za-z]+\d+", n)} | {f"p_{n}" for n in names}
+    telling |= {f"dot({n})" for n in names} | {f"alpha_{i}" for i in range(2, 10)}
+    pattern = "|".join(re.escape(n) for n in sorted(telling, key=len, reverse=True))
+    pieces: list[Inline] = []
+    for i, piece in enumerate(re.split(rf"(?<![\w.])({pattern})(?!\w)", text)):
+        if piece:
+            pieces.append(Mathematics(name_box(piece)) if i % 2 else piece)
+    return tuple(pieces)
+
+
+def domain_text(domain: Domain, name: str) -> Text:
+    """Say where a coordinate may go.
+
+    Args:
+        domain: its domain.
+        name: its name.
+
+    Returns:
+        Such as "0 < r" or "angle, period 2π".
+    """
+    if domain.kind == "angle":
+        return ("angle, period ", Mathematics(row(Glyph("2", "number"), Glyph("π"))))
+    less = Glyph("<", "operator")
+    parts: list[Box] = [name_box(name)]
+    if domain.lower is not None or domain.kind == "line":
+        parts = [Glyph("−∞", "number") if domain.lower is None else box(domain.lower), less, *parts]
+    if domain.upper is not None or domain.kind == "line":
+        parts = [*parts, less, Glyph("∞", "number") if domain.upper is None else box(domain.upper)]
+    return (Mathematics(row(*parts)),)
+
+
+def listed(names: tuple[str, ...] | list[str], word: str = "and") -> Text:
+    """Enumerate names: q₁, q₂ and q₃.
+
+    Args:
+        names: at least one name.
+        word: the word before the last.
+
+    Returns:
+        The enumeration in pieces.
+    """
+    pieces: list[Inline] = []
+    for i, name in enumerate(names):
+        if i:
+            pieces.append(f" {word} " if i == len(names) - 1 else ", ")
+        pieces.append(Mathematics(name_box(name)))
+    return tuple(pieces)
+
+
+def typeset(text: str) -> str:
+    """Write the plain powers and products of units and remarks properly: ``kg*m^2`` as kg·m².
+
+    Args:
+        text: a unit or a remark.
+
+    Returns:
+        The same with raised digits and centred dots.
+    """
+    raised = str.maketrans("0123456789-", "⁰¹²³⁴⁵⁶⁷⁸⁹⁻")
+    text = re.sub(r"\^\(?(-?\d+)\)?(?![\w/])", lambda match: match[1].translate(raised), text)
+    return re.sub(r"(?<=[\w²³])\*(?=\w)", "·", text)

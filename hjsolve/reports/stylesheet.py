@@ -1,0 +1,61 @@
+"""How an HTML report looks: one column of text, drawings side by side, light and dark, screen and paper."""
+
+CSS = """
+:root{--paper:#fffdf8;--ink:#22262b;--soft:#666b72;--rule:#d9d5cc;--blue:#2f5f8f;--red:#b8402a;--wash:#f5f1e8;
+--serif:"Iowan Old Style","Palatino Linotype",Palatino,"Book Antiqua",Georgia,"DejaVu Serif",serif;
+--sans:system-ui,-apple-system,"Segoe UI","Helvetica Neue","DejaVu Sans",sans-serif}
+@media (prefers-color-scheme:dark){:root{--paper:#16191d;--ink:#e6e3dc;--soft:#a2a6ad;--rule:#3b4048;--blue:#7fb2e5;
+--red:#f0846b;--wash:#1f242a}}
+*{box-sizing:border-box}
+html{-webkit-text-size-adjust:100%;text-size-adjust:100%}
+body{margin:0 auto;padding:2.6rem 1.25rem 4rem;max-width:54rem;background:var(--paper);color:var(--ink);
+font:1.0625rem/1.58 var(--serif);overflow-wrap:break-word}
+h1{font-size:clamp(1.6rem,1.2rem + 2vw,2.3rem);line-height:1.18;font-weight:600;margin:0 0 .3rem;text-wrap:balance}
+h2{font-size:1.32rem;line-height:1.25;font-weight:600;margin:3rem 0 .8rem;padding-top:.9rem;border-top:1px solid var(--rule)}
+p{margin:.75rem 0;max-width:42rem}
+a{color:var(--blue);text-decoration-thickness:1px;text-underline-offset:.15em}
+code{font:.86em/1.4 ui-monospace,"SF Mono",Menlo,Consolas,"DejaVu Sans Mono",monospace;background:var(--wash);padding:.08em .32em;
+border-radius:3px;overflow-wrap:anywhere}
+.id{margin:0 0 1.2rem}
+.answer{font-size:1.16rem;line-height:1.5;margin:1.1rem 0 1.3rem;padding:.15rem 0 .15rem 1rem;border-left:3px solid var(--red)}
+.answer strong{color:var(--red)}
+nav ol{margin:0;padding:0;list-style:none;display:flex;flex-wrap:wrap;gap:.15rem 1.15rem;font:.86rem/1.7 var(--sans)}
+math{font-family:"Latin Modern Math","STIX Two Math","Cambria Math","Libertinus Math","DejaVu Math TeX Gyre",math;
+font-size:1em}
+math[display=block]{margin:0;text-align:left;width:max-content}
+math .lines{text-align:left}
+math .lines mtd{padding:.3em 0}
+.formula{display:flex;align-items:center;gap:1rem;margin:.55rem 0;padding-left:1.4rem}
+.formula .scroll{flex:1 1 auto;min-width:0;padding:.3rem 0}
+.tag{flex:none;font:.78rem/1.3 var(--sans);color:var(--soft);max-width:9rem;text-align:right}
+.scroll{overflow-x:auto;overflow-y:hidden;scrollbar-width:thin}
+.scroll:focus-visible{outline:2px solid var(--blue);outline-offset:3px}
+.steps{margin:.8rem 0;padding-left:1.4rem}
+.steps li{margin:.5rem 0 .9rem}
+.steps li::marker{color:var(--soft);font:.9rem var(--sans)}
+.steps p{margin:.2rem 0}
+.steps .formula{padding-left:0}
+.note{font:.92rem/1.5 var(--sans);color:var(--soft);background:var(--wash);padding:.7rem .95rem;border-radius:4px}
+table{border-collapse:collapse;margin:.9rem 0 1.2rem;font:.92rem/1.45 var(--sans);font-variant-numeric:tabular-nums}
+caption{text-align:left;font-size:.84rem;color:var(--soft);padding:0 0 .45rem;caption-side:top}
+th,td{text-align:left;vertical-align:baseline;padding:.42rem 1.3rem .42rem 0;font-weight:400}
+thead th{font-size:.82rem;color:var(--soft);border-bottom:1px solid var(--ink);padding-top:0;white-space:nowrap}
+tbody tr+tr{border-top:1px solid var(--rule)}
+td math{math-style:normal}
+td.num,.value{white-space:nowrap}
+td .error{display:block}
+.value{font-variant-numeric:tabular-nums}
+.error{color:var(--soft);font-size:.9em}
+sup{font-size:.72em;line-height:0}
+.figures{display:grid;grid-template-columns:repeat(auto-fit,minmax(min(100%,21rem),1fr));gap:1.1rem 2rem;margin:1.2rem 0 1.6rem;align-items:start}
+figure{margin:0;min-width:0}
+figure svg{display:block;width:100%;height:auto;max-width:34rem}
+figcaption{font:.84rem/1.45 var(--sans);color:var(--soft);margin-top:.45rem}
+figcaption math{font-size:1em}
+@media (max-width:34rem){body{padding:1.5rem 1rem 3rem;font-size:1rem}.formula{padding-left:.3rem;flex-wrap:wrap;gap:.1rem}
+.formula .scroll{flex-basis:100%}.tag{max-width:none;text-align:left}th,td{padding-right:.9rem}}
+@media print{:root{--paper:#fff;--ink:#000;--soft:#444;--rule:#bbb;--blue:#1d4e7e;--red:#a3301c;--wash:#f4f4f4}
+body{max-width:none;padding:0;font-size:10.5pt}nav{display:none}a{color:inherit;text-decoration:none}
+h2{break-after:avoid;margin-top:1.6rem}figure,table,.formula,.steps li{break-inside:avoid}
+.figures{grid-template-columns:1fr 1fr}.scroll{overflow:visible}@page{margin:18mm 16mm}}
+"""

@@ -1,0 +1,111 @@
+"""A document as one LaTeX file, for pdflatex with ``amsmath``; drawings are told in words."""
+
+from __future__ import annotations
+
+from hjsolve.reports.boxes import Grid
+from hjsolve.reports.document import (
+    Block, Code, Document, Figure, Figures, Formula, Inline, Mathematics, Note, Number, Paragraph, Section, Step, Steps, Strong, Table, Text,
+)  # fmt: skip
+from hjsolve.reports.latex import escape, latex
+from hjsolve.reports.notation import GREEK
+
+_PREAMBLE = r"""\documentclass[11pt,a4paper]{article}
+\usepackage[T1]{fontenc}
+\usepackage[utf8]{inputenc}
+\usepackage{lmodern,amsmath,graphicx,booktabs,microtype}
+\usepackage[margin=25mm]{geometry}
+\allowdisplaybreaks
+\begin{document}
+"""
+_LETTERS = {"−": "$-$", "±": r"$\pm$", "×": r"$\times$", "∮": r"$\oint$", "∂": r"$\partial$", "½": r"\textonehalf{}", "²": r"\textsuperscript{2}",
+            "ᵀ": r"\textsuperscript{T}", "…": r"\dots{}", "→": r"$\to$", "∞": r"$\infty$", "–": "--", "Σ": r"$\Sigma$", "ᵢ": r"\textsubscript{i}",
+            "ⱼ": r"\textsubscript{j}", "ʰ": r"\textsuperscript{h}", "θ": r"$\theta$", "µ": r"$\mu$"}  # fmt: skip
+_LETTERS |= {letter: f"${latex_name}$" for letter, latex_name in ((v, f"\\{k}") for k, v in GREEK.items() if k not in {"lamda", "lam", "omicron"})}
+
+
+def tex(document: Document) -> str:
+    """Write a document as LaTeX.
+
+    Args:
+        document: the document.
+
+    Returns:
+        A file that pdflatex takes.
+    """
+    subtitle = rf"\\ \texttt{{{escape(document.subtitle)}}}" if document.subtitle else ""
+    head = rf"\section*{{{_plain(document.title)}{subtitle}}}" + "\n" + _text(document.answer)
+    return _PREAMBLE + "\n\n".join([head, *map(_section, document.sections)]) + "\n\n\\end{document}\n"
+
+
+def _section(section: Section) -> str:
+    return "\n\n".join([rf"\subsection*{{{_plain(section.title)}}}", *map(_block, section.blocks)])
+
+
+def _block(block: Block) -> str:
+    match block:
+        case Paragraph(text):
+            return _text(text)
+        case Note(text):
+            return rf"\begin{{quote}}\small {_text(text)}\end{{quote}}"
+        case Formula():
+            return _formula(block)
+        case Table():
+            return _table(block)
+        case Steps(items):
+            return "\\begin{enumerate}\n" + "\n".join(map(_step, items)) + "\n\\end{enumerate}"
+        case Figure():
+            return rf"\emph{{{_plain(block.description)}}}"
+        case Figures(items):
+            return "\n\n".join(map(_block, items))
+
+
+def _formula(formula: Formula) -> str:
+    tag = rf"\tag*{{\footnotesize {_plain(formula.tag)}}}" if formula.tag else ""
+    body = latex(formula.box)
+    if isinstance(formula.box, Grid) and not formula.box.left:
+        return f"\\begin{{equation*}}\n{body}{tag}\n\\end{{equation*}}"
+    return f"\\begin{{equation*}}\n\\resizebox{{\\ifdim\\width>0.8\\linewidth 0.8\\linewidth\\else\\width\\fi}}{{!}}{{$\\displaystyle {body}$}}{tag}\n\\end{{equation*}}"
+
+
+def _step(step: Step) -> str:
+    formula = "\n" + _formula(step.formula) if step.formula else ""
+    return rf"\item \textbf{{{_plain(step.title)}.}} {_text(step.text)}{formula}"
+
+
+def _table(table: Table) -> str:
+    rows = " \\\\\n".join(" & ".join(_text(cell) for cell in row) for row in table.rows)
+    head = " & ".join(_text(cell) for cell in table.header)
+    body = rf"\begin{{tabular}}{{{'l' * len(table.header)}}}\toprule {head} \\\midrule" + f"\n{rows} \\\\\\bottomrule\\end{{tabular}}"
+    caption = rf"\par\smallskip {{\small {_plain(table.caption)}}}" if table.caption else ""
+    shrink = r"\resizebox{\ifdim\width>\linewidth\linewidth\else\width\fi}{!}"
+    return rf"\begin{{center}}{shrink}{{{body}}}{caption}\end{{center}}"
+
+
+def _text(text: Text) -> str:
+    return "".join(map(_inline, text))
+
+
+def _inline(piece: Inline) -> str:
+    match piece:
+        case str():
+            return _plain(piece)
+        case Mathematics(box):
+            return f"${latex(box)}$"
+        case Code(text):
+            return rf"\texttt{{{_plain(text)}}}"
+        case Strong(text):
+            return rf"\textbf{{{_plain(text)}}}"
+        case Number():
+            proof = " (certified)" if piece.certified else ""
+            return (f"${_digits(piece.value)} \\pm {_digits(piece.error)}$" if piece.error else f"${_digits(piece.value)}$") + proof
+
+
+def _plain(text: str) -> str:
+    return "".join(_LETTERS.get(letter, letter) for letter in escape(text))
+
+
+def _digits(text: str) -> str:
+    mantissa, _, exponent = text.partition("e")
+    if mantissa in {"∞", "−∞"}:
+        return mantissa.replace("∞", r"\infty").replace("−", "-")
+    return rf"{mantissa}\times 10^{{{exponent}}}" if exponent else mantissa

@@ -1,0 +1,156 @@
+"""The verb of this package: write a report to a file, whole or not at all."""
+
+from __future__ import annotations
+
+import os
+import tempfile
+from collections.abc import Callable, Iterator, Mapping
+from contextlib import contextmanager, suppress
+from pathlib import Path
+from typing import Any
+
+from hjsolve.errors import InvalidInputError
+from hjsolve.reports.content import Material, Subject, document, gather
+from hjsolve.reports.document import Document
+from hjsolve.reports.html import html
+
+
+def _markdown(content: Document) -> str:
+    from hjsolve.reports.markdown import markdown
+
+    return markdown(content)
+
+
+def _json(content: Document) -> str:
+    from hjsolve.reports.json import json_text
+
+    return json_text(content)
+
+
+def _text(content: Document) -> str:
+    from hjsolve.reports.text import text
+
+    return text(content)
+
+
+def _tex(content: Document) -> str:
+    from hjsolve.reports.tex import tex
+
+    return tex(content)
+
+
+_WRITERS: Mapping[str, Callable[[Document], str]] = {".html": html, ".md": _markdown, ".json": _json, ".txt": _text, ".tex": _tex}
+SUFFIXES = tuple(_WRITERS)
+
+
+def report(subject: Subject, path: str | Path, *, initial: Mapping[str, Any] | None = None, motion: str = "default",
+           digits: int = 15) -> Path:  # fmt: skip
+    """Write a report about a system, a verdict, a solution or a motion.
+
+    What can be told is told: formulas always; numbers and drawings where there are initial data, which a catalog entry brings.
+
+    Args:
+        subject: a ``System``, ``Separation``, ``Obstruction``, ``Undecided``, ``Solution`` or ``Motion``; a catalog id, or the path
+            of a TOML entry.
+        path: where to write; the suffix chooses the format: .html, .md, .json, .txt or .tex. An existing file is replaced,
+            and only once the new one is complete.
+        initial: keyword arguments for ``solution.motion``, in place of the catalog's initial data.
+        motion: which of the catalog entry's motions.
+        digits: of the numbers.
+
+    Returns:
+        The path written.
+
+    Raises:
+        InvalidInputError: another suffix, a path that cannot be written, or a subject that cannot be reported.
+        NotConvergedError: a number fell short of the digits asked.
+
+    Example:
+        >>> report("kepler-planar", "kepler.html")  # doctest: +SKIP
+        PosixPath('kepler.html')
+    """
+    target = checked_path(path)
+    return save(gather(subject, initial=initial, motion=motion, digits=digits), target)
+
+
+def checked_path(path: str | Path) -> Path:
+    """Check where a report shall go before anything is computed.
+
+    Args:
+        path: the file.
+
+    Returns:
+        The path.
+
+    Raises:
+        InvalidInputError: unknown suffix, a directory, a folder that does not exist or cannot be written to.
+    """
+    target = Path(path)
+    if target.suffix.lower() not in _WRITERS:
+        given = f'"{target.suffix}"' if target.suffix else "none"
+        raise InvalidInputError(f"{target}: the suffix must be one of {', '.join(SUFFIXES)}, not {given}")
+    folder = target.parent
+    with _readable_errors(target):
+        if target.is_dir():
+            raise InvalidInputError(f"{target}: is a directory; give a file name")
+        if not folder.is_dir():
+            raise InvalidInputError(f"{target}: the folder {folder} does not exist; create it first")
+        if not os.access(folder, os.W_OK) or (target.exists() and not os.access(target, os.W_OK)):
+            raise InvalidInputError(f"{target}: cannot be written here; choose another place")
+    return target
+
+
+def save(material: Material, target: Path) -> Path:
+    """Write what was gathered.
+
+    Args:
+        material: what there is to tell.
+        target: a path that ``checked_path`` has passed.
+
+    Returns:
+        The path.
+
+    Raises:
+        InvalidInputError: the file cannot be written.
+    """
+    content = _WRITERS[target.suffix.lower()](document(material))
+    with _readable_errors(target):
+        replace(target, content)
+    return target
+
+
+def replace(target: Path, content: str) -> None:
+    """Write a file completely and only then put it in its place.
+
+    Args:
+        target: the file.
+        content: its text, written as UTF-8.
+
+    Raises:
+        OSError: it cannot be written; then nothing has changed.
+    """
+    handle, name = tempfile.mkstemp(dir=target.parent, prefix=f".{target.name}.")
+    try:
+        with os.fdopen(handle, "w", encoding="utf-8", newline="\n") as file:
+            file.write(content)
+        mask = os.umask(0)
+        os.umask(mask)
+        Path(name).chmod(target.stat().st_mode & 0o777 if target.exists() else 0o666 & ~mask)
+        Path(name).replace(target)
+    except BaseException:
+        with suppress(OSError):
+            Path(name).unlink()
+        raise
+
+
+@contextmanager
+def _readable_errors(target: Path) -> Iterator[None]:
+    """Turn an error of the operating system into one line about the file."""
+    try:
+        yield
+    except InvalidInputError:
+        raise
+    except OSError as error:
+        raise InvalidInputError(f"{target}: cannot be written ({error.strerror or type(error).__name__})") from error
+    except ValueError as error:
+        raise InvalidInputError(f"{str(target)!r}: is not a usable file name") from error
