@@ -23,7 +23,7 @@ from hjsolve.numeric.arithmetic import Multi, multiprecision
 from hjsolve.numeric.classify import Located, Start, forbidden, locate
 from hjsolve.numeric.course import Bounded, Frozen
 from hjsolve.numeric.estimate import Estimate
-from hjsolve.numeric.inverse import Torus, torus
+from hjsolve.numeric.inverse import Torus, mean_rate, torus
 from hjsolve.numeric.radicand import Radicand
 from hjsolve.numeric.unbounded import Plan, plan
 from hjsolve.solution import Solution
@@ -83,7 +83,7 @@ class Motion:
         Raises:
             InvalidInputError: a time that is no finite real number.
         """
-        from hjsolve.trajectory import state_at
+        from hjsolve.trajectory.state_at import state_at
 
         return state_at(self, t)
 
@@ -127,8 +127,17 @@ class Motion:
         return angle_variables(self, t)
 
 
-def start(solution: Solution, *, q: Mapping[str, Any], velocity: Mapping[str, Any] | None = None, p: Mapping[str, Any] | None = None,
-          parameters: Mapping[str, Any] | None = None, t0: Any = 0, digits: int = FLOAT_DIGITS, certified: bool = False) -> Motion:
+def start(
+    solution: Solution,
+    *,
+    q: Mapping[str, Any],
+    velocity: Mapping[str, Any] | None = None,
+    p: Mapping[str, Any] | None = None,
+    parameters: Mapping[str, Any] | None = None,
+    t0: Any = 0,
+    digits: int = FLOAT_DIGITS,
+    certified: bool = False,
+) -> Motion:
     """Start a motion from initial data.
 
     Args:
@@ -180,8 +189,16 @@ def _start(solution: Solution, initial: Initial, name: str) -> Start:
     momentum = initial.values[coordinate.momentum] + solution.shift[name].subs(initial.values)
     ends = [None if end is None else to_bits(end) for end in domain_ends(solution.system, name, initial.values)]
     angle = coordinate.domain.kind == "angle" and _periodic(radicand, to_bits(initial.values[coordinate.symbol]))
-    return Start(name, radicand, to_bits(initial.values[coordinate.symbol]), sign(sp.expand(momentum)), ends[0], ends[1], angle,
-                 tuple(k == 0 for k in kernels))
+    return Start(
+        name,
+        radicand,
+        to_bits(initial.values[coordinate.symbol]),
+        sign(sp.expand(momentum)),
+        ends[0],
+        ends[1],
+        angle,
+        tuple(k == 0 for k in kernels),
+    )
 
 
 def _periodic(radicand: Radicand, place: Any) -> bool:
@@ -208,7 +225,10 @@ def _assemble(solution: Solution, initial: Initial, t0: sp.Expr, digits: int, lo
     bits = int(3.33 * digits) + 128
     bounded = all(c.periodic for c in courses)
     equations = None if not courses else torus(courses, bits) if bounded else plan(courses)
-    kinds = {c.name: str(located[c.name].course.kind) if c.name in located else "ignorable" for c in solution.system.coordinates}
+    kinds = {
+        c.name: str(located[c.name].course.kind) if c.name in located else "ignorable"
+        for c in solution.system.coordinates
+    }
     frequencies = _frequencies(solution, initial, located, equations, digits)
     motion = Motion(
         solution, initial, t0, digits, located, equations, kinds,
@@ -241,7 +261,10 @@ def _period(frequency: Estimate) -> Estimate:
 
 def _ends(place: Located, digits: int) -> tuple[Estimate | None, Estimate | None]:
     bits = int(3.33 * digits) + 32
-    lower_end, upper_end = (_estimate(end.place(bits), digits) if end.kind == "turning" and end.place else None for end in (place.lower, place.upper))
+    lower_end, upper_end = (
+        _estimate(end.place(bits), digits) if end.kind == "turning" and end.place else None
+        for end in (place.lower, place.upper)
+    )
     return lower_end, upper_end
 
 
@@ -254,7 +277,9 @@ def _actions(solution: Solution, initial: Initial, located: Mapping[str, Located
     for coordinate in solution.system.coordinates:
         if coordinate.name not in located:
             if coordinate.domain.kind == "angle":
-                actions[coordinate.name] = _estimate(to_bits(initial.values[coordinate.momentum])(int(3.33 * digits) + 64), digits)
+                actions[coordinate.name] = _estimate(
+                    to_bits(initial.values[coordinate.momentum])(int(3.33 * digits) + 64), digits
+                )
             continue
         course = located[coordinate.name].course
         if isinstance(course, Frozen) and course.stable:
@@ -278,7 +303,9 @@ def _mean_shift(solution: Solution, initial: Initial, coordinate: Any, digits: i
     return context.fsum(tape.run(Multi(bits), [2 * context.pi * k / nodes])[0] for k in range(nodes)) / nodes
 
 
-def _frequencies(solution: Solution, initial: Initial, located: Mapping[str, Located], equations: Any, digits: int) -> dict[str, Estimate]:
+def _frequencies(
+    solution: Solution, initial: Initial, located: Mapping[str, Located], equations: Any, digits: int
+) -> dict[str, Estimate]:
     """Ω = ∂H/∂J: the growth of the phases, and of the ignorable angles with them."""
     system, names = solution.system, list(solution.coordinates)
     if equations is None:
@@ -292,13 +319,25 @@ def _frequencies(solution: Solution, initial: Initial, located: Mapping[str, Loc
                 result[name] = _estimate(direction * equations.rates[k], digits, _nodes(course))
         for j, c in enumerate(system.coordinates):
             if c.name not in located and c.domain.kind == "angle":
-                result[c.name] = _estimate(mean_rate(solution, equations, c.name), digits, max(_nodes(x) for x in equations.courses))
+                result[c.name] = _estimate(
+                    mean_rate(equations, list(solution.constants).index(c.momentum.name)),
+                    digits,
+                    max(_nodes(x) for x in equations.courses),
+                )
         return {c.name: result[c.name] for c in system.coordinates if c.name in result}
     for step in equations.steps:
         course = equations.courses[step.index]
-        if isinstance(course, Bounded) and step == equations.steps[0] or isinstance(course, Bounded) and step.weights[0] and _alone(equations, step):
+        if (
+            (isinstance(course, Bounded)
+            and step == equations.steps[0])
+            or (isinstance(course, Bounded)
+            and step.weights[0]
+            and _alone(equations, step))
+        ):
             mean = sum(w * series.mean for w, series in zip(step.weights, course.kernels, strict=False))
-            result[names[step.index]] = _estimate(course.anomaly.direction * step.weights[0] / mean, digits, _nodes(course))
+            result[names[step.index]] = _estimate(
+                course.anomaly.direction * step.weights[0] / mean, digits, _nodes(course)
+            )
     return {name: f for name, f in result.items() if f.value}
 
 
@@ -306,22 +345,16 @@ def _alone(scheme: Plan, step: Any) -> bool:
     """True when a coordinate's equation holds none of the other coordinates."""
     others = [c for i, c in enumerate(scheme.courses) if i != step.index]
     phase = np.array([0.7])
-    return all(abs(float(np.ravel(sum(w * c.rate(j, phase) for j, w in enumerate(step.weights) if w))[0])) == 0 for c in others)
-
-
-def mean_rate(solution: Solution, equations: Torus, name: str) -> Any:
-    """Mean growth of an ignorable coordinate: −Σᵢ Ωᵢ · (mean of its kernel along i)."""
-    j = list(solution.constants).index(solution.system.coordinate(name).momentum.name)
-    return -sum(rate * mean_growth(course, j) for rate, course in zip(equations.rates, equations.courses, strict=True))
-
-
-def mean_growth(course: Any, j: int) -> Any:
-    """Growth of the j-th integral per unit phase of a bounded course."""
-    return course.kernels[j].mean if isinstance(course, Bounded) else course.rates[j]
+    return all(
+        abs(float(np.ravel(sum(w * c.rate(j, phase) for j, w in enumerate(step.weights) if w))[0])) == 0 for c in others
+    )
 
 
 def _free_rates(solution: Solution, initial: Initial, digits: int) -> dict[str, Estimate]:
     H = solution.separation.shell.potential
-    rates = {c.name: sp.diff(H, c.momentum).subs(initial.values) for c in solution.system.coordinates if c.domain.kind == "angle"}
+    rates = {
+        c.name: sp.diff(H, c.momentum).subs(initial.values)
+        for c in solution.system.coordinates
+        if c.domain.kind == "angle"
+    }
     return {name: _estimate(to_bits(rate)(int(3.33 * digits) + 64), digits) for name, rate in rates.items()}
-

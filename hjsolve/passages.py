@@ -12,11 +12,13 @@ from hjsolve.expressions import number
 from hjsolve.initial import to_bits
 from hjsolve.numeric.arithmetic import Multi, multiprecision
 from hjsolve.numeric.course import Bounded, Course, Frozen, Open
-from hjsolve.numeric.double import split
+from hjsolve.numeric.double import split, turns
 from hjsolve.numeric.estimate import Estimate
-from hjsolve.numeric.inverse import Torus
+from hjsolve.numeric.inverse import Torus, mean_rate, oscillation
 from hjsolve.numeric.unbounded import Plan, Step
-from hjsolve.trajectory import _principal, _with_reach, solve, state_at
+from hjsolve.trajectory.phases import phases_at, read_times, solve, with_reach
+from hjsolve.trajectory.positions import constant_index, principal
+from hjsolve.trajectory.state_at import shaped, state_at
 
 if TYPE_CHECKING:
     from hjsolve.motion import Motion
@@ -70,7 +72,9 @@ def _phase_of(motion: Motion, name: str, course: Course, target: Callable[[int],
     later = [x for x in phases if x >= course.start] if passage >= 0 else [x for x in phases if x < course.start][::-1]
     index = passage if passage >= 0 else -passage - 1
     if index >= len(later):
-        raise OutsideMotionError(f"{name} does not pass {float(place):.12g} that often: {len(later)} times {'after' if passage >= 0 else 'before'} t0")
+        raise OutsideMotionError(
+            f"{name} does not pass {float(place):.12g} that often: {len(later)} times {'after' if passage >= 0 else 'before'} t0"
+        )
     return later[index]
 
 
@@ -107,11 +111,22 @@ def _elapsed(motion: Motion, k: int, phase: Any) -> tuple[Any, Any]:
     many = motion.digits > 15
     if isinstance(equations, Torus) and all(not len(s.cosines) for i, s in enumerate(equations.ripples[k]) if i != k):
         ripple = equations.ripples[k][k]
-        wave = 0 if not len(ripple.cosines) else ripple.ripple(phase) if many else float(ripple.ripple(np.array([float(phase)]))[0])
+        wave = (
+            0
+            if not len(ripple.cosines)
+            else ripple.ripple(phase)
+            if many
+            else float(ripple.ripple(np.array([float(phase)]))[0])
+        )
         time = (phase + wave - equations.starts[k]) / equations.rates[k]
         size = float(np.sum(np.abs(ripple.cosines.astype(float)))) + 4.0
         return time, _noise(motion) * size / abs(equations.rates[k])
-    if isinstance(equations, Plan) and (step := next((s for s in equations.steps if s.index == k), None)) and step is equations.steps[0] and step.weights[0]:
+    if (
+        isinstance(equations, Plan)
+        and (step := next((s for s in equations.steps if s.index == k), None))
+        and step is equations.steps[0]
+        and step.weights[0]
+    ):
         return _own_time(motion, equations.courses[k], step, phase)
     return _sought(motion, k, float(phase))
 
@@ -124,7 +139,7 @@ def _own_time(motion: Motion, course: Course, step: Step, phase: Any) -> tuple[A
     """Time of a coordinate whose equation holds no other."""
     kind = object if motion.digits > 15 else float
     here, start = np.array([phase], dtype=kind), np.array([course.start], dtype=kind)
-    course = _with_reach(course, np.array([float(phase)]))
+    course = with_reach(course, np.array([float(phase)]))
     total, size = 0, 0
     for j, w in enumerate(step.weights):
         if w:
@@ -211,7 +226,11 @@ def _scanned(motion: Motion, name: str, value: float, passage: int) -> Estimate:
                 previous = start + k * step if rates else (start + step * 1.02 ** (k - 1) if k else start)
                 time = _root(lambda s: sign * (off(s) - edge), previous, t)
                 state = state_at(motion, time)
-                return Estimate(time, 2 * float(state.error.q[name]) / max(abs(float(state.velocity[name])), 1e-300) + 4 * _EPS * abs(time))
+                return Estimate(
+                    time,
+                    2 * float(state.error.q[name]) / max(abs(float(state.velocity[name])), 1e-300)
+                    + 4 * _EPS * abs(time),
+                )
         before = after
     raise NotConvergedError(f"{name} did not pass {value:.12g} in the time searched")
 
@@ -229,12 +248,9 @@ def boundary_times(motion: Motion) -> dict[str, Estimate]:
 
 def angle_variables(motion: Motion, t: Any) -> dict[str, Any]:
     """Return θ = θ₀ + Ω (t − t₀) in (−π, π]; see ``Motion.angles``."""
-    from hjsolve.motion import mean_growth
-    from hjsolve.numeric.double import turns
-    from hjsolve.trajectory import _phases, _shaped, oscillation
-
     equations = motion.equations
-    phases, shape = _phases(motion, t)
+    shape, floats, exact = read_times(t)
+    phases = phases_at(motion, floats, exact)
     result = {}
     for name, frequency in motion.frequencies.items():
         if not isinstance(equations, Torus):
@@ -243,13 +259,13 @@ def angle_variables(motion: Motion, t: Any) -> dict[str, Any]:
             k = list(motion.solution.coordinates).index(name)
             rate, start = equations.rates[k], equations.starts[k]
         else:
-            j = list(motion.solution.constants).index(motion.solution.system.coordinate(name).momentum.name)
-            rate = -sum(r * mean_growth(c, j) for r, c in zip(equations.rates, equations.courses, strict=True))
+            j = constant_index(motion, name)
+            rate = mean_rate(equations, j)
             start = to_bits(motion.initial.values[motion.solution.system.coordinate(name).symbol])(160)
             for i, course in enumerate(equations.courses):
                 series = oscillation(equations, i, j)
                 start -= float(series.ripple(np.array([float(course.start)]))[0]) if len(series.cosines) else 0
         _, rest = turns(split(rate / (2 * multiprecision(160).pi)), phases.time)
         direction = 1 if float(frequency.value) * float(rate) > 0 else -1
-        result[name] = _shaped(_principal(direction * (2 * np.pi * rest + float(start)))[0], shape)
+        result[name] = shaped(principal(direction * (2 * np.pi * rest + float(start)))[0], shape)
     return result

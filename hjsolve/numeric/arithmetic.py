@@ -12,8 +12,16 @@ import numpy as np
 
 from hjsolve.errors import InvalidInputError
 
-_NUMPY_NAMES = {"asin": "arcsin", "acos": "arccos", "atan": "arctan", "asinh": "arcsinh", "acosh": "arccosh",
-                "atanh": "arctanh", "neg": "negative", "abs": "absolute"}
+_NUMPY_NAMES = {
+    "asin": "arcsin",
+    "acos": "arccos",
+    "atan": "arctan",
+    "asinh": "arcsinh",
+    "acosh": "arccosh",
+    "atanh": "arctanh",
+    "neg": "negative",
+    "abs": "absolute",
+}
 
 
 @dataclass(frozen=True, slots=True)
@@ -104,5 +112,7 @@ class Multi:
             return -x
         value = abs(x) if name == "abs" else getattr(self.context, name)(x)
         if isinstance(value, self.context.mpc):
-            raise InvalidInputError(f"{name} of {self.context.nstr(x, 8)} is not real: the formula leaves its domain there")
+            raise InvalidInputError(
+                f"{name} of {self.context.nstr(x, 8)} is not real: the formula leaves its domain there"
+            )
         return value

@@ -105,7 +105,9 @@ def _rest(start: Start, digits: int) -> Located:
     _, _, bend = start.radicand.jet(q, bits)
     stable = bool(bend < 0)
     scale = (-bend / 2) ** 0.5 if stable else 1
-    rates = [0 * q if skip else w / scale for w, skip in zip(start.radicand.weights(q, bits), start.skipped, strict=True)]
+    rates = [
+        0 * q if skip else w / scale for w, skip in zip(start.radicand.weights(q, bits), start.skipped, strict=True)
+    ]
     end = End("turning" if stable else "asymptote", start.place)
     return Located(Frozen(q, rates, stable), end, end)
 
@@ -122,7 +124,9 @@ def _libration(start: Start, lower: End, upper: End, digits: int) -> Bounded:
         if bits - lost >= needed:
             break
         if bits > 16384:
-            raise NotConvergedError(f"{start.name}: the turning points {float(a):.17g} and {float(b):.17g} are too close to separate")
+            raise NotConvergedError(
+                f"{start.name}: the turning points {float(a):.17g} and {float(b):.17g} are too close to separate"
+            )
         bits = needed + lost + 16
     place = arithmetic.convert(start.place(bits))
     best = plain
@@ -247,4 +251,6 @@ def _open_phase(way: Way, start: Start, forward: int, bits: int) -> Any:
 def forbidden(start: Start) -> ForbiddenMotionError:
     """Make the error for p² < 0 at the initial place."""
     value = float(start.radicand.value(start.place(128), 128))
-    return ForbiddenMotionError(f"{start.name}: no real motion passes through {float(start.place(64)):.12g}, p² = {value:.3g} < 0 there")
+    return ForbiddenMotionError(
+        f"{start.name}: no real motion passes through {float(start.place(64)):.12g}, p² = {value:.3g} < 0 there"
+    )

@@ -8,14 +8,14 @@ and what the integrals Gⱼ(χ) = ∫ kⱼ dq/p are, one for each constant of th
 from __future__ import annotations
 
 from collections.abc import Callable
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from functools import lru_cache
 from typing import Any, Literal
 
 import numpy as np
 
 from hjsolve.numeric.anomaly import Anomaly, as_float
-from hjsolve.numeric.arithmetic import Float64, Multi
+from hjsolve.numeric.arithmetic import Float64, Multi, multiprecision
 from hjsolve.numeric.panels import Panels, Way, build
 from hjsolve.numeric.radicand import Radicand
 from hjsolve.numeric.series import Series, fit, trial
@@ -45,9 +45,10 @@ class Bounded:
         kind: libration or rotation.
         anomaly: the map χ ↦ q in many digits.
         kernels: series of kⱼ (dq/dχ)/p.
-        momentum: series of p/(dq/dχ).
+        momentum: series of ln(p/(dq/dχ)), which may vary by many orders of magnitude.
         action: (1/2π) ∮ p dq, positive.
         start: χ of the initial place.
+        radicand: p² and its kernels.
     """
 
     kind: Kind
@@ -56,6 +57,7 @@ class Bounded:
     momentum: Series
     action: Any
     start: Any
+    radicand: Radicand
 
     periodic = True
 
@@ -68,16 +70,38 @@ class Bounded:
         """Return dGⱼ/dχ."""
         return elementwise(self.kernels[j].value, χ, 1)
 
+    def growth(self, j: int) -> Any:
+        """Return the growth of Gⱼ per unit phase, in the mean."""
+        return self.kernels[j].mean
+
+    def pace(self, weights: tuple[float, ...], χ: Any) -> Any:
+        """Return Σ wⱼ dGⱼ/dχ for a float array |χ| ≤ π from the formula, not the series: small values keep their digits."""
+        q, _ = self.place(χ)
+        numbers = [float(x) for x in self.radicand.inputs(64)]
+        kernels = self.radicand.kernels.run(Float64(), [q, *numbers])
+        return sum(w * k for w, k in zip(weights, kernels, strict=False) if w) / self.ratio(χ)
+
+    def ratio(self, χ: Any) -> Any:
+        """Return p/(dq/dχ) to full relative accuracy; χ a float array or one ``mpf``."""
+        if not isinstance(χ, np.ndarray):
+            return χ.context.exp(self.momentum.value(χ))
+        rest = replace(self.momentum, mean=0.0)
+        return float(multiprecision(96).exp(self.momentum.mean)) * np.exp(rest.value(χ))
+
     def place(self, χ: Any) -> tuple[Any, Any]:
         """Return q (not reduced to one turn) and the shell momentum at χ."""
         arithmetic = arithmetic_of(χ)
         anomaly = as_float(self.anomaly) if isinstance(arithmetic, Float64) else self.anomaly
-        turn = np.rint(χ / (2 * np.pi)) if χ.dtype == float else elementwise(lambda x: x.context.nint(x / (2 * x.context.pi)), χ, 1)
+        turn = (
+            np.rint(χ / (2 * np.pi))
+            if χ.dtype == float
+            else elementwise(lambda x: x.context.nint(x / (2 * x.context.pi)), χ, 1)
+        )
         rest = χ - 2 * arithmetic.pi() * turn
 
         def at(x: Any) -> tuple[Any, Any]:
             place = anomaly.place(x, arithmetic)
-            return place.q, self.momentum.value(x) * place.speed
+            return place.q, self.ratio(x) * place.speed
 
         q, p = elementwise(at, rest, 2)
         return (q, p) if self.anomaly.even else (q + self.anomaly.direction * 2 * arithmetic.pi() * turn, p)
@@ -101,6 +125,9 @@ class Frozen:
     start: Any = 0
     action: Any = 0
     periodic = True
+
+    def growth(self, j: int) -> Any:
+        return self.rates[j]
 
     def integral(self, j: int, χ: Any) -> Any:
         return self.rate(j, χ) * χ
@@ -133,7 +160,12 @@ class Branch:
         p = self.radicand.value(q, work) ** 0.5
         weights = self.radicand.weights(q, work)
         kernels = [0 * p if skip else w * abs(slope) / p for w, skip in zip(weights, self.skipped, strict=True)]
-        return [*kernels, p / abs(slope) * (self.way.distances(y, Multi(work))[1] / self.way.length if self.way.end == "boundary" else 1)]
+        return [
+            *kernels,
+            p
+            / abs(slope)
+            * (self.way.distances(y, Multi(work))[1] / self.way.length if self.way.end == "boundary" else 1),
+        ]
 
     def panels(self, weights: tuple[float, ...] | None, amount: float) -> Panels:
         """Return the integrals so far that |Σ wⱼ Gⱼ| reaches ``amount``; without weights, that y does."""
@@ -201,7 +233,9 @@ class Open:
     def limits(self) -> tuple[Any, Any]:
         """Return the least and greatest phase that the panels hold; infinite along an asymptote, whose tail is known."""
         _, ahead, behind = self._sides(np.zeros(1))
-        ends = [np.inf if b.way.end == "asymptote" else p.edges[-1] for b, p in ((self.behind, behind), (self.ahead, ahead))]
+        ends = [
+            np.inf if b.way.end == "asymptote" else p.edges[-1] for b, p in ((self.behind, behind), (self.ahead, ahead))
+        ]
         return -ends[0], ends[1]
 
     def place(self, χ: Any) -> tuple[Any, Any]:
@@ -226,7 +260,9 @@ def _float_way(way: Way) -> Way:
 Course = Bounded | Frozen | Open
 
 
-def bounded(kind: Kind, anomaly: Anomaly, radicand: Radicand, start: Any, skipped: tuple[bool, ...], digits: int, bits: int) -> Bounded:
+def bounded(
+    kind: Kind, anomaly: Anomaly, radicand: Radicand, start: Any, skipped: tuple[bool, ...], digits: int, bits: int
+) -> Bounded:
     """Integrate over one cycle of a libration or rotation.
 
     Args:
@@ -239,17 +275,32 @@ def bounded(kind: Kind, anomaly: Anomaly, radicand: Radicand, start: Any, skippe
         bits: working precision, enough for the cancellation at the turning points.
     """
     functions = _integrands(anomaly, radicand, skipped, bits)
-    *kernels, momentum, density = fit(functions, even=anomaly.even, digits=digits, bits=bits)
-    return Bounded(kind, anomaly, kernels, momentum, density.mean, start)
+    *kernels, momentum, density = fit(functions, even=anomaly.even, digits=digits, bits=bits, floors=_floors(radicand))
+    return Bounded(kind, anomaly, kernels, momentum, density.mean, start, radicand)
 
 
 def roughness(anomaly: Anomaly, radicand: Radicand, skipped: tuple[bool, ...], bits: int) -> float:
     """Return how far few nodes are from resolving the integrands: the size of the last terms with twelve nodes."""
-    return max(s.tail for s in trial(_integrands(anomaly, radicand, skipped, bits), even=anomaly.even, nodes=12, bits=bits))
+    return max(
+        s.tail
+        for s in trial(
+            _integrands(anomaly, radicand, skipped, bits),
+            even=anomaly.even,
+            nodes=12,
+            bits=bits,
+            floors=_floors(radicand),
+        )
+    )
 
 
-def _integrands(anomaly: Anomaly, radicand: Radicand, skipped: tuple[bool, ...], bits: int) -> Callable[[Any], list[Any]]:
-    """kⱼ (dq/dχ)/p for each constant, p/(dq/dχ), and p dq/dχ, all regular functions of χ."""
+def _floors(radicand: Radicand) -> list[float]:
+    return [0.0] * len(radicand.kernels.outputs) + [1.0, 0.0]
+
+
+def _integrands(
+    anomaly: Anomaly, radicand: Radicand, skipped: tuple[bool, ...], bits: int
+) -> Callable[[Any], list[Any]]:
+    """kⱼ (dq/dχ)/p for each constant, ln(p/(dq/dχ)), and p dq/dχ, all regular functions of χ."""
     arithmetic = Multi(bits)
 
     def functions(χ: Any) -> list[Any]:
@@ -257,6 +308,6 @@ def _integrands(anomaly: Anomaly, radicand: Radicand, skipped: tuple[bool, ...],
         root = (radicand.value(place.q, bits) / place.product) ** 0.5
         weights = radicand.weights(place.q, bits)
         kernels = [None if skip else w * place.stretch / root for w, skip in zip(weights, skipped, strict=True)]
-        return [*kernels, root / place.stretch, place.product * root * place.stretch]
+        return [*kernels, arithmetic.context.log(root / place.stretch), place.product * root * place.stretch]
 
     return functions

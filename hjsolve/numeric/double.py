@@ -28,19 +28,29 @@ def _two_product(a: Any, b: Any) -> tuple[Any, Any]:
     return p, ((ah * bh - p) + ah * bl + al * bh) + al * bl
 
 
-def turns(rate: tuple[float, float], time: tuple[Any, Any]) -> tuple[Any, Any]:
-    """Return the whole turns and the rest, in [−½, ½], of rate·time.
+def _two_sum(a: Any, b: Any) -> tuple[Any, Any]:
+    s = a + b
+    part = s - a
+    return s, (a - (s - part)) + (b - part)
+
+
+def turns(rate: tuple[float, float], time: tuple[Any, Any], start: tuple[float, float] = (0.0, 0.0)) -> tuple[Any, Any]:
+    """Return the whole turns and the rest, in [−½, ½], of start + rate·time.
+
+    The rest keeps its relative accuracy when it is small: a perihelion passage is not blurred.
 
     Args:
         rate: turns per unit time, as two doubles.
         time: as two doubles (arrays of the same shape).
+        start: turns at time zero, as two doubles.
 
     Returns:
-        Whole number (float array) and fraction; their sum is the product to about 1e-32 relative.
+        Whole number (float array) and fraction; their sum is exact to about 1e-32 relative.
     """
     p, e = _two_product(rate[0], time[0])
     e = e + (rate[0] * time[1] + rate[1] * time[0])
     whole = np.rint(p)
-    rest = (p - whole) + e
-    more = np.rint(rest)
-    return whole + more, rest - more
+    s, low = _two_sum(p - whole, start[0])
+    low = low + (e + start[1])
+    more = np.rint(s + low)
+    return whole + more, (s - more) + low

@@ -24,8 +24,11 @@ def _landen(complement: Any, arithmetic: Float64 | Multi) -> list[tuple[Any, Any
     digits = 53 if isinstance(arithmetic, Float64) else arithmetic.bits
     a, b = arithmetic.rational(1, 1), arithmetic.unary("sqrt", complement)
     pairs = [(a, b)]
-    while abs(a - b) > a * 2.0 ** (-(digits // 2) - 2) if digits < 900 else abs(a - b) ** 2 > a * a * arithmetic.power(
-            arithmetic.rational(1, 2), digits + 4):
+    while (
+        abs(a - b) > a * 2.0 ** (-(digits // 2) - 2)
+        if digits < 900
+        else abs(a - b) ** 2 > a * a * arithmetic.power(arithmetic.rational(1, 2), digits + 4)
+    ):
         a, b = (a + b) / 2, arithmetic.unary("sqrt", a * b)
         pairs.append((a, b))
     pairs.append(((a + b) / 2, b))

@@ -17,7 +17,13 @@ import numpy as np
 from hjsolve.numeric.arithmetic import Float64, Multi
 
 _RISING = {"exp", "sinh", "tanh", "asinh", "atan"}
-_RISING_ON = {"sqrt": (0.0, np.inf), "log": (0.0, np.inf), "asin": (-1.0, 1.0), "acosh": (1.0, np.inf), "atanh": (-1.0, 1.0)}
+_RISING_ON = {
+    "sqrt": (0.0, np.inf),
+    "log": (0.0, np.inf),
+    "asin": (-1.0, 1.0),
+    "acosh": (1.0, np.inf),
+    "atanh": (-1.0, 1.0),
+}
 
 
 class Interval(NamedTuple):
@@ -48,14 +54,22 @@ class Intervals:
             x = np.array(x, dtype=object)
             return Interval(x, x)
         nearest = float(x)
-        return Interval(*(np.float64(nearest),) * 2) if nearest == x else self._wide(np.float64(nearest), np.float64(nearest))
+        return (
+            Interval(*(np.float64(nearest),) * 2)
+            if nearest == x
+            else self._wide(np.float64(nearest), np.float64(nearest))
+        )
 
     def _wide(self, low: Any, high: Any) -> Interval:
         tiny = 1e-300 if isinstance(self.plain, Float64) else 0
         with np.errstate(all="ignore"):
             low, high = low - self.unit * abs(low) - tiny, high + self.unit * abs(high) + tiny
         lost = (low != low) | (high != high)
-        return Interval(np.where(lost, -np.inf, low), np.where(lost, np.inf, high)) if np.any(lost) else Interval(low, high)
+        return (
+            Interval(np.where(lost, -np.inf, low), np.where(lost, np.inf, high))
+            if np.any(lost)
+            else Interval(low, high)
+        )
 
     def rational(self, numerator: int, denominator: int) -> Interval:
         value = np.array(self.plain.rational(numerator, denominator))
@@ -124,7 +138,10 @@ class Intervals:
 
     def _rising(self, name: str, x: Interval, left: float, right: float) -> Interval:
         outside = (x.low < left) | (x.high > right)
-        low, high = np.where(outside, 0.5 if right == 1 else 2, x.low), np.where(outside, 0.5 if right == 1 else 2, x.high)
+        low, high = (
+            np.where(outside, 0.5 if right == 1 else 2, x.low),
+            np.where(outside, 0.5 if right == 1 else 2, x.high),
+        )
         result = self._wide(self._call(name, low), self._call(name, high))
         return Interval(np.where(outside, -np.inf, result.low), np.where(outside, np.inf, result.high))
 

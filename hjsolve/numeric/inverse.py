@@ -17,7 +17,7 @@ import numpy as np
 
 from hjsolve.errors import NotConvergedError
 from hjsolve.numeric.arithmetic import multiprecision
-from hjsolve.numeric.course import Bounded, Course, Frozen
+from hjsolve.numeric.course import Bounded, Course
 from hjsolve.numeric.double import split, turns
 from hjsolve.numeric.series import Series, combine, zero
 
@@ -55,7 +55,7 @@ def torus(courses: Sequence[Course], bits: int) -> Torus:
     """
     n = len(courses)
     context = multiprecision(bits)
-    means = context.matrix([[_mean(c, j) for c in courses] for j in range(n)])
+    means = context.matrix([[c.growth(j) for c in courses] for j in range(n)])
     try:
         inverse = means**-1
     except ZeroDivisionError:
@@ -72,8 +72,16 @@ def torus(courses: Sequence[Course], bits: int) -> Torus:
     return Torus(tuple(courses), tuple(growth[k][0] for k in range(n)), tuple(starts), growth, ripples, order, coupled)
 
 
-def _mean(course: Course, j: int) -> Any:
-    return course.kernels[j].mean if isinstance(course, Bounded) else course.rates[j] if isinstance(course, Frozen) else None
+def mean_rate(system: Torus, j: int) -> Any:
+    """Return the mean growth of the coordinate that belongs to the j-th constant, an ignorable momentum."""
+    return -sum(rate * course.growth(j) for rate, course in zip(system.rates, system.courses, strict=True))  # type: ignore[union-attr]
+
+
+def oscillation(system: Torus, i: int, j: int) -> Series:
+    """Return what that coordinate adds to its mean growth, as a function of the phase of coordinate i."""
+    course = system.courses[i]
+    own = combine([-1], [course.kernels[j]]) if isinstance(course, Bounded) else zero()
+    return combine([1, *(c.growth(j) for c in system.courses)], [own, *(row[i] for row in system.ripples)])  # type: ignore[union-attr]
 
 
 def _ripple(weights: Sequence[Any], course: Course, n: int) -> Series:
@@ -110,17 +118,19 @@ def phases(system: Torus, time: tuple[Any, Any]) -> tuple[list[Any], list[Any], 
     n = len(system.courses)
     angles, whole = [], []
     for k in range(n):
-        rate = split(system.rates[k] / (2 * multiprecision(160).pi))
-        count, rest = turns(rate, time)
-        angle = 2 * np.pi * rest + float(system.starts[k])
-        extra = np.rint(angle / (2 * np.pi))
-        angles.append(2 * np.pi * (rest - extra) + float(system.starts[k]))
-        whole.append(count + extra)
+        turn = 2 * multiprecision(160).pi
+        count, rest = turns(split(system.rates[k] / turn), time, split(system.starts[k] / turn))
+        angles.append(2 * np.pi * rest)
+        whole.append(count)
     χ: list[Any] = [None] * n
     errors: list[Any] = [None] * n
     for k in system.order:
-        goal = angles[k] - sum((system.ripples[k][i].ripple(χ[i]) for i in system.order if χ[i] is not None and i != k), 0.0)
-        slack = sum((errors[i] for i in system.order if errors[i] is not None and len(system.ripples[k][i].cosines)), 0.0)
+        goal = angles[k] - sum(
+            (system.ripples[k][i].ripple(χ[i]) for i in system.order if χ[i] is not None and i != k), 0.0
+        )
+        slack = sum(
+            (errors[i] for i in system.order if errors[i] is not None and len(system.ripples[k][i].cosines)), 0.0
+        )
         χ[k], errors[k] = _alone(system.ripples[k][k], goal, slack)
     if system.coupled:
         _together(system, angles, χ, errors)
@@ -141,7 +151,9 @@ def _alone(ripple: Series, goal: Any, slack: Any) -> tuple[Any, Any]:
     low, high = grid[position] + offset, grid[position + 1] + offset
     share = (goal - offset - table[position]) / np.maximum(table[position + 1] - table[position], 1e-300)
     χ = low + (high - low) * np.clip(share, 0, 1)
-    χ, residual, slope = bracketed(lambda x: (x + ripple.ripple(x) - goal, 1 + ripple.value(x) - float(ripple.mean)), χ, low, high)
+    χ, residual, slope = bracketed(
+        lambda x: (x + ripple.ripple(x) - goal, 1 + ripple.value(x) - float(ripple.mean)), χ, low, high
+    )
     size = float(np.sum(np.abs(ripple.cosines.astype(float) / np.arange(1, len(ripple.cosines) + 1))))
     noise = noise + 2 * _EPS * (size + np.pi) + np.abs(residual)
     return χ + shift, noise / np.maximum(slope, _EPS) + _EPS * np.pi
@@ -193,13 +205,27 @@ def _together(system: Torus, angles: list[Any], χ: list[Any], errors: list[Any]
 
 def _residual(system: Torus, goal: Any, x: Any) -> Any:
     block = system.coupled
-    return np.stack([x[row] - goal[row] + sum(system.ripples[k][i].ripple(x[c]) for c, i in enumerate(block)) for row, k in enumerate(block)])
+    return np.stack(
+        [
+            x[row] - goal[row] + sum(system.ripples[k][i].ripple(x[c]) for c, i in enumerate(block))
+            for row, k in enumerate(block)
+        ]
+    )
 
 
 def _jacobian(system: Torus, x: Any) -> Any:
     block = system.coupled
-    return np.stack([np.stack([(row == c) + system.ripples[k][i].value(x[c]) - float(system.ripples[k][i].mean)
-                               for c, i in enumerate(block)]) for row, k in enumerate(block)])
+    return np.stack(
+        [
+            np.stack(
+                [
+                    (row == c) + system.ripples[k][i].value(x[c]) - float(system.ripples[k][i].mean)
+                    for c, i in enumerate(block)
+                ]
+            )
+            for row, k in enumerate(block)
+        ]
+    )
 
 
 def _newton(system: Torus, goal: Any, x: Any, steps: int) -> Any:

@@ -66,7 +66,11 @@ class Jets:
     def power(self, x: Jet, n: int) -> Jet:
         a = self.plain
         slope = a.mul(a.rational(n, 1), a.power(x.value, n - 1)) if n != 1 else a.rational(1, 1)
-        bend = a.mul(a.rational(n * (n - 1), 1), a.power(x.value, n - 2)) if n not in {1, 2} else a.rational(n * (n - 1), 1)
+        bend = (
+            a.mul(a.rational(n * (n - 1), 1), a.power(x.value, n - 2))
+            if n not in {1, 2}
+            else a.rational(n * (n - 1), 1)
+        )
         return self._chain(x, a.power(x.value, n), slope, bend)
 
     def _chain(self, x: Jet, value: Any, slope: Any, bend: Any) -> Jet:
@@ -114,7 +118,13 @@ class Jets:
         """asin, acos, atan, asinh, acosh, atanh: Φ′ = ±w⁻ˢ with w = 1 ± x² or x² − 1, s = 1 or ½."""
         a = self.plain
         one, square = a.rational(1, 1), a.power(x, 2)
-        w = a.sub(square, one) if name == "acosh" else a.add(one, square) if name in {"atan", "asinh"} else a.sub(one, square)
+        w = (
+            a.sub(square, one)
+            if name == "acosh"
+            else a.add(one, square)
+            if name in {"atan", "asinh"}
+            else a.sub(one, square)
+        )
         half = name not in {"atan", "atanh"}
         slope = a.div(one, a.unary("sqrt", w) if half else w)
         turn = a.mul(a.rational(1 if half else 2, 1), a.mul(x, a.div(slope, w)))

@@ -58,7 +58,11 @@ class Way:
         """Return x, the distance left to the end (None for infinity) and dx/dy, none of them by cancellation."""
         call = arithmetic.unary
         if self.end == "infinity":
-            return (self.length * y * y, None, 2 * self.length * y) if self.turning else (self.length * y, None, self.length + 0 * y)
+            return (
+                (self.length * y * y, None, 2 * self.length * y)
+                if self.turning
+                else (self.length * y, None, self.length + 0 * y)
+            )
         if self.end == "boundary":
             if self.turning:
                 sine, cosine = call("sin", y / 2), call("cos", y / 2)
@@ -78,7 +82,13 @@ class Way:
         q = self.start + self.side * x
         if left is not None:
             finish = self.start + self.side * self.length
-            q = np.where(left < x, finish - self.side * left, q) if isinstance(x, np.ndarray) else q if x <= left else finish - self.side * left
+            q = (
+                np.where(left < x, finish - self.side * left, q)
+                if isinstance(x, np.ndarray)
+                else q
+                if x <= left
+                else finish - self.side * left
+            )
         return q, self.side * slope
 
 
@@ -120,7 +130,14 @@ class Panels:
         return x2 / 2 * b1 - b2 + rows[..., 0]
 
 
-def build(way: Way, integrands: Callable[[Any], list[Any]], enough: Callable[[Any, list[Any]], bool], *, digits: int, bits: int) -> Panels:
+def build(
+    way: Way,
+    integrands: Callable[[Any], list[Any]],
+    enough: Callable[[Any, list[Any]], bool],
+    *,
+    digits: int,
+    bits: int,
+) -> Panels:
     """Integrate along a branch, panel by panel.
 
     Args:
@@ -164,8 +181,13 @@ def build(way: Way, integrands: Callable[[Any], list[Any]], enough: Callable[[An
             raise NotConvergedError(f"more than {_MAX_PANELS} panels on the way to {way.end}")
         step = 2 * step if way.end != "asymptote" else min(2 * step, context.mpf(2))
     kind = float if digits <= 15 else object
-    return Panels(np.array(edges, dtype=kind), np.array(values, dtype=kind).transpose(1, 0, 2),
-                  np.array(sums, dtype=kind).transpose(1, 0, 2), nodes, last is not None and y >= last * (1 - 2.0**-40))
+    return Panels(
+        np.array(edges, dtype=kind),
+        np.array(values, dtype=kind).transpose(1, 0, 2),
+        np.array(sums, dtype=kind).transpose(1, 0, 2),
+        nodes,
+        last is not None and y >= last * (1 - 2.0**-40),
+    )
 
 
 def _cosine_table(degree: int, bits: int) -> list[list[Any]]:
@@ -174,7 +196,9 @@ def _cosine_table(degree: int, bits: int) -> list[list[Any]]:
     return [[context.cos(context.pi * k * (2 * m + 1) / (2 * n)) for m in range(n)] for k in range(n)]
 
 
-def _expand(integrands: Callable[[Any], list[Any]], y: Any, step: Any, cosines: list[list[Any]], context: Any) -> list[list[Any]]:
+def _expand(
+    integrands: Callable[[Any], list[Any]], y: Any, step: Any, cosines: list[list[Any]], context: Any
+) -> list[list[Any]]:
     """Chebyshev coefficients on [y, y + step] from values at Chebyshev points."""
     n = len(cosines)
     samples = [integrands(y + step * (1 + x) / 2) for x in cosines[1]]

@@ -67,4 +67,6 @@ class Radicand:
         with np.errstate(all="ignore"):
             sharp = field.add(centre, field.mul(first, field.sub(cell, Interval(middle, middle))))
             value = Interval(np.maximum(value.low, sharp.low), np.minimum(value.high, sharp.high))
-        return Jet(*(Interval(*(np.broadcast_to(end, np.shape(low)) for end in part)) for part in (value, first, second)))
+        return Jet(
+            *(Interval(*(np.broadcast_to(end, np.shape(low)) for end in part)) for part in (value, first, second))
+        )

@@ -32,7 +32,9 @@ def on_torus(system: Torus, χ: list[Any], whole: list[Any], time: list[Any], bi
         goal = [system.starts[k] + system.rates[k] * t - turn * context.convert(float(whole[k][m])) for k in range(n)]
 
         def equations(x: Any, goal: list[Any] = goal) -> tuple[Any, Any]:
-            residual = context.matrix([x[k] - goal[k] + sum(_ripple(system, k, i, x[i]) for i in range(n)) for k in range(n)])
+            residual = context.matrix(
+                [x[k] - goal[k] + sum(_ripple(system, k, i, x[i]) for i in range(n)) for k in range(n)]
+            )
             slopes = context.matrix([[(k == i) + _slope(system, k, i, x[i]) for i in range(n)] for k in range(n)])
             return residual, slopes
 
@@ -52,7 +54,9 @@ def _slope(system: Torus, k: int, i: int, x: Any) -> Any:
     return series.value(x) - series.mean if len(series.cosines) else 0
 
 
-def unbounded(courses: list[Course], equations: int, χ: list[Any], time: list[Any], bits: int) -> tuple[list[Any], list[Any]]:
+def unbounded(
+    courses: list[Course], equations: int, χ: list[Any], time: list[Any], bits: int
+) -> tuple[list[Any], list[Any]]:
     """Refine phases where some coordinate does not come back; arguments as in ``on_torus``."""
     context = multiprecision(bits)
     n = len(courses)
@@ -66,9 +70,17 @@ def unbounded(courses: list[Course], equations: int, χ: list[Any], time: list[A
     for m, t in enumerate(time):
 
         def system(x: Any, t: Any = t) -> tuple[Any, Any]:
-            residual = context.matrix([sum(c.integral(j, single(x[i]))[0] for i, c in enumerate(courses)) - targets[j] - (t if j == 0 else 0)
-                                       for j in range(equations)])
-            slopes = context.matrix([[c.rate(j, single(x[i]))[0] for i, c in enumerate(courses)] for j in range(equations)])
+            residual = context.matrix(
+                [
+                    sum(c.integral(j, single(x[i]))[0] for i, c in enumerate(courses))
+                    - targets[j]
+                    - (t if j == 0 else 0)
+                    for j in range(equations)
+                ]
+            )
+            slopes = context.matrix(
+                [[c.rate(j, single(x[i]))[0] for i, c in enumerate(courses)] for j in range(equations)]
+            )
             return residual, slopes
 
         x, error = _newton(system, [context.convert(float(χ[k][m])) for k in range(n)], context, bits)

@@ -8,7 +8,7 @@ and ∫ c₀ + Σ cₖ cos kχ dχ = c₀ χ + Σ (cₖ/k) sin kχ is an explici
 
 from __future__ import annotations
 
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 from functools import cache
 from typing import Any
@@ -16,7 +16,7 @@ from typing import Any
 import numpy as np
 
 from hjsolve.errors import NotConvergedError
-from hjsolve.numeric.arithmetic import Multi, multiprecision
+from hjsolve.numeric.arithmetic import multiprecision
 
 MAX_NODES = 1536
 
@@ -73,8 +73,13 @@ def combine(weights: list[Any], series: list[Series]) -> Series:
         return result
 
     sines = [(w, s.sines) for w, s in terms if s.sines is not None]
-    return Series(sum(w * s.mean for w, s in terms), total([(w, s.cosines) for w, s in terms]), total(sines) if sines else None,
-                  max(s.nodes for _, s in terms), max(s.tail for _, s in terms))
+    return Series(
+        sum(w * s.mean for w, s in terms),
+        total([(w, s.cosines) for w, s in terms]),
+        total(sines) if sines else None,
+        max(s.nodes for _, s in terms),
+        max(s.tail for _, s in terms),
+    )
 
 
 def zero() -> Series:
@@ -87,7 +92,9 @@ def constant(value: Any) -> Series:
     return Series(value, np.zeros(0), None, 1, 0.0)
 
 
-def fit(function: Callable[[Any], list[Any]], *, even: bool, digits: int, bits: int) -> list[Series]:
+def fit(
+    function: Callable[[Any], list[Any]], *, even: bool, digits: int, bits: int, floors: Sequence[float] = ()
+) -> list[Series]:
     """Represent periodic functions by series, with as many nodes as their own decay asks for.
 
     Args:
@@ -95,6 +102,7 @@ def fit(function: Callable[[Any], list[Any]], *, even: bool, digits: int, bits: 
         even: True when all are even in χ: half the nodes serve.
         digits: relative digits wanted (of the largest value of each).
         bits: working precision.
+        floors: size below which a function counts as that size (1 for a logarithm), one a function.
 
     Raises:
         NotConvergedError: ``MAX_NODES`` were not enough; a zero or pole of p² lies close to the path.
@@ -102,51 +110,77 @@ def fit(function: Callable[[Any], list[Any]], *, even: bool, digits: int, bits: 
     goal = 10.0 ** -(digits + 1)
     nodes = 12
     while True:
-        series = trial(function, even=even, nodes=nodes, bits=bits, digits=digits)
+        series = trial(function, even=even, nodes=nodes, bits=bits, digits=digits, floors=floors)
         tail = max((s.tail for s in series), default=0.0)
         if tail <= goal:
             return series
         if nodes >= MAX_NODES:
-            raise NotConvergedError(f"{nodes} nodes reached {tail:.1e} only: a zero or pole of p² lies close to the motion")
+            raise NotConvergedError(
+                f"{nodes} nodes reached {tail:.1e} only: a zero or pole of p² lies close to the motion"
+            )
         needed = 2 + (nodes - 2) * np.log(goal) / np.log(max(tail, 1e-300)) if tail < 0.1 else 2.0 * nodes
         nodes = int(min(max(nodes + 2, needed), 3 * nodes, MAX_NODES)) + 1
 
 
-def trial(function: Callable[[Any], list[Any]], *, even: bool, nodes: int, bits: int, digits: int = 15) -> list[Series]:
+def trial(
+    function: Callable[[Any], list[Any]],
+    *,
+    even: bool,
+    nodes: int,
+    bits: int,
+    digits: int = 15,
+    floors: Sequence[float] = (),
+) -> list[Series]:
     """Represent periodic functions by series with a given number of nodes; arguments as in ``fit``."""
     context = multiprecision(bits)
     step = context.pi / nodes if even else 2 * context.pi / nodes
     rows = [function(step * (2 * m + 1) / 2) for m in range(nodes)]
-    return [_one([row[j] for row in rows], even, digits, bits) for j in range(len(rows[0]))]
+    floors = floors or [0.0] * len(rows[0])
+    return [_one([row[j] for row in rows], even, digits, bits, floors[j]) for j in range(len(rows[0]))]
 
 
-def _one(values: list[Any], even: bool, digits: int, bits: int) -> Series:
+def _one(values: list[Any], even: bool, digits: int, bits: int, floor: float) -> Series:
     """Discrete cosine (or Fourier) transform of values at midpoints, and the size of its last terms."""
     if values[0] is None:
         return zero()
     context, nodes = multiprecision(bits), len(values)
     mean = context.fsum(values) / nodes
-    largest = max(abs(v) for v in values)
+    largest = max(floor, *(abs(v) for v in values))
     rest = [v - mean for v in values]
     if not largest or max(abs(v) for v in rest) <= largest * context.mpf(10) ** -(digits + 8):
         return constant(mean)
     top = nodes if even else (nodes + 1) // 2
     table = _angles(nodes, even, bits)
-    tail = max(abs(_coefficient(rest, k, table, even)[part]) for k in range(max(1, top - 2), top) for part in (0, 1)) / largest
+    tail = (
+        max(abs(_coefficient(rest, k, table, even)[part]) for k in range(max(1, top - 2), top) for part in (0, 1))
+        / largest
+    )
     if digits > 15:
         pairs = [_coefficient(rest, k, table, even) for k in range(1, top)]
         cosines, sines = (np.array(part, dtype=object) for part in zip(*pairs, strict=True))
     else:
-        angle = (np.pi / nodes if even else 2 * np.pi / nodes) * (np.arange(nodes) + 0.5)
-        waves = np.exp(1j * np.outer(np.arange(1, top), angle))
-        transformed = 2 / nodes * (waves @ np.array([float(v) for v in rest]))
-        cosines, sines = transformed.real, transformed.imag
+        cosines, sines = _transform(rest, top, table)
     return Series(mean, cosines, None if even else sines, nodes, float(tail))
+
+
+def _transform(values: list[Any], top: int, table: list[tuple[Any, Any]]) -> tuple[Any, Any]:
+    """Coefficients 1 … top − 1 in doubles, summed in extended precision: rounding must not pile up over the terms."""
+    nodes = len(values)
+    index = np.outer(np.arange(1, top), 2 * np.arange(nodes) + 1) % len(table)
+    samples = np.array([_extended(v) for v in values])
+    cosine, sine = (np.array([_extended(pair[part]) for pair in table])[index] @ samples for part in (0, 1))
+    return (2 / np.longdouble(nodes) * cosine).astype(float), (2 / np.longdouble(nodes) * sine).astype(float)
+
+
+def _extended(value: Any) -> Any:
+    """Round to the platform's long double."""
+    high = float(value)
+    return np.longdouble(high) + np.longdouble(float(value - high))
 
 
 @cache
 def _angles(nodes: int, even: bool, bits: int) -> list[tuple[Any, Any]]:
-    """cos and sin of all multiples of half a step."""
+    """Cos and sin of all multiples of half a step."""
     context = multiprecision(bits)
     step = context.pi / (2 * nodes) if even else context.pi / nodes
     return [context.cos_sin(step * i) for i in range(4 * nodes if even else 2 * nodes)]

@@ -11,9 +11,7 @@ from collections.abc import Sequence
 from dataclasses import dataclass
 from typing import Any, Protocol
 
-UNARY = (
-    "neg sqrt exp log sin cos tan asin acos atan sinh cosh tanh asinh acosh atanh abs".split()
-)
+UNARY = ["neg", "sqrt", "exp", "log", "sin", "cos", "tan", "asin", "acos", "atan", "sinh", "cosh", "tanh", "asinh", "acosh", "atanh", "abs"]
 """Operation codes with one argument."""
 
 

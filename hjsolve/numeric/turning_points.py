@@ -20,6 +20,7 @@ from hjsolve.numeric.radicand import Number, Radicand
 
 EndKind = Literal["turning", "asymptote", "boundary", "infinity", "round"]
 _LAST_BITS = 2048
+_MOST_BITS = 65536
 _DEPTH = 40
 
 
@@ -134,8 +135,10 @@ def _search(ray: Ray, cell: tuple[float, float], enclosure: Any, depth: int, dig
     if slope_low > 0 or slope_high < 0 or bend_low > 0 or bend_high < 0:
         return _settle(ray, cell, digits)
     if depth > _DEPTH:
-        raise NotConvergedError(f"p² could not be decided near q = {float(ray.place(cell[0], 128)):.15g}: it may have a zero of "
-                                "high multiplicity there")
+        raise NotConvergedError(
+            f"p² could not be decided near q = {float(ray.place(cell[0], 128)):.15g}: it may have a zero of "
+            "high multiplicity there"
+        )
     parts = 8 if depth < 4 else 2
     edges = np.linspace(*cell, parts + 1)
     if len(set(edges)) < parts + 1:
@@ -178,16 +181,25 @@ def _critical(ray: Ray, x0: Any, x1: Any, bits: int) -> Any:
 
 
 def _turning(ray: Ray, x0: Any, x1: Any, digits: int) -> End:
-    """A simple zero of F in a cell where F is monotone."""
+    """A simple zero of F in a cell where F is monotone.
+
+    Its place is checked by F itself with twice the digits, F/F′ being the error left; what cancellation took away
+    (a small amplitude about a deep minimum, two zeros close together) is made up by a higher precision.
+    """
 
     def place(bits: int) -> Any:
         extra = bits + 64
-        while True:
+        while extra <= _MOST_BITS:
             x = _bracketed(lambda y: ray.jet(y, extra)[:2], x0, x1, extra)
-            lost = multiprecision(extra).log(abs(ray.origin(extra)) / x + 1, 2) if x else 0
-            if extra >= bits + 32 + 2 * lost:
-                return ray.place(x, extra)
-            extra = int(bits + 64 + 2 * lost)
+            f, slope, _ = ray.jet(x, 2 * extra)
+            if not f or abs(f) <= abs(slope * x) * multiprecision(64).mpf(2) ** -(bits + 32):
+                return ray.place(x, 2 * extra)
+            left = float(multiprecision(64).log(abs(f / (slope * x)), 2)) if slope else 0.0
+            extra += max(64, int(bits + 48 + left))
+        raise NotConvergedError(
+            f"the turning point near q = {float(ray.place(x1, 128)):.15g} could not be had to {digits} digits: "
+            "p² is too flat there"
+        )
 
     return End("turning", place)
 

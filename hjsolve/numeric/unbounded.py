@@ -100,7 +100,7 @@ def phases(scheme: Plan, time: tuple[Any, Any]) -> tuple[list[Any], list[Any], l
     """
     t = time[0] + time[1]
     span = 2 * float(np.max(np.abs(t), initial=1e-3)) + 1e-300
-    courses = [_reaching(c, scheme, span, i) for i, c in enumerate(scheme.courses)]
+    courses = [reaching(c, scheme, span, i) for i, c in enumerate(scheme.courses)]
     targets = _targets(courses, scheme.equations)
     n = len(courses)
     χ: list[Any] = [None] * n
@@ -111,22 +111,31 @@ def phases(scheme: Plan, time: tuple[Any, Any]) -> tuple[list[Any], list[Any], l
         known = [(l, c) for l, c in enumerate(courses) if χ[l] is not None]
         value, slack = _right_side(step, targets, known, χ, errors, t)
         own = step.weights[0] if not known else 0.0
-        χ[step.index], whole[step.index], errors[step.index], gone = _solve(courses[step.index], step.weights, value, slack, own, time)
+        χ[step.index], whole[step.index], errors[step.index], gone = _solve(
+            courses[step.index], step.weights, value, slack, own, time
+        )
         ended |= gone
     if scheme.coupled:
         _march(courses, scheme, targets, t, χ, errors, ended)
     return χ, whole, errors, ended
 
 
-def _reaching(course: Course, scheme: Plan, span: float, i: int) -> Course:
+def reaching(course: Course, scheme: Plan, span: float, i: int) -> Course:
     """Let an open course hold enough panels for a time span: of its own clock, or of its part of the time."""
     if not isinstance(course, Open):
         return course
-    weights = next((s.weights for s in scheme.steps if s.index == i), tuple(float(j == 0) for j in range(scheme.equations)))
+    weights = next(
+        (s.weights for s in scheme.steps if s.index == i), tuple(float(j == 0) for j in range(scheme.equations))
+    )
     begin = replace(course, reach=(None, max(4.0, 2 * abs(float(course.start)))))
-    here = sum(abs(w * float(begin.integral(j, np.array([float(course.start)]))[0])) for j, w in enumerate(weights) if w)
+    here = sum(
+        abs(w * float(begin.integral(j, np.array([float(course.start)]))[0])) for j, w in enumerate(weights) if w
+    )
     others = 1.0 if weights[0] or len(scheme.courses) == 1 else 64.0
-    return replace(course, reach=(weights, here + others * span * max(abs(weights[0]), 1e-300) if weights[0] else here + others * span))
+    return replace(
+        course,
+        reach=(weights, here + others * span * max(abs(weights[0]), 1e-300) if weights[0] else here + others * span),
+    )
 
 
 def _targets(courses: list[Course], n: int) -> list[float]:
@@ -134,7 +143,9 @@ def _targets(courses: list[Course], n: int) -> list[float]:
     return [sum(float(np.asarray(c.integral(j, np.array([float(c.start)])))[0]) for c in courses) for j in range(n)]
 
 
-def _right_side(step: Step, targets: list[float], known: list[tuple[int, Course]], χ: list[Any], errors: list[Any], t: Any) -> tuple[Any, Any]:
+def _right_side(
+    step: Step, targets: list[float], known: list[tuple[int, Course]], χ: list[Any], errors: list[Any], t: Any
+) -> tuple[Any, Any]:
     value = sum(w * c for w, c in zip(step.weights, targets, strict=True)) + step.weights[0] * t
     slack = 0.0 * t
     for l, course in known:
@@ -145,7 +156,9 @@ def _right_side(step: Step, targets: list[float], known: list[tuple[int, Course]
     return value, slack
 
 
-def _solve(course: Course, weights: tuple[float, ...], value: Any, slack: Any, own: float, time: tuple[Any, Any]) -> tuple[Any, Any, Any, Any]:
+def _solve(
+    course: Course, weights: tuple[float, ...], value: Any, slack: Any, own: float, time: tuple[Any, Any]
+) -> tuple[Any, Any, Any, Any]:
     """Solve Σ wⱼ Gⱼ(χ) = value for one coordinate."""
     never = np.zeros(value.shape, dtype=bool)
     if isinstance(course, Bounded):
@@ -178,9 +191,17 @@ def _solve_open(course: Open, weights: tuple[float, ...], value: Any, slack: Any
     low, high = edges[position], edges[position + 1]
     floor, ceiling = course.limits()
     if not np.isfinite(ceiling):
-        high = np.where(goal > levels[-1], edges[-1] + 2 + 2 * (goal - levels[-1]) / np.abs(course.rate_sum(weights, edges[-1:]))[0], high)
+        high = np.where(
+            goal > levels[-1],
+            edges[-1] + 2 + 2 * (goal - levels[-1]) / np.abs(course.rate_sum(weights, edges[-1:]))[0],
+            high,
+        )
     if not np.isfinite(floor):
-        low = np.where(goal < levels[0], edges[0] - 2 - 2 * (levels[0] - goal) / np.abs(course.rate_sum(weights, edges[:1]))[0], low)
+        low = np.where(
+            goal < levels[0],
+            edges[0] - 2 - 2 * (levels[0] - goal) / np.abs(course.rate_sum(weights, edges[:1]))[0],
+            low,
+        )
     ended = ((goal > levels[-1]) & np.isfinite(ceiling)) | ((goal < levels[0]) & np.isfinite(floor))
 
     def equation(χ: Any) -> tuple[Any, Any]:
@@ -192,7 +213,9 @@ def _solve_open(course: Open, weights: tuple[float, ...], value: Any, slack: Any
     return χ, 0.0 * value, noise / np.maximum(np.abs(slope), 1e-300) + 2 * _EPS * np.abs(χ), ended
 
 
-def _march(courses: list[Course], scheme: Plan, targets: list[float], t: Any, χ: list[Any], errors: list[Any], ended: Any) -> None:
+def _march(
+    courses: list[Course], scheme: Plan, targets: list[float], t: Any, χ: list[Any], errors: list[Any], ended: Any
+) -> None:
     """Follow the coupled coordinates from t₀ through the sorted times, Newton's method at every step."""
     block = scheme.coupled
     begin = np.array([float(courses[i].start) for i in block])
@@ -203,7 +226,9 @@ def _march(courses: list[Course], scheme: Plan, targets: list[float], t: Any, χ
         state, now = begin.copy(), 0.0
         chosen = np.where(direction * t >= 0)[0] if direction == 1 else np.where(t < 0)[0]
         for m in chosen[np.argsort(direction * t[chosen])]:
-            equations = _Equations(courses, scheme, targets, {l: float(χ[l][m]) for l in range(len(courses)) if χ[l] is not None})
+            equations = _Equations(
+                courses, scheme, targets, {l: float(χ[l][m]) for l in range(len(courses)) if χ[l] is not None}
+            )
             state, now = equations.advance(state, now, float(t[m]), limits)
             found[:, m] = state
             bounds[:, m] = equations.bound(state, now)
@@ -266,6 +291,7 @@ class _Equations:
     def bound(self, x: Any, t: float) -> Any:
         """Bound the error of a solution from its residual and the rounding of the sums."""
         residual, jacobian = self._evaluate(x, t)
-        noise = np.abs(residual) + 4 * _EPS * (np.abs(self.targets) + abs(t) * (np.arange(len(residual)) == 0) + np.abs(jacobian) @ np.abs(x))
+        noise = np.abs(residual) + 4 * _EPS * (
+            np.abs(self.targets) + abs(t) * (np.arange(len(residual)) == 0) + np.abs(jacobian) @ np.abs(x)
+        )
         return np.abs(np.linalg.pinv(jacobian)) @ noise + 2 * _EPS * np.abs(x)
-

@@ -1,0 +1,199 @@
+"""Many times at once: positions from a table of the inverted time law, each quantity only when it is read.
+
+It serves motions with one separated coordinate (all others ignorable), in double precision. The table is made
+once per motion from the same regular integrals (``numeric/ephemeris``).
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Iterator, Mapping
+from dataclasses import dataclass
+from functools import lru_cache
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+
+from hjsolve.errors import NotConvergedError
+from hjsolve.numeric.course import Bounded, Open
+from hjsolve.numeric.double import split, turns
+from hjsolve.numeric.ephemeris import Table, tabulate
+from hjsolve.numeric.inverse import Torus, oscillation
+from hjsolve.numeric.series import Series
+from hjsolve.numeric.unbounded import Plan, reaching
+from hjsolve.trajectory.positions import constant_index
+
+if TYPE_CHECKING:
+    from hjsolve.motion import Motion
+
+FEWEST = 2048
+"""Below this many times a table does not pay."""
+
+
+class OnDemand(Mapping[str, Any]):
+    """A mapping whose values are worked out when they are first read."""
+
+    def __init__(self, names: tuple[str, ...], compute: Callable[[str], Any]):
+        self._names, self._compute, self._known = names, compute, dict[str, Any]()
+
+    def __getitem__(self, name: str) -> Any:
+        if name not in self._names:
+            raise KeyError(name)
+        if name not in self._known:
+            self._known[name] = self._compute(name)
+        return self._known[name]
+
+    def __iter__(self) -> Iterator[str]:
+        return iter(self._names)
+
+    def __len__(self) -> int:
+        return len(self._names)
+
+    def __repr__(self) -> str:
+        return f"OnDemand({', '.join(self._names)})"
+
+
+@dataclass(frozen=True, eq=False)
+class Dense:
+    """A motion as a table.
+
+    Attributes:
+        table: quantities 0: q, 1: shell momentum, then the oscillation of each ignorable coordinate.
+        waves: ignorable coordinates in the table's order, and their oscillation at the start.
+        period: True where the argument is an angle variable, to be reduced to one turn.
+        first: least argument of a table that is not folded.
+    """
+
+    table: Table
+    waves: Mapping[str, tuple[int, float]]
+    period: bool
+    first: float
+
+    def argument(self, motion: Motion, time: tuple[Any, Any]) -> tuple[Any, Any, Any]:
+        """Return the table's argument, the whole turns, and where the motion has ended, at times relative to t₀."""
+        equations = motion.equations
+        if self.period:
+            assert isinstance(equations, Torus)
+            turn = 2 * equations.rates[0].context.pi
+            whole, rest = turns(split(equations.rates[0] / turn), time, split(equations.starts[0] / turn))
+            θ = 2 * np.pi * rest
+            if not self.table.even:
+                behind, beyond = θ < self.first, θ >= self.first + 2 * np.pi
+                θ = θ + 2 * np.pi * (behind.astype(float) - beyond)
+                whole = whole - behind + beyond
+            return θ, whole, np.zeros(θ.shape, dtype=bool)
+        assert isinstance(equations, Plan)
+        course = equations.courses[0]
+        begin = float(np.ravel(course.integral(0, np.array([float(course.start)])))[0])
+        value = (time[0] + begin) + time[1]
+        low = -self.table.edges[-1] if self.table.even else self.table.edges[0]
+        return (
+            np.clip(value, low, self.table.edges[-1]),
+            np.zeros(value.shape),
+            _ended(course, value, low, self.table.edges[-1]),
+        )
+
+
+def _ended(course: Any, value: Any, low: float, high: float) -> Any:
+    floor, ceiling = course.limits()
+    return ((value > high) & np.isfinite(ceiling)) | ((value < low) & np.isfinite(floor))
+
+
+def dense(motion: Motion, span: float) -> Dense | None:
+    """Return the table of a motion that reaches over a time span; None where a table does not serve."""
+    equations = motion.equations
+    if motion.digits > 15 or equations is None or len(equations.courses) != 1:
+        return None
+    try:
+        if isinstance(equations, Torus):
+            return _bounded(motion) if isinstance(equations.courses[0], Bounded) else None
+        return (
+            _open(motion, int(np.ceil(np.log2(max(span, 1e-290))))) if isinstance(equations.courses[0], Open) else None
+        )
+    except NotConvergedError:
+        return None
+
+
+@lru_cache(maxsize=8)
+def _bounded(motion: Motion) -> Dense:
+    equations = motion.equations
+    assert isinstance(equations, Torus)
+    course = equations.courses[0]
+    assert isinstance(course, Bounded)
+    mean = float(course.kernels[0].mean)
+    names = [c.name for c in motion.solution.system.coordinates if c.name not in motion.located]
+    series = [oscillation(equations, 0, constant_index(motion, n)) for n in names]
+    even = (True, False, *(False for _ in names)) if course.anomaly.even else ()
+    edges = np.linspace(0 if even else -np.pi, np.pi, 17)
+    first = (
+        0.0
+        if even
+        else float(
+            -np.pi
+            + (equations.ripples[0][0].ripple(np.array([-np.pi]))[0] if len(equations.ripples[0][0].cosines) else 0.0)
+        )
+    )
+
+    def outputs(χ: Any) -> list[Any]:
+        return [*course.place(χ), *(_wave(s, χ) for s in series)]
+
+    table = tabulate(
+        edges,
+        lambda χ: course.pace((1.0,), χ) / mean,
+        outputs,
+        [_scale(motion), None, *(np.pi for _ in names)],
+        even=even,
+        origin=first,
+        total=np.pi if even else 2 * np.pi,
+    )
+    begin = np.array([float(course.start)])
+    waves = {name: (2 + k, float(_wave(s, begin)[0])) for k, (name, s) in enumerate(zip(names, series, strict=True))}
+    return Dense(table, waves, True, first)
+
+
+def _wave(series: Series, χ: Any) -> Any:
+    return series.ripple(χ) if len(series.cosines) else 0 * χ
+
+
+def _scale(motion: Motion) -> float:
+    """Size below which q needs no relative accuracy: 0 unless it passes through zero."""
+    name = motion.solution.coordinates[0]
+    ends = motion.turning_points.get(name)
+    if ends is None:
+        return float(np.pi)
+    values = [float(e.value) for e in ends if e is not None]
+    domain = motion.solution.system.coordinate(name).domain
+    positive = domain.lower is not None and domain.lower == 0
+    return 0.0 if positive or (len(values) == 2 and values[0] * values[1] > 0) else max(abs(v) for v in values)
+
+
+@lru_cache(maxsize=8)
+def _open(motion: Motion, power: int) -> Dense:
+    equations = motion.equations
+    assert isinstance(equations, Plan)
+    course = reaching(equations.courses[0], equations, 2.0**power, 0)
+    assert isinstance(course, Open)
+    folded = course.ahead is course.behind
+    edges = course.edges()
+    names = [c.name for c in motion.solution.system.coordinates if c.name not in motion.located]
+    indices = [constant_index(motion, n) for n in names]
+    even = (True, False, *(False for _ in names)) if folded else ()
+
+    def outputs(y: Any) -> list[Any]:
+        return [*course.place(y), *(-course.integral(j, y) for j in indices)]
+
+    used = edges[edges >= 0] if folded else edges
+    first = 0.0 if folded else float(course.integral(0, edges[:1])[0])
+    table = tabulate(
+        used,
+        lambda y: course.rate(0, y),
+        outputs,
+        [_scale(motion), None, *(np.pi for _ in names)],
+        even=even,
+        origin=first,
+    )
+    begin = np.array([float(course.start)])
+    waves = {
+        name: (2 + k, float(-np.ravel(course.integral(j, begin))[0]))
+        for k, (name, j) in enumerate(zip(names, indices, strict=True))
+    }
+    return Dense(table, waves, False, first)

@@ -1,0 +1,117 @@
+"""The phases of a motion at given times: Jacobi's equations inverted, in doubles or in many digits."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from dataclasses import dataclass
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+
+from hjsolve.expressions import number
+from hjsolve.initial import to_bits
+from hjsolve.numeric import inverse, refine, unbounded
+from hjsolve.numeric.arithmetic import multiprecision
+from hjsolve.numeric.clock import halves, relative, relative_exact
+from hjsolve.numeric.course import Course, Open
+
+if TYPE_CHECKING:
+    from hjsolve.motion import Motion
+
+
+@dataclass(frozen=True)
+class Phases:
+    """Phases of all separated coordinates at given times.
+
+    Attributes:
+        time: t − t₀ as two doubles, shape (m,).
+        exact: t − t₀ in many digits, or None in double precision.
+        χ, whole, errors: one array a coordinate, shape (m,).
+        ended: True where the motion has ended before.
+    """
+
+    time: tuple[Any, Any]
+    exact: list[Any] | None
+    χ: list[Any]
+    whole: list[Any]
+    errors: list[Any]
+    ended: Any
+
+
+def phases_at(motion: Motion, floats: Any | None, exact: list[Any], time: tuple[Any, Any] | None = None) -> Phases:
+    """Solve Jacobi's equations at the times t (or at times relative to t₀ already)."""
+    start = to_bits(motion.t0)
+    many = motion.digits > 15
+    bits = int(3.33 * motion.digits) + 96
+    if many:
+        largest = max(
+            (abs(float(x(64))) for x in exact),
+            default=float(np.max(np.abs(floats), initial=0.0)) if floats is not None else 0.0,
+        )
+        rate = max((abs(f.value) for f in motion.frequencies.values()), default=0.0)
+        bits += max(0, int(np.log2(largest * float(rate) + 1.0)))
+    rules = exact if floats is None else [_rule(x) for x in floats] if many else []
+    precise = relative_exact(rules, start, bits) if rules else None
+    if time is None:
+        time = relative(floats, start) if floats is not None else halves(precise or [])
+    χ, whole, errors, ended = solve(motion, time)
+    if many and precise is not None:
+        χ, errors = _refined(motion, χ, whole, precise, bits)
+    return Phases(time, precise if many else None, χ, whole, errors, ended)
+
+
+def read_times(t: Any) -> tuple[tuple[int, ...] | None, Any | None, list[Any]]:
+    """Return shape (None for a scalar), a float array where all times are floats or small ints, and exact rules."""
+    array = np.asarray(t) if not isinstance(t, str) else np.array(t, dtype=object)
+    shape = None if array.ndim == 0 else array.shape
+    flat = array.ravel()
+    if array.dtype.kind == "f" and array.dtype.itemsize <= 8 and np.isfinite(flat).all():
+        floats = flat.astype(float)
+        return shape, floats, []
+    return shape, None, [to_bits(number(x.item() if hasattr(x, "item") else x, source="t")) for x in flat]
+
+
+def solve(motion: Motion, time: tuple[Any, Any]) -> tuple[list[Any], list[Any], list[Any], Any]:
+    """Return phases, whole turns, error bounds and "has ended" at times relative to t₀ (two doubles, shape (m,))."""
+    never = np.zeros(time[0].shape, dtype=bool)
+    if motion.equations is None:
+        return [], [], [], never
+    if isinstance(motion.equations, inverse.Torus):
+        return *inverse.phases(motion.equations, time), never
+    return unbounded.phases(motion.equations, time)
+
+
+def _refined(
+    motion: Motion, χ: list[Any], whole: list[Any], precise: list[Any], bits: int
+) -> tuple[list[Any], list[Any]]:
+    if motion.equations is None:
+        return χ, []
+    if isinstance(motion.equations, inverse.Torus):
+        return refine.on_torus(motion.equations, χ, whole, precise, bits)
+    full = [phase + 2 * np.pi * n for phase, n in zip(χ, whole, strict=True)]
+    courses = [with_reach(c, x) for c, x in zip(motion.equations.courses, full, strict=True)]
+    return refine.unbounded(courses, motion.equations.equations, full, precise, bits)
+
+
+def with_reach(course: Course, χ: Any) -> Course:
+    if not isinstance(course, Open):
+        return course
+    return Open(
+        course.kind,
+        course.ahead,
+        course.behind,
+        course.start,
+        (None, 2 * max(1.0, float(np.max(np.abs(χ), initial=0)), abs(float(course.start)))),
+    )
+
+
+def courses_of(motion: Motion, phases: Phases) -> list[Course]:
+    """The courses, reaching as far as the phases need."""
+    if motion.equations is None:
+        return []
+    return [with_reach(c, x) for c, x in zip(motion.equations.courses, phases.χ, strict=True)]
+
+
+def _rule(x: float) -> Callable[[int], Any]:
+    """A float as the exact number it is."""
+    return lambda bits: multiprecision(bits).convert(float(x))

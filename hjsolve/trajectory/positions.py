@@ -1,0 +1,175 @@
+"""From phases to positions and momenta: separated coordinates from their courses, ignorable ones from Greenwood (5-83)."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from functools import lru_cache
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+import sympy as sp
+
+from hjsolve.initial import to_bits
+from hjsolve.lowering import lower
+from hjsolve.numeric.arithmetic import Float64, Multi, multiprecision
+from hjsolve.numeric.course import Bounded, arithmetic_of
+from hjsolve.numeric.double import split, turns
+from hjsolve.numeric.inverse import Torus, mean_rate, oscillation
+from hjsolve.numeric.series import Series
+from hjsolve.numeric.tape import Tape
+from hjsolve.system import velocities
+from hjsolve.trajectory.phases import Phases, courses_of
+
+if TYPE_CHECKING:
+    from hjsolve.motion import Motion
+
+
+def constant_index(motion: Motion, name: str) -> int:
+    """Return the place of an ignorable coordinate's momentum among the constants."""
+    return list(motion.solution.constants).index(motion.solution.system.coordinate(name).momentum.name)
+
+
+def positions(motion: Motion, phases: Phases) -> tuple[dict[str, Any], dict[str, Any], dict[str, Any]]:
+    """q, canonical p, and whole turns of the angles."""
+    q, shell, whole = {}, {}, {}
+    for name, course, χ, n in zip(
+        motion.solution.coordinates, courses_of(motion, phases), phases.χ, phases.whole, strict=True
+    ):
+        q[name], shell[name] = course.place(χ)
+        rotating = isinstance(course, Bounded) and not course.anomaly.even
+        whole[name] = course.anomaly.direction * n if rotating else 0 * n  # type: ignore[union-attr]
+    for coordinate in motion.solution.system.coordinates:
+        if coordinate.name not in q:
+            q[coordinate.name], whole[coordinate.name] = _ignorable(motion, phases, coordinate.name, q)
+    p = canonical_momenta(motion, q, shell, [c.name for c in motion.solution.system.coordinates])
+    for coordinate in motion.solution.system.coordinates:
+        if coordinate.domain.kind == "angle":
+            q[coordinate.name], more = principal(q[coordinate.name])
+            whole[coordinate.name] = whole[coordinate.name] + more
+        else:
+            whole.pop(coordinate.name)
+    names = [c.name for c in motion.solution.system.coordinates]
+    return {n: q[n] for n in names}, p, {n: whole[n] for n in names if n in whole}
+
+
+def principal(angle: Any) -> tuple[Any, Any]:
+    """Reduce to (−π, π] and count the turns taken away."""
+    arithmetic = arithmetic_of(angle)
+    if isinstance(arithmetic, Float64):
+        n = np.ceil((angle - np.pi) / (2 * np.pi))
+        return np.where(n == 0, angle, angle - 2 * np.pi * n), n
+    context, turn = arithmetic.context, 2 * arithmetic.pi()
+    n = np.array([int(context.ceil((x - context.pi) / turn)) for x in angle])
+    return np.array([x - turn * int(k) for x, k in zip(angle, n, strict=True)], dtype=object), n
+
+
+def canonical_momenta(
+    motion: Motion, q: Mapping[str, Any], shell: Mapping[str, Any], wanted: list[str]
+) -> dict[str, Any]:
+    """Canonical momenta: p = P − A for separated coordinates, the constants for ignorable ones."""
+    solution = motion.solution
+    result = {}
+    for coordinate in solution.system.coordinates:
+        name = coordinate.name
+        if name not in wanted:
+            continue
+        if name in shell:
+            A = solution.shift[name]
+            result[name] = shell[name] if A == 0 else shell[name] - evaluate(motion, (A,), q, {})[0]
+        else:
+            constant = to_bits(motion.initial.values[coordinate.momentum])(int(3.33 * motion.digits) + 64)
+            some = next(iter(q.values()))
+            result[name] = (float(constant) if some.dtype != object else constant) + 0 * some
+    return result
+
+
+def coordinate_velocities(motion: Motion, q: Mapping[str, Any], p: Mapping[str, Any]) -> dict[str, Any]:
+    formulas = velocities(motion.solution.system)
+    return dict(zip(formulas, evaluate(motion, tuple(formulas.values()), q, p), strict=True))
+
+
+@lru_cache(maxsize=64)
+def _tape(formulas: tuple[sp.Expr, ...], arguments: tuple[sp.Symbol, ...]) -> Tape:
+    return lower(formulas, arguments)
+
+
+def evaluate(motion: Motion, formulas: tuple[sp.Expr, ...], q: Mapping[str, Any], p: Mapping[str, Any]) -> list[Any]:
+    """Evaluate formulas in coordinates, momenta, constants and parameters along the motion."""
+    system = motion.solution.system
+    variables = [c.symbol for c in system.coordinates if c.name in q] + [
+        c.momentum for c in system.coordinates if c.name in p
+    ]
+    arrays = [q[c.name] for c in system.coordinates if c.name in q] + [
+        p[c.name] for c in system.coordinates if c.name in p
+    ]
+    fixed = {s: v for s, v in motion.initial.values.items() if s not in variables}
+    tape = _tape(tuple(formulas), tuple(variables) + tuple(fixed))
+    many = arrays[0].dtype == object
+    bits = arrays[0].flat[0].context.prec if many else 64
+    numbers = [to_bits(v)(bits) if many else float(to_bits(v)(64)) for v in fixed.values()]
+    if many:
+        rows = [tape.run(Multi(bits), [*row, *numbers]) for row in zip(*arrays, strict=True)]
+        return [np.array(column, dtype=object) for column in zip(*rows, strict=True)]
+    with np.errstate(all="ignore"):
+        return [np.broadcast_to(value, arrays[0].shape) for value in tape.run(Float64(), [*arrays, *numbers])]
+
+
+def _ignorable(motion: Motion, phases: Phases, name: str, q: Mapping[str, Any]) -> tuple[Any, Any]:
+    """φ(t) = φ₀ − Σᵢ [Gᵢ(χᵢ) − Gᵢ(χᵢ⁰)] + ∂χ/∂c: Greenwood (5-83). On a torus the mean growth is reduced exactly."""
+    solution, equations = motion.solution, motion.equations
+    coordinate = solution.system.coordinate(name)
+    begin = to_bits(motion.initial.values[coordinate.symbol])
+    if equations is None:
+        rate = to_bits(sp.diff(solution.separation.shell.potential, coordinate.momentum).subs(motion.initial.values))(
+            256
+        )
+        return grown(begin, rate, phases.time, phases.exact, coordinate.domain.kind == "angle", 0)
+    j = constant_index(motion, name)
+    gauge = gauge_angle(motion, coordinate.momentum, q)
+    if isinstance(equations, Torus):
+        wave = gauge
+        for i, course in enumerate(equations.courses):
+            series = oscillation(equations, i, j)
+            if len(series.cosines):
+                wave = wave + _rise(series, phases.χ[i], course.start)
+        return grown(begin, mean_rate(equations, j), phases.time, phases.exact, coordinate.domain.kind == "angle", wave)
+    total = gauge
+    for course, χ, n in zip(courses_of(motion, phases), phases.χ, phases.whole, strict=True):
+        first = np.array([course.start], dtype=object) if χ.dtype == object else np.array([float(course.start)])
+        total = total - (course.integral(j, χ) - course.integral(j, first)[0])
+        if isinstance(course, Bounded) and n.any():
+            total = total - 2 * np.pi * n * float(course.growth(j))
+    return grown(begin, 0, phases.time, phases.exact, True, total)
+
+
+def _rise(series: Series, χ: Any, start: Any) -> Any:
+    """Ripple at χ minus ripple at the start."""
+    if χ.dtype == object:
+        return np.array([series.ripple(x) for x in χ], dtype=object) - series.ripple(start)
+    return series.ripple(χ) - series.ripple(np.array([float(start)]))
+
+
+def gauge_angle(motion: Motion, constant: sp.Symbol, q: Mapping[str, Any]) -> Any:
+    """∂χ/∂c at q minus its value at the start; 0 where no shift was made."""
+    formula = sp.diff(motion.solution.shift_potential, constant)
+    if formula == 0:
+        return 0
+    begin = to_bits(formula.subs(motion.initial.values))(int(3.33 * motion.digits) + 64)
+    values = evaluate(motion, (formula,), q, {})[0]
+    return values - (float(begin) if values.dtype != object else begin)
+
+
+def grown(
+    begin: Any, rate: Any, time: tuple[Any, Any], exact: list[Any] | None, angle: bool, wave: Any
+) -> tuple[Any, Any]:
+    """Begin + rate·(t − t₀) + wave, with whole turns of the growth taken out."""
+    if exact is not None:
+        context = exact[0].context
+        values = np.array([begin(context.prec) + rate * t for t in exact], dtype=object) + wave
+        return values, np.zeros(len(values))
+    if not angle:
+        whole, rest = turns(split(multiprecision(256).mpf(rate)), time)
+        return float(begin(256)) + rest + wave + whole, 0 * whole
+    turn = 2 * multiprecision(256).pi
+    whole, rest = turns(split(rate / turn), time, split(begin(256) / turn))
+    return 2 * np.pi * rest + wave, whole

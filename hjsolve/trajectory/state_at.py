@@ -1,0 +1,125 @@
+"""q(t) of a motion: the time law inverted, angles unwound, errors carried along."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+
+from hjsolve.initial import to_bits
+from hjsolve.numeric.clock import relative
+from hjsolve.numeric.course import Bounded
+from hjsolve.numeric.inverse import mean_rate
+from hjsolve.state import Errors, State
+from hjsolve.system import velocities
+from hjsolve.trajectory.dense import FEWEST, Dense, OnDemand, dense
+from hjsolve.trajectory.phases import phases_at, read_times
+from hjsolve.trajectory.positions import (
+    canonical_momenta,
+    constant_index,
+    coordinate_velocities,
+    evaluate,
+    gauge_angle,
+    grown,
+    positions,
+    principal,
+)
+from hjsolve.trajectory.uncertainty import state_errors
+
+if TYPE_CHECKING:
+    from hjsolve.motion import Motion
+
+
+def state_at(motion: Motion, t: Any) -> State:
+    """Return the state at a time or times; see ``Motion.at``."""
+    shape, floats, exact = read_times(t)
+    if floats is not None and len(floats) >= FEWEST:
+        time = relative(floats, to_bits(motion.t0))
+        table = dense(motion, 2 * float(np.max(np.abs(time[0]))))
+        if table is not None:
+            return _tabulated(motion, table, t, time, shape)
+    phases = phases_at(motion, floats, exact)
+    q, p, whole = positions(motion, phases)
+    v = coordinate_velocities(motion, q, p)
+    status = np.where(phases.ended, "reaches_boundary", "ok")
+    for group in (q, p, v):
+        for name, values in group.items():
+            group[name] = np.where(phases.ended, np.nan, values) if phases.ended.any() else values
+
+    def reshaped(group: Mapping[str, Any]) -> dict[str, Any]:
+        return {name: shaped(values, shape) for name, values in group.items()}
+
+    def errors() -> Errors:
+        return Errors(*(reshaped(group) for group in state_errors(motion, phases, q, p)))
+
+    return State(
+        t,
+        reshaped(q),
+        reshaped(p),
+        reshaped(v),
+        reshaped({name: n.astype(int) for name, n in whole.items()}),
+        shaped(status, shape),
+        errors,
+    )
+
+
+def _tabulated(motion: Motion, table: Dense, t: Any, time: tuple[Any, Any], shape: tuple[int, ...]) -> State:
+    """The state from a table: every quantity is worked out when it is read."""
+    system = motion.solution.system
+    θ, whole, ended = table.argument(motion, time)
+    separated = motion.solution.coordinates[0]
+    angles = tuple(c.name for c in system.coordinates if c.domain.kind == "angle")
+    names = tuple(c.name for c in system.coordinates)
+
+    def place(name: str) -> tuple[Any, Any]:
+        if name == separated:
+            value, count = table.table.evaluate([0], θ)[0], 0.0
+            course = motion.located[name].course
+            if isinstance(course, Bounded) and not course.anomaly.even:
+                count = course.anomaly.direction * whole
+        else:
+            index, begin = table.waves[name]
+            wave = table.table.evaluate([index], θ)[0] - begin
+            coordinate = system.coordinate(name)
+            gauge = gauge_angle(motion, coordinate.momentum, q) if motion.solution.shift_potential != 0 else 0.0
+            rate = mean_rate(motion.equations, constant_index(motion, name)) if table.period else 0
+            value, count = grown(
+                to_bits(motion.initial.values[coordinate.symbol]), rate, time, None, name in angles, wave + gauge
+            )
+        if ended.any():
+            value = np.where(ended, np.nan, value)
+        if name not in angles:
+            return value, None
+        value, more = principal(value)
+        return value, count + more
+
+    places = OnDemand(names, place)
+    q = OnDemand(names, lambda name: places[name][0])
+
+    def momentum(name: str) -> Any:
+        shell = {separated: table.table.evaluate([1], θ)[0]} if name == separated else {}
+        return canonical_momenta(motion, q, shell, [name])[name]
+
+    p = OnDemand(names, momentum)
+
+    def velocity(name: str) -> Any:
+        return evaluate(motion, (velocities(system)[name],), q, p)[0]
+
+    def errors() -> Errors:
+        groups = state_errors(motion, phases_at(motion, time[0], [], time=time), q, p, table=True)
+        return Errors(*({n: values.reshape(shape) for n, values in group.items()} for group in groups))
+
+    def view(source: Mapping[str, Any], chosen: tuple[str, ...]) -> OnDemand:
+        return OnDemand(chosen, lambda name: np.reshape(source[name], shape))
+
+    counts = OnDemand(angles, lambda name: np.reshape(places[name][1], shape).astype(int))
+    v = OnDemand(names, velocity)
+    status = np.where(ended, "reaches_boundary", "ok") if ended.any() else np.broadcast_to(np.array("ok"), ended.shape)
+    return State(t, view(q, names), view(p, names), view(v, names), counts, status.reshape(shape), errors)
+
+
+def shaped(values: Any, shape: tuple[int, ...] | None) -> Any:
+    if shape is None:
+        return values[0].item() if hasattr(values[0], "item") else values[0]
+    return values.reshape(shape)

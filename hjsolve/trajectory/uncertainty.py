@@ -1,0 +1,120 @@
+"""Error bounds of a state, from the bounds on its phases and the rounding of what follows."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from dataclasses import replace
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+import sympy as sp
+
+from hjsolve.numeric.arithmetic import multiprecision
+from hjsolve.numeric.course import Bounded, Course
+from hjsolve.numeric.inverse import Torus, oscillation
+from hjsolve.numeric.series import Series
+from hjsolve.system import velocities
+from hjsolve.trajectory.phases import Phases, courses_of
+from hjsolve.trajectory.positions import constant_index, evaluate
+
+if TYPE_CHECKING:
+    from hjsolve.motion import Motion
+
+_EPS = 2.0**-52
+_TABLE = 1e-14
+"""Relative accuracy of a table, above the phases' own."""
+
+
+def state_errors(
+    motion: Motion, phases: Phases, q: Mapping[str, Any], p: Mapping[str, Any], table: bool = False
+) -> tuple[dict[str, Any], dict[str, Any], dict[str, Any]]:
+    """Bounds on q, p and velocity from the bounds on the phases."""
+    unit = (
+        (_TABLE if table else _EPS)
+        if phases.exact is None
+        else float(multiprecision(64).mpf(10) ** (1 - motion.digits))
+    )
+    dq, dp = {}, {}
+    χ = [x.astype(float) for x in phases.χ]
+    slack = [np.asarray(e, dtype=float) for e in phases.errors]
+    for name, course, x, e in zip(motion.solution.coordinates, courses_of(motion, phases), χ, slack, strict=True):
+        slope_q, slope_p = _slopes(course, x)
+        size_q, size_p = np.abs(q[name].astype(float)), np.abs(p[name].astype(float))
+        if motion.turning_points.get(name, (None, None))[0] is not None and _straddles(motion, name):
+            size_q = size_q + _width(motion, name)
+        dq[name] = slope_q * e + 4 * unit * size_q
+        dp[name] = slope_p * e + 16 * unit * size_p
+    for coordinate in motion.solution.system.coordinates:
+        name = coordinate.name
+        if name not in dq:
+            dq[name] = _ignorable_error(motion, phases, χ, slack, name, unit) + 4 * unit * (
+                np.abs(q[name].astype(float)) + np.pi
+            )
+            dp[name] = unit * np.abs(p[name].astype(float))
+    return dq, dp, _velocity_errors(motion, q, p, dq, dp, unit)
+
+
+def _straddles(motion: Motion, name: str) -> bool:
+    low, high = motion.turning_points[name]
+    return high is None or low is None or float(low.value) * float(high.value) <= 0
+
+
+def _width(motion: Motion, name: str) -> float:
+    return sum(abs(float(end.value)) for end in motion.turning_points[name] if end is not None)
+
+
+def _slopes(course: Course, χ: Any) -> tuple[Any, Any]:
+    """|dq/dχ| and |dp/dχ| by small differences, generous where they vary."""
+    if isinstance(course, Bounded) and course.momentum.cosines.dtype == object:
+        course = _rounded(course)
+    h = 1e-6
+    (q1, p1), (q0, p0), (q2, p2) = (course.place(χ + s) for s in (-h, 0.0, h))
+    return 2 * np.maximum(np.abs(q2 - q0), np.abs(q0 - q1)) / h + h * np.abs(q2 - q1), 2 * np.maximum(
+        np.abs(p2 - p0), np.abs(p0 - p1)
+    ) / h + h * np.abs(p2 - p1)
+
+
+def _rounded(course: Bounded) -> Bounded:
+    series = course.momentum
+    sines = None if series.sines is None else series.sines.astype(float)
+    return replace(course, momentum=Series(series.mean, series.cosines.astype(float), sines, series.nodes, series.tail))
+
+
+def _ignorable_error(motion: Motion, phases: Phases, χ: list[Any], slack: list[Any], name: str, unit: float) -> Any:
+    equations = motion.equations
+    total = 0.0 * phases.time[0]
+    if equations is None:
+        return total
+    j = constant_index(motion, name)
+    for i, course in enumerate(courses_of(motion, phases)):
+        rate = np.abs(np.asarray(course.rate(j, χ[i] if phases.exact is None else phases.χ[i]), dtype=float))
+        total = total + rate * slack[i]
+        if not isinstance(equations, Torus):
+            total = total + 4 * unit * np.abs(np.asarray(course.integral(j, phases.χ[i]), dtype=float))
+        elif isinstance(course, Bounded):
+            total = total + 4 * unit * float(np.sum(np.abs(oscillation(equations, i, j).cosines.astype(float))))
+    return total
+
+
+def _velocity_errors(
+    motion: Motion,
+    q: Mapping[str, Any],
+    p: Mapping[str, Any],
+    dq: Mapping[str, Any],
+    dp: Mapping[str, Any],
+    unit: float,
+) -> dict[str, Any]:
+    system = motion.solution.system
+    formulas = velocities(system)
+    variables = [(c.symbol, dq[c.name]) for c in system.coordinates] + [
+        (c.momentum, dp[c.name]) for c in system.coordinates
+    ]
+    gradients = tuple(sp.diff(f, s) for f in formulas.values() for s, _ in variables)
+    slopes = evaluate(motion, gradients, q, p)
+    values = evaluate(motion, tuple(formulas.values()), q, p)
+    result = {}
+    for row, name in enumerate(formulas):
+        parts = slopes[row * len(variables) : (row + 1) * len(variables)]
+        result[name] = sum(np.abs(np.asarray(s, dtype=float)) * e for s, (_, e) in zip(parts, variables, strict=True))
+        result[name] = result[name] + 8 * unit * np.abs(np.asarray(values[row], dtype=float))
+    return result
