@@ -6,6 +6,7 @@ import sympy as sp
 from hjsolve import catalog
 from hjsolve.checks import check, poisson_bracket
 from hjsolve.solution import Solution, solve
+from hjsolve.system import System, parameter
 
 SYSTEMS = [(name, ()) for name in catalog.ids("separable")]
 SYSTEMS += [
@@ -79,3 +80,42 @@ def test_the_bracket_has_greenwoods_sign(solutions: dict[str, Solution]) -> None
     solution = solutions["harmonic-oscillator"]
     x = solution.system.coordinate("x")
     assert poisson_bracket(x.symbol, x.momentum, solution) == 1
+
+
+COUPLED = {
+    "rod whose end slides (P1-5)": System(
+        coordinates={"x": "line", "theta": "angle"},
+        kinetic="m/2*dot(x)**2 + m*l**2/6*dot(theta)**2 - m*l/2*dot(x)*dot(theta)*sin(theta)",
+        potential="m*g*l/2*sin(theta)",
+        parameters={"m": 1, "l": 1, "g": "9.81"},
+    ),
+    "pendulum on a sliding block (Ex 2-12)": System(
+        coordinates={"x": "line", "theta": "angle"},
+        kinetic="3*m/2*dot(x)**2 + m*l*dot(x)*dot(theta)*cos(theta) + m*l**2/2*dot(theta)**2",
+        potential="-m*g*l*cos(theta)",
+        parameters={"m": 1, "l": 1, "g": "9.81"},
+    ),
+    "block on a sliding wedge (Ex 2-3)": System(
+        coordinates={"x1": "line", "x2": "line"},
+        kinetic="M/2*dot(x1)**2 + m/2*(dot(x1)**2 + dot(x2)**2 - sqrt(2)*dot(x1)*dot(x2))",
+        potential="-m*g*x2/sqrt(2)",
+        parameters={
+            "M": parameter("M", 2, assume="positive"), "m": parameter("m", 1, assume="positive"), "g": "9.81",
+        },
+    ),
+    "bead on a wire turning about a point of itself (P1-4)": System(
+        coordinates={"theta": "angle"},
+        kinetic="m*r**2*(w*(dot(theta) + w)*(1 - cos(theta)) + dot(theta)**2/2)",
+        parameters={"m": 1, "r": 1, "w": 1},
+    ),
+}  # fmt: skip
+
+
+@pytest.mark.parametrize("name", COUPLED)
+def test_the_laws_hold_where_elimination_leaves_linear_terms(name: str) -> None:
+    """A(q; c) depends on the ignorable momentum, so −∂χ/∂c enters the orbit equation (Greenwood (3-113), (5-83))."""
+    solution = solve(COUPLED[name])
+    assert any(a != 0 for a in solution.shift.values())
+    assert [c.verdict for c in check(solution)] == ["proved"] * 4
+    for c in solution.system.coordinates:
+        assert sp.simplify(sp.diff(solution.characteristic_function, c.symbol) - solution.momenta[c.name]) == 0
