@@ -86,7 +86,7 @@ class Web:
         if self.foci:
             parts.append(f"foci {', '.join(map(_point, self.foci))}")
         if self.family:
-            parts.append(f"one of a family: {self.family}")
+            parts.append(f"one of a family with {self.freedom} free parameter{'s' * (self.freedom > 1)}: {self.family}")
         return "; ".join(parts)
 
 

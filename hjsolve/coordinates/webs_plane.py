@@ -22,7 +22,7 @@ _ORIGIN: Vector = (sp.S.Zero, sp.S.Zero)
 _STANDARD: tuple[Vector, ...] = ((sp.S.One, sp.S.Zero), (sp.S.Zero, sp.S.One))
 
 
-def _turned(first: Vector) -> tuple[Vector, Vector]:
+def _turned(first: Vector) -> tuple[Vector, ...]:
     return first, (tidy(-first[1]), first[0])
 
 
@@ -35,7 +35,8 @@ def classify(M: sp.MatrixBase, sign: Sign) -> Geometry | None:
         return _parabolic(A, w)
     if A[0, 1] == 0 and sp.expand(A[0, 0] - A[1, 1]) == 0:
         return None
-    return Geometry("cartesian", _ORIGIN, _turned(_low_direction(A, sign)[1]))
+    axis = _low_direction(A, sign)[1]
+    return Geometry("cartesian", _ORIGIN, _STANDARD if axis in _STANDARD else _turned(axis))
 
 
 def _low_direction(A: sp.MatrixBase, sign: Sign) -> tuple[sp.Expr, Vector]:

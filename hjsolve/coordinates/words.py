@@ -32,10 +32,10 @@ def in_words(found: Found[Geometry], freedom: int, member: Callable[[tuple[sp.Ex
             if other is not None and other.kind == best.kind and other not in others:
                 others.append(other)
                 break
-    return replace(best, freedom=freedom, family=_describe(best, others, freedom))
+    return replace(best, freedom=freedom, family=_describe(best, others))
 
 
-def _describe(best: Geometry, members: Sequence[Geometry], freedom: int) -> str:
+def _describe(best: Geometry, members: Sequence[Geometry]) -> str:
     clauses = []
     shared = [f for f in best.foci if all(any(_same(f, g) for g in member.foci) for member in members)]
     place = _PLACE.get(best.kind, "centre")
@@ -53,8 +53,7 @@ def _describe(best: Geometry, members: Sequence[Geometry], freedom: int) -> str:
     if best.lengths and not (len(best.foci) == 2 and len(shared) == 1):
         if any(sp.simplify(m.lengths[key] - best.lengths[key]) != 0 for m in members for key in best.lengths):
             clauses.append("any focal distance" if len(best.lengths) == 1 else "any constants of the web")
-    parameters = "parameter" if freedom == 1 else "parameters"
-    return "; ".join(clauses) + f" ({freedom} free {parameters})"
+    return "; ".join(clauses)
 
 
 def _frames(best: Geometry, members: Sequence[Geometry]) -> str:

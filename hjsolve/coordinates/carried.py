@@ -1,0 +1,126 @@
+"""The potential carried to new coordinates, its radicals made rational where they are perfect squares.
+
+In elliptic coordinates √((x − a)² + y²) = a (cosh μ − cos ν); sympy does not see that. Every radicand is written as a
+polynomial with sinh² = cosh² − 1 and sin² = 1 − cos², factored, and its squares are pulled out with the sign they have
+on the domain.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Mapping
+from dataclasses import dataclass
+
+import sympy as sp
+
+
+@dataclass(frozen=True)
+class Carrier:
+    """How to simplify in the new coordinates.
+
+    Attributes:
+        mapping: old symbol → expression in the new ones.
+        sign: sign of an expression on the domain: 1, −1, or 0 where it changes.
+    """
+
+    mapping: Mapping[sp.Symbol, sp.Expr]
+    sign: Callable[[sp.Expr], int]
+
+    def carry(self, expression: sp.Expr) -> sp.Expr:
+        """Return the expression in the new coordinates."""
+        result = self._visit(expression)
+        flat = sp.expand(result)
+        if _is_polynomial(flat):
+            return _circular(sp.expand(_reduced(flat)))
+        return result
+
+    def _visit(self, node: sp.Expr) -> sp.Expr:
+        if node in self.mapping:
+            return self.mapping[node]
+        if not node.args or not node.free_symbols & set(self.mapping):
+            return node
+        if node.is_Pow:
+            return self._power(self._visit(node.base), self._visit(node.exp))
+        if isinstance(node, sp.Abs):
+            return self._power(self._visit(node.args[0]) ** 2, sp.S.Half)
+        arguments = [self._visit(argument) for argument in node.args]
+        if isinstance(node, sp.Subs | sp.Derivative) or node.is_Mul or node.is_Add:
+            return node.func(*arguments)
+        return node.func(*(short(argument) for argument in arguments))
+
+    def _power(self, base: sp.Expr, exponent: sp.Expr) -> sp.Expr:
+        base = short(base)
+        if exponent.is_Integer:
+            return base**exponent
+        coefficient, factors = sp.factor_list(base) if base.is_Add or base.is_Mul or base.is_Pow else (base, [])
+        inside, outside = coefficient, sp.S.One
+        for factor, count in factors:
+            whole = count // 2
+            sign = self.sign(factor) if whole else 0
+            size = factor if sign > 0 else -factor if sign < 0 else sp.Abs(factor)
+            outside *= size ** (2 * whole * exponent)
+            inside *= factor ** (count - 2 * whole)
+        return self._rest(inside, exponent) * outside
+
+    def _rest(self, inside: sp.Expr, exponent: sp.Expr) -> sp.Expr:
+        """Raise what is left, with the sign of every factor that keeps one made positive."""
+        if not inside.is_Mul:
+            return inside**exponent
+        product, rest = sp.S.One, sp.S.One
+        for factor in inside.args:
+            sign = self.sign(factor)
+            if sign:
+                product *= (sign * factor) ** exponent
+                rest *= sign
+            else:
+                rest *= factor
+        return product * rest**exponent
+
+
+def _is_polynomial(expression: sp.Expr) -> bool:
+    """Tell whether there are no radicals, quotients or functions but circular and hyperbolic ones."""
+    simple = (sp.sin, sp.cos, sp.sinh, sp.cosh)
+    return all(isinstance(f, simple) and f.args[0].is_Symbol for f in expression.atoms(sp.Function)) and all(
+        p.exp.is_Integer and (p.exp > 0 or p.base.is_Symbol) or not p.free_symbols for p in expression.atoms(sp.Pow))
+
+
+def short(expression: sp.Expr) -> sp.Expr:
+    """Return a short form: reduced by sinh² = cosh² − 1, sin² = 1 − cos², then factored."""
+    if expression.is_Atom or expression.is_Function:
+        return expression
+    return _circular(sp.factor(_reduced(sp.together(expression))))
+
+
+def _reduced(expression: sp.Expr) -> sp.Expr:
+    arguments = {f.args[0] for f in expression.atoms(sp.sin, sp.sinh)}
+    if not arguments:
+        return sp.expand(expression) if not sp.denom(expression).free_symbols else expression
+    numerator, denominator = (_by_cosine(sp.expand(part)) for part in sp.fraction(expression))
+    return numerator / denominator
+
+
+def _by_cosine(polynomial: sp.Expr) -> sp.Expr:
+    for f in sorted(polynomial.atoms(sp.sin, sp.sinh), key=str):
+        u = f.args[0]
+        square = 1 - sp.cos(u) ** 2 if isinstance(f, sp.sin) else sp.cosh(u) ** 2 - 1
+        polynomial = polynomial.replace(
+            lambda node, f=f: node.is_Pow and node.base == f and node.exp.is_Integer and node.exp >= 2,
+            lambda node, f=f, square=square: square ** (node.exp // 2) * f ** (node.exp % 2))
+        polynomial = sp.expand(polynomial)
+    return polynomial
+
+
+def _circular(expression: sp.Expr) -> sp.Expr:
+    """Write (cos − 1)(cos + 1) as −sin² again, and (cosh − 1)(cosh + 1) as sinh²."""
+    for f in sorted(expression.atoms(sp.cos, sp.cosh), key=str):
+        u = f.args[0]
+        other, sign = (sp.sin(u), -1) if isinstance(f, sp.cos) else (sp.sinh(u), 1)
+        expression = expression.replace(lambda node: node.is_Mul, lambda *a, f=f, o=other, s=sign: _merge(sp.Mul(*a), f, o, s))
+    return expression
+
+
+def _merge(node: sp.Expr, f: sp.Expr, other: sp.Expr, sign: int) -> sp.Expr:
+    powers = node.as_powers_dict()
+    down, up = powers.get(f - 1, sp.S.Zero), powers.get(f + 1, sp.S.Zero)
+    if down == up and down != 0:
+        return node / ((f - 1) ** down * (f + 1) ** up) * sp.Integer(sign) ** down * other ** (2 * down)
+    return node

@@ -1,0 +1,158 @@
+"""``find_coordinates``: all orthogonal separable coordinate systems of a natural system in the plane or in space."""
+
+from __future__ import annotations
+
+import time
+from collections.abc import Sequence
+
+import sympy as sp
+
+from hjsolve.coordinates.exceptional import exceptional_values
+from hjsolve.coordinates.families import family
+from hjsolve.coordinates.frames import TooHardError, sign_by, tidy
+from hjsolve.coordinates.killing import Kernel, concircular_basis, kernel, killing_basis, killing_tensor
+from hjsolve.coordinates.results import Coordinates, Geometry, ParameterValues, Web
+from hjsolve.coordinates.transform import Cartesian, web_of
+from hjsolve.coordinates.webs_plane import plane_webs
+from hjsolve.coordinates.webs_space import Potential, space_webs
+from hjsolve.errors import InvalidSystemError
+from hjsolve.system import System, kinetic_rest, linear_terms, mass_matrix
+
+_NONE = (
+    "No quadratic first integral of this kind besides the energy: the system is not separable by a point "
+    "transformation in orthogonal coordinates. It may still be integrable, with integrals of higher degree (Toda, "
+    "Kaup–Kupershmidt)."
+)
+_NO_WEB = (
+    "There are {extra} further quadratic first integrals, but none of them belongs to an orthogonal separable "
+    "coordinate system: the system is not separable by a point transformation in orthogonal coordinates. It may still be "
+    "integrable."
+)
+
+
+def find_coordinates(system: System, *, special: bool = True, budget: float = 20.0) -> Coordinates:
+    """Find every orthogonal coordinate system in which a natural system of the plane or of space separates.
+
+    The system must be given in Cartesian coordinates: T = ½ Σ m_i ẋ_i² with constant masses (a constant symmetric
+    mass matrix is brought to this form), V(x) analytic. Solves d(K·dV) = 0 exactly for the constants of the Killing
+    tensors K (6 in the plane, 20 in space), sorts the solutions that are concircular tensors into the 4 or 11 webs
+    (Rajaratnam, McLenaghan, Valero, SIGMA 12 (2016) 117), transforms the system and lets ``separate`` certify it.
+
+    Args:
+        system: the system; its parameters stay symbolic and count as generic.
+        special: also look for parameter values at which there are more coordinates.
+        budget: seconds that ``separate`` may take for one web.
+
+    Returns:
+        A ``Coordinates`` value. Where the webs form a family (the elliptic coordinates of the Kepler problem have one
+        focus at will), a representative is given and the family described.
+
+    Raises:
+        InvalidSystemError: the system is not natural, not in Cartesian coordinates, or not in two or three dimensions.
+
+    Example:
+        >>> from hjsolve import System
+        >>> V = "-1/sqrt((x - 1)**2 + (y - 2)**2) - 2/sqrt((x - 3)**2 + (y + 1)**2)"
+        >>> found = find_coordinates(System({"x": "line", "y": "line"}, "(dot(x)**2 + dot(y)**2)/2", V))
+        >>> [(web.kind, web.centre, web.lengths["a"], web.certified) for web in found.webs]
+        [('elliptic', (2, 1/2), sqrt(13)/2, True)]
+    """
+    start = time.monotonic()
+    cartesian = _cartesian(system)
+    n = len(cartesian.X)
+    full = kernel(cartesian.potential, cartesian.X, killing_basis(cartesian.X))
+    concircular = tuple(killing_tensor(M, cartesian.X) for M in concircular_basis(n))
+    reduced = kernel(cartesian.potential, cartesian.X, concircular, check=n == 3)
+    geometries, hard = _geometries(reduced, cartesian)
+    webs = tuple(web_of(g, cartesian, budget=budget) for g in geometries if g.kind not in ("split", "sphere"))
+    values: tuple[ParameterValues, ...] = ()
+    if special and full.pivots:
+        basis = killing_basis(cartesian.X) if n == 2 else concircular
+        known = full if n == 2 else reduced
+        found = exceptional_values(cartesian.potential, cartesian.X, basis, known)
+        values = tuple(ParameterValues({s.name: e for s, e in one.conditions}, one.dimension) for one in found)
+    return Coordinates(
+        system, full.dimension, reduced.dimension, _tensors(full, cartesian), webs, values,
+        full.complete and reduced.complete, _advice(full, geometries, webs, hard=hard), time.monotonic() - start,
+    )
+
+
+def _tensors(full: Kernel, cartesian: Cartesian) -> tuple[sp.ImmutableMatrix, ...]:
+    n = len(cartesian.X)
+    basis = killing_basis(cartesian.X)
+    return tuple(sp.ImmutableMatrix(sum((c * K for c, K in zip(v, basis, strict=True)), sp.zeros(n, n)))
+                 for v in full.vectors)
+
+
+def _geometries(reduced: Kernel, cartesian: Cartesian) -> tuple[list[Geometry], bool]:
+    """Return the webs, and whether some could not be written down exactly."""
+    sign = sign_by(cartesian.values)
+    n = len(cartesian.X)
+    tensors = family(reduced.vectors, n)
+    try:
+        if n == 2:
+            return plane_webs(tensors, sign), False
+        return space_webs(tensors, Potential(cartesian.potential, cartesian.X, sign)), False
+    except TooHardError:
+        return [], True
+
+
+def _advice(full: Kernel, geometries: Sequence[Geometry], webs: Sequence[Web], *, hard: bool) -> str:
+    """Put the result in words."""
+    if hard:
+        return ("Coordinates exist, but their axes are roots of a cubic with symbolic coefficients; give the parameters "
+                "numbers.")
+    if webs:
+        lines = [f"Separates in {len(webs)} kind{'s' * (len(webs) > 1)} of orthogonal coordinates:"]
+        lines += [f"- {web}" + ("" if web.certified else " (not certified)") for web in webs]
+        return "\n".join(lines)
+    text = _NONE if full.dimension == 1 else _NO_WEB.format(extra=full.dimension - 1)
+    for part in geometries:
+        what = "splits off the direction" if part.kind == "split" else "splits off the distance from"
+        where = part.axes[2] if part.kind == "split" else part.centre
+        text += f" V {what} ({', '.join(map(str, where))}), but what is left does not separate."
+    return text
+
+
+def _cartesian(system: System) -> Cartesian:
+    """Read a system as a particle of one mass in the plane or in space; scale the coordinates where masses differ."""
+    n = len(system.coordinates)
+    if n not in (2, 3):
+        raise InvalidSystemError(f"find_coordinates: {n} coordinates; the plane (2) and space (3) are supported")
+    for q in system.coordinates:
+        if q.domain.kind == "angle":
+            raise InvalidSystemError(f"find_coordinates: {q.name} is an angle; Cartesian coordinates are needed, "
+                                     "write T and V in x, y (z) on the line")
+    x = tuple(q.symbol for q in system.coordinates)
+    M = mass_matrix(system)
+    if any(a != 0 for a in linear_terms(system)) or kinetic_rest(system) != 0:
+        raise InvalidSystemError("find_coordinates: T has terms that are not quadratic in the velocities (a magnetic "
+                                 "field or a rotating frame); only natural systems T = ½ Σ m ẋ² are supported")
+    if M.free_symbols & set(x):
+        raise InvalidSystemError("find_coordinates: T depends on the coordinates; write the system in Cartesian "
+                                 "coordinates, T = m/2 (dot(x)**2 + dot(y)**2)")
+    mass = M[0, 0]
+    values = _sign_values(system)
+    if all(sp.simplify(M[i, j] - mass * int(i == j)) == 0 for i in range(n) for j in range(n)):
+        return Cartesian(system, mass, x, sp.ImmutableMatrix(sp.eye(n)), x, system.potential, values)
+    X = tuple(sp.Symbol(f"{q.name}_scaled", real=True) for q in system.coordinates)
+    stretch = _stretch(M, mass)
+    V = system.potential.subs(dict(zip(x, stretch * sp.Matrix(X), strict=True)), simultaneous=True)
+    return Cartesian(system, mass, x, stretch, X, V, values)
+
+
+def _stretch(M: sp.ImmutableMatrix, mass: sp.Expr) -> sp.ImmutableMatrix:
+    """Return S with Sᵀ M S = mass·1, upper triangular, from M = L D Lᵀ: S = L⁻ᵀ √(mass/D)."""
+    lower, diagonal = sp.Matrix(M).LDLdecomposition(hermitian=False)
+    n = M.rows
+    scales = sp.diag(*(tidy(sp.sqrt(sp.factor(mass / diagonal[i, i]))) for i in range(n)))
+    return sp.ImmutableMatrix((lower.T.inv() * scales).applyfunc(sp.simplify))
+
+
+def _sign_values(system: System) -> dict[sp.Symbol, sp.Expr]:
+    """Return a value for every parameter: its default, else 2, 3, 5, …"""
+    values: dict[sp.Symbol, sp.Expr] = {}
+    for index, p in enumerate(system.parameters):
+        values[p.symbol] = p.value if p.value is not None else sp.Integer(
+            sp.prime(index + 1) * (-1 if p.assume == "negative" else 1))
+    return values

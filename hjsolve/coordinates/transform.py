@@ -1,0 +1,124 @@
+"""From a web to the transformed system, certified by ``separate``."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Mapping, Sequence
+from dataclasses import dataclass
+from random import Random
+
+import sympy as sp
+
+from hjsolve.coordinates.carried import Carrier
+from hjsolve.coordinates.charts import Chart, Range, chart
+from hjsolve.coordinates.frames import tidy
+from hjsolve.coordinates.results import Geometry, Web
+from hjsolve.separation import separate
+from hjsolve.system import System
+
+
+@dataclass(frozen=True)
+class Cartesian:
+    """A natural system in Cartesian coordinates.
+
+    Attributes:
+        system: the system.
+        mass: m of T = m/2 Σ Ẋ².
+        x: symbols of the system's coordinates.
+        stretch: x = stretch·X, a constant matrix; X are the coordinates of equal mass.
+        X: symbols of the coordinates of equal mass (the same as x where the masses are equal).
+        potential: V as a function of X.
+        values: parameter → value used where a sign has to be known.
+    """
+
+    system: System
+    mass: sp.Expr
+    x: tuple[sp.Symbol, ...]
+    stretch: sp.ImmutableMatrix
+    X: tuple[sp.Symbol, ...]
+    potential: sp.Expr
+    values: Mapping[sp.Symbol, sp.Expr]
+
+
+def web_of(geometry: Geometry, cartesian: Cartesian, *, budget: float) -> Web:
+    """Build the transformed system of a web and let ``separate`` judge it."""
+    n = len(cartesian.x)
+    local = _own_names(chart(geometry.kind, geometry.lengths, n, _symbol_maker(cartesian)), geometry, cartesian)
+    names = tuple(s.name for s in local.symbols)
+    X = [tidy_sum(c, geometry.axes, local, i) for i, c in enumerate(geometry.centre)]
+    carrier = Carrier(dict(zip(cartesian.X, X, strict=True)), _domain_sign(local, cartesian))
+    potential = carrier.carry(cartesian.potential)
+    speeds = [sp.Symbol(f"dot({name})", real=True) for name in names]
+    kinetic = cartesian.mass / 2 * sp.Add(*(h * v**2 for h, v in zip(local.scale, speeds, strict=True)))
+    transformed = System(
+        {name: where.text(name) for name, where in zip(names, local.ranges, strict=True)}, kinetic, potential,
+        {p.name: p for p in cartesian.system.parameters},
+        title=f"{cartesian.system.title or 'system'} in {geometry.kind} coordinates",
+    )
+    old = cartesian.stretch * sp.Matrix(X)
+    transformation = {q.name: sp.expand(entry) for q, entry in zip(cartesian.system.coordinates, old, strict=True)}
+    return Web(geometry.kind, geometry.centre, geometry.axes, geometry.foci, dict(geometry.lengths), geometry.freedom,
+               geometry.family, names, transformation, transformed, separate(transformed, budget=budget),
+               _remark(geometry, local, cartesian))
+
+
+def _own_names(local: Chart, geometry: Geometry, cartesian: Cartesian) -> Chart:
+    """Keep the names of the given coordinates where they are not changed."""
+    n = len(cartesian.x)
+    if geometry.kind != "cartesian" or sp.Matrix(geometry.axes) != sp.eye(n):
+        return local
+    own = tuple(sp.Symbol(q.name, real=True) for q in cartesian.system.coordinates)
+    return Chart(own, local.ranges, own, local.scale)
+
+
+def tidy_sum(centre: sp.Expr, axes: Sequence[Sequence[sp.Expr]], local: Chart, i: int) -> sp.Expr:
+    """Return component i of centre + Σ axis·X(u)."""
+    return sp.Add(centre, *(tidy(axis[i]) * X for axis, X in zip(axes, local.place, strict=True)))
+
+
+def _symbol_maker(cartesian: Cartesian) -> Callable[[str, Range], sp.Symbol]:
+    """Return a maker of coordinate symbols; a name that is a parameter's gets a number."""
+    taken = {p.name for p in cartesian.system.parameters}
+    taken |= {name[2:] for name in taken if name.startswith("p_")}
+
+    def symbol(name: str, where: Range) -> sp.Symbol:
+        free = name if name not in taken else next(f"{name}_{i}" for i in range(1, 99) if f"{name}_{i}" not in taken)
+        if where.lower is not None and where.lower.is_nonnegative and not where.periodic:
+            return sp.Symbol(free, real=True, positive=True)
+        return sp.Symbol(free, real=True)
+
+    return symbol
+
+
+def _domain_sign(local: Chart, cartesian: Cartesian) -> Callable[[sp.Expr], int]:
+    """Return the sign of an expression at random points of the domain; 0 where it changes."""
+    random = Random(11)
+    points = [{**cartesian.values, **{s: _inside(where, cartesian.values, random) for s, where in
+                                      zip(local.symbols, local.ranges, strict=True)}} for _ in range(6)]
+
+    def sign(expression: sp.Expr) -> int:
+        if expression.is_positive or expression.is_negative:
+            return 1 if expression.is_positive else -1
+        if not expression.free_symbols & set(local.symbols):
+            return 0
+        values = [expression.xreplace(point).evalf(20) for point in points]
+        if not all(v.is_real for v in values):
+            return 0
+        return 1 if all(v > 0 for v in values) else -1 if all(v < 0 for v in values) else 0
+
+    return sign
+
+
+def _inside(where: Range, values: Mapping[sp.Symbol, sp.Expr], random: Random) -> sp.Expr:
+    fraction = sp.Rational(random.randint(5, 95), 100)
+    low, high = (None if end is None else end.xreplace(dict(values)) for end in (where.lower, where.upper))
+    if low is not None and high is not None:
+        return low + (high - low) * fraction
+    return 4 * fraction - 2 if low is None and high is None else low + 3 * fraction if high is None else high - 3 * fraction
+
+
+def _remark(geometry: Geometry, local: Chart, cartesian: Cartesian) -> str:
+    """Say what the chart covers and which order of the parameters was taken for granted."""
+    radicands = {p.base for v in (*geometry.foci, tuple(geometry.lengths.values())) for c in v for p in c.atoms(sp.Pow)
+                 if p.exp.is_Rational and not p.exp.is_Integer and p.base.free_symbols}
+    order = [f"for {b} > 0" for b in sorted(radicands, key=str) if b.is_positive is None]
+    return "; ".join(part for part in (local.remark, *order) if part)
