@@ -43,7 +43,7 @@ def two_centres(potential: str) -> System:
     return make({"u": "0 < u", "v": "angle"}, kinetic, potential, "a m k1 k2")
 
 
-# --------------------------------------------------------------------------------------------------- one essential coordinate
+# ------------------------------------------------------------ one essential coordinate
 
 ONE_DIMENSIONAL = {
     "harmonic oscillator": make({"x": "line"}, "m/2*dot(x)**2", "k*x**2/2", "m k"),
@@ -94,7 +94,7 @@ ONE_DIMENSIONAL = {
     ),
 }
 
-# ------------------------------------------------------------------------------------------- two and more essential coordinates
+# ------------------------------------------------------------ two and more essential coordinates
 
 SEVERAL = {
     "Kepler, space": make(SPHERICAL_COORDINATES, SPHERICAL, "-k/r", "m k"),
@@ -195,7 +195,9 @@ REFUSED = {
         "metric",
     ),
     "Hénon–Heiles": (
-        make(PLANE, "(dot(x)**2 + dot(y)**2)/2", "(x**2 + y**2)/2 + x**2*y - y**3/3"), ("x", "y"), "potential"
+        make(PLANE, "(dot(x)**2 + dot(y)**2)/2", "(x**2 + y**2)/2 + x**2*y - y**3/3"),
+        ("x", "y"),
+        "potential",
     ),
     "P6-3, new variables, C84b": (
         make(
@@ -208,7 +210,9 @@ REFUSED = {
         "metric",
     ),
     "anisotropic Kepler": (
-        make(PLANE, "m1/2*dot(x)**2 + m2/2*dot(y)**2", "-k/sqrt(x**2 + y**2)", "m1 m2 k"), ("x", "y"), "potential"
+        make(PLANE, "m1/2*dot(x)**2 + m2/2*dot(y)**2", "-k/sqrt(x**2 + y**2)", "m1 m2 k"),
+        ("x", "y"),
+        "potential",
     ),
     "Miyamoto–Nagai": (
         make(
@@ -241,12 +245,12 @@ REFUSED = {
         "metric",
     ),
     "crossed fields, symmetric gauge, C55": (
-        make(SPACE, f"{CARTESIAN} + e*B/2*(x*dot(y) - y*dot(x))", "-e*E0*y", "m e B E0"), ("x", "y"), "gyroscopic"
+        make(SPACE, f"{CARTESIAN} + e*B/2*(x*dot(y) - y*dot(x))", "-e*E0*y", "m e B E0"),
+        ("x", "y"),
+        "gyroscopic",
     ),
     "coupled small oscillations, C23b": (
-        make(
-            PLANE, "m/2*(2*dot(x)**2 + dot(y)**2 + 2*dot(x)*dot(y))", "m*g/(2*l)*(2*x**2 + y**2)", "m g l"
-        ),
+        make(PLANE, "m/2*(2*dot(x)**2 + dot(y)**2 + 2*dot(x)*dot(y))", "m*g/(2*l)*(2*x**2 + y**2)", "m g l"),
         ("x", "y"),
         "metric",
     ),
@@ -261,7 +265,9 @@ REFUSED = {
         "potential",
     ),
     "Stark in spherical coordinates": (
-        make(SPHERICAL_COORDINATES, SPHERICAL, "-k/r + b*r*cos(theta)", "m k b"), ("r", "theta"), "potential"
+        make(SPHERICAL_COORDINATES, SPHERICAL, "-k/r + b*r*cos(theta)", "m k b"),
+        ("r", "theta"),
+        "potential",
     ),
     "ellipsoidal with one wrong exponent": (
         make(

@@ -349,6 +349,16 @@ class Field:
                 a, factors[b] = q, factors[b] + 1
         return self.from_poly(a, x.coefficient, factors)
 
+    def expanded(self, x: Element) -> Element:
+        """The same element with its positive factors multiplied into the numerator."""
+        a, factors = x.numerator, {}
+        for b, e in x.factors.items():
+            if e > 0 and len(self.bases[b]) > 1:
+                a = self.reduce(poly.mul(a, self._poly_power(self.bases[b], e), self.budget))
+            else:
+                factors[b] = e
+        return self.from_poly(a, x.coefficient, factors)
+
     def _quotient(self, a: Poly, b: int) -> Poly | None:
         """Quotient of a by base b where that is exact; values at one integer point rule most cases out."""
         divisor = self._value_of(b)

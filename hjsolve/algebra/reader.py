@@ -18,7 +18,8 @@ import sympy as sp
 from . import poly
 from .field import MAX_POWER, Element, Field, Generator, Root
 from .poly import Budget, Poly, WorkLimitError
-from .signs import Bounds, atom_bounds, sign_of
+from .roots import root
+from .signs import Bounds, atom_bounds
 
 TRIGONOMETRIC = (sp.sin, sp.cos, sp.tan, sp.cot, sp.sec, sp.csc)
 HYPERBOLIC = (sp.sinh, sp.cosh, sp.tanh, sp.coth, sp.sech, sp.csch)
@@ -119,9 +120,10 @@ class Reader:
 
     def _symbol(self, x: sp.Symbol) -> Element:
         low, high = atom_bounds(x, self.bounds)
-        return self._generator(Generator(x, "symbol", low=low, high=high))
+        return self.adjoined(Generator(x, "symbol", low=low, high=high))
 
-    def _generator(self, g: Generator) -> Element:
+    def adjoined(self, g: Generator) -> Element:
+        """The element of a generator, adjoined to the field when it is new."""
         k = self.field.number_of(g.atom)
         return self.field.generator(self.field.adjoin(g) if k is None else k)
 
@@ -131,7 +133,7 @@ class Reader:
         if not known or isinstance(x, sp.Piecewise) or x.has(sp.I, sp.nan, sp.zoo, sp.oo):
             raise OutsideFieldError(f"{sp.sstr(x)[:80]} has no exact arithmetic here")
         low, high = atom_bounds(x, self.bounds)
-        return self._generator(Generator(x, "other", low=low, high=high))
+        return self.adjoined(Generator(x, "other", low=low, high=high))
 
     def _power(self, base: sp.Expr, exponent: sp.Expr) -> Element:
         if base is sp.E:
@@ -141,7 +143,7 @@ class Reader:
                 raise WorkLimitError(f"the exponent {exponent} is too large for exact arithmetic")
             return self.field.power(self.element(base), int(exponent))
         if exponent.is_Rational:
-            return self.root(self.element(base), int(exponent.p), int(exponent.q))
+            return root(self, self.element(base), int(exponent.p), int(exponent.q))
         result = self.field.one
         for monomial, c in _linear_terms(exponent):
             if monomial == 1:
@@ -150,7 +152,7 @@ class Reader:
             unit = sp.Rational(1, c.denominator) * monomial
             atom = sp.Pow(base, unit)
             low = Fraction(0) if base.is_positive else None
-            result = result * self._generator(Generator(atom, "other", low=low)) ** c.numerator
+            result = result * self.adjoined(Generator(atom, "other", low=low)) ** c.numerator
         return result
 
     def _exp(self, argument: sp.Expr) -> Element:
@@ -160,7 +162,7 @@ class Reader:
             if not isinstance(atom, sp.exp):
                 result = result * self.element(sp.exp(n * unit))
                 continue
-            result = result * self._generator(Generator(atom, "other", low=Fraction(0))) ** n
+            result = result * self.adjoined(Generator(atom, "other", low=Fraction(0))) ** n
         return result
 
     def _pair(self, kind: str, argument: sp.Expr) -> Pair:
@@ -187,12 +189,12 @@ class Reader:
         if not isinstance(s_atom, sine) or not isinstance(c_atom, cosine):
             return self.element(s_atom), self.element(c_atom)
         low, high = atom_bounds(c_atom, self.bounds)
-        c = self._generator(Generator(c_atom, c_atom.func.__name__, low=low, high=high))
+        c = self.adjoined(Generator(c_atom, c_atom.func.__name__, low=low, high=high))
         k = self.field.number_of(c_atom)
         assert k is not None
         square = {2 << (poly.BITS * k): -1, 0: 1} if kind == "angle" else {2 << (poly.BITS * k): 1, 0: -1}
         low, high = atom_bounds(s_atom, self.bounds)
-        s = self._generator(Generator(s_atom, s_atom.func.__name__, Root(2, square), k, low, high))
+        s = self.adjoined(Generator(s_atom, s_atom.func.__name__, Root(2, square), k, low, high))
         return s, c
 
     def _log(self, argument: sp.Expr) -> Element:
@@ -203,74 +205,8 @@ class Reader:
         name = (y.coefficient, poly.key(y.numerator), frozenset(y.factors.items()))
         if name not in self._logarithms:
             low, high = atom_bounds(parts, self.bounds)
-            self._logarithms[name] = self._generator(Generator(parts, "other", low=low, high=high))
+            self._logarithms[name] = self.adjoined(Generator(parts, "other", low=low, high=high))
         return self._logarithms[name]
-
-    # roots -----------------------------------------------------------------------------------------------------------
-
-    def root(self, x: Element, p: int, q: int) -> Element:
-        """x^(p/q), the real root, taken apart over the factors whose sign is proved."""
-        if x.is_zero:
-            return x
-        field = self.field
-        x = field.factored(x)
-        outside, rest_factors, negative = field.one, {}, x.coefficient < 0
-        for b, e in x.factors.items():
-            sign = sign_of(field, field.bases[b], self.bounds)
-            if sign == 0 and not (q % 2 == 1 and e % q == 0):
-                rest_factors[b] = e
-                continue
-            negative ^= sign < 0 and e % 2 == 1
-            whole, part = divmod(e * p, q)
-            base = Element(field, Fraction(1 if sign >= 0 else -1), {0: 1}, {b: 1})
-            outside = outside * base**whole
-            if part:
-                outside = outside * self._base_root(base, q) ** part
-        outside = outside * self._number_root(abs(x.coefficient), p, q)
-        if not rest_factors and not negative:
-            return outside
-        rest = Element(field, Fraction(-1 if negative else 1), {0: 1}, rest_factors)
-        return outside * self._rest_root(rest, q) ** p
-
-    def _base_root(self, base: Element, q: int) -> Element:
-        """base^(1/q) for ± a base polynomial that is not negative on the domain."""
-        ((b, _),) = base.factors.items()
-        radicand = poly.scale(self.field.bases[b], int(base.coefficient))
-        return self._root_generator(radicand, self.field.one, q, nonnegative=True)
-
-    def _rest_root(self, rest: Element, q: int) -> Element:
-        """rest^(1/q) where rest = N/D: the generator is D·rest^(1/q), a root of N·D^(q−1), whatever the sign of D."""
-        field = self.field
-        up = Element(field, rest.coefficient, {0: 1}, {b: e for b, e in rest.factors.items() if e > 0})
-        down = Element(field, Fraction(1), {0: 1}, {b: -e for b, e in rest.factors.items() if e < 0})
-        radicand = field.total([up * down ** (q - 1), field.zero])
-        expanded: Poly = {0: int(radicand.coefficient)}
-        for base, e in [*radicand.bases, (radicand.numerator, 1)]:
-            for _ in range(e):
-                expanded = field.reduce(poly.mul(expanded, base, field.budget))
-        return self._root_generator(expanded, down, q, nonnegative=not down.factors) / down
-
-    def _root_generator(self, radicand: Poly, factor: Element, q: int, *, nonnegative: bool) -> Element:
-        value = self.write(self.field.from_poly(radicand) / factor**q)
-        atom = self.write(factor) * sp.Pow(value, sp.Rational(1, q))
-        if atom.is_Rational:
-            return self.element(atom)
-        low = Fraction(0) if nonnegative and q % 2 == 0 else None
-        return self._generator(Generator(atom, "root", Root(q, radicand), low=low))
-
-    def _number_root(self, value: Fraction, p: int, q: int) -> Element:
-        """value^(p/q) for a positive rational number, over the roots of primes."""
-        result = self.field.one
-        for n, sign in ((value.numerator, 1), (value.denominator, -1)):
-            factors = sp.factorint(n) if n < 10**15 else {n: 1}
-            for prime, e in factors.items():
-                whole, part = divmod(sign * e * p, q)
-                result = result * Fraction(prime) ** whole
-                if part:
-                    atom = sp.Pow(sp.Integer(prime), sp.Rational(1, q))
-                    root = Generator(atom, "root", Root(q, {0: int(prime)}), low=Fraction(0))
-                    result = result * self._generator(root) ** part
-        return result
 
     # derivatives and writing -----------------------------------------------------------------------------------------
 
@@ -361,6 +297,7 @@ _HANDLERS: dict[object, Callable[[Reader, sp.Expr], Element]] = {
     **{f: _pair_handler("rapidity", h) for f, h in zip(HYPERBOLIC, _COMBINATIONS, strict=True)},
     sp.exp: Reader._exp,
     sp.log: Reader._log,
-    sp.Abs: lambda reader, x: reader.root(reader.element(x) ** 2, 1, 2),
+    sp.Abs: lambda reader, x: root(reader, reader.element(x) ** 2, 1, 2),
+    sp.acos: lambda reader, x: (reader.element(sp.pi) / 2) - reader.element(sp.asin(x)),
     sp.sign: lambda reader, x: reader.element(x) / reader.element(sp.Abs(x)),
 }

@@ -116,6 +116,7 @@ def _is_additive(reader: Reader, x: Element, symbols: Sequence[sp.Symbol]) -> bo
 
 def split_sum(reader: Reader, x: Element, symbols: Sequence[sp.Symbol]) -> list[Element] | None:
     """Write x = Σ x_i(q_i): term by term where the terms separate, else at a base point; constants go to the first."""
+    x = reader.field.expanded(x)
     by_terms = [parts for y in variants(reader, x) if (parts := _split_terms(reader, y, symbols)) is not None]
     if by_terms:
         return min(by_terms, key=lambda parts: sum(map(cost, parts)))

@@ -63,9 +63,7 @@ def test_small_oscillations_are_sent_to_normal_modes():
 def eisenhart(metric, f, i, j, q):
     """S_ij(f) of Benenti and Eisenhart, written out by sympy."""
     return (
-        f.diff(q[i], q[j])
-        - sp.log(metric[j]).diff(q[i]) * f.diff(q[j])
-        - sp.log(metric[i]).diff(q[j]) * f.diff(q[i])
+        f.diff(q[i], q[j]) - sp.log(metric[j]).diff(q[i]) * f.diff(q[j]) - sp.log(metric[i]).diff(q[j]) * f.diff(q[i])
     )
 
 
@@ -109,7 +107,10 @@ def test_the_general_condition_is_levi_civitas_formula_for_a_hamiltonian_with_ev
         ours = reader.write(levi_civita.total(reader, levi_civita.general_condition(reader, element, q, p, i, j)))
         a, b, c, d = H.diff(p[i]), H.diff(p[j]), H.diff(q[i]), H.diff(q[j])
         theirs = (
-            a * b * H.diff(q[i], q[j]) + c * d * H.diff(p[i], p[j]) - a * d * H.diff(q[i], p[j]) - c * b * H.diff(q[j], p[i])
+            a * b * H.diff(q[i], q[j])
+            + c * d * H.diff(p[i], p[j])
+            - a * d * H.diff(q[i], p[j])
+            - c * b * H.diff(q[j], p[i])
         )
         values = [e.subs(POINT).subs(MOMENTA).evalf(50) for e in (ours - theirs, theirs)]
         assert abs(values[1]) > 1e-3
