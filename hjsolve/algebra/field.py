@@ -21,11 +21,12 @@ from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass
 from fractions import Fraction
 from functools import cached_property
-from math import gcd, lcm
+from math import lcm
 
 import sympy as sp
 
 from . import poly
+from .factoring import factors_of
 from .poly import Budget, Poly, WorkLimitError
 
 MAX_POWER = 1000
@@ -272,7 +273,7 @@ class Field:
                     break
                 found[b] = found.get(b, 0) + 1
                 a = quotient
-        for factor, e in _factors(a):
+        for factor, e in factors_of(a):
             if factor != {0: 1}:
                 b = self._base(factor)
                 found[b] = found.get(b, 0) + e
@@ -375,34 +376,3 @@ class Field:
 def _fill(seen: int) -> int:
     """Every bit of every field that is non-zero in ``seen``."""
     return sum(poly.FIELD << (poly.BITS * k) for k, _ in poly.exponents(seen))
-
-
-def _factors(a: Poly) -> list[tuple[Poly, int]]:
-    """Irreducible factors where that is cheap, else the polynomial itself."""
-    names = poly.generators(a)
-    if len(a) <= 1 or len(a) > 40 or len(names) > 8 or _obviously_irreducible(a, names):
-        return [(a, 1)]
-    ring = sp.polys.rings.ring([f"g{k}" for k in names], sp.ZZ)[0]
-    element = ring.from_dict({tuple(poly.exponent(m, k) for k in names): c for m, c in a.items()})
-    if sum(element.degrees()) > 24:
-        return [(a, 1)]
-    factors = []
-    for factor, e in element.factor_list()[1]:
-        packed = {sum(n << (poly.BITS * k) for n, k in zip(ms, names, strict=True)): int(c) for ms, c in factor.terms()}
-        sign = 1 if packed[max(packed)] > 0 else -1
-        factors.append((poly.scale(packed, sign), e))
-    return factors
-
-
-def _obviously_irreducible(a: Poly, names: Sequence[int]) -> bool:
-    """Linear in some generator, a = A·g + B, with A a monomial prime to B; a is primitive."""
-    for k in names:
-        top = [m for m in a if poly.exponent(m, k)]
-        if len(top) != 1 or poly.exponent(top[0], k) != 1:
-            continue
-        rest = [m for m in a if m != top[0]]
-        if gcd(a[top[0]], *(a[m] for m in rest)) == 1 and not poly.monomial_content(
-            [top[0] - (1 << (poly.BITS * k)), *rest]
-        ):
-            return True
-    return False

@@ -80,7 +80,8 @@ def _rest_root(reader: Reader, rest: Element, q: int) -> Element:
 def _denested(reader: Reader, radicand: Poly) -> Element | None:
     """Denest √(A + B√d) = √((A+C)/2) ± √((A−C)/2).
 
-    C² = A² − B²d must have a root C in the functions that A, B and d are made of; A ≥ 0 and the sign of B must be proved.
+    C² = A² − B²d must have a root C in the functions that A, B and d are made of; A ≥ 0 and the sign of B must be
+    proved.
     Borodin, Fagin, Hopcroft and Tompa, J. Symb. Comp. 1 (1985) 169.
     """
     field = reader.field

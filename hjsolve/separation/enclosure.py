@@ -63,9 +63,10 @@ class Region:
 
     def points(self, expression: sp.Expr, seed: int = 0) -> Iterator[dict[sp.Expr, sp.Rational]]:
         """Rational points for the symbols and undetermined functions of an expression, simple ones first."""
-        unknowns = sorted(expression.atoms(*UNKNOWNS), key=sp.default_sort_key)
+        free = expression.free_symbols
+        unknowns = sorted((x for x in expression.atoms(*UNKNOWNS) if x.free_symbols <= free), key=sp.default_sort_key)
         ends = [end for pair in self.bounds.values() for end in pair if end is not None]
-        symbols = expression.free_symbols.union(*(end.free_symbols for end in ends))
+        symbols = free.union(*(end.free_symbols for end in ends))
         coordinates = sorted((s for s in symbols if s in self.bounds), key=str)
         parameters = sorted((s for s in symbols if s not in self.bounds), key=str)
         generator = random.Random(seed)  # noqa: S311
