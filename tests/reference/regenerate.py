@@ -91,9 +91,10 @@ def principal(angle: mpf) -> mpf:
 
 
 def states(motion: Motion, closed: Values) -> Iterator[tuple[str, str, mpf]]:
-    """(quantity, t, value) at generic times: −0.6, 0.3, 2.9 and (default motion) 50 periods of the slowest libration."""
-    periods = [closed[f"period.{n}"][0] for n in motion.names if f"turning_point.{n}.upper" in closed]
-    unit = max(periods or [value for key, (value, _) in closed.items() if key.startswith("period.")], default=mp.one)
+    """(quantity, t, value) at generic times: −0.6, 0.3, 2.9 and (default motion) 50 times the slowest libration."""
+    periods = {n: closed[f"period.{n}"][0] for n in motion.names if f"period.{n}" in closed}
+    turning = [period for n, period in periods.items() if f"turning_point.{n}.upper" in closed]
+    unit = max(turning or periods.values(), default=mp.one)
     shares = ["-0.6", "0.3", "2.9", "50"] if motion.name == "default" else ["-0.6", "2.9"]
     size = [abs(value) for value in (*motion.q.values(), *motion.p.values())]
     forward, backward = motion.flow(), motion.flow()
