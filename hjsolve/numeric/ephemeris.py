@@ -32,11 +32,19 @@ class Table:
         edges: argument at the panel ends, shape (panels + 1,).
         coefficients: for each quantity, powers of x ∈ [−1, 1] on each panel, lowest first, shape (degree + 1, panels).
         even: for each quantity of a table over [0, π]: True where f(−θ) = f(θ), False where f(−θ) = −f(θ).
+        bounds: size that a quantity's accuracy refers to, one a panel.
     """
 
     edges: Any
     coefficients: tuple[Any, ...]
     even: tuple[bool, ...]
+    bounds: tuple[Any, ...]
+
+    def sizes(self, quantity: int, θ: Any) -> Any:
+        """Return the size each value is accurate against: the largest of its quantity on its panel."""
+        u = np.abs(θ) if self.even else θ
+        panel = np.clip(np.searchsorted(self.edges, u, side="right") - 1, 0, len(self.edges) - 2)
+        return np.take(self.bounds[quantity], panel)
 
     def evaluate(self, quantities: Sequence[int], θ: Any) -> list[Any]:
         """Return the quantities at arguments inside the table, shape (m,); chunked to stay in the cache."""
@@ -110,7 +118,8 @@ def tabulate(
     tables = tuple(
         np.ascontiguousarray(np.concatenate([d[2][k] for d in done], axis=1)[:, order]) for k in range(len(scales))
     )
-    return Table(edges, tables, tuple(even))
+    bounds = tuple(np.maximum(np.sum(np.abs(rows), axis=0), scale or 0.0) for rows, scale in zip(tables, scales))
+    return Table(edges, tables, tuple(even), bounds)
 
 
 def _halfway(left: Any, right: Any) -> Any:

@@ -105,7 +105,7 @@ def dense(motion: Motion, span: float) -> Dense | None:
         return None
     try:
         if isinstance(equations, Torus):
-            return _bounded(motion) if isinstance(equations.courses[0], Bounded) else None
+            return _bounded(motion) if isinstance(equations.courses[0], Bounded) else _resting(motion)
         return (
             _open(motion, int(np.ceil(np.log2(max(span, 1e-290))))) if isinstance(equations.courses[0], Open) else None
         )
@@ -148,6 +148,15 @@ def _bounded(motion: Motion) -> Dense:
     begin = np.array([float(course.start)])
     waves = {name: (2 + k, float(_wave(s, begin)[0])) for k, (name, s) in enumerate(zip(names, series, strict=True))}
     return Dense(table, waves, True, first)
+
+
+def _resting(motion: Motion) -> Dense:
+    """A table of constants: the coordinate rests, the ignorable ones grow evenly."""
+    place = float(motion.located[motion.solution.coordinates[0]].course.rest)  # type: ignore[union-attr]
+    names = [c.name for c in motion.solution.system.coordinates if c.name not in motion.located]
+    rows = [np.array([[value]]) for value in (place, 0.0, *(0.0 for _ in names))]
+    table = Table(np.array([-np.pi, np.pi]), tuple(rows), (), tuple(np.abs(row[0]) for row in rows))
+    return Dense(table, {name: (2 + k, 0.0) for k, name in enumerate(names)}, True, -np.pi)
 
 
 def _wave(series: Series, χ: Any) -> Any:

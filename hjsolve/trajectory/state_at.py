@@ -25,7 +25,7 @@ from hjsolve.trajectory.positions import (
     positions,
     principal,
 )
-from hjsolve.trajectory.uncertainty import state_errors
+from hjsolve.trajectory.uncertainty import state_errors, table_errors
 
 if TYPE_CHECKING:
     from hjsolve.motion import Motion
@@ -107,8 +107,8 @@ def _tabulated(motion: Motion, table: Dense, t: Any, time: tuple[Any, Any], shap
         return evaluate(motion, (velocities(system)[name],), q, p)[0]
 
     def errors() -> Errors:
-        groups = state_errors(motion, phases_at(motion, time[0], [], time=time), q, p, table=True)
-        return Errors(*({n: values.reshape(shape) for n, values in group.items()} for group in groups))
+        groups = table_errors(motion, table, θ, q, p, v)
+        return Errors(*({n: np.reshape(values, shape) for n, values in group.items()} for group in groups))
 
     def view(source: Mapping[str, Any], chosen: tuple[str, ...]) -> OnDemand:
         return OnDemand(chosen, lambda name: np.reshape(source[name], shape))

@@ -13,7 +13,8 @@ from hjsolve.numeric.arithmetic import multiprecision
 from hjsolve.numeric.course import Bounded, Course
 from hjsolve.numeric.inverse import Torus, oscillation
 from hjsolve.numeric.series import Series
-from hjsolve.system import velocities
+from hjsolve.system import hamiltonian, velocities
+from hjsolve.trajectory.dense import Dense
 from hjsolve.trajectory.phases import Phases, courses_of
 from hjsolve.trajectory.positions import constant_index, evaluate
 
@@ -26,12 +27,11 @@ _TABLE = 1e-14
 
 
 def state_errors(
-    motion: Motion, phases: Phases, q: Mapping[str, Any], p: Mapping[str, Any], table: bool = False
+    motion: Motion, phases: Phases, q: Mapping[str, Any], p: Mapping[str, Any]
 ) -> tuple[dict[str, Any], dict[str, Any], dict[str, Any]]:
     """Bounds on q, p and velocity from the bounds on the phases."""
     unit = (
-        (_TABLE if table else _EPS)
-        if phases.exact is None
+        _EPS if phases.exact is None
         else float(multiprecision(64).mpf(10) ** (1 - motion.digits))
     )
     dq, dp = {}, {}
@@ -52,6 +52,25 @@ def state_errors(
             )
             dp[name] = unit * np.abs(p[name].astype(float))
     return dq, dp, _velocity_errors(motion, q, p, dq, dp, unit)
+
+
+def table_errors(
+    motion: Motion, table: Dense, θ: Any, q: Mapping[str, Any], p: Mapping[str, Any], v: Mapping[str, Any]
+) -> tuple[dict[str, Any], dict[str, Any], dict[str, Any]]:
+    """Bounds on q, p and velocity read from a table: its own accuracy, and the rounding of its argument as a delay."""
+    system = motion.solution.system
+    rate = abs(float(motion.equations.rates[0])) if isinstance(motion.equations, Torus) else 1.0
+    delay = 3 * _EPS * np.abs(θ) / rate
+    separated = motion.solution.coordinates[0]
+    H = hamiltonian(system)
+    forces = evaluate(motion, tuple(-sp.diff(H, c.symbol) for c in system.coordinates), q, p)
+    dq, dp = {}, {}
+    for c, force in zip(system.coordinates, forces, strict=True):
+        inner = _TABLE * table.table.sizes(0, θ) if c.name == separated else _TABLE * (np.pi + np.abs(q[c.name]))
+        dq[c.name] = np.abs(v[c.name]) * delay + inner
+        own = _TABLE * table.table.sizes(1, θ) if c.name == separated else 2 * _EPS * np.abs(p[c.name])
+        dp[c.name] = np.abs(force) * delay + own
+    return dq, dp, _velocity_errors(motion, q, p, dq, dp, _EPS)
 
 
 def _straddles(motion: Motion, name: str) -> bool:
