@@ -57,9 +57,7 @@ class Parameter:
     meaning: str
 
 
-def parameter(
-    name: str, value: object = None, *, assume: str = "real", unit: str = "", meaning: str = ""
-) -> Parameter:
+def parameter(name: str, value: object = None, *, assume: str = "real", unit: str = "", meaning: str = "") -> Parameter:
     """Declare a parameter.
 
     Args:
@@ -79,7 +77,8 @@ def parameter(
     known = next((known for known in _ASSUMPTIONS if known == assume), None)
     if known is None:
         raise InvalidSystemError(
-            f"parameter {name}: assume={printable(repr(assume))[:40]} is unknown; write one of {', '.join(_ASSUMPTIONS)}"
+            f"parameter {name}: assume={printable(repr(assume))[:40]} is unknown; "
+            f"write one of {', '.join(_ASSUMPTIONS)}"
         )
     symbol = sp.Symbol(name, real=True) if known == "real" else sp.Symbol(name, real=True, **{known: True})
     exact = None if value is None else number(value, source=f"parameter {name}")

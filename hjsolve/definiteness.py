@@ -5,6 +5,7 @@ from __future__ import annotations
 import random
 from collections.abc import Iterator, Mapping, Sequence
 
+import mpmath
 import sympy as sp
 
 from hjsolve.declarations import Coordinate, Parameter
@@ -13,7 +14,9 @@ from hjsolve.errors import InvalidSystemError
 
 _POINTS = 16
 _TRIALS = 6
-_DIGITS = 20
+_ATTEMPTS = 200
+_DIGITS = 80
+_CANCELLED = sp.Float("1e-70")
 Point = Mapping[sp.Symbol, sp.Expr]
 
 
@@ -36,32 +39,43 @@ def check_mass_matrix(
     faults = []
     for values in _parameter_values(parameters):
         points = list(_points(coordinates, values))
-        if signature == "definite":
-            found = next((fault for point in points if (fault := _fault(matrix, coordinates, point))), "")
-        else:
-            found = "" if any(_is_regular(matrix, point) for point in points) else "T is degenerate: its matrix is singular"
-        if points and not found:
-            return
-        if points:
-            faults.append(found)
-    raise InvalidSystemError(f"kinetic: {faults[0]}" if faults else "the domain of the coordinates is empty")
-
-
-def _fault(matrix: sp.ImmutableMatrix, coordinates: Sequence[Coordinate], point: Point) -> str:
-    """What keeps the matrix from being positive definite at the point, or nothing."""
-    entries = _evaluated(matrix, point)
-    if entries is None:
-        return f"T is not real {_at(point)}; narrow the domain"
-    for k, pivot in enumerate(_pivots(entries)):
-        if pivot > 0:
+        if not points:
             continue
-        names = [c.velocity.name for c in coordinates[: k + 1]]
-        if matrix[k, :k].is_zero_matrix:
-            what = f"the coefficient of {names[-1]}**2/2, {matrix[k, k]},"
-        else:
-            what = f"the leading minor of {', '.join(names)}"
-        size = "zero" if pivot == 0 else f"negative, {entries[:k + 1, :k + 1].det().evalf(4)},"
-        return f"T is not positive definite: {what} is {size} {_at(point)}; narrow the domain, mend T, or set signature"
+        fault = _fault(matrix, coordinates, points) if signature == "definite" else _degeneracy(matrix, points)
+        if not fault:
+            return
+        faults.append(fault)
+        if len(faults) == _TRIALS:
+            break
+    if faults:
+        raise InvalidSystemError(f"kinetic: {faults[0]}")
+    free = ", ".join(p.name for p in parameters if p.value is None)
+    raise InvalidSystemError(f"no values of {free} were found that leave every domain non-empty; give default values")
+
+
+def _degeneracy(matrix: sp.ImmutableMatrix, points: Sequence[Point]) -> str:
+    if any(_is_regular(matrix, point) for point in points):
+        return ""
+    return "T is degenerate: the determinant of its matrix is zero, so that the momenta do not give the velocities"
+
+
+def _fault(matrix: sp.ImmutableMatrix, coordinates: Sequence[Coordinate], points: Sequence[Point]) -> str:
+    """What keeps the matrix from being positive definite at one of the points, or nothing."""
+    for point in points:
+        entries = _evaluated(matrix, point)
+        if entries is None:
+            return f"T is not real {_at(point)}; narrow the domain"
+        for k, pivot in enumerate(_pivots(entries)):
+            if pivot <= 0:
+                names = [c.velocity.name for c in coordinates[: k + 1]]
+                minor = entries[: k + 1, : k + 1].det() if pivot else pivot
+                what = f"the leading minor of {', '.join(names)}"
+                if matrix[k, :k].is_zero_matrix:
+                    what, minor = f"the coefficient of {names[-1]}**2/2, {matrix[k, k]},", entries[k, k]
+                return (
+                    f"T must be positive definite: {what} is {_short(minor)} {_at(point)}; "
+                    'correct T, the values or the domain (signature="indefinite" allows it)'
+                )
     return ""
 
 
@@ -69,7 +83,7 @@ def _pivots(entries: sp.Matrix) -> Iterator[sp.Expr]:
     """D of M = L D Lᵀ: quotients of successive leading principal minors; exact 0 for what has cancelled."""
     work = entries.copy()
     for k in range(work.rows):
-        pivot = work[k, k] if abs(work[k, k]) > sp.Float("1e-14") * abs(entries[k, k]) else sp.S.Zero
+        pivot = work[k, k] if abs(work[k, k]) > _CANCELLED * abs(entries[k, k]) else sp.S.Zero
         yield pivot
         if pivot == 0:
             return
@@ -84,24 +98,28 @@ def _is_regular(matrix: sp.ImmutableMatrix, point: Point) -> bool:
     if entries is None:
         return False
     scale = sp.Mul(*(max(abs(x) for x in entries[i, :]) for i in range(entries.rows)))
-    return bool(abs(entries.det()) > sp.Float("1e-14") * scale)
+    return bool(abs(entries.det()) > _CANCELLED * scale)
 
 
 def _evaluated(matrix: sp.ImmutableMatrix, point: Point) -> sp.Matrix | None:
-    """The matrix at the point, 20 digits; None where an entry is not a finite real number there."""
+    """The matrix at the point, 80 digits; None where an entry is not a finite real number there."""
     entries = matrix.applyfunc(lambda entry: entry.evalf(_DIGITS, subs=point)).as_mutable()
     return entries if all(x.is_number and x.is_real and x.is_finite for x in entries) else None
 
 
 def _at(point: Point) -> str:
-    return "at " + ", ".join(f"{symbol.name} = {value}" for symbol, value in point.items())
+    return "at " + ", ".join(f"{symbol.name} = {_short(value)}" for symbol, value in point.items())
+
+
+def _short(value: sp.Expr) -> str:
+    return mpmath.nstr(mpmath.mpmathify(value.evalf(15)), 4)
 
 
 def _parameter_values(parameters: Sequence[Parameter]) -> Iterator[dict[sp.Symbol, sp.Expr]]:
     """Values of all parameters: the defaults, and for the rest values that agree with what is assumed."""
     source = random.Random(1)  # noqa: S311 - sample points, the same at every run
     free = [p for p in parameters if p.value is None]
-    for trial in range(_TRIALS if free else 1):
+    for trial in range(_ATTEMPTS if free else 1):
         values = {p.symbol: p.value for p in parameters if p.value is not None}
         for p in free:
             size = sp.Rational(source.randint(3, 29), 7)
@@ -135,7 +153,7 @@ def _rational(end: sp.Expr, values: dict[sp.Symbol, sp.Expr]) -> sp.Rational:
 def _place(low: sp.Rational | None, high: sp.Rational | None, source: random.Random) -> sp.Rational:
     """A point between the ends; beyond one end, or on the line, at distances from 1/50 to 50."""
     if low is not None and high is not None:
-        return sp.nsimplify(low + (high - low) * sp.Rational(source.randint(1, 996), 997), rational=True)
+        return low + (high - low) * sp.Rational(source.randint(1, 996), 997)
     distance = sp.Rational(source.randint(2, 499), 97) * sp.Rational(source.choice((1, 1, 1, 10, sp.Rational(1, 10))))
     if low is None and high is None:
         return distance * source.choice((-1, 1))

@@ -70,7 +70,7 @@ def read_domain(name: str, text: object, parameters: Mapping[str, sp.Expr]) -> D
         raise InvalidSystemError(f'domain of {name}: "{shown}" includes an end, and domains are open; {advice}')
     sides = re.split(r"[<>]", word)
     signs = set(re.findall(r"[<>]", word))
-    if len(sides) not in (2, 3) or len(signs) != 1:
+    if len(sides) not in (2, 3) or len(signs) != 1 or not all(side.strip() for side in sides):
         near = nearest(word, ("line", "angle"))
         hint = f'did you mean "{near}"?' if near else f"write {_EXAMPLES}"
         raise InvalidSystemError(f'domain of {name}: "{shown}" is not a domain; {hint}')

@@ -15,11 +15,14 @@ from fractions import Fraction
 import sympy as sp
 
 from hjsolve.errors import ExpressionError
-from hjsolve.parser import FUNCTIONS, MAX_BITS, Parser
+from hjsolve.guarded import FUNCTIONS, MAX_BITS
+from hjsolve.parser import Parser
 from hjsolve.tokens import MAX_DIGITS, Source, instead_of_word, printable, scan
 
-_SAME = (sp.Symbol, sp.Add, sp.Mul, sp.Pow, sp.exp, sp.log, sp.sin, sp.cos, sp.tan, sp.asin, sp.acos, sp.atan)
-_SAME += (sp.sinh, sp.cosh, sp.tanh, sp.asinh, sp.acosh, sp.atanh, type(sp.pi), type(sp.E))
+_ARITHMETIC: tuple[type, ...] = (sp.Symbol, sp.Add, sp.Mul, sp.Pow, type(sp.pi), type(sp.E))
+_ELEMENTARY: tuple[type, ...] = (sp.exp, sp.log, sp.sin, sp.cos, sp.tan, sp.asin, sp.acos, sp.atan)
+_HYPERBOLIC: tuple[type, ...] = (sp.sinh, sp.cosh, sp.tanh, sp.asinh, sp.acosh, sp.atanh)
+_KNOWN = _ARITHMETIC + _ELEMENTARY + _HYPERBOLIC
 _NO_VELOCITIES: Mapping[str, sp.Symbol] = {}
 _MAX_PLACES = 4 * MAX_DIGITS
 _TOO_LARGE = Fraction(2) ** (MAX_BITS + 1)
@@ -85,19 +88,26 @@ def admit(
             replaced[node] = known[node.name]
         elif isinstance(node, sp.Float):
             replaced[node] = sp.Rational(node)
-        elif not node.is_Rational and not isinstance(node, _SAME):
-            _check_node(node, source)
+        elif not node.is_Rational and not isinstance(node, _KNOWN):
+            _check_node(node, source, known)
     return _real(expression.xreplace(replaced).replace(_is_reciprocal, _as_quotient), source)
 
 
-def _check_node(node: sp.Basic, source: str) -> None:
-    if _is_reciprocal(node):
+def _check_node(node: sp.Basic, source: str, known: Mapping[str, sp.Basic]) -> None:
+    if _is_reciprocal(node) or _is_undetermined(node, known):
         return
     if isinstance(node, sp.Derivative):
         raise _refused(source, "write a velocity as Symbol('dot(q)'), not as a derivative", node)
     if isinstance(node, sp.core.function.AppliedUndef):
         raise _refused(source, f"write the symbol {node.func} instead of a function of time", node)
     raise _refused(source, f"{type(node).__name__} is not accepted; known are {', '.join(FUNCTIONS)}", node)
+
+
+def _is_undetermined(node: sp.Basic, known: Mapping[str, sp.Basic]) -> bool:
+    """Whether the node is a function left undetermined, f(r), of declared names; q(t) is not."""
+    if not isinstance(node, sp.core.function.AppliedUndef) or node.func.__name__ in known:
+        return False
+    return all(symbol.name in known for symbol in node.free_symbols)
 
 
 def _is_reciprocal(node: sp.Basic) -> bool:

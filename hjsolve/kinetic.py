@@ -5,6 +5,7 @@ T = ½ Σ m_ij(q) q̇_i q̇_j + Σ a_i(q) q̇_i + T₀(q)                       
 
 from __future__ import annotations
 
+import itertools
 import math
 from collections.abc import Sequence
 from dataclasses import dataclass
@@ -14,7 +15,7 @@ import sympy as sp
 from hjsolve.errors import InvalidSystemError
 from hjsolve.tokens import printable
 
-_MAX_OPERATIONS = 400
+_MAX_TERMS = 300
 
 
 def check_quadratic(kinetic: sp.Expr, velocities: Sequence[sp.Symbol]) -> sp.Expr:
@@ -24,7 +25,7 @@ def check_quadratic(kinetic: sp.Expr, velocities: Sequence[sp.Symbol]) -> sp.Exp
         InvalidSystemError: it is not, or a velocity does not occur.
     """
     symbols = frozenset(velocities)
-    if 2 < degree(kinetic, symbols) <= 4:
+    if 2 < degree(kinetic, symbols) <= 4 and _terms(kinetic) <= 10 * _MAX_TERMS:
         kinetic = sp.expand(kinetic)
     if degree(kinetic, symbols) > 2:
         term = max(sp.Add.make_args(kinetic), key=lambda term: degree(term, symbols))
@@ -60,9 +61,7 @@ def mass_entries(kinetic: sp.Expr, velocities: Sequence[sp.Symbol]) -> sp.Immuta
     rest = dict.fromkeys(velocities, sp.S.Zero)
     slopes = [sp.diff(kinetic, velocity) for velocity in velocities]
     n = len(velocities)
-    upper = {
-        (i, j): tidy(sp.diff(slopes[i], velocities[j]).xreplace(rest)) for i in range(n) for j in range(i, n)
-    }
+    upper = {(i, j): tidy(sp.diff(slopes[i], velocities[j]).xreplace(rest)) for i in range(n) for j in range(i, n)}
     return sp.ImmutableMatrix(n, n, lambda i, j: upper[min(i, j), max(i, j)])
 
 
@@ -125,7 +124,7 @@ def inverse(matrix: sp.ImmutableMatrix) -> sp.ImmutableMatrix:
 def _from_squares(completed: Squares) -> sp.Matrix:
     n = len(completed.indices)
     terms = list(zip(completed.rows, completed.pivots))
-    return sp.Matrix(n, n, lambda i, j: sp.Add(*(row[i] * row[j] / pivot for row, pivot in terms)))
+    return sp.Matrix(n, n, lambda i, j: sp.Add(*(row[i] * row[j] * reciprocal(pivot) for row, pivot in terms)))
 
 
 def _adjugate_inverse(matrix: sp.ImmutableMatrix, block: Sequence[int]) -> sp.Matrix:
@@ -144,20 +143,37 @@ def half_inverse_form(matrix: sp.ImmutableMatrix, vector: Sequence[sp.Expr]) -> 
             terms.append((x.T * part * x)[0, 0] / 2)
             continue
         for row, pivot in zip(completed.rows, completed.pivots):
-            terms.append(sp.Add(*(c * vector[i] for c, i in zip(row, block))) ** 2 / (2 * pivot))
+            terms.append(sp.Add(*(c * vector[i] for c, i in zip(row, block))) ** 2 * reciprocal(pivot) / 2)
     return sp.Add(*terms)
+
+
+def reciprocal(expression: sp.Expr) -> sp.Expr:
+    """1/expression, without a fraction in the denominator where that is shorter."""
+    return _shortest([1 / expression, 1 / sp.together(expression)])
 
 
 def tidy(expression: sp.Expr) -> sp.Expr:
     """The shortest of a few equal forms: as it is, factored, and with sin² + cos² = 1 used either way."""
+    if not expression.has(sp.Add) or _terms(expression) > _MAX_TERMS:
+        return expression
     if expression.is_Mul and not expression.has(sp.sin, sp.cos):
-        return expression if expression.is_polynomial() else _shortest([expression, sp.cancel(expression)])
-    if not expression.has(sp.Add) or sp.count_ops(expression) > _MAX_OPERATIONS:
         return expression
     together = sp.together(expression)
     numerator, denominator = together.as_numer_denom()
     candidates = [expression, _shortest(_forms(numerator)) / _shortest(_forms(denominator))]
     return _shortest(candidates)
+
+
+def _terms(expression: sp.Expr) -> int:
+    """Upper bound of the number of terms of an expression when expanded."""
+    if expression.is_Add:
+        return sum(map(_terms, expression.args))
+    if expression.is_Mul:
+        return math.prod(map(_terms, expression.args))
+    if expression.is_Pow and expression.exp.is_Integer:
+        terms, exponent = _terms(expression.base), abs(int(expression.exp))
+        return math.comb(terms + exponent - 1, exponent) if terms <= _MAX_TERMS else terms
+    return 1
 
 
 def _forms(polynomial: sp.Expr) -> list[sp.Expr]:
@@ -167,9 +183,10 @@ def _forms(polynomial: sp.Expr) -> list[sp.Expr]:
 
 
 def _pythagoras(expanded: sp.Expr) -> list[sp.Expr]:
-    """The expanded expression with even powers of cos, or of sin, eliminated."""
+    """The expanded expression with angle differences joined, and with even powers of cos, or of sin, eliminated."""
     if not expanded.has(sp.sin, sp.cos):
         return [expanded]
+    expanded = sp.expand(_joined(expanded))
     return [expanded, *(expanded.replace(sp.Pow, lambda b, e, f=f: _other(b, e, f)) for f in (sp.cos, sp.sin))]
 
 
@@ -179,6 +196,21 @@ def _other(base: sp.Expr, exponent: sp.Expr, eliminated: type[sp.Function]) -> s
     partner = sp.sin if eliminated is sp.cos else sp.cos
     half, odd = divmod(int(exponent), 2)
     return (1 - partner(base.args[0]) ** 2) ** half * base**odd
+
+
+def _joined(expanded: sp.Expr) -> sp.Expr:
+    """The sum with k cos a cos b ± k sin a sin b written as k cos(a ∓ b)."""
+    terms = dict(expanded.as_coefficients_dict())
+    for term, weight in list(terms.items()):
+        angles = [factor.args[0] for factor in sp.Mul.make_args(term) if isinstance(factor, sp.cos)]
+        for a, b in itertools.combinations(angles, 2):
+            partner = term / (sp.cos(a) * sp.cos(b)) * sp.sin(a) * sp.sin(b)
+            other = terms.get(partner, 0)
+            if term in terms and abs(other) == abs(weight):
+                del terms[term], terms[partner]
+                joined = term / (sp.cos(a) * sp.cos(b)) * sp.cos(a - b if other == weight else a + b)
+                terms[joined] = terms.get(joined, 0) + weight
+    return sp.Add(*(weight * term for term, weight in terms.items()))
 
 
 def _shortest(candidates: Sequence[sp.Expr]) -> sp.Expr:

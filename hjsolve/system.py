@@ -53,7 +53,8 @@ class System:
         ExpressionError: a formula, a bound or a value cannot be read.
 
     Example:
-        >>> kepler = System({"r": "0 < r", "theta": "angle"}, "m/2*(dot(r)**2 + r**2*dot(theta)**2)", "-k/r", {"m": 1, "k": 1})
+        >>> kinetic = "m/2*(dot(r)**2 + r**2*dot(theta)**2)"
+        >>> kepler = System({"r": "0 < r", "theta": "angle"}, kinetic, "-k/r", {"m": 1, "k": 1})
         >>> hamiltonian(kepler)
         -k/r + p_r**2/(2*m) + p_theta**2/(2*m*r**2)
     """
@@ -87,7 +88,7 @@ class System:
     @property
     def symbols(self) -> dict[str, sp.Symbol]:
         """Symbols of coordinates and parameters by name."""
-        return {part.name: part.symbol for part in (*self.coordinates, *self.parameters)}
+        return {c.name: c.symbol for c in self.coordinates} | {p.name: p.symbol for p in self.parameters}
 
     @property
     def defaults(self) -> dict[sp.Symbol, sp.Expr]:
@@ -133,7 +134,11 @@ def _read(system: System, given: object, source: str) -> sp.Expr:
         return parse(given, system.symbols, velocities=speeds, source=source)
     if isinstance(given, sp.Expr):
         return admit(given, system.symbols, velocities=speeds, source=source)
-    return number(given, source=source)
+    if isinstance(given, (int, float)):
+        return number(given, source=source)
+    raise InvalidSystemError(
+        f"{source}: expected a formula as text or as a sympy expression, got {type(given).__name__}"
+    )
 
 
 def _read_kinetic(system: System, given: object) -> sp.Expr:
@@ -246,7 +251,7 @@ def _shifted(system: System) -> list[sp.Expr]:
 
 
 def hamiltonian(system: System) -> sp.Expr:
-    """H(q, p) = ½ (p − a)ᵀ M⁻¹ (p − a) − T₀ + V, Greenwood (4-109)–(4-112); squares completed where T is not diagonal."""
+    """H(q, p) = ½ (p − a)ᵀ M⁻¹ (p − a) − T₀ + V, Greenwood (4-109)–(4-112); the first term as a sum of squares."""
     return half_inverse_form(mass_matrix(system), _shifted(system)) - kinetic_rest(system) + system.potential
 
 

@@ -51,6 +51,7 @@ _INSTEAD_OF_CHARACTER |= dict.fromkeys("÷∕⁄", "write / for a quotient")
 _DOTS_AND_PRIMES = "'’′`´\u0307\u0308"
 
 _INSTEAD_OF_WORD = {
+    "dot": "write dot(q) for the velocity of q",
     "ln": "write log",
     "arcsin": "write asin",
     "arccos": "write acos",
@@ -75,11 +76,11 @@ _INSTEAD_OF_WORD = {
     "diff": "write dot(q) for a velocity",
     "Derivative": "write dot(q) for a velocity",
     "ddot": "accelerations do not occur in T and V",
-    "e": "write exp(1) for e, exp(x) for e**x",
-    "E": "write exp(1) for e, exp(x) for e**x",
-    "i": "there is no imaginary unit; formulas are real",
-    "I": "there is no imaginary unit; formulas are real",
-    "j": "there is no imaginary unit; formulas are real",
+    "e": "write exp(1) for the number e, exp(x) for e**x, or declare it",
+    "E": "write exp(1) for the number e, exp(x) for e**x, or declare it",
+    "i": "declare it as a parameter; there is no imaginary unit",
+    "I": "declare it as a parameter; there is no imaginary unit",
+    "j": "declare it as a parameter; there is no imaginary unit",
     "inf": "a number must be finite",
     "oo": "a number must be finite",
     "infinity": "a number must be finite",
@@ -220,8 +221,9 @@ def instead_of_word(
     near = nearest(word, [*names, *functions, "pi"])
     if near:
         return f"{shown!r} is not declared; did you mean {near}?"
-    declared = ", ".join(sorted(names)[:12]) + (", …" if len(names) > 12 else "")
-    return f"{shown!r} is not declared; " + (f"declared are {declared}" if names else "only a number is accepted here")
+    if not names:
+        return f"{shown!r} is not declared; no names are declared here, write a number"
+    return f"{shown!r} is not declared; declared are {', '.join(sorted(names)[:12])}{', …' if len(names) > 12 else ''}"
 
 
 def _velocity_meant(word: str, velocities: list[str]) -> str:

@@ -1,0 +1,278 @@
+"""Guarded arithmetic: sums, products, powers and functions of sympy expressions that stay real, finite and small.
+
+Beside each expression the value of a constant is carried at 60 digits, so that a division by zero, a logarithm of a
+negative number or 9**9**9 is found *before* sympy sees it; and three sizes, so that nothing is built that sympy would
+take long to look at: the number of terms when expanded, how deep functions and roots nest, and the exponents.
+Every function takes ``fail``, which makes the error to raise from a message.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Sequence
+from dataclasses import dataclass
+from math import ceil, comb, prod
+
+import mpmath
+import sympy as sp
+
+from hjsolve.errors import ExpressionError
+from hjsolve.tokens import MAX_DIGITS
+
+MAX_BITS = 7_000
+MAX_EXPONENT = 100
+MAX_NESTING = 3
+MAX_DEGREE_OF_ARGUMENT = 24
+MAX_TERMS = 5_000
+_MAX_EXPONENT_UNPROVED = 10
+_MAX_DENOMINATOR = 10**12
+_MAX_ROOT_BITS = 350
+_MAX_TERMS_OF_POWER = 500
+_MAX_ANGLE = 10**15
+_MAX_LOGARITHM = 2_500
+_OF_LOGARITHMS = frozenset({"exp", "sinh", "cosh", "tanh", "coth", "sech", "csch"})
+_CONTEXT = mpmath.MPContext()
+_CONTEXT.dps = 60
+_HUGE = _CONTEXT.mpf(10) ** MAX_DIGITS
+_VANISHING = _CONTEXT.mpf(10) ** -40
+
+Fail = Callable[[str], ExpressionError]
+
+FUNCTIONS: dict[str, Callable[[sp.Expr], sp.Expr]] = {
+    "sin": sp.sin,
+    "cos": sp.cos,
+    "tan": sp.tan,
+    "cot": lambda x: sp.cos(x) / sp.sin(x),
+    "sec": lambda x: 1 / sp.cos(x),
+    "csc": lambda x: 1 / sp.sin(x),
+    "asin": sp.asin,
+    "acos": sp.acos,
+    "atan": sp.atan,
+    "sinh": sp.sinh,
+    "cosh": sp.cosh,
+    "tanh": sp.tanh,
+    "coth": lambda x: sp.cosh(x) / sp.sinh(x),
+    "sech": lambda x: 1 / sp.cosh(x),
+    "csch": lambda x: 1 / sp.sinh(x),
+    "asinh": sp.asinh,
+    "acosh": sp.acosh,
+    "atanh": sp.atanh,
+    "exp": sp.exp,
+    "log": sp.log,
+    "sqrt": sp.sqrt,
+    "cbrt": sp.cbrt,
+}
+
+
+@dataclass(frozen=True)
+class Node:
+    """A subexpression.
+
+    Attributes:
+        expression: in sympy.
+        value: at 60 digits where it is constant, else None.
+        terms: upper bound of the number of its terms when expanded.
+        nesting: how deep functions, roots and variable powers nest in it.
+        degree: upper bound of its degree as a polynomial in names and functions.
+    """
+
+    expression: sp.Expr
+    value: mpmath.mpf | None = None
+    terms: int = 1
+    nesting: int = 0
+    degree: int = 0
+
+
+def leaf(expression: sp.Expr) -> Node:
+    """The node of a name or a constant."""
+    return Node(expression, degree=1) if expression.free_symbols else Node(expression, _value(expression))
+
+
+def literal(text: str, fail: Fail) -> Node:
+    """The exact rational that an integer or a decimal spells."""
+    expression = sp.Rational(text)
+    return _checked(Node(expression, _value(expression)), fail)
+
+
+def negative(node: Node) -> Node:
+    """−a."""
+    return Node(-node.expression, None if node.value is None else -node.value, node.terms, node.nesting, node.degree)
+
+
+def total(nodes: Sequence[Node], fail: Fail) -> Node:
+    """The sum a + b + …, in one step."""
+    value = None if any(n.value is None for n in nodes) else _CONTEXT.fsum(n.value for n in nodes)
+    terms, nesting, degree = sum(n.terms for n in nodes), max(n.nesting for n in nodes), max(n.degree for n in nodes)
+    return _checked(Node(sp.Add(*(n.expression for n in nodes)), value, terms, nesting, degree), fail)
+
+
+def product(nodes: Sequence[Node], fail: Fail) -> Node:
+    """The product a·b·…, in one step."""
+    value = None if any(n.value is None for n in nodes) else _CONTEXT.fprod(n.value for n in nodes)
+    terms, nesting, degree = prod(n.terms for n in nodes), max(n.nesting for n in nodes), sum(n.degree for n in nodes)
+    _check_sizes(terms, nesting, fail)
+    return _checked(Node(sp.Mul(*(n.expression for n in nodes)), value, terms, nesting, degree), fail)
+
+
+def reciprocal(node: Node, fail: Fail) -> Node:
+    """1/a."""
+    if node.expression.is_zero:
+        raise fail("a division by zero")
+    return power(node, leaf(sp.S.NegativeOne), fail)
+
+
+def power(base: Node, exponent: Node, fail: Fail) -> Node:
+    """a**b."""
+    n = exponent.value
+    _check_base(base, n, fail)
+    if n is not None:
+        _check_exponent(base, exponent, n, fail)
+    else:
+        _check_numbers(exponent, fail)
+    value = None
+    if base.value is not None and n is not None:
+        whole = int(n) if exponent.expression.is_Integer else n
+        value = _within(_defined(lambda: _CONTEXT.power(base.value, whole), "this power", fail), fail)
+    terms = base.terms if n is None else comb(base.terms + int(abs(n)) - 1, int(abs(n)))
+    if terms > max(_MAX_TERMS_OF_POWER, base.terms):
+        raise fail(f"expanded, this power has more than {_MAX_TERMS_OF_POWER} terms")
+    nesting, degree = max(base.nesting, exponent.nesting), base.degree if n is None else ceil(base.degree * abs(n))
+    if not exponent.expression.is_Integer:
+        nesting += 1
+        _check_argument(base, fail)
+        _check_argument(exponent, fail)
+    _check_sizes(terms, nesting, fail)
+    expression = _built(lambda: sp.Pow(base.expression, exponent.expression), "this power", fail)
+    return _checked(Node(expression, value, terms, nesting, degree), fail)
+
+
+def call(name: str, argument: Node, fail: Fail) -> Node:
+    """One of ``FUNCTIONS``."""
+    if name == "sqrt":
+        return power(argument, leaf(sp.S.Half), fail)
+    if name == "cbrt":
+        if argument.value is not None and argument.value < 0:
+            return negative(call(name, negative(argument), fail))
+        return power(argument, leaf(sp.Rational(1, 3)), fail)
+    value = None
+    if argument.value is not None:
+        if abs(argument.value) > (_MAX_LOGARITHM if name in _OF_LOGARITHMS else _MAX_ANGLE) and name != "log":
+            raise fail(f"the argument of {name} is too large")
+        value = _within(_defined(lambda: getattr(_CONTEXT, name)(argument.value), name, fail), fail)
+    elif name == "exp" and argument.expression.has(sp.log):
+        _check_numbers(argument, fail)
+    elif name == "log" and argument.expression.is_nonpositive:
+        raise fail("log is not real here: its argument is never positive")
+    _check_argument(argument, fail)
+    _check_sizes(1, argument.nesting + 1, fail)
+    expression = _built(lambda: FUNCTIONS[name](argument.expression), name, fail)
+    return _checked(Node(expression, value, 1, argument.nesting + 1, 0 if value is not None else 1), fail)
+
+
+def _check_base(base: Node, n: mpmath.mpf | None, fail: Fail) -> None:
+    if base.expression.is_zero and not (n is not None and n >= 0):
+        raise fail("zero to a negative or variable power has no value")
+    if base.value is None:
+        return
+    if n is None and base.value < 0:
+        raise fail("a negative number to a variable power is not real")
+    if n is not None and n < 0 and abs(base.value) < _VANISHING and not base.expression.is_Rational:
+        raise fail("a division by a number that cannot be told from zero")
+
+
+def _check_exponent(base: Node, exponent: Node, n: mpmath.mpf, fail: Fail) -> None:
+    if exponent.expression.is_Rational and exponent.expression.q > _MAX_DENOMINATOR:
+        raise fail("an exponent may have at most 12 decimals")
+    bits = _bits(base.expression.as_coeff_Mul()[0])
+    if bits > 1 and bits * abs(n) > MAX_BITS:
+        raise fail(f"the power is beyond 1e±{MAX_DIGITS}; choose other units")
+    if base.expression.is_Rational:
+        return
+    if abs(n) > MAX_EXPONENT:
+        raise fail(f"exponents beyond ±{MAX_EXPONENT} are not accepted")
+    if abs(n) > _MAX_EXPONENT_UNPROVED and base.value is None and not base.expression.is_extended_real:
+        raise fail(f"exponents beyond ±{_MAX_EXPONENT_UNPROVED} need a base that is real on the whole domain")
+
+
+def _check_argument(node: Node, fail: Fail) -> None:
+    if _bits(node.expression) > _MAX_ROOT_BITS:
+        raise fail("a number with more than 100 digits cannot stand inside a function, a root or an exponent")
+    if node.degree > MAX_DEGREE_OF_ARGUMENT:
+        raise fail(f"powers beyond {MAX_DEGREE_OF_ARGUMENT} cannot stand inside a function, a root or an exponent")
+
+
+def _check_numbers(exponent: Node, fail: Fail) -> None:
+    """A number n in a variable exponent may become the power aⁿ."""
+    if any(abs(number) > MAX_EXPONENT for number in exponent.expression.atoms(sp.Rational)):
+        raise fail(f"exponents beyond ±{MAX_EXPONENT} are not accepted")
+
+
+def _check_sizes(terms: int, nesting: int, fail: Fail) -> None:
+    if terms > MAX_TERMS:
+        raise fail(f"expanded, this has more than {MAX_TERMS} terms")
+    if nesting > MAX_NESTING:
+        raise fail(f"functions and roots nest deeper than {MAX_NESTING} levels")
+
+
+def _defined(compute: Callable[[], mpmath.mpf], what: str, fail: Fail) -> mpmath.mpf:
+    """A constant's value, or the error that says why it has none."""
+    try:
+        value = compute()
+    except (ValueError, ZeroDivisionError, OverflowError, mpmath.libmp.NoConvergence):
+        raise fail(f"{what} has no finite value here") from None
+    if isinstance(value, _CONTEXT.mpc):
+        raise fail(f"{what} is not real here")
+    if not _CONTEXT.isfinite(value):
+        raise fail(f"{what} has no finite value here")
+    return value
+
+
+def _built(compute: Callable[[], sp.Expr], what: str, fail: Fail) -> sp.Expr:
+    """What sympy makes of it; its automatic evaluation fails on some constants that cannot be told from a pole."""
+    try:
+        return compute()
+    except (ArithmeticError, AttributeError, TypeError, ValueError, NotImplementedError, RecursionError):
+        raise fail(f"{what} cannot be evaluated here; simplify its argument") from None
+
+
+def _within(value: mpmath.mpf, fail: Fail) -> mpmath.mpf:
+    if value and not 1 / _HUGE <= abs(value) <= _HUGE:
+        raise fail(f"the number is beyond 1e±{MAX_DIGITS}; choose other units")
+    return value
+
+
+def _checked(node: Node, fail: Fail) -> Node:
+    """The node, once it is finite, real and of a size that can be worked with."""
+    expression, value = node.expression, node.value
+    if expression.has(sp.zoo, sp.nan, sp.oo, -sp.oo):
+        raise fail("the value is not finite (a division by zero, or a pole)")
+    if expression.has(sp.I):
+        raise fail("the value is not real")
+    if expression.has(sp.Abs, sp.sign, sp.arg, sp.re, sp.im):
+        raise fail("this is an absolute value such as sqrt(x**2); write x, on a domain where it keeps its sign")
+    if _bits(expression.as_coeff_Mul()[0]) > MAX_BITS:
+        raise fail(f"the number is beyond 1e±{MAX_DIGITS}; choose other units")
+    if any(map(_is_high_power, sp.Mul.make_args(expression))):
+        raise fail(f"exponents beyond ±{MAX_EXPONENT} are not accepted")
+    if expression.is_Rational:
+        value = _value(expression)
+    if value is not None:
+        _within(value, fail)
+    _check_sizes(node.terms, node.nesting, fail)
+    return Node(expression, value, node.terms, node.nesting, node.degree)
+
+
+def _value(expression: sp.Expr) -> mpmath.mpf:
+    """The value of a constant at 60 digits."""
+    if expression.is_Rational:
+        return _CONTEXT.mpf(int(expression.p)) / int(expression.q)
+    return _CONTEXT.convert(expression.evalf(60))
+
+
+def _is_high_power(factor: sp.Expr) -> bool:
+    return bool(factor.is_Pow and factor.exp.is_Rational and abs(factor.exp) > MAX_EXPONENT and factor.free_symbols)
+
+
+def _bits(expression: sp.Expr) -> int:
+    if not expression.is_Rational:
+        return 0
+    return max(int(expression.p).bit_length(), int(expression.q).bit_length())
