@@ -50,7 +50,7 @@ class Series:
         total = _horner(self.cosines / k, χ)[1]
         if self.sines is None:
             return total
-        return total + np.sum(self.sines / k) - _horner(self.sines / k, χ)[0]
+        return total + _like(np.sum(self.sines / k), χ) - _horner(self.sines / k, χ)[0]
 
     @property
     def vanishes(self) -> bool:
@@ -201,7 +201,7 @@ def _horner(coefficients: Any, χ: Any) -> tuple[Any, Any]:
     if isinstance(χ, np.ndarray) or isinstance(χ, float):
         wave = np.exp(1j * np.asarray(χ))
         total = np.zeros_like(wave)
-        for c in coefficients[::-1]:
+        for c in coefficients[::-1].astype(float):
             total = (total + c) * wave
         return total.real, total.imag
     context = χ.context
