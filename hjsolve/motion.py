@@ -7,7 +7,7 @@ time law. No differential equation is integrated.
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Iterable, Mapping
 from dataclasses import dataclass, replace
 from typing import Any
 
@@ -21,7 +21,7 @@ from hjsolve.lowering import lower
 from hjsolve.numeric.anomaly import Rotation
 from hjsolve.numeric.arithmetic import Multi, multiprecision
 from hjsolve.numeric.classify import Located, Start, forbidden, locate
-from hjsolve.numeric.course import Bounded, Frozen
+from hjsolve.numeric.course import PARTS, Bounded, Frozen
 from hjsolve.numeric.estimate import Estimate
 from hjsolve.numeric.inverse import Torus, mean_rate, torus
 from hjsolve.numeric.radicand import Radicand
@@ -30,6 +30,13 @@ from hjsolve.solution import Solution
 from hjsolve.state import State
 
 FLOAT_DIGITS = 15
+QUANTITIES: Mapping[str, frozenset[str]] = {
+    "constants": frozenset(), "kinds": frozenset(), "turning_points": frozenset(), "actions": frozenset({"action"}),
+    "periods": frozenset({"time"}), "frequencies": frozenset({"time"}), "angles": frozenset({"time"}),
+    "boundary_times": frozenset({"time"}), "orbit": frozenset({"time", "place"}),
+    "trajectory": frozenset({"time", "place"}),
+}  # fmt: skip
+"""What may be asked of a motion, and the integrals each needs (``numeric.course.PARTS``)."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -50,6 +57,7 @@ class Motion:
         frequencies: coordinate → Ω = ∂H/∂J in radians per unit time, where it exists.
         periods: coordinate → 2π/|Ω|.
         boundary_times: coordinate → time at which it reaches an end of its domain.
+        parts: what was integrated, of ``numeric.course.PARTS``; all of it unless ``want`` asked for less.
     """
 
     solution: Solution
@@ -65,6 +73,7 @@ class Motion:
     frequencies: Mapping[str, Estimate]
     periods: Mapping[str, Estimate]
     boundary_times: Mapping[str, Estimate]
+    parts: frozenset[str] = PARTS
 
     @property
     def nodes(self) -> int:
@@ -85,6 +94,7 @@ class Motion:
         """
         from hjsolve.trajectory.state_at import state_at
 
+        self._require("trajectory")
         return state_at(self, t)
 
     def time_at(self, name: str, value: Any, passage: int = 0) -> Estimate:
@@ -99,6 +109,7 @@ class Motion:
         """
         from hjsolve.passages import crossing_time
 
+        self._require("periods" if name in self.located else "trajectory")
         return crossing_time(self, name, value, passage)
 
     def orbit(self, name: str, *, along: str, values: Any) -> Any:
@@ -124,7 +135,12 @@ class Motion:
         """
         from hjsolve.passages import angle_variables
 
+        self._require("angles")
         return angle_variables(self, t)
+
+    def _require(self, quantity: str) -> None:
+        if not QUANTITIES[quantity] <= self.parts:
+            raise InvalidInputError(f'this motion was started without what {quantity} need; add "{quantity}" to want')
 
 
 def start(
@@ -137,6 +153,7 @@ def start(
     t0: Any = 0,
     digits: int = FLOAT_DIGITS,
     certified: bool = False,
+    want: Iterable[str] | None = None,
 ) -> Motion:
     """Start a motion from initial data.
 
@@ -148,6 +165,7 @@ def start(
         t0: time of the initial data.
         digits: relative digits wanted, at least 1; float64 up to 15.
         certified: ask for proved enclosures; not available yet.
+        want: which of ``QUANTITIES`` will be asked; nothing else is integrated. None for all.
 
     Returns:
         The motion.
@@ -171,8 +189,24 @@ def start(
         raise InvalidInputError(f"digits: a whole number from 1 to 2000 is needed, not {digits!r}")
     initial = initial_data(solution, q=q, velocity=velocity, p=p, parameters=parameters or {})
     digits = max(digits, FLOAT_DIGITS)
-    located = {name: locate(_checked(_start(solution, initial, name)), digits) for name in solution.coordinates}
-    return _assemble(solution, initial, number(t0, source="t0"), digits, located)
+    parts = parts_of(want)
+    begins = {name: replace(_start(solution, initial, name), parts=parts) for name in solution.coordinates}
+    located = {name: locate(_checked(begin), digits) for name, begin in begins.items()}
+    return _assemble(solution, initial, number(t0, source="t0"), digits, located, parts)
+
+
+def parts_of(want: Iterable[str] | None) -> frozenset[str]:
+    """The integrals that the quantities wanted need.
+
+    Raises:
+        InvalidInputError: a name that is not in ``QUANTITIES``.
+    """
+    if want is None:
+        return PARTS
+    names = frozenset([want] if isinstance(want, str) else want)
+    for name in sorted(names - QUANTITIES.keys()):
+        raise InvalidInputError(f'want: "{name}" is not known; known are {", ".join(QUANTITIES)}')
+    return frozenset[str]().union(*(QUANTITIES[name] for name in names))
 
 
 def _start(solution: Solution, initial: Initial, name: str) -> Start:
@@ -220,24 +254,27 @@ def _checked(begin: Start) -> Start:
     return begin
 
 
-def _assemble(solution: Solution, initial: Initial, t0: sp.Expr, digits: int, located: dict[str, Located]) -> Motion:
+def _assemble(
+    solution: Solution, initial: Initial, t0: sp.Expr, digits: int, located: dict[str, Located], parts: frozenset[str]
+) -> Motion:
     courses = [located[name].course for name in solution.coordinates]
     bits = int(3.33 * digits) + 128
     bounded = all(c.periodic for c in courses)
-    equations = None if not courses else torus(courses, bits) if bounded else plan(courses)
+    timed = "time" in parts
+    equations = None if not (courses and timed) else torus(courses, bits) if bounded else plan(courses)
     kinds = {
         c.name: str(located[c.name].course.kind) if c.name in located else "ignorable"
         for c in solution.system.coordinates
     }
-    frequencies = _frequencies(solution, initial, located, equations, digits)
+    frequencies = _frequencies(solution, initial, located, equations, digits) if timed else {}
     motion = Motion(
         solution, initial, t0, digits, located, equations, kinds,
         {name: _ends(place, digits) for name, place in located.items() if place.lower.kind != "round"},
         {name: _estimate(to_bits(value)(bits), digits) for name, value in initial.constants.items()},
-        _actions(solution, initial, located, digits), frequencies,
-        {name: _period(f) for name, f in frequencies.items() if f.value}, {},
+        _actions(solution, initial, located, digits) if "action" in parts else {}, frequencies,
+        {name: _period(f) for name, f in frequencies.items() if f.value}, {}, parts,
     )  # fmt: skip
-    if "boundary" not in kinds.values():
+    if "boundary" not in kinds.values() or not timed:
         return motion
     from hjsolve.passages import boundary_times
 

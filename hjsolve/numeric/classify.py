@@ -10,7 +10,7 @@ import numpy as np
 from hjsolve.errors import ForbiddenMotionError, NotConvergedError
 from hjsolve.numeric.anomaly import Rotation, libration, rotation
 from hjsolve.numeric.arithmetic import Float64, Multi, multiprecision
-from hjsolve.numeric.course import Bounded, Branch, Course, Frozen, Open, bounded, roughness
+from hjsolve.numeric.course import PARTS, Bounded, Branch, Course, Frozen, Open, bounded, roughness
 from hjsolve.numeric.panels import Way
 from hjsolve.numeric.radicand import Number, Radicand
 from hjsolve.numeric.turning_points import End, Ray, first_end
@@ -28,6 +28,7 @@ class Start:
         lower, upper: ends of the domain at any precision; None where there is none.
         angle: True when p² has period 2π in q.
         skipped: kernels that are zero everywhere.
+        parts: what is to be integrated; see ``course.PARTS``.
     """
 
     name: str
@@ -38,6 +39,7 @@ class Start:
     upper: Number | None
     angle: bool
     skipped: tuple[bool, ...]
+    parts: frozenset[str] = PARTS
 
 
 @dataclass(frozen=True)
@@ -130,10 +132,10 @@ def _libration(start: Start, lower: End, upper: End, digits: int) -> Bounded:
         bits = needed + lost + 16
     place = arithmetic.convert(start.place(bits))
     best = plain
-    if roughness(plain, start.radicand, start.skipped, bits) > 1e-7:
+    if roughness(plain, start.radicand, start.skipped, bits, start.parts) > 1e-7:
         best = libration(a, b, _outside(start, a, b - a, -1, bits), _outside(start, b, b - a, 1, bits), arithmetic)
     phase = best.phase(place, start.forward, arithmetic)
-    return bounded("libration", best, start.radicand, phase, start.skipped, digits, bits)
+    return bounded("libration", best, start.radicand, phase, start.skipped, digits, bits, start.parts)
 
 
 def _lost_bits(radicand: Radicand, anomaly: Any, bits: int) -> int:
@@ -182,7 +184,7 @@ def _rotation(start: Start, direction: int, digits: int) -> Bounded:
         bits += lost
         arithmetic = Multi(bits)
         anomaly = rotation(arithmetic.convert(slow), direction, gap, arithmetic)
-    return bounded("rotation", anomaly, start.radicand, phase, start.skipped, digits, bits)
+    return bounded("rotation", anomaly, start.radicand, phase, start.skipped, digits, bits, start.parts)
 
 
 def _slow_place(start: Start, bits: int) -> tuple[Any, Any | None]:

@@ -16,11 +16,14 @@ import numpy as np
 
 from hjsolve.numeric.anomaly import Anomaly, as_float
 from hjsolve.numeric.arithmetic import Float64, Multi, multiprecision
+from hjsolve.numeric.counting import count
 from hjsolve.numeric.panels import Panels, Way, build
 from hjsolve.numeric.radicand import Radicand
-from hjsolve.numeric.series import Series, fit, trial
+from hjsolve.numeric.series import Series, fit, trial, zero
 
 Kind = Literal["libration", "rotation", "escape", "equilibrium", "asymptotic", "boundary"]
+PARTS = frozenset({"time", "action", "place"})
+"""What is integrated over a cycle: Jacobi's integrals (periods, times), the action, and what places and momenta need."""
 
 
 def arithmetic_of(array: Any) -> Float64 | Multi:
@@ -77,6 +80,7 @@ class Bounded:
     def pace(self, weights: tuple[float, ...], χ: Any) -> Any:
         """Return Σ wⱼ dGⱼ/dχ for a float array |χ| ≤ π from the formula, not the series: small values keep their digits."""
         q, _ = self.place(χ)
+        count(kernels=q.size)
         numbers = [float(x) for x in self.radicand.inputs(64)]
         kernels = self.radicand.kernels.run(Float64(), [q, *numbers])
         return sum(w * k for w, k in zip(weights, kernels, strict=False) if w) / self.ratio(χ)
@@ -90,6 +94,7 @@ class Bounded:
 
     def place(self, χ: Any) -> tuple[Any, Any]:
         """Return q (not reduced to one turn) and the shell momentum at χ."""
+        count(places=χ.size)
         arithmetic = arithmetic_of(χ)
         anomaly = as_float(self.anomaly) if isinstance(arithmetic, Float64) else self.anomaly
         turn = (
@@ -136,6 +141,7 @@ class Frozen:
         return (float(self.rates[j]) if χ.dtype == float else self.rates[j]) + 0 * χ
 
     def place(self, χ: Any) -> tuple[Any, Any]:
+        count(places=χ.size)
         return (float(self.rest) if χ.dtype == float else self.rest) + 0 * χ, 0 * χ
 
 
@@ -239,6 +245,7 @@ class Open:
         return -ends[0], ends[1]
 
     def place(self, χ: Any) -> tuple[Any, Any]:
+        count(places=χ.size)
         forward, ahead, behind = self._sides(χ)
         (q1, p1), (q2, p2) = self._on(self.ahead, ahead, χ, 1), self._on(self.behind, behind, χ, -1)
         return np.where(forward, q1, q2), np.where(forward, p1, p2)
@@ -261,7 +268,14 @@ Course = Bounded | Frozen | Open
 
 
 def bounded(
-    kind: Kind, anomaly: Anomaly, radicand: Radicand, start: Any, skipped: tuple[bool, ...], digits: int, bits: int
+    kind: Kind,
+    anomaly: Anomaly,
+    radicand: Radicand,
+    start: Any,
+    skipped: tuple[bool, ...],
+    digits: int,
+    bits: int,
+    parts: frozenset[str] = PARTS,
 ) -> Bounded:
     """Integrate over one cycle of a libration or rotation.
 
@@ -273,18 +287,26 @@ def bounded(
         skipped: which kernels are zero everywhere.
         digits: relative digits wanted.
         bits: working precision, enough for the cancellation at the turning points.
+        parts: what is integrated, of ``PARTS``; the rest is left at zero, and the action at None.
     """
-    functions = _integrands(anomaly, radicand, skipped, bits)
+    if not parts:
+        empty = [zero() for _ in skipped]
+        return Bounded(kind, anomaly, empty, zero(), None, start, radicand)
+    functions = _integrands(anomaly, radicand, skipped, bits, parts)
     *kernels, momentum, density = fit(functions, even=anomaly.even, digits=digits, bits=bits, floors=_floors(radicand))
-    return Bounded(kind, anomaly, kernels, momentum, density.mean, start, radicand)
+    return Bounded(kind, anomaly, kernels, momentum, density.mean if "action" in parts else None, start, radicand)
 
 
-def roughness(anomaly: Anomaly, radicand: Radicand, skipped: tuple[bool, ...], bits: int) -> float:
+def roughness(
+    anomaly: Anomaly, radicand: Radicand, skipped: tuple[bool, ...], bits: int, parts: frozenset[str] = PARTS
+) -> float:
     """Return how far few nodes are from resolving the integrands: the size of the last terms with twelve nodes."""
+    if not parts:
+        return 0.0
     return max(
         s.tail
         for s in trial(
-            _integrands(anomaly, radicand, skipped, bits),
+            _integrands(anomaly, radicand, skipped, bits, parts),
             even=anomaly.even,
             nodes=12,
             bits=bits,
@@ -298,7 +320,7 @@ def _floors(radicand: Radicand) -> list[float]:
 
 
 def _integrands(
-    anomaly: Anomaly, radicand: Radicand, skipped: tuple[bool, ...], bits: int
+    anomaly: Anomaly, radicand: Radicand, skipped: tuple[bool, ...], bits: int, parts: frozenset[str]
 ) -> Callable[[Any], list[Any]]:
     """kⱼ (dq/dχ)/p for each constant, ln(p/(dq/dχ)), and p dq/dχ, all regular functions of χ."""
     arithmetic = Multi(bits)
@@ -306,8 +328,11 @@ def _integrands(
     def functions(χ: Any) -> list[Any]:
         place = anomaly.place(χ, arithmetic)
         root = (radicand.value(place.q, bits) / place.product) ** 0.5
-        weights = radicand.weights(place.q, bits)
-        kernels = [None if skip else w * place.stretch / root for w, skip in zip(weights, skipped, strict=True)]
-        return [*kernels, arithmetic.context.log(root / place.stretch), place.product * root * place.stretch]
+        kernels: list[Any] = [None] * len(skipped)
+        if "time" in parts:
+            weights = radicand.weights(place.q, bits)
+            kernels = [None if skip else w * place.stretch / root for w, skip in zip(weights, skipped, strict=True)]
+        momentum = arithmetic.context.log(root / place.stretch) if "place" in parts else None
+        return [*kernels, momentum, place.product * root * place.stretch if "action" in parts else None]
 
     return functions

@@ -10,6 +10,7 @@ from typing import Any
 import numpy as np
 
 from hjsolve.numeric.arithmetic import Float64, Multi
+from hjsolve.numeric.counting import count
 from hjsolve.numeric.interval import Interval, Intervals
 from hjsolve.numeric.jet import Jet, Jets
 from hjsolve.numeric.tape import Tape
@@ -34,10 +35,12 @@ class Radicand:
 
     def value(self, q: Any, bits: int) -> Any:
         """Return F(q) at the working precision ``bits``."""
+        count(squares=1)
         return self.squared.run(Multi(bits), [q, *self.inputs(bits)])[0]
 
     def jet(self, q: Any, bits: int) -> Jet:
         """Return F, F′ and F″ at q; zeros where the formula does not contain q."""
+        count(squares=1)
         jets = Jets(Multi(bits))
         jet = self.squared.run(jets, [jets.variable(q), *(Jet(x) for x in self.inputs(bits))])[0]
         zero = Multi(bits).rational(0, 1)
@@ -45,6 +48,7 @@ class Radicand:
 
     def weights(self, q: Any, bits: int) -> list[Any]:
         """Return ½ ∂F/∂κⱼ at q."""
+        count(kernels=1)
         return self.kernels.run(Multi(bits), [q, *self.inputs(bits)])
 
     @cached_property
