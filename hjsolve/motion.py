@@ -7,8 +7,9 @@ time law. No differential equation is integrated.
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Mapping
-from dataclasses import dataclass, replace
+from collections.abc import Callable, Iterable, Mapping
+from dataclasses import dataclass, field, replace
+from functools import cache
 from typing import Any
 
 import numpy as np
@@ -58,6 +59,7 @@ class Motion:
         periods: coordinate → 2π/|Ω|.
         boundary_times: coordinate → time at which it reaches an end of its domain.
         parts: what was integrated, of ``numeric.course.PARTS``; all of it unless ``want`` asked for less.
+        states: for a certified motion, the rule that starts the motion its states are read from.
     """
 
     solution: Solution
@@ -74,6 +76,7 @@ class Motion:
     periods: Mapping[str, Estimate]
     boundary_times: Mapping[str, Estimate]
     parts: frozenset[str] = PARTS
+    states: Callable[[], Motion] | None = field(default=None, repr=False)
 
     @property
     def nodes(self) -> int:
@@ -95,7 +98,7 @@ class Motion:
         from hjsolve.trajectory.state_at import state_at
 
         self._require("trajectory")
-        return state_at(self, t)
+        return state_at(self._source, t)
 
     def time_at(self, name: str, value: Any, passage: int = 0) -> Estimate:
         """Return the time of the passage-th crossing of a position, counted from t₀ on.
@@ -110,7 +113,7 @@ class Motion:
         from hjsolve.passages import crossing_time
 
         self._require("periods" if name in self.located else "trajectory")
-        return crossing_time(self, name, value, passage)
+        return crossing_time(self._source, name, value, passage)
 
     def orbit(self, name: str, *, along: str, values: Any) -> Any:
         """Return one coordinate where another passes given values for the first time after t₀ (orbit equation).
@@ -125,7 +128,7 @@ class Motion:
         """
         from hjsolve.passages import crossing_times
 
-        times = crossing_times(self, along, values)
+        times = crossing_times(self._source, along, values)
         return self.at(times).unwrapped(name)
 
     def angles(self, t: Any) -> dict[str, Any]:
@@ -136,7 +139,11 @@ class Motion:
         from hjsolve.passages import angle_variables
 
         self._require("angles")
-        return angle_variables(self, t)
+        return angle_variables(self._source, t)
+
+    @property
+    def _source(self) -> Motion:
+        return self.states() if self.states else self
 
     def _require(self, quantity: str) -> None:
         if not QUANTITIES[quantity] <= self.parts:
@@ -164,7 +171,8 @@ def start(
         parameters: name → value, where it differs from the default.
         t0: time of the initial data.
         digits: relative digits wanted, at least 1; float64 up to 15.
-        certified: ask for proved enclosures; not available yet.
+        certified: prove constants, turning points, actions, frequencies and periods (needs the extra ``certified``);
+            states stay estimates, at the digits asked.
         want: which of ``QUANTITIES`` will be asked; nothing else is integrated. None for all.
 
     Returns:
@@ -183,16 +191,31 @@ def start(
         >>> motion.kinds["r"], round(motion.periods["r"].value, 9)
         ('libration', 14.99332061)
     """
-    if certified:
-        raise InvalidInputError("certified=True is not available in this version; raise digits instead")
     if not isinstance(digits, int) or isinstance(digits, bool) or not 1 <= digits <= 2000:
         raise InvalidInputError(f"digits: a whole number from 1 to 2000 is needed, not {digits!r}")
     initial = initial_data(solution, q=q, velocity=velocity, p=p, parameters=parameters or {})
-    digits = max(digits, FLOAT_DIGITS)
-    parts = parts_of(want)
+    parts, exact_t0 = parts_of(want), number(t0, source="t0")
+    if certified:
+        return _certified(lambda d: _move(solution, initial, exact_t0, d, parts), max(digits, FLOAT_DIGITS))
+    return _move(solution, initial, exact_t0, max(digits, FLOAT_DIGITS), parts)
+
+
+def _move(solution: Solution, initial: Initial, t0: sp.Expr, digits: int, parts: frozenset[str]) -> Motion:
     begins = {name: replace(_start(solution, initial, name), parts=parts) for name in solution.coordinates}
     located = {name: locate(_checked(begin), digits) for name, begin in begins.items()}
-    return _assemble(solution, initial, number(t0, source="t0"), digits, located, parts)
+    return _assemble(solution, initial, t0, digits, located, parts)
+
+
+def _certified(move: Callable[[int], Motion], digits: int) -> Motion:
+    """Replace the numbers of a motion by proved ones; its states come from the motion at full digits, started when asked."""
+    from hjsolve.certified import enclose
+
+    motion = move(FLOAT_DIGITS)
+    proved = enclose(motion, digits)
+    return replace(
+        motion, constants=proved.constants, turning_points=proved.turning_points, actions=proved.actions,
+        frequencies=proved.frequencies, periods=proved.periods, states=cache(lambda: move(digits)),
+    )  # fmt: skip
 
 
 def parts_of(want: Iterable[str] | None) -> frozenset[str]:
