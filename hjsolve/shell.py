@@ -24,7 +24,7 @@ from .algebra.poly import Budget
 from .algebra.readable import cost, readable
 from .algebra.reader import Reader
 from .algebra.signs import Bounds
-from .system import Coordinate, System, kinetic_rest, linear_terms, mass_matrix
+from .system import Coordinate, System, kinetic_rest, linear_terms
 
 
 @dataclass(frozen=True)
@@ -146,7 +146,7 @@ def reduce(system: System, budget: Budget | None = None) -> Shell | Irreducible:
         WorkLimitError: exact arithmetic needs more than the budget, or T or V is outside its reach.
     """
     budget = budget or Budget.seconds(20.0)
-    lagrangian = _Lagrangian(mass_matrix(system), tuple(linear_terms(system)), kinetic_rest(system), system.potential)
+    lagrangian = _Lagrangian(_mass(system), tuple(linear_terms(system)), kinetic_rest(system), system.potential)
     reader = Reader(lagrangian.parts(), domain_bounds(system), budget)
     ignorable, lagrangian = _find_ignorable(system, lagrangian, reader)
     essential = [i for i, c in enumerate(system.coordinates) if c not in ignorable]
@@ -186,6 +186,13 @@ def _shell(
     text = "What is left: half the inverse metric times the squared momenta plus the effective potential is the energy."
     steps += (Step("Energy shell", text, sp.Eq(shell, energy, evaluate=False)),)
     return Shell(system, coordinates, ignorable, metric, potential, energy, shift, χ, steps)
+
+
+def _mass(system: System) -> sp.Matrix:
+    """The mass matrix as differentiation leaves it; the field brings it to normal form."""
+    speeds = [c.velocity for c in system.coordinates]
+    rest = dict.fromkeys(speeds, sp.S.Zero)
+    return sp.Matrix([[system.kinetic.diff(u, v).xreplace(rest) for u in speeds] for v in speeds])
 
 
 def _find_ignorable(

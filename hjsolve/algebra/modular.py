@@ -31,6 +31,7 @@ class ModularPoint:
         self._random = random.Random(7919 * seed + 17)  # noqa: S311
         self._values: dict[int, int] = {}
         self._bases: dict[int, int] = {}
+        self._powers: dict[tuple[int, int], int] = {}
 
     def value(self, k: int) -> int:
         """Value of generator k."""
@@ -74,10 +75,12 @@ class ModularPoint:
 
     def poly(self, a: Poly) -> int:
         """Value of a polynomial."""
-        p, total = self.prime, 0
+        p, total, powers = self.prime, 0, self._powers
         for m, c in a.items():
-            for k, e in poly.exponents(m):
-                c = c * pow(self.value(k), e, p) % p
+            for pair in poly.exponents(m):
+                if pair not in powers:
+                    powers[pair] = pow(self.value(pair[0]), pair[1], p)
+                c = c * powers[pair] % p
             total += c
         return total % p
 
@@ -98,24 +101,55 @@ class ModularPoint:
         return value
 
 
-def products_vanish(field: Field, products: Iterable[Iterable[Element]], points: int = 2) -> bool | None:
-    """Whether Σ Π of the elements given vanishes at random points modulo primes; None when no point could be found."""
-    lists = [list(factors) for factors in products]
-    good = 0
-    for seed in range(ATTEMPTS):
-        point = ModularPoint(field, seed)
+class Filter:
+    """A few points modulo primes, kept, with the values of elements there; one filter serves many questions.
+
+    Args:
+        field: the field of the elements.
+        points: how many points must agree.
+    """
+
+    def __init__(self, field: Field, points: int = 2):
+        self.field, self.points = field, points
+        self._places: list[tuple[ModularPoint, dict[int, tuple[Element, int]]]] = []
+        self._seed = 0
+
+    def vanishes(self, products: Iterable[Iterable[Element]]) -> bool | None:
+        """Whether Σ Π of the elements given vanishes at the points; None when no point could be found."""
+        lists = [list(factors) for factors in products]
+        good = place = 0
+        while good < self.points:
+            if place == len(self._places):
+                if self._seed == ATTEMPTS:
+                    return None
+                self._places.append((ModularPoint(self.field, self._seed), {}))
+                self._seed += 1
+            total = self._total(lists, place)
+            if total is None:
+                del self._places[place]
+                continue
+            if total:
+                return False
+            good, place = good + 1, place + 1
+        return True
+
+    def _total(self, lists: list[list[Element]], place: int) -> int | None:
+        """Value of the sum at one of the points; None where a root or a denominator fails there."""
+        point, known = self._places[place]
         try:
             total = 0
             for factors in lists:
                 term = 1
                 for x in factors:
-                    term = term * point.element(x) % point.prime
+                    if id(x) not in known:
+                        known[id(x)] = x, point.element(x)
+                    term = term * known[id(x)][1] % point.prime
                 total += term
         except (NoRootError, ZeroDivisionError):
-            continue
-        if total % point.prime:
-            return False
-        good += 1
-        if good == points:
-            return True
-    return None
+            return None
+        return total % point.prime
+
+
+def products_vanish(field: Field, products: Iterable[Iterable[Element]], points: int = 2) -> bool | None:
+    """Whether Σ Π of the elements given vanishes at random points modulo primes; None when no point could be found."""
+    return Filter(field, points).vanishes(products)

@@ -45,6 +45,10 @@ class Budget:
         """Make a budget that ends this many seconds from now."""
         return cls(time.monotonic() + seconds, terms)
 
+    def part(self, seconds: float, terms: int) -> Budget:
+        """A smaller budget that ends with this one at the latest."""
+        return Budget.seconds(min(seconds, self.left), min(terms, self.terms))
+
     @property
     def left(self) -> float:
         """Seconds left; infinite without a deadline."""

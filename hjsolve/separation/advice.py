@@ -8,7 +8,7 @@ from __future__ import annotations
 
 import sympy as sp
 
-from ..system import System, kinetic_rest, linear_terms, mass_matrix
+from ..system import System, kinetic_rest, linear_terms
 
 ALWAYS = (
     "This is a statement about these coordinates only: the system may separate in others, or be integrable without "
@@ -22,8 +22,7 @@ def small_oscillations(system: System) -> bool:
     Hether T has constant coefficients and V − T₀ is a polynomial of degree two in coordinates that are no angles.
     """
     symbols = [c.symbol for c in system.coordinates]
-    mass = mass_matrix(system)
-    if mass.free_symbols & set(symbols) or any(linear_terms(system)):
+    if system.kinetic.free_symbols & set(symbols) or any(linear_terms(system)):
         return False
     potential = system.potential - kinetic_rest(system)
     if not potential.is_polynomial(*symbols):

@@ -8,7 +8,7 @@ from ..algebra.field import Element
 from ..algebra.readable import readable
 from ..algebra.reader import Reader
 from ..shell import Shell
-from ..system import hamiltonian, kinetic_rest, linear_terms
+from ..system import kinetic_rest, linear_terms
 from .stackel import Matrix
 from .verdicts import Constant
 
@@ -18,7 +18,8 @@ def constants_of(shell: Shell, reader: Reader, matrix: Matrix | None) -> dict[st
     system = shell.system
     plain = not any(linear_terms(system)) and kinetic_rest(system) == 0
     energy = "energy T + V" if plain else "Jacobi's integral T2 - T0 + V"
-    found = [Constant(str(shell.energy), shell.energy, hamiltonian(system), energy)]
+    squares = (g * (c.momentum + a) ** 2 / 2 for g, c, a in zip(shell.inverse_metric, shell.coordinates, shell.shift))
+    found = [Constant(str(shell.energy), shell.energy, sp.Add(*squares, shell.potential), energy)]
     if matrix is not None and len(shell.coordinates) > 1:
         found += _separation_constants(shell, reader, matrix)
     for c in shell.ignorable:

@@ -6,6 +6,7 @@ import time
 
 import sympy as sp
 
+from ..algebra.modular import Filter
 from ..algebra.poly import Budget, WorkLimitError
 from ..algebra.readable import readable
 from ..shell import Irreducible, Shell, Step, reduce
@@ -16,6 +17,7 @@ from .refusal import Setting, of_shell, refuse_condition, refuse_without_shell, 
 from .verdicts import Liouville, Obstruction, Reduced, Separation, Stackel, Undecided, Verdict
 
 DEFAULT_BUDGET = 20.0
+SMALL_SYSTEM = 120
 
 
 def separate(system: System, *, budget: float = DEFAULT_BUDGET) -> Verdict:
@@ -48,12 +50,13 @@ def separate(system: System, *, budget: float = DEFAULT_BUDGET) -> Verdict:
 
 def _decide(setting: Setting, start: float) -> Verdict:
     shell, reader = setting.shell, setting.reader
-    failed, proved = _conditions(setting)
-    if failed is not None:
-        return failed
-    matrix = None
+    matrix, proved = None, list[Step]()
     if setting.symbols:
         matrix = stackel.construct(reader, setting.symbols, setting.metric, setting.potential)
+        if matrix is None or _small(setting):
+            failed, proved = _conditions(setting, hunting=matrix is None)
+            if failed is not None:
+                return failed
         if matrix is None:
             text = "Levi-Civita's conditions hold, but no regular base point for Stäckel's matrix was found."
             steps = (*shell.steps, *proved, Step("Stäckel's matrix", text))
@@ -70,21 +73,35 @@ def _decide(setting: Setting, start: float) -> Verdict:
     )
 
 
-def _conditions(setting: Setting) -> tuple[Obstruction | Undecided | None, list[Step]]:
-    """The first condition that is proved to fail, else the first that stays open, else the step that says all hold."""
+def _small(setting: Setting) -> bool:
+    """Whether Levi-Civita's conditions are worth a second, independent proof beside Stäckel's certificate."""
+    elements = [*setting.metric, setting.potential]
+    return sum(len(x.numerator) + sum(len(base) for base, _ in x.bases) for x in elements) <= SMALL_SYSTEM
+
+
+def _conditions(setting: Setting, *, hunting: bool) -> tuple[Obstruction | Undecided | None, list[Step]]:
+    """The first condition proved to fail, else the first that stays open, else the step that says all hold.
+
+    Hunting: Stäckel's certificate has failed, so some condition fails; those that pass the filter are not proved first.
+    """
     if len(setting.symbols) < 2:
         return None, []
     count = 0
     undecided: Undecided | None = None
+    sieve = Filter(setting.reader.field)
     conditions = levi_civita.Conditions(setting.reader, setting.symbols, setting.metric, setting.potential)
     for condition in conditions:
         count += 1
-        if levi_civita.vanishes(setting.reader, condition.products):
+        if hunting and sieve.vanishes(condition.products):
+            continue
+        if levi_civita.vanishes(setting.reader, condition.products, sieve):
             continue
         found = refuse_condition(setting, condition)
         if isinstance(found, Obstruction):
             return found, []
         undecided = undecided or found
+    if hunting and undecided is None:
+        return None, []
     text = (
         f"All {count} conditions S_ij(g^hh) = 0 and S_ij(V) = 0 hold identically, coefficient by coefficient in the "
         "constant momenta; each was brought to an exact normal form that is zero."

@@ -23,7 +23,7 @@ import sympy as sp
 
 from ..algebra import poly
 from ..algebra.field import Element
-from ..algebra.modular import products_vanish
+from ..algebra.modular import Filter
 from ..algebra.poly import Poly
 from ..algebra.readable import cost
 from ..algebra.reader import Reader
@@ -95,14 +95,12 @@ class Conditions:
         return [[mixed], [-self.log[j][i], self.slope[j]], [-self.log[i][j], self.slope[i]]]
 
 
-def vanishes(reader: Reader, products: Products) -> bool:
+def vanishes(reader: Reader, products: Products, sieve: Filter) -> bool:
     """Proof that a sum of products is zero: the modular filter, then the exact normal form.
 
     False is no proof of the opposite.
     """
-    if products_vanish(reader.field, products) is False:
-        return False
-    return total(reader, products).is_zero
+    return sieve.vanishes(products) is not False and total(reader, products).is_zero
 
 
 def total(reader: Reader, products: Products) -> Element:

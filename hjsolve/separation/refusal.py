@@ -2,12 +2,13 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterable
+from collections.abc import Iterable, Iterator
 from dataclasses import dataclass
 
 import sympy as sp
 
 from ..algebra.field import Element
+from ..algebra.modular import Filter
 from ..algebra.poly import Budget, WorkLimitError
 from ..algebra.readable import readable
 from ..algebra.reader import Reader
@@ -18,6 +19,8 @@ from .enclosure import Region
 from .levi_civita import Condition, Products
 from .verdicts import Obstruction, Undecided
 from .zero_test import NonZero, Unproved, not_zero
+
+EXPANSION_SECONDS, EXPANSION_TERMS = 1.0, 200_000
 
 
 @dataclass(frozen=True)
@@ -81,14 +84,22 @@ def refuse_condition(setting: Setting, condition: Condition) -> Obstruction | Un
     )
 
 
-def _residuals(reader: Reader, products: Products, constants: list[sp.Symbol]) -> Iterable[sp.Expr]:
+def _residuals(reader: Reader, products: Products, constants: list[sp.Symbol]) -> Iterator[sp.Expr]:
     """Coefficients of a sum of products in the constants, simplest first; the sum itself where that is too much."""
+    field = reader.field
+    whole_budget = field.budget
+    field.budget = whole_budget.part(EXPANSION_SECONDS, EXPANSION_TERMS)
     try:
-        whole = reader.field.cancelled(levi_civita.total(reader, products))
-        for part in levi_civita.coefficients(reader, whole, constants):
-            yield readable(reader, part)
+        whole = field.cancelled(levi_civita.total(reader, products))
+        parts = levi_civita.coefficients(reader, whole, constants)
     except WorkLimitError:
+        parts = []
+    finally:
+        field.budget = whole_budget
+    if not parts:
         yield sp.Add(*(sp.Mul(*map(reader.write, factors)) for factors in products))
+    for part in parts:
+        yield readable(reader, part)
 
 
 def _simplest_nonzero(parts: Iterable[sp.Expr], region: Region, budget: Budget) -> tuple[sp.Expr, NonZero | Unproved]:
@@ -121,6 +132,7 @@ def refuse_without_shell(system: System, found: Irreducible, work: Budget) -> Ob
     """Levi-Civita's general condition for coordinates that T couples, or that linear terms couple."""
     H, region = hamiltonian(system), region_of(system)
     reader = Reader([H, found.residual], domain_bounds(system), work)
+    sieve = Filter(reader.field)
     h = reader.element(H)
     q, p = [c.symbol for c in found.essential], [c.momentum for c in found.essential]
     constants = [c.momentum for c in system.coordinates]
@@ -128,7 +140,7 @@ def refuse_without_shell(system: System, found: Irreducible, work: Budget) -> Ob
     pairs = [(i, j) for j in range(len(q)) for i in range(j)]
     for i, j in sorted(pairs, key=lambda ij: {names[ij[0]], names[ij[1]]} != set(found.pair)):
         products = levi_civita.general_condition(reader, h, q, p, i, j)
-        if levi_civita.vanishes(reader, products):
+        if levi_civita.vanishes(reader, products, sieve):
             continue
         residual, answer = _simplest_nonzero(_residuals(reader, products, constants), region, work)
         if isinstance(answer, NonZero):

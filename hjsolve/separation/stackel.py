@@ -14,14 +14,16 @@ nonsingular matrix, multiples of them added to column 1 and to ψ. ``columns`` u
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
 
 import sympy as sp
 
 from ..algebra.field import Element
+from ..algebra.modular import Filter
 from ..algebra.readable import readable
 from ..algebra.reader import Reader
+from . import levi_civita
 from .basepoint import BasePoint, base_points
 from .columns import sparsest
 from .verdicts import Stackel
@@ -52,6 +54,8 @@ def construct(
             raw = _at_base_point(reader, point, metric, potential)
         except ZeroDivisionError:
             continue
+        if not _plausible(reader, metric, potential, raw):
+            return None
         tidy = sparsest(reader, symbols, raw.rows, raw.column)
         matrix = Matrix(*tidy)
         return matrix if certified(reader, metric, potential, matrix) else None
@@ -60,12 +64,25 @@ def construct(
 
 def certified(reader: Reader, metric: Sequence[Element], potential: Element, matrix: Matrix) -> bool:
     """Exact proof of cᵀΦ = (1, 0, …, 0) and cᵀψ = V."""
-    field = reader.field
-    for j in range(len(metric)):
-        entries = [metric[i] * matrix.rows[i][j] for i in range(len(metric))]
-        if not field.total([*entries, field.coerce(-1 if j == 0 else 0)]).is_zero:
-            return False
-    return field.total([*(g * ψ for g, ψ in zip(metric, matrix.column)), -potential]).is_zero
+    return all(
+        levi_civita.total(reader, identity).is_zero for identity in _identities(reader, metric, potential, matrix)
+    )
+
+
+def _plausible(reader: Reader, metric: Sequence[Element], potential: Element, matrix: Matrix) -> bool:
+    """The same identities at random points modulo primes: what fails here is not worth making readable."""
+    sieve = Filter(reader.field)
+    return all(sieve.vanishes(identity) is not False for identity in _identities(reader, metric, potential, matrix))
+
+
+def _identities(
+    reader: Reader, metric: Sequence[Element], potential: Element, matrix: Matrix
+) -> Iterator[list[list[Element]]]:
+    """The sums of products that vanish for a Stäckel matrix and column."""
+    one, n = reader.field.one, range(len(metric))
+    for j in n:
+        yield [[metric[i], matrix.rows[i][j]] for i in n] + ([[-one]] if j == 0 else [])
+    yield [*([metric[i], matrix.column[i]] for i in n), [-potential]]
 
 
 def _at_base_point(reader: Reader, point: BasePoint, metric: Sequence[Element], potential: Element) -> Matrix:

@@ -5,7 +5,10 @@ from __future__ import annotations
 import pytest
 import sympy as sp
 
-from hjsolve.separation import Liouville, Separation, region_of, separate
+from hjsolve.algebra.reader import Reader
+from hjsolve.expressions import parse
+from hjsolve.separation import Liouville, Region, Separation, region_of, separate
+from hjsolve.separation.liouville import recognise
 from hjsolve.system import System, kinetic_rest, mass_matrix
 from tests.separation_cases import CARTESIAN, E3, ONE_DIMENSIONAL, SEPARABLE, SEVERAL, SPACE, make
 
@@ -96,3 +99,31 @@ def test_a_three_dimensional_conformal_factor_is_recognised():
 def test_three_dimensional_neighbours_of_the_form_are_not_liouville():
     assert separate(make(SPACE, CARTESIAN, "k*x**2", "m k")).liouville is not None
     assert separate(SEPARABLE["8 rotational parabolic"]).liouville is None
+
+
+def test_negative_factors_are_turned_so_that_f_and_R_are_positive():
+    kinetic = "(u**2 + v**2 + 1)/2*(dot(u)**2/(4 - u**2) + dot(v)**2/(9 - v**2))"
+    system = make({"u": "-2 < u < 2", "v": "-3 < v < 3"}, kinetic, "k*u/(u**2 + v**2 + 1)", "k")
+    form = separate(system).liouville
+    mass = mass_matrix(system)
+    obeys(form, [1 / mass[0, 0], 1 / mass[1, 1]], system.potential, system)
+
+
+@pytest.mark.parametrize(
+    ("metric", "potential"),
+    [
+        (("1/(x*y + z)", "1/(x*y + z)", "1/(x*y + z)"), "0"),
+        (("1/(x + y + z)", "1/(x + y + z)", "1/(x + y + z)"), "x*y"),
+        (("1/(x + y + z)", "(1 + x*y)/(x + y + z)", "1/(x + y + z)"), "0"),
+        (("1/(x + y + z)", "z/(x + y + z)", "1/(x + y + z)"), "0"),
+    ],
+)
+def test_what_is_not_of_the_form_is_not_given_functions(metric, potential):
+    """Asked directly, since ``separate`` asks only about systems that separate."""
+    symbols = sp.symbols("x y z", positive=True)
+    names = {s.name: s for s in symbols}
+    expressions = [parse(text, names, source="test") for text in (*metric, potential)]
+    bounds = dict.fromkeys(symbols, (sp.S.Zero, None))
+    reader = Reader(expressions, bounds)
+    *elements, V = (reader.element(x) for x in expressions)
+    assert recognise(reader, list(names), symbols, elements, V, Region(bounds)) is None

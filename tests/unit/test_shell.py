@@ -144,7 +144,7 @@ def test_a_reduction_takes_at_most_50_milliseconds_in_the_usual_case():
         reduce(SEPARABLE[name])
         times = []
         for _ in range(5):
-            start = time.perf_counter()
+            start = time.process_time()
             reduce(SEPARABLE[name])
-            times.append(time.perf_counter() - start)
+            times.append(time.process_time() - start)
         assert min(times) < 0.05

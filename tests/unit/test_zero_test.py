@@ -12,7 +12,7 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from hjsolve.algebra import poly
-from hjsolve.algebra.modular import products_vanish
+from hjsolve.algebra.modular import PRIMES, products_vanish
 from hjsolve.algebra.poly import Budget
 from hjsolve.algebra.reader import Reader
 from hjsolve.separation.enclosure import NoEnclosureError, Region, enclose, find_witness
@@ -47,6 +47,7 @@ ZEROS = {
     "absolute value": sp.Abs(x) ** 2 - x**2,
     "arcsine and arccosine": sp.asin(x) + sp.acos(x) - sp.pi / 2,
     "nested root of numbers": sp.sqrt(5 + 2 * sp.sqrt(6)) - sp.sqrt(2) - sp.sqrt(3),
+    "nested root, difference": sp.sqrt(u + 2 - sp.sqrt((u + 2) ** 2 - 4)) - sp.sqrt(u / 2 + 2) + sp.sqrt(u / 2),
     "nested root": sp.sqrt(u + 2 + sp.sqrt((u + 2) ** 2 - 4)) - sp.sqrt(u / 2) - sp.sqrt(u / 2 + 2),
 }
 
@@ -62,6 +63,7 @@ NON_ZEROS = {
     "root of a square": sp.sqrt(x**2) - x,
     "large numbers": (10**40 + 1) * x - 10**40 * x,
     "exponentials": sp.exp(x) * sp.exp(y) - sp.exp(x * y),
+    "zero modulo the primes of the filter": PRIMES[0] * PRIMES[1] * x * y,
     "inverse functions": sp.atan(x) - sp.asin(x / sp.sqrt(1 + x**2)) + SMALL * x,
 }
 
@@ -228,6 +230,14 @@ def test_signs_are_proved_on_the_domain_only():
     anywhere = Reader([root], {w: (None, None)})
     assert not anywhere.element(root - (w - a) * sp.sqrt(w + a)).is_zero
     assert not anywhere.element(root + (w - a) * sp.sqrt(w + a)).is_zero
+
+
+def test_a_sign_that_changes_inside_the_domain_is_not_used():
+    w = sp.Symbol("w", real=True)
+    for low in (sp.Rational(-1, 2), sp.Rational(-1, 1000)):
+        reader = Reader([w], {w: (low, None)})
+        assert not reader.element(sp.sqrt((w + w**3) ** 2) - w - w**3).is_zero
+    assert Reader([w], {w: (sp.S.Zero, None)}).element(sp.sqrt((w + w**3) ** 2) - w - w**3).is_zero
 
 
 def test_the_filter_modulo_primes_respects_all_relations():
