@@ -1,0 +1,135 @@
+"""Numbers of a motion from its courses: turning points, actions, frequencies and periods, rounded with their errors."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from typing import Any
+
+import numpy as np
+import sympy as sp
+
+from hjsolve.initial import Initial, to_bits
+from hjsolve.lowering import lower
+from hjsolve.numeric.anomaly import Rotation
+from hjsolve.numeric.arithmetic import Multi, multiprecision
+from hjsolve.numeric.classify import Located
+from hjsolve.numeric.course import Bounded, Frozen
+from hjsolve.numeric.estimate import Estimate
+from hjsolve.numeric.inverse import Torus, mean_rate
+from hjsolve.numeric.unbounded import Plan
+from hjsolve.solution import Solution
+
+FLOAT_DIGITS = 15
+"""Up to here results are doubles, above they are ``mpf``."""
+
+
+def rounded(value: Any, digits: int, nodes: int = 0) -> Estimate:
+    """Round a number computed with many digits to spare."""
+    if digits <= FLOAT_DIGITS:
+        return Estimate(float(value), abs(float(value)) * 2.0**-52, nodes=nodes)
+    context = multiprecision(int(3.33 * digits) + 16)
+    return Estimate(context.convert(value), abs(context.convert(value)) * context.mpf(10) ** -digits, nodes=nodes)
+
+
+def period(frequency: Estimate) -> Estimate:
+    pi = np.pi if isinstance(frequency.value, float) else frequency.value.context.pi
+    value = 2 * pi / abs(frequency.value)
+    relative = abs(frequency.error / frequency.value)
+    return Estimate(value, value * (relative + 2.0**-52 * isinstance(value, float)), nodes=frequency.nodes)
+
+
+def ends(place: Located, digits: int) -> tuple[Estimate | None, Estimate | None]:
+    bits = int(3.33 * digits) + 32
+    lower_end, upper_end = (
+        rounded(end.place(bits), digits) if end.kind == "turning" and end.place else None
+        for end in (place.lower, place.upper)
+    )
+    return lower_end, upper_end
+
+
+def nodes_of(course: Any) -> int:
+    return max((s.nodes for s in course.kernels), default=0) if isinstance(course, Bounded) else 0
+
+
+def actions(solution: Solution, initial: Initial, located: Mapping[str, Located], digits: int) -> dict[str, Estimate]:
+    actions = {}
+    for coordinate in solution.system.coordinates:
+        if coordinate.name not in located:
+            if coordinate.domain.kind == "angle":
+                actions[coordinate.name] = rounded(
+                    to_bits(initial.values[coordinate.momentum])(int(3.33 * digits) + 64), digits
+                )
+            continue
+        course = located[coordinate.name].course
+        if isinstance(course, Frozen) and course.stable:
+            actions[coordinate.name] = rounded(0, digits)
+        elif isinstance(course, Bounded):
+            value = course.action * course.anomaly.direction
+            if isinstance(course.anomaly, Rotation):
+                value -= _mean_shift(solution, initial, coordinate, digits)
+            actions[coordinate.name] = rounded(value, digits, nodes_of(course))
+    return actions
+
+
+def _mean_shift(solution: Solution, initial: Initial, coordinate: Any, digits: int) -> Any:
+    """(1/2π) ∫ A dq over a turn: what the shift p = P − A adds to the action of a rotation."""
+    A = solution.shift[coordinate.name]
+    if A == 0:
+        return 0
+    bits, nodes = int(3.33 * digits) + 64, 8 * digits
+    tape = lower([A.subs({s: v for s, v in initial.values.items() if s != coordinate.symbol})], [coordinate.symbol])
+    context = multiprecision(bits)
+    return context.fsum(tape.run(Multi(bits), [2 * context.pi * k / nodes])[0] for k in range(nodes)) / nodes
+
+
+def frequencies(
+    solution: Solution, initial: Initial, located: Mapping[str, Located], equations: Any, digits: int
+) -> dict[str, Estimate]:
+    """Ω = ∂H/∂J: the growth of the phases, and of the ignorable angles with them."""
+    system, names = solution.system, list(solution.coordinates)
+    if equations is None:
+        return _free_rates(solution, initial, digits)
+    result = {}
+    if isinstance(equations, Torus):
+        for k, name in enumerate(names):
+            course = equations.courses[k]
+            if not (isinstance(course, Frozen) and not course.stable):
+                direction = course.anomaly.direction if isinstance(course, Bounded) else 1
+                result[name] = rounded(direction * equations.rates[k], digits, nodes_of(course))
+        for j, c in enumerate(system.coordinates):
+            if c.name not in located and c.domain.kind == "angle":
+                result[c.name] = rounded(
+                    mean_rate(equations, list(solution.constants).index(c.momentum.name)),
+                    digits,
+                    max(nodes_of(x) for x in equations.courses),
+                )
+        return {c.name: result[c.name] for c in system.coordinates if c.name in result}
+    for step in equations.steps:
+        course = equations.courses[step.index]
+        if (isinstance(course, Bounded) and step == equations.steps[0]) or (
+            isinstance(course, Bounded) and step.weights[0] and _alone(equations, step)
+        ):
+            mean = sum(w * series.mean for w, series in zip(step.weights, course.kernels, strict=False))
+            result[names[step.index]] = rounded(
+                course.anomaly.direction * step.weights[0] / mean, digits, nodes_of(course)
+            )
+    return {name: f for name, f in result.items() if f.value}
+
+
+def _alone(scheme: Plan, step: Any) -> bool:
+    """True when a coordinate's equation holds none of the other coordinates."""
+    others = [c for i, c in enumerate(scheme.courses) if i != step.index]
+    phase = np.array([0.7])
+    return all(
+        abs(float(np.ravel(sum(w * c.rate(j, phase) for j, w in enumerate(step.weights) if w))[0])) == 0 for c in others
+    )
+
+
+def _free_rates(solution: Solution, initial: Initial, digits: int) -> dict[str, Estimate]:
+    H = solution.separation.shell.potential
+    rates = {
+        c.name: sp.diff(H, c.momentum).subs(initial.values)
+        for c in solution.system.coordinates
+        if c.domain.kind == "angle"
+    }
+    return {name: rounded(to_bits(rate)(int(3.33 * digits) + 64), digits) for name, rate in rates.items()}
