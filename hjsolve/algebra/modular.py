@@ -8,7 +8,7 @@ not reduce to zero. A value 0 shows nothing, but is right with probability 1 −
 from __future__ import annotations
 
 import random
-from collections.abc import Iterable
+from collections.abc import Iterable, Sequence
 from math import gcd
 
 from . import poly
@@ -17,6 +17,8 @@ from .poly import Poly
 
 PRIMES = (2305843009213693907, 2305843009213693487)  # both ≡ 11 modulo 12: square and cube roots are powers
 ATTEMPTS = 200
+
+Products = Sequence[Sequence[Sequence[Element]]]  # Σ Π Σ of elements
 
 
 class NoRootError(ArithmeticError):
@@ -114,9 +116,8 @@ class Filter:
         self._places: list[tuple[ModularPoint, dict[int, tuple[Element, int]]]] = []
         self._seed = 0
 
-    def vanishes(self, products: Iterable[Iterable[Element]]) -> bool | None:
-        """Whether Σ Π of the elements given vanishes at the points; None when no point could be found."""
-        lists = [list(factors) for factors in products]
+    def vanishes(self, products: Products) -> bool | None:
+        """Whether Σ Π Σ of the elements given vanishes at the points; None when no point could be found."""
         good = place = 0
         while good < self.points:
             if place == len(self._places):
@@ -124,7 +125,7 @@ class Filter:
                     return None
                 self._places.append((ModularPoint(self.field, self._seed), {}))
                 self._seed += 1
-            total = self._total(lists, place)
+            total = self._total(products, place)
             if total is None:
                 del self._places[place]
                 continue
@@ -133,17 +134,18 @@ class Filter:
             good, place = good + 1, place + 1
         return True
 
-    def _total(self, lists: list[list[Element]], place: int) -> int | None:
+    def _total(self, products: Products, place: int) -> int | None:
         """Value of the sum at one of the points; None where a root or a denominator fails there."""
         point, known = self._places[place]
         try:
             total = 0
-            for factors in lists:
+            for factors in products:
                 term = 1
-                for x in factors:
-                    if id(x) not in known:
-                        known[id(x)] = x, point.element(x)
-                    term = term * known[id(x)][1] % point.prime
+                for elements in factors:
+                    for x in elements:
+                        if id(x) not in known:
+                            known[id(x)] = x, point.element(x)
+                    term = term * sum(known[id(x)][1] for x in elements) % point.prime
                 total += term
         except (NoRootError, ZeroDivisionError):
             return None
@@ -152,4 +154,4 @@ class Filter:
 
 def products_vanish(field: Field, products: Iterable[Iterable[Element]], points: int = 2) -> bool | None:
     """Whether Σ Π of the elements given vanishes at random points modulo primes; None when no point could be found."""
-    return Filter(field, points).vanishes(products)
+    return Filter(field, points).vanishes([[[x] for x in factors] for factors in products])

@@ -212,29 +212,35 @@ class Reader:
 
     def diff(self, x: Element, symbol: sp.Symbol) -> Element:
         """∂x/∂symbol."""
+        return self.field.total(self.diff_terms(x, symbol))
+
+    def diff_terms(self, x: Element, symbol: sp.Symbol) -> list[Element]:
+        """∂x/∂symbol as a sum that is left as it is: one term for each factor that holds the symbol."""
         field = self.field
-        terms = []
         slope = self._poly_diff(x.numerator, symbol)
-        if not slope.is_zero:
-            terms.append(field.product([slope, Element(field, x.coefficient, {0: 1}, x.factors)]))
-        if any(symbol in field.generators[k].atom.free_symbols for k in x.generators):
-            for b, e in x.factors.items():
-                slope = self._poly_diff(field.bases[b], symbol)
-                if not slope.is_zero:
-                    lowered = {**x.factors, b: e - 1}
-                    kept = Element(field, x.coefficient * e, x.numerator, {k: n for k, n in lowered.items() if n})
-                    terms.append(field.product([slope, kept]))
-        return field.total(terms)
+        kept = Element(field, x.coefficient, {0: 1}, x.factors)
+        terms = [] if slope.is_zero else [field.product([slope, kept])]
+        for b, e in x.factors.items():
+            slope = self._poly_diff(field.bases[b], symbol)
+            if not slope.is_zero:
+                lowered = {**x.factors, b: e - 1}
+                kept = Element(field, x.coefficient * e, x.numerator, {k: n for k, n in lowered.items() if n})
+                terms.append(field.product([slope, kept]))
+        return terms
 
     def log_diff(self, x: Element, symbol: sp.Symbol) -> Element:
         """∂ ln x/∂symbol: only the factors that hold the symbol enter."""
-        x = self.field.factored(x)
+        return self.field.total(self.log_diff_terms(x, symbol))
+
+    def log_diff_terms(self, x: Element, symbol: sp.Symbol) -> list[Element]:
+        """∂ ln x/∂symbol as a sum that is left as it is."""
+        field = self.field
         terms = []
-        for b, e in x.factors.items():
-            slope = self._poly_diff(self.field.bases[b], symbol)
+        for b, e in field.factored(x).factors.items():
+            slope = self._poly_diff(field.bases[b], symbol)
             if not slope.is_zero:
-                terms.append(self.field.product([slope, Element(self.field, Fraction(e), {0: 1}, {b: -1})]))
-        return self.field.total(terms)
+                terms.append(field.product([slope, Element(field, Fraction(e), {0: 1}, {b: -1})]))
+        return terms
 
     def _poly_diff(self, a: Poly, symbol: sp.Symbol) -> Element:
         field = self.field

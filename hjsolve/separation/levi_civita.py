@@ -23,12 +23,12 @@ import sympy as sp
 
 from ..algebra import poly
 from ..algebra.field import Element
-from ..algebra.modular import Filter
+from ..algebra.modular import Filter, Products
 from ..algebra.poly import Poly
 from ..algebra.readable import cost
 from ..algebra.reader import Reader
 
-Products = list[list[Element]]
+Sum = list[Element]
 
 
 @dataclass(frozen=True)
@@ -40,7 +40,7 @@ class Condition:
         j: position of the second.
         part: ``metric`` or ``potential``.
         about: position h for the condition on gʰʰ, or None for the potential.
-        products: the condition as a sum of products of elements.
+        products: the condition as a sum of products of sums of elements; nothing is multiplied out yet.
         scale: element the sum has been divided by (gʰʰ), to give S_ij itself back.
     """
 
@@ -66,8 +66,9 @@ class Conditions:
     def __init__(self, reader: Reader, symbols: Sequence[sp.Symbol], metric: Sequence[Element], potential: Element):
         self.reader, self.symbols, self.metric, self.potential = reader, symbols, metric, potential
         n = range(len(symbols))
-        self.log = [[reader.log_diff(metric[h], symbols[i]) for i in n] for h in n]
-        self.slope = [reader.diff(potential, symbols[i]) for i in n]
+        self.log = [[reader.log_diff_terms(metric[h], symbols[i]) for i in n] for h in n]
+        self.slope = [reader.diff_terms(potential, symbols[i]) for i in n]
+        self.minus = [reader.field.coerce(-1)]
 
     def __iter__(self) -> Iterator[Condition]:
         """Metric conditions of all pairs first, then those of the potential."""
@@ -81,18 +82,27 @@ class Conditions:
 
     def of_metric(self, i: int, j: int, h: int) -> Products:
         """S_ij(gʰʰ)/gʰʰ."""
-        log = self.log
-        mixed = [self.reader.diff(log[h][i], self.symbols[j])]
+        log, minus = self.log, self.minus
+        mixed = [self._again(log[h][i], j)]
         if h == i:
-            return [mixed, [-log[j][i], log[i][j]]]
+            return [mixed, [minus, log[j][i], log[i][j]]]
         if h == j:
-            return [mixed, [-log[i][j], log[j][i]]]
-        return [mixed, [log[h][i], log[h][j]], [-log[j][i], log[h][j]], [-log[i][j], log[h][i]]]
+            return [mixed, [minus, log[i][j], log[j][i]]]
+        return [
+            mixed,
+            [log[h][i], log[h][j]],
+            [minus, log[j][i], log[h][j]],
+            [minus, log[i][j], log[h][i]],
+        ]
 
     def of_potential(self, i: int, j: int) -> Products:
         """S_ij(U)."""
-        mixed = self.reader.diff(self.slope[i], self.symbols[j])
-        return [[mixed], [-self.log[j][i], self.slope[j]], [-self.log[i][j], self.slope[i]]]
+        mixed = [self._again(self.slope[i], j)]
+        return [mixed, [self.minus, self.log[j][i], self.slope[j]], [self.minus, self.log[i][j], self.slope[i]]]
+
+    def _again(self, terms: Sum, j: int) -> Sum:
+        """The derivative of a sum with respect to coordinate j, as a sum."""
+        return [y for x in terms for y in self.reader.diff_terms(x, self.symbols[j])]
 
 
 def vanishes(reader: Reader, products: Products, sieve: Filter) -> bool:
@@ -104,8 +114,9 @@ def vanishes(reader: Reader, products: Products, sieve: Filter) -> bool:
 
 
 def total(reader: Reader, products: Products) -> Element:
-    """The sum of products as one element."""
-    return reader.field.total(reader.field.product(factors) for factors in products)
+    """The sum of products of sums as one element."""
+    field = reader.field
+    return field.total(field.product([field.total(elements) for elements in factors]) for factors in products)
 
 
 def general_condition(
@@ -119,10 +130,10 @@ def general_condition(
     hi, hj = d(hamiltonian, q[i]), d(hamiltonian, q[j])
     ui, uj = d(hamiltonian, p[i]), d(hamiltonian, p[j])
     return [
-        [ui, uj, d(hi, q[j])],
-        [hi, hj, d(ui, p[j])],
-        [-ui, hj, d(hi, p[j])],
-        [-hi, uj, d(hj, p[i])],
+        [[ui], [uj], [d(hi, q[j])]],
+        [[hi], [hj], [d(ui, p[j])]],
+        [[-ui], [hj], [d(hi, p[j])]],
+        [[-hi], [uj], [d(hj, p[i])]],
     ]
 
 

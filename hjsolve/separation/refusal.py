@@ -8,7 +8,7 @@ from dataclasses import dataclass
 import sympy as sp
 
 from ..algebra.field import Element
-from ..algebra.modular import Filter
+from ..algebra.modular import Filter, Products
 from ..algebra.poly import Budget, WorkLimitError
 from ..algebra.readable import readable
 from ..algebra.reader import Reader
@@ -16,7 +16,7 @@ from ..shell import Irreducible, Shell, Step, domain_bounds
 from ..system import System, hamiltonian
 from . import advice, levi_civita
 from .enclosure import Region
-from .levi_civita import Condition, Products
+from .levi_civita import Condition
 from .verdicts import Obstruction, Undecided
 from .zero_test import NonZero, Unproved, not_zero
 
@@ -62,7 +62,7 @@ def refuse_condition(setting: Setting, condition: Condition) -> Obstruction | Un
     shell = setting.shell
     pair = shell.coordinates[condition.i].name, shell.coordinates[condition.j].name
     constants = [c.momentum for c in shell.ignorable]
-    parts = _residuals(setting.reader, [[*factors, condition.scale] for factors in condition.products], constants)
+    parts = _residuals(setting.reader, [[*factors, [condition.scale]] for factors in condition.products], constants)
     residual, answer = _simplest_nonzero(parts, setting.region, setting.reader.field.budget)
     if isinstance(answer, NonZero):
         words = advice.for_potential(shell.system, pair)
@@ -97,7 +97,8 @@ def _residuals(reader: Reader, products: Products, constants: list[sp.Symbol]) -
     finally:
         field.budget = whole_budget
     if not parts:
-        yield sp.Add(*(sp.Mul(*map(reader.write, factors)) for factors in products))
+        sums = [[sp.Add(*map(reader.write, elements)) for elements in factors] for factors in products]
+        yield sp.Add(*(sp.Mul(*factors) for factors in sums))
     for part in parts:
         yield readable(reader, part)
 

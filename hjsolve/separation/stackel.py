@@ -20,7 +20,7 @@ from dataclasses import dataclass
 import sympy as sp
 
 from ..algebra.field import Element
-from ..algebra.modular import Filter
+from ..algebra.modular import Filter, Products
 from ..algebra.readable import readable
 from ..algebra.reader import Reader
 from . import levi_civita
@@ -75,14 +75,12 @@ def _plausible(reader: Reader, metric: Sequence[Element], potential: Element, ma
     return all(sieve.vanishes(identity) is not False for identity in _identities(reader, metric, potential, matrix))
 
 
-def _identities(
-    reader: Reader, metric: Sequence[Element], potential: Element, matrix: Matrix
-) -> Iterator[list[list[Element]]]:
+def _identities(reader: Reader, metric: Sequence[Element], potential: Element, matrix: Matrix) -> Iterator[Products]:
     """The sums of products that vanish for a Stäckel matrix and column."""
     one, n = reader.field.one, range(len(metric))
     for j in n:
-        yield [[metric[i], matrix.rows[i][j]] for i in n] + ([[-one]] if j == 0 else [])
-    yield [*([metric[i], matrix.column[i]] for i in n), [-potential]]
+        yield [*([[metric[i]], [matrix.rows[i][j]]] for i in n), *([[[-one]]] if j == 0 else [])]
+    yield [*([[metric[i]], [matrix.column[i]]] for i in n), [[-potential]]]
 
 
 def _at_base_point(reader: Reader, point: BasePoint, metric: Sequence[Element], potential: Element) -> Matrix:
