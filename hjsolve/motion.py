@@ -21,7 +21,7 @@ from hjsolve.initial import Initial, domain_ends, initial_data, sign, to_bits
 from hjsolve.lowering import lower
 from hjsolve.numeric.arithmetic import multiprecision
 from hjsolve.numeric.classify import Located, Start, forbidden, locate
-from hjsolve.numeric.course import PARTS
+from hjsolve.numeric.course import PARTS, Open
 from hjsolve.numeric.estimate import Estimate
 from hjsolve.numeric.inverse import Torus, torus
 from hjsolve.numeric.radicand import Radicand
@@ -103,7 +103,8 @@ class Motion:
         """Return the time of the passage-th crossing of a position, counted from t₀ on.
 
         Args:
-            name: coordinate. value: position, unwrapped for a rotating angle.
+            name: coordinate.
+            value: position; for an angle modulo 2π.
             passage: 0 for the first crossing at t ≥ t₀, 1 for the next, −1 for the last before t₀ …
 
         Raises:
@@ -166,7 +167,8 @@ def start(
     Args:
         solution: of the system.
         q: coordinate → position, every one.
-        velocity, p: coordinate → velocity or canonical momentum; one of the two, every coordinate.
+        velocity: coordinate → velocity, every one; or
+        p: coordinate → canonical momentum, every one.
         parameters: name → value, where it differs from the default.
         t0: time of the initial data.
         digits: relative digits wanted, at least 1; float64 up to 15.
@@ -190,7 +192,7 @@ def start(
         >>> motion.kinds["r"], round(motion.periods["r"].value, 9)
         ('libration', 14.99332061)
     """
-    if not isinstance(digits, int) or isinstance(digits, bool) or not 1 <= digits <= 2000:
+    if type(digits) is not int or not 1 <= digits <= 2000:
         raise InvalidInputError(f"digits: a whole number from 1 to 2000 is needed, not {digits!r}")
     initial = initial_data(solution, q=q, velocity=velocity, p=p, parameters=parameters or {})
     parts, exact_t0 = parts_of(want), number(t0, source="t0")
@@ -206,7 +208,7 @@ def _move(solution: Solution, initial: Initial, t0: sp.Expr, digits: int, parts:
 
 
 def _certified(move: Callable[[int], Motion], digits: int) -> Motion:
-    """Replace the numbers of a motion by proved ones; its states come from the motion at full digits, started when asked."""
+    """Replace the numbers of a motion by proved ones; states come from a motion at full digits, when asked."""
     from hjsolve.certified import enclose
 
     motion = move(FLOAT_DIGITS)
@@ -281,9 +283,11 @@ def _assemble(
 ) -> Motion:
     courses = [located[name].course for name in solution.coordinates]
     bits = int(3.33 * digits) + 128
-    bounded = all(c.periodic for c in courses)
+    bounded = [c for c in courses if not isinstance(c, Open)]
     timed = "time" in parts
-    equations = None if not (courses and timed) else torus(courses, bits) if bounded else plan(courses)
+    equations = (
+        None if not (courses and timed) else torus(bounded, bits) if len(bounded) == len(courses) else plan(courses)
+    )
     kinds = {
         c.name: str(located[c.name].course.kind) if c.name in located else "ignorable"
         for c in solution.system.coordinates

@@ -73,7 +73,7 @@ def _phase_of(motion: Motion, name: str, course: Course, target: Callable[[int],
     index = passage if passage >= 0 else -passage - 1
     if index >= len(later):
         raise OutsideMotionError(
-            f"{name} does not pass {float(place):.12g} that often: {len(later)} times {'after' if passage >= 0 else 'before'} t0"
+            f"{name} passes {float(place):.9g} {len(later)} times {'after' if passage >= 0 else 'before'} t0, not more"
         )
     return later[index]
 
@@ -224,7 +224,7 @@ def _scanned(motion: Motion, name: str, value: float, passage: int) -> Estimate:
                 edge = 2 * np.pi * max(level(after), level(before)) if angle else 0.0
                 sign = 1.0 if after > before else -1.0
                 previous = start + k * step if rates else (start + step * 1.02 ** (k - 1) if k else start)
-                time = _root(lambda s: sign * (off(s) - edge), previous, t)
+                time = _root(lambda s, sign=sign, edge=edge: sign * (off(s) - edge), previous, t)  # type: ignore[misc]
                 state = state_at(motion, time)
                 return Estimate(
                     time,

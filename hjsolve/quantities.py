@@ -32,6 +32,7 @@ def rounded(value: Any, digits: int, nodes: int = 0) -> Estimate:
 
 
 def period(frequency: Estimate) -> Estimate:
+    """Return 2π/|Ω|."""
     pi = np.pi if isinstance(frequency.value, float) else frequency.value.context.pi
     value = 2 * pi / abs(frequency.value)
     relative = abs(frequency.error / frequency.value)
@@ -39,6 +40,7 @@ def period(frequency: Estimate) -> Estimate:
 
 
 def ends(place: Located, digits: int) -> tuple[Estimate | None, Estimate | None]:
+    """Return the turning points of a region, None where it ends in another way."""
     bits = int(3.33 * digits) + 32
     lower_end, upper_end = (
         rounded(end.place(bits), digits) if end.kind == "turning" and end.place else None
@@ -48,27 +50,29 @@ def ends(place: Located, digits: int) -> tuple[Estimate | None, Estimate | None]
 
 
 def nodes_of(course: Any) -> int:
+    """Return the quadrature nodes behind a course."""
     return max((s.nodes for s in course.kernels), default=0) if isinstance(course, Bounded) else 0
 
 
 def actions(solution: Solution, initial: Initial, located: Mapping[str, Located], digits: int) -> dict[str, Estimate]:
-    actions = {}
+    """Return J of every coordinate that has one: signed like p for a rotation, p itself for an ignorable angle."""
+    result = {}
     for coordinate in solution.system.coordinates:
         if coordinate.name not in located:
             if coordinate.domain.kind == "angle":
-                actions[coordinate.name] = rounded(
+                result[coordinate.name] = rounded(
                     to_bits(initial.values[coordinate.momentum])(int(3.33 * digits) + 64), digits
                 )
             continue
         course = located[coordinate.name].course
         if isinstance(course, Frozen) and course.stable:
-            actions[coordinate.name] = rounded(0, digits)
+            result[coordinate.name] = rounded(0, digits)
         elif isinstance(course, Bounded):
             value = course.action * course.anomaly.direction
             if isinstance(course.anomaly, Rotation):
                 value -= _mean_shift(solution, initial, coordinate, digits)
-            actions[coordinate.name] = rounded(value, digits, nodes_of(course))
-    return actions
+            result[coordinate.name] = rounded(value, digits, nodes_of(course))
+    return result
 
 
 def _mean_shift(solution: Solution, initial: Initial, coordinate: Any, digits: int) -> Any:
@@ -96,7 +100,7 @@ def frequencies(
             if not (isinstance(course, Frozen) and not course.stable):
                 direction = course.anomaly.direction if isinstance(course, Bounded) else 1
                 result[name] = rounded(direction * equations.rates[k], digits, nodes_of(course))
-        for j, c in enumerate(system.coordinates):
+        for c in system.coordinates:
             if c.name not in located and c.domain.kind == "angle":
                 result[c.name] = rounded(
                     mean_rate(equations, list(solution.constants).index(c.momentum.name)),

@@ -54,6 +54,6 @@ class State:
 
 def _pi_of(value: Any) -> Any:
     """π in the arithmetic of an array."""
-    if getattr(value, "dtype", None) == object and value.size:
+    if getattr(value, "dtype", None) is not None and value.dtype.kind == "O" and value.size:
         return +value.flat[0].context.pi
     return 3.141592653589793

@@ -113,7 +113,7 @@ class Rotation:
         q = self.slow + self.direction * (2 * amplitude - arithmetic.pi())
         return Place(q, self.direction * stretch, 0 * q + 1, stretch)
 
-    def phase(self, q: Any, forward: int, arithmetic: Multi) -> Any:
+    def phase(self, q: Any, forward: int, arithmetic: Multi) -> Any:  # noqa: ARG002  (asked like a libration's)
         """Return χ in (−π, π] of a position."""
         context = arithmetic.context
         angle = self.direction * (q - self.slow) + arithmetic.pi()
@@ -156,7 +156,8 @@ def rotation(slow: Any, direction: int, gap: Any, arithmetic: Multi) -> Rotation
 def as_float(anomaly: Anomaly) -> Anomaly:
     """Round the constants of an anomaly to doubles, for vectorised use."""
     values = {name: getattr(anomaly, name) for name in anomaly.__dataclass_fields__}
-    return type(anomaly)(**{name: v if isinstance(v, int) else float(v) for name, v in values.items()})
+    rounded: dict[str, Any] = {name: v if isinstance(v, int) else float(v) for name, v in values.items()}
+    return type(anomaly)(**rounded)
 
 
 def _nearer(from_lower: Any, to_upper: Any, lower: Any, upper: Any) -> Any:

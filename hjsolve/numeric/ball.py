@@ -1,9 +1,10 @@
 """Certified numbers: every value a ball that contains the truth (Arb, through the extra ``certified``).
 
 Turning points are proved by the interval Newton test. The integrals over the anomaly, q = a + (b − a) sin²(χ/2), are
-enclosed by Arb's own rigorous quadrature (Johansson, arXiv:1802.07942), which asks for the integrand over complex balls and
-wants it bounded. It is: on a ball that touches a turning point p²/((q−a)(b−q)) is enclosed by slopes, F[a, q] lying in the
-hull of F′ over the segment from a to q, so nothing is divided by zero. A ball that meets a branch cut gives "not finite".
+enclosed by Arb's own rigorous quadrature (Johansson, arXiv:1802.07942), which asks for the integrand over complex
+balls and wants it bounded. It is: on a ball that touches a turning point p²/((q−a)(b−q)) is enclosed by slopes,
+F[a, q] lying in the hull of F′ over the segment from a to q, so nothing is divided by zero. A ball that meets a
+branch cut gives "not finite".
 """
 
 from __future__ import annotations
@@ -18,9 +19,9 @@ from hjsolve.numeric.radicand import Radicand
 from hjsolve.numeric.tape import Tape
 
 try:
-    import flint
+    import flint as flint
 except ImportError:  # pragma: no cover - the extra is part of the test installation
-    flint = None
+    flint = None  # type: ignore[assignment]
 
 _CUTS = {"sqrt", "log", "asin", "acos", "atanh", "acosh", "atan", "asinh"}
 
@@ -39,7 +40,7 @@ def require_flint() -> None:
 
 def working(bits: int) -> AbstractContextManager[Any]:
     """Set Arb's precision for a while."""
-    return flint.ctx.workprec(bits)  # type: ignore[no-any-return]
+    return flint.ctx.workprec(bits)
 
 
 @dataclass(frozen=True, slots=True)
@@ -150,13 +151,13 @@ class Integrand:
         s, c = (χ / 2).sin_cos()
         from_lower, to_upper = width * s * s, width * c * c
         q = self.lower + from_lower
-        root = Balls().unary("sqrt", self._regular(q, from_lower, to_upper, width))
+        root = Balls().unary("sqrt", self._regular(q, from_lower, to_upper))
         return from_lower * to_upper * root if j < 0 else self._weight(j, q) / root
 
     def _weight(self, j: int, q: Any) -> Any:
         return self.kernels[j].run(Balls(), [q, *self.inputs])[0]
 
-    def _regular(self, q: Any, from_lower: Any, to_upper: Any, width: Any) -> Any:
+    def _regular(self, q: Any, from_lower: Any, to_upper: Any) -> Any:
         """R = p²/((q−a)(b−q)): the quotient away from the ends, slopes on a ball that touches one."""
         if not _touches_zero(from_lower) and not _touches_zero(to_upper):
             return self.radicand.squared.run(Balls(), [q, *self.inputs])[0] / (from_lower * to_upper)

@@ -115,12 +115,14 @@ def _rest(start: Start, digits: int) -> Located:
 
 
 def _libration(start: Start, lower: End, upper: End, digits: int) -> Bounded:
-    assert lower.place is not None and upper.place is not None
+    assert lower.place is not None
+    assert upper.place is not None
+    places = (lower.place, upper.place)
     needed = int(3.33 * digits) + 48
     bits = needed + 80
     while True:
         arithmetic = Multi(bits)
-        a, b = (arithmetic.convert(end.place(bits)) for end in (lower, upper))
+        a, b = (arithmetic.convert(place(bits)) for place in places)
         plain = libration(a, b, None, None, arithmetic)
         lost = _lost_bits(start.radicand, plain, bits)
         if bits - lost >= needed:
@@ -216,7 +218,7 @@ def _open(start: Start, forward: int, lower: End, upper: End, digits: int) -> Op
         first = origin.place(bits + 512)
         length = abs(target.place(bits + 512) - first) if target.place is not None else _length(start, first, bits)
         end = "infinity" if target.kind in {"infinity", "round"} else target.kind
-        way = Way(origin.kind == "turning", end, first, side, length)  # type: ignore[arg-type]
+        way = Way(origin.kind == "turning", end, first, side, length)
         return Branch(way, start.radicand, start.skipped, digits, bits)
 
     if "turning" in kinds:

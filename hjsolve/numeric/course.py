@@ -23,7 +23,7 @@ from hjsolve.numeric.series import Series, fit, trial, zero
 
 Kind = Literal["libration", "rotation", "escape", "equilibrium", "asymptotic", "boundary"]
 PARTS = frozenset({"time", "action", "place"})
-"""What is integrated over a cycle: Jacobi's integrals (periods, times), the action, and what places and momenta need."""
+"""What is integrated over a cycle: Jacobi's integrals (periods, times), the action, what places and momenta need."""
 
 
 def arithmetic_of(array: Any) -> Float64 | Multi:
@@ -78,7 +78,7 @@ class Bounded:
         return self.kernels[j].mean
 
     def pace(self, weights: tuple[float, ...], χ: Any) -> Any:
-        """Return Σ wⱼ dGⱼ/dχ for a float array |χ| ≤ π from the formula, not the series: small values keep their digits."""
+        """Return Σ wⱼ dGⱼ/dχ for a float array |χ| ≤ π by the formula, not the series: small values keep digits."""
         q, _ = self.place(χ)
         count(kernels=q.size)
         numbers = [float(x) for x in self.radicand.inputs(64)]
@@ -237,7 +237,7 @@ class Open:
         return sum(w * self.rate(j, χ) for j, w in enumerate(weights) if w)
 
     def limits(self) -> tuple[Any, Any]:
-        """Return the least and greatest phase that the panels hold; infinite along an asymptote, whose tail is known."""
+        """Return the least and greatest phase the panels hold; infinite along an asymptote, whose tail is known."""
         _, ahead, behind = self._sides(np.zeros(1))
         ends = [
             np.inf if b.way.end == "asymptote" else p.edges[-1] for b, p in ((self.behind, behind), (self.ahead, ahead))

@@ -100,11 +100,12 @@ def tabulate(
     """
     left, right = np.asarray(starts[:-1], dtype=float), np.asarray(starts[1:], dtype=float)
     done: list[tuple[Any, Any, Any]] = []
+    tables: tuple[Any, ...]
     while len(left):
-        lengths, tables, good = _panels(left, right, growth, outputs, scales)
+        lengths, parts, good = _panels(left, right, growth, outputs, scales)
         small = (right - left) <= 1e-13 * np.maximum(np.abs(left), np.abs(right))
         good |= small
-        done.append((left[good], lengths[good], [table[:, good] for table in tables]))
+        done.append((left[good], lengths[good], [part[:, good] for part in parts]))
         left, right = left[~good], right[~good]
         middle = _halfway(left, right)
         left, right = np.concatenate([left, middle]), np.concatenate([middle, right])

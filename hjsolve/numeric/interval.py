@@ -130,6 +130,7 @@ class Intervals:
             return np.frompyfunc(lambda v: self._scalar(name, v), 1, 1)(x)
 
     def _scalar(self, name: str, v: Any) -> Any:
+        assert isinstance(self.plain, Multi)
         context = self.plain.context
         if name in {"sin", "cos"} and context.isinf(v):
             return context.nan
@@ -182,7 +183,7 @@ _OTHERS: dict[str, Callable[[Intervals, Interval], Interval]] = {
 
 
 def _floor(x: Any) -> Any:
-    if getattr(x, "dtype", None) == object:
+    if getattr(x, "dtype", np.dtype(float)).kind == "O":
         return np.frompyfunc(lambda v: v.context.floor(v) if v == v and abs(v) != np.inf else v, 1, 1)(x)
     return np.floor(x)
 

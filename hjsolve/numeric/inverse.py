@@ -17,7 +17,7 @@ import numpy as np
 
 from hjsolve.errors import NotConvergedError
 from hjsolve.numeric.arithmetic import multiprecision
-from hjsolve.numeric.course import Bounded, Course
+from hjsolve.numeric.course import Bounded, Course, Frozen
 from hjsolve.numeric.double import split, turns
 from hjsolve.numeric.series import Series, combine, zero
 
@@ -38,7 +38,7 @@ class Torus:
         coupled: coordinates to be solved together, last.
     """
 
-    courses: tuple[Course, ...]
+    courses: tuple[Bounded | Frozen, ...]
     rates: tuple[Any, ...]
     starts: tuple[Any, ...]
     growth: tuple[tuple[Any, ...], ...]
@@ -47,7 +47,7 @@ class Torus:
     coupled: tuple[int, ...]
 
 
-def torus(courses: Sequence[Course], bits: int) -> Torus:
+def torus(courses: Sequence[Bounded | Frozen], bits: int) -> Torus:
     """Set up the angle form of Jacobi's equations.
 
     Raises:
@@ -74,14 +74,14 @@ def torus(courses: Sequence[Course], bits: int) -> Torus:
 
 def mean_rate(system: Torus, j: int) -> Any:
     """Return the mean growth of the coordinate that belongs to the j-th constant, an ignorable momentum."""
-    return -sum(rate * course.growth(j) for rate, course in zip(system.rates, system.courses, strict=True))  # type: ignore[union-attr]
+    return -sum(rate * course.growth(j) for rate, course in zip(system.rates, system.courses, strict=True))
 
 
 def oscillation(system: Torus, i: int, j: int) -> Series:
     """Return what that coordinate adds to its mean growth, as a function of the phase of coordinate i."""
     course = system.courses[i]
     own = combine([-1], [course.kernels[j]]) if isinstance(course, Bounded) else zero()
-    return combine([1, *(c.growth(j) for c in system.courses)], [own, *(row[i] for row in system.ripples)])  # type: ignore[union-attr]
+    return combine([1, *(c.growth(j) for c in system.courses)], [own, *(row[i] for row in system.ripples)])
 
 
 def _ripple(weights: Sequence[Any], course: Course, n: int) -> Series:

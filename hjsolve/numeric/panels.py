@@ -222,7 +222,7 @@ def _tail(rows: list[list[Any]]) -> float:
 
 
 def _antiderivative(row: list[Any], half: Any, start: Any) -> list[Any]:
-    """Coefficients of the integral, equal to ``start`` at the left edge (Mason & Handscomb, Chebyshev Polynomials, 2.43)."""
+    """Coefficients of the integral, equal to ``start`` at the left edge (Mason & Handscomb 2003, (2.43))."""
     c = [*row, 0 * row[0], 0 * row[0]]
     result = [0 * row[0], half * (c[0] - c[2] / 2)]
     result += [half * (c[k - 1] - c[k + 1]) / (2 * k) for k in range(2, len(row) + 1)]

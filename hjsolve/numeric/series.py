@@ -27,7 +27,8 @@ class Series:
 
     Attributes:
         mean: c₀, in many digits.
-        cosines, sines: k = 1, 2, …; float arrays, or object arrays of ``mpf`` above 15 digits; sines None for an even function.
+        cosines, sines: k = 1, 2, …; float arrays, or object arrays of ``mpf`` above 15 digits;
+            sines None for an even function.
         nodes: function values behind it.
         tail: size of the first term left out, relative to the largest value.
     """
@@ -198,7 +199,7 @@ def _coefficient(values: list[Any], k: int, table: list[tuple[Any, Any]], even: 
 
 def _horner(coefficients: Any, χ: Any) -> tuple[Any, Any]:
     """Σ cₖ cos kχ and Σ cₖ sin kχ for k = 1, 2, …, by Horner's rule in e^{iχ}."""
-    if isinstance(χ, np.ndarray) or isinstance(χ, float):
+    if isinstance(χ, np.ndarray | float):
         wave = np.exp(1j * np.asarray(χ))
         total = np.zeros_like(wave)
         for c in coefficients[::-1].astype(float):

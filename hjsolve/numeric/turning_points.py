@@ -9,7 +9,9 @@ time to reach it (Greenwood, item 41).
 
 from __future__ import annotations
 
+import itertools
 from dataclasses import dataclass
+from functools import lru_cache
 from typing import Any, Literal
 
 import numpy as np
@@ -90,7 +92,7 @@ def first_end(ray: Ray, *, digits: int) -> End:
         NotConvergedError: a cell could not be decided even with many digits.
     """
     cells = _cells(ray)
-    todo = list(zip(cells[:-1], cells[1:], strict=True))
+    todo = list(itertools.pairwise(cells))
     enclosures = _enclose(ray, todo, 53)
     for cell, enclosure in zip(todo, enclosures, strict=True):
         found = _search(ray, cell, enclosure, 0, digits)
@@ -107,7 +109,7 @@ def _cells(ray: Ray) -> Any:
         return np.concatenate([[0.0], _scale(ray) * 2.0 ** np.arange(-50, 120)])
     reach = float(ray.reach(128))
     outward = reach * 2.0 ** np.arange(-50, 0)
-    inward = [] if ray.turns else reach * (1 - 2.0 ** -np.arange(2, 41))
+    inward: Any = [] if ray.turns else reach * (1 - 2.0 ** -np.arange(2, 41))
     return np.concatenate([[0.0], outward, inward, [reach] if ray.turns else []])
 
 
@@ -143,7 +145,7 @@ def _search(ray: Ray, cell: tuple[float, float], enclosure: Any, depth: int, dig
     edges = np.linspace(*cell, parts + 1)
     if len(set(edges)) < parts + 1:
         return _settle(ray, cell, digits)
-    children = list(zip(edges[:-1], edges[1:], strict=True))
+    children = list(itertools.pairwise(edges))
     for child, inner in zip(children, _enclose(ray, children, 53 if depth < 6 else 64 * depth), strict=True):
         found = _search(ray, child, inner, depth + 1, digits)
         if found is not None:
@@ -187,10 +189,11 @@ def _turning(ray: Ray, x0: Any, x1: Any, digits: int) -> End:
     (a small amplitude about a deep minimum, two zeros close together) is made up by a higher precision.
     """
 
+    @lru_cache(maxsize=16)
     def place(bits: int) -> Any:
         extra = bits + 64
         while extra <= _MOST_BITS:
-            x = _bracketed(lambda y: ray.jet(y, extra)[:2], x0, x1, extra)
+            x = _bracketed(lambda y, extra=extra: ray.jet(y, extra)[:2], x0, x1, extra)
             f, slope, _ = ray.jet(x, 2 * extra)
             if not f or abs(f) <= abs(slope * x) * multiprecision(64).mpf(2) ** -(bits + 32):
                 return ray.place(x, 2 * extra)
@@ -216,13 +219,15 @@ def _bracketed(function: Any, x0: Any, x1: Any, bits: int) -> Any:
     left, right = context.convert(x0), context.convert(x1)
     sign = -1 if function(right)[0] < 0 else 1
     x = (left + right) / 2
-    tolerance = context.mpf(2) ** (8 - bits)
+    tolerance, last = context.mpf(2) ** (8 - bits), context.inf
     for count in range(4 * bits):
         f, slope = function(x)
         left, right = (x, right) if f * sign < 0 else (left, x)
         step = f / slope if slope else right - left
-        if abs(step) <= tolerance * abs(x) or f == 0:
+        at_noise = abs(last) <= abs(step) <= abs(x) * 2.0**-20
+        if abs(step) <= tolerance * abs(x) or f == 0 or at_noise:
             return x - step
+        last = step
         new = x - step
         if not left < new < right or count % 16 == 15:
             new = (left + right) / 2

@@ -94,6 +94,7 @@ def _refined(
 
 
 def with_reach(course: Course, χ: Any) -> Course:
+    """Return an open course that holds enough panels for some phases; others as they are."""
     if not isinstance(course, Open):
         return course
     return Open(

@@ -1,4 +1,4 @@
-"""From phases to positions and momenta: separated coordinates from their courses, ignorable ones from Greenwood (5-83)."""
+"""From phases to positions and momenta: separated coordinates by their courses, ignorable ones by Greenwood (5-83)."""
 
 from __future__ import annotations
 
@@ -84,6 +84,7 @@ def canonical_momenta(
 
 
 def coordinate_velocities(motion: Motion, q: Mapping[str, Any], p: Mapping[str, Any]) -> dict[str, Any]:
+    """Return dq/dt of every coordinate."""
     formulas = velocities(motion.solution.system)
     return dict(zip(formulas, evaluate(motion, tuple(formulas.values()), q, p), strict=True))
 
@@ -128,10 +129,10 @@ def _ignorable(motion: Motion, phases: Phases, name: str, q: Mapping[str, Any]) 
     gauge = gauge_angle(motion, coordinate.momentum, q)
     if isinstance(equations, Torus):
         wave = gauge
-        for i, course in enumerate(equations.courses):
+        for i, bounded in enumerate(equations.courses):
             series = oscillation(equations, i, j)
             if len(series.cosines):
-                wave = wave + _rise(series, phases.χ[i], course.start)
+                wave = wave + _rise(series, phases.χ[i], bounded.start)
         return grown(begin, mean_rate(equations, j), phases.time, phases.exact, coordinate.domain.kind == "angle", wave)
     total = gauge
     for course, χ, n in zip(courses_of(motion, phases), phases.χ, phases.whole, strict=True):

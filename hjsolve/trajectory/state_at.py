@@ -10,7 +10,7 @@ import numpy as np
 from hjsolve.initial import to_bits
 from hjsolve.numeric.clock import relative
 from hjsolve.numeric.course import Bounded
-from hjsolve.numeric.inverse import mean_rate
+from hjsolve.numeric.inverse import Torus, mean_rate
 from hjsolve.state import Errors, State
 from hjsolve.system import velocities
 from hjsolve.trajectory.dense import FEWEST, Dense, OnDemand, dense
@@ -34,7 +34,7 @@ if TYPE_CHECKING:
 def state_at(motion: Motion, t: Any) -> State:
     """Return the state at a time or times; see ``Motion.at``."""
     shape, floats, exact = read_times(t)
-    if floats is not None and len(floats) >= FEWEST:
+    if shape is not None and floats is not None and len(floats) >= FEWEST:
         time = relative(floats, to_bits(motion.t0))
         table = dense(motion, 2 * float(np.max(np.abs(time[0]))))
         if table is not None:
@@ -83,7 +83,8 @@ def _tabulated(motion: Motion, table: Dense, t: Any, time: tuple[Any, Any], shap
             wave = table.table.evaluate([index], θ)[0] - begin
             coordinate = system.coordinate(name)
             gauge = gauge_angle(motion, coordinate.momentum, q) if motion.solution.shift_potential != 0 else 0.0
-            rate = mean_rate(motion.equations, constant_index(motion, name)) if table.period else 0
+            equations = motion.equations
+            rate = mean_rate(equations, constant_index(motion, name)) if isinstance(equations, Torus) else 0
             value, count = grown(
                 to_bits(motion.initial.values[coordinate.symbol]), rate, time, None, name in angles, wave + gauge
             )
@@ -120,6 +121,7 @@ def _tabulated(motion: Motion, table: Dense, t: Any, time: tuple[Any, Any], shap
 
 
 def shaped(values: Any, shape: tuple[int, ...] | None) -> Any:
+    """Return values in the shape of the times; a plain number for a scalar time."""
     if shape is None:
         return values[0].item() if hasattr(values[0], "item") else values[0]
     return values.reshape(shape)

@@ -30,10 +30,7 @@ def state_errors(
     motion: Motion, phases: Phases, q: Mapping[str, Any], p: Mapping[str, Any]
 ) -> tuple[dict[str, Any], dict[str, Any], dict[str, Any]]:
     """Bounds on q, p and velocity from the bounds on the phases."""
-    unit = (
-        _EPS if phases.exact is None
-        else float(multiprecision(64).mpf(10) ** (1 - motion.digits))
-    )
+    unit = _EPS if phases.exact is None else float(multiprecision(64).mpf(10) ** (1 - motion.digits))
     dq, dp = {}, {}
     χ = [x.astype(float) for x in phases.χ]
     slack = [np.asarray(e, dtype=float) for e in phases.errors]
