@@ -8,19 +8,21 @@ from __future__ import annotations
 
 import tomllib
 from collections.abc import Iterable, Iterator, Mapping, Sequence
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 from decimal import Decimal
 from importlib.resources import files
 from importlib.resources.abc import Traversable
 from pathlib import Path
 from typing import Any
 
-from hjsolve import schema
-from hjsolve.errors import CatalogError, ExpressionError, InvalidInputError
+from hjsolve import refusals, schema
+from hjsolve.errors import CatalogError, ExpressionError, InvalidInputError, NotSeparableError
+from hjsolve.effects import forces, with_effects
 from hjsolve.expressions import number
 from hjsolve.system import System, parameter
 
-_FOLDERS = {"separable": "systems", "refused": "refused"}
+_FOLDERS = {"separable": "systems", "refused": "refused", "outside": "outside"}
+_ENTRY = schema.ENTRY | refusals.KEYS
 _LONGEST_FILE = 1_000_000
 
 
@@ -50,7 +52,11 @@ class InitialData:
 
 @dataclass(frozen=True)
 class Effect:
-    """An optional term of T or V, with the parameters it brings; absent from H until it is called for."""
+    """An optional term of T or V, with the parameters it brings; absent from H until it is called for.
+
+    Attributes:
+        force: coordinate → generalized force that no T and V contain, such as drag; only scenes can use it.
+    """
 
     name: str
     summary: str
@@ -58,6 +64,7 @@ class Effect:
     potential: str = ""
     parameters: tuple[Mapping[str, object], ...] = ()
     verdict: str = ""
+    force: Mapping[str, str] = field(default_factory=dict)
     cite: tuple[str, ...] = ()
 
 
@@ -82,10 +89,12 @@ class Entry:
     """One system of the catalog.
 
     Attributes:
-        kind: ``separable``, ``refused``, or ``unchecked`` where the file expects nothing.
+        kind: ``separable``, ``refused``, ``outside`` (no T and V, so ``system`` is None), or ``unchecked`` where the
+            file expects nothing.
         initial: the default motion, or None. motions: every motion by name, the default one included.
         expect: what is known about separability (catalog/README.md), as in the file.
         reason: why a refused system is refused. instead: what to do about it.
+        refusal: why a system ``outside`` is none. constraints, stated: as the literature states the system.
         meanings: coordinate → (unit, meaning).
     """
 
@@ -93,7 +102,7 @@ class Entry:
     title: str
     summary: str
     kind: str
-    system: System
+    system: System | None
     initial: InitialData | None
     motions: Mapping[str, InitialData]
     effects: Mapping[str, Effect]
@@ -104,13 +113,16 @@ class Entry:
     meanings: Mapping[str, tuple[str, str]]
     reason: str = ""
     instead: str = ""
+    refusal: refusals.Refusal | None = None
+    constraints: tuple[refusals.Constraint, ...] = ()
+    stated: refusals.Stated | None = None
 
 
 def ids(kind: str | None = None) -> tuple[str, ...]:
-    """List the catalog: the separable systems first, then the refused ones; or only one kind.
+    """List the catalog: the separable systems first, then the refused ones, then those that are no T and V.
 
     Args:
-        kind: ``separable``, ``refused`` or None for both.
+        kind: ``separable``, ``refused``, ``outside`` or None for all.
 
     Raises:
         CatalogError: another kind.
@@ -138,13 +150,28 @@ def load(entry: str | Path, *, effects: Iterable[str] = ()) -> System:
 
     Raises:
         CatalogError: no such entry or effect, or a file that does not follow the schema; one line for every fault.
+        NotSeparableError: the entry is outside of what T and V can say; its verdict is the ``Refusal``.
 
     Example:
         >>> [c.name for c in load("kepler-planar").coordinates]
         ['r', 'theta']
     """
     table, source = _checked(entry)
-    return from_table(_with_effects(table, tuple(effects), source), source=source)
+    for name in (names := tuple(effects)):
+        if table.get("effects", {}).get(name, {}).get("force"):
+            raise CatalogError(
+                f'{source}: "{name}" is a force that no T and V contain; use it in a scene with method = "integrate"'
+            )
+    return from_table(with_effects(table, names, source), source=source)
+
+
+def read(entry: str | Path) -> tuple[dict[str, Any], str]:
+    """Give the table of an entry as it stands in its file, its schema checked, and what it is called in errors.
+
+    Raises:
+        CatalogError: as ``load``.
+    """
+    return _checked(entry)
 
 
 def describe(entry: str | Path) -> Entry:
@@ -160,8 +187,9 @@ def describe(entry: str | Path) -> Entry:
         CatalogError: as ``load``; here initial data, effects, motions and references are checked as well.
     """
     table, source = _checked(entry)
-    system = from_table(table, source=source)
-    problems = list(_entry_faults(table, system))
+    outside = refusals.refusal(table)
+    system = None if outside else from_table(table, source=source)
+    problems = list(_entry_faults(table, system) if system else ())
     if problems:
         raise _refused(source, problems)
     tables = {"default": table["initial"]} if "initial" in table else {}
@@ -169,11 +197,12 @@ def describe(entry: str | Path) -> Entry:
     expect = table.get("expect", {})
     return Entry(
         id=table["id"], title=table["title"], summary=table.get("summary", ""), system=system,
-        kind="unchecked" if not expect else "refused" if expect["verdict"] == "refused" else "separable",
+        kind=_kind(expect, outside), refusal=outside,
+        constraints=refusals.constraints(table), stated=refusals.stated(table),
         initial=motions.get("default"), motions=motions, effects=_effects(table), expect=expect,
         references=tuple(_reference(r) for r in table.get("reference", [])),
         cite=tuple(table.get("cite", ())), book=tuple(table.get("book", ())),
-        meanings={c["name"]: (c.get("unit", ""), c.get("meaning", "")) for c in table["coordinates"]},
+        meanings={c["name"]: (c.get("unit", ""), c.get("meaning", "")) for c in table.get("coordinates", [])},
         reason=table.get("reason", ""), instead=table.get("instead", ""),
     )  # fmt: skip
 
@@ -189,7 +218,7 @@ def from_table(table: Mapping[str, Any], *, source: str = "system") -> System:
     Raises:
         CatalogError: one line for every fault: the source, the key, what is wrong and what to write instead.
     """
-    own = {key: value for key, value in table.items() if key not in schema.ENTRY or key in schema.SYSTEM}
+    own = {key: value for key, value in table.items() if key not in _ENTRY or key in schema.SYSTEM}
     problems = list(schema.faults(own, schema.SYSTEM))
     if not problems:
         problems = [*_repeated(own["coordinates"], "coordinates"), *_repeated(own.get("parameters", []), "parameters")]
@@ -242,31 +271,24 @@ def _read(file: Traversable, source: str) -> dict[str, Any]:
         raise CatalogError(f"{source}: tables or lists nested too deeply") from error
 
 
+def _kind(expect: Mapping[str, Any], outside: refusals.Refusal | None) -> str:
+    if outside:
+        return "outside"
+    return "unchecked" if not expect else "refused" if expect["verdict"] == "refused" else "separable"
+
+
 def _checked(entry: str | Path) -> tuple[dict[str, Any], str]:
     file, source = _locate(entry)
     table = _read(file, source)
-    problems = list(schema.faults(table, schema.ENTRY))
+    keys = _ENTRY
+    if "refused_because" in table and "kinetic" not in table:
+        keys = keys | {name: replace(keys[name], required=False) for name in ("kinetic", "coordinates")}
+    problems = list(schema.faults(table, keys)) or list(refusals.faults(table))
     if not problems and table["id"] != file.name.removesuffix(".toml"):
         problems.append(f'id: "{table["id"]}" must be the name of the file, "{file.name.removesuffix(".toml")}"')
     if problems:
         raise _refused(source, problems)
     return table, source
-
-
-def _with_effects(table: Mapping[str, Any], names: Sequence[str], source: str) -> dict[str, Any]:
-    """T and V with the terms of the effects added; texts, so that what is absent was never parsed."""
-    known, result = table.get("effects", {}), dict(table)
-    for name in dict.fromkeys(names):
-        if name not in known:
-            raise CatalogError(f'{source}: no effect "{name}"{schema.nearest(name, known)}')
-        effect = known[name]
-        for term in ("kinetic", "potential"):
-            if effect.get(term):
-                result[term] = f"{result.get(term, '0')} + ({effect[term]})"
-        result["parameters"] = [*result.get("parameters", []), *effect.get("parameters", [])]
-        result["title"] = f"{result['title']}, with {name}"
-        result["id"] = f"{result['id']}+{name}"
-    return result
 
 
 def _effects(table: Mapping[str, Any]) -> dict[str, Effect]:
@@ -300,8 +322,9 @@ def _entry_faults(table: Mapping[str, Any], system: System) -> Iterator[str]:
     for where, data in motions.items():
         yield from _motion_faults(where, data, names, declared)
     for name, effect in table.get("effects", {}).items():
-        if not effect.get("kinetic") and not effect.get("potential"):
-            yield f"effects.{name}: needs a term, kinetic or potential"
+        if not any(effect.get(term) for term in ("kinetic", "potential", "force")):
+            yield f"effects.{name}: needs a term: kinetic, potential or force"
+        yield from _unknown(effect.get("force", ()), names, f"effects.{name}.force", "coordinate")
         yield from _effect_faults(table, name)
     refused = table.get("expect", {}).get("verdict") == "refused"
     if refused and not (table.get("reason") and table.get("instead")):
@@ -332,9 +355,10 @@ def _motion_faults(where: str, data: Mapping[str, Any], names: list[str], declar
 
 def _effect_faults(table: Mapping[str, Any], name: str) -> Iterator[str]:
     try:
-        from_table(_with_effects(table, (name,), ""), source=f"effects.{name}")
-    except CatalogError as error:
-        yield str(error)
+        system = from_table(with_effects(table, (name,), ""), source=f"effects.{name}")
+        forces(table, (name,), system, source=f"effects.{name}")
+    except InvalidInputError as error:
+        yield _one_line(error)
 
 
 def _reference_faults(reference: Mapping[str, Any], where: str, names: list[str], motions: set[str]) -> Iterator[str]:
@@ -381,5 +405,6 @@ def _one_line(error: Exception) -> str:
 
 
 __all__ = [
-    "Effect", "Entry", "InitialData", "Reference", "describe", "folder", "from_table", "ids", "load", "titles",
+    "Effect", "Entry", "InitialData", "Reference", "describe", "folder", "from_table", "ids", "load", "read",
+    "titles",
 ]  # fmt: skip

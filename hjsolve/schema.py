@@ -48,7 +48,7 @@ _MOTION = {
 }  # fmt: skip
 _EFFECT = {
     "summary": Key("text", True), "kinetic": _TEXT, "potential": _TEXT, "parameters": Key("tables", keys=_PARAMETER),
-    "verdict": Key("text", choices=VERDICTS), "cite": Key("texts"),
+    "force": _FORMULAS, "verdict": Key("text", choices=VERDICTS), "cite": Key("texts"),
 }  # fmt: skip
 _LIOUVILLE = Key("table", keys={name: Key("formulas", True) for name in ("f", "R", "v")})
 _STAECKEL = Key("table", keys={"matrix": Key("matrix", True), "column": Key("texts", True)})

@@ -16,7 +16,9 @@ from hjsolve.separation.verdicts import Liouville, Stackel
 from hjsolve.system import hamiltonian
 
 IDS = catalog.ids("separable")
-EFFECTS = [(name, effect) for name in catalog.ids() for effect in catalog.describe(name).effects]
+EFFECTS = [
+    (name, effect) for name in catalog.ids() for effect, what in catalog.describe(name).effects.items() if not what.force
+]
 
 
 @functools.cache
