@@ -2,8 +2,9 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Iterator
+from collections.abc import Callable, Iterable, Iterator
 from dataclasses import dataclass
+from functools import partial
 
 import sympy as sp
 
@@ -20,7 +21,7 @@ from .levi_civita import Condition
 from .verdicts import Obstruction, Undecided
 from .zero_test import NonZero, Unproved, not_zero
 
-EXPANSION_SECONDS, EXPANSION_TERMS = 1.0, 200_000
+EXPANSION_SECONDS, EXPANSION_TERMS = 0.3, 100_000
 
 
 @dataclass(frozen=True)
@@ -62,7 +63,8 @@ def refuse_condition(setting: Setting, condition: Condition) -> Obstruction | Un
     shell = setting.shell
     pair = shell.coordinates[condition.i].name, shell.coordinates[condition.j].name
     constants = [c.momentum for c in shell.ignorable]
-    parts = _residuals(setting.reader, [[*factors, [condition.scale]] for factors in condition.products], constants)
+    scaled = [[*factors, [condition.scale]] for factors in condition.products]
+    parts = _residuals(setting.reader, scaled, constants, partial(_written_out, setting, condition))
     residual, answer = _simplest_nonzero(parts, setting.region, setting.reader.field.budget)
     if isinstance(answer, NonZero):
         words = advice.for_potential(shell.system, pair)
@@ -84,8 +86,19 @@ def refuse_condition(setting: Setting, condition: Condition) -> Obstruction | Un
     )
 
 
-def _residuals(reader: Reader, products: Products, constants: list[sp.Symbol]) -> Iterator[sp.Expr]:
-    """Coefficients of a sum of products in the constants, simplest first; the sum itself where that is too much."""
+def _written_out(setting: Setting, condition: Condition) -> sp.Expr:
+    """S_ij(f) from the expressions of the shell, nothing simplified."""
+    i, j = condition.i, condition.j
+    shell, x, y = setting.shell, setting.symbols[i], setting.symbols[j]
+    gi, gj = shell.inverse_metric[i], shell.inverse_metric[j]
+    f = shell.potential if condition.about is None else shell.inverse_metric[condition.about]
+    return f.diff(x, y) - gj.diff(x) / gj * f.diff(y) - gi.diff(y) / gi * f.diff(x)
+
+
+def _residuals(
+    reader: Reader, products: Products, constants: list[sp.Symbol], written_out: Callable[[], sp.Expr]
+) -> Iterator[sp.Expr]:
+    """Coefficients of a sum of products in the constants, simplest first; as written out where that is too much."""
     field = reader.field
     whole_budget = field.budget
     field.budget = whole_budget.part(EXPANSION_SECONDS, EXPANSION_TERMS)
@@ -97,8 +110,7 @@ def _residuals(reader: Reader, products: Products, constants: list[sp.Symbol]) -
     finally:
         field.budget = whole_budget
     if not parts:
-        sums = [[sp.Add(*map(reader.write, elements)) for elements in factors] for factors in products]
-        yield sp.Add(*(sp.Mul(*factors) for factors in sums))
+        yield written_out()
     for part in parts:
         yield readable(reader, part)
 
@@ -143,12 +155,19 @@ def refuse_without_shell(system: System, found: Irreducible, work: Budget) -> Ob
         products = levi_civita.general_condition(reader, h, q, p, i, j)
         if levi_civita.vanishes(reader, products, sieve):
             continue
-        residual, answer = _simplest_nonzero(_residuals(reader, products, constants), region, work)
+        parts = _residuals(reader, products, constants, partial(_general_written_out, H, q, p, i, j))
+        residual, answer = _simplest_nonzero(parts, region, work)
         if isinstance(answer, NonZero):
             return _general_obstruction(system, found, (names[i], names[j]), residual, answer)
         return _general_undecided(system, found, residual, answer, f"it could not be decided: {answer.reason}")
     text = "it holds, so the system may separate after a change of coordinates that decouples T"
     return _general_undecided(system, found, found.residual, Unproved({}, None, text), text)
+
+
+def _general_written_out(H: sp.Expr, q: list[sp.Symbol], p: list[sp.Symbol], i: int, j: int) -> sp.Expr:
+    """L_ij from the expression of H, nothing simplified."""
+    a, b, c, d = H.diff(p[i]), H.diff(p[j]), H.diff(q[i]), H.diff(q[j])
+    return a * b * c.diff(q[j]) + c * d * a.diff(p[j]) - a * d * c.diff(p[j]) - c * b * d.diff(p[i])
 
 
 def _general_undecided(system: System, found: Irreducible, residual: sp.Expr, answer: Unproved, text: str) -> Undecided:

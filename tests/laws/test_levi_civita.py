@@ -6,8 +6,9 @@ import pytest
 import sympy as sp
 
 from hjsolve.algebra.reader import Reader
-from hjsolve.separation import Obstruction, Separation, levi_civita, region_of, separate
+from hjsolve.separation import Obstruction, Separation, levi_civita, refusal, region_of, separate
 from hjsolve.separation.enclosure import enclose
+from tests.random_staeckel import case
 from tests.separation_cases import REFUSED, SEPARABLE
 
 x, y, z = sp.symbols("x y z", positive=True)
@@ -130,3 +131,21 @@ def test_the_enclosure_of_a_residual_is_narrow():
     point = {names[n]: v for n, v in verdict.witness.point.items() if n in names}
     lower, upper = enclose(verdict.residual, point, 160)
     assert 0 <= (upper - lower) / abs(upper) < 1e-40
+
+
+@pytest.mark.parametrize("name", list(REFUSED))
+def test_a_residual_too_large_to_expand_is_written_out_and_still_has_a_witness(name, monkeypatch):
+    monkeypatch.setattr(refusal, "EXPANSION_TERMS", 0)
+    system, pair, part = REFUSED[name]
+    verdict = separate(system)
+    assert isinstance(verdict, Obstruction)
+    assert (verdict.pair, verdict.part) == (pair, part)
+    assert verdict.witness.excludes_zero
+
+
+@pytest.mark.parametrize("n", [2, 3])
+@pytest.mark.parametrize("separable", [True, False])
+def test_random_staeckel_systems_separate_and_their_neighbours_at_1e_9_do_not(n, separable):
+    cases = filter(None, (case(1000 * n + seed, n, separable=separable) for seed in range(8 - 2 * n)))
+    for known in cases:
+        assert isinstance(separate(known.system), Separation if separable else Obstruction), known.seed
