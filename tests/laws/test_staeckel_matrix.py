@@ -8,10 +8,10 @@ from __future__ import annotations
 import pytest
 import sympy as sp
 
-from hjsolve.separation import Separation, region_of, separate
+from hjsolve.separation import Obstruction, Separation, region_of, separate
 from hjsolve.separation.verdicts import Stackel
 from hjsolve.system import System, hamiltonian, kinetic_rest
-from tests.separation_cases import E3, SEPARABLE, SEVERAL
+from tests.separation_cases import E3, SEPARABLE, SEVERAL, SPHERICAL, SPHERICAL_COORDINATES, make
 
 TOLERANCE = sp.Float("1e-40", 50)
 
@@ -150,3 +150,57 @@ def test_ellipsoidal_coordinates_get_the_powers_of_each_coordinate(verdicts):
     u = verdict.system.coordinates[0].symbol
     row = verdict.stackel.matrix.row(0)
     assert [sp.cancel(x / row[1]).subs(sp.Symbol("m", positive=True), -4) for x in row] == [u**2, 1, u]
+
+
+def test_a_potential_with_undetermined_functions_gives_the_matrix_of_problem_5_8():
+    r, theta, phi, m = sp.symbols("r theta phi m")
+    v1, v2, v3 = map(sp.Function, ("v1", "v2", "v3"))
+    V = v1(r) / m + v2(theta) / (m * r**2) + v3(phi) / (m * r**2 * sp.sin(theta) ** 2)
+    system = System(SPHERICAL_COORDINATES, SPHERICAL, V, {"m": 1})
+    form = separate(system).stackel
+    r, theta, phi = (c.symbol for c in system.coordinates)
+    m = sp.Symbol("m", real=True)
+    assert form.matrix == sp.ImmutableMatrix([[m, -1 / r**2, 0], [0, 1, -1 / sp.sin(theta) ** 2], [0, 0, 1]])
+    assert form.column == (v1(r), v2(theta), v3(phi))
+
+
+def test_one_wrong_power_beside_an_undetermined_function_is_refused():
+    r, theta = sp.symbols("r theta")
+    v1, v2 = map(sp.Function, ("v1", "v2"))
+    kinetic = "m/2*(dot(r)**2 + r**2*dot(theta)**2)"
+    verdict = separate(System({"r": "0 < r", "theta": "angle"}, kinetic, v1(r) + v2(theta) / r**3, {"m": 1}))
+    assert isinstance(verdict, Obstruction)
+    assert verdict.residual.has(sp.Derivative)
+
+
+def test_kerr_geodesics_separate_in_boyer_lindquist_coordinates():
+    Σ, Δ = "(r**2 + a**2*cos(theta)**2)", "(r**2 - 2*M*r + a**2)"
+    kinetic = (
+        f"-(1 - 2*M*r/{Σ})/2*dot(t)**2 - 2*M*a*r*sin(theta)**2/{Σ}*dot(t)*dot(phi) + {Σ}/(2*{Δ})*dot(r)**2"
+        f"+ {Σ}/2*dot(theta)**2 + sin(theta)**2/2*(r**2 + a**2 + 2*M*a**2*r*sin(theta)**2/{Σ})*dot(phi)**2"
+    )
+    coordinates = {"t": "line", "r": "0 < r", "theta": "0 < theta < pi", "phi": "angle"}
+    verdict = separate(System(coordinates, kinetic, "0", {"M": 1, "a": "1/2"}, signature="indefinite"))
+    assert isinstance(verdict, Separation)
+    assert verdict.ignorable == ("t", "phi")
+    theta, a = verdict.system.coordinates[2].symbol, sp.Symbol("a", real=True)
+    p_t, p_phi = sp.symbols("p_t p_phi", real=True)
+    carter = p_phi**2 / sp.sin(theta) ** 2 + a**2 * p_t**2 * sp.sin(theta) ** 2
+    assert sp.simplify(2 * verdict.reduced.stackel.column[1] - carter) == 0
+    obeys(verdict.reduced.stackel, verdict.shell.potential, verdict.system)
+
+
+@pytest.mark.parametrize("n", [2, 3, 4])
+def test_jacobi_coordinates_on_the_sphere_separate(n):
+    """Sphero-conical coordinates: g_ii = −¼ Π_{j≠i}(u_i − u_j) / Π_k (u_i − a_k), k = 0 … n."""
+    names, ends = "uvwx"[:n], "abcde"[: n + 1]
+    terms = []
+    for q in names:
+        top = "*".join(f"({q} - {o})" for o in names if o != q)
+        bottom = "*".join(f"({q} - {a})" for a in ends)
+        terms.append(f"-1/8*{top}/({bottom})*dot({q})**2")
+    domains = {q: f"{ends[i]} < {q} < {ends[i + 1]}" for i, q in enumerate(names)}
+    system = make(domains, " ".join(terms), f"k*({' + '.join(names)})", " ".join([*ends, "k"]))
+    verdict = separate(system)
+    assert isinstance(verdict, Separation)
+    obeys(verdict.stackel, verdict.shell.potential, system)
