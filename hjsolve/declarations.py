@@ -12,6 +12,7 @@ import sympy as sp
 
 from hjsolve.domains import Domain, read_domain
 from hjsolve.errors import InvalidSystemError
+from hjsolve.evaluation import CONTEXT, evaluate
 from hjsolve.expressions import number
 from hjsolve.parser import RESERVED
 from hjsolve.tokens import nearest, printable
@@ -92,7 +93,7 @@ def check_value(declared: Parameter) -> None:
     value = declared.value
     if value is None:
         return
-    sign = 0 if value.is_zero else (1 if value.evalf(20) > 0 else -1)
+    sign = 0 if value.is_zero else CONTEXT.sign(evaluate(value, {}))
     allowed = {"positive": (1,), "negative": (-1,), "nonnegative": (0, 1), "nonzero": (-1, 1)}
     if sign not in allowed.get(declared.assume, (-1, 0, 1)):
         raise InvalidSystemError(f"parameter {declared.name} = {value}: it is declared {declared.assume}")

@@ -11,13 +11,13 @@ import sympy as sp
 from hjsolve.declarations import Coordinate, Parameter
 from hjsolve.domains import Domain
 from hjsolve.errors import InvalidSystemError
+from hjsolve.evaluation import CONTEXT, BeyondRangeError, NoValueError, evaluate
 
 _POINTS = 16
 _TRIALS = 6
 _ATTEMPTS = 200
-_DIGITS = 80
-_CANCELLED = sp.Float("1e-70")
-Point = Mapping[sp.Symbol, sp.Expr]
+_CANCELLED = CONTEXT.mpf(10) ** -65
+Point = Mapping[sp.Symbol, mpmath.mpf]
 
 
 def check_mass_matrix(
@@ -38,7 +38,7 @@ def check_mass_matrix(
         return
     faults = []
     for values in _parameter_values(parameters):
-        points = list(_points(coordinates, values))
+        points = _points(coordinates, values)
         if not points:
             continue
         fault = _fault(matrix, coordinates, points) if signature == "definite" else _degeneracy(matrix, points)
@@ -54,36 +54,50 @@ def check_mass_matrix(
 
 
 def _degeneracy(matrix: sp.ImmutableMatrix, points: Sequence[Point]) -> str:
-    if any(_is_regular(matrix, point) for point in points):
-        return ""
+    known = False
+    for point in points:
+        try:
+            entries = _evaluated(matrix, point)
+        except NoValueError:
+            continue
+        known = True
+        if _is_regular(entries):
+            return ""
+    if not known:
+        return f"T is not real {_at(matrix, points[0])}; narrow the domain"
     return "T is degenerate: the determinant of its matrix is zero, so that the momenta do not give the velocities"
 
 
 def _fault(matrix: sp.ImmutableMatrix, coordinates: Sequence[Coordinate], points: Sequence[Point]) -> str:
     """What keeps the matrix from being positive definite at one of the points, or nothing."""
     for point in points:
-        entries = _evaluated(matrix, point)
-        if entries is None:
-            return f"T is not real {_at(point)}; narrow the domain"
+        try:
+            entries = _evaluated(matrix, point)
+        except BeyondRangeError:
+            continue
+        except NoValueError:
+            return f"T is not real {_at(matrix, point)}; narrow the domain"
         for k, pivot in enumerate(_pivots(entries)):
             if pivot <= 0:
                 names = [c.velocity.name for c in coordinates[: k + 1]]
-                minor = entries[: k + 1, : k + 1].det() if pivot else pivot
+                minor = CONTEXT.det(entries[: k + 1, : k + 1]) if pivot else pivot
                 what = f"the leading minor of {', '.join(names)}"
                 if matrix[k, :k].is_zero_matrix:
                     what, minor = f"the coefficient of {names[-1]}**2/2, {matrix[k, k]},", entries[k, k]
+                part = matrix[: k + 1, : k + 1]
+                place = " " + _at(part, point) if part.free_symbols else ""
                 return (
-                    f"T must be positive definite: {what} is {_short(minor)} {_at(point)}; "
+                    f"T must be positive definite: {what} is {_short(minor)}{place}; "
                     'correct T, the values or the domain (signature="indefinite" allows it)'
                 )
     return ""
 
 
-def _pivots(entries: sp.Matrix) -> Iterator[sp.Expr]:
+def _pivots(entries: mpmath.matrix) -> Iterator[mpmath.mpf]:
     """D of M = L D Lᵀ: quotients of successive leading principal minors; exact 0 for what has cancelled."""
     work = entries.copy()
     for k in range(work.rows):
-        pivot = work[k, k] if abs(work[k, k]) > _CANCELLED * abs(entries[k, k]) else sp.S.Zero
+        pivot = work[k, k] if abs(work[k, k]) > _CANCELLED * abs(entries[k, k]) else CONTEXT.zero
         yield pivot
         if pivot == 0:
             return
@@ -93,68 +107,69 @@ def _pivots(entries: sp.Matrix) -> Iterator[sp.Expr]:
                 work[i, j] -= ratio * work[k, j]
 
 
-def _is_regular(matrix: sp.ImmutableMatrix, point: Point) -> bool:
-    entries = _evaluated(matrix, point)
-    if entries is None:
-        return False
-    scale = sp.Mul(*(max(abs(x) for x in entries[i, :]) for i in range(entries.rows)))
-    return bool(abs(entries.det()) > _CANCELLED * scale)
+def _is_regular(entries: mpmath.matrix) -> bool:
+    rows = range(entries.rows)
+    scale = CONTEXT.fprod(max(abs(entries[i, j]) for j in rows) for i in rows)
+    return bool(scale and abs(CONTEXT.det(entries)) > _CANCELLED * scale)
 
 
-def _evaluated(matrix: sp.ImmutableMatrix, point: Point) -> sp.Matrix | None:
-    """The matrix at the point, 80 digits; None where an entry is not a finite real number there."""
-    entries = matrix.applyfunc(lambda entry: entry.evalf(_DIGITS, subs=point)).as_mutable()
-    return entries if all(x.is_number and x.is_real and x.is_finite for x in entries) else None
+def _evaluated(matrix: sp.ImmutableMatrix, point: Point) -> mpmath.matrix:
+    return CONTEXT.matrix([[evaluate(entry, point) for entry in row] for row in matrix.tolist()])
 
 
-def _at(point: Point) -> str:
-    return "at " + ", ".join(f"{symbol.name} = {_short(value)}" for symbol, value in point.items())
+def _at(matrix: sp.ImmutableMatrix, point: Point) -> str:
+    """The place, of the symbols that the matrix depends on."""
+    used = [symbol for symbol in point if symbol in matrix.free_symbols]
+    return "at " + ", ".join(f"{symbol.name} = {_short(point[symbol])}" for symbol in used)
 
 
-def _short(value: sp.Expr) -> str:
-    return mpmath.nstr(mpmath.mpmathify(value.evalf(15)), 4)
+def _short(value: mpmath.mpf) -> str:
+    return str(mpmath.nstr(value, 4)).removesuffix(".0")
 
 
-def _parameter_values(parameters: Sequence[Parameter]) -> Iterator[dict[sp.Symbol, sp.Expr]]:
+def _parameter_values(parameters: Sequence[Parameter]) -> Iterator[Point]:
     """Values of all parameters: the defaults, and for the rest values that agree with what is assumed."""
     source = random.Random(1)  # noqa: S311 - sample points, the same at every run
     free = [p for p in parameters if p.value is None]
     for trial in range(_ATTEMPTS if free else 1):
-        values = {p.symbol: p.value for p in parameters if p.value is not None}
+        values = {p.symbol: evaluate(p.value, {}) for p in parameters if p.value is not None}
         for p in free:
-            size = sp.Rational(source.randint(3, 29), 7)
+            size = CONTEXT.mpf(source.randint(3, 29)) / 7
             either = trial > 0 and p.assume in ("real", "nonzero") and source.random() < 0.5
             values[p.symbol] = -size if p.assume == "negative" or either else size
         yield values
 
 
-def _points(coordinates: Sequence[Coordinate], values: dict[sp.Symbol, sp.Expr]) -> Iterator[Point]:
-    """Points inside the domain, or none where it is empty for these values."""
+def _points(coordinates: Sequence[Coordinate], values: Point) -> list[Point]:
+    """Points inside the domain; none where it is empty for these values."""
     source = random.Random(2)  # noqa: S311 - sample points, the same at every run
-    ranges = [_range(c.domain, values) for c in coordinates]
+    try:
+        ranges = [end_values(c.domain, values) for c in coordinates]
+    except NoValueError:
+        return []
     if any(low is not None and high is not None and low >= high for low, high in ranges):
-        return
-    for _ in range(_POINTS):
-        places = {c.symbol: _place(low, high, source) for c, (low, high) in zip(coordinates, ranges)}
-        yield {**values, **places}
+        return []
+    symbols = [c.symbol for c in coordinates]
+    return [{**values, **dict(zip(symbols, (_place(*ends, source) for ends in ranges)))} for _ in range(_POINTS)]
 
 
-def _range(domain: Domain, values: dict[sp.Symbol, sp.Expr]) -> tuple[sp.Rational | None, sp.Rational | None]:
+def end_values(domain: Domain, values: Point) -> tuple[mpmath.mpf | None, mpmath.mpf | None]:
+    """The ends of the domain, ∓π for an angle, None for an end at infinity.
+
+    Raises:
+        NoValueError: an end is not a finite real number.
+    """
     if domain.kind == "angle":
-        return sp.Rational(-22, 7), sp.Rational(22, 7)
-    low, high = (None if end is None else _rational(end, values) for end in (domain.lower, domain.upper))
-    return low, high
+        return -CONTEXT.pi, +CONTEXT.pi
+    lower, upper = domain.lower, domain.upper
+    return None if lower is None else evaluate(lower, values), None if upper is None else evaluate(upper, values)
 
 
-def _rational(end: sp.Expr, values: dict[sp.Symbol, sp.Expr]) -> sp.Rational:
-    return sp.Rational(end.evalf(30, subs=values))
-
-
-def _place(low: sp.Rational | None, high: sp.Rational | None, source: random.Random) -> sp.Rational:
-    """A point between the ends; beyond one end, or on the line, at distances from 1/50 to 50."""
+def _place(low: mpmath.mpf | None, high: mpmath.mpf | None, source: random.Random) -> mpmath.mpf:
+    """A point between the ends; beyond one end, or on the line, at distances from 1/500 to 50."""
     if low is not None and high is not None:
-        return low + (high - low) * sp.Rational(source.randint(1, 996), 997)
-    distance = sp.Rational(source.randint(2, 499), 97) * sp.Rational(source.choice((1, 1, 1, 10, sp.Rational(1, 10))))
+        return low + (high - low) * source.randint(1, 996) / 997
+    distance = CONTEXT.mpf(source.randint(2, 499)) / 97 * source.choice((1, 1, 1, 10)) / source.choice((1, 1, 1, 10))
     if low is None and high is None:
         return distance * source.choice((-1, 1))
     return low + distance if low is not None else high - distance

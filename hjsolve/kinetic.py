@@ -16,6 +16,7 @@ from hjsolve.errors import InvalidSystemError
 from hjsolve.tokens import printable
 
 _MAX_TERMS = 300
+_MAX_EXPONENT = 12
 
 
 def check_quadratic(kinetic: sp.Expr, velocities: Sequence[sp.Symbol]) -> sp.Expr:
@@ -154,7 +155,7 @@ def reciprocal(expression: sp.Expr) -> sp.Expr:
 
 def tidy(expression: sp.Expr) -> sp.Expr:
     """The shortest of a few equal forms: as it is, factored, and with sin² + cos² = 1 used either way."""
-    if not expression.has(sp.Add) or _terms(expression) > _MAX_TERMS:
+    if not expression.has(sp.Add) or _terms(expression) > _MAX_TERMS or any(map(_is_hard, expression.atoms(sp.Pow))):
         return expression
     if expression.is_Mul and not expression.has(sp.sin, sp.cos):
         return expression
@@ -162,6 +163,11 @@ def tidy(expression: sp.Expr) -> sp.Expr:
     numerator, denominator = together.as_numer_denom()
     candidates = [expression, _shortest(_forms(numerator)) / _shortest(_forms(denominator))]
     return _shortest(candidates)
+
+
+def _is_hard(power: sp.Pow) -> bool:
+    """Whether a power makes factoring slow: a high one, or one that is neither whole nor half."""
+    return not (power.exp.is_Rational and abs(power.exp) <= _MAX_EXPONENT and power.exp.q <= 2)
 
 
 def _terms(expression: sp.Expr) -> int:

@@ -22,9 +22,10 @@ from hjsolve.declarations import (
     read_parameters,
     unknown,
 )
-from hjsolve.definiteness import check_mass_matrix
+from hjsolve.definiteness import check_mass_matrix, end_values
 from hjsolve.domains import Domain
 from hjsolve.errors import InvalidSystemError, MissingValueError
+from hjsolve.evaluation import NoValueError, evaluate
 from hjsolve.expressions import admit, number, parse
 from hjsolve.kinetic import check_quadratic, half_inverse_form, inverse, mass_entries
 
@@ -160,15 +161,20 @@ def _check_values(system: System) -> None:
     """What depends on the parameters' values: that the domains are not empty, and the sign of T."""
     defaults = system.defaults
     for c in system.coordinates:
-        lower, upper = c.domain.lower, c.domain.upper
-        if lower is None or upper is None or not (lower - upper).free_symbols <= defaults.keys():
-            continue
-        if not (upper - lower).xreplace(defaults).evalf(20) > 0:
-            raise InvalidSystemError(
-                f'domain of {c.name}: "{c.domain.written(c.name)}" is empty with the values given; '
-                "the lower end must be below the upper"
-            )
+        ends = [end for end in (c.domain.lower, c.domain.upper) if end is not None]
+        if all(end.free_symbols <= defaults.keys() for end in ends):
+            _check_ends(c, defaults)
     check_mass_matrix(mass_matrix(system), system.coordinates, system.parameters, system.signature)
+
+
+def _check_ends(coordinate: Coordinate, defaults: Mapping[sp.Symbol, sp.Expr]) -> None:
+    written = f'domain of {coordinate.name}: "{coordinate.domain.written(coordinate.name)}"'
+    try:
+        lower, upper = end_values(coordinate.domain, {symbol: evaluate(v, {}) for symbol, v in defaults.items()})
+    except NoValueError:
+        raise InvalidSystemError(f"{written}: an end is not a finite real number with the values given") from None
+    if lower is not None and upper is not None and lower >= upper:
+        raise InvalidSystemError(f"{written} is empty with the values given; the lower end must be below the upper")
 
 
 def with_values(system: System, values: Mapping[str, object]) -> System:
