@@ -36,6 +36,7 @@ if TYPE_CHECKING:
     from hjsolve.separation import separate as separate
     from hjsolve.solution import Solution as Solution
     from hjsolve.solution import solve as solve
+    from hjsolve.scenes import Scene as Scene
     from hjsolve.system import Coordinate as Coordinate
     from hjsolve.system import Domain as Domain
     from hjsolve.system import Parameter as Parameter
@@ -46,7 +47,7 @@ _HOMES = {
     "separate": "separation", "Separation": "separation", "Obstruction": "separation", "Undecided": "separation",
     "solve": "solution", "Solution": "solution",
     "Motion": "motion", "Estimate": "numeric.estimate",
-    "report": "reports",
+    "report": "reports", "Scene": "scenes",
     "CatalogError": "errors", "ExpressionError": "errors", "ForbiddenMotionError": "errors", "HJSolveError": "errors",
     "InternalError": "errors", "InvalidInputError": "errors", "InvalidSystemError": "errors",
     "MissingExtraError": "errors", "MissingValueError": "errors", "NotConvergedError": "errors",

@@ -1,0 +1,6 @@
+"""Scenes: a system with the effects, events, numbers and quantities that one question calls for, and its run."""
+
+from hjsolve.scenes.run import Arc, Run, Trajectory
+from hjsolve.scenes.scene import Scene
+
+__all__ = ["Arc", "Run", "Scene", "Trajectory"]

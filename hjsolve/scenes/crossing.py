@@ -1,0 +1,142 @@
+"""When a coordinate passes a surface, to all digits asked: from t(q) or by walking, then Newton's method."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from typing import Any
+
+import numpy as np
+import sympy as sp
+
+from hjsolve.errors import NotConvergedError, OutsideMotionError
+from hjsolve.expressions import number
+from hjsolve.initial import to_bits
+from hjsolve.motion import Motion
+from hjsolve.numeric.arithmetic import multiprecision
+
+_CHUNK, _LONGEST_WALK = 512, 400
+
+
+def bits_of(digits: int) -> int:
+    """Binary digits for decimal ones, with some to spare."""
+    return int(3.33 * digits) + 32
+
+
+def crossings(motion: Motion, name: str, value: sp.Expr, horizon: sp.Expr | None) -> Iterator[Any]:
+    """Give the times at which a coordinate passes a value after the start, one after the other.
+
+    A passage at the very start does not count: that is where the last event happened. A surface that the motion only
+    touches is passed by no sign change and is left out by a coordinate that has to be walked along.
+
+    Args:
+        motion: at least as many digits as the times shall have.
+        name: of the coordinate. value: the surface, exact; an angle passes it once a turn.
+        horizon: the last time of interest; None for no limit.
+
+    Yields:
+        Times as ``mpf``.
+    """
+    start = to_bits(motion.t0)(bits_of(motion.digits))
+    slack = multiprecision(64).mpf(10) ** (8 - motion.digits) * max(1, abs(start))
+    rough = _known(motion, name, value) if name in motion.located else _walked(motion, name, value, horizon)
+    for guess, error in rough:
+        time = guess if error < slack / 1000 else _sharpened(motion, name, value, guess)
+        if horizon is not None and time > to_bits(horizon)(bits_of(motion.digits)):
+            return
+        if time - start > slack:
+            yield time
+
+
+def _known(motion: Motion, name: str, value: sp.Expr) -> Iterator[tuple[Any, Any]]:
+    """From t(q), passage by passage."""
+    passage = 0
+    while True:
+        try:
+            time = motion.time_at(name, value, passage)
+        except OutsideMotionError:
+            return
+        yield multiprecision(bits_of(motion.digits)).convert(time.value), abs(time.error)
+        passage += 1
+
+
+def _walked(motion: Motion, name: str, value: sp.Expr, horizon: sp.Expr | None) -> Iterator[tuple[Any, Any]]:
+    """From changes of sign along the motion; an ignorable coordinate need not be monotone."""
+    quick = motion.solution.motion(**restart(motion), digits=15, want={"trajectory"})
+    turning = motion.solution.system.coordinate(name).domain.kind == "angle"
+    target, start = float(to_bits(value)(64)), float(to_bits(motion.t0)(64))
+    context = multiprecision(bits_of(motion.digits))
+
+    def level(times: Any) -> Any:
+        off = quick.at(times).unwrapped(name) - target
+        return np.floor(off / (2 * np.pi)) if turning else (off >= 0).astype(float)
+
+    for times in _paces(quick, start, None if horizon is None else float(to_bits(horizon)(64))):
+        levels = level(times)
+        for k in np.nonzero(np.diff(levels))[0]:
+            yield context.convert(float(_halved(level, times[k], times[k + 1], levels[k]))), context.mpf(1)
+        if np.isnan(quick.at(float(times[-1])).q[name]):
+            return
+
+
+def _paces(motion: Motion, start: float, horizon: float | None) -> Iterator[Any]:
+    """Times close enough to see every passage, in pieces that share their ends."""
+    rates = [abs(float(f.value)) for f in motion.frequencies.values()]
+    if rates:
+        step = 0.04 / max(rates)
+        for n in range(_LONGEST_WALK):
+            first = start + n * _CHUNK * step
+            if horizon is not None and first > horizon:
+                return
+            yield first + step * np.arange(_CHUNK + 1)
+    elif horizon is not None:
+        yield start + (horizon - start) * np.arange(4 * _CHUNK + 1) / (4 * _CHUNK)
+        return
+    else:
+        yield start + np.concatenate([[0.0], 1e-3 * 1.02 ** np.arange(3000)])
+    raise NotConvergedError("a surface was not passed in the time searched; give times, to say when the scene ends")
+
+
+def _halved(level: Any, low: float, high: float, before: float) -> float:
+    """Bisect until Newton's method will do."""
+    for _ in range(24):
+        middle = (low + high) / 2
+        low, high = (middle, high) if level(np.array([middle]))[0] == before else (low, middle)
+    return (low + high) / 2
+
+
+def _sharpened(motion: Motion, name: str, value: sp.Expr, time: Any) -> Any:
+    """Newton's method on q(t) = value, q from the motion in all its digits."""
+    bits = bits_of(motion.digits)
+    context = multiprecision(bits)
+    target, turn = to_bits(value)(bits), 2 * context.pi
+    turning = motion.solution.system.coordinate(name).domain.kind == "angle"
+    goal, last = context.mpf(10) ** (5 - motion.digits), context.inf
+    for _ in range(12):
+        state = motion.at(time)
+        off = context.convert(state.q[name]) - target
+        off -= turn * context.nint(off / turn) if turning else 0
+        speed = context.convert(state.velocity[name])
+        if not speed:
+            break
+        step = off / speed
+        time -= step
+        if abs(step) <= goal * max(1, abs(time)) or (abs(step) >= last and abs(step) <= 1000 * goal):
+            return time
+        last = abs(step)
+    raise NotConvergedError(f"{name} touches {float(target):.12g} and does not pass; the event has no definite time")
+
+
+def restart(motion: Motion) -> dict[str, Any]:
+    """The arguments that start the same motion again."""
+    system, values = motion.solution.system, motion.initial.values
+    return {
+        "q": {c.name: values[c.symbol] for c in system.coordinates},
+        "p": {c.name: values[c.momentum] for c in system.coordinates},
+        "parameters": {p.name: values[p.symbol] for p in system.parameters},
+        "t0": motion.t0,
+    }
+
+
+def exact(value: Any) -> sp.Expr:
+    """An ``mpf`` as the rational number it is."""
+    return number(value, source="state")

@@ -1,0 +1,114 @@
+"""Events: what changes the momenta at an instant, exactly.
+
+The coordinates do not change. An impulse adds Δpᵢ = Q̂ᵢ, or Δp = m(q) Δq̇ (Greenwood (3-24)–(3-29)); an elastic wall at a
+coordinate surface exerts an impulse along its own coordinate alone, such that q̇ᵢ is reversed: Δpᵢ = −2 q̇ᵢ/(m⁻¹)ᵢᵢ. It
+keeps the energy: ΔH = q̇ᵢ Δpᵢ + ½ (m⁻¹)ᵢᵢ Δpᵢ² = 0; with an orthogonal T without linear terms it is pᵢ → −pᵢ.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from dataclasses import dataclass
+from typing import Any
+
+import sympy as sp
+
+from hjsolve.errors import CatalogError
+from hjsolve.expressions import number
+from hjsolve.schema import nearest
+from hjsolve.system import System, inverse_mass_matrix, mass_matrix, velocities
+
+Momenta = dict[str, sp.Expr]
+
+
+@dataclass(frozen=True)
+class Event:
+    """Something that happens at an instant.
+
+    Attributes:
+        kind: ``impulse`` or ``wall``.
+        name: for display.
+        time: when, exact; None where it happens at a place.
+        coordinate, value: where; None for a given time.
+        passage: of an impulse at a place, which crossing after the start: 0 is the first.
+        momentum, velocity: the jumps of an impulse, by coordinate, exact.
+    """
+
+    kind: str
+    name: str
+    time: sp.Expr | None = None
+    coordinate: str | None = None
+    value: sp.Expr | None = None
+    passage: int = 0
+    momentum: Mapping[str, sp.Expr] | None = None
+    velocity: Mapping[str, sp.Expr] | None = None
+
+    def __str__(self) -> str:
+        """Say what happens, and where or when."""
+        place = f"t = {self.time}" if self.coordinate is None else f"{self.coordinate} = {self.value}"
+        return f"{self.name} at {place}"
+
+
+def read_event(table: Mapping[str, Any], system: System, where: str) -> Event:
+    """Read one table of ``events``, its shape checked already.
+
+    Args:
+        table: of the scene file.
+        system: of the scene.
+        where: what the table is called in errors.
+
+    Raises:
+        CatalogError: a coordinate that does not exist, or a value outside its domain.
+        ExpressionError: something that is no number.
+    """
+    at, names = table["at"], [c.name for c in system.coordinates]
+    for key, used in (("at.coordinate", [at["coordinate"]] if "coordinate" in at else []),
+                      *((key, list(table.get(key, ()))) for key in ("momentum", "velocity"))):  # fmt: skip
+        for name in used:
+            if name not in names:
+                raise CatalogError(f'{where}.{key}: no coordinate "{name}"{nearest(name, names)}')
+    event = Event(
+        kind=table["kind"], name=table.get("name", table["kind"]),
+        time=number(at["t"], source=f"{where}.at.t") if "t" in at else None,
+        coordinate=at.get("coordinate"), passage=at.get("passage", 0),
+        value=number(at["value"], source=f"{where}.at.value") if "value" in at else None,
+        momentum=_jumps(table, "momentum", where), velocity=_jumps(table, "velocity", where),
+    )  # fmt: skip
+    if event.coordinate is not None and event.value is not None:
+        domain = system.coordinate(event.coordinate).domain
+        for bound, side in ((domain.lower, 1), (domain.upper, -1)):
+            if bound is not None and bound.is_number and (side * (event.value - bound)).is_positive is not True:
+                raise CatalogError(f"{where}.at.value: {event.value} is not inside the domain of {event.coordinate}")
+    return event
+
+
+def _jumps(table: Mapping[str, Any], key: str, where: str) -> dict[str, sp.Expr] | None:
+    if key not in table:
+        return None
+    return {name: number(value, source=f"{where}.{key}.{name}") for name, value in table[key].items()}
+
+
+def changed(event: Event, system: System, values: Mapping[sp.Symbol, sp.Expr]) -> Momenta:
+    """Give the momenta just after an event.
+
+    Args:
+        event: what happens.
+        system: of the scene.
+        values: exact parameters, coordinates and momenta just before, by symbol.
+
+    Returns:
+        Coordinate → momentum, exact numbers.
+    """
+    names = [c.name for c in system.coordinates]
+    before = {c.name: values[c.momentum] for c in system.coordinates}
+    if event.kind == "wall":
+        assert event.coordinate is not None
+        i = names.index(event.coordinate)
+        speed, inertia = velocities(system)[event.coordinate], inverse_mass_matrix(system)[i, i]
+        jump = sp.cancel(-2 * speed / inertia).xreplace(dict(values))
+        return before | {event.coordinate: sp.expand(before[event.coordinate] + jump)}
+    if event.momentum is not None:
+        return {name: sp.expand(p + event.momentum.get(name, 0)) for name, p in before.items()}
+    jumps = sp.Matrix([(event.velocity or {}).get(name, 0) for name in names])
+    change = mass_matrix(system).xreplace(dict(values)) * jumps
+    return {name: sp.expand(before[name] + change[i]) for i, name in enumerate(names)}

@@ -1,0 +1,184 @@
+"""The way round Hamilton–Jacobi, taken only when a scene says so: Hamilton's equations with forces, integrated in time.
+
+    q̇ = ∂H/∂p,   ṗ = −∂H/∂q + Q(q, q̇)          (Greenwood (4-27) with Q′; P4-2)
+
+DOP853 (Hairer, Nørsett & Wanner, *Solving Ordinary Differential Equations I*, §II.10) from scipy. The whole run is made
+twice, the second time with the tolerance a hundred times finer; their difference is the error stated, and the run is
+repeated finer still until it is below what the scene asks. What separation would have kept constant is followed along
+the way: the drift of the former constants is part of the answer.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Mapping
+from dataclasses import dataclass
+from typing import Any
+
+import numpy as np
+import sympy as sp
+
+from hjsolve import catalog
+from hjsolve.effects import with_effects
+from hjsolve.errors import MissingExtraError, NotConvergedError
+from hjsolve.expressions import number
+from hjsolve.initial import parameter_values
+from hjsolve.lowering import lower
+from hjsolve.numeric.arithmetic import Float64
+from hjsolve.numeric.counting import Work
+from hjsolve.numeric.tape import Tape
+from hjsolve.scenes.run import Run, Trajectory, sampled
+from hjsolve.scenes.scene import Scene
+from hjsolve.scenes.steps import Flow, Sampled, follow
+from hjsolve.separation import Separation, separate
+from hjsolve.state import Errors
+from hjsolve.system import System, hamiltonian, momenta, velocities
+
+_FINEST = 2.3e-14
+
+
+@dataclass(frozen=True)
+class _Numbers:
+    """The scene in double precision: parameters by symbol, the state (q, p) at the start, the time."""
+
+    parameters: Mapping[sp.Symbol, sp.Expr]
+    state: Any
+    start: float
+
+
+def integrated(scene: Scene) -> Run:
+    """Integrate a scene.
+
+    Returns:
+        The run: trajectory and drift; no arcs, no quadratures.
+
+    Raises:
+        MissingExtraError: scipy is not installed.
+        NotConvergedError: the digits asked were not reached.
+    """
+    try:
+        import scipy  # noqa: F401 - here to fail early and plainly
+    except ImportError as missing:
+        raise MissingExtraError('method = "integrate" needs scipy: pip install "hjsolve[integrate]"') from missing
+    numbers = _numbers(scene)
+    flow = _flow(scene, numbers)
+    assert scene.times is not None
+    times = np.array([float(t) for t in sampled(scene.times, 15)])
+    best, error = _converged(scene, flow, numbers, times)
+    drift = _drift(scene, numbers, best.states) if "constants" in scene.want else {}
+    trajectory = _trajectory(scene, flow, times, best, error) if "trajectory" in scene.want else None
+    return Run(scene, None, (), trajectory, drift, Work(squares=0, kernels=0, places=flow.calls))
+
+
+def _numbers(scene: Scene) -> _Numbers:
+    assert scene.initial is not None
+    system, start = scene.system, scene.initial
+    values = dict(parameter_values(system, scene.parameters))
+    parameters = dict(values)
+    values |= {c.symbol: number(start.q[c.name], source=f"q[{c.name}]") for c in system.coordinates}
+    if start.p is not None:
+        p = {c.name: number(start.p[c.name], source=f"p[{c.name}]") for c in system.coordinates}
+    else:
+        assert start.velocity is not None
+        speeds = {c.velocity: number(start.velocity[c.name], source=f"velocity[{c.name}]") for c in system.coordinates}
+        p = {name: formula.xreplace({**values, **speeds}) for name, formula in momenta(system).items()}
+    state = [values[c.symbol] for c in system.coordinates] + [p[c.name] for c in system.coordinates]
+    return _Numbers(parameters, np.array([float(sp.N(x, 20)) for x in state]), float(sp.N(start.t, 20)))
+
+
+def _compiled(formulas: list[sp.Expr], scene: Scene, numbers: _Numbers) -> Callable[[Any], Any]:
+    """Formulas of (q, p) as a function of the state: shape (2n,) or (2n, m) in, (number of formulas, …) out."""
+    variables = [c.symbol for c in scene.system.coordinates] + [c.momentum for c in scene.system.coordinates]
+    tape: Tape = lower(formulas, [*variables, *numbers.parameters])
+    fixed = [float(sp.N(value, 20)) for value in numbers.parameters.values()]
+
+    def evaluate(state: Any) -> Any:
+        with np.errstate(all="ignore"):
+            values = tape.run(Float64(), [*state, *fixed])
+        return np.array([np.broadcast_to(v, np.shape(state)[1:]) for v in values])
+
+    return evaluate
+
+
+def _flow(scene: Scene, numbers: _Numbers) -> Flow:
+    system = scene.system
+    H, speeds = hamiltonian(system), velocities(system)
+    known = {c.velocity: speeds[c.name] for c in system.coordinates}
+    slopes = [speeds[c.name] for c in system.coordinates]
+    slopes += [-sp.diff(H, c.symbol) + scene.forces.get(c.name, sp.S.Zero).subs(known) for c in system.coordinates]
+    return Flow(scene.system, _compiled(slopes, scene, numbers), dict(numbers.parameters))
+
+
+def _converged(scene: Scene, flow: Flow, numbers: _Numbers, times: Any) -> tuple[Sampled, Any]:
+    """Run with finer and finer tolerance until two runs agree to the digits asked."""
+    digits = scene.digits
+    tolerance = 10.0 ** -(digits - 1)
+    coarse = follow(flow, scene.events, numbers.start, numbers.state, times, tolerance)
+    while True:
+        tolerance = max(tolerance / 100, _FINEST)
+        fine = follow(flow, scene.events, numbers.start, numbers.state, times, tolerance)
+        error = np.abs(fine.states - coarse.states)
+        scale = np.maximum(np.max(np.abs(fine.states), axis=1), 1e-300)
+        worst = float(np.max(np.max(error, axis=1) / scale))
+        if worst <= 10.0**-digits:
+            return fine, 4 * np.maximum.accumulate(error, axis=1) + 16 * tolerance * scale[:, None]
+        if tolerance <= _FINEST:
+            raise NotConvergedError(
+                f"{scene.source}: the integrator reached {worst:.1e}, not {digits} digits; ask for fewer, or less time"
+            )
+        coarse = fine
+
+
+def former(scene: Scene) -> tuple[Separation | None, tuple[str, ...]]:
+    """The separation whose constants no longer hold, with as many of the scene's effects as keep it separable."""
+    kept: tuple[str, ...] = ()
+    found: Separation | None = None
+    for names in [(), *((name,) for name in scene.effects)]:
+        trial = kept + names
+        if any(scene.table.get("effects", {}).get(name, {}).get("force") for name in trial):
+            continue
+        system = catalog.from_table(with_effects(scene.table, trial, scene.source), source=scene.source)
+        verdict = separate(system)
+        if isinstance(verdict, Separation):
+            found, kept = verdict, trial
+    return found, kept
+
+
+def _drift(scene: Scene, numbers: _Numbers, states: Any) -> dict[str, Any]:
+    """Former constant → its value minus its value at the start; ``E`` is that of the full system."""
+    verdict, _ = former(scene)
+    formulas = {"E": hamiltonian(scene.system)}
+    if verdict is not None:
+        formulas |= {name: c.expression for name, c in verdict.constants.items() if name != str(verdict.shell.energy)}
+    formulas = {name: _same_symbols(formula, scene.system) for name, formula in formulas.items()}
+    evaluate = _compiled(list(formulas.values()), scene, numbers)
+    begin = evaluate(numbers.state[:, None])
+    return dict(zip(formulas, evaluate(states) - begin, strict=True))
+
+
+def _same_symbols(formula: sp.Expr, system: System) -> sp.Expr:
+    """The formula in the symbols of the full system (assumptions of a symbol do not depend on effects)."""
+    known = {s.name: s for s in system.symbols.values()} | {c.momentum.name: c.momentum for c in system.coordinates}
+    return formula.xreplace({s: known[s.name] for s in formula.free_symbols if s.name in known})
+
+
+def _trajectory(scene: Scene, flow: Flow, times: Any, best: Sampled, error: Any) -> Trajectory:
+    names = [c.name for c in scene.system.coordinates]
+    n, turns = len(names), dict[str, Any]()
+    q = {name: best.states[i] for i, name in enumerate(names)}
+    p = {name: best.states[n + i] for i, name in enumerate(names)}
+    for c in scene.system.coordinates:
+        if c.domain.kind == "angle":
+            turns[c.name] = np.ceil((q[c.name] - np.pi) / (2 * np.pi)).astype(int)
+            q[c.name] = q[c.name] - 2 * np.pi * turns[c.name]
+    slopes = flow.slopes(best.states)
+    velocity = {name: slopes[i] for i, name in enumerate(names)}
+
+    def errors() -> Errors:
+        shifted = flow.slopes(best.states + error) - slopes
+        return Errors(
+            {name: error[i] for i, name in enumerate(names)}, {name: error[n + i] for i, name in enumerate(names)},
+            {name: 2 * np.abs(shifted[i]) + 1e-15 * np.abs(velocity[name]) for i, name in enumerate(names)},
+        )  # fmt: skip
+
+    status = np.full(times.shape, "ok")
+    return Trajectory(times, q, p, velocity, turns, status, best.arcs, errors)

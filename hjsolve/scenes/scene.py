@@ -1,0 +1,310 @@
+"""A scene file: one system, the effects switched on, numbers, events, and the quantities wanted.
+
+Loading checks everything that can be checked without computing, and names file and key of every fault. What the scene
+does not call for is not read into the system: an effect that is off leaves no symbol behind.
+"""
+
+from __future__ import annotations
+
+import tomllib
+from collections.abc import Iterator, Mapping
+from dataclasses import dataclass
+from decimal import Decimal
+from pathlib import Path
+from typing import TYPE_CHECKING, Any
+
+import sympy as sp
+
+from hjsolve import catalog
+from hjsolve.effects import forces, with_effects
+from hjsolve.errors import CatalogError, InvalidInputError
+from hjsolve.expressions import number
+from hjsolve.scenes.events import Event, read_event
+from hjsolve.scenes.tables import scene_faults
+from hjsolve.schema import nearest
+from hjsolve.system import System
+
+if TYPE_CHECKING:
+    from hjsolve.scenes.run import Run
+
+INTEGRATED_DIGITS, MOST_INTEGRATED_DIGITS = 10, 12
+_LONGEST_FILE = 1_000_000
+Numbers = Mapping[str, object]
+
+
+@dataclass(frozen=True)
+class Times:
+    """When the state is wanted: listed, or evenly spaced.
+
+    Attributes:
+        listed: exact times; empty where they are evenly spaced.
+        start, stop, count: of the spacing, both ends included.
+    """
+
+    listed: tuple[sp.Expr, ...] = ()
+    start: sp.Expr = sp.S.Zero
+    stop: sp.Expr = sp.S.Zero
+    count: int = 0
+
+    def exact(self) -> list[sp.Expr]:
+        """Every time as an exact number."""
+        if self.listed:
+            return list(self.listed)
+        step = (self.stop - self.start) / (self.count - 1)
+        return [self.start + k * step for k in range(self.count)]
+
+    @property
+    def last(self) -> sp.Expr:
+        """The latest time."""
+        return sp.Max(*self.listed) if self.listed else sp.Max(self.start, self.stop)
+
+    @property
+    def first(self) -> sp.Expr:
+        """The earliest time."""
+        return sp.Min(*self.listed) if self.listed else sp.Min(self.start, self.stop)
+
+
+@dataclass(frozen=True)
+class Start:
+    """Initial data of a scene: exact numbers at the time ``t``; velocities or momenta."""
+
+    q: Numbers
+    velocity: Numbers | None
+    p: Numbers | None
+    t: sp.Expr
+
+
+@dataclass(frozen=True)
+class OrbitAsked:
+    """The orbit equation wanted: ``of`` as a function of ``along``; at ``values``, or at places chosen by the run."""
+
+    of: str
+    along: str
+    values: tuple[object, ...] = ()
+
+
+@dataclass(frozen=True, eq=False)
+class Scene:
+    """What one question calls for; see ``Scene.load``.
+
+    Attributes:
+        source: the file, or ``scene``. title, summary: for display.
+        table: of the system, as in its file. effects: switched on. system: with their terms of T and V.
+        forces: generalized forces of the effects, by coordinate; with any of them only ``integrate`` can run the scene.
+        parameters: values that differ from the defaults. initial: where the motion starts; None if nothing says so.
+        want: the quantities wanted. times: for ``trajectory`` and ``angles``. digits: relative digits of every number.
+        events: impulses and walls, in the file's order. orbit: see ``OrbitAsked``.
+        method: ``quadratures`` (Hamilton-Jacobi) or ``integrate`` (an ODE integrator).
+    """
+
+    source: str
+    title: str
+    summary: str
+    table: Mapping[str, Any]
+    effects: tuple[str, ...]
+    system: System
+    forces: Mapping[str, sp.Expr]
+    parameters: Numbers
+    initial: Start | None
+    want: tuple[str, ...]
+    times: Times | None
+    digits: int
+    events: tuple[Event, ...]
+    orbit: OrbitAsked | None
+    method: str
+
+    @staticmethod
+    def load(scene: str | Path | Mapping[str, Any]) -> Scene:
+        """Read a scene.
+
+        Args:
+            scene: the path of a TOML file, or its table; docs/scenes.md says what it may hold.
+
+        Returns:
+            The scene, checked.
+
+        Raises:
+            CatalogError: one line for every fault: the file, the key, what is wrong and what to write instead.
+
+        Example:
+            >>> scene = Scene.load({"system": "pendulum", "want": ["periods"]})
+            >>> round(scene.run().quantity("periods")["theta"].value, 12)
+            2.367841947576
+        """
+        table, source, folder = _opened(scene)
+        problems = list(scene_faults(table))
+        if problems:
+            raise CatalogError("\n".join(f"{source}: {problem}" for problem in problems))
+        try:
+            return _built(table, source, folder)
+        except InvalidInputError as error:
+            text = " ".join(str(error).split())
+            raise CatalogError(text if text.startswith(source) else f"{source}: {text}") from error
+
+    def run(self) -> Run:
+        """Compute what the scene wants, and nothing else.
+
+        Raises:
+            NotSeparableError: the system does not separate, or a force acts on it, and the method is ``quadratures``;
+                the error carries the verdict.
+            InvalidInputError: initial data that cannot be used.
+            NotConvergedError: a number could not be had to the digits asked.
+        """
+        from hjsolve.scenes.run import run
+
+        return run(self)
+
+
+def _opened(scene: str | Path | Mapping[str, Any]) -> tuple[Mapping[str, Any], str, Path]:
+    if isinstance(scene, Mapping):
+        return scene, "scene", Path()
+    path, source = Path(scene), str(scene)
+    try:
+        data = path.read_bytes()
+        if len(data) > _LONGEST_FILE:
+            raise CatalogError(f"{source}: longer than {_LONGEST_FILE} bytes; a scene is a page")
+        return tomllib.loads(data.decode("utf-8"), parse_float=Decimal), source, path.parent
+    except OSError as error:
+        raise CatalogError(f"{source}: cannot be read ({error.strerror or type(error).__name__})") from error
+    except UnicodeDecodeError as error:
+        raise CatalogError(f"{source}: is not UTF-8 text (byte {error.start})") from error
+    except tomllib.TOMLDecodeError as error:
+        raise CatalogError(f"{source}: is not TOML: {error}") from error
+
+
+def _built(table: Mapping[str, Any], source: str, folder: Path) -> Scene:
+    entry, origin = _entry(table["system"], source, folder)
+    names = tuple(dict.fromkeys(table.get("effects", ())))
+    changed = with_effects(entry, names, f"{source}: effects")
+    system = catalog.from_table(changed, source=origin)
+    forced = forces(entry, names, system, source=source)
+    integrated = table.get("method") == "integrate"
+    usual = ("constants",) if integrated else ("constants", "periods", "actions")
+    wanted = tuple(dict.fromkeys(table.get("want", usual)))
+    result = Scene(
+        source=source, title=table.get("title", changed.get("title", "")), summary=table.get("summary", ""),
+        table=entry, effects=names, system=system, forces=forced, parameters=_parameters(table, entry, source),
+        initial=_initial(table, entry, source), want=wanted, times=_times(table.get("times")),
+        digits=table.get("accuracy", {}).get("digits", INTEGRATED_DIGITS if integrated else 15),
+        events=tuple(read_event(e, system, f"events[{k}]") for k, e in enumerate(table.get("events", ()), start=1)),
+        orbit=_orbit(table), method="integrate" if integrated else "quadratures",
+    )  # fmt: skip
+    problems = list(_disagreements(result))
+    if problems:
+        raise CatalogError("\n".join(f"{source}: {problem}" for problem in problems))
+    return result
+
+
+def _entry(system: str | Mapping[str, Any], source: str, folder: Path) -> tuple[Mapping[str, Any], str]:
+    """The table of the system, from the catalog, a file beside the scene, or the scene itself."""
+    if isinstance(system, Mapping):
+        return system, f"{source}: system"
+    if system.endswith(".toml"):
+        beside = folder / system
+        return catalog.read(beside if beside.exists() or Path(system).is_absolute() else Path(system))
+    return catalog.read(system)
+
+
+def _motion_table(table: Mapping[str, Any], entry: Mapping[str, Any], source: str) -> Mapping[str, Any]:
+    """The motion of the entry that the scene starts from; empty where it has its own or there is none."""
+    if "motion" not in table:
+        return {} if "initial" in table else entry.get("initial", {})
+    if "initial" in table:
+        raise CatalogError(f"{source}: motion: the scene has initial data of its own; give one of the two")
+    known = {"default": entry["initial"]} if "initial" in entry else {}
+    known |= entry.get("motions", {})
+    if table["motion"] not in known:
+        raise CatalogError(f'{source}: motion: no motion "{table["motion"]}"{nearest(table["motion"], known)}')
+    chosen: Mapping[str, Any] = known[table["motion"]]
+    return chosen
+
+
+def _parameters(table: Mapping[str, Any], entry: Mapping[str, Any], source: str) -> dict[str, object]:
+    own = _motion_table(table, entry, source).get("parameters", {})
+    return {**own, **table.get("parameters", {})}
+
+
+def _initial(table: Mapping[str, Any], entry: Mapping[str, Any], source: str) -> Start | None:
+    data = table.get("initial") or _motion_table(table, entry, source)
+    if not data:
+        return None
+    return Start(
+        data["q"], data.get("velocity"), data.get("p"), number(data.get("t", 0), source=f"{source}: initial.t")
+    )
+
+
+def _times(given: Any) -> Times | None:
+    if given is None:
+        return None
+    if isinstance(given, list):
+        return Times(listed=tuple(number(t, source=f"times[{k}]") for k, t in enumerate(given, start=1)))
+    start, stop = (number(given[key], source=f"times.{key}") for key in ("start", "stop"))
+    return Times(start=start, stop=stop, count=given["count"])
+
+
+def _orbit(table: Mapping[str, Any]) -> OrbitAsked | None:
+    if "orbit" not in table:
+        return None
+    asked = table["orbit"]
+    for place, value in enumerate(asked.get("values", ()), start=1):
+        number(value, source=f"orbit.values[{place}]")
+    return OrbitAsked(asked["of"], asked["along"], tuple(asked.get("values", ())))
+
+
+def _disagreements(scene: Scene) -> Iterator[str]:
+    """What the keys say against each other or against the system."""
+    names, known = [c.name for c in scene.system.coordinates], [p.name for p in scene.system.parameters]
+    for name, value in scene.parameters.items():
+        if name not in known:
+            yield f'parameters: no parameter "{name}"{nearest(name, known)}'
+        number(value, source=f"parameters.{name}")
+    if scene.initial is not None:
+        yield from _initial_faults(scene.initial, names)
+    if {"trajectory", "angles"} & set(scene.want) and scene.times is None:
+        yield "times: missing; trajectory and angles are wanted, say when: {start = 0, stop = 10, count = 101}"
+    if any(event.kind == "wall" for event in scene.events) and scene.times is None:
+        yield "times: missing; a wall is met again and again, say until when"
+    if scene.orbit is not None:
+        for word in (scene.orbit.of, scene.orbit.along):
+            if word not in names:
+                yield f'orbit: no coordinate "{word}"{nearest(word, names)}'
+        if "orbit" not in scene.want:
+            yield 'orbit: described but not wanted; add "orbit" to want'
+    if scene.method == "integrate":
+        for word in scene.want:
+            if word not in ("trajectory", "constants"):
+                yield f'want: "{word}" needs quadratures; an integrated scene has trajectory and constants (drift)'
+        if scene.digits > MOST_INTEGRATED_DIGITS:
+            most = MOST_INTEGRATED_DIGITS
+            yield f"accuracy.digits: an integrator in doubles reaches {most} at best, not {scene.digits}; ask for less"
+        if scene.times is None:
+            yield "times: missing; say from when to when the scene is integrated"
+    yield from _time_order(scene)
+
+
+def _initial_faults(initial: Start, names: list[str]) -> Iterator[str]:
+    if (initial.velocity is None) == (initial.p is None):
+        yield "initial: give velocity or p, one of the two"
+    for key, given in (("q", initial.q), ("velocity", initial.velocity), ("p", initial.p)):
+        if given is None:
+            continue
+        for name in given:
+            if name not in names:
+                yield f'initial.{key}: no coordinate "{name}"{nearest(name, names)}'
+        yield from (f"initial.{key}.{name}: missing; every coordinate needs one" for name in names if name not in given)
+        for name, value in given.items():
+            number(value, source=f"initial.{key}.{name}")
+
+
+def _time_order(scene: Scene) -> Iterator[str]:
+    t0 = scene.initial.t if scene.initial is not None else sp.S.Zero
+    for place, event in enumerate(scene.events, start=1):
+        if event.time is not None and (event.time - t0).is_negative:
+            yield f"events[{place}].at.t: {event.time} lies before the start at t = {t0}"
+    if scene.times is None:
+        return
+    if scene.times.listed == () and not (scene.times.stop - scene.times.start).is_positive:
+        yield "times: stop must be later than start"
+    early = (scene.times.first - t0).is_negative
+    if early and (scene.events or scene.method == "integrate"):
+        yield f"times: {scene.times.first} lies before the start at t = {t0}; with events the motion runs forward only"

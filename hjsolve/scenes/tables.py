@@ -1,0 +1,124 @@
+"""The shape of a scene file: which keys there are, and one line for every fault. Data; it knows no mechanics."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator, Mapping
+from typing import Any
+
+from hjsolve import schema
+from hjsolve.schema import Key
+
+METHODS = ("quadratures", "integrate")
+WANTED = (
+    "constants", "kinds", "turning_points", "actions", "periods", "frequencies", "angles", "boundary_times", "orbit",
+    "trajectory",
+)  # fmt: skip
+_TEXT, _NUMBERS = Key("text"), Key("numbers")
+_EVENT = {
+    "kind": Key("text", True, choices=("impulse", "wall")), "at": Key("table", True, keys={
+        "t": Key("number"), "coordinate": _TEXT, "value": Key("number"), "passage": Key("number")}),
+    "momentum": _NUMBERS, "velocity": _NUMBERS, "restitution": Key("number"), "surface": _TEXT, "name": _TEXT,
+}  # fmt: skip
+_TIMES = {"start": Key("number", True), "stop": Key("number", True), "count": Key("number", True)}
+SCENE = {
+    "title": _TEXT, "summary": _TEXT, "effects": Key("texts"), "parameters": _NUMBERS, "motion": _TEXT,
+    "initial": Key("table", keys={"q": Key("numbers", True), "velocity": _NUMBERS, "p": _NUMBERS, "t": Key("number")}),
+    "want": Key("texts"), "method": Key("text", choices=METHODS),
+    "accuracy": Key("table", keys={"digits": Key("number", True)}),
+    "orbit": Key("table", keys={"of": Key("text", True), "along": Key("text", True)}),
+    "events": Key("tables", keys=_EVENT),
+}  # fmt: skip
+"""The keys of a scene, but for ``system``, ``times`` and ``orbit.values``, which may be of several types."""
+LONGEST = 10_000_000
+
+
+def scene_faults(table: Mapping[str, Any]) -> Iterator[str]:
+    """Every way in which a scene does not have the shape it must have, one line each."""
+    plain = {key: value for key, value in table.items() if key not in ("system", "times")}
+    keys = {**SCENE, "system": _TEXT, "times": _TEXT}
+    if isinstance(orbit := plain.get("orbit"), Mapping) and "values" in orbit:
+        plain["orbit"] = {key: value for key, value in orbit.items() if key != "values"}
+        yield from _list_faults(orbit["values"], "orbit.values")
+    yield from schema.faults(plain, keys)
+    yield from _system_faults(table)
+    if "times" in table:
+        yield from _time_faults(table["times"])
+    if isinstance(want := table.get("want"), list):
+        for word in want:
+            if isinstance(word, str) and word not in WANTED:
+                yield f'want: "{word}" is not known{schema.nearest(word, WANTED)}'
+    digits = table["accuracy"].get("digits") if isinstance(table.get("accuracy"), Mapping) else None
+    if digits is not None and (not isinstance(digits, int) or isinstance(digits, bool) or not 1 <= digits <= 500):
+        yield f"accuracy.digits: must be a whole number from 1 to 500, not {digits}"
+    if isinstance(events := table.get("events"), list):
+        for place, event in enumerate(events, start=1):
+            if isinstance(event, Mapping):
+                yield from _event_faults(event, f"events[{place}]")
+
+
+def _system_faults(table: Mapping[str, Any]) -> Iterator[str]:
+    system = table.get("system")
+    if system is None:
+        yield 'system: missing; write a catalog id, the path of a .toml file, or a table [system]'
+    elif isinstance(system, Mapping):
+        effects = Key("named", keys=schema.ENTRY["effects"].keys)
+        keys = {**schema.SYSTEM, "effects": effects}
+        yield from schema.faults(system, keys, "system")
+    elif not isinstance(system, str):
+        yield f"system: must be a catalog id, the path of a .toml file, or a table, not {system!r:.40}"
+
+
+def _time_faults(times: Any) -> Iterator[str]:
+    if isinstance(times, list):
+        yield from _list_faults(times, "times")
+    elif isinstance(times, Mapping):
+        yield from schema.faults(times, _TIMES, "times")
+        count = times.get("count")
+        if count is not None and (not isinstance(count, int) or isinstance(count, bool) or not 2 <= count <= LONGEST):
+            yield f"times.count: must be a whole number from 2 to {LONGEST}, not {count}"
+    else:
+        yield "times: must be a list of times, or {start = …, stop = …, count = …}"
+
+
+def _list_faults(values: Any, where: str) -> Iterator[str]:
+    if not isinstance(values, list) or not values:
+        yield f"{where}: must be a list of numbers, and not empty"
+        return
+    for place, value in enumerate(values, start=1):
+        if isinstance(value, (bool, list, dict)):
+            yield f'{where}[{place}]: must be a number, best as a text such as "1.2", not {value!r:.40}'
+
+
+def _event_faults(event: Mapping[str, Any], where: str) -> Iterator[str]:
+    at = event.get("at")
+    if isinstance(at, Mapping):
+        if ("t" in at) == ("coordinate" in at):
+            yield f"{where}.at: give a time t, or a coordinate with its value"
+        elif ("coordinate" in at) != ("value" in at):
+            yield f"{where}.at: coordinate and value belong together"
+        passage = at.get("passage")
+        if passage is not None and (not isinstance(passage, int) or isinstance(passage, bool) or passage < 0):
+            yield f"{where}.at.passage: must be 0 for the first passage after the start, 1 for the next, not {passage}"
+    if event.get("kind") == "impulse":
+        if ("momentum" in event) == ("velocity" in event):
+            yield f"{where}: an impulse gives momentum or velocity, the jump of one of the two"
+        yield from (f"{where}.{key}: belongs to a wall" for key in ("restitution", "surface") if key in event)
+    elif event.get("kind") == "wall":
+        yield from _wall_faults(event, where)
+
+
+def _wall_faults(event: Mapping[str, Any], where: str) -> Iterator[str]:
+    at = event.get("at")
+    if isinstance(at, Mapping) and ("t" in at or "passage" in at):
+        yield f"{where}.at: a wall stands at a coordinate and its value, at all times"
+    yield from (f"{where}.{key}: belongs to an impulse" for key in ("momentum", "velocity") if key in event)
+    if "surface" in event:
+        yield (
+            f"{where}.surface: only walls at a coordinate surface, coordinate = value, can be treated: an oblique wall "
+            "mixes the separated momenta; choose coordinates in which the wall is such a surface"
+        )
+    if str(event.get("restitution", "1")) not in ("1", "1.0"):
+        yield (
+            f"{where}.restitution: only elastic walls (1) are treated: with less, energy is lost at each impact and "
+            "the constants of the motion are not kept; give an impulse at each passage instead"
+        )
