@@ -57,7 +57,7 @@ def enclose(motion: Motion, digits: int) -> Enclosed:
         raise InvalidInputError(
             f"certified=True encloses librations and rotations; {unfit[0]} is in {motion.kinds[unfit[0]]}"
         )
-    bits, work = int(3.33 * digits) + 12, int(3.33 * digits) + 140
+    bits, work = int(3.33 * digits) + 12, int(3.33 * digits) + 80
     for _ in range(6):
         try:
             with working(work):
@@ -74,8 +74,10 @@ def _enclose(motion: Motion, digits: int, bits: int, work: int) -> Enclosed:
     integrands = {name: _integrand(motion, name, inputs, work) for name in names}
     constants = dict(zip(motion.initial.constants, inputs, strict=False))
     ends = {n: (f.lower, f.upper) for n, f in integrands.items() if f.lower is not None}
-    growths = {n: [_growth(motion, n, f, j, bits) for j in range(len(f.kernels))] for n, f in integrands.items()}
-    actions, frequencies = _actions(motion, integrands, bits), _frequencies(motion, growths)
+    timed = integrands if "time" in motion.parts else {}
+    growths = {n: [_growth(motion, n, f, j, bits) for j in range(len(f.kernels))] for n, f in timed.items()}
+    actions = _actions(motion, integrands, bits) if "action" in motion.parts else {}
+    frequencies = _frequencies(motion, growths) if growths else {}
 
     def rounded(balls: Mapping[str, Any]) -> dict[str, Estimate]:
         return {key: estimate(value, digits) for key, value in balls.items()}

@@ -158,14 +158,26 @@ class Integrand:
         return self.kernels[j].run(Balls(), [q, *self.inputs])[0]
 
     def _regular(self, q: Any, from_lower: Any, to_upper: Any) -> Any:
-        """R = p²/((q−a)(b−q)): the quotient away from the ends, slopes on a ball that touches one."""
-        if not _touches_zero(from_lower) and not _touches_zero(to_upper):
-            return self.radicand.squared.run(Balls(), [q, *self.inputs])[0] / (from_lower * to_upper)
-        if _touches_zero(from_lower) and _touches_zero(to_upper):
+        """R = p²/((q−a)(b−q)): the quotient away from the ends, on a ball that touches one the slope
+        F[a, q] = F′(a) + ½F″(hull)(q − a), which stays sharp where F′(a) is small (near a separatrix).
+        """
+        at_lower, at_upper = _touches_zero(from_lower), _touches_zero(to_upper)
+        if not at_lower and not at_upper:
+            return self._squared(q) / (from_lower * to_upper)
+        if at_lower and at_upper:
             return q * flint.arb("nan")
-        end, distance = (self.lower, to_upper) if _touches_zero(from_lower) else (self.upper, -from_lower)
-        slope = jet(self.radicand, _hull(q, end), self.inputs).first
-        return slope / distance
+        end, offset, distance = (self.lower, from_lower, to_upper) if at_lower else (self.upper, -to_upper, -from_lower)
+        slope = jet(self.radicand, end, self.inputs).first
+        return (slope + jet(self.radicand, _hull(q, end), self.inputs).second * offset / 2) / distance
+
+    def _squared(self, q: Any) -> Any:
+        """F on a ball: evaluated directly at a point, by a Taylor polynomial about the middle where the ball is wide."""
+        middle = q.mid()
+        offset = q - middle
+        if abs(offset).upper() < flint.arb(2) ** -40 * abs(middle).upper():
+            return self.radicand.squared.run(Balls(), [q, *self.inputs])[0]
+        centre = jet(self.radicand, middle, self.inputs)
+        return centre.value + centre.first * offset + jet(self.radicand, q, self.inputs).second * offset * offset / 2
 
 
 def _touches_zero(x: Any) -> bool:

@@ -219,15 +219,13 @@ def _bracketed(function: Any, x0: Any, x1: Any, bits: int) -> Any:
     left, right = context.convert(x0), context.convert(x1)
     sign = -1 if function(right)[0] < 0 else 1
     x = (left + right) / 2
-    tolerance, last = context.mpf(2) ** (8 - bits), context.inf
+    tolerance, close = context.mpf(2) ** (8 - bits), context.mpf(2) ** (-bits // 3)
     for count in range(4 * bits):
         f, slope = function(x)
         left, right = (x, right) if f * sign < 0 else (left, x)
         step = f / slope if slope else right - left
-        at_noise = abs(last) <= abs(step) <= abs(x) * 2.0**-20
-        if abs(step) <= tolerance * abs(x) or f == 0 or at_noise:
-            return x - step
-        last = step
+        if f == 0 or abs(step) <= close * abs(x):
+            return _polished(function, x, step)
         new = x - step
         if not left < new < right or count % 16 == 15:
             new = (left + right) / 2
@@ -235,6 +233,15 @@ def _bracketed(function: Any, x0: Any, x1: Any, bits: int) -> Any:
             return new
         x = new
     return x
+
+
+def _polished(function: Any, x: Any, step: Any) -> Any:
+    """Two more Newton steps where they converge quadratically; rounding decides the rest."""
+    for _ in range(2):
+        x -= step
+        f, slope = function(x)
+        step = f / slope if slope else 0 * x
+    return x - step
 
 
 def _beyond(ray: Ray, last: float, digits: int) -> End:
