@@ -145,7 +145,7 @@ class Integrand:
     def __call__(self, j: int, χ: Any) -> Any:
         """Return kⱼ (dq/dχ)/p, or p dq/dχ for j = −1."""
         if self.lower is None:
-            root = Balls().unary("sqrt", self.radicand.squared.run(Balls(), [χ, *self.inputs])[0])
+            root = Balls().unary("sqrt", self._squared(χ))
             return root if j < 0 else self._weight(j, χ) / root
         width = self.upper - self.lower
         s, c = (χ / 2).sin_cos()
@@ -158,8 +158,9 @@ class Integrand:
         return self.kernels[j].run(Balls(), [q, *self.inputs])[0]
 
     def _regular(self, q: Any, from_lower: Any, to_upper: Any) -> Any:
-        """R = p²/((q−a)(b−q)): the quotient away from the ends, on a ball that touches one the slope
-        F[a, q] = F′(a) + ½F″(hull)(q − a), which stays sharp where F′(a) is small (near a separatrix).
+        """R = p²/((q−a)(b−q)): the quotient away from the ends, a slope on a ball that touches one.
+
+        F[a, q] = F′(a) + ½F″(hull)(q − a) stays sharp where F′(a) is small (near a separatrix).
         """
         at_lower, at_upper = _touches_zero(from_lower), _touches_zero(to_upper)
         if not at_lower and not at_upper:
@@ -171,7 +172,7 @@ class Integrand:
         return (slope + jet(self.radicand, _hull(q, end), self.inputs).second * offset / 2) / distance
 
     def _squared(self, q: Any) -> Any:
-        """F on a ball: evaluated directly at a point, by a Taylor polynomial about the middle where the ball is wide."""
+        """F on a ball: directly at a point, by a Taylor polynomial about the middle where the ball is wide."""
         middle = q.mid()
         offset = q - middle
         if abs(offset).upper() < flint.arb(2) ** -40 * abs(middle).upper():
