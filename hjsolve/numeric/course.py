@@ -230,7 +230,7 @@ class Open:
     def edges(self) -> Any:
         """Return the phases at all panel ends, increasing."""
         _, ahead, behind = self._sides(np.zeros(1))
-        return np.concatenate([-behind.edges[:0:-1], ahead.edges])
+        return np.concatenate([-behind.edges[:0:-1], ahead.edges]).astype(float)
 
     def rate_sum(self, weights: tuple[float, ...], χ: Any) -> Any:
         """Return Σ wⱼ dGⱼ/dχ."""
@@ -240,7 +240,8 @@ class Open:
         """Return the least and greatest phase the panels hold; infinite along an asymptote, whose tail is known."""
         _, ahead, behind = self._sides(np.zeros(1))
         ends = [
-            np.inf if b.way.end == "asymptote" else p.edges[-1] for b, p in ((self.behind, behind), (self.ahead, ahead))
+            np.inf if b.way.end == "asymptote" else float(p.edges[-1])
+            for b, p in ((self.behind, behind), (self.ahead, ahead))
         ]
         return -ends[0], ends[1]
 

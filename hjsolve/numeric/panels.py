@@ -19,6 +19,7 @@ from __future__ import annotations
 
 from collections.abc import Callable
 from dataclasses import dataclass
+from functools import cached_property
 from typing import Any
 
 import numpy as np
@@ -111,13 +112,23 @@ class Panels:
     finished: bool
 
     def value(self, function: int, y: Any) -> Any:
-        """Return the integrand at y ≥ 0."""
-        return self._clenshaw(self.coefficients[function], y)
+        """Return the integrand at y ≥ 0; doubles for doubles."""
+        panels = self._for(y)
+        return panels._clenshaw(panels.coefficients[function], y)
 
     def integral(self, function: int, y: Any) -> Any:
         """Return its integral from 0 to y ≥ 0; past the last panel the integrand is continued by its last value."""
-        inside = np.minimum(y, self.edges[-1])
-        return self._clenshaw(self.sums[function], inside) + (y - inside) * self.value(function, inside)
+        panels = self._for(y)
+        inside = np.minimum(y, panels.edges[-1])
+        return panels._clenshaw(panels.sums[function], inside) + (y - inside) * panels.value(function, inside)
+
+    def _for(self, y: Any) -> Panels:
+        return self._rounded if y.dtype == float and self.edges.dtype == object else self
+
+    @cached_property
+    def _rounded(self) -> Panels:
+        parts = (part.astype(float) for part in (self.edges, self.coefficients, self.sums))
+        return Panels(*parts, self.nodes, self.finished)
 
     def _clenshaw(self, table: Any, y: Any) -> Any:
         panel = np.clip(np.searchsorted(self.edges, y, side="right") - 1, 0, len(self.edges) - 2)
