@@ -1,5 +1,20 @@
 """Reports: one document about a system and a motion, written as HTML, Markdown, JSON, text or LaTeX."""
 
-from hjsolve.reports.write import SUFFIXES, report
+from __future__ import annotations
 
-__all__ = ["SUFFIXES", "report"]
+from typing import TYPE_CHECKING, Any
+
+if TYPE_CHECKING:
+    from hjsolve.reports.write import SUFFIXES as SUFFIXES
+    from hjsolve.reports.write import report as report
+
+__all__ = ["SUFFIXES", "report"]  # noqa: F822 - made by __getattr__
+
+
+def __getattr__(name: str) -> Any:
+    """Import the writers when they are first used: the sections of formulas alone need no numpy (PEP 562)."""
+    if name in __all__:
+        from hjsolve.reports import write
+
+        return getattr(write, name)
+    raise AttributeError(f"module 'hjsolve.reports' has no attribute {name!r}")

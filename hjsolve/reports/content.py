@@ -9,7 +9,7 @@ from pathlib import Path
 from typing import Any, TypeAlias
 
 from hjsolve import catalog
-from hjsolve.errors import InvalidInputError
+from hjsolve.errors import InvalidInputError, NotSeparableError
 from hjsolve.motion import Motion
 from hjsolve.reports import numerical, symbolic
 from hjsolve.reports.document import Code, Document, Note, Section, Text
@@ -62,6 +62,8 @@ def gather(subject: Subject, *, initial: Mapping[str, Any] | None = None, motion
     entry = catalog.describe(subject) if isinstance(subject, str | Path) else None
     if isinstance(subject, str | Path):
         assert entry is not None
+        if entry.system is None:
+            raise NotSeparableError(str(entry.refusal), entry.refusal)
         subject = entry.system
     verdict, solution = _decided(subject, clock)
     entry = entry or _entry_of(verdict.system)

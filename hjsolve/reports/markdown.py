@@ -8,6 +8,7 @@ from hjsolve.reports.document import (
     Block, Code, Document, Figure, Figures, Formula, Inline, Mathematics, Note, Number, Paragraph, Section, Step, Steps, Strong, Table, Text,
 )  # fmt: skip
 from hjsolve.reports.latex import latex
+from hjsolve.reports.numbers import raised
 from hjsolve.reports.svg import standalone
 
 _SPECIAL = str.maketrans({letter: f"\\{letter}" for letter in "\\`*_[]<>|$#"})
@@ -94,22 +95,8 @@ def _inline(piece: Inline) -> str:
             return f"**{_plain(text)}**"
         case Number():
             proof = " (certified)" if piece.certified else ""
-            return (f"{digits(piece.value)} ± {digits(piece.error)}" if piece.error else digits(piece.value)) + proof
+            return (f"{raised(piece.value)} ± {raised(piece.error)}" if piece.error else raised(piece.value)) + proof
 
 
 def _plain(text: str) -> str:
     return text.translate(_SPECIAL)
-
-
-def digits(text: str) -> str:
-    """Write a number's exponent with raised figures.
-
-    Args:
-        text: digits with ``e`` before the exponent.
-
-    Returns:
-        Unicode text.
-    """
-    mantissa, _, exponent = text.replace("-", "−").partition("e")
-    raised = exponent.translate(str.maketrans("0123456789−", "⁰¹²³⁴⁵⁶⁷⁸⁹⁻"))
-    return f"{mantissa}×10{raised}" if exponent else mantissa

@@ -96,6 +96,20 @@ def seconds(value: float) -> str:
     return f"{value * 1e3:.0f} ms" if value < 0.9995 else f"{value:.2g} s" if value < 9.95 else f"{value:.0f} s"
 
 
+def raised(text: str) -> str:
+    """Write a number's exponent with raised figures.
+
+    Args:
+        text: digits with ``e`` before the exponent.
+
+    Returns:
+        Unicode text.
+    """
+    mantissa, _, exponent = text.replace("-", "−").partition("e")
+    figures = exponent.translate(str.maketrans("0123456789−", "⁰¹²³⁴⁵⁶⁷⁸⁹⁻"))
+    return f"{mantissa}×10{figures}" if exponent else mantissa
+
+
 def _special(value: Decimal) -> str:
     return "undefined" if value.is_nan() else "∞" if value > 0 else "−∞"
 

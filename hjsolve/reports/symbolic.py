@@ -148,21 +148,22 @@ def reduction_section(verdict: Separation | Obstruction | Undecided) -> Section 
     return Section("reduction", "Reduction to the energy shell", (Paragraph((text,)), steps_block(verdict.shell.steps, verdict.system)))
 
 
-def test_section(verdict: Separation | Obstruction | Undecided) -> Section:
+def test_section(verdict: Separation | Obstruction | Undecided, *, lead: bool = True) -> Section | None:
     """Give the evidence for the verdict.
 
     Args:
         verdict: any verdict.
+        lead: whether the section begins with the answer itself.
 
     Returns:
-        The section.
+        The section; None where there is nothing to say.
     """
     known = verdict.shell.steps if verdict.shell else ()
     rest = [step for step in verdict.evidence if step not in known]
-    blocks: tuple[Block, ...] = (Paragraph(answer(verdict)),)
+    blocks: tuple[Block, ...] = (Paragraph(answer(verdict)),) if lead else ()
     if rest:
         blocks += (steps_block(rest, verdict.system),)
-    return Section("test", "Does it separate?", blocks)
+    return Section("test", "Does it separate?", blocks) if blocks else None
 
 
 def answer(verdict: Separation | Obstruction | Undecided) -> Text:

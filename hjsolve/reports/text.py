@@ -7,7 +7,7 @@ from textwrap import fill
 from hjsolve.reports.document import (
     Block, Code, Document, Figure, Figures, Formula, Inline, Mathematics, Note, Number, Paragraph, Section, Step, Steps, Strong, Table, Text,
 )  # fmt: skip
-from hjsolve.reports.markdown import digits
+from hjsolve.reports.numbers import raised
 from hjsolve.reports.plain import plain
 
 _WIDTH = 96
@@ -118,4 +118,4 @@ def _inline(piece: Inline) -> str:
             return words
         case Number():
             proof = " (certified)" if piece.certified else ""
-            return (f"{digits(piece.value)} ± {digits(piece.error)}" if piece.error else digits(piece.value)) + proof
+            return (f"{raised(piece.value)} ± {raised(piece.error)}" if piece.error else raised(piece.value)) + proof

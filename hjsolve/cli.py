@@ -1,0 +1,217 @@
+"""The command line: arguments in, text out, one exit status. Only argparse is imported before a command is known.
+
+Exit status: 0 an answer · 1 the system does not separate, and the answer is the obstruction · 2 bad input · 3 undecided, or
+a number that did not converge.
+"""
+
+from __future__ import annotations
+
+import argparse
+import os
+import sys
+from collections.abc import Sequence
+from typing import NoReturn
+
+from hjsolve._version import __version__
+from hjsolve.errors import HJSolveError, InternalError, InvalidInputError, MissingExtraError, NotConvergedError, NotSeparableError
+
+ANSWER, REFUSED, BAD_INPUT, UNSETTLED = 0, 1, 2, 3
+INTERRUPTED, BROKEN_PIPE = 130, 141
+_FAULTS = (ArithmeticError, AssertionError, AttributeError, LookupError, MemoryError, NameError, NotImplementedError, RecursionError, TypeError, ValueError)
+
+_ABOUT = """\
+Decide whether a mechanical system separates in its coordinates, solve it by quadratures
+(Hamilton-Jacobi), and give numbers that carry their error."""
+
+_SYSTEMS = """\
+SYSTEM is an entry of the catalog (see `hjsolve catalog`) or the path of a .toml file of the same
+format. Without SYSTEM, write the kinetic and potential energy on the command line. In formulas,
+dot(q) is the velocity of q and ** is a power; the usual functions and pi are known; every other
+name must be a coordinate or a parameter."""
+
+_STATUS = """\
+exit status:
+  0  an answer
+  1  the system does not separate in these coordinates (the answer is the obstruction)
+  2  bad input: one line says what, where, and what to write instead
+  3  undecided, or a number that did not converge"""
+
+_EXAMPLES = {
+    "": """\
+examples:
+  hjsolve check kepler-planar                   does it separate, and why
+  hjsolve solve lagrange-top                    W, momenta, time law, orbit equations
+  hjsolve report kepler-planar -o kepler.html   all of that, a motion with drawings, and numbers
+  hjsolve catalog                               what is in the catalog""",
+    "check": """\
+examples:
+  hjsolve check spherical-pendulum
+  hjsolve check my-system.toml
+  hjsolve check --coordinate "r: 0 < r" --coordinate "theta: angle" \\
+      --kinetic "m/2*(dot(r)**2 + r**2*dot(theta)**2)" --potential "-k/r" --parameter m=1 --parameter k=1""",
+    "solve": """\
+examples:
+  hjsolve solve kepler-spherical
+  hjsolve solve --coordinate "x: line" -T "m/2*dot(x)**2" -V "m*w**2/2*x**2" --parameter m=1 --parameter w=2""",
+    "report": """\
+examples:
+  hjsolve report kepler-planar -o kepler.html
+  hjsolve report kepler-planar -o hyperbola.html --motion hyperbolic
+  hjsolve report pendulum -o swing.md --q theta=3.1 --velocity theta=0 --parameter g=1.62
+  hjsolve report --coordinate "x: line" -T "dot(x)**2/2" -V "x**4/4" --q x=1 --velocity x=0 -o quartic.html""",
+    "catalog": """\
+examples:
+  hjsolve catalog                       list all entries
+  hjsolve catalog show kepler-planar    one entry: T, V, parameters, motions, effects, literature
+  hjsolve catalog check my-system.toml  what is wrong with a file of your own""",
+}
+
+
+class _Parser(argparse.ArgumentParser):
+    """An argument parser whose complaints are one line, as all errors here are."""
+
+    def error(self, message: str) -> NoReturn:
+        raise InvalidInputError(f"{message}; see `{self.prog} --help`")
+
+
+def main(arguments: Sequence[str] | None = None) -> int:
+    """Run a command.
+
+    Args:
+        arguments: what follows ``hjsolve`` on the command line; None for the process's own arguments.
+
+    Returns:
+        The exit status; see the module's text.
+    """
+    for stream in (sys.stdout, sys.stderr):
+        if hasattr(stream, "reconfigure"):
+            stream.reconfigure(errors="backslashreplace")
+    try:
+        options = parser().parse_args(_joined(sys.argv[1:] if arguments is None else arguments))
+        status = _run(options)
+        sys.stdout.flush()
+    except SystemExit as exit_request:  # argparse after --help and --version
+        return exit_request.code if isinstance(exit_request.code, int) else ANSWER
+    except KeyboardInterrupt:
+        return _complain("interrupted; nothing was written", INTERRUPTED)
+    except BrokenPipeError:
+        os.dup2(os.open(os.devnull, os.O_WRONLY), sys.stdout.fileno())
+        return BROKEN_PIPE
+    except (NotSeparableError, NotConvergedError) as error:
+        return _complain(_with_estimate(error), REFUSED if isinstance(error, NotSeparableError) else UNSETTLED)
+    except (InvalidInputError, MissingExtraError) as error:
+        return _complain(str(error), BAD_INPUT)
+    except OSError as error:
+        return _complain(f"{error.filename or 'output'}: {error.strerror or type(error).__name__}", BAD_INPUT)
+    except (HJSolveError, *_FAULTS) as error:
+        return _complain(_fault(error), UNSETTLED)
+    return status
+
+
+_LONG = {"-T": "--kinetic", "-V": "--potential", "-o": "--output"}
+_VALUED = {"--coordinate", "--kinetic", "--potential", "--parameter", "--q", "--velocity", "--momentum", "--output", "--effect", "--motion"}
+
+
+def _joined(arguments: Sequence[str]) -> list[str]:
+    """Join an option and its value, so that a value may begin with a minus sign: ``--potential -k/r``."""
+    result: list[str] = []
+    for argument in arguments:
+        if result and result[-1] in _VALUED:
+            result[-1] += f"={argument}"
+        else:
+            result.append(_LONG.get(argument, argument))
+    return result
+
+
+def _run(options: argparse.Namespace) -> int:
+    from hjsolve import commands
+
+    return int(getattr(commands, options.command.replace("-", "_"))(options))
+
+
+def _complain(message: str, status: int) -> int:
+    print(f"hjsolve: {message}", file=sys.stderr)
+    return status
+
+
+def _with_estimate(error: HJSolveError) -> str:
+    estimate = getattr(error, "estimate", None)
+    return f"{error} (reached: {estimate})" if estimate is not None else str(error)
+
+
+def _fault(error: BaseException) -> str:
+    """A fault of ours: one line, and the place of the fault on request."""
+    if os.environ.get("HJSOLVE_TRACEBACK"):
+        import traceback
+
+        return "".join(traceback.format_exception(error))
+    what = str(error) if isinstance(error, InternalError) else f"{type(error).__name__}: {error}"
+    return f"a fault of hjsolve itself ({' '.join(what.split())[:300]}); please report it with the output of HJSOLVE_TRACEBACK=1 hjsolve …"
+
+
+# ------------------------------------------------------------------------------------------------ the arguments
+def parser() -> argparse.ArgumentParser:
+    """Build the argument parser.
+
+    Returns:
+        The parser, with one sub-parser for each command.
+    """
+    top = _Parser(prog="hjsolve", allow_abbrev=False, description=_ABOUT, epilog=f"{_EXAMPLES['']}\n\n{_STATUS}", formatter_class=argparse.RawDescriptionHelpFormatter)
+    top.add_argument("--version", action="version", version=f"hjsolve {__version__}")
+    commands = top.add_subparsers(dest="command", required=True, metavar="COMMAND", title="commands", parser_class=_Parser)
+    _add_check(commands)
+    _add_solve(commands)
+    _add_report(commands)
+    _add_catalog(commands)
+    return top
+
+
+def _add(commands: argparse._SubParsersAction[argparse.ArgumentParser], name: str, summary: str, about: str) -> argparse.ArgumentParser:
+    return commands.add_parser(
+        name, help=summary, allow_abbrev=False, description=about, epilog=f"{_EXAMPLES[name]}\n\n{_STATUS}", formatter_class=argparse.RawDescriptionHelpFormatter
+    )
+
+
+def _add_check(commands: argparse._SubParsersAction[argparse.ArgumentParser]) -> None:
+    about = f"Decide whether a system separates in its coordinates and print the evidence: the reduction, the\nconditions, Stäckel's and Liouville's form; or the obstruction with a witness.\n\n{_SYSTEMS}"
+    check = _add(commands, "check", "does the system separate? with the evidence", about)
+    _system_arguments(check)
+
+
+def _add_solve(commands: argparse._SubParsersAction[argparse.ArgumentParser]) -> None:
+    about = f"Solve a system by quadratures and print Hamilton's characteristic function W, the momenta, the\ntime law and the orbit equations.\n\n{_SYSTEMS}"
+    solve = _add(commands, "solve", "W, momenta, time law and orbit equations", about)
+    _system_arguments(solve)
+
+
+def _add_report(commands: argparse._SubParsersAction[argparse.ArgumentParser]) -> None:
+    about = ("Write a report: the system, its reduction, the test, W, time law and orbit, and one\nmotion with drawings and numbers. "
+             f"The suffix of the output chooses the format:\n.html .md .json .txt .tex\n\n{_SYSTEMS}")  # fmt: skip
+    report = _add(commands, "report", "all of that in a file, with drawings and numbers", about)
+    _system_arguments(report)
+    report.add_argument("-o", "--output", required=True, metavar="FILE", help="where to write; an existing file is replaced")
+    motion = report.add_argument_group("the motion (a catalog entry brings its own)")
+    motion.add_argument("--motion", default="default", metavar="NAME", help="another motion of the catalog entry")
+    motion.add_argument("--q", action="append", default=[], metavar="NAME=VALUE", help="initial coordinate, e.g. r=1 (repeat)")
+    motion.add_argument("--velocity", action="append", default=[], metavar="NAME=VALUE", help="initial velocity, e.g. theta=1.2 (repeat)")
+    motion.add_argument("--momentum", action="append", default=[], metavar="NAME=VALUE", help="initial momentum, in place of velocities (repeat)")
+    motion.add_argument("--digits", type=int, default=15, metavar="N", help="digits of the numbers (default 15)")
+
+
+def _add_catalog(commands: argparse._SubParsersAction[argparse.ArgumentParser]) -> None:
+    about = "List the catalog of mechanical systems, show one entry, or check a file of your own."
+    catalog = _add(commands, "catalog", "the systems that come with hjsolve", about)
+    catalog.add_argument("action", nargs="?", choices=["list", "show", "check"], default="list", help="what to do (default: list)")
+    catalog.add_argument("entry", nargs="?", metavar="ENTRY", help="an id for show, a .toml file for check")
+
+
+def _system_arguments(command: argparse.ArgumentParser) -> None:
+    command.add_argument("system", nargs="?", metavar="SYSTEM", help="catalog id or .toml file")
+    command.add_argument("--effect", action="append", default=[], metavar="NAME", help="switch on an effect of the entry (repeat)")
+    own = command.add_argument_group("a system of your own")
+    own.add_argument("--coordinate", action="append", default=[], metavar='"NAME: DOMAIN"',
+                     help='e.g. "x: line", "theta: angle", "r: 0 < r", "x: -a < x < a" (repeat)')  # fmt: skip
+    own.add_argument("-T", "--kinetic", metavar="FORMULA", help="kinetic energy, e.g. m/2*dot(x)**2")
+    own.add_argument("-V", "--potential", metavar="FORMULA", help="potential energy (default 0)")
+    command.add_argument("--parameter", action="append", default=[], metavar="NAME[=VALUE]",
+                         help="a parameter of your own system, or another value for one of the entry (repeat)")  # fmt: skip

@@ -1,0 +1,277 @@
+"""What each command does: build the system, ask the library, print or write. Heavy imports wait inside the functions."""
+
+from __future__ import annotations
+
+import re
+from argparse import Namespace
+from pathlib import Path
+from typing import TYPE_CHECKING, Any
+
+from hjsolve.cli import ANSWER, REFUSED, UNSETTLED
+from hjsolve.errors import InvalidInputError, NotSeparableError
+
+if TYPE_CHECKING:
+    from hjsolve.catalog import Entry
+    from hjsolve.reports.document import Section, Text
+    from hjsolve.system import System
+
+_NAME = re.compile(r"\s*(\w+)\s*")
+
+
+def check(options: Namespace) -> int:
+    """Decide and print the evidence.
+
+    Args:
+        options: the parsed arguments.
+
+    Returns:
+        The exit status.
+    """
+    from hjsolve.reports import symbolic
+    from hjsolve.reports.text import wrapped
+    from hjsolve.separation import Separation, separate
+
+    try:
+        system = _system(options)
+    except NotSeparableError as outside:  # a catalog entry that is no T and V: its reason is the answer
+        print(wrapped((str(outside),)))
+        return REFUSED
+    verdict = separate(system)
+    sections: list[Section | None] = [symbolic.reduction_section(verdict), symbolic.test_section(verdict, lead=False)]
+    sections.append(symbolic.forms_section(verdict) if isinstance(verdict, Separation) else symbolic.refusal_section(verdict))
+    _print(system, sections, symbolic.answer(verdict))
+    return _status(verdict)
+
+
+def solve(options: Namespace) -> int:
+    """Solve by quadratures and print the formulas.
+
+    Args:
+        options: the parsed arguments.
+
+    Returns:
+        The exit status.
+    """
+    from hjsolve import solution
+    from hjsolve.reports import symbolic
+    from hjsolve.separation import Separation, separate
+
+    system = _system(options)
+    verdict = separate(system)
+    if isinstance(verdict, Separation):
+        _print(system, [*symbolic.solution_sections(solution.solve(verdict))])
+    else:
+        evidence = [symbolic.test_section(verdict, lead=False), symbolic.refusal_section(verdict)]
+        _print(system, evidence, symbolic.answer(verdict))
+    return _status(verdict)
+
+
+def report(options: Namespace) -> int:
+    """Write a report to a file.
+
+    Args:
+        options: the parsed arguments.
+
+    Returns:
+        The exit status.
+    """
+    from hjsolve.reports.content import gather
+    from hjsolve.reports.write import checked_path, save
+
+    target = checked_path(options.output)
+    initial = _initial(options)
+    subject: Any = options.system
+    if options.coordinate or options.effect or options.system is None:
+        subject = _system(options)
+    if initial is None and options.system is not None:
+        initial = _own_motion(options)
+    material = gather(_located(subject), initial=initial, motion=options.motion, digits=options.digits)
+    print(f"wrote {save(material, target)}")
+    return _status(material.verdict)
+
+
+def catalog(options: Namespace) -> int:
+    """List the catalog, show an entry or check a file.
+
+    Args:
+        options: the parsed arguments.
+
+    Returns:
+        The exit status.
+    """
+    from hjsolve import catalog as entries
+
+    if options.action == "list":
+        if options.entry is not None:
+            raise InvalidInputError(f"catalog list: takes no entry; write `hjsolve catalog show {options.entry}`")
+        _list()
+        return ANSWER
+    if options.entry is None:
+        raise InvalidInputError(f"catalog {options.action}: an entry is needed, e.g. `hjsolve catalog {options.action} kepler-planar`")
+    entry = entries.describe(_located(options.entry))
+    if options.action == "check":
+        print(f"{options.entry}: a correct entry, {len(entry.motions)} motions, {len(entry.effects)} effects, {len(entry.references)} reference values")
+    else:
+        _show(entry)
+    return ANSWER
+
+
+# ------------------------------------------------------------------------------------------------ the system that is meant
+def _system(options: Namespace) -> System:
+    from hjsolve import catalog as entries
+
+    own = bool(options.coordinate or options.kinetic or options.potential)
+    if own and options.system is not None:
+        raise InvalidInputError(f"give the system {options.system} or one of your own with --coordinate and --kinetic, not both")
+    if own:
+        return _own_system(options)
+    if options.system is None:
+        raise InvalidInputError("which system? give a catalog id, a .toml file, or --coordinate and --kinetic (see --help)")
+    return entries.load(_located(options.system), effects=options.effect)
+
+
+def _own_system(options: Namespace) -> System:
+    from hjsolve.system import System
+
+    if not options.coordinate or not options.kinetic:
+        missing = "--coordinate" if not options.coordinate else "--kinetic"
+        raise InvalidInputError(f'a system of your own needs {missing}, e.g. --coordinate "x: line" --kinetic "m/2*dot(x)**2" --parameter m=1')
+    if options.effect:
+        raise InvalidInputError("--effect belongs to a catalog entry; write the term into --kinetic or --potential instead")
+    coordinates: dict[str, str] = {}
+    for text in options.coordinate:
+        name, colon, domain = text.partition(":")
+        if not colon or not name.strip() or not domain.strip():
+            raise InvalidInputError(f'--coordinate "{text}": write a name, a colon and a domain, e.g. "x: line" or "r: 0 < r"')
+        _once(coordinates, name.strip(), "--coordinate")
+        coordinates[name.strip()] = domain.strip()
+    return System(coordinates, options.kinetic, options.potential if options.potential is not None else "0", _parameters(options.parameter))
+
+
+def _parameters(texts: list[str]) -> dict[str, str | None]:
+    found: dict[str, str | None] = {}
+    for text in texts:
+        name, equals, value = text.partition("=")
+        if not _NAME.fullmatch(name) or (equals and not value.strip()):
+            raise InvalidInputError(f'--parameter "{text}": write a name, or a name and a value, e.g. m or m=1')
+        _once(found, name.strip(), "--parameter")
+        found[name.strip()] = value.strip() if equals else None
+    return found
+
+
+def _values(texts: list[str], option: str) -> dict[str, str]:
+    found: dict[str, str] = {}
+    for text in texts:
+        name, equals, value = text.partition("=")
+        if not equals or not _NAME.fullmatch(name) or not value.strip():
+            raise InvalidInputError(f'{option} "{text}": write a name, an equals sign and a value, e.g. {option} r=1')
+        _once(found, name.strip(), option)
+        found[name.strip()] = value.strip()
+    return found
+
+
+def _once(found: dict[str, Any], name: str, option: str) -> None:
+    if name in found:
+        raise InvalidInputError(f'{option}: "{name}" is given twice')
+
+
+def _initial(options: Namespace) -> dict[str, Any] | None:
+    """Initial data from the command line; None where there are none."""
+    if not (options.q or options.velocity or options.momentum):
+        return None
+    if not options.q or bool(options.velocity) == bool(options.momentum):
+        raise InvalidInputError("a motion needs --q and one of --velocity and --momentum, for every coordinate")
+    data: dict[str, Any] = {"q": _values(options.q, "--q")}
+    if options.velocity:
+        data["velocity"] = _values(options.velocity, "--velocity")
+    else:
+        data["p"] = _values(options.momentum, "--momentum")
+    if options.system is not None and options.parameter:
+        data["parameters"] = _given_values(options)
+    return data
+
+
+def _own_motion(options: Namespace) -> dict[str, Any] | None:
+    """The entry's own motion where its parameters or effects are changed; None where it is taken as it is."""
+    if not options.parameter and not options.effect:
+        return None
+    from hjsolve import catalog as entries
+
+    entry = entries.describe(_located(options.system))
+    if options.motion not in entry.motions:
+        raise InvalidInputError(f'motion: {entry.id} has no motion "{options.motion}"; it has {", ".join(entry.motions) or "none"}')
+    data: dict[str, Any] = dict(entry.motions[options.motion].arguments)
+    return {**data, "parameters": {**data.get("parameters", {}), **_given_values(options)}}
+
+
+def _given_values(options: Namespace) -> dict[str, str]:
+    return _values(options.parameter, "--parameter")
+
+
+def _located(target: Any) -> Any:
+    """A path for a file, the text itself for an id; a helpful word for other files."""
+    if not isinstance(target, str) or target.endswith(".toml"):
+        return Path(target) if isinstance(target, str) else target
+    if Path(target).exists() and not re.fullmatch(r"[a-z0-9-]+", target):
+        kind = "a directory" if Path(target).is_dir() else "a file, but its name does not end in .toml"
+        raise InvalidInputError(f"{target}: is {kind}; give a catalog id or a .toml file")
+    return target
+
+
+# ------------------------------------------------------------------------------------------------ printing
+def _status(verdict: Any) -> int:
+    return {"Separation": ANSWER, "Obstruction": REFUSED, "Undecided": UNSETTLED}[type(verdict).__name__]
+
+
+def _print(system: System, sections: list[Section | None], answer: Text = ()) -> None:
+    from hjsolve.reports.boxes import Glyph, row
+    from hjsolve.reports.notation import box
+    from hjsolve.reports.plain import plain
+    from hjsolve.reports.text import section_text, wrapped
+
+    if system.title:
+        print(f"{system.title}  [{system.id}]" if system.id else system.title)
+    equals = Glyph("=", "operator")
+    for letter, energy in (("T", system.kinetic), ("V", system.potential)):
+        print(f"    {plain(row(Glyph(letter), equals, box(energy)))}")
+    if answer:
+        print(f"\n{wrapped(answer)}")
+    for section in sections:
+        if section is not None:
+            print(f"\n{section_text(section)}")
+
+
+def _list() -> None:
+    from hjsolve import catalog as entries
+
+    titles = entries.titles()
+    width = max(map(len, titles))
+    for kind, words in (("separable", "separates"), ("refused", "is refused, with the reason"), ("outside", "is no T and V, and is refused")):
+        print(f"{words}:")
+        for name in entries.ids(kind):
+            print(f"  {name:<{width}}  {titles[name]}")
+    print("\n`hjsolve catalog show NAME` tells more about one of them")
+
+
+def _show(entry: Entry) -> None:
+    from hjsolve.reports.symbolic import system_section
+    from hjsolve.reports.text import section_text, wrapped
+
+    print(f"{entry.title}  [{entry.id}]\n")
+    if entry.system is not None:
+        print(section_text(system_section(entry.system, entry.meanings, entry.summary)))
+    else:
+        print(wrapped((entry.summary,)))
+    for title, items in (("Motions", entry.motions), ("Effects", entry.effects)):
+        if items:
+            print(f"\n{title}\n{'-' * len(title)}\n")
+            print("\n".join(wrapped((f"{name}: {item.summary or 'the default'}",), "  ") for name, item in items.items()))
+    if entry.reason:
+        print("\nWhy it is refused\n-----------------\n")
+        if entry.refusal is not None:
+            print(wrapped((f"{entry.refusal.kind}: {'; '.join(entry.refusal.formulas)}".rstrip(": "),)))
+        print(wrapped((entry.reason,)))
+        print(wrapped((entry.instead,)))
+    if entry.cite:
+        print("\nLiterature\n----------\n")
+        print("\n".join(f"  {source}" for source in entry.cite))
