@@ -216,9 +216,14 @@ def _open(start: Start, forward: int, lower: End, upper: End, digits: int) -> Op
     def branch(origin: End, target: End, side: int) -> Branch:
         assert origin.place is not None
         first = origin.place(bits + 512)
-        length = abs(target.place(bits + 512) - first) if target.place is not None else _length(start, first, bits)
+        turning = origin.kind == "turning"
+        length = (
+            abs(target.place(bits + 512) - first)
+            if target.place is not None
+            else _length(start, first, bits, turning=turning)
+        )
         end = "infinity" if target.kind in {"infinity", "round"} else target.kind
-        way = Way(origin.kind == "turning", end, first, side, length)
+        way = Way(turning, end, first, side, length)
         return Branch(way, start.radicand, start.skipped, digits, bits)
 
     if "turning" in kinds:
@@ -229,14 +234,16 @@ def _open(start: Start, forward: int, lower: End, upper: End, digits: int) -> Op
     return Open(kind, branch(here, ahead, forward), branch(here, behind, -forward), 0 * start.place(bits))  # type: ignore[arg-type]
 
 
-def _length(start: Start, place: Any, bits: int) -> Any:
-    """A length over which p² changes by itself near a place."""
+def _length(start: Start, place: Any, bits: int, *, turning: bool) -> Any:
+    """A length over which p² changes by itself near a place; at a turning point its value there is rounding only."""
     value, slope, bend = start.radicand.jet(place, bits)
+    if turning:
+        value = 0 * value
     if bend and slope and abs(value) < abs(slope * slope / bend):
         return abs(slope / bend)
     if value and slope:
         return abs(value / slope)
-    return abs(place) if place else multiprecision(bits).mpf(1)
+    return max(abs(place), abs(place - start.place(bits))) or multiprecision(bits).mpf(1)
 
 
 def _open_phase(way: Way, start: Start, forward: int, bits: int) -> Any:
