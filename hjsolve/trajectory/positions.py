@@ -140,7 +140,7 @@ def _ignorable(motion: Motion, phases: Phases, name: str, q: Mapping[str, Any]) 
         total = total - (course.integral(j, χ) - course.integral(j, first)[0])
         if isinstance(course, Bounded) and n.any():
             total = total - 2 * np.pi * n * float(course.growth(j))
-    return grown(begin, 0, phases.time, phases.exact, True, total)
+    return grown(begin, 0, phases.time, phases.exact, coordinate.domain.kind == "angle", total)
 
 
 def _rise(series: Series, χ: Any, start: Any) -> Any:
