@@ -128,7 +128,7 @@ def _time(motion: Motion, pending: _Pending, horizon: sp.Expr | None) -> sp.Expr
     assert event.value is not None
     found = islice(crossings(motion, event.coordinate, event.value, horizon), pending.left, None)
     time = next(found, None)
-    return None if time is None else exact(time)
+    return None if time is None else exact(time, motion.digits)
 
 
 def _later(motion: Motion, pending: list[_Pending], happening: list[_Pending], time: sp.Expr) -> list[_Pending]:
@@ -158,8 +158,8 @@ def _after(motion: Motion, leg: Leg, time: sp.Expr, events: tuple[Event, ...]) -
         if c.name in resting:
             q[c.name], values[c.momentum] = given[c.symbol], given[c.momentum]
         else:
-            q[c.name] = exact(state.q[c.name])
-            values[c.momentum] = given[c.momentum] if c.name not in motion.located else exact(state.p[c.name])
+            q[c.name] = exact(state.q[c.name], motion.digits)
+            values[c.momentum] = given[c.momentum] if c.name not in motion.located else exact(state.p[c.name], motion.digits)
         if c.name in surfaces and c.domain.kind != "angle":
             q[c.name] = surfaces[c.name]
         values[c.symbol] = q[c.name]
