@@ -6,6 +6,8 @@ No sentence here says that a system is not integrable: separability belongs to c
 
 from __future__ import annotations
 
+from collections.abc import Sequence
+
 import sympy as sp
 
 from ..system import System, kinetic_rest, linear_terms
@@ -17,10 +19,7 @@ ALWAYS = (
 
 
 def small_oscillations(system: System) -> bool:
-    """Whether T has constant coefficients and V − T₀ is a polynomial of degree two in coordinates that are no angles.
-
-    Hether T has constant coefficients and V − T₀ is a polynomial of degree two in coordinates that are no angles.
-    """
+    """Whether T has constant coefficients and V − T₀ is a quadratic polynomial in coordinates that are no angles."""
     symbols = [c.symbol for c in system.coordinates]
     if system.kinetic.free_symbols & set(symbols) or any(linear_terms(system)):
         return False
@@ -80,6 +79,29 @@ def for_gyroscopic(pair: tuple[str, str]) -> str:
         f"the field makes "
         f"one of them ignorable, e.g. polar angles about the field. {ALWAYS}"
     )
+
+
+def about_blocks(blocks: Sequence[Sequence[str]]) -> str:
+    """What the finest partition into blocks means; nothing when there is one block only."""
+    if len(blocks) < 2:
+        return ""
+    names = "; ".join(", ".join(block) for block in blocks)
+    return (
+        f"The rest does separate: W is a sum of one function for each of the blocks ({names}), so that each block is a "
+        "smaller problem of its own, with the separation constants of the others as parameters."
+    )
+
+
+def about_energy(system: System, energy: sp.Expr) -> str:
+    """What separation at one energy means."""
+    words = (
+        f"The equation separates at the one energy E = {energy}, for the metric is conformally of Staeckel's form: "
+        "there W is found by quadratures, at neighbouring energies it is not (conformal separation; after Jacobi and "
+        "Maupertuis)."
+    )
+    if system.signature == "definite" and not (system.potential - kinetic_rest(system) - energy).free_symbols:
+        words += " With this potential nothing moves at that energy; it matters for Laplace's equation."
+    return words
 
 
 def for_undecided() -> str:

@@ -13,6 +13,7 @@ from ..shell import Irreducible, Shell, Step, reduce
 from ..system import System, kinetic_rest, linear_terms, mass_matrix
 from . import advice, levi_civita, liouville, stackel
 from .constants import constants_of
+from .diagnosis import diagnosed
 from .refusal import Setting, of_shell, refuse_condition, refuse_without_shell, region_of
 from .verdicts import Liouville, Obstruction, Reduced, Separation, Stackel, Undecided, Verdict
 
@@ -98,7 +99,7 @@ def _conditions(setting: Setting, *, hunting: bool) -> tuple[Obstruction | Undec
             continue
         found = refuse_condition(setting, condition)
         if isinstance(found, Obstruction):
-            return found, []
+            return diagnosed(found, setting, conditions, sieve), []
         undecided = undecided or found
     if hunting and undecided is None:
         return None, []

@@ -51,10 +51,10 @@ def construct(
         return matrix if certified(reader, metric, potential, matrix) else None
     for point in base_points(reader, symbols):
         try:
-            raw = _at_base_point(reader, point, metric, potential)
+            raw = at_base_point(reader, point, metric, potential)
         except ZeroDivisionError:
             continue
-        if not _plausible(reader, metric, potential, raw):
+        if not plausible(reader, metric, potential, raw):
             return None
         tidy = sparsest(reader, symbols, raw.rows, raw.column)
         matrix = Matrix(*tidy)
@@ -69,7 +69,7 @@ def certified(reader: Reader, metric: Sequence[Element], potential: Element, mat
     )
 
 
-def _plausible(reader: Reader, metric: Sequence[Element], potential: Element, matrix: Matrix) -> bool:
+def plausible(reader: Reader, metric: Sequence[Element], potential: Element, matrix: Matrix) -> bool:
     """The same identities at random points modulo primes: what fails here is not worth making readable."""
     sieve = Filter(reader.field)
     return all(sieve.vanishes(identity) is not False for identity in _identities(reader, metric, potential, matrix))
@@ -83,8 +83,16 @@ def _identities(reader: Reader, metric: Sequence[Element], potential: Element, m
     yield [*([[metric[i]], [matrix.column[i]]] for i in n), [[-potential]]]
 
 
-def _at_base_point(reader: Reader, point: BasePoint, metric: Sequence[Element], potential: Element) -> Matrix:
+def at_base_point(
+    reader: Reader,
+    point: BasePoint,
+    metric: Sequence[Element],
+    potential: Element,
+    blocks: Sequence[frozenset[int]] | None = None,
+) -> Matrix:
     """Φ and ψ in the constants (E, a₁, …, a_{n−1}); a_n is eliminated by the shell at the base point.
+
+    With ``blocks``, row i is a function of all coordinates of block i, and ``metric`` has one entry per block.
 
     Raises:
         ZeroDivisionError: the metric is singular at the base point or on a line through it.
@@ -95,8 +103,9 @@ def _at_base_point(reader: Reader, point: BasePoint, metric: Sequence[Element], 
     V0 = point.keep(potential, set())
     rows, column = [], []
     for i in range(n):
-        g = [point.keep(x, {i}) for x in metric]
-        V = point.keep(potential, {i})
+        free = {i} if blocks is None else blocks[i]
+        g = [point.keep(x, free) for x in metric]
+        V = point.keep(potential, free)
         if any(x.is_zero for x in (*g, *g0)):
             raise ZeroDivisionError("the metric vanishes on a line through the base point")
         own = g[i] ** -1

@@ -113,6 +113,14 @@ class Obstruction:
         witness: a rational point where it is enclosed away from zero.
         advice: what to try.
         evidence: the argument, step by step.
+        distance: how far from separable: the relative error with which the base-point construction rebuilds the
+            metric (or the potential, where ``part`` says so) at sample points, parameters at their default values; 0
+            would be separable. None where it could not be measured. It decided nothing.
+        blocks: the finest partition of the essential coordinates into blocks that are proved to separate from each
+            other; a single block when there is none, empty when it was not looked for.
+        conformal: whether the shell is proved to separate at one energy, ``conformal_energy``, though not at every
+            energy; None when it was not decided.
+        conformal_energy: that energy, a function of parameters and ignorable momenta.
     """
 
     system: System
@@ -123,6 +131,10 @@ class Obstruction:
     witness: Witness
     advice: str
     evidence: tuple[Step, ...]
+    distance: float | None = None
+    blocks: tuple[tuple[str, ...], ...] = ()
+    conformal: bool | None = None
+    conformal_energy: sp.Expr | None = None
 
 
 @dataclass(frozen=True)
