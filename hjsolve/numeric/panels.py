@@ -102,7 +102,7 @@ class Panels:
         coefficients: of the integrands, shape (functions, panels, degree + 1).
         sums: coefficients of their integrals from y = 0, shape (functions, panels, degree + 2).
         nodes: evaluations used.
-        finished: True when the edges reach the end of a boundary branch.
+        finished: True when the edges reach the end of a boundary branch, or infinity in a finite time.
     """
 
     edges: Any
@@ -167,6 +167,7 @@ def build(
     last = way.last(context)
     y, step = context.mpf(0), context.mpf(1) / 2
     totals: list[Any] | None = None
+    blown = False
     edges, values, sums, nodes = [y], [], [], 0
     while totals is None or not enough(y, totals):
         if last is not None:
@@ -180,6 +181,7 @@ def build(
             continue
         if totals is None:
             totals = [context.mpf(0)] * len(rows)
+        before = totals
         integrated = [_antiderivative(row, step / 2, total) for row, total in zip(rows, totals, strict=True)]
         totals = [context.fsum(row) for row in integrated]
         values.append(rows)
@@ -188,17 +190,26 @@ def build(
         edges.append(y)
         if last is not None and y >= last * (1 - context.mpf(2) ** (8 - bits)):
             break
+        if way.end == "infinity" and _settled(before, totals, digits, context):
+            blown = True
+            break
         if len(values) > _MAX_PANELS:
             raise NotConvergedError(f"more than {_MAX_PANELS} panels on the way to {way.end}")
-        step = 2 * step if way.end != "asymptote" else min(2 * step, context.mpf(2))
+        step = min(2 * step, max(step, 3 * y / 4)) if way.end != "asymptote" else min(2 * step, context.mpf(2))
     kind = float if digits <= 15 else object
     return Panels(
         np.array(edges, dtype=kind),
         np.array(values, dtype=kind).transpose(1, 0, 2),
         np.array(sums, dtype=kind).transpose(1, 0, 2),
         nodes,
-        last is not None and y >= last * (1 - 2.0**-40),
+        blown or (last is not None and y >= last * (1 - 2.0**-40)),
     )
+
+
+def _settled(before: list[Any], after: list[Any], digits: int, context: Any) -> bool:
+    """True when the integrals (the momentum's apart) no longer grow: infinity is reached in a finite time."""
+    tiny = context.mpf(10) ** -(digits + 3)
+    return all(abs(b - a) <= tiny * abs(b) for a, b in zip(before[:-1], after[:-1], strict=True))
 
 
 def _cosine_table(degree: int, bits: int) -> list[list[Any]]:

@@ -109,14 +109,16 @@ def phases(scheme: Plan, time: tuple[Any, Any]) -> tuple[list[Any], list[Any], l
     ended = np.zeros(t.shape, dtype=bool)
     for step in scheme.steps:
         known = [(l, c) for l, c in enumerate(courses) if χ[l] is not None]
-        value, slack = _right_side(step, targets, known, χ, errors, t)
+        full = [None if x is None else x + 2 * np.pi * n for x, n in zip(χ, whole, strict=True)]
+        value, slack = _right_side(step, targets, known, full, errors, t)
         own = step.weights[0] if not known else 0.0
         χ[step.index], whole[step.index], errors[step.index], gone = _solve(
             courses[step.index], step.weights, value, slack, own, time
         )
         ended |= gone
     if scheme.coupled:
-        _march(courses, scheme, targets, t, χ, errors, ended)
+        full = [None if x is None else x + 2 * np.pi * n for x, n in zip(χ, whole, strict=True)]
+        _march(courses, scheme, targets, t, full, χ, errors, ended)
     return χ, whole, errors, ended
 
 
@@ -214,7 +216,14 @@ def _solve_open(course: Open, weights: tuple[float, ...], value: Any, slack: Any
 
 
 def _march(
-    courses: list[Course], scheme: Plan, targets: list[float], t: Any, χ: list[Any], errors: list[Any], ended: Any
+    courses: list[Course],
+    scheme: Plan,
+    targets: list[float],
+    t: Any,
+    known: list[Any],
+    χ: list[Any],
+    errors: list[Any],
+    ended: Any,
 ) -> None:
     """Follow the coupled coordinates from t₀ through the sorted times, Newton's method at every step."""
     block = scheme.coupled
@@ -227,7 +236,7 @@ def _march(
         chosen = np.where(direction * t >= 0)[0] if direction == 1 else np.where(t < 0)[0]
         for m in chosen[np.argsort(direction * t[chosen])]:
             equations = _Equations(
-                courses, scheme, targets, {l: float(χ[l][m]) for l in range(len(courses)) if χ[l] is not None}
+                courses, scheme, targets, {l: float(x[m]) for l, x in enumerate(known) if x is not None}
             )
             state, now = equations.advance(state, now, float(t[m]), limits)
             found[:, m] = state
