@@ -1,7 +1,7 @@
 """The command line: arguments in, text out, one exit status. Only argparse is imported before a command is known.
 
-Exit status: 0 an answer · 1 the system does not separate, and the answer is the obstruction · 2 bad input · 3 undecided, or
-a number that did not converge.
+Exit status: 0 an answer · 1 the system does not separate, and the answer is the obstruction · 2 bad input ·
+3 undecided, or a number that did not converge.
 """
 
 from __future__ import annotations
@@ -10,14 +10,33 @@ import argparse
 import os
 import sys
 from collections.abc import Sequence
-from typing import NoReturn
+from typing import NoReturn, TypeAlias
 
+from hjsolve import commands
 from hjsolve._version import __version__
-from hjsolve.errors import HJSolveError, InternalError, InvalidInputError, MissingExtraError, NotConvergedError, NotSeparableError
+from hjsolve.commands import ANSWER, BAD_INPUT, REFUSED, UNSETTLED
+from hjsolve.errors import (
+    HJSolveError,
+    InternalError,
+    InvalidInputError,
+    MissingExtraError,
+    NotConvergedError,
+    NotSeparableError,
+)
 
-ANSWER, REFUSED, BAD_INPUT, UNSETTLED = 0, 1, 2, 3
 INTERRUPTED, BROKEN_PIPE = 130, 141
-_FAULTS = (ArithmeticError, AssertionError, AttributeError, LookupError, MemoryError, NameError, NotImplementedError, RecursionError, TypeError, ValueError)
+_FAULTS = (
+    ArithmeticError,
+    AssertionError,
+    AttributeError,
+    LookupError,
+    MemoryError,
+    NameError,
+    NotImplementedError,
+    RecursionError,
+    TypeError,
+    ValueError,
+)
 
 _ABOUT = """\
 Decide whether a mechanical system separates in its coordinates, solve it by quadratures
@@ -109,7 +128,18 @@ def main(arguments: Sequence[str] | None = None) -> int:
 
 
 _LONG = {"-T": "--kinetic", "-V": "--potential", "-o": "--output"}
-_VALUED = {"--coordinate", "--kinetic", "--potential", "--parameter", "--q", "--velocity", "--momentum", "--output", "--effect", "--motion"}
+_VALUED = {
+    "--coordinate",
+    "--kinetic",
+    "--potential",
+    "--parameter",
+    "--q",
+    "--velocity",
+    "--momentum",
+    "--output",
+    "--effect",
+    "--motion",
+}
 
 
 def _joined(arguments: Sequence[str]) -> list[str]:
@@ -124,8 +154,6 @@ def _joined(arguments: Sequence[str]) -> list[str]:
 
 
 def _run(options: argparse.Namespace) -> int:
-    from hjsolve import commands
-
     return int(getattr(commands, options.command.replace("-", "_"))(options))
 
 
@@ -146,72 +174,128 @@ def _fault(error: BaseException) -> str:
 
         return "".join(traceback.format_exception(error))
     what = str(error) if isinstance(error, InternalError) else f"{type(error).__name__}: {error}"
-    return f"a fault of hjsolve itself ({' '.join(what.split())[:300]}); please report it with the output of HJSOLVE_TRACEBACK=1 hjsolve …"
+    how = "please report it with the output of HJSOLVE_TRACEBACK=1 hjsolve …"
+    return f"a fault of hjsolve itself ({' '.join(what.split())[:300]}); {how}"
 
 
-# ------------------------------------------------------------------------------------------------ the arguments
+# -------------------------------------------------------------------------------- the arguments
+_Commands: TypeAlias = "argparse._SubParsersAction[_Parser]"
+
+
 def parser() -> argparse.ArgumentParser:
     """Build the argument parser.
 
     Returns:
         The parser, with one sub-parser for each command.
     """
-    top = _Parser(prog="hjsolve", allow_abbrev=False, description=_ABOUT, epilog=f"{_EXAMPLES['']}\n\n{_STATUS}", formatter_class=argparse.RawDescriptionHelpFormatter)
+    top = _Parser(
+        prog="hjsolve",
+        allow_abbrev=False,
+        description=_ABOUT,
+        epilog=f"{_EXAMPLES['']}\n\n{_STATUS}",
+        formatter_class=argparse.RawDescriptionHelpFormatter,
+    )
     top.add_argument("--version", action="version", version=f"hjsolve {__version__}")
-    commands = top.add_subparsers(dest="command", required=True, metavar="COMMAND", title="commands", parser_class=_Parser)
-    _add_check(commands)
-    _add_solve(commands)
-    _add_report(commands)
-    _add_catalog(commands)
+    kinds: _Commands = top.add_subparsers(
+        dest="command", required=True, metavar="COMMAND", title="commands", parser_class=_Parser
+    )
+    _add_check(kinds)
+    _add_solve(kinds)
+    _add_report(kinds)
+    _add_catalog(kinds)
     return top
 
 
-def _add(commands: argparse._SubParsersAction[argparse.ArgumentParser], name: str, summary: str, about: str) -> argparse.ArgumentParser:
-    return commands.add_parser(
-        name, help=summary, allow_abbrev=False, description=about, epilog=f"{_EXAMPLES[name]}\n\n{_STATUS}", formatter_class=argparse.RawDescriptionHelpFormatter
+def _add(kinds: _Commands, name: str, summary: str, about: str) -> argparse.ArgumentParser:
+    return kinds.add_parser(
+        name,
+        help=summary,
+        allow_abbrev=False,
+        description=about,
+        epilog=f"{_EXAMPLES[name]}\n\n{_STATUS}",
+        formatter_class=argparse.RawDescriptionHelpFormatter,
     )
 
 
-def _add_check(commands: argparse._SubParsersAction[argparse.ArgumentParser]) -> None:
-    about = f"Decide whether a system separates in its coordinates and print the evidence: the reduction, the\nconditions, Stäckel's and Liouville's form; or the obstruction with a witness.\n\n{_SYSTEMS}"
-    check = _add(commands, "check", "does the system separate? with the evidence", about)
+def _add_check(kinds: _Commands) -> None:
+    about = (
+        "Decide whether a system separates in its coordinates and print the evidence: the reduction, the\n"
+        f"conditions, Stäckel's and Liouville's form; or the obstruction with a witness.\n\n{_SYSTEMS}"
+    )
+    check = _add(kinds, "check", "does the system separate? with the evidence", about)
     _system_arguments(check)
 
 
-def _add_solve(commands: argparse._SubParsersAction[argparse.ArgumentParser]) -> None:
-    about = f"Solve a system by quadratures and print Hamilton's characteristic function W, the momenta, the\ntime law and the orbit equations.\n\n{_SYSTEMS}"
-    solve = _add(commands, "solve", "W, momenta, time law and orbit equations", about)
+def _add_solve(kinds: _Commands) -> None:
+    about = (
+        "Solve a system by quadratures and print Hamilton's characteristic function W, the momenta, the\n"
+        f"time law and the orbit equations.\n\n{_SYSTEMS}"
+    )
+    solve = _add(kinds, "solve", "W, momenta, time law and orbit equations", about)
     _system_arguments(solve)
 
 
-def _add_report(commands: argparse._SubParsersAction[argparse.ArgumentParser]) -> None:
-    about = ("Write a report: the system, its reduction, the test, W, time law and orbit, and one\nmotion with drawings and numbers. "
-             f"The suffix of the output chooses the format:\n.html .md .json .txt .tex\n\n{_SYSTEMS}")  # fmt: skip
-    report = _add(commands, "report", "all of that in a file, with drawings and numbers", about)
+def _add_report(kinds: _Commands) -> None:
+    about = (
+        "Write a report: the system, its reduction, the test, W, time law and orbit, and one\n"
+        "motion with drawings and numbers. "
+        f"The suffix of the output chooses the format:\n.html .md .json .txt .tex\n\n{_SYSTEMS}"
+    )
+    report = _add(kinds, "report", "all of that in a file, with drawings and numbers", about)
     _system_arguments(report)
-    report.add_argument("-o", "--output", required=True, metavar="FILE", help="where to write; an existing file is replaced")
+    report.add_argument(
+        "-o", "--output", required=True, metavar="FILE", help="where to write; an existing file is replaced"
+    )
     motion = report.add_argument_group("the motion (a catalog entry brings its own)")
     motion.add_argument("--motion", default="default", metavar="NAME", help="another motion of the catalog entry")
-    motion.add_argument("--q", action="append", default=[], metavar="NAME=VALUE", help="initial coordinate, e.g. r=1 (repeat)")
-    motion.add_argument("--velocity", action="append", default=[], metavar="NAME=VALUE", help="initial velocity, e.g. theta=1.2 (repeat)")
-    motion.add_argument("--momentum", action="append", default=[], metavar="NAME=VALUE", help="initial momentum, in place of velocities (repeat)")
+    motion.add_argument(
+        "--q", action="append", default=[], metavar="NAME=VALUE", help="initial coordinate, e.g. r=1 (repeat)"
+    )
+    motion.add_argument(
+        "--velocity",
+        action="append",
+        default=[],
+        metavar="NAME=VALUE",
+        help="initial velocity, e.g. theta=1.2 (repeat)",
+    )
+    motion.add_argument(
+        "--momentum",
+        action="append",
+        default=[],
+        metavar="NAME=VALUE",
+        help="initial momentum, in place of velocities (repeat)",
+    )
     motion.add_argument("--digits", type=int, default=15, metavar="N", help="digits of the numbers (default 15)")
 
 
-def _add_catalog(commands: argparse._SubParsersAction[argparse.ArgumentParser]) -> None:
+def _add_catalog(kinds: _Commands) -> None:
     about = "List the catalog of mechanical systems, show one entry, or check a file of your own."
-    catalog = _add(commands, "catalog", "the systems that come with hjsolve", about)
-    catalog.add_argument("action", nargs="?", choices=["list", "show", "check"], default="list", help="what to do (default: list)")
+    catalog = _add(kinds, "catalog", "the systems that come with hjsolve", about)
+    catalog.add_argument(
+        "action", nargs="?", choices=["list", "show", "check"], default="list", help="what to do (default: list)"
+    )
     catalog.add_argument("entry", nargs="?", metavar="ENTRY", help="an id for show, a .toml file for check")
 
 
 def _system_arguments(command: argparse.ArgumentParser) -> None:
     command.add_argument("system", nargs="?", metavar="SYSTEM", help="catalog id or .toml file")
-    command.add_argument("--effect", action="append", default=[], metavar="NAME", help="switch on an effect of the entry (repeat)")
+    command.add_argument(
+        "--effect", action="append", default=[], metavar="NAME", help="switch on an effect of the entry (repeat)"
+    )
     own = command.add_argument_group("a system of your own")
-    own.add_argument("--coordinate", action="append", default=[], metavar='"NAME: DOMAIN"',
-                     help='e.g. "x: line", "theta: angle", "r: 0 < r", "x: -a < x < a" (repeat)')  # fmt: skip
+    own.add_argument(
+        "--coordinate",
+        action="append",
+        default=[],
+        metavar='"NAME: DOMAIN"',
+        help='e.g. "x: line", "theta: angle", "r: 0 < r", "x: -a < x < a" (repeat)',
+    )
     own.add_argument("-T", "--kinetic", metavar="FORMULA", help="kinetic energy, e.g. m/2*dot(x)**2")
     own.add_argument("-V", "--potential", metavar="FORMULA", help="potential energy (default 0)")
-    command.add_argument("--parameter", action="append", default=[], metavar="NAME[=VALUE]",
-                         help="a parameter of your own system, or another value for one of the entry (repeat)")  # fmt: skip
+    command.add_argument(
+        "--parameter",
+        action="append",
+        default=[],
+        metavar="NAME[=VALUE]",
+        help="a parameter of your own system, or another value for one of the entry (repeat)",
+    )

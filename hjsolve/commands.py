@@ -1,4 +1,4 @@
-"""What each command does: build the system, ask the library, print or write. Heavy imports wait inside the functions."""
+"""What each command does: build the system, ask the library, print or write. Heavy imports wait in the functions."""
 
 from __future__ import annotations
 
@@ -7,13 +7,15 @@ from argparse import Namespace
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
-from hjsolve.cli import ANSWER, REFUSED, UNSETTLED
 from hjsolve.errors import InvalidInputError, NotSeparableError
 
 if TYPE_CHECKING:
     from hjsolve.catalog import Entry
     from hjsolve.reports.document import Section, Text
     from hjsolve.system import System
+
+ANSWER, REFUSED, BAD_INPUT, UNSETTLED = 0, 1, 2, 3
+"""Exit statuses; see ``hjsolve.cli``."""
 
 _NAME = re.compile(r"\s*(\w+)\s*")
 
@@ -27,7 +29,7 @@ def check(options: Namespace) -> int:
     Returns:
         The exit status.
     """
-    from hjsolve.reports import symbolic
+    from hjsolve.reports import quadratures, symbolic
     from hjsolve.reports.text import wrapped
     from hjsolve.separation import Separation, separate
 
@@ -37,8 +39,11 @@ def check(options: Namespace) -> int:
         print(wrapped((str(outside),)))
         return REFUSED
     verdict = separate(system)
-    sections: list[Section | None] = [symbolic.reduction_section(verdict), symbolic.test_section(verdict, lead=False)]
-    sections.append(symbolic.forms_section(verdict) if isinstance(verdict, Separation) else symbolic.refusal_section(verdict))
+    evidence = symbolic.evidence_section(verdict, lead=False)
+    sections: list[Section | None] = [symbolic.reduction_section(verdict), evidence]
+    sections.append(
+        quadratures.forms_section(verdict) if isinstance(verdict, Separation) else symbolic.refusal_section(verdict)
+    )
     _print(system, sections, symbolic.answer(verdict))
     return _status(verdict)
 
@@ -53,15 +58,15 @@ def solve(options: Namespace) -> int:
         The exit status.
     """
     from hjsolve import solution
-    from hjsolve.reports import symbolic
+    from hjsolve.reports import quadratures, symbolic
     from hjsolve.separation import Separation, separate
 
     system = _system(options)
     verdict = separate(system)
     if isinstance(verdict, Separation):
-        _print(system, [*symbolic.solution_sections(solution.solve(verdict))])
+        _print(system, [*quadratures.solution_sections(solution.solve(verdict))])
     else:
-        evidence = [symbolic.test_section(verdict, lead=False), symbolic.refusal_section(verdict)]
+        evidence = [symbolic.evidence_section(verdict, lead=False), symbolic.refusal_section(verdict)]
         _print(system, evidence, symbolic.answer(verdict))
     return _status(verdict)
 
@@ -107,26 +112,35 @@ def catalog(options: Namespace) -> int:
         _list()
         return ANSWER
     if options.entry is None:
-        raise InvalidInputError(f"catalog {options.action}: an entry is needed, e.g. `hjsolve catalog {options.action} kepler-planar`")
+        raise InvalidInputError(
+            f"catalog {options.action}: an entry is needed, e.g. `hjsolve catalog {options.action} kepler-planar`"
+        )
     entry = entries.describe(_located(options.entry))
     if options.action == "check":
-        print(f"{options.entry}: a correct entry, {len(entry.motions)} motions, {len(entry.effects)} effects, {len(entry.references)} reference values")
+        print(
+            f"{options.entry}: a correct entry, {len(entry.motions)} motions, {len(entry.effects)} effects, "
+            f"{len(entry.references)} reference values"
+        )
     else:
         _show(entry)
     return ANSWER
 
 
-# ------------------------------------------------------------------------------------------------ the system that is meant
+# -------------------------------------------------------------------------------- the system that is meant
 def _system(options: Namespace) -> System:
     from hjsolve import catalog as entries
 
     own = bool(options.coordinate or options.kinetic or options.potential)
     if own and options.system is not None:
-        raise InvalidInputError(f"give the system {options.system} or one of your own with --coordinate and --kinetic, not both")
+        raise InvalidInputError(
+            f"give the system {options.system} or one of your own with --coordinate and --kinetic, not both"
+        )
     if own:
         return _own_system(options)
     if options.system is None:
-        raise InvalidInputError("which system? give a catalog id, a .toml file, or --coordinate and --kinetic (see --help)")
+        raise InvalidInputError(
+            "which system? give a catalog id, a .toml file, or --coordinate and --kinetic (see --help)"
+        )
     return entries.load(_located(options.system), effects=options.effect)
 
 
@@ -135,17 +149,29 @@ def _own_system(options: Namespace) -> System:
 
     if not options.coordinate or not options.kinetic:
         missing = "--coordinate" if not options.coordinate else "--kinetic"
-        raise InvalidInputError(f'a system of your own needs {missing}, e.g. --coordinate "x: line" --kinetic "m/2*dot(x)**2" --parameter m=1')
+        raise InvalidInputError(
+            f"a system of your own needs {missing}, "
+            'e.g. --coordinate "x: line" --kinetic "m/2*dot(x)**2" --parameter m=1'
+        )
     if options.effect:
-        raise InvalidInputError("--effect belongs to a catalog entry; write the term into --kinetic or --potential instead")
+        raise InvalidInputError(
+            "--effect belongs to a catalog entry; write the term into --kinetic or --potential instead"
+        )
     coordinates: dict[str, str] = {}
     for text in options.coordinate:
         name, colon, domain = text.partition(":")
         if not colon or not name.strip() or not domain.strip():
-            raise InvalidInputError(f'--coordinate "{text}": write a name, a colon and a domain, e.g. "x: line" or "r: 0 < r"')
+            raise InvalidInputError(
+                f'--coordinate "{text}": write a name, a colon and a domain, e.g. "x: line" or "r: 0 < r"'
+            )
         _once(coordinates, name.strip(), "--coordinate")
         coordinates[name.strip()] = domain.strip()
-    return System(coordinates, options.kinetic, options.potential if options.potential is not None else "0", _parameters(options.parameter))
+    return System(
+        coordinates,
+        options.kinetic,
+        options.potential if options.potential is not None else "0",
+        _parameters(options.parameter),
+    )
 
 
 def _parameters(texts: list[str]) -> dict[str, str | None]:
@@ -199,7 +225,9 @@ def _own_motion(options: Namespace) -> dict[str, Any] | None:
 
     entry = entries.describe(_located(options.system))
     if options.motion not in entry.motions:
-        raise InvalidInputError(f'motion: {entry.id} has no motion "{options.motion}"; it has {", ".join(entry.motions) or "none"}')
+        raise InvalidInputError(
+            f'motion: {entry.id} has no motion "{options.motion}"; it has {", ".join(entry.motions) or "none"}'
+        )
     data: dict[str, Any] = dict(entry.motions[options.motion].arguments)
     return {**data, "parameters": {**data.get("parameters", {}), **_given_values(options)}}
 
@@ -218,7 +246,7 @@ def _located(target: Any) -> Any:
     return target
 
 
-# ------------------------------------------------------------------------------------------------ printing
+# -------------------------------------------------------------------------------- printing
 def _status(verdict: Any) -> int:
     return {"Separation": ANSWER, "Obstruction": REFUSED, "Undecided": UNSETTLED}[type(verdict).__name__]
 
@@ -246,7 +274,11 @@ def _list() -> None:
 
     titles = entries.titles()
     width = max(map(len, titles))
-    for kind, words in (("separable", "separates"), ("refused", "is refused, with the reason"), ("outside", "is no T and V, and is refused")):
+    for kind, words in (
+        ("separable", "separates"),
+        ("refused", "is refused, with the reason"),
+        ("outside", "is no T and V, and is refused"),
+    ):
         print(f"{words}:")
         for name in entries.ids(kind):
             print(f"  {name:<{width}}  {titles[name]}")
@@ -265,7 +297,9 @@ def _show(entry: Entry) -> None:
     for title, items in (("Motions", entry.motions), ("Effects", entry.effects)):
         if items:
             print(f"\n{title}\n{'-' * len(title)}\n")
-            print("\n".join(wrapped((f"{name}: {item.summary or 'the default'}",), "  ") for name, item in items.items()))
+            print(
+                "\n".join(wrapped((f"{name}: {item.summary or 'the default'}",), "  ") for name, item in items.items())
+            )
     if entry.reason:
         print("\nWhy it is refused\n-----------------\n")
         if entry.refusal is not None:

@@ -8,7 +8,7 @@ if TYPE_CHECKING:
     from hjsolve.reports.write import SUFFIXES as SUFFIXES
     from hjsolve.reports.write import report as report
 
-__all__ = ["SUFFIXES", "report"]  # noqa: F822 - made by __getattr__
+__all__ = ["SUFFIXES", "report"]
 
 
 def __getattr__(name: str) -> Any:

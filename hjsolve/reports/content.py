@@ -11,7 +11,7 @@ from typing import Any, TypeAlias
 from hjsolve import catalog
 from hjsolve.errors import InvalidInputError, NotSeparableError
 from hjsolve.motion import Motion
-from hjsolve.reports import numerical, symbolic
+from hjsolve.reports import numerical, quadratures, symbolic
 from hjsolve.reports.document import Code, Document, Note, Section, Text
 from hjsolve.separation import Obstruction, Separation, Undecided, separate
 from hjsolve.solution import Solution, solve
@@ -41,7 +41,9 @@ class Material:
     clock: Mapping[str, float] = field(default_factory=dict)
 
 
-def gather(subject: Subject, *, initial: Mapping[str, Any] | None = None, motion: str = "default", digits: int = 15) -> Material:
+def gather(
+    subject: Subject, *, initial: Mapping[str, Any] | None = None, motion: str = "default", digits: int = 15
+) -> Material:
     """Bring a subject as far as its data allow: decide, solve, start a motion.
 
     Args:
@@ -58,7 +60,9 @@ def gather(subject: Subject, *, initial: Mapping[str, Any] | None = None, motion
     """
     clock: dict[str, float] = {}
     if isinstance(subject, Motion):
-        return Material(subject.solution.separation, subject.solution, subject, _entry_of(subject.solution.system), "", clock)
+        return Material(
+            subject.solution.separation, subject.solution, subject, _entry_of(subject.solution.system), "", clock
+        )
     entry = catalog.describe(subject) if isinstance(subject, str | Path) else None
     if isinstance(subject, str | Path):
         assert entry is not None
@@ -72,7 +76,11 @@ def gather(subject: Subject, *, initial: Mapping[str, Any] | None = None, motion
     if solution is None:
         return Material(verdict, None, None, entry, "", clock)
     data, summary = _initial(entry, initial, motion)
-    started = _timed(clock, "turning points, integrals, time law", lambda: solution.motion(**data, digits=digits)) if data else None
+    started = (
+        _timed(clock, "turning points, integrals, time law", lambda: solution.motion(**data, digits=digits))
+        if data
+        else None
+    )
     return Material(verdict, solution, started, entry, summary, clock)
 
 
@@ -85,7 +93,8 @@ def _decided(subject: Any, clock: dict[str, float]) -> tuple[Any, Solution | Non
         case Solution():
             return subject.separation, subject
     raise InvalidInputError(
-        f"report: a System, a verdict, a Solution, a Motion, a catalog id or a TOML file is needed, not {type(subject).__name__}"
+        "report: a System, a verdict, a Solution, a Motion, a catalog id or a TOML file is needed, "
+        f"not {type(subject).__name__}"
     )
 
 
@@ -97,7 +106,9 @@ def _entry_of(system: System) -> catalog.Entry | None:
     return entry if entry.system == system else None
 
 
-def _initial(entry: catalog.Entry | None, given: Mapping[str, Any] | None, name: str) -> tuple[Mapping[str, Any] | None, str]:
+def _initial(
+    entry: catalog.Entry | None, given: Mapping[str, Any] | None, name: str
+) -> tuple[Mapping[str, Any] | None, str]:
     if given is not None:
         return given, ""
     if entry is None or not entry.motions:
@@ -129,14 +140,15 @@ def document(material: Material) -> Document:
     system, clock = verdict.system, dict(material.clock)
     sections: list[Section | None] = [
         symbolic.system_section(system, entry.meanings if entry else {}, entry.summary if entry else ""),
-        symbolic.reduction_section(verdict), symbolic.test_section(verdict),
-    ]  # fmt: skip
+        symbolic.reduction_section(verdict),
+        symbolic.evidence_section(verdict),
+    ]
     if isinstance(verdict, Separation):
-        sections.append(symbolic.forms_section(verdict))
+        sections.append(quadratures.forms_section(verdict))
     else:
         sections.append(symbolic.refusal_section(verdict))
     if material.solution is not None:
-        sections += symbolic.solution_sections(material.solution)
+        sections += quadratures.solution_sections(material.solution)
     if material.motion is not None:
         motion = material.motion
         sections.append(_timed(clock, "figures", lambda: numerical.motion_section(motion, material.summary)))
@@ -168,7 +180,13 @@ def _lead(material: Material) -> Text:
 
 def _no_numbers(system: System) -> Section:
     q = ", ".join(f'"{c.name}": …' for c in system.coordinates)
-    text: Text = ("No initial data were given, so there are no numbers and no drawings. Start a motion with ",
-                  Code(f"solution.motion(q={{{q}}}, velocity={{{q}}})"), " and report that, or give ", Code("--q"), " and ", Code("--velocity"),
-                  " on the command line.")  # fmt: skip
+    text: Text = (
+        "No initial data were given, so there are no numbers and no drawings. Start a motion with ",
+        Code(f"solution.motion(q={{{q}}}, velocity={{{q}}})"),
+        " and report that, or give ",
+        Code("--q"),
+        " and ",
+        Code("--velocity"),
+        " on the command line.",
+    )
     return Section("numbers", "Numbers", (Note(text),))

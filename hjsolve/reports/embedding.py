@@ -20,7 +20,8 @@ class Embedding:
     """How coordinates become places.
 
     Attributes:
-        shape: ``line`` (one coordinate against time), ``plane``, ``space``, ``sphere`` (directions), or ``coordinates``.
+        shape: ``line`` (one coordinate against time), ``plane``, ``space``, ``sphere`` (directions), or
+            ``coordinates``.
         kind: ``cartesian``, ``polar``, ``spherical``, ``parabolic``, ``colatitude``, ``elevation`` or empty.
         names: the coordinates used, in the order the kind wants.
         axes: names of the axes of the drawing.
@@ -83,7 +84,9 @@ def _sphere(system: System, M: sp.Matrix) -> Embedding | None:
         domain, inertia = polar.domain, M[i, i]
         if domain.kind != "interval" or domain.upper is None or inertia.has(*(c.symbol for c in system.coordinates)):
             continue
-        kind = {(sp.S.Zero, sp.pi): "colatitude", (-sp.pi / 2, sp.pi / 2): "elevation"}.get((domain.lower, domain.upper))
+        kind = {(sp.S.Zero, sp.pi): "colatitude", (-sp.pi / 2, sp.pi / 2): "elevation"}.get(
+            (domain.lower, domain.upper)
+        )
         for j, azimuth in enumerate(system.coordinates):
             if kind is None or azimuth.domain.kind != "angle":
                 continue
@@ -98,7 +101,7 @@ def _sphere(system: System, M: sp.Matrix) -> Embedding | None:
 def _up(system: System, polar: Coordinate) -> int:
     """+1 where the potential says that z points up, −1 where θ is counted from the lowest point."""
     rise = sp.diff(system.potential, polar.symbol).subs({s: v for s, v in system.defaults.items() if v is not None})
-    slope = rise.subs(polar.symbol, (polar.domain.lower + polar.domain.upper) / 2)
+    slope = rise.subs(polar.symbol, 0 if polar.domain.lower != 0 else sp.pi / 2)
     outward = 1 if polar.domain.lower == 0 else -1
     return 1 if slope == 0 else -outward if slope.is_positive else outward
 
@@ -134,7 +137,9 @@ def place(where: Embedding, q: Mapping[str, Any]) -> tuple[Array, ...]:
             return tuple(values)
 
 
-def projected(x: Array, y: Array, z: Array, *, azimuth: float = -0.9, elevation: float = 0.42) -> tuple[Array, Array, Array]:
+def projected(
+    x: Array, y: Array, z: Array, *, azimuth: float = -0.9, elevation: float = 0.42
+) -> tuple[Array, Array, Array]:
     """Look at places in space from a direction, without perspective.
 
     Args:

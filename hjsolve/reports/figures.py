@@ -12,10 +12,13 @@ from hjsolve.reports.wells import Array, Well
 
 _HALF = 181  # places on one branch of a loop
 _KINDS = {
-    "libration": "swings between its turning points", "rotation": "turns on and on", "escape": "runs off to infinity",
-    "equilibrium": "rests at an equilibrium", "asymptotic": "creeps towards an unstable equilibrium",
+    "libration": "swings between its turning points",
+    "rotation": "turns on and on",
+    "escape": "runs off to infinity",
+    "equilibrium": "rests at an equilibrium",
+    "asymptotic": "creeps towards an unstable equilibrium",
     "boundary": "reaches an end of its domain",
-}  # fmt: skip
+}
 
 
 def potential_name(well: Well, *, several: bool, plain: bool = False) -> Box:
@@ -71,14 +74,37 @@ def effective_potential(well: Well, key: str, *, several: bool, plain: bool = Fa
     inside.append(svg.curve(frame, np.array(well.window), np.full(2, well.level), "energy"))
     inside += [svg.curve(frame, np.array(span), np.full(2, well.level), "motion") for span in _spans(well)]
     above = [svg.mark(frame, end, well.level) for end in well.ends if end is not None]
-    above.append(svg.words(frame, well.window[1], well.level, svg.label(level_box(well)), style="name warm", anchor="end", shift=(-3, -6)))
-    below = [svg.axes(frame, svg.label(name_box(well.name)), svg.label(name), angles=(_is_angle(well), False), zero=True)]
+    above.append(
+        svg.words(
+            frame,
+            well.window[1],
+            well.level,
+            svg.label(level_box(well)),
+            style="name warm",
+            anchor="end",
+            shift=(-3, -6),
+        )
+    )
+    below = [
+        svg.axes(frame, svg.label(name_box(well.name)), svg.label(name), angles=(_is_angle(well), False), zero=True)
+    ]
     title = f"Effective potential of {well.name}"
-    description = (f"Effective potential against {well.name}. The motion has {well.level_name or 'level'} = {well.level:.6g} and "
-                   f"{_KINDS[well.kind]}{_between(well)}.")  # fmt: skip
-    caption: Text = ("Potential " if plain else "Effective potential ", Mathematics(name), ". Red: the motion, which ", _KINDS[well.kind], _hill_words(hills), ".")
+    description = (
+        f"Effective potential against {well.name}. The motion has {well.level_name or 'level'} = {well.level:.6g} and "
+        f"{_KINDS[well.kind]}{_between(well)}."
+    )
+    caption: Text = (
+        "Potential " if plain else "Effective potential ",
+        Mathematics(name),
+        ". Red: the motion, which ",
+        _KINDS[well.kind],
+        _hill_words(hills),
+        ".",
+    )
     svg_text = svg.assemble(frame, key, title, description, below, inside, above)
-    return Figure(svg_text, title, description, caption, {well.name: _list(q), "potential": _list(V), "level": [well.level]})
+    return Figure(
+        svg_text, title, description, caption, {well.name: _list(q), "potential": _list(V), "level": [well.level]}
+    )
 
 
 def phase_portrait(well: Well, key: str) -> Figure:
@@ -97,7 +123,11 @@ def phase_portrait(well: Well, key: str) -> Figure:
     edges = [loop for level, _ in hills for loop in _loops(well, level)]
     frame = svg.Frame(well.window, _momentum_range(well, own, others))
     inside = [svg.curve(frame, *loop, "level") for loop in others] + [svg.curve(frame, *loop, "edge") for loop in edges]
-    inside += [svg.area(frame, q[: len(q) // 2], p[len(q) // 2 :][::-1], p[: len(q) // 2]) for q, p in own if well.kind == "libration"]
+    inside += [
+        svg.area(frame, q[: len(q) // 2], p[len(q) // 2 :][::-1], p[: len(q) // 2])
+        for q, p in own
+        if well.kind == "libration"
+    ]
     inside += [svg.curve(frame, *loop, "motion") for loop in own]
     above = []
     if well.kind == "equilibrium":
@@ -105,15 +135,29 @@ def phase_portrait(well: Well, key: str) -> Figure:
     name, momentum = name_box(well.name), name_box(f"p_{well.name}")
     below = [svg.axes(frame, svg.label(name), svg.label(momentum), angles=(_is_angle(well), False), zero=True)]
     title = f"Phase portrait of {well.name}"
-    description = f"Momentum p_{well.name} against {well.name} at several values of {well.level_name or 'the constants'}; the motion is marked."
-    caption: Text = ("Phase plane of ", Mathematics(name), ". Red: the motion", *_area_words(well), "; blue: other values of ",
-                     Mathematics(level_box(well)) if well.level_name else "the constants", _hill_words(hills), ".")  # fmt: skip
+    level = well.level_name or "the constants"
+    description = f"Momentum p_{well.name} against {well.name} at several values of {level}; the motion is marked."
+    caption: Text = (
+        "Phase plane of ",
+        Mathematics(name),
+        ". Red: the motion",
+        *_area_words(well),
+        "; blue: other values of ",
+        Mathematics(level_box(well)) if well.level_name else "the constants",
+        _hill_words(hills),
+        ".",
+    )
     q, p = (np.concatenate([loop[i] for loop in own]) if own else np.empty(0) for i in (0, 1))
-    return Figure(svg.assemble(frame, key, title, description, below, inside, above), title, description, caption,
-                  {well.name: _list(q), f"p_{well.name}": _list(p)})  # fmt: skip
+    return Figure(
+        svg.assemble(frame, key, title, description, below, inside, above),
+        title,
+        description,
+        caption,
+        {well.name: _list(q), f"p_{well.name}": _list(p)},
+    )
 
 
-# ------------------------------------------------------------------------------------------------ what the motion covers
+# -------------------------------------------------------------------------------- what the motion covers
 def _spans(well: Well) -> list[tuple[float, float]]:
     """Intervals of the window that the motion itself covers."""
     low, high = well.ends
@@ -152,11 +196,15 @@ def _allowed_area(well: Well, frame: svg.Frame) -> str:
     for low, high in _spans(well):
         q = np.linspace(low, high, 400)
         V = well.potential(q)
-        parts.append(svg.area(frame, q, np.where(np.isfinite(V), np.minimum(V, well.level), well.level), np.full_like(q, well.level)))
+        parts.append(
+            svg.area(
+                frame, q, np.where(np.isfinite(V), np.minimum(V, well.level), well.level), np.full_like(q, well.level)
+            )
+        )
     return "".join(parts)
 
 
-# ------------------------------------------------------------------------------------------------ ranges
+# -------------------------------------------------------------------------------- ranges
 def _height(well: Well, q: Array, V: Array) -> tuple[float, float]:
     """Show the bottom of the well and as much above the level as is below it."""
     inside = np.isfinite(V)
@@ -173,7 +221,9 @@ def _height(well: Well, q: Array, V: Array) -> tuple[float, float]:
     return floor - 0.3 * depth, floor + 1.7 * depth
 
 
-def _momentum_range(well: Well, own: list[tuple[Array, Array]], others: list[tuple[Array, Array]]) -> tuple[float, float]:
+def _momentum_range(
+    well: Well, own: list[tuple[Array, Array]], others: list[tuple[Array, Array]]
+) -> tuple[float, float]:
     mine = np.concatenate([p for _, p in own]) if own else np.empty(0)
     mine = np.concatenate([mine, -mine]) if well.kind == "rotation" else mine
     shown = mine if mine.size and np.ptp(mine) > 0 else np.concatenate([p for _, p in others]) if others else mine
@@ -182,7 +232,7 @@ def _momentum_range(well: Well, own: list[tuple[Array, Array]], others: list[tup
     return low - 0.38 * room, high + 0.38 * room
 
 
-# ------------------------------------------------------------------------------------------------ words
+# -------------------------------------------------------------------------------- words
 def _is_angle(well: Well) -> bool:
     width = well.window[1] - well.window[0]
     return well.periodic or abs(width - np.pi) < 1e-9
@@ -199,8 +249,15 @@ def _hill_words(hills: list[tuple[float, str]]) -> str:
 
 
 def _area_words(well: Well) -> Text:
-    return (" (the shaded area is ", Mathematics(row(Glyph("2", "number"), Glyph("π"), Script(Glyph("J"), name_box(well.name)))), ")") \
-        if well.kind == "libration" else ()  # fmt: skip
+    return (
+        (
+            " (the shaded area is ",
+            Mathematics(row(Glyph("2", "number"), Glyph("π"), Script(Glyph("J"), name_box(well.name)))),
+            ")",
+        )
+        if well.kind == "libration"
+        else ()
+    )
 
 
 def _list(values: Array) -> list[float]:

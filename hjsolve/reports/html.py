@@ -1,15 +1,33 @@
-"""A document as one self-contained HTML file: MathML for formulas, inline SVG for drawings, no script, nothing fetched."""
+"""A document as one self-contained HTML file: MathML formulas, inline SVG drawings, no script, nothing fetched."""
 
 from __future__ import annotations
 
 from html import escape
 
 from hjsolve.reports.document import (
-    Block, Code, Document, Figure, Figures, Formula, Inline, Mathematics, Note, Number, Paragraph, Section, Step, Steps, Strong, Table, Text,
-)  # fmt: skip
+    Block,
+    Code,
+    Document,
+    Figure,
+    Figures,
+    Formula,
+    Inline,
+    Mathematics,
+    Note,
+    Number,
+    Paragraph,
+    Section,
+    Step,
+    Steps,
+    Strong,
+    Table,
+    Text,
+)
 from hjsolve.reports.mathml import mathml
 from hjsolve.reports.stylesheet import CSS
 from hjsolve.reports.svg import STYLE
+
+_SCROLL = 'class="scroll" tabindex="0" role="group"'
 
 
 def html(document: Document) -> str:
@@ -51,7 +69,8 @@ def html(document: Document) -> str:
 
 def _section(section: Section) -> str:
     body = "\n".join(_block(block) for block in section.blocks)
-    return f'<section id="{section.key}" aria-labelledby="{section.key}-h">\n<h2 id="{section.key}-h">{escape(section.title)}</h2>\n{body}\n</section>'
+    head = f'<h2 id="{section.key}-h">{escape(section.title)}</h2>'
+    return f'<section id="{section.key}" aria-labelledby="{section.key}-h">\n{head}\n{body}\n</section>'
 
 
 def _block(block: Block) -> str:
@@ -74,7 +93,8 @@ def _block(block: Block) -> str:
 
 def _formula(formula: Formula) -> str:
     tag = f'<span class="tag">{escape(formula.tag)}</span>' if formula.tag else ""
-    return f'<div class="formula"><div class="scroll" tabindex="0" role="group" aria-label="Formula">{mathml(formula.box, block=True)}</div>{tag}</div>'
+    box = f'<div {_SCROLL} aria-label="Formula">{mathml(formula.box, block=True)}</div>'
+    return f'<div class="formula">{box}{tag}</div>'
 
 
 def _step(step: Step) -> str:
@@ -86,15 +106,20 @@ def _table(table: Table) -> str:
     numeric = [any(_is_number(row[i]) for row in table.rows) for i in range(len(table.header))]
     heads = "".join(f'<th scope="col"{_class(n)}>{_text(cell)}</th>' for cell, n in zip(table.header, numeric))
     rows = "".join(
-        "<tr>" + "".join(
-            f'<th scope="row">{_text(cell)}</th>' if i == 0 else f"<td{_class(numeric[i])}>{_text(cell)}</td>" for i, cell in enumerate(row)
-        ) + "</tr>"
+        "<tr>"
+        + "".join(
+            f'<th scope="row">{_text(cell)}</th>' if i == 0 else f"<td{_class(numeric[i])}>{_text(cell)}</td>"
+            for i, cell in enumerate(row)
+        )
+        + "</tr>"
         for row in table.rows
-    )  # fmt: skip
+    )
     caption = f"<caption>{escape(table.caption)}</caption>" if table.caption else ""
     label = escape(table.caption or "Table", quote=True)
-    return (f'<div class="scroll" tabindex="0" role="group" aria-label="{label}"><table>{caption}<thead><tr>{heads}</tr></thead>'
-            f"<tbody>{rows}</tbody></table></div>")  # fmt: skip
+    return (
+        f'<div {_SCROLL} aria-label="{label}"><table>{caption}<thead><tr>{heads}</tr></thead>'
+        f"<tbody>{rows}</tbody></table></div>"
+    )
 
 
 def _is_number(cell: Text) -> bool:

@@ -6,8 +6,22 @@ import json
 from typing import Any
 
 from hjsolve.reports.document import (
-    Block, Code, Document, Figure, Figures, Formula, Inline, Mathematics, Note, Number, Paragraph, Steps, Strong, Table, Text,
-)  # fmt: skip
+    Block,
+    Code,
+    Document,
+    Figure,
+    Figures,
+    Formula,
+    Inline,
+    Mathematics,
+    Note,
+    Number,
+    Paragraph,
+    Steps,
+    Strong,
+    Table,
+    Text,
+)
 from hjsolve.reports.latex import latex
 from hjsolve.reports.plain import plain
 from hjsolve.reports.text import line
@@ -35,9 +49,17 @@ def _block(block: Block) -> dict[str, Any]:
             return _formula(block)
         case Table():
             header = [line(cell) for cell in block.header]
-            return {"kind": "table", "caption": block.caption, "header": header, "rows": [[_cell(cell) for cell in row] for row in block.rows]}
+            return {
+                "kind": "table",
+                "caption": block.caption,
+                "header": header,
+                "rows": [[_cell(cell) for cell in row] for row in block.rows],
+            }
         case Steps(items):
-            steps = [{"title": s.title, "text": line(s.text), "formula": _formula(s.formula) if s.formula else None} for s in items]
+            steps = [
+                {"title": s.title, "text": line(s.text), "formula": _formula(s.formula) if s.formula else None}
+                for s in items
+            ]
             return {"kind": "steps", "steps": steps}
         case Figure():
             return {"kind": "figure", "title": block.title, "description": block.description, "data": block.data}
@@ -46,7 +68,13 @@ def _block(block: Block) -> dict[str, Any]:
 
 
 def _formula(formula: Formula) -> dict[str, Any]:
-    return {"kind": "formula", "sympy": formula.source, "latex": latex(formula.box), "text": plain(formula.box), "tag": formula.tag}
+    return {
+        "kind": "formula",
+        "sympy": formula.source,
+        "latex": latex(formula.box),
+        "text": plain(formula.box),
+        "tag": formula.tag,
+    }
 
 
 def _cell(cell: Text) -> Any:

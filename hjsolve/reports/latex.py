@@ -5,11 +5,26 @@ from __future__ import annotations
 from hjsolve.reports.boxes import Box, Definite, Dotted, Fence, Fraction, Glyph, Grid, Root, Row, Script
 from hjsolve.reports.notation import GREEK
 
-_LETTERS = {letter: f"\\{name}" for name, letter in reversed(GREEK.items()) if name not in {"lamda", "lam", "omicron"}} | {
-    "ε": r"\varepsilon", "φ": r"\varphi", "ο": "o", "∞": r"\infty", "π": r"\pi",
-}  # fmt: skip
-_OPERATORS = {"−": "-", "⋅": r"\cdot ", "×": r"\times ", "≤": r"\le ", "≥": r"\ge ", "≠": r"\ne ", "∂": r"\partial ",
-              "\u2061": "", "±": r"\pm "}  # fmt: skip
+_LETTERS = {
+    letter: f"\\{name}" for name, letter in reversed(GREEK.items()) if name not in {"lamda", "lam", "omicron"}
+} | {
+    "ε": r"\varepsilon",
+    "φ": r"\varphi",
+    "ο": "o",
+    "∞": r"\infty",
+    "π": r"\pi",
+}
+_OPERATORS = {
+    "−": "-",
+    "⋅": r"\cdot ",
+    "×": r"\times ",
+    "≤": r"\le ",
+    "≥": r"\ge ",
+    "≠": r"\ne ",
+    "∂": r"\partial ",
+    "\u2061": "",
+    "±": r"\pm ",
+}
 _NAMED = {"sin", "cos", "tan", "ln", "exp", "sinh", "cosh", "tanh", "arcsin", "arccos", "arctan"}
 _WORDS = tuple(f"\\{name}" for name in sorted(_NAMED)) + (r"\sqrt", r"\int", r"\operatorname")
 _SIGNS = {"∫": r"\int", "∑": r"\sum"}

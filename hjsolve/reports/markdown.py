@@ -5,8 +5,24 @@ from __future__ import annotations
 from base64 import b64encode
 
 from hjsolve.reports.document import (
-    Block, Code, Document, Figure, Figures, Formula, Inline, Mathematics, Note, Number, Paragraph, Section, Step, Steps, Strong, Table, Text,
-)  # fmt: skip
+    Block,
+    Code,
+    Document,
+    Figure,
+    Figures,
+    Formula,
+    Inline,
+    Mathematics,
+    Note,
+    Number,
+    Paragraph,
+    Section,
+    Step,
+    Steps,
+    Strong,
+    Table,
+    Text,
+)
 from hjsolve.reports.latex import latex
 from hjsolve.reports.numbers import raised
 from hjsolve.reports.svg import standalone
@@ -71,7 +87,14 @@ def _table(table: Table) -> str:
 
 
 def _row(cells: tuple[Text, ...]) -> str:
-    return "| " + " | ".join(_text(cell).replace("\n", " ").replace(r"\left|", r"\left\vert ").replace(r"\right|", r"\right\vert ") for cell in cells) + " |"
+    return (
+        "| "
+        + " | ".join(
+            _text(cell).replace("\n", " ").replace(r"\left|", r"\left\vert ").replace(r"\right|", r"\right\vert ")
+            for cell in cells
+        )
+        + " |"
+    )
 
 
 def _figure(figure: Figure) -> str:

@@ -1,4 +1,4 @@
-"""Boxes to MathML Core, the subset that browsers render: no mfenced, no style attributes, stretchy fences as operators."""
+"""Boxes to MathML Core, the subset that browsers render: no mfenced, stretchy fences as operators."""
 
 from __future__ import annotations
 
@@ -82,7 +82,13 @@ def _needs_space(before: Box, item: Box) -> bool:
         return False
     head = item.base if isinstance(item, Script) else item
     starts_function = isinstance(head, Glyph) and head.kind == "function"
-    return starts_function or isinstance(item, Definite | Root) or isinstance(before, Root) or _wide_name(head) or _wide_name(before)
+    return (
+        starts_function
+        or isinstance(item, Definite | Root)
+        or isinstance(before, Root)
+        or _wide_name(head)
+        or _wide_name(before)
+    )
 
 
 def _wide_name(box: Box | None) -> bool:
@@ -113,7 +119,9 @@ def _script(script: Script) -> str:
 def _grid(grid: Grid) -> str:
     columns = grid.align.ljust(len(grid.rows[0]) if grid.rows else 1, grid.align[-1:] or "c")
     rows = "".join(
-        "<mtr>" + "".join(f'<mtd style="{_COLUMN[a]}">{_write(cell)}</mtd>' for a, cell in zip(columns, cells)) + "</mtr>"
+        "<mtr>"
+        + "".join(f'<mtd style="{_COLUMN[a]}">{_write(cell)}</mtd>' for a, cell in zip(columns, cells))
+        + "</mtr>"
         for cells in grid.rows
     )
     spread = ' class="lines"' if not grid.left and not grid.right else ""

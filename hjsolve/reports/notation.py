@@ -13,14 +13,56 @@ from sympy.core.relational import Relational
 from hjsolve.reports.boxes import Box, Definite, Dotted, Fence, Fraction, Glyph, Grid, Root, Row, Script, row, width
 
 GREEK = {
-    "alpha": "α", "beta": "β", "gamma": "γ", "delta": "δ", "epsilon": "ε", "varepsilon": "ε", "zeta": "ζ", "eta": "η",
-    "theta": "θ", "iota": "ι", "kappa": "κ", "lambda": "λ", "lamda": "λ", "lam": "λ", "mu": "μ", "nu": "ν", "xi": "ξ",
-    "omicron": "ο", "pi": "π", "rho": "ρ", "sigma": "σ", "tau": "τ", "upsilon": "υ", "phi": "φ", "varphi": "φ",
-    "chi": "χ", "psi": "ψ", "omega": "ω", "Gamma": "Γ", "Delta": "Δ", "Theta": "Θ", "Lambda": "Λ", "Xi": "Ξ", "Pi": "Π",
-    "Sigma": "Σ", "Upsilon": "Υ", "Phi": "Φ", "Psi": "Ψ", "Omega": "Ω",
-}  # fmt: skip
-FUNCTION_NAMES = {"log": "ln", "asin": "arcsin", "acos": "arccos", "atan": "arctan", "asinh": "arsinh", "acosh": "arcosh",
-                  "atanh": "artanh", "sign": "sgn"}  # fmt: skip
+    "alpha": "α",
+    "beta": "β",
+    "gamma": "γ",
+    "delta": "δ",
+    "epsilon": "ε",
+    "varepsilon": "ε",
+    "zeta": "ζ",
+    "eta": "η",
+    "theta": "θ",
+    "iota": "ι",
+    "kappa": "κ",
+    "lambda": "λ",
+    "lamda": "λ",
+    "lam": "λ",
+    "mu": "μ",
+    "nu": "ν",
+    "xi": "ξ",
+    "omicron": "ο",
+    "pi": "π",
+    "rho": "ρ",
+    "sigma": "σ",
+    "tau": "τ",
+    "upsilon": "υ",
+    "phi": "φ",
+    "varphi": "φ",
+    "chi": "χ",
+    "psi": "ψ",
+    "omega": "ω",
+    "Gamma": "Γ",
+    "Delta": "Δ",
+    "Theta": "Θ",
+    "Lambda": "Λ",
+    "Xi": "Ξ",
+    "Pi": "Π",
+    "Sigma": "Σ",
+    "Upsilon": "Υ",
+    "Phi": "Φ",
+    "Psi": "Ψ",
+    "Omega": "Ω",
+}
+FUNCTION_NAMES = {
+    "log": "ln",
+    "asin": "arcsin",
+    "acos": "arccos",
+    "atan": "arctan",
+    "asinh": "arsinh",
+    "acosh": "arcosh",
+    "atanh": "artanh",
+    "sign": "sgn",
+}
 RELATIONS = {"==": "=", "!=": "≠", "<=": "≤", ">=": "≥", "<": "<", ">": ">"}
 MINUS, PLUS, TIMES, APPLY = "−", "+", "⋅", "\u2061"
 LINE = 72.0  # letters; a longer equation is set on several lines
@@ -133,7 +175,7 @@ def _sum(expression: sp.Add) -> Box:
 
 
 def _factor_key(factor: sp.Expr, momenta: set[str]) -> int:
-    """Order factors as physicists write them: numbers, masses, other symbols, E, p, the q of a p, functions, sums, ∫."""
+    """Order factors as physicists do: numbers, masses, E, other symbols, p, the q of a p, functions, sums, ∫."""
     base = factor.base if isinstance(factor, sp.Pow) else factor
     if factor.is_number:
         return 0
@@ -306,8 +348,10 @@ def _matrix(expression: sp.MatrixBase) -> Box:
 
 
 def _piecewise(expression: sp.Piecewise) -> Box:
-    rows = tuple((box(value), Glyph("otherwise", "text") if condition == sp.true else row(Glyph("if ", "text"), box(condition)))
-                 for value, condition in expression.args)  # fmt: skip
+    rows = tuple(
+        (box(value), Glyph("otherwise", "text") if condition == sp.true else row(Glyph("if ", "text"), box(condition)))
+        for value, condition in expression.args
+    )
     return Grid(rows, "{", "", "ll")
 
 

@@ -56,7 +56,9 @@ def quantity(estimate: Any) -> Number:
     # the rounding of the value itself is part of the error that is printed
     total = _WIDE.add(error, _WIDE.abs(_WIDE.subtract(value, rounded)))
     margin = total.quantize(Decimal(1).scaleb(_last_place(total)), rounding=ROUND_UP, context=_WIDE)
-    return Number(_text(rounded), _text(margin) if -3 < margin.adjusted() < 3 else _scientific(margin), bool(estimate.certified))
+    return Number(
+        _text(rounded), _text(margin) if -3 < margin.adjusted() < 3 else _scientific(margin), bool(estimate.certified)
+    )
 
 
 def _last_place(error: Decimal) -> int:

@@ -18,8 +18,8 @@ from hjsolve.reports.boxes import Glyph, Script, row
 from hjsolve.reports.document import Block, Code, Figure, Figures, Mathematics, Note, Paragraph, Section, Table, Text
 from hjsolve.reports.figures import effective_potential, phase_portrait, potential_name
 from hjsolve.reports.notation import box, name_box
-from hjsolve.reports.prose import typeset
 from hjsolve.reports.numbers import quantity, seconds
+from hjsolve.reports.prose import typeset
 from hjsolve.reports.symbolic import formula, math
 from hjsolve.reports.wells import Array, values_of, well
 from hjsolve.system import hamiltonian
@@ -45,18 +45,32 @@ def motion_section(motion: Any, summary: str) -> Section:
         plain = bool(sp.expand(view.formula - motion.solution.system.potential) == 0)
         several = len(names) > 1
         blocks.append(formula(potential_name(view, several=several, plain=plain), view.formula))
-        blocks.append(Figures((effective_potential(view, f"potential-{i}", several=several, plain=plain), phase_portrait(view, f"phase-{i}"))))
+        blocks.append(
+            Figures(
+                (
+                    effective_potential(view, f"potential-{i}", several=several, plain=plain),
+                    phase_portrait(view, f"phase-{i}"),
+                )
+            )
+        )
     t, closed = paths.times(motion)
     state = motion.at(t)
     orbit = paths.orbit(motion, t, state, closed, "orbit-figure")
-    drawings: tuple[Figure, ...] = tuple(f for f in (orbit, paths.history(motion, t, state, "history")) if f is not None)
+    drawings: tuple[Figure, ...] = tuple(
+        f for f in (orbit, paths.history(motion, t, state, "history")) if f is not None
+    )
     return Section("motion", "A motion", (*blocks, Figures(drawings)))
 
 
 def _initial(motion: Any) -> Table:
     values = values_of(motion)
     rows = tuple(
-        ((Mathematics(name_box(c.name)),), (math(values[c.symbol]),), (math(values[c.momentum]),), (motion.kinds[c.name],))
+        (
+            (Mathematics(name_box(c.name)),),
+            (math(values[c.symbol]),),
+            (math(values[c.momentum]),),
+            (motion.kinds[c.name],),
+        )
         for c in motion.solution.system.coordinates
     )
     header: tuple[Text, ...] = (("Coordinate",), ("Starts at",), ("with momentum",), ("Kind of motion",))
@@ -65,7 +79,8 @@ def _initial(motion: Any) -> Table:
 
 def _turning_points(motion: Any) -> Table:
     rows = tuple(
-        ((Mathematics(name_box(name)),), _number(lower_end), _number(upper_end)) for name, (lower_end, upper_end) in motion.turning_points.items()
+        ((Mathematics(name_box(name)),), _number(lower_end), _number(upper_end))
+        for name, (lower_end, upper_end) in motion.turning_points.items()
     )
     return Table((("Coordinate",), ("Lower",), ("Upper",)), rows, "Turning points")
 
@@ -84,15 +99,21 @@ def numbers_section(motion: Any) -> Section:
     Returns:
         The section.
     """
-    values = [(Mathematics(row(name_box(p.name), Glyph("=", "operator"), box(motion.initial.values[p.symbol]))), ", ")
-              for p in motion.solution.system.parameters]  # fmt: skip
+    values = [
+        (Mathematics(row(name_box(p.name), Glyph("=", "operator"), box(motion.initial.values[p.symbol]))), ", ")
+        for p in motion.solution.system.parameters
+    ]
     pieces: list[Any] = [piece for pair in values for piece in pair][:-1]
     blocks: list[Block] = [Paragraph(("With ", *pieces, ". "))] if pieces else []
     rows = tuple(((Mathematics(name_box(name)),), _number(e)) for name, e in motion.constants.items())
     blocks.append(Table((("Constant",), ("Value",)), rows, "Constants of the motion"))
     if any(end is not None for ends in motion.turning_points.values() for end in ends):
         blocks.append(_turning_points(motion))
-    cycles = [c.name for c in motion.solution.system.coordinates if c.name in {*motion.actions, *motion.frequencies, *motion.periods}]
+    cycles = [
+        c.name
+        for c in motion.solution.system.coordinates
+        if c.name in {*motion.actions, *motion.frequencies, *motion.periods}
+    ]
     if cycles:
         blocks.append(_cycles(motion, cycles))
     if motion.boundary_times:
@@ -103,13 +124,22 @@ def numbers_section(motion: Any) -> Section:
 
 
 def _cycles(motion: Any, names: list[str]) -> Table:
-    quantities: tuple[tuple[str, Mapping[str, Any]], ...] = (("J", motion.actions), ("Ω", motion.frequencies), ("T", motion.periods))
+    quantities: tuple[tuple[str, Mapping[str, Any]], ...] = (
+        ("J", motion.actions),
+        ("Ω", motion.frequencies),
+        ("T", motion.periods),
+    )
     rows = tuple(
         ((Mathematics(name_box(name)),), *(_number(table.get(name)) for _, table in quantities)) for name in names
     )
-    heads = [(f"{word} ", Mathematics(Script(Glyph(letter), Glyph("i")))) for word, (letter, _) in zip(("Action", "Frequency", "Period"), quantities)]
+    heads = [
+        (f"{word} ", Mathematics(Script(Glyph(letter), Glyph("i"))))
+        for word, (letter, _) in zip(("Action", "Frequency", "Period"), quantities)
+    ]
     header: tuple[Text, ...] = (("Coordinate",), *heads)
-    return Table(header, rows, "Actions J = (1/2π)∮p dq, frequencies Ω = ∂H/∂J in radians per unit time, periods 2π/|Ω|")
+    return Table(
+        header, rows, "Actions J = (1/2π)∮p dq, frequencies Ω = ∂H/∂J in radians per unit time, periods 2π/|Ω|"
+    )
 
 
 # ------------------------------------------------------------------------------------------------ how it was computed
@@ -128,7 +158,10 @@ def how_section(clock: Mapping[str, float], motion: Any | None) -> Section:
         blocks.append(_effort(motion))
         drift = energy_drift(motion)
         if drift is not None:
-            text = "As a check that shares nothing with the quadratures, H(q(t), p(t)) was evaluated along the path drawn above; it differs from E by at most "
+            text = (
+                "As a check that shares nothing with the quadratures, H(q(t), p(t)) was evaluated along the path "
+                "drawn above; it differs from E by at most "
+            )
             blocks.append(Paragraph((text, Code(f"{drift:.1e}"), ".")))
     spent = tuple(((part,), (seconds(time),)) for part, time in clock.items())
     blocks.append(Table((("Part",), ("Time",)), spent, "Time spent"))
@@ -141,8 +174,13 @@ def _effort(motion: Any) -> Paragraph:
     digits, nodes = motion.digits, motion.nodes
     arithmetic = "double precision" if digits <= 15 else "multiple precision"
     used = f", from {nodes} quadrature nodes at most per coordinate" if nodes else ""
-    return Paragraph((f"Numbers were asked to {digits} digits ({arithmetic}){used}. Initial data and constants of the motion were kept exact; "
-                      "turning points come from them at a precision raised until all digits asked are right. No differential equation was integrated.",))  # fmt: skip
+    return Paragraph(
+        (
+            f"Numbers were asked to {digits} digits ({arithmetic}){used}. Initial data and constants of the motion "
+            "were kept exact; turning points come from them at a precision raised until all digits asked are right. No "
+            "differential equation was integrated.",
+        )
+    )
 
 
 def energy_drift(motion: Any) -> float | None:

@@ -140,15 +140,26 @@ def _plane(motion: Any, where: Embedding, t: Array, path: tuple[Array, ...], clo
     above.append(svg.mark(frame, float(x[now]), float(y[now]), "ring"))
     names = [svg.label(name_box(a)) for a in where.axes[:2]]
     title = "Orbit"
-    description = f"Path of the motion in the plane of {where.axes[0]} and {where.axes[1]}, from t = {t[0]:.6g} to t = {t[-1]:.6g}."
+    description = (
+        f"Path of the motion in the plane of {where.axes[0]} and {where.axes[1]}, "
+        f"from t = {t[0]:.6g} to t = {t[-1]:.6g}."
+    )
     svg_text = svg.assemble(frame, key, title, description, [svg.axes(frame, *names)], inside, above)
-    return Figure(svg_text, title, description, _caption(t, closed, cut < len(t)), {where.axes[0]: _list(x), where.axes[1]: _list(y)})
+    return Figure(
+        svg_text,
+        title,
+        description,
+        _caption(t, closed, cut < len(t)),
+        {where.axes[0]: _list(x), where.axes[1]: _list(y)},
+    )
 
 
 def _space(motion: Any, where: Embedding, t: Array, path: tuple[Array, ...], closed: bool, key: str) -> Figure:
     across, up, _ = projected(*path)
     reach = 1.08 * float(np.max(np.hypot(across, up)))
-    frame = svg.square(svg.Frame(svg.spread([*across, 0.0]), svg.spread([*up, 0.0]), height=360.0, left=16, top=16, bottom=16))
+    frame = svg.square(
+        svg.Frame(svg.spread([*across, 0.0]), svg.spread([*up, 0.0]), height=360.0, left=16, top=16, bottom=16)
+    )
     below, above = [], []
     for name, direction in zip("xyz", np.eye(3)):
         a, b, _ = projected(*(np.array([0.0, d * reach * 0.5]) for d in direction))
@@ -162,33 +173,53 @@ def _space(motion: Any, where: Embedding, t: Array, path: tuple[Array, ...], clo
     above.append(svg.mark(frame, float(across[now]), float(up[now]), "ring"))
     description = f"Path of the motion in space, seen from above the plane, from t = {t[0]:.6g} to t = {t[-1]:.6g}."
     svg_text = svg.assemble(frame, key, "Orbit", description, below, inside, above)
-    return Figure(svg_text, "Orbit", description, _caption(t, closed, cut < len(t)), dict(zip(where.axes, map(_list, path))))
+    return Figure(
+        svg_text, "Orbit", description, _caption(t, closed, cut < len(t)), dict(zip(where.axes, map(_list, path)))
+    )
 
 
 def _sphere(motion: Any, where: Embedding, t: Array, path: tuple[Array, ...], closed: bool, key: str) -> Figure:
     """Draw a path of directions on the unit sphere; the far side is faint."""
     frame = svg.square(svg.Frame((-1.12, 1.12), (-1.08, 1.2), height=360.0, left=16, top=16, bottom=16))
     turn = np.linspace(0.0, 2 * np.pi, 181)
-    below = [svg.area(frame, np.cos(turn[:91]), -np.sin(turn[:91]), np.sin(turn[:91]), "region"), svg.curve(frame, np.cos(turn), np.sin(turn), "grid")]
+    below = [
+        svg.area(frame, np.cos(turn[:91]), -np.sin(turn[:91]), np.sin(turn[:91]), "region"),
+        svg.curve(frame, np.cos(turn), np.sin(turn), "grid"),
+    ]
     for latitude in np.radians([-60, -30, 0, 30, 60]):
-        a, b, near = projected(np.cos(latitude) * np.cos(turn), np.cos(latitude) * np.sin(turn), np.full_like(turn, np.sin(latitude)))
+        a, b, near = projected(
+            np.cos(latitude) * np.cos(turn), np.cos(latitude) * np.sin(turn), np.full_like(turn, np.sin(latitude))
+        )
         below.append(svg.curve(frame, np.where(near > 0, a, np.nan), b, "grid"))
     across, up, near = projected(*path)
     cut = _split(motion, t, closed)
     front = np.where(near >= 0, across, np.nan)
     inside = [svg.curve(frame, np.where(near < 0, across, np.nan), up, "faint"), svg.curve(frame, front, up, "motion")]
     pole = projected(np.zeros(2), np.zeros(2), np.array([1.0, 1.1]))
-    above = [svg.curve(frame, pole[0], pole[1], "axis"), svg.words(frame, float(pole[0][1]), float(pole[1][1]), "up", anchor="middle", shift=(0, -4))]
+    above = [
+        svg.curve(frame, pole[0], pole[1], "axis"),
+        svg.words(frame, float(pole[0][1]), float(pole[1][1]), "up", anchor="middle", shift=(0, -4)),
+    ]
     now = int(np.argmin(np.abs(t - float(motion.t0))))
     above.append(svg.mark(frame, float(across[now]), float(up[now]), "ring"))
-    description = (f"Path of the direction ({', '.join(where.names)}) on the unit sphere, from t = {t[0]:.6g} to t = {t[-1]:.6g}; "
-                   "the far side is drawn faint.")  # fmt: skip
+    description = (
+        f"Path of the direction ({', '.join(where.names)}) on the unit sphere, from t = {t[0]:.6g} to t = {t[-1]:.6g}; "
+        "the far side is drawn faint."
+    )
     svg_text = svg.assemble(frame, key, "Orbit on the sphere", description, below, inside, above)
-    return Figure(svg_text, "Orbit on the sphere", description, _caption(t, closed, cut < len(t), sphere=True), dict(zip(where.axes, map(_list, path))))
+    return Figure(
+        svg_text,
+        "Orbit on the sphere",
+        description,
+        _caption(t, closed, cut < len(t), sphere=True),
+        dict(zip(where.axes, map(_list, path))),
+    )
 
 
 def _caption(t: Array, closed: bool, faint: bool, *, sphere: bool = False) -> Text:
-    start: Text = ("Orbit over one period" if closed else f"Orbit from t = {t[0]:.4g} to {t[-1]:.4g}".replace("-", "−"),)
+    start: Text = (
+        "Orbit over one period" if closed else f"Orbit from t = {t[0]:.4g} to {t[-1]:.4g}".replace("-", "−"),
+    )
     side = "; the far side of the sphere is faint" if sphere else "; the first cycle is drawn strong" if faint else ""
     return (*start, "; the ring is the start", side, ".")
 
@@ -215,7 +246,13 @@ def history(motion: Any, t: Array, state: Any, key: str) -> Figure:
     for i, name in enumerate(names):
         values = np.asarray(state.unwrapped(name), float)[keep]
         top = 28.0 + i * (band + 30.0)
-        frame = svg.Frame((float(shown[0]), float(shown[-1])), svg.spread(values, 0.1), height=whole, top=top, bottom=whole - top - band)
+        frame = svg.Frame(
+            (float(shown[0]), float(shown[-1])),
+            svg.spread(values, 0.1),
+            height=whole,
+            top=top,
+            bottom=whole - top - band,
+        )
         parts_below.append(_band_axes(frame, name, last=i == len(names) - 1))
         parts_inside.append(svg.curve(frame, shown, values, "motion"))
         data[name] = _list(values)
@@ -223,7 +260,9 @@ def history(motion: Any, t: Array, state: Any, key: str) -> Figure:
     description = f"{', '.join(names)} against time from t = {shown[0]:.6g} to t = {shown[-1]:.6g}."
     board = svg.Frame((0.0, 1.0), (0.0, 1.0), height=whole)
     caption: Text = ("Where the motion is at time ", Mathematics(Glyph("t")), ", from the time law alone.")
-    return Figure(svg.assemble(board, key, title, description, parts_below, parts_inside), title, description, caption, data)
+    return Figure(
+        svg.assemble(board, key, title, description, parts_below, parts_inside), title, description, caption, data
+    )
 
 
 def _few_cycles(motion: Any, t: Array) -> slice:

@@ -8,8 +8,16 @@ from hjsolve.reports.boxes import Box, Definite, Dotted, Fence, Fraction, Glyph,
 
 _SUPERSCRIPTS = dict(zip("0123456789−-+nT", "⁰¹²³⁴⁵⁶⁷⁸⁹⁻⁻⁺ⁿᵀ"))
 _SUBSCRIPTS = dict(zip("0123456789aehijklmnoprstuvx", "₀₁₂₃₄₅₆₇₈₉ₐₑₕᵢⱼₖₗₘₙₒₚᵣₛₜᵤᵥₓ"))
-_VULGAR = {("1", "2"): "½", ("1", "3"): "⅓", ("1", "4"): "¼", ("3", "4"): "¾", ("2", "3"): "⅔", ("3", "2"): "3/2",
-           ("1", "8"): "⅛", ("1", "6"): "⅙"}  # fmt: skip
+_VULGAR = {
+    ("1", "2"): "½",
+    ("1", "3"): "⅓",
+    ("1", "4"): "¼",
+    ("3", "4"): "¾",
+    ("2", "3"): "⅔",
+    ("3", "2"): "3/2",
+    ("1", "8"): "⅛",
+    ("1", "6"): "⅙",
+}
 _SPACED = {"=", "+", "−", "<", ">", "≤", "≥", "≠"}
 
 
@@ -73,7 +81,9 @@ def _touching(left: Box, right: Box) -> bool:
 
 def _atomic(box: Box) -> bool:
     if isinstance(box, Row):
-        return not any(isinstance(item, Glyph) and item.kind == "operator" and item.text in _SPACED for item in box.items)
+        return not any(
+            isinstance(item, Glyph) and item.kind == "operator" and item.text in _SPACED for item in box.items
+        )
     return isinstance(box, Glyph | Script | Fence | Dotted | Root)
 
 

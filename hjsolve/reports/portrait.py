@@ -53,12 +53,15 @@ def loop(well: Well, level: float, low: float, high: float, points: int = 181) -
         points: places on one branch.
 
     Returns:
-        (q, p), the upper branch to the right and the lower one back; NaN between them where the curve leaves the window.
+        (q, p), the upper branch to the right and the lower one back; NaN between them where the curve leaves
+        the window.
     """
     q = (low + high) / 2 - (high - low) / 2 * np.cos(np.linspace(0.0, np.pi, points))
     with np.errstate(invalid="ignore"):
         square = well.momentum_squared(q, level)
-    square[0], square[-1] = (0.0 if not np.isfinite(s) or abs(s) < 1e-9 * np.nanmax(np.abs(square)) else s for s in square[[0, -1]])
+    square[0], square[-1] = (
+        0.0 if not np.isfinite(s) or abs(s) < 1e-9 * np.nanmax(np.abs(square)) else s for s in square[[0, -1]]
+    )
     P = np.sqrt(np.where(square >= 0, square, 0.0))
     shift = well.shift(q)
     upper, lower = P - shift, (-P - shift)[::-1]
@@ -87,7 +90,11 @@ def hills(well: Well) -> list[tuple[float, str]]:
             far = well.potential(np.array([1e7, 1e9]) * side * max(1.0, abs(well.window[1])))
             settled = np.isfinite(far).all() and abs(far[1] - far[0]) < 1e-5 * (1 + abs(far[1]))
             found += [(round(float(far[1]), 12), "edge of the bound motions")] if settled else []
-    return [hill for i, hill in enumerate(found) if all(abs(hill[0] - other[0]) > 1e-6 * (1 + abs(hill[0])) for other in found[:i])]
+    return [
+        hill
+        for i, hill in enumerate(found)
+        if all(abs(hill[0] - other[0]) > 1e-6 * (1 + abs(hill[0])) for other in found[:i])
+    ]
 
 
 def _peak(three: Array) -> float:

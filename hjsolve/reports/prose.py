@@ -10,9 +10,14 @@ from hjsolve.reports.notation import GREEK, box, name_box
 from hjsolve.system import Domain, System
 
 _PHRASES = (
-    ("c^T Phi = (1, 0, ..., 0)", "cᵀΦ = (1, 0, …, 0)"), ("c^T psi = V", "cᵀψ = V"), ("S_ij(g^hh)", "Sᵢⱼ(gʰʰ)"), ("S_ij(V)", "Sᵢⱼ(V)"),
-    ("L_ij", "Lᵢⱼ"), ("S_ij", "Sᵢⱼ"), ("T = sum(R_i p_i^2)/(2 sum f_i), V = sum(v_i)/sum(f_i)", "T = ΣRᵢpᵢ²/(2Σfᵢ), V = Σvᵢ/Σfᵢ"),
-)  # fmt: skip
+    ("c^T Phi = (1, 0, ..., 0)", "cᵀΦ = (1, 0, …, 0)"),
+    ("c^T psi = V", "cᵀψ = V"),
+    ("S_ij(g^hh)", "Sᵢⱼ(gʰʰ)"),
+    ("S_ij(V)", "Sᵢⱼ(V)"),
+    ("L_ij", "Lᵢⱼ"),
+    ("S_ij", "Sᵢⱼ"),
+    ("T = sum(R_i p_i^2)/(2 sum f_i), V = sum(v_i)/sum(f_i)", "T = ΣRᵢpᵢ²/(2Σfᵢ), V = Σvᵢ/Σfᵢ"),
+)
 
 
 def prose(text: str, system: System) -> Text:

@@ -11,13 +11,16 @@ html{-webkit-text-size-adjust:100%;text-size-adjust:100%}
 body{margin:0 auto;padding:2.6rem 1.25rem 4rem;max-width:54rem;background:var(--paper);color:var(--ink);
 font:1.0625rem/1.58 var(--serif);overflow-wrap:break-word}
 h1{font-size:clamp(1.6rem,1.2rem + 2vw,2.3rem);line-height:1.18;font-weight:600;margin:0 0 .3rem;text-wrap:balance}
-h2{font-size:1.32rem;line-height:1.25;font-weight:600;margin:3rem 0 .8rem;padding-top:.9rem;border-top:1px solid var(--rule)}
+h2{font-size:1.32rem;line-height:1.25;font-weight:600;margin:3rem 0 .8rem;
+padding-top:.9rem;border-top:1px solid var(--rule)}
 p{margin:.75rem 0;max-width:42rem}
 a{color:var(--blue);text-decoration-thickness:1px;text-underline-offset:.15em}
-code{font:.86em/1.4 ui-monospace,"SF Mono",Menlo,Consolas,"DejaVu Sans Mono",monospace;background:var(--wash);padding:.08em .32em;
+code{font:.86em/1.4 ui-monospace,"SF Mono",Menlo,Consolas,"DejaVu Sans Mono",monospace;
+background:var(--wash);padding:.08em .32em;
 border-radius:3px;overflow-wrap:anywhere}
 .id{margin:0 0 1.2rem}
-.answer{font-size:1.16rem;line-height:1.5;margin:1.1rem 0 1.3rem;padding:.15rem 0 .15rem 1rem;border-left:3px solid var(--red)}
+.answer{font-size:1.16rem;line-height:1.5;margin:1.1rem 0 1.3rem;
+padding:.15rem 0 .15rem 1rem;border-left:3px solid var(--red)}
 .answer strong{color:var(--red)}
 nav ol{margin:0;padding:0;list-style:none;display:flex;flex-wrap:wrap;gap:.15rem 1.15rem;font:.86rem/1.7 var(--sans)}
 math{font-family:"Latin Modern Math","STIX Two Math","Cambria Math","Libertinus Math","DejaVu Math TeX Gyre",math;
@@ -47,12 +50,14 @@ td .error{display:block}
 .value{font-variant-numeric:tabular-nums}
 .error{color:var(--soft);font-size:.9em}
 sup{font-size:.72em;line-height:0}
-.figures{display:grid;grid-template-columns:repeat(auto-fit,minmax(min(100%,21rem),1fr));gap:1.1rem 2rem;margin:1.2rem 0 1.6rem;align-items:start}
+.figures{display:grid;grid-template-columns:repeat(auto-fit,minmax(min(100%,21rem),1fr));
+gap:1.1rem 2rem;margin:1.2rem 0 1.6rem;align-items:start}
 figure{margin:0;min-width:0}
 figure svg{display:block;width:100%;height:auto;max-width:34rem}
 figcaption{font:.84rem/1.45 var(--sans);color:var(--soft);margin-top:.45rem}
 figcaption math{font-size:1em}
-@media (max-width:34rem){body{padding:1.5rem 1rem 3rem;font-size:1rem}.formula{padding-left:.3rem;flex-wrap:wrap;gap:.1rem}
+@media (max-width:34rem){body{padding:1.5rem 1rem 3rem;font-size:1rem}
+.formula{padding-left:.3rem;flex-wrap:wrap;gap:.1rem}
 .formula .scroll{flex-basis:100%}.tag{max-width:none;text-align:left}th,td{padding-right:.9rem}}
 @media print{:root{--paper:#fff;--ink:#000;--soft:#444;--rule:#bbb;--blue:#1d4e7e;--red:#a3301c;--wash:#f4f4f4}
 body{max-width:none;padding:0;font-size:10.5pt}nav{display:none}a{color:inherit;text-decoration:none}

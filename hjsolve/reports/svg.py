@@ -62,7 +62,9 @@ class Frame:
     def px(self, x: Array | float) -> Array:
         """Give the horizontal place of x on the drawing."""
         low, high = self.x
-        return np.asarray(self.left + (np.asarray(x, float) - low) / (high - low) * (self.width - self.left - self.right))
+        return np.asarray(
+            self.left + (np.asarray(x, float) - low) / (high - low) * (self.width - self.left - self.right)
+        )
 
     def py(self, y: Array | float) -> Array:
         """Give the vertical place of y on the drawing."""
@@ -123,7 +125,9 @@ def _power_label(x: float, digits: int) -> str:
 
 
 def _angle_ticks(low: float, high: float, wanted: float) -> list[tuple[float, str]]:
-    step = next((s for s in (pi / 4, pi / 2, pi, 2 * pi, 4 * pi, 8 * pi, 16 * pi) if (high - low) / s <= wanted + 1.01), 32 * pi)
+    step = next(
+        (s for s in (pi / 4, pi / 2, pi, 2 * pi, 4 * pi, 8 * pi, 16 * pi) if (high - low) / s <= wanted + 1.01), 32 * pi
+    )
     places = range(ceil(low / step - 1e-9), floor(high / step + 1e-9) + 1)
     return [(i * step, _angle_label(i * round(step / (pi / 4)))) for i in places]
 
@@ -188,8 +192,16 @@ def mark(frame: Frame, x: float, y: float, style: str = "dot", size: float = 4.2
     return f'<circle class="{style}" cx="{_n(frame.px(x))}" cy="{_n(frame.py(y))}" r="{size}"/>'
 
 
-def words(frame: Frame, x: float, y: float, text: str, *, style: str = "note", anchor: str = "start",
-          shift: tuple[float, float] = (0.0, 0.0)) -> str:  # fmt: skip
+def words(
+    frame: Frame,
+    x: float,
+    y: float,
+    text: str,
+    *,
+    style: str = "note",
+    anchor: str = "start",
+    shift: tuple[float, float] = (0.0, 0.0),
+) -> str:
     """Write words at a place.
 
     Args:
@@ -222,7 +234,10 @@ def label(box: Box) -> str:
             parts = [label(base)]
             for script, offset in ((sub, 4), (sup, -5)):
                 if script is not None:
-                    parts.append(f'<tspan dy="{offset}" font-size="78%">{label(script)}</tspan><tspan dy="{-offset}">&#8203;</tspan>')
+                    parts.append(
+                        f'<tspan dy="{offset}" font-size="78%">{label(script)}</tspan>'
+                        f'<tspan dy="{-offset}">&#8203;</tspan>'
+                    )
             return "".join(parts)
         case Row(items):
             return "".join(label(item) for item in items)
@@ -233,8 +248,15 @@ def label(box: Box) -> str:
     return escape(plain(box))
 
 
-def axes(frame: Frame, across: str, up: str, *, angles: tuple[bool, bool] = (False, False), zero: bool = False,
-         numbers: bool = True) -> str:  # fmt: skip
+def axes(
+    frame: Frame,
+    across: str,
+    up: str,
+    *,
+    angles: tuple[bool, bool] = (False, False),
+    zero: bool = False,
+    numbers: bool = True,
+) -> str:
     """Draw the axes with ticks and names.
 
     Args:
@@ -255,18 +277,32 @@ def axes(frame: Frame, across: str, up: str, *, angles: tuple[bool, bool] = (Fal
     for place, text in ticks(*frame.x, angle=angles[0]):
         x = frame.px(place)
         parts.append(f'<path class="axis" d="M{_n(x)} {_n(bottom)}v4"/>')
-        parts += [f'<text class="tick" x="{_n(x)}" y="{_n(bottom + 17)}" text-anchor="middle">{text}</text>'] if numbers else []
+        parts += (
+            [f'<text class="tick" x="{_n(x)}" y="{_n(bottom + 17)}" text-anchor="middle">{text}</text>']
+            if numbers
+            else []
+        )
     for place, text in ticks(*frame.y, wanted=min(5.0, (bottom - frame.top) / 34), angle=angles[1]):
         y = frame.py(place)
         parts.append(f'<path class="axis" d="M{_n(left)} {_n(y)}h-4"/>')
         parts.append(f'<text class="tick" x="{_n(left - 8)}" y="{_n(y + 4)}" text-anchor="end">{text}</text>')
-    parts.append(f'<text class="name" x="{_n(frame.width - frame.right)}" y="{_n(bottom + 34)}" text-anchor="end">{across}</text>')
+    parts.append(
+        f'<text class="name" x="{_n(frame.width - frame.right)}" y="{_n(bottom + 34)}" '
+        f'text-anchor="end">{across}</text>'
+    )
     parts.append(f'<text class="name" x="{_n(left - 8)}" y="{_n(frame.top - 11)}">{up}</text>')
     return "".join(parts)
 
 
-def assemble(frame: Frame, key: str, title: str, description: str, below: Iterable[str], inside: Iterable[str],
-             above: Iterable[str] = ()) -> str:  # fmt: skip
+def assemble(
+    frame: Frame,
+    key: str,
+    title: str,
+    description: str,
+    below: Iterable[str],
+    inside: Iterable[str],
+    above: Iterable[str] = (),
+) -> str:
     """Put a drawing together.
 
     Args:
@@ -281,13 +317,18 @@ def assemble(frame: Frame, key: str, title: str, description: str, below: Iterab
     Returns:
         One ``<svg>`` element.
     """
-    clip = (f'<clipPath id="{key}-clip"><rect x="{_n(frame.left)}" y="{_n(frame.top)}" '
-            f'width="{_n(frame.width - frame.left - frame.right)}" height="{_n(frame.height - frame.top - frame.bottom)}"/>'
-            "</clipPath>")  # fmt: skip
-    return (f'<svg xmlns="http://www.w3.org/2000/svg" class="fig" viewBox="0 0 {_n(frame.width)} {_n(frame.height)}" role="img" '
-            f'aria-labelledby="{key}-title {key}-desc"><title id="{key}-title">{escape(title)}</title>'
-            f'<desc id="{key}-desc">{escape(description)}</desc>{clip}{"".join(below)}'
-            f'<g clip-path="url(#{key}-clip)">{"".join(inside)}</g>{"".join(above)}</svg>')  # fmt: skip
+    clip = (
+        f'<clipPath id="{key}-clip"><rect x="{_n(frame.left)}" y="{_n(frame.top)}" '
+        f'width="{_n(frame.width - frame.left - frame.right)}" height="{_n(frame.height - frame.top - frame.bottom)}"/>'
+        "</clipPath>"
+    )
+    return (
+        f'<svg xmlns="http://www.w3.org/2000/svg" class="fig" viewBox="0 0 {_n(frame.width)} {_n(frame.height)}" '
+        'role="img" '
+        f'aria-labelledby="{key}-title {key}-desc"><title id="{key}-title">{escape(title)}</title>'
+        f'<desc id="{key}-desc">{escape(description)}</desc>{clip}{"".join(below)}'
+        f'<g clip-path="url(#{key}-clip)">{"".join(inside)}</g>{"".join(above)}</svg>'
+    )
 
 
 def standalone(svg: str) -> str:
@@ -299,8 +340,11 @@ def standalone(svg: str) -> str:
     Returns:
         The element with its style inside.
     """
-    dark = ("@media (prefers-color-scheme:dark){svg{--ink:#e6e3dc;--soft:#a2a6ad;--rule:#3b4048;--blue:#7fb2e5;--red:#f0846b;"
-            "--paper:#16191d}}")  # fmt: skip
+    dark = (
+        "@media (prefers-color-scheme:dark){svg{--ink:#e6e3dc;--soft:#a2a6ad;--rule:#3b4048;--blue:#7fb2e5;"
+        "--red:#f0846b;"
+        "--paper:#16191d}}"
+    )
     head, _, rest = svg.partition(">")
     return f"{head}><style>{STYLE}{dark}</style>{rest}\n"
 

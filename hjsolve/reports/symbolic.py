@@ -1,4 +1,4 @@
-"""The sections of a report that hold formulas: the system, its reduction, the test, the forms, W and Jacobi's equations."""
+"""The sections of a report about the question: the system, its reduction, the evidence, and the obstruction."""
 
 from __future__ import annotations
 
@@ -8,12 +8,24 @@ from typing import Any
 import sympy as sp
 
 from hjsolve.reports.boxes import Box, Fraction, Glyph, Script, row
-from hjsolve.reports.document import Block, Code, Formula, Mathematics, Note, Paragraph, Section, Step, Steps, Strong, Table, Text
+from hjsolve.reports.document import (
+    Block,
+    Code,
+    Formula,
+    Mathematics,
+    Note,
+    Paragraph,
+    Section,
+    Step,
+    Steps,
+    Strong,
+    Table,
+    Text,
+)
 from hjsolve.reports.notation import box, display, name_box, tidy
 from hjsolve.reports.numbers import shortest
 from hjsolve.reports.prose import domain_text, listed, prose, typeset
-from hjsolve.separation import Liouville, Obstruction, Separation, Stackel, Undecided
-from hjsolve.solution import Solution
+from hjsolve.separation import Obstruction, Separation, Undecided
 from hjsolve.system import System, hamiltonian
 
 EQUALS = Glyph("=", "operator")
@@ -54,7 +66,7 @@ def equation(relation: sp.Basic, tag: str = "") -> Formula:
     return Formula(display(shown), str(relation), tag)
 
 
-# ------------------------------------------------------------------------------------------------ the system
+# -------------------------------------------------------------------------------- the system
 def system_section(system: System, meanings: Mapping[str, tuple[str, str]], summary: str) -> Section:
     """Write down what was given.
 
@@ -71,8 +83,10 @@ def system_section(system: System, meanings: Mapping[str, tuple[str, str]], summ
     blocks.append(_coordinates(system, meanings))
     if system.parameters:
         blocks.append(_parameters(system))
-    blocks += [Paragraph(("Hamilton's function, with the momenta ", Mathematics(_momentum_definition()), ":")),
-               formula(Glyph("H"), hamiltonian(system), "Greenwood (4-109)")]  # fmt: skip
+    blocks += [
+        Paragraph(("Hamilton's function, with the momenta ", Mathematics(_momentum_definition()), ":")),
+        formula(Glyph("H"), hamiltonian(system), "Greenwood (4-109)"),
+    ]
     return Section("system", "The system", tuple(blocks))
 
 
@@ -86,7 +100,11 @@ def _momentum_definition() -> Box:
 def _coordinates(system: System, meanings: Mapping[str, tuple[str, str]]) -> Table:
     told = any(meanings.get(c.name, ("", ""))[1] for c in system.coordinates)
     rows = tuple(
-        ((Mathematics(name_box(c.name)),), domain_text(c.domain, c.name), *(_meaning(*meanings.get(c.name, ("", ""))) if told else ()))
+        (
+            (Mathematics(name_box(c.name)),),
+            domain_text(c.domain, c.name),
+            *(_meaning(*meanings.get(c.name, ("", ""))) if told else ()),
+        )
         for c in system.coordinates
     )
     header: tuple[Text, ...] = (("Coordinate",), ("Domain",), *((("Meaning",), ("Unit",)) if told else ()))
@@ -102,12 +120,19 @@ def _parameters(system: System) -> Table:
     rows = []
     for p in system.parameters:
         value: Text = (math(p.value),) if p.value is not None else ("no default",)
-        rows.append(((Mathematics(name_box(p.name)),), value, (p.assume,), *(_meaning(p.unit, p.meaning) if told else ())))
-    header: tuple[Text, ...] = (("Parameter",), ("Default",), ("Assumed",), *((("Meaning",), ("Unit",)) if told else ()))
+        rows.append(
+            ((Mathematics(name_box(p.name)),), value, (p.assume,), *(_meaning(p.unit, p.meaning) if told else ()))
+        )
+    header: tuple[Text, ...] = (
+        ("Parameter",),
+        ("Default",),
+        ("Assumed",),
+        *((("Meaning",), ("Unit",)) if told else ()),
+    )
     return Table(header, tuple(rows), "Parameters")
 
 
-# ------------------------------------------------------------------------------------------------ the reduction and the test
+# -------------------------------------------------------------------------------- the reduction and the test
 def steps_block(steps: Sequence[Any], system: System) -> Steps:
     """Write an argument of the symbolic half.
 
@@ -143,12 +168,19 @@ def reduction_section(verdict: Separation | Obstruction | Undecided) -> Section 
     """
     if verdict.shell is None:
         return None
-    text = ("Ignorable coordinates are replaced by their constant momenta. What is left, the energy shell, is one quadratic form in "
-            "the momenta of the other coordinates and one effective potential.")  # fmt: skip
-    return Section("reduction", "Reduction to the energy shell", (Paragraph((text,)), steps_block(verdict.shell.steps, verdict.system)))
+    text = (
+        "Ignorable coordinates are replaced by their constant momenta. What is left, the energy shell, is one "
+        "quadratic form in "
+        "the momenta of the other coordinates and one effective potential."
+    )
+    return Section(
+        "reduction",
+        "Reduction to the energy shell",
+        (Paragraph((text,)), steps_block(verdict.shell.steps, verdict.system)),
+    )
 
 
-def test_section(verdict: Separation | Obstruction | Undecided, *, lead: bool = True) -> Section | None:
+def evidence_section(verdict: Separation | Obstruction | Undecided, *, lead: bool = True) -> Section | None:
     """Give the evidence for the verdict.
 
     Args:
@@ -180,134 +212,50 @@ def answer(verdict: Separation | Obstruction | Undecided) -> Text:
     match verdict:
         case Separation():
             free = verdict.ignorable
-            ignorable: Text = (" ", *listed(free), " " + ("is" if len(free) == 1 else "are") + " ignorable.") if free else ()
+            ignorable: Text = (
+                (" ", *listed(free), " " + ("is" if len(free) == 1 else "are") + " ignorable.") if free else ()
+            )
             return (Strong("Separates"), " ", *inside, _form(verdict), *ignorable)
         case Obstruction():
             pair = (" between ", *listed(verdict.pair)) if len(set(verdict.pair)) > 1 else ()
-            return (Strong("Does not separate"), " ", *inside, f": the {_PARTS.get(verdict.part, verdict.part)} stands in the way", *pair, ".")
+            return (
+                Strong("Does not separate"),
+                " ",
+                *inside,
+                f": the {_PARTS.get(verdict.part, verdict.part)} stands in the way",
+                *pair,
+                ".",
+            )
         case Undecided():
-            return (Strong("Not decided"), " ", *inside, ": the residual could neither be proved zero nor proved different from zero.")
+            return (
+                Strong("Not decided"),
+                " ",
+                *inside,
+                ": the residual could neither be proved zero nor proved different from zero.",
+            )
 
 
-_PARTS = {"metric": "kinetic energy", "potential": "potential", "gyroscopic": "gyroscopic term", "reduction": "reduction"}
+_PARTS = {
+    "metric": "kinetic energy",
+    "potential": "potential",
+    "gyroscopic": "gyroscopic term",
+    "reduction": "reduction",
+}
 
 
 def _form(verdict: Separation) -> str:
     if verdict.liouville is not None:
         return ": a system of Liouville's form."
     if verdict.stackel is not None:
-        return ": a system of Stäckel's form, not of Liouville's." if verdict.reduced.liouville is None else (
-            ": a system of Stäckel's form; of Liouville's only once the ignorable coordinates are gone.")  # fmt: skip
+        return (
+            ": a system of Stäckel's form, not of Liouville's."
+            if verdict.reduced.liouville is None
+            else (": a system of Stäckel's form; of Liouville's only once the ignorable coordinates are gone.")
+        )
     return " once the ignorable coordinates are eliminated; the kinetic energy is not diagonal in all of them."
 
 
-# ------------------------------------------------------------------------------------------------ Stäckel and Liouville
-def forms_section(verdict: Separation) -> Section | None:
-    """Show Stäckel's matrix and Liouville's functions, of the full system and of the shell.
-
-    Args:
-        verdict: a separation.
-
-    Returns:
-        The section; None where there is nothing to show.
-    """
-    blocks: list[Block] = []
-    full, shell = (verdict.stackel, verdict.liouville), (verdict.reduced.stackel, verdict.reduced.liouville)
-    blocks += _forms(*full)
-    if any(shell) and (not all(full) or not verdict.ignorable) and shell != full:
-        opening = "Of the shell, with the ignorable momenta as constants:" if any(full) else (
-            "The full system is neither; its shell, with the ignorable momenta as constants, is:")  # fmt: skip
-        blocks += [Paragraph((opening,)), *_forms(*shell)]
-    return Section("forms", "Stäckel's and Liouville's form", tuple(blocks)) if blocks else None
-
-
-def _forms(stackel: Stackel | None, liouville: Liouville | None) -> list[Block]:
-    blocks: list[Block] = []
-    if stackel is not None:
-        blocks += _stackel(stackel)
-    if liouville is not None:
-        blocks += _liouville(liouville)
-    return blocks
-
-
-def _stackel(form: Stackel) -> list[Block]:
-    Φ, ψ, c = Glyph("Φ"), Glyph("ψ"), Glyph("c")
-    column = sp.ImmutableMatrix(form.column)
-    metric = sp.ImmutableMatrix(form.inverse_metric)
-    comma = Glyph(",  ", "text")
-    whole = row(Φ, EQUALS, box(form.matrix), comma, ψ, EQUALS, box(column), comma, c, EQUALS, box(metric))
-    transposed = Script(c, sup=Glyph("T", "text"))
-    one = Glyph("(1, 0, …, 0)", "text")
-    text: Text = ("Stäckel's matrix Φ, column ψ and coefficients c of ½p² in H; row i holds coordinate ", *_order(form.coordinates),
-                  " only. Checked by substitution, exactly: ", Mathematics(row(transposed, Φ, EQUALS, one)), " and ",
-                  Mathematics(row(transposed, ψ, EQUALS, Glyph("V"))), ".")  # fmt: skip
-    source = f"Phi = {form.matrix.tolist()}, psi = {list(form.column)}, c = {list(form.inverse_metric)}"
-    return [Paragraph(text), Formula(whole, source, "Greenwood (5-139)")]
-
-
-def _order(names: tuple[str, ...]) -> Text:
-    return ("i of ", *listed(names))
-
-
-def _liouville(form: Liouville) -> list[Block]:
-    names = [name_box(name) for name in form.coordinates]
-    rows = tuple(
-        ((Mathematics(name),), (math(f),), (math(R),), (math(v),)) for name, f, R, v in zip(names, form.f, form.R, form.v)
-    )
-    i, sums = Glyph("i"), Glyph("∑", "operator")
-    f, R, v, p = (Script(Glyph(letter), i) for letter in "fRvp")
-    two = Glyph("2", "number")
-    kinetic = row(Glyph("T"), EQUALS, Fraction(row(sums, R, Script(Glyph("p"), i, two)), row(two, sums, f)))
-    potential = row(Glyph("V"), EQUALS, Fraction(row(sums, v), row(sums, f)))
-    whole = row(kinetic, Glyph(",  ", "text"), potential)
-    header: tuple[Text, ...] = (("Coordinate",), (Mathematics(f),), (Mathematics(R),), (Mathematics(v),))
-    return [Paragraph(("Liouville's form:",)), Formula(whole, "T = sum(R_i*p_i**2)/(2*sum(f_i)), V = sum(v_i)/sum(f_i)", "Greenwood (5-125)"),
-            Table(header, rows, "Liouville's functions")]  # fmt: skip
-
-
-# ------------------------------------------------------------------------------------------------ the solution
-def solution_sections(solution: Solution) -> list[Section]:
-    """Give W with the momenta and constants, the time law, and the orbit equations.
-
-    Args:
-        solution: the solution.
-
-    Returns:
-        Three sections; the time law is missing where every coordinate is ignorable.
-    """
-    sections = [_characteristic_function(solution)]
-    if solution.time_law is not None:
-        text = ("The time as a function of the place. The root is positive while the coordinate increases and negative while it decreases; "
-                "the lower limit fixes what the initial time means.")  # fmt: skip
-        sections.append(Section("time-law", "Time law", (Paragraph((text,)), equation(solution.time_law, "Greenwood (5-71)"))))
-    equations = tuple(equation(e, "Greenwood (5-70)") for e in solution.orbit_equations.values())
-    if equations:
-        text = "One equation for each further constant: together they are the orbit, without the time."
-        sections.append(Section("orbit", "Orbit equations", (Paragraph((text,)), *equations)))
-    return sections
-
-
-def _characteristic_function(solution: Solution) -> Section:
-    equality = sp.Eq(sp.Symbol("W"), tidy(solution.characteristic_function), evaluate=False)
-    blocks: list[Block] = [
-        Paragraph(("Hamilton's characteristic function; its derivatives by the coordinates are the momenta:",)),
-        Formula(display(equality), f"W = {solution.characteristic_function}", "Greenwood (5-65)"),
-    ]
-    for name, square in solution.momentum_squared.items():
-        shifted = solution.shift[name] != 0
-        left = Script(Glyph("P" if shifted else "p"), name_box(name), Glyph("2", "number"))
-        blocks.append(formula(left, square, "Greenwood (5-142)"))
-        if shifted:
-            blocks.append(formula(name_box(f"p_{name}"), solution.momenta[name]))
-    rows = tuple(
-        ((Mathematics(name_box(name)),), (math(c.expression),), prose(c.meaning, solution.system))
-        for name, c in solution.constants.items()
-    )
-    blocks.append(Table((("Constant",), ("in terms of q and p",), ("Meaning",)), rows, "Constants of the motion"))
-    return Section("characteristic-function", "Hamilton's characteristic function", tuple(blocks))
-
-
-# ------------------------------------------------------------------------------------------------ a refusal
+# -------------------------------------------------------------------------------- a refusal
 def refusal_section(verdict: Obstruction | Undecided) -> Section:
     """Show the obstruction: residual, witness, advice.
 
@@ -321,10 +269,23 @@ def refusal_section(verdict: Obstruction | Undecided) -> Section:
     blocks: list[Block] = [Paragraph(("The expression that would have to vanish identically:",)), residual]
     if isinstance(verdict, Obstruction):
         point = verdict.witness.point
-        blocks.append(Paragraph(("A witness that it does not: at ", *_point(point), " it is proved to lie between ",
-                                 Code(_enclosed(verdict.witness.lower)), " and ", Code(_enclosed(verdict.witness.upper)), ".")))  # fmt: skip
+        blocks.append(
+            Paragraph(
+                (
+                    "A witness that it does not: at ",
+                    *_point(point),
+                    " it is proved to lie between ",
+                    Code(_enclosed(verdict.witness.lower)),
+                    " and ",
+                    Code(_enclosed(verdict.witness.upper)),
+                    ".",
+                )
+            )
+        )
     elif verdict.value is not None:
-        blocks.append(Paragraph(("At ", *_point(verdict.point), " it is, to 40 digits, ", Code(shortest(verdict.value, 40)), ".")))
+        blocks.append(
+            Paragraph(("At ", *_point(verdict.point), " it is, to 40 digits, ", Code(shortest(verdict.value, 40)), "."))
+        )
     blocks.append(Note(prose(verdict.advice, verdict.system)))
     title = "The obstruction" if isinstance(verdict, Obstruction) else "What is left open"
     return Section("obstruction", title, tuple(blocks))
@@ -339,9 +300,3 @@ def _point(point: Mapping[str, Any]) -> Text:
     for i, (name, value) in enumerate(point.items()):
         pieces += ([", "] if i else []) + [Mathematics(row(name_box(name), EQUALS, box(sp.sympify(value))))]
     return tuple(pieces)
-
-
-__all__ = [
-    "answer", "equation", "formula", "forms_section", "math", "reduction_section", "refusal_section", "solution_sections",
-    "steps_block", "system_section", "test_section",
-]  # fmt: skip

@@ -4,8 +4,24 @@ from __future__ import annotations
 
 from hjsolve.reports.boxes import Grid
 from hjsolve.reports.document import (
-    Block, Code, Document, Figure, Figures, Formula, Inline, Mathematics, Note, Number, Paragraph, Section, Step, Steps, Strong, Table, Text,
-)  # fmt: skip
+    Block,
+    Code,
+    Document,
+    Figure,
+    Figures,
+    Formula,
+    Inline,
+    Mathematics,
+    Note,
+    Number,
+    Paragraph,
+    Section,
+    Step,
+    Steps,
+    Strong,
+    Table,
+    Text,
+)
 from hjsolve.reports.latex import escape, latex
 from hjsolve.reports.notation import GREEK
 
@@ -17,10 +33,30 @@ _PREAMBLE = r"""\documentclass[11pt,a4paper]{article}
 \allowdisplaybreaks
 \begin{document}
 """
-_LETTERS = {"−": "$-$", "±": r"$\pm$", "×": r"$\times$", "∮": r"$\oint$", "∂": r"$\partial$", "½": r"\textonehalf{}", "²": r"\textsuperscript{2}",
-            "ᵀ": r"\textsuperscript{T}", "…": r"\dots{}", "→": r"$\to$", "∞": r"$\infty$", "–": "--", "Σ": r"$\Sigma$", "ᵢ": r"\textsubscript{i}",
-            "ⱼ": r"\textsubscript{j}", "ʰ": r"\textsuperscript{h}", "θ": r"$\theta$", "µ": r"$\mu$"}  # fmt: skip
-_LETTERS |= {letter: f"${latex_name}$" for letter, latex_name in ((v, f"\\{k}") for k, v in GREEK.items() if k not in {"lamda", "lam", "omicron"})}
+_LETTERS = {
+    "−": "$-$",
+    "±": r"$\pm$",
+    "×": r"$\times$",
+    "∮": r"$\oint$",
+    "∂": r"$\partial$",
+    "½": r"\textonehalf{}",
+    "²": r"\textsuperscript{2}",
+    "ᵀ": r"\textsuperscript{T}",
+    "…": r"\dots{}",
+    "→": r"$\to$",
+    "∞": r"$\infty$",
+    "–": "--",
+    "Σ": r"$\Sigma$",
+    "ᵢ": r"\textsubscript{i}",
+    "ⱼ": r"\textsubscript{j}",
+    "ʰ": r"\textsuperscript{h}",
+    "θ": r"$\theta$",
+    "µ": r"$\mu$",
+}
+_LETTERS |= {
+    letter: f"${latex_name}$"
+    for letter, latex_name in ((v, f"\\{k}") for k, v in GREEK.items() if k not in {"lamda", "lam", "omicron"})
+}
 
 
 def tex(document: Document) -> str:
@@ -64,7 +100,8 @@ def _formula(formula: Formula) -> str:
     body = latex(formula.box)
     if isinstance(formula.box, Grid) and not formula.box.left:
         return f"\\begin{{equation*}}\n{body}{tag}\n\\end{{equation*}}"
-    return f"\\begin{{equation*}}\n\\resizebox{{\\ifdim\\width>0.8\\linewidth 0.8\\linewidth\\else\\width\\fi}}{{!}}{{$\\displaystyle {body}$}}{tag}\n\\end{{equation*}}"
+    fit = r"\resizebox{\ifdim\width>0.8\linewidth 0.8\linewidth\else\width\fi}{!}"
+    return f"\\begin{{equation*}}\n{fit}{{$\\displaystyle {body}$}}{tag}\n\\end{{equation*}}"
 
 
 def _step(step: Step) -> str:
@@ -75,7 +112,10 @@ def _step(step: Step) -> str:
 def _table(table: Table) -> str:
     rows = " \\\\\n".join(" & ".join(_text(cell) for cell in row) for row in table.rows)
     head = " & ".join(_text(cell) for cell in table.header)
-    body = rf"\begin{{tabular}}{{{'l' * len(table.header)}}}\toprule {head} \\\midrule" + f"\n{rows} \\\\\\bottomrule\\end{{tabular}}"
+    body = (
+        rf"\begin{{tabular}}{{{'l' * len(table.header)}}}\toprule {head} \\\midrule"
+        + f"\n{rows} \\\\\\bottomrule\\end{{tabular}}"
+    )
     caption = rf"\par\smallskip {{\small {_plain(table.caption)}}}" if table.caption else ""
     shrink = r"\resizebox{\ifdim\width>\linewidth\linewidth\else\width\fi}{!}"
     return rf"\begin{{center}}{shrink}{{{body}}}{caption}\end{{center}}"
@@ -97,7 +137,9 @@ def _inline(piece: Inline) -> str:
             return rf"\textbf{{{_plain(text)}}}"
         case Number():
             proof = " (certified)" if piece.certified else ""
-            return (f"${_digits(piece.value)} \\pm {_digits(piece.error)}$" if piece.error else f"${_digits(piece.value)}$") + proof
+            return (
+                f"${_digits(piece.value)} \\pm {_digits(piece.error)}$" if piece.error else f"${_digits(piece.value)}$"
+            ) + proof
 
 
 def _plain(text: str) -> str:

@@ -5,8 +5,24 @@ from __future__ import annotations
 from textwrap import fill
 
 from hjsolve.reports.document import (
-    Block, Code, Document, Figure, Figures, Formula, Inline, Mathematics, Note, Number, Paragraph, Section, Step, Steps, Strong, Table, Text,
-)  # fmt: skip
+    Block,
+    Code,
+    Document,
+    Figure,
+    Figures,
+    Formula,
+    Inline,
+    Mathematics,
+    Note,
+    Number,
+    Paragraph,
+    Section,
+    Step,
+    Steps,
+    Strong,
+    Table,
+    Text,
+)
 from hjsolve.reports.numbers import raised
 from hjsolve.reports.plain import plain
 
@@ -93,7 +109,14 @@ def wrapped(content: Text, indent: str = "") -> str:
     Returns:
         The lines.
     """
-    return fill(line(content), _WIDTH, initial_indent=indent, subsequent_indent=indent, break_long_words=False, break_on_hyphens=False)
+    return fill(
+        line(content),
+        _WIDTH,
+        initial_indent=indent,
+        subsequent_indent=indent,
+        break_long_words=False,
+        break_on_hyphens=False,
+    )
 
 
 def line(content: Text) -> str:

@@ -111,8 +111,23 @@ def well(motion: Any, name: str) -> Well:
     level_name, sign, weight, potential = _level(solution, F, coordinate.symbol, exact, window)
     level = sign * float(motion.constants[level_name].value) if level_name else 0.0
     V, A, shift = (curve_of(formula, coordinate.symbol, exact) for formula in (potential, weight, solution.shift[name]))
-    return Well(name, level_name, sign, level, potential, V, A, shift, domain, periodic, window, motion.kinds[name], place,
-                _direction(solution, coordinate, exact), (ends[0], ends[1]))  # fmt: skip
+    return Well(
+        name,
+        level_name,
+        sign,
+        level,
+        potential,
+        V,
+        A,
+        shift,
+        domain,
+        periodic,
+        window,
+        motion.kinds[name],
+        place,
+        _direction(solution, coordinate, exact),
+        (ends[0], ends[1]),
+    )
 
 
 def _direction(solution: Any, coordinate: Any, exact: Mapping[sp.Symbol, sp.Expr]) -> int:
@@ -133,8 +148,9 @@ def values_of(motion: Any) -> dict[sp.Symbol, sp.Expr]:
     return {**motion.initial.values, **constants}
 
 
-def _level(solution: Any, F: sp.Expr, q: sp.Symbol, exact: Mapping[sp.Symbol, sp.Expr],
-           window: tuple[float, float]) -> tuple[str, int, sp.Expr, sp.Expr]:  # fmt: skip
+def _level(
+    solution: Any, F: sp.Expr, q: sp.Symbol, exact: Mapping[sp.Symbol, sp.Expr], window: tuple[float, float]
+) -> tuple[str, int, sp.Expr, sp.Expr]:
     """Find the constant that P² is linear in, with a weight that keeps away from zero, E first: F = A·(level − V)."""
     low, high = window
     places = low + (high - low) * (np.arange(60) + 0.5) / 60
@@ -161,14 +177,21 @@ def readable(expression: sp.Expr) -> sp.Expr:
     Returns:
         An equal expression.
     """
-    return sp.Add(*(sp.powsimp(sp.cancel(term) if term.is_rational_function() else term) for term in sp.Add.make_args(sp.expand(expression))))
+    return sp.Add(
+        *(
+            sp.powsimp(sp.cancel(term) if term.is_rational_function() else term)
+            for term in sp.Add.make_args(sp.expand(expression))
+        )
+    )
 
 
 def _end(end: Any, exact: Mapping[sp.Symbol, sp.Expr]) -> float | None:
     return None if end is None else float(sp.N(sp.sympify(end).subs(exact), 30))
 
 
-def _window(domain: tuple[float, float], ends: tuple[float | None, ...], place: float, kind: str) -> tuple[float, float]:
+def _window(
+    domain: tuple[float, float], ends: tuple[float | None, ...], place: float, kind: str
+) -> tuple[float, float]:
     """Show the motion with room around it; a bounded domain is shown whole unless the motion is small in it."""
     low, high = domain
     a, b = ends

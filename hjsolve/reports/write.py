@@ -39,21 +39,34 @@ def _tex(content: Document) -> str:
     return tex(content)
 
 
-_WRITERS: Mapping[str, Callable[[Document], str]] = {".html": html, ".md": _markdown, ".json": _json, ".txt": _text, ".tex": _tex}
+_WRITERS: Mapping[str, Callable[[Document], str]] = {
+    ".html": html,
+    ".md": _markdown,
+    ".json": _json,
+    ".txt": _text,
+    ".tex": _tex,
+}
 SUFFIXES = tuple(_WRITERS)
 
 
-def report(subject: Subject, path: str | Path, *, initial: Mapping[str, Any] | None = None, motion: str = "default",
-           digits: int = 15) -> Path:  # fmt: skip
+def report(
+    subject: Subject,
+    path: str | Path,
+    *,
+    initial: Mapping[str, Any] | None = None,
+    motion: str = "default",
+    digits: int = 15,
+) -> Path:
     """Write a report about a system, a verdict, a solution or a motion.
 
-    What can be told is told: formulas always; numbers and drawings where there are initial data, which a catalog entry brings.
+    What can be told is told: formulas always; numbers and drawings where there are initial data, which a catalog
+    entry brings.
 
     Args:
-        subject: a ``System``, ``Separation``, ``Obstruction``, ``Undecided``, ``Solution`` or ``Motion``; a catalog id, or the path
-            of a TOML entry.
-        path: where to write; the suffix chooses the format: .html, .md, .json, .txt or .tex. An existing file is replaced,
-            and only once the new one is complete.
+        subject: a ``System``, ``Separation``, ``Obstruction``, ``Undecided``, ``Solution`` or ``Motion``; a catalog id,
+            or the path of a TOML entry.
+        path: where to write; the suffix chooses the format: .html, .md, .json, .txt or .tex. An existing file is
+            replaced, and only once the new one is complete.
         initial: keyword arguments for ``solution.motion``, in place of the catalog's initial data.
         motion: which of the catalog entry's motions.
         digits: of the numbers.

@@ -1,0 +1,136 @@
+"""The sections of a report about the solution: Stäckel's and Liouville's form, W, time law, orbit equations."""
+
+from __future__ import annotations
+
+import sympy as sp
+
+from hjsolve.reports.boxes import Fraction, Glyph, Script, row
+from hjsolve.reports.document import Block, Formula, Mathematics, Paragraph, Section, Table, Text
+from hjsolve.reports.notation import box, display, name_box, tidy
+from hjsolve.reports.prose import listed, prose
+from hjsolve.reports.symbolic import EQUALS, equation, formula, math
+from hjsolve.separation import Liouville, Separation, Stackel
+from hjsolve.solution import Solution
+
+
+def forms_section(verdict: Separation) -> Section | None:
+    """Show Stäckel's matrix and Liouville's functions, of the full system and of the shell.
+
+    Args:
+        verdict: a separation.
+
+    Returns:
+        The section; None where there is nothing to show.
+    """
+    blocks: list[Block] = []
+    full, shell = (verdict.stackel, verdict.liouville), (verdict.reduced.stackel, verdict.reduced.liouville)
+    blocks += _forms(*full)
+    if any(shell) and (not all(full) or not verdict.ignorable) and shell != full:
+        opening = (
+            "Of the shell, with the ignorable momenta as constants:"
+            if any(full)
+            else ("The full system is neither; its shell, with the ignorable momenta as constants, is:")
+        )
+        blocks += [Paragraph((opening,)), *_forms(*shell)]
+    return Section("forms", "Stäckel's and Liouville's form", tuple(blocks)) if blocks else None
+
+
+def _forms(stackel: Stackel | None, liouville: Liouville | None) -> list[Block]:
+    blocks: list[Block] = []
+    if stackel is not None:
+        blocks += _stackel(stackel)
+    if liouville is not None:
+        blocks += _liouville(liouville)
+    return blocks
+
+
+def _stackel(form: Stackel) -> list[Block]:
+    Φ, ψ, c = Glyph("Φ"), Glyph("ψ"), Glyph("c")
+    column = sp.ImmutableMatrix(form.column)
+    metric = sp.ImmutableMatrix(form.inverse_metric)
+    comma = Glyph(",  ", "text")
+    whole = row(Φ, EQUALS, box(form.matrix), comma, ψ, EQUALS, box(column), comma, c, EQUALS, box(metric))
+    transposed = Script(c, sup=Glyph("T", "text"))
+    one = Glyph("(1, 0, …, 0)", "text")
+    text: Text = (
+        "Stäckel's matrix Φ, column ψ and coefficients c of ½p² in H; row i holds coordinate ",
+        *_order(form.coordinates),
+        " only. Checked by substitution, exactly: ",
+        Mathematics(row(transposed, Φ, EQUALS, one)),
+        " and ",
+        Mathematics(row(transposed, ψ, EQUALS, Glyph("V"))),
+        ".",
+    )
+    source = f"Phi = {form.matrix.tolist()}, psi = {list(form.column)}, c = {list(form.inverse_metric)}"
+    return [Paragraph(text), Formula(whole, source, "Greenwood (5-139)")]
+
+
+def _order(names: tuple[str, ...]) -> Text:
+    return ("i of ", *listed(names))
+
+
+def _liouville(form: Liouville) -> list[Block]:
+    names = [name_box(name) for name in form.coordinates]
+    rows = tuple(
+        ((Mathematics(name),), (math(f),), (math(R),), (math(v),))
+        for name, f, R, v in zip(names, form.f, form.R, form.v)
+    )
+    i, sums = Glyph("i"), Glyph("∑", "operator")
+    f, R, v = (Script(Glyph(letter), i) for letter in "fRv")
+    two = Glyph("2", "number")
+    kinetic = row(Glyph("T"), EQUALS, Fraction(row(sums, R, Script(Glyph("p"), i, two)), row(two, sums, f)))
+    potential = row(Glyph("V"), EQUALS, Fraction(row(sums, v), row(sums, f)))
+    whole = row(kinetic, Glyph(",  ", "text"), potential)
+    header: tuple[Text, ...] = (("Coordinate",), (Mathematics(f),), (Mathematics(R),), (Mathematics(v),))
+    return [
+        Paragraph(("Liouville's form:",)),
+        Formula(whole, "T = sum(R_i*p_i**2)/(2*sum(f_i)), V = sum(v_i)/sum(f_i)", "Greenwood (5-125)"),
+        Table(header, rows, "Liouville's functions"),
+    ]
+
+
+# ------------------------------------------------------------------------------------------------ the solution
+def solution_sections(solution: Solution) -> list[Section]:
+    """Give W with the momenta and constants, the time law, and the orbit equations.
+
+    Args:
+        solution: the solution.
+
+    Returns:
+        Three sections; the time law is missing where every coordinate is ignorable.
+    """
+    sections = [_characteristic_function(solution)]
+    if solution.time_law is not None:
+        text = (
+            "The time as a function of the place. The root is positive while the coordinate increases and negative "
+            "while it decreases; "
+            "the lower limit fixes what the initial time means."
+        )
+        sections.append(
+            Section("time-law", "Time law", (Paragraph((text,)), equation(solution.time_law, "Greenwood (5-71)")))
+        )
+    equations = tuple(equation(e, "Greenwood (5-70)") for e in solution.orbit_equations.values())
+    if equations:
+        text = "One equation for each further constant: together they are the orbit, without the time."
+        sections.append(Section("orbit", "Orbit equations", (Paragraph((text,)), *equations)))
+    return sections
+
+
+def _characteristic_function(solution: Solution) -> Section:
+    equality = sp.Eq(sp.Symbol("W"), tidy(solution.characteristic_function), evaluate=False)
+    blocks: list[Block] = [
+        Paragraph(("Hamilton's characteristic function; its derivatives by the coordinates are the momenta:",)),
+        Formula(display(equality), f"W = {solution.characteristic_function}", "Greenwood (5-65)"),
+    ]
+    for name, square in solution.momentum_squared.items():
+        shifted = solution.shift[name] != 0
+        left = Script(Glyph("P" if shifted else "p"), name_box(name), Glyph("2", "number"))
+        blocks.append(formula(left, square, "Greenwood (5-142)"))
+        if shifted:
+            blocks.append(formula(name_box(f"p_{name}"), solution.momenta[name]))
+    rows = tuple(
+        ((Mathematics(name_box(name)),), (math(c.expression),), prose(c.meaning, solution.system))
+        for name, c in solution.constants.items()
+    )
+    blocks.append(Table((("Constant",), ("in terms of q and p",), ("Meaning",)), rows, "Constants of the motion"))
+    return Section("characteristic-function", "Hamilton's characteristic function", tuple(blocks))
