@@ -159,6 +159,8 @@ def _settle(ray: Ray, cell: tuple[float, float], digits: int) -> End | None:
     bits = 256
     f0, d0, _ = ray.jet(x0, bits)
     f1, d1, _ = ray.jet(x1, bits)
+    if d1 == 0 and abs(f1) <= abs(f0) * multiprecision(bits).mpf(2) ** (24 - bits):
+        return End("asymptote", lambda b: ray.place(x1, b + 32), 2.0)
     if d0 * d1 >= 0:
         return _turning(ray, x0, x1, digits) if f1 < 0 else None
     if d0 > 0:
