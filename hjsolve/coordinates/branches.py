@@ -9,6 +9,7 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import dataclass, replace
+from functools import lru_cache
 from random import Random
 
 import mpmath
@@ -105,17 +106,20 @@ def _split(search: _Search, branch: _Branch) -> list[_Branch]:
     return _single(search, replace(branch, equations=tuple(part[0] for part in parts)))
 
 
-def _factors(equation: sp.Expr, unknowns: tuple[sp.Symbol, ...]) -> list[sp.Expr] | None:
-    """Return the distinct factors that contain unknowns; None for 0 = 0, [] for a contradiction."""
+@lru_cache(maxsize=4096)
+def _factors(equation: sp.Expr, unknowns: tuple[sp.Symbol, ...]) -> tuple[sp.Expr, ...] | None:
+    """Return the distinct factors that contain unknowns; None for 0 = 0, () for a contradiction."""
     numerator = sp.expand(sp.numer(sp.together(equation)))
     if numerator == 0:
         return None
     inside = sorted(numerator.free_symbols & set(unknowns), key=str)
     if not inside:
-        return None if sp.simplify(numerator) == 0 else []
+        return None if sp.simplify(numerator) == 0 else ()
+    if max(sum(monomial) for monomial in sp.Poly(numerator, *inside).monoms()) == 1:
+        return (numerator,)
     roots = [a for a in numerator.atoms(sp.Pow) if a.base.is_Rational and a.exp.is_Rational and not a.exp.is_Integer]
     options = {"extension": sorted(roots, key=str)} if roots else {}
-    return [f for f, _ in sp.factor_list(numerator, *inside, **options)[1]]
+    return tuple(f for f, _ in sp.factor_list(numerator, *inside, **options)[1])
 
 
 def _single(search: _Search, branch: _Branch) -> list[_Branch]:

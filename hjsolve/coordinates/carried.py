@@ -19,11 +19,13 @@ class Carrier:
 
     Attributes:
         mapping: old symbol → expression in the new ones.
-        sign: sign of an expression on the domain: 1, −1, or 0 where it changes.
+        sign: sign of an expression on the domain: 1, −1, or 0 where it changes or a parameter decides.
+        assumed: collects what was taken to be positive where the sign is 0 (|c| is written c).
     """
 
     mapping: Mapping[sp.Symbol, sp.Expr]
     sign: Callable[[sp.Expr], int]
+    assumed: set[sp.Expr]
 
     def carry(self, expression: sp.Expr) -> sp.Expr:
         """Return the expression in the new coordinates."""
@@ -55,25 +57,25 @@ class Carrier:
         inside, outside = coefficient, sp.S.One
         for factor, count in factors:
             whole = count // 2
-            sign = self.sign(factor) if whole else 0
-            size = factor if sign > 0 else -factor if sign < 0 else sp.Abs(factor)
-            outside *= size ** (2 * whole * exponent)
+            outside *= self._size(factor) ** (2 * whole * exponent) if whole else 1
             inside *= factor ** (count - 2 * whole)
         return self._rest(inside, exponent) * outside
 
+    def _size(self, factor: sp.Expr) -> sp.Expr:
+        """Return |factor|; where its sign is open it is taken to be positive, and that is noted."""
+        sign = self.sign(factor)
+        if sign == 0:
+            self.assumed.add(factor)
+        return -factor if sign < 0 else factor
+
     def _rest(self, inside: sp.Expr, exponent: sp.Expr) -> sp.Expr:
-        """Raise what is left, with the sign of every factor that keeps one made positive."""
+        """Raise what is left, every factor that keeps its sign by itself."""
         if not inside.is_Mul:
             return inside**exponent
-        product, rest = sp.S.One, sp.S.One
-        for factor in inside.args:
-            sign = self.sign(factor)
-            if sign:
-                product *= (sign * factor) ** exponent
-                rest *= sign
-            else:
-                rest *= factor
-        return product * rest**exponent
+        signs = [self.sign(factor) for factor in inside.args]
+        known = sp.prod([(s * f) ** exponent for s, f in zip(signs, inside.args, strict=True) if s])
+        rest = sp.prod([s if s else f for s, f in zip(signs, inside.args, strict=True)])
+        return known * rest**exponent if rest != -1 else inside**exponent
 
 
 def _is_polynomial(expression: sp.Expr) -> bool:

@@ -58,7 +58,7 @@ def _cartesian(forms: Sequence[sp.Matrix], sign: Sign) -> list[Geometry]:
         (low, e1), (middle, e2), (high, e3) = sort_frame(eigenframe(_form(forms, values)), sign)
         if tidy(middle - low) == 0 or tidy(high - middle) == 0:
             return None
-        axes = sorted((e1, e2, e3), key=lambda v: [abs(c.evalf()) for c in v], reverse=True)
+        axes = sorted((e1, e2, e3), key=lambda v: [c != 0 for c in v], reverse=True)
         return Geometry("cartesian", _ORIGIN, righted(axes[0], axes[1], axes[2]))
 
     freedom = {1: 0, 2: 0, 3: 1, 5: 3}.get(len(forms), 0)

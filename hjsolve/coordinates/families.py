@@ -113,7 +113,7 @@ class Found(Generic[Member]):
 
 
 def representatives(choices: Callable[[tuple[sp.Expr, ...]], Member | None], count: int, kind: Callable[[Member], str],
-                    wanted: int, cost: Callable[[Member], int], enough: int = 12) -> dict[str, Found[Member]]:
+                    wanted: int, cost: Callable[[Member], int], enough: int = 10) -> dict[str, Found[Member]]:
     """Sample a family at small parameter values and keep the simplest member of each kind.
 
     Args:
@@ -121,7 +121,7 @@ def representatives(choices: Callable[[tuple[sp.Expr, ...]], Member | None], cou
         count: number of parameters.
         kind: kind of a member.
         wanted: stop when so many kinds have been seen.
-        cost: simplicity; the smaller the better, 0 cannot be improved.
+        cost: simplicity; the smaller the better, below 10 good enough (rational constants only).
         enough: members of every kind to look at before stopping.
     """
     best: dict[str, Found[Member]] = {}
@@ -134,6 +134,6 @@ def representatives(choices: Callable[[tuple[sp.Expr, ...]], Member | None], cou
         seen[name] = seen.get(name, 0) + 1
         if name not in best or cost(member) < cost(best[name].member):
             best[name] = Found(member, values)
-        if len(best) >= wanted and all(seen[name] >= enough or cost(best[name].member) == 0 for name in best):
+        if len(best) >= wanted and all(seen[name] >= enough or cost(best[name].member) < 10 for name in best):
             break
     return best

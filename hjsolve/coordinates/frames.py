@@ -40,6 +40,10 @@ def tidy(expression: sp.Expr) -> sp.Expr:
         return expression
     if not any(p.exp.is_Rational and not p.exp.is_Integer for p in expression.atoms(sp.Pow)):
         return sp.expand(expression) if expression.is_number else sp.factor(expression)
+    if expression.is_Mul and expression.free_symbols:
+        number, rest = expression.as_independent(*expression.free_symbols, as_Add=False)
+        if number != 1 and rest.atoms(sp.Pow) != expression.atoms(sp.Pow):
+            return tidy(number) * tidy(rest)
     if expression.is_number:
         return sp.sqrtdenest(sp.radsimp(sp.expand(expression)))
     return sp.radsimp(sp.factor(sp.sqrtdenest(expression)))
@@ -67,7 +71,8 @@ def unit(v: Sequence[sp.Expr]) -> Vector:
 
 def cross(a: Vector, b: Vector) -> Vector:
     """Return a × b."""
-    return tuple(tidy(c) for c in sp.Matrix(a).cross(sp.Matrix(b)))
+    (a1, a2, a3), (b1, b2, b3) = a, b
+    return tidy(a2 * b3 - a3 * b2), tidy(a3 * b1 - a1 * b3), tidy(a1 * b2 - a2 * b1)
 
 
 def dot(a: Sequence[sp.Expr], b: Sequence[sp.Expr]) -> sp.Expr:
@@ -160,7 +165,5 @@ def sort_frame(frame: list[tuple[sp.Expr, Vector]], sign: Sign) -> list[tuple[sp
 
 
 def righted(e1: Vector, e2: Vector, e3: Vector) -> tuple[Vector, Vector, Vector]:
-    """Return the frame with the last vector turned round where it was left-handed."""
-    if sp.Matrix([e1, e2, e3]).det().evalf() < 0:
-        e3 = tuple(-c for c in e3)
-    return e1, e2, e3
+    """Return the orthonormal frame with the last vector turned round where it was left-handed."""
+    return e1, e2, cross(e1, e2)

@@ -14,8 +14,9 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import dataclass
-from functools import cache
+from functools import cache, reduce
 from itertools import combinations, combinations_with_replacement
+from operator import mul
 from random import Random
 from typing import Any
 
@@ -108,22 +109,30 @@ def _coefficients(tensors: tuple[sp.ImmutableMatrix, ...], x: tuple[sp.Symbol, .
     return table
 
 
+def _in_field(table: list[Any], field: Any) -> list[Any]:
+    """Convert the rational coefficients of a table to the field of constants, once for all points."""
+    return [[[(slot, [(exponents, field.convert(c)) for exponents, c in terms]) for slot, terms in tensor]
+             for tensor in equation] for equation in table]
+
+
 def _rows_at(algebra: PointAlgebra, values: Sequence[sp.Expr], table: list[Any], width: int) -> list[list[Any]]:
     """Return the linear equations that one point gives."""
     field = algebra.field
     elements = [algebra.evaluate(value) for value in values]
     x = list(algebra.point.values())
+    monomials: dict[tuple[int, ...], Any] = {}
     rows: list[list[Any]] = []
     for equation in table:
         parts: dict[Any, list[Any]] = {}
         for column, tensor in enumerate(equation):
             for slot, terms in tensor:
+                if not elements[slot]:
+                    continue
                 number = field.zero
                 for exponents, coefficient in terms:
-                    term = field.convert(coefficient)
-                    for q, e in zip(x, exponents, strict=True):
-                        term *= q**e
-                    number += term
+                    if exponents not in monomials:
+                        monomials[exponents] = reduce(mul, (q**e for q, e in zip(x, exponents, strict=True)))
+                    number += coefficient * monomials[exponents]
                 for key, value in elements[slot].items():
                     row = parts.setdefault(key, [field.zero] * width)
                     row[column] += number * value
@@ -166,9 +175,10 @@ def _nullspace(echelon: dict[int, list[Any]], width: int, field: Any) -> list[li
 
 def _points(made_of: Generators, values: Sequence[sp.Expr], table: list[Any], width: int, random: Random):  # type: ignore[no-untyped-def]
     """Yield the equations of one random regular point after another."""
+    converted = _in_field(table, made_of.ground.field)
     for _ in range(_MOST_POINTS):
         try:
-            yield _rows_at(PointAlgebra(made_of, random), values, table, width)
+            yield _rows_at(PointAlgebra(made_of, random), values, converted, width)
         except (ZeroDivisor, ZeroDivisionError):
             continue
     raise InternalError("find_coordinates: no regular points of the potential were found")

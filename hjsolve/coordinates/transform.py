@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Mapping, Sequence
+from collections.abc import Callable, Iterable, Mapping, Sequence
 from dataclasses import dataclass
 from random import Random
 
@@ -45,7 +45,7 @@ def web_of(geometry: Geometry, cartesian: Cartesian, *, budget: float) -> Web:
     local = _own_names(chart(geometry.kind, geometry.lengths, n, _symbol_maker(cartesian)), geometry, cartesian)
     names = tuple(s.name for s in local.symbols)
     X = [tidy_sum(c, geometry.axes, local, i) for i, c in enumerate(geometry.centre)]
-    carrier = Carrier(dict(zip(cartesian.X, X, strict=True)), _domain_sign(local, cartesian))
+    carrier = Carrier(dict(zip(cartesian.X, X, strict=True)), _domain_sign(local, cartesian), set())
     potential = carrier.carry(cartesian.potential)
     speeds = [sp.Symbol(f"dot({name})", real=True) for name in names]
     kinetic = cartesian.mass / 2 * sp.Add(*(h * v**2 for h, v in zip(local.scale, speeds, strict=True)))
@@ -58,7 +58,7 @@ def web_of(geometry: Geometry, cartesian: Cartesian, *, budget: float) -> Web:
     transformation = {q.name: sp.expand(entry) for q, entry in zip(cartesian.system.coordinates, old, strict=True)}
     return Web(geometry.kind, geometry.centre, geometry.axes, geometry.foci, dict(geometry.lengths), geometry.freedom,
                geometry.family, names, transformation, transformed, separate(transformed, budget=budget),
-               _remark(geometry, local, cartesian))
+               _remark(geometry, local, carrier.assumed))
 
 
 def _own_names(local: Chart, geometry: Geometry, cartesian: Cartesian) -> Chart:
@@ -90,7 +90,7 @@ def _symbol_maker(cartesian: Cartesian) -> Callable[[str, Range], sp.Symbol]:
 
 
 def _domain_sign(local: Chart, cartesian: Cartesian) -> Callable[[sp.Expr], int]:
-    """Return the sign of an expression at random points of the domain; 0 where it changes."""
+    """Return the sign of an expression at random points of the domain; 0 where it changes or a parameter decides."""
     random = Random(11)
     points = [{**cartesian.values, **{s: _inside(where, cartesian.values, random) for s, where in
                                       zip(local.symbols, local.ranges, strict=True)}} for _ in range(6)]
@@ -116,9 +116,9 @@ def _inside(where: Range, values: Mapping[sp.Symbol, sp.Expr], random: Random) -
     return 4 * fraction - 2 if low is None and high is None else low + 3 * fraction if high is None else high - 3 * fraction
 
 
-def _remark(geometry: Geometry, local: Chart, cartesian: Cartesian) -> str:
-    """Say what the chart covers and which order of the parameters was taken for granted."""
+def _remark(geometry: Geometry, local: Chart, assumed: Iterable[sp.Expr]) -> str:
+    """Say what the chart covers and what was taken to be positive."""
     radicands = {p.base for v in (*geometry.foci, tuple(geometry.lengths.values())) for c in v for p in c.atoms(sp.Pow)
                  if p.exp.is_Rational and not p.exp.is_Integer and p.base.free_symbols}
-    order = [f"for {b} > 0" for b in sorted(radicands, key=str) if b.is_positive is None]
-    return "; ".join(part for part in (local.remark, *order) if part)
+    order = sorted({*radicands, *assumed}, key=str)
+    return "; ".join([local.remark] * bool(local.remark) + [f"for {e} > 0" for e in order if e.is_positive is None])

@@ -80,7 +80,7 @@ def _family_webs(kind: str, base: sp.MatrixBase | None, terms: Sequence[sp.Matri
     if freedom == 0:
         only = member(tuple(sp.S.One for _ in terms))
         return [only] if only is not None else []
-    best = representatives(member, len(terms), lambda g: kind, 1, lambda g: g.complexity, 14)
+    best = representatives(member, len(terms), lambda g: kind, 1, lambda g: g.complexity)
     return [in_words(best[kind], freedom, member)] if best else []
 
 

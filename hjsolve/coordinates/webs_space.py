@@ -116,15 +116,12 @@ def space_webs(family: Family, potential: Potential) -> list[Geometry]:
 
 
 def _axial_webs(terms: Sequence[sp.MatrixBase], potential: Potential) -> list[Geometry]:
-    def member(values: tuple[sp.Expr, ...]) -> Geometry | None:
-        found = classify(combination(None, terms, values, 3), potential.sign)
-        return found if found is not None and found.kind in ("paraboloidal", "rotational parabolic") else None
+    def paraboloid(values: tuple[sp.Expr, ...]) -> Geometry | None:
+        return _only(classify(combination(None, terms, values, 3), potential.sign), "paraboloidal")
 
-    webs = _sampled(member, len(terms), len(terms) - 1)
-    if any(web.kind == "paraboloidal" for web in webs) and len(terms) > 1:
-        webs = [web for web in webs if web.kind == "paraboloidal"]
-        webs += _rotational(terms, potential)
-    return webs
+    arbitrary = tuple(sp.Rational(2 * i * i + 1, 3 + i) for i in range(len(terms)))
+    webs = _sampled(paraboloid, len(terms), len(terms) - 1) if paraboloid(arbitrary) is not None else []
+    return webs + _rotational(terms, potential)
 
 
 def _central_webs(family: Family, terms: Sequence[sp.MatrixBase], potential: Potential) -> list[Geometry]:
@@ -214,18 +211,12 @@ def _only(web: Geometry | None, *kinds: str) -> Geometry | None:
 
 
 def _sampled(member: Callable[[tuple[sp.Expr, ...]], Geometry | None], count: int, freedom: int) -> list[Geometry]:
-    """Return the simplest member of every kind in a family."""
+    """Return the simplest member of a family of one kind."""
     if freedom == 0:
         only = member(tuple(sp.S.One for _ in range(count)))
         return [] if only is None else [only]
-    best = representatives(member, count, lambda g: g.kind, 2, lambda g: g.complexity)
-    webs = []
-    for kind in best:
-        def same(values: tuple[sp.Expr, ...], kind: str = kind) -> Geometry | None:
-            return _only(member(values), kind)
-
-        webs.append(in_words(best[kind], freedom, same))
-    return webs
+    best = representatives(member, count, lambda g: g.kind, 1, lambda g: g.complexity)
+    return [in_words(found, freedom, member) for found in best.values()]
 
 
 def _rotational(terms: Sequence[sp.MatrixBase], potential: Potential) -> list[Geometry]:
