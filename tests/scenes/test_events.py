@@ -71,7 +71,7 @@ class Reference:
         return mp.mpf(sp.N(self.speed[i].xreplace(at), 55))
 
     def flow(self, time: Any, state: list[Any]) -> Callable[[Any], list[Any]]:
-        flow = Flow(self.H, self.q, self.p, self.values, state, digits=38)
+        flow = Flow(self.H, self.q, self.p, self.values, state, digits=32)
         return lambda t: flow.at(t - time)
 
     def jump(self, kind: str, event: Any, state: list[Any]) -> list[Any]:
@@ -102,25 +102,24 @@ class Reference:
         found, state, begin = [], self.state, mp.zero
         for arc in run.arcs:
             flow = self.flow(begin, state)
-            end = None if arc.ends is None else self._moment(flow, begin, state, arc)
-            for t in times:
-                if mp.mpf(t) >= begin and (end is None or mp.mpf(t) < end):
-                    found.append(self.flow(begin, state)(mp.mpf(t)))
-            if end is None:
+            last = mp.inf if arc.ends is None else mp.mpf(arc.ends.value)
+            found += [flow(mp.mpf(t)) for t in times if begin <= mp.mpf(t) < last]
+            if arc.ends is None:
                 return found
-            state, begin = self.flow(begin, state)(end), end
+            begin = self._moment(flow, arc)
+            state = flow(begin)
             for event in arc.events:
                 state = self.jump(event.kind, event, state)
         return found
 
-    def _moment(self, flow: Any, begin: Any, state: list[Any], arc: Any) -> Any:
+    def _moment(self, flow: Any, arc: Any) -> Any:
         event, time = arc.events[0], mp.mpf(arc.ends.value)
         if event.time is not None:
             return mp.mpf(sp.N(event.time, 60))
         i = self.names.index(event.coordinate)
         target = mp.mpf(sp.N(event.value, 60))
-        for _ in range(5):
-            there = self.flow(begin, state)(time)
+        for _ in range(3):
+            there = flow(time)
             off = there[i] - target
             if self.system.coordinate(event.coordinate).domain.kind == "angle":
                 off -= 2 * mp.pi * mp.nint(off / (2 * mp.pi))
