@@ -1,0 +1,47 @@
+"""Draw the figures of README and docs: ``python docs/figures.py`` writes them beside this file."""
+
+from __future__ import annotations
+
+from pathlib import Path
+
+import hjsolve
+from hjsolve.reports import paths, svg
+from hjsolve.reports.document import Figure
+from hjsolve.reports.figures import effective_potential, phase_portrait
+from hjsolve.reports.wells import well
+
+HERE = Path(__file__).resolve().parent
+
+
+def side_by_side(figures: list[Figure], title: str, description: str) -> str:
+    """Put drawings of equal height next to each other in one SVG that stands alone."""
+    width, height, gap = 460.0, 320.0, 24.0
+    total = len(figures) * width + (len(figures) - 1) * gap
+    parts = []
+    for i, figure in enumerate(figures):
+        place = f'x="{i * (width + gap):g}" y="0" width="{width:g}" height="{height:g}" preserveAspectRatio="xMidYMid meet" '
+        parts.append(figure.svg.replace("<svg ", f"<svg {place}", 1))
+    head = f'<svg xmlns="http://www.w3.org/2000/svg" viewBox="0 0 {total:g} {height:g}" role="img"><title>{title}</title>'
+    return svg.standalone(f"{head}<desc>{description}</desc>{''.join(parts)}</svg>")
+
+
+def kepler() -> str:
+    """Effective potential, phase portrait and orbit of a Kepler ellipse whose centre also pulls like 1/r³."""
+    entry = hjsolve.catalog.describe("kepler-planar")
+    solution = hjsolve.solve(hjsolve.catalog.load("kepler-planar", effects=["precession"]))
+    motion = solution.motion(**entry.initial.arguments)
+    radius = well(motion, "r")
+    t, closed = paths.times(motion)
+    orbit = paths.orbit(motion, t, motion.at(t), closed, "orbit")
+    assert orbit is not None
+    figures = [effective_potential(radius, "potential", several=False), phase_portrait(radius, "phase"), orbit]
+    return side_by_side(figures, "A precessing Kepler ellipse", "Effective potential with turning points, phase plane, orbit.")
+
+
+def main() -> None:
+    """Write every figure."""
+    (HERE / "kepler.svg").write_text(kepler(), encoding="utf-8")
+
+
+if __name__ == "__main__":
+    main()
