@@ -159,7 +159,8 @@ def _after(motion: Motion, leg: Leg, time: sp.Expr, events: tuple[Event, ...]) -
             q[c.name], values[c.momentum] = given[c.symbol], given[c.momentum]
         else:
             q[c.name] = exact(state.q[c.name], motion.digits)
-            values[c.momentum] = given[c.momentum] if c.name not in motion.located else exact(state.p[c.name], motion.digits)
+            if c.name in motion.located:
+                values[c.momentum] = exact(state.p[c.name], motion.digits)
         if c.name in surfaces and c.domain.kind != "angle":
             q[c.name] = surfaces[c.name]
         values[c.symbol] = q[c.name]

@@ -209,7 +209,7 @@ def test_two_walls_met_at_once_turn_both_momenta() -> None:
 
 
 def test_passages_are_counted_over_other_events() -> None:
-    """theta = 0 is passed every half period; the impulse at the third passage comes after one of zero strength at t = 1."""
+    """theta = 0 is passed every half period; an impulse of zero strength at t = 1 does not disturb the count."""
     base = {"system": "pendulum", "initial": {"q": {"theta": "0.3"}, "velocity": {"theta": "0"}}, "want": ["periods"],
             "times": [5]}  # fmt: skip
     third = {"kind": "impulse", "at": {"coordinate": "theta", "value": "0", "passage": 2}, "momentum": {"theta": "1"}}
@@ -231,8 +231,8 @@ def test_a_pendulum_is_pushed_over_the_top_and_back() -> None:
 
 def test_a_pendulum_at_rest_stays_exactly_at_rest_until_it_is_pushed() -> None:
     run = Scene.load({
-        "system": "pendulum", "initial": {"q": {"theta": "0"}, "velocity": {"theta": "0"}}, "want": ["kinds", "trajectory"],
-        "times": ["0.5", "1.5"], "events": [{"kind": "impulse", "at": {"t": "1"}, "velocity": {"theta": "1e-3"}}],
+        "system": "pendulum", "initial": {"q": {"theta": "0"}, "velocity": {"theta": "0"}}, "times": ["0.5", "1.5"],
+        "want": ["kinds", "trajectory"], "events": [{"kind": "impulse", "at": {"t": "1"}, "velocity": {"theta": "1e-3"}}],
     }).run()  # fmt: skip
     assert [arc.quantities["kinds"]["theta"] for arc in run.arcs] == ["equilibrium", "libration"]
     assert run.trajectory.q["theta"][0] == 0

@@ -50,10 +50,12 @@ FAULTS: dict[str, tuple[str, str]] = {
     "too many digits": ("accuracy = {digits = 100000}" + GOOD, "accuracy.digits: must be a whole number"),
     "event of unknown kind": (GOOD.replace("impulse", "impuls"), 'events[1].kind: "impuls" is not known'),
     "event nowhere": (GOOD.replace('at = {t = "5"}', "at = {}"), "events[1].at: give a time t, or a coordinate"),
-    "event at a time and a place": (GOOD.replace('t = "5"', 't = "5", coordinate = "r", value = "1"'), "events[1].at: give"),
+    "event at a time and a place": (
+        GOOD.replace('t = "5"', 't = "5", coordinate = "r", value = "1"'), "events[1].at: give"),
     "event at a coordinate without value": (GOOD.replace('t = "5"', 'coordinate = "r"'), "coordinate and value belong"),
     "event at an unknown coordinate": (GOOD.replace('t = "5"', 'coordinate = "x", value = "1"'), 'no coordinate "x"'),
-    "event outside the domain": (GOOD.replace('t = "5"', 'coordinate = "r", value = "-1"'), "not inside the domain of r"),
+    "event outside the domain": (
+        GOOD.replace('t = "5"', 'coordinate = "r", value = "-1"'), "not inside the domain of r"),
     "event before the start": (GOOD.replace('t = "5"', 't = "-5"'), "events[1].at.t: -5 lies before the start"),
     "passage below zero": (GOOD.replace('t = "5"', 'coordinate = "r", value = "1.5", passage = -1'), "at.passage"),
     "impulse without a jump": (GOOD.replace('momentum = {theta = "0.1"}', ""), "an impulse gives momentum or velocity"),
@@ -71,11 +73,13 @@ FAULTS: dict[str, tuple[str, str]] = {
     "orbit not wanted": ('orbit = {of = "theta", along = "r"}' + GOOD, "orbit: described but not wanted"),
     "orbit of an unknown coordinate": (
         'orbit = {of = "phi", along = "r"}' + GOOD.replace('"periods"', '"orbit"'), 'orbit: no coordinate "phi"'),
-    "inline system without T": ("[system]\ncoordinates = [{name = \"x\", domain = \"line\"}]", "system.kinetic: missing"),
+    "inline system without T": (
+        '[system]\ncoordinates = [{name = "x", domain = "line"}]', "system.kinetic: missing"),
     "inline system with a faulty formula": (
         '[system]\ncoordinates = [{name = "x", domain = "line"}]\nkinetic = "dot(x)**"', "kinetic"),
     "inline system with an unknown key": (
-        '[system]\ncoordinates = [{name = "x", domain = "line"}]\nkinetic = "dot(x)**2"\nmass = 1', "system.mass: unknown key"),
+        '[system]\ncoordinates = [{name = "x", domain = "line"}]\nkinetic = "dot(x)**2"\nmass = 1',
+        "system.mass: unknown key"),
 }  # fmt: skip
 
 
@@ -105,10 +109,10 @@ def test_a_fault_is_one_line_that_names_file_and_key(kind: str, tmp_path: Path) 
 
 
 def test_a_scene_that_is_not_there_or_not_text_is_named(tmp_path: Path) -> None:
-    with pytest.raises(CatalogError, match="nothing.toml: cannot be read"):
+    with pytest.raises(CatalogError, match=r"nothing\.toml: cannot be read"):
         Scene.load(tmp_path / "nothing.toml")
     (tmp_path / "binary.toml").write_bytes(b"\xff\xfe")
-    with pytest.raises(CatalogError, match="binary.toml: is not UTF-8"):
+    with pytest.raises(CatalogError, match=r"binary\.toml: is not UTF-8"):
         Scene.load(tmp_path / "binary.toml")
 
 
