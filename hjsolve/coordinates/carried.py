@@ -28,12 +28,26 @@ class Carrier:
     assumed: set[sp.Expr]
 
     def carry(self, expression: sp.Expr) -> sp.Expr:
-        """Return the expression in the new coordinates."""
+        """Return the expression in the new coordinates; its polynomial terms are brought together and reduced."""
         result = self._visit(expression)
-        flat = sp.expand(result)
-        if _is_polynomial(flat):
-            return _circular(sp.expand(_reduced(flat)))
-        return result
+        polynomial, rest = sp.S.Zero, sp.S.Zero
+        for term in sp.Add.make_args(result):
+            flat = sp.expand(term)
+            if _is_polynomial(flat):
+                polynomial += flat
+            else:
+                rest += term
+        return rest + self._short_coefficients(_circular(sp.expand(_reduced(sp.expand(polynomial)))))
+
+    def _short_coefficients(self, polynomial: sp.Expr) -> sp.Expr:
+        """Simplify coefficients that have symbolic radicals, so that those that vanish do."""
+        new = sorted({s for value in self.mapping.values() for s in value.free_symbols}, key=str)
+        surds = [p for p in polynomial.atoms(sp.Pow) if p.exp.is_Rational and not p.exp.is_Integer and p.free_symbols]
+        if not surds or not polynomial.is_polynomial(*new):
+            return polynomial
+        terms = sp.Poly(polynomial, *new).terms()
+        return sp.Add(*(sp.radsimp(sp.simplify(c)) * sp.prod([s**e for s, e in zip(new, powers, strict=True)])
+                        for powers, c in terms))
 
     def _visit(self, node: sp.Expr) -> sp.Expr:
         if node in self.mapping:

@@ -96,14 +96,14 @@ def _polar(lengths: Mapping[str, sp.Expr], symbol: Symbols) -> Chart:
 def _parabolic(lengths: Mapping[str, sp.Expr], symbol: Symbols) -> Chart:
     u, v = symbol("u", LINE), symbol("v", LINE)
     h = u**2 + v**2
-    return Chart((u, v), (LINE, LINE), ((u**2 - v**2) / 2, u * v), (h, h), "(u, v) and (−u, −v) are the same point")
+    return Chart((u, v), (LINE, LINE), ((u**2 - v**2) / 2, u * v), (h, h), f"({u}, {v}) and (−{u}, −{v}) are the same point")
 
 
 def _elliptic(lengths: Mapping[str, sp.Expr], symbol: Symbols) -> Chart:
     a, μ, ν = lengths["a"], symbol("mu", LINE), symbol("nu", ANGLE)
     h = a**2 * (sp.cosh(μ) ** 2 - sp.cos(ν) ** 2)
     place = (a * sp.cosh(μ) * sp.cos(ν), a * sp.sinh(μ) * sp.sin(ν))
-    return Chart((μ, ν), (LINE, ANGLE), place, (h, h), "(mu, nu) and (−mu, −nu) are the same point")
+    return Chart((μ, ν), (LINE, ANGLE), place, (h, h), f"({μ}, {ν}) and (−{μ}, −{ν}) are the same point")
 
 
 def _spherical(lengths: Mapping[str, sp.Expr], symbol: Symbols) -> Chart:
@@ -128,7 +128,7 @@ def _oblate(lengths: Mapping[str, sp.Expr], symbol: Symbols) -> Chart:
     h = a**2 * (sp.sinh(μ) ** 2 + sp.cos(ν) ** 2)
     place = (a * sp.cosh(μ) * sp.sin(ν), a * sp.sinh(μ) * sp.cos(ν))
     chart = _turned((μ, ν), (LINE, MERIDIAN), place, (h, h), symbol)
-    return replace(chart, remark="(mu, nu) and (−mu, pi − nu) are the same point")
+    return replace(chart, remark=f"({μ}, {ν}) and (−{μ}, pi − {ν}) are the same point")
 
 
 def _turned(u: tuple[sp.Symbol, sp.Symbol], ranges: tuple[Range, Range], place: tuple[sp.Expr, sp.Expr],

@@ -14,6 +14,7 @@ from typing import Generic, TypeVar
 
 import sympy as sp
 
+from hjsolve.coordinates.frames import TooHardError
 from hjsolve.coordinates.killing import concircular_basis
 
 Member = TypeVar("Member")
@@ -127,7 +128,10 @@ def representatives(choices: Callable[[tuple[sp.Expr, ...]], Member | None], cou
     best: dict[str, Found[Member]] = {}
     seen: dict[str, int] = {}
     for values in islice(small_values(count), 90):
-        member = choices(values)
+        try:
+            member = choices(values)
+        except TooHardError:
+            continue
         if member is None:
             continue
         name = kind(member)

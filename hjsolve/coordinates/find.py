@@ -9,7 +9,7 @@ import sympy as sp
 
 from hjsolve.coordinates.exceptional import exceptional_values
 from hjsolve.coordinates.families import family
-from hjsolve.coordinates.frames import TooHardError, sign_by, tidy
+from hjsolve.coordinates.frames import sign_by, tidy
 from hjsolve.coordinates.killing import Kernel, concircular_basis, kernel, killing_basis, killing_tensor
 from hjsolve.coordinates.results import Coordinates, Geometry, ParameterValues, Web
 from hjsolve.coordinates.transform import Cartesian, web_of
@@ -18,16 +18,15 @@ from hjsolve.coordinates.webs_space import Potential, space_webs
 from hjsolve.errors import InvalidSystemError
 from hjsolve.system import System, kinetic_rest, linear_terms, mass_matrix
 
-_NONE = (
-    "No quadratic first integral of this kind besides the energy: the system is not separable by a point "
-    "transformation in orthogonal coordinates. It may still be integrable, with integrals of higher degree (Toda, "
-    "Kaup–Kupershmidt)."
-)
-_NO_WEB = (
-    "There are {extra} further quadratic first integrals, but none of them belongs to an orthogonal separable "
-    "coordinate system: the system is not separable by a point transformation in orthogonal coordinates. It may still be "
-    "integrable."
-)
+_NONE = "No quadratic first integral of this kind besides the energy: the system is"
+_NO_WEB = "Besides the energy there {are} {extra} quadratic first integral{s}, but no orthogonal separable web belongs to {it}: "
+_NOT = ("not separable by a point transformation in orthogonal coordinates. It may still be integrable, with integrals of "
+        "higher degree (Toda, Kaup–Kupershmidt).")
+_UNRESOLVED = ("A further web exists; its axes are roots of an irreducible cubic, and it is not written out. Turn the "
+               "coordinates to its axes, or give the parameters numbers.")
+_INCOMPLETE = ("The exact elimination and the numerical count of the integrals differ: radicals in V depend on each other, "
+               "and there may be more coordinates than those listed.")
+_PARTIAL = ("split", "sphere", "unresolved")
 
 
 def find_coordinates(system: System, *, special: bool = True, budget: float = 20.0) -> Coordinates:
@@ -63,8 +62,8 @@ def find_coordinates(system: System, *, special: bool = True, budget: float = 20
     full = kernel(cartesian.potential, cartesian.X, killing_basis(cartesian.X))
     concircular = tuple(killing_tensor(M, cartesian.X) for M in concircular_basis(n))
     reduced = kernel(cartesian.potential, cartesian.X, concircular, check=n == 3)
-    geometries, hard = _geometries(reduced, cartesian)
-    webs = tuple(web_of(g, cartesian, budget=budget) for g in geometries if g.kind not in ("split", "sphere"))
+    geometries = _geometries(reduced, cartesian)
+    webs = tuple(web_of(g, cartesian, budget=budget) for g in geometries if g.kind not in _PARTIAL)
     values: tuple[ParameterValues, ...] = ()
     if special and full.pivots:
         basis = killing_basis(cartesian.X) if n == 2 else concircular
@@ -73,7 +72,7 @@ def find_coordinates(system: System, *, special: bool = True, budget: float = 20
         values = tuple(ParameterValues({s.name: e for s, e in one.conditions}, one.dimension) for one in found)
     return Coordinates(
         system, full.dimension, reduced.dimension, _tensors(full, cartesian), webs, values,
-        full.complete and reduced.complete, _advice(full, geometries, webs, hard=hard), time.monotonic() - start,
+        full.complete and reduced.complete, _advice(full, geometries, webs, values), time.monotonic() - start,
     )
 
 
@@ -84,34 +83,41 @@ def _tensors(full: Kernel, cartesian: Cartesian) -> tuple[sp.ImmutableMatrix, ..
                  for v in full.vectors)
 
 
-def _geometries(reduced: Kernel, cartesian: Cartesian) -> tuple[list[Geometry], bool]:
-    """Return the webs, and whether some could not be written down exactly."""
+def _geometries(reduced: Kernel, cartesian: Cartesian) -> list[Geometry]:
+    """Return the webs, and in space also what splits off without leading to one."""
     sign = sign_by(cartesian.values)
     n = len(cartesian.X)
     tensors = family(reduced.vectors, n)
-    try:
-        if n == 2:
-            return plane_webs(tensors, sign), False
-        return space_webs(tensors, Potential(cartesian.potential, cartesian.X, sign)), False
-    except TooHardError:
-        return [], True
+    if n == 2:
+        return plane_webs(tensors, sign)
+    return space_webs(tensors, Potential(cartesian.potential, cartesian.X, sign))
 
 
-def _advice(full: Kernel, geometries: Sequence[Geometry], webs: Sequence[Web], *, hard: bool) -> str:
+def _advice(full: Kernel, geometries: Sequence[Geometry], webs: Sequence[Web], values: Sequence[ParameterValues]) -> str:
     """Put the result in words."""
-    if hard:
-        return ("Coordinates exist, but their axes are roots of a cubic with symbolic coefficients; give the parameters "
-                "numbers.")
+    parts = [g for g in geometries if g.kind in _PARTIAL]
     if webs:
-        lines = [f"Separates in {len(webs)} kind{'s' * (len(webs) > 1)} of orthogonal coordinates:"]
+        lines = [f"Separates in {len(webs)} orthogonal coordinate system{'s' * (len(webs) > 1)}:"]
         lines += [f"- {web}" + ("" if web.certified else " (not certified)") for web in webs]
-        return "\n".join(lines)
-    text = _NONE if full.dimension == 1 else _NO_WEB.format(extra=full.dimension - 1)
-    for part in geometries:
-        what = "splits off the direction" if part.kind == "split" else "splits off the distance from"
-        where = part.axes[2] if part.kind == "split" else part.centre
-        text += f" V {what} ({', '.join(map(str, where))}), but what is left does not separate."
-    return text
+    elif any(part.kind == "unresolved" for part in parts):
+        lines = []
+    elif full.dimension == 1:
+        lines = [f"{_NONE} {_NOT}"]
+    else:
+        one = full.dimension == 2
+        words = {"are": "is" if one else "are", "extra": full.dimension - 1, "s": "" if one else "s", "it": "it" if one else "them"}
+        lines = [_NO_WEB.format(**words) + "the system is " + _NOT]
+    for part in parts:
+        if part.kind == "unresolved":
+            lines.append(_UNRESOLVED)
+        else:
+            what = "splits off the direction" if part.kind == "split" else "splits off the distance from"
+            where = part.axes[2] if part.kind == "split" else part.centre
+            lines.append(f"V {what} ({', '.join(map(str, where))}), but what is left does not separate.")
+    for value in values:
+        where = ", ".join(f"{name} = {e}" for name, e in value.conditions.items())
+        lines.append(f"At {where} there are more: dimension {value.kernel_dimension}.")
+    return "\n".join(lines if full.complete else [*lines, _INCOMPLETE])
 
 
 def _cartesian(system: System) -> Cartesian:

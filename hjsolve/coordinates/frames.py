@@ -31,7 +31,7 @@ def sign_by(values: Mapping[sp.Symbol, sp.Expr]) -> Sign:
 
 
 class TooHardError(ArithmeticError):
-    """An exact frame would need the roots of a cubic with symbolic coefficients."""
+    """An exact frame would need the roots of an irreducible cubic."""
 
 
 def tidy(expression: sp.Expr) -> sp.Expr:
@@ -61,10 +61,17 @@ def norm_squared(v: Sequence[sp.Expr]) -> sp.Expr:
 
 
 def unit(v: Sequence[sp.Expr]) -> Vector:
-    """Return v/|v|, with the first component that is not zero positive where its sign is known."""
+    """Return v/|v|, with the first component that is not zero positive where its sign is known.
+
+    A symbolic vector is divided by its first component before, so that ratios of components stay short.
+    """
     entries = [tidy(c) for c in v]
-    length = sp.sqrt(norm_squared(entries))
     lead = next(c for c in entries if c != 0)
+    if any(c.free_symbols for c in entries):
+        entries = [sp.S.Zero if c == 0 else sp.S.One if c == lead else sp.radsimp(sp.cancel(c / lead)) for c in entries]
+        length = root(sp.simplify(norm_squared(entries)))
+        return tuple(c / length for c in entries)
+    length = sp.sqrt(norm_squared(entries))
     sign = -1 if lead.is_negative else 1
     return tuple(tidy(sign * c / length) for c in entries)
 
@@ -98,7 +105,7 @@ def eigenframe(A: sp.MatrixBase) -> list[tuple[sp.Expr, Vector]]:
     """Return (eigenvalue, unit eigenvector) of a real symmetric matrix, exact; equal eigenvalues side by side.
 
     Raises:
-        TooHardError: an irreducible cubic with symbolic coefficients.
+        TooHardError: the characteristic polynomial is an irreducible cubic.
     """
     n = A.rows
     A = sp.Matrix(A).applyfunc(sp.expand)
@@ -128,8 +135,6 @@ def _eigenvalues(A: sp.Matrix) -> list[tuple[sp.Expr, int]]:
         degree = sp.degree(factor, s)
         if degree <= 2:
             values.extend((tidy(r), multiplicity) for r in sorted(sp.roots(factor, s), key=sp.default_sort_key))
-        elif factor.free_symbols == {s}:
-            values.extend((r, multiplicity) for r in sp.real_roots(factor, s))
         else:
             raise TooHardError
     return values

@@ -100,7 +100,7 @@ class ParameterValues:
 
     Attributes:
         conditions: parameter name → value or expression in the other parameters.
-        kernel_dimension: dimension of the kernel there.
+        kernel_dimension: dimension of the kernel there; in space, of the concircular one.
     """
 
     conditions: Mapping[str, sp.Expr]

@@ -3,15 +3,15 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Iterable, Mapping, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from random import Random
 
 import sympy as sp
 
 from hjsolve.coordinates.carried import Carrier
 from hjsolve.coordinates.charts import Chart, Range, chart
-from hjsolve.coordinates.frames import tidy
-from hjsolve.coordinates.results import Geometry, Web
+from hjsolve.coordinates.frames import norm_squared, tidy
+from hjsolve.coordinates.results import Geometry, Vector, Web
 from hjsolve.separation import separate
 from hjsolve.system import System
 
@@ -42,9 +42,9 @@ class Cartesian:
 def web_of(geometry: Geometry, cartesian: Cartesian, *, budget: float) -> Web:
     """Build the transformed system of a web and let ``separate`` judge it."""
     n = len(cartesian.x)
-    local = _own_names(chart(geometry.kind, geometry.lengths, n, _symbol_maker(cartesian)), geometry, cartesian)
+    local, axes = _adapted(chart(geometry.kind, geometry.lengths, n, _symbol_maker(cartesian)), geometry, cartesian)
     names = tuple(s.name for s in local.symbols)
-    X = [tidy_sum(c, geometry.axes, local, i) for i, c in enumerate(geometry.centre)]
+    X = [tidy_sum(c, axes, local, i) for i, c in enumerate(geometry.centre)]
     carrier = Carrier(dict(zip(cartesian.X, X, strict=True)), _domain_sign(local, cartesian), set())
     potential = carrier.carry(cartesian.potential)
     speeds = [sp.Symbol(f"dot({name})", real=True) for name in names]
@@ -61,13 +61,22 @@ def web_of(geometry: Geometry, cartesian: Cartesian, *, budget: float) -> Web:
                _remark(geometry, local, carrier.assumed))
 
 
-def _own_names(local: Chart, geometry: Geometry, cartesian: Cartesian) -> Chart:
-    """Keep the names of the given coordinates where they are not changed."""
+def _adapted(local: Chart, geometry: Geometry, cartesian: Cartesian) -> tuple[Chart, tuple[Vector, ...]]:
+    """Return the chart and axes to use: Cartesian axes keep the given names where nothing changes, and are not
+    normalised where that would put symbolic square roots into the transformation."""
     n = len(cartesian.x)
-    if geometry.kind != "cartesian" or sp.Matrix(geometry.axes) != sp.eye(n):
-        return local
-    own = tuple(sp.Symbol(q.name, real=True) for q in cartesian.system.coordinates)
-    return Chart(own, local.ranges, own, local.scale)
+    if geometry.kind != "cartesian":
+        return local, geometry.axes
+    if sp.Matrix(geometry.axes) == sp.eye(n):
+        own = tuple(sp.Symbol(q.name, real=True) for q in cartesian.system.coordinates)
+        return Chart(own, local.ranges, own, local.scale), geometry.axes
+    if not any(c.free_symbols for axis in geometry.axes for c in axis):
+        return local, geometry.axes
+    axes = []
+    for axis in geometry.axes:
+        lead = next(c for c in axis if c != 0)
+        axes.append(tuple(sp.radsimp(sp.cancel(c / lead)) for c in axis))
+    return replace(local, scale=tuple(sp.radsimp(sp.simplify(norm_squared(axis))) for axis in axes)), tuple(axes)
 
 
 def tidy_sum(centre: sp.Expr, axes: Sequence[Sequence[sp.Expr]], local: Chart, i: int) -> sp.Expr:

@@ -8,6 +8,7 @@ a constant tensor a Cartesian web. In the constants of Smirnov (math-ph/0604038)
 from __future__ import annotations
 
 from collections.abc import Callable, Sequence
+from functools import reduce
 
 import sympy as sp
 
@@ -35,7 +36,8 @@ def classify(M: sp.MatrixBase, sign: Sign) -> Geometry | None:
         return _parabolic(A, w)
     if A[0, 1] == 0 and sp.expand(A[0, 0] - A[1, 1]) == 0:
         return None
-    axis = _low_direction(A, sign)[1]
+    denominators = reduce(sp.lcm, (sp.denom(sp.together(c)) for c in A))
+    axis = _low_direction((A * denominators).applyfunc(sp.cancel), sign)[1]
     return Geometry("cartesian", _ORIGIN, _STANDARD if axis in _STANDARD else _turned(axis))
 
 
@@ -46,7 +48,7 @@ def _low_direction(A: sp.MatrixBase, sign: Sign) -> tuple[sp.Expr, Vector]:
         return (-difference, _STANDARD[0]) if sign(difference) < 0 else (difference, _STANDARD[1])
     gap = tidy(sp.sqrt(sp.factor(difference**2 + 4 * off**2))).replace(sp.Abs, lambda u: u)
     gap = -gap if sign(gap) < 0 else gap
-    return gap, unit((sp.expand(difference - gap), 2 * off))
+    return gap, unit((2 * off, sp.expand(-difference - gap)))
 
 
 def _central(A: sp.MatrixBase, w: sp.MatrixBase, sign: Sign) -> Geometry:

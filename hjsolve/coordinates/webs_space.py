@@ -22,7 +22,7 @@ import sympy as sp
 from hjsolve.coordinates.branches import Piece, real_pieces
 from hjsolve.coordinates.cylinders import cylinder_webs
 from hjsolve.coordinates.families import Family, combination, parts, representatives
-from hjsolve.coordinates.frames import Sign, eigenframe, moved, perpendicular_frame, righted, root, sort_frame, tidy, unit
+from hjsolve.coordinates.frames import Sign, TooHardError, eigenframe, moved, perpendicular_frame, righted, root, sort_frame, tidy, unit
 from hjsolve.coordinates.rank_one import V, annihilators, pair
 from hjsolve.coordinates.results import Geometry, Vector
 from hjsolve.coordinates.spheres import sphere_webs
@@ -136,7 +136,8 @@ def _central_webs(family: Family, terms: Sequence[sp.MatrixBase], potential: Pot
         webs += _spheroids(family, kind)
     arbitrary = tuple(sp.Rational(3 * i * i + 2, 5 + i) for i in range(len(terms)))
     if _simple_spectrum(combination(family.central, terms, arbitrary, 3)):
-        webs += [_with_foci(web) for web in _sampled(ellipsoid, len(terms), len(terms))]
+        found = _sampled(ellipsoid, len(terms), len(terms))
+        webs += [_with_foci(web) if web.kind == "ellipsoidal" else web for web in found]
     return webs
 
 
@@ -213,7 +214,10 @@ def _only(web: Geometry | None, *kinds: str) -> Geometry | None:
 def _sampled(member: Callable[[tuple[sp.Expr, ...]], Geometry | None], count: int, freedom: int) -> list[Geometry]:
     """Return the simplest member of a family of one kind."""
     if freedom == 0:
-        only = member(tuple(sp.S.One for _ in range(count)))
+        try:
+            only = member(tuple(sp.S.One for _ in range(count)))
+        except TooHardError:
+            return [Geometry("unresolved", (_ZERO,) * 3, _STANDARD)]
         return [] if only is None else [only]
     best = representatives(member, count, lambda g: g.kind, 1, lambda g: g.complexity)
     return [in_words(found, freedom, member) for found in best.values()]

@@ -8,7 +8,7 @@ from dataclasses import replace
 import sympy as sp
 
 from hjsolve.coordinates.families import Found
-from hjsolve.coordinates.frames import dot
+from hjsolve.coordinates.frames import TooHardError, dot
 from hjsolve.coordinates.results import Geometry, Vector
 
 _PLACE = {"polar": "pole", "parabolic": "focus", "rotational parabolic": "focus", "parabolic cylinder": "focal line"}
@@ -28,7 +28,10 @@ def in_words(found: Found[Geometry], freedom: int, member: Callable[[tuple[sp.Ex
     others = [best]
     for index in range(len(found.values)):
         for step in (1, -1, 2):
-            other = member(tuple(v + step * (i == index) for i, v in enumerate(found.values)))
+            try:
+                other = member(tuple(v + step * (i == index) for i, v in enumerate(found.values)))
+            except TooHardError:
+                continue
             if other is not None and other.kind == best.kind and other not in others:
                 others.append(other)
                 break
