@@ -28,6 +28,13 @@ class Coordinate:
     """A generalized coordinate with the symbols of its value q, velocity ``dot(q)`` and momentum ``p_q``.
 
     The value's symbol is positive (negative) where the domain proves it; all three are real.
+
+    Attributes:
+        name: as written in formulas.
+        domain: the values it may take.
+        symbol: of the value q.
+        velocity: the symbol ``dot(q)``.
+        momentum: the symbol ``p_q``.
     """
 
     name: str

@@ -34,6 +34,9 @@ def separate(system: System, *, budget: float = DEFAULT_BUDGET) -> Verdict:
 
     Returns:
         ``Separation``, ``Obstruction`` (proved not to separate, with a witness) or ``Undecided``.
+
+    Raises:
+        Nothing on purpose: what cannot be decided is a verdict too.
     """
     start = time.monotonic()
     work = Budget.seconds(budget)
