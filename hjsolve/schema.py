@@ -61,10 +61,11 @@ _REFERENCE = {
     "quantity": Key("text", True), "at": Key("numbers", True), "value": Key("text", True), "how": Key("text", True),
     "cite": Key("texts"),
 }  # fmt: skip
+_RELATIVITY = {"mass": Key("text", True), "light": Key("text", True)}
 SYSTEM = {
     "id": _TEXT, "title": _TEXT, "coordinates": Key("tables", True, keys=_COORDINATE),
     "parameters": Key("tables", keys=_PARAMETER), "kinetic": Key("text", True), "potential": _TEXT,
-    "signature": Key("text", choices=("definite", "indefinite")),
+    "signature": Key("text", choices=("definite", "indefinite")), "relativity": Key("table", keys=_RELATIVITY),
 }  # fmt: skip
 """The keys of an inline ``[system]`` table."""
 ENTRY = SYSTEM | {

@@ -21,6 +21,7 @@ import sympy as sp
 
 from hjsolve.errors import NotSeparableError
 from hjsolve.separation import Constant, Obstruction, Separation, Undecided, separate
+from hjsolve.separation.relativistic import shell_energy
 from hjsolve.system import System
 
 if TYPE_CHECKING:
@@ -119,7 +120,9 @@ def _momenta_squared(verdict: Separation) -> tuple[sp.Expr, ...]:
     staeckel = verdict.reduced.stackel
     if staeckel is None:
         return ()
-    alphas = [c.symbol for c in separation_constants(verdict)]
+    alphas: list[sp.Expr] = [c.symbol for c in separation_constants(verdict)]
+    if verdict.system.relativity is not None:
+        alphas[0] = shell_energy(verdict.system)
     Φ, ψ = staeckel.matrix, staeckel.column
     return tuple(sp.expand_mul(2 * (sum(Φ[i, j] * α for j, α in enumerate(alphas)) - ψ[i])) for i in range(len(ψ)))
 

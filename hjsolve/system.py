@@ -28,6 +28,8 @@ from hjsolve.errors import InvalidSystemError, MissingValueError
 from hjsolve.evaluation import NoValueError, evaluate
 from hjsolve.expressions import admit, number, parse
 from hjsolve.kinetic import check_quadratic, half_inverse_form, inverse, mass_entries
+from hjsolve.relativity import Relativity
+from hjsolve.relativity import read as read_relativity
 
 __all__ = [
     "Coordinate", "Domain", "Parameter", "System", "hamiltonian", "inverse_mass_matrix", "kinetic_rest", "linear_terms",
@@ -48,6 +50,8 @@ class System:
         signature: ``definite``: T must be positive definite on the domain; ``indefinite``: not degenerate (relativity).
         title: for display.
         id: of the catalog entry.
+        relativity: ``{"mass": name, "light": name}``, the parameters that are rest mass and speed of light, for a
+            relativistic particle; ``kinetic`` is then the classical T, whose metric it shares.
 
     Raises:
         InvalidSystemError: the parts do not make a mechanical system; the message says which and why.
@@ -67,6 +71,7 @@ class System:
     signature: Literal["definite", "indefinite"]
     title: str
     id: str
+    relativity: Relativity | None
 
     def __init__(
         self,
@@ -78,13 +83,17 @@ class System:
         signature: str = "definite",
         title: str = "",
         id: str = "",  # noqa: A002 - the catalog's word
+        relativity: Mapping[str, str] | None = None,
     ):
         constants = read_parameters({} if parameters is None else parameters)
         places = read_coordinates(coordinates, constants)
         _set(self, coordinates=places, parameters=constants, title=str(title), id=str(id))
+        _set(self, relativity=read_relativity(relativity, constants))
         _set(self, signature=_read_signature(signature))
         _set(self, kinetic=_read_kinetic(self, kinetic), potential=_read_potential(self, potential))
         _check_values(self)
+        if self.relativity is not None and kinetic_rest(self) != 0:
+            raise InvalidSystemError("relativity: the classical T may have no part without velocities; put it into V")
 
     @property
     def symbols(self) -> dict[str, sp.Symbol]:
@@ -110,6 +119,8 @@ class System:
         rest = "".join(f", {key}={getattr(self, key)!r}" for key in ("title", "id") if getattr(self, key))
         if self.signature != "definite":
             rest = f", signature={self.signature!r}{rest}"
+        if self.relativity is not None:
+            rest += f", relativity={{'mass': '{self.relativity.mass}', 'light': '{self.relativity.light}'}}"
         return (
             f"System(coordinates={places}, kinetic={str(self.kinetic)!r}, potential={str(self.potential)!r}, "
             f"parameters={values}{rest})"
@@ -257,16 +268,32 @@ def _shifted(system: System) -> list[sp.Expr]:
 
 
 def hamiltonian(system: System) -> sp.Expr:
-    """H(q, p) = ½ (p − a)ᵀ M⁻¹ (p − a) − T₀ + V, Greenwood (4-109)–(4-112); the first term as a sum of squares."""
-    return half_inverse_form(mass_matrix(system), _shifted(system)) - kinetic_rest(system) + system.potential
+    """H(q, p) = ½ (p − a)ᵀ M⁻¹ (p − a) − T₀ + V, Greenwood (4-109)–(4-112); the first term as a sum of squares.
+
+    For a relativistic particle c √(m₀²c² + m₀ (p − a)ᵀ M⁻¹ (p − a)) + V, (7-165), (7-170).
+    """
+    kinetic = half_inverse_form(mass_matrix(system), _shifted(system))
+    if system.relativity is not None:
+        return system.relativity.energy(2 * kinetic) + system.potential
+    return kinetic - kinetic_rest(system) + system.potential
 
 
 def momenta(system: System) -> dict[str, sp.Expr]:
-    """p_i = ∂T/∂q̇_i by name of the coordinate, in coordinates and velocities."""
-    return {c.name: sp.diff(system.kinetic, c.velocity) for c in system.coordinates}
+    """p_i = ∂T/∂q̇_i by name of the coordinate, in coordinates and velocities; relativistic a + γ M q̇."""
+    names = [c.name for c in system.coordinates]
+    if system.relativity is None:
+        return {c.name: sp.diff(system.kinetic, c.velocity) for c in system.coordinates}
+    speeds = sp.Matrix(_speeds(system))
+    classical = mass_matrix(system) * speeds
+    square = (speeds.T * classical)[0, 0]
+    return dict(zip(names, system.relativity.momenta(linear_terms(system), list(classical), square)))
 
 
 def velocities(system: System) -> dict[str, sp.Expr]:
-    """q̇ = M⁻¹ (p − a) by name of the coordinate, in coordinates and momenta."""
-    speeds = inverse_mass_matrix(system) * sp.Matrix(_shifted(system))
+    """q̇ = M⁻¹ (p − a) by name of the coordinate, in coordinates and momenta; relativistic c m₀ M⁻¹ (p − a)/√(…)."""
+    shifted = _shifted(system)
+    speeds = list(inverse_mass_matrix(system) * sp.Matrix(shifted))
+    if system.relativity is not None:
+        square = 2 * half_inverse_form(mass_matrix(system), shifted)
+        speeds = system.relativity.speeds(speeds, square)
     return {c.name: speed for c, speed in zip(system.coordinates, speeds)}

@@ -11,7 +11,7 @@ from ..algebra.poly import Budget, WorkLimitError
 from ..algebra.readable import readable
 from ..shell import Irreducible, Shell, Step, reduce
 from ..system import System, kinetic_rest, linear_terms, mass_matrix
-from . import advice, levi_civita, liouville, stackel
+from . import advice, levi_civita, liouville, relativistic, stackel
 from .constants import constants_of
 from .diagnosis import diagnosed
 from .refusal import Setting, of_shell, refuse_condition, refuse_without_shell, region_of
@@ -38,6 +38,8 @@ def separate(system: System, *, budget: float = DEFAULT_BUDGET) -> Verdict:
     Raises:
         Nothing on purpose: what cannot be decided is a verdict too.
     """
+    if system.relativity is not None:
+        return relativistic.decided(system, lambda shell: separate(shell, budget=budget))
     start = time.monotonic()
     work = Budget.seconds(budget)
     shell: Shell | None = None

@@ -1,0 +1,80 @@
+"""Separability of a relativistic particle: the classical test of its energy shell, for every energy at once.
+
+H = E squared gives (Greenwood (7-165) with p → ∂W/∂q)
+
+    ½ (p − a)ᵀM⁻¹(p − a) − (E − V)²/(2 m₀c²) = −½ m₀c²,
+
+a natural system with potential −(E − V)²/(2m₀c²), in which the true energy E is a parameter, at the energy −½m₀c². It must
+separate for every E: both V and V² have to meet Stäckel's condition. Jacobi's integrals are then derivatives with respect
+to the true E, which the separated momenta hold quadratically.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from dataclasses import replace
+
+import sympy as sp
+
+from ..shell import Shell, Step, energy_symbol
+from ..system import System, hamiltonian
+from .verdicts import Constant, Separation, Verdict
+
+
+def shell_system(system: System) -> System:
+    """The natural system whose shell is the relativistic one; the true energy is a parameter of it."""
+    assert system.relativity is not None
+    energy = energy_symbol(system)
+    m, c = system.relativity.mass, system.relativity.light
+    return System(
+        coordinates={q.name: q.domain.written(q.name) for q in system.coordinates},
+        kinetic=system.kinetic,
+        potential=-((energy - system.potential) ** 2) / (2 * m * c**2),
+        parameters={p.name: p for p in system.parameters} | {energy.name: None},
+        title=f"{system.title}, energy shell",
+        id=system.id,
+    )
+
+
+def shell_energy(system: System) -> sp.Expr:
+    """The value −½m₀c² that the shell's own energy has."""
+    assert system.relativity is not None
+    return -system.relativity.mass * system.relativity.light**2 / 2
+
+
+def decided(system: System, decide: Callable[[System], Verdict]) -> Verdict:
+    """Decide a relativistic system by its shell.
+
+    Args:
+        system: with ``relativity``.
+        decide: the test for natural systems.
+    """
+    verdict = decide(shell_system(system))
+    if not isinstance(verdict, Separation):
+        shell = None if verdict.shell is None else replace(verdict.shell, system=system)
+        return replace(verdict, system=system, shell=shell, evidence=(_step(system), *verdict.evidence))
+    energy = energy_symbol(system)
+    H = hamiltonian(system)
+    own = str(verdict.shell.energy)
+    constants = {energy.name: Constant(energy.name, energy, H, "relativistic energy, rest energy included")}
+    for name, constant in verdict.constants.items():
+        if name != own:
+            constants[name] = replace(constant, expression=constant.expression.subs(energy, H))
+    shell = _shell(verdict.shell, system, energy, H)
+    evidence = (_step(system), *verdict.evidence)
+    return replace(
+        verdict, system=system, shell=shell, constants=constants, liouville=None, stackel=None, evidence=evidence
+    )
+
+
+def _shell(shell: Shell, system: System, energy: sp.Symbol, H: sp.Expr) -> Shell:
+    """The shell in terms of the true energy; without essential coordinates H itself is the potential."""
+    return replace(shell, system=system, energy=energy, potential=shell.potential if shell.coordinates else H)
+
+
+def _step(system: System) -> Step:
+    text = (
+        "The relation between energy and momentum, squared, is quadratic in the momenta: the shell of a natural system "
+        "with the potential shown, at the energy -m c^2/2. It has to separate for every value of the true energy."
+    )
+    return Step("Relativistic energy shell", text, shell_system(system).potential)
