@@ -59,6 +59,7 @@ class Motion:
         boundary_times: coordinate → time at which it reaches an end of its domain.
         parts: what was integrated, of ``numeric.course.PARTS``; all of it unless ``want`` asked for less.
         states: for a certified motion, the rule that starts the motion its states are read from.
+        given: the input as it came. again: the rule that starts it anew with other digits or changed input.
     """
 
     solution: Solution
@@ -76,6 +77,8 @@ class Motion:
     boundary_times: Mapping[str, Estimate]
     parts: frozenset[str] = PARTS
     states: Callable[[], Motion] | None = field(default=None, repr=False)
+    given: Mapping[str, Any] = field(default_factory=dict, repr=False)
+    again: Callable[[int, Mapping[str, Any]], Motion] | None = field(default=None, repr=False)
 
     @property
     def nodes(self) -> int:
@@ -141,6 +144,12 @@ class Motion:
         self._require("angles")
         return angle_variables(self._source, t)
 
+    def input_doubt(self) -> dict[str, dict[str, float]]:
+        """Return how far each number can move when every float input moves by half an ulp; see ``conditioning``."""
+        from hjsolve.conditioning import input_doubt
+
+        return input_doubt(self)
+
     @property
     def _source(self) -> Motion:
         return self.states() if self.states else self
@@ -196,9 +205,16 @@ def start(
         raise InvalidInputError(f"digits: a whole number from 1 to 2000 is needed, not {digits!r}")
     initial = initial_data(solution, q=q, velocity=velocity, p=p, parameters=parameters or {})
     parts, exact_t0 = parts_of(want), number(t0, source="t0")
+    given = {"q": q, "velocity": velocity, "p": p, "parameters": parameters}
+
+    def again(digits: int, change: Mapping[str, Any]) -> Motion:
+        return start(solution, **{**given, **change}, t0=t0, digits=digits, want=want)
+
     if certified:
-        return _certified(lambda d: _move(solution, initial, exact_t0, d, parts), max(digits, FLOAT_DIGITS))
-    return _move(solution, initial, exact_t0, max(digits, FLOAT_DIGITS), parts)
+        motion = _certified(lambda d: _move(solution, initial, exact_t0, d, parts), max(digits, FLOAT_DIGITS))
+    else:
+        motion = _move(solution, initial, exact_t0, max(digits, FLOAT_DIGITS), parts)
+    return replace(motion, given=given, again=again)
 
 
 def _move(solution: Solution, initial: Initial, t0: sp.Expr, digits: int, parts: frozenset[str]) -> Motion:

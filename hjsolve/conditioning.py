@@ -1,0 +1,58 @@
+"""What half an ulp of the input does: the floor under any computation that starts from floats.
+
+A motion takes a float for the exact binary number it is, and its errors are those of the computation. If the float
+itself is only the rounding of what was meant, every result is in doubt by Σ |∂Q/∂xⱼ| · ½ ulp(xⱼ) besides; near a
+separatrix or a circular orbit that can be far more than the computation's own error. Here it is measured: each float
+input is moved by half an ulp and the numbers are worked out again, with digits enough to see the difference.
+"""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Mapping
+from fractions import Fraction
+from typing import TYPE_CHECKING, Any
+
+from hjsolve.errors import InternalError
+
+if TYPE_CHECKING:
+    from hjsolve.motion import Motion
+
+_DIGITS = 40
+_GROUPS = ("q", "velocity", "p", "parameters")
+QUANTITIES = ("constants", "actions", "frequencies", "periods")
+
+
+def input_doubt(motion: Motion) -> dict[str, dict[str, float]]:
+    """Return how far each number can move when every float input moves by half a unit in its last place.
+
+    Returns:
+        Quantity (``constants``, ``actions``, ``frequencies``, ``periods``) → name → absolute doubt; all zero for input
+        given exactly (ints, decimal strings, fractions). A number that ceases to exist when an input moves (a frequency
+        at a separatrix) is in infinite doubt.
+
+    Raises:
+        InternalError: the motion does not know the input it was started from.
+    """
+    if motion.again is None:
+        raise InternalError("this motion does not know its input")
+    base = motion.again(_DIGITS, {})
+    doubt = {quantity: dict.fromkeys(getattr(base, quantity), 0.0) for quantity in QUANTITIES}
+    for change in _changes(motion.given):
+        moved = motion.again(_DIGITS, change)
+        for quantity, names in doubt.items():
+            for name in names:
+                there = getattr(moved, quantity).get(name)
+                here = getattr(base, quantity)[name]
+                names[name] += float(abs(there.value - here.value)) if there is not None else math.inf
+    return doubt
+
+
+def _changes(given: Mapping[str, Any]) -> list[dict[str, Any]]:
+    """One changed input group for every float among the inputs."""
+    return [
+        {group: {**given[group], name: Fraction(value) + Fraction(math.ulp(value)) / 2}}
+        for group in _GROUPS
+        for name, value in (given.get(group) or {}).items()
+        if isinstance(value, float)
+    ]
