@@ -15,6 +15,11 @@ from hjsolve._version import __version__ as __version__
 
 if TYPE_CHECKING:
     from hjsolve import catalog as catalog
+    from hjsolve.coordinates import Coordinates as Coordinates
+    from hjsolve.coordinates import NormalModes as NormalModes
+    from hjsolve.coordinates import Web as Web
+    from hjsolve.coordinates import find_coordinates as find_coordinates
+    from hjsolve.coordinates import normal_modes as normal_modes
     from hjsolve.errors import CatalogError as CatalogError
     from hjsolve.errors import ExpressionError as ExpressionError
     from hjsolve.errors import ForbiddenMotionError as ForbiddenMotionError
@@ -30,13 +35,13 @@ if TYPE_CHECKING:
     from hjsolve.motion import Motion as Motion
     from hjsolve.numeric.estimate import Estimate as Estimate
     from hjsolve.reports import report as report
+    from hjsolve.scenes import Scene as Scene
     from hjsolve.separation import Obstruction as Obstruction
     from hjsolve.separation import Separation as Separation
     from hjsolve.separation import Undecided as Undecided
     from hjsolve.separation import separate as separate
     from hjsolve.solution import Solution as Solution
     from hjsolve.solution import solve as solve
-    from hjsolve.scenes import Scene as Scene
     from hjsolve.system import Coordinate as Coordinate
     from hjsolve.system import Domain as Domain
     from hjsolve.system import Parameter as Parameter
@@ -44,6 +49,8 @@ if TYPE_CHECKING:
 
 _HOMES = {
     "Coordinate": "system", "Domain": "system", "Parameter": "system", "System": "system",
+    "Coordinates": "coordinates", "NormalModes": "coordinates", "Web": "coordinates",
+    "find_coordinates": "coordinates", "normal_modes": "coordinates",
     "separate": "separation", "Separation": "separation", "Obstruction": "separation", "Undecided": "separation",
     "solve": "solution", "Solution": "solution",
     "Motion": "motion", "Estimate": "numeric.estimate",

@@ -68,8 +68,12 @@ class _Branch:
     def put(self, u: sp.Symbol, value: sp.Expr, *extra: sp.Expr) -> _Branch:
         """Substitute an unknown everywhere."""
         equations = tuple(e.subs(u, value) for e in (*self.equations, *extra))
-        return replace(self, equations=equations, values={**self.values, u: value},
-                       nonzero=tuple(e.subs(u, value) for e in self.nonzero))
+        return replace(
+            self,
+            equations=equations,
+            values={**self.values, u: value},
+            nonzero=tuple(e.subs(u, value) for e in self.nonzero),
+        )
 
 
 def _close(u: sp.Symbol, values: dict[sp.Symbol, sp.Expr]) -> sp.Expr:
@@ -170,7 +174,7 @@ def _real_roots(p: sp.Expr, u: sp.Symbol) -> list[sp.Expr]:
 
 
 def _sum_of_squares(p: sp.Expr, unknowns: list[sp.Symbol]) -> list[sp.Expr] | None:
-    """Return linear forms ℓ with p = ±Σ c ℓ², c > 0, whose common zeros are those of p; None where p is not of the kind.
+    """Return linear forms ℓ with p = ±Σ c ℓ², c > 0, with the zeros of p; None where p is not of the kind.
 
     A positive constant left over makes the form 1 (no solution).
     """
@@ -200,7 +204,9 @@ def _sum_of_squares(p: sp.Expr, unknowns: list[sp.Symbol]) -> list[sp.Expr] | No
     return forms if len(signs) == 1 else None
 
 
-def _inside_another(piece: Piece, pieces: list[Piece], equations: Sequence[sp.Expr], unknowns: Sequence[sp.Symbol]) -> bool:
+def _inside_another(
+    piece: Piece, pieces: list[Piece], equations: Sequence[sp.Expr], unknowns: Sequence[sp.Symbol]
+) -> bool:
     """Tell whether a piece lies in the closure of a larger one.
 
     The free unknowns of the larger piece are coordinates, so its parametrisation can be asked directly; where that
@@ -211,14 +217,15 @@ def _inside_another(piece: Piece, pieces: list[Piece], equations: Sequence[sp.Ex
         return True
     if not larger:
         return False
-    random = Random(3)
+    random = Random(3)  # noqa: S311
     symbols = sorted(sp.Tuple(*piece.values.values(), *equations).free_symbols, key=str)
     numbers = {s: sp.Rational(random.randint(11, 99), 17) for s in symbols}
     numbers.update({u: value.subs(numbers) for u, value in piece.values.items()})
     jacobian = [[sp.diff(e, u).subs(numbers) for u in unknowns] for e in equations]
     with mpmath.workdps(40):
-        singular = mpmath.svd_c(mpmath.matrix([[mpmath.mpmathify(e.evalf(40)) for e in row] for row in jacobian]),
-                                compute_uv=False)
+        singular = mpmath.svd_c(
+            mpmath.matrix([[mpmath.mpmathify(e.evalf(40)) for e in row] for row in jacobian]), compute_uv=False
+        )
         rank = sum(1 for value in singular if abs(value) > mpmath.mpf(10) ** -20)
     return len(unknowns) - rank in {len(other.free) for other in larger}
 

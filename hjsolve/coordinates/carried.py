@@ -46,8 +46,12 @@ class Carrier:
         if not surds or not polynomial.is_polynomial(*new):
             return polynomial
         terms = sp.Poly(polynomial, *new).terms()
-        return sp.Add(*(sp.radsimp(sp.simplify(c)) * sp.prod([s**e for s, e in zip(new, powers, strict=True)])
-                        for powers, c in terms))
+        return sp.Add(
+            *(
+                sp.radsimp(sp.simplify(c)) * sp.prod([s**e for s, e in zip(new, powers, strict=True)])
+                for powers, c in terms
+            )
+        )
 
     def _visit(self, node: sp.Expr) -> sp.Expr:
         if node in self.mapping:
@@ -96,7 +100,8 @@ def _is_polynomial(expression: sp.Expr) -> bool:
     """Tell whether there are no radicals, quotients or functions but circular and hyperbolic ones."""
     simple = (sp.sin, sp.cos, sp.sinh, sp.cosh)
     return all(isinstance(f, simple) and f.args[0].is_Symbol for f in expression.atoms(sp.Function)) and all(
-        p.exp.is_Integer and (p.exp > 0 or p.base.is_Symbol) or not p.free_symbols for p in expression.atoms(sp.Pow))
+        (p.exp.is_Integer and (p.exp > 0 or p.base.is_Symbol)) or not p.free_symbols for p in expression.atoms(sp.Pow)
+    )
 
 
 def short(expression: sp.Expr) -> sp.Expr:
@@ -120,7 +125,8 @@ def _by_cosine(polynomial: sp.Expr) -> sp.Expr:
         square = 1 - sp.cos(u) ** 2 if isinstance(f, sp.sin) else sp.cosh(u) ** 2 - 1
         polynomial = polynomial.replace(
             lambda node, f=f: node.is_Pow and node.base == f and node.exp.is_Integer and node.exp >= 2,
-            lambda node, f=f, square=square: square ** (node.exp // 2) * f ** (node.exp % 2))
+            lambda node, f=f, square=square: square ** (node.exp // 2) * f ** (node.exp % 2),
+        )
         polynomial = sp.expand(polynomial)
     return polynomial
 
@@ -130,7 +136,9 @@ def _circular(expression: sp.Expr) -> sp.Expr:
     for f in sorted(expression.atoms(sp.cos, sp.cosh), key=str):
         u = f.args[0]
         other, sign = (sp.sin(u), -1) if isinstance(f, sp.cos) else (sp.sinh(u), 1)
-        expression = expression.replace(lambda node: node.is_Mul, lambda *a, f=f, o=other, s=sign: _merge(sp.Mul(*a), f, o, s))
+        expression = expression.replace(
+            lambda node: node.is_Mul, lambda *a, f=f, o=other, s=sign: _merge(sp.Mul(*a), f, o, s)
+        )
     return expression
 
 

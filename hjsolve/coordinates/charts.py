@@ -2,9 +2,9 @@
 
 T = m/2 Σ h_k² u̇_k². Octant charts (conical, ellipsoidal, paraboloidal) are the roots of
 
-    ellipsoidal   Σ X_i²/(s − a_i) = 1,   X_i² = −Π_k (a_i − u_k)/Π_{j≠i}(a_i − a_j),    a₁ < u < a₂ < v < a₃ < w
+    ellipsoidal   Σ X_i²/(s − a_i) = a²,  X_i² = −a²Π_k (a_i − u_k)/Π_{j≠i}(a_i − a_j),    a₁ < u < a₂ < v < a₃ < w
     conical       Σ X_i²/(s − e_i) = 0,   X_i² = r² (e_i − μ)(e_i − ν)/Π_{j≠i}(e_i − e_j), e₁ < μ < e₂ < ν < e₃
-    paraboloidal  Y²/(s − b) + Z²/(s − c) = s − 2X,   2X = u + v + w − b − c,             u < b < v < c < w
+    paraboloidal  Y²/(s − b) + Z²/(s − c) = a² s − 2aX, 2X = a (u + v + w − b − c),       u < b < v < c < w
 
 (Kalnins 1986; Moon, Spencer, Field Theory Handbook; Rajaratnam, McLenaghan, Valero, SIGMA 12 (2016) 117).
 """
@@ -34,8 +34,10 @@ class Range:
             return "angle"
         if self.lower is None and self.upper is None:
             return "line"
-        left, right = (f"{self.lower} < " if self.lower is not None else ""), (
-            f" < {self.upper}" if self.upper is not None else "")
+        left, right = (
+            (f"{self.lower} < " if self.lower is not None else ""),
+            (f" < {self.upper}" if self.upper is not None else ""),
+        )
         return f"{left}{name}{right}"
 
 
@@ -78,7 +80,7 @@ def chart(kind: str, lengths: Mapping[str, sp.Expr], n: int, symbol: Symbols) ->
         u = tuple(symbol(name, LINE) for name in ("xi", "eta", "zeta")[:n])
         return Chart(u, (LINE,) * n, u, (sp.S.One,) * n)
     if kind.endswith("cylinder"):
-        flat = {"circular": "polar", "elliptic": "elliptic", "parabolic": "parabolic"}[kind.split()[0]]
+        flat = {"circular": "polar", "elliptic": "elliptic", "parabolic": "parabolic"}[kind.split(maxsplit=1)[0]]
         base = _PLANE[flat](lengths, symbol)
         z = symbol("z", LINE)
         return Chart((*base.symbols, z), (*base.ranges, LINE), (*base.place, z), (*base.scale, sp.S.One), base.remark)
@@ -88,15 +90,17 @@ def chart(kind: str, lengths: Mapping[str, sp.Expr], n: int, symbol: Symbols) ->
     return known[kind](lengths, symbol)
 
 
-def _polar(lengths: Mapping[str, sp.Expr], symbol: Symbols) -> Chart:
+def _polar(_: Mapping[str, sp.Expr], symbol: Symbols) -> Chart:
     r, θ = symbol("r", HALF), symbol("theta", ANGLE)
     return Chart((r, θ), (HALF, ANGLE), (r * sp.cos(θ), r * sp.sin(θ)), (sp.S.One, r**2))
 
 
-def _parabolic(lengths: Mapping[str, sp.Expr], symbol: Symbols) -> Chart:
+def _parabolic(_: Mapping[str, sp.Expr], symbol: Symbols) -> Chart:
     u, v = symbol("u", LINE), symbol("v", LINE)
     h = u**2 + v**2
-    return Chart((u, v), (LINE, LINE), ((u**2 - v**2) / 2, u * v), (h, h), f"({u}, {v}) and (−{u}, −{v}) are the same point")
+    return Chart(
+        (u, v), (LINE, LINE), ((u**2 - v**2) / 2, u * v), (h, h), f"({u}, {v}) and (−{u}, −{v}) are the same point"
+    )
 
 
 def _elliptic(lengths: Mapping[str, sp.Expr], symbol: Symbols) -> Chart:
@@ -106,12 +110,12 @@ def _elliptic(lengths: Mapping[str, sp.Expr], symbol: Symbols) -> Chart:
     return Chart((μ, ν), (LINE, ANGLE), place, (h, h), f"({μ}, {ν}) and (−{μ}, −{ν}) are the same point")
 
 
-def _spherical(lengths: Mapping[str, sp.Expr], symbol: Symbols) -> Chart:
+def _spherical(_: Mapping[str, sp.Expr], symbol: Symbols) -> Chart:
     r, θ = symbol("r", HALF), symbol("theta", MERIDIAN)
     return _turned((r, θ), (HALF, MERIDIAN), (r * sp.sin(θ), r * sp.cos(θ)), (sp.S.One, r**2), symbol)
 
 
-def _rotational_parabolic(lengths: Mapping[str, sp.Expr], symbol: Symbols) -> Chart:
+def _rotational_parabolic(_: Mapping[str, sp.Expr], symbol: Symbols) -> Chart:
     u, v = symbol("u", HALF), symbol("v", HALF)
     return _turned((u, v), (HALF, HALF), (u * v, (u**2 - v**2) / 2), (u**2 + v**2, u**2 + v**2), symbol)
 
@@ -131,8 +135,13 @@ def _oblate(lengths: Mapping[str, sp.Expr], symbol: Symbols) -> Chart:
     return replace(chart, remark=f"({μ}, {ν}) and (−{μ}, pi − {ν}) are the same point")
 
 
-def _turned(u: tuple[sp.Symbol, sp.Symbol], ranges: tuple[Range, Range], place: tuple[sp.Expr, sp.Expr],
-            scale: tuple[sp.Expr, sp.Expr], symbol: Symbols) -> Chart:
+def _turned(
+    u: tuple[sp.Symbol, sp.Symbol],
+    ranges: tuple[Range, Range],
+    place: tuple[sp.Expr, sp.Expr],
+    scale: tuple[sp.Expr, sp.Expr],
+    symbol: Symbols,
+) -> Chart:
     """Rotate a half-plane (ρ, z) about the z axis."""
     φ, (ρ, z) = symbol("phi", ANGLE), place
     return Chart((*u, φ), (*ranges, ANGLE), (ρ * sp.cos(φ), ρ * sp.sin(φ), z), (*scale, ρ**2))
@@ -157,18 +166,19 @@ def _ellipsoidal(lengths: Mapping[str, sp.Expr], symbol: Symbols) -> Chart:
     a = tuple(lengths[f"a{i}"] for i in (1, 2, 3))
     ranges = (Range(a[0], a[1]), Range(a[1], a[2]), Range(a[2]))
     u = tuple(symbol(name, where) for name, where in zip(("u", "v", "w"), ranges, strict=True))
-    place = tuple(sp.sqrt(-_rooted(a, u, i)) for i in range(3))
-    scale = tuple(sp.prod([s - o for o in u if o != s]) / (4 * sp.prod([s - c for c in a])) for s in u)
+    length = lengths["a"]
+    place = tuple(length * sp.sqrt(-_rooted(a, u, i)) for i in range(3))
+    scale = tuple(length**2 * sp.prod([s - o for o in u if o != s]) / (4 * sp.prod([s - c for c in a])) for s in u)
     return Chart(u, ranges, place, scale, _OCTANT)
 
 
 def _paraboloidal(lengths: Mapping[str, sp.Expr], symbol: Symbols) -> Chart:
-    b, c = lengths["b"], lengths["c"]
+    a, b, c = lengths["a"], lengths["b"], lengths["c"]
     ranges = (Range(None, b), Range(b, c), Range(c))
     u = tuple(symbol(name, where) for name, where in zip(("u", "v", "w"), ranges, strict=True))
     y, z = (sp.sqrt(-_rooted((b, c), u, i)) for i in (0, 1))
-    scale = tuple(sp.prod([s - o for o in u if o != s]) / (4 * (s - b) * (s - c)) for s in u)
-    return Chart(u, ranges, ((sp.Add(*u) - b - c) / 2, y, z), scale, _OCTANT.replace("octant", "quarter"))
+    scale = tuple(a**2 * sp.prod([s - o for o in u if o != s]) / (4 * (s - b) * (s - c)) for s in u)
+    return Chart(u, ranges, (a * (sp.Add(*u) - b - c) / 2, a * y, a * z), scale, _OCTANT.replace("octant", "quarter"))
 
 
 _PLANE = {"polar": _polar, "parabolic": _parabolic, "elliptic": _elliptic}

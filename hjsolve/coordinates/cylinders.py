@@ -59,7 +59,7 @@ def _cartesian(forms: Sequence[sp.Matrix], sign: Sign) -> list[Geometry]:
         if tidy(middle - low) == 0 or tidy(high - middle) == 0:
             return None
         axes = sorted((e1, e2, e3), key=lambda v: [c != 0 for c in v], reverse=True)
-        return Geometry("cartesian", _ORIGIN, righted(axes[0], axes[1], axes[2]))
+        return Geometry("cartesian", _ORIGIN, righted(axes[0], axes[1]))
 
     freedom = {1: 0, 2: 0, 3: 1, 5: 3}.get(len(forms), 0)
     best = representatives(member, len(forms), lambda _: "cartesian", 1, lambda web: web.complexity)
@@ -96,7 +96,9 @@ def _plane_webs(V: sp.Expr, x: Sequence[sp.Symbol], frame: tuple[Vector, Vector,
         if not U.has(sp.zoo, sp.nan, sp.oo):
             break
     tensors = tuple(killing_tensor(M, y) for M in concircular_basis(2))
-    return plane_webs(family(kernel(sp.expand(U), y, tensors, check=False).vectors, 2), sign, lambda web: _lifted(web, frame))
+    return plane_webs(
+        family(kernel(sp.expand(U), y, tensors, check=False).vectors, 2), sign, lambda web: _lifted(web, frame)
+    )
 
 
 def _lifted(web: Geometry, frame: tuple[Vector, Vector, Vector]) -> Geometry:
@@ -106,5 +108,10 @@ def _lifted(web: Geometry, frame: tuple[Vector, Vector, Vector]) -> Geometry:
         return moved(_ORIGIN, [(v[0], frame[0]), (v[1], frame[1])])
 
     first, second = (lift(v) for v in web.axes)
-    return replace(web, kind=_CYLINDER.get(web.kind, web.kind), centre=lift(web.centre), axes=righted(first, second, frame[2]),
-                   foci=tuple(lift(f) for f in web.foci))
+    return replace(
+        web,
+        kind=_CYLINDER.get(web.kind, web.kind),
+        centre=lift(web.centre),
+        axes=righted(first, second),
+        foci=tuple(lift(f) for f in web.foci),
+    )

@@ -26,8 +26,10 @@ def echelon_over_ring(rows: list[list[Any]], field: Any) -> tuple[dict[int, list
     remaining = [_primitive(row, ring, factors) for row in rows if any(row)]
     done: list[tuple[int, list[Any]]] = []
     while remaining:
-        best = min(((_size(entry), r, c) for r, row in enumerate(remaining) for c, entry in enumerate(row) if entry),
-                   default=None)
+        best = min(
+            ((_size(entry), r, c) for r, row in enumerate(remaining) for c, entry in enumerate(row) if entry),
+            default=None,
+        )
         if best is None:
             break
         _, r, column = best

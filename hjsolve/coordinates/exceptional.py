@@ -62,8 +62,11 @@ def exceptional_values(
     return tuple(Exceptional(tuple(sorted(c, key=str)), d) for c, d in ordered)
 
 
-def _inherited(conditions: tuple[tuple[sp.Symbol, sp.Expr], ...], found: dict[frozenset[tuple[sp.Symbol, sp.Expr]], int],
-               general: int) -> int:
+def _inherited(
+    conditions: tuple[tuple[sp.Symbol, sp.Expr], ...],
+    found: dict[frozenset[tuple[sp.Symbol, sp.Expr]], int],
+    general: int,
+) -> int:
     """Return the largest dimension that a part of the conditions already gives."""
     parts = [d for c, d in found.items() if all(sp.expand(s - e).subs(dict(conditions)).expand() == 0 for s, e in c)]
     return max([general, *parts])

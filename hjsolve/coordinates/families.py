@@ -84,7 +84,9 @@ def _unflatten(row: list[sp.Expr], n: int) -> sp.ImmutableMatrix:
     return sp.ImmutableMatrix(M)
 
 
-def combination(base: sp.MatrixBase | None, terms: Sequence[sp.MatrixBase], numbers: Sequence[sp.Expr], n: int) -> sp.Matrix:
+def combination(
+    base: sp.MatrixBase | None, terms: Sequence[sp.MatrixBase], numbers: Sequence[sp.Expr], n: int
+) -> sp.Matrix:
     """Return base + Σ number·term."""
     total = sp.zeros(n + 1, n + 1) if base is None else sp.Matrix(base)
     for number, term in zip(numbers, terms, strict=True):
@@ -113,8 +115,14 @@ class Found(Generic[Member]):
     values: tuple[sp.Expr, ...]
 
 
-def representatives(choices: Callable[[tuple[sp.Expr, ...]], Member | None], count: int, kind: Callable[[Member], str],
-                    wanted: int, cost: Callable[[Member], int], enough: int = 10) -> dict[str, Found[Member]]:
+def representatives(
+    choices: Callable[[tuple[sp.Expr, ...]], Member | None],
+    count: int,
+    kind: Callable[[Member], str],
+    wanted: int,
+    cost: Callable[[Member], int],
+    enough: int = 10,
+) -> dict[str, Found[Member]]:
     """Sample a family at small parameter values and keep the simplest member of each kind.
 
     Args:

@@ -19,13 +19,19 @@ from hjsolve.errors import InvalidSystemError
 from hjsolve.system import System, kinetic_rest, linear_terms, mass_matrix
 
 _NONE = "No quadratic first integral of this kind besides the energy: the system is"
-_NO_WEB = "Besides the energy there {are} {extra} quadratic first integral{s}, but no orthogonal separable web belongs to {it}: "
-_NOT = ("not separable by a point transformation in orthogonal coordinates. It may still be integrable, with integrals of "
-        "higher degree (Toda, Kaup–Kupershmidt).")
-_UNRESOLVED = ("A further web exists; its axes are roots of an irreducible cubic, and it is not written out. Turn the "
-               "coordinates to its axes, or give the parameters numbers.")
-_INCOMPLETE = ("The exact elimination and the numerical count of the integrals differ: radicals in V depend on each other, "
-               "and there may be more coordinates than those listed.")
+_NO_WEB = "Besides the energy there {are} {extra} quadratic first integral{s}, but no orthogonal web belongs to {it}: "
+_NOT = (
+    "not separable by a point transformation in orthogonal coordinates. It may still be integrable, with integrals of "
+    "higher degree (Toda, Kaup–Kupershmidt)."
+)
+_UNRESOLVED = (
+    "A further web exists; its axes are roots of an irreducible cubic, and it is not written out. Turn the "
+    "coordinates to its axes, or give the parameters numbers."
+)
+_INCOMPLETE = (
+    "The exact elimination and the numerical count of the integrals differ: radicals in V depend on each other, "
+    "and there may be more coordinates than those listed."
+)
 _PARTIAL = ("split", "sphere", "unresolved")
 
 
@@ -71,16 +77,24 @@ def find_coordinates(system: System, *, special: bool = True, budget: float = 20
         found = exceptional_values(cartesian.potential, cartesian.X, basis, known)
         values = tuple(ParameterValues({s.name: e for s, e in one.conditions}, one.dimension) for one in found)
     return Coordinates(
-        system, full.dimension, reduced.dimension, _tensors(full, cartesian), webs, values,
-        full.complete and reduced.complete, _advice(full, geometries, webs, values), time.monotonic() - start,
+        system,
+        full.dimension,
+        reduced.dimension,
+        _tensors(full, cartesian),
+        webs,
+        values,
+        full.complete and reduced.complete,
+        _advice(full, geometries, webs, values),
+        time.monotonic() - start,
     )
 
 
 def _tensors(full: Kernel, cartesian: Cartesian) -> tuple[sp.ImmutableMatrix, ...]:
     n = len(cartesian.X)
     basis = killing_basis(cartesian.X)
-    return tuple(sp.ImmutableMatrix(sum((c * K for c, K in zip(v, basis, strict=True)), sp.zeros(n, n)))
-                 for v in full.vectors)
+    return tuple(
+        sp.ImmutableMatrix(sum((c * K for c, K in zip(v, basis, strict=True)), sp.zeros(n, n))) for v in full.vectors
+    )
 
 
 def _geometries(reduced: Kernel, cartesian: Cartesian) -> list[Geometry]:
@@ -93,7 +107,9 @@ def _geometries(reduced: Kernel, cartesian: Cartesian) -> list[Geometry]:
     return space_webs(tensors, Potential(cartesian.potential, cartesian.X, sign))
 
 
-def _advice(full: Kernel, geometries: Sequence[Geometry], webs: Sequence[Web], values: Sequence[ParameterValues]) -> str:
+def _advice(
+    full: Kernel, geometries: Sequence[Geometry], webs: Sequence[Web], values: Sequence[ParameterValues]
+) -> str:
     """Put the result in words."""
     parts = [g for g in geometries if g.kind in _PARTIAL]
     if webs:
@@ -105,15 +121,20 @@ def _advice(full: Kernel, geometries: Sequence[Geometry], webs: Sequence[Web], v
         lines = [f"{_NONE} {_NOT}"]
     else:
         one = full.dimension == 2
-        words = {"are": "is" if one else "are", "extra": full.dimension - 1, "s": "" if one else "s", "it": "it" if one else "them"}
+        words = {
+            "are": "is" if one else "are",
+            "extra": full.dimension - 1,
+            "s": "" if one else "s",
+            "it": "it" if one else "them",
+        }
         lines = [_NO_WEB.format(**words) + "the system is " + _NOT]
     for part in parts:
         if part.kind == "unresolved":
             lines.append(_UNRESOLVED)
         else:
             what = "splits off the direction" if part.kind == "split" else "splits off the distance from"
-            where = part.axes[2] if part.kind == "split" else part.centre
-            lines.append(f"V {what} ({', '.join(map(str, where))}), but what is left does not separate.")
+            where = ", ".join(map(str, part.axes[2] if part.kind == "split" else part.centre))
+            lines.append(f"V {what} ({where}), but what is left does not separate.")
     for value in values:
         where = ", ".join(f"{name} = {e}" for name, e in value.conditions.items())
         lines.append(f"At {where} there are more: dimension {value.kernel_dimension}.")
@@ -127,16 +148,22 @@ def _cartesian(system: System) -> Cartesian:
         raise InvalidSystemError(f"find_coordinates: {n} coordinates; the plane (2) and space (3) are supported")
     for q in system.coordinates:
         if q.domain.kind == "angle":
-            raise InvalidSystemError(f"find_coordinates: {q.name} is an angle; Cartesian coordinates are needed, "
-                                     "write T and V in x, y (z) on the line")
+            raise InvalidSystemError(
+                f"find_coordinates: {q.name} is an angle; Cartesian coordinates are needed, "
+                "write T and V in x, y (z) on the line"
+            )
     x = tuple(q.symbol for q in system.coordinates)
     M = mass_matrix(system)
     if any(a != 0 for a in linear_terms(system)) or kinetic_rest(system) != 0:
-        raise InvalidSystemError("find_coordinates: T has terms that are not quadratic in the velocities (a magnetic "
-                                 "field or a rotating frame); only natural systems T = ½ Σ m ẋ² are supported")
+        raise InvalidSystemError(
+            "find_coordinates: T has terms that are not quadratic in the velocities (a magnetic "
+            "field or a rotating frame); only natural systems T = ½ Σ m ẋ² are supported"
+        )
     if M.free_symbols & set(x):
-        raise InvalidSystemError("find_coordinates: T depends on the coordinates; write the system in Cartesian "
-                                 "coordinates, T = m/2 (dot(x)**2 + dot(y)**2)")
+        raise InvalidSystemError(
+            "find_coordinates: T depends on the coordinates; write the system in Cartesian "
+            "coordinates, T = m/2 (dot(x)**2 + dot(y)**2)"
+        )
     mass = M[0, 0]
     values = _sign_values(system)
     if all(sp.simplify(M[i, j] - mass * int(i == j)) == 0 for i in range(n) for j in range(n)):
@@ -156,9 +183,10 @@ def _stretch(M: sp.ImmutableMatrix, mass: sp.Expr) -> sp.ImmutableMatrix:
 
 
 def _sign_values(system: System) -> dict[sp.Symbol, sp.Expr]:
-    """Return a value for every parameter: its default, else 2, 3, 5, …"""
+    """Return a value for every parameter: its default, else a prime number."""
     values: dict[sp.Symbol, sp.Expr] = {}
     for index, p in enumerate(system.parameters):
-        values[p.symbol] = p.value if p.value is not None else sp.Integer(
-            sp.prime(index + 1) * (-1 if p.assume == "negative" else 1))
+        values[p.symbol] = (
+            p.value if p.value is not None else sp.Integer(sp.prime(index + 1) * (-1 if p.assume == "negative" else 1))
+        )
     return values

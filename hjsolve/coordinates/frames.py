@@ -8,7 +8,6 @@ import sympy as sp
 
 from hjsolve.coordinates.results import Vector
 
-
 Sign = Callable[[sp.Expr], int]
 
 
@@ -97,7 +96,8 @@ def perpendicular_frame(axis: Vector, first: Vector | None = None) -> tuple[Vect
     if first is None:
         candidates = [tuple(sp.Integer(int(i == j)) for j in range(3)) for i in range(3)]
         first = next((c for c in candidates if dot(c, axis) == 0), None) or unit(
-            (axis[1], -axis[0], sp.S.Zero) if axis[0] != 0 else (sp.S.Zero, axis[2], -axis[1]))
+            (axis[1], -axis[0], sp.S.Zero) if axis[0] != 0 else (sp.S.Zero, axis[2], -axis[1])
+        )
     return first, cross(axis, first), axis
 
 
@@ -148,9 +148,8 @@ def _nullspace(A: sp.Matrix, value: sp.Expr, multiplicity: int) -> list[Vector]:
         lead = next(i for i, c in enumerate(row) if sp.simplify(c) != 0)
         space = []
         for free in (i for i in range(n) if i != lead):
-            v = [sp.S.Zero] * n
-            v[free], v[lead] = sp.S.One, tidy(-row[free] / row[lead])
-            space.append(tuple(v))
+            entry = {free: sp.S.One, lead: tidy(-row[free] / row[lead])}
+            space.append(tuple(entry.get(i, sp.S.Zero) for i in range(n)))
         return space
     for i in range(n):
         for j in range(i + 1, n):
@@ -169,6 +168,6 @@ def sort_frame(frame: list[tuple[sp.Expr, Vector]], sign: Sign) -> list[tuple[sp
     return ordered
 
 
-def righted(e1: Vector, e2: Vector, e3: Vector) -> tuple[Vector, Vector, Vector]:
-    """Return the orthonormal frame with the last vector turned round where it was left-handed."""
+def righted(e1: Vector, e2: Vector) -> tuple[Vector, Vector, Vector]:
+    """Return the right-handed frame (e₁, e₂, e₁ × e₂)."""
     return e1, e2, cross(e1, e2)

@@ -24,7 +24,7 @@ import sympy as sp
 
 from hjsolve.coordinates.elimination import echelon_over_ring
 from hjsolve.coordinates.numerical_kernel import derivatives, numerical_rank, reconstructed_kernel
-from hjsolve.coordinates.point_algebra import Generators, Ground, PointAlgebra, ZeroDivisor, generators, prepared
+from hjsolve.coordinates.point_algebra import Generators, Ground, PointAlgebra, ZeroDivisorError, generators, prepared
 from hjsolve.errors import InternalError
 
 _POINTS_WITHOUT_NEWS = 4
@@ -94,7 +94,7 @@ class Kernel:
 def _coefficients(tensors: tuple[sp.ImmutableMatrix, ...], x: tuple[sp.Symbol, ...]) -> list[Any]:
     """Write d(K·dV)_ij = Σ_a c_a V_a + Σ_ab c_ab V_ab; returns [(i, j)][tensor] = {slot: polynomial terms}."""
     n = len(x)
-    slots = [(a,) for a in range(n)] + list(combinations_with_replacement(range(n), 2))
+    slots: list[tuple[int, ...]] = [(a,) for a in range(n)] + list(combinations_with_replacement(range(n), 2))
     table = []
     for i, j in combinations(range(n), 2):
         row = []
@@ -111,8 +111,13 @@ def _coefficients(tensors: tuple[sp.ImmutableMatrix, ...], x: tuple[sp.Symbol, .
 
 def _in_field(table: list[Any], field: Any) -> list[Any]:
     """Convert the rational coefficients of a table to the field of constants, once for all points."""
-    return [[[(slot, [(exponents, field.convert(c)) for exponents, c in terms]) for slot, terms in tensor]
-             for tensor in equation] for equation in table]
+    return [
+        [
+            [(slot, [(exponents, field.convert(c)) for exponents, c in terms]) for slot, terms in tensor]
+            for tensor in equation
+        ]
+        for equation in table
+    ]
 
 
 def _rows_at(algebra: PointAlgebra, values: Sequence[sp.Expr], table: list[Any], width: int) -> list[list[Any]]:
@@ -179,7 +184,7 @@ def _points(made_of: Generators, values: Sequence[sp.Expr], table: list[Any], wi
     for _ in range(_MOST_POINTS):
         try:
             yield _rows_at(PointAlgebra(made_of, random), values, converted, width)
-        except (ZeroDivisor, ZeroDivisionError):
+        except (ZeroDivisorError, ZeroDivisionError):
             continue
     raise InternalError("find_coordinates: no regular points of the potential were found")
 
@@ -260,7 +265,7 @@ def kernel(V: sp.Expr, x: Sequence[sp.Symbol], tensors: Sequence[sp.ImmutableMat
     x, width = tuple(x), len(tensors)
     values = prepared(derivatives(V, x), x)
     made_of = generators(values, x)
-    ground, random = made_of.ground, Random(20161)
+    ground, random = made_of.ground, Random(20161)  # noqa: S311
     table = _coefficients(tuple(tensors), x)
     stream = _points(made_of, values, table, width, random)
     sparse = _span(stream, ground, width) if ground.parameters else None

@@ -25,15 +25,21 @@ def derivatives(V: sp.Expr, x: Sequence[sp.Symbol]) -> list[sp.Expr]:
 def _concrete(V: sp.Expr) -> sp.Expr:
     """Replace undetermined functions by some definite ones; the rank can only get smaller."""
     names = sorted({node.func.__name__ for node in V.atoms(AppliedUndef)})
-    return V.replace(lambda node: isinstance(node, AppliedUndef),
-                     lambda node: sum(sp.exp(a / sp.Integer(7 + 2 * names.index(node.func.__name__) + 4 * i))
-                                      for i, a in enumerate(node.args)) + sp.prod(node.args) ** 3)
+    return V.replace(
+        lambda node: isinstance(node, AppliedUndef),
+        lambda node: (
+            sum(
+                sp.exp(a / sp.Integer(7 + 2 * names.index(node.func.__name__) + 4 * i)) for i, a in enumerate(node.args)
+            )
+            + sp.prod(node.args) ** 3
+        ),
+    )
 
 
 def _numerical_rows(V: sp.Expr, x: Sequence[sp.Symbol], table: list[Any], width: int) -> list[list[Any]]:
     """Return equations at random real points, 60 digits, with random positive values of the parameters."""
     V = _concrete(V)
-    random = Random(7)
+    random = Random(7)  # noqa: S311
     parameters = sorted(V.free_symbols - set(x), key=str)
     values = {p: sp.Rational(random.randint(3, 90), 37) * (-1 if p.is_negative else 1) for p in parameters}
     functions = sp.lambdify(list(x), [d.xreplace(values) for d in derivatives(V, x)], "mpmath", cse=True)
@@ -44,11 +50,18 @@ def _numerical_rows(V: sp.Expr, x: Sequence[sp.Symbol], table: list[Any], width:
             slots = functions(*point)
         except (ZeroDivisionError, ValueError):
             continue
-        for equation in table:
-            rows.append([mpmath.fsum(slots[slot] * mpmath.fsum(
-                int(c.p) * mpmath.fprod(q**e for q, e in zip(point, exponents, strict=True)) / int(c.q)
-                for exponents, c in terms) for slot, terms in tensor) for tensor in equation])
+        rows.extend([_coefficient(tensor, slots, point) for tensor in equation] for equation in table)
     return rows
+
+
+def _coefficient(tensor: Any, slots: Sequence[Any], point: Sequence[Any]) -> Any:
+    """Return the coefficient of one tensor in an equation at a point."""
+    total = mpmath.mpf(0)
+    for slot, terms in tensor:
+        for exponents, c in terms:
+            monomial = mpmath.fprod(q**e for q, e in zip(point, exponents, strict=True))
+            total += slots[slot] * monomial * int(c.p) / int(c.q)
+    return total
 
 
 def _numerical_echelon(rows: list[list[Any]], width: int) -> tuple[list[list[Any]], list[int]]:
@@ -56,16 +69,19 @@ def _numerical_echelon(rows: list[list[Any]], width: int) -> tuple[list[list[Any
     rows = [[entry / scale for entry in row] for row in rows if (scale := max(abs(e) for e in row))]
     pivots: list[int] = []
     while len(pivots) < width:
-        rest = rows[len(pivots):]
-        size, r, c = max(((abs(row[c]), r, c) for r, row in enumerate(rest) for c in range(width) if c not in pivots),
-                         default=(0, 0, 0))
+        rest = rows[len(pivots) :]
+        size, r, c = max(
+            ((abs(row[c]), r, c) for r, row in enumerate(rest) for c in range(width) if c not in pivots),
+            default=(0, 0, 0),
+        )
         if size < mpmath.mpf(10) ** -25:
             break
         k = len(pivots)
         rows[k], rows[r + k] = rows[r + k], rows[k]
         rows[k] = [entry / rows[k][c] for entry in rows[k]]
-        rows = [row if i == k else [a - row[c] * b for a, b in zip(row, rows[k], strict=True)] for i, row in
-                enumerate(rows)]
+        rows = [
+            row if i == k else [a - row[c] * b for a, b in zip(row, rows[k], strict=True)] for i, row in enumerate(rows)
+        ]
         pivots.append(c)
     return rows[: len(pivots)], pivots
 
@@ -88,8 +104,14 @@ def reconstructed_kernel(V: sp.Expr, x: Sequence[sp.Symbol], table: list[Any], w
             for row, pivot in zip(rows, pivots, strict=True):
                 vector[pivot] = -_rational(row[column])
             vectors.append(vector)
-        residual = max((abs(mpmath.fsum(a * mpmath.mpf(int(b.p)) / int(b.q) for a, b in zip(row, v, strict=True)))
-                        for row in _numerical_rows(V, x, table, width) for v in vectors), default=1)
+        residual = max(
+            (
+                abs(mpmath.fsum(a * mpmath.mpf(int(b.p)) / int(b.q) for a, b in zip(row, v, strict=True)))
+                for row in _numerical_rows(V, x, table, width)
+                for v in vectors
+            ),
+            default=1,
+        )
     if residual > mpmath.mpf(10) ** -20:
         return None
     return tuple(tuple(row) for row in sp.Matrix(vectors).rref()[0].tolist())

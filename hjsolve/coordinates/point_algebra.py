@@ -31,7 +31,7 @@ _HYPERBOLIC = (sp.sinh, sp.cosh, sp.tanh, sp.coth, sp.sech, sp.csch)
 _CIRCULAR = (sp.sin, sp.cos, sp.tan, sp.cot, sp.sec, sp.csc)
 
 
-class ZeroDivisor(Exception):
+class ZeroDivisorError(Exception):
     """The point chosen is not regular; another one is taken."""
 
 
@@ -60,16 +60,15 @@ def ground_field(expressions: Iterable[sp.Expr], coordinates: Sequence[sp.Symbol
     numbers: set[sp.Expr] = set()
     opaque: dict[sp.Expr, sp.Symbol] = {}
 
+    compound = (AppliedUndef, sp.Subs, sp.Derivative, sp.Add, sp.Mul)
+
     def visit(node: sp.Expr) -> None:
         if node.is_Symbol:
             if node not in inside:
                 parameters.add(node)
         elif node.is_Rational:
             return
-        elif node.free_symbols & inside or isinstance(node, AppliedUndef | sp.Subs | sp.Derivative):
-            for argument in node.args:
-                visit(argument)
-        elif node.is_Add or node.is_Mul or (node.is_Pow and node.exp.is_Integer):
+        elif node.free_symbols & inside or isinstance(node, compound) or (node.is_Pow and node.exp.is_Integer):
             for argument in node.args:
                 visit(argument)
         elif not node.free_symbols and node.is_algebraic and node.is_real:
@@ -108,7 +107,12 @@ def _prepare(expression: sp.Expr, coordinates: Sequence[sp.Symbol]) -> sp.Expr:
             if function is sp.exp:
                 return sp.exp(phase) * sp.exp(moving)
             c, s = sp.cos(phase), sp.sin(phase)
-            return c * sp.sin(moving) + s * sp.cos(moving) if function is sp.sin else c * sp.cos(moving) - s * sp.sin(moving)
+            return (
+                c * sp.sin(moving) + s * sp.cos(moving)
+                if function is sp.sin
+                else c * sp.cos(moving) - s * sp.sin(moving)
+            )
+
         return apart
 
     for function in (sp.exp, sp.sin, sp.cos):
@@ -217,9 +221,9 @@ class PointAlgebra:
     def inverse(self, a: Element) -> Element:
         """Return 1/a by linear algebra over the field in the smallest subalgebra that holds a."""
         if not a:
-            raise ZeroDivisor
+            raise ZeroDivisorError
         if len(a) == 1:
-            (key, value), = a.items()
+            ((key, value),) = a.items()
             result = self.constant(self.field.one / value)
             for index, exponent in key:
                 result = self.multiply(result, {((index, 1 - exponent),): self.field.one})
@@ -261,15 +265,20 @@ class PointAlgebra:
         if node.is_Pow and node.exp.is_Rational:
             return self._root(node.base, Fraction(int(node.exp.p), int(node.exp.q)))
         if isinstance(node, sp.Abs):
-            return self._root(node.args[0] ** 2 if not node.args[0].is_Pow else sp.Pow(node.args[0], 2, evaluate=False),
-                              Fraction(1, 2))
+            return self._root(
+                node.args[0] ** 2 if not node.args[0].is_Pow else sp.Pow(node.args[0], 2, evaluate=False),
+                Fraction(1, 2),
+            )
         if isinstance(node, sp.exp):
             return self._product("exp", _terms(node.args[0]))
         if node.is_Pow:
             terms = [(c, sp.Pow(node.base, rest, evaluate=False)) for c, rest in _terms(node.exp) if rest != 1]
             whole = [c for c, rest in _terms(node.exp) if rest == 1]
-            factor = self._root(node.base, Fraction(int(whole[0].p), int(whole[0].q))) if whole else self.constant(
-                self.field.one)
+            factor = (
+                self._root(node.base, Fraction(int(whole[0].p), int(whole[0].q)))
+                if whole
+                else self.constant(self.field.one)
+            )
             return self.multiply(factor, self._product("power", terms))
         if isinstance(node, sp.sin | sp.cos):
             cosine, sine = self._circle(_terms(node.args[0]))
@@ -291,8 +300,11 @@ class PointAlgebra:
             c, s = (one - t * t) / (one + t * t), 2 * t / (one + t * t)
             turns = int(coefficient * self.made_of.denominators["angle", monomial])
             for _ in range(abs(turns)):
-                cosine, sine = (cosine * c - sine * s, sine * c + cosine * s) if turns > 0 else (
-                    cosine * c + sine * s, sine * c - cosine * s)
+                cosine, sine = (
+                    (cosine * c - sine * s, sine * c + cosine * s)
+                    if turns > 0
+                    else (cosine * c + sine * s, sine * c - cosine * s)
+                )
         return cosine, sine
 
     def _root(self, base: sp.Expr, exponent: Fraction) -> Element:
@@ -314,7 +326,7 @@ def _solve(rows: list[list[Any]], right: list[Any]) -> list[Any]:
     for column in range(size):
         pivot = next((r for r in range(column, size) if table[r][column]), None)
         if pivot is None:
-            raise ZeroDivisor
+            raise ZeroDivisorError
         table[column], table[pivot] = table[pivot], table[column]
         table[column] = [entry / table[column][column] for entry in table[column]]
         for r in range(size):

@@ -39,7 +39,6 @@ class Geometry:
     freedom: int = 0
     family: str = ""
 
-
     @property
     def complexity(self) -> int:
         """How far the constants are from 0 and ±1; for choosing the simplest web of a family."""

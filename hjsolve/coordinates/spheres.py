@@ -80,10 +80,12 @@ def _classified(form: sp.Matrix, sphere: Geometry, sign: Sign) -> Geometry | Non
     if any(equal):
         return Geometry("spherical", sphere.centre, perpendicular_frame(e3 if equal[0] else e1))
     modulus = {"e1": sp.S.Zero, "e2": tidy((middle - low) / (high - low)), "e3": sp.S.One}
-    return Geometry("conical", sphere.centre, righted(e1, e2, e3), (), modulus)
+    return Geometry("conical", sphere.centre, righted(e1, e2), (), modulus)
 
 
-def _member(basis: Sequence[sp.Matrix], numbers: Sequence[sp.Expr], sphere: Geometry, sign: Sign, kind: str) -> Geometry | None:
+def _member(
+    basis: Sequence[sp.Matrix], numbers: Sequence[sp.Expr], sphere: Geometry, sign: Sign, kind: str
+) -> Geometry | None:
     form = sum((c * f for c, f in zip(numbers, basis, strict=True)), sp.zeros(3, 3))
     web = _classified(form, sphere, sign)
     return web if web is not None and web.kind == kind else None

@@ -50,20 +50,36 @@ def web_of(geometry: Geometry, cartesian: Cartesian, *, budget: float) -> Web:
     speeds = [sp.Symbol(f"dot({name})", real=True) for name in names]
     kinetic = cartesian.mass / 2 * sp.Add(*(h * v**2 for h, v in zip(local.scale, speeds, strict=True)))
     transformed = System(
-        {name: where.text(name) for name, where in zip(names, local.ranges, strict=True)}, kinetic, potential,
+        {name: where.text(name) for name, where in zip(names, local.ranges, strict=True)},
+        kinetic,
+        potential,
         {p.name: p for p in cartesian.system.parameters},
         title=f"{cartesian.system.title or 'system'} in {geometry.kind} coordinates",
     )
     old = cartesian.stretch * sp.Matrix(X)
     transformation = {q.name: sp.expand(entry) for q, entry in zip(cartesian.system.coordinates, old, strict=True)}
-    return Web(geometry.kind, geometry.centre, geometry.axes, geometry.foci, dict(geometry.lengths), geometry.freedom,
-               geometry.family, names, transformation, transformed, separate(transformed, budget=budget),
-               _remark(geometry, local, carrier.assumed))
+    return Web(
+        geometry.kind,
+        geometry.centre,
+        geometry.axes,
+        geometry.foci,
+        dict(geometry.lengths),
+        geometry.freedom,
+        geometry.family,
+        names,
+        transformation,
+        transformed,
+        separate(transformed, budget=budget),
+        _remark(geometry, local, carrier.assumed),
+    )
 
 
 def _adapted(local: Chart, geometry: Geometry, cartesian: Cartesian) -> tuple[Chart, tuple[Vector, ...]]:
-    """Return the chart and axes to use: Cartesian axes keep the given names where nothing changes, and are not
-    normalised where that would put symbolic square roots into the transformation."""
+    """Return the chart and the axes to use.
+
+    Cartesian axes keep the given names where nothing changes, and are not normalised where that would put symbolic
+    square roots into the transformation.
+    """
     n = len(cartesian.x)
     if geometry.kind != "cartesian":
         return local, geometry.axes
@@ -100,9 +116,17 @@ def _symbol_maker(cartesian: Cartesian) -> Callable[[str, Range], sp.Symbol]:
 
 def _domain_sign(local: Chart, cartesian: Cartesian) -> Callable[[sp.Expr], int]:
     """Return the sign of an expression at random points of the domain; 0 where it changes or a parameter decides."""
-    random = Random(11)
-    points = [{**cartesian.values, **{s: _inside(where, cartesian.values, random) for s, where in
-                                      zip(local.symbols, local.ranges, strict=True)}} for _ in range(6)]
+    random = Random(11)  # noqa: S311
+    points = [
+        {
+            **cartesian.values,
+            **{
+                s: _inside(where, cartesian.values, random)
+                for s, where in zip(local.symbols, local.ranges, strict=True)
+            },
+        }
+        for _ in range(6)
+    ]
 
     def sign(expression: sp.Expr) -> int:
         if expression.is_positive or expression.is_negative:
@@ -122,12 +146,23 @@ def _inside(where: Range, values: Mapping[sp.Symbol, sp.Expr], random: Random) -
     low, high = (None if end is None else end.xreplace(dict(values)) for end in (where.lower, where.upper))
     if low is not None and high is not None:
         return low + (high - low) * fraction
-    return 4 * fraction - 2 if low is None and high is None else low + 3 * fraction if high is None else high - 3 * fraction
+    return (
+        4 * fraction - 2
+        if low is None and high is None
+        else low + 3 * fraction
+        if high is None
+        else high - 3 * fraction
+    )
 
 
 def _remark(geometry: Geometry, local: Chart, assumed: Iterable[sp.Expr]) -> str:
     """Say what the chart covers and what was taken to be positive."""
-    radicands = {p.base for v in (*geometry.foci, tuple(geometry.lengths.values())) for c in v for p in c.atoms(sp.Pow)
-                 if p.exp.is_Rational and not p.exp.is_Integer and p.base.free_symbols}
+    radicands = {
+        p.base
+        for v in (*geometry.foci, tuple(geometry.lengths.values()))
+        for c in v
+        for p in c.atoms(sp.Pow)
+        if p.exp.is_Rational and not p.exp.is_Integer and p.base.free_symbols
+    }
     order = sorted({*radicands, *assumed}, key=str)
     return "; ".join([local.remark] * bool(local.remark) + [f"for {e} > 0" for e in order if e.is_positive is None])

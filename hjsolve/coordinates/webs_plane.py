@@ -71,8 +71,9 @@ def _parabolic(A: sp.MatrixBase, w: sp.MatrixBase) -> Geometry:
     return Geometry("parabolic", focus, _turned(unit(tuple(w))), (focus,))
 
 
-def _family_webs(kind: str, base: sp.MatrixBase | None, terms: Sequence[sp.MatrixBase], freedom: int,
-                 sign: Sign, lift: Lift) -> list[Geometry]:
+def _family_webs(
+    kind: str, base: sp.MatrixBase | None, terms: Sequence[sp.MatrixBase], freedom: int, sign: Sign, lift: Lift
+) -> list[Geometry]:
     """Return the simplest web of one kind in the linear family base + Σ t·term."""
 
     def member(values: tuple[sp.Expr, ...]) -> Geometry | None:
@@ -82,7 +83,7 @@ def _family_webs(kind: str, base: sp.MatrixBase | None, terms: Sequence[sp.Matri
     if freedom == 0:
         only = member(tuple(sp.S.One for _ in terms))
         return [only] if only is not None else []
-    best = representatives(member, len(terms), lambda g: kind, 1, lambda g: g.complexity)
+    best = representatives(member, len(terms), lambda _: kind, 1, lambda g: g.complexity)
     return [in_words(best[kind], freedom, member)] if best else []
 
 

@@ -22,7 +22,18 @@ import sympy as sp
 from hjsolve.coordinates.branches import Piece, real_pieces
 from hjsolve.coordinates.cylinders import cylinder_webs
 from hjsolve.coordinates.families import Family, combination, parts, representatives
-from hjsolve.coordinates.frames import Sign, TooHardError, eigenframe, moved, perpendicular_frame, righted, root, sort_frame, tidy, unit
+from hjsolve.coordinates.frames import (
+    Sign,
+    TooHardError,
+    eigenframe,
+    moved,
+    perpendicular_frame,
+    righted,
+    root,
+    sort_frame,
+    tidy,
+    unit,
+)
 from hjsolve.coordinates.rank_one import V, annihilators, pair
 from hjsolve.coordinates.results import Geometry, Vector
 from hjsolve.coordinates.spheres import sphere_webs
@@ -67,8 +78,18 @@ def _central(A: sp.MatrixBase, w: sp.MatrixBase, sign: Sign) -> Geometry:
         return Geometry("prolate spheroidal", centre, perpendicular_frame(e1), foci, {"a": a})
     if first == 0:
         return Geometry("oblate spheroidal", centre, perpendicular_frame(e3), (), {"a": root(second)})
-    constants = {"a1": _ZERO, "a2": first, "a3": tidy(high - low)}
-    return Geometry("ellipsoidal", centre, righted(e1, e2, e3), (), constants)
+    scale, (a2, a3) = _scaled(first, tidy(high - low))
+    constants = {"a": root(scale), "a1": _ZERO, "a2": a2, "a3": a3}
+    return Geometry("ellipsoidal", centre, righted(e1, e2), (), constants)
+
+
+def _scaled(*constants: sp.Expr) -> tuple[sp.Expr, tuple[sp.Expr, ...]]:
+    """Take a common irrational factor out of some constants, so that the ends of the coordinates are rational."""
+    largest = constants[-1]
+    ratios = tuple(tidy(c / largest) for c in constants)
+    if largest.is_number and not largest.is_Rational and all(r.is_Rational for r in ratios):
+        return largest, ratios
+    return sp.S.One, constants
 
 
 def _axial(A: sp.MatrixBase, w: sp.MatrixBase, sign: Sign) -> Geometry:
@@ -89,8 +110,13 @@ def _axial(A: sp.MatrixBase, w: sp.MatrixBase, sign: Sign) -> Geometry:
     gap = tidy(high - low)
     if gap == 0:
         return Geometry("rotational parabolic", focus, perpendicular_frame(d), (focus,))
-    return Geometry("paraboloidal", focus, righted(d, axes[0], axes[1]), (focus, moved(focus, [(gap / 2, d)])),
-                    {"b": _ZERO, "c": gap})
+    return Geometry(
+        "paraboloidal",
+        focus,
+        righted(d, axes[0]),
+        (focus, moved(focus, [(gap / 2, d)])),
+        dict(zip(("a", "b", "c"), (_scaled(gap)[0], _ZERO, *_scaled(gap)[1]), strict=True)),
+    )
 
 
 def _constant(A: sp.MatrixBase, sign: Sign) -> Geometry | None:
@@ -101,7 +127,7 @@ def _constant(A: sp.MatrixBase, sign: Sign) -> Geometry | None:
         return None
     if any(equal):
         return Geometry("split", origin, perpendicular_frame(e3 if equal[0] else e1))
-    return Geometry("cartesian", origin, righted(e1, e2, e3))
+    return Geometry("cartesian", origin, righted(e1, e2))
 
 
 def space_webs(family: Family, potential: Potential) -> list[Geometry]:
@@ -201,9 +227,9 @@ def _at(vector: sp.MatrixBase, piece: Piece, values: Sequence[sp.Expr]) -> Vecto
 
 
 def _with_foci(web: Geometry) -> Geometry:
-    """Add the ends of the focal conics: on e₁ at √(a₂−a₁) and √(a₃−a₁), on e₂ at √(a₃−a₂)."""
-    a2, a3 = web.lengths["a2"], web.lengths["a3"]
-    ends = ((root(a2), web.axes[0]), (root(a3), web.axes[0]), (root(tidy(a3 - a2)), web.axes[1]))
+    """Add the ends of the focal conics: on e₁ at a√(a₂−a₁) and a√(a₃−a₁), on e₂ at a√(a₃−a₂)."""
+    a, a2, a3 = (web.lengths[name] for name in ("a", "a2", "a3"))
+    ends = ((a * root(a2), web.axes[0]), (a * root(a3), web.axes[0]), (a * root(tidy(a3 - a2)), web.axes[1]))
     return replace(web, foci=tuple(moved(web.centre, [(s * k, e)]) for k, e in ends for s in (1, -1)))
 
 
@@ -235,8 +261,11 @@ def _rotational(terms: Sequence[sp.MatrixBase], potential: Potential) -> list[Ge
 
         def member(values: tuple[sp.Expr, ...], piece: Piece = piece) -> Geometry | None:
             numbers = _at(sp.Matrix(t), piece, values)
-            return _only(classify(combination(None, terms, numbers, 3), potential.sign), "rotational parabolic") if (
-                numbers is not None) else None
+            return (
+                _only(classify(combination(None, terms, numbers, 3), potential.sign), "rotational parabolic")
+                if (numbers is not None)
+                else None
+            )
 
         webs += _sampled(member, len(piece.free), len(piece.free) - 1)
     return webs

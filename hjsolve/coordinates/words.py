@@ -14,7 +14,9 @@ from hjsolve.coordinates.results import Geometry, Vector
 _PLACE = {"polar": "pole", "parabolic": "focus", "rotational parabolic": "focus", "parabolic cylinder": "focal line"}
 
 
-def in_words(found: Found[Geometry], freedom: int, member: Callable[[tuple[sp.Expr, ...]], Geometry | None]) -> Geometry:
+def in_words(
+    found: Found[Geometry], freedom: int, member: Callable[[tuple[sp.Expr, ...]], Geometry | None]
+) -> Geometry:
     """Describe the family that a representative stands for by varying its parameters one at a time.
 
     Args:
@@ -41,21 +43,29 @@ def in_words(found: Found[Geometry], freedom: int, member: Callable[[tuple[sp.Ex
 def _describe(best: Geometry, members: Sequence[Geometry]) -> str:
     clauses = []
     shared = [f for f in best.foci if all(any(_same(f, g) for g in member.foci) for member in members)]
+    one_focus = len(best.foci) == 2 and len(shared) == 1
     place = _PLACE.get(best.kind, "centre")
     if best.kind != "cartesian":
-        if len(best.foci) == 2 and len(shared) == 1:
-            clauses.append(f"one focus at {_text(shared[0])}, the other {_locus([_other(m, shared[0]) for m in members])}")
+        if one_focus:
+            clauses.append(
+                f"one focus at {_text(shared[0])}, the other {_locus([_other(m, shared[0]) for m in members])}"
+            )
         else:
             clauses.append(f"{place} {_locus([best.centre, *(m.centre for m in members)])}")
     if best.kind in ("conical", "ellipsoidal", "cartesian"):
         clauses.append(_frames(best, members))
-    elif not (len(best.foci) == 2 and len(shared) == 1) and best.kind not in ("polar", "sphere"):
-        index = 0 if len(best.centre) == 2 or best.kind in ("elliptic cylinder", "parabolic cylinder", "paraboloidal") else 2
+    elif not one_focus and best.kind not in ("polar", "sphere"):
+        index = (
+            0
+            if len(best.centre) == 2 or best.kind in ("elliptic cylinder", "parabolic cylinder", "paraboloidal")
+            else 2
+        )
         fixed = all(_parallel(m.axes[index], best.axes[index]) for m in members)
         clauses.append(f"axis along {_text(best.axes[index])}" if fixed else _directions(members, index))
-    if best.lengths and not (len(best.foci) == 2 and len(shared) == 1):
-        if any(sp.simplify(m.lengths[key] - best.lengths[key]) != 0 for m in members for key in best.lengths):
-            clauses.append("any focal distance" if len(best.lengths) == 1 else "any constants of the web")
+    if not one_focus and any(
+        sp.simplify(m.lengths[key] - best.lengths[key]) != 0 for m in members for key in best.lengths
+    ):
+        clauses.append("any focal distance" if len(best.lengths) == 1 else "any constants of the web")
     return "; ".join(clauses)
 
 

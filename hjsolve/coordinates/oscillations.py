@@ -33,7 +33,7 @@ class Mode:
         frequency_squared: ω² = K/M; zero for a mode that drifts, negative for one that runs away.
         mass: M_kk.
         stiffness: K_kk.
-        kind: ``oscillation``, ``drift`` or ``unstable``, with the default values of the parameters where signs need them.
+        kind: ``oscillation``, ``drift`` or ``unstable``, by the default values where a parameter decides.
     """
 
     name: str
@@ -105,9 +105,16 @@ def normal_modes(system: System, about: Mapping[str, object] | None = None, *, b
     transformed = _transformed(system, quadratic, modes, A)
     names = [q.name for q in system.coordinates]
     return NormalModes(
-        system, dict(zip(names, quadratic.origin, strict=True)), A, inverse, modes,
-        {name: sp.expand(entry) for name, entry in zip(names, old, strict=True)}, transformed,
-        separate(transformed, budget=budget), quadratic.exact, quadratic.remark,
+        system,
+        dict(zip(names, quadratic.origin, strict=True)),
+        A,
+        inverse,
+        modes,
+        {name: sp.expand(entry) for name, entry in zip(names, old, strict=True)},
+        transformed,
+        separate(transformed, budget=budget),
+        quadratic.exact,
+        quadratic.remark,
     )
 
 
@@ -138,23 +145,34 @@ def _quadratic(system: System, about: Mapping[str, object] | None) -> _Quadratic
     a = linear_terms(system)
     constant = not M.free_symbols & set(q) and V.is_polynomial(*q) and sp.Poly(V, *q).total_degree() <= 2
     if about is None and not constant:
-        raise InvalidSystemError("normal_modes: T or V is not a quadratic form with constant coefficients; give the "
-                                 'equilibrium to linearise about, such as about={"theta": 0}')
+        raise InvalidSystemError(
+            "normal_modes: T or V is not a quadratic form with constant coefficients; give the "
+            'equilibrium to linearise about, such as about={"theta": 0}'
+        )
     origin = _origin(system, about or {})
     place = dict(zip(q, origin, strict=True))
     for i in range(len(q)):
         for j in range(i):
             if sp.simplify((sp.diff(a[i], q[j]) - sp.diff(a[j], q[i])).subs(place)) != 0:
-                raise InvalidSystemError("normal_modes: T has gyroscopic terms (linear in the velocities and not a total "
-                                         "derivative); the modes are then not real one-dimensional oscillators")
+                raise InvalidSystemError(
+                    "normal_modes: T has gyroscopic terms (linear in the velocities and not a total "
+                    "derivative); the modes are then not real one-dimensional oscillators"
+                )
     force = sp.Matrix([sp.diff(V, s) for s in q]).subs(place).applyfunc(_tidy)
     k = sp.hessian(V, q).subs(place).applyfunc(_tidy)
     if not constant and any(f != 0 for f in force):
         pushed = ", ".join(f"{c.name}: {f}" for c, f in zip(system.coordinates, force, strict=True) if f != 0)
         raise InvalidSystemError(f"normal_modes: {_text(system, origin)} is not an equilibrium; dV/dq is {pushed}")
     remark = "" if constant else f"linearised about {_text(system, origin)}"
-    return _Quadratic(sp.ImmutableMatrix(M.subs(place).applyfunc(_tidy)), sp.ImmutableMatrix(k), sp.ImmutableMatrix(force),
-                      _tidy(V.subs(place)), origin, constant, remark)
+    return _Quadratic(
+        sp.ImmutableMatrix(M.subs(place).applyfunc(_tidy)),
+        sp.ImmutableMatrix(k),
+        sp.ImmutableMatrix(force),
+        _tidy(V.subs(place)),
+        origin,
+        constant,
+        remark,
+    )
 
 
 def _at_equilibrium(quadratic: _Quadratic, A: sp.ImmutableMatrix, modes: Sequence[Mode]) -> _Quadratic:
@@ -165,7 +183,9 @@ def _at_equilibrium(quadratic: _Quadratic, A: sp.ImmutableMatrix, modes: Sequenc
     energy = sp.Add(*(f * s / 2 for f, s in zip(forces, shift, strict=True)))
     origin = tuple(_tidy(o + s) for o, s in zip(quadratic.origin, moved, strict=True))
     force = (quadratic.force + quadratic.stiffness * moved).applyfunc(_tidy)
-    return replace(quadratic, origin=origin, force=sp.ImmutableMatrix(force), constant=_tidy(quadratic.constant + energy))
+    return replace(
+        quadratic, origin=origin, force=sp.ImmutableMatrix(force), constant=_tidy(quadratic.constant + energy)
+    )
 
 
 def _tidy(expression: sp.Expr) -> sp.Expr:
@@ -186,7 +206,7 @@ def _origin(system: System, about: Mapping[str, object]) -> tuple[sp.Expr, ...]:
         if name not in names:
             raise InvalidSystemError(f"normal_modes: about: {name} is not a coordinate; they are {', '.join(names)}")
     values = (about.get(name, 0) for name in names)
-    return tuple(v if isinstance(v, sp.Expr) else number(v, source="about") for v in values)  # type: ignore[arg-type]
+    return tuple(v if isinstance(v, sp.Expr) else number(v, source="about") for v in values)
 
 
 def _form(matrix: sp.MatrixBase, v: Sequence[sp.Expr]) -> sp.Expr:
@@ -233,9 +253,15 @@ def _secular_factors(pencil: sp.MatrixBase, s: sp.Symbol) -> list[tuple[sp.Expr,
 def _cubic_columns(pencil: sp.MatrixBase, m: sp.MatrixBase, factor: sp.Expr, s: sp.Symbol) -> list[_Column]:
     """Return (s, amplitude ratios, M) for the three roots of an irreducible cubic, by arithmetic modulo the cubic."""
     if sp.degree(factor, s) > 3 or factor.free_symbols != {s}:
-        raise InvalidSystemError("normal_modes: the frequencies are roots of an irreducible equation of degree "
-                                 f"{sp.degree(factor, s)}" + (" with symbolic coefficients; give the parameters numbers"
-                                                              if factor.free_symbols != {s} else "; no closed form"))
+        raise InvalidSystemError(
+            "normal_modes: the frequencies are roots of an irreducible equation of degree "
+            f"{sp.degree(factor, s)}"
+            + (
+                " with symbolic coefficients; give the parameters numbers"
+                if factor.free_symbols != {s}
+                else "; no closed form"
+            )
+        )
 
     def reduced(expression: sp.Expr) -> sp.Expr:
         return sp.rem(sp.together(sp.expand(expression)), factor, s)
@@ -284,14 +310,18 @@ def _kernel(space: sp.MatrixBase, multiplicity: int) -> list[tuple[sp.Expr, ...]
     return vectors
 
 
-def _orthogonal(space: list[tuple[sp.Expr, ...]], m: sp.MatrixBase, singular: sp.MatrixBase) -> list[tuple[sp.Expr, ...]]:
+def _orthogonal(
+    space: list[tuple[sp.Expr, ...]], m: sp.MatrixBase, singular: sp.MatrixBase
+) -> list[tuple[sp.Expr, ...]]:
     """Return an m-orthogonal basis with simple entries, the first non-zero entry of every vector 1."""
     if len(space) == 1:
         return [_scaled(space[0])]
     chosen: list[tuple[sp.Expr, ...]] = []
     n = m.rows
     trials = product((1, 0, -1), repeat=n) if n <= _MOST_TRIAL_COLUMNS else iter(())
-    simple = sorted((t for t in trials if next((c for c in t if c), 0) == 1), key=lambda t: (t != (1,) * n, sum(map(abs, t))))
+    simple = sorted(
+        (t for t in trials if next((c for c in t if c), 0) == 1), key=lambda t: (t != (1,) * n, sum(map(abs, t)))
+    )
     for trial in (tuple(map(sp.Integer, t)) for t in simple):
         inside = all(sp.simplify(e) == 0 for e in singular * sp.Matrix(trial))
         if inside and all(sp.simplify(_pair(m, trial, v)) == 0 for v in chosen):
@@ -327,9 +357,12 @@ def _transformed(system: System, quadratic: _Quadratic, modes: Sequence[Mode], A
     kinetic = sp.Add(*(mode.mass * v**2 / 2 for mode, v in zip(modes, speeds, strict=True)))
     forces = (A.T * quadratic.force).applyfunc(_tidy)
     potential = quadratic.constant + sp.Add(
-        *(mode.stiffness * u**2 / 2 + f * u for mode, u, f in zip(modes, U, forces, strict=True)))
+        *(mode.stiffness * u**2 / 2 + f * u for mode, u, f in zip(modes, U, forces, strict=True))
+    )
     title = f"{system.title or 'system'} in normal modes" + (f", {quadratic.remark}" if quadratic.remark else "")
-    plain = System(dict.fromkeys(names, "line"), kinetic, potential, {p.name: p for p in system.parameters}, title=title)
+    plain = System(
+        dict.fromkeys(names, "line"), kinetic, potential, {p.name: p for p in system.parameters}, title=title
+    )
     return _renamed(plain, [mode.name for mode in modes])
 
 
@@ -337,13 +370,22 @@ def _renamed(system: System, names: Sequence[str]) -> System:
     """Give the coordinates other names."""
     changed, swap = [], {}
     for c, name in zip(system.coordinates, names, strict=True):
-        new = replace(c, name=name, symbol=sp.Symbol(name, real=True), velocity=sp.Symbol(f"dot({name})", real=True),
-                      momentum=sp.Symbol(f"p_{name}", real=True))
+        new = replace(
+            c,
+            name=name,
+            symbol=sp.Symbol(name, real=True),
+            velocity=sp.Symbol(f"dot({name})", real=True),
+            momentum=sp.Symbol(f"p_{name}", real=True),
+        )
         swap.update({c.symbol: new.symbol, c.velocity: new.velocity, c.momentum: new.momentum})
         changed.append(new)
     other = object.__new__(System)
-    fields = {**vars(system), "coordinates": tuple(changed), "kinetic": system.kinetic.xreplace(swap),
-              "potential": system.potential.xreplace(swap)}
+    fields = {
+        **vars(system),
+        "coordinates": tuple(changed),
+        "kinetic": system.kinetic.xreplace(swap),
+        "potential": system.potential.xreplace(swap),
+    }
     for field, value in fields.items():
         object.__setattr__(other, field, value)
     return other
