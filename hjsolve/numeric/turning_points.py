@@ -219,7 +219,9 @@ def _bracketed(function: Any, x0: Any, x1: Any, bits: int) -> Any:
     """
     context = multiprecision(bits)
     left, right = context.convert(x0), context.convert(x1)
-    sign = -1 if function(right)[0] < 0 else 1
+    before, after = function(left)[0], function(right)[0]
+    # an end of the bracket may be the zero itself, where the sign of f is rounding: the other end knows
+    sign = (1 if after > 0 else -1) if abs(after) >= abs(before) else (1 if before < 0 else -1)
     x = (left + right) / 2
     tolerance, close = context.mpf(2) ** (8 - bits), context.mpf(2) ** (-bits // 3)
     for count in range(4 * bits):

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from decimal import ROUND_HALF_EVEN, ROUND_UP, Context, Decimal
+from decimal import ROUND_CEILING, ROUND_FLOOR, ROUND_HALF_EVEN, ROUND_UP, Context, Decimal
 from typing import Any
 
 from hjsolve.reports.document import Number
@@ -96,6 +96,21 @@ def seconds(value: float) -> str:
     if value < 0.9995e-3:
         return f"{value * 1e6:.0f} µs"
     return f"{value * 1e3:.0f} ms" if value < 0.9995 else f"{value:.2g} s" if value < 9.95 else f"{value:.0f} s"
+
+
+def bound(value: Any, *, up: bool, digits: int = 10) -> str:
+    """Write an end of an enclosure, rounded outward.
+
+    Args:
+        value: the end; float or ``mpf``.
+        up: whether it is the upper end.
+        digits: significant digits kept.
+
+    Returns:
+        Its digits; the number they mean is not inside the enclosure.
+    """
+    context = Context(prec=digits, rounding=ROUND_CEILING if up else ROUND_FLOOR)
+    return raised(_text(context.plus(decimal(value)).normalize(_WIDE)))
 
 
 def raised(text: str) -> str:

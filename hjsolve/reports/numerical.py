@@ -138,7 +138,7 @@ def _cycles(motion: Any, names: list[str]) -> Table:
     ]
     header: tuple[Text, ...] = (("Coordinate",), *heads)
     return Table(
-        header, rows, "Actions J = (1/2π)∮p dq, frequencies Ω = ∂H/∂J in radians per unit time, periods 2π/|Ω|"
+        header, rows, "Actions, frequencies (in radians per unit time) and periods"
     )
 
 

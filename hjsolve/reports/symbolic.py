@@ -23,7 +23,7 @@ from hjsolve.reports.document import (
     Text,
 )
 from hjsolve.reports.notation import box, display, name_box, tidy
-from hjsolve.reports.numbers import shortest
+from hjsolve.reports.numbers import bound, shortest
 from hjsolve.reports.prose import domain_text, listed, prose, typeset
 from hjsolve.separation import Obstruction, Separation, Undecided
 from hjsolve.system import System, hamiltonian
@@ -275,9 +275,9 @@ def refusal_section(verdict: Obstruction | Undecided) -> Section:
                     "A witness that it does not: at ",
                     *_point(point),
                     " it is proved to lie between ",
-                    Code(_enclosed(verdict.witness.lower)),
+                    Code(bound(verdict.witness.lower, up=False)),
                     " and ",
-                    Code(_enclosed(verdict.witness.upper)),
+                    Code(bound(verdict.witness.upper, up=True)),
                     ".",
                 )
             )
@@ -289,10 +289,6 @@ def refusal_section(verdict: Obstruction | Undecided) -> Section:
     blocks.append(Note(prose(verdict.advice, verdict.system)))
     title = "The obstruction" if isinstance(verdict, Obstruction) else "What is left open"
     return Section("obstruction", title, tuple(blocks))
-
-
-def _enclosed(end: Any) -> str:
-    return shortest(end, 17)
 
 
 def _point(point: Mapping[str, Any]) -> Text:
