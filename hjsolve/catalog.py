@@ -16,12 +16,12 @@ from pathlib import Path
 from typing import Any
 
 from hjsolve import refusals, schema
-from hjsolve.errors import CatalogError, ExpressionError, InvalidInputError, NotSeparableError
 from hjsolve.effects import forces, with_effects
+from hjsolve.errors import CatalogError, ExpressionError, InvalidInputError, NotSeparableError
 from hjsolve.expressions import number
 from hjsolve.system import System, parameter
 
-_FOLDERS = {"separable": "systems", "refused": "refused", "outside": "outside"}
+_FOLDERS = {"separable": "systems", "extended": "extended", "refused": "refused", "outside": "outside"}
 _ENTRY = schema.ENTRY | refusals.KEYS
 _LONGEST_FILE = 1_000_000
 
@@ -157,6 +157,9 @@ def load(entry: str | Path, *, effects: Iterable[str] = ()) -> System:
         ['r', 'theta']
     """
     table, source = _checked(entry)
+    outside = refusals.refusal(table)
+    if outside is not None:
+        raise NotSeparableError(str(outside), outside)
     for name in (names := tuple(effects)):
         if table.get("effects", {}).get(name, {}).get("force"):
             raise CatalogError(
@@ -230,6 +233,7 @@ def from_table(table: Mapping[str, Any], *, source: str = "system") -> System:
             kinetic=own["kinetic"], potential=own.get("potential", "0"),
             parameters={p["name"]: _parameter(p) for p in own.get("parameters", [])},
             signature=own.get("signature", "definite"), title=own.get("title", ""), id=own.get("id", ""),
+            relativity=own.get("relativity"),
         )  # fmt: skip
     except InvalidInputError as error:
         raise CatalogError(f"{source}: {_one_line(error)}") from error

@@ -64,7 +64,7 @@ def test_the_verdict_is_the_expected_one(name: str) -> None:
     expected, found = entry(name).expect["verdict"], verdict(name)
     forms = {"liouville": (True, True), "staeckel": (False, True), "reduced": (False, False)}[expected]
     assert (found.liouville is not None, found.stackel is not None) == forms
-    assert found.reduced.stackel is not None
+    assert (found.reduced.stackel is not None) == bool(found.shell.coordinates)
 
 
 @pytest.mark.parametrize("name", IDS)
@@ -152,6 +152,8 @@ def test_the_separation_constants_enter_linearly_and_not_the_column(name: str) -
     """Greenwood's formula (5-153) with nonlinear constants leaves α in ψ; ours must not (book item 71)."""
     found = verdict(name)
     constants = {c.symbol for c in found.constants.values()} - {c.momentum for c in found.shell.ignorable}
+    if not found.shell.coordinates:
+        return
     assert found.reduced.stackel is not None
     for x in (*found.reduced.stackel.matrix, *found.reduced.stackel.column):
         assert not x.free_symbols & constants
@@ -183,7 +185,8 @@ def test_the_literature_cited_is_in_the_bibliography(name: str) -> None:
 def test_an_entry_tells_a_student_what_it_is(name: str) -> None:
     assert entry(name).summary.endswith(".")
     assert len(entry(name).summary) > 60
-    assert all(p.meaning for p in entry(name).system.parameters)
+    system = entry(name).system
+    assert system is None or all(p.meaning for p in system.parameters)
 
 
 @pytest.mark.parametrize("name", IDS)

@@ -9,18 +9,18 @@ Hamilton's equations, derived here from T and V with sympy alone. Each file keep
 from __future__ import annotations
 
 import sys
-import tomllib
 from collections.abc import Iterator
 from dataclasses import dataclass
-from pathlib import Path
 
 import sympy
 from mpmath import mp, mpf
 
-from tests.reference.closed_forms import FORMS, Values
+from tests.reference import mechanics
+from tests.reference.closed_forms import Values
+from tests.reference.forms import THOROUGH, form
+from tests.reference.mechanics import CATALOG, number
 from tests.reference.taylor import Flow
 
-CATALOG = Path(__file__).resolve().parents[2] / "catalog" / "systems"
 MARKER = "# Reference values below this line are written by tests/reference/regenerate.py; see catalog/README.md.\n"
 DIGITS = 40
 TAYLOR = "Taylor series of Hamilton's equations, local error 1e-55"
@@ -50,30 +50,16 @@ class Motion:
 
     def closed_forms(self) -> Values:
         """The closed-form quantities of this motion."""
-        return FORMS[self.entry](self.parameters, self.q, self.p)
-
-
-def number(text: str) -> mpf:
-    """The value of an exact text such as ``1.2`` or ``pi/3``."""
-    return mp.mpf(sympy.N(sympy.sympify(text, rational=True), mp.dps + 10))
-
-
-def hamiltonian(kinetic: sympy.Expr, potential: sympy.Expr, names: tuple[str, ...]) -> sympy.Expr:
-    """H(q, p) of a T that is homogeneous in the velocities, by the inverse of its matrix."""
-    v, p = (sympy.Matrix([sympy.Symbol(prefix + n) for n in names]) for prefix in ("v_", "p_"))
-    mass = sympy.hessian(kinetic, list(v))
-    return sympy.simplify((p.T * mass.inv() * p)[0] / 2) + potential
+        return form(self.entry)(self.parameters, self.q, self.p)
 
 
 def motions(entry: str) -> Iterator[Motion]:
     """Every motion of one entry, ``default`` (the table ``initial``) first."""
-    table = tomllib.loads((CATALOG / f"{entry}.toml").read_text(encoding="utf-8"))
+    table = mechanics.table(entry)
     names = tuple(c["name"] for c in table["coordinates"])
-    kinetic, potential = (sympy.sympify(table[key].replace("dot(", "v_(")) for key in ("kinetic", "potential"))
-    velocity = {sympy.Function("v_")(sympy.Symbol(n)): sympy.Symbol(f"v_{n}") for n in names}
-    kinetic = kinetic.xreplace(velocity)
+    kinetic, _ = mechanics.kinetic_and_potential(entry)
     for name, data in {"default": table["initial"], **table.get("motions", {})}.items():
-        parameters = {par["name"]: number(par["value"]) for par in table["parameters"]}
+        parameters = {par["name"]: number(par["value"]) for par in table.get("parameters", [])}
         parameters |= {n: number(text) for n, text in data.get("parameters", {}).items()}
         q, v = ({n: number(data[key][n]) for n in names} for key in ("q", "velocity"))
         point = {sympy.Symbol(n): value for n, value in (q | parameters).items()}
@@ -81,7 +67,7 @@ def motions(entry: str) -> Iterator[Motion]:
         p = {n: mp.mpf(sympy.N(kinetic.diff(sympy.Symbol(f"v_{n}")).subs(point), mp.dps)) for n in names}
         yield Motion(
             entry, name, names, tuple(c["name"] for c in table["coordinates"] if c["domain"] == "angle"),
-            parameters, q, p, hamiltonian(kinetic, potential, names),
+            parameters, q, p, mechanics.hamiltonian(entry),
         )
 
 
@@ -91,11 +77,18 @@ def principal(angle: mpf) -> mpf:
 
 
 def states(motion: Motion, closed: Values) -> Iterator[tuple[str, str, mpf]]:
-    """(quantity, t, value) at generic times: −0.6, 0.3, 2.9 and (default motion) 50 times the slowest libration."""
+    """(quantity, t, value) at generic times: −0.6, 0.3, 2.9 and (default motion) 50 times the slowest libration.
+
+    Entries without a closed form get one time, in their default motion only.
+    """
+    if motion.entry not in THOROUGH and motion.name != "default":
+        return
     periods = {n: closed[f"period.{n}"][0] for n in motion.names if f"period.{n}" in closed}
     turning = [period for n, period in periods.items() if f"turning_point.{n}.upper" in closed]
     unit = max(turning or periods.values(), default=mp.one)
     shares = ["-0.6", "0.3", "2.9", "50"] if motion.name == "default" else ["-0.6", "2.9"]
+    if motion.entry not in THOROUGH:
+        shares = ["0.7"]
     size = [abs(value) for value in (*motion.q.values(), *motion.p.values())]
     forward, backward = motion.flow(), motion.flow()
     for share in shares:
@@ -109,9 +102,11 @@ def states(motion: Motion, closed: Values) -> Iterator[tuple[str, str, mpf]]:
                 break
             t += mp.sign(t) * mp.mpf("0.13")
         for n, value in zip(motion.names, numbers[: len(motion.names)], strict=True):
-            yield f"q.{n}", text, principal(value) if n in motion.angles else value
+            if abs(value) > mp.mpf("1e-40"):
+                yield f"q.{n}", text, principal(value) if n in motion.angles else value
         for n, value in zip(motion.names, numbers[len(motion.names) :], strict=True):
-            yield f"p.{n}", text, value
+            if abs(value) > mp.mpf("1e-40"):
+                yield f"p.{n}", text, value
 
 
 def block(quantity: str, at: str, value: mpf, how: str) -> str:
@@ -135,7 +130,7 @@ def tables(entry: str) -> str:
 def main(entries: list[str]) -> None:
     """Rewrite the reference tables of the entries named, or of all."""
     mp.dps = 70
-    for entry in entries or sorted(FORMS):
+    for entry in entries or sorted(path.stem for path in CATALOG.glob("*.toml")):
         path = CATALOG / f"{entry}.toml"
         head = path.read_text(encoding="utf-8").split(MARKER)[0].rstrip("\n") + "\n\n"
         path.write_text(head + MARKER + tables(entry), encoding="utf-8")

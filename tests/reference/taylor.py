@@ -55,6 +55,19 @@ class _Compiler:
             pair = self.emit("sincos", (self.slot(expr.args[0]),), width=2)
             self.slots[sympy.sin(expr.args[0])], self.slots[sympy.cos(expr.args[0])] = pair, pair + 1
             return self.slots[expr]
+        if isinstance(expr, sympy.sinh | sympy.cosh):
+            pair = self.emit("sinhcosh", (self.slot(expr.args[0]),), width=2)
+            self.slots[sympy.sinh(expr.args[0])], self.slots[sympy.cosh(expr.args[0])] = pair, pair + 1
+            return self.slots[expr]
+        if isinstance(expr, sympy.exp):
+            return self.emit("exp", (self.slot(expr.args[0]),))
+        if isinstance(expr, sympy.log):
+            return self.emit("log", (self.slot(expr.args[0]),))
+        if isinstance(expr, sympy.atan):
+            inner = expr.args[0]
+            return self.emit("atan", (self.slot(inner), self.slot(1 + inner**2)))
+        if isinstance(expr, sympy.tanh):
+            return self.slot(sympy.sinh(expr.args[0]) / sympy.cosh(expr.args[0]))
         if isinstance(expr, sympy.tan):
             return self.slot(sympy.sin(expr.args[0]) / sympy.cos(expr.args[0]))
         message = f"no power series rule for {expr}"
@@ -92,7 +105,14 @@ def _coefficient(op: str, args: list[list[mpf]], out: list[list[mpf]], k: int, e
         else:
             total = mp.fdot([(extra * (k - j) - j) * base[k - j] for j in range(k)], power[:k])
             power.append(total / (k * base[0]))
-    elif op == "sincos":
+    elif op == "exp":
+        _exponential(args[0], out[0], k)
+    elif op in ("log", "atan"):
+        _quotient_integral(op, args, out[0], k)
+    elif op in ("sincos", "sinhcosh"):
+        if op == "sinhcosh":
+            _hyperbolic(args[0], out, k)
+            return
         inner, sine, cosine = args[0], out[0], out[1]
         if k == 0:
             sine.append(mp.sin(inner[0]))
@@ -101,6 +121,33 @@ def _coefficient(op: str, args: list[list[mpf]], out: list[list[mpf]], k: int, e
             slopes = [j * inner[j] for j in range(1, k + 1)]
             sine.append(mp.fdot(slopes, cosine[k - 1 :: -1]) / k)
             cosine.append(-mp.fdot(slopes, sine[k - 1 :: -1]) / k)
+
+
+def _exponential(inner: list[mpf], out: list[mpf], k: int) -> None:
+    """E′ = f′E."""
+    out.append(mp.exp(inner[0]) if k == 0 else mp.fdot([j * inner[j] for j in range(1, k + 1)], out[k - 1 :: -1]) / k)
+
+
+def _hyperbolic(inner: list[mpf], out: list[list[mpf]], k: int) -> None:
+    """S′ = f′C, C′ = f′S."""
+    if k == 0:
+        out[0].append(mp.sinh(inner[0]))
+        out[1].append(mp.cosh(inner[0]))
+        return
+    slopes = [j * inner[j] for j in range(1, k + 1)]
+    new = [mp.fdot(slopes, out[1][k - 1 :: -1]) / k, mp.fdot(slopes, out[0][k - 1 :: -1]) / k]
+    out[0].append(new[0])
+    out[1].append(new[1])
+
+
+def _quotient_integral(op: str, args: list[list[mpf]], out: list[mpf], k: int) -> None:
+    """L′ = f′/g with g = f (log) or 1 + f² (atan)."""
+    inner, below = args[0], args[-1]
+    if k == 0:
+        out.append(mp.log(inner[0]) if op == "log" else mp.atan(inner[0]))
+        return
+    known = mp.fdot([j * out[j] for j in range(1, k)], below[k - 1 : 0 : -1]) if k > 1 else mp.zero
+    out.append((k * inner[k] - known) / (k * below[0]))
 
 
 class Flow:
@@ -129,7 +176,7 @@ class Flow:
             series[slot].append(value)
         for k in range(self.order):
             for op, slot, args, extra in self.tape:
-                width = 2 if op == "sincos" else 1
+                width = 2 if op in ("sincos", "sinhcosh") else 1
                 _coefficient(op, [series[a] for a in args], series[slot : slot + width], k, extra)
             for slot, slope in enumerate(self.slopes):
                 series[slot].append(series[slope][k] / (k + 1))

@@ -7,7 +7,7 @@ import pytest
 import sympy as sp
 
 from hjsolve import catalog
-from hjsolve.errors import CatalogError
+from hjsolve.errors import CatalogError, NotSeparableError
 
 GOOD = """
 id = "spring"
@@ -170,7 +170,8 @@ def test_an_inline_table_with_faults_names_them(table: dict[str, object]) -> Non
 
 
 def test_listing_separates_the_refused_from_the_rest() -> None:
-    assert set(catalog.ids()) == set(catalog.ids("separable")) | set(catalog.ids("refused"))
+    kinds = ("separable", "refused", "outside")
+    assert catalog.ids() == tuple(name for kind in kinds for name in catalog.ids(kind))
     assert "double-pendulum" in catalog.ids("refused")
     assert list(catalog.titles()) == list(catalog.ids())
     with pytest.raises(CatalogError, match="separable"):
@@ -181,5 +182,31 @@ def test_listing_separates_the_refused_from_the_rest() -> None:
 def test_every_entry_of_the_catalog_follows_the_schema(name: str) -> None:
     entry = catalog.describe(name)
     assert entry.id == name
-    assert entry.kind == ("refused" if name in catalog.ids("refused") else "separable")
-    assert entry.initial is not None
+    assert name in catalog.ids(entry.kind)
+    assert (entry.initial is None) == (entry.kind == "outside") == (entry.system is None)
+
+
+@pytest.mark.parametrize("name", catalog.ids("outside"))
+def test_a_system_that_is_no_t_and_v_answers_with_its_reason(name: str) -> None:
+    entry = catalog.describe(name)
+    with pytest.raises(NotSeparableError, match=entry.refusal.kind) as caught:  # type: ignore[union-attr]
+        catalog.load(name)
+    assert caught.value.verdict == entry.refusal
+    assert entry.reason in str(caught.value)
+    assert entry.instead in str(caught.value)
+
+
+def test_a_refusal_without_words_or_constraint_is_told(tmp_path: Path) -> None:
+    text = 'id = "spring"\ntitle = "x"\n[refused_because]\nkind = "nonholonomic"\n'
+    assert fault(tmp_path, text) == [
+        "spring.toml: reason, instead: a refused entry says why, and what to do",
+        "spring.toml: constraint: missing; a nonholonomic entry states its constraint",
+    ]
+    assert "did you mean \"nonholonomic\"" in fault(tmp_path, text.replace("nonholonomic", "nonholonom"))[0]
+    assert "needs T" in fault(tmp_path, text.replace("nonholonomic", "gyroscopic"))[0]
+
+
+def test_an_integrable_constraint_is_no_reason_to_refuse(tmp_path: Path) -> None:
+    text = """id = "spring"\ntitle = "x"\nreason = "a."\ninstead = "b."\n[refused_because]\nkind = "nonholonomic"
+[[constraint]]\nform = "dot(x) - 1"\ncoordinates = ["x"]\nintegral = "x - t"\n"""
+    assert "integrate it" in fault(tmp_path, text)[0]

@@ -1,0 +1,128 @@
+"""What a catalog entry says beside T and V: why it is refused, its constraints, and the system as the book states it.
+
+A system with a nonintegrable constraint, friction or explicit time is no T and V, so it has no ``System``; the entry
+still says what was asked (Greenwood ch. 1, 3 and 7) and ``load`` answers with its reason.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterator, Mapping
+from dataclasses import dataclass, field
+from typing import Any
+
+from hjsolve.schema import Key
+
+REFUSALS = (
+    "nonholonomic", "dissipative", "unilateral", "impulsive", "explicit time", "variable mass", "collision",
+    "no Lagrangian", "not quadratic in the momenta", "gyroscopic", "not separable in these coordinates",
+)  # fmt: skip
+"""Why a system is refused, in the book's words; the last two are found by ``separate`` itself."""
+_FOUND_BY_US = REFUSALS[-2:]
+_TEXT, _TEXTS, _FORMULAS = Key("text"), Key("texts"), Key("formulas")
+KEYS = {
+    "refused_because": Key(
+        "table", keys={"kind": Key("text", True, choices=REFUSALS), "forces": _FORMULAS, "conditions": _TEXTS}),
+    "constraint": Key("tables", keys={
+        "form": Key("text", True), "coordinates": Key("texts", True), "integral": _TEXT, "name": _TEXT}),
+    "stated": Key("table", keys={
+        "summary": _TEXT, "coordinates": _TEXTS, "kinetic": _TEXT, "potential": _TEXT, "map": _FORMULAS,
+        "gauge": _TEXT}),
+}  # fmt: skip
+"""The keys of a catalog file that belong here."""
+
+
+@dataclass(frozen=True)
+class Refusal:
+    """Why a system that is no T and V is refused; the verdict that ``NotSeparableError`` carries for it.
+
+    Attributes:
+        id: the entry. kind: one of ``REFUSALS``.
+        reason: in words. instead: what to do.
+        formulas: the constraints, forces or conditions that stand in the way, as written in the entry.
+    """
+
+    id: str
+    kind: str
+    reason: str
+    instead: str
+    formulas: tuple[str, ...] = ()
+
+    def __str__(self) -> str:
+        shown = f" ({'; '.join(self.formulas)})" if self.formulas else ""
+        return f"{self.id} is refused, {self.kind}{shown}: {self.reason} {self.instead}"
+
+
+@dataclass(frozen=True)
+class Constraint:
+    """A constraint linear in the velocities, ``form`` = 0 (Greenwood (1-16), (2-48)).
+
+    Attributes:
+        form: Σ aᵢ(q, t) dot(qᵢ) + a_t(q, t), as a text.
+        coordinates: the names it speaks of; ``t`` is the time.
+        integral: a function whose total time derivative is proportional to the form; empty for a nonholonomic one.
+    """
+
+    form: str
+    coordinates: tuple[str, ...]
+    integral: str = ""
+    name: str = ""
+
+
+@dataclass(frozen=True)
+class Stated:
+    """The system as the literature states it, where the entry uses other coordinates or another gauge.
+
+    Attributes:
+        kinetic, potential: T and V in the literature's coordinates; empty where they are those of the entry.
+        map: literature's coordinate → formula in the entry's coordinates, parameters and ``t``.
+        gauge: F(q, t) with L_stated = L_entry + dF/dt.
+    """
+
+    coordinates: tuple[str, ...] = ()
+    kinetic: str = ""
+    potential: str = ""
+    map: Mapping[str, str] = field(default_factory=dict)
+    gauge: str = "0"
+    summary: str = ""
+
+
+def refusal(table: Mapping[str, Any]) -> Refusal | None:
+    """The refusal of an entry that is no T and V; None for every other entry."""
+    because = table.get("refused_because", {})
+    if "kind" not in because or because["kind"] in _FOUND_BY_US or "kinetic" in table:
+        return None
+    formulas = [f"{c['form']} = 0" for c in table.get("constraint", [])]
+    formulas += [f"force along {name}: {text}" for name, text in because.get("forces", {}).items()]
+    formulas += because.get("conditions", [])
+    return Refusal(table["id"], because["kind"], table.get("reason", ""), table.get("instead", ""), tuple(formulas))
+
+
+def constraints(table: Mapping[str, Any]) -> tuple[Constraint, ...]:
+    """The constraints of an entry."""
+    return tuple(Constraint(**{**c, "coordinates": tuple(c["coordinates"])}) for c in table.get("constraint", []))
+
+
+def stated(table: Mapping[str, Any]) -> Stated | None:
+    """The system as the literature states it, or None."""
+    if "stated" not in table:
+        return None
+    return Stated(**{**table["stated"], "coordinates": tuple(table["stated"].get("coordinates", ()))})
+
+
+def faults(table: Mapping[str, Any]) -> Iterator[str]:
+    """What is missing in an entry without T and V, one line each."""
+    because = table.get("refused_because", {}).get("kind", "")
+    if "kinetic" not in table and because in _FOUND_BY_US:
+        yield f'kinetic: missing; an entry refused as "{because}" needs T, so that separate() can show it'
+    if "kinetic" not in table and not (table.get("reason") and table.get("instead")):
+        yield "reason, instead: a refused entry says why, and what to do"
+    if because == "nonholonomic" and not table.get("constraint"):
+        yield "constraint: missing; a nonholonomic entry states its constraint"
+    for place, constraint in enumerate(table.get("constraint", []), start=1):
+        if because == "nonholonomic" and constraint.get("integral"):
+            yield f"constraint[{place}].integral: an integrable constraint is no reason to refuse; integrate it"
+        if "kinetic" in table and not constraint.get("integral"):
+            yield f"constraint[{place}].integral: missing; only an integrable constraint can be eliminated"
+
+
+__all__ = ["KEYS", "REFUSALS", "Constraint", "Refusal", "Stated", "constraints", "faults", "refusal", "stated"]
