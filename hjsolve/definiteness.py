@@ -69,7 +69,11 @@ def _degeneracy(matrix: sp.ImmutableMatrix, points: Sequence[Point]) -> str:
 
 
 def _fault(matrix: sp.ImmutableMatrix, coordinates: Sequence[Coordinate], points: Sequence[Point]) -> str:
-    """What keeps the matrix from being positive definite at one of the points, or nothing."""
+    """What keeps the matrix from being positive definite, or nothing.
+
+    A negative minor at one point is a fault; a minor that is zero there, to rounding, only if it is so at every point.
+    """
+    vanishing, passed = "", False
     for point in points:
         try:
             entries = _evaluated(matrix, point)
@@ -77,20 +81,30 @@ def _fault(matrix: sp.ImmutableMatrix, coordinates: Sequence[Coordinate], points
             continue
         except NoValueError:
             return f"T is not real {_at(matrix, point)}; narrow the domain"
-        for k, pivot in enumerate(_pivots(entries)):
-            if pivot <= 0:
-                names = [c.velocity.name for c in coordinates[: k + 1]]
-                minor = CONTEXT.det(entries[: k + 1, : k + 1]) if pivot else pivot
-                what = f"the leading minor of {', '.join(names)}"
-                if matrix[k, :k].is_zero_matrix:
-                    what, minor = f"the coefficient of {names[-1]}**2/2, {matrix[k, k]},", entries[k, k]
-                part = matrix[: k + 1, : k + 1]
-                place = " " + _at(part, point) if part.free_symbols else ""
-                return (
-                    f"T must be positive definite: {what} is {_short(minor)}{place}; "
-                    'correct T, the values or the domain (signature="indefinite" allows it)'
-                )
-    return ""
+        k, pivot = next(((k, pivot) for k, pivot in enumerate(_pivots(entries)) if pivot <= 0), (0, None))
+        if pivot is None:
+            passed = True
+            continue
+        vanishing = _described(matrix, coordinates, entries, point, k)
+        if pivot < -_CANCELLED:
+            return vanishing
+    return "" if passed else vanishing
+
+
+def _described(
+    matrix: sp.ImmutableMatrix, coordinates: Sequence[Coordinate], entries: mpmath.matrix, point: Point, k: int
+) -> str:
+    """The fault of the minor that ends at the coordinate k."""
+    names = [c.velocity.name for c in coordinates[: k + 1]]
+    minor, part = CONTEXT.det(entries[: k + 1, : k + 1]), matrix[: k + 1, : k + 1]
+    what = f"the leading minor of {', '.join(names)}"
+    if matrix[k, :k].is_zero_matrix:
+        what, minor, part = f"the coefficient of {names[-1]}**2/2, {matrix[k, k]!s:.80},", entries[k, k], matrix[k, k]
+    place = f" {_at(part, point)}" if part.free_symbols else ""
+    return (
+        f"T must be positive definite: {what} is {_short(minor)}{place}; "
+        'correct T, the values or the domain (signature="indefinite" allows it)'
+    )
 
 
 def _pivots(entries: mpmath.matrix) -> Iterator[mpmath.mpf]:
@@ -117,9 +131,9 @@ def _evaluated(matrix: sp.ImmutableMatrix, point: Point) -> mpmath.matrix:
     return CONTEXT.matrix([[evaluate(entry, point) for entry in row] for row in matrix.tolist()])
 
 
-def _at(matrix: sp.ImmutableMatrix, point: Point) -> str:
-    """The place, of the symbols that the matrix depends on."""
-    used = [symbol for symbol in point if symbol in matrix.free_symbols]
+def _at(part: sp.Basic, point: Point) -> str:
+    """The place, of the symbols that the part depends on."""
+    used = [symbol for symbol in point if symbol in part.free_symbols]
     return "at " + ", ".join(f"{symbol.name} = {_short(point[symbol])}" for symbol in used)
 
 
