@@ -7,7 +7,7 @@ from __future__ import annotations
 
 import itertools
 import math
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 
 import sympy as sp
@@ -16,6 +16,7 @@ from hjsolve.errors import InvalidSystemError
 from hjsolve.tokens import printable
 
 _MAX_TERMS = 300
+_MAX_TIDY = 60
 _MAX_EXPONENT = 12
 
 
@@ -57,13 +58,62 @@ def degree(expression: sp.Expr, symbols: frozenset[sp.Symbol]) -> float:
     return math.inf
 
 
+Parts = dict[tuple[int, ...], sp.Expr]
+
+
 def mass_entries(kinetic: sp.Expr, velocities: Sequence[sp.Symbol]) -> sp.ImmutableMatrix:
-    """m_ij = ∂²T/∂q̇_i∂q̇_j, shape (n, n)."""
-    rest = dict.fromkeys(velocities, sp.S.Zero)
-    slopes = [sp.diff(kinetic, velocity) for velocity in velocities]
-    n = len(velocities)
-    upper = {(i, j): tidy(sp.diff(slopes[i], velocities[j]).xreplace(rest)) for i in range(n) for j in range(i, n)}
-    return sp.ImmutableMatrix(n, n, lambda i, j: upper[min(i, j), max(i, j)])
+    """m_ij = ∂²T/∂q̇_i∂q̇_j, shape (n, n), in readable entries."""
+    return mass_as_written(kinetic, velocities).applyfunc(tidy)
+
+
+def mass_as_written(kinetic: sp.Expr, velocities: Sequence[sp.Symbol]) -> sp.ImmutableMatrix:
+    """The same, as it falls out of T."""
+    found = parts(kinetic, velocities)
+
+    def entry(i: int, j: int) -> sp.Expr:
+        return found.get((min(i, j), max(i, j)), sp.S.Zero) * (2 if i == j else 1)
+
+    return sp.ImmutableMatrix(len(velocities), len(velocities), entry)
+
+
+def parts(kinetic: sp.Expr, velocities: Sequence[sp.Symbol]) -> Parts:
+    """The coefficients of T as a polynomial in the velocities, by their positions: (), (i,), (i, j) with i ≤ j.
+
+    Read off the structure; what holds no velocity is neither differentiated nor expanded.
+    """
+    return _parts(kinetic, {velocity: i for i, velocity in enumerate(velocities)})
+
+
+def _parts(x: sp.Expr, places: Mapping[sp.Symbol, int]) -> Parts:
+    if x in places:
+        return {(places[x],): sp.S.One}
+    if x.free_symbols.isdisjoint(places):
+        return {(): x}
+    if x.is_Add:
+        return _sum([_parts(a, places) for a in x.args])
+    if x.is_Mul:
+        found: Parts = {(): sp.Mul(*(a for a in x.args if a.free_symbols.isdisjoint(places)))}
+        for a in x.args:
+            if not a.free_symbols.isdisjoint(places):
+                found = _product(found, _parts(a, places))
+        return found
+    base = _parts(x.base, places)
+    found = base
+    for _ in range(int(x.exp) - 1):
+        found = _product(found, base)
+    return found
+
+
+def _sum(several: Sequence[Parts]) -> Parts:
+    gathered: dict[tuple[int, ...], list[sp.Expr]] = {}
+    for found in several:
+        for key, coefficient in found.items():
+            gathered.setdefault(key, []).append(coefficient)
+    return {key: sp.Add(*terms) for key, terms in gathered.items()}
+
+
+def _product(a: Parts, b: Parts) -> Parts:
+    return _sum([{tuple(sorted(i + j)): x * y} for i, x in a.items() for j, y in b.items()])
 
 
 def blocks(matrix: sp.ImmutableMatrix) -> list[list[int]]:
@@ -155,14 +205,22 @@ def reciprocal(expression: sp.Expr) -> sp.Expr:
 
 def tidy(expression: sp.Expr) -> sp.Expr:
     """The shortest of a few equal forms: as it is, factored, and with sin² + cos² = 1 used either way."""
-    if not expression.has(sp.Add) or _terms(expression) > _MAX_TERMS or any(map(_is_hard, expression.atoms(sp.Pow))):
+    if not expression.has(sp.Add) or _terms(expression) > _MAX_TIDY or any(map(_is_hard, expression.atoms(sp.Pow))):
         return expression
-    if expression.is_Mul and not expression.has(sp.sin, sp.cos):
+    if expression.is_Mul and not any(map(_may_shorten, expression.atoms(sp.Add))):
         return expression
     together = sp.together(expression)
     numerator, denominator = together.as_numer_denom()
     candidates = [expression, _shortest(_forms(numerator)) / _shortest(_forms(denominator))]
     return _shortest(candidates)
+
+
+def _may_shorten(total: sp.Add) -> bool:
+    """Whether sin² + cos² = 1 or an angle difference could shorten a sum: squares or products of sines and cosines."""
+    return any(
+        sum(f.as_base_exp()[1] for f in sp.Mul.make_args(term) if isinstance(f.as_base_exp()[0], (sp.sin, sp.cos))) >= 2
+        for term in total.args
+    )
 
 
 def _is_hard(power: sp.Pow) -> bool:

@@ -20,10 +20,12 @@ import sympy as sp
 
 from .algebra.field import Element
 from .algebra.integration import closed_form_potential
+from .algebra.modular import Filter
 from .algebra.poly import Budget
 from .algebra.readable import cost, readable
 from .algebra.reader import Reader
 from .algebra.signs import Bounds
+from .kinetic import mass_as_written
 from .system import Coordinate, System, kinetic_rest, linear_terms
 
 
@@ -189,10 +191,8 @@ def _shell(
 
 
 def _mass(system: System) -> sp.Matrix:
-    """The mass matrix as differentiation leaves it; the field brings it to normal form."""
-    speeds = [c.velocity for c in system.coordinates]
-    rest = dict.fromkeys(speeds, sp.S.Zero)
-    return sp.Matrix([[system.kinetic.diff(u, v).xreplace(rest) for u in speeds] for v in speeds])
+    """The mass matrix as it falls out of T; the field brings it to normal form."""
+    return sp.Matrix(mass_as_written(system.kinetic, [c.velocity for c in system.coordinates]))
 
 
 def _find_ignorable(
@@ -200,9 +200,11 @@ def _find_ignorable(
 ) -> tuple[tuple[Coordinate, ...], _Lagrangian]:
     """Coordinates that T and V do not hold, also where they seem to (cos²φ + sin²φ); those are set to a number."""
     found = []
+    sieve = Filter(reader.field)
     for c in system.coordinates:
         holding = [x for x in lagrangian.parts() if c.symbol in x.free_symbols]
-        if any(not reader.diff(reader.element(x), c.symbol).is_zero for x in holding):
+        slopes = [reader.diff_terms(reader.element(x), c.symbol) for x in holding]
+        if any(sieve.vanishes([[terms]]) is False or not reader.field.total(terms).is_zero for terms in slopes):
             continue
         if holding:
             lagrangian = lagrangian.subs(c.symbol, _inside(c))

@@ -15,7 +15,8 @@ from . import poly
 from .field import Element, Field
 from .poly import Poly
 
-PRIMES = (2305843009213693907, 2305843009213693487)  # both ≡ 11 modulo 12: square and cube roots are powers
+_BELOW = (45, 465, 1281, 1425, 1533, 1845, 1869, 2133, 2373, 2385, 3045, 3069, 3081, 3105, 3153, 3441)
+PRIMES = tuple(2**61 - k for k in _BELOW)  # all ≡ 11 modulo 12: square and cube roots are powers
 ATTEMPTS = 200
 
 Products = Sequence[Sequence[Sequence[Element]]]  # Σ Π Σ of elements
@@ -29,7 +30,7 @@ class ModularPoint:
     """Values of all generators modulo a prime; those of new generators are drawn when asked for."""
 
     def __init__(self, field: Field, seed: int = 0):
-        self.field, self.prime = field, PRIMES[seed % 2]
+        self.field, self.prime = field, PRIMES[seed % len(PRIMES)]
         self._random = random.Random(7919 * seed + 17)  # noqa: S311
         self._values: dict[int, int] = {}
         self._bases: dict[int, int] = {}

@@ -21,7 +21,7 @@ def readable(reader: Reader, x: Element) -> sp.Expr:
     """
     if x.is_zero:
         return sp.S.Zero
-    if len(x.numerator) > MAX_TERMS:
+    if len(x.numerator) > MAX_TERMS or sum(len(base) for base, _ in x.bases) > 2 * MAX_TERMS:
         return reader.write(reader.field.cancelled(x))
     forms = [form for y in variants(reader, x) for form in _forms(reader, y)]
     return min(forms, key=_length)

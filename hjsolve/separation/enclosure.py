@@ -7,9 +7,10 @@ result is a proof: the true value lies between ``lower`` and ``upper``. No float
 from __future__ import annotations
 
 import random
-from collections.abc import Callable, Iterator, Mapping
+from collections.abc import Callable, Iterable, Iterator, Mapping
 from dataclasses import dataclass, field
 from fractions import Fraction
+from functools import partial
 from typing import Any
 
 import mpmath
@@ -133,8 +134,17 @@ def enclose(
     Raises:
         NoEnclosureError: a pole, a root or logarithm of what is not positive, or an unknown function.
     """
+    return finite(lambda: Walk(point, precision)(expression))
+
+
+def finite(compute: Callable[[], Interval]) -> tuple[mpmath.mpf, mpmath.mpf]:
+    """The ends of an interval.
+
+    Raises:
+        NoEnclosureError: it could not be computed, or is not finite.
+    """
     try:
-        low, high = _Walk(point, precision)(expression)
+        low, high = compute()
     except (libmp.ComplexResult, ValueError, ZeroDivisionError, OverflowError) as fault:
         raise NoEnclosureError(str(fault)) from fault
     if not all(end[1] or end == libmp.fzero for end in (low, high)):
@@ -142,14 +152,14 @@ def enclose(
     return mpmath.mp.make_mpf(low), mpmath.mp.make_mpf(high)
 
 
-class _Walk:
+class Walk:
     """One evaluation: remembers the values of shared subexpressions."""
 
     def __init__(self, point: Mapping[sp.Expr, sp.Rational], precision: int):
         self.point, self.precision = point, precision
         self.seen: dict[sp.Expr, Interval] = {}
 
-    def __call__(self, x: sp.Expr) -> Interval:
+    def __call__(self, x: sp.Expr) -> Interval:  # noqa: D102
         if x not in self.seen:
             self.seen[x] = self._value(x)
         return self.seen[x]
@@ -159,11 +169,11 @@ class _Walk:
         if x in self.point:
             x = self.point[x]
         if x.is_Rational:
-            return _rational(int(x.p), int(x.q), prec)
+            return rational(int(x.p), int(x.q), prec)
         if x is sp.pi:
             return _pi(prec)
         if x is sp.E:
-            return libmp.mpi_exp(_rational(1, 1, prec), prec)
+            return libmp.mpi_exp(rational(1, 1, prec), prec)
         if x.is_Add or x.is_Mul:
             combine = libmp.mpi_add if x.is_Add else libmp.mpi_mul
             total = self(x.args[0])
@@ -180,15 +190,16 @@ class _Walk:
         prec, b = self.precision, self(base)
         if exponent.is_Integer:
             n = int(exponent)
-            return _inverse(libmp.mpi_pow_int(b, -n, prec), prec) if n < 0 else libmp.mpi_pow_int(b, n, prec)
+            return inverse(libmp.mpi_pow_int(b, -n, prec), prec) if n < 0 else libmp.mpi_pow_int(b, n, prec)
         if exponent.is_Rational and exponent.q == 2:
             root = libmp.mpi_sqrt(b, prec)
             n = int(exponent.p)
-            return _inverse(libmp.mpi_pow_int(root, -n, prec), prec) if n < 0 else libmp.mpi_pow_int(root, n, prec)
+            return inverse(libmp.mpi_pow_int(root, -n, prec), prec) if n < 0 else libmp.mpi_pow_int(root, n, prec)
         return libmp.mpi_exp(libmp.mpi_mul(self(exponent), _log(b, prec), prec), prec)
 
 
-def _rational(p: int, q: int, prec: int) -> Interval:
+def rational(p: int, q: int, prec: int) -> Interval:
+    """The rational p/q."""
     return libmp.from_rational(p, q, prec, "f"), libmp.from_rational(p, q, prec, "c")
 
 
@@ -200,7 +211,8 @@ def _integer(n: int) -> Interval:
     return libmp.from_int(n), libmp.from_int(n)
 
 
-def _inverse(x: Interval, prec: int) -> Interval:
+def inverse(x: Interval, prec: int) -> Interval:
+    """1/x; ``NoEnclosureError`` where x may be zero."""
     if not (libmp.mpf_sign(x[0]) > 0 or libmp.mpf_sign(x[1]) < 0):
         raise NoEnclosureError("division by an interval that contains zero")
     return libmp.mpi_div(_integer(1), x, prec)
@@ -215,11 +227,11 @@ def _log(x: Interval, prec: int) -> Interval:
 def _ratio(
     top: Callable[[Interval, int], Interval], bottom: Callable[[Interval, int], Interval]
 ) -> Callable[[Interval, int], Interval]:
-    return lambda x, prec: libmp.mpi_mul(top(x, prec), _inverse(bottom(x, prec), prec), prec)
+    return lambda x, prec: libmp.mpi_mul(top(x, prec), inverse(bottom(x, prec), prec), prec)
 
 
 def _reciprocal(function: Callable[[Interval, int], Interval]) -> Callable[[Interval, int], Interval]:
-    return lambda x, prec: _inverse(function(x, prec), prec)
+    return lambda x, prec: inverse(function(x, prec), prec)
 
 
 def _half_sum(sign: int) -> Callable[[Interval, int], Interval]:
@@ -233,7 +245,7 @@ def _half_sum(sign: int) -> Callable[[Interval, int], Interval]:
 
 def _asin(x: Interval, prec: int) -> Interval:
     rest = libmp.mpi_sub(_integer(1), libmp.mpi_mul(x, x, prec), prec)
-    return libmp.mpi_atan(libmp.mpi_mul(x, _inverse(libmp.mpi_sqrt(rest, prec), prec), prec), prec)
+    return libmp.mpi_atan(libmp.mpi_mul(x, inverse(libmp.mpi_sqrt(rest, prec), prec), prec), prec)
 
 
 def _acos(x: Interval, prec: int) -> Interval:
@@ -280,11 +292,20 @@ _FUNCTIONS: dict[object, Callable[[Interval, int], Interval]] = {
 
 def find_witness(expression: sp.Expr, region: Region, budget: Budget | None = None) -> Witness | None:
     """Search rational points of the region for one where the expression is enclosed away from zero."""
+    return search(partial(enclose, expression), region.points(expression), budget)
+
+
+def search(
+    enclosure: Callable[[Mapping[sp.Expr, sp.Rational], int], tuple[mpmath.mpf, mpmath.mpf]],
+    points: Iterable[dict[sp.Expr, sp.Rational]],
+    budget: Budget | None = None,
+) -> Witness | None:
+    """The first of the points where an enclosure, of a point and a precision, excludes zero."""
     tried = 0
-    for point in region.points(expression):
+    for point in points:
         try:
             for precision in PRECISIONS:
-                lower, upper = enclose(expression, point, precision)
+                lower, upper = enclosure(point, precision)
                 if lower > 0 or upper < 0:
                     return Witness({sp.sstr(s): v for s, v in point.items()}, lower, upper)
         except NoEnclosureError:

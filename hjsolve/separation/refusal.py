@@ -2,9 +2,10 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterable, Iterator
+from collections.abc import Callable, Iterable
 from dataclasses import dataclass
 from functools import partial
+from itertools import islice
 
 import sympy as sp
 
@@ -16,12 +17,14 @@ from ..algebra.reader import Reader
 from ..shell import Irreducible, Shell, Step, domain_bounds
 from ..system import System, hamiltonian
 from . import advice, levi_civita
-from .enclosure import Region
+from .element_enclosure import find_witness_of_products
+from .enclosure import UNKNOWNS, Region
 from .levi_civita import Condition
 from .verdicts import Obstruction, Undecided
 from .zero_test import NonZero, Unproved, not_zero
 
-EXPANSION_SECONDS, EXPANSION_TERMS = 0.3, 100_000
+EXPANSION_SECONDS, EXPANSION_TERMS = 0.2, 100_000
+LARGE = 400
 
 
 @dataclass(frozen=True)
@@ -64,8 +67,9 @@ def refuse_condition(setting: Setting, condition: Condition) -> Obstruction | Un
     pair = shell.coordinates[condition.i].name, shell.coordinates[condition.j].name
     constants = [c.momentum for c in shell.ignorable]
     scaled = [[*factors, [condition.scale]] for factors in condition.products]
-    parts = _residuals(setting.reader, scaled, constants, partial(_written_out, setting, condition))
-    residual, answer = _simplest_nonzero(parts, setting.region, setting.reader.field.budget)
+    residual, answer = _failing(
+        setting.reader, scaled, constants, partial(_written_out, setting, condition), setting.region
+    )
     if isinstance(answer, NonZero):
         words = advice.for_potential(shell.system, pair)
         if condition.part == "metric":
@@ -87,18 +91,30 @@ def refuse_condition(setting: Setting, condition: Condition) -> Obstruction | Un
 
 
 def _written_out(setting: Setting, condition: Condition) -> sp.Expr:
-    """S_ij(f) from the expressions of the shell, nothing simplified."""
+    """S_ij(f) from the expressions of the shell, nothing simplified and large derivatives not carried out."""
     i, j = condition.i, condition.j
     shell, x, y = setting.shell, setting.symbols[i], setting.symbols[j]
     gi, gj = shell.inverse_metric[i], shell.inverse_metric[j]
     f = shell.potential if condition.about is None else shell.inverse_metric[condition.about]
-    return f.diff(x, y) - gj.diff(x) / gj * f.diff(y) - gi.diff(y) / gi * f.diff(x)
+    return _d(f, x, y) - _d(gj, x) / gj * _d(f, y) - _d(gi, y) / gi * _d(f, x)
 
 
-def _residuals(
-    reader: Reader, products: Products, constants: list[sp.Symbol], written_out: Callable[[], sp.Expr]
-) -> Iterator[sp.Expr]:
-    """Coefficients of a sum of products in the constants, simplest first; as written out where that is too much."""
+def _d(f: sp.Expr, *symbols: sp.Symbol) -> sp.Expr:
+    """A derivative; left as it stands where f is large."""
+    if not f.free_symbols.issuperset(symbols):
+        return sp.S.Zero
+    if f.has(*UNKNOWNS) or sum(1 for _ in islice(sp.preorder_traversal(f), LARGE)) < LARGE:
+        return f.diff(*symbols)
+    return sp.Derivative(f, *symbols, evaluate=False)
+
+
+def _failing(
+    reader: Reader, products: Products, constants: list[sp.Symbol], written_out: Callable[[], sp.Expr], region: Region
+) -> tuple[sp.Expr, NonZero | Unproved]:
+    """What does not vanish, with the proof: the simplest coefficient of a sum of products in the constants.
+
+    Where it is too much to multiply out, the whole as written out, enclosed by its elements.
+    """
     field = reader.field
     whole_budget = field.budget
     field.budget = whole_budget.part(EXPANSION_SECONDS, EXPANSION_TERMS)
@@ -109,10 +125,13 @@ def _residuals(
         parts = []
     finally:
         field.budget = whole_budget
-    if not parts:
-        yield written_out()
-    for part in parts:
-        yield readable(reader, part)
+    if parts:
+        return _simplest_nonzero((readable(reader, part) for part in parts), region, whole_budget)
+    witness = find_witness_of_products(field, products, region, whole_budget)
+    residual = written_out()
+    if witness is not None:
+        return residual, NonZero(witness)
+    return residual, not_zero(residual.doit(), region, whole_budget, "no witness was found")
 
 
 def _simplest_nonzero(parts: Iterable[sp.Expr], region: Region, budget: Budget) -> tuple[sp.Expr, NonZero | Unproved]:
@@ -155,8 +174,7 @@ def refuse_without_shell(system: System, found: Irreducible, work: Budget) -> Ob
         products = levi_civita.general_condition(reader, h, q, p, i, j)
         if levi_civita.vanishes(reader, products, sieve):
             continue
-        parts = _residuals(reader, products, constants, partial(_general_written_out, H, q, p, i, j))
-        residual, answer = _simplest_nonzero(parts, region, work)
+        residual, answer = _failing(reader, products, constants, partial(_general_written_out, H, q, p, i, j), region)
         if isinstance(answer, NonZero):
             return _general_obstruction(system, found, (names[i], names[j]), residual, answer)
         return _general_undecided(system, found, residual, answer, f"it could not be decided: {answer.reason}")
