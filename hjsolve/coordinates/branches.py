@@ -15,6 +15,8 @@ from random import Random
 import mpmath
 import sympy as sp
 
+from hjsolve.coordinates.frames import TooHardError
+
 _MOST_BRANCHES = 400
 
 
@@ -38,9 +40,14 @@ def real_pieces(equations: Sequence[sp.Expr], unknowns: Sequence[sp.Symbol]) -> 
 
     Returns:
         The pieces found, without those that lie inside a larger one.
+
+    Raises:
+        TooHardError: too many branches; some pieces would be missing.
     """
     search = _Search(tuple(unknowns), [_MOST_BRANCHES])
     raw = _split(search, _Branch(tuple(sp.expand(e) for e in equations), {}, ()))
+    if search.budget[0] < 0:
+        raise TooHardError
     pieces: list[Piece] = []
     for branch in raw:
         full = {u: sp.together(_close(u, branch.values)) for u in unknowns}
@@ -102,6 +109,8 @@ def _split(search: _Search, branch: _Branch) -> list[_Branch]:
     branch = replace(branch, nonzero=tuple(sorted(known, key=str)))
     if not parts:
         return [branch]
+    single = {part[0] for part in parts if len(part) == 1}
+    parts = [part for part in parts if len(part) == 1 or not single & set(part)]
     parts.sort(key=lambda part: (len(part), sum(sp.count_ops(f) for f in part)))
     for part in parts:
         if len(part) > 1:
@@ -142,10 +151,10 @@ def _single(search: _Search, branch: _Branch) -> list[_Branch]:
         inside = [u for u in unknowns if p.has(u)]
         if len(inside) == 1:
             return [b for root in _real_roots(p, inside[0]) for b in _split(search, branch.put(inside[0], root))]
-    return _rational(search, branch) or _representative(search, branch)
+    return _by_quotient(search, branch) or _representative(search, branch)
 
 
-def _rational(search: _Search, branch: _Branch) -> list[_Branch]:
+def _by_quotient(search: _Search, branch: _Branch) -> list[_Branch]:
     """Solve a polynomial that is linear in an unknown; its slope is zero, or it is not."""
     for p in branch.equations:
         for u in search.unknowns:
@@ -167,10 +176,18 @@ def _representative(search: _Search, branch: _Branch) -> list[_Branch]:
 
 
 def _real_roots(p: sp.Expr, u: sp.Symbol) -> list[sp.Expr]:
-    roots = sp.roots(sp.Poly(p, u))
-    if roots:
-        return [r for r in roots if r.is_real is not False and not r.has(sp.I)]
-    return list(sp.real_roots(sp.Poly(p, u))) if p.free_symbols == {u} else []
+    """Return the real roots of an irreducible polynomial; TooHardError where radicals do not show them to be real."""
+    polynomial = sp.Poly(p, u)
+    found = [r for r in sp.roots(polynomial) if r.is_real is not False and not r.has(sp.I)]
+    if polynomial.degree() > 2 and (p.free_symbols != {u} or not _rational(polynomial)):
+        raise TooHardError
+    if polynomial.degree() > 2 and len(found) != sp.count_roots(polynomial):
+        raise TooHardError
+    return found
+
+
+def _rational(polynomial: sp.Poly) -> bool:
+    return all(c.is_Rational for c in polynomial.all_coeffs())
 
 
 def _sum_of_squares(p: sp.Expr, unknowns: list[sp.Symbol]) -> list[sp.Expr] | None:

@@ -14,7 +14,7 @@ import sympy as sp
 
 from hjsolve.coordinates.branches import Piece
 from hjsolve.coordinates.families import family, representatives
-from hjsolve.coordinates.frames import Sign, eigenframe, moved, perpendicular_frame, righted, sort_frame, tidy
+from hjsolve.coordinates.frames import Sign, attempt, eigenframe, moved, perpendicular_frame, righted, sort_frame, tidy
 from hjsolve.coordinates.killing import concircular_basis, kernel, killing_tensor
 from hjsolve.coordinates.rank_one import directions, members
 from hjsolve.coordinates.results import Geometry, Vector
@@ -41,9 +41,9 @@ def cylinder_webs(constant: Sequence[sp.MatrixBase], V: sp.Expr, x: Sequence[sp.
     if not constant:
         return []
     forms = [sp.Matrix(M[:3, :3]) for M in constant]
-    webs = _cartesian(forms, sign)
-    for piece in directions(forms):
-        webs += _over_directions(piece, V, x, sign)
+    webs = attempt(lambda: _cartesian(forms, sign)) + attempt(
+        lambda: [web for piece in directions(forms) for web in _over_directions(piece, V, x, sign)]
+    )
     if any(web.kind != "split" for web in webs):
         webs = [web for web in webs if web.kind != "split"]
     return webs

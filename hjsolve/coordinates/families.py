@@ -135,10 +135,12 @@ def representatives(
     """
     best: dict[str, Found[Member]] = {}
     seen: dict[str, int] = {}
+    hard = False
     for values in islice(small_values(count), 90):
         try:
             member = choices(values)
         except TooHardError:
+            hard = True
             continue
         if member is None:
             continue
@@ -148,4 +150,6 @@ def representatives(
             best[name] = Found(member, values)
         if len(best) >= wanted and all(seen[name] >= enough or cost(best[name].member) < 10 for name in best):
             break
+    if hard and not best:
+        raise TooHardError
     return best

@@ -25,8 +25,8 @@ _NOT = (
     "higher degree (Toda, Kaup–Kupershmidt)."
 )
 _UNRESOLVED = (
-    "A further web exists; its axes are roots of an irreducible cubic, and it is not written out. Turn the "
-    "coordinates to its axes, or give the parameters numbers."
+    "A further web or family is not written out: its axes are roots of an irreducible cubic, or its equations are too "
+    "many. Turn the coordinates to its axes, or give the parameters numbers; for quadratic T and V use normal_modes."
 )
 _INCOMPLETE = (
     "The exact elimination and the numerical count of the integrals differ: radicals in V depend on each other, "
@@ -130,7 +130,7 @@ def _advice(
         lines = [_NO_WEB.format(**words) + "the system is " + _NOT]
     for part in parts:
         if part.kind == "unresolved":
-            lines.append(_UNRESOLVED)
+            lines += [] if _UNRESOLVED in lines else [_UNRESOLVED]
         else:
             what = "splits off the direction" if part.kind == "split" else "splits off the distance from"
             where = ", ".join(map(str, part.axes[2] if part.kind == "split" else part.centre))

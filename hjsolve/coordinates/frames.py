@@ -6,7 +6,7 @@ from collections.abc import Callable, Mapping, Sequence
 
 import sympy as sp
 
-from hjsolve.coordinates.results import Vector
+from hjsolve.coordinates.results import Geometry, Vector
 
 Sign = Callable[[sp.Expr], int]
 
@@ -30,7 +30,7 @@ def sign_by(values: Mapping[sp.Symbol, sp.Expr]) -> Sign:
 
 
 class TooHardError(ArithmeticError):
-    """An exact frame would need the roots of an irreducible cubic."""
+    """An exact frame would need the roots of an irreducible cubic, or a search has too many branches."""
 
 
 def tidy(expression: sp.Expr) -> sp.Expr:
@@ -89,6 +89,14 @@ def dot(a: Sequence[sp.Expr], b: Sequence[sp.Expr]) -> sp.Expr:
 def moved(origin: Vector, terms: Sequence[tuple[sp.Expr, Vector]]) -> Vector:
     """Return origin + Σ length·direction."""
     return tuple(tidy(c + sp.Add(*(length * v[i] for length, v in terms))) for i, c in enumerate(origin))
+
+
+def attempt(search: Callable[[], list[Geometry]]) -> list[Geometry]:
+    """Return what a search finds; where it is too hard, one geometry of kind ``unresolved`` says so."""
+    try:
+        return search()
+    except TooHardError:
+        return [Geometry("unresolved", (), ())]
 
 
 def perpendicular_frame(axis: Vector, first: Vector | None = None) -> tuple[Vector, Vector, Vector]:

@@ -2,13 +2,13 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterable, Mapping, Sequence
+from collections.abc import Callable, Iterable, Mapping
 from dataclasses import dataclass, replace
 from random import Random
 
 import sympy as sp
 
-from hjsolve.coordinates.carried import Carrier
+from hjsolve.coordinates.carried import Carrier, flattened
 from hjsolve.coordinates.charts import Chart, Range, chart
 from hjsolve.coordinates.frames import norm_squared, tidy
 from hjsolve.coordinates.results import Geometry, Vector, Web
@@ -44,9 +44,12 @@ def web_of(geometry: Geometry, cartesian: Cartesian, *, budget: float) -> Web:
     n = len(cartesian.x)
     local, axes = _adapted(chart(geometry.kind, geometry.lengths, n, _symbol_maker(cartesian)), geometry, cartesian)
     names = tuple(s.name for s in local.symbols)
-    X = [tidy_sum(c, axes, local, i) for i, c in enumerate(geometry.centre)]
-    carrier = Carrier(dict(zip(cartesian.X, X, strict=True)), _domain_sign(local, cartesian), set())
-    potential = carrier.carry(cartesian.potential)
+    L = sp.symbols(f"X0:{n}", real=True)
+    centre = geometry.centre
+    moved = [sp.Add(c, *(tidy(axis[i]) * Xi for axis, Xi in zip(axes, L, strict=True))) for i, c in enumerate(centre)]
+    in_frame = flattened(cartesian.potential.subs(dict(zip(cartesian.X, moved, strict=True)), simultaneous=True), L)
+    carrier = Carrier(dict(zip(L, local.place, strict=True)), _domain_sign(local, cartesian), set())
+    potential = carrier.carry(in_frame)
     speeds = [sp.Symbol(f"dot({name})", real=True) for name in names]
     kinetic = cartesian.mass / 2 * sp.Add(*(h * v**2 for h, v in zip(local.scale, speeds, strict=True)))
     transformed = System(
@@ -56,7 +59,8 @@ def web_of(geometry: Geometry, cartesian: Cartesian, *, budget: float) -> Web:
         {p.name: p for p in cartesian.system.parameters},
         title=f"{cartesian.system.title or 'system'} in {geometry.kind} coordinates",
     )
-    old = cartesian.stretch * sp.Matrix(X)
+    placed = [c.xreplace(dict(zip(L, local.place, strict=True))) for c in moved]
+    old = cartesian.stretch * sp.Matrix(placed)
     transformation = {q.name: sp.expand(entry) for q, entry in zip(cartesian.system.coordinates, old, strict=True)}
     return Web(
         geometry.kind,
@@ -93,11 +97,6 @@ def _adapted(local: Chart, geometry: Geometry, cartesian: Cartesian) -> tuple[Ch
         lead = next(c for c in axis if c != 0)
         axes.append(tuple(sp.radsimp(sp.cancel(c / lead)) for c in axis))
     return replace(local, scale=tuple(sp.radsimp(sp.simplify(norm_squared(axis))) for axis in axes)), tuple(axes)
-
-
-def tidy_sum(centre: sp.Expr, axes: Sequence[Sequence[sp.Expr]], local: Chart, i: int) -> sp.Expr:
-    """Return component i of centre + Σ axis·X(u)."""
-    return sp.Add(centre, *(tidy(axis[i]) * X for axis, X in zip(axes, local.place, strict=True)))
 
 
 def _symbol_maker(cartesian: Cartesian) -> Callable[[str, Range], sp.Symbol]:

@@ -14,7 +14,7 @@ import sympy as sp
 
 from hjsolve.coordinates.branches import real_pieces
 from hjsolve.coordinates.families import Family, combination, parts, representatives
-from hjsolve.coordinates.frames import Sign, moved, root, tidy, unit
+from hjsolve.coordinates.frames import Sign, attempt, moved, root, tidy, unit
 from hjsolve.coordinates.results import Geometry, Vector
 from hjsolve.coordinates.words import in_words
 
@@ -103,7 +103,7 @@ def plane_webs(family: Family, sign: Sign, lift: Lift = lambda web: web) -> list
         webs += _family_webs("parabolic", None, terms, len(terms) - 1, sign, lift)
     if family.central is not None:
         terms = (*family.axial, *family.constant)
-        webs += _polar(family, terms, sign, lift)
+        webs += attempt(lambda: _polar(family, terms, sign, lift))
         webs += _family_webs("elliptic", family.central, terms, len(terms), sign, lift)
     return webs
 

@@ -24,7 +24,7 @@ from hjsolve.coordinates.cylinders import cylinder_webs
 from hjsolve.coordinates.families import Family, combination, parts, representatives
 from hjsolve.coordinates.frames import (
     Sign,
-    TooHardError,
+    attempt,
     eigenframe,
     moved,
     perpendicular_frame,
@@ -133,38 +133,38 @@ def _constant(A: sp.MatrixBase, sign: Sign) -> Geometry | None:
 def space_webs(family: Family, potential: Potential) -> list[Geometry]:
     """List the webs of a linear family of concircular tensors, one representative for every kind and component."""
     terms = (*family.axial, *family.constant)
-    webs = cylinder_webs(family.constant, potential.V, potential.x, potential.sign)
+    webs = attempt(lambda: cylinder_webs(family.constant, potential.V, potential.x, potential.sign))
     if family.axial:
-        webs += _axial_webs(terms, potential)
+        webs += attempt(lambda: _paraboloids(terms, potential)) + attempt(lambda: _rotational(terms, potential))
     if family.central is not None:
-        webs += _central_webs(family, terms, potential)
+        webs += attempt(lambda: _from_spheres(family, potential))
+        for kind in ("prolate spheroidal", "oblate spheroidal"):
+            webs += attempt(lambda kind=kind: _spheroids(family, kind))  # type: ignore[misc]
+        webs += attempt(lambda: _ellipsoids(family, terms, potential))
     return webs
 
 
-def _axial_webs(terms: Sequence[sp.MatrixBase], potential: Potential) -> list[Geometry]:
+def _paraboloids(terms: Sequence[sp.MatrixBase], potential: Potential) -> list[Geometry]:
     def paraboloid(values: tuple[sp.Expr, ...]) -> Geometry | None:
         return _only(classify(combination(None, terms, values, 3), potential.sign), "paraboloidal")
 
     arbitrary = tuple(sp.Rational(2 * i * i + 1, 3 + i) for i in range(len(terms)))
-    webs = _sampled(paraboloid, len(terms), len(terms) - 1) if paraboloid(arbitrary) is not None else []
-    return webs + _rotational(terms, potential)
+    return _sampled(paraboloid, len(terms), len(terms) - 1) if paraboloid(arbitrary) is not None else []
 
 
-def _central_webs(family: Family, terms: Sequence[sp.MatrixBase], potential: Potential) -> list[Geometry]:
+def _from_spheres(family: Family, potential: Potential) -> list[Geometry]:
+    return [w for sphere in _spheres(family) for w in sphere_webs(sphere, potential.V, potential.x, potential.sign)]
+
+
+def _ellipsoids(family: Family, terms: Sequence[sp.MatrixBase], potential: Potential) -> list[Geometry]:
     def ellipsoid(values: tuple[sp.Expr, ...]) -> Geometry | None:
         M = combination(family.central, terms, values, 3)
         return _only(classify(M, potential.sign), "ellipsoidal") if _simple_spectrum(M) else None
 
-    webs: list[Geometry] = []
-    for sphere in _spheres(family):
-        webs += sphere_webs(sphere, potential.V, potential.x, potential.sign)
-    for kind in ("prolate spheroidal", "oblate spheroidal"):
-        webs += _spheroids(family, kind)
     arbitrary = tuple(sp.Rational(3 * i * i + 2, 5 + i) for i in range(len(terms)))
-    if _simple_spectrum(combination(family.central, terms, arbitrary, 3)):
-        found = _sampled(ellipsoid, len(terms), len(terms))
-        webs += [_with_foci(web) if web.kind == "ellipsoidal" else web for web in found]
-    return webs
+    if not _simple_spectrum(combination(family.central, terms, arbitrary, 3)):
+        return []
+    return [_with_foci(web) for web in _sampled(ellipsoid, len(terms), len(terms))]
 
 
 def _simple_spectrum(M: sp.MatrixBase) -> bool:
@@ -240,10 +240,7 @@ def _only(web: Geometry | None, *kinds: str) -> Geometry | None:
 def _sampled(member: Callable[[tuple[sp.Expr, ...]], Geometry | None], count: int, freedom: int) -> list[Geometry]:
     """Return the simplest member of a family of one kind."""
     if freedom == 0:
-        try:
-            only = member(tuple(sp.S.One for _ in range(count)))
-        except TooHardError:
-            return [Geometry("unresolved", (_ZERO,) * 3, _STANDARD)]
+        only = member(tuple(sp.S.One for _ in range(count)))
         return [] if only is None else [only]
     best = representatives(member, count, lambda g: g.kind, 1, lambda g: g.complexity)
     return [in_words(found, freedom, member) for found in best.values()]
