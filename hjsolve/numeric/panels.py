@@ -127,8 +127,8 @@ class Panels:
 
     @cached_property
     def _rounded(self) -> Panels:
-        parts = (part.astype(float) for part in (self.edges, self.coefficients, self.sums))
-        return Panels(*parts, self.nodes, self.finished)
+        edges, coefficients, sums = (part.astype(float) for part in (self.edges, self.coefficients, self.sums))
+        return Panels(edges, coefficients, sums, self.nodes, self.finished)
 
     def _clenshaw(self, table: Any, y: Any) -> Any:
         panel = np.clip(np.searchsorted(self.edges, y, side="right") - 1, 0, len(self.edges) - 2)
