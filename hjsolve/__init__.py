@@ -15,6 +15,7 @@ from hjsolve._version import __version__ as __version__
 
 if TYPE_CHECKING:
     from hjsolve import catalog as catalog
+    from hjsolve import frames as frames
     from hjsolve.coordinates import Coordinates as Coordinates
     from hjsolve.coordinates import NormalModes as NormalModes
     from hjsolve.coordinates import Web as Web
@@ -32,6 +33,8 @@ if TYPE_CHECKING:
     from hjsolve.errors import NotConvergedError as NotConvergedError
     from hjsolve.errors import NotSeparableError as NotSeparableError
     from hjsolve.errors import OutsideMotionError as OutsideMotionError
+    from hjsolve.general import from_hamiltonian as from_hamiltonian
+    from hjsolve.gyroscopic import linear_modes as linear_modes
     from hjsolve.motion import Motion as Motion
     from hjsolve.numeric.estimate import Estimate as Estimate
     from hjsolve.reports import report as report
@@ -54,15 +57,15 @@ _HOMES = {
     "separate": "separation", "Separation": "separation", "Obstruction": "separation", "Undecided": "separation",
     "solve": "solution", "Solution": "solution",
     "Motion": "motion", "Estimate": "numeric.estimate",
-    "report": "reports", "Scene": "scenes",
+    "report": "reports", "Scene": "scenes", "linear_modes": "gyroscopic", "from_hamiltonian": "general",
     "CatalogError": "errors", "ExpressionError": "errors", "ForbiddenMotionError": "errors", "HJSolveError": "errors",
     "InternalError": "errors", "InvalidInputError": "errors", "InvalidSystemError": "errors",
     "MissingExtraError": "errors", "MissingValueError": "errors", "NotConvergedError": "errors",
     "NotSeparableError": "errors", "OutsideMotionError": "errors",
 }  # fmt: skip
-_MODULES = frozenset({"catalog"})
+_MODULES = frozenset({"catalog", "frames"})
 
-__all__ = ["__version__", "catalog", *sorted(_HOMES)]  # noqa: PLE0604
+__all__ = ["__version__", *sorted(_MODULES), *sorted(_HOMES)]  # noqa: PLE0604
 
 
 def __getattr__(name: str) -> Any:

@@ -276,6 +276,7 @@ def _list() -> None:
     width = max(map(len, titles))
     for kind, words in (
         ("separable", "separates"),
+        ("extended", "separates, by its own form of the energy or in a declared frame"),
         ("refused", "is refused, with the reason"),
         ("outside", "is no T and V, and is refused"),
     ):

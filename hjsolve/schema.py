@@ -61,6 +61,10 @@ _REFERENCE = {
     "quantity": Key("text", True), "at": Key("numbers", True), "value": Key("text", True), "how": Key("text", True),
     "cite": Key("texts"),
 }  # fmt: skip
+_FRAME = {
+    "coordinates": Key("tables", True, keys=_COORDINATE), "kinetic": Key("text", True), "potential": _TEXT,
+    "place": Key("formulas"), "gauge": _TEXT,
+}  # fmt: skip
 _RELATIVITY = {"mass": Key("text", True), "light": Key("text", True)}
 SYSTEM = {
     "id": _TEXT, "title": _TEXT, "coordinates": Key("tables", True, keys=_COORDINATE),
@@ -72,7 +76,7 @@ ENTRY = SYSTEM | {
     "id": Key("text", True), "title": Key("text", True), "summary": _TEXT, "cite": Key("texts"), "book": Key("texts"),
     "reason": _TEXT, "instead": _TEXT, "initial": Key("table", keys=_MOTION), "motions": Key("named", keys=_MOTION),
     "effects": Key("named", keys=_EFFECT), "expect": Key("table", keys=_EXPECT),
-    "reference": Key("tables", keys=_REFERENCE),
+    "reference": Key("tables", keys=_REFERENCE), "frame": Key("table", keys=_FRAME),
 }  # fmt: skip
 """The keys of a catalog file."""
 

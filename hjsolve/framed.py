@@ -1,0 +1,114 @@
+"""Motions in a declared frame: computed in the autonomous coordinates, told in the original ones."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from dataclasses import dataclass
+from typing import Any
+
+import numpy as np
+import sympy as sp
+
+from hjsolve.errors import InvalidInputError, MissingValueError
+from hjsolve.expressions import number
+from hjsolve.frames import Frame, initial_data
+from hjsolve.initial import parameter_values, to_bits
+from hjsolve.lowering import lower
+from hjsolve.motion import Motion
+from hjsolve.numeric.arithmetic import Float64, Multi
+from hjsolve.state import Errors, State
+from hjsolve.system import momenta
+
+
+@dataclass(frozen=True, eq=False)
+class FramedMotion:
+    """A motion of a system with explicit time.
+
+    Attributes:
+        frame: the change that makes it autonomous.
+        motion: of the autonomous system; its kinds, periods and actions are those of the new coordinates.
+    """
+
+    frame: Frame
+    motion: Motion
+
+    def at(self, t: Any) -> State:
+        """Return the state of the original system at a time or times; as ``Motion.at``, angles not counted in turns."""
+        state = self.motion.at(t)
+        shape = np.shape(state.status)
+        times = _numbers(t, shape, self.motion.digits)
+        old = self.frame.original.coordinates
+        speeds = self.frame.velocity
+        places = {o.symbol: self.frame.place[o.name] for o in old} | {o.velocity: speeds[o.name] for o in old}
+        p = {name: formula.xreplace(places) for name, formula in momenta(self.frame.original).items()}
+        groups = [{c.name: self.frame.place[c.name] for c in old}, p, speeds]
+        found = [{name: self._evaluated(f, state, times) for name, f in group.items()} for group in groups]
+
+        def bounds(k: int) -> dict[str, Any]:
+            return {name: self._bound(f, found[k][name], state, times) for name, f in groups[k].items()}
+
+        def errors() -> Errors:
+            return Errors(bounds(0), bounds(1), bounds(2))
+
+        return State(t, found[0], found[1], found[2], {}, state.status, errors)
+
+    def _evaluated(self, formula: sp.Expr, state: State, times: Any) -> Any:
+        coordinates = self.frame.system.coordinates
+        variables = [c.symbol for c in coordinates] + [c.velocity for c in coordinates] + [self.frame.time]
+        arrays = [state.unwrapped(c.name) for c in coordinates]
+        arrays += [*(state.velocity[c.name] for c in coordinates), times]
+        fixed = {s: v for s, v in self.motion.initial.values.items() if s not in variables}
+        tape = lower([formula], [*variables, *fixed])
+        if self.motion.digits <= 15:
+            numbers = [float(to_bits(v)(64)) for v in fixed.values()]
+            value = np.broadcast_to(tape.run(Float64(), [*map(np.asarray, arrays), *numbers])[0], np.shape(times))
+            return value if np.shape(times) else float(value)
+        bits = int(3.33 * self.motion.digits) + 64
+        numbers = [to_bits(v)(bits) for v in fixed.values()]
+        rows = zip(*(np.ravel(np.asarray(a, dtype=object)) for a in arrays), strict=True)
+        found = [tape.run(Multi(bits), [*(Multi(bits).convert(x) for x in row), *numbers])[0] for row in rows]
+        return np.array(found, dtype=object).reshape(np.shape(times)) if np.shape(times) else found[0]
+
+    def _bound(self, formula: sp.Expr, value: Any, state: State, times: Any) -> Any:
+        """Errors of Q and Q̇ carried over to first order, doubled, and the rounding of the formula."""
+        total = 16 * 10.0 ** -max(self.motion.digits, 15) * (np.abs(value) + self._size(formula, state, times))
+        for c in self.frame.system.coordinates:
+            for symbol, error in ((c.symbol, state.error.q[c.name]), (c.velocity, state.error.velocity[c.name])):
+                slope = sp.diff(formula, symbol)
+                if slope != 0:
+                    total = total + 2 * np.abs(self._evaluated(slope, state, times)) * error
+        return total
+
+    def _size(self, formula: sp.Expr, state: State, times: Any) -> Any:
+        """The sum of the sizes of the terms: what cancellation is measured against."""
+        terms = sp.Add.make_args(sp.expand(formula))
+        return sum(np.abs(self._evaluated(term, state, times)) for term in terms)
+
+
+def _numbers(t: Any, shape: tuple[int, ...], digits: int) -> Any:
+    exact = [to_bits(number(x.item() if hasattr(x, "item") else x, source="t"))(int(3.33 * digits) + 64)
+             for x in np.ravel(np.array(t, dtype=object))]  # fmt: skip
+    values = np.array([float(x) for x in exact]) if digits <= 15 else np.array(exact, dtype=object)
+    return values.reshape(shape) if shape else values[0]
+
+
+def start(
+    frame: Frame, *, q: Mapping[str, Any], velocity: Mapping[str, Any] | None, p: Mapping[str, Any] | None,
+    parameters: Mapping[str, Any], t0: Any, digits: int,
+) -> FramedMotion:  # fmt: skip
+    """Start a motion; see ``Frame.motion``.
+
+    Raises:
+        InvalidInputError: velocity and p both or neither. MissingValueError: a coordinate without a value.
+    """
+    if (velocity is None) == (p is None):
+        raise InvalidInputError("initial data: give either velocity={…} or p={…}, a number for every coordinate")
+    names = [c.name for c in frame.original.coordinates]
+    for what, given in (("q", q), ("velocity" if p is None else "p", velocity if p is None else p)):
+        assert given is not None
+        if set(given) != set(names):
+            raise MissingValueError(f"{what}: needs a number for each of {', '.join(names)}, and nothing else")
+    time = number(t0, source="t0")
+    values = {**parameter_values(frame.system, parameters), frame.time: time}
+    data = initial_data(frame, values, q, velocity, p)
+    return FramedMotion(frame, frame.solve().motion(**data, parameters=parameters, t0=time, digits=digits))

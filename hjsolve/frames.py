@@ -1,0 +1,200 @@
+"""Declared frames and gauges: a system with explicit time that becomes autonomous, by a change that is verified.
+
+    q = f(Q, t),     L(f, ḟ, t) = L′(Q, Q̇) + dΛ(Q, t)/dt
+
+L′ holds no time, so Hamilton–Jacobi separates it as usual; the difference dΛ/dt changes no equation of motion
+(Greenwood Ex 6-5, 6-9, P6-13: a generating function F₂ in general). Momenta go back as pᵢ = ∂L/∂q̇ᵢ, and
+P = (∂f/∂Q)ᵀ p − ∂Λ/∂Q. The identity above is decided exactly when the frame is made; nothing is taken on trust.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from dataclasses import dataclass
+from pathlib import Path
+from typing import TYPE_CHECKING, Any
+
+import sympy as sp
+
+from hjsolve import catalog
+from hjsolve.errors import CatalogError, InvalidSystemError
+from hjsolve.expressions import number, parse
+from hjsolve.separation.zero_test import Zero, is_zero
+from hjsolve.solution import Solution, solve
+from hjsolve.system import Parameter, System, hamiltonian, momenta
+
+if TYPE_CHECKING:
+    from hjsolve.framed import FramedMotion
+
+TIME = "t"
+
+
+@dataclass(frozen=True)
+class Frame:
+    """A system with explicit time and the autonomous one it becomes.
+
+    Attributes:
+        system: the autonomous system, in Q.
+        original: the system as posed, in q; the time is one of its parameters.
+        place: coordinate q → f(Q, t).
+        gauge: Λ(Q, t).
+        time: the symbol of the time.
+    """
+
+    system: System
+    original: System
+    place: Mapping[str, sp.Expr]
+    gauge: sp.Expr
+    time: sp.Symbol
+
+    @property
+    def velocity(self) -> dict[str, sp.Expr]:
+        """q̇ = ∂f/∂Q Q̇ + ∂f/∂t by coordinate q."""
+        return {name: self.total_derivative(f) for name, f in self.place.items()}
+
+    def total_derivative(self, f: sp.Expr) -> sp.Expr:
+        """d/dt of a function of Q and t along the motion."""
+        return sp.diff(f, self.time) + sp.Add(*(sp.diff(f, c.symbol) * c.velocity for c in self.system.coordinates))
+
+    def residual(self) -> sp.Expr:
+        """L(f, ḟ, t) − L′ − dΛ/dt, which has to vanish."""
+        speeds = self.velocity
+        at = {c.symbol: self.place[c.name] for c in self.original.coordinates}
+        at |= {c.velocity: speeds[c.name] for c in self.original.coordinates}
+        L = (self.original.kinetic - self.original.potential).xreplace(at)
+        return sp.expand(L - self.system.kinetic + self.system.potential - self.total_derivative(self.gauge))
+
+    def inverse(self) -> dict[sp.Symbol, sp.Expr]:
+        """Q(q, t); f is affine in Q."""
+        unknown = [c.symbol for c in self.system.coordinates]
+        equations = [c.symbol - self.place[c.name] for c in self.original.coordinates]
+        return dict(zip(unknown, sp.Matrix(sp.linsolve(equations, unknown).args[0]), strict=True))
+
+    def new_momenta(self) -> dict[sp.Symbol, sp.Expr]:
+        """P = (∂f/∂Q)ᵀ p − ∂Λ/∂Q, in p, Q and t."""
+        old = [(c.momentum, self.place[c.name]) for c in self.original.coordinates]
+        return {
+            c.momentum: sp.Add(*(p * sp.diff(f, c.symbol) for p, f in old), -sp.diff(self.gauge, c.symbol))
+            for c in self.system.coordinates
+        }
+
+    def constants(self, solution: Solution) -> dict[str, sp.Expr]:
+        """The constants of the motion as functions of the q, p and t of the original system."""
+        at, back = self.new_momenta(), self.inverse()
+        return {
+            name: constant.expression.subs(at, simultaneous=True).subs(back, simultaneous=True)
+            for name, constant in solution.constants.items()
+        }
+
+    def solve(self) -> Solution:
+        """Solve the autonomous system by quadratures; NotSeparableError as ``hjsolve.solve``."""
+        return solve(self.system)
+
+    def motion(
+        self, *, q: Mapping[str, Any], velocity: Mapping[str, Any] | None = None, p: Mapping[str, Any] | None = None,
+        parameters: Mapping[str, Any] | None = None, t0: Any = 0, digits: int = 15,
+    ) -> FramedMotion:  # fmt: skip
+        """Start a motion from initial data of the original system.
+
+        Args:
+            q: position of every original coordinate.
+            velocity: of every original coordinate, or
+            p: its canonical momentum.
+            parameters: values that differ from the defaults.
+            t0: the initial time; it matters, since the original system holds the time.
+            digits: relative digits wanted.
+        """
+        from hjsolve.framed import start
+
+        return start(self, q=q, velocity=velocity, p=p, parameters=parameters or {}, t0=t0, digits=digits)
+
+
+def verified(frame: Frame) -> Frame:
+    """Give the frame back if it is what it claims.
+
+    Raises:
+        InvalidSystemError: the map is not affine in Q, not invertible, or the identity fails; the residual is shown.
+    """
+    unknown = [c.symbol for c in frame.system.coordinates]
+    matrix = sp.Matrix([[sp.diff(frame.place[c.name], Q) for Q in unknown] for c in frame.original.coordinates])
+    if matrix.free_symbols & set(unknown):
+        raise InvalidSystemError("frame: the map must be affine in the new coordinates")
+    if matrix.rows != matrix.cols or isinstance(is_zero(matrix.det()), Zero):
+        raise InvalidSystemError("frame: the map is not invertible")
+    if isinstance(is_zero(frame.residual()), Zero):
+        return frame
+    raise InvalidSystemError(
+        f"frame: L - L' - dΛ/dt is {frame.residual()}, not zero: the map and the gauge do not lead to this system"
+    )
+
+
+def load(entry: str | Path) -> Frame:
+    """Read and verify the frame of a catalog entry: the table ``[frame]`` beside the autonomous system.
+
+    Raises:
+        CatalogError: no such entry or frame, or a frame that does not do what it says.
+    """
+    table, source = catalog.read(entry)
+    if "frame" not in table:
+        raise CatalogError(f"{source}: frame: missing; this entry declares no change of frame")
+    try:
+        return from_table(table, catalog.from_table(table, source=source), source)
+    except InvalidSystemError as error:
+        raise CatalogError(f"{source}: {error}") from error
+
+
+def from_table(table: Mapping[str, Any], system: System, source: str) -> Frame:
+    """Build and verify the frame that an entry's table declares for its system."""
+    given = table["frame"]
+    parameters: dict[str, Any] = {p.name: p for p in system.parameters}
+    clock = Parameter(TIME, sp.Symbol(TIME, real=True), None, "real", "", "time")
+    original = System(
+        coordinates={c["name"]: c["domain"] for c in given["coordinates"]}, kinetic=given["kinetic"],
+        potential=given.get("potential", "0"), parameters=parameters | {TIME: clock}, title=table.get("title", ""),
+    )  # fmt: skip
+    time = original.symbols[TIME]
+    names = {**system.symbols, TIME: time}
+    place = {
+        c.name: parse(given["place"].get(c.name, c.name), names, source=f"{source}: frame.place.{c.name}")
+        for c in original.coordinates
+    }
+    gauge = parse(given.get("gauge", "0"), names, source=f"{source}: frame.gauge")
+    return verified(Frame(system, original, place, gauge, time))
+
+
+def drift(frame: Frame, expression: sp.Expr) -> sp.Expr:
+    """∂f/∂t + (f, H) of a function f(q, p, t) of the original system (6-235): zero for a constant of the motion."""
+    H, total = hamiltonian(frame.original), sp.diff(expression, frame.time)
+    for c in frame.original.coordinates:
+        total += sp.diff(expression, c.symbol) * sp.diff(H, c.momentum)
+        total -= sp.diff(expression, c.momentum) * sp.diff(H, c.symbol)
+    return total
+
+
+def initial_data(
+    frame: Frame, values: Mapping[sp.Symbol, sp.Expr], q: Mapping[str, Any], velocity: Mapping[str, Any] | None,
+    p: Mapping[str, Any] | None,
+) -> dict[str, dict[str, sp.Expr]]:  # fmt: skip
+    """Bring initial data over to the autonomous system, exactly: ``{"q": …, "p": …}``.
+
+    Args:
+        frame: of both systems.
+        values: parameters and the time, exact.
+        q: original positions.
+        velocity: original velocities, or
+        p: original momenta.
+    """
+    old = frame.original.coordinates
+    at = dict(values) | {c.symbol: number(q[c.name], source=f"q[{c.name}]") for c in old}
+    if velocity is not None:
+        speeds = {c.velocity: number(velocity[c.name], source=f"velocity[{c.name}]") for c in old}
+        at |= {c.momentum: momenta(frame.original)[c.name].xreplace({**at, **speeds}) for c in old}
+    else:
+        assert p is not None
+        at |= {c.momentum: number(p[c.name], source=f"p[{c.name}]") for c in old}
+    new = {symbol: formula.subs(at) for symbol, formula in frame.inverse().items()}
+    P = {symbol: formula.subs({**at, **new}) for symbol, formula in frame.new_momenta().items()}
+    return {
+        "q": {c.name: sp.expand(new[c.symbol]) for c in frame.system.coordinates},
+        "p": {c.name: sp.expand(P[c.momentum]) for c in frame.system.coordinates},
+    }

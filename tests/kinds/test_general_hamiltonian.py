@@ -1,0 +1,68 @@
+"""H(q, p) of one degree of freedom: P5-1, H = q + p, and its neighbours."""
+
+from __future__ import annotations
+
+import pytest
+import sympy as sp
+from mpmath import mp, mpf
+
+from hjsolve.errors import InvalidSystemError, OutsideMotionError
+from hjsolve.general import LinearHamiltonian, from_hamiltonian
+from hjsolve.solution import solve
+from hjsolve.system import System, hamiltonian
+
+
+def test_the_books_problem_5_1() -> None:
+    """C74: S = −αt + αq − q²/2, q = t − β, p = α − q."""
+    problem = from_hamiltonian("q + p", {"q": "line"})
+    assert isinstance(problem, LinearHamiltonian)
+    α, q, t = sp.Symbol("E", real=True), problem.coordinate.symbol, sp.Symbol("t", real=True)
+    assert sp.expand(problem.principal_function - (-α * t + α * q - q**2 / 2)) == 0
+    assert problem.time_law == q
+    assert problem.momentum == α - q
+    place, momentum = problem.at("2.5", q="0.5", p="1", digits=30)
+    assert abs(place - 3) < mpf(10) ** -30
+    assert abs(momentum + mpf(3) / 2) < mpf(10) ** -30
+
+
+def test_s_solves_the_hamilton_jacobi_equation() -> None:
+    problem = from_hamiltonian("(1 + q**2)*p + w*q", {"q": "line"}, {"w": "1/3"})
+    S, q, t = problem.principal_function, problem.coordinate.symbol, sp.Symbol("t", real=True)
+    residual = sp.diff(S, t) + problem.hamiltonian.subs(problem.coordinate.momentum, sp.diff(S, q))
+    assert sp.simplify(residual) == 0
+
+
+def test_a_rate_that_depends_on_q_is_integrated_and_inverted() -> None:
+    """q̇ = 1 + q²: q = tan t, and infinity is reached at π/2."""
+    problem = from_hamiltonian("(1 + q**2)*p", {"q": "line"})
+    with mp.workdps(40):
+        place, momentum = problem.at("1.2", q=0, p=1, digits=30)
+        assert abs(place - mp.tan(mpf("1.2"))) < mpf(10) ** -28
+        assert abs(momentum - mp.cos(mpf("1.2")) ** 2) < mpf(10) ** -28
+        back, _ = problem.at("-1.2", q=0, p=1, digits=30)
+        assert abs(back + mp.tan(mpf("1.2"))) < mpf(10) ** -28
+    with pytest.raises(OutsideMotionError, match="infinity"):
+        problem.at(2, q=0, p=1)
+    with pytest.raises(OutsideMotionError, match="rests"):
+        from_hamiltonian("q*p", {"q": "line"}).at(1, q=0, p=1)
+
+
+def test_a_quadratic_hamiltonian_is_a_natural_system() -> None:
+    system = from_hamiltonian("p**2/(2*m) + w*q*p + k*q**2/2", {"q": "line"}, {"m": 1, "w": "0.1", "k": 1})
+    assert isinstance(system, System)
+    q = system.coordinate("q")
+    m, w, k = (system.symbols[n] for n in "mwk")
+    given = q.momentum**2 / (2 * m) + w * q.symbol * q.momentum + k * q.symbol**2 / 2
+    assert sp.simplify(hamiltonian(system) - given) == 0
+    period = solve(system).motion(q={"q": 1}, p={"q": 0}).periods["q"].value
+    assert abs(period - 2 * float(mp.pi) / (1 - 0.01) ** 0.5) < 1e-14
+
+
+@pytest.mark.parametrize(("text", "coordinates", "why"), [
+    ("p**3", {"q": "line"}, "first or second degree"), ("q", {"q": "line"}, "first or second degree"),
+    ("sin(p)", {"q": "line"}, "first or second degree"), ("p", {"q": "line", "r": "line"}, "one coordinate"),
+    ("p", {"p": "line"}, "rename"),
+])  # fmt: skip
+def test_other_hamiltonians_are_refused(text: str, coordinates: dict[str, str], why: str) -> None:
+    with pytest.raises(InvalidSystemError, match=why):
+        from_hamiltonian(text, coordinates)
