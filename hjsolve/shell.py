@@ -16,6 +16,7 @@ from __future__ import annotations
 from collections.abc import Sequence
 from dataclasses import dataclass
 
+import mpmath
 import sympy as sp
 
 from .algebra.field import Element
@@ -25,6 +26,7 @@ from .algebra.poly import Budget
 from .algebra.readable import cost, readable
 from .algebra.reader import Reader
 from .algebra.signs import Bounds
+from .evaluation import CONTEXT, NoValueError, evaluate
 from .kinetic import mass_as_written
 from .system import Coordinate, System, kinetic_rest, linear_terms
 
@@ -203,6 +205,8 @@ def _find_ignorable(
     sieve = Filter(reader.field)
     for c in system.coordinates:
         holding = [x for x in lagrangian.parts() if c.symbol in x.free_symbols]
+        if any(_moves(x, c, system) for x in holding):
+            continue
         slopes = [reader.diff_terms(reader.element(x), c.symbol) for x in holding]
         if any(sieve.vanishes([[terms]]) is False or not reader.field.total(terms).is_zero for terms in slopes):
             continue
@@ -210,6 +214,30 @@ def _find_ignorable(
             lagrangian = lagrangian.subs(c.symbol, _inside(c))
         found.append(c)
     return tuple(found), lagrangian
+
+
+def _moves(x: sp.Expr, c: Coordinate, system: System) -> bool:
+    """Whether an expression has different values, to 80 digits, at two values of a coordinate; False proves nothing."""
+    if x.has(sp.core.function.AppliedUndef, sp.Derivative):
+        return False
+    numbers = {p.symbol: CONTEXT.mpf(3 * k + 5) / 7 for k, p in enumerate(system.parameters)}
+    numbers |= {d.momentum: CONTEXT.mpf(5 * k + 4) / 9 for k, d in enumerate(system.coordinates)}
+    shares = [CONTEXT.mpf(k + 3) / (k + 8) for k in range(len(system.coordinates) + 1)]
+    try:
+        places = {d.symbol: _place(d, share, numbers) for d, share in zip(system.coordinates, shares)}
+        here = evaluate(x, {**numbers, **places})
+        there = evaluate(x, {**numbers, **places, c.symbol: _place(c, shares[-1] / 2, numbers)})
+    except NoValueError:
+        return False
+    return bool(abs(here - there) > CONTEXT.mpf(10) ** -30 * abs(here))
+
+
+def _place(c: Coordinate, share: mpmath.mpf, numbers: dict[sp.Symbol, mpmath.mpf]) -> mpmath.mpf:
+    """A value inside a coordinate's domain; NoValueError where an end has no value."""
+    low, high = (None if end is None else evaluate(end, numbers) for end in (c.domain.lower, c.domain.upper))
+    if low is None or high is None or c.domain.kind == "angle":
+        return share if low is None and high is None else (high - share if low is None else low + share)
+    return low + (high - low) * share
 
 
 def _inside(c: Coordinate) -> sp.Expr:

@@ -2,11 +2,12 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterable
+from collections.abc import Callable, Iterable, Mapping
 from dataclasses import dataclass
 from functools import partial
 from itertools import islice
 
+import mpmath
 import sympy as sp
 
 from ..algebra.field import Element
@@ -18,7 +19,8 @@ from ..shell import Irreducible, Shell, Step, domain_bounds
 from ..system import System, hamiltonian
 from . import advice, levi_civita
 from .element_enclosure import find_witness_of_products
-from .enclosure import UNKNOWNS, Region
+from .enclosure import UNKNOWNS, Region, Witness, search
+from .jet_enclosure import enclose_condition
 from .levi_civita import Condition
 from .verdicts import Obstruction, Undecided
 from .zero_test import NonZero, Unproved, not_zero
@@ -68,7 +70,12 @@ def refuse_condition(setting: Setting, condition: Condition) -> Obstruction | Un
     constants = [c.momentum for c in shell.ignorable]
     scaled = [[*factors, [condition.scale]] for factors in condition.products]
     residual, answer = _failing(
-        setting.reader, scaled, constants, partial(_written_out, setting, condition), setting.region
+        setting.reader,
+        scaled,
+        constants,
+        partial(_written_out, setting, condition),
+        partial(_enclosed, setting, condition),
+        setting.region,
     )
     if isinstance(answer, NonZero):
         words = advice.for_potential(shell.system, pair)
@@ -99,6 +106,21 @@ def _written_out(setting: Setting, condition: Condition) -> sp.Expr:
     return _d(f, x, y) - _d(gj, x) / gj * _d(f, y) - _d(gi, y) / gi * _d(f, x)
 
 
+def _enclosed(setting: Setting, condition: Condition) -> Witness | None:
+    """A witness of S_ij(f) by jets of the expressions of the shell."""
+    i, j = condition.i, condition.j
+    shell, pair = setting.shell, (setting.symbols[i], setting.symbols[j])
+    f = shell.potential if condition.about is None else shell.inverse_metric[condition.about]
+    whole = sp.Tuple(f, shell.inverse_metric[i], shell.inverse_metric[j])
+    if whole.atoms(*UNKNOWNS):
+        return None
+
+    def enclosure(point: Mapping[sp.Expr, sp.Rational], precision: int) -> tuple[mpmath.mpf, mpmath.mpf]:
+        return enclose_condition(*whole, pair, point, precision)
+
+    return search(enclosure, setting.region.points(whole), setting.reader.field.budget)
+
+
 def _d(f: sp.Expr, *symbols: sp.Symbol) -> sp.Expr:
     """A derivative; left as it stands where f is large."""
     if not f.free_symbols.issuperset(symbols):
@@ -109,11 +131,16 @@ def _d(f: sp.Expr, *symbols: sp.Symbol) -> sp.Expr:
 
 
 def _failing(
-    reader: Reader, products: Products, constants: list[sp.Symbol], written_out: Callable[[], sp.Expr], region: Region
+    reader: Reader,
+    products: Products,
+    constants: list[sp.Symbol],
+    written_out: Callable[[], sp.Expr],
+    enclosed: Callable[[], Witness | None],
+    region: Region,
 ) -> tuple[sp.Expr, NonZero | Unproved]:
     """What does not vanish, with the proof: the simplest coefficient of a sum of products in the constants.
 
-    Where it is too much to multiply out, the whole as written out, enclosed by its elements.
+    Where it is too much to multiply out, the whole as written out, enclosed as it stands or by its elements.
     """
     field = reader.field
     whole_budget = field.budget
@@ -127,8 +154,8 @@ def _failing(
         field.budget = whole_budget
     if parts:
         return _simplest_nonzero((readable(reader, part) for part in parts), region, whole_budget)
-    witness = find_witness_of_products(field, products, region, whole_budget)
     residual = written_out()
+    witness = enclosed() or find_witness_of_products(field, products, region, whole_budget)
     if witness is not None:
         return residual, NonZero(witness)
     return residual, not_zero(residual.doit(), region, whole_budget, "no witness was found")
@@ -174,7 +201,9 @@ def refuse_without_shell(system: System, found: Irreducible, work: Budget) -> Ob
         products = levi_civita.general_condition(reader, h, q, p, i, j)
         if levi_civita.vanishes(reader, products, sieve):
             continue
-        residual, answer = _failing(reader, products, constants, partial(_general_written_out, H, q, p, i, j), region)
+        residual, answer = _failing(
+            reader, products, constants, partial(_general_written_out, H, q, p, i, j), lambda: None, region
+        )
         if isinstance(answer, NonZero):
             return _general_obstruction(system, found, (names[i], names[j]), residual, answer)
         return _general_undecided(system, found, residual, answer, f"it could not be decided: {answer.reason}")

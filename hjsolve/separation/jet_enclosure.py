@@ -1,0 +1,137 @@
+"""Enclosing S_ij(f) at a rational point from the expressions of a shell: no derivative is written down.
+
+Interval arithmetic on second-order jets (f, ∂ᵢf, ∂ⱼf, ∂ᵢ∂ⱼf). A shell with thousands of terms has a condition with
+millions; its value at a point costs no more than a few evaluations of the shell.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Mapping
+from typing import TypeAlias
+
+import mpmath
+import sympy as sp
+from mpmath import libmp
+
+from .enclosure import Interval, NoEnclosureError, Walk, finite, inverse, rational
+
+Slope: TypeAlias = Interval | None
+Jet: TypeAlias = tuple[Interval, Slope, Slope, Slope]
+
+
+def enclose_condition(
+    f: sp.Expr,
+    gi: sp.Expr,
+    gj: sp.Expr,
+    pair: tuple[sp.Symbol, sp.Symbol],
+    point: Mapping[sp.Expr, sp.Rational],
+    precision: int,
+) -> tuple[mpmath.mpf, mpmath.mpf]:
+    """Lower and upper bound of S_ij(f) = ∂ᵢ∂ⱼf − (∂ᵢ ln gʲʲ) ∂ⱼf − (∂ⱼ ln gⁱⁱ) ∂ᵢf.
+
+    Raises:
+        NoEnclosureError: a value is not finite or not real there, or a function has no jet here.
+    """
+
+    def value() -> Interval:
+        walk = JetWalk(pair, point, precision)
+        _, fi, fj, fij = walk(f)
+        a, b = walk(gi), walk(gj)
+        first = walk.times(walk.over(b[1], b[0]), fj)
+        second = walk.times(walk.over(a[2], a[0]), fi)
+        total = walk.plus(fij, walk.negative(walk.plus(first, second)))
+        return rational(0, 1, precision) if total is None else total
+
+    return finite(value)
+
+
+class JetWalk:
+    """One evaluation of jets; None is a derivative that is identically zero."""
+
+    def __init__(self, pair: tuple[sp.Symbol, sp.Symbol], point: Mapping[sp.Expr, sp.Rational], precision: int):
+        self.pair, self.precision = pair, precision
+        self.plain = Walk(point, precision)
+        self.seen: dict[sp.Expr, Jet] = {}
+
+    def __call__(self, x: sp.Expr) -> Jet:  # noqa: D102
+        if x not in self.seen:
+            self.seen[x] = self._jet(x)
+        return self.seen[x]
+
+    def _jet(self, x: sp.Expr) -> Jet:
+        one = rational(1, 1, self.precision)
+        if x in self.pair:
+            return self.plain(x), one if x == self.pair[0] else None, one if x == self.pair[1] else None, None
+        if x.free_symbols.isdisjoint(self.pair):
+            return self.plain(x), None, None, None
+        if x.is_Add or x.is_Mul:
+            combine = self._sum if x.is_Add else self._product
+            total = self(x.args[0])
+            for a in x.args[1:]:
+                total = combine(total, self(a))
+            return total
+        if x.is_Pow and x.exp.is_Rational:
+            return self._power(x)
+        if x.is_Pow and x.base is not sp.E:
+            return self._jet(sp.exp(x.exp * sp.log(x.base), evaluate=False))
+        argument = x.exp if x.is_Pow else x.args[0]
+        derivatives = _DERIVATIVES.get(sp.exp if x.is_Pow else x.func)
+        if derivatives is None:
+            raise NoEnclosureError(f"no jet of {x.func}")
+        return self._composed(x, self(argument), argument, derivatives)
+
+    def _power(self, x: sp.Expr) -> Jet:
+        u, n = self(x.base), x.exp
+        first = libmp.mpi_mul(self._number(n), self.plain(sp.Pow(x.base, n - 1)), self.precision)
+        second = None
+        if n != 1:
+            second = libmp.mpi_mul(self._number(n * (n - 1)), self.plain(sp.Pow(x.base, n - 2)), self.precision)
+        return self._chain(self.plain(x), first, second, u)
+
+    def _composed(self, x: sp.Expr, u: Jet, argument: sp.Expr, derivatives: _Derivatives) -> Jet:
+        first, second = (self.plain(d.xreplace({_U: argument})) for d in derivatives)
+        return self._chain(self.plain(x), first, second, u)
+
+    def _chain(self, value: Interval, first: Interval, second: Slope, u: Jet) -> Jet:
+        """h(u) by the chain rule: ∂ᵢ∂ⱼh = h″ uᵢuⱼ + h′ uᵢⱼ."""
+        mixed = self.plus(self.times(second, self.times(u[1], u[2])), self.times(first, u[3]))
+        return value, self.times(first, u[1]), self.times(first, u[2]), mixed
+
+    def _sum(self, a: Jet, b: Jet) -> Jet:
+        plus = self.plus
+        return libmp.mpi_add(a[0], b[0], self.precision), plus(a[1], b[1]), plus(a[2], b[2]), plus(a[3], b[3])
+
+    def _product(self, a: Jet, b: Jet) -> Jet:
+        plus, times = self.plus, self.times
+        mixed = plus(plus(times(a[3], b[0]), times(a[0], b[3])), plus(times(a[1], b[2]), times(a[2], b[1])))
+        first, second = (plus(times(a[k], b[0]), times(a[0], b[k])) for k in (1, 2))
+        return libmp.mpi_mul(a[0], b[0], self.precision), first, second, mixed
+
+    def _number(self, x: sp.Rational) -> Interval:
+        return rational(int(x.p), int(x.q), self.precision)
+
+    def plus(self, a: Slope, b: Slope) -> Slope:
+        """The sum."""
+        if a is None or b is None:
+            return b if a is None else a
+        return libmp.mpi_add(a, b, self.precision)
+
+    def times(self, a: Slope, b: Slope) -> Slope:
+        """The product."""
+        return None if a is None or b is None else libmp.mpi_mul(a, b, self.precision)
+
+    def over(self, a: Slope, b: Interval) -> Slope:
+        """The quotient."""
+        return None if a is None else libmp.mpi_mul(a, inverse(b, self.precision), self.precision)
+
+    def negative(self, a: Slope) -> Slope:
+        """The negative."""
+        return None if a is None else libmp.mpi_neg(a)
+
+
+_Derivatives: TypeAlias = tuple[sp.Expr, sp.Expr]
+_U = sp.Dummy("u", real=True)
+_KNOWN: tuple[Callable[[sp.Expr], sp.Expr], ...] = (
+    sp.sin, sp.cos, sp.tan, sp.sinh, sp.cosh, sp.tanh, sp.exp, sp.log, sp.atan, sp.asin, sp.acos, sp.asinh, sp.atanh,
+)  # fmt: skip
+_DERIVATIVES: dict[object, _Derivatives] = {h: (h(_U).diff(_U), h(_U).diff(_U, 2)) for h in _KNOWN}
