@@ -89,7 +89,7 @@ class Entry:
     """One system of the catalog.
 
     Attributes:
-        kind: ``separable``, ``refused``, ``outside`` (no T and V, so ``system`` is None), or ``unchecked`` where the
+        kind: ``separable``, ``extended``, ``refused``, ``outside`` (no T and V, so ``system`` is None), or ``unchecked`` where the
             file expects nothing.
         initial: the default motion, or None. motions: every motion by name, the default one included.
         expect: what is known about separability (catalog/README.md), as in the file.
@@ -122,7 +122,7 @@ def ids(kind: str | None = None) -> tuple[str, ...]:
     """List the catalog: the separable systems first, then the refused ones, then those that are no T and V.
 
     Args:
-        kind: ``separable``, ``refused``, ``outside`` or None for all.
+        kind: ``separable``, ``extended``, ``refused``, ``outside`` or None for all.
 
     Raises:
         CatalogError: another kind.
@@ -200,7 +200,7 @@ def describe(entry: str | Path) -> Entry:
     expect = table.get("expect", {})
     return Entry(
         id=table["id"], title=table["title"], summary=table.get("summary", ""), system=system,
-        kind=_kind(expect, outside), refusal=outside,
+        kind="extended" if table["id"] in ids("extended") else _kind(expect, outside), refusal=outside,
         constraints=refusals.constraints(table), stated=refusals.stated(table),
         initial=motions.get("default"), motions=motions, effects=_effects(table), expect=expect,
         references=tuple(_reference(r) for r in table.get("reference", [])),
