@@ -81,7 +81,7 @@ def admit(
     replaced: dict[sp.Basic, sp.Basic] = {}
     for count, node in enumerate(sp.preorder_traversal(expression)):
         if count > MAX_NODES:
-            raise _refused(source, f"the expression has more than {MAX_NODES} nodes", expression)
+            raise ExpressionError(f"{source}: the expression has more than {MAX_NODES} nodes", source=source)
         if isinstance(node, sp.Symbol):
             if node.name not in known:
                 raise _refused(source, instead_of_word(node.name, names, velocities, FUNCTIONS), expression)
@@ -168,7 +168,7 @@ def number(value: object, *, source: str) -> sp.Expr:
 def _shown(value: object) -> str:
     if isinstance(value, (bool, int, float, complex, Decimal)):
         return f"{type(value).__name__} {str(value)[:40]}"
-    return f"{type(value).__name__} {printable(repr(value))[:40]}"
+    return f"{type(value).__name__}"
 
 
 def _constant(expression: sp.Expr, source: str) -> sp.Expr:

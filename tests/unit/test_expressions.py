@@ -1,0 +1,409 @@
+"""Formulas and numbers: what is accepted means what Python means, what is refused says where and what to write."""
+
+from __future__ import annotations
+
+import re
+import time
+from decimal import Decimal
+from fractions import Fraction
+
+import mpmath
+import pytest
+import sympy as sp
+from hypothesis import given
+from hypothesis import strategies as st
+
+from hjsolve.errors import ExpressionError
+from hjsolve.expressions import admit, number, parse
+
+x, y, r, m, k, g, theta = sp.symbols("x y r m k g theta", real=True)
+NAMES = {symbol.name: symbol for symbol in (x, y, r, m, k, g, theta)}
+VELOCITIES = {name: sp.Symbol(f"dot({name})", real=True) for name in ("x", "r", "theta")}
+
+
+def read(text: str) -> sp.Expr:
+    return parse(text, NAMES, velocities=VELOCITIES, source="potential")
+
+
+def refusal(text: str) -> str:
+    with pytest.raises(ExpressionError) as caught:
+        read(text)
+    return str(caught.value)
+
+
+@pytest.mark.parametrize(
+    ("text", "expected"),
+    [
+        ("m/2*(dot(r)**2 + r**2*dot(theta)**2)", m / 2 * (VELOCITIES["r"] ** 2 + r**2 * VELOCITIES["theta"] ** 2)),
+        ("-k/r", -k / r),
+        ("-x**2", -(x**2)),
+        ("(-x)**2", x**2),
+        ("2**-x", 2**-x),
+        ("x**2**3", x**8),
+        ("x/y/2*k", x * k / (2 * y)),
+        ("x - y - k", x - y - k),
+        ("--x", x),
+        ("+x*-y", -x * y),
+        ("0.1*x", x / 10),
+        ("1.5e-3*x + .5 + 2.", 3 * x / 2000 + sp.Rational(5, 2)),
+        ("pi*x", sp.pi * x),
+        ("sin(x)**2 + cos(x)*tan(x)", sp.sin(x) ** 2 + sp.cos(x) * sp.tan(x)),
+        ("cot(x) + sec(x) + csc(x)", sp.cos(x) / sp.sin(x) + 1 / sp.cos(x) + 1 / sp.sin(x)),
+        ("coth(x) + sech(x) + csch(x)", sp.cosh(x) / sp.sinh(x) + 1 / sp.cosh(x) + 1 / sp.sinh(x)),
+        ("exp(-x**2)*log(1 + x**2)", sp.exp(-(x**2)) * sp.log(1 + x**2)),
+        ("sqrt(x**2 + y**2)", sp.sqrt(x**2 + y**2)),
+        ("cbrt(-8) + cbrt(27)", sp.Integer(1)),
+        ("asinh(x) + atan(y/x) + acosh(2)", sp.asinh(x) + sp.atan(y / x) + sp.acosh(2)),
+        ("\n m*g \n * x \t", m * g * x),
+    ],
+)
+def test_a_formula_means_what_it_says(text, expected):
+    assert read(text) == expected
+
+
+def test_a_sign_stays_in_front_of_a_product():
+    assert str(read("-(m + k)*g*x")) == "-g*x*(k + m)"
+
+
+@given(st.lists(st.tuples(st.integers(0, 99), st.sampled_from(["+", "-", "*", "/", "**-", "*(", ")-"])), max_size=12))
+def test_precedence_and_values_are_those_of_python(pieces):
+    text = ""
+    for value, operator in pieces:
+        text += str(value) if operator != "**-" else "3"
+        text += "**-2*" if operator == "**-" else operator
+    text += "7"
+    text = "(" * max(0, text.count(")") - text.count("(")) + text + ")" * max(0, text.count("(") - text.count(")"))
+    try:
+        expected = eval(re.sub(r"[0-9]+", r"Fraction(\g<0>)", text))
+    except (ZeroDivisionError, SyntaxError, TypeError):
+        with pytest.raises(ExpressionError):
+            read(text)
+        return
+    assert read(text) == sp.Rational(expected.numerator, expected.denominator)
+
+
+HINTS = {
+    "m/2*r^2": (6, "write ** for a power"),
+    "2x": (2, "write 2*x"),
+    "m r": (3, "write m*r"),
+    "2(x)": (2, "write 2*(...)"),
+    "(x)(y)": (4, "write (...)*(...)"),
+    "sin x": (1, "write sin(x)"),
+    "sin**2(x)": (1, "write sin(x)**2"),
+    "sinx": (1, "write sin(x)"),
+    "mgx": (1, "write m*g*x"),
+    "theta'": (6, "write dot(theta)"),
+    "rdot**2": (1, "write dot(r)"),
+    "r_dot": (1, "write dot(r)"),
+    "dot(k)": (5, "not a coordinate"),
+    "dot(r**2)": (1, "dot(q)"),
+    "dot": (1, "write dot(q)"),
+    "thet": (1, "did you mean theta?"),
+    "Sin(x)": (1, "did you mean sin?"),
+    "arctan(x)": (1, "write atan"),
+    "ln(x)": (1, "write log"),
+    "atan2(y, x)": (1, "write atan(y/x)"),
+    "abs(x)": (1, "no derivative at zero"),
+    "sqrt(x**2)": (1, "absolute value"),
+    "k*t": (3, "explicit time"),
+    "e**x": (1, "exp(x)"),
+    "i*x": (1, "no imaginary unit"),
+    "x = 2": (3, "no equals sign"),
+    "x <= 2": (3, "domain"),
+    "|x|": (1, "derivative at zero"),
+    "x,5": (2, "decimal comma"),
+    "sin(x, y)": (6, "one argument"),
+    "sin()": (1, "needs an argument"),
+    "r(x)": (1, "write r*(...)"),
+    "[x]": (1, "round brackets"),
+    "\\theta": (1, "backslash"),
+    "2*π": (3, "write pi"),
+    "θ**2": (1, "write theta"),
+    "λ": (1, "write lam"),
+    "Ω": (1, "write Omega"),
+    "x²": (2, "write **2"),
+    "½*x": (1, "write 1/2"),
+    "x−y": (2, "ASCII minus"),
+    "x·y": (2, "write *"),
+    "√x": (1, "write sqrt"),
+    "ẋ**2": (1, "write dot(x)"),
+    "r̈": (2, "write dot(r)"),
+    "x₁": (2, "x1"),
+    "x +": (4, "ends too early"),
+    "(x": (1, "never closed"),
+    "x)": (2, "never opened"),
+    "x + * y": (5, "is missing"),
+    "()": (2, "is missing"),
+    "1 2": (3, "two numbers"),
+    "x//y": (3, "is missing"),
+    "x.y": (2, "write *"),
+    "\x00": (1, "plain ASCII"),
+}
+
+
+@pytest.mark.parametrize("text", HINTS)
+def test_an_error_names_the_input_the_place_and_what_to_write(text):
+    column, hint = HINTS[text]
+    with pytest.raises(ExpressionError) as caught:
+        read(text)
+    message = str(caught.value)
+    assert message.startswith(f"potential, column {column}: ")
+    assert hint in message
+    assert "\n" not in message
+    assert (caught.value.source, caught.value.position) == ("potential", column - 1)
+
+
+def test_the_place_in_a_text_of_several_lines_is_a_line_and_a_column():
+    assert refusal("x +\n  y^2").startswith("potential, line 2, column 4: ")
+
+
+def test_an_undeclared_name_lists_what_is_declared():
+    assert "declared are g, k, m, r, theta, x, y" in refusal("q_17")
+
+
+def test_a_declared_name_wins_over_a_hint():
+    names = {name: sp.Symbol(name) for name in ("E", "I", "e", "i", "ln")}
+    assert parse("E*I*e*i*ln", names, source="V") == sp.Mul(*names.values())
+
+
+def test_a_velocity_is_refused_where_none_may_stand():
+    with pytest.raises(ExpressionError, match="domain of r, column 5: a velocity cannot stand here"):
+        parse("2 + dot(r)", NAMES, source="domain of r")
+
+
+NOT_REAL_OR_NOT_FINITE = ["1/0", "x/0", "x/(y - y)", "0**-1", "0**x", "log(0)", "log(-2)", "log(-x**2)", "sqrt(-1)"]
+NOT_REAL_OR_NOT_FINITE += [
+    "(-8)**(1/3)",
+    "(-2)**x",
+    "asin(2)",
+    "acosh(0)",
+    "atanh(1)",
+    "tan(pi/2)",
+    "cot(0)",
+    "csc(pi)",
+]
+NOT_REAL_OR_NOT_FINITE += ["sqrt(-x**2)", "1/((1 + sqrt(2))**2 - 3 - 2*sqrt(2))", "1/(sqrt(2)*sqrt(3) - sqrt(6))"]
+
+
+@pytest.mark.parametrize("text", NOT_REAL_OR_NOT_FINITE)
+def test_what_is_not_real_or_not_finite_is_refused(text):
+    assert re.search("real|finite|zero", refusal(text))
+
+
+HOSTILE = {
+    "9**9**9": "beyond",
+    "2**(10**6)": "beyond",
+    "1e999999999": "beyond",
+    "1e-99999999999999999999": "beyond",
+    "1" * 5000: "digits",
+    "(" * 100_000: "characters",
+    "(" * 4000 + "x" + ")" * 4000: "nest",
+    "x**" * 2000 + "x": "nest",
+    "sin(" * 1000 + "x" + ")" * 1000: "nest",
+    "x" * 1_000_000: "characters",
+    "x+" * 500_000 + "x": "characters",
+    "(x+y)**100000": "exponents",
+    "((x*y)**100)**100": "exponents",
+    "((x+y)**100)**100": "terms",
+    "(x+y+r+k)**60": "terms",
+    "*".join(["(x+y+1)**10"] * 30): "terms",
+    "exp(10**6*log(x))": "exponents",
+    "exp((x+10**19)*log(3))": "exponents",
+    "3**(x+10**19)": "exponents",
+    "sqrt(3)**(10**19)": "exponents",
+    "(1e-300*x)**100": "beyond",
+    "exp(exp(exp(100)))": "large",
+    "coth(cosh(1e3))": "large",
+    "asin(cos(1e300))": "large",
+    "sin(atan((1e-300)**2))": "100 digits",
+    "sqrt(10**200+1)": "100 digits",
+    "2**1e-300": "12 decimals",
+    "sinh(acosh(r**50))": "inside a function",
+    "sin(cos(tan(exp(x))))": "nest",
+    "log(x)**50": "exponents",
+    "__import__('os').system('true')": "",
+    "(lambda: 1)()": "",
+    "x.__class__": "",
+}
+
+
+@pytest.mark.parametrize("text", HOSTILE, ids=lambda text: text[:24])
+def test_a_hostile_text_ends_in_one_error_within_a_second(text):
+    start = time.perf_counter()
+    message = refusal(text)
+    assert time.perf_counter() - start < 1
+    assert HOSTILE[text] in message
+    assert len(message) < 250
+
+
+def test_a_long_formula_is_read_within_a_second():
+    start = time.perf_counter()
+    read("+".join(f"{i}*x**2*sin(y)**{i % 7}" for i in range(400)))
+    assert time.perf_counter() - start < 1
+
+
+@given(st.text(max_size=60))
+def test_arbitrary_text_is_a_formula_or_an_expression_error(text):
+    try:
+        assert isinstance(read(text), sp.Expr)
+    except ExpressionError as error:
+        assert "\n" not in str(error)
+
+
+PIECES = [
+    "x",
+    "r",
+    "m",
+    "dot(x)",
+    "pi",
+    "0",
+    "1",
+    "2",
+    "-3",
+    "0.5",
+    "1e300",
+    "99",
+    "sin",
+    "log",
+    "sqrt",
+    "acosh",
+    "tan",
+]
+PIECES += list("()()()+-*/^,. '") + ["**"]
+
+
+@given(st.lists(st.sampled_from(PIECES), max_size=25))
+def test_scrambled_formulas_are_formulas_or_expression_errors(pieces):
+    start = time.perf_counter()
+    try:
+        expression = read("".join(pieces))
+        assert not expression.has(sp.nan, sp.oo, sp.zoo, sp.I)
+    except ExpressionError as error:
+        assert "\n" not in str(error)
+    assert time.perf_counter() - start < 2
+
+
+def test_reading_leaves_the_precision_of_mpmath_alone():
+    before = mpmath.mp.prec
+    read("sqrt(2)*sin(1)")
+    assert mpmath.mp.prec == before
+
+
+EXACT = [
+    (3, sp.Integer(3)),
+    (-0.5, sp.Rational(-1, 2)),
+    (0.1, sp.Rational(3602879701896397, 2**55)),
+    (5e-324, sp.Rational(1, 2**1074)),
+    ("0.1", sp.Rational(1, 10)),
+    ("-1/24", sp.Rational(-1, 24)),
+    ("+1.5e-3", sp.Rational(3, 2000)),
+    ("pi/3", sp.pi / 3),
+    (" sqrt(2) ", sp.sqrt(2)),
+    (Fraction(2, 7), sp.Rational(2, 7)),
+    (Decimal("0.1"), sp.Rational(1, 10)),
+    (Decimal("-3e2"), sp.Integer(-300)),
+    (mpmath.mpf("0.75"), sp.Rational(3, 4)),
+    (mpmath.mpf(-6), sp.Integer(-6)),
+    (mpmath.mpf(0), sp.Integer(0)),
+    (sp.Rational(1, 3), sp.Rational(1, 3)),
+    (sp.Float(0.1), sp.Rational(3602879701896397, 2**55)),
+    (2 * sp.pi, 2 * sp.pi),
+]
+
+
+@pytest.mark.parametrize(("value", "expected"), EXACT, ids=lambda value: str(value)[:20])
+def test_a_number_is_exact(value, expected):
+    result = number(value, source="k")
+    assert result == expected
+    assert not result.has(sp.Float)
+
+
+@given(st.floats(allow_nan=False, allow_infinity=False))
+def test_a_float_is_the_binary_number_it_is(value):
+    assert Fraction(*map(int, number(value, source="k").as_numer_denom())) == Fraction(value)
+
+
+def test_numpy_scalars_are_numbers():
+    numpy = pytest.importorskip("numpy")
+    assert number(numpy.float64(0.1), source="k") == number(0.1, source="k")
+    assert number(numpy.float32(0.1), source="k") == sp.Rational(13421773, 2**27)
+    assert number(numpy.int64(-7), source="k") == -7
+    assert number(numpy.array(1.5), source="k") == sp.Rational(3, 2)
+    assert number(numpy.longdouble(1) / 4, source="k") == sp.Rational(1, 4)
+    for value in (numpy.bool_(True), numpy.complex128(1), numpy.array([1.0]), numpy.float64("nan")):
+        with pytest.raises(ExpressionError):
+            number(value, source="k")
+
+
+REFUSED = [
+    True,
+    None,
+    [1],
+    [10**5000],
+    b"1",
+    1j,
+    float("nan"),
+    float("inf"),
+    Decimal("nan"),
+    Decimal("inf"),
+    mpmath.mpf("inf"),
+]
+REFUSED += [mpmath.mpf("nan"), mpmath.mpc(1), Decimal("1e999999999"), mpmath.mpf(2) ** 10**9, 10**5000, "", "x", "nan"]
+REFUSED += [
+    "inf",
+    10**5000,
+    "1e9999",
+    "2 m",
+    "sqrt(-1)",
+    sp.oo,
+    sp.nan,
+    sp.I,
+    sp.zoo,
+    sp.asin(2),
+    sp.Symbol("x"),
+    sp.true,
+]
+
+
+@pytest.mark.parametrize("value", REFUSED, ids=lambda value: type(value).__name__)
+def test_what_is_not_one_finite_real_number_is_refused(value):
+    start = time.perf_counter()
+    with pytest.raises(ExpressionError, match="initial r"):
+        number(value, source="initial r")
+    assert time.perf_counter() - start < 1
+
+
+def test_sympy_expressions_are_taken_over_by_the_names_of_their_symbols():
+    given = sp.Symbol("m", positive=True) / 2 * sp.Symbol("dot(r)") ** 2 + 0.5 * sp.cot(sp.Symbol("theta"))
+    expected = m / 2 * VELOCITIES["r"] ** 2 + sp.cos(theta) / sp.sin(theta) / 2
+    assert admit(given, NAMES, velocities=VELOCITIES, source="kinetic") == expected
+
+
+t = sp.Symbol("t")
+FOREIGN = [
+    (sp.Symbol("q_17"), "'q_17' is not declared"),
+    (sp.Symbol("rdot"), "write dot(r)"),
+    (sp.Function("r")(t).diff(t), "write a velocity as Symbol('dot(q)')"),
+    (sp.Function("r")(t), "write the symbol r"),
+    (sp.Abs(x), "Abs is not accepted"),
+    (sp.Piecewise((x, x > 0), (0, True)), "Piecewise is not accepted"),
+    (sp.Integral(x, x), "Integral is not accepted"),
+    (sp.I * x, "not accepted"),
+    (sp.sqrt(-(sp.Symbol("r") ** 2) - sp.Symbol("r") ** 2), "not real"),
+    (sp.sqrt(sp.Symbol("r") ** 2), "absolute values"),
+    (sp.Symbol("dot(k)"), "not declared"),
+    (sp.Add(*(sp.Symbol("x") ** i * sp.Symbol("y") ** -i for i in range(3000))), "20000 nodes"),
+]
+
+
+@pytest.mark.parametrize(("expression", "message"), FOREIGN, ids=lambda value: str(type(value).__name__))
+def test_a_sympy_expression_with_anything_else_is_refused(expression, message):
+    with pytest.raises(ExpressionError, match=re.escape(message)) as caught:
+        admit(expression, NAMES, velocities=VELOCITIES, source="kinetic")
+    assert str(caught.value).startswith("kinetic: ")
+    assert len(str(caught.value)) < 300
+
+
+def test_what_is_not_a_text_is_refused():
+    with pytest.raises(ExpressionError, match="V: expected a text, got int"):
+        parse(3, NAMES, source="V")
