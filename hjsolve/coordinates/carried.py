@@ -73,6 +73,9 @@ class Carrier:
         base = short(base)
         if exponent.is_Integer:
             return base**exponent
+        numerator, denominator = sp.fraction(sp.together(base))
+        if denominator.free_symbols:
+            return self._power(numerator, exponent) / self._power(denominator, exponent)
         coefficient, factors = sp.factor_list(base) if base.is_Add or base.is_Mul or base.is_Pow else (base, [])
         inside, outside = coefficient, sp.S.One
         for factor, count in factors:

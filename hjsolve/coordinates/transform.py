@@ -59,7 +59,8 @@ def web_of(geometry: Geometry, cartesian: Cartesian, *, budget: float) -> Web:
         {p.name: p for p in cartesian.system.parameters},
         title=f"{cartesian.system.title or 'system'} in {geometry.kind} coordinates",
     )
-    placed = [c.xreplace(dict(zip(L, local.place, strict=True))) for c in moved]
+    own = {s: transformed.symbols[s.name] for s in local.symbols}
+    placed = [c.xreplace(dict(zip(L, local.place, strict=True))).xreplace(own) for c in moved]
     old = cartesian.stretch * sp.Matrix(placed)
     transformation = {q.name: sp.expand(entry) for q, entry in zip(cartesian.system.coordinates, old, strict=True)}
     return Web(
