@@ -1,6 +1,6 @@
 """The book's results as functions: each returns its relative error (0 for an exact identity), or fails.
 
-``@result("C39", "P2-9")`` registers one; its first docstring line says what the book prints. The tests of the chapters
+``@result("C39", "P2-9")`` registers one; its docstring says what the book prints. The tests of the chapters
 run them, and ``book_table`` writes docs/book.md from the same run.
 """
 
@@ -44,7 +44,7 @@ def result(row: str, place: str, tolerance: float = 1e-12) -> Callable[[Callable
     """Register a check of the module it stands in."""
 
     def register(function: Callable[[], Any]) -> Callable[[], Any]:
-        statement = (function.__doc__ or "").strip().splitlines()[0].rstrip(".")
+        statement = " ".join((function.__doc__ or "").split("\n\n")[0].split()).rstrip(".")
         place_of = RESULTS.setdefault(function.__module__, [])
         place_of.append(Result(row, place, statement, function, tolerance))
         return function
@@ -153,7 +153,9 @@ def on_shell(equations: Iterable[sp.Expr], motion_of: Mapping[str, sp.Expr]) -> 
 
 def plain(expression: sp.Expr) -> sp.Expr:
     """An expression of hjsolve with its symbols made plain, to be compared with a formula of the book."""
-    return expression.xreplace({s: sp.Symbol(s.name.replace("dot(", "").replace(")", "_d")) for s in expression.free_symbols})
+    return expression.xreplace(
+        {s: sp.Symbol(s.name.replace("dot(", "").replace(")", "_d")) for s in expression.free_symbols}
+    )
 
 
 def H_of(system: System | str) -> sp.Expr:

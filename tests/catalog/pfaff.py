@@ -10,7 +10,18 @@ import sympy as sp
 
 def names_of(text: str) -> set[str]:
     """Every name in a formula."""
-    return set(re.findall(r"[A-Za-z_]\w*", text)) - {"dot", "sin", "cos", "tan", "sqrt", "log", "exp", "atan", "abs", "pi"}
+    return set(re.findall(r"[A-Za-z_]\w*", text)) - {
+        "dot",
+        "sin",
+        "cos",
+        "tan",
+        "sqrt",
+        "log",
+        "exp",
+        "atan",
+        "abs",
+        "pi",
+    }
 
 
 def formula(text: str, coordinates: Sequence[str] = ()) -> sp.Expr:

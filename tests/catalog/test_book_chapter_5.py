@@ -6,7 +6,20 @@ from mpmath import mp
 
 from hjsolve import catalog
 from hjsolve.separation import separate
-from tests.catalog.book import RESULTS, H_of, Result, exact, formula, mechanics, motion, off, plain, result, solution, start
+from tests.catalog.book import (
+    RESULTS,
+    H_of,
+    Result,
+    exact,
+    formula,
+    mechanics,
+    motion,
+    off,
+    plain,
+    result,
+    solution,
+    start,
+)
 
 S = sp.Symbol
 
@@ -18,7 +31,9 @@ def rolling_disk():
     slope, E, time = mp.sin(mp.mpf("0.3")), mp.mpf(float(run.constants["E"].value)), mp.mpf(3)
     θ = mp.mpf("0.4") * time + slope * time**2 / 3
     law = mp.sqrt(3) / slope * (mp.sqrt(E + θ * slope) - mp.sqrt(E))
-    return max(off(run.at(3).q["theta"], θ), off(float(run.time_at("theta", mp.nstr(θ, 30)).value), law), off(float(law), time))
+    return max(
+        off(run.at(3).q["theta"], θ), off(float(run.time_at("theta", mp.nstr(θ, 30)).value), law), off(float(law), time)
+    )
 
 
 OSCILLATOR = {"q": {"r": "1.2", "theta": 0}, "velocity": {"r": 0, "theta": "0.6"}}
@@ -29,7 +44,10 @@ def oscillator_distance():
     """r(t) = sqrt(E/k + sqrt(E^2 - k*L^2/m)*cos(2*sqrt(k/m)*t)/k), starting at r_max."""
     run = start("isotropic-oscillator-polar", **OSCILLATOR, m=1, k=1)
     E, L = (mp.mpf(float(run.constants[n].value)) for n in ("E", "p_theta"))
-    return max(off(run.at(str(t)).q["r"], mp.sqrt(E + mp.sqrt(E**2 - L**2) * mp.cos(2 * mp.mpf(str(t))))) for t in ("0.4", "1.3", "5.1"))
+    return max(
+        off(run.at(str(t)).q["r"], mp.sqrt(E + mp.sqrt(E**2 - L**2) * mp.cos(2 * mp.mpf(str(t)))))
+        for t in ("0.4", "1.3", "5.1")
+    )
 
 
 @result("C76", "P5-5, r(theta)")
@@ -53,8 +71,10 @@ def oscillator_quadratures():
     a, b = run.at("0.3"), run.at("0.9")
     u, v = (mp.mpf(float(s.q["r"])) ** 2 for s in (a, b))
     root = lambda x: mp.sqrt(-(L**2) + 2 * E * x - x**2)  # noqa: E731
-    return max(off(0.6, mp.quad(lambda x: -1 / (2 * root(x)), [u, v])),
-               off(float(b.q["theta"]) - float(a.q["theta"]), mp.quad(lambda x: -L / (2 * x * root(x)), [u, v])))
+    return max(
+        off(0.6, mp.quad(lambda x: -1 / (2 * root(x)), [u, v])),
+        off(float(b.q["theta"]) - float(a.q["theta"]), mp.quad(lambda x: -L / (2 * x * root(x)), [u, v])),
+    )
 
 
 @result("C77", "P5-6", 1e-11)
@@ -79,11 +99,16 @@ def hyperbola():
 
 @result("C78", "P5-8")
 def spherical_quadratures():
-    """W1' = sqrt(2mE - 2a/r^2 - 2v1), W2' = sqrt(2a - 2b/sin^2 - 2v2), W3' = sqrt(2b - 2v3), up to naming the constants."""
+    """W1' = sqrt(2mE - 2a/r^2 - 2v1), W2' = sqrt(2a - 2b/sin^2 - 2v2), W3' = sqrt(2b - 2v3), up to naming the
+    constants."""
     found = solution("spherical-staeckel")
     F = {n: plain(x) for n, x in found.momentum_squared.items()}
     a, b = (plain(found.constants[n].symbol) for n in ("alpha_2", "alpha_3"))
-    book = {"r": "2*m*E - 2*A/r**2 + 2*m*k/r", "theta": "2*A - 2*B/sin(theta)**2 - 2*m*b*cos(theta)", "phi": "2*B - 2*m*c*(1 - cos(phi))"}
+    book = {
+        "r": "2*m*E - 2*A/r**2 + 2*m*k/r",
+        "theta": "2*A - 2*B/sin(theta)**2 - 2*m*b*cos(theta)",
+        "phi": "2*B - 2*m*c*(1 - cos(phi))",
+    }
     A = sp.solve(F["r"] - formula(book["r"]), S("A"))[0]
     B = sp.solve(F["phi"] - formula(book["phi"]), S("B"))[0]
     assert (A.free_symbols | B.free_symbols) & {a, b}
@@ -96,26 +121,36 @@ def spherical_matrix():
     found = solution("spherical-staeckel")
     stackel = found.separation.stackel
     constants = [c.symbol for c in found.constants.values()]
-    return exact(*(
-        found.momentum_squared[name].diff(α) / 2 - stackel.matrix[i, j]
-        for i, name in enumerate(stackel.coordinates) for j, α in enumerate(constants)))
+    return exact(
+        *(
+            found.momentum_squared[name].diff(α) / 2 - stackel.matrix[i, j]
+            for i, name in enumerate(stackel.coordinates)
+            for j, α in enumerate(constants)
+        )
+    )
 
 
 @result("C79", "Ex 5-3, (5-167)-(5-169)")
 def kepler_staeckel():
-    """c = (1, 1/r^2, 1/(r^2*sin^2)), Phi of (5-168) with nonlinear constants: c*Phi = (1, 0, 0), |Phi| = a_theta*a_phi."""
+    """c = (1, 1/r^2, 1/(r^2*sin^2)), Phi of (5-168) with nonlinear constants: c*Phi = (1, 0, 0), |Phi| =
+    a_theta*a_phi."""
     c = sp.Matrix([[formula(x) for x in ("1", "1/r**2", "1/(r**2*sin(theta)**2)")]])
     rows = [["1", "-at/r**2", "0"], ["0", "at", "-ap/sin(theta)**2"], ["0", "0", "ap"]]
     matrix = sp.Matrix([[formula(x) for x in row] for row in rows])
     own = separate(catalog.load("kepler-spherical")).stackel
     ours = sp.Matrix([plain(x) for x in own.inverse_metric]).T.subs(S("m"), 1)
-    return exact(c * matrix - sp.Matrix([[1, 0, 0]]), matrix.det() - S("at") * S("ap"), ours - c,
-                 (c * sp.Matrix([formula("-mu/r"), 0, 0]))[0] - formula("-mu/r"))
+    return exact(
+        c * matrix - sp.Matrix([[1, 0, 0]]),
+        matrix.det() - S("at") * S("ap"),
+        ours - c,
+        (c * sp.Matrix([formula("-mu/r"), 0, 0]))[0] - formula("-mu/r"),
+    )
 
 
 @result("C79", "Ex 5-3, (5-175)-(5-180)")
 def kepler_reduced():
-    """n = 2: Liouville after ignoring phi with f_r = r^2, R_r = r^2, R_theta = 1, v_r = -mu*r, v_theta = a_phi^2/(2*sin^2)."""
+    """n = 2: Liouville after ignoring phi with f_r = r^2, R_r = r^2, R_theta = 1, v_r = -mu*r, v_theta =
+    a_phi^2/(2*sin^2)."""
     f, v = formula("r**2"), formula("-mu*r + p_phi**2/(2*sin(theta)**2)")
     H = H_of("kepler-spherical").subs({S("m"): 1, S("k"): S("mu")})
     book = (S("r") ** 2 * S("p_r") ** 2 + S("p_theta") ** 2) / (2 * f) + v / f
@@ -148,7 +183,8 @@ def liouville_is_staeckel():
 
 @result("C77", "P5-11")
 def staeckel_is_liouville_for_two():
-    """R1 = 1/Phi12, R2 = -1/Phi22, f1 = Phi11/Phi12, f2 = -Phi21/Phi22, v1 = psi1/Phi12, v2 = -psi2/Phi22 give H again."""
+    """R1 = 1/Phi12, R2 = -1/Phi22, f1 = Phi11/Phi12, f2 = -Phi21/Phi22, v1 = psi1/Phi12, v2 = -psi2/Phi22 give
+    H again."""
     stackel = separate(catalog.load("liouville-p5-6")).stackel
     Φ, ψ = stackel.matrix.applyfunc(plain), [plain(x) for x in stackel.column]
     R, f = (1 / Φ[0, 1], -1 / Φ[1, 1]), (Φ[0, 0] / Φ[0, 1], -Φ[1, 0] / Φ[1, 1])

@@ -11,7 +11,7 @@ from tests.reference.quadratures import one_at_a_time, staeckel
 
 THOROUGH = frozenset(FORMS)
 """Entries with closed forms; they also get states at more times."""
-COUPLED = frozenset({"liouville-three", "free-particle-spherical"})
+COUPLED = frozenset({"liouville-three", "free-particle-spherical", "two-centres-plane", "stark"})
 """Several essential coordinates that share the separation constants."""
 
 Form = Callable[[Mapping[str, mpf], Mapping[str, mpf], Mapping[str, mpf]], Values]

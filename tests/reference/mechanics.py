@@ -47,7 +47,10 @@ def hamiltonian(entry: str) -> sympy.Expr:
     v, p = (sympy.Matrix([sympy.Symbol(prefix + n) for n in names]) for prefix in ("v_", "p_"))
     rest = dict.fromkeys(v, sympy.Integer(0))
     mass, linear = sympy.hessian(kinetic, list(v)), sympy.Matrix([kinetic.diff(x).subs(rest) for x in v])
-    shifted, inverse = p - linear, mass.inv().applyfunc(lambda x: sympy.factor(sympy.trigsimp(x)) if len(names) > 1 else x)
+    shifted, inverse = (
+        p - linear,
+        mass.inv().applyfunc(lambda x: sympy.factor(sympy.trigsimp(x)) if len(names) > 1 else x),
+    )
     return (shifted.T * inverse * shifted)[0] / 2 - kinetic.subs(rest) + potential
 
 

@@ -12,6 +12,7 @@ from typing import Any
 
 import sympy
 from mpmath import mp, mpf
+from sympy.core.cache import clear_cache
 
 from tests.reference.mechanics import hamiltonian, symbolic, table
 
@@ -52,10 +53,15 @@ class Course:
             if abs(there - self.start) > 1000:
                 return None
             if self.square(there) < 0:
-                return mp.findroot(self.square, (last, there), solver="anderson", tol=mp.mpf(10) ** (-2 * mp.dps + 20),
-                                   maxsteps=400)
+                return mp.findroot(
+                    self.square, (last, there), solver="anderson", tol=mp.mpf(10) ** (-2 * mp.dps + 20), maxsteps=400
+                )
             last, step = there, min(step * mp.mpf("1.2"), mp.mpf("0.2") + abs(last - self.start) / 4)
         return None
+
+    def root(self, x: mpf) -> mpf:
+        """√ of the square; at a node that rounds onto the turning point itself the size of the rounding instead."""
+        return mp.sqrt(abs(self.square(x)) or mp.eps)
 
     def mean(self, integrand: Callable[[mpf], mpf]) -> mpf:
         """(1/2π) ∮: there and back for a libration, one turn for a rotation."""
@@ -66,11 +72,17 @@ class Course:
 
 
 def doubled(form: Callable[[Numbers, Numbers, Numbers], Values]) -> Callable[[Numbers, Numbers, Numbers], Values]:
-    """Work with twice the digits: near a root half of them are lost."""
+    """Work with twice the digits: near a root half of them are lost.
+
+    sympy's cache takes cos(Float(3, 20 digits)) for cos(Float(3, 100 digits)), so it is emptied at each change.
+    """
 
     def careful(par: Numbers, q: Numbers, p: Numbers) -> Values:
+        clear_cache()
         with mp.workdps(2 * mp.dps + 10):
-            return form(par, q, p)
+            values = form(par, q, p)
+        clear_cache()
+        return values
 
     return careful
 
@@ -160,14 +172,21 @@ class _Cycle:
         twice_E = self._function(2 * A)
         speed = mp.mpf(sympy.N(H.diff(self.p).xreplace(fixed | state), mp.dps))
         par = {s.name: v for s, v in fixed.items()}
-        self.course = Course(name, kind, state[self.q], state[self.p], speed, lambda x: square(x) + E * twice_E(x),
-                             _ends(entry, name, par))
+        self.course = Course(
+            name,
+            kind,
+            state[self.q],
+            state[self.p],
+            speed,
+            lambda x: square(x) + E * twice_E(x),
+            _ends(entry, name, par),
+        )
 
     def _function(self, formula: sympy.Expr, *more: sympy.Symbol) -> Callable[..., mpf]:
         return sympy.lambdify([self.q, *more], formula.xreplace(self.rest), "mpmath", cse=True)
 
     def _root(self, x: mpf) -> mpf:
-        return mp.sqrt(abs(self.course.square(x)))
+        return self.course.root(x)
 
     def action(self) -> mpf:
         """(1/2π) ∮ p dq."""
@@ -206,8 +225,10 @@ def staeckel(entry: str) -> Callable[[Numbers, Numbers, Numbers], Values]:
         Φ0 = mp.matrix([[mp.mpf(sympy.N(x.xreplace(at), mp.dps)) for x in row] for row in matrix])
         ψ0 = mp.matrix([mp.mpf(sympy.N(x.xreplace(at), mp.dps)) for x in column])
         α = mp.lu_solve(Φ0, mp.matrix([ψ0[i] + p[x] ** 2 / 2 for i, x in enumerate(names)]))
-        rows = [[sympy.lambdify(sympy.Symbol(x), y.xreplace(fixed), "mpmath", cse=True) for y in (*matrix[i], column[i])]
-                for i, x in enumerate(names)]
+        rows = [
+            [sympy.lambdify(sympy.Symbol(x), y.xreplace(fixed), "mpmath", cse=True) for y in (*matrix[i], column[i])]
+            for i, x in enumerate(names)
+        ]
 
         def square(i: int) -> Callable[[mpf], mpf]:
             return lambda x: 2 * (mp.fsum(rows[i][j](x) * α[j] for j in range(n)) - rows[i][n](x))
@@ -217,10 +238,17 @@ def staeckel(entry: str) -> Callable[[Numbers, Numbers, Numbers], Values]:
         for i, c in enumerate(courses):
             if c.kind in _BOUNDED:
                 sign = 1 if c.kind == "libration" else mp.sign(c.momentum)
-                values[f"action.{c.name}"] = (sign * c.mean(lambda x, i=i: mp.sqrt(abs(courses[i].square(x)))), HOW)
+                values[f"action.{c.name}"] = (sign * c.mean(lambda x, i=i: courses[i].root(x)), HOW)
         if set(kinds.values()) <= _BOUNDED:
-            M = mp.matrix([[c.mean(lambda x, i=i, j=j: rows[i][j](x) / mp.sqrt(abs(courses[i].square(x))))
-                            for j in range(n)] for i, c in enumerate(courses)]) ** -1
+            M = (
+                mp.matrix(
+                    [
+                        [c.mean(lambda x, i=i, j=j: rows[i][j](x) / courses[i].root(x)) for j in range(n)]
+                        for i, c in enumerate(courses)
+                    ]
+                )
+                ** -1
+            )
             for i, c in enumerate(courses):
                 values |= _cycle(c.name, M[0, i] * (1 if c.kind == "libration" else mp.sign(c.momentum)))
         return values
@@ -232,9 +260,14 @@ def _matrix(entry: str) -> tuple[list[list[sympy.Expr]], list[sympy.Expr]]:
     expect = table(entry)["expect"]
     if "staeckel" in expect:
         book = expect["staeckel"]
-        return [[symbolic(entry, x) for x in row] for row in book["matrix"]], [symbolic(entry, x) for x in book["column"]]
+        return [[symbolic(entry, x) for x in row] for row in book["matrix"]], [
+            symbolic(entry, x) for x in book["column"]
+        ]
     names = [c["name"] for c in table(entry)["coordinates"]]
     f, R, v = ([symbolic(entry, expect["liouville"][part][n]) for n in names] for part in ("f", "R", "v"))
     last = len(names) - 1
-    rows = [[f[i] / R[i], *((sympy.Integer(-1 if i == last else i == j) / R[i]) for j in range(last))] for i in range(last + 1)]
+    rows = [
+        [f[i] / R[i], *((sympy.Integer(-1 if i == last else i == j) / R[i]) for j in range(last))]
+        for i in range(last + 1)
+    ]
     return rows, [v[i] / R[i] for i in range(last + 1)]

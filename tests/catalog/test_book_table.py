@@ -1,0 +1,16 @@
+"""docs/book.md says what the checks say now."""
+
+from tests.catalog import book_table
+
+
+def test_the_page_is_current() -> None:
+    """Run `python -m tests.catalog.book_table` after a change of the entries or of the checks."""
+    assert book_table.PAGE.read_text(encoding="utf-8") == book_table.page()
+
+
+def test_the_page_has_every_row_once() -> None:
+    text = book_table.PAGE.read_text(encoding="utf-8")
+    assert [line.split(" | ")[0][2:] for line in text.splitlines() if line.startswith("| C")] == list(book_table.ROWS)
+    assert len(book_table.ROWS) == 102
+    assert len(book_table.REFUSED_ROWS) == 29
+    assert len(book_table.EXTENDED_ROWS) == 10
