@@ -167,6 +167,8 @@ class Parser:
         before = self._tokens[self._index - 1]
         if before.kind == "number" and following.kind == "number":
             raise self._source.error("two numbers follow each other", following.position)
+        if not self._names and following.kind == "name" and following.text not in {*FUNCTIONS, "pi"}:
+            raise self._source.error("a value is a number alone, without a unit", following.position)
         left, right = ("(...)" if token.text in "()" else token.text[:40] for token in (before, following))
         raise self._source.error(f"an operator is missing; write {left}*{right} for a product", following.position)
 
