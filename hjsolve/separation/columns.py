@@ -16,6 +16,7 @@ import sympy as sp
 
 from ..algebra import poly
 from ..algebra.field import Element
+from ..algebra.modular import Filter
 from ..algebra.poly import Poly
 from ..algebra.readable import cost, variants
 from ..algebra.reader import Reader
@@ -23,6 +24,7 @@ from ..algebra.reader import Reader
 Row = list[Element]
 Vector = list[Element]
 MAX_CANDIDATES = 120
+FEW = 30
 
 
 def sparsest(reader: Reader, symbols: Sequence[sp.Symbol], rows: list[Row], column: Row) -> tuple[list[Row], Row]:
@@ -121,7 +123,26 @@ def _candidate_lines(reader: Reader, functionals: list[Vector], d: int) -> list[
     if d == 1:
         return units
     kernels = (_kernel(reader, rows) for rows in combinations(functionals, d - 1))
-    return [*islice((k for k in kernels if k is not None), MAX_CANDIDATES), *units]
+    found = list(islice((k for k in kernels if k is not None), MAX_CANDIDATES))
+    return [*_promising(reader, functionals, found), *units]
+
+
+def _promising(reader: Reader, functionals: Sequence[Vector], vectors: list[Vector]) -> list[Vector]:
+    """Those that most functionals annihilate, in their order; all of them where they are few.
+
+    Annihilation is read off modulo a prime: it only decides which candidates are worth multiplying out.
+    """
+    if len(vectors) <= FEW:
+        return vectors
+    sieve = Filter(reader.field, points=1)
+
+    def annihilated(vector: Vector) -> int:
+        return sum(
+            sieve.vanishes([[[f], [x]] for f, x in zip(functional, vector)]) is True for functional in functionals
+        )
+
+    best = sorted(range(len(vectors)), key=lambda k: -annihilated(vectors[k]))[:FEW]
+    return [vectors[k] for k in sorted(best)]
 
 
 def _kernel(reader: Reader, rows: Sequence[Vector]) -> Vector | None:
@@ -228,7 +249,8 @@ def _best_point(reader: Reader, rows: list[Row], start: Row, functionals: list[V
     augmented = _distinct(reader, [f for f in functionals if any(not x.is_zero for x in f[1:])])
     candidates: list[Vector] = [[field.zero] * d]
     solutions = (_solution(reader, chosen) for chosen in combinations(augmented, d))
-    candidates += islice((s for s in solutions if s is not None), MAX_CANDIDATES)
+    found = [[field.one, *s] for s in islice((s for s in solutions if s is not None), MAX_CANDIDATES)]
+    candidates += [k[1:] for k in _promising(reader, augmented, found)]
     best: tuple[tuple[object, ...], Row] | None = None
     for position, k in enumerate(candidates):
         image = [field.cancelled(s + x) for s, x in zip(start, _apply(reader, rows, [None, *k]))]

@@ -9,6 +9,7 @@ from ..algebra.readable import readable
 from ..algebra.reader import Reader
 from ..shell import Shell
 from ..system import kinetic_rest, linear_terms
+from .known_integrals import Naming
 from .stackel import Matrix
 from .verdicts import Constant
 
@@ -39,6 +40,7 @@ def _separation_constants(shell: Shell, reader: Reader, matrix: Matrix) -> list[
     for c, a, ψ in zip(shell.coordinates, shell.shift, matrix.column):
         separated.append((c.momentum + a) ** 2 / 2 + readable(reader, ψ))
     taken = set(shell.system.symbols)
+    naming = Naming(shell, reader)
     names = [c.name for c in shell.coordinates]
     found = []
     for j in range(1, len(names)):
@@ -47,6 +49,8 @@ def _separation_constants(shell: Shell, reader: Reader, matrix: Matrix) -> list[
         while name in taken:
             name += "_"
         text = f"separation constant shared by {', '.join(holds)}"
+        if known := naming(inverse[j], matrix.column):
+            text = f"{text}: {known}"
         weights = [readable(reader, x) for x in inverse[j]]
         expression = sp.Add(*(w * square for w, square in zip(weights, separated)))
         found.append(Constant(name, sp.Symbol(name, real=True), expression, text))

@@ -111,12 +111,13 @@ def _enclosed(setting: Setting, condition: Condition) -> Witness | None:
     i, j = condition.i, condition.j
     shell, pair = setting.shell, (setting.symbols[i], setting.symbols[j])
     f = shell.potential if condition.about is None else shell.inverse_metric[condition.about]
-    whole = sp.Tuple(f, shell.inverse_metric[i], shell.inverse_metric[j])
+    gi, gj = shell.inverse_metric[i], shell.inverse_metric[j]
+    whole = sp.Tuple(f, gi, gj)
     if whole.atoms(*UNKNOWNS):
         return None
 
     def enclosure(point: Mapping[sp.Expr, sp.Rational], precision: int) -> tuple[mpmath.mpf, mpmath.mpf]:
-        return enclose_condition(*whole, pair, point, precision)
+        return enclose_condition(f, gi, gj, pair, point, precision)
 
     return search(enclosure, setting.region.points(whole), setting.reader.field.budget)
 

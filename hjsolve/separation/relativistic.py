@@ -4,9 +4,9 @@ H = E squared gives (Greenwood (7-165) with p → ∂W/∂q)
 
     ½ (p − a)ᵀM⁻¹(p − a) − (E − V)²/(2 m₀c²) = −½ m₀c²,
 
-a natural system with potential −(E − V)²/(2m₀c²), in which the true energy E is a parameter, at the energy −½m₀c². It must
-separate for every E: both V and V² have to meet Stäckel's condition. Jacobi's integrals are then derivatives with respect
-to the true E, which the separated momenta hold quadratically.
+a natural system with potential −(E − V)²/(2m₀c²), in which the true energy E is a parameter, at the energy −½m₀c².
+It must separate for every E: both V and V² have to meet Stäckel's condition. Jacobi's integrals are then derivatives
+with respect to the true E, which the separated momenta hold quadratically.
 """
 
 from __future__ import annotations

@@ -90,7 +90,9 @@ def at_base_point(
     potential: Element,
     blocks: Sequence[frozenset[int]] | None = None,
 ) -> Matrix:
-    """Φ and ψ in the constants (E, a₁, …, a_{n−1}); a_n is eliminated by the shell at the base point.
+    """Φ and ψ in the constants (E, gʲʲ(q⁰)aⱼ), j < n; a_n is eliminated by the shell at the base point.
+
+    With aⱼ measured in units of 1/gʲʲ(q⁰) the factors of g that belong to one coordinate drop out of the constants.
 
     With ``blocks``, row i is a function of all coordinates of block i, and ``metric`` has one entry per block.
 
@@ -112,8 +114,8 @@ def at_base_point(
         through_last = field.coerce(0) if i == last else g[last] / (g0[last] * g[i])
         row = [own - through_last]
         for j in range(last):
-            direct = field.coerce(0) if j == i else -(g[j] * own)
-            row.append(field.cancelled(direct + through_last * g0[j]))
+            direct = field.coerce(0) if j == i else -(g[j] / g0[j] * own)
+            row.append(field.cancelled(direct + through_last))
         rows.append([field.cancelled(row[0]), *row[1:]])
         column.append(field.cancelled(V * own - through_last * V0))
     return Matrix(rows, column)

@@ -190,17 +190,19 @@ def test_kerr_geodesics_separate_in_boyer_lindquist_coordinates():
     obeys(verdict.reduced.stackel, verdict.shell.potential, verdict.system)
 
 
-@pytest.mark.parametrize("n", [2, 3, 4])
-def test_jacobi_coordinates_on_the_sphere_separate(n):
-    """Sphero-conical coordinates: g_ii = −¼ Π_{j≠i}(u_i − u_j) / Π_k (u_i − a_k), k = 0 … n."""
-    names, ends = "uvwx"[:n], "abcde"[: n + 1]
+@pytest.mark.parametrize("n", [2, 3, 4, 5])
+@pytest.mark.parametrize("surface", ["sphere", "ellipsoid"])
+def test_jacobi_coordinates_on_the_sphere_and_on_the_ellipsoid_separate(surface, n):
+    """g_ii = −¼ h(u_i) Π_{j≠i}(u_i − u_j) / Π_k (u_i − a_k), k = 0 … n, with h = 1 on the sphere, u_i on the ellipsoid."""
+    names, ends = "uvwxy"[:n], "abcdef"[: n + 1]
     terms = []
     for q in names:
         top = "*".join(f"({q} - {o})" for o in names if o != q)
         bottom = "*".join(f"({q} - {a})" for a in ends)
-        terms.append(f"-1/8*{top}/({bottom})*dot({q})**2")
+        terms.append(f"-1/8*{q if surface == 'ellipsoid' else 1}*{top}/({bottom})*dot({q})**2")
     domains = {q: f"{ends[i]} < {q} < {ends[i + 1]}" for i, q in enumerate(names)}
-    system = make(domains, " ".join(terms), f"k*({' + '.join(names)})", " ".join([*ends, "k"]))
+    potential = f"k*({' + '.join(names)})" if surface == "sphere" else f"k/({'*'.join(names)})"
+    system = make(domains, " ".join(terms), potential, " ".join([*ends, "k"]))
     verdict = separate(system)
     assert isinstance(verdict, Separation)
     obeys(verdict.stackel, verdict.shell.potential, system)

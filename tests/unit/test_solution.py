@@ -69,8 +69,12 @@ def test_names_the_user_has_taken_are_left_to_him() -> None:
 
 def test_a_linear_term_is_shifted_away_and_comes_back_in_the_momentum() -> None:
     """Spring in a moving frame (Ex 2-8, Ex 6-5): T₁ = m v ẋ is exact; p = √(…) + m v, W gains m v x."""
-    system = System(coordinates={"x": "line"}, kinetic="m/2*(dot(x) + v)**2", potential="k/2*x**2",
-                    parameters={"m": 1, "k": 1, "v": 2})
+    system = System(
+        coordinates={"x": "line"},
+        kinetic="m/2*(dot(x) + v)**2",
+        potential="k/2*x**2",
+        parameters={"m": 1, "k": 1, "v": 2},
+    )
     solution = solve(system)
     m, v, x = (system.symbols[n] for n in ("m", "v", "x"))
     assert sp.expand(solution.shift["x"] + m * v) == 0

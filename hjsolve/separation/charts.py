@@ -1,0 +1,173 @@
+"""The orthogonal coordinates of the plane and of space with names, and the integrals that belong to them.
+
+Every entry is h_i² up to one common constant factor, and quadratic integrals of the free motion as
+coefficients of p_i².
+Angular momenta are about the origin of the chart; the axis of the chart is its z axis (x in the plane).
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Sequence
+from dataclasses import dataclass
+
+import sympy as sp
+
+Expressions = tuple[sp.Expr, ...]
+L, L_Z, A, L1, L2 = sp.symbols("L L_z A L_1 L_2", real=True)
+P_X, P_Y, P_Z = sp.symbols("p_x p_y p_z", real=True)
+
+
+@dataclass(frozen=True)
+class Integral:
+    """A known quadratic integral of the free motion.
+
+    Attributes:
+        symbol: how it is written.
+        meaning: what it is.
+        coefficients: of p_i², as functions of the chart's coordinates.
+        attracted: the function that a centre of force −k/r at the origin adds to it, up to a factor; None if none.
+        with_centre: what it is called then.
+    """
+
+    symbol: sp.Expr
+    meaning: str
+    coefficients: Callable[..., Expressions]
+    attracted: Callable[..., sp.Expr] | None = None
+    with_centre: str = ""
+
+
+@dataclass(frozen=True)
+class Chart:
+    """Coordinates with a name.
+
+    Attributes:
+        name: what they are called.
+        squares: h_i² up to a common factor.
+        integrals: what is known to be conserved in free motion, and diagonal in these coordinates.
+    """
+
+    name: str
+    squares: Callable[..., Expressions]
+    integrals: tuple[Integral, ...]
+
+
+def _parabolic(u: sp.Expr, v: sp.Expr) -> tuple[sp.Expr, sp.Expr]:
+    return -(v**2) / (2 * (u**2 + v**2)), u**2 / (2 * (u**2 + v**2))
+
+
+def _confocal(u: sp.Expr, v: sp.Expr) -> tuple[sp.Expr, sp.Expr]:
+    below = sp.sinh(u) ** 2 + sp.sin(v) ** 2
+    return -(sp.sin(v) ** 2) / below, sp.sinh(u) ** 2 / below
+
+
+def _flat(u: sp.Expr, v: sp.Expr) -> tuple[sp.Expr, sp.Expr]:
+    below = sp.cosh(u) ** 2 - sp.sin(v) ** 2
+    return sp.sin(v) ** 2 / below, sp.cosh(u) ** 2 / below
+
+
+def _along(u: sp.Expr, v: sp.Expr, *_: sp.Expr) -> sp.Expr:
+    return (u**2 - v**2) / (u**2 + v**2)
+
+
+_FOCI = "L_1 and L_2 the angular momenta about the foci: the constant of the problem of two centres"
+_RUNGE_LENZ = "A the component of p x L along the axis"
+_KEPLER = "A the component of the Runge-Lenz vector along the axis"
+_TOTAL = "L the total angular momentum"
+_AXIAL = "L_z the angular momentum about the axis"
+
+CHARTS = (
+    Chart(
+        "polar",
+        lambda r, θ: (sp.S.One, r**2),
+        (Integral(L**2, "L the angular momentum", lambda r, θ: (sp.S.Zero, sp.S.One)),),
+    ),
+    Chart(
+        "parabolic",
+        lambda u, v: (u**2 + v**2,) * 2,
+        (Integral(A, _RUNGE_LENZ, _parabolic, _along, _KEPLER),),
+    ),
+    Chart(
+        "elliptic",
+        lambda u, v: (sp.sinh(u) ** 2 + sp.sin(v) ** 2,) * 2,
+        (Integral(L1 * L2, _FOCI, _confocal),),
+    ),
+    Chart(
+        "circular cylinder",
+        lambda r, θ, z: (sp.S.One, r**2, sp.S.One),
+        (Integral(L_Z**2, _AXIAL, lambda r, θ, z: (sp.S.Zero, sp.S.One, sp.S.Zero)),),
+    ),
+    Chart(
+        "spherical",
+        lambda r, θ, φ: (sp.S.One, r**2, r**2 * sp.sin(θ) ** 2),
+        (
+            Integral(L_Z**2, _AXIAL, lambda r, θ, φ: (sp.S.Zero, sp.S.Zero, sp.S.One)),
+            Integral(L**2, _TOTAL, lambda r, θ, φ: (sp.S.Zero, sp.S.One, sp.sin(θ) ** -2)),
+        ),
+    ),
+    Chart(
+        "spherical, with latitude",
+        lambda r, θ, φ: (sp.S.One, r**2, r**2 * sp.cos(θ) ** 2),
+        (
+            Integral(L_Z**2, _AXIAL, lambda r, θ, φ: (sp.S.Zero, sp.S.Zero, sp.S.One)),
+            Integral(L**2, _TOTAL, lambda r, θ, φ: (sp.S.Zero, sp.S.One, sp.cos(θ) ** -2)),
+        ),
+    ),
+    Chart(
+        "rotational parabolic",
+        lambda u, v, φ: (u**2 + v**2, u**2 + v**2, u**2 * v**2),
+        (
+            Integral(L_Z**2, _AXIAL, lambda u, v, φ: (sp.S.Zero, sp.S.Zero, sp.S.One)),
+            Integral(
+                A,
+                _RUNGE_LENZ,
+                lambda u, v, φ: (*_parabolic(u, v), (u**2 - v**2) / (2 * u**2 * v**2)),
+                _along,
+                _KEPLER,
+            ),
+        ),
+    ),
+    Chart(
+        "prolate spheroidal",
+        lambda u, v, φ: (*((sp.sinh(u) ** 2 + sp.sin(v) ** 2,) * 2), sp.sinh(u) ** 2 * sp.sin(v) ** 2),
+        (
+            Integral(L_Z**2, _AXIAL, lambda u, v, φ: (sp.S.Zero, sp.S.Zero, sp.S.One)),
+            Integral(
+                L1 * L2,
+                _FOCI,
+                lambda u, v, φ: (
+                    *_confocal(u, v),
+                    1 + ((sp.cosh(u) * sp.cos(v)) ** 2 - 1) / (sp.sinh(u) * sp.sin(v)) ** 2,
+                ),
+            ),
+        ),
+    ),
+    Chart(
+        "oblate spheroidal",
+        lambda u, v, φ: (*((sp.cosh(u) ** 2 - sp.sin(v) ** 2,) * 2), sp.cosh(u) ** 2 * sp.sin(v) ** 2),
+        (
+            Integral(L_Z**2, _AXIAL, lambda u, v, φ: (sp.S.Zero, sp.S.Zero, sp.S.One)),
+            Integral(
+                L**2 + sp.Symbol("a") ** 2 * (P_X**2 + P_Y**2),
+                "L the total angular momentum and a the radius of the focal circle",
+                lambda u, v, φ: (
+                    *_flat(u, v),
+                    1 + ((sp.sinh(u) * sp.cos(v)) ** 2 + 1) / (sp.cosh(u) * sp.sin(v)) ** 2,
+                ),
+            ),
+        ),
+    ),
+    Chart(
+        "parabolic cylinder",
+        lambda u, v, z: (u**2 + v**2, u**2 + v**2, sp.S.One),
+        (
+            Integral(
+                P_Y * L_Z, "L_z and p_y as in the plane across the axis", lambda u, v, z: (*_parabolic(u, v), sp.S.Zero)
+            ),
+        ),
+    ),
+)
+
+
+def of_dimension(n: int) -> Sequence[Chart]:
+    """The charts with n coordinates."""
+    return [c for c in CHARTS if c.squares.__code__.co_argcount == n]
