@@ -110,6 +110,9 @@ def linear_modes(system: System, *, parameters: Mapping[str, Any] | None = None,
         parameters: values that differ from the defaults.
         digits: of all numbers.
 
+    Returns:
+        The modes, with their frequencies and shapes.
+
     Raises:
         InvalidSystemError: the system is not linear, or has a constant force.
         MissingValueError: a parameter has no value.

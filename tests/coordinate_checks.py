@@ -39,7 +39,9 @@ def place(web: Web, seed: int, values: dict[sp.Symbol, sp.Expr]) -> dict[sp.Symb
 
 def same_motion(original: System, web: Web, seed: int = 5) -> None:
     """T and V of the transformed system are those of the original one in the new coordinates."""
-    values = {p.symbol: p.value if p.value is not None else sp.Integer(i + 2) for i, p in enumerate(original.parameters)}
+    values = {
+        p.symbol: p.value if p.value is not None else sp.Integer(i + 2) for i, p in enumerate(original.parameters)
+    }
     point = place(web, seed, values)
     speeds = {q.velocity: sp.Rational(3 + 2 * i, 7) for i, q in enumerate(web.system.coordinates)}
     old = {}
@@ -52,7 +54,9 @@ def same_motion(original: System, web: Web, seed: int = 5) -> None:
         expected = mine.xreplace(values).xreplace(old).evalf(50)
         found = its.xreplace(values).xreplace(point).xreplace(speeds).evalf(50)
         assert found.is_real, (web.kind, found)
-        assert abs(mpmath.mpf(str(expected - found))) <= mpmath.mpf(10) ** -38 * max(1, abs(mpmath.mpf(str(expected)))), web.kind
+        assert abs(mpmath.mpf(str(expected - found))) <= mpmath.mpf(10) ** -38 * max(
+            1, abs(mpmath.mpf(str(expected)))
+        ), web.kind
 
 
 def points(vectors: Iterable[Iterable[object]]) -> set[tuple[sp.Expr, ...]]:

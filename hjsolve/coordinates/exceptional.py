@@ -14,7 +14,7 @@ import sympy as sp
 
 from hjsolve.coordinates.killing import Kernel, kernel
 
-_MOST_TRIES = 36
+_MOST_TRIES = {2: 36, 3: 24}
 
 
 @dataclass(frozen=True)
@@ -47,7 +47,7 @@ def exceptional_values(
         for conditions, there, potential in level:
             for symbol, value in _solutions(there.pivots):
                 new = tuple((s, e.subs(symbol, value)) for s, e in conditions) + ((symbol, value),)
-                if frozenset(new) in tried or len(tried) >= _MOST_TRIES or not _allowed(new):
+                if frozenset(new) in tried or len(tried) >= _MOST_TRIES[len(x)] or not _allowed(new):
                     continue
                 tried.add(frozenset(new))
                 special = potential.subs(symbol, value)

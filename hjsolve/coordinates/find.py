@@ -32,6 +32,7 @@ _INCOMPLETE = (
     "The exact elimination and the numerical count of the integrals differ: radicals in V depend on each other, "
     "and there may be more coordinates than those listed."
 )
+_MOST_LINES = 6
 _PARTIAL = ("split", "sphere", "unresolved")
 
 
@@ -72,9 +73,7 @@ def find_coordinates(system: System, *, special: bool = True, budget: float = 20
     webs = tuple(web_of(g, cartesian, budget=budget) for g in geometries if g.kind not in _PARTIAL)
     values: tuple[ParameterValues, ...] = ()
     if special and full.pivots:
-        basis = killing_basis(cartesian.X) if n == 2 else concircular
-        known = full if n == 2 else reduced
-        found = exceptional_values(cartesian.potential, cartesian.X, basis, known)
+        found = exceptional_values(cartesian.potential, cartesian.X, killing_basis(cartesian.X), full)
         values = tuple(ParameterValues({s.name: e for s, e in one.conditions}, one.dimension) for one in found)
     return Coordinates(
         system,
@@ -135,9 +134,11 @@ def _advice(
             what = "splits off the direction" if part.kind == "split" else "splits off the distance from"
             where = ", ".join(map(str, part.axes[2] if part.kind == "split" else part.centre))
             lines.append(f"V {what} ({where}), but what is left does not separate.")
-    for value in values:
+    for value in values[:_MOST_LINES]:
         where = ", ".join(f"{name} = {e}" for name, e in value.conditions.items())
-        lines.append(f"At {where} there are more: dimension {value.kernel_dimension}.")
+        lines.append(f"At {where} there are more quadratic integrals: {value.kernel_dimension} with the energy.")
+    if len(values) > _MOST_LINES:
+        lines.append(f"{len(values) - _MOST_LINES} more such values of the parameters are in ``special``.")
     return "\n".join(lines if full.complete else [*lines, _INCOMPLETE])
 
 

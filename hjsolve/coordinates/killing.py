@@ -109,11 +109,11 @@ def _coefficients(tensors: tuple[sp.ImmutableMatrix, ...], x: tuple[sp.Symbol, .
     return table
 
 
-def _in_field(table: list[Any], field: Any) -> list[Any]:
-    """Convert the rational coefficients of a table to the field of constants, once for all points."""
+def _in_domain(table: list[Any], domain: Any) -> list[Any]:
+    """Convert the rational coefficients of a table to the numbers of the field of constants, once for all points."""
     return [
         [
-            [(slot, [(exponents, field.convert(c)) for exponents, c in terms]) for slot, terms in tensor]
+            [(slot, [(exponents, domain.convert(c)) for exponents, c in terms]) for slot, terms in tensor]
             for tensor in equation
         ]
         for equation in table
@@ -124,7 +124,8 @@ def _rows_at(algebra: PointAlgebra, values: Sequence[sp.Expr], table: list[Any],
     """Return the linear equations that one point gives."""
     field = algebra.field
     elements = [algebra.evaluate(value) for value in values]
-    x = list(algebra.point.values())
+    numbers = algebra.made_of.ground.numbers
+    x = [numbers.convert(value) for value in algebra.plain.values()]
     monomials: dict[tuple[int, ...], Any] = {}
     rows: list[list[Any]] = []
     for equation in table:
@@ -133,14 +134,14 @@ def _rows_at(algebra: PointAlgebra, values: Sequence[sp.Expr], table: list[Any],
             for slot, terms in tensor:
                 if not elements[slot]:
                     continue
-                number = field.zero
+                number = numbers.zero
                 for exponents, coefficient in terms:
                     if exponents not in monomials:
                         monomials[exponents] = reduce(mul, (q**e for q, e in zip(x, exponents, strict=True)))
                     number += coefficient * monomials[exponents]
                 for key, value in elements[slot].items():
                     row = parts.setdefault(key, [field.zero] * width)
-                    row[column] += number * value
+                    row[column] += value * number
         rows.extend(parts.values())
     return rows
 
@@ -180,7 +181,7 @@ def _nullspace(echelon: dict[int, list[Any]], width: int, field: Any) -> list[li
 
 def _points(made_of: Generators, values: Sequence[sp.Expr], table: list[Any], width: int, random: Random):  # type: ignore[no-untyped-def]
     """Yield the equations of one random regular point after another."""
-    converted = _in_field(table, made_of.ground.field)
+    converted = _in_domain(table, made_of.ground.numbers)
     for _ in range(_MOST_POINTS):
         try:
             yield _rows_at(PointAlgebra(made_of, random), values, converted, width)

@@ -43,6 +43,11 @@ class Ground:
     parameters: tuple[sp.Symbol, ...]
     opaque: Mapping[sp.Expr, sp.Symbol]
 
+    @property
+    def numbers(self) -> Any:
+        """The algebraic numbers of the field."""
+        return self.field.domain if self.parameters else self.field
+
     def convert(self, constant: sp.Expr) -> Any:
         """Return the field element of an expression without coordinates."""
         return self.field.from_sympy(sp.together(constant.xreplace(dict(self.opaque))))
@@ -154,14 +159,18 @@ class PointAlgebra:
 
     def __init__(self, made_of: Generators, random: Random):
         self.made_of, self.random, self.field = made_of, random, made_of.ground.field
-        self.point = {q: self._number() for q in made_of.coordinates}
+        self.plain = {q: self._rational() for q in made_of.coordinates}
+        self.point = {q: self.field.convert(value) for q, value in self.plain.items()}
         self.roots: dict[sp.Expr, int] = {}
         self.radicands: list[Element] = []
         self.values: dict[sp.Expr, Element] = {}
         self.free: dict[tuple[str, sp.Expr], Any] = {}
 
+    def _rational(self) -> sp.Rational:
+        return sp.Rational(self.random.randint(-40, 40) * 2 + 1, self.random.choice((1, 2, 3)))
+
     def _number(self) -> Any:
-        return self.field.convert(sp.Rational(self.random.randint(-40, 40) * 2 + 1, self.random.choice((1, 2, 3))))
+        return self.field.convert(self._rational())
 
     def _transcendental(self, kind: str, argument: sp.Expr) -> Any:
         if (kind, argument) not in self.free:

@@ -99,7 +99,7 @@ class ParameterValues:
 
     Attributes:
         conditions: parameter name → value or expression in the other parameters.
-        kernel_dimension: dimension of the kernel there; in space, of the concircular one.
+        kernel_dimension: dimension of the kernel there.
     """
 
     conditions: Mapping[str, sp.Expr]

@@ -52,35 +52,15 @@ class Potential:
     sign: Sign
 
 
-def classify(M: sp.MatrixBase, sign: Sign) -> Geometry | None:
-    """Return the web of one concircular tensor; kind ``sphere`` or ``split`` where a factor is left to be separated.
-
-    None for a multiple of the metric.
-    """
-    A, w, m = parts(M)
-    if m != 0:
-        return _central(A / m, w / m, sign)
-    if any(c != 0 for c in w):
-        return _axial(A, w, sign)
-    return _constant(A, sign)
-
-
-def _central(A: sp.MatrixBase, w: sp.MatrixBase, sign: Sign) -> Geometry:
-    centre = tuple(tidy(-c) for c in w)
-    frame = sort_frame(eigenframe(A - w * w.T), sign)
-    (low, e1), (middle, e2), (high, e3) = frame
+def _ellipsoid(A: sp.MatrixBase, w: sp.MatrixBase, sign: Sign) -> Geometry | None:
+    """L = A + w⊙x + x⊗x: centre −w, axes and constants from the eigenvalues of A − w⊗w; None where two are equal."""
+    (low, e1), (middle, e2), (high, _) = sort_frame(eigenframe(A - w * w.T), sign)
     first, second = tidy(middle - low), tidy(high - middle)
-    if first == 0 and second == 0:
-        return Geometry("sphere", centre, (e1, e2, e3))
-    if second == 0:
-        a = root(first)
-        foci = (moved(centre, [(a, e1)]), moved(centre, [(-a, e1)]))
-        return Geometry("prolate spheroidal", centre, perpendicular_frame(e1), foci, {"a": a})
-    if first == 0:
-        return Geometry("oblate spheroidal", centre, perpendicular_frame(e3), (), {"a": root(second)})
+    if first == 0 or second == 0:
+        return None
     scale, (a2, a3) = _scaled(first, tidy(high - low))
     constants = {"a": root(scale), "a1": _ZERO, "a2": a2, "a3": a3}
-    return Geometry("ellipsoidal", centre, righted(e1, e2), (), constants)
+    return Geometry("ellipsoidal", tuple(tidy(-c) for c in w), righted(e1, e2), (), constants)
 
 
 def _scaled(*constants: sp.Expr) -> tuple[sp.Expr, tuple[sp.Expr, ...]]:
@@ -119,17 +99,6 @@ def _axial(A: sp.MatrixBase, w: sp.MatrixBase, sign: Sign) -> Geometry:
     )
 
 
-def _constant(A: sp.MatrixBase, sign: Sign) -> Geometry | None:
-    (low, e1), (middle, e2), (high, e3) = sort_frame(eigenframe(A), sign)
-    origin = (_ZERO,) * 3
-    equal = [tidy(middle - low) == 0, tidy(high - middle) == 0]
-    if all(equal):
-        return None
-    if any(equal):
-        return Geometry("split", origin, perpendicular_frame(e3 if equal[0] else e1))
-    return Geometry("cartesian", origin, righted(e1, e2))
-
-
 def space_webs(family: Family, potential: Potential) -> list[Geometry]:
     """List the webs of a linear family of concircular tensors, one representative for every kind and component."""
     terms = (*family.axial, *family.constant)
@@ -146,10 +115,18 @@ def space_webs(family: Family, potential: Potential) -> list[Geometry]:
 
 def _paraboloids(terms: Sequence[sp.MatrixBase], potential: Potential) -> list[Geometry]:
     def paraboloid(values: tuple[sp.Expr, ...]) -> Geometry | None:
-        return _only(classify(combination(None, terms, values, 3), potential.sign), "paraboloidal")
+        return _axial_member(terms, values, potential, "paraboloidal")
 
     arbitrary = tuple(sp.Rational(2 * i * i + 1, 3 + i) for i in range(len(terms)))
     return _sampled(paraboloid, len(terms), len(terms) - 1) if paraboloid(arbitrary) is not None else []
+
+
+def _axial_member(
+    terms: Sequence[sp.MatrixBase], numbers: Sequence[sp.Expr], potential: Potential, kind: str
+) -> Geometry | None:
+    A, w, _ = parts(combination(None, terms, numbers, 3))
+    web = _axial(A, w, potential.sign) if any(c != 0 for c in w) else None
+    return web if web is not None and web.kind == kind else None
 
 
 def _from_spheres(family: Family, potential: Potential) -> list[Geometry]:
@@ -159,7 +136,8 @@ def _from_spheres(family: Family, potential: Potential) -> list[Geometry]:
 def _ellipsoids(family: Family, terms: Sequence[sp.MatrixBase], potential: Potential) -> list[Geometry]:
     def ellipsoid(values: tuple[sp.Expr, ...]) -> Geometry | None:
         M = combination(family.central, terms, values, 3)
-        return _only(classify(M, potential.sign), "ellipsoidal") if _simple_spectrum(M) else None
+        A, w, _ = parts(M)
+        return _ellipsoid(A, w, potential.sign) if _simple_spectrum(M) else None
 
     arbitrary = tuple(sp.Rational(3 * i * i + 2, 5 + i) for i in range(len(terms)))
     if not _simple_spectrum(combination(family.central, terms, arbitrary, 3)):
@@ -233,10 +211,6 @@ def _with_foci(web: Geometry) -> Geometry:
     return replace(web, foci=tuple(moved(web.centre, [(s * k, e)]) for k, e in ends for s in (1, -1)))
 
 
-def _only(web: Geometry | None, *kinds: str) -> Geometry | None:
-    return web if web is not None and web.kind in kinds else None
-
-
 def _sampled(member: Callable[[tuple[sp.Expr, ...]], Geometry | None], count: int, freedom: int) -> list[Geometry]:
     """Return the simplest member of a family of one kind."""
     if freedom == 0:
@@ -255,14 +229,12 @@ def _rotational(terms: Sequence[sp.MatrixBase], potential: Potential) -> list[Ge
     seen = cross.T * (A - shift * sp.eye(3)) * cross
     webs: list[Geometry] = []
     for piece in real_pieces([seen[i, j] for i in range(3) for j in range(i, 3)], (shift, *t)):
+        if all(sp.expand(c.subs(piece.values)) == 0 for c in w):
+            continue
 
         def member(values: tuple[sp.Expr, ...], piece: Piece = piece) -> Geometry | None:
             numbers = _at(sp.Matrix(t), piece, values)
-            return (
-                _only(classify(combination(None, terms, numbers, 3), potential.sign), "rotational parabolic")
-                if (numbers is not None)
-                else None
-            )
+            return None if numbers is None else _axial_member(terms, numbers, potential, "rotational parabolic")
 
         webs += _sampled(member, len(piece.free), len(piece.free) - 1)
     return webs
