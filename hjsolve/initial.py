@@ -80,7 +80,10 @@ def parameter_values(system: System, given: Values) -> dict[sp.Symbol, sp.Expr]:
     for name in given:
         if name not in known:
             raise InvalidInputError(f"parameters: {name!r} is not a parameter of this system; it has {_listed(known)}")
-    values = {p.symbol: number(given[p.name], source=f"parameter {p.name}") if p.name in given else p.value for p in system.parameters}
+    values = {
+        p.symbol: number(given[p.name], source=f"parameter {p.name}") if p.name in given else p.value
+        for p in system.parameters
+    }
     missing = [p.name for p in system.parameters if values[p.symbol] is None]
     if missing:
         raise MissingValueError(f"no value for {_listed(missing)}: write parameters={{{missing[0]!r}: …}}")
@@ -90,7 +93,9 @@ def parameter_values(system: System, given: Values) -> dict[sp.Symbol, sp.Expr]:
     return {symbol: value for symbol, value in values.items() if value is not None}
 
 
-def initial_data(solution: Solution, *, q: Values, velocity: Values | None, p: Values | None, parameters: Values) -> Initial:
+def initial_data(
+    solution: Solution, *, q: Values, velocity: Values | None, p: Values | None, parameters: Values
+) -> Initial:
     """Read initial data and work out the constants of the motion.
 
     Args:
@@ -124,7 +129,9 @@ def _clean(value: sp.Expr) -> sp.Expr:
     """Expand, and turn a number that is zero into 0."""
     value = sp.expand(value)
     if value.has(sp.zoo, sp.nan, sp.oo):
-        raise InvalidInputError("initial data: a constant of the motion is infinite there; the place is a singularity of the coordinates")
+        raise InvalidInputError(
+            "initial data: a constant of the motion is infinite there; the place is a singularity of the coordinates"
+        )
     return sp.Integer(0) if is_zero(value) else value
 
 
@@ -144,10 +151,14 @@ def _inside_domains(system: System, values: Mapping[sp.Symbol, sp.Expr]) -> None
         place = values[c.symbol]
         for bound, side in ((c.domain.lower, 1), (c.domain.upper, -1)):
             if bound is not None and sign(side * (place - bound.subs(values))) <= 0:
-                raise InvalidInputError(f"q[{c.name}]: {place} is not inside the domain, which {'begins' if side > 0 else 'ends'} at {bound}")
+                raise InvalidInputError(
+                    f"q[{c.name}]: {place} is outside the domain, which {'begins' if side > 0 else 'ends'} at {bound}"
+                )
 
 
-def domain_ends(system: System, name: str, values: Mapping[sp.Symbol, sp.Expr]) -> tuple[sp.Expr | None, sp.Expr | None]:
+def domain_ends(
+    system: System, name: str, values: Mapping[sp.Symbol, sp.Expr]
+) -> tuple[sp.Expr | None, sp.Expr | None]:
     """Return the exact ends of a coordinate's domain, None where it has none."""
     domain = system.coordinate(name).domain
     lower_end, upper_end = (None if b is None else b.subs(values) for b in (domain.lower, domain.upper))
@@ -160,5 +171,3 @@ def _all_exact(*groups: Values | None) -> bool:
 
 def _listed(names: Any) -> str:
     return ", ".join(str(name) for name in names) or "none"
-
-

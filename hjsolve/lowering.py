@@ -9,8 +9,9 @@ import sympy as sp
 from hjsolve.errors import InvalidInputError
 from hjsolve.numeric.tape import UNARY, Operation, Tape
 
-_FUNCTIONS = {getattr(sp, name.capitalize() if name == "abs" else name): name
-              for name in UNARY if name not in {"neg", "sqrt"}}
+_FUNCTIONS = {
+    getattr(sp, name.capitalize() if name == "abs" else name): name for name in UNARY if name not in {"neg", "sqrt"}
+}
 
 
 def lower(expressions: Sequence[sp.Expr], arguments: Sequence[sp.Symbol]) -> Tape:
@@ -69,8 +70,10 @@ class _Writer:
             return self._power(*e.as_base_exp())
         name = _FUNCTIONS.get(e.func)
         if name is None:
-            raise InvalidInputError(f"{e} has no numerical value here: give every symbol a value, and use only "
-                                    "the functions that formulas may contain")
+            raise InvalidInputError(
+                f"{e} has no numerical value here: give every symbol a value, and use only "
+                "the functions that formulas may contain"
+            )
         return self._emit(name, (self.slot(e.args[0]),))
 
     def _sum(self, e: sp.Add) -> int:

@@ -14,12 +14,15 @@ from typing import Any, Literal
 
 import numpy as np
 
-from hjsolve.numeric.anomaly import Anomaly, as_float
+from hjsolve.numeric.anomaly import Libration, Rotation
 from hjsolve.numeric.arithmetic import Float64, Multi, multiprecision
 from hjsolve.numeric.counting import count
 from hjsolve.numeric.panels import Panels, Way, build
 from hjsolve.numeric.radicand import Radicand
 from hjsolve.numeric.series import Series, fit, trial, zero
+from hjsolve.numeric.stretch import Stretched, rounded
+
+Anomaly = Libration | Rotation | Stretched
 
 Kind = Literal["libration", "rotation", "escape", "equilibrium", "asymptotic", "boundary"]
 PARTS = frozenset({"time", "action", "place"})
@@ -77,6 +80,12 @@ class Bounded:
         """Return the growth of Gⱼ per unit phase, in the mean."""
         return self.kernels[j].mean
 
+    def blur(self, χ: Any) -> Any:
+        """Return the rounding of the anomaly itself as an uncertainty of χ in doubles; 0 where it has none."""
+        if not isinstance(self.anomaly, Stretched) or self.anomaly.slope is None:
+            return 0.0 * χ
+        return 8 * 2.0**-52 * np.pi / np.abs(self.anomaly.slope.value(χ))
+
     def pace(self, weights: tuple[float, ...], χ: Any) -> Any:
         """Return Σ wⱼ dGⱼ/dχ for a float array |χ| ≤ π by the formula, not the series: small values keep digits."""
         q, _ = self.place(χ)
@@ -96,7 +105,7 @@ class Bounded:
         """Return q (not reduced to one turn) and the shell momentum at χ."""
         count(places=χ.size)
         arithmetic = arithmetic_of(χ)
-        anomaly = as_float(self.anomaly) if isinstance(arithmetic, Float64) else self.anomaly
+        anomaly = rounded(self.anomaly) if isinstance(arithmetic, Float64) else self.anomaly
         turn = (
             np.rint(χ / (2 * np.pi))
             if χ.dtype == float
@@ -293,23 +302,24 @@ def bounded(
     if not parts:
         empty = [zero() for _ in skipped]
         return Bounded(kind, anomaly, empty, zero(), None, start, radicand)
-    functions = _integrands(anomaly, radicand, skipped, bits, parts)
+    functions = integrands(anomaly, radicand, skipped, bits, parts)
     *kernels, momentum, density = fit(functions, even=anomaly.even, digits=digits, bits=bits, floors=_floors(radicand))
     return Bounded(kind, anomaly, kernels, momentum, density.mean if "action" in parts else None, start, radicand)
 
 
 def roughness(
-    anomaly: Anomaly, radicand: Radicand, skipped: tuple[bool, ...], bits: int, parts: frozenset[str] = PARTS
+    anomaly: Anomaly, radicand: Radicand, skipped: tuple[bool, ...], bits: int, parts: frozenset[str] = PARTS,
+    nodes: int = 12,
 ) -> float:
-    """Return how far few nodes are from resolving the integrands: the size of the last terms with twelve nodes."""
+    """Return how far few nodes are from resolving the integrands: the size of the last terms."""
     if not parts:
         return 0.0
     return max(
         s.tail
         for s in trial(
-            _integrands(anomaly, radicand, skipped, bits, parts),
+            integrands(anomaly, radicand, skipped, bits, parts),
             even=anomaly.even,
-            nodes=12,
+            nodes=nodes,
             bits=bits,
             floors=_floors(radicand),
         )
@@ -320,7 +330,7 @@ def _floors(radicand: Radicand) -> list[float]:
     return [0.0] * len(radicand.kernels.outputs) + [1.0, 0.0]
 
 
-def _integrands(
+def integrands(
     anomaly: Anomaly, radicand: Radicand, skipped: tuple[bool, ...], bits: int, parts: frozenset[str]
 ) -> Callable[[Any], list[Any]]:
     """kⱼ (dq/dχ)/p for each constant, ln(p/(dq/dχ)), and p dq/dχ, all regular functions of χ."""

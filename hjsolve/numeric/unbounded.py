@@ -211,7 +211,9 @@ def _solve_open(course: Open, weights: tuple[float, ...], value: Any, slack: Any
         return sign * f - goal, sign * slope
 
     χ, residual, slope = bracketed(equation, (low + high) / 2, low, high)
-    noise = slack + 4 * _EPS * np.abs(goal) + np.where(ended, 0.0, np.abs(residual))
+    summed = sum(np.abs(w * course.integral(j, edges)) for j, w in enumerate(weights) if w)
+    rounding = np.maximum(summed[position], summed[position + 1])  # a panel's series is rounded like its greatest value
+    noise = slack + 4 * _EPS * np.abs(goal) + 2 * _EPS * rounding + np.where(ended, 0.0, np.abs(residual))
     return χ, 0.0 * value, noise / np.maximum(np.abs(slope), 1e-300) + 2 * _EPS * np.abs(χ), ended
 
 

@@ -98,6 +98,23 @@ def _ended(course: Any, value: Any, low: float, high: float) -> Any:
     return ((value > high) & np.isfinite(ceiling)) | ((value < low) & np.isfinite(floor))
 
 
+@lru_cache(maxsize=64)
+def rough(motion: Motion) -> bool:
+    """True where the time law is so uneven that its inverse needs a table even for one time.
+
+    Where θ grows with χ at a rate d ≪ 1 (a fast perihelion), χ + D(χ) = θ solved in doubles leaves an error of about
+    2⁻⁵² / d in χ; the table integrates the rate itself, without that cancellation.
+    """
+    equations = motion.equations
+    if not isinstance(equations, Torus) or len(equations.courses) != 1 or "place" not in motion.parts:
+        return False
+    course = equations.courses[0]
+    if not isinstance(course, Bounded):
+        return False
+    pace = np.abs(course.pace((1.0,), np.linspace(0.0 if course.anomaly.even else -np.pi, np.pi, 129)))
+    return bool(np.min(pace) < 0.05 * float(course.kernels[0].mean))
+
+
 def dense(motion: Motion, span: float) -> Dense | None:
     """Return the table of a motion that reaches over a time span; None where a table does not serve."""
     equations = motion.equations

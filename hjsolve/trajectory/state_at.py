@@ -8,12 +8,13 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from hjsolve.initial import to_bits
-from hjsolve.numeric.clock import relative
+from hjsolve.numeric.clock import halves, relative, relative_exact
 from hjsolve.numeric.course import Bounded
 from hjsolve.numeric.inverse import Torus, mean_rate
+from hjsolve.quantities import FLOAT_DIGITS
 from hjsolve.state import Errors, State
 from hjsolve.system import velocities
-from hjsolve.trajectory.dense import FEWEST, Dense, OnDemand, dense
+from hjsolve.trajectory.dense import FEWEST, Dense, OnDemand, dense, rough
 from hjsolve.trajectory.phases import phases_at, read_times
 from hjsolve.trajectory.positions import (
     canonical_momenta,
@@ -34,9 +35,10 @@ if TYPE_CHECKING:
 def state_at(motion: Motion, t: Any) -> State:
     """Return the state at a time or times; see ``Motion.at``."""
     shape, floats, exact = read_times(t)
-    if shape is not None and floats is not None and len(floats) >= FEWEST:
-        time = relative(floats, to_bits(motion.t0))
-        table = dense(motion, 2 * float(np.max(np.abs(time[0]))))
+    if motion.digits <= FLOAT_DIGITS and (rough(motion) or (floats is not None and len(floats) >= FEWEST)):
+        start = to_bits(motion.t0)
+        time = relative(floats, start) if floats is not None else halves(relative_exact(exact, start, 256))
+        table = dense(motion, 2 * float(np.max(np.abs(time[0]), initial=1e-290)))
         if table is not None:
             return _tabulated(motion, table, t, time, shape)
     phases = phases_at(motion, floats, exact)
@@ -64,7 +66,7 @@ def state_at(motion: Motion, t: Any) -> State:
     )
 
 
-def _tabulated(motion: Motion, table: Dense, t: Any, time: tuple[Any, Any], shape: tuple[int, ...]) -> State:
+def _tabulated(motion: Motion, table: Dense, t: Any, time: tuple[Any, Any], shape: tuple[int, ...] | None) -> State:
     """The state from a table: every quantity is worked out when it is read."""
     system = motion.solution.system
     θ, whole, ended = table.argument(motion, time)
@@ -109,15 +111,15 @@ def _tabulated(motion: Motion, table: Dense, t: Any, time: tuple[Any, Any], shap
 
     def errors() -> Errors:
         groups = table_errors(motion, table, θ, q, p, v)
-        return Errors(*({n: np.reshape(values, shape) for n, values in group.items()} for group in groups))
+        return Errors(*({n: shaped(values, shape) for n, values in group.items()} for group in groups))
 
     def view(source: Mapping[str, Any], chosen: tuple[str, ...]) -> OnDemand:
-        return OnDemand(chosen, lambda name: np.reshape(source[name], shape))
+        return OnDemand(chosen, lambda name: shaped(source[name], shape))
 
-    counts = OnDemand(angles, lambda name: np.reshape(places[name][1], shape).astype(int))
+    counts = OnDemand(angles, lambda name: shaped(places[name][1].astype(int), shape))
     v = OnDemand(names, velocity)
     status = np.where(ended, "reaches_boundary", "ok") if ended.any() else np.broadcast_to(np.array("ok"), ended.shape)
-    return State(t, view(q, names), view(p, names), view(v, names), counts, status.reshape(shape), errors)
+    return State(t, view(q, names), view(p, names), view(v, names), counts, shaped(status, shape), errors)
 
 
 def shaped(values: Any, shape: tuple[int, ...] | None) -> Any:

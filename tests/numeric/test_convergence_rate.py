@@ -10,7 +10,7 @@ import pytest
 import hjsolve
 from hjsolve.numeric.anomaly import libration
 from hjsolve.numeric.arithmetic import Multi
-from hjsolve.numeric.course import PARTS, _integrands
+from hjsolve.numeric.course import PARTS, integrands
 from hjsolve.numeric.series import trial
 
 
@@ -28,7 +28,7 @@ def period_error(motion, nodes, below=None, above=None):
     anomaly = libration(
         a, b, None if below is None else below(a, b), None if above is None else above(a, b), arithmetic
     )
-    functions = _integrands(anomaly, course.radicand, (False,), bits, PARTS)
+    functions = integrands(anomaly, course.radicand, (False,), bits, PARTS)
     mean = trial(functions, even=True, nodes=nodes, bits=bits)[0].mean
     with mpmath.workdps(110):
         exact = 2 * mpmath.ellipk(mpmath.sin(mpmath.mpf(b) / 2) ** 2) / mpmath.pi
