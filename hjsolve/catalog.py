@@ -7,7 +7,7 @@ inline ``[system]`` table go through the same door.
 from __future__ import annotations
 
 import tomllib
-from collections.abc import Iterable, Iterator, Mapping, Sequence
+from collections.abc import Iterable, Iterator, Mapping
 from dataclasses import dataclass, field, replace
 from decimal import Decimal
 from importlib.resources import files
@@ -89,8 +89,8 @@ class Entry:
     """One system of the catalog.
 
     Attributes:
-        kind: ``separable``, ``extended``, ``refused``, ``outside`` (no T and V, so ``system`` is None), or ``unchecked`` where the
-            file expects nothing.
+        kind: ``separable``, ``extended``, ``refused``, ``outside`` (no T and V: ``system`` is None), or
+            ``unchecked`` where the file expects nothing.
         initial: the default motion, or None. motions: every motion by name, the default one included.
         expect: what is known about separability (catalog/README.md), as in the file.
         reason: why a refused system is refused. instead: what to do about it.
@@ -224,7 +224,7 @@ def from_table(table: Mapping[str, Any], *, source: str = "system") -> System:
     own = {key: value for key, value in table.items() if key not in _ENTRY or key in schema.SYSTEM}
     problems = list(schema.faults(own, schema.SYSTEM))
     if not problems:
-        problems = [*_repeated(own["coordinates"], "coordinates"), *_repeated(own.get("parameters", []), "parameters")]
+        problems = [f for k in ("coordinates", "parameters") for f in schema.repeated(own.get(k, []), k)]
     if problems:
         raise _refused(source, problems)
     try:
@@ -328,13 +328,13 @@ def _entry_faults(table: Mapping[str, Any], system: System) -> Iterator[str]:
     for name, effect in table.get("effects", {}).items():
         if not any(effect.get(term) for term in ("kinetic", "potential", "force")):
             yield f"effects.{name}: needs a term: kinetic, potential or force"
-        yield from _unknown(effect.get("force", ()), names, f"effects.{name}.force", "coordinate")
+        yield from schema.unknown(effect.get("force", ()), names, f"effects.{name}.force", "coordinate")
         yield from _effect_faults(table, name)
     refused = table.get("expect", {}).get("verdict") == "refused"
     if refused and not (table.get("reason") and table.get("instead")):
         yield "reason, instead: a refused entry says why, and what to do"
     for key in ("pair", "ignorable"):
-        yield from _unknown(table.get("expect", {}).get(key, ()), names, f"expect.{key}", "coordinate")
+        yield from schema.unknown(table.get("expect", {}).get(key, ()), names, f"expect.{key}", "coordinate")
     known = {"default"} if "initial" in table else set()
     for place, reference in enumerate(table.get("reference", []), start=1):
         yield from _reference_faults(reference, f"reference[{place}]", names, known | set(table.get("motions", {})))
@@ -347,14 +347,14 @@ def _motion_faults(where: str, data: Mapping[str, Any], names: list[str], declar
         given = data.get(key)
         if given is None:
             continue
-        yield from _unknown(given, names, f"{where}.{key}", "coordinate")
+        yield from schema.unknown(given, names, f"{where}.{key}", "coordinate")
         yield from (f"{where}.{key}.{name}: missing" for name in names if name not in given)
         yield from _numbers(given, f"{where}.{key}")
-    yield from _unknown(data.get("parameters", {}), declared, f"{where}.parameters", "parameter")
+    yield from schema.unknown(data.get("parameters", {}), declared, f"{where}.parameters", "parameter")
     yield from _numbers(data.get("parameters", {}), f"{where}.parameters")
     for name, kind in data.get("kinds", {}).items():
-        yield from _unknown([name], names, f"{where}.kinds", "coordinate")
-        yield from _unknown([kind], schema.KINDS, f"{where}.kinds.{name}", "kind")
+        yield from schema.unknown([name], names, f"{where}.kinds", "coordinate")
+        yield from schema.unknown([kind], schema.KINDS, f"{where}.kinds.{name}", "kind")
 
 
 def _effect_faults(table: Mapping[str, Any], name: str) -> Iterator[str]:
@@ -372,12 +372,12 @@ def _reference_faults(reference: Mapping[str, Any], where: str, names: list[str]
         yield f'{where}.quantity: "{quantity}" is not known; see "quantities" in catalog/README.md'
     else:
         coordinate = match["coordinate"] or match["turning"]
-        yield from _unknown([coordinate] if coordinate else [], names, f"{where}.quantity", "coordinate")
+        yield from schema.unknown([coordinate] if coordinate else [], names, f"{where}.quantity", "coordinate")
         timed = quantity.partition(".")[0] in ("q", "p", "velocity")
         if timed != ("t" in at):
             yield f"{where}.at: {'needs' if timed else 'must not have'} a time t"
     if "motion" in at:
-        yield from _unknown([str(at["motion"])], sorted(motions), f"{where}.at.motion", "motion")
+        yield from schema.unknown([str(at["motion"])], sorted(motions), f"{where}.at.motion", "motion")
     yield from _numbers({key: value for key, value in at.items() if key != "motion"}, f"{where}.at")
     yield from _numbers({"value": reference["value"]}, where)
 
@@ -390,16 +390,6 @@ def _numbers(table: Mapping[str, Any], where: str) -> Iterator[str]:
             yield _one_line(error)
 
 
-def _unknown(given: Iterable[str], known: Iterable[str], where: str, what: str) -> Iterator[str]:
-    words = list(known)
-    yield from (f'{where}: no {what} "{word}"{schema.nearest(word, words)}' for word in given if word not in words)
-
-
-def _repeated(tables: list[Mapping[str, Any]], where: str) -> Iterator[str]:
-    names = [table["name"] for table in tables]
-    yield from (f'{where}: "{name}" is declared twice' for name in dict.fromkeys(names) if names.count(name) > 1)
-
-
 def _refused(source: str, problems: list[str]) -> CatalogError:
     return CatalogError("\n".join(f"{source}: {problem}" for problem in problems))
 
@@ -407,8 +397,3 @@ def _refused(source: str, problems: list[str]) -> CatalogError:
 def _one_line(error: Exception) -> str:
     return " ".join(str(error).split())
 
-
-__all__ = [
-    "Effect", "Entry", "InitialData", "Reference", "describe", "folder", "from_table", "ids", "load", "read",
-    "titles",
-]  # fmt: skip

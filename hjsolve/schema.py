@@ -7,9 +7,10 @@ from __future__ import annotations
 
 import difflib
 import re
-from collections.abc import Iterator, Mapping
+from collections.abc import Iterable, Iterator, Mapping
 from dataclasses import dataclass, field
 from decimal import Decimal
+from typing import Any
 
 VERDICTS = ("liouville", "staeckel", "reduced", "refused")
 PARTS = ("metric", "potential", "gyroscopic")
@@ -149,3 +150,15 @@ def _shown(value: object) -> str:
     words = {bool: "true or false", dict: "a table", list: "a list", str: "a text", int: "an integer"}
     text = " ".join(str(value).split())
     return f"{words.get(type(value), type(value).__name__)} ({text[:40]})"
+
+
+def unknown(given: Iterable[str], known: Iterable[str], where: str, what: str) -> Iterator[str]:
+    """Yield a fault for every word that is not among those known."""
+    words = list(known)
+    yield from (f'{where}: no {what} "{word}"{nearest(word, words)}' for word in given if word not in words)
+
+
+def repeated(tables: list[Mapping[str, Any]], where: str) -> Iterator[str]:
+    """Yield a fault for every name that stands in more than one table."""
+    names = [table["name"] for table in tables]
+    yield from (f'{where}: "{name}" is declared twice' for name in dict.fromkeys(names) if names.count(name) > 1)

@@ -203,7 +203,7 @@ def test_a_refusal_without_words_or_constraint_is_told(tmp_path: Path) -> None:
         "spring.toml: reason, instead: a refused entry says why, and what to do",
         "spring.toml: constraint: missing; a nonholonomic entry states its constraint",
     ]
-    assert "did you mean \"nonholonomic\"" in fault(tmp_path, text.replace("nonholonomic", "nonholonom"))[0]
+    assert 'did you mean "nonholonomic"' in fault(tmp_path, text.replace("nonholonomic", "nonholonom"))[0]
     assert "needs T" in fault(tmp_path, text.replace("nonholonomic", "gyroscopic"))[0]
 
 
