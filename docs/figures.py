@@ -19,9 +19,11 @@ def side_by_side(figures: list[Figure], title: str, description: str) -> str:
     total = len(figures) * width + (len(figures) - 1) * gap
     parts = []
     for i, figure in enumerate(figures):
-        place = f'x="{i * (width + gap):g}" y="0" width="{width:g}" height="{height:g}" preserveAspectRatio="xMidYMid meet" '
+        place = f'x="{i * (width + gap):g}" y="0" width="{width:g}" height="{height:g}" '
         parts.append(figure.svg.replace("<svg ", f"<svg {place}", 1))
-    head = f'<svg xmlns="http://www.w3.org/2000/svg" viewBox="0 0 {total:g} {height:g}" role="img"><title>{title}</title>'
+    head = (
+        f'<svg xmlns="http://www.w3.org/2000/svg" viewBox="0 0 {total:g} {height:g}" role="img"><title>{title}</title>'
+    )
     return svg.standalone(f"{head}<desc>{description}</desc>{''.join(parts)}</svg>")
 
 
@@ -31,11 +33,12 @@ def kepler() -> str:
     solution = hjsolve.solve(hjsolve.catalog.load("kepler-planar", effects=["precession"]))
     motion = solution.motion(**entry.initial.arguments)
     radius = well(motion, "r")
-    t, closed = paths.times(motion)
-    orbit = paths.orbit(motion, t, motion.at(t), closed, "orbit")
+    orbit = paths.orbit(motion, paths.trace(motion), "orbit")
     assert orbit is not None
     figures = [effective_potential(radius, "potential", several=False), phase_portrait(radius, "phase"), orbit]
-    return side_by_side(figures, "A precessing Kepler ellipse", "Effective potential with turning points, phase plane, orbit.")
+    return side_by_side(
+        figures, "A precessing Kepler ellipse", "Effective potential with turning points, phase plane, orbit."
+    )
 
 
 def main() -> None:

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import re
+import tomllib
 from argparse import Namespace
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
@@ -12,6 +13,7 @@ from hjsolve.errors import InvalidInputError, NotSeparableError
 if TYPE_CHECKING:
     from hjsolve.catalog import Entry
     from hjsolve.reports.document import Section, Text
+    from hjsolve.scenes import Scene
     from hjsolve.system import System
 
 ANSWER, REFUSED, BAD_INPUT, UNSETTLED = 0, 1, 2, 3
@@ -81,9 +83,12 @@ def report(options: Namespace) -> int:
         The exit status.
     """
     from hjsolve.reports.content import gather
-    from hjsolve.reports.write import checked_path, save
+    from hjsolve.reports.write import checked_path, save, save_scene
 
     target = checked_path(options.output)
+    if (scene := _scene(options)) is not None:
+        print(f"wrote {save_scene(scene, target)}")
+        return ANSWER
     initial = _initial(options)
     subject: Any = options.system
     if options.coordinate or options.effect or options.system is None:
@@ -199,6 +204,24 @@ def _values(texts: list[str], option: str) -> dict[str, str]:
 def _once(found: dict[str, Any], name: str, option: str) -> None:
     if name in found:
         raise InvalidInputError(f'{option}: "{name}" is given twice')
+
+
+def _scene(options: Namespace) -> Scene | None:
+    """The scene that is meant, where the file given is one: it has keys that no entry has."""
+    if options.system is None or not options.system.endswith(".toml"):
+        return None
+    try:
+        table = tomllib.loads(Path(options.system).read_text(encoding="utf-8"))
+    except (OSError, ValueError):
+        return None  # the reader of entries says what is wrong with the file
+    if not {"system", "want", "times", "events"} & table.keys():
+        return None
+    given = (options.coordinate, options.kinetic, options.potential, options.parameter, options.effect, options.q)
+    if any(given) or options.velocity or options.momentum:
+        raise InvalidInputError(f"{options.system}: a scene says everything itself; leave the other options out")
+    from hjsolve.scenes import Scene
+
+    return Scene.load(options.system)
 
 
 def _initial(options: Namespace) -> dict[str, Any] | None:

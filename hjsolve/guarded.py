@@ -9,7 +9,7 @@ Every function takes ``fail``, which makes the error to raise from a message.
 from __future__ import annotations
 
 from collections.abc import Callable, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from math import ceil, comb, prod
 
 import mpmath
@@ -70,7 +70,8 @@ class Node:
     Attributes:
         expression: in sympy.
         value: at 60 digits where it is constant, else None.
-        terms: upper bound of the number of its terms when expanded.
+        terms: upper bound of the number of its terms when its numerators are expanded.
+        below: the same for its denominators.
         nesting: how deep functions, roots and variable powers nest in it.
         degree: upper bound of its degree as a polynomial in names and functions.
     """
@@ -80,6 +81,7 @@ class Node:
     terms: int = 1
     nesting: int = 0
     degree: int = 0
+    below: int = 1
 
 
 def leaf(expression: sp.Expr) -> Node:
@@ -95,22 +97,24 @@ def literal(text: str, fail: Fail) -> Node:
 
 def negative(node: Node) -> Node:
     """−a."""
-    return Node(-node.expression, None if node.value is None else -node.value, node.terms, node.nesting, node.degree)
+    return replace(node, expression=-node.expression, value=None if node.value is None else -node.value)
 
 
 def total(nodes: Sequence[Node], fail: Fail) -> Node:
     """The sum a + b + …, in one step."""
     value = None if any(n.value is None for n in nodes) else _CONTEXT.fsum(n.value for n in nodes)
     terms, nesting, degree = sum(n.terms for n in nodes), max(n.nesting for n in nodes), max(n.degree for n in nodes)
-    return _checked(Node(sp.Add(*(n.expression for n in nodes)), value, terms, nesting, degree), fail)
+    below = max(n.below for n in nodes)
+    return _checked(Node(sp.Add(*(n.expression for n in nodes)), value, terms, nesting, degree, below), fail)
 
 
 def product(nodes: Sequence[Node], fail: Fail) -> Node:
     """The product a·b·…, in one step."""
     value = None if any(n.value is None for n in nodes) else _CONTEXT.fprod(n.value for n in nodes)
     terms, nesting, degree = prod(n.terms for n in nodes), max(n.nesting for n in nodes), sum(n.degree for n in nodes)
-    _check_sizes(terms, nesting, fail)
-    return _checked(Node(sp.Mul(*(n.expression for n in nodes)), value, terms, nesting, degree), fail)
+    below = prod(n.below for n in nodes)
+    _check_sizes(max(terms, below), nesting, fail)
+    return _checked(Node(sp.Mul(*(n.expression for n in nodes)), value, terms, nesting, degree, below), fail)
 
 
 def reciprocal(node: Node, fail: Fail) -> Node:
@@ -132,17 +136,21 @@ def power(base: Node, exponent: Node, fail: Fail) -> Node:
     if base.value is not None and n is not None:
         whole = int(n) if exponent.expression.is_Integer else n
         value = _within(_defined(lambda: _CONTEXT.power(base.value, whole), "this power", fail), fail)
-    terms = base.terms if n is None else comb(base.terms + int(abs(n)) - 1, int(abs(n)))
-    if terms > max(_MAX_TERMS_OF_POWER, base.terms):
+    terms, below = (
+        (1 if x == 1 else x if n is None else comb(x + int(abs(n)) - 1, int(abs(n)))) for x in (base.terms, base.below)
+    )
+    if terms > max(_MAX_TERMS_OF_POWER, base.terms) or below > max(_MAX_TERMS_OF_POWER, base.below):
         raise fail(f"expanded, this power has more than {_MAX_TERMS_OF_POWER} terms")
     nesting, degree = max(base.nesting, exponent.nesting), base.degree if n is None else ceil(base.degree * abs(n))
     if not exponent.expression.is_Integer:
         nesting += 1
         _check_argument(base, fail)
         _check_argument(exponent, fail)
-    _check_sizes(terms, nesting, fail)
+    _check_sizes(max(terms, below), nesting, fail)
+    if n is not None and n < 0:
+        terms, below = below, terms
     expression = _built(lambda: sp.Pow(base.expression, exponent.expression), "this power", fail)
-    return _checked(Node(expression, value, terms, nesting, degree), fail)
+    return _checked(Node(expression, value, terms, nesting, degree, below), fail)
 
 
 def call(name: str, argument: Node, fail: Fail) -> Node:
@@ -257,8 +265,8 @@ def _checked(node: Node, fail: Fail) -> Node:
         value = _value(expression)
     if value is not None:
         _within(value, fail)
-    _check_sizes(node.terms, node.nesting, fail)
-    return Node(expression, value, node.terms, node.nesting, node.degree)
+    _check_sizes(max(node.terms, node.below), node.nesting, fail)
+    return replace(node, value=value)
 
 
 def _value(expression: sp.Expr) -> mpmath.mpf:

@@ -11,7 +11,7 @@ from typing import Any, TypeAlias
 from hjsolve import catalog
 from hjsolve.errors import InvalidInputError, NotSeparableError
 from hjsolve.motion import Motion
-from hjsolve.reports import numerical, quadratures, symbolic
+from hjsolve.reports import numerical, paths, quadratures, symbolic
 from hjsolve.reports.document import Code, Document, Note, Section, Text
 from hjsolve.separation import Obstruction, Separation, Undecided, separate
 from hjsolve.solution import Solution, solve
@@ -143,6 +143,7 @@ def document(material: Material) -> Document:
         symbolic.reduction_section(verdict),
         symbolic.evidence_section(verdict),
     ]
+    trace: paths.Trace | None = None
     if isinstance(verdict, Separation):
         sections.append(quadratures.forms_section(verdict))
     else:
@@ -151,11 +152,12 @@ def document(material: Material) -> Document:
         sections += quadratures.solution_sections(material.solution)
     if material.motion is not None:
         motion = material.motion
-        sections.append(_timed(clock, "figures", lambda: numerical.motion_section(motion, material.summary)))
+        trace = _timed(clock, "where it is at the times drawn", lambda: paths.trace(motion))
+        sections.append(_timed(clock, "drawings", lambda: numerical.motion_section(motion, trace, material.summary)))
         sections.append(numerical.numbers_section(motion))
     elif material.solution is not None:
         sections.append(_no_numbers(system))
-    sections.append(numerical.how_section(clock, material.motion))
+    sections.append(numerical.how_section(clock, material.motion, trace))
     title = system.title or "A mechanical system"
     return Document(title, system.id, _lead(material), tuple(s for s in sections if s is not None))
 

@@ -18,6 +18,8 @@ _OPERATORS = {
     "−": "-",
     "⋅": r"\cdot ",
     "×": r"\times ",
+    "∑": r"\sum ",
+    "…": r"\dots ",
     "≤": r"\le ",
     "≥": r"\ge ",
     "≠": r"\ne ",

@@ -145,7 +145,9 @@ def tidy(expression: sp.Basic) -> sp.Basic:
 def _outside(integral: sp.Integral) -> sp.Expr:
     variables = [limit[0] for limit in integral.limits]
     # what stands under a root is kept as it is written
-    radicands = {p.base for p in integral.function.atoms(sp.Pow) if p.exp.is_Rational and p.exp.q == 2 and p.base.is_Add}
+    radicands = {
+        p.base for p in integral.function.atoms(sp.Pow) if p.exp.is_Rational and p.exp.q == 2 and p.base.is_Add
+    }
     hidden = {radicand: sp.Dummy(positive=True) for radicand in radicands}
     shown = {dummy: radicand for radicand, dummy in hidden.items()}
     factored = sp.factor_terms(integral.function.xreplace(hidden)).xreplace(shown)

@@ -19,7 +19,7 @@ from hjsolve.reports.document import Block, Code, Figure, Figures, Mathematics, 
 from hjsolve.reports.figures import effective_potential, phase_portrait, potential_name
 from hjsolve.reports.notation import box, name_box
 from hjsolve.reports.numbers import quantity, seconds
-from hjsolve.reports.prose import typeset
+from hjsolve.reports.prose import prose, typeset
 from hjsolve.reports.symbolic import formula, math
 from hjsolve.reports.wells import Array, values_of, well
 from hjsolve.system import hamiltonian
@@ -27,18 +27,19 @@ from hjsolve.system import hamiltonian
 DASH: Text = ("–",)
 
 
-def motion_section(motion: Any, summary: str) -> Section:
+def motion_section(motion: Any, trace: paths.Trace, summary: str) -> Section:
     """Say which motion is shown and draw it.
 
     Args:
         motion: a ``Motion``.
+        trace: where it is at the times shown.
         summary: what the catalog says about its initial data; may be empty.
 
     Returns:
         The section.
     """
-    opening = f"One motion, as an example: {typeset(summary)}." if summary else "One motion, as an example."
-    blocks: list[Block] = [Paragraph((opening,)), _initial(motion)]
+    told = (": ", *prose(typeset(summary), motion.solution.system)) if summary else ()
+    blocks: list[Block] = [Paragraph(("One motion, as an example", *told, ".")), _initial(motion)]
     names = motion.solution.coordinates
     for i, name in enumerate(names):
         view = well(motion, name)
@@ -53,12 +54,8 @@ def motion_section(motion: Any, summary: str) -> Section:
                 )
             )
         )
-    t, closed = paths.times(motion)
-    state = motion.at(t)
-    orbit = paths.orbit(motion, t, state, closed, "orbit-figure")
-    drawings: tuple[Figure, ...] = tuple(
-        f for f in (orbit, paths.history(motion, t, state, "history")) if f is not None
-    )
+    orbit, history = paths.orbit(motion, trace, "orbit-figure"), paths.history(motion, trace, "history")
+    drawings: tuple[Figure, ...] = tuple(figure for figure in (orbit, history) if figure is not None)
     return Section("motion", "A motion", (*blocks, Figures(drawings)))
 
 
@@ -137,26 +134,25 @@ def _cycles(motion: Any, names: list[str]) -> Table:
         for word, (letter, _) in zip(("Action", "Frequency", "Period"), quantities)
     ]
     header: tuple[Text, ...] = (("Coordinate",), *heads)
-    return Table(
-        header, rows, "Actions, frequencies (in radians per unit time) and periods"
-    )
+    return Table(header, rows, "Actions, frequencies (in radians per unit time) and periods")
 
 
 # ------------------------------------------------------------------------------------------------ how it was computed
-def how_section(clock: Mapping[str, float], motion: Any | None) -> Section:
+def how_section(clock: Mapping[str, float], motion: Any | None, trace: paths.Trace | None) -> Section:
     """Say with what the report was computed and how long each part took.
 
     Args:
         clock: part → seconds, in the order they ran.
         motion: a ``Motion``, or None where nothing numerical was done.
+        trace: where it is at the times shown, or None.
 
     Returns:
         The section.
     """
     blocks: list[Block] = []
-    if motion is not None:
+    if motion is not None and trace is not None:
         blocks.append(_effort(motion))
-        drift = energy_drift(motion)
+        drift = energy_drift(motion, trace)
         if drift is not None:
             text = (
                 "As a check that shares nothing with the quadratures, H(q(t), p(t)) was evaluated along the path "
@@ -183,11 +179,12 @@ def _effort(motion: Any) -> Paragraph:
     )
 
 
-def energy_drift(motion: Any) -> float | None:
+def energy_drift(motion: Any, trace: paths.Trace) -> float | None:
     """Evaluate H along the path that is drawn and compare it with E.
 
     Args:
         motion: a ``Motion``.
+        trace: where it is at the times shown.
 
     Returns:
         The largest difference; None where E is no constant of the solution or the state is not finite.
@@ -195,12 +192,10 @@ def energy_drift(motion: Any) -> float | None:
     system = motion.solution.system
     if "E" not in motion.constants:
         return None
-    t, _ = paths.times(motion)
-    state = motion.at(t)
     H = hamiltonian(system)
     symbols: list[sp.Symbol] = [c.symbol for c in system.coordinates] + [c.momentum for c in system.coordinates]
-    arrays: list[Array] = [np.asarray(state.unwrapped(c.name), float) for c in system.coordinates]
-    arrays += [np.asarray(state.p[c.name], float) for c in system.coordinates]
+    arrays: list[Array] = [np.asarray(trace.state.unwrapped(c.name), float) for c in system.coordinates]
+    arrays += [np.asarray(trace.state.p[c.name], float) for c in system.coordinates]
     exact = values_of(motion)
     rest = sorted(H.free_symbols - set(symbols), key=str)
     with np.errstate(all="ignore"):

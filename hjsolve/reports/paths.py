@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from dataclasses import dataclass
 from typing import Any
 
 import numpy as np
@@ -15,6 +16,34 @@ from hjsolve.reports.wells import Array
 
 _POINTS_PER_CYCLE = 181
 _MOST_POINTS = 2600
+
+
+@dataclass(frozen=True)
+class Trace:
+    """Where a motion is at the times that are drawn.
+
+    Attributes:
+        t: the times, shape (n,).
+        state: ``motion.at(t)``.
+        closed: whether the motion repeats itself after the last time.
+    """
+
+    t: Array
+    state: Any
+    closed: bool
+
+
+def trace(motion: Any) -> Trace:
+    """Follow a motion over a time worth showing.
+
+    Args:
+        motion: a ``Motion``.
+
+    Returns:
+        Where it is.
+    """
+    t, closed = times(motion)
+    return Trace(t, motion.at(t), closed)
 
 
 def span(motion: Any) -> tuple[float, float, bool]:
@@ -96,14 +125,12 @@ def times(motion: Any) -> tuple[Array, bool]:
     return np.linspace(start, stop, count), closed
 
 
-def orbit(motion: Any, t: Array, state: Any, closed: bool, key: str) -> Figure | None:
+def orbit(motion: Any, trace: Trace, key: str) -> Figure | None:
     """Draw the path in space; None for one coordinate, whose path is its graph against time.
 
     Args:
         motion: a ``Motion``.
-        t: times, shape (n,).
-        state: ``motion.at(t)``.
-        closed: whether the path closes at the last time.
+        trace: where it is.
         key: a name that is unique on the page.
 
     Returns:
@@ -112,10 +139,10 @@ def orbit(motion: Any, t: Array, state: Any, closed: bool, key: str) -> Figure |
     where = embedding(motion.solution.system)
     if where.shape == "line":
         return None
-    q = {name: np.asarray(state.unwrapped(name), float) for name in where.names}
+    q = {name: np.asarray(trace.state.unwrapped(name), float) for name in where.names}
     path = place(where, q)
     draw = {"plane": _plane, "coordinates": _plane, "space": _space, "sphere": _sphere}[where.shape]
-    return draw(motion, where, t, path, closed, key)
+    return draw(motion, where, trace.t, path, trace.closed, key)
 
 
 def _split(motion: Any, t: Array, closed: bool) -> int:
@@ -224,13 +251,12 @@ def _caption(t: Array, closed: bool, faint: bool, *, sphere: bool = False) -> Te
     return (*start, "; the ring is the start", side, ".")
 
 
-def history(motion: Any, t: Array, state: Any, key: str) -> Figure:
+def history(motion: Any, trace: Trace, key: str) -> Figure:
     """Draw the separated coordinates against time, each in its own band.
 
     Args:
         motion: a ``Motion``.
-        t: times, shape (n,).
-        state: ``motion.at(t)``.
+        trace: where it is.
         key: a name that is unique on the page.
 
     Returns:
@@ -238,13 +264,13 @@ def history(motion: Any, t: Array, state: Any, key: str) -> Figure:
     """
     names = motion.solution.coordinates or tuple(c.name for c in motion.solution.system.coordinates)
     names = tuple(names)[:3]
-    keep = _few_cycles(motion, t)
-    shown = t[keep]
+    keep = _few_cycles(motion, trace.t)
+    shown = trace.t[keep]
     whole = 360.0 if len(names) > 1 else 320.0
     band = (whole - 40.0 - 30.0 * len(names)) / len(names)
     parts_below, parts_inside, data = [], [], {"t": _list(shown)}
     for i, name in enumerate(names):
-        values = np.asarray(state.unwrapped(name), float)[keep]
+        values = np.asarray(trace.state.unwrapped(name), float)[keep]
         top = 28.0 + i * (band + 30.0)
         frame = svg.Frame(
             (float(shown[0]), float(shown[-1])),

@@ -56,12 +56,12 @@ def domain_text(domain: Domain, name: str) -> Text:
     """
     if domain.kind == "angle":
         return ("angle, period ", Mathematics(row(Glyph("2", "number"), Glyph("π"))))
-    less = Glyph("<", "operator")
+    less, infinity = Glyph("<", "operator"), Glyph("∞", "number")
     parts: list[Box] = [name_box(name)]
     if domain.lower is not None or domain.kind == "line":
-        parts = [Glyph("−∞", "number") if domain.lower is None else box(domain.lower), less, *parts]
+        parts = [*([Glyph("−", "operator"), infinity] if domain.lower is None else [box(domain.lower)]), less, *parts]
     if domain.upper is not None or domain.kind == "line":
-        parts = [*parts, less, Glyph("∞", "number") if domain.upper is None else box(domain.upper)]
+        parts = [*parts, less, infinity if domain.upper is None else box(domain.upper)]
     return (Mathematics(row(*parts)),)
 
 

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import sympy as sp
 
-from hjsolve.reports.boxes import Fraction, Glyph, Script, row
+from hjsolve.reports.boxes import Fence, Fraction, Glyph, Script, row
 from hjsolve.reports.document import Block, Formula, Mathematics, Paragraph, Section, Table, Text
 from hjsolve.reports.notation import box, display, name_box, tidy
 from hjsolve.reports.prose import listed, prose
@@ -48,10 +48,11 @@ def _stackel(form: Stackel) -> list[Block]:
     Φ, ψ, c = Glyph("Φ"), Glyph("ψ"), Glyph("c")
     column = sp.ImmutableMatrix(form.column)
     metric = sp.ImmutableMatrix(form.inverse_metric)
-    comma = Glyph(",  ", "text")
-    whole = row(Φ, EQUALS, box(form.matrix), comma, ψ, EQUALS, box(column), comma, c, EQUALS, box(metric))
+    gap = Glyph(",  ", "text")
+    whole = row(Φ, EQUALS, box(form.matrix), gap, ψ, EQUALS, box(column), gap, c, EQUALS, box(metric))
     transposed = Script(c, sup=Glyph("T", "text"))
-    one = Glyph("(1, 0, …, 0)", "text")
+    comma, zero = Glyph(",", "operator"), Glyph("0", "number")
+    one = Fence(row(Glyph("1", "number"), comma, zero, comma, Glyph("…", "operator"), comma, zero))
     text: Text = (
         "Stäckel's matrix Φ, column ψ and coefficients c of ½p² in H; row i holds coordinate ",
         *_order(form.coordinates),

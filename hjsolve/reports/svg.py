@@ -113,7 +113,7 @@ def ticks(low: float, high: float, wanted: float = 5.0, *, angle: bool = False) 
     largest = max(abs(low), abs(high))
     if decimals > 4 or largest >= 1e6:
         # many digits: show the offset-free value with as few digits as tell the ticks apart
-        digits = max(1, floor(log10(largest / step) + 1e-9) + 1)
+        digits = max(1, ceil(log10(largest / step) - 1e-9) + 1)
         return [(x, _power_label(x, digits)) for x in places]
     return [(x, f"{x:.{decimals}f}".replace("-", "−") if abs(x) > step / 2 else "0") for x in places]
 

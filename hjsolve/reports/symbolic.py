@@ -78,7 +78,7 @@ def system_section(system: System, meanings: Mapping[str, tuple[str, str]], summ
     Returns:
         The section.
     """
-    blocks: list[Block] = [Paragraph((typeset(summary),))] if summary else []
+    blocks: list[Block] = [Paragraph(prose(typeset(summary), system))] if summary else []
     blocks += [formula(Glyph("T"), system.kinetic), formula(Glyph("V"), system.potential)]
     blocks.append(_coordinates(system, meanings))
     if system.parameters:
@@ -103,7 +103,7 @@ def _coordinates(system: System, meanings: Mapping[str, tuple[str, str]]) -> Tab
         (
             (Mathematics(name_box(c.name)),),
             domain_text(c.domain, c.name),
-            *(_meaning(*meanings.get(c.name, ("", ""))) if told else ()),
+            *(_meaning(system, *meanings.get(c.name, ("", ""))) if told else ()),
         )
         for c in system.coordinates
     )
@@ -111,8 +111,8 @@ def _coordinates(system: System, meanings: Mapping[str, tuple[str, str]]) -> Tab
     return Table(header, rows, "Coordinates")
 
 
-def _meaning(unit: str, meaning: str) -> tuple[Text, Text]:
-    return (typeset(meaning),), (typeset(unit),)
+def _meaning(system: System, unit: str, meaning: str) -> tuple[Text, Text]:
+    return prose(typeset(meaning), system), (typeset(unit),)
 
 
 def _parameters(system: System) -> Table:
@@ -121,7 +121,12 @@ def _parameters(system: System) -> Table:
     for p in system.parameters:
         value: Text = (math(p.value),) if p.value is not None else ("no default",)
         rows.append(
-            ((Mathematics(name_box(p.name)),), value, (p.assume,), *(_meaning(p.unit, p.meaning) if told else ()))
+            (
+                (Mathematics(name_box(p.name)),),
+                value,
+                (p.assume,),
+                *(_meaning(system, p.unit, p.meaning) if told else ()),
+            )
         )
     header: tuple[Text, ...] = (
         ("Parameter",),

@@ -43,6 +43,7 @@ _LETTERS = {
     "²": r"\textsuperscript{2}",
     "ᵀ": r"\textsuperscript{T}",
     "…": r"\dots{}",
+    "·": r"$\cdot$",
     "→": r"$\to$",
     "∞": r"$\infty$",
     "–": "--",

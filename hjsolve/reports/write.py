@@ -13,6 +13,7 @@ from hjsolve.errors import InvalidInputError
 from hjsolve.reports.content import Material, Subject, document, gather
 from hjsolve.reports.document import Document
 from hjsolve.reports.html import html
+from hjsolve.scenes import Scene
 
 
 def _markdown(content: Document) -> str:
@@ -50,7 +51,7 @@ SUFFIXES = tuple(_WRITERS)
 
 
 def report(
-    subject: Subject,
+    subject: Subject | Scene,
     path: str | Path,
     *,
     initial: Mapping[str, Any] | None = None,
@@ -63,8 +64,8 @@ def report(
     entry brings.
 
     Args:
-        subject: a ``System``, ``Separation``, ``Obstruction``, ``Undecided``, ``Solution`` or ``Motion``; a catalog id,
-            or the path of a TOML entry.
+        subject: a ``System``, ``Separation``, ``Obstruction``, ``Undecided``, ``Solution``, ``Motion`` or ``Scene``; a
+            catalog id, or the path of a TOML entry.
         path: where to write; the suffix chooses the format: .html, .md, .json, .txt or .tex. An existing file is
             replaced, and only once the new one is complete.
         initial: keyword arguments for ``solution.motion``, in place of the catalog's initial data.
@@ -83,6 +84,8 @@ def report(
         PosixPath('kepler.html')
     """
     target = checked_path(path)
+    if isinstance(subject, Scene):
+        return save_scene(subject, target)
     return save(gather(subject, initial=initial, motion=motion, digits=digits), target)
 
 
@@ -113,6 +116,25 @@ def checked_path(path: str | Path) -> Path:
     return target
 
 
+def save_scene(scene: Scene, target: Path) -> Path:
+    """Run a scene and write its report.
+
+    Args:
+        scene: what is asked.
+        target: a path that ``checked_path`` has passed.
+
+    Returns:
+        The path.
+
+    Raises:
+        NotSeparableError: the scene cannot be solved by quadratures and does not ask for an integrator.
+        InvalidInputError: the file cannot be written.
+    """
+    from hjsolve.reports.scenes import scene_document
+
+    return _write(scene_document(scene.run()), target)
+
+
 def save(material: Material, target: Path) -> Path:
     """Write what was gathered.
 
@@ -126,9 +148,13 @@ def save(material: Material, target: Path) -> Path:
     Raises:
         InvalidInputError: the file cannot be written.
     """
-    content = _WRITERS[target.suffix.lower()](document(material))
+    return _write(document(material), target)
+
+
+def _write(content: Document, target: Path) -> Path:
+    text = _WRITERS[target.suffix.lower()](content)
     with _readable_errors(target):
-        replace(target, content)
+        replace(target, text)
     return target
 
 

@@ -159,7 +159,8 @@ def _arc(scene: Scene, solution: Solution, piece: smooth.Piece) -> Arc:
 def _moment(time: sp.Expr, digits: int) -> Estimate:
     value = to_bits(time)(bits_of(max(digits, 15)))
     if digits <= 15:
-        return Estimate(float(value), abs(float(value)) * 2.0**-52)
+        exact = time.is_Rational and sp.Rational(float(value)) == time
+        return Estimate(float(value), 0.0 if exact else abs(float(value)) * 2.0**-52)
     return Estimate(value, abs(value) * value.context.mpf(10) ** -digits)
 
 

@@ -2,11 +2,15 @@
 
 from __future__ import annotations
 
+from html import unescape
 from pathlib import Path
 
 import numpy as np
 import pytest
 
+from hjsolve.cli import main
+from hjsolve.reports.html import html
+from hjsolve.reports.scenes import scene_document
 from hjsolve.scenes import Scene
 
 FOLDER = Path(__file__).resolve().parents[2] / "scenes"
@@ -34,6 +38,35 @@ def test_a_scene_runs_and_gives_what_it_wants(path: Path) -> None:
             assert np.all(np.isfinite(values))
             assert np.all(run.trajectory.error.q[name] < (1e-7 if scene.method == "integrate" else 1e-12))
         assert set(run.trajectory.status) == {"ok"}
+    told = html(scene_document(run))
+    assert scene.title in unescape(told)
+    assert told.count("<section") >= 3
+    assert ("Where it is" in told) == (run.trajectory is not None)
+    assert ("What became of the constants" in told) == bool(run.drift)
+
+
+def test_the_command_line_writes_the_report_of_a_scene(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
+    target = tmp_path / "pendulum.md"
+    assert main(["report", str(FOLDER / "pendulum-over-the-top.toml"), "-o", str(target)]) == 0
+    text = target.read_text(encoding="utf-8")
+    assert "push back at t = 8" in text
+    assert "rotation" in text
+    assert capsys.readouterr().out == f"wrote {target}\n"
+
+
+def test_a_scene_that_is_wrong_or_refused_writes_nothing(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
+    scene, target = tmp_path / "scene.toml", tmp_path / "out.html"
+    for text, status, words in (
+        ('system = "pendulum"\nwant = ["period"]', 2, 'want: "period" is not known'),
+        ('system = "pendulum"\neffects = ["drag"]\nwant = ["periods"]', 1, "dH/dt"),
+        ('system = "kepler-planar"\neffects = ["uniform-field"]\nwant = ["periods"]', 1, "does not separate"),
+    ):
+        scene.write_text(text, encoding="utf-8")
+        assert main(["report", str(scene), "-o", str(target)]) == status
+        assert words in capsys.readouterr().err
+        assert not target.exists()
+    assert main(["report", str(scene), "-o", str(target), "--parameter", "k=2"]) == 2
+    assert "leave the other options out" in capsys.readouterr().err
 
 
 def test_the_planet_precesses_by_the_closed_form() -> None:

@@ -1,0 +1,80 @@
+"""The HTML report as a browser shows it: no errors, formulas and drawings of a real size, nothing wider than the window."""
+
+from __future__ import annotations
+
+import os
+import shutil
+import tempfile
+from collections.abc import Iterator
+from pathlib import Path
+
+import pytest
+
+import hjsolve
+
+webdriver = pytest.importorskip("selenium.webdriver")
+
+CHROMIUM, DRIVER = shutil.which("chromium"), shutil.which("chromedriver")
+if not (CHROMIUM and DRIVER) and not os.environ.get("CI"):
+    pytest.skip("Chromium and its driver are not installed", allow_module_level=True)
+
+FLAGS = [
+    "--headless=new", "--no-sandbox", "--disable-gpu", "--disable-quic", "--no-first-run", "--disable-component-update",
+    "--disable-background-networking", "--disable-sync", "--disable-dev-shm-usage", "--force-device-scale-factor=1",
+]  # fmt: skip
+
+
+@pytest.fixture(scope="module")
+def browser() -> Iterator[object]:
+    from selenium.webdriver.chrome.service import Service
+
+    options = webdriver.ChromeOptions()
+    options.binary_location = CHROMIUM
+    for flag in FLAGS:
+        options.add_argument(flag)
+    options.set_capability("goog:loggingPrefs", {"browser": "ALL"})
+    with tempfile.TemporaryDirectory() as profile:
+        options.add_argument(f"--user-data-dir={profile}")
+        driver = webdriver.Chrome(options=options, service=Service(DRIVER))
+        yield driver
+        driver.quit()
+
+
+@pytest.fixture(scope="module", params=["kepler-planar", "kepler-spherical", "henon-heiles"])
+def page(request: pytest.FixtureRequest, tmp_path_factory: pytest.TempPathFactory, browser) -> Iterator[object]:
+    path: Path = tmp_path_factory.mktemp("report") / "report.html"
+    hjsolve.report(request.param, path)
+    browser.get(path.as_uri())
+    return browser
+
+
+def test_nothing_is_reported_to_the_console(page):
+    assert [entry for entry in page.get_log("browser") if entry["level"] in {"SEVERE", "WARNING"}] == []
+
+
+def test_every_section_heading_is_visible(page):
+    headings = page.find_elements("css selector", "h2")
+    assert len(headings) >= 3
+    assert all(h.is_displayed() and h.text.strip() for h in headings)
+
+
+def test_formulas_and_drawings_have_a_size(page):
+    formulas = page.find_elements("css selector", "math")
+    assert len(formulas) >= 5
+    assert all(f.size["width"] > 0 and f.size["height"] > 0 for f in formulas)
+    drawings = page.find_elements("css selector", "figure svg")
+    assert all(d.size["width"] >= 150 and d.size["height"] >= 100 for d in drawings)
+
+
+@pytest.mark.parametrize("width", [500, 1200])
+def test_the_page_is_not_wider_than_the_window(page, width):
+    page.set_window_size(width, 900)
+    inner, scroll = page.execute_script("return [window.innerWidth, document.documentElement.scrollWidth]")
+    assert scroll <= inner
+
+
+def test_the_motion_is_drawn_and_its_numbers_are_there(page):
+    if "kepler-planar" not in page.page_source:
+        pytest.skip("this check is of the plane Kepler report")
+    assert len(page.find_elements("css selector", "figure svg")) >= 3
+    assert "14.9933206" in page.find_element("css selector", "body").text
