@@ -60,6 +60,7 @@ _EXAMPLES = {
 examples:
   hjsolve check kepler-planar                   does it separate, and why
   hjsolve solve lagrange-top                    W, momenta, time law, orbit equations
+  hjsolve coordinates henon-heiles              in which coordinates would it separate
   hjsolve report kepler-planar -o kepler.html   all of that, a motion with drawings, and numbers
   hjsolve catalog                               what is in the catalog""",
     "check": """\
@@ -72,6 +73,13 @@ examples:
 examples:
   hjsolve solve kepler-spherical
   hjsolve solve --coordinate "x: line" -T "m/2*dot(x)**2" -V "m*w**2/2*x**2" --parameter m=1 --parameter w=2""",
+    "coordinates": """\
+examples:
+  hjsolve coordinates henon-heiles
+  hjsolve coordinates --coordinate "x: line" --coordinate "y: line" \\
+      -T "(dot(x)**2 + dot(y)**2)/2" -V "-1/sqrt((x - 1)**2 + y**2) - 2/sqrt((x + 1)**2 + y**2)"
+  hjsolve coordinates --coordinate "x: line" --coordinate "y: line" \\
+      -T "m*(dot(x)**2 + dot(y)**2)/2" -V "k*(x**2 + y**2 + (x - y)**2)/2" --parameter m --parameter k""",
     "report": """\
 examples:
   hjsolve report kepler-planar -o kepler.html
@@ -201,6 +209,7 @@ def parser() -> argparse.ArgumentParser:
     )
     _add_check(kinds)
     _add_solve(kinds)
+    _add_coordinates(kinds)
     _add_report(kinds)
     _add_catalog(kinds)
     return top
@@ -233,6 +242,16 @@ def _add_solve(kinds: _Commands) -> None:
     )
     solve = _add(kinds, "solve", "W, momenta, time law and orbit equations", about)
     _system_arguments(solve)
+
+
+def _add_coordinates(kinds: _Commands) -> None:
+    about = (
+        "Find every orthogonal coordinate system in which a system given in Cartesian coordinates of the plane\n"
+        "or of space separates, with centres, axes and foci; and normal modes where T and V are quadratic with\n"
+        f"constant coefficients. Status 1: there are none.\n\n{_SYSTEMS}"
+    )
+    coordinates = _add(kinds, "coordinates", "in which coordinates does it separate?", about)
+    _system_arguments(coordinates)
 
 
 def _add_report(kinds: _Commands) -> None:

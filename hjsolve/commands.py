@@ -12,6 +12,7 @@ from hjsolve.errors import InvalidInputError, NotSeparableError
 
 if TYPE_CHECKING:
     from hjsolve.catalog import Entry
+    from hjsolve.coordinates import NormalModes
     from hjsolve.reports.document import Section, Text
     from hjsolve.scenes import Scene
     from hjsolve.system import System
@@ -71,6 +72,44 @@ def solve(options: Namespace) -> int:
         evidence = [symbolic.evidence_section(verdict, lead=False), symbolic.refusal_section(verdict)]
         _print(system, evidence, symbolic.answer(verdict))
     return _status(verdict)
+
+
+def coordinates(options: Namespace) -> int:
+    """Find the coordinates in which a system separates, and print them.
+
+    Args:
+        options: the parsed arguments.
+
+    Returns:
+        The exit status.
+    """
+    from hjsolve.reports import webs
+
+    system = _system(options)
+    modes = _modes(system)
+    if modes is not None and len(system.coordinates) not in {2, 3}:
+        _print(system, [webs.modes_section(modes)], webs.modes_answer(modes))
+        return ANSWER
+    from hjsolve.coordinates import find_coordinates
+
+    found = find_coordinates(system)
+    oscillations = webs.modes_section(modes) if modes else None
+    _print(system, [*webs.found_sections(found), oscillations], webs.found_answer(found))
+    for index, web in enumerate(found.webs, 1):
+        print(f"\nTo go on with {index}, {web.kind}:\n{webs.command(web.system)}")
+    settled = found.complete and all(web.certified for web in found.webs)
+    return (ANSWER if found.webs or modes else REFUSED) if settled else UNSETTLED
+
+
+def _modes(system: System) -> NormalModes | None:
+    """The normal modes of a system whose T and V are quadratic forms; None of any other."""
+    from hjsolve.coordinates import normal_modes
+    from hjsolve.errors import InvalidSystemError
+
+    try:
+        return normal_modes(system)
+    except InvalidSystemError:
+        return None
 
 
 def report(options: Namespace) -> int:

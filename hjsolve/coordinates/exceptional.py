@@ -94,7 +94,8 @@ def _solutions(factors: Sequence[sp.Expr]) -> list[tuple[sp.Symbol, sp.Expr]]:
         linear = [s for s in symbols if sp.degree(factor, s) == 1 and not sp.Poly(factor, s).LC().free_symbols]
         if linear:
             chosen = linear[-1] if len(linear) == len(symbols) else linear[0]
-            answers.append((chosen, sp.expand(sp.solve(factor, chosen)[0])))
+            slope, rest = sp.Poly(factor, chosen).all_coeffs()
+            answers.append((chosen, sp.expand(-rest / slope)))
         elif len(symbols) == 1 and sp.degree(factor, symbols[0]) == 2:
             answers.extend((symbols[0], root) for root in sp.solve(factor, symbols[0]) if root.is_real)
     return answers
