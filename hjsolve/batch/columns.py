@@ -1,0 +1,70 @@
+"""What a batch gives back: one array a quantity, an error beside every number, a status for every orbit."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from dataclasses import dataclass
+from enum import IntEnum
+from typing import Any
+
+import numpy as np
+
+QUANTITIES = ("constants", "turning_points", "actions", "frequencies", "periods", "angles")
+"""What may be wanted of a batch."""
+
+
+class Status(IntEnum):
+    """How far the fast path came with one orbit; anything but ``OK`` is for the single-orbit engine."""
+
+    OK = 0
+    EXACT = 1
+    """Bounded perhaps, but not decided in doubles."""
+    FORBIDDEN = 2
+    """p² < 0 or a place outside the domain, or an input that is no finite number."""
+    UNBOUNDED = 3
+    """No turning point within reach on one side."""
+    EQUILIBRIUM = 4
+    """A coordinate rests at a double zero of p²."""
+    ASYMPTOTIC = 5
+    """A double zero of p² at an end of the region: an infinite time."""
+    NOT_CONVERGED = 6
+    """The nodes did not suffice."""
+
+
+@dataclass(frozen=True)
+class Columns:
+    """Arrays of shape (n,), NaN where the status is not ``OK``.
+
+    Attributes:
+        actions, frequencies, periods, angles: coordinate → values; angles in (−π, π].
+        constants: name of a constant of the motion → values.
+        turning_points: ``"r.lower"``, ``"r.upper"`` → positions; NaN for a rotation.
+        error: ``"actions.r"``, ``"turning_points.r.lower"``, … → claimed absolute error.
+        status: ``Status`` as uint8.
+    """
+
+    actions: Mapping[str, Any]
+    frequencies: Mapping[str, Any]
+    periods: Mapping[str, Any]
+    angles: Mapping[str, Any]
+    constants: Mapping[str, Any]
+    turning_points: Mapping[str, Any]
+    error: Mapping[str, Any]
+    status: Any
+
+    def group(self, quantity: str) -> Mapping[str, Any]:
+        """Return the columns of one of ``QUANTITIES``."""
+        columns: Mapping[str, Any] = getattr(self, quantity)
+        return columns
+
+
+def blank(names: Mapping[str, tuple[str, ...]], count: int) -> Columns:
+    """Return columns full of NaN, all orbits for the single-orbit engine.
+
+    Args:
+        names: quantity → names of its columns; quantities that are not wanted are absent.
+        count: number of orbits.
+    """
+    groups = {q: {name: np.full(count, np.nan) for name in names.get(q, ())} for q in QUANTITIES}
+    error = {f"{q}.{name}": np.full(count, np.nan) for q in names for name in names[q]}
+    return Columns(**groups, error=error, status=np.full(count, Status.EXACT, dtype=np.uint8))
