@@ -13,6 +13,8 @@ _FUNCTIONS = {
     getattr(sp, name.capitalize() if name == "abs" else name): name for name in UNARY if name not in {"neg", "sqrt"}
 }
 
+_LARGEST_POWER = 6
+
 
 def lower(expressions: Sequence[sp.Expr], arguments: Sequence[sp.Symbol]) -> Tape:
     """Compile formulas to one tape, common parts computed once.
@@ -30,6 +32,36 @@ def lower(expressions: Sequence[sp.Expr], arguments: Sequence[sp.Symbol]) -> Tap
     writer = _Writer(tuple(arguments))
     outputs = tuple(writer.slot(sp.sympify(expression)) for expression in expressions)
     return Tape(tuple(str(s) for s in arguments), tuple(writer.operations), outputs)
+
+
+def spread_exponentials(e: sp.Expr) -> sp.Expr:
+    """Write e as a sum over products of exponentials where it is a polynomial in them.
+
+    (exp(x) − 1)²·exp(−2x) cannot be enclosed over a wide interval of x: both factors change by many orders. Each term of
+    1 − 2 exp(−x) + exp(−2x) can. What is free of exponentials is left as it stands.
+    """
+    hidden: dict[sp.Dummy, sp.Expr] = {}
+
+    def kept(x: sp.Expr) -> sp.Expr:
+        name = sp.Dummy()
+        hidden[name] = x
+        return name
+
+    def opened(x: sp.Expr) -> sp.Expr:
+        if isinstance(x, sp.exp) or x.is_Number or x.is_Symbol:
+            return x
+        if not x.has(sp.exp):
+            return kept(x)
+        if x.is_Add or x.is_Mul:
+            return x.func(*map(opened, x.args))
+        if x.is_Pow and x.exp.is_Integer and 0 < x.exp <= _LARGEST_POWER:
+            return opened(x.base) ** x.exp
+        return kept(x)
+
+    if not e.has(sp.exp):
+        return e
+    spread = sp.powsimp(sp.expand(opened(e), power_exp=False, power_base=False, log=False), combine="exp")
+    return spread.xreplace(hidden) if sp.count_ops(spread) <= 4 * sp.count_ops(e) else e
 
 
 class _Writer:
@@ -92,7 +124,16 @@ class _Writer:
     def _product(self, e: sp.Mul) -> int:
         if e.could_extract_minus_sign():
             return self._emit("neg", (self.slot(-e),))
-        numerator, denominator = sp.fraction(e)
+        above, below = [], []
+        for factor in e.args:
+            if factor.is_Rational:
+                above.append(sp.Integer(factor.p))
+                below.append(sp.Integer(factor.q))
+            elif isinstance(factor, sp.Pow) and factor.exp.could_extract_minus_sign():  # exp(−x) stays above
+                below.append(1 / factor)
+            else:
+                above.append(factor)
+        numerator, denominator = sp.Mul(*above), sp.Mul(*below)
         if denominator is sp.S.One:
             return self._factors(e)
         return self._emit("div", (self._factors(numerator), self._factors(denominator)))

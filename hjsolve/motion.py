@@ -18,7 +18,7 @@ from hjsolve import quantities
 from hjsolve.errors import InvalidInputError
 from hjsolve.expressions import number
 from hjsolve.initial import Initial, domain_ends, initial_data, sign, to_bits
-from hjsolve.lowering import lower
+from hjsolve.lowering import lower, spread_exponentials
 from hjsolve.numeric.arithmetic import multiprecision
 from hjsolve.numeric.classify import Located, Start, forbidden, locate
 from hjsolve.numeric.course import PARTS, Open
@@ -259,7 +259,8 @@ def _start(solution: Solution, initial: Initial, name: str) -> Start:
     rules = [to_bits(value) for value in exact]
     kernels = [sp.diff(F, c) / 2 for c in constants]
     arguments = [coordinate.symbol, *constants, *parameters]
-    radicand = Radicand(lower([F], arguments), lower(kernels, arguments), lambda bits: [rule(bits) for rule in rules])
+    squared = lower([spread_exponentials(F)], arguments)
+    radicand = Radicand(squared, lower(kernels, arguments), lambda bits: [rule(bits) for rule in rules])
     momentum = initial.values[coordinate.momentum] + solution.shift[name].subs(initial.values)
     ends = [None if end is None else to_bits(end) for end in domain_ends(solution.system, name, initial.values)]
     angle = coordinate.domain.kind == "angle" and _periodic(radicand, to_bits(initial.values[coordinate.symbol]))
