@@ -37,8 +37,8 @@ def lower(expressions: Sequence[sp.Expr], arguments: Sequence[sp.Symbol]) -> Tap
 def spread_exponentials(e: sp.Expr) -> sp.Expr:
     """Write e as a sum over products of exponentials where it is a polynomial in them.
 
-    (exp(x) − 1)²·exp(−2x) cannot be enclosed over a wide interval of x: both factors change by many orders. Each term of
-    1 − 2 exp(−x) + exp(−2x) can. What is free of exponentials is left as it stands.
+    (exp(x) − 1)²·exp(−2x) cannot be enclosed over a wide interval of x: both factors change by many orders.
+    Each term of 1 − 2 exp(−x) + exp(−2x) can. What is free of exponentials is left as it stands.
     """
     hidden: dict[sp.Dummy, sp.Expr] = {}
 
