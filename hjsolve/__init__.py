@@ -33,8 +33,8 @@ if TYPE_CHECKING:
     from hjsolve.errors import NotConvergedError as NotConvergedError
     from hjsolve.errors import NotSeparableError as NotSeparableError
     from hjsolve.errors import OutsideMotionError as OutsideMotionError
-    from hjsolve.general import from_hamiltonian as from_hamiltonian
     from hjsolve.gyroscopic import linear_modes as linear_modes
+    from hjsolve.hamiltonians import from_hamiltonian as from_hamiltonian
     from hjsolve.motion import Motion as Motion
     from hjsolve.numeric.estimate import Estimate as Estimate
     from hjsolve.reports import report as report
@@ -57,7 +57,7 @@ _HOMES = {
     "separate": "separation", "Separation": "separation", "Obstruction": "separation", "Undecided": "separation",
     "solve": "solution", "Solution": "solution",
     "Motion": "motion", "Estimate": "numeric.estimate",
-    "report": "reports", "Scene": "scenes", "linear_modes": "gyroscopic", "from_hamiltonian": "general",
+    "report": "reports", "Scene": "scenes", "linear_modes": "gyroscopic", "from_hamiltonian": "hamiltonians",
     "CatalogError": "errors", "ExpressionError": "errors", "ForbiddenMotionError": "errors", "HJSolveError": "errors",
     "InternalError": "errors", "InvalidInputError": "errors", "InvalidSystemError": "errors",
     "MissingExtraError": "errors", "MissingValueError": "errors", "NotConvergedError": "errors",

@@ -8,7 +8,7 @@ from __future__ import annotations
 
 import tomllib
 from collections.abc import Iterable, Iterator, Mapping
-from dataclasses import dataclass, field, replace
+from dataclasses import dataclass, field
 from decimal import Decimal
 from importlib.resources import files
 from importlib.resources.abc import Traversable
@@ -17,8 +17,9 @@ from typing import Any
 
 from hjsolve import refusals, schema
 from hjsolve.effects import forces, with_effects
-from hjsolve.errors import CatalogError, ExpressionError, InvalidInputError, NotSeparableError
-from hjsolve.expressions import number
+from hjsolve.entry_faults import form_faults, motion_faults, reference_faults
+from hjsolve.errors import CatalogError, InvalidInputError, NotSeparableError
+from hjsolve.hamiltonians import LinearHamiltonian, from_hamiltonian
 from hjsolve.system import System, parameter
 
 _FOLDERS = {"separable": "systems", "extended": "extended", "refused": "refused", "outside": "outside"}
@@ -91,6 +92,7 @@ class Entry:
     Attributes:
         kind: ``separable``, ``extended``, ``refused``, ``outside`` (no T and V: ``system`` is None), or
             ``unchecked`` where the file expects nothing.
+        hamiltonian: H(q, p) where it is given and linear in p; then ``system`` is None.
         initial: the default motion, or None. motions: every motion by name, the default one included.
         expect: what is known about separability (catalog/README.md), as in the file.
         reason: why a refused system is refused. instead: what to do about it.
@@ -116,6 +118,7 @@ class Entry:
     refusal: refusals.Refusal | None = None
     constraints: tuple[refusals.Constraint, ...] = ()
     stated: refusals.Stated | None = None
+    hamiltonian: LinearHamiltonian | None = None
 
 
 def ids(kind: str | None = None) -> tuple[str, ...]:
@@ -133,9 +136,19 @@ def ids(kind: str | None = None) -> tuple[str, ...]:
     return tuple(name for k in kinds for name in sorted(f.name.removesuffix(".toml") for f in _toml_files(k)))
 
 
-def titles() -> dict[str, str]:
-    """Give the title of every entry by its id, without building any system."""
-    return {name: str(_read(*_locate(name))["title"]) for name in ids()}
+def titles(*, book: str | None = None) -> dict[str, str]:
+    """Give the title of every entry by its id, without building any system.
+
+    Args:
+        book: only the entries that are this row of the table of Greenwood's systems, such as ``C28``.
+    """
+    tables = {name: _read(*_locate(name)) for name in ids()}
+    return {n: str(t["title"]) for n, t in tables.items() if book is None or book in t.get("book", ())}
+
+
+def kind_of(entry: str) -> str:
+    """Give the kind of an entry of the catalog: ``separable``, ``extended``, ``refused`` or ``outside``."""
+    return next(kind for kind in _FOLDERS if entry in ids(kind))
 
 
 def load(entry: str | Path, *, effects: Iterable[str] = ()) -> System:
@@ -191,15 +204,17 @@ def describe(entry: str | Path) -> Entry:
     """
     table, source = _checked(entry)
     outside = refusals.refusal(table)
-    system = None if outside else from_table(table, source=source)
-    problems = list(_entry_faults(table, system) if system else ())
+    built = None if outside else _built(table, source)
+    problems = list(_entry_faults(table, built) if built else ())
     if problems:
         raise _refused(source, problems)
     tables = {"default": table["initial"]} if "initial" in table else {}
     motions = {name: _initial(name, data) for name, data in {**tables, **table.get("motions", {})}.items()}
     expect = table.get("expect", {})
     return Entry(
-        id=table["id"], title=table["title"], summary=table.get("summary", ""), system=system,
+        id=table["id"], title=table["title"], summary=table.get("summary", ""),
+        system=built if isinstance(built, System) else None,
+        hamiltonian=built if isinstance(built, LinearHamiltonian) else None,
         kind="extended" if table["id"] in ids("extended") else _kind(expect, outside), refusal=outside,
         constraints=refusals.constraints(table), stated=refusals.stated(table),
         initial=motions.get("default"), motions=motions, effects=_effects(table), expect=expect,
@@ -221,17 +236,47 @@ def from_table(table: Mapping[str, Any], *, source: str = "system") -> System:
     Raises:
         CatalogError: one line for every fault: the source, the key, what is wrong and what to write instead.
     """
+    built = _built(table, source)
+    if isinstance(built, LinearHamiltonian):
+        raise CatalogError(
+            f"{source}: hamiltonian: linear in p, so there are no T and V; use hjsolve.from_hamiltonian, or for an "
+            "entry hjsolve.catalog.hamiltonian"
+        )
+    return built
+
+
+def hamiltonian(entry: str | Path) -> LinearHamiltonian | None:
+    """Give the solved H(q, p) of an entry that gives one, linear in p; None for an entry with T and V.
+
+    Raises:
+        CatalogError: as ``load``.
+
+    Example:
+        >>> hamiltonian("hamiltonian-q-plus-p").principal_function
+        E*q - E*t - q**2/2
+    """
+    table, source = _checked(entry)
+    built = _built(table, source) if "hamiltonian" in table else None
+    return built if isinstance(built, LinearHamiltonian) else None
+
+
+def _built(table: Mapping[str, Any], source: str) -> System | LinearHamiltonian:
     own = {key: value for key, value in table.items() if key not in _ENTRY or key in schema.SYSTEM}
-    problems = list(schema.faults(own, schema.SYSTEM))
+    keys = schema.optional(schema.SYSTEM, "kinetic") if "hamiltonian" in own else schema.SYSTEM
+    problems = list(schema.faults(own, keys)) or list(form_faults(own))
     if not problems:
         problems = [f for k in ("coordinates", "parameters") for f in schema.repeated(own.get(k, []), k)]
     if problems:
         raise _refused(source, problems)
+    coordinates = {c["name"]: c["domain"] for c in own["coordinates"]}
+    parameters = {p["name"]: _parameter(p) for p in own.get("parameters", [])}
     try:
+        if "hamiltonian" in own:
+            return from_hamiltonian(
+                own["hamiltonian"], coordinates, parameters, title=own.get("title", ""), id=own.get("id", "")
+            )
         return System(
-            coordinates={c["name"]: c["domain"] for c in own["coordinates"]},
-            kinetic=own["kinetic"], potential=own.get("potential", "0"),
-            parameters={p["name"]: _parameter(p) for p in own.get("parameters", [])},
+            coordinates, own["kinetic"], own.get("potential", "0"), parameters,
             signature=own.get("signature", "definite"), title=own.get("title", ""), id=own.get("id", ""),
             relativity=own.get("relativity"),
         )  # fmt: skip
@@ -284,10 +329,10 @@ def _kind(expect: Mapping[str, Any], outside: refusals.Refusal | None) -> str:
 def _checked(entry: str | Path) -> tuple[dict[str, Any], str]:
     file, source = _locate(entry)
     table = _read(file, source)
-    keys = _ENTRY
+    keys = schema.optional(_ENTRY, "kinetic") if "hamiltonian" in table else _ENTRY
     if "refused_because" in table and "kinetic" not in table:
-        keys = keys | {name: replace(keys[name], required=False) for name in ("kinetic", "coordinates")}
-    problems = list(schema.faults(table, keys)) or list(refusals.faults(table))
+        keys = schema.optional(_ENTRY, "kinetic", "coordinates")
+    problems = list(schema.faults(table, keys)) or [*refusals.faults(table), *form_faults(table)]
     if not problems and table["id"] != file.name.removesuffix(".toml"):
         problems.append(f'id: "{table["id"]}" must be the name of the file, "{file.name.removesuffix(".toml")}"')
     if problems:
@@ -318,13 +363,13 @@ def _parameter(table: Mapping[str, Any]) -> Any:
     )  # fmt: skip
 
 
-def _entry_faults(table: Mapping[str, Any], system: System) -> Iterator[str]:
+def _entry_faults(table: Mapping[str, Any], system: System | LinearHamiltonian) -> Iterator[str]:
     """What the schema cannot see: names that must agree, numbers that must parse, references that must make sense."""
     names, declared = [c.name for c in system.coordinates], [p.name for p in system.parameters]
     motions = {"initial": table["initial"]} if "initial" in table else {}
     motions |= {f"motions.{name}": data for name, data in table.get("motions", {}).items()}
     for where, data in motions.items():
-        yield from _motion_faults(where, data, names, declared)
+        yield from motion_faults(where, data, names, declared)
     for name, effect in table.get("effects", {}).items():
         if not any(effect.get(term) for term in ("kinetic", "potential", "force")):
             yield f"effects.{name}: needs a term: kinetic, potential or force"
@@ -337,24 +382,7 @@ def _entry_faults(table: Mapping[str, Any], system: System) -> Iterator[str]:
         yield from schema.unknown(table.get("expect", {}).get(key, ()), names, f"expect.{key}", "coordinate")
     known = {"default"} if "initial" in table else set()
     for place, reference in enumerate(table.get("reference", []), start=1):
-        yield from _reference_faults(reference, f"reference[{place}]", names, known | set(table.get("motions", {})))
-
-
-def _motion_faults(where: str, data: Mapping[str, Any], names: list[str], declared: list[str]) -> Iterator[str]:
-    if ("velocity" in data) == ("p" in data):
-        yield f"{where}: give velocity or p, one of the two"
-    for key in ("q", "velocity", "p"):
-        given = data.get(key)
-        if given is None:
-            continue
-        yield from schema.unknown(given, names, f"{where}.{key}", "coordinate")
-        yield from (f"{where}.{key}.{name}: missing" for name in names if name not in given)
-        yield from _numbers(given, f"{where}.{key}")
-    yield from schema.unknown(data.get("parameters", {}), declared, f"{where}.parameters", "parameter")
-    yield from _numbers(data.get("parameters", {}), f"{where}.parameters")
-    for name, kind in data.get("kinds", {}).items():
-        yield from schema.unknown([name], names, f"{where}.kinds", "coordinate")
-        yield from schema.unknown([kind], schema.KINDS, f"{where}.kinds.{name}", "kind")
+        yield from reference_faults(reference, f"reference[{place}]", names, known | set(table.get("motions", {})))
 
 
 def _effect_faults(table: Mapping[str, Any], name: str) -> Iterator[str]:
@@ -363,31 +391,6 @@ def _effect_faults(table: Mapping[str, Any], name: str) -> Iterator[str]:
         forces(table, (name,), system, source=f"effects.{name}")
     except InvalidInputError as error:
         yield _one_line(error)
-
-
-def _reference_faults(reference: Mapping[str, Any], where: str, names: list[str], motions: set[str]) -> Iterator[str]:
-    quantity, at = str(reference["quantity"]), reference["at"]
-    match = schema.QUANTITY.fullmatch(quantity)
-    if match is None:
-        yield f'{where}.quantity: "{quantity}" is not known; see "quantities" in catalog/README.md'
-    else:
-        coordinate = match["coordinate"] or match["turning"]
-        yield from schema.unknown([coordinate] if coordinate else [], names, f"{where}.quantity", "coordinate")
-        timed = quantity.partition(".")[0] in ("q", "p", "velocity")
-        if timed != ("t" in at):
-            yield f"{where}.at: {'needs' if timed else 'must not have'} a time t"
-    if "motion" in at:
-        yield from schema.unknown([str(at["motion"])], sorted(motions), f"{where}.at.motion", "motion")
-    yield from _numbers({key: value for key, value in at.items() if key != "motion"}, f"{where}.at")
-    yield from _numbers({"value": reference["value"]}, where)
-
-
-def _numbers(table: Mapping[str, Any], where: str) -> Iterator[str]:
-    for name, value in table.items():
-        try:
-            number(value, source=f"{where}.{name}")
-        except ExpressionError as error:
-            yield _one_line(error)
 
 
 def _refused(source: str, problems: list[str]) -> CatalogError:

@@ -89,6 +89,7 @@ examples:
     "catalog": """\
 examples:
   hjsolve catalog                       list all entries
+  hjsolve catalog --kind refused        those that are refused; also --separable, --book C28
   hjsolve catalog show kepler-planar    one entry: T, V, parameters, motions, effects, literature
   hjsolve catalog check my-system.toml  what is wrong with a file of your own""",
 }
@@ -294,6 +295,10 @@ def _add_catalog(kinds: _Commands) -> None:
         "action", nargs="?", choices=["list", "show", "check"], default="list", help="what to do (default: list)"
     )
     catalog.add_argument("entry", nargs="?", metavar="ENTRY", help="an id for show, a .toml file for check")
+    filters = catalog.add_argument_group("which entries to list")
+    filters.add_argument("--separable", action="store_true", help="those that are solved: separable and extended")
+    filters.add_argument("--kind", choices=["separable", "extended", "refused", "outside"], help="those of one kind")
+    filters.add_argument("--book", metavar="ROW", help="those that are one row of docs/book.md, e.g. C28")
 
 
 def _system_arguments(command: argparse.ArgumentParser) -> None:

@@ -11,8 +11,8 @@ from typing import TYPE_CHECKING, Any
 from hjsolve.errors import InvalidInputError, NotSeparableError
 
 if TYPE_CHECKING:
-    from hjsolve.catalog import Entry
     from hjsolve.coordinates import NormalModes
+    from hjsolve.hamiltonians import LinearHamiltonian
     from hjsolve.reports.document import Section, Text
     from hjsolve.scenes import Scene
     from hjsolve.system import System
@@ -36,6 +36,8 @@ def check(options: Namespace) -> int:
     from hjsolve.reports.text import wrapped
     from hjsolve.separation import Separation, separate
 
+    if (problem := _hamiltonian(options)) is not None:
+        return _print_hamiltonian(problem, solved=False)
     try:
         system = _system(options)
     except NotSeparableError as outside:  # a catalog entry that is no T and V: its reason is the answer
@@ -64,6 +66,8 @@ def solve(options: Namespace) -> int:
     from hjsolve.reports import quadratures, symbolic
     from hjsolve.separation import Separation, separate
 
+    if (problem := _hamiltonian(options)) is not None:
+        return _print_hamiltonian(problem, solved=True)
     system = _system(options)
     verdict = separate(system)
     if isinstance(verdict, Separation):
@@ -122,13 +126,18 @@ def report(options: Namespace) -> int:
         The exit status.
     """
     from hjsolve.reports.content import gather
-    from hjsolve.reports.write import checked_path, save, save_scene
+    from hjsolve.reports.write import checked_path, save, save_hamiltonian, save_scene
 
     target = checked_path(options.output)
     if (scene := _scene(options)) is not None:
         print(f"wrote {save_scene(scene, target)}")
         return ANSWER
     initial = _initial(options)
+    if _hamiltonian(options) is not None:
+        initial = initial or _own_motion(options)
+        told = {"initial": initial, "motion": options.motion, "digits": options.digits}
+        print(f"wrote {save_hamiltonian(_located(options.system), target, **told)}")
+        return ANSWER
     subject: Any = options.system
     if options.coordinate or options.effect or options.system is None:
         subject = _system(options)
@@ -149,12 +158,15 @@ def catalog(options: Namespace) -> int:
         The exit status.
     """
     from hjsolve import catalog as entries
+    from hjsolve import listing
 
     if options.action == "list":
         if options.entry is not None:
             raise InvalidInputError(f"catalog list: takes no entry; write `hjsolve catalog show {options.entry}`")
-        _list()
+        listing.entries(separable=options.separable, kind=options.kind, book=options.book)
         return ANSWER
+    if options.separable or options.kind or options.book:
+        raise InvalidInputError(f"catalog {options.action}: --separable, --kind and --book choose what is listed")
     if options.entry is None:
         raise InvalidInputError(
             f"catalog {options.action}: an entry is needed, e.g. `hjsolve catalog {options.action} kepler-planar`"
@@ -166,11 +178,23 @@ def catalog(options: Namespace) -> int:
             f"{len(entry.references)} reference values"
         )
     else:
-        _show(entry)
+        listing.entry(entry)
     return ANSWER
 
 
 # -------------------------------------------------------------------------------- the system that is meant
+def _hamiltonian(options: Namespace) -> LinearHamiltonian | None:
+    """The H(q, p) of the entry, where it gives one that is linear in p."""
+    if options.system is None or options.coordinate or options.kinetic or options.potential:
+        return None
+    from hjsolve import catalog as entries
+
+    problem = entries.hamiltonian(_located(options.system))
+    if problem is not None and options.effect:
+        raise InvalidInputError("--effect: an entry with H(q, p) has no effects; change its hamiltonian")
+    return problem
+
+
 def _system(options: Namespace) -> System:
     from hjsolve import catalog as entries
 
@@ -331,44 +355,16 @@ def _print(system: System, sections: list[Section | None], answer: Text = ()) ->
             print(f"\n{section_text(section)}")
 
 
-def _list() -> None:
-    from hjsolve import catalog as entries
-
-    titles = entries.titles()
-    width = max(map(len, titles))
-    for kind, words in (
-        ("separable", "separates"),
-        ("extended", "separates, by its own form of the energy or in a declared frame"),
-        ("refused", "is refused, with the reason"),
-        ("outside", "is no T and V, and is refused"),
-    ):
-        print(f"{words}:")
-        for name in entries.ids(kind):
-            print(f"  {name:<{width}}  {titles[name]}")
-    print("\n`hjsolve catalog show NAME` tells more about one of them")
-
-
-def _show(entry: Entry) -> None:
-    from hjsolve.reports.symbolic import system_section
+def _print_hamiltonian(problem: LinearHamiltonian, *, solved: bool) -> int:
+    from hjsolve.reports import hamiltonians
+    from hjsolve.reports.boxes import Glyph, row
+    from hjsolve.reports.notation import box
+    from hjsolve.reports.plain import plain
     from hjsolve.reports.text import section_text, wrapped
 
-    print(f"{entry.title}  [{entry.id}]\n")
-    if entry.system is not None:
-        print(section_text(system_section(entry.system, entry.meanings, entry.summary)))
-    else:
-        print(wrapped((entry.summary,)))
-    for title, items in (("Motions", entry.motions), ("Effects", entry.effects)):
-        if items:
-            print(f"\n{title}\n{'-' * len(title)}\n")
-            print(
-                "\n".join(wrapped((f"{name}: {item.summary or 'the default'}",), "  ") for name, item in items.items())
-            )
-    if entry.reason:
-        print("\nWhy it is refused\n-----------------\n")
-        if entry.refusal is not None:
-            print(wrapped((f"{entry.refusal.kind}: {'; '.join(entry.refusal.formulas)}".rstrip(": "),)))
-        print(wrapped((entry.reason,)))
-        print(wrapped((entry.instead,)))
-    if entry.cite:
-        print("\nLiterature\n----------\n")
-        print("\n".join(f"  {source}" for source in entry.cite))
+    print(f"{problem.title}  [{problem.id}]" if problem.id else problem.title)
+    print(f"    {plain(row(Glyph('H'), Glyph('=', 'operator'), box(problem.hamiltonian)))}")
+    print(f"\n{wrapped(hamiltonians.answer(problem))}")
+    for section in hamiltonians.solution_sections(problem) if solved else ():
+        print(f"\n{section_text(section)}")
+    return ANSWER

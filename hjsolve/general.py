@@ -1,12 +1,8 @@
-"""One degree of freedom with a given H(q, p) that is no T + V: solved for p.
+"""Motions of H = a(q) p + b(q): ∫ dq/a = t − t₀ by quadrature, inverted by Newton's method; p from H = E.
 
-    H(q, p) = a(q) p + b(q) = E:        p = (E − b)/a,     W = ∫ p dq,     t − β = ∂W/∂E = ∫ dq/a      (Greenwood P5-1)
-
-is linear in p: no square root, one branch, and no turning point; q moves one way for ever, at the rate a(q).
-
-    H(q, p) = a(q) p² + b(q) p + c(q):  L = (q̇ − b)²/(4a) − c
-
-is a natural system with a term linear in the velocity, and becomes a ``System``. Other dependences on p are refused.
+Where a(q) vanishes at the start q rests and p follows its own linear equation. The formulas are in
+``hjsolve.hamiltonians``. Digits are carried well beyond those asked, so the error stated covers the quadrature, the
+inversion and the rounding.
 """
 
 from __future__ import annotations
@@ -15,150 +11,194 @@ from collections.abc import Mapping
 from dataclasses import dataclass
 from typing import Any
 
+import numpy as np
 import sympy as sp
 
-from hjsolve.errors import InvalidInputError, InvalidSystemError, OutsideMotionError
-from hjsolve.expressions import number, parse
-from hjsolve.initial import to_bits
+from hjsolve.errors import InvalidInputError, MissingValueError, OutsideMotionError
+from hjsolve.expressions import number
+from hjsolve.hamiltonians import LinearHamiltonian
+from hjsolve.initial import parameter_values, to_bits
 from hjsolve.lowering import lower
 from hjsolve.numeric.arithmetic import Multi, multiprecision
-from hjsolve.system import Coordinate, System
+from hjsolve.numeric.estimate import Estimate
+from hjsolve.state import Errors, State
 
-_ENERGY = sp.Symbol("E", real=True)
+_FLOAT_DIGITS, _GUARD_BITS, _LOST_BITS = 15, 96, 48
+
+
+@dataclass(frozen=True, eq=False)
+class LinearMotion:
+    """A motion of H = a(q) p + b(q).
+
+    Attributes:
+        problem: the Hamiltonian.
+        kinds: ``escape``: q moves one way for ever; ``equilibrium`` where a(q) vanishes at the start.
+        constants: E.
+        digits: asked for.
+        q, p, t0: exact initial data.
+        values: parameter → exact value.
+    """
+
+    problem: LinearHamiltonian
+    kinds: Mapping[str, str]
+    constants: Mapping[str, Estimate]
+    digits: int
+    q: sp.Expr
+    p: sp.Expr
+    t0: sp.Expr
+    values: Mapping[sp.Symbol, sp.Expr]
+
+    def at(self, t: Any) -> State:
+        """Return the state at a time or at an array of times; NaN where the motion has left its domain."""
+        times = np.array(t, dtype=object)
+        rows = [self._state(number(x.item() if hasattr(x, "item") else x, source="t")) for x in times.ravel()]
+        name = self.problem.coordinate.name
+        columns = [self._shaped(column, times.shape) for column in zip(*rows, strict=True)]
+        q, p, v, turns, status, *errors = columns
+        counts = {name: turns} if self.problem.coordinate.domain.kind == "angle" else {}
+
+        def bounds() -> Errors:
+            return Errors(*({name: error} for error in errors))
+
+        return State(t, {name: q}, {name: p}, {name: v}, counts, status, bounds)
+
+    def reach(self, t: Any) -> tuple[Any, Any]:
+        """Return (q, p) at one time, angles with all their turns.
+
+        Raises:
+            OutsideMotionError: the motion does not come so far.
+        """
+        bits = int(3.33 * self.digits) + _GUARD_BITS
+        place, p, _, _ = self._reached(number(t, source="t"), bits, multiprecision(bits))
+        return (place, p) if self.digits > _FLOAT_DIGITS else (float(place), float(p))
+
+    @staticmethod
+    def _shaped(column: tuple[Any, ...], shape: tuple[int, ...]) -> Any:
+        if not shape:
+            return column[0]
+        plain = all(isinstance(x, (float, int, str)) for x in column)
+        return np.array(column, dtype=None if plain else object).reshape(shape)
+
+    def _state(self, t: sp.Expr) -> tuple[Any, ...]:
+        """(q, p, q̇, turns, status, errors of the first three)."""
+        bits = int(3.33 * self.digits) + _GUARD_BITS
+        context = multiprecision(bits)
+        try:
+            place, p, v, sizes = self._reached(t, bits, context)
+        except OutsideMotionError:
+            lost = context.nan if self.digits > _FLOAT_DIGITS else float("nan")
+            return (lost, lost, lost, 0, "reaches_boundary", lost, lost, lost)
+        turns = 0
+        if self.problem.coordinate.domain.kind == "angle":
+            turns = int(context.ceil((place - context.pi) / (2 * context.pi)))
+            place -= 2 * context.pi * turns
+        small = context.mpf(2) ** (_LOST_BITS - bits)
+        if self.digits > _FLOAT_DIGITS:
+            return (place, p, v, turns, "ok", *(small * size for size in sizes))
+        errors = (float(small * s) + 2.0**-52 * abs(float(x)) for s, x in zip(sizes, (place, p, v), strict=True))
+        return (float(place), float(p), float(v), turns, "ok", *errors)
+
+    def _reached(self, t: sp.Expr, bits: int, context: Any) -> tuple[Any, Any, Any, tuple[Any, Any, Any]]:
+        """q, p, q̇ and the sizes of what was added up in them."""
+        problem, name = self.problem, self.problem.coordinate.name
+        start, first, elapsed = (to_bits(x)(bits) for x in (self.q, self.p, t - self.t0))
+        tape = lower([problem.rate, problem.rest], [problem.coordinate.symbol, *self.values])
+        numbers = [to_bits(value)(bits) for value in self.values.values()]
+
+        def run(x: Any) -> Any:
+            return tape.run(Multi(bits), [x, *numbers])
+
+        a0, b0 = run(start)
+        if not a0:
+            return start, *self._at_rest(start, first, elapsed, bits, context)
+        ends = _Ends.of(problem, self.values, bits)
+        place = _moved(lambda x: run(x)[0], start, elapsed, context, name, ends)
+        a, b = run(place)
+        momentum = (a0 * first + b0 - b) / a
+        sizes = (1 + abs(place), 1 + (abs(a0 * first) + abs(b0) + abs(b)) / abs(a), 1 + abs(a))
+        return place, momentum, a, sizes
+
+    def _at_rest(self, start: Any, first: Any, elapsed: Any, bits: int, context: Any) -> tuple[Any, Any, Any]:
+        """q̇ = a(q) = 0: q rests, while ṗ = −a′p − b′ with constant a′, b′."""
+        q = self.problem.coordinate.symbol
+        slopes = [sp.diff(f, q) for f in (self.problem.rate, self.problem.rest)]
+        tape = lower(slopes, [q, *self.values])
+        k, c = tape.run(Multi(bits), [start, *(to_bits(value)(bits) for value in self.values.values())])
+        shrunk = -context.expm1(-k * elapsed) / k if k else elapsed
+        p = first - (k * first + c) * shrunk
+        sizes = (1 + abs(start), 1 + abs(first) + (abs(k * first) + abs(c)) * abs(shrunk), context.mpf(1))
+        return p, context.mpf(0), sizes
 
 
 @dataclass(frozen=True)
-class LinearHamiltonian:
-    """H = a(q) p + b(q), solved.
+class _Ends:
+    lower: Any
+    upper: Any
 
-    Attributes:
-        coordinate: q. hamiltonian: H. rate: a(q). rest: b(q).
-        momentum: p(q; E).
-        characteristic_function: W(q; E), by quadrature.
-        principal_function: S = W − E t.
-        time_law: ∂W/∂E = t − β, the integral of dq/a; both without constants of integration.
-        values: parameters by symbol.
-    """
+    @classmethod
+    def of(cls, problem: LinearHamiltonian, values: Mapping[sp.Symbol, sp.Expr], bits: int) -> _Ends:
+        coordinate = problem.coordinate
+        domain = coordinate.domain
+        pair = (None, None) if domain.kind == "angle" else (domain.lower, domain.upper)
+        return cls(*(None if end is None else to_bits(end.xreplace(dict(values)))(bits) for end in pair))
 
-    coordinate: Coordinate
-    hamiltonian: sp.Expr
-    rate: sp.Expr
-    rest: sp.Expr
-    values: Mapping[sp.Symbol, sp.Expr]
-
-    @property
-    def momentum(self) -> sp.Expr:
-        """p(q; E) = (E − b)/a."""
-        return (_ENERGY - self.rest) / self.rate
-
-    @property
-    def characteristic_function(self) -> sp.Expr:
-        """W(q; E) = ∫ p dq."""
-        return sp.expand(sp.integrate(sp.expand(self.momentum), self.coordinate.symbol))
-
-    @property
-    def principal_function(self) -> sp.Expr:
-        """S(q, t; E) = W − E t."""
-        return self.characteristic_function - _ENERGY * sp.Symbol("t", real=True)
-
-    @property
-    def time_law(self) -> sp.Expr:
-        """The time t − β as a function of q."""
-        return sp.integrate(1 / self.rate, self.coordinate.symbol)
-
-    def at(self, t: Any, *, q: Any, p: Any, t0: Any = 0, digits: int = 15) -> tuple[Any, Any]:
-        """Return (q, p) at a time.
-
-        Args:
-            t: the time.
-            q: position at t0.
-            p: momentum at t0.
-            t0: initial time.
-            digits: relative digits wanted.
-
-        Raises:
-            OutsideMotionError: a(q) vanishes at the start (then q rests), or q reaches infinity before.
-        """
-        bits = int(3.33 * digits) + 64
-        context = multiprecision(bits)
-        time = number(t, source="t") - number(t0, source="t0")
-        given = (number(q, source="q"), number(p, source="p"), time)
-        start, first, elapsed = (to_bits(x)(bits) for x in given)
-        tape = lower([self.rate, self.rest], [self.coordinate.symbol, *self.values])
-        numbers = [to_bits(v)(bits) for v in self.values.values()]
-
-        def rate(x: Any) -> Any:
-            return tape.run(Multi(bits), [x, *numbers])[0]
-
-        place = self._moved(rate, start, elapsed, context)
-        a0, b0 = tape.run(Multi(bits), [start, *numbers])
-        a, b = tape.run(Multi(bits), [place, *numbers])
-        momentum = (a0 * first + b0 - b) / a
-        return (place, momentum) if digits > 15 else (float(place), float(momentum))
-
-    def _moved(self, rate: Any, start: Any, elapsed: Any, context: Any) -> Any:
-        """Solve ∫ dq/a = elapsed by Newton's method: the derivative of the left side is 1/a itself."""
-        speed = rate(start)
-        if not speed:
-            raise OutsideMotionError(f"{self.coordinate.name} rests: the rate a(q) vanishes at the start")
-        place, left = start, elapsed
-        while left:
-            longest = (1 + abs(place)) / abs(rate(place)) / 2
-            if abs(place) > 2**30 and longest < abs(left) / 2**20:
-                raise OutsideMotionError(f"{self.coordinate.name} reaches infinity in a finite time")
-            step = left if abs(left) <= longest else (longest if left > 0 else -longest)
-            place, left = self._step(rate, place, step, context), left - step
-        return place
-
-    def _step(self, rate: Any, place: Any, step: Any, context: Any) -> Any:
-        guess = place + rate(place) * step
-        for _ in range(60):
-            time = context.quad(lambda x: 1 / rate(x), [place, guess])
-            change = (step - time) * rate(guess)
-            guess += change
-            if abs(change) <= context.mpf(2) ** (24 - context.prec) * (abs(guess) + 1):
-                return guess
-        raise OutsideMotionError(f"{self.coordinate.name} comes to a place where a(q) vanishes, in infinite time")
+    def hold(self, place: Any) -> bool:
+        return (self.lower is None or place > self.lower) and (self.upper is None or place < self.upper)
 
 
-def from_hamiltonian(
-    hamiltonian: str, coordinates: Mapping[str, str], parameters: Mapping[str, Any] | None = None, *, title: str = ""
-) -> System | LinearHamiltonian:
-    """Take a system of one degree of freedom from H(q, p), written with ``p``.
-
-    Args:
-        hamiltonian: H, a polynomial of first or second degree in the momentum ``p``.
-        coordinates: one name → domain.
-        parameters: name → value, as for ``System``.
-        title: for display.
-
-    Returns:
-        A ``System`` where H is quadratic in p, a ``LinearHamiltonian`` where it is linear.
+def start(
+    problem: LinearHamiltonian, *, q: Mapping[str, Any], velocity: Mapping[str, Any] | None,
+    p: Mapping[str, Any] | None, parameters: Mapping[str, Any], t0: Any, digits: int,
+) -> LinearMotion:  # fmt: skip
+    """Start a motion; see ``LinearHamiltonian.motion``.
 
     Raises:
-        InvalidSystemError: more than one coordinate, or another dependence on p.
-
-    Example:
-        >>> problem = from_hamiltonian("q + p", {"q": "line"})
-        >>> problem.principal_function
-        E*q - E*t - q**2/2
+        InvalidInputError: no momentum, or digits out of range. MissingValueError: a number is missing.
     """
-    if len(coordinates) != 1:
-        raise InvalidSystemError("H(q, p): one coordinate only; more need T and V")
-    (name, domain), = coordinates.items()
-    if name == "p" or "p" in (parameters or {}):
-        raise InvalidSystemError("H(q, p): p is the momentum; rename the coordinate or parameter")
-    shape = System(coordinates, f"dot({name})**2/2", "0", parameters)
-    q = shape.coordinate(name)
-    H = parse(hamiltonian, {**shape.symbols, "p": q.momentum}, source="hamiltonian")
-    if not H.is_polynomial(q.momentum) or sp.degree(H, q.momentum) not in (1, 2):
-        raise InvalidSystemError("H(q, p): must be a polynomial of first or second degree in p, with p in it")
-    coefficients = sp.Poly(H, q.momentum).all_coeffs()
-    if len(coefficients) == 2:
-        if any(p.value is None for p in shape.parameters):
-            raise InvalidInputError("H(q, p): give every parameter a value")
-        values = {p.symbol: p.value for p in shape.parameters if p.value is not None}
-        return LinearHamiltonian(q, H, coefficients[0], coefficients[1], values)
-    a, b, c = coefficients
-    kinetic = sp.expand((q.velocity - b) ** 2 / (4 * a))
-    return System({name: domain}, kinetic, c, parameters, title=title)
+    name = problem.coordinate.name
+    if velocity is not None or p is None:
+        raise InvalidInputError(f"initial data: give p={{{name!r}: …}}; dq/dt = a(q) says nothing about p here")
+    if type(digits) is not int or not 1 <= digits <= 2000:
+        raise InvalidInputError(f"digits: a whole number from 1 to 2000 is needed, not {digits!r}")
+    for what, given in (("q", q), ("p", p)):
+        if set(given) != {name}:
+            raise MissingValueError(f"{what}: needs a number for {name}, and nothing else")
+    values = parameter_values(problem, parameters)
+    place, momentum = number(q[name], source=f"q.{name}"), number(p[name], source=f"p.{name}")
+    bits = int(3.33 * digits) + _GUARD_BITS
+    if not _Ends.of(problem, values, bits).hold(to_bits(place)(bits)):
+        raise InvalidInputError(f"q.{name}: {place} is not inside the domain of {name}")
+    at = {**values, problem.coordinate.symbol: place, problem.coordinate.momentum: momentum}
+    energy = to_bits(problem.hamiltonian.xreplace(at))(bits)
+    rests = not to_bits(problem.rate.xreplace(at))(bits)
+    E = float(energy) if digits <= _FLOAT_DIGITS else energy
+    error = (2.0**-52 if digits <= _FLOAT_DIGITS else energy.context.mpf(2) ** (_LOST_BITS - bits)) * (1 + abs(E))
+    kinds = {name: "equilibrium" if rests else "escape"}
+    return LinearMotion(
+        problem, kinds, {"E": Estimate(E, error)}, digits, place, momentum, number(t0, source="t0"), values
+    )
+
+
+def _moved(rate: Any, start: Any, elapsed: Any, context: Any, name: str, domain: _Ends) -> Any:
+    """Solve ∫ dq/a = elapsed by Newton's method: the derivative of the left side is 1/a itself."""
+    place, left = start, elapsed
+    while left:
+        longest = (1 + abs(place)) / abs(rate(place)) / 2
+        if abs(place) > 2**30 and longest < abs(left) / 2**20:
+            raise OutsideMotionError(f"{name} reaches infinity in a finite time")
+        step = left if abs(left) <= longest else (longest if left > 0 else -longest)
+        place, left = _step(rate, place, step, context, name), left - step
+        if not domain.hold(place):
+            raise OutsideMotionError(f"{name} reaches an end of its domain")
+    return place
+
+
+def _step(rate: Any, place: Any, step: Any, context: Any, name: str) -> Any:
+    guess = place + rate(place) * step
+    for _ in range(60):
+        time = context.quad(lambda x: 1 / rate(x), [place, guess])
+        change = (step - time) * rate(guess)
+        guess += change
+        if abs(change) <= context.mpf(2) ** (24 - context.prec) * (abs(guess) + 1):
+            return guess
+    raise OutsideMotionError(f"{name} comes to a place where a(q) vanishes, in infinite time")

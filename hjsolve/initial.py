@@ -16,6 +16,7 @@ import sympy as sp
 
 from hjsolve.errors import InvalidInputError, MissingValueError
 from hjsolve.expressions import number
+from hjsolve.hamiltonians import LinearHamiltonian
 from hjsolve.lowering import lower
 from hjsolve.numeric.arithmetic import Multi, multiprecision
 from hjsolve.solution import Solution
@@ -69,7 +70,7 @@ def sign(value: sp.Expr) -> int:
     return 1 if to_bits(value)(_ZERO_BITS) > 0 else -1
 
 
-def parameter_values(system: System, given: Values) -> dict[sp.Symbol, sp.Expr]:
+def parameter_values(system: System | LinearHamiltonian, given: Values) -> dict[sp.Symbol, sp.Expr]:
     """Give every parameter its exact value: the one given, else the default.
 
     Raises:

@@ -114,7 +114,7 @@ def faults(table: Mapping[str, Any]) -> Iterator[str]:
     because = table.get("refused_because", {}).get("kind", "")
     if "kinetic" not in table and because in _FOUND_BY_US:
         yield f'kinetic: missing; an entry refused as "{because}" needs T, so that separate() can show it'
-    if "kinetic" not in table and not (table.get("reason") and table.get("instead")):
+    if not {"kinetic", "hamiltonian"} & table.keys() and not (table.get("reason") and table.get("instead")):
         yield "reason, instead: a refused entry says why, and what to do"
     if because == "nonholonomic" and not table.get("constraint"):
         yield "constraint: missing; a nonholonomic entry states its constraint"

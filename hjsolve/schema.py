@@ -8,11 +8,11 @@ from __future__ import annotations
 import difflib
 import re
 from collections.abc import Iterable, Iterator, Mapping
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 from decimal import Decimal
 from typing import Any
 
-VERDICTS = ("liouville", "staeckel", "reduced", "refused")
+VERDICTS = ("liouville", "staeckel", "reduced", "linear", "refused")
 PARTS = ("metric", "potential", "gyroscopic")
 KINDS = ("libration", "rotation", "escape", "equilibrium", "asymptotic", "boundary", "ignorable")
 ASSUMPTIONS = ("real", "positive", "negative", "nonnegative", "nonzero")
@@ -71,6 +71,7 @@ SYSTEM = {
     "id": _TEXT, "title": _TEXT, "coordinates": Key("tables", True, keys=_COORDINATE),
     "parameters": Key("tables", keys=_PARAMETER), "kinetic": Key("text", True), "potential": _TEXT,
     "signature": Key("text", choices=("definite", "indefinite")), "relativity": Key("table", keys=_RELATIVITY),
+    "hamiltonian": _TEXT,
 }  # fmt: skip
 """The keys of an inline ``[system]`` table."""
 ENTRY = SYSTEM | {
@@ -89,6 +90,11 @@ def nearest(word: str, known: object) -> str:
     if close:
         return f'; did you mean "{close[0]}"?'
     return f"; known are {', '.join(words)}" if words else ""
+
+
+def optional(keys: Mapping[str, Key], *names: str) -> dict[str, Key]:
+    """The same keys, with these no longer required."""
+    return {name: replace(key, required=False) if name in names else key for name, key in keys.items()}
 
 
 def faults(table: object, keys: Mapping[str, Key], where: str = "") -> Iterator[str]:

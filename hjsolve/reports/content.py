@@ -75,7 +75,7 @@ def gather(
         solution = _timed(clock, "solution by quadratures", lambda: solve(verdict))
     if solution is None:
         return Material(verdict, None, None, entry, "", clock)
-    data, summary = _initial(entry, initial, motion)
+    data, summary = initial_of(entry, initial, motion)
     started = (
         _timed(clock, "turning points, integrals, time law", lambda: solution.motion(**data, digits=digits))
         if data
@@ -106,9 +106,14 @@ def _entry_of(system: System) -> catalog.Entry | None:
     return entry if entry.system == system else None
 
 
-def _initial(
+def initial_of(
     entry: catalog.Entry | None, given: Mapping[str, Any] | None, name: str
 ) -> tuple[Mapping[str, Any] | None, str]:
+    """Give the initial data to use, and what the catalog says about them: those given, else the entry's.
+
+    Raises:
+        InvalidInputError: the entry has no such motion.
+    """
     if given is not None:
         return given, ""
     if entry is None or not entry.motions:

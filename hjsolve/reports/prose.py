@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import re
 
+from hjsolve.hamiltonians import LinearHamiltonian
 from hjsolve.reports.boxes import Box, Glyph, row
 from hjsolve.reports.document import Inline, Mathematics, Text
 from hjsolve.reports.notation import GREEK, box, name_box
@@ -20,7 +21,7 @@ _PHRASES = (
 )
 
 
-def prose(text: str, system: System) -> Text:
+def prose(text: str, system: System | LinearHamiltonian) -> Text:
     """Set the names of a system inside a sentence as mathematics.
 
     Args:

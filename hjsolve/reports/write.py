@@ -9,8 +9,10 @@ from contextlib import contextmanager, suppress
 from pathlib import Path
 from typing import Any
 
+from hjsolve import catalog
 from hjsolve.errors import InvalidInputError
-from hjsolve.reports.content import Material, Subject, document, gather
+from hjsolve.hamiltonians import LinearHamiltonian
+from hjsolve.reports.content import Material, Subject, document, gather, initial_of
 from hjsolve.reports.document import Document
 from hjsolve.reports.html import html
 from hjsolve.scenes import Scene
@@ -51,7 +53,7 @@ SUFFIXES = tuple(_WRITERS)
 
 
 def report(
-    subject: Subject | Scene,
+    subject: Subject | Scene | LinearHamiltonian,
     path: str | Path,
     *,
     initial: Mapping[str, Any] | None = None,
@@ -64,8 +66,8 @@ def report(
     entry brings.
 
     Args:
-        subject: a ``System``, ``Separation``, ``Obstruction``, ``Undecided``, ``Solution``, ``Motion`` or ``Scene``; a
-            catalog id, or the path of a TOML entry.
+        subject: a ``System``, ``Separation``, ``Obstruction``, ``Undecided``, ``Solution``, ``Motion``, ``Scene`` or
+            ``LinearHamiltonian``; a catalog id, or the path of a TOML entry.
         path: where to write; the suffix chooses the format: .html, .md, .json, .txt or .tex. An existing file is
             replaced, and only once the new one is complete.
         initial: keyword arguments for ``solution.motion``, in place of the catalog's initial data.
@@ -86,6 +88,10 @@ def report(
     target = checked_path(path)
     if isinstance(subject, Scene):
         return save_scene(subject, target)
+    if isinstance(subject, LinearHamiltonian) or (
+        isinstance(subject, str | Path) and catalog.hamiltonian(subject) is not None
+    ):
+        return save_hamiltonian(subject, target, initial=initial, motion=motion, digits=digits)
     return save(gather(subject, initial=initial, motion=motion, digits=digits), target)
 
 
@@ -133,6 +139,40 @@ def save_scene(scene: Scene, target: Path) -> Path:
     from hjsolve.reports.scenes import scene_document
 
     return _write(scene_document(scene.run()), target)
+
+
+def save_hamiltonian(
+    subject: LinearHamiltonian | str | Path,
+    target: Path,
+    *,
+    initial: Mapping[str, Any] | None,
+    motion: str,
+    digits: int,
+) -> Path:
+    """Solve H = a(q) p + b(q) and write its report.
+
+    Args:
+        subject: the Hamiltonian, or a catalog entry that gives one.
+        target: a path that ``checked_path`` has passed.
+        initial: keyword arguments for ``problem.motion``, in place of the catalog's initial data.
+        motion: which of the entry's motions.
+        digits: of the numbers.
+
+    Returns:
+        The path.
+
+    Raises:
+        InvalidInputError: no such motion, or the file cannot be written.
+    """
+    from hjsolve.reports.hamiltonians import hamiltonian_document
+
+    entry = None if isinstance(subject, LinearHamiltonian) else catalog.describe(subject)
+    problem = subject if isinstance(subject, LinearHamiltonian) else entry.hamiltonian if entry else None
+    assert problem is not None
+    data, about = initial_of(entry, initial, motion)
+    started = problem.motion(**data, digits=digits) if data else None
+    meanings, summary = (entry.meanings, entry.summary) if entry else ({}, "")
+    return _write(hamiltonian_document(problem, meanings, summary, started, about), target)
 
 
 def save(material: Material, target: Path) -> Path:

@@ -6,8 +6,8 @@ import pytest
 import sympy as sp
 from mpmath import mp, mpf
 
-from hjsolve.errors import InvalidSystemError, OutsideMotionError
-from hjsolve.general import LinearHamiltonian, from_hamiltonian
+from hjsolve.errors import InvalidInputError, InvalidSystemError, OutsideMotionError
+from hjsolve.hamiltonians import LinearHamiltonian, from_hamiltonian
 from hjsolve.solution import solve
 from hjsolve.system import System, hamiltonian
 
@@ -43,8 +43,49 @@ def test_a_rate_that_depends_on_q_is_integrated_and_inverted() -> None:
         assert abs(back + mp.tan(mpf("1.2"))) < mpf(10) ** -28
     with pytest.raises(OutsideMotionError, match="infinity"):
         problem.at(2, q=0, p=1)
-    with pytest.raises(OutsideMotionError, match="rests"):
-        from_hamiltonian("q*p", {"q": "line"}).at(1, q=0, p=1)
+
+
+def test_where_the_rate_vanishes_q_rests_and_p_does_not() -> None:
+    """H = a(q) p + b(q) with a(q0) = 0: dp/dt = -a'(q0) p - b'(q0)."""
+    with mp.workdps(40):
+        for text, expected in (
+            ("q*p", mp.exp(-1)), ("q*p + 3*q", 4 * mp.exp(-1) - 3), ("q**2*p + q", mpf(0)), ("-q*p", mp.e),
+        ):  # fmt: skip
+            problem = from_hamiltonian(text, {"q": "line"})
+            assert isinstance(problem, LinearHamiltonian)
+            motion = problem.motion(q={"q": 0}, p={"q": 1}, digits=30)
+            state = motion.at(1)
+            assert motion.kinds == {"q": "equilibrium"}
+            assert (state.q["q"], state.velocity["q"], state.status) == (0, 0, "ok")
+            assert abs(state.p["q"] - expected) < mpf(10) ** -30
+
+
+def test_states_carry_errors_and_the_motion_ends_at_its_domain() -> None:
+    """H = p*sqrt(1 + q): q = (t + 2)^2/4 - 1 from q = 0; p = E/sqrt(1 + q)."""
+    problem = from_hamiltonian("w*p*sqrt(1 + q)", {"q": "-1 < q < 3"}, {"w": None})
+    assert isinstance(problem, LinearHamiltonian)
+    motion = problem.motion(q={"q": 0}, p={"q": "0.3"}, parameters={"w": 1}, t0="0.5")
+    sharp = problem.motion(q={"q": 0}, p={"q": "0.3"}, parameters={"w": 1}, t0="0.5", digits=30)
+    state = motion.at([0.5, 1.0, 2.0, 3.0])
+    with mp.workdps(40):
+        for k, t in enumerate((0.5, 1.0, 2.0)):
+            q = (mpf(t) + mpf("1.5")) ** 2 / 4 - 1
+            p = mpf("0.3") / mp.sqrt(1 + q)
+            assert abs(mpf(float(state.q["q"][k])) - q) <= state.error.q["q"][k] < 1e-14
+            assert abs(mpf(float(state.p["q"][k])) - p) <= state.error.p["q"][k] < 1e-14
+            assert abs(mpf(float(state.velocity["q"][k])) - mp.sqrt(1 + q)) <= state.error.velocity["q"][k] < 1e-14
+            assert abs(sharp.at(t).q["q"] - q) <= sharp.at(t).error.q["q"] < 1e-29
+    assert list(state.status) == ["ok", "ok", "ok", "reaches_boundary"]
+    assert state.q["q"][3] != state.q["q"][3]
+    assert abs(motion.constants["E"].value - 0.3) <= motion.constants["E"].error
+    for given, error in (
+        ({"q": {"q": 5}, "p": {"q": 1}, "parameters": {"w": 1}}, "not inside the domain"),
+        ({"q": {"q": 1}, "velocity": {"q": 1}, "parameters": {"w": 1}}, "says nothing about p"),
+        ({"q": {"x": 1}, "p": {"q": 1}, "parameters": {"w": 1}}, "a number for q"),
+        ({"q": {"q": 1}, "p": {"q": 1}}, "no value for w"),
+    ):
+        with pytest.raises(InvalidInputError, match=error):
+            problem.motion(**given)  # type: ignore[arg-type]
 
 
 def test_a_quadratic_hamiltonian_is_a_natural_system() -> None:

@@ -183,8 +183,7 @@ def test_every_entry_of_the_catalog_follows_the_schema(name: str) -> None:
     entry = catalog.describe(name)
     assert entry.id == name
     assert name in catalog.ids(entry.kind)
-    if entry.kind != "extended":
-        assert (entry.initial is None) == (entry.kind == "outside") == (entry.system is None)
+    assert (entry.initial is None) == (entry.kind == "outside") == (entry.system is entry.hamiltonian is None)
 
 
 @pytest.mark.parametrize("name", catalog.ids("outside"))
@@ -211,3 +210,47 @@ def test_an_integrable_constraint_is_no_reason_to_refuse(tmp_path: Path) -> None
     text = """id = "spring"\ntitle = "x"\nreason = "a."\ninstead = "b."\n[refused_because]\nkind = "nonholonomic"
 [[constraint]]\nform = "dot(x) - 1"\ncoordinates = ["x"]\nintegral = "x - t"\n"""
     assert "integrate it" in fault(tmp_path, text)[0]
+
+
+HAMILTONIAN = """
+id = "spring"
+title = "Spring"
+coordinates = [{name = "x", domain = "line"}]
+parameters = [{name = "k", value = "2", assume = "positive"}]
+hamiltonian = "p**2/2 + k*x**2/2"
+[initial]
+q = {x = "1"}
+p = {x = "0"}
+"""
+
+
+def test_an_entry_may_give_a_hamiltonian(tmp_path: Path) -> None:
+    """Quadratic in p it is a system; linear in p it is solved as it stands."""
+    quadratic = write(tmp_path, HAMILTONIAN)
+    assert catalog.hamiltonian(quadratic) is None
+    assert catalog.describe(quadratic).hamiltonian is None
+    system = catalog.load(quadratic)
+    x = system.coordinate("x")
+    assert sp.expand(system.kinetic - x.velocity**2 / 2) == 0
+    assert sp.expand(system.potential - system.symbols["k"] * x.symbol**2 / 2) == 0
+    linear = write(tmp_path, HAMILTONIAN.replace("p**2/2", "p"))
+    problem = catalog.hamiltonian(linear)
+    assert problem is not None
+    assert (problem.id, problem.rate) == ("spring", 1)
+    entry = catalog.describe(linear)
+    assert (entry.system, entry.hamiltonian) == (None, problem)
+    with pytest.raises(CatalogError, match=r"spring\.toml: hamiltonian: linear in p"):
+        catalog.load(linear)
+
+
+@pytest.mark.parametrize(("old", "new", "expected"), [
+    ("p**2/2 +", "p**3/2 +", "first or second degree"), ("p**2/2 +", "p**2/2 + z +", "z"),
+    ('hamiltonian = "p**2', 'kinetic = "dot(x)**2/2"\nhamiltonian = "p**2', "kinetic: belongs to T and V"),
+    ('p = {x = "0"}', 'velocity = {x = "0"}', "initial: give p"),
+    ('"line"}]', '"line"}, {name = "y", domain = "line"}]', "one coordinate only"),
+    ("hamiltonian = ", "hamiltonain = ", 'did you mean "hamiltonian"?'),
+])  # fmt: skip
+def test_a_fault_of_a_hamiltonian_is_told_in_one_line(tmp_path: Path, old: str, new: str, expected: str) -> None:
+    lines = fault(tmp_path, HAMILTONIAN.replace(old, new, 1))
+    assert any(expected in line for line in lines), lines
+    assert all(line.startswith("spring.toml: ") for line in lines)

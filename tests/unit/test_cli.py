@@ -309,3 +309,50 @@ def test_undecided_is_status_3(monkeypatch: pytest.MonkeyPatch, capsys: Capture)
     monkeypatch.setattr("hjsolve.separation.separate", unsure)
     assert main(["check", "henon-heiles"]) == 3
     assert "Not decided" in capsys.readouterr().out
+
+
+# ------------------------------------------------------------------------------------------------ H(q, p) in an entry
+def test_an_entry_with_a_hamiltonian_is_checked_solved_and_reported(tmp_path: Path, capsys: Capture) -> None:
+    name = "hamiltonian-q-plus-p"
+    assert main(["check", name]) == 0
+    assert "H is linear in its momentum" in capsys.readouterr().out
+    assert main(["solve", name]) == 0
+    out = capsys.readouterr().out
+    assert "S = E q − E t − ½ q²" in out
+    assert "t − β_E = q" in out
+    for suffix in ("html", "md", "json", "txt", "tex"):
+        target = tmp_path / f"h.{suffix}"
+        assert main(["report", name, "-o", str(target)]) == 0
+        assert "linear in its momentum" in target.read_text(encoding="utf-8")
+    text = (tmp_path / "h.txt").read_text(encoding="utf-8")
+    assert re.search(r"3/2 +2\.00000000000000\d+ ± \S+ +−0\.5000000000000\d+ ± ", text)
+    own = ["report", name, "-o", str(tmp_path / "own.txt"), "--q", "q=1", "--momentum", "q=2"]
+    assert main(own) == 0
+    assert "3.000000000000000" in (tmp_path / "own.txt").read_text(encoding="utf-8")
+    capsys.readouterr()
+    assert main(["catalog", "show", name]) == 0
+    assert "H = p_q + q" in capsys.readouterr().out
+    assert main([*own[:6], "--velocity", "q=1"]) == 2
+    assert main(["check", name, "--effect", "drag"]) == 2
+    assert main(["report", name, "-o", str(tmp_path / "own.txt"), "--motion", "slow"]) == 2
+
+
+# ------------------------------------------------------------------------------------------------ filters of the catalog
+def test_the_catalog_is_filtered(capsys: Capture) -> None:
+    def listed(*options: str) -> set[str]:
+        assert main(["catalog", *options]) == 0
+        return set(re.findall(r"^  ([a-z0-9-]+)  ", capsys.readouterr().out, re.MULTILINE))
+
+    from hjsolve import catalog
+
+    assert listed() == set(catalog.ids())
+    for kind in ("separable", "extended", "refused", "outside"):
+        assert listed("--kind", kind) == set(catalog.ids(kind))
+    assert listed("--separable") == set(catalog.ids("separable")) | set(catalog.ids("extended"))
+    assert listed("--book", "C28") == {"kepler-planar"}
+    assert listed("--book", "C25b", "--separable") == {"whirling-tube"}
+    for wrong in (
+        ["--book", "C97"], ["--kind", "reduced"], ["--kind", "refused", "--separable"], ["show", "pendulum", "--book", "C17"],
+    ):  # fmt: skip
+        assert main(["catalog", *wrong]) == 2
+        assert capsys.readouterr().err.count("\n") == 1

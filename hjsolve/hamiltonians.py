@@ -1,0 +1,157 @@
+"""One degree of freedom with a given H(q, p) that is no T + V: solved for p.
+
+    H(q, p) = a(q) p + b(q) = E:        p = (E − b)/a,     W = ∫ p dq,     t − β = ∂W/∂E = ∫ dq/a      (Greenwood P5-1)
+
+is linear in p: no square root, one branch, and no turning point; q moves one way for ever, at the rate a(q).
+
+    H(q, p) = a(q) p² + b(q) p + c(q):  L = (q̇ − b)²/(4a) − c
+
+is a natural system with a term linear in the velocity, and becomes a ``System``. Other dependences on p are refused.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from dataclasses import dataclass
+from typing import TYPE_CHECKING, Any
+
+import sympy as sp
+
+from hjsolve.errors import InvalidSystemError
+from hjsolve.expressions import parse
+from hjsolve.system import Coordinate, Parameter, System
+
+if TYPE_CHECKING:
+    from hjsolve.general import LinearMotion
+
+ENERGY = sp.Symbol("E", real=True)
+TIME = sp.Symbol("t", real=True)
+
+
+@dataclass(frozen=True)
+class LinearHamiltonian:
+    """H = a(q) p + b(q), solved.
+
+    Attributes:
+        coordinate: q.
+        hamiltonian: H.
+        rate: a(q), which is dq/dt.
+        rest: b(q).
+        parameters: with their default values.
+        title, id: for display.
+    """
+
+    coordinate: Coordinate
+    hamiltonian: sp.Expr
+    rate: sp.Expr
+    rest: sp.Expr
+    parameters: tuple[Parameter, ...] = ()
+    title: str = ""
+    id: str = ""
+
+    @property
+    def coordinates(self) -> tuple[Coordinate]:
+        """The one coordinate, as a ``System`` has them."""
+        return (self.coordinate,)
+
+    @property
+    def momentum(self) -> sp.Expr:
+        """p(q; E) = (E − b)/a."""
+        return (ENERGY - self.rest) / self.rate
+
+    @property
+    def characteristic_function(self) -> sp.Expr:
+        """W(q; E) = ∫ p dq, by quadrature."""
+        return sp.expand(sp.integrate(sp.expand(self.momentum), self.coordinate.symbol))
+
+    @property
+    def principal_function(self) -> sp.Expr:
+        """S(q, t; E) = W − E t."""
+        return self.characteristic_function - ENERGY * TIME
+
+    @property
+    def time_law(self) -> sp.Expr:
+        """∂W/∂E = t − β as a function of q: the integral of dq/a, without a constant of integration."""
+        return sp.integrate(1 / self.rate, self.coordinate.symbol)
+
+    def motion(
+        self, *, q: Mapping[str, Any], velocity: Mapping[str, Any] | None = None, p: Mapping[str, Any] | None = None,
+        parameters: Mapping[str, Any] | None = None, t0: Any = 0, digits: int = 15,
+    ) -> LinearMotion:  # fmt: skip
+        """Start a motion.
+
+        Args:
+            q: the position at t0, by the name of the coordinate.
+            velocity: refused: dq/dt = a(q) says nothing about p.
+            p: the momentum at t0.
+            parameters: values that differ from the defaults.
+            t0: initial time.
+            digits: relative digits wanted.
+
+        Returns:
+            The motion; ``motion.at(t)`` is the state.
+
+        Raises:
+            InvalidInputError: no momentum. MissingValueError: a number is missing.
+        """
+        from hjsolve.general import start
+
+        return start(self, q=q, velocity=velocity, p=p, parameters=parameters or {}, t0=t0, digits=digits)
+
+    def at(self, t: Any, *, q: Any, p: Any, t0: Any = 0, digits: int = 15) -> tuple[Any, Any]:
+        """Return (q, p) at one time; ``motion`` gives their errors as well.
+
+        Args:
+            t: the time.
+            q: position at t0.
+            p: momentum at t0.
+            t0: initial time.
+            digits: relative digits wanted.
+
+        Raises:
+            OutsideMotionError: q reaches infinity or an end of its domain before.
+        """
+        name = self.coordinate.name
+        return self.motion(q={name: q}, p={name: p}, t0=t0, digits=digits).reach(t)
+
+
+def from_hamiltonian(
+    hamiltonian: str, coordinates: Mapping[str, str], parameters: Mapping[str, Any] | None = None, *,
+    title: str = "", id: str = "",  # noqa: A002
+) -> System | LinearHamiltonian:  # fmt: skip
+    """Take a system of one degree of freedom from H(q, p), written with ``p``.
+
+    Args:
+        hamiltonian: H, a polynomial of first or second degree in the momentum ``p``.
+        coordinates: one name → domain.
+        parameters: name → value, as for ``System``.
+        title: for display.
+        id: permanent name, for display.
+
+    Returns:
+        A ``System`` where H is quadratic in p, a ``LinearHamiltonian`` where it is linear.
+
+    Raises:
+        InvalidSystemError: more than one coordinate, or another dependence on p.
+
+    Example:
+        >>> problem = from_hamiltonian("q + p", {"q": "line"})
+        >>> problem.principal_function
+        E*q - E*t - q**2/2
+    """
+    if len(coordinates) != 1:
+        raise InvalidSystemError("H(q, p): one coordinate only; more need T and V")
+    (name, domain), = coordinates.items()
+    if name == "p" or "p" in (parameters or {}):
+        raise InvalidSystemError("H(q, p): p is the momentum; rename the coordinate or parameter")
+    shape = System(coordinates, f"dot({name})**2/2", "0", parameters)
+    q = shape.coordinate(name)
+    H = parse(hamiltonian, {**shape.symbols, "p": q.momentum}, source="hamiltonian")
+    if not H.is_polynomial(q.momentum) or sp.degree(H, q.momentum) not in (1, 2):
+        raise InvalidSystemError("H(q, p): must be a polynomial of first or second degree in p, with p in it")
+    coefficients = sp.Poly(H, q.momentum).all_coeffs()
+    if len(coefficients) == 2:
+        return LinearHamiltonian(q, H, coefficients[0], coefficients[1], tuple(shape.parameters), title, id)
+    a, b, c = coefficients
+    kinetic = sp.expand((q.velocity - b) ** 2 / (4 * a))
+    return System({name: domain}, kinetic, c, parameters, title=title, id=id)

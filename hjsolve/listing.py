@@ -1,0 +1,74 @@
+"""The catalog on the terminal: the list with its filters, and one entry in full."""
+
+from __future__ import annotations
+
+from hjsolve import catalog
+from hjsolve.catalog import Entry
+from hjsolve.errors import InvalidInputError
+
+
+def entries(*, separable: bool, kind: str | None, book: str | None) -> None:
+    """List the entries that pass the filters, by kind.
+
+    Args:
+        separable: only what is solved.
+        kind: only this kind.
+        book: only this row of the table of Greenwood's systems.
+
+    Raises:
+        InvalidInputError: filters that exclude each other, or nothing passes.
+    """
+    if separable and kind not in (None, "separable", "extended"):
+        raise InvalidInputError(f"catalog: --separable and --kind {kind} exclude each other")
+    kinds = {kind} if kind else {"separable", "extended"} if separable else None
+    chosen = catalog.titles(book=book)
+    titles = {name: title for name, title in chosen.items() if kinds is None or catalog.kind_of(name) in kinds}
+    if not titles:
+        raise InvalidInputError("catalog: no entry is of that kind and row; rows are C01 to C96, some with a or b")
+    width = max(map(len, titles))
+    for each, words in (
+        ("separable", "separates"),
+        ("extended", "separates, by its own form of the energy or in a declared frame"),
+        ("refused", "is refused, with the reason"),
+        ("outside", "is no T and V, and is refused"),
+    ):
+        names = [name for name in catalog.ids(each) if name in titles]
+        if names:
+            print(f"{words}:")
+        for name in names:
+            print(f"  {name:<{width}}  {titles[name]}")
+    print("\n`hjsolve catalog show NAME` tells more about one of them")
+
+
+def entry(entry: Entry) -> None:
+    """Show one entry.
+
+    Args:
+        entry: from ``catalog.describe``.
+    """
+    from hjsolve.reports.hamiltonians import given_section
+    from hjsolve.reports.symbolic import system_section
+    from hjsolve.reports.text import section_text, wrapped
+
+    print(f"{entry.title}  [{entry.id}]\n")
+    if entry.hamiltonian is not None:
+        print(section_text(given_section(entry.hamiltonian, entry.meanings, entry.summary)))
+    elif entry.system is not None:
+        print(section_text(system_section(entry.system, entry.meanings, entry.summary)))
+    else:
+        print(wrapped((entry.summary,)))
+    for title, items in (("Motions", entry.motions), ("Effects", entry.effects)):
+        if items:
+            print(f"\n{title}\n{'-' * len(title)}\n")
+            print(
+                "\n".join(wrapped((f"{name}: {item.summary or 'the default'}",), "  ") for name, item in items.items())
+            )
+    if entry.reason:
+        print("\nWhy it is refused\n-----------------\n")
+        if entry.refusal is not None:
+            print(wrapped((f"{entry.refusal.kind}: {'; '.join(entry.refusal.formulas)}".rstrip(": "),)))
+        print(wrapped((entry.reason,)))
+        print(wrapped((entry.instead,)))
+    if entry.cite:
+        print("\nLiterature\n----------\n")
+        print("\n".join(f"  {source}" for source in entry.cite))
