@@ -1,8 +1,8 @@
 """The orthogonal coordinates of the plane and of space with names, and the integrals that belong to them.
 
-Every entry is h_i² up to one common constant factor, and quadratic integrals of the free motion as
-coefficients of p_i².
-Angular momenta are about the origin of the chart; the axis of the chart is its z axis (x in the plane).
+Every entry is h_i² up to one common constant factor, or one factor for each group of coordinates, and quadratic
+integrals of the free motion as coefficients of p_i². Angular momenta are about the origin of the chart; the axis of the
+chart is its z axis (x in the plane). In a meaning, {0} and {1} stand for the names of the first two coordinates.
 """
 
 from __future__ import annotations
@@ -44,11 +44,13 @@ class Chart:
         name: what they are called.
         squares: h_i² up to a common factor.
         integrals: what is known to be conserved in free motion, and diagonal in these coordinates.
+        free: the coordinates, by place, whose h_i² have a factor of their own.
     """
 
     name: str
     squares: Callable[..., Expressions]
     integrals: tuple[Integral, ...]
+    free: frozenset[int] = frozenset()
 
 
 def _parabolic(u: sp.Expr, v: sp.Expr) -> tuple[sp.Expr, sp.Expr]:
@@ -65,13 +67,29 @@ def _flat(u: sp.Expr, v: sp.Expr) -> tuple[sp.Expr, sp.Expr]:
     return sp.sin(v) ** 2 / below, sp.cosh(u) ** 2 / below
 
 
+def _confocal_algebraic(ξ: sp.Expr, η: sp.Expr) -> tuple[sp.Expr, sp.Expr]:
+    product = (ξ**2 - 1) * (1 - η**2) / (ξ**2 - η**2)
+    return -product, product
+
+
+def _squared(ξ: sp.Expr, η: sp.Expr) -> tuple[sp.Expr, sp.Expr]:
+    """``_parabolic`` with ξ = u², η = v²: p_u² = 4ξ p_ξ²."""
+    return -2 * ξ * η / (ξ + η), 2 * ξ * η / (ξ + η)
+
+
+def _along_squared(ξ: sp.Expr, η: sp.Expr, *_: sp.Expr) -> sp.Expr:
+    return (ξ - η) / (ξ + η)
+
+
 def _along(u: sp.Expr, v: sp.Expr, *_: sp.Expr) -> sp.Expr:
     return (u**2 - v**2) / (u**2 + v**2)
 
 
 _FOCI = "L_1 and L_2 the angular momenta about the foci: the constant of the problem of two centres"
-_RUNGE_LENZ = "A the component of p x L along the axis"
-_KEPLER = "A the component of the Runge-Lenz vector along the axis"
+_RUNGE_LENZ = "A the component of p x L along the axis with the coordinate ({0}**2 - {1}**2)/2"
+_KEPLER = "A the component of the Runge-Lenz vector along the axis with the coordinate ({0}**2 - {1}**2)/2"
+_RUNGE_LENZ_2 = "A the component of p x L along the axis with the coordinate ({0} - {1})/2"
+_KEPLER_2 = "A the component of the Runge-Lenz vector along the axis with the coordinate ({0} - {1})/2"
 _TOTAL = "L the total angular momentum"
 _AXIAL = "L_z the angular momentum about the axis"
 
@@ -161,7 +179,64 @@ CHARTS = (
         lambda u, v, z: (u**2 + v**2, u**2 + v**2, sp.S.One),
         (
             Integral(
-                P_Y * L_Z, "L_z and p_y as in the plane across the axis", lambda u, v, z: (*_parabolic(u, v), sp.S.Zero)
+                P_Y * L_Z,
+                "L_z and p_y as in the plane across the axis, where x = ({0}**2 - {1}**2)/2",
+                lambda u, v, z: (*_parabolic(u, v), sp.S.Zero),
+            ),
+        ),
+    ),
+    Chart(
+        "elliptic cylinder",
+        lambda u, v, z: (*((sp.sinh(u) ** 2 + sp.sin(v) ** 2,) * 2), sp.S.One),
+        (
+            Integral(
+                L1 * L2,
+                "L_1 and L_2 the angular momenta about the focal lines",
+                lambda u, v, z: (*_confocal(u, v), sp.S.Zero),
+            ),
+        ),
+        frozenset({2}),
+    ),
+    Chart(
+        "elliptic, x = a ξ η",
+        lambda ξ, η: ((ξ**2 - η**2) / (ξ**2 - 1), (ξ**2 - η**2) / (1 - η**2)),
+        (Integral(L1 * L2, _FOCI, _confocal_algebraic),),
+    ),
+    Chart(
+        "prolate spheroidal, z = a ξ η",
+        lambda ξ, η, φ: (
+            (ξ**2 - η**2) / (ξ**2 - 1),
+            (ξ**2 - η**2) / (1 - η**2),
+            (ξ**2 - 1) * (1 - η**2),
+        ),
+        (
+            Integral(L_Z**2, _AXIAL, lambda ξ, η, φ: (sp.S.Zero, sp.S.Zero, sp.S.One)),
+            Integral(
+                L1 * L2,
+                _FOCI,
+                lambda ξ, η, φ: (
+                    *_confocal_algebraic(ξ, η),
+                    1 + ((ξ * η) ** 2 - 1) / ((ξ**2 - 1) * (1 - η**2)),
+                ),
+            ),
+        ),
+    ),
+    Chart(
+        "parabolic, x = (ξ - η)/2",
+        lambda ξ, η: ((ξ + η) / (4 * ξ), (ξ + η) / (4 * η)),
+        (Integral(A, _RUNGE_LENZ_2, _squared, _along_squared, _KEPLER_2),),
+    ),
+    Chart(
+        "rotational parabolic, z = (ξ - η)/2",
+        lambda ξ, η, φ: ((ξ + η) / (4 * ξ), (ξ + η) / (4 * η), ξ * η),
+        (
+            Integral(L_Z**2, _AXIAL, lambda ξ, η, φ: (sp.S.Zero, sp.S.Zero, sp.S.One)),
+            Integral(
+                A,
+                _RUNGE_LENZ_2,
+                lambda ξ, η, φ: (*_squared(ξ, η), (ξ - η) / (2 * ξ * η)),
+                _along_squared,
+                _KEPLER_2,
             ),
         ),
     ),

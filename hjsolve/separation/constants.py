@@ -40,7 +40,7 @@ def _separation_constants(shell: Shell, reader: Reader, matrix: Matrix) -> list[
     for c, a, ψ in zip(shell.coordinates, shell.shift, matrix.column):
         separated.append((c.momentum + a) ** 2 / 2 + readable(reader, ψ))
     taken = set(shell.system.symbols)
-    naming = Naming(shell, reader)
+    meanings = Naming(shell, reader)(inverse[1:], matrix.column)
     names = [c.name for c in shell.coordinates]
     found = []
     for j in range(1, len(names)):
@@ -49,7 +49,7 @@ def _separation_constants(shell: Shell, reader: Reader, matrix: Matrix) -> list[
         while name in taken:
             name += "_"
         text = f"separation constant shared by {', '.join(holds)}"
-        if known := naming(inverse[j], matrix.column):
+        if known := meanings[j - 1]:
             text = f"{text}: {known}"
         weights = [readable(reader, x) for x in inverse[j]]
         expression = sp.Add(*(w * square for w, square in zip(weights, separated)))

@@ -1,8 +1,9 @@
 """What a separation constant is: an energy of a part, an angular momentum, a Runge–Lenz component, Carter's constant.
 
 A constant α = ½ Σ wᵢPᵢ² + U is compared with a known integral K: α = aK + bE + Σ d c c′ + const, with a, b, d free of
-coordinates. Two of the coefficients of pᵢ² at a base point give a and b; the rest of the identity is then proved by the
-exact zero test. Where U keeps a function of the coordinates, K is the integral of the free motion that α continues.
+coordinates, and E the energy of the whole or of a part that moves by itself. Two of the coefficients of pᵢ² at a base
+point give a and b; the rest of the identity is then proved by the exact zero test. Where U keeps a function of the
+coordinates, K is the integral of the free motion that α continues.
 """
 
 from __future__ import annotations
@@ -47,6 +48,16 @@ class Known:
     with_centre: str = ""
 
 
+@dataclass(frozen=True)
+class Energy:
+    """The energy of the whole or of a part: ½ Σ gⁱⁱPᵢ² + V; ``words`` explain the symbol where it needs it."""
+
+    symbol: sp.Symbol
+    metric: tuple[Element, ...]
+    potential: Element
+    words: str = ""
+
+
 class Naming:
     """Names for the separation constants of one shell.
 
@@ -59,26 +70,29 @@ class Naming:
         self.shell, self.reader, self.system = shell, reader, shell.system
         self.names = [c.name for c in self.system.coordinates]
         self.symbols = [c.symbol for c in shell.coordinates]
-        self.usable = not any(shell.shift) and sp.count_ops(shell.system.kinetic) <= MAX_SIZE
+        self.usable = sp.count_ops(shell.system.kinetic) <= MAX_SIZE
+        self.metric = [reader.element(g) for g in shell.inverse_metric]
+        self.energies = [Energy(shell.energy, tuple(self.metric), reader.element(shell.potential))]
         self._known: list[Known] | None = None
 
-    def __call__(self, weights: Sequence[Element], column: Sequence[Element]) -> str:
-        """The meaning of α = Σ wᵢ(½Pᵢ² + ψᵢ), or nothing where it is not known."""
+    def __call__(self, rows: Sequence[Sequence[Element]], column: Sequence[Element]) -> list[str]:
+        """The meaning of every α = Σ wᵢ(½Pᵢ² + ψᵢ), one for each row w; nothing where it is not known."""
         if not self.usable:
-            return ""
+            return [""] * len(rows)
         try:
-            total = self.reader.field.total(w * ψ for w, ψ in zip(weights, column))
-            return self._energy_of_part(weights, total) or self._integral(weights, total)
+            totals = [self.reader.field.total(w * ψ for w, ψ in zip(row, column)) for row in rows]
+            found = [self._energy_of_part(row, U) for row, U in zip(rows, totals)]
+            return [words or self._integral(row, U) for words, row, U in zip(found, rows, totals)]
         except (WorkLimitError, ZeroDivisionError):
-            return ""
+            return [""] * len(rows)
 
     # ---------------------------------------------------------------- a part that moves by itself
 
     def _energy_of_part(self, weights: Sequence[Element], U: Element) -> str:
-        """α = λ(½ Σ gⁱⁱpᵢ² + V_part) over some coordinates, with g and V of these alone."""
+        """α = λ(½ Σ gⁱⁱPᵢ² + V_part) over some coordinates, with g and V of these alone."""
         moving = [k for k, w in enumerate(weights) if not w.is_zero]
         others = [q for k, q in enumerate(self.symbols) if k not in moving]
-        metric = [self.reader.element(self.shell.inverse_metric[k]) for k in moving]
+        metric = [self.metric[k] for k in moving]
         if any(x.depends_on(q) for x in (*metric, U) for q in others):
             return ""
         λ = self.reader.field.cancelled(weights[moving[0]] / metric[0])
@@ -86,34 +100,39 @@ class Naming:
             return ""
         names = ", ".join(self.shell.coordinates[k].name for k in moving)
         symbol = sp.Symbol("E_" + names.replace(", ", "_"), real=True)
-        return f"{readable(self.reader, λ) * symbol}, {symbol} the energy of the motion in {names}"
+        words = f"{symbol} the energy of the motion in {names}"
+        zero = self.reader.field.zero
+        own = tuple(g if k in moving else zero for k, g in enumerate(self.metric))
+        self.energies.append(Energy(symbol, own, self.reader.field.cancelled(U / λ), words))
+        return f"{readable(self.reader, λ) * symbol}, {words}"
 
     # ---------------------------------------------------------------- known integrals
 
     def _integral(self, weights: Sequence[Element], U: Element) -> str:
         for known in self._all_known():
-            if found := self._compared(weights, U, known):
-                return found
+            for energy in self.energies:
+                if found := self._compared(weights, U, known, energy):
+                    return found
         return ""
 
-    def _compared(self, weights: Sequence[Element], U: Element, known: Known) -> str:
-        reader, shell = self.reader, self.shell
-        own = [known.form.get((c.name, c.name), reader.field.zero) for c in shell.coordinates]
-        metric = [reader.element(g) for g in shell.inverse_metric]
-        half = [w / 2 for w in map(reader.field.coerce, weights)]
-        solved = self._solved(half, own, [g / 2 for g in metric])
+    def _compared(self, weights: Sequence[Element], U: Element, known: Known, energy: Energy) -> str:
+        field = self.reader.field
+        own = [known.form.get((c.name, c.name), field.zero) for c in self.shell.coordinates]
+        half = [w / 2 for w in map(field.coerce, weights)]
+        halves = [g / 2 for g in energy.metric]
+        solved = self._solved(half, own, halves)
         if solved is None or solved[0].is_zero:
             return ""
         a, b = solved
-        if any(not (w - a * k - b * g / 2).is_zero for w, k, g in zip(half, own, metric)):
+        if any(not (w - a * k - b * g).is_zero for w, k, g in zip(half, own, halves)):
             return ""
-        rest = reader.field.cancelled(U - b * reader.element(shell.potential))
-        return self._with_rest(known, a, b, rest)
+        found = self._with_rest(known, a, b, energy, field.cancelled(U - b * energy.potential))
+        return f"{found}, {energy.words}" if found and energy.words and not b.is_zero else found
 
-    def _with_rest(self, known: Known, a: Element, b: Element, rest: Element) -> str:
+    def _with_rest(self, known: Known, a: Element, b: Element, energy: Energy, rest: Element) -> str:
         """The words, once the momenta that are left agree: what remains is quadratic in the ignorable momenta."""
         reader, field = self.reader, self.reader.field
-        written = readable(reader, a) * known.symbol + readable(reader, b) * self.shell.energy
+        written = readable(reader, a) * known.symbol + readable(reader, b) * energy.symbol
         for x, y in ((x, y) for k, x in enumerate(self.shell.ignorable) for y in self.shell.ignorable[k:]):
             coefficient = reader.diff(reader.diff(rest, x.momentum), y.momentum)
             coefficient = coefficient / 2 if x == y else coefficient
@@ -126,17 +145,16 @@ class Naming:
         still = field.cancelled(reader.element(reader.write(rest).xreplace(zero)))
         if not self._varies(still):
             return f"{written + readable(reader, still)}, {known.meaning}"
-        if known.attracted is not None and not self._varies(field.cancelled(self._slope(still, known.attracted))):
-            return f"{written}, {known.with_centre}"
+        if known.attracted is not None:
+            left = field.cancelled(still - self._slope(still, known.attracted) * known.attracted)
+            if not self._varies(left):
+                return f"{written + readable(reader, left)}, {known.with_centre}"
         return f"{written} continued by a function of the coordinates that the potential brings in, {known.meaning}"
 
     def _slope(self, still: Element, attracted: Element) -> Element:
-        """∂still/∂attracted along the first coordinate that moves it; constant when still = κ·attracted + const."""
-        for q in self.symbols:
-            slope = self.reader.diff(attracted, q)
-            if not slope.is_zero:
-                return self.reader.diff(still, q) / slope
-        return still
+        """∂still/∂attracted along the first coordinate that moves it: κ, where still = κ·attracted + const."""
+        q = next(q for q in self.symbols if not self.reader.diff(attracted, q).is_zero)
+        return self.reader.field.cancelled(self.reader.diff(still, q) / self.reader.diff(attracted, q))
 
     def _solved(
         self, α: Sequence[Element], known: Sequence[Element], energy: Sequence[Element]
@@ -165,6 +183,8 @@ class Naming:
     def _all_known(self) -> list[Known]:
         if self._known is None:
             self._known = [*self._of_charts(), *self._of_carter()]
+            if not self._known:
+                self._known = list(self._of_spheres())
         return self._known
 
     def _of_charts(self) -> Iterator[Known]:
@@ -173,15 +193,16 @@ class Naming:
         n = len(self.names)
         if n not in (2, 3) or not mass.is_diagonal() or any(linear_terms(self.system)):
             return
-        values = _sampled(self.system, [mass[i, i] for i in range(n)])
+        samples = _sampled(self.system, [mass[i, i] for i in range(n)])
         symbols = [c.symbol for c in self.system.coordinates]
         for chart in of_dimension(n):
             for order in permutations(range(n)):
                 squares = chart.squares(*(symbols[k] for k in order))
-                if not _proportional([mass[k, k] for k in order], squares, values):
+                if not _proportional(order, squares, samples, chart.free):
                     continue
                 ratios = [self.reader.element(mass[k, k] / h) for k, h in zip(order, squares)]
-                if self._varies(ratios[0]) or any(not (x - ratios[0]).is_zero for x in ratios[1:]):
+                together = [x for k, x in enumerate(ratios) if k not in chart.free]
+                if any(map(self._varies, ratios)) or any(not (x - together[0]).is_zero for x in together):
                     continue
                 yield from (self._in_order(integral, order, symbols) for integral in chart.integrals)
                 return
@@ -191,7 +212,26 @@ class Naming:
         coefficients = integral.coefficients(*q)
         form = {(self.names[k], self.names[k]): self.reader.element(c) for k, c in zip(order, coefficients)}
         attracted = None if integral.attracted is None else self.reader.element(integral.attracted(*q))
-        return Known(integral.symbol, integral.meaning, form, attracted, integral.with_centre)
+        meaning, centre = (text.format(*q) for text in (integral.meaning, integral.with_centre))
+        return Known(integral.symbol, meaning, form, attracted, centre)
+
+    def _of_spheres(self) -> Iterator[Known]:
+        """L² in coordinates r, μ, ν with T = m/2 (ṙ² + r² h(μ, ν)) where h is the unit sphere: its curvature is 1."""
+        mass = mass_matrix(self.system)
+        if len(self.names) != 3 or not mass.is_diagonal() or any(linear_terms(self.system)):
+            return
+        elements = [self.reader.element(mass[i, i]) for i in range(3)]
+        for k, c in enumerate(self.system.coordinates):
+            if self._varies(elements[k]):
+                continue
+            rest = [(q, elements[i]) for i, q in enumerate(self.system.coordinates) if i != k]
+            r = self.reader.element(c.symbol)
+            sphere = [self.reader.field.cancelled(m / (elements[k] * r**2)) for _, m in rest]
+            if any(h.depends_on(c.symbol) for h in sphere):
+                continue
+            if (curvature(self.reader, [q.symbol for q, _ in rest], sphere) - 1).is_zero:
+                form = {(q.name, q.name): h**-1 for (q, _), h in zip(rest, sphere)}
+                yield Known(sp.Symbol("L", real=True) ** 2, "L the total angular momentum", form)
 
     def _of_carter(self) -> Iterator[Known]:
         """Carter's constant Q = p_θ² + cos²θ [a²(−2H − p_t²) + p_φ²/sin²θ], for unit mass (Carter 1968)."""
@@ -214,24 +254,39 @@ class Naming:
                     yield Known(sp.Symbol("Q", real=True), "Q Carter's constant", elements)
 
 
-def _sampled(system: System, entries: Sequence[sp.Expr]) -> list[dict[sp.Symbol, mpmath.mpf]]:
-    """Two points where the entries have values; none where they have not."""
+def curvature(reader: Reader, q: Sequence[sp.Symbol], h: Sequence[Element]) -> Element:
+    """Gauss's curvature of h₁dx² + h₂dy² (Gauss 1827, Disquisitiones generales circa superficies curvas, art. 11)."""
+    (x, y), (E, G), d = q, h, reader.diff
+    second = (d(d(E, y), y) + d(d(G, x), x)) / (E * G)
+    first = (d(E, x) * d(G, x) + d(E, y) ** 2) / (E**2 * G) + (d(E, y) * d(G, y) + d(G, x) ** 2) / (E * G**2)
+    return reader.field.cancelled(first / 4 - second / 2)
+
+
+Sample = tuple[dict[sp.Symbol, mpmath.mpf], list[mpmath.mpf]]
+
+
+def _sampled(system: System, entries: Sequence[sp.Expr]) -> list[Sample]:
+    """Two points and the values of the entries there; none where they have no values."""
     found = []
     for shift in (3, 5):
         point = {p.symbol: CONTEXT.mpf(3 * k + 5) / 7 for k, p in enumerate(system.parameters)}
-        point |= {c.symbol: CONTEXT.mpf(2 * k + shift) / 9 for k, c in enumerate(system.coordinates)}
+        point |= {c.symbol: CONTEXT.mpf(2 * k + shift) / 11 for k, c in enumerate(system.coordinates)}
         try:
-            for entry in entries:
-                evaluate(entry, point)
+            found.append((point, [evaluate(entry, point) for entry in entries]))
         except (NoValueError, KeyError):
             return []
-        found.append(point)
     return found
 
 
 def _proportional(
-    entries: Sequence[sp.Expr], squares: Sequence[sp.Expr], points: Sequence[dict[sp.Symbol, mpmath.mpf]]
+    order: Sequence[int], squares: Sequence[sp.Expr], samples: Sequence[Sample], free: frozenset[int]
 ) -> bool:
-    """Whether entries are one constant times squares at the points; a filter before the exact test."""
-    ratios = [evaluate(m, point) / evaluate(h, point) for point in points for m, h in zip(entries, squares)]
-    return bool(ratios) and all(abs(x / ratios[0] - 1) < CONTEXT.mpf(10) ** -40 for x in ratios[1:])
+    """Whether the entries are one constant times squares at the points; a filter before the exact test."""
+    first = None
+    for point, values in samples:
+        for k in (k for k in range(len(squares)) if k not in free):
+            ratio = values[order[k]] / evaluate(squares[k], point)
+            first = ratio if first is None else first
+            if abs(ratio / first - 1) > CONTEXT.mpf(10) ** -40:
+                return False
+    return bool(samples)
