@@ -21,6 +21,9 @@ if TYPE_CHECKING:
     from hjsolve.coordinates import Web as Web
     from hjsolve.coordinates import find_coordinates as find_coordinates
     from hjsolve.coordinates import normal_modes as normal_modes
+    from hjsolve.ensembles import Batch as Batch
+    from hjsolve.ensembles import Status as Status
+    from hjsolve.ensembles import ensemble as ensemble
     from hjsolve.errors import CatalogError as CatalogError
     from hjsolve.errors import ExpressionError as ExpressionError
     from hjsolve.errors import ForbiddenMotionError as ForbiddenMotionError
@@ -56,6 +59,7 @@ _HOMES = {
     "find_coordinates": "coordinates", "normal_modes": "coordinates",
     "separate": "separation", "Separation": "separation", "Obstruction": "separation", "Undecided": "separation",
     "solve": "solution", "Solution": "solution",
+    "ensemble": "ensembles", "Batch": "ensembles", "Status": "ensembles",
     "Motion": "motion", "Estimate": "numeric.estimate",
     "report": "reports", "Scene": "scenes", "linear_modes": "gyroscopic", "from_hamiltonian": "hamiltonians",
     "CatalogError": "errors", "ExpressionError": "errors", "ForbiddenMotionError": "errors", "HJSolveError": "errors",

@@ -15,6 +15,7 @@ from __future__ import annotations
 
 from collections.abc import Iterable, Mapping
 from dataclasses import dataclass, replace
+from functools import lru_cache
 from typing import TYPE_CHECKING, Any
 
 import sympy as sp
@@ -22,6 +23,7 @@ import sympy as sp
 from hjsolve.errors import NotSeparableError
 from hjsolve.separation import Constant, Obstruction, Separation, Undecided, separate
 from hjsolve.separation.relativistic import shell_energy
+from hjsolve.separation.verdicts import Verdict
 from hjsolve.system import System
 
 if TYPE_CHECKING:
@@ -77,6 +79,8 @@ class Solution:
 def solve(system: System | Separation) -> Solution:
     """Solve a system by quadratures.
 
+    A system that was solved before in this process is not solved again: equal systems share one solution.
+
     Args:
         system: a system, or the ``Separation`` it already gave.
 
@@ -90,7 +94,16 @@ def solve(system: System | Separation) -> Solution:
     References:
         Greenwood, Classical Dynamics (1977), (5-65)–(5-83), (5-142); Jacobi's theorem (5-53)–(5-62).
     """
-    verdict = separate(system) if isinstance(system, System) else system
+    return _remembered(system) if isinstance(system, System) else _solved(system)
+
+
+@lru_cache(maxsize=128)
+def _remembered(system: System) -> Solution:
+    """The solution of a system; a refusal raises and is not remembered, more time may decide it."""
+    return _solved(separate(system))
+
+
+def _solved(verdict: Verdict) -> Solution:
     if not isinstance(verdict, Separation):
         raise NotSeparableError(_why_not(verdict), verdict)
     shell, names = verdict.shell, tuple(c.name for c in verdict.shell.coordinates)

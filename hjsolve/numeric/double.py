@@ -20,7 +20,8 @@ def split(x: Any) -> tuple[float, float]:
     return high, float(x - high)
 
 
-def _two_product(a: Any, b: Any) -> tuple[Any, Any]:
+def two_product(a: Any, b: Any) -> tuple[Any, Any]:
+    """Return the product of two doubles and what its rounding left out (Dekker)."""
     p = a * b
     ca, cb = _SPLITTER * a, _SPLITTER * b
     ah, bh = ca - (ca - a), cb - (cb - b)
@@ -28,7 +29,8 @@ def _two_product(a: Any, b: Any) -> tuple[Any, Any]:
     return p, ((ah * bh - p) + ah * bl + al * bh) + al * bl
 
 
-def _two_sum(a: Any, b: Any) -> tuple[Any, Any]:
+def two_sum(a: Any, b: Any) -> tuple[Any, Any]:
+    """Return the sum of two doubles and what its rounding left out (Knuth)."""
     s = a + b
     part = s - a
     return s, (a - (s - part)) + (b - part)
@@ -47,10 +49,10 @@ def turns(rate: tuple[float, float], time: tuple[Any, Any], start: tuple[float, 
     Returns:
         Whole number (float array) and fraction; their sum is exact to about 1e-32 relative.
     """
-    p, e = _two_product(rate[0], time[0])
+    p, e = two_product(rate[0], time[0])
     e = e + (rate[0] * time[1] + rate[1] * time[0])
     whole = np.rint(p)
-    s, low = _two_sum(p - whole, start[0])
+    s, low = two_sum(p - whole, start[0])
     low = low + (e + start[1])
     more = np.rint(s + low)
     return whole + more, (s - more) + low

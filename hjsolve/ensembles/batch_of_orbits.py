@@ -1,0 +1,177 @@
+"""The result of an ensemble: columns of numbers with their errors, and a status for every orbit."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Mapping
+from dataclasses import dataclass
+from enum import IntEnum
+from typing import Any
+
+import numpy as np
+
+from hjsolve.ensembles.layout import ERROR, EXACT, QUANTITIES, STATUS, Layout
+from hjsolve.errors import InvalidInputError
+
+
+class Status(IntEnum):
+    """What became of an orbit. Rows of all but ``ok`` hold NaN where a quantity does not exist or is not known."""
+
+    OK = 0
+    UNBOUNDED = 1
+    ASYMPTOTIC = 2
+    REACHES_BOUNDARY = 3
+    FORBIDDEN = 4
+    OUTSIDE_DOMAIN = 5
+    NOT_FINITE = 6
+    NOT_CONVERGED = 7
+
+    @property
+    def word(self) -> str:
+        """The word that ``Batch.status`` shows."""
+        return self.name.lower()
+
+    @property
+    def meaning(self) -> str:
+        """One sentence about it."""
+        return _MEANINGS[self]
+
+
+_MEANINGS = {
+    Status.OK: "every number wanted is there",
+    Status.UNBOUNDED: "a coordinate escapes: it has no action, frequency or angle",
+    Status.ASYMPTOTIC: "on a separatrix: an equilibrium is approached for ever, or stood on without stability",
+    Status.REACHES_BOUNDARY: "the orbit reaches an end of a domain in a finite time (a collision, an axis)",
+    Status.FORBIDDEN: "no real motion has these constants",
+    Status.OUTSIDE_DOMAIN: "the place lies outside the domain, or on a singularity of the coordinates",
+    Status.NOT_FINITE: "an input is NaN or infinite",
+    Status.NOT_CONVERGED: "a number could not be had to 15 digits",
+}
+WORDS = np.array([status.word for status in Status])
+
+
+@dataclass(frozen=True, eq=False, repr=False)
+class Batch:
+    """The numbers of many orbits; numpy arrays, or dask arrays where dask arrays came in, all of one shape.
+
+    ``actions``, ``frequencies``, ``periods``, ``angles``, ``constants`` map names to arrays, ``turning_points`` to
+    pairs (lower, upper); ``error`` maps a quantity to bounds on its errors in the same form. Only what was wanted is
+    there. A number that does not exist is NaN, and ``status`` says why.
+
+    Attributes:
+        columns: flat name (``actions.r``, ``error.actions.r``, ``status``, ``exact``) → array.
+        layout: which quantities and names there are.
+        shape: of every array, that of the initial conditions.
+    """
+
+    columns: Mapping[str, Any]
+    layout: Layout
+    shape: tuple[int, ...]
+
+    @property
+    def actions(self) -> dict[str, Any]:
+        """J = (1/2π) ∮ p dq by coordinate."""
+        return self._quantity("actions")
+
+    @property
+    def frequencies(self) -> dict[str, Any]:
+        """Ω = ∂H/∂J by coordinate, radians per unit time."""
+        return self._quantity("frequencies")
+
+    @property
+    def periods(self) -> dict[str, Any]:
+        """2π/|Ω| by coordinate; infinite where Ω is zero."""
+        return self._quantity("periods")
+
+    @property
+    def angles(self) -> dict[str, Any]:
+        """The angle variables of the initial states, in (−π, π], by coordinate."""
+        return self._quantity("angles")
+
+    @property
+    def constants(self) -> dict[str, Any]:
+        """The constants of the motion by name."""
+        return self._quantity("constants")
+
+    @property
+    def turning_points(self) -> dict[str, tuple[Any, Any]]:
+        """(lower, upper) by separated coordinate; NaN on a side that has none."""
+        return self._quantity("turning_points")
+
+    @property
+    def error(self) -> dict[str, dict[str, Any]]:
+        """Bounds on the absolute errors: quantity → name → array (or pair)."""
+        return {quantity: self._quantity(quantity, ERROR) for quantity in self.layout.want}
+
+    @property
+    def status(self) -> Any:
+        """A word for every orbit: ``ok`` or what became of it; ``Status`` tells what each means."""
+        codes = self.columns[STATUS]
+        return codes.map_blocks(_words, dtype=WORDS.dtype) if self.lazy else _words(codes)
+
+    @property
+    def codes(self) -> Any:
+        """The status as int8, a ``Status`` for every orbit."""
+        return self.columns[STATUS]
+
+    @property
+    def exact(self) -> Any:
+        """True where the single-orbit engine computed the orbit, because the vectorised one handed it back."""
+        return self.columns[EXACT]
+
+    @property
+    def lazy(self) -> bool:
+        """True while the columns are dask arrays."""
+        return hasattr(self.columns[STATUS], "dask")
+
+    def summary(self) -> dict[str, int]:
+        """How many orbits have each status, and how many were ``exact``; computes a lazy batch's statuses.
+
+        Returns:
+            Word → number of orbits; words that no orbit has are left out, ``exact`` is always there.
+        """
+        status, exact = self.columns[STATUS], self.columns[EXACT]
+        if self.lazy:
+            from dask.base import compute
+
+            status, exact = compute(status, exact)
+        counts = np.bincount(np.ravel(status), minlength=len(Status))
+        found = {s.word: int(counts[s]) for s in Status if counts[s]}
+        return {**found, EXACT: int(np.count_nonzero(exact))}
+
+    def compute(self, **options: Any) -> Batch:
+        """Compute a lazy batch, every block once; one that is computed is returned as it is.
+
+        Args:
+            options: for ``dask.compute``, e.g. ``scheduler="threads"``.
+
+        Returns:
+            The batch with numpy arrays.
+        """
+        if not self.lazy:
+            return self
+        from dask.base import compute
+
+        (columns,) = compute(dict(self.columns), **options)
+        return Batch(columns, self.layout, self.shape)
+
+    def _quantity(self, quantity: str, prefix: str = "") -> dict[str, Any]:
+        if quantity not in self.layout.names:
+            raise InvalidInputError(f'"{quantity}" was not computed; add it to want')
+        sides: Callable[[str], Any]
+        if quantity == "turning_points":
+            sides = lambda n: (self.columns[f"{n}.lower"], self.columns[f"{n}.upper"])  # noqa: E731
+        else:
+            sides = lambda n: self.columns[n]  # noqa: E731
+        return {name: sides(f"{prefix}{quantity}.{name}") for name in self.layout.names[quantity]}
+
+    def __repr__(self) -> str:
+        """Shape, quantities and, once computed, the statuses."""
+        counts = "" if self.lazy else f", {', '.join(f'{n} {word}' for word, n in self.summary().items())}"
+        return f"<Batch of {self.shape} orbits: {', '.join(self.layout.want)}{', lazy' if self.lazy else counts}>"
+
+
+def _words(codes: Any) -> Any:
+    return WORDS[codes]
+
+
+__all__ = ["QUANTITIES", "WORDS", "Batch", "Status"]

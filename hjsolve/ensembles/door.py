@@ -1,0 +1,119 @@
+"""The door of an ensemble: arrays of any shape and real type become doubles of one shape, or one error."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from dataclasses import dataclass
+from typing import Any
+
+import numpy as np
+
+from hjsolve.errors import InvalidInputError, MissingValueError
+from hjsolve.expressions import number
+from hjsolve.schema import nearest
+from hjsolve.system import System
+
+_MASKED = "a masked array; give NaN for what is missing (array.filled(nan)), such orbits get a status"
+
+
+@dataclass(frozen=True)
+class Conditions:
+    """Initial conditions, checked.
+
+    Attributes:
+        kind: ``p`` or ``velocity``, what ``rates`` are.
+        q, rates: coordinate → float64 array; numpy or dask; each broadcasts to ``shape``.
+        shape: of the result.
+        lazy: whether any of them is a dask array.
+    """
+
+    kind: str
+    q: Mapping[str, Any]
+    rates: Mapping[str, Any]
+    shape: tuple[int, ...]
+    lazy: bool
+
+
+def conditions(
+    system: System, q: Mapping[str, Any], p: Mapping[str, Any] | None, velocity: Mapping[str, Any] | None
+) -> Conditions:
+    """Check the initial conditions of an ensemble.
+
+    Args:
+        system: whose coordinates they are.
+        q: every coordinate → array, list or number.
+        p, velocity: the same, one of the two.
+
+    Raises:
+        InvalidInputError: a name that is no coordinate, an array that does not hold real numbers, shapes that do not
+            broadcast against each other, p and velocity both or neither.
+        MissingValueError: a coordinate without values.
+    """
+    if (p is None) == (velocity is None):
+        raise InvalidInputError("ensemble: give either p={…} or velocity={…}, values for every coordinate")
+    kind, rates = ("p", p) if velocity is None else ("velocity", velocity)
+    given = {("q", name): value for name, value in _complete(system, q, "q").items()}
+    given |= {(kind, name): value for name, value in _complete(system, rates, kind).items()}
+    arrays = {key: _doubles(value, f"{key[0]}[{key[1]}]") for key, value in given.items()}
+    shape = _common_shape(arrays)
+    places = {name: array for (group, name), array in arrays.items() if group == "q"}
+    speeds = {name: array for (group, name), array in arrays.items() if group == kind}
+    return Conditions(kind, places, speeds, shape, any(_is_dask(array) for array in arrays.values()))
+
+
+def _complete(system: System, given: Any, what: str) -> dict[str, Any]:
+    names = [c.name for c in system.coordinates]
+    if not isinstance(given, Mapping):
+        raise InvalidInputError(f"{what}: must map coordinates to arrays, e.g. {{{names[0]!r}: …}}, not {_kind(given)}")
+    for name in given:
+        if name not in names:
+            raise InvalidInputError(f'{what}: no coordinate "{name}"{nearest(str(name), names)}')
+    missing = [name for name in names if name not in given]
+    if missing:
+        raise MissingValueError(f"{what}: no values for {', '.join(missing)}; every coordinate needs them")
+    return {name: given[name] for name in names}
+
+
+def _doubles(value: Any, source: str) -> Any:
+    """The values as float64; a number written as text or Fraction is rounded to the nearest double."""
+    if _is_dask(value):
+        if any(np.isnan(size) for size in value.shape):
+            raise InvalidInputError(f"{source}: has blocks of unknown size; call its compute_chunk_sizes() first")
+        return _checked_kind(value, source).astype(np.float64)
+    if isinstance(value, np.ma.MaskedArray):
+        raise InvalidInputError(f"{source}: is {_MASKED}")
+    try:
+        array = np.asarray(value)
+    except ValueError as error:
+        raise InvalidInputError(f"{source}: is no array: its rows have different lengths") from error
+    if array.shape == () and array.dtype.kind not in "fiu":
+        return np.asarray(float(number(value, source=source)), dtype=np.float64)
+    return _checked_kind(array, source).astype(np.float64)
+
+
+def _checked_kind(array: Any, source: str) -> Any:
+    if array.dtype.kind not in "fiu":
+        raise InvalidInputError(
+            f"{source}: must hold real numbers, not {array.dtype.name}; "
+            "give an array of floats, or one number (exact text such as '1/3' is allowed for one number)"
+        )
+    return array
+
+
+def _common_shape(arrays: Mapping[tuple[str, str], Any]) -> tuple[int, ...]:
+    try:
+        return tuple(np.broadcast_shapes(*(array.shape for array in arrays.values())))
+    except ValueError as error:
+        shapes = ", ".join(f"{kind}[{name}] {array.shape}" for (kind, name), array in arrays.items() if array.shape)
+        raise InvalidInputError(f"ensemble: shapes do not match: {shapes}; they must broadcast to one shape") from error
+
+
+def _is_dask(value: Any) -> bool:
+    return hasattr(value, "dask") and hasattr(value, "map_blocks")
+
+
+def _kind(value: Any) -> str:
+    return f"a {type(value).__name__}"
+
+
+__all__ = ["Conditions", "conditions"]

@@ -1,0 +1,75 @@
+"""Which columns the result of an ensemble has: quantity by quantity, name by name; known before any number is."""
+
+from __future__ import annotations
+
+from collections.abc import Iterable, Iterator, Mapping
+from dataclasses import dataclass
+
+from hjsolve.errors import InvalidInputError
+from hjsolve.schema import nearest
+from hjsolve.solution import Solution
+
+QUANTITIES = ("actions", "frequencies", "periods", "angles", "constants", "turning_points")
+"""What may be asked of an ensemble."""
+
+STATUS, EXACT, ERROR = "status", "exact", "error."
+"""The columns that every result has, and the prefix of the columns of errors."""
+
+
+@dataclass(frozen=True)
+class Layout:
+    """The columns of a result.
+
+    Attributes:
+        names: wanted quantity → the coordinates (constants) it has values for; in the order of ``QUANTITIES``.
+    """
+
+    names: Mapping[str, tuple[str, ...]]
+
+    @property
+    def want(self) -> tuple[str, ...]:
+        """The quantities wanted."""
+        return tuple(self.names)
+
+    def values(self) -> Iterator[str]:
+        """The columns of values: ``actions.r`` … ``turning_points.r.lower``."""
+        for quantity, names in self.names.items():
+            for name in names:
+                if quantity == "turning_points":
+                    yield from (f"{quantity}.{name}.{side}" for side in ("lower", "upper"))
+                else:
+                    yield f"{quantity}.{name}"
+
+    def numbers(self) -> tuple[str, ...]:
+        """The columns of values and, after them, those of their errors."""
+        values = tuple(self.values())
+        return values + tuple(ERROR + name for name in values)
+
+
+def wanted(want: Iterable[str] | str | None) -> tuple[str, ...]:
+    """Read what is wanted, in the order of ``QUANTITIES``; None for all.
+
+    Raises:
+        InvalidInputError: a word that is none of them, or no word at all.
+    """
+    if want is None:
+        return QUANTITIES
+    words = {want} if isinstance(want, str) else set(want)
+    for word in sorted(words - set(QUANTITIES), key=str):
+        raise InvalidInputError(f'want: "{word}" is not known of an ensemble{nearest(str(word), QUANTITIES)}')
+    if not words:
+        raise InvalidInputError(f"want: is empty; name at least one of {', '.join(QUANTITIES)}")
+    return tuple(word for word in QUANTITIES if word in words)
+
+
+def layout_of(solution: Solution, want: Iterable[str] | str | None) -> Layout:
+    """The columns that a solution has of what is wanted.
+
+    A quantity that no orbit of the system can have (the action of an ignorable coordinate on a line) has no column.
+    """
+    coordinates = solution.system.coordinates
+    cyclic = tuple(c.name for c in coordinates if c.name in solution.coordinates or c.domain.kind == "angle")
+    names = dict.fromkeys(QUANTITIES, cyclic)
+    names["constants"] = tuple(solution.constants)
+    names["turning_points"] = tuple(solution.coordinates)
+    return Layout({quantity: names[quantity] for quantity in wanted(want)})

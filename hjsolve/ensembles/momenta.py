@@ -1,0 +1,66 @@
+"""Velocities in an ensemble: momenta in doubles, and what their rounding adds to the errors."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from dataclasses import replace
+from typing import Any
+
+import numpy as np
+
+from hjsolve import batch
+from hjsolve.ensembles.recipe import Tools
+from hjsolve.numeric.running_error import RunningError
+
+Arrays = Mapping[str, Any]
+
+
+def momenta_of(tools: Tools, q: Arrays, velocity: Arrays) -> tuple[dict[str, Any], dict[str, Any]]:
+    """Momenta in doubles from velocities, and bounds on their rounding.
+
+    Returns:
+        Coordinate → p, and coordinate → bound, only of those momenta that were rounded.
+    """
+    names = [c.name for c in tools.solution.system.coordinates]
+    arrays = [(group[name], 0.0) for group in (q, velocity) for name in names]
+    with np.errstate(all="ignore"):
+        pairs = tools.momenta.run(RunningError(), [*arrays, *tools.numbers])
+    shape = np.shape(q[names[0]])
+    p, doubt = ({n: np.broadcast_to(pair[k], shape) for n, pair in zip(names, pairs, strict=True)} for k in (0, 1))
+    return p, {name: bound for name, bound in doubt.items() if np.any(bound != 0)}
+
+
+def run_from_velocities(tools: Tools, q: Arrays, velocity: Arrays) -> batch.Columns:
+    """Run the vectorised engine on the momenta that velocities give, their rounding counted.
+
+    Every momentum that was rounded is moved by its bound, at least to the next double, both ways; what that does to a
+    number is added to its error. An orbit that leaves ``OK`` on the way is for the engine of single motions.
+
+    Returns:
+        Columns as ``Engine.run`` gives them.
+    """
+    p, doubt = momenta_of(tools, q, velocity)
+    columns = tools.engine.run(q, p)
+    error, status = {name: np.array(array) for name, array in columns.error.items()}, np.array(columns.status)
+    for name, bound in doubt.items():
+        step = np.where(bound > 0, np.maximum(bound, np.spacing(np.abs(p[name]))), 0.0)
+        moved = [tools.engine.run(q, {**p, name: p[name] + side * step}) for side in (-1, 1)]
+        for other in moved:
+            lost = (status == batch.Status.OK) & (other.status != batch.Status.OK)
+            status[lost] = batch.Status.EXACT
+        for column in tools.layout.values():
+            change = np.fmax(*(_distance(column, columns, other) for other in moved))
+            error[column] += np.where(step > 0, np.nan_to_num(change), 0.0)
+    return replace(columns, error=error, status=status)
+
+
+def _distance(column: str, one: batch.Columns, other: batch.Columns) -> Any:
+    with np.errstate(invalid="ignore"):
+        far = np.abs(value_of(one, column) - value_of(other, column))
+        return np.minimum(far, np.abs(2 * np.pi - far)) if column.startswith("angles.") else far
+
+
+def value_of(columns: batch.Columns, name: str) -> Any:
+    """A column of values by its flat name."""
+    quantity, _, key = name.partition(".")
+    return columns.group(quantity)[key]

@@ -1,0 +1,112 @@
+"""ensemble(): many orbits of one system at once."""
+
+from __future__ import annotations
+
+from collections.abc import Iterable, Mapping
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+
+from hjsolve import catalog
+from hjsolve.ensembles.batch_of_orbits import Batch
+from hjsolve.ensembles.door import Conditions, conditions
+from hjsolve.ensembles.layout import layout_of
+from hjsolve.ensembles.recipe import Recipe
+from hjsolve.ensembles.rows import Columns, compute
+from hjsolve.errors import InvalidInputError
+from hjsolve.initial import parameter_values
+from hjsolve.solution import Solution, solve
+from hjsolve.system import System
+
+
+def ensemble(
+    system: System | Solution | str | Path,
+    q: Mapping[str, Any],
+    p: Mapping[str, Any] | None = None,
+    velocity: Mapping[str, Any] | None = None,
+    *,
+    want: Iterable[str] | str | None = None,
+    parameters: Mapping[str, Any] | None = None,
+    threads: int | None = None,
+    fallback: bool = True,
+) -> Batch:
+    """Compute the actions, frequencies, … of many orbits of one system.
+
+    A bad orbit (NaN, outside the domain, forbidden, unbounded) gets a status and NaN and stops nobody. Every double
+    of the input counts as the number it is; every error bound says how far the result can be from what that input
+    gives. The result depends neither on the number of threads nor on what other orbits are in the ensemble.
+
+    Args:
+        system: a system, its solution, or a catalog id or path of a .toml entry.
+        q: every coordinate → array of positions, any shape, any real type; numbers and arrays broadcast. Dask arrays
+            make the result lazy, one task a block.
+        p: every coordinate → canonical momentum, or
+        velocity: every coordinate → velocity.
+        want: of ``actions``, ``frequencies``, ``periods``, ``angles``, ``constants``, ``turning_points``; nothing else
+            is computed. None for all.
+        parameters: name → number, where it differs from the default; the same for all orbits.
+        threads: how many; None for all cores that this process may use. Dask has its own, this is not for it.
+        fallback: compute orbits that the vectorised engine hands back one by one, tens of milliseconds each; without,
+            they are ``not_converged``.
+
+    Returns:
+        The batch; ``batch.actions["r"]`` has the shape of the initial conditions.
+
+    Raises:
+        InvalidInputError: an unknown name, shapes that do not match, arrays that hold no real numbers.
+        MissingValueError: a coordinate or a parameter without a value.
+        NotSeparableError: the system does not separate; the error carries the verdict.
+
+    Example:
+        >>> batch = ensemble("kepler-planar", q={"r": [1.0, 2.0], "theta": 0}, p={"r": 0, "theta": 1.2}, want="actions")
+        >>> batch.status.tolist(), [round(float(J), 6) for J in batch.actions["r"]]
+        (['ok', 'ok'], [0.136306, 0.049...])
+    """
+    solution = _solution(system)
+    given = conditions(solution.system, q, p, velocity)
+    layout = layout_of(solution, want)
+    exact = parameter_values(solution.system, _numbers(parameters))
+    values = tuple((symbol.name, exact[symbol]) for symbol in sorted(exact, key=lambda s: s.name))
+    recipe = Recipe(solution.system, layout.want, values, given.kind, fallback)
+    if given.lazy:
+        from hjsolve.ensembles.blocks import lazily
+
+        return lazily(recipe, layout, given)
+    columns = _at_once(recipe, given, _thread_count(threads))
+    return Batch({name: column.reshape(given.shape) for name, column in columns.items()}, layout, given.shape)
+
+
+def _solution(system: Any) -> Solution:
+    if isinstance(system, Solution):
+        return system
+    if isinstance(system, System):
+        return solve(system)
+    if isinstance(system, (str, Path)):
+        path = Path(system) if str(system).endswith(".toml") else system
+        return solve(catalog.load(path))
+    raise InvalidInputError(
+        f"ensemble: give a System, a Solution, a catalog id or the path of a .toml entry, not a {type(system).__name__}"
+    )
+
+
+def _numbers(parameters: Mapping[str, Any] | None) -> dict[str, Any]:
+    for name, value in (parameters or {}).items():
+        if getattr(value, "shape", ()) != () or isinstance(value, (list, tuple)):
+            raise InvalidInputError(f"parameters[{name}]: one number for all orbits is needed; call once a value")
+    return dict(parameters or {})
+
+
+def _thread_count(threads: Any) -> int | None:
+    if threads is not None and (isinstance(threads, bool) or not isinstance(threads, int) or threads < 1):
+        raise InvalidInputError(f"threads: a whole number from 1 on is needed, or None for all cores, not {threads!r}")
+    return threads
+
+
+def _at_once(recipe: Recipe, given: Conditions, threads: int | None) -> Columns:
+    names = [c.name for c in recipe.system.coordinates]
+
+    def flat(array: Any) -> Any:
+        return np.broadcast_to(array, given.shape).reshape(-1)
+
+    return compute(recipe, [flat(given.q[n]) for n in names], [flat(given.rates[n]) for n in names], threads=threads)

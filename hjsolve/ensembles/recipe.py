@@ -1,0 +1,115 @@
+"""A recipe, that travels to other processes, and the tools that a process makes of it once."""
+
+from __future__ import annotations
+
+import threading
+from dataclasses import dataclass
+from functools import lru_cache
+
+import sympy as sp
+
+from hjsolve import batch
+from hjsolve.ensembles.layout import Layout, layout_of
+from hjsolve.initial import domain_ends, sign, to_bits
+from hjsolve.lowering import lower
+from hjsolve.numeric.running_error import Pair
+from hjsolve.numeric.tape import Tape
+from hjsolve.solution import Solution, solve
+from hjsolve.system import System, momenta
+
+ONE_AT_A_TIME = threading.RLock()
+"""sympy and mpmath keep caches that were not made for threads, and hold Python's lock anyway."""
+
+
+@dataclass(frozen=True)
+class Recipe:
+    """Plain values; equal recipes give equal columns, in whatever process.
+
+    Attributes:
+        system: what moves.
+        want: quantities, in the order of the layout.
+        parameters: (name, exact value) of every parameter.
+        kind: ``p`` or ``velocity``, what comes with the places.
+        fallback: whether orbits that the vectorised engine hands back go to the engine of single motions.
+    """
+
+    system: System
+    want: tuple[str, ...]
+    parameters: tuple[tuple[str, sp.Expr], ...]
+    kind: str
+    fallback: bool = True
+
+
+@dataclass(frozen=True)
+class Bound:
+    """An end of a coordinate's domain, as a double that tells doubles inside from doubles outside.
+
+    Attributes:
+        name: the coordinate. side: 1 for a lower end, −1 for an upper one.
+        value: the double nearest to the end. closed: whether this double itself lies inside.
+    """
+
+    name: str
+    side: int
+    value: float
+    closed: bool
+
+
+@dataclass(frozen=True, eq=False)
+class Tools:
+    """What a process makes of a recipe.
+
+    Attributes:
+        solution: of the system. layout: of the columns. engine: the vectorised one.
+        bounds: of the domains.
+        momenta: from places, velocities and parameters, in this order. numbers: the parameters, with their rounding.
+    """
+
+    solution: Solution
+    layout: Layout
+    engine: batch.Engine
+    bounds: tuple[Bound, ...]
+    momenta: Tape
+    numbers: tuple[Pair, ...]
+
+
+def tools_of(recipe: Recipe) -> Tools:
+    """The tools of a recipe; made when a process first asks, and kept for the newest recipes."""
+    with ONE_AT_A_TIME:
+        return _tools(recipe)
+
+
+@lru_cache(maxsize=16)
+def _tools(recipe: Recipe) -> Tools:
+    system, solution = recipe.system, solve(recipe.system)
+    names = [name for name, _ in recipe.parameters]
+    formulas = momenta(system)
+    arguments = [c.symbol for c in system.coordinates] + [c.velocity for c in system.coordinates]
+    return Tools(
+        solution=solution,
+        layout=layout_of(solution, recipe.want),
+        engine=batch.build(solution, frozenset(recipe.want), parameters=dict(recipe.parameters)),
+        bounds=tuple(_bounds(recipe)),
+        momenta=lower(
+            [formulas[c.name] for c in system.coordinates], [*arguments, *(system.symbols[name] for name in names)]
+        ),
+        numbers=tuple(_nearest(value) for _, value in recipe.parameters),
+    )
+
+
+def _bounds(recipe: Recipe) -> list[Bound]:
+    values = {recipe.system.symbols[name]: value for name, value in recipe.parameters}
+    found = []
+    for c in recipe.system.coordinates:
+        for end, side in zip(domain_ends(recipe.system, c.name, values), (1, -1), strict=True):
+            if end is not None:
+                number = float(to_bits(end)(128))
+                found.append(Bound(c.name, side, number, side * sign(end - sp.Rational(number)) < 0))
+    return found
+
+
+def _nearest(value: sp.Expr) -> Pair:
+    """The nearest double and how far it is."""
+    number = float(to_bits(value)(128))
+    missed = value - sp.Rational(number)
+    return number, 0.0 if missed == 0 else abs(float(to_bits(missed)(128))) * (1 + 2.0**-50)

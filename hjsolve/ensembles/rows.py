@@ -1,0 +1,128 @@
+"""The work of an ensemble: arrays of starts in, columns out, chunk by chunk, on as many threads as there are cores."""
+
+from __future__ import annotations
+
+import os
+from collections.abc import Iterator, Mapping
+from concurrent.futures import ThreadPoolExecutor
+from typing import Any
+
+import numpy as np
+
+from hjsolve import batch
+from hjsolve.ensembles.batch_of_orbits import Status
+from hjsolve.ensembles.layout import ERROR, EXACT, STATUS, Layout
+from hjsolve.ensembles.momenta import run_from_velocities, value_of
+from hjsolve.ensembles.recipe import Recipe, Tools, tools_of
+from hjsolve.ensembles.single import single_orbit
+
+CHUNK = 4096
+"""Orbits that one thread treats at a time: their working arrays stay in the cache of a core."""
+
+Columns = dict[str, Any]
+
+
+def dtypes(layout: Layout) -> dict[str, np.dtype[Any]]:
+    """The type of every column."""
+    return {STATUS: np.dtype(np.int8), EXACT: np.dtype(np.bool_)} | dict.fromkeys(
+        layout.numbers(), np.dtype(np.float64)
+    )
+
+
+def compute(recipe: Recipe, q: list[Any], rates: list[Any], *, threads: int | None = None) -> Columns:
+    """Compute the columns of n orbits.
+
+    Args:
+        recipe: what to compute.
+        q, rates: for every coordinate of the system, in its order, an array of shape (n,).
+        threads: how many; None for the cores that this process may use. The result does not depend on it.
+
+    Returns:
+        Column name → array of shape (n,).
+    """
+    n, tools = len(q[0]), tools_of(recipe)
+    columns: Columns = {name: _empty(n, dtype) for name, dtype in dtypes(tools.layout).items()}
+
+    def part(window: slice) -> None:
+        _fill(recipe, tools, columns, window, [x[window] for x in q], [x[window] for x in rates])
+
+    windows = list(_windows(n))
+    count = min(threads or cores(), len(windows))
+    if count <= 1:
+        for window in windows:
+            part(window)
+    else:
+        with ThreadPoolExecutor(count) as pool:
+            for _ in pool.map(part, windows):
+                pass
+    return columns
+
+
+def cores() -> int:
+    """The cores that this process may use."""
+    return len(os.sched_getaffinity(0)) if hasattr(os, "sched_getaffinity") else os.cpu_count() or 1
+
+
+def _empty(n: int, dtype: np.dtype[Any]) -> Any:
+    return np.full(n, np.nan) if dtype.kind == "f" else np.zeros(n, dtype)
+
+
+def _windows(n: int) -> Iterator[slice]:
+    yield from (slice(k, min(k + CHUNK, n)) for k in range(0, n, CHUNK))
+
+
+def _fill(
+    recipe: Recipe, tools: Tools, columns: Columns, window: slice, q: list[Any], rates: list[Any]
+) -> None:
+    """Compute one chunk into its window of the columns."""
+    names = [c.name for c in recipe.system.coordinates]
+    places, speeds = dict(zip(names, q, strict=True)), dict(zip(names, rates, strict=True))
+    codes = columns[STATUS][window]
+    codes[:] = _at_the_door(tools, places, speeds)
+    good = np.flatnonzero(codes == Status.OK)
+    if not len(good):
+        return
+    places, speeds = ({name: np.ascontiguousarray(x[good]) for name, x in group.items()} for group in (places, speeds))
+    found = tools.engine.run(places, speeds) if recipe.kind == "p" else run_from_velocities(tools, places, speeds)
+    fine = found.status == batch.Status.OK
+    for name in tools.layout.values():
+        columns[name][window][good] = np.where(fine, value_of(found, name), np.nan)
+        columns[ERROR + name][window][good] = np.where(fine, found.error[name], np.nan)
+    if not recipe.fallback:
+        codes[good] = _SAID_IN_DOUBLES[found.status]
+        return
+    for k in map(int, np.flatnonzero(~fine)):
+        start = {"q": _picked(places, k), recipe.kind: _picked(speeds, k)}
+        _one(recipe, tools, columns, window.start + int(good[k]), start)
+
+
+def _at_the_door(tools: Tools, q: Mapping[str, Any], rates: Mapping[str, Any]) -> Any:
+    """The status of orbits that need no engine, ``OK`` for the others."""
+    finite = np.logical_and.reduce([np.isfinite(x) for group in (q, rates) for x in group.values()])
+    within = np.ones(finite.shape, dtype=bool)
+    with np.errstate(invalid="ignore"):
+        for end in tools.bounds:
+            beyond = end.side * q[end.name] > end.side * end.value
+            within &= beyond | (q[end.name] == end.value) if end.closed else beyond
+    return np.where(finite, np.where(within, Status.OK, Status.OUTSIDE_DOMAIN), Status.NOT_FINITE).astype(np.int8)
+
+
+_SAID_IN_DOUBLES = np.full(len(batch.Status), Status.NOT_CONVERGED, dtype=np.int8)
+_SAID_IN_DOUBLES[batch.Status.OK] = Status.OK
+_SAID_IN_DOUBLES[batch.Status.FORBIDDEN] = Status.FORBIDDEN
+_SAID_IN_DOUBLES[batch.Status.UNBOUNDED] = Status.UNBOUNDED
+_SAID_IN_DOUBLES[batch.Status.ASYMPTOTIC] = Status.ASYMPTOTIC
+
+
+def _picked(arrays: Mapping[str, Any], k: int) -> dict[str, float]:
+    return {name: float(array[k]) for name, array in arrays.items()}
+
+
+def _one(
+    recipe: Recipe, tools: Tools, columns: Columns, place: int, start: Mapping[str, Mapping[str, float]]
+) -> None:
+    """Compute one orbit by the engine of single motions into its row."""
+    status, row = single_orbit(tools.solution, tools.layout, start, dict(recipe.parameters))
+    columns[STATUS][place], columns[EXACT][place] = status, True
+    for column, value in row.items():
+        columns[column][place] = value

@@ -1,0 +1,108 @@
+"""One orbit of an ensemble by the engine of single motions: exact input, as many digits inside as it takes."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from typing import Any
+
+import numpy as np
+
+from hjsolve.ensembles.batch_of_orbits import Status
+from hjsolve.ensembles.layout import ERROR, Layout
+from hjsolve.ensembles.recipe import ONE_AT_A_TIME
+from hjsolve.errors import ForbiddenMotionError, InvalidInputError, NotConvergedError
+from hjsolve.motion import Motion
+from hjsolve.numeric.course import Frozen
+from hjsolve.numeric.estimate import Estimate
+from hjsolve.numeric.inverse import Torus, oscillation
+from hjsolve.solution import Solution
+from hjsolve.trajectory.positions import constant_index
+
+_ANGLE_ROUNDING = 2.0**-48
+"""An angle is reduced, summed and rounded in doubles of size up to 2π: a few 2⁻⁵⁰."""
+
+_KINDS = {"escape": Status.UNBOUNDED, "asymptotic": Status.ASYMPTOTIC, "boundary": Status.REACHES_BOUNDARY}
+Row = dict[str, float]
+
+
+def single_orbit(
+    solution: Solution, layout: Layout, start: Mapping[str, Mapping[str, float]], parameters: Mapping[str, Any]
+) -> tuple[Status, Row]:
+    """Compute one orbit.
+
+    Args:
+        solution: of the system.
+        layout: what is wanted.
+        start: ``q`` and ``p`` or ``velocity``: coordinate → finite number.
+        parameters: name → exact value.
+
+    Returns:
+        The status, and the columns that exist.
+    """
+    with ONE_AT_A_TIME:
+        try:
+            motion = solution.motion(**start, parameters=parameters, want=layout.want)
+        except ForbiddenMotionError:
+            return Status.FORBIDDEN, {}
+        except InvalidInputError:
+            return Status.OUTSIDE_DOMAIN, {}
+        except NotConvergedError:
+            return Status.NOT_CONVERGED, {}
+        return _status(motion), _row(motion, layout)
+
+
+def _status(motion: Motion) -> Status:
+    kinds = set(motion.kinds.values())
+    for kind in ("boundary", "escape", "asymptotic"):
+        if kind in kinds:
+            return _KINDS[kind]
+    frozen = (place.course for place in motion.located.values() if isinstance(place.course, Frozen))
+    return Status.OK if all(course.stable for course in frozen) else Status.ASYMPTOTIC
+
+
+def _row(motion: Motion, layout: Layout) -> Row:
+    row: Row = {}
+
+    def put(column: str, estimate: Estimate | None) -> None:
+        if estimate is not None:
+            row[column], row[ERROR + column] = float(estimate.value), float(estimate.error)
+
+    for quantity, names in layout.names.items():
+        values: Any = _angles(motion) if quantity == "angles" else getattr(motion, quantity)
+        for name in names:
+            if quantity == "turning_points":
+                for side, end in zip(("lower", "upper"), values.get(name, (None, None)), strict=True):
+                    put(f"{quantity}.{name}.{side}", end)
+            elif quantity == "periods" and name not in values and name in motion.frequencies:
+                put(f"{quantity}.{name}", Estimate(np.inf, np.inf))
+            else:
+                put(f"{quantity}.{name}", values.get(name))
+    return row
+
+
+def _angles(motion: Motion) -> dict[str, Estimate]:
+    values = motion.angles(motion.t0)
+    return {name: Estimate(float(value), _angle_error(motion, name)) for name, value in values.items()}
+
+
+def _angle_error(motion: Motion, name: str) -> float:
+    """Rounding of the angle, and of the ripples between it and the phases, which are summed in doubles.
+
+    A ripple is a periodic series; its slope at the phase, found by moving it, multiplies the rounding of the phase.
+    """
+    torus = motion.equations
+    if not isinstance(torus, Torus):
+        return _ANGLE_ROUNDING
+    if name in motion.located:
+        ripples = torus.ripples[list(motion.solution.coordinates).index(name)]
+    else:
+        j = constant_index(motion, name)
+        ripples = tuple(oscillation(torus, i, j) for i in range(len(torus.courses)))
+    error = _ANGLE_ROUNDING
+    for series, course in zip(ripples, torus.courses, strict=True):
+        if len(series.cosines):
+            phase = float(course.start)
+            step = 2.0**-50 * max(1.0, abs(phase))
+            moved = series.ripple(np.array([phase - step, phase, phase + step]))
+            error += 2 * float(np.ptp(moved)) + 2.0**-50 * float(np.sum(np.abs(series.cosines)))
+    return error
