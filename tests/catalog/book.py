@@ -46,7 +46,7 @@ def result(row: str, place: str, tolerance: float = 1e-12) -> Callable[[Callable
     def register(function: Callable[[], Any]) -> Callable[[], Any]:
         statement = " ".join((function.__doc__ or "").split("\n\n")[0].split()).rstrip(".")
         place_of = RESULTS.setdefault(function.__module__, [])
-        place_of.append(Result(row, place, statement, function, tolerance))
+        place_of.append(Result(row, place, statement, functools.cache(function), tolerance))
         return function
 
     return register
