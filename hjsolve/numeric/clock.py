@@ -7,7 +7,8 @@ from typing import Any
 
 import numpy as np
 
-from hjsolve.numeric.double import split
+from hjsolve.numeric.compiled import kernels
+from hjsolve.numeric.double import CHUNK, split
 
 
 def relative(times: Any, start: Callable[[int], Any]) -> tuple[Any, Any]:
@@ -18,9 +19,17 @@ def relative(times: Any, start: Callable[[int], Any]) -> tuple[Any, Any]:
         start: t₀ at any precision.
     """
     high, low = split(start(160))
-    difference = times - high
-    part = difference - times
-    return difference, (times - (difference - part)) - (high + part) - low
+    upper, lower = np.empty(times.shape), np.empty(times.shape)
+    if compiled := kernels(times.size):
+        compiled.relative(times, high, low, upper, lower)
+        return upper, lower
+    for begin in range(0, len(times), CHUNK):
+        part = slice(begin, begin + CHUNK)
+        difference = times[part] - high
+        error = difference - times[part]
+        upper[part] = difference
+        lower[part] = (times[part] - (difference - error)) - (high + error) - low
+    return upper, lower
 
 
 def relative_exact(times: Sequence[Callable[[int], Any]], start: Callable[[int], Any], bits: int) -> list[Any]:

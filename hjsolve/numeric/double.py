@@ -11,6 +11,11 @@ from typing import Any
 
 import numpy as np
 
+from hjsolve.numeric.compiled import kernels
+
+CHUNK = 8192
+"""How many numbers are worked on at once, so that what is in between stays in the cache."""
+
 _SPLITTER = 134217729.0
 
 
@@ -49,10 +54,38 @@ def turns(rate: tuple[float, float], time: tuple[Any, Any], start: tuple[float, 
     Returns:
         Whole number (float array) and fraction; their sum is exact to about 1e-32 relative.
     """
-    p, e = two_product(rate[0], time[0])
-    e = e + (rate[0] * time[1] + rate[1] * time[0])
+    upper, lower = time
+    if not isinstance(upper, np.ndarray):
+        return _turns(rate, upper, lower, start)
+    whole, rest = np.empty(upper.shape), np.empty(upper.shape)
+    if compiled := kernels(upper.size):
+        compiled.turns(rate, upper, lower, start, whole, rest)
+        return whole, rest
+    for begin in range(0, len(upper), CHUNK):
+        part = slice(begin, begin + CHUNK)
+        whole[part], rest[part] = _turns(rate, upper[part], lower[part], start)
+    return whole, rest
+
+
+def _turns(rate: tuple[float, float], upper: Any, lower: Any, start: tuple[float, float]) -> tuple[Any, Any]:
+    p, e = two_product(rate[0], upper)
+    e = e + (rate[0] * lower + rate[1] * upper)
     whole = np.rint(p)
     s, low = two_sum(p - whole, start[0])
     low = low + (e + start[1])
     more = np.rint(s + low)
     return whole + more, (s - more) + low
+
+
+def principal(angle: Any) -> tuple[Any, Any]:
+    """Reduce to (−π, π], and count the turns taken away; float array of shape (m,)."""
+    value, count = np.empty(angle.shape), np.empty(angle.shape)
+    if compiled := kernels(angle.size):
+        compiled.principal(np.ascontiguousarray(angle), value, count)
+        return value, count
+    for begin in range(0, len(angle), CHUNK):
+        part = slice(begin, begin + CHUNK)
+        n = np.ceil((angle[part] - np.pi) / (2 * np.pi))
+        count[part] = n
+        value[part] = np.where(n == 0, angle[part], angle[part] - 2 * np.pi * n)
+    return value, count

@@ -10,17 +10,21 @@ from __future__ import annotations
 
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass
-from functools import cache
+from functools import cache, cached_property
 from typing import Any
 
 import numpy as np
 
 from hjsolve.errors import NotConvergedError
+from hjsolve.numeric.compiled import kernels
+from hjsolve.numeric.double import CHUNK
 
-_DEGREE = 11
+DEGREE = 11
+"""Degree of every polynomial; ``kernels`` writes Horner's rule out for it."""
+
 _GROWTH_NODES = 20
 _TOLERANCE = 1e-15
-_CHUNK = 8192
+_CELLS = 4
 _MOST = 4000
 
 
@@ -40,25 +44,53 @@ class Table:
     even: tuple[bool, ...]
     bounds: tuple[Any, ...]
 
+    @cached_property
+    def guide(self) -> Any:
+        """Last panel that begins at or before each of equally spaced places from the first edge to the last."""
+        places = np.linspace(self.edges[0], self.edges[-1], _CELLS * (len(self.edges) - 1) + 1)
+        return np.clip(np.searchsorted(self.edges, places, side="right") - 1, 0, len(self.edges) - 2)
+
+    def panels(self, u: Any) -> Any:
+        """Return the panel of each argument (not negative where the table is folded).
+
+        The guide gives it where at most one edge lies in a cell; only the rest is searched for. At the end of a cell
+        rounding may give the panel before or after, whose polynomial holds there as well.
+        """
+        guide, first = self.guide, self.edges[0]
+        cells = len(guide) - 1
+        with np.errstate(invalid="ignore"):
+            cell = ((u - first) * (cells / (self.edges[-1] - first))).astype(np.intp)
+        np.clip(cell, 0, cells - 1, out=cell)
+        panel, beyond = np.take(guide, cell), np.take(guide[1:], cell)
+        crowded = np.flatnonzero(beyond - panel > 1)
+        panel += (beyond > panel) & (np.take(self.edges, beyond) <= u)
+        if len(crowded):
+            found = np.searchsorted(self.edges, u[crowded], side="right") - 1
+            panel[crowded] = np.clip(found, 0, len(self.edges) - 2)
+        return panel
+
     def sizes(self, quantity: int, θ: Any) -> Any:
         """Return the size each value is accurate against: the largest of its quantity on its panel."""
-        u = np.abs(θ) if self.even else θ
-        panel = np.clip(np.searchsorted(self.edges, u, side="right") - 1, 0, len(self.edges) - 2)
-        return np.take(self.bounds[quantity], panel)
+        return np.take(self.bounds[quantity], self.panels(np.abs(θ) if self.even else θ))
 
     def evaluate(self, quantities: Sequence[int], θ: Any) -> list[Any]:
-        """Return the quantities at arguments inside the table, shape (m,); chunked to stay in the cache."""
+        """Return the quantities at arguments inside the table, shape (m,)."""
         results = [np.empty_like(θ) for _ in quantities]
-        for begin in range(0, len(θ), _CHUNK):
-            part = slice(begin, begin + _CHUNK)
+        if compiled := kernels(len(θ)):
+            for quantity, result in zip(quantities, results, strict=True):
+                parity = 0 if not self.even else 1 if self.even[quantity] else -1
+                rows = np.ascontiguousarray(self.coefficients[quantity].T)
+                compiled.look_up(θ, self.edges, self.guide, rows, parity, result)
+            return results
+        for begin in range(0, len(θ), CHUNK):
+            part = slice(begin, begin + CHUNK)
             self._chunk(quantities, θ[part], [r[part] for r in results])
         return results
 
     def _chunk(self, quantities: Sequence[int], θ: Any, out: list[Any]) -> None:
         folded = bool(self.even)
         u = np.abs(θ) if folded else θ
-        panel = np.searchsorted(self.edges, u, side="right") - 1
-        np.clip(panel, 0, len(self.edges) - 2, out=panel)
+        panel = self.panels(u)
         left, right = np.take(self.edges, panel), np.take(self.edges[1:], panel)
         x = ((u - left) - (right - u)) / (right - left)
         buffer = np.empty_like(x)
@@ -83,6 +115,7 @@ def tabulate(
     even: Sequence[bool] = (),
     origin: float = 0.0,
     total: float | None = None,
+    known: Callable[[Any], Any] | None = None,
 ) -> Table:
     """Build a table.
 
@@ -94,6 +127,8 @@ def tabulate(
         even: parities for a table over [0, π]; empty for a table that is not folded.
         origin: θ at the first edge.
         total: known length of the table in θ, to which the sum is adjusted in the last bits.
+        known: phase ↦ θ to a few units in the last place of ``total``: what the sum of many panels is not. Where θ has
+            not grown far the sum is better, whose error is relative.
 
     Raises:
         NotConvergedError: too many panels; a quantity is not smooth.
@@ -116,6 +151,10 @@ def tabulate(
     edges = origin + np.concatenate([[0.0], np.cumsum(lengths)])
     if total is not None:
         edges = origin + (edges - origin) * (total / (edges[-1] - origin))
+        if known is not None:
+            phases = np.append(np.concatenate([d[0] for d in done])[order], starts[-1])
+            edges = np.where(edges - origin > total / 16, known(phases), edges)
+            edges = np.maximum.accumulate(np.minimum(edges, origin + total))
     tables = tuple(
         np.ascontiguousarray(np.concatenate([d[2][k] for d in done], axis=1)[:, order]) for k in range(len(scales))
     )
@@ -157,27 +196,43 @@ def _panels(
     good = np.max(np.abs(series[-2:]), axis=0) <= 2 * _TOLERANCE * np.abs(series[0])
     integral = np.polynomial.chebyshev.chebint(series * half, lbnd=-1)
     length = np.sum(integral, axis=0)
-    nodes, transform = _chebyshev(_DEGREE + 1)
+    nodes, transform = _chebyshev(DEGREE + 1)
     goal = length * (1 + nodes[:, None]) / 2
     s = np.clip(_local(integral, series * half, goal, nodes[:, None] + 0 * goal), -1, 1)
     tables = []
     argument = 2.0**-52 * np.maximum(np.abs(left), np.abs(right)) / half
     for quantity, scale in zip(outputs((left + half + half * s).ravel()), scales, strict=True):
         rows = np.reshape(quantity, s.shape)
-        coefficients = transform @ rows
+        middle = rows[len(rows) // 2]
+        coefficients = transform @ (rows - middle)
         size = np.max(np.abs(rows), axis=0) if scale is None else np.maximum(np.min(np.abs(rows), axis=0), scale)
         good &= np.max(np.abs(coefficients[-2:]), axis=0) <= _TOLERANCE * size + 2 * argument * np.abs(coefficients[1])
-        tables.append(_to_powers(_DEGREE + 1) @ coefficients)
+        powers = _to_powers(DEGREE + 1) @ _chopped(coefficients, np.max(np.abs(rows), axis=0))
+        powers[0] += middle
+        tables.append(powers)
     return length, tables, good
+
+
+def _chopped(coefficients: Any, size: Any) -> Any:
+    """Chebyshev coefficients without their last ones, where these are the rounding of the samples."""
+    largest = np.maximum.accumulate(np.abs(coefficients[::-1]), axis=0)[::-1]
+    return np.where(largest > 1e-16 * size, coefficients, 0.0)
 
 
 def _local(integral: Any, series: Any, goal: Any, s: Any) -> Any:
     """Solve ∫ growth = goal on each panel by Newton's method in the panel's own variable."""
     for _ in range(14):
-        value = np.stack([np.polynomial.chebyshev.chebval(row, integral, tensor=False) for row in s])
-        slope = np.stack([np.polynomial.chebyshev.chebval(row, series, tensor=False) for row in s])
+        value, slope = _clenshaw(integral, s), _clenshaw(series, s)
         step = (value - goal) / slope
         s = np.clip(s - step, -1, 1)
-        if np.max(np.abs(step), initial=0) < 1e-15:
+        if np.max(np.abs(step), initial=0) < 1e-9:
             break
     return s
+
+
+def _clenshaw(coefficients: Any, x: Any) -> Any:
+    """Chebyshev series, one a panel, at points of shape (points, panels)."""
+    twice, last, before = 2 * x, np.zeros_like(x), np.zeros_like(x)
+    for row in coefficients[:0:-1]:
+        last, before = row + twice * last - before, last
+    return coefficients[0] + x * last - before

@@ -16,7 +16,7 @@ import numpy as np
 from hjsolve.errors import NotConvergedError
 from hjsolve.numeric.course import Bounded, Open
 from hjsolve.numeric.double import split, turns
-from hjsolve.numeric.ephemeris import Table, tabulate
+from hjsolve.numeric.ephemeris import DEGREE, Table, tabulate
 from hjsolve.numeric.inverse import Torus, oscillation
 from hjsolve.numeric.series import Series
 from hjsolve.numeric.unbounded import Plan, reaching
@@ -75,11 +75,14 @@ class Dense:
             assert isinstance(equations, Torus)
             turn = 2 * equations.rates[0].context.pi
             whole, rest = turns(split(equations.rates[0] / turn), time, split(equations.starts[0] / turn))
-            θ = 2 * np.pi * rest
+            θ = rest
+            θ *= 2 * np.pi
             if not self.table.even:
                 behind, beyond = θ < self.first, θ >= self.first + 2 * np.pi
-                θ = θ + 2 * np.pi * (behind.astype(float) - beyond)
-                whole = whole - behind + beyond
+                if behind.any() or beyond.any():
+                    shift = behind.astype(float) - beyond
+                    θ += 2 * np.pi * shift
+                    whole -= shift
             return θ, whole, np.zeros(θ.shape, dtype=bool)
         assert isinstance(equations, Plan)
         course = equations.courses[0]
@@ -161,6 +164,7 @@ def _bounded(motion: Motion) -> Dense:
         even=even,
         origin=first,
         total=np.pi if even else 2 * np.pi,
+        known=lambda χ: _angle(equations.ripples[0][0], χ),
     )
     begin = np.array([float(course.start)])
     waves = {name: (2 + k, float(_wave(s, begin)[0])) for k, (name, s) in enumerate(zip(names, series, strict=True))}
@@ -171,9 +175,17 @@ def _resting(motion: Motion) -> Dense:
     """A table of constants: the coordinate rests, the ignorable ones grow evenly."""
     place = float(motion.located[motion.solution.coordinates[0]].course.rest)  # type: ignore[union-attr]
     names = [c.name for c in motion.solution.system.coordinates if c.name not in motion.located]
-    rows = [np.array([[value]]) for value in (place, 0.0, *(0.0 for _ in names))]
+    rows = [np.zeros((DEGREE + 1, 1)) for _ in range(2 + len(names))]
+    rows[0][0] = place
     table = Table(np.array([-np.pi, np.pi]), tuple(rows), (), tuple(np.abs(row[0]) for row in rows))
     return Dense(table, {name: (2 + k, 0.0) for k, name in enumerate(names)}, True, -np.pi)
+
+
+def _angle(ripple: Series, χ: Any) -> Any:
+    """χ + D(χ), the sum taken in extended precision."""
+    if not len(ripple.cosines):
+        return χ
+    return (χ.astype(np.longdouble) + ripple.ripple(χ.astype(np.longdouble))).astype(float)
 
 
 def _wave(series: Series, χ: Any) -> Any:
@@ -189,7 +201,12 @@ def _scale(motion: Motion) -> float:
     values = [float(e.value) for e in ends if e is not None]
     domain = motion.solution.system.coordinate(name).domain
     positive = domain.lower is not None and domain.lower == 0
-    return 0.0 if positive or (len(values) == 2 and values[0] * values[1] > 0) else max(abs(v) for v in values)
+    if positive or (len(values) == 2 and values[0] * values[1] > 0):
+        return 0.0
+    if values:
+        return max(abs(v) for v in values)
+    course = motion.located[name].course
+    return float(course.ahead.way.length) if isinstance(course, Open) else float(np.pi)
 
 
 @lru_cache(maxsize=8)

@@ -66,7 +66,7 @@ def read_times(t: Any) -> tuple[tuple[int, ...] | None, Any | None, list[Any]]:
     shape = None if array.ndim == 0 else array.shape
     flat = array.ravel()
     if array.dtype.kind == "f" and array.dtype.itemsize <= 8 and np.isfinite(flat).all():
-        floats = flat.astype(float)
+        floats = np.ascontiguousarray(flat, dtype=float)
         return shape, floats, []
     return shape, None, [to_bits(number(x.item() if hasattr(x, "item") else x, source="t")) for x in flat]
 

@@ -11,6 +11,7 @@ import sympy as sp
 
 from hjsolve.initial import to_bits
 from hjsolve.lowering import lower
+from hjsolve.numeric import double
 from hjsolve.numeric.arithmetic import Float64, Multi, multiprecision
 from hjsolve.numeric.course import Bounded, arithmetic_of
 from hjsolve.numeric.double import split, turns
@@ -56,8 +57,7 @@ def principal(angle: Any) -> tuple[Any, Any]:
     """Reduce to (−π, π] and count the turns taken away."""
     arithmetic = arithmetic_of(angle)
     if isinstance(arithmetic, Float64):
-        n = np.ceil((angle - np.pi) / (2 * np.pi))
-        return np.where(n == 0, angle, angle - 2 * np.pi * n), n
+        return double.principal(angle)
     context, turn = arithmetic.context, 2 * arithmetic.pi()
     n = np.array([int(context.ceil((x - context.pi) / turn)) for x in angle])
     return np.array([x - turn * int(k) for x, k in zip(angle, n, strict=True)], dtype=object), n

@@ -38,7 +38,7 @@ def state_at(motion: Motion, t: Any) -> State:
     if motion.digits <= FLOAT_DIGITS and (rough(motion) or (floats is not None and len(floats) >= FEWEST)):
         start = to_bits(motion.t0)
         time = relative(floats, start) if floats is not None else halves(relative_exact(exact, start, 256))
-        table = dense(motion, 2 * float(np.max(np.abs(time[0]), initial=1e-290)))
+        table = dense(motion, 2 * max(-float(np.min(time[0], initial=0.0)), float(np.max(time[0], initial=1e-290))))
         if table is not None:
             return _tabulated(motion, table, t, time, shape)
     phases = phases_at(motion, floats, exact)

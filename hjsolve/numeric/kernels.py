@@ -1,0 +1,137 @@
+"""Compiled loops over many times (extra ``fast``): the same operations in the same order as the numpy path.
+
+Only ``hjsolve.numeric.compiled`` imports this module, when there is enough to do. The loops hold no lock (``nogil``)
+and no state, so that threads may share them; machine code is kept on disk between processes where that can be written.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from math import copysign
+from typing import Any, TypeVar
+
+import numba
+import numpy as np
+
+F = TypeVar("F", bound=Callable[..., Any])
+
+_SPLITTER = 134217729.0
+_TURN = 2 * np.pi
+_BLOCK = 512
+
+
+def _kernel(function: F) -> F:
+    """Compile on the first call; keep the machine code on disk where a directory for it can be written."""
+    njit: Any = numba.njit
+    try:
+        return njit(nogil=True, cache=True, error_model="numpy")(function)
+    except RuntimeError:
+        return njit(nogil=True, error_model="numpy")(function)
+
+
+@_kernel
+def relative(times: Any, high: float, low: float, upper: Any, lower: Any) -> None:
+    """Fill ``upper`` + ``lower`` with times − (high + low)."""
+    for i in range(times.size):
+        t = times[i]
+        difference = t - high
+        part = difference - t
+        upper[i] = difference
+        lower[i] = (t - (difference - part)) - (high + part) - low
+
+
+@_kernel
+def turns(rate: Any, upper: Any, lower: Any, start: Any, whole: Any, rest: Any) -> None:
+    """Fill whole turns and rest of start + rate·time; see ``double.turns``."""
+    rh, rl, sh, sl = rate[0], rate[1], start[0], start[1]
+    c = _SPLITTER * rh
+    ah = c - (c - rh)
+    al = rh - ah
+    for i in range(upper.size):
+        t = upper[i]
+        p = rh * t
+        cb = _SPLITTER * t
+        bh = cb - (cb - t)
+        bl = t - bh
+        e = ((ah * bh - p) + ah * bl + al * bh) + al * bl
+        e = e + (rh * lower[i] + rl * t)
+        n = np.rint(p)
+        a = p - n
+        s = a + sh
+        part = s - a
+        w = ((a - (s - part)) + (sh - part)) + (e + sl)
+        more = np.rint(s + w)
+        whole[i] = n + more
+        rest[i] = (s - more) + w
+
+
+@_kernel
+def _place(argument: Any, edges: Any, guide: Any, parity: int, panels: Any, places: Any) -> None:
+    """Fill the panel of each argument, and its place x in [−1, 1] there."""
+    last, cells = edges.size - 2, guide.size - 1
+    first, scale = edges[0], cells / (edges[last + 1] - edges[0])
+    for i in range(argument.size):
+        θ = argument[i]
+        u = abs(θ) if parity else θ
+        cell = min(max(int((u - first) * scale), 0), cells - 1)
+        k, beyond = guide[cell], guide[cell + 1] + 1
+        while beyond - k > 4:
+            middle = (k + beyond) >> 1
+            if edges[middle] <= u:
+                k = middle
+            else:
+                beyond = middle
+        while k < last and edges[k + 1] <= u:
+            k += 1
+        left, right = edges[k], edges[k + 1]
+        panels[i] = k
+        places[i] = ((u - left) - (right - u)) / (right - left)
+
+
+@_kernel
+def _polynomial(panels: Any, places: Any, rows: Any, out: Any) -> None:
+    """Horner's rule of degree ``ephemeris.DEGREE``, written out so that it becomes vector instructions."""
+    for i in range(panels.size):
+        k, x = panels[i], places[i]
+        value = rows[k, 11] * x + rows[k, 10]
+        value = (value * x + rows[k, 9]) * x + rows[k, 8]
+        value = (value * x + rows[k, 7]) * x + rows[k, 6]
+        value = (value * x + rows[k, 5]) * x + rows[k, 4]
+        value = (value * x + rows[k, 3]) * x + rows[k, 2]
+        out[i] = (value * x + rows[k, 1]) * x + rows[k, 0]
+
+
+@_kernel
+def look_up(argument: Any, edges: Any, guide: Any, rows: Any, parity: int, out: Any) -> None:
+    """Fill ``out`` with a tabulated quantity; see ``ephemeris.Table``.
+
+    First the panel and the place x in it, then the polynomial, block by block: a loop of its own with a fixed degree
+    is what the compiler turns into vector instructions.
+
+    Args:
+        argument: θ, shape (m,).
+        edges: panel ends, shape (panels + 1,).
+        guide: last panel that begins at or before each of equally spaced places, from the first to the last edge.
+        rows: powers of x on each panel, lowest first, shape (panels, ``DEGREE`` + 1).
+        parity: 0 for a table that is not folded, 1 for an even quantity, −1 for an odd one.
+        out: shape (m,).
+    """
+    panels, places = np.empty(_BLOCK, dtype=np.int64), np.empty(_BLOCK)
+    for begin in range(0, argument.size, _BLOCK):
+        count = min(_BLOCK, argument.size - begin)
+        part = argument[begin : begin + count]
+        _place(part, edges, guide, parity, panels, places)
+        _polynomial(panels[:count], places, rows, out[begin : begin + count])
+        if parity < 0:
+            for i in range(count):
+                out[begin + i] = out[begin + i] * copysign(1.0, part[i])
+
+
+@_kernel
+def principal(angle: Any, value: Any, count: Any) -> None:
+    """Fill ``value`` in (−π, π] and the turns taken away."""
+    for i in range(angle.size):
+        x = angle[i]
+        n = np.ceil((x - np.pi) / _TURN)
+        count[i] = n
+        value[i] = x if n == 0 else x - _TURN * n
