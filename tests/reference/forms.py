@@ -11,7 +11,11 @@ from tests.reference.quadratures import one_at_a_time, staeckel
 
 THOROUGH = frozenset(FORMS)
 """Entries with closed forms; they also get states at more times."""
-COUPLED = frozenset({"liouville-three", "free-particle-spherical", "two-centres-plane", "stark"})
+COUPLED = frozenset({
+    "calogero-moser", "charge-in-monopole-field", "free-particle-spherical", "garnier", "henon-heiles-kdv",
+    "kepler-prolate", "kerr", "kuzmin-kutuzov", "liouville-three", "neumann", "perfect-oblate-spheroid",
+    "schwarzschild", "stark", "triaxial-geodesics", "two-centres-plane", "two-centres-space", "vinti",
+})  # fmt: skip
 """Several essential coordinates that share the separation constants."""
 
 Form = Callable[[Mapping[str, mpf], Mapping[str, mpf], Mapping[str, mpf]], Values]

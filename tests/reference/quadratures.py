@@ -48,8 +48,10 @@ class Course:
             last += way * mp.mpf("1e-5")
         for _ in range(400):
             there = last + way * step
-            if way * (there - end) >= 0:
-                return None
+            if way * (there - end) >= 0:  # ever closer to the end of the domain, never on it
+                there = (last + end) / 2
+                if abs(there - end) < mp.mpf("1e-12"):
+                    return None
             if abs(there - self.start) > 1000:
                 return None
             if self.square(there) < 0:
@@ -214,52 +216,68 @@ class _Cycle:
 
 
 def staeckel(entry: str) -> Callable[[Numbers, Numbers, Numbers], Values]:
-    """From the book's Φ and ψ (or f, R, v) of the entry: pᵢ² = 2(Σ Φᵢⱼ αⱼ − ψᵢ), Ω = first row of (∂J/∂α)⁻¹."""
+    """From the book's Φ and ψ (or f, R, v) of the entry: pᵢ² = 2(Σ Φᵢⱼ αⱼ − ψᵢ), Ω = first row of (∂J/∂(α, c))⁻¹.
+
+    The constants are the α and, where Φ and ψ belong to the shell, the momenta c of the ignorable coordinates.
+    """
 
     @doubled
     def form(par: Numbers, q: Numbers, p: Numbers) -> Values:
-        fixed, kinds = {sympy.Symbol(n): value for n, value in par.items()}, _kinds(entry, par, q)
+        kinds = _kinds(entry, par, q)
         matrix, column = _matrix(entry)
-        names, n = list(q), len(q)
-        at = fixed | {sympy.Symbol(x): value for x, value in q.items()}
+        names = list(q) if len(matrix) == len(q) else [x for x in q if kinds[x] != "ignorable"]
+        others = [x for x in q if x not in names]
+        fixed = {sympy.Symbol(x): value for x, value in par.items()}
+        c = {sympy.Symbol(f"p_{x}"): p[x] for x in others}
+        n = len(names)
+        at = fixed | c | {sympy.Symbol(x): value for x, value in q.items()}
         Φ0 = mp.matrix([[mp.mpf(sympy.N(x.xreplace(at), mp.dps)) for x in row] for row in matrix])
         ψ0 = mp.matrix([mp.mpf(sympy.N(x.xreplace(at), mp.dps)) for x in column])
         α = mp.lu_solve(Φ0, mp.matrix([ψ0[i] + p[x] ** 2 / 2 for i, x in enumerate(names)]))
         rows = [
-            [sympy.lambdify(sympy.Symbol(x), y.xreplace(fixed), "mpmath", cse=True) for y in (*matrix[i], column[i])]
+            [
+                sympy.lambdify(sympy.Symbol(x), y.xreplace(fixed | c), "mpmath", cse=True)
+                for y in (*matrix[i], *(-column[i].diff(s) for s in c), column[i])
+            ]
             for i, x in enumerate(names)
         ]
 
         def square(i: int) -> Callable[[mpf], mpf]:
-            return lambda x: 2 * (mp.fsum(rows[i][j](x) * α[j] for j in range(n)) - rows[i][n](x))
+            return lambda x: 2 * (mp.fsum(rows[i][j](x) * α[j] for j in range(n)) - rows[i][-1](x))
 
         courses = [Course(x, kinds[x], q[x], p[x], p[x], square(i), _ends(entry, x, par)) for i, x in enumerate(names)]
         values = _report(courses)
-        for i, c in enumerate(courses):
-            if c.kind in _BOUNDED:
-                sign = 1 if c.kind == "libration" else mp.sign(c.momentum)
-                values[f"action.{c.name}"] = (sign * c.mean(lambda x, i=i: courses[i].root(x)), HOW)
+        for i, course in enumerate(courses):
+            if course.kind in _BOUNDED and _has_action(entry, course.name, course.kind):
+                sign = 1 if course.kind == "libration" else mp.sign(course.momentum)
+                values[f"action.{course.name}"] = (sign * course.mean(lambda x, i=i: courses[i].root(x)), HOW)
+        for name in others:
+            if _has_action(entry, name, "ignorable"):
+                values[f"action.{name}"] = (p[name], "the constant momentum")
         if set(kinds.values()) <= _BOUNDED:
-            M = (
-                mp.matrix(
-                    [
-                        [c.mean(lambda x, i=i, j=j: rows[i][j](x) / courses[i].root(x)) for j in range(n)]
-                        for i, c in enumerate(courses)
-                    ]
-                )
-                ** -1
-            )
-            for i, c in enumerate(courses):
-                values |= _cycle(c.name, M[0, i] * (1 if c.kind == "libration" else mp.sign(c.momentum)))
+            M = mp.eye(len(q))
+            for i, course in enumerate(courses):
+                for j in range(len(q)):
+                    M[i, j] = course.mean(lambda x, i=i, j=j: rows[i][j](x) / courses[i].root(x))
+            Ω = (M**-1)[0, :]
+            for i, name in enumerate([*names, *others]):
+                if _has_action(entry, name, kinds[name]):
+                    turned = name in names and kinds[name] != "libration"
+                    values |= _cycle(name, Ω[i] * (mp.sign(p[name]) if turned else 1))
         return values
 
     return form
 
 
+def _has_action(entry: str, name: str, kind: str) -> bool:
+    """An ignorable coordinate on a line runs away: no cycle, no action."""
+    return kind != "ignorable" or _domain(entry, name) == "angle"
+
+
 def _matrix(entry: str) -> tuple[list[list[sympy.Expr]], list[sympy.Expr]]:
     expect = table(entry)["expect"]
-    if "staeckel" in expect:
-        book = expect["staeckel"]
+    book = expect.get("staeckel") or expect.get("reduced", {}).get("staeckel")
+    if book:
         return [[symbolic(entry, x) for x in row] for row in book["matrix"]], [
             symbolic(entry, x) for x in book["column"]
         ]
