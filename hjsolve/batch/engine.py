@@ -1,4 +1,4 @@
-"""The front of the batch engine: which columns, in which chunks."""
+"""The front of the batch engine: which columns, in which chunks, by which pass."""
 
 from __future__ import annotations
 
@@ -8,10 +8,18 @@ from typing import Any
 
 import numpy as np
 
-from hjsolve.batch.columns import QUANTITIES, Columns, blank
+from hjsolve.batch.columns import QUANTITIES, Columns, Status, blank
+from hjsolve.batch.model import Model, read
+from hjsolve.batch.passes import run_pass
 from hjsolve.errors import InvalidInputError
 from hjsolve.initial import parameter_values
 from hjsolve.solution import Solution
+
+CHUNK = 4096
+"""Orbits worked on together: their temporaries stay in the cache."""
+
+FAST = 2e-13
+"""Largest relative error with which the first pass, in doubles, lets an orbit go."""
 
 
 @dataclass(frozen=True)
@@ -21,17 +29,20 @@ class Engine:
     Attributes:
         solution: of the system.
         want: which of ``QUANTITIES`` are computed; nothing else is integrated.
-        parameters: name → exact value (sympy number), every one.
+        model: the solution as straight-line programs.
         names: quantity → names of its columns.
     """
 
     solution: Solution
     want: frozenset[str]
-    parameters: Mapping[str, Any]
+    model: Model
     names: Mapping[str, tuple[str, ...]]
 
-    def run(self, q: Mapping[str, Any], p: Mapping[str, Any]) -> Columns:  # noqa: ARG002
+    def run(self, q: Mapping[str, Any], p: Mapping[str, Any]) -> Columns:
         """Compute what is wanted for many orbits.
+
+        A first pass works in doubles with plain anomalies. Orbits whose errors come out too large go through a second
+        one, with 32-digit constants, slopes for small amplitudes, and stretched anomalies (``passes``).
 
         Args:
             q, p: every coordinate → positions and canonical momenta, float64 arrays of shape (n,).
@@ -39,8 +50,32 @@ class Engine:
         Returns:
             Columns of shape (n,).
         """
-        count = len(np.asarray(next(iter(q.values()))))
-        return blank(self.names, count)
+        places, momenta = (
+            np.stack([np.asarray(given[name], dtype=float) for name in self.model.names]) for given in (q, p)
+        )
+        count = places.shape[1]
+        columns = blank(self.names, count)
+        if not self.model.separated:
+            return columns
+        names = dict(self.names)
+        for first in range(0, count, CHUNK):
+            index = np.arange(first, min(first + CHUNK, count))
+            part = run_pass(self.model, names, places[:, index], momenta[:, index], precise=False, tolerance=FAST)
+            _put(columns, index, part)
+        index = np.flatnonzero(columns.status != Status.OK)
+        for first in range(0, len(index), CHUNK):
+            left = index[first : first + CHUNK]
+            _put(columns, left, run_pass(self.model, names, places[:, left], momenta[:, left], precise=True))
+        return columns
+
+
+def _put(columns: Columns, index: Any, part: Columns) -> None:
+    """Write the columns of some orbits."""
+    columns.status[index] = part.status
+    for key, error in part.error.items():
+        quantity, name = key.split(".", 1)
+        columns.error[key][index] = error
+        columns.group(quantity)[name][index] = part.group(quantity)[name]
 
 
 def build(solution: Solution, want: frozenset[str], parameters: Mapping[str, Any] | None = None) -> Engine:
@@ -58,7 +93,7 @@ def build(solution: Solution, want: frozenset[str], parameters: Mapping[str, Any
     for name in sorted(want - set(QUANTITIES)):
         raise InvalidInputError(f'want: "{name}" is not known for many orbits; known are {", ".join(QUANTITIES)}')
     values = parameter_values(solution.system, parameters or {})
-    return Engine(solution, want, {str(s): v for s, v in values.items()}, _names(solution, want))
+    return Engine(solution, want, read(solution, values), _names(solution, want))
 
 
 def _names(solution: Solution, want: frozenset[str]) -> dict[str, tuple[str, ...]]:

@@ -1,0 +1,180 @@
+"""A solution made ready for arrays: straight-line programs for the constants, for p² and for its kernels.
+
+Near an end e of a coordinate's domain p² may have a pole (cos θ at the axis), and q itself says too little about the
+distance from it. So besides p²(q) there are programs for p²(e + x) and p²(e − x), simplified in x: x keeps its relative
+accuracy where q does not.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Mapping
+from dataclasses import dataclass
+from fractions import Fraction
+from typing import Any
+
+import sympy as sp
+
+from hjsolve.errors import InvalidInputError
+from hjsolve.initial import to_bits
+from hjsolve.lowering import lower
+from hjsolve.numeric.arithmetic import Multi
+from hjsolve.numeric.doubled import Pair
+from hjsolve.numeric.tape import Tape
+from hjsolve.solution import Solution
+
+
+@dataclass(frozen=True)
+class Formula:
+    """P² and its kernels as functions of x, q = origin + sign·x.
+
+    Attributes:
+        origin: in two doubles. sign: +1 or −1.
+        squared: tape of F. full: tape of F and ½ ∂F/∂cⱼ for every constant. Inputs x, constants, parameters.
+    """
+
+    origin: Pair
+    sign: int
+    squared: Tape
+    full: Tape
+
+
+@dataclass(frozen=True)
+class Separated:
+    """One separated coordinate.
+
+    Attributes:
+        name: of the coordinate. index: its place among all coordinates.
+        plain: p²(q).
+        lower, upper: p² seen from the ends of the domain, None where there is no end.
+        periodic: True where p² has period 2π.
+        shifted: True where P differs from p.
+    """
+
+    name: str
+    index: int
+    plain: Formula
+    lower: Formula | None
+    upper: Formula | None
+    periodic: bool
+    shifted: bool
+
+
+@dataclass(frozen=True)
+class Model:
+    """What the batch engine needs of a solution.
+
+    Attributes:
+        names: all coordinates. angles: those that are ignorable angles.
+        separated: the separated coordinates.
+        constants: names in order. ignorable: coordinate → place of its momentum among the constants.
+        rule: tape of the constants; inputs all q, all p, parameters.
+        shift: tape of Pᵢ − pᵢ, same inputs.
+        numbers: parameters in two doubles.
+    """
+
+    names: tuple[str, ...]
+    angles: tuple[str, ...]
+    separated: tuple[Separated, ...]
+    constants: tuple[str, ...]
+    ignorable: Mapping[str, int]
+    rule: Tape
+    shift: Tape
+    numbers: tuple[Pair, ...]
+
+
+def read(solution: Solution, values: Mapping[sp.Symbol, sp.Expr]) -> Model:
+    """Lower a solution.
+
+    Args:
+        solution: of the system.
+        values: every parameter → exact number.
+    """
+    system = solution.system
+    parameters = [p.symbol for p in system.parameters]
+    constants = [c.symbol for c in solution.constants.values()]
+    start = [c.symbol for c in system.coordinates] + [c.momentum for c in system.coordinates] + parameters
+    rule = lower([c.expression for c in solution.constants.values()], start)
+    momenta = {c.momentum: c.momentum for c in system.coordinates}
+    shift = lower([solution.shift[n].subs(momenta) for n in solution.coordinates], start)
+    names = tuple(c.name for c in system.coordinates)
+    separated = tuple(
+        _separated(solution, name, names.index(name), constants, parameters, values) for name in solution.coordinates
+    )
+    ignorable = {
+        c.name: list(solution.constants).index(c.momentum.name)
+        for c in system.coordinates
+        if c.name not in solution.coordinates and c.momentum.name in solution.constants
+    }
+    angles = tuple(
+        c.name for c in system.coordinates if c.name not in solution.coordinates and c.domain.kind == "angle"
+    )
+    numbers = tuple(_pair(values[s]) for s in parameters)
+    return Model(names, angles, separated, tuple(solution.constants), ignorable, rule, shift, numbers)
+
+
+def _pair(value: sp.Expr) -> Pair:
+    bits = to_bits(value)(160)
+    high = float(bits)
+    return Pair(high, float(bits - high))
+
+
+def _separated(
+    solution: Solution,
+    name: str,
+    index: int,
+    constants: list[sp.Symbol],
+    parameters: list[sp.Symbol],
+    values: Mapping[sp.Symbol, sp.Expr],
+) -> Separated:
+    coordinate = solution.system.coordinate(name)
+    q, F = coordinate.symbol, solution.momentum_squared[name]
+    kernels = [sp.diff(F, c) / 2 for c in constants]
+
+    def formula(origin: sp.Expr, sign: int, near: Callable[[sp.Expr], sp.Expr]) -> Formula:
+        arguments = [q, *constants, *parameters]
+        seen = [near(e) for e in (F, *kernels)]
+        return Formula(_pair(origin.subs(values)), sign, lower(seen[:1], arguments), lower(seen, arguments))
+
+    def from_end(end: sp.Expr | None, sign: int) -> Formula | None:
+        if end is None:
+            return None
+        return formula(end, sign, lambda e: tidy(e.subs(q, end + sign * q), q))
+
+    domain = coordinate.domain
+    plain = formula(sp.Integer(0), 1, lambda e: e)
+    angle = domain.kind == "angle" and periodic(plain.squared, values, constants, parameters)
+    return Separated(
+        name, index, plain, from_end(domain.lower, 1), from_end(domain.upper, -1), angle, solution.shift[name] != 0
+    )
+
+
+def tidy(expression: sp.Expr, x: sp.Symbol) -> sp.Expr:
+    """Multiply out sums that hold x as polynomials, so that what cancels at x = 0 is gone."""
+    expression = expression.rewrite(sp.tan) if expression.has(sp.cot) else expression
+
+    def expanded(e: sp.Expr) -> sp.Expr:
+        if e.is_Add and e.has(x):
+            wide = sp.expand(e)
+            return wide if sp.count_ops(wide) <= 2 * sp.count_ops(e) + 8 else e
+        return e
+
+    return sp.sympify(expression).replace(lambda e: e.is_Add and e.has(x), expanded)
+
+
+def periodic(
+    squared: Tape, values: Mapping[sp.Symbol, sp.Expr], constants: list[sp.Symbol], parameters: list[sp.Symbol]
+) -> bool:
+    """Tell whether p² has period 2π in q, at three places with arbitrary constants."""
+    arithmetic = Multi(160)
+    turn = 2 * arithmetic.pi()
+    inputs = [arithmetic.convert(Fraction(7 + 3 * k, 5)) for k in range(len(constants))]
+    inputs += [arithmetic.convert(to_bits(values[s])(160)) for s in parameters]
+    for k in range(3):
+        q = arithmetic.convert(Fraction(13 + 17 * k, 29))
+        try:
+            here, there = (squared.run(arithmetic, [x, *inputs])[0] for x in (q, q + turn))
+        except (InvalidInputError, ZeroDivisionError):
+            return False
+        if abs(here - there) > arithmetic.convert(2.0**-120) * (abs(here) + abs(there)):
+            return False
+    return True

@@ -1,0 +1,89 @@
+"""Tables of nodes: places of equally spaced anomalies, made once for a number of nodes and a modulus.
+
+The anomalies are those of ``numeric/anomaly.py``, over w = sn²(u | k²), χ = π u/K. Where a zero or pole of p² lies does
+not enter an integral, only its rate of convergence; so k′² is taken from the powers of 4, and the tables serve all orbits.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from functools import cache
+from typing import Any
+
+import numpy as np
+
+from hjsolve.numeric.arithmetic import Float64
+from hjsolve.numeric.elliptic import jacobi, quarter_period
+
+COUNTS = (12, 16, 20, 24, 32, 40, 48, 64, 80, 96, 128, 160, 192, 256, 320, 384)
+"""Numbers of nodes in use, over half a period (librations) or over a period (rotations, twice as many)."""
+
+MOST = 44
+"""Least k′² in use: 4^−MOST."""
+
+
+@dataclass(frozen=True, eq=False)
+class Nodes:
+    """Arrays of shape (count,) at χ = (j + ½) π/count, or 2π for a rotation.
+
+    Attributes:
+        χ: anomalies.
+        low, high: sn² and cn²; for a rotation the angle 2 am − π and dn.
+        complement, quarter: k′² and K.
+        cosines, sines: cos kχ and sin kχ, shape (terms, count), k = 1, 2, …
+        last: rows of the series that tell whether the nodes suffice; middle: rows half way.
+    """
+
+    χ: Any
+    low: Any
+    high: Any
+    complement: float
+    quarter: float
+    cosines: Any
+    sines: Any
+    last: slice
+    middle: slice
+
+
+@cache
+def libration(count: int, level: int) -> Nodes:
+    """Return the nodes of half a period between turning points; k′² = 4^−level."""
+    χ = (np.arange(count) + 0.5) * np.pi / count
+    complement, quarter, sn, cn, _ = _functions(χ, level)
+    terms = np.arange(1, count)[:, None]
+    exact = (terms * (2 * np.arange(count) + 1)) % (4 * count)
+    angle = exact * (np.pi / (2 * count))
+    return Nodes(
+        χ, sn**2, cn**2, complement, quarter, np.cos(angle), np.sin(angle), slice(-3, None),
+        slice(count // 2 - 2, count // 2 + 1),
+    )  # fmt: skip
+
+
+@cache
+def rotation(count: int, level: int) -> Nodes:
+    """Return the nodes of a whole turn; k′² = 4^−level."""
+    χ = (np.arange(count) + 0.5) * 2 * np.pi / count
+    complement, quarter, sn, cn, dn = _functions(χ, level)
+    terms = np.arange(1, count // 2)[:, None]
+    exact = (terms * (2 * np.arange(count) + 1)) % (2 * count)
+    angle = exact * (np.pi / count)
+    amplitude = np.mod(np.arctan2(sn, cn), 2 * np.pi)
+    half = count // 2
+    return Nodes(
+        χ, 2 * amplitude - np.pi, dn, complement, quarter, np.cos(angle), np.sin(angle), slice(-2, None),
+        slice(half // 2 - 2, half // 2 + 1),
+    )  # fmt: skip
+
+
+def _functions(χ: Any, level: int) -> tuple[float, float, Any, Any, Any]:
+    if level == 0:
+        return 1.0, np.pi / 2, np.sin(χ / 2), np.cos(χ / 2), np.ones_like(χ)
+    arithmetic = Float64()
+    complement = 4.0**-level
+    quarter = float(quarter_period(complement, arithmetic))
+    return complement, quarter, *jacobi(χ * (quarter / np.pi), complement, quarter, arithmetic)
+
+
+def next_count(needed: float) -> int:
+    """Return the least number of nodes in use that is enough, 0 where none is."""
+    return next((count for count in COUNTS if count >= needed), 0)

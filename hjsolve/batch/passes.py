@@ -1,0 +1,171 @@
+"""One pass over a chunk of orbits: constants, regions, integrals, and what is wanted of them, with errors."""
+
+from __future__ import annotations
+
+from typing import Any
+
+import numpy as np
+
+from hjsolve.batch.columns import Columns, Status, blank
+from hjsolve.batch.locate import Found, locate
+from hjsolve.batch.model import Model, Separated
+from hjsolve.batch.quadrature import Sums, empty, integrate
+from hjsolve.batch.start import Begin, begin
+from hjsolve.batch.torus import assemble
+from hjsolve.batch.views import Raw
+
+_EPS = 2.0**-52
+TOLERANCE = 1e-10
+"""Largest claimed error (relative; absolute for angles) with which an orbit is called ``OK``."""
+
+TIMED = frozenset({"frequencies", "periods", "angles"})
+
+
+def run_pass(
+    model: Model, names: dict[str, tuple[str, ...]], q: Any, p: Any, *, precise: bool, tolerance: float = TOLERANCE
+) -> Columns:
+    """Compute everything for some orbits.
+
+    Args:
+        model: of the system.
+        names: quantity → columns wanted.
+        q, p: all coordinates, shape (coordinates, n).
+        precise: with 32-digit constants, slopes and stretched anomalies.
+        tolerance: largest claimed error of an orbit that is ``OK``.
+    """
+    count = q.shape[1]
+    columns = blank(names, count)
+    start = begin(model, q, p, precise=precise)
+    kernels, ripples = bool(TIMED & names.keys()), "angles" in names
+    status = np.full(count, Status.OK, dtype=np.uint8)
+    sums: list[Sums] = []
+    directions = np.ones((len(model.separated), count))
+    for k, coordinate in enumerate(model.separated):
+        total = empty(len(model.constants), count)
+        for found in locate(model, coordinate, start, k):
+            _integrated(total, found, len(model.constants), kernels=kernels, ripples=ripples)
+            fresh = np.where(found.status == Status.OK, np.where(total.good[found.index], 0, Status.NOT_CONVERGED), found.status)
+            status[found.index] = np.where(status[found.index] == Status.OK, fresh, status[found.index])
+            if not found.region.turning:
+                directions[k, found.index] = np.sign(start.P[k, found.index])
+            if "turning_points" in names:
+                _ends(columns, coordinate, found)
+        sums.append(total)
+    if "constants" in names:
+        for j, name in enumerate(model.constants):
+            _fill(columns, "constants", name, start.knowns.constants[j], start.knowns.doubt[j])
+    _actions(model, names, columns, sums, directions, start)
+    if kernels:
+        _timed(model, names, columns, sums, directions, q)
+    if ripples and any(c.shifted for c in model.separated):
+        status[status == Status.OK] = Status.EXACT
+    _settle(columns, status, tolerance)
+    return columns
+
+
+def _integrated(total: Sums, found: Found, constants: int, *, kernels: bool, ripples: bool) -> None:
+    """Integrate over the regions found; coordinates at rest have their limit."""
+    index = np.flatnonzero((found.status == Status.OK) & ~found.rest)
+    if len(index):
+        total.put(found.index[index], integrate(found.region.take(index), constants, kernels=kernels, ripples=ripples))
+    index = np.flatnonzero((found.status == Status.OK) & found.rest)
+    if len(index):
+        total.put(found.index[index], _resting(found, index, constants))
+
+
+def _resting(found: Found, index: Any, constants: int) -> Sums:
+    """A stable double zero of p²: J = 0 and ∂J/∂cⱼ = kⱼ/√(−½F″), the limit of a vanishing libration."""
+    from hjsolve.batch.views import Near, second_slope
+
+    view = found.region.below.take(index)
+    assert isinstance(view, Near)
+    bend, doubt = second_slope(view.formula, view.knowns, view.start)
+    zero = np.zeros(len(index))
+    rows = [np.broadcast_to(w, zero.shape) for w in view.full(zero)[1:]]
+    errors = [np.broadcast_to(e, zero.shape) for e in view.errors(zero, kernels=True)[1:]]
+    root = np.sqrt(-bend)
+    sums = empty(constants, len(index))
+    sums.means[:] = np.stack([w / root for w in rows])
+    sums.mean_errors[:] = np.stack([e / root + np.abs(w / root) * doubt / -bend for w, e in zip(rows, errors, strict=True)])
+    sums.speeds[:] = sums.means
+    for part in (sums.action, sums.action_error, sums.ripples, sums.ripple_errors, sums.phase, sums.phase_error):
+        part[...] = 0.0
+    sums.good[:] = True
+    return sums
+
+
+def _fill(columns: Columns, quantity: str, name: str, value: Any, error: Any) -> None:
+    columns.group(quantity)[name][:] = value
+    columns.error[f"{quantity}.{name}"][:] = error + _EPS * np.abs(value) * (quantity != "constants")
+
+
+def _actions(
+    model: Model, names: dict[str, tuple[str, ...]], columns: Columns, sums: list[Sums], directions: Any, start: Begin
+) -> None:
+    if "actions" not in names:
+        return
+    for k, coordinate in enumerate(model.separated):
+        _fill(columns, "actions", coordinate.name, directions[k] * sums[k].action, sums[k].action_error)
+    for name in model.angles:
+        value = start.momenta[model.names.index(name)]
+        columns.actions[name][:], columns.error[f"actions.{name}"][:] = value, 0.0  # type: ignore[index]
+
+
+def _timed(
+    model: Model, names: dict[str, tuple[str, ...]], columns: Columns, sums: list[Sums], directions: Any, q: Any
+) -> None:
+    torus = assemble(model, sums, directions, q, angles="angles" in names)
+    for name, (rate, error) in torus.frequencies.items():
+        if "frequencies" in names:
+            _fill(columns, "frequencies", name, rate, error)
+        if "periods" in names:
+            with np.errstate(all="ignore"):
+                period = 2 * np.pi / np.abs(rate)
+                _fill(columns, "periods", name, period, period * (error / np.abs(rate) + _EPS))
+    for name, (angle, error) in torus.angles.items():
+        _fill(columns, "angles", name, angle, error)
+
+
+def _ends(columns: Columns, coordinate: Separated, found: Found) -> None:
+    """Turning points, with the error that the rounding of p² there leaves."""
+    region = found.region
+    if not region.turning:
+        return
+    for side, view, x in (("lower", region.below, region.lower), ("upper", region.above, region.upper)):
+        with np.errstate(all="ignore"):
+            slope = np.abs(view.jet(x)[1]) if isinstance(view, Raw) else _slope(view, region)
+            error = view.errors(x, kernels=False)[0] / slope + _EPS * np.abs(x)
+            place = view.place(x)
+        name = f"{coordinate.name}.{side}"
+        error = np.where(found.rest, 0.0, error) + _EPS * np.abs(place)
+        columns.turning_points[name][found.index] = place  # type: ignore[index]
+        columns.error[f"turning_points.{name}"][found.index] = error
+
+
+def _slope(view: Any, region: Any) -> Any:
+    """|F′| at the turning points of a small motion, W·S with S taken in the middle."""
+    middle = 0.5 * (region.lower + region.upper)
+    return 0.5 * view.value(middle) / (0.25 * region.width)
+
+
+def _settle(columns: Columns, status: Any, tolerance: float) -> None:
+    """Keep the orbits whose errors are small enough; NaN for the others."""
+    worst = np.zeros(len(status))
+    for key, error in columns.error.items():
+        quantity, name = key.split(".", 1)
+        if quantity in {"actions", "frequencies", "periods", "angles"}:
+            value = columns.group(quantity)[name]
+            scale = np.ones(len(status)) if quantity == "angles" else np.abs(value)
+            with np.errstate(all="ignore"):
+                relative = np.where(error == 0, 0.0, error / scale)
+            worst = np.fmax(worst, relative)
+            status[(status == Status.OK) & ~np.isfinite(value)] = Status.EXACT
+    status[(status == Status.OK) & ~(worst <= tolerance)] = Status.EXACT
+    columns.status[:] = status
+    lost = status != Status.OK
+    for key, error in columns.error.items():
+        quantity, name = key.split(".", 1)
+        error[lost] = np.nan
+        columns.group(quantity)[name][lost] = np.nan
+
+

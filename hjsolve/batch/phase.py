@@ -1,0 +1,81 @@
+"""The anomaly of the start. Next to a turning point it is read off the momentum: q₀ − a = P₀²/((b − q₀) S)."""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+
+if TYPE_CHECKING:
+    from hjsolve.batch.nodes import Nodes
+    from hjsolve.batch.quadrature import Region
+
+_EPS = 2.0**-52
+_CLOSE = 0.05
+
+
+def librating(region: Region, table: Nodes, ratio: Any, shake: Any) -> tuple[Any, Any]:
+    """Return χ₀ in (−π, π] and a bound on its error.
+
+    Args:
+        region: of n orbits.
+        table: nodes.
+        ratio: r = stretch/√S at the nodes, shape (n, nodes).
+        shake: bound on the error of xy = (q − a)(b − q)/W².
+    """
+    x, y = region.left / region.width, region.right / region.width
+    close = np.minimum(x, y) < _CLOSE
+    if close.any():
+        x, y = x.copy(), y.copy()
+        part = np.flatnonzero(close)
+        for _ in range(3):
+            x[part], y[part] = _from_momentum(region, table, ratio, part, x[part], y[part])
+    d = region.near_lower if table.complement < 1 else 0.0 * x
+    amplitude = np.arctan2(np.sqrt(np.maximum(x * (1 + d), 0)), np.sqrt(np.maximum(y, 0)))
+    phase = _anomaly(amplitude, table)
+    slope = 1.0 if table.complement == 1.0 else np.pi / (table.quarter * np.sqrt(table.complement))
+    doubt = slope * (shake + 4 * _EPS) / np.sqrt(np.maximum(x * y, _CLOSE / 2)) + 4 * _EPS * np.pi
+    return np.where(region.momentum < 0, -phase, phase), 2 * doubt
+
+
+def _from_momentum(region: Region, table: Nodes, ratio: Any, part: Any, x: Any, y: Any) -> tuple[Any, Any]:
+    """x = (q₀ − a)/W and y = 1 − x near an end, from P₀² = W² x y S(q₀)."""
+    W, P = region.width[part], region.momentum[part]
+    d, c = (region.near_lower[part], region.near_upper[part]) if table.complement < 1 else (0.0, 0.0)
+    amplitude = np.arctan2(np.sqrt(np.maximum(x * (1 + d), 0)), np.sqrt(np.maximum(y, 0)))
+    χ = _anomaly(amplitude, table)
+    terms = np.arange(1, len(table.cosines) + 1)
+    weights = (1 + 2 * np.cos(terms * χ[:, None]) @ table.cosines) / len(table.χ)
+    r = np.einsum("nj,nj->n", ratio[part], weights)
+    square = (2 * table.quarter / np.pi) ** 2 * table.complement if table.complement < 1 else 1.0
+    stretch = square * (1 + c * y) * (1 + d * x)
+    small = (P * r / W) ** 2 / stretch / np.maximum(x, y)
+    lower = x < y
+    return np.where(lower, small, 1 - small), np.where(lower, 1 - small, small)
+
+
+def rotating(region: Region, table: Nodes) -> tuple[Any, Any]:
+    """Return χ₀ in (−π, π] of a rotation and a bound on its error."""
+    angle = np.sign(region.momentum) * region.left + np.pi
+    angle = angle - 2 * np.pi * np.rint(angle / (2 * np.pi))
+    return _anomaly(angle / 2, table), 16 * _EPS * np.pi**2 / (2 * table.quarter * table.high.min()) + 0.0 * angle
+
+
+def _anomaly(amplitude: Any, table: Nodes) -> Any:
+    """χ = π F(φ | k²)/K for |φ| ≤ π/2, with F = sin φ R_F(cos²φ, 1 − k² sin²φ, 1) (DLMF 19.25.5)."""
+    if table.complement == 1.0:
+        return 2 * amplitude
+    s, c = np.sin(amplitude), np.cos(amplitude)
+    x, y, z = c * c, c * c + table.complement * s * s, 1.0 + 0.0 * s
+    x = np.maximum(x, 1e-300)
+    for _ in range(64):
+        λ = np.sqrt(x * y) + np.sqrt(y * z) + np.sqrt(z * x)
+        x, y, z = (x + λ) / 4, (y + λ) / 4, (z + λ) / 4
+        A = (x + y + z) / 3
+        X, Y = 1 - x / A, 1 - y / A
+        if np.all(np.maximum(np.abs(X), np.abs(Y)) < 2e-3):
+            break
+    Z = -X - Y
+    e2, e3 = X * Y - Z * Z, X * Y * Z
+    R = (1 - e2 / 10 + e3 / 14 + e2 * e2 / 24 - 3 * e2 * e3 / 44) / np.sqrt(A)
+    return np.pi * s * R / table.quarter

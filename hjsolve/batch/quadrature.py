@@ -1,0 +1,239 @@
+"""Integrals over one cycle of one coordinate for many orbits: the midpoint rule in the anomaly, as in ``numeric/anomaly``.
+
+With F = (q − a)(b − q) S and the anomaly χ, the integrands are F·r for the action and kⱼ·r for ∂J/∂cⱼ, where
+r = |dq/dχ|/√F = stretch/√S is regular. Coefficients of an analytic function fall geometrically, so the last ones of the
+discrete cosine series tell the error: of the running integral as they are; of the mean, which aliases at twice the number
+of nodes, squared (Trefethen & Weideman, SIAM Review 56 (2014) 385, §3). A region that holds a place with p² < 0, or a
+kink, does not converge and is refused.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import Any
+
+import numpy as np
+
+from hjsolve.batch import nodes as tables
+from hjsolve.batch.phase import librating, rotating
+from hjsolve.batch.views import View
+
+_EPS = 2.0**-52
+_SAFETY = 1.5
+_GOAL = 4e-16
+_ELEMENTS = 1 << 17
+
+
+@dataclass(frozen=True)
+class Region:
+    """Where one coordinate moves, for n orbits; arrays (n,).
+
+    Attributes:
+        below, above: views of F used in the lower and in the upper half.
+        lower, upper: offsets of the turning points in those views; for a rotation ``lower`` is the slow place.
+        width: b − a.
+        near_lower, near_upper, level: ρ_d, ρ_c and the modulus 4^−level (int array); see ``numeric/anomaly``.
+        momentum: P₀ (signed). left, right: q₀ − a and b − q₀; for a rotation ``left`` is q₀ less the slow place.
+        turning: False for rotations.
+    """
+
+    below: View
+    above: View
+    lower: Any
+    upper: Any
+    width: Any
+    near_lower: Any
+    near_upper: Any
+    level: Any
+    momentum: Any
+    left: Any
+    right: Any
+    turning: bool = True
+
+    def take(self, index: Any) -> Region:
+        """Return the region of some of the orbits."""
+        arrays = ("lower", "upper", "width", "near_lower", "near_upper", "level", "momentum", "left", "right")
+        below = self.below.take(index)
+        above = below if self.above is self.below else self.above.take(index)
+        return Region(
+            below, above, **{name: getattr(self, name)[index] for name in arrays},
+            turning=self.turning,
+        )  # fmt: skip
+
+
+@dataclass(frozen=True)
+class Sums:
+    """Integrals of one coordinate; arrays (n,), or (constants, n).
+
+    Attributes:
+        action: (1/2π) ∮ |p| dq. means: ∂J/∂cⱼ. ripples: ∫₀^χ₀ kⱼ r dχ less its mean growth.
+        phase: χ of the start. speeds: kⱼ r there.
+        action_error, mean_errors, ripple_errors, phase_error: bounds.
+        good: True where the nodes sufficed.
+    """
+
+    action: Any
+    action_error: Any
+    means: Any
+    mean_errors: Any
+    ripples: Any
+    ripple_errors: Any
+    phase: Any
+    phase_error: Any
+    speeds: Any
+    good: Any
+
+    def put(self, index: Any, other: Sums) -> None:
+        """Write the results of some orbits."""
+        for name in self.__dataclass_fields__:
+            mine, theirs = getattr(self, name), getattr(other, name)
+            mine[..., index] = theirs
+
+
+def empty(constants: int, count: int) -> Sums:
+    """Return sums that hold nothing."""
+    row, block = (lambda: np.full(count, np.nan)), (lambda: np.full((constants, count), np.nan))
+    return Sums(row(), row(), block(), block(), block(), block(), row(), row(), block(), np.zeros(count, dtype=bool))
+
+
+def integrate(region: Region, constants: int, *, kernels: bool, ripples: bool, first: int = 16) -> Sums:
+    """Integrate with as many nodes as every orbit needs.
+
+    Args:
+        region: of n orbits.
+        constants: how many there are.
+        kernels: True when ∂J/∂c are wanted. ripples: True when the phase and the running integrals are, too.
+        first: number of nodes to begin with.
+    """
+    count = len(region.width)
+    sums = empty(constants, count)
+    needed = np.full(count, float(first))
+    level = region.level
+    while True:
+        size = np.zeros(count, dtype=int)
+        for c in tables.COUNTS[::-1]:
+            size[needed <= c] = c
+        size[needed > tables.COUNTS[-1]] = 0
+        if not size.any():
+            return sums
+        needed[:] = np.inf
+        for c, m in {(int(c), int(m)) for c, m in zip(size[size > 0], level[size > 0], strict=True)}:
+            group = np.flatnonzero((size == c) & (level == m))
+            for part in np.array_split(group, max(1, len(group) * c // _ELEMENTS + 1)):
+                result, more = _rule(region.take(part), constants, c, m, kernels=kernels, ripples=ripples)
+                needed[part] = np.where(result.good, np.inf, more)
+                sums.put(part, result)
+
+
+def _rule(
+    region: Region, constants: int, count: int, level: int, *, kernels: bool, ripples: bool
+) -> tuple[Sums, Any]:
+    """Apply the rule with a number of nodes; also return how many would be needed."""
+    table = tables.libration(count, level) if region.turning else tables.rotation(2 * count, level)
+    with np.errstate(all="ignore"):
+        places = _librating(region, table) if region.turning else _rotating(region, table)
+        F, ratio, weights, doubts = _integrands(region, places, kernels)
+        n = len(F)
+        rows = [F * ratio, *(w * ratio for w in weights)]
+        noise = [0.5 * ratio * doubts[0]]
+        relative = 0.5 * doubts[0] / F
+        noise += [ratio * (np.abs(w) * relative + e) for w, e in zip(weights, doubts[1:], strict=True)]
+        values = np.stack([np.broadcast_to(row, F.shape) for row in rows])
+        mean, size = values.mean(axis=2), np.abs(values).mean(axis=2)
+        blur = _SAFETY * np.stack([np.broadcast_to(e, F.shape).mean(axis=1) for e in noise]) + 8 * _EPS * size
+        tail, middle = (_largest(values, table, rows) for rows in (table.last, table.middle))
+    alias = 4 * tail * np.minimum(1.0, (tail / np.maximum(middle, 1e-300)) ** 2)
+    mean_error = blur + alias
+    goal = np.maximum(_GOAL * size, 0.25 * blur)
+    with np.errstate(all="ignore"):
+        excess = np.where(tail > 0, tail, 1e-300) / size
+        wish = 1e-8 if not ripples else 1e-15
+        more = np.max(2 + (count - 2) * np.log(wish) / np.log(np.minimum(excess, 0.5)), axis=0)
+    fits = (alias <= goal) | (tail <= 0.5 * blur)
+    if ripples:
+        fits &= tail <= np.maximum(4e-15 * size, blur)
+    real = np.all(F > 0, axis=1) & np.isfinite(mean).all(axis=0)
+    good = np.all(fits | (size == 0), axis=0) & real
+    more = np.where(real, np.clip(more, count + 1, 3 * count), 2 * count)
+    sums = empty(constants, n)
+    sums.action[:], sums.action_error[:], sums.good[:] = mean[0], mean_error[0], good
+    if kernels:
+        sums.means[:], sums.mean_errors[:] = mean[1:], mean_error[1:]
+    if ripples:
+        shake = (doubts[0] / F * np.abs(table.low * table.high)).max(axis=1)
+        _running(region, table, values[1:], ratio, sums, tail[1:] + blur[1:], shake)
+    return sums, more
+
+
+def _largest(values: Any, table: tables.Nodes, rows: slice) -> Any:
+    """Largest coefficient of the discrete series among some rows, shape (integrands, n)."""
+    parts = [2 / len(table.χ) * np.abs(values @ table.cosines[rows].T).max(axis=2)]
+    if table.low[0] < 0:
+        parts.append(2 / len(table.χ) * np.abs(values @ table.sines[rows].T).max(axis=2))
+    return np.maximum.reduce(parts)
+
+
+def _librating(region: Region, table: tables.Nodes) -> tuple[Any, Any, Any]:
+    """Offsets in the two views, and (dq/dχ)², at the nodes: arrays (n, nodes)."""
+    half = len(table.χ) // 2
+    W = region.width[:, None]
+    if table.complement == 1.0:
+        low, high = W * table.low, W * table.high
+        scale = low * high
+    else:
+        d, c = region.near_lower[:, None], region.near_upper[:, None]
+        D = 1 + d * table.high
+        x, y = table.low / D, (1 + d) * table.high / D
+        low, high = W * x, W * y
+        square = (2 * table.quarter / np.pi) ** 2 * table.complement
+        scale = square * (1 + c * y) * (1 + d * x) * (low * high)
+    below = region.lower[:, None] + region.below.sign * low[:, :half]
+    above = region.upper[:, None] - region.above.sign * high[:, half:]
+    return below, above, scale
+
+
+def _rotating(region: Region, table: tables.Nodes) -> tuple[Any, Any, Any]:
+    half = len(table.χ) // 2
+    direction = np.sign(region.momentum)[:, None]
+    q = region.lower[:, None] + direction * table.low
+    scale = (2 * table.quarter / np.pi * table.high) ** 2 + 0.0 * q
+    return q[:, :half], q[:, half:], scale
+
+
+def _integrands(region: Region, places: tuple[Any, Any, Any], kernels: bool) -> tuple[Any, Any, list[Any], list[Any]]:
+    """F, r = |dq/dχ|/√F, the kernels, and bounds on the errors of F and kernels."""
+    below, above, scale = places
+    if region.below is region.above:
+        whole = np.concatenate([below, above], axis=1)
+        results = [_results(region.below, whole, kernels)]
+    else:
+        results = [_results(region.below, below, kernels), _results(region.above, above, kernels)]
+    joined = [results[0][k] if len(results) == 1 else np.concatenate([r[k] for r in results], axis=1)
+              for k in range(len(results[0]))]  # fmt: skip
+    m = len(joined) // 2
+    F = joined[0]
+    return F, np.sqrt(scale / F), joined[1:m], joined[m:]
+
+
+def _results(view: View, x: Any, kernels: bool) -> list[Any]:
+    values = list(view.full(x)) if kernels else [view.value(x)]
+    return [np.broadcast_to(v, x.shape) for v in values + view.errors(x, kernels=kernels)]
+
+
+def _running(
+    region: Region, table: tables.Nodes, values: Any, ratio: Any, sums: Sums, noise: Any, shake: Any
+) -> None:
+    """Phase of the start, and the integrals from χ = 0 to it less their mean growth."""
+    count = len(table.χ)
+    terms = np.arange(1, len(table.cosines) + 1)
+    phase, blur = librating(region, table, ratio, shake) if region.turning else rotating(region, table)
+    angle = terms * phase[:, None]
+    sine, cosine = np.sin(angle), np.cos(angle)
+    weights, delta = (sine / terms) @ table.cosines, 1 + 2 * cosine @ table.cosines
+    if not region.turning:
+        weights += ((1 - cosine) / terms) @ table.sines
+        delta += 2 * sine @ table.sines
+    sums.ripples[:] = 2 / count * np.einsum("knj,nj->kn", values, weights)
+    sums.speeds[:] = np.einsum("knj,nj->kn", values, delta) / count
+    sums.ripple_errors[:] = 4 * noise
+    sums.phase[:], sums.phase_error[:] = phase, blur

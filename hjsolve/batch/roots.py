@@ -1,0 +1,118 @@
+"""Turning points of many orbits at once: a bracket found outward from the start, then Chandrupatla's method.
+
+Chandrupatla, Advances in Engineering Software 28 (1997) 145: inverse quadratic steps where they are safe, bisection
+elsewhere, so a sign change is never lost. Which sign change it is cannot be proved in doubles: a pair of zeros between
+two trials goes unseen. It leaves a place where p² < 0, or a function with a kink, between the turning points, and the
+quadrature refuses those (``quadrature.py``).
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from typing import Any
+
+import numpy as np
+
+Function = Callable[[Any, Any], Any]
+"""(x, index of the orbits) ↦ F, arrays of shape (m,)."""
+
+_EPS = 2.0**-52
+
+
+def first_step(momentum: Any, slope: Any, bend: Any, size: Any) -> Any:
+    """Distance at which P₀² + slope·d + bend·d² vanishes, a little more; a fraction of ``size`` where it never does.
+
+    Args:
+        momentum: P₀. slope: dF/dd outward. bend: ½ F″. size: a length typical of the coordinate.
+    """
+    square = momentum * momentum
+    with np.errstate(all="ignore"):
+        root = np.sqrt(slope * slope - 4 * bend * square)
+        down = np.where(slope > 0, (slope + root) / (-2 * bend), 2 * square / (root - slope))
+        crude = np.minimum(0.25 * size, np.where(slope < 0, -square / slope, np.inf))
+    found = np.isfinite(down) & (down > 0)
+    return np.where(found, 1.0625 * down, np.where(crude > 0, crude, 0.25 * size))
+
+
+def bracket(function: Function, start: Any, step: Any, side: int, *, floor: Any, reach: float) -> tuple[Any, Any]:
+    """Walk from the start until F < 0.
+
+    Args:
+        function: F.
+        start: offsets where the walk begins, shape (n,).
+        step: first step, positive.
+        side: +1 or −1.
+        floor: an end of the domain that x may come near to only in ever smaller steps, shape (n,); infinite for none.
+        reach: longest distance to walk.
+
+    Returns:
+        The last place with F ≥ 0 and the first with F < 0; NaN where there was none.
+    """
+    inner, outer, step = start.copy(), np.full(start.shape, np.nan), step.copy()
+    index = np.arange(len(start))
+    for _ in range(48):
+        x = inner[index] + side * step[index]
+        x = kept(x, inner[index], floor[index])
+        f = function(x, index)
+        negative = f < 0
+        outer[index[negative]] = x[negative]
+        onward = (f >= 0) & (np.abs(x - start[index]) < reach)
+        index, x = index[onward], x[onward]
+        if not len(index):
+            break
+        inner[index] = x
+        step[index] *= 1.6
+    return inner, outer
+
+
+def kept(x: Any, inner: Any, floor: Any) -> Any:
+    """Return x, or three quarters of the way to the floor where x lies beyond that."""
+    with np.errstate(invalid="ignore"):
+        limit = floor + 0.25 * (inner - floor)
+        return np.where((x - inner) / (floor - inner) > 0.75, limit, x)
+
+
+def refine(function: Function, inner: Any, outer: Any, below: Any) -> Any:
+    """Return the zero between ``inner`` (F ≥ 0) and ``outer`` (F < 0), to the last bits of x; NaN stays NaN.
+
+    Args:
+        function: F.
+        inner, outer: the bracket.
+        below: F at ``inner``, known to be at least zero there.
+    """
+    result = inner.copy()
+    result[np.isnan(outer)] = np.nan
+    index = np.flatnonzero(~np.isnan(outer) & (below > 0))
+    a, b = outer[index], inner[index]
+    fa, fb = function(a, index), below[index].copy()
+    c, fc, t = a.copy(), fa.copy(), np.full(len(index), 0.5)
+    falsi = fa / (fa - fb)
+    t = np.where(np.isfinite(falsi), np.clip(falsi, 0.02, 0.98), 0.5)
+    for _ in range(80):
+        x = a + t * (b - a)
+        f = function(x, index)
+        same = np.sign(f) == np.sign(fa)
+        c, fc, b, fb = np.where(same, a, b), np.where(same, fa, fb), np.where(same, b, a), np.where(same, fb, fa)
+        a, fa = x, f
+        best = np.where(np.abs(fa) < np.abs(fb), a, b)
+        limit = _EPS * np.abs(best) / np.abs(b - a)
+        done = (limit > 0.5) | (f == 0) | ~np.isfinite(f)
+        if done.any():
+            ready = index[done]
+            result[ready] = np.where(np.isfinite(f), np.where(f == 0, a, best), np.nan)[done]
+            keep = ~done
+            index, a, fa, b, fb, c, fc, limit = (v[keep] for v in (index, a, fa, b, fb, c, fc, limit))
+            if not len(index):
+                return result
+        t = _next(a, fa, b, fb, c, fc, limit)
+    result[index] = np.nan
+    return result
+
+
+def _next(a: Any, fa: Any, b: Any, fb: Any, c: Any, fc: Any, limit: Any) -> Any:
+    """Chandrupatla's choice of the next place, as a fraction of the way from a to b."""
+    with np.errstate(all="ignore"):
+        ξ, φ = (a - b) / (c - b), (fa - fb) / (fc - fb)
+        safe = (φ * φ < ξ) & ((1 - φ) ** 2 < 1 - ξ)
+        t = fa / (fb - fa) * fc / (fb - fc) + (c - a) / (b - a) * fa / (fc - fa) * fb / (fc - fb)
+    return np.clip(np.where(safe & np.isfinite(t), t, 0.5), limit, 1 - limit)

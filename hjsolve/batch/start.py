@@ -1,0 +1,84 @@
+"""Constants of the motion of many orbits, in doubles with a running error bound, or from 32 digits.
+
+E = T + V of a nearly unbound orbit, or the slope of p² at the start of a nearly circular one, is a small difference of
+large numbers. In ``precise`` mode they are computed with 32 digits from the inputs as the exact numbers they are.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import Any
+
+import numpy as np
+
+from hjsolve.batch.model import Formula, Model
+from hjsolve.batch.views import UNIT, Knowns
+from hjsolve.numeric.arithmetic import Float64
+from hjsolve.numeric.doubled import Doubled, Pair
+from hjsolve.numeric.jet import Jet, Jets
+from hjsolve.numeric.running import Bounded, Running
+
+
+@dataclass(frozen=True)
+class Begin:
+    """Initial data of n orbits.
+
+    Attributes:
+        q: positions of the separated coordinates. P: their shell momenta. momenta: p of all coordinates; shape (…, n).
+        knowns: constants and parameters.
+        pairs: the constants in two doubles, None where they were computed in doubles.
+    """
+
+    q: Any
+    P: Any
+    momenta: Any
+    knowns: Knowns
+    pairs: tuple[Pair, ...] | None
+
+
+def begin(model: Model, q: Any, p: Any, *, precise: bool) -> Begin:
+    """Work out the constants.
+
+    Args:
+        model: of the system.
+        q, p: all coordinates, shape (coordinates, n).
+        precise: with 32 digits.
+    """
+    numbers = [pair.high for pair in model.numbers]
+    shape = q.shape[1:]
+    with np.errstate(all="ignore"):
+        bounded = [Bounded(x) for x in (*q, *p)] + [Bounded(x, UNIT * abs(x)) for x in numbers]
+        running = model.rule.run(Running(Float64()), bounded)
+        doubts = [np.broadcast_to((0.0 if r.error is None else r.error), shape) for r in running]
+        values = [np.broadcast_to(r.value, shape) for r in running]
+        places = [c.index for c in model.separated]
+        pairs = None
+        if precise:
+            inputs = [Pair(x, 0.0 * x) for x in (*q, *p)] + list(model.numbers)
+            pairs = tuple(_full(pair, shape) for pair in model.rule.run(Doubled(), inputs))
+            values = [pair.high for pair in pairs]
+            doubts = [UNIT * np.abs(v) + 2.0**-44 * e for v, e in zip(values, doubts, strict=True)]
+            shifts = model.shift.run(Doubled(), inputs)
+            P = [_sum(p[k], shift) for k, shift in zip(places, shifts, strict=True)]
+        else:
+            shifts = model.shift.run(Float64(), [*q, *p, *numbers])
+            P = [p[k] + shift for k, shift in zip(places, shifts, strict=True)]
+    knowns = Knowns(tuple(values), tuple(doubts), tuple(numbers))
+    return Begin(q[places], np.stack(P) if P else p[:0], p, knowns, pairs)
+
+
+def _full(pair: Pair, shape: tuple[int, ...]) -> Pair:
+    return Pair(np.broadcast_to(pair.high, shape), np.broadcast_to(pair.low, shape))
+
+
+def _sum(p: Any, shift: Pair) -> Any:
+    total = Doubled().add(Pair(p, 0.0 * p), shift)
+    return total.high + 0.0 * p
+
+
+def slope(formula: Formula, pairs: tuple[Pair, ...], parameters: tuple[Pair, ...], q: Any) -> Any:
+    """Return F′(q) to full relative accuracy, from 32 digits."""
+    jets = Jets(Doubled())
+    inputs = [jets.variable(Pair(q, 0.0 * q)), *(Jet(pair) for pair in (*pairs, *parameters))]
+    first = formula.squared.run(jets, inputs)[0].first
+    return 0.0 * q if first is None else first.high + 0.0 * q

@@ -1,0 +1,116 @@
+"""From the integrals of each coordinate to actions, frequencies and angles, with their errors.
+
+Jᵢ is a function of the constants; ∂Jᵢ/∂cⱼ = (1/2π) ∮ ½ (∂Pᵢ²/∂cⱼ) dqᵢ/Pᵢ are the means of the kernels. From
+dE = Σ Ωᵢ dJᵢ: Σᵢ Ωᵢ ∂Jᵢ/∂cⱼ = δⱼ₁ over the separation constants, and −Σᵢ Ωᵢ ∂Jᵢ/∂c for an ignorable momentum c. The angles
+are those of ``numeric/inverse``: θₖ = Σⱼ (∂J/∂c)⁻¹ₖⱼ Σᵢ Gᵢⱼ(χᵢ) with G the running integrals.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import Any
+
+import numpy as np
+
+from hjsolve.batch.model import Model
+from hjsolve.batch.quadrature import Sums
+
+_EPS = 2.0**-52
+
+
+@dataclass(frozen=True)
+class Torus:
+    """Numbers of n orbits; coordinate → array (n,), and its error bound."""
+
+    frequencies: dict[str, tuple[Any, Any]]
+    angles: dict[str, tuple[Any, Any]]
+
+
+def assemble(model: Model, sums: list[Sums], directions: Any, q: Any, *, angles: bool) -> Torus:
+    """Combine the integrals.
+
+    Args:
+        model: of the system.
+        sums: one a separated coordinate.
+        directions: +1, or −1 for a rotation the other way; shape (separated, n).
+        q: all coordinates, shape (coordinates, n).
+        angles: True when they are wanted.
+    """
+    size = len(sums)
+    means = np.stack([s.means for s in sums])
+    doubts = np.stack([s.mean_errors for s in sums])
+    with np.errstate(all="ignore"):
+        matrix, blur = (x[:, :size].transpose(2, 1, 0) for x in (means, doubts))   # (n, constant, coordinate)
+        inverse = _inverse(matrix)
+        wide = np.abs(inverse)
+        shaken = wide @ (blur + 4 * size * _EPS * np.abs(matrix)) @ wide + 2 * _EPS * wide
+        rates, rate_errors = inverse[:, :, 0].T, shaken[:, :, 0].T
+        frequencies = {
+            c.name: (directions[k] * rates[k], rate_errors[k]) for k, c in enumerate(model.separated)
+        }
+        for name in model.angles:
+            j = model.ignorable[name]
+            value = -np.sum(rates * means[:, j], axis=0)
+            error = np.sum(rate_errors * np.abs(means[:, j]) + np.abs(rates) * doubts[:, j], axis=0)
+            frequencies[name] = value, error + 4 * _EPS * np.sum(np.abs(rates * means[:, j]), axis=0)
+        found = _angles(model, sums, directions, q, inverse, shaken) if angles else {}
+    ordered = {name: frequencies[name] for name in model.names if name in frequencies}
+    return Torus(ordered, found)
+
+
+def _inverse(matrix: Any) -> Any:
+    """Inverses of a stack of small matrices; NaN where there is none."""
+    n = matrix.shape[1]
+    if n == 1:
+        return 1 / matrix
+    if n == 2:
+        a, b, c, d = matrix[:, 0, 0], matrix[:, 0, 1], matrix[:, 1, 0], matrix[:, 1, 1]
+        det = a * d - b * c
+        return np.stack([np.stack([d, -b], axis=-1), np.stack([-c, a], axis=-1)], axis=1) / det[:, None, None]
+    bad = ~np.isfinite(matrix).all(axis=(1, 2))
+    safe = np.where(bad[:, None, None], np.eye(n), matrix)
+    try:
+        inverse = np.linalg.inv(safe)
+    except np.linalg.LinAlgError:
+        inverse = np.stack([_one_inverse(m) for m in safe])
+    inverse[bad] = np.nan
+    return inverse
+
+
+def _one_inverse(matrix: Any) -> Any:
+    try:
+        return np.linalg.inv(matrix)
+    except np.linalg.LinAlgError:
+        return np.full_like(matrix, np.nan)
+
+
+def _angles(
+    model: Model, sums: list[Sums], directions: Any, q: Any, inverse: Any, shaken: Any
+) -> dict[str, tuple[Any, Any]]:
+    size = len(sums)
+    ripples, blurs = np.stack([s.ripples for s in sums]), np.stack([s.ripple_errors for s in sums])
+    speeds = np.abs(np.stack([s.speeds for s in sums]))
+    total, doubt = ripples[:, :size].sum(axis=0), blurs[:, :size].sum(axis=0)
+    phases, phase_errors = np.stack([s.phase for s in sums]), np.stack([s.phase_error for s in sums])
+    doubt = doubt + np.einsum("ijn,in->jn", speeds[:, :size], phase_errors)
+    θ = np.einsum("nkj,jn->kn", inverse, total)
+    error = np.einsum("nkj,jn->kn", np.abs(inverse), doubt) + np.einsum("nkj,jn->kn", shaken, np.abs(total))
+    error += phase_errors + 4 * _EPS * (np.pi + np.abs(θ))
+    found = {c.name: _principal(directions[k] * (phases[k] + θ[k]), error[k]) for k, c in enumerate(model.separated)}
+    for name in model.angles:
+        j = model.ignorable[name]
+        means = np.stack([s.means[j] for s in sums])
+        value = ripples[:, j].sum(axis=0) - np.sum(means * θ, axis=0)
+        spread = blurs[:, j].sum(axis=0) + np.sum(speeds[:, j] * phase_errors, axis=0)
+        spread = spread + np.sum(np.abs(means) * error, axis=0)
+        spread += np.sum(np.stack([s.mean_errors[j] for s in sums]) * np.abs(θ), axis=0)
+        place = q[model.names.index(name)]
+        found[name] = _principal(place + value, spread + 4 * _EPS * (np.abs(place) + np.abs(value) + np.pi))
+    return {name: found[name] for name in model.names if name in found}
+
+
+def _principal(angle: Any, error: Any) -> tuple[Any, Any]:
+    """Reduce to (−π, π]."""
+    turns = np.rint(angle / (2 * np.pi))
+    reduced = angle - 2 * np.pi * turns
+    return np.where(reduced <= -np.pi, np.pi, reduced), error + _EPS * np.abs(turns) * 2 * np.pi

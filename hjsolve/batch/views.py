@@ -1,0 +1,163 @@
+"""P² of one coordinate as a function of an offset, for many orbits: from zero, from an end of the domain, from the start.
+
+A view answers for arrays of shape (n,) or (n, nodes): the value of F = p², its kernels, and a bound on the rounding error
+of F. ``Raw`` evaluates the formula at x with q = origin + sign·x. ``Near`` carries second-order slopes from the initial
+place, F(q₀ + δ) = P₀² + δ (F′₀ + δ F[q₀, q₀, q]): small amplitudes keep their digits (``numeric/slopes.py``).
+"""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass, replace
+from typing import Any
+
+import numpy as np
+
+from hjsolve.batch.model import Formula
+from hjsolve.numeric.arithmetic import Float64
+from hjsolve.numeric.jet import Jet, Jets
+from hjsolve.numeric.running import Bounded, Running
+from hjsolve.numeric.slopes import Slope, Slopes
+
+UNIT = 2.0**-53
+_PLACE = 2.0
+"""Roundings, in units, that made an offset at a node."""
+
+
+@dataclass(frozen=True)
+class Knowns:
+    """Constants of the motion and parameters of many orbits.
+
+    Attributes:
+        constants: one array (n,) a constant. doubt: bounds on their errors.
+        parameters: numbers.
+    """
+
+    constants: tuple[Any, ...]
+    doubt: tuple[Any, ...]
+    parameters: tuple[float, ...]
+
+    def take(self, index: Any) -> Knowns:
+        """Return those of some of the orbits."""
+        return replace(
+            self, constants=tuple(c[index] for c in self.constants), doubt=tuple(e[index] for e in self.doubt)
+        )
+
+    def plain(self, like: Any) -> list[Any]:
+        """Return constants that broadcast against an array (n, …), and parameters."""
+        return [shaped(c, like) for c in self.constants] + list(self.parameters)
+
+    def bounded(self, like: Any) -> list[Bounded]:
+        """Return the same with their error bounds."""
+        pairs = zip(self.constants, self.doubt, strict=True)
+        known = [Bounded(shaped(c, like), shaped(e, like)) for c, e in pairs]
+        return known + [Bounded(p, UNIT * abs(p)) for p in self.parameters]
+
+
+def shaped(array: Any, like: Any) -> Any:
+    """Add an axis to an array (n,) where the other has nodes."""
+    return array[:, None] if np.ndim(like) == 2 else array
+
+
+@dataclass(frozen=True)
+class Raw:
+    """F(origin + sign·x), evaluated as it is written."""
+
+    formula: Formula
+    knowns: Knowns
+
+    @property
+    def sign(self) -> int:
+        return self.formula.sign
+
+    def take(self, index: Any) -> Raw:
+        return replace(self, knowns=self.knowns.take(index))
+
+    def value(self, x: Any) -> Any:
+        """Return F."""
+        return self.formula.squared.run(Float64(), [x, *self.knowns.plain(x)])[0] + 0.0 * x
+
+    def full(self, x: Any) -> Sequence[Any]:
+        """Return F and the kernels (which may be scalars)."""
+        return self.formula.full.run(Float64(), [x, *self.knowns.plain(x)])
+
+    def errors(self, x: Any, *, kernels: bool) -> list[Any]:
+        """Return bounds on the errors of F and of the kernels, those of x and of the constants included."""
+        place = Bounded(x, _PLACE * UNIT * np.abs(x))
+        tape = self.formula.full if kernels else self.formula.squared
+        results = tape.run(Running(Float64()), [place, *self.knowns.bounded(x)])
+        return [0.0 if result.error is None else result.error for result in results]
+
+    def jet(self, x: Any) -> tuple[Any, Any, Any]:
+        """Return F, dF/dx, d²F/dx²."""
+        jets = Jets(Float64())
+        parts = self.formula.squared.run(jets, [jets.variable(x), *(Jet(k) for k in self.knowns.plain(x))])[0]
+        value, first, second = (0.0 * x if part is None else part + 0.0 * x for part in parts)
+        return value, first, second
+
+    def place(self, x: Any) -> Any:
+        """Return q."""
+        return self.formula.origin.high + (self.formula.origin.low + self.formula.sign * x)
+
+
+@dataclass(frozen=True)
+class Near:
+    """F(q₀ + δ) by slopes; arrays of shape (n,).
+
+    Attributes:
+        formula: p²(q), plain. knowns: of the orbits.
+        start: q₀. momentum: P₀. first: F′(q₀), to full relative accuracy.
+        doubt: bound on the error of F[q₀, q₀, q].
+    """
+
+    formula: Formula
+    knowns: Knowns
+    start: Any
+    momentum: Any
+    first: Any
+    doubt: Any
+
+    sign = 1
+
+    def take(self, index: Any) -> Near:
+        own = (self.start, self.momentum, self.first, self.doubt)
+        return Near(self.formula, self.knowns.take(index), *(part[index] for part in own))
+
+    def value(self, δ: Any) -> Any:
+        """Return F."""
+        slopes = Slopes(δ)
+        known = [Slope(k) for k in self.knowns.plain(δ)]
+        result = self.formula.squared.run(slopes, [slopes.variable(shaped(self.start, δ)), *known])[0]
+        second = 0.0 if result.second is None else result.second
+        return shaped(self.momentum, δ) ** 2 + δ * (shaped(self.first, δ) + δ * second)
+
+    def full(self, δ: Any) -> Sequence[Any]:
+        """Return F and the kernels."""
+        q = shaped(self.start, δ) + δ
+        return [self.value(δ), *self.formula.full.run(Float64(), [q, *self.knowns.plain(δ)])[1:]]
+
+    def errors(self, δ: Any, *, kernels: bool) -> list[Any]:
+        """Return bounds on the errors of F and of the kernels."""
+        size = shaped(self.momentum, δ) ** 2 + 2 * np.abs(δ * shaped(self.first, δ))
+        own = 4 * UNIT * size + δ**2 * shaped(self.doubt, δ)
+        if not kernels:
+            return [own]
+        return [own, *Raw(self.formula, self.knowns).errors(shaped(self.start, δ) + δ, kernels=True)[1:]]
+
+    def place(self, δ: Any) -> Any:
+        """Return q."""
+        return shaped(self.start, δ) + δ
+
+
+View = Raw | Near
+
+
+def second_slope(formula: Formula, knowns: Knowns, q: Any) -> tuple[Any, Any]:
+    """Return ½F″ at q and a bound on the error of slopes nearby."""
+    jets = Jets(Running(Float64()))
+    inputs = [jets.variable(Bounded(q)), *(Jet(k) for k in knowns.bounded(q))]
+    bend = formula.squared.run(jets, inputs)[0].second
+    if bend is None:
+        return 0.0 * q, 0.0 * q
+    error = 0.0 if bend.error is None else bend.error
+    return 0.5 * bend.value + 0.0 * q, 4.0 * (error + 4 * UNIT * np.abs(bend.value)) + 0.0 * q

@@ -1,0 +1,116 @@
+"""Values with a bound on their rounding error, carried along: Wilkinson's running error analysis.
+
+Every number is (value, bound on |computed − true|). Each operation passes the bounds of its operands on by the first
+order rule and adds its own rounding (Higham, Accuracy and Stability of Numerical Algorithms, 2nd ed., §3.3). Terms of
+second order are left out; callers multiply by a factor of safety. The plain arithmetic underneath may be arrays of
+doubles or one that writes source code.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import Any, NamedTuple
+
+_UNIT = 2.0**-53
+
+
+class Bounded(NamedTuple):
+    """A value and a bound on its error; None for an exact value."""
+
+    value: Any
+    error: Any = None
+
+
+@dataclass(frozen=True, slots=True)
+class Running:
+    """Arithmetic on ``Bounded`` values over a plain one.
+
+    Attributes:
+        plain: arithmetic of values and bounds.
+        own: units of rounding of an elementary function.
+    """
+
+    plain: Any
+    own: int = 2
+
+    def _scaled(self, value: Any, units: int = 1) -> Any:
+        a = self.plain
+        return a.mul(a.rational(units, 2**53), a.unary("abs", value))
+
+    def _sum(self, *parts: Any) -> Any:
+        total = None
+        for part in parts:
+            if part is not None:
+                total = part if total is None else self.plain.add(total, part)
+        return total
+
+    def _part(self, factor: Any, error: Any) -> Any:
+        """|factor|·error."""
+        return None if error is None else self.plain.mul(self.plain.unary("abs", factor), error)
+
+    def rational(self, numerator: int, denominator: int) -> Bounded:
+        value = self.plain.rational(numerator, denominator)
+        power_of_two = denominator & (denominator - 1) == 0 and abs(numerator) < 2**53
+        return Bounded(value, None if power_of_two else self._scaled(value))
+
+    def pi(self) -> Bounded:
+        return Bounded(self.plain.pi(), self._scaled(self.plain.pi()))
+
+    def add(self, x: Bounded, y: Bounded) -> Bounded:
+        value = self.plain.add(x.value, y.value)
+        return Bounded(value, self._sum(x.error, y.error, self._scaled(value)))
+
+    def sub(self, x: Bounded, y: Bounded) -> Bounded:
+        value = self.plain.sub(x.value, y.value)
+        return Bounded(value, self._sum(x.error, y.error, self._scaled(value)))
+
+    def mul(self, x: Bounded, y: Bounded) -> Bounded:
+        value = self.plain.mul(x.value, y.value)
+        return Bounded(
+            value, self._sum(self._part(y.value, x.error), self._part(x.value, y.error), self._scaled(value))
+        )
+
+    def div(self, x: Bounded, y: Bounded) -> Bounded:
+        value = self.plain.div(x.value, y.value)
+        passed = self._sum(x.error, self._part(value, y.error))
+        if passed is not None:
+            passed = self.plain.div(passed, self.plain.unary("abs", y.value))
+        return Bounded(value, self._sum(passed, self._scaled(value)))
+
+    def power(self, x: Bounded, n: int) -> Bounded:
+        a = self.plain
+        value = a.power(x.value, n)
+        slope = a.mul(a.rational(n, 1), a.power(x.value, n - 1)) if n != 1 else a.rational(1, 1)
+        return Bounded(value, self._sum(self._part(slope, x.error), self._scaled(value, abs(n))))
+
+    def unary(self, name: str, x: Bounded) -> Bounded:
+        value = self.plain.unary(name, x.value)
+        if name == "neg" or name == "abs":
+            return Bounded(value, x.error)
+        if name == "sqrt":
+            passed = None if x.error is None else self.plain.div(x.error, value)
+            return Bounded(value, self._sum(passed, self._scaled(value)))
+        passed = None if x.error is None else self._part(self._slope(name, x.value, value), x.error)
+        return Bounded(value, self._sum(passed, self._scaled(value, self.own)))
+
+    def _slope(self, name: str, x: Any, f: Any) -> Any:
+        """A bound on the derivative at x, where the function is f."""
+        a = self.plain
+        one = a.rational(1, 1)
+        match name:
+            case "exp" | "cosh":
+                return f
+            case "sin" | "cos" | "tanh" | "asinh" | "atan":
+                return one
+            case "sinh":
+                return a.add(one, a.unary("abs", f))
+            case "log":
+                return a.div(one, x)
+            case "tan":
+                return a.add(one, a.power(f, 2))
+            case "atanh":
+                return a.div(one, a.sub(one, a.power(x, 2)))
+            case "acosh":
+                return a.div(one, a.unary("sqrt", a.sub(a.power(x, 2), one)))
+            case _:
+                return a.div(one, a.unary("sqrt", a.sub(one, a.power(x, 2))))
