@@ -57,6 +57,11 @@ class Columns:
         columns: Mapping[str, Any] = getattr(self, quantity)
         return columns
 
+    def take(self, index: Any) -> Columns:
+        """Return some of the orbits."""
+        groups = {q: {name: v[index] for name, v in self.group(q).items()} for q in QUANTITIES}
+        return Columns(**groups, error={k: v[index] for k, v in self.error.items()}, status=self.status[index])
+
 
 def blank(names: Mapping[str, tuple[str, ...]], count: int) -> Columns:
     """Return columns full of NaN, all orbits for the single-orbit engine.

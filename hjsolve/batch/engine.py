@@ -10,7 +10,7 @@ import numpy as np
 
 from hjsolve.batch.columns import QUANTITIES, Columns, Status, blank
 from hjsolve.batch.model import Model, read
-from hjsolve.batch.passes import run_pass
+from hjsolve.batch.passes import TOLERANCE, run_pass, worst
 from hjsolve.errors import InvalidInputError
 from hjsolve.initial import parameter_values
 from hjsolve.solution import Solution
@@ -18,8 +18,11 @@ from hjsolve.solution import Solution
 CHUNK = 4096
 """Orbits worked on together: their temporaries stay in the cache."""
 
-FAST = 2e-13
-"""Largest relative error with which the first pass, in doubles, lets an orbit go."""
+FAST = 2e-12
+"""Largest claimed relative error with which the first pass, in doubles, lets an orbit go; the true one is far less."""
+
+GOOD = 1e-11
+"""The same for the second pass; above it the third one tries."""
 
 
 @dataclass(frozen=True)
@@ -42,7 +45,8 @@ class Engine:
         """Compute what is wanted for many orbits.
 
         A first pass works in doubles with plain anomalies. Orbits whose errors come out too large go through a second
-        one, with 32-digit constants, slopes for small amplitudes, and stretched anomalies (``passes``).
+        one, with 32-digit constants, slopes for small amplitudes, and stretched anomalies, and if that is not enough
+        (a separatrix) through a third one with 32-digit radicands.
 
         Args:
             q, p: every coordinate → positions and canonical momenta, float64 arrays of shape (n,).
@@ -57,16 +61,23 @@ class Engine:
         columns = blank(self.names, count)
         if not self.model.separated:
             return columns
-        names = dict(self.names)
-        for first in range(0, count, CHUNK):
-            index = np.arange(first, min(first + CHUNK, count))
-            part = run_pass(self.model, names, places[:, index], momenta[:, index], precise=False, tolerance=FAST)
-            _put(columns, index, part)
-        index = np.flatnonzero(columns.status != Status.OK)
-        for first in range(0, len(index), CHUNK):
-            left = index[first : first + CHUNK]
-            _put(columns, left, run_pass(self.model, names, places[:, left], momenta[:, left], precise=True))
+        everything = np.arange(count)
+        self._deeper(columns, everything, places, momenta, 0)
+        self._deeper(columns, everything[columns.status != Status.OK], places, momenta, 1)
+        rough = (columns.status != Status.OK) | (worst(columns) > GOOD)
+        self._deeper(columns, everything[rough], places, momenta, 2)
         return columns
+
+    def _deeper(self, columns: Columns, orbits: Any, q: Any, p: Any, depth: int) -> None:
+        """Run a pass over some orbits, and keep what it makes good."""
+        size, tolerance = (CHUNK, FAST) if not depth else (CHUNK // 4, TOLERANCE)
+        for first in range(0, len(orbits), size):
+            index = orbits[first : first + size]
+            part = run_pass(self.model, dict(self.names), q[:, index], p[:, index], depth=depth, tolerance=tolerance)
+            if depth == 2:
+                better = (part.status == Status.OK) | (columns.status[index] != Status.OK)
+                index, part = index[better], part.take(better)
+            _put(columns, index, part)
 
 
 def _put(columns: Columns, index: Any, part: Columns) -> None:

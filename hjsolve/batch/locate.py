@@ -13,13 +13,14 @@ from hjsolve.batch.nodes import MOST
 from hjsolve.batch.quadrature import Region
 from hjsolve.batch.roots import bracket, first_step, kept, refine
 from hjsolve.batch.start import Begin, slope
-from hjsolve.batch.views import Knowns, Near, Raw, View, second_slope
-from hjsolve.numeric.doubled import Pair, two_sum
+from hjsolve.batch.views import Fine, Knowns, Near, Raw, View, second_slope
+from hjsolve.numeric.doubled import Doubled, Pair, two_sum
 from hjsolve.numeric.slopes import FUNCTIONS
 
 _SMALL = 3e-14
 _NEAR = 3.0
 _FAR = 0.5
+_WARPED = 5
 _GRID = 32
 _ARITHMETIC = frozenset({"add", "sub", "mul", "div", "power", "rational", "pi"})
 
@@ -43,41 +44,68 @@ class Found:
         return Found(self.index[index], self.region.take(index), self.status[index], self.rest[index])
 
 
-def locate(model: Model, coordinate: Separated, start: Begin, k: int) -> list[Found]:
+@dataclass(frozen=True)
+class Group:
+    """Some orbits of one coordinate.
+
+    Attributes:
+        coordinate: which. index: which orbits.
+        knowns, pairs, numbers: constants and parameters, in doubles and in two doubles.
+        q, P, first, bend: the start, F′ and ½F″ there.
+        depth: 0 in doubles; 1 with small amplitudes seen from the start and poles from their place; 2 with 32 digits.
+    """
+
+    coordinate: Separated
+    index: Any
+    knowns: Knowns
+    pairs: tuple[Pair, ...]
+    numbers: tuple[Pair, ...]
+    q: Any
+    P: Any
+    first: Any
+    bend: Any
+    depth: int
+
+    def take(self, index: Any) -> Group:
+        """Return some of them."""
+        arrays = {name: getattr(self, name)[index] for name in ("index", "q", "P", "first", "bend")}
+        pairs = tuple(Pair(c.high[index], c.low[index]) for c in self.pairs)
+        return replace(self, knowns=self.knowns.take(index), pairs=pairs, **arrays)
+
+
+def locate(model: Model, coordinate: Separated, start: Begin, k: int, depth: int) -> list[Found]:
     """Find where one coordinate moves.
 
     Args:
         model: of the system.
         coordinate: the k-th separated one.
-        start: of n orbits; with ``pairs`` small amplitudes are seen from the start and poles from their place.
+        start: of n orbits.
         k: row of the coordinate.
+        depth: see ``Group``.
     """
     q, P = start.q[k], start.P[k]
     with np.errstate(all="ignore"):
         raw = Raw(coordinate.plain, start.knowns)
         _, first, second = raw.jet(q)
-        bend = 0.5 * second
-        noise = raw.errors(q, kernels=False)[0]
-        crest = P * P + np.where(bend < 0, first * first / (-4 * bend), np.inf)
-        small = noise > _SMALL * crest
-        found = []
-        if start.pairs is not None and _has_slopes(coordinate.plain):
-            index = np.flatnonzero(small)
-            if len(index):
-                pairs = tuple(Pair(c.high[index], c.low[index]) for c in start.pairs)
-                exact = slope(coordinate.plain, pairs, model.numbers, q[index])
-                near = _near(coordinate, start.knowns.take(index), q[index], P[index], exact, index)
-                small[index[near.status == Status.UNBOUNDED]] = False
+        everything = np.arange(len(q))
+        pairs = start.pairs or ()
+        group = Group(
+            coordinate, everything, start.knowns, pairs, model.numbers, q, P, first, 0.5 * second, depth
+        )  # fmt: skip
+        found, left = [], np.ones(len(q), dtype=bool)
+        if depth and _has_slopes(coordinate.plain):
+            noise = raw.errors(q, kernels=False)[0]
+            crest = P * P + np.where(second < 0, first * first / (-2 * second), np.inf)
+            small = np.flatnonzero(noise > _SMALL * crest)
+            if len(small):
+                near = _near(group.take(small))
                 inside = np.flatnonzero(near.status != Status.UNBOUNDED)
+                left[small[inside]] = False
                 if len(inside):
                     found.append(near.take(inside))
-            small = ~small
-        else:
-            small = np.ones(len(q), dtype=bool)
-        index = np.flatnonzero(small)
-        if len(index):
-            parts = start.knowns.take(index), q[index], P[index], first[index], bend[index]
-            found += _wide(coordinate, *parts, index, ends=start.pairs is not None)
+        rest = np.flatnonzero(left)
+        if len(rest):
+            found += _wide(group.take(rest))
     return found
 
 
@@ -85,8 +113,10 @@ def _has_slopes(formula: Formula) -> bool:
     return {operation.code for operation in formula.squared.operations} <= FUNCTIONS | _ARITHMETIC
 
 
-def _near(coordinate: Separated, knowns: Knowns, q: Any, P: Any, first: Any, index: Any) -> Found:
+def _near(group: Group) -> Found:
     """Small motions about a deep maximum of p²."""
+    coordinate, knowns, q, P = group.coordinate, group.knowns, group.q, group.P
+    first = slope(coordinate.plain, group.pairs, group.numbers, q)
     bend, doubt = second_slope(coordinate.plain, knowns, q)
     view = Near(coordinate.plain, knowns, q, P, first, doubt)
     zero = np.zeros_like(q)
@@ -96,13 +126,15 @@ def _near(coordinate: Separated, knowns: Knowns, q: Any, P: Any, first: Any, ind
         for side, formula in ((-1, coordinate.lower), (1, coordinate.upper))
     ]
     size = np.minimum(np.abs(q) + 1.0, np.minimum(-floors[0], floors[1]))
-    ends = [_end(view, zero, P, side * first, bend, side, size, floor) for side, floor in zip((-1, 1), floors, strict=True)]
+    ends = [
+        _end(view, zero, P, side * first, bend, side, size, floor) for side, floor in zip((-1, 1), floors, strict=True)
+    ]
     far = (ends[0] < _FAR * floors[0]) | (ends[1] > _FAR * floors[1])
     ends[0] = np.where(far, np.nan, ends[0])
-    region = _region(coordinate, view, view, ends[0], ends[1], P, -ends[0], ends[1])
+    region = _region(view, view, ends[0], ends[1], P, -ends[0], ends[1])
     status = np.where(np.isfinite(region.width) & (region.width > 0), Status.OK, Status.UNBOUNDED)
     status = np.where(rest, np.where(bend < 0, Status.OK, Status.EQUILIBRIUM), status)
-    return Found(index, region, status.astype(np.uint8), rest & (bend < 0))
+    return Found(group.index, region, status.astype(np.uint8), rest & (bend < 0))
 
 
 def _end(
@@ -136,36 +168,32 @@ def _end(
     return refine(value, inner, outer, below)
 
 
-def _wide(
-    coordinate: Separated, knowns: Knowns, q: Any, P: Any, first: Any, bend: Any, index: Any, *, ends: bool
-) -> list[Found]:
+def _wide(group: Group) -> list[Found]:
     """Motions whose amplitude is not small: rotations first, then librations."""
-    if not coordinate.periodic:
-        return [_libration(coordinate, knowns, q, P, first, bend, index, ends=ends)]
-    raw = Raw(coordinate.plain, knowns)
+    if not group.coordinate.periodic:
+        return [_libration(group)]
+    raw = Raw(group.coordinate.plain, group.knowns)
     grid = np.pi * (1 + 2 * np.arange(_GRID) / _GRID)
-    values = raw.value(grid + np.zeros((len(q), 1)))
-    round_ = (values > 0).all(axis=1)
+    values = raw.value(grid + np.zeros((len(group.q), 1)))
+    going = (values > 0).all(axis=1)
     found = []
-    turning, going = np.flatnonzero(~round_), np.flatnonzero(round_)
-    if len(turning):
-        parts = (v[turning] for v in (q, P, first, bend, index))
-        found.append(_libration(coordinate, knowns.take(turning), *parts, ends=False))
-    if len(going):
-        found.append(_rotation(coordinate, knowns.take(going), q[going], P[going], values[going], grid, index[going]))
+    if not going.all():
+        found.append(_libration(group.take(np.flatnonzero(~going))))
+    if going.any():
+        found.append(_rotation(group.take(np.flatnonzero(going)), values[going], grid))
     return found
 
 
-def _libration(
-    coordinate: Separated, knowns: Knowns, q: Any, P: Any, first: Any, bend: Any, index: Any, *, ends: bool
-) -> Found:
+def _libration(group: Group) -> Found:
+    coordinate, knowns, q, P = group.coordinate, group.knowns, group.q, group.P
+    first, bend = group.first, group.bend
     seen: list[tuple[View, Any, Any, Any]] = []
     plain = Raw(coordinate.plain, knowns)
     scale = np.sqrt(np.abs(P * P / bend))
     length = np.where(q != 0, np.abs(q), np.where(np.isfinite(scale) & (scale > 0), scale, 1.0))
     outside = np.zeros(len(q), dtype=bool)
     for side, formula in ((-1, coordinate.lower), (1, coordinate.upper)):
-        view = plain if formula is None or not ends else Raw(formula, knowns)
+        view = plain if formula is None or not group.depth else Raw(formula, knowns)
         start = _offset(view.formula, q)
         distance = np.inf if formula is None else _offset(formula, q)
         outside |= distance <= 0
@@ -176,32 +204,49 @@ def _libration(
         end = _end(view, start, P, side * first, bend, step_side, size, floor, reach)
         seen.append((view, start, end, step_side * (end - start)))
     (below, _, lower, left), (above, _, upper, right) = seen
-    region = _region(coordinate, below, above, lower, upper, P, left, right)
-    if ends:
+    region = _region(below, above, lower, upper, P, left, right)
+    if group.depth > 1:
+        region = _fine(group, region)
+    if group.depth:
         region = _stretched(region)
     status = np.where(np.isfinite(region.width) & (region.width > 0), Status.OK, Status.UNBOUNDED)
     status = np.where(outside | ~np.isfinite(P), Status.FORBIDDEN, status)
-    return Found(index, region, status.astype(np.uint8), np.zeros(len(q), dtype=bool))
+    return Found(group.index, region, status.astype(np.uint8), np.zeros(len(q), dtype=bool))
+
+
+def _fine(group: Group, region: Region) -> Region:
+    """The same region with its turning points, and F, to 32 digits."""
+    arithmetic, seen = Doubled(), []
+    for view, x in ((region.below, region.lower), (region.above, region.upper)):
+        assert isinstance(view, Raw)
+        base = Pair(x, 0.0 * x)
+        for _ in range(5):
+            value, slope_, _ = Fine(view, group.pairs, group.numbers, base).jet(0.0 * x)
+            base = arithmetic.sub(base, Pair(value / slope_, 0.0 * x))
+        s, e = two_sum(group.q, -view.formula.origin.high)
+        here = Pair(view.sign * s, view.sign * (e - view.formula.origin.low))
+        seen.append((Fine(view, group.pairs, group.numbers, base), view.sign * arithmetic.sub(here, base).high))
+    (below, left), (above, right) = seen
+    zero = np.zeros_like(group.q)
+    return _region(below, above, zero, zero, group.P, left, -right)
 
 
 def _offset(formula: Formula, q: Any) -> Any:
-    """x of a position: (q − origin)·sign with one rounding."""
+    """Return x of a position: (q − origin)·sign with one rounding."""
     s, e = two_sum(q, -formula.origin.high)
     return formula.sign * (s + (e - formula.origin.low))
 
 
-def _region(
-    coordinate: Separated, below: View, above: View, lower: Any, upper: Any, P: Any, left: Any, right: Any
-) -> Region:
-    zero = np.zeros_like(P)
-    return Region(below, above, lower, upper, left + right, zero, zero, np.zeros(len(P), dtype=int), P, left, right)
+def _region(below: View, above: View, lower: Any, upper: Any, P: Any, left: Any, right: Any) -> Region:
+    zero, none = np.zeros_like(P), np.zeros(len(P), dtype=int)
+    return Region(below, above, lower, upper, left + right, zero, zero, none, none, P, left, right)
 
 
 def _stretched(region: Region) -> Region:
     """Choose the anomaly: W·|S′/S| at an end is W over the distance of the zero or pole next to it."""
     nearby = []
     for view, x, side in ((region.below, region.lower, 1), (region.above, region.upper, -1)):
-        assert isinstance(view, Raw)
+        assert not isinstance(view, Near)
         _, first, second = view.jet(x)
         inward = side * view.sign * first
         ρ = np.abs(region.width * second / (2 * inward) + 1)
@@ -211,14 +256,15 @@ def _stretched(region: Region) -> Region:
     level = np.clip(level, 0, MOST).astype(int)
     goal = 4.0**level
     d, c = np.where(d >= c, goal / (1 + c) - 1, d), np.where(d >= c, c, goal / (1 + d) - 1)
-    return replace(region, near_lower=d, near_upper=c, level=level)
+    where = np.log1p(d) / np.log((1 + d) * (1 + c))
+    warp = np.where(level >= _WARPED, 1 + np.rint(4 * np.nan_to_num(where)), 0).astype(int)
+    return replace(region, near_lower=d, near_upper=c, level=level, warp=warp)
 
 
-def _rotation(
-    coordinate: Separated, knowns: Knowns, q: Any, P: Any, values: Any, grid: Any, index: Any
-) -> Found:
+def _rotation(group: Group, values: Any, grid: Any) -> Found:
     """The slow place: the first least value on a grid, improved by Newton's method on F′."""
-    raw = Raw(coordinate.plain, knowns)
+    q, P = group.q, group.P
+    raw: Raw | Fine = Raw(group.coordinate.plain, group.knowns)
     least = values.min(axis=1, keepdims=True)
     slow = grid[np.argmax(values <= least + 1e-9 * np.abs(values).max(axis=1, keepdims=True), axis=1)]
     going = np.ones(len(q), dtype=bool)
@@ -227,17 +273,21 @@ def _rotation(
         step = first / second
         going &= (second > 0) & (np.abs(step) < 0.2)
         slow = np.where(going, slow - step, slow)
+    left = q - slow
+    if group.depth > 1:
+        assert isinstance(raw, Raw)
+        raw = Fine(raw, group.pairs, group.numbers, Pair(slow, 0.0 * slow))
+        slow = 0.0 * slow
     value, _, second = raw.jet(slow)
     gap = np.sqrt(2 * value / second)
     complement = np.where(going & np.isfinite(gap), (gap / 2) ** 2 / (1 + (gap / 2) ** 2), 1.0)
     level = np.where(complement < 0.125, np.rint(-np.log2(complement) / 2), 0)
     zero = np.zeros_like(q)
     region = Region(
-        raw, raw, slow, slow, zero + 2 * np.pi, zero, zero, np.clip(level, 0, MOST).astype(int), P, q - slow, zero,
+        raw, raw, slow, slow, zero + 2 * np.pi, zero, zero, np.clip(level, 0, MOST).astype(int),
+        np.zeros(len(q), dtype=int), P, left, zero,
         turning=False,
     )  # fmt: skip
-    good = np.isfinite(P) & (P != 0) & (not coordinate.shifted)
+    good = np.isfinite(P) & (P != 0) & (not group.coordinate.shifted)
     status = np.where(good, Status.OK, Status.EXACT).astype(np.uint8)
-    return Found(index, region, status, np.zeros(len(q), dtype=bool))
-
-
+    return Found(group.index, region, status, np.zeros(len(q), dtype=bool))

@@ -1,7 +1,14 @@
 """Tables of nodes: places of equally spaced anomalies, made once for a number of nodes and a modulus.
 
-The anomalies are those of ``numeric/anomaly.py``, over w = sn²(u | k²), χ = π u/K. Where a zero or pole of p² lies does
-not enter an integral, only its rate of convergence; so k′² is taken from the powers of 4, and the tables serve all orbits.
+The anomalies are those of ``numeric/anomaly.py``, over w = sn²(u | k²). Where a zero or pole of p² lies does not enter
+an integral, only its rate of convergence; so k′² is taken from the powers of 4, and the tables serve all orbits.
+
+When k′² is small, u grows like the logarithm of the distance from an end that has a pole next to it, and all else that
+p² does happens within a small part of the period. So the nodes are drawn together there:
+
+    u = K/π (χ + γ₁ sin χ + ½ γ₂ sin 2χ)
+
+keeps the symmetries of χ = 0 and π, with γ such that du/dχ is least at χ = 0, π/4, π/2, 3π/4 or π (``WARPS``).
 """
 
 from __future__ import annotations
@@ -21,6 +28,9 @@ COUNTS = (12, 16, 20, 24, 32, 40, 48, 64, 80, 96, 128, 160, 192, 256, 320, 384)
 MOST = 44
 """Least k′² in use: 4^−MOST."""
 
+WARPS = ((0.0, 0.0), (-0.7, 0.0), (-0.495, 0.175), (0.0, 0.7), (0.495, 0.175), (0.7, 0.0))
+"""γ₁, γ₂: none, then crowded at χ = 0, π/4, π/2, 3π/4, π."""
+
 
 @dataclass(frozen=True, eq=False)
 class Nodes:
@@ -29,7 +39,7 @@ class Nodes:
     Attributes:
         χ: anomalies.
         low, high: sn² and cn²; for a rotation the angle 2 am − π and dn.
-        complement, quarter: k′² and K.
+        complement, quarter: k′² and K. pace: π/K du/dχ. warp: γ₁, γ₂.
         cosines, sines: cos kχ and sin kχ, shape (terms, count), k = 1, 2, …
         last: rows of the series that tell whether the nodes suffice; middle: rows half way.
     """
@@ -39,6 +49,8 @@ class Nodes:
     high: Any
     complement: float
     quarter: float
+    pace: Any
+    warp: tuple[float, float]
     cosines: Any
     sines: Any
     last: slice
@@ -46,16 +58,18 @@ class Nodes:
 
 
 @cache
-def libration(count: int, level: int) -> Nodes:
+def libration(count: int, level: int, warp: int = 0) -> Nodes:
     """Return the nodes of half a period between turning points; k′² = 4^−level."""
     χ = (np.arange(count) + 0.5) * np.pi / count
-    complement, quarter, sn, cn, _ = _functions(χ, level)
+    γ, δ = WARPS[warp]
+    complement, quarter, sn, cn, _ = _functions(χ + γ * np.sin(χ) + 0.5 * δ * np.sin(2 * χ), level)
+    pace = 1 + γ * np.cos(χ) + δ * np.cos(2 * χ)
     terms = np.arange(1, count)[:, None]
     exact = (terms * (2 * np.arange(count) + 1)) % (4 * count)
     angle = exact * (np.pi / (2 * count))
     return Nodes(
-        χ, sn**2, cn**2, complement, quarter, np.cos(angle), np.sin(angle), slice(-3, None),
-        slice(count // 2 - 2, count // 2 + 1),
+        χ, sn**2, cn**2, complement, quarter, pace, WARPS[warp], np.cos(angle), np.sin(angle), slice(-5, None),
+        slice(count // 2 - 4, count // 2 + 1),
     )  # fmt: skip
 
 
@@ -70,7 +84,7 @@ def rotation(count: int, level: int) -> Nodes:
     amplitude = np.mod(np.arctan2(sn, cn), 2 * np.pi)
     half = count // 2
     return Nodes(
-        χ, 2 * amplitude - np.pi, dn, complement, quarter, np.cos(angle), np.sin(angle), slice(-2, None),
+        χ, 2 * amplitude - np.pi, dn, complement, quarter, 1.0, WARPS[0], np.cos(angle), np.sin(angle), slice(-3, None),
         slice(half // 2 - 2, half // 2 + 1),
     )  # fmt: skip
 

@@ -12,7 +12,7 @@ from hjsolve.batch.model import Model, Separated
 from hjsolve.batch.quadrature import Sums, empty, integrate
 from hjsolve.batch.start import Begin, begin
 from hjsolve.batch.torus import assemble
-from hjsolve.batch.views import Raw
+from hjsolve.batch.views import Near, second_slope
 
 _EPS = 2.0**-52
 TOLERANCE = 1e-10
@@ -22,7 +22,7 @@ TIMED = frozenset({"frequencies", "periods", "angles"})
 
 
 def run_pass(
-    model: Model, names: dict[str, tuple[str, ...]], q: Any, p: Any, *, precise: bool, tolerance: float = TOLERANCE
+    model: Model, names: dict[str, tuple[str, ...]], q: Any, p: Any, *, depth: int, tolerance: float = TOLERANCE
 ) -> Columns:
     """Compute everything for some orbits.
 
@@ -30,21 +30,24 @@ def run_pass(
         model: of the system.
         names: quantity → columns wanted.
         q, p: all coordinates, shape (coordinates, n).
-        precise: with 32-digit constants, slopes and stretched anomalies.
+        depth: 0 in doubles; 1 with 32-digit constants, slopes for small amplitudes, stretched anomalies; 2 with p² to
+            32 digits.
         tolerance: largest claimed error of an orbit that is ``OK``.
     """
     count = q.shape[1]
     columns = blank(names, count)
-    start = begin(model, q, p, precise=precise)
+    start = begin(model, q, p, precise=depth > 0)
     kernels, ripples = bool(TIMED & names.keys()), "angles" in names
     status = np.full(count, Status.OK, dtype=np.uint8)
     sums: list[Sums] = []
     directions = np.ones((len(model.separated), count))
     for k, coordinate in enumerate(model.separated):
         total = empty(len(model.constants), count)
-        for found in locate(model, coordinate, start, k):
+        for found in locate(model, coordinate, start, k, depth):
             _integrated(total, found, len(model.constants), kernels=kernels, ripples=ripples)
-            fresh = np.where(found.status == Status.OK, np.where(total.good[found.index], 0, Status.NOT_CONVERGED), found.status)
+            fresh = np.where(
+                found.status == Status.OK, np.where(total.good[found.index], 0, Status.NOT_CONVERGED), found.status
+            )
             status[found.index] = np.where(status[found.index] == Status.OK, fresh, status[found.index])
             if not found.region.turning:
                 directions[k, found.index] = np.sign(start.P[k, found.index])
@@ -75,8 +78,6 @@ def _integrated(total: Sums, found: Found, constants: int, *, kernels: bool, rip
 
 def _resting(found: Found, index: Any, constants: int) -> Sums:
     """A stable double zero of p²: J = 0 and ∂J/∂cⱼ = kⱼ/√(−½F″), the limit of a vanishing libration."""
-    from hjsolve.batch.views import Near, second_slope
-
     view = found.region.below.take(index)
     assert isinstance(view, Near)
     bend, doubt = second_slope(view.formula, view.knowns, view.start)
@@ -86,7 +87,9 @@ def _resting(found: Found, index: Any, constants: int) -> Sums:
     root = np.sqrt(-bend)
     sums = empty(constants, len(index))
     sums.means[:] = np.stack([w / root for w in rows])
-    sums.mean_errors[:] = np.stack([e / root + np.abs(w / root) * doubt / -bend for w, e in zip(rows, errors, strict=True)])
+    sums.mean_errors[:] = np.stack(
+        [e / root + np.abs(w / root) * doubt / -bend for w, e in zip(rows, errors, strict=True)]
+    )
     sums.speeds[:] = sums.means
     for part in (sums.action, sums.action_error, sums.ripples, sums.ripple_errors, sums.phase, sums.phase_error):
         part[...] = 0.0
@@ -108,7 +111,7 @@ def _actions(
         _fill(columns, "actions", coordinate.name, directions[k] * sums[k].action, sums[k].action_error)
     for name in model.angles:
         value = start.momenta[model.names.index(name)]
-        columns.actions[name][:], columns.error[f"actions.{name}"][:] = value, 0.0  # type: ignore[index]
+        columns.actions[name][:], columns.error[f"actions.{name}"][:] = value, 0.0
 
 
 def _timed(
@@ -133,12 +136,12 @@ def _ends(columns: Columns, coordinate: Separated, found: Found) -> None:
         return
     for side, view, x in (("lower", region.below, region.lower), ("upper", region.above, region.upper)):
         with np.errstate(all="ignore"):
-            slope = np.abs(view.jet(x)[1]) if isinstance(view, Raw) else _slope(view, region)
+            slope = np.abs(view.jet(x)[1]) if not isinstance(view, Near) else _slope(view, region)
             error = view.errors(x, kernels=False)[0] / slope + _EPS * np.abs(x)
             place = view.place(x)
         name = f"{coordinate.name}.{side}"
         error = np.where(found.rest, 0.0, error) + _EPS * np.abs(place)
-        columns.turning_points[name][found.index] = place  # type: ignore[index]
+        columns.turning_points[name][found.index] = place
         columns.error[f"turning_points.{name}"][found.index] = error
 
 
@@ -148,24 +151,26 @@ def _slope(view: Any, region: Any) -> Any:
     return 0.5 * view.value(middle) / (0.25 * region.width)
 
 
-def _settle(columns: Columns, status: Any, tolerance: float) -> None:
-    """Keep the orbits whose errors are small enough; NaN for the others."""
-    worst = np.zeros(len(status))
+def worst(columns: Columns) -> Any:
+    """Return the largest claimed error of every orbit: relative, absolute for angles; NaN where a value is none."""
+    largest = np.zeros(len(columns.status))
     for key, error in columns.error.items():
         quantity, name = key.split(".", 1)
         if quantity in {"actions", "frequencies", "periods", "angles"}:
             value = columns.group(quantity)[name]
-            scale = np.ones(len(status)) if quantity == "angles" else np.abs(value)
+            scale = np.ones(len(value)) if quantity == "angles" else np.abs(value)
             with np.errstate(all="ignore"):
-                relative = np.where(error == 0, 0.0, error / scale)
-            worst = np.fmax(worst, relative)
-            status[(status == Status.OK) & ~np.isfinite(value)] = Status.EXACT
-    status[(status == Status.OK) & ~(worst <= tolerance)] = Status.EXACT
+                relative = np.where((error == 0) & np.isfinite(value), 0.0, error / scale)
+            largest = np.maximum(largest, relative)
+    return largest
+
+
+def _settle(columns: Columns, status: Any, tolerance: float) -> None:
+    """Keep the orbits whose errors are small enough; NaN for the others."""
+    status[(status == Status.OK) & ~(worst(columns) <= tolerance)] = Status.EXACT
     columns.status[:] = status
     lost = status != Status.OK
     for key, error in columns.error.items():
         quantity, name = key.split(".", 1)
         error[lost] = np.nan
         columns.group(quantity)[name][lost] = np.nan
-
-

@@ -33,13 +33,13 @@ def librating(region: Region, table: Nodes, ratio: Any, shake: Any) -> tuple[Any
     d = region.near_lower if table.complement < 1 else 0.0 * x
     amplitude = np.arctan2(np.sqrt(np.maximum(x * (1 + d), 0)), np.sqrt(np.maximum(y, 0)))
     phase = _anomaly(amplitude, table)
-    slope = 1.0 if table.complement == 1.0 else np.pi / (table.quarter * np.sqrt(table.complement))
+    slope = 1.0 if table.complement == 1.0 else np.pi / (table.quarter * np.sqrt(table.complement) * np.min(table.pace))
     doubt = slope * (shake + 4 * _EPS) / np.sqrt(np.maximum(x * y, _CLOSE / 2)) + 4 * _EPS * np.pi
     return np.where(region.momentum < 0, -phase, phase), 2 * doubt
 
 
 def _from_momentum(region: Region, table: Nodes, ratio: Any, part: Any, x: Any, y: Any) -> tuple[Any, Any]:
-    """x = (q₀ − a)/W and y = 1 − x near an end, from P₀² = W² x y S(q₀)."""
+    """Return x = (q₀ − a)/W and y = 1 − x near an end, from P₀² = W² x y S(q₀)."""
     W, P = region.width[part], region.momentum[part]
     d, c = (region.near_lower[part], region.near_upper[part]) if table.complement < 1 else (0.0, 0.0)
     amplitude = np.arctan2(np.sqrt(np.maximum(x * (1 + d), 0)), np.sqrt(np.maximum(y, 0)))
@@ -47,7 +47,8 @@ def _from_momentum(region: Region, table: Nodes, ratio: Any, part: Any, x: Any, 
     terms = np.arange(1, len(table.cosines) + 1)
     weights = (1 + 2 * np.cos(terms * χ[:, None]) @ table.cosines) / len(table.χ)
     r = np.einsum("nj,nj->n", ratio[part], weights)
-    square = (2 * table.quarter / np.pi) ** 2 * table.complement if table.complement < 1 else 1.0
+    pace = 1 + table.warp[0] * np.cos(χ) + table.warp[1] * np.cos(2 * χ)
+    square = (2 * table.quarter / np.pi * pace) ** 2 * table.complement if table.complement < 1 else 1.0
     stretch = square * (1 + c * y) * (1 + d * x)
     small = (P * r / W) ** 2 / stretch / np.maximum(x, y)
     lower = x < y
@@ -78,4 +79,20 @@ def _anomaly(amplitude: Any, table: Nodes) -> Any:
     Z = -X - Y
     e2, e3 = X * Y - Z * Z, X * Y * Z
     R = (1 - e2 / 10 + e3 / 14 + e2 * e2 / 24 - 3 * e2 * e3 / 44) / np.sqrt(A)
-    return np.pi * s * R / table.quarter
+    goal = np.pi * s * R / table.quarter
+    return goal if table.warp == (0.0, 0.0) else _unwarped(goal, *table.warp)
+
+
+def _unwarped(goal: Any, γ: float, δ: float) -> Any:
+    """Solve χ + γ sin χ + ½ δ sin 2χ = goal, 0 ≤ goal ≤ π, by Newton's method inside a bracket."""
+    low, high = np.zeros_like(goal), np.full_like(goal, np.pi)
+    χ = goal.copy()
+    for _ in range(60):
+        f = χ + γ * np.sin(χ) + 0.5 * δ * np.sin(2 * χ) - goal
+        low, high = np.where(f <= 0, χ, low), np.where(f >= 0, χ, high)
+        new = χ - f / (1 + γ * np.cos(χ) + δ * np.cos(2 * χ))
+        new = np.where((new >= low) & (new <= high), new, (low + high) / 2)
+        if np.all(np.abs(new - χ) <= 4 * _EPS * np.abs(new)):
+            return new
+        χ = new
+    return χ

@@ -1,10 +1,10 @@
-"""Integrals over one cycle of one coordinate for many orbits: the midpoint rule in the anomaly, as in ``numeric/anomaly``.
+"""Integrals over one cycle of one coordinate for many orbits: the midpoint rule in the anomaly.
 
 With F = (q − a)(b − q) S and the anomaly χ, the integrands are F·r for the action and kⱼ·r for ∂J/∂cⱼ, where
-r = |dq/dχ|/√F = stretch/√S is regular. Coefficients of an analytic function fall geometrically, so the last ones of the
-discrete cosine series tell the error: of the running integral as they are; of the mean, which aliases at twice the number
-of nodes, squared (Trefethen & Weideman, SIAM Review 56 (2014) 385, §3). A region that holds a place with p² < 0, or a
-kink, does not converge and is refused.
+r = |dq/dχ|/√F = stretch/√S is regular. Coefficients of an analytic function fall geometrically, so the last ones of
+the discrete cosine series tell the error: of the running integral as they are; of the mean, which aliases at twice the
+number of nodes, nearly squared (Trefethen & Weideman, SIAM Review 56 (2014) 385, §3). A region that holds a place with
+p² < 0, or a kink, does not converge and is refused.
 """
 
 from __future__ import annotations
@@ -33,6 +33,7 @@ class Region:
         lower, upper: offsets of the turning points in those views; for a rotation ``lower`` is the slow place.
         width: b − a.
         near_lower, near_upper, level: ρ_d, ρ_c and the modulus 4^−level (int array); see ``numeric/anomaly``.
+        warp: which of ``nodes.WARPS`` (int array).
         momentum: P₀ (signed). left, right: q₀ − a and b − q₀; for a rotation ``left`` is q₀ less the slow place.
         turning: False for rotations.
     """
@@ -45,6 +46,7 @@ class Region:
     near_lower: Any
     near_upper: Any
     level: Any
+    warp: Any
     momentum: Any
     left: Any
     right: Any
@@ -52,7 +54,7 @@ class Region:
 
     def take(self, index: Any) -> Region:
         """Return the region of some of the orbits."""
-        arrays = ("lower", "upper", "width", "near_lower", "near_upper", "level", "momentum", "left", "right")
+        arrays = ("lower", "upper", "width", "near_lower", "near_upper", "level", "warp", "momentum", "left", "right")
         below = self.below.take(index)
         above = below if self.above is self.below else self.above.take(index)
         return Region(
@@ -108,7 +110,6 @@ def integrate(region: Region, constants: int, *, kernels: bool, ripples: bool, f
     count = len(region.width)
     sums = empty(constants, count)
     needed = np.full(count, float(first))
-    level = region.level
     while True:
         size = np.zeros(count, dtype=int)
         for c in tables.COUNTS[::-1]:
@@ -117,19 +118,23 @@ def integrate(region: Region, constants: int, *, kernels: bool, ripples: bool, f
         if not size.any():
             return sums
         needed[:] = np.inf
-        for c, m in {(int(c), int(m)) for c, m in zip(size[size > 0], level[size > 0], strict=True)}:
-            group = np.flatnonzero((size == c) & (level == m))
-            for part in np.array_split(group, max(1, len(group) * c // _ELEMENTS + 1)):
-                result, more = _rule(region.take(part), constants, c, m, kernels=kernels, ripples=ripples)
+        codes = np.where(size > 0, (size * 64 + region.level) * 8 + region.warp, -1)
+        for code in np.unique(codes[size > 0]):
+            group, table = np.flatnonzero(codes == code), _table(region, int(code))
+            for part in np.array_split(group, len(group) * len(table.χ) // _ELEMENTS + 1):
+                result, more = _rule(region.take(part), constants, table, kernels=kernels, ripples=ripples)
                 needed[part] = np.where(result.good, np.inf, more)
                 sums.put(part, result)
 
 
-def _rule(
-    region: Region, constants: int, count: int, level: int, *, kernels: bool, ripples: bool
-) -> tuple[Sums, Any]:
+def _table(region: Region, code: int) -> tables.Nodes:
+    count, level, warp = code // 512, code // 8 % 64, code % 8
+    return tables.libration(count, level, warp) if region.turning else tables.rotation(2 * count, level)
+
+
+def _rule(region: Region, constants: int, table: tables.Nodes, *, kernels: bool, ripples: bool) -> tuple[Sums, Any]:
     """Apply the rule with a number of nodes; also return how many would be needed."""
-    table = tables.libration(count, level) if region.turning else tables.rotation(2 * count, level)
+    count = len(table.χ) if region.turning else len(table.χ) // 2
     with np.errstate(all="ignore"):
         places = _librating(region, table) if region.turning else _rotating(region, table)
         F, ratio, weights, doubts = _integrands(region, places, kernels)
@@ -142,7 +147,7 @@ def _rule(
         mean, size = values.mean(axis=2), np.abs(values).mean(axis=2)
         blur = _SAFETY * np.stack([np.broadcast_to(e, F.shape).mean(axis=1) for e in noise]) + 8 * _EPS * size
         tail, middle = (_largest(values, table, rows) for rows in (table.last, table.middle))
-    alias = 4 * tail * np.minimum(1.0, (tail / np.maximum(middle, 1e-300)) ** 2)
+    alias = 4 * tail * np.minimum(1.0, tail / np.maximum(middle, 1e-300)) ** 1.5
     mean_error = blur + alias
     goal = np.maximum(_GOAL * size, 0.25 * blur)
     with np.errstate(all="ignore"):
@@ -185,7 +190,7 @@ def _librating(region: Region, table: tables.Nodes) -> tuple[Any, Any, Any]:
         D = 1 + d * table.high
         x, y = table.low / D, (1 + d) * table.high / D
         low, high = W * x, W * y
-        square = (2 * table.quarter / np.pi) ** 2 * table.complement
+        square = (2 * table.quarter / np.pi * table.pace) ** 2 * table.complement
         scale = square * (1 + c * y) * (1 + d * x) * (low * high)
     below = region.lower[:, None] + region.below.sign * low[:, :half]
     above = region.upper[:, None] - region.above.sign * high[:, half:]
@@ -220,9 +225,7 @@ def _results(view: View, x: Any, kernels: bool) -> list[Any]:
     return [np.broadcast_to(v, x.shape) for v in values + view.errors(x, kernels=kernels)]
 
 
-def _running(
-    region: Region, table: tables.Nodes, values: Any, ratio: Any, sums: Sums, noise: Any, shake: Any
-) -> None:
+def _running(region: Region, table: tables.Nodes, values: Any, ratio: Any, sums: Sums, noise: Any, shake: Any) -> None:
     """Phase of the start, and the integrals from χ = 0 to it less their mean growth."""
     count = len(table.χ)
     terms = np.arange(1, len(table.cosines) + 1)

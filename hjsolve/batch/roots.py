@@ -20,7 +20,7 @@ _EPS = 2.0**-52
 
 
 def first_step(momentum: Any, slope: Any, bend: Any, size: Any) -> Any:
-    """Distance at which P₀² + slope·d + bend·d² vanishes, a little more; a fraction of ``size`` where it never does.
+    """Distance at which P₀² + slope·d + bend·d² vanishes, a little more, at most ``size``; less where it never does.
 
     Args:
         momentum: P₀. slope: dF/dd outward. bend: ½ F″. size: a length typical of the coordinate.
@@ -31,7 +31,7 @@ def first_step(momentum: Any, slope: Any, bend: Any, size: Any) -> Any:
         down = np.where(slope > 0, (slope + root) / (-2 * bend), 2 * square / (root - slope))
         crude = np.minimum(0.25 * size, np.where(slope < 0, -square / slope, np.inf))
     found = np.isfinite(down) & (down > 0)
-    return np.where(found, 1.0625 * down, np.where(crude > 0, crude, 0.25 * size))
+    return np.where(found, np.minimum(1.0625 * down, size), np.where(crude > 0, crude, 0.25 * size))
 
 
 def bracket(function: Function, start: Any, step: Any, side: int, *, floor: Any, reach: float) -> tuple[Any, Any]:
@@ -56,12 +56,14 @@ def bracket(function: Function, start: Any, step: Any, side: int, *, floor: Any,
         f = function(x, index)
         negative = f < 0
         outer[index[negative]] = x[negative]
+        lost = ~np.isfinite(f)
+        step[index[lost]] *= 0.25
         onward = (f >= 0) & (np.abs(x - start[index]) < reach)
-        index, x = index[onward], x[onward]
+        inner[index[onward]] = x[onward]
+        step[index[onward]] *= 1.6
+        index = index[onward | lost]
         if not len(index):
             break
-        inner[index] = x
-        step[index] *= 1.6
     return inner, outer
 
 

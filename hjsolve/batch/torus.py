@@ -1,8 +1,8 @@
 """From the integrals of each coordinate to actions, frequencies and angles, with their errors.
 
 Jᵢ is a function of the constants; ∂Jᵢ/∂cⱼ = (1/2π) ∮ ½ (∂Pᵢ²/∂cⱼ) dqᵢ/Pᵢ are the means of the kernels. From
-dE = Σ Ωᵢ dJᵢ: Σᵢ Ωᵢ ∂Jᵢ/∂cⱼ = δⱼ₁ over the separation constants, and −Σᵢ Ωᵢ ∂Jᵢ/∂c for an ignorable momentum c. The angles
-are those of ``numeric/inverse``: θₖ = Σⱼ (∂J/∂c)⁻¹ₖⱼ Σᵢ Gᵢⱼ(χᵢ) with G the running integrals.
+dE = Σ Ωᵢ dJᵢ: Σᵢ Ωᵢ ∂Jᵢ/∂cⱼ = δⱼ₁ over the separation constants, and −Σᵢ Ωᵢ ∂Jᵢ/∂c for an ignorable momentum c. The
+angles are those of ``numeric/inverse``: θₖ = Σⱼ (∂J/∂c)⁻¹ₖⱼ Σᵢ Gᵢⱼ(χᵢ) with G the running integrals.
 """
 
 from __future__ import annotations
@@ -40,14 +40,12 @@ def assemble(model: Model, sums: list[Sums], directions: Any, q: Any, *, angles:
     means = np.stack([s.means for s in sums])
     doubts = np.stack([s.mean_errors for s in sums])
     with np.errstate(all="ignore"):
-        matrix, blur = (x[:, :size].transpose(2, 1, 0) for x in (means, doubts))   # (n, constant, coordinate)
+        matrix, blur = (x[:, :size].transpose(2, 1, 0) for x in (means, doubts))  # (n, constant, coordinate)
         inverse = _inverse(matrix)
         wide = np.abs(inverse)
         shaken = wide @ (blur + 4 * size * _EPS * np.abs(matrix)) @ wide + 2 * _EPS * wide
         rates, rate_errors = inverse[:, :, 0].T, shaken[:, :, 0].T
-        frequencies = {
-            c.name: (directions[k] * rates[k], rate_errors[k]) for k, c in enumerate(model.separated)
-        }
+        frequencies = {c.name: (directions[k] * rates[k], rate_errors[k]) for k, c in enumerate(model.separated)}
         for name in model.angles:
             j = model.ignorable[name]
             value = -np.sum(rates * means[:, j], axis=0)

@@ -1,8 +1,9 @@
-"""P² of one coordinate as a function of an offset, for many orbits: from zero, from an end of the domain, from the start.
+"""P² of one coordinate as a function of an offset, for many orbits: from zero, a domain's end, the start, a zero.
 
-A view answers for arrays of shape (n,) or (n, nodes): the value of F = p², its kernels, and a bound on the rounding error
-of F. ``Raw`` evaluates the formula at x with q = origin + sign·x. ``Near`` carries second-order slopes from the initial
-place, F(q₀ + δ) = P₀² + δ (F′₀ + δ F[q₀, q₀, q]): small amplitudes keep their digits (``numeric/slopes.py``).
+A view answers for arrays of shape (n,) or (n, nodes): the value of F = p², its kernels, and a bound on the rounding
+error of F. ``Raw`` evaluates the formula at x with q = origin + sign·x. ``Near`` carries second-order slopes from the
+initial place, F(q₀ + δ) = P₀² + δ (F′₀ + δ F[q₀, q₀, q]): small amplitudes keep their digits (``numeric/slopes.py``).
+``Fine`` evaluates F with 32 digits at a distance x from a turning point known to 32 digits: close zeros keep theirs.
 """
 
 from __future__ import annotations
@@ -15,6 +16,7 @@ import numpy as np
 
 from hjsolve.batch.model import Formula
 from hjsolve.numeric.arithmetic import Float64
+from hjsolve.numeric.doubled import Doubled, Pair
 from hjsolve.numeric.jet import Jet, Jets
 from hjsolve.numeric.running import Bounded, Running
 from hjsolve.numeric.slopes import Slope, Slopes
@@ -68,9 +70,11 @@ class Raw:
 
     @property
     def sign(self) -> int:
+        """+1 where the offset grows with q, else −1."""
         return self.formula.sign
 
     def take(self, index: Any) -> Raw:
+        """Return the view of some of the orbits."""
         return replace(self, knowns=self.knowns.take(index))
 
     def value(self, x: Any) -> Any:
@@ -120,6 +124,7 @@ class Near:
     sign = 1
 
     def take(self, index: Any) -> Near:
+        """Return the view of some of the orbits."""
         own = (self.start, self.momentum, self.first, self.doubt)
         return Near(self.formula, self.knowns.take(index), *(part[index] for part in own))
 
@@ -149,7 +154,63 @@ class Near:
         return shaped(self.start, δ) + δ
 
 
-View = Raw | Near
+@dataclass(frozen=True)
+class Fine:
+    """F(origin + sign·(base + x)) with 32 digits.
+
+    Attributes:
+        raw: the same in doubles, for kernels. pairs, numbers: constants and parameters in two doubles.
+        base: offset of a turning point (or slow place) in two doubles, arrays (n,).
+    """
+
+    raw: Raw
+    pairs: tuple[Pair, ...]
+    numbers: tuple[Pair, ...]
+    base: Pair
+
+    @property
+    def sign(self) -> int:
+        """+1 where the offset grows with q, else −1."""
+        return self.raw.sign
+
+    def take(self, index: Any) -> Fine:
+        """Return the view of some of the orbits."""
+        pairs = tuple(Pair(c.high[index], c.low[index]) for c in self.pairs)
+        return Fine(self.raw.take(index), pairs, self.numbers, Pair(self.base.high[index], self.base.low[index]))
+
+    def _inputs(self, x: Any) -> tuple[Pair, list[Pair]]:
+        place = Doubled().add(Pair(shaped(self.base.high, x), shaped(self.base.low, x)), Pair(x, 0.0 * x))
+        return place, [Pair(shaped(c.high, x), shaped(c.low, x)) for c in self.pairs] + list(self.numbers)
+
+    def value(self, x: Any) -> Any:
+        """Return F."""
+        place, known = self._inputs(x)
+        return self.raw.formula.squared.run(Doubled(), [place, *known])[0].high + 0.0 * x
+
+    def jet(self, x: Any) -> tuple[Any, Any, Any]:
+        """Return F, dF/dx, d²F/dx²."""
+        place, known = self._inputs(x)
+        jets = Jets(Doubled())
+        parts = self.raw.formula.squared.run(jets, [jets.variable(place), *(Jet(k) for k in known)])[0]
+        value, first, second = (0.0 * x if part is None else part.high + 0.0 * x for part in parts)
+        return value, first, second
+
+    def full(self, x: Any) -> Sequence[Any]:
+        """Return F and the kernels."""
+        offset = shaped(self.base.high, x) + x
+        return [self.value(x), *self.raw.full(offset)[1:]]
+
+    def errors(self, x: Any, *, kernels: bool) -> list[Any]:
+        """Return bounds on the errors of F (relative, but for 2⁻⁴⁴ of those in doubles) and of the kernels."""
+        rough = self.raw.errors(shaped(self.base.high, x) + x, kernels=kernels)
+        return [4 * UNIT * np.abs(self.value(x)) + 2.0**-44 * rough[0], *rough[1:]]
+
+    def place(self, x: Any) -> Any:
+        """Return q."""
+        return self.raw.place(self.base.high + (self.base.low + x))
+
+
+View = Raw | Near | Fine
 
 
 def second_slope(formula: Formula, knowns: Knowns, q: Any) -> tuple[Any, Any]:
