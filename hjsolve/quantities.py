@@ -10,7 +10,6 @@ import sympy as sp
 
 from hjsolve.initial import Initial, to_bits
 from hjsolve.lowering import lower
-from hjsolve.numeric.anomaly import Rotation
 from hjsolve.numeric.arithmetic import Multi, multiprecision
 from hjsolve.numeric.classify import Located
 from hjsolve.numeric.course import Bounded, Frozen
@@ -69,7 +68,7 @@ def actions(solution: Solution, initial: Initial, located: Mapping[str, Located]
             result[coordinate.name] = rounded(0, digits)
         elif isinstance(course, Bounded):
             value = course.action * course.anomaly.direction
-            if isinstance(course.anomaly, Rotation):
+            if not course.anomaly.even:
                 value -= _mean_shift(solution, initial, coordinate, digits)
             result[coordinate.name] = rounded(value, digits, nodes_of(course))
     return result

@@ -9,7 +9,13 @@ elliptic one sends a, b, c, d to 0, 1, 1/k², ∞ by w = sn²(u | k²), which sp
     ρ_d = W/(a − d),   ρ_c = W/(c − b),   k′² = 1/((1 + ρ_c)(1 + ρ_d)),   χ = π u/K,
     dq/√((q−a)(b−q)) = (2K/π) √((1 + ρ_c (b−q)/W)(1 + ρ_d (q−a)/W)) k′ dχ      (Byrd & Friedman 254-256)
 
-With ρ_c = ρ_d = 0 this is q = m − h cos χ. A rotating angle uses q = q₀ ± (2 am u − π) in the same
+With ρ_c = ρ_d = 0 this is q = m − h cos χ. Where it is a complex pair c ± iδ that comes near the inside of the
+motion (a barrier that is just overcome), the four are a, b, c ± iδ, and the map is (Byrd & Friedman 259)
+
+    (q − a)/(b − q) = (A/B) tan²(φ/2),   φ = am(2Kχ/π),   A² = (c − a)² + δ²,   B² = (b − c)² + δ²,
+    k′² = ((A + B)² − W²)/(4AB),         dq/√((q−a)(b−q)) = (2K/π) dn √(AB)/(A sin²(φ/2) + B cos²(φ/2)) dχ.
+
+A rotating angle uses q = q₀ ± (2 am u − π) in the same
 way, the slow place q₀ where p² is least at χ = π. Differences q − a and b − q never cancel.
 """
 
@@ -32,12 +38,14 @@ class Place(NamedTuple):
         speed: dq/dχ, with the sign of the motion.
         product: (q − a)(b − q), or 1 for a rotation.
         stretch: |dq/dχ| / √product.
+        rate: dχ/dψ where the phase is ψ and not χ itself; ``speed`` and ``stretch`` are without it.
     """
 
     q: Any
     speed: Any
     product: Any
     stretch: Any
+    rate: Any = 1
 
 
 @dataclass(frozen=True)
@@ -89,6 +97,55 @@ class Libration:
 
 
 @dataclass(frozen=True)
+class Crested:
+    """A libration that passes over a low barrier; χ as in ``Libration``, slow at the crest.
+
+    Attributes:
+        lower: a.
+        width: b − a, known to full relative precision.
+        upper: b.
+        from_lower, from_upper: A/W and B/W, distances of the complex pair from the turning points.
+        complement, quarter: k′² and K.
+    """
+
+    lower: Any
+    width: Any
+    upper: Any
+    from_lower: Any
+    from_upper: Any
+    complement: Any
+    quarter: Any
+
+    even = True
+    direction = 1
+
+    def place(self, χ: Any, arithmetic: Float64 | Multi) -> Place:
+        """Return the place at χ, |χ| ≤ 2π."""
+        folded = χ - 2 * arithmetic.pi() * _round(χ / (2 * arithmetic.pi()))
+        sn, cn, dn = jacobi(2 * folded * self.quarter / arithmetic.pi(), self.complement, self.quarter, arithmetic)
+        small = sn * sn / (1 + abs(cn)) / 2
+        large = (1 + abs(cn)) / 2
+        low, high = _swapped(small, large, cn > 0)  # sin²(φ/2), cos²(φ/2)
+        denominator = self.from_lower * low + self.from_upper * high
+        mean = arithmetic.unary("sqrt", self.from_lower * self.from_upper)
+        from_lower = self.width * (self.from_lower * low / denominator)
+        to_upper = self.width * (self.from_upper * high / denominator)
+        stretch = 2 * self.quarter / arithmetic.pi() * dn * mean / denominator
+        q = _nearer(from_lower, to_upper, self.lower, self.upper)
+        return Place(q, self.width * mean * sn / 2 / denominator * stretch, from_lower * to_upper, stretch)
+
+    def phase(self, q: Any, forward: int, arithmetic: Multi) -> Any:
+        """Return χ in (−π, π] of a position; ``forward`` is the sign of p, 0 at a turning point."""
+        x = (q - self.lower) / self.width
+        y = (self.upper - q) / self.width
+        if forward == 0:
+            return arithmetic.pi() if x > y else 0 * x
+        context = arithmetic.context
+        amplitude = 2 * context.atan2(context.sqrt(abs(x) * self.from_upper), context.sqrt(abs(y) * self.from_lower))
+        return forward * arithmetic.pi() * context.ellipf(amplitude, 1 - self.complement) / (2 * self.quarter)
+
+
+@dataclass(frozen=True)
 class Rotation:
     """An angle that goes round; χ grows by 2π a turn, whichever way the motion goes.
 
@@ -121,7 +178,57 @@ class Rotation:
         return arithmetic.pi() * context.ellipf(angle / 2, 1 - self.complement) / self.quarter
 
 
-Anomaly = Libration | Rotation
+@dataclass(frozen=True)
+class Paired:
+    """An angle that goes round over two crests; χ as in ``Rotation``, slow at both.
+
+    A Möbius map of the circle carries the two crests, as complex pairs, to w = 0 and w = π with equal gaps; there
+    w = am(v + K) − π/2, v = 2K(χ − π)/π, is slow at both: cos w = cd v, sin w = k′ sd v.
+
+    Attributes:
+        slow: the place of w = 0, at the highest crest (χ = π).
+        direction: +1 or −1, the sign of p.
+        scale, tilt: the map tan((q − slow)/2) = Y/(scale + tilt Y), Y = tan(w/2), for motion upward.
+        complement, quarter: k′² and K.
+    """
+
+    slow: Any
+    direction: int
+    scale: Any
+    tilt: Any
+    complement: Any
+    quarter: Any
+
+    even = False
+
+    def place(self, χ: Any, arithmetic: Float64 | Multi) -> Place:
+        """Return the place at χ, |χ| ≤ 2π; q is not reduced to one turn."""
+        pi, root = arithmetic.pi(), arithmetic.unary("sqrt", self.complement)
+        turn = _round((χ - pi) / (2 * pi))
+        sn, cn, dn = jacobi(2 * self.quarter * ((χ - pi) / pi - 2 * turn), self.complement, self.quarter, arithmetic)
+        cosine, sine = cn / dn, root * sn / dn
+        large = arithmetic.unary("sqrt", (1 + abs(cosine)) / 2)
+        s, c = _swapped(abs(sine) / (2 * large), large, cosine > 0)  # |sin w/2|, cos w/2
+        s = np.copysign(s, sine) if isinstance(arithmetic, Float64) else -s if sine < 0 else s
+        beside = self.scale * c + self.direction * self.tilt * s
+        angle = np.arctan2(s, beside) if isinstance(arithmetic, Float64) else arithmetic.context.atan2(s, beside)
+        stretch = self.scale / (s * s + beside * beside) * root / dn * 2 * self.quarter / pi
+        q = self.slow + self.direction * (2 * angle + 2 * pi * turn)
+        return Place(q, self.direction * stretch, 0 * q + 1, stretch)
+
+    def phase(self, q: Any, forward: int, arithmetic: Multi) -> Any:  # noqa: ARG002  (asked like a libration's)
+        """Return χ in (−π, π] of a position."""
+        context, pi = arithmetic.context, arithmetic.pi()
+        half = self.direction * (q - self.slow) / 2
+        half -= pi * context.nint(half / pi)
+        sine, cosine = context.sin(half), context.cos(half)
+        w = 2 * context.atan2(self.scale * sine, cosine - self.direction * self.tilt * sine)
+        v = context.ellipf(w + pi / 2, 1 - self.complement) - self.quarter
+        χ = pi + pi * v / (2 * self.quarter)
+        return χ - 2 * pi * context.ceil((χ - pi) / (2 * pi))
+
+
+Anomaly = Libration | Crested | Rotation | Paired
 
 
 def libration(lower: Any, upper: Any, below: Any | None, above: Any | None, arithmetic: Multi) -> Libration:
@@ -139,6 +246,22 @@ def libration(lower: Any, upper: Any, below: Any | None, above: Any | None, arit
     return Libration(lower, width, upper, near_lower, near_upper, complement, quarter_period(complement, arithmetic))
 
 
+def crested(lower: Any, upper: Any, crest: Any, gap: Any, arithmetic: Multi) -> Crested:
+    """Make the anomaly between two turning points with a barrier just overcome between them.
+
+    Args:
+        lower, upper: a < b.
+        crest, gap: the complex pair crest ± i·gap next to the motion, a < crest < b.
+        arithmetic: precision of all of them.
+    """
+    width = upper - lower
+    left, right, δ = ((x / width) for x in (crest - lower, upper - crest, gap))
+    A, B = (arithmetic.unary("sqrt", x * x + δ * δ) for x in (left, right))
+    excess = δ * δ / (A + left) + δ * δ / (B + right)  # (A + B) − W, which may be tiny
+    complement = excess * (A + B + 1) / (4 * A * B)
+    return Crested(lower, width, upper, A, B, complement, quarter_period(complement, arithmetic))
+
+
 def rotation(slow: Any, direction: int, gap: Any, arithmetic: Multi) -> Rotation:
     """Make the anomaly of a rotating angle.
 
@@ -153,11 +276,50 @@ def rotation(slow: Any, direction: int, gap: Any, arithmetic: Multi) -> Rotation
     return Rotation(slow, direction, complement, quarter_period(complement, arithmetic))
 
 
+def paired(crest: Any, gap: Any, other: Any, other_gap: Any, direction: int, arithmetic: Multi) -> Paired:
+    """Make the anomaly of an angle that goes round over two crests.
+
+    In the upper half plane of tan((q − crest)/2) the pairs are z₁ = i tanh(gap/2) and z₂; the real Möbius map that
+    takes iε to z₁ and i/ε to z₂ exists when both pairs have the same hyperbolic distance, 2 ln(1/ε).
+
+    Args:
+        crest, gap: the highest crest, a complex pair crest ± i·gap.
+        other, other_gap: the second one.
+        direction: sign of p.
+        arithmetic: precision of all of them.
+    """
+    context = arithmetic.context
+    e1 = context.tanh(gap / 2)
+    z2 = context.tan(context.mpc(other - crest, other_gap) / 2)
+    x2, e2 = z2.real, z2.imag
+    ρ = (x2 * x2 + (e2 - e1) ** 2) / (2 * e1 * e2)
+    ε = context.sqrt(1 / (1 + ρ + context.sqrt(ρ * (ρ + 2))))
+    C = context.sqrt(max(0 * ε, (1 / (ε * e2) - ε / e1) / (1 / ε**2 - ε**2))) * (1 if x2 > 0 else -1)
+    D = context.sqrt(ε / e1 - (C * ε) ** 2)
+    A, B = D * e1 / ε, -C * ε * e1
+    complement = (2 * ε / (1 + ε * ε)) ** 2
+    return Paired(
+        crest + 2 * context.atan2(B, D), direction, B * B + D * D, A * B + C * D, complement,
+        quarter_period(complement, arithmetic),
+    )  # fmt: skip
+
+
 def as_float(anomaly: Anomaly) -> Anomaly:
     """Round the constants of an anomaly to doubles, for vectorised use."""
     values = {name: getattr(anomaly, name) for name in anomaly.__dataclass_fields__}
     rounded: dict[str, Any] = {name: v if isinstance(v, int) else float(v) for name, v in values.items()}
     return type(anomaly)(**rounded)
+
+
+def _round(x: Any) -> Any:
+    return np.rint(x) if isinstance(x, np.ndarray | float) else x.context.nint(x)
+
+
+def _swapped(small: Any, large: Any, order: Any) -> tuple[Any, Any]:
+    """(small, large) where ``order`` holds, (large, small) elsewhere."""
+    if isinstance(small, np.ndarray):
+        return np.where(order, small, large), np.where(order, large, small)
+    return (small, large) if order else (large, small)
 
 
 def _nearer(from_lower: Any, to_upper: Any, lower: Any, upper: Any) -> Any:

@@ -2,18 +2,25 @@
 
 from __future__ import annotations
 
+import itertools
+from collections.abc import Callable, Iterator
 from dataclasses import dataclass
 from typing import Any
 
 import numpy as np
 
 from hjsolve.errors import ForbiddenMotionError, NotConvergedError
-from hjsolve.numeric.anomaly import Rotation, libration, rotation
+from hjsolve.numeric.anomaly import Rotation, crested, libration, paired, rotation
 from hjsolve.numeric.arithmetic import Float64, Multi, multiprecision
-from hjsolve.numeric.course import PARTS, Bounded, Branch, Course, Frozen, Open, bounded, roughness
+from hjsolve.numeric.course import PARTS, Anomaly, Bounded, Branch, Course, Frozen, Kind, Open, bounded, roughness
+from hjsolve.numeric.crests import Crest, crests
 from hjsolve.numeric.panels import Way
 from hjsolve.numeric.radicand import Number, Radicand
+from hjsolve.numeric.stretch import Inner, Stretched, stretched
 from hjsolve.numeric.turning_points import End, Ray, first_end
+
+_MANY = 220
+"""Nodes above which another change of variable is tried, for a double and half a cycle."""
 
 
 @dataclass(frozen=True)
@@ -132,12 +139,70 @@ def _libration(start: Start, lower: End, upper: End, digits: int) -> Bounded:
                 f"{start.name}: the turning points {float(a):.17g} and {float(b):.17g} are too close to separate"
             )
         bits = needed + lost + 16
-    place = arithmetic.convert(start.place(bits))
-    best = plain
+    best: Anomaly = plain
     if roughness(plain, start.radicand, start.skipped, bits, start.parts) > 1e-7:
         best = libration(a, b, _outside(start, a, b - a, -1, bits), _outside(start, b, b - a, 1, bits), arithmetic)
-    phase = best.phase(place, start.forward, arithmetic)
-    return bounded("libration", best, start.radicand, phase, start.skipped, digits, bits, start.parts)
+    return _smoothest(start, "libration", best, lambda: _over_crests(start, a, b, bits), digits, bits)
+
+
+def _smoothest(
+    start: Start, kind: Kind, usual: Anomaly, others: Callable[[], Iterator[Anomaly]], digits: int, bits: int
+) -> Bounded:
+    """Integrate over the usual anomaly, or over another where that would need too many nodes."""
+    place = Multi(bits).convert(start.place(bits))
+
+    def over(anomaly: Anomaly, most: int | None) -> Bounded:
+        phase = anomaly.phase(place, start.forward, Multi(bits))
+        return bounded(kind, anomaly, start.radicand, phase, start.skipped, digits, bits, start.parts, most)
+
+    enough = int(_MANY * max(1, digits / 15)) * (1 if usual.even else 2)
+    tried: list[tuple[float, Anomaly]] = []
+    for anomaly in itertools.chain([usual], (anomaly for make in (others,) for anomaly in make())):
+        try:
+            return over(anomaly, enough if anomaly is usual else 2 * enough)
+        except NotConvergedError:
+            rough = roughness(anomaly, start.radicand, start.skipped, bits, start.parts, nodes=enough // 2)
+            tried.append((rough, anomaly))
+    return over(min(tried, key=lambda pair: pair[0])[1], None)
+
+
+def _over_crests(start: Start, a: Any, b: Any, bits: int) -> Iterator[Anomaly]:
+    """Anomalies of a libration that are slow where p² comes close to zero or to a pole inside the motion."""
+    found, arithmetic = crests(start.radicand, a, b, bits), Multi(bits)
+    if found:
+        first = crested(a, b, found[0].place, found[0].gap, arithmetic)
+        yield first
+        yield from _spread(first, found[1:], arithmetic)
+    yield from _spread(
+        libration(a, b, _outside(start, a, b - a, -1, bits), _outside(start, b, b - a, 1, bits), arithmetic),
+        found,
+        arithmetic,
+    )
+
+
+def _over_other_crests(start: Start, anomaly: Rotation, gap: Any | None, bits: int) -> Iterator[Anomaly]:
+    """Anomalies of a rotation that are slow at all crests, not only at the highest."""
+    arithmetic = Multi(bits)
+    turn, margin = 2 * arithmetic.pi(), arithmetic.pi() / 512
+    found = crests(start.radicand, anomaly.slow + margin, anomaly.slow + turn - margin, bits)
+    if found and gap is not None:
+        both = paired(anomaly.slow, gap, found[0].place, found[0].gap, anomaly.direction, arithmetic)
+        if len(found) == 1:
+            yield both
+        yield from _spread(both, found[1:], arithmetic)
+    yield from _spread(anomaly, found, arithmetic)
+
+
+def _spread(inner: Inner, places: list[Crest], arithmetic: Multi) -> Iterator[Stretched]:
+    """Stretch the phase of an anomaly through rough places; nothing where there is none."""
+    rough = []
+    for crest in places:
+        χ = inner.phase(arithmetic.convert(crest.place), 1, arithmetic)
+        rough.append((float(χ), float(crest.gap / abs(inner.place(χ, arithmetic).speed))))
+    rough = [place for place in rough if place[1] < 1]
+    map_ = stretched(inner, rough) if rough else None
+    if map_ is not None:
+        yield map_
 
 
 def _lost_bits(radicand: Radicand, anomaly: Any, bits: int) -> int:
@@ -178,7 +243,6 @@ def _rotation(start: Start, direction: int, digits: int) -> Bounded:
     arithmetic = Multi(bits)
     slow, gap = _slow_place(start, bits)
     anomaly: Rotation = rotation(slow, direction, gap, arithmetic)
-    phase = anomaly.phase(arithmetic.convert(start.place(bits)), direction, arithmetic)
     lost = _lost_bits(start.radicand, anomaly, bits)
     if gap is not None:
         lost += int(max(0.0, -2 * float(arithmetic.context.log(gap, 2))))
@@ -186,7 +250,7 @@ def _rotation(start: Start, direction: int, digits: int) -> Bounded:
         bits += lost
         arithmetic = Multi(bits)
         anomaly = rotation(arithmetic.convert(slow), direction, gap, arithmetic)
-    return bounded("rotation", anomaly, start.radicand, phase, start.skipped, digits, bits, start.parts)
+    return _smoothest(start, "rotation", anomaly, lambda: _over_other_crests(start, anomaly, gap, bits), digits, bits)
 
 
 def _slow_place(start: Start, bits: int) -> tuple[Any, Any | None]:

@@ -14,7 +14,7 @@ from typing import Any, Literal
 
 import numpy as np
 
-from hjsolve.numeric.anomaly import Libration, Rotation
+from hjsolve.numeric.anomaly import Crested, Libration, Paired, Rotation
 from hjsolve.numeric.arithmetic import Float64, Multi, multiprecision
 from hjsolve.numeric.counting import count
 from hjsolve.numeric.panels import Panels, Way, build
@@ -22,7 +22,7 @@ from hjsolve.numeric.radicand import Radicand
 from hjsolve.numeric.series import Series, fit, trial, zero
 from hjsolve.numeric.stretch import Stretched, rounded
 
-Anomaly = Libration | Rotation | Stretched
+Anomaly = Libration | Crested | Rotation | Paired | Stretched
 
 Kind = Literal["libration", "rotation", "escape", "equilibrium", "asymptotic", "boundary"]
 PARTS = frozenset({"time", "action", "place"})
@@ -82,7 +82,7 @@ class Bounded:
 
     def blur(self, χ: Any) -> Any:
         """Return the rounding of the anomaly itself as an uncertainty of χ in doubles; 0 where it has none."""
-        if not isinstance(self.anomaly, Stretched) or self.anomaly.slope is None:
+        if not isinstance(self.anomaly, Stretched):
             return 0.0 * χ
         return 8 * 2.0**-52 * np.pi / np.abs(self.anomaly.slope.value(χ))
 
@@ -92,7 +92,8 @@ class Bounded:
         count(kernels=q.size)
         numbers = [float(x) for x in self.radicand.inputs(64)]
         kernels = self.radicand.kernels.run(Float64(), [q, *numbers])
-        return sum(w * k for w, k in zip(weights, kernels, strict=False) if w) / self.ratio(χ)
+        rate = self.anomaly.unstretched(χ, Float64())[1] if isinstance(self.anomaly, Stretched) else 1.0
+        return sum(w * k for w, k in zip(weights, kernels, strict=False) if w) / self.ratio(χ) * rate
 
     def ratio(self, χ: Any) -> Any:
         """Return p/(dq/dχ) to full relative accuracy; χ a float array or one ``mpf``."""
@@ -286,6 +287,7 @@ def bounded(
     digits: int,
     bits: int,
     parts: frozenset[str] = PARTS,
+    most: int | None = None,
 ) -> Bounded:
     """Integrate over one cycle of a libration or rotation.
 
@@ -298,17 +300,27 @@ def bounded(
         digits: relative digits wanted.
         bits: working precision, enough for the cancellation at the turning points.
         parts: what is integrated, of ``PARTS``; the rest is left at zero, and the action at None.
+        most: nodes not to exceed; see ``series.fit``.
+
+    Raises:
+        NotConvergedError: that many nodes were not enough.
     """
     if not parts:
         empty = [zero() for _ in skipped]
         return Bounded(kind, anomaly, empty, zero(), None, start, radicand)
     functions = integrands(anomaly, radicand, skipped, bits, parts)
-    *kernels, momentum, density = fit(functions, even=anomaly.even, digits=digits, bits=bits, floors=_floors(radicand))
+    *kernels, momentum, density = fit(
+        functions, even=anomaly.even, digits=digits, bits=bits, floors=_floors(radicand), most=most
+    )
     return Bounded(kind, anomaly, kernels, momentum, density.mean if "action" in parts else None, start, radicand)
 
 
 def roughness(
-    anomaly: Anomaly, radicand: Radicand, skipped: tuple[bool, ...], bits: int, parts: frozenset[str] = PARTS,
+    anomaly: Anomaly,
+    radicand: Radicand,
+    skipped: tuple[bool, ...],
+    bits: int,
+    parts: frozenset[str] = PARTS,
     nodes: int = 12,
 ) -> float:
     """Return how far few nodes are from resolving the integrands: the size of the last terms."""
@@ -333,7 +345,7 @@ def _floors(radicand: Radicand) -> list[float]:
 def integrands(
     anomaly: Anomaly, radicand: Radicand, skipped: tuple[bool, ...], bits: int, parts: frozenset[str]
 ) -> Callable[[Any], list[Any]]:
-    """kⱼ (dq/dχ)/p for each constant, ln(p/(dq/dχ)), and p dq/dχ, all regular functions of χ."""
+    """kⱼ (dq/dψ)/p for each constant, ln(p/(dq/dχ)), and p dq/dψ, all regular functions of the phase ψ (mostly χ)."""
     arithmetic = Multi(bits)
 
     def functions(χ: Any) -> list[Any]:
@@ -342,8 +354,9 @@ def integrands(
         kernels: list[Any] = [None] * len(skipped)
         if "time" in parts:
             weights = radicand.weights(place.q, bits)
-            kernels = [None if skip else w * place.stretch / root for w, skip in zip(weights, skipped, strict=True)]
+            scale = place.stretch * place.rate / root
+            kernels = [None if skip else w * scale for w, skip in zip(weights, skipped, strict=True)]
         momentum = arithmetic.context.log(root / place.stretch) if "place" in parts else None
-        return [*kernels, momentum, place.product * root * place.stretch if "action" in parts else None]
+        return [*kernels, momentum, place.product * root * place.stretch * place.rate if "action" in parts else None]
 
     return functions

@@ -36,6 +36,7 @@ class Torus:
         ripples: Dₖᵢ as series (their means are ignored).
         order: coordinates in the order in which they can be solved alone; the rest are coupled.
         coupled: coordinates to be solved together, last.
+        blurs: how far rounded series leave the angles at t₀ open; 0 where the motion starts at turning points.
     """
 
     courses: tuple[Bounded | Frozen, ...]
@@ -45,6 +46,7 @@ class Torus:
     ripples: tuple[tuple[Series, ...], ...]
     order: tuple[int, ...]
     coupled: tuple[int, ...]
+    blurs: tuple[float, ...]
 
 
 def torus(courses: Sequence[Bounded | Frozen], bits: int) -> Torus:
@@ -62,14 +64,16 @@ def torus(courses: Sequence[Bounded | Frozen], bits: int) -> Torus:
         raise NotConvergedError("the separated integrals are dependent: this motion has no angle variables") from None
     growth = tuple(tuple(inverse[k, j] for j in range(n)) for k in range(n))
     ripples = tuple(tuple(_ripple(growth[k], c, n) for c in courses) for k in range(n))
-    starts = []
+    starts, blurs = [], []
     for k in range(n):
         total = context.mpf(0)
         for i, c in enumerate(courses):
-            total += (c.start if i == k else 0) + _at(ripples[k][i], c.start)
+            total += (c.start if i == k else 0) + _at(ripples[k][i], c.start, context)
         starts.append(total)
+        blurs.append(sum(_blur(ripples[k][i], c.start, context) for i, c in enumerate(courses)))
     order, coupled = _ordering([[i for i in range(n) if len(ripples[k][i].cosines)] for k in range(n)])
-    return Torus(tuple(courses), tuple(growth[k][0] for k in range(n)), tuple(starts), growth, ripples, order, coupled)
+    rates = tuple(growth[k][0] for k in range(n))
+    return Torus(tuple(courses), rates, tuple(starts), growth, ripples, order, coupled, tuple(blurs))
 
 
 def mean_rate(system: Torus, j: int) -> Any:
@@ -88,11 +92,20 @@ def _ripple(weights: Sequence[Any], course: Course, n: int) -> Series:
     return combine(list(weights), course.kernels[:n]) if isinstance(course, Bounded) else zero()
 
 
-def _at(series: Series, χ: Any) -> Any:
-    """Ripple at one many-digit phase."""
-    if not len(series.cosines):
-        return 0
-    return series.ripple(χ) if series.cosines.dtype == object else float(series.ripple(np.array([float(χ)]))[0])
+def _at(series: Series, χ: Any, context: Any) -> Any:
+    """Ripple at one many-digit phase; nothing at a turning point, exactly."""
+    return series.ripple(context.mpf(χ)) if len(series.cosines) else 0
+
+
+def _blur(series: Series, χ: Any, context: Any) -> float:
+    """What rounded coefficients leave open of the ripple at one phase; nothing at a turning point."""
+    if not len(series.cosines) or series.cosines.dtype == object:
+        return 0.0
+    total = 0.0
+    for part, wave in ((series.cosines, context.sin), (series.sines, lambda x: 1 - context.cos(x))):
+        if part is not None:
+            total += sum(abs(float(c) / k * float(wave(k * context.mpf(χ)))) for k, c in enumerate(part, 1))
+    return _EPS * total if total > _EPS * np.pi else 0.0
 
 
 def _ordering(needs: list[list[int]]) -> tuple[tuple[int, ...], tuple[int, ...]]:

@@ -37,7 +37,7 @@ class Series:
     cosines: Any
     sines: Any
     nodes: int
-    tail: float
+    tail: Any
 
     def value(self, χ: Any) -> Any:
         """Return the function at χ (array for float coefficients, else a scalar)."""
@@ -94,7 +94,13 @@ def constant(value: Any) -> Series:
 
 
 def fit(
-    function: Callable[[Any], list[Any]], *, even: bool, digits: int, bits: int, floors: Sequence[float] = ()
+    function: Callable[[Any], list[Any]],
+    *,
+    even: bool,
+    digits: int,
+    bits: int,
+    floors: Sequence[float] = (),
+    most: int | None = None,
 ) -> list[Series]:
     """Represent periodic functions by series, with as many nodes as their own decay asks for.
 
@@ -104,23 +110,24 @@ def fit(
         digits: relative digits wanted (of the largest value of each).
         bits: working precision.
         floors: size below which a function counts as that size (1 for a logarithm), one a function.
+        most: nodes not to exceed; ``MAX_NODES`` for every 30 digits where None.
 
     Raises:
-        NotConvergedError: ``MAX_NODES`` were not enough; a zero or pole of p² lies close to the path.
+        NotConvergedError: that many nodes were not enough; a zero or pole of p² lies close to the path.
     """
-    goal = 10.0 ** -(digits + 1)
-    nodes = 12
+    nodes, most = 12, most or int(MAX_NODES * max(1, digits / 30))
     while True:
         series = trial(function, even=even, nodes=nodes, bits=bits, digits=digits, floors=floors)
         tail = max((s.tail for s in series), default=0.0)
-        if tail <= goal:
+        reached = -float(multiprecision(64).log10(tail)) if tail else np.inf  # tails of many digits underflow doubles
+        if reached >= digits + 1:
             return series
-        if nodes >= MAX_NODES:
+        if nodes >= most:
             raise NotConvergedError(
-                f"{nodes} nodes reached {tail:.1e} only: a zero or pole of p² lies close to the motion"
+                f"{nodes} nodes reached {10**-reached:.1e} only: a zero or pole of p² lies close to the motion"
             )
-        needed = 2 + (nodes - 2) * np.log(goal) / np.log(max(tail, 1e-300)) if tail < 0.1 else 2.0 * nodes
-        nodes = int(min(max(nodes + 2, needed), 3 * nodes, MAX_NODES)) + 1
+        needed = 2 + (nodes - 2) * (digits + 1) / reached if reached > 1 else 2.0 * nodes
+        nodes = int(min(max(nodes + 2, needed), 3 * nodes, most)) + 1
 
 
 def trial(
@@ -161,7 +168,7 @@ def _one(values: list[Any], even: bool, digits: int, bits: int, floor: float) ->
         cosines, sines = (np.array(part, dtype=object) for part in zip(*pairs, strict=True))
     else:
         cosines, sines = _transform(rest, top, table)
-    return Series(mean, cosines, None if even else sines, nodes, float(tail))
+    return Series(mean, cosines, None if even else sines, nodes, tail if digits > 15 else float(tail))
 
 
 def _transform(values: list[Any], top: int, table: list[tuple[Any, Any]]) -> tuple[Any, Any]:

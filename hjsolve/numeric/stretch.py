@@ -1,70 +1,49 @@
-"""A second change of variable where the anomaly alone would need too many nodes.
+"""A second change of variable where the elliptic anomaly alone would need too many nodes.
 
-A zero or pole of p² close to the *inside* of the motion (a double well just above its barrier, a wheel that
-passes two equal crests) is not at an end, and no elliptic anomaly reaches it. Where the integrands are rough is
-found by bisection, whatever the cause; with a rough place at χₖ, of width δₖ, the new phase ψ grows like
+The anomalies of ``numeric.anomaly`` take care of the four branch points of p dq nearest to the motion. Where more
+come close (a wheel that just passes several crests) the new phase ψ grows like
 
     dψ/dχ ~ 1 + Σₖ cₖ / √(sin²((χ − χₖ)/2) + δₖ²/4)
 
-(for an even anomaly with its mirror image), which spreads a square-root singularity at χₖ ± iδₖ evenly. Its integral is
-2 sin u R_F(δ² cos² u, δ², δ² + sin² u), u = (χ − χₖ)/2 and δ = δₖ/2 (Carlson's form; DLMF 19.25.5): nothing cancels.
+with a rough place χₖ ± iδₖ for each (and its mirror image for an even anomaly), which spreads a square-root singularity
+evenly. Its integral is 2 sin u R_F(δ² cos² u, δ², δ² + sin² u), u = (χ − χₖ)/2 and δ = δₖ/2 (Carlson's form; DLMF
+19.25.5): nothing cancels. The map used is a trigonometric polynomial close to the inverse, χ = ψ + Σ (cₖ/k) sin kψ …
+with coefficients that are doubles, taken as exact numbers: any such map with dχ/dψ > 0 leaves the integrals what they
+are, so it need not be known better than that.
 """
 
 from __future__ import annotations
 
-from collections.abc import Callable
 from dataclasses import dataclass, replace
-from functools import cached_property
-from itertools import groupby
+from fractions import Fraction
+from functools import cached_property, lru_cache
 from typing import Any
 
 import numpy as np
 
-from hjsolve.numeric.anomaly import Libration, Place, Rotation, as_float
-from hjsolve.numeric.arithmetic import Float64, Multi, multiprecision
-from hjsolve.numeric.series import Series, fit
+from hjsolve.numeric.anomaly import Crested, Libration, Paired, Place, Rotation, as_float
+from hjsolve.numeric.arithmetic import Float64, Multi
+from hjsolve.numeric.series import Series
 
-_POINTS = 9
-_RESOLVED = 1e-2
-_DEEPEST = 400
-_FEWEST = 8
+_SAMPLES = 4096
+_STEPS = 60
+_LAST = 3e-16
+_NARROWEST = 1e-12
 
-
-@dataclass(frozen=True)
-class Crowd:
-    """A rough place of the integrands: χₖ, δₖ, and cₖ for unit length."""
-
-    place: Any
-    width: Any
-    weight: Any
-
-    def growth(self, χ: Any, context: Any) -> tuple[Any, Any]:
-        """Return ∫ from χₖ to χ of cₖ/√(sin² + δ²/4), and the integrand at χ."""
-        u, δ = (χ - self.place) / 2, self.width / 2
-        turns = context.nint(u / context.pi)
-        sine, cosine = context.sin(u), context.cos(u)
-        part = 2 * sine * context.elliprf((δ * cosine) ** 2, δ**2, δ**2 + sine**2) * (-1) ** int(turns)
-        return self.weight * (part + 2 * turns * _half(δ, context)), self.weight / context.sqrt(sine**2 + δ**2)
+Inner = Libration | Crested | Rotation | Paired
 
 
-def _half(δ: Any, context: Any) -> Any:
-    """∫ over half a turn of u."""
-    return 2 * context.elliprf(0, δ**2, 1 + δ**2)
-
-
-@dataclass(frozen=True)
+@dataclass(frozen=True, eq=False)
 class Stretched:
     """An anomaly whose phase ψ moves slowly through the rough places of another one's χ.
 
     Attributes:
         inner: the anomaly in χ.
-        crowds: the rough places; with their mirror images where ``inner`` is even.
-        slope: series of dχ/dψ in doubles.
+        slope: dχ/dψ, a trigonometric polynomial in doubles with mean 1.
     """
 
-    inner: Libration | Rotation
-    crowds: tuple[Crowd, ...]
-    slope: Series | None = None
+    inner: Inner
+    slope: Series
 
     @property
     def even(self) -> bool:
@@ -82,139 +61,150 @@ class Stretched:
     def upper(self) -> Any:
         return self.inner.upper  # type: ignore[union-attr]
 
+    @cached_property
+    def _waves(self) -> list[tuple[Fraction, Fraction]]:
+        """Coefficients of χ − ψ as exact numbers, the last one first; k times as much are those of dχ/dψ."""
+        k = np.arange(1, len(self.slope.cosines) + 1)
+        parts = (self.slope.cosines / k, 0 * k if self.slope.sines is None else self.slope.sines / k)
+        return [(Fraction(float(c)), Fraction(float(s))) for c, s in zip(*parts, strict=True)][::-1]
+
+    @lru_cache(maxsize=8)  # noqa: B019
+    def _fixed(self, bits: int) -> list[tuple[int, int]]:
+        return [(int(c * 2**bits), int(s * 2**bits)) for c, s in self._waves]
+
     def place(self, ψ: Any, arithmetic: Float64 | Multi) -> Place:
         """Return the place at ψ, |ψ| ≤ 2π."""
-        if isinstance(arithmetic, Float64):
-            assert self.slope is not None
-            χ, rate = ψ + self.slope.ripple(ψ), self.slope.value(ψ)
-        else:
-            χ, rate = self.unstretched(ψ, arithmetic)
+        χ, rate = self.unstretched(ψ, arithmetic)
         place = self.inner.place(χ, arithmetic)
-        return Place(place.q, place.speed * rate, place.product, place.stretch * rate)
+        return Place(place.q, place.speed, place.product, place.stretch, rate)
+
+    def unstretched(self, ψ: Any, arithmetic: Float64 | Multi) -> tuple[Any, Any]:
+        """Return χ(ψ) and dχ/dψ."""
+        if isinstance(arithmetic, Float64):
+            return ψ + self.slope.ripple(ψ), self.slope.value(ψ)
+        return self._in_fixed_point(ψ, arithmetic)
+
+    def _in_fixed_point(self, ψ: Any, arithmetic: Multi) -> tuple[Any, Any]:
+        """χ = ψ + Im Σ (cₖ − i sₖ) e^{ikψ} + Σ sₖ and its derivative by Horner's rule in integers."""
+        bits, context = arithmetic.bits + 32, arithmetic.context
+        one = context.mpf(2) ** bits
+        x, y = (int(context.nint(part * one)) for part in context.cos_sin(ψ))
+        waves = self._fixed(bits)
+        u = v = du = dv = shift = 0
+        for k, (c, s) in zip(range(len(waves), 0, -1), waves, strict=True):
+            u, v, du, dv = u + c, v - s, du + k * c, dv - k * s
+            u, v = (u * x - v * y) >> bits, (u * y + v * x) >> bits
+            du, dv = (du * x - dv * y) >> bits, (du * y + dv * x) >> bits
+            shift += s
+        return ψ + context.mpf(v + shift) / one, 1 + context.mpf(du) / one
 
     def phase(self, q: Any, forward: int, arithmetic: Multi) -> Any:
-        """Return ψ in (−π, π] of a position."""
-        return self.stretched(self.inner.phase(q, forward, arithmetic), arithmetic)[0]
-
-    def stretched(self, χ: Any, arithmetic: Multi) -> tuple[Any, Any]:
-        """Return ψ(χ), with ψ(0) = 0 and ψ(χ + 2π) = ψ(χ) + 2π, and dψ/dχ."""
-        context, total, slope = arithmetic.context, χ, 1
-        for crowd in self.crowds:
-            value, rate = crowd.growth(χ, context)
-            begin, _ = crowd.growth(0 * χ, context)
-            total, slope = total + value - begin, slope + rate
-        return total / self._span(arithmetic), slope / self._span(arithmetic)
-
-    def _span(self, arithmetic: Multi) -> Any:
-        """Growth of the unscaled phase over a turn, divided by 2π."""
-        return 1 + sum(c.weight * _half(c.width / 2, arithmetic.context) for c in self.crowds) / arithmetic.pi()
-
-    @cached_property
-    def _table(self) -> tuple[list[Any], Any]:
-        """Some χ and their ψ, close enough together for Newton's method."""
-        arithmetic = Multi(128)
-        near = [
-            crowd.place + side * crowd.width * 2.0**k
-            for crowd in self.crowds
-            for side in (-1, 0, 1)
-            for k in range(-1, 4 - int(arithmetic.context.log(crowd.width, 2)))
-        ]
-        places = sorted({arithmetic.convert(x) for x in [*near, *np.linspace(-7, 7, 57)]})
-        return places, np.array([float(self.stretched(x, arithmetic)[0]) for x in places])
-
-    def unstretched(self, ψ: Any, arithmetic: Multi) -> tuple[Any, Any]:
-        """Return χ(ψ) and dχ/dψ, by Newton's method from a table."""
-        places, phases = self._table
-        k = int(np.clip(np.searchsorted(phases, float(ψ)), 1, len(places) - 1))
-        low, high = arithmetic.convert(places[max(k - 2, 0)]), arithmetic.convert(places[min(k + 1, len(places) - 1)])
-        χ = (arithmetic.convert(places[k - 1]) + arithmetic.convert(places[k])) / 2
-        close = arithmetic.context.mpf(2) ** (-arithmetic.bits // 2 - 4)
-        for _ in range(60):
-            value, rate = self.stretched(χ, arithmetic)
-            low, high = (low, χ) if value > ψ else (χ, high)
-            step = (value - ψ) / rate
-            new = χ - step
-            if abs(step) * rate <= close:
-                return new, 1 / self.stretched(new, arithmetic)[1]
-            χ = new if low < new < high else (low + high) / 2
-        return χ, 1 / self.stretched(χ, arithmetic)[1]
+        """Return ψ in (−π, π] of a position: Newton's method kept inside a bracket."""
+        χ = self.inner.phase(q, forward, arithmetic)
+        low, high, ψ = -arithmetic.pi(), arithmetic.pi(), χ
+        close = arithmetic.context.mpf(2) ** (12 - arithmetic.bits)
+        for _ in range(4 * arithmetic.bits):
+            value, rate = self.unstretched(ψ, arithmetic)
+            low, high = (low, ψ) if value > χ else (ψ, high)
+            new = ψ - (value - χ) / rate
+            new = new if low < new < high else (low + high) / 2
+            if abs(new - ψ) <= close:
+                return new
+            ψ = new
+        return ψ
 
 
-def rounded(anomaly: Libration | Rotation | Stretched) -> Libration | Rotation | Stretched:
+def rounded(anomaly: Inner | Stretched) -> Inner | Stretched:
     """Round the constants of a map to doubles, for vectorised use."""
     return replace(anomaly, inner=as_float(anomaly.inner)) if isinstance(anomaly, Stretched) else as_float(anomaly)
 
 
-def stretched(
-    inner: Libration | Rotation, functions: Callable[[Any], list[Any]], *, digits: int, bits: int
-) -> Stretched | None:
-    """Find the rough places of functions of χ and make the phase that resolves them.
+def stretched(inner: Inner, places: list[tuple[float, float]]) -> Stretched | None:
+    """Make the phase that resolves rough places χₖ of width δₖ.
 
     Args:
         inner: the anomaly in χ.
-        functions: χ (``mpf``) ↦ the integrands there, None for one that is not wanted.
-        digits: relative digits wanted of the map in doubles.
-        bits: working precision.
+        places: (χₖ, δₖ); without mirror images.
 
     Returns:
-        The map; None where no rough place was found, or where roughness has no end.
+        The map; None where doubles cannot hold one.
     """
-    context = multiprecision(bits)
-    leaves = _leaves(functions, 0 if inner.even else -context.pi, +context.pi, context)
-    places = _rough_places(leaves, even=inner.even) if leaves else []
-    if not places:
-        return None
     if inner.even:
-        places = places + [(-χ, δ) for χ, δ in places if 0 < χ < context.pi]
-    crowds = tuple(Crowd(χ, δ, context.pi / _half(δ / 2, context)) for χ, δ in places)
-    map_ = Stretched(inner, crowds)
-    arithmetic = Multi(bits)
-    slope = fit(lambda ψ: [map_.unstretched(ψ, arithmetic)[1]], even=inner.even, digits=min(digits, 15), bits=bits)[0]
-    return replace(map_, slope=slope)
+        places = places + [(-χ, δ) for χ, δ in places if 0 < χ < np.pi]
+    narrowest = _NARROWEST
+    while narrowest < 0.1:
+        slope = _inverse_slope([(χ, max(δ, narrowest)) for χ, δ in places], even=inner.even)
+        if slope is not None:
+            return Stretched(inner, slope)
+        narrowest *= 8
+    return None
 
 
-def _leaves(functions: Callable[[Any], list[Any]], begin: Any, end: Any, context: Any) -> list[tuple[Any, Any]] | None:
-    """Bisect until low polynomials follow the functions roughly; None where that has no end."""
-    points = [context.cos(context.pi * (2 * m + 1) / (2 * _POINTS)) for m in range(_POINTS)]
-    waves = [[context.cos(k * context.acos(x)) for x in points] for k in range(_POINTS)]
-    step = (end - begin) / _FEWEST
-    todo = [(begin + k * step, begin + (k + 1) * step) for k in range(_FEWEST)]
-    done: list[tuple[Any, Any]] = []
-    while todo:
-        a, b = todo.pop()
-        rows = [functions((a + b) / 2 + x * (b - a) / 2) for x in points]
-        columns = [column for column in zip(*rows, strict=True) if column[0] is not None]
-        if all(_followed(column, waves, context) for column in columns):
-            done.append((a, b))
-        else:
-            todo += [(a, (a + b) / 2), ((a + b) / 2, b)]
-        if len(done) + len(todo) > _DEEPEST:
-            return None
-    return sorted(done)
+def _inverse_slope(places: list[tuple[float, float]], *, even: bool) -> Series | None:
+    """dχ/dψ as a trigonometric polynomial in ψ; None where rounding would make it negative."""
+    ψ = 2 * np.pi * np.arange(_SAMPLES) / _SAMPLES - np.pi
+    χ = _inverted(ψ, places)
+    values = 1 / _stretching(χ, places)[1]
+    waves = np.fft.rfft(np.roll(values, _SAMPLES // 2)) / _SAMPLES
+    size = np.abs(waves[1:])
+    top = int(np.max(np.nonzero(size > _LAST)[0], initial=0)) + 1
+    if top > _SAMPLES // 4:
+        return None
+    cosines, sines = 2 * waves.real[1 : top + 1], -2 * waves.imag[1 : top + 1]
+    slope = Series(1, cosines, None if even else sines, _SAMPLES, 0.0)
+    return slope if np.all(np.abs(slope.value(ψ) - values) < values / 4) else None
 
 
-def _followed(column: tuple[Any, ...], waves: list[list[Any]], context: Any) -> bool:
-    largest = max(abs(v) for v in column)
-    tail = max(abs(context.fdot(wave, column)) for wave in waves[-2:]) * 2 / len(column)
-    return bool(tail <= _RESOLVED * largest)
+def _inverted(ψ: Any, places: list[tuple[float, float]]) -> Any:
+    """Solve ψ(χ) = ψ by Newton steps from a table that is fine at the rough places."""
+    near = [χ + side * δ * 2.0 ** np.arange(-3, 4 - np.log2(δ), 0.25) for χ, δ in places for side in (-1, 1)]
+    table = np.unique(np.clip(np.concatenate([np.linspace(-np.pi, np.pi, 257), *near]), -np.pi, np.pi))
+    levels = _stretching(table, places)[0]
+    position = np.clip(np.searchsorted(levels, ψ) - 1, 0, len(table) - 2)
+    low, high = table[position], table[position + 1]
+    χ = (low + high) / 2
+    for _ in range(_STEPS):
+        value, rate = _stretching(χ, places)
+        low, high = np.where(value < ψ, χ, low), np.where(value > ψ, χ, high)
+        new = χ - (value - ψ) / rate
+        new = np.where((new >= low) & (new <= high), new, (low + high) / 2)
+        moved, χ = np.abs(new - χ), new
+        if np.all(np.minimum(moved * rate, moved / 4) < 1e-15):
+            break
+    return χ
 
 
-def _rough_places(leaves: list[tuple[Any, Any]], *, even: bool) -> list[tuple[Any, Any]]:
-    """Centres and half widths of the places where the leaves are smallest."""
-    widths = [float(b - a) for a, b in leaves]
-    longest = max(widths)
-    runs = [list(group) for _, group in groupby(range(len(leaves)), key=lambda i: round(np.log2(widths[i] / longest)))]
-    found = []
-    for k, run in enumerate(runs):
-        width = widths[run[0]]
-        sides = [widths[runs[j][0]] for j in (k - 1, k + 1) if 0 <= j < len(runs)]
-        if not sides or any(side < width for side in sides) or width > longest / 4:
-            continue
-        a, b = leaves[run[0]][0], leaves[run[-1]][1]
-        centre = (a + b) / 2
-        if even and run[0] == 0:
-            centre = a
-        elif even and run[-1] == len(leaves) - 1:
-            centre = b
-        found.append((centre, (b - a) / max(2, len(run))))
-    return found
+def _stretching(χ: Any, places: list[tuple[float, float]]) -> tuple[Any, Any]:
+    """ψ(χ), −π ↦ −π, π ↦ π, and dψ/dχ."""
+    total, slope = χ - 0.0, np.ones_like(χ)
+    for place, width in places:
+        δ = width / 2
+        half = 2 * _carlson(np.array([0.0]), np.array([δ**2]), np.array([1 + δ**2]))[0]
+        weight = np.pi / half
+        growth = [_growth((x - place) / 2, δ, half) for x in (χ, np.array([-np.pi]))]
+        total = total + weight * (growth[0] - growth[1]) - 0.0
+        slope = slope + weight / np.sqrt(np.sin((χ - place) / 2) ** 2 + δ**2)
+    span = 1 + len(places)
+    return (total + np.pi) / span - np.pi, slope / span
+
+
+def _growth(u: Any, δ: float, half: float) -> Any:
+    """2 ∫₀ᵘ du/√(sin² u + δ²)."""
+    turns = np.rint(u / np.pi)
+    sine, cosine = np.sin(u), np.cos(u)
+    part = 2 * sine * _carlson((δ * cosine) ** 2, np.full_like(u, δ**2), δ**2 + sine**2)
+    return np.where(turns % 2 == 0, part, -part) + 2 * turns * half
+
+
+def _carlson(x: Any, y: Any, z: Any) -> Any:
+    """R_F by duplication (Carlson, Numer. Math. 33 (1979) 1), in doubles."""
+    for _ in range(60):
+        root = np.sqrt(x * y) + np.sqrt(y * z) + np.sqrt(z * x)
+        x, y, z = (x + root) / 4, (y + root) / 4, (z + root) / 4
+        mean = (x + y + z) / 3
+        if np.all(np.abs(x - mean) + np.abs(y - mean) + np.abs(z - mean) < 1e-3 * mean):
+            break
+    X, Y = 1 - x / mean, 1 - y / mean
+    Z = -X - Y
+    E2, E3 = X * Y - Z * Z, X * Y * Z
+    return (1 - E2 / 10 + E3 / 14 + E2 * E2 / 24 - 3 * E2 * E3 / 44) / np.sqrt(mean)

@@ -33,8 +33,9 @@ def state_errors(
     unit = _EPS if phases.exact is None else float(multiprecision(64).mpf(10) ** (1 - motion.digits))
     dq, dp = {}, {}
     χ = [x.astype(float) for x in phases.χ]
-    slack = [np.asarray(e, dtype=float) for e in phases.errors]
-    for name, course, x, e in zip(motion.solution.coordinates, courses_of(motion, phases), χ, slack, strict=True):
+    courses = courses_of(motion, phases)
+    slack = [np.asarray(e, dtype=float) + _blur(c, x, unit) for e, c, x in zip(phases.errors, courses, χ, strict=True)]
+    for name, course, x, e in zip(motion.solution.coordinates, courses, χ, slack, strict=True):
         slope_q, slope_p = _slopes(course, x)
         size_q, size_p = np.abs(q[name].astype(float)), np.abs(p[name].astype(float))
         if motion.turning_points.get(name, (None, None))[0] is not None and _straddles(motion, name):
@@ -56,8 +57,13 @@ def table_errors(
 ) -> tuple[dict[str, Any], dict[str, Any], dict[str, Any]]:
     """Bounds on q, p and velocity read from a table: its own accuracy, and the rounding of its argument as a delay."""
     system = motion.solution.system
-    rate = abs(float(motion.equations.rates[0])) if isinstance(motion.equations, Torus) else 1.0
-    delay = 3 * _EPS * np.abs(θ) / rate
+    equations = motion.equations
+    if isinstance(equations, Torus):
+        delay = (3 * _EPS * np.abs(θ) + equations.blurs[0]) / abs(float(equations.rates[0]))
+    else:
+        assert equations is not None
+        begin = np.array([float(equations.courses[0].start)])
+        delay = 3 * _EPS * (np.abs(θ) + np.abs(float(np.ravel(equations.courses[0].integral(0, begin))[0])))
     separated = motion.solution.coordinates[0]
     H = hamiltonian(system)
     forces = evaluate(motion, tuple(-sp.diff(H, c.symbol) for c in system.coordinates), q, p)
@@ -68,6 +74,11 @@ def table_errors(
         own = _TABLE * table.table.sizes(1, θ) if c.name == separated else 2 * _EPS * np.abs(p[c.name])
         dp[c.name] = np.abs(force) * delay + own
     return dq, dp, _velocity_errors(motion, q, p, dq, dp, _EPS)
+
+
+def _blur(course: Course, χ: Any, unit: float) -> Any:
+    """Rounding of a stretched anomaly as an uncertainty of its phase."""
+    return course.blur(χ) * (unit / _EPS) if isinstance(course, Bounded) else 0.0
 
 
 def _straddles(motion: Motion, name: str) -> bool:

@@ -1,0 +1,75 @@
+"""Where p² is nearly zero, or nearly infinite, in the middle of a motion.
+
+A barrier that is just overcome is a pair of complex zeros c ± iδ of F = p² close to the real axis: there F has a
+minimum, and F ≈ F(c) + ½F″(c)(q − c)² vanishes at δ = √(2F/F″). A pair of poles (a softened centre of force) is a
+maximum in the same way, with δ = √(2F/|F″|) up to a factor of order one. The pairs only choose a change of variable;
+no integral depends on how well they are known.
+"""
+
+from __future__ import annotations
+
+from typing import Any, NamedTuple
+
+import numpy as np
+
+from hjsolve.numeric.arithmetic import Float64, Multi, multiprecision
+from hjsolve.numeric.counting import count
+from hjsolve.numeric.radicand import Radicand
+
+_SAMPLES = 257
+_STEPS = 40
+
+
+class Crest(NamedTuple):
+    """A complex pair place ± i·gap of zeros or poles of p²."""
+
+    place: Any
+    gap: Any
+
+
+def crests(radicand: Radicand, lower: Any, upper: Any, bits: int) -> list[Crest]:
+    """Return the pairs over a stretch of q, the closest to the real axis first.
+
+    Args:
+        radicand: p².
+        lower, upper: ends of the stretch, in many digits.
+        bits: working precision.
+    """
+    context = multiprecision(bits)
+    width = upper - lower
+    found = [
+        crest
+        for q in _extrema(radicand, float(lower), float(upper))
+        if (crest := _refined(radicand, context.convert(q), lower, upper, bits)) and crest.gap < width / 4
+    ]
+    distinct: list[Crest] = []
+    for crest in sorted(found, key=lambda c: c.gap):
+        if all(abs(crest.place - other.place) > width / _SAMPLES for other in distinct):
+            distinct.append(crest)
+    return distinct
+
+
+def _extrema(radicand: Radicand, lower: float, upper: float) -> list[float]:
+    """Places on a grid where p² stops growing or falling."""
+    q = np.linspace(lower, upper, _SAMPLES + 2)[1:-1]
+    count(squares=q.size)
+    inputs = [float(x) for x in radicand.inputs(64)]
+    with np.errstate(all="ignore"):
+        rise = np.diff(np.broadcast_to(radicand.squared.run(Float64(), [q, *inputs])[0], q.shape))
+    return [float(x) for x in q[1:-1][rise[:-1] * rise[1:] <= 0]]
+
+
+def _refined(radicand: Radicand, q: Any, lower: Any, upper: Any, bits: int) -> Crest | None:
+    """Newton's method for F′ = 0; None where it leaves the stretch."""
+    tiny = (upper - lower) * Multi(bits).context.mpf(2) ** (32 - bits)
+    for _ in range(_STEPS):
+        value, slope, bend = radicand.jet(q, bits)
+        if not bend:
+            return None
+        q -= slope / bend
+        if not lower < q < upper:
+            return None
+        if abs(slope / bend) <= tiny:
+            break
+    value, _, bend = radicand.jet(q, bits)
+    return Crest(q, (2 * abs(value / bend)) ** 0.5) if value > 0 and bend else None
