@@ -35,6 +35,7 @@ class Case:
         scale: coordinate → the size errors are measured against (its amplitude).
         periods: coordinate → exact period.
         reach: relative error that must be reached.
+        nodes: quadrature nodes that must suffice.
     """
 
     name: str
@@ -47,6 +48,7 @@ class Case:
     scale: Mapping[str, float]
     periods: Mapping[str, Callable[[], mpf]] = field(default_factory=dict)
     reach: float = 2e-14
+    nodes: int = 250
 
 
 @dataclass(frozen=True)
@@ -180,7 +182,7 @@ def well(a: str, why: str, kind: str = "libration") -> Case:
         return {"x": exact.double_well(mp.sqrt(2) if a == "sqrt(2)" else real(a), t)}
 
     return Case(f"double well, released at {a}", why, lambda: line("x**4/4 - x**2/2"), {"q": {"x": a}, "velocity": {"x": 0}},
-                {"x": kind}, truth, spread(30.0), {"x": float(size)})  # fmt: skip
+                {"x": kind}, truth, spread(30.0), {"x": float(size)}, nodes=400)  # fmt: skip
 
 
 def cubic(a: str, b: str, c: str, why: str) -> Case:
