@@ -14,6 +14,8 @@ def names_of(text: str) -> set[str]:
         "dot",
         "sin",
         "cos",
+        "sinh",
+        "cosh",
         "tan",
         "sqrt",
         "log",

@@ -4,6 +4,7 @@ from collections.abc import Callable
 from typing import Any
 
 import pytest
+import sympy as sp
 from mpmath import mp
 
 from hjsolve import catalog
@@ -78,3 +79,23 @@ def test_every_system_beyond_the_book_cites_its_literature() -> None:
         entry = catalog.describe(name)
         if not entry.book:
             assert any(not text.startswith("greenwood") for text in entry.cite), name
+
+
+def test_the_perfect_oblate_spheroid_has_its_density() -> None:
+    """∇²Φ = 4π G ρ₀/(1 + R²/a² + z²/c²)² with mass π² a² c ρ₀ (de Zeeuw 1985, (22)–(26)): Laplacian by differences."""
+    system = catalog.load("perfect-oblate-spheroid")
+    potential = sp.lambdify([system.symbols[n] for n in ("u", "w", "d", "c", "GM")], system.potential, "mpmath")
+
+    def at(x: Any, y: Any, z: Any) -> Any:
+        R2, d = x * x + y * y, mp.mpf("1.5")
+        whole = R2 + z * z - d * d  # s = d² sinh²u: s² − (R² + z² − d²) s − d² R² = 0
+        s = (whole + mp.sqrt(whole**2 + 4 * d * d * R2)) / 2
+        return potential(mp.asinh(mp.sqrt(s) / d), mp.asin(z / mp.sqrt(s + d * d)), d, mp.mpf("0.8"), 2)
+
+    with mp.workdps(60):
+        a2, c2, place, h = mp.mpf("1.5") ** 2 + mp.mpf("0.64"), mp.mpf("0.64"), (mp.mpf("0.7"), mp.mpf("0.4"), mp.mpf("0.3")), mp.mpf(10) ** -12
+        second = [[at(*(x + k * h * (i == j) for j, x in enumerate(place))) for k in (-1, 0, 1)] for i in range(3)]
+        laplacian = mp.fsum(low - 2 * mid + high for low, mid, high in second) / h**2
+        x, y, z = place
+        density = 2 / (mp.pi**2 * a2 * mp.sqrt(c2)) / (1 + (x * x + y * y) / a2 + z * z / c2) ** 2
+        assert off(float(laplacian), 4 * mp.pi * density) < 1e-14
