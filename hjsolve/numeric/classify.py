@@ -243,6 +243,10 @@ def _rotation(start: Start, direction: int, digits: int) -> Bounded:
     arithmetic = Multi(bits)
     slow, gap = _slow_place(start, bits)
     anomaly: Rotation = rotation(slow, direction, gap, arithmetic)
+    phase = anomaly.phase(arithmetic.convert(start.place(bits)), direction, arithmetic)
+    whole = arithmetic.context.nint((start.place(bits) - anomaly.place(phase, arithmetic).q) / (2 * arithmetic.pi()))
+    slow += 2 * arithmetic.pi() * whole  # turns are counted from the place given, whichever way the motion goes
+    anomaly = rotation(slow, direction, gap, arithmetic)
     lost = _lost_bits(start.radicand, anomaly, bits)
     if gap is not None:
         lost += int(max(0.0, -2 * float(arithmetic.context.log(gap, 2))))
