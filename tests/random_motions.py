@@ -49,9 +49,10 @@ def entries() -> tuple[str, ...]:
 
 @functools.cache
 def solution(name: str) -> Solution | None:
-    """The solution of an entry; None for one that is solved in another frame only."""
+    """The solution of an entry; None for one that is solved in another frame only, or is no T and V."""
+    system = catalog.describe(name).system
     try:
-        return solve(catalog.describe(name).system)
+        return None if system is None else solve(system)
     except NotSeparableError:
         return None
 
