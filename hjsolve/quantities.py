@@ -101,11 +101,7 @@ def frequencies(
                 result[name] = rounded(direction * equations.rates[k], digits, nodes_of(course))
         for c in system.coordinates:
             if c.name not in located and c.domain.kind == "angle":
-                result[c.name] = rounded(
-                    mean_rate(equations, list(solution.constants).index(c.momentum.name)),
-                    digits,
-                    max(nodes_of(x) for x in equations.courses),
-                )
+                result[c.name] = _ignorable_rate(equations, list(solution.constants).index(c.momentum.name), digits)
         return {c.name: result[c.name] for c in system.coordinates if c.name in result}
     for step in equations.steps:
         course = equations.courses[step.index]
@@ -117,6 +113,22 @@ def frequencies(
                 course.anomaly.direction * step.weights[0] / mean, digits, nodes_of(course)
             )
     return {name: f for name, f in result.items() if f.value}
+
+
+def _ignorable_rate(equations: Torus, j: int, digits: int) -> Estimate:
+    """The mean growth of an ignorable angle, a sum that may cancel: what is below the noise of its terms is zero."""
+    value = mean_rate(equations, j)
+    sizes = [abs(rate) * _swing(c, j) for rate, c in zip(equations.rates, equations.courses, strict=True)]
+    noise = sum(sizes) * multiprecision(64).mpf(10) ** (-2 * digits)
+    nodes = max(nodes_of(x) for x in equations.courses)
+    plain = rounded(value if abs(value) > noise else 0, digits, nodes)
+    return Estimate(plain.value, plain.error + (noise if digits > FLOAT_DIGITS else float(noise)), nodes=nodes)
+
+
+def _swing(course: Any, j: int) -> Any:
+    """Size of the values whose mean a growth is."""
+    waves = abs(course.kernels[j].cosines) if isinstance(course, Bounded) else []
+    return abs(course.growth(j)) + sum(waves)
 
 
 def _alone(scheme: Plan, step: Any) -> bool:

@@ -149,13 +149,17 @@ def _right_side(
     step: Step, targets: list[float], known: list[tuple[int, Course]], χ: list[Any], errors: list[Any], t: Any
 ) -> tuple[Any, Any]:
     value = sum(w * c for w, c in zip(step.weights, targets, strict=True)) + step.weights[0] * t
+    size = sum(abs(w * c) for w, c in zip(step.weights, targets, strict=True)) + np.abs(step.weights[0] * t)
     slack = 0.0 * t
     for l, course in known:
+        start = np.array([float(course.start)])
         for j, w in enumerate(step.weights):
             if w:
-                value = value - w * course.integral(j, χ[l])
+                part = w * course.integral(j, χ[l])
+                value = value - part
+                size = size + np.abs(part) + 2 * np.abs(w * course.integral(j, start))
                 slack = slack + np.abs(w * course.rate(j, χ[l]) * errors[l])
-    return value, slack
+    return value, slack + 2 * _EPS * size
 
 
 def _solve(

@@ -41,7 +41,7 @@ def state_errors(
         if motion.turning_points.get(name, (None, None))[0] is not None and _straddles(motion, name):
             size_q = size_q + _width(motion, name)
         dq[name] = slope_q * e + 4 * unit * size_q
-        dp[name] = slope_p * e + 16 * unit * size_p
+        dp[name] = slope_p * e + (16 + 2 * _waves(course)) * unit * size_p
     for coordinate in motion.solution.system.coordinates:
         name = coordinate.name
         if name not in dq:
@@ -99,6 +99,11 @@ def _slopes(course: Course, χ: Any) -> tuple[Any, Any]:
     return 2 * np.maximum(np.abs(q2 - q0), np.abs(q0 - q1)) / h + h * np.abs(q2 - q1), 2 * np.maximum(
         np.abs(p2 - p0), np.abs(p0 - p1)
     ) / h + h * np.abs(p2 - p1)
+
+
+def _waves(course: Course) -> float:
+    """Sum of the terms of ln(p/(dq/dχ)), which are rounded one by one."""
+    return float(np.sum(np.abs(course.momentum.cosines.astype(float)))) if isinstance(course, Bounded) else 0.0
 
 
 def _rounded(course: Bounded) -> Bounded:
