@@ -4,9 +4,6 @@ from __future__ import annotations
 
 import os
 
-import mpmath
-import numpy as np
-import pytest
 from hypothesis import assume, given, note, settings
 from mpmath import mp
 
