@@ -21,6 +21,8 @@ if TYPE_CHECKING:
     from hjsolve.coordinates import Web as Web
     from hjsolve.coordinates import find_coordinates as find_coordinates
     from hjsolve.coordinates import normal_modes as normal_modes
+    from hjsolve.costs import Cost as Cost
+    from hjsolve.costs import cost as cost
     from hjsolve.ensembles import Batch as Batch
     from hjsolve.ensembles import Status as Status
     from hjsolve.ensembles import ensemble as ensemble
@@ -61,7 +63,8 @@ _HOMES = {
     "solve": "solution", "Solution": "solution",
     "ensemble": "ensembles", "Batch": "ensembles", "Status": "ensembles",
     "Motion": "motion", "Estimate": "numeric.estimate",
-    "report": "reports", "Scene": "scenes", "linear_modes": "gyroscopic", "from_hamiltonian": "hamiltonians",
+    "report": "reports", "cost": "costs", "Cost": "costs", "Scene": "scenes",
+    "linear_modes": "gyroscopic", "from_hamiltonian": "hamiltonians",
     "CatalogError": "errors", "ExpressionError": "errors", "ForbiddenMotionError": "errors", "HJSolveError": "errors",
     "InternalError": "errors", "InvalidInputError": "errors", "InvalidSystemError": "errors",
     "MissingExtraError": "errors", "MissingValueError": "errors", "NotConvergedError": "errors",

@@ -62,6 +62,7 @@ examples:
   hjsolve solve lagrange-top                    W, momenta, time law, orbit equations
   hjsolve coordinates henon-heiles              in which coordinates would it separate
   hjsolve report kepler-planar -o kepler.html   all of that, a motion with drawings, and numbers
+  hjsolve cost kepler-planar                    what accuracy costs in time, measured
   hjsolve catalog                               what is in the catalog""",
     "check": """\
 examples:
@@ -86,6 +87,12 @@ examples:
   hjsolve report kepler-planar -o hyperbola.html --motion hyperbolic
   hjsolve report pendulum -o swing.md --q theta=3.1 --velocity theta=0 --parameter g=1.62
   hjsolve report --coordinate "x: line" -T "dot(x)**2/2" -V "x**4/4" --q x=1 --velocity x=0 -o quartic.html""",
+    "cost": """\
+examples:
+  hjsolve cost kepler-planar
+  hjsolve cost pendulum --motion rotation --digits 20,40,80 --seconds 120
+  hjsolve cost scenes/precessing-ellipse.toml -o cost.html      with the figure
+  hjsolve cost lagrange-top -o cost.svg                         the figure alone""",
     "catalog": """\
 examples:
   hjsolve catalog                       list all entries
@@ -148,6 +155,8 @@ _VALUED = {
     "--output",
     "--effect",
     "--motion",
+    "--digits",
+    "--seconds",
 }
 
 
@@ -212,6 +221,7 @@ def parser() -> argparse.ArgumentParser:
     _add_solve(kinds)
     _add_coordinates(kinds)
     _add_report(kinds)
+    _add_cost(kinds)
     _add_catalog(kinds)
     return top
 
@@ -286,6 +296,21 @@ def _add_report(kinds: _Commands) -> None:
         help="initial momentum, in place of velocities (repeat)",
     )
     motion.add_argument("--digits", type=int, default=15, metavar="N", help="digits of the numbers (default 15)")
+
+
+def _add_cost(kinds: _Commands) -> None:
+    about = (
+        "Measure accuracy against time: every method that applies computes the same quantities side by side,\n"
+        "hjsolve's own and, for states, integrators. SUBJECT is a scene file, an entry of the catalog or the path\n"
+        "of a file like one. Errors are true ones, against a reference with more digits made in another way."
+    )
+    cost = _add(kinds, "cost", "what accuracy costs in time, measured", about)
+    cost.add_argument("subject", metavar="SUBJECT", help="scene file, catalog id or .toml entry")
+    cost.add_argument("--motion", default="default", metavar="NAME", help="another motion of the catalog entry")
+    cost.add_argument("--digits", metavar="N,N,…", help="digits beyond double precision (default 20,30,50,100)")
+    cost.add_argument("--seconds", type=float, default=60.0, metavar="S", help="budget for everything (default 60)")
+    cost.add_argument("--no-rivals", action="store_true", help="leave DOP853 and heyoka out")
+    cost.add_argument("-o", "--output", metavar="FILE", help="table and figure: .html .md .json .txt .tex, or .svg")
 
 
 def _add_catalog(kinds: _Commands) -> None:

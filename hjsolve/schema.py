@@ -62,6 +62,7 @@ _REFERENCE = {
     "quantity": Key("text", True), "at": Key("numbers", True), "value": Key("text", True), "how": Key("text", True),
     "cite": Key("texts"),
 }  # fmt: skip
+_CLOSED = {"kinds": _FORMULAS, "formulas": Key("formulas", True), "modulus": _TEXT, "how": _TEXT, "cite": Key("texts")}
 _FRAME = {
     "coordinates": Key("tables", True, keys=_COORDINATE), "kinetic": Key("text", True), "potential": _TEXT,
     "place": Key("formulas"), "gauge": _TEXT,
@@ -78,7 +79,8 @@ ENTRY = SYSTEM | {
     "id": Key("text", True), "title": Key("text", True), "summary": _TEXT, "cite": Key("texts"), "book": Key("texts"),
     "reason": _TEXT, "instead": _TEXT, "initial": Key("table", keys=_MOTION), "motions": Key("named", keys=_MOTION),
     "effects": Key("named", keys=_EFFECT), "expect": Key("table", keys=_EXPECT),
-    "reference": Key("tables", keys=_REFERENCE), "frame": Key("table", keys=_FRAME),
+    "reference": Key("tables", keys=_REFERENCE), "closed": Key("tables", keys=_CLOSED),
+    "frame": Key("table", keys=_FRAME),
 }  # fmt: skip
 """The keys of a catalog file."""
 

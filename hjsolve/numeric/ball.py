@@ -14,6 +14,7 @@ from dataclasses import dataclass
 from typing import Any
 
 from hjsolve.errors import MissingExtraError, NotConvergedError
+from hjsolve.numeric.counting import count
 from hjsolve.numeric.jet import Jet, Jets
 from hjsolve.numeric.radicand import Radicand
 from hjsolve.numeric.tape import Tape
@@ -144,6 +145,7 @@ class Integrand:
 
     def __call__(self, j: int, χ: Any) -> Any:
         """Return kⱼ (dq/dχ)/p, or p dq/dχ for j = −1."""
+        count(squares=1, kernels=int(j >= 0))
         if self.lower is None:
             root = Balls().unary("sqrt", self._squared(χ))
             return root if j < 0 else self._weight(j, χ) / root

@@ -35,6 +35,12 @@ STYLE = """
 .fig .centre{fill:var(--ink,#22262b)}
 .fig .note{font-size:11.5px;fill:var(--soft,#666b72)}
 .fig .warm{fill:var(--red,#b8402a)}
+.fig .proof{stroke:var(--red,#b8402a);stroke-width:1.5;fill:none;stroke-dasharray:5 4}
+.fig .redmark{fill:var(--red,#b8402a);stroke:var(--red,#b8402a);stroke-width:1.3}
+.fig .bluemark{fill:var(--blue,#2f5f8f);stroke:var(--blue,#2f5f8f);stroke-width:1.3}
+.fig .inkmark{fill:var(--ink,#22262b);stroke:var(--ink,#22262b);stroke-width:1.3}
+.fig .hollow{fill:var(--paper,#fffdf8)}
+.fig .cross{fill:none;stroke-width:1.7}
 .fig .cool{fill:var(--blue,#2f5f8f)}
 """
 """Colours are the page's variables, with defaults for a drawing that stands alone."""

@@ -138,7 +138,7 @@ def save_scene(scene: Scene, target: Path) -> Path:
     """
     from hjsolve.reports.scenes import scene_document
 
-    return _write(scene_document(scene.run()), target)
+    return write_document(scene_document(scene.run()), target)
 
 
 def save_hamiltonian(
@@ -188,10 +188,22 @@ def save(material: Material, target: Path) -> Path:
     Raises:
         InvalidInputError: the file cannot be written.
     """
-    return _write(document(material), target)
+    return write_document(document(material), target)
 
 
-def _write(content: Document, target: Path) -> Path:
+def write_document(content: Document, target: Path) -> Path:
+    """Write a document in the format of its suffix.
+
+    Args:
+        content: the document.
+        target: a path that ``checked_path`` has passed.
+
+    Returns:
+        The path.
+
+    Raises:
+        InvalidInputError: the file cannot be written.
+    """
     text = _WRITERS[target.suffix.lower()](content)
     with _readable_errors(target):
         replace(target, text)

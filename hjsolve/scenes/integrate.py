@@ -37,10 +37,16 @@ _FINEST = 2.3e-14
 
 
 @dataclass(frozen=True)
-class _Numbers:
-    """The scene in double precision: parameters by symbol, the state (q, p) at the start, the time."""
+class Numbers:
+    """The start of a scene: exact, and in double precision.
+
+    Attributes:
+        parameters: by symbol, exact. exact: the state (q, p), exact.
+        state: the same as doubles, shape (2n,). start: the initial time.
+    """
 
     parameters: Mapping[sp.Symbol, sp.Expr]
+    exact: tuple[sp.Expr, ...]
     state: Any
     start: float
 
@@ -59,8 +65,8 @@ def integrated(scene: Scene) -> Run:
         import scipy  # noqa: F401 - here to fail early and plainly
     except ImportError as missing:
         raise MissingExtraError('method = "integrate" needs scipy: pip install "hjsolve[integrate]"') from missing
-    numbers = _numbers(scene)
-    flow = _flow(scene, numbers)
+    numbers = numbers_of(scene)
+    flow = flow_of(scene, numbers)
     assert scene.times is not None
     times = np.array([float(t) for t in sampled(scene.times, 15)])
     best, error = _converged(scene, flow, numbers, times)
@@ -69,7 +75,8 @@ def integrated(scene: Scene) -> Run:
     return Run(scene, None, (), trajectory, drift, Work(squares=0, kernels=0, places=flow.calls))
 
 
-def _numbers(scene: Scene) -> _Numbers:
+def numbers_of(scene: Scene) -> Numbers:
+    """Work out where a scene starts, momenta from velocities."""
     assert scene.initial is not None
     system, start = scene.system, scene.initial
     values = dict(parameter_values(system, scene.parameters))
@@ -82,10 +89,10 @@ def _numbers(scene: Scene) -> _Numbers:
         speeds = {c.velocity: number(start.velocity[c.name], source=f"velocity[{c.name}]") for c in system.coordinates}
         p = {name: formula.xreplace({**values, **speeds}) for name, formula in momenta(system).items()}
     state = [values[c.symbol] for c in system.coordinates] + [p[c.name] for c in system.coordinates]
-    return _Numbers(parameters, np.array([float(sp.N(x, 20)) for x in state]), float(sp.N(start.t, 20)))
+    return Numbers(parameters, tuple(state), np.array([float(sp.N(x, 20)) for x in state]), float(sp.N(start.t, 20)))
 
 
-def _compiled(formulas: list[sp.Expr], scene: Scene, numbers: _Numbers) -> Callable[[Any], Any]:
+def _compiled(formulas: list[sp.Expr], scene: Scene, numbers: Numbers) -> Callable[[Any], Any]:
     """Formulas of (q, p) as a function of the state: shape (2n,) or (2n, m) in, (number of formulas, …) out."""
     variables = [c.symbol for c in scene.system.coordinates] + [c.momentum for c in scene.system.coordinates]
     tape: Tape = lower(formulas, [*variables, *numbers.parameters])
@@ -99,16 +106,23 @@ def _compiled(formulas: list[sp.Expr], scene: Scene, numbers: _Numbers) -> Calla
     return evaluate
 
 
-def _flow(scene: Scene, numbers: _Numbers) -> Flow:
+def slopes_of(scene: Scene) -> list[sp.Expr]:
+    """Hamilton's equations with the scene's forces: q̇ and then ṗ, in q, p and parameters."""
     system = scene.system
     H, speeds = hamiltonian(system), velocities(system)
     known = {c.velocity: speeds[c.name] for c in system.coordinates}
     slopes = [speeds[c.name] for c in system.coordinates]
-    slopes += [-sp.diff(H, c.symbol) + scene.forces.get(c.name, sp.S.Zero).subs(known) for c in system.coordinates]
-    return Flow(scene.system, _compiled(slopes, scene, numbers), dict(numbers.parameters))
+    return slopes + [
+        -sp.diff(H, c.symbol) + scene.forces.get(c.name, sp.S.Zero).subs(known) for c in system.coordinates
+    ]
 
 
-def _converged(scene: Scene, flow: Flow, numbers: _Numbers, times: Any) -> tuple[Sampled, Any]:
+def flow_of(scene: Scene, numbers: Numbers) -> Flow:
+    """Give the equations of motion of a scene in double precision."""
+    return Flow(scene.system, _compiled(slopes_of(scene), scene, numbers), dict(numbers.parameters))
+
+
+def _converged(scene: Scene, flow: Flow, numbers: Numbers, times: Any) -> tuple[Sampled, Any]:
     """Run with finer and finer tolerance until two runs agree to the digits asked."""
     digits = scene.digits
     tolerance = 10.0 ** -(digits - 1)
@@ -143,7 +157,7 @@ def former(scene: Scene) -> tuple[Separation | None, tuple[str, ...]]:
     return found, kept
 
 
-def _drift(scene: Scene, numbers: _Numbers, states: Any) -> dict[str, Any]:
+def _drift(scene: Scene, numbers: Numbers, states: Any) -> dict[str, Any]:
     """Former constant → its value minus its value at the start; ``E`` is that of the full system."""
     verdict, _ = former(scene)
     formulas = {"E": hamiltonian(scene.system)}

@@ -112,8 +112,8 @@ class Run:
         return self.arcs[arc].quantities[name]
 
 
-def run(scene: Scene) -> Run:
-    """Compute what a scene wants; see ``Scene.run``."""
+def run(scene: Scene, solution: Solution | None = None) -> Run:
+    """Compute what a scene wants; see ``Scene.run``. A solution that is there already is not made again."""
     if scene.initial is None:
         raise MissingValueError(f"{scene.source}: initial: missing, and the system has no default motion")
     if scene.method == "integrate":
@@ -124,10 +124,12 @@ def run(scene: Scene) -> Run:
         verdict = dissipative(scene.system, scene.forces)
         raise NotSeparableError(words(verdict), verdict)
     try:
-        solution = solve(scene.system)
+        solution = solve(scene.system) if solution is None else solution
     except NotSeparableError as error:
         text = f'{error}; or write method = "integrate" in the scene'
         raise NotSeparableError(text, error.verdict) from error
+    if scene.certified and scene.events:
+        raise InvalidInputError("proofs end at an event: the state there is computed, not proved; leave certified out")
     with counted() as work:
         found = smooth.pieces(scene, solution, first_arguments(scene))
         arcs = tuple(_arc(scene, solution, piece) for piece in found)
@@ -144,7 +146,9 @@ def first_arguments(scene: Scene) -> dict[str, Any]:
 
 
 def _arc(scene: Scene, solution: Solution, piece: smooth.Piece) -> Arc:
-    motion = solution.motion(**piece.leg.arguments, digits=scene.digits, want=scene.want)
+    motion = solution.motion(
+        **piece.leg.arguments, digits=scene.digits, want=scene.want, certified=scene.certified
+    )
     begins = _moment(motion.t0, scene.digits)
     ends = None if piece.ends is None else _moment(piece.ends, scene.digits)
     quantities = {name: getattr(motion, name) for name in _FIELDS if name in scene.want}

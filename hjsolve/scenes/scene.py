@@ -95,6 +95,7 @@ class Scene:
         want: the quantities wanted. times: for ``trajectory`` and ``angles``. digits: relative digits of every number.
         events: impulses and walls, in the file's order. orbit: see ``OrbitAsked``.
         method: ``quadratures`` (Hamilton-Jacobi) or ``integrate`` (an ODE integrator).
+        certified: constants, turning points, actions, frequencies and periods are proved.
     """
 
     source: str
@@ -112,6 +113,7 @@ class Scene:
     events: tuple[Event, ...]
     orbit: OrbitAsked | None
     method: str
+    certified: bool = False
 
     @staticmethod
     def load(scene: str | Path | Mapping[str, Any]) -> Scene:

@@ -1,0 +1,120 @@
+"""From whatever a user names to the scene that is measured."""
+
+from __future__ import annotations
+
+import tomllib
+from collections.abc import Mapping
+from dataclasses import replace
+from pathlib import Path
+from typing import Any, TypeAlias
+
+import sympy as sp
+
+from hjsolve import catalog
+from hjsolve.errors import InvalidInputError, MissingValueError, NotSeparableError
+from hjsolve.expressions import number
+from hjsolve.motion import Motion
+from hjsolve.scenes import Scene
+from hjsolve.scenes.scene import Start, Times
+from hjsolve.solution import Solution, solve
+
+Subject: TypeAlias = Scene | Motion | Mapping[str, Any] | str | Path
+_WANT = ("turning_points", "actions", "frequencies", "periods", "trajectory")
+_COUNT, _CYCLES = 101, 10
+
+
+def scene_of(subject: Subject, motion: str = "default") -> tuple[Scene, Solution | None]:
+    """Find the scene.
+
+    Args:
+        subject: a scene, its table or its file; a catalog id or an entry's file; a motion.
+        motion: which motion of the entry.
+
+    Returns:
+        The scene, and the solution of its system (None where it is to be integrated).
+
+    Raises:
+        InvalidInputError: the subject is none of these, or there is nothing to measure.
+        NotSeparableError: the system does not separate.
+    """
+    if isinstance(subject, Motion):
+        return _usual(_scene_of_motion(subject), subject.solution), subject.solution
+    if isinstance(subject, Mapping) or (isinstance(subject, str | Path) and _is_scene(subject)):
+        subject = Scene.load(subject)
+    if isinstance(subject, Scene):
+        return subject, _solution(subject)
+    if not isinstance(subject, str | Path):
+        raise InvalidInputError(
+            f"cost: a Scene, a Motion, a catalog id or a TOML file is needed, not {type(subject).__name__}"
+        )
+    entry = catalog.describe(subject)
+    if entry.system is None:
+        raise NotSeparableError(str(entry.refusal), entry.refusal)
+    scene = Scene.load({"system": str(subject), **({} if motion == "default" else {"motion": motion})})
+    solution = _solution(scene)
+    return (scene if solution is None else _usual(scene, solution)), solution
+
+
+def _is_scene(subject: str | Path) -> bool:
+    """Whether a file is a scene's and not an entry's: it has keys that no entry has."""
+    if not str(subject).endswith(".toml"):
+        return False
+    try:
+        table = tomllib.loads(Path(subject).read_text(encoding="utf-8"))
+    except (OSError, ValueError):
+        return False  # the reader of entries says what is wrong with the file
+    return bool({"system", "want", "times", "events"} & table.keys())
+
+
+def _solution(scene: Scene) -> Solution | None:
+    if scene.initial is None:
+        raise MissingValueError(f"{scene.source}: initial: missing, and the system has no default motion")
+    if scene.method == "integrate":
+        return None
+    if scene.forces:
+        scene.run()  # raises the refusal with its verdict
+    return solve(scene.system)
+
+
+def _scene_of_motion(motion: Motion) -> Scene:
+    given = motion.given
+    start = Start(given["q"], given.get("velocity"), given.get("p"), motion.t0)
+    system = motion.solution.system
+    known = bool(system.id) and system.id in catalog.ids() and catalog.load(system.id) == system
+    table = catalog.read(system.id)[0] if known else {}
+    return Scene(
+        source="motion", title=system.title, summary="", table=table, effects=(), system=system, forces={},
+        parameters=given.get("parameters") or {}, initial=start, want=(), times=None, digits=15, events=(), orbit=None,
+        method="quadratures",
+    )  # fmt: skip
+
+
+def _usual(scene: Scene, solution: Solution) -> Scene:
+    """The scene with what is usually wanted: cycles and a hundred times over ten of them."""
+    start = scene.initial
+    assert start is not None
+    data = {"q": start.q, "velocity": start.velocity, "p": start.p, "parameters": scene.parameters, "t0": start.t}
+    motion = solution.motion(**{key: value for key, value in data.items() if value is not None})
+    stop = start.t + number(f"{_span(motion):.2g}", source="times.stop")
+    return replace(
+        scene, title=scene.title or scene.system.title, want=_WANT, times=Times(start=start.t, stop=stop, count=_COUNT)
+    )
+
+
+def _span(motion: Motion) -> float:
+    """Ten of the longest cycles, or as long as an unbounded motion takes to go a few times its own size."""
+    begin = float(sp.N(motion.t0, 20))
+    ends = [float(e.value) - begin for e in motion.boundary_times.values() if float(e.value) > begin]
+    if ends:
+        return 0.9 * min(ends)
+    running = [name for name, kind in motion.kinds.items() if kind in ("escape", "asymptotic", "boundary")]
+    cycles = [float(motion.periods[n].value) for n in motion.solution.coordinates if n in motion.periods]
+    cycles = cycles or [float(e.value) for e in motion.periods.values()]
+    if cycles and not running:
+        return _CYCLES * max(cycles)
+    state = motion.at(motion.t0)
+    scales = []
+    for name in running or [c.name for c in motion.solution.system.coordinates]:
+        q, v = abs(float(state.q[name])), abs(float(state.velocity[name]))
+        scales.append(max(q, 0.3) / v if v > 1e-3 * max(q, 0.3) else 1.0)
+    return 4 * max(scales)
