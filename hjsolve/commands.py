@@ -3,10 +3,8 @@
 from __future__ import annotations
 
 import re
-import sys
 import tomllib
 from argparse import Namespace
-from collections.abc import Callable
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
@@ -159,39 +157,10 @@ def cost(options: Namespace) -> int:
     Returns:
         The exit status.
     """
-    from hjsolve.costs import cost as measure
-    from hjsolve.reports.costs import checked_cost_path, save_cost
+    from hjsolve.cost_command import cost as measured
 
-    target = None if options.output is None else checked_cost_path(options.output)
-    table = measure(
-        _located(options.subject), motion=options.motion, digits=_levels(options.digits), seconds=options.seconds,
-        rivals=not options.no_rivals, progress=progress_bar(),
-    )  # fmt: skip
-    print(f"{table.title}\n\n{table.text}")
-    if target is not None:
-        print(f"\nwrote {save_cost(table, target)}")
+    measured(options, _located(options.subject))
     return ANSWER
-
-
-def _levels(text: str | None) -> list[int] | None:
-    if text is None:
-        return None
-    if not re.fullmatch(r"\d{1,4}(,\d{1,4})*", text.replace(" ", "")):
-        raise InvalidInputError(f'--digits "{text}": write whole numbers with commas between them, e.g. 20,30,50')
-    return [int(part) for part in text.split(",")]
-
-
-def progress_bar() -> Callable[[float, str], None] | None:
-    """A bar on the terminal, or None where the errors do not go to one."""
-    if not sys.stderr.isatty():
-        return None
-
-    def show(part: float, what: str) -> None:
-        done = round(24 * part)
-        sys.stderr.write(f"\r\x1b[2K[{'#' * done}{'.' * (24 - done)}] {what}"[:120] if part < 1 else "\r\x1b[2K")
-        sys.stderr.flush()
-
-    return show
 
 
 def catalog(options: Namespace) -> int:

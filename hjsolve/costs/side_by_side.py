@@ -48,7 +48,7 @@ def cost(
         repeats: timed runs of each method at most; the median counts.
         motion: which motion of a catalog entry.
         rivals: whether DOP853 and heyoka run as well.
-        progress: called with the part of the budget spent and the method that is running.
+        progress: called with the part of the budget spent and what is running; at the end with an empty text.
 
     Returns:
         The table.
@@ -71,6 +71,7 @@ def cost(
     trials = [*own_trials(task, levels), *closed_trials(task, levels), *(rival_trials(task) if rivals else [])]
     truth = _truth(task, trials[0], levels, clock)
     rows = measured(task, trials, truth, clock, repeats)
+    clock.tell("")
     return Cost(
         title=scene.title or scene.system.title or "A scene", id=scene.system.id, want=scene.want,
         times=len(scene.times.exact()) if scene.times is not None and task.states else 0,

@@ -172,7 +172,7 @@ def save_hamiltonian(
     data, about = initial_of(entry, initial, motion)
     started = problem.motion(**data, digits=digits) if data else None
     meanings, summary = (entry.meanings, entry.summary) if entry else ({}, "")
-    return _write(hamiltonian_document(problem, meanings, summary, started, about), target)
+    return write_document(hamiltonian_document(problem, meanings, summary, started, about), target)
 
 
 def save(material: Material, target: Path) -> Path:

@@ -2,14 +2,17 @@
 
 from __future__ import annotations
 
+import json
 import math
 import sys
 from dataclasses import replace
+from pathlib import Path
 from typing import Any
 
 import pytest
 
 import hjsolve
+from hjsolve.cli import main
 from hjsolve.costs import Cost, Row
 from hjsolve.errors import CatalogError, InvalidInputError, NotSeparableError
 
@@ -175,3 +178,32 @@ def test_bad_input_is_one_clear_line(arguments: dict[str, Any], words: str) -> N
 def test_what_does_not_separate_has_no_cost() -> None:
     with pytest.raises(NotSeparableError):
         hjsolve.cost("henon-heiles")
+
+
+def test_the_command_prints_the_table_and_writes_figure_and_rows(tmp_path: Path, capsys: Any) -> None:
+    figure, rows = tmp_path / "cost.svg", tmp_path / "cost.json"
+    arguments = ["cost", "harmonic-oscillator", "--digits", "20", "--seconds", "8", "--no-rivals"]
+    assert main([*arguments, "-o", str(rows)]) == 0
+    printed = capsys.readouterr().out
+    assert "certified" in printed
+    assert "claimed error" in printed
+    table = json.loads(rows.read_text(encoding="utf-8"))
+    assert {row["method"] for row in table["rows"]} == {"float64", "mpmath", "certified", "closed form"}
+    assert all(row["error"] <= row["claimed"] for row in table["rows"])
+    assert main([*arguments, "-o", str(figure)]) == 0
+    assert figure.read_text(encoding="utf-8").startswith("<svg")
+
+
+@pytest.mark.parametrize(
+    ("arguments", "words"),
+    [
+        (["no-such-system"], "no catalog entry"), (["pendulum", "--digits", "many"], "20,30,50"),
+        (["pendulum", "--digits", "5"], "whole numbers from 16"), (["pendulum", "--seconds", "-1"], "positive"),
+        (["pendulum", "-o", "cost.pdf"], "suffix"),
+    ],
+)  # fmt: skip
+def test_the_command_refuses_in_one_line(arguments: list[str], words: str, capsys: Any) -> None:
+    assert main(["cost", *arguments]) == 2
+    message = capsys.readouterr().err
+    assert words in message
+    assert len(message.strip().splitlines()) == 1
