@@ -1,0 +1,191 @@
+"""Do the tests notice a wrong sign? ``python benchmarks/mutation.py [--modules NAME …] [--sample N] [--seconds S]``.
+
+One sign, index, comparison or number at a time is changed in the modules that decide, in a copy of the project, and
+the tests that matter are run there until one fails. What survives is printed with its line: either a test is missing,
+or the change means nothing (a limit, a size, an order of trial), and then it stands in ``HARMLESS`` with the reason.
+The process ends with status 1 when something else survives.
+
+Mutants: + ↔ −, · ↔ /, −x → x, not x → x, == ↔ !=, < ↔ >=, > ↔ <=, is ↔ is not, in ↔ not in, and ↔ or, any ↔ all,
+m[i][j] → m[j][i], i ↔ j, n → n + 1, True ↔ False.
+"""
+
+from __future__ import annotations
+
+import argparse
+import ast
+import copy
+import random
+import shutil
+import subprocess
+import sys
+import tempfile
+import time
+from collections.abc import Iterator
+from dataclasses import dataclass
+from pathlib import Path
+
+ROOT = Path(__file__).resolve().parents[1]
+LAWS = ("tests/laws/test_levi_civita.py", "tests/laws/test_staeckel_matrix.py", "tests/laws/test_liouville.py")
+TESTS = {
+    "separation/levi_civita": ("tests/laws/test_levi_civita.py", "tests/laws/test_why_not.py"),
+    "separation/liouville": ("tests/laws/test_liouville.py",),
+    "separation/stackel": ("tests/laws/test_staeckel_matrix.py", "tests/laws/test_why_not.py"),
+    "separation/zero_test": ("tests/unit/test_zero_test.py", *LAWS),
+    "shell": ("tests/unit/test_shell.py", *LAWS, "tests/kinds", "tests/unit/test_solution.py"),
+    "separation/constants": ("tests/laws/test_staeckel_matrix.py", "tests/laws/test_involution.py"),
+    "separation/blocks": ("tests/laws/test_why_not.py",),
+    "separation/conformal": ("tests/laws/test_why_not.py",),
+    "separation/distance": ("tests/laws/test_why_not.py",),
+}
+NAMED = ("separation/levi_civita", "separation/liouville", "separation/stackel", "separation/zero_test", "shell")
+
+# module → {(line of source, change): why it means nothing}
+HARMLESS: dict[str, dict[tuple[str, str], str]] = {}
+
+OPERATORS = {
+    ast.Add: ast.Sub, ast.Sub: ast.Add, ast.Mult: ast.Div, ast.Div: ast.Mult, ast.Eq: ast.NotEq, ast.NotEq: ast.Eq,
+    ast.Lt: ast.GtE, ast.GtE: ast.Lt, ast.Gt: ast.LtE, ast.LtE: ast.Gt, ast.Is: ast.IsNot, ast.IsNot: ast.Is,
+    ast.In: ast.NotIn, ast.NotIn: ast.In, ast.And: ast.Or, ast.Or: ast.And,
+}  # fmt: skip
+
+
+@dataclass(frozen=True)
+class Mutant:
+    """One changed module."""
+
+    module: str
+    line: str
+    number: int
+    change: str
+    source: str
+
+
+def _changes(node: ast.AST) -> Iterator[tuple[str, ast.AST]]:
+    """A copy of the node for every way to change it."""
+
+    def copied() -> ast.AST:
+        return copy.deepcopy(node)
+
+    match node:
+        case ast.BinOp(op=op) | ast.BoolOp(op=op) if type(op) in OPERATORS:
+            new = copied()
+            new.op = OPERATORS[type(op)]()
+            yield f"{type(op).__name__} → {type(new.op).__name__}", new
+        case ast.Compare(ops=[op]) if type(op) in OPERATORS:
+            new = copied()
+            new.ops = [OPERATORS[type(op)]()]
+            yield f"{type(op).__name__} → {type(new.ops[0]).__name__}", new
+        case ast.UnaryOp(op=ast.USub() | ast.Not()):
+            yield f"{type(node.op).__name__} removed", copied().operand
+        case ast.Call(func=ast.Name(id="any" | "all")):
+            new = copied()
+            new.func.id = "all" if node.func.id == "any" else "any"
+            yield f"{node.func.id} → {new.func.id}", new
+        case ast.Subscript(value=ast.Subscript()) if ast.dump(node.slice) != ast.dump(node.value.slice):
+            new = copied()
+            new.slice, new.value.slice = new.value.slice, new.slice
+            yield f"indices of {ast.unparse(node)} exchanged", new
+        case ast.Name(id="i" | "j", ctx=ast.Load()):
+            new = copied()
+            new.id = "j" if node.id == "i" else "i"
+            yield f"{node.id} → {new.id} at {node.col_offset}", new
+        case ast.Constant(value=bool() as value):
+            yield f"{value} → {not value}", ast.Constant(not value)
+        case ast.Constant(value=int() as value):
+            yield f"{value} → {value + 1}", ast.Constant(value + 1)
+
+
+def _places(tree: ast.AST) -> Iterator[tuple[ast.AST, str, int | None]]:
+    """Every node that may be changed, as (parent, field, index); annotations, messages and texts are left alone."""
+    for name, value in ast.iter_fields(tree):
+        if name in {"annotation", "returns", "decorator_list"} or isinstance(value, ast.JoinedStr | ast.Raise):
+            continue
+        for index, child in enumerate(value) if isinstance(value, list) else [(None, value)]:
+            if isinstance(child, ast.AST) and not isinstance(child, ast.JoinedStr | ast.Raise):
+                yield tree, name, index
+                yield from _places(child)
+
+
+def mutants(module: str) -> list[Mutant]:
+    """All mutants of a module, in order."""
+    text = (ROOT / "hjsolve" / f"{module}.py").read_text(encoding="utf-8")
+    lines, tree, found = text.splitlines(), ast.parse(text), []
+    for parent, name, index in list(_places(tree)):
+        value = getattr(parent, name)
+        node = value if index is None else value[index]
+        for change, new in _changes(node):
+            if index is None:
+                setattr(parent, name, new)
+            else:
+                value[index] = new
+            source = ast.unparse(ast.fix_missing_locations(tree))
+            found.append(Mutant(module, lines[node.lineno - 1].strip(), node.lineno, change, source))
+            if index is None:
+                setattr(parent, name, node)
+            else:
+                value[index] = node
+    return found
+
+
+def killed(mutant: Mutant, folder: Path, limit: float) -> str:
+    """The first test that fails, or an empty text."""
+    target = folder / "hjsolve" / f"{mutant.module}.py"
+    kept = target.read_text(encoding="utf-8")
+    target.write_text(mutant.source, encoding="utf-8")
+    command = [sys.executable, "-m", "pytest", "-x", "-q", "-p", "no:cacheprovider", "--timeout=60"]
+    try:
+        done = subprocess.run(
+            [*command, *TESTS[mutant.module]],
+            cwd=folder, capture_output=True, text=True, timeout=limit, check=False, env=_environment(folder),
+        )  # fmt: skip
+    except subprocess.TimeoutExpired:
+        return "it takes too long"
+    finally:
+        target.write_text(kept, encoding="utf-8")
+    lines = [line for line in done.stdout.splitlines() if line.startswith(("FAILED", "ERROR"))]
+    return (lines[0] if lines else f"status {done.returncode}") if done.returncode else ""
+
+
+def _environment(folder: Path) -> dict[str, str]:
+    import os
+
+    return {**os.environ, "PYTHONPATH": str(folder), "PYTHONDONTWRITEBYTECODE": "1"}
+
+
+def main() -> int:
+    parser = argparse.ArgumentParser(description=__doc__.splitlines()[0])
+    parser.add_argument("--modules", nargs="*", default=list(NAMED), choices=list(TESTS))
+    parser.add_argument("--sample", type=int, default=None, help="that many of each module, at random")
+    parser.add_argument("--seed", type=int, default=1)
+    parser.add_argument("--seconds", type=float, default=float("inf"), help="stop after this time")
+    parser.add_argument("--limit", type=float, default=300.0, help="seconds for the tests of one mutant")
+    given = parser.parse_args()
+    start, survivors, count = time.monotonic(), list[Mutant](), 0
+    with tempfile.TemporaryDirectory() as place:
+        folder = Path(place)
+        for name in ("hjsolve", "tests", "catalog"):
+            shutil.copytree(ROOT / name, folder / name, ignore=shutil.ignore_patterns("__pycache__"))
+        shutil.copy(ROOT / "pyproject.toml", folder)
+        for module in given.modules:
+            found = mutants(module)
+            if given.sample is not None and given.sample < len(found):
+                found = random.Random(given.seed).sample(found, given.sample)
+            for mutant in found:
+                if time.monotonic() - start > given.seconds:
+                    break
+                if (mutant.line, mutant.change) in HARMLESS.get(module, {}):
+                    continue
+                count += 1
+                by = killed(mutant, folder, given.limit)
+                if not by:
+                    survivors.append(mutant)
+                mark = "killed  " if by else "SURVIVED"
+                print(f"{mark} {module}:{mutant.number} {mutant.change} | {mutant.line} | {by[:90]}", flush=True)
+    print(f"{count} mutants, {len(survivors)} survivors")
+    for mutant in survivors:
+        print(f"  {mutant.module}:{mutant.number} {mutant.change} | {mutant.line}")
+    return int(bool(survivors))
+
+
+if __name__ == "__main__":
+    sys.exit(main())
