@@ -12,6 +12,7 @@ from dataclasses import dataclass
 
 import sympy as sp
 
+from hjsolve.algebra.factoring import factored
 from hjsolve.errors import InvalidSystemError
 from hjsolve.tokens import printable
 
@@ -243,7 +244,7 @@ def _terms(expression: sp.Expr) -> int:
 def _forms(polynomial: sp.Expr) -> list[sp.Expr]:
     if not polynomial.is_Add and not polynomial.has(sp.Add):
         return [polynomial]
-    return [polynomial, *(sp.factor(sp.expand(form)) for form in _pythagoras(sp.expand(polynomial)))]
+    return [polynomial, *(factored(sp.expand(form)) for form in _pythagoras(sp.expand(polynomial)))]
 
 
 def _pythagoras(expanded: sp.Expr) -> list[sp.Expr]:

@@ -1,42 +1,106 @@
-"""Irreducible factors of small polynomials; the one step that calls sympy, and only where it is cheap."""
+"""Irreducible factors of small polynomials, without the steps of general algorithms that may take minutes.
+
+A polynomial that is linear in some generator, f = A·g + B, is gcd(A, B) times an irreducible one: polynomials of
+mechanics are nearly always linear in a mass, a length or a charge, and the gcd is quick. What is linear in none is
+given to the general algorithm of sympy (Wang's) only where it is small, since that has no bound of its own.
+"""
 
 from __future__ import annotations
 
-from collections.abc import Sequence
-from math import gcd
+from functools import reduce
+from typing import Any
 
 import sympy as sp
 
 from . import poly
 from .poly import Poly
 
+MAX_TERMS = 60
+MAX_GENERATORS = 8
+MAX_DEGREES = {1: 60, 2: 30, 3: 18}
+MAX_DEGREES_OF_MANY = 14
+Element = Any
+"""An element of a polynomial ring of sympy, over the integers or the rationals."""
+Factors = list[tuple[Element, int]]
+
 
 def factors_of(a: Poly) -> list[tuple[Poly, int]]:
     """Irreducible factors where that is cheap, else the polynomial itself."""
     names = poly.generators(a)
-    if len(a) <= 1 or len(a) > 40 or len(names) > 8 or _obviously_irreducible(a, names):
+    if len(a) <= 1 or len(a) > MAX_TERMS or len(names) > MAX_GENERATORS:
         return [(a, 1)]
     ring = sp.polys.rings.ring([f"g{k}" for k in names], sp.ZZ)[0]
     element = ring.from_dict({tuple(poly.exponent(m, k) for k in names): c for m, c in a.items()})
-    if sum(element.degrees()) > 24:
-        return [(a, 1)]
     factors = []
-    for factor, e in element.factor_list()[1]:
+    for factor, e in irreducible(element):
         packed = {sum(n << (poly.BITS * k) for n, k in zip(ms, names, strict=True)): int(c) for ms, c in factor.terms()}
         sign = 1 if packed[max(packed)] > 0 else -1
         factors.append((poly.scale(packed, sign), e))
     return factors
 
 
-def _obviously_irreducible(a: Poly, names: Sequence[int]) -> bool:
-    """Linear in some generator, a = A·g + B, with A a monomial prime to B; a is primitive."""
-    for k in names:
-        top = [m for m in a if poly.exponent(m, k)]
-        if len(top) != 1 or poly.exponent(top[0], k) != 1:
+def factored(expression: sp.Expr) -> sp.Expr:
+    """A polynomial in whatever it holds as a product of factors, irreducible where that is cheap.
+
+    Args:
+        expression: a polynomial in symbols, functions and roots, with rational coefficients; others come back as given.
+    """
+    made = expression.as_poly()
+    if made is None or made.domain not in (sp.ZZ, sp.QQ) or len(made.gens) > MAX_GENERATORS:
+        return expression
+    primitive = made.clear_denoms(convert=True)[1].primitive()[1]
+    ring = sp.polys.rings.ring([f"g{k}" for k in range(len(made.gens))], sp.ZZ)[0]
+    element = ring.from_dict({m: int(c) for m, c in primitive.terms()})
+    unit, written = made.LC(), []
+    for factor, e in irreducible(element):
+        positive = factor if factor.LC > 0 else -factor
+        unit /= int(positive.LC) ** e
+        written.append(positive.as_expr(*made.gens) ** e)
+    return sp.Mul(unit, *written) if len(written) != 1 or unit in (1, -1) else sp.Mul(unit, *written, evaluate=False)
+
+
+def irreducible(f: Element) -> Factors:
+    """Factors of a polynomial up to a constant, each prime to the others; irreducible where that is cheap."""
+    if f.is_ground:
+        return []
+    for k in range(f.ring.ngens):
+        parts = _coefficients(f, k)
+        if len(parts) == 1 and 0 not in parts:
+            ((degree, rest),) = parts.items()
+            return [(f.ring.gens[k], degree), *irreducible(rest)]
+    for k in range(f.ring.ngens):
+        parts = _coefficients(f, k)
+        if set(parts) == {0, 1}:
+            common = reduce(lambda a, b: a.gcd(b), parts.values())
+            return _gathered([(f.exquo(common).primitive()[1], 1), *irreducible(common)])
+    if _small(f):
+        return [(factor, e) for factor, e in f.factor_list()[1]]
+    for k in range(f.ring.ngens):
+        common = reduce(lambda a, b: a.gcd(b), _coefficients(f, k).values())
+        if not common.is_ground:
+            return _gathered([*irreducible(f.exquo(common)), *irreducible(common)])
+    return [(f.primitive()[1], 1)]
+
+
+def _small(f: Element) -> bool:
+    degrees = [d for d in f.degrees() if d > 0]
+    return sum(degrees) <= MAX_DEGREES.get(len(degrees), MAX_DEGREES_OF_MANY)
+
+
+def _coefficients(f: Element, k: int) -> dict[int, Element]:
+    """The coefficients of f as a polynomial in generator k, by its power; they hold the others only."""
+    found: dict[int, dict[tuple[int, ...], Any]] = {}
+    for monomial, c in f.terms():
+        found.setdefault(monomial[k], {})[(*monomial[:k], 0, *monomial[k + 1 :])] = c
+    return {power: f.ring.from_dict(terms) for power, terms in found.items()}
+
+
+def _gathered(factors: Factors) -> Factors:
+    """Equal factors together."""
+    found: dict[Element, int] = {}
+    for factor, e in factors:
+        if factor.is_ground:
             continue
-        rest = [m for m in a if m != top[0]]
-        if gcd(a[top[0]], *(a[m] for m in rest)) == 1 and not poly.monomial_content(
-            [top[0] - (1 << (poly.BITS * k)), *rest]
-        ):
-            return True
-    return False
+        same = factor if factor.LC > 0 else -factor
+        found[same] = found.get(same, 0) + e
+    return list(found.items())
