@@ -6,6 +6,7 @@ k′² is carried, so nothing is lost when k → 1. The quarter period is π/(2�
 
 from __future__ import annotations
 
+from functools import lru_cache
 from typing import Any
 
 import numpy as np
@@ -15,8 +16,13 @@ from hjsolve.numeric.arithmetic import Float64, Multi
 
 def quarter_period(complement: Any, arithmetic: Float64 | Multi) -> Any:
     """Return K for the complementary parameter k′², 0 < k′² ≤ 1."""
-    means = _landen(complement, arithmetic)
+    means = _means(complement, arithmetic)
     return arithmetic.pi() / (2 * means[-1][0])
+
+
+def _means(complement: Any, arithmetic: Float64 | Multi) -> list[tuple[Any, Any]]:
+    """The sequence of means, kept from one argument to the next."""
+    return _landen(complement, arithmetic) if isinstance(complement, np.ndarray) else _kept(complement, arithmetic)
 
 
 def _landen(complement: Any, arithmetic: Float64 | Multi) -> list[tuple[Any, Any]]:
@@ -33,6 +39,9 @@ def _landen(complement: Any, arithmetic: Float64 | Multi) -> list[tuple[Any, Any
         pairs.append((a, b))
     pairs.append(((a + b) / 2, b))
     return pairs
+
+
+_kept = lru_cache(maxsize=64)(_landen)
 
 
 def jacobi(u: Any, complement: Any, quarter: Any, arithmetic: Float64 | Multi) -> tuple[Any, Any, Any]:
@@ -70,10 +79,12 @@ def _jacobi_array(u: Any, complement: float, quarter: float, arithmetic: Float64
 
 def _bulirsch(u: Any, complement: Any, arithmetic: Float64 | Multi) -> tuple[Any, Any, Any]:
     """sn, cn, dn for 0 ≤ u ≤ K/2."""
-    pairs = _landen(complement, arithmetic)
+    dn = 0 * u + 1
+    if complement == 1:
+        return arithmetic.unary("sin", u), arithmetic.unary("cos", u), dn
+    pairs = _means(complement, arithmetic)
     c = pairs[-1][0] * u
     sine, cosine = arithmetic.unary("sin", c), arithmetic.unary("cos", c)
-    dn = 0 * u + 1
     if isinstance(arithmetic, Multi) and not sine:
         return sine, cosine, dn
     with np.errstate(all="ignore"):

@@ -10,6 +10,7 @@ from __future__ import annotations
 
 from collections.abc import Callable
 from dataclasses import dataclass
+from functools import cached_property
 from typing import Any, NamedTuple
 
 import numpy as np
@@ -43,7 +44,7 @@ class Intervals:
 
     plain: Float64 | Multi
 
-    @property
+    @cached_property
     def unit(self) -> Any:
         """Relative widening of one operation."""
         return 4 * 2.0**-52 if isinstance(self.plain, Float64) else self.plain.context.mpf(2) ** (3 - self.plain.bits)
@@ -61,15 +62,16 @@ class Intervals:
         )
 
     def _wide(self, low: Any, high: Any) -> Interval:
-        tiny = 1e-300 if isinstance(self.plain, Float64) else 0
         with np.errstate(all="ignore"):
-            low, high = low - self.unit * abs(low) - tiny, high + self.unit * abs(high) + tiny
+            if isinstance(self.plain, Float64):
+                low, high = low - (self.unit * abs(low) + 1e-300), high + (self.unit * abs(high) + 1e-300)
+            else:
+                low, high = low - self.unit * abs(low), high + self.unit * abs(high)
+            both = low + high
+        if not np.any(both != both):
+            return Interval(low, high)
         lost = (low != low) | (high != high)
-        return (
-            Interval(np.where(lost, -np.inf, low), np.where(lost, np.inf, high))
-            if np.any(lost)
-            else Interval(low, high)
-        )
+        return Interval(np.where(lost, -np.inf, low), np.where(lost, np.inf, high))
 
     def rational(self, numerator: int, denominator: int) -> Interval:
         value = np.array(self.plain.rational(numerator, denominator))
@@ -90,6 +92,11 @@ class Intervals:
 
     def mul(self, x: Interval, y: Interval) -> Interval:
         with np.errstate(all="ignore"):
+            if isinstance(self.plain, Float64):
+                products = [a * b for a in x for b in y]
+                low = _least(products)
+                if not np.any(low != low):
+                    return self._wide(low, _greatest(products))
             products = [_product(a, b) for a in x for b in y]
             return self._wide(_least(products), _greatest(products))
 

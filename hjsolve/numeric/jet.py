@@ -65,6 +65,13 @@ class Jets:
 
     def power(self, x: Jet, n: int) -> Jet:
         a = self.plain
+        if x.first is None:
+            return Jet(a.power(x.value, n))
+        if n < 0:
+            inverse = a.power(x.value, -1)
+            value = inverse if n == -1 else a.power(inverse, -n)
+            slope = a.mul(a.rational(n, 1), a.mul(value, inverse))
+            return self._chain(x, value, slope, a.mul(a.rational(n - 1, 1), a.mul(slope, inverse)))
         slope = a.mul(a.rational(n, 1), a.power(x.value, n - 1)) if n != 1 else a.rational(1, 1)
         bend = (
             a.mul(a.rational(n * (n - 1), 1), a.power(x.value, n - 2))

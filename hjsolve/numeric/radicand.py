@@ -13,7 +13,7 @@ from hjsolve.numeric.arithmetic import Float64, Multi
 from hjsolve.numeric.counting import count
 from hjsolve.numeric.interval import Interval, Intervals
 from hjsolve.numeric.jet import Jet, Jets
-from hjsolve.numeric.tape import Tape
+from hjsolve.numeric.tape import Bound, Tape
 
 Number = Callable[[int], Any]
 """A real number as a rule: binary digits asked ↦ ``mpf`` with (about) that many right."""
@@ -36,38 +36,56 @@ class Radicand:
     def value(self, q: Any, bits: int) -> Any:
         """Return F(q) at the working precision ``bits``."""
         count(squares=1)
-        return self.squared.run(Multi(bits), [q, *self.inputs(bits)])[0]
+        return self._bound("value", bits).run(q)[0]
 
     def jet(self, q: Any, bits: int) -> Jet:
         """Return F, F′ and F″ at q; zeros where the formula does not contain q."""
         count(squares=1)
-        jets = Jets(Multi(bits))
-        jet = self.squared.run(jets, [jets.variable(q), *(Jet(x) for x in self.inputs(bits))])[0]
+        bound = self._bound("jet", bits)
+        jet = bound.run(Jet(q, Multi(bits).rational(1, 1)))[0]
         zero = Multi(bits).rational(0, 1)
         return Jet(*(zero if part is None else part for part in jet))
 
     def weights(self, q: Any, bits: int) -> list[Any]:
         """Return ½ ∂F/∂κⱼ at q."""
         count(kernels=1)
-        return self.kernels.run(Multi(bits), [q, *self.inputs(bits)])
+        return self._bound("weights", bits).run(q)
 
     @cached_property
-    def _enclosed_inputs(self) -> list[Any]:
-        field = Intervals(Float64())
-        return [Jet(field.point(x)) for x in self.inputs(128)]
+    def _tapes(self) -> dict[tuple[str, int], Bound]:
+        return {}
+
+    def _bound(self, what: str, bits: int) -> Bound:
+        """The tapes with all but q known, kept for every precision that was asked for."""
+        key = what, bits
+        if key not in self._tapes:
+            arithmetic = Multi(bits)
+            field = Intervals(Float64()) if bits == 53 else Intervals(arithmetic)
+            tape = self.kernels if what == "weights" else self.squared
+            match what:
+                case "value" | "weights":
+                    bound = tape.bind(arithmetic, self.inputs(bits))
+                case "jet":
+                    bound = tape.bind(Jets(arithmetic), [Jet(x) for x in self.inputs(bits)])
+                case _:
+                    points = [field.point(x) for x in self.inputs(128 if bits == 53 else bits)]
+                    jets = [Jet(x) for x in points]
+                    bound = tape.bind(field, points) if what == "centre" else tape.bind(Jets(field), jets)
+            self._tapes[key] = bound
+        return self._tapes[key]
 
     def enclose(self, low: Any, high: Any, bits: int = 53) -> Jet:
         """Enclose F, F′, F″ over cells [low, high]: arrays of floats, or of ``mpf`` above 53 bits.
 
         The value is sharpened by the mean value form, F(m) + F′(cell)·(cell − m).
         """
-        field = Intervals(Float64()) if bits == 53 else Intervals(Multi(bits))
-        inputs = self._enclosed_inputs if bits == 53 else [Jet(field.point(x)) for x in self.inputs(bits)]
-        jets, cell, middle = Jets(field), Interval(low, high), (low + high) / 2
-        value, first, second = self.squared.run(jets, [jets.variable(cell), *inputs])[0]
+        cells = self._bound("cells", bits)
+        centres = self._bound("centre", bits)
+        field, cell, middle = centres.arithmetic, Interval(low, high), (low + high) / 2
+        value, first, second = cells.run(Jet(cell, field.rational(1, 1)))[0]
         zero = Interval(0 * low, 0 * low)
         first, second = (zero if part is None else part for part in (first, second))
-        centre = self.squared.run(field, [Interval(middle, middle), *(x.value for x in inputs)])[0]
+        centre = centres.run(Interval(middle, middle))[0]
         with np.errstate(all="ignore"):
             sharp = field.add(centre, field.mul(first, field.sub(cell, Interval(middle, middle))))
             value = Interval(np.maximum(value.low, sharp.low), np.minimum(value.high, sharp.high))

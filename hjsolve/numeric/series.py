@@ -167,17 +167,26 @@ def _one(values: list[Any], even: bool, digits: int, bits: int, floor: float) ->
         pairs = [_coefficient(rest, k, table, even) for k in range(1, top)]
         cosines, sines = (np.array(part, dtype=object) for part in zip(*pairs, strict=True))
     else:
-        cosines, sines = _transform(rest, top, table)
+        cosines, sines = _transform(rest, top, even, bits)
     return Series(mean, cosines, None if even else sines, nodes, tail if digits > 15 else float(tail))
 
 
-def _transform(values: list[Any], top: int, table: list[tuple[Any, Any]]) -> tuple[Any, Any]:
+def _transform(values: list[Any], top: int, even: bool, bits: int) -> tuple[Any, Any]:
     """Coefficients 1 … top − 1 in doubles, summed in extended precision: rounding must not pile up over the terms."""
     nodes = len(values)
-    index = np.outer(np.arange(1, top), 2 * np.arange(nodes) + 1) % len(table)
+    table = _extended_angles(nodes, even, bits)
+    index = np.outer(np.arange(1, top), 2 * np.arange(nodes) + 1) % len(table[0])
     samples = np.array([_extended(v) for v in values])
-    cosine, sine = (np.array([_extended(pair[part]) for pair in table])[index] @ samples for part in (0, 1))
+    cosine = table[0][index] @ samples
+    sine = 0 * cosine if even else table[1][index] @ samples
     return (2 / np.longdouble(nodes) * cosine).astype(float), (2 / np.longdouble(nodes) * sine).astype(float)
+
+
+@cache
+def _extended_angles(nodes: int, even: bool, bits: int) -> tuple[Any, Any]:
+    """The same in the platform's long double, as two arrays."""
+    cosines, sines = zip(*_angles(nodes, even, bits), strict=True)
+    return np.array([_extended(v) for v in cosines]), np.array([_extended(v) for v in sines])
 
 
 def _extended(value: Any) -> Any:

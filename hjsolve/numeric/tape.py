@@ -67,6 +67,55 @@ class Tape:
             slots.append(_apply(arithmetic, operation, slots))
         return [slots[i] for i in self.outputs]
 
+    def bind(self, arithmetic: Arithmetic, known: Sequence[Any]) -> Bound:
+        """Work out once what depends on the last inputs alone.
+
+        Args:
+            arithmetic: where to compute.
+            known: values of the last inputs.
+
+        Returns:
+            A rule for the other inputs.
+        """
+        free = len(self.inputs) - len(known)
+        slots: list[Any] = [None] * free + list(known)
+        varying, rest = set(range(free)), []
+        for operation in self.operations:
+            place = len(slots)
+            if varying.isdisjoint(operation.operands):
+                slots.append(_apply(arithmetic, operation, slots))
+            else:
+                varying.add(place)
+                slots.append(None)
+                rest.append((place, operation))
+        return Bound(arithmetic, free, tuple(slots), tuple(rest), self.outputs)
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class Bound:
+    """A tape some of whose inputs are known; made by ``Tape.bind``.
+
+    Attributes:
+        arithmetic: where it was bound.
+        free: number of inputs left.
+        slots: what is known. rest: the operations left to do, each with its slot. outputs: as in the tape.
+    """
+
+    arithmetic: Arithmetic
+    free: int
+    slots: tuple[Any, ...]
+    rest: tuple[tuple[int, Operation], ...]
+    outputs: tuple[int, ...]
+
+    def run(self, *values: Any) -> list[Any]:
+        """Evaluate all outputs at values of the free inputs."""
+        slots = list(self.slots)
+        slots[: self.free] = values
+        arithmetic = self.arithmetic
+        for place, operation in self.rest:
+            slots[place] = _apply(arithmetic, operation, slots)
+        return [slots[i] for i in self.outputs]
+
 
 def _apply(arithmetic: Arithmetic, operation: Operation, slots: list[Any]) -> Any:
     code, operands = operation.code, operation.operands

@@ -12,7 +12,7 @@ from __future__ import annotations
 import itertools
 from dataclasses import dataclass
 from functools import lru_cache
-from typing import Any, Literal
+from typing import Any, Literal, NamedTuple
 
 import numpy as np
 
@@ -24,6 +24,8 @@ EndKind = Literal["turning", "asymptote", "boundary", "infinity", "round"]
 _LAST_BITS = 2048
 _MOST_BITS = 65536
 _DEPTH = 40
+_EXACT = 6
+_TOGETHER = 48
 
 
 @dataclass(frozen=True)
@@ -93,11 +95,9 @@ def first_end(ray: Ray, *, digits: int) -> End:
     """
     cells = _cells(ray)
     todo = list(itertools.pairwise(cells))
-    enclosures = _enclose(ray, todo, 53)
-    for cell, enclosure in zip(todo, enclosures, strict=True):
-        found = _search(ray, cell, enclosure, 0, digits)
-        if found is not None:
-            return found
+    found = _search(ray, [_Cell(c, e, 0) for c, e in zip(todo, _enclose(ray, todo, 53), strict=True)], digits)
+    if found is not None:
+        return found
     if ray.turns:
         return End("round")
     return _beyond(ray, float(cells[-1]), digits)
@@ -129,28 +129,64 @@ def _enclose(ray: Ray, cells: list[tuple[float, float]], bits: int) -> list[Any]
     return list(zip(value.low, value.high, first.low, first.high, second.low, second.high, strict=True))
 
 
-def _search(ray: Ray, cell: tuple[float, float], enclosure: Any, depth: int, digits: int) -> End | None:
-    """Decide one cell: an end in it, or None where p² stays positive."""
-    low, _, slope_low, slope_high, bend_low, bend_high = enclosure
-    if low > 0:
-        return None
-    if slope_low > 0 or slope_high < 0 or bend_low > 0 or bend_high < 0:
-        return _settle(ray, cell, digits)
-    if depth > _DEPTH:
-        raise NotConvergedError(
-            f"p² could not be decided near q = {float(ray.place(cell[0], 128)):.15g}: it may have a zero of "
-            "high multiplicity there"
-        )
-    parts = 8 if depth < 4 else 2
-    edges = np.linspace(*cell, parts + 1)
-    if len(set(edges)) < parts + 1:
-        return _settle(ray, cell, digits)
-    children = list(itertools.pairwise(edges))
-    for child, inner in zip(children, _enclose(ray, children, 53 if depth < 6 else 64 * depth), strict=True):
-        found = _search(ray, child, inner, depth + 1, digits)
+class _Cell(NamedTuple):
+    """A piece of the ray, its enclosures of F, F′ and F″ (two ends each), and how often it was divided."""
+
+    ends: tuple[float, float]
+    enclosure: Any
+    depth: int
+
+    @property
+    def positive(self) -> bool:
+        return bool(self.enclosure[0] > 0)
+
+    @property
+    def undecided(self) -> bool:
+        """True where F may vanish and neither F nor F′ is known to be monotone."""
+        low, _, slope_low, slope_high, bend_low, bend_high = self.enclosure
+        return bool(not low > 0 and not (slope_low > 0 or slope_high < 0 or bend_low > 0 or bend_high < 0))
+
+
+def _search(ray: Ray, cells: list[_Cell], digits: int) -> End | None:
+    """Decide cells in their order: the first end in them, or None where p² stays positive."""
+    while cells:
+        first = cells[0]
+        if first.undecided and _pieces(ray, first):
+            cells = _divided(ray, cells)
+            continue
+        found = None if first.positive else _settle(ray, first.ends, digits)
         if found is not None:
             return found
+        cells = cells[1:]
     return None
+
+
+def _divided(ray: Ray, cells: list[_Cell]) -> list[_Cell]:
+    """Divide the first cell, and with it those that wait behind it for the same: many enclosures cost little more."""
+    depth = cells[0].depth
+    together = _TOGETHER if depth < _EXACT else 1
+    pieces = [_pieces(ray, c) if c.undecided and c.depth == depth else [] for c in cells[:together]]
+    enclosures = iter(_enclose(ray, list(itertools.chain(*pieces)), 53 if depth < _EXACT else 64 * depth))
+    result: list[_Cell] = []
+    for cell, parts in zip(cells[:together], pieces, strict=True):
+        result += [_Cell(part, next(enclosures), depth + 1) for part in parts] or [cell]
+    return result + cells[together:]
+
+
+def _pieces(ray: Ray, cell: _Cell) -> list[tuple[float, float]]:
+    """Return the parts of a cell; none where doubles cannot divide it.
+
+    Raises:
+        NotConvergedError: it was divided too often already.
+    """
+    if cell.depth > _DEPTH:
+        raise NotConvergedError(
+            f"p² could not be decided near q = {float(ray.place(cell.ends[0], 128)):.15g}: it may have a zero of "
+            "high multiplicity there"
+        )
+    parts = 8 if cell.depth < 4 else 2
+    edges = np.linspace(*cell.ends, parts + 1)
+    return [] if len(set(edges)) < parts + 1 else list(itertools.pairwise(edges))
 
 
 def _settle(ray: Ray, cell: tuple[float, float], digits: int) -> End | None:
