@@ -25,6 +25,10 @@ from hjsolve.reports.prose import prose, typeset
 from hjsolve.reports.wells import Array
 from hjsolve.scenes import Run
 
+_METHODS = {
+    "float64": "double precision", "mpmath": "multiple precision (mpmath)", "certified": "ball arithmetic (certified)",
+    "integrate": "an integrator",
+}  # fmt: skip
 _MOST_ROWS = 24
 _TITLES = {
     "constants": "Constants of the motion", "turning_points": "Turning points", "actions": "Actions",
@@ -181,7 +185,12 @@ def _effort(run: Run) -> Section:
     else:
         work = run.work
         text = (
-            f"Asked to {run.scene.digits} digits. Evaluated for all arcs together: the squared momenta {work.squares} "
-            f"times, their derivatives {work.kernels} times, places along the motion {work.places} times."
+            f"Computed to {run.scene.digits} digits. Evaluated for all arcs together: the squared momenta "
+            f"{work.squares} times, their derivatives {work.kernels} times, places along the motion {work.places} "
+            "times."
         )
-    return Section("how", "How this was computed", (Paragraph((text,)),))
+    blocks: list[Block] = [Paragraph((text,))]
+    if run.choice is not None:
+        chosen = f"Chosen: {_METHODS[run.choice.method]}, {run.choice.digits} digits, because {run.choice.why}."
+        blocks.insert(0, Paragraph((chosen,)))
+    return Section("how", "How this was computed", tuple(blocks))

@@ -79,6 +79,22 @@ class Trajectory:
         return State(self.t, self.q, self.p, self.velocity, self.turns, self.status, self.errors).unwrapped(name)
 
 
+@dataclass(frozen=True)
+class Choice:
+    """How a scene was run.
+
+    Attributes:
+        method: ``float64``, ``mpmath``, ``certified`` (ball arithmetic) or ``integrate``.
+        digits: it was run with. why: in words.
+        tried: (method, digits, seconds) of every run made, in order; the last one gave the answer.
+    """
+
+    method: str
+    digits: int
+    why: str
+    tried: tuple[tuple[str, int, float], ...] = ()
+
+
 @dataclass(frozen=True, eq=False)
 class Run:
     """What a scene gave; see ``Scene.run``.
@@ -90,6 +106,7 @@ class Run:
         trajectory: the states, where they are wanted.
         drift: former constant → its change since the start at every time, where the scene was integrated.
         work: evaluations of p², of kernels, and of places, all that the run needed.
+        choice: which method was chosen, and why.
     """
 
     scene: Scene
@@ -98,6 +115,7 @@ class Run:
     trajectory: Trajectory | None
     drift: Mapping[str, Any]
     work: Work
+    choice: Choice | None = None
 
     def quantity(self, name: str, arc: int = 0) -> Any:
         """Return a wanted quantity of one arc, as in ``Motion``.
@@ -113,21 +131,15 @@ class Run:
 
 
 def run(scene: Scene, solution: Solution | None = None) -> Run:
-    """Compute what a scene wants; see ``Scene.run``. A solution that is there already is not made again."""
-    if scene.initial is None:
-        raise MissingValueError(f"{scene.source}: initial: missing, and the system has no default motion")
+    """Compute what a scene wants with the digits it has; a solution that is there already is not made again."""
     if scene.method == "integrate":
         from hjsolve.scenes.integrate import integrated
 
+        _started(scene)
         return integrated(scene)
-    if scene.forces:
-        verdict = dissipative(scene.system, scene.forces)
-        raise NotSeparableError(words(verdict), verdict)
-    try:
-        solution = solve(scene.system) if solution is None else solution
-    except NotSeparableError as error:
-        text = f'{error}; or write method = "integrate" in the scene'
-        raise NotSeparableError(text, error.verdict) from error
+    if solution is None:
+        solution = solved(scene)
+        assert solution is not None
     if scene.certified and scene.events:
         raise InvalidInputError("proofs end at an event: the state there is computed, not proved; leave certified out")
     with counted() as work:
@@ -135,6 +147,31 @@ def run(scene: Scene, solution: Solution | None = None) -> Run:
         arcs = tuple(_arc(scene, solution, piece) for piece in found)
         trajectory = _trajectory(scene, arcs, found) if "trajectory" in scene.want else None
     return Run(scene, solution, arcs, trajectory, {}, work)
+
+
+def _started(scene: Scene) -> None:
+    if scene.initial is None:
+        raise MissingValueError(f"{scene.source}: initial: missing, and the system has no default motion")
+
+
+def solved(scene: Scene) -> Solution | None:
+    """Solve the system of a scene; None where it is to be integrated.
+
+    Raises:
+        NotSeparableError: it does not separate, or a force acts on it.
+        MissingValueError: nothing says where the motion starts.
+    """
+    _started(scene)
+    if scene.method == "integrate":
+        return None
+    if scene.forces:
+        verdict = dissipative(scene.system, scene.forces)
+        raise NotSeparableError(words(verdict), verdict)
+    try:
+        return solve(scene.system)
+    except NotSeparableError as error:
+        text = f'{error}; or write method = "integrate" in the scene'
+        raise NotSeparableError(text, error.verdict) from error
 
 
 def first_arguments(scene: Scene) -> dict[str, Any]:

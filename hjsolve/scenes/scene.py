@@ -28,7 +28,7 @@ if TYPE_CHECKING:
     from hjsolve.scenes.run import Run
 
 INTEGRATED_DIGITS, MOST_INTEGRATED_DIGITS = 10, 12
-_LONGEST_FILE = 1_000_000
+_LONGEST_FILE, _LONGEST_RUN = 1_000_000, 86_400
 Numbers = Mapping[str, object]
 
 
@@ -96,6 +96,7 @@ class Scene:
         events: impulses and walls, in the file's order. orbit: see ``OrbitAsked``.
         method: ``quadratures`` (Hamilton-Jacobi) or ``integrate`` (an ODE integrator).
         certified: constants, turning points, actions, frequencies and periods are proved.
+        seconds: the time allowed, where the scene asks for the best that fits into it instead of digits.
     """
 
     source: str
@@ -114,6 +115,7 @@ class Scene:
     orbit: OrbitAsked | None
     method: str
     certified: bool = False
+    seconds: float | None = None
 
     @staticmethod
     def load(scene: str | Path | Mapping[str, Any]) -> Scene:
@@ -144,7 +146,7 @@ class Scene:
             raise CatalogError(text if text.startswith(source) else f"{source}: {text}") from error
 
     def run(self) -> Run:
-        """Compute what the scene wants, and nothing else.
+        """Compute what the scene wants, and nothing else, with the method its accuracy calls for (``Run.choice``).
 
         Raises:
             NotSeparableError: the system does not separate, or a force acts on it, and the method is ``quadratures``;
@@ -152,9 +154,9 @@ class Scene:
             InvalidInputError: initial data that cannot be used.
             NotConvergedError: a number could not be had to the digits asked.
         """
-        from hjsolve.scenes.run import run
+        from hjsolve.scenes.choice import run_chosen
 
-        return run(self)
+        return run_chosen(self)
 
 
 def _opened(scene: str | Path | Mapping[str, Any]) -> tuple[Mapping[str, Any], str, Path]:
@@ -190,6 +192,7 @@ def _built(table: Mapping[str, Any], source: str, folder: Path) -> Scene:
         digits=table.get("accuracy", {}).get("digits", INTEGRATED_DIGITS if integrated else 15),
         events=tuple(read_event(e, system, f"events[{k}]") for k, e in enumerate(table.get("events", ()), start=1)),
         orbit=_orbit(table), method="integrate" if integrated else "quadratures",
+        seconds=_seconds(table.get("accuracy", {}), source),
     )  # fmt: skip
     problems = list(_disagreements(result))
     if problems:
@@ -242,6 +245,15 @@ def _times(given: Any) -> Times | None:
         return Times(listed=tuple(number(t, source=f"times[{k}]") for k, t in enumerate(given, start=1)))
     start, stop = (number(given[key], source=f"times.{key}") for key in ("start", "stop"))
     return Times(start=start, stop=stop, count=given["count"])
+
+
+def _seconds(accuracy: Mapping[str, Any], source: str) -> float | None:
+    if "seconds" not in accuracy:
+        return None
+    value = float(number(accuracy["seconds"], source=f"{source}: accuracy.seconds"))
+    if not 0 < value <= _LONGEST_RUN:
+        raise CatalogError(f"{source}: accuracy.seconds: must be more than 0 and at most {_LONGEST_RUN}, not {value:g}")
+    return value
 
 
 def _orbit(table: Mapping[str, Any]) -> OrbitAsked | None:

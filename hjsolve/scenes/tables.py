@@ -24,7 +24,7 @@ SCENE = {
     "title": _TEXT, "summary": _TEXT, "effects": Key("texts"), "parameters": _NUMBERS, "motion": _TEXT,
     "initial": Key("table", keys={"q": Key("numbers", True), "velocity": _NUMBERS, "p": _NUMBERS, "t": Key("number")}),
     "want": Key("texts"), "method": Key("text", choices=METHODS),
-    "accuracy": Key("table", keys={"digits": Key("number", True)}),
+    "accuracy": Key("table", keys={"digits": Key("number"), "seconds": Key("number")}),
     "orbit": Key("table", keys={"of": Key("text", True), "along": Key("text", True)}),
     "events": Key("tables", keys=_EVENT),
 }  # fmt: skip
@@ -47,7 +47,10 @@ def scene_faults(table: Mapping[str, Any]) -> Iterator[str]:
         for word in want:
             if isinstance(word, str) and word not in WANTED:
                 yield f'want: "{word}" is not known{schema.nearest(word, WANTED)}'
-    digits = table["accuracy"].get("digits") if isinstance(table.get("accuracy"), Mapping) else None
+    accuracy = table.get("accuracy")
+    digits = accuracy.get("digits") if isinstance(accuracy, Mapping) else None
+    if isinstance(accuracy, Mapping) and ("digits" in accuracy) == ("seconds" in accuracy):
+        yield "accuracy: give digits or seconds, one of the two: {digits = 30}, or {seconds = 5}"
     if digits is not None and (not isinstance(digits, int) or isinstance(digits, bool) or not 1 <= digits <= 500):
         yield f"accuracy.digits: must be a whole number from 1 to 500, not {digits}"
     if isinstance(events := table.get("events"), list):
