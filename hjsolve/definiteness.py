@@ -7,6 +7,7 @@ from collections.abc import Iterator, Mapping, Sequence
 
 import mpmath
 import sympy as sp
+from sympy.core.function import AppliedUndef
 
 from hjsolve.declarations import Coordinate, Parameter
 from hjsolve.domains import Domain
@@ -28,11 +29,12 @@ def check_mass_matrix(
     A diagonal matrix whose entries sympy proves positive passes at once. Otherwise the leading principal minors are
     computed at points inside the domain, with the parameters' values. Where parameters have none, values that agree
     with their assumptions are tried: the matrix passes if some values make it positive definite at every point, for
-    it is checked again when values are given.
+    it is checked again when values are given. An undetermined function is tried as a positive one.
 
     Raises:
         InvalidSystemError: with the minor, its value and the point.
     """
+    matrix = _determined(matrix)
     diagonal = matrix.is_diagonal()
     if signature == "definite" and diagonal and all(matrix[i, i].is_positive for i in range(matrix.rows)):
         return
@@ -51,6 +53,14 @@ def check_mass_matrix(
         raise InvalidSystemError(f"kinetic: {faults[0]}")
     free = ", ".join(p.name for p in parameters if p.value is None)
     raise InvalidSystemError(f"no values of {free} were found that leave every domain non-empty; give default values")
+
+
+def _determined(matrix: sp.ImmutableMatrix) -> sp.ImmutableMatrix:
+    """The matrix with each undetermined function replaced by a positive one, different for every name."""
+    functions = sorted({f.func for f in matrix.atoms(AppliedUndef)}, key=str)
+    for k, f in enumerate(functions):
+        matrix = matrix.replace(f, lambda *x, k=k: 1 + sp.Rational(k + 1, 7) + sp.Add(*(a**2 / (k + 3) for a in x)))
+    return matrix
 
 
 def _degeneracy(matrix: sp.ImmutableMatrix, points: Sequence[Point]) -> str:

@@ -6,6 +6,7 @@ from collections.abc import Mapping
 
 import mpmath
 import sympy as sp
+from sympy.core.function import AppliedUndef
 
 CONTEXT = mpmath.MPContext()
 CONTEXT.dps = 80
@@ -61,4 +62,6 @@ def _power(base: mpmath.mpf, exponent: mpmath.mpf) -> mpmath.mpf:
 def _function(expression: sp.Expr, argument: mpmath.mpf) -> mpmath.mpf:
     if abs(argument) > (_MAX_ARGUMENT if isinstance(expression, _GROWING) else CONTEXT.mpf(10) ** 60):
         raise BeyondRangeError
+    if isinstance(expression, AppliedUndef):
+        raise NoValueError(str(expression))
     return getattr(CONTEXT, type(expression).__name__)(argument)

@@ -5,13 +5,14 @@ Taken apart where signs are proved, denested where that is possible, else a gene
 
 from __future__ import annotations
 
+import math
 from fractions import Fraction
 from typing import TYPE_CHECKING
 
 import sympy as sp
 
 from . import poly
-from .field import Element, Generator, Root
+from .field import Element, Field, Generator, Root
 from .poly import Poly
 from .signs import sign_of
 
@@ -81,7 +82,7 @@ def _denested(reader: Reader, radicand: Poly) -> Element | None:
     """Denest √(A + B√d) = √((A+C)/2) ± √((A−C)/2).
 
     C² = A² − B²d must have a root C in the functions that A, B and d are made of; A ≥ 0 and the sign of B must be
-    proved.
+    proved. Where B > 0, either sign of C gives the same sum, so that the sign of C need not be known.
     Borodin, Fagin, Hopcroft and Tompa, J. Symb. Comp. 1 (1985) 169.
     """
     field = reader.field
@@ -98,12 +99,23 @@ def _denested(reader: Reader, radicand: Poly) -> Element | None:
         own = {*poly.generators(radicand), *poly.generators(g.root.radicand)} - {k}
         a = field.from_poly(A)
         square = a**2 - field.from_poly(B) ** 2 * field.from_poly(g.root.radicand)
-        C = root(reader, square, 1, 2)
+        C = (_whole_root(field, square) if side > 0 else None) or root(reader, square, 1, 2)
         if not all(j in own or field.generators[j].atom.is_number for j in C.generators):
             continue
         half = Fraction(1, 2)
         return root(reader, (a + C) * half, 1, 2) + root(reader, (a - C) * half, 1, 2) * side
     return None
+
+
+def _whole_root(field: Field, square: Element) -> Element | None:
+    """C with C² = square, of either sign; None where the square is none of a rational function of the generators."""
+    if square.is_zero:
+        return None
+    x = field.factored(square)
+    top, bottom = (math.isqrt(abs(n)) for n in (x.coefficient.numerator, x.coefficient.denominator))
+    if Fraction(top, bottom) ** 2 != x.coefficient or any(e % 2 for e in x.factors.values()):
+        return None
+    return Element(field, Fraction(top, bottom), {0: 1}, {b: e // 2 for b, e in x.factors.items()})
 
 
 def _adjoin(reader: Reader, radicand: Poly, factor: Element, q: int, *, nonnegative: bool) -> Element:

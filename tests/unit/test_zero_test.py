@@ -23,6 +23,8 @@ u, v, a, b, n = sp.symbols("u v a b n", positive=True)
 f, g = sp.Function("f"), sp.Function("g")
 
 ZEROS = {
+    "nested radical of two roots": sp.sqrt(u + v + 2 * sp.sqrt(u * v)) - sp.sqrt(u) - sp.sqrt(v),
+    "nested radical with a number": sp.sqrt(2 * u**2 + v**2 + 2 * sp.sqrt(2) * u * v) - sp.sqrt(2) * u - v,
     "double angle": sp.sin(2 * x) - 2 * sp.sin(x) * sp.cos(x),
     "half angle": sp.tan(x / 2) - sp.sin(x) / (1 + sp.cos(x)),
     "sum of angles": sp.cos(x + y - t) - sp.re(sp.expand(sp.cos(x + y - t), trig=True)),
