@@ -28,7 +28,7 @@ from hjsolve.errors import NotConvergedError
 from hjsolve.numeric.arithmetic import Float64, Multi, multiprecision
 from hjsolve.numeric.turning_points import EndKind
 
-_MAX_PANELS = 400
+_MAX_PANELS = 600
 
 
 @dataclass(frozen=True)
@@ -195,7 +195,7 @@ def build(
             break
         if len(values) > _MAX_PANELS:
             raise NotConvergedError(f"more than {_MAX_PANELS} panels on the way to {way.end}")
-        step = min(2 * step, max(step, 3 * y / 4)) if way.end != "asymptote" else min(2 * step, context.mpf(2))
+        step = min(2 * step, max(step, 5 * y / 8)) if way.end != "asymptote" else min(2 * step, context.mpf(2))
     kind = float if digits <= 15 else object
     return Panels(
         np.array(edges, dtype=kind),

@@ -130,11 +130,15 @@ def _enclose(ray: Ray, cells: list[tuple[float, float]], bits: int) -> list[Any]
 
 
 class _Cell(NamedTuple):
-    """A piece of the ray, its enclosures of F, F′ and F″ (two ends each), and how often it was divided."""
+    """A piece of the ray, its enclosures of F, F′ and F″ (two ends each), and how often it was divided.
+
+    ``blurred``: its enclosure of F is no narrower than that of what it is a part of, so it is all rounding.
+    """
 
     ends: tuple[float, float]
     enclosure: Any
     depth: int
+    blurred: bool = False
 
     @property
     def positive(self) -> bool:
@@ -164,12 +168,19 @@ def _search(ray: Ray, cells: list[_Cell], digits: int) -> End | None:
 def _divided(ray: Ray, cells: list[_Cell]) -> list[_Cell]:
     """Divide the first cell, and with it those that wait behind it for the same: many enclosures cost little more."""
     depth = cells[0].depth
-    together = _TOGETHER if depth < _EXACT else 1
-    pieces = [_pieces(ray, c) if c.undecided and c.depth == depth else [] for c in cells[:together]]
-    enclosures = iter(_enclose(ray, list(itertools.chain(*pieces)), 53 if depth < _EXACT else 64 * depth))
+    exact = depth >= _EXACT or cells[0].blurred
+    together = 1 if exact else _TOGETHER
+    pieces = [
+        _pieces(ray, c) if c.undecided and c.depth == depth and c.blurred <= exact else [] for c in cells[:together]
+    ]
+    bits = max(64 * depth, 256) if exact else 53
+    enclosures = iter(_enclose(ray, list(itertools.chain(*pieces)), bits))
     result: list[_Cell] = []
     for cell, parts in zip(cells[:together], pieces, strict=True):
-        result += [_Cell(part, next(enclosures), depth + 1) for part in parts] or [cell]
+        inner = [next(enclosures) for _ in parts]
+        blurred = bool(parts) and not max(e[1] - e[0] for e in inner) < 0.6 * (cell.enclosure[1] - cell.enclosure[0])
+        blurred = cell.blurred or (depth > 0 and blurred)
+        result += [_Cell(part, e, depth + 1, blurred) for part, e in zip(parts, inner, strict=True)] or [cell]
     return result + cells[together:]
 
 

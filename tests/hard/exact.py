@@ -106,3 +106,81 @@ def three_roots(a: mpf, b: mpf, c: mpf, t: mpf) -> mpf:
 def radial_fall_time(r: mpf) -> mpf:
     """Time in which a body released at rest at distance 1 falls to r under 1/r²: [acos √r + √(r(1−r))]/√2."""
     return (mp.acos(mp.sqrt(r)) + mp.sqrt(r * (1 - r))) / mp.sqrt(2)
+
+
+class Nutation:
+    """A tilted axis of height z: ż² = 2h(z − z₁)(z₂ − z)(z₃ − z), ψ̇ = (b + cz)/(1 − z²), φ̇ = cr + ψ̇z, from z₁ or z₂.
+
+    The symmetric top (I_t = 1, r = I_t/I_a) and, with c = 0, the spherical pendulum: z = z₁ + (z₂ − z₁) sn²
+    (Whittaker §71), ψ and φ by incomplete Π (DLMF 19.2(ii)).
+
+    Args:
+        h: mgl. b, c: momenta of precession and spin. start: the height z₁ or z₂ at t = 0, where ż = 0.
+    """
+
+    def __init__(self, h: mpf, b: mpf, c: mpf, start: mpf, ratio: int | mpf = 1):
+        self.b, self.c, self.ratio = b, c, ratio
+        # 2(E − hz)(1 − z²) − (b + cz)² without its root at the start: E = h·start + (b + c·start)²/(2(1 − start²))
+        excess = (b + c * start) ** 2 / (1 - start**2)
+        # cubic 2h z³ − (2E + c²) z² − (2h + 2bc) z + 2E − b², E′ = 2E
+        e = 2 * h * start + excess
+        p, q = 2 * h * start - e - c * c, (2 * h * start - e - c * c) * start - 2 * h - 2 * b * c
+        root = mp.sqrt(p * p - 8 * h * q)
+        large = (-p + (root if p < 0 else -root)) / (4 * h)
+        others = sorted([large, q / (2 * h) / large])
+        self.from_top = start > others[0]
+        self.low, self.high, self.far = sorted([start, *others])
+        self.rate = mp.sqrt(h * (self.far - self.low) / 2)
+        self.m = (self.high - self.low) / (self.far - self.low)
+
+    @property
+    def period(self) -> mpf:
+        return 2 * mp.ellipk(self.m) / self.rate
+
+    def _poles(self, turns: mpf, amplitude: mpf) -> tuple[mpf, mpf]:
+        """∫ dt/(1 − z) and ∫ dt/(1 + z) from the lowest height, ``turns`` whole periods and an amplitude."""
+        width, result = self.high - self.low, []
+        for end, n in ((1 - self.low, width / (1 - self.low)), (1 + self.low, -width / (1 + self.low))):
+            part = mp.ellippi(n, amplitude, self.m) + (2 * turns * mp.ellippi(n, self.m) if turns else 0)
+            result.append(part / (end * self.rate))
+        return result[0], result[1]
+
+    def _place(self, t: mpf) -> tuple[mpf, mpf]:
+        turns = mp.nint(t / self.period)
+        u = (t - turns * self.period) * self.rate
+        sn, cn = mp.ellipfun("sn", u, m=self.m), mp.ellipfun("cn", u, m=self.m)
+        return turns, mp.atan2(sn, cn)
+
+    def at(self, t: mpf) -> tuple[mpf, mpf, mpf]:
+        """z, ψ − ψ(0), φ − φ(0)."""
+        later = self.period / 2 if self.from_top else mpf(0)
+        turns, amplitude = self._place(t + later)
+        up, down = (
+            x - y
+            for x, y in zip(self._poles(turns, amplitude), self._poles(mpf(0), mp.pi / 2 if self.from_top else mpf(0)))
+        )
+        b, c = self.b, self.c
+        z = self.low + (self.high - self.low) * mp.sin(amplitude) ** 2
+        ψ = ((b + c) * up + (b - c) * down) / 2
+        return z, ψ, c * self.ratio * t + ((b + c) * up - (b - c) * down) / 2 - c * t
+
+    def mean(self) -> tuple[mpf, mpf]:
+        """Mean rates of ψ and φ."""
+        up, down = self._poles(mpf(1), mpf(0))
+        b, c, T = self.b, self.c, self.period
+        return ((b + c) * up + (b - c) * down) / (2 * T), c * self.ratio - c + ((b + c) * up - (b - c) * down) / (2 * T)
+
+    def action(self) -> mpf:
+        """(1/2π) ∮ p dθ = (1/π) ∫ ż²/(1 − z²) dt from the lowest height to the highest, over the amplitude."""
+        width = self.high - self.low
+        h = 2 * self.rate**2 / (self.far - self.low)
+
+        def power(α: mpf) -> mpf:
+            s, k = mp.sin(α) ** 2, mp.cos(α) ** 2
+            above, below = 1 - self.low - width * s, 1 + self.low + width * s
+            square = 2 * h * width**2 * s * k * (self.far - self.low - width * s)
+            return square / (above * below * self.rate * mp.sqrt(1 - self.m * s))
+
+        near = [mp.sqrt(x / width) for x in (1 - self.high, 1 + self.low) if x < width]
+        cuts = sorted({x for n in near for x in (n, 30 * n, mp.pi / 2 - n, mp.pi / 2 - 30 * n) if 0 < x < mp.pi / 2})
+        return mp.quad(power, [0, *cuts, mp.pi / 2]) / mp.pi
