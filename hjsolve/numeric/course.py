@@ -192,7 +192,7 @@ class Branch:
 def _panels(branch: Branch, weights: tuple[float, ...] | None, power: int) -> Panels:
     """Build panels of a branch (a pure function; the newest ones are kept)."""
     limit = Multi(branch.bits).context.mpf(2) ** power
-    far = Multi(branch.bits).context.mpf(2) ** 300
+    far = Multi(branch.bits).context.mpf(2) ** 1000
 
     def enough(y: Any, integrals: list[Any]) -> bool:
         if branch.way.end == "asymptote" and y > 60 + 2 * branch.digits:

@@ -28,7 +28,7 @@ from hjsolve.errors import NotConvergedError
 from hjsolve.numeric.arithmetic import Float64, Multi, multiprecision
 from hjsolve.numeric.turning_points import EndKind
 
-_MAX_PANELS = 600
+_MAX_PANELS = 1600
 
 
 @dataclass(frozen=True)
@@ -74,8 +74,7 @@ class Way:
             rise, fall = call("tanh", y), 1 / call("cosh", y)
             return self.length * rise * rise, self.length * fall * fall, 2 * self.length * rise * fall * fall
         decay = call("exp", -y)
-        gone = 2 * call("exp", -y / 2) * call("sinh", y / 2)
-        return self.length * gone, self.length * decay, self.length * decay
+        return -self.length * call("expm1", -y), self.length * decay, self.length * decay
 
     def position(self, y: Any, arithmetic: Float64 | Multi) -> tuple[Any, Any]:
         """Return q and dq/dy at y ≥ 0."""

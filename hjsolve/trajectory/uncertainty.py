@@ -22,6 +22,8 @@ if TYPE_CHECKING:
     from hjsolve.motion import Motion
 
 _EPS = 2.0**-52
+_LEAST = 2.0**-1074
+"""The smallest double: what is too small for doubles is not exactly zero."""
 _TABLE = 1e-14
 """Relative accuracy of a table, above the phases' own."""
 
@@ -40,8 +42,8 @@ def state_errors(
         size_q, size_p = np.abs(q[name].astype(float)), np.abs(p[name].astype(float))
         if motion.turning_points.get(name, (None, None))[0] is not None and _straddles(motion, name):
             size_q = size_q + _width(motion, name)
-        dq[name] = slope_q * e + 4 * unit * size_q
-        dp[name] = slope_p * e + (16 + 2 * _waves(course)) * unit * size_p
+        dq[name] = slope_q * e + 4 * unit * size_q + _LEAST
+        dp[name] = slope_p * e + (16 + 2 * _waves(course)) * unit * size_p + _LEAST
     for coordinate in motion.solution.system.coordinates:
         name = coordinate.name
         if name not in dq:
