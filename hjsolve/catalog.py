@@ -6,15 +6,13 @@ inline ``[system]`` table go through the same door.
 
 from __future__ import annotations
 
-import tomllib
 from collections.abc import Iterable, Iterator, Mapping
-from decimal import Decimal
 from importlib.resources import files
 from importlib.resources.abc import Traversable
 from pathlib import Path
 from typing import Any
 
-from hjsolve import refusals, schema
+from hjsolve import refusals, schema, toml_file
 from hjsolve.effects import forces, with_effects
 from hjsolve.entries import Effect as Effect
 from hjsolve.entries import Entry as Entry
@@ -24,10 +22,10 @@ from hjsolve.entry_faults import form_faults, motion_faults, reference_faults
 from hjsolve.errors import CatalogError, InvalidInputError, NotSeparableError
 from hjsolve.hamiltonians import LinearHamiltonian, from_hamiltonian
 from hjsolve.system import System, parameter
+from hjsolve.tokens import printable
 
 _FOLDERS = {"separable": "systems", "extended": "extended", "refused": "refused", "outside": "outside"}
 _ENTRY = schema.ENTRY | refusals.KEYS
-_LONGEST_FILE = 1_000_000
 
 
 def ids(kind: str | None = None) -> tuple[str, ...]:
@@ -51,7 +49,7 @@ def titles(*, book: str | None = None) -> dict[str, str]:
     Args:
         book: only the entries that are this row of the table of Greenwood's systems, such as ``C28``.
     """
-    tables = {name: _read(*_locate(name)) for name in ids()}
+    tables = {name: toml_file.read(*_locate(name)) for name in ids()}
     return {n: str(t["title"]) for n, t in tables.items() if book is None or book in t.get("book", ())}
 
 
@@ -177,9 +175,9 @@ def _built(table: Mapping[str, Any], source: str) -> System | LinearHamiltonian:
         problems = [f for k in ("coordinates", "parameters") for f in schema.repeated(own.get(k, []), k)]
     if problems:
         raise _refused(source, problems)
-    coordinates = {c["name"]: c["domain"] for c in own["coordinates"]}
-    parameters = {p["name"]: _parameter(p) for p in own.get("parameters", [])}
     try:
+        coordinates = {c["name"]: c["domain"] for c in own["coordinates"]}
+        parameters = {p["name"]: _parameter(p) for p in own.get("parameters", [])}
         if "hamiltonian" in own:
             return from_hamiltonian(
                 own["hamiltonian"], coordinates, parameters, title=own.get("title", ""), id=own.get("id", "")
@@ -210,23 +208,8 @@ def _locate(entry: str | Path) -> tuple[Traversable, str]:
     for file in (file for kind in _FOLDERS for file in _toml_files(kind)):
         if file.name == f"{entry}.toml":
             return file, file.name
-    raise CatalogError(f'no catalog entry "{str(entry)[:40]}"{schema.nearest(str(entry)[:40], ids())}')
-
-
-def _read(file: Traversable, source: str) -> dict[str, Any]:
-    try:
-        data = file.read_bytes()
-        if len(data) > _LONGEST_FILE:
-            raise CatalogError(f"{source}: longer than {_LONGEST_FILE} bytes; an entry is a few pages")
-        return tomllib.loads(data.decode("utf-8"), parse_float=Decimal)
-    except OSError as error:
-        raise CatalogError(f"{source}: cannot be read ({error.strerror or type(error).__name__})") from error
-    except UnicodeDecodeError as error:
-        raise CatalogError(f"{source}: not UTF-8 at byte {error.start}") from error
-    except tomllib.TOMLDecodeError as error:
-        raise CatalogError(f"{source}: not TOML: {_one_line(error)}") from error
-    except RecursionError as error:
-        raise CatalogError(f"{source}: tables or lists nested too deeply") from error
+    shown = printable(str(entry)[:40])
+    raise CatalogError(f'no catalog entry "{shown}"{schema.nearest(shown, ids())}')
 
 
 def _kind(expect: Mapping[str, Any], outside: refusals.Refusal | None) -> str:
@@ -237,7 +220,7 @@ def _kind(expect: Mapping[str, Any], outside: refusals.Refusal | None) -> str:
 
 def _checked(entry: str | Path) -> tuple[dict[str, Any], str]:
     file, source = _locate(entry)
-    table = _read(file, source)
+    table = toml_file.read(file, source)
     keys = schema.optional(_ENTRY, "kinetic") if "hamiltonian" in table else _ENTRY
     if "refused_because" in table and "kinetic" not in table:
         keys = schema.optional(_ENTRY, "kinetic", "coordinates")

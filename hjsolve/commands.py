@@ -290,7 +290,7 @@ def _scene(options: Namespace) -> Scene | None:
         return None
     try:
         table = tomllib.loads(Path(options.system).read_text(encoding="utf-8"))
-    except (OSError, ValueError):
+    except (OSError, ValueError, RecursionError):
         return None  # the reader of entries says what is wrong with the file
     if not {"system", "want", "times", "events"} & table.keys():
         return None

@@ -61,7 +61,7 @@ def _is_scene(subject: str | Path) -> bool:
         return False
     try:
         table = tomllib.loads(Path(subject).read_text(encoding="utf-8"))
-    except (OSError, ValueError):
+    except (OSError, ValueError, RecursionError):
         return False  # the reader of entries says what is wrong with the file
     return bool({"system", "want", "times", "events"} & table.keys())
 

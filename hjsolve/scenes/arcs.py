@@ -12,7 +12,6 @@ from __future__ import annotations
 import math
 from collections.abc import Mapping
 from dataclasses import dataclass, replace
-from itertools import islice
 from typing import Any
 
 import sympy as sp
@@ -126,8 +125,7 @@ def _time(motion: Motion, pending: _Pending, horizon: sp.Expr | None) -> sp.Expr
         return event.time
     assert event.coordinate is not None
     assert event.value is not None
-    found = islice(crossings(motion, event.coordinate, event.value, horizon), pending.left, None)
-    time = next(found, None)
+    time = next(crossings(motion, event.coordinate, event.value, horizon, pending.left), None)
     return None if time is None else exact(time, motion.digits)
 
 

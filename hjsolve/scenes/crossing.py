@@ -22,7 +22,7 @@ def bits_of(digits: int) -> int:
     return int(3.33 * digits) + 32
 
 
-def crossings(motion: Motion, name: str, value: sp.Expr, horizon: sp.Expr | None) -> Iterator[Any]:
+def crossings(motion: Motion, name: str, value: sp.Expr, horizon: sp.Expr | None, skip: int = 0) -> Iterator[Any]:
     """Give the times at which a coordinate passes a value after the start, one after the other.
 
     A passage at the very start does not count: that is where the last event happened. A surface that the motion only
@@ -32,24 +32,31 @@ def crossings(motion: Motion, name: str, value: sp.Expr, horizon: sp.Expr | None
         motion: at least as many digits as the times shall have.
         name: of the coordinate. value: the surface, exact; an angle passes it once a turn.
         horizon: the last time of interest; None for no limit.
+        skip: leave out so many; where t(q) is known nothing is computed for them.
 
     Yields:
         Times as ``mpf``.
     """
     start = to_bits(motion.t0)(bits_of(motion.digits))
     slack = multiprecision(64).mpf(10) ** (8 - motion.digits) * max(1, abs(start))
-    rough = _known(motion, name, value) if name in motion.located else _walked(motion, name, value, horizon)
+    if name in motion.located:
+        first = next(_known(motion, name, value, 0), None)
+        at_start = first is not None and first[0] - start <= slack
+        rough, skip = _known(motion, name, value, skip + at_start), 0
+    else:
+        rough = _walked(motion, name, value, horizon)
     for guess, error in rough:
         time = guess if error < slack / 1000 else _sharpened(motion, name, value, guess)
         if horizon is not None and time > to_bits(horizon)(bits_of(motion.digits)):
             return
         if time - start > slack:
-            yield time
+            if not skip:
+                yield time
+            skip = max(skip - 1, 0)
 
 
-def _known(motion: Motion, name: str, value: sp.Expr) -> Iterator[tuple[Any, Any]]:
-    """From t(q), passage by passage."""
-    passage = 0
+def _known(motion: Motion, name: str, value: sp.Expr, passage: int) -> Iterator[tuple[Any, Any]]:
+    """From t(q), passage by passage, beginning with one of them."""
     while True:
         try:
             time = motion.time_at(name, value, passage)

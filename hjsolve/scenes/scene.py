@@ -6,16 +6,14 @@ does not call for is not read into the system: an effect that is off leaves no s
 
 from __future__ import annotations
 
-import tomllib
 from collections.abc import Iterator, Mapping
 from dataclasses import dataclass
-from decimal import Decimal
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 import sympy as sp
 
-from hjsolve import catalog
+from hjsolve import catalog, toml_file
 from hjsolve.effects import forces, with_effects
 from hjsolve.errors import CatalogError, InvalidInputError
 from hjsolve.expressions import number
@@ -28,7 +26,7 @@ if TYPE_CHECKING:
     from hjsolve.scenes.run import Run
 
 INTEGRATED_DIGITS, MOST_INTEGRATED_DIGITS = 10, 12
-_LONGEST_FILE, _LONGEST_RUN = 1_000_000, 86_400
+_LONGEST_RUN = 86_400
 Numbers = Mapping[str, object]
 
 
@@ -163,17 +161,7 @@ def _opened(scene: str | Path | Mapping[str, Any]) -> tuple[Mapping[str, Any], s
     if isinstance(scene, Mapping):
         return scene, "scene", Path()
     path, source = Path(scene), str(scene)
-    try:
-        data = path.read_bytes()
-        if len(data) > _LONGEST_FILE:
-            raise CatalogError(f"{source}: longer than {_LONGEST_FILE} bytes; a scene is a page")
-        return tomllib.loads(data.decode("utf-8"), parse_float=Decimal), source, path.parent
-    except OSError as error:
-        raise CatalogError(f"{source}: cannot be read ({error.strerror or type(error).__name__})") from error
-    except UnicodeDecodeError as error:
-        raise CatalogError(f"{source}: is not UTF-8 text (byte {error.start})") from error
-    except tomllib.TOMLDecodeError as error:
-        raise CatalogError(f"{source}: is not TOML: {error}") from error
+    return toml_file.read(path, source), source, path.parent
 
 
 def _built(table: Mapping[str, Any], source: str, folder: Path) -> Scene:

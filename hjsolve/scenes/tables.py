@@ -30,6 +30,7 @@ SCENE = {
 }  # fmt: skip
 """The keys of a scene, but for ``system``, ``times`` and ``orbit.values``, which may be of several types."""
 LONGEST = 10_000_000
+MOST_PASSAGES = 100_000
 
 
 def scene_faults(table: Mapping[str, Any]) -> Iterator[str]:
@@ -100,8 +101,10 @@ def _event_faults(event: Mapping[str, Any], where: str) -> Iterator[str]:
         elif ("coordinate" in at) != ("value" in at):
             yield f"{where}.at: coordinate and value belong together"
         passage = at.get("passage")
-        if passage is not None and (not isinstance(passage, int) or isinstance(passage, bool) or passage < 0):
-            yield f"{where}.at.passage: must be 0 for the first passage after the start, 1 for the next, not {passage}"
+        whole = isinstance(passage, int) and not isinstance(passage, bool)
+        if passage is not None and not (whole and 0 <= passage <= MOST_PASSAGES):
+            which = f"0 for the first passage after the start, 1 for the next, {MOST_PASSAGES} at most"
+            yield f"{where}.at.passage: must be {which}, not {passage}"
     if event.get("kind") == "impulse":
         if ("momentum" in event) == ("velocity" in event):
             yield f"{where}: an impulse gives momentum or velocity, the jump of one of the two"

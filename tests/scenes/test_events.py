@@ -10,7 +10,9 @@ import pytest
 import sympy as sp
 from mpmath import mp
 
+from hjsolve import catalog
 from hjsolve.scenes import Run, Scene
+from hjsolve.solution import solve
 from hjsolve.system import hamiltonian
 from tests.reference.taylor import Flow
 
@@ -220,6 +222,44 @@ def test_passages_are_counted_over_other_events() -> None:
     assert abs(alone[0].ends.value - 1.25 * period) < 1e-14
     assert len(both) == 3
     assert abs(both[1].ends.value - 1.25 * period) < 1e-14
+
+
+def test_a_far_passage_is_found_without_the_ones_before_it() -> None:
+    """r = 1.5 is passed twice a period: passage 2n comes n periods after passage 0, at the same cost."""
+    table = {"system": "kepler-planar", "want": ["trajectory"], "times": ["1e6"], "accuracy": {"digits": 20}}
+
+    def event(passage: int) -> Any:
+        at = {"coordinate": "r", "value": "1.5", "passage": passage}
+        return Scene.load({**table, "events": [{"kind": "impulse", "at": at, "momentum": {"theta": "0.1"}}]}).run()
+
+    near, far = event(0), event(20000)
+    given = catalog.describe("kepler-planar").initial.arguments
+    period = solve(catalog.load("kepler-planar")).motion(**given, digits=30).periods["r"].value
+    with mp.workdps(40):
+        apart = mp.mpf(far.arcs[0].ends.value) - mp.mpf(near.arcs[0].ends.value)
+        assert abs(apart - 10000 * mp.mpf(period)) < mp.mpf(10) ** -13
+    assert far.work.places <= near.work.places + 10
+
+
+def test_a_velocity_jump_goes_through_the_mass_matrix_where_t_is_not_orthogonal() -> None:
+    """(3-24)-(3-29): dp = m(q)*dq', and the energy changes by the impulse times the mean of the velocities."""
+    scene = Scene.load({
+        "system": "pendulum-on-block", "want": ["constants"], "accuracy": {"digits": 25}, "times": [3],
+        "initial": {"q": {"x": "0", "theta": "0.7"}, "velocity": {"x": "0.3", "theta": "0.4"}},
+        "events": [{"kind": "impulse", "at": {"t": "0"}, "velocity": {"x": "0.5", "theta": "-1.1"}}],
+    })  # fmt: skip
+    before, after = (arc.quantities["constants"] for arc in scene.run().arcs)
+    system = scene.system
+    at = {c.symbol: v for c, v in zip(system.coordinates, (0, sp.Rational("0.7")), strict=True)}
+    at |= {p.symbol: p.value for p in system.parameters}
+    m = sp.hessian(system.kinetic, [c.velocity for c in system.coordinates]).subs(at)
+    assert m[0, 1] != 0
+    old, jump = (sp.Matrix([sp.Rational(x) for x in pair]) for pair in (("0.3", "0.4"), ("0.5", "-1.1")))
+    impulse = m * jump
+    with mp.workdps(35):
+        assert abs(mp.mpf(after["p_x"].value) - before["p_x"].value - mp.mpf(sp.N(impulse[0], 35))) < mp.mpf(10) ** -24
+        energy = (impulse.T * (old + jump / 2))[0]
+        assert abs(mp.mpf(after["E"].value) - before["E"].value - mp.mpf(sp.N(energy, 35))) < mp.mpf(10) ** -24
 
 
 def test_a_pendulum_is_pushed_over_the_top_and_back() -> None:

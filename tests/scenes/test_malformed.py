@@ -7,6 +7,7 @@ from typing import Any
 
 import pytest
 
+from hjsolve.cli import main
 from hjsolve.errors import CatalogError
 from hjsolve.scenes import Scene
 
@@ -65,6 +66,16 @@ FAULTS: dict[str, tuple[str, str]] = {
         GOOD.replace('t = "5"', 'coordinate = "r", value = "-1"'), "not inside the domain of r"),
     "event before the start": (GOOD.replace('t = "5"', 't = "-5"'), "events[1].at.t: -5 lies before the start"),
     "passage below zero": (GOOD.replace('t = "5"', 'coordinate = "r", value = "1.5", passage = -1'), "at.passage"),
+    "passage beyond counting": (
+        GOOD.replace('t = "5"', 'coordinate = "r", value = "1.5", passage = 99999999999999999999'), "100000 at most"),
+    "an integer of thousands of digits": (GOOD.replace("stop = 10", f"stop = {'9' * 5000}"), "thousands of digits"),
+    "a number of thousands of digits": (GOOD.replace("stop = 10", f'stop = "{"9" * 5000}"'), "at most 1000 are accepted"),
+    "infinite times": (GOOD.replace("stop = 10", "stop = inf"), "times.stop: expected one finite real number"),
+    "a date": (GOOD.replace("stop = 10", "stop = 2020-01-01"), "times.stop: must be a number"),
+    "a tower of powers": (GOOD.replace('t = "5"', 't = "9**9**9"'), "beyond 1e±1000"),
+    "lists nested beyond reason": (GOOD + "\nx = " + "[" * 5000 + "]" * 5000, "nested too deeply"),
+    "too many times": (GOOD.replace("count = 11", "count = 10000001"), "from 2 to 10000000"),
+    "a name that cannot be printed": (GOOD.replace("kepler-planar", "kepler\\u0007planar"), 'entry "kepler\\x07planar"'),
     "impulse without a jump": (GOOD.replace('momentum = {theta = "0.1"}', ""), "an impulse gives momentum or velocity"),
     "impulse on an unknown coordinate": (GOOD.replace("momentum = {theta", "momentum = {phi"), 'no coordinate "phi"'),
     "impulse no number": (GOOD.replace('momentum = {theta = "0.1"}', 'momentum = {theta = "hard"}'), "momentum.theta"),
@@ -99,6 +110,20 @@ def test_the_good_scenes_are_good(tmp_path: Path) -> None:
         file = tmp_path / "scene.toml"
         file.write_text(text, encoding="utf-8")
         assert Scene.load(file).events
+
+
+@pytest.mark.parametrize("kind", FAULTS)
+def test_the_command_line_ends_with_status_2_and_writes_nothing(
+    kind: str, tmp_path: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    file, target = tmp_path / "scene.toml", tmp_path / "out.html"
+    file.write_text(FAULTS[kind][0], encoding="utf-8")
+    assert main(["report", str(file), "-o", str(target)]) == 2
+    out, err = capsys.readouterr()
+    assert not out
+    assert err.startswith("hjsolve: ")
+    assert "Traceback" not in err
+    assert list(tmp_path.iterdir()) == [file]
 
 
 @pytest.mark.parametrize("kind", FAULTS)

@@ -7,6 +7,7 @@ import pytest
 import sympy as sp
 
 from hjsolve import catalog
+from hjsolve.cli import main
 from hjsolve.errors import CatalogError, NotSeparableError
 
 GOOD = """
@@ -91,6 +92,11 @@ FAULTS = {
     "a refusal without words": ('verdict = "liouville"', 'verdict = "refused"', "reason, instead"),
     "an id that is not the name of the file": ('id = "spring"', 'id = "Spring"', "must be the name of the file"),
     "not TOML": ("title =", "title", "not TOML"),
+    "an integer of thousands of digits": ('value = "2"', f"value = {'9' * 5000}", "an integer of thousands of digits"),
+    "a value of more than a thousand digits": ('value = "2"', f'value = "{"9" * 1001}"', "at most 1000 are accepted"),
+    "a value that is not finite": ('value = "2"', "value = inf", "one finite real number"),
+    "a value against its assumption": ('value = "2"', 'value = "-2"', "it is declared positive"),
+    "lists nested beyond reason": ('title = "Spring"', "title = " + "[" * 5000 + "]" * 5000, "nested too deeply"),
     "a domain that makes no sense": ('domain = "line"', 'domain = "circle"', "spring.toml:"),
 }  # fmt: skip
 
@@ -102,6 +108,17 @@ def test_a_fault_is_told_in_one_line(tmp_path: Path, name: str) -> None:
     lines = fault(tmp_path, GOOD.replace(old, new, 1))
     assert any(expected in line for line in lines), lines
     assert all(line.startswith("spring.toml: ") for line in lines)
+
+
+@pytest.mark.parametrize("name", FAULTS)
+def test_the_command_line_ends_with_status_2(tmp_path: Path, name: str, capsys: pytest.CaptureFixture[str]) -> None:
+    old, new, _ = FAULTS[name]
+    file = write(tmp_path, GOOD.replace(old, new, 1))
+    assert main(["catalog", "check", str(file)]) == 2
+    out, err = capsys.readouterr()
+    assert not out
+    assert err.startswith("hjsolve: ")
+    assert "Traceback" not in err
 
 
 def test_every_fault_has_its_own_line(tmp_path: Path) -> None:

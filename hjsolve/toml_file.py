@@ -1,0 +1,39 @@
+"""Reading a TOML file: everything that can be wrong with it before its first key is one line that names the file."""
+
+from __future__ import annotations
+
+import tomllib
+from decimal import Decimal
+from importlib.resources.abc import Traversable
+from typing import Any
+
+from hjsolve.errors import CatalogError
+
+LONGEST = 1_000_000
+
+
+def read(file: Traversable, source: str) -> dict[str, Any]:
+    """Read a file whole; decimals stay exact.
+
+    Args:
+        file: the file.
+        source: what it is called in errors.
+
+    Raises:
+        CatalogError: the file cannot be read, is too long, is no UTF-8 text, or no TOML.
+    """
+    try:
+        data = file.read_bytes()
+        if len(data) > LONGEST:
+            raise CatalogError(f"{source}: longer than {LONGEST} bytes; an entry or a scene is a few pages")
+        return tomllib.loads(data.decode("utf-8"), parse_float=Decimal)
+    except OSError as error:
+        raise CatalogError(f"{source}: cannot be read ({error.strerror or type(error).__name__})") from error
+    except UnicodeDecodeError as error:
+        raise CatalogError(f"{source}: is not UTF-8 text (byte {error.start})") from error
+    except tomllib.TOMLDecodeError as error:
+        raise CatalogError(f"{source}: is not TOML: {' '.join(str(error).split())}") from error
+    except ValueError as error:  # an integer of more digits than Python reads
+        raise CatalogError(f"{source}: holds an integer of thousands of digits; choose other units") from error
+    except RecursionError as error:
+        raise CatalogError(f"{source}: tables or lists nested too deeply") from error
