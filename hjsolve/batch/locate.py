@@ -18,6 +18,12 @@ from hjsolve.numeric.doubled import Doubled, Pair, two_sum
 from hjsolve.numeric.slopes import FUNCTIONS
 
 _SMALL = 3e-14
+_CLEAR = 1e-12
+"""Claimed relative error of p² a fiftieth of the way from a turning point; the integrals are far better."""
+
+_TINY = 1e-4
+"""With 32 digits a motion is small only where doubles hardly see it."""
+
 _NEAR = 3.0
 _FAR = 0.5
 _WARPED = 5
@@ -96,7 +102,7 @@ def locate(model: Model, coordinate: Separated, start: Begin, k: int, depth: int
         if depth and _has_slopes(coordinate.plain):
             noise = raw.errors(q, kernels=False)[0]
             crest = P * P + np.where(second < 0, first * first / (-2 * second), np.inf)
-            small = np.flatnonzero(noise > _SMALL * crest)
+            small = np.flatnonzero(noise > (_SMALL if depth < 2 else _TINY) * crest)
             if len(small):
                 near = _near(group.take(small))
                 inside = np.flatnonzero(near.status != Status.UNBOUNDED)
@@ -171,17 +177,37 @@ def _end(
 def _wide(group: Group) -> list[Found]:
     """Motions whose amplitude is not small: rotations first, then librations."""
     if not group.coordinate.periodic:
-        return [_libration(group)]
+        return _librations(group)
     raw = Raw(group.coordinate.plain, group.knowns)
     grid = np.pi * (1 + 2 * np.arange(_GRID) / _GRID)
     values = raw.value(grid + np.zeros((len(group.q), 1)))
     going = (values > 0).all(axis=1)
     found = []
     if not going.all():
-        found.append(_libration(group.take(np.flatnonzero(~going))))
+        found += _librations(group.take(np.flatnonzero(~going)))
     if going.any():
         found.append(_rotation(group.take(np.flatnonzero(going)), values[going], grid))
     return found
+
+
+def _librations(group: Group) -> list[Found]:
+    """Librations; in the third pass those whose p² doubles know well enough are left to doubles."""
+    found = _libration(replace(group, depth=min(group.depth, 1)))
+    if group.depth < 2:
+        return [found]
+    vague = _vague(found.region) | (found.status != Status.OK)
+    parts = [found.take(np.flatnonzero(~vague))] if not vague.all() else []
+    return parts + ([_libration(group.take(np.flatnonzero(vague)))] if vague.any() else [])
+
+
+def _vague(region: Region) -> Any:
+    """True where the error of p² in doubles, next to the turning points and between them, is not small beside p²."""
+    worst = np.zeros(len(region.width))
+    for view, end, side in ((region.below, region.lower, 1), (region.above, region.upper, -1)):
+        for share in (0.02, 0.2, 0.5):
+            x = end + side * view.sign * share * region.width
+            worst = np.maximum(worst, view.errors(x, kernels=False)[0] / np.abs(view.value(x)))
+    return ~(worst <= _CLEAR)
 
 
 def _libration(group: Group) -> Found:
