@@ -10,7 +10,8 @@ import numpy as np
 
 from hjsolve.batch.columns import QUANTITIES, Columns, Status, blank
 from hjsolve.batch.model import Model, read
-from hjsolve.batch.passes import TOLERANCE, run_pass, worst
+from hjsolve.batch.passes import TOLERANCE, run_compiled, run_pass, worst
+from hjsolve.batch.programs import available
 from hjsolve.errors import InvalidInputError
 from hjsolve.initial import parameter_values
 from hjsolve.solution import Solution
@@ -18,10 +19,10 @@ from hjsolve.solution import Solution
 CHUNK = 4096
 """Orbits worked on together: their temporaries stay in the cache."""
 
-FAST = 2e-12
+FAST = 1e-11
 """Largest claimed relative error with which the first pass, in doubles, lets an orbit go; the true one is far less."""
 
-GOOD = 1e-11
+GOOD = 2e-11
 """The same for the second pass; above it the third one tries."""
 
 
@@ -34,12 +35,14 @@ class Engine:
         want: which of ``QUANTITIES`` are computed; nothing else is integrated.
         model: the solution as straight-line programs.
         names: quantity → names of its columns.
+        compiled: True where the first pass runs as compiled loops (numba is there).
     """
 
     solution: Solution
     want: frozenset[str]
     model: Model
     names: Mapping[str, tuple[str, ...]]
+    compiled: bool
 
     def run(self, q: Mapping[str, Any], p: Mapping[str, Any]) -> Columns:
         """Compute what is wanted for many orbits.
@@ -62,7 +65,10 @@ class Engine:
         if not self.model.separated:
             return columns
         everything = np.arange(count)
-        self._deeper(columns, everything, places, momenta, 0)
+        if self.compiled:
+            self._deeper(columns, everything, places, momenta, -1)
+        if not self.compiled or any(c.periodic for c in self.model.separated):
+            self._deeper(columns, everything[columns.status != Status.OK], places, momenta, 0)
         self._deeper(columns, everything[columns.status != Status.OK], places, momenta, 1)
         rough = (columns.status != Status.OK) | (worst(columns) > GOOD)
         self._deeper(columns, everything[rough], places, momenta, 2)
@@ -70,10 +76,15 @@ class Engine:
 
     def _deeper(self, columns: Columns, orbits: Any, q: Any, p: Any, depth: int) -> None:
         """Run a pass over some orbits, and keep what it makes good."""
-        size, tolerance = (CHUNK, FAST) if not depth else (CHUNK // 4, TOLERANCE)
+        size, tolerance = (CHUNK, FAST) if depth <= 0 else (CHUNK // 4, TOLERANCE)
         for first in range(0, len(orbits), size):
             index = orbits[first : first + size]
-            part = run_pass(self.model, dict(self.names), q[:, index], p[:, index], depth=depth, tolerance=tolerance)
+            chunk = self.model, dict(self.names), q[:, index], p[:, index]
+            part = (
+                run_compiled(*chunk, tolerance=tolerance)
+                if depth < 0
+                else run_pass(*chunk, depth=depth, tolerance=tolerance)
+            )
             if depth == 2:
                 better = (part.status == Status.OK) | (columns.status[index] != Status.OK)
                 index, part = index[better], part.take(better)
@@ -89,13 +100,19 @@ def _put(columns: Columns, index: Any, part: Columns) -> None:
         columns.group(quantity)[name][index] = part.group(quantity)[name]
 
 
-def build(solution: Solution, want: frozenset[str], parameters: Mapping[str, Any] | None = None) -> Engine:
+def build(
+    solution: Solution,
+    want: frozenset[str],
+    parameters: Mapping[str, Any] | None = None,
+    compiled: bool | None = None,
+) -> Engine:
     """Make a system ready for many orbits.
 
     Args:
         solution: of the system.
         want: quantities, of ``QUANTITIES``.
         parameters: name → value, where it differs from the default; the same for all orbits.
+        compiled: whether to compile the first pass with numba; None for where numba is there.
 
     Raises:
         InvalidInputError: a quantity that is not known.
@@ -104,7 +121,7 @@ def build(solution: Solution, want: frozenset[str], parameters: Mapping[str, Any
     for name in sorted(want - set(QUANTITIES)):
         raise InvalidInputError(f'want: "{name}" is not known for many orbits; known are {", ".join(QUANTITIES)}')
     values = parameter_values(solution.system, parameters or {})
-    return Engine(solution, want, read(solution, values), _names(solution, want))
+    return Engine(solution, want, read(solution, values), _names(solution, want), available() if compiled is None else compiled)
 
 
 def _names(solution: Solution, want: frozenset[str]) -> dict[str, tuple[str, ...]]:

@@ -54,16 +54,47 @@ def run_pass(
             if "turning_points" in names:
                 _ends(columns, coordinate, found)
         sums.append(total)
-    if "constants" in names:
-        for j, name in enumerate(model.constants):
-            _fill(columns, "constants", name, start.knowns.constants[j], start.knowns.doubt[j])
-    _actions(model, names, columns, sums, directions, start)
-    if kernels:
-        _timed(model, names, columns, sums, directions, q)
+    _results(model, names, columns, sums, directions, start, q)
     if ripples and any(c.shifted for c in model.separated):
         status[status == Status.OK] = Status.EXACT
     _settle(columns, status, tolerance)
     return columns
+
+
+def run_compiled(
+    model: Model, names: dict[str, tuple[str, ...]], q: Any, p: Any, *, tolerance: float
+) -> Columns:
+    """Compute everything for those orbits that are easy librations; as ``run_pass`` with depth 0."""
+    from hjsolve.batch.compiled import begin_compiled, librations
+
+    count = q.shape[1]
+    columns = blank(names, count)
+    start = begin_compiled(model, q, p)
+    kernels, ripples = bool(TIMED & names.keys()), "angles" in names
+    status = np.full(count, Status.OK, dtype=np.uint8)
+    sums = []
+    for k, coordinate in enumerate(model.separated):
+        total, lower, upper = librations(model, coordinate, start, k, kernels=kernels, ripples=ripples)
+        status[~total.good] = Status.EXACT
+        if "turning_points" in names:
+            status[:] = Status.EXACT
+        sums.append(total)
+    _results(model, names, columns, sums, np.ones((len(sums), count)), start, q)
+    if ripples and any(c.shifted for c in model.separated):
+        status[status == Status.OK] = Status.EXACT
+    _settle(columns, status, tolerance)
+    return columns
+
+
+def _results(
+    model: Model, names: dict[str, tuple[str, ...]], columns: Columns, sums: list[Sums], directions: Any, start: Begin, q: Any
+) -> None:
+    if "constants" in names:
+        for j, name in enumerate(model.constants):
+            _fill(columns, "constants", name, start.knowns.constants[j], start.knowns.doubt[j])
+    _actions(model, names, columns, sums, directions, start)
+    if TIMED & names.keys():
+        _timed(model, names, columns, sums, directions, q)
 
 
 def _integrated(total: Sums, found: Found, constants: int, *, kernels: bool, ripples: bool) -> None:

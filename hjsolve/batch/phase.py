@@ -33,7 +33,7 @@ def librating(region: Region, table: Nodes, ratio: Any, shake: Any) -> tuple[Any
     d = region.near_lower if table.complement < 1 else 0.0 * x
     amplitude = np.arctan2(np.sqrt(np.maximum(x * (1 + d), 0)), np.sqrt(np.maximum(y, 0)))
     phase = _anomaly(amplitude, table)
-    slope = 1.0 if table.complement == 1.0 else np.pi / (table.quarter * np.sqrt(table.complement) * np.min(table.pace))
+    slope = np.pi / (table.quarter * np.sqrt(table.complement) * np.min(table.pace))
     doubt = slope * (shake + 4 * _EPS) / np.sqrt(np.maximum(x * y, _CLOSE / 2)) + 4 * _EPS * np.pi
     return np.where(region.momentum < 0, -phase, phase), 2 * doubt
 
@@ -48,7 +48,7 @@ def _from_momentum(region: Region, table: Nodes, ratio: Any, part: Any, x: Any, 
     weights = (1 + 2 * np.cos(terms * χ[:, None]) @ table.cosines) / len(table.χ)
     r = np.einsum("nj,nj->n", ratio[part], weights)
     pace = 1 + table.warp[0] * np.cos(χ) + table.warp[1] * np.cos(2 * χ)
-    square = (2 * table.quarter / np.pi * pace) ** 2 * table.complement if table.complement < 1 else 1.0
+    square = (2 * table.quarter / np.pi * pace) ** 2 * table.complement
     stretch = square * (1 + c * y) * (1 + d * x)
     small = (P * r / W) ** 2 / stretch / np.maximum(x, y)
     lower = x < y
@@ -65,7 +65,7 @@ def rotating(region: Region, table: Nodes) -> tuple[Any, Any]:
 def _anomaly(amplitude: Any, table: Nodes) -> Any:
     """χ = π F(φ | k²)/K for |φ| ≤ π/2, with F = sin φ R_F(cos²φ, 1 − k² sin²φ, 1) (DLMF 19.25.5)."""
     if table.complement == 1.0:
-        return 2 * amplitude
+        return 2 * amplitude if table.warp == (0.0, 0.0) else _unwarped(2 * amplitude, *table.warp)
     s, c = np.sin(amplitude), np.cos(amplitude)
     x, y, z = c * c, c * c + table.complement * s * s, 1.0 + 0.0 * s
     x = np.maximum(x, 1e-300)

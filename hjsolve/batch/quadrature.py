@@ -21,6 +21,9 @@ from hjsolve.batch.views import View
 _EPS = 2.0**-52
 _SAFETY = 1.5
 _GOAL = 4e-16
+_TRIAL = 24
+_TRIALS = (0, 1, 3, 5)
+_MANY = 36
 _ELEMENTS = 1 << 17
 
 
@@ -123,8 +126,27 @@ def integrate(region: Region, constants: int, *, kernels: bool, ripples: bool, f
             group, table = np.flatnonzero(codes == code), _table(region, int(code))
             for part in np.array_split(group, len(group) * len(table.χ) // _ELEMENTS + 1):
                 result, more = _rule(region.take(part), constants, table, kernels=kernels, ripples=ripples)
+                if code // 512 < _TRIAL and code % 512 == 0 and region.turning:
+                    more = _crowded(region, part[~result.good], constants, more, ~result.good, kernels, ripples)
                 needed[part] = np.where(result.good, np.inf, more)
                 sums.put(part, result)
+
+
+def _crowded(
+    region: Region, part: Any, constants: int, more: Any, which: Any, kernels: bool, ripples: bool
+) -> Any:
+    """Where many nodes would be needed, try which crowding needs least; it is written into ``region.warp``."""
+    many = np.flatnonzero(more[which] > _MANY)
+    if not len(many):
+        return more
+    part, row = part[many], np.flatnonzero(which)[many]
+    trials = [
+        _rule(region.take(part), constants, _table(region, _TRIAL * 512 + warp), kernels=kernels, ripples=ripples)[1]
+        for warp in _TRIALS
+    ]
+    region.warp[part] = np.array(_TRIALS)[np.argmin(trials, axis=0)]
+    more[row] = np.maximum(np.min(trials, axis=0), _TRIAL)
+    return more
 
 
 def _table(region: Region, code: int) -> tables.Nodes:
@@ -137,11 +159,13 @@ def _rule(region: Region, constants: int, table: tables.Nodes, *, kernels: bool,
     count = len(table.χ) if region.turning else len(table.χ) // 2
     with np.errstate(all="ignore"):
         places = _librating(region, table) if region.turning else _rotating(region, table)
-        F, ratio, weights, doubts = _integrands(region, places, kernels)
+        F, ratio, weights, doubts, drift = _integrands(region, places, kernels)
         n = len(F)
         rows = [F * ratio, *(w * ratio for w in weights)]
         noise = [0.5 * ratio * doubts[0]]
-        relative = 0.5 * doubts[0] / F
+        # a smooth error moves the turning points along: it is not magnified at the nodes next to them
+        damping = 4 * np.abs(table.low * table.high) if region.turning else 1.0
+        relative = 0.5 * (doubts[0] - (1 - damping) * drift) / F
         noise += [ratio * (np.abs(w) * relative + e) for w, e in zip(weights, doubts[1:], strict=True)]
         values = np.stack([np.broadcast_to(row, F.shape) for row in rows])
         mean, size = values.mean(axis=2), np.abs(values).mean(axis=2)
@@ -166,7 +190,7 @@ def _rule(region: Region, constants: int, table: tables.Nodes, *, kernels: bool,
         sums.means[:], sums.mean_errors[:] = mean[1:], mean_error[1:]
     if ripples:
         shake = (doubts[0] / F * np.abs(table.low * table.high)).max(axis=1)
-        _running(region, table, values[1:], ratio, sums, tail[1:] + blur[1:], shake)
+        _running(region, table, values[1:], ratio, sums, tail[1:] + 0.5 * blur[1:], shake)
     return sums, more
 
 
@@ -184,7 +208,7 @@ def _librating(region: Region, table: tables.Nodes) -> tuple[Any, Any, Any]:
     W = region.width[:, None]
     if table.complement == 1.0:
         low, high = W * table.low, W * table.high
-        scale = low * high
+        scale = low * high * table.pace**2
     else:
         d, c = region.near_lower[:, None], region.near_upper[:, None]
         D = 1 + d * table.high
@@ -205,8 +229,8 @@ def _rotating(region: Region, table: tables.Nodes) -> tuple[Any, Any, Any]:
     return q[:, :half], q[:, half:], scale
 
 
-def _integrands(region: Region, places: tuple[Any, Any, Any], kernels: bool) -> tuple[Any, Any, list[Any], list[Any]]:
-    """F, r = |dq/dχ|/√F, the kernels, and bounds on the errors of F and kernels."""
+def _integrands(region: Region, places: tuple[Any, Any, Any], kernels: bool) -> tuple[Any, Any, list[Any], list[Any], Any]:
+    """F, r = |dq/dχ|/√F, the kernels, bounds on the errors of F and kernels, and the smooth part of the first."""
     below, above, scale = places
     if region.below is region.above:
         whole = np.concatenate([below, above], axis=1)
@@ -217,12 +241,13 @@ def _integrands(region: Region, places: tuple[Any, Any, Any], kernels: bool) -> 
               for k in range(len(results[0]))]  # fmt: skip
     m = len(joined) // 2
     F = joined[0]
-    return F, np.sqrt(scale / F), joined[1:m], joined[m:]
+    return F, np.sqrt(scale / F), joined[1:m], joined[m:-1], joined[-1]
 
 
 def _results(view: View, x: Any, kernels: bool) -> list[Any]:
     values = list(view.full(x)) if kernels else [view.value(x)]
-    return [np.broadcast_to(v, x.shape) for v in values + view.errors(x, kernels=kernels)]
+    drift = [view.drift(values[1:], x) if kernels else 0.0]
+    return [np.broadcast_to(v, x.shape) for v in values + view.errors(x, kernels=kernels) + drift]
 
 
 def _running(region: Region, table: tables.Nodes, values: Any, ratio: Any, sums: Sums, noise: Any, shake: Any) -> None:

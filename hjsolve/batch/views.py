@@ -92,6 +92,10 @@ class Raw:
         results = tape.run(Running(Float64()), [place, *self.knowns.bounded(x)])
         return [0.0 if result.error is None else result.error for result in results]
 
+    def drift(self, kernels: Sequence[Any], x: Any) -> Any:
+        """Return what of the error of F comes from the constants: it is smooth in x. Σ |∂F/∂c| δc, ∂F/∂c = 2k."""
+        return sum(2 * np.abs(k) * shaped(e, x) for k, e in zip(kernels, self.knowns.doubt, strict=True))
+
     def jet(self, x: Any) -> tuple[Any, Any, Any]:
         """Return F, dF/dx, d²F/dx²."""
         jets = Jets(Float64())
@@ -149,6 +153,10 @@ class Near:
             return [own]
         return [own, *Raw(self.formula, self.knowns).errors(shaped(self.start, δ) + δ, kernels=True)[1:]]
 
+    def drift(self, kernels: Sequence[Any], x: Any) -> Any:  # noqa: ARG002
+        """Return what of the error of F comes smoothly from the constants: none is told apart here."""
+        return 0.0 * x
+
     def place(self, δ: Any) -> Any:
         """Return q."""
         return shaped(self.start, δ) + δ
@@ -204,6 +212,10 @@ class Fine:
         """Return bounds on the errors of F (relative, but for 2⁻⁴⁴ of those in doubles) and of the kernels."""
         rough = self.raw.errors(shaped(self.base.high, x) + x, kernels=kernels)
         return [4 * UNIT * np.abs(self.value(x)) + 2.0**-44 * rough[0], *rough[1:]]
+
+    def drift(self, kernels: Sequence[Any], x: Any) -> Any:  # noqa: ARG002
+        """Return what of the error of F comes smoothly from the constants: none is told apart here."""
+        return 0.0 * x
 
     def place(self, x: Any) -> Any:
         """Return q."""

@@ -1,0 +1,148 @@
+"""Programs of one system for the compiled pass, written from its tapes and compiled by numba (extra ``fast``).
+
+A program is straight-line Python over doubles, or the same inside a loop over nodes that LLVM vectorises. Its text comes
+from operation codes and numbers (``numeric/source.py``); nothing that a user wrote gets into it.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Sequence
+from dataclasses import dataclass
+from functools import cache
+from importlib.util import find_spec
+from typing import Any
+
+from hjsolve.batch.model import Model, Separated
+from hjsolve.numeric.jet import Jet, Jets
+from hjsolve.numeric.running import Bounded, Running
+from hjsolve.numeric.source import Source, function
+from hjsolve.numeric.tape import Tape
+
+_OWN = 4
+_PLACE = "(2.2204460492503131e-16)"
+
+
+@dataclass(frozen=True)
+class Programs:
+    """Compiled functions of one separated coordinate; c is the tuple of constants, e of their doubts.
+
+    Attributes:
+        value: (x, c) ↦ F. slope: (x, c) ↦ F, F′. bend: (x, c) ↦ F, F′, F″.
+        fill: fills a buffer over the nodes: F·r, r, F, kⱼ·r …
+        doubts: (x, c, e) ↦ bounds on the errors of F and, where kernels are wanted, of the kernels.
+        pack: (C, i) ↦ the tuple of column i.
+    """
+
+    value: Callable[..., Any]
+    slope: Callable[..., Any]
+    bend: Callable[..., Any]
+    fill: Callable[..., Any]
+    doubts: Callable[..., Any]
+    pack: Callable[..., Any]
+
+
+def available() -> bool:
+    """Tell whether numba can be imported."""
+    return find_spec("numba") is not None
+
+
+@cache
+def _coordinate_text(coordinate: Separated, constants: int, numbers: tuple[float, ...], kernels: bool) -> str:
+    unpack = "".join(f"    c{j} = c[{j}]\n" for j in range(constants))
+    names = [f"c{j}" for j in range(constants)]
+    literals = [f"({x!r})" for x in numbers]
+    squared, full = coordinate.plain.squared, coordinate.plain.full
+    tape = full if kernels else squared
+
+    def plain(name: str, run: Callable[[Source], Sequence[str]]) -> str:
+        source = Source()
+        results = run(source)
+        head, body = function(name, ["x", "c"], source, results).split("\n", 1)
+        return f"{head}\n{unpack}{body}"
+
+    def jet(source: Source, order: int) -> list[str]:
+        jets = Jets(source)
+        inputs = [jets.variable("x"), *(Jet(k) for k in names + literals)]
+        parts = squared.run(jets, inputs)[0]
+        return ["(0.0)" if part is None else part for part in parts[: order + 1]]
+
+    return "\n".join(
+        (
+            plain("value", lambda s: squared.run(s, ["x", *names, *literals])),
+            plain("slope", lambda s: jet(s, 1)),
+            plain("bend", lambda s: jet(s, 2)),
+            _fill_text(tape, unpack, names + literals),
+            _doubts_text(tape, constants, numbers),
+            f"def pack(C, i):\n    return ({''.join(f'C[{j}, i], ' for j in range(constants))})\n",
+        )
+    )
+
+
+def _fill_text(tape: Tape, unpack: str, known: list[str]) -> str:
+    source = Source()
+    F, *kernels = tape.run(source, ["x", *known])
+    lines = [
+        *source.lines,
+        f"r = pace[j] * sqrt_((W * low[j]) * (W * high[j]) / {F})",
+        f"buffer[0, j] = {F} * r",
+        "buffer[1, j] = r",
+        f"buffer[2, j] = {F}",
+        *(f"buffer[{3 + k}, j] = {w} * r" for k, w in enumerate(kernels)),
+    ]
+    body = "".join(f"        {line}\n" for line in lines)
+    place = "        x = a + W * low[j] if low[j] < 0.5 else b - W * high[j]\n"
+    return f"def fill(buffer, a, b, W, low, high, pace, count, c):\n{unpack}    for j in range(count):\n{place}{body}"
+
+
+def _doubts_text(tape: Tape, constants: int, numbers: tuple[float, ...]) -> str:
+    source = Source()
+    place = source.mul(_PLACE, source.unary("abs", "x"))
+    inputs = [Bounded("x", place), *(Bounded(f"c[{j}]", f"e[{j}]") for j in range(constants))]
+    inputs += [Bounded(f"({x!r})", f"({abs(x) * 2.0**-53!r})") for x in numbers]
+    results = tape.run(Running(source, own=_OWN), inputs)
+    return function("doubts", ["x", "c", "e"], source, ["(0.0)" if r.error is None else r.error for r in results])
+
+
+def _start_text(model: Model) -> str:
+    """The constants, their doubts, and the shell momenta, of every orbit."""
+    n = len(model.names)
+    source = Source()
+    names = [f"q[{k}, i]" for k in range(n)] + [f"p[{k}, i]" for k in range(n)]
+    numbers = [Bounded(f"({x.high!r})", f"({abs(x.high) * 2.0**-53!r})") for x in model.numbers]
+    results = model.rule.run(Running(source, own=_OWN), [*(Bounded(x) for x in names), *numbers])
+    shifts = model.shift.run(source, [*names, *(x.value for x in numbers)])
+    lines = list(source.lines)
+    for j, result in enumerate(results):
+        lines += [f"C[{j}, i] = {result.value}", f"E[{j}, i] = {'(0.0)' if result.error is None else result.error}"]
+    for k, (coordinate, shift) in enumerate(zip(model.separated, shifts, strict=True)):
+        lines.append(f"P[{k}, i] = p[{coordinate.index}, i] + {shift}")
+    body = "".join(f"        {line}\n" for line in lines)
+    return f"def start(q, p, C, E, P):\n    for i in range(q.shape[1]):\n{body}"
+
+
+def _compile(text: str, wanted: Sequence[str]) -> list[Any]:
+    """Compile functions from a text of our own making."""
+    from numba import njit
+
+    from hjsolve.batch.elementary import NAMES, OPTIONS
+
+    space: dict[str, Any] = dict(NAMES)
+    exec(compile(text, "<program of a tape>", "exec"), space)  # noqa: S102  (written by Source from codes and numbers)
+    return [njit(**OPTIONS)(space[name]) for name in wanted]
+
+
+@cache
+def programs(coordinate: Separated, constants: int, numbers: tuple[float, ...], kernels: bool) -> Programs:
+    """Compile the programs of a coordinate, once in a process."""
+    text = _coordinate_text(coordinate, constants, numbers, kernels)
+    return Programs(*_compile(text, ("value", "slope", "bend", "fill", "doubts", "pack")))
+
+
+@cache
+def _start_program(text: str) -> Any:
+    return _compile(text, ("start",))[0]
+
+
+def start_program(model: Model) -> Any:
+    """Compile the program of the constants, once in a process."""
+    return _start_program(_start_text(model))

@@ -1,0 +1,81 @@
+"""An arithmetic that writes Python: run a tape in it and the lines of a straight-line program come out.
+
+The text is made of our own operation codes and of numbers, never of anything a user wrote: a tape has no names but its
+slots. Composite arithmetics (``jet``, ``running``) write the program of their components.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass, field
+from fractions import Fraction
+from math import pi
+
+from hjsolve.numeric.tape import UNARY
+
+_PAIRED = {"sin": ("sincos", 0), "cos": ("sincos", 1), "sinh": ("sinhcosh", 0), "cosh": ("sinhcosh", 1)}
+
+
+@dataclass
+class Source:
+    """Arithmetic on the names of variables and on literals.
+
+    Attributes:
+        lines: the program so far.
+    """
+
+    lines: list[str] = field(default_factory=list)
+    _known: dict[str, tuple[str, ...]] = field(default_factory=dict)
+
+    def _assigned(self, text: str, results: int = 1) -> tuple[str, ...]:
+        if text not in self._known:
+            names = tuple(f"t{len(self._known)}_{k}" for k in range(results))
+            self.lines.append(f"{', '.join(names)} = {text}")
+            self._known[text] = names
+        return self._known[text]
+
+    def rational(self, numerator: int, denominator: int) -> str:
+        return f"({float(Fraction(numerator, denominator))!r})"
+
+    def pi(self) -> str:
+        return f"({pi!r})"
+
+    def add(self, x: str, y: str) -> str:
+        return self._assigned(f"{x} + {y}")[0]
+
+    def sub(self, x: str, y: str) -> str:
+        return self._assigned(f"{x} - {y}")[0]
+
+    def mul(self, x: str, y: str) -> str:
+        if "(1.0)" in (x, y):
+            return y if x == "(1.0)" else x
+        return self._assigned(f"{x} * {y}")[0]
+
+    def div(self, x: str, y: str) -> str:
+        return self._assigned(f"{x} / {y}")[0]
+
+    def power(self, x: str, n: int) -> str:
+        if n <= 0:
+            return "(1.0)" if n == 0 else self.div("(1.0)", self.power(x, -n))
+        result = x
+        for bit in bin(n)[3:]:
+            result = self.mul(result, result)
+            if bit == "1":
+                result = self.mul(result, x)
+        return result
+
+    def unary(self, name: str, x: str) -> str:
+        if name not in UNARY:
+            raise ValueError(name)
+        if name == "neg":
+            return self._assigned(f"-{x}")[0]
+        if name in _PAIRED:
+            function, place = _PAIRED[name]
+            return self._assigned(f"{function}({x})", 2)[place]
+        return self._assigned(f"{name}_({x})")[0]
+
+
+def function(name: str, arguments: Sequence[str], source: Source, results: Sequence[str]) -> str:
+    """Return the text of a function that runs the program."""
+    body = "".join(f"    {line}\n" for line in source.lines)
+    return f"def {name}({', '.join(arguments)}):\n{body}    return {', '.join(results)}{',' if len(results) == 1 else ''}\n"
