@@ -1,7 +1,7 @@
 """The first pass over librations as compiled loops, orbit by orbit (extra ``fast``).
 
-The same mathematics as ``locate``, ``roots`` and ``quadrature`` in doubles with plain anomalies; an orbit that is not easy
-(a rotation, a start at rest, a slow series, a large claimed error) is left to those.
+The same mathematics as ``locate``, ``roots`` and ``quadrature`` in doubles with plain anomalies; an orbit that is not
+easy (a rotation, a start at rest, a slow series, a large claimed error) is left to those.
 """
 
 from __future__ import annotations
@@ -21,7 +21,6 @@ from hjsolve.batch.views import Knowns
 
 _COUNTS = tuple(count for count in tables.COUNTS if count <= 128)
 _WIDEST = _COUNTS[-1]
-_FIRST = 1
 _ROWS = 5
 
 
@@ -30,12 +29,13 @@ class Tables:
     """Nodes of all sizes side by side, padded.
 
     Attributes:
-        counts: sizes. low, high, pace: see ``Nodes``, shape (warps, sizes, widest).
+        counts: sizes. warps: γ₁, γ₂. low, high, pace: see ``Nodes``, shape (warps, sizes, widest).
         last, middle: rows of cosines of the convergence test, shape (sizes, 5, widest).
         cosines: all of them, shape (sizes, widest, widest).
     """
 
     counts: Any
+    warps: Any
     low: Any
     high: Any
     pace: Any
@@ -57,7 +57,7 @@ def _tables() -> Tables:
             low[warp, k, :count], high[warp, k, :count], pace[warp, k, :count] = other.low, other.high, other.pace
         last[k, :, :count], middle[k, :, :count] = table.cosines[table.last], table.cosines[table.middle]
         cosines[k, : count - 1, :count] = table.cosines
-    return Tables(np.array(_COUNTS), low, high, pace, last, middle, cosines)
+    return Tables(np.array(_COUNTS), np.array(tables.WARPS), low, high, pace, last, middle, cosines)
 
 
 def begin_compiled(model: Model, q: Any, p: Any) -> Begin:
@@ -69,9 +69,7 @@ def begin_compiled(model: Model, q: Any, p: Any) -> Begin:
     return Begin(q[[c.index for c in model.separated]], P, p, Knowns(tuple(C), tuple(E), numbers), None)
 
 
-def librations(
-    model: Model, coordinate: Separated, start: Begin, k: int, *, kernels: bool, ripples: bool
-) -> tuple[Sums, Any, Any]:
+def librations(model: Model, coordinate: Separated, start: Begin, k: int, *, kernels: bool, ripples: bool) -> Sums:
     """Integrate one coordinate of many orbits.
 
     Args:
@@ -79,30 +77,33 @@ def librations(
         kernels, ripples: as in ``quadrature.integrate``.
 
     Returns:
-        The sums (good only where this pass was enough) and the turning points.
+        The sums, good only where this pass was enough.
     """
     count, m = start.q.shape[1], len(model.constants)
     sums = empty(m, count)
-    lower, upper = np.full(count, np.nan), np.full(count, np.nan)
     numbers = tuple(pair.high for pair in model.numbers)
     made = programs(coordinate, m, numbers, kernels)
-    ends = tuple(
-        side * np.inf if formula is None else formula.origin.high
-        for side, formula in ((-1, coordinate.lower), (1, coordinate.upper))
+    floors = np.array(
+        [
+            side * np.inf if formula is None else formula.origin.high
+            for side, formula in ((-1, coordinate.lower), (1, coordinate.upper))
+        ]
     )
-    table = _tables()
-    _kernel(made, kernels, ripples)(
-        start.q[k], start.P[k], np.stack(start.knowns.constants), np.stack(start.knowns.doubt), ends[0], ends[1],
-        np.pi if coordinate.periodic else np.inf, np.array(tables.WARPS), table.counts, table.low, table.high,
-        table.pace, table.last, table.middle,
-        table.cosines, sums.action, sums.action_error, sums.means, sums.mean_errors, sums.ripples, sums.ripple_errors,
-        sums.phase, sums.phase_error, sums.speeds, sums.good, lower, upper,
+    C, E = np.stack(start.knowns.constants), np.stack(start.knowns.doubt)
+    ends, table = np.empty((2, count)), _tables()
+    search, loop = _loops(made, kernels, ripples)
+    search(start.q[k], start.P[k], C, floors, np.pi if coordinate.periodic else np.inf, ends)
+    loop(
+        start.q[k], start.P[k], C, E, coordinate.even, table.warps, table.counts, table.low, table.high, table.pace,
+        table.last, table.middle, table.cosines, sums.action, sums.action_error, sums.means, sums.mean_errors,
+        sums.ripples, sums.ripple_errors, sums.phase, sums.phase_error, sums.speeds, sums.good, ends[0], ends[1],
     )  # fmt: skip
-    return sums, lower, upper
+    return sums
 
 
 @cache
-def _kernel(made: Programs, kernels: bool, ripples: bool) -> Any:
+def _loops(made: Programs, kernels: bool, ripples: bool) -> tuple[Any, Any]:
     from hjsolve.batch.loops import kernel
+    from hjsolve.batch.searches import ends
 
-    return kernel(made, kernels, ripples)
+    return ends(made), kernel(made, kernels, ripples)

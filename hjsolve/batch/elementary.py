@@ -1,7 +1,7 @@
 """Elementary functions without branches, so that LLVM turns a loop over nodes into vector instructions.
 
-Good to about two units in the last place: exp by Cody and Waite's reduction and a polynomial of degree 12, sin and cos by
-π/2 in three parts (|x| ≤ 10⁵, NaN beyond), sinh from its series below 1. Only imported where numba is.
+Good to about two units in the last place: exp by Cody and Waite's reduction and a polynomial of degree 12, sin and
+cos by π/2 in three parts (|x| ≤ 10⁵, NaN beyond), sinh from its series below 1. Only imported where numba is.
 """
 
 from __future__ import annotations
@@ -21,12 +21,14 @@ _COS = tuple((-1.0) ** k / math.factorial(2 * k) for k in range(9))
 _SINH = tuple(1.0 / math.factorial(2 * k + 1) for k in range(10))
 
 
-@intrinsic
-def _as_float(_context: Any, _bits: Any) -> Any:
+def _cast(_context: Any, _integer: Any) -> Any:
     def generate(_context: Any, builder: Any, _signature: Any, arguments: Any) -> Any:
         return builder.bitcast(arguments[0], ir.DoubleType())
 
     return types.float64(types.int64), generate
+
+
+_as_float: Any = intrinsic(_cast)
 
 
 @njit(**OPTIONS)
@@ -56,12 +58,12 @@ def sincos(x: float) -> tuple[float, float]:
         cosine = cosine * s + _COS[n]
     sine = r + r * (s * sine)
     cosine = 1.0 + s * cosine
-    n = np.int64(k) & 3
-    odd = (n & 1) == 1
+    turns = np.int64(k) & 3
+    odd = (turns & 1) == 1
     first = cosine if odd else sine
     second = sine if odd else cosine
-    first = -first if n >= 2 else first
-    second = -second if (n == 1) | (n == 2) else second
+    first = -first if turns >= 2 else first
+    second = -second if (turns == 1) | (turns == 2) else second
     inside = abs(x) < 1e5
     return (first if inside else np.nan), (second if inside else np.nan)
 

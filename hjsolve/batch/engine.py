@@ -121,7 +121,9 @@ def build(
     for name in sorted(want - set(QUANTITIES)):
         raise InvalidInputError(f'want: "{name}" is not known for many orbits; known are {", ".join(QUANTITIES)}')
     values = parameter_values(solution.system, parameters or {})
-    return Engine(solution, want, read(solution, values), _names(solution, want), available() if compiled is None else compiled)
+    return Engine(
+        solution, want, read(solution, values), _names(solution, want), available() if compiled is None else compiled
+    )
 
 
 def _names(solution: Solution, want: frozenset[str]) -> dict[str, tuple[str, ...]]:

@@ -9,7 +9,7 @@ import numpy as np
 
 from hjsolve.batch.columns import Status
 from hjsolve.batch.model import Formula, Model, Separated
-from hjsolve.batch.nodes import MOST
+from hjsolve.batch.nodes import EVEN, MOST
 from hjsolve.batch.quadrature import Region
 from hjsolve.batch.roots import bracket, first_step, kept, refine
 from hjsolve.batch.start import Begin, slope
@@ -227,12 +227,16 @@ def _libration(group: Group) -> Found:
         floor = start + step_side * distance
         size = np.minimum(length, distance)
         reach = 2 * np.pi if coordinate.periodic else np.inf
+        size = np.minimum(size, 0.2) if coordinate.periodic else size
         end = _end(view, start, P, side * first, bend, step_side, size, floor, reach)
         seen.append((view, start, end, step_side * (end - start)))
     (below, _, lower, left), (above, _, upper, right) = seen
     region = _region(below, above, lower, upper, P, left, right)
     if group.depth > 1:
         region = _fine(group, region)
+    if coordinate.even:
+        same = np.abs(left - right + 2 * q) <= 1e-13 * region.width
+        region = replace(region, warp=np.where(same, EVEN, 0))
     if group.depth:
         region = _stretched(region)
     status = np.where(np.isfinite(region.width) & (region.width > 0), Status.OK, Status.UNBOUNDED)
@@ -277,13 +281,16 @@ def _stretched(region: Region) -> Region:
         inward = side * view.sign * first
         ρ = np.abs(region.width * second / (2 * inward) + 1)
         nearby.append(np.where(np.isfinite(ρ) & (ρ > _NEAR), ρ, 0.0))
-    d, c = nearby
+    even = region.warp >= EVEN
+    d, c = (np.where(even, np.maximum(*nearby), ρ) for ρ in nearby)
     level = np.ceil(np.log2((1 + d) * (1 + c)) / 2)
     level = np.clip(level, 0, MOST).astype(int)
     goal = 4.0**level
     d, c = np.where(d >= c, goal / (1 + c) - 1, d), np.where(d >= c, c, goal / (1 + d) - 1)
+    d, c = (np.where(even, np.sqrt(goal) - 1, ρ) for ρ in (d, c))
     where = np.log1p(d) / np.log((1 + d) * (1 + c))
     warp = np.where(level >= _WARPED, 1 + np.rint(4 * np.nan_to_num(where)), 0).astype(int)
+    warp = np.where(even, EVEN + (level >= _WARPED), warp)
     return replace(region, near_lower=d, near_upper=c, level=level, warp=warp)
 
 

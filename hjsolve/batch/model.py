@@ -47,6 +47,7 @@ class Separated:
         lower, upper: p² seen from the ends of the domain, None where there is no end.
         periodic: True where p² has period 2π.
         shifted: True where P differs from p.
+        even: True where p²(−q) = p²(q), on a domain that is even, too.
     """
 
     name: str
@@ -56,6 +57,7 @@ class Separated:
     upper: Formula | None
     periodic: bool
     shifted: bool
+    even: bool
 
 
 @dataclass(frozen=True)
@@ -142,9 +144,12 @@ def _separated(
     domain = coordinate.domain
     plain = formula(sp.Integer(0), 1, lambda e: e)
     angle = domain.kind == "angle" and periodic(plain.squared, values, constants, parameters)
-    return Separated(
-        name, index, plain, from_end(domain.lower, 1), from_end(domain.upper, -1), angle, solution.shift[name] != 0
-    )
+    lower_end, upper_end = domain.lower, domain.upper
+    open_ = lower_end is None and upper_end is None
+    same = open_ or (lower_end is not None and upper_end is not None and sp.expand(lower_end + upper_end) == 0)
+    even = bool(same and not angle and sp.expand(F.subs(q, -q) - F) == 0)
+    shifted = solution.shift[name] != 0
+    return Separated(name, index, plain, from_end(lower_end, 1), from_end(upper_end, -1), angle, shifted, even)
 
 
 def tidy(expression: sp.Expr, x: sp.Symbol) -> sp.Expr:

@@ -28,8 +28,11 @@ COUNTS = (12, 16, 20, 24, 32, 40, 48, 64, 80, 96, 128, 160, 192, 256, 320, 384)
 MOST = 44
 """Least k′² in use: 4^−MOST."""
 
-WARPS = ((0.0, 0.0), (-0.7, 0.0), (-0.495, 0.175), (0.0, 0.7), (0.495, 0.175), (0.7, 0.0))
-"""γ₁, γ₂: none, then crowded at χ = 0, π/4, π/2, 3π/4, π."""
+WARPS = ((0.0, 0.0), (-0.7, 0.0), (-0.495, 0.175), (0.0, 0.7), (0.495, 0.175), (0.7, 0.0), (0.0, 0.0), (0.0, 0.7))
+"""γ₁, γ₂: none, then crowded at χ = 0, π/4, π/2, 3π/4, π; none and crowded at π/2 once more for even motions."""
+
+EVEN = 6
+"""From here on the motion is even about its middle: half of the half period serves, series go in 2χ."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -39,6 +42,7 @@ class Nodes:
     Attributes:
         χ: anomalies.
         low, high: sn² and cn²; for a rotation the angle 2 am − π and dn.
+        fold: 2 for an even motion, the series being in 2χ; else 1.
         complement, quarter: k′² and K. pace: π/K du/dχ. warp: γ₁, γ₂.
         cosines, sines: cos kχ and sin kχ, shape (terms, count), k = 1, 2, …
         last: rows of the series that tell whether the nodes suffice; middle: rows half way.
@@ -47,6 +51,7 @@ class Nodes:
     χ: Any
     low: Any
     high: Any
+    fold: int
     complement: float
     quarter: float
     pace: Any
@@ -60,7 +65,8 @@ class Nodes:
 @cache
 def libration(count: int, level: int, warp: int = 0) -> Nodes:
     """Return the nodes of half a period between turning points; k′² = 4^−level."""
-    χ = (np.arange(count) + 0.5) * np.pi / count
+    fold = 2 if warp >= EVEN else 1
+    χ = (np.arange(count) + 0.5) * np.pi / (fold * count)
     γ, δ = WARPS[warp]
     complement, quarter, sn, cn, _ = _functions(χ + γ * np.sin(χ) + 0.5 * δ * np.sin(2 * χ), level)
     pace = 1 + γ * np.cos(χ) + δ * np.cos(2 * χ)
@@ -68,7 +74,7 @@ def libration(count: int, level: int, warp: int = 0) -> Nodes:
     exact = (terms * (2 * np.arange(count) + 1)) % (4 * count)
     angle = exact * (np.pi / (2 * count))
     return Nodes(
-        χ, sn**2, cn**2, complement, quarter, pace, WARPS[warp], np.cos(angle), np.sin(angle), slice(-5, None),
+        χ, sn**2, cn**2, fold, complement, quarter, pace, WARPS[warp], np.cos(angle), np.sin(angle), slice(-5, None),
         slice(count // 2 - 4, count // 2 + 1),
     )  # fmt: skip
 
@@ -84,8 +90,8 @@ def rotation(count: int, level: int) -> Nodes:
     amplitude = np.mod(np.arctan2(sn, cn), 2 * np.pi)
     half = count // 2
     return Nodes(
-        χ, 2 * amplitude - np.pi, dn, complement, quarter, 1.0, WARPS[0], np.cos(angle), np.sin(angle), slice(-3, None),
-        slice(half // 2 - 2, half // 2 + 1),
+        χ, 2 * amplitude - np.pi, dn, 1, complement, quarter, 1.0, WARPS[0], np.cos(angle), np.sin(angle),
+        slice(-3, None), slice(half // 2 - 2, half // 2 + 1),
     )  # fmt: skip
 
 

@@ -16,7 +16,9 @@ from hjsolve.batch.views import Near, second_slope
 
 _EPS = 2.0**-52
 TOLERANCE = 1e-10
-"""Largest claimed error (relative; absolute for angles) with which an orbit is called ``OK``."""
+"""Largest claimed relative error with which an orbit is called ``OK``; of an angle, relative to ten radians."""
+
+_RADIANS = 10.0
 
 TIMED = frozenset({"frequencies", "periods", "angles"})
 
@@ -61,9 +63,7 @@ def run_pass(
     return columns
 
 
-def run_compiled(
-    model: Model, names: dict[str, tuple[str, ...]], q: Any, p: Any, *, tolerance: float
-) -> Columns:
+def run_compiled(model: Model, names: dict[str, tuple[str, ...]], q: Any, p: Any, *, tolerance: float) -> Columns:
     """Compute everything for those orbits that are easy librations; as ``run_pass`` with depth 0."""
     from hjsolve.batch.compiled import begin_compiled, librations
 
@@ -74,7 +74,7 @@ def run_compiled(
     status = np.full(count, Status.OK, dtype=np.uint8)
     sums = []
     for k, coordinate in enumerate(model.separated):
-        total, lower, upper = librations(model, coordinate, start, k, kernels=kernels, ripples=ripples)
+        total = librations(model, coordinate, start, k, kernels=kernels, ripples=ripples)
         status[~total.good] = Status.EXACT
         if "turning_points" in names:
             status[:] = Status.EXACT
@@ -87,7 +87,13 @@ def run_compiled(
 
 
 def _results(
-    model: Model, names: dict[str, tuple[str, ...]], columns: Columns, sums: list[Sums], directions: Any, start: Begin, q: Any
+    model: Model,
+    names: dict[str, tuple[str, ...]],
+    columns: Columns,
+    sums: list[Sums],
+    directions: Any,
+    start: Begin,
+    q: Any,
 ) -> None:
     if "constants" in names:
         for j, name in enumerate(model.constants):
@@ -171,7 +177,7 @@ def _ends(columns: Columns, coordinate: Separated, found: Found) -> None:
             error = view.errors(x, kernels=False)[0] / slope + _EPS * np.abs(x)
             place = view.place(x)
         name = f"{coordinate.name}.{side}"
-        error = np.where(found.rest, 0.0, error) + _EPS * np.abs(place)
+        error = np.where(found.rest, 0.0, error) + 2 * _EPS * (np.abs(place) + np.abs(x))
         columns.turning_points[name][found.index] = place
         columns.error[f"turning_points.{name}"][found.index] = error
 
@@ -183,13 +189,13 @@ def _slope(view: Any, region: Any) -> Any:
 
 
 def worst(columns: Columns) -> Any:
-    """Return the largest claimed error of every orbit: relative, absolute for angles; NaN where a value is none."""
+    """Return the largest claimed error of every orbit: relative (of angles to 10 radians); NaN for none."""
     largest = np.zeros(len(columns.status))
     for key, error in columns.error.items():
         quantity, name = key.split(".", 1)
         if quantity in {"actions", "frequencies", "periods", "angles"}:
             value = columns.group(quantity)[name]
-            scale = np.ones(len(value)) if quantity == "angles" else np.abs(value)
+            scale = _RADIANS if quantity == "angles" else np.abs(value)
             with np.errstate(all="ignore"):
                 relative = np.where((error == 0) & np.isfinite(value), 0.0, error / scale)
             largest = np.maximum(largest, relative)

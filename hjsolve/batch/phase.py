@@ -45,7 +45,7 @@ def _from_momentum(region: Region, table: Nodes, ratio: Any, part: Any, x: Any, 
     amplitude = np.arctan2(np.sqrt(np.maximum(x * (1 + d), 0)), np.sqrt(np.maximum(y, 0)))
     χ = _anomaly(amplitude, table)
     terms = np.arange(1, len(table.cosines) + 1)
-    weights = (1 + 2 * np.cos(terms * χ[:, None]) @ table.cosines) / len(table.χ)
+    weights = (1 + 2 * np.cos(table.fold * terms * χ[:, None]) @ table.cosines) / len(table.χ)
     r = np.einsum("nj,nj->n", ratio[part], weights)
     pace = 1 + table.warp[0] * np.cos(χ) + table.warp[1] * np.cos(2 * χ)
     square = (2 * table.quarter / np.pi * pace) ** 2 * table.complement

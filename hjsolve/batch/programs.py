@@ -1,7 +1,7 @@
 """Programs of one system for the compiled pass, written from its tapes and compiled by numba (extra ``fast``).
 
-A program is straight-line Python over doubles, or the same inside a loop over nodes that LLVM vectorises. Its text comes
-from operation codes and numbers (``numeric/source.py``); nothing that a user wrote gets into it.
+A program is straight-line Python over doubles, or the same inside a loop over nodes that LLVM vectorises. Its text
+comes from operation codes and numbers (``numeric/source.py``); nothing that a user wrote gets into it.
 """
 
 from __future__ import annotations
@@ -90,7 +90,7 @@ def _fill_text(tape: Tape, unpack: str, known: list[str]) -> str:
         *(f"buffer[{3 + k}, j] = {w} * r" for k, w in enumerate(kernels)),
     ]
     body = "".join(f"        {line}\n" for line in lines)
-    place = "        x = a + W * low[j] if low[j] < 0.5 else b - W * high[j]\n"
+    place = "        x = a + W * low[j] if low[j] <= 0.5 else b - W * high[j]\n"
     return f"def fill(buffer, a, b, W, low, high, pace, count, c):\n{unpack}    for j in range(count):\n{place}{body}"
 
 

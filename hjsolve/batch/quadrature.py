@@ -23,6 +23,7 @@ _SAFETY = 1.5
 _GOAL = 4e-16
 _TRIAL = 24
 _TRIALS = (0, 1, 3, 5)
+_EVEN_TRIALS = (6, 7)
 _MANY = 36
 _ELEMENTS = 1 << 17
 
@@ -126,25 +127,24 @@ def integrate(region: Region, constants: int, *, kernels: bool, ripples: bool, f
             group, table = np.flatnonzero(codes == code), _table(region, int(code))
             for part in np.array_split(group, len(group) * len(table.χ) // _ELEMENTS + 1):
                 result, more = _rule(region.take(part), constants, table, kernels=kernels, ripples=ripples)
-                if code // 512 < _TRIAL and code % 512 == 0 and region.turning:
+                if code // 512 < _TRIAL and code % 512 in (0, tables.EVEN) and region.turning:
                     more = _crowded(region, part[~result.good], constants, more, ~result.good, kernels, ripples)
                 needed[part] = np.where(result.good, np.inf, more)
                 sums.put(part, result)
 
 
-def _crowded(
-    region: Region, part: Any, constants: int, more: Any, which: Any, kernels: bool, ripples: bool
-) -> Any:
+def _crowded(region: Region, part: Any, constants: int, more: Any, which: Any, kernels: bool, ripples: bool) -> Any:
     """Where many nodes would be needed, try which crowding needs least; it is written into ``region.warp``."""
     many = np.flatnonzero(more[which] > _MANY)
     if not len(many):
         return more
     part, row = part[many], np.flatnonzero(which)[many]
+    warps = _TRIALS if region.warp[part[0]] < tables.EVEN else _EVEN_TRIALS
     trials = [
         _rule(region.take(part), constants, _table(region, _TRIAL * 512 + warp), kernels=kernels, ripples=ripples)[1]
-        for warp in _TRIALS
+        for warp in warps
     ]
-    region.warp[part] = np.array(_TRIALS)[np.argmin(trials, axis=0)]
+    region.warp[part] = np.array(warps)[np.argmin(trials, axis=0)]
     more[row] = np.maximum(np.min(trials, axis=0), _TRIAL)
     return more
 
@@ -204,7 +204,7 @@ def _largest(values: Any, table: tables.Nodes, rows: slice) -> Any:
 
 def _librating(region: Region, table: tables.Nodes) -> tuple[Any, Any, Any]:
     """Offsets in the two views, and (dq/dχ)², at the nodes: arrays (n, nodes)."""
-    half = len(table.χ) // 2
+    half = len(table.χ) if table.fold == 2 else len(table.χ) // 2
     W = region.width[:, None]
     if table.complement == 1.0:
         low, high = W * table.low, W * table.high
@@ -229,7 +229,7 @@ def _rotating(region: Region, table: tables.Nodes) -> tuple[Any, Any, Any]:
     return q[:, :half], q[:, half:], scale
 
 
-def _integrands(region: Region, places: tuple[Any, Any, Any], kernels: bool) -> tuple[Any, Any, list[Any], list[Any], Any]:
+def _integrands(region: Region, places: tuple[Any, Any, Any], kernels: bool) -> tuple[Any, ...]:
     """F, r = |dq/dχ|/√F, the kernels, bounds on the errors of F and kernels, and the smooth part of the first."""
     below, above, scale = places
     if region.below is region.above:
@@ -255,13 +255,13 @@ def _running(region: Region, table: tables.Nodes, values: Any, ratio: Any, sums:
     count = len(table.χ)
     terms = np.arange(1, len(table.cosines) + 1)
     phase, blur = librating(region, table, ratio, shake) if region.turning else rotating(region, table)
-    angle = terms * phase[:, None]
+    angle = table.fold * terms * phase[:, None]
     sine, cosine = np.sin(angle), np.cos(angle)
     weights, delta = (sine / terms) @ table.cosines, 1 + 2 * cosine @ table.cosines
     if not region.turning:
         weights += ((1 - cosine) / terms) @ table.sines
         delta += 2 * sine @ table.sines
-    sums.ripples[:] = 2 / count * np.einsum("knj,nj->kn", values, weights)
+    sums.ripples[:] = 2 / (count * table.fold) * np.einsum("knj,nj->kn", values, weights)
     sums.speeds[:] = np.einsum("knj,nj->kn", values, delta) / count
     sums.ripple_errors[:] = 4 * noise
     sums.phase[:], sums.phase_error[:] = phase, blur

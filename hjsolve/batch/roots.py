@@ -60,7 +60,7 @@ def bracket(function: Function, start: Any, step: Any, side: int, *, floor: Any,
         step[index[lost]] *= 0.25
         onward = (f >= 0) & (np.abs(x - start[index]) < reach)
         inner[index[onward]] = x[onward]
-        step[index[onward]] *= 1.6
+        step[index[onward]] *= 1.0 if np.isfinite(reach) else 1.6
         index = index[onward | lost]
         if not len(index):
             break

@@ -78,4 +78,5 @@ class Source:
 def function(name: str, arguments: Sequence[str], source: Source, results: Sequence[str]) -> str:
     """Return the text of a function that runs the program."""
     body = "".join(f"    {line}\n" for line in source.lines)
-    return f"def {name}({', '.join(arguments)}):\n{body}    return {', '.join(results)}{',' if len(results) == 1 else ''}\n"
+    values = "".join(f"{result}, " for result in results)
+    return f"def {name}({', '.join(arguments)}):\n{body}    return ({values})\n"
