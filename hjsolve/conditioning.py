@@ -19,7 +19,7 @@ if TYPE_CHECKING:
     from hjsolve.motion import Motion
 
 _DIGITS = 40
-_GROUPS = ("q", "velocity", "p", "parameters")
+_GROUPS = ("q", "velocity", "p", "constants", "parameters")
 QUANTITIES = ("constants", "actions", "frequencies", "periods")
 
 

@@ -42,7 +42,17 @@ class OutsideMotionError(InvalidInputError):
 
 
 class ForbiddenMotionError(InvalidInputError):
-    """No real motion has the constants given; the message names the nearest allowed region."""
+    """No real motion has the constants given; the message names the nearest allowed regions.
+
+    Attributes:
+        name: the coordinate that cannot be where it was said to be.
+        regions: nearest allowed region on each side, the nearer one first, as (lower, upper); None for an end that is
+            not a turning point but the end of the domain or infinity. Empty where there is none.
+    """
+
+    def __init__(self, message: str, *, name: str = "", regions: tuple[tuple[float | None, float | None], ...] = ()):
+        super().__init__(message)
+        self.name, self.regions = name, regions
 
 
 class NotSeparableError(HJSolveError, ArithmeticError):

@@ -7,7 +7,7 @@ them is zero (a parabolic orbit, a motion through the axis) is decided with ``_Z
 
 from __future__ import annotations
 
-from collections.abc import Callable, Mapping
+from collections.abc import Callable, Iterable, Mapping
 from dataclasses import dataclass
 from functools import lru_cache
 from typing import Any
@@ -95,24 +95,42 @@ def parameter_values(system: System | LinearHamiltonian, given: Values) -> dict[
 
 
 def initial_data(
-    solution: Solution, *, q: Values, velocity: Values | None, p: Values | None, parameters: Values
+    solution: Solution,
+    *,
+    q: Values,
+    velocity: Values | None = None,
+    p: Values | None = None,
+    constants: Values | None = None,
+    signs: Values | None = None,
+    parameters: Values,
 ) -> Initial:
     """Read initial data and work out the constants of the motion.
 
     Args:
         solution: of the system.
         q: every coordinate → number.
-        velocity, p: every coordinate → number; exactly one of the two.
+        velocity, p, constants: every coordinate, or every constant of the motion → number; exactly one of the three.
+        signs: with constants, every separated coordinate → 1 or −1, the sign of P = √P²; needless where P = 0.
         parameters: name → number, where it differs from the default.
 
     Raises:
-        InvalidInputError: unknown or missing names, both or none of velocity and p, a place outside the domain.
+        InvalidInputError: unknown or missing names, not exactly one of velocity, p and constants, a place outside the
+            domain.
+        MissingValueError: a value is missing.
     """
     system = solution.system
     values = parameter_values(system, parameters)
-    if (velocity is None) == (p is None):
-        raise InvalidInputError("initial data: give either velocity={…} or p={…}, a number for every coordinate")
+    if sum(given is not None for given in (velocity, p, constants)) != 1:
+        raise InvalidInputError(
+            "initial data: give either velocity={…} or p={…}, each a number for every coordinate, or constants={…}"
+        )
+    if signs is not None and constants is None:
+        raise InvalidInputError("signs: they go with constants={…}; velocity={…} and p={…} have signs already")
     places = _complete(system, q, "q")
+    if constants is not None:
+        values |= {c.symbol: places[c.name] for c in system.coordinates}
+        _inside_domains(system, values)
+        return _from_constants(solution, values, constants, signs or {}, _all_exact(q, constants, parameters))
     rates = _complete(system, velocity if p is None else p, "velocity" if p is None else "p")  # type: ignore[arg-type]
     values |= {c.symbol: places[c.name] for c in system.coordinates}
     _inside_domains(system, values)
@@ -124,6 +142,46 @@ def initial_data(
         values |= {c.momentum: rates[c.name] for c in system.coordinates}
     constants = {name: _clean(c.expression.subs(values)) for name, c in solution.constants.items()}
     return Initial(values, constants, _all_exact(q, velocity, p, parameters))
+
+
+def _from_constants(
+    solution: Solution, values: dict[sp.Symbol, sp.Expr], given: Values, signs: Values, exact: bool
+) -> Initial:
+    """Momenta from the constants of the motion and the signs of the roots: p = ±√P²(q) − A."""
+    _only_known(given, solution.constants, "constants")
+    _only_known(signs, solution.coordinates, "signs")
+    constants = {name: number(given[name], source=f"constants[{name}]") for name in solution.constants}
+    values |= {solution.constants[name].symbol: value for name, value in constants.items()}
+    unsigned = []
+    for name in solution.coordinates:
+        squared = sp.expand(solution.momentum_squared[name].subs(values))
+        if is_zero(squared):
+            root = sp.Integer(0)
+        elif name not in signs:
+            unsigned.append(name)
+            continue
+        else:  # where P² < 0 any momentum will do: that no motion is there is told when its region is looked for
+            root = _sign_given(name, signs[name]) * (sp.sqrt(squared) if sign(squared) > 0 else sp.Integer(1))
+        values[solution.system.coordinate(name).momentum] = root - solution.shift[name].subs(values)
+    if unsigned:
+        raise MissingValueError(f"signs: no sign for {_listed(unsigned)}; write signs={{{unsigned[0]!r}: 1}} or -1")
+    return Initial(values, {name: _clean(value) for name, value in constants.items()}, exact)
+
+
+def _only_known(given: Values, names: Iterable[str], what: str) -> None:
+    names = list(names)
+    for name in given:
+        if name not in names:
+            raise InvalidInputError(f"{what}: {name!r} is not known here; this solution has {_listed(names)}")
+    missing = [name for name in names if name not in given]
+    if missing and what == "constants":
+        raise MissingValueError(f"constants: no value for {_listed(missing)}; all of {_listed(names)} are needed")
+
+
+def _sign_given(name: str, value: Any) -> sp.Integer:
+    if value not in (1, -1):
+        raise InvalidInputError(f"signs[{name}]: 1 or -1 is needed, not {value!r}")
+    return sp.Integer(int(value))
 
 
 def _clean(value: sp.Expr) -> sp.Expr:

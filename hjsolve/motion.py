@@ -20,11 +20,12 @@ from hjsolve.expressions import number
 from hjsolve.initial import Initial, domain_ends, initial_data, sign, to_bits
 from hjsolve.lowering import lower, spread_exponentials
 from hjsolve.numeric.arithmetic import multiprecision
-from hjsolve.numeric.classify import Located, Start, forbidden, locate
+from hjsolve.numeric.classify import Located, Start, locate
 from hjsolve.numeric.course import PARTS, Open
 from hjsolve.numeric.estimate import Estimate
 from hjsolve.numeric.inverse import Torus, torus
 from hjsolve.numeric.radicand import Radicand
+from hjsolve.numeric.regions import forbidden, others
 from hjsolve.numeric.unbounded import Plan, plan
 from hjsolve.quantities import FLOAT_DIGITS
 from hjsolve.solution import Solution
@@ -151,6 +152,20 @@ class Motion:
         return input_doubt(self)
 
     @property
+    def other_regions(self) -> dict[str, tuple[tuple[Estimate | None, Estimate | None], ...]]:
+        """Where else each separated coordinate could move with the same constants: other wells, and places of rest.
+
+        Coordinate → intervals (lower, upper) in order, without the one the motion is in (``turning_points``); None for
+        an end that is no turning point. At most ``numeric.regions.MOST`` on each side. Worked out when it is read.
+        """
+        result = {}
+        for name, place in self.located.items():
+            begin = _start(self.solution, self.initial, name)
+            found = others(begin, place.lower, place.upper, self.digits)
+            result[name] = tuple(quantities.ends(region, self.digits) for region in found)
+        return result
+
+    @property
     def _source(self) -> Motion:
         return self.states() if self.states else self
 
@@ -165,6 +180,8 @@ def start(
     q: Mapping[str, Any],
     velocity: Mapping[str, Any] | None = None,
     p: Mapping[str, Any] | None = None,
+    constants: Mapping[str, Any] | None = None,
+    signs: Mapping[str, int] | None = None,
     parameters: Mapping[str, Any] | None = None,
     t0: Any = 0,
     digits: int = FLOAT_DIGITS,
@@ -177,7 +194,9 @@ def start(
         solution: of the system.
         q: coordinate → position, every one.
         velocity: coordinate → velocity, every one; or
-        p: coordinate → canonical momentum, every one.
+        p: coordinate → canonical momentum, every one; or
+        constants: name of a constant of the motion (``Solution.constants``) → value, every one, with
+        signs: separated coordinate → 1 or −1, the sign its root P = √P² starts with; needless where P = 0.
         parameters: name → value, where it differs from the default.
         t0: time of the initial data.
         digits: relative digits wanted, at least 1; float64 up to 15.
@@ -203,9 +222,13 @@ def start(
     """
     if type(digits) is not int or not 1 <= digits <= 2000:
         raise InvalidInputError(f"digits: a whole number from 1 to 2000 is needed, not {digits!r}")
-    initial = initial_data(solution, q=q, velocity=velocity, p=p, parameters=parameters or {})
+    initial = initial_data(
+        solution, q=q, velocity=velocity, p=p, constants=constants, signs=signs, parameters=parameters or {}
+    )
     parts, exact_t0 = parts_of(want), number(t0, source="t0")
-    given = {"q": q, "velocity": velocity, "p": p, "parameters": parameters}
+    given = {
+        "q": q, "velocity": velocity, "p": p, "constants": constants, "signs": signs, "parameters": parameters,
+    }  # fmt: skip
 
     def again(digits: int, change: Mapping[str, Any]) -> Motion:
         return start(solution, **{**given, **change}, t0=t0, digits=digits, want=want)

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Mapping
+from dataclasses import replace
 from typing import Any
 
 import numpy as np
@@ -15,6 +16,7 @@ from hjsolve.numeric.classify import Located
 from hjsolve.numeric.course import Bounded, Frozen
 from hjsolve.numeric.estimate import Estimate
 from hjsolve.numeric.inverse import Torus, mean_rate
+from hjsolve.numeric.regions import Region
 from hjsolve.numeric.unbounded import Plan
 from hjsolve.solution import Solution
 
@@ -38,14 +40,21 @@ def period(frequency: Estimate) -> Estimate:
     return Estimate(value, value * (relative + 2.0**-52 * isinstance(value, float)), nodes=frequency.nodes)
 
 
-def ends(place: Located, digits: int) -> tuple[Estimate | None, Estimate | None]:
-    """Return the turning points of a region, None where it ends in another way."""
+def ends(place: Located | Region, digits: int) -> tuple[Estimate | None, Estimate | None]:
+    """Return the turning points of a region, None where it ends in another way.
+
+    An end is known to its distance from where the search began: one at zero has an absolute error, not a relative one.
+    """
     bits = int(3.33 * digits) + 32
-    lower_end, upper_end = (
-        rounded(end.place(bits), digits) if end.kind == "turning" and end.place else None
-        for end in (place.lower, place.upper)
-    )
+    kinds = {"turning", "asymptote"} if isinstance(place, Region) else {"turning"}
+    places = [end.place(bits) if end.kind in kinds and end.place else None for end in (place.lower, place.upper)]
+    blur = max((abs(x) for x in places if x is not None), default=0) * multiprecision(64).mpf(2) ** -bits
+    lower_end, upper_end = (None if x is None else _blurred(rounded(x, digits), blur) for x in places)
     return lower_end, upper_end
+
+
+def _blurred(estimate: Estimate, blur: Any) -> Estimate:
+    return replace(estimate, error=estimate.error + (float(blur) if isinstance(estimate.value, float) else blur))
 
 
 def nodes_of(course: Any) -> int:

@@ -9,7 +9,7 @@ from typing import Any
 
 import numpy as np
 
-from hjsolve.errors import ForbiddenMotionError, NotConvergedError
+from hjsolve.errors import NotConvergedError
 from hjsolve.numeric.anomaly import Rotation, crested, libration, paired, rotation
 from hjsolve.numeric.arithmetic import Float64, Multi, multiprecision
 from hjsolve.numeric.course import PARTS, Anomaly, Bounded, Branch, Course, Frozen, Kind, Open, bounded, roughness
@@ -67,19 +67,18 @@ def locate(start: Start, digits: int) -> Located:
     """Classify the motion of one coordinate and integrate it.
 
     Raises:
-        ForbiddenMotionError: p² < 0 at the initial place.
         NotConvergedError: a zero of p² could not be decided, or an integrand stays rough.
     """
     forward = start.forward or _push(start)
     if forward == 0:
         return _rest(start, digits)
-    ahead = first_end(_ray(start, forward), digits=digits)
+    ahead = first_end(ray(start, forward), digits=digits)
     if start.forward == 0:
         behind = End("turning", start.place)
     elif ahead.kind == "round":
         behind = ahead
     else:
-        behind = first_end(_ray(start, -forward), digits=digits)
+        behind = first_end(ray(start, -forward), digits=digits)
     lower, upper = (behind, ahead) if forward > 0 else (ahead, behind)
     if lower.kind == "turning" and upper.kind == "turning":
         return Located(_libration(start, lower, upper, digits), lower, upper)
@@ -99,7 +98,8 @@ def _push(start: Start) -> int:
     return 0
 
 
-def _ray(start: Start, side: int) -> Ray:
+def ray(start: Start, side: int) -> Ray:
+    """The way from the initial place to one side, up to the end of the domain or a full turn."""
     end = start.upper if side > 0 else start.lower
     if start.angle:
         return Ray(start.radicand, start.place, side, lambda bits: 2 * multiprecision(bits).pi, turns=True)
@@ -325,11 +325,3 @@ def _open_phase(way: Way, start: Start, forward: int, bits: int) -> Any:
     else:
         y = 2 * context.asin(context.sqrt(x)) if way.end == "boundary" else context.atanh(context.sqrt(x))
     return y if forward == way.side else -y
-
-
-def forbidden(start: Start) -> ForbiddenMotionError:
-    """Make the error for p² < 0 at the initial place."""
-    value = float(start.radicand.value(start.place(128), 128))
-    return ForbiddenMotionError(
-        f"{start.name}: no real motion passes through {float(start.place(64)):.12g}, p² = {value:.3g} < 0 there"
-    )

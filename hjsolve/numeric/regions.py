@@ -1,0 +1,129 @@
+"""Where else a coordinate could move with the same constants: the other intervals on which p² ≥ 0.
+
+The search of ``turning_points`` walks through forbidden places as well, with −p² in place of p²: what it passes is
+proved negative, so no well is stepped over.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, replace
+from typing import Any, NamedTuple
+
+from hjsolve.errors import ForbiddenMotionError, NotConvergedError
+from hjsolve.numeric.arithmetic import multiprecision
+from hjsolve.numeric.classify import Start, ray
+from hjsolve.numeric.interval import Interval
+from hjsolve.numeric.jet import Jet
+from hjsolve.numeric.radicand import Radicand
+from hjsolve.numeric.turning_points import End, first_end
+
+MOST = 4
+"""Regions looked for on each side (a coordinate that winds for ever may have infinitely many)."""
+
+
+class Region(NamedTuple):
+    """An interval on which p² ≥ 0, in order of q; both ends at one place where the coordinate could only rest."""
+
+    lower: End
+    upper: End
+
+
+@dataclass(frozen=True)
+class _Negated(Radicand):
+    """−p²."""
+
+    def value(self, q: Any, bits: int) -> Any:
+        return -super().value(q, bits)
+
+    def jet(self, q: Any, bits: int) -> Jet:
+        return Jet(*(-part for part in super().jet(q, bits)))
+
+    def enclose(self, low: Any, high: Any, bits: int = 53) -> Jet:
+        return Jet(*(Interval(-part.high, -part.low) for part in super().enclose(low, high, bits)))
+
+
+def others(start: Start, lower: End, upper: End, digits: int) -> list[Region]:
+    """Return the regions beside the one a motion is in, in order of q.
+
+    Args:
+        start: the coordinate.
+        lower, upper: ends of the region the motion is in.
+        digits: relative digits wanted of their ends.
+    """
+    if "round" in (lower.kind, upper.kind):
+        return []
+    if start.angle:
+        return _along(start, upper, 1, digits, last=lower)
+    return _along(start, lower, -1, digits)[::-1] + _along(start, upper, 1, digits)
+
+
+def _along(start: Start, end: End, side: int, digits: int, last: End | None = None, most: int = MOST) -> list[Region]:
+    """Regions from an end outward; for an angle, up to the first region itself a turn later (``last``)."""
+    found: list[Region] = []
+    while end.place is not None and end.kind != "boundary" and len(found) < most:
+        if not _adjoins(start, end):
+            end = first_end(ray(_at(start, end, negated=True), side), digits=digits)
+        if end.place is None or end.kind == "boundary" or (last is not None and _passed(end, last)):
+            break
+        rests = end.kind == "asymptote" and not _adjoins(start, end)
+        far = end if rests else first_end(ray(_at(start, end), side), digits=digits)
+        found.append(Region(end, far) if side > 0 else Region(far, end))
+        end = far
+    return found
+
+
+def _at(start: Start, end: End, *, negated: bool = False) -> Start:
+    assert end.place is not None
+    own = start.radicand
+    radicand = _Negated(own.squared, own.kernels, own.inputs) if negated else own
+    return replace(start, place=end.place, radicand=radicand)
+
+
+def _adjoins(start: Start, end: End) -> bool:
+    """True at a double zero with p² > 0 on both sides: the next region begins where the last one ends."""
+    return end.kind == "asymptote" and end.place is not None and bool(start.radicand.jet(end.place(512), 512)[2] > 0)
+
+
+def _passed(end: End, last: End) -> bool:
+    """True when an end is the beginning of the first region, a turn later."""
+    assert end.place is not None
+    assert last.place is not None
+    turn = 2 * multiprecision(256).pi
+    return bool(end.place(256) - last.place(256) > turn * (1 - 2.0**-100))
+
+
+def forbidden(start: Start, digits: int = 15) -> ForbiddenMotionError:
+    """Make the error for p² < 0 at the initial place, with the nearest regions on both sides."""
+    here = End("turning", start.place)
+    value = float(start.radicand.value(start.place(128), 128))
+    beside: list[tuple[float, tuple[float | None, float | None]]] = []
+    for side in (-1, 1):
+        for region in _nearest(start, here, side, digits):
+            ends = tuple(None if e.place is None else float(e.place(64)) for e in region)
+            near = ends[0] if side > 0 else ends[1]
+            assert near is not None
+            beside.append((abs(near - float(start.place(64))), (ends[0], ends[1])))
+    regions = tuple(ends for _, ends in sorted(beside, key=lambda pair: pair[0]))
+    return ForbiddenMotionError(
+        f"{start.name}: no real motion passes through {float(start.place(64)):.12g}, p² = {value:.3g} < 0 there; "
+        + (f"motion is possible {' and '.join(_told(start.name, *r) for r in regions)}" if regions else
+           "no place was found where these constants allow it"),
+        name=start.name,
+        regions=regions,
+    )  # fmt: skip
+
+
+def _nearest(start: Start, here: End, side: int, digits: int) -> list[Region]:
+    """The first region on one side; none where it could not be decided."""
+    try:
+        return _along(start, here, side, digits, most=1)
+    except NotConvergedError:
+        return []
+
+
+def _told(name: str, low: float | None, high: float | None) -> str:
+    if low == high and low is not None:
+        return f"at rest at {name} = {low:.12g}"
+    if low is None:
+        return f"for {name} ≤ {high:.12g}"
+    return f"for {name} ≥ {low:.12g}" if high is None else f"for {low:.12g} ≤ {name} ≤ {high:.12g}"
