@@ -27,7 +27,7 @@ from hjsolve.domains import Domain
 from hjsolve.errors import InvalidSystemError, MissingValueError
 from hjsolve.evaluation import NoValueError, evaluate
 from hjsolve.expressions import admit, number, parse
-from hjsolve.kinetic import check_quadratic, half_inverse_form, inverse, mass_entries
+from hjsolve.kinetic import check_quadratic, half_inverse_form, inverse, mass_entries, parts
 from hjsolve.relativity import Relativity
 from hjsolve.relativity import read as read_relativity
 
@@ -248,8 +248,8 @@ def mass_matrix(system: System) -> sp.ImmutableMatrix:
 
 def linear_terms(system: System) -> tuple[sp.Expr, ...]:
     """a_i(q) of T₁ = Σ a_i q̇_i, one for each coordinate."""
-    rest = dict.fromkeys(_speeds(system), sp.S.Zero)
-    return tuple(sp.diff(system.kinetic, speed).xreplace(rest) for speed in _speeds(system))
+    found = parts(system.kinetic, _speeds(system))
+    return tuple(found.get((i,), sp.S.Zero) for i in range(len(system.coordinates)))
 
 
 def kinetic_rest(system: System) -> sp.Expr:

@@ -100,10 +100,16 @@ def _forms(reader: Reader, x: Element) -> list[sp.Expr]:
 def _length(x: sp.Expr) -> int:
     """Operations in an expression; sympy's count_ops takes seconds where this takes milliseconds."""
     if not x.args:
-        return len(str(abs(x))) - 1 + bool(x.is_negative) if x.is_Rational else 0
+        return _digits(x) - 1 if x.is_Rational else 0
     if x.is_Pow:
         return _length(x.base) + (1 + _length(x.exp) if x.exp != -1 else 1)
     return max(len(x.args) - 1, 1) + sum(map(_length, x.args))
+
+
+def _digits(x: sp.Rational) -> int:
+    """Letters of a rational number as it is written, the sign included; ``str`` of sympy is much slower."""
+    p, q = int(x.p), int(x.q)
+    return len(str(p)) + (len(str(q)) + 1 if q != 1 else 0)
 
 
 def cost(x: Element) -> int:
