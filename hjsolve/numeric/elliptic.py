@@ -45,7 +45,7 @@ _kept = lru_cache(maxsize=64)(_landen)
 
 
 def jacobi(u: Any, complement: Any, quarter: Any, arithmetic: Float64 | Multi) -> tuple[Any, Any, Any]:
-    """Return sn u, cn u, dn u for −2K ≤ u ≤ 2K, cn with full relative accuracy near its zeros ±K.
+    """Return sn u, cn u, dn u for −2K ≤ u ≤ 2K (or just beyond), cn with full relative accuracy near its zeros ±K.
 
     Args:
         u: argument; scalar, or array for ``Float64``.
@@ -58,23 +58,25 @@ def jacobi(u: Any, complement: Any, quarter: Any, arithmetic: Float64 | Multi) -
     size = abs(u)
     folded = size > quarter
     v = 2 * quarter - size if folded else size
+    beyond, v = v < 0, abs(v)  # 2K rounded up
     far = v > quarter / 2
     sn, cn, dn = _bulirsch(quarter - v if far else v, complement, arithmetic)
     if far:
         k = arithmetic.unary("sqrt", complement)
         sn, cn, dn = cn / dn, k * sn / dn, k / dn
-    return (-sn if u < 0 else sn), (-cn if folded else cn), dn
+    return (-sn if (u < 0) != beyond else sn), (-cn if folded else cn), dn
 
 
 def _jacobi_array(u: Any, complement: float, quarter: float, arithmetic: Float64) -> tuple[Any, Any, Any]:
     size = np.abs(u)
     folded = size > quarter
     v = np.where(folded, 2 * quarter - size, size)
+    beyond, v = v < 0, np.abs(v)
     far = v > quarter / 2
     sn, cn, dn = _bulirsch(np.where(far, quarter - v, v), complement, arithmetic)
     k = complement**0.5
     sn, cn, dn = np.where(far, cn / dn, sn), np.where(far, k * sn / dn, cn), np.where(far, k / dn, dn)
-    return np.copysign(sn, u), np.where(folded, -cn, cn), dn
+    return np.where(beyond, -1, 1) * np.copysign(sn, u), np.where(folded, -cn, cn), dn
 
 
 def _bulirsch(u: Any, complement: Any, arithmetic: Float64 | Multi) -> tuple[Any, Any, Any]:
