@@ -10,6 +10,7 @@ from hjsolve.errors import NotConvergedError
 from hjsolve.numeric.arithmetic import multiprecision
 from hjsolve.numeric.course import Course
 from hjsolve.numeric.inverse import Torus
+from hjsolve.numeric.series import Series
 
 
 def on_torus(system: Torus, χ: list[Any], whole: list[Any], time: list[Any], bits: int) -> tuple[list[Any], list[Any]]:
@@ -28,6 +29,7 @@ def on_torus(system: Torus, χ: list[Any], whole: list[Any], time: list[Any], bi
     n, turn = len(system.courses), 2 * context.pi
     result = [np.empty(len(time), dtype=object) for _ in range(n)]
     bounds = [np.empty(len(time), dtype=object) for _ in range(n)]
+    cut = context.matrix([sum(_left_out(series) for series in row) for row in system.ripples])
     for m, t in enumerate(time):
         goal = [system.starts[k] + system.rates[k] * t - turn * context.convert(float(whole[k][m])) for k in range(n)]
 
@@ -39,9 +41,18 @@ def on_torus(system: Torus, χ: list[Any], whole: list[Any], time: list[Any], bi
             return residual, slopes
 
         x, error = _newton(equations, [context.convert(float(χ[k][m])) for k in range(n)], context, bits)
+        spread = (equations(x)[1] ** -1).apply(abs) * cut
         for k in range(n):
-            result[k][m], bounds[k][m] = x[k], error
+            result[k][m], bounds[k][m] = x[k], error + spread[k]
     return result, bounds
+
+
+def _left_out(series: Series) -> Any:
+    """The terms that a series lacks; where dt/dχ is far below its mean they move the phase by much more."""
+    if not len(series.cosines):
+        return 0
+    sines = series.sines if series.sines is not None else []
+    return 2 * series.tail * (abs(series.mean) + sum(map(abs, series.cosines)) + sum(map(abs, sines)))
 
 
 def _ripple(system: Torus, k: int, i: int, x: Any) -> Any:

@@ -8,6 +8,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from hjsolve.initial import to_bits
+from hjsolve.numeric.arithmetic import multiprecision
 from hjsolve.numeric.clock import halves, relative, relative_exact
 from hjsolve.numeric.course import Bounded
 from hjsolve.numeric.inverse import Torus, mean_rate
@@ -15,7 +16,7 @@ from hjsolve.quantities import FLOAT_DIGITS
 from hjsolve.state import Errors, State
 from hjsolve.system import velocities
 from hjsolve.trajectory.dense import FEWEST, Dense, OnDemand, dense, rough
-from hjsolve.trajectory.phases import phases_at, read_times
+from hjsolve.trajectory.phases import Phases, phases_at, read_times
 from hjsolve.trajectory.positions import (
     canonical_momenta,
     constant_index,
@@ -32,8 +33,14 @@ if TYPE_CHECKING:
     from hjsolve.motion import Motion
 
 
-def state_at(motion: Motion, t: Any) -> State:
-    """Return the state at a time or times; see ``Motion.at``."""
+def state_at(motion: Motion, t: Any, digits: int | None = None) -> State:
+    """Return the state at a time or times; see ``Motion.at``.
+
+    Args:
+        motion: the motion.
+        t: time or times.
+        digits: digits wanted of the phases; those of the motion where None.
+    """
     shape, floats, exact = read_times(t)
     if motion.digits <= FLOAT_DIGITS and (rough(motion) or (floats is not None and len(floats) >= FEWEST)):
         start = to_bits(motion.t0)
@@ -42,6 +49,9 @@ def state_at(motion: Motion, t: Any) -> State:
         if table is not None:
             return _tabulated(motion, table, t, time, shape)
     phases = phases_at(motion, floats, exact)
+    wanted = digits or motion.digits
+    if motion.again is not None and (lacking := _lacking(motion, phases, wanted)):
+        return state_at(motion.again(motion.digits + lacking, {}), t, wanted)
     q, p, whole = positions(motion, phases)
     v = coordinate_velocities(motion, q, p)
     status = np.where(phases.ended, "reaches_boundary", "ok")
@@ -64,6 +74,16 @@ def state_at(motion: Motion, t: Any) -> State:
         shaped(status, shape),
         errors,
     )
+
+
+def _lacking(motion: Motion, phases: Phases, wanted: int) -> int:
+    """Digits that the series must have more: where dt/dχ is far below its mean, a phase has fewer than its time."""
+    if phases.exact is None or motion.digits > 3 * wanted:
+        return 0
+    worst = max((max(errors, default=0) for errors in phases.errors), default=0)
+    if worst * multiprecision(64).mpf(10) ** (wanted - 1) <= 1:
+        return 0
+    return wanted + 2 + int(multiprecision(64).log10(worst))
 
 
 def _tabulated(motion: Motion, table: Dense, t: Any, time: tuple[Any, Any], shape: tuple[int, ...] | None) -> State:
