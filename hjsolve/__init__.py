@@ -27,6 +27,7 @@ if TYPE_CHECKING:
     from hjsolve.ensembles import Status as Status
     from hjsolve.ensembles import ensemble as ensemble
     from hjsolve.errors import CatalogError as CatalogError
+    from hjsolve.errors import ClusterError as ClusterError
     from hjsolve.errors import ExpressionError as ExpressionError
     from hjsolve.errors import ForbiddenMotionError as ForbiddenMotionError
     from hjsolve.errors import HJSolveError as HJSolveError
@@ -50,6 +51,8 @@ if TYPE_CHECKING:
     from hjsolve.separation import separate as separate
     from hjsolve.solution import Solution as Solution
     from hjsolve.solution import solve as solve
+    from hjsolve.sweeps import Swept as Swept
+    from hjsolve.sweeps import sweep as sweep
     from hjsolve.system import Coordinate as Coordinate
     from hjsolve.system import Domain as Domain
     from hjsolve.system import Parameter as Parameter
@@ -62,10 +65,12 @@ _HOMES = {
     "separate": "separation", "Separation": "separation", "Obstruction": "separation", "Undecided": "separation",
     "solve": "solution", "Solution": "solution",
     "ensemble": "ensembles", "Batch": "ensembles", "Status": "ensembles",
+    "sweep": "sweeps", "Swept": "sweeps",
     "Motion": "motion", "Estimate": "numeric.estimate",
     "report": "reports", "cost": "costs", "Cost": "costs", "Scene": "scenes",
     "linear_modes": "gyroscopic", "from_hamiltonian": "hamiltonians",
-    "CatalogError": "errors", "ExpressionError": "errors", "ForbiddenMotionError": "errors", "HJSolveError": "errors",
+    "CatalogError": "errors", "ClusterError": "errors", "ExpressionError": "errors",
+    "ForbiddenMotionError": "errors", "HJSolveError": "errors",
     "InternalError": "errors", "InvalidInputError": "errors", "InvalidSystemError": "errors",
     "MissingExtraError": "errors", "MissingValueError": "errors", "NotConvergedError": "errors",
     "NotSeparableError": "errors", "OutsideMotionError": "errors",

@@ -14,8 +14,9 @@ from typing import NoReturn, TypeAlias
 
 from hjsolve import commands
 from hjsolve._version import __version__
-from hjsolve.commands import ANSWER, BAD_INPUT, REFUSED, UNSETTLED
+from hjsolve.commands import ANSWER, BAD_INPUT, INTERRUPTED, REFUSED, UNSETTLED
 from hjsolve.errors import (
+    ClusterError,
     HJSolveError,
     InternalError,
     InvalidInputError,
@@ -24,7 +25,7 @@ from hjsolve.errors import (
     NotSeparableError,
 )
 
-INTERRUPTED, BROKEN_PIPE = 130, 141
+BROKEN_PIPE = 141
 _FAULTS = (
     ArithmeticError,
     AssertionError,
@@ -93,6 +94,11 @@ examples:
   hjsolve cost pendulum --motion rotation --digits 20,40,80 --seconds 120
   hjsolve cost scenes/precessing-ellipse.toml -o cost.html      with the figure
   hjsolve cost lagrange-top -o cost.svg                         the figure alone""",
+    "sweep": """\
+examples:
+  hjsolve sweep orbits.toml -o orbits.parquet                      on all cores; killed, the same command goes on
+  hjsolve sweep orbits.toml -o orbits.parquet --scheduler tcp://10.0.0.1:8786
+                                 where `dask scheduler` runs, and `dask worker tcp://10.0.0.1:8786` on many machines""",
     "catalog": """\
 examples:
   hjsolve catalog                       list all entries
@@ -136,6 +142,8 @@ def main(arguments: Sequence[str] | None = None) -> int:
         return _complain(_with_estimate(error), REFUSED if isinstance(error, NotSeparableError) else UNSETTLED)
     except (InvalidInputError, MissingExtraError) as error:
         return _complain(str(error), BAD_INPUT)
+    except ClusterError as error:
+        return _complain(str(error), UNSETTLED)
     except OSError as error:
         return _complain(f"{error.filename or 'output'}: {error.strerror or type(error).__name__}", BAD_INPUT)
     except (HJSolveError, *_FAULTS) as error:
@@ -222,6 +230,7 @@ def parser() -> argparse.ArgumentParser:
     _add_coordinates(kinds)
     _add_report(kinds)
     _add_cost(kinds)
+    _add_sweep(kinds)
     _add_catalog(kinds)
     return top
 
@@ -311,6 +320,20 @@ def _add_cost(kinds: _Commands) -> None:
     cost.add_argument("--seconds", type=float, default=60.0, metavar="S", help="budget for everything (default 60)")
     cost.add_argument("--no-rivals", action="store_true", help="leave DOP853 and heyoka out")
     cost.add_argument("-o", "--output", metavar="FILE", help="table and figure: .html .md .json .txt .tex, or .svg")
+def _add_sweep(kinds: _Commands) -> None:
+    about = (
+        "Compute the orbits that the table [sweep] of a scene declares: actions, frequencies, angles and the\n"
+        "like, each with its error, and a status for every orbit. The output is a folder of Parquet files,\n"
+        "written part by part; a run that is killed is gone on with by the same command, and neither\n"
+        "repeats nor loses a part."
+    )
+    sweep = _add(kinds, "sweep", "many orbits into Parquet files, resumable", about)
+    sweep.add_argument("scene", metavar="SCENE", help="a scene with a table [sweep], a .toml file")
+    sweep.add_argument("-o", "--output", required=True, metavar="FOLDER", help="where to write, e.g. orbits.parquet")
+    sweep.add_argument("--threads", type=int, metavar="N", help="threads (default: all cores of this process)")
+    sweep.add_argument("--scheduler", metavar="ADDRESS", help="of a dask scheduler, tcp://…, in place of threads")
+    sweep.add_argument("--chunk", type=int, metavar="N", help="orbits of one file (default: what the scene says)")
+    sweep.add_argument("--quiet", action="store_true", help="no progress bar")
 
 
 def _add_catalog(kinds: _Commands) -> None:

@@ -17,7 +17,7 @@ if TYPE_CHECKING:
     from hjsolve.scenes import Scene
     from hjsolve.system import System
 
-ANSWER, REFUSED, BAD_INPUT, UNSETTLED = 0, 1, 2, 3
+ANSWER, REFUSED, BAD_INPUT, UNSETTLED, INTERRUPTED = 0, 1, 2, 3, 130
 """Exit statuses; see ``hjsolve.cli``."""
 
 _NAME = re.compile(r"\s*(\w+)\s*")
@@ -161,6 +161,20 @@ def cost(options: Namespace) -> int:
 
     measured(options, _located(options.subject))
     return ANSWER
+
+
+def sweep(options: Namespace) -> int:
+    """Compute the orbits that a scene declares into a folder.
+
+    Args:
+        options: the parsed arguments.
+
+    Returns:
+        The exit status.
+    """
+    from hjsolve.sweeps.command import run
+
+    return run(options)
 
 
 def catalog(options: Namespace) -> int:

@@ -79,6 +79,10 @@ class NotConvergedError(HJSolveError, ArithmeticError):
         self.estimate = estimate
 
 
+class ClusterError(HJSolveError, RuntimeError):
+    """A cluster failed: its scheduler was lost, its workers ended or have other code; what is written stays."""
+
+
 class MissingExtraError(HJSolveError, ImportError):
     """A feature needs an optional extra that is not installed; the message names it."""
 

@@ -6,6 +6,8 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
+from hjsolve.numeric.rowwise import rowwise
+
 if TYPE_CHECKING:
     from hjsolve.batch.nodes import Nodes
     from hjsolve.batch.quadrature import Region
@@ -45,7 +47,7 @@ def _from_momentum(region: Region, table: Nodes, ratio: Any, part: Any, x: Any, 
     amplitude = np.arctan2(np.sqrt(np.maximum(x * (1 + d), 0)), np.sqrt(np.maximum(y, 0)))
     χ = _anomaly(amplitude, table)
     terms = np.arange(1, len(table.cosines) + 1)
-    weights = (1 + 2 * np.cos(table.fold * terms * χ[:, None]) @ table.cosines) / len(table.χ)
+    weights = (1 + 2 * rowwise(np.cos(table.fold * terms * χ[:, None]), table.cosines)) / len(table.χ)
     r = np.einsum("nj,nj->n", ratio[part], weights)
     pace = 1 + table.warp[0] * np.cos(χ) + table.warp[1] * np.cos(2 * χ)
     square = (2 * table.quarter / np.pi * pace) ** 2 * table.complement
@@ -69,12 +71,15 @@ def _anomaly(amplitude: Any, table: Nodes) -> Any:
     s, c = np.sin(amplitude), np.cos(amplitude)
     x, y, z = c * c, c * c + table.complement * s * s, 1.0 + 0.0 * s
     x = np.maximum(x, 1e-300)
+    done = np.zeros(np.shape(s), dtype=bool)
     for _ in range(64):
         λ = np.sqrt(x * y) + np.sqrt(y * z) + np.sqrt(z * x)
-        x, y, z = (x + λ) / 4, (y + λ) / 4, (z + λ) / 4
+        # an orbit stops where it has converged, not where the last of its company has
+        x, y, z = (np.where(done, old, (old + λ) / 4) for old in (x, y, z))
         A = (x + y + z) / 3
         X, Y = 1 - x / A, 1 - y / A
-        if np.all(np.maximum(np.abs(X), np.abs(Y)) < 2e-3):
+        done = done | (np.maximum(np.abs(X), np.abs(Y)) < 2e-3)
+        if np.all(done):
             break
     Z = -X - Y
     e2, e3 = X * Y - Z * Z, X * Y * Z
@@ -86,13 +91,14 @@ def _anomaly(amplitude: Any, table: Nodes) -> Any:
 def _unwarped(goal: Any, γ: float, δ: float) -> Any:
     """Solve χ + γ sin χ + ½ δ sin 2χ = goal, 0 ≤ goal ≤ π, by Newton's method inside a bracket."""
     low, high = np.zeros_like(goal), np.full_like(goal, np.pi)
-    χ = goal.copy()
+    χ, done = goal.copy(), np.zeros(goal.shape, dtype=bool)
     for _ in range(60):
         f = χ + γ * np.sin(χ) + 0.5 * δ * np.sin(2 * χ) - goal
         low, high = np.where(f <= 0, χ, low), np.where(f >= 0, χ, high)
         new = χ - f / (1 + γ * np.cos(χ) + δ * np.cos(2 * χ))
         new = np.where((new >= low) & (new <= high), new, (low + high) / 2)
-        if np.all(np.abs(new - χ) <= 4 * _EPS * np.abs(new)):
-            return new
+        new, done = np.where(done, χ, new), done | (np.abs(new - χ) <= 4 * _EPS * np.abs(new))
         χ = new
+        if np.all(done):
+            break
     return χ

@@ -17,6 +17,7 @@ import numpy as np
 from hjsolve.batch import nodes as tables
 from hjsolve.batch.phase import librating, rotating
 from hjsolve.batch.views import View
+from hjsolve.numeric.rowwise import rowwise
 
 _EPS = 2.0**-52
 _SAFETY = 1.5
@@ -196,9 +197,9 @@ def _rule(region: Region, constants: int, table: tables.Nodes, *, kernels: bool,
 
 def _largest(values: Any, table: tables.Nodes, rows: slice) -> Any:
     """Largest coefficient of the discrete series among some rows, shape (integrands, n)."""
-    parts = [2 / len(table.χ) * np.abs(values @ table.cosines[rows].T).max(axis=2)]
+    parts = [2 / len(table.χ) * np.abs(rowwise(values, table.cosines[rows].T)).max(axis=2)]
     if table.low[0] < 0:
-        parts.append(2 / len(table.χ) * np.abs(values @ table.sines[rows].T).max(axis=2))
+        parts.append(2 / len(table.χ) * np.abs(rowwise(values, table.sines[rows].T)).max(axis=2))
     return np.maximum.reduce(parts)
 
 
@@ -257,10 +258,10 @@ def _running(region: Region, table: tables.Nodes, values: Any, ratio: Any, sums:
     phase, blur = librating(region, table, ratio, shake) if region.turning else rotating(region, table)
     angle = table.fold * terms * phase[:, None]
     sine, cosine = np.sin(angle), np.cos(angle)
-    weights, delta = (sine / terms) @ table.cosines, 1 + 2 * cosine @ table.cosines
+    weights, delta = rowwise(sine / terms, table.cosines), 1 + 2 * rowwise(cosine, table.cosines)
     if not region.turning:
-        weights += ((1 - cosine) / terms) @ table.sines
-        delta += 2 * sine @ table.sines
+        weights += rowwise((1 - cosine) / terms, table.sines)
+        delta += 2 * rowwise(sine, table.sines)
     sums.ripples[:] = 2 / (count * table.fold) * np.einsum("knj,nj->kn", values, weights)
     sums.speeds[:] = np.einsum("knj,nj->kn", values, delta) / count
     sums.ripple_errors[:] = 4 * noise

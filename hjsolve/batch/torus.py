@@ -14,6 +14,7 @@ import numpy as np
 
 from hjsolve.batch.model import Model
 from hjsolve.batch.quadrature import Sums
+from hjsolve.numeric.rowwise import stacked
 
 _EPS = 2.0**-52
 
@@ -43,7 +44,7 @@ def assemble(model: Model, sums: list[Sums], directions: Any, q: Any, *, angles:
         matrix, blur = (x[:, :size].transpose(2, 1, 0) for x in (means, doubts))  # (n, constant, coordinate)
         inverse = _inverse(matrix)
         wide = np.abs(inverse)
-        shaken = wide @ (blur + 4 * size * _EPS * np.abs(matrix)) @ wide + 2 * _EPS * wide
+        shaken = stacked(stacked(wide, blur + 4 * size * _EPS * np.abs(matrix)), wide) + 2 * _EPS * wide
         rates, rate_errors = inverse[:, :, 0].T, shaken[:, :, 0].T
         frequencies = {c.name: (directions[k] * rates[k], rate_errors[k]) for k, c in enumerate(model.separated)}
         for name in model.angles:
@@ -90,9 +91,9 @@ def _angles(
     speeds = np.abs(np.stack([s.speeds for s in sums]))
     total, doubt = ripples[:, :size].sum(axis=0), blurs[:, :size].sum(axis=0)
     phases, phase_errors = np.stack([s.phase for s in sums]), np.stack([s.phase_error for s in sums])
-    doubt = doubt + np.einsum("ijn,in->jn", speeds[:, :size], phase_errors)
-    θ = np.einsum("nkj,jn->kn", inverse, total)
-    error = np.einsum("nkj,jn->kn", np.abs(inverse), doubt) + np.einsum("nkj,jn->kn", shaken, np.abs(total))
+    doubt = doubt + np.sum(speeds[:, :size] * phase_errors[:, None], axis=0)
+    θ = stacked(inverse, total.T[..., None])[..., 0].T
+    error = (stacked(np.abs(inverse), doubt.T[..., None]) + stacked(shaken, np.abs(total).T[..., None]))[..., 0].T
     error += phase_errors + 4 * _EPS * (np.pi + np.abs(θ))
     found = {c.name: _principal(directions[k] * (phases[k] + θ[k]), error[k]) for k, c in enumerate(model.separated)}
     for name in model.angles:

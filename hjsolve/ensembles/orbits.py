@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from collections.abc import Iterable, Mapping
 from pathlib import Path
 from typing import Any
@@ -12,7 +13,7 @@ from hjsolve import catalog
 from hjsolve.ensembles.batch_of_orbits import Batch
 from hjsolve.ensembles.door import Conditions, conditions
 from hjsolve.ensembles.layout import layout_of
-from hjsolve.ensembles.recipe import Recipe
+from hjsolve.ensembles.recipe import WORTH_COMPILING, Recipe
 from hjsolve.ensembles.rows import Columns, compute
 from hjsolve.errors import InvalidInputError
 from hjsolve.initial import parameter_values
@@ -30,6 +31,7 @@ def ensemble(
     parameters: Mapping[str, Any] | None = None,
     threads: int | None = None,
     fallback: bool = True,
+    compiled: bool | None = None,
 ) -> Batch:
     """Compute the actions, frequencies, … of many orbits of one system.
 
@@ -49,6 +51,8 @@ def ensemble(
         threads: how many; None for all cores that this process may use. Dask has its own, this is not for it.
         fallback: compute orbits that the vectorised engine hands back one by one, tens of milliseconds each; without,
             they are ``not_converged``.
+        compiled: whether to compile the loops by numba (extra ``fast``), some seconds once a process, for each
+            system, want and parameters; None: from a thousand orbits on. The last bits differ, within the errors.
 
     Returns:
         The batch; ``batch.actions["r"]`` has the shape of the initial conditions.
@@ -66,15 +70,29 @@ def ensemble(
     solution = _solution(system)
     given = conditions(solution.system, q, p, velocity)
     layout = layout_of(solution, want)
-    exact = parameter_values(solution.system, _numbers(parameters))
-    values = tuple((symbol.name, exact[symbol]) for symbol in sorted(exact, key=lambda s: s.name))
-    recipe = Recipe(solution.system, layout.want, values, given.kind, fallback)
+    many = math.prod(given.shape) >= WORTH_COMPILING if compiled is None else compiled
+    recipe = recipe_for(solution, layout.want, parameters or {}, given.kind, fallback=fallback, compiled=many)
     if given.lazy:
         from hjsolve.ensembles.blocks import lazily
 
         return lazily(recipe, layout, given)
     columns = _at_once(recipe, given, _thread_count(threads))
     return Batch({name: column.reshape(given.shape) for name, column in columns.items()}, layout, given.shape)
+
+
+def recipe_for(
+    solution: Solution, want: tuple[str, ...], parameters: Mapping[str, Any], kind: str, *, compiled: bool,
+    fallback: bool = True,
+) -> Recipe:  # fmt: skip
+    """Write the recipe of an ensemble: every parameter with its exact value.
+
+    Raises:
+        InvalidInputError: an unknown parameter, or one with several values.
+        MissingValueError: a parameter without a value.
+    """
+    exact = parameter_values(solution.system, _numbers(parameters))
+    values = tuple((symbol.name, exact[symbol]) for symbol in sorted(exact, key=lambda s: s.name))
+    return Recipe(solution.system, want, values, kind, fallback, compiled)
 
 
 def _solution(system: Any) -> Solution:
@@ -90,11 +108,11 @@ def _solution(system: Any) -> Solution:
     )
 
 
-def _numbers(parameters: Mapping[str, Any] | None) -> dict[str, Any]:
-    for name, value in (parameters or {}).items():
+def _numbers(parameters: Mapping[str, Any]) -> dict[str, Any]:
+    for name, value in parameters.items():
         if getattr(value, "shape", ()) != () or isinstance(value, (list, tuple)):
             raise InvalidInputError(f"parameters[{name}]: one number for all orbits is needed; call once a value")
-    return dict(parameters or {})
+    return dict(parameters)
 
 
 def _thread_count(threads: Any) -> int | None:

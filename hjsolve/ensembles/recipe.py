@@ -21,6 +21,10 @@ ONE_AT_A_TIME = threading.RLock()
 """sympy and mpmath keep caches that were not made for threads, and hold Python's lock anyway."""
 
 
+WORTH_COMPILING = 1000
+"""An ensemble of fewer orbits does not pay for compiling, which takes seconds, once a process and system."""
+
+
 @dataclass(frozen=True)
 class Recipe:
     """Plain values; equal recipes give equal columns, in whatever process.
@@ -31,6 +35,8 @@ class Recipe:
         parameters: (name, exact value) of every parameter.
         kind: ``p`` or ``velocity``, what comes with the places.
         fallback: whether orbits that the vectorised engine hands back go to the engine of single motions.
+        compiled: whether its first pass is compiled, where numba is installed; decided once for an ensemble, not for a
+            block of it, because the last bits differ.
     """
 
     system: System
@@ -38,6 +44,7 @@ class Recipe:
     parameters: tuple[tuple[str, sp.Expr], ...]
     kind: str
     fallback: bool = True
+    compiled: bool = False
 
 
 @dataclass(frozen=True)
@@ -88,7 +95,12 @@ def _tools(recipe: Recipe) -> Tools:
     return Tools(
         solution=solution,
         layout=layout_of(solution, recipe.want),
-        engine=batch.build(solution, frozenset(recipe.want), parameters=dict(recipe.parameters)),
+        engine=batch.build(
+            solution,
+            frozenset(recipe.want),
+            parameters=dict(recipe.parameters),
+            compiled=None if recipe.compiled else False,
+        ),
         bounds=tuple(_bounds(recipe)),
         momenta=lower(
             [formulas[c.name] for c in system.coordinates], [*arguments, *(system.symbols[name] for name in names)]

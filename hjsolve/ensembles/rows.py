@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import os
+import threading
 from collections.abc import Iterator, Mapping
 from concurrent.futures import ThreadPoolExecutor
 from typing import Any
@@ -43,8 +44,10 @@ def compute(recipe: Recipe, q: list[Any], rates: list[Any], *, threads: int | No
     n, tools = len(q[0]), tools_of(recipe)
     columns: Columns = {name: _empty(n, dtype) for name, dtype in dtypes(tools.layout).items()}
 
+    stop = threading.Event()
+
     def part(window: slice) -> None:
-        _fill(recipe, tools, columns, window, [x[window] for x in q], [x[window] for x in rates])
+        _fill(recipe, tools, columns, window, [x[window] for x in q], [x[window] for x in rates], stop)
 
     windows = list(_windows(n))
     count = min(threads or cores(), len(windows))
@@ -53,8 +56,13 @@ def compute(recipe: Recipe, q: list[Any], rates: list[Any], *, threads: int | No
             part(window)
     else:
         with ThreadPoolExecutor(count) as pool:
-            for _ in pool.map(part, windows):
-                pass
+            try:
+                for _ in pool.map(part, windows):
+                    pass
+            except BaseException:  # an error, or the user's Ctrl-C: the other threads need not finish
+                stop.set()
+                pool.shutdown(wait=False, cancel_futures=True)
+                raise
     return columns
 
 
@@ -72,8 +80,9 @@ def _windows(n: int) -> Iterator[slice]:
 
 
 def _fill(
-    recipe: Recipe, tools: Tools, columns: Columns, window: slice, q: list[Any], rates: list[Any]
-) -> None:
+    recipe: Recipe, tools: Tools, columns: Columns, window: slice, q: list[Any], rates: list[Any],
+    stop: threading.Event,
+) -> None:  # fmt: skip
     """Compute one chunk into its window of the columns."""
     names = [c.name for c in recipe.system.coordinates]
     places, speeds = dict(zip(names, q, strict=True)), dict(zip(names, rates, strict=True))
@@ -92,6 +101,8 @@ def _fill(
         codes[good] = _SAID_IN_DOUBLES[found.status]
         return
     for k in map(int, np.flatnonzero(~fine)):
+        if stop.is_set():
+            return
         start = {"q": _picked(places, k), recipe.kind: _picked(speeds, k)}
         _one(recipe, tools, columns, window.start + int(good[k]), start)
 

@@ -150,6 +150,10 @@ def run(scene: Scene, solution: Solution | None = None) -> Run:
 
 
 def _started(scene: Scene) -> None:
+    if scene.sweep is not None:
+        raise InvalidInputError(
+            f"{scene.source}: has many motions; run it by hjsolve.sweep(scene, out) or `hjsolve sweep FILE -o OUT`"
+        )
     if scene.initial is None:
         raise MissingValueError(f"{scene.source}: initial: missing, and the system has no default motion")
 

@@ -15,17 +15,19 @@ import sympy as sp
 
 from hjsolve import catalog, toml_file
 from hjsolve.effects import forces, with_effects
+from hjsolve.ensembles.layout import QUANTITIES
 from hjsolve.errors import CatalogError, InvalidInputError
 from hjsolve.expressions import number
 from hjsolve.scenes.events import Event, read_event
 from hjsolve.scenes.tables import scene_faults
+from hjsolve.scenes.varied import Varied, disagreements, read_sweep
 from hjsolve.schema import nearest
 from hjsolve.system import System
 
 if TYPE_CHECKING:
     from hjsolve.scenes.run import Run
 
-INTEGRATED_DIGITS, MOST_INTEGRATED_DIGITS = 10, 12
+INTEGRATED_DIGITS, MOST_INTEGRATED_DIGITS, _SWEEP_DIGITS = 10, 12, 15
 _LONGEST_RUN = 86_400
 Numbers = Mapping[str, object]
 
@@ -95,6 +97,7 @@ class Scene:
         method: ``quadratures`` (Hamilton-Jacobi) or ``integrate`` (an ODE integrator).
         certified: constants, turning points, actions, frequencies and periods are proved.
         seconds: the time allowed, where the scene asks for the best that fits into it instead of digits.
+        sweep: many initial conditions in place of one; such a scene is for ``hjsolve.sweep``, not for ``run``.
     """
 
     source: str
@@ -114,6 +117,7 @@ class Scene:
     method: str
     certified: bool = False
     seconds: float | None = None
+    sweep: Varied | None = None
 
     @staticmethod
     def load(scene: str | Path | Mapping[str, Any]) -> Scene:
@@ -142,6 +146,12 @@ class Scene:
         except InvalidInputError as error:
             text = " ".join(str(error).split())
             raise CatalogError(text if text.startswith(source) else f"{source}: {text}") from error
+
+    @property
+    def fixed(self) -> dict[str, Mapping[str, object] | None]:
+        """The initial data by group: ``q``, ``p``, ``velocity``; what a sweep does not vary is taken from them."""
+        start = self.initial
+        return {} if start is None else {"q": start.q, "p": start.p, "velocity": start.velocity}
 
     def run(self) -> Run:
         """Compute what the scene wants, and nothing else, with the method its accuracy calls for (``Run.choice``).
@@ -181,6 +191,7 @@ def _built(table: Mapping[str, Any], source: str, folder: Path) -> Scene:
         events=tuple(read_event(e, system, f"events[{k}]") for k, e in enumerate(table.get("events", ()), start=1)),
         orbit=_orbit(table), method="integrate" if integrated else "quadratures",
         seconds=_seconds(table.get("accuracy", {}), source),
+        sweep=read_sweep(table.get("sweep"), folder),
     )  # fmt: skip
     problems = list(_disagreements(result))
     if problems:
@@ -261,8 +272,10 @@ def _disagreements(scene: Scene) -> Iterator[str]:
             yield f'parameters: no parameter "{name}"{nearest(name, known)}'
         number(value, source=f"parameters.{name}")
     if scene.initial is not None:
-        yield from _initial_faults(scene.initial, names)
-    if {"trajectory", "angles"} & set(scene.want) and scene.times is None:
+        yield from _initial_faults(scene.initial, names, partial=scene.sweep is not None)
+    if scene.sweep is not None:
+        yield from _sweep_faults(scene, scene.sweep, names)
+    elif {"trajectory", "angles"} & set(scene.want) and scene.times is None:
         yield "times: missing; trajectory and angles are wanted, say when: {start = 0, stop = 10, count = 101}"
     if any(event.kind == "wall" for event in scene.events) and scene.times is None:
         yield "times: missing; a wall is met again and again, say until when"
@@ -273,19 +286,36 @@ def _disagreements(scene: Scene) -> Iterator[str]:
         if "orbit" not in scene.want:
             yield 'orbit: described but not wanted; add "orbit" to want'
     if scene.method == "integrate":
-        for word in scene.want:
-            if word not in ("trajectory", "constants"):
-                yield f'want: "{word}" needs quadratures; an integrated scene has trajectory and constants (drift)'
-        if scene.digits > MOST_INTEGRATED_DIGITS:
-            most = MOST_INTEGRATED_DIGITS
-            yield f"accuracy.digits: an integrator in doubles reaches {most} at best, not {scene.digits}; ask for less"
-        if scene.times is None:
-            yield "times: missing; say from when to when the scene is integrated"
+        yield from _integrated_faults(scene)
     yield from _time_order(scene)
 
 
-def _initial_faults(initial: Start, names: list[str]) -> Iterator[str]:
-    if (initial.velocity is None) == (initial.p is None):
+def _integrated_faults(scene: Scene) -> Iterator[str]:
+    for word in scene.want:
+        if word not in ("trajectory", "constants"):
+            yield f'want: "{word}" needs quadratures; an integrated scene has trajectory and constants (drift)'
+    if scene.digits > MOST_INTEGRATED_DIGITS:
+        most = MOST_INTEGRATED_DIGITS
+        yield f"accuracy.digits: an integrator in doubles reaches {most} at best, not {scene.digits}; ask for less"
+    if scene.times is None:
+        yield "times: missing; say from when to when the scene is integrated"
+
+
+def _sweep_faults(scene: Scene, sweep: Varied, names: list[str]) -> Iterator[str]:
+    yield from disagreements(sweep, names, scene.fixed)
+    for word in scene.want:
+        if word not in QUANTITIES:
+            yield f'want: "{word}" is not for a sweep, which has {", ".join(QUANTITIES)}'
+    if scene.digits > _SWEEP_DIGITS:
+        yield f"accuracy.digits: a sweep is computed in doubles, {_SWEEP_DIGITS} digits at most, not {scene.digits}"
+    if scene.seconds is not None or scene.certified:
+        yield "accuracy: a sweep has neither a time nor proofs; leave seconds and certified out"
+    if scene.forces:
+        yield f"effects: a sweep is computed by quadratures, which the force in {', '.join(scene.forces)} forbids"
+
+
+def _initial_faults(initial: Start, names: list[str], *, partial: bool) -> Iterator[str]:
+    if (initial.velocity is None) == (initial.p is None) and not (partial and initial.p is None):
         yield "initial: give velocity or p, one of the two"
     for key, given in (("q", initial.q), ("velocity", initial.velocity), ("p", initial.p)):
         if given is None:
@@ -293,7 +323,8 @@ def _initial_faults(initial: Start, names: list[str]) -> Iterator[str]:
         for name in given:
             if name not in names:
                 yield f'initial.{key}: no coordinate "{name}"{nearest(name, names)}'
-        yield from (f"initial.{key}.{name}: missing; every coordinate needs one" for name in names if name not in given)
+        left = [] if partial else [name for name in names if name not in given]
+        yield from (f"initial.{key}.{name}: missing; every coordinate needs one" for name in left)
         for name, value in given.items():
             number(value, source=f"initial.{key}.{name}")
 

@@ -6,6 +6,7 @@ from collections.abc import Iterator, Mapping
 from typing import Any
 
 from hjsolve import schema
+from hjsolve.scenes.varied import sweep_faults
 from hjsolve.schema import Key
 
 METHODS = ("quadratures", "integrate")
@@ -28,20 +29,22 @@ SCENE = {
     "orbit": Key("table", keys={"of": Key("text", True), "along": Key("text", True)}),
     "events": Key("tables", keys=_EVENT),
 }  # fmt: skip
-"""The keys of a scene, but for ``system``, ``times`` and ``orbit.values``, which may be of several types."""
+"""The keys of a scene, but for ``system``, ``times``, ``sweep`` and ``orbit.values``, which may be of several types."""
 LONGEST = 10_000_000
 MOST_PASSAGES = 100_000
 
 
 def scene_faults(table: Mapping[str, Any]) -> Iterator[str]:
     """Every way in which a scene does not have the shape it must have, one line each."""
-    plain = {key: value for key, value in table.items() if key not in ("system", "times")}
-    keys = {**SCENE, "system": _TEXT, "times": _TEXT}
+    plain = {key: value for key, value in table.items() if key not in ("system", "times", "sweep")}
+    keys = {**SCENE, "system": _TEXT, "times": _TEXT, "sweep": _TEXT}
     if isinstance(orbit := plain.get("orbit"), Mapping) and "values" in orbit:
         plain["orbit"] = {key: value for key, value in orbit.items() if key != "values"}
         yield from _list_faults(orbit["values"], "orbit.values")
     yield from schema.faults(plain, keys)
     yield from _system_faults(table)
+    if "sweep" in table:
+        yield from sweep_faults(table["sweep"], table)
     if "times" in table:
         yield from _time_faults(table["times"])
     if isinstance(want := table.get("want"), list):

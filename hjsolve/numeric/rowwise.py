@@ -1,0 +1,37 @@
+"""Products for many orbits at once in which an orbit's last bit does not depend on its company.
+
+A matrix product by BLAS may add its terms in another order, and fuse them or not, when the number of rows or the place
+of a row changes; results would then depend on chunks and threads. Along contiguous rows ``einsum`` without optimization
+keeps one order; single sums and products of arrays are rounded the same everywhere. Neither starts threads of its own.
+"""
+
+from __future__ import annotations
+
+from typing import Any
+
+import numpy as np
+
+
+def rowwise(rows: Any, table: Any) -> Any:
+    """Return rows · table.
+
+    Args:
+        rows: shape (…, n, j). table: shape (j, m).
+
+    Returns:
+        Shape (…, n, m).
+    """
+    return np.einsum("...j,mj->...m", rows, np.ascontiguousarray(table.T))
+
+
+def stacked(left: Any, right: Any) -> Any:
+    """Return left[n] · right[n] for every n, small matrices.
+
+    Args:
+        left: shape (n, i, j). right: shape (n, j, k).
+
+    Returns:
+        Shape (n, i, k).
+    """
+    terms = (left[:, :, j, None] * right[:, None, j, :] for j in range(left.shape[2]))
+    return sum(terms, start=0.0)

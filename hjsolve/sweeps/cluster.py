@@ -1,0 +1,89 @@
+"""A sweep on the workers of a dask cluster; this process hands out starts, takes columns in, and alone writes.
+
+A worker that is lost costs its unfinished parts, which the scheduler gives to others; a client that is lost costs the
+parts on their way. Either way a part is written once, because it is written here, under its one name.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterator, Mapping
+from typing import Any
+
+from hjsolve.ensembles.recipe import Recipe
+from hjsolve.errors import ClusterError, InvalidInputError, MissingExtraError
+from hjsolve.sweeps.conduct import Work, columns_of
+from hjsolve.sweeps.identity import code
+
+_PATIENCE = 20.0
+"""Seconds until a scheduler that does not answer, or has no worker, is given up."""
+
+_AHEAD = 2
+"""Parts a thread of the cluster holds or waits for: more would only fill memory."""
+
+
+def on_cluster(work: Work, scheduler: str) -> None:
+    """Compute what is left on a cluster; see ``hjsolve.sweep``."""
+    try:
+        import distributed
+        from distributed.comm.core import CommClosedError
+    except ImportError as error:
+        raise MissingExtraError('a cluster needs distributed: pip install "hjsolve[cluster]"') from error
+    if not work.left:
+        return
+    with _client(distributed, scheduler) as client:
+        _wait_for_workers(distributed, client, scheduler)
+        try:
+            _hand_out(distributed, client, work)
+        except distributed.KilledWorker as error:
+            raise ClusterError(f"a part ended several workers; what is written stays ({error})") from error
+        except (distributed.client.FutureCancelledError, CommClosedError) as error:
+            raise ClusterError(f"{scheduler}: was lost; what is written stays, run the same again") from error
+
+
+def _client(distributed: Any, scheduler: str) -> Any:
+    try:
+        return distributed.Client(scheduler, timeout=_PATIENCE, set_as_default=False)
+    except (OSError, TimeoutError, ValueError) as error:
+        raise InvalidInputError(
+            f"scheduler: {scheduler} cannot be reached; start one by `dask scheduler`, and give the address it prints"
+        ) from error
+
+
+def _wait_for_workers(distributed: Any, client: Any, scheduler: str) -> None:
+    try:
+        client.wait_for_workers(1, timeout=_PATIENCE)
+    except (TimeoutError, distributed.TimeoutError) as error:
+        raise InvalidInputError(f"scheduler: {scheduler} has no worker; start `dask worker {scheduler}`") from error
+
+
+def _hand_out(distributed: Any, client: Any, work: Work) -> None:
+    """Keep every thread of the cluster busy and take in what is done, in whatever order it comes."""
+    waiting: dict[Any, tuple[int, Mapping[str, Any]]] = {}
+    parts = iter(work.left)
+    done = distributed.as_completed(loop=client.loop)
+    _refill(client, work, parts, waiting, done)
+    for future in done:
+        part, starts = waiting.pop(future)
+        work.keep(part, starts, future.result())
+        del future
+        _refill(client, work, parts, waiting, done)
+
+
+def _refill(client: Any, work: Work, parts: Iterator[int], waiting: dict[Any, Any], done: Any) -> None:
+    room = max(_AHEAD * sum(client.nthreads().values()), 1) - len(waiting)
+    for _, part in zip(range(room), parts, strict=False):
+        starts = work.starts(part)
+        future = client.submit(remote_part, work.recipe, code(), starts, pure=False)
+        waiting[future] = (part, starts)
+        done.add(future)
+
+
+def remote_part(recipe: Recipe, expected: Mapping[str, str], starts: Mapping[str, Any]) -> dict[str, Any]:
+    """The columns of one part, on a worker.
+
+    Raises:
+        ClusterError: the worker's code is not that of the run.
+    """
+    if code() != dict(expected):
+        raise ClusterError(f"a worker has other code ({code()}) than this process ({dict(expected)}); install the same")
+    return columns_of(recipe, starts, threads=1)

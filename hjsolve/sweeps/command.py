@@ -1,0 +1,34 @@
+"""``hjsolve sweep``: arguments to a sweep, and one line about what it wrote."""
+
+from __future__ import annotations
+
+import sys
+from argparse import Namespace
+
+from hjsolve.sweeps.conduct import sweep
+
+_DONE, _INTERRUPTED = 0, 130
+
+
+def run(options: Namespace) -> int:
+    """Sweep, and say what came of it.
+
+    Args:
+        options: the parsed arguments.
+
+    Returns:
+        The exit status; see ``hjsolve.cli``.
+    """
+    out = options.output
+    try:
+        done = sweep(
+            options.scene, out, threads=options.threads, scheduler=options.scheduler, chunk=options.chunk,
+            shown=False if options.quiet else None,
+        )  # fmt: skip
+    except KeyboardInterrupt:
+        print(f"hjsolve: interrupted; what is in {out} stays, and the same command goes on with it", file=sys.stderr)
+        return _INTERRUPTED
+    counts = ", ".join(f"{number} {word}" for word, number in done.statuses.items())
+    before = f", {done.kept} of them by an earlier run" if done.kept else ""
+    print(f"wrote {done.path}: {done.orbits} orbits in {done.parts} files{before}; {counts}")
+    return _DONE

@@ -1,0 +1,142 @@
+"""sweep(): the orbits that a scene declares, part by part into a folder, on threads or on a cluster."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from dataclasses import dataclass
+from pathlib import Path
+from typing import TYPE_CHECKING, Any
+
+from hjsolve.ensembles.layout import wanted
+from hjsolve.ensembles.orbits import recipe_for
+from hjsolve.ensembles.recipe import WORTH_COMPILING, Recipe
+from hjsolve.ensembles.rows import compute
+from hjsolve.errors import InvalidInputError, MissingExtraError
+from hjsolve.scenes import Scene
+from hjsolve.solution import solve
+from hjsolve.sweeps.identity import code, identity
+from hjsolve.sweeps.points import Points, points_of
+from hjsolve.sweeps.progress import Advance, progress
+
+if TYPE_CHECKING:
+    from hjsolve.sweeps.folder import Folder
+
+
+@dataclass(frozen=True)
+class Swept:
+    """A sweep that is complete.
+
+    Attributes:
+        path: the folder; ``pyarrow.dataset.dataset(path)`` reads it as one table.
+        orbits: in all. parts: files. kept: of these, how many an earlier run had written.
+        statuses: word → orbits, as ``Batch.summary``.
+    """
+
+    path: Path
+    orbits: int
+    parts: int
+    kept: int
+    statuses: Mapping[str, int]
+
+
+@dataclass(frozen=True, eq=False)
+class Work:
+    """What is left to do, and how; passed to whoever conducts it."""
+
+    recipe: Recipe
+    points: Points
+    folder: Folder
+    left: tuple[int, ...]
+    advance: Advance
+
+    @property
+    def names(self) -> list[str]:
+        """The coordinates."""
+        return [c.name for c in self.recipe.system.coordinates]
+
+    def starts(self, part: int) -> dict[str, Any]:
+        """The initial conditions of a part."""
+        return self.points.window(self.names, *self.folder.plan.window(part))
+
+    def keep(self, part: int, starts: Mapping[str, Any], columns: Mapping[str, Any]) -> None:
+        """Write a part that is done."""
+        self.folder.write(part, starts, columns)
+        begin, end = self.folder.plan.window(part)
+        self.advance(end - begin)
+
+
+def sweep(
+    scene: Scene | str | Path | Mapping[str, Any],
+    out: str | Path,
+    *,
+    threads: int | None = None,
+    scheduler: str | None = None,
+    chunk: int | None = None,
+    shown: bool | None = None,
+) -> Swept:
+    """Compute the orbits that the table ``[sweep]`` of a scene declares into a folder of Parquet files.
+
+    A run that is killed, whenever it is, is gone on with by the same call: parts that are there stay, the others are
+    computed, and the data are those of a run that was not disturbed, byte for byte.
+
+    Args:
+        scene: a scene, its table or its file; docs/ensembles.md describes ``[sweep]``.
+        out: the folder, e.g. ``orbits.parquet``; made where it is missing.
+        threads: how many; None for all cores that this process may use.
+        scheduler: address of a dask scheduler, ``tcp://…``; its workers compute, this process writes.
+        chunk: orbits of one part; None for what the scene says. Belongs to the sweep: the same on every run.
+        shown: whether progress is shown on standard error; None: on a terminal.
+
+    Returns:
+        What was written.
+
+    Raises:
+        InvalidInputError: the scene declares no sweep, the folder holds another one, or the scheduler is not there.
+        NotSeparableError: the system does not separate.
+        ClusterError: the scheduler was lost, or an orbit kills every worker; the parts written so far stay.
+        MissingExtraError: pyarrow, or for a cluster distributed, is not installed.
+    """
+    try:
+        from hjsolve.sweeps.folder import Plan, opened
+    except ImportError as error:
+        raise MissingExtraError('a sweep writes Parquet and needs pyarrow: pip install "hjsolve[cluster]"') from error
+    if not isinstance(scene, Scene):
+        scene = Scene.load(scene)
+    points, table = points_of(scene)
+    size = _checked_chunk(chunk) or scene.sweep.chunk  # type: ignore[union-attr] # points_of has seen it
+    many = points.count >= WORTH_COMPILING
+    recipe = recipe_for(
+        solve(scene.system), wanted(scene.want), dict(scene.parameters), points.kind, compiled=many
+    )
+    plan = Plan(identity(scene, table, size), code(), points.count, size, scene.title)
+    with opened(Path(out), plan) as folder:
+        left = folder.left()
+        done = points.count - sum(end - begin for begin, end in map(plan.window, left))
+        with progress(points.count, done, shown=shown) as advance:
+            work = Work(recipe, points, folder, tuple(left), advance)
+            if scheduler is None:
+                _on_threads(work, threads)
+            else:
+                from hjsolve.sweeps.cluster import on_cluster
+
+                on_cluster(work, scheduler)
+        return Swept(folder.path, points.count, plan.parts, plan.parts - len(left), folder.finish())
+
+
+def _checked_chunk(chunk: Any) -> int | None:
+    if chunk is not None and (isinstance(chunk, bool) or not isinstance(chunk, int) or chunk < 1):
+        raise InvalidInputError(f"chunk: a whole number from 1 on is needed, not {chunk!r}")
+    return chunk
+
+
+def _on_threads(work: Work, threads: int | None) -> None:
+    for part in work.left:
+        starts = work.starts(part)
+        work.keep(part, starts, columns_of(work.recipe, starts, threads))
+
+
+def columns_of(recipe: Recipe, starts: Mapping[str, Any], threads: int | None) -> dict[str, Any]:
+    """The columns of a part; runs here or on a worker."""
+    names = [c.name for c in recipe.system.coordinates]
+    q, rates = ([starts[f"{group}.{name}"] for name in names] for group in ("q", recipe.kind))
+    return compute(recipe, q, rates, threads=threads)

@@ -1,0 +1,190 @@
+"""The output of a sweep: a folder of Parquet files with a manifest, where a part is there completely or not at all.
+
+    out.parquet/_manifest.json              what the sweep is, and, once it is complete, every part with its digest
+    out.parquet/part-000000.parquet         orbits 0 … chunk − 1, and so on
+    out.parquet/_writing-…                  a part on its way; readers skip names with an underscore
+
+A part is written beside its place, brought to the disk, and renamed: the name is there only when the part is.
+"""
+
+from __future__ import annotations
+
+import contextlib
+import hashlib
+import json
+import os
+from collections.abc import Iterator, Mapping
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+import pyarrow as pa
+import pyarrow.parquet as pq
+
+from hjsolve.ensembles.batch_of_orbits import WORDS
+from hjsolve.ensembles.layout import EXACT, STATUS
+from hjsolve.errors import InvalidInputError
+
+MANIFEST, _LOCK, _WRITING = "_manifest.json", "_lock", "_writing-"
+FORMAT = 1
+
+
+@dataclass(frozen=True)
+class Plan:
+    """What the folder is for.
+
+    Attributes:
+        scene: digests of the parts of the scene. code: versions of the code.
+        orbits: how many. chunk: orbits of one part.
+        title: of the scene, for the reader of the manifest.
+    """
+
+    scene: Mapping[str, str]
+    code: Mapping[str, str]
+    orbits: int
+    chunk: int
+    title: str
+
+    @property
+    def parts(self) -> int:
+        """How many parts there are."""
+        return -(-self.orbits // self.chunk)
+
+    def window(self, part: int) -> tuple[int, int]:
+        """First orbit of a part, and the first after it."""
+        return part * self.chunk, min((part + 1) * self.chunk, self.orbits)
+
+    @property
+    def head(self) -> dict[str, Any]:
+        """The manifest without what is known at the end only."""
+        return {
+            "format": FORMAT, "title": self.title, "scene": dict(self.scene), "code": dict(self.code),
+            "orbits": self.orbits, "chunk": self.chunk, "parts": self.parts,
+        }  # fmt: skip
+
+
+@dataclass(frozen=True)
+class Folder:
+    """The folder of a plan; made by ``opened``."""
+
+    path: Path
+    plan: Plan
+
+    def part(self, number: int) -> Path:
+        """The file of a part."""
+        return self.path / f"part-{number:06d}.parquet"
+
+    def left(self) -> list[int]:
+        """The parts that are not there yet, in order; a file that is no whole part counts as not there."""
+        return [k for k in range(self.plan.parts) if not self._whole(k)]
+
+    def _whole(self, number: int) -> bool:
+        begin, end = self.plan.window(number)
+        try:
+            return bool(pq.read_metadata(self.part(number)).num_rows == end - begin)
+        except (FileNotFoundError, pa.ArrowInvalid):
+            return False
+
+    def write(self, number: int, starts: Mapping[str, Any], columns: Mapping[str, Any]) -> None:
+        """Write one part, completely or not at all."""
+        begin, end = self.plan.window(number)
+        words = pa.DictionaryArray.from_arrays(pa.array(columns[STATUS]), pa.array(WORDS.tolist()))
+        arrays = {"orbit": np.arange(begin, end), **starts, STATUS: words, EXACT: columns[EXACT]}
+        arrays |= {name: column for name, column in columns.items() if name not in arrays}
+        beside = self.path / f"{_WRITING}{number:06d}-{os.getpid()}"
+        pq.write_table(pa.table(arrays), beside)
+        _moved(beside, self.part(number))
+
+    def finish(self) -> dict[str, int]:
+        """Write the complete manifest.
+
+        Returns:
+            Word of a status → orbits, and ``exact`` → orbits computed singly.
+        """
+        counts: dict[str, int] = {}
+        files = []
+        for number in range(self.plan.parts):
+            path, (begin, end) = self.part(number), self.plan.window(number)
+            files.append({"file": path.name, "orbits": end - begin, "sha256": _digest(path)})
+            table = pq.read_table(path, columns=[STATUS, EXACT])
+            for entry in table[STATUS].value_counts().to_pylist():
+                counts[entry["values"]] = counts.get(entry["values"], 0) + entry["counts"]
+            counts[EXACT] = counts.get(EXACT, 0) + int(np.count_nonzero(table[EXACT].to_numpy()))
+        ordered = {word: counts[word] for word in [*WORDS.tolist(), EXACT] if word in counts}
+        _write_manifest(self.path, {**self.plan.head, "complete": True, "statuses": ordered, "files": files})
+        return ordered
+
+
+@contextlib.contextmanager
+def opened(path: Path, plan: Plan) -> Iterator[Folder]:
+    """Begin a sweep in a folder, or go on with the one it holds.
+
+    Raises:
+        InvalidInputError: the path is something else; the folder holds another sweep, or one that other code began;
+            another process is writing it.
+    """
+    if path.exists() and not path.is_dir():
+        raise InvalidInputError(f"{path}: is a file; a sweep writes a folder, give another name")
+    path.mkdir(parents=True, exist_ok=True)
+    with _alone(path):
+        if (path / MANIFEST).exists():
+            _check(path, plan)
+        elif others := sorted(p.name for p in path.iterdir() if p.name != _LOCK and not p.name.startswith(_WRITING)):
+            raise InvalidInputError(f"{path}: is a folder with other things in it ({others[0]}); give another name")
+        else:
+            _write_manifest(path, {**plan.head, "complete": False})
+        for beside in path.glob(f"{_WRITING}*"):  # what a killed run left half-written
+            beside.unlink()
+        yield Folder(path, plan)
+
+
+def _check(path: Path, plan: Plan) -> None:
+    how = "give another name, or delete the folder to begin anew"
+    try:
+        held = json.loads((path / MANIFEST).read_text(encoding="utf-8"))
+        scene, made, form = dict(held["scene"]), dict(held["code"]), held["format"]
+    except (ValueError, KeyError, TypeError) as error:
+        raise InvalidInputError(f"{path / MANIFEST}: is no manifest of a sweep; {how}") from error
+    if form != FORMAT:
+        raise InvalidInputError(f"{path}: was written in another format ({form}); {how}")
+    changed = [part for part, digest in plan.scene.items() if scene.get(part) != digest]
+    if changed:
+        raise InvalidInputError(f"{path}: was begun for another scene (different: {', '.join(changed)}); {how}")
+    if made != dict(plan.code):
+        then, now = (", ".join(f"{name} {v}" for name, v in code.items()) for code in (made, plan.code))
+        raise InvalidInputError(f"{path}: was begun by other code ({then}; here {now}); finish it by that, or {how}")
+
+
+@contextlib.contextmanager
+def _alone(path: Path) -> Iterator[None]:
+    """Hold the folder's lock; the system frees it when the process ends, however it ends."""
+    try:
+        import fcntl
+    except ImportError:  # no such locks on this system
+        yield
+        return
+    with (path / _LOCK).open("w") as lock:
+        try:
+            fcntl.flock(lock, fcntl.LOCK_EX | fcntl.LOCK_NB)
+        except BlockingIOError as error:
+            raise InvalidInputError(f"{path}: another process writes this sweep; wait for it, or stop it") from error
+        yield
+
+
+def _write_manifest(path: Path, content: Mapping[str, Any]) -> None:
+    beside = path / f"{_WRITING}manifest-{os.getpid()}"
+    beside.write_text(json.dumps(content, indent=1) + "\n", encoding="utf-8")
+    _moved(beside, path / MANIFEST)
+
+
+def _moved(beside: Path, place: Path) -> None:
+    """Bring a file to the disk, then give it its name in one step."""
+    with beside.open("rb+") as file:
+        os.fsync(file.fileno())
+    beside.replace(place)
+
+
+def _digest(path: Path) -> str:
+    with path.open("rb") as file:
+        return hashlib.file_digest(file, "sha256").hexdigest()

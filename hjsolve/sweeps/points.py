@@ -1,0 +1,178 @@
+"""The initial conditions of a sweep: any window of a grid or a table, as doubles."""
+
+from __future__ import annotations
+
+import hashlib
+import io
+from collections.abc import Iterator, Mapping
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+import sympy as sp
+
+from hjsolve.errors import InvalidInputError, MissingExtraError
+from hjsolve.expressions import number
+from hjsolve.initial import to_bits
+from hjsolve.scenes import Scene
+from hjsolve.scenes.varied import GROUPS, Axis, Varied, keys, kind_of, missing
+from hjsolve.schema import nearest
+
+
+@dataclass(frozen=True, eq=False)
+class Points:
+    """Where the orbits of a sweep start.
+
+    Attributes:
+        kind: ``p`` or ``velocity``.
+        count: orbits.
+        sizes: of the axes of a grid, the last varies fastest; (count,) for a table.
+        varied: initial condition (``q.r``) → (its axis, its values along it).
+        fixed: initial condition → the one number that it is in all orbits.
+    """
+
+    kind: str
+    count: int
+    sizes: tuple[int, ...]
+    varied: Mapping[str, tuple[int, Any]]
+    fixed: Mapping[str, float]
+
+    def window(self, names: list[str], begin: int, end: int) -> dict[str, Any]:
+        """The starts begin ≤ number < end: ``q.r`` … in the order of the coordinates, then ``p.r`` …."""
+        places = np.unravel_index(np.arange(begin, end), self.sizes)
+        result = {}
+        for key in [f"{group}.{name}" for group in ("q", self.kind) for name in names]:
+            if key in self.varied:
+                axis, values = self.varied[key]
+                result[key] = values[places[axis]]
+            else:
+                result[key] = np.full(end - begin, self.fixed[key])
+        return result
+
+
+def points_of(scene: Scene) -> tuple[Points, str]:
+    """The starts that a scene declares, and a digest of the table they come from (empty for a grid).
+
+    Raises:
+        InvalidInputError: the scene has no sweep; the table cannot be read, or does not hold what it should.
+        MissingExtraError: the table is a Parquet file and pyarrow is not installed.
+    """
+    if scene.sweep is None:
+        raise InvalidInputError(f"{scene.source}: has no table [sweep] that says what to vary; see docs/ensembles.md")
+    varied: dict[str, tuple[int, Any]]
+    if scene.sweep.table is None:
+        axes, digest = scene.sweep.axes, ""
+        varied = {f"{axis.group}.{axis.name}": (k, _values(axis)) for k, axis in enumerate(axes)}
+        sizes = tuple(axis.size for axis in axes)
+    else:
+        columns, digest = _table(scene, scene.sweep, scene.sweep.table)
+        varied = {key: (0, column) for key, column in columns.items()}
+        sizes = (len(next(iter(columns.values()))),)
+    kind = kind_of(varied, scene.fixed)
+    fixed = {
+        f"{group}.{name}": float(to_bits(number(value, source=f"initial.{group}.{name}"))(64))
+        for group in ("q", kind)
+        for name, value in (scene.fixed.get(group) or {}).items()
+        if f"{group}.{name}" not in varied
+    }
+    return Points(kind, int(np.prod(sizes, dtype=np.int64)), sizes, varied, fixed), digest
+
+
+def _values(axis: Axis) -> Any:
+    def nearest_double(value: sp.Expr) -> float:
+        return float(to_bits(value)(64))
+
+    if axis.listed:
+        return np.array([nearest_double(value) for value in axis.listed])
+    ends = nearest_double(axis.start), nearest_double(axis.stop)
+    return np.geomspace(*ends, axis.count) if axis.spacing == "log" else np.linspace(*ends, axis.count)
+
+
+# ------------------------------------------------------------------------------------------------ tables
+def _table(scene: Scene, sweep: Varied, path: Path) -> tuple[dict[str, Any], str]:
+    try:
+        digest = hashlib.sha256(path.read_bytes()).hexdigest()
+        found = {".csv": _csv, ".npz": _npz, ".parquet": _parquet}[path.suffix](path)
+    except OSError as error:
+        raise InvalidInputError(f"{path}: cannot be read ({error.strerror or type(error).__name__})") from error
+    names = [c.name for c in scene.system.coordinates]
+    heading = {key: sweep.columns.get(key, key) for key in keys(names)}
+    problems = list(_table_faults(found, heading, sweep, names, scene))
+    if problems:
+        raise InvalidInputError("\n".join(f"{path}: {problem}" for problem in problems))
+    return {key: _column(path, name, found[name]) for key, name in heading.items() if name in found}, digest
+
+
+def _table_faults(
+    found: Mapping[str, Any], heading: Mapping[str, str], sweep: Varied, names: list[str], scene: Scene
+) -> Iterator[str]:
+    for name in found:
+        if name.partition(".")[0] in GROUPS and "." in name and name not in heading.values():
+            yield f'column "{name}" is no initial condition{nearest(name, heading)}'
+    for key, name in sweep.columns.items():
+        if name not in found:
+            yield f'no column "{name}" for {key}{nearest(name, found)}'
+    present = [key for key, name in heading.items() if name in found]
+    if not present:
+        yield f"no column is an initial condition; name them {', '.join(heading)}, or say which in sweep.columns"
+    if {"p", "velocity"} <= {key.partition(".")[0] for key in present}:
+        yield "columns of both p and velocity; give one of the two"
+    yield from missing(present, names, scene.fixed)
+    if present and not len(found[heading[present[0]]]):
+        yield "holds no rows"
+
+
+def _column(path: Path, name: str, values: Any) -> Any:
+    array = np.asarray(values)
+    if array.ndim != 1 or array.dtype.kind not in "fiu":
+        raise InvalidInputError(f'{path}: column "{name}" must hold one number a row, not {array.dtype} {array.shape}')
+    return array.astype(np.float64)
+
+
+def _csv(path: Path) -> dict[str, Any]:
+    """Comma-separated numbers below a line of headings; an empty field is NaN."""
+    try:
+        head, _, body = path.read_text(encoding="utf-8-sig").partition("\n")
+    except UnicodeDecodeError as error:
+        raise InvalidInputError(f"{path}: is not UTF-8 text (byte {error.start})") from error
+    headings = [word.strip().strip('"') for word in head.split(",")]
+    if not body.strip():
+        return dict.fromkeys(headings, np.empty(0))
+    try:
+        rows = np.loadtxt(io.StringIO(body), delimiter=",", ndmin=2, converters=_number, encoding="utf-8")
+    except ValueError as error:
+        text = " ".join(str(error).split())
+        raise InvalidInputError(f"{path}: is no table of numbers below one line of headings: {text}") from error
+    if rows.shape[1] != len(headings):
+        raise InvalidInputError(f"{path}: has {len(headings)} headings and {rows.shape[1]} columns")
+    return {name: rows[:, k] for k, name in enumerate(headings)}
+
+
+def _number(text: str) -> float:
+    return float(text) if text.strip() else np.nan
+
+
+def _npz(path: Path) -> dict[str, Any]:
+    try:
+        with np.load(path, allow_pickle=False) as arrays:
+            found = {name: arrays[name] for name in arrays.files}
+    except ValueError as error:
+        raise InvalidInputError(f"{path}: is no .npz file of plain arrays: {error}") from error
+    lengths = {len(array) if array.ndim else -1 for array in found.values()}
+    if len(lengths) > 1:
+        raise InvalidInputError(f"{path}: its arrays have different lengths")
+    return found
+
+
+def _parquet(path: Path) -> dict[str, Any]:
+    try:
+        import pyarrow as pa
+        import pyarrow.parquet as pq
+    except ImportError as error:
+        raise MissingExtraError(f'{path}: needs pyarrow: pip install "hjsolve[cluster]"') from error
+    try:
+        table = pq.read_table(path)
+    except pa.ArrowInvalid as error:
+        raise InvalidInputError(f"{path}: is no Parquet file: {error}") from error
+    return {name: table[name].to_numpy(zero_copy_only=False) for name in table.column_names}
