@@ -27,10 +27,18 @@ from pathlib import Path
 ROOT = Path(__file__).resolve().parents[1]
 LAWS = ("tests/laws/test_levi_civita.py", "tests/laws/test_staeckel_matrix.py", "tests/laws/test_liouville.py")
 TESTS = {
-    "separation/levi_civita": ("tests/laws/test_levi_civita.py", "tests/laws/test_why_not.py"),
-    "separation/liouville": ("tests/laws/test_liouville.py",),
-    "separation/stackel": ("tests/laws/test_staeckel_matrix.py", "tests/laws/test_why_not.py"),
-    "separation/zero_test": ("tests/unit/test_zero_test.py", *LAWS),
+    "separation/levi_civita": (
+        "tests/unit/test_separation_parts.py",
+        "tests/laws/test_levi_civita.py",
+        "tests/laws/test_why_not.py",
+    ),
+    "separation/liouville": ("tests/unit/test_liouville_parts.py", "tests/laws/test_liouville.py"),
+    "separation/stackel": (
+        "tests/unit/test_separation_parts.py",
+        "tests/laws/test_staeckel_matrix.py",
+        "tests/laws/test_why_not.py",
+    ),
+    "separation/zero_test": ("tests/unit/test_separation_parts.py", "tests/unit/test_zero_test.py", *LAWS),
     "shell": ("tests/unit/test_shell.py", *LAWS, "tests/kinds", "tests/unit/test_solution.py"),
     "separation/constants": ("tests/laws/test_staeckel_matrix.py", "tests/laws/test_involution.py"),
     "separation/blocks": ("tests/laws/test_why_not.py",),
@@ -40,7 +48,27 @@ TESTS = {
 NAMED = ("separation/levi_civita", "separation/liouville", "separation/stackel", "separation/zero_test", "shell")
 
 # module → {(line of source, change): why it means nothing}
-HARMLESS: dict[str, dict[tuple[str, str], str]] = {}
+HARMLESS: dict[str, dict[tuple[str, str], str]] = {
+    "separation/levi_civita": {
+        ("if h == i:", "i → j at 16"): "the general formula gives the same with two terms that cancel",
+        ("if h == j:", "j → i at 16"): "the general formula gives the same with two terms that cancel",
+    },
+    "separation/stackel": {
+        ("if any(x.is_zero for x in (*g, *g0)):", "any → all"): "the division that follows raises the same error",
+    },
+    "separation/liouville": {
+        ("factor = Element(field, Fraction(1), {0: 1}, {base: e})", "0 → 1"): "asked only what it depends on",
+        ("if lower > 0 or upper < 0:", "0 → 1"): "the sign is +1 where none is found",
+        (
+            "return Element(field, x.coefficient, x.numerator, a), Element(field, Fraction(1), {0: 1}, b)",
+            "1 → 2",
+        ): "the factor goes from one function R to the other",
+        (
+            "if not set(holds) <= {j} and not set(holds) <= {i}:",
+            "j → i at 30",
+        ): "the way through a base point gives the same product",
+    },
+}
 
 OPERATORS = {
     ast.Add: ast.Sub, ast.Sub: ast.Add, ast.Mult: ast.Div, ast.Div: ast.Mult, ast.Eq: ast.NotEq, ast.NotEq: ast.Eq,
