@@ -1,8 +1,8 @@
 """How long the decision takes, with every verdict checked: ``python benchmarks/separation.py``.
 
-Times are processor times, the best of several runs in a warm process, of ``separate`` alone; the system is made before. The process ends
-with status 1 when a verdict is wrong or a promised time is exceeded: 0.2 s for two coordinates; 1 s, 5 s, 30 s for
-Jacobi's ellipsoidal coordinates in 3, 4 and 5 dimensions.
+Times are processor times, the best of several runs in a warm process, of ``separate`` alone; the system is made
+before. The process ends with status 1 when a verdict is wrong or a promised time is exceeded: 0.2 s for two
+coordinates; 1 s, 5 s, 30 s for Jacobi's ellipsoidal coordinates in 3, 4 and 5 dimensions.
 """
 
 from __future__ import annotations

@@ -9,7 +9,7 @@ import sympy as sp
 
 from hjsolve.separation import region_of
 from hjsolve.shell import Irreducible, Shell, reduce
-from hjsolve.system import System, hamiltonian
+from hjsolve.system import System, hamiltonian, mass_matrix
 from tests.separation_cases import CARTESIAN, PLANE, REFUSED, SEPARABLE, SPACE, make
 
 
@@ -148,3 +148,18 @@ def test_a_reduction_takes_at_most_50_milliseconds_in_the_usual_case():
             reduce(SEPARABLE[name])
             times.append(time.process_time() - start)
         assert min(times) < 0.05
+
+
+def test_several_coupled_ignorable_coordinates_leave_half_c_inverse_mass_c():
+    """The centrifugal potential is ½ cᵀ M⁻¹ c over the ignorable block (Greenwood (2-124)), by sympy's inverse."""
+    kinetic = (
+        "(dot(q)**2 + (dot(a) + q*dot(b))**2 + (dot(b) + q**2*dot(d))**2 + dot(d)**2 + (dot(a) + dot(d))**2"
+        "+ dot(a)**2 + (dot(b) + dot(a))**2)/2"
+    )
+    system = System({"q": "line", "a": "line", "b": "line", "d": "line"}, kinetic, "q**4")
+    shell = reduce(system)
+    block = mass_matrix(system)[1:, 1:]
+    c = sp.Matrix([coordinate.momentum for coordinate in shell.ignorable])
+    assert len(c) == 3
+    expected = (c.T * block.inv() * c)[0] / 2 + system.coordinates[0].symbol ** 4
+    assert sp.cancel(shell.potential - expected) == 0
