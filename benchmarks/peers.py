@@ -3,8 +3,9 @@
     python -m benchmarks.peers [--json FILE] [--repeats N] [WORK …]      WORK: pendulum kepler kerr galaxy
 
 Rivals come with the extra ``bench``; one that is not installed is named and left out. Every contestant does one
-warming call (its time is "first": tables, compilation), then all take turns; times are medians per unit of work on one
-thread. Errors are against closed forms or quadratures at 30 digits or more, on a sample. The inputs count as exact.
+warming call (its time is "first": tables, compilation), then all take turns; times are medians of processor time per
+unit of work, all threads added up, so other programs on the machine hardly count. Errors are against closed forms or
+quadratures at 30 digits or more, on a sample. The inputs count as exact.
 """
 
 from __future__ import annotations
@@ -69,9 +70,9 @@ def contest(work: str, case: str, units: int, sides: list[Side], repeats: int) -
 
     def timed(side: Side) -> tuple[float, Any]:
         os.environ["HJSOLVE_COMPILED"] = side.path
-        begin = time.perf_counter()
+        begin = time.process_time()
         result = side.call()
-        return time.perf_counter() - begin, result
+        return time.process_time() - begin, result
 
     firsts = [timed(side) for side in sides]
     slow = max(first for first, _ in firsts) > 5
