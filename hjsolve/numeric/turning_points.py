@@ -11,7 +11,6 @@ from __future__ import annotations
 
 import itertools
 from dataclasses import dataclass
-from functools import lru_cache
 from typing import Any, Literal, NamedTuple
 
 import numpy as np
@@ -235,11 +234,17 @@ def _turning(ray: Ray, x0: Any, x1: Any, digits: int) -> End:
     """A simple zero of F in a cell where F is monotone.
 
     Its place is checked by F itself with twice the digits, F/F′ being the error left; what cancellation took away
-    (a small amplitude about a deep minimum, two zeros close together) is made up by a higher precision.
+    (a small amplitude about a deep minimum, two zeros close together) is made up by a higher precision. What is known
+    to more bits than are asked for is not worked out again.
     """
+    best: list[tuple[int, Any]] = []
 
-    @lru_cache(maxsize=16)
     def place(bits: int) -> Any:
+        if not best or best[-1][0] < bits:
+            best.append((bits, found(bits)))
+        return best[-1][1]
+
+    def found(bits: int) -> Any:
         extra = bits + 64
         while extra <= _MOST_BITS:
             x = _bracketed(lambda y, extra=extra: ray.jet(y, extra)[:2], x0, x1, extra)
