@@ -1,6 +1,9 @@
-"""Hypothesis profiles, and which tests are left for the night; nothing else is global."""
+"""Hypothesis profiles, which tests are left for the night, and which share a process where there are several."""
 
 import os
+import re
+from pathlib import Path
+from typing import Any
 
 import pytest
 from hypothesis import HealthCheck, settings
@@ -18,3 +21,32 @@ def pytest_collection_modifyitems(config: pytest.Config, items: list[pytest.Item
     for item in items:
         if item.get_closest_marker("nightly"):
             item.add_marker(pytest.mark.skip(reason="nightly: run it with -m nightly"))
+
+
+_CATALOG = Path(__file__).resolve().parents[1] / "catalog"
+_IDS = sorted((path.stem for path in _CATALOG.glob("*/*.toml")), key=len, reverse=True)
+
+
+def scope_of(nodeid: str) -> str:
+    """What a test shares with others: an entry of the catalog, a system of the laws, the book's results, or nothing."""
+    file, _, parameter = nodeid.partition("[")
+    if "/catalog/test_book_" in file:
+        return "book"
+    if not re.match(r"tests/(catalog|laws)/", file):
+        return nodeid
+    entry = next((name for name in _IDS if re.match(rf"{re.escape(name)}(?![a-z])", parameter)), None)
+    return entry or (parameter or nodeid)
+
+
+@pytest.hookimpl(optionalhook=True)
+def pytest_xdist_make_scheduler(config: pytest.Config, log: Any) -> Any:
+    """With several processes, tests that share a scope go to one of them: what they share is made once."""
+    if config.getoption("dist") != "load":
+        return None
+    from xdist.scheduler.loadscope import LoadScopeScheduling
+
+    class ByScope(LoadScopeScheduling):
+        def _split_scope(self, nodeid: str) -> str:
+            return scope_of(nodeid)
+
+    return ByScope(config, log)

@@ -5,8 +5,10 @@ Numbers C… are those of Greenwood, Classical Dynamics (1977), in the order of 
 
 from __future__ import annotations
 
+import functools
 from collections.abc import Sequence
 
+from hjsolve.separation import Obstruction, Separation, Undecided, separate
 from hjsolve.system import System, parameter
 
 PLANE_POLAR = "m/2*(dot(r)**2 + r**2*dot(theta)**2)"
@@ -280,3 +282,9 @@ REFUSED = {
         "potential",
     ),
 }
+
+
+@functools.cache
+def decided(name: str) -> Separation | Obstruction | Undecided:
+    """What ``separate`` says of one of these systems; made once a process."""
+    return separate(SEPARABLE[name] if name in SEPARABLE else REFUSED[name][0])

@@ -15,9 +15,9 @@ import sympy as sp
 from mpmath import mp
 
 from hjsolve import catalog
-from hjsolve.solution import Solution, solve
 from hjsolve.system import System, hamiltonian, momenta
 from tests.catalog.pfaff import formula, names_of
+from tests.entries import loaded, motion, solution
 
 t = sp.Symbol("t", real=True)
 
@@ -83,19 +83,9 @@ def off(value: Any, expected: Any) -> Any:
     return abs((mp.mpf(float(value)) - mp.mpf(expected)) / mp.mpf(expected))
 
 
-@functools.cache
-def solution(entry: str) -> Solution:
-    return solve(catalog.load(entry))
-
-
 def start(entry: str, q: Mapping[str, Any], velocity: Mapping[str, Any], **parameters: Any) -> Any:
     """A motion with numbers of one's own."""
     return solution(entry).motion(q=q, velocity=velocity, parameters=parameters)
-
-
-@functools.cache
-def motion(entry: str, name: str = "default") -> Any:
-    return solution(entry).motion(**catalog.describe(entry).motions[name].arguments)
 
 
 class Mechanics:
@@ -160,12 +150,12 @@ def plain(expression: sp.Expr) -> sp.Expr:
 
 def H_of(system: System | str) -> sp.Expr:
     """H(q, p) in plain symbols, momenta ``p_theta``."""
-    return plain(hamiltonian(catalog.load(system) if isinstance(system, str) else system))
+    return plain(hamiltonian(loaded(system) if isinstance(system, str) else system))
 
 
 def p_of(entry: str) -> dict[str, sp.Expr]:
     """The momenta in q and q̇, plain symbols."""
-    return {n: plain(p) for n, p in momenta(catalog.load(entry)).items()}
+    return {n: plain(p) for n, p in momenta(loaded(entry)).items()}
 
 
 def levi_civita(H: sp.Expr, i: tuple[str, str], j: tuple[str, str]) -> sp.Expr:

@@ -5,13 +5,13 @@ python -m tests.catalog.book_table            # writes docs/book.md from a run o
 
 from __future__ import annotations
 
-import functools
 import importlib
 import math
 from pathlib import Path
 
 from hjsolve import catalog
 from hjsolve.catalog import Entry
+from tests.entries import described
 
 PAGE = Path(__file__).resolve().parents[2] / "docs" / "book.md"
 MODULES = tuple(
@@ -45,9 +45,8 @@ nothing to check there.
 """
 
 
-@functools.cache
 def _entries() -> dict[str, Entry]:
-    return {name: catalog.describe(name) for name in catalog.ids()}
+    return {name: described(name) for name in catalog.ids()}
 
 
 def entries_of(row: str) -> list[str]:

@@ -8,6 +8,7 @@ import sympy as sp
 from mpmath import mp
 
 from hjsolve import catalog
+from tests import entries
 from tests.catalog.book import motion, off, start
 
 FREQUENCIES: dict[tuple[str, str, str], Callable[[Any], Any]] = {
@@ -76,7 +77,7 @@ def test_the_double_well_takes_for_ever_at_the_height_of_the_barrier() -> None:
 
 def test_every_system_beyond_the_book_cites_its_literature() -> None:
     for name in catalog.ids("separable"):
-        entry = catalog.describe(name)
+        entry = entries.described(name)
         if not entry.book:
             assert any(not text.startswith("greenwood") for text in entry.cite), name
 

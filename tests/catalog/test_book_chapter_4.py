@@ -5,7 +5,7 @@ import pytest
 import sympy as sp
 from mpmath import mp
 
-from hjsolve import catalog
+from tests import entries
 from tests.catalog.book import (
     RESULTS,
     Mechanics,
@@ -127,7 +127,7 @@ def oscillator_motion():
 def drag():
     """y' = p/m, p' = -m*g -+ c*p^2/m^2 from Hamilton's equations with Q'."""
     own = Mechanics("m/2*dot(y)**2", "m*g*y", ("y",))
-    force = formula(catalog.describe("vertical-motion-with-drag").refusal.formulas[0].partition(": ")[2])
+    force = formula(entries.described("vertical-motion-with-drag").refusal.formulas[0].partition(": ")[2])
     table = []
     for sign in (1, -1):
         y_d = sign * S("u")  # u > 0
@@ -184,7 +184,7 @@ def fall_motion():
 @result("C72", "P4-8")
 def falling_on_a_plane():
     """x1'' = g/3, x2'' = -g/3, x3'' = -2g/3."""
-    own, stated = mechanics("gravity-on-inclined-plane"), catalog.describe("gravity-on-inclined-plane").stated
+    own, stated = mechanics("gravity-on-inclined-plane"), entries.described("gravity-on-inclined-plane").stated
     motion_of = sp.solve([own.equation(n) for n in own.names], [S("u_dd"), S("s_dd")])
     found = [own.rate(own.rate(own.of(stated.map[n]))).xreplace(motion_of) for n in ("x1", "x2", "x3")]
     return exact(*(a - S("g") * sp.Rational(k, 3) for a, k in zip(found, (1, -1, -2), strict=True)))

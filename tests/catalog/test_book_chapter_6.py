@@ -5,6 +5,7 @@ import sympy as sp
 from mpmath import mp
 
 from hjsolve import catalog
+from tests import entries
 from tests.catalog.book import (
     RESULTS,
     H_of,
@@ -250,5 +251,5 @@ def test_the_result_of_the_book_is_reproduced(checked: Result) -> None:
 
 @pytest.mark.parametrize("row", ["C95", "C96"])
 def test_what_has_no_h_says_so(row: str) -> None:
-    entries = [catalog.describe(n) for n in catalog.ids("outside")]
-    assert [e.refusal.kind for e in entries if row in e.book] == [{"C95": "variable mass", "C96": "collision"}[row]]  # type: ignore[union-attr]
+    found = [entries.described(n) for n in catalog.ids("outside")]
+    assert [e.refusal.kind for e in found if row in e.book] == [{"C95": "variable mass", "C96": "collision"}[row]]  # type: ignore[union-attr]

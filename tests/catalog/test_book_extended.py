@@ -12,6 +12,7 @@ from hjsolve import catalog, frames
 from hjsolve.gyroscopic import LAMBDA, LinearModes, linear_modes
 from hjsolve.separation import Obstruction, Separation, separate
 from hjsolve.system import System, parameter
+from tests import entries
 from tests.catalog.book import (
     RESULTS,
     H_of,
@@ -240,7 +241,7 @@ def linear_hamiltonian():
 @result("C74", "P5-1, motion")
 def linear_hamiltonian_motion():
     """q = q0 + t, p = p0 - t."""
-    entry = catalog.describe("hamiltonian-q-plus-p")
+    entry = entries.described("hamiltonian-q-plus-p")
     assert entry.hamiltonian is not None
     assert entry.initial is not None
     state = entry.hamiltonian.motion(**entry.initial.arguments).at("2.25")
@@ -415,7 +416,7 @@ for (row, place, name), shapes in SHAPES.items():
     @result(row, f"{place}, shapes")
     def shape_of_modes(name=name, shapes=shapes):
         """The amplitudes of the normal modes have the ratios of the book."""
-        stated, own = catalog.describe(name).stated, mechanics(name)
+        stated, own = entries.described(name).stated, mechanics(name)
         assert stated is not None
         residuals = []
         for mode, amplitudes in shapes.items():

@@ -4,7 +4,7 @@ import pytest
 import sympy as sp
 from mpmath import mp
 
-from hjsolve import catalog
+from tests import entries
 from tests.catalog.book import (
     RESULTS,
     Mechanics,
@@ -131,7 +131,7 @@ def parabola_equations():
 @result("C40", "P2-10")
 def moving_plane():
     """The plane moves at (-10, -15, -20)/29, and m*r'' + k*r is along its normal (2, 3, 4)."""
-    entry = catalog.describe("oscillator-on-moving-plane")
+    entry = entries.described("oscillator-on-moving-plane")
     assert entry.stated is not None
     own = mechanics("oscillator-on-moving-plane")
     place = [own.of(entry.stated.map[n]) for n in "xyz"]

@@ -13,8 +13,9 @@ from hjsolve.shell import domain_bounds
 from tests.catalog.book import Mechanics, exact, formula, mechanics
 from tests.catalog.book_table import REFUSED_ROWS, ROWS, entries_of
 from tests.catalog.pfaff import curvature, one_form
+from tests.entries import described
 
-ENTRIES = {name: catalog.describe(name) for name in catalog.ids()}
+ENTRIES = {name: described(name) for name in catalog.ids()}
 STATED = [n for n, e in ENTRIES.items() if e.stated and e.stated.kinetic]
 INTEGRATED = [n for n, e in ENTRIES.items() if e.constraints and e.system is not None]
 NONHOLONOMIC = [n for n, e in ENTRIES.items() if e.refusal and e.refusal.kind == "nonholonomic"]

@@ -1,6 +1,5 @@
 """Every separable entry of the catalog: its verdict, the book's functions, its citations."""
 
-import functools
 import re
 from collections.abc import Iterator
 
@@ -9,26 +8,21 @@ import pytest
 import sympy as sp
 
 from hjsolve import catalog
-from hjsolve.catalog import Entry
 from hjsolve.expressions import parse
-from hjsolve.separation import Separation, separate
+from hjsolve.separation import Separation
 from hjsolve.separation.verdicts import Liouville, Stackel
 from hjsolve.system import hamiltonian
+from tests import entries
+from tests.entries import described as entry
 
 IDS = catalog.ids("separable")
 EFFECTS = [
-    (name, effect) for name in catalog.ids() for effect, what in catalog.describe(name).effects.items() if not what.force
+    (name, effect) for name in catalog.ids() for effect, what in entry(name).effects.items() if not what.force
 ]
 
 
-@functools.cache
-def entry(name: str) -> Entry:
-    return catalog.describe(name)
-
-
-@functools.cache
 def verdict(name: str) -> Separation:
-    found = separate(entry(name).system)
+    found = entries.verdict(name)
     assert isinstance(found, Separation), found
     return found
 
@@ -161,7 +155,7 @@ def test_the_separation_constants_enter_linearly_and_not_the_column(name: str) -
 
 @pytest.mark.parametrize(("name", "effect"), EFFECTS, ids=[f"{n}+{e}" for n, e in EFFECTS])
 def test_an_effect_does_to_separability_what_its_entry_says(name: str, effect: str) -> None:
-    found = separate(catalog.load(name, effects=[effect]))
+    found = entries.verdict(name, (effect,))
     expected = entry(name).effects[effect].verdict
     if isinstance(found, Separation):
         form = "liouville" if found.liouville else "staeckel" if found.stackel else "reduced"

@@ -9,6 +9,7 @@ import sympy as sp
 from mpmath import mp
 
 from hjsolve import catalog
+from tests import entries
 from tests.catalog.book import H_of, bracket, mechanics, motion, off, solution, start
 
 FREQUENCIES: dict[tuple[str, str], Callable[[Any], Any]] = {
@@ -51,7 +52,7 @@ def state_at(entry: str, t: Any, name: str = "default") -> dict[str, Any]:
 
 def in_space(entry: str, t: Any, name: str = "default") -> tuple[list[Any], list[Any]]:
     """Cartesian place and velocity by the map that the entry states."""
-    described, own = catalog.describe(entry), mechanics(entry)
+    described, own = entries.described(entry), mechanics(entry)
     assert described.stated is not None
     values = {sp.Symbol(p.name): p.value for p in described.system.parameters}
     values |= {sp.Symbol(n): sp.sympify(v) for n, v in described.motions[name].parameters.items()}
@@ -153,7 +154,7 @@ def test_circles_about_a_turning_hole_have_the_frequencies_of_the_literature() -
 
 
 def test_a_hole_that_does_not_turn_is_schwarzschilds() -> None:
-    given = catalog.describe("schwarzschild").motions["default"].arguments
+    given = entries.described("schwarzschild").motions["default"].arguments
     run = solution("kerr").motion(**given, parameters={"a": 0})
     for name in ("r", "theta", "phi"):
         assert off(run.frequencies[name].value, number(motion("schwarzschild").frequencies[name])) < 1e-13

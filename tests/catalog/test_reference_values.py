@@ -3,7 +3,6 @@
 The first half never touches ``hjsolve.motion``; the second half is hjsolve against the references at a relative 1e-13.
 """
 
-import functools
 from typing import Any
 
 import mpmath
@@ -13,31 +12,24 @@ from mpmath import mp
 from sympy.core.cache import clear_cache
 
 from hjsolve import catalog
-from hjsolve.catalog import Entry, Reference
+from hjsolve.catalog import Reference
 from hjsolve.expressions import number
-from hjsolve.solution import Solution, solve
 from hjsolve.system import hamiltonian, momenta
+from tests.entries import described as entry
+from tests.entries import motion as motion_of
+from tests.entries import solution
+from tests.entries import state as state_of
 from tests.reference.forms import THOROUGH, form
 from tests.reference.regenerate import TAYLOR
 from tests.reference.taylor import Flow
 
 IDS = catalog.ids("separable")
-MOTIONS = [(name, motion) for name in IDS for motion in catalog.describe(name).motions]
+MOTIONS = [(name, motion) for name in IDS for motion in entry(name).motions]
 REFERENCES = [
     pytest.param(name, reference, id="-".join([name, reference.quantity, *(str(v) for v in reference.at.values())]))
     for name in IDS
-    for reference in catalog.describe(name).references
+    for reference in entry(name).references
 ]
-
-
-@functools.cache
-def entry(name: str) -> Entry:
-    return catalog.describe(name)
-
-
-@functools.cache
-def solution(name: str) -> Solution:
-    return solve(entry(name).system)
 
 
 def real(value: Any) -> mpmath.mpf:
@@ -154,16 +146,6 @@ def test_the_equations_of_motion_of_our_own_hamiltonian_give_the_published_state
                 error = reached[reference.quantity] - mp.mpf(reference.value)
                 turns = mp.nint(error / (2 * mp.pi)) if reference.quantity.startswith("q.") else 0
                 assert abs(error - 2 * mp.pi * turns) < 1e-18 * abs(mp.mpf(reference.value)), reference.quantity
-
-
-@functools.cache
-def motion_of(name: str, motion: str) -> Any:
-    return solution(name).motion(**entry(name).motions[motion].arguments)
-
-
-@functools.cache
-def state_of(name: str, motion: str, t: str) -> Any:
-    return motion_of(name, motion).at(t)
 
 
 def measured(name: str, reference: Reference) -> tuple[float, float]:

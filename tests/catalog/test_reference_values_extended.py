@@ -7,18 +7,14 @@ import pytest
 from mpmath import mp
 
 from hjsolve import catalog
-from hjsolve.catalog import Entry, Reference
+from hjsolve.catalog import Reference
 from hjsolve.gyroscopic import linear_modes
 from hjsolve.solution import solve
+from tests.entries import described as entry
 from tests.reference import extended
 
 IDS = catalog.ids("extended")
-MOTIONS = [(name, motion) for name in IDS for motion in catalog.describe(name).motions]
-
-
-@functools.cache
-def entry(name: str) -> Entry:
-    return catalog.describe(name)
+MOTIONS = [(name, motion) for name in IDS for motion in entry(name).motions]
 
 
 @functools.cache

@@ -8,6 +8,7 @@ from hjsolve import catalog
 from hjsolve.errors import NotSeparableError
 from hjsolve.separation import Obstruction, separate
 from hjsolve.solution import solve
+from tests import entries
 
 IDS = catalog.ids("refused")
 
@@ -20,7 +21,7 @@ def obstruction(name: str) -> Obstruction:
 
 @pytest.mark.parametrize("name", IDS)
 def test_it_is_refused_for_the_reason_the_entry_names(name: str) -> None:
-    entry, found = catalog.describe(name), obstruction(name)
+    entry, found = entries.described(name), obstruction(name)
     assert sorted(found.pair) == sorted(entry.expect["pair"])
     assert found.part == entry.expect["part"]
 
@@ -38,7 +39,7 @@ def test_the_residual_lies_in_its_enclosure_at_the_witness(name: str) -> None:
 
 @pytest.mark.parametrize("name", IDS)
 def test_it_says_why_and_what_to_do_instead(name: str) -> None:
-    entry = catalog.describe(name)
+    entry = entries.described(name)
     assert entry.kind == "refused"
     assert entry.reason.endswith(".")
     assert entry.instead.endswith(".")

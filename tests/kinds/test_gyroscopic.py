@@ -14,6 +14,7 @@ from hjsolve.errors import InvalidInputError, InvalidSystemError
 from hjsolve.gyroscopic import LAMBDA, linear_modes
 from hjsolve.separation import Obstruction, separate
 from hjsolve.system import System, hamiltonian
+from tests import entries
 from tests.reference.taylor import Flow
 
 CASES: dict[int, dict[str, Any]] = {
@@ -31,7 +32,7 @@ def test_neither_separates_in_its_own_coordinates() -> None:
     for name in ("gyroscopic-pair", "gyroscopic-three"):
         verdict = separate(catalog.load(name))
         assert isinstance(verdict, Obstruction)
-        expected = catalog.describe(name).expect
+        expected = entries.described(name).expect
         assert (list(verdict.pair), verdict.part) == (expected["pair"], expected["part"])
 
 
@@ -103,7 +104,7 @@ def test_the_map_is_symplectic_and_h_becomes_a_sum_of_oscillators(name: str, giv
 
 @pytest.mark.parametrize(("name", "given"), [("gyroscopic-pair", CASES[2]), ("gyroscopic-three", {})])
 def test_the_motion_is_that_of_a_taylor_integration(name: str, given: dict[str, Any]) -> None:
-    entry = catalog.describe(name)
+    entry = entries.described(name)
     system, start = entry.system, entry.initial
     moved = linear_modes(system, parameters=given, digits=25).motion(q=start.q, velocity=start.velocity)
     with mp.workdps(50):

@@ -12,20 +12,21 @@ from hjsolve.errors import InvalidSystemError
 from hjsolve.separation import Obstruction, Separation, separate
 from hjsolve.solution import solve
 from hjsolve.system import System, hamiltonian, momenta, parameter, velocities
+from tests import entries
 from tests.reference.taylor import Flow
 
 IDS = [
     "relativistic-oscillator", "constant-proper-acceleration", "relativistic-kepler",
     "relativistic-isotropic-oscillator", "relativistic-crossed-fields",
 ]  # fmt: skip
-MOTIONS = [(name, motion) for name in IDS for motion in catalog.describe(name).motions]
+MOTIONS = [(name, motion) for name in IDS for motion in entries.described(name).motions]
 PARTICLE = {"m0": parameter("m0", value=1, assume="positive"), "c": parameter("c", value=1, assume="positive")}
 LIGHT = {"mass": "m0", "light": "c"}
 
 
 @pytest.mark.parametrize(("name", "motion"), MOTIONS, ids=[f"{n}-{m}" for n, m in MOTIONS])
 def test_positions_and_momenta_are_those_of_a_taylor_integration(name: str, motion: str) -> None:
-    entry = catalog.describe(name)
+    entry = entries.described(name)
     solved = solve(entry.system).motion(**entry.motions[motion].arguments, digits=25)
     assert dict(solved.kinds) == dict(entry.motions[motion].kinds)
     system = entry.system
@@ -120,7 +121,7 @@ def test_a_journey_there_and_back_takes_the_books_times() -> None:
 
 
 def test_the_ellipse_precesses_as_sommerfeld_says() -> None:
-    entry = catalog.describe("relativistic-kepler")
+    entry = entries.described("relativistic-kepler")
     motion = solve(entry.system).motion(**entry.initial.arguments, digits=30)
     L, E = motion.constants["p_theta"].value, motion.constants["E"].value
     with mp.workdps(40):
@@ -135,7 +136,7 @@ def test_the_ellipse_precesses_as_sommerfeld_says() -> None:
 def test_the_charge_drifts_across_the_fields() -> None:
     """Mean velocity E/B across both fields, whatever the start; |E| < cB."""
     for motion in ("default", "thrown"):
-        entry = catalog.describe("relativistic-crossed-fields")
+        entry = entries.described("relativistic-crossed-fields")
         solved = solve(entry.system).motion(**entry.motions[motion].arguments)
         period = solved.periods["x"].value
         first, later = solved.at(0.0), solved.at(100 * period)

@@ -7,32 +7,34 @@ from hjsolve import catalog
 from hjsolve.checks import check, poisson_bracket
 from hjsolve.solution import Solution, solve
 from hjsolve.system import System, parameter
+from tests import entries
 
 SYSTEMS = [(name, ()) for name in catalog.ids("separable")]
 SYSTEMS += [
     (name, (effect.name,))
     for name in catalog.ids("separable")
-    for effect in catalog.describe(name).effects.values()
+    for effect in entries.described(name).effects.values()
     if effect.verdict != "refused"
 ]
 NAMES = ["+".join([name, *effects]) for name, effects in SYSTEMS]
 
 
-@pytest.fixture(scope="module")
-def solutions() -> dict[str, Solution]:
-    return {"+".join([name, *effects]): solve(catalog.load(name, effects=effects)) for name, effects in SYSTEMS}
+def solved(name: str) -> Solution:
+    """The solution of an entry, effects after plus signs."""
+    entry, *effects = name.split("+")
+    return entries.solution(entry, tuple(effects))
 
 
 @pytest.mark.parametrize("name", NAMES)
-def test_constants_are_in_involution_and_conjugate_to_the_betas(solutions: dict[str, Solution], name: str) -> None:
-    checks = check(solutions[name])
+def test_constants_are_in_involution_and_conjugate_to_the_betas(name: str) -> None:
+    checks = check(solved(name))
     assert [c.name for c in checks] == ["hamilton-jacobi", "momenta", "involution", "canonical"]
     assert [c.verdict for c in checks] == ["proved"] * 4
 
 
 @pytest.mark.parametrize("name", NAMES)
-def test_one_constant_for_every_degree_of_freedom(solutions: dict[str, Solution], name: str) -> None:
-    solution = solutions[name]
+def test_one_constant_for_every_degree_of_freedom(name: str) -> None:
+    solution = solved(name)
     count = len(solution.system.coordinates)
     # where every coordinate is ignorable the energy is a function of the momenta and comes as one constant more
     assert len(solution.constants) == count + (not solution.coordinates)

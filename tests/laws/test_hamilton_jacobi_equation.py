@@ -9,39 +9,41 @@ from hjsolve.separation import Separation, separate
 from hjsolve.separation.zero_test import Zero, is_zero
 from hjsolve.solution import Solution, solve
 from hjsolve.system import System, hamiltonian
+from tests import entries
 
 SYSTEMS = [(name, ()) for name in catalog.ids("separable")]
 SYSTEMS += [
     (name, (effect.name,))
     for name in catalog.ids("separable")
-    for effect in catalog.describe(name).effects.values()
+    for effect in entries.described(name).effects.values()
     if effect.verdict != "refused"
 ]
 NAMES = ["+".join([name, *effects]) for name, effects in SYSTEMS]
 
 
-@pytest.fixture(scope="module")
-def solutions() -> dict[str, Solution]:
-    return {"+".join([name, *effects]): solve(catalog.load(name, effects=effects)) for name, effects in SYSTEMS}
+def solved(name: str) -> Solution:
+    """The solution of an entry, effects after plus signs."""
+    entry, *effects = name.split("+")
+    return entries.solution(entry, tuple(effects))
 
 
 @pytest.mark.parametrize("name", NAMES)
-def test_the_equation_holds_identically(solutions: dict[str, Solution], name: str) -> None:
-    assert isinstance(is_zero(hamilton_jacobi_residual(solutions[name])), Zero)
+def test_the_equation_holds_identically(name: str) -> None:
+    assert isinstance(is_zero(hamilton_jacobi_residual(solved(name))), Zero)
 
 
 @pytest.mark.parametrize("name", NAMES)
-def test_the_momenta_are_the_derivatives_of_w_as_printed(solutions: dict[str, Solution], name: str) -> None:
-    solution = solutions[name]
+def test_the_momenta_are_the_derivatives_of_w_as_printed(name: str) -> None:
+    solution = solved(name)
     for c in solution.system.coordinates:
         difference = sp.diff(solution.characteristic_function, c.symbol) - solution.momenta[c.name]
         assert sp.simplify(difference) == 0
 
 
 @pytest.mark.parametrize("name", NAMES)
-def test_the_equation_holds_to_40_digits_with_the_roots_as_printed(solutions: dict[str, Solution], name: str) -> None:
+def test_the_equation_holds_to_40_digits_with_the_roots_as_printed(name: str) -> None:
     """At a point of a real motion, 40 digits, H's own formula: no squaring away, no zero test of ours."""
-    solution = solutions[name]
+    solution = solved(name)
     system = solution.system
     numbers = {p.symbol: p.value for p in system.parameters}
     q = {c.symbol: sp.Rational(i + 4, 5) + sp.Rational(1, 7) for i, c in enumerate(system.coordinates)}

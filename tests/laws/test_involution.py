@@ -6,8 +6,9 @@ import pytest
 import sympy as sp
 
 from hjsolve import catalog
-from hjsolve.separation import Separation, region_of, separate
+from hjsolve.separation import Separation, region_of
 from hjsolve.system import hamiltonian
+from tests import entries
 
 TOLERANCE = sp.Float("1e-40", 50)
 
@@ -15,8 +16,7 @@ TOLERANCE = sp.Float("1e-40", 50)
 @pytest.mark.parametrize("name", catalog.ids("separable"))
 def test_the_constants_of_the_catalog_are_in_involution_and_independent(name):
     """(α_i, α_j) = 0, and the rank of ∂α/∂p is the number of coordinates."""
-    system = catalog.load(name)
-    verdict = separate(system)
+    system, verdict = entries.loaded(name), entries.verdict(name)
     assert isinstance(verdict, Separation)
     constants = [c.expression for c in verdict.constants.values()]
     assert len(constants) >= len(system.coordinates)

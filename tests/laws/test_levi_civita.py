@@ -9,7 +9,7 @@ from hjsolve.algebra.reader import Reader
 from hjsolve.separation import Obstruction, Separation, levi_civita, refusal, region_of, separate
 from hjsolve.separation.enclosure import enclose
 from tests.random_staeckel import case
-from tests.separation_cases import REFUSED, SEPARABLE
+from tests.separation_cases import REFUSED, SEPARABLE, decided
 
 x, y, z = sp.symbols("x y z", positive=True)
 px, py, pz = sp.symbols("p_x p_y p_z", real=True)
@@ -19,13 +19,13 @@ MOMENTA = {px: sp.Rational(7, 5), py: sp.Rational(-3, 8), pz: sp.Rational(11, 6)
 
 @pytest.mark.parametrize("name", list(SEPARABLE))
 def test_a_separable_system_is_recognised(name):
-    assert isinstance(separate(SEPARABLE[name]), Separation)
+    assert isinstance(decided(name), Separation)
 
 
 @pytest.mark.parametrize("name", list(REFUSED))
 def test_a_system_that_does_not_separate_is_refused_with_the_right_pair_and_part(name):
     system, pair, part = REFUSED[name]
-    verdict = separate(system)
+    verdict = decided(name)
     assert isinstance(verdict, Obstruction)
     assert (verdict.pair, verdict.part) == (pair, part)
 
@@ -33,7 +33,7 @@ def test_a_system_that_does_not_separate_is_refused_with_the_right_pair_and_part
 @pytest.mark.parametrize("name", list(REFUSED))
 def test_the_witness_lies_in_the_domain_and_excludes_zero(name):
     system, _, _ = REFUSED[name]
-    verdict = separate(system)
+    verdict = decided(name)
     witness, names = verdict.witness, {sp.sstr(s): s for s in verdict.residual.free_symbols}
     assert witness.lower > 0 or witness.upper < 0
     point = {names[n]: v for n, v in witness.point.items() if n in names}
@@ -50,7 +50,7 @@ def test_the_witness_lies_in_the_domain_and_excludes_zero(name):
 
 @pytest.mark.parametrize("name", list(REFUSED))
 def test_a_refusal_advises_and_never_says_not_integrable(name):
-    advice = separate(REFUSED[name][0]).advice
+    advice = decided(name).advice
     assert "integrable without separating" in advice.replace("\n", " ")
     assert "not integrable" not in advice
     assert "nonintegrable" not in advice
@@ -58,7 +58,7 @@ def test_a_refusal_advises_and_never_says_not_integrable(name):
 
 def test_small_oscillations_are_sent_to_normal_modes():
     for name in ("coupled small oscillations, C23b", "three particles on an elastic rod, C45"):
-        assert "normal modes" in separate(REFUSED[name][0]).advice
+        assert "normal modes" in decided(name).advice
 
 
 def eisenhart(metric, f, i, j, q):
@@ -126,7 +126,7 @@ def test_coefficients_in_the_constants_add_up_to_the_whole():
 
 
 def test_the_enclosure_of_a_residual_is_narrow():
-    verdict = separate(REFUSED["Miyamoto–Nagai"][0])
+    verdict = decided("Miyamoto–Nagai")
     names = {sp.sstr(s): s for s in verdict.residual.free_symbols}
     point = {names[n]: v for n, v in verdict.witness.point.items() if n in names}
     lower, upper = enclose(verdict.residual, point, 160)
@@ -137,7 +137,7 @@ def test_the_enclosure_of_a_residual_is_narrow():
 def test_a_residual_too_large_to_expand_is_written_out_and_still_has_a_witness(name, monkeypatch):
     monkeypatch.setattr(refusal, "EXPANSION_TERMS", 0)
     system, pair, part = REFUSED[name]
-    verdict = separate(system)
+    verdict = decided(name)
     assert isinstance(verdict, Obstruction)
     assert (verdict.pair, verdict.part) == (pair, part)
     assert verdict.witness.excludes_zero

@@ -10,7 +10,7 @@ from hjsolve.expressions import parse
 from hjsolve.separation import Liouville, Region, Separation, region_of, separate
 from hjsolve.separation.liouville import recognise
 from hjsolve.system import System, kinetic_rest, mass_matrix
-from tests.separation_cases import CARTESIAN, E3, ONE_DIMENSIONAL, SEPARABLE, SEVERAL, SPACE, make
+from tests.separation_cases import CARTESIAN, E3, ONE_DIMENSIONAL, SEPARABLE, SEVERAL, SPACE, decided, make
 
 FULL = {
     "pendulum", "harmonic oscillator", "Kepler, plane", "isotropic oscillator, polar", "spherical pendulum",
@@ -32,7 +32,7 @@ def obeys(form: Liouville, metric: list[sp.Expr], potential: sp.Expr, system: Sy
 
 @pytest.mark.parametrize("name", list(SEPARABLE))
 def test_the_functions_give_T_and_V_back(name):
-    verdict = separate(SEPARABLE[name])
+    verdict = decided(name)
     assert isinstance(verdict, Separation)
     system, shell = verdict.system, verdict.shell
     if verdict.reduced.liouville is not None:
@@ -45,7 +45,7 @@ def test_the_functions_give_T_and_V_back(name):
 
 @pytest.mark.parametrize("name", list(SEPARABLE))
 def test_each_function_holds_its_own_coordinate_only(name):
-    verdict = separate(SEPARABLE[name])
+    verdict = decided(name)
     symbols = {c.name: c.symbol for c in verdict.system.coordinates}
     for form in filter(None, (verdict.liouville, verdict.reduced.liouville)):
         for functions in (form.f, form.R, form.v):
@@ -55,12 +55,12 @@ def test_each_function_holds_its_own_coordinate_only(name):
 
 @pytest.mark.parametrize("name", [*ONE_DIMENSIONAL, *SEVERAL, *E3])
 def test_the_systems_of_liouvilles_form_are_recognised_and_no_others(name):
-    assert (separate(SEPARABLE[name]).liouville is not None) == (name in FULL)
+    assert (decided(name).liouville is not None) == (name in FULL)
 
 
 def test_kepler_in_space_is_not_liouville_but_is_once_phi_is_ignored():
     """Greenwood (5-178)–(5-180)."""
-    verdict = separate(SEPARABLE["Kepler, space"])
+    verdict = decided("Kepler, space")
     r, theta = (c.symbol for c in verdict.shell.coordinates)
     m, k = sp.symbols("m k", positive=True)
     p_phi = sp.Symbol("p_phi", real=True)
@@ -71,7 +71,7 @@ def test_kepler_in_space_is_not_liouville_but_is_once_phi_is_ignored():
 
 
 def test_the_spherical_pendulum_has_the_functions_of_greenwood_2_222():
-    form = separate(SEPARABLE["spherical pendulum"]).liouville
+    form = decided("spherical pendulum").liouville
     m, g, l = sp.symbols("m g l", positive=True)
     theta = SEPARABLE["spherical pendulum"].coordinates[0].symbol
     s = sp.sin(theta) ** 2
@@ -98,7 +98,7 @@ def test_a_three_dimensional_conformal_factor_is_recognised():
 
 def test_three_dimensional_neighbours_of_the_form_are_not_liouville():
     assert separate(make(SPACE, CARTESIAN, "k*x**2", "m k")).liouville is not None
-    assert separate(SEPARABLE["8 rotational parabolic"]).liouville is None
+    assert decided("8 rotational parabolic").liouville is None
 
 
 def test_negative_factors_are_turned_so_that_f_and_R_are_positive():

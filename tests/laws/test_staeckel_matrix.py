@@ -11,19 +11,23 @@ import sympy as sp
 from hjsolve.separation import Obstruction, Separation, region_of, separate
 from hjsolve.separation.verdicts import Stackel
 from hjsolve.system import System, hamiltonian, kinetic_rest
-from tests.separation_cases import E3, SEPARABLE, SEVERAL, SPHERICAL, SPHERICAL_COORDINATES, make
+from tests.separation_cases import E3, SEPARABLE, SEVERAL, SPHERICAL, SPHERICAL_COORDINATES, decided, make
 
 TOLERANCE = sp.Float("1e-40", 50)
 
 
 @pytest.fixture(scope="module")
 def verdicts() -> dict[str, Separation]:
-    found = {}
-    for name, system in SEPARABLE.items():
-        verdict = separate(system)
-        assert isinstance(verdict, Separation), name
-        found[name] = verdict
-    return found
+    return Verdicts()
+
+
+class Verdicts(dict):
+    """Made when they are asked for."""
+
+    def __missing__(self, name: str) -> Separation:
+        found = decided(name)
+        assert isinstance(found, Separation), name
+        return found
 
 
 def points(system: System, *expressions: sp.Expr, count: int = 3):

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import functools
 from collections.abc import Callable
 from typing import Any
 
@@ -15,6 +16,7 @@ from hjsolve.scenes import Run, Scene
 from hjsolve.solution import solve
 from hjsolve.system import hamiltonian
 from tests.reference.taylor import Flow
+from tests.scenes.examples import example
 
 FLOOR = {"kind": "wall", "at": {"coordinate": "y", "value": "0"}}
 CASES: dict[str, dict[str, Any]] = {
@@ -129,10 +131,15 @@ class Reference:
         return time
 
 
+@functools.cache
+def sharp(name: str) -> Run:
+    """The scene to 20 digits."""
+    return Scene.load({**CASES[name], "want": ["trajectory"], "accuracy": {"digits": 20}}).run()
+
+
 @pytest.mark.parametrize("name", CASES)
 def test_two_impulses_and_a_wall_agree_with_a_thirty_digit_integration(name: str) -> None:
-    case = CASES[name]
-    run = Scene.load({**case, "want": ["trajectory"], "accuracy": {"digits": 20}}).run()
+    case, run = CASES[name], sharp(name)
     kinds = [event.kind for arc in run.arcs for event in arc.events]
     assert kinds.count("impulse") == 2
     assert kinds.count("wall") >= 1
@@ -149,14 +156,13 @@ def test_two_impulses_and_a_wall_agree_with_a_thirty_digit_integration(name: str
 
 @pytest.mark.parametrize("name", CASES)
 def test_in_doubles_the_same_scene_is_within_its_error_and_1e_12(name: str) -> None:
-    case = CASES[name]
-    exact = Scene.load({**case, "want": ["trajectory"], "accuracy": {"digits": 20}}).run().trajectory
-    rough = Scene.load({**case, "want": ["trajectory"]}).run().trajectory
+    exact = sharp(name).trajectory
+    rough = Scene.load({**CASES[name], "want": ["trajectory"]}).run().trajectory
     for coordinate in exact.q:
         for part in ("q", "p", "velocity"):
-            sharp, plain = getattr(exact, part)[coordinate], getattr(rough, part)[coordinate]
+            better, plain = getattr(exact, part)[coordinate], getattr(rough, part)[coordinate]
             bound = getattr(rough.error, part)[coordinate]
-            for a, b, e in zip(sharp, plain, bound, strict=True):
+            for a, b, e in zip(better, plain, bound, strict=True):
                 assert abs(a - mpmath.mpf(float(b))) <= min(e, 1e-12)
 
 
@@ -176,7 +182,7 @@ def test_energy_and_momenta_jump_as_the_impulse_says() -> None:
 
 
 def test_a_wall_keeps_every_constant_and_the_states_are_reflected() -> None:
-    run = Scene.load("scenes/bouncing-ball.toml").run()
+    run = example("bouncing-ball")
     energies = [arc.quantities["constants"]["E"].value for arc in run.arcs]
     assert len(run.arcs) == 11
     assert max(abs(e - 12.5) for e in energies) < 1e-13
@@ -189,7 +195,7 @@ def test_a_wall_keeps_every_constant_and_the_states_are_reflected() -> None:
 
 
 def test_a_billiard_folds_straight_lines() -> None:
-    run = Scene.load("scenes/billiard.toml").run()
+    run = example("billiard")
     for name, start, speed, width in (("x", 0.2, 0.7, 2.0), ("y", 0.1, 0.45, 1.0)):
         line = start + speed * run.trajectory.t
         folded = width - abs(line % (2 * width) - width)
@@ -263,7 +269,7 @@ def test_a_velocity_jump_goes_through_the_mass_matrix_where_t_is_not_orthogonal(
 
 
 def test_a_pendulum_is_pushed_over_the_top_and_back() -> None:
-    run = Scene.load("scenes/pendulum-over-the-top.toml").run()
+    run = example("pendulum-over-the-top")
     assert [arc.quantities["kinds"]["theta"] for arc in run.arcs] == ["libration", "rotation", "libration"]
     jumps = [run.quantity("constants", arc=k)["E"].value for k in range(3)]
     assert jumps[1] > 9.81 > jumps[0]

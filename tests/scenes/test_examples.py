@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import json
 from html import unescape
 from pathlib import Path
 
@@ -10,10 +11,13 @@ import pytest
 
 from hjsolve.cli import main
 from hjsolve.reports.html import html
+from hjsolve.reports.json import json_text
+from hjsolve.reports.markdown import markdown
 from hjsolve.reports.scenes import scene_document
-from hjsolve.scenes import Scene
+from hjsolve.reports.tex import tex
+from hjsolve.reports.text import text
+from tests.scenes.examples import FOLDER, example
 
-FOLDER = Path(__file__).resolve().parents[2] / "scenes"
 SCENES = sorted(FOLDER.glob("*.toml"))
 
 
@@ -23,9 +27,9 @@ def test_there_are_at_least_ten() -> None:
 
 @pytest.mark.parametrize("path", SCENES, ids=lambda path: path.stem)
 def test_a_scene_runs_and_gives_what_it_wants(path: Path) -> None:
-    scene = Scene.load(path)
+    run = example(path.stem)
+    scene = run.scene
     assert scene.summary.endswith(".")
-    run = scene.run()
     assert (run.trajectory is not None) == ("trajectory" in scene.want)
     wanted = set(scene.want) - {"trajectory"}
     if scene.method == "integrate":
@@ -38,8 +42,13 @@ def test_a_scene_runs_and_gives_what_it_wants(path: Path) -> None:
             assert np.all(np.isfinite(values))
             assert np.all(run.trajectory.error.q[name] < (1e-7 if scene.method == "integrate" else 1e-12))
         assert set(run.trajectory.status) == {"ok"}
-    told = html(scene_document(run))
+    document = scene_document(run)
+    told = html(document)
     assert scene.title in unescape(told)
+    assert scene.title in markdown(document)
+    assert scene.title in text(document)
+    assert json.loads(json_text(document))["title"] == scene.title
+    assert "\\section" in tex(document)
     assert told.count("<section") >= 3
     assert ("Where it is" in told) == (run.trajectory is not None)
     assert ("What became of the constants" in told) == bool(run.drift)
@@ -48,20 +57,20 @@ def test_a_scene_runs_and_gives_what_it_wants(path: Path) -> None:
 def test_the_command_line_writes_the_report_of_a_scene(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
     target = tmp_path / "pendulum.md"
     assert main(["report", str(FOLDER / "pendulum-over-the-top.toml"), "-o", str(target)]) == 0
-    text = target.read_text(encoding="utf-8")
-    assert "push back at t = 8" in text
-    assert "rotation" in text
+    written = target.read_text(encoding="utf-8")
+    assert "push back at t = 8" in written
+    assert "rotation" in written
     assert capsys.readouterr().out == f"wrote {target}\n"
 
 
 def test_a_scene_that_is_wrong_or_refused_writes_nothing(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
     scene, target = tmp_path / "scene.toml", tmp_path / "out.html"
-    for text, status, words in (
+    for content, status, words in (
         ('system = "pendulum"\nwant = ["period"]', 2, 'want: "period" is not known'),
         ('system = "pendulum"\neffects = ["drag"]\nwant = ["periods"]', 1, "dH/dt"),
         ('system = "kepler-planar"\neffects = ["uniform-field"]\nwant = ["periods"]', 1, "does not separate"),
     ):
-        scene.write_text(text, encoding="utf-8")
+        scene.write_text(content, encoding="utf-8")
         assert main(["report", str(scene), "-o", str(target)]) == status
         assert words in capsys.readouterr().err
         assert not target.exists()
@@ -71,7 +80,7 @@ def test_a_scene_that_is_wrong_or_refused_writes_nothing(tmp_path: Path, capsys:
 
 def test_the_planet_precesses_by_the_closed_form() -> None:
     """With −b/r² the angle between two pericentres is 2π/√(1 − 2 m b/L²)."""
-    run = Scene.load(FOLDER / "precessing-ellipse.toml").run()
+    run = example("precessing-ellipse")
     for arc, momentum in zip(range(2), (1.2, 1.3), strict=True):
         periods = run.quantity("periods", arc=arc)
         turn = 2 * np.pi * periods["r"].value / periods["theta"].value
@@ -79,7 +88,7 @@ def test_the_planet_precesses_by_the_closed_form() -> None:
 
 
 def test_the_satellite_is_lifted_to_almost_twice_the_radius() -> None:
-    run = Scene.load(FOLDER / "satellite-raised.toml").run()
+    run = example("satellite-raised")
     assert [arc.quantities["kinds"]["r"] for arc in run.arcs] == ["equilibrium", "libration", "libration"]
     low, high = run.quantity("turning_points", arc=1)["r"]
     assert abs(low.value - 1) < 1e-14

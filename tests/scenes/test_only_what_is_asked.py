@@ -12,12 +12,13 @@ from hjsolve.numeric.counting import counted
 from hjsolve.scenes import Scene
 from hjsolve.solution import solve
 from hjsolve.system import hamiltonian
+from tests import entries
 
 SEVEN = (
     "kepler-planar", "kepler-spherical", "spherical-pendulum", "lagrange-top", "harmonic-oscillator",
     "isotropic-oscillator-polar", "pendulum",
 )  # fmt: skip
-EFFECTS = [(name, effect) for name in SEVEN for effect in catalog.describe(name).effects]
+EFFECTS = [(name, effect) for name in SEVEN for effect in entries.described(name).effects]
 TIMES = {"start": 0, "stop": 5, "count": 11}
 
 
@@ -30,7 +31,7 @@ def work(table: dict[str, Any]) -> Any:
 
 @pytest.mark.parametrize("name", SEVEN)
 def test_there_are_two_effects_and_some_keep_the_system_separable(name: str) -> None:
-    effects = catalog.describe(name).effects
+    effects = entries.described(name).effects
     assert len(effects) >= 2
     assert any(effect.verdict != "refused" for effect in effects.values())
 
@@ -41,7 +42,7 @@ def test_a_scene_without_effects_is_the_plain_system_and_costs_the_same(name: st
     plain = catalog.load(name)
     assert scene.system == plain
     assert hamiltonian(scene.system) == hamiltonian(plain)
-    given = catalog.describe(name).initial.arguments
+    given = entries.described(name).initial.arguments
     with counted() as alone:
         motion = solve(plain).motion(**given, want=scene.want)
         motion.at([0.5 * k for k in range(11)])
@@ -51,7 +52,7 @@ def test_a_scene_without_effects_is_the_plain_system_and_costs_the_same(name: st
 @pytest.mark.parametrize(("name", "effect"), EFFECTS, ids=[f"{n}+{e}" for n, e in EFFECTS])
 def test_an_effect_adds_its_own_terms_and_parameters_and_nothing_else(name: str, effect: str) -> None:
     plain, with_it = catalog.load(name), Scene.load({"system": name, "effects": [effect]})
-    entry = catalog.describe(name).effects[effect]
+    entry = entries.described(name).effects[effect]
     new = {p["name"] for p in entry.parameters}
     assert {p.name for p in with_it.system.parameters} == {p.name for p in plain.parameters} | new
     off = {p.symbol: sp.Integer(0) for p in with_it.system.parameters if p.name in new}
@@ -111,7 +112,7 @@ def test_angles_and_orbit_are_those_of_the_motion() -> None:
         "system": "kepler-planar", "want": ["angles", "orbit"], "times": ["1", "2"],
         "orbit": {"of": "theta", "along": "r", "values": ["1.5", "2"]},
     }).run()  # fmt: skip
-    given = catalog.describe("kepler-planar").initial.arguments
+    given = entries.described("kepler-planar").initial.arguments
     motion = solve(catalog.load("kepler-planar")).motion(**given)
     assert list(run.quantity("angles")["r"]) == list(motion.angles(["1", "2"])["r"])
     # Kepler: r = l/(1 + e cos(theta)), l = 1.44, e = 0.44

@@ -1,0 +1,56 @@
+"""Entries of the catalog, their systems, verdicts, solutions and motions: made once a process and shared by all tests.
+
+All of them are frozen values, so sharing them changes no test.
+"""
+
+from __future__ import annotations
+
+import functools
+from typing import Any
+
+from hjsolve import catalog
+from hjsolve.catalog import Entry
+from hjsolve.separation import Obstruction, Separation, Undecided, separate
+from hjsolve.solution import Solution, solve
+from hjsolve.system import System
+
+
+@functools.cache
+def described(name: str) -> Entry:
+    """The entry, its system built without effects."""
+    return catalog.describe(name)
+
+
+@functools.cache
+def loaded(name: str, effects: tuple[str, ...] = ()) -> System:
+    """The system of an entry with some effects."""
+    if effects:
+        return catalog.load(name, effects=effects)
+    system = described(name).system
+    assert system is not None
+    return system
+
+
+@functools.cache
+def verdict(name: str, effects: tuple[str, ...] = ()) -> Separation | Obstruction | Undecided:
+    """What ``separate`` says of it."""
+    return separate(loaded(name, effects))
+
+
+@functools.cache
+def solution(name: str, effects: tuple[str, ...] = ()) -> Solution:
+    """Its solution by quadratures."""
+    found = verdict(name, effects)
+    return solve(found if isinstance(found, Separation) else loaded(name, effects))
+
+
+@functools.cache
+def motion(name: str, which: str = "default") -> Any:
+    """A motion of the entry, in doubles."""
+    return solution(name).motion(**described(name).motions[which].arguments)
+
+
+@functools.cache
+def state(name: str, which: str, t: str) -> Any:
+    """Where that motion is at a time."""
+    return motion(name, which).at(t)
