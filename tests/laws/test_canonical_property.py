@@ -46,8 +46,8 @@ def forged(solution: Solution, **changes: object) -> dict[str, str]:
     return {c.name: c.verdict for c in check(Solution(**{**vars(solution), **changes}))}
 
 
-def test_a_constant_that_is_no_integral_is_seen(solutions: dict[str, Solution]) -> None:
-    solution = solutions["kepler-parabolic"]
+def test_a_constant_that_is_no_integral_is_seen() -> None:
+    solution = solved("kepler-parabolic")
     constants = dict(solution.constants)
     wrong = constants["alpha_2"]
     u = solution.system.coordinate("u").symbol
@@ -55,8 +55,8 @@ def test_a_constant_that_is_no_integral_is_seen(solutions: dict[str, Solution]) 
     assert forged(solution, constants=constants)["involution"] == "failed"
 
 
-def test_a_factor_two_in_an_orbit_equation_is_seen(solutions: dict[str, Solution]) -> None:
-    solution = solutions["kepler-spherical"]
+def test_a_factor_two_in_an_orbit_equation_is_seen() -> None:
+    solution = solved("kepler-spherical")
     for name, equation in solution.orbit_equations.items():
         terms = [sp.Integral(2 * t.function, *t.limits) if isinstance(t, sp.Integral) else t for t in equation.rhs.args]
         if isinstance(equation.rhs, sp.Integral):
@@ -65,22 +65,22 @@ def test_a_factor_two_in_an_orbit_equation_is_seen(solutions: dict[str, Solution
         assert forged(solution, orbit_equations=wrong)["canonical"] == "failed", name
 
 
-def test_a_wrong_sign_in_the_time_law_is_seen(solutions: dict[str, Solution]) -> None:
-    solution = solutions["pendulum"]
+def test_a_wrong_sign_in_the_time_law_is_seen() -> None:
+    solution = solved("pendulum")
     integral = solution.time_law.rhs
     wrong = sp.Eq(solution.time_law.lhs, sp.Integral(-integral.function, *integral.limits), evaluate=False)
     assert forged(solution, time_law=wrong)["canonical"] == "failed"
 
 
-def test_a_forgotten_gauge_shift_is_seen(solutions: dict[str, Solution]) -> None:
+def test_a_forgotten_gauge_shift_is_seen() -> None:
     """Rotating frames and magnetic fields bring terms linear in p; an ignored A breaks the equation."""
-    solution = solutions["projectile"]
+    solution = solved("projectile")
     wrong = {name: sp.Symbol("y", real=True) ** 0 for name in solution.shift}
     assert forged(solution, shift=wrong)["hamilton-jacobi"] == "failed"
 
 
-def test_the_bracket_has_greenwoods_sign(solutions: dict[str, Solution]) -> None:
-    solution = solutions["harmonic-oscillator"]
+def test_the_bracket_has_greenwoods_sign() -> None:
+    solution = solved("harmonic-oscillator")
     x = solution.system.coordinate("x")
     assert poisson_bracket(x.symbol, x.momentum, solution) == 1
 

@@ -55,9 +55,9 @@ def test_the_equation_holds_to_40_digits_with_the_roots_as_printed(name: str) ->
     assert abs(sp.N(H - E, 40, maxn=300)) < sp.Float("1e-35") * (1 + abs(sp.N(E, 40)))
 
 
-def test_a_wrong_potential_is_seen(solutions: dict[str, Solution]) -> None:
+def test_a_wrong_potential_is_seen() -> None:
     """The check can fail: the solution of Kepler does not solve Kepler with an inverse-cube force."""
-    kepler, other = solutions["kepler-planar"], solutions["kepler-planar+precession"]
+    kepler, other = solved("kepler-planar"), solved("kepler-planar+precession")
     forged = Solution(**{**vars(kepler), "system": other.system})
     outcomes = {c.name: c.verdict for c in check(forged)}
     assert outcomes["hamilton-jacobi"] == "failed"
