@@ -51,7 +51,18 @@ NAMED = ("separation/levi_civita", "separation/liouville", "separation/stackel",
 HARMLESS: dict[str, dict[tuple[str, str], str]] = {
     "separation/levi_civita": {
         ("if h == i:", "i → j at 16"): "the general formula gives the same with two terms that cancel",
+        ("if any(e < 0 for _, e in holding):", "0 → 1"): "no exponent is zero",
         ("if h == j:", "j → i at 16"): "the general formula gives the same with two terms that cancel",
+    },
+    "shell": {
+        (
+            "k = min(left, key=lambda i: (any(m[i][i].depends_on(q) for q in positions), cost(m[i][i])))",
+            "any → all",
+        ): "the order of elimination",
+        (
+            "there = evaluate(x, {**numbers, **places, c.symbol: _place(c, shares[-1] / 2, numbers)})",
+            "1 → 2",
+        ): "another sample point",
     },
     "separation/stackel": {
         ("if any(x.is_zero for x in (*g, *g0)):", "any → all"): "the division that follows raises the same error",
