@@ -83,6 +83,11 @@ def _integrator(name: str) -> Any:
                               compact_mode=sp.count_ops(slopes) > _LONG, pars=ones)  # fmt: skip
 
 
+def ready(name: str) -> None:
+    """Compile the right-hand side of an entry, which may take longer than the motions."""
+    _integrator(name)
+
+
 def _used(name: str) -> list[str]:
     """The parameters that Hamilton's equations hold."""
     there = {s.name for s in _formulas(name)[0].free_symbols}

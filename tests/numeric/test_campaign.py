@@ -28,7 +28,7 @@ def _without_heyoka(monkeypatch):
 
 
 def judged(seed, indices):
-    findings = [campaign.judge(seed, index, limit=60) for index in indices]
+    findings = [campaign.judge(seed, index, limit=30) for index in indices]
     assert [(f.entry, f.lies) for f in findings if f.lies] == []
     assert [(f.entry, f.message) for f in findings if f.status == "crash"] == []
     return findings
