@@ -78,10 +78,8 @@ class Reader:
         for monomial, c in _linear_terms(argument):
             unit = self._units.setdefault((kind, monomial), abs(c))
             n = c / unit
-            if n.denominator != 1:
+            if n.denominator != 1 or abs(n) > MAX_MULTIPLE:  # a function of its own: what vanishes so vanishes
                 n, unit = Fraction(1 if c > 0 else -1), abs(c)
-            if abs(n) > MAX_MULTIPLE:
-                raise WorkLimitError(f"a multiple angle, {n} times {monomial}, is too large to expand")
             parts.append((int(n), sp.Rational(unit.numerator, unit.denominator) * monomial))
         return parts
 

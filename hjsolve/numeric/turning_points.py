@@ -23,6 +23,8 @@ EndKind = Literal["turning", "asymptote", "boundary", "infinity", "round"]
 _LAST_BITS = 2048
 _MOST_BITS = 65536
 _DEPTH = 40
+_MOST_WORK, _DEARER = 2000, 10
+"""Divisions of cells before a search is given up; what one costs in many digits, in doubles 1."""
 _EXACT = 6
 _TOGETHER = 48
 
@@ -151,10 +153,21 @@ class _Cell(NamedTuple):
 
 
 def _search(ray: Ray, cells: list[_Cell], digits: int) -> End | None:
-    """Decide cells in their order: the first end in them, or None where p² stays positive."""
+    """Decide cells in their order: the first end in them, or None where p² stays positive.
+
+    Raises:
+        NotConvergedError: the work is beyond ``_MOST_WORK``: interval arithmetic does not see what p² does there.
+    """
+    work = 0
     while cells:
         first = cells[0]
         if first.undecided and _pieces(ray, first):
+            work += 1 if first.depth < _EXACT else _DEARER
+            if work > _MOST_WORK:
+                raise NotConvergedError(
+                    f"p² could not be decided near q = {float(ray.place(first.ends[0], 128)):.15g}: its terms vary by "
+                    "too many orders of magnitude on the way there; give the coordinate a domain that ends before"
+                )
             cells = _divided(ray, cells)
             continue
         found = None if first.positive else _settle(ray, first.ends, digits)

@@ -32,7 +32,7 @@ def holds(estimate, truth):
     assert estimate.error <= 1e-13 * abs(truth) + 1e-300
 
 
-@examples(14)
+@examples(8)
 @given(confining, coefficient("-2", "2"), positive)
 def test_a_confined_mass_has_the_turning_points_period_action_and_states_of_the_integrals(potential, place, speed):
     with mp.workdps(50):
@@ -71,7 +71,7 @@ def late_speed(curve, q, state):
     )
 
 
-@examples(10)
+@examples(8)
 @given(potentials, coefficient("-2", "2"), positive)
 def test_whatever_the_potential_the_kind_is_right_and_an_escape_keeps_its_time(potential, place, speed):
     with mp.workdps(40):
@@ -82,6 +82,7 @@ def test_whatever_the_potential_the_kind_is_right_and_an_escape_keeps_its_time(p
             motion = moving(potential, place, speed)
         except NotConvergedError:
             assume(False)  # honest; how often is counted in the campaign
+        assume(motion.kinds["x"] != "ignorable")  # a constant potential
         bounded = None not in ends
         assert (motion.kinds["x"] == "libration") == bounded
         if not bounded:
@@ -98,7 +99,7 @@ def test_whatever_the_potential_the_kind_is_right_and_an_escape_keeps_its_time(p
                 assert late * mp.sqrt(curve.square(mp.mpf(state.q["x"]))) <= state.error.q["x"]
 
 
-@examples(6)
+@examples(4)
 @given(confining, coefficient("-2", "2"), positive)
 def test_thirty_digits_mean_thirty(potential, place, speed):
     with mp.workdps(70):
