@@ -88,9 +88,9 @@ def _enclose(motion: Motion, digits: int, bits: int, work: int) -> Enclosed:
 
 
 def _growth(motion: Motion, name: str, f: Integrand, j: int, bits: int) -> Any:
-    course = motion.located[name].course
-    assert isinstance(course, Bounded)
-    return flint.arb(0) if course.kernels[j].vanishes else ball.mean(f, j, bits)
+    constant = list(motion.solution.constants.values())[j].symbol
+    absent = sp.diff(motion.solution.momentum_squared[name], constant) == 0
+    return flint.arb(0) if absent else ball.mean(f, j, bits)
 
 
 def exact_ball(value: sp.Expr) -> Any:

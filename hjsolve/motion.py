@@ -234,7 +234,7 @@ def start(
         return start(solution, **{**given, **change}, t0=t0, digits=digits, want=want)
 
     if certified:
-        motion = _certified(lambda d: _move(solution, initial, exact_t0, d, parts), max(digits, FLOAT_DIGITS))
+        motion = _certified(lambda d, p: _move(solution, initial, exact_t0, d, p), max(digits, FLOAT_DIGITS), parts)
     else:
         motion = _move(solution, initial, exact_t0, max(digits, FLOAT_DIGITS), parts)
     return replace(motion, given=given, again=again)
@@ -246,15 +246,18 @@ def _move(solution: Solution, initial: Initial, t0: sp.Expr, digits: int, parts:
     return _assemble(solution, initial, t0, digits, located, parts)
 
 
-def _certified(move: Callable[[int], Motion], digits: int) -> Motion:
-    """Replace the numbers of a motion by proved ones; states come from a motion at full digits, when asked."""
+def _certified(move: Callable[[int, frozenset[str]], Motion], digits: int, parts: frozenset[str]) -> Motion:
+    """Replace the numbers of a motion by proved ones; states come from a motion at full digits, when asked.
+
+    The motion itself is only classified, in few digits and without an integral: the proof needs kinds and guesses.
+    """
     from hjsolve.certified import enclose
 
-    motion = move(FLOAT_DIGITS)
-    proved = enclose(motion, digits)
+    motion = move(FLOAT_DIGITS, frozenset())
+    proved = enclose(replace(motion, parts=parts), digits)
     return replace(
         motion, constants=proved.constants, turning_points=proved.turning_points, actions=proved.actions,
-        frequencies=proved.frequencies, periods=proved.periods, states=cache(lambda: move(digits)),
+        frequencies=proved.frequencies, periods=proved.periods, parts=parts, states=cache(lambda: move(digits, parts)),
     )  # fmt: skip
 
 

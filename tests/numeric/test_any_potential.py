@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import os
 
+import pytest
 from hypothesis import assume, given, note, settings
 from mpmath import mp
 
@@ -71,7 +72,8 @@ def late_speed(curve, q, state):
     )
 
 
-@examples(8)
+@examples(4)
+@pytest.mark.slow
 @given(potentials, coefficient("-2", "2"), positive)
 def test_whatever_the_potential_the_kind_is_right_and_an_escape_keeps_its_time(potential, place, speed):
     with mp.workdps(40):

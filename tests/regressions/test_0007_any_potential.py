@@ -20,6 +20,7 @@ def test_angles_with_a_large_ratio_are_functions_of_their_own():
     assert isinstance(hjsolve.separate(system), hjsolve.Obstruction)
 
 
+@pytest.mark.nightly
 def test_a_search_that_interval_arithmetic_cannot_end_says_so():
     """cosh(3x) e^(−x²) over wide cells is [0, ∞]; the search divided cells without end."""
     solution = hjsolve.solve(line("0.9*cosh(3.18*x)*exp(-x**2) + 5.33*x - 1.65/(x**2 + 0.96)"))
