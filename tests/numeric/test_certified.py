@@ -6,7 +6,9 @@ import mpmath
 import pytest
 
 import hjsolve
+from hjsolve import certified
 from hjsolve.errors import InvalidInputError
+from hjsolve.numeric import ball
 
 pytest.importorskip("flint")
 
@@ -71,3 +73,31 @@ def test_a_motion_that_escapes_is_refused_with_its_name():
     kepler = hjsolve.solve(hjsolve.catalog.load("kepler-planar"))
     with pytest.raises(InvalidInputError, match="r is in escape"):
         kepler.motion(q={"r": 1, "theta": 0}, velocity={"r": 0, "theta": 2}, certified=True)
+
+
+def swinging(gap):
+    """The integrand of the pendulum's period in balls, and the half width of its strip of analyticity."""
+    motion = pendulum(velocity={"theta": f"2*(1-{gap})"})
+    with ball.working(200):
+        inputs = [certified.exact_ball(v) for v in (*motion.initial.constants.values(), *certified._parameters(motion))]
+        integrand = certified._integrand(motion, "theta", inputs, 200)
+    amplitude = float(motion.turning_points["theta"][1].value)
+    return integrand, mpmath.acosh(2 * mpmath.pi / amplitude - 1)
+
+
+@pytest.mark.parametrize("gap", ["0.9", "0.1"])
+@pytest.mark.parametrize("bits", [4, 12, 30])
+def test_the_midpoint_rule_with_few_nodes_misses_by_no_more_than_its_bound(gap, bits):
+    integrand, _ = swinging(gap)
+    with ball.working(200), mpmath.workdps(60):
+        found = ball._midpoints(integrand, 0, bits, ball.flint.arb(1))
+        exact = 2 * mpmath.ellipk((1 - mpmath.mpf(gap)) ** 2) / mpmath.pi
+        missed = abs(certified.to_mpf(found.mid(), 200) - exact)
+        assert 0 < missed <= certified.to_mpf(found.rad(), 64)
+
+
+def test_no_bound_is_given_on_a_strip_that_holds_a_singularity():
+    integrand, width = swinging("0.1")
+    with ball.working(200):
+        assert ball._most(integrand, 0, float(0.3 * width)) is not None
+        assert ball._most(integrand, 0, float(1.01 * width)) is None
