@@ -17,6 +17,8 @@ Function = Callable[[Any, Any], Any]
 """(x, index of the orbits) ↦ F, arrays of shape (m,)."""
 
 _EPS = 2.0**-52
+_STEPS = 110
+_STRIDE = 0.2
 
 
 def first_step(momentum: Any, slope: Any, bend: Any, size: Any) -> Any:
@@ -50,7 +52,7 @@ def bracket(function: Function, start: Any, step: Any, side: int, *, floor: Any,
     """
     inner, outer, step = start.copy(), np.full(start.shape, np.nan), step.copy()
     index = np.arange(len(start))
-    for _ in range(48):
+    for _ in range(_STEPS):
         x = inner[index] + side * step[index]
         x = kept(x, inner[index], floor[index])
         f = function(x, index)
@@ -60,7 +62,7 @@ def bracket(function: Function, start: Any, step: Any, side: int, *, floor: Any,
         step[index[lost]] *= 0.25
         onward = (f >= 0) & (np.abs(x - start[index]) < reach)
         inner[index[onward]] = x[onward]
-        step[index[onward]] *= 1.0 if np.isfinite(reach) else 1.6
+        step[index[onward]] = np.minimum(1.6 * step[index[onward]], _STRIDE if np.isfinite(reach) else np.inf)
         index = index[onward | lost]
         if not len(index):
             break

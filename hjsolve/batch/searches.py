@@ -13,6 +13,8 @@ from hjsolve.batch.programs import Programs
 
 _EPS = 2.0**-52
 _SWEEPS = 5
+_STEPS = 110
+_STRIDE = 0.2
 
 
 @njit(**OPTIONS)
@@ -36,7 +38,7 @@ def ends(made: Programs) -> Any:
     def bracket(x0, step, side, floor, reach, c):
         """Walk outward: the last place with F ≥ 0 and the first with F < 0; see ``roots.bracket``."""
         inner = x0
-        for _ in range(48):
+        for _ in range(_STEPS):
             x = inner + side * step
             if side * (x - floor) > -0.25 * side * (floor - inner):
                 x = floor + 0.25 * (inner - floor)
@@ -45,7 +47,7 @@ def ends(made: Programs) -> Any:
                 return inner, x
             if f >= 0.0:
                 inner = x
-                step *= 1.0 if math.isfinite(reach) else 1.6
+                step = min(1.6 * step, _STRIDE) if math.isfinite(reach) else 1.6 * step
                 if abs(x - x0) > reach:
                     break
             else:
