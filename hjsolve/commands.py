@@ -125,12 +125,13 @@ def report(options: Namespace) -> int:
     Returns:
         The exit status.
     """
+    from hjsolve.cost_command import progress_bar
     from hjsolve.reports.content import gather
     from hjsolve.reports.write import checked_path, save, save_hamiltonian, save_scene
 
     target = checked_path(options.output)
     if (scene := _scene(options)) is not None:
-        print(f"wrote {save_scene(scene, target)}")
+        print(f"wrote {save_scene(scene, target, options.cost, progress_bar())}")
         return ANSWER
     initial = _initial(options)
     if _hamiltonian(options) is not None:
@@ -144,7 +145,7 @@ def report(options: Namespace) -> int:
     if initial is None and options.system is not None:
         initial = _own_motion(options)
     material = gather(_located(subject), initial=initial, motion=options.motion, digits=options.digits)
-    print(f"wrote {save(material, target)}")
+    print(f"wrote {save(material, target, options.cost, progress_bar())}")
     return _status(material.verdict)
 
 

@@ -1,4 +1,8 @@
-"""Running every method, interleaved, inside a budget of seconds."""
+"""Running every method, interleaved, inside a budget of seconds.
+
+The budget is time on the clock; what a method takes is time of the processor (all of them run in one thread), so that a
+busy machine does not change the comparison.
+"""
 
 from __future__ import annotations
 
@@ -23,7 +27,7 @@ class Found:
     """What is known of a trial so far.
 
     Attributes:
-        row: without times. clock: seconds of each run. full: whether it ran for all times.
+        row: without times. clock: seconds of each run, of the processor. full: whether it ran for all times.
     """
 
     trial: Trial
@@ -88,12 +92,12 @@ def measured(task: Task, trials: Sequence[Trial], truth: Reference, clock: Clock
             if one.clock and statistics.median(one.clock) * 1.5 > clock.left:
                 continue
             clock.tell(f"again {one.trial.method} {one.trial.digits:g} digits")
-            begin = time.perf_counter()
+            begin = time.thread_time()
             try:
                 one.trial.compute(None, time.perf_counter() + max(clock.left, 0.1))
             except HJSolveError:
                 continue
-            one.clock.append(time.perf_counter() - begin)
+            one.clock.append(time.thread_time() - begin)
     methods = list(dict.fromkeys(trial.method for trial in trials))
     return [_closed(one) for one in sorted(found, key=lambda f: (methods.index(f.trial.method), f.trial.digits))]
 
@@ -125,9 +129,9 @@ def _first(
         expected = _expected(trial, last)
         if expected > allowed:
             return Found(trial, replace(empty, status="too slow", note=f"about {expected:.2g} s"))
-        begin = time.perf_counter()
-        result = trial.compute(None, begin + allowed)
-        spent = time.perf_counter() - begin
+        begin = time.thread_time()
+        result = trial.compute(None, time.perf_counter() + allowed)
+        spent = time.thread_time() - begin
         row = _judged(empty, trial.read(result, task.places), truth, sizes)
         return Found(trial, row, [spent], True)
     except MissingExtraError as error:
@@ -157,9 +161,9 @@ def _thinned(task: Task, trial: Trial, truth: Reference, sizes: dict[str, float]
     one = task.some(task.places[-1:])
     trial.compute(one, float("inf"))  # warms up
     alone = _seconds(lambda: trial.compute(one, float("inf")))
-    begin = time.perf_counter()
+    begin = time.thread_time()
     result = trial.compute(task.some(places), float("inf"))
-    several = time.perf_counter() - begin
+    several = time.thread_time() - begin
     total = alone + max(0.0, several - alone) * (count - 1) / (len(places) - 1)
     if total <= allowed / 2:
         return None
@@ -171,9 +175,9 @@ def _thinned(task: Task, trial: Trial, truth: Reference, sizes: dict[str, float]
 
 
 def _seconds(work: Callable[[], object]) -> float:
-    begin = time.perf_counter()
+    begin = time.thread_time()
     work()
-    return time.perf_counter() - begin
+    return time.thread_time() - begin
 
 
 def _judged(row: Row, answer: Answer, truth: Reference, sizes: dict[str, float]) -> Row:

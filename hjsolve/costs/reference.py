@@ -53,14 +53,16 @@ class Reference:
         return Ruler(self.proved if proved else self.plain, self.digits, sizes, self.turning)
 
 
-def reference(task: Task, digits: int, seconds: float, *, own: bool = True) -> Reference:
+def reference(
+    task: Task, digits: int, seconds: float, *, own: bool = True, proofs: bool = True
+) -> Reference:
     """Work out the reference.
 
     Args:
         task: what is asked; the methods are asked at most ``digits`` less ``SPARE``.
         digits: of the reference.
         seconds: that the series may take.
-        own: whether there is time for hjsolve's own methods with so many digits.
+        own, proofs: whether there is time for hjsolve's own methods with so many digits, and for ball arithmetic.
 
     Returns:
         The reference; its keys are those that could be had.
@@ -72,7 +74,7 @@ def reference(task: Task, digits: int, seconds: float, *, own: bool = True) -> R
         series = _series(task, digits, time.perf_counter() + seconds)
     if task.solution is not None and own:
         others = _own(task, digits)
-        balls = _balls(task, digits)
+        balls = _balls(task, digits) if proofs else {}
     if balls:
         words.append(f"ball arithmetic at {digits} digits (proved numbers: mpmath)")
     if series:

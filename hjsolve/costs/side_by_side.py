@@ -94,7 +94,8 @@ def _truth(task: Task, first: Trial, levels: Sequence[int], clock: Clock) -> Ref
     fit = [digits for digits in levels if expected(digits) <= third] if task.solution is not None else []
     digits = max(fit, default=15) + SPARE
     clock.tell(f"reference, {digits} digits")
-    return reference(task, digits, clock.budget / 4, own=expected(digits - SPARE) <= third)
+    proofs = 5 * once * ((digits + SPARE) / 15) ** 0.6 <= clock.budget / 2
+    return reference(task, digits, clock.budget / 4, own=expected(digits - SPARE) <= third, proofs=proofs)
 
 
 def _levels(digits: Sequence[int]) -> tuple[int, ...]:

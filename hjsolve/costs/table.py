@@ -23,7 +23,7 @@ class Row:
         held: whether every single number lies within its claim; None where nothing is claimed.
         count: what it took, in ``unit``: evaluations of p², its kernels and places; right-hand sides; Taylor steps.
         unit: of ``count``.
-        seconds: median of ``repeats`` runs, everything but the symbolic solution and compilation.
+        seconds: of the processor; median of ``repeats`` runs, all but the symbolic solution and compilation.
         repeats: number of timed runs.
         status: one of ``STATUSES``.
         covers: ``all`` that is wanted; ``states`` or ``numbers`` alone; ``part`` of the numbers.
@@ -121,7 +121,7 @@ def explanation(cost: Cost) -> list[str]:
     return [
         f"Asked: {', '.join(cost.want)}{states}.",
         f"True errors against {cost.reference}; relative to the size of each quantity, the worst of all.",
-        "Times are medians of interleaved runs, without the symbolic solution and without compilation.",
+        "Times are processor time, medians of interleaved runs, without the symbolic solution and compilation.",
     ]
 
 

@@ -84,7 +84,7 @@ def _frame(cost: Cost, shown: Sequence[Row]) -> svg.Frame:
     deepest = min([*errors, *(_depth(row.digits) for row in cost.rows if row.digits is not None and _crossed(row))])
     low, high = math.floor(min(times) - 0.15), math.ceil(max(times) + 0.15)
     span = max(2.5, 1.05 * -deepest)
-    return svg.Frame((low, max(high, low + 2)), (-span, 0.0), width=560, height=330, left=54, right=124, bottom=44)
+    return svg.Frame((low, max(high, low + 2)), (-span, 0.0), width=560, height=330, left=54, right=140, bottom=44)
 
 
 def _x(row: Row) -> float:
@@ -143,9 +143,9 @@ def _legend(frame: svg.Frame, cost: Cost) -> list[str]:
         several = sum(row.answered and row.status != "lost" for row in cost.of(method)) > 1
         parts.append(f'<path class="{look.line}" d="M{left} {y}h22"/>' if several else "")
         parts.append(_shape(look.shape, left + 11, y, look.mark) if ran else _cross(left + 11, y))
-        parts.append(f'<text class="tick" x="{left + 30}" y="{y + 4}">{escape(method)}</text>')
+        parts.append(f'<text class="tick" x="{left + 29}" y="{y + 4}">{escape(method)}</text>')
         word = "" if ran else cost.of(method)[0].status
-        parts.append(f'<text class="tick" x="{left + 30}" y="{y + 17}">{escape(word)}</text>' if word else "")
+        parts.append(f'<text class="tick" x="{left + 29}" y="{y + 17}">{escape(word)}</text>' if word else "")
     return parts
 
 

@@ -10,6 +10,7 @@ from pathlib import Path
 from typing import Any
 
 from hjsolve import catalog
+from hjsolve.costs.measure import Progress
 from hjsolve.errors import InvalidInputError
 from hjsolve.hamiltonians import LinearHamiltonian
 from hjsolve.reports.content import Material, Subject, document, gather, initial_of
@@ -59,6 +60,7 @@ def report(
     initial: Mapping[str, Any] | None = None,
     motion: str = "default",
     digits: int = 15,
+    cost: bool | float = True,
 ) -> Path:
     """Write a report about a system, a verdict, a solution or a motion.
 
@@ -73,6 +75,8 @@ def report(
         initial: keyword arguments for ``solution.motion``, in place of the catalog's initial data.
         motion: which of the catalog entry's motions.
         digits: of the numbers.
+        cost: whether the report has a section that measures what accuracy costs; or the seconds it may take, 3 by
+            default, at most 10.
 
     Returns:
         The path written.
@@ -87,12 +91,12 @@ def report(
     """
     target = checked_path(path)
     if isinstance(subject, Scene):
-        return save_scene(subject, target)
+        return save_scene(subject, target, cost)
     if isinstance(subject, LinearHamiltonian) or (
         isinstance(subject, str | Path) and catalog.hamiltonian(subject) is not None
     ):
         return save_hamiltonian(subject, target, initial=initial, motion=motion, digits=digits)
-    return save(gather(subject, initial=initial, motion=motion, digits=digits), target)
+    return save(gather(subject, initial=initial, motion=motion, digits=digits), target, cost)
 
 
 def checked_path(path: str | Path) -> Path:
@@ -122,12 +126,13 @@ def checked_path(path: str | Path) -> Path:
     return target
 
 
-def save_scene(scene: Scene, target: Path) -> Path:
+def save_scene(scene: Scene, target: Path, cost: bool | float = False, progress: Progress | None = None) -> Path:
     """Run a scene and write its report.
 
     Args:
         scene: what is asked.
         target: a path that ``checked_path`` has passed.
+        cost, progress: as in ``reports.costs.with_cost``.
 
     Returns:
         The path.
@@ -136,9 +141,10 @@ def save_scene(scene: Scene, target: Path) -> Path:
         NotSeparableError: the scene cannot be solved by quadratures and does not ask for an integrator.
         InvalidInputError: the file cannot be written.
     """
+    from hjsolve.reports.costs import with_cost
     from hjsolve.reports.scenes import scene_document
 
-    return write_document(scene_document(scene.run()), target)
+    return write_document(with_cost(scene_document(scene.run()), scene, cost, progress), target)
 
 
 def save_hamiltonian(
@@ -175,12 +181,13 @@ def save_hamiltonian(
     return write_document(hamiltonian_document(problem, meanings, summary, started, about), target)
 
 
-def save(material: Material, target: Path) -> Path:
+def save(material: Material, target: Path, cost: bool | float = False, progress: Progress | None = None) -> Path:
     """Write what was gathered.
 
     Args:
         material: what there is to tell.
         target: a path that ``checked_path`` has passed.
+        cost, progress: as in ``reports.costs.with_cost``.
 
     Returns:
         The path.
@@ -188,7 +195,12 @@ def save(material: Material, target: Path) -> Path:
     Raises:
         InvalidInputError: the file cannot be written.
     """
-    return write_document(document(material), target)
+    from hjsolve.reports.costs import with_cost
+
+    content = document(material)
+    if material.motion is not None:
+        content = with_cost(content, material.motion, cost, progress)
+    return write_document(content, target)
 
 
 def write_document(content: Document, target: Path) -> Path:

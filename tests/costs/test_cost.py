@@ -207,3 +207,28 @@ def test_the_command_refuses_in_one_line(arguments: list[str], words: str, capsy
     message = capsys.readouterr().err
     assert words in message
     assert len(message.strip().splitlines()) == 1
+
+
+def test_a_report_has_the_section_unless_it_is_switched_off(tmp_path: Path) -> None:
+    with_it, without, scene = (tmp_path / name for name in ("with.html", "without.html", "scene.md"))
+    hjsolve.report("harmonic-oscillator", with_it, cost=2)
+    page = with_it.read_text(encoding="utf-8")
+    assert 'id="cost"' in page
+    assert "float64" in page
+    assert page.index('id="cost"') < page.index('id="how"')
+    assert main(["report", "harmonic-oscillator", "-o", str(without), "--no-cost"]) == 0
+    assert 'id="cost"' not in without.read_text(encoding="utf-8")
+    hjsolve.report(hjsolve.Scene.load({"system": "pendulum", "want": ["periods"]}), scene, cost=2)
+    assert "What accuracy costs" in scene.read_text(encoding="utf-8")
+
+
+def test_a_report_of_what_has_no_motion_has_no_such_section(tmp_path: Path) -> None:
+    path = tmp_path / "refused.txt"
+    hjsolve.report("henon-heiles", path)
+    assert "What accuracy costs" not in path.read_text(encoding="utf-8")
+
+
+@pytest.mark.parametrize("wish", [0, -1, 11])
+def test_the_section_takes_at_most_ten_seconds(wish: float, tmp_path: Path) -> None:
+    with pytest.raises(InvalidInputError, match="seconds up to 10"):
+        hjsolve.report("pendulum", tmp_path / "p.html", cost=wish)

@@ -56,7 +56,7 @@ def test_a_scene_runs_and_gives_what_it_wants(path: Path) -> None:
 
 def test_the_command_line_writes_the_report_of_a_scene(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
     target = tmp_path / "pendulum.md"
-    assert main(["report", str(FOLDER / "pendulum-over-the-top.toml"), "-o", str(target)]) == 0
+    assert main(["report", str(FOLDER / "pendulum-over-the-top.toml"), "-o", str(target), "--no-cost"]) == 0
     written = target.read_text(encoding="utf-8")
     assert "push back at t = 8" in written
     assert "rotation" in written
@@ -71,7 +71,7 @@ def test_a_scene_that_is_wrong_or_refused_writes_nothing(tmp_path: Path, capsys:
         ('system = "kepler-planar"\neffects = ["uniform-field"]\nwant = ["periods"]', 1, "does not separate"),
     ):
         scene.write_text(content, encoding="utf-8")
-        assert main(["report", str(scene), "-o", str(target)]) == status
+        assert main(["report", str(scene), "-o", str(target), "--no-cost"]) == status
         assert words in capsys.readouterr().err
         assert not target.exists()
     assert main(["report", str(scene), "-o", str(target), "--parameter", "k=2"]) == 2
