@@ -26,11 +26,11 @@ from fractions import Fraction
 from pathlib import Path
 from typing import Any
 
-import numpy as np
+import draw_work_precision
 
 ROOT = Path(__file__).resolve().parents[1]
 DOCS, PARTIAL = ROOT / "docs", ROOT / "build" / "work-precision.partial.json"
-RESULTS, FIGURE, GROWTH = DOCS / "work-precision.json", DOCS / "work-precision.svg", DOCS / "cost-growth.svg"
+RESULTS = DOCS / "work-precision.json"
 _ONE = """
 import json, sys, hjsolve
 from hjsolve.reports.costs import plain_rows
@@ -93,7 +93,7 @@ def median_time(work: Callable[[], object], repeats: int = 3) -> float:
 
 def growth() -> dict[str, Any]:
     """Seconds and evaluations against digits, closeness to a separatrix and number of times."""
-    return {"digits": by_digits(), "separatrix": by_separatrix(), "times": by_times()}
+    return {"times": by_times(), "separatrix": by_separatrix(), "digits": by_digits()}
 
 
 def by_digits() -> dict[str, list[dict[str, float]]]:
@@ -173,33 +173,11 @@ def by_times() -> dict[str, list[dict[str, float]]]:
 
 
 # ------------------------------------------------------------------------------------------------ the figures
-def medians(entries: list[dict[str, Any]]) -> dict[str, list[tuple[float, float, int]]]:
-    """Method → (median seconds, median error, number of entries) for each accuracy."""
-    points: dict[tuple[str, float], list[tuple[float, float]]] = {}
-    for one in entries:
-        for row in one.get("rows", ()):
-            if row["error"] is not None and row["seconds"] is not None and row["status"] != "lost":
-                error = max(row["error"], 10.0 ** -(row["digits"] + 6))
-                points.setdefault((row["method"], row["digits"]), []).append((row["seconds"], error))
-    found: dict[str, list[tuple[float, float, int]]] = {}
-    for (method, _), pairs in sorted(points.items(), key=lambda item: item[0][1]):
-        middle = [float(np.exp(np.median(np.log([pair[i] for pair in pairs])))) for i in (0, 1)]
-        found.setdefault(method, []).append((middle[0], middle[1], len(pairs)))
-    return found
-
-
-def draw(results: dict[str, Any]) -> None:
-    from hjsolve.reports import svg, workprecision
-
-    FIGURE.write_text(svg.standalone(workprecision.overview(results["catalog"], "overview")), encoding="utf-8")
-    GROWTH.write_text(svg.standalone(workprecision.growth(results["growth"])), encoding="utf-8")
-
-
 def table(entries: list[dict[str, Any]]) -> None:
-    print(f"\nmedians over {sum('rows' in one for one in entries)} entries")
-    for method, rows in medians(entries).items():
-        for seconds, error, count in rows:
-            print(f"  {method:12} {seconds * 1e3:10.2f} ms   {error:8.1e}   {count} entries")
+    print("\nmedians over the entries where a method reached every accuracy")
+    for method in draw_work_precision.NAMES:
+        for seconds, error, count in draw_work_precision.medians(entries, method):
+            print(f"  {method:12} {10**seconds * 1e3:10.2f} ms   {10**error:8.1e}   {count} entries")
     own = [row for one in entries for row in one.get("rows", ()) if row["held"] is not None]
     print(f"claims held: {sum(row['held'] for row in own)} of {len(own)} rows")
     for one in entries:
@@ -219,7 +197,7 @@ def main() -> None:
     parser.add_argument("--draw", action="store_true", help="draw again, measure nothing")
     options = parser.parse_args()
     if options.draw:
-        draw(json.loads(RESULTS.read_text(encoding="utf-8")))
+        draw_work_precision.draw(json.loads(RESULTS.read_text(encoding="utf-8")))
         return
     names = options.entries or [*hjsolve.catalog.ids("separable"), *hjsolve.catalog.ids("extended")]
     PARTIAL.parent.mkdir(exist_ok=True)
@@ -231,7 +209,7 @@ def main() -> None:
     results = {"machine": machine, "seconds": options.seconds, "catalog": entries, "growth": growth()}
     PARTIAL.unlink()
     RESULTS.write_text(json.dumps(results, indent=1, ensure_ascii=False) + "\n", encoding="utf-8")
-    draw(results)
+    draw_work_precision.draw(results)
 
 
 if __name__ == "__main__":

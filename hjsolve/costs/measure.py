@@ -80,7 +80,8 @@ def measured(task: Task, trials: Sequence[Trial], truth: Reference, clock: Clock
     """
     found: list[Found] = []
     sizes: dict[str, float] = {}
-    for trial in sorted(trials, key=lambda trial: (trial is not trials[0], trial.digits)):
+    cheap = {trial.method for trial in trials} - {"mpmath", "certified"}
+    for trial in sorted(trials, key=lambda trial: (trial is not trials[0], trial.method not in cheap, trial.digits)):
         clock.tell(f"{trial.method} {trial.digits:g} digits")
         before = [f for f in found if f.trial.method == trial.method]
         if before and before[-1].row.status in ("missing", "not applicable"):

@@ -16,6 +16,7 @@ from hjsolve.reports.document import Figure, Text
 _UNITS = ((1e-6, "µs"), (1e-3, "ms"), (1.0, "s"), (1e3, "ks"))
 _POWER = 0.62
 """Errors are drawn at (−log₁₀ error)^0.62, so that 5 digits and 100 digits can both be read; the ticks say which."""
+_PITCH = 34
 _TICKS = (0, 3, 6, 10, 15, 20, 30, 50, 75, 100, 150, 200, 250)
 _RAISED = str.maketrans("-0123456789", "⁻⁰¹²³⁴⁵⁶⁷⁸⁹")
 
@@ -54,7 +55,7 @@ def figure(cost: Cost, key: str) -> Figure:
     """
     shown = [row for row in cost.rows if row.answered]
     frame = _frame(cost, shown)
-    below = [*_axes(frame), *_legend(frame, cost)]
+    below = [*log_axes(frame), *_legend(frame, cost)]
     inside, above = [], []
     for method in cost.methods:
         look = LOOKS[method]
@@ -81,7 +82,7 @@ def figure(cost: Cost, key: str) -> Figure:
 def _frame(cost: Cost, shown: Sequence[Row]) -> svg.Frame:
     times = [_x(row) for row in shown] or [-3.0, 0.0]
     errors = [_y(row, cost) for row in shown if row.status != "lost"] or [-15.0]
-    deepest = min([*errors, *(_depth(row.digits) for row in cost.rows if row.digits is not None and _crossed(row))])
+    deepest = min([*errors, *(depth(row.digits) for row in cost.rows if row.digits is not None and _crossed(row))])
     low, high = math.floor(min(times) - 0.15), math.ceil(max(times) + 0.15)
     span = max(2.5, 1.05 * -deepest)
     return svg.Frame((low, max(high, low + 2)), (-span, 0.0), width=560, height=330, left=54, right=140, bottom=44)
@@ -94,10 +95,11 @@ def _x(row: Row) -> float:
 def _y(row: Row, cost: Cost) -> float:
     """Where an error is drawn; what is not resolved stands a little below the digits asked."""
     deepest = 10.0 ** -((row.digits or 15.0) + 6.0)
-    return _depth(-math.log10(min(1.0, max(row.error or 0.0, deepest, cost.floor))))
+    return depth(-math.log10(min(1.0, max(row.error or 0.0, deepest, cost.floor))))
 
 
-def _depth(digits: float) -> float:
+def depth(digits: float) -> float:
+    """Give the height at which an error of 10^−digits is drawn."""
     return -(max(digits, 0.0) ** _POWER)
 
 
@@ -105,7 +107,8 @@ def _crossed(row: Row) -> bool:
     return row.status in ("too slow", "not converged", "lost")
 
 
-def _axes(frame: svg.Frame) -> list[str]:
+def log_axes(frame: svg.Frame) -> list[str]:
+    """Draw the axes: log₁₀ seconds across, errors by ``depth`` upwards."""
     bottom, left, right = frame.height - frame.bottom, frame.left, frame.width - frame.right
     parts = [f'<path class="axis" d="M{left} {frame.top}V{bottom}H{right}"/>']
     for power in range(int(frame.x[0]), int(frame.x[1]) + 1):
@@ -117,7 +120,7 @@ def _axes(frame: svg.Frame) -> list[str]:
             parts.append(f'<text class="tick" x="{x:.1f}" y="{bottom + 17}" text-anchor="middle">{text}</text>')
     last = -math.inf
     for digits in _TICKS:
-        y, text = float(frame.py(_depth(digits))), "1" if digits == 0 else f"10{str(-digits).translate(_RAISED)}"
+        y, text = float(frame.py(depth(digits))), "1" if digits == 0 else f"10{str(-digits).translate(_RAISED)}"
         if y > bottom + 0.5 or y - last < 18:
             continue
         last = y
@@ -136,17 +139,24 @@ def _time(seconds: float) -> str:
 
 def _legend(frame: svg.Frame, cost: Cost) -> list[str]:
     """One line a method in the right margin; what could not run has a cross and the reason."""
-    left, parts = frame.width - frame.right + 16, []
+    left, parts = frame.width - frame.right + 16, list[str]()
     for k, method in enumerate(cost.methods):
-        y, look = frame.top + 8 + 30 * k, LOOKS[method]
         ran = any(row.answered for row in cost.of(method))
         several = sum(row.answered and row.status != "lost" for row in cost.of(method)) > 1
-        parts.append(f'<path class="{look.line}" d="M{left} {y}h22"/>' if several else "")
-        parts.append(_shape(look.shape, left + 11, y, look.mark) if ran else _cross(left + 11, y))
-        parts.append(f'<text class="tick" x="{left + 29}" y="{y + 4}">{escape(method)}</text>')
-        word = "" if ran else cost.of(method)[0].status
+        parts += legend_line(frame, k, method, several=several, ran=ran)
+        word, y = ("" if ran else cost.of(method)[0].status), frame.top + 8 + _PITCH * k
         parts.append(f'<text class="tick" x="{left + 29}" y="{y + 17}">{escape(word)}</text>' if word else "")
     return parts
+
+
+def legend_line(frame: svg.Frame, k: int, method: str, *, several: bool, ran: bool = True) -> list[str]:
+    """Draw the k-th line of the legend in the right margin: the method's line, its mark or a cross, its name."""
+    left, y, look = frame.width - frame.right + 16, frame.top + 8 + _PITCH * k, LOOKS[method]
+    return [
+        f'<path class="{look.line}" d="M{left} {y}h22"/>' if several else "",
+        shape(look.shape, left + 11, y, look.mark) if ran else _cross(left + 11, y),
+        f'<text class="tick" x="{left + 29}" y="{y + 4}">{escape(method)}</text>',
+    ]
 
 
 def _mark(frame: svg.Frame, row: Row, cost: Cost) -> str:
@@ -155,16 +165,17 @@ def _mark(frame: svg.Frame, row: Row, cost: Cost) -> str:
     if row.answered and row.status != "lost":
         style = look.mark + (" hollow" if row.status == "extrapolated" else "")
         place = float(frame.px(_x(row))), float(frame.py(_y(row, cost)))
-        return f"<g>{said}{_shape(look.shape, *place, style)}</g>"
+        return f"<g>{said}{shape(look.shape, *place, style)}</g>"
     if not _crossed(row) or row.digits is None:
         return ""
     x = frame.width - frame.right - 5 if row.seconds is None else float(frame.px(_x(row)))
-    y = float(frame.py(_depth(row.digits))) if row.seconds is None else frame.top
+    y = float(frame.py(depth(row.digits))) if row.seconds is None else frame.top
     return f"<g>{said}{_cross(x, y, 'bluemark' if 'blue' in look.mark else 'redmark')}</g>"
 
 
-def _shape(shape: str, x: float, y: float, style: str, size: float = 3.7) -> str:
-    points = "L".join(f"{x + size * a:.1f} {y + size * b:.1f}" for a, b in _SHAPES[shape])
+def shape(form: str, x: float, y: float, style: str, size: float = 3.7) -> str:
+    """Draw a mark: a disc, square, diamond or triangle about a point of the drawing."""
+    points = "L".join(f"{x + size * a:.1f} {y + size * b:.1f}" for a, b in _SHAPES[form])
     return f'<path class="{style}" d="M{points}Z"/>'
 
 
