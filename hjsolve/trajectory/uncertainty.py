@@ -10,7 +10,7 @@ import numpy as np
 import sympy as sp
 
 from hjsolve.numeric.arithmetic import multiprecision
-from hjsolve.numeric.course import Bounded, Course
+from hjsolve.numeric.course import Bounded, Course, Open
 from hjsolve.numeric.inverse import Torus, oscillation
 from hjsolve.numeric.series import Series
 from hjsolve.system import hamiltonian, velocities
@@ -96,11 +96,12 @@ def _slopes(course: Course, χ: Any) -> tuple[Any, Any]:
     """|dq/dχ| and |dp/dχ| by small differences, generous where they vary."""
     if isinstance(course, Bounded) and course.momentum.cosines.dtype == object:
         course = _rounded(course)
-    h = 1e-6
+    scale = np.maximum(1.0, np.abs(χ)) if isinstance(course, Open) else 1.0  # far out, steps must be seen
+    h, rest = 1e-6 * scale, 1e-6 / scale
     (q1, p1), (q0, p0), (q2, p2) = (course.place(χ + s) for s in (-h, 0.0, h))
-    return 2 * np.maximum(np.abs(q2 - q0), np.abs(q0 - q1)) / h + h * np.abs(q2 - q1), 2 * np.maximum(
+    return 2 * np.maximum(np.abs(q2 - q0), np.abs(q0 - q1)) / h + rest * np.abs(q2 - q1), 2 * np.maximum(
         np.abs(p2 - p0), np.abs(p0 - p1)
-    ) / h + h * np.abs(p2 - p1)
+    ) / h + rest * np.abs(p2 - p1)
 
 
 def _waves(course: Course) -> float:
