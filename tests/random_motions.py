@@ -44,7 +44,7 @@ class Draw:
 @functools.cache
 def entries() -> tuple[str, ...]:
     """All entries of the catalog whose system separates in the coordinates it is given in."""
-    return tuple(name for kind in ("separable", "extended") for name in catalog.ids(kind) if solution(name) is not None)
+    return (*catalog.ids("separable"), *(name for name in catalog.ids("extended") if solution(name) is not None))
 
 
 @functools.cache

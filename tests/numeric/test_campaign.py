@@ -20,8 +20,8 @@ from tests import random_motions
 from tests.reference import mechanics
 from tests.reference.taylor import Flow
 
-SLICE = range(7, 10_000, 311)
-"""Another system each time: 311 and their number have no common divisor."""
+SLICE = range(7, 10_000, 601)
+"""Another system each time: 601 and their number have no common divisor."""
 
 
 @pytest.fixture(autouse=True)
@@ -30,7 +30,7 @@ def _without_heyoka(monkeypatch):
 
 
 def judged(seed, indices):
-    findings = [campaign.judge(seed, index, limit=30) for index in indices]
+    findings = [campaign.judge(seed, index, limit=8) for index in indices]
     assert [(f.entry, f.lies) for f in findings if f.lies] == []
     assert [(f.entry, f.message) for f in findings if f.status == "crash"] == []
     return findings
@@ -39,8 +39,8 @@ def judged(seed, indices):
 @pytest.mark.parametrize("part", range(4))
 def test_no_claim_of_a_random_motion_is_false(part):
     findings = judged(1, SLICE[part::4])
-    assert sum(f.status == "ok" for f in findings) >= 0.8 * len(findings)
-    assert sum(f.claims for f in findings) > 15 * len(findings)
+    assert sum(f.status == "ok" for f in findings) >= 0.5 * len(findings)
+    assert sum(f.claims for f in findings) > 10 * len(findings)
 
 
 def exact(value):
