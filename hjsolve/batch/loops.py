@@ -252,7 +252,7 @@ def _rule_of(made: Programs, kernels: bool) -> Any:
                     share = abs(buffer[2 + k, j]) / buffer[2, j]
                     over += share
                     damped += share * low[size, j] * high[size, j]
-                found[3, k] += 0.5 * dF * over + 2.0 * dc * damped + max(noise[g, k], noise[g + 1, k]) * plain
+                found[3, k] += 0.5 * dF * over + 12.0 * dc * damped + max(noise[g, k], noise[g + 1, k]) * plain
         more, wish = -1.0, math.log(1e-15 if ripples else 1e-8)
         for k in range(integrands):
             row = buffer[0] if k == 0 else buffer[2 + k]

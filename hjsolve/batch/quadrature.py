@@ -165,7 +165,7 @@ def _rule(region: Region, constants: int, table: tables.Nodes, *, kernels: bool,
         rows = [F * ratio, *(w * ratio for w in weights)]
         noise = [0.5 * ratio * doubts[0]]
         # a smooth error moves the turning points along: it is not magnified at the nodes next to them
-        damping = 4 * np.abs(table.low * table.high) if region.turning else 1.0
+        damping = np.minimum(1.0, 24 * np.abs(table.low * table.high)) if region.turning else 1.0
         relative = 0.5 * (doubts[0] - (1 - damping) * drift) / F
         noise += [ratio * (np.abs(w) * relative + e) for w, e in zip(weights, doubts[1:], strict=True)]
         values = np.stack([np.broadcast_to(row, F.shape) for row in rows])
