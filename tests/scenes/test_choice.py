@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import time
 from pathlib import Path
 from typing import Any
 
@@ -112,10 +111,9 @@ def test_more_seconds_give_more_digits(monkeypatch: pytest.MonkeyPatch) -> None:
     assert reached == sorted(set(reached))
 
 
-def test_the_time_allowed_is_kept() -> None:
-    begin = time.perf_counter()
+def test_states_that_would_take_too_long_are_not_tried() -> None:
     done = chosen({**STATES, "times": {"start": 0, "stop": 20, "count": 3001}}, seconds=3)
-    assert time.perf_counter() - begin < 12
+    assert [tried[:2] for tried in done.choice.tried] == [("float64", 15)]
     assert done.choice.digits == 15  # 3 000 states with 20 digits would take far longer, and it is known beforehand
     assert "should take" in done.choice.why
 
