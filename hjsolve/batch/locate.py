@@ -229,6 +229,7 @@ def _libration(group: Group) -> Found:
         reach = 2 * np.pi if coordinate.periodic else np.inf
         size = np.minimum(size, 0.2) if coordinate.periodic else size
         end = _end(view, start, P, side * first, bend, step_side, size, floor, reach)
+        end = np.where(step_side * (end - floor) < 0, end, np.nan)  # a start that rounds to the end of the domain
         seen.append((view, start, end, step_side * (end - start)))
     (below, _, lower, left), (above, _, upper, right) = seen
     region = _region(below, above, lower, upper, P, left, right)
