@@ -59,10 +59,9 @@ def compute(recipe: Recipe, q: list[Any], rates: list[Any], *, threads: int | No
             try:
                 for _ in pool.map(part, windows):
                     pass
-            except BaseException:  # an error, or the user's Ctrl-C: the other threads need not finish
+            finally:  # after an error, or the user's Ctrl-C, the other threads need not finish
                 stop.set()
                 pool.shutdown(wait=False, cancel_futures=True)
-                raise
     return columns
 
 

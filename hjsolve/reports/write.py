@@ -240,10 +240,9 @@ def replace(target: Path, content: str) -> None:
         os.umask(mask)
         Path(name).chmod(target.stat().st_mode & 0o777 if target.exists() else 0o666 & ~mask)
         Path(name).replace(target)
-    except BaseException:
+    finally:  # nothing is left beside the target, whatever went wrong
         with suppress(OSError):
-            Path(name).unlink()
-        raise
+            Path(name).unlink(missing_ok=True)
 
 
 @contextmanager

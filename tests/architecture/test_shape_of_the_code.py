@@ -3,12 +3,14 @@
 from __future__ import annotations
 
 import ast
+import re
 from pathlib import Path
 
 import pytest
 
 ROOT = Path(__file__).resolve().parents[2]
 SOURCES = sorted((ROOT / "hjsolve").rglob("*.py"))
+TESTS = sorted((ROOT / "tests").rglob("*.py"))
 FUNCTIONS = (ast.FunctionDef, ast.AsyncFunctionDef)
 # the one place that runs a generated program: written from operation codes and numbers, see tests/batch/test_programs.py
 WRITTEN_BY_US = {"batch/programs.py": {"exec"}}
@@ -29,7 +31,7 @@ def test_the_sources_are_found() -> None:
     assert len(SOURCES) > 40
 
 
-@pytest.mark.parametrize("path", SOURCES, ids=IDS)
+@pytest.mark.parametrize("path", [*SOURCES, *TESTS], ids=lambda path: str(path.relative_to(ROOT)))
 def test_files_have_at_most_400_lines(path: Path) -> None:
     assert len(path.read_text(encoding="utf-8").splitlines()) <= 400
 
@@ -55,12 +57,8 @@ def test_no_star_import_no_eval_no_broad_except(path: Path) -> None:
             )
         if isinstance(node, ast.ExceptHandler):
             caught = node.type.elts if isinstance(node.type, ast.Tuple) else [node.type]
-            broad = [c for c in caught if c is None or (isinstance(c, ast.Name) and c.id == "Exception")]
-            assert not broad, f"line {node.lineno}: broad except"
-            if any(isinstance(c, ast.Name) and c.id == "BaseException" for c in caught):
-                assert isinstance(node.body[-1], ast.Raise), (
-                    f"line {node.lineno}: BaseException may only be cleaned up after and raised on"
-                )
+            broad = [c for c in caught if c is None or (isinstance(c, ast.Name) and c.id.endswith("Exception"))]
+            assert not broad, f"line {node.lineno}: broad except; clean up in `finally`"
 
 
 def test_median_body_is_short() -> None:
@@ -71,4 +69,4 @@ def test_median_body_is_short() -> None:
 @pytest.mark.parametrize("path", SOURCES, ids=IDS)
 def test_no_machine_path_stands_in_the_code(path: Path) -> None:
     text = path.read_text(encoding="utf-8")
-    assert not any(place in text for place in ("/tmp/", "/home/", "/root/", "/work/"))
+    assert not re.search(r"/(tmp|home|root|work)/", text)
