@@ -1,10 +1,8 @@
-"""Formulas and numbers: what is accepted means what Python means, what is refused says where and what to write."""
+"""Formulas: what is accepted means what Python means, what is refused says where and what to write."""
 
 from __future__ import annotations
 
 import re
-import time
-from decimal import Decimal
 from fractions import Fraction
 
 import mpmath
@@ -14,7 +12,7 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from hjsolve.errors import ExpressionError
-from hjsolve.expressions import admit, number, parse
+from hjsolve.expressions import admit, parse
 
 x, y, r, m, k, g, theta = sp.symbols("x y r m k g theta", real=True)
 NAMES = {symbol.name: symbol for symbol in (x, y, r, m, k, g, theta)}
@@ -74,7 +72,7 @@ def test_precedence_and_values_are_those_of_python(pieces):
     text += "7"
     text = "(" * max(0, text.count(")") - text.count("(")) + text + ")" * max(0, text.count("(") - text.count(")"))
     try:
-        expected = eval(re.sub(r"[0-9]+", r"Fraction(\g<0>)", text))
+        expected = eval(re.sub(r"[0-9]+", r"Fraction(\g<0>)", text), {"Fraction": Fraction})
     except (ZeroDivisionError, SyntaxError, TypeError):
         with pytest.raises(ExpressionError):
             read(text)
@@ -228,18 +226,17 @@ HOSTILE = {
 
 
 @pytest.mark.parametrize("text", HOSTILE, ids=lambda text: text[:24])
-def test_a_hostile_text_ends_in_one_error_within_a_second(text):
-    start = time.perf_counter()
+@pytest.mark.timeout(30)
+def test_a_hostile_text_ends_in_one_error(text):
+    """Without the limits on what is read each of these runs for minutes or for ever."""
     message = refusal(text)
-    assert time.perf_counter() - start < 1
     assert HOSTILE[text] in message
     assert len(message) < 250
 
 
-def test_a_long_formula_is_read_within_a_second():
-    start = time.perf_counter()
-    read("+".join(f"{i}*x**2*sin(y)**{i % 7}" for i in range(400)))
-    assert time.perf_counter() - start < 1
+@pytest.mark.timeout(30)
+def test_a_long_formula_is_read():
+    assert read("+".join(f"{i}*x**2*sin(y)**{i % 7}" for i in range(400))).subs(y, 0).coeff(x, 2) == sum(range(0, 400, 7))
 
 
 @given(st.text(max_size=60))
@@ -272,105 +269,20 @@ PIECES = [
 PIECES += list("()()()+-*/^,. '") + ["**"]
 
 
+@pytest.mark.timeout(120)
 @given(st.lists(st.sampled_from(PIECES), max_size=25))
 def test_scrambled_formulas_are_formulas_or_expression_errors(pieces):
-    start = time.perf_counter()
     try:
         expression = read("".join(pieces))
         assert not expression.has(sp.nan, sp.oo, sp.zoo, sp.I)
     except ExpressionError as error:
         assert "\n" not in str(error)
-    assert time.perf_counter() - start < 2
 
 
 def test_reading_leaves_the_precision_of_mpmath_alone():
     before = mpmath.mp.prec
     read("sqrt(2)*sin(1)")
     assert mpmath.mp.prec == before
-
-
-EXACT = [
-    (3, sp.Integer(3)),
-    (-0.5, sp.Rational(-1, 2)),
-    (0.1, sp.Rational(3602879701896397, 2**55)),
-    (5e-324, sp.Rational(1, 2**1074)),
-    ("0.1", sp.Rational(1, 10)),
-    ("-1/24", sp.Rational(-1, 24)),
-    ("+1.5e-3", sp.Rational(3, 2000)),
-    ("pi/3", sp.pi / 3),
-    (" sqrt(2) ", sp.sqrt(2)),
-    (Fraction(2, 7), sp.Rational(2, 7)),
-    (Decimal("0.1"), sp.Rational(1, 10)),
-    (Decimal("-3e2"), sp.Integer(-300)),
-    (mpmath.mpf("0.75"), sp.Rational(3, 4)),
-    (mpmath.mpf(-6), sp.Integer(-6)),
-    (mpmath.mpf(0), sp.Integer(0)),
-    (sp.Rational(1, 3), sp.Rational(1, 3)),
-    (sp.Float(0.1), sp.Rational(3602879701896397, 2**55)),
-    (2 * sp.pi, 2 * sp.pi),
-]
-
-
-@pytest.mark.parametrize(("value", "expected"), EXACT, ids=lambda value: str(value)[:20])
-def test_a_number_is_exact(value, expected):
-    result = number(value, source="k")
-    assert result == expected
-    assert not result.has(sp.Float)
-
-
-@given(st.floats(allow_nan=False, allow_infinity=False))
-def test_a_float_is_the_binary_number_it_is(value):
-    assert Fraction(*map(int, number(value, source="k").as_numer_denom())) == Fraction(value)
-
-
-def test_numpy_scalars_are_numbers():
-    numpy = pytest.importorskip("numpy")
-    assert number(numpy.float64(0.1), source="k") == number(0.1, source="k")
-    assert number(numpy.float32(0.1), source="k") == sp.Rational(13421773, 2**27)
-    assert number(numpy.int64(-7), source="k") == -7
-    assert number(numpy.array(1.5), source="k") == sp.Rational(3, 2)
-    assert number(numpy.longdouble(1) / 4, source="k") == sp.Rational(1, 4)
-    for value in (numpy.bool_(True), numpy.complex128(1), numpy.array([1.0]), numpy.float64("nan")):
-        with pytest.raises(ExpressionError):
-            number(value, source="k")
-
-
-REFUSED = [
-    True,
-    None,
-    [1],
-    [10**5000],
-    b"1",
-    1j,
-    float("nan"),
-    float("inf"),
-    Decimal("nan"),
-    Decimal("inf"),
-    mpmath.mpf("inf"),
-]
-REFUSED += [mpmath.mpf("nan"), mpmath.mpc(1), Decimal("1e999999999"), mpmath.mpf(2) ** 10**9, 10**5000, "", "x", "nan"]
-REFUSED += [
-    "inf",
-    10**5000,
-    "1e9999",
-    "2 m",
-    "sqrt(-1)",
-    sp.oo,
-    sp.nan,
-    sp.I,
-    sp.zoo,
-    sp.asin(2),
-    sp.Symbol("x"),
-    sp.true,
-]
-
-
-@pytest.mark.parametrize("value", REFUSED, ids=lambda value: type(value).__name__)
-def test_what_is_not_one_finite_real_number_is_refused(value):
-    start = time.perf_counter()
-    with pytest.raises(ExpressionError, match="initial r"):
-        number(value, source="initial r")
-    assert time.perf_counter() - start < 1
 
 
 def test_sympy_expressions_are_taken_over_by_the_names_of_their_symbols():
