@@ -41,6 +41,8 @@ from tests.random_motions import Draw
 
 DIGITS = 25
 ATTEMPTS = 8
+QUADRUPLE = 1e-29
+"""Error of a state of heyoka's, relative to its largest component: a coordinate at rest has it too."""
 NUMBERS = ("constants", "actions", "frequencies", "periods", "boundary_times")
 exact = mpmath.mp.clone()
 exact.prec = 240
@@ -77,15 +79,17 @@ class Finding:
     seconds: float = 0.0
     message: str = ""
 
-    def compare(self, what: str, value: Any, claimed: Any, truth: Any, blur: float = 1e-22) -> None:
-        """Take down one claim; ``blur`` is the relative doubt of the truth itself."""
+    def compare(
+        self, what: str, value: Any, claimed: Any, truth: Any, blur: float = 1e-22, floor: float = 0.0
+    ) -> None:
+        """Take down one claim; ``blur`` is the relative doubt of the truth itself, ``floor`` the absolute one."""
         self.claims += 1
         true = abs(exact.convert(value) - exact.convert(truth))
         if not np.isfinite(float(value)) or not float(claimed) >= 0:
             self.lies.append((what, float(claimed), math.inf))
         elif not true:
             self.exact += 1
-        elif true > exact.convert(claimed) + blur * abs(exact.convert(truth)):
+        elif true > exact.convert(claimed) + blur * abs(exact.convert(truth)) + floor:
             self.lies.append((what, float(claimed), float(true)))
         elif claimed:
             bin_ = str(math.floor(2 * float(exact.log10(exact.convert(claimed) / true))))
@@ -193,12 +197,14 @@ def _states(finding: Finding, draw: Draw, motion: Any, better: Any | None) -> No
             continue
         for what, value, claimed in _values(motion, state, error, m):
             truths = [] if second is None else [_truth(second, what, m)]
+            floor = 0.0
             if other[m] is not None and what in other[m]:
                 truths.insert(0, other[m][what])
+                floor = QUADRUPLE * float(max(abs(x) for x in other[m].values()))
                 finding.twinned += 1
             if not truths:
                 continue
-            finding.compare(f"{what} at {times[m]!r}", value, claimed, truths[0])
+            finding.compare(f"{what} at {times[m]!r}", value, claimed, truths[0], floor=floor)
             if len(truths) == 2 and abs(truths[0] - truths[1]) > 1e-17 * (1 + abs(truths[0])):
                 finding.conflicts.append((f"{what} at {times[m]!r}", float(abs(truths[0] - truths[1]))))
 
@@ -276,6 +282,7 @@ def main() -> int:
     parser.add_argument("--out", type=Path, default=Path("campaign.jsonl"), help="one line a motion; resumed if there")
     parser.add_argument("--seconds", type=float, default=math.inf, help="stop after this time")
     parser.add_argument("--only", help="entries whose name holds this")
+    parser.add_argument("--limit", type=int, default=30, help="seconds of processor time for a motion (default 30)")
     given = parser.parse_args()
     known = [json.loads(line) for line in given.out.read_text().splitlines()] if given.out.exists() else []
     done, begin = {f["index"] for f in known}, time.monotonic()
@@ -286,7 +293,7 @@ def main() -> int:
             name = random_motions.entries()[index % len(random_motions.entries())]
             if index in done or (given.only and given.only not in name):
                 continue
-            known.append(asdict(judge(given.seed, index)))
+            known.append(asdict(judge(given.seed, index, given.limit)))
             file.write(json.dumps(known[-1]) + "\n")
             file.flush()
     return _summary(known, sum(f["seconds"] for f in known))

@@ -95,7 +95,7 @@ def _place(coordinate: object, base: float, numbers: Mapping[sp.Symbol, float], 
     domain = coordinate.domain
     if domain.kind == "angle":
         return rng.choice([base, rng.uniform(-3.1, 3.1)])
-    low, high = (None if end is None else float(end.subs(numbers)) for end in (domain.lower, domain.upper))
+    low, high = (_end(end, numbers) for end in (domain.lower, domain.upper))
     if low is not None and high is not None:
         share = rng.uniform(0.05, 0.95) if rng.random() < 0.9 else 10 ** rng.uniform(-4, -1)
         return low + (high - low) * share
@@ -104,6 +104,12 @@ def _place(coordinate: object, base: float, numbers: Mapping[sp.Symbol, float], 
     if high is not None:
         return high - abs(high - base) * 10 ** rng.uniform(-0.4, 0.4)
     return 0.0 if rng.random() < 0.1 else base + 0.5 * max(abs(base), 0.5) * rng.gauss(0, 1)
+
+
+def _end(end: sp.Expr | None, numbers: Mapping[sp.Symbol, float]) -> float | None:
+    """An end of a domain; None too where the parameters drawn leave none (the engine refuses them, and says why)."""
+    value = None if end is None else sp.N(end.subs(numbers))
+    return float(value) if value is not None and value.is_real else None
 
 
 def _speed(base: float, scale: float, rng: random.Random) -> float:

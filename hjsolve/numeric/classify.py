@@ -156,14 +156,17 @@ def _smoothest(
         return bounded(kind, anomaly, start.radicand, phase, start.skipped, digits, bits, start.parts, most)
 
     enough = int(_MANY * max(1, digits / 15)) * (1 if usual.even else 2)
-    tried: list[tuple[float, Anomaly]] = []
+    tried: list[Anomaly] = []
     for anomaly in itertools.chain([usual], (anomaly for make in (others,) for anomaly in make())):
         try:
             return over(anomaly, enough if anomaly is usual else 2 * enough)
         except NotConvergedError:
-            rough = roughness(anomaly, start.radicand, start.skipped, bits, start.parts, nodes=enough // 2)
-            tried.append((rough, anomaly))
-    return over(min(tried, key=lambda pair: pair[0])[1], None)
+            tried.append(anomaly)
+
+    def rough(anomaly: Anomaly) -> float:
+        return roughness(anomaly, start.radicand, start.skipped, bits, start.parts, nodes=enough // 2)
+
+    return over(min(tried, key=rough) if len(tried) > 1 else usual, None)
 
 
 def _over_crests(start: Start, a: Any, b: Any, bits: int) -> Iterator[Anomaly]:

@@ -10,15 +10,17 @@ from __future__ import annotations
 
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass
-from functools import cache
 from typing import Any
 
 import numpy as np
 
 from hjsolve.errors import NotConvergedError
 from hjsolve.numeric.arithmetic import multiprecision
+from hjsolve.numeric.fourier import smooth, waves
 
 MAX_NODES = 1536
+_TELLING = 96
+"""Nodes from which on the decay of the coefficients says how many will do."""
 
 
 @dataclass(frozen=True)
@@ -110,24 +112,35 @@ def fit(
         digits: relative digits wanted (of the largest value of each).
         bits: working precision.
         floors: size below which a function counts as that size (1 for a logarithm), one a function.
-        most: nodes not to exceed; ``MAX_NODES`` for every 30 digits where None.
+        most: nodes not to exceed, or to be far from enough soon; ``MAX_NODES`` for every 30 digits where None.
 
     Raises:
         NotConvergedError: that many nodes were not enough; a zero or pole of p² lies close to the path.
     """
-    nodes, most = 12, most or int(MAX_NODES * max(1, digits / 30))
+    nodes, hopeless = 12, most is not None
+    most = most or int(MAX_NODES * max(1, digits / 30))
+    before: list[tuple[int, float]] = []
     while True:
         series = trial(function, even=even, nodes=nodes, bits=bits, digits=digits, floors=floors)
         tail = max((s.tail for s in series), default=0.0)
         reached = -float(multiprecision(64).log10(tail)) if tail else np.inf  # tails of many digits underflow doubles
         if reached >= digits + 1:
             return series
-        if nodes >= most:
+        before.append((nodes, reached))
+        if nodes >= most or (hopeless and _needed(before, digits) > 2 * most):
             raise NotConvergedError(
                 f"{nodes} nodes reached {10**-reached:.1e} only: a zero or pole of p² lies close to the motion"
             )
         needed = 2 + (nodes - 2) * (digits + 1) / reached if reached > 1 else 2.0 * nodes
-        nodes = int(min(max(nodes + 2, needed), 3 * nodes, most)) + 1
+        nodes = smooth(int(min(max(nodes + 2, needed), 3 * nodes, most)) + 1)
+
+
+def _needed(before: list[tuple[int, float]], digits: int) -> float:
+    """Nodes at which the digits will be there, if they go on coming as between the last two attempts."""
+    if len(before) < 3 or before[-1][0] < _TELLING:
+        return 0.0
+    (n0, r0), (n1, r1) = before[-2:]
+    return n1 + (digits + 1 - r1) * (n1 - n0) / (r1 - r0) if r1 > r0 else np.inf
 
 
 def trial(
@@ -157,60 +170,16 @@ def _one(values: list[Any], even: bool, digits: int, bits: int, floor: float) ->
     rest = [v - mean for v in values]
     if not largest or max(abs(v) for v in rest) <= largest * context.mpf(10) ** -(digits + 8):
         return constant(mean)
-    top = nodes if even else (nodes + 1) // 2
-    table = _angles(nodes, even, bits)
-    tail = (
-        max(abs(_coefficient(rest, k, table, even)[part]) for k in range(max(1, top - 2), top) for part in (0, 1))
-        / largest
+    cosines, sines = waves(rest, even=even, bits=bits)
+    tail = max(abs(c) for c in cosines[-2:] + sines[-2:]) / largest
+    kind = object if digits > 15 else float
+    return Series(
+        mean,
+        np.array(cosines, dtype=kind),
+        None if even else np.array(sines, dtype=kind),
+        nodes,
+        tail if digits > 15 else float(tail),
     )
-    if digits > 15:
-        pairs = [_coefficient(rest, k, table, even) for k in range(1, top)]
-        cosines, sines = (np.array(part, dtype=object) for part in zip(*pairs, strict=True))
-    else:
-        cosines, sines = _transform(rest, top, even, bits)
-    return Series(mean, cosines, None if even else sines, nodes, tail if digits > 15 else float(tail))
-
-
-def _transform(values: list[Any], top: int, even: bool, bits: int) -> tuple[Any, Any]:
-    """Coefficients 1 … top − 1 in doubles, summed in extended precision: rounding must not pile up over the terms."""
-    nodes = len(values)
-    table = _extended_angles(nodes, even, bits)
-    index = np.outer(np.arange(1, top), 2 * np.arange(nodes) + 1) % len(table[0])
-    samples = np.array([_extended(v) for v in values])
-    cosine = table[0][index] @ samples
-    sine = 0 * cosine if even else table[1][index] @ samples
-    return (2 / np.longdouble(nodes) * cosine).astype(float), (2 / np.longdouble(nodes) * sine).astype(float)
-
-
-@cache
-def _extended_angles(nodes: int, even: bool, bits: int) -> tuple[Any, Any]:
-    """The same in the platform's long double, as two arrays."""
-    cosines, sines = zip(*_angles(nodes, even, bits), strict=True)
-    return np.array([_extended(v) for v in cosines]), np.array([_extended(v) for v in sines])
-
-
-def _extended(value: Any) -> Any:
-    """Round to the platform's long double."""
-    high = float(value)
-    return np.longdouble(high) + np.longdouble(float(value - high))
-
-
-@cache
-def _angles(nodes: int, even: bool, bits: int) -> list[tuple[Any, Any]]:
-    """Cos and sin of all multiples of half a step."""
-    context = multiprecision(bits)
-    step = context.pi / (2 * nodes) if even else context.pi / nodes
-    return [context.cos_sin(step * i) for i in range(4 * nodes if even else 2 * nodes)]
-
-
-def _coefficient(values: list[Any], k: int, table: list[tuple[Any, Any]], even: bool) -> tuple[Any, Any]:
-    cosine = sine = 0 * values[0]
-    for m, v in enumerate(values):
-        c, s = table[k * (2 * m + 1) % len(table)]
-        cosine += v * c
-        if not even:
-            sine += v * s
-    return 2 * cosine / len(values), 2 * sine / len(values)
 
 
 def _horner(coefficients: Any, χ: Any) -> tuple[Any, Any]:

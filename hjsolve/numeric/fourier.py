@@ -1,0 +1,124 @@
+"""Discrete Fourier and cosine transforms in any number of digits: the fast transform in fixed-point integers.
+
+Values at the midpoints χₘ = (2m + 1) π/N (of half a turn for an even function: (2m + 1) π/(2N)) give cₖ and sₖ. The
+transform splits by the smallest prime factor (Cooley & Tukey, Math. Comp. 19 (1965) 297), the even one runs over the
+values in the order 0, 2, 4, …, 5, 3, 1 (Makhoul, IEEE Trans. ASSP 28 (1980) 27). Every step rounds in the last of a
+few dozen guard bits, so the coefficients are as good as the values, relative to the largest of them.
+"""
+
+from __future__ import annotations
+
+from functools import lru_cache
+from typing import Any
+
+from hjsolve.numeric.arithmetic import multiprecision
+
+_GUARD = 24
+
+Parts = tuple[list[int], list[int]]
+"""Real and imaginary parts of complex numbers, as multiples of 2^−work."""
+
+
+def smooth(least: int) -> int:
+    """Return the smallest number from ``least`` on without a prime factor above 5: its transform is fast."""
+    while _rest(least) > 1:
+        least += 1
+    return least
+
+
+def _rest(n: int) -> int:
+    for prime in (2, 3, 5):
+        while n % prime == 0:
+            n //= prime
+    return n
+
+
+def waves(values: list[Any], *, even: bool, bits: int) -> tuple[list[Any], list[Any]]:
+    """Return the coefficients cₖ and sₖ of cos kχ and sin kχ, k = 1, 2, …, below the Nyquist frequency.
+
+    Args:
+        values: at the midpoints, ``mpf``, not all zero.
+        even: True for values over half a turn; the sₖ are then an empty list.
+        bits: precision of the values.
+
+    Returns:
+        As ``mpf``, with an error of about 2^−bits times the largest value.
+    """
+    context, nodes = multiprecision(bits), len(values)
+    largest = max(abs(v) for v in values)
+    work = bits + 2 * nodes.bit_length() + _GUARD
+    fixed = [int(context.nint(context.ldexp(v / largest, work))) for v in values]
+    if even:
+        fixed = fixed[::2] + fixed[1::2][::-1]
+    re, im = _transformed(fixed, [0] * nodes, 1, _roots(nodes, work), work)
+    turn, top = (4, nodes) if even else (2, (nodes + 1) // 2)
+    x, y = _root(turn * nodes, work)
+    c, s = x, y  # e^{−iπk/(2N)} or e^{−iπk/N}, step by step
+    cosines, sines = [], []
+    for k in range(1, top):
+        cosines.append(re[k] * c - im[k] * s)
+        sines.append(-re[k] * s - im[k] * c)
+        c, s = (c * x - s * y) >> work, (c * y + s * x) >> work
+    scale = 2 * largest / nodes
+
+    def numbers(parts: list[int]) -> list[Any]:
+        return [context.ldexp(context.mpf(part), -2 * work) * scale for part in parts]
+
+    return numbers(cosines), [] if even else numbers(sines)
+
+
+def _root(order: int, work: int) -> tuple[int, int]:
+    """Cos and −sin of 2π/order."""
+    context = multiprecision(work + _GUARD)
+    c, s = context.cos_sin(2 * context.pi / order)
+    return int(context.nint(context.ldexp(c, work))), -int(context.nint(context.ldexp(s, work)))
+
+
+@lru_cache(maxsize=64)
+def _roots(n: int, work: int) -> Parts:
+    """All powers of e^{−2πi/n}; each product adds a unit in the last place."""
+    re, im = [1 << work], [0]
+    x, y = _root(n, work)
+    for _ in range(n - 1):
+        a, b = re[-1], im[-1]
+        re.append((a * x - b * y) >> work)
+        im.append((a * y + b * x) >> work)
+    return re, im
+
+
+def _transformed(re: list[int], im: list[int], step: int, roots: Parts, work: int) -> Parts:
+    """Σₘ vₘ e^{−2πikm/n}, k = 0 … n − 1; ``step`` is the order of the roots divided by n."""
+    n = len(re)
+    if n == 1:
+        return re, im
+    prime = next((p for p in (2, 3, 5) if n % p == 0), n)
+    count = n // prime
+    parts = [_transformed(re[r::prime], im[r::prime], step * prime, roots, work) for r in range(prime)]
+    cosine, sine, order = *roots, n * step
+    if prime == 2:
+        return _joined(parts, step, roots, work)
+    out_re, out_im = [0] * n, [0] * n
+    for k in range(n):
+        m = k % count
+        a, b = parts[0][0][m] << work, parts[0][1][m] << work
+        for r in range(1, prime):
+            at = r * k * step % order
+            c, s, u, v = cosine[at], sine[at], parts[r][0][m], parts[r][1][m]
+            a += u * c - v * s
+            b += u * s + v * c
+        out_re[k], out_im[k] = a >> work, b >> work
+    return out_re, out_im
+
+
+def _joined(parts: list[Parts], step: int, roots: Parts, work: int) -> Parts:
+    """Two transforms of half the length as one."""
+    (even_re, even_im), (odd_re, odd_im) = parts
+    cosine, sine = roots[0][:: step], roots[1][:: step]
+    first_re, first_im, last_re, last_im = [], [], [], []
+    for a, b, u, v, c, s in zip(even_re, even_im, odd_re, odd_im, cosine, sine, strict=False):
+        x, y = (u * c - v * s) >> work, (u * s + v * c) >> work
+        first_re.append(a + x)
+        first_im.append(b + y)
+        last_re.append(a - x)
+        last_im.append(b - y)
+    return first_re + last_re, first_im + last_im
