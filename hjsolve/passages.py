@@ -12,9 +12,10 @@ from hjsolve.expressions import number
 from hjsolve.initial import to_bits
 from hjsolve.numeric.arithmetic import Multi, multiprecision
 from hjsolve.numeric.course import Bounded, Course, Frozen, Open
-from hjsolve.numeric.double import split, turns
+from hjsolve.numeric.error_free import split
 from hjsolve.numeric.estimate import Estimate
 from hjsolve.numeric.inverse import Torus, mean_rate, oscillation
+from hjsolve.numeric.turns import turns
 from hjsolve.numeric.unbounded import Plan, Step
 from hjsolve.trajectory.phases import phases_at, read_times, solve, with_reach
 from hjsolve.trajectory.positions import constant_index, principal

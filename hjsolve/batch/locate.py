@@ -14,7 +14,8 @@ from hjsolve.batch.quadrature import Region
 from hjsolve.batch.roots import bracket, first_step, kept, refine
 from hjsolve.batch.start import Begin, slope
 from hjsolve.batch.views import Fine, Knowns, Near, Raw, View, second_slope
-from hjsolve.numeric.doubled import Doubled, Pair, two_sum
+from hjsolve.numeric.doubled import Doubled
+from hjsolve.numeric.error_free import Pair, two_sum
 from hjsolve.numeric.slopes import FUNCTIONS
 
 _SMALL = 3e-14

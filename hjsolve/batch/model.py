@@ -17,7 +17,7 @@ from hjsolve.errors import InvalidInputError
 from hjsolve.initial import to_bits
 from hjsolve.lowering import lower
 from hjsolve.numeric.arithmetic import Multi
-from hjsolve.numeric.doubled import Pair
+from hjsolve.numeric.error_free import Pair
 from hjsolve.numeric.tape import Tape
 from hjsolve.solution import Solution
 

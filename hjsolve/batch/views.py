@@ -16,7 +16,8 @@ import numpy as np
 
 from hjsolve.batch.model import Formula
 from hjsolve.numeric.arithmetic import Float64
-from hjsolve.numeric.doubled import Doubled, Pair
+from hjsolve.numeric.doubled import Doubled
+from hjsolve.numeric.error_free import Pair
 from hjsolve.numeric.jet import Jet, Jets
 from hjsolve.numeric.running import Bounded, Running
 from hjsolve.numeric.slopes import Slope, Slopes

@@ -1,4 +1,4 @@
-"""Velocities in an ensemble: momenta in doubles, and what their rounding adds to the errors."""
+"""Velocities in an ensemble: momenta rounded from 32 digits, and what the rounding adds to the errors."""
 
 from __future__ import annotations
 
@@ -10,40 +10,41 @@ import numpy as np
 
 from hjsolve import batch
 from hjsolve.ensembles.recipe import Tools
-from hjsolve.numeric.running_error import RunningError
+from hjsolve.numeric.doubled import Doubled
+from hjsolve.numeric.error_free import Pair
 
 Arrays = Mapping[str, Any]
 
 
 def momenta_of(tools: Tools, q: Arrays, velocity: Arrays) -> tuple[dict[str, Any], dict[str, Any]]:
-    """Momenta in doubles from velocities, and bounds on their rounding.
+    """Momenta in doubles from velocities, and which of them are rounded.
 
     Returns:
-        Coordinate → p, and coordinate → bound, only of those momenta that were rounded.
+        Coordinate → p, and coordinate → bool array, only of those with a rounded one.
     """
     names = [c.name for c in tools.solution.system.coordinates]
-    arrays = [(group[name], 0.0) for group in (q, velocity) for name in names]
+    arrays = [Pair(np.asarray(group[name], float), 0.0) for group in (q, velocity) for name in names]
     with np.errstate(all="ignore"):
-        pairs = tools.momenta.run(RunningError(), [*arrays, *tools.numbers])
+        pairs = tools.momenta.run(Doubled(), [*arrays, *tools.numbers])
     shape = np.shape(q[names[0]])
-    p, doubt = ({n: np.broadcast_to(pair[k], shape) for n, pair in zip(names, pairs, strict=True)} for k in (0, 1))
-    return p, {name: bound for name, bound in doubt.items() if np.any(bound != 0)}
+    p, rest = ({n: np.broadcast_to(pair[k], shape) for n, pair in zip(names, pairs, strict=True)} for k in (0, 1))
+    return p, {name: low != 0 for name, low in rest.items() if np.any(low != 0)}
 
 
 def run_from_velocities(tools: Tools, q: Arrays, velocity: Arrays) -> batch.Columns:
     """Run the vectorised engine on the momenta that velocities give, their rounding counted.
 
-    Every momentum that was rounded is moved by its bound, at least to the next double, both ways; what that does to a
-    number is added to its error. An orbit that leaves ``OK`` on the way is for the engine of single motions.
+    Every momentum that was rounded is moved to the next double, both ways; what that does to a number is added to its
+    error. An orbit that leaves ``OK`` on the way is for the engine of single motions.
 
     Returns:
         Columns as ``Engine.run`` gives them.
     """
-    p, doubt = momenta_of(tools, q, velocity)
+    p, inexact = momenta_of(tools, q, velocity)
     columns = tools.engine.run(q, p)
     error, status = {name: np.array(array) for name, array in columns.error.items()}, np.array(columns.status)
-    for name, bound in doubt.items():
-        step = np.where(bound > 0, np.maximum(bound, np.spacing(np.abs(p[name]))), 0.0)
+    for name, rounded in inexact.items():
+        step = np.where(rounded, np.spacing(np.abs(p[name])), 0.0)
         moved = [tools.engine.run(q, {**p, name: p[name] + side * step}) for side in (-1, 1)]
         for other in moved:
             lost = (status == batch.Status.OK) & (other.status != batch.Status.OK)

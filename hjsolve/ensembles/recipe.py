@@ -12,7 +12,7 @@ from hjsolve import batch
 from hjsolve.ensembles.layout import Layout, layout_of
 from hjsolve.initial import domain_ends, sign, to_bits
 from hjsolve.lowering import lower
-from hjsolve.numeric.running_error import Pair
+from hjsolve.numeric.error_free import Pair, split
 from hjsolve.numeric.tape import Tape
 from hjsolve.solution import Solution, solve
 from hjsolve.system import System, momenta
@@ -69,7 +69,7 @@ class Tools:
     Attributes:
         solution: of the system. layout: of the columns. engine: the vectorised one.
         bounds: of the domains.
-        momenta: from places, velocities and parameters, in this order. numbers: the parameters, with their rounding.
+        momenta: from places, velocities and parameters, in this order. numbers: the parameters, as two doubles.
     """
 
     solution: Solution
@@ -105,7 +105,7 @@ def _tools(recipe: Recipe) -> Tools:
         momenta=lower(
             [formulas[c.name] for c in system.coordinates], [*arguments, *(system.symbols[name] for name in names)]
         ),
-        numbers=tuple(_nearest(value) for _, value in recipe.parameters),
+        numbers=tuple(split(to_bits(value)(128)) for _, value in recipe.parameters),
     )
 
 
@@ -118,10 +118,3 @@ def _bounds(recipe: Recipe) -> list[Bound]:
                 number = float(to_bits(end)(128))
                 found.append(Bound(c.name, side, number, side * sign(end - sp.Rational(number)) < 0))
     return found
-
-
-def _nearest(value: sp.Expr) -> Pair:
-    """The nearest double and how far it is."""
-    number = float(to_bits(value)(128))
-    missed = value - sp.Rational(number)
-    return number, 0.0 if missed == 0 else abs(float(to_bits(missed)(128))) * (1 + 2.0**-50)

@@ -8,7 +8,8 @@ from typing import Any
 import numpy as np
 
 from hjsolve.numeric.compiled import kernels
-from hjsolve.numeric.double import CHUNK, split
+from hjsolve.numeric.error_free import split
+from hjsolve.numeric.turns import CHUNK
 
 
 def relative(times: Any, start: Callable[[int], Any]) -> tuple[Any, Any]:

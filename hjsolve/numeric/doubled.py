@@ -11,48 +11,15 @@ from dataclasses import dataclass
 from fractions import Fraction
 from functools import cache
 from math import factorial
-from typing import Any, NamedTuple
+from typing import Any
 
 import numpy as np
 
-_SPLITTER = 134217729.0
+from hjsolve.numeric.error_free import Pair, exact, quick_two_sum, two_product, two_sum
+
 _LN2 = (0.6931471805599453, 2.3190468138462996e-17)
 _HALF_PI = (1.5707963267948966, 6.123233995736766e-17)
 _HALVINGS = 9
-
-
-class Pair(NamedTuple):
-    """A number high + low, |low| at most half a unit in the last place of high; floats or arrays."""
-
-    high: Any
-    low: Any
-
-
-def two_sum(a: Any, b: Any) -> Pair:
-    """Return a + b exactly."""
-    s = a + b
-    part = s - a
-    return Pair(s, (a - (s - part)) + (b - part))
-
-
-def _quick(a: Any, b: Any) -> Pair:
-    s = a + b
-    return Pair(s, b - (s - a))
-
-
-def two_product(a: Any, b: Any) -> Pair:
-    """Return a·b exactly, for sizes below about 10²⁹²."""
-    p = a * b
-    ca, cb = _SPLITTER * a, _SPLITTER * b
-    ah, bh = ca - (ca - a), cb - (cb - b)
-    al, bl = a - ah, b - bh
-    return Pair(p, ((ah * bh - p) + ah * bl + al * bh) + al * bl)
-
-
-def exact(value: Fraction) -> Pair:
-    """Round an exact number to two doubles."""
-    high = float(value)
-    return Pair(high, float(value - Fraction(high)))
 
 
 @cache
@@ -75,23 +42,23 @@ class Doubled:
     def add(self, x: Pair, y: Pair) -> Pair:
         s, e = two_sum(x.high, y.high)
         t, f = two_sum(x.low, y.low)
-        s, e = _quick(s, e + t)
-        return _quick(s, e + f)
+        s, e = quick_two_sum(s, e + t)
+        return quick_two_sum(s, e + f)
 
     def sub(self, x: Pair, y: Pair) -> Pair:
         return self.add(x, Pair(-y.high, -y.low))
 
     def mul(self, x: Pair, y: Pair) -> Pair:
         p, e = two_product(x.high, y.high)
-        return _quick(p, e + (x.high * y.low + x.low * y.high))
+        return quick_two_sum(p, e + (x.high * y.low + x.low * y.high))
 
     def div(self, x: Pair, y: Pair) -> Pair:
         first = x.high / y.high
         rest = self.sub(x, self.mul(Pair(first, 0.0), y))
         second = rest.high / y.high
         rest = self.sub(rest, self.mul(Pair(second, 0.0), y))
-        s, e = _quick(first, second)
-        return _quick(s, e + rest.high / y.high)
+        s, e = quick_two_sum(first, second)
+        return quick_two_sum(s, e + rest.high / y.high)
 
     def power(self, x: Pair, n: int) -> Pair:
         if n < 0:
@@ -122,7 +89,7 @@ class Doubled:
         root = np.sqrt(x.high)
         rest = self.sub(x, two_product(root, root))
         low = np.where(root > 0, (rest.high + rest.low) / np.where(root > 0, 2 * root, 1.0), 0.0)
-        return _quick(root, low)
+        return quick_two_sum(root, low)
 
     def _series(self, x: Pair, coefficients: tuple[Pair, ...]) -> Pair:
         total = coefficients[-1]

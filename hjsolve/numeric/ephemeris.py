@@ -17,7 +17,7 @@ import numpy as np
 
 from hjsolve.errors import NotConvergedError
 from hjsolve.numeric.compiled import kernels
-from hjsolve.numeric.double import CHUNK
+from hjsolve.numeric.turns import CHUNK
 
 DEGREE = 11
 """Degree of every polynomial; ``kernels`` writes Horner's rule out for it."""

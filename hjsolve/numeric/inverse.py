@@ -18,8 +18,9 @@ import numpy as np
 from hjsolve.errors import NotConvergedError
 from hjsolve.numeric.arithmetic import multiprecision
 from hjsolve.numeric.course import Bounded, Course, Frozen
-from hjsolve.numeric.double import split, turns
+from hjsolve.numeric.error_free import split
 from hjsolve.numeric.series import Series, combine, zero
+from hjsolve.numeric.turns import turns
 
 _EPS = 2.0**-52
 

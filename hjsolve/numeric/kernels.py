@@ -42,7 +42,7 @@ def relative(times: Any, high: float, low: float, upper: Any, lower: Any) -> Non
 
 @_kernel
 def turns(rate: Any, upper: Any, lower: Any, start: Any, whole: Any, rest: Any) -> None:
-    """Fill whole turns and rest of start + rate·time; see ``double.turns``."""
+    """Fill whole turns and rest of start + rate·time; see ``turns.turns``."""
     rh, rl, sh, sl = rate[0], rate[1], start[0], start[1]
     c = _SPLITTER * rh
     ah = c - (c - rh)

@@ -15,9 +15,10 @@ import numpy as np
 
 from hjsolve.numeric.arithmetic import multiprecision
 from hjsolve.numeric.course import Bounded, Course, Frozen, Open
-from hjsolve.numeric.double import split, turns
+from hjsolve.numeric.error_free import split
 from hjsolve.numeric.inverse import _alone, bracketed
 from hjsolve.numeric.series import combine
+from hjsolve.numeric.turns import turns
 
 _EPS = 2.0**-52
 

@@ -15,10 +15,11 @@ import numpy as np
 
 from hjsolve.errors import NotConvergedError
 from hjsolve.numeric.course import Bounded, Open
-from hjsolve.numeric.double import split, turns
 from hjsolve.numeric.ephemeris import DEGREE, Table, tabulate
+from hjsolve.numeric.error_free import split
 from hjsolve.numeric.inverse import Torus, oscillation
 from hjsolve.numeric.series import Series
+from hjsolve.numeric.turns import turns
 from hjsolve.numeric.unbounded import Plan, reaching
 from hjsolve.trajectory.positions import constant_index
 

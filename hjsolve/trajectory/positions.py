@@ -11,13 +11,14 @@ import sympy as sp
 
 from hjsolve.initial import to_bits
 from hjsolve.lowering import lower
-from hjsolve.numeric import double
 from hjsolve.numeric.arithmetic import Float64, Multi, multiprecision
 from hjsolve.numeric.course import Bounded, arithmetic_of
-from hjsolve.numeric.double import split, turns
+from hjsolve.numeric.error_free import split
 from hjsolve.numeric.inverse import Torus, mean_rate, oscillation
 from hjsolve.numeric.series import Series
 from hjsolve.numeric.tape import Tape
+from hjsolve.numeric.turns import principal as principal_of_doubles
+from hjsolve.numeric.turns import turns
 from hjsolve.system import velocities
 from hjsolve.trajectory.phases import Phases, courses_of
 
@@ -57,7 +58,7 @@ def principal(angle: Any) -> tuple[Any, Any]:
     """Reduce to (−π, π] and count the turns taken away."""
     arithmetic = arithmetic_of(angle)
     if isinstance(arithmetic, Float64):
-        return double.principal(angle)
+        return principal_of_doubles(angle)
     context, turn = arithmetic.context, 2 * arithmetic.pi()
     n = np.array([int(context.ceil((x - context.pi) / turn)) for x in angle])
     return np.array([x - turn * int(k) for x, k in zip(angle, n, strict=True)], dtype=object), n

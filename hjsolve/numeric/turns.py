@@ -1,8 +1,8 @@
-"""Phases of very long times without loss: products reduced in double-double arithmetic.
+"""Phases of very long times without loss: whole turns taken away in double-double arithmetic.
 
 A phase Ω·t mod 2π held in doubles loses a digit with every factor ten of t. Here Ω/2π is carried
 as the sum of two doubles (32 digits) and t as one or two; the product is exact to about 106 bits
-(Dekker, Numer. Math. 18 (1971) 224; Knuth, TAOCP 2, §4.2.2).
+(``error_free``).
 """
 
 from __future__ import annotations
@@ -12,33 +12,10 @@ from typing import Any
 import numpy as np
 
 from hjsolve.numeric.compiled import kernels
+from hjsolve.numeric.error_free import two_product, two_sum
 
 CHUNK = 8192
 """How many numbers are worked on at once, so that what is in between stays in the cache."""
-
-_SPLITTER = 134217729.0
-
-
-def split(x: Any) -> tuple[float, float]:
-    """Return a many-digit number as an unevaluated sum of two doubles."""
-    high = float(x)
-    return high, float(x - high)
-
-
-def two_product(a: Any, b: Any) -> tuple[Any, Any]:
-    """Return the product of two doubles and what its rounding left out (Dekker)."""
-    p = a * b
-    ca, cb = _SPLITTER * a, _SPLITTER * b
-    ah, bh = ca - (ca - a), cb - (cb - b)
-    al, bl = a - ah, b - bh
-    return p, ((ah * bh - p) + ah * bl + al * bh) + al * bl
-
-
-def two_sum(a: Any, b: Any) -> tuple[Any, Any]:
-    """Return the sum of two doubles and what its rounding left out (Knuth)."""
-    s = a + b
-    part = s - a
-    return s, (a - (s - part)) + (b - part)
 
 
 def turns(rate: tuple[float, float], time: tuple[Any, Any], start: tuple[float, float] = (0.0, 0.0)) -> tuple[Any, Any]:
