@@ -254,7 +254,14 @@ def linear_terms(system: System) -> tuple[sp.Expr, ...]:
 
 def kinetic_rest(system: System) -> sp.Expr:
     """T₀(q), the part of T without velocities."""
-    return system.kinetic.xreplace(dict.fromkeys(_speeds(system), sp.S.Zero))
+    speeds = _speeds(system)
+    rest = dict.fromkeys(speeds, sp.S.Zero)
+
+    def moves(term: sp.Expr) -> bool:
+        """Whether a velocity is a factor; 0·x is not left to sympy, which asks first whether x is finite."""
+        return any(factor.as_base_exp()[0] in rest for factor in sp.Mul.make_args(term))
+
+    return sp.Add(*(term.xreplace(rest) for term in sp.Add.make_args(system.kinetic) if not moves(term)))
 
 
 def inverse_mass_matrix(system: System) -> sp.ImmutableMatrix:

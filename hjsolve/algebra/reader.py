@@ -244,12 +244,13 @@ class Reader:
         field = self.field
         terms = []
         for k in poly.generators(a):
-            slope = self._generator_diff(k, symbol)
+            slope = self.generator_diff(k, symbol)
             if not slope.is_zero:
                 terms.append(field.product([field.from_poly(poly.partial(a, k)), slope]))
         return field.total(terms)
 
-    def _generator_diff(self, k: int, symbol: sp.Symbol) -> Element:
+    def generator_diff(self, k: int, symbol: sp.Symbol) -> Element:
+        """∂(generator k)/∂symbol."""
         if (k, symbol) not in self._derivatives:
             atom = self.field.generators[k].atom
             depends = symbol in atom.free_symbols

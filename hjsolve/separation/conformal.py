@@ -25,6 +25,8 @@ def energy_of_separation(conditions: Conditions) -> Element | None:
     sieve = Filter(reader.field)
     minus = [reader.field.coerce(-1)]
     energy: Element | None = None
+    if any(_cannot_hold(conditions, i, j) for i, j in combinations(range(n), 2)):
+        return None
     for i, j in combinations(range(n), 2):
         λ = conditions.of_metric(i, j, i)
         for h in range(n):
@@ -41,6 +43,13 @@ def energy_of_separation(conditions: Conditions) -> Element | None:
     return energy
 
 
+def _cannot_hold(conditions: Conditions, i: int, j: int) -> bool:
+    """Whether random points modulo primes rule out that a pair separates at some energy."""
+    if conditions.one_factor(i, j) is False:
+        return True
+    return bool(conditions.passes_filter(i, j, i)) and conditions.passes_filter(i, j, None) is False
+
+
 def difference(a: Products, b: Products, minus: Sequence[Element]) -> Products:
     """The sum of products a − b."""
     return [*a, *([list(minus), *factors] for factors in b)]
@@ -52,7 +61,7 @@ def _energy_of_pair(
     """E = V − S_ij(V)/λᵢⱼ where that is constant; () where the pair separates at every energy, None at none."""
     reader, field = conditions.reader, conditions.reader.field
     of_V = conditions.of_potential(i, j)
-    if levi_civita.vanishes(reader, λ, sieve):
+    if conditions.passes_filter(i, j, i) is not False and levi_civita.vanishes(reader, λ, sieve):
         return () if levi_civita.vanishes(reader, of_V, sieve) else None
     ratio = levi_civita.total(reader, of_V) / levi_civita.total(reader, λ)
     energy = field.cancelled(conditions.potential - ratio)

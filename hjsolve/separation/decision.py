@@ -98,13 +98,13 @@ def _conditions(setting: Setting, *, hunting: bool) -> tuple[Obstruction | Undec
     conditions = levi_civita.Conditions(setting.reader, setting.symbols, setting.metric, setting.potential)
     for condition in conditions:
         count += 1
-        if hunting and sieve.vanishes(condition.products):
+        if hunting and condition.passes_filter:
             continue
-        if levi_civita.vanishes(setting.reader, condition.products, sieve):
+        if conditions.holds(condition, sieve):
             continue
         found = refuse_condition(setting, condition)
         if isinstance(found, Obstruction):
-            return diagnosed(found, setting, conditions, sieve), []
+            return diagnosed(found, setting, conditions), []
         undecided = undecided or found
     if hunting and undecided is None:
         return None, []

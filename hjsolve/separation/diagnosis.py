@@ -7,7 +7,6 @@ from __future__ import annotations
 
 from dataclasses import replace
 
-from ..algebra.modular import Filter
 from ..algebra.poly import WorkLimitError
 from ..algebra.readable import readable
 from ..shell import Step
@@ -22,14 +21,13 @@ from .verdicts import Obstruction
 SECONDS, TERMS = 0.5, 100_000
 
 
-def diagnosed(found: Obstruction, setting: Setting, conditions: Conditions, sieve: Filter) -> Obstruction:
+def diagnosed(found: Obstruction, setting: Setting, conditions: Conditions) -> Obstruction:
     """The obstruction with ``distance``, ``blocks`` and ``conformal``, and the words for them.
 
     Args:
         found: the obstruction of an orthogonal shell.
         setting: the shell as elements.
         conditions: its Levi-Civita conditions.
-        sieve: the filter in use.
     """
     found = _measured(found, setting)
     field = setting.reader.field
@@ -37,7 +35,7 @@ def diagnosed(found: Obstruction, setting: Setting, conditions: Conditions, siev
     for step in (_with_blocks, _with_energy):
         field.budget = whole.part(SECONDS, TERMS)
         try:
-            found = step(found, setting, conditions, sieve)
+            found = step(found, setting, conditions)
         except (WorkLimitError, ZeroDivisionError):
             continue
         finally:
@@ -61,12 +59,12 @@ def _measured(found: Obstruction, setting: Setting) -> Obstruction:
     return replace(found, distance=distance, evidence=(*found.evidence, Step("Distance", text)))
 
 
-def _with_blocks(found: Obstruction, setting: Setting, conditions: Conditions, sieve: Filter) -> Obstruction:
+def _with_blocks(found: Obstruction, setting: Setting, conditions: Conditions) -> Obstruction:
     """Two coordinates are one block; with more, the pairs that fail are found by the filter and the rest is proved."""
     names = [c.name for c in setting.shell.coordinates]
     if len(names) == 2:
         return replace(found, blocks=(tuple(names),))
-    failing = {(c.i, c.j) for c in conditions if sieve.vanishes(c.products) is False}
+    failing = {(c.i, c.j) for c in conditions if c.passes_filter is False}
     places = {name: k for k, name in enumerate(names)}
     failing.add((places[found.pair[0]], places[found.pair[1]]))
     partition = finest(setting.reader, setting.symbols, setting.metric, setting.potential, failing)
@@ -74,7 +72,7 @@ def _with_blocks(found: Obstruction, setting: Setting, conditions: Conditions, s
     return _with_words(replace(found, blocks=blocks), "Blocks", advice.about_blocks(blocks))
 
 
-def _with_energy(found: Obstruction, setting: Setting, conditions: Conditions, _: Filter) -> Obstruction:
+def _with_energy(found: Obstruction, setting: Setting, conditions: Conditions) -> Obstruction:
     element = energy_of_separation(conditions)
     if element is None:
         return replace(found, conformal=False)

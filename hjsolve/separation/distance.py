@@ -8,13 +8,14 @@ from __future__ import annotations
 
 import time
 from collections.abc import Iterator, Sequence
+from functools import partial
 from itertools import islice
 from statistics import median
 
 import mpmath
 import sympy as sp
 
-from .enclosure import UNKNOWNS, NoEnclosureError, Region, enclose
+from .enclosure import UNKNOWNS, NoEnclosureError, Region, Walk, finite
 
 SAMPLES = 6
 ATTEMPTS = 60
@@ -73,7 +74,7 @@ def _errors(
     """Errors at up to ``SAMPLES`` points, fewer where evaluation is slow, with the base point given."""
     deadline = time.monotonic() + SECONDS
     with mpmath.workprec(PRECISION):
-        g0 = [_value(f, base) for f in functions]
+        g0 = _values(functions, base)
         found = []
         for point in points:
             try:
@@ -95,14 +96,15 @@ def _rebuilt(
     n = len(symbols)
     s, u = mpmath.matrix(n, n), mpmath.matrix(n, 1)
     for i, q in enumerate(symbols):
-        on_line = [_value(f, {**base, q: point[q]}) for f in functions]
+        on_line = _values(functions, {**base, q: point[q]})
         u[i] = (on_line[-1] - g0[-1]) / on_line[i]
         for j in range(n):
             s[j, i] = 1 / on_line[i] if i == j else (1 - on_line[j] / g0[j]) / on_line[i]
     g = mpmath.lu_solve(s, mpmath.ones(n, 1))
-    return [*g, g0[-1] + mpmath.fdot(g, u)], [_value(f, point) for f in functions]
+    return [*g, g0[-1] + mpmath.fdot(g, u)], _values(functions, point)
 
 
-def _value(expression: sp.Expr, point: Point) -> mpmath.mpf:
-    lower, upper = enclose(expression, point, PRECISION)
-    return (lower + upper) / 2
+def _values(functions: Sequence[sp.Expr], point: Point) -> list[mpmath.mpf]:
+    """Values of several functions at a point; what they share is evaluated once."""
+    walk = Walk(point, PRECISION)
+    return [sum(finite(partial(walk, f))) / 2 for f in functions]

@@ -18,12 +18,14 @@ from __future__ import annotations
 
 from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
+from functools import cached_property
 
 import sympy as sp
 
 from ..algebra import poly
 from ..algebra.field import Element
 from ..algebra.modular import Filter, Products
+from ..algebra.modular_jets import Jet, at_random_points
 from ..algebra.poly import Poly
 from ..algebra.readable import cost
 from ..algebra.reader import Reader
@@ -40,20 +42,35 @@ class Condition:
         j: position of the second.
         part: ``metric`` or ``potential``.
         about: position h for the condition on gʰʰ, or None for the potential.
-        products: the condition as a sum of products of sums of elements; nothing is multiplied out yet.
-        scale: element the sum has been divided by (gʰʰ), to give S_ij itself back.
+        owner: the conditions it is one of.
     """
 
     i: int
     j: int
     part: str
     about: int | None
-    products: Products
-    scale: Element
+    owner: Conditions
+
+    @cached_property
+    def products(self) -> Products:
+        """The condition as a sum of products of sums of elements; nothing is multiplied out but derivatives."""
+        if self.about is None:
+            return self.owner.of_potential(self.i, self.j)
+        return self.owner.of_metric(self.i, self.j, self.about)
+
+    @property
+    def scale(self) -> Element:
+        """The element the sum has been divided by (gʰʰ), to give S_ij itself back."""
+        return self.owner.reader.field.one if self.about is None else self.owner.metric[self.about]
+
+    @property
+    def passes_filter(self) -> bool | None:
+        """Whether it holds at random points modulo primes; False shows that no normal form is zero, None nothing."""
+        return self.owner.passes_filter(self.i, self.j, self.about)
 
 
 class Conditions:
-    """The conditions of an orthogonal shell; derivatives are taken once.
+    """The conditions of an orthogonal shell; derivatives are taken when they are asked for, and once.
 
     Args:
         reader: reads and differentiates.
@@ -65,9 +82,6 @@ class Conditions:
 
     def __init__(self, reader: Reader, symbols: Sequence[sp.Symbol], metric: Sequence[Element], potential: Element):
         self.reader, self.symbols, self.metric, self.potential = reader, symbols, metric, potential
-        n = range(len(symbols))
-        self.log = [[reader.log_diff_terms(metric[h], symbols[i]) for i in n] for h in n]
-        self.slope = [reader.diff_terms(potential, symbols[i]) for i in n]
         self.minus = [reader.field.coerce(-1)]
 
     def __iter__(self) -> Iterator[Condition]:
@@ -76,9 +90,53 @@ class Conditions:
         pairs = [(i, j) for j in range(n) for i in range(j)]
         for i, j in pairs:
             for h in range(n):
-                yield Condition(i, j, "metric", h, self.of_metric(i, j, h), self.metric[h])
+                yield Condition(i, j, "metric", h, self)
         for i, j in pairs:
-            yield Condition(i, j, "potential", None, self.of_potential(i, j), self.reader.field.one)
+            yield Condition(i, j, "potential", None, self)
+
+    @cached_property
+    def log(self) -> list[list[Sum]]:
+        """∂ᵢ ln gʰʰ, by h and i."""
+        return [[self.reader.log_diff_terms(g, q) for q in self.symbols] for g in self.metric]
+
+    @cached_property
+    def slope(self) -> list[Sum]:
+        """∂ᵢU."""
+        return [self.reader.diff_terms(self.potential, q) for q in self.symbols]
+
+    @cached_property
+    def _jets(self) -> list[tuple[int, list[Jet], Jet]] | None:
+        """Primes, jets of ln gᵃᵃ and of U at random points."""
+        found = at_random_points(self.reader, self.symbols, [*self.metric, self.potential])
+        if found is None:
+            return None
+        return [(p, [jet.logarithm(p) for jet in jets[:-1]], jets[-1]) for p, jets in found]
+
+    def passes_filter(self, i: int, j: int, about: int | None) -> bool | None:
+        """Whether S_ij(gʰʰ), or S_ij(U) where h is None, vanishes at random points modulo primes.
+
+        None when no point could be found.
+        """
+        if self._jets is None:
+            return None
+        return not any(self._value(i, j, about, *place) for place in self._jets)
+
+    def one_factor(self, i: int, j: int) -> bool | None:
+        """Whether S_ij(gʰʰ)/gʰʰ is the same for every h at random points modulo primes; None when there is none."""
+        if self._jets is None:
+            return None
+        n = range(len(self.symbols))
+        return all(len({self._value(i, j, h, *place) for h in n}) == 1 for place in self._jets)
+
+    def _value(self, i: int, j: int, about: int | None, prime: int, log: Sequence[Jet], potential: Jet) -> int:
+        f = potential if about is None else log[about]
+        square = 0 if about is None else f.slopes[i] * f.slopes[j]
+        known = log[j].slopes[i] * f.slopes[j] + log[i].slopes[j] * f.slopes[i]
+        return (f.mixed[i, j] + square - known) % prime
+
+    def holds(self, condition: Condition, sieve: Filter) -> bool:
+        """Proof that a condition holds; False is no proof of the opposite."""
+        return condition.passes_filter is not False and vanishes(self.reader, condition.products, sieve)
 
     def of_metric(self, i: int, j: int, h: int) -> Products:
         """S_ij(gʰʰ)/gʰʰ."""

@@ -25,8 +25,8 @@ from .levi_civita import Condition
 from .verdicts import Obstruction, Undecided
 from .zero_test import NonZero, Unproved, not_zero
 
-EXPANSION_SECONDS, EXPANSION_TERMS = 0.2, 100_000
-LARGE = 400
+EXPANSION_SECONDS, EXPANSION_TERMS = 0.2, 20_000
+LARGE = 120
 
 
 @dataclass(frozen=True)
@@ -68,10 +68,9 @@ def refuse_condition(setting: Setting, condition: Condition) -> Obstruction | Un
     shell = setting.shell
     pair = shell.coordinates[condition.i].name, shell.coordinates[condition.j].name
     constants = [c.momentum for c in shell.ignorable]
-    scaled = [[*factors, [condition.scale]] for factors in condition.products]
     residual, answer = _failing(
         setting.reader,
-        scaled,
+        lambda: [[*factors, [condition.scale]] for factors in condition.products],
         constants,
         partial(_written_out, setting, condition),
         partial(_enclosed, setting, condition),
@@ -133,7 +132,7 @@ def _d(f: sp.Expr, *symbols: sp.Symbol) -> sp.Expr:
 
 def _failing(
     reader: Reader,
-    products: Products,
+    products: Callable[[], Products],
     constants: list[sp.Symbol],
     written_out: Callable[[], sp.Expr],
     enclosed: Callable[[], Witness | None],
@@ -147,7 +146,7 @@ def _failing(
     whole_budget = field.budget
     field.budget = whole_budget.part(EXPANSION_SECONDS, EXPANSION_TERMS)
     try:
-        whole = field.cancelled(levi_civita.total(reader, products))
+        whole = field.cancelled(levi_civita.total(reader, products()))
         parts = levi_civita.coefficients(reader, whole, constants)
     except WorkLimitError:
         parts = []
@@ -156,7 +155,7 @@ def _failing(
     if parts:
         return _simplest_nonzero((readable(reader, part) for part in parts), region, whole_budget)
     residual = written_out()
-    witness = enclosed() or find_witness_of_products(field, products, region, whole_budget)
+    witness = enclosed() or find_witness_of_products(field, products(), region, whole_budget)
     if witness is not None:
         return residual, NonZero(witness)
     return residual, not_zero(residual.doit(), region, whole_budget, "no witness was found")
@@ -203,7 +202,12 @@ def refuse_without_shell(system: System, found: Irreducible, work: Budget) -> Ob
         if levi_civita.vanishes(reader, products, sieve):
             continue
         residual, answer = _failing(
-            reader, products, constants, partial(_general_written_out, H, q, p, i, j), lambda: None, region
+            reader,
+            partial(list, products),
+            constants,
+            partial(_general_written_out, H, q, p, i, j),
+            lambda: None,
+            region,
         )
         if isinstance(answer, NonZero):
             return _general_obstruction(system, found, (names[i], names[j]), residual, answer)
