@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import re
-import tomllib
 from argparse import Namespace
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
@@ -300,20 +299,14 @@ def _once(found: dict[str, Any], name: str, option: str) -> None:
 
 
 def _scene(options: Namespace) -> Scene | None:
-    """The scene that is meant, where the file given is one: it has keys that no entry has."""
-    if options.system is None or not options.system.endswith(".toml"):
-        return None
-    try:
-        table = tomllib.loads(Path(options.system).read_text(encoding="utf-8"))
-    except (OSError, ValueError, RecursionError):
-        return None  # the reader of entries says what is wrong with the file
-    if not {"system", "want", "times", "events"} & table.keys():
+    """The scene that is meant, where the file given is one."""
+    from hjsolve.scenes import Scene, is_scene
+
+    if options.system is None or not is_scene(options.system):
         return None
     given = (options.coordinate, options.kinetic, options.potential, options.parameter, options.effect, options.q)
     if any(given) or options.velocity or options.momentum:
         raise InvalidInputError(f"{options.system}: a scene says everything itself; leave the other options out")
-    from hjsolve.scenes import Scene
-
     return Scene.load(options.system)
 
 

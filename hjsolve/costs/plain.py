@@ -6,11 +6,13 @@ import math
 from dataclasses import dataclass
 from typing import Any
 
+from hjsolve.numeric.arithmetic import ByOperators
+
 _NAMES = {"abs": "fabs"}
 
 
 @dataclass(frozen=True, slots=True)
-class Plain:
+class Plain(ByOperators):
     """Double precision for scalars; what leaves the domain of a function is not a number."""
 
     def rational(self, numerator: int, denominator: int) -> float:
@@ -20,18 +22,6 @@ class Plain:
     def pi(self) -> float:
         """Give π."""
         return math.pi
-
-    def add(self, x: Any, y: Any) -> Any:
-        """X + y."""
-        return x + y
-
-    def sub(self, x: Any, y: Any) -> Any:
-        """X − y."""
-        return x - y
-
-    def mul(self, x: Any, y: Any) -> Any:
-        """The product."""
-        return x * y
 
     def div(self, x: Any, y: Any) -> Any:
         """The quotient."""

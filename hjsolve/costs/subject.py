@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import tomllib
 from collections.abc import Mapping
 from dataclasses import replace
 from pathlib import Path
@@ -14,7 +13,7 @@ from hjsolve import catalog
 from hjsolve.errors import InvalidInputError, MissingValueError, NotSeparableError
 from hjsolve.expressions import number
 from hjsolve.motion import Motion
-from hjsolve.scenes import Scene
+from hjsolve.scenes import Scene, is_scene
 from hjsolve.scenes.scene import Start, Times
 from hjsolve.solution import Solution, solve
 
@@ -39,7 +38,7 @@ def scene_of(subject: Subject, motion: str = "default") -> tuple[Scene, Solution
     """
     if isinstance(subject, Motion):
         return _usual(_scene_of_motion(subject), subject.solution), subject.solution
-    if isinstance(subject, Mapping) or (isinstance(subject, str | Path) and _is_scene(subject)):
+    if isinstance(subject, Mapping) or (isinstance(subject, str | Path) and is_scene(subject)):
         subject = Scene.load(subject)
     if isinstance(subject, Scene):
         return subject, _solution(subject)
@@ -53,17 +52,6 @@ def scene_of(subject: Subject, motion: str = "default") -> tuple[Scene, Solution
     scene = Scene.load({"system": str(subject), **({} if motion == "default" else {"motion": motion})})
     solution = _solution(scene)
     return (scene if solution is None else _usual(scene, solution)), solution
-
-
-def _is_scene(subject: str | Path) -> bool:
-    """Whether a file is a scene's and not an entry's: it has keys that no entry has."""
-    if not str(subject).endswith(".toml"):
-        return False
-    try:
-        table = tomllib.loads(Path(subject).read_text(encoding="utf-8"))
-    except (OSError, ValueError, RecursionError):
-        return False  # the reader of entries says what is wrong with the file
-    return bool({"system", "want", "times", "events"} & table.keys())
 
 
 def _solution(scene: Scene) -> Solution | None:

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Callable
 from dataclasses import dataclass, field
 from fractions import Fraction
 from functools import cache
@@ -24,15 +25,10 @@ _NUMPY_NAMES = {
 }
 
 
-@dataclass(frozen=True, slots=True)
-class Float64:
-    """Double precision, elementwise over numpy arrays of any shape."""
+class ByOperators:
+    """The four operations as Python writes them."""
 
-    def rational(self, numerator: int, denominator: int) -> Any:
-        return float(Fraction(numerator, denominator))
-
-    def pi(self) -> Any:
-        return np.pi
+    __slots__ = ()
 
     def add(self, x: Any, y: Any) -> Any:
         return x + y
@@ -45,6 +41,27 @@ class Float64:
 
     def div(self, x: Any, y: Any) -> Any:
         return x / y
+
+
+def by_squaring(product: Callable[[Any, Any], Any], x: Any, n: int) -> Any:
+    """Return xⁿ, n ≥ 1, by the fewest products that squaring gives."""
+    result = x
+    for bit in bin(n)[3:]:
+        result = product(result, result)
+        if bit == "1":
+            result = product(result, x)
+    return result
+
+
+@dataclass(frozen=True, slots=True)
+class Float64(ByOperators):
+    """Double precision, elementwise over numpy arrays of any shape."""
+
+    def rational(self, numerator: int, denominator: int) -> Any:
+        return float(Fraction(numerator, denominator))
+
+    def pi(self) -> Any:
+        return np.pi
 
     def power(self, x: Any, n: int) -> Any:
         return np.float_power(x, n) if abs(n) > 3 else _small_power(x, n)
@@ -67,7 +84,7 @@ def multiprecision(bits: int) -> Any:
 
 
 @dataclass(frozen=True, slots=True)
-class Multi:
+class Multi(ByOperators):
     """Scalars of a chosen precision.
 
     Attributes:
@@ -91,18 +108,6 @@ class Multi:
 
     def pi(self) -> Any:
         return +self.context.pi
-
-    def add(self, x: Any, y: Any) -> Any:
-        return x + y
-
-    def sub(self, x: Any, y: Any) -> Any:
-        return x - y
-
-    def mul(self, x: Any, y: Any) -> Any:
-        return x * y
-
-    def div(self, x: Any, y: Any) -> Any:
-        return x / y
 
     def power(self, x: Any, n: int) -> Any:
         return x**n

@@ -16,6 +16,7 @@ from functools import cached_property
 from typing import Any
 
 from hjsolve.errors import MissingExtraError, NotConvergedError
+from hjsolve.numeric.arithmetic import ByOperators
 from hjsolve.numeric.counting import count
 from hjsolve.numeric.jet import Jet, Jets
 from hjsolve.numeric.radicand import Radicand
@@ -51,7 +52,7 @@ def working(bits: int) -> AbstractContextManager[Any]:
 
 
 @dataclass(frozen=True, slots=True)
-class Balls:
+class Balls(ByOperators):
     """Real or complex ball arithmetic at Arb's current precision."""
 
     def rational(self, numerator: int, denominator: int) -> Any:
@@ -59,18 +60,6 @@ class Balls:
 
     def pi(self) -> Any:
         return flint.arb.pi()
-
-    def add(self, x: Any, y: Any) -> Any:
-        return x + y
-
-    def sub(self, x: Any, y: Any) -> Any:
-        return x - y
-
-    def mul(self, x: Any, y: Any) -> Any:
-        return x * y
-
-    def div(self, x: Any, y: Any) -> Any:
-        return x / y
 
     def power(self, x: Any, n: int) -> Any:
         return x * x if n == 2 else x**n

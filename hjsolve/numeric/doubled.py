@@ -15,6 +15,7 @@ from typing import Any
 
 import numpy as np
 
+from hjsolve.numeric.arithmetic import by_squaring
 from hjsolve.numeric.error_free import Pair, exact, quick_two_sum, two_product, two_sum
 
 _LN2 = (0.6931471805599453, 2.3190468138462996e-17)
@@ -63,11 +64,7 @@ class Doubled:
     def power(self, x: Pair, n: int) -> Pair:
         if n < 0:
             return self.div(Pair(1.0, 0.0), self.power(x, -n))
-        result = Pair(1.0 + 0 * x.high, 0 * x.high)
-        while n:
-            if n & 1:
-                result = self.mul(result, x)
-            x, n = (self.mul(x, x), n >> 1) if n > 1 else (x, 0)
+        result: Pair = by_squaring(self.mul, x, n)
         return result
 
     def unary(self, name: str, x: Pair) -> Pair:

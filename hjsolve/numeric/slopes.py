@@ -17,7 +17,7 @@ from typing import Any, NamedTuple
 
 import numpy as np
 
-from hjsolve.numeric.arithmetic import Float64
+from hjsolve.numeric.arithmetic import Float64, by_squaring
 
 FUNCTIONS = frozenset({"neg", "sqrt", "exp", "log", "sin", "cos", "tan", "sinh", "cosh", "tanh", "abs"})
 """Elementary functions that have a rule."""
@@ -92,11 +92,7 @@ class Slopes:
     def power(self, x: Slope, n: int) -> Slope:
         if n < 0:
             return self.div(Slope(1.0), self.power(x, -n))
-        result = x
-        for bit in bin(n)[3:]:
-            result = self.mul(result, result)
-            if bit == "1":
-                result = self.mul(result, x)
+        result: Slope = by_squaring(self.mul, x, n)
         return result
 
     def unary(self, name: str, x: Slope) -> Slope:

@@ -11,6 +11,7 @@ from dataclasses import dataclass, field
 from fractions import Fraction
 from math import pi
 
+from hjsolve.numeric.arithmetic import by_squaring
 from hjsolve.numeric.tape import UNARY
 
 _PAIRED = {"sin": ("sincos", 0), "cos": ("sincos", 1), "sinh": ("sinhcosh", 0), "cosh": ("sinhcosh", 1)}
@@ -57,11 +58,7 @@ class Source:
     def power(self, x: str, n: int) -> str:
         if n <= 0:
             return "(1.0)" if n == 0 else self.div("(1.0)", self.power(x, -n))
-        result = x
-        for bit in bin(n)[3:]:
-            result = self.mul(result, result)
-            if bit == "1":
-                result = self.mul(result, x)
+        result: str = by_squaring(self.mul, x, n)
         return result
 
     def unary(self, name: str, x: str) -> str:

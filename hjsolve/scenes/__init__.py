@@ -2,5 +2,6 @@
 
 from hjsolve.scenes.run import Arc, Run, Trajectory
 from hjsolve.scenes.scene import Scene
+from hjsolve.scenes.tables import is_scene
 
-__all__ = ["Arc", "Run", "Scene", "Trajectory"]
+__all__ = ["Arc", "Run", "Scene", "Trajectory", "is_scene"]

@@ -3,9 +3,11 @@
 from __future__ import annotations
 
 from collections.abc import Iterator, Mapping
+from pathlib import Path
 from typing import Any
 
-from hjsolve import schema
+from hjsolve import schema, toml_file
+from hjsolve.errors import CatalogError
 from hjsolve.scenes.varied import sweep_faults
 from hjsolve.schema import Key
 
@@ -32,6 +34,17 @@ SCENE = {
 """The keys of a scene, but for ``system``, ``times``, ``sweep`` and ``orbit.values``, which may be of several types."""
 LONGEST = 10_000_000
 MOST_PASSAGES = 100_000
+
+
+def is_scene(file: str | Path) -> bool:
+    """Whether a file is a scene's and not an entry's: it has keys that no entry has."""
+    if not str(file).endswith(".toml"):
+        return False
+    try:
+        table = toml_file.read(Path(file), str(file))
+    except CatalogError:
+        return False  # the reader of entries says what is wrong with the file
+    return not {"system", "want", "times", "events"}.isdisjoint(table)
 
 
 def scene_faults(table: Mapping[str, Any]) -> Iterator[str]:

@@ -17,26 +17,7 @@ from hjsolve.system import (
     require_values,
     with_values,
 )
-
-PLANE = "m/2*(dot(r)**2 + r**2*dot(theta)**2)"
-
-
-def positive(names: str) -> dict[str, object]:
-    return {name: parameter(name, 1 + k, assume="positive") for k, name in enumerate(names.split())}
-
-
-def kepler(**changes: object) -> System:
-    parts: dict[str, object] = {
-        "coordinates": {"r": "0 < r", "theta": "angle"},
-        "kinetic": PLANE,
-        "potential": "-k/r",
-        "parameters": {"m": 1, "k": 2},
-    }
-    return System(**{**parts, **changes})
-
-
-def oscillator(domain: object = "line", kinetic: object = "dot(x)**2/2", **changes: object) -> System:
-    return System({"x": domain}, kinetic, **changes)
+from tests.plain_systems import PLANE, kepler, oscillator, positive
 
 
 def test_symbols_carry_what_the_domain_and_the_declaration_prove():
