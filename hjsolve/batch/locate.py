@@ -27,6 +27,9 @@ _TINY = 1e-4
 
 _NEAR = 3.0
 _FAR = 0.5
+_ALIKE = 2.0
+"""How much larger the doubt of ½F″ may be at the turning points of a small motion; it was counted twice over."""
+
 _WARPED = 5
 _GRID = 32
 _ARITHMETIC = frozenset({"add", "sub", "mul", "div", "power", "rational", "pi"})
@@ -137,6 +140,9 @@ def _near(group: Group) -> Found:
         _end(view, zero, P, side * first, bend, side, size, floor) for side, floor in zip((-1, 1), floors, strict=True)
     ]
     far = (ends[0] < _FAR * floors[0]) | (ends[1] > _FAR * floors[1])
+    # the doubt of the slopes is known at the start: it has to hold at the turning points, too
+    for end in ends:
+        far |= ~(second_slope(coordinate.plain, knowns, q + end)[1] <= _ALIKE * doubt)
     ends[0] = np.where(far, np.nan, ends[0])
     region = _region(view, view, ends[0], ends[1], P, -ends[0], ends[1])
     status = np.where(np.isfinite(region.width) & (region.width > 0), Status.OK, Status.UNBOUNDED)
@@ -237,7 +243,7 @@ def _libration(group: Group) -> Found:
     if group.depth > 1:
         region = _fine(group, region)
     if coordinate.even:
-        same = np.abs(left - right + 2 * q) <= 1e-13 * region.width
+        same = np.abs(left - right - 2 * q) <= 1e-13 * region.width
         region = replace(region, warp=np.where(same, EVEN, 0))
     if group.depth:
         region = _stretched(region)

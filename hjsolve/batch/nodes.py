@@ -19,8 +19,7 @@ from typing import Any
 
 import numpy as np
 
-from hjsolve.numeric.arithmetic import Float64
-from hjsolve.numeric.elliptic import jacobi, quarter_period
+from hjsolve.numeric.doubled import Doubled, Pair
 
 COUNTS = (12, 16, 20, 24, 32, 40, 48, 64, 80, 96, 128, 160, 192, 256, 320, 384)
 """Numbers of nodes in use, over half a period (librations) or over a period (rotations, twice as many)."""
@@ -65,43 +64,97 @@ class Nodes:
 @cache
 def libration(count: int, level: int, warp: int = 0) -> Nodes:
     """Return the nodes of half a period between turning points; k′² = 4^−level."""
-    fold = 2 if warp >= EVEN else 1
-    χ = (np.arange(count) + 0.5) * np.pi / (fold * count)
-    γ, δ = WARPS[warp]
-    complement, quarter, sn, cn, _ = _functions(χ + γ * np.sin(χ) + 0.5 * δ * np.sin(2 * χ), level)
-    pace = 1 + γ * np.cos(χ) + δ * np.cos(2 * χ)
+    D, fold = Doubled(), 2 if warp >= EVEN else 1
+    χ = _anomalies(count, fold * count)
+    γ, δ = (Pair(c, 0.0) for c in WARPS[warp])
+    turned, twice = D.unary("sin", χ), D.unary("sin", _twice(χ))
+    goal = D.add(χ, D.add(D.mul(γ, turned), D.mul(Pair(0.5 * δ.high, 0.0), twice)))
+    complement, quarter, sn, cn, _ = _functions(goal, level)
+    pace = D.add(D.mul(γ, D.unary("cos", χ)), D.mul(δ, D.unary("cos", _twice(χ))))
     terms = np.arange(1, count)[:, None]
     exact = (terms * (2 * np.arange(count) + 1)) % (4 * count)
     angle = exact * (np.pi / (2 * count))
     return Nodes(
-        χ, sn**2, cn**2, fold, complement, quarter, pace, WARPS[warp], np.cos(angle), np.sin(angle), slice(-5, None),
-        slice(count // 2 - 4, count // 2 + 1),
+        χ.high, D.mul(sn, sn).high, D.mul(cn, cn).high, fold, complement, quarter, D.add(Pair(1.0, 0.0), pace).high,
+        WARPS[warp], np.cos(angle), np.sin(angle), slice(-5, None), slice(count // 2 - 4, count // 2 + 1),
     )  # fmt: skip
 
 
 @cache
 def rotation(count: int, level: int) -> Nodes:
     """Return the nodes of a whole turn; k′² = 4^−level."""
-    χ = (np.arange(count) + 0.5) * 2 * np.pi / count
+    χ = _anomalies(count, count // 2)
     complement, quarter, sn, cn, dn = _functions(χ, level)
     terms = np.arange(1, count // 2)[:, None]
     exact = (terms * (2 * np.arange(count) + 1)) % (2 * count)
     angle = exact * (np.pi / count)
-    amplitude = np.mod(np.arctan2(sn, cn), 2 * np.pi)
     half = count // 2
     return Nodes(
-        χ, 2 * amplitude - np.pi, dn, 1, complement, quarter, 1.0, WARPS[0], np.cos(angle), np.sin(angle),
-        slice(-3, None), slice(half // 2 - 2, half // 2 + 1),
+        χ.high, 2 * np.arctan2(-cn.high, sn.high), dn.high, 1, complement, quarter, 1.0, WARPS[0], np.cos(angle),
+        np.sin(angle), slice(-3, None), slice(half // 2 - 2, half // 2 + 1),
     )  # fmt: skip
 
 
-def _functions(χ: Any, level: int) -> tuple[float, float, Any, Any, Any]:
+def _twice(x: Pair) -> Pair:
+    return Pair(2 * x.high, 2 * x.low)
+
+
+def _anomalies(count: int, parts: int) -> Pair:
+    """(j + ½) π/parts, j < count."""
+    D = Doubled()
+    return D.div(D.mul(Pair(np.arange(count) + 0.5, 0.0), D.pi()), Pair(float(parts), 0.0))
+
+
+def _functions(χ: Pair, level: int) -> tuple[float, float, Pair, Pair, Pair]:
+    """k′², K, and sn, cn, dn of χ K/π for 0 < χ < 2π, each right to its last bit: no claim counts their errors."""
+    D, one = Doubled(), Pair(1.0 + 0.0 * χ.high, 0.0 * χ.high)
     if level == 0:
-        return 1.0, np.pi / 2, np.sin(χ / 2), np.cos(χ / 2), np.ones_like(χ)
-    arithmetic = Float64()
-    complement = 4.0**-level
-    quarter = float(quarter_period(complement, arithmetic))
-    return complement, quarter, *jacobi(χ * (quarter / np.pi), complement, quarter, arithmetic)
+        half = Pair(0.5 * χ.high, 0.5 * χ.low)
+        return 1.0, np.pi / 2, D.unary("sin", half), D.unary("cos", half), one
+    means = _means(level)
+    quarter = D.div(D.pi(), _twice(means[-1][0]))
+    turn = D.pi()
+    folded, mirrored = χ.high > np.pi, D.sub(_twice(turn), χ)
+    χ = _where(folded, mirrored, χ)
+    far = χ.high > np.pi / 2
+    sn, cn, dn = _bulirsch(D.mul(_where(far, D.sub(turn, χ), χ), D.div(quarter, turn)), means)
+    k = 2.0**-level
+    sn, cn, dn = (
+        _where(far, D.div(cn, dn), sn),
+        _where(far, D.div(Pair(k * sn.high, k * sn.low), dn), cn),
+        _where(far, D.div(Pair(k, 0.0), dn), dn),
+    )
+    sign = np.where(folded, -1.0, 1.0)
+    return 4.0**-level, float(quarter.high), sn, Pair(sign * cn.high, sign * cn.low), dn
+
+
+def _where(chosen: Any, x: Pair, y: Pair) -> Pair:
+    return Pair(np.where(chosen, x.high, y.high), np.where(chosen, x.low, y.low))
+
+
+def _means(level: int) -> list[tuple[Pair, Pair]]:
+    """Arithmetic and geometric means from (1, k′), k′ = 2^−level, until they agree to 32 digits."""
+    D, half = Doubled(), lambda x: Pair(0.5 * x.high, 0.5 * x.low)
+    pairs = [(Pair(1.0, 0.0), Pair(2.0**-level, 0.0))]
+    while abs(D.sub(*pairs[-1]).high) > 1e-17 * pairs[-1][0].high:
+        a, b = pairs[-1]
+        pairs.append((half(D.add(a, b)), D.unary("sqrt", D.mul(a, b))))
+    return [*pairs, (half(D.add(*pairs[-1])), pairs[-1][1])]
+
+
+def _bulirsch(u: Pair, means: list[tuple[Pair, Pair]]) -> tuple[Pair, Pair, Pair]:
+    """Sn, cn, dn for 0 < u ≤ K/2; see ``numeric/elliptic``."""
+    D, one = Doubled(), Pair(1.0, 0.0)
+    last, dn = means[-1][0], Pair(1.0 + 0.0 * u.high, 0.0 * u.high)
+    angle = D.mul(last, u)
+    a = D.div(D.unary("cos", angle), D.unary("sin", angle))
+    c = D.mul(last, a)
+    for high, low in reversed(means[:-1]):
+        a, c = D.mul(c, a), D.mul(c, dn)
+        dn = D.div(D.add(low, a), D.add(high, a))
+        a = D.div(c, high)
+    sn = D.div(one, D.unary("sqrt", D.add(D.mul(c, c), one)))
+    return sn, D.mul(c, sn), dn
 
 
 def next_count(needed: float) -> int:
