@@ -19,7 +19,7 @@ from hjsolve.solution import Solution
 CHUNK = 4096
 """Orbits worked on together: their temporaries stay in the cache."""
 
-FAST = 1e-11
+FAST = 2e-11
 """Largest claimed relative error with which the first pass, in doubles, lets an orbit go; the true one is far less."""
 
 GOOD = 2e-11

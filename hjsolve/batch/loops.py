@@ -104,13 +104,15 @@ def _series(weights, χ, n, cosines, integral):
 
 @njit(**OPTIONS)
 def _running(buffer, weights, noise, drift, a, b, x0, P, n, low, high, warp, fold, cosines):
-    """Phase of the start and the weights of the running integral; see ``phase`` and ``quadrature._running``."""
+    """Phase of the start and the weights of the running integral; see ``phase.librating``."""
     W = b - a
     x, y = (x0 - a) / W, (b - x0) / W
-    shake = 0.0
-    for g in range(_SAMPLES):
-        j = min(n - 1, g * n // (_SAMPLES - 1))
-        shake = max(shake, (noise[g, 0] + drift[g]) / buffer[2, j] * low[j] * high[j])
+    below, first = (noise[0, 0] + drift[0]) / buffer[2, 0], low[0]
+    above, last = (noise[_SAMPLES - 1, 0] + drift[_SAMPLES - 1]) / buffer[2, n - 1], high[n - 1]
+    if fold == 2:
+        above, last = below, first
+    lower, upper = first * below, last * above
+    δ = y * lower + x * upper
     if min(x, y) < _CLOSE:
         for _ in range(3):
             χ = _anomaly(x, y, warp)
@@ -118,11 +120,14 @@ def _running(buffer, weights, noise, drift, a, b, x0, P, n, low, high, warp, fol
             r = _dot(buffer[1], weights[1], n) / n / _pace(χ, warp)
             small = (P * r / W) ** 2 / max(x, y)
             x, y = (small, 1.0 - small) if x < y else (1.0 - small, small)
+        δ = min(x * below, lower) if x < y else min(y * above, upper)
+        δ += min(x, y) * (lower + upper)
     χ = _anomaly(x, y, warp)
     χ = -χ if P < 0 else χ
     _series(weights, fold * χ, n, cosines, True)
-    shake /= _pace(χ, warp)
-    return χ, 2.0 * ((shake + 4.0 * _EPS) / np.sqrt(max(x * y, _CLOSE / 2)) + 4.0 * _EPS * math.pi)
+    small, large = min(x, y), max(x, y)
+    doubt = (δ / np.sqrt(max(small, 1e-300)) + 4.0 * _EPS * np.sqrt(small)) / np.sqrt(large) / _pace(χ, warp)
+    return χ, 2.0 * doubt + 8.0 * _EPS * math.pi
 
 
 def kernel(made: Programs, kernels: bool, ripples: bool) -> Any:

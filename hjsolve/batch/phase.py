@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from dataclasses import dataclass
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
@@ -16,59 +17,92 @@ _EPS = 2.0**-52
 _CLOSE = 0.05
 
 
-def librating(region: Region, table: Nodes, ratio: Any, shake: Any) -> tuple[Any, Any]:
+@dataclass(frozen=True)
+class Ends:
+    """The nodes next to the turning points; arrays (n,).
+
+    Attributes:
+        low, high: offsets (q − a)/W of the first node and (b − q)/W of the last one.
+        low_doubt, high_doubt: bounds on the relative error of F there.
+    """
+
+    low: Any
+    high: Any
+    low_doubt: Any
+    high_doubt: Any
+
+
+def librating(region: Region, table: Nodes, ratio: Any, ends: Ends) -> tuple[Any, Any]:
     """Return χ₀ in (−π, π] and a bound on its error.
+
+    The place x = (q₀ − a)/W moves with the turning points: an error δF of p² shifts a by δF/F′ = W x δF/F, taken at the
+    first node. Next to an end x is found from the momentum, and its relative error is that of F/(xy) there.
 
     Args:
         region: of n orbits.
         table: nodes.
         ratio: r = stretch/√S at the nodes, shape (n, nodes).
-        shake: bound on the error of xy = (q − a)(b − q)/W².
+        ends: see there.
     """
     x, y = region.left / region.width, region.right / region.width
-    close = np.minimum(x, y) < _CLOSE
+    d, c = (region.near_lower, region.near_upper) if table.complement < 1 else (0.0 * x, 0.0 * x)
+    lower, upper = ends.low * ends.low_doubt, ends.high * ends.high_doubt
+    δ = y * lower + x * upper
+    close = np.minimum(x * (1 + d), y * (1 + c)) < _CLOSE  # beyond, a pole makes p² flat: it tells no place
     if close.any():
         x, y = x.copy(), y.copy()
         part = np.flatnonzero(close)
         for _ in range(3):
             x[part], y[part] = _from_momentum(region, table, ratio, part, x[part], y[part])
-    d = region.near_lower if table.complement < 1 else 0.0 * x
-    amplitude = np.arctan2(np.sqrt(np.maximum(x * (1 + d), 0)), np.sqrt(np.maximum(y, 0)))
-    phase = _anomaly(amplitude, table)
-    slope = np.pi / (table.quarter * np.sqrt(table.complement) * np.min(table.pace))
-    doubt = slope * (shake + 4 * _EPS) / np.sqrt(np.maximum(x * y, _CLOSE / 2)) + 4 * _EPS * np.pi
-    return np.where(region.momentum < 0, -phase, phase), 2 * doubt
+        near = np.minimum(x * ends.low_doubt, lower) + x * (lower + upper)
+        far = np.minimum(y * ends.high_doubt, upper) + y * (lower + upper)
+        δ = np.where(close, np.where(x < y, near, far), δ)
+    χ = _place(x, y, d, table)
+    small, large = np.minimum(x, y), np.maximum(x, y)
+    root = np.sqrt(np.maximum(_stretch(table, χ, x, y, d, c) * large, 1e-300))
+    doubt = (np.where(small > 0, δ / np.sqrt(np.maximum(small, 1e-300)), 0.0) + 4 * _EPS * np.sqrt(small)) / root
+    return np.where(region.momentum < 0, -χ, χ), 2 * doubt + 8 * _EPS * np.pi
+
+
+def _stretch(table: Nodes, χ: Any, x: Any, y: Any, d: Any, c: Any) -> Any:
+    """(dq/dχ)²/(W² x y)."""
+    pace = 1 + table.warp[0] * np.cos(χ) + table.warp[1] * np.cos(2 * χ)
+    return (2 * table.quarter / np.pi * pace) ** 2 * table.complement * (1 + c * y) * (1 + d * x)
 
 
 def _from_momentum(region: Region, table: Nodes, ratio: Any, part: Any, x: Any, y: Any) -> tuple[Any, Any]:
     """Return x = (q₀ − a)/W and y = 1 − x near an end, from P₀² = W² x y S(q₀)."""
     W, P = region.width[part], region.momentum[part]
     d, c = (region.near_lower[part], region.near_upper[part]) if table.complement < 1 else (0.0, 0.0)
-    amplitude = np.arctan2(np.sqrt(np.maximum(x * (1 + d), 0)), np.sqrt(np.maximum(y, 0)))
-    χ = _anomaly(amplitude, table)
+    χ = _place(x, y, d, table)
     terms = np.arange(1, len(table.cosines) + 1)
     weights = (1 + 2 * rowwise(np.cos(table.fold * terms * χ[:, None]), table.cosines)) / len(table.χ)
     r = np.einsum("nj,nj->n", ratio[part], weights)
-    pace = 1 + table.warp[0] * np.cos(χ) + table.warp[1] * np.cos(2 * χ)
-    square = (2 * table.quarter / np.pi * pace) ** 2 * table.complement
-    stretch = square * (1 + c * y) * (1 + d * x)
-    small = (P * r / W) ** 2 / stretch / np.maximum(x, y)
+    small = (P * r / W) ** 2 / _stretch(table, χ, x, y, d, c) / np.maximum(x, y)
     lower = x < y
     return np.where(lower, small, 1 - small), np.where(lower, 1 - small, small)
 
 
 def rotating(region: Region, table: Nodes) -> tuple[Any, Any]:
-    """Return χ₀ in (−π, π] of a rotation and a bound on its error."""
-    angle = np.sign(region.momentum) * region.left + np.pi
-    angle = angle - 2 * np.pi * np.rint(angle / (2 * np.pi))
-    return _anomaly(angle / 2, table), 16 * _EPS * np.pi**2 / (2 * table.quarter * table.high.min()) + 0.0 * angle
+    """Return χ₀ in (−π, π] of a rotation and a bound on its error; the slow place is χ = π."""
+    left = np.sign(region.momentum) * region.left
+    left = left - 2 * np.pi * np.rint(left / (2 * np.pi))
+    χ = _anomaly(np.where(left > 0, -1, 1) * np.cos(left / 2), np.abs(np.sin(left / 2)), table)
+    return χ, 16 * _EPS * np.pi**2 / (2 * table.quarter * table.high.min()) + 0.0 * left
 
 
-def _anomaly(amplitude: Any, table: Nodes) -> Any:
-    """χ = π F(φ | k²)/K for |φ| ≤ π/2, with F = sin φ R_F(cos²φ, 1 − k² sin²φ, 1) (DLMF 19.25.5)."""
+def _place(x: Any, y: Any, d: Any, table: Nodes) -> Any:
+    """χ of x = (q − a)/W; sn and cn each keep their relative accuracy."""
+    sine, cosine = np.sqrt(np.maximum(x * (1 + d), 0)), np.sqrt(np.maximum(y, 0))
+    size = np.sqrt(sine * sine + cosine * cosine)
+    return _anomaly(sine / size, cosine / size, table)
+
+
+def _anomaly(s: Any, c: Any, table: Nodes) -> Any:
+    """χ = π F(φ | k²)/K from s = sin φ and c = cos φ ≥ 0: F = sin φ R_F(cos²φ, 1 − k² sin²φ, 1) (DLMF 19.25.5)."""
     if table.complement == 1.0:
-        return 2 * amplitude if table.warp == (0.0, 0.0) else _unwarped(2 * amplitude, *table.warp)
-    s, c = np.sin(amplitude), np.cos(amplitude)
+        goal = 2 * np.arctan2(s, c)
+        return goal if table.warp == (0.0, 0.0) else _unwarped(goal, *table.warp)
     x, y, z = c * c, c * c + table.complement * s * s, 1.0 + 0.0 * s
     x = np.maximum(x, 1e-300)
     done = np.zeros(np.shape(s), dtype=bool)

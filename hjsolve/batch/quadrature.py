@@ -15,7 +15,7 @@ from typing import Any
 import numpy as np
 
 from hjsolve.batch import nodes as tables
-from hjsolve.batch.phase import librating, rotating
+from hjsolve.batch.phase import Ends, librating, rotating
 from hjsolve.batch.views import View
 from hjsolve.numeric.rowwise import rowwise
 
@@ -190,9 +190,19 @@ def _rule(region: Region, constants: int, table: tables.Nodes, *, kernels: bool,
     if kernels:
         sums.means[:], sums.mean_errors[:] = mean[1:], mean_error[1:]
     if ripples:
-        shake = (doubts[0] / F * np.abs(table.low * table.high)).max(axis=1)
-        _running(region, table, values[1:], ratio, sums, tail[1:] + 0.5 * blur[1:], shake)
+        with np.errstate(all="ignore"):
+            ends = _ends(region, table, doubts[0] / F)
+            _running(region, table, values[1:], ratio, sums, tail[1:] + 0.5 * blur[1:], ends)
     return sums, more
+
+
+def _ends(region: Region, table: tables.Nodes, doubt: Any) -> Ends:
+    """The nodes next to the turning points; an even motion has only the first of them."""
+    d = region.near_lower if table.complement < 1 else 0.0 * region.width
+    low = table.low[0] / (1 + d * table.high[0])
+    if table.fold == 2:
+        return Ends(low, low, doubt[:, 0], doubt[:, 0])
+    return Ends(low, (1 + d) * table.high[-1] / (1 + d * table.high[-1]), doubt[:, 0], doubt[:, -1])
 
 
 def _largest(values: Any, table: tables.Nodes, rows: slice) -> Any:
@@ -251,11 +261,11 @@ def _results(view: View, x: Any, kernels: bool) -> list[Any]:
     return [np.broadcast_to(v, x.shape) for v in values + view.errors(x, kernels=kernels) + drift]
 
 
-def _running(region: Region, table: tables.Nodes, values: Any, ratio: Any, sums: Sums, noise: Any, shake: Any) -> None:
+def _running(region: Region, table: tables.Nodes, values: Any, ratio: Any, sums: Sums, noise: Any, ends: Ends) -> None:
     """Phase of the start, and the integrals from χ = 0 to it less their mean growth."""
     count = len(table.χ)
     terms = np.arange(1, len(table.cosines) + 1)
-    phase, blur = librating(region, table, ratio, shake) if region.turning else rotating(region, table)
+    phase, blur = librating(region, table, ratio, ends) if region.turning else rotating(region, table)
     angle = table.fold * terms * phase[:, None]
     sine, cosine = np.sin(angle), np.cos(angle)
     weights, delta = rowwise(sine / terms, table.cosines), 1 + 2 * rowwise(cosine, table.cosines)

@@ -30,6 +30,9 @@ class Torus:
 def assemble(model: Model, sums: list[Sums], directions: Any, q: Any, *, angles: bool) -> Torus:
     """Combine the integrals.
 
+    With M the matrix ∂Jᵢ/∂cⱼ, δM⁻¹ = −M⁻¹ δM M⁻¹ to first order. It is multiplied out as far as signs are known, before
+    sizes are taken: M⁻¹ times a column of ``means`` or ``speeds`` is of order one, however large M⁻¹ is.
+
     Args:
         model: of the system.
         sums: one a separated coordinate.
@@ -43,18 +46,25 @@ def assemble(model: Model, sums: list[Sums], directions: Any, q: Any, *, angles:
     with np.errstate(all="ignore"):
         matrix, blur = (x[:, :size].transpose(2, 1, 0) for x in (means, doubts))  # (n, constant, coordinate)
         inverse = _inverse(matrix)
-        wide = np.abs(inverse)
-        shaken = stacked(stacked(wide, blur + 4 * size * _EPS * np.abs(matrix)), wide) + 2 * _EPS * wide
-        rates, rate_errors = inverse[:, :, 0].T, shaken[:, :, 0].T
+        blur = blur + 4 * size * _EPS * np.abs(matrix)
+        rates = inverse[:, :, 0].T
+        shaken = _applied(blur, np.abs(rates))
+        rate_errors = _applied(np.abs(inverse), shaken) + 2 * _EPS * np.abs(rates)
         frequencies = {c.name: (directions[k] * rates[k], rate_errors[k]) for k, c in enumerate(model.separated)}
         for name in model.angles:
             j = model.ignorable[name]
             value = -np.sum(rates * means[:, j], axis=0)
-            error = np.sum(rate_errors * np.abs(means[:, j]) + np.abs(rates) * doubts[:, j], axis=0)
-            frequencies[name] = value, error + 4 * _EPS * np.sum(np.abs(rates * means[:, j]), axis=0)
-        found = _angles(model, sums, directions, q, inverse, shaken) if angles else {}
+            error = np.sum(np.abs(_applied(inverse.transpose(0, 2, 1), means[:, j])) * shaken, axis=0)
+            error = error + np.sum(np.abs(rates) * doubts[:, j], axis=0)
+            frequencies[name] = value, error + 8 * _EPS * np.sum(np.abs(rates * means[:, j]), axis=0)
+        found = _angles(model, sums, directions, q, inverse, blur) if angles else {}
     ordered = {name: frequencies[name] for name in model.names if name in frequencies}
     return Torus(ordered, found)
+
+
+def _applied(matrices: Any, vectors: Any) -> Any:
+    """Matrices (n, i, j) times vectors (j, n)."""
+    return stacked(matrices, vectors.T[..., None])[..., 0].T
 
 
 def _inverse(matrix: Any) -> Any:
@@ -84,27 +94,33 @@ def _one_inverse(matrix: Any) -> Any:
 
 
 def _angles(
-    model: Model, sums: list[Sums], directions: Any, q: Any, inverse: Any, shaken: Any
+    model: Model, sums: list[Sums], directions: Any, q: Any, inverse: Any, blur: Any
 ) -> dict[str, tuple[Any, Any]]:
+    """θ = χ + M⁻¹ (ripples); moving a phase moves G by ``speeds``, and an error of M⁻¹ acts on θ − χ only."""
     size = len(sums)
-    ripples, blurs = np.stack([s.ripples for s in sums]), np.stack([s.ripple_errors for s in sums])
-    speeds = np.abs(np.stack([s.speeds for s in sums]))
-    total, doubt = ripples[:, :size].sum(axis=0), blurs[:, :size].sum(axis=0)
+    means, ripples, blurs, speeds = (
+        np.stack([getattr(s, part) for s in sums]) for part in ("means", "ripples", "ripple_errors", "speeds")
+    )
     phases, phase_errors = np.stack([s.phase for s in sums]), np.stack([s.phase_error for s in sums])
-    doubt = doubt + np.sum(speeds[:, :size] * phase_errors[:, None], axis=0)
-    θ = stacked(inverse, total.T[..., None])[..., 0].T
-    error = (stacked(np.abs(inverse), doubt.T[..., None]) + stacked(shaken, np.abs(total).T[..., None]))[..., 0].T
-    error += phase_errors + 4 * _EPS * (np.pi + np.abs(θ))
+    θ = _applied(inverse, ripples[:, :size].sum(axis=0))
+    shaken = _applied(blur, np.abs(θ)) + blurs[:, :size].sum(axis=0)
+    moved = [_applied(inverse, speeds[i, :size]) for i in range(size)]  # ∂θ/∂χᵢ
+    error = _applied(np.abs(inverse), shaken) + 4 * _EPS * (np.pi + np.abs(phases) + np.abs(θ))
+    error = error + sum(np.abs(moved[i]) * phase_errors[i] for i in range(size))
     found = {c.name: _principal(directions[k] * (phases[k] + θ[k]), error[k]) for k, c in enumerate(model.separated)}
     for name in model.angles:
         j = model.ignorable[name]
-        means = np.stack([s.means[j] for s in sums])
-        value = ripples[:, j].sum(axis=0) - np.sum(means * θ, axis=0)
-        spread = blurs[:, j].sum(axis=0) + np.sum(speeds[:, j] * phase_errors, axis=0)
-        spread = spread + np.sum(np.abs(means) * error, axis=0)
-        spread += np.sum(np.stack([s.mean_errors[j] for s in sums]) * np.abs(θ), axis=0)
+        value = ripples[:, j].sum(axis=0) - np.sum(means[:, j] * θ, axis=0)
+        spread = np.sum(np.abs(_applied(inverse.transpose(0, 2, 1), means[:, j])) * shaken, axis=0)
+        spread = (
+            spread + blurs[:, j].sum(axis=0) + np.sum(np.stack([s.mean_errors[j] for s in sums]) * np.abs(θ), axis=0)
+        )
+        for i in range(size):
+            slope = speeds[i, j] - np.sum(means[:, j] * moved[i], axis=0)
+            spread = spread + np.abs(slope) * phase_errors[i]
         place = q[model.names.index(name)]
-        found[name] = _principal(place + value, spread + 4 * _EPS * (np.abs(place) + np.abs(value) + np.pi))
+        size_ = np.abs(place) + np.pi + np.abs(ripples[:, j]).sum(axis=0) + np.sum(np.abs(means[:, j] * θ), axis=0)
+        found[name] = _principal(place + value, spread + 4 * _EPS * size_)
     return {name: found[name] for name in model.names if name in found}
 
 
