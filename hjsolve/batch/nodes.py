@@ -19,7 +19,8 @@ from typing import Any
 
 import numpy as np
 
-from hjsolve.numeric.doubled import Doubled, Pair
+from hjsolve.numeric.doubled import Doubled
+from hjsolve.numeric.error_free import Pair
 
 COUNTS = (12, 16, 20, 24, 32, 40, 48, 64, 80, 96, 128, 160, 192, 256, 320, 384)
 """Numbers of nodes in use, over half a period (librations) or over a period (rotations, twice as many)."""
