@@ -7,6 +7,7 @@ them is zero (a parabolic orbit, a motion through the axis) is decided with ``_Z
 
 from __future__ import annotations
 
+import math
 from collections.abc import Callable, Iterable, Mapping
 from dataclasses import dataclass
 from functools import lru_cache
@@ -23,6 +24,8 @@ from hjsolve.solution import Solution
 from hjsolve.system import System, momenta
 
 _ZERO_BITS = 2048
+_SHORT, _MOST_TERMS = 12, 400
+"""Terms up to which a number is short, and up to which it is multiplied out."""
 
 Values = Mapping[str, Any]
 
@@ -54,13 +57,46 @@ def to_bits(value: sp.Expr) -> Callable[[int], Any]:
 
 
 def is_zero(value: sp.Expr) -> bool:
-    """Decide whether an exact number is zero: by sympy's own rules, or to 2048 bits against its largest term."""
+    """Decide whether an exact number is zero.
+
+    A long one that two precisions agree on is not; else by sympy's own rules, which take their time, or to 2048 bits:
+    it is zero where it is that small against its largest term, or where two precisions find nothing but rounding.
+    """
+    short = _terms(value) <= _SHORT
+    if (not short and _agreed(value, 128)) or (short and value.is_zero is False):
+        return False
     if value.is_zero is not None:
         return bool(value.is_zero)
     if value.is_Mul:
         return any(is_zero(factor) for factor in value.args)
+    if value.is_Pow and value.exp.is_positive:
+        return is_zero(value.base)
     size = max(abs(to_bits(term)(64)) for term in sp.Add.make_args(value))
-    return bool(abs(to_bits(value)(_ZERO_BITS)) <= size * multiprecision(64).mpf(2) ** (64 - _ZERO_BITS))
+    tiny = abs(to_bits(value)(_ZERO_BITS)) <= size * multiprecision(64).mpf(2) ** (64 - _ZERO_BITS)
+    return bool(tiny or not _agreed(value, _ZERO_BITS // 2))
+
+
+def _agreed(value: sp.Expr, bits: int) -> bool:
+    """True where a number is the same, and not zero, at a precision and at twice as much."""
+    near, far = (to_bits(value)(b) for b in (bits, 2 * bits))
+    return bool(far and abs(near - far) <= abs(far) * multiprecision(64).mpf(2) ** -64)
+
+
+def expanded(value: sp.Expr) -> sp.Expr:
+    """Multiply an exact number out where that leaves it short; what is left as it is, is only worked out in digits."""
+    return sp.expand(value) if _terms(value) <= _MOST_TERMS else value
+
+
+def _terms(value: sp.Expr) -> int:
+    """At least as many terms as the number multiplied out, counted up to a little beyond ``_MOST_TERMS``."""
+    if value.is_Add:
+        return min(_MOST_TERMS + 1, sum(_terms(part) for part in value.args))
+    if value.is_Mul:
+        return min(_MOST_TERMS + 1, math.prod(_terms(part) for part in value.args))
+    if value.is_Pow:
+        power = int(abs(value.exp)) if value.exp.is_Integer else 1
+        return min(_MOST_TERMS + 1, _terms(value.base) ** min(power, 64))
+    return 1
 
 
 def sign(value: sp.Expr) -> int:
@@ -137,7 +173,7 @@ def initial_data(
     if p is None:
         motion = {c.velocity: rates[c.name] for c in system.coordinates}
         formulas = momenta(system)
-        values |= {c.momentum: sp.expand(formulas[c.name].subs({**values, **motion})) for c in system.coordinates}
+        values |= {c.momentum: expanded(formulas[c.name].subs({**values, **motion})) for c in system.coordinates}
     else:
         values |= {c.momentum: rates[c.name] for c in system.coordinates}
     constants = {name: _clean(c.expression.subs(values)) for name, c in solution.constants.items()}
@@ -154,7 +190,7 @@ def _from_constants(
     values |= {solution.constants[name].symbol: value for name, value in constants.items()}
     unsigned = []
     for name in solution.coordinates:
-        squared = sp.expand(solution.momentum_squared[name].subs(values))
+        squared = expanded(solution.momentum_squared[name].subs(values))
         if is_zero(squared):
             root = sp.Integer(0)
         elif name not in signs:
@@ -186,7 +222,7 @@ def _sign_given(name: str, value: Any) -> sp.Integer:
 
 def _clean(value: sp.Expr) -> sp.Expr:
     """Expand, and turn a number that is zero into 0."""
-    value = sp.expand(value)
+    value = expanded(value)
     if value.has(sp.zoo, sp.nan, sp.oo):
         raise InvalidInputError(
             "initial data: a constant of the motion is infinite there; the place is a singularity of the coordinates"

@@ -17,7 +17,7 @@ import sympy as sp
 from hjsolve import quantities
 from hjsolve.errors import InvalidInputError
 from hjsolve.expressions import number
-from hjsolve.initial import Initial, domain_ends, initial_data, sign, to_bits
+from hjsolve.initial import Initial, domain_ends, expanded, initial_data, sign, to_bits
 from hjsolve.lowering import lower, spread_exponentials
 from hjsolve.numeric.arithmetic import multiprecision
 from hjsolve.numeric.classify import Located, Start, locate
@@ -294,7 +294,7 @@ def _start(solution: Solution, initial: Initial, name: str) -> Start:
         name,
         radicand,
         to_bits(initial.values[coordinate.symbol]),
-        sign(sp.expand(momentum)),
+        sign(expanded(momentum)),
         ends[0],
         ends[1],
         angle,

@@ -23,7 +23,7 @@ from .signs import Bounds, atom_bounds
 
 TRIGONOMETRIC = (sp.sin, sp.cos, sp.tan, sp.cot, sp.sec, sp.csc)
 HYPERBOLIC = (sp.sinh, sp.cosh, sp.tanh, sp.coth, sp.sech, sp.csch)
-MAX_MULTIPLE = 60
+MAX_MULTIPLE = 12
 Pair = tuple[Element, Element]
 
 

@@ -17,6 +17,7 @@ import numpy as np
 
 from hjsolve.numeric.arithmetic import Float64, Multi
 
+_GREATEST = float(np.finfo(float).max)
 _RISING = {"exp", "sinh", "tanh", "asinh", "atan"}
 _RISING_ON = {
     "sqrt": (0.0, np.inf),
@@ -63,7 +64,8 @@ class Intervals:
 
     def _wide(self, low: Any, high: Any) -> Interval:
         with np.errstate(all="ignore"):
-            if isinstance(self.plain, Float64):
+            if isinstance(self.plain, Float64):  # what overflowed is beyond the greatest double, and it is finite
+                low, high = np.minimum(low, _GREATEST), np.maximum(high, -_GREATEST)
                 low, high = low - (self.unit * abs(low) + 1e-300), high + (self.unit * abs(high) + 1e-300)
             else:
                 low, high = low - self.unit * abs(low), high + self.unit * abs(high)

@@ -133,13 +133,20 @@ def _enclose(ray: Ray, cells: list[tuple[float, float]], bits: int) -> list[Any]
 class _Cell(NamedTuple):
     """A piece of the ray, its enclosures of F, F′ and F″ (two ends each), and how often it was divided.
 
-    ``blurred``: its enclosure of F is no narrower than that of what it is a part of, so it is all rounding.
+    ``blurred``: its enclosure of F is no narrower than that of what it is a part of, so it is all rounding, or doubles
+    do not reach that far. ``singular``: F has no bounds there in any precision.
     """
 
     ends: tuple[float, float]
     enclosure: Any
     depth: int
     blurred: bool = False
+    singular: bool = False
+
+    @property
+    def overflowed(self) -> bool:
+        """True where doubles found nothing, because they do not reach that far."""
+        return self.undecided and not (self.blurred or self.singular or _finite(self.enclosure))
 
     @property
     def positive(self) -> bool:
@@ -161,6 +168,10 @@ def _search(ray: Ray, cells: list[_Cell], digits: int) -> End | None:
     work = 0
     while cells:
         first = cells[0]
+        if first.overflowed:
+            work += _DEARER
+            cells = [_exactly(ray, first), *cells[1:]]
+            continue
         if first.undecided and _pieces(ray, first):
             work += 1 if first.depth < _EXACT else _DEARER
             if work > _MOST_WORK:
@@ -175,6 +186,16 @@ def _search(ray: Ray, cells: list[_Cell], digits: int) -> End | None:
             return found
         cells = cells[1:]
     return None
+
+
+def _exactly(ray: Ray, cell: _Cell) -> _Cell:
+    """The same cell in many digits."""
+    enclosure = _enclose(ray, [cell.ends], 256)[0]
+    return _Cell(cell.ends, enclosure, cell.depth, blurred=_finite(enclosure), singular=not _finite(enclosure))
+
+
+def _finite(enclosure: Any) -> bool:
+    return bool(abs(enclosure[0]) < np.inf and abs(enclosure[1]) < np.inf)
 
 
 def _divided(ray: Ray, cells: list[_Cell]) -> list[_Cell]:
@@ -192,7 +213,9 @@ def _divided(ray: Ray, cells: list[_Cell]) -> list[_Cell]:
         inner = [next(enclosures) for _ in parts]
         blurred = bool(parts) and not max(e[1] - e[0] for e in inner) < 0.6 * (cell.enclosure[1] - cell.enclosure[0])
         blurred = cell.blurred or (depth > 0 and blurred)
-        result += [_Cell(part, e, depth + 1, blurred) for part, e in zip(parts, inner, strict=True)] or [cell]
+        result += [
+            _Cell(part, e, depth + 1, blurred, cell.singular) for part, e in zip(parts, inner, strict=True)
+        ] or [cell]
     return result + cells[together:]
 
 
