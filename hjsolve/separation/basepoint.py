@@ -1,8 +1,10 @@
 """Base points: simple values at which all coordinates but some are held.
 
 A separable system satisfies its axis-line formula identically in the base point, so the values may be formal: sine
-and cosine become a rational point of the circle, an exponential a rational number, an undetermined function zero. Any
-substitution that respects the relations of the field will do, and the result is verified afterwards in any case.
+and cosine become a rational point of the circle, an exponential or a logarithm a rational number, an undetermined
+function zero; a coordinate is put where its square roots are rational. Any substitution that respects the relations of
+the field will do, and the result is verified afterwards in any case. Irrational constants such as √5 and log 3 would
+be generators of the field for good, and make every later step dearer.
 """
 
 from __future__ import annotations
@@ -11,6 +13,8 @@ import random
 from collections.abc import Iterator, Sequence
 from dataclasses import dataclass, field
 from fractions import Fraction
+from itertools import islice
+from math import isqrt
 
 import sympy as sp
 
@@ -23,6 +27,7 @@ ATTEMPTS = 40
 CIRCLE = ((1, 0), ("3/5", "4/5"), (0, 1), ("4/5", "3/5"), ("5/13", "12/13"), ("12/13", "5/13"), ("8/17", "15/17"))
 HYPERBOLA = (("3/4", "5/4"), ("4/3", "5/3"), (0, 1), ("5/12", "13/12"), ("12/5", "13/5"), ("8/15", "17/15"))
 LINE = (0, 1, 2, -1, 3, "1/2", -2, 5, "1/3", "5/2")
+RATIONALS = tuple(sp.Rational(p, q) for q in range(1, 5) for p in range(25) if sp.gcd(p, q) == 1)
 UNKNOWNS = (sp.core.function.AppliedUndef, sp.Derivative, sp.Subs)
 
 
@@ -94,7 +99,7 @@ class BasePoint:
                 s, c = points[choice % len(points)]
                 table[g.atom] = sp.Rational(s)
                 table[self.reader.field.generators[g.partner].atom] = sp.Rational(c)
-            elif isinstance(g.atom, sp.exp):
+            elif isinstance(g.atom, sp.exp | sp.log):
                 table[g.atom] = sp.Integer(1 + choice)
             elif isinstance(g.atom, UNKNOWNS):
                 table[g.atom] = sp.Integer(choice // 2)
@@ -103,10 +108,10 @@ class BasePoint:
     def _coordinate(self, q: sp.Symbol, choice: int) -> sp.Expr:
         lower, upper = self.reader.bounds.get(q, (None, None))
         if not self.inside and not _is_number(lower) and not _is_number(upper):
-            return sp.Rational(LINE[choice % len(LINE)])
+            return self._with_rational_roots(q, sp.Rational(LINE[choice % len(LINE)]), choice)
         share = sp.Rational(choice + 1)
         if lower is None and upper is None:
-            return sp.Rational(LINE[choice % len(LINE)])
+            return self._with_rational_roots(q, sp.Rational(LINE[choice % len(LINE)]), choice)
         if upper is None:
             return lower + share
         if lower is None:
@@ -118,6 +123,20 @@ class BasePoint:
             near = (low + (high - low) / (choice + 2)).limit_denominator(4 + 2 * choice)
             return sp.Rational(near.numerator, near.denominator)
         return middle
+
+    def _with_rational_roots(self, q: sp.Symbol, value: sp.Rational, choice: int) -> sp.Rational:
+        """The value, or another one where the square roots of polynomials in q alone are rational."""
+        roots = [g.atom for g in self.reader.field.generators if g.kind == "root" and g.atom.free_symbols == {q}]
+        radicands = [x.base for x in roots if x.is_Pow and x.exp == sp.S.Half and x.base.is_polynomial(q)]
+        if not radicands:
+            return value
+        good = (v for v in (value, *RATIONALS) if all(_is_square(r.subs(q, v)) for r in radicands))
+        first = next(good, value)
+        return first if first == value else next(islice(good, choice, None), first)
+
+
+def _is_square(x: sp.Rational) -> bool:
+    return bool(x >= 0 and all(isqrt(int(n)) ** 2 == n for n in (x.p, x.q)))
 
 
 def _is_number(end: sp.Expr | None) -> bool:

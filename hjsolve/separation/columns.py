@@ -24,7 +24,7 @@ from ..algebra.reader import Reader
 Row = list[Element]
 Vector = list[Element]
 MAX_CANDIDATES = 120
-FEW = 30
+LINES, POINTS = 30, 8
 
 
 def sparsest(reader: Reader, symbols: Sequence[sp.Symbol], rows: list[Row], column: Row) -> tuple[list[Row], Row]:
@@ -124,15 +124,15 @@ def _candidate_lines(reader: Reader, functionals: list[Vector], d: int) -> list[
         return units
     kernels = (_kernel(reader, rows) for rows in combinations(functionals, d - 1))
     found = list(islice((k for k in kernels if k is not None), MAX_CANDIDATES))
-    return [*_promising(reader, functionals, found), *units]
+    return [*_promising(reader, functionals, found, LINES), *units]
 
 
-def _promising(reader: Reader, functionals: Sequence[Vector], vectors: list[Vector]) -> list[Vector]:
+def _promising(reader: Reader, functionals: Sequence[Vector], vectors: list[Vector], few: int) -> list[Vector]:
     """Those that most functionals annihilate, in their order; all of them where they are few.
 
     Annihilation is read off modulo a prime: it only decides which candidates are worth multiplying out.
     """
-    if len(vectors) <= FEW:
+    if len(vectors) <= few:
         return vectors
     sieve = Filter(reader.field, points=1)
 
@@ -141,7 +141,7 @@ def _promising(reader: Reader, functionals: Sequence[Vector], vectors: list[Vect
             sieve.vanishes([[[f], [x]] for f, x in zip(functional, vector)]) is True for functional in functionals
         )
 
-    best = sorted(range(len(vectors)), key=lambda k: -annihilated(vectors[k]))[:FEW]
+    best = sorted(range(len(vectors)), key=lambda k: -annihilated(vectors[k]))[:few]
     return [vectors[k] for k in sorted(best)]
 
 
@@ -170,12 +170,12 @@ def _kernel(reader: Reader, rows: Sequence[Vector]) -> Vector | None:
     return vector
 
 
-def _apply(reader: Reader, rows: list[Row], vector: Sequence[Element | None]) -> Row:
-    """Φ·vector; None stands for 0."""
+def _apply(reader: Reader, rows: list[Row], vector: Sequence[Element | None], start: Row | None = None) -> Row:
+    """Start + Φ·vector; None stands for 0."""
     field = reader.field
     result = []
-    for row in rows:
-        terms = [x * v for x, v in zip(row, vector) if v is not None and not v.is_zero]
+    for row, first in zip(rows, start or [field.zero] * len(rows)):
+        terms = [first, *(x * v for x, v in zip(row, vector) if v is not None and not v.is_zero)]
         result.append(min(variants(reader, field.cancelled(field.total(terms))), key=cost))
     return result
 
@@ -250,11 +250,10 @@ def _best_point(reader: Reader, rows: list[Row], start: Row, functionals: list[V
     candidates: list[Vector] = [[field.zero] * d]
     solutions = (_solution(reader, chosen) for chosen in combinations(augmented, d))
     found = [[field.one, *s] for s in islice((s for s in solutions if s is not None), MAX_CANDIDATES)]
-    candidates += [k[1:] for k in _promising(reader, augmented, found)]
+    candidates += [k[1:] for k in _promising(reader, augmented, found, POINTS)]
     best: tuple[tuple[object, ...], Row] | None = None
     for position, k in enumerate(candidates):
-        image = [field.cancelled(s + x) for s, x in zip(start, _apply(reader, rows, [None, *k]))]
-        image = [min(variants(reader, x), key=cost) for x in image]
+        image = _apply(reader, rows, [None, *k], start)
         score = (-sum(x.is_zero for x in image), sum(map(cost, image)), tuple(x.is_zero for x in image), position)
         if best is None or score < best[0]:
             best = score, image

@@ -2,10 +2,12 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
+
 import sympy as sp
 
 from ..algebra.field import Element
-from ..algebra.readable import readable
+from ..algebra.readable import cost, readable
 from ..algebra.reader import Reader
 from ..shell import Shell
 from ..system import kinetic_rest, linear_terms
@@ -35,12 +37,12 @@ def constants_of(shell: Shell, reader: Reader, matrix: Matrix | None) -> dict[st
 
 def _separation_constants(shell: Shell, reader: Reader, matrix: Matrix) -> list[Constant]:
     """α = Φ⁻¹(½P² + ψ), from Stäckel's separated equations (Greenwood (5-142))."""
-    inverse = _inverse(reader, matrix.rows)
+    inverted = inverse(reader, matrix.rows, [reader.element(g) for g in shell.inverse_metric])
     separated = []
     for c, a, ψ in zip(shell.coordinates, shell.shift, matrix.column):
         separated.append((c.momentum + a) ** 2 / 2 + readable(reader, ψ))
     taken = set(shell.system.symbols)
-    meanings = Naming(shell, reader)(inverse[1:], matrix.column)
+    meanings = Naming(shell, reader)(inverted[1:], matrix.column)
     names = [c.name for c in shell.coordinates]
     found = []
     for j in range(1, len(names)):
@@ -51,29 +53,42 @@ def _separation_constants(shell: Shell, reader: Reader, matrix: Matrix) -> list[
         text = f"separation constant shared by {', '.join(holds)}"
         if known := meanings[j - 1]:
             text = f"{text}: {known}"
-        weights = [readable(reader, x) for x in inverse[j]]
+        weights = [readable(reader, x) for x in inverted[j]]
         expression = sp.Add(*(w * square for w, square in zip(weights, separated)))
         found.append(Constant(name, sp.Symbol(name, real=True), expression, text))
     return found
 
 
-def _inverse(reader: Reader, rows: list[list[Element]]) -> list[list[Element]]:
-    """Φ⁻¹ by Gauss–Jordan elimination that starts with the rows that hold least.
+def inverse(reader: Reader, rows: Sequence[Sequence[Element]], metric: Sequence[Element]) -> list[list[Element]]:
+    """Φ⁻¹ by cofactors; its first row is the metric, so 1/det Φ is gⁱⁱ over the cofactor of Φᵢ₁ and stays factored.
 
-    A triangular Φ is solved from below.
+    Elimination would divide by pivots that cancel in the end, and multiply out what does not.
+
+    Args:
+        reader: reader of the field.
+        rows: Φ, regular.
+        metric: gⁱⁱ, with cᵀΦ = (1, 0, …, 0).
     """
-    field, n = reader.field, len(rows)
-    work = [[*row, *(field.coerce(int(i == k)) for k in range(n))] for i, row in enumerate(rows)]
-    left: list[int] = list(range(n))
-    place: dict[int, int] = {}
-    for _ in range(n):
-        r = min(left, key=lambda i: sum(not x.is_zero for x in work[i][:n]))
-        k = next(k for k in reversed(range(n)) if not work[r][k].is_zero and k not in place)
-        left.remove(r)
-        place[k] = r
-        lead = work[r][k]
-        work[r] = [field.cancelled(x / lead) for x in work[r]]
-        for other in range(n):
-            if other != r and not (c := work[other][k]).is_zero:
-                work[other] = [field.cancelled(x - c * y) for x, y in zip(work[other], work[r])]
-    return [work[place[k]][n:] for k in range(n)]
+    field, n = reader.field, range(len(rows))
+    known: dict[tuple[tuple[int, ...], tuple[int, ...]], Element] = {}
+
+    def minor(left: tuple[int, ...], columns: tuple[int, ...]) -> Element:
+        if not left:
+            return field.one
+        if (left, columns) not in known:
+            first, *rest = left
+            terms = (
+                rows[first][j] * (-1) ** k * minor(tuple(rest), (*columns[:k], *columns[k + 1 :]))
+                for k, j in enumerate(columns)
+                if not rows[first][j].is_zero
+            )
+            known[left, columns] = field.cancelled(field.total(terms))
+        return known[left, columns]
+
+    def cofactor(i: int, j: int) -> Element:
+        return minor(tuple(k for k in n if k != i), tuple(k for k in n if k != j)) * (-1) ** (i + j)
+
+    regular = [i for i in n if not cofactor(i, 0).is_zero]
+    pivot = min(regular, key=lambda i: cost(cofactor(i, 0)) + cost(metric[i]))
+    share = metric[pivot] / cofactor(pivot, 0)
+    return [[field.cancelled(share * cofactor(i, j)) for i in n] for j in n]

@@ -2,13 +2,19 @@
 
 from __future__ import annotations
 
+from itertools import islice
+
 import pytest
 import sympy as sp
 
 from hjsolve.algebra.reader import Reader
-from hjsolve.separation import levi_civita, stackel
+from hjsolve.separation import levi_civita, refusal, stackel
+from hjsolve.separation.basepoint import base_points
+from hjsolve.separation.constants import inverse
 from hjsolve.separation.stackel import Matrix
 from hjsolve.separation.zero_test import Unproved, is_zero
+from hjsolve.shell import reduce
+from tests.random_staeckel import case
 
 x, y = sp.symbols("x y", positive=True)
 px, py = sp.symbols("p_x p_y", real=True)
@@ -101,3 +107,45 @@ def test_an_open_question_carries_the_point_and_the_value_there() -> None:
     assert abs(answer.value) < sp.Float("1e-100")
     nothing = sp.Integral(sp.exp(-(x**2) * y), (x, 0, 1)) - y
     assert is_zero(nothing) == Unproved({}, None, is_zero(nothing).reason)
+
+
+def test_base_points_bring_no_irrational_constants() -> None:
+    """√5 and log 4 would be generators of the field for good; the square root is rational at x = 2, the logarithm formal."""
+    function = sp.sqrt(x**2 + 5) * sp.log(x**2 + 4) + sp.sqrt(y**2 + 2) + sp.exp(2 * y)
+    reader = Reader([function])
+    element = reader.element(function)
+    count = len(reader.field.generators)
+    for point in islice(base_points(reader, [x, y]), 8):
+        value = reader.write(point.keep(element, set()))
+        assert value.is_Rational
+        assert len(reader.field.generators) == count
+        kept = reader.element(sp.sqrt(x**2 + 5)), reader.element(x)
+        root, place = (reader.write(point.keep(e, set())) for e in kept)
+        assert root**2 == place**2 + 5
+    values = {reader.write(point.keep(element, set())) for point in islice(base_points(reader, [x, y]), 8)}
+    assert len(values) > 4
+
+
+def test_a_root_that_is_nowhere_rational_is_left_alone() -> None:
+    """x² + y² = 3 has no rational points, and neither has √(3 − x²)."""
+    reader = Reader([sp.sqrt(3 - x**2)], {x: (sp.Integer(-1), sp.Integer(1))})
+    element = reader.element(sp.sqrt(3 - x**2))
+    point = next(base_points(reader, [x]))
+    assert not reader.write(point.keep(element, set())).is_Rational
+
+
+@pytest.mark.parametrize("n", [2, 3, 4])
+def test_the_inverse_of_staeckels_matrix_is_its_inverse_and_stays_small(n: int) -> None:
+    system = case(100_000 * n + 3, n, separable=True).system
+    shell = reduce(system)
+    setting = refusal.of_shell(shell, Reader().field.budget)
+    reader, matrix = (
+        setting.reader,
+        stackel.construct(setting.reader, setting.symbols, setting.metric, setting.potential),
+    )
+    inverted = inverse(reader, matrix.rows, setting.metric)
+    for i in range(n):
+        for k in range(n):
+            terms = [[[matrix.rows[i][j]], [inverted[j][k]]] for j in range(n)]
+            assert levi_civita.total(reader, [*terms, [[reader.field.coerce(-int(i == k))]]]).is_zero
+    assert max(len(e.numerator) for row in inverted for e in row) < 200
