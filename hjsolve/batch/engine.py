@@ -19,10 +19,10 @@ from hjsolve.solution import Solution
 CHUNK = 4096
 """Orbits worked on together: their temporaries stay in the cache."""
 
-FAST = 2e-11
+FAST = 3e-11
 """Largest claimed relative error with which the first pass, in doubles, lets an orbit go; the true one is far less."""
 
-GOOD = 2e-11
+GOOD = 3e-11
 """The same for the second pass; above it the third one tries."""
 
 

@@ -26,6 +26,7 @@ _TRIAL = 24
 _TRIALS = (0, 1, 3, 5)
 _EVEN_TRIALS = (6, 7)
 _MANY = 36
+_PLACES = 5
 _ELEMENTS = 1 << 17
 
 
@@ -160,7 +161,8 @@ def _rule(region: Region, constants: int, table: tables.Nodes, *, kernels: bool,
     count = len(table.χ) if region.turning else len(table.χ) // 2
     with np.errstate(all="ignore"):
         places = _librating(region, table) if region.turning else _rotating(region, table)
-        F, ratio, weights, doubts, drift = _integrands(region, places, kernels)
+        smooth = table.complement == 1.0 and table.warp == (0.0, 0.0)
+        F, ratio, weights, doubts, drift = _integrands(region, places, kernels, smooth)
         n = len(F)
         rows = [F * ratio, *(w * ratio for w in weights)]
         noise = [0.5 * ratio * doubts[0]]
@@ -240,14 +242,14 @@ def _rotating(region: Region, table: tables.Nodes) -> tuple[Any, Any, Any]:
     return q[:, :half], q[:, half:], scale
 
 
-def _integrands(region: Region, places: tuple[Any, Any, Any], kernels: bool) -> tuple[Any, ...]:
+def _integrands(region: Region, places: tuple[Any, Any, Any], kernels: bool, smooth: bool) -> tuple[Any, ...]:
     """F, r = |dq/dχ|/√F, the kernels, bounds on the errors of F and kernels, and the smooth part of the first."""
     below, above, scale = places
     if region.below is region.above:
         whole = np.concatenate([below, above], axis=1)
-        results = [_results(region.below, whole, kernels)]
+        results = [_results(region.below, whole, kernels, smooth)]
     else:
-        results = [_results(region.below, below, kernels), _results(region.above, above, kernels)]
+        results = [_results(region.below, below, kernels, smooth), _results(region.above, above, kernels, smooth)]
     joined = [results[0][k] if len(results) == 1 else np.concatenate([r[k] for r in results], axis=1)
               for k in range(len(results[0]))]  # fmt: skip
     m = len(joined) // 2
@@ -255,10 +257,30 @@ def _integrands(region: Region, places: tuple[Any, Any, Any], kernels: bool) -> 
     return F, np.sqrt(scale / F), joined[1:m], joined[m:-1], joined[-1]
 
 
-def _results(view: View, x: Any, kernels: bool) -> list[Any]:
-    values = list(view.full(x)) if kernels else [view.value(x)]
-    drift = [view.drift(values[1:], x) if kernels else 0.0]
-    return [np.broadcast_to(v, x.shape) for v in values + view.errors(x, kernels=kernels) + drift]
+def _results(view: View, x: Any, kernels: bool, smooth: bool) -> list[Any]:
+    values = [np.broadcast_to(v, x.shape) for v in (view.full(x) if kernels else [view.value(x)])]
+    return values + [np.broadcast_to(e, x.shape) for e in _doubts(view, x, values, smooth)]
+
+
+def _doubts(view: View, x: Any, values: list[Any], smooth: bool) -> list[Any]:
+    """Bounds on the errors of F and of the kernels, and the smooth part of the first.
+
+    Where nodes are nowhere crowded these vary slowly: a few nodes stand for those between them, the larger for both.
+    """
+    few = np.unique(np.linspace(0, x.shape[1] - 1, _PLACES).astype(int))
+    if not smooth or x.shape[1] < 2 * len(few):
+        few = np.arange(x.shape[1])
+    some = x if len(few) == x.shape[1] else np.ascontiguousarray(x[:, few])
+    first, *others = view.errors(some, kernels=len(values) > 1)
+    drift = view.drift([v[:, few] for v in values[1:]], some) if others else 0.0 * first
+    if some is x:
+        return [first, *others, drift]
+    after = np.searchsorted(few, np.arange(x.shape[1]))
+    before = np.maximum(after - 1, 0)
+    noise, drift, *others = (
+        np.maximum(e[:, after], e[:, before]) if np.ndim(e) == 2 else e for e in (first - drift, drift, *others)
+    )
+    return [noise + drift, *others, drift]
 
 
 def _running(region: Region, table: tables.Nodes, values: Any, ratio: Any, sums: Sums, noise: Any, ends: Ends) -> None:

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Iterable, Mapping
+from functools import lru_cache
 from pathlib import Path
 from typing import Any
 
@@ -101,11 +102,17 @@ def _solution(system: Any) -> Solution:
     if isinstance(system, System):
         return solve(system)
     if isinstance(system, (str, Path)):
-        path = Path(system) if str(system).endswith(".toml") else system
-        return solve(catalog.load(path))
+        path = str(system).endswith(".toml")
+        return solve(catalog.load(Path(system))) if path else _entry(str(system))
     raise InvalidInputError(
         f"ensemble: give a System, a Solution, a catalog id or the path of a .toml entry, not a {type(system).__name__}"
     )
+
+
+@lru_cache(maxsize=16)
+def _entry(name: str) -> Solution:
+    """The solution of a catalog entry: reading it takes as long as tens of thousands of orbits."""
+    return solve(catalog.load(name))
 
 
 def _numbers(parameters: Mapping[str, Any]) -> dict[str, Any]:
