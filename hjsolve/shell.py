@@ -15,18 +15,17 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import dataclass
+from fractions import Fraction
 
-import mpmath
 import sympy as sp
 
 from .algebra.field import Element
 from .algebra.integration import closed_form_potential
-from .algebra.modular import Filter
+from .algebra.modular_jets import at_random_points
 from .algebra.poly import Budget
 from .algebra.readable import cost, readable
 from .algebra.reader import Reader
 from .algebra.signs import Bounds
-from .evaluation import CONTEXT, NoValueError, evaluate
 from .kinetic import mass_as_written
 from .system import Coordinate, System, kinetic_rest, linear_terms
 
@@ -200,44 +199,23 @@ def _mass(system: System) -> sp.Matrix:
 def _find_ignorable(
     system: System, lagrangian: _Lagrangian, reader: Reader
 ) -> tuple[tuple[Coordinate, ...], _Lagrangian]:
-    """Coordinates that T and V do not hold, also where they seem to (cos²φ + sin²φ); those are set to a number."""
+    """Coordinates that T and V do not hold, also where they seem to (cos²φ + sin²φ); those are set to a number.
+
+    Slopes that do not vanish at a point modulo a prime are no zero functions; the others are proved to be.
+    """
+    symbols = [c.symbol for c in system.coordinates]
+    elements = [reader.element(x) for x in lagrangian.parts() if not x.free_symbols.isdisjoint(symbols)]
+    places = at_random_points(reader, symbols, elements, points=1) or [(2, [])]
     found = []
-    sieve = Filter(reader.field)
-    for c in system.coordinates:
-        holding = [x for x in lagrangian.parts() if c.symbol in x.free_symbols]
-        if any(_moves(x, c, system) for x in holding):
+    for i, c in enumerate(system.coordinates):
+        if any(jet.slopes[i] for _, jets in places for jet in jets):
             continue
-        slopes = [reader.diff_terms(reader.element(x), c.symbol) for x in holding]
-        if any(sieve.vanishes([[terms]]) is False or not reader.field.total(terms).is_zero for terms in slopes):
+        if any(not reader.field.total(reader.diff_terms(x, c.symbol)).is_zero for x in elements):
             continue
-        if holding:
+        if any(c.symbol in x.free_symbols for x in lagrangian.parts()):
             lagrangian = lagrangian.subs(c.symbol, _inside(c))
         found.append(c)
     return tuple(found), lagrangian
-
-
-def _moves(x: sp.Expr, c: Coordinate, system: System) -> bool:
-    """Whether an expression has different values, to 80 digits, at two values of a coordinate; False proves nothing."""
-    if x.has(sp.core.function.AppliedUndef, sp.Derivative):
-        return False
-    numbers = {p.symbol: CONTEXT.mpf(3 * k + 5) / 7 for k, p in enumerate(system.parameters)}
-    numbers |= {d.momentum: CONTEXT.mpf(5 * k + 4) / 9 for k, d in enumerate(system.coordinates)}
-    shares = [CONTEXT.mpf(k + 3) / (k + 8) for k in range(len(system.coordinates) + 1)]
-    try:
-        places = {d.symbol: _place(d, share, numbers) for d, share in zip(system.coordinates, shares)}
-        here = evaluate(x, {**numbers, **places})
-        there = evaluate(x, {**numbers, **places, c.symbol: _place(c, shares[-1] / 2, numbers)})
-    except NoValueError:
-        return False
-    return bool(abs(here - there) > CONTEXT.mpf(10) ** -30 * abs(here))
-
-
-def _place(c: Coordinate, share: mpmath.mpf, numbers: dict[sp.Symbol, mpmath.mpf]) -> mpmath.mpf:
-    """A value inside a coordinate's domain; NoValueError where an end has no value."""
-    low, high = (None if end is None else evaluate(end, numbers) for end in (c.domain.lower, c.domain.upper))
-    if low is None or high is None or c.domain.kind == "angle":
-        return share if low is None and high is None else (high - share if low is None else low + share)
-    return low + (high - low) * share
 
 
 def _inside(c: Coordinate) -> sp.Expr:
@@ -268,7 +246,7 @@ def _eliminate(
     while left:
         k = min(left, key=lambda i: (any(m[i][i].depends_on(q) for q in positions), cost(m[i][i])))
         left.remove(k)
-        centrifugal.append(r[k] ** 2 / m[k][k] * reader.field.coerce(1) / 2)
+        centrifugal.append(r[k] ** 2 / m[k][k] * Fraction(1, 2))
         others = [i for i in (*left, *essential) if not m[i][k].is_zero]
         share = {i: reader.field.cancelled(m[i][k] / m[k][k]) for i in others}
         for i in others:

@@ -73,7 +73,9 @@ class Separable:
             q = sp.Symbol(n)
             parts = sp.lambdify(q, [*self.matrix.row(i), self.column[i]], "mpmath")
             doubles = sp.lambdify(q, [*self.matrix.row(i), self.column[i]], "numpy")
-            result.append(Line(_remembered(_square(parts, α)), _square(doubles, [float(a) for a in α]), self._one(place[q])))
+            result.append(
+                Line(_remembered(_square(parts, α)), _square(doubles, [float(a) for a in α]), self._one(place[q]))
+            )
         return result
 
     def growths(self, lines: list[Line], ends: list[tuple[Any, Any]]) -> Any:

@@ -13,8 +13,9 @@ import random
 from collections.abc import Iterator, Sequence
 from dataclasses import dataclass, field
 from fractions import Fraction
+from functools import reduce
 from itertools import islice
-from math import isqrt
+from math import gcd, isqrt
 
 import sympy as sp
 
@@ -27,7 +28,7 @@ ATTEMPTS = 40
 CIRCLE = ((1, 0), ("3/5", "4/5"), (0, 1), ("4/5", "3/5"), ("5/13", "12/13"), ("12/13", "5/13"), ("8/17", "15/17"))
 HYPERBOLA = (("3/4", "5/4"), ("4/3", "5/3"), (0, 1), ("5/12", "13/12"), ("12/5", "13/5"), ("8/15", "17/15"))
 LINE = (0, 1, 2, -1, 3, "1/2", -2, 5, "1/3", "5/2")
-RATIONALS = tuple(sp.Rational(p, q) for q in range(1, 5) for p in range(25) if sp.gcd(p, q) == 1)
+RATIONALS = tuple(Fraction(p, q) for q in range(1, 9) for p in range(40) if gcd(p, q) == 1)
 UNKNOWNS = (sp.core.function.AppliedUndef, sp.Derivative, sp.Subs)
 
 
@@ -125,18 +126,25 @@ class BasePoint:
         return middle
 
     def _with_rational_roots(self, q: sp.Symbol, value: sp.Rational, choice: int) -> sp.Rational:
-        """The value, or another one where the square roots of polynomials in q alone are rational."""
+        """The value, or another one where the square roots of polynomials in q alone are rational, if there is one."""
         roots = [g.atom for g in self.reader.field.generators if g.kind == "root" and g.atom.free_symbols == {q}]
         radicands = [x.base for x in roots if x.is_Pow and x.exp == sp.S.Half and x.base.is_polynomial(q)]
-        if not radicands:
+        polynomials = [sp.Poly(r, q) for r in radicands]
+        if not polynomials or any(not a.is_Rational for f in polynomials for a in f.coeffs()):
             return value
-        good = (v for v in (value, *RATIONALS) if all(_is_square(r.subs(q, v)) for r in radicands))
-        first = next(good, value)
-        return first if first == value else next(islice(good, choice, None), first)
+        rows = [[Fraction(int(a.p), int(a.q)) for a in f.all_coeffs()] for f in polynomials]
+        if _are_squares(rows, Fraction(int(value.p), int(value.q))):
+            return value
+        good = next(islice((v for v in RATIONALS if _are_squares(rows, v)), choice, None), None)
+        return value if good is None else sp.Rational(good.numerator, good.denominator)
 
 
-def _is_square(x: sp.Rational) -> bool:
-    return bool(x >= 0 and all(isqrt(int(n)) ** 2 == n for n in (x.p, x.q)))
+def _are_squares(rows: Sequence[Sequence[Fraction]], v: Fraction) -> bool:
+    """Whether polynomials, by their coefficients from the highest on, are squares of rational numbers at v."""
+    values = (reduce(lambda sum_, a: sum_ * v + a, row, Fraction(0)) for row in rows)
+    return all(
+        x >= 0 and isqrt(x.numerator) ** 2 == x.numerator and isqrt(x.denominator) ** 2 == x.denominator for x in values
+    )
 
 
 def _is_number(end: sp.Expr | None) -> bool:

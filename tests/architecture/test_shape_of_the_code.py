@@ -52,9 +52,7 @@ def test_no_star_import_no_eval_no_broad_except(path: Path) -> None:
             banned = {"eval", "exec", "compile"} - allowed
             assert node.func.id not in banned, f"line {node.lineno}: {node.func.id}"
         if isinstance(node, ast.Call) and isinstance(node.func, ast.Attribute):
-            assert node.func.attr != "parse_expr", (
-                f"line {node.lineno}: {node.func.attr} evaluates text"
-            )
+            assert node.func.attr != "parse_expr", f"line {node.lineno}: {node.func.attr} evaluates text"
         if isinstance(node, ast.ExceptHandler):
             caught = node.type.elts if isinstance(node.type, ast.Tuple) else [node.type]
             broad = [c for c in caught if c is None or (isinstance(c, ast.Name) and c.id.endswith("Exception"))]

@@ -25,7 +25,9 @@ FLAGS = [
 ]  # fmt: skip
 
 
-def row(method: str, digits: float, error: float | None, seconds: float | None, status: str = "ok", note: str = "") -> Row:
+def row(
+    method: str, digits: float, error: float | None, seconds: float | None, status: str = "ok", note: str = ""
+) -> Row:
     claimed = None if error is None or method in ("DOP853", "heyoka") else 10 * error
     return Row(method, digits, claimed, error, claimed is not None or None, 1234, "evaluations", seconds, 3, status,
                "all", note)  # fmt: skip
@@ -92,7 +94,9 @@ def test_no_words_of_the_figure_overlap(page):
 
 
 def test_nothing_of_the_figure_hangs_over(page):
-    outer = page.execute_script("const b=document.querySelector('figure svg').getBoundingClientRect();return [b.left,b.top,b.right,b.bottom]")
+    outer = page.execute_script(
+        "const b=document.querySelector('figure svg').getBoundingClientRect();return [b.left,b.top,b.right,b.bottom]"
+    )
     inner = page.execute_script("""
       return [...document.querySelectorAll('figure svg text, figure svg path')].map(e => {
         const b = e.getBoundingClientRect(); return [e.outerHTML.slice(0, 80), b.left, b.top, b.right, b.bottom]; });""")
@@ -105,14 +109,19 @@ def test_nothing_of_the_figure_hangs_over(page):
 
 def test_every_row_has_its_mark(page, table):
     """One mark a row, with its numbers as a tooltip; a row that never ran is a cross in the legend."""
-    said = [t.get_attribute("textContent") for t in page.find_elements("css selector", "figure svg g g title, figure svg > g > title")]
+    said = [
+        t.get_attribute("textContent")
+        for t in page.find_elements("css selector", "figure svg g g title, figure svg > g > title")
+    ]
     drawn = [r for r in table.rows if r.answered or r.status in ("too slow", "not converged")]
     assert len(said) == len(drawn)
     crosses = page.find_elements("css selector", "figure svg .cross")
     failed = [r for r in table.rows if r.status in ("too slow", "not converged", "lost")]
     unstarted = [m for m in table.methods if not any(r.answered for r in table.of(m))]
     assert len(crosses) == len(failed) + len(unstarted)
-    assert len(page.find_elements("css selector", "figure svg .hollow")) == sum(r.status == "extrapolated" for r in table.rows)
+    assert len(page.find_elements("css selector", "figure svg .hollow")) == sum(
+        r.status == "extrapolated" for r in table.rows
+    )
 
 
 @pytest.mark.parametrize("width", [500, 1200])

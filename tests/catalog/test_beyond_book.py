@@ -94,7 +94,12 @@ def test_the_perfect_oblate_spheroid_has_its_density() -> None:
         return potential(mp.asinh(mp.sqrt(s) / d), mp.asin(z / mp.sqrt(s + d * d)), d, mp.mpf("0.8"), 2)
 
     with mp.workdps(60):
-        a2, c2, place, h = mp.mpf("1.5") ** 2 + mp.mpf("0.64"), mp.mpf("0.64"), (mp.mpf("0.7"), mp.mpf("0.4"), mp.mpf("0.3")), mp.mpf(10) ** -12
+        a2, c2, place, h = (
+            mp.mpf("1.5") ** 2 + mp.mpf("0.64"),
+            mp.mpf("0.64"),
+            (mp.mpf("0.7"), mp.mpf("0.4"), mp.mpf("0.3")),
+            mp.mpf(10) ** -12,
+        )
         second = [[at(*(x + k * h * (i == j) for j, x in enumerate(place))) for k in (-1, 0, 1)] for i in range(3)]
         laplacian = mp.fsum(low - 2 * mid + high for low, mid, high in second) / h**2
         x, y, z = place

@@ -189,7 +189,9 @@ def gyroscopic_criterion():
     a, b, c = m11 * m22 - m12**2, m11 * k22 + m22 * k11 - 2 * m12 * k12 + γ**2, k11 * k22 - k12**2
     own = plain(pair(1).polynomial).subs(plain(LAMBDA) ** 2, z)
     numbers = {m11: 2, m12: 1, m22: 4, **{S(n): S(n) for n in ("k11", "k12", "k22", "gamma")}}
-    return exact(polynomial - (a * z**2 + b * z + c), sp.expand(own.subs(S("lambda") ** 2, z) - polynomial.subs(numbers)))
+    return exact(
+        polynomial - (a * z**2 + b * z + c), sp.expand(own.subs(S("lambda") ** 2, z) - polynomial.subs(numbers))
+    )
 
 
 @result("C62", "P3-10")

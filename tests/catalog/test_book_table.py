@@ -18,6 +18,8 @@ def test_the_page_has_every_row_once() -> None:
 
 def test_every_row_has_an_entry_and_every_row_but_one_a_result() -> None:
     """C05, the hollow sphere, is only described by the book."""
-    rows = [line.split(" | ") for line in book_table.PAGE.read_text(encoding="utf-8").splitlines() if line.startswith("| C")]
+    rows = [
+        line.split(" | ") for line in book_table.PAGE.read_text(encoding="utf-8").splitlines() if line.startswith("| C")
+    ]
     assert all(entry != "–" and verdict != "–" for _, entry, verdict, *_ in rows)
     assert {row[2:] for row, _, _, checked, _ in rows if not checked.isdigit()} == book_table.WITHOUT_RESULT

@@ -16,9 +16,7 @@ from tests import entries
 from tests.entries import described as entry
 
 IDS = catalog.ids("separable")
-EFFECTS = [
-    (name, effect) for name in catalog.ids() for effect, what in entry(name).effects.items() if not what.force
-]
+EFFECTS = [(name, effect) for name in catalog.ids() for effect, what in entry(name).effects.items() if not what.force]
 
 
 def verdict(name: str) -> Separation:
@@ -119,10 +117,17 @@ def test_the_books_staeckel_matrix_is_ours_up_to_the_allowed_operations(name: st
         if key != "staeckel":
             continue
         assert isinstance(found, Stackel)
-        Φ, ψ = sp.Matrix([[formula(name, x) for x in row] for row in book["matrix"]]), sp.Matrix(
-            [formula(name, x) for x in book["column"]])
-        changes = [(Φ.xreplace(at).inv() * found.matrix.xreplace(at), Φ.xreplace(at).inv() * (
-            sp.Matrix(found.column) - ψ).xreplace(at)) for at in points(name)]
+        Φ, ψ = (
+            sp.Matrix([[formula(name, x) for x in row] for row in book["matrix"]]),
+            sp.Matrix([formula(name, x) for x in book["column"]]),
+        )
+        changes = [
+            (
+                Φ.xreplace(at).inv() * found.matrix.xreplace(at),
+                Φ.xreplace(at).inv() * (sp.Matrix(found.column) - ψ).xreplace(at),
+            )
+            for at in points(name)
+        ]
         first = changes[0]
         assert abs(first[0].det().evalf(30)) > 1e-6
         for K, k in changes:

@@ -58,7 +58,9 @@ def in_space(entry: str, t: Any, name: str = "default") -> tuple[list[Any], list
     values |= {sp.Symbol(n): sp.sympify(v) for n, v in described.motions[name].parameters.items()}
     values |= {sp.Symbol(n): sp.Float(v, 17) for n, v in state_at(entry, t, name).items()}
     places = [own.of(described.stated.map[n]) for n in described.stated.coordinates]
-    there, speeds = ([mp.mpf(sp.N(f.xreplace(values), 17)) for f in column] for column in (places, map(own.rate, places)))
+    there, speeds = (
+        [mp.mpf(sp.N(f.xreplace(values), 17)) for f in column] for column in (places, map(own.rate, places))
+    )
     return there, speeds
 
 

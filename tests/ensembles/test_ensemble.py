@@ -53,7 +53,9 @@ def closed_form(r: float, theta: float, p_r: float, p_theta: float) -> dict[str,
 def distance(column: str, value: float, true: Any) -> Any:
     with mpmath.workdps(60):
         far = mpmath.mpf(value) - true
-        return abs(far - 2 * mpmath.pi * mpmath.nint(far / (2 * mpmath.pi))) if column.startswith("angles") else abs(far)
+        return (
+            abs(far - 2 * mpmath.pi * mpmath.nint(far / (2 * mpmath.pi))) if column.startswith("angles") else abs(far)
+        )
 
 
 NARROW = {
@@ -79,7 +81,9 @@ def test_velocities_count_as_exact_though_their_momenta_are_rounded() -> None:
     """Near-circular: the action J_r moves by a thousand times its own rounding with the last bit of p_θ."""
     r, speed = 1.1, 0.8668435987
     near = [speed * (1 + k * 1e-9) for k in range(4)]
-    batch = hjsolve.ensemble("kepler-planar", q={"r": r, "theta": 0}, velocity={"r": 1e-7, "theta": near}, want="actions")
+    batch = hjsolve.ensemble(
+        "kepler-planar", q={"r": r, "theta": 0}, velocity={"r": 1e-7, "theta": near}, want="actions"
+    )
     for k, rate in enumerate(near):
         with mpmath.workdps(60):
             L = mpmath.mpf(r) ** 2 * mpmath.mpf(rate)
@@ -166,7 +170,9 @@ def test_any_shape_is_kept_and_scalars_spread() -> None:
 
 @pytest.mark.parametrize("dtype", [np.float16, np.float32, np.float64, np.longdouble, np.int8, np.int64, np.uint16])
 def test_every_real_type_becomes_float64(dtype: type) -> None:
-    batch = kepler({"r": np.array([1, 2], dtype), "theta": dtype(0)}, {"r": dtype(0), "theta": dtype(1)}, want="constants")
+    batch = kepler(
+        {"r": np.array([1, 2], dtype), "theta": dtype(0)}, {"r": dtype(0), "theta": dtype(1)}, want="constants"
+    )
     assert batch.constants["E"].dtype == np.float64
     assert batch.constants["E"].tolist() == [-0.5, -0.375]
 

@@ -45,7 +45,9 @@ def separatrix(a: mpf, e: mpf, x: mpf) -> mpf:
     return high
 
 
-@pytest.mark.parametrize(("a", "p", "e", "x"), [("0.9", "6", "0.3", "0.7"), ("0.9", "12", "0.6", "-0.8"), ("0.01", "9", "0.01", "0.4")])
+@pytest.mark.parametrize(
+    ("a", "p", "e", "x"), [("0.9", "6", "0.3", "0.7"), ("0.9", "12", "0.6", "-0.8"), ("0.01", "9", "0.01", "0.4")]
+)
 def test_the_references_agree_and_one_orbit_with_them(a, p, e, x, solution) -> None:
     with mp.workdps(32):
         orbit = from_turning_points(mpf(a), mpf(p), mpf(e), mpf(x))
@@ -62,7 +64,9 @@ def test_a_step_of_1e_10_from_the_separatrix(solution) -> None:
         orbit = from_turning_points(a, separatrix(a, e, x) + mpf("1e-10"), e, x)
         assert 0 < orbit.roots[1] - orbit.roots[2] < 1e-9
         truth = in_closed_form(orbit)
-        motion = solution.motion(**start(orbit, (orbit.roots[0] + orbit.roots[1]) / 2), parameters={"a": SEPARATRIX[0]}, want=["frequencies"])
+        motion = solution.motion(
+            **start(orbit, (orbit.roots[0] + orbit.roots[1]) / 2), parameters={"a": SEPARATRIX[0]}, want=["frequencies"]
+        )
         assert motion.kinds["r"] == "libration"
         for name in NAMES[1:]:
             ratio = mpf(motion.frequencies[name].value) / mpf(motion.frequencies["r"].value)
@@ -73,7 +77,9 @@ def test_many_orbits_at_once() -> None:
     rng, count = np.random.default_rng(7), 8
     with mp.workdps(32):
         orbits = [
-            from_turning_points(mpf("0.9"), mpf(rng.uniform(5, 12)), mpf(rng.uniform(0.02, 0.7)), mpf(rng.uniform(0.3, 0.95)))
+            from_turning_points(
+                mpf("0.9"), mpf(rng.uniform(5, 12)), mpf(rng.uniform(0.02, 0.7)), mpf(rng.uniform(0.3, 0.95))
+            )
             for _ in range(count)
         ]
         begins = [start(o, 2 / (1 / o.roots[0] + 1 / o.roots[1])) for o in orbits]

@@ -32,8 +32,10 @@ def test_positions_and_momenta_are_those_of_a_taylor_integration(name: str, moti
     system = entry.system
     with mp.workdps(50):
         values = {s: mpf(sp.N(solved.initial.values[s], 50)) for s in (p.symbol for p in system.parameters)}
-        begin = [mpf(sp.N(solved.initial.values[s], 50)) for s in (
-            *(c.symbol for c in system.coordinates), *(c.momentum for c in system.coordinates))]
+        begin = [
+            mpf(sp.N(solved.initial.values[s], 50))
+            for s in (*(c.symbol for c in system.coordinates), *(c.momentum for c in system.coordinates))
+        ]
         q, p = [c.symbol for c in system.coordinates], [c.momentum for c in system.coordinates]
         m, c = (values[sp.Symbol(n, positive=True)] for n in ("m0", "c"))
         flow = Flow(_plain_hamiltonian(name, q, p), q, p, values, begin, digits=30)

@@ -65,8 +65,11 @@ def test_a_wrong_potential_is_seen() -> None:
 
 
 def test_a_system_of_ignorable_coordinates_only() -> None:
-    free = System(coordinates={"x": "line", "y": "line"}, kinetic="m/2*(dot(x)**2 + dot(y)**2 + dot(x)*dot(y))",
-                  parameters={"m": 1})
+    free = System(
+        coordinates={"x": "line", "y": "line"},
+        kinetic="m/2*(dot(x)**2 + dot(y)**2 + dot(x)*dot(y))",
+        parameters={"m": 1},
+    )
     verdict = separate(free)
     assert isinstance(verdict, Separation)
     solution = solve(verdict)

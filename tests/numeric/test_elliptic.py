@@ -12,7 +12,9 @@ COMPLEMENTS = ("0.9", "0.1", "1e-6", "3.8e-11", "1e-15")
 
 @pytest.mark.parametrize("complement", COMPLEMENTS)
 @pytest.mark.parametrize("bits", [53, 120, 194])
-def test_they_are_those_of_mpmath_and_change_sign_at_two_k_even_when_it_is_rounded_up(complement: str, bits: int) -> None:
+def test_they_are_those_of_mpmath_and_change_sign_at_two_k_even_when_it_is_rounded_up(
+    complement: str, bits: int
+) -> None:
     arithmetic = Multi(max(bits, 64))
     k2 = arithmetic.convert(mp.mpf(complement))
     quarter = quarter_period(k2, arithmetic)

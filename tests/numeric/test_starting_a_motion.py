@@ -28,7 +28,9 @@ FORMULAS = (
 def radicand(formula: sp.Expr, *values: str) -> Radicand:
     arguments = [q, E, k]
     kernels = [sp.diff(formula, c) / 2 for c in (E, k)]
-    return Radicand(lower([formula], arguments), lower(kernels, arguments), lambda bits: [Multi(bits).convert(v) for v in values])
+    return Radicand(
+        lower([formula], arguments), lower(kernels, arguments), lambda bits: [Multi(bits).convert(v) for v in values]
+    )
 
 
 @pytest.mark.parametrize("formula", FORMULAS)
@@ -54,7 +56,9 @@ def test_jets_are_the_derivatives_of_the_formula(formula: sp.Expr) -> None:
 
 @settings(max_examples=60, deadline=None)
 @given(st.sampled_from(FORMULAS), st.floats(0.05, 3), st.floats(0, 1), st.floats(0, 1))
-def test_enclosures_hold_the_function_and_its_derivatives(formula: sp.Expr, low: float, width: float, share: float) -> None:
+def test_enclosures_hold_the_function_and_its_derivatives(
+    formula: sp.Expr, low: float, width: float, share: float
+) -> None:
     high = low + width
     x = min(max(low + share * width, low), high)
     cell = radicand(formula, "1.25", "0.75").enclose(np.array([low]), np.array([high]))
@@ -83,7 +87,9 @@ def test_a_constant_has_no_derivative() -> None:
 def test_cells_that_wait_for_the_same_are_divided_together(monkeypatch) -> None:
     """The end does not change, and fewer enclosures are asked for than one undecided cell at a time needs."""
     horizon = q**2 - 2 * q + k**2
-    field = radicand(sp.expand(((E * (q**2 + k**2) - 2 * k) ** 2 - horizon * (q**2 + 8)).expand()) / horizon**2, "0.95", "0.9")
+    field = radicand(
+        sp.expand(((E * (q**2 + k**2) - 2 * k) ** 2 - horizon * (q**2 + 8)).expand()) / horizon**2, "0.95", "0.9"
+    )
     enclose, calls = Radicand.enclose, []
     monkeypatch.setattr(Radicand, "enclose", lambda *a: calls.append(1) or enclose(*a))
 

@@ -109,7 +109,13 @@ def by_quadrature(orbit: Orbit) -> dict[str, mpf]:
     half, *over_r = _over_r(orbit, radial)
     quarter, *over_θ = _over_θ(orbit, polar)
     (φr, tr, τr), (φθ, tθ, τθ) = ([x / half for x in over_r], [x / quarter for x in over_θ])
-    return {"r": mp.pi / half, "theta": mp.pi / 2 / quarter, "phi": φr - a * E + φθ, "t": tr + a * L - tθ, "tau": τr + τθ}
+    return {
+        "r": mp.pi / half,
+        "theta": mp.pi / 2 / quarter,
+        "phi": φr - a * E + φθ,
+        "t": tr + a * L - tθ,
+        "tau": τr + τθ,
+    }
 
 
 def _over_r(orbit: Orbit, f: Callable[[mpf], list[mpf]]) -> list[mpf]:

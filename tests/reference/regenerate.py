@@ -66,8 +66,14 @@ def motions(entry: str) -> Iterator[Motion]:
         point |= {sympy.Symbol(f"v_{n}"): value for n, value in v.items()}
         p = {n: mp.mpf(sympy.N(kinetic.diff(sympy.Symbol(f"v_{n}")).subs(point), mp.dps)) for n in names}
         yield Motion(
-            entry, name, names, tuple(c["name"] for c in table["coordinates"] if c["domain"] == "angle"),
-            parameters, q, p, mechanics.hamiltonian(entry),
+            entry,
+            name,
+            names,
+            tuple(c["name"] for c in table["coordinates"] if c["domain"] == "angle"),
+            parameters,
+            q,
+            p,
+            mechanics.hamiltonian(entry),
         )
 
 

@@ -47,8 +47,11 @@ class _Compiler:
                 first = self.emit("add" if expr.is_Add else "multiply", (first, other))
             if not numbers:
                 return first
-            return self.emit("shift", (first,), mp.fsum(numbers)) if expr.is_Add else self.emit(
-                "scale", (first,), mp.fprod(numbers))
+            return (
+                self.emit("shift", (first,), mp.fsum(numbers))
+                if expr.is_Add
+                else self.emit("scale", (first,), mp.fprod(numbers))
+            )
         if expr.is_Pow:
             return self._power(expr.base, expr.exp)
         if isinstance(expr, sympy.sin | sympy.cos):
@@ -161,8 +164,15 @@ class Flow:
         digits: local error per step, in decimal digits; ``mp.dps`` should be about 15 larger.
     """
 
-    def __init__(self, hamiltonian: sympy.Expr, q: Sequence[sympy.Symbol], p: Sequence[sympy.Symbol],
-                 values: Mapping[sympy.Symbol, mpf], state: Sequence[mpf], digits: int = 55):
+    def __init__(
+        self,
+        hamiltonian: sympy.Expr,
+        q: Sequence[sympy.Symbol],
+        p: Sequence[sympy.Symbol],
+        values: Mapping[sympy.Symbol, mpf],
+        state: Sequence[mpf],
+        digits: int = 55,
+    ):
         slopes = [sympy.diff(hamiltonian, s) for s in p] + [-sympy.diff(hamiltonian, s) for s in q]
         compiler = _Compiler([*q, *p], values)
         self.slopes = [compiler.slot(slope) for slope in slopes]

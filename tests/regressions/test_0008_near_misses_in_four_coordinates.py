@@ -55,3 +55,8 @@ def test_separable_systems_of_a_thousand_terms_separate(seed):
     assert abs((metric * sp.Matrix(form.column).subs(point).evalf(60))[0] - V) < 1e-40 * abs(V)
     for i, q in enumerate(system.coordinates):
         assert sp.Tuple(*form.matrix.row(i), form.column[i]).free_symbols <= {q.symbol}
+
+
+def test_the_few_rational_points_of_a_root_are_not_the_only_base_points():
+    """√(x² + 5) is rational at few simple places; where Φ is singular at all of them, others are tried."""
+    assert isinstance(separate(case(300013, 3, separable=True).system), Separation)

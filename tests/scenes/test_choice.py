@@ -129,7 +129,9 @@ def test_the_report_says_what_was_chosen_and_why(tmp_path: Path) -> None:
     path = tmp_path / "scene.txt"
     hjsolve.report(Scene.load({**PERIODS, "accuracy": {"digits": 20}}), path, cost=False)
     text = " ".join(path.read_text(encoding="utf-8").split())
-    assert "Chosen: multiple precision (mpmath), 20 digits, because up to 60 digits ball arithmetic does not pay" in text
+    assert (
+        "Chosen: multiple precision (mpmath), 20 digits, because up to 60 digits ball arithmetic does not pay" in text
+    )
 
 
 def test_a_malformed_accuracy_is_one_line_and_status_2(tmp_path: Path, capsys: Any) -> None:

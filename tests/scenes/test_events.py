@@ -66,8 +66,10 @@ class Reference:
         L = {c.velocity: sp.Rational(str(scene.initial.velocity[c.name])) for c in self.system.coordinates}
         places = {c.symbol: sp.Rational(str(scene.initial.q[c.name])) for c in self.system.coordinates}
         exact = {p.symbol: sp.Rational(str(scene.parameters.get(p.name, p.value))) for p in self.system.parameters}
-        momenta = [sp.diff(self.system.kinetic, c.velocity).xreplace(L).xreplace({**places, **exact})
-                   for c in self.system.coordinates]
+        momenta = [
+            sp.diff(self.system.kinetic, c.velocity).xreplace(L).xreplace({**places, **exact})
+            for c in self.system.coordinates
+        ]
         self.state = [mp.mpf(sp.N(places[s], 60)) for s in self.q] + [mp.mpf(sp.N(p, 60)) for p in momenta]
 
     def velocity(self, state: list[Any], i: int) -> Any:

@@ -128,5 +128,7 @@ def test_an_address_where_nobody_answers_is_told_in_one_line(
     from hjsolve.sweeps import cluster as module
 
     monkeypatch.setattr(module, "_PATIENCE", 0.3)
-    with pytest.raises(hjsolve.InvalidInputError, match=r"tcp://127\.0\.0\.1:9 cannot be reached; start one by `dask scheduler`"):
+    with pytest.raises(
+        hjsolve.InvalidInputError, match=r"tcp://127\.0\.0\.1:9 cannot be reached; start one by `dask scheduler`"
+    ):
         hjsolve.sweep(scene, tmp_path / "out", scheduler="tcp://127.0.0.1:9")

@@ -35,7 +35,9 @@ def grid() -> tuple[Any, Any]:
 def test_the_rows_are_those_of_an_ensemble_bit_for_bit(scene: Path, tmp_path: Path) -> None:
     done = hjsolve.sweep(scene, tmp_path / "out.parquet")
     r, L = grid()
-    batch = hjsolve.ensemble("kepler-planar", q={"r": r, "theta": 0}, p={"r": 0.1, "theta": L}, want=["actions", "frequencies"])
+    batch = hjsolve.ensemble(
+        "kepler-planar", q={"r": r, "theta": 0}, p={"r": 0.1, "theta": L}, want=["actions", "frequencies"]
+    )
     found = rows(done.path)
     assert (done.orbits, done.parts, done.kept, done.statuses) == (12, 6, 0, batch.summary())
     assert found["orbit"].tolist() == list(range(12))
@@ -66,7 +68,10 @@ def test_a_table_of_starts_gives_a_row_for_each_of_its_rows(suffix: str, tmp_pat
     r, v = np.array([1.0, np.nan, 1.3, 1 / 3]), np.array([1.1, 1.0, 0.9, 2.0])
     path = tmp_path / f"starts{suffix}"
     if suffix == ".csv":
-        path.write_text("name,radius,velocity.theta\n" + "".join(f"7,{'' if np.isnan(a) else repr(float(a))},{b!r}\n" for a, b in zip(r, map(float, v))))
+        path.write_text(
+            "name,radius,velocity.theta\n"
+            + "".join(f"7,{'' if np.isnan(a) else repr(float(a))},{b!r}\n" for a, b in zip(r, map(float, v)))
+        )
     elif suffix == ".npz":
         np.savez(path, **{"radius": r, "velocity.theta": v})
     else:
@@ -83,7 +88,9 @@ columns = {{"q.r" = "radius"}}
 """
     (tmp_path / "scene.toml").write_text(text)
     found = rows(hjsolve.sweep(tmp_path / "scene.toml", tmp_path / "out").path)
-    batch = hjsolve.ensemble("kepler-planar", q={"r": r, "theta": 0}, velocity={"r": 0.125, "theta": v}, want="constants")
+    batch = hjsolve.ensemble(
+        "kepler-planar", q={"r": r, "theta": 0}, velocity={"r": 0.125, "theta": v}, want="constants"
+    )
     assert found["status"].tolist() == batch.status.tolist()
     assert "not_finite" in batch.status
     assert found["constants.E"].tobytes() == batch.constants["E"].tobytes()
@@ -145,7 +152,9 @@ def test_a_complete_sweep_is_not_touched(scene: Path, finished: Path, monkeypatc
         ("want =", 'effects = ["precession"]\nwant =', "effects"),
     ],
 )  # fmt: skip
-def test_another_scene_is_refused_and_nothing_is_touched(old: str, new: str, part: str, scene: Path, finished: Path) -> None:
+def test_another_scene_is_refused_and_nothing_is_touched(
+    old: str, new: str, part: str, scene: Path, finished: Path
+) -> None:
     out = finished
     before = {path.name: path.read_bytes() for path in out.iterdir()}
     scene.write_text(SCENE.replace(old, new))
@@ -218,7 +227,9 @@ def test_a_fault_of_the_table_is_one_line_with_file_and_key(kind: str, scene: Pa
     scene.write_text(SCENE.replace(old, new, 1))
     with pytest.raises(hjsolve.CatalogError) as caught:
         hjsolve.Scene.load(scene)
-    assert any(message in line and line.startswith(str(scene)) for line in str(caught.value).splitlines()), str(caught.value)
+    assert any(message in line and line.startswith(str(scene)) for line in str(caught.value).splitlines()), str(
+        caught.value
+    )
 
 
 TABLES = {

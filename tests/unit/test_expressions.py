@@ -236,7 +236,9 @@ def test_a_hostile_text_ends_in_one_error(text):
 
 @pytest.mark.timeout(30)
 def test_a_long_formula_is_read():
-    assert read("+".join(f"{i}*x**2*sin(y)**{i % 7}" for i in range(400))).subs(y, 0).coeff(x, 2) == sum(range(0, 400, 7))
+    assert read("+".join(f"{i}*x**2*sin(y)**{i % 7}" for i in range(400))).subs(y, 0).coeff(x, 2) == sum(
+        range(0, 400, 7)
+    )
 
 
 @given(st.text(max_size=60))

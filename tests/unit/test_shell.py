@@ -5,8 +5,9 @@ from __future__ import annotations
 import pytest
 import sympy as sp
 
+from hjsolve.algebra.poly import Budget, WorkLimitError
 from hjsolve.separation import region_of
-from hjsolve.shell import Irreducible, Shell, reduce
+from hjsolve.shell import Irreducible, Shell, domain_bounds, reduce
 from hjsolve.system import System, hamiltonian, mass_matrix
 from tests.separation_cases import CARTESIAN, PLANE, REFUSED, SEPARABLE, SPACE, make
 
@@ -150,3 +151,121 @@ def test_several_coupled_ignorable_coordinates_leave_half_c_inverse_mass_c():
     assert len(c) == 3
     expected = (c.T * block.inv() * c)[0] / 2 + system.coordinates[0].symbol ** 4
     assert sp.cancel(shell.potential - expected) == 0
+
+
+@pytest.mark.parametrize(
+    ("domain", "ends"),
+    [
+        ("line", (None, None)),
+        ("angle", (None, None)),
+        ("2 < r", (2, None)),
+        ("r < 3", (None, 3)),
+        ("2 < r < 3", (2, 3)),
+    ],
+)
+def test_bounds_of_every_kind_of_domain(domain, ends):
+    system = System({"r": domain}, "dot(r)**2/2", "r")
+    ((symbol_, bounds),) = domain_bounds(system).items()
+    assert symbol_ == system.coordinates[0].symbol
+    assert bounds == ends
+
+
+@pytest.mark.parametrize(
+    ("domain", "potential"),
+    [
+        ("2 < r", "sqrt(r**2 - 4*r + 4) - (r - 2)"),
+        ("r < 2", "sqrt(r**2 - 4*r + 4) + (r - 2)"),
+        ("2 < r < 3", "sqrt(r**2 - 4*r + 4)*sqrt(r**2 - 6*r + 9) - (r - 2)*(3 - r)"),
+        ("-3 < r < -2", "sqrt(r**2 + 6*r + 9)*sqrt(r**2 + 4*r + 4) + (r + 3)*(r + 2)"),
+        ("line", "cos(r)**2 + sin(r)**2 - 1"),
+        ("angle", "cos(r)**2 + sin(r)**2 - 1"),
+    ],
+)
+def test_an_apparent_coordinate_is_put_to_a_place_inside_its_domain(domain, potential):
+    """Outside it the roots change sign: the potential would be left with a number that is not 0."""
+    shell = reduce(System({"r": domain, "x": "line"}, "(dot(r)**2 + dot(x)**2)/2", f"{potential} + x**4"))
+    assert [c.name for c in shell.ignorable] == ["r"]
+    x = shell.coordinates[0].symbol
+    assert sp.expand(shell.potential - momentum("r") ** 2 / 2 - x**4) == 0
+
+
+def test_a_coordinate_in_one_entry_of_the_mass_matrix_only_is_not_ignorable():
+    shell = reduce(System(dict.fromkeys("xyz", "line"), "(dot(x)**2 + dot(y)**2*(1 + x**2) + dot(z)**2)/2", "0"))
+    assert [c.name for c in shell.ignorable] == ["y", "z"]
+
+
+def test_hidden_coordinates_are_found_where_no_random_point_has_a_value():
+    """Without a filter every slope is brought to its normal form: the answer is the same."""
+    system = SEPARABLE["Kepler, space"]
+    expected = reduce(system).ignorable
+    with pytest.MonkeyPatch.context() as patch:
+        patch.setattr("hjsolve.shell.at_random_points", lambda *_, **__: None)
+        assert reduce(system).ignorable == expected != ()
+        seeming = System({"x": "line", "y": "line"}, "(dot(x)**2 + dot(y)**2)/2", "sin(x)**2 + cos(x)**2 + y**2")
+        assert [c.name for c in reduce(seeming).ignorable] == ["x"]
+
+
+def test_a_budget_that_is_given_is_kept_to():
+    with pytest.raises(WorkLimitError):
+        reduce(SEPARABLE["Kepler, space"], Budget(terms=0))
+
+
+def test_the_energy_is_a_real_symbol():
+    assert reduce(SEPARABLE["spherical pendulum"]).energy.is_real
+
+
+# ---------------------------------------------------------------------------------------------------- words and steps
+
+
+def titled(shell, title):
+    return [step for step in shell.steps if step.title == title]
+
+
+def test_the_step_of_the_shell_shows_half_the_metric_times_squares_plus_the_potential():
+    for name in ("spherical pendulum", "Kepler, space", "top, C52"):
+        shell = reduce(SEPARABLE[name])
+        (step,) = titled(shell, "Energy shell")
+        squares = (
+            g * sp.Symbol(f"P_{c.name}") ** 2 / 2 for g, c in zip(shell.inverse_metric, shell.coordinates, strict=True)
+        )
+        assert step.formula.rhs == shell.energy
+        assert sp.expand(step.formula.lhs - sp.Add(*squares) - shell.potential) == 0
+
+
+def test_the_steps_name_what_was_done_and_nothing_else():
+    pendulum = reduce(SEPARABLE["spherical pendulum"])
+    assert [step.title for step in pendulum.steps] == ["Ignorable coordinates", "Energy shell"]
+    assert "phi" in pendulum.steps[0].explanation
+    assert "linear in the momenta left" not in pendulum.steps[0].explanation
+    tube = reduce(SEPARABLE["whirling tube, C25a"])
+    assert [step.title for step in tube.steps] == ["Velocity-free part of T", "Energy shell"]
+    assert sp.expand(tube.steps[0].formula - tube.potential) == 0
+    free = reduce(System(PLANE, "(dot(x)**2 + dot(y)**2)/2", "x**4 + y**4"))
+    assert [step.title for step in free.steps] == ["Ignorable coordinates", "Energy shell"]
+    assert "none is ignorable" in free.steps[0].explanation
+
+
+def test_linear_terms_that_the_elimination_leaves_are_announced():
+    """T couples x to the ignorable z, y to nothing: A = (c x, 0) comes from the elimination alone."""
+    kinetic = "(dot(x)**2*(1 + x**2) + dot(y)**2 + dot(z)**2 + 2*x*dot(x)*dot(z))/2"
+    shell = reduce(System(dict.fromkeys("xyz", "line"), kinetic, "x**4 + y**4"))
+    assert [bool(a) for a in shell.shift] == [True, False]
+    assert shell.steps[0].title == "Ignorable coordinates"
+    assert shell.steps[0].explanation.endswith("and terms linear in the momenta left.")
+    (shift,) = titled(shell, "Linear terms")
+    assert "With one essential coordinate" not in shift.explanation
+
+
+def test_linear_terms_that_the_user_wrote_are_not_announced_as_found():
+    kinetic = "(dot(x)**2 + dot(y)**2 + dot(z)**2)/2 + x*dot(x)"
+    shell = reduce(System(dict.fromkeys("xyz", "line"), kinetic, "x**4 + y**4"))
+    assert "linear in the momenta left" not in shell.steps[0].explanation
+    assert titled(shell, "Linear terms")
+
+
+def test_one_coordinate_left_has_linear_terms_that_are_a_gradient():
+    shell = reduce(System({"x": "line"}, "dot(x)**2/2 + x**2*dot(x)", "x**4"))
+    (shift,) = titled(shell, "Linear terms")
+    assert shift.explanation.startswith("With one essential coordinate")
+    two = reduce(System(PLANE, "(dot(x)**2 + dot(y)**2)/2 + x**2*dot(x) + y*dot(y)", "x**4 + y**4"))
+    assert titled(two, "Linear terms")[0].explanation.startswith("H has terms")

@@ -1,6 +1,5 @@
 """What a solution prints: Greenwood's own formulas, sign by sign."""
 
-
 import pytest
 import sympy as sp
 
