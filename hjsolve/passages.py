@@ -11,7 +11,7 @@ from hjsolve.errors import InvalidInputError, NotConvergedError, OutsideMotionEr
 from hjsolve.expressions import number
 from hjsolve.initial import to_bits
 from hjsolve.numeric.arithmetic import Multi, multiprecision
-from hjsolve.numeric.course import Bounded, Course, Frozen, Open
+from hjsolve.numeric.course import Bounded, Course, Frozen, Open, farthest
 from hjsolve.numeric.error_free import split
 from hjsolve.numeric.estimate import Estimate
 from hjsolve.numeric.inverse import Torus, mean_rate, oscillation
@@ -241,8 +241,9 @@ def boundary_times(motion: Motion) -> dict[str, Estimate]:
     result = {}
     for k, name in enumerate(motion.solution.coordinates):
         course = motion.located[name].course
-        if isinstance(course, Open) and course.ahead.way.end == "boundary":
-            phase = course.ahead.way.last(multiprecision(int(3.33 * motion.digits) + 64))
+        if isinstance(course, Open) and course.ahead.way.end in {"boundary", "fall"}:
+            context = multiprecision(int(3.33 * motion.digits) + 64)
+            phase = course.ahead.way.last(context) or context.mpf(farthest(motion.digits))
             result[name] = _shifted(motion, *_elapsed(motion, k, phase))
     return result
 

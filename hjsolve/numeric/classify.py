@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import itertools
 from collections.abc import Callable, Iterator
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from typing import Any
 
 import numpy as np
@@ -281,8 +281,9 @@ def _slow_place(start: Start, bits: int) -> tuple[Any, Any | None]:
 
 def _open(start: Start, forward: int, lower: End, upper: End, digits: int) -> Open:
     bits = int(3.33 * digits) + 128
+    lower, upper = _judged(start, lower), _judged(start, upper)
     kinds = {lower.kind, upper.kind}
-    kind = "boundary" if "boundary" in kinds else "asymptotic" if "asymptote" in kinds else "escape"
+    kind = "boundary" if kinds & {"boundary", "fall"} else "asymptotic" if "asymptote" in kinds else "escape"
 
     def branch(origin: End, target: End, side: int) -> Branch:
         assert origin.place is not None
@@ -303,6 +304,22 @@ def _open(start: Start, forward: int, lower: End, upper: End, digits: int) -> Op
     here = End("boundary", start.place)
     ahead, behind = (upper, lower) if forward > 0 else (lower, upper)
     return Open(kind, branch(here, ahead, forward), branch(here, behind, -forward), 0 * start.place(bits))  # type: ignore[arg-type]
+
+
+def _judged(start: Start, end: End) -> End:
+    """An end of a domain; a ``fall`` where an integral has no limit there, an ``asymptote`` where time has none."""
+    if end.kind != "boundary" or end.place is None:
+        return end
+    bits = 1024
+    context, place, here = multiprecision(bits), end.place(bits), start.place(bits)
+    sizes = []
+    for power in (200, 216):
+        q = place + (here - place) * context.mpf(2) ** -power
+        root = abs(start.radicand.value(q, bits)) ** 0.5
+        weights = zip(start.radicand.weights(q, bits), start.skipped, strict=True)
+        sizes.append([0 * root if skip else abs(w / root) for w, skip in weights])
+    endless = [bool(before and after / before > context.mpf(2) ** 15.99) for before, after in zip(*sizes, strict=True)]
+    return replace(end, kind="asymptote" if endless[0] else "fall" if any(endless) else "boundary")
 
 
 def _length(start: Start, place: Any, bits: int, *, turning: bool) -> Any:

@@ -166,7 +166,7 @@ class Branch:
     bits: int
 
     def integrands(self, y: Any) -> list[Any]:
-        """Return all kernels kⱼ |dq/dy| / |p|, then |p|/|dq/dy| (times the distance left to a boundary), at y."""
+        """Return all kernels kⱼ |dq/dy| / |p|, then |p|/|dq/dy| (times ``Way.rest``), at y."""
         work = self.bits
         x, left, _ = self.way.distances(y, Multi(64))
         nearest = min(v for v in (x, left) if v is not None)
@@ -176,16 +176,16 @@ class Branch:
         p = self.radicand.value(q, work) ** 0.5
         weights = self.radicand.weights(q, work)
         kernels = [0 * p if skip else w * abs(slope) / p for w, skip in zip(weights, self.skipped, strict=True)]
-        return [
-            *kernels,
-            p
-            / abs(slope)
-            * (self.way.distances(y, Multi(work))[1] / self.way.length if self.way.end == "boundary" else 1),
-        ]
+        return [*kernels, p / abs(slope) * self.way.rest(y, Multi(work))]
 
     def panels(self, weights: tuple[float, ...] | None, amount: float) -> Panels:
         """Return the integrals so far that |Σ wⱼ Gⱼ| reaches ``amount``; without weights, that y does."""
         return _panels(self, weights, int(np.ceil(np.log2(max(abs(amount), 1e-290)))) + 1)
+
+
+def farthest(digits: int) -> int:
+    """The phase at which what is left of the way to an asymptote, or of a fall, is below all digits."""
+    return 60 + 2 * digits
 
 
 @lru_cache(maxsize=64)
@@ -195,7 +195,7 @@ def _panels(branch: Branch, weights: tuple[float, ...] | None, power: int) -> Pa
     far = Multi(branch.bits).context.mpf(2) ** 1000
 
     def enough(y: Any, integrals: list[Any]) -> bool:
-        if branch.way.end == "asymptote" and y > 60 + 2 * branch.digits:
+        if branch.way.end in {"asymptote", "fall"} and y > farthest(branch.digits):
             return True
         if weights is None:
             return bool(y >= limit)
@@ -265,9 +265,8 @@ class Open:
         y, arithmetic = abs(χ), arithmetic_of(χ)
         way = branch.way if χ.dtype == object else _float_way(branch.way)
         q, slope = elementwise(lambda v: way.position(v, arithmetic), y, 2)
-        if way.end == "boundary":
-            _, left, _ = elementwise(lambda v: way.distances(v, arithmetic), y, 3)
-            slope = slope * (way.length / left)
+        if way.end in {"boundary", "fall"}:
+            slope = slope / elementwise(lambda v: way.rest(v, arithmetic), y, 1)
         return q, sign * slope * panels.value(-1, y)
 
 

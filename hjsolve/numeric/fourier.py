@@ -113,7 +113,7 @@ def _transformed(re: list[int], im: list[int], step: int, roots: Parts, work: in
 def _joined(parts: list[Parts], step: int, roots: Parts, work: int) -> Parts:
     """Two transforms of half the length as one."""
     (even_re, even_im), (odd_re, odd_im) = parts
-    cosine, sine = roots[0][:: step], roots[1][:: step]
+    cosine, sine = roots[0][::step], roots[1][::step]
     first_re, first_im, last_re, last_im = [], [], [], []
     for a, b, u, v, c, s in zip(even_re, even_im, odd_re, odd_im, cosine, sine, strict=False):
         x, y = (u * c - v * s) >> work, (u * s + v * c) >> work

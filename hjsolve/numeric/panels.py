@@ -10,6 +10,7 @@ its end; the map q(y) is chosen by the two ends so that dq/p is analytic in y up
     regular → infinity     x = L y
     regular → boundary     x = ℓ (1 − (1 − y)²), y ≤ 1
     regular → asymptote    x = ℓ (1 − e^{−y})
+    … → fall               as to an asymptote: reached in a finite time, but an angle winds for ever on the way
 
 The integrals are Chebyshev series on panels whose length adapts to their decay; far out panels grow
 geometrically, so the cost rises with the logarithm of the time.
@@ -37,7 +38,7 @@ class Way:
 
     Attributes:
         turning: True where the branch starts at a turning point.
-        end: ``infinity``, ``boundary`` or ``asymptote``.
+        end: ``infinity``, ``boundary``, ``fall`` or ``asymptote``.
         start: q at y = 0.
         side: +1 where q grows with y.
         length: ℓ, the distance to the end; for infinity the length L that makes y a number of order one.
@@ -54,6 +55,13 @@ class Way:
         if self.end != "boundary":
             return None
         return +context.pi if self.turning else context.mpf(1)
+
+    def rest(self, y: Any, arithmetic: Float64 | Multi) -> Any:
+        """Return what |p|/|dq/dy| is multiplied by to stay finite: a power of the share of the way that is left."""
+        if self.end not in {"boundary", "fall"}:
+            return 1
+        left = self.distances(y, arithmetic)[1] / self.length
+        return left if self.end == "boundary" else left * left
 
     def distances(self, y: Any, arithmetic: Float64 | Multi) -> tuple[Any, Any, Any]:
         """Return x, the distance left to the end (None for infinity) and dx/dy, none of them by cancellation."""
@@ -194,7 +202,11 @@ def build(
             break
         if len(values) > _MAX_PANELS:
             raise NotConvergedError(f"more than {_MAX_PANELS} panels on the way to {way.end}")
-        step = min(2 * step, max(step, 5 * y / 8)) if way.end != "asymptote" else min(2 * step, context.mpf(2))
+        step = (
+            min(2 * step, max(step, 5 * y / 8))
+            if way.end in {"infinity", "boundary"}
+            else min(2 * step, context.mpf(2))
+        )
     kind = float if digits <= 15 else object
     return Panels(
         np.array(edges, dtype=kind),

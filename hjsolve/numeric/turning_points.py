@@ -19,7 +19,7 @@ from hjsolve.errors import NotConvergedError
 from hjsolve.numeric.arithmetic import multiprecision
 from hjsolve.numeric.radicand import Number, Radicand
 
-EndKind = Literal["turning", "asymptote", "boundary", "infinity", "round"]
+EndKind = Literal["turning", "asymptote", "boundary", "fall", "infinity", "round"]
 _LAST_BITS = 2048
 _MOST_BITS = 65536
 _DEPTH = 40
@@ -35,7 +35,8 @@ class End:
 
     Attributes:
         kind: ``turning`` a simple zero of p²; ``asymptote`` a multiple zero, never reached; ``boundary``
-            an end of the coordinate's domain; ``infinity``; ``round`` none within a full turn of an angle.
+            an end of the coordinate's domain (``fall`` where an integral over the way there has no limit, see
+            ``panels``); ``infinity``; ``round`` none within a full turn of an angle.
         place: the position at any precision; None for infinity and round.
         power: at a boundary or at infinity, p² ~ distance**power.
     """
@@ -213,9 +214,9 @@ def _divided(ray: Ray, cells: list[_Cell]) -> list[_Cell]:
         inner = [next(enclosures) for _ in parts]
         blurred = bool(parts) and not max(e[1] - e[0] for e in inner) < 0.6 * (cell.enclosure[1] - cell.enclosure[0])
         blurred = cell.blurred or (depth > 0 and blurred)
-        result += [
-            _Cell(part, e, depth + 1, blurred, cell.singular) for part, e in zip(parts, inner, strict=True)
-        ] or [cell]
+        result += [_Cell(part, e, depth + 1, blurred, cell.singular) for part, e in zip(parts, inner, strict=True)] or [
+            cell
+        ]
     return result + cells[together:]
 
 
