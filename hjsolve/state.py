@@ -26,7 +26,8 @@ class State:
         p: coordinate → canonical momentum.
         velocity: coordinate → dq/dt.
         turns: angle → whole turns (integers) to be added to ``q``.
-        status: ``ok`` or ``reaches_boundary`` for each time; where the motion has ended the numbers are NaN.
+        status: for each time ``ok``, ``reaches_boundary`` (the motion has ended), or ``not_converged`` (an unbounded
+            motion is too far out for the numbers); the numbers are NaN where it is not ``ok``.
         errors: the rule behind ``error``.
     """
 

@@ -180,6 +180,8 @@ class Branch:
 
     def panels(self, weights: tuple[float, ...] | None, amount: float) -> Panels:
         """Return the integrals so far that |Σ wⱼ Gⱼ| reaches ``amount``; without weights, that y does."""
+        if self.way.end == "fall":  # all of it, once
+            return _panels(self, None, 1000)
         return _panels(self, weights, int(np.ceil(np.log2(max(abs(amount), 1e-290)))) + 1)
 
 

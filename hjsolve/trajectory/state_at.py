@@ -16,6 +16,7 @@ from hjsolve.quantities import FLOAT_DIGITS
 from hjsolve.state import Errors, State
 from hjsolve.system import velocities
 from hjsolve.trajectory.dense import FEWEST, Dense, OnDemand, dense, rough
+from hjsolve.trajectory.endings import statuses
 from hjsolve.trajectory.phases import Phases, phases_at, read_times
 from hjsolve.trajectory.positions import (
     canonical_momenta,
@@ -54,7 +55,7 @@ def state_at(motion: Motion, t: Any, digits: int | None = None) -> State:
         return state_at(motion.again(motion.digits + lacking, {}), t, wanted)
     q, p, whole = positions(motion, phases)
     v = coordinate_velocities(motion, q, p)
-    status = np.where(phases.ended, "reaches_boundary", "ok")
+    status = statuses(motion, phases.time, phases.ended)
     for group in (q, p, v):
         for name, values in group.items():
             group[name] = np.where(phases.ended, np.nan, values) if phases.ended.any() else values
@@ -138,7 +139,7 @@ def _tabulated(motion: Motion, table: Dense, t: Any, time: tuple[Any, Any], shap
 
     counts = OnDemand(angles, lambda name: shaped(places[name][1].astype(int), shape))
     v = OnDemand(names, velocity)
-    status = np.where(ended, "reaches_boundary", "ok") if ended.any() else np.broadcast_to(np.array("ok"), ended.shape)
+    status = statuses(motion, time, ended) if ended.any() else np.broadcast_to(np.array("ok"), ended.shape)
     return State(t, view(q, names), view(p, names), view(v, names), counts, shaped(status, shape), errors)
 
 

@@ -1,0 +1,49 @@
+"""Why a motion has no state at a time: it has ended, or it is so far out that doubles do not hold it."""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+
+from hjsolve.numeric.course import Open
+from hjsolve.numeric.unbounded import Plan, reaching
+
+if TYPE_CHECKING:
+    from hjsolve.motion import Motion
+
+
+def statuses(motion: Motion, time: tuple[Any, Any], ended: Any) -> Any:
+    """Return the status of a motion at times.
+
+    Args:
+        motion: the motion.
+        time: high and low parts of the times relative to t₀, shape (m,).
+        ended: where the phases have ended, shape (m,).
+
+    Returns:
+        ``ok``; ``reaches_boundary`` past the end of a domain or of all time (infinity in a finite time);
+        ``not_converged`` where an unbounded motion is beyond the greatest phase that is integrated. Shape (m,).
+    """
+    status = np.full(ended.shape, "ok", dtype="<U16")
+    for direction in (1, -1):
+        chosen = ended & (direction * time[0] > 0)
+        if chosen.any():
+            span = 2 * float(np.max(np.abs(time[0][chosen])))
+            status[chosen] = "reaches_boundary" if _ends(motion, direction, span) else "not_converged"
+    status[ended & (time[0] == 0)] = "reaches_boundary"
+    return status
+
+
+def _ends(motion: Motion, direction: int, span: float) -> bool:
+    """True where some coordinate has an end in that direction of time."""
+    scheme = motion.equations
+    assert isinstance(scheme, Plan)
+    for i, course in enumerate(scheme.courses):
+        if isinstance(course, Open):
+            whole = reaching(course, scheme, span, i)
+            assert isinstance(whole, Open)
+            branch = whole.ahead if direction > 0 else whole.behind
+            if branch.way.end in {"boundary", "fall"} or branch.panels(*whole.reach).finished:
+                return True
+    return False
