@@ -27,6 +27,7 @@ import numpy as np
 
 from hjsolve.errors import NotConvergedError
 from hjsolve.numeric.arithmetic import Float64, Multi, multiprecision
+from hjsolve.numeric.fourier import smooth, waves
 from hjsolve.numeric.turning_points import EndKind
 
 _MAX_PANELS = 1600
@@ -169,8 +170,8 @@ def build(
         NotConvergedError: too many panels; the integrand is not analytic along the branch.
     """
     context = multiprecision(bits)
-    degree = max(20, int(1.3 * digits))
-    cosines = _cosine_table(degree, bits)
+    degree = smooth(max(20, int(1.3 * digits)) + 1) - 1
+    points = [context.cos(context.pi * (2 * m + 1) / (2 * (degree + 1))) for m in range(degree + 1)]
     last = way.last(context)
     y, step = context.mpf(0), context.mpf(1) / 2
     totals: list[Any] | None = None
@@ -179,7 +180,7 @@ def build(
     while totals is None or not enough(y, totals):
         if last is not None:
             step = min(step, last - y)
-        rows = _expand(integrands, y, step, cosines, context)
+        rows = _expand(integrands, y, step, points, bits)
         nodes += degree + 1
         if _tail(rows) > 10.0 ** -(digits + 1):
             step /= 2
@@ -223,24 +224,15 @@ def _settled(before: list[Any], after: list[Any], digits: int, context: Any) -> 
     return all(abs(b - a) <= tiny * abs(b) for a, b in zip(before[:-1], after[:-1], strict=True))
 
 
-def _cosine_table(degree: int, bits: int) -> list[list[Any]]:
-    context = multiprecision(bits)
-    n = degree + 1
-    return [[context.cos(context.pi * k * (2 * m + 1) / (2 * n)) for m in range(n)] for k in range(n)]
-
-
-def _expand(
-    integrands: Callable[[Any], list[Any]], y: Any, step: Any, cosines: list[list[Any]], context: Any
-) -> list[list[Any]]:
+def _expand(integrands: Callable[[Any], list[Any]], y: Any, step: Any, points: list[Any], bits: int) -> list[list[Any]]:
     """Chebyshev coefficients on [y, y + step] from values at Chebyshev points."""
-    n = len(cosines)
-    samples = [integrands(y + step * (1 + x) / 2) for x in cosines[1]]
+    context, n = multiprecision(bits), len(points)
+    samples = [integrands(y + step * (1 + x) / 2) for x in points]
     rows = []
-    for j in range(len(samples[0])):
-        column = [s[j] for s in samples]
-        row = [2 * context.fdot(wave, column) / n for wave in cosines]
-        row[0] /= 2
-        rows.append(row)
+    for column in zip(*samples, strict=True):
+        values = [context.convert(v) for v in column]
+        waves_ = waves(values, even=True, bits=bits)[0] if any(values) else [context.mpf(0)] * (n - 1)
+        rows.append([context.fsum(values) / n, *waves_])
     return rows
 
 
