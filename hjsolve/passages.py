@@ -2,7 +2,9 @@
 
 from __future__ import annotations
 
+import itertools
 from collections.abc import Callable
+from contextlib import suppress
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
@@ -25,7 +27,8 @@ if TYPE_CHECKING:
     from hjsolve.motion import Motion
 
 _EPS = 2.0**-52
-_SCAN = 200_000
+_SCAN, _TREND = 200_000, 16
+"""Steps of a scan along the motion; doublings of the time over which a trend is taken for the rule."""
 
 
 def crossing_time(motion: Motion, name: str, value: Any, passage: int) -> Estimate:
@@ -160,18 +163,23 @@ def _sought(motion: Motion, k: int, goal: float) -> tuple[Any, Any]:
     low, high = 0.0, 0.0
     step = 1.0 / max(float(abs(f.value)) for f in motion.frequencies.values()) if motion.frequencies else 1.0
     if full(0.0)[0] < 0:
-        while full(high)[0] < 0:
+        left = [full(high)[0]]
+        while left[-1] < 0:
             low, high, step = high, high + step, 2 * step
-            _limit(step)
+            left.append(full(high)[0])
+            _limit(step, left)
     else:
         while full(low)[0] > 0:
             low, high, step = low - step, low, 2 * step
-            _limit(step)
+            _limit(step, [])
     return _root(lambda t: full(t)[0], low, high), _time_error(full, low, high)
 
 
-def _limit(step: float) -> None:
-    if step > 1e200:
+def _limit(step: float, left: list[float]) -> None:
+    """Stop a search: too late, or what is gained halves with every doubling of the time and will never suffice."""
+    gains = [b - a for a, b in itertools.pairwise(left[-_TREND - 1 :])]
+    fading = len(gains) == _TREND and all(0 <= b <= 0.7 * a for a, b in itertools.pairwise(gains))
+    if step > 1e200 or (fading and left[-1] < -8 * gains[-1]):
         raise OutsideMotionError("the place is not reached in any finite time")
 
 
@@ -244,7 +252,8 @@ def boundary_times(motion: Motion) -> dict[str, Estimate]:
         if isinstance(course, Open) and course.ahead.way.end in {"boundary", "fall"}:
             context = multiprecision(int(3.33 * motion.digits) + 64)
             phase = course.ahead.way.last(context) or context.mpf(farthest(motion.digits))
-            result[name] = _shifted(motion, *_elapsed(motion, k, phase))
+            with suppress(OutsideMotionError):  # the others run away before, in a time of its own that ends
+                result[name] = _shifted(motion, *_elapsed(motion, k, phase))
     return result
 
 

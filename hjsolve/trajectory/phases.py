@@ -56,7 +56,7 @@ def phases_at(motion: Motion, floats: Any | None, exact: list[Any], time: tuple[
         time = relative(floats, start) if floats is not None else halves(precise or [])
     χ, whole, errors, ended = solve(motion, time)
     if many and precise is not None:
-        χ, errors = _refined(motion, χ, whole, precise, bits)
+        χ, errors = _refined_where(~ended, motion, χ, whole, precise, bits)
     return Phases(time, precise if many else None, χ, whole, errors, ended)
 
 
@@ -79,6 +79,22 @@ def solve(motion: Motion, time: tuple[Any, Any]) -> tuple[list[Any], list[Any], 
     if isinstance(motion.equations, inverse.Torus):
         return *inverse.phases(motion.equations, time), never
     return unbounded.phases(motion.equations, time)
+
+
+def _refined_where(
+    going: Any, motion: Motion, χ: list[Any], whole: list[Any], precise: list[Any], bits: int
+) -> tuple[list[Any], list[Any]]:
+    """Phases in many digits where the motion goes on; where it has ended there is nothing to refine."""
+    if going.all():
+        return _refined(motion, χ, whole, precise, bits)
+    rough = np.frompyfunc(multiprecision(bits).mpf, 1, 1)
+    phases, errors = [rough(x) for x in χ], [rough(0 * x) for x in χ]
+    if going.any():
+        kept = [t for t, goes in zip(precise, going, strict=True) if goes]
+        finer, bounds = _refined(motion, [x[going] for x in χ], [n[going] for n in whole], kept, bits)
+        for k in range(len(χ)):
+            phases[k][going], errors[k][going] = finer[k], bounds[k]
+    return phases, errors
 
 
 def _refined(

@@ -49,3 +49,26 @@ def test_too_far_out_is_not_an_end():
     state = motion.at(np.concatenate([np.linspace(0, 600, 4000), [1000.0]]))
     assert list(state.status[[0, -1]]) == ["ok", "not_converged"]
     assert np.isnan(state.q["x"][-1])
+
+
+def test_past_its_end_a_motion_in_many_digits_says_so_too():
+    """Newton's method in 30 digits was asked for phases that are not there."""
+    system = hjsolve.System({"r": "0 < r"}, "dot(r)**2/2", "r")
+    motion = hjsolve.solve(system).motion(q={"r": 1}, velocity={"r": 0}, digits=30)
+    state = motion.at(["1/2", 2])  # r = 1 − t²/2
+    assert list(state.status) == ["ok", "reaches_boundary"]
+    assert abs(state.q["r"][0] - mp.mpf(7) / 8) <= state.error.q["r"][0] <= mp.mpf("1e-28")
+    assert mp.isnan(state.q["r"][1])
+
+
+def test_an_end_that_is_not_reached_before_infinity_has_no_time():
+    """A free particle on a line through no pole: θ runs towards one, and gets only π/2 on from where it is nearest."""
+    system = hjsolve.catalog.load("free-particle-spherical")
+    motion = hjsolve.solve(system).motion(
+        q={"r": 1, "theta": "1.3", "phi": 0}, velocity={"r": "0.3", "theta": "0.1", "phi": 0}
+    )
+    assert motion.kinds["theta"] == "boundary"
+    assert motion.boundary_times == {}
+    away = motion.at(1e9)
+    assert away.status == "ok"
+    assert 1.3 < away.q["theta"] < np.pi / 2 + 1.3
