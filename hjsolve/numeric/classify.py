@@ -295,7 +295,7 @@ def _open(start: Start, forward: int, lower: End, upper: End, digits: int) -> Op
             else _length(start, first, bits, turning=turning)
         )
         end = "infinity" if target.kind in {"infinity", "round"} else target.kind
-        way = Way(turning, end, first, side, length)
+        way = Way(turning, end, first, side, length, max(0, round(-target.power)))
         return Branch(way, start.radicand, start.skipped, digits, bits)
 
     if "turning" in kinds:

@@ -267,13 +267,11 @@ class Open:
         y, arithmetic = abs(χ), arithmetic_of(χ)
         way = branch.way if χ.dtype == object else _float_way(branch.way)
         q, slope = elementwise(lambda v: way.position(v, arithmetic), y, 2)
-        if way.end in {"boundary", "fall"}:
-            slope = slope / elementwise(lambda v: way.rest(v, arithmetic), y, 1)
-        return q, sign * slope * panels.value(-1, y)
+        return q, sign * slope * panels.value(-1, y) / elementwise(lambda v: way.rest(v, arithmetic), y, 1)
 
 
 def _float_way(way: Way) -> Way:
-    return Way(way.turning, way.end, float(way.start), way.side, float(way.length))
+    return Way(way.turning, way.end, float(way.start), way.side, float(way.length), way.pole)
 
 
 Course = Bounded | Frozen | Open

@@ -31,6 +31,8 @@ from hjsolve.numeric.fourier import smooth, waves
 from hjsolve.numeric.turning_points import EndKind
 
 _MAX_PANELS = 1600
+_LEAST_SHARE = 2.0**-10
+"""Of the way that is left to a boundary; where a panel may take less, the singularity there is essential."""
 
 
 @dataclass(frozen=True)
@@ -43,6 +45,7 @@ class Way:
         start: q at y = 0.
         side: +1 where q grows with y.
         length: ℓ, the distance to the end; for infinity the length L that makes y a number of order one.
+        pole: order of the pole of p² at a boundary; 0 where p² has none.
     """
 
     turning: bool
@@ -50,6 +53,7 @@ class Way:
     start: Any
     side: int
     length: Any
+    pole: int = 0
 
     def last(self, context: Any) -> Any:
         """Return the greatest y, None where there is none."""
@@ -59,10 +63,13 @@ class Way:
 
     def rest(self, y: Any, arithmetic: Float64 | Multi) -> Any:
         """Return what |p|/|dq/dy| is multiplied by to stay finite: a power of the share of the way that is left."""
-        if self.end not in {"boundary", "fall"}:
-            return 1
-        left = self.distances(y, arithmetic)[1] / self.length
-        return left if self.end == "boundary" else left * left
+        if self.end == "fall":
+            root = arithmetic.unary("sqrt", self.distances(y, arithmetic)[1] / self.length)
+            return root ** (self.pole + 2)
+        if self.end == "boundary":
+            root = arithmetic.unary("cos", y / 2) if self.turning else 1 - y
+            return root ** (self.pole + 1)
+        return 1
 
     def distances(self, y: Any, arithmetic: Float64 | Multi) -> tuple[Any, Any, Any]:
         """Return x, the distance left to the end (None for infinity) and dx/dy, none of them by cancellation."""
@@ -136,6 +143,8 @@ class Panels:
     @cached_property
     def _rounded(self) -> Panels:
         edges, coefficients, sums = (part.astype(float) for part in (self.edges, self.coefficients, self.sums))
+        wide = np.diff(edges) > 0  # next to an end of many digits panels are narrower than doubles can tell
+        edges, coefficients, sums = np.append(edges[:-1][wide], edges[-1]), coefficients[:, wide], sums[:, wide]
         return Panels(edges, coefficients, sums, self.nodes, self.finished)
 
     def _clenshaw(self, table: Any, y: Any) -> Any:
@@ -174,17 +183,19 @@ def build(
     points = [context.cos(context.pi * (2 * m + 1) / (2 * (degree + 1))) for m in range(degree + 1)]
     last = way.last(context)
     y, step = context.mpf(0), context.mpf(1) / 2
+    tiny = context.mpf(10) ** -digits
     totals: list[Any] | None = None
-    blown = False
+    blown, share = False, 1.0  # share: of the way that is left, which one panel may take
     edges, values, sums, nodes = [y], [], [], 0
     while totals is None or not enough(y, totals):
         if last is not None:
-            step = min(step, last - y)
+            step = min(step, share * (last - y))
         rows = _expand(integrands, y, step, points, bits)
         nodes += degree + 1
         if _tail(rows) > 10.0 ** -(digits + 1):
             step /= 2
-            if nodes > _MAX_PANELS * degree or step < context.mpf(2) ** -200:
+            share = 1.0 if last is None else float(step / (last - y))
+            if nodes > _MAX_PANELS * degree or step < context.mpf(2) ** -200 or share < _LEAST_SHARE:
                 raise NotConvergedError(f"the integrand stays rough near y = {float(y):.6g} on its way to {way.end}")
             continue
         if totals is None:
@@ -196,8 +207,9 @@ def build(
         sums.append(integrated)
         y += step
         edges.append(y)
-        if last is not None and y >= last * (1 - context.mpf(2) ** (8 - bits)):
+        if last is not None and last - y <= last * tiny:  # the end; or, where it is not analytic there, near enough
             break
+        share = min(1.0, share * 1.1)
         if way.end == "infinity" and _settled(before, totals, digits, context):
             blown = True
             break
