@@ -14,20 +14,21 @@ from typing import Any
 from hjsolve.numeric.arithmetic import multiprecision
 
 _GUARD = 24
+_PRIMES = (2, 3, 5, 7, 11, 13)
 
 Parts = tuple[list[int], list[int]]
 """Real and imaginary parts of complex numbers, as multiples of 2^−work."""
 
 
 def smooth(least: int) -> int:
-    """Return the smallest number from ``least`` on without a prime factor above 5: its transform is fast."""
+    """Return the smallest number from ``least`` on without a prime factor above 13: its transform is fast."""
     while _rest(least) > 1:
         least += 1
     return least
 
 
 def _rest(n: int) -> int:
-    for prime in (2, 3, 5):
+    for prime in _PRIMES:
         while n % prime == 0:
             n //= prime
     return n
@@ -91,7 +92,7 @@ def _transformed(re: list[int], im: list[int], step: int, roots: Parts, work: in
     n = len(re)
     if n == 1:
         return re, im
-    prime = next((p for p in (2, 3, 5) if n % p == 0), n)
+    prime = next((p for p in _PRIMES if n % p == 0), n)
     count = n // prime
     parts = [_transformed(re[r::prime], im[r::prime], step * prime, roots, work) for r in range(prime)]
     cosine, sine, order = *roots, n * step
