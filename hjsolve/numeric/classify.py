@@ -261,9 +261,9 @@ def _rotation(start: Start, direction: int, digits: int) -> Bounded:
 
 
 def _slow_place(start: Start, bits: int) -> tuple[Any, Any | None]:
-    """Where p² is least on the circle, and how far from the real axis its zero lies there."""
-    context, q0 = multiprecision(bits), start.place(bits)
-    grid = float(q0) + 2 * np.pi * np.arange(96) / 96
+    """Where p² is least on the circle, whatever the initial place, and how far from the real axis its zero lies."""
+    context = multiprecision(bits)
+    grid = 2 * np.pi * np.arange(96) / 96
     inputs = [float(x) for x in start.radicand.inputs(bits)]
     values = np.broadcast_to(start.radicand.squared.run(Float64(), [grid, *inputs])[0], grid.shape)
     q = context.convert(grid[int(np.argmin(values))])
