@@ -21,6 +21,8 @@ from hjsolve.numeric.fourier import smooth, waves
 MAX_NODES = 1536
 _TELLING = 96
 """Nodes from which on the decay of the coefficients says how many will do."""
+_CLOSE = 0.6
+"""Share of the digits from which on an attempt is not given up: the last ones may come unevenly."""
 
 
 @dataclass(frozen=True)
@@ -137,7 +139,7 @@ def fit(
 
 def _needed(before: list[tuple[int, float]], digits: int) -> float:
     """Nodes at which the digits will be there, if they go on coming as between the last two attempts."""
-    if len(before) < 3 or before[-1][0] < _TELLING:
+    if len(before) < 3 or before[-1][0] < _TELLING or before[-1][1] > _CLOSE * (digits + 1):
         return 0.0
     (n0, r0), (n1, r1) = before[-2:]
     return n1 + (digits + 1 - r1) * (n1 - n0) / (r1 - r0) if r1 > r0 else np.inf
