@@ -58,6 +58,14 @@ HARMLESS: dict[str, dict[tuple[str, str], str]] = {
     },
     "shell": {
         (
+            'steps += (Step("Energy shell", text, sp.Eq(shell, energy, evaluate=False)),)',
+            "False → True",
+        ): "the energy is a symbol of its own, so that nothing is evaluated: it only takes time",
+        (
+            "places = at_random_points(reader, symbols, elements, points=1) or []",
+            "1 → 2",
+        ): "a second point for the same answer",
+        (
             "k = min(left, key=lambda i: (any(m[i][i].depends_on(q) for q in positions), cost(m[i][i])))",
             "any → all",
         ): "the order of elimination",

@@ -205,7 +205,7 @@ def _find_ignorable(
     """
     symbols = [c.symbol for c in system.coordinates]
     elements = [reader.element(x) for x in lagrangian.parts() if not x.free_symbols.isdisjoint(symbols)]
-    places = at_random_points(reader, symbols, elements, points=1) or [(2, [])]
+    places = at_random_points(reader, symbols, elements, points=1) or []
     found = []
     for i, c in enumerate(system.coordinates):
         if any(jet.slopes[i] for _, jets in places for jet in jets):

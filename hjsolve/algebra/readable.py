@@ -94,6 +94,28 @@ def _forms(reader: Reader, x: Element) -> list[sp.Expr]:
         shared = sp.Mul(c, *[reader.write_poly(base) ** e for base, e in x.bases])
         terms = [reader.write_poly({m: n}) * shared for m, n in x.numerator.items()]
         forms.append(sp.Add(*terms))
+    return [*forms, *_with_falling_exponentials(reader, field.factored(x))]
+
+
+def _with_falling_exponentials(reader: Reader, x: Element) -> list[sp.Expr]:
+    """(e^u − 1)²e^(−2u) as (1 − e^(−u))²: an exponential divided out of the factors that hold it."""
+    field, forms = reader.field, []
+    for k in x.generators:
+        held = x.factors.get(field._base(poly.variable(k)), 0)
+        if held >= 0 or not isinstance(field.generators[k].atom, sp.exp):
+            continue
+        atom = field.generators[k].atom
+        parts = [sp.Rational(x.coefficient.numerator, x.coefficient.denominator)]
+        for base, e in x.bases:
+            degree = max(poly.exponent(m, k) for m in base)
+            unit = 1 << (poly.BITS * k)
+            terms = (
+                reader.write_poly({m - unit * poly.exponent(m, k): n})
+                * sp.exp((poly.exponent(m, k) - degree) * atom.args[0])
+                for m, n in base.items()
+            )
+            parts += [sp.Add(*terms) ** e, atom ** (degree * e)]
+        forms.append(sp.Mul(*parts))
     return forms
 
 

@@ -7,10 +7,11 @@ import itertools
 import pytest
 import sympy as sp
 
-from hjsolve.separation import Obstruction, Separation, region_of, separate
+from hjsolve.separation import Obstruction, Separation, Undecided, region_of, separate
 from hjsolve.system import System, mass_matrix
 from tests.breadth_cases import REFUSED, SEPARABLE
-from tests.separation_cases import E3, SEVERAL
+from tests.separation_cases import E3
+from tests.separation_cases import SEPARABLE as ALL
 
 
 @pytest.mark.parametrize("name", list(SEPARABLE))
@@ -50,7 +51,8 @@ def general(system: System, power: int = 1) -> System:
     return System(places, system.kinetic, sp.Add(*terms), {p.name: p for p in system.parameters})
 
 
-WEBS = {**{name: SEVERAL[name] for name in ("P5-6", "two centres", "ellipsoidal, plane")}, **E3}
+OF_THE_PLANE = ("projectile", "Kepler, plane", "P5-6", "two centres", "ellipsoidal, plane")
+WEBS = {**{name: ALL[name] for name in OF_THE_PLANE}, **E3}
 
 
 @pytest.mark.parametrize("name", list(WEBS))
@@ -62,7 +64,11 @@ def test_the_general_potential_of_every_web_separates_with_undetermined_function
         assert {type(f).__name__ for f in ψ.atoms(sp.core.function.AppliedUndef)} == {f"f_{own}"}
 
 
-VARYING = [n for n in WEBS if n not in {"1 Cartesian", "2 circular cylinder", "5 spherical", "9 conical"}]
+VARYING = [
+    n
+    for n in WEBS
+    if n not in {"projectile", "Kepler, plane", "1 Cartesian", "2 circular cylinder", "5 spherical", "9 conical"}
+]
 
 
 @pytest.mark.parametrize("name", VARYING)
@@ -97,3 +103,43 @@ def test_a_product_in_the_general_class_is_refused(n):
     for a, b in itertools.combinations(q, 2):
         broken = System({s.name: "line" for s in q}, system.kinetic, system.potential + a * b)
         assert isinstance(separate(broken), Obstruction)
+
+
+def quadric(*axes: str) -> str:
+    """T on Σ x_k²/a_k = 1 by its embedding, x_k² = a_k Π(a_k − u_i)/Π(a_k − a_j): nothing cancelled, u and v coupled."""
+    terms = []
+    for k, a in enumerate(axes):
+        others = "*".join(f"(({a}) - ({b}))" for j, b in enumerate(axes) if j != k)
+        square = f"({a})*(({a}) - u)*(({a}) - v)/({others})"
+        terms.append(f"{square}*(dot(u)/(u - ({a})) + dot(v)/(v - ({a})))**2/8")
+    return " + ".join(terms)
+
+
+QUADRICS = {
+    "ellipsoid": ({"u": "c < u < b", "v": "b < v < a"}, quadric("a", "b", "c")),
+    "hyperboloid of one sheet": ({"u": "u < -c", "v": "b < v < a"}, quadric("a", "b", "-c")),
+    "hyperboloid of two sheets": ({"u": "u < -b", "v": "-b < v < -c"}, quadric("a", "-b", "-c")),
+}
+
+
+@pytest.mark.parametrize("name", QUADRICS)
+def test_geodesics_on_quadrics_separate_though_T_is_written_coupled(name):
+    domains, kinetic = QUADRICS[name]
+    system = System(domains, kinetic, "k/(u*v)", {"a": 5, "b": 3, "c": 2, "k": 1})
+    verdict = separate(system)
+    assert isinstance(verdict, Separation)
+    assert verdict.shell.coordinates == system.coordinates
+    for row, q in zip(verdict.reduced.stackel.matrix.tolist(), system.coordinates, strict=True):
+        assert set().union(*(e.free_symbols for e in row)) <= {q.symbol, *system.symbols.values()} - {
+            c.symbol for c in system.coordinates if c is not q
+        }
+    broken = System(domains, kinetic, "k/(u + v)**2", {"a": 5, "b": 3, "c": 2, "k": 1})
+    assert isinstance(separate(broken), Obstruction)
+
+
+def test_the_budget_of_a_decision_can_be_set():
+    system = WEBS["10 ellipsoidal"]
+    hurried = separate(system, budget=0.0)
+    assert isinstance(hurried, Undecided)
+    assert "time budget" in " ".join(step.explanation for step in hurried.evidence)
+    assert isinstance(separate(system, budget=20.0), Separation)

@@ -98,3 +98,24 @@ def test_a_refusal_carries_the_verdict() -> None:
 def test_a_solution_is_frozen(kepler: Solution) -> None:
     with pytest.raises(AttributeError):
         kepler.coordinates = ()  # type: ignore[misc]
+
+
+@pytest.mark.parametrize(
+    ("potential", "expected"),
+    [
+        ("D*(1 - exp(-a*x))**2", "D*(1 - exp(-a*x))**2"),
+        ("D*(1 - exp(a*x))**2", "D*(1 - exp(a*x))**2"),
+        ("D*x**2*(2 - exp(-x))**4", "D*x**2*(2 - exp(-x))**4"),
+    ],
+)
+def test_exponentials_are_printed_as_in_a_textbook(potential, expected):
+    """Morse's D(1 − e^(−ax))², not D(e^(ax) − 1)²e^(−2ax): the square of the momentum, as it is shown."""
+    system = System({"x": "line"}, "m/2*dot(x)**2", potential, {"m": 1, "D": 1, "a": 1})
+    square = solve(system).momenta["x"] ** 2
+    E, m = (next(s for s in square.free_symbols if s.name == name) for name in "Em")
+    written = System({"x": "line"}, "m/2*dot(x)**2", expected, {"m": 1, "D": 1, "a": 1}).potential
+    shown = (square - 2 * m * E) / (-2 * m)
+    assert sp.simplify(shown - written) == 0
+    exponentials = square.atoms(sp.exp)
+    assert sp.count_ops(square) <= sp.count_ops(2 * m * E - 2 * m * written)
+    assert exponentials == written.atoms(sp.exp)
