@@ -134,6 +134,18 @@ def mul(a: Poly, b: Poly, budget: Budget) -> Poly:
     return {m: c for m, c in total.items() if c}
 
 
+def with_square(a: Poly, k: int, square: Poly, budget: Budget) -> Poly:
+    """Replace every square of generator k by a polynomial, so that at most its first power is left."""
+    total: Poly = {}
+    for m, n in a.items():
+        pairs = exponent(m, k) // 2
+        term: Poly = {m - ((2 * pairs) << (BITS * k)): n}
+        for _ in range(pairs):
+            term = mul(term, square, budget)
+        total = add(total, term)
+    return total
+
+
 def content(a: Poly) -> int:
     """Greatest common divisor of the coefficients, with the sign of the leading one; 0 for the zero polynomial."""
     if not a:

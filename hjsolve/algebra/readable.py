@@ -45,20 +45,9 @@ def _swapped(reader: Reader, x: Element, s: int, c: int) -> Element:
     result = Element(field, x.coefficient, {0: 1}, {})
     for a, e in [(x.numerator, 1), *x.bases]:
         if any(poly.exponent(m, c) > 1 for m in a):
-            a = _eliminate(reader, a, c, square)
+            a = poly.with_square(a, c, square, field.budget)
         result = _times_raw(reader, result, a, e)
     return _cancel_raw(reader, result)
-
-
-def _eliminate(reader: Reader, a: Poly, c: int, square: Poly) -> Poly:
-    total: Poly = {}
-    for m, n in a.items():
-        pairs = poly.exponent(m, c) // 2
-        term: Poly = {m - ((2 * pairs) << (poly.BITS * c)): n}
-        for _ in range(pairs):
-            term = poly.mul(term, square, reader.field.budget)
-        total = poly.add(total, term)
-    return total
 
 
 def _times_raw(reader: Reader, x: Element, a: Poly, e: int) -> Element:

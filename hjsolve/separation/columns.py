@@ -66,7 +66,7 @@ def _functionals(reader: Reader, q: sp.Symbol, row: Row) -> list[Vector]:
         if g.partner is not None and q in g.atom.free_symbols:
             sign = -1 if g.kind == "sin" else 1
             square: Poly = {0: 1, 2 << (poly.BITS * k): sign}
-            swapped = [(_eliminated(reader, a, g.partner, square), c) for a, c in scaled]
+            swapped = [(poly.with_square(a, g.partner, square, reader.field.budget), c) for a, c in scaled]
             found += _coefficients_of(reader, q, swapped)
     return found
 
@@ -82,17 +82,6 @@ def _expanded(reader: Reader, x: Element) -> tuple[Poly, Fraction]:
         for _ in range(max(e, 0)):
             a = field.reduce(poly.mul(a, base, field.budget))
     return a, x.coefficient
-
-
-def _eliminated(reader: Reader, a: Poly, c: int, square: Poly) -> Poly:
-    total: Poly = {}
-    for m, n in a.items():
-        pairs = poly.exponent(m, c) // 2
-        term: Poly = {m - ((2 * pairs) << (poly.BITS * c)): n}
-        for _ in range(pairs):
-            term = poly.mul(term, square, reader.field.budget)
-        total = poly.add(total, term)
-    return total
 
 
 def _coefficients_of(reader: Reader, q: sp.Symbol, scaled: Sequence[tuple[Poly, Fraction]]) -> list[Vector]:
