@@ -23,7 +23,7 @@ from ..evaluation import CONTEXT, NoValueError, evaluate
 from ..shell import Shell
 from ..system import System, inverse_mass_matrix, linear_terms, mass_matrix
 from .basepoint import base_points
-from .charts import Integral, of_dimension
+from .known_charts import Integral, of_dimension
 
 MAX_SIZE = 400
 MAX_POINTS = 4
