@@ -19,6 +19,7 @@ from hjsolve.numeric.estimate import Estimate
 from hjsolve.numeric.inverse import Torus, mean_rate, oscillation
 from hjsolve.numeric.turns import turns
 from hjsolve.numeric.unbounded import Plan, Step
+from hjsolve.trajectory.beside import time_beside
 from hjsolve.trajectory.phases import phases_at, read_times, solve, with_reach
 from hjsolve.trajectory.positions import constant_index, principal
 from hjsolve.trajectory.state_at import shaped, state_at
@@ -132,7 +133,7 @@ def _elapsed(motion: Motion, k: int, phase: Any) -> tuple[Any, Any]:
         and step.weights[0]
     ):
         return _own_time(motion, equations.courses[k], step, phase)
-    return _sought(motion, k, float(phase))
+    return time_beside(motion, k, phase) or _sought(motion, k, float(phase))
 
 
 def _noise(motion: Motion) -> Any:

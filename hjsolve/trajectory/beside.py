@@ -1,0 +1,118 @@
+"""The time at which one of two coupled coordinates has a phase, without following the motion.
+
+Jacobi's equation for the second constant, Σᵢ Gᵢ₂(χᵢ) = C₂, gives the other phase where one is known, and the equation
+of the energy then gives the time (Greenwood (5-70), (5-71)).
+"""
+
+from __future__ import annotations
+
+import itertools
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+
+from hjsolve.errors import OutsideMotionError
+from hjsolve.numeric.arithmetic import multiprecision
+from hjsolve.numeric.course import Course, Open
+from hjsolve.numeric.unbounded import Plan
+from hjsolve.trajectory.phases import with_reach
+
+if TYPE_CHECKING:
+    from hjsolve.motion import Motion
+
+_TREND, _MOST = 24, 400
+
+
+def time_beside(motion: Motion, k: int, phase: Any) -> tuple[Any, Any] | None:
+    """Return the time from t₀ until one of two coupled coordinates has a phase, and a bound on its error.
+
+    Args:
+        motion: the motion.
+        k: index of the coordinate. phase: its phase.
+
+    Returns:
+        None where this way is not open: other than two coordinates, or an integral that is not monotone.
+
+    Raises:
+        OutsideMotionError: the other coordinate ends, or runs away, before.
+    """
+    scheme = motion.equations
+    if not isinstance(scheme, Plan) or scheme.coupled != (0, 1) or len(scheme.courses) != 2:
+        return None
+    own, other = scheme.courses[k], scheme.courses[1 - k]
+    kind = object if motion.digits > 15 else float
+    noise = 2.0**-50 if kind is float else multiprecision(64).mpf(10) ** (1 - motion.digits)
+    convert = float if kind is float else multiprecision(int(3.33 * motion.digits) + 64).convert
+    phase, begin, start = convert(phase), convert(own.start), convert(other.start)
+    here = _Values(own, kind, max(abs(phase), abs(begin)))
+    if _falling(own) and any(abs(here.rate(j, phase)) > noise * abs(here.integral(j, phase)) for j in (0, 1)):
+        return None
+    goal = here.integral(1, begin) - here.integral(1, phase)
+    found = _solved(other, kind, start, goal, 1 if phase >= begin else -1)
+    if found is None:
+        return None
+    there, χ = found
+    parts = [here.integral(0, phase), here.integral(0, begin), there.integral(0, χ), there.integral(0, start)]
+    second = [here.integral(1, phase), here.integral(1, begin), there.integral(1, χ), there.integral(1, start)]
+    time = parts[0] - parts[1] + parts[2] - parts[3]
+    slide = abs(there.rate(0, χ) / there.rate(1, χ)) * sum(map(abs, second))
+    return time, 4 * noise * (sum(map(abs, parts)) + slide + abs(there.rate(0, χ)) * (1 + abs(χ)))
+
+
+def _falling(course: Course) -> bool:
+    return isinstance(course, Open) and "fall" in (course.ahead.way.end, course.behind.way.end)
+
+
+class _Values:
+    """Integrals of a course at single phases up to a largest one."""
+
+    def __init__(self, course: Course, kind: type, largest: Any):
+        self.course, self.kind = with_reach(course, np.array([float(largest)])), kind
+
+    def integral(self, j: int, χ: Any) -> Any:
+        return np.ravel(self.course.integral(j, np.array([χ], dtype=self.kind)))[0]
+
+    def rate(self, j: int, χ: Any) -> Any:
+        return np.ravel(self.course.rate(j, np.array([χ], dtype=self.kind)))[0]
+
+
+def _solved(course: Course, kind: type, start: Any, goal: Any, side: int) -> tuple[_Values, Any] | None:
+    """The phase at which the second integral has grown by ``goal``, on one side of the start; None if not monotone."""
+    reach, step, gains = abs(start) + 1, start * 0 + 1, [start * 0]
+    while True:
+        values = _Values(course, kind, reach + step)
+        floor, ceiling = values.course.limits() if isinstance(values.course, Open) else (-np.inf, np.inf)
+        last = start + side * step
+        ended = not floor <= last <= ceiling
+        last = last if not ended else (ceiling if side > 0 else floor) + 0 * start
+        if not _monotone(values, start, last):
+            return None
+        gains.append(values.integral(1, last) - values.integral(1, start))
+        if abs(gains[-1]) >= abs(goal):
+            break
+        recent = [abs(b - a) for a, b in itertools.pairwise(gains[-_TREND - 1 :])]
+        fading = len(gains) > _TREND and all(b <= 0.7 * a for a, b in itertools.pairwise(recent))
+        if ended or len(gains) > _MOST or (fading and abs(goal) - abs(gains[-1]) > 8 * recent[-1]):
+            raise OutsideMotionError("the place is not reached in any finite time")
+        step = 2 * step
+    if gains[-1] * goal < 0:
+        return None
+    first = values.integral(1, start)
+    low, high = (start, last) if side > 0 else (last, start)
+    rising = (gains[-1] > 0) == (side > 0)
+    χ = (low + high) / 2
+    for count in range(300):
+        off = values.integral(1, χ) - first - goal
+        low, high = (χ, high) if (off < 0) == rising else (low, χ)
+        new = χ - off / (values.rate(1, χ) or 1)
+        if not low <= new <= high or count % 8 == 7:
+            new = (low + high) / 2
+        if new == χ or high - low <= abs(high) * (2.0**-53 if kind is float else abs(χ) * 0 + 2.0**-200):
+            return values, new
+        χ = new
+    return values, χ
+
+
+def _monotone(values: _Values, first: Any, last: Any) -> bool:
+    rates = [values.rate(1, first + (last - first) * k / 16) for k in range(17)]
+    return all(r > 0 for r in rates) or all(r < 0 for r in rates)
