@@ -101,8 +101,8 @@ def _split_at_base_point(
 ) -> tuple[Element, Element] | None:
     for point in base_points(reader, symbols):
         try:
-            of_j = point.keep(x, {j})
-            return x / of_j, of_j / point.keep(x, set())
+            of_j = point.keep(x, {j}) / point.keep(x, set())
+            return x / of_j, of_j
         except ZeroDivisionError:
             continue
     return None

@@ -89,3 +89,21 @@ def test_without_one_of_the_sums_there_is_no_form(missing: int, monkeypatch: pyt
 
     monkeypatch.setattr(liouville, "split_sum", failing)
     assert liouville.recognise(*arguments) is None
+
+
+def test_a_root_that_holds_a_product_is_taken_apart_at_a_base_point() -> None:
+    """√((x + 1)(y + 1)) stays one root where the signs are unknown; the second factor is the one of y."""
+    x, y = sp.symbols("x y", real=True)
+    function = 3 * sp.sqrt(x * y + x + y + 1)
+    reader = Reader([function])
+    element = reader.element(function)
+    for i, j in ((0, 1), (1, 0)):
+        parts = liouville.split_product(reader, element, [x, y], i, j)
+        assert parts is not None
+        a, b = map(reader.write, parts)
+        places = [{x: sp.Rational(1, 3), y: sp.Rational(k, 2)} for k in (1, 5)]
+        assert all(abs((a * b - function).subs(at).evalf(40)) < 1e-35 for at in places)
+        of_j = (x, y)[j]
+        assert b.free_symbols == {of_j}
+        other = [{of_j: sp.Rational(k, 3), (x, y)[i]: sp.Rational(2, 7)} for k in (1, 4)]
+        assert abs((a.subs(other[0]) - a.subs(other[1])).evalf(40)) < 1e-35
