@@ -30,7 +30,10 @@ def test_a_sum_is_taken_apart_and_adds_up_again(total: sp.Expr) -> None:
 
 
 def test_constants_go_to_the_first() -> None:
+    """To the first coordinate that has a function at all."""
     reader = Reader([x, y], BOUNDS)
+    for total, expected in ((x + y**2 + 3, [x + 3, y**2]), (y**2 + 3, [0, y**2 + 3]), (x + 3, [x + 3, 0])):
+        assert [reader.write(p) for p in liouville.split_sum(reader, reader.element(total), (x, y)) or ()] == expected
     assert [reader.write(p) for p in liouville.split_sum(reader, reader.element(sp.S(5)), (x, y)) or ()] == [5, 0]
 
 
