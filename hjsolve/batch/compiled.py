@@ -21,7 +21,6 @@ from hjsolve.batch.views import Knowns
 
 _COUNTS = tuple(count for count in tables.COUNTS if count <= 128)
 _WIDEST = _COUNTS[-1]
-_ROWS = 5
 
 
 @dataclass(frozen=True, eq=False)
@@ -30,8 +29,9 @@ class Tables:
 
     Attributes:
         counts: sizes. warps: γ₁, γ₂. low, high, pace: see ``Nodes``, shape (warps, sizes, widest).
-        last, middle: rows of cosines of the convergence test, shape (sizes, 5, widest).
+        last, middle: rows of cosines of the convergence test, shape (sizes, 5, widest), (sizes, 3, widest).
         cosines: all of them, shape (sizes, widest, widest).
+        squares, slopes: see ``nodes.shifts``; plain and folded, shape (2, sizes, widest).
     """
 
     counts: Any
@@ -42,22 +42,29 @@ class Tables:
     last: Any
     middle: Any
     cosines: Any
+    squares: Any
+    slopes: Any
 
 
 @cache
 def _tables() -> Tables:
     size = len(_COUNTS)
     low, high, pace = (np.zeros((len(tables.WARPS), size, _WIDEST)) for _ in range(3))
-    last, middle = np.zeros((size, _ROWS, _WIDEST)), np.zeros((size, _ROWS, _WIDEST))
+    last, middle = np.zeros((size, 5, _WIDEST)), np.zeros((size, 3, _WIDEST))
     cosines = np.zeros((size, _WIDEST, _WIDEST))
+    squares, slopes = (np.zeros((2, size, _WIDEST)) for _ in range(2))
     for k, count in enumerate(_COUNTS):
         table = tables.libration(count, 0)
         for warp in range(len(tables.WARPS)):
             other = tables.libration(count, 0, warp)
             low[warp, k, :count], high[warp, k, :count], pace[warp, k, :count] = other.low, other.high, other.pace
-        last[k, :, :count], middle[k, :, :count] = table.cosines[table.last], table.cosines[table.middle]
+        last[k, :, :count], middle[k, :, :count] = table.cosines[table.last], table.cosines[table.middle][1:-1]
         cosines[k, : count - 1, :count] = table.cosines
-    return Tables(np.array(_COUNTS), np.array(tables.WARPS), low, high, pace, last, middle, cosines)
+        for fold in (1, 2):
+            squares[fold - 1, k, :count], slopes[fold - 1, k, : count - 1] = tables.shifts(count, fold)
+    return Tables(
+        np.array(_COUNTS), np.array(tables.WARPS), low, high, pace, last, middle, cosines, squares, slopes
+    )  # fmt: skip
 
 
 def begin_compiled(model: Model, q: Any, p: Any) -> Begin:
@@ -95,8 +102,9 @@ def librations(model: Model, coordinate: Separated, start: Begin, k: int, *, ker
     search(start.q[k], start.P[k], C, floors, np.pi if coordinate.periodic else np.inf, ends)
     loop(
         start.q[k], start.P[k], C, E, coordinate.even, table.warps, table.counts, table.low, table.high, table.pace,
-        table.last, table.middle, table.cosines, sums.action, sums.action_error, sums.means, sums.mean_errors,
-        sums.ripples, sums.ripple_errors, sums.phase, sums.phase_error, sums.speeds, sums.good, ends[0], ends[1],
+        table.last, table.middle, table.cosines, table.squares, table.slopes, sums.action, sums.action_error,
+        sums.means, sums.mean_errors, sums.ripples, sums.ripple_errors, sums.phase, sums.phase_error, sums.speeds,
+        sums.good, ends[0], ends[1],
     )  # fmt: skip
     return sums
 

@@ -103,12 +103,13 @@ def _series(weights, χ, n, cosines, integral):
 
 
 @njit(**OPTIONS)
-def _running(buffer, weights, noise, drift, a, b, x0, P, n, low, high, warp, fold, cosines):
+def _running(buffer, weights, noise, drift, a, b, x0, P, n, low, high, warp, fold, cosines, chords):
     """Phase of the start and the weights of the running integral; see ``phase.librating``."""
     W = b - a
     x, y = (x0 - a) / W, (b - x0) / W
-    below, first = (noise[0, 0] + drift[0]) / buffer[2, 0], low[0]
-    above, last = (noise[_SAMPLES - 1, 0] + drift[_SAMPLES - 1]) / buffer[2, n - 1], high[n - 1]
+    end, tip = _SAMPLES - 1, n - 1
+    below, first = drift[0] / buffer[2, 0] + noise[0, 0] / (1.0 if chords else buffer[2, 0]), low[0]
+    above, last = drift[end] / buffer[2, tip] + noise[end, 0] / (1.0 if chords else buffer[2, tip]), high[tip]
     if fold == 2:
         above, last = below, first
     lower, upper = first * below, last * above
@@ -130,19 +131,48 @@ def _running(buffer, weights, noise, drift, a, b, x0, P, n, low, high, warp, fol
     return χ, 2.0 * doubt + 8.0 * _EPS * math.pi
 
 
+@njit(**OPTIONS)
+def _shifts(buffer, scratch, n, residue, E, i, squares, slopes, found):
+    """Add to the bounds what small shifts of F do: constants 2 kⱼ δcⱼ and the residue; see ``nodes.shifts``."""
+    constants = E.shape[0]
+    for j in range(n):
+        scratch[0, j] = squares[j] / buffer[2, j]
+    for k in range(constants):
+        for j in range(n):
+            scratch[1, j] = buffer[3 + k, j] * scratch[0, j]
+        total = residue * _swing(scratch[1], slopes, n)
+        for m in range(constants):
+            if E[m, i] != 0.0:
+                for j in range(n):
+                    scratch[2, j] = scratch[1, j] * buffer[3 + m, j] / buffer[1, j]
+                total += 2.0 * E[m, i] * _swing(scratch[2], slopes, n)
+        found[1, 1 + k] += total
+        found[2, 1 + k] += 0.5 * total
+
+
+@njit(**_REDUCING)
+def _swing(g: Any, slopes: Any, n: int) -> float:
+    """Σ |Δg| cot χ/π, from node to node."""
+    total = 0.0
+    for j in range(n - 1):
+        total += abs(g[j + 1] - g[j]) * slopes[j]
+    return total
+
+
 def kernel(made: Programs, kernels: bool, ripples: bool) -> Any:
     """Return the compiled loop over orbits of one coordinate."""
     samples = _samples_of(made, kernels)
     choose = _choice_of(_rule_of(made, kernels), ripples)
-    pack = made.pack
+    pack, chords = made.pack, made.chords
 
     @njit(**OPTIONS)
     def loop(
-        q, P, C, E, even_formula, warps, counts, low, high, pace, last, middle, cosines,
+        q, P, C, E, even_formula, warps, counts, low, high, pace, last, middle, cosines, squares, slopes,
         action, action_error, means, mean_errors, ripple, ripple_errors, phase, phase_error, speeds, good, lower, upper,
     ):  # fmt: skip
         constants = C.shape[0]
-        buffer, weights = np.empty((3 + constants, low.shape[2])), np.empty((2, low.shape[2]))
+        widest = low.shape[2]
+        buffer, weights, scratch = np.empty((3 + constants, widest)), np.empty((2, widest)), np.empty((3, widest))
         noise, drift = np.empty((_SAMPLES, 1 + constants)), np.empty(_SAMPLES)
         found = np.empty((4, 1 + constants))
         for i in range(q.shape[0]):
@@ -151,20 +181,21 @@ def kernel(made: Programs, kernels: bool, ripples: bool) -> Any:
             if not W > 0.0:
                 continue
             c = pack(C, i)
-            samples(a, W, c, pack(E, i), noise, drift)
+            residue = samples(a, b, c, pack(E, i), noise, drift)
             first = _EVEN if even_formula and abs(a + b) <= 1e-13 * W else 0
             size, warp = choose(buffer, noise, drift, found, a, b, W, first, counts, low, high, pace, last, middle, c)
             if size < 0:
                 continue
             good[i], action[i], action_error[i] = True, found[0, 0], found[1, 0]
+            n, fold = counts[size], 2 if warp >= _EVEN else 1
             if kernels:
+                _shifts(buffer, scratch, n, residue, E, i, squares[fold - 1, size], slopes[fold - 1, size], found)
                 for k in range(constants):
                     means[k, i], mean_errors[k, i] = found[0, 1 + k], found[1, 1 + k]
             if ripples:
-                n, fold = counts[size], 2 if warp >= _EVEN else 1
                 phase[i], phase_error[i] = _running(
                     buffer, weights, noise, drift, a, b, q[i], P[i], n, low[warp, size], high[warp, size], warps[warp],
-                    fold, cosines[size],
+                    fold, cosines[size], chords,
                 )  # fmt: skip
                 for k in range(constants):
                     ripple[k, i] = 2.0 / (n * fold) * _dot(buffer[3 + k], weights[0], n)
@@ -175,20 +206,33 @@ def kernel(made: Programs, kernels: bool, ripples: bool) -> Any:
 
 
 def _samples_of(made: Programs, kernels: bool) -> Any:
-    """Rounding errors of F and of the kernels at a few places, and what the constants add to the first."""
-    doubts_of, pack = made.doubts, made.pack
+    """Rounding errors of F and of the kernels at a few places, and what the constants add to the first.
+
+    The first of them is relative where F comes from chords. Returns F's rounding at the turning points, if so.
+    """
+    doubts_of, pack, relative, value, chords = made.doubts, made.pack, made.relative, made.value, made.chords
 
     @njit(**OPTIONS)
-    def samples(a, W, c, e, noise, drift):
-        zeros = pack(np.zeros((len(e), 1)), 0)
+    def samples(a, b, c, e, noise, drift):
+        zeros, W, residue = pack(np.zeros((len(e), 1)), 0), b - a, 0.0
+        if chords:  # F less its rounding at the turning points, which shifts it as a constant does
+            residue = max(
+                abs(value(a, c)[0]) + doubts_of(a, c, zeros)[0], abs(value(b, c)[0]) + doubts_of(b, c, zeros)[0]
+            )
         for g in range(_SAMPLES):
             x = a + W * _PLACES[g]
             d = doubts_of(x, c, e)
-            own = doubts_of(x, c, zeros) if kernels else d
             for k in range(len(d)):
                 noise[g, k] = d[k]
-            drift[g] = d[0] - own[0]
-            noise[g, 0] = own[0]
+            drift[g] = d[0] + residue
+            if kernels and not chords:
+                noise[g, 0] = doubts_of(x, c, zeros)[0]
+                drift[g] = d[0] - noise[g, 0]
+            if not kernels:
+                drift[g] = 0.0
+            if chords:
+                noise[g, 0] = relative(a, x - a, c) if 2 * g < _SAMPLES else relative(b, x - b, c)
+        return residue
 
     return samples
 
@@ -230,7 +274,7 @@ def _choice_of(rule: Any, ripples: bool) -> Any:
 
 def _rule_of(made: Programs, kernels: bool) -> Any:
     """The midpoint rule of one size; see ``quadrature._rule``."""
-    fill = made.fill
+    fill, chords = made.fill, made.chords
     rows = 1 if kernels else 0
 
     @njit(**OPTIONS)
@@ -247,17 +291,16 @@ def _rule_of(made: Programs, kernels: bool) -> Any:
         for g in range(_SAMPLES - 1):
             start, stop = g * segment, n if g == _SAMPLES - 2 else (g + 1) * segment
             dF, dc = max(noise[g, 0], noise[g + 1, 0]), max(drift[g], drift[g + 1])
-            plain, over, damped = 0.0, 0.0, 0.0
+            plain, whole = 0.0, 0.0
             for j in range(start, stop):
                 plain += buffer[1, j]
-            found[3, 0] += 0.5 * (dF + dc) * plain
+                whole += abs(buffer[0, j])
+            found[3, 0] += 0.5 * ((dF * whole if chords else dF * plain) + dc * plain)
             for k in range(1, integrands):
-                over, damped = 0.0, 0.0
+                over = 0.0
                 for j in range(start, stop):
-                    share = abs(buffer[2 + k, j]) / buffer[2, j]
-                    over += share
-                    damped += share * low[size, j] * high[size, j]
-                found[3, k] += 0.5 * dF * over + 12.0 * dc * damped + max(noise[g, k], noise[g + 1, k]) * plain
+                    over += abs(buffer[2 + k, j]) if chords else abs(buffer[2 + k, j]) / buffer[2, j]
+                found[3, k] += 0.5 * dF * over + max(noise[g, k], noise[g + 1, k]) * plain
         more, wish = -1.0, math.log(1e-15 if ripples else 1e-8)
         for k in range(integrands):
             row = buffer[0] if k == 0 else buffer[2 + k]

@@ -158,6 +158,24 @@ def _bulirsch(u: Pair, means: list[tuple[Pair, Pair]]) -> tuple[Pair, Pair, Pair
     return sn, D.mul(c, sn), dn
 
 
+@cache
+def shifts(count: int, fold: int) -> tuple[Any, Any]:
+    """What a shift δF of p² does to the mean of k r, in terms of g = k r δF sin²χ/F.
+
+    The change is the finite part −½ ∫ g/sin²χ dχ/π = −½ ∫ g′ cot χ dχ/π, at most ½ Σ |Δg| cot χ/π from node to node,
+    the first step half as much again because g′ vanishes at a turning point. The bound is twice that, for safety.
+
+    Returns:
+        sin²χ at the nodes, shape (count,); |cot χ| fold/π half way between, shape (count − 1,).
+    """
+    χ = (np.arange(count) + 0.5) * np.pi / (fold * count)
+    slopes = np.abs(1 / np.tan(χ[1:] - χ[0])) * fold / np.pi
+    slopes[0] *= 1.5
+    if fold == 1:
+        slopes[-1] *= 1.5
+    return np.sin(χ) ** 2, slopes
+
+
 def next_count(needed: float) -> int:
     """Return the least number of nodes in use that is enough, 0 where none is."""
     return next((count for count in COUNTS if count >= needed), 0)

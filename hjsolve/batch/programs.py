@@ -6,13 +6,16 @@ comes from operation codes and numbers (``numeric/source.py``); nothing that a u
 
 from __future__ import annotations
 
+import re
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 from functools import cache
 from importlib.util import find_spec
 from typing import Any
 
-from hjsolve.batch.model import Model, Separated
+from hjsolve.batch.model import Formula, Model, Separated
+from hjsolve.batch.views import has_chords
+from hjsolve.numeric.chords import Chords
 from hjsolve.numeric.jet import Jet, Jets
 from hjsolve.numeric.running import Bounded, Running
 from hjsolve.numeric.source import Source, function
@@ -30,7 +33,9 @@ class Programs:
         value: (x, c) ↦ F. slope: (x, c) ↦ F, F′. bend: (x, c) ↦ F, F′, F″.
         fill: fills a buffer over the nodes: F·r, r, F, kⱼ·r …
         doubts: (x, c, e) ↦ bounds on the errors of F and, where kernels are wanted, of the kernels.
+        relative: (b, d, c) ↦ bound on the relative error of F[b, b + d], where ``chords``.
         pack: (C, i) ↦ the tuple of column i.
+        chords: True where ``fill`` takes F from its slopes at the turning points.
     """
 
     value: Callable[..., Any]
@@ -38,7 +43,9 @@ class Programs:
     bend: Callable[..., Any]
     fill: Callable[..., Any]
     doubts: Callable[..., Any]
+    relative: Callable[..., Any]
     pack: Callable[..., Any]
+    chords: bool
 
 
 def available() -> bool:
@@ -71,27 +78,75 @@ def _coordinate_text(coordinate: Separated, constants: int, numbers: tuple[float
             plain("value", lambda s: squared.run(s, ["x", *names, *literals])),
             plain("slope", lambda s: jet(s, 1)),
             plain("bend", lambda s: jet(s, 2)),
-            _fill_text(tape, unpack, names + literals),
+            _fill_text(coordinate.plain, unpack, names + literals, kernels),
             _doubts_text(tape, constants, numbers),
+            _relative_text(coordinate.plain, unpack, names, numbers),
             f"def pack(C, i):\n    return ({''.join(f'C[{j}, i], ' for j in range(constants))})\n",
         )
     )
 
 
-def _fill_text(tape: Tape, unpack: str, known: list[str]) -> str:
+def _fill_text(formula: Formula, unpack: str, known: list[str], kernels: bool) -> str:
+    """Fill the buffer; with kernels F next to a turning point b is (q − b) F[b, q], which keeps its digits."""
     source = Source()
-    F, *kernels = tape.run(source, ["x", *known])
+    if kernels and has_chords(formula):
+        chords = Chords(source, "d")
+        inputs = [chords.variable("b", "x"), *(chords.constant(k) for k in known)]
+        (F,) = formula.squared.run(chords, inputs)
+        square = source.mul("d", F.slope)
+        _, *weights = formula.full.run(source, ["x", *known])
+    else:
+        square, *weights = (formula.full if kernels else formula.squared).run(source, ["x", *known])
+    fixed, moving, kept = _divided(source.lines)
     lines = [
-        *source.lines,
-        f"r = pace[j] * sqrt_((W * low[j]) * (W * high[j]) / {F})",
-        f"buffer[0, j] = {F} * r",
+        *moving,
+        f"r = pace[j] * sqrt_((W * low[j]) * (W * high[j]) / {square})",
+        f"buffer[0, j] = {square} * r",
         "buffer[1, j] = r",
-        f"buffer[2, j] = {F}",
-        *(f"buffer[{3 + k}, j] = {w} * r" for k, w in enumerate(kernels)),
+        f"buffer[2, j] = {square}",
+        *(f"buffer[{3 + k}, j] = {w} * r" for k, w in enumerate(weights)),
     ]
-    body = "".join(f"        {line}\n" for line in lines)
-    place = "        x = a + W * low[j] if low[j] <= 0.5 else b - W * high[j]\n"
-    return f"def fill(buffer, a, b, W, low, high, pace, count, c):\n{unpack}    for j in range(count):\n{place}{body}"
+    near = ["lower = low[j] <= 0.5", *(f"{name} = low_{name} if lower else high_{name}" for name in ["b", *kept])]
+    near += ["d = W * low[j] if lower else -(W * high[j])", "x = b + d"]
+    body = "".join(f"        {line}\n" for line in near + lines)
+    ends = "".join(
+        f"    {''.join(f'{side}_{name}, ' for name in ['b', *kept])} = anchor({end}, c)\n"
+        for side, end in (("low", "first"), ("high", "last"))
+    )
+    anchor = f"def anchor(b, c):\n{unpack}" + "".join(f"    {line}\n" for line in fixed)
+    anchor += f"    return ({''.join(f'{name}, ' for name in ['b', *kept])})\n"
+    head = "def fill(buffer, first, last, W, low, high, pace, count, c):\n"
+    return f"{anchor}\n{head}{unpack}{ends}    for j in range(count):\n{body}"
+
+
+def _divided(lines: list[str]) -> tuple[list[str], list[str], list[str]]:
+    """Lines that depend on the turning point alone, those that depend on the node, and names that pass between."""
+    fixed, moving, made, kept, depends = [], [], set(), [], {"x", "d"}
+    for line in lines:
+        left, right = line.split(" = ", 1)
+        names, words = left.split(", "), re.findall(r"[A-Za-z_]\w*", right)
+        if depends.isdisjoint(words):
+            fixed.append(line)
+            made.update(names)
+        else:
+            moving.append(line)
+            depends.update(names)
+            kept += [word for word in words if word in made and word not in kept]
+    return fixed, moving, kept
+
+
+def _relative_text(formula: Formula, unpack: str, names: list[str], numbers: tuple[float, ...]) -> str:
+    source = Source()
+    if not has_chords(formula):
+        return "def relative(b, d, c):\n    return 0.0\n"
+    chords = Chords(Running(source, own=_OWN), Bounded("d"))
+    place = source.add("b", "d")
+    inputs = [chords.variable(Bounded("b"), Bounded(place, source.mul(_PLACE, source.unary("abs", place))))]
+    inputs += [chords.constant(Bounded(c)) for c in names]
+    inputs += [chords.constant(Bounded(f"({x!r})", f"({abs(x) * 2.0**-53!r})")) for x in numbers]
+    slope = formula.squared.run(chords, inputs)[0].slope
+    lines = "".join(f"    {line}\n" for line in source.lines)
+    return f"def relative(b, d, c):\n{unpack}{lines}    return abs({slope.error}) / abs({slope.value})\n"
 
 
 def _doubts_text(tape: Tape, constants: int, numbers: tuple[float, ...]) -> str:
@@ -128,14 +183,19 @@ def _compile(text: str, wanted: Sequence[str]) -> list[Any]:
 
     space: dict[str, Any] = dict(NAMES)
     exec(text, space)  # noqa: S102  (written by Source from codes and numbers)
-    return [njit(**OPTIONS)(space[name]) for name in wanted]
+    for name in wanted:
+        space[name] = njit(**OPTIONS)(space[name])
+    return [space[name] for name in wanted]
 
 
 @cache
 def programs(coordinate: Separated, constants: int, numbers: tuple[float, ...], kernels: bool) -> Programs:
     """Compile the programs of a coordinate, once in a process."""
     text = _coordinate_text(coordinate, constants, numbers, kernels)
-    return Programs(*_compile(text, ("value", "slope", "bend", "fill", "doubts", "pack")))
+    names = ("value", "slope", "bend", "anchor", "fill", "doubts", "relative", "pack")
+    value, slope, bend, _, fill, doubts, relative, pack = _compile(text, names)
+    chords = kernels and has_chords(coordinate.plain)
+    return Programs(value, slope, bend, fill, doubts, relative, pack, chords)
 
 
 @cache

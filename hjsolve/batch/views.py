@@ -16,6 +16,7 @@ import numpy as np
 
 from hjsolve.batch.model import Formula
 from hjsolve.numeric.arithmetic import Float64
+from hjsolve.numeric.chords import FUNCTIONS as CHORDS
 from hjsolve.numeric.doubled import Doubled
 from hjsolve.numeric.error_free import Pair
 from hjsolve.numeric.jet import Jet, Jets
@@ -60,6 +61,15 @@ class Knowns:
 def shaped(array: Any, like: Any) -> Any:
     """Add an axis to an array (n,) where the other has nodes."""
     return array[:, None] if np.ndim(like) == 2 else array
+
+
+_ARITHMETIC = frozenset({"add", "sub", "mul", "div", "power", "rational", "pi"})
+
+
+def has_chords(formula: Formula) -> bool:
+    """Tell whether F[b, q] can be had without cancellation."""
+    codes = {operation.code for operation in formula.squared.operations}
+    return bool(formula.squared.operations) and codes <= CHORDS | _ARITHMETIC
 
 
 @dataclass(frozen=True)

@@ -1,0 +1,123 @@
+"""First-order slopes from a base point, f[e, q] = (f(q) − f(e))/(q − e), without cancellation, over any arithmetic.
+
+Sums and products by Leibniz' rule; an elementary function by Φ[f₀, f], which for exp, sin, … follows from the addition
+theorems with the half difference h = (f − f₀)/2 and the middle m: sinh[f₀, f] = cosh m · sinh h/h, and so on (Krawczyk
+& Neumaier, SIAM J. Numer. Anal. 22 (1985) 604). Next to a zero e, F(q) = (q − e) F[e, q] keeps its relative accuracy.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import Any, NamedTuple
+
+from hjsolve.numeric.tape import Arithmetic
+
+FUNCTIONS = frozenset({"neg", "sqrt", "exp", "sin", "cos", "tan", "sinh", "cosh", "tanh"})
+"""Elementary functions that have a rule."""
+
+_TINY = (1, 10**290)
+"""Keeps sinh h/h from 0/0; no other h is moved by it."""
+
+
+class Chord(NamedTuple):
+    """f(e), f(q), and f[e, q]; a constant has no slope."""
+
+    base: Any
+    value: Any
+    slope: Any = None
+
+
+@dataclass(frozen=True, slots=True)
+class Chords:
+    """Arithmetic on ``Chord`` values.
+
+    Attributes:
+        plain: arithmetic of the parts. offset: q − e in it.
+    """
+
+    plain: Arithmetic
+    offset: Any
+
+    def constant(self, value: Any) -> Chord:
+        """Return a number that does not depend on q."""
+        return Chord(value, value)
+
+    def variable(self, base: Any, value: Any) -> Chord:
+        """Return q itself, from e to q."""
+        return Chord(base, value, self.plain.rational(1, 1))
+
+    def rational(self, numerator: int, denominator: int) -> Chord:
+        return self.constant(self.plain.rational(numerator, denominator))
+
+    def pi(self) -> Chord:
+        return self.constant(self.plain.pi())
+
+    def add(self, x: Chord, y: Chord) -> Chord:
+        a = self.plain
+        slope = y.slope if x.slope is None else x.slope if y.slope is None else a.add(x.slope, y.slope)
+        return self._made(slope, lambda part: a.add(part(x), part(y)))
+
+    def sub(self, x: Chord, y: Chord) -> Chord:
+        return self.add(x, self.unary("neg", y))
+
+    def mul(self, x: Chord, y: Chord) -> Chord:
+        a = self.plain
+        left = None if x.slope is None else a.mul(x.slope, y.value)
+        right = None if y.slope is None else a.mul(x.base, y.slope)
+        slope = right if left is None else left if right is None else a.add(left, right)
+        return self._made(slope, lambda part: a.mul(part(x), part(y)))
+
+    def div(self, x: Chord, y: Chord) -> Chord:
+        a = self.plain
+        if y.slope is None:
+            slope = None if x.slope is None else a.div(x.slope, y.value)
+            return self._made(slope, lambda part: a.div(part(x), part(y)))
+        base = a.div(x.base, y.base)
+        rest = a.unary("neg", a.mul(base, y.slope))
+        rest = rest if x.slope is None else a.add(x.slope, rest)
+        return Chord(base, a.div(x.value, y.value), a.div(rest, y.value))
+
+    def power(self, x: Chord, n: int) -> Chord:
+        if n < 0:
+            return self.div(self.rational(1, 1), self.power(x, -n))
+        result = x
+        for bit in bin(n)[3:]:
+            result = self.mul(result, result)
+            if bit == "1":
+                result = self.mul(result, x)
+        return result if n else self.rational(1, 1)
+
+    def unary(self, name: str, x: Chord) -> Chord:
+        a = self.plain
+        if x.slope is None:
+            return self.constant(a.unary(name, x.value))
+        if name in {"tan", "tanh"}:
+            over, under = ("sin", "cos") if name == "tan" else ("sinh", "cosh")
+            return self.div(self.unary(over, x), self.unary(under, x))
+        base, value = a.unary(name, x.base), a.unary(name, x.value)
+        return Chord(base, value, a.mul(self._between(name, x, base, value), x.slope))
+
+    def _between(self, name: str, x: Chord, base: Any, value: Any) -> Any:
+        """Φ[f₀, f]."""
+        a = self.plain
+        if name == "neg":
+            return a.rational(-1, 1)
+        if name == "sqrt":
+            return a.div(a.rational(1, 1), a.add(base, value))
+        half = a.rational(1, 2)
+        h = a.add(a.mul(half, a.mul(self.offset, x.slope)), a.rational(*_TINY))
+        middle = a.mul(half, a.add(x.base, x.value))
+        match name:
+            case "sin" | "cos":
+                rise = a.unary("cos" if name == "sin" else "sin", middle)
+                rise = rise if name == "sin" else a.unary("neg", rise)
+                return a.mul(rise, a.div(a.unary("sin", h), h))
+            case "exp" | "sinh" | "cosh":
+                rise = a.unary({"exp": "exp", "sinh": "cosh", "cosh": "sinh"}[name], middle)
+                return a.mul(rise, a.div(a.unary("sinh", h), h))
+            case _:
+                raise NotImplementedError(name)
+
+    def _made(self, slope: Any, combined: Any) -> Chord:
+        value = combined(lambda x: x.value)
+        return Chord(value, value) if slope is None else Chord(combined(lambda x: x.base), value, slope)
