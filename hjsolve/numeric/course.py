@@ -182,7 +182,8 @@ class Branch:
         """Return the integrals so far that |Σ wⱼ Gⱼ| reaches ``amount``; without weights, that y does."""
         if self.way.end == "fall":  # all of it, once
             return _panels(self, None, 1000)
-        return _panels(self, weights, int(np.ceil(np.log2(max(abs(amount), 1e-290)))) + 1)
+        power = int(np.ceil(np.log2(max(abs(amount), 1e-290))))
+        return _panels(self, weights, power if weights is None else power + 1)
 
 
 def farthest(digits: int) -> int:

@@ -130,7 +130,7 @@ def reaching(course: Course, scheme: Plan, span: float, i: int) -> Course:
     weights = next(
         (s.weights for s in scheme.steps if s.index == i), tuple(float(j == 0) for j in range(scheme.equations))
     )
-    begin = replace(course, reach=(None, max(4.0, 2 * abs(float(course.start)))))
+    begin = replace(course, reach=(None, max(4.0, abs(float(course.start)))))
     here = sum(
         abs(w * float(begin.integral(j, np.array([float(course.start)]))[0])) for j, w in enumerate(weights) if w
     )
