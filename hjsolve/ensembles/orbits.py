@@ -53,7 +53,7 @@ def ensemble(
         fallback: compute orbits that the vectorised engine hands back one by one, tens of milliseconds each; without,
             they are ``not_converged``.
         compiled: whether to compile the loops by numba (extra ``fast``), some seconds once a process, for each
-            system, want and parameters; None: from a thousand orbits on. The last bits differ, within the errors.
+            system, want and parameters; None: from 100 000 orbits on. The last bits differ, within the errors.
 
     Returns:
         The batch; ``batch.actions["r"]`` has the shape of the initial conditions.

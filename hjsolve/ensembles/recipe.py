@@ -21,8 +21,8 @@ ONE_AT_A_TIME = threading.RLock()
 """sympy and mpmath keep caches that were not made for threads, and hold Python's lock anyway."""
 
 
-WORTH_COMPILING = 1000
-"""An ensemble of fewer orbits does not pay for compiling, which takes seconds, once a process and system."""
+WORTH_COMPILING = 100_000
+"""An ensemble of fewer orbits does not pay for compiling, which takes ten seconds, once a process and system."""
 
 
 @dataclass(frozen=True)
