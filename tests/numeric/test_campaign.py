@@ -39,8 +39,9 @@ def judged(seed, indices):
 @pytest.mark.parametrize("part", range(4))
 def test_no_claim_of_a_random_motion_is_false(part):
     findings = [f for f in judged(1, SLICE[part::4]) if f.status != "too_long"]  # how many depends on the machine
-    assert sum(f.status == "ok" for f in findings) >= 0.5 * len(findings)
-    assert sum(f.claims for f in findings) > 10 * len(findings)
+    refused = [(f.entry, f.status, f.message) for f in findings if f.status != "ok"]
+    assert len(refused) <= 1, refused
+    assert all(f.claims >= 5 for f in findings if f.status == "ok")
 
 
 def exact(value):
