@@ -254,7 +254,13 @@ def test_a_closed_pipe_is_no_error_message() -> None:
 
 
 def test_interrupt_is_one_line(tmp_path: Path) -> None:
-    code = "import sys, time, hjsolve.commands as c\nc.check = lambda options: (print('ready', flush=True), time.sleep(30))\nfrom hjsolve.cli import main\nsys.exit(main(['check', 'x']))"
+    code = """
+import signal, sys, time, hjsolve.commands as c
+from hjsolve.cli import main
+signal.signal(signal.SIGINT, signal.default_int_handler)  # a job in the background inherits that it is ignored
+c.check = lambda options: (print('ready', flush=True), time.sleep(30))
+sys.exit(main(['check', 'x']))
+"""
     process = subprocess.Popen([sys.executable, "-c", code], stdout=subprocess.PIPE, stderr=subprocess.PIPE, text=True)
     assert process.stdout is not None
     assert process.stdout.readline() == "ready\n"
