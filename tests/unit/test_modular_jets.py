@@ -117,3 +117,14 @@ def test_one_factor_for_all_metric_coefficients(name):
             for h in range(n)
         )
         assert conditions.one_factor(i, j) is all(written)
+
+
+@pytest.mark.parametrize("answer", [True, None])
+def test_a_filter_that_lets_everything_pass_is_no_proof(answer, monkeypatch):
+    setting = refusal.of_shell(ORTHOGONAL[sorted(REFUSED.keys() & ORTHOGONAL)[0]], Reader().field.budget)
+    conditions = levi_civita.Conditions(setting.reader, setting.symbols, setting.metric, setting.potential)
+    sieve = Filter(setting.reader.field)
+    written = [sieve.vanishes(c.products) for c in conditions]
+    assert not all(written)
+    monkeypatch.setattr(levi_civita.Conditions, "passes_filter", lambda *_: answer)
+    assert [conditions.holds(c, sieve) for c in conditions] == written
