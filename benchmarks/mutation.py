@@ -103,6 +103,7 @@ HARMLESS: dict[str, dict[tuple[str, str], str]] = {
     "separation/liouville": {
         ("factor = Element(field, Fraction(1), {0: 1}, {base: e})", "0 → 1"): "asked only what it depends on",
         ("if lower > 0 or upper < 0:", "0 → 1"): "the sign is +1 where none is found",
+        ("return 1", "1 → 2"): "asked is only whether it is negative",
         (
             "return Element(field, x.coefficient, x.numerator, a), Element(field, Fraction(1), {0: 1}, b)",
             "1 → 2",

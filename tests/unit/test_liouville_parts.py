@@ -110,3 +110,15 @@ def test_a_root_that_holds_a_product_is_taken_apart_at_a_base_point() -> None:
         assert b.free_symbols == {of_j}
         other = [{of_j: sp.Rational(k, 3), (x, y)[i]: sp.Rational(2, 7)} for k in (1, 4)]
         assert abs((a.subs(other[0]) - a.subs(other[1])).evalf(40)) < 1e-35
+
+
+def test_a_constant_factor_stays_with_the_first_at_a_base_point() -> None:
+    x, y = sp.symbols("x y", real=True)
+    seconds = []
+    for constant in (3, 5):
+        function = constant * sp.sqrt(x * y + x + y + 1)
+        reader = Reader([function])
+        parts = liouville.split_product(reader, reader.element(function), [x, y], 0, 1)
+        assert parts is not None
+        seconds.append(reader.write(parts[1]))
+    assert seconds[0] == seconds[1]
