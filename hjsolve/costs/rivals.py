@@ -169,7 +169,7 @@ def _dop853(task: Task, tolerance: float) -> Callable[[Times | None, float], Sta
         def carried(begin: float, state: Any, goal: Any) -> Any:
             with np.errstate(all="ignore"):
                 whole = solve_ivp(slopes, (begin, goal[-1]), state, "DOP853", goal, rtol=relative, atol=absolute)
-            if whole.y.shape[1] != len(goal):
+            if not whole.success:
                 raise NotConvergedError("the step became too small")
             return whole.y
 

@@ -139,6 +139,15 @@ def test_what_does_not_fit_is_marked_and_not_dropped() -> None:
     assert all(row.status in ("extrapolated", "too slow") and row.note for row in late)
 
 
+def test_an_integrator_that_stops_at_once_is_marked() -> None:
+    """DOP853's first step is already too small here, and it has no states to show."""
+    table = hjsolve.cost("constant-proper-acceleration", digits=(20,), seconds=200, repeats=1)
+    assert all(row.held for row in table.of("float64"))
+    stopped = [row for row in table.of("DOP853") if not row.answered]
+    assert stopped
+    assert all(row.note for row in stopped)
+
+
 def test_an_integrated_scene_is_measured_too() -> None:
     scene = {
         "system": "pendulum", "effects": ["drag"], "method": "integrate", "want": ["trajectory"],
