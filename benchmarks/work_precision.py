@@ -187,6 +187,13 @@ def table(entries: list[dict[str, Any]]) -> None:
                 print(f"  broken: {one['id']} {row['method']} {row['digits']}: {told}")
 
 
+def write(results: dict[str, Any]) -> None:
+    """Write the JSON, one entry of the catalog a line."""
+    entries = ",\n".join(json.dumps(one, ensure_ascii=False) for one in results["catalog"])
+    rest = json.dumps({**results, "catalog": []}, ensure_ascii=False)
+    RESULTS.write_text(rest.replace('"catalog": []', f'"catalog": [\n{entries}\n]') + "\n", encoding="utf-8")
+
+
 def main() -> None:
     import hjsolve
 
@@ -208,7 +215,7 @@ def main() -> None:
     machine = {"python": platform.python_version(), "machine": platform.machine(), "cores": os.cpu_count()}
     results = {"machine": machine, "seconds": options.seconds, "catalog": entries, "growth": growth()}
     PARTIAL.unlink()
-    RESULTS.write_text(json.dumps(results, indent=1, ensure_ascii=False) + "\n", encoding="utf-8")
+    write(results)
     draw_work_precision.draw(results)
 
 
