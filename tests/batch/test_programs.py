@@ -14,8 +14,6 @@ from hjsolve.initial import parameter_values
 from hjsolve.numeric.arithmetic import Float64
 from hjsolve.numeric.source import Source
 
-numba = pytest.importorskip("numba")
-
 WORDS = {
     "def", "return", "for", "in", "range", "if", "else", "x", "c", "e", "q", "p", "i", "j", "r", "a", "b", "W", "C", "E",
     "P", "value", "slope", "bend", "fill", "doubts", "pack", "start", "buffer", "low", "high", "pace", "count", "shape",
@@ -42,6 +40,7 @@ def test_only_known_codes_are_written() -> None:
 
 @pytest.mark.parametrize("name", ["two-centres-plane", "spherical-staeckel", "oscillator-tan"])
 def test_a_program_computes_what_its_tape_computes(name: str) -> None:
+    pytest.importorskip("numba")
     solution = hjsolve.solve(hjsolve.catalog.load(name))
     model = read(solution, parameter_values(solution.system, {}))
     numbers = tuple(pair.high for pair in model.numbers)
