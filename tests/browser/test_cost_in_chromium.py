@@ -2,9 +2,6 @@
 
 from __future__ import annotations
 
-import os
-import shutil
-import tempfile
 from collections.abc import Iterator
 from pathlib import Path
 
@@ -12,17 +9,6 @@ import pytest
 
 from hjsolve.costs import Cost, Row
 from hjsolve.reports.costs import cost_document, save_cost
-
-webdriver = pytest.importorskip("selenium.webdriver")
-
-CHROMIUM, DRIVER = shutil.which("chromium"), shutil.which("chromedriver")
-if not (CHROMIUM and DRIVER) and not os.environ.get("CI"):
-    pytest.skip("Chromium and its driver are not installed", allow_module_level=True)
-
-FLAGS = [
-    "--headless=new", "--no-sandbox", "--disable-gpu", "--disable-quic", "--no-first-run", "--disable-component-update",
-    "--disable-background-networking", "--disable-sync", "--disable-dev-shm-usage", "--force-device-scale-factor=1",
-]  # fmt: skip
 
 
 def row(
@@ -45,21 +31,6 @@ LITTLE = (
     row("integrate", 4, 1e-6, 0.5), row("DOP853", 4, None, None, "missing", "needs scipy"),
     row("heyoka", 6, None, None, "not converged", "the state became infinite"),
 )  # fmt: skip
-
-
-@pytest.fixture(scope="module")
-def browser() -> Iterator[object]:
-    from selenium.webdriver.chrome.service import Service
-
-    options = webdriver.ChromeOptions()
-    options.binary_location = CHROMIUM
-    for flag in FLAGS:
-        options.add_argument(flag)
-    with tempfile.TemporaryDirectory() as profile:
-        options.add_argument(f"--user-data-dir={profile}")
-        driver = webdriver.Chrome(options=options, service=Service(DRIVER))
-        yield driver
-        driver.quit()
 
 
 @pytest.fixture(scope="module", params=[FULL, LITTLE], ids=["full", "little"])
