@@ -14,6 +14,7 @@ from typing import Any
 import numpy as np
 import sympy as sp
 
+from hjsolve import arguments
 from hjsolve.errors import InvalidInputError, MissingValueError, OutsideMotionError
 from hjsolve.expressions import number
 from hjsolve.hamiltonians import LinearHamiltonian
@@ -158,10 +159,9 @@ def start(
     name = problem.coordinate.name
     if velocity is not None or p is None:
         raise InvalidInputError(f"initial data: give p={{{name!r}: …}}; dq/dt = a(q) says nothing about p here")
-    if type(digits) is not int or not 1 <= digits <= 2000:
-        raise InvalidInputError(f"digits: a whole number from 1 to 2000 is needed, not {digits!r}")
+    digits = arguments.digits(digits)
     for what, given in (("q", q), ("p", p)):
-        if set(given) != {name}:
+        if set(arguments.table(given, what)) != {name}:
             raise MissingValueError(f"{what}: needs a number for {name}, and nothing else")
     values = parameter_values(problem, parameters)
     place, momentum = number(q[name], source=f"q.{name}"), number(p[name], source=f"p.{name}")

@@ -17,13 +17,14 @@ from typing import Any
 
 import sympy as sp
 
+from hjsolve import arguments
 from hjsolve.errors import InvalidInputError, InvalidSystemError, NotConvergedError
 from hjsolve.expressions import number
 from hjsolve.initial import parameter_values, to_bits
 from hjsolve.motion import Motion
 from hjsolve.numeric.arithmetic import multiprecision
 from hjsolve.solution import solve
-from hjsolve.system import System, hamiltonian, kinetic_rest, linear_terms, mass_matrix, momenta
+from hjsolve.system import A_SYSTEM, System, hamiltonian, kinetic_rest, linear_terms, mass_matrix, momenta
 
 LAMBDA = sp.Symbol("lambda")
 
@@ -116,10 +117,13 @@ def linear_modes(system: System, *, parameters: Mapping[str, Any] | None = None,
     Raises:
         InvalidSystemError: the system is not linear, or has a constant force.
         MissingValueError: a parameter has no value.
+        InvalidInputError: no system at all, or digits out of range.
 
     References:
         Greenwood (1977), (3-117), (3-129), Ex 3-4, P3-10; Arnold, Mathematical Methods, appendix 6.
     """
+    arguments.refuse_other(system, System, "linear_modes", A_SYSTEM)
+    digits = arguments.digits(digits)
     M, Γ, K = _matrices(system)
     values = parameter_values(system, parameters or {})
     polynomial = sp.expand((M * LAMBDA**2 + Γ * LAMBDA + K).det())

@@ -17,6 +17,7 @@ from typing import TYPE_CHECKING, Any
 
 import sympy as sp
 
+from hjsolve import arguments
 from hjsolve.errors import InvalidSystemError
 from hjsolve.expressions import parse
 from hjsolve.system import Coordinate, Parameter, System
@@ -139,7 +140,7 @@ def from_hamiltonian(
         >>> problem.principal_function
         E*q - E*t - q**2/2
     """
-    if len(coordinates) != 1:
+    if len(arguments.table(coordinates, "coordinates", '{"q": "line"}')) != 1:
         raise InvalidSystemError("H(q, p): one coordinate only; more need T and V")
     (name, domain), = coordinates.items()
     if name == "p" or "p" in (parameters or {}):

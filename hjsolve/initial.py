@@ -15,6 +15,7 @@ from typing import Any
 
 import sympy as sp
 
+from hjsolve import arguments
 from hjsolve.errors import InvalidInputError, MissingValueError
 from hjsolve.expressions import number
 from hjsolve.hamiltonians import LinearHamiltonian
@@ -138,7 +139,7 @@ def initial_data(
     p: Values | None = None,
     constants: Values | None = None,
     signs: Values | None = None,
-    parameters: Values,
+    parameters: Values | None,
 ) -> Initial:
     """Read initial data and work out the constants of the motion.
 
@@ -155,7 +156,7 @@ def initial_data(
         MissingValueError: a value is missing.
     """
     system = solution.system
-    values = parameter_values(system, parameters)
+    values = parameter_values(system, arguments.table(parameters, "parameters", '{"m": 1}'))
     if sum(given is not None for given in (velocity, p, constants)) != 1:
         raise InvalidInputError(
             "initial data: give either velocity={…} or p={…}, each a number for every coordinate, or constants={…}"
@@ -206,7 +207,7 @@ def _from_constants(
 
 def _only_known(given: Values, names: Iterable[str], what: str) -> None:
     names = list(names)
-    for name in given:
+    for name in arguments.table(given, what, f'{{"{next(iter(names), "")}": 1}}'):
         if name not in names:
             raise InvalidInputError(f"{what}: {name!r} is not known here; this solution has {_listed(names)}")
     missing = [name for name in names if name not in given]
@@ -232,6 +233,7 @@ def _clean(value: sp.Expr) -> sp.Expr:
 
 def _complete(system: System, given: Values, what: str) -> dict[str, sp.Expr]:
     names = [c.name for c in system.coordinates]
+    given = arguments.table(given, what, f'{{"{names[0]}": 1}}')
     for name in given:
         if name not in names:
             raise InvalidInputError(f"{what}: {name!r} is not a coordinate of this system; it has {_listed(names)}")

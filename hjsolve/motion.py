@@ -14,7 +14,7 @@ from typing import Any
 
 import sympy as sp
 
-from hjsolve import quantities
+from hjsolve import arguments, quantities
 from hjsolve.errors import InvalidInputError
 from hjsolve.expressions import number
 from hjsolve.initial import Initial, domain_ends, expanded, initial_data, sign, to_bits
@@ -112,10 +112,12 @@ class Motion:
             passage: 0 for the first crossing at t ≥ t₀, 1 for the next, −1 for the last before t₀ …
 
         Raises:
+            InvalidInputError: an unknown coordinate, a value that is no number, or a passage that is not whole.
             OutsideMotionError: the motion never reaches that position, or not that often.
         """
         from hjsolve.passages import crossing_time
 
+        self.solution.system.coordinate(name)
         self._require("periods" if name in self.located else "trajectory")
         return crossing_time(self._source, name, value, passage)
 
@@ -129,9 +131,15 @@ class Motion:
 
         Returns:
             Array of shape (m,).
+
+        Raises:
+            InvalidInputError: an unknown coordinate, or a value that is no number.
+            OutsideMotionError: the motion never reaches a value.
         """
         from hjsolve.passages import crossing_times
 
+        for coordinate in (name, along):
+            self.solution.system.coordinate(coordinate)
         times = crossing_times(self._source, along, values)
         return self.at(times).unwrapped(name)
 
@@ -220,10 +228,10 @@ def start(
         >>> motion.kinds["r"], round(motion.periods["r"].value, 9)
         ('libration', 14.99332061)
     """
-    if type(digits) is not int or not 1 <= digits <= 2000:
-        raise InvalidInputError(f"digits: a whole number from 1 to 2000 is needed, not {digits!r}")
+    digits = arguments.digits(digits)
+    arguments.refuse_other(certified, bool, "certified", "True or False is needed")
     initial = initial_data(
-        solution, q=q, velocity=velocity, p=p, constants=constants, signs=signs, parameters=parameters or {}
+        solution, q=q, velocity=velocity, p=p, constants=constants, signs=signs, parameters=parameters
     )
     parts, exact_t0 = parts_of(want), number(t0, source="t0")
     given = {
@@ -269,7 +277,7 @@ def parts_of(want: Iterable[str] | None) -> frozenset[str]:
     """
     if want is None:
         return PARTS
-    names = frozenset([want] if isinstance(want, str) else want)
+    names = arguments.words(want, "want", '["actions", "periods"]')
     for name in sorted(names - QUANTITIES.keys()):
         raise InvalidInputError(f'want: "{name}" is not known; known are {", ".join(QUANTITIES)}')
     return frozenset[str]().union(*(QUANTITIES[name] for name in names))

@@ -9,6 +9,7 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
+from hjsolve import arguments
 from hjsolve.errors import InvalidInputError, NotConvergedError, OutsideMotionError
 from hjsolve.expressions import number
 from hjsolve.initial import to_bits
@@ -34,7 +35,7 @@ _SCAN, _TREND = 200_000, 16
 
 def crossing_time(motion: Motion, name: str, value: Any, passage: int) -> Estimate:
     """Return the time of a crossing; see ``Motion.time_at``."""
-    motion.solution.system.coordinate(name)
+    arguments.whole(passage, "passage")
     target = to_bits(number(value, source=f"value of {name}"))
     if name not in motion.located:
         return _scanned(motion, name, float(target(64)), passage)

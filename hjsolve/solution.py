@@ -20,11 +20,12 @@ from typing import TYPE_CHECKING, Any
 
 import sympy as sp
 
+from hjsolve import arguments
 from hjsolve.errors import NotSeparableError
 from hjsolve.separation import Constant, Obstruction, Separation, Undecided, separate
 from hjsolve.separation.relativistic import shell_energy
 from hjsolve.separation.verdicts import Verdict
-from hjsolve.system import System
+from hjsolve.system import A_SYSTEM, System
 
 if TYPE_CHECKING:
     from hjsolve.motion import Motion
@@ -90,10 +91,12 @@ def solve(system: System | Separation) -> Solution:
     Raises:
         NotSeparableError: the system does not separate in its coordinates, or that could not be decided; the error
             carries the verdict.
+        InvalidInputError: neither a system nor a verdict.
 
     References:
         Greenwood, Classical Dynamics (1977), (5-65)–(5-83), (5-142); Jacobi's theorem (5-53)–(5-62).
     """
+    arguments.refuse_other(system, (System, Separation, Obstruction, Undecided), "solve", A_SYSTEM)
     return _remembered(system) if isinstance(system, System) else _solved(system)
 
 

@@ -13,6 +13,7 @@ from typing import Literal
 
 import sympy as sp
 
+from hjsolve import arguments
 from hjsolve.declarations import (
     Coordinate,
     Parameter,
@@ -31,6 +32,8 @@ from hjsolve.kinetic import check_quadratic, half_inverse_form, inverse, mass_en
 from hjsolve.relativity import Relativity
 from hjsolve.relativity import read as read_relativity
 
+A_SYSTEM = 'a System is needed, made by hjsolve.System(…) or hjsolve.catalog.load("kepler-planar")'
+"""What ``separate``, ``solve`` and their like say to anything else."""
 __all__ = [
     "Coordinate", "Domain", "Parameter", "System", "hamiltonian", "inverse_mass_matrix", "kinetic_rest", "linear_terms",
     "mass_matrix", "momenta", "parameter", "require_values", "velocities", "with_values",
@@ -107,6 +110,7 @@ class System:
 
     def coordinate(self, name: str) -> Coordinate:
         """The coordinate of this name; InvalidSystemError where there is none."""
+        arguments.refuse_other(name, str, "coordinate", f'a name such as "{self.coordinates[0].name}" is needed')
         for coordinate in self.coordinates:
             if coordinate.name == name:
                 return coordinate

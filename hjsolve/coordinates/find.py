@@ -7,6 +7,7 @@ from collections.abc import Sequence
 
 import sympy as sp
 
+from hjsolve import arguments
 from hjsolve.coordinates.exceptional import exceptional_values
 from hjsolve.coordinates.families import family
 from hjsolve.coordinates.frames import sign_by, tidy
@@ -16,7 +17,7 @@ from hjsolve.coordinates.transform import Cartesian, web_of
 from hjsolve.coordinates.webs_plane import plane_webs
 from hjsolve.coordinates.webs_space import Potential, space_webs
 from hjsolve.errors import InvalidSystemError
-from hjsolve.system import System, kinetic_rest, linear_terms, mass_matrix
+from hjsolve.system import A_SYSTEM, System, kinetic_rest, linear_terms, mass_matrix
 
 _NONE = "No quadratic first integral of this kind besides the energy: the system is"
 _NO_WEB = "Besides the energy there {are} {extra} quadratic first integral{s}, but no orthogonal web belongs to {it}: "
@@ -55,6 +56,7 @@ def find_coordinates(system: System, *, special: bool = True, budget: float = 20
 
     Raises:
         InvalidSystemError: the system is not natural, not in Cartesian coordinates, or not in two or three dimensions.
+        InvalidInputError: no system at all, or no positive budget.
 
     Example:
         >>> from hjsolve import System
@@ -63,7 +65,8 @@ def find_coordinates(system: System, *, special: bool = True, budget: float = 20
         >>> [(web.kind, web.centre, web.lengths["a"], web.certified) for web in found.webs]
         [('elliptic', (2, 1/2), sqrt(13)/2, True)]
     """
-    start = time.monotonic()
+    arguments.refuse_other(system, System, "find_coordinates", A_SYSTEM)
+    start, budget = time.monotonic(), arguments.seconds(budget, "budget")
     cartesian = _cartesian(system)
     n = len(cartesian.X)
     full = kernel(cartesian.potential, cartesian.X, killing_basis(cartesian.X))

@@ -15,11 +15,12 @@ from typing import Any
 
 import sympy as sp
 
+from hjsolve import arguments
 from hjsolve.coordinates.frames import Sign, sign_by, tidy
 from hjsolve.errors import InvalidSystemError
 from hjsolve.expressions import number
 from hjsolve.separation import separate
-from hjsolve.system import System, kinetic_rest, linear_terms, mass_matrix
+from hjsolve.system import A_SYSTEM, System, kinetic_rest, linear_terms, mass_matrix
 
 _MOST_TRIAL_COLUMNS = 6
 
@@ -86,6 +87,7 @@ def normal_modes(system: System, about: Mapping[str, object] | None = None, *, b
     Raises:
         InvalidSystemError: not quadratic and no equilibrium given; not an equilibrium; gyroscopic terms; or the
             frequencies are roots of a cubic or higher equation with symbolic coefficients.
+        InvalidInputError: no system at all.
 
     Example:
         >>> from hjsolve import System
@@ -94,7 +96,8 @@ def normal_modes(system: System, about: Mapping[str, object] | None = None, *, b
         >>> [mode.frequency_squared for mode in normal_modes(pendulum).modes]
         [g*(2 - sqrt(2))/l, g*(sqrt(2) + 2)/l]
     """
-    quadratic = _quadratic(system, about)
+    arguments.refuse_other(system, System, "normal_modes", A_SYSTEM)
+    quadratic = _quadratic(system, None if about is None else arguments.table(about, "about", '{"theta": 0}'))
     sign = sign_by({p.symbol: p.value for p in system.parameters if p.value is not None})
     columns = _columns(quadratic, sign)
     A = sp.ImmutableMatrix(sp.Matrix.hstack(*(sp.Matrix(v) for _, v, _ in columns)))

@@ -5,6 +5,7 @@ from __future__ import annotations
 from collections.abc import Iterable, Iterator, Mapping
 from dataclasses import dataclass
 
+from hjsolve import arguments
 from hjsolve.errors import InvalidInputError
 from hjsolve.schema import nearest
 from hjsolve.solution import Solution
@@ -54,7 +55,7 @@ def wanted(want: Iterable[str] | str | None) -> tuple[str, ...]:
     """
     if want is None:
         return QUANTITIES
-    words = {want} if isinstance(want, str) else set(want)
+    words = arguments.words(want, "want", '["actions", "periods"]')
     for word in sorted(words - set(QUANTITIES), key=str):
         raise InvalidInputError(f'want: "{word}" is not known of an ensemble{nearest(str(word), QUANTITIES)}')
     if not words:

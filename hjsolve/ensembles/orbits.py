@@ -10,7 +10,7 @@ from typing import Any
 
 import numpy as np
 
-from hjsolve import catalog
+from hjsolve import arguments, catalog
 from hjsolve.ensembles.batch_of_orbits import Batch
 from hjsolve.ensembles.door import Conditions, conditions
 from hjsolve.ensembles.layout import layout_of
@@ -68,11 +68,13 @@ def ensemble(
         >>> batch.status.tolist(), [round(float(J), 6) for J in batch.actions["r"]]
         (['ok', 'ok'], [0.136306, 0.049...])
     """
+    arguments.refuse_other(fallback, bool, "fallback", "True or False is needed")
+    arguments.refuse_other(compiled, (bool, type(None)), "compiled", "True, False or None (what is faster) is needed")
     solution = _solution(system)
     given = conditions(solution.system, q, p, velocity)
     layout = layout_of(solution, want)
     many = math.prod(given.shape) >= WORTH_COMPILING if compiled is None else compiled
-    recipe = recipe_for(solution, layout.want, parameters or {}, given.kind, fallback=fallback, compiled=many)
+    recipe = recipe_for(solution, layout.want, parameters, given.kind, fallback=fallback, compiled=many)
     if given.lazy:
         from hjsolve.ensembles.blocks import lazily
 
@@ -82,7 +84,7 @@ def ensemble(
 
 
 def recipe_for(
-    solution: Solution, want: tuple[str, ...], parameters: Mapping[str, Any], kind: str, *, compiled: bool,
+    solution: Solution, want: tuple[str, ...], parameters: Mapping[str, Any] | None, kind: str, *, compiled: bool,
     fallback: bool = True,
 ) -> Recipe:  # fmt: skip
     """Write the recipe of an ensemble: every parameter with its exact value.
@@ -115,17 +117,15 @@ def _entry(name: str) -> Solution:
     return solve(catalog.load(name))
 
 
-def _numbers(parameters: Mapping[str, Any]) -> dict[str, Any]:
-    for name, value in parameters.items():
+def _numbers(parameters: Mapping[str, Any] | None) -> dict[str, Any]:
+    for name, value in arguments.table(parameters, "parameters", '{"m": 1}').items():
         if getattr(value, "shape", ()) != () or isinstance(value, (list, tuple)):
             raise InvalidInputError(f"parameters[{name}]: one number for all orbits is needed; call once a value")
-    return dict(parameters)
+    return dict(parameters or {})
 
 
 def _thread_count(threads: Any) -> int | None:
-    if threads is not None and (isinstance(threads, bool) or not isinstance(threads, int) or threads < 1):
-        raise InvalidInputError(f"threads: a whole number from 1 on is needed, or None for all cores, not {threads!r}")
-    return threads
+    return None if threads is None else arguments.whole(threads, "threads", 1)
 
 
 def _at_once(recipe: Recipe, given: Conditions, threads: int | None) -> Columns:

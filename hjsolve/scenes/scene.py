@@ -13,7 +13,7 @@ from typing import TYPE_CHECKING, Any
 
 import sympy as sp
 
-from hjsolve import catalog, toml_file
+from hjsolve import arguments, catalog, toml_file
 from hjsolve.effects import forces, with_effects
 from hjsolve.ensembles.layout import QUANTITIES
 from hjsolve.errors import CatalogError, InvalidInputError
@@ -170,6 +170,7 @@ class Scene:
 def _opened(scene: str | Path | Mapping[str, Any]) -> tuple[Mapping[str, Any], str, Path]:
     if isinstance(scene, Mapping):
         return scene, "scene", Path()
+    arguments.refuse_other(scene, (str, Path), "scene", "the path of a TOML file or its table is needed")
     path, source = Path(scene), str(scene)
     return toml_file.read(path, source), source, path.parent
 

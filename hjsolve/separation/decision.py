@@ -6,11 +6,12 @@ import time
 
 import sympy as sp
 
+from .. import arguments
 from ..algebra.modular import Filter
 from ..algebra.poly import Budget, WorkLimitError
 from ..algebra.readable import readable
 from ..shell import Irreducible, Shell, Step, reduce
-from ..system import System, kinetic_rest, linear_terms, mass_matrix
+from ..system import A_SYSTEM, System, kinetic_rest, linear_terms, mass_matrix
 from . import advice, levi_civita, liouville, relativistic, stackel
 from .constants import constants_of
 from .diagnosis import diagnosed
@@ -36,8 +37,10 @@ def separate(system: System, *, budget: float = DEFAULT_BUDGET) -> Verdict:
         ``Separation``, ``Obstruction`` (proved not to separate, with a witness) or ``Undecided``.
 
     Raises:
-        Nothing on purpose: what cannot be decided is a verdict too.
+        InvalidInputError: not a system, or no positive budget. What cannot be decided is a verdict, no error.
     """
+    arguments.refuse_other(system, System, "separate", A_SYSTEM)
+    budget = arguments.seconds(budget, "budget")
     if system.relativity is not None:
         return relativistic.decided(system, lambda shell: separate(shell, budget=budget))
     start = time.monotonic()

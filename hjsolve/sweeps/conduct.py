@@ -7,11 +7,12 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
+from hjsolve import arguments
 from hjsolve.ensembles.layout import wanted
 from hjsolve.ensembles.orbits import recipe_for
 from hjsolve.ensembles.recipe import WORTH_COMPILING, Recipe
 from hjsolve.ensembles.rows import compute
-from hjsolve.errors import InvalidInputError, MissingExtraError
+from hjsolve.errors import MissingExtraError
 from hjsolve.scenes import Scene
 from hjsolve.solution import solve
 from hjsolve.sweeps.identity import code, identity
@@ -124,9 +125,7 @@ def sweep(
 
 
 def _checked_chunk(chunk: Any) -> int | None:
-    if chunk is not None and (isinstance(chunk, bool) or not isinstance(chunk, int) or chunk < 1):
-        raise InvalidInputError(f"chunk: a whole number from 1 on is needed, not {chunk!r}")
-    return chunk
+    return None if chunk is None else arguments.whole(chunk, "chunk", 1)
 
 
 def _on_threads(work: Work, threads: int | None) -> None:

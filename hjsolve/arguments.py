@@ -1,0 +1,99 @@
+"""What an argument must be: wrong kinds are refused at the door, in the same words everywhere.
+
+Values are checked where they are read (``expressions.number``, ``schema``); here is only what would otherwise end as
+an ``AttributeError`` or ``TypeError`` from deep inside.
+"""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Iterable, Mapping
+from numbers import Real
+from typing import Any
+
+from hjsolve.errors import InvalidInputError
+
+MOST_DIGITS = 2000
+
+
+def refuse_other(value: Any, kinds: type | tuple[type, ...], source: str, needed: str) -> None:
+    """Raise unless a value is of these kinds.
+
+    Args:
+        value: what came. kinds: what it may be.
+        source: the name of the argument, or of the function where it has only one.
+        needed: what is needed, with what to write, e.g. "a System is needed, e.g. from catalog.load".
+
+    Raises:
+        InvalidInputError: it is something else.
+    """
+    if not isinstance(value, kinds):
+        raise InvalidInputError(f"{source}: {needed}, not {described(value)}")
+
+
+def table(value: Any, source: str, example: str = '{"r": 1}') -> Mapping[str, Any]:
+    """A table name → value, None counting as empty.
+
+    Raises:
+        InvalidInputError: it is no mapping.
+    """
+    if value is None:
+        return {}
+    refuse_other(value, Mapping, source, f"a table name → value is needed, such as {example}")
+    return value
+
+
+def words(value: Any, source: str, example: str) -> frozenset[str]:
+    """One word or several.
+
+    Raises:
+        InvalidInputError: neither a text nor a list of texts.
+    """
+    if isinstance(value, str):
+        return frozenset({value})
+    found = list(value) if isinstance(value, Iterable) else [value]
+    if not all(isinstance(word, str) for word in found):
+        raise InvalidInputError(f"{source}: words are needed, such as {example}, not {described(value)}")
+    return frozenset(found)
+
+
+def whole(value: Any, source: str, lowest: int | None = None, highest: int | None = None) -> int:
+    """A whole number; ``True`` is none.
+
+    Raises:
+        InvalidInputError: not whole, or out of bounds.
+    """
+    inside = type(value) is int and (lowest is None or lowest <= value) and (highest is None or value <= highest)
+    if not inside:
+        bounds = "" if lowest is None else f" from {lowest} on" if highest is None else f" from {lowest} to {highest}"
+        raise InvalidInputError(f"{source}: a whole number{bounds} is needed, not {described(value)}")
+    return value
+
+
+def digits(value: Any) -> int:
+    """How many digits are asked.
+
+    Raises:
+        InvalidInputError: not a whole number from 1 to ``MOST_DIGITS``.
+    """
+    return whole(value, "digits", 1, MOST_DIGITS)
+
+
+def seconds(value: Any, source: str) -> float:
+    """A positive number of seconds; ``math.inf`` is one.
+
+    Raises:
+        InvalidInputError: no number, not positive, or NaN.
+    """
+    if isinstance(value, bool) or not isinstance(value, Real) or math.isnan(value) or value <= 0:
+        raise InvalidInputError(f"{source}: a positive number of seconds is needed, not {described(value)}")
+    return float(value)
+
+
+def described(value: Any) -> str:
+    """A value as a message shows it: itself where that is short, else its kind."""
+    plain, shown = isinstance(value, (str, bytes, int, float, complex, type(None))), repr(value)
+    return shown if plain and len(shown) < 40 else f"a value of type {type(value).__name__}"
+
+
+__all__ = ["MOST_DIGITS", "described", "digits", "refuse_other", "seconds", "table", "whole", "words"]

@@ -1,0 +1,79 @@
+"""Wrong kinds of arguments: every public call answers with one of our errors, never from deep inside."""
+
+import numpy as np
+import pytest
+import sympy as sp
+
+import hjsolve
+
+WRONG = [
+    None, 3, 2.5, "nonsense", "", [], {}, [1, 2], {"x": 1}, float("nan"), object(), True, b"x", 1j, sp.Symbol("x"),
+    np.array([1.0, 2.0]),
+]  # fmt: skip
+KEPLER = hjsolve.catalog.load("kepler-planar")
+SOLUTION = hjsolve.solve(KEPLER)
+START = {"q": {"r": 1, "theta": 0}, "p": {"r": "0.1", "theta": 1}}
+MOTION = SOLUTION.motion(**START)
+SYSTEM = {"coordinates": {"x": "line"}, "kinetic": "dot(x)**2/2", "potential": "x**2", "parameters": {}}
+
+DOORS = {
+    "solve": hjsolve.solve,
+    "separate": hjsolve.separate,
+    "separate: budget": lambda value: hjsolve.separate(KEPLER, budget=value),
+    "find_coordinates": hjsolve.find_coordinates,
+    "normal_modes": hjsolve.normal_modes,
+    "linear_modes": hjsolve.linear_modes,
+    "from_hamiltonian": lambda value: hjsolve.from_hamiltonian(value, {"q": "line"}),
+    "from_hamiltonian: coordinates": lambda value: hjsolve.from_hamiltonian("p", value),
+    "catalog.load": hjsolve.catalog.load,
+    "Scene.load": hjsolve.Scene.load,
+    "cost": hjsolve.cost,
+    "report": lambda value: hjsolve.report(value, "never-written.html"),
+    "sweep": lambda value: hjsolve.sweep(value, "never-written"),
+    "ensemble": lambda value: hjsolve.ensemble(value, **START),
+    "ensemble: compiled": lambda value: value is True or hjsolve.ensemble(SOLUTION, **START, compiled=value),
+    "at": MOTION.at,
+    "angles": MOTION.angles,
+    "time_at": lambda value: MOTION.time_at(value, 1),
+    "time_at: value": lambda value: MOTION.time_at("r", value),
+    "time_at: passage": lambda value: MOTION.time_at("r", 1, value),
+    "orbit": lambda value: MOTION.orbit(value, along="r", values=[1]),
+    "orbit: along": lambda value: MOTION.orbit("theta", along=value, values=[1]),
+    "orbit: values": lambda value: MOTION.orbit("theta", along="r", values=value),
+    **{f"System: {key}": lambda value, key=key: hjsolve.System(**{**SYSTEM, key: value}) for key in SYSTEM},
+    **{
+        f"motion: {key}": lambda value, key=key: SOLUTION.motion(**{**START, key: value})
+        for key in ("q", "p", "velocity", "constants", "signs", "parameters", "t0", "digits", "certified", "want")
+    },
+    **{
+        f"ensemble: {key}": lambda value, key=key: hjsolve.ensemble("kepler-planar", **{**START, key: value})
+        for key in ("q", "p", "velocity", "parameters", "want", "threads", "fallback")
+    },
+}
+
+
+@pytest.mark.parametrize("door", DOORS)
+def test_wrong_kinds_of_arguments_are_refused_at_the_door(door):
+    for value in WRONG:
+        try:
+            DOORS[door](value)
+        except hjsolve.HJSolveError as error:
+            assert "\n" not in str(error)[:60]
+
+
+@pytest.mark.parametrize(
+    ("call", "says"),
+    [
+        (lambda: hjsolve.solve("kerr"), "solve: a System is needed, made by .*catalog.load.*, not 'kerr'"),
+        (lambda: hjsolve.separate(KEPLER, budget=-1), "budget: a positive number of seconds is needed, not -1"),
+        (lambda: SOLUTION.motion(q=1, p={}), 'q: a table name → value is needed, such as {"r": 1}, not 1'),
+        (lambda: SOLUTION.motion(**START, want=3), r'want: words are needed, such as \["actions", "periods"\], not 3'),
+        (lambda: SOLUTION.motion(**START, digits=True), "digits: a whole number from 1 to 2000 is needed, not True"),
+        (lambda: MOTION.time_at("r", 1, 0.5), "passage: a whole number is needed, not 0.5"),
+        (lambda: MOTION.orbit("s", along="r", values=[1]), "s"),
+        (lambda: hjsolve.Scene.load([]), "scene: the path of a TOML file or its table is needed, not a value of type"),
+    ],
+)
+def test_the_message_says_what_to_write(call, says):
+    with pytest.raises(hjsolve.InvalidInputError, match=says):
+        call()
