@@ -2,7 +2,7 @@
 
 The kinds of motion and first guesses come from the ordinary computation; everything returned is then enclosed by balls
 (``numeric/ball``): constants from the exact initial data, turning points by the interval Newton test, actions and mean
-growths by rigorous quadrature, frequencies from the inverse of the matrix of growths in ball arithmetic.
+growths by quadrature with a proved error, frequencies from the inverse of the matrix of growths in ball arithmetic.
 """
 
 from __future__ import annotations
@@ -16,10 +16,14 @@ import sympy as sp
 from hjsolve.errors import InvalidInputError, NotConvergedError
 from hjsolve.lowering import lower
 from hjsolve.numeric import ball
+from hjsolve.numeric.anomaly import Rotation
 from hjsolve.numeric.arithmetic import multiprecision
-from hjsolve.numeric.ball import Balls, Integrand, flint, from_mpf, working
+from hjsolve.numeric.ball import Balls, flint, from_mpf, working
 from hjsolve.numeric.course import Bounded
+from hjsolve.numeric.cycle import Cycle, Map, all_round, between_turns
 from hjsolve.numeric.estimate import Estimate
+from hjsolve.numeric.radicand import Radicand
+from hjsolve.numeric.strip import means
 
 if TYPE_CHECKING:
     from hjsolve.motion import Motion
@@ -71,13 +75,14 @@ def enclose(motion: Motion, digits: int) -> Enclosed:
 def _enclose(motion: Motion, digits: int, bits: int, work: int) -> Enclosed:
     names = list(motion.solution.coordinates)
     inputs = [exact_ball(value) for value in (*motion.initial.constants.values(), *_parameters(motion))]
-    integrands = {name: _integrand(motion, name, inputs, work) for name in names}
+    cycles = {name: _cycle(motion, name, inputs, work) for name in names}
     constants = dict(zip(motion.initial.constants, inputs, strict=False))
-    ends = {n: (f.lower, f.upper) for n, f in integrands.items() if f.lower is not None}
-    timed = integrands if "time" in motion.parts else {}
-    growths = {n: [_growth(motion, n, f, j, bits) for j in range(len(f.kernels))] for n, f in timed.items()}
-    actions = _actions(motion, integrands, bits) if "action" in motion.parts else {}
-    frequencies = _frequencies(motion, growths) if growths else {}
+    ends = {n: (f.lower, f.upper) for n, f in cycles.items() if f.lower is not None}
+    found = {n: dict(zip(f.wanted, means(f, bits), strict=True)) for n, f in cycles.items() if f.wanted}
+    count = len(motion.solution.constants)
+    growths = {n: [row.get(j, flint.arb(0)) for j in range(count)] for n, row in found.items()}
+    actions = _actions(motion, found) if "action" in motion.parts else {}
+    frequencies = _frequencies(motion, growths) if growths and "time" in motion.parts else {}
 
     def rounded(balls: Mapping[str, Any]) -> dict[str, Estimate]:
         return {key: estimate(value, digits) for key, value in balls.items()}
@@ -85,12 +90,6 @@ def _enclose(motion: Motion, digits: int, bits: int, work: int) -> Enclosed:
     periods = {n: 2 * flint.arb.pi() / abs(f) for n, f in frequencies.items() if not f.contains(0)}
     pairs = {n: (estimate(a, digits), estimate(b, digits)) for n, (a, b) in ends.items()}
     return Enclosed(rounded(constants), pairs, rounded(actions), rounded(frequencies), rounded(periods))
-
-
-def _growth(motion: Motion, name: str, f: Integrand, j: int, bits: int) -> Any:
-    constant = list(motion.solution.constants.values())[j].symbol
-    absent = sp.diff(motion.solution.momentum_squared[name], constant) == 0
-    return flint.arb(0) if absent else ball.mean(f, j, bits)
 
 
 def exact_ball(value: sp.Expr) -> Any:
@@ -102,30 +101,48 @@ def _parameters(motion: Motion) -> list[sp.Expr]:
     return [motion.initial.values[p.symbol] for p in motion.solution.system.parameters]
 
 
-def _integrand(motion: Motion, name: str, inputs: list[Any], work: int) -> Integrand:
+def _cycle(motion: Motion, name: str, inputs: list[Any], work: int) -> Cycle:
     """Prove the turning points and set up the integrands of one coordinate."""
     solution, course = motion.solution, motion.located[name].course
     assert isinstance(course, Bounded)
-    symbols = [c.symbol for c in solution.constants.values()]
-    arguments = [solution.system.coordinate(name).symbol, *symbols, *(p.symbol for p in solution.system.parameters)]
-    kernels = tuple(lower([sp.diff(solution.momentum_squared[name], c) / 2], arguments) for c in symbols)
-    if not course.anomaly.even:
-        return Integrand(course.radicand, inputs, None, None, kernels)
-    guesses = (course.anomaly.lower, course.anomaly.upper)  # type: ignore[union-attr]
-    ends = [ball.turning_point(course.radicand, guess, inputs, work) for guess in guesses]
-    return Integrand(course.radicand, inputs, ends[0], ends[1], kernels)
+    radicand, anomaly = course.radicand, course.anomaly
+    kernels = [sp.diff(solution.momentum_squared[name], c.symbol) != 0 for c in solution.constants.values()]
+    wanted = tuple(j for j, present in enumerate(kernels) if present) if "time" in motion.parts else ()
+    wanted += (-1,) if "action" in motion.parts and (anomaly.even or solution.shift[name] == 0) else ()
+    if not anomaly.even:
+        spread = _spread_round(anomaly)
+        slow = from_mpf(anomaly.slow) if isinstance(anomaly, Rotation) else flint.arb(0)
+        return Cycle(radicand, inputs, None, None, slow, wanted, spread=spread)
+    guesses = (anomaly.lower, anomaly.upper)  # type: ignore[union-attr]
+    ends = [ball.turning_point(radicand, guess, inputs, work) for guess in guesses]
+    return Cycle(radicand, inputs, ends[0], ends[1], flint.arb(0), wanted, spread=_spread(radicand, ends, inputs))
 
 
-def _actions(motion: Motion, integrands: Mapping[str, Integrand], bits: int) -> dict[str, Any]:
+def _spread(radicand: Radicand, ends: list[Any], inputs: list[Any]) -> Map | None:
+    """The map for where p² has another zero close outside, at −2F′/F″ from a turning point; None where that is far."""
+    near = []
+    for end, side in zip(ends, (-1, 1), strict=True):
+        _, slope, bend = ball.jet(radicand, end, inputs)
+        near.append(max(0.0, float((side * (ends[1] - ends[0]) * bend / (-2 * slope)).mid())))
+    return between_turns(*near) if max(near) > 1 else None
+
+
+def _spread_round(anomaly: Any) -> Map | None:
+    """The map of a rotation that is slow at one place, from k′² = (gap/2)²/(1 + (gap/2)²)."""
+    if not isinstance(anomaly, Rotation) or anomaly.complement > 0.1:
+        return None
+    return all_round(2 * float(anomaly.complement) ** 0.5)
+
+
+def _actions(motion: Motion, found: Mapping[str, Mapping[int, Any]]) -> dict[str, Any]:
     result = {}
     for c in motion.solution.system.coordinates:
-        if c.name in integrands:
-            f, course = integrands[c.name], motion.located[c.name].course
-            if f.lower is None and motion.solution.shift[c.name] != 0:
-                continue
+        if c.name in found:
+            course = motion.located[c.name].course
             direction = course.anomaly.direction if isinstance(course, Bounded) else 1
-            result[c.name] = direction * ball.mean(f, -1, bits)
-        elif c.domain.kind == "angle":
+            if -1 in found[c.name]:
+                result[c.name] = direction * found[c.name][-1]
+        elif c.name not in motion.located and c.domain.kind == "angle":
             result[c.name] = exact_ball(motion.initial.values[c.momentum])
     return result
 

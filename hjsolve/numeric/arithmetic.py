@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import operator
 from collections.abc import Callable
 from dataclasses import dataclass, field
 from fractions import Fraction
@@ -30,17 +31,10 @@ class ByOperators:
 
     __slots__ = ()
 
-    def add(self, x: Any, y: Any) -> Any:
-        return x + y
-
-    def sub(self, x: Any, y: Any) -> Any:
-        return x - y
-
-    def mul(self, x: Any, y: Any) -> Any:
-        return x * y
-
-    def div(self, x: Any, y: Any) -> Any:
-        return x / y
+    add = staticmethod(operator.add)
+    sub = staticmethod(operator.sub)
+    mul = staticmethod(operator.mul)
+    div = staticmethod(operator.truediv)
 
 
 def by_squaring(product: Callable[[Any, Any], Any], x: Any, n: int) -> Any:

@@ -7,8 +7,9 @@ digits, intervals, jets. An arithmetic is an object with a method for each opera
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass
+from functools import partial
 from typing import Any, Protocol
 
 UNARY = ("neg", "sqrt", "exp", "log", "sin", "cos", "tan", "asin", "acos", "atan",
@@ -21,10 +22,10 @@ class Arithmetic(Protocol):
 
     def rational(self, numerator: int, denominator: int) -> Any: ...
     def pi(self) -> Any: ...
-    def add(self, x: Any, y: Any) -> Any: ...
-    def sub(self, x: Any, y: Any) -> Any: ...
-    def mul(self, x: Any, y: Any) -> Any: ...
-    def div(self, x: Any, y: Any) -> Any: ...
+    def add(self, x: Any, y: Any, /) -> Any: ...
+    def sub(self, x: Any, y: Any, /) -> Any: ...
+    def mul(self, x: Any, y: Any, /) -> Any: ...
+    def div(self, x: Any, y: Any, /) -> Any: ...
     def power(self, x: Any, n: int) -> Any: ...
     def unary(self, name: str, x: Any) -> Any: ...
 
@@ -87,8 +88,25 @@ class Tape:
             else:
                 varying.add(place)
                 slots.append(None)
-                rest.append((place, operation))
+                rest.append((place, *_step(arithmetic, operation)))
         return Bound(arithmetic, free, tuple(slots), tuple(rest), self.outputs)
+
+    def only(self, *chosen: int) -> Tape:
+        """Return the tape of some of the outputs, with the operations they need."""
+        outputs = tuple(self.outputs[j] for j in chosen)
+        first, needed = len(self.inputs), set(outputs)
+        for k in reversed(range(len(self.operations))):
+            if first + k in needed:
+                needed.update(self.operations[k].operands)
+        kept = [k for k in range(len(self.operations)) if first + k in needed]
+        moved = {first + k: first + n for n, k in enumerate(kept)} | {k: k for k in range(first)}
+        lines = [self.operations[k] for k in kept]
+        operations = tuple(Operation(o.code, tuple(moved[i] for i in o.operands), o.payload) for o in lines)
+        return Tape(self.inputs, operations, tuple(moved[i] for i in outputs))
+
+
+Step = tuple[int, Callable[..., Any], int, int]
+"""The slot to fill, what fills it, and the slots of its operands (the second is −1 where there is one)."""
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -98,23 +116,34 @@ class Bound:
     Attributes:
         arithmetic: where it was bound.
         free: number of inputs left.
-        slots: what is known. rest: the operations left to do, each with its slot. outputs: as in the tape.
+        slots: what is known. rest: the steps left to do. outputs: as in the tape.
     """
 
     arithmetic: Arithmetic
     free: int
     slots: tuple[Any, ...]
-    rest: tuple[tuple[int, Operation], ...]
+    rest: tuple[Step, ...]
     outputs: tuple[int, ...]
 
     def run(self, *values: Any) -> list[Any]:
         """Evaluate all outputs at values of the free inputs."""
         slots = list(self.slots)
         slots[: self.free] = values
-        arithmetic = self.arithmetic
-        for place, operation in self.rest:
-            slots[place] = _apply(arithmetic, operation, slots)
+        for place, rule, i, j in self.rest:
+            slots[place] = rule(slots[i]) if j < 0 else rule(slots[i], slots[j])
         return [slots[i] for i in self.outputs]
+
+
+def _step(arithmetic: Arithmetic, operation: Operation) -> tuple[Callable[..., Any], int, int]:
+    """An operation with operands as a rule and their slots."""
+    code, operands = operation.code, operation.operands
+    if code in {"add", "mul", "sub", "div"}:
+        return getattr(arithmetic, code), operands[0], operands[1]
+    if code == "power":
+        power, n = arithmetic.power, operation.payload[0]
+        return (lambda x: power(x, n)), operands[0], -1
+    quick = getattr(arithmetic, "quick", {}).get(code)
+    return quick or partial(arithmetic.unary, code), operands[0], -1
 
 
 def _apply(arithmetic: Arithmetic, operation: Operation, slots: list[Any]) -> Any:

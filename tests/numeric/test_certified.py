@@ -2,13 +2,17 @@
 
 from __future__ import annotations
 
+import math
+import random
+
 import mpmath
 import pytest
 
 import hjsolve
 from hjsolve import certified
 from hjsolve.errors import InvalidInputError
-from hjsolve.numeric import ball
+from hjsolve.numeric import ball, strip
+from hjsolve.numeric.cycle import Map
 
 pytest.importorskip("flint")
 
@@ -75,29 +79,118 @@ def test_a_motion_that_escapes_is_refused_with_its_name():
         kepler.motion(q={"r": 1, "theta": 0}, velocity={"r": 0, "theta": 2}, certified=True)
 
 
-def swinging(gap):
-    """The integrand of the pendulum's period in balls, and the half width of its strip of analyticity."""
-    motion = pendulum(velocity={"theta": f"2*(1-{gap})"})
-    with ball.working(200):
+def cycle(name, motion, map_=None, bits=200):
+    """The integrands of one coordinate of a certified motion, in balls."""
+    with ball.working(bits):
         inputs = [certified.exact_ball(v) for v in (*motion.initial.constants.values(), *certified._parameters(motion))]
-        integrand = certified._integrand(motion, "theta", inputs, 200)
+        made = certified._cycle(motion, name, inputs, bits)
+        return made if map_ is None else made.over(map_)
+
+
+def swinging(gap, map_=None):
+    """The integrand of the pendulum's period in balls, and the half width of its strip of analyticity (plain map)."""
+    motion = pendulum(velocity={"theta": f"2*(1-{gap})"}, want=["periods"])
     amplitude = float(motion.turning_points["theta"][1].value)
-    return integrand, mpmath.acosh(2 * mpmath.pi / amplitude - 1)
+    return cycle("theta", motion, map_), float(mpmath.acosh(2 * mpmath.pi / amplitude - 1))
 
 
-@pytest.mark.parametrize("gap", ["0.9", "0.1"])
-@pytest.mark.parametrize("bits", [4, 12, 30])
-def test_the_midpoint_rule_with_few_nodes_misses_by_no_more_than_its_bound(gap, bits):
-    integrand, _ = swinging(gap)
+SPREAD = Map(7.65, 7.65)
+"""The map for 1 − k = 1e-12; there the integrand has poles where q = ∞, at √½ π/κ in the middle of the motion."""
+
+
+@pytest.mark.parametrize(("gap", "map_", "width"), [
+    ("0.9", Map(), 2.0), ("0.1", Map(), 0.9), ("0.1", Map(1.3, 1.3), 0.9), ("1e-12", SPREAD, 0.15), ("1e-3", Map(0, 3), 0.1),
+])  # fmt: skip
+@pytest.mark.parametrize("bits", [2, 12, 30])
+def test_the_midpoint_rule_with_few_nodes_misses_by_no_more_than_its_bound(gap, map_, width, bits):
+    integrand, _ = swinging(gap, map_)
     with ball.working(200), mpmath.workdps(60):
-        found = ball._midpoints(integrand, 0, bits, ball.flint.arb(1))
+        found = strip.midpoint(integrand, strip.bound(integrand, width), bits, [ball.flint.arb(1)])[0]
         exact = 2 * mpmath.ellipk((1 - mpmath.mpf(gap)) ** 2) / mpmath.pi
         missed = abs(certified.to_mpf(found.mid(), 200) - exact)
         assert 0 < missed <= certified.to_mpf(found.rad(), 64)
 
 
-def test_no_bound_is_given_on_a_strip_that_holds_a_singularity():
+@pytest.mark.parametrize(
+    ("gap", "map_", "width"), [("0.1", Map(), 0.9), ("1e-12", SPREAD, 0.15), ("1e-3", Map(0, 3), 0.1)]
+)
+def test_the_bound_holds_everywhere_in_the_strip_and_is_not_idle(gap, map_, width):
+    integrand, _ = swinging(gap, map_)
+    with ball.working(200), mpmath.workdps(40):
+        most = float(strip.bound(integrand, width).most[0])
+        k = 1 - mpmath.mpf(gap)
+        b = 2 * mpmath.asin(k)
+
+        def size(χ):
+            """|dq/dχ|/|p| by mpmath alone: q from tan φ = s/c, dq/dχ by differences."""
+
+            def q(x):
+                s, c = (
+                    mpmath.sinh(κ * f(x / 2)) / mpmath.sinh(κ) if κ else f(x / 2)
+                    for κ, f in ((map_.lower, mpmath.sin), (map_.upper, mpmath.cos))
+                )
+                return b * (s * s - c * c) / (s * s + c * c)
+
+            return abs(mpmath.diff(q, χ) / (2 * mpmath.sqrt(k * k - mpmath.sin(q(χ) / 2) ** 2)))
+
+        generator = random.Random(3)
+        places = [mpmath.mpc(generator.uniform(0.01, 3.13), width * generator.random()) for _ in range(40)]
+        edge = [mpmath.mpc(mpmath.pi * (n + 0.5) / 40, width) for n in range(40)]
+        assert all(size(χ) <= most for χ in places + edge)
+        assert most < 40 * max(map(size, edge))
+
+
+@pytest.mark.parametrize("beyond", [1.01, 1.3, 2.0])
+def test_no_bound_is_given_on_a_strip_that_holds_another_zero_of_p_squared(beyond):
     integrand, width = swinging("0.1")
     with ball.working(200):
-        assert ball._most(integrand, 0, float(0.3 * width)) is not None
-        assert ball._most(integrand, 0, float(1.01 * width)) is None
+        assert strip.bound(integrand, 0.9 * width) is not None
+        assert strip.bound(integrand, beyond * width) is None
+
+
+def test_no_bound_is_given_on_a_strip_that_holds_the_place_where_q_is_infinite():
+    integrand, _ = swinging("1e-12", SPREAD)
+    with ball.working(200):
+        assert strip.bound(integrand, 0.4 * math.pi / SPREAD.lower) is not None
+        assert strip.bound(integrand, 0.75 * math.pi / SPREAD.lower) is None
+
+
+@pytest.mark.parametrize("part", [0.8, 1.2])
+def test_no_bound_is_given_on_a_strip_that_holds_a_pole(part):
+    """In r = a (1 − e cos χ), the centre lies at cosh Im χ = 1/e; p² has a pole there, √p² on the edge beyond has none."""
+    kepler = hjsolve.solve(hjsolve.catalog.load("kepler-planar"))
+    motion = kepler.motion(
+        q={"r": 1, "theta": 0}, velocity={"r": 0, "theta": "1.2"}, parameters={"m": 1, "k": 1}, certified=True
+    )
+    integrand = cycle("r", motion)
+    with ball.working(200):
+        found = strip.bound(integrand, part * float(mpmath.acosh(1 / mpmath.mpf("0.44"))))
+        assert (found is None) == (part > 1)
+
+
+@pytest.mark.parametrize("excess", ["1e-2", "1e-1"])
+def test_no_bound_is_given_on_a_strip_that_holds_a_complex_pair_of_zeros(excess):
+    """A quartic well with E a little above the barrier: p² = 2(E − (x² − 1)²) has zeros at ±i√(√E − 1)."""
+    system = hjsolve.System({"x": "line"}, "dot(x)**2/2", "(x**2-1)**2")
+    motion = hjsolve.solve(system).motion(
+        q={"x": 0}, velocity={"x": f"sqrt(2*{excess})"}, certified=True, want=["periods"]
+    )
+    integrand = cycle("x", motion)
+    E = 1 + mpmath.mpf(excess)
+    b, zero = mpmath.sqrt(1 + mpmath.sqrt(E)), mpmath.sqrt(mpmath.sqrt(E) - 1)
+    width = float(mpmath.asinh(zero / b))
+    with ball.working(200):
+        assert strip.bound(integrand, 0.8 * width) is not None
+        assert strip.bound(integrand, 1.1 * width) is None
+        assert strip.bound(integrand, 3 * width) is None
+
+
+def test_no_bound_is_given_on_a_strip_that_holds_as_many_poles_as_zeros():
+    """The argument of p² comes back then: only balls over the whole strip see the poles, at ±i/5."""
+    system = hjsolve.System({"x": "line"}, "dot(x)**2/2", "x**2 + 1/(100*(x**2+1/25))")
+    motion = hjsolve.solve(system).motion(q={"x": 0}, velocity={"x": "sqrt(3/2)"}, certified=True, want=["periods"])
+    integrand = cycle("x", motion)
+    b = motion.turning_points["x"][1].value
+    with ball.working(200):
+        assert strip.bound(integrand, 0.8 * math.asinh(0.17 / b)) is not None
+        assert strip.bound(integrand, 1.5 * math.asinh(0.2 / b)) is None

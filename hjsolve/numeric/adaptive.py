@@ -1,0 +1,119 @@
+"""Means of integrands by Arb's own rigorous quadrature, which finds its way around singularities close to the path.
+
+It asks for the integrand over complex balls (Johansson, arXiv:1802.07942) and wants it bounded. It is: on a ball that
+touches a turning point p²/((q−a)(b−q)) is enclosed by slopes, F[a, q] lying in the hull of F′ over the segment from a
+to q, so nothing is divided by zero. A ball that meets a branch cut gives "not finite".
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from functools import cached_property
+from typing import Any
+
+from hjsolve.numeric.ball import Balls, flint, jet
+from hjsolve.numeric.counting import count
+from hjsolve.numeric.cycle import Cycle
+
+
+def mean(cycle: Cycle, j: int, bits: int, size: Any) -> Any:
+    """Enclose (1/π) ∫₀^π of an integrand over the plain anomaly (over a full turn and divided by 2π for a rotation).
+
+    Args:
+        cycle: the integrands.
+        j: which kernel; −1 for p dq/dχ.
+        bits: relative precision wanted.
+        size: of the integrand, roughly.
+
+    Returns:
+        A real ball at the current precision; wide where the quadrature did not converge.
+    """
+    f = _Plain(cycle)
+    length = flint.arb.pi() * (1 if cycle.even else 2)
+    total = flint.acb.integral(
+        lambda χ, _: f.value(j, χ),
+        0,
+        length,
+        rel_tol=flint.arb(2) ** -bits,
+        abs_tol=size * flint.arb(2) ** -(bits + 4),
+        eval_limit=400 * bits + 20000,
+        depth_limit=8 * bits,
+    )
+    return (total / length).real
+
+
+@dataclass(frozen=True)
+class _Plain:
+    """The integrands over the plain anomaly, q = a + (b − a) sin²(χ/2), on any ball; q = χ for a rotation."""
+
+    cycle: Cycle
+
+    def value(self, j: int, χ: Any) -> Any:
+        """Return kⱼ (dq/dχ)/p, or p dq/dχ for j = −1."""
+        count(squares=1, kernels=int(j >= 0))
+        if self.cycle.lower is None:
+            root = Balls().unary("sqrt", self._squared(χ))
+            return root if j < 0 else self._weight(j, χ) / root
+        s, c = (χ / 2).sin_cos()
+        from_lower, to_upper = self.cycle.width * s * s, self.cycle.width * c * c
+        q = self.cycle.lower + from_lower
+        root = Balls().unary("sqrt", self._regular(q, from_lower, to_upper))
+        return from_lower * to_upper * root if j < 0 else self._weight(j, q) / root
+
+    def _weight(self, j: int, q: Any) -> Any:
+        return self.cycle.weights.run(q)[[k for k in self.cycle.wanted if k >= 0].index(j)]
+
+    def _regular(self, q: Any, from_lower: Any, to_upper: Any) -> Any:
+        """R = p²/((q−a)(b−q)): the quotient on a small ball, a slope on one that is wide or touches an end.
+
+        F[a, q] = F′(a) + ½F″(hull)(q − a) stays sharp where F′(a) is small (near a separatrix).
+        """
+        at_lower, at_upper = _touches_zero(from_lower), _touches_zero(to_upper)
+        if at_lower and at_upper:
+            return q * flint.arb("nan")
+        if at_lower or (not at_upper and _wide(q) and abs(from_lower) < abs(to_upper)):
+            found = self._sloped(q, 0, from_lower, to_upper)
+        elif at_upper or _wide(q):
+            found = self._sloped(q, 1, -to_upper, -from_lower)
+        else:
+            return self._squared(q) / (from_lower * to_upper)
+        if at_lower or at_upper or found.real > 0:
+            return found
+        return self._squared(q) / (from_lower * to_upper)
+
+    def _sloped(self, q: Any, end: int, offset: Any, distance: Any) -> Any:
+        place = (self.cycle.lower, self.cycle.upper)[end]
+        bend = jet(self.cycle.radicand, _hull(q, place), self.cycle.inputs).second
+        return (self._end_slopes[end] + bend * offset / 2) / distance
+
+    @cached_property
+    def _end_slopes(self) -> tuple[Any, Any]:
+        """F′ at both turning points."""
+        f, inputs = self.cycle.radicand, self.cycle.inputs
+        return jet(f, self.cycle.lower, inputs).first, jet(f, self.cycle.upper, inputs).first
+
+    def _squared(self, q: Any) -> Any:
+        """F on a ball: directly at a point, by a Taylor polynomial about the middle where the ball is wide."""
+        middle = q.mid()
+        offset = q - middle
+        if abs(offset).upper() < flint.arb(2) ** -40 * abs(middle).upper():
+            return self.cycle.square.run(q)[0]
+        centre = jet(self.cycle.radicand, middle, self.cycle.inputs)
+        bend = jet(self.cycle.radicand, q, self.cycle.inputs).second
+        return centre.value + centre.first * offset + bend * offset * offset / 2
+
+
+def _wide(q: Any) -> bool:
+    """True for a ball so wide that the quotient of F and its factors says little."""
+    return isinstance(q, flint.acb) and bool(q.rad() > 2.0**-6 * (1 + abs(q).upper()))
+
+
+def _touches_zero(x: Any) -> bool:
+    return bool(x.contains(0))
+
+
+def _hull(q: Any, end: Any) -> Any:
+    """A ball holding q, a real ball and all segments between them."""
+    if isinstance(q, flint.arb):
+        return q.union(end)
+    return flint.acb(q.real.union(end), q.imag.union(flint.arb(0)))

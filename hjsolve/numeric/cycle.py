@@ -1,0 +1,242 @@
+"""One cycle of a coordinate in balls: a periodic map χ ↦ q and the regular integrands over it.
+
+Every map is q − a = W s²/(s² + c²), b − q = W c²/(s² + c²) between turning points, with
+
+    |dq/dχ|/√((q − a)(b − q)) = 2 (s′c − sc′)/(s² + c²),
+
+and q = q₀ + 2 arg(c + is) − π for a rotation, with the same right side for dq/dχ. Any analytic s and c serve that gain
+a sign in a turn of χ, s odd, c even, and s′c − sc′ > 0: the means of the integrands over a turn do not depend on them.
+
+They are s = S(λ; sin χ/2), c = S(μ; cos χ/2) with S(κ; x) = sinh κx / sinh κ, and S(0; x) = x, the plain anomaly. Where
+has no branch point there. So nodes grow like log ρ, as with the elliptic anomaly of ``anomaly``; its s and c, theta
+functions, cost three times as much, and wide balls are enclosed less sharply. λ and μ are doubles that are taken as
+exact, so the map is the same at every precision.
+taken as exact, so the map is the same at every precision.
+"""
+
+from __future__ import annotations
+
+import math
+from dataclasses import dataclass
+from functools import cached_property, lru_cache
+from typing import Any, NamedTuple
+
+from hjsolve.numeric.ball import Balls, Series, flint, working
+from hjsolve.numeric.radicand import Radicand
+from hjsolve.numeric.tape import Bound, Tape
+
+_ENTIRE = {"add", "sub", "mul", "neg", "rational", "pi", "sin", "cos", "exp", "sinh", "cosh"}
+
+TERMS = 8
+"""Terms of Taylor's formula at a turning point, without the remainder."""
+
+
+class Shares(NamedTuple):
+    """s²/(s² + c²), c²/(s² + c²), 2 (s′c − sc′)/(s² + c²), s² + c², s and c."""
+
+    low: Any
+    high: Any
+    stretch: Any
+    denominator: Any
+    s: Any
+    c: Any
+
+
+@dataclass(frozen=True)
+class Map:
+    """s = S(λ; sin χ/2), c = S(μ; cos χ/2).
+
+    Attributes:
+        lower, upper: λ and μ, how slow the map is at χ = 0 and at χ = π.
+    """
+
+    lower: float = 0.0
+    upper: float = 0.0
+
+    @property
+    def plain(self) -> bool:
+        """True for s = sin χ/2, c = cos χ/2."""
+        return not (self.lower or self.upper)
+
+    def shares(self, χ: Any) -> Shares:
+        """Return the map at a real or complex ball."""
+        sine, cosine = (χ / 2).sin_cos()
+        if self.plain:
+            return Shares(sine * sine, cosine * cosine, flint.arb(1), flint.arb(1), sine, cosine)
+        s, ds = _slowed(self.lower, sine)
+        c, dc = _slowed(self.upper, cosine)
+        denominator = s * s + c * c
+        stretch = (cosine * ds * c + sine * dc * s) / denominator
+        return Shares(*_shared(s, c), stretch, denominator, s, c)
+
+
+def _shared(s: Any, c: Any) -> tuple[Any, Any]:
+    """s²/(s² + c²) and c²/(s² + c²); a complex ball is wide, and what varies stands in each of them once."""
+    swapped = bool(abs(s).mid() > abs(c).mid())
+    ratio = c / s if swapped else s / c
+    square = ratio * ratio
+    large = 1 / (1 + square)
+    small = 1 - large if isinstance(s, flint.acb) else square * large
+    return (large, small) if swapped else (small, large)
+
+
+def _slowed(κ: float, x: Any) -> tuple[Any, Any]:
+    """S(κ; x) and dS/dx."""
+    if not κ:
+        return x, 1
+    slow, unit, rate = _constants(κ, flint.ctx.prec)
+    sinh, cosh = (slow * x).sinh_cosh()
+    return sinh * unit, cosh * rate
+
+
+@lru_cache(maxsize=16)
+def _constants(κ: float, bits: int) -> tuple[Any, Any, Any]:
+    """κ, 1/sinh κ and κ/sinh κ at a precision."""
+    with working(bits):
+        slow = flint.arb(κ)
+        unit = 1 / slow.sinh()
+        return slow, unit, slow * unit
+
+
+def between_turns(near_lower: float, near_upper: float) -> Map:
+    """Make the map of a libration with zeros of p² near.
+
+    Args:
+        near_lower, near_upper: (b − a) over the distance of the next zero from a and from b; 0 where it is far.
+    """
+    return Map(*(math.asinh(math.sqrt(ρ)) if ρ > 1 else 0.0 for ρ in (near_lower, near_upper)))
+
+
+def all_round(gap: float) -> Map:
+    """Make the map of a rotation; ``gap`` is the distance of the complex zero of p² near χ = π from the real axis."""
+    return Map(0.0, math.asinh(2 / gap))
+
+
+class Spot(NamedTuple):
+    """A place of the cycle: q, q − a, b − q (None for a rotation), |dq/dχ|/√((q − a)(b − q)), s² + c²."""
+
+    q: Any
+    from_lower: Any
+    to_upper: Any
+    stretch: Any
+    denominator: Any
+
+
+@dataclass(frozen=True, eq=False)
+class Cycle:
+    """The integrands of one coordinate at one precision: of the current context when it is made.
+
+    Attributes:
+        radicand: p² and kernels.
+        inputs: constants and parameters.
+        lower, upper: turning points; None for a rotation.
+        slow: q₀ for a rotation, χ = π.
+        wanted: kernels, −1 for p dq.
+        map: χ ↦ q.
+        spread: a map for where another zero of p² is near; None where there is none.
+    """
+
+    radicand: Radicand
+    inputs: list[Any]
+    lower: Any
+    upper: Any
+    slow: Any
+    wanted: tuple[int, ...]
+    map: Map = Map()
+    spread: Map | None = None
+
+    @property
+    def even(self) -> bool:
+        """True where the integrands are even functions of χ."""
+        return self.lower is not None
+
+    def over(self, map_: Map) -> Cycle:
+        """Return the same cycle with another map, everything rounded to the current precision."""
+        inputs = [x + 0 for x in self.inputs]
+        lower, upper = (None if x is None else x + 0 for x in (self.lower, self.upper))
+        return Cycle(self.radicand, inputs, lower, upper, self.slow + 0, self.wanted, map_, self.spread)
+
+    @cached_property
+    def width(self) -> Any:
+        return self.upper - self.lower
+
+    @cached_property
+    def square(self) -> Bound:
+        return self.radicand.squared.bind(Balls(), self.inputs)
+
+    @cached_property
+    def _series(self) -> Bound:
+        return self.radicand.squared.bind(Series(), self.inputs)
+
+    def taylor(self, q: Any, terms: int) -> list[Any]:
+        """Return F, F′, F″/2, … at a complex ball."""
+        value = self._series.run(flint.acb_series([q, 1], prec=terms))[0]
+        return [value[k] for k in range(terms)] if isinstance(value, flint.acb_series) else [value, *[0] * (terms - 1)]
+
+    @cached_property
+    def end_series(self) -> tuple[list[Any], list[Any]]:
+        """``TERMS`` Taylor coefficients of F at both turning points."""
+        lower, upper = (self.taylor(flint.acb(end), TERMS) for end in (self.lower, self.upper))
+        return lower, upper
+
+    @cached_property
+    def weights(self) -> Bound:
+        return self.radicand.kernels.only(*(j for j in self.wanted if j >= 0)).bind(Balls(), self.inputs)
+
+    @cached_property
+    def entire(self) -> bool:
+        """True where p² and the kernels are entire functions of q by their form."""
+        return _entire(self.radicand.squared) and _entire(self.radicand.kernels)
+
+    def spot(self, χ: Any) -> Spot:
+        """Return where χ is."""
+        share = self.map.shares(χ)
+        if self.lower is None:
+            return Spot(self._turned(χ, share), None, None, share.stretch, share.denominator)
+        from_lower, to_upper = self.width * share.low, self.width * share.high
+        near_lower = bool(abs(share.low).mid() < abs(share.high).mid())
+        q = self.lower + from_lower if near_lower else self.upper - to_upper
+        return Spot(q, from_lower, to_upper, share.stretch, share.denominator)
+
+    def _turned(self, χ: Any, share: Shares) -> Any:
+        """Q of a rotation; on a complex ball up to whole turns, which p² does not see."""
+        if self.map.plain:
+            return self.slow + χ - flint.arb.pi()
+        s, c = share.s, share.c
+        if isinstance(χ, flint.arb):
+            return self.slow + 2 * flint.arb.atan2(s, c) - flint.arb.pi()
+        i = flint.acb(0, 1)
+        side = 1 if χ.real.mid() > 0 else -1
+        angle = Balls().unary("log", (c + i * s) / ((c - i * s) * i * side)) / i + side * flint.arb.pi() / 2
+        return self.slow + angle - flint.arb.pi()
+
+    def values(self, χ: Any) -> list[Any]:
+        """Return the wanted integrands at a real ball, a node: kⱼ (dq/dχ)/p, or p dq/dχ."""
+        spot = self.spot(χ)
+        square = self.square.run(spot.q)[0]
+        if spot.from_lower is None:
+            root, product = square.sqrt(), flint.arb(1)
+        else:
+            product = spot.from_lower * spot.to_upper
+            root = (square / product).sqrt()
+        return self.integrands(spot, product, root)
+
+    def integrands(self, spot: Spot, product: Any, root: Any) -> list[Any]:
+        """Return the wanted integrands from √(p²/((q − a)(b − q)))."""
+        weights = iter(self.weights.run(spot.q) if self.weights.outputs else ())
+        scale = spot.stretch / root
+        return [product * root * spot.stretch if j < 0 else next(weights) * scale for j in self.wanted]
+
+
+def _entire(tape: Tape) -> bool:
+    """True where no operation has a singularity, whatever the free input."""
+    varying = {0}
+    for place, operation in enumerate(tape.operations, len(tape.inputs)):
+        if varying.isdisjoint(operation.operands):
+            continue
+        varying.add(place)
+        constant_divisor = operation.code == "div" and operation.operands[1] not in varying
+        positive_power = operation.code == "power" and operation.payload[0] > 0
+        if not (operation.code in _ENTIRE or constant_divisor or positive_power):
+            return False
+    return True

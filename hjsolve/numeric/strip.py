@@ -1,0 +1,311 @@
+"""Means of periodic integrands by the midpoint rule, with a proved error.
+
+Where an integrand with period 2π is analytic and at most M in the strip |Im χ| ≤ a, N nodes miss its mean by no more
+than 2M/(e^(aN) − 1) (Trefethen & Weideman, SIAM Review 56 (2014) 385, theorem 3.2). M is proved on the edge alone:
+
+- p² and the kernels are analytic in the strip, by their form or because balls that cover it show it;
+- so R = p²/((q − a)(b − q)) is analytic. It has no zero there if its argument returns along the edge: balls cover the
+  edge, and each lies in a disk without 0 about its centre. Likewise s² + c², where q has its poles;
+- so the integrand, a kernel times dq/dχ over √R, is analytic, and largest on the edge (maximum principle).
+
+f(χ̄) = f̄(χ), and evenness for a libration, let a part of the edge stand for the whole. Doubles only choose the width a.
+"""
+
+from __future__ import annotations
+
+import itertools
+import math
+from collections.abc import Callable, Iterator
+from typing import Any, NamedTuple
+
+import numpy as np
+
+from hjsolve.errors import NotConvergedError
+from hjsolve.numeric.adaptive import mean
+from hjsolve.numeric.arithmetic import Float64
+from hjsolve.numeric.ball import flint, working
+from hjsolve.numeric.counting import count
+from hjsolve.numeric.cycle import TERMS, Cycle, Map, Spot
+
+_PIECES = 12
+"""Pieces of the edge to begin with, for half a turn."""
+_MOST_BOXES = 400
+"""Balls on the edge, and over the strip, beyond which a strip is given up."""
+_MOST_NODES = 12
+"""Nodes for each bit beyond which Arb's own quadrature is the better way."""
+_SPREAD = 2.0
+"""How much wider a strip must be to be worth the dearer map."""
+_PARTS, _LARGEST_PART = ((100, 0.3), (400, 0.4), (1500, 0.5)), 0.6
+"""Half width of the strip of a spread map, in units of π/κ, by the bits wanted: a wider one is dearer to prove, and
+q = ∞ comes at √½ in the middle."""
+_NEAR = 0.35
+"""Distance from a turning point, in units of b − a, up to which p² is taken from there."""
+_AIM = 0.6
+"""The spread of a ball on the edge that is aimed at."""
+_CLEAR = 0.99
+"""The spread up to which a ball is held to be clear of 0."""
+_PI = 3.1415926535897936
+"""The double after π."""
+_LN2 = math.log(2)
+
+
+_HEIGHTS = 0.1 * 1.25 ** np.arange(17)
+"""Half widths of a strip that are tried in doubles."""
+
+
+class Bound(NamedTuple):
+    """Proved: the integrands are analytic in |Im χ| ≤ width and at most ``most`` there, one bound an integrand."""
+
+    width: float
+    most: list[Any]
+
+
+class _Box(NamedTuple):
+    """Sizes of the integrands on a ball, and the centres of the disks that hold R and s² + c².
+
+    ``spread``: radius of such a disk over the distance of its centre from 0, at least; below 1 there is no 0 in it.
+    """
+
+    sizes: list[Any]
+    centre: Any
+    denominator: Any
+    spread: float
+
+
+def means(cycle: Cycle, bits: int) -> list[Any]:
+    """Enclose (1/π) ∫₀^π of the wanted integrands (over a full turn and divided by 2π for a rotation).
+
+    Args:
+        cycle: the integrands.
+        bits: relative precision wanted.
+
+    Returns:
+        Real balls at the current precision.
+
+    Raises:
+        NotConvergedError: a ball is wide; the motion is too close to a separatrix for the precision asked.
+    """
+    rows = zip(*(cycle.values(flint.arb(x)) for x in (0.7, 1.6, 2.3)), strict=True)
+    sizes = [max(abs(x.mid()) for x in row) for row in rows]
+    found = _midpoints(cycle, bits, sizes)
+    if found is None:
+        found = [mean(cycle, j, bits, size) for j, size in zip(cycle.wanted, sizes, strict=True)]
+    if any(not x.is_finite() or x.rel_accuracy_bits() < bits - 12 for x in found):
+        raise NotConvergedError(
+            "the integral could not be enclosed to the digits asked: the motion is too close to a separatrix"
+        )
+    return found
+
+
+def _midpoints(cycle: Cycle, bits: int, sizes: list[Any]) -> list[Any] | None:
+    """The means by the midpoint rule; None where no strip is found, or it would need too many nodes."""
+    for map_, a in _plans(cycle, bits, sizes):
+        over = cycle.over(map_)
+        strip = bound(over, a)
+        if strip is not None:
+            return midpoint(over, strip, bits, sizes)
+    return None
+
+
+def _plans(cycle: Cycle, bits: int, sizes: list[Any]) -> Iterator[tuple[Map, float]]:
+    """Maps with half widths of strips, the most promising first; those that need too many nodes are left out."""
+    wide = _widest(cycle, bits, sizes)
+    if cycle.spread is not None:
+        part = next((part for most, part in _PARTS if bits <= most), _LARGEST_PART)
+        spread = part * math.pi / max(cycle.spread.lower, cycle.spread.upper)
+        if wide is None or _SPREAD * wide < spread:
+            yield from ((cycle.spread, portion * spread) for portion in (1.0, 0.7, 0.5))
+    if wide is not None and wide > 1 / _MOST_NODES:
+        yield from ((Map(), portion * wide) for portion in (0.97, 0.75, 0.5))
+
+
+def midpoint(cycle: Cycle, strip: Bound, bits: int, sizes: list[Any]) -> list[Any]:
+    """The midpoint rule with the error that a bound proves.
+
+    Args:
+        cycle: the integrands, over the map of the bound.
+        strip: the bound.
+        bits: relative precision wanted of integrands of these sizes.
+        sizes: of the integrands, roughly.
+    """
+    excess = max(float((4 * most / size).log().upper()) for most, size in zip(strip.most, sizes, strict=True))
+    nodes, step = 2 * math.ceil((excess + (bits + 4) * _LN2) / (2 * strip.width)) + 2, 1
+    if cycle.even:  # half of the nodes are the mirror image of the others
+        nodes, step = nodes // 2, 2
+    count(squares=nodes, kernels=nodes)
+    angle = 2 * flint.arb.pi() / (step * nodes)
+    rows = zip(*(cycle.values(angle * (2 * m + 1) / 2) for m in range(nodes)), strict=True)
+    rest = (flint.arb(strip.width) * nodes * step).exp() - 1
+    return [
+        sum(row, flint.arb(0)) / nodes + flint.arb(0, (2 * most / rest).upper())
+        for row, most in zip(rows, strip.most, strict=True)
+    ]
+
+
+def _widest(cycle: Cycle, bits: int, sizes: list[Any]) -> float | None:
+    """The half width of a strip over the plain map that needs the fewest nodes, as doubles see it; None for none."""
+    x = np.linspace(0, np.pi, 25) if cycle.even else np.linspace(-np.pi, np.pi, 49)
+    χ = x + 1j * _HEIGHTS[:, None]
+    inputs = [float(v.mid()) for v in cycle.inputs]
+    with np.errstate(all="ignore"):
+        if cycle.lower is None:
+            q, product = float(cycle.slow.mid()) + χ - np.pi, np.ones(1)
+        else:
+            low, c = float(cycle.width.mid()) / 2 * (1 - np.cos(χ)), np.cos(χ)
+            high = float(cycle.width.mid()) / 2 * (1 + c)
+            q, product = float(cycle.lower.mid()) + low, low * high
+        regular = np.broadcast_to(cycle.radicand.squared.run(Float64(), [q, *inputs])[0] / product, χ.shape)
+        weights = cycle.radicand.kernels.run(Float64(), [q, *inputs])
+        root = np.sqrt(np.abs(regular))
+        values = [np.abs(product) * root if j < 0 else np.abs(weights[j]) / root for j in cycle.wanted]
+        turns = np.sum(np.angle(regular[:, 1:] / regular[:, :-1]), axis=1)
+        clear = np.cumprod(np.isfinite(turns) & (np.abs(turns) < 1)).astype(bool)
+        excess = [np.log(4 * np.max(v, axis=-1) / float(size)) for v, size in zip(values, sizes, strict=True)]
+        nodes = (np.max(np.broadcast_arrays(*excess), axis=0) + (bits + 4) * _LN2) / _HEIGHTS
+        best = np.where(clear & np.isfinite(nodes), nodes, np.inf)
+    return float(_HEIGHTS[np.argmin(best)]) if np.min(best) < np.inf else None
+
+
+def bound(cycle: Cycle, a: float, bits: int = 64) -> Bound | None:
+    """Bound the integrands in a strip.
+
+    Args:
+        cycle: the integrands.
+        a: half width of the strip.
+        bits: precision of the balls.
+
+    Returns:
+        The bound; None where the strip could not be proved to be free of singularities.
+    """
+    with working(bits):
+        low = cycle.over(cycle.map)
+        if not (low.entire or _covered(low, a)):
+            return None
+        boxes = _edge(low, a)
+        chains = [] if boxes is None else [[b.centre for b in boxes], [b.denominator for b in boxes]]
+        if boxes is None or not all(_returns(chain, even=low.even) for chain in chains):
+            return None
+        most = boxes[0].sizes
+        for box in boxes[1:]:
+            most = [x.max(y) for x, y in zip(most, box.sizes, strict=True)]
+        return Bound(a, [x.upper() for x in most])
+
+
+def _edge(cycle: Cycle, a: float) -> list[_Box] | None:
+    """Cover the edge Im χ = a with balls from left to right, as wide as they may be; None where that takes too many."""
+    x, end = (0.0 if cycle.even else -_PI), _PI
+    found: list[_Box] = []
+    step, work = _PI / _PIECES, _MOST_BOXES
+    while x < end:
+        if (work := work - 1) < 0:
+            return None
+        box = _box(cycle, flint.acb(_between(x, x + step), a))
+        if box.spread < _CLEAR:
+            found.append(box)
+            x += step
+        step *= min(2.0, max(0.2, _AIM / box.spread)) if box.spread > 0 else 0.2
+    return found
+
+
+def _box(cycle: Cycle, χ: Any) -> _Box:
+    """Evaluate on a ball of the edge; R = F/P with P = (q − a)(b − q), or R = F for a rotation."""
+    spot = cycle.spot(χ)
+    denominator, _, _, width = _ring(flint.acb(spot.denominator))
+    if width >= 1:
+        return _Box([], denominator, denominator, math.inf)
+    product = flint.arb(1) if spot.from_lower is None else spot.from_lower * spot.to_upper
+    for form in _forms(cycle, spot):
+        centre, least, most, spread = _ring(form(cycle, spot, product))
+        if spread < _CLEAR:
+            break
+    spread = max(spread, width)
+    sizes = cycle.integrands(spot, product, least.union(most).sqrt()) if spread < _CLEAR else []
+    return _Box([abs(x) for x in sizes], centre, denominator, spread + 1e-9)
+
+
+def _forms(cycle: Cycle, spot: Spot) -> list[Callable[[Cycle, Spot, Any], Any]]:
+    """Ways to enclose R on a ball, the best one first."""
+    if spot.from_lower is None:
+        return [_of_a_rotation]
+    nearest = min(abs(spot.from_lower).upper(), abs(spot.to_upper).upper())
+    return [_from_an_end, _from_the_middle] if nearest < _NEAR * cycle.width else [_from_the_middle]
+
+
+def _ring(x: Any) -> tuple[Any, Any, Any, float]:
+    """The centre m of a ball, bounds of |x|, and how large |x − m|/|m| may be, infinite where that is not known."""
+    middle = x.mid()
+    size, spread = abs(middle), abs(x - middle)
+    ratio = (spread / size).upper()
+    return middle, (size - spread).lower(), (size + spread).upper(), float(ratio) if ratio.is_finite() else math.inf
+
+
+def _of_a_rotation(cycle: Cycle, spot: Spot, _product: Any) -> Any:
+    """F from its value and slope at the centre."""
+    middle = spot.q.mid()
+    (value, slope), bend, h = cycle.taylor(middle, 2), cycle.taylor(spot.q, 3)[2], spot.q - middle
+    return value + (slope + bend * h) * h
+
+
+def _from_an_end(cycle: Cycle, spot: Spot, _product: Any) -> Any:
+    """R from F = (q − a) F[a, q] at the nearer turning point a, by Taylor's formula with its remainder on the hull."""
+    lower = bool(abs(spot.from_lower).mid() < abs(spot.to_upper).mid())
+    end, h = (cycle.lower, spot.from_lower) if lower else (cycle.upper, -spot.to_upper)
+    hull = flint.acb(spot.q.real.union(end), spot.q.imag.union(flint.arb(0)))
+    value = cycle.taylor(hull, TERMS + 1)[TERMS]
+    for coefficient in cycle.end_series[0 if lower else 1][:0:-1]:
+        value = coefficient + value * h
+    return value / spot.to_upper if lower else -value / spot.from_lower
+
+
+def _from_the_middle(cycle: Cycle, spot: Spot, product: Any) -> Any:
+    """R from F = F₀ + F₁h + F₂(ball)h² about the centre of the ball, h = q − m.
+
+    With P = P₀ + P₁h − h² that is R₀ + h (F₁ − R₀P₁ + (F₂ + R₀)h)/P: no difference of quotients that are nearly equal.
+    """
+    middle = spot.q.mid()
+    h, (value, slope), bend = spot.q - middle, cycle.taylor(middle, 2), cycle.taylor(spot.q, 3)[2]
+    from_lower, to_upper = middle - cycle.lower, cycle.upper - middle
+    start = value / (from_lower * to_upper)
+    return start + h * (slope - start * (to_upper - from_lower) + (bend + start) * h) / product
+
+
+def _returns(centres: list[Any], *, even: bool) -> bool:
+    """True when the argument does not grow along an edge: common points carry it from one disk to the next.
+
+    Half of an even function's edge begins and ends at a real value, whose sign is that of the centre: what it grows by
+    is a multiple of π. The edge of a rotation closes: a multiple of 2π.
+    """
+    growth = sum(_angle(after / before) for before, after in itertools.pairwise(centres))
+    first, last = centres[0], centres[-1]
+    if even:
+        growth += _angle(first if first.real > 0 else -first) - _angle(last if last.real > 0 else -last)
+    else:
+        growth += _angle(first / last)
+    return bool(abs(growth) < 1)
+
+
+def _angle(x: Any) -> float:
+    return float(x.arg().mid())
+
+
+def _covered(cycle: Cycle, a: float) -> bool:
+    """True when p² and the kernels are finite on balls that cover the strip: no operation meets a singularity."""
+    start, pieces = (0.0, 8) if cycle.even else (-np.pi, 16)
+    step = 3.1415926535897936 / 8
+    todo = [(start + k * step, start + (k + 1) * step, 0.0, a) for k in range(pieces)]
+    work = _MOST_BOXES
+    while todo:
+        if (work := work - 1) < 0:
+            return False
+        x0, x1, y0, y1 = todo.pop()
+        q = cycle.spot(flint.acb(_between(x0, x1), _between(y0, y1))).q
+        if all(x.is_finite() for x in (*cycle.square.run(q), *cycle.weights.run(q))):
+            continue
+        x, y = (x0 + x1) / 2, (y0 + y1) / 2
+        todo += [(x0, x, y0, y), (x, x1, y0, y), (x0, x, y, y1), (x, x1, y, y1)]
+    return True
+
+
+def _between(low: float, high: float) -> Any:
+    """A real ball that holds an interval."""
+    return flint.arb((low + high) / 2, (high - low) / 2 * (1 + 1e-12) + 1e-15)
