@@ -50,8 +50,8 @@ def ensemble(
             is computed. None for all.
         parameters: name → number, where it differs from the default; the same for all orbits.
         threads: how many; None for all cores that this process may use. Dask has its own, this is not for it.
-        fallback: compute orbits that the vectorised engine hands back one by one, tens of milliseconds each; without,
-            they are ``not_converged``.
+        fallback: compute orbits that the vectorised engine hands back one by one, up to some tenths of a second each;
+            without, they are ``not_converged``.
         compiled: whether to compile the loops by numba (extra ``fast``), some seconds once a process, for each
             system, want and parameters; None: from 100 000 orbits on. The last bits differ, within the errors.
 

@@ -103,7 +103,8 @@ def _fill(
         if stop.is_set():
             return
         start = {"q": _picked(places, k), recipe.kind: _picked(speeds, k)}
-        _one(recipe, tools, columns, window.start + int(good[k]), start)
+        endless = bool(found.status[k] == batch.Status.UNBOUNDED)
+        _one(recipe, tools, columns, window.start + int(good[k]), start, endless)
 
 
 def _at_the_door(tools: Tools, q: Mapping[str, Any], rates: Mapping[str, Any]) -> Any:
@@ -129,10 +130,10 @@ def _picked(arrays: Mapping[str, Any], k: int) -> dict[str, float]:
 
 
 def _one(
-    recipe: Recipe, tools: Tools, columns: Columns, place: int, start: Mapping[str, Mapping[str, float]]
+    recipe: Recipe, tools: Tools, columns: Columns, place: int, start: Mapping[str, Mapping[str, float]], endless: bool
 ) -> None:
     """Compute one orbit by the engine of single motions into its row."""
-    status, row = single_orbit(tools.solution, tools.layout, start, dict(recipe.parameters))
+    status, row = single_orbit(tools.solution, tools.layout, start, dict(recipe.parameters), endless=endless)
     columns[STATUS][place], columns[EXACT][place] = status, True
     for column, value in row.items():
         columns[column][place] = value

@@ -21,13 +21,15 @@ from hjsolve.trajectory.positions import constant_index
 _ANGLE_ROUNDING = 2.0**-48
 """An angle is reduced, summed and rounded in doubles of size up to 2π: a few 2⁻⁵⁰."""
 
+_TIMELESS = ("constants", "turning_points", "actions")
 _KINDS = {"escape": Status.UNBOUNDED, "asymptotic": Status.ASYMPTOTIC, "boundary": Status.REACHES_BOUNDARY}
 Row = dict[str, float]
 
 
 def single_orbit(
-    solution: Solution, layout: Layout, start: Mapping[str, Mapping[str, float]], parameters: Mapping[str, Any]
-) -> tuple[Status, Row]:
+    solution: Solution, layout: Layout, start: Mapping[str, Mapping[str, float]], parameters: Mapping[str, Any], *,
+    endless: bool = False,
+) -> tuple[Status, Row]:  # fmt: skip
     """Compute one orbit.
 
     Args:
@@ -35,13 +37,17 @@ def single_orbit(
         layout: what is wanted.
         start: ``q`` and ``p`` or ``velocity``: coordinate → finite number.
         parameters: name → exact value.
+        endless: whether it seems to run away. It then has no frequency, period or angle, and the integrals of the time
+            are not worked out unless it turns out that it does not.
 
     Returns:
         The status, and the columns that exist.
     """
     with ONE_AT_A_TIME:
         try:
-            motion = solution.motion(**start, parameters=parameters, want=layout.want)
+            motion = solution.motion(**start, parameters=parameters, want=_TIMELESS if endless else layout.want)
+            if endless and _status(motion) is not Status.UNBOUNDED:
+                motion = solution.motion(**start, parameters=parameters, want=layout.want)
         except ForbiddenMotionError:
             return Status.FORBIDDEN, {}
         except InvalidInputError:
@@ -81,6 +87,8 @@ def _row(motion: Motion, layout: Layout) -> Row:
 
 
 def _angles(motion: Motion) -> dict[str, Estimate]:
+    if not motion.frequencies:
+        return {}
     values = motion.angles(motion.t0)
     return {name: Estimate(float(value), _angle_error(motion, name)) for name, value in values.items()}
 

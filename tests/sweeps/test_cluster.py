@@ -88,29 +88,54 @@ def test_a_cluster_that_loses_a_worker_gives_the_bytes_of_threads(
     assert parts(out) == parts(undisturbed)
 
 
+GALAXY = """
+system = "kuzmin-kutuzov"
+want = ["actions", "frequencies", "angles"]
+[sweep]
+chunk = 500
+[sweep.q]
+u = {start = "0.5", stop = "1.2", count = 40}
+w = {start = "-0.6", stop = "0.6", count = 25}
+phi = "0"
+[sweep.p]
+u = {start = "-0.2", stop = "0.2", count = 5}
+w = ["0.05", "0.1", "0.15", "0.2"]
+phi = "0.3"
+"""
+
+
 @pytest.mark.nightly
+@pytest.mark.parametrize(
+    ("text", "orbits", "least", "added"),
+    [pytest.param(None, 12, 1, 1, id="12 orbits"), pytest.param(GALAXY, 20_000, 4, 8, id="20 000 orbits")],
+)
 def test_a_worker_dies_and_the_client_dies_and_every_orbit_is_there_once(
-    scene: Path, tmp_path: Path, undisturbed: Path
+    text: str | None, orbits: int, least: int, added: int, scene: Path, tmp_path: Path, undisturbed: Path
 ) -> None:
-    out = tmp_path / "out"
+    """A worker is killed after ``least`` parts, the client after ``added`` more, then the sweep is gone on with."""
+    if text:
+        scene.write_text(text, encoding="utf-8")
+        undisturbed = hjsolve.sweep(scene, tmp_path / "undisturbed").path
+    out, all_parts = tmp_path / "out", len(parts(undisturbed))
     with cluster(tmp_path, workers=2) as (address, workers):
         with distributed.Client(address, set_as_default=False) as client:
             client.wait_for_workers(2, timeout=60)
         sweeping = start_slowly(scene, out, address)
-        wait_until(lambda: len(parts(out)) >= 1, sweeping)
+        wait_until(lambda: len(parts(out)) >= least, sweeping)
         workers[0].send_signal(signal.SIGKILL)  # in mid-run
         before = len(parts(out))
-        wait_until(lambda: len(parts(out)) >= before + 1, sweeping)  # the other one goes on
+        wait_until(lambda: len(parts(out)) >= before + added, sweeping)  # the other one goes on
         sweeping.kill()
         sweeping.communicate()
         survived = parts(out)
-        assert 2 <= len(survived) < 6
+        assert least + added <= len(survived) < all_parts
         done = hjsolve.sweep(scene, out, scheduler=address)
     assert done.kept >= len(survived)
     assert parts(out) == parts(undisturbed)
     assert (out / "_manifest.json").read_bytes() == (undisturbed / "_manifest.json").read_bytes()
-    orbits = dataset.dataset(out).to_table()["orbit"].to_numpy()
-    assert np.array_equal(np.sort(orbits), np.arange(12))
+    table = dataset.dataset(out).to_table()
+    assert np.array_equal(np.sort(table["orbit"].to_numpy()), np.arange(orbits))
+    assert set(table["status"].to_pylist()) == {"ok"}
 
 
 def test_a_worker_with_other_code_is_refused() -> None:
