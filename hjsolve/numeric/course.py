@@ -17,7 +17,7 @@ import numpy as np
 from hjsolve.numeric.anomaly import Crested, Libration, Paired, Rotation
 from hjsolve.numeric.arithmetic import Float64, Multi, multiprecision
 from hjsolve.numeric.counting import count
-from hjsolve.numeric.panels import Panels, Way, build
+from hjsolve.numeric.panels import Growing, Panels, Way
 from hjsolve.numeric.radicand import Radicand
 from hjsolve.numeric.series import Series, fit, trial, zero
 from hjsolve.numeric.stretch import Stretched, rounded
@@ -192,6 +192,11 @@ def farthest(digits: int) -> int:
 
 
 @lru_cache(maxsize=64)
+def _growing(branch: Branch) -> Growing:
+    return Growing(branch.way, branch.integrands, digits=branch.digits, bits=branch.bits)
+
+
+@lru_cache(maxsize=64)
 def _panels(branch: Branch, weights: tuple[float, ...] | None, power: int) -> Panels:
     """Build panels of a branch (a pure function; the newest ones are kept)."""
     limit = Multi(branch.bits).context.mpf(2) ** power
@@ -204,7 +209,7 @@ def _panels(branch: Branch, weights: tuple[float, ...] | None, power: int) -> Pa
             return bool(y >= limit)
         return bool(abs(sum(w * g for w, g in zip(weights, integrals, strict=False))) > limit or y > far)
 
-    return build(branch.way, branch.integrands, enough, digits=branch.digits, bits=branch.bits)
+    return _growing(branch).until(enough)
 
 
 @dataclass(frozen=True, eq=False)

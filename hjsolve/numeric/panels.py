@@ -21,6 +21,7 @@ from __future__ import annotations
 from collections.abc import Callable
 from dataclasses import dataclass
 from functools import cached_property
+from threading import Lock
 from typing import Any
 
 import numpy as np
@@ -158,76 +159,109 @@ class Panels:
         return x2 / 2 * b1 - b2 + rows[..., 0]
 
 
-def build(
-    way: Way,
-    integrands: Callable[[Any], list[Any]],
-    enough: Callable[[Any, list[Any]], bool],
-    *,
-    digits: int,
-    bits: int,
-) -> Panels:
-    """Integrate along a branch, panel by panel.
+class Growing:
+    """The integrals along a branch, panel by panel, as far as they were asked for; what is there is never done again.
 
-    Args:
-        way: the branch.
-        integrands: y (``mpf``) ↦ the values of all functions.
-        enough: (y, integrals so far) ↦ True when the branch is long enough.
-        digits: relative digits wanted.
-        bits: working precision.
-
-    Raises:
-        NotConvergedError: too many panels; the integrand is not analytic along the branch.
+    The panels do not depend on how far is asked for: a shorter reach has the first ones of a longer.
     """
-    context = multiprecision(bits)
-    degree = smooth(max(20, int(1.3 * digits)) + 1) - 1
-    points = [context.cos(context.pi * (2 * m + 1) / (2 * (degree + 1))) for m in range(degree + 1)]
-    last = way.last(context)
-    y, step = context.mpf(0), context.mpf(1) / 2
-    tiny = context.mpf(10) ** -digits
-    totals: list[Any] | None = None
-    blown, share = False, 1.0  # share: of the way that is left, which one panel may take
-    edges, values, sums, nodes = [y], [], [], 0
-    while totals is None or not enough(y, totals):
-        if last is not None:
-            step = min(step, share * (last - y))
-        rows = _expand(integrands, y, step, points, bits)
-        nodes += degree + 1
-        if _tail(rows) > 10.0 ** -(digits + 1):
-            step /= 2
-            share = 1.0 if last is None else float(step / (last - y))
-            if nodes > _MAX_PANELS * degree or step < context.mpf(2) ** -200 or share < _LEAST_SHARE:
-                raise NotConvergedError(f"the integrand stays rough near y = {float(y):.6g} on its way to {way.end}")
-            continue
-        if totals is None:
-            totals = [context.mpf(0)] * len(rows)
-        before = totals
-        integrated = [_antiderivative(row, step / 2, total) for row, total in zip(rows, totals, strict=True)]
-        totals = [context.fsum(row) for row in integrated]
-        values.append(rows)
-        sums.append(integrated)
-        y += step
-        edges.append(y)
-        if last is not None and last - y <= last * tiny:  # the end; or, where it is not analytic there, near enough
-            break
-        share = min(1.0, share * 1.1)
-        if way.end == "infinity" and _settled(before, totals, digits, context):
-            blown = True
-            break
-        if len(values) > _MAX_PANELS:
-            raise NotConvergedError(f"more than {_MAX_PANELS} panels on the way to {way.end}")
-        step = (
-            min(2 * step, max(step, 5 * y / 8))
-            if way.end in {"infinity", "boundary"}
-            else min(2 * step, context.mpf(2))
+
+    def __init__(self, way: Way, integrands: Callable[[Any], list[Any]], *, digits: int, bits: int):
+        """Start at y = 0.
+
+        Args:
+            way: the branch.
+            integrands: y (``mpf``) ↦ the values of all functions.
+            digits: relative digits wanted.
+            bits: working precision.
+        """
+        self.way, self.integrands, self.digits, self.bits = way, integrands, digits, bits
+        self.context = multiprecision(bits)
+        degree = smooth(max(20, int(1.3 * digits)) + 1) - 1
+        self.points = [self.context.cos(self.context.pi * (2 * m + 1) / (2 * (degree + 1))) for m in range(degree + 1)]
+        self.last = way.last(self.context)
+        self.step, self.share = self.context.mpf(1) / 2, 1.0  # share: of the way that is left, which one panel may take
+        self.edges, self.values, self.sums, self.totals = [self.context.mpf(0)], [], [], []  # type: ignore[var-annotated]
+        self.nodes: list[int] = []
+        self.over = self.blown = False
+        self.failed: NotConvergedError | None = None
+        self.lock = Lock()
+
+    def until(self, enough: Callable[[Any, list[Any]], bool]) -> Panels:
+        """Return the panels up to the first that is enough, or to the last there is.
+
+        Args:
+            enough: (y, integrals so far) ↦ True when the branch is long enough.
+
+        Raises:
+            NotConvergedError: too many panels; the integrand is not analytic along the branch.
+        """
+        count = 0
+        with self.lock:
+            while count < len(self.values) or not self.over:
+                if count == len(self.values):
+                    self._grow()
+                count += 1
+                if enough(self.edges[count], self.totals[count - 1]):
+                    break
+        y, kind = self.edges[count], float if self.digits <= 15 else object
+        ends = self.over and count == len(self.values)
+        return Panels(
+            np.array(self.edges[: count + 1], dtype=kind),
+            np.array(self.values[:count], dtype=kind).transpose(1, 0, 2),
+            np.array(self.sums[:count], dtype=kind).transpose(1, 0, 2),
+            self.nodes[count - 1],
+            (ends and self.blown) or (self.last is not None and bool(y >= self.last * (1 - 2.0**-40))),
         )
-    kind = float if digits <= 15 else object
-    return Panels(
-        np.array(edges, dtype=kind),
-        np.array(values, dtype=kind).transpose(1, 0, 2),
-        np.array(sums, dtype=kind).transpose(1, 0, 2),
-        nodes,
-        blown or (last is not None and y >= last * (1 - 2.0**-40)),
-    )
+
+    def _grow(self) -> None:
+        """Add one panel."""
+        if self.failed is None:
+            try:
+                rows, nodes = self._resolved()
+            except NotConvergedError as error:
+                self.failed = error
+        if self.failed is not None:
+            raise self.failed
+        context, y = self.context, self.edges[-1] + self.step
+        before = self.totals[-1] if self.totals else [context.mpf(0)] * len(rows)
+        integrated = [_antiderivative(row, self.step / 2, total) for row, total in zip(rows, before, strict=True)]
+        after = [context.fsum(row) for row in integrated]
+        self.values.append(rows)
+        self.sums.append(integrated)
+        self.totals.append(after)
+        self.edges.append(y)
+        self.nodes.append(nodes)
+        self.share = min(1.0, self.share * 1.1)
+        self.blown = self.way.end == "infinity" and _settled(before, after, self.digits, context)
+        # the end; or, where it is not analytic there, near enough
+        self.over = self.blown or (
+            self.last is not None and self.last - y <= self.last * context.mpf(10) ** -self.digits
+        )
+        self.step = (
+            min(2 * self.step, max(self.step, 5 * y / 8))
+            if self.way.end in {"infinity", "boundary"}
+            else min(2 * self.step, context.mpf(2))
+        )
+
+    def _resolved(self) -> tuple[list[list[Any]], int]:
+        """Chebyshev coefficients over the next panel, short enough for its digits, and the nodes used so far."""
+        y, nodes = self.edges[-1], self.nodes[-1] if self.nodes else 0
+        if len(self.values) > _MAX_PANELS:
+            raise NotConvergedError(f"more than {_MAX_PANELS} panels on the way to {self.way.end}")
+        while True:
+            if self.last is not None:
+                self.step = min(self.step, self.share * (self.last - y))
+            rows = _expand(self.integrands, y, self.step, self.points, self.bits)
+            nodes += len(self.points)
+            if _tail(rows) <= self.context.mpf(10) ** -(self.digits + 1):
+                return rows, nodes
+            self.step /= 2
+            self.share = 1.0 if self.last is None else float(self.step / (self.last - y))
+            lost = nodes > _MAX_PANELS * len(self.points) or self.share < _LEAST_SHARE
+            if lost or self.step < self.context.mpf(2) ** -200:
+                raise NotConvergedError(
+                    f"the integrand stays rough near y = {float(y):.6g} on its way to {self.way.end}"
+                )
 
 
 def _settled(before: list[Any], after: list[Any], digits: int, context: Any) -> bool:
@@ -248,13 +282,13 @@ def _expand(integrands: Callable[[Any], list[Any]], y: Any, step: Any, points: l
     return rows
 
 
-def _tail(rows: list[list[Any]]) -> float:
+def _tail(rows: list[list[Any]]) -> Any:
     """Largest of the last three coefficients, relative to the largest of all, over all functions."""
-    worst = 0.0
+    worst = 0 * rows[0][0]
     for row in rows:
         size = max(abs(c) for c in row)
         if size:
-            worst = max(worst, float(max(abs(c) for c in row[-3:]) / size))
+            worst = max(worst, max(abs(c) for c in row[-3:]) / size)
     return worst
 
 

@@ -13,14 +13,13 @@ from typing import Any
 
 import numpy as np
 
-from hjsolve.numeric.arithmetic import multiprecision
-from hjsolve.numeric.course import Bounded, Course, Frozen, Open
-from hjsolve.numeric.error_free import split
-from hjsolve.numeric.inverse import _alone, bracketed
-from hjsolve.numeric.series import combine
-from hjsolve.numeric.turns import turns
+from hjsolve.numeric.course import Course, Open
+from hjsolve.numeric.pair import Pair, pair, solve_pair
+from hjsolve.numeric.single import solve_alone
 
 _EPS = 2.0**-52
+_REACHES = 6
+"""How often the panels of two coupled coordinates are made longer, 64 times each."""
 
 
 @dataclass(frozen=True)
@@ -99,8 +98,17 @@ def phases(scheme: Plan, time: tuple[Any, Any]) -> tuple[list[Any], list[Any], l
         For each coordinate χ, whole turns and a bound on the error of χ, shape (m,); and an array that is True
         where the motion has ended before that time.
     """
+    span = 2 * float(np.max(np.abs(time[0]), initial=1e-3)) + 1e-300
+    for doubling in range(_REACHES):
+        *found, short = _phases(scheme, time, span * 64.0**doubling)
+        if not short.any():
+            break
+    return found[0], found[1], found[2], found[3] | short
+
+
+def _phases(scheme: Plan, time: tuple[Any, Any], span: float) -> tuple[list[Any], list[Any], list[Any], Any, Any]:
+    """The same with panels that reach so far; True last where that is not far enough."""
     t = time[0] + time[1]
-    span = 2 * float(np.max(np.abs(t), initial=1e-3)) + 1e-300
     courses = [reaching(c, scheme, span, i) for i, c in enumerate(scheme.courses)]
     targets = _targets(courses, scheme.equations)
     n = len(courses)
@@ -113,14 +121,49 @@ def phases(scheme: Plan, time: tuple[Any, Any]) -> tuple[list[Any], list[Any], l
         full = [None if x is None else x + 2 * np.pi * n for x, n in zip(χ, whole, strict=True)]
         value, slack = _right_side(step, targets, known, full, errors, t)
         own = step.weights[0] if not known else 0.0
-        χ[step.index], whole[step.index], errors[step.index], gone = _solve(
+        χ[step.index], whole[step.index], errors[step.index], gone = solve_alone(
             courses[step.index], step.weights, value, slack, own, time
         )
         ended |= gone
+    short = np.zeros(t.shape, dtype=bool)
     if scheme.coupled:
         full = [None if x is None else x + 2 * np.pi * n for x, n in zip(χ, whole, strict=True)]
-        _march(courses, scheme, targets, t, full, χ, errors, ended)
-    return χ, whole, errors, ended
+        couple = _couple(courses, scheme)
+        if couple is None:
+            _march(courses, scheme, targets, t, full, χ, errors, ended)
+        else:
+            goals, noise = _right_sides(courses, scheme, targets, t, full, errors)
+            both = solve_pair(couple, goals, noise, t)
+            for row, i in enumerate(scheme.coupled):
+                χ[i], errors[i] = both.χ[row], both.errors[row]
+            ended, short = ended | both.ended, both.short
+    return χ, whole, errors, ended, short
+
+
+def _couple(courses: list[Course], scheme: Plan) -> Pair | None:
+    """Two coupled coordinates that can be searched one within the other."""
+    if len(scheme.coupled) != 2:
+        return None
+    first, second = scheme.coupled
+    return pair((courses[first], courses[second]), [s.weights for s in scheme.steps], scheme.equations)
+
+
+def _right_sides(
+    courses: list[Course], scheme: Plan, targets: list[float], t: Any, known: list[Any], errors: list[Any]
+) -> tuple[Any, Any]:
+    """Right sides of all equations for the coupled coordinates and bounds on their errors, shape (equations, m)."""
+    goals = np.array(targets)[:, None] + 0 * t
+    goals[0] += t
+    starts = [sum(abs(float(np.ravel(c.integral(j, np.array([float(c.start)])))[0])) for c in courses)
+              for j in range(scheme.equations)]  # fmt: skip
+    noise = 4 * _EPS * (np.array(starts)[:, None] + np.abs(goals))
+    for l, χ in enumerate(known):
+        if χ is not None:
+            for j in range(scheme.equations):
+                part = courses[l].integral(j, χ)
+                goals[j] -= part
+                noise[j] += np.abs(courses[l].rate(j, χ)) * errors[l] + 4 * _EPS * np.abs(part)
+    return goals, noise
 
 
 def reaching(course: Course, scheme: Plan, span: float, i: int) -> Course:
@@ -161,65 +204,6 @@ def _right_side(
                 size = size + np.abs(part) + 2 * np.abs(w * course.integral(j, start))
                 slack = slack + np.abs(w * course.rate(j, χ[l]) * errors[l])
     return value, slack + 2 * _EPS * size
-
-
-def _solve(
-    course: Course, weights: tuple[float, ...], value: Any, slack: Any, own: float, time: tuple[Any, Any]
-) -> tuple[Any, Any, Any, Any]:
-    """Solve Σ wⱼ Gⱼ(χ) = value for one coordinate."""
-    never = np.zeros(value.shape, dtype=bool)
-    if isinstance(course, Bounded):
-        total = combine(list(weights), course.kernels[: len(weights)])
-        scaled = combine([1 / total.mean], [total])
-        angle, whole = value / float(total.mean), 0.0 * value
-        if own:
-            count, rest = turns(split(own / total.mean / (2 * multiprecision(160).pi)), time)
-            start = angle - own / float(total.mean) * (time[0] + time[1])
-            whole = count + np.rint(rest)
-            angle = 2 * np.pi * (rest - np.rint(rest)) + start
-        x, error = _alone(scaled, angle, slack / abs(float(total.mean)))
-        return x, whole, error, never
-    if isinstance(course, Frozen):
-        rate = float(sum(w * float(r) for w, r in zip(weights, course.rates, strict=False)))
-        return value / rate, 0.0 * value, slack / abs(rate) + _EPS * np.abs(value / rate), never
-    return _solve_open(course, weights, value, slack)
-
-
-def _solve_open(course: Open, weights: tuple[float, ...], value: Any, slack: Any) -> tuple[Any, Any, Any, Any]:
-    def function(χ: Any) -> tuple[Any, Any]:
-        pairs = [(w * course.integral(j, χ), w * course.rate(j, χ)) for j, w in enumerate(weights) if w]
-        return sum(p[0] for p in pairs), sum(p[1] for p in pairs)
-
-    sign = 1.0 if function(np.array([0.1]))[1][0] > 0 else -1.0
-    edges = course.edges()
-    levels = sign * function(edges)[0]
-    goal = sign * value
-    position = np.clip(np.searchsorted(levels, goal) - 1, 0, len(edges) - 2)
-    low, high = edges[position], edges[position + 1]
-    floor, ceiling = course.limits()
-    if not np.isfinite(ceiling):
-        high = np.where(
-            goal > levels[-1],
-            edges[-1] + 2 + 2 * (goal - levels[-1]) / np.abs(course.rate_sum(weights, edges[-1:]))[0],
-            high,
-        )
-    if not np.isfinite(floor):
-        low = np.where(
-            goal < levels[0],
-            edges[0] - 2 - 2 * (levels[0] - goal) / np.abs(course.rate_sum(weights, edges[:1]))[0],
-            low,
-        )
-    ended = ((goal > levels[-1]) & np.isfinite(ceiling)) | ((goal < levels[0]) & np.isfinite(floor))
-
-    def equation(χ: Any) -> tuple[Any, Any]:
-        f, slope = function(χ)
-        return sign * f - goal, sign * slope
-
-    χ, residual, slope = bracketed(equation, (low + high) / 2, low, high)
-    summed = sum(np.abs(w * course.integral(j, edges)) for j, w in enumerate(weights) if w)
-    rounding = np.maximum(summed[position], summed[position + 1])  # a panel's series is rounded like its greatest value
-    noise = slack + 4 * _EPS * np.abs(goal) + 2 * _EPS * rounding + np.where(ended, 0.0, np.abs(residual))
-    return χ, 0.0 * value, noise / np.maximum(np.abs(slope), 1e-300) + 2 * _EPS * np.abs(χ), ended
 
 
 def _march(

@@ -48,14 +48,15 @@ def time_beside(motion: Motion, k: int, phase: Any) -> tuple[Any, Any] | None:
     if _falling(own) and any(abs(here.rate(j, phase)) > noise * abs(here.integral(j, phase)) for j in (0, 1)):
         return None
     goal = here.integral(1, begin) - here.integral(1, phase)
-    found = _solved(other, kind, start, goal, 1 if phase >= begin else -1)
+    found = _solved(other, kind, start, goal, 1 if phase >= begin else -1, noise)
     if found is None:
         return None
     there, χ = found
     parts = [here.integral(0, phase), here.integral(0, begin), there.integral(0, χ), there.integral(0, start)]
     second = [here.integral(1, phase), here.integral(1, begin), there.integral(1, χ), there.integral(1, start)]
     time = parts[0] - parts[1] + parts[2] - parts[3]
-    slide = abs(there.rate(0, χ) / there.rate(1, χ)) * sum(map(abs, second))
+    inside = χ if there.rate(1, χ) else χ - (χ - start) * 2.0**-20
+    slide = abs(there.rate(0, inside) / there.rate(1, inside)) * sum(map(abs, second))
     return time, 4 * noise * (sum(map(abs, parts)) + slide + abs(there.rate(0, χ)) * (1 + abs(χ)))
 
 
@@ -76,7 +77,7 @@ class _Values:
         return np.ravel(self.course.rate(j, np.array([χ], dtype=self.kind)))[0]
 
 
-def _solved(course: Course, kind: type, start: Any, goal: Any, side: int) -> tuple[_Values, Any] | None:
+def _solved(course: Course, kind: type, start: Any, goal: Any, side: int, noise: Any) -> tuple[_Values, Any] | None:
     """The phase at which the second integral has grown by ``goal``, on one side of the start; None if not monotone."""
     reach, step, gains = abs(start) + 1, start * 0 + 1, [start * 0]
     while True:
@@ -90,6 +91,8 @@ def _solved(course: Course, kind: type, start: Any, goal: Any, side: int) -> tup
         gains.append(values.integral(1, last) - values.integral(1, start))
         if abs(gains[-1]) >= abs(goal):
             break
+        if ended and abs(goal) - abs(gains[-1]) <= 4 * noise * (abs(goal) + abs(values.integral(1, start))):
+            return values, last  # both come to their ends at once
         recent = [abs(b - a) for a, b in itertools.pairwise(gains[-_TREND - 1 :])]
         fading = len(gains) > _TREND and all(b <= 0.7 * a for a, b in itertools.pairwise(recent))
         if ended or len(gains) > _MOST or (fading and abs(goal) - abs(gains[-1]) > 8 * recent[-1]):
@@ -114,5 +117,6 @@ def _solved(course: Course, kind: type, start: Any, goal: Any, side: int) -> tup
 
 
 def _monotone(values: _Values, first: Any, last: Any) -> bool:
-    rates = [values.rate(1, first + (last - first) * k / 16) for k in range(17)]
+    """True where the second integral is; at the end of a domain its rate may vanish."""
+    rates = [values.rate(1, first + (last - first) * k / 16) for k in range(16)]
     return all(r > 0 for r in rates) or all(r < 0 for r in rates)

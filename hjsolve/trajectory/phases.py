@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 from typing import TYPE_CHECKING, Any
 
@@ -55,6 +55,7 @@ def phases_at(motion: Motion, floats: Any | None, exact: list[Any], time: tuple[
     if time is None:
         time = relative(floats, start) if floats is not None else halves(precise or [])
     χ, whole, errors, ended = solve(motion, time)
+    χ = [_where_it_goes_on(ended, x, c) for x, c in zip(χ, _courses(motion), strict=True)]
     if many and precise is not None:
         χ, errors = _refined_where(~ended, motion, χ, whole, precise, bits)
     return Phases(time, precise if many else None, χ, whole, errors, ended)
@@ -79,6 +80,15 @@ def solve(motion: Motion, time: tuple[Any, Any]) -> tuple[list[Any], list[Any], 
     if isinstance(motion.equations, inverse.Torus):
         return *inverse.phases(motion.equations, time), never
     return unbounded.phases(motion.equations, time)
+
+
+def _courses(motion: Motion) -> Sequence[Course]:
+    return motion.equations.courses if motion.equations is not None else ()
+
+
+def _where_it_goes_on(ended: Any, χ: Any, course: Course) -> Any:
+    """Phases, and that of the start where the motion has ended: at an end itself momenta may be infinite."""
+    return np.where(ended, float(course.start), χ) if ended.any() else χ
 
 
 def _refined_where(

@@ -43,7 +43,9 @@ def state_errors(
         if motion.turning_points.get(name, (None, None))[0] is not None and _straddles(motion, name):
             size_q = size_q + _width(motion, name)
         dq[name] = slope_q * e + 4 * unit * size_q + _LEAST
-        dp[name] = slope_p * e + (16 + 2 * _waves(course)) * unit * size_p + _LEAST
+        moved, shift = _shifted(motion, name, q)
+        size_p = size_p + shift
+        dp[name] = slope_p * e + moved * dq[name] + (16 + 2 * _waves(course)) * unit * size_p + _LEAST
     for coordinate in motion.solution.system.coordinates:
         name = coordinate.name
         if name not in dq:
@@ -74,8 +76,20 @@ def table_errors(
         inner = _TABLE * table.table.sizes(0, θ) if c.name == separated else _TABLE * (np.pi + np.abs(q[c.name]))
         dq[c.name] = np.abs(v[c.name]) * delay + inner
         own = _TABLE * table.table.sizes(1, θ) if c.name == separated else 2 * _EPS * np.abs(p[c.name])
+        moved, shift = _shifted(motion, c.name, q)
+        own = own + moved * inner + 8 * _EPS * shift
         dp[c.name] = np.abs(force) * delay + own
     return dq, dp, _velocity_errors(motion, q, p, dq, dp, _EPS)
+
+
+def _shifted(motion: Motion, name: str, q: Mapping[str, Any]) -> tuple[Any, Any]:
+    """|∂A/∂q| and |A| of the shift between the canonical momentum and the root, p = P − A(q): they may cancel."""
+    A = motion.solution.shift.get(name, sp.Integer(0))
+    if A == 0:
+        return 0.0, 0.0
+    symbol = motion.solution.system.coordinate(name).symbol
+    slope, value = evaluate(motion, (sp.diff(A, symbol), A), q, {})
+    return np.abs(np.asarray(slope, dtype=float)), np.abs(np.asarray(value, dtype=float))
 
 
 def _blur(course: Course, χ: Any, unit: float) -> Any:

@@ -1,0 +1,298 @@
+"""Two coordinates that share their equations, some of them unbounded: a bracket within a bracket.
+
+Two combinations of Jacobi's equations (Greenwood (5-70), (5-71)) are left for the two phases,
+
+    Σⱼ uⱼ (Gⱼ(x) + Hⱼ(y)) = a,      Σⱼ vⱼ (Gⱼ(x) + Hⱼ(y)) = b,
+
+and u can be chosen so that its kernel has one sign along y, and the other along x: for a positive definite T the
+cofactors of the Stäckel matrix have the sign of its determinant (Greenwood (5-139)). So the first equation gives y as
+an increasing function of x, and the second one then grows with x. Neither search can miss, however far away
+the motion is, and no step in time is made. The coordinate searched in is the one that comes to its end first.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+from functools import cached_property
+from typing import Any
+
+import numpy as np
+
+from hjsolve.numeric.course import Bounded, Course, Open
+from hjsolve.numeric.single import solve_alone
+
+_EPS = 2.0**-52
+_STEPS, _POLISH = 60, 3
+_NEAR = 1e-11
+_FARTHEST = 2.0**60
+
+Weights = tuple[float, ...]
+
+
+@dataclass(frozen=True)
+class Pair:
+    """Two courses and the two combinations of the equations that they share.
+
+    Attributes:
+        courses: of the two coordinates.
+        level: u, monotone in each of them.
+        clock: v, any other combination; the energy's where it can be.
+    """
+
+    courses: tuple[Course, Course]
+    level: Weights
+    clock: Weights
+
+
+@dataclass(frozen=True)
+class Found:
+    """Phases of both coordinates at some times.
+
+    Attributes:
+        χ: phases, shape (2, m).
+        errors: bounds on their errors, shape (2, m).
+        ended: True where the motion has ended before.
+        short: True where panels do not reach far enough to say.
+    """
+
+    χ: Any
+    errors: Any
+    ended: Any
+    short: Any
+
+
+def pair(courses: tuple[Course, Course], used: Sequence[Weights], equations: int) -> Pair | None:
+    """Choose the two combinations; None where no single equation is monotone in both coordinates.
+
+    Args:
+        courses: of the two coordinates.
+        used: combinations spent on other coordinates.
+        equations: number of the equations.
+    """
+    rows = [_kernels(c, equations) for c in courses]
+    units = [tuple(float(j == k) for j in range(equations)) for k in range(equations)]
+    for level in (*units[1:], units[0]):
+        first, second = (part @ np.array(level) for part in rows)
+        if not ((np.all(first > 0) and np.all(second < 0)) or (np.all(first < 0) and np.all(second > 0))):
+            continue
+        size = [abs(np.linalg.det(np.array([*used, level, clock]))) for clock in units]
+        clock = units[0] if size[0] > 1e-9 else units[int(np.argmax(size))]
+        if max(size) > 1e-9:
+            return Pair(courses, level, clock)
+    return None
+
+
+def _kernels(course: Course, n: int) -> Any:
+    """Rows of kernels at phases all along a course, shape (phases, n)."""
+    if isinstance(course, Open):
+        edges = course.edges()
+        χ = np.concatenate([(edges[1:] + edges[:-1]) / 2, [float(course.start)]])
+    else:
+        χ = np.linspace(-3.1, 3.1, 33)
+    return np.stack([np.broadcast_to(course.rate(j, χ), χ.shape) for j in range(n)], axis=1)
+
+
+def solve_pair(couple: Pair, goals: Any, noise: Any, time: Any) -> Found:
+    """Solve for both phases.
+
+    Args:
+        couple: from ``pair``.
+        goals: right sides of Jacobi's equations, shape (equations, m).
+        noise: bounds on their errors, shape (equations, m).
+        time: relative to t₀, shape (m,); only its sign is used.
+    """
+    goals = np.stack([np.array(w) @ goals for w in (couple.level, couple.clock)])
+    noise = np.stack([np.abs(w) @ noise for w in (couple.level, couple.clock)])
+    found = Found(np.empty((2, len(time))), np.empty((2, len(time))), time != time, time != time)
+    for side in (1, -1):
+        chosen = np.where(side * time >= 0)[0] if side > 0 else np.where(time < 0)[0]
+        if len(chosen):
+            part = _one_way(couple, side, goals[:, chosen], noise[:, chosen])
+            for ours, theirs in zip((found.χ, found.errors), (part.χ, part.errors), strict=True):
+                ours[:, chosen] = theirs
+            found.ended[chosen], found.short[chosen] = part.ended, part.short
+    return found
+
+
+def _one_way(couple: Pair, side: int, goals: Any, noise: Any) -> Found:
+    """Times on one side of t₀."""
+    gains = [_gain(c, couple.level, side) for c in couple.courses]
+    k = int(gains[1] < gains[0])
+    outer, inner = couple.courses[k], couple.courses[1 - k]
+    search = _Search(couple, outer, inner, goals)
+    stations = _stations(outer, side)
+    last = search.late(np.broadcast_to(stations[-1:], goals.shape[1:]))
+    passed = side * last < 0
+    x = search.between(stations, side)
+    χ = np.empty_like(goals)
+    χ[k], χ[1 - k] = x, search.other(x)[0]
+    χ = _polished(couple, goals, χ)
+    finished = _finished(outer, side)
+    errors = np.where(passed, 0.0, _bound(couple, goals, noise, χ))
+    return Found(χ, errors, passed & finished, passed & (not finished))
+
+
+def _gain(course: Course, level: Weights, side: int) -> float:
+    """How much the first equation can still grow along a course; infinite where it goes on for ever."""
+    if not isinstance(course, Open):
+        return np.inf
+    limit = course.limits()[side > 0]
+    if not np.isfinite(limit):
+        return np.inf
+    return abs(float(_amount(course, level, np.array([float(limit)]))[0] - _amount(course, level, _start(course))[0]))
+
+
+def _finished(course: Course, side: int) -> bool:
+    """True where the last phase held is the end of the motion, not of the panels."""
+    if not isinstance(course, Open):
+        return False
+    branch = course.ahead if side > 0 else course.behind
+    return branch.way.end in {"boundary", "fall"} or branch.panels(*course.reach).finished
+
+
+def _stations(course: Course, side: int) -> Any:
+    """Phases from the start outward, between which a search may begin; the last one is the farthest there is."""
+    start = float(course.start)
+    doublings = 2.0 ** np.arange(-2, 61)
+    if not isinstance(course, Open):
+        return np.concatenate([[start], start + side * doublings])
+    edges, limit = course.edges(), course.limits()[side > 0]
+    beyond = edges[edges > start] if side > 0 else edges[edges < start][::-1]
+    stations = np.concatenate([[start], beyond])
+    return stations if np.isfinite(limit) else np.concatenate([stations, stations[-1] + side * doublings])
+
+
+def _start(course: Course) -> Any:
+    return np.array([float(course.start)])
+
+
+def _amount(course: Course, weights: Weights, χ: Any) -> Any:
+    return sum(w * course.integral(j, χ) for j, w in enumerate(weights) if w)
+
+
+def _pace(course: Course, weights: Weights, χ: Any) -> Any:
+    return sum(w * course.rate(j, χ) for j, w in enumerate(weights) if w)
+
+
+@dataclass(frozen=True)
+class _Search:
+    """The search in one phase, the other one being a function of it."""
+
+    couple: Pair
+    outer: Course
+    inner: Course
+    goals: Any
+
+    def other(self, x: Any) -> tuple[Any, Any]:
+        """The other phase, and where the other coordinate would have ended."""
+        never = (np.zeros_like(x), np.zeros_like(x))
+        level = self.couple.level
+        y, whole, _, ended = solve_alone(
+            self.inner, level, self.goals[0] - _amount(self.outer, level, x), 0 * x, 0.0, never
+        )
+        return y + 2 * np.pi * whole, ended
+
+    def late(self, x: Any) -> Any:
+        """Left side less right side of the second equation, made to grow with x."""
+        return self._equation(x)[0]
+
+    def _equation(self, x: Any) -> tuple[Any, Any]:
+        y, ended = self.other(x)
+        clock = self.couple.clock
+        off = _amount(self.outer, clock, x) + _amount(self.inner, clock, y) - self.goals[1]
+        outward = np.where(x >= float(self.outer.start), np.inf, -np.inf)
+        return np.where(ended, outward, self._sign * off), self._sign * self._slope(x, y)
+
+    def _slope(self, x: Any, y: Any) -> Any:
+        """Growth of the left side of the second equation along the first one's curve."""
+        level, clock = self.couple.level, self.couple.clock
+        with np.errstate(all="ignore"):
+            ratio = -_pace(self.outer, level, x) / _pace(self.inner, level, y)
+        return _pace(self.outer, clock, x) + _pace(self.inner, clock, y) * ratio
+
+    @cached_property
+    def _sign(self) -> float:
+        return -1.0 if self._slope(_start(self.outer), _start(self.inner))[0] < 0 else 1.0
+
+    def between(self, stations: Any, side: int) -> Any:
+        """The phase: first between which stations, then by Newton's method in that bracket."""
+        shape = self.goals.shape[1:]
+        first, last = np.zeros(shape, dtype=int), np.full(shape, len(stations) - 1)
+        while np.any(last - first > 1):
+            middle = (first + last) // 2
+            beyond = side * self.late(stations[middle]) > 0
+            first, last = np.where(beyond, first, middle), np.where(beyond, middle, last)
+        ends = stations[first], stations[last]
+        low, high = np.minimum(*ends), np.maximum(*ends)
+        x = (low + high) / 2
+        for count in range(_STEPS):
+            off, slope = self._equation(x)
+            low, high = np.where(off <= 0, x, low), np.where(off >= 0, x, high)
+            with np.errstate(all="ignore"):
+                new = x - off / slope
+            new = np.where((new >= low) & (new <= high) & (count % 6 < 5), new, (low + high) / 2)
+            moved, x = np.abs(new - x), new
+            if np.all(moved <= _NEAR * np.abs(x)) or np.all(high - low <= 4 * _EPS * np.abs(x)):
+                break
+        return x
+
+
+def _polished(couple: Pair, goals: Any, χ: Any) -> Any:
+    """Newton's method for both, from nearby: what one search leaves of an ill conditioned phase the other takes up."""
+    for _ in range(_POLISH):
+        residual, ((a, b), (c, d)) = _residual(couple, goals, χ), _slopes(couple, χ)
+        with np.errstate(all="ignore"):
+            step = np.stack([b * residual[1] - d * residual[0], c * residual[0] - a * residual[1]]) / (a * d - b * c)
+            small = np.all(np.abs(step) <= 1e-3 * np.abs(χ) + 1e-8, axis=0)
+        trial = np.where(small, χ + step, χ)
+        for row, course in enumerate(couple.courses):
+            if isinstance(course, Open):
+                trial[row] = np.clip(trial[row], *course.limits())
+        χ = trial
+    return χ
+
+
+def _residual(couple: Pair, goals: Any, χ: Any) -> Any:
+    sums = [sum(_amount(c, w, x) for c, x in zip(couple.courses, χ, strict=True)) for w in (couple.level, couple.clock)]
+    return np.stack(sums) - goals
+
+
+def _slopes(couple: Pair, χ: Any) -> Any:
+    """Rows: equations; columns: coordinates; shape (2, 2, m)."""
+    return np.stack(
+        [
+            np.stack([_pace(c, w, x) + 0 * x for c, x in zip(couple.courses, χ, strict=True)])
+            for w in (couple.level, couple.clock)
+        ]
+    )
+
+
+def _bound(couple: Pair, goals: Any, noise: Any, χ: Any) -> Any:
+    """Bound the errors of the phases from the residuals and the rounding of the sums."""
+    (a, b), (c, d) = _slopes(couple, χ)
+    sizes = [
+        sum(_size(course, w, x) for course, x in zip(couple.courses, χ, strict=True))
+        for w in (couple.level, couple.clock)
+    ]
+    left = np.abs(_residual(couple, goals, χ)) + noise + 4 * _EPS * np.stack(sizes)
+    with np.errstate(all="ignore"):
+        inverse = np.abs(np.stack([np.stack([d, -b]), np.stack([-c, a])]) / (a * d - b * c))
+    return np.sum(inverse * left[None, :], axis=1) + 2 * _EPS * np.abs(χ)
+
+
+def _size(course: Course, weights: Weights, χ: Any) -> Any:
+    """What the rounding of Σ wⱼ Gⱼ(χ) is relative to: a panel's series is rounded like its greatest value."""
+    used = [(j, abs(w)) for j, w in enumerate(weights) if w]
+    if isinstance(course, Open):
+        edges = course.edges()
+        summed = sum(w * np.abs(course.integral(j, edges)) for j, w in used)
+        position = np.clip(np.searchsorted(edges, χ) - 1, 0, len(edges) - 2)
+        tail = sum(w * np.abs(course.integral(j, χ)) for j, w in used)
+        return np.maximum(np.maximum(summed[position], summed[position + 1]), tail)
+    size = sum(w * np.abs(course.growth(j) * np.abs(χ)).astype(float) for j, w in used)
+    if isinstance(course, Bounded):
+        for j, w in used:
+            waves = course.kernels[j].cosines.astype(float)
+            size = size + w * float(np.sum(np.abs(waves) / np.arange(1, len(waves) + 1)))
+    return size

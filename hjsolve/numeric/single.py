@@ -1,0 +1,86 @@
+"""One coordinate whose equation holds no other: Σⱼ wⱼ Gⱼ(χ) = value, monotone in χ."""
+
+from __future__ import annotations
+
+from typing import Any
+
+import numpy as np
+
+from hjsolve.numeric.arithmetic import multiprecision
+from hjsolve.numeric.course import Bounded, Course, Frozen, Open
+from hjsolve.numeric.error_free import split
+from hjsolve.numeric.inverse import _alone, bracketed
+from hjsolve.numeric.series import combine
+from hjsolve.numeric.turns import turns
+
+_EPS = 2.0**-52
+
+
+def solve_alone(
+    course: Course, weights: tuple[float, ...], value: Any, slack: Any, own: float, time: tuple[Any, Any]
+) -> tuple[Any, Any, Any, Any]:
+    """Solve Σ wⱼ Gⱼ(χ) = value for one coordinate.
+
+    Args:
+        course: of the coordinate.
+        weights: w.
+        value: right side at each time, shape (m,). slack: a bound on its error, shape (m,).
+        own: part of ``value`` that grows with the time, per unit; 0 where other coordinates have a share in it.
+        time: high and low parts of the times, shape (m,).
+
+    Returns:
+        χ, whole turns, a bound on the error of χ, and True where the coordinate has ended before; shape (m,).
+    """
+    never = np.zeros(value.shape, dtype=bool)
+    if isinstance(course, Bounded):
+        total = combine(list(weights), course.kernels[: len(weights)])
+        scaled = combine([1 / total.mean], [total])
+        angle, whole = value / float(total.mean), 0.0 * value
+        if own:
+            count, rest = turns(split(own / total.mean / (2 * multiprecision(160).pi)), time)
+            start = angle - own / float(total.mean) * (time[0] + time[1])
+            whole = count + np.rint(rest)
+            angle = 2 * np.pi * (rest - np.rint(rest)) + start
+        x, error = _alone(scaled, angle, slack / abs(float(total.mean)))
+        return x, whole, error, never
+    if isinstance(course, Frozen):
+        rate = float(sum(w * float(r) for w, r in zip(weights, course.rates, strict=False)))
+        return value / rate, 0.0 * value, slack / abs(rate) + _EPS * np.abs(value / rate), never
+    return _solve_open(course, weights, value, slack)
+
+
+def _solve_open(course: Open, weights: tuple[float, ...], value: Any, slack: Any) -> tuple[Any, Any, Any, Any]:
+    def function(χ: Any) -> tuple[Any, Any]:
+        pairs = [(w * course.integral(j, χ), w * course.rate(j, χ)) for j, w in enumerate(weights) if w]
+        return sum(p[0] for p in pairs), sum(p[1] for p in pairs)
+
+    sign = 1.0 if function(np.array([0.1]))[1][0] > 0 else -1.0
+    edges = course.edges()
+    levels = sign * function(edges)[0]
+    goal = sign * value
+    position = np.clip(np.searchsorted(levels, goal) - 1, 0, len(edges) - 2)
+    low, high = edges[position], edges[position + 1]
+    floor, ceiling = course.limits()
+    if not np.isfinite(ceiling):
+        high = np.where(
+            goal > levels[-1],
+            edges[-1] + 2 + 2 * (goal - levels[-1]) / np.abs(course.rate_sum(weights, edges[-1:]))[0],
+            high,
+        )
+    if not np.isfinite(floor):
+        low = np.where(
+            goal < levels[0],
+            edges[0] - 2 - 2 * (levels[0] - goal) / np.abs(course.rate_sum(weights, edges[:1]))[0],
+            low,
+        )
+    ended = ((goal > levels[-1]) & np.isfinite(ceiling)) | ((goal < levels[0]) & np.isfinite(floor))
+
+    def equation(χ: Any) -> tuple[Any, Any]:
+        f, slope = function(χ)
+        return sign * f - goal, sign * slope
+
+    χ, residual, slope = bracketed(equation, (low + high) / 2, low, high)
+    summed = sum(np.abs(w * course.integral(j, edges)) for j, w in enumerate(weights) if w)
+    rounding = np.maximum(summed[position], summed[position + 1])  # a panel's series is rounded like its greatest value
+    noise = slack + 4 * _EPS * np.abs(goal) + 2 * _EPS * rounding + np.where(ended, 0.0, np.abs(residual))
+    return χ, 0.0 * value, noise / np.maximum(np.abs(slope), 1e-300) + 2 * _EPS * np.abs(χ), ended
