@@ -6,7 +6,6 @@ easy (a rotation, a start at rest, a slow series, a large claimed error) is left
 
 from __future__ import annotations
 
-from dataclasses import dataclass
 from functools import cache
 from typing import Any
 
@@ -14,40 +13,26 @@ import numpy as np
 
 from hjsolve.batch import nodes as tables
 from hjsolve.batch.model import Model, Separated
-from hjsolve.batch.programs import Programs, programs, start_program
+from hjsolve.batch.programs import programs, start_program
 from hjsolve.batch.quadrature import Sums, empty
 from hjsolve.batch.start import Begin
 from hjsolve.batch.views import Knowns
 
-_COUNTS = tuple(count for count in tables.COUNTS if count <= 128)
+_COUNTS = (16, 24, 32, 40, 48, 56, 64, 72, 80, 96, 112, 128)
+"""Numbers of nodes: whole vectors."""
+
 _WIDEST = _COUNTS[-1]
 
 
-@dataclass(frozen=True, eq=False)
-class Tables:
+@cache
+def _tables() -> tuple[Any, ...]:
     """Nodes of all sizes side by side, padded.
 
-    Attributes:
-        counts: sizes. warps: γ₁, γ₂. low, high, pace: see ``Nodes``, shape (warps, sizes, widest).
-        last, middle: rows of cosines of the convergence test, shape (sizes, 5, widest), (sizes, 3, widest).
-        cosines: all of them, shape (sizes, widest, widest).
-        squares, slopes: see ``nodes.shifts``; plain and folded, shape (2, sizes, widest).
+    Returns:
+        γ₁ and γ₂, shape (warps, 2). Sizes. ``Nodes.low``, ``high``, ``pace``, shape (warps, sizes, widest). Rows of
+        cosines of the convergence test, last ones and middle ones, shape (sizes, 5 or 3, widest). All of them, shape
+        (sizes, widest, widest). ``nodes.shifts``, plain and folded, shape (2, sizes, widest).
     """
-
-    counts: Any
-    warps: Any
-    low: Any
-    high: Any
-    pace: Any
-    last: Any
-    middle: Any
-    cosines: Any
-    squares: Any
-    slopes: Any
-
-
-@cache
-def _tables() -> Tables:
     size = len(_COUNTS)
     low, high, pace = (np.zeros((len(tables.WARPS), size, _WIDEST)) for _ in range(3))
     last, middle = np.zeros((size, 5, _WIDEST)), np.zeros((size, 3, _WIDEST))
@@ -62,8 +47,8 @@ def _tables() -> Tables:
         cosines[k, : count - 1, :count] = table.cosines
         for fold in (1, 2):
             squares[fold - 1, k, :count], slopes[fold - 1, k, : count - 1] = tables.shifts(count, fold)
-    return Tables(
-        np.array(_COUNTS), np.array(tables.WARPS), low, high, pace, last, middle, cosines, squares, slopes
+    return (
+        np.array(tables.WARPS), np.array(_COUNTS), low, high, pace, last, middle, cosines, squares, slopes
     )  # fmt: skip
 
 
@@ -97,21 +82,11 @@ def librations(model: Model, coordinate: Separated, start: Begin, k: int, *, ker
         ]
     )
     C, E = np.stack(start.knowns.constants), np.stack(start.knowns.doubt)
-    ends, table = np.empty((2, count)), _tables()
-    search, loop = _loops(made, kernels, ripples)
-    search(start.q[k], start.P[k], C, floors, np.pi if coordinate.periodic else np.inf, ends)
-    loop(
-        start.q[k], start.P[k], C, E, coordinate.even, table.warps, table.counts, table.low, table.high, table.pace,
-        table.last, table.middle, table.cosines, table.squares, table.slopes, sums.action, sums.action_error,
-        sums.means, sums.mean_errors, sums.ripples, sums.ripple_errors, sums.phase, sums.phase_error, sums.speeds,
-        sums.good, ends[0], ends[1],
+    ends = np.empty((2, count))
+    made.search(start.q[k], start.P[k], C, floors, np.pi if coordinate.periodic else np.inf, ends)
+    results = (
+        sums.action, sums.action_error, sums.means, sums.mean_errors, sums.ripples, sums.ripple_errors, sums.phase,
+        sums.phase_error, sums.speeds, sums.good,
     )  # fmt: skip
+    made.loop(ripples, coordinate.even, start.q[k], start.P[k], C, E, ends[0], ends[1], _tables(), results)
     return sums
-
-
-@cache
-def _loops(made: Programs, kernels: bool, ripples: bool) -> tuple[Any, Any]:
-    from hjsolve.batch.loops import kernel
-    from hjsolve.batch.searches import ends
-
-    return ends(made), kernel(made, kernels, ripples)

@@ -22,30 +22,26 @@ from hjsolve.numeric.source import Source, function
 from hjsolve.numeric.tape import Tape
 
 _OWN = 4
+_SEARCHED = 6
+_LOOPED = 10
+"""How many arguments ``searches.ends`` and ``loops.orbits`` have after the programs and their kind."""
+
 _PLACE = "(2.2204460492503131e-16)"
 
 
 @dataclass(frozen=True)
 class Programs:
-    """Compiled functions of one separated coordinate; c is the tuple of constants, e of their doubts.
+    """Compiled functions of one separated coordinate.
 
     Attributes:
-        value: (x, c) ↦ F. slope: (x, c) ↦ F, F′. bend: (x, c) ↦ F, F′, F″.
-        fill: fills a buffer over the nodes: F·r, r, F, kⱼ·r …
-        doubts: (x, c, e) ↦ bounds on the errors of F and, where kernels are wanted, of the kernels.
-        relative: (b, d, c) ↦ bound on the relative error of F[b, b + d], where ``chords``.
-        pack: (C, i) ↦ the tuple of column i.
-        chords: True where ``fill`` takes F from its slopes at the turning points.
+        value: (x, c) ↦ F, c being the tuple of constants.
+        search: finds turning points; the arguments of ``searches.ends`` after the programs.
+        loop: integrates; the arguments of ``loops.orbits`` after the programs and their kind.
     """
 
     value: Callable[..., Any]
-    slope: Callable[..., Any]
-    bend: Callable[..., Any]
-    fill: Callable[..., Any]
-    doubts: Callable[..., Any]
-    relative: Callable[..., Any]
-    pack: Callable[..., Any]
-    chords: bool
+    search: Callable[..., Any]
+    loop: Callable[..., Any]
 
 
 def available() -> bool:
@@ -82,8 +78,21 @@ def _coordinate_text(coordinate: Separated, constants: int, numbers: tuple[float
             _doubts_text(tape, constants, numbers),
             _relative_text(coordinate.plain, unpack, names, numbers),
             f"def pack(C, i):\n    return ({''.join(f'C[{j}, i], ' for j in range(constants))})\n",
+            _front("search", "ends(value, slope, bend, pack, ", _SEARCHED),
+            _front(
+                "loop", f"orbits(fill, doubts, relative, pack, {_chorded(coordinate, kernels)}, {kernels}, ", _LOOPED
+            ),
         )
     )
+
+
+def _chorded(coordinate: Separated, kernels: bool) -> bool:
+    return kernels and has_chords(coordinate.plain)
+
+
+def _front(name: str, call: str, count: int) -> str:
+    arguments = ", ".join(f"x{k}" for k in range(count))
+    return f"def {name}({arguments}):\n    {call}{arguments})\n"
 
 
 def _fill_text(formula: Formula, unpack: str, known: list[str], kernels: bool) -> str:
@@ -136,26 +145,34 @@ def _divided(lines: list[str]) -> tuple[list[str], list[str], list[str]]:
 
 
 def _relative_text(formula: Formula, unpack: str, names: list[str], numbers: tuple[float, ...]) -> str:
+    """Bounds on the relative error of F[b, b + d]."""
     source = Source()
     if not has_chords(formula):
-        return "def relative(b, d, c):\n    return 0.0\n"
+        return "def relative(out, base, offset, c):\n    out[:] = 0.0\n"
     chords = Chords(Running(source, own=_OWN), Bounded("d"))
     place = source.add("b", "d")
     inputs = [chords.variable(Bounded("b"), Bounded(place, source.mul(_PLACE, source.unary("abs", place))))]
     inputs += [chords.constant(Bounded(c)) for c in names]
     inputs += [chords.constant(Bounded(f"({x!r})", f"({abs(x) * 2.0**-53!r})")) for x in numbers]
     slope = formula.squared.run(chords, inputs)[0].slope
-    lines = "".join(f"    {line}\n" for line in source.lines)
-    return f"def relative(b, d, c):\n{unpack}{lines}    return abs({slope.error}) / abs({slope.value})\n"
+    head = f"def relative(out, base, offset, c):\n{unpack}    for g in range(out.shape[0]):\n"
+    lines = ["b = base[g]", "d = offset[g]", *source.lines, f"out[g] = abs({slope.error}) / abs({slope.value})"]
+    return head + "".join(f"        {line}\n" for line in lines)
 
 
 def _doubts_text(tape: Tape, constants: int, numbers: tuple[float, ...]) -> str:
+    """Bounds on the errors of F and the kernels, and F; the constants are in doubt where the mask is 1."""
     source = Source()
     place = source.mul(_PLACE, source.unary("abs", "x"))
-    inputs = [Bounded("x", place), *(Bounded(f"c[{j}]", f"e[{j}]") for j in range(constants))]
+    inputs = [Bounded("x", place), *(Bounded(f"c{j}", f"e{j}") for j in range(constants))]
     inputs += [Bounded(f"({x!r})", f"({abs(x) * 2.0**-53!r})") for x in numbers]
     results = tape.run(Running(source, own=_OWN), inputs)
-    return function("doubts", ["x", "c", "e"], source, ["(0.0)" if r.error is None else r.error for r in results])
+    unpack = "".join(f"    c{j} = c[{j}]\n    s{j} = e[{j}]\n" for j in range(constants))
+    head = f"def doubts(out, place, mask, c, e):\n{unpack}    for g in range(out.shape[1]):\n"
+    lines = ["x = place[g]", *(f"e{j} = mask[g] * s{j}" for j in range(constants)), *source.lines]
+    lines += [f"out[{k}, g] = {'(0.0)' if r.error is None else r.error}" for k, r in enumerate(results)]
+    lines += [f"out[{len(results)}, g] = {results[0].value}"]
+    return head + "".join(f"        {line}\n" for line in lines)
 
 
 def _start_text(model: Model) -> str:
@@ -175,15 +192,20 @@ def _start_text(model: Model) -> str:
     return f"def start(q, p, C, E, P):\n    for i in range(q.shape[1]):\n{body}"
 
 
-def _compile(text: str, wanted: Sequence[str]) -> list[Any]:
-    """Compile functions from a text of our own making."""
+_PARTS = ("value", "slope", "bend", "anchor", "fill", "doubts", "relative", "pack")
+
+
+def _compile(text: str, parts: Sequence[str], wanted: Sequence[str]) -> list[Any]:
+    """Compile functions from a text of our own making; the parts are what the wanted ones call."""
     from numba import njit
 
     from hjsolve.batch.elementary import NAMES, OPTIONS
+    from hjsolve.batch.loops import orbits
+    from hjsolve.batch.searches import ends
 
-    space: dict[str, Any] = dict(NAMES)
+    space: dict[str, Any] = {**NAMES, "orbits": orbits, "ends": ends}
     exec(text, space)  # noqa: S102  (written by Source from codes and numbers)
-    for name in wanted:
+    for name in (*parts, *wanted):
         space[name] = njit(**OPTIONS)(space[name])
     return [space[name] for name in wanted]
 
@@ -192,15 +214,12 @@ def _compile(text: str, wanted: Sequence[str]) -> list[Any]:
 def programs(coordinate: Separated, constants: int, numbers: tuple[float, ...], kernels: bool) -> Programs:
     """Compile the programs of a coordinate, once in a process."""
     text = _coordinate_text(coordinate, constants, numbers, kernels)
-    names = ("value", "slope", "bend", "anchor", "fill", "doubts", "relative", "pack")
-    value, slope, bend, _, fill, doubts, relative, pack = _compile(text, names)
-    chords = kernels and has_chords(coordinate.plain)
-    return Programs(value, slope, bend, fill, doubts, relative, pack, chords)
+    return Programs(*_compile(text, _PARTS[1:], ("value", "search", "loop")))
 
 
 @cache
 def _start_program(text: str) -> Any:
-    return _compile(text, ("start",))[0]
+    return _compile(text, (), ("start",))[0]
 
 
 def start_program(model: Model) -> Any:

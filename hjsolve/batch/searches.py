@@ -3,13 +3,11 @@
 from __future__ import annotations
 
 import math
-from typing import Any
 
 import numpy as np
 from numba import njit
 
 from hjsolve.batch.elementary import OPTIONS
-from hjsolve.batch.programs import Programs
 
 _EPS = 2.0**-52
 _SWEEPS = 5
@@ -29,94 +27,86 @@ def _first_step(P: float, outward: float, bend: float, size: float) -> float:
     return min(0.25 * size, crude) if crude > 0 else 0.25 * size
 
 
-def ends(made: Programs) -> Any:
-    """Return the compiled search: brackets orbit by orbit, then Newton's method for all at once."""
-    value, bend, pack = made.value, made.bend, made.pack
-    sweep, finish = _sweep_of(made), _finish_of(made)
-
-    @njit(**OPTIONS)
-    def bracket(x0, step, side, floor, reach, c):
-        """Walk outward: the last place with F ≥ 0 and the first with F < 0; see ``roots.bracket``."""
-        inner = x0
-        for _ in range(_STEPS):
-            x = inner + side * step
-            if side * (x - floor) > -0.25 * side * (floor - inner):
-                x = floor + 0.25 * (inner - floor)
-            f = value(x, c)[0]
-            if f < 0.0:
-                return inner, x
-            if f >= 0.0:
-                inner = x
-                step = min(1.6 * step, _STRIDE) if math.isfinite(reach) else 1.6 * step
-                if abs(x - x0) > reach:
-                    break
-            else:
-                step *= 0.25
-        return inner, np.nan
-
-    @njit(**OPTIONS)
-    def search(q, P, C, floors, reach, places):
-        inner, moved = np.empty(q.shape), np.empty(q.shape)
-        outer = np.empty(q.shape)
-        for side in range(2):
-            sign, floor = 2.0 * side - 1.0, floors[side]
-            for i in range(q.shape[0]):
-                x0, c = q[i], pack(C, i)
-                _, first, second = bend(x0, c)
-                inner[i], outer[i] = x0, np.nan
-                if math.isfinite(first) and P[i] != 0.0 and x0 > floors[0] and x0 < floors[1]:
-                    size = min(abs(x0) if x0 != 0.0 else 1.0, sign * (floor - x0))
-                    size = min(size, 0.2) if math.isfinite(reach) else size
-                    step = _first_step(P[i], sign * first, 0.5 * second, size)
-                    inner[i], outer[i] = bracket(x0, step, sign, floor, reach, c)
-            x = places[side]
-            x[:] = outer
-            for _ in range(_SWEEPS):
-                sweep(x, inner, outer, moved, C)
-            for i in range(q.shape[0]):
-                small = min(1e-9 * abs(x[i]), 1e-6 * abs(x[i] - q[i]))
-                if not moved[i] <= small and math.isfinite(outer[i]):
-                    x[i] = finish(x[i], q[i], inner[i], outer[i], pack(C, i))
-
-    return search
+@njit(**OPTIONS)
+def _bracket(value, x0, step, side, floor, reach, c):
+    """Walk outward: the last place with F ≥ 0 and the first with F < 0; see ``roots.bracket``."""
+    inner = x0
+    for _ in range(_STEPS):
+        x = inner + side * step
+        if side * (x - floor) > -0.25 * side * (floor - inner):
+            x = floor + 0.25 * (inner - floor)
+        f = value(x, c)[0]
+        if f < 0.0:
+            return inner, x
+        if f >= 0.0:
+            inner = x
+            step = min(1.6 * step, _STRIDE) if math.isfinite(reach) else 1.6 * step
+            if abs(x - x0) > reach:
+                break
+        else:
+            step *= 0.25
+    return inner, np.nan
 
 
-def _sweep_of(made: Programs) -> Any:
+@njit(**OPTIONS)
+def ends(value, slope, bend, pack, q, P, C, floors, reach, places):
+    """Turning points: brackets orbit by orbit, then Newton's method for all at once.
+
+    Args:
+        value, slope, bend, pack: programs of the coordinate.
+        q, P: starts, shape (n,). C: constants, shape (constants, n).
+        floors: ends of the domain. reach: longest distance to walk.
+        places: where the results go, shape (2, n); NaN where there is none.
+    """
+    inner, moved = np.empty(q.shape), np.empty(q.shape)
+    outer = np.empty(q.shape)
+    for side in range(2):
+        sign, floor = 2.0 * side - 1.0, floors[side]
+        for i in range(q.shape[0]):
+            x0, c = q[i], pack(C, i)
+            _, first, second = bend(x0, c)
+            inner[i], outer[i] = x0, np.nan
+            if math.isfinite(first) and P[i] != 0.0 and x0 > floors[0] and x0 < floors[1]:
+                size = min(abs(x0) if x0 != 0.0 else 1.0, sign * (floor - x0))
+                size = min(size, 0.2) if math.isfinite(reach) else size
+                step = _first_step(P[i], sign * first, 0.5 * second, size)
+                inner[i], outer[i] = _bracket(value, x0, step, sign, floor, reach, c)
+        x = places[side]
+        x[:] = outer
+        for _ in range(_SWEEPS):
+            _sweep(slope, pack, x, inner, outer, moved, C)
+        for i in range(q.shape[0]):
+            small = min(1e-9 * abs(x[i]), 1e-6 * abs(x[i] - q[i]))
+            if not moved[i] <= small and math.isfinite(outer[i]):
+                x[i] = _finish(slope, x[i], q[i], inner[i], outer[i], pack(C, i))
+
+
+@njit(**OPTIONS)
+def _sweep(slope, pack, x, inner, outer, moved, C):
     """One step of Newton's method inside the brackets, without branches."""
-    slope, pack = made.slope, made.pack
-
-    @njit(**OPTIONS)
-    def sweep(x, inner, outer, moved, C):
-        for i in range(x.shape[0]):
-            f, d = slope(x[i], pack(C, i))
-            low = x[i] if f >= 0.0 else inner[i]
-            high = outer[i] if f >= 0.0 else x[i]
-            new = x[i] - f / d
-            new = new if (new - low) * (new - high) <= 0.0 else 0.5 * (low + high)
-            inner[i], outer[i], moved[i] = low, high, abs(new - x[i])
-            x[i] = new
-
-    return sweep
+    for i in range(x.shape[0]):
+        f, d = slope(x[i], pack(C, i))
+        low = x[i] if f >= 0.0 else inner[i]
+        high = outer[i] if f >= 0.0 else x[i]
+        new = x[i] - f / d
+        new = new if (new - low) * (new - high) <= 0.0 else 0.5 * (low + high)
+        inner[i], outer[i], moved[i] = low, high, abs(new - x[i])
+        x[i] = new
 
 
-def _finish_of(made: Programs) -> Any:
+@njit(**OPTIONS)
+def _finish(slope, x, x0, inner, outer, c):
     """The same until it stands still, for one orbit."""
-    slope = made.slope
-
-    @njit(**OPTIONS)
-    def finish(x, x0, inner, outer, c):
-        for count in range(80):
-            f, d = slope(x, c)
-            if f >= 0.0:
-                inner = x
-            else:
-                outer = x
-            new = x - f / d
-            if not (new - inner) * (new - outer) <= 0.0 or count % 16 == 15:
-                new = 0.5 * (inner + outer)
-            if abs(new - x) <= 4.0 * _EPS * max(abs(new), abs(x0)):
-                return new
-            x = new
-        return np.nan
-
-    return finish
+    for count in range(80):
+        f, d = slope(x, c)
+        if f >= 0.0:
+            inner = x
+        else:
+            outer = x
+        new = x - f / d
+        if not (new - inner) * (new - outer) <= 0.0 or count % 16 == 15:
+            new = 0.5 * (inner + outer)
+        if abs(new - x) <= 4.0 * _EPS * max(abs(new), abs(x0)):
+            return new
+        x = new
+    return np.nan

@@ -22,7 +22,7 @@ QUANTITIES = (
     "actions.u", "actions.w", "frequencies.u", "frequencies.w", "frequencies.phi", "angles.u", "angles.w", "angles.phi",
 )  # fmt: skip
 WANTED = [("actions",), ("actions", "frequencies"), ("actions", "frequencies", "angles")]
-CASES = [(want, False) for want in WANTED] + [(WANTED[-1], True)]
+CASES = [(want, False) for want in WANTED] + [(want, True) for want in WANTED[1:]]
 
 
 @cache

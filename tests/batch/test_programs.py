@@ -17,7 +17,8 @@ from hjsolve.numeric.source import Source
 WORDS = {
     "def", "return", "for", "in", "range", "if", "else", "x", "c", "e", "q", "p", "i", "j", "r", "a", "b", "W", "C", "E",
     "P", "value", "slope", "bend", "fill", "doubts", "pack", "start", "buffer", "low", "high", "pace", "count", "shape",
-    "anchor", "relative", "first", "last", "lower", "d", "abs",
+    "anchor", "relative", "first", "last", "lower", "d", "abs", "out", "place", "mask", "base", "offset", "g",
+    "search", "ends", "loop", "orbits", "True", "False",
     "sincos", "sinhcosh", "sqrt_", "exp_", "log_", "abs_", "tan_", "tanh_", "atan_",
 }  # fmt: skip
 
@@ -30,7 +31,7 @@ def test_a_program_has_only_our_words(name: str) -> None:
     texts = [_start_text(model)] + [_coordinate_text(c, len(model.constants), numbers, True) for c in model.separated]
     for text in texts:
         words = set(re.findall(r"[A-Za-z_]\w*", re.sub(r"\d+\.?\d*e[-+]?\d+", "0", text)))
-        assert {w for w in words if not re.fullmatch(r"((low|high)_)?(t\d+_\d|c\d+|b)", w)} <= WORDS
+        assert {w for w in words if not re.fullmatch(r"((low|high)_)?(t\d+_\d|[cesx]\d+|b)", w)} <= WORDS
 
 
 def test_only_known_codes_are_written() -> None:
