@@ -14,16 +14,22 @@ from typing import TYPE_CHECKING, Any
 import sympy as sp
 
 from hjsolve.errors import InvalidInputError, NotConvergedError
+from hjsolve.initial import Initial
 from hjsolve.lowering import lower
 from hjsolve.numeric import ball
-from hjsolve.numeric.anomaly import Rotation
+from hjsolve.numeric.anomaly import Libration, Rotation
 from hjsolve.numeric.arithmetic import multiprecision
 from hjsolve.numeric.ball import Balls, flint, from_mpf, working
+from hjsolve.numeric.classify import Located, Start, ray
 from hjsolve.numeric.course import Bounded
 from hjsolve.numeric.cycle import Cycle, Map, all_round, between_turns
 from hjsolve.numeric.estimate import Estimate
 from hjsolve.numeric.radicand import Radicand
+from hjsolve.numeric.series import zero
 from hjsolve.numeric.strip import means
+from hjsolve.numeric.turning_points import end_of
+from hjsolve.numeric.walls import walls
+from hjsolve.solution import Solution
 
 if TYPE_CHECKING:
     from hjsolve.motion import Motion
@@ -74,7 +80,7 @@ def enclose(motion: Motion, digits: int) -> Enclosed:
 
 def _enclose(motion: Motion, digits: int, bits: int, work: int) -> Enclosed:
     names = list(motion.solution.coordinates)
-    inputs = [exact_ball(value) for value in (*motion.initial.constants.values(), *_parameters(motion))]
+    inputs = _inputs(motion.initial, motion.solution)
     cycles = {name: _cycle(motion, name, inputs, work) for name in names}
     constants = dict(zip(motion.initial.constants, inputs, strict=False))
     ends = {n: (f.lower, f.upper) for n, f in cycles.items() if f.lower is not None}
@@ -94,11 +100,39 @@ def _enclose(motion: Motion, digits: int, bits: int, work: int) -> Enclosed:
 
 def exact_ball(value: sp.Expr) -> Any:
     """Enclose an exact number at the current precision."""
+    if value.is_Rational:
+        return Balls().rational(int(value.p), int(value.q))
     return lower([value], []).run(Balls(), [])[0]
 
 
-def _parameters(motion: Motion) -> list[sp.Expr]:
-    return [motion.initial.values[p.symbol] for p in motion.solution.system.parameters]
+def librating(begin: Start, initial: Initial, solution: Solution) -> Located | None:
+    """Prove that a coordinate librates, without integrating anything; None where that is not seen quickly.
+
+    Args:
+        begin: the coordinate.
+        initial, solution: where its constants and parameters stand.
+
+    Raises:
+        MissingExtraError: python-flint is not installed.
+    """
+    ball.require_flint()
+    with working(160):
+        place = exact_ball(initial.values[solution.system.coordinate(begin.name).symbol])
+        found = walls(begin, place, _inputs(initial, solution))
+    if found is None:
+        return None
+    context = multiprecision(64)
+    ends = [end_of(ray(begin, side), wall.inside, wall.outside) for side, wall in zip((-1, 1), found, strict=True)]
+    a, b = (to_mpf(wall.guess, 128) for wall in found)
+    anomaly = Libration(a, b - a, b, context.zero, context.zero, context.one, context.pi / 2)
+    empty = [zero() for _ in begin.skipped]
+    return Located(Bounded("libration", anomaly, empty, zero(), None, context.zero, begin.radicand), *ends)
+
+
+def _inputs(initial: Initial, solution: Solution) -> list[Any]:
+    """Constants and parameters as balls."""
+    values = (*initial.constants.values(), *(initial.values[p.symbol] for p in solution.system.parameters))
+    return [exact_ball(value) for value in values]
 
 
 def _cycle(motion: Motion, name: str, inputs: list[Any], work: int) -> Cycle:
@@ -106,8 +140,9 @@ def _cycle(motion: Motion, name: str, inputs: list[Any], work: int) -> Cycle:
     solution, course = motion.solution, motion.located[name].course
     assert isinstance(course, Bounded)
     radicand, anomaly = course.radicand, course.anomaly
-    kernels = [sp.diff(solution.momentum_squared[name], c.symbol) != 0 for c in solution.constants.values()]
-    wanted = tuple(j for j, present in enumerate(kernels) if present) if "time" in motion.parts else ()
+    F = solution.momentum_squared[name]
+    held = [j for j, c in enumerate(solution.constants.values()) if c.symbol in F.free_symbols]
+    wanted = tuple(held) if "time" in motion.parts else ()
     wanted += (-1,) if "action" in motion.parts and (anomaly.even or solution.shift[name] == 0) else ()
     if not anomaly.even:
         spread = _spread_round(anomaly)

@@ -242,7 +242,7 @@ def start(
         return start(solution, **{**given, **change}, t0=t0, digits=digits, want=want)
 
     if certified:
-        motion = _certified(lambda d, p: _move(solution, initial, exact_t0, d, p), max(digits, FLOAT_DIGITS), parts)
+        motion = _certified(solution, initial, exact_t0, max(digits, FLOAT_DIGITS), parts)
     else:
         motion = _move(solution, initial, exact_t0, max(digits, FLOAT_DIGITS), parts)
     return replace(motion, given=given, again=again)
@@ -254,19 +254,33 @@ def _move(solution: Solution, initial: Initial, t0: sp.Expr, digits: int, parts:
     return _assemble(solution, initial, t0, digits, located, parts)
 
 
-def _certified(move: Callable[[int, frozenset[str]], Motion], digits: int, parts: frozenset[str]) -> Motion:
-    """Replace the numbers of a motion by proved ones; states come from a motion at full digits, when asked.
+def _certified(solution: Solution, initial: Initial, t0: sp.Expr, digits: int, parts: frozenset[str]) -> Motion:
+    """Make a motion of proved numbers; states come from a motion at full digits, when asked.
 
-    The motion itself is only classified, in few digits and without an integral: the proof needs kinds and guesses.
+    The proof needs kinds and guesses, in few digits and without an integral.
     """
-    from hjsolve.certified import enclose
+    from hjsolve.certified import enclose, librating
 
-    motion = move(FLOAT_DIGITS, frozenset())
-    proved = enclose(replace(motion, parts=parts), digits)
+    located = {}
+    for name in solution.coordinates:
+        begin = replace(_start(solution, initial, name), parts=frozenset[str]())
+        located[name] = librating(begin, initial, solution) or locate(_checked(begin), FLOAT_DIGITS)
+    motion = Motion(
+        solution, initial, t0, digits, located, None, _kinds(solution, located), {}, {}, {}, {}, {}, {}, parts,
+        states=cache(lambda: _move(solution, initial, t0, digits, parts)),
+    )  # fmt: skip
+    proved = enclose(motion, digits)
     return replace(
         motion, constants=proved.constants, turning_points=proved.turning_points, actions=proved.actions,
-        frequencies=proved.frequencies, periods=proved.periods, parts=parts, states=cache(lambda: move(digits, parts)),
+        frequencies=proved.frequencies, periods=proved.periods,
     )  # fmt: skip
+
+
+def _kinds(solution: Solution, located: Mapping[str, Located]) -> dict[str, str]:
+    return {
+        c.name: str(located[c.name].course.kind) if c.name in located else "ignorable"
+        for c in solution.system.coordinates
+    }
 
 
 def parts_of(want: Iterable[str] | None) -> frozenset[str]:
@@ -314,12 +328,10 @@ def _periodic(radicand: Radicand, place: Any) -> bool:
     """True when p² has period 2π (a wheel on a slope has not, though its coordinate is an angle)."""
     bits = 160
     turn = 2 * multiprecision(bits).pi
-    for k in range(3):
-        q = place(bits) + k
-        here, there = radicand.value(q, bits), radicand.value(q + turn, bits)
-        if abs(here - there) > multiprecision(bits).mpf(2) ** -120 * (abs(here) + abs(there)):
-            return False
-    return True
+    places = [place(bits) + k for k in range(3)]
+    pairs = [(radicand.value(q, bits), radicand.value(q + turn, bits)) for q in places]
+    size = max(abs(value) for pair in pairs for value in pair)
+    return all(abs(here - there) <= multiprecision(bits).mpf(2) ** -120 * size for here, there in pairs)
 
 
 def _checked(begin: Start) -> Start:
@@ -339,10 +351,7 @@ def _assemble(
     equations = (
         None if not (courses and timed) else torus(bounded, bits) if len(bounded) == len(courses) else plan(courses)
     )
-    kinds = {
-        c.name: str(located[c.name].course.kind) if c.name in located else "ignorable"
-        for c in solution.system.coordinates
-    }
+    kinds = _kinds(solution, located)
     frequencies = quantities.frequencies(solution, initial, located, equations, digits) if timed else {}
     motion = Motion(
         solution, initial, t0, digits, located, equations, kinds,

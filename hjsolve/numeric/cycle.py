@@ -7,11 +7,11 @@ Every map is q − a = W s²/(s² + c²), b − q = W c²/(s² + c²) between tu
 and q = q₀ + 2 arg(c + is) − π for a rotation, with the same right side for dq/dχ. Any analytic s and c serve that gain
 a sign in a turn of χ, s odd, c even, and s′c − sc′ > 0: the means of the integrands over a turn do not depend on them.
 
-They are s = S(λ; sin χ/2), c = S(μ; cos χ/2) with S(κ; x) = sinh κx / sinh κ, and S(0; x) = x, the plain anomaly. Where
-has no branch point there. So nodes grow like log ρ, as with the elliptic anomaly of ``anomaly``; its s and c, theta
-functions, cost three times as much, and wide balls are enclosed less sharply. λ and μ are doubles that are taken as
-exact, so the map is the same at every precision.
-taken as exact, so the map is the same at every precision.
+They are s = S(λ; sin χ/2), c = S(μ; cos χ/2) with S(κ; x) = sinh κx / sinh κ, and S(0; x) = x, the plain anomaly.
+Where another zero of p² is near, at a − (b − a)/ρ, sinh² λ = ρ moves it to where κx = iπ/2, a critical point of S, so
+that √p² has no branch point there. So nodes grow like log ρ, as with the elliptic anomaly of ``anomaly``; its s and c,
+theta functions, cost three times as much, and wide balls are enclosed less sharply. λ and μ are doubles that are taken
+as exact, so the map is the same at every precision.
 """
 
 from __future__ import annotations

@@ -10,7 +10,7 @@ time to reach it (Greenwood, item 41).
 from __future__ import annotations
 
 import itertools
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from typing import Any, Literal, NamedTuple
 
 import numpy as np
@@ -284,10 +284,11 @@ def _turning(ray: Ray, x0: Any, x1: Any, digits: int) -> End:
     def found(bits: int) -> Any:
         extra = bits + 64
         while extra <= _MOST_BITS:
-            x = _bracketed(lambda y, extra=extra: ray.jet(y, extra)[:2], x0, x1, extra)
-            f, slope, _ = ray.jet(x, 2 * extra)
+            fixed = _fixed(ray, extra + 64)
+            x = _bracketed(lambda y, fixed=fixed, extra=extra: fixed.jet(y, extra)[:2], x0, x1, extra)
+            f, slope, _ = fixed.jet(x, 2 * extra)
             if not f or abs(f) <= abs(slope * x) * multiprecision(64).mpf(2) ** -(bits + 32):
-                return ray.place(x, 2 * extra)
+                return fixed.place(x, 2 * extra)
             left = float(multiprecision(64).log(abs(f / (slope * x)), 2)) if slope else 0.0
             extra += max(64, int(bits + 48 + left))
         raise NotConvergedError(
@@ -296,6 +297,17 @@ def _turning(ray: Ray, x0: Any, x1: Any, digits: int) -> End:
         )
 
     return End("turning", place)
+
+
+def _fixed(ray: Ray, bits: int) -> Ray:
+    """The ray from an origin that may be a turning point itself: it is not asked for ever more bits."""
+    origin = ray.origin(bits)
+    return replace(ray, origin=lambda _: origin)
+
+
+def end_of(ray: Ray, inside: float, outside: float) -> End:
+    """Return the only zero of F between two distances, a simple one; at the origin if both are 0."""
+    return _turning(ray, inside, outside, 15) if outside else End("turning", ray.origin)
 
 
 def _bracketed(function: Any, x0: Any, x1: Any, bits: int) -> Any:

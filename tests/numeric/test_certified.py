@@ -82,8 +82,7 @@ def test_a_motion_that_escapes_is_refused_with_its_name():
 def cycle(name, motion, map_=None, bits=200):
     """The integrands of one coordinate of a certified motion, in balls."""
     with ball.working(bits):
-        inputs = [certified.exact_ball(v) for v in (*motion.initial.constants.values(), *certified._parameters(motion))]
-        made = certified._cycle(motion, name, inputs, bits)
+        made = certified._cycle(motion, name, certified._inputs(motion.initial, motion.solution), bits)
         return made if map_ is None else made.over(map_)
 
 

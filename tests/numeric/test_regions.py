@@ -123,3 +123,21 @@ def test_no_sign_is_needed_at_a_turning_point() -> None:
 def test_an_incomplete_start_is_told_what_is_missing(arguments: Any, error: type, words: str) -> None:
     with pytest.raises(error, match=words.replace("{", r"\{").replace("}", r"\}")):
         line("x**4/4 - x**2/2").motion(q={"x": 0}, **arguments)
+
+
+def test_all_wells_in_a_row_are_had_to_thirty_digits():
+    """Each end was sought from the one before it, which was asked for twice the bits: 8 ends away, beyond all bounds."""
+    system = hjsolve.System({"x": "line"}, "dot(x)**2/2", "-cos(x)")
+    motion = hjsolve.solve(system).motion(q={"x": 0}, velocity={"x": "1"}, digits=30, want=["turning_points"])
+    low, wells = motion.turning_points["x"][0].value, motion.other_regions["x"]
+    assert len(wells) == 8
+    turns = [(well[0].value - low) / (2 * low.context.pi) for well in wells]
+    assert all(abs(turn - round(float(turn))) < 1e-27 for turn in turns)
+
+
+def test_a_pendulum_released_at_rest_has_no_other_wells():
+    """Its p² is zero at the start, and again a turn later: rounding of zero made it look as if it had no period."""
+    pendulum = hjsolve.solve(hjsolve.catalog.load("pendulum"))
+    for place in ("pi/2", "1"):
+        motion = pendulum.motion(q={"theta": place}, velocity={"theta": 0}, want=["turning_points"])
+        assert motion.other_regions["theta"] == ()

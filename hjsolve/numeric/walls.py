@@ -1,0 +1,145 @@
+"""The turning points of a libration, proved by balls on one walk to each side.
+
+The walk goes outward from the start, F = p² > 0 at its front. A step from x₀ to x₁ is taken where F(x₁) > 0 and, on the
+ball between, F′ has one sign, F″ < 0 or F > 0. It ends where F(x₁) < 0 and F′ < 0 or F″ < 0 on the ball: one simple
+zero. Where neither is seen the step is made smaller; a walk that gets tired proves nothing, and ``turning_points`` has
+to decide. What that does for any motion, with arrays of intervals, this does quickly for the usual one.
+"""
+
+from __future__ import annotations
+
+import math
+from dataclasses import dataclass
+from typing import Any
+
+from hjsolve.numeric.ball import Balls, Series, flint, from_mpf, working
+from hjsolve.numeric.classify import Start
+from hjsolve.numeric.tape import Bound
+
+_BITS = 128
+_MOST_STEPS = 240
+_SMALLEST = 2.0**-60
+_NEWTON = 30
+
+
+@dataclass(frozen=True)
+class Wall:
+    """A simple zero of p², and p² > 0 from the start up to it.
+
+    Attributes:
+        inside, outside: distances from the start between which it lies, and no other zero.
+        guess: its place, good to about a double, as an exact ball.
+    """
+
+    inside: float
+    outside: float
+    guess: Any
+
+
+def walls(start: Start, place: Any, inputs: list[Any]) -> tuple[Wall, Wall] | None:
+    """Return the turning points below and above the start; None where that could not be proved.
+
+    Args:
+        start: the coordinate.
+        place: a ball that holds its initial place.
+        inputs: balls that hold the constants and parameters.
+    """
+    with working(_BITS):
+        origin = flint.arb(
+            from_mpf(start.place(_BITS)), abs(from_mpf(start.place(_BITS))) * flint.arb(2) ** (8 - _BITS)
+        )
+        known = [x + 0 for x in inputs]
+        walker = _Walker(
+            start.radicand.squared.bind(Balls(), known), start.radicand.squared.bind(Series(), known), origin
+        )
+        still = Wall(0.0, 0.0, place.mid())
+        found: list[Wall | None] = []
+        for side in (-1, 1):
+            resting = start.forward == 0
+            if resting and walker.rises(-side):
+                found.append(still)
+                continue
+            if resting and not walker.rises(side):
+                return None
+            found.append(walker.walk(side, _reach(start, side), resting=resting))
+            if found[-1] is None:
+                return None
+        return found[0], found[1]  # type: ignore[return-value]
+
+
+def _reach(start: Start, side: int) -> float | None:
+    """How far the domain goes, or a turn of an angle; None where it has no end."""
+    if start.angle:
+        return 2 * math.pi
+    end = start.upper if side > 0 else start.lower
+    return None if end is None else abs(float(end(64) - start.place(64))) * (1 - 2.0**-40)
+
+
+@dataclass(frozen=True)
+class _Walker:
+    """F along the line, from a start."""
+
+    square: Bound
+    series: Bound
+    origin: Any
+
+    def taylor(self, q: Any, terms: int) -> list[Any]:
+        """Return F, F′, F″/2 … on a real ball."""
+        value = self.series.run(flint.arb_series([q, 1], prec=terms))[0]
+        return [value[k] for k in range(terms)] if isinstance(value, flint.arb_series) else [value, *[0] * (terms - 1)]
+
+    def rises(self, side: int) -> bool:
+        """True when F certainly grows from the start to one side."""
+        return bool(side * self.taylor(self.origin, 2)[1] > 0)
+
+    def walk(self, side: int, reach: float | None, *, resting: bool) -> Wall | None:
+        """Walk to one side; ``resting``: F = 0 at the start itself."""
+        x0, steps = 0.0, _MOST_STEPS
+        if not resting and not self.square.run(self.origin)[0] > 0:
+            return None
+        step = first = self._step(reach)
+        growth = 2.0
+        while (steps := steps - 1) > 0 and step > _SMALLEST * first:
+            x1 = x0 + step if reach is None else min(x0 + step, reach)
+            if x1 <= x0:
+                return None
+            end = self.square.run(self.origin + side * flint.arb(x1))[0]
+            ball = self.origin + side * flint.arb((x0 + x1) / 2, (x1 - x0) / 2 * (1 + 1e-12))
+            value, slope, bend = self.taylor(ball, 3)
+            slope = side * slope
+            if end > 0 and (slope > 0 or slope < 0 or bend < 0 or value > 0):
+                x0, step, growth = x1, growth * step, min(2.0, growth + 0.25)
+            elif end < 0 and (slope < 0 or bend < 0):
+                return Wall(x0, x1, self._refined(side, x0, x1))
+            else:
+                step, growth = (x1 - x0) * 0.4, 1.0
+        return None
+
+    def _step(self, reach: float | None) -> float:
+        """A first step: a part of the way there is, or a length over which F changes."""
+        if reach is not None:
+            return reach / 8
+        value, slope, bend = (float(abs(x).mid()) for x in map(flint.arb, self.taylor(self.origin, 3)))
+        guesses = [
+            value / slope if slope else 0.0,
+            slope / bend if bend else 0.0,
+            (value / bend) ** 0.5 if bend else 0.0,
+        ]
+        return min((x for x in guesses if x > 0), default=1.0) / 2
+
+    def _refined(self, side: int, x0: float, x1: float) -> Any:
+        """Newton's method kept inside a bracket."""
+        low, high = flint.arb(x0), flint.arb(x1)
+        x = (low + high) / 2
+        for _ in range(_NEWTON):
+            value, slope = (part.mid() for part in map(flint.arb, self.taylor(self.origin.mid() + side * x, 2)))
+            low, high = (x, high) if value > 0 else (low, x)
+            if slope == 0:
+                new = (low + high) / 2
+            else:
+                new = (x - side * value / slope).mid()
+            new = new if low < new < high else ((low + high) / 2).mid()
+            if abs(new - x) <= abs(new) * 2.0**-40:
+                return (self.origin.mid() + side * new).mid()
+            x = new
+        return (self.origin.mid() + side * x).mid()
