@@ -33,8 +33,8 @@ from hjsolve.state import State
 
 QUANTITIES: Mapping[str, frozenset[str]] = {
     "constants": frozenset(), "kinds": frozenset(), "turning_points": frozenset(), "actions": frozenset({"action"}),
-    "periods": frozenset({"time"}), "frequencies": frozenset({"time"}), "angles": frozenset({"time"}),
-    "boundary_times": frozenset({"time"}), "orbit": frozenset({"time", "place"}),
+    "periods": frozenset({"time"}), "frequencies": frozenset({"time"}), "mean_velocities": frozenset({"time"}),
+    "angles": frozenset({"time"}), "boundary_times": frozenset({"time"}), "orbit": frozenset({"time", "place"}),
     "trajectory": frozenset({"time", "place"}),
 }  # fmt: skip
 """What may be asked of a motion, and the integrals each needs (``numeric.course.PARTS``)."""
@@ -85,6 +85,17 @@ class Motion:
     def nodes(self) -> int:
         """Quadrature nodes of the dearest coordinate."""
         return max((quantities.nodes_of(place.course) for place in self.located.values()), default=0)
+
+    @property
+    def mean_velocities(self) -> dict[str, Estimate]:
+        """Mean velocities ⟨dq/dt⟩ of the ignorable coordinates that are no angles, where all others are bounded.
+
+        The drift of a charge in crossed fields; dt/dτ of a geodesic, by which frequencies per unit of proper time are
+        divided to give those of a far observer.
+        """
+        self._require("mean_velocities")
+        source = self._source
+        return quantities.mean_velocities(source.solution, source.initial, source.equations, source.digits)
 
     def at(self, t: Any) -> State:
         """Return the state at a time or times.
@@ -352,7 +363,7 @@ def _assemble(
         None if not (courses and timed) else torus(bounded, bits) if len(bounded) == len(courses) else plan(courses)
     )
     kinds = _kinds(solution, located)
-    frequencies = quantities.frequencies(solution, initial, located, equations, digits) if timed else {}
+    frequencies = quantities.frequencies(solution, initial, equations, digits) if timed else {}
     motion = Motion(
         solution, initial, t0, digits, located, equations, kinds,
         {name: quantities.ends(place, digits) for name, place in located.items() if place.lower.kind != "round"},

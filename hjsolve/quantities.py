@@ -94,13 +94,11 @@ def _mean_shift(solution: Solution, initial: Initial, coordinate: Any, digits: i
     return context.fsum(tape.run(Multi(bits), [2 * context.pi * k / nodes])[0] for k in range(nodes)) / nodes
 
 
-def frequencies(
-    solution: Solution, initial: Initial, located: Mapping[str, Located], equations: Any, digits: int
-) -> dict[str, Estimate]:
+def frequencies(solution: Solution, initial: Initial, equations: Any, digits: int) -> dict[str, Estimate]:
     """Ω = ∂H/∂J: the growth of the phases, and of the ignorable angles with them."""
     system, names = solution.system, list(solution.coordinates)
     if equations is None:
-        return _free_rates(solution, initial, digits)
+        return _free_rates(solution, initial, digits, angles=True)
     result = {}
     if isinstance(equations, Torus):
         for k, name in enumerate(names):
@@ -108,9 +106,7 @@ def frequencies(
             if not (isinstance(course, Frozen) and not course.stable):
                 direction = course.anomaly.direction if isinstance(course, Bounded) else 1
                 result[name] = rounded(direction * equations.rates[k], digits, nodes_of(course))
-        for c in system.coordinates:
-            if c.name not in located and c.domain.kind == "angle":
-                result[c.name] = _ignorable_rate(equations, list(solution.constants).index(c.momentum.name), digits)
+        result |= _ignorable_rates(solution, equations, digits, angles=True)
         return {c.name: result[c.name] for c in system.coordinates if c.name in result}
     for step in equations.steps:
         course = equations.courses[step.index]
@@ -122,6 +118,22 @@ def frequencies(
                 course.anomaly.direction * step.weights[0] / mean, digits, nodes_of(course)
             )
     return {name: f for name, f in result.items() if f.value}
+
+
+def mean_velocities(solution: Solution, initial: Initial, equations: Any, digits: int) -> dict[str, Estimate]:
+    """⟨dq/dt⟩ = ∂H/∂c, at constant actions, of the ignorable coordinates that are no angles (Greenwood (5-83))."""
+    if equations is None:
+        return _free_rates(solution, initial, digits, angles=False)
+    return _ignorable_rates(solution, equations, digits, angles=False) if isinstance(equations, Torus) else {}
+
+
+def _ignorable_rates(solution: Solution, equations: Torus, digits: int, *, angles: bool) -> dict[str, Estimate]:
+    constants = list(solution.constants)
+    return {
+        c.name: _ignorable_rate(equations, constants.index(c.momentum.name), digits)
+        for c in solution.system.coordinates
+        if c.name not in solution.coordinates and (c.domain.kind == "angle") == angles
+    }
 
 
 def _ignorable_rate(equations: Torus, j: int, digits: int) -> Estimate:
@@ -149,11 +161,11 @@ def _alone(scheme: Plan, step: Any) -> bool:
     )
 
 
-def _free_rates(solution: Solution, initial: Initial, digits: int) -> dict[str, Estimate]:
+def _free_rates(solution: Solution, initial: Initial, digits: int, *, angles: bool) -> dict[str, Estimate]:
     H = solution.separation.shell.potential
     rates = {
         c.name: sp.diff(H, c.momentum).subs(initial.values)
         for c in solution.system.coordinates
-        if c.domain.kind == "angle"
+        if (c.domain.kind == "angle") == angles
     }
     return {name: rounded(to_bits(rate)(int(3.33 * digits) + 64), digits) for name, rate in rates.items()}

@@ -33,6 +33,7 @@ _MOST_ROWS = 24
 _TITLES = {
     "constants": "Constants of the motion", "turning_points": "Turning points", "actions": "Actions",
     "periods": "Periods", "frequencies": "Frequencies, in radians per unit time",
+    "mean_velocities": "Mean velocities of ignorable coordinates",
     "boundary_times": "Times at which an end of the domain is reached",
 }  # fmt: skip
 

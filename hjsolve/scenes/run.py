@@ -24,7 +24,9 @@ from hjsolve.solution import Solution, solve
 from hjsolve.state import Errors, State
 from hjsolve.trajectory.dense import OnDemand
 
-_FIELDS = ("constants", "kinds", "turning_points", "actions", "periods", "frequencies", "boundary_times")
+_FIELDS = (
+    "constants", "kinds", "turning_points", "actions", "periods", "frequencies", "mean_velocities", "boundary_times",
+)  # fmt: skip
 
 
 @dataclass(frozen=True, eq=False)

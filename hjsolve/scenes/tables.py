@@ -13,8 +13,8 @@ from hjsolve.schema import Key
 
 METHODS = ("quadratures", "integrate")
 WANTED = (
-    "constants", "kinds", "turning_points", "actions", "periods", "frequencies", "angles", "boundary_times", "orbit",
-    "trajectory",
+    "constants", "kinds", "turning_points", "actions", "periods", "frequencies", "mean_velocities", "angles",
+    "boundary_times", "orbit", "trajectory",
 )  # fmt: skip
 _TEXT, _NUMBERS = Key("text"), Key("numbers")
 _EVENT = {
