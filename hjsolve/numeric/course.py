@@ -14,17 +14,20 @@ from typing import Any, Literal
 
 import numpy as np
 
+from hjsolve.errors import NotConvergedError
 from hjsolve.numeric.anomaly import Crested, Libration, Paired, Rotation
 from hjsolve.numeric.arithmetic import Float64, Multi, multiprecision
 from hjsolve.numeric.counting import count
 from hjsolve.numeric.panels import Growing, Panels, Way
 from hjsolve.numeric.radicand import Radicand
-from hjsolve.numeric.series import Series, fit, trial, zero
-from hjsolve.numeric.stretch import Stretched, rounded
+from hjsolve.numeric.series import Series, fit, foreseen, trial, zero
+from hjsolve.numeric.stretch import Stretched, lowered, rounded
 
 Anomaly = Libration | Crested | Rotation | Paired | Stretched
 
 Kind = Literal["libration", "rotation", "escape", "equilibrium", "asymptotic", "boundary"]
+_LONG, _FEW = 60, 30
+"""Digits from which on the nodes are foreseen in few digits, and how many these are."""
 PARTS = frozenset({"time", "action", "place"})
 """What is integrated over a cycle: Jacobi's integrals (periods, times), the action, what places and momenta need."""
 
@@ -181,14 +184,17 @@ class Branch:
     def panels(self, weights: tuple[float, ...] | None, amount: float) -> Panels:
         """Return the integrals so far that |Σ wⱼ Gⱼ| reaches ``amount``; without weights, that y does."""
         if self.way.end == "fall":  # all of it, once
-            return _panels(self, None, 1000)
-        power = int(np.ceil(np.log2(max(abs(amount), 1e-290))))
-        return _panels(self, weights, power if weights is None else power + 1)
+            return _panels(self, None, 1000 * _FINE)
+        return _panels(self, weights, int(np.ceil(_FINE * np.log2(max(abs(amount), 1e-290)))) + 1)
 
 
 def farthest(digits: int) -> int:
     """The phase at which what is left of the way to an asymptote, or of a fall, is below all digits."""
     return 60 + 2 * digits
+
+
+_FINE = 8
+"""Steps of the reach of panels in a factor of two: far out, what is not asked for may be much."""
 
 
 @lru_cache(maxsize=64)
@@ -198,8 +204,9 @@ def _growing(branch: Branch) -> Growing:
 
 @lru_cache(maxsize=64)
 def _panels(branch: Branch, weights: tuple[float, ...] | None, power: int) -> Panels:
-    """Build panels of a branch (a pure function; the newest ones are kept)."""
-    limit = Multi(branch.bits).context.mpf(2) ** power
+    """Panels of a branch up to an amount of 2^(power/_FINE) (a pure function; the newest ones are kept)."""
+    context = Multi(branch.bits).context
+    limit = context.mpf(2) ** (context.mpf(power) / _FINE)
     far = Multi(branch.bits).context.mpf(2) ** 1000
 
     def enough(y: Any, integrals: list[Any]) -> bool:
@@ -228,7 +235,7 @@ class Open:
     ahead: Branch
     behind: Branch
     start: Any
-    reach: tuple[tuple[float, ...] | None, float] = (None, 4.0)
+    reach: tuple[tuple[float, ...] | None, float] = (None, 1.0)
 
     periodic = False
     action = None
@@ -314,10 +321,27 @@ def bounded(
         empty = [zero() for _ in skipped]
         return Bounded(kind, anomaly, empty, zero(), None, start, radicand)
     functions = integrands(anomaly, radicand, skipped, bits, parts)
+    first = _foreseen(anomaly, radicand, skipped, digits, bits, parts) if digits >= _LONG else 12
     *kernels, momentum, density = fit(
-        functions, even=anomaly.even, digits=digits, bits=bits, floors=_floors(radicand), most=most
+        functions, even=anomaly.even, digits=digits, bits=bits, floors=_floors(radicand), most=most, first=first
     )
     return Bounded(kind, anomaly, kernels, momentum, density.mean if "action" in parts else None, start, radicand)
+
+
+def _foreseen(
+    anomaly: Anomaly, radicand: Radicand, skipped: tuple[bool, ...], digits: int, bits: int, parts: frozenset[str]
+) -> int:
+    """Nodes for many digits, from the decay of the coefficients in few: a node in few costs next to nothing."""
+    low = bits - int(3.33 * (digits - _FEW))
+    functions = integrands(lowered(anomaly, Multi(low)), radicand, skipped, low, parts)
+    floors = _floors(radicand)
+    try:
+        shorter = fit(functions, even=anomaly.even, digits=_FEW // 2, bits=low, floors=floors)
+        longer = fit(functions, even=anomaly.even, digits=_FEW, bits=low, floors=floors)
+    except NotConvergedError:
+        return 12
+    told = any(s.tail for s in shorter) and any(s.tail for s in longer)
+    return foreseen(shorter, longer, digits) if told else 12
 
 
 def roughness(

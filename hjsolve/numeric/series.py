@@ -105,6 +105,7 @@ def fit(
     bits: int,
     floors: Sequence[float] = (),
     most: int | None = None,
+    first: int = 12,
 ) -> list[Series]:
     """Represent periodic functions by series, with as many nodes as their own decay asks for.
 
@@ -115,12 +116,13 @@ def fit(
         bits: working precision.
         floors: size below which a function counts as that size (1 for a logarithm), one a function.
         most: nodes not to exceed, or to be far from enough soon; ``MAX_NODES`` for every 30 digits where None.
+        first: nodes to begin with; see ``foreseen``.
 
     Raises:
         NotConvergedError: that many nodes were not enough; a zero or pole of p² lies close to the path.
     """
-    nodes, hopeless = 12, most is not None
-    most = most or int(MAX_NODES * max(1, digits / 30))
+    hopeless, most = most is not None, most or int(MAX_NODES * max(1, digits / 30))
+    nodes = max(12, min(first, most))
     before: list[tuple[int, float]] = []
     while True:
         series = trial(function, even=even, nodes=nodes, bits=bits, digits=digits, floors=floors)
@@ -135,6 +137,19 @@ def fit(
             )
         needed = 2 + (nodes - 2) * (digits + 1) / reached if reached > 1 else 2.0 * nodes
         nodes = smooth(int(min(max(nodes + 2, needed), 3 * nodes, most)) + 1)
+
+
+def foreseen(shorter: list[Series], longer: list[Series], digits: int) -> int:
+    """Return the nodes that many digits will need, from series of the same functions to two smaller numbers of digits.
+
+    The coefficients of an analytic function fall geometrically, so digits come evenly with the nodes.
+    """
+    (n0, r0), (n1, r1) = (
+        (max(s.nodes for s in series), min(-float(multiprecision(64).log10(s.tail)) for s in series if s.tail))
+        for series in (shorter, longer)
+    )
+    each = (n1 - n0) / (r1 - r0) if n1 > n0 and r1 > r0 + 4 else n1 / r1
+    return smooth(int(n1 + 1.01 * each * (digits + 1 - r1)) + 2)
 
 
 def _needed(before: list[tuple[int, float]], digits: int) -> float:

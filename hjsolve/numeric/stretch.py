@@ -14,7 +14,7 @@ are, so it need not be known better than that.
 
 from __future__ import annotations
 
-from dataclasses import dataclass, replace
+from dataclasses import dataclass, fields, replace
 from fractions import Fraction
 from functools import cached_property, lru_cache
 from typing import Any
@@ -117,6 +117,19 @@ class Stretched:
 def rounded(anomaly: Inner | Stretched) -> Inner | Stretched:
     """Round the constants of a map to doubles, for vectorised use."""
     return replace(anomaly, inner=as_float(anomaly.inner)) if isinstance(anomaly, Stretched) else as_float(anomaly)
+
+
+def lowered(anomaly: Inner | Stretched, arithmetic: Multi) -> Inner | Stretched:
+    """Round the constants of a map to fewer digits."""
+    if isinstance(anomaly, Stretched):
+        return replace(anomaly, inner=_lowered(anomaly.inner, arithmetic))
+    return _lowered(anomaly, arithmetic)
+
+
+def _lowered(anomaly: Inner, arithmetic: Multi) -> Inner:
+    values = {f.name: getattr(anomaly, f.name) for f in fields(anomaly)}
+    numbers = {n: arithmetic.convert(v) for n, v in values.items() if not isinstance(v, int | float | None)}
+    return replace(anomaly, **numbers)
 
 
 def stretched(inner: Inner, places: list[tuple[float, float]]) -> Stretched | None:

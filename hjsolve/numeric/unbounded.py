@@ -18,8 +18,8 @@ from hjsolve.numeric.pair import Pair, pair, solve_pair
 from hjsolve.numeric.single import solve_alone
 
 _EPS = 2.0**-52
-_REACHES = 6
-"""How often the panels of two coupled coordinates are made longer, 64 times each."""
+_REACHES = 12
+"""How often the panels of two coupled coordinates are made longer, 8 times each."""
 
 
 @dataclass(frozen=True)
@@ -98,9 +98,9 @@ def phases(scheme: Plan, time: tuple[Any, Any]) -> tuple[list[Any], list[Any], l
         For each coordinate χ, whole turns and a bound on the error of χ, shape (m,); and an array that is True
         where the motion has ended before that time.
     """
-    span = 2 * float(np.max(np.abs(time[0]), initial=1e-3)) + 1e-300
-    for doubling in range(_REACHES):
-        *found, short = _phases(scheme, time, span * 64.0**doubling)
+    span = float(np.max(np.abs(time[0]), initial=0.0)) * (1 + 1e-9) + 1e-290
+    for attempt in range(_REACHES):
+        *found, short = _phases(scheme, time, span * 8.0**attempt)
         if not short.any():
             break
     return found[0], found[1], found[2], found[3] | short
@@ -173,11 +173,11 @@ def reaching(course: Course, scheme: Plan, span: float, i: int) -> Course:
     weights = next(
         (s.weights for s in scheme.steps if s.index == i), tuple(float(j == 0) for j in range(scheme.equations))
     )
-    begin = replace(course, reach=(None, max(4.0, abs(float(course.start)))))
+    begin = replace(course, reach=(None, max(1.0, abs(float(course.start)))))
     here = sum(
         abs(w * float(begin.integral(j, np.array([float(course.start)]))[0])) for j, w in enumerate(weights) if w
     )
-    others = 1.0 if weights[0] or len(scheme.courses) == 1 else 64.0
+    others = 1.0 if weights[0] or len(scheme.coupled) == 2 else 64.0
     return replace(
         course,
         reach=(weights, here + others * span * max(abs(weights[0]), 1e-300) if weights[0] else here + others * span),

@@ -20,7 +20,7 @@ from hjsolve.trajectory.phases import with_reach
 if TYPE_CHECKING:
     from hjsolve.motion import Motion
 
-_TREND, _MOST = 24, 400
+_TREND, _STEEP, _MOST = 24, 5, 400
 
 
 def time_beside(motion: Motion, k: int, phase: Any) -> tuple[Any, Any] | None:
@@ -94,8 +94,11 @@ def _solved(course: Course, kind: type, start: Any, goal: Any, side: int, noise:
         if ended and abs(goal) - abs(gains[-1]) <= 4 * noise * (abs(goal) + abs(values.integral(1, start))):
             return values, last  # both come to their ends at once
         recent = [abs(b - a) for a, b in itertools.pairwise(gains[-_TREND - 1 :])]
-        fading = len(gains) > _TREND and all(b <= 0.7 * a for a, b in itertools.pairwise(recent))
-        if ended or len(gains) > _MOST or (fading and abs(goal) - abs(gains[-1]) > 8 * recent[-1]):
+        left = abs(goal) - abs(gains[-1])
+        never = len(gains) > _TREND and _fading(recent) and left > 8 * recent[-1]
+        # or a fall so steep that all doublings there can be would not do
+        never |= len(gains) > _STEEP and _fading(recent[-4:]) and left > _MOST * recent[-1]
+        if ended or len(gains) > _MOST or never:
             raise OutsideMotionError("the place is not reached in any finite time")
         step = 2 * step
     if gains[-1] * goal < 0:
@@ -114,6 +117,10 @@ def _solved(course: Course, kind: type, start: Any, goal: Any, side: int, noise:
             return values, new
         χ = new
     return values, χ
+
+
+def _fading(gains: list[Any]) -> bool:
+    return all(b <= 0.7 * a for a, b in itertools.pairwise(gains))
 
 
 def _monotone(values: _Values, first: Any, last: Any) -> bool:

@@ -128,7 +128,7 @@ def with_reach(course: Course, χ: Any) -> Course:
         course.ahead,
         course.behind,
         course.start,
-        (None, 2 * max(1.0, float(np.max(np.abs(χ), initial=0)), abs(float(course.start)))),
+        (None, 1.001 * max(1.0, float(np.max(np.abs(χ), initial=0)), abs(float(course.start)))),
     )
 
 

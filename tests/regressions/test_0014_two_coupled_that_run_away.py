@@ -7,6 +7,7 @@ from mpmath import mp
 
 import hjsolve
 from hjsolve.numeric import unbounded
+from hjsolve.numeric.arithmetic import Float64
 from hjsolve.numeric.course import Open
 from tests.reference import mechanics
 from tests.reference.taylor import Flow
@@ -142,3 +143,37 @@ def test_longer_panels_begin_with_the_shorter_ones():
     for part in ("edges", "coefficients", "sums"):
         assert np.array_equal(getattr(near, part), getattr(again, part))
     assert np.array_equal(near.edges, far.edges[: len(near.edges)])
+
+
+def test_a_wiggle_on_the_way_out_is_followed_as_far_as_is_asked_and_no_farther():
+    """An eccentric disk that rolls down; the panels went to 75 turns before any time was asked for."""
+    solution = hjsolve.solve(hjsolve.catalog.load("eccentric-disk"))
+    start = {"q": {"theta": "0.318"}, "velocity": {"theta": "0.158"}}
+    motion = solution.motion(**start, parameters={"r": "1.07", "l": "0.232", "alpha": "0.526"})
+    course = motion.located["theta"].course
+    assert isinstance(course, Open)
+    for t in (0.4, 10.3):
+        q = float(motion.at(t).unwrapped("theta"))
+        panels = course.ahead.panels((1.0,), abs(float(course.integral(0, np.array([float(course.start)]))[0])) + t)
+        reached, _ = course.ahead.way.position(panels.edges[-1], Float64())
+        assert q < reached < 2 * q + 2 * np.pi
+
+
+@pytest.mark.parametrize(
+    ("name", "q", "velocity", "parameters"),
+    [
+        ("kepler-prolate", ("1.46", "1.72", "0.2"), ("0", "-0.708", "0"), {"m": "1.34"}),
+        ("kuzmin-kutuzov", ("1.59", "-1.56", "1.11"), ("0.00055", "0.581", "0"), {"GM": "0.504", "d": "0.878"}),
+    ],
+)
+def test_an_end_that_is_never_reached_because_the_other_coordinate_runs_away_is_told_without_going_far(
+    name, q, velocity, parameters
+):
+    """p² grows like e^(y²) along the panels: they were made to y = 64, and that was NotConvergedError."""
+    solution = hjsolve.solve(hjsolve.catalog.load(name))
+    names = [c.name for c in solution.system.coordinates]
+    motion = solution.motion(q=dict(zip(names, q)), velocity=dict(zip(names, velocity)), parameters=parameters)
+    assert "boundary" in motion.kinds.values()
+    assert "escape" in motion.kinds.values()
+    assert not motion.boundary_times
+    assert list(motion.at([1e3, 1e6]).status) == ["ok", "ok"]
