@@ -186,9 +186,11 @@ def _limit(step: float, left: list[float]) -> None:
 
 
 def _time_error(full: Callable[[float], tuple[float, float]], low: float, high: float) -> float:
-    t = (low + high) / 2
+    """What the doubt of the phase leaves of the time, by the least slope nearby: there is none beyond an end."""
+    t = low
     h = max(high - low, abs(t) * 1e-6, 1e-9)
-    slope = abs(full(t + h)[0] - full(t - h)[0]) / (2 * h)
+    near = [phase for phase in (full(t + side * h)[0] for side in (-2, -1, 0, 1)) if np.isfinite(phase)]
+    slope = min((abs(b - a) / h for a, b in itertools.pairwise(near)), default=0.0)
     return 4 * full(t)[1] / max(slope, 1e-300) + 4 * _EPS * abs(t)
 
 

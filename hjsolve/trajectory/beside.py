@@ -37,7 +37,7 @@ def time_beside(motion: Motion, k: int, phase: Any) -> tuple[Any, Any] | None:
         OutsideMotionError: the other coordinate ends, or runs away, before.
     """
     scheme = motion.equations
-    if not isinstance(scheme, Plan) or scheme.coupled != (0, 1) or len(scheme.courses) != 2:
+    if not isinstance(scheme, Plan) or len(scheme.courses) != 2:
         return None
     own, other = scheme.courses[k], scheme.courses[1 - k]
     kind = object if motion.digits > 15 else float
