@@ -10,3 +10,4 @@ from hjsolve.batch.columns import Columns as Columns
 from hjsolve.batch.columns import Status as Status
 from hjsolve.batch.engine import Engine as Engine
 from hjsolve.batch.engine import build as build
+from hjsolve.batch.engine import ready as ready

@@ -13,7 +13,7 @@ import numpy as np
 
 from hjsolve.batch import nodes as tables
 from hjsolve.batch.model import Model, Separated
-from hjsolve.batch.programs import programs, start_program
+from hjsolve.batch.programs import Compiled, Programs
 from hjsolve.batch.quadrature import Sums, empty
 from hjsolve.batch.start import Begin
 from hjsolve.batch.views import Knowns
@@ -38,11 +38,12 @@ def _tables() -> tuple[Any, ...]:
     last, middle = np.zeros((size, 5, _WIDEST)), np.zeros((size, 3, _WIDEST))
     cosines = np.zeros((size, _WIDEST, _WIDEST))
     squares, slopes = (np.zeros((2, size, _WIDEST)) for _ in range(2))
+    for warp in range(len(tables.WARPS)):
+        for part, places in zip((low, high, pace), tables.libration_places(_COUNTS, warp), strict=True):
+            for k, row in enumerate(np.split(places, np.cumsum(_COUNTS)[:-1])):
+                part[warp, k, : len(row)] = row
     for k, count in enumerate(_COUNTS):
         table = tables.libration(count, 0)
-        for warp in range(len(tables.WARPS)):
-            other = tables.libration(count, 0, warp)
-            low[warp, k, :count], high[warp, k, :count], pace[warp, k, :count] = other.low, other.high, other.pace
         last[k, :, :count], middle[k, :, :count] = table.cosines[table.last], table.cosines[table.middle][1:-1]
         cosines[k, : count - 1, :count] = table.cosines
         for fold in (1, 2):
@@ -52,37 +53,34 @@ def _tables() -> tuple[Any, ...]:
     )  # fmt: skip
 
 
-def begin_compiled(model: Model, q: Any, p: Any) -> Begin:
+def begin_compiled(model: Model, made: Compiled, q: Any, p: Any) -> Begin:
     """Work out the constants in doubles; see ``start.begin``."""
     count, m = q.shape[1], len(model.constants)
     C, E, P = np.empty((m, count)), np.empty((m, count)), np.empty((len(model.separated), count))
-    start_program(model)(q, p, C, E, P)
+    made.start(q, p, C, E, P)
     numbers = tuple(pair.high for pair in model.numbers)
     return Begin(q[[c.index for c in model.separated]], P, p, Knowns(tuple(C), tuple(E), numbers), None)
 
 
-def librations(model: Model, coordinate: Separated, start: Begin, k: int, *, kernels: bool, ripples: bool) -> Sums:
+def librations(coordinate: Separated, made: Programs, start: Begin, k: int, *, ripples: bool) -> Sums:
     """Integrate one coordinate of many orbits.
 
     Args:
-        model: of the system. coordinate: the k-th separated one. start: of n orbits. k: its row.
-        kernels, ripples: as in ``quadrature.integrate``.
+        coordinate: the k-th separated one. made: its programs. start: of n orbits. k: its row.
+        ripples: as in ``quadrature.integrate``; whether kernels are wanted, the programs know.
 
     Returns:
         The sums, good only where this pass was enough.
     """
-    count, m = start.q.shape[1], len(model.constants)
-    sums = empty(m, count)
-    numbers = tuple(pair.high for pair in model.numbers)
-    made = programs(coordinate, m, numbers, kernels)
+    C, E = np.stack(start.knowns.constants), np.stack(start.knowns.doubt)
+    count = start.q.shape[1]
+    sums, ends = empty(len(C), count), np.empty((2, count))
     floors = np.array(
         [
             side * np.inf if formula is None else formula.origin.high
             for side, formula in ((-1, coordinate.lower), (1, coordinate.upper))
         ]
     )
-    C, E = np.stack(start.knowns.constants), np.stack(start.knowns.doubt)
-    ends = np.empty((2, count))
     made.search(start.q[k], start.P[k], C, floors, np.pi if coordinate.periodic else np.inf, ends)
     results = (
         sums.action, sums.action_error, sums.means, sums.mean_errors, sums.ripples, sums.ripple_errors, sums.phase,

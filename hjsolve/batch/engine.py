@@ -10,8 +10,8 @@ import numpy as np
 
 from hjsolve.batch.columns import QUANTITIES, Columns, Status, blank
 from hjsolve.batch.model import Model, read
-from hjsolve.batch.passes import TOLERANCE, run_compiled, run_pass, worst
-from hjsolve.batch.programs import available
+from hjsolve.batch.passes import TIMED, TOLERANCE, run_compiled, run_pass, worst
+from hjsolve.batch.programs import Compiled, available, compiled, is_kept
 from hjsolve.errors import InvalidInputError
 from hjsolve.initial import parameter_values
 from hjsolve.solution import Solution
@@ -66,7 +66,8 @@ class Engine:
             return columns
         everything = np.arange(count)
         if self.compiled:
-            self._deeper(columns, everything, places, momenta, -1)
+            made = compiled(self.model, kernels=bool(TIMED & self.want))
+            self._deeper(columns, everything, places, momenta, -1, made)
         if not self.compiled or any(c.periodic for c in self.model.separated):
             self._deeper(columns, everything[columns.status != Status.OK], places, momenta, 0)
         hard = columns.status != Status.OK
@@ -75,15 +76,15 @@ class Engine:
         self._deeper(columns, everything[hard & rough], places, momenta, 2)
         return columns
 
-    def _deeper(self, columns: Columns, orbits: Any, q: Any, p: Any, depth: int) -> None:
+    def _deeper(self, columns: Columns, orbits: Any, q: Any, p: Any, depth: int, made: Compiled | None = None) -> None:
         """Run a pass over some orbits, and keep what it makes good."""
         size, tolerance = (CHUNK, FAST if depth < 0 else GOOD) if depth <= 0 else (CHUNK // 4, TOLERANCE)
         for first in range(0, len(orbits), size):
             index = orbits[first : first + size]
             chunk = self.model, dict(self.names), q[:, index], p[:, index]
             part = (
-                run_compiled(*chunk, tolerance=tolerance)
-                if depth < 0
+                run_compiled(*chunk, made=made, tolerance=tolerance)
+                if made is not None
                 else run_pass(*chunk, depth=depth, tolerance=tolerance)
             )
             if depth == 2:
@@ -125,6 +126,12 @@ def build(
     return Engine(
         solution, want, read(solution, values), _names(solution, want), available() if compiled is None else compiled
     )
+
+
+def ready(solution: Solution, want: frozenset[str], parameters: Mapping[str, Any] | None = None) -> bool:
+    """Tell whether the machine code of a compiled engine is on disk already; the arguments are those of ``build``."""
+    model = read(solution, parameter_values(solution.system, parameters or {}))
+    return is_kept(model, kernels=bool(TIMED & want))
 
 
 def _names(solution: Solution, want: frozenset[str]) -> dict[str, tuple[str, ...]]:

@@ -1,6 +1,6 @@
 """The loops of the compiled pass. Only imported where numba is.
 
-The programs of a coordinate (``programs.Programs``) come as arguments; numba compiles the loops anew for each.
+Functions that call a program of the coordinate know it by its global name; ``programs`` binds them to each.
 """
 
 from __future__ import annotations
@@ -20,6 +20,11 @@ _EVEN = EVEN
 _CLOSE = 0.05
 _LANES = 8
 """Places at which rounding errors are looked at: whole vectors."""
+
+doubts: Any = None
+relative: Any = None
+pack: Any = None
+"""Of the program; see ``programs``."""
 
 _PLACES = tuple(0.5 - 0.5 * math.cos(math.pi * (g + 0.04) / (SAMPLES - 1 + 0.08)) for g in range(SAMPLES))
 
@@ -165,8 +170,7 @@ def _swing(g: Any, slopes: Any, n: int) -> float:
     return total
 
 
-@njit(**OPTIONS)
-def _samples(doubts, relative, a, b, c, e, lanes, bounds, noise, drift, chords, kernels):
+def _samples(a, b, c, e, lanes, bounds, noise, drift, chords, kernels):
     """Rounding errors of F and of the kernels at a few places, and what the constants add to the first.
 
     The first of them is relative where F comes from chords. Returns F's rounding at the turning points, if so.
@@ -199,8 +203,7 @@ def _samples(doubts, relative, a, b, c, e, lanes, bounds, noise, drift, chords, 
     return residue
 
 
-@njit(**OPTIONS)
-def orbits(fill, doubts, relative, pack, chords, kernels, ripples, even, q, P, C, E, lower, upper, tables, results):
+def orbits(chords, kernels, ripples, even, q, P, C, E, lower, upper, tables, results):
     """The integrals of one coordinate of many orbits; see ``compiled.librations``."""
     warps, counts, low, high, pace, last, middle, cosines, squares, slopes = tables
     (
@@ -218,9 +221,9 @@ def orbits(fill, doubts, relative, pack, chords, kernels, ripples, even, q, P, C
         if not W > 0.0:
             continue
         c = pack(C, i)
-        residue = _samples(doubts, relative, a, b, c, pack(E, i), lanes, bounds, noise, drift, chords, kernels)
+        residue = _samples(a, b, c, pack(E, i), lanes, bounds, noise, drift, chords, kernels)
         size, warp = choose(
-            fill, buffer, weights, noise, drift, found, a, b, _EVEN if even and abs(a + b) <= 1e-13 * W else 0,
+            buffer, weights, noise, drift, found, a, b, _EVEN if even and abs(a + b) <= 1e-13 * W else 0,
             counts, low, high, pace, last, middle, c, chords, ripples,
         )  # fmt: skip
         if size < 0:
@@ -242,3 +245,7 @@ def orbits(fill, doubts, relative, pack, chords, kernels, ripples, even, q, P, C
             for k in range(constants):
                 ripple[k, i] = 2.0 / (n * fold) * dot(buffer[3 + k], weights, n)
                 ripple_errors[k, i] = 4.0 * found[2, 1 + k]
+
+
+BOUND = (_samples, orbits)
+"""See ``rules.BOUND``."""

@@ -68,20 +68,35 @@ class Nodes:
 @cache
 def libration(count: int, level: int, warp: int = 0) -> Nodes:
     """Return the nodes of half a period between turning points; k′² = 4^−level."""
-    D, fold = Doubled(), 2 if warp >= EVEN else 1
+    fold = 2 if warp >= EVEN else 1
     χ = _anomalies(count, fold * count)
+    complement, quarter, low, high, pace = _places(χ, level, warp)
+    terms = np.arange(1, count)[:, None]
+    exact = (terms * (2 * np.arange(count) + 1)) % (4 * count)
+    angle = exact * (np.pi / (2 * count))
+    return Nodes(
+        χ.high, low, high, fold, complement, quarter, pace, WARPS[warp], np.cos(angle), np.sin(angle), slice(-5, None),
+        slice(count // 2 - 4, count // 2 + 1),
+    )  # fmt: skip
+
+
+def libration_places(counts: tuple[int, ...], warp: int) -> tuple[Any, Any, Any]:
+    """Return ``low``, ``high``, ``pace`` of ``libration`` at level 0 for some numbers of nodes, one after another."""
+    fold = 2 if warp >= EVEN else 1
+    parts = [_anomalies(count, fold * count) for count in counts]
+    χ = Pair(np.concatenate([part.high for part in parts]), np.concatenate([part.low for part in parts]))
+    return _places(χ, 0, warp)[2:]
+
+
+def _places(χ: Pair, level: int, warp: int) -> tuple[float, float, Any, Any, Any]:
+    """k′² and K; sn², cn² and π/K du/dχ at crowded anomalies."""
+    D = Doubled()
     γ, δ = (Pair(c, 0.0) for c in WARPS[warp])
     turned, twice = D.unary("sin", χ), D.unary("sin", _twice(χ))
     goal = D.add(χ, D.add(D.mul(γ, turned), D.mul(Pair(0.5 * δ.high, 0.0), twice)))
     complement, quarter, sn, cn, _ = _functions(goal, level)
     pace = D.add(D.mul(γ, D.unary("cos", χ)), D.mul(δ, D.unary("cos", _twice(χ))))
-    terms = np.arange(1, count)[:, None]
-    exact = (terms * (2 * np.arange(count) + 1)) % (4 * count)
-    angle = exact * (np.pi / (2 * count))
-    return Nodes(
-        χ.high, D.mul(sn, sn).high, D.mul(cn, cn).high, fold, complement, quarter, D.add(Pair(1.0, 0.0), pace).high,
-        WARPS[warp], np.cos(angle), np.sin(angle), slice(-5, None), slice(count // 2 - 4, count // 2 + 1),
-    )  # fmt: skip
+    return complement, quarter, D.mul(sn, sn).high, D.mul(cn, cn).high, D.add(Pair(1.0, 0.0), pace).high
 
 
 @cache

@@ -9,6 +9,7 @@ import numpy as np
 from hjsolve.batch.columns import Columns, Status, blank
 from hjsolve.batch.locate import Found, locate
 from hjsolve.batch.model import Model, Separated
+from hjsolve.batch.programs import Compiled
 from hjsolve.batch.quadrature import Sums, empty, integrate
 from hjsolve.batch.start import Begin, begin
 from hjsolve.batch.torus import assemble
@@ -63,18 +64,20 @@ def run_pass(
     return columns
 
 
-def run_compiled(model: Model, names: dict[str, tuple[str, ...]], q: Any, p: Any, *, tolerance: float) -> Columns:
+def run_compiled(
+    model: Model, names: dict[str, tuple[str, ...]], q: Any, p: Any, *, made: Compiled, tolerance: float
+) -> Columns:
     """Compute everything for those orbits that are easy librations; as ``run_pass`` with depth 0."""
     from hjsolve.batch.compiled import begin_compiled, librations
 
     count = q.shape[1]
     columns = blank(names, count)
-    start = begin_compiled(model, q, p)
-    kernels, ripples = bool(TIMED & names.keys()), "angles" in names
+    start = begin_compiled(model, made, q, p)
+    ripples = "angles" in names
     status = np.full(count, Status.OK, dtype=np.uint8)
     sums = []
     for k, coordinate in enumerate(model.separated):
-        total = librations(model, coordinate, start, k, kernels=kernels, ripples=ripples)
+        total = librations(coordinate, made.coordinates[k], start, k, ripples=ripples)
         status[~total.good] = Status.EXACT
         if "turning_points" in names:
             status[:] = Status.EXACT

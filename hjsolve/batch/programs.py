@@ -7,12 +7,18 @@ comes from operation codes and numbers (``numeric/source.py``); nothing that a u
 from __future__ import annotations
 
 import re
+import sys
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass
-from functools import cache
+from functools import cache, partial
 from importlib.util import find_spec
+from pathlib import Path
+from pickle import PickleError
+from threading import RLock
+from types import FunctionType, ModuleType
 from typing import Any
 
+from hjsolve.batch.kept import kept, mark, shelf
 from hjsolve.batch.model import Formula, Model, Separated
 from hjsolve.batch.views import has_chords
 from hjsolve.numeric.chords import Chords
@@ -24,7 +30,7 @@ from hjsolve.numeric.tape import Tape
 _OWN = 4
 _SEARCHED = 6
 _LOOPED = 10
-"""How many arguments ``searches.ends`` and ``loops.orbits`` have after the programs and their kind."""
+"""How many arguments ``searches.ends`` has, and ``loops.orbits`` after the kind of program."""
 
 _PLACE = "(2.2204460492503131e-16)"
 
@@ -35,13 +41,26 @@ class Programs:
 
     Attributes:
         value: (x, c) ↦ F, c being the tuple of constants.
-        search: finds turning points; the arguments of ``searches.ends`` after the programs.
-        loop: integrates; the arguments of ``loops.orbits`` after the programs and their kind.
+        search: finds turning points; the arguments of ``searches.ends``.
+        loop: integrates; the arguments of ``loops.orbits`` after the first two.
     """
 
     value: Callable[..., Any]
     search: Callable[..., Any]
     loop: Callable[..., Any]
+
+
+@dataclass(frozen=True)
+class Compiled:
+    """Compiled functions of a system.
+
+    Attributes:
+        start: fills the constants, their doubts and the shell momenta.
+        coordinates: programs of the separated coordinates.
+    """
+
+    start: Callable[..., Any]
+    coordinates: tuple[Programs, ...]
 
 
 def available() -> bool:
@@ -78,10 +97,8 @@ def _coordinate_text(coordinate: Separated, constants: int, numbers: tuple[float
             _doubts_text(tape, constants, numbers),
             _relative_text(coordinate.plain, unpack, names, numbers),
             f"def pack(C, i):\n    return ({''.join(f'C[{j}, i], ' for j in range(constants))})\n",
-            _front("search", "ends(value, slope, bend, pack, ", _SEARCHED),
-            _front(
-                "loop", f"orbits(fill, doubts, relative, pack, {_chorded(coordinate, kernels)}, {kernels}, ", _LOOPED
-            ),
+            _front("search", "ends(", _SEARCHED),
+            _front("loop", f"orbits({_chorded(coordinate, kernels)}, {kernels}, ", _LOOPED),
         )
     )
 
@@ -192,36 +209,90 @@ def _start_text(model: Model) -> str:
     return f"def start(q, p, C, E, P):\n    for i in range(q.shape[1]):\n{body}"
 
 
-_PARTS = ("value", "slope", "bend", "anchor", "fill", "doubts", "relative", "pack")
+_PARTS = ("slope", "bend", "anchor", "fill", "doubts", "relative", "pack", "value")
+_FRONTS = ("search", "loop")
+_UNREADABLE = (OSError, EOFError, PickleError)
+_ONE_AT_A_TIME = RLock()
 
 
-def _compile(text: str, parts: Sequence[str], wanted: Sequence[str]) -> list[Any]:
-    """Compile functions from a text of our own making; the parts are what the wanted ones call."""
+def _compile(text: str, parts: Sequence[str], fronts: Sequence[str]) -> dict[str, Any]:
+    """Compile functions from a text of our own making; the parts are what the fronts call, which are kept on disk."""
+    path = shelf(text)
+    made = _functions(text, parts, fronts, path)
+    if path is None:
+        return made
+    again = cache(partial(_functions, text, parts, fronts, None))
+    return made | {name: _careful(made[name], partial(_named, again, name)) for name in fronts}
+
+
+def _named(made: Callable[[], dict[str, Any]], name: str) -> Callable[..., Any]:
+    return made()[name]
+
+
+def _functions(text: str, parts: Sequence[str], fronts: Sequence[str], path: Path | None) -> dict[str, Any]:
+    """Compile the functions of a text, and our loops beside them, which call them by their names."""
     from numba import njit
 
+    from hjsolve.batch import loops, rules, searches
     from hjsolve.batch.elementary import NAMES, OPTIONS
-    from hjsolve.batch.loops import orbits
-    from hjsolve.batch.searches import ends
 
-    space: dict[str, Any] = {**NAMES, "orbits": orbits, "ends": ends}
-    exec(text, space)  # noqa: S102  (written by Source from codes and numbers)
-    for name in (*parts, *wanted):
-        space[name] = njit(**OPTIONS)(space[name])
-    return [space[name] for name in wanted]
+    name = mark(text)
+    module = ModuleType(f"hjsolve_program_{name}")
+    space = module.__dict__
+    loose = [function for part in (rules, loops, searches) for function in part.BOUND]
+    for part in (rules, loops, searches):
+        space.update({key: item for key, item in vars(part).items() if not key.startswith("__")})
+    space.update(NAMES, **{f.__name__: FunctionType(f.__code__, space, f.__name__) for f in loose})
+    sys.modules[module.__name__] = module  # where numba looks for the surroundings of kept functions
+    # written by Source from codes and numbers
+    exec(compile(text, str(path or f"<{module.__name__}>"), "exec"), space)  # noqa: S102
+    for key in (*(f.__name__ for f in loose), *parts, *fronts):
+        space[key].__qualname__ = f"{key}_{name}"  # machine code of two programs must not share names
+        space[key] = njit(cache=path is not None and key in fronts, **OPTIONS)(space[key])
+    return {key: space[key] for key in (*parts, *fronts)}
+
+
+def _careful(run: Callable[..., Any], again: Callable[[], Callable[..., Any]]) -> Callable[..., Any]:
+    """A function that is compiled in memory where what was kept cannot be read, or new code not be written."""
+
+    def call(*arguments: Any) -> Any:
+        try:
+            return run(*arguments)
+        except _UNREADABLE:
+            return again()(*arguments)
+
+    return call
+
+
+def _numbers(model: Model) -> tuple[float, ...]:
+    return tuple(pair.high for pair in model.numbers)
 
 
 @cache
 def programs(coordinate: Separated, constants: int, numbers: tuple[float, ...], kernels: bool) -> Programs:
     """Compile the programs of a coordinate, once in a process."""
-    text = _coordinate_text(coordinate, constants, numbers, kernels)
-    return Programs(*_compile(text, _PARTS[1:], ("value", "search", "loop")))
+    made = _compile(_coordinate_text(coordinate, constants, numbers, kernels), _PARTS, _FRONTS)
+    return Programs(made["value"], made["search"], made["loop"])
 
 
 @cache
 def _start_program(text: str) -> Any:
-    return _compile(text, (), ("start",))[0]
+    return _compile(text, (), ("start",))["start"]
 
 
-def start_program(model: Model) -> Any:
-    """Compile the program of the constants, once in a process."""
-    return _start_program(_start_text(model))
+def compiled(model: Model, *, kernels: bool) -> Compiled:
+    """Compile the programs of a system, once in a process.
+
+    Args:
+        model: of the system.
+        kernels: True when ∂J/∂c are wanted.
+    """
+    with _ONE_AT_A_TIME:  # else several threads would compile the same
+        parts = tuple(programs(c, len(model.constants), _numbers(model), kernels) for c in model.separated)
+        return Compiled(_start_program(_start_text(model)), parts)
+
+
+def is_kept(model: Model, *, kernels: bool) -> bool:
+    """Tell whether ``compiled`` would find all of its machine code on disk."""
+    texts = (_coordinate_text(c, len(model.constants), _numbers(model), kernels) for c in model.separated)
+    return available() and kept(_start_text(model), ("start",)) and all(kept(text, _FRONTS) for text in texts)

@@ -30,6 +30,9 @@ _STEEP = 0.75
 _ROUGH = 1e-5
 _RIPPLED = 1e-9
 
+fill: Any = None
+"""Of the program; see ``programs``."""
+
 
 @njit(**REDUCING)
 def dot(x: Any, y: Any, count: int) -> float:
@@ -133,8 +136,7 @@ def _blurs(buffer, shares, noise, drift, n, integrands, chords, found):
         found[3, k] += 0.5 * _weighted(shares, buffer[2 + k], n)
 
 
-@njit(**OPTIONS)
-def _rule(fill, buffer, shares, noise, drift, found, a, b, n, low, high, pace, last, middle, c, chords, ripples, first):
+def _rule(buffer, shares, noise, drift, found, a, b, n, low, high, pace, last, middle, c, chords, ripples, first):
     """The midpoint rule of one size; see ``quadrature._rule``. How many nodes are needed (−1: these do), and where."""
     fill(buffer, a, b, b - a, low, high, pace, n, c)
     integrands = buffer.shape[0] - 2
@@ -168,15 +170,12 @@ def _rule(fill, buffer, shares, noise, drift, found, a, b, n, low, high, pace, l
     return more, warp
 
 
-@njit(**OPTIONS)
-def choose(
-    fill, buffer, shares, noise, drift, found, a, b, first, counts, low, high, pace, last, middle, c, chords, ripples
-):
+def choose(buffer, shares, noise, drift, found, a, b, first, counts, low, high, pace, last, middle, c, chords, ripples):
     """As many nodes as needed, crowded where that helps; size −1 where the tables do not suffice."""
     size, warp = 0, first
     for attempt in range(_TRIES):
         more, crowded = _rule(
-            fill, buffer, shares, noise, drift, found, a, b, counts[size], low[warp, size], high[warp, size],
+            buffer, shares, noise, drift, found, a, b, counts[size], low[warp, size], high[warp, size],
             pace[warp, size], last[size], middle[size], c, chords, ripples, first,
         )  # fmt: skip
         if more < 0.0:
@@ -189,3 +188,7 @@ def choose(
         while size + 1 < counts.shape[0] and counts[size] < more:
             size += 1
     return -1, 0
+
+
+BOUND = (_rule, choose)
+"""Functions that are compiled anew beside each program, whose functions are global names to them."""

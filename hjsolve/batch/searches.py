@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+from typing import Any
 
 import numpy as np
 from numba import njit
@@ -13,6 +14,12 @@ _EPS = 2.0**-52
 _SWEEPS = 5
 _STEPS = 110
 _STRIDE = 0.2
+
+value: Any = None
+slope: Any = None
+bend: Any = None
+pack: Any = None
+"""Of the program; see ``programs``."""
 
 
 @njit(**OPTIONS)
@@ -27,8 +34,7 @@ def _first_step(P: float, outward: float, bend: float, size: float) -> float:
     return min(0.25 * size, crude) if crude > 0 else 0.25 * size
 
 
-@njit(**OPTIONS)
-def _bracket(value, x0, step, side, floor, reach, c):
+def _bracket(x0, step, side, floor, reach, c):
     """Walk outward: the last place with F ≥ 0 and the first with F < 0; see ``roots.bracket``."""
     inner = x0
     for _ in range(_STEPS):
@@ -48,12 +54,10 @@ def _bracket(value, x0, step, side, floor, reach, c):
     return inner, np.nan
 
 
-@njit(**OPTIONS)
-def ends(value, slope, bend, pack, q, P, C, floors, reach, places):
+def ends(q, P, C, floors, reach, places):
     """Turning points: brackets orbit by orbit, then Newton's method for all at once.
 
     Args:
-        value, slope, bend, pack: programs of the coordinate.
         q, P: starts, shape (n,). C: constants, shape (constants, n).
         floors: ends of the domain. reach: longest distance to walk.
         places: where the results go, shape (2, n); NaN where there is none.
@@ -70,19 +74,18 @@ def ends(value, slope, bend, pack, q, P, C, floors, reach, places):
                 size = min(abs(x0) if x0 != 0.0 else 1.0, sign * (floor - x0))
                 size = min(size, 0.2) if math.isfinite(reach) else size
                 step = _first_step(P[i], sign * first, 0.5 * second, size)
-                inner[i], outer[i] = _bracket(value, x0, step, sign, floor, reach, c)
+                inner[i], outer[i] = _bracket(x0, step, sign, floor, reach, c)
         x = places[side]
         x[:] = outer
         for _ in range(_SWEEPS):
-            _sweep(slope, pack, x, inner, outer, moved, C)
+            _sweep(x, inner, outer, moved, C)
         for i in range(q.shape[0]):
             small = min(1e-9 * abs(x[i]), 1e-6 * abs(x[i] - q[i]))
             if not moved[i] <= small and math.isfinite(outer[i]):
-                x[i] = _finish(slope, x[i], q[i], inner[i], outer[i], pack(C, i))
+                x[i] = _finish(x[i], q[i], inner[i], outer[i], pack(C, i))
 
 
-@njit(**OPTIONS)
-def _sweep(slope, pack, x, inner, outer, moved, C):
+def _sweep(x, inner, outer, moved, C):
     """One step of Newton's method inside the brackets, without branches."""
     for i in range(x.shape[0]):
         f, d = slope(x[i], pack(C, i))
@@ -94,8 +97,7 @@ def _sweep(slope, pack, x, inner, outer, moved, C):
         x[i] = new
 
 
-@njit(**OPTIONS)
-def _finish(slope, x, x0, inner, outer, c):
+def _finish(x, x0, inner, outer, c):
     """The same until it stands still, for one orbit."""
     for count in range(80):
         f, d = slope(x, c)
@@ -110,3 +112,7 @@ def _finish(slope, x, x0, inner, outer, c):
             return new
         x = new
     return np.nan
+
+
+BOUND = (_bracket, ends, _sweep, _finish)
+"""See ``rules.BOUND``."""

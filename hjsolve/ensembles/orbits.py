@@ -4,17 +4,18 @@ from __future__ import annotations
 
 import math
 from collections.abc import Iterable, Mapping
+from dataclasses import replace
 from functools import lru_cache
 from pathlib import Path
 from typing import Any
 
 import numpy as np
 
-from hjsolve import arguments, catalog
+from hjsolve import arguments, batch, catalog
 from hjsolve.ensembles.batch_of_orbits import Batch
 from hjsolve.ensembles.door import Conditions, conditions
 from hjsolve.ensembles.layout import layout_of
-from hjsolve.ensembles.recipe import WORTH_COMPILING, Recipe
+from hjsolve.ensembles.recipe import WORTH_COMPILING, WORTH_LOADING, Recipe
 from hjsolve.ensembles.rows import Columns, compute
 from hjsolve.errors import InvalidInputError
 from hjsolve.initial import parameter_values
@@ -52,8 +53,9 @@ def ensemble(
         threads: how many; None for all cores that this process may use. Dask has its own, this is not for it.
         fallback: compute orbits that the vectorised engine hands back one by one, up to some tenths of a second each;
             without, they are ``not_converged``.
-        compiled: whether to compile the loops by numba (extra ``fast``), some seconds once a process, for each
-            system, want and parameters; None: from 100 000 orbits on. The last bits differ, within the errors.
+        compiled: whether to compile the loops by numba (extra ``fast``), some seconds once for each system, want and
+            parameters; None: from 100 000 orbits on, and from 20 000 on where they are on disk already. The last bits
+            differ, within the errors.
 
     Returns:
         The batch; ``batch.actions["r"]`` has the shape of the initial conditions.
@@ -73,14 +75,21 @@ def ensemble(
     solution = _solution(system)
     given = conditions(solution.system, q, p, velocity)
     layout = layout_of(solution, want)
-    many = math.prod(given.shape) >= WORTH_COMPILING if compiled is None else compiled
-    recipe = recipe_for(solution, layout.want, parameters, given.kind, fallback=fallback, compiled=many)
+    recipe = recipe_for(solution, layout.want, parameters, given.kind, fallback=fallback, compiled=bool(compiled))
+    if compiled is None:
+        recipe = replace(recipe, compiled=_worth_compiling(math.prod(given.shape), recipe, solution))
     if given.lazy:
         from hjsolve.ensembles.blocks import lazily
 
         return lazily(recipe, layout, given)
     columns = _at_once(recipe, given, _thread_count(threads))
     return Batch({name: column.reshape(given.shape) for name, column in columns.items()}, layout, given.shape)
+
+
+def _worth_compiling(count: int, recipe: Recipe, solution: Solution) -> bool:
+    if WORTH_LOADING <= count < WORTH_COMPILING:
+        return batch.ready(solution, frozenset(recipe.want), dict(recipe.parameters))
+    return count >= WORTH_COMPILING
 
 
 def recipe_for(

@@ -22,7 +22,10 @@ ONE_AT_A_TIME = threading.RLock()
 
 
 WORTH_COMPILING = 100_000
-"""An ensemble of fewer orbits does not pay for compiling, which takes ten seconds, once a process and system."""
+"""An ensemble of fewer orbits does not pay for compiling, which takes ten seconds, once a system."""
+
+WORTH_LOADING = 20_000
+"""An ensemble of fewer orbits does not pay for loading numba and machine code from disk: a second, once a process."""
 
 
 @dataclass(frozen=True)

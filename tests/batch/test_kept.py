@@ -1,0 +1,121 @@
+"""Compiled programs stay on disk between processes, where nobody else can write."""
+
+from __future__ import annotations
+
+import os
+import subprocess
+import sys
+from pathlib import Path
+
+import pytest
+
+from hjsolve import batch
+from hjsolve.batch import kept
+from hjsolve.batch.programs import _careful
+from hjsolve.catalog import load
+from hjsolve.ensembles import orbits
+from hjsolve.solution import solve
+
+TEXT = "def start(q):\n    return (q, )\n"
+RUN = """
+import sys
+import numpy as np
+from numba.core import event
+import hjsolve
+with event.install_recorder("numba:compile") as record:
+    x = np.linspace(0.1, 2, 7)
+    made = hjsolve.ensemble("harmonic-oscillator", q={"x": x}, p={"x": 0.3}, want="actions", compiled=True, threads=1)
+print(len(record.buffer), made.actions["x"].tobytes().hex())
+"""
+
+
+def one(folder: Path) -> tuple[int, str]:
+    """How many functions a fresh process compiles, and its results."""
+    environment = {**os.environ, "HJSOLVE_CACHE_DIR": str(folder)}
+    done = subprocess.run([sys.executable, "-c", RUN], env=environment, capture_output=True, text=True, check=True)
+    count, numbers = done.stdout.split()
+    return int(count), numbers
+
+
+def test_the_second_process_compiles_nothing(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    pytest.importorskip("numba")
+    monkeypatch.delenv("NUMBA_CACHE_DIR", raising=False)
+    monkeypatch.setenv("HJSOLVE_CACHE_DIR", str(tmp_path))
+    solution, want = solve(load("harmonic-oscillator")), frozenset({"actions"})
+    assert not batch.ready(solution, want)
+    compiled, numbers = one(tmp_path)
+    assert compiled > 10
+    assert batch.ready(solution, want)
+    assert one(tmp_path) == (0, numbers)
+    assert not batch.ready(solution, frozenset({"frequencies"}))
+    assert not batch.ready(solution, want, {"k": 3})
+
+
+@pytest.fixture
+def folder(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Path:
+    monkeypatch.delenv("NUMBA_CACHE_DIR", raising=False)
+    monkeypatch.setenv("HJSOLVE_CACHE_DIR", str(tmp_path / "own"))
+    return tmp_path / "own"
+
+
+def test_the_file_holds_the_text_and_is_mended(folder: Path) -> None:
+    path = kept.shelf(TEXT)
+    assert path is not None
+    assert path.is_relative_to(folder)
+    assert path.read_text() == TEXT
+    path.write_text("import somebody\n")
+    assert not kept.kept(TEXT, ())
+    assert kept.shelf(TEXT) == path
+    assert path.read_text() == TEXT
+    assert [p.name for p in path.parent.iterdir() if p.suffix == ".tmp"] == []
+    assert kept.shelf(TEXT + "\n") != path
+
+
+@pytest.mark.skipif(not hasattr(os, "getuid"), reason="folders have no modes here")
+@pytest.mark.parametrize("inner", ["", "__pycache__"])
+def test_a_folder_where_others_may_write_is_not_used(folder: Path, inner: str) -> None:
+    path = kept.shelf(TEXT)
+    assert path is not None
+    (path.parent / inner).chmod(0o777)
+    assert kept.shelf(TEXT) is None
+    assert not kept.kept(TEXT, ())
+
+
+@pytest.mark.skipif(not hasattr(os, "getuid") or os.getuid() != 0, reason="only the administrator gives folders away")
+def test_a_folder_of_somebody_else_is_not_used(folder: Path) -> None:
+    path = kept.shelf(TEXT)
+    assert path is not None
+    os.chown(path.parent, 12345, -1)
+    assert kept.shelf(TEXT) is None
+
+
+def test_nothing_is_kept_where_nothing_can_be(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    (tmp_path / "file").write_text("")
+    for name, place in (
+        ("HJSOLVE_CACHE_DIR", "0"),
+        ("HJSOLVE_CACHE_DIR", str(tmp_path / "file")),
+        ("NUMBA_CACHE_DIR", str(tmp_path)),
+    ):
+        monkeypatch.setenv(name, place)
+        assert kept.shelf(TEXT) is None
+        assert not kept.kept(TEXT, ())
+        monkeypatch.delenv("HJSOLVE_CACHE_DIR", raising=False)
+
+
+def test_what_cannot_be_read_is_compiled_in_memory() -> None:
+    def broken(x: int) -> int:
+        raise EOFError(x)
+
+    assert _careful(broken, lambda: lambda x: x + 1)(2) == 3
+
+
+def test_kept_programs_serve_smaller_ensembles(monkeypatch: pytest.MonkeyPatch) -> None:
+    solution = solve(load("harmonic-oscillator"))
+    recipe = orbits.recipe_for(solution, ("actions",), {}, "p", compiled=False)
+    choice = {}
+    for there in (False, True):
+        monkeypatch.setattr(batch, "ready", lambda *_, there=there: there)
+        choice[there] = [
+            orbits._worth_compiling(count, recipe, solution) for count in (19_999, 20_000, 99_999, 100_000)
+        ]
+    assert choice == {False: [False, False, False, True], True: [False, True, True, True]}
