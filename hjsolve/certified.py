@@ -149,7 +149,7 @@ def _cycle(motion: Motion, name: str, inputs: list[Any], work: int) -> Cycle:
         slow = from_mpf(anomaly.slow) if isinstance(anomaly, Rotation) else flint.arb(0)
         return Cycle(radicand, inputs, None, None, slow, wanted, spread=spread)
     guesses = (anomaly.lower, anomaly.upper)  # type: ignore[union-attr]
-    ends = [ball.turning_point(radicand, guess, inputs, work) for guess in guesses]
+    ends = [ball.turning_point(radicand, from_mpf(guess), inputs, work) for guess in guesses]
     return Cycle(radicand, inputs, ends[0], ends[1], flint.arb(0), wanted, spread=_spread(radicand, ends, inputs))
 
 

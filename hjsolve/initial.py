@@ -48,11 +48,20 @@ class Initial:
 
 def to_bits(value: sp.Expr) -> Callable[[int], Any]:
     """Return a rule that gives an exact number to any binary precision."""
-    tape = lower([value], [])
+    if value.is_Rational:
+        above, below = int(value.p), int(value.q)
+
+        def exact(bits: int) -> Any:
+            return Multi(bits).rational(above, below)
+    else:
+        tape = lower([value], [])
+
+        def exact(bits: int) -> Any:
+            return tape.run(Multi(bits), [])[0]
 
     @lru_cache(maxsize=32)
     def at(bits: int) -> Any:
-        return multiprecision(bits).convert(tape.run(Multi(bits + 64), [])[0])
+        return multiprecision(bits).convert(exact(bits + 64))
 
     return at
 
@@ -63,6 +72,8 @@ def is_zero(value: sp.Expr) -> bool:
     A long one that two precisions agree on is not; else by sympy's own rules, which take their time, or to 2048 bits:
     it is zero where it is that small against its largest term, or where two precisions find nothing but rounding.
     """
+    if value.is_Rational:
+        return bool(value == 0)
     short = _terms(value) <= _SHORT
     if (not short and _agreed(value, 128)) or (short and value.is_zero is False):
         return False
@@ -102,6 +113,8 @@ def _terms(value: sp.Expr) -> int:
 
 def sign(value: sp.Expr) -> int:
     """Return −1, 0 or 1."""
+    if value.is_Rational:
+        return (value.p > 0) - (value.p < 0)
     if is_zero(value):
         return 0
     return 1 if to_bits(value)(_ZERO_BITS) > 0 else -1
@@ -174,10 +187,10 @@ def initial_data(
     if p is None:
         motion = {c.velocity: rates[c.name] for c in system.coordinates}
         formulas = momenta(system)
-        values |= {c.momentum: expanded(formulas[c.name].subs({**values, **motion})) for c in system.coordinates}
+        values |= {c.momentum: expanded(_put(formulas[c.name], {**values, **motion})) for c in system.coordinates}
     else:
         values |= {c.momentum: rates[c.name] for c in system.coordinates}
-    constants = {name: _clean(c.expression.subs(values)) for name, c in solution.constants.items()}
+    constants = {name: _clean(_put(c.expression, values)) for name, c in solution.constants.items()}
     return Initial(values, constants, _all_exact(q, velocity, p, parameters))
 
 
@@ -219,6 +232,15 @@ def _sign_given(name: str, value: Any) -> sp.Integer:
     if value not in (1, -1):
         raise InvalidInputError(f"signs[{name}]: 1 or -1 is needed, not {value!r}")
     return sp.Integer(int(value))
+
+
+def _put(formula: sp.Expr, values: Mapping[sp.Symbol, sp.Expr]) -> sp.Expr:
+    """A formula with numbers for its symbols; ``subs`` takes longer, and cares for what is 0/0 to ``xreplace``."""
+    try:
+        result = formula.xreplace(values)
+    except (ZeroDivisionError, TypeError):
+        return formula.subs(values)
+    return formula.subs(values) if result.has(sp.nan, sp.zoo) else result
 
 
 def _clean(value: sp.Expr) -> sp.Expr:

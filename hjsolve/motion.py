@@ -9,7 +9,7 @@ from __future__ import annotations
 
 from collections.abc import Callable, Iterable, Mapping
 from dataclasses import dataclass, field, replace
-from functools import cache
+from functools import cache, lru_cache
 from typing import Any
 
 import sympy as sp
@@ -26,6 +26,7 @@ from hjsolve.numeric.estimate import Estimate
 from hjsolve.numeric.inverse import Torus, torus
 from hjsolve.numeric.radicand import Radicand
 from hjsolve.numeric.regions import forbidden, others
+from hjsolve.numeric.tape import Tape
 from hjsolve.numeric.unbounded import Plan, plan
 from hjsolve.quantities import FLOAT_DIGITS
 from hjsolve.solution import Solution
@@ -310,29 +311,28 @@ def parts_of(want: Iterable[str] | None) -> frozenset[str]:
 
 def _start(solution: Solution, initial: Initial, name: str) -> Start:
     """Bring one separated coordinate over to numbers."""
-    coordinate = solution.system.coordinate(name)
-    F = solution.momentum_squared[name]
-    constants = [solution.constants[c].symbol for c in solution.constants]
-    parameters = [p.symbol for p in solution.system.parameters]
+    coordinate, F = solution.system.coordinate(name), solution.momentum_squared[name]
+    constants = tuple(solution.constants[c].symbol for c in solution.constants)
+    parameters = tuple(p.symbol for p in solution.system.parameters)
     exact = [initial.constants[c] for c in solution.constants] + [initial.values[s] for s in parameters]
     rules = [to_bits(value) for value in exact]
-    kernels = [sp.diff(F, c) / 2 for c in constants]
-    arguments = [coordinate.symbol, *constants, *parameters]
-    squared = lower([spread_exponentials(F)], arguments)
-    radicand = Radicand(squared, lower(kernels, arguments), lambda bits: [rule(bits) for rule in rules])
-    momentum = initial.values[coordinate.momentum] + solution.shift[name].subs(initial.values)
+    squared, kernels, absent = _tapes(F, coordinate.symbol, constants, parameters)
+    radicand = Radicand(squared, kernels, lambda bits: [rule(bits) for rule in rules])
+    momentum, shift = initial.values[coordinate.momentum], solution.shift[name]
     ends = [None if end is None else to_bits(end) for end in domain_ends(solution.system, name, initial.values)]
-    angle = coordinate.domain.kind == "angle" and _periodic(radicand, to_bits(initial.values[coordinate.symbol]))
-    return Start(
-        name,
-        radicand,
-        to_bits(initial.values[coordinate.symbol]),
-        sign(expanded(momentum)),
-        ends[0],
-        ends[1],
-        angle,
-        tuple(k == 0 for k in kernels),
-    )
+    place = to_bits(initial.values[coordinate.symbol])
+    angle = coordinate.domain.kind == "angle" and _periodic(radicand, place)
+    forward = sign(expanded(momentum + shift.subs(initial.values))) if shift != 0 else sign(expanded(momentum))
+    return Start(name, radicand, place, forward, ends[0], ends[1], angle, absent)
+
+
+@lru_cache(maxsize=256)
+def _tapes(
+    F: sp.Expr, q: sp.Symbol, constants: tuple[sp.Symbol, ...], parameters: tuple[sp.Symbol, ...]
+) -> tuple[Tape, Tape, tuple[bool, ...]]:
+    """p² and its kernels ½ ∂F/∂κⱼ as tapes, and which kernels are zero everywhere."""
+    arguments, kernels = [q, *constants, *parameters], [sp.diff(F, c) / 2 for c in constants]
+    return lower([spread_exponentials(F)], arguments), lower(kernels, arguments), tuple(k == 0 for k in kernels)
 
 
 def _periodic(radicand: Radicand, place: Any) -> bool:

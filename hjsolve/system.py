@@ -9,6 +9,7 @@ from __future__ import annotations
 
 from collections.abc import Iterable, Mapping
 from dataclasses import dataclass, replace
+from functools import lru_cache
 from typing import Literal
 
 import sympy as sp
@@ -293,11 +294,16 @@ def momenta(system: System) -> dict[str, sp.Expr]:
     """p_i = ∂T/∂q̇_i by name of the coordinate, in coordinates and velocities; relativistic a + γ M q̇."""
     names = [c.name for c in system.coordinates]
     if system.relativity is None:
-        return {c.name: sp.diff(system.kinetic, c.velocity) for c in system.coordinates}
+        return {c.name: _slope(system.kinetic, c.velocity) for c in system.coordinates}
     speeds = sp.Matrix(_speeds(system))
     classical = mass_matrix(system) * speeds
     square = (speeds.T * classical)[0, 0]
     return dict(zip(names, system.relativity.momenta(linear_terms(system), list(classical), square)))
+
+
+@lru_cache(maxsize=256)
+def _slope(kinetic: sp.Expr, velocity: sp.Symbol) -> sp.Expr:
+    return sp.diff(kinetic, velocity)
 
 
 def velocities(system: System) -> dict[str, sp.Expr]:

@@ -127,27 +127,33 @@ def jet(radicand: Radicand, q: Any, inputs: list[Any]) -> Jet:
 
 
 def turning_point(radicand: Radicand, guess: Any, inputs: list[Any], bits: int) -> Any:
-    """Prove a simple zero of F next to a guess (``mpf``), and enclose it to about ``bits``.
+    """Prove a simple zero of F next to a guess (an exact ball), and enclose it to about ``bits``.
 
     Raises:
         NotConvergedError: the interval Newton test does not contract.
     """
-    centre = from_mpf(guess)
+    series = radicand.squared.bind(Series(), inputs)
+
+    def line(q: Any) -> tuple[Any, Any]:
+        value = series.run(flint.arb_series([q, 1], prec=2))[0]
+        return (value[0], value[1]) if isinstance(value, flint.arb_series) else (value, flint.arb(0))
+
+    centre = guess.mid()
     for _ in range(2 * bits.bit_length()):
-        parts = jet(radicand, centre, inputs)
-        step = (parts.value / parts.first).mid()
+        value, slope = line(centre)
+        step = (value / slope).mid()
         centre = (centre - step).mid()
-        if abs(step) < abs(centre) * flint.arb(2) ** (24 - bits):
+        if abs(step) < abs(centre) * flint.arb(2) ** (24 - bits // 2):  # what is left is the square of it
             break
+    value = line(centre)[0]
     for spare in (16, 24, 48, 96, bits // 2):
         around = flint.arb(centre, (abs(centre) + flint.arb(2) ** -bits) * flint.arb(2) ** (spare - bits))
-        value = radicand.squared.run(Balls(), [centre, *inputs])[0]
-        slope = jet(radicand, around, inputs).first
+        slope = line(around)[1]
         if not slope.contains(0):
             newton = centre - value / slope
             if around.contains(newton):
                 return newton
-    raise NotConvergedError(f"the turning point near {float(guess):.15g} could not be proved to be one")
+    raise NotConvergedError(f"the turning point near {float(guess.mid()):.15g} could not be proved to be one")
 
 
 def from_mpf(x: Any) -> Any:
