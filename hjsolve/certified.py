@@ -9,6 +9,7 @@ from __future__ import annotations
 
 from collections.abc import Mapping
 from dataclasses import dataclass
+from functools import lru_cache
 from typing import TYPE_CHECKING, Any
 
 import sympy as sp
@@ -33,6 +34,9 @@ from hjsolve.solution import Solution
 
 if TYPE_CHECKING:
     from hjsolve.motion import Motion
+
+_LONG = 60
+"""Operations from which on a formula is not multiplied out to see whether it is even."""
 
 
 @dataclass(frozen=True)
@@ -144,22 +148,51 @@ def _cycle(motion: Motion, name: str, inputs: list[Any], work: int) -> Cycle:
     held = [j for j, c in enumerate(solution.constants.values()) if c.symbol in F.free_symbols]
     wanted = tuple(held) if "time" in motion.parts else ()
     wanted += (-1,) if "action" in motion.parts and (anomaly.even or solution.shift[name] == 0) else ()
+    q = solution.system.coordinate(name).symbol
     if not anomaly.even:
-        spread = _spread_round(anomaly)
         slow = from_mpf(anomaly.slow) if isinstance(anomaly, Rotation) else flint.arb(0)
-        return Cycle(radicand, inputs, None, None, slow, wanted, spread=spread)
+        centre = _centre(F, q, slow, turns=True)
+        fold = 1 if centre is None else 2
+        slow = slow if centre is None else centre
+        return Cycle(radicand, inputs, None, None, slow, wanted, spread=_spread_round(anomaly), fold=fold)
     guesses = (anomaly.lower, anomaly.upper)  # type: ignore[union-attr]
-    ends = [ball.turning_point(radicand, from_mpf(guess), inputs, work) for guess in guesses]
-    return Cycle(radicand, inputs, ends[0], ends[1], flint.arb(0), wanted, spread=_spread(radicand, ends, inputs))
+    a, b = (ball.turning_point(radicand, from_mpf(guess), inputs, work) for guess in guesses)
+    near, centre = _near(radicand, (a, b), inputs), _centre(F, q, (a + b) / 2, turns=False)
+    mirrored = centre is not None and a < centre < b  # p² > 0 between: what is mirrored is the same region
+    near = (max(near), max(near)) if mirrored else near
+    spread = between_turns(*near) if max(near) > 1 else None
+    return Cycle(radicand, inputs, a, b, flint.arb(0), wanted, spread=spread, fold=4 if mirrored else 2)
 
 
-def _spread(radicand: Radicand, ends: list[Any], inputs: list[Any]) -> Map | None:
-    """The map for where p² has another zero close outside, at −2F′/F″ from a turning point; None where that is far."""
+def _near(radicand: Radicand, ends: tuple[Any, Any], inputs: list[Any]) -> tuple[float, float]:
+    """The width over the distance of the next zero of p² outside, at −2F′/F″ from a turning point, roughly."""
     near = []
     for end, side in zip(ends, (-1, 1), strict=True):
         _, slope, bend = ball.jet(radicand, end, inputs)
         near.append(max(0.0, float((side * (ends[1] - ends[0]) * bend / (-2 * slope)).mid())))
-    return between_turns(*near) if max(near) > 1 else None
+    return near[0], near[1]
+
+
+def _centre(F: sp.Expr, q: sp.Symbol, near: Any, *, turns: bool) -> Any | None:
+    """A place about which p² is an even function by its form, if there is one at the place given."""
+    for half_turns in _centres(F, q, turns):
+        centre = half_turns * flint.arb.pi() / 2
+        if abs((near - centre).mid()) < 1e-6:
+            return centre
+    return None
+
+
+@lru_cache(maxsize=256)
+def _centres(F: sp.Expr, q: sp.Symbol, turns: bool) -> tuple[int, ...]:
+    """The n from −4 to 4 with F(nπ − q) = F(q); none for a rotation where F(q + 2π) = F(q) is not seen."""
+
+    def same(place: sp.Expr) -> bool:
+        other = F.xreplace({q: place})
+        return other == F or (sp.count_ops(F) < _LONG and sp.expand(other - F) == 0)
+
+    if turns and not same(q + 2 * sp.pi):
+        return ()
+    return tuple(n for n in range(-4, 5) if same(n * sp.pi - q))
 
 
 def _spread_round(anomaly: Any) -> Map | None:

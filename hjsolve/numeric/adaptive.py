@@ -29,7 +29,7 @@ def mean(cycle: Cycle, j: int, bits: int, size: Any) -> Any:
         A real ball at the current precision; wide where the quadrature did not converge.
     """
     f = _Plain(cycle)
-    length = flint.arb.pi() * (1 if cycle.even else 2)
+    length = flint.arb.pi() * (1 if cycle.librates else 2)
     total = flint.acb.integral(
         lambda χ, _: f.value(j, χ),
         0,

@@ -27,7 +27,7 @@ from hjsolve.numeric.tape import Bound, Tape
 
 _ENTIRE = {"add", "sub", "mul", "neg", "rational", "pi", "sin", "cos", "exp", "sinh", "cosh"}
 
-TERMS = 8
+TERMS = 10
 """Terms of Taylor's formula at a turning point, without the remainder."""
 
 
@@ -134,6 +134,8 @@ class Cycle:
         wanted: kernels, −1 for p dq.
         map: χ ↦ q.
         spread: a map for where another zero of p² is near; None where there is none.
+        fold: into how many equal parts the integrands divide a turn: 2 where they are even in χ, as over a libration, 4
+            where χ ↦ π − χ leaves them what they are as well; 1 where nothing is known.
     """
 
     radicand: Radicand
@@ -144,17 +146,19 @@ class Cycle:
     wanted: tuple[int, ...]
     map: Map = Map()
     spread: Map | None = None
+    fold: int = 1
 
     @property
-    def even(self) -> bool:
-        """True where the integrands are even functions of χ."""
+    def librates(self) -> bool:
+        """True between two turning points."""
         return self.lower is not None
 
     def over(self, map_: Map) -> Cycle:
         """Return the same cycle with another map, everything rounded to the current precision."""
         inputs = [x + 0 for x in self.inputs]
         lower, upper = (None if x is None else x + 0 for x in (self.lower, self.upper))
-        return Cycle(self.radicand, inputs, lower, upper, self.slow + 0, self.wanted, map_, self.spread)
+        fold = self.fold if map_.lower == map_.upper else min(self.fold, 2)  # χ ↦ π − χ exchanges s and c
+        return Cycle(self.radicand, inputs, lower, upper, self.slow + 0, self.wanted, map_, self.spread, fold)
 
     @cached_property
     def width(self) -> Any:

@@ -8,7 +8,8 @@ than 2M/(e^(aN) − 1) (Trefethen & Weideman, SIAM Review 56 (2014) 385, theorem
   edge, and each lies in a disk without 0 about its centre. Likewise s² + c², where q has its poles;
 - so the integrand, a kernel times dq/dχ over √R, is analytic, and largest on the edge (maximum principle).
 
-f(χ̄) = f̄(χ), and evenness for a libration, let a part of the edge stand for the whole. Doubles only choose the width a.
+f(χ̄) = f̄(χ), and what else is known of f (``Cycle.fold``), let a part of the edge stand for the whole. Doubles only
+choose the width a.
 """
 
 from __future__ import annotations
@@ -38,14 +39,18 @@ _SPREAD = 2.0
 _PARTS, _LARGEST_PART = ((100, 0.3), (400, 0.4), (1500, 0.5)), 0.6
 """Half width of the strip of a spread map, in units of π/κ, by the bits wanted: a wider one is dearer to prove, and
 q = ∞ comes at √½ in the middle."""
-_NEAR = 0.35
+_NEAR = 0.5
 """Distance from a turning point, in units of b − a, up to which p² is taken from there."""
 _AIM = 0.6
 """The spread of a ball on the edge that is aimed at."""
 _CLEAR = 0.99
 """The spread up to which a ball is held to be clear of 0."""
+_GOOD = 0.8
+"""The spread above which another way to enclose R is tried."""
 _PI = 3.1415926535897936
 """The double after π."""
+_FEW = 200
+"""Bits below which the proof costs more than the nodes, and a narrower strip is better."""
 _LN2 = math.log(2)
 
 
@@ -116,7 +121,7 @@ def _plans(cycle: Cycle, bits: int, sizes: list[Any]) -> Iterator[tuple[Map, flo
         if wide is None or _SPREAD * wide < spread:
             yield from ((cycle.spread, portion * spread) for portion in (1.0, 0.7, 0.5))
     if wide is not None and wide > 1 / _MOST_NODES:
-        yield from ((Map(), portion * wide) for portion in (0.97, 0.75, 0.5))
+        yield from ((Map(), portion * wide) for portion in (0.8 if bits < _FEW else 0.97, 0.6, 0.4))
 
 
 def midpoint(cycle: Cycle, strip: Bound, bits: int, sizes: list[Any]) -> list[Any]:
@@ -129,13 +134,11 @@ def midpoint(cycle: Cycle, strip: Bound, bits: int, sizes: list[Any]) -> list[An
         sizes: of the integrands, roughly.
     """
     excess = max(float((4 * most / size).log().upper()) for most, size in zip(strip.most, sizes, strict=True))
-    nodes, step = 2 * math.ceil((excess + (bits + 4) * _LN2) / (2 * strip.width)) + 2, 1
-    if cycle.even:  # half of the nodes are the mirror image of the others
-        nodes, step = nodes // 2, 2
+    nodes = math.ceil((excess + (bits + 4) * _LN2) / (cycle.fold * strip.width)) + 1  # the others are mirror images
     count(squares=nodes, kernels=nodes)
-    angle = 2 * flint.arb.pi() / (step * nodes)
+    angle = 2 * flint.arb.pi() / (cycle.fold * nodes)
     rows = zip(*(cycle.values(angle * (2 * m + 1) / 2) for m in range(nodes)), strict=True)
-    rest = (flint.arb(strip.width) * nodes * step).exp() - 1
+    rest = (flint.arb(strip.width) * nodes * cycle.fold).exp() - 1
     return [
         sum(row, flint.arb(0)) / nodes + flint.arb(0, (2 * most / rest).upper())
         for row, most in zip(rows, strip.most, strict=True)
@@ -144,7 +147,7 @@ def midpoint(cycle: Cycle, strip: Bound, bits: int, sizes: list[Any]) -> list[An
 
 def _widest(cycle: Cycle, bits: int, sizes: list[Any]) -> float | None:
     """The half width of a strip over the plain map that needs the fewest nodes, as doubles see it; None for none."""
-    x = np.linspace(0, np.pi, 25) if cycle.even else np.linspace(-np.pi, np.pi, 49)
+    x = np.linspace(0, np.pi, 25) if cycle.librates else np.linspace(-np.pi, np.pi, 49)
     χ = x + 1j * _HEIGHTS[:, None]
     inputs = [float(v.mid()) for v in cycle.inputs]
     with np.errstate(all="ignore"):
@@ -183,7 +186,7 @@ def bound(cycle: Cycle, a: float, bits: int = 64) -> Bound | None:
             return None
         boxes = _edge(low, a)
         chains = [] if boxes is None else [[b.centre for b in boxes], [b.denominator for b in boxes]]
-        if boxes is None or not all(_returns(chain, even=low.even) for chain in chains):
+        if boxes is None or not all(_returns(chain, even=low.fold > 1) for chain in chains):
             return None
         most = boxes[0].sizes
         for box in boxes[1:]:
@@ -193,7 +196,7 @@ def bound(cycle: Cycle, a: float, bits: int = 64) -> Bound | None:
 
 def _edge(cycle: Cycle, a: float) -> list[_Box] | None:
     """Cover the edge Im χ = a with balls from left to right, as wide as they may be; None where that takes too many."""
-    x, end = (0.0 if cycle.even else -_PI), _PI
+    x, end = (-_PI, _PI) if cycle.fold == 1 else (0.0, 2 * _PI / cycle.fold)
     found: list[_Box] = []
     step, work = _PI / _PIECES, _MOST_BOXES
     while x < end:
@@ -214,11 +217,14 @@ def _box(cycle: Cycle, χ: Any) -> _Box:
     if width >= 1:
         return _Box([], denominator, denominator, math.inf)
     product = flint.arb(1) if spot.from_lower is None else spot.from_lower * spot.to_upper
+    best = None
     for form in _forms(cycle, spot):
-        centre, least, most, spread = _ring(form(cycle, spot, product))
-        if spread < _CLEAR:
+        ring = _ring(form(cycle, spot, product))
+        best = ring if best is None or ring[3] < best[3] else best
+        if best[3] < _GOOD:
             break
-    spread = max(spread, width)
+    assert best is not None
+    centre, least, most, spread = *best[:3], max(best[3], width)
     sizes = cycle.integrands(spot, product, least.union(most).sqrt()) if spread < _CLEAR else []
     return _Box([abs(x) for x in sizes], centre, denominator, spread + 1e-9)
 
@@ -272,8 +278,8 @@ def _from_the_middle(cycle: Cycle, spot: Spot, product: Any) -> Any:
 def _returns(centres: list[Any], *, even: bool) -> bool:
     """True when the argument does not grow along an edge: common points carry it from one disk to the next.
 
-    Half of an even function's edge begins and ends at a real value, whose sign is that of the centre: what it grows by
-    is a multiple of π. The edge of a rotation closes: a multiple of 2π.
+    The part of an even function's edge begins and ends at a real value, whose sign is that of the centre: what it grows
+    by is a multiple of π. The edge of a rotation closes: a multiple of 2π.
     """
     growth = sum(_angle(after / before) for before, after in itertools.pairwise(centres))
     first, last = centres[0], centres[-1]
@@ -290,7 +296,7 @@ def _angle(x: Any) -> float:
 
 def _covered(cycle: Cycle, a: float) -> bool:
     """True when p² and the kernels are finite on balls that cover the strip: no operation meets a singularity."""
-    start, pieces = (0.0, 8) if cycle.even else (-np.pi, 16)
+    start, pieces = (0.0, 16 // cycle.fold) if cycle.fold > 1 else (-np.pi, 16)
     step = 3.1415926535897936 / 8
     todo = [(start + k * step, start + (k + 1) * step, 0.0, a) for k in range(pieces)]
     work = _MOST_BOXES

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import math
 import random
+from dataclasses import replace
 
 import mpmath
 import pytest
@@ -193,3 +194,43 @@ def test_no_bound_is_given_on_a_strip_that_holds_as_many_poles_as_zeros():
     with ball.working(200):
         assert strip.bound(integrand, 0.8 * math.asinh(0.17 / b)) is not None
         assert strip.bound(integrand, 1.5 * math.asinh(0.2 / b)) is None
+
+
+@pytest.mark.parametrize(
+    ("potential", "even"), [("(x**2-1)**2 - x**4/50", True), ("(x**2-1)**2 + x/1000000000", False)]
+)
+def test_symmetry_is_used_where_it_is_proved_and_nowhere_else(potential, even):
+    """Over the barrier. A term of 1e-9 breaks the symmetry: means over a quarter of a turn would be 1e-10 off."""
+    system = hjsolve.System({"x": "line"}, "dot(x)**2/2", potential)
+    motion = hjsolve.solve(system).motion(
+        q={"x": 0}, velocity={"x": "3/2"}, certified=True, digits=40, want=["periods", "actions"]
+    )
+    assert cycle("x", motion).fold == (4 if even else 2)
+    with mpmath.workdps(60):
+        a, b = (mpmath.mpf(end.value) for end in motion.turning_points["x"])
+
+        def V(x):
+            return (x * x - 1) ** 2 + (-(x**4) / 50 if even else x / mpmath.mpf(10) ** 9)
+
+        E = V(mpmath.mpf(0)) + mpmath.mpf("1.125")
+        middle, half = (a + b) / 2, (b - a) / 2
+
+        def rate(φ):
+            x = middle - half * mpmath.cos(φ)
+            return half * mpmath.sin(φ) / mpmath.sqrt(2 * (E - V(x)))
+
+        N = 600
+        truth = 2 * mpmath.pi / N * mpmath.fsum(rate(mpmath.pi * (2 * m + 1) / (2 * N)) for m in range(N))
+    check(motion.periods["x"], truth, 40)
+
+
+def test_the_folds_of_a_turn_give_the_same_mean():
+    motion = pendulum(velocity={"theta": "1.9"}, want=["periods", "actions"])
+    whole = cycle("theta", motion)
+    spinning = cycle("theta", pendulum(velocity={"theta": "2.2"}, want=["periods", "actions"]))
+    assert (whole.fold, spinning.fold) == (4, 2)
+    with ball.working(200):
+        for integrand in (whole, spinning):
+            means = [strip.means(replace(integrand, fold=integrand.fold // part), 100) for part in (1, 2)]
+            for one, other in zip(*means, strict=True):
+                assert one.overlaps(other)
