@@ -35,6 +35,8 @@ from hjsolve.solution import Solution
 if TYPE_CHECKING:
     from hjsolve.motion import Motion
 
+_FARTHEST = 4
+"""Quarters of a turn from 0 up to which a centre of symmetry is looked for."""
 _LONG = 60
 """Operations from which on a formula is not multiplied out to see whether it is even."""
 
@@ -174,25 +176,24 @@ def _near(radicand: Radicand, ends: tuple[Any, Any], inputs: list[Any]) -> tuple
 
 
 def _centre(F: sp.Expr, q: sp.Symbol, near: Any, *, turns: bool) -> Any | None:
-    """A place about which p² is an even function by its form, if there is one at the place given."""
-    for half_turns in _centres(F, q, turns):
-        centre = half_turns * flint.arb.pi() / 2
-        if abs((near - centre).mid()) < 1e-6:
-            return centre
-    return None
+    """A place nπ/2 about which p² is an even function by its form, if there is one at the place given."""
+    n = near * 2 / flint.arb.pi()
+    if not n.is_finite() or abs(n) > _FARTHEST:
+        return None
+    whole = round(float(n.mid()))
+    close = abs(float(n.mid()) - whole) < 1e-6
+    return whole * flint.arb.pi() / 2 if close and _even_about(F, q, whole, turns) else None
 
 
 @lru_cache(maxsize=256)
-def _centres(F: sp.Expr, q: sp.Symbol, turns: bool) -> tuple[int, ...]:
-    """The n from −4 to 4 with F(nπ − q) = F(q); none for a rotation where F(q + 2π) = F(q) is not seen."""
+def _even_about(F: sp.Expr, q: sp.Symbol, n: int, turns: bool) -> bool:
+    """True when F(nπ − q) = F(q), and for a rotation F(q + 2π) = F(q), are identities."""
 
     def same(place: sp.Expr) -> bool:
         other = F.xreplace({q: place})
-        return other == F or (sp.count_ops(F) < _LONG and sp.expand(other - F) == 0)
+        return bool(other == F or (sp.count_ops(F) < _LONG and sp.expand(other - F) == 0))
 
-    if turns and not same(q + 2 * sp.pi):
-        return ()
-    return tuple(n for n in range(-4, 5) if same(n * sp.pi - q))
+    return same(n * sp.pi - q) and (not turns or same(q + 2 * sp.pi))
 
 
 def _spread_round(anomaly: Any) -> Map | None:
