@@ -269,10 +269,24 @@ def _inside_domains(system: System, values: Mapping[sp.Symbol, sp.Expr]) -> None
     for c in system.coordinates:
         place = values[c.symbol]
         for bound, side in ((c.domain.lower, 1), (c.domain.upper, -1)):
-            if bound is not None and sign(side * (place - bound.subs(values))) <= 0:
+            if bound is None:
+                continue
+            end = bound.subs(values)
+            if not _real(end):
+                given = ", ".join(f"{symbol} = {values[symbol]}" for symbol in sorted(bound.free_symbols, key=str))
+                raise InvalidInputError(
+                    f"parameters: the domain of {c.name} {'begins' if side > 0 else 'ends'} at {bound}, which is no "
+                    f"real number for {given}; choose parameters for which it is"
+                )
+            if sign(side * (place - end)) <= 0:
                 raise InvalidInputError(
                     f"q[{c.name}]: {place} is outside the domain, which {'begins' if side > 0 else 'ends'} at {bound}"
                 )
+
+
+def _real(value: sp.Expr) -> bool:
+    """False for what is certainly no real number."""
+    return bool(value.is_Rational or value.evalf(20).is_real is not False)
 
 
 def domain_ends(

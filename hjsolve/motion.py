@@ -316,12 +316,12 @@ def _start(solution: Solution, initial: Initial, name: str) -> Start:
     parameters = tuple(p.symbol for p in solution.system.parameters)
     exact = [initial.constants[c] for c in solution.constants] + [initial.values[s] for s in parameters]
     rules = [to_bits(value) for value in exact]
-    squared, kernels, absent = _tapes(F, coordinate.symbol, constants, parameters)
+    squared, kernels, absent, periodic = _tapes(F, coordinate.symbol, constants, parameters)
     radicand = Radicand(squared, kernels, lambda bits: [rule(bits) for rule in rules])
     momentum, shift = initial.values[coordinate.momentum], solution.shift[name]
     ends = [None if end is None else to_bits(end) for end in domain_ends(solution.system, name, initial.values)]
     place = to_bits(initial.values[coordinate.symbol])
-    angle = coordinate.domain.kind == "angle" and _periodic(radicand, place)
+    angle = coordinate.domain.kind == "angle" and (periodic or _periodic(radicand, place))
     forward = sign(expanded(momentum + shift.subs(initial.values))) if shift != 0 else sign(expanded(momentum))
     return Start(name, radicand, place, forward, ends[0], ends[1], angle, absent)
 
@@ -329,10 +329,11 @@ def _start(solution: Solution, initial: Initial, name: str) -> Start:
 @lru_cache(maxsize=256)
 def _tapes(
     F: sp.Expr, q: sp.Symbol, constants: tuple[sp.Symbol, ...], parameters: tuple[sp.Symbol, ...]
-) -> tuple[Tape, Tape, tuple[bool, ...]]:
-    """p² and its kernels ½ ∂F/∂κⱼ as tapes, and which kernels are zero everywhere."""
+) -> tuple[Tape, Tape, tuple[bool, ...], bool]:
+    """p² and its kernels ½ ∂F/∂κⱼ as tapes; which kernels are zero everywhere; whether p² has period 2π by its form."""
     arguments, kernels = [q, *constants, *parameters], [sp.diff(F, c) / 2 for c in constants]
-    return lower([spread_exponentials(F)], arguments), lower(kernels, arguments), tuple(k == 0 for k in kernels)
+    absent, periodic = tuple(k == 0 for k in kernels), bool(F.xreplace({q: q + 2 * sp.pi}) == F)
+    return lower([spread_exponentials(F)], arguments), lower(kernels, arguments), absent, periodic
 
 
 def _periodic(radicand: Radicand, place: Any) -> bool:

@@ -54,7 +54,7 @@ _FEW = 200
 _LN2 = math.log(2)
 
 
-_HEIGHTS = 0.1 * 1.25 ** np.arange(17)
+_HEIGHTS = 0.1 * 1.3 ** np.arange(14)
 """Half widths of a strip that are tried in doubles."""
 
 
@@ -147,7 +147,7 @@ def midpoint(cycle: Cycle, strip: Bound, bits: int, sizes: list[Any]) -> list[An
 
 def _widest(cycle: Cycle, bits: int, sizes: list[Any]) -> float | None:
     """The half width of a strip over the plain map that needs the fewest nodes, as doubles see it; None for none."""
-    x = np.linspace(0, np.pi, 25) if cycle.librates else np.linspace(-np.pi, np.pi, 49)
+    x = np.linspace(0, np.pi, 19) if cycle.librates else np.linspace(-np.pi, np.pi, 37)
     χ = x + 1j * _HEIGHTS[:, None]
     inputs = [float(v.mid()) for v in cycle.inputs]
     with np.errstate(all="ignore"):
