@@ -23,9 +23,8 @@ from hjsolve.numeric.course import Bounded, Course, Open
 from hjsolve.numeric.single import solve_alone
 
 _EPS = 2.0**-52
-_STEPS, _POLISH = 60, 3
-_NEAR = 1e-11
-_FARTHEST = 2.0**60
+_STEPS, _POLISH = 120, 3
+_NEAR, _BLUR = 1e-11, 1e-13
 
 Weights = tuple[float, ...]
 
@@ -73,8 +72,8 @@ def pair(courses: tuple[Course, Course], used: Sequence[Weights], equations: int
     rows = [_kernels(c, equations) for c in courses]
     units = [tuple(float(j == k) for j in range(equations)) for k in range(equations)]
     for level in (*units[1:], units[0]):
-        first, second = (part @ np.array(level) for part in rows)
-        if not ((np.all(first > 0) and np.all(second < 0)) or (np.all(first < 0) and np.all(second > 0))):
+        signs = [_sign(c, part, level) for c, part in zip(courses, rows, strict=True)]
+        if signs[0] * signs[1] != -1:
             continue
         size = [abs(np.linalg.det(np.array([*used, level, clock]))) for clock in units]
         clock = units[0] if size[0] > 1e-9 else units[int(np.argmax(size))]
@@ -91,6 +90,17 @@ def _kernels(course: Course, n: int) -> Any:
     else:
         χ = np.linspace(-3.1, 3.1, 33)
     return np.stack([np.broadcast_to(course.rate(j, χ), χ.shape) for j in range(n)], axis=1)
+
+
+def _sign(course: Course, rows: Any, level: Weights) -> int:
+    """The sign of a combination of kernels all along a course, 0 where it has none.
+
+    Beside a pole in a coordinate a kernel may be smaller than the rounding of its series: that counts as zero.
+    """
+    values = rows @ np.array(level)
+    noise = _BLUR * float(np.max(np.abs(rows) @ np.abs(level))) if isinstance(course, Bounded) else 0.0
+    side = 1 if values[int(np.argmax(np.abs(values)))] > 0 else -1
+    return side if np.all(side * values >= -noise) and np.any(values) and (noise or np.all(values)) else 0
 
 
 def solve_pair(couple: Pair, goals: Any, noise: Any, time: Any) -> Found:
@@ -225,13 +235,15 @@ class _Search:
             first, last = np.where(beyond, first, middle), np.where(beyond, middle, last)
         ends = stations[first], stations[last]
         low, high = np.minimum(*ends), np.maximum(*ends)
-        x = (low + high) / 2
+        x, width = (low + high) / 2, high - low
         for count in range(_STEPS):
             off, slope = self._equation(x)
             low, high = np.where(off <= 0, x, low), np.where(off >= 0, x, high)
             with np.errstate(all="ignore"):
                 new = x - off / slope
-            new = np.where((new >= low) & (new <= high) & (count % 6 < 5), new, (low + high) / 2)
+            slow = (count % 4 == 3) & (high - low > width / 4)  # Newton's steps are worth less than halving
+            new = np.where((new >= low) & (new <= high) & ~slow, new, (low + high) / 2)
+            width = np.where(count % 4 == 3, high - low, width)
             moved, x = np.abs(new - x), new
             if np.all(moved <= _NEAR * np.abs(x)) or np.all(high - low <= 4 * _EPS * np.abs(x)):
                 break

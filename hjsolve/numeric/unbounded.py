@@ -13,6 +13,7 @@ from typing import Any
 
 import numpy as np
 
+from hjsolve.errors import NotConvergedError
 from hjsolve.numeric.course import Course, Open
 from hjsolve.numeric.pair import Pair, pair, solve_pair
 from hjsolve.numeric.single import solve_alone
@@ -63,10 +64,12 @@ def plan(courses: Sequence[Course]) -> Plan:
 
 
 def _sample(course: Course, n: int) -> Any:
-    """Rows of kernels at a few phases, each scaled to unit size."""
+    """Rows of kernels at a few phases, each scaled to unit size; without those that are rounding."""
     χ = np.array([0.37, 0.81, 1.23, 1.77, 2.41, 2.93]) * (0.3 if isinstance(course, Open) else 1.0)
     rows = np.stack([np.broadcast_to(course.rate(j, χ), χ.shape) for j in range(n)], axis=1)
-    return rows / np.max(np.abs(rows), axis=1, keepdims=True)
+    sizes = np.max(np.abs(rows), axis=1, keepdims=True)
+    told = sizes[:, 0] > 1e-12 * float(np.max(sizes))
+    return rows[told] / sizes[told]
 
 
 def _own(i: int, left: list[int], samples: list[Any]) -> Step | None:
@@ -268,6 +271,9 @@ class _Equations:
             if worked:
                 x, now, step = trial, target, 2 * step
             elif abs(step) < 1e-13 * max(abs(goal), 1e-13):
+                near = [min(v - low, high - v) < 1e-6 * (1 + abs(v)) for v, (low, high) in zip(x, limits, strict=True)]
+                if not any(near):
+                    raise NotConvergedError(f"coupled coordinates could not be followed beyond t - t0 = {now:.9g}")
                 return x, now
             else:
                 step /= 4

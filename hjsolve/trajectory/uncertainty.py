@@ -38,7 +38,7 @@ def state_errors(
     courses = courses_of(motion, phases)
     slack = [np.asarray(e, dtype=float) + _blur(c, x, unit) for e, c, x in zip(phases.errors, courses, χ, strict=True)]
     for name, course, x, e in zip(motion.solution.coordinates, courses, χ, slack, strict=True):
-        slope_q, slope_p = _slopes(course, x)
+        slope_q, slope_p = _slopes(course, x, e)
         size_q, size_p = np.abs(q[name].astype(float)), np.abs(p[name].astype(float))
         if motion.turning_points.get(name, (None, None))[0] is not None and _straddles(motion, name):
             size_q = size_q + _width(motion, name)
@@ -106,12 +106,12 @@ def _width(motion: Motion, name: str) -> float:
     return sum(abs(float(end.value)) for end in motion.turning_points[name] if end is not None)
 
 
-def _slopes(course: Course, χ: Any) -> tuple[Any, Any]:
-    """|dq/dχ| and |dp/dχ| by small differences, generous where they vary."""
+def _slopes(course: Course, χ: Any, error: Any) -> tuple[Any, Any]:
+    """|dq/dχ| and |dp/dχ| by differences over the error of χ, or small ones; generous where they vary."""
     if isinstance(course, Bounded) and course.momentum.cosines.dtype == object:
         course = _rounded(course)
     scale = np.maximum(1.0, np.abs(χ)) if isinstance(course, Open) else 1.0  # far out, steps must be seen
-    h, rest = 1e-6 * scale, 1e-6 / scale
+    h, rest = np.clip(error, 1e-6 * scale, 0.5 * scale), 1e-6 / scale
     (q1, p1), (q0, p0), (q2, p2) = (course.place(χ + s) for s in (-h, 0.0, h))
     return 2 * np.maximum(np.abs(q2 - q0), np.abs(q0 - q1)) / h + rest * np.abs(q2 - q1), 2 * np.maximum(
         np.abs(p2 - p0), np.abs(p0 - p1)
