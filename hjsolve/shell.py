@@ -105,6 +105,10 @@ class _Lagrangian:
     def parts(self) -> list[sp.Expr]:
         return [*self.mass, *self.linear, self.rest, self.potential]
 
+    def couples(self, i: int) -> bool:
+        """Whether T ties the velocity of coordinate i to another one, or holds it linearly."""
+        return bool(self.linear[i]) or any(x != 0 for j, x in enumerate(self.mass.row(i)) if j != i)
+
     def subs(self, symbol: sp.Symbol, value: sp.Expr) -> _Lagrangian:
         linear = tuple(x.subs(symbol, value) for x in self.linear)
         return _Lagrangian(
@@ -201,6 +205,8 @@ def _find_ignorable(
 ) -> tuple[tuple[Coordinate, ...], _Lagrangian]:
     """Coordinates that T and V do not hold, also where they seem to (cos²φ + sin²φ); those are set to a number.
 
+    One whose domain ends is kept among the others where nothing couples it to them: its motion ends there.
+
     Slopes that do not vanish at a point modulo a prime are no zero functions; the others are proved to be.
     """
     symbols = [c.symbol for c in system.coordinates]
@@ -214,7 +220,8 @@ def _find_ignorable(
             continue
         if any(c.symbol in x.free_symbols for x in lagrangian.parts()):
             lagrangian = lagrangian.subs(c.symbol, _inside(c))
-        found.append(c)
+        if c.domain.kind != "interval" or lagrangian.couples(i):
+            found.append(c)
     return tuple(found), lagrangian
 
 
@@ -299,7 +306,8 @@ def _reduction_steps(
         steps.append(Step("Velocity-free part of T", text, lagrangian.potential - lagrangian.rest))
     if not steps:
         names = ", ".join(c.name for c in system.coordinates)
-        steps.append(Step("Ignorable coordinates", f"T or V holds each of {names}: none is ignorable.", None))
+        text = f"T or V holds each of {names}, or the motion may reach an end of its domain: none is ignorable."
+        steps.append(Step("Ignorable coordinates", text, None))
     return tuple(steps)
 
 
