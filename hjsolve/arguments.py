@@ -80,13 +80,13 @@ def digits(value: Any) -> int:
 
 
 def seconds(value: Any, source: str) -> float:
-    """A positive number of seconds; ``math.inf`` is one.
+    """A number of seconds, from 0 on; ``math.inf`` is one.
 
     Raises:
-        InvalidInputError: no number, not positive, or NaN.
+        InvalidInputError: no number, negative, or NaN.
     """
-    if isinstance(value, bool) or not isinstance(value, Real) or math.isnan(value) or value <= 0:
-        raise InvalidInputError(f"{source}: a positive number of seconds is needed, not {described(value)}")
+    if isinstance(value, bool) or not isinstance(value, Real) or math.isnan(value) or value < 0:
+        raise InvalidInputError(f"{source}: a number of seconds, from 0 on, is needed, not {described(value)}")
     return float(value)
 
 

@@ -56,7 +56,7 @@ def find_coordinates(system: System, *, special: bool = True, budget: float = 20
 
     Raises:
         InvalidSystemError: the system is not natural, not in Cartesian coordinates, or not in two or three dimensions.
-        InvalidInputError: no system at all, or no positive budget.
+        InvalidInputError: no system at all, or a negative budget.
 
     Example:
         >>> from hjsolve import System

@@ -37,7 +37,7 @@ def separate(system: System, *, budget: float = DEFAULT_BUDGET) -> Verdict:
         ``Separation``, ``Obstruction`` (proved not to separate, with a witness) or ``Undecided``.
 
     Raises:
-        InvalidInputError: not a system, or no positive budget. What cannot be decided is a verdict, no error.
+        InvalidInputError: not a system, or a negative budget. What cannot be decided is a verdict, no error.
     """
     arguments.refuse_other(system, System, "separate", A_SYSTEM)
     budget = arguments.seconds(budget, "budget")
