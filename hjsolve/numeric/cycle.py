@@ -27,8 +27,8 @@ from hjsolve.numeric.tape import Bound, Tape
 
 _ENTIRE = {"add", "sub", "mul", "neg", "rational", "pi", "sin", "cos", "exp", "sinh", "cosh"}
 
-TERMS = 10
-"""Terms of Taylor's formula at a turning point, without the remainder."""
+TERMS = 8
+"""Terms of Taylor's formula at a turning point, without the remainder; Arb's series are cut off at ten."""
 
 
 class Shares(NamedTuple):
@@ -175,7 +175,11 @@ class Cycle:
     def taylor(self, q: Any, terms: int) -> list[Any]:
         """Return F, F′, F″/2, … at a complex ball."""
         value = self._series.run(flint.acb_series([q, 1], prec=terms))[0]
-        return [value[k] for k in range(terms)] if isinstance(value, flint.acb_series) else [value, *[0] * (terms - 1)]
+        if not isinstance(value, flint.acb_series):
+            return [value, *[0] * (terms - 1)]
+        if value.prec < terms:  # cut off on the way (``_composed``, ``flint.ctx.cap``): what is missing is not known
+            return [flint.acb("nan")] * terms
+        return [value[k] for k in range(terms)]
 
     @cached_property
     def end_series(self) -> tuple[list[Any], list[Any]]:

@@ -39,7 +39,7 @@ _SPREAD = 2.0
 _PARTS, _LARGEST_PART = ((100, 0.3), (400, 0.4), (1500, 0.5)), 0.6
 """Half width of the strip of a spread map, in units of π/κ, by the bits wanted: a wider one is dearer to prove, and
 q = ∞ comes at √½ in the middle."""
-_NEAR = 0.5
+_NEAR = 0.35
 """Distance from a turning point, in units of b − a, up to which p² is taken from there."""
 _AIM = 0.6
 """The spread of a ball on the edge that is aimed at."""

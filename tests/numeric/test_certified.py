@@ -234,3 +234,18 @@ def test_the_folds_of_a_turn_give_the_same_mean():
             means = [strip.means(replace(integrand, fold=integrand.fold // part), 100) for part in (1, 2)]
             for one, other in zip(*means, strict=True):
                 assert one.overlaps(other)
+
+
+@pytest.mark.parametrize("potential", ["x**2/10 + exp(-x**2) + x/3", "x**2/10 + cosh(x/2) + x/3", "x**2 + asinh(x)/3"])
+def test_taylor_coefficients_that_are_cut_off_are_not_taken_for_zero(potential):
+    """One coefficient more than a series holds reads as 0: the remainder was lost, and a period was 1e-18 off."""
+    system = hjsolve.System({"x": "line"}, "dot(x)**2/2", potential)
+    given = {"q": {"x": "-1.3"}, "velocity": {"x": "2.5"}, "want": ["periods"]}
+    solution = hjsolve.solve(system)
+    found = solution.motion(**given, certified=True, digits=20)
+    better = solution.motion(**given, digits=40).periods["x"]
+    with mpmath.workdps(60):
+        assert abs(mpmath.mpf(found.periods["x"].value) - better.value) <= found.periods["x"].error + better.error
+    integrand = cycle("x", found)
+    with ball.working(64):
+        assert not integrand.taylor(ball.flint.acb(1, 1), ball.flint.ctx.cap + 1)[-1].is_finite()
