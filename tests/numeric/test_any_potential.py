@@ -6,6 +6,7 @@ import os
 
 import pytest
 from hypothesis import assume, given, note, settings
+from hypothesis import strategies as st
 from mpmath import mp
 
 import hjsolve
@@ -111,3 +112,22 @@ def test_thirty_digits_mean_thirty(potential, place, speed):
         motion = moving(potential, place, speed, digits=30)
         period, truth = motion.periods["x"], 2 * curve.time(*ends)
         assert abs(period.value - truth) <= period.error <= mp.mpf("1.01e-30") * truth
+
+
+@examples(5)
+@given(confining, coefficient("-2", "2"), positive, st.sampled_from([15, 24, 40]))
+def test_proved_numbers_hold_the_truth(potential, place, speed, digits):
+    pytest.importorskip("flint", reason="needs the extra certified")
+    with mp.workdps(2 * digits + 20):
+        curve, _ = line(potential, place, speed)
+        ends = curve.turning()
+        assume(ends is not None and None not in ends and not degenerate(curve, ends))
+        motion = moving(potential, place, speed, digits=digits, certified=True, want=["turning_points", "periods"])
+        found = dict(zip(ends, motion.turning_points["x"], strict=True)) | {
+            2 * curve.time(*ends): motion.periods["x"],
+        }  # fmt: skip
+        for truth, ours in found.items():
+            note(f"{ours} against {mp.nstr(truth, digits + 10)}")
+            assert ours.certified
+            assert abs(mp.mpf(ours.value) - truth) <= ours.error
+            assert ours.error <= mp.mpf(10) ** -digits * max(abs(truth), 1) * (16 if digits == 15 else 2)
