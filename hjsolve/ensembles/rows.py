@@ -17,8 +17,10 @@ from hjsolve.ensembles.momenta import run_from_velocities, value_of
 from hjsolve.ensembles.recipe import Recipe, Tools, tools_of
 from hjsolve.ensembles.single import single_orbit
 
-CHUNK = 4096
-"""Orbits that one thread treats at a time: their working arrays stay in the cache of a core."""
+CHUNK = 16384
+"""Orbits that one thread treats at a time, as many as the engine works on together."""
+
+_FEWEST = 1024
 
 Columns = dict[str, Any]
 
@@ -49,7 +51,7 @@ def compute(recipe: Recipe, q: list[Any], rates: list[Any], *, threads: int | No
     def part(window: slice) -> None:
         _fill(recipe, tools, columns, window, [x[window] for x in q], [x[window] for x in rates], stop)
 
-    windows = list(_windows(n))
+    windows = list(_windows(n, threads or cores()))
     count = min(threads or cores(), len(windows))
     if count <= 1:
         for window in windows:
@@ -74,8 +76,10 @@ def _empty(n: int, dtype: np.dtype[Any]) -> Any:
     return np.full(n, np.nan) if dtype.kind == "f" else np.zeros(n, dtype)
 
 
-def _windows(n: int) -> Iterator[slice]:
-    yield from (slice(k, min(k + CHUNK, n)) for k in range(0, n, CHUNK))
+def _windows(n: int, threads: int) -> Iterator[slice]:
+    """Chunks; smaller ones where they are few, so that no thread waits long for the last."""
+    size = min(CHUNK, max(_FEWEST, -(-n // (4 * threads)))) if threads > 1 else CHUNK
+    yield from (slice(k, min(k + size, n)) for k in range(0, n, size))
 
 
 def _fill(
