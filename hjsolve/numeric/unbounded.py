@@ -14,7 +14,7 @@ from typing import Any
 import numpy as np
 
 from hjsolve.errors import NotConvergedError
-from hjsolve.numeric.course import Course, Open
+from hjsolve.numeric.course import Bounded, Course, Open
 from hjsolve.numeric.pair import Pair, pair, solve_pair
 from hjsolve.numeric.single import solve_alone
 
@@ -64,11 +64,14 @@ def plan(courses: Sequence[Course]) -> Plan:
 
 
 def _sample(course: Course, n: int) -> Any:
-    """Rows of kernels at a few phases, each scaled to unit size; without those that are rounding."""
+    """Rows of kernels at a few phases, each scaled to unit size; without those that are rounding.
+
+    A periodic series is rounded like its greatest value, panels each like their own.
+    """
     χ = np.array([0.37, 0.81, 1.23, 1.77, 2.41, 2.93]) * (0.3 if isinstance(course, Open) else 1.0)
     rows = np.stack([np.broadcast_to(course.rate(j, χ), χ.shape) for j in range(n)], axis=1)
     sizes = np.max(np.abs(rows), axis=1, keepdims=True)
-    told = sizes[:, 0] > 1e-12 * float(np.max(sizes))
+    told = sizes[:, 0] > 1e-12 * (float(np.max(sizes)) if isinstance(course, Bounded) else 0.0)
     return rows[told] / sizes[told]
 
 
