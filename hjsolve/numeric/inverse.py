@@ -139,16 +139,27 @@ def phases(system: Torus, time: tuple[Any, Any]) -> tuple[list[Any], list[Any], 
     χ: list[Any] = [None] * n
     errors: list[Any] = [None] * n
     for k in system.order:
-        goal = angles[k] - sum(
-            (system.ripples[k][i].ripple(χ[i]) for i in system.order if χ[i] is not None and i != k), 0.0
-        )
-        slack = sum(
-            (errors[i] for i in system.order if errors[i] is not None and len(system.ripples[k][i].cosines)), 0.0
-        )
-        χ[k], errors[k] = _alone(system.ripples[k][k], goal, slack)
+        beside, slack = _of_others(system, k, χ, errors)
+        χ[k], errors[k] = _alone(system.ripples[k][k], angles[k] - beside, slack)
     if system.coupled:
         _together(system, angles, χ, errors)
     return χ, whole, errors
+
+
+def _of_others(system: Torus, k: int, χ: list[Any], errors: list[Any]) -> tuple[Any, Any]:
+    """Ripples of θₖ beside the phases known by now, and what their errors and rounding do to that sum."""
+    total, slack = 0.0, 0.0
+    for i in system.order:
+        ripple = system.ripples[k][i]
+        if i != k and χ[i] is not None and len(ripple.cosines):
+            total = total + ripple.ripple(χ[i])
+            slack = slack + np.abs(ripple.value(χ[i]) - float(ripple.mean)) * errors[i] + 2 * _EPS * _size(ripple)
+    return total, slack
+
+
+def _size(ripple: Series) -> float:
+    """What the rounding of a ripple is relative to."""
+    return float(np.sum(np.abs(ripple.cosines.astype(float) / np.arange(1, len(ripple.cosines) + 1))))
 
 
 def _alone(ripple: Series, goal: Any, slack: Any) -> tuple[Any, Any]:
@@ -168,8 +179,7 @@ def _alone(ripple: Series, goal: Any, slack: Any) -> tuple[Any, Any]:
     χ, residual, slope = bracketed(
         lambda x: (x + ripple.ripple(x) - goal, 1 + ripple.value(x) - float(ripple.mean)), χ, low, high
     )
-    size = float(np.sum(np.abs(ripple.cosines.astype(float) / np.arange(1, len(ripple.cosines) + 1))))
-    noise = noise + 2 * _EPS * (size + np.pi) + np.abs(residual)
+    noise = noise + 2 * _EPS * (_size(ripple) + np.pi) + np.abs(residual)
     return χ + shift, noise / np.maximum(slope, _EPS) + _EPS * np.pi
 
 
@@ -202,8 +212,8 @@ def bracketed(function: Any, x: Any, low: Any, high: Any) -> tuple[Any, Any, Any
 def _together(system: Torus, angles: list[Any], χ: list[Any], errors: list[Any]) -> None:
     """Solve the coupled coordinates by Newton's method, following the torus from the start where it fails."""
     block = system.coupled
-    known = [angles[k] - sum((system.ripples[k][i].ripple(χ[i]) for i in system.order), 0.0) for k in block]
-    goal = np.stack(known)
+    beside = [_of_others(system, k, χ, errors) for k in block]
+    goal = np.stack([angles[k] - ripples for k, (ripples, _) in zip(block, beside, strict=True)])
     found = _newton(system, goal, goal.copy(), 40)
     bad = ~(np.max(np.abs(_residual(system, goal, found)), axis=0) < 1e-9)
     if bad.any():
@@ -211,7 +221,8 @@ def _together(system: Torus, angles: list[Any], χ: list[Any], errors: list[Any]
     residual = _residual(system, goal, found)
     inverse = np.linalg.inv(_jacobian(system, found).transpose(2, 0, 1))
     size = sum(float(np.sum(np.abs(system.ripples[k][i].cosines.astype(float)))) for k in block for i in block)
-    noise = np.max(np.abs(residual), axis=0) + _EPS * (np.max(np.abs(goal), axis=0) + size + np.pi)
+    noise = np.max(np.abs(residual), axis=0) + 2 * _EPS * (np.max(np.abs(goal), axis=0) + size + np.pi)
+    noise = noise + np.max(np.stack([0 * noise + slack for _, slack in beside]), axis=0)
     bound = np.sum(np.abs(inverse), axis=2) * noise[:, None]
     for row, k in enumerate(block):
         χ[k], errors[k] = found[row], bound[:, row] + _EPS * np.pi
