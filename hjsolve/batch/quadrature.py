@@ -27,7 +27,7 @@ _TRIALS = (0, 1, 3, 5)
 _EVEN_TRIALS = (6, 7)
 _MANY = 36
 _PLACES = 5
-_ELEMENTS = 1 << 17
+_ELEMENTS = 1 << 18
 
 
 @dataclass(frozen=True)
@@ -179,7 +179,7 @@ def _rule(region: Region, constants: int, table: tables.Nodes, *, kernels: bool,
     goal = np.maximum(_GOAL * size, 0.25 * blur)
     with np.errstate(all="ignore"):
         excess = np.where(tail > 0, tail, 1e-300) / size
-        wish = 1e-8 if not ripples else 1e-15
+        wish = 1e-10 if not ripples else 1e-15
         more = np.max(2 + (count - 2) * np.log(wish) / np.log(np.minimum(excess, 0.5)), axis=0)
     fits = (alias <= goal) | (tail <= 0.5 * blur)
     if ripples:
