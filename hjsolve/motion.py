@@ -331,9 +331,9 @@ def _tapes(
     F: sp.Expr, q: sp.Symbol, constants: tuple[sp.Symbol, ...], parameters: tuple[sp.Symbol, ...]
 ) -> tuple[Tape, Tape, tuple[bool, ...], bool]:
     """p² and its kernels ½ ∂F/∂κⱼ as tapes; which kernels are zero everywhere; whether p² has period 2π by its form."""
-    arguments, kernels = [q, *constants, *parameters], [sp.diff(F, c) / 2 for c in constants]
+    inputs, kernels = [q, *constants, *parameters], [sp.diff(F, c) / 2 for c in constants]
     absent, periodic = tuple(k == 0 for k in kernels), bool(F.xreplace({q: q + 2 * sp.pi}) == F)
-    return lower([spread_exponentials(F)], arguments), lower(kernels, arguments), absent, periodic
+    return lower([spread_exponentials(F)], inputs), lower(kernels, inputs), absent, periodic
 
 
 def _periodic(radicand: Radicand, place: Any) -> bool:
