@@ -22,10 +22,6 @@ from hjsolve.numeric.rowwise import rowwise
 _EPS = 2.0**-52
 _SAFETY = 1.5
 _GOAL = 4e-16
-_TRIAL = 24
-_TRIALS = (0, 1, 3, 5)
-_EVEN_TRIALS = (6, 7)
-_MANY = 36
 _PLACES = 5
 _ELEMENTS = 1 << 18
 
@@ -104,7 +100,7 @@ def empty(constants: int, count: int) -> Sums:
     return Sums(row(), row(), block(), block(), block(), block(), row(), row(), block(), np.zeros(count, dtype=bool))
 
 
-def integrate(region: Region, constants: int, *, kernels: bool, ripples: bool, first: int = 16) -> Sums:
+def integrate(region: Region, constants: int, *, kernels: bool, ripples: bool, first: int = 32) -> Sums:
     """Integrate with as many nodes as every orbit needs.
 
     Args:
@@ -129,26 +125,8 @@ def integrate(region: Region, constants: int, *, kernels: bool, ripples: bool, f
             group, table = np.flatnonzero(codes == code), _table(region, int(code))
             for part in np.array_split(group, len(group) * len(table.χ) // _ELEMENTS + 1):
                 result, more = _rule(region.take(part), constants, table, kernels=kernels, ripples=ripples)
-                if code // 512 < _TRIAL and code % 512 in (0, tables.EVEN) and region.turning:
-                    more = _crowded(region, part[~result.good], constants, more, ~result.good, kernels, ripples)
                 needed[part] = np.where(result.good, np.inf, more)
                 sums.put(part, result)
-
-
-def _crowded(region: Region, part: Any, constants: int, more: Any, which: Any, kernels: bool, ripples: bool) -> Any:
-    """Where many nodes would be needed, try which crowding needs least; it is written into ``region.warp``."""
-    many = np.flatnonzero(more[which] > _MANY)
-    if not len(many):
-        return more
-    part, row = part[many], np.flatnonzero(which)[many]
-    warps = _TRIALS if region.warp[part[0]] < tables.EVEN else _EVEN_TRIALS
-    trials = [
-        _rule(region.take(part), constants, _table(region, _TRIAL * 512 + warp), kernels=kernels, ripples=ripples)[1]
-        for warp in warps
-    ]
-    region.warp[part] = np.array(warps)[np.argmin(trials, axis=0)]
-    more[row] = np.maximum(np.min(trials, axis=0), _TRIAL)
-    return more
 
 
 def _table(region: Region, code: int) -> tables.Nodes:
