@@ -25,6 +25,7 @@ from hjsolve.numeric.classify import Located, Start, ray
 from hjsolve.numeric.course import Bounded
 from hjsolve.numeric.cycle import Cycle, Map, all_round, between_turns
 from hjsolve.numeric.estimate import Estimate
+from hjsolve.numeric.line import Line, turning_point
 from hjsolve.numeric.radicand import Radicand
 from hjsolve.numeric.series import zero
 from hjsolve.numeric.strip import means
@@ -52,12 +53,31 @@ class Enclosed:
     periods: Mapping[str, Estimate]
 
 
-def enclose(motion: Motion, digits: int) -> Enclosed:
+def work_bits(digits: int) -> int:
+    """The precision to begin with; two words for 15 digits."""
+    return int(3.33 * digits) + 79
+
+
+def lines(radicands: Mapping[str, Radicand], initial: Initial, solution: Solution, bits: int) -> dict[str, Line]:
+    """Return p² of each separated coordinate in balls.
+
+    Raises:
+        MissingExtraError: python-flint is not installed.
+    """
+    ball.require_flint()
+    with working(bits):
+        exact = (*initial.constants.values(), *(initial.values[p.symbol] for p in solution.system.parameters))
+        inputs = [exact_ball(value) for value in exact]
+    return {name: Line(radicand, inputs, bits) for name, radicand in radicands.items()}
+
+
+def enclose(motion: Motion, digits: int, known: Mapping[str, Line]) -> Enclosed:
     """Enclose all numbers of a bounded motion.
 
     Args:
         motion: the motion, computed without proof.
         digits: relative digits wanted.
+        known: p² of each separated coordinate; worked out anew where more precision is needed.
 
     Returns:
         Estimates with ``certified`` True, each containing the truth.
@@ -65,30 +85,29 @@ def enclose(motion: Motion, digits: int) -> Enclosed:
     Raises:
         InvalidInputError: a coordinate neither librates nor rotates; that is not certified yet.
         NotConvergedError: an enclosure stayed wider than asked.
-        MissingExtraError: python-flint is not installed.
     """
-    ball.require_flint()
     unfit = [name for name, place in motion.located.items() if not isinstance(place.course, Bounded)]
     if unfit:
         raise InvalidInputError(
             f"certified=True encloses librations and rotations; {unfit[0]} is in {motion.kinds[unfit[0]]}"
         )
-    bits, work = int(3.33 * digits) + 12, int(3.33 * digits) + 80
+    work = work_bits(digits)
     for _ in range(6):
         try:
             with working(work):
-                return _enclose(motion, digits, bits, work)
+                return _enclose(motion, digits, known)
         except NotConvergedError:
             work *= 2
+            radicands = {name: line.radicand for name, line in known.items()}
+            known = lines(radicands, motion.initial, motion.solution, work)
     with working(work):
-        return _enclose(motion, digits, bits, work)
+        return _enclose(motion, digits, known)
 
 
-def _enclose(motion: Motion, digits: int, bits: int, work: int) -> Enclosed:
-    names = list(motion.solution.coordinates)
-    inputs = _inputs(motion.initial, motion.solution)
-    cycles = {name: _cycle(motion, name, inputs, work) for name in names}
-    constants = dict(zip(motion.initial.constants, inputs, strict=False))
+def _enclose(motion: Motion, digits: int, known: Mapping[str, Line]) -> Enclosed:
+    cycles = {name: _cycle(motion, name, line) for name, line in known.items()}
+    constants = {name: exact_ball(value) for name, value in motion.initial.constants.items()}
+    bits = int(3.33 * digits) + 12
     ends = {n: (f.lower, f.upper) for n, f in cycles.items() if f.lower is not None}
     found = {n: dict(zip(f.wanted, means(f, bits), strict=True)) for n, f in cycles.items() if f.wanted}
     count = len(motion.solution.constants)
@@ -111,20 +130,17 @@ def exact_ball(value: sp.Expr) -> Any:
     return lower([value], []).run(Balls(), [])[0]
 
 
-def librating(begin: Start, initial: Initial, solution: Solution) -> Located | None:
+def librating(begin: Start, initial: Initial, solution: Solution, line: Line) -> Located | None:
     """Prove that a coordinate librates, without integrating anything; None where that is not seen quickly.
 
     Args:
         begin: the coordinate.
-        initial, solution: where its constants and parameters stand.
-
-    Raises:
-        MissingExtraError: python-flint is not installed.
+        initial, solution: where its initial place stands.
+        line: its p² in balls.
     """
-    ball.require_flint()
-    with working(160):
+    with working(line.bits):
         place = exact_ball(initial.values[solution.system.coordinate(begin.name).symbol])
-        found = walls(begin, place, _inputs(initial, solution))
+    found = walls(begin, place, line)
     if found is None:
         return None
     context = multiprecision(64)
@@ -135,17 +151,11 @@ def librating(begin: Start, initial: Initial, solution: Solution) -> Located | N
     return Located(Bounded("libration", anomaly, empty, zero(), None, context.zero, begin.radicand), *ends)
 
 
-def _inputs(initial: Initial, solution: Solution) -> list[Any]:
-    """Constants and parameters as balls."""
-    values = (*initial.constants.values(), *(initial.values[p.symbol] for p in solution.system.parameters))
-    return [exact_ball(value) for value in values]
-
-
-def _cycle(motion: Motion, name: str, inputs: list[Any], work: int) -> Cycle:
+def _cycle(motion: Motion, name: str, line: Line) -> Cycle:
     """Prove the turning points and set up the integrands of one coordinate."""
     solution, course = motion.solution, motion.located[name].course
     assert isinstance(course, Bounded)
-    radicand, anomaly = course.radicand, course.anomaly
+    anomaly = course.anomaly
     F = solution.momentum_squared[name]
     held = [j for j, c in enumerate(solution.constants.values()) if c.symbol in F.free_symbols]
     wanted = tuple(held) if "time" in motion.parts else ()
@@ -156,23 +166,21 @@ def _cycle(motion: Motion, name: str, inputs: list[Any], work: int) -> Cycle:
         centre = _centre(F, q, slow, turns=True)
         fold = 1 if centre is None else 2
         slow = slow if centre is None else centre
-        return Cycle(radicand, inputs, None, None, slow, wanted, spread=_spread_round(anomaly), fold=fold)
+        return Cycle(line, None, None, slow, wanted, spread=_spread_round(anomaly), fold=fold)
     guesses = (anomaly.lower, anomaly.upper)  # type: ignore[union-attr]
-    a, b = (ball.turning_point(radicand, from_mpf(guess), inputs, work) for guess in guesses)
-    near, centre = _near(radicand, (a, b), inputs), _centre(F, q, (a + b) / 2, turns=False)
+    a, b = (turning_point(line, from_mpf(guess), line.bits) for guess in guesses)
+    centre = _centre(F, q, (a + b) / 2, turns=False)
     mirrored = centre is not None and a < centre < b  # p² > 0 between: what is mirrored is the same region
-    near = (max(near), max(near)) if mirrored else near
+    below = _near(line, a, b - a)
+    near = (below, below if mirrored else _near(line, b, a - b))
     spread = between_turns(*near) if max(near) > 1 else None
-    return Cycle(radicand, inputs, a, b, flint.arb(0), wanted, spread=spread, fold=4 if mirrored else 2)
+    return Cycle(line, a, b, flint.arb(0), wanted, spread=spread, fold=4 if mirrored else 2)
 
 
-def _near(radicand: Radicand, ends: tuple[Any, Any], inputs: list[Any]) -> tuple[float, float]:
+def _near(line: Line, end: Any, inward: Any) -> float:
     """The width over the distance of the next zero of p² outside, at −2F′/F″ from a turning point, roughly."""
-    near = []
-    for end, side in zip(ends, (-1, 1), strict=True):
-        _, slope, bend = ball.jet(radicand, end, inputs)
-        near.append(max(0.0, float((side * (ends[1] - ends[0]) * bend / (-2 * slope)).mid())))
-    return near[0], near[1]
+    _, slope, half = line.taylor(end, 3)
+    return max(0.0, float((inward * half / slope).mid()))
 
 
 def _centre(F: sp.Expr, q: sp.Symbol, near: Any, *, turns: bool) -> Any | None:
@@ -246,10 +254,12 @@ def estimate(value: Any, digits: int) -> Estimate:
     if digits <= 15:
         number: Any = float(middle)
         error: Any = float((value - flint.arb(number)).abs_upper()) * (1 + 2.0**-50)
+        widest = abs(number) * 10.0 ** (1 - digits)
     else:
         number = to_mpf(middle, int(3.33 * digits) + 16)
         error = to_mpf((value - from_mpf(number)).abs_upper(), 64) * (1 + 2.0**-50)
-    if not value.is_finite() or error > abs(number) * multiprecision(64).mpf(10) ** (1 - digits):
+        widest = abs(number) * multiprecision(64).mpf(10) ** (1 - digits)
+    if not value.is_finite() or error > widest:
         raise NotConvergedError("an enclosure stayed wider than the digits asked")
     return Estimate(number, error, certified=True)
 

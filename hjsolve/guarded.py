@@ -9,8 +9,8 @@ Every function takes ``fail``, which makes the error to raise from a message.
 from __future__ import annotations
 
 from collections.abc import Callable, Sequence
-from dataclasses import dataclass, replace
 from math import ceil, comb, prod
+from typing import NamedTuple
 
 import mpmath
 import sympy as sp
@@ -33,6 +33,7 @@ _OF_LOGARITHMS = frozenset({"exp", "sinh", "cosh", "tanh", "coth", "sech", "csch
 _CONTEXT = mpmath.MPContext()
 _CONTEXT.dps = 60
 _HUGE = _CONTEXT.mpf(10) ** MAX_DIGITS
+_TINY = 1 / _HUGE
 _VANISHING = _CONTEXT.mpf(10) ** -40
 
 Fail = Callable[[str], ExpressionError]
@@ -63,8 +64,7 @@ FUNCTIONS: dict[str, Callable[[sp.Expr], sp.Expr]] = {
 }
 
 
-@dataclass(frozen=True)
-class Node:
+class Node(NamedTuple):
     """A subexpression.
 
     Attributes:
@@ -91,17 +91,18 @@ def leaf(expression: sp.Expr) -> Node:
 
 def literal(text: str, fail: Fail) -> Node:
     """The exact rational that an integer or a decimal spells."""
-    expression = sp.Rational(text)
-    return _checked(Node(expression, _value(expression)), fail)
+    return _checked(Node(sp.Rational(text)), fail)
 
 
 def negative(node: Node) -> Node:
     """−a."""
-    return replace(node, expression=-node.expression, value=None if node.value is None else -node.value)
+    return node._replace(expression=-node.expression, value=None if node.value is None else -node.value)
 
 
 def total(nodes: Sequence[Node], fail: Fail) -> Node:
     """The sum a + b + …, in one step."""
+    if all(n.expression.is_Rational for n in nodes):
+        return _checked(Node(sp.Add(*(n.expression for n in nodes))), fail)
     value = None if any(n.value is None for n in nodes) else _CONTEXT.fsum(n.value for n in nodes)
     terms, nesting, degree = sum(n.terms for n in nodes), max(n.nesting for n in nodes), max(n.degree for n in nodes)
     below = max(n.below for n in nodes)
@@ -110,6 +111,8 @@ def total(nodes: Sequence[Node], fail: Fail) -> Node:
 
 def product(nodes: Sequence[Node], fail: Fail) -> Node:
     """The product a·b·…, in one step."""
+    if all(n.expression.is_Rational for n in nodes):
+        return _checked(Node(sp.Mul(*(n.expression for n in nodes))), fail)
     value = None if any(n.value is None for n in nodes) else _CONTEXT.fprod(n.value for n in nodes)
     terms, nesting, degree = prod(n.terms for n in nodes), max(n.nesting for n in nodes), sum(n.degree for n in nodes)
     below = prod(n.below for n in nodes)
@@ -243,7 +246,7 @@ def _built(compute: Callable[[], sp.Expr], what: str, fail: Fail) -> sp.Expr:
 
 
 def _within(value: mpmath.mpf, fail: Fail) -> mpmath.mpf:
-    if value and not 1 / _HUGE <= abs(value) <= _HUGE:
+    if value and not _TINY <= abs(value) <= _HUGE:
         raise fail(f"the number is beyond 1e±{MAX_DIGITS}; choose other units")
     return value
 
@@ -251,6 +254,8 @@ def _within(value: mpmath.mpf, fail: Fail) -> mpmath.mpf:
 def _checked(node: Node, fail: Fail) -> Node:
     """The node, once it is finite, real and of a size that can be worked with."""
     expression, value = node.expression, node.value
+    if expression.is_Rational and _bits(expression) <= MAX_BITS:  # nothing else can be wrong with a number
+        return Node(expression, _within(_value(expression), fail))
     if expression.has(sp.zoo, sp.nan, sp.oo, -sp.oo):
         raise fail("the value is not finite (a division by zero, or a pole)")
     if expression.has(sp.I):
@@ -261,12 +266,10 @@ def _checked(node: Node, fail: Fail) -> Node:
         raise fail(f"the number is beyond 1e±{MAX_DIGITS}; choose other units")
     if any(map(_is_high_power, sp.Mul.make_args(expression))):
         raise fail(f"exponents beyond ±{MAX_EXPONENT} are not accepted")
-    if expression.is_Rational:
-        value = _value(expression)
     if value is not None:
         _within(value, fail)
     _check_sizes(max(node.terms, node.below), node.nesting, fail)
-    return replace(node, value=value)
+    return node
 
 
 def _value(expression: sp.Expr) -> mpmath.mpf:

@@ -271,17 +271,20 @@ def _certified(solution: Solution, initial: Initial, t0: sp.Expr, digits: int, p
 
     The proof needs kinds and guesses, in few digits and without an integral.
     """
-    from hjsolve.certified import enclose, librating
+    from hjsolve.certified import enclose, librating, lines, work_bits
 
-    located = {}
-    for name in solution.coordinates:
-        begin = replace(_start(solution, initial, name), parts=frozenset[str]())
-        located[name] = librating(begin, initial, solution) or locate(_checked(begin), FLOAT_DIGITS)
+    begins = {name: replace(_start(solution, initial, name), parts=frozenset[str]()) for name in solution.coordinates}
+    radicands = {name: begin.radicand for name, begin in begins.items()}
+    known = lines(radicands, initial, solution, work_bits(digits))
+    located = {
+        name: librating(begin, initial, solution, known[name]) or locate(_checked(begin), FLOAT_DIGITS)
+        for name, begin in begins.items()
+    }
     motion = Motion(
         solution, initial, t0, digits, located, None, _kinds(solution, located), {}, {}, {}, {}, {}, {}, parts,
         states=cache(lambda: _move(solution, initial, t0, digits, parts)),
     )  # fmt: skip
-    proved = enclose(motion, digits)
+    proved = enclose(motion, digits, known)
     return replace(
         motion, constants=proved.constants, turning_points=proved.turning_points, actions=proved.actions,
         frequencies=proved.frequencies, periods=proved.periods,

@@ -11,7 +11,7 @@ from dataclasses import dataclass
 from functools import cached_property
 from typing import Any
 
-from hjsolve.numeric.ball import Balls, flint, jet
+from hjsolve.numeric.ball import Balls, flint
 from hjsolve.numeric.counting import count
 from hjsolve.numeric.cycle import Cycle
 
@@ -83,24 +83,23 @@ class _Plain:
 
     def _sloped(self, q: Any, end: int, offset: Any, distance: Any) -> Any:
         place = (self.cycle.lower, self.cycle.upper)[end]
-        bend = jet(self.cycle.radicand, _hull(q, place), self.cycle.inputs).second
-        return (self._end_slopes[end] + bend * offset / 2) / distance
+        bend = self.cycle.line.taylor(_hull(q, place), 3)[2]
+        return (self._end_slopes[end] + bend * offset) / distance
 
     @cached_property
     def _end_slopes(self) -> tuple[Any, Any]:
         """F′ at both turning points."""
-        f, inputs = self.cycle.radicand, self.cycle.inputs
-        return jet(f, self.cycle.lower, inputs).first, jet(f, self.cycle.upper, inputs).first
+        line = self.cycle.line
+        return line.taylor(self.cycle.lower, 2)[1], line.taylor(self.cycle.upper, 2)[1]
 
     def _squared(self, q: Any) -> Any:
         """F on a ball: directly at a point, by a Taylor polynomial about the middle where the ball is wide."""
         middle = q.mid()
         offset = q - middle
         if abs(offset).upper() < flint.arb(2) ** -40 * abs(middle).upper():
-            return self.cycle.square.run(q)[0]
-        centre = jet(self.cycle.radicand, middle, self.cycle.inputs)
-        bend = jet(self.cycle.radicand, q, self.cycle.inputs).second
-        return centre.value + centre.first * offset + bend * offset * offset / 2
+            return self.cycle.line.value(q)
+        value, slope = self.cycle.line.taylor(middle, 2)
+        return value + (slope + self.cycle.line.taylor(q, 3)[2] * offset) * offset
 
 
 def _wide(q: Any) -> bool:

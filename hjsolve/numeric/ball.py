@@ -1,6 +1,6 @@
 """Ball arithmetic (Arb, through the extra ``certified``): every value a ball that contains the truth.
 
-Turning points are proved by the interval Newton test; for the integrals see ``strip`` and ``adaptive``.
+Turning points are proved in ``line`` and ``walls``, integrals in ``strip`` and ``adaptive``.
 """
 
 from __future__ import annotations
@@ -11,10 +11,9 @@ from contextlib import AbstractContextManager
 from dataclasses import dataclass
 from typing import Any, ClassVar
 
-from hjsolve.errors import MissingExtraError, NotConvergedError
+from hjsolve.errors import MissingExtraError
 from hjsolve.numeric.arithmetic import ByOperators
 from hjsolve.numeric.jet import Jet, Jets
-from hjsolve.numeric.radicand import Radicand
 
 try:
     import flint as flint
@@ -117,43 +116,6 @@ def _meets_cut(name: str, x: Any) -> bool:
     if name in {"sqrt", "log"}:
         return not along > 0
     return not along > 1 if name == "acosh" else not abs(along) < 1
-
-
-def jet(radicand: Radicand, q: Any, inputs: list[Any]) -> Jet:
-    """Enclose F, F′, F″ at a ball."""
-    jets = Jets(Balls())
-    parts = radicand.squared.run(jets, [jets.variable(q), *(Jet(x) for x in inputs)])[0]
-    return Jet(*(flint.arb(0) if part is None else part for part in parts))
-
-
-def turning_point(radicand: Radicand, guess: Any, inputs: list[Any], bits: int) -> Any:
-    """Prove a simple zero of F next to a guess (an exact ball), and enclose it to about ``bits``.
-
-    Raises:
-        NotConvergedError: the interval Newton test does not contract.
-    """
-    series = radicand.squared.bind(Series(), inputs)
-
-    def line(q: Any) -> tuple[Any, Any]:
-        value = series.run(flint.arb_series([q, 1], prec=2))[0]
-        return (value[0], value[1]) if isinstance(value, flint.arb_series) else (value, flint.arb(0))
-
-    centre = guess.mid()
-    for _ in range(2 * bits.bit_length()):
-        value, slope = line(centre)
-        step = (value / slope).mid()
-        centre = (centre - step).mid()
-        if abs(step) < abs(centre) * flint.arb(2) ** (24 - bits // 2):  # what is left is the square of it
-            break
-    value = line(centre)[0]
-    for spare in (16, 24, 48, 96, bits // 2):
-        around = flint.arb(centre, (abs(centre) + flint.arb(2) ** -bits) * flint.arb(2) ** (spare - bits))
-        slope = line(around)[1]
-        if not slope.contains(0):
-            newton = centre - value / slope
-            if around.contains(newton):
-                return newton
-    raise NotConvergedError(f"the turning point near {float(guess.mid()):.15g} could not be proved to be one")
 
 
 def from_mpf(x: Any) -> Any:

@@ -17,12 +17,12 @@ as exact, so the map is the same at every precision.
 from __future__ import annotations
 
 import math
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from functools import cached_property, lru_cache
 from typing import Any, NamedTuple
 
-from hjsolve.numeric.ball import Balls, Series, flint, working
-from hjsolve.numeric.radicand import Radicand
+from hjsolve.numeric.ball import Balls, flint, working
+from hjsolve.numeric.line import Line
 from hjsolve.numeric.tape import Bound, Tape
 
 _ENTIRE = {"add", "sub", "mul", "neg", "rational", "pi", "sin", "cos", "exp", "sinh", "cosh"}
@@ -113,13 +113,14 @@ def all_round(gap: float) -> Map:
 
 
 class Spot(NamedTuple):
-    """A place of the cycle: q, q − a, b − q (None for a rotation), |dq/dχ|/√((q − a)(b − q)), s² + c²."""
+    """A place of the cycle: q, q − a, b − q (None for a rotation), |dq/dχ|/√((q − a)(b − q)), s² + c²; is a nearer?"""
 
     q: Any
     from_lower: Any
     to_upper: Any
     stretch: Any
     denominator: Any
+    near_lower: bool = False
 
 
 @dataclass(frozen=True, eq=False)
@@ -127,8 +128,7 @@ class Cycle:
     """The integrands of one coordinate at one precision: of the current context when it is made.
 
     Attributes:
-        radicand: p² and kernels.
-        inputs: constants and parameters.
+        line: p² and kernels.
         lower, upper: turning points; None for a rotation.
         slow: q₀ for a rotation, χ = π.
         wanted: kernels, −1 for p dq.
@@ -138,8 +138,7 @@ class Cycle:
             where χ ↦ π − χ leaves them what they are as well; 1 where nothing is known.
     """
 
-    radicand: Radicand
-    inputs: list[Any]
+    line: Line
     lower: Any
     upper: Any
     slow: Any
@@ -154,47 +153,42 @@ class Cycle:
         return self.lower is not None
 
     def over(self, map_: Map) -> Cycle:
-        """Return the same cycle with another map, everything rounded to the current precision."""
-        inputs = [x + 0 for x in self.inputs]
-        lower, upper = (None if x is None else x + 0 for x in (self.lower, self.upper))
+        """Return the same cycle with another map."""
         fold = self.fold if map_.lower == map_.upper else min(self.fold, 2)  # χ ↦ π − χ exchanges s and c
-        return Cycle(self.radicand, inputs, lower, upper, self.slow + 0, self.wanted, map_, self.spread, fold)
+        return self if map_ == self.map else replace(self, map=map_, fold=fold)
+
+    def rounded(self, bits: int) -> Cycle:
+        """Return the same cycle for a low precision."""
+        line = self.line.rounded(bits)
+        if line is self.line:
+            return self
+        with working(bits):
+            lower, upper = (None if x is None else x + 0 for x in (self.lower, self.upper))
+            return replace(self, line=line, lower=lower, upper=upper, slow=self.slow + 0)
 
     @cached_property
     def width(self) -> Any:
-        return self.upper - self.lower
+        with working(self.line.bits):  # whoever asks first, at whatever precision
+            return self.upper - self.lower
 
     @cached_property
-    def square(self) -> Bound:
-        return self.radicand.squared.bind(Balls(), self.inputs)
+    def lower_series(self) -> list[Any]:
+        """``TERMS`` Taylor coefficients of F at the lower turning point."""
+        return self.line.taylor(flint.acb(self.lower), TERMS)
 
     @cached_property
-    def _series(self) -> Bound:
-        return self.radicand.squared.bind(Series(), self.inputs)
-
-    def taylor(self, q: Any, terms: int) -> list[Any]:
-        """Return F, F′, F″/2, … at a complex ball."""
-        value = self._series.run(flint.acb_series([q, 1], prec=terms))[0]
-        if not isinstance(value, flint.acb_series):
-            return [value, *[0] * (terms - 1)]
-        if value.prec < terms:  # cut off on the way (``_composed``, ``flint.ctx.cap``): what is missing is not known
-            return [flint.acb("nan")] * terms
-        return [value[k] for k in range(terms)]
-
-    @cached_property
-    def end_series(self) -> tuple[list[Any], list[Any]]:
-        """``TERMS`` Taylor coefficients of F at both turning points."""
-        lower, upper = (self.taylor(flint.acb(end), TERMS) for end in (self.lower, self.upper))
-        return lower, upper
+    def upper_series(self) -> list[Any]:
+        """The same at the upper one."""
+        return self.line.taylor(flint.acb(self.upper), TERMS)
 
     @cached_property
     def weights(self) -> Bound:
-        return self.radicand.kernels.only(*(j for j in self.wanted if j >= 0)).bind(Balls(), self.inputs)
+        return self.line.weights(*(j for j in self.wanted if j >= 0))
 
     @cached_property
     def entire(self) -> bool:
         """True where p² and the kernels are entire functions of q by their form."""
-        return _entire(self.radicand.squared) and _entire(self.radicand.kernels)
+        return _entire(self.line.radicand.squared) and _entire(self.line.radicand.kernels)
 
     def spot(self, χ: Any) -> Spot:
         """Return where χ is."""
@@ -202,9 +196,9 @@ class Cycle:
         if self.lower is None:
             return Spot(self._turned(χ, share), None, None, share.stretch, share.denominator)
         from_lower, to_upper = self.width * share.low, self.width * share.high
-        near_lower = bool(abs(share.low).mid() < abs(share.high).mid())
+        near_lower = bool(share.low.real < 0.5)  # the shares add up to 1
         q = self.lower + from_lower if near_lower else self.upper - to_upper
-        return Spot(q, from_lower, to_upper, share.stretch, share.denominator)
+        return Spot(q, from_lower, to_upper, share.stretch, share.denominator, near_lower)
 
     def _turned(self, χ: Any, share: Shares) -> Any:
         """Q of a rotation; on a complex ball up to whole turns, which p² does not see."""
@@ -221,7 +215,7 @@ class Cycle:
     def values(self, χ: Any) -> list[Any]:
         """Return the wanted integrands at a real ball, a node: kⱼ (dq/dχ)/p, or p dq/dχ."""
         spot = self.spot(χ)
-        square = self.square.run(spot.q)[0]
+        square = self.line.value(spot.q)
         if spot.from_lower is None:
             root, product = square.sqrt(), flint.arb(1)
         else:

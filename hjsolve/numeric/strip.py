@@ -14,6 +14,7 @@ choose the width a.
 
 from __future__ import annotations
 
+import functools
 import itertools
 import math
 from collections.abc import Callable, Iterator
@@ -28,7 +29,9 @@ from hjsolve.numeric.ball import flint, working
 from hjsolve.numeric.counting import count
 from hjsolve.numeric.cycle import TERMS, Cycle, Map, Spot
 
-_PIECES = 12
+_GROWTH = 2.0
+"""How much longer than a ball the next may be."""
+_PIECES = 8
 """Pieces of the edge to begin with, for half a turn."""
 _MOST_BOXES = 400
 """Balls on the edge, and over the strip, beyond which a strip is given up."""
@@ -49,13 +52,25 @@ _GOOD = 0.8
 """The spread above which another way to enclose R is tried."""
 _PI = 3.1415926535897936
 """The double after π."""
-_FEW = 200
-"""Bits below which the proof costs more than the nodes, and a narrower strip is better."""
+_PORTIONS, _LARGEST_PORTION = ((100, 0.5), (200, 0.8)), 0.97
+"""The part of the widest strip that is tried first, by the bits wanted: where they are few the proof costs more than
+the nodes, and it is cheaper for a narrower strip."""
 _LN2 = math.log(2)
 
 
-_HEIGHTS = 0.1 * 1.3 ** np.arange(14)
+_HEIGHTS = 0.1 * 1.5 ** np.arange(9)
 """Half widths of a strip that are tried in doubles."""
+
+
+def _grid(librates: bool) -> tuple[Any, Any, Any]:
+    """χ − π, (q − a)/(b − a) and (q − a)(b − q)/(b − a)² on the upper edges of these strips."""
+    x = np.linspace(0, np.pi, 13) if librates else np.linspace(-np.pi, np.pi, 25)
+    χ = x + 1j * _HEIGHTS[:, None]
+    low = (1 - np.cos(χ)) / 2
+    return χ - np.pi, low, low * (1 + np.cos(χ)) / 2 if librates else np.ones(1)
+
+
+_GRIDS = {librates: _grid(librates) for librates in (True, False)}
 
 
 class Bound(NamedTuple):
@@ -90,7 +105,7 @@ def means(cycle: Cycle, bits: int) -> list[Any]:
     Raises:
         NotConvergedError: a ball is wide; the motion is too close to a separatrix for the precision asked.
     """
-    rows = zip(*(cycle.values(flint.arb(x)) for x in (0.7, 1.6, 2.3)), strict=True)
+    rows = zip(*(cycle.values(flint.arb(x)) for x in (0.7, 2.0)), strict=True)
     sizes = [max(abs(x.mid()) for x in row) for row in rows]
     found = _midpoints(cycle, bits, sizes)
     if found is None:
@@ -121,7 +136,8 @@ def _plans(cycle: Cycle, bits: int, sizes: list[Any]) -> Iterator[tuple[Map, flo
         if wide is None or _SPREAD * wide < spread:
             yield from ((cycle.spread, portion * spread) for portion in (1.0, 0.7, 0.5))
     if wide is not None and wide > 1 / _MOST_NODES:
-        yield from ((Map(), portion * wide) for portion in (0.8 if bits < _FEW else 0.97, 0.6, 0.4))
+        first = next((portion for most, portion in _PORTIONS if bits <= most), _LARGEST_PORTION)
+        yield from ((Map(), portion * wide) for portion in (first, 0.6, 0.4))
 
 
 def midpoint(cycle: Cycle, strip: Bound, bits: int, sizes: list[Any]) -> list[Any]:
@@ -147,24 +163,22 @@ def midpoint(cycle: Cycle, strip: Bound, bits: int, sizes: list[Any]) -> list[An
 
 def _widest(cycle: Cycle, bits: int, sizes: list[Any]) -> float | None:
     """The half width of a strip over the plain map that needs the fewest nodes, as doubles see it; None for none."""
-    x = np.linspace(0, np.pi, 19) if cycle.librates else np.linspace(-np.pi, np.pi, 37)
-    χ = x + 1j * _HEIGHTS[:, None]
-    inputs = [float(v.mid()) for v in cycle.inputs]
+    inputs = [float(v.mid()) for v in cycle.line.inputs]
+    turned, low, product = _GRIDS[cycle.librates]
     with np.errstate(all="ignore"):
         if cycle.lower is None:
-            q, product = float(cycle.slow.mid()) + χ - np.pi, np.ones(1)
+            q = float(cycle.slow.mid()) + turned
         else:
-            low, c = float(cycle.width.mid()) / 2 * (1 - np.cos(χ)), np.cos(χ)
-            high = float(cycle.width.mid()) / 2 * (1 + c)
-            q, product = float(cycle.lower.mid()) + low, low * high
-        regular = np.broadcast_to(cycle.radicand.squared.run(Float64(), [q, *inputs])[0] / product, χ.shape)
-        weights = cycle.radicand.kernels.run(Float64(), [q, *inputs])
+            width = float(cycle.width.mid())
+            q, product = float(cycle.lower.mid()) + width * low, width * width * product
+        regular = np.broadcast_to(cycle.line.radicand.squared.run(Float64(), [q, *inputs])[0] / product, q.shape)
+        weights = cycle.line.radicand.kernels.run(Float64(), [q, *inputs])
         root = np.sqrt(np.abs(regular))
         values = [np.abs(product) * root if j < 0 else np.abs(weights[j]) / root for j in cycle.wanted]
         turns = np.sum(np.angle(regular[:, 1:] / regular[:, :-1]), axis=1)
         clear = np.cumprod(np.isfinite(turns) & (np.abs(turns) < 1)).astype(bool)
         excess = [np.log(4 * np.max(v, axis=-1) / float(size)) for v, size in zip(values, sizes, strict=True)]
-        nodes = (np.max(np.broadcast_arrays(*excess), axis=0) + (bits + 4) * _LN2) / _HEIGHTS
+        nodes = (functools.reduce(np.maximum, excess) + (bits + 4) * _LN2) / _HEIGHTS
         best = np.where(clear & np.isfinite(nodes), nodes, np.inf)
     return float(_HEIGHTS[np.argmin(best)]) if np.min(best) < np.inf else None
 
@@ -181,12 +195,13 @@ def bound(cycle: Cycle, a: float, bits: int = 64) -> Bound | None:
         The bound; None where the strip could not be proved to be free of singularities.
     """
     with working(bits):
-        low = cycle.over(cycle.map)
+        low = cycle.rounded(bits)
         if not (low.entire or _covered(low, a)):
             return None
         boxes = _edge(low, a)
-        chains = [] if boxes is None else [[b.centre for b in boxes], [b.denominator for b in boxes]]
-        if boxes is None or not all(_returns(chain, even=low.fold > 1) for chain in chains):
+        if boxes is None or not _returns([b.centre for b in boxes], even=low.fold > 1):
+            return None
+        if not (low.map.plain or _returns([b.denominator for b in boxes], even=low.fold > 1)):
             return None
         most = boxes[0].sizes
         for box in boxes[1:]:
@@ -198,22 +213,24 @@ def _edge(cycle: Cycle, a: float) -> list[_Box] | None:
     """Cover the edge Im χ = a with balls from left to right, as wide as they may be; None where that takes too many."""
     x, end = (-_PI, _PI) if cycle.fold == 1 else (0.0, 2 * _PI / cycle.fold)
     found: list[_Box] = []
-    step, work = _PI / _PIECES, _MOST_BOXES
+    step, growth, work = _PI / _PIECES, _GROWTH, _MOST_BOXES
     while x < end:
         if (work := work - 1) < 0:
             return None
         box = _box(cycle, flint.acb(_between(x, x + step), a))
+        change = min(growth, max(0.5, math.sqrt(_AIM / box.spread)))  # the spread goes like the square of the step
         if box.spread < _CLEAR:
             found.append(box)
-            x += step
-        step *= min(2.0, max(0.2, _AIM / box.spread)) if box.spread > 0 else 0.2
+            x, step, growth = x + step, step * change, _GROWTH
+        else:
+            step, growth = step * min(change, 0.7), 1.0
     return found
 
 
 def _box(cycle: Cycle, χ: Any) -> _Box:
     """Evaluate on a ball of the edge; R = F/P with P = (q − a)(b − q), or R = F for a rotation."""
     spot = cycle.spot(χ)
-    denominator, _, _, width = _ring(flint.acb(spot.denominator))
+    denominator, _, _, width = (flint.acb(1), 1, 1, 0.0) if cycle.map.plain else _ring(spot.denominator)
     if width >= 1:
         return _Box([], denominator, denominator, math.inf)
     product = flint.arb(1) if spot.from_lower is None else spot.from_lower * spot.to_upper
@@ -233,7 +250,7 @@ def _forms(cycle: Cycle, spot: Spot) -> list[Callable[[Cycle, Spot, Any], Any]]:
     """Ways to enclose R on a ball, the best one first."""
     if spot.from_lower is None:
         return [_of_a_rotation]
-    nearest = min(abs(spot.from_lower).upper(), abs(spot.to_upper).upper())
+    nearest = abs(spot.from_lower if spot.near_lower else spot.to_upper)
     return [_from_an_end, _from_the_middle] if nearest < _NEAR * cycle.width else [_from_the_middle]
 
 
@@ -248,17 +265,17 @@ def _ring(x: Any) -> tuple[Any, Any, Any, float]:
 def _of_a_rotation(cycle: Cycle, spot: Spot, _product: Any) -> Any:
     """F from its value and slope at the centre."""
     middle = spot.q.mid()
-    (value, slope), bend, h = cycle.taylor(middle, 2), cycle.taylor(spot.q, 3)[2], spot.q - middle
+    (value, slope), bend, h = cycle.line.taylor(middle, 2), cycle.line.taylor(spot.q, 3)[2], spot.q - middle
     return value + (slope + bend * h) * h
 
 
 def _from_an_end(cycle: Cycle, spot: Spot, _product: Any) -> Any:
     """R from F = (q − a) F[a, q] at the nearer turning point a, by Taylor's formula with its remainder on the hull."""
-    lower = bool(abs(spot.from_lower).mid() < abs(spot.to_upper).mid())
+    lower = spot.near_lower
     end, h = (cycle.lower, spot.from_lower) if lower else (cycle.upper, -spot.to_upper)
     hull = flint.acb(spot.q.real.union(end), spot.q.imag.union(flint.arb(0)))
-    value = cycle.taylor(hull, TERMS + 1)[TERMS]
-    for coefficient in cycle.end_series[0 if lower else 1][:0:-1]:
+    value = cycle.line.taylor(hull, TERMS + 1)[TERMS]
+    for coefficient in (cycle.lower_series if lower else cycle.upper_series)[:0:-1]:
         value = coefficient + value * h
     return value / spot.to_upper if lower else -value / spot.from_lower
 
@@ -269,7 +286,7 @@ def _from_the_middle(cycle: Cycle, spot: Spot, product: Any) -> Any:
     With P = P₀ + P₁h − h² that is R₀ + h (F₁ − R₀P₁ + (F₂ + R₀)h)/P: no difference of quotients that are nearly equal.
     """
     middle = spot.q.mid()
-    h, (value, slope), bend = spot.q - middle, cycle.taylor(middle, 2), cycle.taylor(spot.q, 3)[2]
+    h, (value, slope), bend = spot.q - middle, cycle.line.taylor(middle, 2), cycle.line.taylor(spot.q, 3)[2]
     from_lower, to_upper = middle - cycle.lower, cycle.upper - middle
     start = value / (from_lower * to_upper)
     return start + h * (slope - start * (to_upper - from_lower) + (bend + start) * h) / product
@@ -305,7 +322,7 @@ def _covered(cycle: Cycle, a: float) -> bool:
             return False
         x0, x1, y0, y1 = todo.pop()
         q = cycle.spot(flint.acb(_between(x0, x1), _between(y0, y1))).q
-        if all(x.is_finite() for x in (*cycle.square.run(q), *cycle.weights.run(q))):
+        if all(x.is_finite() for x in (cycle.line.value(q), *cycle.weights.run(q))):
             continue
         x, y = (x0 + x1) / 2, (y0 + y1) / 2
         todo += [(x0, x, y0, y), (x, x1, y0, y), (x0, x, y, y1), (x, x1, y, y1)]

@@ -12,9 +12,9 @@ import math
 from dataclasses import dataclass
 from typing import Any
 
-from hjsolve.numeric.ball import Balls, Series, flint, from_mpf, working
+from hjsolve.numeric.ball import flint, from_mpf, working
 from hjsolve.numeric.classify import Start
-from hjsolve.numeric.tape import Bound
+from hjsolve.numeric.line import Line
 
 _BITS = 128
 _MOST_STEPS = 240
@@ -28,7 +28,7 @@ class Wall:
 
     Attributes:
         inside, outside: distances from the start between which it lies, and no other zero.
-        guess: its place, good to about a double, as an exact ball.
+        guess: its place, as an exact ball; Newton's last step was below 2⁻²⁵ of the way.
     """
 
     inside: float
@@ -36,22 +36,19 @@ class Wall:
     guess: Any
 
 
-def walls(start: Start, place: Any, inputs: list[Any]) -> tuple[Wall, Wall] | None:
+def walls(start: Start, place: Any, line: Line) -> tuple[Wall, Wall] | None:
     """Return the turning points below and above the start; None where that could not be proved.
 
     Args:
         start: the coordinate.
         place: a ball that holds its initial place.
-        inputs: balls that hold the constants and parameters.
+        line: its p² in balls.
     """
     with working(_BITS):
         origin = flint.arb(
             from_mpf(start.place(_BITS)), abs(from_mpf(start.place(_BITS))) * flint.arb(2) ** (8 - _BITS)
         )
-        known = [x + 0 for x in inputs]
-        walker = _Walker(
-            start.radicand.squared.bind(Balls(), known), start.radicand.squared.bind(Series(), known), origin
-        )
+        walker = _Walker(line.rounded(_BITS), origin)
         still = Wall(0.0, 0.0, place.mid())
         found: list[Wall | None] = []
         for side in (-1, 1):
@@ -79,23 +76,17 @@ def _reach(start: Start, side: int) -> float | None:
 class _Walker:
     """F along the line, from a start."""
 
-    square: Bound
-    series: Bound
+    line: Line
     origin: Any
-
-    def taylor(self, q: Any, terms: int) -> list[Any]:
-        """Return F, F′, F″/2 … on a real ball."""
-        value = self.series.run(flint.arb_series([q, 1], prec=terms))[0]
-        return [value[k] for k in range(terms)] if isinstance(value, flint.arb_series) else [value, *[0] * (terms - 1)]
 
     def rises(self, side: int) -> bool:
         """True when F certainly grows from the start to one side."""
-        return bool(side * self.taylor(self.origin, 2)[1] > 0)
+        return bool(side * self.line.taylor(self.origin, 2)[1] > 0)
 
     def walk(self, side: int, reach: float | None, *, resting: bool) -> Wall | None:
         """Walk to one side; ``resting``: F = 0 at the start itself."""
-        x0, steps = 0.0, _MOST_STEPS
-        if not resting and not self.square.run(self.origin)[0] > 0:
+        x0, steps, here = 0.0, _MOST_STEPS, self.line.value(self.origin)
+        if not resting and not here > 0:
             return None
         step = first = self._step(reach)
         growth = 2.0
@@ -103,14 +94,14 @@ class _Walker:
             x1 = x0 + step if reach is None else min(x0 + step, reach)
             if x1 <= x0:
                 return None
-            end = self.square.run(self.origin + side * flint.arb(x1))[0]
+            end = self.line.value(self.origin + side * flint.arb(x1))
             ball = self.origin + side * flint.arb((x0 + x1) / 2, (x1 - x0) / 2 * (1 + 1e-12))
-            value, slope, bend = self.taylor(ball, 3)
+            value, slope, bend = self.line.taylor(ball, 3)
             slope = side * slope
             if end > 0 and (slope > 0 or slope < 0 or bend < 0 or value > 0):
-                x0, step, growth = x1, growth * step, min(2.0, growth + 0.25)
+                x0, here, step, growth = x1, end, growth * step, min(2.0, growth + 0.25)
             elif end < 0 and (slope < 0 or bend < 0):
-                return Wall(x0, x1, self._refined(side, x0, x1))
+                return Wall(x0, x1, self._refined(side, x0, x1, float((here / (here - end)).mid())))
             else:
                 step, growth = (x1 - x0) * 0.4, 1.0
         return None
@@ -119,7 +110,7 @@ class _Walker:
         """A first step: a part of the way there is, or a length over which F changes."""
         if reach is not None:
             return reach / 8
-        value, slope, bend = (float(abs(x).mid()) for x in map(flint.arb, self.taylor(self.origin, 3)))
+        value, slope, bend = (float(abs(x).mid()) for x in self.line.taylor(self.origin, 3))
         guesses = [
             value / slope if slope else 0.0,
             slope / bend if bend else 0.0,
@@ -127,19 +118,19 @@ class _Walker:
         ]
         return min((x for x in guesses if x > 0), default=1.0) / 2
 
-    def _refined(self, side: int, x0: float, x1: float) -> Any:
-        """Newton's method kept inside a bracket."""
+    def _refined(self, side: int, x0: float, x1: float, part: float) -> Any:
+        """Newton's method kept inside a bracket, from a part of the way on."""
         low, high = flint.arb(x0), flint.arb(x1)
-        x = (low + high) / 2
+        x = flint.arb(x0 + min(0.9, max(0.1, part)) * (x1 - x0))
         for _ in range(_NEWTON):
-            value, slope = (part.mid() for part in map(flint.arb, self.taylor(self.origin.mid() + side * x, 2)))
+            value, slope = (part.mid() for part in self.line.taylor(self.origin.mid() + side * x, 2))
             low, high = (x, high) if value > 0 else (low, x)
             if slope == 0:
                 new = (low + high) / 2
             else:
                 new = (x - side * value / slope).mid()
             new = new if low < new < high else ((low + high) / 2).mid()
-            if abs(new - x) <= abs(new) * 2.0**-40:
+            if abs(new - x) <= abs(new) * 2.0**-25:
                 return (self.origin.mid() + side * new).mid()
             x = new
         return (self.origin.mid() + side * x).mid()

@@ -82,8 +82,10 @@ def test_a_motion_that_escapes_is_refused_with_its_name():
 
 def cycle(name, motion, map_=None, bits=200):
     """The integrands of one coordinate of a certified motion, in balls."""
+    radicands = {name: motion.located[name].course.radicand}
+    line = certified.lines(radicands, motion.initial, motion.solution, bits)[name]
     with ball.working(bits):
-        made = certified._cycle(motion, name, certified._inputs(motion.initial, motion.solution), bits)
+        made = certified._cycle(motion, name, line)
         return made if map_ is None else made.over(map_)
 
 
@@ -248,4 +250,4 @@ def test_taylor_coefficients_that_are_cut_off_are_not_taken_for_zero(potential):
         assert abs(mpmath.mpf(found.periods["x"].value) - better.value) <= found.periods["x"].error + better.error
     integrand = cycle("x", found)
     with ball.working(64):
-        assert not integrand.taylor(ball.flint.acb(1, 1), ball.flint.ctx.cap + 1)[-1].is_finite()
+        assert not integrand.line.taylor(ball.flint.acb(1, 1), ball.flint.ctx.cap + 1)[-1].is_finite()

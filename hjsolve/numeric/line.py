@@ -1,0 +1,99 @@
+"""p² along the line of one coordinate, in balls: values and Taylor coefficients, and its zeros proved."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from functools import cached_property
+from typing import Any
+
+from hjsolve.errors import NotConvergedError
+from hjsolve.numeric.ball import Balls, Series, flint, working
+from hjsolve.numeric.radicand import Radicand
+from hjsolve.numeric.tape import Bound
+
+_FINE = 256
+"""Bits beyond which numbers are rounded before they are used at a low precision; below it costs more than it saves."""
+_SPARE = 40
+"""Bits that a turning point need not have of the working precision: about half of what that has to spare."""
+
+
+@dataclass(frozen=True, eq=False)
+class Line:
+    """F(q) = p²(q) and its kernels.
+
+    Attributes:
+        radicand: p² and kernels.
+        inputs: constants and parameters, as balls.
+        bits: the precision of the inputs.
+    """
+
+    radicand: Radicand
+    inputs: list[Any]
+    bits: int
+
+    def rounded(self, bits: int) -> Line:
+        """Return the same line for a low precision."""
+        if self.bits <= _FINE:
+            return self
+        with working(bits):
+            return Line(self.radicand, [x + 0 for x in self.inputs], bits)
+
+    @cached_property
+    def _square(self) -> Bound:
+        with working(self.bits):
+            return self.radicand.squared.bind(Balls(), self.inputs)
+
+    @cached_property
+    def _series(self) -> Bound:
+        with working(self.bits):
+            return self.radicand.squared.bind(Series(), self.inputs)
+
+    def weights(self, *chosen: int) -> Bound:
+        """Return the rule of some of the kernels."""
+        with working(self.bits):
+            return self.radicand.kernels.only(*chosen).bind(Balls(), self.inputs)
+
+    def value(self, q: Any) -> Any:
+        """Return F at a real or complex ball."""
+        return self._square.run(q)[0]
+
+    def taylor(self, q: Any, terms: int) -> list[Any]:
+        """Return F, F′, F″/2 … at a real or complex ball; "nan" for what is not known."""
+        real = isinstance(q, flint.arb)
+        kind, number = (flint.arb_series, flint.arb) if real else (flint.acb_series, flint.acb)
+        value = self._series.run(kind([q, 1], prec=terms))[0]
+        if not isinstance(value, kind):
+            return [number(value), *[number(0)] * (terms - 1)]
+        if value.prec < terms:  # cut off on the way (``ball._composed``, ``flint.ctx.cap``)
+            return [number("nan")] * terms
+        return [value[k] for k in range(terms)]
+
+
+def turning_point(line: Line, guess: Any, bits: int) -> Any:
+    """Prove a simple zero of F next to a guess by the interval Newton test, and enclose it to about ``bits``.
+
+    Raises:
+        NotConvergedError: the test does not contract.
+    """
+    centre, size = guess.mid(), abs(guess.mid()) + flint.arb(2) ** -bits
+    for _ in range(2 * bits.bit_length()):
+        value, slope = line.taylor(centre, 2)
+        step = (value / slope).mid()
+        if abs(step) < size * flint.arb(2) ** (16 - bits // 2):  # the square of it is left
+            found = _contracted(line, centre, value, 2 * abs(step), size, bits)
+            if found is not None and (found.rad() < size * flint.arb(2) ** (_SPARE - bits) or value.contains(0)):
+                return found
+        centre = (centre - step).mid()
+    raise NotConvergedError(f"the turning point near {float(guess.mid()):.15g} could not be proved to be one")
+
+
+def _contracted(line: Line, centre: Any, value: Any, reach: Any, size: Any, bits: int) -> Any | None:
+    """Newton's step from the values of F and the slopes on a ball; it holds the only zero there if it lies inside."""
+    for spare in (16, 24, 48, 96, bits // 2):
+        around = flint.arb(centre, reach + size * flint.arb(2) ** (spare - bits))
+        slope = line.taylor(around, 2)[1]
+        if not slope.contains(0):
+            newton = centre - value / slope
+            if around.contains(newton):
+                return newton
+    return None
