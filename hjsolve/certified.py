@@ -174,13 +174,13 @@ def _cycle(motion: Motion, name: str, line: Line) -> Cycle:
     below = _near(line, a, b - a)
     near = (below, below if mirrored else _near(line, b, a - b))
     spread = between_turns(*near) if max(near) > 1 else None
-    return Cycle(line, a, b, flint.arb(0), wanted, spread=spread, fold=4 if mirrored else 2)
+    return Cycle(line, a, b, flint.arb(0), wanted, spread=spread, near=max(near), fold=4 if mirrored else 2)
 
 
 def _near(line: Line, end: Any, inward: Any) -> float:
-    """The width over the distance of the next zero of p² outside, at −2F′/F″ from a turning point, roughly."""
+    """The width over the distance of the next zero or pole of R = p²/((q−a)(b−q)) from a turning point: W|R′/R|."""
     _, slope, half = line.taylor(end, 3)
-    return max(0.0, float((inward * half / slope).mid()))
+    return abs(float((inward * half / slope).mid()) + 1)
 
 
 def _centre(F: sp.Expr, q: sp.Symbol, near: Any, *, turns: bool) -> Any | None:

@@ -134,6 +134,8 @@ class Cycle:
         wanted: kernels, −1 for p dq.
         map: χ ↦ q.
         spread: a map for where another zero of p² is near; None where there is none.
+        near: the largest W|R′/R| at a turning point, W = b − a and R = p²/((q − a)(b − q)): W over the distance of the
+            next zero of p² outside.
         fold: into how many equal parts the integrands divide a turn: 2 where they are even in χ, as over a libration, 4
             where χ ↦ π − χ leaves them what they are as well; 1 where nothing is known.
     """
@@ -145,6 +147,7 @@ class Cycle:
     wanted: tuple[int, ...]
     map: Map = Map()
     spread: Map | None = None
+    near: float = 0.0
     fold: int = 1
 
     @property
@@ -207,10 +210,10 @@ class Cycle:
         s, c = share.s, share.c
         if isinstance(χ, flint.arb):
             return self.slow + 2 * flint.arb.atan2(s, c) - flint.arb.pi()
-        i = flint.acb(0, 1)
-        side = 1 if χ.real.mid() > 0 else -1
-        angle = Balls().unary("log", (c + i * s) / ((c - i * s) * i * side)) / i + side * flint.arb.pi() / 2
-        return self.slow + angle - flint.arb.pi()
+        if share.high.real > 0.5:
+            return self.slow + 2 * Balls().unary("atan", s / c) - flint.arb.pi()
+        side = 1 if χ.real.mid() > 0 else -1  # c/s is small near χ = ±π and keeps its relative width there
+        return self.slow - 2 * Balls().unary("atan", c / s) + (side - 1) * flint.arb.pi()
 
     def values(self, χ: Any) -> list[Any]:
         """Return the wanted integrands at a real ball, a node: kⱼ (dq/dχ)/p, or p dq/dχ."""

@@ -33,8 +33,12 @@ _GROWTH = 2.0
 """How much longer than a ball the next may be."""
 _PIECES = 8
 """Pieces of the edge to begin with, for half a turn."""
-_MOST_BOXES = 400
+_MOST_BOXES, _MOST_CELLS = 400, 1000
 """Balls on the edge, and over the strip, beyond which a strip is given up."""
+_SMALLEST_CELL = 2.0**-10
+"""A part of the strip that is still not free of singularities when it is as small as that has one."""
+_BITS, _SURE = 64, 40
+"""Precision of these balls, and what F must have of it."""
 _MOST_NODES = 12
 """Nodes for each bit beyond which Arb's own quadrature is the better way."""
 _SPREAD = 2.0
@@ -55,10 +59,12 @@ _PI = 3.1415926535897936
 _PORTIONS, _LARGEST_PORTION = ((100, 0.5), (200, 0.8)), 0.97
 """The part of the widest strip that is tried first, by the bits wanted: where they are few the proof costs more than
 the nodes, and it is cheaper for a narrower strip."""
+_SMALL = 0.1
+"""W|R′/R| below which a motion is nearly harmonic, and a strip may be as wide as they are tried."""
 _LN2 = math.log(2)
 
 
-_HEIGHTS = 0.1 * 1.5 ** np.arange(9)
+_HEIGHTS = 0.1 * 1.4 ** np.arange(11)
 """Half widths of a strip that are tried in doubles."""
 
 
@@ -130,14 +136,19 @@ def _midpoints(cycle: Cycle, bits: int, sizes: list[Any]) -> list[Any] | None:
 def _plans(cycle: Cycle, bits: int, sizes: list[Any]) -> Iterator[tuple[Map, float]]:
     """Maps with half widths of strips, the most promising first; those that need too many nodes are left out."""
     wide = _widest(cycle, bits, sizes)
+    if wide is None and cycle.librates and cycle.near < 1:  # F in doubles is all rounding: the motion is small
+        wide = 2 * math.asinh(1 / math.sqrt(cycle.near)) if cycle.near > _SMALL else _HEIGHTS[-1]
     if cycle.spread is not None:
         part = next((part for most, part in _PARTS if bits <= most), _LARGEST_PART)
-        spread = part * math.pi / max(cycle.spread.lower, cycle.spread.upper)
+        κ = max(cycle.spread.lower, cycle.spread.upper)
+        spread = part * math.pi / κ
+        if wide is not None:  # the doubles may step over what is very near
+            wide = min(wide, 2 * math.asinh(math.sqrt(2) / math.sinh(κ)))
         if wide is None or _SPREAD * wide < spread:
             yield from ((cycle.spread, portion * spread) for portion in (1.0, 0.7, 0.5))
     if wide is not None and wide > 1 / _MOST_NODES:
         first = next((portion for most, portion in _PORTIONS if bits <= most), _LARGEST_PORTION)
-        yield from ((Map(), portion * wide) for portion in (first, 0.6, 0.4))
+        yield from ((Map(), first * portion * wide) for portion in (1.0, 0.6, 0.36))
 
 
 def midpoint(cycle: Cycle, strip: Bound, bits: int, sizes: list[Any]) -> list[Any]:
@@ -183,17 +194,19 @@ def _widest(cycle: Cycle, bits: int, sizes: list[Any]) -> float | None:
     return float(_HEIGHTS[np.argmin(best)]) if np.min(best) < np.inf else None
 
 
-def bound(cycle: Cycle, a: float, bits: int = 64) -> Bound | None:
+def bound(cycle: Cycle, a: float) -> Bound | None:
     """Bound the integrands in a strip.
 
     Args:
         cycle: the integrands.
         a: half width of the strip.
-        bits: precision of the balls.
 
     Returns:
         The bound; None where the strip could not be proved to be free of singularities.
     """
+    with working(_BITS):
+        sure = cycle.line.value(cycle.spot(flint.arb(1)).q).rel_accuracy_bits()
+    bits = _BITS + min(max(0, _SURE - sure), cycle.line.bits)
     with working(bits):
         low = cycle.rounded(bits)
         if not (low.entire or _covered(low, a)):
@@ -316,16 +329,18 @@ def _covered(cycle: Cycle, a: float) -> bool:
     start, pieces = (0.0, 16 // cycle.fold) if cycle.fold > 1 else (-np.pi, 16)
     step = 3.1415926535897936 / 8
     todo = [(start + k * step, start + (k + 1) * step, 0.0, a) for k in range(pieces)]
-    work = _MOST_BOXES
+    work = _MOST_CELLS
     while todo:
-        if (work := work - 1) < 0:
-            return False
         x0, x1, y0, y1 = todo.pop()
+        if (work := work - 1) < 0 or x1 - x0 < _SMALLEST_CELL:
+            return False
         q = cycle.spot(flint.acb(_between(x0, x1), _between(y0, y1))).q
         if all(x.is_finite() for x in (cycle.line.value(q), *cycle.weights.run(q))):
             continue
-        x, y = (x0 + x1) / 2, (y0 + y1) / 2
-        todo += [(x0, x, y0, y), (x, x1, y0, y), (x0, x, y, y1), (x, x1, y, y1)]
+        if x1 - x0 > y1 - y0:
+            todo += [(x0, (x0 + x1) / 2, y0, y1), ((x0 + x1) / 2, x1, y0, y1)]
+        else:
+            todo += [(x0, x1, y0, (y0 + y1) / 2), (x0, x1, (y0 + y1) / 2, y1)]
     return True
 
 

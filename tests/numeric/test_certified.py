@@ -5,6 +5,7 @@ from __future__ import annotations
 import math
 import random
 from dataclasses import replace
+from fractions import Fraction
 
 import mpmath
 import pytest
@@ -13,6 +14,7 @@ import hjsolve
 from hjsolve import certified
 from hjsolve.errors import InvalidInputError
 from hjsolve.numeric import ball, strip
+from hjsolve.numeric.counting import counted
 from hjsolve.numeric.cycle import Map
 
 pytest.importorskip("flint")
@@ -46,11 +48,13 @@ def test_certified_pendulum_period_and_action_contain_the_elliptic_closed_forms(
 
 @pytest.mark.parametrize("excess", ["1", "1e-6", "1e-12"])
 def test_certified_rotation_just_above_the_separatrix(excess):
-    motion = pendulum(velocity={"theta": f"-2*(1+{excess})"}, digits=40)
+    with counted() as work:
+        motion = pendulum(velocity={"theta": f"-2*(1+{excess})"}, digits=40)
     with mpmath.workdps(120):
         k = 1 + mpmath.mpf(excess)
         check(motion.periods["theta"], 2 * mpmath.ellipk(1 / k**2) / k, 40)
         assert motion.frequencies["theta"].value < 0
+    assert work.kernels < 1000  # the adaptive quadrature takes 4000 at 1e-12
 
 
 @pytest.mark.parametrize("speed", ["1.2", "1.000001", "1.4142"])
@@ -62,6 +66,23 @@ def test_certified_kepler_frequencies_are_equal_and_obey_the_third_law(speed):
         check(motion.frequencies["r"], (-2 * E) ** mpmath.mpf("1.5"), 30)
         check(motion.frequencies["theta"], (-2 * E) ** mpmath.mpf("1.5"), 30)
         check(motion.actions["r"], 1 / mpmath.sqrt(-2 * E) - mpmath.mpf(speed), 24 if speed == "1.000001" else 30)
+
+
+@pytest.mark.parametrize("digits", [15, 40])
+@pytest.mark.parametrize(("m", "n"), [(12, 0), (6, 0), (0, 1), (0, 5), (0, 12)])
+def test_certified_kepler_from_nearly_circular_to_nearly_radial(m, n, digits):
+    """e = 10⁻ᵐ − 10⁻ⁿ: so small that p² in doubles is all rounding, or with the pole of p² next to a turning point."""
+    e = Fraction(10) ** -m - (Fraction(10) ** -n if n else 0)
+    kepler = hjsolve.solve(hjsolve.catalog.load("kepler-planar"))
+    with counted() as work:
+        motion = kepler.motion(q={"r": 1, "theta": 0}, velocity={"r": 0, "theta": f"sqrt({1 + e})"}, digits=digits,
+                               certified=True)  # fmt: skip
+    with mpmath.workdps(digits + 80):
+        exact = mpmath.mpf(e.numerator) / e.denominator
+        a, L = 1 / (1 - exact), mpmath.sqrt(1 + exact)
+        check(motion.periods["r"], 2 * mpmath.pi * mpmath.sqrt(a) ** 3, digits)
+        check(motion.actions["r"], mpmath.sqrt(a) - L, digits)
+    assert work.kernels < 60 * digits  # thousands where the quadrature has to be adaptive
 
 
 def test_two_certified_precisions_overlap_for_three_separated_coordinates():
