@@ -248,6 +248,11 @@ class Open:
         forward, ahead, behind = self._sides(χ)
         return np.where(forward, ahead.integral(j, abs(χ)), -behind.integral(j, abs(χ)))
 
+    def grain(self, j: int, χ: Any) -> Any:
+        """Return the size that the rounding of an integral in doubles refers to."""
+        forward, ahead, behind = self._sides(χ)
+        return np.where(forward, ahead.grain(j, abs(χ)), behind.grain(j, abs(χ)))
+
     def rate(self, j: int, χ: Any) -> Any:
         forward, ahead, behind = self._sides(χ)
         return np.where(forward, ahead.value(j, abs(χ)), behind.value(j, abs(χ)))
@@ -262,13 +267,28 @@ class Open:
         return sum(w * self.rate(j, χ) for j, w in enumerate(weights) if w)
 
     def limits(self) -> tuple[Any, Any]:
-        """Return the least and greatest phase the panels hold; infinite along an asymptote, whose tail is known."""
+        """Return the least and greatest phase the panels hold; infinite along an asymptote, whose tail is known.
+
+        Not where it is reached in a finite time all the same, at a place where the kinetic energy vanishes.
+        """
         _, ahead, behind = self._sides(np.zeros(1))
         ends = [
-            np.inf if b.way.end == "asymptote" else float(p.edges[-1])
+            np.inf if b.way.end == "asymptote" and not self._settled(p) else float(p.edges[-1])
             for b, p in ((self.behind, behind), (self.ahead, ahead))
         ]
         return -ends[0], ends[1]
+
+    def _settled(self, panels: Panels) -> bool:
+        """True where the time that the panels were made for no longer grows with the phase."""
+        weights, _ = self.reach
+        if weights is None or not any(weights):
+            return False
+        last = np.array([float(panels.edges[-1])])
+        rate, total = (
+            abs(sum(w * float(part(j, last)[0]) for j, w in enumerate(weights) if w))
+            for part in (panels.value, panels.integral)
+        )
+        return bool(last[0] * rate <= 10.0**-self.ahead.digits * total)
 
     def place(self, χ: Any) -> tuple[Any, Any]:
         count(places=χ.size)

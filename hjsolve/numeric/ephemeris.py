@@ -37,12 +37,14 @@ class Table:
         coefficients: for each quantity, powers of x ∈ [−1, 1] on each panel, lowest first, shape (degree + 1, panels).
         even: for each quantity of a table over [0, π]: True where f(−θ) = f(θ), False where f(−θ) = −f(θ).
         bounds: size that a quantity's accuracy refers to, one a panel.
+        doubts: what the rounding of the phase may do to the argument, one a panel.
     """
 
     edges: Any
     coefficients: tuple[Any, ...]
     even: tuple[bool, ...]
     bounds: tuple[Any, ...]
+    doubts: Any
 
     @cached_property
     def guide(self) -> Any:
@@ -72,6 +74,10 @@ class Table:
     def sizes(self, quantity: int, θ: Any) -> Any:
         """Return the size each value is accurate against: the largest of its quantity on its panel."""
         return np.take(self.bounds[quantity], self.panels(np.abs(θ) if self.even else θ))
+
+    def doubt(self, θ: Any) -> Any:
+        """Return the doubt in the argument that comes from the rounding of phases when the table was made."""
+        return np.take(self.doubts, self.panels(np.abs(θ) if self.even else θ))
 
     def evaluate(self, quantities: Sequence[int], θ: Any) -> list[Any]:
         """Return the quantities at arguments inside the table, shape (m,)."""
@@ -116,6 +122,7 @@ def tabulate(
     origin: float = 0.0,
     total: float | None = None,
     known: Callable[[Any], Any] | None = None,
+    grains: Callable[[Any], list[Any]] | None = None,
 ) -> Table:
     """Build a table.
 
@@ -129,18 +136,20 @@ def tabulate(
         total: known length of the table in θ, to which the sum is adjusted in the last bits.
         known: phase ↦ θ to a few units in the last place of ``total``: what the sum of many panels is not. Where θ has
             not grown far the sum is better, whose error is relative.
+        grains: phases at the left ends of panels ↦ sizes that the quantities are rounded against, where those are
+            larger than the quantities.
 
     Raises:
         NotConvergedError: too many panels; a quantity is not smooth.
     """
     left, right = np.asarray(starts[:-1], dtype=float), np.asarray(starts[1:], dtype=float)
-    done: list[tuple[Any, Any, Any]] = []
+    done: list[tuple[Any, Any, Any, Any]] = []
     tables: tuple[Any, ...]
     while len(left):
         lengths, parts, good = _panels(left, right, growth, outputs, scales)
         small = (right - left) <= 1e-13 * np.maximum(np.abs(left), np.abs(right))
         good |= small
-        done.append((left[good], lengths[good], [part[:, good] for part in parts]))
+        done.append((left[good], lengths[good], [part[:, good] for part in parts], right[good]))
         left, right = left[~good], right[~good]
         middle = _halfway(left, right)
         left, right = np.concatenate([left, middle]), np.concatenate([middle, right])
@@ -158,8 +167,14 @@ def tabulate(
     tables = tuple(
         np.ascontiguousarray(np.concatenate([d[2][k] for d in done], axis=1)[:, order]) for k in range(len(scales))
     )
-    bounds = tuple(np.maximum(np.sum(np.abs(rows), axis=0), scale or 0.0) for rows, scale in zip(tables, scales))
-    return Table(edges, tables, tuple(even), bounds)
+    begins, ends = (np.concatenate([d[k] for d in done])[order] for k in (0, 3))
+    floors = grains(begins) if grains else [0.0] * len(scales)
+    bounds = tuple(
+        np.maximum(np.sum(np.abs(rows), axis=0), np.maximum(scale or 0.0, floor))
+        for rows, scale, floor in zip(tables, scales, floors)
+    )
+    doubts = 2.0**-51 * np.maximum(np.abs(begins), np.abs(ends)) * np.diff(edges) / (ends - begins)
+    return Table(edges, tables, tuple(even), bounds, doubts)
 
 
 def _halfway(left: Any, right: Any) -> Any:

@@ -88,7 +88,8 @@ class Way:
             rest = 1 - y
             return self.length * y * (2 - y), self.length * rest * rest, 2 * self.length * rest
         if self.turning:
-            rise, fall = call("tanh", y), 1 / call("cosh", y)
+            decay = call("exp", -y)  # 1/cosh y without the overflow of cosh y
+            rise, fall = call("tanh", y), 2 * decay / (1 + decay * decay)
             return self.length * rise * rise, self.length * fall * fall, 2 * self.length * rise * fall * fall
         decay = call("exp", -y)
         return -self.length * call("expm1", -y), self.length * decay, self.length * decay
@@ -137,6 +138,12 @@ class Panels:
         panels = self._for(y)
         inside = np.minimum(y, panels.edges[-1])
         return panels._clenshaw(panels.sums[function], inside) + (y - inside) * panels.value(function, inside)
+
+    def grain(self, function: int, y: Any) -> Any:
+        """Return the size that the rounding of the integral in doubles refers to: that of its panel's coefficients."""
+        panels = self._for(y)
+        sizes = np.sum(np.abs(panels.sums[function].astype(float)), axis=-1)
+        return sizes[np.clip(np.searchsorted(panels.edges, y, side="right") - 1, 0, len(sizes) - 1)]
 
     def _for(self, y: Any) -> Panels:
         return self._rounded if y.dtype == float and self.edges.dtype == object else self

@@ -178,7 +178,7 @@ def _resting(motion: Motion) -> Dense:
     names = [c.name for c in motion.solution.system.coordinates if c.name not in motion.located]
     rows = [np.zeros((DEGREE + 1, 1)) for _ in range(2 + len(names))]
     rows[0][0] = place
-    table = Table(np.array([-np.pi, np.pi]), tuple(rows), (), tuple(np.abs(row[0]) for row in rows))
+    table = Table(np.array([-np.pi, np.pi]), tuple(rows), (), tuple(np.abs(row[0]) for row in rows), np.zeros(1))
     return Dense(table, {name: (2 + k, 0.0) for k, name in enumerate(names)}, True, -np.pi)
 
 
@@ -234,6 +234,7 @@ def _open(motion: Motion, power: int) -> Dense:
         [_scale(motion), None, *(np.pi for _ in names)],
         even=even,
         origin=first,
+        grains=lambda y: [0.0, 0.0, *(course.grain(j, y) for j in indices)],
     )
     begin = np.array([float(course.start)])
     waves = {

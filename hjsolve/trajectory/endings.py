@@ -44,6 +44,7 @@ def _ends(motion: Motion, direction: int, span: float) -> bool:
             whole = reaching(course, scheme, span, i)
             assert isinstance(whole, Open)
             branch = whole.ahead if direction > 0 else whole.behind
-            if branch.way.end in {"boundary", "fall"} or branch.panels(*whole.reach).finished:
+            ends = branch.way.end in {"boundary", "fall"} or branch.panels(*whole.reach).finished
+            if ends or (branch.way.end == "asymptote" and np.isfinite(whole.limits()[direction > 0])):
                 return True
     return False

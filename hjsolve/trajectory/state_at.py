@@ -64,7 +64,7 @@ def state_at(motion: Motion, t: Any, digits: int | None = None) -> State:
         return {name: shaped(values, shape) for name, values in group.items()}
 
     def errors() -> Errors:
-        return Errors(*(reshaped(group) for group in state_errors(motion, phases, q, p)))
+        return Errors(*(reshaped(group) for group in state_errors(motion, phases, q, p, whole)))
 
     return State(
         t,

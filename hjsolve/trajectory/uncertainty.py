@@ -9,7 +9,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 import sympy as sp
 
-from hjsolve.numeric.arithmetic import multiprecision
+from hjsolve.numeric.arithmetic import Multi, multiprecision
 from hjsolve.numeric.course import Bounded, Course, Open
 from hjsolve.numeric.inverse import Torus, oscillation
 from hjsolve.numeric.series import Series
@@ -29,7 +29,7 @@ _TABLE = 1e-14
 
 
 def state_errors(
-    motion: Motion, phases: Phases, q: Mapping[str, Any], p: Mapping[str, Any]
+    motion: Motion, phases: Phases, q: Mapping[str, Any], p: Mapping[str, Any], whole: Mapping[str, Any]
 ) -> tuple[dict[str, Any], dict[str, Any], dict[str, Any]]:
     """Bounds on q, p and velocity from the bounds on the phases."""
     unit = _EPS if phases.exact is None else float(multiprecision(64).mpf(10) ** (1 - motion.digits))
@@ -39,7 +39,7 @@ def state_errors(
     slack = [np.asarray(e, dtype=float) + _blur(c, x, unit) for e, c, x in zip(phases.errors, courses, χ, strict=True)]
     for name, course, x, e in zip(motion.solution.coordinates, courses, χ, slack, strict=True):
         slope_q, slope_p = _slopes(course, x, e)
-        size_q, size_p = np.abs(q[name].astype(float)), np.abs(p[name].astype(float))
+        size_q, size_p = _unreduced(course, q[name], whole.get(name)), np.abs(p[name].astype(float))
         if motion.turning_points.get(name, (None, None))[0] is not None and _straddles(motion, name):
             size_q = size_q + _width(motion, name)
         dq[name] = slope_q * e + 4 * unit * size_q + _LEAST
@@ -63,17 +63,20 @@ def table_errors(
     system = motion.solution.system
     equations = motion.equations
     if isinstance(equations, Torus):
-        delay = (3 * _EPS * np.abs(θ) + equations.blurs[0]) / abs(float(equations.rates[0]))
+        delay = (3 * _EPS * np.abs(θ) + equations.blurs[0] + table.table.doubt(θ)) / abs(float(equations.rates[0]))
     else:
         assert equations is not None
         begin = np.array([float(equations.courses[0].start)])
         delay = 3 * _EPS * (np.abs(θ) + np.abs(float(np.ravel(equations.courses[0].integral(0, begin))[0])))
+        delay = delay + table.table.doubt(θ)
     separated = motion.solution.coordinates[0]
     H = hamiltonian(system)
     forces = evaluate(motion, tuple(-sp.diff(H, c.symbol) for c in system.coordinates), q, p)
     dq, dp = {}, {}
     for c, force in zip(system.coordinates, forces, strict=True):
-        inner = _TABLE * table.table.sizes(0, θ) if c.name == separated else _TABLE * (np.pi + np.abs(q[c.name]))
+        index = 0 if c.name == separated else table.waves[c.name][0]
+        inner = _TABLE * table.table.sizes(index, θ)
+        inner = inner if c.name == separated else inner + _TABLE * (np.pi + np.abs(q[c.name]))
         dq[c.name] = np.abs(v[c.name]) * delay + inner
         own = _TABLE * table.table.sizes(1, θ) if c.name == separated else 2 * _EPS * np.abs(p[c.name])
         moved, shift = _shifted(motion, c.name, q)
@@ -95,6 +98,16 @@ def _shifted(motion: Motion, name: str, q: Mapping[str, Any]) -> tuple[Any, Any]
 def _blur(course: Course, χ: Any, unit: float) -> Any:
     """Rounding of a stretched anomaly as an uncertainty of its phase."""
     return course.blur(χ) * (unit / _EPS) if isinstance(course, Bounded) else 0.0
+
+
+def _unreduced(course: Course, q: Any, whole: Any | None) -> Any:
+    """The size of q before whole turns were taken from it: that is what was rounded."""
+    if whole is None:
+        return np.abs(q.astype(float))
+    if isinstance(course, Bounded) and not course.anomaly.even:  # whole turns of its phase were never added
+        middle = course.anomaly.place(multiprecision(64).zero, Multi(64)).q
+        return np.abs(q.astype(float)) + (abs(float(middle)) + np.pi) / 4
+    return np.abs(q.astype(float) + 2 * np.pi * whole.astype(float))
 
 
 def _straddles(motion: Motion, name: str) -> bool:
@@ -138,7 +151,10 @@ def _ignorable_error(motion: Motion, phases: Phases, χ: list[Any], slack: list[
     for i, course in enumerate(courses_of(motion, phases)):
         rate = np.abs(np.asarray(course.rate(j, χ[i] if phases.exact is None else phases.χ[i]), dtype=float))
         total = total + rate * slack[i]
-        if not isinstance(equations, Torus):
+        if isinstance(course, Open):
+            begin = np.array([float(course.start)])
+            total = total + 4 * unit * (course.grain(j, χ[i]) + course.grain(j, begin)[0])
+        elif not isinstance(equations, Torus):
             total = total + 4 * unit * np.abs(np.asarray(course.integral(j, phases.χ[i]), dtype=float))
         elif isinstance(course, Bounded):
             total = total + 4 * unit * float(np.sum(np.abs(oscillation(equations, i, j).cosines.astype(float))))
