@@ -173,7 +173,7 @@ def tabulate(
         np.maximum(np.sum(np.abs(rows), axis=0), np.maximum(scale or 0.0, floor))
         for rows, scale, floor in zip(tables, scales, floors)
     )
-    doubts = 2.0**-51 * np.maximum(np.abs(begins), np.abs(ends)) * np.diff(edges) / (ends - begins)
+    doubts = 2.0**-52 * np.maximum(np.abs(begins), np.abs(ends)) * np.diff(edges) / (ends - begins)
     return Table(edges, tables, tuple(even), bounds, doubts)
 
 

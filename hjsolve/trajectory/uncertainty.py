@@ -76,7 +76,7 @@ def table_errors(
     for c, force in zip(system.coordinates, forces, strict=True):
         index = 0 if c.name == separated else table.waves[c.name][0]
         inner = _TABLE * table.table.sizes(index, θ)
-        inner = inner if c.name == separated else inner + _TABLE * (np.pi + np.abs(q[c.name]))
+        inner = inner if c.name == separated else np.maximum(inner, _TABLE * (np.pi + np.abs(q[c.name])))
         dq[c.name] = np.abs(v[c.name]) * delay + inner
         own = _TABLE * table.table.sizes(1, θ) if c.name == separated else 2 * _EPS * np.abs(p[c.name])
         moved, shift = _shifted(motion, c.name, q)
