@@ -105,6 +105,14 @@ class Bounded:
         rest = replace(self.momentum, mean=0.0)
         return float(multiprecision(96).exp(self.momentum.mean)) * np.exp(rest.value(χ))
 
+    def crowding(self, χ: Any) -> Any:
+        """Return |χ d ln(p/(dq/dχ))/dχ| for a float array: how the rounding of χ comes out in p, relative to p.
+
+        p is a product of two factors; next to a pole both change fast with χ, and p may not.
+        """
+        h, series = 1e-5, replace(self.momentum, mean=0.0)
+        return np.abs(χ * (series.value(χ + h) - series.value(χ - h)) / (2 * h))
+
     def place(self, χ: Any) -> tuple[Any, Any]:
         """Return q (not reduced to one turn) and the shell momentum at χ."""
         count(places=χ.size)

@@ -26,6 +26,8 @@ from hjsolve.trajectory.positions import constant_index
 if TYPE_CHECKING:
     from hjsolve.motion import Motion
 
+_FINE = 22
+"""The crowding of a phase (``Bounded.crowding``) from which on a table of momenta is as exact as it is rounded."""
 FEWEST = 2048
 """Below this many times a table does not pay."""
 
@@ -166,6 +168,7 @@ def _bounded(motion: Motion) -> Dense:
         origin=first,
         total=np.pi if even else 2 * np.pi,
         known=lambda χ: _angle(equations.ripples[0][0], χ),
+        grains=lambda χ: [0.0, np.abs(course.place(χ)[1]) * course.crowding(χ) / _FINE, *(0.0 for _ in names)],
     )
     begin = np.array([float(course.start)])
     waves = {name: (2 + k, float(_wave(s, begin)[0])) for k, (name, s) in enumerate(zip(names, series, strict=True))}

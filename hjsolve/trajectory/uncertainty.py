@@ -45,7 +45,7 @@ def state_errors(
         dq[name] = slope_q * e + 4 * unit * size_q + _LEAST
         moved, shift = _shifted(motion, name, q)
         size_p = size_p + shift
-        dp[name] = slope_p * e + moved * dq[name] + (16 + 2 * _waves(course)) * unit * size_p + _LEAST
+        dp[name] = slope_p * e + moved * dq[name] + (16 + _waves(course, x)) * unit * size_p + _LEAST
     for coordinate in motion.solution.system.coordinates:
         name = coordinate.name
         if name not in dq:
@@ -121,8 +121,7 @@ def _width(motion: Motion, name: str) -> float:
 
 def _slopes(course: Course, χ: Any, error: Any) -> tuple[Any, Any]:
     """|dq/dχ| and |dp/dχ| by differences over the error of χ, or small ones; generous where they vary."""
-    if isinstance(course, Bounded) and course.momentum.cosines.dtype == object:
-        course = _rounded(course)
+    course = _rounded(course) if isinstance(course, Bounded) else course
     scale = np.maximum(1.0, np.abs(χ)) if isinstance(course, Open) else 1.0  # far out, steps must be seen
     h, rest = np.clip(error, 1e-6 * scale, 0.5 * scale), 1e-6 / scale
     (q1, p1), (q0, p0), (q2, p2) = (course.place(χ + s) for s in (-h, 0.0, h))
@@ -131,13 +130,17 @@ def _slopes(course: Course, χ: Any, error: Any) -> tuple[Any, Any]:
     ) / h + rest * np.abs(p2 - p1)
 
 
-def _waves(course: Course) -> float:
-    """Sum of the terms of ln(p/(dq/dχ)), which are rounded one by one."""
-    return float(np.sum(np.abs(course.momentum.cosines.astype(float)))) if isinstance(course, Bounded) else 0.0
+def _waves(course: Course, χ: Any) -> Any:
+    """Terms of ln(p/(dq/dχ)), which are rounded one by one, and what the rounding of χ does to it."""
+    if not isinstance(course, Bounded):
+        return 0.0
+    return 2 * np.sum(np.abs(course.momentum.cosines.astype(float))) + 4 * _rounded(course).crowding(χ)
 
 
 def _rounded(course: Bounded) -> Bounded:
     series = course.momentum
+    if series.cosines.dtype != object:
+        return course
     sines = None if series.sines is None else series.sines.astype(float)
     return replace(course, momentum=Series(series.mean, series.cosines.astype(float), sines, series.nodes, series.tail))
 
