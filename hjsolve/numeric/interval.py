@@ -68,7 +68,7 @@ class Intervals:
                 low, high = np.minimum(low, _GREATEST), np.maximum(high, -_GREATEST)
                 low, high = low - (self.unit * abs(low) + 1e-300), high + (self.unit * abs(high) + 1e-300)
             else:
-                low, high = low - self.unit * abs(low), high + self.unit * abs(high)
+                low, high = low - abs(low) * self.unit, high + abs(high) * self.unit
             both = low + high
         if not np.any(both != both):
             return Interval(low, high)
@@ -86,11 +86,11 @@ class Intervals:
 
     def add(self, x: Interval, y: Interval) -> Interval:
         with np.errstate(all="ignore"):
-            return self._wide(x.low + y.low, x.high + y.high)
+            return self._wide(np.add(x.low, y.low), np.add(x.high, y.high))
 
     def sub(self, x: Interval, y: Interval) -> Interval:
         with np.errstate(all="ignore"):
-            return self._wide(x.low - y.high, x.high - y.low)
+            return self._wide(np.subtract(x.low, y.high), np.subtract(x.high, y.low))
 
     def mul(self, x: Interval, y: Interval) -> Interval:
         with np.errstate(all="ignore"):
@@ -199,7 +199,7 @@ def _floor(x: Any) -> Any:
 
 def _product(a: Any, b: Any) -> Any:
     """a·b with 0·∞ = 0: an infinite end stands for "unbounded", not for a value."""
-    p = a * b
+    p = np.multiply(a, b)  # an mpf asked to take an array writes the array out before it declines
     return np.where((a == 0) | (b == 0), 0, p)
 
 
