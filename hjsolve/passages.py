@@ -14,7 +14,8 @@ from hjsolve.errors import InvalidInputError, NotConvergedError, OutsideMotionEr
 from hjsolve.expressions import number
 from hjsolve.initial import to_bits
 from hjsolve.numeric.arithmetic import Multi, multiprecision
-from hjsolve.numeric.course import Bounded, Course, Frozen, Open, farthest
+from hjsolve.numeric.branch import farthest
+from hjsolve.numeric.course import Bounded, Course, Frozen, Open
 from hjsolve.numeric.error_free import split
 from hjsolve.numeric.estimate import Estimate
 from hjsolve.numeric.inverse import Torus, mean_rate, oscillation

@@ -12,7 +12,8 @@ import numpy as np
 from hjsolve.errors import NotConvergedError
 from hjsolve.numeric.anomaly import Rotation, crested, libration, paired, rotation
 from hjsolve.numeric.arithmetic import Float64, Multi, multiprecision
-from hjsolve.numeric.course import PARTS, Anomaly, Bounded, Branch, Course, Frozen, Kind, Open, bounded, roughness
+from hjsolve.numeric.branch import Branch
+from hjsolve.numeric.course import PARTS, Anomaly, Bounded, Course, Frozen, Kind, Open, bounded, roughness
 from hjsolve.numeric.crests import Crest, crests
 from hjsolve.numeric.panels import Way
 from hjsolve.numeric.radicand import Number, Radicand

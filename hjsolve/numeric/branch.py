@@ -1,0 +1,73 @@
+"""One way of an open motion: its integrals from the start to its end, as far as they are asked for."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from functools import lru_cache
+from typing import Any
+
+import numpy as np
+
+from hjsolve.numeric.arithmetic import Multi
+from hjsolve.numeric.panels import Growing, Panels, Way
+from hjsolve.numeric.radicand import Radicand
+
+_FINE = 8
+"""Steps of the reach of panels in a factor of two: far out, what is not asked for may be much."""
+
+
+@dataclass(frozen=True, eq=False)
+class Branch:
+    """One way of an open motion, from its start to its end, with what is integrated along it."""
+
+    way: Way
+    radicand: Radicand
+    skipped: tuple[bool, ...]
+    digits: int
+    bits: int
+
+    def integrands(self, y: Any) -> list[Any]:
+        """Return all kernels kⱼ |dq/dy| / |p|, then |p|/|dq/dy| (times ``Way.rest``), at y."""
+        work = self.bits
+        x, left, _ = self.way.distances(y, Multi(64))
+        nearest = min(v for v in (x, left) if v is not None)
+        if nearest < self.way.length:
+            work += 64 + 3 * int(max(0.0, -float(Multi(64).context.log(nearest / self.way.length, 2))))
+        q, slope = self.way.position(y, Multi(work))
+        p = self.radicand.value(q, work) ** 0.5
+        weights = self.radicand.weights(q, work)
+        kernels = [0 * p if skip else w * abs(slope) / p for w, skip in zip(weights, self.skipped, strict=True)]
+        return [*kernels, p / abs(slope) * self.way.rest(y, Multi(work))]
+
+    def panels(self, weights: tuple[float, ...] | None, amount: float) -> Panels:
+        """Return the integrals so far that |Σ wⱼ Gⱼ| reaches ``amount``; without weights, that y does."""
+        if self.way.end == "fall":  # all of it, once
+            return _panels(self, None, 1000 * _FINE)
+        return _panels(self, weights, int(np.ceil(_FINE * np.log2(max(abs(amount), 1e-290)))) + 1)
+
+
+def farthest(digits: int) -> int:
+    """The phase at which what is left of the way to an asymptote, or of a fall, is below all digits."""
+    return 60 + 2 * digits
+
+
+@lru_cache(maxsize=64)
+def _growing(branch: Branch) -> Growing:
+    return Growing(branch.way, branch.integrands, digits=branch.digits, bits=branch.bits)
+
+
+@lru_cache(maxsize=64)
+def _panels(branch: Branch, weights: tuple[float, ...] | None, power: int) -> Panels:
+    """Panels of a branch up to an amount of 2^(power/_FINE) (a pure function; the newest ones are kept)."""
+    context = Multi(branch.bits).context
+    limit = context.mpf(2) ** (context.mpf(power) / _FINE)
+    far = Multi(branch.bits).context.mpf(2) ** 1000
+
+    def enough(y: Any, integrals: list[Any]) -> bool:
+        if branch.way.end in {"asymptote", "fall"} and y > farthest(branch.digits):
+            return True
+        if weights is None:
+            return bool(y >= limit)
+        return bool(abs(sum(w * g for w, g in zip(weights, integrals, strict=False))) > limit or y > far)
+
+    return _growing(branch).until(enough)
