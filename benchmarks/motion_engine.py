@@ -170,14 +170,15 @@ def certified() -> None:
                     )
 
             def integral(motion: Any, digits: int = digits) -> float:
-                work = int(3.33 * digits) + 80
+                work = proof.work_bits(digits)
+                radicands = {"theta": motion.located["theta"].course.radicand}
+                line = proof.lines(radicands, motion.initial, solution, work)["theta"]
                 with working(work):
-                    inputs = proof._inputs(motion.initial, solution)
-                    cycle = proof._cycle(motion, "theta", inputs, work)
+                    cycle = proof._cycle(motion, "theta", line)
                     return processor(lambda: means(cycle, int(3.33 * digits) + 12))[0]
 
             rows = []
-            for n in range(9 if digits < 300 else 3):
+            for n in range(25 if digits < 300 else 3):
                 shifted = gap.replace("1", f"1.00{n + 1}", 1) if "e" in gap else f"{gap}00{n + 1}"
                 seconds, motion = processor(lambda shifted=shifted: ours(shifted))
                 rows.append((seconds, integral(motion), processor(lambda shifted=shifted: direct(shifted))[0]))

@@ -9,6 +9,7 @@ Every function takes ``fail``, which makes the error to raise from a message.
 from __future__ import annotations
 
 from collections.abc import Callable, Sequence
+from fractions import Fraction
 from math import ceil, comb, prod
 from typing import NamedTuple
 
@@ -91,7 +92,8 @@ def leaf(expression: sp.Expr) -> Node:
 
 def literal(text: str, fail: Fail) -> Node:
     """The exact rational that an integer or a decimal spells."""
-    return _checked(Node(sp.Rational(text)), fail)
+    exact = Fraction(text)
+    return _checked(Node(sp.Rational(exact.numerator, exact.denominator)), fail)
 
 
 def negative(node: Node) -> Node:
@@ -102,7 +104,7 @@ def negative(node: Node) -> Node:
 def total(nodes: Sequence[Node], fail: Fail) -> Node:
     """The sum a + b + …, in one step."""
     if all(n.expression.is_Rational for n in nodes):
-        return _checked(Node(sp.Add(*(n.expression for n in nodes))), fail)
+        return _checked(Node(sum((n.expression for n in nodes), sp.S.Zero)), fail)
     value = None if any(n.value is None for n in nodes) else _CONTEXT.fsum(n.value for n in nodes)
     terms, nesting, degree = sum(n.terms for n in nodes), max(n.nesting for n in nodes), max(n.degree for n in nodes)
     below = max(n.below for n in nodes)
@@ -112,7 +114,7 @@ def total(nodes: Sequence[Node], fail: Fail) -> Node:
 def product(nodes: Sequence[Node], fail: Fail) -> Node:
     """The product a·b·…, in one step."""
     if all(n.expression.is_Rational for n in nodes):
-        return _checked(Node(sp.Mul(*(n.expression for n in nodes))), fail)
+        return _checked(Node(prod((n.expression for n in nodes), start=sp.S.One)), fail)
     value = None if any(n.value is None for n in nodes) else _CONTEXT.fprod(n.value for n in nodes)
     terms, nesting, degree = prod(n.terms for n in nodes), max(n.nesting for n in nodes), sum(n.degree for n in nodes)
     below = prod(n.below for n in nodes)

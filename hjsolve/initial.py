@@ -21,6 +21,7 @@ from hjsolve.expressions import number
 from hjsolve.hamiltonians import LinearHamiltonian
 from hjsolve.lowering import lower
 from hjsolve.numeric.arithmetic import Multi, multiprecision
+from hjsolve.rational import rational_value
 from hjsolve.solution import Solution
 from hjsolve.system import System, momenta
 
@@ -96,6 +97,8 @@ def _agreed(value: sp.Expr, bits: int) -> bool:
 
 def expanded(value: sp.Expr) -> sp.Expr:
     """Multiply an exact number out where that leaves it short; what is left as it is, is only worked out in digits."""
+    if value.is_Rational:
+        return value
     return sp.expand(value) if _terms(value) <= _MOST_TERMS else value
 
 
@@ -236,6 +239,9 @@ def _sign_given(name: str, value: Any) -> sp.Integer:
 
 def _put(formula: sp.Expr, values: Mapping[sp.Symbol, sp.Expr]) -> sp.Expr:
     """A formula with numbers for its symbols; ``subs`` takes longer, and cares for what is 0/0 to ``xreplace``."""
+    rational = rational_value(formula, values)
+    if rational is not None:
+        return rational
     try:
         result = formula.xreplace(values)
     except (ZeroDivisionError, TypeError):
@@ -246,6 +252,8 @@ def _put(formula: sp.Expr, values: Mapping[sp.Symbol, sp.Expr]) -> sp.Expr:
 def _clean(value: sp.Expr) -> sp.Expr:
     """Expand, and turn a number that is zero into 0."""
     value = expanded(value)
+    if value.is_Rational:
+        return value
     if value.has(sp.zoo, sp.nan, sp.oo):
         raise InvalidInputError(
             "initial data: a constant of the motion is infinite there; the place is a singularity of the coordinates"

@@ -11,6 +11,7 @@ import re
 import unicodedata
 from collections.abc import Callable, Iterable, Mapping
 from dataclasses import dataclass
+from typing import NamedTuple
 
 from hjsolve.errors import ExpressionError
 
@@ -91,8 +92,7 @@ _INSTEAD_OF_WORD = {
 }
 
 
-@dataclass(frozen=True)
-class Token:
+class Token(NamedTuple):
     """One number, name, operator, or the end of the text, with its zero-based place."""
 
     kind: str
