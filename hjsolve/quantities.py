@@ -147,7 +147,9 @@ def _ignorable_rate(equations: Torus, j: int, digits: int) -> Estimate:
 
 
 def _swing(course: Any, j: int) -> Any:
-    """Size of the values whose mean a growth is."""
+    """Size of the values whose mean a growth is, or of the terms it is the sum of."""
+    if isinstance(course, Frozen):
+        return course.sizes[j]
     waves = abs(course.kernels[j].cosines) if isinstance(course, Bounded) else []
     return abs(course.growth(j)) + sum(waves)
 

@@ -115,11 +115,13 @@ def _rest(start: Start, digits: int) -> Located:
     _, _, bend = start.radicand.jet(q, bits)
     stable = bool(bend < 0)
     scale = (-bend / 2) ** 0.5 if stable else 1
-    rates = [
-        0 * q if skip else w / scale for w, skip in zip(start.radicand.weights(q, bits), start.skipped, strict=True)
-    ]
+    size, h = abs(q) or 1, multiprecision(bits).mpf(2) ** -20
+    weights, beside = start.radicand.weights(q, bits), start.radicand.weights(q + size * h, bits)
+    rates = [0 * q if skip else w / scale for w, skip in zip(weights, start.skipped, strict=True)]
+    changes = [abs(after - w) / h / scale for w, after in zip(weights, beside, strict=True)]
+    sizes = [abs(r) + (c if c < multiprecision(bits).inf else 0) for r, c in zip(rates, changes, strict=True)]
     end = End("turning" if stable else "asymptote", start.place)
-    return Located(Frozen(q, rates, stable), end, end)
+    return Located(Frozen(q, rates, sizes, stable), end, end)
 
 
 def _libration(start: Start, lower: End, upper: End, digits: int) -> Bounded:

@@ -140,11 +140,13 @@ class Frozen:
     Attributes:
         rest: the place.
         rates: kⱼ/√(−F″/2) there (kⱼ alone where the rest is unstable).
+        sizes: |rates| and what they change by over the distance |q|: as large as the terms that may cancel in them.
         stable: True where F″ < 0.
     """
 
     rest: Any
     rates: list[Any]
+    sizes: list[Any]
     stable: bool
 
     kind: Kind = "equilibrium"

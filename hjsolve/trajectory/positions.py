@@ -15,6 +15,8 @@ from hjsolve.numeric.arithmetic import Float64, Multi, multiprecision
 from hjsolve.numeric.course import Bounded, arithmetic_of
 from hjsolve.numeric.error_free import split
 from hjsolve.numeric.inverse import Torus, mean_rate, oscillation
+from hjsolve.numeric.running import Bounded as Rounded
+from hjsolve.numeric.running import Running
 from hjsolve.numeric.series import Series
 from hjsolve.numeric.tape import Tape
 from hjsolve.numeric.turns import principal as principal_of_doubles
@@ -114,6 +116,20 @@ def evaluate(motion: Motion, formulas: tuple[sp.Expr, ...], q: Mapping[str, Any]
         return [np.array(column, dtype=object) for column in zip(*rows, strict=True)]
     with np.errstate(all="ignore"):
         return [np.broadcast_to(value, arrays[0].shape) for value in tape.run(Float64(), [*arrays, *numbers])]
+
+
+def rounding(motion: Motion, formulas: tuple[sp.Expr, ...], q: Mapping[str, Any], p: Mapping[str, Any]) -> list[Any]:
+    """Bound what evaluating formulas in doubles loses, cancellation inside of them included (``numeric.running``)."""
+    system = motion.solution.system
+    places = {c.symbol: q[c.name] for c in system.coordinates if c.name in q}
+    places |= {c.momentum: p[c.name] for c in system.coordinates if c.name in p}
+    fixed = {s: float(to_bits(v)(64)) for s, v in motion.initial.values.items() if s not in places}
+    inputs = [Rounded(np.asarray(x).astype(float)) for x in places.values()]
+    inputs += [Rounded(x, 2.0**-53 * abs(x)) for x in fixed.values()]
+    tape = _tape(tuple(formulas), (*places, *fixed))
+    with np.errstate(all="ignore"):
+        found = tape.run(Running(Float64()), inputs)
+    return [2 * (0.0 if x.error is None else x.error) for x in found]
 
 
 def _ignorable(motion: Motion, phases: Phases, name: str, q: Mapping[str, Any]) -> tuple[Any, Any]:

@@ -16,7 +16,7 @@ from hjsolve.numeric.series import Series
 from hjsolve.system import hamiltonian, velocities
 from hjsolve.trajectory.dense import Dense
 from hjsolve.trajectory.phases import Phases, courses_of
-from hjsolve.trajectory.positions import constant_index, evaluate
+from hjsolve.trajectory.positions import constant_index, evaluate, rounding
 
 if TYPE_CHECKING:
     from hjsolve.motion import Motion
@@ -86,13 +86,14 @@ def table_errors(
 
 
 def _shifted(motion: Motion, name: str, q: Mapping[str, Any]) -> tuple[Any, Any]:
-    """|∂A/∂q| and |A| of the shift between the canonical momentum and the root, p = P − A(q): they may cancel."""
+    """|∂A/∂q| of the shift between the canonical momentum and the root, p = P − A(q), and the size A is rounded to."""
     A = motion.solution.shift.get(name, sp.Integer(0))
     if A == 0:
         return 0.0, 0.0
     symbol = motion.solution.system.coordinate(name).symbol
     slope, value = evaluate(motion, (sp.diff(A, symbol), A), q, {})
-    return np.abs(np.asarray(slope, dtype=float)), np.abs(np.asarray(value, dtype=float))
+    own = rounding(motion, (A,), q, {})[0] / (4 * _EPS)
+    return np.abs(np.asarray(slope, dtype=float)), np.abs(np.asarray(value, dtype=float)) + own
 
 
 def _blur(course: Course, χ: Any, unit: float) -> Any:
@@ -180,9 +181,11 @@ def _velocity_errors(
     gradients = tuple(sp.diff(f, s) for f in formulas.values() for s, _ in variables)
     slopes = evaluate(motion, gradients, q, p)
     values = evaluate(motion, tuple(formulas.values()), q, p)
+    own = rounding(motion, tuple(formulas.values()), q, p)
     result = {}
     for row, name in enumerate(formulas):
         parts = slopes[row * len(variables) : (row + 1) * len(variables)]
         result[name] = sum(np.abs(np.asarray(s, dtype=float)) * e for s, (_, e) in zip(parts, variables, strict=True))
-        result[name] = result[name] + 8 * unit * np.abs(np.asarray(values[row], dtype=float))
+        size = np.abs(np.asarray(values[row], dtype=float))
+        result[name] = result[name] + 2 * unit * np.maximum(4 * size, own[row] / _EPS)
     return result

@@ -1,10 +1,11 @@
-"""Claims that were too small, found by the campaigns with seeds 31 and 32 in 10 000 motions.
+"""Claims that were too small, found by the campaigns with seeds 31, 32 (10 000 motions) and 41.
 
 - What is rounded is an angle before whole turns are taken from it, not the small angle that is left.
 - An ignorable angle read from a table is rounded against all it sweeps in an oscillation, 40 turns for a relativistic
   orbit that precesses fast.
 - A table samples the phase in doubles; where time runs fast with the phase (near apoapsis of a fall) that is a delay.
 - Next to a pole p is a product of two factors that change fast with the phase, though p does not.
+- A velocity may cancel inside of its formula (1 − cos θ next to an axis); that is what it is rounded against.
 - The integrals of an open motion are rounded against the largest value on their panel.
 """
 
@@ -41,6 +42,10 @@ CASES = {
         "sphere-geodesics", {"theta": 0.7464878516720145, "phi": 0.3},
         {"theta": 0.21432633780862795, "phi": 5.718785680361126e-08}, {}, [24.336234059077906, 24.3362350, 26.0, 5.02],
     ),
+    "a monopole's field next to its axis": (
+        "charge-in-monopole-field", {"r": "0.859", "theta": "0.000451", "phi": "-2.54"},
+        {"r": "5.22e-05", "theta": "0", "phi": "-0.179"}, {"m": "1.07"}, [0.0, -0.84, 0.853, 2.5255],
+    ),
     "fields that nearly balance": (
         "relativistic-crossed-fields", {"x": "0.15", "y": "0.428"}, {"x": "0.419", "y": "-0.0742"},
         {"m0": "1.21", "eB": "0.578", "eF": "0.579"}, [-0.8365275062916704, 0.3, -0.2],
@@ -67,7 +72,7 @@ def test_the_claimed_error_holds_the_true_one(case: str) -> None:
                 claims = (error.q[name][k], error.p[name][k], error.velocity[name][k])
                 for miss, claim in zip(missed, claims, strict=True):
                     assert abs(miss) <= claim, (name, times[k])
-                assert claims[0] <= 1e-12 * (1 + abs(place))
+                assert claims[0] <= 1e-11 * (1 + abs(place))
 
 
 def test_a_place_without_kinetic_energy_that_takes_for_ever_in_its_own_time_but_not_in_ours() -> None:
@@ -87,3 +92,14 @@ def test_a_place_without_kinetic_energy_that_takes_for_ever_in_its_own_time_but_
     assert list(ours.status) == list(theirs.status) == ["reaches_boundary", *["ok"] * 3, *["reaches_boundary"] * 2]
     for k in (1, 2, 3):
         assert abs(mpf(float(ours.q["u"][k])) - theirs.q["u"][k]) <= ours.error.q["u"][k] <= 1e-12
+
+
+def test_the_frequency_of_an_angle_that_rests_while_the_radius_rests_is_zero() -> None:
+    """A charge that moves along the field: its angle's rate is a difference of equal terms; it was 3.6e-44 ± 8e-60."""
+    given = {"q": {"r": "0.677", "theta": "-0.944", "z": "0.0317"}, "velocity": {"r": 0, "theta": 0, "z": "-0.464"},
+             "parameters": {"m": "0.681", "q": "0.938", "B": "1.43"}}  # fmt: skip
+    motion = entries.solution("charge-in-uniform-field").motion(**given)
+    assert motion.kinds["r"] == "equilibrium"
+    assert motion.frequencies["theta"].value == 0
+    assert 0 < motion.frequencies["theta"].error <= 1e-25
+    assert "theta" not in motion.periods
