@@ -64,6 +64,23 @@ def spread_exponentials(e: sp.Expr) -> sp.Expr:
     return spread.xreplace(hidden) if sp.count_ops(spread) <= 4 * sp.count_ops(e) else e
 
 
+def over_one_denominator(e: sp.Expr, q: sp.Symbol) -> sp.Expr:
+    """Write a sum as one quotient where a sum in q is a denominator of all of its terms.
+
+    Next to a zero of that denominator the terms are large and cancel: over an interval nothing is known of them.
+    """
+    terms = sp.Add.make_args(e)
+    if len(terms) < 2 or not set.intersection(*(_denominators(term, q) for term in terms)):
+        return e
+    return sp.factor_terms(e)
+
+
+def _denominators(term: sp.Expr, q: sp.Symbol) -> set[sp.Expr]:
+    """Sums with q below the line of a product, without their constant factors."""
+    bases = (factor.as_base_exp()[0] for factor in sp.Mul.make_args(sp.fraction(term)[1]))
+    return {sp.factor_terms(base).as_coeff_Mul()[1] for base in bases if base.is_Add and base.has(q)}
+
+
 class _Writer:
     """Gives each different subexpression one slot."""
 
