@@ -17,11 +17,11 @@ import sympy as sp
 
 from hjsolve import arguments
 from hjsolve.errors import InvalidInputError, MissingValueError
+from hjsolve.exact_values import rational_value
 from hjsolve.expressions import number
 from hjsolve.hamiltonians import LinearHamiltonian
 from hjsolve.lowering import lower
 from hjsolve.numeric.arithmetic import Multi, multiprecision
-from hjsolve.rational import rational_value
 from hjsolve.solution import Solution
 from hjsolve.system import System, momenta
 

@@ -8,7 +8,7 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from hjsolve import catalog, initial
-from hjsolve.rational import rational_value
+from hjsolve.exact_values import rational_value
 from tests import entries
 
 x, y = sp.symbols("x y", real=True)
