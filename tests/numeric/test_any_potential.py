@@ -124,11 +124,11 @@ def test_proved_numbers_hold_the_truth(potential, place, speed, digits):
         ends = curve.turning()
         assume(ends is not None and None not in ends and not degenerate(curve, ends))
         motion = moving(potential, place, speed, digits=digits, certified=True, want=["turning_points", "periods"])
-        found = dict(zip(ends, motion.turning_points["x"], strict=True)) | {
-            2 * curve.time(*ends): motion.periods["x"],
-        }  # fmt: skip
-        for truth, ours in found.items():
+        period = 2 * curve.time(*ends)
+        found = [(end, ours, mp.zero) for end, ours in zip(ends, motion.turning_points["x"], strict=True)]
+        found.append((period, motion.periods["x"], mp.eps**BLUR * period))
+        for truth, ours, blur in found:
             note(f"{ours} against {mp.nstr(truth, digits + 10)}")
             assert ours.certified
-            assert abs(mp.mpf(ours.value) - truth) <= ours.error + mp.eps**BLUR * abs(truth)
+            assert abs(mp.mpf(ours.value) - truth) <= ours.error + blur
             assert ours.error <= mp.mpf(10) ** -digits * max(abs(truth), 1) * (16 if digits == 15 else 2)
