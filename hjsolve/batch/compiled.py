@@ -14,9 +14,11 @@ import numpy as np
 from hjsolve.batch import nodes as tables
 from hjsolve.batch.model import Model, Separated
 from hjsolve.batch.programs import Compiled, Programs
-from hjsolve.batch.quadrature import Sums, empty
+from hjsolve.batch.quadrature import Region, Sums, empty
+from hjsolve.batch.resolution import resolved, room
 from hjsolve.batch.start import Begin
-from hjsolve.batch.views import Knowns
+from hjsolve.batch.strips import across
+from hjsolve.batch.views import Knowns, Raw
 
 _COUNTS = (16, 24, 32, 40, 48, 56, 64, 72, 80, 96, 112, 128)
 """Numbers of nodes: whole vectors."""
@@ -53,6 +55,17 @@ def _tables() -> tuple[Any, ...]:
     )  # fmt: skip
 
 
+@cache
+def _enough(running: bool) -> Any:
+    """Radius about the middle of a motion that shows it resolved, shape (warps, sizes); see ``strips.across``."""
+    return np.array(
+        [
+            [across(count, warp, 2 if k >= tables.EVEN else 1, running) for count in _COUNTS]
+            for k, warp in enumerate(tables.WARPS)
+        ]
+    )
+
+
 def begin_compiled(model: Model, made: Compiled, q: Any, p: Any) -> Begin:
     """Work out the constants in doubles; see ``start.begin``."""
     count, m = q.shape[1], len(model.constants)
@@ -82,9 +95,34 @@ def librations(coordinate: Separated, made: Programs, start: Begin, k: int, *, r
         ]
     )
     made.search(start.q[k], start.P[k], C, floors, np.pi if coordinate.periodic else np.inf, ends)
+    lower, upper = ends
+    chosen, enough = np.zeros((2, count), dtype=np.int64), _enough(ripples)
+    proved = room(coordinate.plain.clearance, 0.5 * (lower + upper), upper - lower)
     results = (
         sums.action, sums.action_error, sums.means, sums.mean_errors, sums.ripples, sums.ripple_errors, sums.phase,
-        sums.phase_error, sums.speeds, sums.good,
+        sums.phase_error, sums.speeds, sums.good, chosen,
     )  # fmt: skip
-    made.loop(ripples, coordinate.even, start.q[k], start.P[k], C, E, ends[0], ends[1], _tables(), results)
+    tables_ = (*_tables(), enough)
+    made.loop(ripples, coordinate.even, start.q[k], start.P[k], C, E, lower, upper, proved, tables_, results)
+    vague = np.flatnonzero(sums.good & ~(proved >= enough[chosen[1], chosen[0]]))
+    if len(vague):
+        region = _region(coordinate, start, k, lower, upper).take(vague)
+        sums.good[vague] = _resolved(region, chosen[:, vague], running=ripples)
     return sums
+
+
+def _region(coordinate: Separated, start: Begin, k: int, lower: Any, upper: Any) -> Region:
+    """The region of n orbits as numpy's passes see it."""
+    view, zero, none = Raw(coordinate.plain, start.knowns), 0.0 * lower, np.zeros(len(lower), dtype=int)
+    left, right = start.q[k] - lower, upper - start.q[k]
+    return Region(view, view, lower, upper, upper - lower, zero, zero, none, none, start.P[k], left, right)
+
+
+def _resolved(region: Region, chosen: Any, *, running: bool) -> Any:
+    """Prove what a glance at the clearance did not show; see ``resolution``."""
+    good = np.zeros(len(region.width), dtype=bool)
+    for size, warp in np.unique(chosen, axis=1).T:
+        part = np.flatnonzero((chosen[0] == size) & (chosen[1] == warp))
+        table = tables.libration(_COUNTS[size], 0, int(warp))
+        good[part] = resolved(region.take(part), table, running=running)
+    return good

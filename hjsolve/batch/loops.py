@@ -203,11 +203,11 @@ def _samples(a, b, c, e, lanes, bounds, noise, drift, chords, kernels):
     return residue
 
 
-def orbits(chords, kernels, ripples, even, q, P, C, E, lower, upper, tables, results):
+def orbits(chords, kernels, ripples, even, q, P, C, E, lower, upper, room, tables, results):
     """The integrals of one coordinate of many orbits; see ``compiled.librations``."""
-    warps, counts, low, high, pace, last, middle, cosines, squares, slopes = tables
+    warps, counts, low, high, pace, last, middle, cosines, squares, slopes, enough = tables
     (
-        action, action_error, means, mean_errors, ripple, ripple_errors, phase, phase_error, speeds, good,
+        action, action_error, means, mean_errors, ripple, ripple_errors, phase, phase_error, speeds, good, chosen,
     ) = results  # fmt: skip
     constants, widest = C.shape[0], low.shape[2]
     rows = constants if kernels else 0
@@ -224,10 +224,11 @@ def orbits(chords, kernels, ripples, even, q, P, C, E, lower, upper, tables, res
         residue = _samples(a, b, c, pack(E, i), lanes, bounds, noise, drift, chords, kernels)
         size, warp = choose(
             buffer, weights, noise, drift, found, a, b, _EVEN if even and abs(a + b) <= 1e-13 * W else 0,
-            counts, low, high, pace, last, middle, c, chords, ripples,
+            counts, low, high, pace, last, middle, c, chords, ripples, room[i], enough,
         )  # fmt: skip
         if size < 0:
             continue
+        chosen[0, i], chosen[1, i] = size, warp
         good[i], action[i], action_error[i] = True, found[0, 0], found[1, 0]
         n, fold = counts[size], 2 if warp >= _EVEN else 1
         if kernels:

@@ -8,11 +8,12 @@ accuracy where q does not.
 from __future__ import annotations
 
 from collections.abc import Callable, Mapping
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from fractions import Fraction
 
 import sympy as sp
 
+from hjsolve.batch.clearance import Clearance
 from hjsolve.errors import InvalidInputError
 from hjsolve.initial import to_bits
 from hjsolve.lowering import lower
@@ -22,6 +23,10 @@ from hjsolve.numeric.tape import Tape
 from hjsolve.solution import Solution
 
 
+_HIGHEST_DEGREE = 4
+"""Of p² in the constants, which is 2 wherever H is quadratic in the momenta."""
+
+
 @dataclass(frozen=True)
 class Formula:
     """P² and its kernels as functions of x, q = origin + sign·x.
@@ -29,12 +34,14 @@ class Formula:
     Attributes:
         origin: in two doubles. sign: +1 or −1.
         squared: tape of F. full: tape of F and ½ ∂F/∂cⱼ for every constant. Inputs x, constants, parameters.
+        clearance: where the functions of x in these are known to be analytic.
     """
 
     origin: Pair
     sign: int
     squared: Tape
     full: Tape
+    clearance: Clearance = field(compare=False, repr=False)
 
 
 @dataclass(frozen=True)
@@ -130,11 +137,14 @@ def _separated(
     coordinate = solution.system.coordinate(name)
     q, F = coordinate.symbol, solution.momentum_squared[name]
     kernels = [sp.diff(F, c) / 2 for c in constants]
+    parts = _parts(F, constants)
 
     def formula(origin: sp.Expr, sign: int, near: Callable[[sp.Expr], sp.Expr]) -> Formula:
         arguments = [q, *constants, *parameters]
         seen = [near(e) for e in (F, *kernels)]
-        return Formula(_pair(origin.subs(values)), sign, lower(seen[:1], arguments), lower(seen, arguments))
+        apart = lower(seen if parts is None else [near(e) for e in parts if e.has(q)], arguments)
+        clearance = Clearance(apart, tuple(_pair(values[s]) for s in parameters), alone=parts is not None)
+        return Formula(_pair(origin.subs(values)), sign, lower(seen[:1], arguments), lower(seen, arguments), clearance)
 
     def from_end(end: sp.Expr | None, sign: int) -> Formula | None:
         if end is None:
@@ -150,6 +160,23 @@ def _separated(
     even = bool(same and not angle and sp.expand(F.subs(q, -q) - F) == 0)
     shifted = solution.shift[name] != 0
     return Separated(name, index, plain, from_end(lower_end, 1), from_end(upper_end, -1), angle, shifted, even)
+
+
+def _parts(F: sp.Expr, constants: list[sp.Symbol]) -> list[sp.Expr] | None:
+    """The coefficients of F as a polynomial in the constants; None where it is none, or of a high degree."""
+    found, level = [], [(F, 0)]
+    none = dict.fromkeys(constants, 0)
+    for _ in range(_HIGHEST_DEGREE + 1):
+        found += [e.subs(none) for e, _ in level]
+        level = [
+            (slope, k)
+            for e, first in level
+            for k, c in enumerate(constants)
+            if k >= first and (slope := sp.diff(e, c)) != 0
+        ]
+        if not level:
+            return list(dict.fromkeys(found))
+    return None
 
 
 def tidy(expression: sp.Expr, x: sp.Symbol) -> sp.Expr:

@@ -29,7 +29,7 @@ from hjsolve.numeric.tape import Tape
 
 _OWN = 4
 _SEARCHED = 6
-_LOOPED = 10
+_LOOPED = 11
 """How many arguments ``searches.ends`` has, and ``loops.orbits`` after the kind of program."""
 
 _PLACE = "(2.2204460492503131e-16)"

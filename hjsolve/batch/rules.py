@@ -29,6 +29,8 @@ _LEAST = 32.0
 _STEEP = 0.75
 _ROUGH = 1e-5
 _RIPPLED = 1e-9
+_FURTHER = 4
+"""How many larger sizes are looked at for one that is proved to resolve p² at a glance."""
 
 fill: Any = None
 """Of the program; see ``programs``."""
@@ -170,7 +172,19 @@ def _rule(buffer, shares, noise, drift, found, a, b, n, low, high, pace, last, m
     return more, warp
 
 
-def choose(buffer, shares, noise, drift, found, a, b, first, counts, low, high, pace, last, middle, c, chords, ripples):
+@njit(**OPTIONS)
+def _resolving(room, enough, size):
+    """The next size that is proved to resolve p², where that is soon."""
+    for more in range(size, min(size + _FURTHER, enough.shape[0])):
+        if room >= enough[more]:
+            return more
+    return size
+
+
+def choose(
+    buffer, shares, noise, drift, found, a, b, first, counts, low, high, pace, last, middle, c, chords, ripples, room,
+    enough,
+):  # fmt: skip
     """As many nodes as needed, crowded where that helps; size −1 where the tables do not suffice."""
     size, warp = 0, first
     for attempt in range(_TRIES):
@@ -179,7 +193,11 @@ def choose(buffer, shares, noise, drift, found, a, b, first, counts, low, high, 
             pace[warp, size], last[size], middle[size], c, chords, ripples, first,
         )  # fmt: skip
         if more < 0.0:
-            return size, warp
+            proved = _resolving(room, enough[warp], size)
+            if proved == size:
+                return size, warp
+            size = proved
+            continue
         size += 1
         if size >= counts.shape[0]:
             break

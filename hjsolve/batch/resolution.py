@@ -1,0 +1,107 @@
+"""Proof that the nodes of an orbit resolve p² and its kernels, so that nothing can hide between them.
+
+The midpoint rule judges itself by its last coefficients (``quadrature``): that says nothing of a dip narrower than the
+distance of the nodes. So the rule is only believed where p² is proved to be known between the nodes: its parts
+(``clearance``) are analytic in the strip about the nodes (``strips``) and do not grow there. Their coefficients then
+fall geometrically from the first one on, and what is beyond the nodes is less than the rounding that claims count.
+
+What is left are zeros of p² near the way, branch points of the integrands that clearances do not show. They cannot hide,
+because S = p²/((q − a)(b − q)) is a function that its values at the nodes determine: where it nearly vanishes it does
+so over several nodes, and the integrands, which go like S^(±½), then have last coefficients that do not fall.
+"""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+
+from hjsolve.batch.clearance import Clearance
+from hjsolve.batch.model import Formula
+from hjsolve.batch.nodes import Nodes
+from hjsolve.batch.strips import SAFETY, Strip, across, strip
+from hjsolve.batch.views import Fine, Knowns, Near, View
+
+if TYPE_CHECKING:
+    from hjsolve.batch.quadrature import Region
+
+_ELEMENTS = 1 << 16
+
+
+def room(clearance: Clearance, middle: Any, width: Any) -> Any:
+    """Return the radius of the disk about the middle of a motion in which p² is known, in units of half its width.
+
+    Args:
+        clearance: of p².
+        middle: offset of (a + b)/2 in the formula. width: b − a; arrays (n,).
+    """
+    with np.errstate(all="ignore"):
+        return clearance.radius(middle) / (0.5 * width)
+
+
+def resolved(region: Region, table: Nodes, *, running: bool) -> Any:
+    """Tell which orbits are resolved by a table of nodes.
+
+    Args:
+        region: of n orbits.
+        table: the nodes.
+        running: True when running integrals are wanted, too.
+    """
+    good = np.zeros(len(region.width), dtype=bool)
+    if region.turning and table.complement == 1.0:
+        formula, _, base = _seen(region.below)
+        middle = base + region.lower + region.below.sign * 0.5 * region.width
+        enough = across(len(table.χ), table.warp, table.fold, running)
+        good = room(formula.clearance, middle, region.width) >= enough
+    over = strip(table, region.turning, running)
+    left = np.flatnonzero(~good)
+    if over.inside and len(left):
+        for part in np.array_split(left, len(left) * len(over.low) // _ELEMENTS + 1):
+            good[part] = _one_by_one(region.take(part), table, over)
+    return good
+
+
+def _seen(view: View) -> tuple[Formula, Knowns, Any]:
+    """The formula of a view, what is known, and the offset in the formula of the view's zero."""
+    if isinstance(view, Near):
+        return view.formula, view.knowns, view.start
+    if isinstance(view, Fine):
+        return view.raw.formula, view.raw.knowns, view.base.high
+    return view.formula, view.knowns, 0.0
+
+
+def _one_by_one(region: Region, table: Nodes, over: Strip) -> Any:
+    """By disks about places of each orbit itself."""
+    with np.errstate(all="ignore"):
+        if not region.turning:
+            direction = np.sign(region.momentum)[:, None]
+            offset = region.lower[:, None] + direction * over.low
+            return _clear(region.below, offset, over.spread + 0.0 * offset)
+        W = region.width[:, None]
+        low, high, spread = _within(region, table, over)
+        half = len(over.low) if table.fold == 2 else len(over.low) // 2
+        lower = region.lower[:, None] + region.below.sign * W * low[:, :half]
+        upper = region.upper[:, None] - region.above.sign * W * high[:, half:]
+        if region.below is region.above:
+            return _clear(region.below, np.concatenate([lower, upper], axis=1), W * spread)
+        good = _clear(region.below, lower, W * spread[:, :half])
+        return good & _clear(region.above, upper, W * spread[:, half:]) if half < len(over.low) else good
+
+
+def _within(region: Region, table: Nodes, over: Strip) -> tuple[Any, Any, Any]:
+    """(q − a)/W and (b − q)/W of the centres, and the radii over W."""
+    if table.complement == 1.0:
+        one = np.ones((len(region.width), 1))
+        return over.low * one, over.high * one, over.spread * one
+    d = region.near_lower[:, None]
+    below = 1 + d * over.high
+    low, high = over.low / below, (1 + d) * over.high / below
+    near = over.near_low / (1 + d[..., None] * over.near_high)
+    spread = SAFETY * np.abs(near - low[..., None]).max(axis=2)
+    return low, high, np.where(1 + d * over.tip > 0, spread, np.inf)  # else q = ∞ lies in the strip
+
+
+def _clear(view: View, offset: Any, radius: Any) -> Any:
+    formula, knowns, base = _seen(view)
+    centres = offset + (base[:, None] if np.ndim(base) else base)
+    return formula.clearance.holds(knowns.constants, centres, radius, centres)

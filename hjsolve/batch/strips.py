@@ -1,0 +1,102 @@
+"""How far a strip about the nodes reaches in the coordinate.
+
+Where a function of q is analytic in the strip |Im χ| ≤ a of the anomaly and at most M there, its coefficients fall like
+2M exp(−ak); a mean over N nodes misses those from 2N on, a running integral those from N on. So a is chosen such that
+exp(−2aN), or exp(−aN), is nothing in doubles. The strip is cut into rectangles; in q each lies in a disk about the
+place of its middle, whose radius is found on the edge of the rectangle, because the map from χ to q is analytic in it.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from functools import cache
+from typing import Any
+
+import numpy as np
+
+from hjsolve.batch.nodes import Nodes
+from hjsolve.numeric.arithmetic import Float64
+from hjsolve.numeric.complex_maps import jacobi_complex
+from hjsolve.numeric.elliptic import quarter_period
+
+EXPONENT = 40.0
+"""What is missed is less than 2 exp(−40) = 9e-18 of the size of a function in the strip (``clearance.GROWTH`` times
+that on the real axis): together 9e-16, half of what every claim counts for rounding."""
+
+_NODES = 4
+"""Nodes to a rectangle."""
+_LEAST = 8
+SAFETY = 1.02
+"""The edge of a rectangle is looked at in a few places."""
+_INSIDE = 0.98
+
+
+@dataclass(frozen=True, eq=False)
+class Strip:
+    """Rectangles that cover a strip over half a period (a whole turn for rotations); arrays (count,).
+
+    Attributes:
+        low, high: sn² and cn² at the middles; for rotations the angle 2 am − π and nothing of use.
+        near_low, near_high: the same on the edges, complex, shape (count, places).
+        spread: radius of the disks, in units of b − a where neither ρ_d nor ρ_c is used; in q for rotations.
+        tip: cn² at χ = π + ia, where q first becomes infinite if it does.
+        inside: True where sn and cn have no poles in the strip.
+    """
+
+    low: Any
+    high: Any
+    near_low: Any
+    near_high: Any
+    spread: Any
+    tip: float
+    inside: bool
+
+
+def half_width(count: int, fold: int, *, running: bool) -> float:
+    """Return a for N nodes over half a period (over a quarter: fold 2)."""
+    return EXPONENT / (fold * count * (1 if running else 2))
+
+
+@cache
+def across(count: int, warp: tuple[float, float], fold: int, running: bool) -> float:
+    """Return the radius of a disk about the middle of the motion that holds the strip, in units of (b − a)/2.
+
+    For plain anomalies: q = m − h cos φ, φ = χ + γ sin χ + ½ δ sin 2χ; the image of |Im φ| ≤ y is an ellipse.
+    """
+    a = half_width(count, fold, running=running)
+    γ, δ = warp
+    return float(np.cosh(min(a + abs(γ) * np.sinh(a) + 0.5 * abs(δ) * np.sinh(2 * a), 700.0)))
+
+
+@cache
+def strip(table: Nodes, turning: bool, running: bool) -> Strip:
+    """Return the strip over which functions are to be known for a table of nodes."""
+    nodes = len(table.χ) if turning else len(table.χ) // 2
+    a, length = half_width(nodes, table.fold, running=running), np.pi / table.fold if turning else 2 * np.pi
+    count = 2 * -(-max(_LEAST, len(table.χ) // _NODES) // 2)
+    δ = 0.5 * length / count
+    middles = (2 * np.arange(count) + 1) * δ
+    edge = [x * δ + 1j * a for x in (-1, -0.5, 0, 0.5, 1)] + [x * δ + 0.5j * a for x in (-1, 1)] + [-δ, δ]
+    low, high = _places(middles + 0j, table, turning)
+    near_low, near_high = _places(middles[:, None] + np.array(edge), table, turning)
+    spread = SAFETY * np.abs(near_low - low[:, None]).max(axis=1)
+    tip = _goal(np.array([np.pi + 1j * a]), table)
+    other = np.inf if table.complement == 1.0 else quarter_period(1 - table.complement, Float64())
+    inside = abs(tip[0].imag) * table.quarter / np.pi < _INSIDE * other
+    end = float(np.real(_places(np.array([np.pi + 1j * a]), table, True)[1][0])) if inside else -np.inf
+    return Strip(np.real(low), np.real(high), near_low, near_high, spread, end, bool(inside))
+
+
+def _goal(χ: Any, table: Nodes) -> Any:
+    """The anomaly before nodes were crowded."""
+    γ, δ = table.warp
+    return χ + γ * np.sin(χ) + 0.5 * δ * np.sin(2 * χ)
+
+
+def _places(χ: Any, table: Nodes, turning: bool) -> tuple[Any, Any]:
+    """sn² and cn² at complex anomalies; for rotations 2 am − π, to be continued from middle to edge, and cn²."""
+    u = _goal(χ, table) * (table.quarter / np.pi) if table.complement < 1 else 0.5 * _goal(χ, table)
+    sn, cn, _ = jacobi_complex(u, table.complement, table.quarter)
+    if turning:
+        return sn * sn, cn * cn
+    return -2j * np.log(cn + 1j * sn) - np.pi, cn * cn
