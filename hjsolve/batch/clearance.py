@@ -5,9 +5,9 @@ alone (``model``). By disk arithmetic (``numeric.disks``) it is proved that they
 complex plane, and there at most ``GROWTH`` times what they are on the real axis. A feature narrower than the disk
 cannot be: it would have a pole in it, or grow in it like exp((radius/width)²).
 
-For a place on the real axis the largest such disk is found once, kept in a table for cells of q that are as narrow,
-relatively, as doubles with five binary digits; an orbit then needs one look at the table. What the table does not
-show is proved for that orbit itself.
+For a place in the complex plane the largest such disk is found once, and kept in a table for cells whose size is in
+proportion to the distance from the origin (an end of the domain, where there is one). An orbit then needs a few looks
+at the table. What the table does not show is proved for that orbit itself.
 """
 
 from __future__ import annotations
@@ -24,15 +24,18 @@ from hjsolve.numeric.tape import Tape
 GROWTH = 100.0
 """How much larger than on the real axis functions may be in a disk."""
 
-_DROPPED = 47
-"""Bits of a double that do not tell its cell: what is left are the sign, the exponent and five more."""
-_CELLS = 1 << (64 - _DROPPED)
+_DROPPED = 48
+"""Bits of a double that do not tell its cell: what is left are the exponent and four more."""
+_TURNS = 32
+"""Cells in half a turn."""
+_CELLS = _TURNS << (63 - _DROPPED)
 _FINE = 16
 """Radii are tried in steps of 2^(1/16)."""
 _LONGEST = 40
 """Radii up to 2^40 times the place, or 2^40, are tried."""
-_REAL = np.linspace(-0.4, 0.4, 9)
-"""Where functions are looked at on the real axis, in units of the radius."""
+_REAL = np.array([0.8, 1.0, 1.25])
+"""Where functions are looked at on the real axis, as far from the origin as the disk's centre."""
+_NONE = -1.0
 
 
 class Clearance:
@@ -42,60 +45,68 @@ class Clearance:
     there are; several threads may fill the table at the same time.
     """
 
-    def __init__(self, parts: Tape, numbers: tuple[Pair, ...], *, alone: bool):
+    def __init__(self, parts: Tape, numbers: tuple[Pair, ...], *, alone: bool, side: int = 0):
         """Take the functions as they are; nothing is computed.
 
         Args:
             parts: inputs x, constants, parameters.
             numbers: values of the parameters.
             alone: True where the functions do not depend on the constants. Otherwise there is no table.
+            side: where x = 0 is an end of the domain, the sign of x within; else 0.
         """
         self._parts = parts
         self._numbers = numbers
         self._alone = alone
+        self._both, self._side = side == 0, side or 1
         self._radii: Any = None
 
     def radius(self, x: Any) -> Any:
-        """Return the radius of a disk about every place of an array in which all is known; 0 for none."""
+        """Return the radius of a disk about every place in which all is known.
+
+        Args:
+            x: places, real or complex; of z and its conjugate all is the same.
+
+        Returns:
+            Array of the same shape; negative where nothing is known.
+        """
         if not self._alone:
-            return np.zeros(np.shape(x))
+            return np.full(np.shape(x), _NONE)
         if self._radii is None:
-            self._radii = np.full(_CELLS, np.nan)
-        keys = np.ascontiguousarray(x, dtype=np.float64).view(np.uint64) >> np.uint64(_DROPPED)
+            self._radii = np.zeros(_CELLS)  # unknown; what is never looked at takes no memory
+        keys = _cell(np.real(x), np.abs(np.imag(x)))
         found = self._radii[keys]
-        new = np.isnan(found)
-        if new.any():
-            fresh = np.unique(keys[new])
+        if not found.all():
+            fresh = np.unique(keys[found == 0])
             self._radii[fresh] = self._computed(fresh)
             found = self._radii[keys]
         return found
 
     def _computed(self, keys: Any) -> Any:
         """The radii of some cells, by bisection over powers of 2^(1/16)."""
-        ends = [(keys + np.uint64(k) << np.uint64(_DROPPED)).view(np.float64) for k in (0, 1)]
         with np.errstate(all="ignore"):
-            middle, half = 0.5 * ends[0] + 0.5 * ends[1], 0.5 * np.abs(ends[1] - ends[0])
-            steps = np.log2(np.maximum(1.0, np.abs(middle))) + _LONGEST - np.log2(half)
+            centre, half = _middle(keys)
+            steps = np.log2(np.maximum(1.0, np.abs(centre))) + _LONGEST - np.log2(half)
             usable = np.isfinite(steps) & (half > 0)
+            side = np.where((centre.real < 0) & self._both, -1.0, 1.0) * self._side
+            real = (side * np.abs(centre))[:, None] * _REAL
             good, bad = np.zeros(len(keys)), np.where(usable, np.ceil(_FINE * steps), 1.0)
             while np.any(bad - good > 1):
                 trial = np.floor((good + bad) / 2)
-                radius = half * 2 ** (trial / _FINE)
-                clear = self.holds((), middle[:, None], radius[:, None], middle[:, None] + radius[:, None] * _REAL)
+                clear = self.holds((), centre[:, None], (half * 2 ** (trial / _FINE))[:, None], real)
                 good, bad = np.where(clear, trial, good), np.where(clear, bad, trial)
-            return np.where(usable & (good > 0), half * 2 ** (good / _FINE) - half, 0.0)
+            return np.where(usable & (good > 0), half * 2 ** (good / _FINE) - half, _NONE)
 
     def holds(self, constants: tuple[Any, ...], centres: Any, radii: Any, real: Any) -> Any:
         """Tell for which orbits all functions are analytic in some disks, and do not grow much in them.
 
         Args:
             constants: of the orbits, shape (n,); only looked at where the functions depend on them.
-            centres, radii: the disks in terms of x, shape (n, disks).
+            centres, radii: the disks in terms of x, real or complex, shape (n, disks).
             real: places on the real axis at which the size of functions is taken, shape (n, places).
         """
         with np.errstate(all="ignore"):
             sizes = self._parts.run(Float64(), [real, *self._known(constants)])
-            place = Disk(centres.astype(complex), np.abs(radii) + 4 * 2.0**-53 * np.abs(centres))
+            place = Disk(centres.astype(complex), radii + 4 * 2.0**-53 * np.abs(centres))
             known = [Disk(np.asarray(c, complex), 2.0**-52 * np.abs(c)) for c in self._known(constants)]
             disks = self._parts.run(Disks(), [place, *known])
             good = np.isfinite(centres).all(axis=1)
@@ -110,3 +121,24 @@ class Clearance:
         count = len(self._parts.inputs) - 1 - len(self._numbers)
         values = [0.0] * count if self._alone else [c[:, None] for c in constants]
         return [*values, *(pair.high for pair in self._numbers)]
+
+
+def _cell(re: Any, im: Any) -> Any:
+    """The cell of places re ± i·im: by |re| + im as a double, and by im/(|re| + im) in the place of an angle."""
+    with np.errstate(all="ignore"):
+        size = np.abs(re) + im
+        turn = np.minimum((_TURNS // 2 * (im / size)).astype(np.int64), _TURNS // 2 - 1)
+    turn = np.where(size > 0, np.where(re < 0, _TURNS - 1 - turn, turn), 0)
+    return (np.ascontiguousarray(size).view(np.int64) >> _DROPPED) * _TURNS + turn
+
+
+def _middle(keys: Any) -> tuple[Any, Any]:
+    """A place within each cell, and the distance of its farthest corner."""
+    turn = keys % _TURNS
+    left = turn >= _TURNS // 2
+    turn = np.where(left, _TURNS - 1 - turn, turn)
+    sizes = [((keys // _TURNS + k) << _DROPPED).view(np.float64) for k in (0, 1)]
+    shares = [(turn + k) / (_TURNS // 2) for k in (0, 1)]
+    corners = np.stack([np.where(left, -1, 1) * s * (1 - t) + 1j * s * t for s in sizes for t in shares])
+    centre = corners.mean(axis=0)
+    return centre, np.abs(corners - centre).max(axis=0)

@@ -139,11 +139,16 @@ def _separated(
     kernels = [sp.diff(F, c) / 2 for c in constants]
     parts = _parts(F, constants)
 
+    domain = coordinate.domain
+    lower_end, upper_end = domain.lower, domain.upper
+
     def formula(origin: sp.Expr, sign: int, near: Callable[[sp.Expr], sp.Expr]) -> Formula:
         arguments = [q, *constants, *parameters]
         seen = [near(e) for e in (F, *kernels)]
         apart = lower(seen if parts is None else [near(e) for e in parts if e.has(q)], arguments)
-        clearance = Clearance(apart, tuple(_pair(values[s]) for s in parameters), alone=parts is not None)
+        side = 1 if origin == lower_end or sign < 0 else -1 if origin == upper_end else 0
+        numbers = tuple(_pair(values[s]) for s in parameters)
+        clearance = Clearance(apart, numbers, alone=parts is not None, side=side)
         return Formula(_pair(origin.subs(values)), sign, lower(seen[:1], arguments), lower(seen, arguments), clearance)
 
     def from_end(end: sp.Expr | None, sign: int) -> Formula | None:
@@ -151,10 +156,8 @@ def _separated(
             return None
         return formula(end, sign, lambda e: tidy(e.subs(q, end + sign * q), q))
 
-    domain = coordinate.domain
     plain = formula(sp.Integer(0), 1, lambda e: e)
     angle = domain.kind == "angle" and periodic(plain.squared, values, constants, parameters)
-    lower_end, upper_end = domain.lower, domain.upper
     open_ = lower_end is None and upper_end is None
     same = open_ or (lower_end is not None and upper_end is not None and sp.expand(lower_end + upper_end) == 0)
     even = bool(same and not angle and sp.expand(F.subs(q, -q) - F) == 0)

@@ -12,6 +12,7 @@ so over several nodes, and the integrands, which go like S^(±½), then have las
 
 from __future__ import annotations
 
+from collections.abc import Callable
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
@@ -50,42 +51,61 @@ def resolved(region: Region, table: Nodes, *, running: bool) -> Any:
     good = np.zeros(len(region.width), dtype=bool)
     if region.turning and table.complement == 1.0:
         formula, _, base = _seen(region.below)
-        middle = base + region.lower + region.below.sign * 0.5 * region.width
+        middle = np.ravel(base) + region.lower + region.below.sign * 0.5 * region.width
         enough = across(len(table.χ), table.warp, table.fold, running)
         good = room(formula.clearance, middle, region.width) >= enough
     over = strip(table, region.turning, running)
-    left = np.flatnonzero(~good)
-    if over.inside and len(left):
-        for part in np.array_split(left, len(left) * len(over.low) // _ELEMENTS + 1):
-            good[part] = _one_by_one(region.take(part), table, over)
+    for known in (_in_table, _on_its_own):
+        left = np.flatnonzero(~good)
+        if over.inside and len(left):
+            for part in np.array_split(left, len(left) * len(over.low) // _ELEMENTS + 1):
+                good[part] = _covered(region.take(part), table, over, known)
     return good
 
 
 def _seen(view: View) -> tuple[Formula, Knowns, Any]:
     """The formula of a view, what is known, and the offset in the formula of the view's zero."""
     if isinstance(view, Near):
-        return view.formula, view.knowns, view.start
+        return view.formula, view.knowns, view.start[:, None]
     if isinstance(view, Fine):
-        return view.raw.formula, view.raw.knowns, view.base.high
+        return view.raw.formula, view.raw.knowns, view.base.high[:, None]
     return view.formula, view.knowns, 0.0
 
 
-def _one_by_one(region: Region, table: Nodes, over: Strip) -> Any:
-    """By disks about places of each orbit itself."""
+def _in_table(view: View, offset: Any, radius: Any) -> Any:
+    """True where the table shows that all is known in the disks of an orbit; see ``_on_its_own``."""
+    formula, _, base = _seen(view)
+    return (formula.clearance.radius(offset + base) >= radius).all(axis=1)
+
+
+def _on_its_own(view: View, offset: Any, radius: Any) -> Any:
+    """True where all is proved to be known in the disks of an orbit.
+
+    Args:
+        view: of n orbits.
+        offset, radius: centre in the view, complex, and radius of disks, shape (n, disks).
+    """
+    formula, knowns, base = _seen(view)
+    centres = offset + base
+    return formula.clearance.holds(knowns.constants, centres, radius, np.real(centres))
+
+
+def _covered(region: Region, table: Nodes, over: Strip, known: Callable[[View, Any, Any], Any]) -> Any:
+    """True where the disks that cover the strip are known."""
     with np.errstate(all="ignore"):
         if not region.turning:
             direction = np.sign(region.momentum)[:, None]
             offset = region.lower[:, None] + direction * over.low
-            return _clear(region.below, offset, over.spread + 0.0 * offset)
+            return known(region.below, offset, over.spread + 0.0 * np.real(offset))
         W = region.width[:, None]
         low, high, spread = _within(region, table, over)
         half = len(over.low) if table.fold == 2 else len(over.low) // 2
         lower = region.lower[:, None] + region.below.sign * W * low[:, :half]
         upper = region.upper[:, None] - region.above.sign * W * high[:, half:]
         if region.below is region.above:
-            return _clear(region.below, np.concatenate([lower, upper], axis=1), W * spread)
-        good = _clear(region.below, lower, W * spread[:, :half])
-        return good & _clear(region.above, upper, W * spread[:, half:]) if half < len(over.low) else good
+            return known(region.below, np.concatenate([lower, upper], axis=1), W * spread)
+        good = known(region.below, lower, W * spread[:, :half])
+        return good & known(region.above, upper, W * spread[:, half:]) if half < len(over.low) else good
 
 
 def _within(region: Region, table: Nodes, over: Strip) -> tuple[Any, Any, Any]:
@@ -99,9 +119,3 @@ def _within(region: Region, table: Nodes, over: Strip) -> tuple[Any, Any, Any]:
     near = over.near_low / (1 + d[..., None] * over.near_high)
     spread = SAFETY * np.abs(near - low[..., None]).max(axis=2)
     return low, high, np.where(1 + d * over.tip > 0, spread, np.inf)  # else q = ∞ lies in the strip
-
-
-def _clear(view: View, offset: Any, radius: Any) -> Any:
-    formula, knowns, base = _seen(view)
-    centres = offset + (base[:, None] if np.ndim(base) else base)
-    return formula.clearance.holds(knowns.constants, centres, radius, centres)

@@ -23,21 +23,22 @@ EXPONENT = 40.0
 """What is missed is less than 2 exp(−40) = 9e-18 of the size of a function in the strip (``clearance.GROWTH`` times
 that on the real axis): together 9e-16, half of what every claim counts for rounding."""
 
-_NODES = 4
-"""Nodes to a rectangle."""
-_LEAST = 8
+_ROWS, _STRETCHED_ROWS = 2, 4
+"""Rectangles above each other; four times as many nodes as rectangles in a row, or twice as many."""
+_LEAST = 4
 SAFETY = 1.02
 """The edge of a rectangle is looked at in a few places."""
 _INSIDE = 0.98
+_EDGE = [(x, y) for x in (-1, 0, 1) for y in (-1, 0, 1) if x or y]
 
 
 @dataclass(frozen=True, eq=False)
 class Strip:
-    """Rectangles that cover a strip over half a period (a whole turn for rotations); arrays (count,).
+    """Rectangles that cover a strip over half a period (a whole turn for rotations), from left to right; (count,).
 
     Attributes:
-        low, high: sn² and cn² at the middles; for rotations the angle 2 am − π and nothing of use.
-        near_low, near_high: the same on the edges, complex, shape (count, places).
+        low, high: sn² and cn² at the middles, complex; for rotations the angle 2 am − π and nothing of use.
+        near_low, near_high: the same on the edges, shape (count, places).
         spread: radius of the disks, in units of b − a where neither ρ_d nor ρ_c is used; in q for rotations.
         tip: cn² at χ = π + ia, where q first becomes infinite if it does.
         inside: True where sn and cn have no poles in the strip.
@@ -73,18 +74,19 @@ def strip(table: Nodes, turning: bool, running: bool) -> Strip:
     """Return the strip over which functions are to be known for a table of nodes."""
     nodes = len(table.χ) if turning else len(table.χ) // 2
     a, length = half_width(nodes, table.fold, running=running), np.pi / table.fold if turning else 2 * np.pi
-    count = 2 * -(-max(_LEAST, len(table.χ) // _NODES) // 2)
-    δ = 0.5 * length / count
-    middles = (2 * np.arange(count) + 1) * δ
-    edge = [x * δ + 1j * a for x in (-1, -0.5, 0, 0.5, 1)] + [x * δ + 0.5j * a for x in (-1, 1)] + [-δ, δ]
-    low, high = _places(middles + 0j, table, turning)
+    rows = _ROWS if table.complement == 1.0 else _STRETCHED_ROWS
+    count = 2 * max(_LEAST, len(table.χ) * rows // 16)
+    δ, ε = 0.5 * length / count, 0.5 * a / rows
+    middles = (np.arange(1, 2 * count, 2)[:, None] * δ + 1j * ε * np.arange(1, 2 * rows, 2)).ravel()
+    edge = [x * δ + y * 1j * ε for x, y in _EDGE]
+    low, high = _places(middles, table, turning)
     near_low, near_high = _places(middles[:, None] + np.array(edge), table, turning)
     spread = SAFETY * np.abs(near_low - low[:, None]).max(axis=1)
     tip = _goal(np.array([np.pi + 1j * a]), table)
     other = np.inf if table.complement == 1.0 else quarter_period(1 - table.complement, Float64())
     inside = abs(tip[0].imag) * table.quarter / np.pi < _INSIDE * other
     end = float(np.real(_places(np.array([np.pi + 1j * a]), table, True)[1][0])) if inside else -np.inf
-    return Strip(np.real(low), np.real(high), near_low, near_high, spread, end, bool(inside))
+    return Strip(low, high, near_low, near_high, spread, end, bool(inside))
 
 
 def _goal(χ: Any, table: Nodes) -> Any:
