@@ -56,11 +56,11 @@ def _tables() -> tuple[Any, ...]:
 
 
 @cache
-def _enough(running: bool) -> Any:
+def _enough() -> Any:
     """Radius about the middle of a motion that shows it resolved, shape (warps, sizes); see ``strips.across``."""
     return np.array(
         [
-            [across(count, warp, 2 if k >= tables.EVEN else 1, running) for count in _COUNTS]
+            [across(count, warp, 2 if k >= tables.EVEN else 1) for count in _COUNTS]
             for k, warp in enumerate(tables.WARPS)
         ]
     )
@@ -96,7 +96,7 @@ def librations(coordinate: Separated, made: Programs, start: Begin, k: int, *, r
     )
     made.search(start.q[k], start.P[k], C, floors, np.pi if coordinate.periodic else np.inf, ends)
     lower, upper = ends
-    chosen, enough = np.zeros((2, count), dtype=np.int64), _enough(ripples)
+    chosen, enough = np.zeros((2, count), dtype=np.int64), _enough()
     proved = room(coordinate.plain.clearance, 0.5 * (lower + upper), upper - lower)
     results = (
         sums.action, sums.action_error, sums.means, sums.mean_errors, sums.ripples, sums.ripple_errors, sums.phase,
@@ -107,7 +107,7 @@ def librations(coordinate: Separated, made: Programs, start: Begin, k: int, *, r
     vague = np.flatnonzero(sums.good & ~(proved >= enough[chosen[1], chosen[0]]))
     if len(vague):
         region = _region(coordinate, start, k, lower, upper).take(vague)
-        sums.good[vague] = _resolved(region, chosen[:, vague], running=ripples)
+        sums.good[vague] = _resolved(region, chosen[:, vague])
     return sums
 
 
@@ -118,11 +118,11 @@ def _region(coordinate: Separated, start: Begin, k: int, lower: Any, upper: Any)
     return Region(view, view, lower, upper, upper - lower, zero, zero, none, none, start.P[k], left, right)
 
 
-def _resolved(region: Region, chosen: Any, *, running: bool) -> Any:
+def _resolved(region: Region, chosen: Any) -> Any:
     """Prove what a glance at the clearance did not show; see ``resolution``."""
     good = np.zeros(len(region.width), dtype=bool)
     for size, warp in np.unique(chosen, axis=1).T:
         part = np.flatnonzero((chosen[0] == size) & (chosen[1] == warp))
         table = tables.libration(_COUNTS[size], 0, int(warp))
-        good[part] = resolved(region.take(part), table, running=running)
+        good[part] = resolved(region.take(part), table)
     return good

@@ -114,6 +114,11 @@ def rotation(count: int, level: int) -> Nodes:
     )  # fmt: skip
 
 
+def nodes_of(turning: bool, count: int, level: int, warp: int) -> Nodes:
+    """Return the nodes for librations or rotations; ``count`` in half a period."""
+    return libration(count, level, warp) if turning else rotation(2 * count, level)
+
+
 def _twice(x: Pair) -> Pair:
     return Pair(2 * x.high, 2 * x.low)
 

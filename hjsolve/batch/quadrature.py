@@ -16,7 +16,7 @@ import numpy as np
 
 from hjsolve.batch import nodes as tables
 from hjsolve.batch.phase import Ends, librating, rotating
-from hjsolve.batch.resolution import resolved
+from hjsolve.batch.resolution import least
 from hjsolve.batch.views import View
 from hjsolve.numeric.rowwise import rowwise
 
@@ -25,8 +25,6 @@ _SAFETY = 1.5
 _GOAL = 4e-16
 _PLACES = 5
 _ELEMENTS = 1 << 18
-_DENSER = 2.0
-"""How many times more nodes are tried where they are not proved to resolve p²."""
 
 
 @dataclass(frozen=True)
@@ -104,7 +102,7 @@ def empty(constants: int, count: int) -> Sums:
 
 
 def integrate(region: Region, constants: int, *, kernels: bool, ripples: bool, first: int = 32) -> Sums:
-    """Integrate with as many nodes as every orbit needs.
+    """Integrate with as many nodes as every orbit needs, and no fewer than are proved to resolve it.
 
     Args:
         region: of n orbits.
@@ -114,7 +112,7 @@ def integrate(region: Region, constants: int, *, kernels: bool, ripples: bool, f
     """
     count = len(region.width)
     sums = empty(constants, count)
-    needed = np.full(count, float(first))
+    needed = least(region, first)
     while True:
         size = np.zeros(count, dtype=int)
         for c in tables.COUNTS[::-1]:
@@ -128,16 +126,13 @@ def integrate(region: Region, constants: int, *, kernels: bool, ripples: bool, f
             group, table = np.flatnonzero(codes == code), _table(region, int(code))
             for part in np.array_split(group, len(group) * len(table.χ) // _ELEMENTS + 1):
                 result, more = _rule(region.take(part), constants, table, kernels=kernels, ripples=ripples)
-                fine = np.flatnonzero(result.good)
-                blind = fine[~resolved(region.take(part[fine]), table, running=ripples)]
-                result.good[blind], more[blind] = False, _DENSER * size[part[blind]]
                 needed[part] = np.where(result.good, np.inf, more)
                 sums.put(part, result)
 
 
 def _table(region: Region, code: int) -> tables.Nodes:
     count, level, warp = code // 512, code // 8 % 64, code % 8
-    return tables.libration(count, level, warp) if region.turning else tables.rotation(2 * count, level)
+    return tables.nodes_of(region.turning, count, level, warp)
 
 
 def _rule(region: Region, constants: int, table: tables.Nodes, *, kernels: bool, ripples: bool) -> tuple[Sums, Any]:

@@ -19,7 +19,7 @@ import numpy as np
 
 from hjsolve.batch.clearance import Clearance
 from hjsolve.batch.model import Formula
-from hjsolve.batch.nodes import Nodes
+from hjsolve.batch.nodes import COUNTS, Nodes, nodes_of
 from hjsolve.batch.strips import SAFETY, Strip, across, strip
 from hjsolve.batch.views import Fine, Knowns, Near, View
 
@@ -27,6 +27,8 @@ if TYPE_CHECKING:
     from hjsolve.batch.quadrature import Region
 
 _ELEMENTS = 1 << 16
+_TRIED = (64, 160, 384)
+"""Numbers of nodes for which the proof is tried without the table."""
 
 
 def room(clearance: Clearance, middle: Any, width: Any) -> Any:
@@ -40,26 +42,43 @@ def room(clearance: Clearance, middle: Any, width: Any) -> Any:
         return clearance.radius(middle) / (0.5 * width)
 
 
-def resolved(region: Region, table: Nodes, *, running: bool) -> Any:
-    """Tell which orbits are resolved by a table of nodes.
+def least(region: Region, first: int) -> Any:
+    """Return the least number of nodes in use, from the first one on, that is proved to resolve each orbit; inf for none.
 
-    Args:
-        region: of n orbits.
-        table: the nodes.
-        running: True when running integrals are wanted, too.
+    What is proved for a number of nodes is proved for more: the strip is narrower.
     """
+    needed = np.full(len(region.width), np.inf)
+    for known, counts in ((_in_table, COUNTS), (_on_its_own, _TRIED)):
+        for count in counts:
+            left = np.flatnonzero(np.isinf(needed))
+            if count < first or not len(left):
+                continue
+            codes = region.level[left] * 8 + region.warp[left]
+            for code in np.unique(codes):
+                part = left[codes == code]
+                table = nodes_of(region.turning, count, int(code) // 8, int(code) % 8)
+                needed[part[_resolved(region.take(part), table, known)]] = count
+    return needed
+
+
+def resolved(region: Region, table: Nodes) -> Any:
+    """Tell which orbits are resolved by a table of nodes."""
+    good = _resolved(region, table, _in_table)
+    left = np.flatnonzero(~good)
+    good[left] = _resolved(region.take(left), table, _on_its_own)
+    return good
+
+
+def _resolved(region: Region, table: Nodes, known: Callable[[View, Any, Any], Any]) -> Any:
     good = np.zeros(len(region.width), dtype=bool)
-    if region.turning and table.complement == 1.0:
+    if region.turning and table.complement == 1.0 and known is _in_table:
         formula, _, base = _seen(region.below)
         middle = np.ravel(base) + region.lower + region.below.sign * 0.5 * region.width
-        enough = across(len(table.χ), table.warp, table.fold, running)
-        good = room(formula.clearance, middle, region.width) >= enough
-    over = strip(table, region.turning, running)
-    for known in (_in_table, _on_its_own):
-        left = np.flatnonzero(~good)
-        if over.inside and len(left):
-            for part in np.array_split(left, len(left) * len(over.low) // _ELEMENTS + 1):
-                good[part] = _covered(region.take(part), table, over, known)
+        good = room(formula.clearance, middle, region.width) >= across(len(table.χ), table.warp, table.fold)
+    over, left = strip(table, region.turning), np.flatnonzero(~good)
+    if over.inside and len(left):
+        for part in np.array_split(left, len(left) * len(over.low) // _ELEMENTS + 1):
+            good[part] = _covered(region.take(part), table, over, known)
     return good
 
 

@@ -1,9 +1,10 @@
 """How far a strip about the nodes reaches in the coordinate.
 
 Where a function of q is analytic in the strip |Im χ| ≤ a of the anomaly and at most M there, its coefficients fall like
-2M exp(−ak); a mean over N nodes misses those from 2N on, a running integral those from N on. So a is chosen such that
-exp(−2aN), or exp(−aN), is nothing in doubles. The strip is cut into rectangles; in q each lies in a disk about the
-place of its middle, whose radius is found on the edge of the rectangle, because the map from χ to q is analytic in it.
+2M exp(−ak); a mean over N nodes misses those from 2N on. So a is chosen such that exp(−2aN) is nothing in doubles. (The
+running integrals miss those from N on; the last coefficients before N, which are seen, tell how large these are.) The
+strip is cut into rectangles; in q each lies in a disk about the place of its middle, whose radius is found on the edge
+of the rectangle, because the map from χ to q is analytic in it.
 """
 
 from __future__ import annotations
@@ -19,9 +20,9 @@ from hjsolve.numeric.arithmetic import Float64
 from hjsolve.numeric.complex_maps import jacobi_complex
 from hjsolve.numeric.elliptic import quarter_period
 
-EXPONENT = 40.0
-"""What is missed is less than 2 exp(−40) = 9e-18 of the size of a function in the strip (``clearance.GROWTH`` times
-that on the real axis): together 9e-16, half of what every claim counts for rounding."""
+EXPONENT = 36.0
+"""exp(−36) = 2.3e-16: what is missed of a function is at most 2 M exp(−36), M being ``clearance.GROWTH`` times what the
+function is on the real axis at the very most, and then only if it is as large all along the strip."""
 
 _ROWS, _STRETCHED_ROWS = 2, 4
 """Rectangles above each other; four times as many nodes as rectangles in a row, or twice as many."""
@@ -53,27 +54,27 @@ class Strip:
     inside: bool
 
 
-def half_width(count: int, fold: int, *, running: bool) -> float:
+def half_width(count: int, fold: int) -> float:
     """Return a for N nodes over half a period (over a quarter: fold 2)."""
-    return EXPONENT / (fold * count * (1 if running else 2))
+    return EXPONENT / (2 * fold * count)
 
 
 @cache
-def across(count: int, warp: tuple[float, float], fold: int, running: bool) -> float:
+def across(count: int, warp: tuple[float, float], fold: int) -> float:
     """Return the radius of a disk about the middle of the motion that holds the strip, in units of (b − a)/2.
 
     For plain anomalies: q = m − h cos φ, φ = χ + γ sin χ + ½ δ sin 2χ; the image of |Im φ| ≤ y is an ellipse.
     """
-    a = half_width(count, fold, running=running)
+    a = half_width(count, fold)
     γ, δ = warp
     return float(np.cosh(min(a + abs(γ) * np.sinh(a) + 0.5 * abs(δ) * np.sinh(2 * a), 700.0)))
 
 
 @cache
-def strip(table: Nodes, turning: bool, running: bool) -> Strip:
+def strip(table: Nodes, turning: bool) -> Strip:
     """Return the strip over which functions are to be known for a table of nodes."""
     nodes = len(table.χ) if turning else len(table.χ) // 2
-    a, length = half_width(nodes, table.fold, running=running), np.pi / table.fold if turning else 2 * np.pi
+    a, length = half_width(nodes, table.fold), np.pi / table.fold if turning else 2 * np.pi
     rows = _ROWS if table.complement == 1.0 else _STRETCHED_ROWS
     count = 2 * max(_LEAST, len(table.χ) * rows // 16)
     δ, ε = 0.5 * length / count, 0.5 * a / rows
