@@ -12,6 +12,7 @@ at the table. What the table does not show is proved for that orbit itself.
 
 from __future__ import annotations
 
+from collections.abc import Callable
 from typing import Any
 
 import numpy as np
@@ -24,11 +25,15 @@ from hjsolve.numeric.tape import Tape
 GROWTH = 100.0
 """How much larger than on the real axis functions may be in a disk."""
 
-_DROPPED = 48
-"""Bits of a double that do not tell its cell: what is left are the exponent and four more."""
-_TURNS = 32
-"""Cells in half a turn."""
-_CELLS = _TURNS << (63 - _DROPPED)
+_DROPPED = 50
+"""Bits of a double that do not tell its cell: what is left are the exponent and two more."""
+_QUARTER = 4
+"""Cells in a quarter of a turn."""
+_CELLS = 2 * _QUARTER << (63 - _DROPPED)
+_DEEPEST = 5
+"""How often a cell may be halved in both directions."""
+_PARTS_OF = 3.0
+"""Cells are halved until they are this many times smaller than the radius."""
 _FINE = 16
 """Radii are tried in steps of 2^(1/16)."""
 _LONGEST = 40
@@ -58,7 +63,7 @@ class Clearance:
         self._numbers = numbers
         self._alone = alone
         self._both, self._side = side == 0, side or 1
-        self._radii: Any = None
+        self._table: _Table | None = None
 
     def radius(self, x: Any) -> Any:
         """Return the radius of a disk about every place in which all is known.
@@ -71,30 +76,33 @@ class Clearance:
         """
         if not self._alone:
             return np.full(np.shape(x), _NONE)
-        if self._radii is None:
-            self._radii = np.zeros(_CELLS)  # unknown; what is never looked at takes no memory
-        keys = _cell(np.real(x), np.abs(np.imag(x)))
-        found = self._radii[keys]
+        if self._table is None:
+            self._table = _Table()
+        table, re, im = self._table, np.real(x), np.abs(np.imag(x))
+        place = table.place(re, im, self._radius_at)
+        found = table.radii[place]
         if not found.all():
-            fresh = np.unique(keys[found == 0])
-            self._radii[fresh] = self._computed(fresh)
-            found = self._radii[keys]
+            fresh, first = np.unique(place[found == 0], return_index=True)
+            re, im = (np.broadcast_to(part, place.shape)[found == 0][first] for part in (re, im))
+            centre, half = _cell_of(re, im, table.depth_of(re, im))
+            radius = self._radius_at(centre, half)
+            table.radii[fresh] = np.where(radius > half, radius - half, _NONE)
+            found = table.radii[place]
         return found
 
-    def _computed(self, keys: Any) -> Any:
-        """The radii of some cells, by bisection over powers of 2^(1/16)."""
+    def _radius_at(self, centre: Any, smallest: Any) -> Any:
+        """The largest radius about some places, by bisection over powers of 2^(1/16) from the smallest on; 0 for none."""
         with np.errstate(all="ignore"):
-            centre, half = _middle(keys)
-            steps = np.log2(np.maximum(1.0, np.abs(centre))) + _LONGEST - np.log2(half)
-            usable = np.isfinite(steps) & (half > 0)
+            steps = np.log2(np.maximum(1.0, np.abs(centre))) + _LONGEST - np.log2(smallest)
+            usable = np.isfinite(steps) & (smallest > 0)
             side = np.where((centre.real < 0) & self._both, -1.0, 1.0) * self._side
             real = (side * np.abs(centre))[:, None] * _REAL
-            good, bad = np.zeros(len(keys)), np.where(usable, np.ceil(_FINE * steps), 1.0)
+            good, bad = np.zeros(len(centre)), np.where(usable, np.ceil(_FINE * steps), 1.0)
             while np.any(bad - good > 1):
                 trial = np.floor((good + bad) / 2)
-                clear = self.holds((), centre[:, None], (half * 2 ** (trial / _FINE))[:, None], real)
+                clear = self.holds((), centre[:, None], (smallest * 2 ** (trial / _FINE))[:, None], real)
                 good, bad = np.where(clear, trial, good), np.where(clear, bad, trial)
-            return np.where(usable & (good > 0), half * 2 ** (good / _FINE) - half, _NONE)
+            return np.where(usable & (good > 0), smallest * 2 ** (good / _FINE), 0.0)
 
     def holds(self, constants: tuple[Any, ...], centres: Any, radii: Any, real: Any) -> Any:
         """Tell for which orbits all functions are analytic in some disks, and do not grow much in them.
@@ -123,22 +131,80 @@ class Clearance:
         return [*values, *(pair.high for pair in self._numbers)]
 
 
-def _cell(re: Any, im: Any) -> Any:
-    """The cell of places re ± i·im: by |re| + im as a double, and by im/(|re| + im) in the place of an angle."""
+class _Table:
+    """Radii by cells, the large cells divided as they need it.
+
+    Attributes:
+        depth: how often each large cell is halved; −1 where that is not known yet. start: where its parts begin.
+        radii: of the parts; 0 where not known yet.
+    """
+
+    def __init__(self) -> None:
+        self.depth = np.full(_CELLS, -1, dtype=np.int8)
+        self.start = np.zeros(_CELLS, dtype=np.int64)
+        self.radii = np.zeros(0)
+
+    def place(self, re: Any, im: Any, radius_at: Callable[[Any, Any], Any]) -> Any:
+        """Return where the radii of some places stand."""
+        large = _number(re, im, 0)
+        depth = self.depth[large]
+        if (depth < 0).any():
+            self._divide(np.unique(large[depth < 0]), radius_at)
+            depth = self.depth[large]
+        return self.start[large] + _part(re, im, depth.astype(np.int64))
+
+    def depth_of(self, re: Any, im: Any) -> Any:
+        """Return how often the large cells of some places are halved."""
+        return self.depth[_number(re, im, 0)].astype(np.int64)
+
+    def _divide(self, cells: Any, radius_at: Callable[[Any, Any], Any]) -> None:
+        centre, half = _middle(cells // (2 * _QUARTER), cells % (2 * _QUARTER), 0)
+        radius = radius_at(centre, half * 2.0**-_DEEPEST)
+        with np.errstate(all="ignore"):
+            depth = np.clip(np.ceil(np.log2(_PARTS_OF * half / radius)), 0, _DEEPEST).astype(np.int64)
+        sizes = 4**depth
+        self.start[cells] = len(self.radii) + np.cumsum(sizes) - sizes
+        self.radii = np.concatenate([self.radii, np.zeros(int(sizes.sum()))])
+        self.depth[cells] = depth
+
+
+def _shares(re: Any, im: Any) -> tuple[Any, Any]:
+    """|re| + im, and im/(|re| + im), which stands for an angle."""
     with np.errstate(all="ignore"):
         size = np.abs(re) + im
-        turn = np.minimum((_TURNS // 2 * (im / size)).astype(np.int64), _TURNS // 2 - 1)
-    turn = np.where(size > 0, np.where(re < 0, _TURNS - 1 - turn, turn), 0)
-    return (np.ascontiguousarray(size).view(np.int64) >> _DROPPED) * _TURNS + turn
+        share = im / size
+    return np.ascontiguousarray(np.broadcast_to(size, np.shape(share))), np.where(size > 0, share, 0.0)
 
 
-def _middle(keys: Any) -> tuple[Any, Any]:
+def _numbers(re: Any, im: Any, depth: Any) -> tuple[Any, Any]:
+    """The cell of places re ± i·im when all cells are halved ``depth`` times: along |re| + im, and along the angle."""
+    size, share = _shares(re, im)
+    turn = np.minimum((share * (_QUARTER << depth)).astype(np.int64), (_QUARTER << depth) - 1)
+    return size.view(np.int64) >> (_DROPPED - depth), np.where(re < 0, (2 * _QUARTER << depth) - 1 - turn, turn)
+
+
+def _number(re: Any, im: Any, depth: int) -> Any:
+    along, turn = _numbers(re, im, depth)
+    return along * (2 * _QUARTER << depth) + turn
+
+
+def _part(re: Any, im: Any, depth: Any) -> Any:
+    """The number of a part among those of its large cell."""
+    along, turn = _numbers(re, im, depth)
+    within = (1 << depth) - 1
+    return ((along & within) << depth) + (turn & within)
+
+
+def _cell_of(re: Any, im: Any, depth: Any) -> tuple[Any, Any]:
+    return _middle(*_numbers(re, im, depth), depth)
+
+
+def _middle(along: Any, turn: Any, depth: Any) -> tuple[Any, Any]:
     """A place within each cell, and the distance of its farthest corner."""
-    turn = keys % _TURNS
-    left = turn >= _TURNS // 2
-    turn = np.where(left, _TURNS - 1 - turn, turn)
-    sizes = [((keys // _TURNS + k) << _DROPPED).view(np.float64) for k in (0, 1)]
-    shares = [(turn + k) / (_TURNS // 2) for k in (0, 1)]
+    left = turn >= (_QUARTER << depth)
+    turn = np.where(left, (2 * _QUARTER << depth) - 1 - turn, turn)
+    sizes = [((along + k) << (_DROPPED - depth)).view(np.float64) for k in (0, 1)]
+    shares = [(turn + k) / (_QUARTER << depth) for k in (0, 1)]
     corners = np.stack([np.where(left, -1, 1) * s * (1 - t) + 1j * s * t for s in sizes for t in shares])
     centre = corners.mean(axis=0)
     return centre, np.abs(corners - centre).max(axis=0)

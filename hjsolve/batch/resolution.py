@@ -29,6 +29,8 @@ if TYPE_CHECKING:
 _ELEMENTS = 1 << 16
 _TRIED = (64, 160, 384)
 """Numbers of nodes for which the proof is tried without the table."""
+_CAUTIOUS = 0.7
+"""The nodes that are needed grow nearly like the share of the radius that is missing, at least with this power."""
 
 
 def room(clearance: Clearance, middle: Any, width: Any) -> Any:
@@ -47,39 +49,41 @@ def least(region: Region, first: int) -> Any:
 
     What is proved for a number of nodes is proved for more: the strip is narrower.
     """
-    needed = np.full(len(region.width), np.inf)
+    needed, hint = np.full(len(region.width), np.inf), np.full(len(region.width), float(first))
+    codes = region.level * 8 + region.warp
     for known, counts in ((_in_table, COUNTS), (_on_its_own, _TRIED)):
         for count in counts:
-            left = np.flatnonzero(np.isinf(needed))
-            if count < first or not len(left):
-                continue
-            codes = region.level[left] * 8 + region.warp[left]
-            for code in np.unique(codes):
-                part = left[codes == code]
+            left = np.flatnonzero(np.isinf(needed) & (hint <= count))
+            for code in np.unique(codes[left]):
+                part = left[codes[left] == code]
                 table = nodes_of(region.turning, count, int(code) // 8, int(code) % 8)
-                needed[part[_resolved(region.take(part), table, known)]] = count
+                share = _share(region.take(part), table, known)
+                needed[part[share >= 1]] = count
+                hint[part] = count * np.fmax(share, 0.3) ** -_CAUTIOUS if known is _in_table else first
+        hint[:] = first
     return needed
 
 
 def resolved(region: Region, table: Nodes) -> Any:
     """Tell which orbits are resolved by a table of nodes."""
-    good = _resolved(region, table, _in_table)
+    good = _share(region, table, _in_table) >= 1
     left = np.flatnonzero(~good)
-    good[left] = _resolved(region.take(left), table, _on_its_own)
+    good[left] = _share(region.take(left), table, _on_its_own) >= 1
     return good
 
 
-def _resolved(region: Region, table: Nodes, known: Callable[[View, Any, Any], Any]) -> Any:
-    good = np.zeros(len(region.width), dtype=bool)
+def _share(region: Region, table: Nodes, known: Callable[[View, Any, Any], Any]) -> Any:
+    """The least radius that is known over the one that is needed; only whether it is below 1 is exact."""
+    share = np.zeros(len(region.width))
     if region.turning and table.complement == 1.0 and known is _in_table:
         formula, _, base = _seen(region.below)
         middle = np.ravel(base) + region.lower + region.below.sign * 0.5 * region.width
-        good = room(formula.clearance, middle, region.width) >= across(len(table.χ), table.warp, table.fold)
-    over, left = strip(table, region.turning), np.flatnonzero(~good)
+        share = room(formula.clearance, middle, region.width) / across(len(table.χ), table.warp, table.fold)
+    over, left = strip(table, region.turning), np.flatnonzero(~(share >= 1))
     if over.inside and len(left):
         for part in np.array_split(left, len(left) * len(over.low) // _ELEMENTS + 1):
-            good[part] = _covered(region.take(part), table, over, known)
-    return good
+            share[part] = _covered(region.take(part), table, over, known)
+    return share
 
 
 def _seen(view: View) -> tuple[Formula, Knowns, Any]:
@@ -92,13 +96,13 @@ def _seen(view: View) -> tuple[Formula, Knowns, Any]:
 
 
 def _in_table(view: View, offset: Any, radius: Any) -> Any:
-    """True where the table shows that all is known in the disks of an orbit; see ``_on_its_own``."""
+    """The least radius in the table over that of the disk, for each orbit; see ``_on_its_own``."""
     formula, _, base = _seen(view)
-    return (formula.clearance.radius(offset + base) >= radius).all(axis=1)
+    return (formula.clearance.radius(offset + base) / radius).min(axis=1)
 
 
 def _on_its_own(view: View, offset: Any, radius: Any) -> Any:
-    """True where all is proved to be known in the disks of an orbit.
+    """1 where all is proved to be known in the disks of an orbit, else 0.
 
     Args:
         view: of n orbits.
@@ -106,11 +110,11 @@ def _on_its_own(view: View, offset: Any, radius: Any) -> Any:
     """
     formula, knowns, base = _seen(view)
     centres = offset + base
-    return formula.clearance.holds(knowns.constants, centres, radius, np.real(centres))
+    return 1.0 * formula.clearance.holds(knowns.constants, centres, radius, np.real(centres))
 
 
 def _covered(region: Region, table: Nodes, over: Strip, known: Callable[[View, Any, Any], Any]) -> Any:
-    """True where the disks that cover the strip are known."""
+    """How far the disks that cover the strip are known, the least value for each orbit."""
     with np.errstate(all="ignore"):
         if not region.turning:
             direction = np.sign(region.momentum)[:, None]
@@ -124,7 +128,7 @@ def _covered(region: Region, table: Nodes, over: Strip, known: Callable[[View, A
         if region.below is region.above:
             return known(region.below, np.concatenate([lower, upper], axis=1), W * spread)
         good = known(region.below, lower, W * spread[:, :half])
-        return good & known(region.above, upper, W * spread[:, half:]) if half < len(over.low) else good
+        return np.minimum(good, known(region.above, upper, W * spread[:, half:])) if half < len(over.low) else good
 
 
 def _within(region: Region, table: Nodes, over: Strip) -> tuple[Any, Any, Any]:
