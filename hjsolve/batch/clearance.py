@@ -18,8 +18,9 @@ from typing import Any
 import numpy as np
 
 from hjsolve.numeric.arithmetic import Float64
-from hjsolve.numeric.disks import Disk, Disks
+from hjsolve.numeric.disks import Disk
 from hjsolve.numeric.error_free import Pair
+from hjsolve.numeric.logarithms import Logarithms
 from hjsolve.numeric.tape import Tape
 
 GROWTH = 100.0
@@ -116,13 +117,13 @@ class Clearance:
             sizes = self._parts.run(Float64(), [real, *self._known(constants)])
             place = Disk(centres.astype(complex), radii + 4 * 2.0**-53 * np.abs(centres))
             known = [Disk(np.asarray(c, complex), 2.0**-52 * np.abs(c)) for c in self._known(constants)]
-            disks = self._parts.run(Disks(), [place, *known])
+            arithmetic = Logarithms(np.imag(centres) == 0)
+            disks = self._parts.run(arithmetic, [arithmetic.variable(x) for x in (place, *known)])
             good = np.isfinite(centres).all(axis=1)
             for value, size in zip(disks, sizes, strict=True):
                 scale = np.broadcast_to(np.abs(size), real.shape)
                 scale = np.where(np.isfinite(scale), scale, 0.0).max(axis=1)
-                grown = np.where(value.known, value.largest, np.inf)
-                good &= np.broadcast_to(grown <= GROWTH * scale[:, None], centres.shape).all(axis=1)
+                good &= np.broadcast_to(value.largest <= GROWTH * scale[:, None], centres.shape).all(axis=1)
         return good
 
     def _known(self, constants: tuple[Any, ...]) -> list[Any]:
