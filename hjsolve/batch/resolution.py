@@ -12,7 +12,6 @@ so over several nodes, and the integrands, which go like S^(±½), then have las
 
 from __future__ import annotations
 
-from collections.abc import Callable
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
@@ -27,10 +26,12 @@ if TYPE_CHECKING:
     from hjsolve.batch.quadrature import Region
 
 _ELEMENTS = 1 << 16
-_TRIED = (64, 160, 384)
-"""Numbers of nodes for which the proof is tried without the table."""
+_LEAST_SHARE = 0.3
 _CAUTIOUS = 0.7
 """The nodes that are needed grow nearly like the share of the radius that is missing, at least with this power."""
+_SMALL = 0.03
+"""Motions smaller than this, in units of the distance from the origin, get a disk of their own if it must be."""
+_ALONG = np.linspace(-0.5, 0.5, 5)
 
 
 def room(clearance: Clearance, middle: Any, width: Any) -> Any:
@@ -51,38 +52,39 @@ def least(region: Region, first: int) -> Any:
     """
     needed, hint = np.full(len(region.width), np.inf), np.full(len(region.width), float(first))
     codes = region.level * 8 + region.warp
-    for known, counts in ((_in_table, COUNTS), (_on_its_own, _TRIED)):
-        for count in counts:
-            left = np.flatnonzero(np.isinf(needed) & (hint <= count))
-            for code in np.unique(codes[left]):
-                part = left[codes[left] == code]
-                table = nodes_of(region.turning, count, int(code) // 8, int(code) % 8)
-                share = _share(region.take(part), table, known)
-                needed[part[share >= 1]] = count
-                hint[part] = count * np.fmax(share, 0.3) ** -_CAUTIOUS if known is _in_table else first
-        hint[:] = first
+    for count in COUNTS:
+        left = np.flatnonzero(np.isinf(needed) & (hint <= count))
+        for code in np.unique(codes[left]):
+            part = left[codes[left] == code]
+            table = nodes_of(region.turning, count, int(code) // 8, int(code) % 8)
+            share = _share(region.take(part), table)
+            needed[part[share >= 1]] = count
+            hint[part] = count * np.fmax(share, _LEAST_SHARE) ** -_CAUTIOUS
     return needed
 
 
 def resolved(region: Region, table: Nodes) -> Any:
     """Tell which orbits are resolved by a table of nodes."""
-    good = _share(region, table, _in_table) >= 1
-    left = np.flatnonzero(~good)
-    good[left] = _share(region.take(left), table, _on_its_own) >= 1
-    return good
+    return _share(region, table) >= 1
 
 
-def _share(region: Region, table: Nodes, known: Callable[[View, Any, Any], Any]) -> Any:
+def _share(region: Region, table: Nodes) -> Any:
     """The least radius that is known over the one that is needed; only whether it is below 1 is exact."""
     share = np.zeros(len(region.width))
-    if region.turning and table.complement == 1.0 and known is _in_table:
-        formula, _, base = _seen(region.below)
+    if region.turning and table.complement == 1.0:
+        formula, knowns, base = _seen(region.below)
         middle = np.ravel(base) + region.lower + region.below.sign * 0.5 * region.width
-        share = room(formula.clearance, middle, region.width) / across(len(table.χ), table.warp, table.fold)
+        radius = across(len(table.χ), table.warp, table.fold)
+        share = room(formula.clearance, middle, region.width) / radius
+        small = np.flatnonzero((share < 1) & (region.width < _SMALL * np.abs(middle)))
+        if len(small):  # cells are too large for it
+            x, W = middle[small, None], region.width[small, None]
+            constants = knowns.take(small).constants
+            share[small] = formula.clearance.holds(constants, x, 0.5 * radius * W, x + W * _ALONG)
     over, left = strip(table, region.turning), np.flatnonzero(~(share >= 1))
     if over.inside and len(left):
         for part in np.array_split(left, len(left) * len(over.low) // _ELEMENTS + 1):
-            share[part] = _covered(region.take(part), table, over, known)
+            share[part] = _covered(region.take(part), table, over)
     return share
 
 
@@ -95,40 +97,33 @@ def _seen(view: View) -> tuple[Formula, Knowns, Any]:
     return view.formula, view.knowns, 0.0
 
 
-def _in_table(view: View, offset: Any, radius: Any) -> Any:
-    """The least radius in the table over that of the disk, for each orbit; see ``_on_its_own``."""
-    formula, _, base = _seen(view)
-    return (formula.clearance.radius(offset + base) / radius).min(axis=1)
-
-
-def _on_its_own(view: View, offset: Any, radius: Any) -> Any:
-    """1 where all is proved to be known in the disks of an orbit, else 0.
+def _known(view: View, offset: Any, radius: Any) -> Any:
+    """The least radius in the table over that of the disk, for each orbit.
 
     Args:
         view: of n orbits.
         offset, radius: centre in the view, complex, and radius of disks, shape (n, disks).
     """
-    formula, knowns, base = _seen(view)
-    centres = offset + base
-    return 1.0 * formula.clearance.holds(knowns.constants, centres, radius, np.real(centres))
+    formula, _, base = _seen(view)
+    return (formula.clearance.radius(offset + base) / radius).min(axis=1)
 
 
-def _covered(region: Region, table: Nodes, over: Strip, known: Callable[[View, Any, Any], Any]) -> Any:
+def _covered(region: Region, table: Nodes, over: Strip) -> Any:
     """How far the disks that cover the strip are known, the least value for each orbit."""
     with np.errstate(all="ignore"):
         if not region.turning:
             direction = np.sign(region.momentum)[:, None]
             offset = region.lower[:, None] + direction * over.low
-            return known(region.below, offset, over.spread + 0.0 * np.real(offset))
+            return _known(region.below, offset, over.spread + 0.0 * np.real(offset))
         W = region.width[:, None]
         low, high, spread = _within(region, table, over)
         half = len(over.low) if table.fold == 2 else len(over.low) // 2
         lower = region.lower[:, None] + region.below.sign * W * low[:, :half]
         upper = region.upper[:, None] - region.above.sign * W * high[:, half:]
         if region.below is region.above:
-            return known(region.below, np.concatenate([lower, upper], axis=1), W * spread)
-        good = known(region.below, lower, W * spread[:, :half])
-        return np.minimum(good, known(region.above, upper, W * spread[:, half:])) if half < len(over.low) else good
+            return _known(region.below, np.concatenate([lower, upper], axis=1), W * spread)
+        good = _known(region.below, lower, W * spread[:, :half])
+        return np.minimum(good, _known(region.above, upper, W * spread[:, half:])) if half < len(over.low) else good
 
 
 def _within(region: Region, table: Nodes, over: Strip) -> tuple[Any, Any, Any]:
