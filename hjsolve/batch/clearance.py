@@ -117,8 +117,8 @@ class Clearance:
             sizes = self._parts.run(Float64(), [real, *self._known(constants)])
             place = Disk(centres.astype(complex), radii + 4 * 2.0**-53 * np.abs(centres))
             known = [Disk(np.asarray(c, complex), 2.0**-52 * np.abs(c)) for c in self._known(constants)]
-            arithmetic = Logarithms(np.imag(centres) == 0)
-            disks = self._parts.run(arithmetic, [arithmetic.variable(x) for x in (place, *known)])
+            arithmetic = Logarithms()
+            disks = self._parts.run(arithmetic, [arithmetic.variable(place), *map(arithmetic.constant, known)])
             good = np.isfinite(centres).all(axis=1)
             for value, size in zip(disks, sizes, strict=True):
                 scale = np.broadcast_to(np.abs(size), real.shape)

@@ -59,7 +59,7 @@ def least(region: Region, first: int) -> Any:
             table = nodes_of(region.turning, count, int(code) // 8, int(code) % 8)
             share = _share(region.take(part), table)
             needed[part[share >= 1]] = count
-            hint[part] = count * np.fmax(share, _LEAST_SHARE) ** -_CAUTIOUS
+            hint[part] = np.minimum(count * np.fmax(share, _LEAST_SHARE) ** -_CAUTIOUS, COUNTS[-1])
     return needed
 
 

@@ -1,14 +1,14 @@
 """Disks with their logarithms: what a formula can be over a disk of the complex plane, products and powers kept exact.
 
 The square of a disk is enclosed by a disk that may hold 0 where the disk does not, and then nothing is known of its
-inverse or its root. A logarithm does not lose that: beside the disk D of values of f there is a disk L with f = exp ℓ,
-ℓ analytic and in L. Products add the L, powers and roots multiply them, and where |g| < |f|,
+inverse or its root. A logarithm does not lose that: beside the disk of values of f there is a disk of ℓ, f = exp ℓ with
+ℓ analytic. Products add the ℓ, powers and roots multiply them, and where |g| < |f|,
 
     log(f + g) = log f + log(1 + exp(log g − log f)),   log cosh z = z + log(1 + exp(−2z)) − log 2  for Re z > 0.
 
-L is the principal logarithm: where it might not be, nothing is known, so that the functions on disks that overlap are
-the same analytic function. About a real centre it may leave the principal range, because the disk itself connects
-all of it with the centre (``whole``).
+Roots and logarithms are those that one comes to from the real axis, straight up to the centre of the disk: the
+argument of f is followed along this way. So no cut is met that only the principal value has (√cosh²z is analytic where
+cosh z is not 0), and disks that overlap have the same function wherever all that lies below them is known, too.
 """
 
 from __future__ import annotations
@@ -17,19 +17,31 @@ from typing import Any, NamedTuple
 
 import numpy as np
 
+from hjsolve.numeric.arithmetic import Float64
 from hjsolve.numeric.disks import Disk, Disks, tighter
 
-_D = Disks()
+_D, _F = Disks(), Float64()
 _MOST = 0.999
 """How large |g/f| may be where f + g is seen from f."""
-_PRINCIPAL = 3.1415
+_STEPS = 13
+"""Places on the way from the real axis to the centre."""
+_TURN = 2.0
+"""More than this from one place to the next, and the argument is lost."""
+
+
+class Followed(NamedTuple):
+    """Values on the way, shape (…, places), and their logarithm."""
+
+    value: Any
+    power: Any
 
 
 class Logged(NamedTuple):
-    """Values and their logarithm; ``power`` is unknown where its radius is infinite."""
+    """Values, their logarithm (of infinite radius where it is not known), and both on the way to the centre."""
 
     value: Disk
     power: Disk
+    way: Followed
 
     @property
     def largest(self) -> Any:
@@ -41,102 +53,104 @@ class Logged(NamedTuple):
 
 
 class Logarithms:
-    """Arithmetic on such disks.
+    """Arithmetic on such disks."""
 
-    Attributes:
-        whole: where the disk of the variable has a real centre; shape of the disks.
-    """
-
-    def __init__(self, whole: Any):
-        self._whole = whole
+    __slots__ = ()
 
     def variable(self, x: Disk) -> Logged:
-        """Take a disk as it is."""
-        return self._from_value(x)
+        """Take a disk as it is; a way leads to it from the real axis."""
+        rise = np.linspace(0.0, 1.0, _STEPS) if np.any(np.imag(x.centre)) else np.ones(1)
+        centre = np.asarray(x.centre)[..., None]
+        return _logged(x, centre.real + 1j * centre.imag * rise)
+
+    def constant(self, x: Disk) -> Logged:
+        """Take a number in doubt."""
+        return _logged(x, np.asarray(x.centre)[..., None])
 
     def rational(self, numerator: int, denominator: int) -> Logged:
-        return self._from_value(_D.rational(numerator, denominator))
+        return self.constant(_D.rational(numerator, denominator))
 
     def pi(self) -> Logged:
-        return self._from_value(_D.pi())
+        return self.constant(_D.pi())
 
     def add(self, x: Logged, y: Logged) -> Logged:
-        plain = self._from_value(_D.add(x.value, y.value))
-        return self._beside(self._beside(plain, x, y, 1.0), y, x, 1.0)
+        plain = _logged(_D.add(x.value, y.value), x.way.value + y.way.value)
+        return _beside(_beside(plain, x, y, 1.0), y, x, 1.0)
 
     def sub(self, x: Logged, y: Logged) -> Logged:
-        plain = self._beside(self._from_value(_D.sub(x.value, y.value)), x, y, -1.0)
+        plain = _logged(_D.sub(x.value, y.value), x.way.value - y.way.value)
         turned = Disk(y.power.centre + 1j * np.pi, y.power.radius)
-        return self._beside(plain, y._replace(power=turned), x, 1.0)
-
-    def _beside(self, plain: Logged, x: Logged, y: Logged, sign: float) -> Logged:
-        """Use log x + log(1 ± exp(log y − log x))."""
-        ratio = _D.times(_exp(_D.sub(y.power, x.power)), sign)
-        small = ratio.largest < _MOST
-        if not np.any(small):
-            return plain
-        return self._with(plain, _D.add(x.power, _D.unary("log", _D.shifted(_where(small, ratio), 1.0))))
+        return _beside(_beside(plain, x, y, -1.0), y._replace(power=turned), x, 1.0)
 
     def mul(self, x: Logged, y: Logged) -> Logged:
-        return self._with(self._from_value(_D.mul(x.value, y.value)), _D.add(x.power, y.power))
+        plain = _logged(_D.mul(x.value, y.value), x.way.value * y.way.value)
+        return _with(plain, _D.add(x.power, y.power))
 
     def div(self, x: Logged, y: Logged) -> Logged:
         return self.mul(x, self.power(y, -1))
 
     def power(self, x: Logged, n: int) -> Logged:
-        return self._with(self._from_value(_D.power(x.value, n)), _D.times(x.power, n))
+        return _with(_logged(_D.power(x.value, n), x.way.value**n), _D.times(x.power, n))
 
     def unary(self, name: str, x: Logged) -> Logged:
-        plain = self._from_value(_D.unary(name, x.value))
-        if name == "exp":
-            return self._with(plain, x.value)
-        if name == "sqrt":
-            return self._with(plain._replace(value=_nothing(x.value)), _D.times(x.power, 0.5))
-        if name == "log":
-            return self._from_value(x.power)
-        if name in {"cosh", "sinh"}:
-            return self._with(plain, self._hyperbolic(name, x.value))
+        with np.errstate(all="ignore"):
+            if name == "sqrt":
+                nothing = Disk(np.zeros_like(x.power.centre), np.full_like(x.power.radius, np.inf))
+                return _with(_logged(nothing, np.exp(0.5 * x.way.power)), _D.times(x.power, 0.5))
+            if name == "log":
+                return _logged(x.power, x.way.power)
+            plain = _logged(_D.unary(name, x.value), _F.unary(name, x.way.value))
+            if name == "exp":
+                return _with(plain, x.value)
+            if name in {"cosh", "sinh"}:
+                return _with(plain, _hyperbolic(name, x.value))
+            return plain
+
+
+def _logged(value: Disk, way: Any) -> Logged:
+    """With the logarithm of a disk that does not hold 0."""
+    with np.errstate(all="ignore"):
+        angle = np.unwrap(np.angle(way), axis=-1)
+        steady = np.all(np.abs(np.diff(angle, axis=-1)) < _TURN, axis=-1)
+        angle = angle + 2 * np.pi * np.rint((np.where(angle[..., :1] < -3, np.pi, angle[..., :1]) - angle[..., :1]) / 6)
+        power = np.where(steady[..., None], np.log(np.abs(way)) + 1j * angle, np.nan)
+        size = np.abs(value.centre)
+        radius = -np.log1p(-value.radius / size) * (1 + 1e-15) + 1e-15
+        found = _where(value.known & (size > value.radius), Disk(np.log(value.centre + 0j), radius))
+    return Logged(value, _turned(found, power[..., -1]), Followed(way, power))
+
+
+def _with(plain: Logged, power: Disk) -> Logged:
+    """Use another enclosure of the logarithm where it is better."""
+    power = _turned(power, plain.way.power[..., -1])
+    return plain._replace(value=tighter(plain.value, _D.unary("exp", power)), power=tighter(plain.power, power))
+
+
+def _turned(power: Disk, centre: Any) -> Disk:
+    """The logarithm that one comes to on the way; nothing is known where that was lost."""
+    with np.errstate(all="ignore"):
+        turns = np.rint((np.imag(centre) - np.imag(power.centre)) / (2 * np.pi))
+        return _where(np.isfinite(turns), Disk(power.centre + 2j * np.pi * np.nan_to_num(turns), power.radius))
+
+
+def _beside(plain: Logged, x: Logged, y: Logged, sign: float) -> Logged:
+    """Use log x + log(1 ± exp(log y − log x))."""
+    ratio = _D.times(_D.unary("exp", _D.sub(y.power, x.power)), sign)
+    small = ratio.largest < _MOST
+    if not np.any(small):
         return plain
-
-    def _hyperbolic(self, name: str, x: Disk) -> Disk:
-        side = np.where(np.real(x.centre) < 0, -1.0, 1.0)
-        outward = Disk(side * x.centre, x.radius)
-        rest = _exp(_D.times(outward, -2.0))
-        rest = rest if name == "cosh" else Disk(-rest.centre, rest.radius)
-        known = _where(rest.largest < _MOST, rest)
-        found = _D.shifted(_D.add(outward, _D.unary("log", _D.shifted(known, 1.0))), -float(np.log(2)))
-        turned = (name == "sinh") & (side < 0)
-        return Disk(found.centre + np.where(turned, 1j * np.pi, 0.0), found.radius)
-
-    def _from_value(self, value: Disk) -> Logged:
-        """The logarithm where the disk is off 0 and the negative axis; about it where the centre is real."""
-        with np.errstate(all="ignore"):
-            plain = _D.unary("log", value)
-            if np.any(~plain.known & self._whole):
-                size = np.abs(value.centre)
-                off = self._whole & value.known & (size > value.radius)
-                about = Disk(np.log(value.centre), -np.log1p(-value.radius / size) * (1 + 1e-15) + 1e-15)
-                plain = tighter(plain, _where(off, about))
-        return Logged(value, plain)
-
-    def _with(self, plain: Logged, power: Disk) -> Logged:
-        """Use another enclosure of the logarithm, where it is better and sure to be of the same function."""
-        with np.errstate(all="ignore"):
-            turns = np.ceil(np.imag(power.centre) / (2 * np.pi) - 0.500001)  # a real function: multiples of π
-            power = Disk(power.centre - 2j * np.pi * np.where(self._whole, turns, 0.0), power.radius)
-            principal = np.abs(np.imag(power.centre)) + power.radius < _PRINCIPAL
-            power = _where(principal | self._whole, power)
-            return Logged(tighter(plain.value, _exp(power)), tighter(plain.power, power))
+    return _with(plain, _D.add(x.power, _D.unary("log", _D.shifted(_where(small, ratio), 1.0))))
 
 
-def _exp(x: Disk) -> Disk:
-    return _D.unary("exp", x)
-
-
-def _nothing(x: Disk) -> Disk:
-    return Disk(np.zeros_like(x.centre), np.full_like(x.radius, np.inf))
+def _hyperbolic(name: str, x: Disk) -> Disk:
+    side = np.where(np.real(x.centre) < 0, -1.0, 1.0)
+    outward = Disk(side * x.centre, x.radius)
+    rest = _D.times(_D.unary("exp", _D.times(outward, -2.0)), 1.0 if name == "cosh" else -1.0)
+    known = _where(rest.largest < _MOST, rest)
+    return _D.shifted(_D.add(outward, _D.unary("log", _D.shifted(known, 1.0))), -float(np.log(2)))
 
 
 def _where(good: Any, x: Disk) -> Disk:
-    good = np.broadcast_to(good, np.broadcast_shapes(np.shape(good), np.shape(x.centre), np.shape(x.radius)))
+    shape = np.broadcast_shapes(np.shape(good), np.shape(x.centre), np.shape(x.radius))
+    good = np.broadcast_to(good, shape)
     return Disk(np.where(good, x.centre, 0.0), np.where(good, x.radius, np.inf))
