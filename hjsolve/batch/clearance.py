@@ -13,6 +13,7 @@ at the table. What the table does not show is proved for that orbit itself.
 from __future__ import annotations
 
 from collections.abc import Callable
+from threading import Lock
 from typing import Any
 
 import numpy as np
@@ -35,13 +36,16 @@ _DEEPEST = 5
 """How often a cell may be halved in both directions."""
 _PARTS_OF = 3.0
 """Cells are halved until they are this many times smaller than the radius."""
-_FINE = 16
-"""Radii are tried in steps of 2^(1/16)."""
+_COARSE = 20
+"""Radii tried at once."""
 _LONGEST = 40
 """Radii up to 2^40 times the place, or 2^40, are tried."""
 _REAL = np.array([0.8, 1.0, 1.25])
 """Where functions are looked at on the real axis, as far from the origin as the disk's centre."""
-_NONE = -1.0
+_NONE, _UNKNOWN = -1.0, -(1 << 40)
+_ALL = 2
+"""Where a cell is halved no more often, all of its parts are worked out at once."""
+RadiusAt = Callable[[Any, Any], Any]
 
 
 class Clearance:
@@ -64,7 +68,8 @@ class Clearance:
         self._numbers = numbers
         self._alone = alone
         self._both, self._side = side == 0, side or 1
-        self._table: _Table | None = None
+        self._table = _Table() if alone else None
+        self._one_at_a_time = Lock()
 
     def radius(self, x: Any) -> Any:
         """Return the radius of a disk about every place in which all is known.
@@ -75,35 +80,39 @@ class Clearance:
         Returns:
             Array of the same shape; negative where nothing is known.
         """
-        if not self._alone:
-            return np.full(np.shape(x), _NONE)
         if self._table is None:
-            self._table = _Table()
+            return np.full(np.shape(x), _NONE)
         table, re, im = self._table, np.real(x), np.abs(np.imag(x))
-        place = table.place(re, im, self._radius_at)
-        found = table.radii[place]
-        if not found.all():
-            fresh, first = np.unique(place[found == 0], return_index=True)
-            re, im = (np.broadcast_to(part, place.shape)[found == 0][first] for part in (re, im))
-            centre, half = _cell_of(re, im, table.depth_of(re, im))
-            radius = self._radius_at(centre, half)
-            table.radii[fresh] = np.where(radius > half, radius - half, _NONE)
-            found = table.radii[place]
+        place = table.place(re, im)
+        found = table.radii[np.maximum(place, 0)]
+        if (place < 0).any() or not found.all():
+            with self._one_at_a_time:
+                table.divide(re, im, place < 0, self._radius_at)
+                place = table.place(re, im)
+                table.fill(place, self._radius_at)
+                found = table.radii[place]
         return found
 
     def _radius_at(self, centre: Any, smallest: Any) -> Any:
-        """The largest radius about some places, by bisection over powers of 2^(1/16) from the smallest on; 0 for none."""
+        """The largest radius about some places, at least the smallest, to a tenth or so; 0 for none.
+
+        What holds in a disk is taken to hold in smaller ones; where it is not so, a smaller radius may be found.
+        """
         with np.errstate(all="ignore"):
-            steps = np.log2(np.maximum(1.0, np.abs(centre))) + _LONGEST - np.log2(smallest)
-            usable = np.isfinite(steps) & (smallest > 0)
+            octaves = np.log2(np.maximum(1.0, np.abs(centre))) + _LONGEST - np.log2(smallest)
+            octaves = np.where(np.isfinite(octaves) & (smallest > 0), octaves, 0.0)
             side = np.where((centre.real < 0) & self._both, -1.0, 1.0) * self._side
             real = (side * np.abs(centre))[:, None] * _REAL
-            good, bad = np.zeros(len(centre)), np.where(usable, np.ceil(_FINE * steps), 1.0)
-            while np.any(bad - good > 1):
-                trial = np.floor((good + bad) / 2)
-                clear = self.holds((), centre[:, None], (smallest * 2 ** (trial / _FINE))[:, None], real)
-                good, bad = np.where(clear, trial, good), np.where(clear, bad, trial)
-            return np.where(usable & (good > 0), smallest * 2 ** (good / _FINE), 0.0)
+            found, step = np.zeros(len(centre)), octaves / (_COARSE - 1)
+            for grid, width in ((np.arange(_COARSE), step), (np.arange(_COARSE) / _COARSE, step)):
+                radii = (smallest * 2**found)[:, None] * 2.0 ** (grid * width[:, None])
+                good = self._bounded((), centre[:, None], radii, real)
+                count = np.where(good.all(axis=1), len(grid), np.argmin(good, axis=1))
+                usable = count > 0
+                found = found + np.where(usable, width * grid[np.maximum(count - 1, 0)], 0.0)
+                if grid[-1] >= 1:
+                    lowest = usable
+            return np.where(lowest, smallest * 2**found, 0.0)
 
     def holds(self, constants: tuple[Any, ...], centres: Any, radii: Any, real: Any) -> Any:
         """Tell for which orbits all functions are analytic in some disks, and do not grow much in them.
@@ -113,17 +122,21 @@ class Clearance:
             centres, radii: the disks in terms of x, real or complex, shape (n, disks).
             real: places on the real axis at which the size of functions is taken, shape (n, places).
         """
+        return self._bounded(constants, centres, radii, real).all(axis=1)
+
+    def _bounded(self, constants: tuple[Any, ...], centres: Any, radii: Any, real: Any) -> Any:
+        """The same for each of the disks."""
         with np.errstate(all="ignore"):
             sizes = self._parts.run(Float64(), [real, *self._known(constants)])
             place = Disk(centres.astype(complex), radii + 4 * 2.0**-53 * np.abs(centres))
             known = [Disk(np.asarray(c, complex), 2.0**-52 * np.abs(c)) for c in self._known(constants)]
             arithmetic = Logarithms()
             disks = self._parts.run(arithmetic, [arithmetic.variable(place), *map(arithmetic.constant, known)])
-            good = np.isfinite(centres).all(axis=1)
+            good = np.isfinite(centres) & np.isfinite(radii)
             for value, size in zip(disks, sizes, strict=True):
                 scale = np.broadcast_to(np.abs(size), real.shape)
                 scale = np.where(np.isfinite(scale), scale, 0.0).max(axis=1)
-                good &= np.broadcast_to(value.largest <= GROWTH * scale[:, None], centres.shape).all(axis=1)
+                good = good & (value.largest <= GROWTH * scale[:, None])
         return good
 
     def _known(self, constants: tuple[Any, ...]) -> list[Any]:
@@ -136,37 +149,64 @@ class _Table:
     """Radii by cells, the large cells divided as they need it.
 
     Attributes:
-        depth: how often each large cell is halved; −1 where that is not known yet. start: where its parts begin.
-        radii: of the parts; 0 where not known yet.
+        depth: how often each large cell is halved. start: where its parts begin, negative where not known yet.
+        radii: of the parts; 0 where not known yet. owner: the large cell of each part.
     """
 
     def __init__(self) -> None:
-        self.depth = np.full(_CELLS, -1, dtype=np.int8)
-        self.start = np.zeros(_CELLS, dtype=np.int64)
-        self.radii = np.zeros(0)
+        self.depth = np.zeros(_CELLS, dtype=np.int8)
+        self.start = np.full(_CELLS, _UNKNOWN, dtype=np.int64)
+        self.radii, self.owner = np.zeros(1), np.zeros(1, dtype=np.int64)  # the first stands for none
 
-    def place(self, re: Any, im: Any, radius_at: Callable[[Any, Any], Any]) -> Any:
-        """Return where the radii of some places stand."""
-        large = _number(re, im, 0)
+    def place(self, re: Any, im: Any) -> Any:
+        """Return where the radii of some places stand; negative where that is not known yet."""
+        size, share = _shares(re, im)
+        along, turn = _numbers(size, share, re < 0, 0)
+        large = along * (2 * _QUARTER) + turn
+        start = self.start[large]  # before the depth: see ``divide``
         depth = self.depth[large]
-        if (depth < 0).any():
-            self._divide(np.unique(large[depth < 0]), radius_at)
-            depth = self.depth[large]
-        return self.start[large] + _part(re, im, depth.astype(np.int64))
+        if not depth.any():  # no cell is divided
+            return start
+        depth = np.maximum(depth, 0).astype(np.int64)
+        along, turn = _numbers(size, share, re < 0, depth)
+        within = (1 << depth) - 1
+        return start + ((along & within) << depth) + (turn & within)
 
-    def depth_of(self, re: Any, im: Any) -> Any:
-        """Return how often the large cells of some places are halved."""
-        return self.depth[_number(re, im, 0)].astype(np.int64)
+    def fill(self, places: Any, radius_at: RadiusAt) -> None:
+        """Work out radii that are not known; where a large cell has few parts, those of all of them."""
+        places = np.unique(places[self.radii[places] == 0])
+        if not len(places):
+            return
+        owner = np.unique(self.owner[places])
+        few = owner[self.depth[owner] <= _ALL]
+        whole = [np.arange(self.start[k], self.start[k] + 4 ** int(self.depth[k])) for k in few]
+        fresh = np.unique(np.concatenate([places, *whole]))
+        large = self.owner[fresh]
+        depth = self.depth[large].astype(np.int64)
+        part, within = fresh - self.start[large], (1 << depth) - 1
+        along = ((large // (2 * _QUARTER)) << depth) + (part >> depth)
+        turn = ((large % (2 * _QUARTER)) << depth) + (part & within)
+        centre, half = _middle(along, turn, depth)
+        radius = radius_at(centre, half)
+        self.radii[fresh] = np.where(radius > half, radius - half, _NONE)
 
-    def _divide(self, cells: Any, radius_at: Callable[[Any, Any], Any]) -> None:
+    def divide(self, re: Any, im: Any, unknown: Any, radius_at: RadiusAt) -> None:
+        """Decide how often large cells are halved."""
+        along, turn = _numbers(*_shares(re[unknown], im[unknown]), re[unknown] < 0, 0)
+        cells = np.unique(along * (2 * _QUARTER) + turn)
+        cells = cells[self.start[cells] < 0]
+        if not len(cells):
+            return
         centre, half = _middle(cells // (2 * _QUARTER), cells % (2 * _QUARTER), 0)
         radius = radius_at(centre, half * 2.0**-_DEEPEST)
         with np.errstate(all="ignore"):
             depth = np.clip(np.ceil(np.log2(_PARTS_OF * half / radius)), 0, _DEEPEST).astype(np.int64)
         sizes = 4**depth
-        self.start[cells] = len(self.radii) + np.cumsum(sizes) - sizes
+        first = len(self.radii)
         self.radii = np.concatenate([self.radii, np.zeros(int(sizes.sum()))])
+        self.owner = np.concatenate([self.owner, np.repeat(cells, sizes)])
         self.depth[cells] = depth
+        self.start[cells] = first + np.cumsum(sizes) - sizes  # last: other threads may look
 
 
 def _shares(re: Any, im: Any) -> tuple[Any, Any]:
@@ -177,27 +217,10 @@ def _shares(re: Any, im: Any) -> tuple[Any, Any]:
     return np.ascontiguousarray(np.broadcast_to(size, np.shape(share))), np.where(size > 0, share, 0.0)
 
 
-def _numbers(re: Any, im: Any, depth: Any) -> tuple[Any, Any]:
-    """The cell of places re ± i·im when all cells are halved ``depth`` times: along |re| + im, and along the angle."""
-    size, share = _shares(re, im)
+def _numbers(size: Any, share: Any, left: Any, depth: Any) -> tuple[Any, Any]:
+    """The cell of a place when all cells are halved ``depth`` times: along its size, and along the angle."""
     turn = np.minimum((share * (_QUARTER << depth)).astype(np.int64), (_QUARTER << depth) - 1)
-    return size.view(np.int64) >> (_DROPPED - depth), np.where(re < 0, (2 * _QUARTER << depth) - 1 - turn, turn)
-
-
-def _number(re: Any, im: Any, depth: int) -> Any:
-    along, turn = _numbers(re, im, depth)
-    return along * (2 * _QUARTER << depth) + turn
-
-
-def _part(re: Any, im: Any, depth: Any) -> Any:
-    """The number of a part among those of its large cell."""
-    along, turn = _numbers(re, im, depth)
-    within = (1 << depth) - 1
-    return ((along & within) << depth) + (turn & within)
-
-
-def _cell_of(re: Any, im: Any, depth: Any) -> tuple[Any, Any]:
-    return _middle(*_numbers(re, im, depth), depth)
+    return size.view(np.int64) >> (_DROPPED - depth), np.where(left, (2 * _QUARTER << depth) - 1 - turn, turn)
 
 
 def _middle(along: Any, turn: Any, depth: Any) -> tuple[Any, Any]:

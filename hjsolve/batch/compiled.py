@@ -6,6 +6,7 @@ easy (a rotation, a start at rest, a slow series, a large claimed error) is left
 
 from __future__ import annotations
 
+from dataclasses import replace
 from functools import cache
 from typing import Any
 
@@ -121,8 +122,7 @@ def _region(coordinate: Separated, start: Begin, k: int, lower: Any, upper: Any)
 def _resolved(region: Region, chosen: Any) -> Any:
     """Prove what a glance at the clearance did not show; see ``resolution``."""
     good = np.zeros(len(region.width), dtype=bool)
-    for size, warp in np.unique(chosen, axis=1).T:
-        part = np.flatnonzero((chosen[0] == size) & (chosen[1] == warp))
-        table = tables.libration(_COUNTS[size], 0, int(warp))
-        good[part] = resolved(region.take(part), table)
+    for size in np.unique(chosen[0]):
+        part = np.flatnonzero(chosen[0] == size)
+        good[part] = resolved(replace(region.take(part), warp=chosen[1, part]), _COUNTS[size])
     return good

@@ -54,37 +54,60 @@ def least(region: Region, first: int) -> Any:
     codes = region.level * 8 + region.warp
     for count in COUNTS:
         left = np.flatnonzero(np.isinf(needed) & (hint <= count))
-        for code in np.unique(codes[left]):
-            part = left[codes[left] == code]
-            table = nodes_of(region.turning, count, int(code) // 8, int(code) % 8)
-            share = _share(region.take(part), table)
-            needed[part[share >= 1]] = count
-            hint[part] = np.minimum(count * np.fmax(share, _LEAST_SHARE) ** -_CAUTIOUS, COUNTS[-1])
+        if len(left):
+            share = _shares(region.take(left), count, codes[left])
+            needed[left[share >= 1]] = count
+            hint[left] = np.minimum(count * np.fmax(share, _LEAST_SHARE) ** -_CAUTIOUS, COUNTS[-1])
     return needed
 
 
-def resolved(region: Region, table: Nodes) -> Any:
-    """Tell which orbits are resolved by a table of nodes."""
-    return _share(region, table) >= 1
+def resolved(region: Region, count: int) -> Any:
+    """Tell which orbits are resolved by a number of nodes; those of level 0."""
+    return _shares(region, count, region.level * 8 + region.warp) >= 1
 
 
-def _share(region: Region, table: Nodes) -> Any:
+def _shares(region: Region, count: int, codes: Any) -> Any:
     """The least radius that is known over the one that is needed; only whether it is below 1 is exact."""
     share = np.zeros(len(region.width))
-    if region.turning and table.complement == 1.0:
-        formula, knowns, base = _seen(region.below)
-        middle = np.ravel(base) + region.lower + region.below.sign * 0.5 * region.width
-        radius = across(len(table.χ), table.warp, table.fold)
-        share = room(formula.clearance, middle, region.width) / radius
-        small = np.flatnonzero((share < 1) & (region.width < _SMALL * np.abs(middle)))
-        if len(small):  # cells are too large for it
-            x, W = middle[small, None], region.width[small, None]
-            constants = knowns.take(small).constants
-            share[small] = formula.clearance.holds(constants, x, 0.5 * radius * W, x + W * _ALONG)
-    over, left = strip(table, region.turning), np.flatnonzero(~(share >= 1))
-    if over.inside and len(left):
-        for part in np.array_split(left, len(left) * len(over.low) // _ELEMENTS + 1):
-            share[part] = _covered(region.take(part), table, over)
+    parts = []
+    for code in np.unique(codes):
+        part, table = np.flatnonzero(codes == code), nodes_of(region.turning, count, int(code) // 8, int(code) % 8)
+        some = region if len(part) == len(share) else region.take(part)
+        if region.turning and table.complement == 1.0:
+            share[part] = _at_a_glance(some, table)
+            rest = np.flatnonzero(~(share[part] >= 1))
+            part, some = part[rest], some.take(rest) if len(rest) < len(part) else some
+        over = strip(table, region.turning)
+        if over.inside and len(part):
+            parts.append((part, *_disks(some, table, over)))
+    sides = [(view, [(part, x, r) for part, *both in parts for at, x, r in both if at == k]) for k, view in enumerate(
+        (region.below, region.above))]
+    for part, *_ in parts:
+        share[part] = np.inf
+    for view, disks in sides:
+        if disks:
+            formula, _, base = _seen(view)
+            found = formula.clearance.radius(np.concatenate([(x + _of(base, part)).ravel() for part, x, _ in disks]))
+            for (part, x, r), known in zip(disks, np.split(found, np.cumsum([x.size for _, x, _ in disks])), strict=False):
+                with np.errstate(all="ignore"):
+                    share[part] = np.minimum(share[part], (known.reshape(x.shape) / r).min(axis=1))
+    return share
+
+
+def _of(base: Any, part: Any) -> Any:
+    return base[part] if np.ndim(base) else base
+
+
+def _at_a_glance(region: Region, table: Nodes) -> Any:
+    """The same by one disk about the middle of each motion."""
+    formula, knowns, base = _seen(region.below)
+    middle = np.ravel(base) + region.lower + region.below.sign * 0.5 * region.width
+    radius = across(len(table.χ), table.warp, table.fold)
+    share = room(formula.clearance, middle, region.width) / radius
+    small = np.flatnonzero((share < 1) & (region.width < _SMALL * np.abs(middle)))
+    if len(small):  # cells are too large for it
+        x, W = middle[small, None], region.width[small, None]
+        share[small] = formula.clearance.holds(knowns.take(small).constants, x, 0.5 * radius * W, x + W * _ALONG)
     return share
 
 
@@ -97,33 +120,21 @@ def _seen(view: View) -> tuple[Formula, Knowns, Any]:
     return view.formula, view.knowns, 0.0
 
 
-def _known(view: View, offset: Any, radius: Any) -> Any:
-    """The least radius in the table over that of the disk, for each orbit.
-
-    Args:
-        view: of n orbits.
-        offset, radius: centre in the view, complex, and radius of disks, shape (n, disks).
-    """
-    formula, _, base = _seen(view)
-    return (formula.clearance.radius(offset + base) / radius).min(axis=1)
-
-
-def _covered(region: Region, table: Nodes, over: Strip) -> Any:
-    """How far the disks that cover the strip are known, the least value for each orbit."""
+def _disks(region: Region, table: Nodes, over: Strip) -> list[tuple[int, Any, Any]]:
+    """Centres in the view (0 the lower, 1 the upper one) and radii of disks that cover the strip, shape (n, disks)."""
     with np.errstate(all="ignore"):
         if not region.turning:
             direction = np.sign(region.momentum)[:, None]
             offset = region.lower[:, None] + direction * over.low
-            return _known(region.below, offset, over.spread + 0.0 * np.real(offset))
+            return [(0, offset, over.spread + 0.0 * np.real(offset))]
         W = region.width[:, None]
         low, high, spread = _within(region, table, over)
         half = len(over.low) if table.fold == 2 else len(over.low) // 2
         lower = region.lower[:, None] + region.below.sign * W * low[:, :half]
         upper = region.upper[:, None] - region.above.sign * W * high[:, half:]
         if region.below is region.above:
-            return _known(region.below, np.concatenate([lower, upper], axis=1), W * spread)
-        good = _known(region.below, lower, W * spread[:, :half])
-        return np.minimum(good, _known(region.above, upper, W * spread[:, half:])) if half < len(over.low) else good
+            return [(0, np.concatenate([lower, upper], axis=1), W * spread)]
+        return [(0, lower, W * spread[:, :half]), *([(1, upper, W * spread[:, half:])] if half < len(over.low) else [])]
 
 
 def _within(region: Region, table: Nodes, over: Strip) -> tuple[Any, Any, Any]:

@@ -110,14 +110,25 @@ class Logarithms:
 def _logged(value: Disk, way: Any) -> Logged:
     """With the logarithm of a disk that does not hold 0."""
     with np.errstate(all="ignore"):
-        angle = np.unwrap(np.angle(way), axis=-1)
-        steady = np.all(np.abs(np.diff(angle, axis=-1)) < _TURN, axis=-1)
-        angle = angle + 2 * np.pi * np.rint((np.where(angle[..., :1] < -3, np.pi, angle[..., :1]) - angle[..., :1]) / 6)
-        power = np.where(steady[..., None], np.log(np.abs(way)) + 1j * angle, np.nan)
+        power = _followed(way)
         size = np.abs(value.centre)
         radius = -np.log1p(-value.radius / size) * (1 + 1e-15) + 1e-15
         found = _where(value.known & (size > value.radius), Disk(np.log(value.centre + 0j), radius))
     return Logged(value, _turned(found, power[..., -1]), Followed(way, power))
+
+
+def _followed(way: Any) -> Any:
+    """The logarithm along the way, from the principal one on the real axis; NaN where it turns too fast."""
+    power = np.log(way + 0j)
+    start = np.where(np.imag(power[..., :1]) < -3, 2j * np.pi, 0)  # −π is π
+    if way.shape[-1] == 1:
+        return power + start
+    turn = np.diff(np.imag(power), axis=-1)
+    turns = np.rint(turn / (2 * np.pi))
+    steady = np.all(np.abs(turn - 2 * np.pi * turns) < _TURN, axis=-1, keepdims=True)
+    power = power + np.where(steady, start, np.nan)
+    power[..., 1:] -= 2j * np.pi * np.cumsum(turns, axis=-1)
+    return power
 
 
 def _with(plain: Logged, power: Disk) -> Logged:
@@ -130,7 +141,7 @@ def _turned(power: Disk, centre: Any) -> Disk:
     """The logarithm that one comes to on the way; nothing is known where that was lost."""
     with np.errstate(all="ignore"):
         turns = np.rint((np.imag(centre) - np.imag(power.centre)) / (2 * np.pi))
-        return _where(np.isfinite(turns), Disk(power.centre + 2j * np.pi * np.nan_to_num(turns), power.radius))
+        return _where(np.isfinite(turns), Disk(power.centre + 2j * np.pi * turns, power.radius))
 
 
 def _beside(plain: Logged, x: Logged, y: Logged, sign: float) -> Logged:
@@ -151,6 +162,6 @@ def _hyperbolic(name: str, x: Disk) -> Disk:
 
 
 def _where(good: Any, x: Disk) -> Disk:
-    shape = np.broadcast_shapes(np.shape(good), np.shape(x.centre), np.shape(x.radius))
-    good = np.broadcast_to(good, shape)
+    if np.all(good):
+        return x
     return Disk(np.where(good, x.centre, 0.0), np.where(good, x.radius, np.inf))
