@@ -47,7 +47,8 @@ def run_pass(
     for k, coordinate in enumerate(model.separated):
         total = empty(len(model.constants), count)
         for found in locate(model, coordinate, start, k, depth):
-            _integrated(total, found, len(model.constants), kernels=kernels, ripples=ripples)
+            left = status[found.index] == Status.OK  # what is lost in one coordinate is lost
+            _integrated(total, found, left, len(model.constants), kernels=kernels, ripples=ripples)
             fresh = np.where(
                 found.status == Status.OK, np.where(total.good[found.index], 0, Status.NOT_CONVERGED), found.status
             )
@@ -106,12 +107,13 @@ def _results(
         _timed(model, names, columns, sums, directions, q)
 
 
-def _integrated(total: Sums, found: Found, constants: int, *, kernels: bool, ripples: bool) -> None:
-    """Integrate over the regions found; coordinates at rest have their limit."""
-    index = np.flatnonzero((found.status == Status.OK) & ~found.rest)
+def _integrated(total: Sums, found: Found, left: Any, constants: int, *, kernels: bool, ripples: bool) -> None:
+    """Integrate over the regions of the orbits that are left; coordinates at rest have their limit."""
+    left = left & (found.status == Status.OK)
+    index = np.flatnonzero(left & ~found.rest)
     if len(index):
         total.put(found.index[index], integrate(found.region.take(index), constants, kernels=kernels, ripples=ripples))
-    index = np.flatnonzero((found.status == Status.OK) & found.rest)
+    index = np.flatnonzero(left & found.rest)
     if len(index):
         total.put(found.index[index], _resting(found, index, constants))
 

@@ -26,9 +26,9 @@ if TYPE_CHECKING:
     from hjsolve.batch.quadrature import Region
 
 _ELEMENTS = 1 << 16
-_LEAST_SHARE = 0.3
-_CAUTIOUS = 0.7
-"""The nodes that are needed grow nearly like the share of the radius that is missing, at least with this power."""
+_UNKNOWN, _CAUTIOUS, _HOPELESS = 0.3, 0.7, 2.0
+"""The nodes that are needed grow nearly like the share of the radius that is missing, at least with this power; where
+nothing is known as if it were 0.3. Twice as many as there are is too many."""
 _SMALL = 0.03
 """Motions smaller than this, in units of the distance from the origin, get a disk of their own if it must be."""
 _ALONG = np.linspace(-0.5, 0.5, 5)
@@ -57,7 +57,8 @@ def least(region: Region, first: int) -> Any:
         if len(left):
             share = _shares(region.take(left), count, codes[left])
             needed[left[share >= 1]] = count
-            hint[left] = np.minimum(count * np.fmax(share, _LEAST_SHARE) ** -_CAUTIOUS, COUNTS[-1])
+            guess = count * np.where(share > 0, share, _UNKNOWN) ** -_CAUTIOUS
+            hint[left] = np.where(guess < _HOPELESS * COUNTS[-1], np.minimum(guess, COUNTS[-1]), np.inf)
     return needed
 
 
@@ -145,6 +146,8 @@ def _within(region: Region, table: Nodes, over: Strip) -> tuple[Any, Any, Any]:
     d = region.near_lower[:, None]
     below = 1 + d * over.high
     low, high = over.low / below, (1 + d) * over.high / below
-    near = over.near_low / (1 + d[..., None] * over.near_high)
-    spread = SAFETY * np.abs(near - low[..., None]).max(axis=2)
+    spread = np.zeros(low.shape)
+    for near_low, near_high in zip(over.near_low.T, over.near_high.T, strict=True):
+        np.maximum(spread, np.abs(near_low / (1 + d * near_high) - low), out=spread)
+    spread *= SAFETY
     return low, high, np.where(1 + d * over.tip > 0, spread, np.inf)  # else q = ∞ lies in the strip

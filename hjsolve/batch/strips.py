@@ -27,10 +27,10 @@ function is on the real axis at the very most, and then only if it is as large a
 _ROWS, _STRETCHED_ROWS = 2, 4
 """Rectangles above each other; four times as many nodes as rectangles in a row, or twice as many."""
 _LEAST = 4
-SAFETY = 1.02
-"""The edge of a rectangle is looked at in a few places."""
+SAFETY = 1.05
+"""Only the corners of a rectangle are looked at: they are farthest away, or nearly."""
 _INSIDE = 0.98
-_EDGE = [(x, y) for x in (-1, 0, 1) for y in (-1, 0, 1) if x or y]
+_CORNERS = [(x, y) for x in (-1, 1) for y in (-1, 1)]
 
 
 @dataclass(frozen=True, eq=False)
@@ -39,7 +39,7 @@ class Strip:
 
     Attributes:
         low, high: sn² and cn² at the middles, complex; for rotations the angle 2 am − π and nothing of use.
-        near_low, near_high: the same on the edges, shape (count, places).
+        near_low, near_high: the same at the corners, shape (count, 4).
         spread: radius of the disks, in units of b − a where neither ρ_d nor ρ_c is used; in q for rotations.
         tip: cn² at χ = π + ia, where q first becomes infinite if it does.
         inside: True where sn and cn have no poles in the strip.
@@ -79,7 +79,7 @@ def strip(table: Nodes, turning: bool) -> Strip:
     count = 2 * max(_LEAST, len(table.χ) * rows // 16)
     δ, ε = 0.5 * length / count, 0.5 * a / rows
     middles = (np.arange(1, 2 * count, 2)[:, None] * δ + 1j * ε * np.arange(1, 2 * rows, 2)).ravel()
-    edge = [x * δ + y * 1j * ε for x, y in _EDGE]
+    edge = [x * δ + y * 1j * ε for x, y in _CORNERS]
     low, high = _places(middles, table, turning)
     near_low, near_high = _places(middles[:, None] + np.array(edge), table, turning)
     spread = SAFETY * np.abs(near_low - low[:, None]).max(axis=1)
