@@ -27,11 +27,11 @@ from hjsolve.numeric.tape import Tape
 GROWTH = 100.0
 """How much larger than on the real axis functions may be in a disk."""
 
-_DROPPED = 50
+DROPPED = 50
 """Bits of a double that do not tell its cell: what is left are the exponent and two more."""
-_QUARTER = 4
+QUARTER = 4
 """Cells in a quarter of a turn."""
-_CELLS = 2 * _QUARTER << (63 - _DROPPED)
+_CELLS = 2 * QUARTER << (63 - DROPPED)
 _DEEPEST = 5
 """How often a cell may be halved in both directions."""
 _PARTS_OF = 3.0
@@ -92,6 +92,11 @@ class Clearance:
                 table.fill(place, self._radius_at)
                 found = table.radii[place]
         return found
+
+    def table(self) -> tuple[Any, Any, Any] | None:
+        """Return what is known so far: halvings, beginnings and radii of the cells; None where there is no table."""
+        table = self._table
+        return None if table is None else (table.depth, table.start, table.radii)
 
     def _radius_at(self, centre: Any, smallest: Any) -> Any:
         """The largest radius about some places, at least the smallest, to a tenth or so; 0 for none.
@@ -162,7 +167,7 @@ class _Table:
         """Return where the radii of some places stand; negative where that is not known yet."""
         size, share = _shares(re, im)
         along, turn = _numbers(size, share, re < 0, 0)
-        large = along * (2 * _QUARTER) + turn
+        large = along * (2 * QUARTER) + turn
         start = self.start[large]  # before the depth: see ``divide``
         depth = self.depth[large]
         if not depth.any():  # no cell is divided
@@ -184,8 +189,8 @@ class _Table:
         large = self.owner[fresh]
         depth = self.depth[large].astype(np.int64)
         part, within = fresh - self.start[large], (1 << depth) - 1
-        along = ((large // (2 * _QUARTER)) << depth) + (part >> depth)
-        turn = ((large % (2 * _QUARTER)) << depth) + (part & within)
+        along = ((large // (2 * QUARTER)) << depth) + (part >> depth)
+        turn = ((large % (2 * QUARTER)) << depth) + (part & within)
         centre, half = _middle(along, turn, depth)
         radius = radius_at(centre, half)
         self.radii[fresh] = np.where(radius > half, radius - half, _NONE)
@@ -193,14 +198,15 @@ class _Table:
     def divide(self, re: Any, im: Any, unknown: Any, radius_at: RadiusAt) -> None:
         """Decide how often large cells are halved."""
         along, turn = _numbers(*_shares(re[unknown], im[unknown]), re[unknown] < 0, 0)
-        cells = np.unique(along * (2 * _QUARTER) + turn)
+        cells = np.unique(along * (2 * QUARTER) + turn)
         cells = cells[self.start[cells] < 0]
         if not len(cells):
             return
-        centre, half = _middle(cells // (2 * _QUARTER), cells % (2 * _QUARTER), 0)
+        centre, half = _middle(cells // (2 * QUARTER), cells % (2 * QUARTER), 0)
         radius = radius_at(centre, half * 2.0**-_DEEPEST)
         with np.errstate(all="ignore"):
-            depth = np.clip(np.ceil(np.log2(_PARTS_OF * half / radius)), 0, _DEEPEST).astype(np.int64)
+            depth = np.clip(np.ceil(np.log2(_PARTS_OF * half / radius)), 0, _DEEPEST)
+        depth = np.where(np.isfinite(centre), depth, 0).astype(np.int64)
         sizes = 4**depth
         first = len(self.radii)
         self.radii = np.concatenate([self.radii, np.zeros(int(sizes.sum()))])
@@ -219,16 +225,16 @@ def _shares(re: Any, im: Any) -> tuple[Any, Any]:
 
 def _numbers(size: Any, share: Any, left: Any, depth: Any) -> tuple[Any, Any]:
     """The cell of a place when all cells are halved ``depth`` times: along its size, and along the angle."""
-    turn = np.minimum((share * (_QUARTER << depth)).astype(np.int64), (_QUARTER << depth) - 1)
-    return size.view(np.int64) >> (_DROPPED - depth), np.where(left, (2 * _QUARTER << depth) - 1 - turn, turn)
+    turn = np.minimum((share * (QUARTER << depth)).astype(np.int64), (QUARTER << depth) - 1)
+    return size.view(np.int64) >> (DROPPED - depth), np.where(left, (2 * QUARTER << depth) - 1 - turn, turn)
 
 
 def _middle(along: Any, turn: Any, depth: Any) -> tuple[Any, Any]:
     """A place within each cell, and the distance of its farthest corner."""
-    left = turn >= (_QUARTER << depth)
-    turn = np.where(left, (2 * _QUARTER << depth) - 1 - turn, turn)
-    sizes = [((along + k) << (_DROPPED - depth)).view(np.float64) for k in (0, 1)]
-    shares = [(turn + k) / (_QUARTER << depth) for k in (0, 1)]
+    left = turn >= (QUARTER << depth)
+    turn = np.where(left, (2 * QUARTER << depth) - 1 - turn, turn)
+    sizes = [((along + k) << (DROPPED - depth)).view(np.float64) for k in (0, 1)]
+    shares = [(turn + k) / (QUARTER << depth) for k in (0, 1)]
     corners = np.stack([np.where(left, -1, 1) * s * (1 - t) + 1j * s * t for s in sizes for t in shares])
     centre = corners.mean(axis=0)
     return centre, np.abs(corners - centre).max(axis=0)

@@ -14,17 +14,19 @@ import numpy as np
 
 from hjsolve.batch import nodes as tables
 from hjsolve.batch.model import Model, Separated
-from hjsolve.batch.programs import Compiled, Programs
+from hjsolve.batch.programs import Compiled
 from hjsolve.batch.quadrature import Region, Sums, empty
 from hjsolve.batch.resolution import resolved, room
 from hjsolve.batch.start import Begin
-from hjsolve.batch.strips import across
+from hjsolve.batch.strips import across, strip
 from hjsolve.batch.views import Knowns, Raw
 
 _COUNTS = (16, 24, 32, 40, 48, 56, 64, 72, 80, 96, 112, 128)
 """Numbers of nodes: whole vectors."""
 
 _WIDEST = _COUNTS[-1]
+_FIRST = 64
+"""Orbits for which a table of clearances is filled before the others are looked at again."""
 
 
 @cache
@@ -56,17 +58,6 @@ def _tables() -> tuple[Any, ...]:
     )  # fmt: skip
 
 
-@cache
-def _enough() -> Any:
-    """Radius about the middle of a motion that shows it resolved, shape (warps, sizes); see ``strips.across``."""
-    return np.array(
-        [
-            [across(count, warp, 2 if k >= tables.EVEN else 1) for count in _COUNTS]
-            for k, warp in enumerate(tables.WARPS)
-        ]
-    )
-
-
 def begin_compiled(model: Model, made: Compiled, q: Any, p: Any) -> Begin:
     """Work out the constants in doubles; see ``start.begin``."""
     count, m = q.shape[1], len(model.constants)
@@ -76,11 +67,11 @@ def begin_compiled(model: Model, made: Compiled, q: Any, p: Any) -> Begin:
     return Begin(q[[c.index for c in model.separated]], P, p, Knowns(tuple(C), tuple(E), numbers), None)
 
 
-def librations(coordinate: Separated, made: Programs, start: Begin, k: int, *, ripples: bool) -> Sums:
+def librations(coordinate: Separated, made: Compiled, start: Begin, k: int, *, ripples: bool) -> Sums:
     """Integrate one coordinate of many orbits.
 
     Args:
-        coordinate: the k-th separated one. made: its programs. start: of n orbits. k: its row.
+        coordinate: the k-th separated one. made: the programs. start: of n orbits. k: its row.
         ripples: as in ``quadrature.integrate``; whether kernels are wanted, the programs know.
 
     Returns:
@@ -95,21 +86,67 @@ def librations(coordinate: Separated, made: Programs, start: Begin, k: int, *, r
             for side, formula in ((-1, coordinate.lower), (1, coordinate.upper))
         ]
     )
-    made.search(start.q[k], start.P[k], C, floors, np.pi if coordinate.periodic else np.inf, ends)
+    made.coordinates[k].search(start.q[k], start.P[k], C, floors, np.pi if coordinate.periodic else np.inf, ends)
     lower, upper = ends
-    chosen, enough = np.zeros((2, count), dtype=np.int64), _enough()
-    proved = room(coordinate.plain.clearance, 0.5 * (lower + upper), upper - lower)
+    least = _least(coordinate, made.glance, lower, upper)
+    chosen = np.zeros((2, count), dtype=np.int64)
     results = (
         sums.action, sums.action_error, sums.means, sums.mean_errors, sums.ripples, sums.ripple_errors, sums.phase,
         sums.phase_error, sums.speeds, sums.good, chosen,
     )  # fmt: skip
-    tables_ = (*_tables(), enough)
-    made.loop(ripples, coordinate.even, start.q[k], start.P[k], C, E, lower, upper, proved, tables_, results)
-    vague = np.flatnonzero(sums.good & ~(proved >= enough[chosen[1], chosen[0]]))
-    if len(vague):
-        region = _region(coordinate, start, k, lower, upper).take(vague)
-        sums.good[vague] = _resolved(region, chosen[:, vague])
+    program = made.coordinates[k]
+    program.loop(
+        ripples, coordinate.even, start.q[k], start.P[k], C, E, lower, upper, least, _tables(), results
+    )  # fmt: skip
+    crowded = np.flatnonzero(sums.good & (chosen[1] != 0) & (chosen[1] != tables.EVEN))
+    if len(crowded):
+        region = _region(coordinate, start, k, lower, upper).take(crowded)
+        sums.good[crowded] = _resolved(region, chosen[:, crowded])
     return sums
+
+
+@cache
+def _strips() -> tuple[Any, ...]:
+    """Disks over the strips of all sizes, for plain motions and for even ones, padded; see ``glances.glances``."""
+    all_ = [
+        [strip(tables.libration(count, 0, warp), turning=True) for count in _COUNTS] for warp in (0, tables.EVEN)
+    ]
+    widest = max(len(s.low) for row in all_ for s in row)
+    low, high, spread = (np.zeros((2, len(_COUNTS), widest)) for _ in range(3))
+    counts = np.zeros((2, len(_COUNTS)), dtype=np.int64)
+    for k, row in enumerate(all_):
+        for m, one in enumerate(row):
+            n = counts[k, m] = len(one.low)
+            low[k, m, :n], high[k, m, :n], spread[k, m, :n] = one.low.real, np.abs(one.low.imag), one.spread
+    enough = [[across(count, (0.0, 0.0), fold) for count in _COUNTS] for fold in (1, 2)]
+    return np.array(enough), low, high, spread, counts
+
+
+def _least(coordinate: Separated, glance: Any, lower: Any, upper: Any) -> Any:
+    """The first size that is proved to resolve each orbit, −1 for none; the table grows until it tells for all."""
+    clearance = coordinate.plain.clearance
+    least = np.full(len(lower), -1, dtype=np.int64)
+    if clearance.table() is None:
+        return least
+    proved = room(clearance, 0.5 * (lower + upper), upper - lower)
+    enough, low, high, spread, counts = _strips()
+    left, block = np.arange(len(lower)), _FIRST
+    while len(left):
+        found = least[left]
+        glance(
+            lower[left], upper[left], proved[left], coordinate.even, enough, low, high, spread, counts,
+            clearance.table(), found,
+        )  # fmt: skip
+        least[left] = found
+        left = left[found == -2]
+        for kind in range(2):  # what is looked at is looked at in full
+            some = left[:block]
+            for size in range(len(_COUNTS)):
+                n = counts[kind, size]
+                W = (upper - lower)[some, None]
+                clearance.radius(lower[some, None] + W * (low[kind, size, :n] + 1j * high[kind, size, :n]))
+        block *= 4
+    return least
 
 
 def _region(coordinate: Separated, start: Begin, k: int, lower: Any, upper: Any) -> Region:

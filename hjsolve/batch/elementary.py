@@ -28,7 +28,16 @@ def _cast(_context: Any, _integer: Any) -> Any:
     return types.float64(types.int64), generate
 
 
+def _recast(_context: Any, _number: Any) -> Any:
+    def generate(_context: Any, builder: Any, _signature: Any, arguments: Any) -> Any:
+        return builder.bitcast(arguments[0], ir.IntType(64))
+
+    return types.int64(types.float64), generate
+
+
 _as_float: Any = intrinsic(_cast)
+as_bits: Any = intrinsic(_recast)
+"""The bits of a double as an integer."""
 
 
 @njit(**OPTIONS)

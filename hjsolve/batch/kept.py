@@ -19,7 +19,7 @@ from hashlib import sha256
 from importlib.metadata import version
 from pathlib import Path
 
-_CODE = ("elementary.py", "loops.py", "nodes.py", "rules.py", "searches.py")
+_CODE = ("clearance.py", "elementary.py", "glances.py", "loops.py", "nodes.py", "rules.py", "searches.py")
 _OTHERS = 0o022
 
 

@@ -203,9 +203,9 @@ def _samples(a, b, c, e, lanes, bounds, noise, drift, chords, kernels):
     return residue
 
 
-def orbits(chords, kernels, ripples, even, q, P, C, E, lower, upper, room, tables, results):
+def orbits(chords, kernels, ripples, even, q, P, C, E, lower, upper, least, tables, results):
     """The integrals of one coordinate of many orbits; see ``compiled.librations``."""
-    warps, counts, low, high, pace, last, middle, cosines, squares, slopes, enough = tables
+    warps, counts, low, high, pace, last, middle, cosines, squares, slopes = tables
     (
         action, action_error, means, mean_errors, ripple, ripple_errors, phase, phase_error, speeds, good, chosen,
     ) = results  # fmt: skip
@@ -218,13 +218,13 @@ def orbits(chords, kernels, ripples, even, q, P, C, E, lower, upper, room, table
     for i in range(q.shape[0]):
         a, b = lower[i], upper[i]
         W = b - a
-        if not W > 0.0:
+        if not W > 0.0 or least[i] < 0:
             continue
         c = pack(C, i)
         residue = _samples(a, b, c, pack(E, i), lanes, bounds, noise, drift, chords, kernels)
         size, warp = choose(
-            buffer, weights, noise, drift, found, a, b, _EVEN if even and abs(a + b) <= 1e-13 * W else 0,
-            counts, low, high, pace, last, middle, c, chords, ripples, room[i], enough,
+            buffer, weights, noise, drift, found, a, b, _EVEN if even and abs(a + b) <= 1e-13 * W else 0, least[i],
+            counts, low, high, pace, last, middle, c, chords, ripples,
         )  # fmt: skip
         if size < 0:
             continue

@@ -78,7 +78,7 @@ def run_compiled(
     status = np.full(count, Status.OK, dtype=np.uint8)
     sums = []
     for k, coordinate in enumerate(model.separated):
-        total = librations(coordinate, made.coordinates[k], start, k, ripples=ripples)
+        total = librations(coordinate, made, start, k, ripples=ripples)
         status[~total.good] = Status.EXACT
         if "turning_points" in names:
             status[:] = Status.EXACT

@@ -30,7 +30,8 @@ from hjsolve.numeric.tape import Tape
 _OWN = 4
 _SEARCHED = 6
 _LOOPED = 11
-"""How many arguments ``searches.ends`` has, and ``loops.orbits`` after the kind of program."""
+_GLANCED = 11
+"""How many arguments ``searches.ends`` and ``glances.glances`` have, and ``loops.orbits`` after the kind of program."""
 
 _PLACE = "(2.2204460492503131e-16)"
 
@@ -56,10 +57,12 @@ class Compiled:
 
     Attributes:
         start: fills the constants, their doubts and the shell momenta.
+        glance: tells how many nodes are proved to be enough; the arguments of ``glances.glances``.
         coordinates: programs of the separated coordinates.
     """
 
     start: Callable[..., Any]
+    glance: Callable[..., Any]
     coordinates: tuple[Programs, ...]
 
 
@@ -110,6 +113,9 @@ def _chorded(coordinate: Separated, kernels: bool) -> bool:
 def _front(name: str, call: str, count: int) -> str:
     arguments = ", ".join(f"x{k}" for k in range(count))
     return f"def {name}({arguments}):\n    {call}{arguments})\n"
+
+
+_GLANCE = _front("glance", "glances(", _GLANCED)
 
 
 def _fill_text(formula: Formula, unpack: str, known: list[str], kernels: bool) -> str:
@@ -233,14 +239,14 @@ def _functions(text: str, parts: Sequence[str], fronts: Sequence[str], path: Pat
     """Compile the functions of a text, and our loops beside them, which call them by their names."""
     from numba import njit
 
-    from hjsolve.batch import loops, rules, searches
+    from hjsolve.batch import glances, loops, rules, searches
     from hjsolve.batch.elementary import NAMES, OPTIONS
 
     name = mark(text)
     module = ModuleType(f"hjsolve_program_{name}")
     space = module.__dict__
-    loose = [function for part in (rules, loops, searches) for function in part.BOUND]
-    for part in (rules, loops, searches):
+    loose = [function for part in (rules, loops, searches, glances) for function in part.BOUND]
+    for part in (rules, loops, searches, glances):
         space.update({key: item for key, item in vars(part).items() if not key.startswith("__")})
     space.update(NAMES, **{f.__name__: FunctionType(f.__code__, space, f.__name__) for f in loose})
     sys.modules[module.__name__] = module  # where numba looks for the surroundings of kept functions
@@ -276,8 +282,8 @@ def programs(coordinate: Separated, constants: int, numbers: tuple[float, ...], 
 
 
 @cache
-def _start_program(text: str) -> Any:
-    return _compile(text, (), ("start",))["start"]
+def _one_program(text: str, name: str) -> Any:
+    return _compile(text, (), (name,))[name]
 
 
 def compiled(model: Model, *, kernels: bool) -> Compiled:
@@ -289,10 +295,11 @@ def compiled(model: Model, *, kernels: bool) -> Compiled:
     """
     with _ONE_AT_A_TIME:  # else several threads would compile the same
         parts = tuple(programs(c, len(model.constants), _numbers(model), kernels) for c in model.separated)
-        return Compiled(_start_program(_start_text(model)), parts)
+        return Compiled(_one_program(_start_text(model), "start"), _one_program(_GLANCE, "glance"), parts)
 
 
 def is_kept(model: Model, *, kernels: bool) -> bool:
     """Tell whether ``compiled`` would find all of its machine code on disk."""
     texts = (_coordinate_text(c, len(model.constants), _numbers(model), kernels) for c in model.separated)
-    return available() and kept(_start_text(model), ("start",)) and all(kept(text, _FRONTS) for text in texts)
+    others = kept(_start_text(model), ("start",)) and kept(_GLANCE, ("glance",))
+    return available() and others and all(kept(text, _FRONTS) for text in texts)

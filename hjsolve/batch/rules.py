@@ -29,8 +29,6 @@ _LEAST = 32.0
 _STEEP = 0.75
 _ROUGH = 1e-5
 _RIPPLED = 1e-9
-_FURTHER = 4
-"""How many larger sizes are looked at for one that is proved to resolve p² at a glance."""
 
 fill: Any = None
 """Of the program; see ``programs``."""
@@ -172,32 +170,18 @@ def _rule(buffer, shares, noise, drift, found, a, b, n, low, high, pace, last, m
     return more, warp
 
 
-@njit(**OPTIONS)
-def _resolving(room, enough, size):
-    """The next size that is proved to resolve p², where that is soon."""
-    for more in range(size, min(size + _FURTHER, enough.shape[0])):
-        if room >= enough[more]:
-            return more
-    return size
-
-
 def choose(
-    buffer, shares, noise, drift, found, a, b, first, counts, low, high, pace, last, middle, c, chords, ripples, room,
-    enough,
+    buffer, shares, noise, drift, found, a, b, first, size, counts, low, high, pace, last, middle, c, chords, ripples,
 ):  # fmt: skip
-    """As many nodes as needed, crowded where that helps; size −1 where the tables do not suffice."""
-    size, warp = 0, first
+    """As many nodes as needed, from ``size`` on, crowded where that helps; −1 where the tables do not suffice."""
+    warp = first
     for attempt in range(_TRIES):
         more, crowded = _rule(
             buffer, shares, noise, drift, found, a, b, counts[size], low[warp, size], high[warp, size],
             pace[warp, size], last[size], middle[size], c, chords, ripples, first,
         )  # fmt: skip
         if more < 0.0:
-            proved = _resolving(room, enough[warp], size)
-            if proved == size:
-                return size, warp
-            size = proved
-            continue
+            return size, warp
         size += 1
         if size >= counts.shape[0]:
             break
