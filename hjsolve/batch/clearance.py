@@ -32,7 +32,7 @@ DROPPED = 50
 QUARTER = 4
 """Cells in a quarter of a turn."""
 _CELLS = 2 * QUARTER << (63 - DROPPED)
-_DEEPEST = 5
+_DEEPEST = 7
 """How often a cell may be halved in both directions."""
 _PARTS_OF = 3.0
 """Cells are halved until they are this many times smaller than the radius."""
@@ -43,7 +43,7 @@ _LONGEST = 40
 _REAL = np.array([0.8, 1.0, 1.25])
 """Where functions are looked at on the real axis, as far from the origin as the disk's centre."""
 _NONE, _UNKNOWN = -1.0, -(1 << 40)
-_ALL = 2
+_ALL = 1
 """Where a cell is halved no more often, all of its parts are worked out at once."""
 RadiusAt = Callable[[Any, Any], Any]
 
@@ -202,17 +202,33 @@ class _Table:
         cells = cells[self.start[cells] < 0]
         if not len(cells):
             return
-        centre, half = _middle(cells // (2 * QUARTER), cells % (2 * QUARTER), 0)
-        radius = radius_at(centre, half * 2.0**-_DEEPEST)
-        with np.errstate(all="ignore"):
-            depth = np.clip(np.ceil(np.log2(_PARTS_OF * half / radius)), 0, _DEEPEST)
-        depth = np.where(np.isfinite(centre), depth, 0).astype(np.int64)
+        depth = _depth(cells, radius_at)
         sizes = 4**depth
         first = len(self.radii)
         self.radii = np.concatenate([self.radii, np.zeros(int(sizes.sum()))])
         self.owner = np.concatenate([self.owner, np.repeat(cells, sizes)])
         self.depth[cells] = depth
         self.start[cells] = first + np.cumsum(sizes) - sizes  # last: other threads may look
+
+
+def _depth(cells: Any, radius_at: RadiusAt) -> Any:
+    """How often some large cells are to be halved; a function of each cell alone.
+
+    Where the middle of a cell says that it is to be divided, the least radius about the middles of 16 parts decides.
+    """
+    along, turn = cells // (2 * QUARTER), cells % (2 * QUARTER)
+    centre, half = _middle(along, turn, 0)
+    radius = radius_at(centre, half * 2.0**-_DEEPEST)
+    with np.errstate(all="ignore"):
+        uneven = np.flatnonzero((radius < _PARTS_OF * half) & np.isfinite(centre))
+        if len(uneven):
+            k = np.arange(16)
+            parts = [((x[uneven, None] << 2) + y).ravel() for x, y in ((along, k >> 2), (turn, k & 3))]
+            middles, halves = _middle(*parts, 2)
+            found = radius_at(middles, halves * 2.0**-_DEEPEST).reshape(-1, 16)
+            radius[uneven] = np.where(found > 0, found, np.inf).min(axis=1)
+        depth = np.clip(np.ceil(np.log2(_PARTS_OF * half / radius)), 0, _DEEPEST)
+    return np.where(np.isfinite(centre), depth, 0).astype(np.int64)
 
 
 def _shares(re: Any, im: Any) -> tuple[Any, Any]:
