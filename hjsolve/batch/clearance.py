@@ -34,7 +34,7 @@ QUARTER = 4
 _CELLS = 2 * QUARTER << (63 - DROPPED)
 _DEEPEST = 7
 """How often a cell may be halved in both directions."""
-_PARTS_OF = 3.0
+_PARTS_OF = 4.0
 """Cells are halved until they are this many times smaller than the radius."""
 _COARSE = 20
 """Radii tried at once."""

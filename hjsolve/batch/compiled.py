@@ -6,25 +6,27 @@ easy (a rotation, a start at rest, a slow series, a large claimed error) is left
 
 from __future__ import annotations
 
-from dataclasses import replace
+from dataclasses import dataclass
 from functools import cache
 from typing import Any
 
 import numpy as np
 
 from hjsolve.batch import nodes as tables
+from hjsolve.batch.clearance import Clearance
 from hjsolve.batch.model import Model, Separated
 from hjsolve.batch.programs import Compiled
-from hjsolve.batch.quadrature import Region, Sums, empty
-from hjsolve.batch.resolution import resolved, room
+from hjsolve.batch.quadrature import Sums, empty
+from hjsolve.batch.resolution import room
 from hjsolve.batch.start import Begin
 from hjsolve.batch.strips import across, strip
-from hjsolve.batch.views import Knowns, Raw
+from hjsolve.batch.views import Knowns
 
 _COUNTS = (16, 24, 32, 40, 48, 56, 64, 72, 80, 96, 112, 128)
 """Numbers of nodes: whole vectors."""
 
 _WIDEST = _COUNTS[-1]
+_UNTOLD = -2
 _FIRST = 64
 """Orbits for which a table of clearances is filled before the others are looked at again."""
 
@@ -88,78 +90,79 @@ def librations(coordinate: Separated, made: Compiled, start: Begin, k: int, *, r
     )
     made.coordinates[k].search(start.q[k], start.P[k], C, floors, np.pi if coordinate.periodic else np.inf, ends)
     lower, upper = ends
-    least = _least(coordinate, made.glance, lower, upper)
+    proof = _Proof(coordinate.plain.clearance, made.glance, lower, upper)
+    even = coordinate.even & (np.abs(lower + upper) <= 1e-13 * (upper - lower))
+    warps = np.where(even, tables.EVEN, 0)
+    least = proof.least(np.arange(count), warps, np.zeros(count, dtype=np.int64), len(_COUNTS))
     chosen = np.zeros((2, count), dtype=np.int64)
     results = (
         sums.action, sums.action_error, sums.means, sums.mean_errors, sums.ripples, sums.ripple_errors, sums.phase,
         sums.phase_error, sums.speeds, sums.good, chosen,
     )  # fmt: skip
-    program = made.coordinates[k]
-    program.loop(
-        ripples, coordinate.even, start.q[k], start.P[k], C, E, lower, upper, least, _tables(), results
-    )  # fmt: skip
-    crowded = np.flatnonzero(sums.good & (chosen[1] != 0) & (chosen[1] != tables.EVEN))
+    made.coordinates[k].loop(ripples, start.q[k], start.P[k], C, E, lower, upper, least, warps, _tables(), results)
+    crowded = np.flatnonzero(sums.good & (chosen[1] != warps))
     if len(crowded):
-        region = _region(coordinate, start, k, lower, upper).take(crowded)
-        sums.good[crowded] = _resolved(region, chosen[:, crowded])
+        size, warp = chosen[:, crowded]
+        sums.good[crowded] = proof.least(crowded, warp, size, size + 1) >= 0
     return sums
 
 
 @cache
 def _strips() -> tuple[Any, ...]:
-    """Disks over the strips of all sizes, for plain motions and for even ones, padded; see ``glances.glances``."""
-    all_ = [
-        [strip(tables.libration(count, 0, warp), turning=True) for count in _COUNTS] for warp in (0, tables.EVEN)
-    ]
-    widest = max(len(s.low) for row in all_ for s in row)
-    low, high, spread = (np.zeros((2, len(_COUNTS), widest)) for _ in range(3))
-    counts = np.zeros((2, len(_COUNTS)), dtype=np.int64)
-    for k, row in enumerate(all_):
+    """Disks over the strips of all crowdings and sizes, padded; see ``glances.glances``."""
+    folds = [2 if warp >= tables.EVEN else 1 for warp in range(len(tables.WARPS))]
+    rows = [[strip(tables.libration(n, 0, warp), turning=True) for n in _COUNTS] for warp in range(len(folds))]
+    shape = (len(folds), len(_COUNTS))
+    low, high, spread = (np.zeros((*shape, max(len(one.low) for row in rows for one in row))) for _ in range(3))
+    counts = np.zeros(shape, dtype=np.int64)
+    for k, row in enumerate(rows):
         for m, one in enumerate(row):
             n = counts[k, m] = len(one.low)
             low[k, m, :n], high[k, m, :n], spread[k, m, :n] = one.low.real, np.abs(one.low.imag), one.spread
-    enough = [[across(count, (0.0, 0.0), fold) for count in _COUNTS] for fold in (1, 2)]
+    enough = [[across(n, tables.WARPS[k], fold) for n in _COUNTS] for k, fold in enumerate(folds)]
     return np.array(enough), low, high, spread, counts
 
 
-def _least(coordinate: Separated, glance: Any, lower: Any, upper: Any) -> Any:
-    """The first size that is proved to resolve each orbit, −1 for none; the table grows until it tells for all."""
-    clearance = coordinate.plain.clearance
-    least = np.full(len(lower), -1, dtype=np.int64)
-    if clearance.table() is None:
+@dataclass(frozen=True)
+class _Proof:
+    """How many nodes resolve motions between turning points, by glances at the table of clearances.
+
+    Attributes:
+        clearance: of p². glance: the compiled loop. lower, upper: turning points, arrays (n,).
+    """
+
+    clearance: Clearance
+    glance: Any
+    lower: Any
+    upper: Any
+
+    def least(self, left: Any, warps: Any, begin: Any, end: Any) -> Any:
+        """The first size that is proved to resolve some orbits, −1 for none; the table grows until it tells for all.
+
+        Args:
+            left: which orbits. warps: how their nodes are crowded. begin, end: the sizes to look at.
+        """
+        least = np.full(len(left), -1, dtype=np.int64)
+        if self.clearance.table() is None:
+            return least
+        lower, upper, end = self.lower[left], self.upper[left], np.broadcast_to(end, len(left))
+        known, todo, block = room(self.clearance, 0.5 * (lower + upper), upper - lower), np.arange(len(left)), _FIRST
+        while len(todo):
+            found = np.empty(len(todo), dtype=np.int64)
+            arrays = (x[todo] for x in (lower, upper, known, warps, begin, end))
+            self.glance(*arrays, *_strips(), self.clearance.table(), found)
+            least[todo] = found
+            todo = todo[found == _UNTOLD]
+            self._fill(lower, upper, todo[:block], warps, begin, end)
+            block *= 4
         return least
-    proved = room(clearance, 0.5 * (lower + upper), upper - lower)
-    enough, low, high, spread, counts = _strips()
-    left, block = np.arange(len(lower)), _FIRST
-    while len(left):
-        found = least[left]
-        glance(
-            lower[left], upper[left], proved[left], coordinate.even, enough, low, high, spread, counts,
-            clearance.table(), found,
-        )  # fmt: skip
-        least[left] = found
-        left = left[found == -2]
-        for kind in range(2):  # what is looked at is looked at in full
-            some = left[:block]
-            for size in range(len(_COUNTS)):
-                n = counts[kind, size]
-                W = (upper - lower)[some, None]
-                clearance.radius(lower[some, None] + W * (low[kind, size, :n] + 1j * high[kind, size, :n]))
-        block *= 4
-    return least
 
-
-def _region(coordinate: Separated, start: Begin, k: int, lower: Any, upper: Any) -> Region:
-    """The region of n orbits as numpy's passes see it."""
-    view, zero, none = Raw(coordinate.plain, start.knowns), 0.0 * lower, np.zeros(len(lower), dtype=int)
-    left, right = start.q[k] - lower, upper - start.q[k]
-    return Region(view, view, lower, upper, upper - lower, zero, zero, none, none, start.P[k], left, right)
-
-
-def _resolved(region: Region, chosen: Any) -> Any:
-    """Prove what a glance at the clearance did not show; see ``resolution``."""
-    good = np.zeros(len(region.width), dtype=bool)
-    for size in np.unique(chosen[0]):
-        part = np.flatnonzero(chosen[0] == size)
-        good[part] = resolved(replace(region.take(part), warp=chosen[1, part]), _COUNTS[size])
-    return good
+    def _fill(self, lower: Any, upper: Any, some: Any, warps: Any, begin: Any, end: Any) -> None:
+        """Complete the table for all sizes that are looked at for some orbits."""
+        _, low, high, _, counts = _strips()
+        for size in range(len(_COUNTS)):
+            for warp in np.unique(warps[some]):
+                part = some[(warps[some] == warp) & (begin[some] <= size) & (size < end[some])]
+                n, W = counts[warp, size], (upper - lower)[part, None]
+                if len(part):
+                    self.clearance.radius(lower[part, None] + W * (low[warp, size, :n] + 1j * high[warp, size, :n]))

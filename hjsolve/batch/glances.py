@@ -8,9 +8,8 @@ from numba import njit
 
 from hjsolve.batch.clearance import DROPPED, QUARTER
 from hjsolve.batch.elementary import OPTIONS, as_bits
-from hjsolve.batch.nodes import EVEN
 
-_DROPPED, _QUARTER, _EVEN = DROPPED, QUARTER, EVEN
+_DROPPED, _QUARTER = DROPPED, QUARTER
 
 
 @njit(**OPTIONS)
@@ -48,27 +47,26 @@ def _look(a, W, low, high, spread, count, table):
     return 1
 
 
-def glances(lower, upper, room, even, enough, low, high, spread, counts, table, least):
+def glances(lower, upper, room, warps, begin, end, enough, low, high, spread, counts, table, least):
     """The first size that is proved to resolve an orbit: −1 for none, −2 where the table does not tell yet.
 
     Args:
         lower, upper, room: of n orbits; see ``resolution.room``.
-        even: True where motions about 0 are even.
-        enough: what ``room`` must be, shape (2, sizes); the second row is for even motions.
-        low, high, spread: the disks, in units of b − a, shape (2, sizes, widest). counts: how many, shape (2, sizes).
+        warps, begin, end: how nodes are crowded, and the sizes that are looked at, shape (n,).
+        enough: what ``room`` must be, shape (warps, sizes).
+        low, high, spread: the disks, in units of b − a, shape (warps, sizes, widest). counts: how many of them.
         table: of clearances. least: where the results go.
     """
     for i in range(lower.shape[0]):
-        a, W = lower[i], upper[i] - lower[i]
-        kind = 1 if even and abs(lower[i] + upper[i]) <= 1e-13 * W else 0
+        a, W, k = lower[i], upper[i] - lower[i], warps[i]
         least[i] = -1
         if not W > 0.0:
             continue
-        for size in range(enough.shape[1]):
-            if room[i] >= enough[kind, size]:
+        for size in range(begin[i], end[i]):
+            if room[i] >= enough[k, size]:
                 least[i] = size
                 break
-            seen = _look(a, W, low[kind, size], high[kind, size], spread[kind, size], counts[kind, size], table)
+            seen = _look(a, W, low[k, size], high[k, size], spread[k, size], counts[k, size], table)
             if seen != 0:
                 least[i] = size if seen > 0 else -2
                 break

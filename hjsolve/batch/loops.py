@@ -203,7 +203,7 @@ def _samples(a, b, c, e, lanes, bounds, noise, drift, chords, kernels):
     return residue
 
 
-def orbits(chords, kernels, ripples, even, q, P, C, E, lower, upper, least, tables, results):
+def orbits(chords, kernels, ripples, q, P, C, E, lower, upper, least, first, tables, results):
     """The integrals of one coordinate of many orbits; see ``compiled.librations``."""
     warps, counts, low, high, pace, last, middle, cosines, squares, slopes = tables
     (
@@ -223,8 +223,8 @@ def orbits(chords, kernels, ripples, even, q, P, C, E, lower, upper, least, tabl
         c = pack(C, i)
         residue = _samples(a, b, c, pack(E, i), lanes, bounds, noise, drift, chords, kernels)
         size, warp = choose(
-            buffer, weights, noise, drift, found, a, b, _EVEN if even and abs(a + b) <= 1e-13 * W else 0, least[i],
-            counts, low, high, pace, last, middle, c, chords, ripples,
+            buffer, weights, noise, drift, found, a, b, first[i], least[i], counts, low, high, pace, last, middle, c,
+            chords, ripples,
         )  # fmt: skip
         if size < 0:
             continue

@@ -30,7 +30,7 @@ from hjsolve.numeric.tape import Tape
 _OWN = 4
 _SEARCHED = 6
 _LOOPED = 11
-_GLANCED = 11
+_GLANCED = 13
 """How many arguments ``searches.ends`` and ``glances.glances`` have, and ``loops.orbits`` after the kind of program."""
 
 _PLACE = "(2.2204460492503131e-16)"

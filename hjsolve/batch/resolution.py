@@ -62,11 +62,6 @@ def least(region: Region, first: int) -> Any:
     return needed
 
 
-def resolved(region: Region, count: int) -> Any:
-    """Tell which orbits are resolved by a number of nodes; those of level 0."""
-    return _shares(region, count, region.level * 8 + region.warp) >= 1
-
-
 def _shares(region: Region, count: int, codes: Any) -> Any:
     """The least radius that is known over the one that is needed; only whether it is below 1 is exact."""
     share = np.zeros(len(region.width))
