@@ -73,3 +73,12 @@ def blank(names: Mapping[str, tuple[str, ...]], count: int) -> Columns:
     groups = {q: {name: np.full(count, np.nan) for name in names.get(q, ())} for q in QUANTITIES}
     error = {f"{q}.{name}": np.full(count, np.nan) for q in names for name in names[q]}
     return Columns(**groups, error=error, status=np.full(count, Status.EXACT, dtype=np.uint8))
+
+
+def put(columns: Columns, index: Any, part: Columns) -> None:
+    """Write the columns of some orbits."""
+    columns.status[index] = part.status
+    for key, error in part.error.items():
+        quantity, name = key.split(".", 1)
+        columns.error[key][index] = error
+        columns.group(quantity)[name][index] = part.group(quantity)[name]

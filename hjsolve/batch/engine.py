@@ -8,7 +8,7 @@ from typing import Any
 
 import numpy as np
 
-from hjsolve.batch.columns import QUANTITIES, Columns, Status, blank
+from hjsolve.batch.columns import QUANTITIES, Columns, Status, blank, put
 from hjsolve.batch.model import Model, read
 from hjsolve.batch.passes import TIMED, TOLERANCE, run_compiled, run_pass, worst
 from hjsolve.batch.programs import Compiled, available, compiled, is_kept
@@ -90,16 +90,7 @@ class Engine:
             if depth == 2:
                 better = (part.status == Status.OK) | (columns.status[index] != Status.OK)
                 index, part = index[better], part.take(better)
-            _put(columns, index, part)
-
-
-def _put(columns: Columns, index: Any, part: Columns) -> None:
-    """Write the columns of some orbits."""
-    columns.status[index] = part.status
-    for key, error in part.error.items():
-        quantity, name = key.split(".", 1)
-        columns.error[key][index] = error
-        columns.group(quantity)[name][index] = part.group(quantity)[name]
+            put(columns, index, part)
 
 
 def build(

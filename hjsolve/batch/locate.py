@@ -62,7 +62,8 @@ class Group:
         coordinate: which. index: which orbits.
         knowns, pairs, numbers: constants and parameters, in doubles and in two doubles.
         q, P, first, bend: the start, F′ and ½F″ there.
-        depth: 0 in doubles; 1 with small amplitudes seen from the start and poles from their place; 2 with 32 digits.
+        depth: 0 in doubles; 1 with small amplitudes seen from the start and poles from their place; 2 with 32
+            digits where doubles do not know p² well; 3 with 32 digits.
     """
 
     coordinate: Separated
@@ -198,11 +199,11 @@ def _wide(group: Group) -> list[Found]:
 
 
 def _librations(group: Group) -> list[Found]:
-    """Librations; in the third pass those whose p² doubles know well enough are left to doubles."""
+    """Librations; in the third pass those whose p² doubles know well enough are left to doubles, not in the fourth."""
     found = _libration(replace(group, depth=min(group.depth, 1)))
     if group.depth < 2:
         return [found]
-    vague = _vague(found.region) | (found.status != Status.OK)
+    vague = _vague(found.region) | (found.status != Status.OK) | (group.depth > 2)
     parts = [found.take(np.flatnonzero(~vague))] if not vague.all() else []
     return parts + ([_libration(group.take(np.flatnonzero(vague)))] if vague.any() else [])
 

@@ -6,20 +6,22 @@ from typing import Any
 
 import numpy as np
 
-from hjsolve.batch.columns import Columns, Status, blank
+from hjsolve.batch.columns import Columns, Status, blank, put
 from hjsolve.batch.locate import Found, locate
 from hjsolve.batch.model import Model, Separated
 from hjsolve.batch.programs import Compiled
 from hjsolve.batch.quadrature import Sums, empty, integrate
 from hjsolve.batch.start import Begin, begin
 from hjsolve.batch.torus import assemble
-from hjsolve.batch.views import Near, second_slope
+from hjsolve.batch.views import Near, Raw, second_slope
 
 _EPS = 2.0**-52
 TOLERANCE = 1e-10
 """Largest claimed relative error with which an orbit is called ``OK``; of an angle, relative to ten radians."""
 
 _RADIANS = 10.0
+_SPOILT = 8e-12
+"""Above this claim all coordinates get p² to 32 digits; small amplitudes would not gain by it."""
 
 TIMED = frozenset({"frequencies", "periods", "angles"})
 
@@ -34,7 +36,7 @@ def run_pass(
         names: quantity → columns wanted.
         q, p: all coordinates, shape (coordinates, n).
         depth: 0 in doubles; 1 with 32-digit constants, slopes for small amplitudes, stretched anomalies; 2 with p² to
-            32 digits.
+            32 digits where doubles do not know it well; 3 with 32 digits for all librations.
         tolerance: largest claimed error of an orbit that is ``OK``.
     """
     count = q.shape[1]
@@ -44,6 +46,7 @@ def run_pass(
     status = np.full(count, Status.OK, dtype=np.uint8)
     sums: list[Sums] = []
     directions = np.ones((len(model.separated), count))
+    spared, small = np.zeros(count, dtype=bool), np.zeros(count, dtype=bool)
     for k, coordinate in enumerate(model.separated):
         total = empty(len(model.constants), count)
         for found in locate(model, coordinate, start, k, depth):
@@ -57,11 +60,19 @@ def run_pass(
                 directions[k, found.index] = np.sign(start.P[k, found.index])
             if "turning_points" in names:
                 _ends(columns, coordinate, found)
+            spared[found.index] |= isinstance(found.region.below, Raw)
+            small[found.index] |= isinstance(found.region.below, Near)
         sums.append(total)
     _results(model, names, columns, sums, directions, start, q)
     if ripples and any(c.shifted for c in model.separated):
         status[status == Status.OK] = Status.EXACT
     _settle(columns, status, tolerance)
+    if depth == 2:
+        again = np.flatnonzero(spared & ~small & (worst(columns) > _SPOILT))
+        if len(again):
+            part = run_pass(model, names, q[:, again], p[:, again], depth=3, tolerance=tolerance)
+            fine = part.status == Status.OK
+            put(columns, again[fine], part.take(fine))
     return columns
 
 

@@ -153,10 +153,9 @@ def _rule(region: Region, constants: int, table: tables.Nodes, *, kernels: bool,
         mean, size = values.mean(axis=2), np.abs(values).mean(axis=2)
         blur = _SAFETY * np.stack([np.broadcast_to(e, F.shape).mean(axis=1) for e in noise]) + 8 * _EPS * size
         tail, middle = (_largest(values, table, rows) for rows in (table.last, table.middle))
-    alias = 4 * tail * np.minimum(1.0, tail / np.maximum(middle, 1e-300)) ** 1.5
-    mean_error = blur + alias
-    goal = np.maximum(_GOAL * size, 0.25 * blur)
-    with np.errstate(all="ignore"):
+        alias = 4 * tail * np.minimum(1.0, tail / np.maximum(middle, 1e-300)) ** 1.5
+        mean_error = blur + alias
+        goal = np.maximum(_GOAL * size, 0.25 * blur)
         excess = np.where(tail > 0, tail, 1e-300) / size
         wish = 1e-10 if not ripples else 1e-15
         more = np.max(2 + (count - 2) * np.log(wish) / np.log(np.minimum(excess, 0.5)), axis=0)

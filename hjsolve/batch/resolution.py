@@ -27,8 +27,8 @@ if TYPE_CHECKING:
 
 _ELEMENTS = 1 << 16
 _UNKNOWN, _CAUTIOUS, _HOPELESS = 0.3, 0.7, 2.0
-"""The nodes that are needed grow nearly like the share of the radius that is missing, at least with this power; where
-nothing is known as if it were 0.3. Twice as many as there are is too many."""
+"""The nodes that are needed grow nearly like the share of the radius that is missing, at least with this power; for
+stretched anomalies, and where nothing is known, as if the share were 0.3 at least. Twice as many as there are is too many."""
 _SMALL = 0.03
 """Motions smaller than this, in units of the distance from the origin, get a disk of their own if it must be."""
 _ALONG = np.linspace(-0.5, 0.5, 5)
@@ -57,7 +57,8 @@ def least(region: Region, first: int) -> Any:
         if len(left):
             share = _shares(region.take(left), count, codes[left])
             needed[left[share >= 1]] = count
-            guess = count * np.where(share > 0, share, _UNKNOWN) ** -_CAUTIOUS
+            floor = np.where((share > 0) & (region.level[left] == 0), 0.0, _UNKNOWN)
+            guess = count * np.fmax(share, np.fmax(floor, 1e-3)) ** -_CAUTIOUS
             hint[left] = np.where(guess < _HOPELESS * COUNTS[-1], np.minimum(guess, COUNTS[-1]), np.inf)
     return needed
 

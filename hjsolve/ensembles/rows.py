@@ -101,7 +101,7 @@ def _fill(
         columns[name][window][good] = np.where(fine, value_of(found, name), np.nan)
         columns[ERROR + name][window][good] = np.where(fine, found.error[name], np.nan)
     if not recipe.fallback:
-        codes[good] = _SAID_IN_DOUBLES[found.status]
+        codes[good] = np.where(fine, Status.OK, Status.NOT_CONVERGED)  # what doubles say of the others is not proved
         return
     for k in map(int, np.flatnonzero(~fine)):
         if stop.is_set():
@@ -120,13 +120,6 @@ def _at_the_door(tools: Tools, q: Mapping[str, Any], rates: Mapping[str, Any]) -
             beyond = end.side * q[end.name] > end.side * end.value
             within &= beyond | (q[end.name] == end.value) if end.closed else beyond
     return np.where(finite, np.where(within, Status.OK, Status.OUTSIDE_DOMAIN), Status.NOT_FINITE).astype(np.int8)
-
-
-_SAID_IN_DOUBLES = np.full(len(batch.Status), Status.NOT_CONVERGED, dtype=np.int8)
-_SAID_IN_DOUBLES[batch.Status.OK] = Status.OK
-_SAID_IN_DOUBLES[batch.Status.FORBIDDEN] = Status.FORBIDDEN
-_SAID_IN_DOUBLES[batch.Status.UNBOUNDED] = Status.UNBOUNDED
-_SAID_IN_DOUBLES[batch.Status.ASYMPTOTIC] = Status.ASYMPTOTIC
 
 
 def _picked(arrays: Mapping[str, Any], k: int) -> dict[str, float]:
