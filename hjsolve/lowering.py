@@ -199,6 +199,8 @@ class _Writer:
             if factor.is_Rational:
                 above.append(sp.Integer(factor.p))
                 below.append(sp.Integer(factor.q))
+            elif isinstance(factor, sp.Pow) and isinstance(factor.base, sp.cosh) and factor.exp.is_negative:
+                above.append(sp.sech(*factor.base.args) ** -factor.exp)  # does not overflow
             elif isinstance(factor, sp.Pow) and factor.exp.could_extract_minus_sign():  # exp(−x) stays above
                 below.append(1 / factor)
             else:
@@ -221,6 +223,8 @@ class _Writer:
         if base is sp.E:
             return self._emit("exp", (self.slot(exponent),))
         if exponent.is_Integer:
+            if isinstance(base, sp.cosh) and exponent < 0:
+                return self.slot(sp.sech(*base.args) ** -exponent)
             if exponent == -1:
                 return self._emit("div", (self.slot(sp.Integer(1)), self.slot(base)))
             return self._emit("power", (self.slot(base),), (int(exponent),))

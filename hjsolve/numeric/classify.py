@@ -22,7 +22,7 @@ from hjsolve.numeric.radicand import Number, Radicand
 from hjsolve.numeric.stretch import Inner, Stretched, stretched
 from hjsolve.numeric.turning_points import End, Ray, first_end
 
-_FEW, _MANY = 56, 220
+_FEW, _MANY = 56, 120
 """Nodes above which a second and another change of variable is tried, for a double and half a cycle."""
 _MOST = 20000
 """Nodes above which a motion is given up, for a double."""
@@ -171,6 +171,11 @@ def _smoothest(start: Start, kind: Kind, maps: Iterator[Anomaly], digits: int, b
             best = (nodes, anomaly) if best is None or nodes < best[0] else best
         if best is not None and best[0] <= few * max(1.0, digits / 15) * (1 if anomaly.even else 2):
             break
+    if best is not None and best[0] > _MANY:
+        subject = resolution.integrands(best[1], start.radicand, start.skipped, start.parts, bits)
+        finer = resolution.strip(subject, digits, resolution.FINE)
+        if finer is not None:
+            best = min(best, (smooth(finer.nodes(digits) * (1 if best[1].even else 2)), best[1]), key=lambda x: x[0])
     if best is None or best[0] > _MOST * max(1.0, digits / 15):
         reached = "no number of nodes is" if best is None else f"no fewer than {best[0]} nodes are"
         raise NotConvergedError(f"{start.name}: {reached} proved to resolve p² between its turning points")

@@ -33,7 +33,10 @@ class Points(Float64):
     def unary(self, name: str, x: Any) -> Any:
         if name == "abs":  # the analytic function ±z
             return np.where(np.real(x) < 0, -x, x)
-        return 1 / np.cosh(x) if name == "sech" else Float64().unary(name, np.asarray(x, dtype=complex))
+        if name == "sech":
+            decay = np.exp(np.where(np.real(x) < 0, x, -x))
+            return 2 * decay / (1 + decay * decay)
+        return Float64().unary(name, np.asarray(x, dtype=complex))
 
     def power(self, x: Any, n: int) -> Any:
         return x**n

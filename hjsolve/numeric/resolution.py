@@ -23,6 +23,7 @@ from hjsolve.numeric.deflated import Deflated, Points, deflated
 from hjsolve.numeric.disks import Disk, Disks
 from hjsolve.numeric.radicand import Radicand
 from hjsolve.numeric.reciprocals import without_overflow
+from hjsolve.numeric.stretch import Stretched
 from hjsolve.numeric.tape import Bound
 
 _DISKS, _POINTS = Disks(), Points()
@@ -36,14 +37,16 @@ _ROUNDING = 2.0**-40
 """Rounding of a value at a point, relative to the bound of the formula as it stands, with room to spare."""
 _HIGHEST, _LOWEST = 3.2, 1e-7
 """Half widths of a strip that are tried: 12 nodes need no more than the highest."""
-_HEIGHTS = _HIGHEST * 0.85 ** np.arange(24)[::-1]
+_HEIGHTS = _HIGHEST * 0.85 ** np.arange(30)[::-1]
 """Half widths at which points are tried first."""
+_WIDE = 0.7
+"""Half width from which on the nodes are so few that a wider strip would cost more than it saves."""
 _FIRST, _ROWS, _HIGH = 0.85, 4, 0.7
-"""Part of the half width so found that is to be proved; rows of squares; part of it that is enough."""
+"""Part of such a half width that is to be proved; rows of squares; part of it that is enough."""
 _CONE = 1.0
 """Slope of the cone over an obstacle."""
-_COARSE = 0.15
-"""A square of that share of its height which cannot be decided bounds the strip."""
+_COARSE, FINE = 0.15, 0.05
+"""A square of that share of its height which cannot be decided bounds the strip; where many nodes are at stake."""
 _MOST_PLACES = 12
 """Rough places through which a phase is stretched; where there are more, the nodes are spaced evenly."""
 _MOST, _MOST_SEARCHED, _MOST_FOUND = 40000, 12000, 400
@@ -126,6 +129,13 @@ class Squares(NamedTuple):
     def top(self) -> Any:
         return self.y + self.side
 
+    @staticmethod
+    def none() -> Squares:
+        return Squares(*(np.zeros(0) for _ in range(3)))
+
+    def beside(self, others: Squares) -> Squares:
+        return Squares(*(np.concatenate(pair) for pair in zip(self, others, strict=True)))
+
     def chosen(self, which: Any) -> Squares:
         return Squares(*(part[which] for part in self))
 
@@ -138,21 +148,22 @@ class Squares(NamedTuple):
         )
 
 
-def strip(subject: Integrands, digits: int) -> Strip | None:
+def strip(subject: Integrands, digits: int, coarse: float = _COARSE) -> Strip | None:
     """Find a strip in which the integrands are analytic, as wide as disks can prove.
 
     Args:
         subject: the integrands.
         digits: for which the strip should need few nodes.
+        coarse: a square of that share of its height which cannot be decided bounds the strip.
 
     Returns:
         The strip that needs the fewest nodes; None where no strip could be proved in doubles.
     """
     cap = _foreseen(subject)
-    high = _HIGH * cap
+    high = _HIGH * cap if cap > _WIDE and coarse == _COARSE else cap
     done: list[tuple[Any, Any]] = []
     size, work = np.zeros(len(subject.kernels[0].outputs) + 2), 0
-    todo = _covering(subject, cap)
+    todo, waiting = _covering(subject, cap), Squares.none()
     while todo.x.size and cap > 0:
         work += todo.x.size
         logs, here = _sizes(subject, todo)
@@ -160,9 +171,12 @@ def strip(subject: Integrands, digits: int) -> Strip | None:
         size = np.maximum(size, here)
         done.append((todo.y[fine], logs[:, fine]))
         left = todo.chosen(~fine)
-        hopeless = _hopeless(left) | (left.y >= high) | (work > _MOST)
+        hopeless = _hopeless(left, coarse) | (left.y >= high) | (work > _MOST)
         cap = min([cap, *left.y[hopeless]])
-        todo = left.chosen(left.y < cap).divided()
+        left = left.chosen(~hopeless).beside(waiting)
+        left = left.chosen(left.y < cap)
+        low = left.y < 2 * np.min(left.top, initial=cap)
+        todo, waiting = left.chosen(low).divided(), left.chosen(~low)
         todo = todo.chosen(todo.y < cap)
     if cap <= 0:
         return None
@@ -172,29 +186,39 @@ def strip(subject: Integrands, digits: int) -> Strip | None:
 def obstacles(subject: Integrands) -> list[tuple[float, float]] | None:
     """Find where the integrands may be singular next to the real axis: the places a change of variable must spread.
 
-    A square that cannot be decided and is small against its height is an obstacle; what lies above the cone over
-    another one is not looked at.
+    A square that cannot be decided and is small against its height is an obstacle; what lies straight above a square
+    that is not decided either waits, and what lies above the cone over an obstacle is not looked at.
 
     Returns:
-        (Re χ, Im χ) of obstacles, the lowest first; None where there is one on the real axis for doubles.
+        (Re χ, Im χ) of obstacles, the lowest first; None where they are too many, or one is on the real axis for doubles.
     """
     found, work = np.zeros((2, 0)), 0
-    todo = _covering(subject, _HIGHEST / 4)
+    todo, waiting = _covering(subject, _HIGHEST / 4), Squares.none()
     while todo.x.size:
         work += todo.x.size
         fine = np.isfinite(_sizes(subject, todo)[0]).all(axis=0)
-        left = todo.chosen(~fine)
+        left = todo.chosen(~fine).beside(waiting)
+        above = _over(left, left.x + left.side / 2, left.y, left.side / 2, 0.0)
+        left, waiting = left.chosen(~above), left.chosen(above)
         hopeless = _hopeless(left)
         if work > _MOST_SEARCHED or found.shape[1] > _MOST_FOUND or np.any(left.y[hopeless] == 0):
             return None
-        new = np.stack([left.x + left.side / 2, left.y])[:, hopeless]
-        found = np.concatenate([found, new], axis=1)
+        found = np.concatenate([found, np.stack([left.x + left.side / 2, left.y])[:, hopeless]], axis=1)
         todo = left.chosen(~hopeless).divided()
-        beside = np.abs(todo.x + todo.side / 2 - found[0][:, None])
-        above = todo.y > found[1][:, None] + _CONE * beside
-        todo = todo.chosen(~above.any(axis=0))
+        todo, waiting = (part.chosen(~_over(part, *found, 0.0, _CONE)) for part in (todo, waiting))
+        if not todo.x.size:
+            todo, waiting = waiting, Squares.none()
     order = np.argsort(found[1])
     return [(float(x), float(y)) for x, y in found[:, order].T]
+
+
+def _over(squares: Squares, x: Any, y: Any, half: Any, cone: float) -> Any:
+    """True for squares above one of the places (x ± half, y), or above the cone over it."""
+    beside = np.abs(squares.x + squares.side / 2 - x[:, None])
+    rise = squares.y - y[:, None]
+    if cone:
+        return (rise > cone * beside).any(axis=0)
+    return ((rise > 0) & (beside < 0.99 * (squares.side / 2 + np.reshape(half, (-1, 1))))).any(axis=0)
 
 
 def rough_places(subject: Integrands) -> list[tuple[float, float]] | None:
@@ -224,19 +248,20 @@ def _covering(subject: Integrands, height: float) -> Squares:
     return Squares(x.ravel(), y.ravel(), np.full(x.size, side))
 
 
-def _hopeless(squares: Squares) -> Any:
-    return squares.side <= np.maximum(_COARSE * squares.y, _LOWEST)
+def _hopeless(squares: Squares, coarse: float = _COARSE) -> Any:
+    return squares.side <= np.maximum(coarse * squares.y, _LOWEST)
 
 
 def _foreseen(subject: Integrands) -> float:
     """A half width to begin with: the greatest at which R does not yet turn round 0, as points tell."""
-    begin, columns = (0.0, 13) if subject.anomaly.even else (-np.pi, 25)
-    χ = np.linspace(begin, np.pi, columns) + 1j * _HEIGHTS[:, None]
+    begin, turn = (0.0, 1) if subject.anomaly.even else (-np.pi, 2)
+    χ = np.linspace(begin, np.pi, turn * (192 if isinstance(subject.anomaly, Stretched) else 12) + 1) + 1j * _HEIGHTS[:, None]
     with np.errstate(all="ignore"):
         factor = np.broadcast_to(subject.at(complex_place(subject.anomaly, χ))[0], χ.shape)
         turns = np.sum(np.angle(factor[:, 1:] / factor[:, :-1]), axis=1)
         clear = np.cumprod(np.isfinite(turns) & (np.abs(turns) < 1)).astype(bool)
-    return float(_FIRST * np.max(_HEIGHTS[clear], initial=_HEIGHTS[0]))
+    found = float(np.max(_HEIGHTS[clear], initial=_HEIGHTS[0]))
+    return found * _FIRST if found > _WIDE else found
 
 
 def _cheapest(cap: float, y: Any, logs: Any, size: Any, digits: int) -> Strip:
