@@ -20,6 +20,8 @@ from hjsolve.numeric.radicand import Number, Radicand
 from hjsolve.numeric.stretch import Inner, Stretched, stretched
 from hjsolve.numeric.turning_points import End, Ray, first_end
 
+_NEAREST = 200
+"""Bits by which a turning point may be nearer to an end of the domain than to the other one."""
 _MANY = 220
 """Nodes above which another change of variable is tried, for a double and half a cycle."""
 
@@ -129,7 +131,13 @@ def _libration(start: Start, lower: End, upper: End, digits: int) -> Bounded:
     assert upper.place is not None
     places = (lower.place, upper.place)
     needed = int(3.33 * digits) + 48
-    bits = needed + 80
+    nearness = _nearness(start, places)
+    if nearness > _NEAREST:
+        raise NotConvergedError(
+            f"{start.name}: it turns {nearness} powers of two nearer to an end of its domain than to its other turning "
+            f"point, and {_NEAREST} are the most that can be integrated"
+        )
+    bits = needed + 80 + 2 * nearness
     while True:
         arithmetic = Multi(bits)
         a, b = (arithmetic.convert(place(bits)) for place in places)
@@ -146,6 +154,13 @@ def _libration(start: Start, lower: End, upper: End, digits: int) -> Bounded:
     if roughness(plain, start.radicand, start.skipped, bits, start.parts) > 1e-7:
         best = libration(a, b, _outside(start, a, b - a, -1, bits), _outside(start, b, b - a, 1, bits), arithmetic)
     return _smoothest(start, "libration", best, lambda: _over_crests(start, a, b, bits), digits, bits)
+
+
+def _nearness(start: Start, turns: tuple[Number, Number]) -> int:
+    """Bits by which a turning point is nearer to an end of the domain than to the other turning point."""
+    context, (a, b) = multiprecision(64), (turn(3072) for turn in turns)
+    gaps = [abs(turn - end(3072)) for turn, end in ((a, start.lower), (b, start.upper)) if end is not None]
+    return max((int(context.log((b - a) / gap, 2)) for gap in gaps if 0 < gap < b - a), default=0)
 
 
 def _smoothest(
