@@ -26,6 +26,8 @@ _FEW, _MANY = 56, 120
 """Nodes above which a second and another change of variable is tried, for a double and half a cycle."""
 _MOST = 20000
 """Nodes above which a motion is given up, for a double."""
+_NEAREST = 200
+"""Bits by which a turning point may be nearer to an end of the domain than to the other one."""
 
 
 @dataclass(frozen=True)
@@ -133,7 +135,13 @@ def _libration(start: Start, lower: End, upper: End, digits: int) -> Bounded:
     assert upper.place is not None
     places = (lower.place, upper.place)
     needed = int(3.33 * digits) + 48
-    bits = needed + 80
+    nearness = _nearness(start, places)
+    if nearness > _NEAREST:
+        raise NotConvergedError(
+            f"{start.name}: it turns {nearness} powers of two nearer to an end of its domain than to its other turning "
+            f"point, and {_NEAREST} are the most that can be integrated"
+        )
+    bits = needed + 80 + 2 * nearness
     while True:
         arithmetic = Multi(bits)
         a, b = (arithmetic.convert(place(bits)) for place in places)
@@ -156,6 +164,20 @@ def _libration(start: Start, lower: End, upper: End, digits: int) -> Bounded:
     return _smoothest(start, "libration", maps(), digits, bits)
 
 
+def _nearness(start: Start, turns: tuple[Number, Number]) -> int:
+    """Bits by which a turning point is nearer to an end of the domain than to the other turning point."""
+    if start.lower is None and start.upper is None:
+        return 0
+    gaps, width = [], multiprecision(64).mpf(1)
+    for bits in (256, 3072):
+        a, b = (turn(bits) for turn in turns)
+        width = b - a
+        gaps = [abs(turn - end(bits)) for turn, end in ((a, start.lower), (b, start.upper)) if end is not None]
+        if all(gap > width * multiprecision(64).mpf(2) ** (-bits // 2) for gap in gaps):
+            break
+    return max((int(multiprecision(64).log(width / gap, 2)) for gap in gaps if 0 < gap < width), default=0)
+
+
 def _smoothest(start: Start, kind: Kind, maps: Iterator[Anomaly], digits: int, bits: int) -> Bounded:
     """Integrate over the first map for which few nodes are proved to be enough, or over the best of them.
 
@@ -163,7 +185,10 @@ def _smoothest(start: Start, kind: Kind, maps: Iterator[Anomaly], digits: int, b
         NotConvergedError: for none of them it could be proved how many nodes are enough, or they are too many.
     """
     best: tuple[int, Anomaly] | None = None
-    for anomaly, few in zip(maps, itertools.chain([_FEW], itertools.repeat(_MANY)), strict=False):
+    limits = itertools.chain([_FEW], itertools.repeat(_MANY))
+    if not start.parts:  # nothing is integrated
+        best, limits = (1, next(maps)), iter(())
+    for few, anomaly in zip(limits, maps, strict=False):
         subject = resolution.integrands(anomaly, start.radicand, start.skipped, start.parts, bits)
         found = resolution.strip(subject, digits)
         if found is not None:

@@ -15,7 +15,7 @@ from typing import Any, NamedTuple
 
 import numpy as np
 
-from hjsolve.numeric.arithmetic import Float64, Multi
+from hjsolve.numeric.arithmetic import FARTHEST, Float64, Multi, within_reach
 
 _GREATEST = float(np.finfo(float).max)
 _RISING = {"exp", "sinh", "tanh", "asinh", "atan"}
@@ -141,9 +141,9 @@ class Intervals:
     def _scalar(self, name: str, v: Any) -> Any:
         assert isinstance(self.plain, Multi)
         context = self.plain.context
-        if name in {"sin", "cos"} and context.isinf(v):
+        if name in {"sin", "cos"} and (context.isinf(v) or context.mag(v) > FARTHEST):
             return context.nan
-        value = getattr(context, name)(v)
+        value = getattr(context, name)(within_reach(name, v, context))
         return value if isinstance(value, context.mpf) else context.nan
 
     def _rising(self, name: str, x: Interval, left: float, right: float) -> Interval:

@@ -10,6 +10,7 @@ from .. import arguments
 from ..algebra.modular import Filter
 from ..algebra.poly import Budget, WorkLimitError
 from ..algebra.readable import readable
+from ..algebra.reader import HYPERBOLIC, is_shifted
 from ..shell import Irreducible, Shell, Step, reduce
 from ..system import A_SYSTEM, System, kinetic_rest, linear_terms, mass_matrix
 from . import advice, levi_civita, liouville, relativistic, stackel
@@ -51,17 +52,34 @@ def separate(system: System, *, budget: float = DEFAULT_BUDGET) -> Verdict:
         if isinstance(reduced, Irreducible):
             return refuse_without_shell(system, reduced, work)
         shell = reduced
-        return _decide(of_shell(shell, work), start)
+        return _decide(*_constructed(shell, work), start)
     except WorkLimitError as fault:
         steps = (*(shell.steps if shell else ()), Step("Budget", f"Exact arithmetic stopped: {fault}."))
         return Undecided(system, shell, (), "reduction", sp.nan, {}, None, advice.for_undecided(), steps)
 
 
-def _decide(setting: Setting, start: float) -> Verdict:
+def _constructed(shell: Shell, work: Budget) -> tuple[Setting, stackel.Matrix | None]:
+    """Read a shell and construct Stäckel's matrix; None where there is none, or no coordinate it would be of.
+
+    Steep functions of shifted places, tanh(1000 x - 300), are kept whole if it can be had so: multiplied out by
+    addition theorems they could not be worked out in numbers.
+    """
+    held = {c.symbol for c in shell.coordinates}
+    steep = [f for e in (*shell.inverse_metric, shell.potential) for f in e.atoms(*HYPERBOLIC, sp.exp)]
+    for whole in (True, False) if any(is_shifted(f.args[0], held) for f in steep) else (False,):
+        setting = of_shell(shell, work, whole=whole)
+        matrix = None
+        if setting.symbols:
+            matrix = stackel.construct(setting.reader, setting.symbols, setting.metric, setting.potential)
+        if matrix is not None:
+            break
+    return setting, matrix
+
+
+def _decide(setting: Setting, matrix: stackel.Matrix | None, start: float) -> Verdict:
     shell, reader = setting.shell, setting.reader
-    matrix, proved = None, list[Step]()
+    proved = list[Step]()
     if setting.symbols:
-        matrix = stackel.construct(reader, setting.symbols, setting.metric, setting.potential)
         if matrix is None or _small(setting):
             failed, proved = _conditions(setting, hunting=matrix is None)
             if failed is not None:
