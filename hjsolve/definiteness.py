@@ -132,9 +132,17 @@ def _pivots(entries: mpmath.matrix) -> Iterator[mpmath.mpf]:
 
 
 def _is_regular(entries: mpmath.matrix) -> bool:
-    rows = range(entries.rows)
-    scale = CONTEXT.fprod(max(abs(entries[i, j]) for j in rows) for i in rows)
-    return bool(scale and abs(CONTEXT.det(entries)) > _CANCELLED * scale)
+    """Whether the determinant is not zero to rounding: elimination with the largest pivot of all that is left."""
+    left = [[entries[i, j] for j in range(entries.cols)] for i in range(entries.rows)]
+    largest = max((abs(x) for row in left for x in row), default=CONTEXT.zero)
+    while left:
+        size, i, j = max((abs(x), i, j) for i, row in enumerate(left) for j, x in enumerate(row))
+        if size <= _CANCELLED * largest:
+            return False
+        pivot = left.pop(i)
+        rest = [k for k in range(len(pivot)) if k != j]
+        left = [[row[k] - row[j] / pivot[j] * pivot[k] for k in rest] for row in left]
+    return True
 
 
 def _evaluated(matrix: sp.ImmutableMatrix, point: Point) -> mpmath.matrix:
