@@ -166,10 +166,16 @@ def _parameter_values(parameters: Sequence[Parameter]) -> Iterator[Point]:
     for trial in range(_ATTEMPTS if free else 1):
         values = {p.symbol: evaluate(p.value, {}) for p in parameters if p.value is not None}
         for p in free:
-            size = CONTEXT.mpf(source.randint(3, 29)) / 7
-            either = trial > 0 and p.assume in ("real", "nonzero") and source.random() < 0.5
+            size = CONTEXT.mpf(source.randint(3, 29)) / (1 if p.assume == "integer" else 7)
+            either = trial > 0 and p.assume in ("real", "nonzero", "integer") and source.random() < 0.5
             values[p.symbol] = -size if p.assume == "negative" or either else size
         yield values
+
+
+def sample_points(coordinates: Sequence[Coordinate], parameters: Sequence[Parameter]) -> Iterator[Point]:
+    """Points inside the domain, with the default values of the parameters or values that agree with their assumptions."""
+    for _, values in zip(range(_TRIALS), _parameter_values(parameters)):
+        yield from _points(coordinates, values)
 
 
 def _points(coordinates: Sequence[Coordinate], values: Point) -> list[Point]:

@@ -36,7 +36,7 @@ def test_the_foci_of_the_web_are_the_centres(first, second):
     for nu in (0, sp.pi):
         place = [web.transformation[q].subs({s: 0 for s in web.system.symbols.values() if s.name in ("mu", "phi")})
                  for q in "xyz"[:n]]  # fmt: skip
-        place = [x.subs({s: nu for s in x.free_symbols}) for x in place]
+        place = [x.subs(dict.fromkeys(x.free_symbols, nu)) for x in place]
         assert any(all(abs(sp.N(a - b, 30)) < 1e-25 for a, b in zip(place, c, strict=True)) for c in centres)
 
 
