@@ -185,7 +185,7 @@ def _built(table: Mapping[str, Any], source: str) -> System | LinearHamiltonian:
         return System(
             coordinates, own["kinetic"], own.get("potential", "0"), parameters,
             signature=own.get("signature", "definite"), title=own.get("title", ""), id=own.get("id", ""),
-            relativity=own.get("relativity"),
+            relativity=own.get("relativity"), functions=own.get("functions", ()),
         )  # fmt: skip
     except InvalidInputError as error:
         raise CatalogError(f"{source}: {_one_line(error)}") from error

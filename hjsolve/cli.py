@@ -154,6 +154,7 @@ def main(arguments: Sequence[str] | None = None) -> int:
 _LONG = {"-T": "--kinetic", "-V": "--potential", "-o": "--output"}
 _VALUED = {
     "--coordinate",
+    "--function",
     "--kinetic",
     "--potential",
     "--parameter",
@@ -364,6 +365,13 @@ def _system_arguments(command: argparse.ArgumentParser) -> None:
         default=[],
         metavar='"NAME: DOMAIN"',
         help='e.g. "x: line", "theta: angle", "r: 0 < r", "x: -a < x < a" (repeat)',
+    )
+    own.add_argument(
+        "--function",
+        action="append",
+        default=[],
+        metavar='"NAME(COORDINATE)"',
+        help='a function that T or V leaves undetermined, e.g. "v1(r)" (repeat)',
     )
     own.add_argument("-T", "--kinetic", metavar="FORMULA", help="kinetic energy, e.g. m/2*dot(x)**2")
     own.add_argument("-V", "--potential", metavar="FORMULA", help="potential energy (default 0)")

@@ -234,6 +234,8 @@ def _system(options: Namespace) -> System:
         )
     if own:
         return _own_system(options)
+    if options.function:
+        raise InvalidInputError("--function belongs to a system of your own, with --coordinate and --kinetic")
     if options.system is None:
         raise InvalidInputError(
             "which system? give a catalog id, a .toml file, or --coordinate and --kinetic (see --help)"
@@ -268,6 +270,7 @@ def _own_system(options: Namespace) -> System:
         options.kinetic,
         options.potential if options.potential is not None else "0",
         _parameters(options.parameter),
+        functions=options.function,
     )
 
 

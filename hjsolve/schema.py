@@ -15,7 +15,7 @@ from typing import Any
 VERDICTS = ("liouville", "staeckel", "reduced", "linear", "refused")
 PARTS = ("metric", "potential", "gyroscopic")
 KINDS = ("libration", "rotation", "escape", "equilibrium", "asymptotic", "boundary", "ignorable")
-ASSUMPTIONS = ("real", "positive", "negative", "nonnegative", "nonzero")
+ASSUMPTIONS = ("real", "positive", "negative", "nonnegative", "nonzero", "integer")
 QUANTITY = re.compile(
     r"(?:(?P<cycle>period|action|frequency|q|p|velocity|boundary_time)\.(?P<coordinate>\w+)"
     r"|turning_point\.(?P<turning>\w+)\.(?:lower|upper)|constant\.(?P<constant>\w+))"
@@ -72,7 +72,7 @@ SYSTEM = {
     "id": _TEXT, "title": _TEXT, "coordinates": Key("tables", True, keys=_COORDINATE),
     "parameters": Key("tables", keys=_PARAMETER), "kinetic": Key("text", True), "potential": _TEXT,
     "signature": Key("text", choices=("definite", "indefinite")), "relativity": Key("table", keys=_RELATIVITY),
-    "hamiltonian": _TEXT,
+    "hamiltonian": _TEXT, "functions": Key("texts"),
 }  # fmt: skip
 """The keys of an inline ``[system]`` table."""
 ENTRY = SYSTEM | {

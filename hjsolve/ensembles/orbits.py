@@ -19,7 +19,7 @@ from hjsolve.ensembles.recipe import WORTH_COMPILING, WORTH_LOADING, Recipe
 from hjsolve.ensembles.rows import Columns, compute
 from hjsolve.errors import InvalidInputError
 from hjsolve.initial import parameter_values
-from hjsolve.solution import Solution, solve
+from hjsolve.solution import Solution, refuse_null, solve
 from hjsolve.system import System
 
 
@@ -73,6 +73,7 @@ def ensemble(
     arguments.refuse_other(fallback, bool, "fallback", "True or False is needed")
     arguments.refuse_other(compiled, (bool, type(None)), "compiled", "True, False or None (what is faster) is needed")
     solution = _solution(system)
+    refuse_null(solution)
     given = conditions(solution.system, q, p, velocity)
     layout = layout_of(solution, want)
     recipe = recipe_for(solution, layout.want, parameters, given.kind, fallback=fallback, compiled=bool(compiled))

@@ -129,6 +129,7 @@ def _characteristic_function(solution: Solution) -> Section:
         blocks.append(formula(left, square, "Greenwood (5-142)"))
         if shifted:
             blocks.append(formula(name_box(f"p_{name}"), solution.momenta[name]))
+    blocks += [formula(name_box(f"p_{name}"), solution.momenta[name]) for name in solution.separation.shell.null]
     rows = tuple(
         ((Mathematics(name_box(name)),), (math(c.expression),), prose(c.meaning, solution.system))
         for name, c in solution.constants.items()

@@ -21,7 +21,7 @@ def constants_of(shell: Shell, reader: Reader, matrix: Matrix | None) -> dict[st
     system = shell.system
     plain = not any(linear_terms(system)) and kinetic_rest(system) == 0
     energy = "energy T + V" if plain else "Jacobi's integral T2 - T0 + V"
-    squares = (g * (c.momentum + a) ** 2 / 2 for g, c, a in zip(shell.inverse_metric, shell.coordinates, shell.shift))
+    squares = (g * X for g, X in zip(shell.inverse_metric, shell.momentum_terms, strict=True))
     found = [Constant(str(shell.energy), shell.energy, sp.Add(*squares, shell.potential), energy)]
     if matrix is not None and len(shell.coordinates) > 1:
         found += _separation_constants(shell, reader, matrix)
@@ -38,11 +38,9 @@ def constants_of(shell: Shell, reader: Reader, matrix: Matrix | None) -> dict[st
 def _separation_constants(shell: Shell, reader: Reader, matrix: Matrix) -> list[Constant]:
     """α = Φ⁻¹(½P² + ψ), from Stäckel's separated equations (Greenwood (5-142))."""
     inverted = inverse(reader, matrix.rows, [reader.element(g) for g in shell.inverse_metric])
-    separated = []
-    for c, a, ψ in zip(shell.coordinates, shell.shift, matrix.column):
-        separated.append((c.momentum + a) ** 2 / 2 + readable(reader, ψ))
+    separated = [X + readable(reader, ψ) for X, ψ in zip(shell.momentum_terms, matrix.column, strict=True)]
     taken = set(shell.system.symbols)
-    meanings = Naming(shell, reader)(inverted[1:], matrix.column)
+    meanings = [""] * len(inverted) if shell.null else Naming(shell, reader)(inverted[1:], matrix.column)
     names = [c.name for c in shell.coordinates]
     found = []
     for j in range(1, len(names)):

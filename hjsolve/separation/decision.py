@@ -137,11 +137,16 @@ def _conditions(setting: Setting, *, hunting: bool) -> tuple[Obstruction | Undec
 
 
 def _reduced_forms(setting: Setting, matrix: stackel.Matrix | None) -> Reduced:
-    """Stäckel's and Liouville's forms of the shell; with one coordinate f = 1, R = g, v = V."""
+    """Stäckel's and Liouville's forms of the shell; with one coordinate f = 1, R = g, v = V.
+
+    A shell that holds a momentum to first degree is not of Liouville's form.
+    """
     if matrix is None:
         return Reduced(None, None)
     shell, names = setting.shell, [c.name for c in setting.shell.coordinates]
     form = stackel.finished(setting.reader, names, shell.inverse_metric, shell.potential, matrix)
+    if shell.null:
+        return Reduced(None, form)
     if len(names) == 1:
         return Reduced(Liouville(tuple(names), (sp.S.One,), shell.inverse_metric, (shell.potential,)), form)
     functions = liouville.recognise(
