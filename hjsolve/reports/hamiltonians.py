@@ -39,7 +39,7 @@ def given_section(problem: LinearHamiltonian, meanings: Mapping[str, tuple[str, 
     """
     c = problem.coordinate
     unit, meaning = meanings.get(c.name, ("", ""))
-    blocks: list[Block] = [Paragraph(prose(typeset(summary), problem))] if summary else []
+    blocks: list[Block] = [Paragraph(prose(summary, problem))] if summary else []
     blocks.append(formula(Glyph("H"), problem.hamiltonian))
     cells: tuple[Text, ...] = ((Mathematics(name_box(c.name)),), domain_text(c.domain, c.name))
     blocks.append(
@@ -87,7 +87,7 @@ def motion_section(motion: LinearMotion, summary: str) -> Section:
     from hjsolve.reports.numbers import quantity
 
     c = motion.problem.coordinate
-    told: Any = (": ", *prose(typeset(summary), motion.problem)) if summary else ()
+    told: Any = (": ", *prose(summary, motion.problem)) if summary else ()
     times = [motion.t0 + sp.Rational(k, 2) for k in range(_SHOWN)]
     rows: list[tuple[Text, ...]] = []
     for t in times:

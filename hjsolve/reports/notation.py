@@ -255,15 +255,21 @@ def _power(expression: sp.Pow) -> Box:
         return _call(base, box(exponent))
     if isinstance(base, sp.Symbol):
         inner = name_box(base.name)
-        power = _inline(exponent)
+        power = on_a_line(box(exponent))
         return Script(inner.base, inner.sub, power) if isinstance(inner, Script) else Script(inner, sup=power)
     bare = isinstance(base, sp.NumberSymbol | sp.exp) or (base.is_Integer and base.is_nonnegative)
-    return Script(box(base) if bare else Fence(box(base)), sup=_inline(exponent))
+    return Script(box(base) if bare else Fence(box(base)), sup=on_a_line(box(exponent)))
 
 
-def _inline(exponent: sp.Expr) -> Box:
-    """Set an exponent with slashes where it would have fractions."""
-    inner = box(exponent)
+def on_a_line(inner: Box) -> Box:
+    """Set a formula that shall not grow in height, such as an exponent: with slashes where it has fractions.
+
+    Args:
+        inner: its box.
+
+    Returns:
+        The flat box.
+    """
     items = inner.items if isinstance(inner, Row) else (inner,)
     return row(*(_slashed(item) for item in items))
 
@@ -298,7 +304,7 @@ def _simple(argument: sp.Expr) -> bool:
 
 
 def _exponential(expression: sp.exp) -> Box:
-    inner = _inline(expression.args[0])
+    inner = on_a_line(box(expression.args[0]))
     if width(inner) > 14:
         return row(Glyph("exp", "function"), Fence(inner))
     return Script(Glyph("e"), sup=inner)

@@ -38,7 +38,7 @@ def motion_section(motion: Any, trace: paths.Trace, summary: str) -> Section:
     Returns:
         The section.
     """
-    told = (": ", *prose(typeset(summary), motion.solution.system)) if summary else ()
+    told = (": ", *prose(summary, motion.solution.system)) if summary else ()
     blocks: list[Block] = [Paragraph(("One motion, as an example", *told, ".")), _initial(motion)]
     names = motion.solution.coordinates
     for i, name in enumerate(names):

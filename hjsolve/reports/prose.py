@@ -7,6 +7,7 @@ import re
 from hjsolve.hamiltonians import LinearHamiltonian
 from hjsolve.reports.boxes import Box, Glyph, row
 from hjsolve.reports.document import Inline, Mathematics, Text
+from hjsolve.reports.formulas_in_text import formulas
 from hjsolve.reports.notation import GREEK, box, name_box
 from hjsolve.system import Domain, System
 
@@ -18,11 +19,12 @@ _PHRASES = (
     ("L_ij", "Lᵢⱼ"),
     ("S_ij", "Sᵢⱼ"),
     ("T = sum(R_i p_i^2)/(2 sum f_i), V = sum(v_i)/sum(f_i)", "T = ΣRᵢpᵢ²/(2Σfᵢ), V = Σvᵢ/Σfᵢ"),
+    ("Staeckel", "Stäckel"),
 )
 
 
 def prose(text: str, system: System | LinearHamiltonian) -> Text:
-    """Set the names of a system inside a sentence as mathematics.
+    """Set the names and the plain formulas of a sentence as mathematics.
 
     Args:
         text: the sentence.
@@ -33,16 +35,21 @@ def prose(text: str, system: System | LinearHamiltonian) -> Text:
     """
     for plain, better in _PHRASES:
         text = text.replace(plain, better)
-    text = re.sub(r"so (p_\w+) stay constant", r"so \1 stays constant", text)
     names = {c.name for c in system.coordinates} | {p.name for p in system.parameters}
+    pieces: list[Inline] = []
+    for piece in formulas(text, names):
+        pieces += _named(piece, names) if isinstance(piece, str) else [piece]
+    return tuple(pieces)
+
+
+def _named(text: str, names: set[str]) -> list[Inline]:
+    """Words with the names that cannot be meant as words set as mathematics."""
     telling = {n for n in names if n in GREEK or re.fullmatch(r"[A-Za-z]+\d+", n)} | {f"p_{n}" for n in names}
     telling |= {f"dot({n})" for n in names} | {f"alpha_{i}" for i in range(2, 10)}
-    pattern = "|".join(re.escape(n) for n in sorted(telling, key=len, reverse=True))
-    pieces: list[Inline] = []
-    for i, piece in enumerate(re.split(rf"(?<![\w.])({pattern})(?!\w)", text)):
-        if piece:
-            pieces.append(Mathematics(name_box(piece)) if i % 2 else piece)
-    return tuple(pieces)
+    spelled = rf"(?:{'|'.join(sorted(GREEK.keys() - {'iota', 'lam', 'lamda'}, key=len, reverse=True))})(?:_?\d+)?"
+    pattern = "|".join([*(re.escape(n) for n in sorted(telling, key=len, reverse=True)), spelled])
+    pieces = re.split(rf"(?<![\w.])({pattern})(?!\w)", text)
+    return [Mathematics(name_box(p)) if i % 2 else typeset(p) for i, p in enumerate(pieces) if p]
 
 
 def domain_text(domain: Domain, name: str) -> Text:
@@ -85,7 +92,7 @@ def listed(names: tuple[str, ...] | list[str], word: str = "and") -> Text:
 
 
 def typeset(text: str) -> str:
-    """Write the plain powers and products of units and remarks properly: ``kg*m^2`` as kg·m².
+    """Write the plain powers and products of units and remarks properly: ``kg*m^2/s^2`` as kg·m²/s².
 
     Args:
         text: a unit or a remark.
@@ -94,5 +101,8 @@ def typeset(text: str) -> str:
         The same with raised digits and centred dots.
     """
     raised = str.maketrans("0123456789-", "⁰¹²³⁴⁵⁶⁷⁸⁹⁻")
-    text = re.sub(r"\^\(?(-?\d+)\)?(?![\w/])", lambda match: match[1].translate(raised), text)
-    return re.sub(r"(?<=[\w²³])\*(?=\w)", "·", text)
+    text = re.sub(
+        r"(?:\^|\*\*)(?:\((-?\d+)\)|(-?\d+)(?![\w.]))", lambda m: (m[1] or m[2]).translate(raised), text
+    )
+    text = re.sub(r"(?<=[=(,] )-(?=\w)|(?<=[=(])-(?=\w)|(?<=\b\w )-(?= \w\b)", "−", text)
+    return re.sub(r"(?<=[\w²³⁰¹⁴⁵⁶⁷⁸⁹)])\*(?=[\w(])", "·", text)

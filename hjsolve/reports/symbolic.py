@@ -78,7 +78,7 @@ def system_section(system: System, meanings: Mapping[str, tuple[str, str]], summ
     Returns:
         The section.
     """
-    blocks: list[Block] = [Paragraph(prose(typeset(summary), system))] if summary else []
+    blocks: list[Block] = [Paragraph(prose(summary, system))] if summary else []
     blocks += [formula(Glyph("T"), system.kinetic), formula(Glyph("V"), system.potential)]
     blocks.append(_coordinates(system, meanings))
     if system.parameters:
@@ -112,7 +112,7 @@ def _coordinates(system: System, meanings: Mapping[str, tuple[str, str]]) -> Tab
 
 
 def _meaning(system: System, unit: str, meaning: str) -> tuple[Text, Text]:
-    return prose(typeset(meaning), system), (typeset(unit),)
+    return prose(meaning, system), (typeset(unit),)
 
 
 def _parameters(system: System) -> Table:
