@@ -189,10 +189,23 @@ def _shell(
     energy = energy_symbol(system)
     if any(shift):
         steps += (_shift_step(coordinates, χ),)
-    shell = sp.Add(*(g * sp.Symbol(f"P_{c.name}") ** 2 / 2 for g, c in zip(metric, coordinates)), potential)
-    text = "What is left: half the inverse metric times the squared momenta plus the effective potential is the energy."
-    steps += (Step("Energy shell", text, sp.Eq(shell, energy, evaluate=False)),)
+    steps += (_shell_step(coordinates, metric, potential, energy, shifted=any(shift)),)
     return Shell(system, coordinates, ignorable, metric, potential, energy, shift, χ, steps)
+
+
+def _shell_step(
+    coordinates: tuple[Coordinate, ...], metric: tuple[sp.Expr, ...], potential: sp.Expr, energy: sp.Symbol, *,
+    shifted: bool,
+) -> Step:  # fmt: skip
+    """The shell in a formula; P in place of p where terms linear in the momenta were shifted away."""
+    momenta = [sp.Symbol(f"P_{c.name}") if shifted else c.momentum for c in coordinates]
+    shell = sp.Add(*(g * p**2 / 2 for g, p in zip(metric, momenta)), potential)
+    text = "What is left: half the inverse metric times the squared momenta plus the effective potential is the energy."
+    if shifted:
+        text += " The momenta in it are P = p + gradient, as above."
+    if not coordinates:
+        text = "No coordinate is left: the effective potential is the energy, a function of the constant momenta."
+    return Step("Energy shell", text, sp.Eq(shell, energy, evaluate=False))
 
 
 def _mass(system: System) -> sp.Matrix:
@@ -294,9 +307,8 @@ def _reduction_steps(
         constants = ", ".join(str(c.momentum) for c in ignorable)
         coupled = any(not x.is_zero for x in eliminated.shift) and not any(lagrangian.linear)
         text = (
-            f"T and V do not hold {names}, so {constants} stay constant and W is linear in {names}. Eliminating the "
-            f"velocities "
-            f"adds the centrifugal potential shown" + (", and terms linear in the momenta left." if coupled else ".")
+            f"T and V do not contain {names}, so {constants} {'stays' if len(ignorable) == 1 else 'stay'} constant and "
+            f"W is linear in {names}. Eliminating the velocities adds the centrifugal potential shown" + (", and terms linear in the momenta left." if coupled else ".")
         )
         steps.append(
             Step("Ignorable coordinates", text, sp.Add(*(readable(reader, x) for x in eliminated.centrifugal)))
@@ -306,7 +318,7 @@ def _reduction_steps(
         steps.append(Step("Velocity-free part of T", text, lagrangian.potential - lagrangian.rest))
     if not steps:
         names = ", ".join(c.name for c in system.coordinates)
-        text = f"T or V holds each of {names}, or the motion may reach an end of its domain: none is ignorable."
+        text = f"T or V contains each of {names}, or the motion may reach an end of its domain: none is ignorable."
         steps.append(Step("Ignorable coordinates", text, None))
     return tuple(steps)
 

@@ -167,7 +167,7 @@ class _Reader:
             return factor and _Found(row(number, factor.box), factor.end)
         if not token["name"] or self.text[token.end() : token.end() + 1] == "(" or not self._known(token["name"]):
             return None
-        return _Found(_named(token["name"]), token.end())
+        return _Found(named(token["name"], self.names), token.end())
 
     def _call(self, token: re.Match[str]) -> _Found | None:
         name, opening = token["name"], self._token(token.end())
@@ -192,14 +192,27 @@ class _Reader:
 
     def _known(self, name: str) -> bool:
         """Whether a word is a name: declared, or a letter as formulas have it: x, dx, x1, gamma_12, p_theta."""
+        if several(name, self.names):
+            return True
         match = _STEM.fullmatch(name.removeprefix("p_"))
         stem = match[1] if match else ""
         declared = name in self.names or name.removeprefix("p_") in self.names
         return declared or stem in GREEK or len(stem) == 1 or (len(stem) == 2 and stem[0] == "d")
 
 
-def _named(name: str) -> Box:
-    return Glyph("π") if name == "pi" else name_box(name)
+def several(name: str, names: Collection[str]) -> list[str]:
+    """The coordinates that a letter has as indices, ``E_x_y``; none where that is not what the word is."""
+    letter, *indices = name.split("_")
+    return indices if len(letter) == 1 and indices and all(index in names for index in indices) else []
+
+
+def named(name: str, names: Collection[str]) -> Box:
+    """Set a name; E_x_y has two indices with a comma between them."""
+    indices = several(name, names)
+    if len(indices) < 2:
+        return Glyph("π") if name == "pi" else name_box(name)
+    listed = [piece for index in indices for piece in (Glyph(",", "operator"), name_box(index))][1:]
+    return Script(name_box(name[0]), row(*listed))
 
 
 def _bare(box: Box) -> Box:

@@ -7,7 +7,7 @@ import re
 from hjsolve.hamiltonians import LinearHamiltonian
 from hjsolve.reports.boxes import Box, Glyph, row
 from hjsolve.reports.document import Inline, Mathematics, Text
-from hjsolve.reports.formulas_in_text import formulas
+from hjsolve.reports.formulas_in_text import formulas, named
 from hjsolve.reports.notation import GREEK, box, name_box
 from hjsolve.system import Domain, System
 
@@ -20,6 +20,9 @@ _PHRASES = (
     ("S_ij", "Sᵢⱼ"),
     ("T = sum(R_i p_i^2)/(2 sum f_i), V = sum(v_i)/sum(f_i)", "T = ΣRᵢpᵢ²/(2Σfᵢ), V = Σvᵢ/Σfᵢ"),
     ("Staeckel", "Stäckel"),
+    ("V' = V - T0", "V′ = V − T₀"),
+    ("T2 - T0 + V", "T₂ − T₀ + V"),
+    ("T2 + V", "T₂ + V"),
 )
 
 
@@ -45,11 +48,12 @@ def prose(text: str, system: System | LinearHamiltonian) -> Text:
 def _named(text: str, names: set[str]) -> list[Inline]:
     """Words with the names that cannot be meant as words set as mathematics."""
     telling = {n for n in names if n in GREEK or re.fullmatch(r"[A-Za-z]+\d+", n)} | {f"p_{n}" for n in names}
+    spelled_names = "|".join(re.escape(n) for n in sorted(names, key=len, reverse=True))
     telling |= {f"dot({n})" for n in names} | {f"alpha_{i}" for i in range(2, 10)}
     spelled = rf"(?:{'|'.join(sorted(GREEK.keys() - {'iota', 'lam', 'lamda'}, key=len, reverse=True))})(?:_?\d+)?"
-    pattern = "|".join([*(re.escape(n) for n in sorted(telling, key=len, reverse=True)), spelled])
+    pattern = "|".join([*(re.escape(n) for n in sorted(telling, key=len, reverse=True)), spelled, rf"[A-Z](?:_(?:{spelled_names}))+"])
     pieces = re.split(rf"(?<![\w.])({pattern})(?!\w)", text)
-    return [Mathematics(name_box(p)) if i % 2 else typeset(p) for i, p in enumerate(pieces) if p]
+    return [Mathematics(named(p, names)) if i % 2 else typeset(p) for i, p in enumerate(pieces) if p]
 
 
 def domain_text(domain: Domain, name: str) -> Text:

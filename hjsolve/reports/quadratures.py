@@ -2,15 +2,18 @@
 
 from __future__ import annotations
 
+from dataclasses import dataclass
+
 import sympy as sp
 
-from hjsolve.reports.boxes import Fence, Fraction, Glyph, Script, row
+from hjsolve.reports.boxes import Box, Fence, Fraction, Glyph, Script, row
 from hjsolve.reports.document import Block, Formula, Mathematics, Paragraph, Section, Table, Text
 from hjsolve.reports.notation import box, display, name_box, tidy
 from hjsolve.reports.prose import listed, prose
 from hjsolve.reports.symbolic import EQUALS, equation, formula, math
 from hjsolve.separation import Liouville, Separation, Stackel
 from hjsolve.solution import Solution
+from hjsolve.system import kinetic_rest
 
 
 def forms_section(verdict: Separation) -> Section | None:
@@ -22,29 +25,47 @@ def forms_section(verdict: Separation) -> Section | None:
     Returns:
         The section; None where there is nothing to show.
     """
-    blocks: list[Block] = []
     full, shell = (verdict.stackel, verdict.liouville), (verdict.reduced.stackel, verdict.reduced.liouville)
-    blocks += _forms(*full)
-    if any(shell) and (not all(full) or not verdict.ignorable) and shell != full:
-        opening = (
-            "Of the shell, with the ignorable momenta as constants:"
-            if any(full)
-            else ("The full system is neither; its shell, with the ignorable momenta as constants, is:")
+    blocks: list[Block] = []
+    if any(full) and verdict.ignorable:
+        text = (
+            "Of the whole system: every ignorable coordinate has a row and a separation constant of its own here, "
+            "which the matrix of the shell has not."
         )
-        blocks += [Paragraph((opening,)), *_forms(*shell)]
+        blocks.append(Paragraph((text,)))
+    blocks += _forms(*full, _Whose("H", Glyph("V" if kinetic_rest(verdict.system) == 0 else "V′")))
+    if any(shell) and (not all(full) or not verdict.ignorable) and shell != full:
+        blocks += [Paragraph((_of_the_shell(verdict),)), *_forms(*shell, _Whose("the shell", name_box("V_eff")))]
     return Section("forms", "Stäckel's and Liouville's form", tuple(blocks)) if blocks else None
 
 
-def _forms(stackel: Stackel | None, liouville: Liouville | None) -> list[Block]:
+@dataclass(frozen=True)
+class _Whose:
+    """What a form belongs to: H of the whole system with V (V′ = V − T₀), or the shell with its effective potential."""
+
+    energy: str
+    potential: Box
+
+
+def _of_the_shell(verdict: Separation) -> str:
+    constant = ", with the ignorable momenta as constants" if verdict.ignorable else ""
+    if verdict.stackel is not None or verdict.liouville is not None:
+        return f"Of the shell{constant}:"
+    if verdict.system.relativity is not None:
+        return f"Of the shell, the squared energy relation{constant}:"
+    return f"The whole system is of neither form; its shell is{constant}:"
+
+
+def _forms(stackel: Stackel | None, liouville: Liouville | None, whose: _Whose) -> list[Block]:
     blocks: list[Block] = []
     if stackel is not None:
-        blocks += _stackel(stackel)
+        blocks += _stackel(stackel, whose)
     if liouville is not None:
-        blocks += _liouville(liouville)
+        blocks += _liouville(liouville, whose)
     return blocks
 
 
-def _stackel(form: Stackel) -> list[Block]:
+def _stackel(form: Stackel, whose: _Whose) -> list[Block]:
     Φ, ψ, c = Glyph("Φ"), Glyph("ψ"), Glyph("c")
     column = sp.ImmutableMatrix(form.column)
     metric = sp.ImmutableMatrix(form.inverse_metric)
@@ -54,12 +75,12 @@ def _stackel(form: Stackel) -> list[Block]:
     comma, zero = Glyph(",", "operator"), Glyph("0", "number")
     one = Fence(row(Glyph("1", "number"), comma, zero, comma, Glyph("…", "operator"), comma, zero))
     text: Text = (
-        "Stäckel's matrix Φ, column ψ and coefficients c of ½p² in H; row i holds coordinate ",
+        f"Stäckel's matrix Φ, column ψ and coefficients c of ½p² in {whose.energy}; row i contains coordinate ",
         *_order(form.coordinates),
         " only. Checked by substitution, exactly: ",
         Mathematics(row(transposed, Φ, EQUALS, one)),
         " and ",
-        Mathematics(row(transposed, ψ, EQUALS, Glyph("V"))),
+        Mathematics(row(transposed, ψ, EQUALS, whose.potential)),
         ".",
     )
     source = f"Phi = {form.matrix.tolist()}, psi = {list(form.column)}, c = {list(form.inverse_metric)}"
@@ -70,7 +91,7 @@ def _order(names: tuple[str, ...]) -> Text:
     return ("i of ", *listed(names))
 
 
-def _liouville(form: Liouville) -> list[Block]:
+def _liouville(form: Liouville, whose: _Whose) -> list[Block]:
     names = [name_box(name) for name in form.coordinates]
     rows = tuple(
         ((Mathematics(name),), (math(f),), (math(R),), (math(v),))
@@ -80,7 +101,7 @@ def _liouville(form: Liouville) -> list[Block]:
     f, R, v = (Script(Glyph(letter), i) for letter in "fRv")
     two = Glyph("2", "number")
     kinetic = row(Glyph("T"), EQUALS, Fraction(row(sums, R, Script(Glyph("p"), i, two)), row(two, sums, f)))
-    potential = row(Glyph("V"), EQUALS, Fraction(row(sums, v), row(sums, f)))
+    potential = row(whose.potential, EQUALS, Fraction(row(sums, v), row(sums, f)))
     whole = row(kinetic, Glyph(",  ", "text"), potential)
     header: tuple[Text, ...] = (("Coordinate",), (Mathematics(f),), (Mathematics(R),), (Mathematics(v),))
     return [
@@ -110,7 +131,11 @@ def solution_sections(solution: Solution) -> list[Section]:
         sections.append(
             Section("time-law", "Time law", (Paragraph((text,)), equation(solution.time_law, "Greenwood (5-71)")))
         )
-    equations = tuple(equation(e, "Greenwood (5-70)") for e in solution.orbit_equations.values())
+    passive = {c.momentum.name for c in solution.separation.shell.ignorable}
+    equations = tuple(
+        equation(e, "Greenwood (5-83)" if name in passive else "Greenwood (5-70)")
+        for name, e in solution.orbit_equations.items()
+    )
     if equations:
         text = "One equation for each further constant: together they are the orbit, without the time."
         sections.append(Section("orbit", "Orbit equations", (Paragraph((text,)), *equations)))

@@ -26,7 +26,8 @@ from hjsolve.reports.notation import box, display, name_box, tidy
 from hjsolve.reports.numbers import bound, shortest
 from hjsolve.reports.prose import domain_text, listed, prose, typeset
 from hjsolve.separation import Obstruction, Separation, Undecided
-from hjsolve.system import System, hamiltonian
+from hjsolve.separation.zero_test import Zero, is_zero
+from hjsolve.system import System, hamiltonian, linear_terms, mass_matrix, momenta
 
 EQUALS = Glyph("=", "operator")
 
@@ -79,15 +80,35 @@ def system_section(system: System, meanings: Mapping[str, tuple[str, str]], summ
         The section.
     """
     blocks: list[Block] = [Paragraph(prose(summary, system))] if summary else []
+    if system.relativity is not None:
+        blocks.append(Paragraph((RELATIVISTIC,)))
     blocks += [formula(Glyph("T"), system.kinetic), formula(Glyph("V"), system.potential)]
     blocks.append(_coordinates(system, meanings))
     if system.parameters:
         blocks.append(_parameters(system))
-    blocks += [
-        Paragraph(("Hamilton's function, with the momenta ", Mathematics(_momentum_definition()), ":")),
-        formula(Glyph("H"), hamiltonian(system), "Greenwood (4-109)"),
+    return Section("system", "The system", (*blocks, *_hamilton(system)))
+
+
+RELATIVISTIC = (
+    "A relativistic particle. T is not its energy but the classical kinetic energy, which gives the metric and the "
+    "terms linear in the velocities."
+)
+
+
+def _hamilton(system: System) -> list[Block]:
+    """Hamilton's function and what its momenta are; of a relativistic particle they are not ∂T/∂q̇."""
+    H = hamiltonian(system)
+    if system.relativity is None:
+        text = ("Hamilton's function, with the momenta ", Mathematics(_momentum_definition()), ":")
+        return [Paragraph(text), formula(Glyph("H"), H, "Greenwood (4-109)")]
+    field = any(linear_terms(system))
+    tag = "" if field else "Greenwood (7-159)"
+    return [
+        Paragraph(("The momenta:",)),
+        *(formula(name_box(f"p_{name}"), p, tag) for name, p in momenta(system).items()),
+        Paragraph(("Hamilton's function, the rest energy included:",)),
+        formula(Glyph("H"), H, "Greenwood (7-170)" if field else "Greenwood (7-165)"),
     ]
-    return Section("system", "The system", tuple(blocks))
 
 
 def _momentum_definition() -> Box:
@@ -257,7 +278,32 @@ def _form(verdict: Separation) -> str:
             if verdict.reduced.liouville is None
             else (": a system of Stäckel's form; of Liouville's only once the ignorable coordinates are gone.")
         )
-    return " once the ignorable coordinates are eliminated; the kinetic energy is not diagonal in all of them."
+    if verdict.reduced.stackel is None:
+        return ": no coordinate is left after the ignorable ones; the motion is uniform."
+    return _by_its_shell(verdict)
+
+
+def _by_its_shell(verdict: Separation) -> str:
+    """Say what stands between the full system and its separable shell: relativity, linear terms, mixed products."""
+    whose = "Stäckel's" if verdict.reduced.liouville is None else "Liouville's"
+    gone = " once the ignorable coordinates are eliminated" if verdict.ignorable else ""
+    if verdict.system.relativity is not None:
+        return f"{gone}: the energy relation, squared, is a shell of {whose} form for every energy."
+    if not _diagonal(verdict.system):
+        return f"{gone}; the kinetic energy is not diagonal in all of them. The shell is of {whose} form."
+    if any(linear_terms(verdict.system)):
+        how = (
+            "are a gradient and are shifted away" if any(verdict.shell.shift) else "become part of the potential"
+        )
+        return f"{gone}: T has terms linear in the velocities, which {how}. The shell is of {whose} form."
+    return f"{gone}: the shell is of {whose} form."
+
+
+def _diagonal(system: System) -> bool:
+    """Whether T holds no product of two velocities; entries that only look like something are decided."""
+    mass = mass_matrix(system)
+    mixed = (mass[i, j] for i in range(mass.rows) for j in range(i))
+    return all(entry == 0 or isinstance(is_zero(entry), Zero) for entry in mixed)
 
 
 # -------------------------------------------------------------------------------- a refusal

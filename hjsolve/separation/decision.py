@@ -160,7 +160,7 @@ def _evidence_of(reduced: Reduced, shell: Shell) -> list[Step]:
     if reduced.stackel is not None:
         text = (
             "Stäckel's matrix, from the base-point construction; c^T Phi = (1, 0, ..., 0) and c^T psi = V were "
-            "verified by substitution, exactly. Row i holds coordinate i only."
+            "verified by substitution, exactly. Row i contains coordinate i only."
         )
         steps.append(Step("Stäckel's matrix", text, reduced.stackel.matrix))
         text = "The part of the separated equations without separation constants."
