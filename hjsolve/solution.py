@@ -16,16 +16,17 @@ from __future__ import annotations
 from collections.abc import Iterable, Mapping
 from dataclasses import dataclass, replace
 from functools import lru_cache
+from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 import sympy as sp
 
-from hjsolve import arguments
 from hjsolve.errors import NotSeparableError
 from hjsolve.separation import Constant, Obstruction, Separation, Undecided, separate
 from hjsolve.separation.relativistic import shell_energy
 from hjsolve.separation.verdicts import Verdict
-from hjsolve.system import A_SYSTEM, System
+from hjsolve.subjects import system_of
+from hjsolve.system import System
 
 if TYPE_CHECKING:
     from hjsolve.motion import Motion
@@ -77,13 +78,13 @@ class Solution:
         return motion.start(self, **initial)
 
 
-def solve(system: System | Separation) -> Solution:
+def solve(system: System | Separation | str | Path) -> Solution:
     """Solve a system by quadratures.
 
     A system that was solved before in this process is not solved again: equal systems share one solution.
 
     Args:
-        system: a system, or the ``Separation`` it already gave.
+        system: a system, or the ``Separation`` it already gave; or the id or file of a catalog entry.
 
     Returns:
         The solution; every integral stays unevaluated.
@@ -96,8 +97,9 @@ def solve(system: System | Separation) -> Solution:
     References:
         Greenwood, Classical Dynamics (1977), (5-65)–(5-83), (5-142); Jacobi's theorem (5-53)–(5-62).
     """
-    arguments.refuse_other(system, (System, Separation, Obstruction, Undecided), "solve", A_SYSTEM)
-    return _remembered(system) if isinstance(system, System) else _solved(system)
+    if isinstance(system, (Separation, Obstruction, Undecided)):
+        return _solved(system)
+    return _remembered(system_of(system, "solve"))
 
 
 @lru_cache(maxsize=128)

@@ -61,7 +61,7 @@ def gather(
     clock: dict[str, float] = {}
     if isinstance(subject, Motion):
         return Material(
-            subject.solution.separation, subject.solution, subject, _entry_of(subject.solution.system), "", clock
+            subject.solution.separation, subject.solution, subject, catalog.entry_of(subject.solution.system), "", clock
         )
     entry = catalog.describe(subject) if isinstance(subject, str | Path) else None
     if isinstance(subject, str | Path):
@@ -70,7 +70,7 @@ def gather(
             raise NotSeparableError(str(entry.refusal), entry.refusal)
         subject = entry.system
     verdict, solution = _decided(subject, clock)
-    entry = entry or _entry_of(verdict.system)
+    entry = entry or catalog.entry_of(verdict.system)
     if isinstance(verdict, Separation) and solution is None:
         solution = _timed(clock, "solution by quadratures", lambda: solve(verdict))
     if solution is None:
@@ -96,14 +96,6 @@ def _decided(subject: Any, clock: dict[str, float]) -> tuple[Any, Solution | Non
         "report: a System, a verdict, a Solution, a Motion, a catalog id or a TOML file is needed, "
         f"not {type(subject).__name__}"
     )
-
-
-def _entry_of(system: System) -> catalog.Entry | None:
-    """The catalog entry a system was loaded from, if it is still the same system."""
-    if not system.id or system.id not in catalog.ids():
-        return None
-    entry = catalog.describe(system.id)
-    return entry if entry.system == system else None
 
 
 def initial_of(

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import time
+from pathlib import Path
 
 import sympy as sp
 
@@ -11,7 +12,8 @@ from ..algebra.modular import Filter
 from ..algebra.poly import Budget, WorkLimitError
 from ..algebra.readable import readable
 from ..shell import Irreducible, Shell, Step, reduce
-from ..system import A_SYSTEM, System, kinetic_rest, linear_terms, mass_matrix
+from ..subjects import system_of
+from ..system import System, kinetic_rest, linear_terms, mass_matrix
 from . import advice, levi_civita, liouville, relativistic, stackel
 from .constants import constants_of
 from .diagnosis import diagnosed
@@ -22,7 +24,7 @@ DEFAULT_BUDGET = 20.0
 SMALL_SYSTEM = 120
 
 
-def separate(system: System, *, budget: float = DEFAULT_BUDGET) -> Verdict:
+def separate(system: System | str | Path, *, budget: float = DEFAULT_BUDGET) -> Verdict:
     """Decide whether the Hamilton–Jacobi equation of a system separates in its coordinates.
 
     The system is reduced to its energy shell, Levi-Civita's conditions are decided exactly, one by one, and Stäckel's
@@ -30,7 +32,7 @@ def separate(system: System, *, budget: float = DEFAULT_BUDGET) -> Verdict:
     allow.
 
     Args:
-        system: the system, as the user wrote it.
+        system: the system, as the user wrote it; or the id or file of a catalog entry.
         budget: seconds after which undecided conditions are left undecided.
 
     Returns:
@@ -39,7 +41,7 @@ def separate(system: System, *, budget: float = DEFAULT_BUDGET) -> Verdict:
     Raises:
         InvalidInputError: not a system, or a negative budget. What cannot be decided is a verdict, no error.
     """
-    arguments.refuse_other(system, System, "separate", A_SYSTEM)
+    system = system_of(system, "separate")
     budget = arguments.seconds(budget, "budget")
     if system.relativity is not None:
         return relativistic.decided(system, lambda shell: separate(shell, budget=budget))
