@@ -170,6 +170,26 @@ def check_clashes(coordinates: list[str], parameters: list[str]) -> None:
             raise InvalidSystemError(f"{name} is the name of the momentum of {name[2:]}; choose another name")
 
 
+def free_name(name: str, taken: Iterable[str]) -> str:
+    """A name that cannot be taken for one of those taken: underscores are added at its end, which print as primes.
+
+    Names that differ only in an underscore inside, r0 and r_0, are written alike.
+
+    Args:
+        name: the name wanted.
+        taken: names in use.
+    """
+    looks = {_looks(other) for other in taken}
+    while _looks(name) in looks:
+        name += "_"
+    return name
+
+
+def _looks(name: str) -> tuple[str, int]:
+    bare = name.rstrip("_")
+    return bare.replace("_", ""), len(name) - len(bare)
+
+
 def unknown(name: object, known: Iterable[str], role: str) -> InvalidSystemError:
     """The error for a name that the system does not declare."""
     shown, known = printable(str(name))[:_MAX_NAME], list(known)

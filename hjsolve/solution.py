@@ -21,6 +21,7 @@ from typing import TYPE_CHECKING, Any
 
 import sympy as sp
 
+from hjsolve.declarations import free_name
 from hjsolve.errors import NotSeparableError
 from hjsolve.separation import Constant, Obstruction, Separation, Undecided, separate
 from hjsolve.separation.relativistic import shell_energy
@@ -219,10 +220,8 @@ def _names_taken(verdict: Separation) -> frozenset[str]:
 
 
 def _fresh(name: str, taken: Iterable[str], **assumptions: bool) -> sp.Symbol:
-    """A symbol of this name, or with underscores added where the user already has it."""
-    while name in taken:
-        name += "_"
-    return sp.Symbol(name, **assumptions)
+    """A symbol of this name, or with underscores added where the user already has one that looks like it."""
+    return sp.Symbol(free_name(name, taken), **assumptions)
 
 
 def _why_not(verdict: Obstruction | Undecided) -> str:

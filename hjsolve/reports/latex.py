@@ -73,7 +73,13 @@ def _glyph(glyph: Glyph) -> str:
             return rf"\text{{{escape(glyph.text)}}}" if glyph.text else ""
         case "function":
             return rf"\{glyph.text}" if glyph.text in _NAMED else rf"\operatorname{{{escape(glyph.text)}}}"
+        case "constant" | "differential" if glyph.text.isalpha():
+            return rf"\mathrm{{{glyph.text}}}"
+        case "differential":
+            return _OPERATORS.get(glyph.text, glyph.text)
         case _:
+            if "′" in glyph.text:
+                return latex(Glyph(glyph.text.rstrip("′"))) + "'" * glyph.text.count("′")
             if glyph.text in _LETTERS:
                 return _LETTERS[glyph.text]
             return glyph.text if len(glyph.text) == 1 else rf"\mathrm{{{escape(glyph.text)}}}"

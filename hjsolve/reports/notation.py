@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import re
 from collections.abc import Callable
+from keyword import iskeyword
 from typing import Any
 
 import sympy as sp
@@ -64,6 +65,7 @@ FUNCTION_NAMES = {
     "sign": "sgn",
 }
 RELATIONS = {"==": "=", "!=": "≠", "<=": "≤", ">=": "≥", "<": "<", ">": ">"}
+EULER = Glyph("e", "constant")
 MINUS, PLUS, TIMES, APPLY = "−", "+", "⋅", "\u2061"
 LINE = 72.0  # letters; a longer equation is set on several lines
 
@@ -79,7 +81,10 @@ def name_box(name: str) -> Box:
     """
     if match := re.fullmatch(r"dot\((.+)\)", name):
         return Dotted(name_box(match[1]))
-    name = name.rstrip("_") or name  # lambda_ is a λ that Python lets stand
+    if name.endswith("_") and name.strip("_"):
+        bare = name.rstrip("_")
+        primes = len(name) - len(bare) - iskeyword(bare)  # lambda_ is a λ that Python lets stand
+        return _primed(name_box(bare), primes) if primes else name_box(bare)
     if "_" in name.strip("_"):
         base, _, index = name.strip("_").partition("_")
         inner = name_box(index) if not index.isdigit() else Glyph(index, "number")
@@ -90,6 +95,13 @@ def name_box(name: str) -> Box:
     if (match := re.fullmatch(r"([^\W\d]+)(\d+)", name)) and (len(match[1]) == 1 or match[1] in GREEK):
         return Script(name_box(match[1]), Glyph(match[2], "number"))
     return Glyph(GREEK.get(name, name), "identifier")
+
+
+def _primed(inner: Box, primes: int) -> Box:
+    """Write the underscores at a name's end, which tell it from another name, as primes at its letter."""
+    if isinstance(inner, Script):
+        return Script(_primed(inner.base, primes), inner.sub, inner.sup)
+    return Glyph(f"{inner.text}{'′' * primes}", "identifier") if isinstance(inner, Glyph) else inner
 
 
 def box(expression: sp.Basic) -> Box:
@@ -289,7 +301,7 @@ def _call(expression: sp.Function, power: Box | None = None) -> Box:
     name = type(expression).__name__
     head: Box = Glyph(FUNCTION_NAMES.get(name, name), "function")
     if isinstance(expression, AppliedUndef):
-        head = Glyph(GREEK.get(name, name), "function") if name.isalpha() else name_box(name)
+        head = _callable(name_box(name))
     head = Script(head, sup=power) if power is not None else head
     arguments: list[Box] = []
     for i, argument in enumerate(expression.args):
@@ -297,6 +309,13 @@ def _call(expression: sp.Function, power: Box | None = None) -> Box:
     if len(expression.args) == 1 and _simple(expression.args[0]) and not isinstance(expression, AppliedUndef):
         return row(head, Glyph(APPLY, "operator"), arguments[0])
     return row(head, Fence(row(*arguments)))
+
+
+def _callable(shown: Box) -> Box:
+    """The name of a function that is not known: v₁ of v₁(r)."""
+    if isinstance(shown, Script):
+        return Script(_callable(shown.base), shown.sub, shown.sup)
+    return Glyph(shown.text, "function") if isinstance(shown, Glyph) else shown
 
 
 def _simple(argument: sp.Expr) -> bool:
@@ -307,7 +326,7 @@ def _exponential(expression: sp.exp) -> Box:
     inner = on_a_line(box(expression.args[0]))
     if width(inner) > 14:
         return row(Glyph("exp", "function"), Fence(inner))
-    return Script(Glyph("e"), sup=inner)
+    return Script(EULER, sup=inner)
 
 
 # ------------------------------------------------------------------------------------------------ calculus and the rest
@@ -325,7 +344,7 @@ def _integral(expression: sp.Integral) -> Box:
 def _derivative(expression: sp.Derivative) -> Box:
     order = sum(count for _, count in expression.variable_count)
     partial = len(expression.expr.free_symbols) > 1 or len(expression.variable_count) > 1
-    d = Glyph("∂" if partial else "d", "operator" if partial else "identifier")
+    d = Glyph("∂" if partial else "d", "differential")
     bottom: list[Box] = []
     for variable, count in expression.variable_count:
         bottom += [d, Script(box(variable), sup=Glyph(str(count), "number")) if count != 1 else box(variable)]
@@ -372,7 +391,7 @@ def _constant(expression: sp.Basic) -> Box:
     texts = {sp.pi: "π", sp.E: "e", sp.I: "i", sp.oo: "∞", sp.zoo: "∞̃", sp.nan: "undefined"}
     if expression is sp.S.NegativeInfinity:
         return row(Glyph(MINUS, "operator"), Glyph("∞", "number"))
-    return Glyph(texts.get(expression, str(expression)), "identifier")
+    return EULER if expression is sp.E else Glyph(texts.get(expression, str(expression)), "identifier")
 
 
 def _tuple(expression: sp.Tuple) -> Box:

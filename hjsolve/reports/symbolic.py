@@ -112,7 +112,7 @@ def _hamilton(system: System) -> list[Block]:
 
 
 def _momentum_definition() -> Box:
-    partial = Glyph("∂", "operator")
+    partial = Glyph("∂", "differential")
     dot = name_box("dot(q)")
     top, bottom = row(partial, Glyph("T")), row(partial, Script(dot, Glyph("i")))
     return row(Script(Glyph("p"), Glyph("i")), EQUALS, Fraction(top, bottom))

@@ -10,6 +10,7 @@ from mpmath import mp
 from ..algebra.field import Element
 from ..algebra.readable import cost, readable
 from ..algebra.reader import Reader
+from ..declarations import free_name
 from ..shell import Shell, domain_bounds
 from ..system import Coordinate, System, kinetic_rest, linear_terms, mass_matrix
 from .enclosure import Region
@@ -77,9 +78,7 @@ def _separation_constants(shell: Shell, reader: Reader, matrix: Matrix) -> list[
     found = []
     for j in range(1, len(names)):
         holds = [name for name, row in zip(names, matrix.rows) if not row[j].is_zero]
-        name = f"alpha_{j + 1}"
-        while name in taken:
-            name += "_"
+        name = free_name(f"alpha_{j + 1}", taken)
         text = f"separation constant shared by {', '.join(holds)}"
         if known := meanings[j - 1]:
             text = f"{text}: {known}"

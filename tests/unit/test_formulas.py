@@ -33,7 +33,7 @@ pr, pθ, vr = sp.symbols("p_r p_theta dot(r)")
         (sp.Symbol("omega0"), "ω₀"),
         (sp.Symbol("lambda_"), "λ"),
         (pθ * θ, "p_θ θ"),
-        (sp.exp(-r / k), "e^(−r/k)"),
+        (sp.exp(-r / k), "exp(−r/k)"),
         (r ** sp.Rational(3, 2), "r^(3/2)"),
         (3 * 2**r, "3⋅2^r"),
         (k * (1 - r), "k (1 − r)"),
