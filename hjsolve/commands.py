@@ -14,6 +14,7 @@ if TYPE_CHECKING:
     from hjsolve.hamiltonians import LinearHamiltonian
     from hjsolve.reports.document import Section, Text
     from hjsolve.scenes import Scene
+    from hjsolve.solution import Solution
     from hjsolve.system import System
 
 ANSWER, REFUSED, BAD_INPUT, UNSETTLED, INTERRUPTED = 0, 1, 2, 3, 130
@@ -44,7 +45,7 @@ def check(options: Namespace) -> int:
         return REFUSED
     verdict = separate(system)
     evidence = symbolic.evidence_section(verdict, lead=False)
-    sections: list[Section | None] = [symbolic.reduction_section(verdict), evidence]
+    sections: list[Section | None] = [_frame(options), symbolic.reduction_section(verdict), evidence]
     sections.append(
         quadratures.forms_section(verdict) if isinstance(verdict, Separation) else symbolic.refusal_section(verdict)
     )
@@ -70,7 +71,8 @@ def solve(options: Namespace) -> int:
     system = _system(options)
     verdict = separate(system)
     if isinstance(verdict, Separation):
-        _print(system, [*quadratures.solution_sections(solution.solve(verdict))])
+        solved = solution.solve(verdict)
+        _print(system, [_frame(options, solved), *quadratures.solution_sections(solved)])
     else:
         evidence = [symbolic.evidence_section(verdict, lead=False), symbolic.refusal_section(verdict)]
         _print(system, evidence, symbolic.answer(verdict))
@@ -126,12 +128,23 @@ def report(options: Namespace) -> int:
     """
     from hjsolve.cost_command import progress_bar
     from hjsolve.reports.content import gather
-    from hjsolve.reports.write import checked_path, save, save_hamiltonian, save_scene
+    from hjsolve.reports.outside import outside_document
+    from hjsolve.reports.write import (
+        checked_path,
+        outside_entry,
+        save,
+        save_hamiltonian,
+        save_scene,
+        write_document,
+    )
 
     target = checked_path(options.output)
     if (scene := _scene(options)) is not None:
         print(f"wrote {save_scene(scene, target, options.cost, progress_bar())}")
         return ANSWER
+    if not options.coordinate and (outside := outside_entry(_located(options.system))) is not None:
+        print(f"wrote {write_document(outside_document(outside), target)}")
+        return REFUSED
     initial = _initial(options)
     if _hamiltonian(options) is not None:
         initial = initial or _own_motion(options)
@@ -222,6 +235,17 @@ def _hamiltonian(options: Namespace) -> LinearHamiltonian | None:
     if problem is not None and options.effect:
         raise InvalidInputError("--effect: an entry with H(q, p) has no effects; change its hamiltonian")
     return problem
+
+
+def _frame(options: Namespace, solved: Solution | None = None) -> Section | None:
+    """The section about the frame that an entry declares; None where it declares none."""
+    if options.system is None or options.coordinate:
+        return None
+    from hjsolve import frames
+    from hjsolve.reports.framed import frame_section
+
+    frame = frames.of(_located(options.system))
+    return None if frame is None else frame_section(frame, solved)
 
 
 def _system(options: Namespace) -> System:
@@ -364,10 +388,12 @@ def _print(system: System, sections: list[Section | None], answer: Text = ()) ->
     from hjsolve.reports.boxes import Glyph, row
     from hjsolve.reports.notation import box
     from hjsolve.reports.plain import plain
+    from hjsolve.reports.prose import heading
     from hjsolve.reports.text import section_text, wrapped
 
     if system.title:
-        print(f"{system.title}  [{system.id}]" if system.id else system.title)
+        title = heading(system.title, system.symbols)
+        print(f"{title}  [{system.id}]" if system.id else title)
     equals = Glyph("=", "operator")
     for letter, energy in (("T", system.kinetic), ("V", system.potential)):
         print(f"    {plain(row(Glyph(letter), equals, box(energy)))}")

@@ -26,6 +26,7 @@ from .algebra.poly import Budget
 from .algebra.readable import cost, readable
 from .algebra.reader import Reader
 from .algebra.signs import Bounds
+from .declarations import free_name
 from .kinetic import mass_as_written
 from .system import Coordinate, System, kinetic_rest, linear_terms
 
@@ -137,6 +138,12 @@ def energy_symbol(system: System) -> sp.Symbol:
     """The symbol E, or another letter where the user has taken E."""
     taken = set(system.symbols)
     return sp.Symbol(next(name for name in ("E", "h", "energy", "E_total") if name not in taken), real=True)
+
+
+def time_name(system: System) -> str:
+    """What the parameter of a motion is called: t, or another letter where the system has a coordinate t."""
+    taken = [*system.symbols, *(c.momentum.name for c in system.coordinates)]
+    return next(name for name in ("t", "tau", "s", "sigma", "t_") if free_name(name, taken) == name)
 
 
 def reduce(system: System, budget: Budget | None = None) -> Shell | Irreducible:

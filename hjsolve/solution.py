@@ -26,6 +26,7 @@ from hjsolve.errors import NotSeparableError
 from hjsolve.separation import Constant, Obstruction, Separation, Undecided, separate
 from hjsolve.separation.relativistic import shell_energy
 from hjsolve.separation.verdicts import Verdict
+from hjsolve.shell import time_name
 from hjsolve.subjects import system_of
 from hjsolve.system import System
 
@@ -50,7 +51,7 @@ class Solution:
         momenta: every coordinate → its momentum ∂W/∂q; +√Pᵢ² − Aᵢ, or the constant itself.
         lower_limits: separated coordinate → the symbol its quadratures start from.
         characteristic_function: W, with unevaluated integrals.
-        time_law: t − t₀ = ∂W/∂E; None where every coordinate is ignorable (then E is a function of the other constants
+        time_law: t − t₀ = ∂W/∂E (τ for t where t is a coordinate); None where every coordinate is ignorable (then E is a function of the other constants
             and the orbit equations carry the time).
         orbit_equations: name of a constant → −β = ∂W/∂(constant); for all constants but E.
     """
@@ -195,7 +196,8 @@ def _derivative(verdict: Separation, separated: Separated, constant: sp.Symbol) 
 def _time_law(verdict: Separation, separated: Separated, taken: frozenset[str]) -> sp.Eq | None:
     if not separated:
         return None
-    t, t0 = _fresh("t", taken, real=True), _fresh("t_0", taken, real=True)
+    name = time_name(verdict.system)
+    t, t0 = sp.Symbol(name, real=True), _fresh(f"{name}_0", taken, real=True)
     return sp.Eq(t - t0, _derivative(verdict, separated, verdict.shell.energy), evaluate=False)
 
 
@@ -208,7 +210,7 @@ def _orbit_equations(verdict: Separation, separated: Separated, taken: frozenset
             continue
         right = position.get(constant.symbol, sp.S.Zero) + _derivative(verdict, separated, constant.symbol)
         if not separated:
-            right -= _fresh("t", taken, real=True) * sp.diff(verdict.shell.potential, constant.symbol)
+            right -= sp.Symbol(time_name(verdict.system), real=True) * sp.diff(verdict.shell.potential, constant.symbol)
         beta = _fresh("beta_" + name.removeprefix("alpha_").removeprefix("p_"), taken, real=True)
         equations[name] = sp.Eq(-beta, right, evaluate=False)
     return equations

@@ -159,9 +159,11 @@ class Document:
         subtitle: its id, or the T and V it was given by.
         answer: the verdict in a sentence or two; stands first.
         sections: in reading order.
+        unsettled: which number fell short, and why; empty where none did.
     """
 
     title: str
     subtitle: str
     answer: Text
     sections: tuple[Section, ...]
+    unsettled: str = ""

@@ -283,7 +283,11 @@ def on_a_line(inner: Box) -> Box:
         The flat box.
     """
     items = inner.items if isinstance(inner, Row) else (inner,)
-    return row(*(_slashed(item) for item in items))
+    flat: list[Box] = []
+    for item, following in zip(items, [*items[1:], None]):
+        factor = following is not None and not (isinstance(following, Glyph) and following.kind == "operator")
+        flat.append(Fence(_slashed(item)) if factor and isinstance(item, Fraction) else _slashed(item))
+    return row(*flat)
 
 
 def _slashed(item: Box) -> Box:

@@ -19,9 +19,11 @@ from hjsolve.reports.document import Block, Code, Figure, Figures, Mathematics, 
 from hjsolve.reports.figures import effective_potential, phase_portrait, potential_name
 from hjsolve.reports.notation import box, name_box
 from hjsolve.reports.numbers import quantity, seconds
+from hjsolve.reports.plain import spoken
 from hjsolve.reports.prose import prose, typeset
 from hjsolve.reports.symbolic import formula, math
 from hjsolve.reports.wells import Array, values_of, well
+from hjsolve.shell import time_name
 from hjsolve.system import hamiltonian
 
 DASH: Text = ("–",)
@@ -71,7 +73,12 @@ def _initial(motion: Any) -> Table:
         for c in motion.solution.system.coordinates
     )
     header: tuple[Text, ...] = (("Coordinate",), ("Starts at",), ("with momentum",), ("Kind of motion",))
-    return Table(header, rows, f"Initial data at t = {motion.t0}, exact, and the kind of motion they lead to")
+    return Table(header, rows, _at_the_start(motion))
+
+
+def _at_the_start(motion: Any) -> str:
+    letter = spoken(time_name(motion.solution.system))
+    return f"Initial data at {letter} = {motion.t0}, exact, and the kind of motion they lead to"
 
 
 def _turning_points(motion: Any) -> Table:

@@ -7,7 +7,7 @@ import unicodedata
 
 from hjsolve.guarded import FUNCTIONS
 from hjsolve.reports.boxes import Box, Definite, Dotted, Fence, Fraction, Glyph, Grid, Root, Row, Script
-from hjsolve.reports.notation import FUNCTION_NAMES
+from hjsolve.reports.notation import FUNCTION_NAMES, name_box
 
 _SUPERSCRIPTS = dict(zip("0123456789−-+nT", "⁰¹²³⁴⁵⁶⁷⁸⁹⁻⁻⁺ⁿᵀ"))
 _SUBSCRIPTS = dict(zip("0123456789aehijklmnoprstuvx", "₀₁₂₃₄₅₆₇₈₉ₐₑₕᵢⱼₖₗₘₙₒₚᵣₛₜᵤᵥₓ"))
@@ -67,6 +67,11 @@ def plain(box: Box) -> str:
             return _grid(rows, left, right)
         case Definite():
             return _definite(box)
+
+
+def spoken(name: str) -> str:
+    """Write a name as it stands in a sentence that has no formulas, such as the description of a drawing."""
+    return plain(name_box(name))
 
 
 def _row(items: tuple[Box, ...]) -> str:

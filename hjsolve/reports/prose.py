@@ -3,12 +3,14 @@
 from __future__ import annotations
 
 import re
+from collections.abc import Collection
 
 from hjsolve.hamiltonians import LinearHamiltonian
 from hjsolve.reports.boxes import Box, Glyph, row
 from hjsolve.reports.document import Inline, Mathematics, Text
 from hjsolve.reports.formulas_in_text import formulas, named
 from hjsolve.reports.notation import GREEK, box, name_box
+from hjsolve.reports.plain import plain
 from hjsolve.system import Domain, System
 
 _PHRASES = (
@@ -36,22 +38,46 @@ def prose(text: str, system: System | LinearHamiltonian) -> Text:
     Returns:
         The sentence in pieces.
     """
-    for plain, better in _PHRASES:
-        text = text.replace(plain, better)
-    names = {c.name for c in system.coordinates} | {p.name for p in system.parameters}
+    return with_names(text, {c.name for c in system.coordinates} | {p.name for p in system.parameters})
+
+
+def with_names(text: str, names: Collection[str]) -> Text:
+    """Set names and plain formulas of a sentence as mathematics.
+
+    Args:
+        text: the sentence.
+        names: what is a name in it; single letters and Greek ones in formulas are names anyway.
+
+    Returns:
+        The sentence in pieces.
+    """
+    for ascii_form, better in _PHRASES:
+        text = text.replace(ascii_form, better)
     pieces: list[Inline] = []
     for piece in formulas(text, names):
         pieces += _named(piece, names) if isinstance(piece, str) else [piece]
     return tuple(pieces)
 
 
-def _named(text: str, names: set[str]) -> list[Inline]:
+def heading(title: str, names: Collection[str] = ()) -> str:
+    """Write a title, whose plain formulas are set as text: ``T = m*dot(q)^2/2`` as T = m q̇²/2.
+
+    Args:
+        title: as given.
+        names: what is a name in it.
+    """
+    pieces = with_names(title, names)
+    return "".join(plain(p.box) if isinstance(p, Mathematics) else str(p) for p in pieces)
+
+
+def _named(text: str, names: Collection[str]) -> list[Inline]:
     """Words with the names that cannot be meant as words set as mathematics."""
     telling = {n for n in names if n in GREEK or re.fullmatch(r"[A-Za-z]+\d+", n)} | {f"p_{n}" for n in names}
     spelled_names = "|".join(re.escape(n) for n in sorted(names, key=len, reverse=True))
     telling |= {f"dot({n})" for n in names} | {f"alpha_{i}" for i in range(2, 10)}
     spelled = rf"(?:{'|'.join(sorted(GREEK.keys() - {'iota', 'lam', 'lamda'}, key=len, reverse=True))})(?:_?\d+)?"
-    pattern = "|".join([*(re.escape(n) for n in sorted(telling, key=len, reverse=True)), spelled, rf"[A-Z](?:_(?:{spelled_names}))+"])
+    indexed = [rf"[A-Z](?:_(?:{spelled_names}))+"] if names else []
+    pattern = "|".join([*(re.escape(n) for n in sorted(telling, key=len, reverse=True)), spelled, *indexed])
     pieces = re.split(rf"(?<![\w.])({pattern})(?!\w)", text)
     return [Mathematics(named(p, names)) if i % 2 else typeset(p) for i, p in enumerate(pieces) if p]
 

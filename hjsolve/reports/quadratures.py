@@ -9,10 +9,12 @@ import sympy as sp
 from hjsolve.reports.boxes import Box, Fence, Fraction, Glyph, Script, row
 from hjsolve.reports.document import Block, Formula, Mathematics, Paragraph, Section, Table, Text
 from hjsolve.reports.notation import box, display, name_box, tidy
+from hjsolve.reports.plain import spoken
 from hjsolve.reports.prose import listed, prose
 from hjsolve.reports.symbolic import EQUALS, equation, formula, math
 from hjsolve.separation import Liouville, Separation, Stackel
 from hjsolve.solution import Solution
+from hjsolve.shell import time_name
 from hjsolve.system import kinetic_rest
 
 
@@ -123,11 +125,14 @@ def solution_sections(solution: Solution) -> list[Section]:
     """
     sections = [_characteristic_function(solution)]
     if solution.time_law is not None:
+        letter = time_name(solution.system)
+        what = "time" if letter == "t" else "parameter of the motion"
         text = (
-            "The time as a function of the place. The root is positive while the coordinate increases and negative "
-            "while it decreases; "
-            "the lower limit fixes what the initial time means."
+            f"The {what} as a function of the place. The root is positive while the coordinate increases and negative "
+            f"while it decreases; the lower limit fixes what the initial {what} means."
         )
+        if letter != "t":
+            text += f" It is called {spoken(letter)}, for t is a coordinate here."
         sections.append(
             Section("time-law", "Time law", (Paragraph((text,)), equation(solution.time_law, "Greenwood (5-71)")))
         )

@@ -2,6 +2,9 @@
 
 from __future__ import annotations
 
+import re
+from unicodedata import decomposition, normalize
+
 from hjsolve.reports.boxes import Grid
 from hjsolve.reports.document import (
     Block,
@@ -53,6 +56,15 @@ _LETTERS = {
     "ʰ": r"\textsuperscript{h}",
     "θ": r"$\theta$",
     "µ": r"$\mu$",
+    "§": r"\S{}",
+    "√": r"$\surd$",
+    "∛": r"$\sqrt[3]{\ }$",
+    "∓": r"$\mp$",
+    "≤": r"$\le$",
+    "≥": r"$\ge$",
+    "′": r"$'$",
+    "⋅": r"$\cdot$",
+    "ο": "o",
 }
 _LETTERS |= {
     letter: f"${latex_name}$"
@@ -144,7 +156,29 @@ def _inline(piece: Inline) -> str:
 
 
 def _plain(text: str) -> str:
-    return "".join(_LETTERS.get(letter, letter) for letter in escape(text))
+    """Prose with every letter that pdflatex does not know written out."""
+    pieces = re.findall(r".\u0307?", normalize("NFC", escape(text)), flags=re.DOTALL)
+    return "".join(map(_letter, pieces))
+
+
+def _letter(letter: str) -> str:
+    """One letter, perhaps with a dot over it; raised and lowered letters and small fractions by what they are made of."""
+    dotted = letter if letter.endswith("\u0307") else normalize("NFD", letter)
+    if dotted.endswith("\u0307") and len(dotted) == 2:
+        return rf"$\dot{{{_LETTERS.get(dotted[0], dotted[0]).strip('$')}}}$"
+    if letter in _LETTERS:
+        return _LETTERS[letter]
+    kind, _, parts = decomposition(letter).partition(" ")
+    plain = "".join(chr(int(part, 16)) for part in parts.split()) if kind.startswith("<") else ""
+    match kind:
+        case "<sub>":
+            return rf"\textsubscript{{{_plain(plain)}}}"
+        case "<super>":
+            return rf"\textsuperscript{{{_plain(plain)}}}"
+        case "<fraction>":
+            top, _, bottom = plain.partition("⁄")
+            return rf"$\tfrac{{{top}}}{{{bottom}}}$"
+    return letter
 
 
 def _digits(text: str) -> str:

@@ -11,11 +11,12 @@ from typing import Any
 
 from hjsolve import catalog
 from hjsolve.costs.measure import Progress
-from hjsolve.errors import InvalidInputError
+from hjsolve.errors import InvalidInputError, NotConvergedError
 from hjsolve.hamiltonians import LinearHamiltonian
 from hjsolve.reports.content import Material, Subject, document, gather, initial_of
 from hjsolve.reports.document import Document
 from hjsolve.reports.html import html
+from hjsolve.reports.outside import outside_document
 from hjsolve.scenes import Scene
 
 
@@ -83,7 +84,7 @@ def report(
 
     Raises:
         InvalidInputError: another suffix, a path that cannot be written, or a subject that cannot be reported.
-        NotConvergedError: a number fell short of the digits asked.
+        NotConvergedError: a number fell short of the digits asked; the report is written all the same, and says which.
 
     Example:
         >>> report("kepler-planar", "kepler.html")  # doctest: +SKIP
@@ -92,6 +93,8 @@ def report(
     target = checked_path(path)
     if isinstance(subject, Scene):
         return save_scene(subject, target, cost)
+    if (outside := outside_entry(subject)) is not None:
+        return write_document(outside_document(outside), target)
     if isinstance(subject, LinearHamiltonian) or (
         isinstance(subject, str | Path) and catalog.hamiltonian(subject) is not None
     ):
@@ -194,13 +197,25 @@ def save(material: Material, target: Path, cost: bool | float = False, progress:
 
     Raises:
         InvalidInputError: the file cannot be written.
+        NotConvergedError: a number fell short; the report is written all the same.
     """
     from hjsolve.reports.costs import with_cost
 
     content = document(material)
     if material.motion is not None:
         content = with_cost(content, material.motion, cost, progress)
-    return write_document(content, target)
+    path = write_document(content, target)
+    if content.unsettled:
+        raise NotConvergedError(f"{content.unsettled}; everything else was written to {path}")
+    return path
+
+
+def outside_entry(subject: object) -> catalog.Entry | None:
+    """The entry that is named, where it is no T and V: its reason is the report."""
+    if not isinstance(subject, str | Path):
+        return None
+    entry = catalog.describe(subject)
+    return entry if entry.refusal is not None else None
 
 
 def write_document(content: Document, target: Path) -> Path:
