@@ -7,7 +7,7 @@ import numpy as np
 from hjsolve.reports import portrait, svg
 from hjsolve.reports.boxes import Box, Glyph, Script, row
 from hjsolve.reports.document import Figure, Mathematics, Text
-from hjsolve.reports.notation import name_box
+from hjsolve.reports.names import name_box
 from hjsolve.reports.plain import spoken
 from hjsolve.reports.wells import Array, Well
 

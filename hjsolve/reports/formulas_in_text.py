@@ -14,7 +14,8 @@ from dataclasses import dataclass
 from hjsolve.guarded import FUNCTIONS
 from hjsolve.reports.boxes import Box, Fence, Fraction, Glyph, Root, Script, row
 from hjsolve.reports.document import Mathematics
-from hjsolve.reports.notation import APPLY, FUNCTION_NAMES, GREEK, MINUS, TIMES, name_box, on_a_line
+from hjsolve.reports.names import FUNCTION_NAMES, GREEK, name_box
+from hjsolve.reports.notation import APPLY, MINUS, TIMES, on_a_line
 
 _TOKEN = re.compile(
     r" *(?:(?P<number>\d+(?:\.\d+)?)|(?P<name>[A-Za-z]\w*)|(?P<operator>\*\*|->|-\+|\+-|[-+*/^=(),]))"

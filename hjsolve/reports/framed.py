@@ -7,7 +7,7 @@ import sympy as sp
 from hjsolve.frames import Frame
 from hjsolve.reports.boxes import Glyph
 from hjsolve.reports.document import Block, Paragraph, Section
-from hjsolve.reports.notation import name_box
+from hjsolve.reports.names import name_box
 from hjsolve.reports.prose import listed
 from hjsolve.reports.symbolic import formula
 from hjsolve.solution import Solution

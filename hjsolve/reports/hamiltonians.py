@@ -10,7 +10,8 @@ import sympy as sp
 from hjsolve.hamiltonians import LinearHamiltonian
 from hjsolve.reports.boxes import Glyph, Script, row
 from hjsolve.reports.document import Block, Document, Mathematics, Note, Paragraph, Section, Table, Text
-from hjsolve.reports.notation import box, name_box
+from hjsolve.reports.names import name_box
+from hjsolve.reports.notation import box
 from hjsolve.reports.prose import domain_text, prose, typeset
 from hjsolve.reports.symbolic import EQUALS, formula, math
 

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from html import escape
 
+from hjsolve.reports.boxes import width
 from hjsolve.reports.document import (
     Block,
     Code,
@@ -23,10 +24,12 @@ from hjsolve.reports.document import (
     Table,
     Text,
 )
+from hjsolve.reports.lines import LINE
 from hjsolve.reports.mathml import mathml
 from hjsolve.reports.stylesheet import CSS
 from hjsolve.reports.svg import STYLE
 
+_FULL_LINE = 1.15 * LINE
 _SCROLL = 'class="scroll" tabindex="0" role="group"'
 
 
@@ -93,8 +96,15 @@ def _block(block: Block) -> str:
 
 def _formula(formula: Formula) -> str:
     tag = f'<span class="tag">{escape(formula.tag)}</span>' if formula.tag else ""
-    box = f'<div {_SCROLL} aria-label="Formula">{mathml(formula.box, block=True)}</div>'
+    small = _smaller(width(formula.box))
+    box = f'<div {_SCROLL} aria-label="Formula"{small}>{mathml(formula.box, block=True)}</div>'
     return f'<div class="formula">{box}{tag}</div>'
+
+
+def _smaller(letters: float) -> str:
+    """A formula that is still too long for a line when it is broken is set smaller, down to three fifths."""
+    scale = max(0.6, _FULL_LINE / letters) if letters > _FULL_LINE else 1.0
+    return f' style="font-size:{100 * scale:.0f}%"' if scale < 1 else ""
 
 
 def _step(step: Step) -> str:

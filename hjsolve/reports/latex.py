@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from hjsolve.reports.boxes import Box, Definite, Dotted, Fence, Fraction, Glyph, Grid, Root, Row, Script
-from hjsolve.reports.notation import GREEK
+from hjsolve.reports.names import GREEK
 
 _LETTERS = {
     letter: f"\\{name}" for name, letter in reversed(GREEK.items()) if name not in {"lamda", "lam", "omicron"}
@@ -115,6 +115,8 @@ def _grid(grid: Grid) -> str:
         return rf"\begin{{pmatrix}} {body} \end{{pmatrix}}"
     if grid.left == "{":
         return rf"\begin{{cases}} {body} \end{{cases}}"
+    if grid.align == "l":  # aligned begins with a column that is flush right
+        body = r" \\ ".join("& " + latex(cells[0]) for cells in grid.rows)
     return rf"\begin{{aligned}} {body} \end{{aligned}}"
 
 

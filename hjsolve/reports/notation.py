@@ -4,104 +4,18 @@ from __future__ import annotations
 
 import re
 from collections.abc import Callable
-from keyword import iskeyword
 from typing import Any
 
 import sympy as sp
 from sympy.core.function import AppliedUndef
 from sympy.core.relational import Relational
 
-from hjsolve.reports.boxes import Box, Definite, Dotted, Fence, Fraction, Glyph, Grid, Root, Row, Script, row, width
+from hjsolve.reports.boxes import Box, Definite, Fence, Fraction, Glyph, Grid, Root, Row, Script, row, width
+from hjsolve.reports.names import FUNCTION_NAMES, GREEK, name_box
 
-GREEK = {
-    "alpha": "α",
-    "beta": "β",
-    "gamma": "γ",
-    "delta": "δ",
-    "epsilon": "ε",
-    "varepsilon": "ε",
-    "zeta": "ζ",
-    "eta": "η",
-    "theta": "θ",
-    "iota": "ι",
-    "kappa": "κ",
-    "lambda": "λ",
-    "lamda": "λ",
-    "lam": "λ",
-    "mu": "μ",
-    "nu": "ν",
-    "xi": "ξ",
-    "omicron": "ο",
-    "pi": "π",
-    "rho": "ρ",
-    "sigma": "σ",
-    "tau": "τ",
-    "upsilon": "υ",
-    "phi": "φ",
-    "varphi": "φ",
-    "chi": "χ",
-    "psi": "ψ",
-    "omega": "ω",
-    "Gamma": "Γ",
-    "Delta": "Δ",
-    "Theta": "Θ",
-    "Lambda": "Λ",
-    "Xi": "Ξ",
-    "Pi": "Π",
-    "Sigma": "Σ",
-    "Upsilon": "Υ",
-    "Phi": "Φ",
-    "Psi": "Ψ",
-    "Omega": "Ω",
-}
-FUNCTION_NAMES = {
-    "log": "ln",
-    "asin": "arcsin",
-    "acos": "arccos",
-    "atan": "arctan",
-    "asinh": "arsinh",
-    "acosh": "arcosh",
-    "atanh": "artanh",
-    "sign": "sgn",
-}
 RELATIONS = {"==": "=", "!=": "≠", "<=": "≤", ">=": "≥", "<": "<", ">": ">"}
 EULER = Glyph("e", "constant")
 MINUS, PLUS, TIMES, APPLY = "−", "+", "⋅", "\u2061"
-LINE = 72.0  # letters; a longer equation is set on several lines
-
-
-def name_box(name: str) -> Box:
-    """Set a name the way a physicist writes it: ``p_theta1`` as p with index θ₁, ``dot(r)`` as ṙ.
-
-    Args:
-        name: the name of a coordinate, parameter, velocity, momentum or constant.
-
-    Returns:
-        Its box.
-    """
-    if match := re.fullmatch(r"dot\((.+)\)", name):
-        return Dotted(name_box(match[1]))
-    if name.endswith("_") and name.strip("_"):
-        bare = name.rstrip("_")
-        primes = len(name) - len(bare) - iskeyword(bare)  # lambda_ is a λ that Python lets stand
-        return _primed(name_box(bare), primes) if primes else name_box(bare)
-    if "_" in name.strip("_"):
-        base, _, index = name.strip("_").partition("_")
-        inner = name_box(index) if not index.isdigit() else Glyph(index, "number")
-        outer = name_box(base)
-        if isinstance(outer, Script) and outer.sub is not None and outer.sup is None:
-            return Script(outer.base, row(outer.sub, Glyph(",", "operator"), inner))
-        return Script(outer, inner)
-    if (match := re.fullmatch(r"([^\W\d]+)(\d+)", name)) and (len(match[1]) == 1 or match[1] in GREEK):
-        return Script(name_box(match[1]), Glyph(match[2], "number"))
-    return Glyph(GREEK.get(name, name), "identifier")
-
-
-def _primed(inner: Box, primes: int) -> Box:
-    """Write the underscores at a name's end, which tell it from another name, as primes at its letter."""
-    if isinstance(inner, Script):
-        return Script(_primed(inner.base, primes), inner.sub, inner.sup)
-    return Glyph(f"{inner.text}{'′' * primes}", "identifier") if isinstance(inner, Glyph) else inner
 
 
 def box(expression: sp.Basic) -> Box:
@@ -117,29 +31,6 @@ def box(expression: sp.Basic) -> Box:
         if isinstance(expression, kind):
             return method(expression)
     return Glyph(str(expression), "text")
-
-
-def display(expression: sp.Basic, line: float = LINE) -> Box:
-    """Lay out a displayed formula; an equation too long for a line is broken before the terms of its right side.
-
-    Args:
-        expression: any sympy object.
-        line: letters that fit on a line.
-
-    Returns:
-        The box; a borderless grid where the formula takes several lines.
-    """
-    whole = box(expression)
-    if width(whole) <= line or not isinstance(expression, sp.Eq) or not isinstance(expression.rhs, sp.Add):
-        return whole
-    left = row(box(expression.lhs), Glyph("=", "operator"))
-    lines: list[list[Box]] = [[]]
-    for term in _signed_terms(expression.rhs):
-        if lines[-1] and sum(map(width, lines[-1])) + width(term) > line - width(left):
-            lines.append([])
-        lines[-1].append(term)
-    rows = tuple((left if i == 0 else Glyph("", "text"), row(*terms)) for i, terms in enumerate(lines))
-    return Grid(rows, "", "", "rl")
 
 
 def tidy(expression: sp.Basic) -> sp.Basic:

@@ -17,7 +17,8 @@ from hjsolve.reports import paths
 from hjsolve.reports.boxes import Glyph, Script, row
 from hjsolve.reports.document import Block, Code, Figure, Figures, Mathematics, Note, Paragraph, Section, Table, Text
 from hjsolve.reports.figures import effective_potential, phase_portrait, potential_name
-from hjsolve.reports.notation import box, name_box
+from hjsolve.reports.names import name_box
+from hjsolve.reports.notation import box
 from hjsolve.reports.numbers import quantity, seconds
 from hjsolve.reports.plain import spoken
 from hjsolve.reports.prose import prose, typeset

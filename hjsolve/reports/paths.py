@@ -11,7 +11,7 @@ from hjsolve.reports import svg
 from hjsolve.reports.boxes import Box, Glyph
 from hjsolve.reports.document import Figure, Mathematics, Text
 from hjsolve.reports.embedding import Embedding, embedding, place, projected
-from hjsolve.reports.notation import name_box
+from hjsolve.reports.names import name_box
 from hjsolve.reports.plain import plain, spoken
 from hjsolve.reports.wells import Array
 from hjsolve.shell import time_name

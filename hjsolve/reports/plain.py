@@ -7,7 +7,7 @@ import unicodedata
 
 from hjsolve.guarded import FUNCTIONS
 from hjsolve.reports.boxes import Box, Definite, Dotted, Fence, Fraction, Glyph, Grid, Root, Row, Script
-from hjsolve.reports.notation import FUNCTION_NAMES, name_box
+from hjsolve.reports.names import FUNCTION_NAMES, name_box
 
 _SUPERSCRIPTS = dict(zip("0123456789−-+nT", "⁰¹²³⁴⁵⁶⁷⁸⁹⁻⁻⁺ⁿᵀ"))
 _SUBSCRIPTS = dict(zip("0123456789aehijklmnoprstuvx", "₀₁₂₃₄₅₆₇₈₉ₐₑₕᵢⱼₖₗₘₙₒₚᵣₛₜᵤᵥₓ"))
@@ -78,7 +78,10 @@ def _row(items: tuple[Box, ...]) -> str:
     parts: list[str] = []
     previous: Box | None = None
     for place, item in enumerate(items):
-        following = items[place + 1] if place + 1 < len(items) else None
+        following, second = (*items[place + 1 : place + 3], None, None)[:2]
+        if item == _APPLY and isinstance(second, Fence):
+            previous = item
+            continue
         text = _factor(item, previous, following)
         if isinstance(item, Glyph) and item.kind == "operator":
             binary = previous is not None and not _is_operator(previous)
@@ -175,7 +178,9 @@ def _index(text: str) -> str:
 def _grid(rows: tuple[tuple[Box, ...], ...], left: str, right: str) -> str:
     if left or right:
         return "[" + "; ".join(", ".join(plain(cell) for cell in cells) for cells in rows) + "]"
-    return "\n".join(" ".join(plain(cell) for cell in cells).rstrip() for cells in rows)
+    shown = [[plain(cell).strip() for cell in cells] for cells in rows]
+    across = [max(map(len, column)) for column in zip(*shown)]
+    return "\n".join(" ".join(c.ljust(w) for c, w in zip(cells, across)).rstrip() for cells in shown)
 
 
 def _definite(box: Definite) -> str:

@@ -9,7 +9,8 @@ from hjsolve.hamiltonians import LinearHamiltonian
 from hjsolve.reports.boxes import Box, Glyph, row
 from hjsolve.reports.document import Inline, Mathematics, Text
 from hjsolve.reports.formulas_in_text import formulas, named
-from hjsolve.reports.notation import GREEK, box, name_box
+from hjsolve.reports.names import GREEK, name_box
+from hjsolve.reports.notation import box
 from hjsolve.reports.plain import plain
 from hjsolve.system import Domain, System
 

@@ -6,9 +6,11 @@ from dataclasses import dataclass
 
 import sympy as sp
 
-from hjsolve.reports.boxes import Box, Fence, Fraction, Glyph, Script, row
+from hjsolve.reports.boxes import Box, Fence, Fraction, Glyph, Script, row, width
 from hjsolve.reports.document import Block, Formula, Mathematics, Paragraph, Section, Table, Text
-from hjsolve.reports.notation import box, display, name_box, tidy
+from hjsolve.reports.lines import LINE, broken, display
+from hjsolve.reports.names import name_box
+from hjsolve.reports.notation import box, tidy
 from hjsolve.reports.plain import spoken
 from hjsolve.reports.prose import listed, prose
 from hjsolve.reports.symbolic import EQUALS, equation, formula, math
@@ -86,7 +88,7 @@ def _stackel(form: Stackel, whose: _Whose) -> list[Block]:
         ".",
     )
     source = f"Phi = {form.matrix.tolist()}, psi = {list(form.column)}, c = {list(form.inverse_metric)}"
-    return [Paragraph(text), Formula(whole, source, "Greenwood (5-139)")]
+    return [Paragraph(text), Formula(broken(whole), source, "Greenwood (5-139)")]
 
 
 def _order(names: tuple[str, ...]) -> Text:
@@ -134,11 +136,11 @@ def solution_sections(solution: Solution) -> list[Section]:
         if letter != "t":
             text += f" It is called {spoken(letter)}, for t is a coordinate here."
         sections.append(
-            Section("time-law", "Time law", (Paragraph((text,)), equation(solution.time_law, "Greenwood (5-71)")))
+            Section("time-law", "Time law", (Paragraph((text,)), _jacobi(solution, solution.time_law, "Greenwood (5-71)")))
         )
     passive = {c.momentum.name for c in solution.separation.shell.ignorable}
     equations = tuple(
-        equation(e, "Greenwood (5-83)" if name in passive else "Greenwood (5-70)")
+        _jacobi(solution, e, "Greenwood (5-83)" if name in passive else "Greenwood (5-70)")
         for name, e in solution.orbit_equations.items()
     )
     if equations:
@@ -147,10 +149,40 @@ def solution_sections(solution: Solution) -> list[Section]:
     return sections
 
 
+def _jacobi(solution: Solution, law: sp.Eq, tag: str) -> Formula:
+    """One of Jacobi's equations; the roots of a long one are written by the letters of the momenta."""
+    plain = equation(law, tag)
+    if not _is_long(solution):
+        return plain
+    return Formula(display(sp.Eq(law.lhs, _by_momenta(solution, law.rhs), evaluate=False)), plain.source, tag)
+
+
+def _is_long(solution: Solution) -> bool:
+    """Whether the squared momenta are too long to be repeated under every integral."""
+    return any(width(box(square)) > LINE for square in solution.momentum_squared.values())
+
+
+def _by_momenta(solution: Solution, expression: sp.Expr) -> sp.Expr:
+    """An expression with p(q), or P(q) with P = p + A, in place of the roots √P²."""
+    letters = {}
+    for name, square in solution.momentum_squared.items():
+        letter = f"P_{name}" if solution.shift[name] != 0 else f"p_{name}"
+        letters[square] = sp.Function(letter, positive=True)(solution.system.coordinate(name).symbol) ** 2
+    return tidy(expression.xreplace(letters))
+
+
 def _characteristic_function(solution: Solution) -> Section:
-    equality = sp.Eq(sp.Symbol("W"), tidy(solution.characteristic_function), evaluate=False)
+    function = tidy(solution.characteristic_function)
+    words = "Hamilton's characteristic function; its derivatives by the coordinates are the momenta:"
+    if _is_long(solution):
+        function = _by_momenta(solution, solution.characteristic_function)
+        words = (
+            "Hamilton's characteristic function; its derivatives by the coordinates are the momenta, and under the "
+            "integrals here and below stand the roots of their squares as given next:"
+        )
+    equality = sp.Eq(sp.Symbol("W"), function, evaluate=False)
     blocks: list[Block] = [
-        Paragraph(("Hamilton's characteristic function; its derivatives by the coordinates are the momenta:",)),
+        Paragraph((words,)),
         Formula(display(equality), f"W = {solution.characteristic_function}", "Greenwood (5-65)"),
     ]
     for name, square in solution.momentum_squared.items():
@@ -160,8 +192,8 @@ def _characteristic_function(solution: Solution) -> Section:
         if shifted:
             blocks.append(formula(name_box(f"p_{name}"), solution.momenta[name]))
     rows = tuple(
-        ((Mathematics(name_box(name)),), (math(c.expression),), prose(c.meaning, solution.system))
+        ((Mathematics(name_box(name)),), prose(c.meaning, solution.system), (math(c.expression),))
         for name, c in solution.constants.items()
     )
-    blocks.append(Table((("Constant",), ("in terms of q and p",), ("Meaning",)), rows, "Constants of the motion"))
+    blocks.append(Table((("Constant",), ("Meaning",), ("In terms of q and p",)), rows, "Constants of the motion"))
     return Section("characteristic-function", "Hamilton's characteristic function", tuple(blocks))

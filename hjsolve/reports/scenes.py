@@ -18,7 +18,7 @@ from hjsolve.reports.document import (
     Table,
     Text,
 )  # fmt: skip
-from hjsolve.reports.notation import name_box
+from hjsolve.reports.names import name_box
 from hjsolve.reports.numbers import quantity
 from hjsolve.reports.plain import spoken
 from hjsolve.reports.prose import prose

@@ -61,6 +61,9 @@ figcaption math{font-size:1em}
 .formula .scroll{flex-basis:100%}.tag{max-width:none;text-align:left}th,td{padding-right:.9rem}}
 @media print{:root{--paper:#fff;--ink:#000;--soft:#444;--rule:#bbb;--blue:#1d4e7e;--red:#a3301c;--wash:#f4f4f4}
 body{max-width:none;padding:0;font-size:10.5pt}nav{display:none}a{color:inherit;text-decoration:none}
-h2{break-after:avoid;margin-top:1.6rem}figure,table,.formula,.steps li{break-inside:avoid}
+h2{break-after:avoid;margin-top:1.6rem}figure,.formula{break-inside:avoid}
+h2+p,h2+.formula,p:has(+.formula),p:has(+.scroll),caption{break-after:avoid}
+p{orphans:3;widows:3}table{break-inside:auto}tr{break-inside:avoid}thead{display:table-header-group}
+.formula{flex-wrap:wrap}.formula .scroll{min-width:min-content}
 .figures{grid-template-columns:1fr 1fr}.scroll{overflow:visible}@page{margin:18mm 16mm}}
 """

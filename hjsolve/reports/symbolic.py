@@ -22,7 +22,9 @@ from hjsolve.reports.document import (
     Table,
     Text,
 )
-from hjsolve.reports.notation import box, display, name_box, tidy
+from hjsolve.reports.lines import LINE, broken, display
+from hjsolve.reports.names import name_box
+from hjsolve.reports.notation import box, tidy
 from hjsolve.reports.numbers import bound, shortest
 from hjsolve.reports.prose import domain_text, listed, prose, typeset
 from hjsolve.separation import Obstruction, Separation, Undecided
@@ -32,9 +34,13 @@ from hjsolve.system import System, hamiltonian, linear_terms, mass_matrix, momen
 EQUALS = Glyph("=", "operator")
 
 
+IN_A_CELL = 0.6 * LINE
+"""Letters after which an expression in the cell of a table takes another line."""
+
+
 def math(expression: sp.Basic) -> Mathematics:
-    """Set an expression inside a sentence or a cell."""
-    return Mathematics(box(expression))
+    """Set an expression inside a sentence or a cell, a long one on several lines."""
+    return Mathematics(display(expression, IN_A_CELL))
 
 
 def formula(left: Box, expression: sp.Basic, tag: str = "") -> Formula:
@@ -48,7 +54,7 @@ def formula(left: Box, expression: sp.Basic, tag: str = "") -> Formula:
     Returns:
         The displayed formula.
     """
-    return Formula(row(left, EQUALS, display(expression)), str(expression), tag)
+    return Formula(broken(row(left, EQUALS, box(expression))), str(expression), tag)
 
 
 def equation(relation: sp.Basic, tag: str = "") -> Formula:
@@ -176,8 +182,9 @@ def _step_formula(title: str, result: sp.Basic | None) -> Formula | None:
     """Nested tuples (Liouville's functions) have their own table and are not repeated here."""
     if result is None or (isinstance(result, sp.Tuple) and any(isinstance(item, sp.Tuple) for item in result)):
         return None
-    shown = display(result)
-    return Formula(row(Glyph(_LEFT[title]), EQUALS, shown) if title in _LEFT else shown, str(result))
+    if title in _LEFT:
+        return Formula(broken(row(Glyph(_LEFT[title]), EQUALS, box(result))), str(result))
+    return Formula(display(result), str(result))
 
 
 _LEFT = {"Stäckel's matrix": "Φ", "Stäckel's column": "ψ"}

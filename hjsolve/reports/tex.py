@@ -26,7 +26,7 @@ from hjsolve.reports.document import (
     Text,
 )
 from hjsolve.reports.latex import escape, latex
-from hjsolve.reports.notation import GREEK
+from hjsolve.reports.names import GREEK
 
 _PREAMBLE = r"""\documentclass[11pt,a4paper]{article}
 \usepackage[T1]{fontenc}

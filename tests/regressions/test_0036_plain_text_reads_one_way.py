@@ -16,7 +16,8 @@ from hypothesis import strategies as st
 
 import hjsolve
 from hjsolve.cli import main
-from hjsolve.reports.notation import box, name_box, tidy
+from hjsolve.reports.names import name_box
+from hjsolve.reports.notation import box, tidy
 from hjsolve.reports.plain import plain
 
 NAMES = ["d", "e", "E", "i", "partial", "Delta", "Pi", "dx", "dd", "ln", "arcsin", "p_d", "x1", "d_e", "theta", "GM", "t_", "n", "T"]
@@ -175,7 +176,7 @@ def same(one: sp.Expr, other: sp.Expr) -> bool:
     return True
 
 
-@settings(deadline=None, max_examples=150)
+@settings(deadline=None, max_examples=80)
 @given(expressions)
 def test_what_is_printed_is_read_back_as_what_it_is(expression: sp.Expr) -> None:
     if expression.has(sp.zoo, sp.nan, sp.oo, sp.I):
@@ -184,7 +185,7 @@ def test_what_is_printed_is_read_back_as_what_it_is(expression: sp.Expr) -> None
     assert same(Reader(text).whole(), expression.subs(sp.Symbol("d"), SYMBOLS["d"])), text
 
 
-@settings(deadline=None, max_examples=60)
+@settings(deadline=None, max_examples=30)
 @given(expressions, st.sampled_from(["dx", "d", "theta", "x1"]), symbols)
 def test_integrals_are_read_back(integrand: sp.Expr, name: str, factor: sp.Symbol) -> None:
     q = SYMBOLS[name]

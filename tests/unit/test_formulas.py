@@ -12,7 +12,9 @@ from hypothesis import strategies as st
 from hjsolve.reports.boxes import Glyph, Grid, width
 from hjsolve.reports.latex import latex
 from hjsolve.reports.mathml import mathml
-from hjsolve.reports.notation import box, display, name_box, tidy
+from hjsolve.reports.lines import display
+from hjsolve.reports.names import name_box
+from hjsolve.reports.notation import box, tidy
 from hjsolve.reports.plain import plain
 
 r, θ, m, k, E = sp.Symbol("r", positive=True), sp.Symbol("theta", real=True), *sp.symbols("m k E")

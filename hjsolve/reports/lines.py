@@ -1,0 +1,98 @@
+"""Formulas too long for a line are broken before their signs, as in a book: never inside a fraction, root or bracket."""
+
+from __future__ import annotations
+
+import sympy as sp
+
+from hjsolve.reports.boxes import Box, Glyph, Grid, Row, row, width
+from hjsolve.reports.notation import box
+
+LINE = 72.0
+"""Letters that fit on a line of a page."""
+_BREAKS = frozenset({"+", "−", "="})
+_NOTHING = Glyph("", "identifier")
+"""Stands before the sign that a line begins with, so that the sign is that of a sum."""
+
+
+def display(expression: sp.Basic, line: float = LINE) -> Box:
+    """Lay out a displayed formula, on several lines where it is too long for one.
+
+    Args:
+        expression: any sympy object.
+        line: letters that fit on a line.
+
+    Returns:
+        The box; a borderless grid where the formula takes several lines.
+    """
+    return broken(box(expression), line)
+
+
+def broken(whole: Box, line: float = LINE) -> Box:
+    """Break a formula before its signs where it is too long.
+
+    Args:
+        whole: the formula on one line.
+        line: letters that fit on a line.
+
+    Returns:
+        The same box where it fits or has nothing to break at; else a grid without fences, a line a row. The lines of an
+        equation with a short left side stand under its right side.
+    """
+    if not isinstance(whole, Row) or width(whole) <= line:
+        return whole
+    parts = _split(whole.items, lambda item: isinstance(item, Glyph) and item.kind == "text" and item.text[:1] == ",")
+    if len(parts) > 1:
+        rows = [grown for part in parts for grown in _rows(broken(row(*part), line))]
+        return Grid(tuple((row(*(cell for cell in cells if cell != Glyph("", "text"))),) for cells in rows), "", "", "l")
+    left, right = _sides(whole.items, line)
+    lines = _filled(_terms(right), line - sum(map(width, left)))
+    if len(lines) < 2:
+        return whole
+    if not left:
+        return Grid(tuple((row(*terms),) for terms in lines), "", "", "l")
+    head = row(*left)
+    return Grid(tuple((head if i == 0 else Glyph("", "text"), row(*terms)) for i, terms in enumerate(lines)), "", "", "rl")
+
+
+def _rows(shown: Box) -> tuple[tuple[Box, ...], ...]:
+    return shown.rows if isinstance(shown, Grid) and not shown.left and not shown.right else ((shown,),)
+
+
+def _sides(items: tuple[Box, ...], line: float) -> tuple[tuple[Box, ...], tuple[Box, ...]]:
+    """The left side with its sign of equality, and the right side; the left one is empty where it is long itself."""
+    equals = next((i for i, item in enumerate(items) if item == Glyph("=", "operator")), None)
+    if equals is None or sum(map(width, items[: equals + 1])) > line / 3:
+        return (), items
+    return items[: equals + 1], items[equals + 1 :]
+
+
+def _terms(items: tuple[Box, ...]) -> list[list[Box]]:
+    """The items from each sign up to the next; a sign that another operator precedes belongs to its term."""
+    terms: list[list[Box]] = [[]]
+    for place, item in enumerate(items):
+        before = items[place - 1] if place else None
+        joined = before is None or (isinstance(before, Glyph) and before.kind == "operator")
+        if isinstance(item, Glyph) and item.kind == "operator" and item.text in _BREAKS and not joined:
+            terms.append([])
+        terms[-1].append(item)
+    return terms
+
+
+def _filled(terms: list[list[Box]], line: float) -> list[list[Box]]:
+    lines: list[list[Box]] = [[]]
+    for term in terms:
+        if lines[-1] and sum(map(width, lines[-1])) + sum(map(width, term)) > line:
+            lines.append([_NOTHING])
+        lines[-1] += term
+    return lines
+
+
+def _split(items: tuple[Box, ...], ends) -> list[list[Box]]:  # type: ignore[no-untyped-def]
+    parts: list[list[Box]] = [[]]
+    for item in items:
+        if ends(item):
+            parts[-1].append(Glyph(",", "operator"))
+            parts.append([])
+        else:
+            parts[-1].append(item)
+    return [part for part in parts if part]
