@@ -30,6 +30,7 @@ from hjsolve.reports.stylesheet import CSS
 from hjsolve.reports.svg import STYLE
 
 _FULL_LINE = 1.15 * LINE
+_MOST_ROWS_UNBROKEN = 8
 _SCROLL = 'class="scroll" tabindex="0" role="group"'
 
 
@@ -126,8 +127,9 @@ def _table(table: Table) -> str:
     )
     caption = f"<caption>{escape(table.caption)}</caption>" if table.caption else ""
     label = escape(table.caption or "Table", quote=True)
+    long = ' class="long"' if len(table.rows) > _MOST_ROWS_UNBROKEN else ""
     return (
-        f'<div {_SCROLL} aria-label="{label}"><table>{caption}<thead><tr>{heads}</tr></thead>'
+        f'<div {_SCROLL} aria-label="{label}"><table{long}>{caption}<thead><tr>{heads}</tr></thead>'
         f"<tbody>{rows}</tbody></table></div>"
     )
 

@@ -27,7 +27,7 @@ math{font-family:"Latin Modern Math","STIX Two Math","Cambria Math","Libertinus 
 font-size:1em}
 math[display=block]{margin:0;text-align:left;width:max-content}
 math .lines{text-align:left}
-math .lines mtd{padding:.3em 0}
+math .lines>mtr>mtd{padding:.3em 0}
 .formula{display:flex;align-items:center;gap:1rem;margin:.55rem 0;padding-left:1.4rem}
 .formula .scroll{flex:1 1 auto;min-width:0;padding:.3rem 0}
 .tag{flex:none;font:.78rem/1.3 var(--sans);color:var(--soft);max-width:9rem;text-align:right}
@@ -61,9 +61,9 @@ figcaption math{font-size:1em}
 .formula .scroll{flex-basis:100%}.tag{max-width:none;text-align:left}th,td{padding-right:.9rem}}
 @media print{:root{--paper:#fff;--ink:#000;--soft:#444;--rule:#bbb;--blue:#1d4e7e;--red:#a3301c;--wash:#f4f4f4}
 body{max-width:none;padding:0;font-size:10.5pt}nav{display:none}a{color:inherit;text-decoration:none}
-h2{break-after:avoid;margin-top:1.6rem}figure,.formula{break-inside:avoid}
+h2{break-after:avoid;margin-top:1.6rem}figure,table,.formula,.steps li{break-inside:avoid}
 h2+p,h2+.formula,p:has(+.formula),p:has(+.scroll),caption{break-after:avoid}
-p{orphans:3;widows:3}table{break-inside:auto}tr{break-inside:avoid}thead{display:table-header-group}
+p{orphans:3;widows:3}table.long{break-inside:auto}tr{break-inside:avoid}thead{break-after:avoid}thead{display:table-header-group}
 .formula{flex-wrap:wrap}.formula .scroll{min-width:min-content}
 .figures{grid-template-columns:1fr 1fr}.scroll{overflow:visible}@page{margin:18mm 16mm}}
 """

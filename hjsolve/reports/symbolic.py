@@ -5,6 +5,7 @@ from __future__ import annotations
 from collections.abc import Mapping, Sequence
 from typing import Any
 
+import mpmath
 import sympy as sp
 
 from hjsolve.reports.boxes import Box, Fraction, Glyph, Script, row
@@ -14,6 +15,7 @@ from hjsolve.reports.document import (
     Formula,
     Mathematics,
     Note,
+    Number,
     Paragraph,
     Section,
     Step,
@@ -25,7 +27,7 @@ from hjsolve.reports.document import (
 from hjsolve.reports.lines import LINE, broken, display
 from hjsolve.reports.names import name_box
 from hjsolve.reports.notation import box, tidy
-from hjsolve.reports.numbers import bound, shortest
+from hjsolve.reports.numbers import bound, shortest, terminating
 from hjsolve.reports.prose import domain_text, listed, prose, typeset
 from hjsolve.separation import Obstruction, Separation, Undecided
 from hjsolve.separation.zero_test import Zero, is_zero
@@ -41,6 +43,27 @@ IN_A_CELL = 0.6 * LINE
 def math(expression: sp.Basic) -> Mathematics:
     """Set an expression inside a sentence or a cell, a long one on several lines."""
     return Mathematics(display(expression, IN_A_CELL))
+
+
+_SIMPLE, _FIRST_DIGITS = 12, 6
+"""Denominators up to which fractions are read best; digits shown of a long exact number."""
+
+
+def exactly(value: sp.Expr) -> Text:
+    """Write a number that is known exactly: short fractions as they are, decimals where they end, the rest with both.
+
+    Args:
+        value: an exact number.
+
+    Returns:
+        The number in pieces, a long one followed by its first digits.
+    """
+    if isinstance(value, sp.Rational) and value.q <= _SIMPLE:
+        return (math(value),)
+    ending = terminating(value)
+    if ending is not None:
+        return (ending,)
+    return (math(value), " ≈ ", Number(shortest(mpmath.mpf(sp.N(value, 20)), _FIRST_DIGITS)))
 
 
 def formula(left: Box, expression: sp.Basic, tag: str = "") -> Formula:
@@ -146,7 +169,7 @@ def _parameters(system: System) -> Table:
     told = any(p.meaning for p in system.parameters)
     rows = []
     for p in system.parameters:
-        value: Text = (math(p.value),) if p.value is not None else ("no default",)
+        value: Text = exactly(p.value) if p.value is not None else ("no default",)
         rows.append(
             (
                 (Mathematics(name_box(p.name)),),
