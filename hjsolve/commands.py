@@ -126,19 +126,14 @@ def report(options: Namespace) -> int:
     Returns:
         The exit status.
     """
+    from hjsolve.reports.files import checked_path
+
+    target = checked_path(options.output)
     from hjsolve.cost_command import progress_bar
     from hjsolve.reports.content import gather
     from hjsolve.reports.outside import outside_document
-    from hjsolve.reports.write import (
-        checked_path,
-        outside_entry,
-        save,
-        save_hamiltonian,
-        save_scene,
-        write_document,
-    )
+    from hjsolve.reports.write import outside_entry, save, save_hamiltonian, save_scene, write_document
 
-    target = checked_path(options.output)
     if (scene := _scene(options)) is not None:
         print(f"wrote {save_scene(scene, target, options.cost, progress_bar())}")
         return ANSWER

@@ -144,6 +144,9 @@ def _timed(clock: dict[str, float], part: str, work: Any) -> Any:
 
 
 # ------------------------------------------------------------------------------------------------ the document
+_ANSWERS = {Separation: "yes", Obstruction: "no", Undecided: "open"}
+
+
 def document(material: Material) -> Document:
     """Write the document.
 
@@ -178,7 +181,7 @@ def document(material: Material) -> Document:
     sections.append(numerical.how_section(clock, material.motion, trace))
     title = heading(system.title, system.symbols) if system.title else "A mechanical system"
     shown = tuple(s for s in sections if s is not None)
-    return Document(title, system.id, _lead(material), shown, "; ".join(failures))
+    return Document(title, system.id, _lead(material), shown, _ANSWERS[type(verdict)], "; ".join(failures))
 
 
 def _add_numbers(

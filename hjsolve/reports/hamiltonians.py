@@ -127,4 +127,4 @@ def hamiltonian_document(
     if motion is not None:
         sections.append(motion_section(motion, about))
     title = problem.title or "A Hamiltonian of one degree of freedom"
-    return Document(title, problem.id, answer(problem), tuple(sections))
+    return Document(title, problem.id, answer(problem), tuple(sections), "yes")

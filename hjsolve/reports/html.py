@@ -46,6 +46,7 @@ def html(document: Document) -> str:
     title = escape(document.title)
     entries = "".join(f'<li><a href="#{s.key}">{escape(s.title)}</a></li>' for s in document.sections)
     subtitle = f'<p class="id"><code>{escape(document.subtitle)}</code></p>' if document.subtitle else ""
+    sign = f'<span class="sign" aria-hidden="true">{document.sign}</span>' if document.sign else ""
     sections = "\n".join(_section(section) for section in document.sections)
     return f"""<!DOCTYPE html>
 <html lang="en">
@@ -60,7 +61,7 @@ def html(document: Document) -> str:
 <header>
 <h1>{title}</h1>
 {subtitle}
-<p class="answer">{_text(document.answer)}</p>
+<p class="answer {document.verdict}">{sign}{_text(document.answer)}</p>
 <nav aria-label="Contents"><ol>{entries}</ol></nav>
 </header>
 <main>

@@ -38,7 +38,7 @@ def outside_document(entry: Entry) -> Document:
     ]  # fmt: skip
     literature = literature_section(sections, entry)
     sections += [literature] if literature is not None else []
-    return Document(heading(entry.title, names), entry.id, answer, tuple(sections))
+    return Document(heading(entry.title, names), entry.id, answer, tuple(sections), "no")
 
 
 _WORDS = {

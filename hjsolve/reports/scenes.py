@@ -54,7 +54,9 @@ def scene_document(run: Run) -> Document:
         sections += [quadratures.forms_section(run.solution.separation), *quadratures.solution_sections(run.solution)]
         sections.append(_numbers(run))
         lead = symbolic.answer(run.solution.separation)
+        verdict = "yes"
     else:
+        verdict = ""
         lead = (
             "This scene was handed to an integrator, as it asks: no Hamilton-Jacobi solution covers what acts here.",
         )
@@ -63,7 +65,7 @@ def scene_document(run: Run) -> Document:
     if run.drift:
         sections.append(_drift(run))
     sections.append(_effort(run))
-    return Document(scene.title or "A scene", scene.system.id, lead, tuple(s for s in sections if s is not None))
+    return Document(scene.title or "A scene", scene.system.id, lead, tuple(s for s in sections if s is not None), verdict)
 
 
 def _asked(run: Run) -> Section:

@@ -71,6 +71,8 @@ _LETTERS |= {
     for letter, latex_name in ((v, f"\\{k}") for k, v in GREEK.items() if k not in {"lamda", "lam", "omicron"})
 }
 
+_SIGNS = {"yes": r"$\surd$ ", "no": r"$\times$ ", "open": "? "}
+
 
 def tex(document: Document) -> str:
     """Write a document as LaTeX.
@@ -82,7 +84,7 @@ def tex(document: Document) -> str:
         A file that pdflatex takes.
     """
     subtitle = rf"\\ \texttt{{{escape(document.subtitle)}}}" if document.subtitle else ""
-    head = rf"\section*{{{_plain(document.title)}{subtitle}}}" + "\n" + _text(document.answer)
+    head = rf"\section*{{{_plain(document.title)}{subtitle}}}" + "\n" + _SIGNS.get(document.verdict, "") + _text(document.answer)
     return _PREAMBLE + "\n\n".join([head, *map(_section, document.sections)]) + "\n\n\\end{document}\n"
 
 

@@ -40,7 +40,7 @@ def text(document: Document) -> str:
         The whole text, lines of at most 96 letters except where a formula is longer.
     """
     title = f"{document.title}  [{document.subtitle}]" if document.subtitle else document.title
-    head = f"{title}\n{'=' * len(title)}\n\n{wrapped(document.answer)}"
+    head = f"{title}\n{'=' * len(title)}\n\n{wrapped((document.sign, *document.answer))}"
     return "\n\n".join([head, *(part for part in map(section_text, document.sections) if part)]) + "\n"
 
 
