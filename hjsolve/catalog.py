@@ -329,3 +329,13 @@ def _refused(source: str, problems: list[str]) -> CatalogError:
 def _one_line(error: Exception) -> str:
     return " ".join(str(error).split())
 
+
+__all__ = [
+    "Effect", "Entry", "InitialData", "Reference", "describe", "entry_of", "folder", "from_table", "hamiltonian", "ids",
+    "kind_of", "load", "read", "table_of", "titles",
+]  # fmt: skip
+
+
+def __dir__() -> list[str]:
+    """List what is public, without what this module needs itself."""
+    return sorted(__all__)

@@ -10,6 +10,7 @@ from typing import Literal, get_args
 
 import sympy as sp
 
+from hjsolve import arguments
 from hjsolve.domains import Domain, read_domain
 from hjsolve.errors import InvalidSystemError
 from hjsolve.evaluation import CONTEXT, evaluate
@@ -79,6 +80,7 @@ def parameter(name: str, value: object = None, *, assume: str = "real", unit: st
         InvalidSystemError: the name cannot be used, the assumption is unknown, or the value does not satisfy it.
         ExpressionError: the value is not a number.
     """
+    name = arguments.ascii_name(name) if isinstance(name, str) else name
     check_name(name, "parameter")
     if name == "t":
         raise InvalidSystemError("parameter t: t is the time; T and V must not depend on it. Rename the constant")
@@ -113,7 +115,7 @@ def read_parameters(given: Mapping[str, object]) -> tuple[Parameter, ...]:
             f'parameters: expected a mapping such as {{"m": 1, "k": None}}, got {type(given).__name__}'
         )
     read = []
-    for name, value in given.items():
+    for name, value in arguments.table(given, "parameters").items():
         if isinstance(value, Parameter) and value.name != name:
             raise InvalidSystemError(f"parameters: {printable(str(name))[:40]} is given the parameter {value.name}")
         read.append(value if isinstance(value, Parameter) else parameter(name, value))
@@ -128,6 +130,7 @@ def read_coordinates(given: Mapping[str, object], parameters: tuple[Parameter, .
         )
     if not given:
         raise InvalidSystemError('coordinates: at least one is needed, such as {"x": "line"}')
+    given = arguments.table(given, "coordinates")
     for name in given:
         check_name(name, "coordinate")
     check_clashes([*given], [p.name for p in parameters])

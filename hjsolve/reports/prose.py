@@ -7,7 +7,7 @@ from collections.abc import Collection
 
 from hjsolve.hamiltonians import LinearHamiltonian
 from hjsolve.reports.boxes import Box, Glyph, row
-from hjsolve.reports.document import Inline, Mathematics, Text
+from hjsolve.reports.document import Code, Inline, Mathematics, Text
 from hjsolve.reports.formulas_in_text import formulas, named
 from hjsolve.reports.names import GREEK, name_box
 from hjsolve.reports.notation import box
@@ -56,7 +56,11 @@ def with_names(text: str, names: Collection[str]) -> Text:
         text = text.replace(ascii_form, better)
     pieces: list[Inline] = []
     for piece in formulas(text, names):
-        pieces += _named(piece, names) if isinstance(piece, str) else [piece]
+        if not isinstance(piece, str):
+            pieces.append(piece)
+            continue
+        for i, part in enumerate(re.split(r"(hjsolve\.\w+|normal_modes|linear_modes|find_coordinates)", piece)):
+            pieces += [Code(part)] if i % 2 else _named(part, names) if part else []
     return tuple(pieces)
 
 

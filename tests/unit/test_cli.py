@@ -128,7 +128,6 @@ def test_help_has_examples_and_tells_the_exit_status(command: list[str], capsys:
 
 # ------------------------------------------------------------------------------------------------ bad input
 BAD: dict[str, tuple[list[str], str]] = {
-    "no command": ([], "required: COMMAND"),
     "unknown command": (["chekc"], "invalid choice: 'chekc'"),
     "unknown option": (["check", "kepler-planar", "--fast"], "--fast"),
     "no system": (["check"], "which system?"),
