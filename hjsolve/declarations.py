@@ -80,7 +80,7 @@ def parameter(name: str, value: object = None, *, assume: str = "real", unit: st
         InvalidSystemError: the name cannot be used, the assumption is unknown, or the value does not satisfy it.
         ExpressionError: the value is not a number.
     """
-    name = arguments.ascii_name(name) if isinstance(name, str) else name
+    name = arguments.ascii_name(name)
     check_name(name, "parameter")
     if name == "t":
         raise InvalidSystemError("parameter t: t is the time; T and V must not depend on it. Rename the constant")

@@ -32,7 +32,7 @@ def entries(*, separable: bool, kind: str | None, book: str | None) -> None:
 
 
 def search(words: str, *, separable: bool, kind: str | None, book: str | None) -> bool:
-    """List the entries that speak of something: in their id, title, summary, words of parameters, effects or literature.
+    """List the entries that speak of something: in id, title, summary, parameters, effects or literature.
 
     Args:
         words: every one of them has to occur, in any order, small or capital.

@@ -315,7 +315,8 @@ def _reduction_steps(
         coupled = any(not x.is_zero for x in eliminated.shift) and not any(lagrangian.linear)
         text = (
             f"T and V do not contain {names}, so {constants} {'stays' if len(ignorable) == 1 else 'stay'} constant and "
-            f"W is linear in {names}. Eliminating the velocities adds the centrifugal potential shown" + (", and terms linear in the momenta left." if coupled else ".")
+            f"W is linear in {names}. Eliminating the velocities adds the centrifugal potential shown"
+            + (", and terms linear in the momenta left." if coupled else ".")
         )
         steps.append(
             Step("Ignorable coordinates", text, sp.Add(*(readable(reader, x) for x in eliminated.centrifugal)))

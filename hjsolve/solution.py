@@ -51,7 +51,8 @@ class Solution:
         momenta: every coordinate → its momentum ∂W/∂q; +√Pᵢ² − Aᵢ, or the constant itself.
         lower_limits: separated coordinate → the symbol its quadratures start from.
         characteristic_function: W, with unevaluated integrals.
-        time_law: t − t₀ = ∂W/∂E (τ for t where t is a coordinate); None where every coordinate is ignorable (then E is a function of the other constants
+        time_law: t − t₀ = ∂W/∂E (τ for t where t is a coordinate);
+            None where every coordinate is ignorable (then E is a function of the other constants
             and the orbit equations carry the time).
         orbit_equations: name of a constant → −β = ∂W/∂(constant); for all constants but E.
     """

@@ -9,8 +9,8 @@ from hjsolve.errors import InvalidInputError
 from hjsolve.system import System
 
 A_SYSTEM = (
-    "a System is needed, made by hjsolve.System(…), or the id of a catalog entry such as \"kepler-planar\", or the path "
-    "of a .toml entry"
+    'a System is needed, made by hjsolve.System(…), or the id of a catalog entry such as "kepler-planar", or the '
+    "path of a .toml entry"
 )
 
 

@@ -1,6 +1,7 @@
 """Text of a formula → tokens, and what to write instead where a character or a word is not one.
 
-A formula is ASCII, but for Greek letters, which are read as their names: numbers, names, ``+ - * / **``, round brackets and commas. Everything else is refused at its
+A formula is ASCII, but for Greek letters, which are read as their names: numbers, names,
+``+ - * / **``, round brackets and commas. Everything else is refused at its
 place with the spelling that would be accepted; nothing is guessed.
 """
 

@@ -129,7 +129,8 @@ def _first(
                 return thinned
         expected = _expected(trial, last)
         if expected > allowed:
-            return Found(trial, replace(empty, status="too slow", note=f"would take about {duration(expected)}, more than its share of what was left"))
+            note = f"would take about {duration(expected)}, more than its share of what was left"
+            return Found(trial, replace(empty, status="too slow", note=note))
         begin = time.thread_time()
         result = trial.compute(None, time.perf_counter() + allowed)
         spent = time.thread_time() - begin
@@ -139,7 +140,8 @@ def _first(
         return Found(trial, replace(empty, status="missing", note=_line(error)))
     except NotConvergedError as error:
         status = "too slow" if str(error) == "out of time" else "not converged"
-        return Found(trial, replace(empty, status=status, note="stopped when its share was spent" if status == "too slow" else _line(error)))
+        note = "stopped when its share was spent" if status == "too slow" else _line(error)
+        return Found(trial, replace(empty, status=status, note=note))
     except (InvalidInputError, HJSolveError) as error:
         return Found(trial, replace(empty, status="not applicable", note=_line(error)))
 

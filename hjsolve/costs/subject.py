@@ -56,7 +56,8 @@ def scene_of(subject: Subject, motion: str = "default") -> tuple[Scene, Solution
         raise MissingValueError(
             "cost: nothing says where this system starts; give a motion, hjsolve.cost(hjsolve.solve(system).motion(…))"
         )
-    scene = Scene.load({"system": system if isinstance(subject, System) else str(subject), **({} if motion == "default" else {"motion": motion})})
+    named = system if isinstance(subject, System) else str(subject)
+    scene = Scene.load({"system": named, **({} if motion == "default" else {"motion": motion})})
     solution = _solution(scene)
     return (scene if solution is None else _usual(scene, solution)), solution
 

@@ -16,9 +16,9 @@ from hjsolve.errors import HJSolveError, InvalidInputError
 from hjsolve.motion import Motion
 from hjsolve.reports import svg
 from hjsolve.reports.document import Block, Code, Document, Figures, Note, Paragraph, Section, Table, Text
+from hjsolve.reports.files import SUFFIXES, checked_path, replace
 from hjsolve.reports.numbers import seconds
 from hjsolve.reports.workprecision import figure
-from hjsolve.reports.files import SUFFIXES, checked_path, replace
 from hjsolve.reports.write import write_document
 from hjsolve.scenes import Scene
 

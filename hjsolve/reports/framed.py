@@ -38,7 +38,7 @@ def frame_section(frame: Frame, solution: Solution | None) -> Section:
         blocks += [Paragraph((words,)), formula(Glyph("Λ"), frame.gauge)]
     if solution is not None:
         blocks += [
-            Paragraph(("Hamilton's principal function of the system as posed, S = W − E t + Λ in the old coordinates:",)),
+            Paragraph(("Hamilton's principal function of the system as posed, S = W − E t + Λ:",)),
             formula(Glyph("S"), principal_function(frame, solution)),
         ]
     return Section("frame", "The system as posed, and its frame", tuple(blocks))

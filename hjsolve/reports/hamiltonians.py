@@ -12,7 +12,7 @@ from hjsolve.reports.boxes import Glyph, Script, row
 from hjsolve.reports.document import Block, Document, Mathematics, Note, Paragraph, Section, Table, Text
 from hjsolve.reports.names import name_box
 from hjsolve.reports.notation import box
-from hjsolve.reports.prose import domain_text, prose, typeset
+from hjsolve.reports.prose import domain_text, prose
 from hjsolve.reports.symbolic import EQUALS, formula, math
 
 if TYPE_CHECKING:

@@ -1,6 +1,8 @@
-"""Formulas too long for a line are broken before their signs, as in a book: never inside a fraction, root or bracket."""
+"""Formulas too long for a line are broken before their signs, never inside a fraction, a root or a bracket."""
 
 from __future__ import annotations
+
+from collections.abc import Callable
 
 import sympy as sp
 
@@ -10,6 +12,7 @@ from hjsolve.reports.notation import box
 LINE = 66.0
 """Letters that fit on a line of a page."""
 _BREAKS = frozenset({"+", "−", "="})
+_EMPTY = Glyph("", "text")
 _NOTHING = Glyph("", "identifier")
 """Stands before the sign that a line begins with, so that the sign is that of a sum."""
 
@@ -43,7 +46,8 @@ def broken(whole: Box, line: float = LINE) -> Box:
     parts = _split(whole.items, lambda item: isinstance(item, Glyph) and item.kind == "text" and item.text[:1] == ",")
     if len(parts) > 1:
         rows = [grown for part in parts for grown in _rows(broken(row(*part), line))]
-        return Grid(tuple((row(*(cell for cell in cells if cell != Glyph("", "text"))),) for cells in rows), "", "", "l")
+        joined = (row(*(cell for cell in cells if cell != _EMPTY)) for cells in rows)
+        return Grid(tuple((one,) for one in joined), "", "", "l")
     left, right = _sides(whole.items, line)
     lines = _filled(_terms(right), line - sum(map(width, left)))
     if len(lines) < 2:
@@ -51,7 +55,7 @@ def broken(whole: Box, line: float = LINE) -> Box:
     if not left:
         return Grid(tuple((row(*terms),) for terms in lines), "", "", "l")
     head = row(*left)
-    return Grid(tuple((head if i == 0 else Glyph("", "text"), row(*terms)) for i, terms in enumerate(lines)), "", "", "rl")
+    return Grid(tuple((_EMPTY if i else head, row(*terms)) for i, terms in enumerate(lines)), "", "", "rl")
 
 
 def _rows(shown: Box) -> tuple[tuple[Box, ...], ...]:
@@ -87,7 +91,7 @@ def _filled(terms: list[list[Box]], line: float) -> list[list[Box]]:
     return lines
 
 
-def _split(items: tuple[Box, ...], ends) -> list[list[Box]]:  # type: ignore[no-untyped-def]
+def _split(items: tuple[Box, ...], ends: Callable[[Box], bool]) -> list[list[Box]]:
     parts: list[list[Box]] = [[]]
     for item in items:
         if ends(item):

@@ -11,7 +11,7 @@ from sympy.core.function import AppliedUndef
 from sympy.core.relational import Relational
 
 from hjsolve.reports.boxes import Box, Definite, Fence, Fraction, Glyph, Grid, Root, Row, Script, row, width
-from hjsolve.reports.names import FUNCTION_NAMES, GREEK, name_box
+from hjsolve.reports.names import FUNCTION_NAMES, name_box
 
 RELATIONS = {"==": "=", "!=": "≠", "<=": "≤", ">=": "≥", "<": "<", ">": ">"}
 EULER = Glyph("e", "constant")

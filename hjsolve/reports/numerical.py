@@ -15,7 +15,7 @@ from hjsolve._version import __version__
 from hjsolve.lowering import lower
 from hjsolve.numeric.arithmetic import Float64
 from hjsolve.reports import paths
-from hjsolve.reports.boxes import Glyph, Script, row
+from hjsolve.reports.boxes import Glyph, Script
 from hjsolve.reports.document import (
     Block,
     Code,

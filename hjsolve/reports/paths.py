@@ -169,9 +169,8 @@ def _plane(motion: Any, where: Embedding, t: Array, path: tuple[Array, ...], clo
     above.append(svg.mark(frame, float(x[now]), float(y[now]), "ring"))
     names = [svg.label(name_box(a)) for a in where.axes[:2]]
     title = "Orbit"
-    description = (
-        f"Path of the motion in the plane of {spoken(where.axes[0])} and {spoken(where.axes[1])}, {_from_to(motion, t)}."
-    )
+    across, up = map(spoken, where.axes[:2])
+    description = f"Path of the motion in the plane of {across} and {up}, {_from_to(motion, t)}."
     svg_text = svg.assemble(frame, key, title, description, [svg.axes(frame, *names)], inside, above)
     return Figure(
         svg_text,
@@ -202,7 +201,11 @@ def _space(motion: Any, where: Embedding, t: Array, path: tuple[Array, ...], clo
     description = f"Path of the motion in space, seen from above the plane, {_from_to(motion, t)}."
     svg_text = svg.assemble(frame, key, "Orbit", description, below, inside, above)
     return Figure(
-        svg_text, "Orbit", description, _caption(motion, t, closed, cut < len(t)), dict(zip(where.axes, map(_list, path)))
+        svg_text,
+        "Orbit",
+        description,
+        _caption(motion, t, closed, cut < len(t)),
+        dict(zip(where.axes, map(_list, path))),
     )
 
 

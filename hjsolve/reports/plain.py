@@ -128,7 +128,7 @@ def _touching(left: Box, right: Box) -> bool:
 
 
 def _atomic(box: Box) -> bool:
-    """Tell whether a numerator needs no brackets: one factor or several, but no sum and no function of a bare letter."""
+    """Tell whether a numerator needs no brackets: factors only, and no function of a bare letter."""
     if isinstance(box, Row):
         signs = [item.text for item in box.items if isinstance(item, Glyph) and item.kind == "operator"]
         return not any(sign in _SPACED or sign == "\u2061" for sign in signs) and not _divided(box.items)

@@ -15,8 +15,8 @@ from hjsolve.reports.plain import spoken
 from hjsolve.reports.prose import listed, prose
 from hjsolve.reports.symbolic import EQUALS, equation, formula, math
 from hjsolve.separation import Liouville, Separation, Stackel
-from hjsolve.solution import Solution
 from hjsolve.shell import time_name
+from hjsolve.solution import Solution
 from hjsolve.system import kinetic_rest
 
 
@@ -135,9 +135,8 @@ def solution_sections(solution: Solution) -> list[Section]:
         )
         if letter != "t":
             text += f" It is called {spoken(letter)}, for t is a coordinate here."
-        sections.append(
-            Section("time-law", "Time law", (Paragraph((text,)), _jacobi(solution, solution.time_law, "Greenwood (5-71)")))
-        )
+        law = _jacobi(solution, solution.time_law, "Greenwood (5-71)")
+        sections.append(Section("time-law", "Time law", (Paragraph((text,)), law)))
     passive = {c.momentum.name for c in solution.separation.shell.ignorable}
     equations = tuple(
         _jacobi(solution, e, "Greenwood (5-83)" if name in passive else "Greenwood (5-70)")

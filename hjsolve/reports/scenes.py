@@ -65,7 +65,8 @@ def scene_document(run: Run) -> Document:
     if run.drift:
         sections.append(_drift(run))
     sections.append(_effort(run))
-    return Document(scene.title or "A scene", scene.system.id, lead, tuple(s for s in sections if s is not None), verdict)
+    shown = tuple(s for s in sections if s is not None)
+    return Document(scene.title or "A scene", scene.system.id, lead, shown, verdict)
 
 
 def _asked(run: Run) -> Section:
@@ -174,7 +175,8 @@ def _graphs(t: Array, series: dict[str, Array], key: str, title: str, time: str)
             (float(t[0]), float(t[-1]) if t[-1] > t[0] else float(t[0]) + 1.0),
             svg.spread(finite if len(finite) else np.zeros(1), 0.1), height=whole, top=top, bottom=whole - top - band,
         )  # fmt: skip
-        below.append(svg.axes(frame, svg.label(name_box(time)) if last else "", svg.label(name_box(name)), numbers=last))
+        across = svg.label(name_box(time)) if last else ""
+        below.append(svg.axes(frame, across, svg.label(name_box(name)), numbers=last))
         inside.append(svg.curve(frame, t, values, "motion"))
     letter = spoken(time)
     description = f"{', '.join(map(spoken, series))} against {letter} from {letter} = {t[0]:.6g} to {t[-1]:.6g}."

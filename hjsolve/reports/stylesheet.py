@@ -60,7 +60,8 @@ figcaption math{font-size:1em}
 @media (max-width:34rem){body{padding:1.5rem 1rem 3rem;font-size:1rem}
 .formula{padding-left:.3rem;flex-wrap:wrap;gap:.1rem}
 .formula .scroll{flex-basis:100%}.tag{max-width:none;text-align:left}th,td{padding-right:.9rem}}
-@media print{:root{--paper:#fff;--ink:#000;--soft:#444;--rule:#bbb;--blue:#1d4e7e;--red:#a3301c;--wash:#f4f4f4;--green:#1f5a33;--amber:#6e4d00}
+@media print{:root{--paper:#fff;--ink:#000;--soft:#444;--rule:#bbb;--blue:#1d4e7e;--red:#a3301c;
+--wash:#f4f4f4;--green:#1f5a33;--amber:#6e4d00}
 body{max-width:none;padding:0;font-size:10.5pt}nav{display:none}a{color:inherit;text-decoration:none}
 h2{break-after:avoid;margin-top:1.6rem}figure,table,.formula,.steps li{break-inside:avoid}
 h2+p,h2+.formula,p:has(+.formula),p:has(+.scroll),caption{break-after:avoid}

@@ -84,7 +84,8 @@ def tex(document: Document) -> str:
         A file that pdflatex takes.
     """
     subtitle = rf"\\ \texttt{{{escape(document.subtitle)}}}" if document.subtitle else ""
-    head = rf"\section*{{{_plain(document.title)}{subtitle}}}" + "\n" + _SIGNS.get(document.verdict, "") + _text(document.answer)
+    answer = _SIGNS.get(document.verdict, "") + _text(document.answer)
+    head = rf"\section*{{{_plain(document.title)}{subtitle}}}" + "\n" + answer
     return _PREAMBLE + "\n\n".join([head, *map(_section, document.sections)]) + "\n\n\\end{document}\n"
 
 
@@ -164,7 +165,7 @@ def _plain(text: str) -> str:
 
 
 def _letter(letter: str) -> str:
-    """One letter, perhaps with a dot over it; raised and lowered letters and small fractions by what they are made of."""
+    """One letter, perhaps with a dot over it; raised and lowered ones by what they are made of."""
     dotted = letter if letter.endswith("\u0307") else normalize("NFD", letter)
     if dotted.endswith("\u0307") and len(dotted) == 2:
         return rf"$\dot{{{_LETTERS.get(dotted[0], dotted[0]).strip('$')}}}$"

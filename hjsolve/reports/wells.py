@@ -170,7 +170,7 @@ def _level(
 
 
 def readable(expression: sp.Expr) -> sp.Expr:
-    """Expand a quotient and cancel term by term, which is how an effective potential is read; many terms in one fraction.
+    """Expand a quotient and cancel term by term, as an effective potential is read; many terms as one fraction.
 
     Args:
         expression: any expression.

@@ -8,7 +8,7 @@ from typing import Any
 
 from hjsolve import catalog
 from hjsolve.costs.measure import Progress
-from hjsolve.errors import InvalidInputError, NotConvergedError
+from hjsolve.errors import NotConvergedError
 from hjsolve.hamiltonians import LinearHamiltonian
 from hjsolve.reports.content import Material, Subject, document, gather, initial_of
 from hjsolve.reports.document import Document

@@ -36,12 +36,14 @@ def linear_modes(system: System) -> str:
     energy = sp.expand(system.kinetic - system.potential)
     if system.relativity is not None or not any(linear_terms(system)) or not energy.is_polynomial(*symbols, *speeds):
         return ""
-    if int(sp.Poly(energy, *symbols, *speeds).total_degree()) > 2:
+    polynomial = sp.Poly(energy, *symbols, *speeds)
+    forced = any(polynomial.coeff_monomial(q) != 0 for q in symbols)
+    if int(polynomial.total_degree()) > 2 or forced:
         return ""
     return (
         "T and V are quadratic with constant coefficients, so the equations of motion are linear: hjsolve.linear_modes "
         "brings the system to normal form by a linear symplectic map, after which every mode is an oscillator of its "
-        f"own where the motion is stable. No change of coordinates alone does that. {ALWAYS}"
+        f"own where the motion is stable. {ALWAYS}"
     )
 
 

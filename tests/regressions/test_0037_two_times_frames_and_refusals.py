@@ -159,7 +159,7 @@ def test_drawings_that_fall_short_leave_the_numbers(tmp_path: Path, monkeypatch:
         raise NotConvergedError("no state at t = 3")
 
     monkeypatch.setattr(paths, "trace", fails)
-    with pytest.raises(NotConvergedError, match="no state at t = 3.*everything else was written"):
+    with pytest.raises(NotConvergedError, match=r"no state at t = 3.*everything else was written"):
         hjsolve.report("pendulum", tmp_path / "short.txt")
     page = (tmp_path / "short.txt").read_text(encoding="utf-8")
     assert "Numbers with their errors" in page

@@ -11,8 +11,8 @@ from hypothesis import strategies as st
 
 from hjsolve.reports.boxes import Glyph, Grid, width
 from hjsolve.reports.latex import latex
-from hjsolve.reports.mathml import mathml
 from hjsolve.reports.lines import display
+from hjsolve.reports.mathml import mathml
 from hjsolve.reports.names import name_box
 from hjsolve.reports.notation import box, tidy
 from hjsolve.reports.plain import plain
