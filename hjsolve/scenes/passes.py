@@ -1,0 +1,157 @@
+"""When a free motion has a coordinate at a place: once and for all, to be used at every bounce.
+
+A coordinate with a clock of its own passes a place at times first + k·period (twice a period if it turns), or at one or
+two times if it does not come back. An ignorable coordinate that one other carries, φ = φ₀ − [G(χ) − G(χ₀)], is a
+monotone function of that one's phase χ, solved for by Newton's method; one at a constant rate needs nothing.
+"""
+
+from __future__ import annotations
+
+import itertools
+from dataclasses import dataclass
+from typing import Any
+
+import numpy as np
+import sympy as sp
+
+from hjsolve.errors import NotConvergedError, OutsideMotionError
+from hjsolve.initial import to_bits
+from hjsolve.motion import Motion
+from hjsolve.numeric.arithmetic import multiprecision
+from hjsolve.numeric.course import Bounded
+from hjsolve.passages import time_of_phase
+from hjsolve.scenes.crossing import bits_of, sharpened
+from hjsolve.trajectory.positions import constant_index
+
+_GRID, _MOST_STEPS = 513, 12
+
+
+@dataclass(frozen=True, eq=False)
+class Passes:
+    """The times, from its start on, at which a free motion has a coordinate at a place.
+
+    Attributes:
+        times: all of one period, or all there are. period: None where the coordinate does not come back.
+        error: a bound for each of the times, and for the period.
+    """
+
+    times: tuple[Any, ...]
+    period: Any | None
+    error: Any
+
+    def beside(self, time: Any, direction: int, slack: Any) -> tuple[Any, int, int] | None:
+        """The next one in a direction (1 later, −1 earlier), which of ``times`` it is, and periods added to that."""
+        best: tuple[Any, int, int] | None = None
+        for index, first in enumerate(self.times):
+            turns, there = 0, first
+            if self.period is not None:
+                away = direction * (time - first) + slack
+                turns = direction * (int(away.context.floor(away / self.period)) + 1)
+                there = first + turns * self.period
+            if direction * (there - time) > slack and (best is None or direction * (there - best[0]) < 0):
+                best = there, index, turns
+        return best
+
+
+def passes(motion: Motion, name: str, value: sp.Expr) -> Passes:
+    """Find all passages of a separated coordinate through a place.
+
+    A place that is only touched, at a turning point, is not passed.
+
+    Args:
+        motion: free, with many digits, started at t₀ = 0.
+        name: of the coordinate, which has a clock of its own. value: the place, exact.
+
+    Raises:
+        NotConvergedError: a passage that could not be sharpened to the digits of the motion.
+    """
+    kind = motion.kinds[name]
+    count = {"libration": 3, "rotation": 2}.get(kind)
+    if count is not None:
+        found = [one for k in range(count) if (one := _passage(motion, name, value, k)) is not None]
+        if len(found) < count:
+            return Passes((), None, 0)
+        (*times, last), error = [t for t, _ in found], max(e for _, e in found)
+        period = last - times[0]
+        if len(times) == 2 and min(times[1] - times[0], last - times[1]) <= _slack(motion, last):
+            return Passes((), None, 0)
+        return Passes(tuple(times), period, 2 * error)
+    there = [one for k in (-2, -1, 0, 1) if (one := _passage(motion, name, value, k)) is not None]
+    several = sorted(there, key=lambda one: one[0])
+    if any(b[0] - a[0] <= _slack(motion, b[0]) for a, b in itertools.pairwise(several)):
+        return Passes((), None, 0)
+    return Passes(tuple(t for t, _ in several), None, max((e for _, e in several), default=0))
+
+
+def _slack(motion: Motion, time: Any) -> Any:
+    return multiprecision(64).mpf(10) ** (8 - motion.digits) * max(1, abs(time))
+
+
+def _passage(motion: Motion, name: str, value: sp.Expr, passage: int) -> tuple[Any, Any] | None:
+    try:
+        estimate = motion.time_at(name, value, passage)
+    except OutsideMotionError:
+        return None
+    time = multiprecision(bits_of(motion.digits)).convert(estimate.value)
+    slack = _slack(motion, time) / 1000
+    if abs(estimate.error) <= slack:
+        return time, abs(estimate.error)
+    return sharpened(motion, name, value, time), slack
+
+
+class Carried:
+    """An ignorable coordinate as a function of the phase of the one that carries it.
+
+    Args:
+        motion: free, with many digits, started at t₀ = 0.
+        name: of the ignorable coordinate. carrier: of the separated one, which turns or goes round.
+    """
+
+    def __init__(self, motion: Motion, name: str, carrier: str):
+        course = motion.located[carrier].course
+        assert isinstance(course, Bounded)
+        self.motion, self.course = motion, course
+        self.j, self.k = constant_index(motion, name), list(motion.solution.coordinates).index(carrier)
+        self.context = multiprecision(bits_of(motion.digits) + 64)
+        self.begin = self.context.convert(to_bits(motion.initial.values[motion.solution.system.coordinate(name).symbol])(
+            self.context.prec))  # fmt: skip
+        self.turn = -2 * self.context.pi * self.context.convert(course.growth(self.j))
+        self.origin = self._integral(self.context.convert(course.start))
+        self.phases = float(course.start) + np.linspace(0.0, 2 * np.pi, _GRID)
+        self.grid = np.array([float(self.angle(self.context.mpf(x)) - self.begin) for x in self.phases])
+        self.times = np.array([float(time_of_phase(motion, self.k, self.context.mpf(x))[0]) for x in self.phases])
+        steps = np.diff(self.grid)
+        self.monotone = bool(np.all(steps > 0) or np.all(steps < 0))
+
+    def _integral(self, χ: Any) -> Any:
+        return self.course.integral(self.j, np.array([χ], dtype=object))[0]
+
+    def angle(self, χ: Any) -> Any:
+        """The coordinate, with its whole turns, at a phase of the carrier."""
+        return self.begin - (self._integral(χ) - self.origin)
+
+    def near(self, time: Any) -> Any:
+        """The coordinate, with its whole turns, at a time of the free motion, to a few digits."""
+        period = self.times[-1] - self.times[0]
+        whole = self.context.floor((time - self.times[0]) / period)
+        return self.begin + whole * self.turn + float(np.interp(float(time - whole * period), self.times, self.grid))
+
+    def time(self, angle: Any) -> tuple[Any, Any]:
+        """When the coordinate, with its whole turns, has a value; and a bound on the error.
+
+        Raises:
+            NotConvergedError: Newton's method did not settle.
+        """
+        whole = self.context.floor((angle - self.begin) / self.turn)
+        rest = float(angle - self.begin - whole * self.turn)
+        side = 1 if self.grid[-1] > 0 else -1
+        guess = float(np.interp(side * rest, side * self.grid, self.phases))
+        χ, goal = guess + 2 * self.context.pi * whole, self.context.mpf(10) ** (2 - self.motion.digits)
+        for _ in range(_MOST_STEPS):
+            rate = -self.course.rate(self.j, np.array([χ], dtype=object))[0]
+            step = (angle - self.angle(χ)) / rate
+            χ += step
+            if abs(step) <= goal:
+                time, error = time_of_phase(self.motion, self.k, χ)
+                return time, error + abs(step) / abs(self.motion.equations.rates[self.k])  # type: ignore[union-attr]
+        raise NotConvergedError("the passage of an ignorable coordinate could not be found to the digits asked")
