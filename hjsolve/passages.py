@@ -42,7 +42,7 @@ def crossing_time(motion: Motion, name: str, value: Any, passage: int) -> Estima
         return _scanned(motion, name, float(target(64)), passage)
     course = motion.located[name].course
     phase = _phase_of(motion, name, course, target, passage)
-    elapsed, error = time_of_phase(motion, list(motion.solution.coordinates).index(name), phase)
+    elapsed, error = _elapsed(motion, list(motion.solution.coordinates).index(name), phase)
     return _shifted(motion, elapsed, error)
 
 
@@ -112,8 +112,8 @@ def _open_phases(name: str, course: Open, place: Any, bits: int) -> list[Any]:
     return found
 
 
-def time_of_phase(motion: Motion, k: int, phase: Any) -> tuple[Any, Any]:
-    """Time from t₀ until separated coordinate k has a phase, and a bound on its error."""
+def _elapsed(motion: Motion, k: int, phase: Any) -> tuple[Any, Any]:
+    """Time from t₀ until coordinate k has a phase, and a bound on its error."""
     equations = motion.equations
     many = motion.digits > 15
     if isinstance(equations, Torus) and all(not len(s.cosines) for i, s in enumerate(equations.ripples[k]) if i != k):
@@ -258,7 +258,7 @@ def boundary_times(motion: Motion) -> dict[str, Estimate]:
             context = multiprecision(int(3.33 * motion.digits) + 64)
             phase = course.ahead.way.last(context) or context.mpf(farthest(motion.digits))
             with suppress(OutsideMotionError):  # the others run away before, in a time of its own that ends
-                result[name] = _shifted(motion, *time_of_phase(motion, k, phase))
+                result[name] = _shifted(motion, *_elapsed(motion, k, phase))
     return result
 
 

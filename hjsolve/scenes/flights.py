@@ -111,6 +111,8 @@ class Free:
     @cached_property
     def carried(self) -> dict[str, Carried]:
         """Ignorable coordinates that walls may stand at, as functions of their carriers' phases."""
+        if not isinstance(self.motion.equations, Torus):
+            return {}
         bounded = {n: c for n, c in self.carrier.items() if isinstance(self.motion.located[c].course, Bounded)}
         return {name: Carried(self.motion, name, c) for name, c in bounded.items()}
 
@@ -140,11 +142,7 @@ class Free:
         key = (name, found, index)
         if key not in self._angles:
             self._angles[key] = self.angle(name, found.times[index])
-        if not turns:
-            return self._angles[key]
-        course = self.motion.located[self.carrier[name]].course
-        each = -2 * self.context.pi * self.context.convert(course.growth(constant_index(self.motion, name)))  # type: ignore[union-attr]
-        return self._angles[key] + turns * each
+        return self._angles[key] + (turns * self.turn(name) if turns else 0)
 
     def start(self, time: Any) -> Now:
         """The beginning: all clocks at zero."""
@@ -259,6 +257,25 @@ class Free:
             now.place[name] = 2 * now.landed[name] - now.place[name]
         now.sign[name] = -now.sign[name]
 
+    def reduce(self, now: Now) -> None:
+        """Take whole periods from the clocks of librations, so that many of them cost no digits."""
+        for name, clock in now.clock.items():
+            period = self.motion.periods.get(name) if self.motion.kinds[name] == "libration" else None
+            turns = 0 if period is None else int(self.context.nint(clock / period.value))
+            if period is None or not turns:
+                continue
+            now.clock[name] -= turns * period.value
+            now.doubt += abs(turns) * period.error
+            for other, carrier in self.carrier.items():
+                if carrier == name:
+                    now.place[other] += now.sign[other] * now.sign[name] * turns * self.turn(other)
+
+    def turn(self, name: str) -> Any:
+        """What a carried coordinate gains in a period of the one that carries it."""
+        course = self.motion.located[self.carrier[name]].course
+        assert isinstance(course, Bounded)
+        return -2 * self.context.pi * self.context.convert(course.growth(constant_index(self.motion, name)))
+
     def state(self, now: Now) -> tuple[dict[str, Any], dict[str, Any], dict[str, int]]:
         """Positions, angles in (−π, π]; momenta; turns of the angles. Exact where constant, else in many digits."""
         q: dict[str, Any] = {}
@@ -338,6 +355,7 @@ def walk(free: Free, now: Now, pending: list[Pending], horizon: Any | None, most
         for name in dict.fromkeys(e.coordinate for e in events):
             assert name is not None
             free.reflect(now, name)
+        free.reduce(now)
         flight = now.flight()
     return Flown(found, pending, False)
 

@@ -18,8 +18,9 @@ from hjsolve.errors import NotConvergedError, OutsideMotionError
 from hjsolve.initial import to_bits
 from hjsolve.motion import Motion
 from hjsolve.numeric.arithmetic import multiprecision
+from hjsolve.numeric.clenshaw import Fixed
 from hjsolve.numeric.course import Bounded
-from hjsolve.passages import time_of_phase
+from hjsolve.numeric.inverse import Torus
 from hjsolve.scenes.crossing import bits_of, sharpened
 from hjsolve.trajectory.positions import constant_index
 
@@ -103,32 +104,40 @@ class Carried:
     """An ignorable coordinate as a function of the phase of the one that carries it.
 
     Args:
-        motion: free, with many digits, started at t₀ = 0.
+        motion: free, with many digits, started at t₀ = 0; all its coordinates are bounded.
         name: of the ignorable coordinate. carrier: of the separated one, which turns or goes round.
     """
 
     def __init__(self, motion: Motion, name: str, carrier: str):
-        course = motion.located[carrier].course
+        course, equations = motion.located[carrier].course, motion.equations
         assert isinstance(course, Bounded)
-        self.motion, self.course = motion, course
-        self.j, self.k = constant_index(motion, name), list(motion.solution.coordinates).index(carrier)
-        self.context = multiprecision(bits_of(motion.digits) + 64)
-        self.begin = self.context.convert(to_bits(motion.initial.values[motion.solution.system.coordinate(name).symbol])(
-            self.context.prec))  # fmt: skip
-        self.turn = -2 * self.context.pi * self.context.convert(course.growth(self.j))
-        self.origin = self._integral(self.context.convert(course.start))
-        self.phases = float(course.start) + np.linspace(0.0, 2 * np.pi, _GRID)
-        self.grid = np.array([float(self.angle(self.context.mpf(x)) - self.begin) for x in self.phases])
-        self.times = np.array([float(time_of_phase(motion, self.k, self.context.mpf(x))[0]) for x in self.phases])
+        assert isinstance(equations, Torus)
+        j, k = constant_index(motion, name), list(motion.solution.coordinates).index(carrier)
+        self.digits, self.context = motion.digits, multiprecision(bits_of(motion.digits) + 64)
+        bits, convert = self.context.prec, self.context.convert
+        self.begin = to_bits(motion.initial.values[motion.solution.system.coordinate(name).symbol])(bits)
+        self.rate, self.start = convert(equations.rates[k]), convert(equations.starts[k])
+        self.kernel, self.clock = Fixed(course.kernels[j], bits), Fixed(equations.ripples[k][k], bits)
+        self.mean, self.turn = convert(course.growth(j)), -2 * self.context.pi * convert(course.growth(j))
+        self.origin = self._integral(convert(course.start))
+        self.noise = self.context.mpf(10) ** -motion.digits * (4 + self.clock.size * _GRID) / abs(self.rate)
+        phases = [course.start + 2 * self.context.pi * n / (_GRID - 1) for n in range(_GRID)]
+        self.phases = np.array([float(x) for x in phases])
+        self.grid = np.array([float(self.angle(x) - self.begin) for x in phases])
+        self.times = np.array([float(self.time_of(x)) for x in phases])
         steps = np.diff(self.grid)
         self.monotone = bool(np.all(steps > 0) or np.all(steps < 0))
 
     def _integral(self, χ: Any) -> Any:
-        return self.course.integral(self.j, np.array([χ], dtype=object))[0]
+        return self.mean * χ + self.kernel.ripple(χ)
 
     def angle(self, χ: Any) -> Any:
         """The coordinate, with its whole turns, at a phase of the carrier."""
         return self.begin - (self._integral(χ) - self.origin)
+
+    def time_of(self, χ: Any) -> Any:
+        """The time of the free motion at a phase of the carrier, which has a clock of its own."""
+        return (χ + self.clock.ripple(χ) - self.start) / self.rate
 
     def near(self, time: Any) -> Any:
         """The coordinate, with its whole turns, at a time of the free motion, to a few digits."""
@@ -146,12 +155,12 @@ class Carried:
         rest = float(angle - self.begin - whole * self.turn)
         side = 1 if self.grid[-1] > 0 else -1
         guess = float(np.interp(side * rest, side * self.grid, self.phases))
-        χ, goal = guess + 2 * self.context.pi * whole, self.context.mpf(10) ** (2 - self.motion.digits)
+        χ, goal = guess + 2 * self.context.pi * whole, self.context.mpf(10) ** (-self.digits // 2 - 2)
         for _ in range(_MOST_STEPS):
-            rate = -self.course.rate(self.j, np.array([χ], dtype=object))[0]
+            rate = -self.kernel.value(χ)
             step = (angle - self.angle(χ)) / rate
             χ += step
-            if abs(step) <= goal:
-                time, error = time_of_phase(self.motion, self.k, χ)
-                return time, error + abs(step) / abs(self.motion.equations.rates[self.k])  # type: ignore[union-attr]
+            if abs(step) <= goal:  # it converges quadratically: what is left is of the order of its square
+                left = abs(angle - self.angle(χ)) / abs(rate)
+                return self.time_of(χ), self.noise + (2 * left + self.noise) * (1 + abs(self.clock.size)) / abs(self.rate)
         raise NotConvergedError("the passage of an ignorable coordinate could not be found to the digits asked")
