@@ -150,14 +150,16 @@ def _resting(scene: Scene, rest: Rest, times: Any) -> State:
             q[c.name] = q[c.name] - 2 * (rest.limit.context.pi if kind is object else np.pi) * turns[c.name]
 
     def errors() -> Errors:
-        """Up to the limit the body still bounces, lower than it did after the last bounce that was followed."""
+        """Before the limit the body still bounces: the lower, the less of the time is left (both fall like eⁿ)."""
         end = rest.limit + abs(rest.limit.context.convert(rest.time.error))
-        early = np.array([bool(to_bits(sp.sympify(t))(end.context.prec) < end) for t in times])
-        speed, push = (2 * abs(float(x)) for x in (rest.speed, rest.push))
-        height = speed * float(end - rest.last)
+        left = [float(end - (t if times.dtype == float else to_bits(t)(end.context.prec))) for t in times]
+        whole = max(float(end - rest.last), 1e-300) * max(float(rest.wall.restitution), 1e-300)
+        share = 2 * np.clip(np.array(left) / whole, 0.0, 1.0)
+        speed, push = (abs(float(x)) * share for x in (rest.speed, rest.push))
+        height = speed * np.maximum(left, 0.0)
 
-        def bound(own: Any, more: float) -> Any:
-            return np.where(rest.alone, float(own) + np.where(early, more, 0.0), np.nan)
+        def bound(own: Any, more: Any) -> Any:
+            return np.where(rest.alone, float(own) + more, np.nan)
 
         return Errors(
             {name: bound(estimate.error, height) for name, estimate in rest.q.items()},
