@@ -6,6 +6,7 @@ does not call for is not read into the system: an effect that is off leaves no s
 
 from __future__ import annotations
 
+import math
 from collections.abc import Iterator, Mapping
 from dataclasses import dataclass
 from pathlib import Path
@@ -52,6 +53,14 @@ class Times:
             return list(self.listed)
         step = (self.stop - self.start) / (self.count - 1)
         return [self.start + k * step for k in range(self.count)]
+
+    def between(self, begin: float, end: float) -> list[sp.Expr]:
+        """The times from ``begin`` to ``end``, and perhaps one more on each side."""
+        if self.listed:
+            return [t for t in self.listed if begin - 1 <= t <= end + 1]
+        step = (self.stop - self.start) / (self.count - 1)
+        first, last = (math.floor((x - float(self.start)) / float(step)) for x in (begin, end))
+        return [self.start + k * step for k in range(max(first - 1, 0), min(last + 3, self.count))]
 
     @property
     def last(self) -> sp.Expr:

@@ -53,7 +53,7 @@ def state_errors(
                 np.abs(q[name].astype(float)) + np.pi
             )
             dp[name] = unit * np.abs(p[name].astype(float))
-    return dq, dp, _velocity_errors(motion, q, p, dq, dp, unit)
+    return dq, dp, velocity_errors(motion, q, p, dq, dp, unit)
 
 
 def table_errors(
@@ -82,7 +82,7 @@ def table_errors(
         moved, shift = _shifted(motion, c.name, q)
         own = own + moved * inner + 8 * _EPS * shift
         dp[c.name] = np.abs(force) * delay + own
-    return dq, dp, _velocity_errors(motion, q, p, dq, dp, _EPS)
+    return dq, dp, velocity_errors(motion, q, p, dq, dp, _EPS)
 
 
 def _shifted(motion: Motion, name: str, q: Mapping[str, Any]) -> tuple[Any, Any]:
@@ -165,7 +165,7 @@ def _ignorable_error(motion: Motion, phases: Phases, χ: list[Any], slack: list[
     return total
 
 
-def _velocity_errors(
+def velocity_errors(
     motion: Motion,
     q: Mapping[str, Any],
     p: Mapping[str, Any],
