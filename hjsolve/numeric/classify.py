@@ -185,7 +185,7 @@ def _smoothest(start: Start, kind: Kind, maps: Iterator[Anomaly], digits: int, b
         NotConvergedError: for none of them it could be proved how many nodes are enough, or they are too many.
     """
     best: tuple[int, Anomaly] | None = None
-    limits = itertools.chain([_FEW], itertools.repeat(_MANY))
+    limits: Iterator[int] = itertools.chain([_FEW], itertools.repeat(_MANY))
     if not start.parts:  # nothing is integrated
         best, limits = (1, next(maps)), iter(())
     for few, anomaly in zip(limits, maps, strict=False):
@@ -233,7 +233,7 @@ def _over_other_crests(start: Start, anomaly: Rotation, gap: Any | None, bits: i
 
 
 def _spread(start: Start, inner: Inner, bits: int) -> Iterator[Stretched]:
-    """Stretch the phase of an anomaly through the places where its integrands are rough; nothing where there is none."""
+    """Stretch the phase of an anomaly through the places where its integrands are rough; nothing where none is."""
     subject = resolution.integrands(inner, start.radicand, start.skipped, start.parts, bits)
     places = resolution.rough_places(subject)
     map_ = stretched(inner, places) if places else None
