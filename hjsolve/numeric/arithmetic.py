@@ -27,8 +27,9 @@ _NUMPY_NAMES = {
 
 
 FARTHEST = 1024
-"""Binary digits before the point of the largest argument of an exponential or circular function."""
-_COSTLY = {"exp", "sinh", "cosh", "tanh", "sin", "cos", "tan"}
+"""Binary digits before the point of the largest argument of an exponential; many more of a circular function."""
+CIRCULAR = ("sin", "cos", "tan")
+_COSTLY = dict.fromkeys(("exp", "sinh", "cosh", "tanh"), FARTHEST) | dict.fromkeys(CIRCULAR, 16 * FARTHEST)
 
 
 class ByOperators:
@@ -94,13 +95,14 @@ def within_reach(name: str, x: Any, context: Any) -> Any:
     Raises:
         InvalidInputError: a circular function of so large an argument.
     """
-    if name not in _COSTLY or context.mag(x) <= FARTHEST:
+    if name not in _COSTLY or context.mag(x) <= _COSTLY[name]:
         return x
-    if name in {"sin", "cos", "tan"}:
+    farthest = _COSTLY[name]
+    if name in CIRCULAR:
         raise InvalidInputError(
-            f"{name} of a number beyond 2**{FARTHEST}: give the coordinate a domain that ends before"
+            f"{name} of a number beyond 2**{farthest}: give the coordinate a domain that ends before"
         )
-    edge = context.ldexp(1, FARTHEST)
+    edge = context.ldexp(1, farthest)
     return edge if x > 0 else -edge
 
 

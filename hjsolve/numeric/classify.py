@@ -141,7 +141,7 @@ def _libration(start: Start, lower: End, upper: End, digits: int) -> Bounded:
             f"{start.name}: it turns {nearness} powers of two nearer to an end of its domain than to its other turning "
             f"point, and {_NEAREST} are the most that can be integrated"
         )
-    bits = needed + 80 + 2 * nearness
+    bits = needed + 80 + 2 * nearness + start.radicand.guard
     while True:
         arithmetic = Multi(bits)
         a, b = (arithmetic.convert(place(bits)) for place in places)
@@ -275,7 +275,7 @@ def _outside(start: Start, end: Any, width: Any, side: int, bits: int) -> Any | 
 
 
 def _rotation(start: Start, direction: int, digits: int) -> Bounded:
-    bits = int(3.33 * digits) + 128
+    bits = int(3.33 * digits) + 128 + start.radicand.guard
     arithmetic = Multi(bits)
     slow, gap = _slow_place(start, bits)
     anomaly: Rotation = rotation(slow, direction, gap, arithmetic)
@@ -315,16 +315,17 @@ def _slow_place(start: Start, bits: int) -> tuple[Any, Any | None]:
 
 def _open(start: Start, forward: int, lower: End, upper: End, digits: int) -> Open:
     bits = int(3.33 * digits) + 128
+    exact = bits + 512 + start.radicand.guard
     lower, upper = _judged(start, lower), _judged(start, upper)
     kinds = {lower.kind, upper.kind}
     kind = "boundary" if kinds & {"boundary", "fall"} else "asymptotic" if "asymptote" in kinds else "escape"
 
     def branch(origin: End, target: End, side: int) -> Branch:
         assert origin.place is not None
-        first = origin.place(bits + 512)
+        first = origin.place(exact)
         turning = origin.kind == "turning"
         length = (
-            abs(target.place(bits + 512) - first)
+            abs(target.place(exact) - first)
             if target.place is not None
             else _length(start, first, bits, turning=turning)
         )

@@ -141,7 +141,7 @@ class Intervals:
     def _scalar(self, name: str, v: Any) -> Any:
         assert isinstance(self.plain, Multi)
         context = self.plain.context
-        if name in {"sin", "cos"} and (context.isinf(v) or context.mag(v) > FARTHEST):
+        if name in {"sin", "cos"} and (context.isinf(v) or context.mag(v) > 16 * FARTHEST):
             return context.nan
         value = getattr(context, name)(within_reach(name, v, context))
         return value if isinstance(value, context.mpf) else context.nan
@@ -166,7 +166,7 @@ class Intervals:
             with np.errstate(all="ignore"):
                 return _floor((x.high - point + slack) / turn) >= _floor((x.low - point - slack) / turn) + 1
 
-        everything = ~((x.high - x.low) < turn) | (a != a) | (b != b)
+        everything = np.logical_not((x.high - x.low) < turn) | (a != a) | (b != b)  # one number has a Python bool here
         top, bottom = everything | contains(crest), everything | contains(crest + turn / 2)
         low, high = self._wide(np.minimum(a, b), np.maximum(a, b))
         return Interval(np.where(bottom, -1, low), np.where(top, 1, high))

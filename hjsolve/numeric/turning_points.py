@@ -64,7 +64,8 @@ class Ray:
     turns: bool = False
 
     def place(self, x: Any, bits: int) -> Any:
-        return self.origin(bits) + self.side * multiprecision(bits).convert(x)
+        work = bits + self.radicand.guard
+        return self.origin(work) + self.side * multiprecision(work).convert(x)
 
     def jet(self, x: Any, bits: int) -> tuple[Any, Any, Any]:
         """Return F, dF/dx and d²F/dx²."""
@@ -78,8 +79,9 @@ class Ray:
             slack = 2.0**-52 * (abs(q0) + abs(x1))
             ends = q0 + self.side * x0, q0 + self.side * x1
         else:
-            convert = np.frompyfunc(multiprecision(bits).convert, 1, 1)
-            q0, slack = self.origin(bits), 0
+            work = bits + self.radicand.guard
+            convert = np.frompyfunc(multiprecision(work).convert, 1, 1)
+            q0, slack = self.origin(work), 0
             ends = q0 + self.side * convert(x0), q0 + self.side * convert(x1)
         value, first, second = self.radicand.enclose(np.minimum(*ends) - slack, np.maximum(*ends) + slack, bits)
         return value, first if self.side > 0 else type(first)(-first.high, -first.low), second
