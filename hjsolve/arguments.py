@@ -44,15 +44,15 @@ def table(value: Any, source: str, example: str = '{"r": 1}') -> Mapping[str, An
     refuse_other(value, Mapping, source, f"a table name → value is needed, such as {example}")
     if all(not isinstance(name, str) or name.isascii() for name in value):
         return value
-    return {ascii_name(name) if isinstance(name, str) else name: item for name, item in value.items()}
+    return {ascii_name(name): item for name, item in value.items()}
 
 
-def ascii_name(name: str) -> str:
+def ascii_name(name: Any) -> Any:
     """A name with its Greek letters spelled: ``θ1`` is theta1, ``p_φ`` is p_phi, ``λ`` is lam, ``Ω`` is Omega.
 
-    Letters that have no such name are left as they are.
+    Letters that have no such name are left as they are, and so is what is no text.
     """
-    return name if name.isascii() else "".join(map(_spelled_letter, unicodedata.normalize("NFKC", name)))
+    return name if not isinstance(name, str) or name.isascii() else "".join(map(_spelled_letter, unicodedata.normalize("NFKC", name)))
 
 
 def _spelled_letter(letter: str) -> str:

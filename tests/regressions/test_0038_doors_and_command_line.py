@@ -25,7 +25,7 @@ def test_every_verb_takes_an_id_a_file_or_a_system() -> None:
         assert isinstance(hjsolve.separate(named), hjsolve.Separation)
         assert hjsolve.ensemble(named, q={"r": [1.0], "theta": [0.0]}, p={"r": [0.0], "theta": [1.0]}).status[0] == "ok"
     assert hjsolve.find_coordinates("henon-heiles").system.id == "henon-heiles"
-    assert hjsolve.normal_modes("anisotropic-oscillator").system.id == "anisotropic-oscillator"
+    assert len(hjsolve.normal_modes("anisotropic-oscillator").modes) == 3
     assert hjsolve.linear_modes("gyroscopic-pair").system.id == "gyroscopic-pair"
 
 
