@@ -107,7 +107,9 @@ def _refined(
         return refine.on_torus(motion.equations, χ, whole, precise, bits)
     full = [phase + 2 * np.pi * n for phase, n in zip(χ, whole, strict=True)]
     courses = [with_reach(c, x) for c, x in zip(motion.equations.courses, full, strict=True)]
-    return refine.unbounded(courses, motion.equations.equations, full, precise, bits)
+    found, errors = refine.unbounded(courses, motion.equations.equations, full, precise, bits)
+    turn = 2 * multiprecision(bits).pi
+    return [x - turn * n.astype(int) for x, n in zip(found, whole, strict=True)], errors
 
 
 def with_reach(course: Course, χ: Any) -> Course:

@@ -160,6 +160,8 @@ def _ignorable_error(motion: Motion, phases: Phases, χ: list[Any], slack: list[
             total = total + 4 * unit * (course.grain(j, χ[i]) + course.grain(j, begin)[0])
         elif not isinstance(equations, Torus):
             total = total + 4 * unit * np.abs(np.asarray(course.integral(j, phases.χ[i]), dtype=float))
+            if isinstance(course, Bounded):
+                total = total + 4 * unit * 2 * np.pi * np.abs(phases.whole[i] * float(course.growth(j)))
         elif isinstance(course, Bounded):
             total = total + 4 * unit * float(np.sum(np.abs(oscillation(equations, i, j).cosines.astype(float))))
     return total
