@@ -21,7 +21,7 @@ from hjsolve.scenes.orbits import orbit_table
 from hjsolve.scenes.refusal import dissipative, words
 from hjsolve.scenes.scene import Scene, Times
 from hjsolve.solution import Solution, solve
-from hjsolve.state import Errors, State
+from hjsolve.state import Errors, Known, State
 from hjsolve.trajectory.dense import OnDemand
 
 _FIELDS = (
@@ -70,6 +70,10 @@ class Trajectory:
     status: Any
     arc: Any
     errors: Callable[[], Errors]
+
+    def __reduce__(self) -> tuple[Any, ...]:
+        numbers = (self.q, self.p, self.velocity, self.turns)
+        return Trajectory, (self.t, *map(dict, numbers), self.status, self.arc, Known(self.error))
 
     @property
     def error(self) -> Errors:
