@@ -5,6 +5,7 @@ from __future__ import annotations
 import itertools
 from collections.abc import Iterator
 from dataclasses import dataclass, replace
+from functools import partial
 from typing import Any
 
 import numpy as np
@@ -109,10 +110,18 @@ def ray(start: Start, side: int) -> Ray:
     """The way from the initial place to one side, up to the end of the domain or a full turn."""
     end = start.upper if side > 0 else start.lower
     if start.angle:
-        return Ray(start.radicand, start.place, side, lambda bits: 2 * multiprecision(bits).pi, turns=True)
+        return Ray(start.radicand, start.place, side, _turn, turns=True)
     if end is None:
         return Ray(start.radicand, start.place, side, None)
-    return Ray(start.radicand, start.place, side, lambda bits: abs(end(bits) - start.place(bits)))
+    return Ray(start.radicand, start.place, side, partial(_distance, start.place, end))
+
+
+def _turn(bits: int) -> Any:
+    return 2 * multiprecision(bits).pi
+
+
+def _distance(one: Number, other: Number, bits: int) -> Any:
+    return abs(other(bits) - one(bits))
 
 
 def _rest(start: Start, digits: int) -> Located:

@@ -71,6 +71,9 @@ class Radicand:
                 return replace(self, guard=bits - _TRIED[0])
         return self
 
+    def __getstate__(self) -> dict[str, Any]:
+        return {name: value for name, value in self.__dict__.items() if name != "_tapes"}
+
     @cached_property
     def _tapes(self) -> dict[tuple[str, int], Bound]:
         return {}

@@ -11,6 +11,7 @@ from __future__ import annotations
 
 import itertools
 from dataclasses import dataclass, replace
+from functools import partial
 from typing import Any, Literal, NamedTuple
 
 import numpy as np
@@ -257,7 +258,7 @@ def _settle(ray: Ray, cell: tuple[float, float], digits: int) -> End | None:
     f0, d0, _ = ray.jet(x0, bits)
     f1, d1, _ = ray.jet(x1, bits)
     if d1 == 0 and abs(f1) <= abs(f0) * multiprecision(bits).mpf(2) ** (24 - bits):
-        return End("asymptote", lambda b: ray.place(x1, b + 32), 2.0)
+        return End("asymptote", partial(_at, ray, x1), 2.0)
     if d0 * d1 >= 0:
         return _turning(ray, x0, x1, digits) if f1 < 0 else None
     if d0 > 0:
@@ -272,8 +273,21 @@ def _settle(ray: Ray, cell: tuple[float, float], digits: int) -> End | None:
         if value > noise:
             return None
         if bits >= _LAST_BITS:
-            return End("asymptote", lambda b: ray.place(_critical(ray, x0, x1, b + 32), b + 32), 2.0)
+            return End("asymptote", partial(_at_critical, ray, x0, x1), 2.0)
         bits *= 2
+
+
+def _at(ray: Ray, x: Any, bits: int) -> Any:
+    return ray.place(x, bits + 32)
+
+
+def _at_critical(ray: Ray, x0: Any, x1: Any, bits: int) -> Any:
+    return _at(ray, _critical(ray, x0, x1, bits + 32), bits)
+
+
+def _at_reach(ray: Ray, bits: int) -> Any:
+    assert ray.reach is not None
+    return _at(ray, ray.reach(bits + 32), bits)
 
 
 def _critical(ray: Ray, x0: Any, x1: Any, bits: int) -> Any:
@@ -282,21 +296,29 @@ def _critical(ray: Ray, x0: Any, x1: Any, bits: int) -> Any:
 
 
 def _turning(ray: Ray, x0: Any, x1: Any, digits: int) -> End:
-    """A simple zero of F in a cell where F is monotone.
+    """A simple zero of F in a cell where F is monotone."""
+    return End("turning", _Zero(ray, x0, x1, digits))
+
+
+class _Zero:
+    """The place of a simple zero of F in a cell where F is monotone, at any precision.
 
     Its place is checked by F itself with twice the digits, F/F′ being the error left; what cancellation took away
     (a small amplitude about a deep minimum, two zeros close together) is made up by a higher precision. What is known
     to more bits than are asked for is not worked out again.
     """
-    best: list[tuple[int, Any]] = []
 
-    def place(bits: int) -> Any:
-        if not best or best[-1][0] < bits:
-            best.append((bits, found(bits)))
-        return best[-1][1]
+    def __init__(self, ray: Ray, x0: Any, x1: Any, digits: int):
+        self.ray, self.cell, self.digits = ray, (x0, x1), digits
+        self.best: tuple[int, Any] = (0, None)
 
-    def found(bits: int) -> Any:
-        extra = bits + 64
+    def __call__(self, bits: int) -> Any:
+        if self.best[0] < bits:
+            self.best = bits, self._found(bits)
+        return self.best[1]
+
+    def _found(self, bits: int) -> Any:
+        ray, (x0, x1), extra = self.ray, self.cell, bits + 64
         while extra <= _MOST_BITS:
             fixed = _fixed(ray, extra + 64)
             x = _bracketed(lambda y, fixed=fixed, extra=extra: fixed.jet(y, extra)[:2], x0, x1, extra)
@@ -306,11 +328,9 @@ def _turning(ray: Ray, x0: Any, x1: Any, digits: int) -> End:
             left = float(multiprecision(64).log(abs(f / (slope * x)), 2)) if slope else 0.0
             extra += max(64, int(bits + 48 + left))
         raise NotConvergedError(
-            f"the turning point near q = {float(ray.place(x1, 128)):.15g} could not be had to {digits} digits: "
+            f"the turning point near q = {float(ray.place(x1, 128)):.15g} could not be had to {self.digits} digits: "
             "p² is too flat there"
         )
-
-    return End("turning", place)
 
 
 def _fixed(ray: Ray, bits: int) -> Ray:
@@ -385,8 +405,7 @@ def _beyond(ray: Ray, last: float, digits: int) -> End:
     power = _power(values, context) * (1 if ray.reach is None else -1)
     if ray.reach is None:
         return End("infinity", None, power)
-    reach = ray.reach
-    return End("boundary" if power < 2 else "asymptote", lambda b: ray.place(reach(b + 32), b + 32), power)
+    return End("boundary" if power < 2 else "asymptote", partial(_at_reach, ray), power)
 
 
 def _power(values: list[Any], context: Any) -> float:

@@ -14,7 +14,7 @@ from hjsolve.scenes.events import Event
 from hjsolve.scenes.rest import Rest
 from hjsolve.scenes.scene import Scene
 from hjsolve.solution import Solution
-from hjsolve.state import Errors, State
+from hjsolve.state import Errors, Known, State
 
 
 @dataclass(frozen=True, eq=False)
@@ -64,6 +64,10 @@ class Trajectory:
     status: Any
     arc: Any
     errors: Callable[[], Errors]
+
+    def __reduce__(self) -> tuple[Any, ...]:
+        numbers = (self.q, self.p, self.velocity, self.turns)
+        return Trajectory, (self.t, *map(dict, numbers), self.status, self.arc, Known(self.error))
 
     @property
     def error(self) -> Errors:
