@@ -17,8 +17,8 @@ import sympy as sp
 from hjsolve import arguments, quantities
 from hjsolve.errors import InvalidInputError
 from hjsolve.expressions import number
-from hjsolve.initial import Initial, domain_ends, expanded, initial_data, sign, to_bits
-from hjsolve.lowering import lower, over_one_denominator, spread_exponentials
+from hjsolve.initial import ZERO_BITS, Initial, domain_ends, expanded, initial_data, sign, to_bits
+from hjsolve.lowering import lower, over_one_denominator, recentred, spread_exponentials
 from hjsolve.numeric.arithmetic import multiprecision
 from hjsolve.numeric.classify import Located, Start, locate
 from hjsolve.numeric.course import PARTS, Open
@@ -325,8 +325,16 @@ def _start(solution: Solution, initial: Initial, name: str) -> Start:
     ends = [None if end is None else to_bits(end) for end in domain_ends(solution.system, name, initial.values)]
     place = to_bits(initial.values[coordinate.symbol])
     angle = coordinate.domain.kind == "angle" and (periodic or _periodic(radicand, place))
-    forward = sign(expanded(momentum + shift.subs(initial.values))) if shift != 0 else sign(expanded(momentum))
+    root = expanded(momentum + shift.subs(initial.values)) if shift != 0 else expanded(momentum)
+    forward = sign(root)
+    if forward:
+        radicand = radicand.guarded(place, _square(to_bits(root)))
     return Start(name, radicand, place, forward, ends[0], ends[1], angle, absent)
+
+
+def _square(root: Callable[[int], Any]) -> Callable[[int], Any]:
+    """P² of a root that may be what two large numbers leave."""
+    return lambda bits: root(bits + ZERO_BITS) ** 2
 
 
 @lru_cache(maxsize=256)
@@ -336,7 +344,8 @@ def _tapes(
     """p² and its kernels ½ ∂F/∂κⱼ as tapes; which kernels are zero everywhere; whether p² has period 2π by its form."""
     inputs, kernels = [q, *constants, *parameters], [sp.diff(F, c) / 2 for c in constants]
     absent, periodic = tuple(k == 0 for k in kernels), bool(F.xreplace({q: q + 2 * sp.pi}) == F)
-    return lower([spread_exponentials(over_one_denominator(F, q))], inputs), lower(kernels, inputs), absent, periodic
+    squared = recentred(spread_exponentials(over_one_denominator(F, q)), q)
+    return lower([squared], inputs), lower([recentred(k, q) for k in kernels], inputs), absent, periodic
 
 
 def _periodic(radicand: Radicand, place: Any) -> bool:
@@ -350,7 +359,7 @@ def _periodic(radicand: Radicand, place: Any) -> bool:
 
 
 def _checked(begin: Start) -> Start:
-    value = begin.radicand.value(begin.place(256), 256)
+    value = begin.radicand.value(begin.place(256 + begin.radicand.guard), 256)
     if begin.forward and value < 0:
         raise forbidden(begin)
     return begin

@@ -21,7 +21,7 @@ from hjsolve.numeric.arithmetic import Multi
 from hjsolve.numeric.estimate import Estimate
 from hjsolve.scenes.events import Event, Pending, once
 from hjsolve.scenes.scene import Scene
-from hjsolve.system import System, hamiltonian, velocities
+from hjsolve.system import hamiltonian, velocities
 
 _COLUMNS, _FEWEST, _SAFETY = 40, 4, 8
 
