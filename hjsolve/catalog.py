@@ -6,6 +6,7 @@ inline ``[system]`` table go through the same door.
 
 from __future__ import annotations
 
+import difflib
 from collections.abc import Iterable, Iterator, Mapping
 from importlib.resources import files
 from importlib.resources.abc import Traversable
@@ -246,7 +247,18 @@ def _locate(entry: str | Path) -> tuple[Traversable, str]:
         if file.name == f"{entry}.toml":
             return file, file.name
     shown = printable(str(entry)[:40])
-    raise CatalogError(f'no catalog entry "{shown}"{schema.nearest(shown, ids())}')
+    raise CatalogError(f'no catalog entry "{shown}"{_alike(shown)}')
+
+
+def _alike(word: str) -> str:
+    """The entries that look most like a word, and where all are listed."""
+    known = ids()
+    close = difflib.get_close_matches(word, known, n=3, cutoff=0.6)
+    if close:
+        return f'; did you mean "{close[0]}"?' + (f' or {" or ".join(close[1:])}?' if close[1:] else "")
+    held = [name for name in known if len(word) > 2 and word.lower() in name]
+    near = held or difflib.get_close_matches(word, known, n=3, cutoff=0.0)
+    return f"; the nearest are {', '.join(near[:5])}; `hjsolve catalog` (hjsolve.catalog.ids()) lists all {len(known)}"
 
 
 def _kind(expect: Mapping[str, Any], outside: refusals.Refusal | None) -> str:

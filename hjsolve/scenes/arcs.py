@@ -26,7 +26,7 @@ from hjsolve.scenes.crossing import bits_of, crossings, exact
 from hjsolve.scenes.events import Event, Pending, changed, once
 from hjsolve.scenes.flights import Flight, Free, walk
 from hjsolve.scenes.mirrors import Mirrors, mirrors
-from hjsolve.scenes.rest import Rest, Settling
+from hjsolve.scenes.rest import Rest, Settling, acceleration
 from hjsolve.scenes.scene import Scene
 from hjsolve.solution import Solution
 from hjsolve.system import velocities
@@ -135,15 +135,19 @@ def pieces(scene: Scene, solution: Solution, first: Mapping[str, Any]) -> tuple[
 
 
 def _refuse_rest_on_a_wall(scene: Scene, solution: Solution, first: Mapping[str, Any]) -> None:
-    """Nothing says on which side of the wall such a body is."""
+    """A body at rest on a wall, and drawn away from there: nothing says on which side of it the body is."""
     walls = [e for e in scene.events if e.kind == "wall"]
     if not walls:
         return
+    system = solution.system
     given = {name: first.get(name) for name in ("q", "velocity", "p", "parameters")}
     values = initial_data(solution, **given).values  # type: ignore[arg-type]
     for wall in walls:
-        c = solution.system.coordinate(str(wall.coordinate))
-        if is_zero(values[c.symbol] - wall.value) and is_zero(velocities(solution.system)[c.name].subs(values)):
+        c = system.coordinate(str(wall.coordinate))
+        speed = velocities(system)[c.name]
+        if all(is_zero(x.subs(values)) for x in (c.symbol - wall.value, speed)) and not is_zero(
+            acceleration(system, c.name).subs(values)
+        ):
             raise InvalidInputError(
                 f"initial: the motion starts at rest on the {wall}, and nothing says on which side of it; start it a "
                 "little to one side, or with a velocity"

@@ -17,6 +17,7 @@ from typing import Any
 
 import sympy as sp
 
+from hjsolve.errors import NotConvergedError
 from hjsolve.initial import to_bits
 from hjsolve.motion import Motion
 from hjsolve.numeric.arithmetic import multiprecision
@@ -29,6 +30,8 @@ from hjsolve.scenes.passes import Carried, Passes, passes
 from hjsolve.system import velocities
 from hjsolve.trajectory.positions import constant_index
 
+_LOOK = 1000
+"""Bounces after which it is judged how many there will be."""
 Candidate = tuple[Any, Pending, Callable[["Now"], None]]
 
 
@@ -330,8 +333,13 @@ def walk(free: Free, now: Now, pending: list[Pending], horizon: Any | None, most
         horizon: the last time of interest. most: arcs.
     """
     found: list[tuple[Flight, Any, tuple[Event, ...]]] = []
-    flight = now.flight()
+    flight, begin = now.flight(), now.time
     while len(found) < most:
+        if len(found) == _LOOK and horizon is not None and (horizon - begin) * _LOOK > 2 * most * (now.time - begin):
+            raise NotConvergedError(
+                f"{_LOOK} bounces came before t = {float(now.time):.6g}; up to t = {float(horizon):.6g} there would be "
+                f"more than {most}: shorten the scene"
+            )
         slack = free.context.mpf(10) ** (8 - free.motion.digits) * max(1, abs(now.time))
         ahead = _ahead(free, now, pending, slack)
         first = min((time for time, _, _ in ahead), default=None)

@@ -65,6 +65,15 @@ class Landing:
     values: tuple[Any, ...]
 
 
+def acceleration(system: System, name: str) -> sp.Expr:
+    """q̈ of a coordinate where no wall is: d/dt ∂H/∂p by Hamilton's equations, in coordinates and momenta."""
+    H, rates = hamiltonian(system), velocities(system)
+    return sp.Add(*(
+        sp.diff(rates[name], c.symbol) * rates[c.name] - sp.diff(rates[name], c.momentum) * sp.diff(H, c.symbol)
+        for c in system.coordinates
+    ))  # fmt: skip
+
+
 class Settling:
     """Bounces at one wall after the other, and where they lead.
 
@@ -100,7 +109,7 @@ class Settling:
         here = Landing(to_bits(time)(bits), values)
         self.landings.append(here)
         if not self.wall.restitution:
-            return self._kept(here) if side * self._pressed() <= 0 else None
+            return self._kept(here) if side * self._evaluated(acceleration(self.system, str(self.wall.coordinate))) <= 0 else None
         if not self.rows:
             self.rows = [_Limit(to_bits(self.wall.restitution)(bits), self.work) for _ in (here.time, *values)]
         for row, value in zip(self.rows, (here.time, *values), strict=True):
@@ -157,19 +166,6 @@ class Settling:
             if abs(off) <= way and way:
                 return True
         return False
-
-    def _pressed(self) -> Any:
-        """The acceleration of the wall's coordinate, were there no wall: d/dt ∂H/∂pᵢ by Hamilton's equations."""
-        assert self.wall is not None
-        assert self.wall.coordinate is not None
-        system, H = self.system, hamiltonian(self.system)
-        speed = velocities(system)[self.wall.coordinate]
-        rates = velocities(system)
-        terms = [
-            sp.diff(speed, c.symbol) * rates[c.name] - sp.diff(speed, c.momentum) * sp.diff(H, c.symbol)
-            for c in system.coordinates
-        ]
-        return self._evaluated(sp.Add(*terms))
 
     def _evaluated(self, formula: sp.Expr) -> Any:
         """A formula in coordinates and momenta just after the last bounce."""

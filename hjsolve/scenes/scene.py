@@ -30,6 +30,9 @@ if TYPE_CHECKING:
 
 INTEGRATED_DIGITS, MOST_INTEGRATED_DIGITS, _SWEEP_DIGITS = 10, 12, 15
 _LONGEST_RUN = 86_400
+_FAR_ROUND = 1_000_000
+LEAST = sp.Rational(1, 10**100)
+"""The smallest number that a scene with events is computed with; its inverse is the greatest."""
 Numbers = Mapping[str, object]
 
 
@@ -307,7 +310,35 @@ def _disagreements(scene: Scene) -> Iterator[str]:
             yield 'orbit: described but not wanted; add "orbit" to want'
     if scene.method == "integrate":
         yield from _integrated_faults(scene)
+    if scene.events:
+        yield from _out_of_proportion(scene)
     yield from _time_order(scene)
+
+
+def _out_of_proportion(scene: Scene) -> Iterator[str]:
+    """Numbers whose powers no double holds: what happens at an event is decided in many digits, but not in any size."""
+    given: dict[str, object] = {}
+    if scene.initial is not None:
+        for key, group in (("q", scene.initial.q), ("velocity", scene.initial.velocity), ("p", scene.initial.p)):
+            given |= {f"initial.{key}.{name}": value for name, value in (group or {}).items()}
+    if scene.times is not None:
+        given |= {"times": scene.times.last}
+    for place, event in enumerate(scene.events, start=1):
+        jumps = {**(event.momentum or {}), **(event.velocity or {})}
+        given |= {f"events[{place}].{name}": value for name, value in jumps.items()}
+        numbers = {"at.t": event.time, "at.value": event.value, "restitution": event.restitution}
+        given |= {f"events[{place}].{key}": value for key, value in numbers.items() if value is not None}
+    for key, value in given.items():
+        size = abs(number(value, source=key))
+        if size != 0 and not LEAST <= size <= 1 / LEAST:
+            yield f"{key}: with events numbers from 1e-100 to 1e100 are computed with; choose units nearer to 1"
+    angles = {c.name for c in scene.system.coordinates if c.domain.kind == "angle"}
+    turned = {f"initial.q.{name}": given.get(f"initial.q.{name}", 0) for name in angles} | {
+        f"events[{k}].at.value": e.value for k, e in enumerate(scene.events, start=1) if e.coordinate in angles
+    }
+    for key, value in turned.items():
+        if abs(number(value, source=key)) > _FAR_ROUND:
+            yield f"{key}: an angle beyond {_FAR_ROUND}; give the same place within a turn or a few"
 
 
 def _integrated_faults(scene: Scene) -> Iterator[str]:
