@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
-from functools import lru_cache
+from functools import cached_property, lru_cache
 from typing import Any
 
 import numpy as np
@@ -11,6 +11,7 @@ import numpy as np
 from hjsolve.numeric.arithmetic import Multi
 from hjsolve.numeric.panels import Growing, Panels, Way
 from hjsolve.numeric.radicand import Radicand
+from hjsolve.numeric.surroundings import Sight, Surrounding
 
 _FINE = 8
 """Steps of the reach of panels in a factor of two: far out, what is not asked for may be much."""
@@ -39,6 +40,14 @@ class Branch:
         kernels = [0 * p if skip else w * abs(slope) / p for w, skip in zip(weights, self.skipped, strict=True)]
         return [*kernels, p / abs(slope) * self.way.rest(y, Multi(work))]
 
+    def around(self, y: Any, rest: float) -> Surrounding:
+        """Return what is around the place y, ``rest`` before the greatest y; see ``numeric.reach``."""
+        return Surrounding(self._sight, y, rest)
+
+    @cached_property
+    def _sight(self) -> Sight:
+        return Sight(self.way, self.radicand, self.skipped, self.bits)
+
     def panels(self, weights: tuple[float, ...] | None, amount: float) -> Panels:
         """Return the integrals so far that |Σ wⱼ Gⱼ| reaches ``amount``; without weights, that y does."""
         if self.way.end == "fall":  # all of it, once
@@ -53,7 +62,7 @@ def farthest(digits: int) -> int:
 
 @lru_cache(maxsize=64)
 def _growing(branch: Branch) -> Growing:
-    return Growing(branch.way, branch.integrands, digits=branch.digits, bits=branch.bits)
+    return Growing(branch.way, branch.integrands, branch.around, digits=branch.digits, bits=branch.bits)
 
 
 @lru_cache(maxsize=64)

@@ -47,8 +47,9 @@ class Disk(NamedTuple):
 
 def hull(x: Disk, y: Disk) -> Disk:
     """Return a disk that holds both."""
-    apart = y.centre - x.centre
-    return Disk(x.centre + apart / 2, np.abs(apart) * 0.5000001 + np.maximum(x.radius, y.radius))
+    with np.errstate(all="ignore"):
+        apart = y.centre - x.centre
+        return Disk(x.centre + apart / 2, np.abs(apart) * 0.5000001 + np.maximum(x.radius, y.radius))
 
 
 def tighter(x: Disk, y: Disk) -> Disk:
@@ -166,7 +167,8 @@ class Disks:
 
     def _exp(self, x: Disk) -> Disk:
         value = np.exp(x.centre)
-        result = _rounded(value, np.abs(value) * (np.expm1(x.radius) + _UNIT * np.abs(x.centre)))
+        spread = np.where(x.radius < 1, np.abs(value) * np.expm1(x.radius), np.exp(np.real(x.centre) + x.radius))
+        result = _rounded(value, spread * (1 + _UNIT * (np.abs(x.centre) + x.radius)) + _UNIT * np.abs(value * x.centre))
         return _overflowed(result, np.real(x.centre) - x.radius > _HIGHEST)
 
     def _sincos(self, x: Disk, name: str) -> Disk:
@@ -223,11 +225,13 @@ class Disks:
 
     def shifted(self, x: Disk, by: float) -> Disk:
         """Return x + by."""
-        return _rounded(x.centre + by, x.radius)
+        with np.errstate(all="ignore"):
+            return _rounded(x.centre + by, x.radius)
 
     def times(self, x: Disk, by: complex) -> Disk:
         """Return by·x."""
-        return _rounded(by * x.centre, abs(by) * x.radius)
+        with np.errstate(all="ignore"):
+            return _rounded(by * x.centre, abs(by) * x.radius)
 
 
 def _overflowed(x: Disk, far: Any) -> Disk:
