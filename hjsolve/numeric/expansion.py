@@ -98,10 +98,11 @@ class Locals:
     def power(self, x: Local, n: int) -> Local:
         if n == 0:
             return self._told(self.constant(_DISKS.rational(1, 1)))
-        result = by_squaring(self._mul, x, abs(n))
+        base = self._inverse(x) if n < 0 else x
+        result = by_squaring(self._mul, base, abs(n))
         if not x.constant:  # a power of a disk is narrower than its product with itself
-            result = result._replace(parts=(_DISKS.power(x.parts[0], abs(n)), *result.parts[1:]))
-        return self._told(self._inverse(result) if n < 0 else result)
+            result = result._replace(parts=(_DISKS.power(base.parts[0], abs(n)), *result.parts[1:]))
+        return self._told(result)
 
     def unary(self, name: str, x: Local) -> Local:
         return self._told(self._negative(x) if name == "neg" else self._unary(name, x))

@@ -20,7 +20,7 @@ from hjsolve.numeric.sectors import RHO, Sectors, around, joined, real_lengths
 
 _OCTAVES, _DEEPEST = 12, 12
 """How many times smaller than the longest panel thought of the core is, in powers of two, and how often that is done."""
-_ROUNDS = 4
+_ROUNDS = 3
 """How often the sectors that limit a panel are quartered."""
 _WORTH = 2.5
 """Sectors are quartered up to so many times the panel that the nearest one allows."""
@@ -28,6 +28,8 @@ _SHARES = 0.84 ** np.arange(13)
 """Parts of the longest panel that is proved, from which the one with the fewest nodes for its length is taken."""
 _MOST_NODES = 2.0
 """Nodes, over those for integrands that are no larger in the ellipse than on the panel."""
+_NOTHING = 1e-290
+"""A bound below this is that of an integrand which is 0: the rounding of disks."""
 _LOSS = float(np.log(4 * RHO / (RHO - 1)))
 
 
@@ -128,6 +130,7 @@ def _best(sectors: Sectors, sizes: Sizes, length: float, digits: int) -> Reach:
     inner = np.searchsorted(met, real_lengths(steps)) - 1
     with np.errstate(divide="ignore", invalid="ignore"):
         excess = np.nan_to_num(np.log(most[:, outer] / inside[:, inner]), nan=0.0, posinf=700.0, neginf=0.0)
+    excess[most[:, outer] < _NOTHING] = 0.0
     nodes = np.array([nodes_for(x, digits) for x in np.max(excess, axis=0)])
     dear = nodes > _MOST_NODES * nodes_for(0.0, digits)
     best = int(np.argmin(np.where(dear, 1e3, 1.0) * nodes / steps))

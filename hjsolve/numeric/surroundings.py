@@ -234,7 +234,9 @@ class Surrounding:
             local = Locals(offset, 1)
             variable = local.variable(sight.start, float(sight.way.side))
             found = sight.radicand.squared.run(local, [variable, *map(local.constant, sight.inputs)])[0]
-            squared = _cells(found.parts[1]) if len(found.parts) > 1 else _unknown(places.x)
+            squared = _D.div(_cells(found.parts[0]), places.x)
+            if len(found.parts) > 1:
+                squared = tighter(_cells(found.parts[1]), squared)
         else:
             squared = sight.squared.run(q)[0]
         return self._plain_sizes(squared, q, places)
@@ -301,10 +303,6 @@ def _cells(x: Disk) -> Disk:
 def _full(x: Disk, like: Disk) -> Disk:
     shape = np.shape(like.radius)
     return Disk(np.broadcast_to(x.centre, shape), np.broadcast_to(x.radius, shape))
-
-
-def _unknown(like: Disk) -> Disk:
-    return Disk(0 * like.centre, np.full(np.shape(like.radius), np.inf))
 
 
 def _nothing(like: Disk, kernels: int) -> Sizes:
