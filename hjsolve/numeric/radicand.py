@@ -9,6 +9,7 @@ from typing import Any
 
 import numpy as np
 
+from hjsolve.numeric import asymptotics
 from hjsolve.numeric.arithmetic import Float64, Multi
 from hjsolve.numeric.counting import count
 from hjsolve.numeric.interval import Interval, Intervals
@@ -50,6 +51,10 @@ class Radicand:
         """Return ½ ∂F/∂κⱼ at q."""
         count(kernels=1)
         return self._bound("weights", bits).run(q)
+
+    def sign_beyond(self, side: int, start: float) -> int:
+        """Return the sign of F for all side·q ≥ start; 0 where that is not known."""
+        return asymptotics.sign_beyond(self.squared, self.inputs(asymptotics.BITS), side, start)
 
     @cached_property
     def _tapes(self) -> dict[tuple[str, int], Bound]:

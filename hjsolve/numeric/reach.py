@@ -24,6 +24,8 @@ _ROUNDS = 3
 """How often the sectors that limit a panel are quartered."""
 _WORTH = 2.5
 """Sectors are quartered up to so many times the panel that the nearest one allows."""
+_SHORT = 1 / 64
+"""Of the longest panel; where one is shorter, the surroundings are looked at with all care."""
 _SHARES = 0.84 ** np.arange(13)
 """Parts of the longest panel that is proved, from which the one with the fewest nodes for its length is taken."""
 _MOST_NODES = 2.0
@@ -97,9 +99,9 @@ def _within(surroundings: Surroundings, most: float, digits: int) -> Reach | Non
         if turn == _ROUNDS or length >= most:
             break
         least = most * 2.0**-_OCTAVES
-        if length < least and not careful:
+        if length < _SHORT * most and not careful:
             careful = True
-            sizes = _again(surroundings, sectors, sizes, bad & (lengths < _WORTH * least))
+            sizes = _again(surroundings, sectors, sizes, bad & (lengths < _WORTH * _SHORT * most))
             continue
         if length == 0:
             break

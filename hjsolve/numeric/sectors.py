@@ -40,11 +40,11 @@ class Sectors:
     def disks(self) -> Disk:
         """Return the disk about each: through its corners, or through the outer ones where it is a half disk."""
         half = (self.last - self.first) / 2
-        core = self.inner == 0
-        away = np.where(core, 0.0, (self.inner + self.outer) / (2 * np.cos(np.where(core, 0.0, half))))
-        corner = np.sqrt(np.abs(away**2 + self.outer**2 - 2 * away * self.outer * np.cos(half)))
-        radius = np.where(core, self.outer, np.maximum(corner, self.outer - away))
-        return Disk(away * np.exp(1j * (self.first + half)), radius * (1 + 1e-12))
+        core, inner = self.inner == 0, self.inner / self.outer
+        away = np.where(core, 0.0, (inner + 1) / (2 * np.cos(np.where(core, 0.0, half))))
+        corner = np.sqrt(np.abs(away**2 + 1 - 2 * away * np.cos(half)))
+        radius = np.where(core, 1.0, np.maximum(corner, 1 - away))
+        return Disk(self.outer * away * np.exp(1j * (self.first + half)), self.outer * radius * (1 + 1e-12))
 
     def lengths(self) -> Any:
         """Return the length of the panel whose ellipse begins to meet each sector: λ is least at a corner."""

@@ -8,7 +8,8 @@ digits (``numeric.expansion``). Every way is right; where several know something
 
 from __future__ import annotations
 
-from dataclasses import dataclass, replace
+from collections.abc import Callable
+from dataclasses import dataclass
 from functools import cached_property
 from typing import TYPE_CHECKING, Any, NamedTuple
 
@@ -19,6 +20,7 @@ from hjsolve.numeric.arithmetic import Multi
 from hjsolve.numeric.disks import Disk, Disks, tighter
 from hjsolve.numeric.expansion import ZERO, Local, Locals
 from hjsolve.numeric.panels import Way
+from hjsolve.numeric.rates import EXPONENTIAL, Rates, largest
 from hjsolve.numeric.reach import Sizes
 from hjsolve.numeric.tape import Bound, Tape
 
@@ -30,6 +32,10 @@ _ONE = Disk(np.complex128(1.0), np.float64(0.0))
 _FAR, _FARTHER = 100, 116
 """Distances from an end, 2^−…, at which the orders of what vanishes there are taken."""
 _EXACT = 2048
+_HIGHEST = 16
+"""Of the orders; what grows or falls faster is no power."""
+_AWAY = 16.0
+"""Distance from the start, in natural lengths, from which on a way to infinity is far out."""
 
 
 class Scale(NamedTuple):
@@ -131,6 +137,12 @@ class Sight:
         return self.radicand.kernels.bind(_D, self.inputs)
 
     @cached_property
+    def exponential(self) -> bool:
+        """True where a formula has exponentials."""
+        tapes = (self.radicand.squared, self.radicand.kernels)
+        return any(operation.code in EXPONENTIAL for tape in tapes for operation in tape.operations)
+
+    @cached_property
     def start(self) -> Disk:
         return _D.point(self.way.start)
 
@@ -148,7 +160,10 @@ class Sight:
     def orders(self) -> tuple[list[Any], list[Any]]:
         """Orders of all slots of p² and of the kernels at the end of the way; see ``expansion.Locals``."""
         inputs, length = self.radicand.inputs(_EXACT), abs(self.way.length)
-        q = [self.finish - self.way.side * length * Multi(_EXACT).context.mpf(2) ** -k for k in (_FAR, _FARTHER)]
+        if self.way.end == "infinity":
+            q = [self.way.side * Multi(_EXACT).context.mpf(2) ** k for k in (_FAR, _FARTHER)]
+        else:
+            q = [self.finish - self.way.side * length * Multi(_EXACT).context.mpf(2) ** -k for k in (_FAR, _FARTHER)]
         return tuple(_orders(tape, q, inputs) for tape in (self.radicand.squared, self.radicand.kernels))
 
     def integrands(self, squared: Disk, weights: list[Disk], places: Spots, powers: list[int], order: int) -> Sizes:
@@ -196,7 +211,8 @@ def _orders(tape: Tape, places: list[Any], inputs: list[Any]) -> list[Any]:
             found.append(ZERO)
             continue
         ratio = float(a.context.log(abs(a / b), 2)) / (_FARTHER - _FAR) if a and b else 0.5
-        found.append(round(ratio) if abs(ratio - round(ratio)) < 1e-9 else None)
+        told = abs(ratio) < _HIGHEST and abs(ratio - round(ratio)) < 1e-9
+        found.append(round(ratio) if told else None)
     return found
 
 
@@ -214,14 +230,31 @@ class Surrounding:
     rest: float
 
     def __call__(self, z: Disk, careful: bool) -> Sizes:
-        way = self.sight.way
-        places = spots(way, float(self.y), self.rest, z)
-        sizes = self._closely(places) if careful else self._plainly(places)
-        if way.end == "infinity":
-            return sizes
-        share = np.abs(places.root.centre) ** 2
-        late = np.broadcast_to(share < 0.3, sizes.most.shape[1:])
-        return _narrower(sizes, self._from_end(places), late) if late.any() else sizes
+        places = spots(self.sight.way, float(self.y), self.rest, z)
+        sizes = self._plainly(places)
+        for look in self._others(careful):
+            bad = ~np.all(np.isfinite(sizes.most), axis=0)
+            if not bad.any():
+                break
+            more = look(_chosen(places, bad))
+            for part, better in zip(sizes, more, strict=True):
+                part[:, bad] = better
+        return sizes
+
+    def _others(self, careful: bool) -> list[Callable[[Spots], Sizes]]:
+        """Other ways to look at disks about which the plain formula knows nothing, those that apply here."""
+        way, here = self.sight.way, []
+        if way.end != "infinity":
+            here.append(self._from_end)
+        elif self._far:
+            here += [self._by_rates] * self.sight.exponential + [self._from_end]
+        return here + [self._closely] * careful
+
+    @property
+    def _far(self) -> bool:
+        """True far from the start, where a place is seen best from infinity."""
+        x, way = self.sight.way.distances(self.y, Multi(64))[0], self.sight.way
+        return bool(x > _AWAY * way.length and way.side * (way.start + way.side * x) > x / 2)
 
     def _place(self, x: Disk) -> Disk:
         return _D.add(self.sight.start, _D.times(x, float(self.sight.way.side)))
@@ -268,26 +301,54 @@ class Surrounding:
     def _from_end(self, places: Spots) -> Sizes:
         """p² and the kernels from the end of the way, what vanishes or has a pole there taken out."""
         sight, way = self.sight, self.sight.way
-        orders = sight.orders
-        left = _D.times(_D.power(places.root, 2), float(way.length))
-        order = orders[0][-1] if orders[0] and orders[0][-1] != ZERO else None
-        if order is None or not orders[1]:
-            return _nothing(left, len(sight.skipped))
-        outputs = [
-            tape.run(local := Locals(_with_base(left), 2, told), [self._to_end(local), *map(local.constant, sight.inputs)])
-            for tape, told in zip((sight.radicand.squared, sight.radicand.kernels), orders, strict=True)
-        ]
-        squared, length = outputs[0][0], float(way.length)
-        factor = _D.times(_full(_cells(squared.parts[0]), left), length**squared.order)
+        orders, endless = sight.orders, way.end == "infinity"
+        if not orders[0] or orders[0][-1] in (ZERO, None) or not orders[1]:
+            return _nothing(places.moved, len(sight.skipped))
+        if endless:
+            left = _D.times(_D.inverse(self._place(places.x)), float(way.side))
+        else:
+            left = _D.times(_D.power(places.root, 2), float(way.length))
+        outputs = []
+        for tape, told in zip((sight.radicand.squared, sight.radicand.kernels), orders, strict=True):
+            local = Locals(_with_base(left), 2, told)
+            outputs.append(tape.run(local, [self._to_end(local), *map(local.constant, sight.inputs)]))
+        squared, weights = outputs[0][0], outputs[1]
+        factor, others = self._taken_out(squared, left), [self._taken_out(w, left) for w in weights]
         if way.turning:
             factor = _D.div(factor, places.x)
-        weights = [_D.times(_full(_cells(w.parts[0]), left), length**w.order) for w in outputs[1]]
-        powers = [2 * w.order for w in outputs[1]]
-        return sight.integrands(factor, weights, places, powers, 2 * squared.order)
+        if endless:
+            return sight.integrands(factor, others, places, [0] * len(others), 0)
+        return sight.integrands(factor, others, places, [2 * w.order for w in weights], 2 * squared.order)
 
     def _to_end(self, local: Locals) -> Local:
-        side = -float(self.sight.way.side)
-        return local.variable(_D.point(self.sight.finish), side, centred=self.sight.centred)
+        side = float(self.sight.way.side)
+        if self.sight.way.end == "infinity":
+            return local.inverse_variable(side)
+        return local.variable(_D.point(self.sight.finish), -side, centred=self.sight.centred)
+
+    def _taken_out(self, f: Local, left: Disk) -> Disk:
+        """f over the power of r in it; far out, where r is 1, f itself."""
+        cells = _full(_cells(f.parts[0]), left)
+        if self.sight.way.end == "infinity":
+            return _D.mul(cells, _D.power(left, f.order)) if f.order else cells
+        return _D.times(cells, float(self.sight.way.length) ** f.order)
+
+    def _by_rates(self, places: Spots) -> Sizes:
+        """The formulas with their exponentials taken out."""
+        sight, q = self.sight, self._place(places.x)
+        rates = Rates(q, sight.way.side)
+        inputs = [rates.variable(), *map(rates.constant, sight.inputs)]
+        squared = sight.radicand.squared.run(rates, inputs)[0]
+        weights = sight.radicand.kernels.run(rates, inputs)
+        factor = _full(squared.value, q)
+        if sight.way.turning:
+            factor = _D.div(factor, places.x)
+        sizes = sight.integrands(factor, [w.value for w in weights], places, [0] * len(weights), 0)
+        growths = [*(w.rate - squared.rate / 2 for w in weights), squared.rate / 2]
+        with np.errstate(all="ignore"):
+            most = [row * np.exp(largest(q, rate)) for row, rate in zip(sizes.most, growths, strict=True)]
+            inside = [row * np.exp(rate * np.real(q.centre)) for row, rate in zip(sizes.inside, growths, strict=True)]
+        return Sizes(np.where(np.isfinite(most), most, np.inf), np.nan_to_num(inside, posinf=0.0))
 
 
 def _with_base(x: Disk) -> Disk:
@@ -310,7 +371,6 @@ def _nothing(like: Disk, kernels: int) -> Sizes:
     return Sizes(np.full(shape, np.inf), np.zeros(shape))
 
 
-def _narrower(x: Sizes, y: Sizes, where: Any) -> Sizes:
-    """The smaller bounds of two, the second only where told."""
-    better = where & (np.max(y.most, axis=0) < np.max(x.most, axis=0))
-    return Sizes(np.where(better, y.most, x.most), np.where(better, y.inside, x.inside))
+def _chosen(places: Spots, which: Any) -> Spots:
+    """Some of the places."""
+    return Spots(*(Disk(x.centre[which], x.radius[which]) if np.ndim(x.radius) else x for x in places))
