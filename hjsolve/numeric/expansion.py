@@ -7,20 +7,29 @@ f(e) matters. Differences are carried through a formula by Leibniz' rule and thr
 
 (Krawczyk & Neumaier, SIAM J. Numer. Anal. 22 (1985) 604); a difference of Φ is a quotient or a mean value over the hull,
 whichever is narrower. Poles and zeros of the parts of a formula are taken out where their orders are known.
+
+The place may be infinity, with u = 1/q, or with u = e^{−c|q|}: q itself has no series in that u, but exp(aq + b) is
+e^b times a power of it. So what is linear in q is kept as a and b.
 """
 
 from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import dataclass, field
+from fractions import Fraction
+from math import lcm
 from typing import Any, NamedTuple
 
 import numpy as np
 
 from hjsolve.numeric.arithmetic import by_squaring
 from hjsolve.numeric.disks import Disk, Disks, hull, tighter
+from hjsolve.numeric.tape import Tape
 
 _DISKS = Disks()
+_EXPONENTIAL = frozenset({"exp", "sinh", "cosh", "tanh"})
+_HIGHEST = 48
+"""Of the powers of one exponential."""
 ZERO = "zero"
 """In place of an order: the number is exactly 0."""
 
@@ -28,12 +37,14 @@ ZERO = "zero"
 class Local(NamedTuple):
     """f = uᵏ φ: φ(q), φ[e, q], φ[e, e, q], as many as are known; the first element of each array is at q = e.
 
-    ``constant``: f does not depend on q, and all further differences are 0.
+    ``constant``: f does not depend on q, and all further differences are 0. ``line``: a and b where f = a q + b, known
+    only with exponentials.
     """
 
     order: int
     parts: tuple[Disk, ...]
     constant: bool = False
+    line: tuple[Disk, Disk] | None = None
 
 
 def _at_base(x: Disk) -> Disk:
@@ -48,12 +59,16 @@ class Locals:
     Attributes:
         offset: u over all cells; its first element is 0.
         depth: greatest order of a difference that is kept, 1 or 2.
+        rate: −c·sign q where u = e^{−c|q|}, else 0.
         orders: of the slots of the tape that is run, in their order; None for one that is not known. Empty: none is.
+        q: the cells, the first element of no meaning, where u is an exponential.
     """
 
     offset: Disk
     depth: int
     orders: Sequence[Any] = ()
+    rate: float = 0.0
+    q: Disk | None = None
     _count: int = field(default=0)
 
     def constant(self, value: Disk) -> Local:
@@ -71,6 +86,11 @@ class Locals:
     def inverse_variable(self, sign: float) -> Local:
         """Return q = sign/u: the place is infinity."""
         return Local(-1, (self._full(sign), *(self._full(0.0) for _ in range(self.depth))))
+
+    def exponent(self) -> Local:
+        """Return q where u is an exponential."""
+        assert self.q is not None
+        return Local(0, (self.q,), line=(_DISKS.rational(1, 1), _DISKS.rational(0, 1)))
 
     def _full(self, value: float) -> Disk:
         return Disk(np.full(np.shape(self.offset.radius), value, dtype=complex), np.zeros(np.shape(self.offset.radius)))
@@ -125,19 +145,32 @@ class Locals:
 
     def lowered(self, x: Local, order: int) -> Local:
         """Return the same with φ multiplied by a power of u."""
-        for _ in range(x.order - order):
-            shifted = _DISKS.mul(self.offset, x.parts[0])
-            x = Local(x.order - 1, (shifted, *x.parts[: self.depth]), constant=False)
-        return x
+        n = x.order - order
+        if n == 0:
+            return x
+        powers = [_DISKS.power(self.offset, n - i) for i in range(min(n, self.depth + 1))]
+        parts = [_DISKS.mul(power, x.parts[0]) for power in powers]
+        if n <= self.depth:
+            parts += x.parts[: self.depth + 1 - n]
+        return Local(order, tuple(parts))
 
     # ------------------------------------------------------------------ the arithmetic
 
     def _negative(self, x: Local) -> Local:
-        return x._replace(parts=tuple(_DISKS.unary("neg", part) for part in x.parts))
+        line = x.line and (_DISKS._neg(x.line[0]), _DISKS._neg(x.line[1]))
+        return x._replace(parts=tuple(_DISKS.unary("neg", part) for part in x.parts), line=line)
 
     def _add(self, x: Local, y: Local) -> Local:
         if x.constant and y.constant:
             return self.constant(_DISKS.add(x.parts[0], y.parts[0]))
+        if not self.rate:
+            return self._sum(x, y)
+        one, other = (part.line or (_DISKS.rational(0, 1), part.parts[0]) for part in (x, y))
+        known = all(part.line or part.constant for part in (x, y))
+        line = (_DISKS.add(one[0], other[0]), _DISKS.add(one[1], other[1])) if known else None
+        return self._sum(x, y)._replace(line=line)
+
+    def _sum(self, x: Local, y: Local) -> Local:
         if x.constant:
             x, y = y, x
         if y.constant and x.order == 0:
@@ -159,7 +192,8 @@ class Locals:
         if y.constant:
             x, y = y, x
         if x.constant:
-            return y._replace(parts=tuple(d.mul(x.parts[0], part) for part in y.parts), constant=y.constant)
+            line = y.line and (d.mul(x.parts[0], y.line[0]), d.mul(x.parts[0], y.line[1]))
+            return y._replace(parts=tuple(d.mul(x.parts[0], part) for part in y.parts), line=line)
         parts = [d.mul(x.parts[0], y.parts[0])]
         known = min(len(x.parts), len(y.parts))
         bases = [_at_base(part) for part in x.parts[: known - 1]]
@@ -189,6 +223,8 @@ class Locals:
         d = _DISKS
         if x.constant:
             return self.constant(d.unary(name, x.parts[0]))
+        if x.line is not None and name in _EXPONENTIAL:
+            return self._exponential(name, x.line)
         if name == "sqrt" and x.order % 2 == 0:
             return self._composed(name, Local(0, x.parts))._replace(order=x.order // 2)
         if name == "log" and x.order:
@@ -197,10 +233,23 @@ class Locals:
             return Local(0, (d.unary(name, d.mul(x.parts[0], d.power(self.offset, x.order))),))
         return self._composed(name, self.lowered(x, 0))
 
+    def _exponential(self, name: str, line: tuple[Disk, Disk]) -> Local:
+        """e^{aq + b} = uᵏ e^{b + …}, and what is made of it."""
+        d = _DISKS
+        if name == "tanh":
+            return self._mul(self._exponential("sinh", line), self._inverse(self._exponential("cosh", line)))
+        if name == "exp":
+            order = round(float(np.real(line[0].centre)) / self.rate)
+            left = d.mul(d.shifted(line[0], -order * self.rate), self.exponent().parts[0])
+            return Local(order, (d.unary("exp", d.add(left, line[1])), *(self._full(0.0) for _ in range(self.depth))))
+        up, down = (self._exponential("exp", ends) for ends in (line, (d._neg(line[0]), d._neg(line[1]))))
+        both = self._sum(up, down if name == "cosh" else self._negative(down))
+        return both._replace(parts=tuple(d.times(part, 0.5) for part in both.parts))
+
     def _logarithm(self, x: Local) -> Local:
         d = _DISKS
-        order = d.rational(x.order, 1)
-        return Local(0, (d.add(d.mul(order, d.unary("log", self.offset)), d.unary("log", x.parts[0])),))
+        log = d.times(self.exponent().parts[0], self.rate) if self.rate else d.unary("log", self.offset)
+        return Local(0, (d.add(d.mul(d.rational(x.order, 1), log), d.unary("log", x.parts[0])),))
 
     def _composed(self, name: str, x: Local) -> Local:
         d, f = _DISKS, x.parts
@@ -216,3 +265,35 @@ class Locals:
             second = tighter(d.div(d.sub(first, _at_base(first)), gap), close)
             parts.append(d.add(d.mul(first, f[2]), d.mul(d.mul(_at_base(f[1]), f[1]), second)))
         return Local(0, tuple(parts))
+
+
+def _unit(rates: list[float]) -> float:
+    """The largest number of which all are multiples, 0 where there is none or the multiples are high."""
+    least = min((abs(a) for a in rates if a), default=0.0)
+    if not least:
+        return 0.0
+    ratios = [Fraction(a / least).limit_denominator(_HIGHEST) for a in rates]
+    if any(abs(r * least - a) > 1e-12 * abs(a) for r, a in zip(ratios, rates, strict=True)):
+        return 0.0
+    common = lcm(*(r.denominator for r in ratios))
+    return least / common if max(abs(r) for r in ratios) * common <= _HIGHEST else 0.0
+
+
+@dataclass
+class _Listening(Locals):
+    """The same, writing down the rates of all exponentials."""
+
+    heard: list[float] = field(default_factory=list)
+
+    def _exponential(self, name: str, line: tuple[Disk, Disk]) -> Local:
+        self.heard.append(float(np.real(line[0].centre)))
+        return Local(0, (_DISKS.rational(1, 1),))
+
+
+def exponential_unit(tapes: Sequence[Tape], inputs: list[Disk]) -> float:
+    """Return c such that all exponentials of linear forms are powers of e^{cq}; 0 where there is none."""
+    place = Disk(np.array([0.0, 1.0]), np.array([0.0, 0.0]))
+    listening = _Listening(place, 1, rate=1.0, q=place)
+    for tape in tapes:
+        tape.run(listening, [listening.exponent(), *map(listening.constant, inputs)])
+    return _unit(listening.heard)

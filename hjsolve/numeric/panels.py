@@ -22,7 +22,7 @@ from collections.abc import Callable
 from dataclasses import dataclass
 from functools import cached_property, lru_cache
 from threading import Lock
-from typing import Any
+from typing import Any, Protocol
 
 import numpy as np
 
@@ -171,6 +171,22 @@ class Panels:
         return x2 / 2 * b1 - b2 + rows[..., 0]
 
 
+class Integrated(Protocol):
+    """Functions of y in many digits, with what is known of them about a place; see ``branch.Branch``."""
+
+    def integrands(self, y: Any, extra: int = 0) -> list[Any]:
+        """Return the values of all functions at y (``mpf``), with so many bits more than usual."""
+        ...
+
+    def cancelled(self, y: Any, extra: int) -> int:
+        """Return the bits more than usual that the functions need at y, at least ``extra``."""
+        ...
+
+    def around(self, y: Any, rest: float) -> Surroundings:
+        """Return where the functions are analytic about y; ``rest`` is left from there to the greatest y."""
+        ...
+
+
 class Growing:
     """The integrals along a branch, panel by panel, as far as they were asked for; what is there is never done again.
 
@@ -180,8 +196,7 @@ class Growing:
     def __init__(
         self,
         way: Way,
-        integrands: Callable[[Any], list[Any]],
-        around: Callable[[Any, float], Surroundings],
+        course: Integrated,
         *,
         digits: int,
         bits: int,
@@ -190,12 +205,11 @@ class Growing:
 
         Args:
             way: the branch.
-            integrands: y (``mpf``) ↦ the values of all functions.
-            around: y and what is left from there to the greatest y ↦ where the functions are analytic about y.
+            course: what is integrated.
             digits: relative digits wanted.
             bits: working precision.
         """
-        self.way, self.integrands, self.around, self.digits, self.bits = way, integrands, around, digits, bits
+        self.way, self.course, self.digits, self.bits, self.extra = way, course, digits, bits, 0
         self.context = multiprecision(bits)
         self.last = way.last(self.context)
         self.step = self.context.mpf(_FIRST) / _GROWTH
@@ -262,7 +276,7 @@ class Growing:
         if len(self.values) > _MAX_PANELS:
             raise NotConvergedError(f"more than {_MAX_PANELS} panels on the way to {self.way.end}; {self._reached(y)}")
         rest = 0.0 if self.last is None else float(self.last - y)
-        around, most = self.around(y, rest), _GROWTH * float(self.step)
+        around, most = self.course.around(y, rest), _GROWTH * float(self.step)
         if self.last is not None:
             most = min(most, rest) if most < rest / 2 else rest
         elif self.way.end != "infinity":
@@ -273,12 +287,15 @@ class Growing:
                 break
             self.step = self.last - y if reach.length == rest else self.context.mpf(reach.length)
             count, most = reach.nodes, reach.length / 2
+            ends = [y + self.step] if self.last is None or y + self.step < self.last else []
+            extra = max([self.extra, *(self.course.cancelled(end, self.extra) for end in ends)])
             while count <= _DEAREST * nodes_for(0.0, self.digits):
                 points = _points(smooth(count), self.bits)
-                rows = _expand(self.integrands, y, self.step, points, self.bits)
+                rows = _expand(self.course, y, self.step, points, self.bits, extra)
                 nodes += len(points)
                 count = reach.nodes_for([max(abs(c) for c in row) for row in rows], self.digits)
                 if count <= len(points):
+                    self.extra = extra
                     return rows, nodes
         raise NotConvergedError(
             f"the integrand could not be shown to be smooth near y = {float(y):.6g} on its way to {self.way.end}; "
@@ -309,10 +326,10 @@ def _settled(before: list[Any], after: list[Any], digits: int, context: Any) -> 
     return all(abs(b - a) <= tiny * abs(b) for a, b in zip(before[:-1], after[:-1], strict=True))
 
 
-def _expand(integrands: Callable[[Any], list[Any]], y: Any, step: Any, points: list[Any], bits: int) -> list[list[Any]]:
+def _expand(course: Integrated, y: Any, step: Any, points: list[Any], bits: int, extra: int) -> list[list[Any]]:
     """Chebyshev coefficients on [y, y + step] from values at Chebyshev points."""
     context, n = multiprecision(bits), len(points)
-    samples = [integrands(y + step * (1 + x) / 2) for x in points]
+    samples = [course.integrands(y + step * (1 + x) / 2, extra) for x in points]
     rows = []
     for column in zip(*samples, strict=True):
         values = [context.convert(v) for v in column]

@@ -9,7 +9,7 @@ digits (``numeric.expansion``). Every way is right; where several know something
 from __future__ import annotations
 
 from collections.abc import Callable
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from functools import cached_property
 from typing import TYPE_CHECKING, Any, NamedTuple
 
@@ -18,9 +18,8 @@ import numpy as np
 from hjsolve.errors import InvalidInputError
 from hjsolve.numeric.arithmetic import Multi
 from hjsolve.numeric.disks import Disk, Disks, tighter
-from hjsolve.numeric.expansion import ZERO, Local, Locals
+from hjsolve.numeric.expansion import ZERO, Local, Locals, exponential_unit
 from hjsolve.numeric.panels import Way
-from hjsolve.numeric.rates import EXPONENTIAL, Rates, largest
 from hjsolve.numeric.reach import Sizes
 from hjsolve.numeric.tape import Bound, Tape
 
@@ -32,7 +31,7 @@ _ONE = Disk(np.complex128(1.0), np.float64(0.0))
 _FAR, _FARTHER = 100, 116
 """Distances from an end, 2^−…, at which the orders of what vanishes there are taken."""
 _EXACT = 2048
-_HIGHEST = 16
+_HIGHEST = 64
 """Of the orders; what grows or falls faster is no power."""
 _AWAY = 16.0
 """Distance from the start, in natural lengths, from which on a way to infinity is far out."""
@@ -62,6 +61,14 @@ def scale(way: Way) -> Scale:
         case end, turning:
             b = way.pole if end == "fall" else -2
             return Scale(2 * root, 2, 1 / (2 * root), b) if turning else Scale(length, 2, 1 / length, b)
+
+
+class Root(NamedTuple):
+    """The least |r|, |r| at the centre, and the largest."""
+
+    low: Any
+    middle: Any
+    high: Any
 
 
 class Spots(NamedTuple):
@@ -106,6 +113,58 @@ def spots(way: Way, y: float, rest: float, z: Disk) -> Spots:
 
 
 @dataclass(frozen=True, eq=False)
+class View:
+    """The end of a way, from where a formula is seen: u is the distance to it, or 1/|q|, or e^{−c|q|}.
+
+    Attributes:
+        way: the branch. rate: −c·sign q where u is an exponential, else 0. length: u = length·r².
+        orders: of all slots of p² and of the kernels.
+    """
+
+    way: Way
+    rate: float
+    length: float
+    orders: tuple[list[Any], ...] = ()
+
+    @property
+    def _finish(self) -> Any:
+        return self.way.start + self.way.side * self.way.length
+
+    def samples(self) -> list[Any]:
+        """Return q where u is 2^−``_FAR`` and 2^−``_FARTHER`` (of the length)."""
+        context, way = Multi(_EXACT).context, self.way
+        if way.end != "infinity":
+            return [self._finish - way.side * way.length * context.mpf(2) ** -k for k in (_FAR, _FARTHER)]
+        if self.rate:
+            return [-k * context.log(2) / self.rate for k in (_FAR, _FARTHER)]
+        return [way.side * context.mpf(2) ** k for k in (_FAR, _FARTHER)]
+
+    def offset(self, q: Disk, root: Disk) -> Disk:
+        """Return u."""
+        if self.way.end != "infinity":
+            return _D.times(_D.power(root, 2), self.length)
+        return _D.unary("exp", _D.times(q, self.rate)) if self.rate else _D.times(_D.inverse(q), float(self.way.side))
+
+    def variable(self, local: Locals) -> Local:
+        """Return q as it is seen."""
+        side = float(self.way.side)
+        if self.way.end == "infinity":
+            return local.exponent() if self.rate else local.inverse_variable(side)
+        centred = bool(abs(self._finish) < abs(self.way.length) * 2.0**-300)
+        return local.variable(_D.point(self._finish), -side, centred=centred)
+
+    def root(self, q: Disk, places: Spots) -> Root:
+        """Return |r|, the root of |u|/length."""
+        if self.way.end != "infinity":
+            return _sizes_of(places.root, places)
+        with np.errstate(all="ignore"):
+            if self.rate:
+                middle, spread = self.rate * np.real(q.centre) / 2, abs(self.rate) * q.radius / 2
+                return Root(*(np.exp(middle + sign * spread) for sign in (-1, 0, 1)))
+            return Root(q.largest**-0.5, np.abs(q.centre) ** -0.5, q.least**-0.5)
+
+
+@dataclass(frozen=True, eq=False)
 class Sight:
     """A branch in doubles, made once for all of its panels.
 
@@ -137,41 +196,29 @@ class Sight:
         return self.radicand.kernels.bind(_D, self.inputs)
 
     @cached_property
-    def exponential(self) -> bool:
-        """True where a formula has exponentials."""
-        tapes = (self.radicand.squared, self.radicand.kernels)
-        return any(operation.code in EXPONENTIAL for tape in tapes for operation in tape.operations)
-
-    @cached_property
     def start(self) -> Disk:
         return _D.point(self.way.start)
 
     @cached_property
-    def finish(self) -> Any:
-        """Where the way ends, in many digits."""
-        return self.way.start + self.way.side * self.way.length
-
-    @cached_property
-    def centred(self) -> bool:
-        """True where it ends at 0."""
-        return bool(abs(self.finish) < abs(self.way.length) * 2.0**-300)
-
-    @cached_property
-    def orders(self) -> tuple[list[Any], list[Any]]:
-        """Orders of all slots of p² and of the kernels at the end of the way; see ``expansion.Locals``."""
-        inputs, length = self.radicand.inputs(_EXACT), abs(self.way.length)
-        if self.way.end == "infinity":
-            q = [self.way.side * Multi(_EXACT).context.mpf(2) ** k for k in (_FAR, _FARTHER)]
+    def view(self) -> View | None:
+        """How the formulas look from the end of the way; None where that is not known."""
+        tapes, way = (self.radicand.squared, self.radicand.kernels), self.way
+        if way.end == "infinity":
+            unit = exponential_unit(tapes, self.inputs)
+            view = View(way, -way.side * unit, 1.0)
         else:
-            q = [self.finish - self.way.side * length * Multi(_EXACT).context.mpf(2) ** -k for k in (_FAR, _FARTHER)]
-        return tuple(_orders(tape, q, inputs) for tape in (self.radicand.squared, self.radicand.kernels))
+            view = View(way, 0.0, float(way.length))
+        inputs = self.radicand.inputs(_EXACT)
+        orders = [_orders(tape, view.samples(), inputs) for tape in tapes]
+        if not all(orders) or orders[0][-1] in {ZERO, None}:
+            return None
+        return replace(view, orders=tuple(orders))
 
-    def integrands(self, squared: Disk, weights: list[Disk], places: Spots, powers: list[int], order: int) -> Sizes:
+    def integrands(self, squared: Disk, weights: list[Disk], root: Root, powers: list[int], order: int) -> Sizes:
         """Bound all integrands where |p²| (without x at a turning point) is ``squared``·rᵒ and a kernel is w·rᵖ."""
-        r, shape = places.root, np.shape(places.moved.radius)
         with np.errstate(all="ignore"):
-            low, high, least = r.least, r.largest, np.sqrt(squared.least)
-            middle, centre = np.abs(r.centre), np.sqrt(np.abs(squared.centre))
+            (low, middle, high), least, shape = root, np.sqrt(squared.least), np.shape(root.middle)
+            centre = np.sqrt(np.abs(squared.centre))
             most, inside = [], []
             for w, power, skip in zip(weights, powers, self.skipped, strict=True):
                 k = self.scale.a + power - order // 2
@@ -187,6 +234,11 @@ class Sight:
             known = squared.known & (least > 0)
             rows = [np.where(known & np.isfinite(row), row, np.inf) for row in most]
             return Sizes(*(np.stack([np.broadcast_to(row, shape) for row in part]) for part in (rows, _numbers(inside))))
+
+
+def _sizes_of(r: Disk, places: Spots) -> Root:
+    shape = np.shape(places.moved.radius)
+    return Root(*(np.broadcast_to(part, shape) for part in (r.least, np.abs(r.centre), r.largest)))
 
 
 def _numbers(rows: list[Any]) -> list[Any]:
@@ -247,7 +299,7 @@ class Surrounding:
         if way.end != "infinity":
             here.append(self._from_end)
         elif self._far:
-            here += [self._by_rates] * self.sight.exponential + [self._from_end]
+            here.append(self._from_end)
         return here + [self._closely] * careful
 
     @property
@@ -276,7 +328,7 @@ class Surrounding:
 
     def _plain_sizes(self, squared: Disk, q: Disk, places: Spots) -> Sizes:
         weights = self.sight.kernels.run(q)
-        return self.sight.integrands(squared, weights, places, [0] * len(weights), 0)
+        return self.sight.integrands(squared, weights, _sizes_of(places.root, places), [0] * len(weights), 0)
 
     def _closely(self, places: Spots) -> Sizes:
         """p² from the place of the panel, where its value and slope are had in many digits."""
@@ -301,54 +353,21 @@ class Surrounding:
     def _from_end(self, places: Spots) -> Sizes:
         """p² and the kernels from the end of the way, what vanishes or has a pole there taken out."""
         sight, way = self.sight, self.sight.way
-        orders, endless = sight.orders, way.end == "infinity"
-        if not orders[0] or orders[0][-1] in (ZERO, None) or not orders[1]:
+        view = sight.view
+        if view is None:
             return _nothing(places.moved, len(sight.skipped))
-        if endless:
-            left = _D.times(_D.inverse(self._place(places.x)), float(way.side))
-        else:
-            left = _D.times(_D.power(places.root, 2), float(way.length))
+        q = self._place(places.x)
+        offset = view.offset(q, places.root)
         outputs = []
-        for tape, told in zip((sight.radicand.squared, sight.radicand.kernels), orders, strict=True):
-            local = Locals(_with_base(left), 2, told)
-            outputs.append(tape.run(local, [self._to_end(local), *map(local.constant, sight.inputs)]))
-        squared, weights = outputs[0][0], outputs[1]
-        factor, others = self._taken_out(squared, left), [self._taken_out(w, left) for w in weights]
-        if way.turning:
-            factor = _D.div(factor, places.x)
-        if endless:
-            return sight.integrands(factor, others, places, [0] * len(others), 0)
-        return sight.integrands(factor, others, places, [2 * w.order for w in weights], 2 * squared.order)
-
-    def _to_end(self, local: Locals) -> Local:
-        side = float(self.sight.way.side)
-        if self.sight.way.end == "infinity":
-            return local.inverse_variable(side)
-        return local.variable(_D.point(self.sight.finish), -side, centred=self.sight.centred)
-
-    def _taken_out(self, f: Local, left: Disk) -> Disk:
-        """f over the power of r in it; far out, where r is 1, f itself."""
-        cells = _full(_cells(f.parts[0]), left)
-        if self.sight.way.end == "infinity":
-            return _D.mul(cells, _D.power(left, f.order)) if f.order else cells
-        return _D.times(cells, float(self.sight.way.length) ** f.order)
-
-    def _by_rates(self, places: Spots) -> Sizes:
-        """The formulas with their exponentials taken out."""
-        sight, q = self.sight, self._place(places.x)
-        rates = Rates(q, sight.way.side)
-        inputs = [rates.variable(), *map(rates.constant, sight.inputs)]
-        squared = sight.radicand.squared.run(rates, inputs)[0]
-        weights = sight.radicand.kernels.run(rates, inputs)
-        factor = _full(squared.value, q)
-        if sight.way.turning:
-            factor = _D.div(factor, places.x)
-        sizes = sight.integrands(factor, [w.value for w in weights], places, [0] * len(weights), 0)
-        growths = [*(w.rate - squared.rate / 2 for w in weights), squared.rate / 2]
-        with np.errstate(all="ignore"):
-            most = [row * np.exp(largest(q, rate)) for row, rate in zip(sizes.most, growths, strict=True)]
-            inside = [row * np.exp(rate * np.real(q.centre)) for row, rate in zip(sizes.inside, growths, strict=True)]
-        return Sizes(np.where(np.isfinite(most), most, np.inf), np.nan_to_num(inside, posinf=0.0))
+        for tape, orders in zip((sight.radicand.squared, sight.radicand.kernels), view.orders, strict=True):
+            local = Locals(_with_base(offset), 2, orders, rate=view.rate, q=_with_base(q))
+            outputs.append(tape.run(local, [view.variable(local), *map(local.constant, sight.inputs)]))
+        squared, *weights = (
+            (f.order, _D.times(_full(_cells(f.parts[0]), offset), view.length**f.order)) for f in (*outputs[0], *outputs[1])
+        )
+        factor = _D.div(squared[1], places.x) if way.turning else squared[1]
+        powers = [2 * order for order, _ in weights]
+        return sight.integrands(factor, [w for _, w in weights], view.root(q, places), powers, 2 * squared[0])
 
 
 def _with_base(x: Disk) -> Disk:
