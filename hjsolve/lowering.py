@@ -81,6 +81,38 @@ def _denominators(term: sp.Expr, q: sp.Symbol) -> set[sp.Expr]:
     return {sp.factor_terms(base).as_coeff_Mul()[1] for base in bases if base.is_Add and base.has(q)}
 
 
+def squares_completed(e: sp.Expr, q: sp.Symbol) -> sp.Expr:
+    """Write a q² + b q + c as a (q + b/2a)² + c′ inside of other functions and below the line, where that is shorter.
+
+    A narrow e^(−(q − h)²/w²), multiplied out, is a difference of numbers far larger than its exponent: over an interval
+    nothing would be known of it.
+    """
+
+    def inner(x: sp.Expr) -> sp.Expr:
+        if x.is_Add and x.has(q) and x.is_polynomial(q):
+            return _completed(x, q)
+        return x.func(*map(inner, x.args)) if x.args and x.has(q) else x
+
+    def outer(x: sp.Expr) -> sp.Expr:
+        if x.is_Add or x.is_Mul:
+            return x.func(*map(outer, x.args))
+        return inner(x)
+
+    return outer(e)
+
+
+def _completed(e: sp.Add, q: sp.Symbol) -> sp.Expr:
+    polynomial = sp.Poly(e, q)
+    if polynomial.degree() != 2:
+        return e
+    a, b, c = polynomial.all_coeffs()
+    if not b or not c:
+        return e
+    shift, rest = sp.cancel(b / (2 * a)), sp.cancel(c - b**2 / (4 * a))
+    square = a * (q + shift) ** 2 + rest
+    return square if shift.is_Rational and rest.is_Rational or sp.count_ops(square) < sp.count_ops(e) else e
+
+
 class _Writer:
     """Gives each different subexpression one slot."""
 
