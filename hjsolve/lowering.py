@@ -64,6 +64,41 @@ def spread_exponentials(e: sp.Expr) -> sp.Expr:
     return spread.xreplace(hidden) if sp.count_ops(spread) <= 4 * sp.count_ops(e) else e
 
 
+def recentred(e: sp.Expr, q: sp.Symbol) -> sp.Expr:
+    """Write polynomials in q inside functions and below the line about the place where they are shortest.
+
+    exp(−10⁶q² + 38·10⁵q − 361·10⁴) is narrow, but its terms are not: over an interval, or in doubles, nothing is known
+    of their sum. (q − 19/10)² is known. Exponentials in a product become one, so that none of them overflows.
+    """
+    if not e.has(q) or e.is_Atom:
+        return e
+    parts = [recentred(part, q) for part in e.args]
+    if e.is_Mul and sum(isinstance(part, sp.exp) for part in parts) > 1:
+        powers = [part.args[0] for part in parts if isinstance(part, sp.exp)]
+        rest = [part for part in parts if not isinstance(part, sp.exp)]
+        return sp.Mul(*rest, sp.exp(_shortest(sp.Add(*(sp.expand(x) for x in powers)), q)))
+    if e.is_Pow and not (e.exp.is_Integer and e.exp > 0):
+        return _shortest(parts[0], q) ** parts[1]
+    if isinstance(e, sp.Function):
+        return e.func(*(_shortest(part, q) for part in parts))
+    return e.func(*parts)
+
+
+def _shortest(e: sp.Expr, q: sp.Symbol) -> sp.Expr:
+    """A polynomial in q of degree 2 or more about −cₙ₋₁/(n cₙ), where that leaves fewer terms; else as it stands."""
+    if not e.is_Add or not e.is_polynomial(q):
+        return e
+    polynomial = sp.Poly(e, q)
+    n, terms = polynomial.degree(), polynomial.all_coeffs()
+    if n < 2 or terms[1] == 0:
+        return e
+    place = -terms[1] / (n * terms[0])
+    moved = [sp.cancel(c) for c in polynomial.compose(sp.Poly(q + place, q)).all_coeffs()]
+    if sum(c != 0 for c in moved) >= sum(c != 0 for c in terms):
+        return e
+    return sp.Add(*(c * (q - place) ** (n - k) for k, c in enumerate(moved)))
+
+
 def over_one_denominator(e: sp.Expr, q: sp.Symbol) -> sp.Expr:
     """Write a sum as one quotient where a sum in q is a denominator of all of its terms.
 
@@ -81,36 +116,18 @@ def _denominators(term: sp.Expr, q: sp.Symbol) -> set[sp.Expr]:
     return {sp.factor_terms(base).as_coeff_Mul()[1] for base in bases if base.is_Add and base.has(q)}
 
 
-def squares_completed(e: sp.Expr, q: sp.Symbol) -> sp.Expr:
-    """Write a q² + b q + c as a (q + b/2a)² + c′ inside of other functions and below the line, where that is shorter.
-
-    A narrow e^(−(q − h)²/w²), multiplied out, is a difference of numbers far larger than its exponent: over an interval
-    nothing would be known of it.
-    """
-
-    def inner(x: sp.Expr) -> sp.Expr:
-        if x.is_Add and x.has(q) and x.is_polynomial(q):
-            return _completed(x, q)
-        return x.func(*map(inner, x.args)) if x.args and x.has(q) else x
-
-    def outer(x: sp.Expr) -> sp.Expr:
-        if x.is_Add or x.is_Mul:
-            return x.func(*map(outer, x.args))
-        return inner(x)
-
-    return outer(e)
-
-
-def _completed(e: sp.Add, q: sp.Symbol) -> sp.Expr:
-    polynomial = sp.Poly(e, q)
-    if polynomial.degree() != 2:
-        return e
-    a, b, c = polynomial.all_coeffs()
-    if not b or not c:
-        return e
-    shift, rest = sp.cancel(b / (2 * a)), sp.cancel(c - b**2 / (4 * a))
-    square = a * (q + shift) ** 2 + rest
-    return square if shift.is_Rational and rest.is_Rational or sp.count_ops(square) < sp.count_ops(e) else e
+def _with_tangents(e: sp.Mul) -> sp.Expr:
+    """A product with tanh for sinh/cosh: both are huge far out, and over an interval nothing would be known of them."""
+    powers = e.as_powers_dict()
+    result = e
+    for sine, m in powers.items():
+        if isinstance(sine, sp.sinh) and m.is_Integer:
+            cosine = sp.cosh(sine.args[0])
+            n = -powers.get(cosine, sp.S.Zero)
+            if n.is_Integer and m * n > 0:
+                k = min(m, n, key=abs)
+                result = result * cosine**k / sine**k * sp.tanh(sine.args[0]) ** k
+    return result
 
 
 class _Writer:
@@ -173,11 +190,17 @@ class _Writer:
     def _product(self, e: sp.Mul) -> int:
         if e.could_extract_minus_sign():
             return self._emit("neg", (self.slot(-e),))
+        together = _with_tangents(e)
+        if not together.is_Mul:
+            return self.slot(together)
+        e = together
         above, below = [], []
         for factor in e.args:
             if factor.is_Rational:
                 above.append(sp.Integer(factor.p))
                 below.append(sp.Integer(factor.q))
+            elif isinstance(factor, sp.Pow) and isinstance(factor.base, sp.cosh) and factor.exp.is_negative:
+                above.append(sp.sech(*factor.base.args) ** -factor.exp)  # does not overflow
             elif isinstance(factor, sp.Pow) and factor.exp.could_extract_minus_sign():  # exp(−x) stays above
                 below.append(1 / factor)
             else:
@@ -200,6 +223,8 @@ class _Writer:
         if base is sp.E:
             return self._emit("exp", (self.slot(exponent),))
         if exponent.is_Integer:
+            if isinstance(base, sp.cosh) and exponent < 0:
+                return self.slot(sp.sech(*base.args) ** -exponent)
             if exponent == -1:
                 return self._emit("div", (self.slot(sp.Integer(1)), self.slot(base)))
             return self._emit("power", (self.slot(base),), (int(exponent),))

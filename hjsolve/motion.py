@@ -18,7 +18,7 @@ from hjsolve import arguments, quantities
 from hjsolve.errors import InvalidInputError
 from hjsolve.expressions import number
 from hjsolve.initial import Initial, domain_ends, expanded, initial_data, sign, to_bits
-from hjsolve.lowering import lower, over_one_denominator, spread_exponentials, squares_completed
+from hjsolve.lowering import lower, over_one_denominator, recentred, spread_exponentials
 from hjsolve.numeric.arithmetic import multiprecision
 from hjsolve.numeric.classify import Located, Start, locate
 from hjsolve.numeric.course import PARTS, Open
@@ -336,9 +336,8 @@ def _tapes(
     """p² and its kernels ½ ∂F/∂κⱼ as tapes; which kernels are zero everywhere; whether p² has period 2π by its form."""
     inputs, kernels = [q, *constants, *parameters], [sp.diff(F, c) / 2 for c in constants]
     absent, periodic = tuple(k == 0 for k in kernels), bool(F.xreplace({q: q + 2 * sp.pi}) == F)
-    squared = squares_completed(spread_exponentials(over_one_denominator(F, q)), q)
-    kernels = [squares_completed(k, q) for k in kernels]
-    return lower([squared], inputs), lower(kernels, inputs), absent, periodic
+    squared = recentred(spread_exponentials(over_one_denominator(F, q)), q)
+    return lower([squared], inputs), lower([recentred(k, q) for k in kernels], inputs), absent, periodic
 
 
 def _periodic(radicand: Radicand, place: Any) -> bool:

@@ -299,6 +299,9 @@ class Growths:
         small = self._exp(self._times(x, -2))
         return self.div(self.sub(one, small), self.add(one, small))
 
+    def _sech(self, x: Growth) -> Growth:
+        return self.power(self._hyperbolic(x, 1), -1) if self._grows(x) else self._smooth("sech", x)
+
     def _hyperbolic(self, x: Growth, sign: int) -> Growth:
         up, down = self._exp(x), self._exp(self._times(x, -1))
         return self._times(self.add(up, self._times(down, sign)), self.plain.rational(1, 2))
@@ -374,6 +377,7 @@ def sign_beyond(tape: Tape, inputs: list[Any], side: int, start: float) -> int:
 
 _OWN: dict[str, Callable[[Growths, Growth], Growth]] = {
     "abs": Growths._abs, "sqrt": Growths._sqrt, "log": Growths._log, "exp": Growths._exp, "tanh": Growths._tanh,
+    "sech": Growths._sech,
     "sinh": lambda g, x: g._hyperbolic(x, -1) if g._grows(x) else g._smooth("sinh", x),
     "cosh": lambda g, x: g._hyperbolic(x, 1) if g._grows(x) else g._smooth("cosh", x),
 }  # fmt: skip

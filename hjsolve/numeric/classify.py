@@ -3,25 +3,29 @@
 from __future__ import annotations
 
 import itertools
-from collections.abc import Callable, Iterator
+from collections.abc import Iterator
 from dataclasses import dataclass, replace
 from typing import Any
 
 import numpy as np
 
 from hjsolve.errors import NotConvergedError
-from hjsolve.numeric.anomaly import Rotation, crested, libration, paired, rotation
+from hjsolve.numeric import resolution
+from hjsolve.numeric.anomaly import Libration, Rotation, crested, libration, paired, rotation
 from hjsolve.numeric.arithmetic import Float64, Multi, multiprecision
 from hjsolve.numeric.branch import Branch
-from hjsolve.numeric.course import PARTS, Anomaly, Bounded, Course, Frozen, Kind, Open, bounded, roughness
-from hjsolve.numeric.crests import Crest, crests
+from hjsolve.numeric.course import PARTS, Anomaly, Bounded, Course, Frozen, Kind, Open, bounded
+from hjsolve.numeric.crests import crests
+from hjsolve.numeric.fourier import smooth
 from hjsolve.numeric.panels import Way
 from hjsolve.numeric.radicand import Number, Radicand
 from hjsolve.numeric.stretch import Inner, Stretched, stretched
 from hjsolve.numeric.turning_points import End, Ray, first_end
 
-_MANY = 220
-"""Nodes above which another change of variable is tried, for a double and half a cycle."""
+_FEW, _MANY = 56, 120
+"""Nodes above which a second and another change of variable is tried, for a double and half a cycle."""
+_MOST = 20000
+"""Nodes above which a motion is given up, for a double."""
 
 
 _LONG = 2**64
@@ -146,71 +150,72 @@ def _libration(start: Start, lower: End, upper: End, digits: int) -> Bounded:
                 f"{start.name}: the turning points {float(a):.17g} and {float(b):.17g} are too close to separate"
             )
         bits = needed + lost + 16
-    best: Anomaly = plain
-    if roughness(plain, start.radicand, start.skipped, bits, start.parts) > 1e-7:
-        best = libration(a, b, _outside(start, a, b - a, -1, bits), _outside(start, b, b - a, 1, bits), arithmetic)
-    return _smoothest(start, "libration", best, lambda: _over_crests(start, a, b, bits), digits, bits)
+
+    def maps() -> Iterator[Anomaly]:
+        yield plain
+        usual = libration(a, b, _outside(start, a, b - a, -1, bits), _outside(start, b, b - a, 1, bits), arithmetic)
+        yield usual
+        yield from _over_crests(start, usual, bits)
+
+    return _smoothest(start, "libration", maps(), digits, bits)
 
 
-def _smoothest(
-    start: Start, kind: Kind, usual: Anomaly, others: Callable[[], Iterator[Anomaly]], digits: int, bits: int
-) -> Bounded:
-    """Integrate over the usual anomaly, or over another where that would need too many nodes."""
-    place = Multi(bits).convert(start.place(bits))
+def _smoothest(start: Start, kind: Kind, maps: Iterator[Anomaly], digits: int, bits: int) -> Bounded:
+    """Integrate over the first map for which few nodes are proved to be enough, or over the best of them.
 
-    def over(anomaly: Anomaly, most: int | None) -> Bounded:
-        phase = anomaly.phase(place, start.forward, Multi(bits))
-        return bounded(kind, anomaly, start.radicand, phase, start.skipped, digits, bits, start.parts, most)
+    Raises:
+        NotConvergedError: for none of them it could be proved how many nodes are enough, or they are too many.
+    """
+    best: tuple[int, Anomaly] | None = None
+    for anomaly, few in zip(maps, itertools.chain([_FEW], itertools.repeat(_MANY)), strict=False):
+        subject = resolution.integrands(anomaly, start.radicand, start.skipped, start.parts, bits)
+        found = resolution.strip(subject, digits)
+        if found is not None:
+            nodes = smooth(found.nodes(digits) * (1 if anomaly.even else 2))
+            best = (nodes, anomaly) if best is None or nodes < best[0] else best
+        if best is not None and best[0] <= few * max(1.0, digits / 15) * (1 if anomaly.even else 2):
+            break
+    if best is not None and best[0] > _MANY:
+        subject = resolution.integrands(best[1], start.radicand, start.skipped, start.parts, bits)
+        finer = resolution.strip(subject, digits, resolution.FINE)
+        if finer is not None:
+            best = min(best, (smooth(finer.nodes(digits) * (1 if best[1].even else 2)), best[1]), key=lambda x: x[0])
+    if best is None or best[0] > _MOST * max(1.0, digits / 15):
+        reached = "no number of nodes is" if best is None else f"no fewer than {best[0]} nodes are"
+        raise NotConvergedError(f"{start.name}: {reached} proved to resolve p² between its turning points")
+    nodes, anomaly = best
+    phase = anomaly.phase(Multi(bits).convert(start.place(bits)), start.forward, Multi(bits))
+    return bounded(kind, anomaly, start.radicand, phase, start.skipped, digits, bits, nodes, start.parts)
 
-    enough = int(_MANY * max(1, digits / 15)) * (1 if usual.even else 2)
-    tried: list[Anomaly] = []
-    for anomaly in itertools.chain([usual], (anomaly for make in (others,) for anomaly in make())):
-        try:
-            return over(anomaly, enough if anomaly is usual else 2 * enough)
-        except NotConvergedError:
-            tried.append(anomaly)
 
-    def rough(anomaly: Anomaly) -> float:
-        return roughness(anomaly, start.radicand, start.skipped, bits, start.parts, nodes=enough // 2)
-
-    return over(min(tried, key=rough) if len(tried) > 1 else usual, None)
-
-
-def _over_crests(start: Start, a: Any, b: Any, bits: int) -> Iterator[Anomaly]:
+def _over_crests(start: Start, usual: Libration, bits: int) -> Iterator[Anomaly]:
     """Anomalies of a libration that are slow where p² comes close to zero or to a pole inside the motion."""
-    found, arithmetic = crests(start.radicand, a, b, bits), Multi(bits)
+    arithmetic = Multi(bits)
+    yield from _spread(start, usual, bits)
+    found = crests(start.radicand, usual.lower, usual.upper, bits)
     if found:
-        first = crested(a, b, found[0].place, found[0].gap, arithmetic)
+        first = crested(usual.lower, usual.upper, found[0].place, found[0].gap, arithmetic)
         yield first
-        yield from _spread(first, found[1:], arithmetic)
-    yield from _spread(
-        libration(a, b, _outside(start, a, b - a, -1, bits), _outside(start, b, b - a, 1, bits), arithmetic),
-        found,
-        arithmetic,
-    )
+        yield from _spread(start, first, bits)
 
 
 def _over_other_crests(start: Start, anomaly: Rotation, gap: Any | None, bits: int) -> Iterator[Anomaly]:
     """Anomalies of a rotation that are slow at all crests, not only at the highest."""
     arithmetic = Multi(bits)
     turn, margin = 2 * arithmetic.pi(), arithmetic.pi() / 512
+    yield from _spread(start, anomaly, bits)
     found = crests(start.radicand, anomaly.slow + margin, anomaly.slow + turn - margin, bits)
     if found and gap is not None:
         both = paired(anomaly.slow, gap, found[0].place, found[0].gap, anomaly.direction, arithmetic)
-        if len(found) == 1:
-            yield both
-        yield from _spread(both, found[1:], arithmetic)
-    yield from _spread(anomaly, found, arithmetic)
+        yield both
+        yield from _spread(start, both, bits)
 
 
-def _spread(inner: Inner, places: list[Crest], arithmetic: Multi) -> Iterator[Stretched]:
-    """Stretch the phase of an anomaly through rough places; nothing where there is none."""
-    rough = []
-    for crest in places:
-        χ = inner.phase(arithmetic.convert(crest.place), 1, arithmetic)
-        rough.append((float(χ), float(crest.gap / abs(inner.place(χ, arithmetic).speed))))
-    rough = [place for place in rough if place[1] < 1]
-    map_ = stretched(inner, rough) if rough else None
+def _spread(start: Start, inner: Inner, bits: int) -> Iterator[Stretched]:
+    """Stretch the phase of an anomaly through the places where its integrands are rough; nothing where there is none."""
+    subject = resolution.integrands(inner, start.radicand, start.skipped, start.parts, bits)
+    places = resolution.rough_places(subject)
+    map_ = stretched(inner, places) if places else None
     if map_ is not None:
         yield map_
 
@@ -264,7 +269,8 @@ def _rotation(start: Start, direction: int, digits: int) -> Bounded:
         bits += lost
         arithmetic = Multi(bits)
         anomaly = rotation(arithmetic.convert(slow), direction, gap, arithmetic)
-    return _smoothest(start, "rotation", anomaly, lambda: _over_other_crests(start, anomaly, gap, bits), digits, bits)
+    maps = itertools.chain([anomaly], _over_other_crests(start, anomaly, gap, bits))
+    return _smoothest(start, "rotation", maps, digits, bits)
 
 
 def _slow_place(start: Start, bits: int) -> tuple[Any, Any | None]:

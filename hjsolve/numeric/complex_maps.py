@@ -116,7 +116,8 @@ def _(anomaly: Stretched, phase: Any) -> ComplexPlace:
     sines = 0 * cosines if slope.sines is None else slope.sines.astype(complex)
     up, down = (cosines - 1j * sines) / 2, (cosines + 1j * sines) / 2  # of e^{ikψ} and e^{−ikψ}
     wave = np.exp(1j * phase)
-    χ = phase + _power_sum(up / (1j * k), wave) - _power_sum(down / (1j * k), 1 / wave) + np.sum(sines / k)
+    χ = phase + _power_sum(up / (1j * k), wave) - _power_sum(down / (1j * k), 1 / wave)
+    χ = χ + np.sum((-1.0) ** k * sines / k)  # χ = π at ψ = π
     rate = 1 + _power_sum(up, wave) + _power_sum(down, 1 / wave)
     place = complex_place(anomaly.inner, χ)
     return place._replace(stretch=place.stretch * np.abs(rate))

@@ -27,7 +27,7 @@ from hjsolve.numeric.disks import Disk, Disks, hull, tighter
 from hjsolve.numeric.tape import Tape
 
 _DISKS = Disks()
-_EXPONENTIAL = frozenset({"exp", "sinh", "cosh", "tanh"})
+_EXPONENTIAL = frozenset({"exp", "sinh", "cosh", "tanh", "sech"})
 _HIGHEST = 48
 """Of the powers of one exponential."""
 ZERO = "zero"
@@ -45,6 +45,10 @@ class Local(NamedTuple):
     parts: tuple[Disk, ...]
     constant: bool = False
     line: tuple[Disk, Disk] | None = None
+
+
+def _negative(x: Disk) -> Disk:
+    return Disk(-x.centre, x.radius)
 
 
 def _at_base(x: Disk) -> Disk:
@@ -157,8 +161,8 @@ class Locals:
     # ------------------------------------------------------------------ the arithmetic
 
     def _negative(self, x: Local) -> Local:
-        line = x.line and (_DISKS._neg(x.line[0]), _DISKS._neg(x.line[1]))
-        return x._replace(parts=tuple(_DISKS.unary("neg", part) for part in x.parts), line=line)
+        line = x.line and (_negative(x.line[0]), _negative(x.line[1]))
+        return x._replace(parts=tuple(map(_negative, x.parts)), line=line)
 
     def _add(self, x: Local, y: Local) -> Local:
         if x.constant and y.constant:
@@ -213,7 +217,7 @@ class Locals:
         parts = [value]
         base = _at_base(value)
         if len(x.parts) > 1:
-            parts.append(d._neg(d.mul(d.mul(base, value), x.parts[1])))
+            parts.append(_negative(d.mul(d.mul(base, value), x.parts[1])))
         if len(x.parts) > 2:  # (1/f)[e, e, q] = (f[e, e] f[e, q] − f(e) f[e, e, q]) / (f(e)² f(q))
             inner = d.sub(d.mul(_at_base(x.parts[1]), x.parts[1]), d.mul(_at_base(x.parts[0]), x.parts[2]))
             parts.append(d.mul(d.mul(d.mul(base, base), value), inner))
@@ -238,11 +242,13 @@ class Locals:
         d = _DISKS
         if name == "tanh":
             return self._mul(self._exponential("sinh", line), self._inverse(self._exponential("cosh", line)))
+        if name == "sech":
+            return self._inverse(self._exponential("cosh", line))
         if name == "exp":
             order = round(float(np.real(line[0].centre)) / self.rate)
             left = d.mul(d.shifted(line[0], -order * self.rate), self.exponent().parts[0])
             return Local(order, (d.unary("exp", d.add(left, line[1])), *(self._full(0.0) for _ in range(self.depth))))
-        up, down = (self._exponential("exp", ends) for ends in (line, (d._neg(line[0]), d._neg(line[1]))))
+        up, down = (self._exponential("exp", ends) for ends in (line, (_negative(line[0]), _negative(line[1]))))
         both = self._sum(up, down if name == "cosh" else self._negative(down))
         return both._replace(parts=tuple(d.times(part, 0.5) for part in both.parts))
 

@@ -21,6 +21,7 @@ from hjsolve.numeric.disks import Disk, Disks, tighter
 from hjsolve.numeric.expansion import ZERO, Local, Locals, exponential_unit
 from hjsolve.numeric.panels import Way
 from hjsolve.numeric.reach import Sizes
+from hjsolve.numeric.reciprocals import without_overflow
 from hjsolve.numeric.tape import Bound, Tape
 
 if TYPE_CHECKING:
@@ -188,12 +189,15 @@ class Sight:
         return [_D.point(x) for x in self.radicand.inputs(128)]
 
     @cached_property
-    def squared(self) -> Bound:
-        return self.radicand.squared.bind(_D, self.inputs)
+    def tapes(self) -> tuple[Tape, Tape]:
+        """p² and its kernels."""
+        return without_overflow(self.radicand.squared), without_overflow(self.radicand.kernels)
 
     @cached_property
-    def kernels(self) -> Bound:
-        return self.radicand.kernels.bind(_D, self.inputs)
+    def plain(self) -> tuple[Bound, Bound]:
+        """The same with all but q known."""
+        squared, kernels = (tape.bind(_D, self.inputs) for tape in self.tapes)
+        return squared, kernels
 
     @cached_property
     def start(self) -> Disk:
@@ -202,7 +206,7 @@ class Sight:
     @cached_property
     def view(self) -> View | None:
         """How the formulas look from the end of the way; None where that is not known."""
-        tapes, way = (self.radicand.squared, self.radicand.kernels), self.way
+        tapes, way = self.tapes, self.way
         if way.end == "infinity":
             unit = exponential_unit(tapes, self.inputs)
             view = View(way, -way.side * unit, 1.0)
@@ -282,6 +286,10 @@ class Surrounding:
     rest: float
 
     def __call__(self, z: Disk, careful: bool) -> Sizes:
+        with np.errstate(all="ignore"):
+            return self._seen(z, careful)
+
+    def _seen(self, z: Disk, careful: bool) -> Sizes:
         places = spots(self.sight.way, float(self.y), self.rest, z)
         sizes = self._plainly(places)
         for look in self._others(careful):
@@ -318,16 +326,16 @@ class Surrounding:
             offset = _with_base(places.x)
             local = Locals(offset, 1)
             variable = local.variable(sight.start, float(sight.way.side))
-            found = sight.radicand.squared.run(local, [variable, *map(local.constant, sight.inputs)])[0]
+            found = sight.tapes[0].run(local, [variable, *map(local.constant, sight.inputs)])[0]
             squared = _D.div(_cells(found.parts[0]), places.x)
             if len(found.parts) > 1:
                 squared = tighter(_cells(found.parts[1]), squared)
         else:
-            squared = sight.squared.run(q)[0]
+            squared = sight.plain[0].run(q)[0]
         return self._plain_sizes(squared, q, places)
 
     def _plain_sizes(self, squared: Disk, q: Disk, places: Spots) -> Sizes:
-        weights = self.sight.kernels.run(q)
+        weights = self.sight.plain[1].run(q)
         return self.sight.integrands(squared, weights, _sizes_of(places.root, places), [0] * len(weights), 0)
 
     def _closely(self, places: Spots) -> Sizes:
@@ -337,7 +345,7 @@ class Surrounding:
         value, slope, _ = sight.radicand.jet(here, 2 * sight.bits + 256)
         local = Locals(_with_base(places.moved), 2)
         variable = local.variable(_D.point(here), float(way.side))
-        found = sight.radicand.squared.run(local, [variable, *map(local.constant, sight.inputs)])[0]
+        found = sight.tapes[0].run(local, [variable, *map(local.constant, sight.inputs)])[0]
         if len(found.parts) < 3:
             return self._plainly(places)
         if self.y:
@@ -359,7 +367,7 @@ class Surrounding:
         q = self._place(places.x)
         offset = view.offset(q, places.root)
         outputs = []
-        for tape, orders in zip((sight.radicand.squared, sight.radicand.kernels), view.orders, strict=True):
+        for tape, orders in zip(sight.tapes, view.orders, strict=True):
             local = Locals(_with_base(offset), 2, orders, rate=view.rate, q=_with_base(q))
             outputs.append(tape.run(local, [view.variable(local), *map(local.constant, sight.inputs)]))
         squared, *weights = (

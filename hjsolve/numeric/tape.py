@@ -13,7 +13,7 @@ from functools import partial
 from typing import Any, Protocol
 
 UNARY = ("neg", "sqrt", "exp", "log", "sin", "cos", "tan", "asin", "acos", "atan",
-         "sinh", "cosh", "tanh", "asinh", "acosh", "atanh", "abs")  # fmt: skip
+         "sinh", "cosh", "tanh", "sech", "asinh", "acosh", "atanh", "abs")  # fmt: skip
 """Operation codes with one argument."""
 
 

@@ -11,7 +11,7 @@ import hjsolve
 from hjsolve.numeric.anomaly import libration
 from hjsolve.numeric.arithmetic import Multi
 from hjsolve.numeric.course import PARTS, integrands
-from hjsolve.numeric.series import trial
+from hjsolve.numeric.series import fit
 
 
 def swinging(amplitude):
@@ -29,7 +29,7 @@ def period_error(motion, nodes, below=None, above=None):
         a, b, None if below is None else below(a, b), None if above is None else above(a, b), arithmetic
     )
     functions = integrands(anomaly, course.radicand, (False,), bits, PARTS)
-    mean = trial(functions, even=True, nodes=nodes, bits=bits)[0].mean
+    mean = fit(functions, even=True, nodes=nodes, bits=bits)[0].mean
     with mpmath.workdps(110):
         exact = 2 * mpmath.ellipk(mpmath.sin(mpmath.mpf(b) / 2) ** 2) / mpmath.pi
         return abs(mpmath.mpf(mean) / exact - 1)
