@@ -28,7 +28,7 @@ _MOST = 20000
 """Nodes above which a motion is given up, for a double."""
 
 
-_LONG = 2**64
+_LONG = 2**16
 """The natural length of an open motion, over |q|, at most."""
 
 

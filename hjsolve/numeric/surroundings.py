@@ -35,7 +35,7 @@ _EXACT = 2048
 _HIGHEST = 64
 """Of the orders; what grows or falls faster is no power."""
 _AWAY = 16.0
-"""Distance from the start, in natural lengths, from which on a way to infinity is far out."""
+"""Distance from the start, in natural lengths of at most 1, from which on a way to infinity is far out."""
 
 
 class Scale(NamedTuple):
@@ -314,7 +314,7 @@ class Surrounding:
     def _far(self) -> bool:
         """True far from the start, where a place is seen best from infinity."""
         x, way = self.sight.way.distances(self.y, Multi(64))[0], self.sight.way
-        return bool(x > _AWAY * way.length and way.side * (way.start + way.side * x) > x / 2)
+        return bool(x > _AWAY * max(abs(way.start), min(way.length, 1)) and way.side * way.start > -x / 2)
 
     def _place(self, x: Disk) -> Disk:
         return _D.add(self.sight.start, _D.times(x, float(self.sight.way.side)))
