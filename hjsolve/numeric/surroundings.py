@@ -99,13 +99,14 @@ def spots(way: Way, y: float, rest: float, z: Disk) -> Spots:
         if way.turning:
             half, sine, root = d.times(z, 0.5), d.unary("sin", d.times(here, 0.5)), d.unary("sin", d.times(left, 0.5))
             moved = d.mul(d.unary("sin", half), d.unary("sin", d.shifted(half, y)))
-            return Spots(d.times(d.power(sine, 2), length), root, d.times(moved, length))
-        x = d.mul(here, d.shifted(left, 1.0))
+            x = tighter(d.power(sine, 2), d.sub(_ONE, d.power(root, 2)))
+            return Spots(d.times(x, length), root, d.times(moved, length))
+        x = tighter(d.mul(here, d.shifted(left, 1.0)), d.sub(_ONE, d.power(left, 2)))
         return Spots(d.times(x, length), left, d.times(d.mul(z, d.shifted(left, rest)), length))
     if way.turning:
         rise, root = d.unary("tanh", here), d.inverse(d.unary("cosh", here))
         before = np.tanh(y) ** 2
-        x = d.power(rise, 2)
+        x = tighter(d.power(rise, 2), d.sub(_ONE, d.power(root, 2)))
         moved = d.sub(x, Disk(np.complex128(before), np.float64(2.0**-50 * before)))
         return Spots(d.times(x, length), root, d.times(moved, length))
     root = d.unary("exp", d.times(here, -0.5))
@@ -202,6 +203,10 @@ class Sight:
     @cached_property
     def start(self) -> Disk:
         return _D.point(self.way.start)
+
+    @cached_property
+    def finish(self) -> Disk:
+        return _D.point(self.way.start + self.way.side * self.way.length)
 
     @cached_property
     def view(self) -> View | None:
@@ -316,12 +321,18 @@ class Surrounding:
         x, way = self.sight.way.distances(self.y, Multi(64))[0], self.sight.way
         return bool(x > _AWAY * max(abs(way.start), min(way.length, 1)) and way.side * way.start > -x / 2)
 
-    def _place(self, x: Disk) -> Disk:
-        return _D.add(self.sight.start, _D.times(x, float(self.sight.way.side)))
+    def _place(self, places: Spots) -> Disk:
+        """q, from the start or from the end of the way."""
+        sight, side = self.sight, float(self.sight.way.side)
+        q = _D.add(sight.start, _D.times(places.x, side))
+        if sight.way.end == "infinity":
+            return q
+        left = _D.times(_D.power(places.root, 2), float(sight.way.length))
+        return tighter(q, _D.sub(sight.finish, _D.times(left, side)))
 
     def _plainly(self, places: Spots) -> Sizes:
         """p² by its formula, or by its first difference from the turning point at the start."""
-        sight, q = self.sight, self._place(places.x)
+        sight, q = self.sight, self._place(places)
         if sight.way.turning:
             offset = _with_base(places.x)
             local = Locals(offset, 1)
@@ -356,7 +367,7 @@ class Surrounding:
         squared = _D.add(start[0], _D.mul(places.moved, _D.add(start[1], bend)))
         if way.turning:
             squared = _D.add(start[1], bend) if not self.y else _D.div(squared, places.x)
-        return self._plain_sizes(squared, self._place(places.x), places)
+        return self._plain_sizes(squared, self._place(places), places)
 
     def _from_end(self, places: Spots) -> Sizes:
         """p² and the kernels from the end of the way, what vanishes or has a pole there taken out."""
@@ -364,7 +375,7 @@ class Surrounding:
         view = sight.view
         if view is None:
             return _nothing(places.moved, len(sight.skipped))
-        q = self._place(places.x)
+        q = self._place(places)
         offset = view.offset(q, places.root)
         outputs = []
         for tape, orders in zip(sight.tapes, view.orders, strict=True):
