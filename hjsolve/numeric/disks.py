@@ -160,7 +160,8 @@ def _sincos(x: Disk, name: str) -> Disk:
     value, beside = of(x.centre), np.abs(other(x.centre))
     size = np.abs(value)
     spread = size * 2 * np.sinh(x.radius / 2) ** 2 + beside * np.sinh(x.radius)
-    return Disk(value, spread + _UNIT * (1 + np.abs(x.centre)) * (size + beside))
+    near = np.minimum(np.abs(x.centre), 1.0)
+    return Disk(value, spread + _UNIT * (1 + np.abs(x.centre)) * (size + near * beside))
 
 
 def _tan(d: Disks, x: Disk) -> Disk:

@@ -47,6 +47,11 @@ class Local(NamedTuple):
     line: tuple[Disk, Disk] | None = None
 
 
+def _after(base: Disk, cells: Disk) -> Disk:
+    """The cells with the base before them."""
+    return Disk(np.append(base.centre, cells.centre), np.append(base.radius, cells.radius))
+
+
 def _negative(x: Disk) -> Disk:
     return Disk(-x.centre, x.radius)
 
@@ -79,12 +84,17 @@ class Locals:
         """Return a number that does not depend on q."""
         return Local(0, (value,), constant=True)
 
-    def variable(self, base: Disk, sign: float, *, centred: bool = False) -> Local:
-        """Return q = e + sign·u; with e = 0, ``centred``, it is of first order."""
+    def variable(self, base: Disk, sign: float, q: Disk | None = None, *, centred: bool = False) -> Local:
+        """Return q = e + sign·u; the cells themselves may be known more closely.
+
+        With e = 0, ``centred``, it is of first order.
+        """
         slope = self._full(sign)
         if centred:
             return Local(1, (slope, *(self._full(0.0) for _ in range(self.depth))))
         value = _DISKS.add(base, _DISKS.mul(slope, self.offset))
+        if q is not None:
+            value = tighter(value, _after(base, q))
         return Local(0, (value, slope, *(self._full(0.0) for _ in range(self.depth - 1))))
 
     def inverse_variable(self, sign: float) -> Local:

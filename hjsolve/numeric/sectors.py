@@ -58,7 +58,7 @@ class Sectors:
 
     def quartered(self) -> Sectors:
         """Return four parts of each; those of one sector stand together."""
-        radius, angle = np.sqrt(self.inner * self.outer), (self.first + self.last) / 2
+        radius, angle = np.sqrt(self.inner) * np.sqrt(self.outer), (self.first + self.last) / 2
         inner = np.stack([self.inner, self.inner, radius, radius], axis=1).ravel()
         outer = np.stack([radius, radius, self.outer, self.outer], axis=1).ravel()
         first = np.stack([self.first, angle, self.first, angle], axis=1).ravel()

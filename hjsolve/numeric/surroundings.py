@@ -336,7 +336,7 @@ class Surrounding:
         if sight.way.turning:
             offset = _with_base(places.x)
             local = Locals(offset, 1)
-            variable = local.variable(sight.start, float(sight.way.side))
+            variable = local.variable(sight.start, float(sight.way.side), q)
             found = sight.tapes[0].run(local, [variable, *map(local.constant, sight.inputs)])[0]
             squared = _D.div(_cells(found.parts[0]), places.x)
             if len(found.parts) > 1:
@@ -355,7 +355,7 @@ class Surrounding:
         here = way.position(self.y, Multi(sight.bits + 64))[0] if self.y else way.start
         value, slope, _ = sight.radicand.jet(here, 2 * sight.bits + 256)
         local = Locals(_with_base(places.moved), 2)
-        variable = local.variable(_D.point(here), float(way.side))
+        variable = local.variable(_D.point(here), float(way.side), self._place(places))
         found = sight.tapes[0].run(local, [variable, *map(local.constant, sight.inputs)])[0]
         if len(found.parts) < 3:
             return self._plainly(places)
