@@ -116,18 +116,43 @@ def _denominators(term: sp.Expr, q: sp.Symbol) -> set[sp.Expr]:
     return {sp.factor_terms(base).as_coeff_Mul()[1] for base in bases if base.is_Add and base.has(q)}
 
 
-def _with_tangents(e: sp.Mul) -> sp.Expr:
-    """A product with tanh for sinh/cosh: both are huge far out, and over an interval nothing would be known of them."""
-    powers = e.as_powers_dict()
-    result = e
-    for sine, m in powers.items():
+def _tamed(e: sp.Expr) -> sp.Expr:
+    """A product without huge numbers over huge ones: tanh for sinh/cosh, 1/(1 + exp(−x)) for exp(x)/(1 + exp(x)).
+
+    Far out both overflow, and over an interval nothing would be known of the quotient.
+    """
+    for sine, m in e.as_powers_dict().items():
         if isinstance(sine, sp.sinh) and m.is_Integer:
             cosine = sp.cosh(sine.args[0])
-            n = -powers.get(cosine, sp.S.Zero)
+            n = -e.as_powers_dict().get(cosine, sp.S.Zero)
             if n.is_Integer and m * n > 0:
                 k = min(m, n, key=abs)
-                result = result * cosine**k / sine**k * sp.tanh(sine.args[0]) ** k
-    return result
+                e = e * cosine**k / sine**k * sp.tanh(sine.args[0]) ** k
+    for factor in sp.Mul.make_args(e):
+        if factor.is_Pow and factor.base.is_Add and factor.exp.is_Integer and factor.exp < 0:
+            e = _shared_exponential(e, factor.base, int(-factor.exp))
+    return e
+
+
+def _shared_exponential(e: sp.Expr, below: sp.Add, n: int) -> sp.Expr:
+    """Divide an exponential of the numerator, and a sum in the denominator with power n, by that of the sum."""
+    above = next((factor.args[0] for factor in sp.Mul.make_args(e) if isinstance(factor, sp.exp)), None)
+    found = [node.args[0] for term in below.args for node in sp.Mul.make_args(term) if isinstance(node, sp.exp)]
+    if above is None or not found:
+        return e
+    shares = [(ratio, a) for a in found if (ratio := sp.cancel(above / a)).is_Rational and ratio >= 1]
+    if not shares:
+        return e
+    ratio, a = min(shares, key=lambda share: share[0])
+    k = min(n, int(ratio))
+    return _times_exponential(e * below**k, -k * a) / sp.Add(*(_times_exponential(t, -a) for t in below.args)) ** k
+
+
+def _times_exponential(term: sp.Expr, exponent: sp.Expr) -> sp.Expr:
+    """A product times exp(exponent), its exponentials made one."""
+    factors = sp.Mul.make_args(term)
+    rest = [factor for factor in factors if not isinstance(factor, sp.exp)]
+    return sp.Mul(*rest, sp.exp(sp.expand(exponent + sum(f.args[0] for f in factors if isinstance(f, sp.exp)))))
 
 
 class _Writer:
@@ -190,7 +215,7 @@ class _Writer:
     def _product(self, e: sp.Mul) -> int:
         if e.could_extract_minus_sign():
             return self._emit("neg", (self.slot(-e),))
-        together = _with_tangents(e)
+        together = _tamed(e)
         if not together.is_Mul:
             return self.slot(together)
         e = together

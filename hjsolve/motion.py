@@ -17,7 +17,7 @@ import sympy as sp
 from hjsolve import arguments, quantities
 from hjsolve.errors import InvalidInputError
 from hjsolve.expressions import number
-from hjsolve.initial import Initial, domain_ends, expanded, initial_data, sign, to_bits
+from hjsolve.initial import ZERO_BITS, Initial, domain_ends, expanded, initial_data, sign, to_bits
 from hjsolve.lowering import lower, over_one_denominator, recentred, spread_exponentials
 from hjsolve.numeric.arithmetic import multiprecision
 from hjsolve.numeric.classify import Located, Start, locate
@@ -325,8 +325,16 @@ def _start(solution: Solution, initial: Initial, name: str) -> Start:
     ends = [None if end is None else to_bits(end) for end in domain_ends(solution.system, name, initial.values)]
     place = to_bits(initial.values[coordinate.symbol])
     angle = coordinate.domain.kind == "angle" and (periodic or _periodic(radicand, place))
-    forward = sign(expanded(momentum + shift.subs(initial.values))) if shift != 0 else sign(expanded(momentum))
+    root = expanded(momentum + shift.subs(initial.values)) if shift != 0 else expanded(momentum)
+    forward = sign(root)
+    if forward:
+        radicand = radicand.guarded(place, _square(to_bits(root)))
     return Start(name, radicand, place, forward, ends[0], ends[1], angle, absent)
+
+
+def _square(root: Callable[[int], Any]) -> Callable[[int], Any]:
+    """P² of a root that may be what two large numbers leave."""
+    return lambda bits: root(bits + ZERO_BITS) ** 2
 
 
 @lru_cache(maxsize=256)
@@ -351,7 +359,7 @@ def _periodic(radicand: Radicand, place: Any) -> bool:
 
 
 def _checked(begin: Start) -> Start:
-    value = begin.radicand.value(begin.place(256), 256)
+    value = begin.radicand.value(begin.place(256 + begin.radicand.guard), 256)
     if begin.forward and value < 0:
         raise forbidden(begin)
     return begin

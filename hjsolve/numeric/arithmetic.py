@@ -26,6 +26,12 @@ _NUMPY_NAMES = {
 }
 
 
+FARTHEST = 1024
+"""Binary digits before the point of the largest argument of an exponential; many more of a circular function."""
+CIRCULAR = ("sin", "cos", "tan")
+_COSTLY = dict.fromkeys(("exp", "sinh", "cosh", "tanh"), FARTHEST) | dict.fromkeys(CIRCULAR, 16 * FARTHEST)
+
+
 class ByOperators:
     """The four operations as Python writes them."""
 
@@ -83,6 +89,23 @@ def multiprecision(bits: int) -> Any:
     return context
 
 
+def within_reach(name: str, x: Any, context: Any) -> Any:
+    """An argument, that of an exponential at most 2**FARTHEST: beyond, as many digits as it has bits would be needed.
+
+    Raises:
+        InvalidInputError: a circular function of so large an argument.
+    """
+    if name not in _COSTLY or context.mag(x) <= _COSTLY[name]:
+        return x
+    farthest = _COSTLY[name]
+    if name in CIRCULAR:
+        raise InvalidInputError(
+            f"{name} of a number beyond 2**{farthest}: give the coordinate a domain that ends before"
+        )
+    edge = context.ldexp(1, farthest)
+    return edge if x > 0 else -edge
+
+
 @dataclass(frozen=True, slots=True)
 class Multi(ByOperators):
     """Scalars of a chosen precision.
@@ -115,7 +138,7 @@ class Multi(ByOperators):
     def unary(self, name: str, x: Any) -> Any:
         if name == "neg":
             return -x
-        value = abs(x) if name == "abs" else getattr(self.context, name)(x)
+        value = abs(x) if name == "abs" else getattr(self.context, name)(within_reach(name, x, self.context))
         if isinstance(value, self.context.mpc):
             raise InvalidInputError(
                 f"{name} of {self.context.nstr(x, 8)} is not real: the formula leaves its domain there"

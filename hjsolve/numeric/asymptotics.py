@@ -73,13 +73,15 @@ class Growths:
 
     Attributes:
         start: Q ≥ 3.
+        bits: of the coefficients.
     """
 
     start: float
+    bits: int = BITS
 
     @property
     def plain(self) -> Multi:
-        return Multi(BITS)
+        return Multi(self.bits)
 
     # ------------------------------------------------------------------ numbers
 
@@ -128,7 +130,7 @@ class Growths:
         for monomial, c in terms:
             before, size = total.get(monomial, (0 * c, 0 * c))
             total[monomial] = before + c, max(size, abs(c))
-        tiny = self.plain.context.mpf(2) ** (-BITS // 2)
+        tiny = self.plain.context.mpf(2) ** (-self.bits // 2)
         left = sorted(((m, c) for m, (c, size) in total.items() if abs(c) > tiny * size), key=lambda term: term[0])[::-1]
         parts = [*rests, *([Growth(tuple(left[_TERMS:]))] if left[_TERMS:] else [])]
         heads = [p.rest.monomial for p in parts if p.rest] + [p.terms[0][0] for p in parts if p.terms]
@@ -357,18 +359,19 @@ class Growths:
         return 1 if self._split(x)[1] > 0 else -1
 
 
-def sign_beyond(tape: Tape, inputs: list[Any], side: int, start: float) -> int:
+def sign_beyond(tape: Tape, inputs: list[Any], side: int, start: float, bits: int = BITS) -> int:
     """Return the sign that a formula has for all side·q ≥ start; 0 where that is not known.
 
     Args:
         tape: of the formula, one output; inputs q, then numbers.
-        inputs: these numbers, at ``BITS``.
+        inputs: these numbers, to so many bits.
         side: 1 towards +∞, −1 towards −∞.
         start: at least 3, for nothing is known below.
+        bits: of the coefficients.
     """
     if not 3 <= start < 1e300:
         return 0
-    growths = Growths(start)
+    growths = Growths(start, bits)
     try:
         return growths.sign(tape.run(growths, [growths.variable(side), *map(growths.constant, inputs)])[0])
     except (UnknownGrowthError, InvalidInputError, ArithmeticError):

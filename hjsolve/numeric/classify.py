@@ -26,6 +26,8 @@ _FEW, _MANY = 56, 120
 """Nodes above which a second and another change of variable is tried, for a double and half a cycle."""
 _MOST = 20000
 """Nodes above which a motion is given up, for a double."""
+_NEAREST = 200
+"""Bits by which a turning point may be nearer to an end of the domain than to the other one."""
 
 
 _LONG = 2**16
@@ -137,7 +139,13 @@ def _libration(start: Start, lower: End, upper: End, digits: int) -> Bounded:
     assert upper.place is not None
     places = (lower.place, upper.place)
     needed = int(3.33 * digits) + 48
-    bits = needed + 80
+    nearness = _nearness(start, places)
+    if nearness > _NEAREST:
+        raise NotConvergedError(
+            f"{start.name}: it turns {nearness} powers of two nearer to an end of its domain than to its other turning "
+            f"point, and {_NEAREST} are the most that can be integrated"
+        )
+    bits = needed + 80 + 2 * nearness + start.radicand.guard
     while True:
         arithmetic = Multi(bits)
         a, b = (arithmetic.convert(place(bits)) for place in places)
@@ -160,6 +168,20 @@ def _libration(start: Start, lower: End, upper: End, digits: int) -> Bounded:
     return _smoothest(start, "libration", maps(), digits, bits)
 
 
+def _nearness(start: Start, turns: tuple[Number, Number]) -> int:
+    """Bits by which a turning point is nearer to an end of the domain than to the other turning point."""
+    if start.lower is None and start.upper is None:
+        return 0
+    gaps, width = [], multiprecision(64).mpf(1)
+    for bits in (256, 3072):
+        a, b = (turn(bits) for turn in turns)
+        width = b - a
+        gaps = [abs(turn - end(bits)) for turn, end in ((a, start.lower), (b, start.upper)) if end is not None]
+        if all(gap > width * multiprecision(64).mpf(2) ** (-bits // 2) for gap in gaps):
+            break
+    return max((int(multiprecision(64).log(width / gap, 2)) for gap in gaps if 0 < gap < width), default=0)
+
+
 def _smoothest(start: Start, kind: Kind, maps: Iterator[Anomaly], digits: int, bits: int) -> Bounded:
     """Integrate over the first map for which few nodes are proved to be enough, or over the best of them.
 
@@ -167,7 +189,10 @@ def _smoothest(start: Start, kind: Kind, maps: Iterator[Anomaly], digits: int, b
         NotConvergedError: for none of them it could be proved how many nodes are enough, or they are too many.
     """
     best: tuple[int, Anomaly] | None = None
-    for anomaly, few in zip(maps, itertools.chain([_FEW], itertools.repeat(_MANY)), strict=False):
+    limits: Iterator[int] = itertools.chain([_FEW], itertools.repeat(_MANY))
+    if not start.parts:  # nothing is integrated
+        best, limits = (1, next(maps)), iter(())
+    for few, anomaly in zip(limits, maps, strict=False):
         subject = resolution.integrands(anomaly, start.radicand, start.skipped, start.parts, bits)
         found = resolution.strip(subject, digits)
         if found is not None:
@@ -212,7 +237,7 @@ def _over_other_crests(start: Start, anomaly: Rotation, gap: Any | None, bits: i
 
 
 def _spread(start: Start, inner: Inner, bits: int) -> Iterator[Stretched]:
-    """Stretch the phase of an anomaly through the places where its integrands are rough; nothing where there is none."""
+    """Stretch the phase of an anomaly through the places where its integrands are rough; nothing where none is."""
     subject = resolution.integrands(inner, start.radicand, start.skipped, start.parts, bits)
     places = resolution.rough_places(subject)
     map_ = stretched(inner, places) if places else None
@@ -254,7 +279,7 @@ def _outside(start: Start, end: Any, width: Any, side: int, bits: int) -> Any | 
 
 
 def _rotation(start: Start, direction: int, digits: int) -> Bounded:
-    bits = int(3.33 * digits) + 128
+    bits = int(3.33 * digits) + 128 + start.radicand.guard
     arithmetic = Multi(bits)
     slow, gap = _slow_place(start, bits)
     anomaly: Rotation = rotation(slow, direction, gap, arithmetic)
@@ -294,16 +319,17 @@ def _slow_place(start: Start, bits: int) -> tuple[Any, Any | None]:
 
 def _open(start: Start, forward: int, lower: End, upper: End, digits: int) -> Open:
     bits = int(3.33 * digits) + 128
+    exact = bits + 512 + start.radicand.guard
     lower, upper = _judged(start, lower), _judged(start, upper)
     kinds = {lower.kind, upper.kind}
     kind = "boundary" if kinds & {"boundary", "fall"} else "asymptotic" if "asymptote" in kinds else "escape"
 
     def branch(origin: End, target: End, side: int) -> Branch:
         assert origin.place is not None
-        first = origin.place(bits + 512)
+        first = origin.place(exact)
         turning = origin.kind == "turning"
         length = (
-            abs(target.place(bits + 512) - first)
+            abs(target.place(exact) - first)
             if target.place is not None
             else _length(start, first, bits, turning=turning)
         )

@@ -57,7 +57,7 @@ def complex_place(anomaly: Any, phase: Any) -> ComplexPlace:
         anomaly: the map; its constants are rounded to doubles.
         phase: complex array, real parts in [−π, π].
     """
-    raise TypeError(anomaly)
+    raise TypeError(f"no map from phases like {phase!r} to places: {anomaly!r}")
 
 
 @complex_place.register
@@ -124,7 +124,7 @@ def _(anomaly: Stretched, phase: Any) -> ComplexPlace:
 
 
 def _power_sum(coefficients: Any, z: Any) -> Any:
-    """Σ cₖ zᵏ, k = 1, 2, …"""
+    """Sum cₖ zᵏ over k = 1, 2, …."""
     total = np.zeros_like(z)
     for c in coefficients[::-1]:
         total = (total + c) * z

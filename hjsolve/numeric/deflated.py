@@ -13,6 +13,7 @@ out once; the rest runs over disks, or over points in complex doubles where a fe
 
 from __future__ import annotations
 
+from abc import ABC, abstractmethod
 from collections.abc import Sequence
 from dataclasses import dataclass
 from typing import Any, NamedTuple
@@ -64,7 +65,7 @@ class Local(NamedTuple):
 
 
 class Line(NamedTuple):
-    """One operation of the program: the slot it fills and what it takes."""
+    """One operation of the program, ``add``, ``mul``, ``inverse`` or a function: the slot it fills, what it takes."""
 
     code: str
     target: int
@@ -95,72 +96,116 @@ class Deflated:
         """Return R at complex places, in doubles."""
         return -self._run(_AtPoints(), q, from_lower, from_upper)
 
-    def _run(self, on: _OverDisks | _AtPoints, q: Any, from_lower: Any, from_upper: Any) -> Any:
+    def _run(self, on: _Rules, q: Any, from_lower: Any, from_upper: Any) -> Any:
         one, zero = on.fixed(_ONE), on.fixed(Disk(np.complex128(0), np.float64(0)))
         slots: list[Local | None] = [None] * len(self.ends)
         slots[0] = Local(q, zero, one, one)
         for line in self.lines:
-            ends = self.ends[line.first], self.ends[line.other]
-            local = slots[line.first], slots[line.other]
-            here, second = getattr(on, line.code.partition(" ")[0])(line.code.partition(" ")[2], *ends, *local)
+            here, second = on.step(line, self.ends, slots)
             chord = on.fixed(self.ends[line.target].chord)
             slots[line.target] = Local(
-                here, second, on.add_(chord, on.mul_(from_lower, second)), on.add_(chord, on.mul_(from_upper, second))
+                here, second, on.plus(chord, on.times(from_lower, second)), on.plus(chord, on.times(from_upper, second))
             )
         found = slots[self.output]
         return zero if found is None else found.second
 
 
-class _Rules:
-    """The rules for second differences, over numbers with ``add_``, ``mul_`` and ``inverse_``."""
+class _Rules(ABC):
+    """The rules for second differences, over some kind of numbers."""
 
-    def add(self, _: str, x: Ends, y: Ends, f: Local | None, g: Local | None) -> tuple[Any, Any]:
-        if f is None or g is None:
-            constant, other = (x, g) if f is None else (y, f)
-            return self.add_(self.fixed(constant.lower), other.here), other.second
-        return self.add_(f.here, g.here), self.add_(f.second, g.second)
+    @abstractmethod
+    def fixed(self, disk: Any) -> Any:
+        """Return what is known at a and b as a number of this kind."""
 
-    def mul(self, _: str, x: Ends, y: Ends, f: Local | None, g: Local | None) -> tuple[Any, Any]:
-        if f is None or g is None:
-            constant, other = (x, g) if f is None else (y, f)
-            factor = self.fixed(constant.lower)
-            return self.mul_(factor, other.here), self.mul_(factor, other.second)
-        second = self.add_(
-            self.add_(self.mul_(self.fixed(x.lower), g.second), self.mul_(self.fixed(x.chord), g.from_upper)),
-            self.mul_(f.second, g.here),
-        )
-        return self.mul_(f.here, g.here), second
+    @abstractmethod
+    def plus(self, x: Any, y: Any) -> Any:
+        """Return x + y."""
 
-    def inverse(self, _: str, x: Ends, _y: Ends, f: Local, _g: Local) -> tuple[Any, Any]:
+    @abstractmethod
+    def times(self, x: Any, y: Any) -> Any:
+        """Return x·y."""
+
+    @abstractmethod
+    def reciprocal(self, x: Any) -> Any:
+        """Return 1/x."""
+
+    @abstractmethod
+    def call(self, name: str, x: Any) -> Any:
+        """Return Φ(x)."""
+
+    @abstractmethod
+    def chord(self, name: str, x: Any, y: Any, at_x: Any, at_y: Any) -> Any:
+        """Return Φ[x, y]."""
+
+    @abstractmethod
+    def bend(self, name: str, places: tuple[Any, Any, Any], chord: Any, near_a: Any, near_b: Any) -> Any:
+        """Return Φ[a, b, q] from Φ[a, b], Φ[a, q] and Φ[b, q]."""
+
+    def step(self, line: Line, ends: tuple[Ends, ...], slots: list[Local | None]) -> tuple[Any, Any]:
+        """Return f(q) and f[a, b, q] of one line."""
+        x, y, f, g = ends[line.first], ends[line.other], slots[line.first], slots[line.other]
+        if line.code in {"add", "mul"}:
+            if f is None or g is None:
+                constant, other = (x, g) if f is None else (y, f)
+                assert other is not None
+                return self._with_constant(line.code, self.fixed(constant.lower), other)
+            return self._sum(f, g) if line.code == "add" else self._product(x, f, g)
+        assert f is not None
+        return self._inverse(x, f) if line.code == "inverse" else self._unary(line.code, x, f)
+
+    def _with_constant(self, code: str, constant: Any, f: Local) -> tuple[Any, Any]:
+        if code == "add":
+            return self.plus(constant, f.here), f.second
+        return self.times(constant, f.here), self.times(constant, f.second)
+
+    def _sum(self, f: Local, g: Local) -> tuple[Any, Any]:
+        return self.plus(f.here, g.here), self.plus(f.second, g.second)
+
+    def _product(self, x: Ends, f: Local, g: Local) -> tuple[Any, Any]:
+        outer = self.plus(self.times(self.fixed(x.lower), g.second), self.times(self.fixed(x.chord), g.from_upper))
+        return self.times(f.here, g.here), self.plus(outer, self.times(f.second, g.here))
+
+    def _inverse(self, x: Ends, f: Local) -> tuple[Any, Any]:
         """(1/f)[a, b, q] = (f[a, b] f[a, q] − f(a) f[a, b, q])/(f(a) f(b) f(q))."""
-        here = self.inverse_(f.here)
+        here = self.reciprocal(f.here)
         ends = self.fixed(_DISKS.mul(_DISKS.inverse(x.lower), _DISKS.inverse(x.upper)))
         minus = self.fixed(Disk(-x.lower.centre, x.lower.radius))
-        inner = self.add_(self.mul_(self.fixed(x.chord), f.from_lower), self.mul_(minus, f.second))
-        return here, self.mul_(self.mul_(ends, here), inner)
+        inner = self.plus(self.times(self.fixed(x.chord), f.from_lower), self.times(minus, f.second))
+        return here, self.times(self.times(ends, here), inner)
 
-    def unary(self, name: str, x: Ends, _y: Ends, f: Local, _g: Local) -> tuple[Any, Any]:
+    def _unary(self, name: str, x: Ends, f: Local) -> tuple[Any, Any]:
         a, b, q = self.fixed(x.lower), self.fixed(x.upper), f.here
         at_a, at_b = (self.fixed(_DISKS.unary(name, end)) for end in (x.lower, x.upper))
-        here = self.unary_(name, q)
-        near_a, near_b = self.first_(name, a, q, at_a, here), self.first_(name, b, q, at_b, here)
-        chord = self.fixed(_first_disk(name, x.lower, x.upper))
-        twice = self.second_(name, (a, b, q), chord, near_a, near_b)
-        inner = self.mul_(self.mul_(self.fixed(x.chord), f.from_lower), twice)
-        return here, self.add_(self.mul_(near_b, f.second), inner)
+        here = self.call(name, q)
+        near_a, near_b = self.chord(name, a, q, at_a, here), self.chord(name, b, q, at_b, here)
+        twice = self.bend(name, (a, b, q), self.fixed(_first_disk(name, x.lower, x.upper)), near_a, near_b)
+        inner = self.times(self.times(self.fixed(x.chord), f.from_lower), twice)
+        return here, self.plus(self.times(near_b, f.second), inner)
 
 
 class _OverDisks(_Rules):
-    fixed = staticmethod(lambda disk: disk)
-    add_, mul_, inverse_, unary_ = _DISKS.add, _DISKS.mul, _DISKS.inverse, _DISKS.unary
+    def fixed(self, disk: Any) -> Any:
+        return disk
 
-    def first_(self, name: str, x: Disk, y: Disk, at_x: Disk, at_y: Disk) -> Disk:
-        """Φ[x, y]."""
+    def plus(self, x: Any, y: Any) -> Any:
+        return _DISKS.add(x, y)
+
+    def times(self, x: Any, y: Any) -> Any:
+        return _DISKS.mul(x, y)
+
+    def reciprocal(self, x: Any) -> Any:
+        return _DISKS.inverse(x)
+
+    def call(self, name: str, x: Any) -> Any:
+        return _DISKS.unary(name, x)
+
+    def chord(self, name: str, x: Any, y: Any, at_x: Any, at_y: Any) -> Any:
+        """The quotient, or the mean of Φ′ over the hull: the smaller disk."""
         quotient = _DISKS.div(_DISKS.sub(at_y, at_x), _DISKS.sub(y, x))
         return tighter(quotient, _DISKS.derivative(name, hull(x, y)))
 
-    def second_(self, name: str, places: tuple[Disk, Disk, Disk], chord: Disk, near_a: Disk, near_b: Disk) -> Disk:
-        """Φ[a, b, q] from Φ[a, b], Φ[a, q] and Φ[b, q]."""
+    def bend(self, name: str, places: tuple[Any, Any, Any], chord: Any, near_a: Any, near_b: Any) -> Any:
+        """One of two quotients, or half the mean of Φ″ over the hull: the smallest disk."""
         a, b, q = places
         one = _DISKS.div(_DISKS.sub(near_b, chord), _DISKS.sub(q, a))
         other = _DISKS.div(_DISKS.sub(near_b, near_a), _DISKS.sub(b, a))
@@ -169,16 +214,22 @@ class _OverDisks(_Rules):
 
 
 class _AtPoints(_Rules):
-    fixed = staticmethod(lambda disk: disk.centre)
-    add_, mul_ = staticmethod(np.add), staticmethod(np.multiply)
+    def fixed(self, disk: Any) -> Any:
+        return disk.centre
 
-    def inverse_(self, x: Any) -> Any:
+    def plus(self, x: Any, y: Any) -> Any:
+        return x + y
+
+    def times(self, x: Any, y: Any) -> Any:
+        return x * y
+
+    def reciprocal(self, x: Any) -> Any:
         return 1 / x
 
-    def unary_(self, name: str, x: Any) -> Any:
+    def call(self, name: str, x: Any) -> Any:
         return _DISKS.unary(name, Disk(x, 0.0)).centre
 
-    def first_(self, name: str, x: Any, y: Any, at_x: Any, at_y: Any) -> Any:
+    def chord(self, name: str, x: Any, y: Any, at_x: Any, at_y: Any) -> Any:
         apart = y - x
         close = np.abs(apart) < _CLOSE * np.maximum(np.abs(x), 1e-3)
         quotient = (at_y - at_x) / np.where(close, 1, apart)
@@ -186,7 +237,7 @@ class _AtPoints(_Rules):
             return quotient
         return np.where(close, _DISKS.derivative(name, Disk((x + y) / 2, 0.0)).centre, quotient)
 
-    def second_(self, name: str, places: tuple[Any, Any, Any], chord: Any, near_a: Any, near_b: Any) -> Any:
+    def bend(self, name: str, places: tuple[Any, Any, Any], chord: Any, near_a: Any, near_b: Any) -> Any:
         a, b, q = places
         one, other = np.broadcast_arrays(q - a, b - a + 0 * q)
         widest = np.maximum(np.abs(one), np.abs(other))
@@ -198,7 +249,7 @@ class _AtPoints(_Rules):
 
 
 def _first_disk(name: str, x: Disk, y: Disk) -> Disk:
-    return _OverDisks().first_(name, x, y, _DISKS.unary(name, x), _DISKS.unary(name, y))
+    return _OverDisks().chord(name, x, y, _DISKS.unary(name, x), _DISKS.unary(name, y))
 
 
 def deflated(tape: Tape, inputs: Sequence[Disk], lower: Disk, upper: Disk, width: Disk) -> Deflated:
@@ -246,7 +297,7 @@ class _Builder:
             case "neg":
                 return self._negative(x[0])
             case _:
-                return self._line(f"unary {operation.code}", x[0])
+                return self._line(operation.code, x[0])
 
     def _constant(self, value: Disk) -> int:
         self.ends.append(Ends(value, value))
@@ -266,7 +317,7 @@ class _Builder:
 
     def _line(self, code: str, x: int, y: int = -1) -> int:
         f, g = self.ends[x], self.ends[y]
-        at = [self._at(code, a, b) for a, b in ((f.lower, g.lower), (f.upper, g.upper))]
+        at = self._at(code, f.lower, g.lower), self._at(code, f.upper, g.upper)
         if f.chord is None and (y < 0 or g.chord is None):
             return self._constant(at[0])
         line = Line(code, len(self.ends), x, y)
@@ -275,21 +326,21 @@ class _Builder:
         return line.target
 
     def _at(self, code: str, x: Disk, y: Disk) -> Disk:
-        kind, _, name = code.partition(" ")
-        match kind:
-            case "add" | "mul":
-                return getattr(_DISKS, kind)(x, y)  # type: ignore[no-any-return]
+        match code:
+            case "add":
+                return _DISKS.add(x, y)
+            case "mul":
+                return _DISKS.mul(x, y)
             case "inverse":
                 return _DISKS.inverse(x)
             case _:
-                return _DISKS.unary(name, x)
+                return _DISKS.unary(code, x)
 
-    def _chord(self, code: str, f: Ends, g: Ends, at: list[Disk]) -> Disk:
+    def _chord(self, code: str, f: Ends, g: Ends, at: tuple[Disk, Disk]) -> Disk:
         """The first difference on a and b, by rule or as a quotient."""
         zero, d = Disk(np.complex128(0), np.float64(0)), _DISKS
-        kind, _, name = code.partition(" ")
         first, second = f.chord or zero, g.chord or zero
-        match kind:
+        match code:
             case "add":
                 found = d.add(first, second)
             case "mul":
@@ -297,5 +348,5 @@ class _Builder:
             case "inverse":
                 found = d.mul(d.mul(*at), Disk(-first.centre, first.radius))
             case _:
-                found = d.mul(_first_disk(name, f.lower, f.upper), first)
+                found = d.mul(_first_disk(code, f.lower, f.upper), first)
         return tighter(found, d.div(d.sub(at[1], at[0]), self.width))

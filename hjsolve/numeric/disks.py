@@ -165,7 +165,7 @@ def _sincos(x: Disk, name: str) -> Disk:
 
 
 def _tan(d: Disks, x: Disk) -> Disk:
-    """−i tanh ix."""
+    """Tan as −i tanh ix."""
     turned = _tanh(d, Disk(1j * x.centre, x.radius))
     return Disk(-1j * turned.centre, turned.radius)
 
@@ -177,14 +177,14 @@ def _decaying(d: Disks, x: Disk, n: float) -> tuple[Any, Disk]:
 
 
 def _tanh(d: Disks, x: Disk) -> Disk:
-    """s (2/(1 + u) − 1), u = exp(−2 s x), which does not overflow."""
+    """Tanh as s (2/(1 + u) − 1), u = exp(−2 s x), which does not overflow."""
     side, u = _decaying(d, x, 2.0)
     rest = d.shifted(d.times(d.inverse(d.shifted(u, 1.0)), 2.0), -1.0)
     return Disk(side * rest.centre, rest.radius)
 
 
 def _sech(d: Disks, x: Disk) -> Disk:
-    """2u/(1 + u²), u = exp(−s x)."""
+    """Sech as 2u/(1 + u²), u = exp(−s x)."""
     _, u = _decaying(d, x, 1.0)
     return d.times(d.mul(u, d.inverse(d.shifted(d.power(u, 2), 1.0))), 2.0)
 
@@ -238,21 +238,28 @@ def _neg(x: Disk) -> Disk:
     return Disk(-x.centre, x.radius)
 
 
+def _paired(name: str) -> Callable[[Disks, Disk], Disk]:
+    return lambda _, x: _sincos(x, name)
+
+
+def _inverse_function(name: str) -> Callable[[Disks, Disk], Disk]:
+    return lambda d, x: _by_slope(d, x, name)
+
+
 _FUNCTIONS: dict[str, Callable[[Disks, Disk], Disk]] = {
-    "neg": lambda d, x: _neg(x), "abs": _abs, "exp": _exp, "log": _log, "sqrt": _sqrt, "tan": _tan, "tanh": _tanh,
+    "neg": lambda _, x: _neg(x), "abs": _abs, "exp": _exp, "log": _log, "sqrt": _sqrt, "tan": _tan, "tanh": _tanh,
     "sech": _sech,
-    **{name: (lambda d, x, name=name: _sincos(x, name)) for name in _PAIR},
-    **{name: (lambda d, x, name=name: _by_slope(d, x, name)) for name in _NUMPY},
+    **{name: _paired(name) for name in _PAIR}, **{name: _inverse_function(name) for name in _NUMPY},
 }  # fmt: skip
 _SLOPES: dict[str, Callable[[Disks, Disk], Disk]] = {
-    "abs": lambda d, x: _sign(x),
+    "abs": lambda _, x: _sign(x),
     "exp": _exp,
     "log": Disks.inverse,
     "sqrt": lambda d, x: d.times(_root(d, x, -1), 0.5),
-    "sin": lambda d, x: _sincos(x, "cos"),
-    "cos": lambda d, x: _neg(_sincos(x, "sin")),
-    "sinh": lambda d, x: _sincos(x, "cosh"),
-    "cosh": lambda d, x: _sincos(x, "sinh"),
+    "sin": lambda _, x: _sincos(x, "cos"),
+    "cos": lambda _, x: _neg(_sincos(x, "sin")),
+    "sinh": lambda _, x: _sincos(x, "cosh"),
+    "cosh": lambda _, x: _sincos(x, "sinh"),
     "tan": lambda d, x: _beside(d, _tan(d, x), 1.0),
     "tanh": lambda d, x: d.power(_sech(d, x), 2),
     "sech": lambda d, x: _neg(d.mul(_sech(d, x), _tanh(d, x))),
@@ -268,10 +275,10 @@ _BENDS: dict[str, Callable[[Disks, Disk], Disk]] = {
     "exp": _exp,
     "log": lambda d, x: _neg(d.power(x, -2)),
     "sqrt": lambda d, x: d.times(_root(d, x, -3), -0.25),
-    "sin": lambda d, x: _neg(_sincos(x, "sin")),
-    "cos": lambda d, x: _neg(_sincos(x, "cos")),
-    "sinh": lambda d, x: _sincos(x, "sinh"),
-    "cosh": lambda d, x: _sincos(x, "cosh"),
+    "sin": lambda _, x: _neg(_sincos(x, "sin")),
+    "cos": lambda _, x: _neg(_sincos(x, "cos")),
+    "sinh": lambda _, x: _sincos(x, "sinh"),
+    "cosh": lambda _, x: _sincos(x, "cosh"),
     "tan": lambda d, x: d.times(d.mul(_tan(d, x), _beside(d, _tan(d, x), 1.0)), 2.0),
     "tanh": lambda d, x: d.times(d.mul(_tanh(d, x), d.power(_sech(d, x), 2)), -2.0),
     "sech": lambda d, x: d.mul(_sech(d, x), d.shifted(d.times(d.power(_sech(d, x), 2), -2.0), 1.0)),

@@ -50,7 +50,7 @@ _COARSE, FINE = 0.15, 0.05
 _MOST_PLACES = 12
 """Rough places through which a phase is stretched; where there are more, the nodes are spaced evenly."""
 _MOST, _MOST_SEARCHED, _MOST_FOUND = 40000, 12000, 400
-"""Squares evaluated before a strip is taken as it is by then, or a search for obstacles is given up; obstacles found."""
+"""Squares evaluated before a strip is taken as it is, or a search for obstacles is given up; most obstacles."""
 
 
 class Strip(NamedTuple):
@@ -190,7 +190,7 @@ def obstacles(subject: Integrands) -> list[tuple[float, float]] | None:
     that is not decided either waits, and what lies above the cone over an obstacle is not looked at.
 
     Returns:
-        (Re χ, Im χ) of obstacles, the lowest first; None where they are too many, or one is on the real axis for doubles.
+        (Re χ, Im χ) of obstacles, the lowest first; None where they are too many, or one is as good as real.
     """
     found, work = np.zeros((2, 0)), 0
     todo, waiting = _covering(subject, _HIGHEST / 4), Squares.none()
@@ -205,7 +205,7 @@ def obstacles(subject: Integrands) -> list[tuple[float, float]] | None:
             return None
         found = np.concatenate([found, np.stack([left.x + left.side / 2, left.y])[:, hopeless]], axis=1)
         todo = left.chosen(~hopeless).divided()
-        todo, waiting = (part.chosen(~_over(part, *found, 0.0, _CONE)) for part in (todo, waiting))
+        todo, waiting = (part.chosen(~_over(part, found[0], found[1], 0.0, _CONE)) for part in (todo, waiting))
         if not todo.x.size:
             todo, waiting = waiting, Squares.none()
     order = np.argsort(found[1])
@@ -255,7 +255,8 @@ def _hopeless(squares: Squares, coarse: float = _COARSE) -> Any:
 def _foreseen(subject: Integrands) -> float:
     """A half width to begin with: the greatest at which R does not yet turn round 0, as points tell."""
     begin, turn = (0.0, 1) if subject.anomaly.even else (-np.pi, 2)
-    χ = np.linspace(begin, np.pi, turn * (192 if isinstance(subject.anomaly, Stretched) else 12) + 1) + 1j * _HEIGHTS[:, None]
+    columns = 192 if isinstance(subject.anomaly, Stretched) else 12
+    χ = np.linspace(begin, np.pi, turn * columns + 1) + 1j * _HEIGHTS[:, None]
     with np.errstate(all="ignore"):
         factor = np.broadcast_to(subject.at(complex_place(subject.anomaly, χ))[0], χ.shape)
         turns = np.sum(np.angle(factor[:, 1:] / factor[:, :-1]), axis=1)
@@ -276,9 +277,9 @@ def _cheapest(cap: float, y: Any, logs: Any, size: Any, digits: int) -> Strip:
 
 
 def _sizes(subject: Integrands, squares: Squares) -> tuple[Any, Any]:
-    """ln of the greatest size of each integrand over squares, not finite where it is unknown, and sizes on the axis.
+    """The logarithm of the greatest size of each integrand over squares, not finite where unknown; sizes on the axis.
 
-    A square lies in a disk of radius ρ; over the concentric one of radius ``_WIDER``·ρ the formulas are enclosed as they
+    A square lies in a disk of radius ρ; over that of radius ``_WIDER``·ρ the formulas are enclosed as they
     stand, which shows that they are analytic there and bounds them, be it far from sharply. So the power series of an
     integrand about the centre is known from values at points of the circle: what they do not tell is less than
     2Bt^n/(1 − t) for n points, t = 1/``_WIDER`` and the bound B, and the values themselves suffer from no dependency.

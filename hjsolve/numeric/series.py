@@ -17,7 +17,6 @@ from hjsolve.numeric.arithmetic import multiprecision
 from hjsolve.numeric.fourier import waves
 
 
-
 @dataclass(frozen=True)
 class Series:
     """c₀ + Σₖ cₖ cos kχ + sₖ sin kχ.

@@ -12,6 +12,12 @@ from dataclasses import dataclass
 from functools import partial
 from typing import Any, Protocol
 
+from hjsolve.errors import InvalidInputError
+
+_POLE = (
+    "a formula divides by zero at a place that the motion comes to: give the coordinate a domain that ends there, "
+    'such as "0 < x"'
+)
 UNARY = ("neg", "sqrt", "exp", "log", "sin", "cos", "tan", "asin", "acos", "atan",
          "sinh", "cosh", "tanh", "sech", "asinh", "acosh", "atanh", "abs")  # fmt: skip
 """Operation codes with one argument."""
@@ -62,10 +68,16 @@ class Tape:
 
         Returns:
             One value an output, in order.
+
+        Raises:
+            InvalidInputError: a division by zero, in an arithmetic without infinity.
         """
         slots = list(values)
-        for operation in self.operations:
-            slots.append(_apply(arithmetic, operation, slots))
+        try:
+            for operation in self.operations:
+                slots.append(_apply(arithmetic, operation, slots))
+        except ZeroDivisionError as fault:
+            raise InvalidInputError(_POLE) from fault
         return [slots[i] for i in self.outputs]
 
     def bind(self, arithmetic: Arithmetic, known: Sequence[Any]) -> Bound:
@@ -126,11 +138,14 @@ class Bound:
     outputs: tuple[int, ...]
 
     def run(self, *values: Any) -> list[Any]:
-        """Evaluate all outputs at values of the free inputs."""
+        """Evaluate all outputs at values of the free inputs; errors as in ``Tape.run``."""
         slots = list(self.slots)
         slots[: self.free] = values
-        for place, rule, i, j in self.rest:
-            slots[place] = rule(slots[i]) if j < 0 else rule(slots[i], slots[j])
+        try:
+            for place, rule, i, j in self.rest:
+                slots[place] = rule(slots[i]) if j < 0 else rule(slots[i], slots[j])
+        except ZeroDivisionError as fault:
+            raise InvalidInputError(_POLE) from fault
         return [slots[i] for i in self.outputs]
 
 

@@ -30,6 +30,8 @@ _MOST_WORK, _DEARER = 2000, 10
 _EXACT = 6
 _STUBBORN = 3
 """Divisions of a cell after which what lies beyond it is looked at as a whole."""
+_FARTHEST = 2032
+"""How far p² is sampled beyond all cells, as a power of two: over all places that are doubles."""
 _TOGETHER = 48
 
 
@@ -66,7 +68,8 @@ class Ray:
     turns: bool = False
 
     def place(self, x: Any, bits: int) -> Any:
-        return self.origin(bits) + self.side * multiprecision(bits).convert(x)
+        work = bits + self.radicand.guard
+        return self.origin(work) + self.side * multiprecision(work).convert(x)
 
     def jet(self, x: Any, bits: int) -> tuple[Any, Any, Any]:
         """Return F, dF/dx and d²F/dx²."""
@@ -80,8 +83,9 @@ class Ray:
             slack = 2.0**-52 * (abs(q0) + abs(x1))
             ends = q0 + self.side * x0, q0 + self.side * x1
         else:
-            convert = np.frompyfunc(multiprecision(bits).convert, 1, 1)
-            q0, slack = self.origin(bits), 0
+            work = bits + self.radicand.guard
+            convert = np.frompyfunc(multiprecision(work).convert, 1, 1)
+            q0, slack = self.origin(work), 0
             ends = q0 + self.side * convert(x0), q0 + self.side * convert(x1)
         value, first, second = self.radicand.enclose(np.minimum(*ends) - slack, np.maximum(*ends) + slack, bits)
         return value, first if self.side > 0 else type(first)(-first.high, -first.low), second
@@ -101,12 +105,20 @@ def first_end(ray: Ray, *, digits: int) -> End:
     """
     cells = _cells(ray)
     todo = list(itertools.pairwise(cells))
-    found = _search(ray, [_Cell(c, e, 0) for c, e in zip(todo, _enclose(ray, todo, 53), strict=True)], digits)
+    exact = not _within_doubles(ray)
+    enclosures = _enclose(ray, todo, 256 if exact else 53)
+    found = _search(ray, [_Cell(c, e, 0, exact) for c, e in zip(todo, enclosures, strict=True)], digits)
     if found is not None:
         return found
     if ray.turns:
         return End("round")
     return _beyond(ray, float(cells[-1]), digits)
+
+
+def _within_doubles(ray: Ray) -> bool:
+    """False where p² at the start is so small or large that intervals of doubles tell nothing of it."""
+    jet, length = ray.jet(0, 256), multiprecision(256).mpf(_scale(ray))
+    return 1e-250 < max(abs(part) * length**k for k, part in enumerate(jet)) < 1e250
 
 
 def _cells(ray: Ray) -> Any:
@@ -254,10 +266,12 @@ def _pieces(ray: Ray, cell: _Cell) -> list[tuple[float, float]]:
         NotConvergedError: it was divided too often already.
     """
     if cell.depth > _DEPTH:
-        raise NotConvergedError(
-            f"p² could not be decided near q = {float(ray.place(cell.ends[0], 128)):.15g}: it may have a zero of "
-            "high multiplicity there"
+        why = (
+            "it may have a zero of high multiplicity there"
+            if _finite(cell.enclosure)
+            else "it has a pole or no real value there; give the coordinate a domain that ends at that place"
         )
+        raise NotConvergedError(f"p² could not be decided near q = {float(ray.place(cell.ends[0], 128)):.15g}: {why}")
     parts = 8 if cell.depth < 4 else 2
     edges = np.linspace(*cell.ends, parts + 1)
     return [] if len(set(edges)) < parts + 1 else list(itertools.pairwise(edges))
@@ -383,12 +397,13 @@ def _beyond(ray: Ray, last: float, digits: int) -> End:
     """
     if ray.reach is None and _stays_positive(ray, last):
         return End("infinity")
-    bits = 1024
+    bits = 3072
     context = multiprecision(bits)
+    powers = [*range(0, 400, 16), *range(432, _FARTHEST, 64), _FARTHEST, _FARTHEST + 16]
     if ray.reach is None:
-        steps = [context.mpf(last) * context.mpf(2) ** k for k in range(0, 400, 16)]
+        steps = [context.mpf(last) * context.mpf(2) ** k for k in powers]
     else:
-        steps = [ray.reach(bits) * (1 - context.mpf(2) ** -k) for k in range(40, 440, 16)]
+        steps = [ray.reach(bits) * (1 - context.mpf(2) ** -(40 + k)) for k in powers]
     before = context.convert(last)
     values = []
     for x in steps:

@@ -49,7 +49,11 @@ class Plan:
 
 
 def plan(courses: Sequence[Course]) -> Plan:
-    """Find which coordinates have a time of their own."""
+    """Find which coordinates have a time of their own.
+
+    Raises:
+        NotConvergedError: the integrals are beyond the range of doubles.
+    """
     n = len(courses)
     samples = [_sample(c, n) for c in courses]
     steps: list[Step] = []
@@ -72,6 +76,11 @@ def _sample(course: Course, n: int) -> Any:
     rows = np.stack([np.broadcast_to(course.rate(j, χ), χ.shape) for j in range(n)], axis=1)
     sizes = np.max(np.abs(rows), axis=1, keepdims=True)
     told = sizes[:, 0] > 1e-12 * (float(np.max(sizes)) if isinstance(course, Bounded) else 0.0)
+    if not (told.any() and np.isfinite(sizes).all()):
+        raise NotConvergedError(
+            "the times of this motion are beyond doubles, 1e-308 to 1e308; write lengths and times in other "
+            'units, or leave them out with want=["constants", "turning_points"]'
+        )
     return rows[told] / sizes[told]
 
 

@@ -15,6 +15,7 @@ from hjsolve.numeric.arithmetic import Float64
 from hjsolve.numeric.tape import Tape
 
 Array = NDArray[np.float64]
+_MANY_TERMS = 6
 
 
 @dataclass(frozen=True)
@@ -169,7 +170,7 @@ def _level(
 
 
 def readable(expression: sp.Expr) -> sp.Expr:
-    """Expand a quotient and cancel term by term, which is how an effective potential is read.
+    """Expand a quotient and cancel term by term, as an effective potential is read; many terms as one fraction.
 
     Args:
         expression: any expression.
@@ -177,12 +178,11 @@ def readable(expression: sp.Expr) -> sp.Expr:
     Returns:
         An equal expression.
     """
-    return sp.Add(
-        *(
-            sp.powsimp(sp.cancel(term) if term.is_rational_function() else term)
-            for term in sp.Add.make_args(sp.expand(expression))
-        )
-    )
+    terms = sp.Add.make_args(sp.expand(expression))
+    whole = sp.Add(*(sp.powsimp(sp.cancel(term) if term.is_rational_function() else term) for term in terms))
+    if len(terms) <= _MANY_TERMS or not expression.is_rational_function():
+        return whole
+    return min((whole, sp.factor(sp.together(expression))), key=sp.count_ops)
 
 
 def _end(end: Any, exact: Mapping[sp.Symbol, sp.Expr]) -> float | None:

@@ -6,6 +6,7 @@ does not call for is not read into the system: an effect that is off leaves no s
 
 from __future__ import annotations
 
+import math
 from collections.abc import Iterator, Mapping
 from dataclasses import dataclass
 from pathlib import Path
@@ -52,6 +53,14 @@ class Times:
             return list(self.listed)
         step = (self.stop - self.start) / (self.count - 1)
         return [self.start + k * step for k in range(self.count)]
+
+    def between(self, begin: float, end: float) -> list[sp.Expr]:
+        """The times from ``begin`` to ``end``, and perhaps one more on each side."""
+        if self.listed:
+            return [t for t in self.listed if begin - 1 <= t <= end + 1]
+        step = (self.stop - self.start) / (self.count - 1)
+        first, last = (math.floor((x - float(self.start)) / float(step)) for x in (begin, end))
+        return [self.start + k * step for k in range(max(first - 1, 0), min(last + 3, self.count))]
 
     @property
     def last(self) -> sp.Expr:
@@ -120,11 +129,12 @@ class Scene:
     sweep: Varied | None = None
 
     @staticmethod
-    def load(scene: str | Path | Mapping[str, Any]) -> Scene:
+    def load(scene: str | Path | System | Mapping[str, Any]) -> Scene:
         """Read a scene.
 
         Args:
-            scene: the path of a TOML file, or its table; docs/scenes.md says what it may hold.
+            scene: the path of a TOML file, or its table, whose ``system`` may be a ``System``; docs/scenes.md says what
+                it may hold. A ``System`` or the id of a catalog entry alone is the scene of its default motion.
 
         Returns:
             The scene, checked.
@@ -167,12 +177,21 @@ class Scene:
         return run_chosen(self)
 
 
-def _opened(scene: str | Path | Mapping[str, Any]) -> tuple[Mapping[str, Any], str, Path]:
+def _opened(scene: str | Path | System | Mapping[str, Any]) -> tuple[Mapping[str, Any], str, Path]:
+    if isinstance(scene, System) or (isinstance(scene, str) and not scene.endswith(".toml") and scene in catalog.ids()):
+        scene = {"system": scene}
     if isinstance(scene, Mapping):
-        return scene, "scene", Path()
-    arguments.refuse_other(scene, (str, Path), "scene", "the path of a TOML file or its table is needed")
+        system = scene.get("system")
+        return {**scene, "system": named(system)} if isinstance(system, System) else scene, "scene", Path()
+    needed = "the path of a TOML file or its table, a System or a catalog id is needed"
+    arguments.refuse_other(scene, (str, Path), "scene", needed)
     path, source = Path(scene), str(scene)
     return toml_file.read(path, source), source, path.parent
+
+
+def named(system: System) -> str | dict[str, Any]:
+    """What the key ``system`` says for a system: the id of its entry, which knows motions and effects, or its table."""
+    return system.id if catalog.entry_of(system) is not None else catalog.table_of(system)
 
 
 def _built(table: Mapping[str, Any], source: str, folder: Path) -> Scene:

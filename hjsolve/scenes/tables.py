@@ -139,8 +139,3 @@ def _wall_faults(event: Mapping[str, Any], where: str) -> Iterator[str]:
             f"{where}.surface: only walls at a coordinate surface, coordinate = value, can be treated: an oblique wall "
             "mixes the separated momenta; choose coordinates in which the wall is such a surface"
         )
-    if str(event.get("restitution", "1")) not in ("1", "1.0"):
-        yield (
-            f"{where}.restitution: only elastic walls (1) are treated: with less, energy is lost at each impact and "
-            "the constants of the motion are not kept; give an impulse at each passage instead"
-        )

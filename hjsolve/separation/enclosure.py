@@ -89,6 +89,8 @@ class Region:
             value = sp.Rational(place + 1 + attempt, 1 + attempt)
         else:
             value = sp.Rational(generator.randrange(1, 64), generator.choice((4, 8, 16)))
+        if symbol.is_integer:
+            value = sp.ceiling(value)
         if symbol.is_negative or symbol.is_nonpositive:
             return -value
         return -value if symbol.is_nonnegative is None and attempt % 4 == 3 else value
