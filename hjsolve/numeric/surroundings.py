@@ -20,6 +20,7 @@ from hjsolve.numeric.arithmetic import Multi
 from hjsolve.numeric.disks import Disk, Disks, tighter
 from hjsolve.numeric.expansion import ZERO, Local, Locals, exponential_unit
 from hjsolve.numeric.panels import Way
+from hjsolve.numeric.rates import EXPONENTIAL, Rates, largest
 from hjsolve.numeric.reach import Sizes
 from hjsolve.numeric.reciprocals import without_overflow
 from hjsolve.numeric.tape import Bound, Tape
@@ -201,6 +202,11 @@ class Sight:
         return squared, kernels
 
     @cached_property
+    def exponential(self) -> bool:
+        """True where a formula has exponentials."""
+        return any(operation.code in EXPONENTIAL for tape in self.tapes for operation in tape.operations)
+
+    @cached_property
     def start(self) -> Disk:
         return _D.point(self.way.start)
 
@@ -312,7 +318,8 @@ class Surrounding:
         if way.end != "infinity":
             here.append(self._from_end)
         elif self._far:
-            here.append(self._from_end)
+            several = self.sight.exponential and not (self.sight.view and self.sight.view.rate)
+            here += [self._by_rates] * several + [self._from_end]
         return here + [self._closely] * careful
 
     @property
@@ -387,6 +394,22 @@ class Surrounding:
         factor = _D.div(squared[1], places.x) if way.turning else squared[1]
         powers = [2 * order for order, _ in weights]
         return sight.integrands(factor, [w for _, w in weights], view.root(q, places), powers, 2 * squared[0])
+
+
+    def _by_rates(self, places: Spots) -> Sizes:
+        """The formulas with their exponentials taken out."""
+        sight, q = self.sight, self._place(places)
+        rates = Rates(q, sight.way.side)
+        inputs = [rates.variable(), *map(rates.constant, sight.inputs)]
+        squared, *weights = (f for tape in sight.tapes for f in tape.run(rates, inputs))
+        factor = _full(squared.value, q)
+        factor = _D.div(factor, places.x) if sight.way.turning else factor
+        root = _sizes_of(_ONE, places)
+        sizes = sight.integrands(factor, [w.value for w in weights], root, [0] * len(weights), 0)
+        growths = [*(w.rate - squared.rate / 2 for w in weights), squared.rate / 2]
+        most = [row * np.exp(largest(q, rate)) for row, rate in zip(sizes.most, growths, strict=True)]
+        inside = [row * np.exp(rate * np.real(q.centre)) for row, rate in zip(sizes.inside, growths, strict=True)]
+        return Sizes(np.where(np.isfinite(most), most, np.inf), np.nan_to_num(inside, posinf=0.0))
 
 
 def _with_base(x: Disk) -> Disk:
