@@ -16,6 +16,7 @@ import numpy as np
 from hjsolve.numeric.disks import Disk, Disks
 
 EXPONENTIAL = frozenset({"exp", "sinh", "cosh", "sech"})
+_LARGE = 600.0
 _D = Disks()
 _ONE, _ZERO = Disk(np.complex128(1.0), np.float64(0.0)), Disk(np.complex128(0.0), np.float64(0.0))
 
@@ -108,6 +109,8 @@ class Rates:
     def _exponential(self, name: str, line: tuple[Disk, Disk]) -> Rated:
         a, b = line
         rate = float(np.real(a.centre))
+        if abs(np.real(b.centre)) > _LARGE:  # about a place far away: e^b would overflow
+            return Rated(0.0, _D.unary(name, _D.add(_D.mul(a, self.q), b)))
         # what rounding leaves of the slope stays in the disk
         rest = _D.add(b, _D.mul(self.q, Disk(a.centre - rate, a.radius)))
         if name == "sech":
