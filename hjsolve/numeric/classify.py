@@ -31,6 +31,10 @@ _NEAREST = 200
 """Bits by which a turning point may be nearer to an end of the domain than to the other one."""
 
 
+_LONG = 2**16
+"""The natural length of an open motion, over |q|, at most."""
+
+
 @dataclass(frozen=True)
 class Start:
     """One coordinate at the initial time.
@@ -367,15 +371,19 @@ def _judged(start: Start, end: End) -> End:
 
 
 def _length(start: Start, place: Any, bits: int, *, turning: bool) -> Any:
-    """A length over which p² changes by itself near a place; at a turning point its value there is rounding only."""
+    """A length over which p² changes by itself near a place; at a turning point its value there is rounding only.
+
+    Beside a narrow feature far away p² hardly changes at all: the length is not much larger than |q|.
+    """
     value, slope, bend = start.radicand.jet(place, bits)
+    own = max(abs(place), abs(place - start.place(bits))) or multiprecision(bits).mpf(1)
     if turning:
         value = 0 * value
     if bend and slope and abs(value) < abs(slope * slope / bend):
-        return abs(slope / bend)
+        return min(abs(slope / bend), _LONG * own)
     if value and slope:
-        return abs(value / slope)
-    return max(abs(place), abs(place - start.place(bits))) or multiprecision(bits).mpf(1)
+        return min(abs(value / slope), _LONG * own)
+    return own
 
 
 def _open_phase(way: Way, start: Start, forward: int, bits: int) -> Any:

@@ -2,7 +2,9 @@
 
 From the start the scan walks outward over cells. A cell is passed only when interval arithmetic
 proves F = p² > 0 on it, or proves F′ or F″ of one sign so that a few exact values decide it. What
-doubles cannot decide (near-circular, near-separatrix) is decided with more digits. A zero of F at a
+doubles cannot decide (near-circular, near-separatrix) is decided with more digits, and what no cell
+decides far out, where F tends to zero or its terms overflow, by how F grows towards infinity
+(``numeric.asymptotics``). A zero of F at a
 critical point that stays zero to ``_LAST_BITS`` digits is a double zero: the motion needs infinite
 time to reach it (Greenwood, item 41).
 """
@@ -27,6 +29,8 @@ _DEPTH = 40
 _MOST_WORK, _DEARER = 2000, 10
 """Divisions of cells before a search is given up; what one costs in many digits, in doubles 1."""
 _EXACT = 6
+_STUBBORN = 3
+"""Divisions of a cell after which what lies beyond it is looked at as a whole."""
 _FARTHEST = 2032
 """How far p² is sampled beyond all cells, as a power of two: over all places that are doubles."""
 _TOGETHER = 48
@@ -179,9 +183,11 @@ def _search(ray: Ray, cells: list[_Cell], digits: int) -> End | None:
     Raises:
         NotConvergedError: the work is beyond ``_MOST_WORK``: interval arithmetic does not see what p² does there.
     """
-    work = 0
+    work, outlook = 0, _Outlook(ray)
     while cells:
         first = cells[0]
+        if (first.overflowed or (first.undecided and (first.blurred or first.depth >= _STUBBORN))) and outlook.clear(first.ends[0]):
+            return None
         if first.overflowed:
             work += _DEARER
             cells = [_exactly(ray, first), *cells[1:]]
@@ -200,6 +206,27 @@ def _search(ray: Ray, cells: list[_Cell], digits: int) -> End | None:
             return found
         cells = cells[1:]
     return None
+
+
+class _Outlook:
+    """Where p² is known to stay positive up to infinity; asked once in every factor of two."""
+
+    def __init__(self, ray: Ray):
+        self.ray = ray
+        self.asked: set[int] = set()
+
+    def clear(self, x: float) -> bool:
+        """True when p² > 0 from a distance x on to infinity."""
+        octave = int(np.frexp(x)[1])
+        if self.ray.reach is not None or octave in self.asked:
+            return False
+        self.asked.add(octave)
+        return _stays_positive(self.ray, x)
+
+
+def _stays_positive(ray: Ray, x: float) -> bool:
+    far = ray.side * float(ray.place(x, 128))
+    return ray.radicand.sign_beyond(ray.side, far * (1 - 2.0**-50)) > 0
 
 
 def _exactly(ray: Ray, cell: _Cell) -> _Cell:
@@ -388,6 +415,8 @@ def _beyond(ray: Ray, last: float, digits: int) -> End:
 
     Signs are sampled along a geometric sequence; a sign change is a turning point.
     """
+    if ray.reach is None and _stays_positive(ray, last):
+        return End("infinity")
     bits = 3072
     context = multiprecision(bits)
     powers = [*range(0, 400, 16), *range(432, _FARTHEST, 64), _FARTHEST, _FARTHEST + 16]
