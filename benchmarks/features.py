@@ -2,9 +2,9 @@
 
     python benchmarks/features.py --count 100 --seed 5 --digits 15,30 --out features.jsonl
 
-Each line of the file is one draw of ``tests/random_features.py`` at one number of digits; a run that was stopped goes on
-where it stopped. At the end, and with ``--report FILE`` alone, the counts are printed:
-right (1e-12 and inside the claim) · loose (inside the claim, off by more) · false (outside the claim) · refused · foreign.
+Each line of the file is one draw of ``tests/random_features.py`` at one number of digits; a run that was
+stopped goes on where it stopped. At the end, and with ``--report FILE`` alone, the counts are printed: right
+(1e-12 and inside the claim) · loose (inside the claim, off by more) · false (outside the claim) · refused · foreign.
 """
 
 from __future__ import annotations
