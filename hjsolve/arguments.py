@@ -52,7 +52,9 @@ def ascii_name(name: Any) -> Any:
 
     Letters that have no such name are left as they are, and so is what is no text.
     """
-    return name if not isinstance(name, str) or name.isascii() else "".join(map(_spelled_letter, unicodedata.normalize("NFKC", name)))
+    if not isinstance(name, str) or name.isascii():
+        return name
+    return "".join(map(_spelled_letter, unicodedata.normalize("NFKC", name)))
 
 
 def _spelled_letter(letter: str) -> str:

@@ -180,7 +180,9 @@ def _decide(solution: Solution, name: str, statement: str, residuals: Iterable[s
 def _outcome(solution: Solution, residual: sp.Expr, budget: float) -> Outcome:
     if residual == 0:
         return "proved"
-    bounds = {**free_region(residual).bounds, **domain_bounds(solution.system)}
+    given = {p.symbol for p in solution.system.parameters}  # they take their values first: domains may end at them
+    free = {symbol: ends for symbol, ends in free_region(residual).bounds.items() if symbol not in given}
+    bounds = {**free, **domain_bounds(solution.system)}
     match is_zero(residual, Region(bounds, solution.system.defaults), budget=budget):
         case Zero():
             return "proved"

@@ -59,6 +59,7 @@ def solve(options: Namespace) -> int:
     """
     from hjsolve import solution
     from hjsolve.reports import quadratures, symbolic
+    from hjsolve.reports.laws import laws_section
     from hjsolve.separation import Separation, separate
 
     if (problem := meant.hamiltonian(options)) is not None:
@@ -67,7 +68,7 @@ def solve(options: Namespace) -> int:
     verdict = separate(system)
     if isinstance(verdict, Separation):
         solved = solution.solve(verdict)
-        _print(system, [meant.frame(options, solved), *quadratures.solution_sections(solved)])
+        _print(system, [meant.frame(options, solved), *quadratures.solution_sections(solved), laws_section(solved)])
     else:
         evidence = [symbolic.evidence_section(verdict, lead=False), symbolic.refusal_section(verdict)]
         _print(system, evidence, symbolic.answer(verdict))

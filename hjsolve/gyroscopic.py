@@ -16,6 +16,7 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
 
+import numpy as np
 import sympy as sp
 
 from hjsolve import arguments
@@ -96,12 +97,13 @@ class ModalMotion:
     motion: Motion
 
     def at(self, t: Any) -> tuple[dict[str, Any], dict[str, Any]]:
-        """Return q and p by coordinate at one time, ``mpf``."""
+        """Return q and p by coordinate, ``mpf``; object arrays shaped like the times where these are several."""
         names = [c.name for c in self.modes.system.coordinates]
         state, n = self.motion.at(t), len(names)
         context = multiprecision(_bits(self.modes.digits))
-        modal = [*state.q.values(), *state.p.values()]
-        z = self.modes.matrix * context.matrix([context.convert(x) for x in modal])
+        convert = context.convert if np.ndim(t) == 0 else np.frompyfunc(context.convert, 1, 1)
+        modal, N = [convert(x) for x in (*state.q.values(), *state.p.values())], self.modes.matrix
+        z = [sum(N[i, k] * x for k, x in enumerate(modal)) for i in range(2 * n)]
         return {name: z[i] for i, name in enumerate(names)}, {name: z[n + i] for i, name in enumerate(names)}
 
 

@@ -8,9 +8,8 @@ them is zero (a parabolic orbit, a motion through the axis) is decided with ``ZE
 from __future__ import annotations
 
 import math
-from collections.abc import Callable, Iterable, Mapping
+from collections.abc import Iterable, Mapping
 from dataclasses import dataclass, replace
-from functools import lru_cache
 from typing import Any
 
 import sympy as sp
@@ -47,24 +46,33 @@ class Initial:
     exact: bool
 
 
-def to_bits(value: sp.Expr) -> Callable[[int], Any]:
+class InBits:
+    """An exact number as a rule: binary digits asked ↦ its value; made by ``to_bits``, and pickled as the number."""
+
+    __slots__ = ("_known", "_tape", "value")
+
+    def __init__(self, value: sp.Expr):
+        self.value, self._known = value, dict[int, Any]()
+        self._tape = None if value.is_Rational else lower([value], [])
+
+    def __call__(self, bits: int) -> Any:
+        """Return the number, to (about) so many bits."""
+        if bits not in self._known:
+            more = Multi(bits + 64)
+            if self._tape is None:
+                exact = more.rational(int(self.value.p), int(self.value.q))
+            else:
+                exact = self._tape.run(more, [])[0]
+            self._known[bits] = multiprecision(bits).convert(exact)
+        return self._known[bits]
+
+    def __reduce__(self) -> tuple[Any, ...]:
+        return to_bits, (self.value,)
+
+
+def to_bits(value: sp.Expr) -> InBits:
     """Return a rule that gives an exact number to any binary precision."""
-    if value.is_Rational:
-        above, below = int(value.p), int(value.q)
-
-        def exact(bits: int) -> Any:
-            return Multi(bits).rational(above, below)
-    else:
-        tape = lower([value], [])
-
-        def exact(bits: int) -> Any:
-            return tape.run(Multi(bits), [])[0]
-
-    @lru_cache(maxsize=32)
-    def at(bits: int) -> Any:
-        return multiprecision(bits).convert(exact(bits + 64))
-
-    return at
+    return InBits(value)
 
 
 def is_zero(value: sp.Expr) -> bool:

@@ -9,7 +9,7 @@ from __future__ import annotations
 
 from collections.abc import Callable, Iterable, Mapping
 from dataclasses import dataclass, field, replace
-from functools import cache, lru_cache
+from functools import lru_cache, partial
 from typing import Any
 
 import sympy as sp
@@ -17,7 +17,7 @@ import sympy as sp
 from hjsolve import arguments, quantities
 from hjsolve.errors import InvalidInputError
 from hjsolve.expressions import number
-from hjsolve.initial import ZERO_BITS, Initial, domain_ends, expanded, initial_data, sign, to_bits
+from hjsolve.initial import ZERO_BITS, InBits, Initial, domain_ends, expanded, initial_data, sign, to_bits
 from hjsolve.lowering import lower, over_one_denominator, recentred, spread_exponentials
 from hjsolve.numeric.arithmetic import multiprecision
 from hjsolve.numeric.classify import Located, Start, locate
@@ -245,19 +245,26 @@ def start(
     initial = initial_data(
         solution, q=q, velocity=velocity, p=p, constants=constants, signs=signs, parameters=parameters
     )
-    parts, exact_t0 = parts_of(want), number(t0, source="t0")
-    given = {
+    wanted = None if want is None else arguments.words(want, "want", '["actions", "periods"]')
+    parts, exact_t0 = parts_of(wanted), number(t0, source="t0")
+    groups = {
         "q": q, "velocity": velocity, "p": p, "constants": constants, "signs": signs, "parameters": parameters,
     }  # fmt: skip
-
-    def again(digits: int, change: Mapping[str, Any]) -> Motion:
-        return start(solution, **{**given, **change}, t0=t0, digits=digits, want=want)
+    given = {name: None if group is None else dict(group) for name, group in groups.items()}
 
     if certified:
         motion = _certified(solution, initial, exact_t0, max(digits, FLOAT_DIGITS), parts)
     else:
         motion = _move(solution, initial, exact_t0, max(digits, FLOAT_DIGITS), parts)
-    return replace(motion, given=given, again=again)
+    return replace(motion, given=given, again=partial(_again, solution, given, exact_t0, wanted))
+
+
+def _again(
+    solution: Solution, given: Mapping[str, Any], t0: sp.Expr, want: frozenset[str] | None, digits: int,
+    change: Mapping[str, Any],
+) -> Motion:  # fmt: skip
+    """Start a motion anew from what was given, with other digits or changed input."""
+    return start(solution, **{**given, **change}, t0=t0, digits=digits, want=want)
 
 
 def _move(solution: Solution, initial: Initial, t0: sp.Expr, digits: int, parts: frozenset[str]) -> Motion:
@@ -282,13 +289,29 @@ def _certified(solution: Solution, initial: Initial, t0: sp.Expr, digits: int, p
     }
     motion = Motion(
         solution, initial, t0, digits, located, None, _kinds(solution, located), {}, {}, {}, {}, {}, {}, parts,
-        states=cache(lambda: _move(solution, initial, t0, digits, parts)),
+        states=_States(solution, initial, t0, digits, parts),
     )  # fmt: skip
     proved = enclose(motion, digits, known)
     return replace(
         motion, constants=proved.constants, turning_points=proved.turning_points, actions=proved.actions,
         frequencies=proved.frequencies, periods=proved.periods,
     )  # fmt: skip
+
+
+class _States:
+    """The motion that the states of a certified one are read from, made when it is first asked for."""
+
+    def __init__(self, *arguments: Any):
+        self.arguments = arguments
+        self.motion: Motion | None = None
+
+    def __call__(self) -> Motion:
+        if self.motion is None:
+            self.motion = _move(*self.arguments)
+        return self.motion
+
+    def __reduce__(self) -> tuple[Any, ...]:
+        return _States, self.arguments
 
 
 def _kinds(solution: Solution, located: Mapping[str, Located]) -> dict[str, str]:
@@ -320,7 +343,7 @@ def _start(solution: Solution, initial: Initial, name: str) -> Start:
     exact = [initial.constants[c] for c in solution.constants] + [initial.values[s] for s in parameters]
     rules = [to_bits(value) for value in exact]
     squared, kernels, absent, periodic = _tapes(F, coordinate.symbol, constants, parameters)
-    radicand = Radicand(squared, kernels, lambda bits: [rule(bits) for rule in rules])
+    radicand = Radicand(squared, kernels, partial(_at_bits, rules))
     momentum, shift = initial.values[coordinate.momentum], solution.shift[name]
     ends = [None if end is None else to_bits(end) for end in domain_ends(solution.system, name, initial.values)]
     place = to_bits(initial.values[coordinate.symbol])
@@ -330,6 +353,10 @@ def _start(solution: Solution, initial: Initial, name: str) -> Start:
     if forward:
         radicand = radicand.guarded(place, _square(to_bits(root)))
     return Start(name, radicand, place, forward, ends[0], ends[1], angle, absent)
+
+
+def _at_bits(rules: list[InBits], bits: int) -> list[Any]:
+    return [rule(bits) for rule in rules]
 
 
 def _square(root: Callable[[int], Any]) -> Callable[[int], Any]:

@@ -28,7 +28,7 @@ def cost(
     subject: Subject,
     *,
     digits: Sequence[int] | None = None,
-    seconds: float = 60.0,
+    seconds: float = 20.0,
     repeats: int = 5,
     motion: str = "default",
     rivals: bool = True,

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import copyreg
 import operator
 from collections.abc import Callable
 from dataclasses import dataclass, field
@@ -86,7 +87,30 @@ def multiprecision(bits: int) -> Any:
     """Return an mpmath context of its own with this precision, so that no global is touched."""
     context = mpmath.ctx_mp.MPContext()
     context.prec = bits
+    for kind in (context.mpf, context.mpc):  # classes of their own, which pickle does not find by their names
+        copyreg.pickle(kind, _reduced)
+    copyreg.pickle(context.matrix, _reduced_matrix)
     return context
+
+
+def _reduced(x: Any) -> tuple[Any, ...]:
+    """What a number of one of our contexts is pickled as: its precision and its parts."""
+    parts = (x._mpf_,) if hasattr(x, "_mpf_") else x._mpc_
+    return _restored, (x.context.prec, *(tuple(int(part) for part in number) for number in parts))
+
+
+def _reduced_matrix(matrix: Any) -> tuple[Any, ...]:
+    return _restored_matrix, (matrix.ctx.prec, matrix.tolist())
+
+
+def _restored_matrix(bits: int, rows: list[list[Any]]) -> Any:
+    return multiprecision(bits).matrix(rows)
+
+
+def _restored(bits: int, *parts: tuple[int, ...]) -> Any:
+    context = multiprecision(bits)
+    numbers = tuple((sign, mpmath.libmp.MPZ(whole), exponent, count) for sign, whole, exponent, count in parts)
+    return context.make_mpf(numbers[0]) if len(parts) == 1 else context.make_mpc(numbers)
 
 
 def within_reach(name: str, x: Any, context: Any) -> Any:

@@ -5,6 +5,7 @@ from __future__ import annotations
 import itertools
 from collections.abc import Iterator
 from dataclasses import dataclass, replace
+from functools import partial
 from typing import Any
 
 import numpy as np
@@ -28,6 +29,10 @@ _MOST = 20000
 """Nodes above which a motion is given up, for a double."""
 _NEAREST = 200
 """Bits by which a turning point may be nearer to an end of the domain than to the other one."""
+
+
+_LONG = 2**16
+"""The natural length of an open motion, over |q|, at most."""
 
 
 @dataclass(frozen=True)
@@ -109,10 +114,18 @@ def ray(start: Start, side: int) -> Ray:
     """The way from the initial place to one side, up to the end of the domain or a full turn."""
     end = start.upper if side > 0 else start.lower
     if start.angle:
-        return Ray(start.radicand, start.place, side, lambda bits: 2 * multiprecision(bits).pi, turns=True)
+        return Ray(start.radicand, start.place, side, _turn, turns=True)
     if end is None:
         return Ray(start.radicand, start.place, side, None)
-    return Ray(start.radicand, start.place, side, lambda bits: abs(end(bits) - start.place(bits)))
+    return Ray(start.radicand, start.place, side, partial(_distance, start.place, end))
+
+
+def _turn(bits: int) -> Any:
+    return 2 * multiprecision(bits).pi
+
+
+def _distance(one: Number, other: Number, bits: int) -> Any:
+    return abs(other(bits) - one(bits))
 
 
 def _rest(start: Start, digits: int) -> Located:
@@ -358,15 +371,19 @@ def _judged(start: Start, end: End) -> End:
 
 
 def _length(start: Start, place: Any, bits: int, *, turning: bool) -> Any:
-    """A length over which p² changes by itself near a place; at a turning point its value there is rounding only."""
+    """A length over which p² changes by itself near a place; at a turning point its value there is rounding only.
+
+    Beside a narrow feature far away p² hardly changes at all: the length is not much larger than |q|.
+    """
     value, slope, bend = start.radicand.jet(place, bits)
+    own = max(abs(place), abs(place - start.place(bits))) or multiprecision(bits).mpf(1)
     if turning:
         value = 0 * value
     if bend and slope and abs(value) < abs(slope * slope / bend):
-        return abs(slope / bend)
+        return min(abs(slope / bend), _LONG * own)
     if value and slope:
-        return abs(value / slope)
-    return max(abs(place), abs(place - start.place(bits))) or multiprecision(bits).mpf(1)
+        return min(abs(value / slope), _LONG * own)
+    return own
 
 
 def _open_phase(way: Way, start: Start, forward: int, bits: int) -> Any:

@@ -1,6 +1,6 @@
 """A trigonometric series and its integral at one phase in many digits, in fixed-point integers.
 
-Σ uₖ cos kχ and Σ uₖ sin kχ by Clenshaw's recurrence bₖ = uₖ + 2 cos χ bₖ₊₁ − bₖ₊₂ (Clenshaw, Math. Tables Aids Comput. 9
+Σ uₖ cos kχ and Σ uₖ sin kχ by Clenshaw's recurrence bₖ = uₖ + 2 cos χ bₖ₊₁ − bₖ₊₂ (Math. Tables Aids Comput. 9
 (1955) 118): one product of integers a term, some fifty times faster than complex numbers of mpmath. The recurrence
 magnifies rounding by at most the square of the number of terms, which the guard bits cover, so the sums are as good as
 the coefficients, relative to the largest of them.
@@ -26,11 +26,12 @@ class Fixed:
 
     def __init__(self, series: Series, bits: int):
         self.series, self.context = series, multiprecision(bits)
-        self.size = max((abs(c) for part in (series.cosines, series.sines) if part is not None for c in part), default=0)
+        parts = [part for part in (series.cosines, series.sines) if part is not None]
+        self.size = max((abs(c) for part in parts for c in part), default=0)
         self.work = bits + 2 * max(len(series.cosines), 1).bit_length() + _GUARD
 
     def _integers(self, coefficients: Any, divided: bool) -> list[int]:
-        """Coefficients, or those of the integral, from the last to the first, as multiples of 2^−work of the largest."""
+        """Coefficients, or those of the integral, from the last on, as multiples of 2^−work of the largest."""
         with_order = [(c / k if divided else c) for k, c in enumerate(map(self.context.convert, coefficients), start=1)]
         return [int(self.context.nint(self.context.ldexp(c / self.size, self.work))) for c in reversed(with_order)]
 

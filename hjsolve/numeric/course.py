@@ -175,6 +175,7 @@ class Open:
         behind: branch for χ ≤ 0, run backwards; the same branch where the motion turns at χ = 0.
         start: χ of the initial place.
         reach: how far the panels go: (weights, amount of the weighted sum of integrals), or (None, greatest phase).
+        back: the amount for the branch behind, where it is another; None for the same.
     """
 
     kind: Kind
@@ -182,13 +183,17 @@ class Open:
     behind: Branch
     start: Any
     reach: tuple[tuple[float, ...] | None, float] = (None, 1.0)
+    back: float | None = None
 
     periodic = False
     action = None
 
     def _sides(self, χ: Any) -> tuple[Any, Panels, Panels]:
-        ahead = self.ahead.panels(*self.reach)
-        return χ >= 0, ahead, ahead if self.behind is self.ahead else self.behind.panels(*self.reach)
+        weights, amount = self.reach
+        ahead = self.ahead.panels(weights, amount)
+        if self.behind is self.ahead:
+            return χ >= 0, ahead, ahead
+        return χ >= 0, ahead, self.behind.panels(weights, amount if self.back is None else self.back)
 
     def integral(self, j: int, χ: Any) -> Any:
         forward, ahead, behind = self._sides(χ)

@@ -43,6 +43,11 @@ class Disk(NamedTuple):
         return np.abs(self.centre) + self.radius
 
     @property
+    def least(self) -> Any:
+        """The least |z|, not below 0."""
+        return np.maximum(np.abs(self.centre) - self.radius, 0.0)
+
+    @property
     def known(self) -> Any:
         """True where the disk is bounded."""
         return np.isfinite(self.radius) & np.isfinite(self.centre)
@@ -155,7 +160,8 @@ def _sincos(x: Disk, name: str) -> Disk:
     value, beside = of(x.centre), np.abs(other(x.centre))
     size = np.abs(value)
     spread = size * 2 * np.sinh(x.radius / 2) ** 2 + beside * np.sinh(x.radius)
-    return Disk(value, spread + _UNIT * (1 + np.abs(x.centre)) * (size + beside))
+    near = np.minimum(np.abs(x.centre), 1.0)
+    return Disk(value, spread + _UNIT * (1 + np.abs(x.centre)) * (size + near * beside))
 
 
 def _tan(d: Disks, x: Disk) -> Disk:

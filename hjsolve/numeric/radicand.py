@@ -9,6 +9,7 @@ from typing import Any
 
 import numpy as np
 
+from hjsolve.numeric import asymptotics
 from hjsolve.numeric.arithmetic import Float64, Multi
 from hjsolve.numeric.counting import count
 from hjsolve.numeric.interval import Interval, Intervals
@@ -57,6 +58,11 @@ class Radicand:
         count(kernels=1)
         return self._bound("weights", bits).run(q)
 
+    def sign_beyond(self, side: int, start: float) -> int:
+        """Return the sign of F for all side·q ≥ start; 0 where that is not known."""
+        bits = asymptotics.BITS + 2 * self.guard
+        return asymptotics.sign_beyond(self.squared, self.inputs(bits), side, start, bits)
+
     def guarded(self, place: Number, squared: Number) -> Radicand:
         """Return the same with as many bits more as its terms lose at a place where it is known.
 
@@ -70,6 +76,9 @@ class Radicand:
             if abs(self.value(place(bits), bits) - known) <= known * known.context.ldexp(1, -_KEPT):
                 return replace(self, guard=bits - _TRIED[0])
         return self
+
+    def __getstate__(self) -> dict[str, Any]:
+        return {name: value for name, value in self.__dict__.items() if name != "_tapes"}
 
     @cached_property
     def _tapes(self) -> dict[tuple[str, int], Bound]:

@@ -2,7 +2,9 @@
 
 From the start the scan walks outward over cells. A cell is passed only when interval arithmetic
 proves F = p² > 0 on it, or proves F′ or F″ of one sign so that a few exact values decide it. What
-doubles cannot decide (near-circular, near-separatrix) is decided with more digits. A zero of F at a
+doubles cannot decide (near-circular, near-separatrix) is decided with more digits, and what no cell
+decides far out, where F tends to zero or its terms overflow, by how F grows towards infinity
+(``numeric.asymptotics``). A zero of F at a
 critical point that stays zero to ``_LAST_BITS`` digits is a double zero: the motion needs infinite
 time to reach it (Greenwood, item 41).
 """
@@ -11,6 +13,7 @@ from __future__ import annotations
 
 import itertools
 from dataclasses import dataclass, replace
+from functools import partial
 from typing import Any, Literal, NamedTuple
 
 import numpy as np
@@ -26,6 +29,8 @@ _DEPTH = 40
 _MOST_WORK, _DEARER = 2000, 10
 """Divisions of cells before a search is given up; what one costs in many digits, in doubles 1."""
 _EXACT = 6
+_STUBBORN = 3
+"""Divisions of a cell after which what lies beyond it is looked at as a whole."""
 _FARTHEST = 2032
 """How far p² is sampled beyond all cells, as a power of two: over all places that are doubles."""
 _TOGETHER = 48
@@ -178,9 +183,11 @@ def _search(ray: Ray, cells: list[_Cell], digits: int) -> End | None:
     Raises:
         NotConvergedError: the work is beyond ``_MOST_WORK``: interval arithmetic does not see what p² does there.
     """
-    work = 0
+    work, outlook = 0, _Outlook(ray)
     while cells:
         first = cells[0]
+        if (first.overflowed or (first.undecided and (first.blurred or first.depth >= _STUBBORN))) and outlook.clear(first.ends[0]):
+            return None
         if first.overflowed:
             work += _DEARER
             cells = [_exactly(ray, first), *cells[1:]]
@@ -199,6 +206,27 @@ def _search(ray: Ray, cells: list[_Cell], digits: int) -> End | None:
             return found
         cells = cells[1:]
     return None
+
+
+class _Outlook:
+    """Where p² is known to stay positive up to infinity; asked once in every factor of two."""
+
+    def __init__(self, ray: Ray):
+        self.ray = ray
+        self.asked: set[int] = set()
+
+    def clear(self, x: float) -> bool:
+        """True when p² > 0 from a distance x on to infinity."""
+        octave = int(np.frexp(x)[1])
+        if self.ray.reach is not None or octave in self.asked:
+            return False
+        self.asked.add(octave)
+        return _stays_positive(self.ray, x)
+
+
+def _stays_positive(ray: Ray, x: float) -> bool:
+    far = ray.side * float(ray.place(x, 128))
+    return ray.radicand.sign_beyond(ray.side, far * (1 - 2.0**-50)) > 0
 
 
 def _exactly(ray: Ray, cell: _Cell) -> _Cell:
@@ -257,7 +285,7 @@ def _settle(ray: Ray, cell: tuple[float, float], digits: int) -> End | None:
     f0, d0, _ = ray.jet(x0, bits)
     f1, d1, _ = ray.jet(x1, bits)
     if d1 == 0 and abs(f1) <= abs(f0) * multiprecision(bits).mpf(2) ** (24 - bits):
-        return End("asymptote", lambda b: ray.place(x1, b + 32), 2.0)
+        return End("asymptote", partial(_at, ray, x1), 2.0)
     if d0 * d1 >= 0:
         return _turning(ray, x0, x1, digits) if f1 < 0 else None
     if d0 > 0:
@@ -272,8 +300,21 @@ def _settle(ray: Ray, cell: tuple[float, float], digits: int) -> End | None:
         if value > noise:
             return None
         if bits >= _LAST_BITS:
-            return End("asymptote", lambda b: ray.place(_critical(ray, x0, x1, b + 32), b + 32), 2.0)
+            return End("asymptote", partial(_at_critical, ray, x0, x1), 2.0)
         bits *= 2
+
+
+def _at(ray: Ray, x: Any, bits: int) -> Any:
+    return ray.place(x, bits + 32)
+
+
+def _at_critical(ray: Ray, x0: Any, x1: Any, bits: int) -> Any:
+    return _at(ray, _critical(ray, x0, x1, bits + 32), bits)
+
+
+def _at_reach(ray: Ray, bits: int) -> Any:
+    assert ray.reach is not None
+    return _at(ray, ray.reach(bits + 32), bits)
 
 
 def _critical(ray: Ray, x0: Any, x1: Any, bits: int) -> Any:
@@ -282,21 +323,29 @@ def _critical(ray: Ray, x0: Any, x1: Any, bits: int) -> Any:
 
 
 def _turning(ray: Ray, x0: Any, x1: Any, digits: int) -> End:
-    """A simple zero of F in a cell where F is monotone.
+    """A simple zero of F in a cell where F is monotone."""
+    return End("turning", _Zero(ray, x0, x1, digits))
+
+
+class _Zero:
+    """The place of a simple zero of F in a cell where F is monotone, at any precision.
 
     Its place is checked by F itself with twice the digits, F/F′ being the error left; what cancellation took away
     (a small amplitude about a deep minimum, two zeros close together) is made up by a higher precision. What is known
     to more bits than are asked for is not worked out again.
     """
-    best: list[tuple[int, Any]] = []
 
-    def place(bits: int) -> Any:
-        if not best or best[-1][0] < bits:
-            best.append((bits, found(bits)))
-        return best[-1][1]
+    def __init__(self, ray: Ray, x0: Any, x1: Any, digits: int):
+        self.ray, self.cell, self.digits = ray, (x0, x1), digits
+        self.best: tuple[int, Any] = (0, None)
 
-    def found(bits: int) -> Any:
-        extra = bits + 64
+    def __call__(self, bits: int) -> Any:
+        if self.best[0] < bits:
+            self.best = bits, self._found(bits)
+        return self.best[1]
+
+    def _found(self, bits: int) -> Any:
+        ray, (x0, x1), extra = self.ray, self.cell, bits + 64
         while extra <= _MOST_BITS:
             fixed = _fixed(ray, extra + 64)
             x = _bracketed(lambda y, fixed=fixed, extra=extra: fixed.jet(y, extra)[:2], x0, x1, extra)
@@ -306,11 +355,9 @@ def _turning(ray: Ray, x0: Any, x1: Any, digits: int) -> End:
             left = float(multiprecision(64).log(abs(f / (slope * x)), 2)) if slope else 0.0
             extra += max(64, int(bits + 48 + left))
         raise NotConvergedError(
-            f"the turning point near q = {float(ray.place(x1, 128)):.15g} could not be had to {digits} digits: "
+            f"the turning point near q = {float(ray.place(x1, 128)):.15g} could not be had to {self.digits} digits: "
             "p² is too flat there"
         )
-
-    return End("turning", place)
 
 
 def _fixed(ray: Ray, bits: int) -> Ray:
@@ -368,6 +415,8 @@ def _beyond(ray: Ray, last: float, digits: int) -> End:
 
     Signs are sampled along a geometric sequence; a sign change is a turning point.
     """
+    if ray.reach is None and _stays_positive(ray, last):
+        return End("infinity")
     bits = 3072
     context = multiprecision(bits)
     powers = [*range(0, 400, 16), *range(432, _FARTHEST, 64), _FARTHEST, _FARTHEST + 16]
@@ -385,8 +434,7 @@ def _beyond(ray: Ray, last: float, digits: int) -> End:
     power = _power(values, context) * (1 if ray.reach is None else -1)
     if ray.reach is None:
         return End("infinity", None, power)
-    reach = ray.reach
-    return End("boundary" if power < 2 else "asymptote", lambda b: ray.place(reach(b + 32), b + 32), power)
+    return End("boundary" if power < 2 else "asymptote", partial(_at_reach, ray), power)
 
 
 def _power(values: list[Any], context: Any) -> float:

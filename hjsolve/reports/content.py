@@ -15,6 +15,7 @@ from hjsolve.motion import Motion
 from hjsolve.reports import numerical, paths, quadratures, symbolic
 from hjsolve.reports.document import Code, Document, Note, Section, Text
 from hjsolve.reports.framed import frame_section
+from hjsolve.reports.laws import laws_section
 from hjsolve.reports.literature import literature_section
 from hjsolve.reports.prose import heading
 from hjsolve.separation import Obstruction, Separation, Undecided, separate
@@ -169,7 +170,9 @@ def document(material: Material) -> Document:
     else:
         sections.append(symbolic.refusal_section(verdict))
     if material.solution is not None:
-        sections += quadratures.solution_sections(material.solution)
+        solved = material.solution
+        sections += quadratures.solution_sections(solved)
+        sections.append(_timed(clock, "laws the solution must obey", lambda: laws_section(solved)))
     trace, failures = None, [material.failure] if material.failure else []
     if material.motion is not None:
         trace = _add_numbers(material, sections, failures, clock)

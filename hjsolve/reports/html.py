@@ -29,7 +29,7 @@ from hjsolve.reports.mathml import mathml
 from hjsolve.reports.stylesheet import CSS
 from hjsolve.reports.svg import STYLE
 
-_FULL_LINE = 1.15 * LINE
+_FULL_LINE = 1.05 * LINE
 _MOST_ROWS_UNBROKEN = 8
 _SCROLL = 'class="scroll" tabindex="0" role="group"'
 

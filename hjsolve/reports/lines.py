@@ -9,7 +9,7 @@ import sympy as sp
 from hjsolve.reports.boxes import Box, Glyph, Grid, Row, row, width
 from hjsolve.reports.notation import box
 
-LINE = 66.0
+LINE = 60.0
 """Letters that fit on a line of a page."""
 _BREAKS = frozenset({"+", "−", "="})
 _EMPTY = Glyph("", "text")

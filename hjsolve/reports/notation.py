@@ -15,6 +15,7 @@ from hjsolve.reports.names import FUNCTION_NAMES, name_box
 
 RELATIONS = {"==": "=", "!=": "≠", "<=": "≤", ">=": "≥", "<": "<", ">": ">"}
 EULER = Glyph("e", "constant")
+_MANY_TERMS = 6
 MINUS, PLUS, TIMES, APPLY = "−", "+", "⋅", "\u2061"
 
 
@@ -43,6 +44,20 @@ def tidy(expression: sp.Basic) -> sp.Basic:
         An equal expression.
     """
     return expression.replace(lambda e: isinstance(e, sp.Integral), _outside)
+
+
+def compact(expression: sp.Expr) -> sp.Expr:
+    """Write a long sum of quotients as one fraction, its factors apart, where that is shorter.
+
+    Args:
+        expression: any expression.
+
+    Returns:
+        An equal expression.
+    """
+    if len(sp.Add.make_args(expression)) <= _MANY_TERMS or not expression.is_rational_function():
+        return expression
+    return min((expression, sp.factor(sp.together(expression))), key=sp.count_ops)
 
 
 def _outside(integral: sp.Integral) -> sp.Expr:

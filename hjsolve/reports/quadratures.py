@@ -10,7 +10,7 @@ from hjsolve.reports.boxes import Box, Fence, Fraction, Glyph, Script, row, widt
 from hjsolve.reports.document import Block, Formula, Mathematics, Paragraph, Section, Table, Text
 from hjsolve.reports.lines import LINE, broken, display
 from hjsolve.reports.names import name_box
-from hjsolve.reports.notation import box, tidy
+from hjsolve.reports.notation import box, compact, tidy
 from hjsolve.reports.plain import spoken
 from hjsolve.reports.prose import listed, prose
 from hjsolve.reports.symbolic import EQUALS, equation, formula, math
@@ -187,7 +187,9 @@ def _characteristic_function(solution: Solution) -> Section:
     for name, square in solution.momentum_squared.items():
         shifted = solution.shift[name] != 0
         left = Script(Glyph("P" if shifted else "p"), name_box(name), Glyph("2", "number"))
-        blocks.append(formula(left, square, "Greenwood (5-142)"))
+        short = compact(square)
+        shown = short if width(box(short)) <= LINE else square
+        blocks.append(formula(left, shown, "Greenwood (5-142)"))
         if shifted:
             blocks.append(formula(name_box(f"p_{name}"), solution.momenta[name]))
     blocks += [formula(name_box(f"p_{name}"), solution.momenta[name]) for name in solution.separation.shell.null]

@@ -67,5 +67,6 @@ h2{break-after:avoid;margin-top:1.6rem}figure,table,.formula,.steps li{break-ins
 h2+p,h2+.formula,p:has(+.formula),p:has(+.scroll),caption{break-after:avoid}
 p{orphans:3;widows:3}table.long{break-inside:auto}tr{break-inside:avoid}thead{break-after:avoid}thead{display:table-header-group}
 .formula{flex-wrap:wrap}.formula .scroll{min-width:min-content}
+table{font-size:8.4pt}th,td{padding-right:.7rem}
 .figures{grid-template-columns:1fr 1fr}.scroll{overflow:visible}@page{margin:18mm 16mm}}
 """

@@ -13,9 +13,9 @@ from numpy.typing import NDArray
 from hjsolve.lowering import lower
 from hjsolve.numeric.arithmetic import Float64
 from hjsolve.numeric.tape import Tape
+from hjsolve.reports.notation import compact
 
 Array = NDArray[np.float64]
-_MANY_TERMS = 6
 
 
 @dataclass(frozen=True)
@@ -180,9 +180,7 @@ def readable(expression: sp.Expr) -> sp.Expr:
     """
     terms = sp.Add.make_args(sp.expand(expression))
     whole = sp.Add(*(sp.powsimp(sp.cancel(term) if term.is_rational_function() else term) for term in terms))
-    if len(terms) <= _MANY_TERMS or not expression.is_rational_function():
-        return whole
-    return min((whole, sp.factor(sp.together(expression))), key=sp.count_ops)
+    return compact(whole)
 
 
 def _end(end: Any, exact: Mapping[sp.Symbol, sp.Expr]) -> float | None:

@@ -117,7 +117,7 @@ def _places(here: Along, states: dict[str, State]) -> tuple[dict[str, Any], dict
             each = [int(free.context.nint(f.places[j] / turn)) for f in here.flights]
             whole = np.array(each, dtype=int)[here.which]
             rests = dict(zip(map(id, here.flights), each, strict=True))
-            high, low = here.gather(lambda f, j=j, rests=rests: f.places[j] - turn * rests[id(f)])  # type: ignore[misc]
+            high, low = here.gather(lambda f, j=j, rests=rests, turn=turn: f.places[j] - turn * rests[id(f)])  # type: ignore[misc]
         else:
             high, low = here.gather(lambda f, j=j: f.places[j])  # type: ignore[misc]
         if name in free.carrier:

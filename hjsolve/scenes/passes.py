@@ -162,5 +162,6 @@ class Carried:
             χ += step
             if abs(step) <= goal:  # it converges quadratically: what is left is of the order of its square
                 left = abs(angle - self.angle(χ)) / abs(rate)
-                return self.time_of(χ), self.noise + (2 * left + self.noise) * (1 + abs(self.clock.size)) / abs(self.rate)
+                slack = (2 * left + self.noise) * (1 + abs(self.clock.size)) / abs(self.rate)
+                return self.time_of(χ), self.noise + slack
         raise NotConvergedError("the passage of an ignorable coordinate could not be found to the digits asked")

@@ -53,7 +53,8 @@ class Rest:
     def __str__(self) -> str:
         """Say what happened."""
         how = "its bounces accumulate" if self.bounces > 1 else "it does not bounce"
-        after = "the body rests there from then on" if self.alone else "the scene ends: what follows slides along the wall"
+        slides = "the scene ends: what follows slides along the wall"
+        after = "the body rests there from then on" if self.alone else slides
         return f"{self.wall}: {how} at t = {self.time}; {after}"
 
 

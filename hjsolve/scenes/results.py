@@ -14,7 +14,18 @@ from hjsolve.scenes.events import Event
 from hjsolve.scenes.rest import Rest
 from hjsolve.scenes.scene import Scene
 from hjsolve.solution import Solution
-from hjsolve.state import Errors, State
+from hjsolve.state import Errors, Known, State
+
+
+@dataclass(frozen=True)
+class Made:
+    """The rule behind the motion of an arc that was pickled: it is there already."""
+
+    motion: Motion
+
+    def __call__(self) -> Motion:
+        """Return it."""
+        return self.motion
 
 
 @dataclass(frozen=True, eq=False)
@@ -35,6 +46,10 @@ class Arc:
     turns: Mapping[str, int]
     quantities: Mapping[str, Any] = field(repr=False)
     started: Callable[[], Motion] = field(repr=False)
+
+    def __reduce__(self) -> tuple[Any, ...]:
+        values = dict(self.turns), dict(self.quantities), Made(self.motion)
+        return Arc, (self.begins, self.ends, self.events, *values)
 
     @property
     def motion(self) -> Motion:
@@ -64,6 +79,10 @@ class Trajectory:
     status: Any
     arc: Any
     errors: Callable[[], Errors]
+
+    def __reduce__(self) -> tuple[Any, ...]:
+        numbers = (self.q, self.p, self.velocity, self.turns)
+        return Trajectory, (self.t, *map(dict, numbers), self.status, self.arc, Known(self.error))
 
     @property
     def error(self) -> Errors:

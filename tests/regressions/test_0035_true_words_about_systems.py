@@ -57,6 +57,22 @@ def test_a_wrong_mass_in_a_relativistic_solution_is_seen() -> None:
     assert forged["hamilton-jacobi"] == "failed"
 
 
+def test_without_time_nothing_is_called_failed_and_nothing_breaks() -> None:
+    """Kerr's radius begins at M + √(M² − a²): places were looked for with M and a not yet known."""
+    for name in ("kerr", "vinti", "lagrange-top", "relativistic-kepler"):
+        assert {c.verdict for c in check(entries.solution(name), budget=0.0)} <= {"proved", "numeric", "undecided"}
+
+
+def test_reports_and_the_command_line_say_whether_the_solution_solves(capsys: pytest.CaptureFixture[str]) -> None:
+    from hjsolve.cli import main
+
+    assert main(["solve", "relativistic-oscillator"]) == 0
+    out = capsys.readouterr().out
+    assert "Does it solve?" in out
+    assert out.count("proved, exactly") == 4
+    assert "laws" in [section.key for section in document(gather("kepler-planar")).sections]
+
+
 # ------------------------------------------------------------------------------------------------ the headline
 @pytest.mark.parametrize("name", entries.separable())
 def test_the_headline_says_why_the_full_system_has_no_form_and_only_what_is_true(name: str) -> None:
