@@ -12,6 +12,7 @@ import sympy as sp
 from hjsolve.initial import to_bits
 from hjsolve.motion import Motion
 from hjsolve.numeric.arithmetic import multiprecision
+from hjsolve.numeric.clock import halves
 from hjsolve.quantities import FLOAT_DIGITS
 from hjsolve.scenes.flights import Flight, Free
 from hjsolve.state import Errors, State
@@ -71,9 +72,10 @@ def along(free: Free, motion: Motion, flights: Sequence[Flight], which: Any, tim
     here = Along(free, motion, flights, which, times, None)
     begin, rest = here.gather(lambda f: f.begin)
     if here.many:
-        elapsed = np.array([to_bits(sp.sympify(t))(free.context.prec) for t in times], dtype=object) - begin
+        elapsed = np.array([to_bits(t)(free.context.prec) for t in times], dtype=object) - begin
     else:
-        elapsed = (np.array([float(t) for t in times]) - begin) - rest
+        high, low = (times, 0.0) if times.dtype == float else halves([to_bits(t)(free.context.prec) for t in times])
+        elapsed = (high - begin) + (low - rest)
     here = Along(free, motion, flights, which, times, elapsed)
     clocks = {name: _clock(here, k) for k, name in enumerate(free.separated)}
     free_states = {name: motion.at(clock) for name, clock in clocks.items()}

@@ -32,8 +32,8 @@ from hjsolve.solution import Solution
 from hjsolve.system import velocities
 
 GUARD = 10
-MOST_EVENTS, MOST_BOUNCES = 10_000, 1_000_000
-"""Events that change constants, and bounces that change only signs."""
+MOST_EVENTS, MOST_BOUNCES, _LOOK = 10_000, 1_000_000, 40
+"""Events that change constants, bounces that change only signs; events after which it is judged how many will come."""
 Turns = Mapping[str, int]
 
 
@@ -115,6 +115,7 @@ def pieces(scene: Scene, solution: Solution, first: Mapping[str, Any]) -> tuple[
     digits = _digits(scene, horizon)
     turning = mirrors(solution) if any(e.kind == "wall" for e in scene.events) else None
     settling: Settling | None = None
+    happened: list[Any] = []
     for _ in range(MOST_EVENTS):
         if not pending:
             return [*found, Piece(leg, None, ())], None
@@ -124,7 +125,9 @@ def pieces(scene: Scene, solution: Solution, first: Mapping[str, Any]) -> tuple[
         if change is None:
             return found, None
         leg = _after(change, leg.turns)
-        if all(e.elastic or e.kind != "wall" for e in change.events):
+        happened.append(to_bits(change.time)(64))
+        _refuse_too_many(happened, horizon)
+        if all(e.elastic or e.kind != "wall" for e in once(change.events)):
             settling = None
             continue
         settling = settling or Settling(scene, change.motion.initial.values, digits)
@@ -132,6 +135,18 @@ def pieces(scene: Scene, solution: Solution, first: Mapping[str, Any]) -> tuple[
         if rest is not None:
             return _ended(found, leg, rest), rest
     raise NotConvergedError(f"more than {MOST_EVENTS} events before the last time; shorten the scene")
+
+
+def _refuse_too_many(happened: list[Any], horizon: sp.Expr | None) -> None:
+    """Say early that there will be too many events, where they come evenly or ever later."""
+    if len(happened) != _LOOK or horizon is None:
+        return
+    before, last = happened[-2] - happened[-3], happened[-1] - happened[-2]
+    if last >= before and (to_bits(horizon)(64) - happened[-1]) > 2 * MOST_EVENTS * last:
+        raise NotConvergedError(
+            f"{_LOOK} events came before t = {float(happened[-1]):.6g}; up to the last time there would be more than "
+            f"{MOST_EVENTS}: shorten the scene"
+        )
 
 
 def _refuse_rest_on_a_wall(scene: Scene, solution: Solution, first: Mapping[str, Any]) -> None:

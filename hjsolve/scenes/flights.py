@@ -24,7 +24,7 @@ from hjsolve.numeric.arithmetic import multiprecision
 from hjsolve.numeric.course import Bounded, Frozen, Open
 from hjsolve.numeric.inverse import Torus, mean_rate
 from hjsolve.scenes.crossing import bits_of
-from hjsolve.scenes.events import Event, Pending
+from hjsolve.scenes.events import Event, Pending, once
 from hjsolve.scenes.mirrors import Mirrors
 from hjsolve.scenes.passes import Carried, Passes, passes
 from hjsolve.system import velocities
@@ -358,7 +358,7 @@ def walk(free: Free, now: Now, pending: list[Pending], horizon: Any | None, most
         events = tuple(p.event for p in happening)
         exact = next((e.time for e in events if e.time is not None), first)
         found.append((flight, exact, events))
-        if not all(e.elastic and e.coordinate in free.mirrors.even for e in events):
+        if not all(e.elastic and e.coordinate in free.mirrors.even for e in once(events)):
             return Flown(found, pending, True)
         for name in dict.fromkeys(e.coordinate for e in events):
             assert name is not None

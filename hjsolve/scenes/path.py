@@ -153,8 +153,8 @@ def _resting(scene: Scene, rest: Rest, times: Any) -> State:
         """Before the limit the body still bounces: the lower, the less of the time is left (both fall like eⁿ)."""
         end = rest.limit + abs(rest.limit.context.convert(rest.time.error))
         left = [float(end - (t if times.dtype == float else to_bits(t)(end.context.prec))) for t in times]
-        whole = max(float(end - rest.last), 1e-300) * max(float(rest.wall.restitution), 1e-300)
-        share = 2 * np.clip(np.array(left) / whole, 0.0, 1.0)
+        whole = float(end - rest.last) * float(rest.wall.restitution)
+        share = np.array([2.0 if left_now > whole else 2 * left_now / whole if left_now > 0 else 0.0 for left_now in left])
         speed, push = (abs(float(x)) * share for x in (rest.speed, rest.push))
         height = speed * np.maximum(left, 0.0)
 

@@ -131,9 +131,12 @@ class Settling:
             return None
         limits, context = [row.limit() for row in self.rows], self.arithmetic.context
         time, error = limits[0]
-        goal = context.mpf(10) ** -(self.digits + 1) * max(1, abs(time))
+        fine = context.mpf(10) ** -(self.digits + 1)
+        goal = fine * max(1, abs(time))
         last = None if self.times is None else to_bits(self.times.last)(self.arithmetic.bits)
         if error > goal or (last is not None and time - error > last):
+            return None
+        if any(error > fine * row.size for row, (_, error) in zip(self.rows, limits, strict=True)):
             return None
         if time - c > goal and (self._asked(c, time - error) or self._met(pending, limits)):
             return None
@@ -205,9 +208,11 @@ class _Limit:
         self.ratio, self.noise = ratio, ratio.context.mpf(10) ** (2 - work)
         self.last: list[Any] = []
         self.before: list[Any] = []
+        self.size = 0 * ratio
 
     def add(self, value: Any) -> None:
         """One more bounce."""
+        self.size = max(self.size, abs(value))
         row = [value]
         for j, old in enumerate(self.last[:_COLUMNS], start=1):
             power = self.ratio**j
@@ -217,7 +222,7 @@ class _Limit:
     def limit(self) -> tuple[Any, Any]:
         """The best entry of the last row and a bound on its error."""
         best: tuple[Any, Any] | None = None
-        grown = self.noise * max(abs(self.last[0]), self.noise)
+        grown = self.noise * self.size
         for j in range(1, len(self.before)):
             power = self.ratio**j
             grown = grown * (1 + power) / (1 - power)
