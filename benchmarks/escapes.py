@@ -60,7 +60,7 @@ def one(seed: int, digits: int) -> dict[str, Any]:
     except hjsolve.HJSolveError as error:
         result |= {"status": "refused", "seconds": time.process_time() - begin, "message": str(error)[:200]}
         return result
-    except Exception as error:
+    except (ArithmeticError, LookupError, TypeError, ValueError, AttributeError, RecursionError) as error:
         result |= {"status": "crash", "seconds": time.process_time() - begin, "message": repr(error)[:200]}
         return result
     false = [row for row in rows if row[1] > row[2]]

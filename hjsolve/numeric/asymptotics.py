@@ -1,11 +1,11 @@
-"""What a formula does towards infinity, proved: a few terms in e^{λs} sᵏ (log s)ᵐ and a remainder, for all s ≥ Q at once.
+"""What a formula does towards infinity, proved: terms in e^{λs} sᵏ (log s)ᵐ and a remainder, for all s ≥ Q at once.
 
     f(s) = Σ cᵢ Mᵢ(s) + M(s) φ(s),   low ≤ φ ≤ high for every s ≥ Q
 
 with the monomials M in the order of their growth (a field of Hardy; Gruntz, On Computing Limits in a Symbolic
 Manipulation System, ETH 1996, does the same for limits). Terms that cancel are dropped when nothing is left of them in
-half of all digits; so a leading term is known even where doubles see only rounding, 2 − 2/(1 + e^{−s}) or 2(s + 2)/(s + 1) − 2,
-and its sign is that of f once the others together are smaller.
+half of all digits; so a leading term is known even where doubles see only rounding, 2 − 2/(1 + e^{−s}) or 2(s + 2)/(s
++ 1) − 2, and its sign is that of f once the others together are smaller.
 """
 
 from __future__ import annotations
@@ -117,7 +117,8 @@ class Growths:
         for monomial, c in f.terms:
             bound, value = self.largest(monomial.times(over, -1.0)), float(c)
             same = monomial == over
-            low, high = low + (value if same else min(value * bound, 0)), high + (value if same else max(value * bound, 0))
+            low = low + (value if same else min(value * bound, 0))
+            high = high + (value if same else max(value * bound, 0))
         if f.rest is not None:
             bound, same = self.largest(f.rest.monomial.times(over, -1.0)), f.rest.monomial == over
             low += f.rest.low if same else min(f.rest.low * bound, 0.0)
@@ -131,7 +132,8 @@ class Growths:
             before, size = total.get(monomial, (0 * c, 0 * c))
             total[monomial] = before + c, max(size, abs(c))
         tiny = self.plain.context.mpf(2) ** (-self.bits // 2)
-        left = sorted(((m, c) for m, (c, size) in total.items() if abs(c) > tiny * size), key=lambda term: term[0])[::-1]
+        kept = ((m, c) for m, (c, size) in total.items() if abs(c) > tiny * size)
+        left = sorted(kept, key=lambda term: term[0])[::-1]
         parts = [*rests, *([Growth(tuple(left[_TERMS:]))] if left[_TERMS:] else [])]
         heads = [p.rest.monomial for p in parts if p.rest] + [p.terms[0][0] for p in parts if p.terms]
         if not heads:
@@ -180,7 +182,7 @@ class Growths:
         return self._binomial(x, -1.0) if n == -1 else self.power(self._binomial(x, -1.0), -n)
 
     def _split(self, x: Growth) -> tuple[Monomial, Any, Growth, float]:
-        """f = c M (1 + ε): M, c, ε and a bound on |ε| that is below ½."""
+        """F = c M (1 + ε): M, c, ε and a bound on |ε| that is below ½."""
         if not x.terms:
             raise UnknownGrowthError
         (monomial, c), others = x.terms[0], x.terms[1:]
@@ -219,7 +221,8 @@ class Growths:
         top = max([ε.terms[0][0]] * bool(ε.terms) + ([ε.rest.monomial] if ε.rest else []))
         n = len(coefficients)
         size = tail * self.range_of(ε, top).size ** n
-        return self._made(result.terms, [Growth((), r) for r in (result.rest, _range(_power(top, n), -size, size)) if r])
+        rests = (result.rest, _range(_power(top, n), -size, size))
+        return self._made(result.terms, [Growth((), r) for r in rests if r])
 
     # ------------------------------------------------------------------ elementary functions
 
@@ -251,7 +254,8 @@ class Growths:
         if c < 0 or monomial.logs:
             raise UnknownGrowthError
         context = self.plain.context
-        parts = [(Monomial(0.0, 1.0, 0.0), +context.convert(monomial.rate)), (Monomial(0.0, 0.0, 1.0), +context.convert(monomial.power)),
+        parts = [(Monomial(0.0, 1.0, 0.0), +context.convert(monomial.rate)),
+                 (Monomial(0.0, 0.0, 1.0), +context.convert(monomial.power)),
                  (_CONSTANT, context.log(c))]  # fmt: skip
         coefficients = [0.0] + [(-1.0) ** (j + 1) / j for j in range(1, _TERMS)]
         small = self._series(ε, coefficients, 1 / (1 - size))

@@ -3,10 +3,11 @@
 What vanishes or has a pole at e keeps its relative accuracy however small u is, and nothing that is common to f(q) and
 f(e) matters. Differences are carried through a formula by Leibniz' rule and through an elementary function Φ by
 
-    (Φ∘f)[e, q] = Φ[f(e), f(q)] f[e, q],   (Φ∘f)[e, e, q] = Φ[f(e), f(q)] f[e, e, q] + f[e, e] f[e, q] Φ[f(e), f(e), f(q)]
+    (Φ∘f)[e, q] = Φ[f(e), f(q)] f[e, q],   (Φ∘f)[e, e, q] = Φ[f(e), f(q)] f[e, e, q] + f[e, e] f[e, q] Φ[f(e), f(e),
+    f(q)]
 
-(Krawczyk & Neumaier, SIAM J. Numer. Anal. 22 (1985) 604); a difference of Φ is a quotient or a mean value over the hull,
-whichever is narrower. Poles and zeros of the parts of a formula are taken out where their orders are known.
+(Krawczyk & Neumaier, SIAM J. Numer. Anal. 22 (1985) 604); a difference of Φ is a quotient or a mean value over the
+hull, whichever is narrower. Poles and zeros of the parts of a formula are taken out where their orders are known.
 
 The place may be infinity, with u = 1/q, or with u = e^{−c|q|}: q itself has no series in that u, but exp(aq + b) is
 e^b times a power of it. So what is linear in q is kept as a and b.
@@ -301,7 +302,7 @@ class _Listening(Locals):
 
     heard: list[float] = field(default_factory=list)
 
-    def _exponential(self, name: str, line: tuple[Disk, Disk]) -> Local:
+    def _exponential(self, name: str, line: tuple[Disk, Disk]) -> Local:  # noqa: ARG002  (asked like the others)
         self.heard.append(float(np.real(line[0].centre)))
         return Local(0, (_DISKS.rational(1, 1),))
 

@@ -2,9 +2,10 @@
 
 A series through n Chebyshev points of a panel misses a function that is analytic and at most M in the ellipse of
 parameter ρ about the panel by no more than 4 M ρ^(1−n)/(ρ − 1) (Trefethen, Approximation Theory and Approximation
-Practice (2013), theorem 8.2). The ellipse is covered by disks (``numeric.sectors``) and the integrands are enclosed over
-them (``numeric.surroundings``): where p² and the kernels are bounded and p² has no zero, all integrands are analytic, and
-the disks bound them. Nothing can hide between the nodes, however narrow it is.
+Practice (2013), theorem 8.2). The ellipse is covered by disks (``numeric.sectors``) and the integrands are enclosed
+over
+them (``numeric.surroundings``): where p² and the kernels are bounded and p² has no zero, all integrands are analytic,
+and the disks bound them. Nothing can hide between the nodes, however narrow it is.
 """
 
 from __future__ import annotations
@@ -19,7 +20,7 @@ from hjsolve.numeric.disks import Disk
 from hjsolve.numeric.sectors import RHO, Sectors, around, joined, real_lengths
 
 _OCTAVES, _DEEPEST = 12, 12
-"""How many times smaller than the longest panel thought of the core is, in powers of two, and how often that is done."""
+"""How many times smaller than the longest panel the core is, in powers of two, and how often that is done."""
 _ROUNDS = 3
 """How often the sectors that limit a panel are quartered."""
 _WORTH = 2.5
@@ -36,8 +37,10 @@ _LOSS = float(np.log(4 * RHO / (RHO - 1)))
 
 
 class Sizes(NamedTuple):
-    """Over some sectors, shape (integrands, sectors): bounds of the integrands, infinite where nothing is known, and
-    their size somewhere inside, roughly."""
+    """Bounds of the integrands over some sectors, infinite where nothing is known, and their size inside, roughly.
+
+    Both of shape (integrands, sectors).
+    """
 
     most: Any
     inside: Any

@@ -1,4 +1,4 @@
-"""Pieces of the complex plane about the left end of a panel, and how long a panel may be that meets none of the bad ones.
+"""Pieces of the complex plane about the left end of a panel, and how long a panel that meets no bad one may be.
 
 The ellipse of parameter ρ about a panel [0, s] (foci at its ends) is s times that about [0, 1]: the ellipses of all
 panels that begin at one place are nested, and z lies on the edge of that with

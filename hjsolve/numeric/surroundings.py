@@ -1,8 +1,8 @@
-"""The integrands of an open motion over disks of its parameter y about a place y₀: bounds, and proof that they are analytic.
+"""The integrands of an open motion over disks of its parameter y about a place y₀: bounds, proof of analyticity.
 
 p² is seen from where it has a zero or a pole, so that what is small keeps its relative accuracy: from the turning point
-a at the start, p² = x G with x = |q − a|; from an end b, p² = ℓᵏ times a factor without zero, ℓ the distance left, k = 2
-at an asymptote; or, with all care, from the place of the panel itself, p² = F₀ + F₁u + F₂(q)u² with F₀ and F₁ in many
+a at the start, p² = x G with x = |q − a|; from an end b, p² = ℓᵏ times a factor without zero, ℓ the distance left, k =
+2 at an asymptote; or, with all care, from the place of the panel itself, p² = F₀ + F₁u + F₂(q)u² with F₀ and F₁ in many
 digits (``numeric.expansion``). Every way is right; where several know something, the narrowest is taken.
 """
 
@@ -248,7 +248,8 @@ class Sight:
             inside.append(self.scale.pace * middle**k * centre)
             known = squared.known & (least > 0)
             rows = [np.where(known & np.isfinite(row), row, np.inf) for row in most]
-            return Sizes(*(np.stack([np.broadcast_to(row, shape) for row in part]) for part in (rows, _numbers(inside))))
+            both = rows, _numbers(inside)
+            return Sizes(*(np.stack([np.broadcast_to(row, shape) for row in part]) for part in both))
 
 
 def _sizes_of(r: Disk, places: Spots) -> Root:
@@ -389,7 +390,8 @@ class Surrounding:
             local = Locals(_with_base(offset), 2, orders, rate=view.rate, q=_with_base(q))
             outputs.append(tape.run(local, [view.variable(local), *map(local.constant, sight.inputs)]))
         squared, *weights = (
-            (f.order, _D.times(_full(_cells(f.parts[0]), offset), view.length**f.order)) for f in (*outputs[0], *outputs[1])
+            (f.order, _D.times(_full(_cells(f.parts[0]), offset), view.length**f.order))
+            for f in (*outputs[0], *outputs[1])
         )
         factor = _D.div(squared[1], places.x) if way.turning else squared[1]
         powers = [2 * order for order, _ in weights]

@@ -186,7 +186,8 @@ def _search(ray: Ray, cells: list[_Cell], digits: int) -> End | None:
     work, outlook = 0, _Outlook(ray)
     while cells:
         first = cells[0]
-        if (first.overflowed or (first.undecided and (first.blurred or first.depth >= _STUBBORN))) and outlook.clear(first.ends[0]):
+        stubborn = first.undecided and (first.blurred or first.depth >= _STUBBORN)
+        if (first.overflowed or stubborn) and outlook.clear(first.ends[0]):
             return None
         if first.overflowed:
             work += _DEARER

@@ -122,9 +122,9 @@ class Free:
     def serves(self, events: Sequence[Event]) -> bool:
         """Whether the clocks never end and every place that events stand at can be looked up."""
         for place in self.motion.located.values():
-            if isinstance(place.course, Open):
-                if {place.course.ahead.way.end, place.course.behind.way.end} & {"boundary", "fall"}:
-                    return False
+            branches = (place.course.ahead, place.course.behind) if isinstance(place.course, Open) else ()
+            if any(branch.way.end in {"boundary", "fall"} for branch in branches):
+                return False
         placed = {e.coordinate for e in events if e.coordinate in self.carrier}
         return all(name in self.carried and self.carried[name].monotone for name in placed)
 

@@ -154,7 +154,7 @@ def _resting(scene: Scene, rest: Rest, times: Any) -> State:
         end = rest.limit + abs(rest.limit.context.convert(rest.time.error))
         left = [float(end - (t if times.dtype == float else to_bits(t)(end.context.prec))) for t in times]
         whole = float(end - rest.last) * float(rest.wall.restitution)
-        share = np.array([2.0 if left_now > whole else 2 * left_now / whole if left_now > 0 else 0.0 for left_now in left])
+        share = np.array([2.0 if x > whole else 2 * x / whole if x > 0 else 0.0 for x in left])
         speed, push = (abs(float(x)) * share for x in (rest.speed, rest.push))
         height = speed * np.maximum(left, 0.0)
 

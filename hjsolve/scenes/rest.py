@@ -21,7 +21,7 @@ from hjsolve.numeric.arithmetic import Multi
 from hjsolve.numeric.estimate import Estimate
 from hjsolve.scenes.events import Event, Pending, once
 from hjsolve.scenes.scene import Scene
-from hjsolve.system import hamiltonian, velocities
+from hjsolve.system import System, hamiltonian, velocities
 
 _COLUMNS, _FEWEST, _SAFETY = 40, 4, 8
 
@@ -110,7 +110,8 @@ class Settling:
         here = Landing(to_bits(time)(bits), values)
         self.landings.append(here)
         if not self.wall.restitution:
-            return self._kept(here) if side * self._evaluated(acceleration(self.system, str(self.wall.coordinate))) <= 0 else None
+            push = self._evaluated(acceleration(self.system, str(self.wall.coordinate)))
+            return self._kept(here) if side * push <= 0 else None
         if not self.rows:
             self.rows = [_Limit(to_bits(self.wall.restitution)(bits), self.work) for _ in (here.time, *values)]
         for row, value in zip(self.rows, (here.time, *values), strict=True):

@@ -175,6 +175,7 @@ def velocity_errors(
     dp: Mapping[str, Any],
     unit: float,
 ) -> dict[str, Any]:
+    """Return bounds on the errors of the velocities, from those of places and momenta and their own rounding."""
     system = motion.solution.system
     formulas = velocities(system)
     variables = [(c.symbol, dq[c.name]) for c in system.coordinates] + [

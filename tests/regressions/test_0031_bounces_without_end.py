@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import itertools
 from fractions import Fraction
 from typing import Any
 
@@ -61,7 +62,7 @@ def test_a_ball_comes_to_rest_at_the_limit_of_the_geometric_series(e: str) -> No
 def test_each_bounce_leaves_the_square_of_the_restitution_of_the_energy() -> None:
     run = dropped("4/5")
     energies = [arc.quantities["constants"]["E"].value for arc in run.arcs[:6]]
-    assert max(abs(b / a - 0.64) for a, b in zip(energies, energies[1:], strict=False)) < 1e-14
+    assert max(abs(b / a - 0.64) for a, b in itertools.pairwise(energies)) < 1e-14
 
 
 def test_a_wall_on_a_curved_well_is_extrapolated_as_well() -> None:
