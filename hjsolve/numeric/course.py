@@ -67,6 +67,11 @@ class Bounded:
 
     periodic = True
 
+    @property
+    def tail(self) -> float:
+        """The largest of the last coefficients, relative to the size of its function."""
+        return max(float(s.tail) for s in (*self.kernels, self.momentum))
+
     def integral(self, j: int, χ: Any) -> Any:
         """Return Gⱼ from 0 to χ."""
         mean = self.kernels[j].mean

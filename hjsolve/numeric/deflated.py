@@ -87,16 +87,26 @@ class Deflated:
     lines: tuple[Line, ...]
     output: int
 
-    def over(self, q: Disk, from_lower: Disk, from_upper: Disk) -> Disk:
-        """Enclose R over disks that hold q, q − a and q − b."""
-        found: Disk = self._run(_OverDisks(), q, from_lower, from_upper)
-        return Disk(-found.centre, found.radius)
+    def over(self, q: Disk, from_lower: Disk, from_upper: Disk) -> tuple[Disk, Any]:
+        """Enclose R over disks that hold q, q − a and q − b.
 
-    def at(self, q: Any, from_lower: Any, from_upper: Any) -> Any:
-        """Return R at complex places, in doubles."""
-        return -self._run(_AtPoints(), q, from_lower, from_upper)
+        Returns:
+            The disks, and True where F divided by (q − a)(b − q) is known better than the difference: away from both
+            ends of a wide motion, where the terms of the difference cancel.
+        """
+        value, second = self._run(_OverDisks(), q, from_lower, from_upper)
+        quotient = _DISKS.div(value, _DISKS.mul(from_lower, from_upper))
+        divided = (quotient.radius < second.radius) | (~np.isfinite(second.radius) & np.isfinite(quotient.radius))
+        found = (np.where(divided, x, y) for x, y in zip(quotient, second, strict=True))
+        centre, radius = found
+        return Disk(-centre, radius), divided
 
-    def _run(self, on: _Rules, q: Any, from_lower: Any, from_upper: Any) -> Any:
+    def at(self, q: Any, from_lower: Any, from_upper: Any, divided: Any = False) -> Any:
+        """Return R at complex places, in doubles; by a quotient where ``divided``."""
+        value, second = self._run(_AtPoints(), q, from_lower, from_upper)
+        return -np.where(divided, value / (from_lower * from_upper), second)
+
+    def _run(self, on: _Rules, q: Any, from_lower: Any, from_upper: Any) -> tuple[Any, Any]:
         one, zero = on.fixed(_ONE), on.fixed(Disk(np.complex128(0), np.float64(0)))
         slots: list[Local | None] = [None] * len(self.ends)
         slots[0] = Local(q, zero, one, one)
@@ -107,7 +117,7 @@ class Deflated:
                 here, second, on.plus(chord, on.times(from_lower, second)), on.plus(chord, on.times(from_upper, second))
             )
         found = slots[self.output]
-        return zero if found is None else found.second
+        return (zero, zero) if found is None else (found.here, found.second)
 
 
 class _Rules(ABC):

@@ -84,18 +84,19 @@ class Integrands:
     squared: Deflated | tuple[Bound, Bound]
     kernels: tuple[Bound, Bound]
 
-    def over(self, seen: _Image) -> list[Disk]:
-        """Enclose R and the kernels over disks."""
+    def over(self, seen: _Image) -> tuple[list[Disk], Any]:
+        """Enclose R and the kernels over disks; and where R is a quotient, see ``Deflated.over``."""
+        divided: Any = False
         if isinstance(self.squared, Deflated):
-            factor = self.squared.over(seen.q, seen.from_lower, seen.from_upper)
+            factor, divided = self.squared.over(seen.q, seen.from_lower, seen.from_upper)
         else:
             factor = self.squared[0].run(seen.q)[0]
-        return [factor, *self.kernels[0].run(seen.q)]
+        return [factor, *self.kernels[0].run(seen.q)], divided
 
-    def at(self, seen: ComplexPlace) -> list[Any]:
+    def at(self, seen: ComplexPlace, divided: Any = False) -> list[Any]:
         """Return R and the kernels at points."""
         if isinstance(self.squared, Deflated):
-            factor = self.squared.at(seen.q, seen.from_lower, -seen.to_upper)
+            factor = self.squared.at(seen.q, seen.from_lower, -seen.to_upper, divided)
         else:
             factor = self.squared[1].run(seen.q)[0]
         return [factor, *self.kernels[1].run(seen.q)]
@@ -148,13 +149,16 @@ class Squares(NamedTuple):
         )
 
 
-def strip(subject: Integrands, digits: int, coarse: float = _COARSE) -> Strip | None:
+def strip(subject: Integrands, digits: int, coarse: float = _COARSE, *, zeros: bool = True) -> Strip | None:
     """Find a strip in which the integrands are analytic, as wide as disks can prove.
 
     Args:
         subject: the integrands.
         digits: for which the strip should need few nodes.
         coarse: a square of that share of its height which cannot be decided bounds the strip.
+        zeros: False to let R have zeros in the strip: then R and the kernels are analytic in it, and the growth is
+            theirs, but not the integrands. Where doubles cannot tell R from 0, next to a separatrix, this is what
+            they can prove; a zero of R shows in the values of R at the nodes, which tell all of R.
 
     Returns:
         The strip that needs the fewest nodes; None where no strip could be proved in doubles.
@@ -162,11 +166,11 @@ def strip(subject: Integrands, digits: int, coarse: float = _COARSE) -> Strip | 
     cap = _foreseen(subject)
     high = _HIGH * cap if cap > _WIDE and coarse == _COARSE else cap
     done: list[tuple[Any, Any]] = []
-    size, work = np.zeros(len(subject.kernels[0].outputs) + 2), 0
+    size, work = np.zeros(len(subject.kernels[0].outputs) + (2 if zeros else 1)), 0
     todo, waiting = _covering(subject, cap), Squares.none()
     while todo.x.size and cap > 0:
         work += todo.x.size
-        logs, here = _sizes(subject, todo)
+        logs, here = _sizes(subject, todo, zeros=zeros)
         fine = np.isfinite(logs).all(axis=0)
         size = np.maximum(size, here)
         done.append((todo.y[fine], logs[:, fine]))
@@ -276,7 +280,7 @@ def _cheapest(cap: float, y: Any, logs: Any, size: Any, digits: int) -> Strip:
     return min(found, key=lambda s: s.nodes(digits))
 
 
-def _sizes(subject: Integrands, squares: Squares) -> tuple[Any, Any]:
+def _sizes(subject: Integrands, squares: Squares, *, zeros: bool = True) -> tuple[Any, Any]:
     """The logarithm of the greatest size of each integrand over squares, not finite where unknown; sizes on the axis.
 
     A square lies in a disk of radius ρ; over that of radius ``_WIDER``·ρ the formulas are enclosed as they
@@ -288,11 +292,17 @@ def _sizes(subject: Integrands, squares: Squares) -> tuple[Any, Any]:
     radius = squares.side * 0.7072
     count(squares=χ.size * (len(_CIRCLE) + 1))
     with np.errstate(all="ignore"):
-        bounds = [x.largest + 0 * radius for x in subject.over(_image(subject.anomaly, χ, _WIDER * radius))]
+        disks, divided = subject.over(_image(subject.anomaly, χ, _WIDER * radius))
+        bounds = [x.largest + 0 * radius for x in disks]
         points = complex_place(subject.anomaly, χ + radius * _CIRCLE[:, None])
         (centre, spread), *weights = (
-            _series(values, bound) for values, bound in zip(subject.at(points), bounds, strict=True)
+            _series(values, bound) for values, bound in zip(subject.at(points, divided), bounds, strict=True)
         )
+        if not zeros:
+            logs = np.log(np.maximum(np.stack(bounds), 1e-300))
+            axis = np.isfinite(logs).all(axis=0) & (squares.y == 0)
+            usual = np.stack([np.broadcast_to(c, radius.shape) for c in (centre, *(c for c, _ in weights))])
+            return logs, np.max(np.where(axis & np.isfinite(usual), usual, 0.0), axis=1, initial=0.0)
         least, most = centre - spread, centre + spread
         known = np.isfinite(np.stack(bounds)).all(axis=0) & (least > 0)
         product = 1.0 if points.from_lower is None else np.max(np.abs(points.from_lower * points.to_upper), axis=0)
