@@ -40,7 +40,8 @@ def laws_section(solution: Solution) -> Section:
         "No integral is evaluated for this: W enters through its derivatives alone, so that every law is an identity "
         "between elementary functions."
     )
-    blocks: list[Block] = [Paragraph((text,)), Table((("Law",), ("Equation",), ("Outcome",)), rows, "Laws the solution must obey")]
+    header: tuple[Text, ...] = (("Law",), ("Equation",), ("Outcome",))
+    blocks: list[Block] = [Paragraph((text,)), Table(header, rows, "Laws the solution must obey")]
     failed = any(c.verdict == "failed" for c in found)
     warning = "This is a fault of hjsolve: please report it, and do not use this solution."
     blocks += [Note((warning,))] if failed else []
