@@ -327,12 +327,13 @@ def _add_cost(kinds: _Commands) -> None:
     cost.add_argument("subject", metavar="SUBJECT", help="scene file, catalog id or .toml entry")
     cost.add_argument("--motion", default="default", metavar="NAME", help="another motion of the catalog entry")
     cost.add_argument(
-        "--digits", metavar="N,N,…",
-        help="digits beyond double precision (default 20,30,50; 100 too where there are 30 s)",
-    )  # fmt: skip
+        "--digits", metavar="N,N,…", help="digits beyond double precision (default 20,30,50, with 30 seconds 100 too)"
+    )
     cost.add_argument("--seconds", type=float, default=20.0, metavar="S", help="budget for everything (default 20)")
     cost.add_argument("--no-rivals", action="store_true", help="leave DOP853 and heyoka out")
     cost.add_argument("-o", "--output", metavar="FILE", help="table and figure: .html .md .json .txt .tex, or .svg")
+
+
 def _add_sweep(kinds: _Commands) -> None:
     about = (
         "Compute the orbits that the table [sweep] of a scene declares: actions, frequencies, angles and the\n"

@@ -245,7 +245,7 @@ def _next_to_a_separatrix(start: Start, kind: Kind, maps: list[Anomaly], digits:
     Raises:
         NotConvergedError: not even R is proved to be resolved, or that takes too many nodes.
     """
-    for anomaly in maps:
+    for anomaly in reversed(maps):
         least = _proved(start, anomaly, digits, bits, zeros=False)
         nodes = least[0] if least is not None else _MOST
         while nodes < _MANY * 8 * max(1.0, digits / 15):

@@ -163,7 +163,7 @@ def strip(subject: Integrands, digits: int, coarse: float = _COARSE, *, zeros: b
     Returns:
         The strip that needs the fewest nodes; None where no strip could be proved in doubles.
     """
-    cap = _foreseen(subject)
+    cap = _foreseen(subject) if zeros else _HIGHEST / 2
     high = _HIGH * cap if cap > _WIDE and coarse == _COARSE else cap
     done: list[tuple[Any, Any]] = []
     size, work = np.zeros(len(subject.kernels[0].outputs) + (2 if zeros else 1)), 0

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from hjsolve.checks import Outcome, check
-from hjsolve.reports.document import Note, Paragraph, Section, Table, Text
+from hjsolve.reports.document import Block, Note, Paragraph, Section, Table, Text
 from hjsolve.solution import Solution
 
 BUDGET = 0.3
@@ -40,7 +40,9 @@ def laws_section(solution: Solution) -> Section:
         "No integral is evaluated for this: W enters through its derivatives alone, so that every law is an identity "
         "between elementary functions."
     )
-    blocks = [Paragraph((text,)), Table((("Law",), ("Equation",), ("Outcome",)), rows, "Laws the solution must obey")]
+    header: tuple[Text, ...] = (("Law",), ("Equation",), ("Outcome",))
+    blocks: list[Block] = [Paragraph((text,)), Table(header, rows, "Laws the solution must obey")]
     failed = any(c.verdict == "failed" for c in found)
     warning = "This is a fault of hjsolve: please report it, and do not use this solution."
-    return Section("laws", "Does it solve?", (*blocks, *((Note((warning,)),) if failed else ())))
+    blocks += [Note((warning,))] if failed else []
+    return Section("laws", "Does it solve?", tuple(blocks))

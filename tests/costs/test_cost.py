@@ -174,7 +174,7 @@ def test_rows_are_chosen_by_accuracy_and_by_what_they_cover(scene_table: Cost) -
 @pytest.mark.parametrize(
     ("arguments", "words"),
     [
-        ({"subject": 3}, "a Scene, a Motion, a catalog id"), ({"subject": "no-such-system"}, "no catalog entry"),
+        ({"subject": 3}, "a Scene, a Motion, a System, a catalog id"), ({"subject": "no-such-system"}, "no catalog entry"),
         ({"subject": "pendulum", "digits": (7,)}, "digits"), ({"subject": "pendulum", "seconds": 0}, "positive"),
         ({"subject": "pendulum", "repeats": 0}, "positive"), ({"subject": "pendulum", "motion": "upwards"}, "upwards"),
     ],
