@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
+from functools import lru_cache
 
 import sympy as sp
 
@@ -262,3 +263,14 @@ class _Writer:
             return self._emit("power", (root,), (int(exponent.p),))
         logarithm = self._emit("log", (self.slot(base),))
         return self._emit("exp", (self._emit("mul", (self.slot(exponent), logarithm)),))
+
+
+@lru_cache(maxsize=256)
+def momentum_squared_tapes(
+    F: sp.Expr, q: sp.Symbol, constants: tuple[sp.Symbol, ...], parameters: tuple[sp.Symbol, ...]
+) -> tuple[Tape, Tape, tuple[bool, ...], bool]:
+    """p² and its kernels ½ ∂F/∂κⱼ as tapes; which kernels are zero everywhere; whether p² has period 2π by its form."""
+    inputs, kernels = [q, *constants, *parameters], [sp.diff(F, c) / 2 for c in constants]
+    absent, periodic = tuple(k == 0 for k in kernels), bool(F.xreplace({q: q + 2 * sp.pi}) == F)
+    squared = recentred(spread_exponentials(over_one_denominator(F, q)), q)
+    return lower([squared], inputs), lower([recentred(k, q) for k in kernels], inputs), absent, periodic

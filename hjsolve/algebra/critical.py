@@ -35,7 +35,7 @@ class Piece:
         if low is None and high is None:
             yield from (sp.Integer(k - count // 2) + sp.Rational(1, 3) for k in range(count))
         elif high is None:
-            yield from (sp.floor(low) + k for k in range(1, count + 1))  # type: ignore[operator]
+            yield from (sp.floor(low) + k for k in range(1, count + 1))
         elif low is None:
             yield from (sp.ceiling(high) - k for k in range(1, count + 1))
         else:

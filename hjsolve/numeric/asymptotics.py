@@ -13,12 +13,13 @@ from __future__ import annotations
 import math
 from collections.abc import Callable, Iterable
 from dataclasses import dataclass
-from typing import Any, NamedTuple
+from typing import Any
 
 import numpy as np
 
 from hjsolve.errors import InvalidInputError
 from hjsolve.numeric.arithmetic import Float64, Multi, by_squaring
+from hjsolve.numeric.growth import Growth, Monomial, Range, UnknownGrowthError
 from hjsolve.numeric.interval import Interval, Intervals
 from hjsolve.numeric.jet import Jet, Jets
 from hjsolve.numeric.tape import Tape
@@ -29,42 +30,7 @@ _SLACK = 2.0**-40
 _INTERVALS = Jets(Intervals(Float64()))
 
 
-class UnknownGrowthError(Exception):
-    """Nothing is known of a formula for all s ≥ Q."""
-
-
-class Monomial(NamedTuple):
-    """e^{λs} sᵏ (log s)ᵐ; greater is what grows faster."""
-
-    rate: Any
-    power: Any
-    logs: Any
-
-    def times(self, other: Monomial, n: float = 1.0) -> Monomial:
-        """Return self·otherⁿ."""
-        return Monomial(*(a + n * b for a, b in zip(self, other, strict=True)))
-
-
 _CONSTANT = Monomial(0.0, 0.0, 0.0)
-
-
-class Range(NamedTuple):
-    """The remainder: a monomial and what it is multiplied by."""
-
-    monomial: Monomial
-    low: float
-    high: float
-
-    @property
-    def size(self) -> float:
-        return max(abs(self.low), abs(self.high))
-
-
-class Growth(NamedTuple):
-    """Terms, the fastest first, and the remainder."""
-
-    terms: tuple[tuple[Monomial, Any], ...]
-    rest: Range | None = None
 
 
 @dataclass(frozen=True)

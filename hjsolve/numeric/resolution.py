@@ -175,7 +175,7 @@ def strip(subject: Integrands, digits: int, coarse: float = _COARSE, *, zeros: b
         size = np.maximum(size, here)
         done.append((todo.y[fine], logs[:, fine]))
         left = todo.chosen(~fine)
-        hopeless = _hopeless(left, coarse) | (left.y >= high) | (work > _MOST)
+        hopeless = _hopeless(left, coarse) | ((left.y >= high) & (len(done) > 1)) | (work > _MOST)
         cap = min([cap, *left.y[hopeless]])
         left = left.chosen(~hopeless).beside(waiting)
         left = left.chosen(left.y < cap)

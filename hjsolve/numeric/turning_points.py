@@ -20,6 +20,7 @@ import numpy as np
 
 from hjsolve.errors import NotConvergedError
 from hjsolve.numeric.arithmetic import multiprecision
+from hjsolve.numeric.bracketing import bracketed_root, leading_power
 from hjsolve.numeric.radicand import Number, Radicand
 
 EndKind = Literal["turning", "asymptote", "boundary", "fall", "infinity", "round"]
@@ -71,6 +72,11 @@ class Ray:
     def place(self, x: Any, bits: int) -> Any:
         work = bits + self.radicand.guard
         return self.origin(work) + self.side * multiprecision(work).convert(x)
+
+    def fixed(self, bits: int) -> Ray:
+        """Return the ray from an origin that is not asked for ever more bits: it may be a turning point itself."""
+        origin = self.origin(bits)
+        return replace(self, origin=lambda _: origin)
 
     def jet(self, x: Any, bits: int) -> tuple[Any, Any, Any]:
         """Return F, dF/dx and d²F/dx²."""
@@ -320,7 +326,7 @@ def _at_reach(ray: Ray, bits: int) -> Any:
 
 def _critical(ray: Ray, x0: Any, x1: Any, bits: int) -> Any:
     """The zero of F′ in a cell where F′ is monotone."""
-    return _bracketed(lambda x: ray.jet(x, bits)[1:], x0, x1, bits)
+    return bracketed_root(lambda x: ray.jet(x, bits)[1:], x0, x1, bits)
 
 
 def _turning(ray: Ray, x0: Any, x1: Any, digits: int) -> End:
@@ -348,8 +354,8 @@ class _Zero:
     def _found(self, bits: int) -> Any:
         ray, (x0, x1), extra = self.ray, self.cell, bits + 64
         while extra <= _MOST_BITS:
-            fixed = _fixed(ray, extra + 64)
-            x = _bracketed(lambda y, fixed=fixed, extra=extra: fixed.jet(y, extra)[:2], x0, x1, extra)
+            fixed = ray.fixed(extra + 64)
+            x = bracketed_root(lambda y, fixed=fixed, extra=extra: fixed.jet(y, extra)[:2], x0, x1, extra)
             f, slope, _ = fixed.jet(x, 2 * extra)
             if not f or abs(f) <= abs(slope * x) * multiprecision(64).mpf(2) ** -(bits + 32):
                 return fixed.place(x, 2 * extra)
@@ -361,54 +367,9 @@ class _Zero:
         )
 
 
-def _fixed(ray: Ray, bits: int) -> Ray:
-    """The ray from an origin that may be a turning point itself: it is not asked for ever more bits."""
-    origin = ray.origin(bits)
-    return replace(ray, origin=lambda _: origin)
-
-
 def end_of(ray: Ray, inside: float, outside: float) -> End:
     """Return the only zero of F between two distances, a simple one; at the origin if both are 0."""
     return _turning(ray, inside, outside, 15) if outside else End("turning", ray.origin)
-
-
-def _bracketed(function: Any, x0: Any, x1: Any, bits: int) -> Any:
-    """Newton's method kept inside a bracket, to the last bits.
-
-    Args:
-        function: x ↦ (f, f′) with one sign change of f on [x0, x1].
-        x0, x1: the bracket, x0 < x1.
-        bits: working precision.
-    """
-    context = multiprecision(bits)
-    left, right = context.convert(x0), context.convert(x1)
-    before, after = function(left)[0], function(right)[0]
-    # an end of the bracket may be the zero itself, where the sign of f is rounding: the other end knows
-    sign = (1 if after > 0 else -1) if abs(after) >= abs(before) else (1 if before < 0 else -1)
-    x = (left + right) / 2
-    tolerance, close = context.mpf(2) ** (8 - bits), context.mpf(2) ** (-bits // 3)
-    for count in range(4 * bits):
-        f, slope = function(x)
-        left, right = (x, right) if f * sign < 0 else (left, x)
-        step = f / slope if slope else right - left
-        if f == 0 or abs(step) <= close * abs(x):
-            return _polished(function, x, step)
-        new = x - step
-        if not left < new < right or count % 16 == 15:
-            new = (left + right) / 2
-        if right - left <= tolerance * right:
-            return new
-        x = new
-    return x
-
-
-def _polished(function: Any, x: Any, step: Any) -> Any:
-    """Two more Newton steps where they converge quadratically; rounding decides the rest."""
-    for _ in range(2):
-        x -= step
-        f, slope = function(x)
-        step = f / slope if slope else 0 * x
-    return x - step
 
 
 def _beyond(ray: Ray, last: float, digits: int) -> End:
@@ -432,16 +393,7 @@ def _beyond(ray: Ray, last: float, digits: int) -> End:
         if values[-1] < 0:
             return _turning(ray, before, x, digits)
         before = x
-    power = _power(values, context) * (1 if ray.reach is None else -1)
+    power = leading_power(values, context) * (1 if ray.reach is None else -1)
     if ray.reach is None:
         return End("infinity", None, power)
     return End("boundary" if power < 2 else "asymptote", partial(_at_reach, ray), power)
-
-
-def _power(values: list[Any], context: Any) -> float:
-    """Exponent of growth of p² from one sample to the next, a factor 2¹⁶ apart."""
-    if not values[-1] or not values[-2]:
-        return 0.0
-    ratio = float(context.log(values[-1] / values[-2], 2)) / 16
-    nearest = round(2 * ratio) / 2
-    return nearest if abs(ratio - nearest) < 1e-3 else ratio

@@ -54,9 +54,10 @@ def test_elliptic_anomaly_converges_faster_near_the_separatrix():
     assert mapped < 1e-12
 
 
-def test_at_most_24_nodes_for_the_pendulum_at_ninety_degrees():
+def test_at_most_30_nodes_for_the_pendulum_at_ninety_degrees():
+    """24 are enough; 30 are proved to be."""
     motion = swinging("pi/2")
-    assert 0 < motion.nodes <= 24
+    assert 0 < motion.nodes <= 30
     exact = float(4 * mpmath.ellipk(mpmath.mpf(1) / 2))
     assert abs(motion.periods["theta"].value / exact - 1) <= 2.3e-16
 
