@@ -9,7 +9,7 @@ each of its derivatives.
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterable, Mapping
+from collections.abc import Callable, Collection, Iterable, Mapping
 from fractions import Fraction
 from math import gcd
 
@@ -17,6 +17,7 @@ import sympy as sp
 
 from . import poly
 from .field import MAX_POWER, Element, Field, Generator, Root
+from .logarithms import Logarithms
 from .poly import Budget, Poly, WorkLimitError
 from .roots import root
 from .signs import Bounds, atom_bounds
@@ -38,6 +39,8 @@ class Reader:
         expressions: what will be read; only looked through for the multiples of angles that occur.
         bounds: lower and upper end of each coordinate's domain; None is infinite.
         budget: work allowed.
+        whole: keep tanh(a*(x - b)) a function of a*(x - b), which addition theorems would make one of a*x and of a*b
+            that no longer can be worked out where a is large. What vanishes so, vanishes; not the other way round.
     """
 
     def __init__(
@@ -45,15 +48,18 @@ class Reader:
         expressions: Iterable[sp.Expr] = (),
         bounds: Mapping[sp.Symbol, Bounds] | None = None,
         budget: Budget | None = None,
+        *,
+        whole: bool = False,
     ):
         self.field = Field(budget)
+        self._whole = whole
         self.bounds = dict(bounds or {})
         self._read: dict[sp.Expr, Element] = {}
         self._derivatives: dict[tuple[int, sp.Symbol], Element] = {}
         self._written: dict[int, sp.Expr] = {}
         self._units: dict[tuple[str, sp.Expr], Fraction] = {}
         self._exponential: set[sp.Expr] = set()
-        self._logarithms: dict[tuple[object, ...], Element] = {}
+        self._logarithms = Logarithms(self)
         for expression in expressions:
             self._look_through(expression)
 
@@ -67,15 +73,28 @@ class Reader:
         for node in expression.atoms(sp.exp):
             self._note("rapidity", node.args[0])
             self._exponential |= {m for m, _ in _linear_terms(node.args[0])}
+        for node in expression.atoms(sp.Pow, sp.log):
+            inside = node.args[0]
+            even = isinstance(node, sp.log) or (node.exp.is_Rational and node.exp.q % 2 == 0)
+            if even and inside.is_Symbol and self.bounds.get(inside, (None, None)) == (None, None):
+                self.bounds[inside] = (sp.S.Zero, None)  # where the expression is defined at all
 
     def _note(self, kind: str, argument: sp.Expr) -> None:
-        for monomial, c in _linear_terms(argument):
+        for monomial, c in self._terms(kind, argument):
             self._units[kind, monomial] = _rational_gcd(self._units.get((kind, monomial), abs(c)), c)
+
+    def _terms(self, kind: str, argument: sp.Expr) -> list[tuple[sp.Expr, Fraction]]:
+        """The argument as Σ coefficient · monomial; a shifted one is a monomial itself where it is kept whole."""
+        terms = _linear_terms(argument)
+        if self._whole and kind == "rapidity" and is_shifted(argument, set(self.bounds)):
+            c = next(c for m, c in terms if not m.free_symbols.isdisjoint(self.bounds))
+            return [(sp.Add(*(sp.Rational(d.numerator, d.denominator) * m / c for m, d in terms)), c)]
+        return terms
 
     def _multiples(self, kind: str, argument: sp.Expr) -> list[tuple[int, sp.Expr]]:
         """The argument as Σ n_k u_k with integers n_k and unit angles u_k."""
         parts = []
-        for monomial, c in _linear_terms(argument):
+        for monomial, c in self._terms(kind, argument):
             unit = self._units.setdefault((kind, monomial), abs(c))
             n = c / unit
             if n.denominator != 1 or abs(n) > MAX_MULTIPLE:  # a function of its own: what vanishes so vanishes
@@ -158,7 +177,7 @@ class Reader:
         for n, unit in self._multiples("rapidity", argument):
             atom = sp.exp(unit)
             if not isinstance(atom, sp.exp):
-                result = result * self.element(sp.exp(n * unit))
+                result = result * self.element(atom) ** n
                 continue
             result = result * self.adjoined(Generator(atom, "other", low=Fraction(0))) ** n
         return result
@@ -199,12 +218,7 @@ class Reader:
         parts = sp.expand_log(sp.log(argument))
         if not isinstance(parts, sp.log):
             return self.element(parts)
-        y = self.element(parts.args[0])
-        name = (y.coefficient, poly.key(y.numerator), frozenset(y.factors.items()))
-        if name not in self._logarithms:
-            low, high = atom_bounds(parts, self.bounds)
-            self._logarithms[name] = self.adjoined(Generator(parts, "other", low=low, high=high))
-        return self._logarithms[name]
+        return self._logarithms.of(parts, self.element(parts.args[0]))
 
     # derivatives and writing -----------------------------------------------------------------------------------------
 
@@ -268,6 +282,12 @@ class Reader:
         generators = self.field.generators
         terms = (sp.Mul(c, *[generators[k].atom ** e for k, e in poly.exponents(m)]) for m, c in a.items())
         return sp.Add(*terms)
+
+
+def is_shifted(argument: sp.Expr, coordinates: Collection[sp.Symbol]) -> bool:
+    """Whether an argument is that of one coordinate, moved by something that holds none."""
+    parts = [part.free_symbols.intersection(coordinates) for part in sp.Add.make_args(sp.expand(argument))]
+    return len(parts) > 1 and not all(parts) and len(set().union(*parts)) == 1
 
 
 def _linear_terms(x: sp.Expr) -> list[tuple[sp.Expr, Fraction]]:

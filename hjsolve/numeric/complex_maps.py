@@ -57,7 +57,7 @@ def complex_place(anomaly: Any, phase: Any) -> ComplexPlace:
         anomaly: the map; its constants are rounded to doubles.
         phase: complex array, real parts in [−π, π].
     """
-    raise TypeError(anomaly)
+    raise TypeError(f"no map from phases like {phase!r} to places: {anomaly!r}")
 
 
 @complex_place.register
@@ -116,14 +116,15 @@ def _(anomaly: Stretched, phase: Any) -> ComplexPlace:
     sines = 0 * cosines if slope.sines is None else slope.sines.astype(complex)
     up, down = (cosines - 1j * sines) / 2, (cosines + 1j * sines) / 2  # of e^{ikψ} and e^{−ikψ}
     wave = np.exp(1j * phase)
-    χ = phase + _power_sum(up / (1j * k), wave) - _power_sum(down / (1j * k), 1 / wave) + np.sum(sines / k)
+    χ = phase + _power_sum(up / (1j * k), wave) - _power_sum(down / (1j * k), 1 / wave)
+    χ = χ + np.sum((-1.0) ** k * sines / k)  # χ = π at ψ = π
     rate = 1 + _power_sum(up, wave) + _power_sum(down, 1 / wave)
     place = complex_place(anomaly.inner, χ)
     return place._replace(stretch=place.stretch * np.abs(rate))
 
 
 def _power_sum(coefficients: Any, z: Any) -> Any:
-    """Σ cₖ zᵏ, k = 1, 2, …"""
+    """Sum cₖ zᵏ over k = 1, 2, …."""
     total = np.zeros_like(z)
     for c in coefficients[::-1]:
         total = (total + c) * z
