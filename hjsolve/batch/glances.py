@@ -35,16 +35,21 @@ def _radius(re, im, depth, start, radii):
 
 
 @njit(**OPTIONS)
-def _look(a, W, low, high, spread, count, table):
-    """1 where all disks of a strip are known, 0 where not, −1 where the table does not tell yet."""
+def _failing(a, W, low, high, spread, first, count, table):
+    """The first disk of a strip that is not known, from one of them on and around; ``count`` where all are.
+
+    −1 where the table does not tell yet.
+    """
     depth, start, radii = table
-    for j in range(count):
+    j = first
+    for _ in range(count):
         radius = _radius(a + W * low[j], W * high[j], depth, start, radii)
         if radius == 0.0:
             return -1
         if not radius >= W * spread[j]:
-            return 0
-    return 1
+            return j
+        j = j + 1 if j + 1 < count else 0
+    return count
 
 
 def glances(lower, upper, room, warps, begin, end, enough, low, high, spread, counts, table, least):
@@ -62,14 +67,17 @@ def glances(lower, upper, room, warps, begin, end, enough, low, high, spread, co
         least[i] = -1
         if not W > 0.0:
             continue
+        worst = 0.0  # how far along the strip disks are looked at first: where the last one failed
         for size in range(begin[i], end[i]):
             if room[i] >= enough[k, size]:
                 least[i] = size
                 break
-            seen = _look(a, W, low[k, size], high[k, size], spread[k, size], counts[k, size], table)
-            if seen != 0:
-                least[i] = size if seen > 0 else -2
+            count = counts[k, size]
+            seen = _failing(a, W, low[k, size], high[k, size], spread[k, size], int(worst * count), count, table)
+            if seen < 0 or seen == count:
+                least[i] = size if seen == count else -2
                 break
+            worst = seen / count
 
 
 BOUND: tuple[Any, ...] = (glances,)
