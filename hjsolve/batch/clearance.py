@@ -32,7 +32,7 @@ DROPPED = 50
 QUARTER = 4
 """Cells in a quarter of a turn."""
 _CELLS = 2 * QUARTER << (63 - DROPPED)
-_DEEPEST = 7
+DEEPEST = 7
 """How often a cell may be halved in both directions."""
 _PARTS_OF = 4.0
 """Cells are halved until they are this many times smaller than the radius."""
@@ -218,16 +218,16 @@ def _depth(cells: Any, radius_at: RadiusAt) -> Any:
     """
     along, turn = cells // (2 * QUARTER), cells % (2 * QUARTER)
     centre, half = _middle(along, turn, 0)
-    radius = radius_at(centre, half * 2.0**-_DEEPEST)
+    radius = radius_at(centre, half * 2.0**-DEEPEST)
     with np.errstate(all="ignore"):
         uneven = np.flatnonzero((radius < _PARTS_OF * half) & np.isfinite(centre))
         if len(uneven):
             k = np.arange(16)
             parts = [((x[uneven, None] << 2) + y).ravel() for x, y in ((along, k >> 2), (turn, k & 3))]
             middles, halves = _middle(*parts, 2)
-            found = radius_at(middles, halves * 2.0**-_DEEPEST).reshape(-1, 16)
+            found = radius_at(middles, halves * 2.0**-DEEPEST).reshape(-1, 16)
             radius[uneven] = np.where(found > 0, found, np.inf).min(axis=1)
-        depth = np.clip(np.ceil(np.log2(_PARTS_OF * half / radius)), 0, _DEEPEST)
+        depth = np.clip(np.ceil(np.log2(_PARTS_OF * half / radius)), 0, DEEPEST)
     return np.where(np.isfinite(centre), depth, 0).astype(np.int64)
 
 

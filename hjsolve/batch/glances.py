@@ -6,32 +6,24 @@ from typing import Any
 
 from numba import njit
 
-from hjsolve.batch.clearance import DROPPED, QUARTER
+from hjsolve.batch.clearance import DEEPEST, DROPPED, QUARTER
 from hjsolve.batch.elementary import OPTIONS, as_bits
 
-_DROPPED, _QUARTER = DROPPED, QUARTER
+_DROPPED, _QUARTER, _DEEPEST, _TURNS = DROPPED, QUARTER, DEEPEST, QUARTER << DEEPEST
 
 
 @njit(**OPTIONS)
 def _radius(re, im, depth, start, radii):
-    """The radius in the table, 0 where it is not known yet; see ``clearance``."""
+    """The radius in the table, 0 where it is not known yet; see ``clearance``. Without branches: they cost most."""
     size = abs(re) + im
-    share = im / size if size > 0.0 else 0.0
-    turn = min(int(share * _QUARTER), _QUARTER - 1)
-    bits = as_bits(size)
-    large = (bits >> _DROPPED) * (2 * _QUARTER) + (2 * _QUARTER - 1 - turn if re < 0.0 else turn)
-    first = start[large]
-    if first < 0:
-        return 0.0
-    halved = depth[large]
-    if halved == 0:
-        return radii[first]
-    along = bits >> (_DROPPED - halved)
-    cells = _QUARTER << halved
-    turn = min(int(share * cells), cells - 1)
-    turn = 2 * cells - 1 - turn if re < 0.0 else turn
-    within = (1 << halved) - 1
-    return radii[first + ((along & within) << halved) + (turn & within)]
+    turn = min(int(im / size * _TURNS), _TURNS - 1) if size > 0.0 else 0
+    turn = 2 * _TURNS - 1 - turn if re < 0.0 else turn
+    along = as_bits(size) >> (_DROPPED - _DEEPEST)
+    large = (along >> _DEEPEST) * (2 * _QUARTER) + (turn >> _DEEPEST)
+    first, halved = start[large], int(depth[large])
+    rest, within = _DEEPEST - halved, (1 << halved) - 1
+    place = first + (((along >> rest) & within) << halved) + ((turn >> rest) & within)
+    return radii[max(place, 0)]
 
 
 @njit(**OPTIONS)
