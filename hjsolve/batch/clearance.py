@@ -223,8 +223,9 @@ def _depth(cells: Any, radius_at: RadiusAt) -> Any:
         uneven = np.flatnonzero((radius < _PARTS_OF * half) & np.isfinite(centre))
         if len(uneven):
             k = np.arange(16)
-            parts = [((x[uneven, None] << 2) + y).ravel() for x, y in ((along, k >> 2), (turn, k & 3))]
-            middles, halves = _middle(*parts, 2)
+            sixteenth_along = ((along[uneven, None] << 2) + (k >> 2)).ravel()
+            sixteenth_turn = ((turn[uneven, None] << 2) + (k & 3)).ravel()
+            middles, halves = _middle(sixteenth_along, sixteenth_turn, 2)
             found = radius_at(middles, halves * 2.0**-DEEPEST).reshape(-1, 16)
             radius[uneven] = np.where(found > 0, found, np.inf).min(axis=1)
         depth = np.clip(np.ceil(np.log2(_PARTS_OF * half / radius)), 0, DEEPEST)

@@ -22,7 +22,6 @@ from hjsolve.numeric.error_free import Pair
 from hjsolve.numeric.tape import Tape
 from hjsolve.solution import Solution
 
-
 _HIGHEST_DEGREE = 4
 """Of p² in the constants, which is 2 wherever H is quadratic in the momenta."""
 

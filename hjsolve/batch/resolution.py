@@ -5,14 +5,14 @@ distance of the nodes. So the rule is only believed where p² is proved to be kn
 (``clearance``) are analytic in the strip about the nodes (``strips``) and do not grow there. Their coefficients then
 fall geometrically from the first one on, and what is beyond the nodes is less than the rounding that claims count.
 
-What is left are zeros of p² near the way, branch points of the integrands that clearances do not show. They cannot hide,
-because S = p²/((q − a)(b − q)) is a function that its values at the nodes determine: where it nearly vanishes it does
-so over several nodes, and the integrands, which go like S^(±½), then have last coefficients that do not fall.
+What is left are zeros of p² near the way, branch points of the integrands that clearances do not show. They cannot
+hide, because S = p²/((q − a)(b − q)) is a function that its values at the nodes determine: where it nearly vanishes it
+does so over several nodes, and the integrands, which go like S^(±½), then have last coefficients that do not fall.
 """
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING, Any, NamedTuple
 
 import numpy as np
 
@@ -25,13 +25,24 @@ from hjsolve.batch.views import Fine, Knowns, Near, View
 if TYPE_CHECKING:
     from hjsolve.batch.quadrature import Region
 
-_ELEMENTS = 1 << 16
 _UNKNOWN, _CAUTIOUS, _HOPELESS = 0.3, 0.7, 2.0
-"""The nodes that are needed grow nearly like the share of the radius that is missing, at least with this power; for
-stretched anomalies, and where nothing is known, as if the share were 0.3 at least. Twice as many as there are is too many."""
+"""The nodes needed grow nearly like the share of the radius that is missing, at least with this power; for stretched
+anomalies, and where nothing is known, as if the share were 0.3 at least. Twice as many as there are is too many."""
 _SMALL = 0.03
 """Motions smaller than this, in units of the distance from the origin, get a disk of their own if it must be."""
 _ALONG = np.linspace(-0.5, 0.5, 5)
+
+
+class _Disks(NamedTuple):
+    """Disks that cover strips of some orbits, in one view of p².
+
+    Attributes:
+        orbits: which they are, shape (n,). centres: offsets in the formula of the view. radii: both (n, disks).
+    """
+
+    orbits: Any
+    centres: Any
+    radii: Any
 
 
 def room(clearance: Clearance, middle: Any, width: Any) -> Any:
@@ -46,7 +57,7 @@ def room(clearance: Clearance, middle: Any, width: Any) -> Any:
 
 
 def least(region: Region, first: int) -> Any:
-    """Return the least number of nodes in use, from the first one on, that is proved to resolve each orbit; inf for none.
+    """Return the least number of nodes, from the first one on, that is proved to resolve each orbit; inf for none.
 
     What is proved for a number of nodes is proved for more: the strip is narrower.
     """
@@ -66,33 +77,36 @@ def least(region: Region, first: int) -> Any:
 def _shares(region: Region, count: int, codes: Any) -> Any:
     """The least radius that is known over the one that is needed; only whether it is below 1 is exact."""
     share = np.zeros(len(region.width))
-    parts = []
+    below: list[_Disks] = []
+    above: list[_Disks] = []
     for code in np.unique(codes):
         part, table = np.flatnonzero(codes == code), nodes_of(region.turning, count, int(code) // 8, int(code) % 8)
-        some = region if len(part) == len(share) else region.take(part)
         if region.turning and table.complement == 1.0:
-            share[part] = _at_a_glance(some, table)
-            rest = np.flatnonzero(~(share[part] >= 1))
-            part, some = part[rest], some.take(rest) if len(rest) < len(part) else some
+            share[part] = _at_a_glance(region.take(part), table)
+            part = part[~(share[part] >= 1)]
         over = strip(table, region.turning)
         if over.inside and len(part):
-            parts.append((part, *_disks(some, table, over)))
-    sides = [(view, [(part, x, r) for part, *both in parts for at, x, r in both if at == k]) for k, view in enumerate(
-        (region.below, region.above))]
-    for part, *_ in parts:
-        share[part] = np.inf
-    for view, disks in sides:
-        if disks:
-            formula, _, base = _seen(view)
-            found = formula.clearance.radius(np.concatenate([(x + _of(base, part)).ravel() for part, x, _ in disks]))
-            for (part, x, r), known in zip(disks, np.split(found, np.cumsum([x.size for _, x, _ in disks])), strict=False):
-                with np.errstate(all="ignore"):
-                    share[part] = np.minimum(share[part], (known.reshape(x.shape) / r).min(axis=1))
+            share[part] = np.inf
+            low, high = _disks(region.take(part), part, table, over)
+            below.append(low)
+            above += [] if high is None else [high]
+    for view, disks in ((region.below, below), (region.above, above)):
+        _looked_up(view, disks, share)
     return share
 
 
-def _of(base: Any, part: Any) -> Any:
-    return base[part] if np.ndim(base) else base
+def _looked_up(view: View, disks: list[_Disks], share: Any) -> None:
+    """Lower the shares to what is known of some disks, by one look at the table."""
+    if not disks:
+        return
+    formula, _, base = _seen(view)
+    places = [d.centres + (base[d.orbits] if np.ndim(base) else base) for d in disks]
+    found = formula.clearance.radius(np.concatenate([x.ravel() for x in places]))
+    ends = np.cumsum([x.size for x in places])
+    for one, known in zip(disks, np.split(found, ends[:-1]), strict=True):
+        with np.errstate(all="ignore"):
+            least_share = (known.reshape(one.centres.shape) / one.radii).min(axis=1)
+        share[one.orbits] = np.minimum(share[one.orbits], least_share)
 
 
 def _at_a_glance(region: Region, table: Nodes) -> Any:
@@ -117,21 +131,21 @@ def _seen(view: View) -> tuple[Formula, Knowns, Any]:
     return view.formula, view.knowns, 0.0
 
 
-def _disks(region: Region, table: Nodes, over: Strip) -> list[tuple[int, Any, Any]]:
-    """Centres in the view (0 the lower, 1 the upper one) and radii of disks that cover the strip, shape (n, disks)."""
+def _disks(region: Region, orbits: Any, table: Nodes, over: Strip) -> tuple[_Disks, _Disks | None]:
+    """The disks that cover the strip, seen from the lower and from the upper end; where one view has all, no second."""
     with np.errstate(all="ignore"):
         if not region.turning:
-            direction = np.sign(region.momentum)[:, None]
-            offset = region.lower[:, None] + direction * over.low
-            return [(0, offset, over.spread + 0.0 * np.real(offset))]
+            offset = region.lower[:, None] + np.sign(region.momentum)[:, None] * over.low
+            return _Disks(orbits, offset, over.spread + 0.0 * np.real(offset)), None
         W = region.width[:, None]
         low, high, spread = _within(region, table, over)
         half = len(over.low) if table.fold == 2 else len(over.low) // 2
         lower = region.lower[:, None] + region.below.sign * W * low[:, :half]
         upper = region.upper[:, None] - region.above.sign * W * high[:, half:]
         if region.below is region.above:
-            return [(0, np.concatenate([lower, upper], axis=1), W * spread)]
-        return [(0, lower, W * spread[:, :half]), *([(1, upper, W * spread[:, half:])] if half < len(over.low) else [])]
+            return _Disks(orbits, np.concatenate([lower, upper], axis=1), W * spread), None
+        rest = _Disks(orbits, upper, W * spread[:, half:]) if half < len(over.low) else None
+        return _Disks(orbits, lower, W * spread[:, :half]), rest
 
 
 def _within(region: Region, table: Nodes, over: Strip) -> tuple[Any, Any, Any]:
