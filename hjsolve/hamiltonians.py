@@ -75,6 +75,7 @@ class LinearHamiltonian:
         """∂W/∂E = t − β as a function of q: the integral of dq/a, without a constant of integration."""
         return sp.integrate(1 / self.rate, self.coordinate.symbol)
 
+    @arguments.by_name('motion(q={"q": "0.5"}, p={"q": 1})')
     def motion(
         self, *, q: Mapping[str, Any], velocity: Mapping[str, Any] | None = None, p: Mapping[str, Any] | None = None,
         parameters: Mapping[str, Any] | None = None, t0: Any = 0, digits: int = 15,
