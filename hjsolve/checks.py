@@ -13,6 +13,7 @@ from typing import Literal
 
 import sympy as sp
 
+from hjsolve.kinetic import degree, parts
 from hjsolve.separation.enclosure import Region
 from hjsolve.separation.zero_test import NonZero, Unproved, Zero, free_region, is_zero
 from hjsolve.shell import domain_bounds
@@ -72,27 +73,39 @@ def check(solution: Solution, *, budget: float = 20.0) -> tuple[Check, ...]:
 def hamilton_jacobi_residual(solution: Solution) -> sp.Expr:
     """H(q, ∂W/∂q) − E, with every root squared away where it occurs squared; zero for a solution.
 
-    H is Legendre's transform of the system's own T and V (4-109)–(4-112), not of the shell.
+    H is Legendre's transform of the system's own T and V (4-109)–(4-112), not of the shell. Of a relativistic particle
+    H − V = c √(…) is a root itself, positive like E − V: there it is (H − V)² − (E − V)², (7-165), (7-170).
     """
     system, shell = solution.system, solution.separation.shell
-    roots = {name: sp.Dummy(f"P_{name}") for name in solution.coordinates}
-    momenta = {system.coordinate(n).momentum: roots[n] - solution.shift[n] for n in solution.coordinates}
-    H = hamiltonian(system).xreplace(momenta)
+    roots = {name: sp.Dummy(f"P_{name}") for name in solution.momentum_squared}
+    momenta = {system.coordinate(n).momentum: solution.momenta[n] for n in solution.coordinates}
+    momenta |= {system.coordinate(n).momentum: root - solution.shift[n] for n, root in roots.items()}
     energy = shell.energy if solution.coordinates else shell.potential
-    return _squared_away(sp.expand_mul(H), roots, solution) - energy
+    H = hamiltonian(system)
+    if system.relativity is not None:
+        square, other = sp.expand_mul((H - system.potential) ** 2), (energy - system.potential) ** 2
+        return _squared_away(sp.expand_mul(square.xreplace(momenta)), roots, solution) - other
+    return _squared_away(sp.expand_mul(H.xreplace(momenta)), roots, solution) - energy
 
 
 def _squared_away(H: sp.Expr, roots: dict[str, sp.Dummy], solution: Solution) -> sp.Expr:
     """Replace Pᵢ² by its expression; what is odd in a root stays and must cancel by itself."""
     if not roots:
         return H
-    polynomial = sp.Poly(H, *roots.values())
     total = sp.S.Zero
-    for powers, coefficient in polynomial.terms():
+    for powers, coefficient in _coefficients(H, list(roots.values())):
         for (name, root), power in zip(roots.items(), powers, strict=True):
             coefficient *= solution.momentum_squared[name] ** (power // 2) * root ** (power % 2)
         total += coefficient
     return total
+
+
+def _coefficients(H: sp.Expr, roots: list[sp.Dummy]) -> list[tuple[tuple[int, ...], sp.Expr]]:
+    """H as a polynomial in some symbols: powers and coefficients; a quadratic one is read off, not expanded."""
+    if degree(H, frozenset(roots)) <= 2:
+        found = parts(H, roots)
+        return [(tuple(key.count(k) for k in range(len(roots))), c) for key, c in found.items()]
+    return list(sp.Poly(sp.expand_mul(H), *roots).terms())
 
 
 def _on_motion(solution: Solution) -> dict[sp.Symbol, sp.Expr]:
@@ -105,6 +118,9 @@ def _momentum_residuals(solution: Solution) -> Iterator[sp.Expr]:
     values = _on_motion(solution)
     for name in solution.coordinates:
         P = solution.system.coordinate(name).momentum + solution.shift[name]
+        if name not in solution.momentum_squared:
+            yield solution.momenta[name].xreplace(values) - P
+            continue
         yield solution.momentum_squared[name].xreplace(values) - P**2
 
 
@@ -146,7 +162,7 @@ def _slope(solution: Solution, right: sp.Expr, name: str) -> sp.Expr:
     integrals = [term for term in sp.Add.make_args(right) if isinstance(term, sp.Integral)]
     slope = sp.diff(sp.Add(right, *(-term for term in integrals)), coordinate.symbol)
     if name in solution.coordinates:
-        root, P = sp.sqrt(solution.momentum_squared[name]), coordinate.momentum + solution.shift[name]
+        root, P = solution.momenta[name] + solution.shift[name], coordinate.momentum + solution.shift[name]
         mine = [term.function for term in integrals if term.variables == [coordinate.symbol]]
         slope += sp.Add(*(integrand * root for integrand in mine)) / P
     return slope
@@ -164,7 +180,9 @@ def _decide(solution: Solution, name: str, statement: str, residuals: Iterable[s
 def _outcome(solution: Solution, residual: sp.Expr, budget: float) -> Outcome:
     if residual == 0:
         return "proved"
-    bounds = {**free_region(residual).bounds, **domain_bounds(solution.system)}
+    given = {p.symbol for p in solution.system.parameters}  # they take their values first: domains may end at them
+    free = {symbol: ends for symbol, ends in free_region(residual).bounds.items() if symbol not in given}
+    bounds = {**free, **domain_bounds(solution.system)}
     match is_zero(residual, Region(bounds, solution.system.defaults), budget=budget):
         case Zero():
             return "proved"

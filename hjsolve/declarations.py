@@ -10,6 +10,7 @@ from typing import Literal, get_args
 
 import sympy as sp
 
+from hjsolve import arguments
 from hjsolve.domains import Domain, read_domain
 from hjsolve.errors import InvalidSystemError
 from hjsolve.evaluation import CONTEXT, evaluate
@@ -17,9 +18,10 @@ from hjsolve.expressions import number
 from hjsolve.parser import RESERVED
 from hjsolve.tokens import nearest, printable
 
-Assumption = Literal["real", "positive", "negative", "nonnegative", "nonzero"]
+Assumption = Literal["real", "positive", "negative", "nonnegative", "nonzero", "integer"]
 _ASSUMPTIONS: tuple[Assumption, ...] = get_args(Assumption)
 _OF_HJSOLVE = re.compile(r"(alpha|beta|mode)_[0-9]+")
+_APPLIED = re.compile(r"\s*(\w+)\s*\(\s*(\w+(?:\s*,\s*\w+)*)\s*\)\s*")
 _MAX_NAME = 40
 
 
@@ -52,7 +54,7 @@ class Parameter:
         name: as written in formulas.
         symbol: real, and of the sign that ``assume`` says.
         value: the exact default, or None where a number must be given before anything is computed.
-        assume: what holds for every value: real, positive, negative, nonnegative, nonzero.
+        assume: what holds for every value: real, positive, negative, nonnegative, nonzero, integer.
         unit: for display only.
         meaning: for display only.
     """
@@ -71,7 +73,8 @@ def parameter(name: str, value: object = None, *, assume: str = "real", unit: st
     Args:
         name: as written in formulas.
         value: default, any number that ``expressions.number`` takes; None for no default.
-        assume: ``real``, ``positive``, ``negative``, ``nonnegative`` or ``nonzero``; every later value must satisfy it.
+        assume: ``real``, ``positive``, ``negative``, ``nonnegative``, ``nonzero`` or ``integer``; every later value
+            must satisfy it.
         unit: unit of the value, for display.
         meaning: a few words, for display.
 
@@ -79,6 +82,7 @@ def parameter(name: str, value: object = None, *, assume: str = "real", unit: st
         InvalidSystemError: the name cannot be used, the assumption is unknown, or the value does not satisfy it.
         ExpressionError: the value is not a number.
     """
+    name = arguments.ascii_name(name)
     check_name(name, "parameter")
     if name == "t":
         raise InvalidSystemError("parameter t: t is the time; T and V must not depend on it. Rename the constant")
@@ -101,6 +105,8 @@ def check_value(declared: Parameter) -> None:
     if value is None:
         return
     sign = 0 if value.is_zero else CONTEXT.sign(evaluate(value, {}))
+    if declared.assume == "integer" and not value.is_Integer:
+        raise InvalidSystemError(f"parameter {declared.name} = {value}: it is declared integer")
     allowed = {"positive": (1,), "negative": (-1,), "nonnegative": (0, 1), "nonzero": (-1, 1)}
     if sign not in allowed.get(declared.assume, (-1, 0, 1)):
         raise InvalidSystemError(f"parameter {declared.name} = {value}: it is declared {declared.assume}")
@@ -113,7 +119,7 @@ def read_parameters(given: Mapping[str, object]) -> tuple[Parameter, ...]:
             f'parameters: expected a mapping such as {{"m": 1, "k": None}}, got {type(given).__name__}'
         )
     read = []
-    for name, value in given.items():
+    for name, value in arguments.table(given, "parameters").items():
         if isinstance(value, Parameter) and value.name != name:
             raise InvalidSystemError(f"parameters: {printable(str(name))[:40]} is given the parameter {value.name}")
         read.append(value if isinstance(value, Parameter) else parameter(name, value))
@@ -128,11 +134,45 @@ def read_coordinates(given: Mapping[str, object], parameters: tuple[Parameter, .
         )
     if not given:
         raise InvalidSystemError('coordinates: at least one is needed, such as {"x": "line"}')
+    given = arguments.table(given, "coordinates")
     for name in given:
         check_name(name, "coordinate")
     check_clashes([*given], [p.name for p in parameters])
     symbols = {p.name: p.symbol for p in parameters}
     return tuple(_coordinate(name, read_domain(name, domain, symbols)) for name, domain in given.items())
+
+
+def read_functions(given: object, coordinates: Iterable[str], names: Mapping[str, sp.Symbol]) -> dict[str, sp.Expr]:
+    """The functions left undetermined, of texts such as ``v1(r)`` or ``f(x, y)``: name → v1(r).
+
+    Args:
+        given: the texts.
+        coordinates: the names that may be arguments.
+        names: every declared name and its symbol.
+
+    Raises:
+        InvalidSystemError: no list of such texts, a name that is taken, or an argument that is no coordinate.
+    """
+    example = 'write functions=["v1(r)"], the name of the function and the coordinates it depends on'
+    if isinstance(given, str) or not isinstance(given, Iterable):
+        raise InvalidSystemError(f"functions: expected a list of texts; {example}")
+    places, found = list(coordinates), dict[str, sp.Expr]()
+    for text in given:
+        match = _APPLIED.fullmatch(text) if isinstance(text, str) else None
+        if match is None:
+            shown = printable(repr(text))[:60]
+            raise InvalidSystemError(f"functions: {shown} is no function of coordinates; {example}")
+        name, arguments = match[1], [a.strip() for a in match[2].split(",")]
+        check_name(name, "function")
+        if name in names or name in found:
+            raise InvalidSystemError(f"functions: {name} is declared twice; rename the function")
+        for argument in arguments:
+            if argument not in places:
+                raise unknown(argument, places, "coordinate")
+        if len(set(arguments)) < len(arguments):
+            raise InvalidSystemError(f"functions: {text.strip()}: an argument stands twice")
+        found[name] = sp.Function(name)(*(names[a] for a in arguments))
+    return found
 
 
 def _coordinate(name: str, domain: Domain) -> Coordinate:
@@ -168,6 +208,26 @@ def check_clashes(coordinates: list[str], parameters: list[str]) -> None:
     for name in (*coordinates, *parameters):
         if name.startswith("p_") and name[2:] in coordinates:
             raise InvalidSystemError(f"{name} is the name of the momentum of {name[2:]}; choose another name")
+
+
+def free_name(name: str, taken: Iterable[str]) -> str:
+    """A name that cannot be taken for one of those taken: underscores are added at its end, which print as primes.
+
+    Names that differ only in an underscore inside, r0 and r_0, are written alike.
+
+    Args:
+        name: the name wanted.
+        taken: names in use.
+    """
+    looks = {_looks(other) for other in taken}
+    while _looks(name) in looks:
+        name += "_"
+    return name
+
+
+def _looks(name: str) -> tuple[str, int]:
+    bare = name.rstrip("_")
+    return bare.replace("_", ""), len(name) - len(bare)
 
 
 def unknown(name: object, known: Iterable[str], role: str) -> InvalidSystemError:

@@ -132,9 +132,17 @@ def _pivots(entries: mpmath.matrix) -> Iterator[mpmath.mpf]:
 
 
 def _is_regular(entries: mpmath.matrix) -> bool:
-    rows = range(entries.rows)
-    scale = CONTEXT.fprod(max(abs(entries[i, j]) for j in rows) for i in rows)
-    return bool(scale and abs(CONTEXT.det(entries)) > _CANCELLED * scale)
+    """Whether the determinant is not zero to rounding: elimination with the largest pivot of all that is left."""
+    left = [[entries[i, j] for j in range(entries.cols)] for i in range(entries.rows)]
+    largest = max((abs(x) for row in left for x in row), default=CONTEXT.zero)
+    while left:
+        size, i, j = max((abs(x), i, j) for i, row in enumerate(left) for j, x in enumerate(row))
+        if size <= _CANCELLED * largest:
+            return False
+        pivot = left.pop(i)
+        rest = [k for k in range(len(pivot)) if k != j]
+        left = [[row[k] - row[j] / pivot[j] * pivot[k] for k in rest] for row in left]
+    return True
 
 
 def _evaluated(matrix: sp.ImmutableMatrix, point: Point) -> mpmath.matrix:
@@ -158,10 +166,16 @@ def _parameter_values(parameters: Sequence[Parameter]) -> Iterator[Point]:
     for trial in range(_ATTEMPTS if free else 1):
         values = {p.symbol: evaluate(p.value, {}) for p in parameters if p.value is not None}
         for p in free:
-            size = CONTEXT.mpf(source.randint(3, 29)) / 7
-            either = trial > 0 and p.assume in ("real", "nonzero") and source.random() < 0.5
+            size = CONTEXT.mpf(source.randint(3, 29)) / (1 if p.assume == "integer" else 7)
+            either = trial > 0 and p.assume in ("real", "nonzero", "integer") and source.random() < 0.5
             values[p.symbol] = -size if p.assume == "negative" or either else size
         yield values
+
+
+def sample_points(coordinates: Sequence[Coordinate], parameters: Sequence[Parameter]) -> Iterator[Point]:
+    """Points inside the domain, with default values of the parameters or values that agree with their assumptions."""
+    for _, values in zip(range(_TRIALS), _parameter_values(parameters)):
+        yield from _points(coordinates, values)
 
 
 def _points(coordinates: Sequence[Coordinate], values: Point) -> list[Point]:

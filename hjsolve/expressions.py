@@ -24,13 +24,19 @@ _ELEMENTARY: tuple[type, ...] = (sp.exp, sp.log, sp.sin, sp.cos, sp.tan, sp.asin
 _HYPERBOLIC: tuple[type, ...] = (sp.sinh, sp.cosh, sp.tanh, sp.asinh, sp.acosh, sp.atanh)
 _KNOWN = _ARITHMETIC + _ELEMENTARY + _HYPERBOLIC
 _NO_VELOCITIES: Mapping[str, sp.Symbol] = {}
+_NO_FUNCTIONS: Mapping[str, sp.Expr] = {}
 _MAX_PLACES = 4 * MAX_DIGITS
 _TOO_LARGE = Fraction(2) ** (MAX_BITS + 1)
 MAX_NODES = 20_000
 
 
 def parse(
-    text: str, names: Mapping[str, sp.Expr], *, velocities: Mapping[str, sp.Symbol] = _NO_VELOCITIES, source: str
+    text: str,
+    names: Mapping[str, sp.Expr],
+    *,
+    velocities: Mapping[str, sp.Symbol] = _NO_VELOCITIES,
+    functions: Mapping[str, sp.Expr] = _NO_FUNCTIONS,
+    source: str,
 ) -> sp.Expr:
     """Read a formula.
 
@@ -38,6 +44,7 @@ def parse(
         text: the formula, in ASCII; ``dot(q)`` is a velocity, ``pi`` the constant, ``**`` a power.
         names: the names that may occur and what they stand for; symbols are taken to be real.
         velocities: what ``dot(q)`` stands for, by the name of the coordinate; none are accepted when left out.
+        functions: functions left undetermined, name → ``v1(r)`` as it must be written.
         source: what the text is called in an error, e.g. ``potential``.
 
     Returns:
@@ -53,7 +60,7 @@ def parse(
     if not isinstance(text, str):
         raise ExpressionError(f"{source}: expected a text, got {type(text).__name__}", source=source)
     given = Source(source, text)
-    return Parser(given, scan(given), names, velocities).formula()
+    return Parser(given, scan(given), names, velocities, functions).formula()
 
 
 def admit(

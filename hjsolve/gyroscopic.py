@@ -13,6 +13,7 @@ from __future__ import annotations
 
 from collections.abc import Mapping
 from dataclasses import dataclass
+from pathlib import Path
 from typing import Any
 
 import numpy as np
@@ -25,7 +26,8 @@ from hjsolve.initial import parameter_values, to_bits
 from hjsolve.motion import Motion
 from hjsolve.numeric.arithmetic import multiprecision
 from hjsolve.solution import solve
-from hjsolve.system import A_SYSTEM, System, hamiltonian, kinetic_rest, linear_terms, mass_matrix, momenta
+from hjsolve.subjects import system_of
+from hjsolve.system import System, hamiltonian, kinetic_rest, linear_terms, mass_matrix, momenta
 
 LAMBDA = sp.Symbol("lambda")
 
@@ -106,11 +108,14 @@ class ModalMotion:
         return {name: z[i] for i, name in enumerate(names)}, {name: z[n + i] for i, name in enumerate(names)}
 
 
-def linear_modes(system: System, *, parameters: Mapping[str, Any] | None = None, digits: int = 30) -> LinearModes:
+def linear_modes(
+    system: System | str | Path, *, parameters: Mapping[str, Any] | None = None, digits: int = 30
+) -> LinearModes:
     """Bring a linear system to normal form by a linear symplectic map.
 
     Args:
-        system: constant masses, T₁ bilinear, T₀ and V quadratic in the coordinates.
+        system: constant masses, T₁ bilinear, T₀ and V quadratic in the coordinates; or the id or file of a
+            catalog entry.
         parameters: values that differ from the defaults.
         digits: of all numbers.
 
@@ -125,7 +130,7 @@ def linear_modes(system: System, *, parameters: Mapping[str, Any] | None = None,
     References:
         Greenwood (1977), (3-117), (3-129), Ex 3-4, P3-10; Arnold, Mathematical Methods, appendix 6.
     """
-    arguments.refuse_other(system, System, "linear_modes", A_SYSTEM)
+    system = system_of(system, "linear_modes")
     digits = arguments.digits(digits)
     M, Γ, K = _matrices(system)
     values = parameter_values(system, parameters or {})

@@ -9,7 +9,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Iterable, Mapping
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from typing import Any
 
 import sympy as sp
@@ -22,7 +22,7 @@ from hjsolve.hamiltonians import LinearHamiltonian
 from hjsolve.lowering import lower
 from hjsolve.numeric.arithmetic import Multi, multiprecision
 from hjsolve.solution import Solution
-from hjsolve.system import System, momenta
+from hjsolve.system import System, momenta, refuse_turns_that_differ
 
 ZERO_BITS = 2048
 _SHORT, _MOST_TERMS = 12, 400
@@ -138,6 +138,11 @@ def parameter_values(system: System | LinearHamiltonian, given: Values) -> dict[
         InvalidInputError: a name that is no parameter, or a value against the parameter's ``assume``.
         MissingValueError: a parameter without any value.
     """
+    if isinstance(system, System) and system.functions:
+        raise MissingValueError(
+            f"{_listed(system.functions)}: left undetermined, so there are formulas but no numbers; write a formula in "
+            "its place into T and V"
+        )
     known = {p.name: p for p in system.parameters}
     for name in given:
         if name not in known:
@@ -150,8 +155,13 @@ def parameter_values(system: System | LinearHamiltonian, given: Values) -> dict[
     if missing:
         raise MissingValueError(f"no value for {_listed(missing)}: write parameters={{{missing[0]!r}: …}}")
     for p in system.parameters:
+        value = values[p.symbol]
+        if p.assume == "integer" and value is not None and not value.is_Integer:
+            raise InvalidInputError(f"parameters: {p.name} must be an integer, not {value}")
         if p.assume == "positive" and sign(values[p.symbol]) <= 0:
             raise InvalidInputError(f"parameters: {p.name} must be positive, not {values[p.symbol]}")
+    if given and isinstance(system, System):
+        refuse_turns_that_differ(system, [replace(p, value=values[p.symbol]) for p in system.parameters])
     return {symbol: value for symbol, value in values.items() if value is not None}
 
 

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
+from functools import lru_cache
 
 import sympy as sp
 
@@ -62,6 +63,41 @@ def spread_exponentials(e: sp.Expr) -> sp.Expr:
         return e
     spread = sp.powsimp(sp.expand(opened(e), power_exp=False, power_base=False, log=False), combine="exp")
     return spread.xreplace(hidden) if sp.count_ops(spread) <= 4 * sp.count_ops(e) else e
+
+
+def recentred(e: sp.Expr, q: sp.Symbol) -> sp.Expr:
+    """Write polynomials in q inside functions and below the line about the place where they are shortest.
+
+    exp(−10⁶q² + 38·10⁵q − 361·10⁴) is narrow, but its terms are not: over an interval, or in doubles, nothing is known
+    of their sum. (q − 19/10)² is known. Exponentials in a product become one, so that none of them overflows.
+    """
+    if not e.has(q) or e.is_Atom:
+        return e
+    parts = [recentred(part, q) for part in e.args]
+    if e.is_Mul and sum(isinstance(part, sp.exp) for part in parts) > 1:
+        powers = [part.args[0] for part in parts if isinstance(part, sp.exp)]
+        rest = [part for part in parts if not isinstance(part, sp.exp)]
+        return sp.Mul(*rest, sp.exp(_shortest(sp.Add(*(sp.expand(x) for x in powers)), q)))
+    if e.is_Pow and not (e.exp.is_Integer and e.exp > 0):
+        return _shortest(parts[0], q) ** parts[1]
+    if isinstance(e, sp.Function):
+        return e.func(*(_shortest(part, q) for part in parts))
+    return e.func(*parts)
+
+
+def _shortest(e: sp.Expr, q: sp.Symbol) -> sp.Expr:
+    """A polynomial in q of degree 2 or more about −cₙ₋₁/(n cₙ), where that leaves fewer terms; else as it stands."""
+    if not e.is_Add or not e.is_polynomial(q):
+        return e
+    polynomial = sp.Poly(e, q)
+    n, terms = polynomial.degree(), polynomial.all_coeffs()
+    if n < 2 or terms[1] == 0:
+        return e
+    place = -terms[1] / (n * terms[0])
+    moved = [sp.cancel(c) for c in polynomial.compose(sp.Poly(q + place, q)).all_coeffs()]
+    if sum(c != 0 for c in moved) >= sum(c != 0 for c in terms):
+        return e
+    return sp.Add(*(c * (q - place) ** (n - k) for k, c in enumerate(moved)))
 
 
 def over_one_denominator(e: sp.Expr, q: sp.Symbol) -> sp.Expr:
@@ -189,6 +225,8 @@ class _Writer:
             if factor.is_Rational:
                 above.append(sp.Integer(factor.p))
                 below.append(sp.Integer(factor.q))
+            elif isinstance(factor, sp.Pow) and isinstance(factor.base, sp.cosh) and factor.exp.is_negative:
+                above.append(sp.sech(*factor.base.args) ** -factor.exp)  # does not overflow
             elif isinstance(factor, sp.Pow) and factor.exp.could_extract_minus_sign():  # exp(−x) stays above
                 below.append(1 / factor)
             else:
@@ -211,6 +249,8 @@ class _Writer:
         if base is sp.E:
             return self._emit("exp", (self.slot(exponent),))
         if exponent.is_Integer:
+            if isinstance(base, sp.cosh) and exponent < 0:
+                return self.slot(sp.sech(*base.args) ** -exponent)
             if exponent == -1:
                 return self._emit("div", (self.slot(sp.Integer(1)), self.slot(base)))
             return self._emit("power", (self.slot(base),), (int(exponent),))
@@ -223,3 +263,14 @@ class _Writer:
             return self._emit("power", (root,), (int(exponent.p),))
         logarithm = self._emit("log", (self.slot(base),))
         return self._emit("exp", (self._emit("mul", (self.slot(exponent), logarithm)),))
+
+
+@lru_cache(maxsize=256)
+def momentum_squared_tapes(
+    F: sp.Expr, q: sp.Symbol, constants: tuple[sp.Symbol, ...], parameters: tuple[sp.Symbol, ...]
+) -> tuple[Tape, Tape, tuple[bool, ...], bool]:
+    """p² and its kernels ½ ∂F/∂κⱼ as tapes; which kernels are zero everywhere; whether p² has period 2π by its form."""
+    inputs, kernels = [q, *constants, *parameters], [sp.diff(F, c) / 2 for c in constants]
+    absent, periodic = tuple(k == 0 for k in kernels), bool(F.xreplace({q: q + 2 * sp.pi}) == F)
+    squared = recentred(spread_exponentials(over_one_denominator(F, q)), q)
+    return lower([squared], inputs), lower([recentred(k, q) for k in kernels], inputs), absent, periodic

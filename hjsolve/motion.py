@@ -9,7 +9,7 @@ from __future__ import annotations
 
 from collections.abc import Callable, Iterable, Mapping
 from dataclasses import dataclass, field, replace
-from functools import lru_cache, partial
+from functools import partial
 from typing import Any
 
 import sympy as sp
@@ -18,15 +18,13 @@ from hjsolve import arguments, quantities
 from hjsolve.errors import InvalidInputError
 from hjsolve.expressions import number
 from hjsolve.initial import ZERO_BITS, InBits, Initial, domain_ends, expanded, initial_data, sign, to_bits
-from hjsolve.lowering import lower, over_one_denominator, spread_exponentials
-from hjsolve.numeric.arithmetic import multiprecision
+from hjsolve.lowering import momentum_squared_tapes
 from hjsolve.numeric.classify import Located, Start, locate
 from hjsolve.numeric.course import PARTS, Open
 from hjsolve.numeric.estimate import Estimate
 from hjsolve.numeric.inverse import Torus, torus
-from hjsolve.numeric.radicand import Radicand
+from hjsolve.numeric.radicand import Radicand, has_period
 from hjsolve.numeric.regions import forbidden, others
-from hjsolve.numeric.tape import Tape
 from hjsolve.numeric.unbounded import Plan, plan
 from hjsolve.quantities import FLOAT_DIGITS
 from hjsolve.solution import Solution
@@ -342,12 +340,12 @@ def _start(solution: Solution, initial: Initial, name: str) -> Start:
     parameters = tuple(p.symbol for p in solution.system.parameters)
     exact = [initial.constants[c] for c in solution.constants] + [initial.values[s] for s in parameters]
     rules = [to_bits(value) for value in exact]
-    squared, kernels, absent, periodic = _tapes(F, coordinate.symbol, constants, parameters)
+    squared, kernels, absent, periodic = momentum_squared_tapes(F, coordinate.symbol, constants, parameters)
     radicand = Radicand(squared, kernels, partial(_at_bits, rules))
     momentum, shift = initial.values[coordinate.momentum], solution.shift[name]
     ends = [None if end is None else to_bits(end) for end in domain_ends(solution.system, name, initial.values)]
     place = to_bits(initial.values[coordinate.symbol])
-    angle = coordinate.domain.kind == "angle" and (periodic or _periodic(radicand, place))
+    angle = coordinate.domain.kind == "angle" and (periodic or has_period(radicand, place))
     root = expanded(momentum + shift.subs(initial.values)) if shift != 0 else expanded(momentum)
     forward = sign(root)
     if forward:
@@ -362,26 +360,6 @@ def _at_bits(rules: list[InBits], bits: int) -> list[Any]:
 def _square(root: Callable[[int], Any]) -> Callable[[int], Any]:
     """P² of a root that may be what two large numbers leave."""
     return lambda bits: root(bits + ZERO_BITS) ** 2
-
-
-@lru_cache(maxsize=256)
-def _tapes(
-    F: sp.Expr, q: sp.Symbol, constants: tuple[sp.Symbol, ...], parameters: tuple[sp.Symbol, ...]
-) -> tuple[Tape, Tape, tuple[bool, ...], bool]:
-    """p² and its kernels ½ ∂F/∂κⱼ as tapes; which kernels are zero everywhere; whether p² has period 2π by its form."""
-    inputs, kernels = [q, *constants, *parameters], [sp.diff(F, c) / 2 for c in constants]
-    absent, periodic = tuple(k == 0 for k in kernels), bool(F.xreplace({q: q + 2 * sp.pi}) == F)
-    return lower([spread_exponentials(over_one_denominator(F, q))], inputs), lower(kernels, inputs), absent, periodic
-
-
-def _periodic(radicand: Radicand, place: Any) -> bool:
-    """True when p² has period 2π (a wheel on a slope has not, though its coordinate is an angle)."""
-    bits = 160
-    turn = 2 * multiprecision(bits).pi
-    places = [place(bits) + k for k in range(3)]
-    pairs = [(radicand.value(q, bits), radicand.value(q + turn, bits)) for q in places]
-    size = max(abs(value) for pair in pairs for value in pair)
-    return all(abs(here - there) <= multiprecision(bits).mpf(2) ** -120 * size for here, there in pairs)
 
 
 def _checked(begin: Start) -> Start:

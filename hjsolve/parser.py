@@ -19,13 +19,22 @@ MAX_DEPTH = 50
 RESERVED = frozenset({*FUNCTIONS, "pi", "dot"})
 
 
+_NO_FUNCTIONS: Mapping[str, sp.Expr] = {}
+
+
 class Parser:
     """Recursive descent over the tokens; one method for each level of Python's precedence."""
 
     def __init__(
-        self, source: Source, tokens: list[Token], names: Mapping[str, sp.Expr], velocities: Mapping[str, sp.Symbol]
+        self,
+        source: Source,
+        tokens: list[Token],
+        names: Mapping[str, sp.Expr],
+        velocities: Mapping[str, sp.Symbol],
+        functions: Mapping[str, sp.Expr] = _NO_FUNCTIONS,
     ):
         self._source, self._tokens, self._names, self._velocities = source, tokens, names, velocities
+        self._functions = functions
         self._index, self._depth = 0, 0
 
     @property
@@ -122,9 +131,26 @@ class Parser:
             return self._velocity(token)
         if token.text == "pi":
             return self._followed(guarded.leaf(sp.pi))
-        near = nearest(token.text, FUNCTIONS) if opened else ""
+        if token.text in self._functions:
+            return self._undetermined(token)
+        near = nearest(token.text, [*FUNCTIONS, *self._functions]) if opened else ""
         names, speeds = ([near], []) if near else (list(self._names), list(self._velocities))
-        raise self._source.error(instead_of_word(token.text, names, speeds, FUNCTIONS), token.position)
+        message = instead_of_word(token.text, names, speeds, FUNCTIONS)
+        argument, closing = ([*self._tokens, *self._tokens[-1:] * 2])[self._index + 1 : self._index + 3]
+        if opened and not near and self._velocities and argument.text in self._velocities and closing.text == ")":
+            applied = f"{token.text}({argument.text})"
+            message += f'; for a function left undetermined declare functions=["{applied}"]'
+        raise self._source.error(message, token.position)
+
+    def _undetermined(self, token: Token) -> Node:
+        """A declared undetermined function, with the arguments it was declared with."""
+        declared = self._functions[token.text]
+        written = [t for argument in declared.args for t in (str(argument), ",")][:-1]
+        tokens = [t.text for t in self._tokens[self._index : self._index + len(written) + 2]]
+        if tokens != ["(", *written, ")"]:
+            raise self._source.error(f"{token.text} is declared as {declared}; write {declared}", token.position)
+        self._index += len(tokens)
+        return self._followed(guarded.leaf(declared))
 
     def _velocity(self, token: Token) -> Node:
         name, closing = self._tokens[self._index + 1 : self._index + 3]

@@ -15,7 +15,7 @@ from typing import Any
 VERDICTS = ("liouville", "staeckel", "reduced", "linear", "refused")
 PARTS = ("metric", "potential", "gyroscopic")
 KINDS = ("libration", "rotation", "escape", "equilibrium", "asymptotic", "boundary", "ignorable")
-ASSUMPTIONS = ("real", "positive", "negative", "nonnegative", "nonzero")
+ASSUMPTIONS = ("real", "positive", "negative", "nonnegative", "nonzero", "integer")
 QUANTITY = re.compile(
     r"(?:(?P<cycle>period|action|frequency|q|p|velocity|boundary_time)\.(?P<coordinate>\w+)"
     r"|turning_point\.(?P<turning>\w+)\.(?:lower|upper)|constant\.(?P<constant>\w+))"
@@ -72,7 +72,7 @@ SYSTEM = {
     "id": _TEXT, "title": _TEXT, "coordinates": Key("tables", True, keys=_COORDINATE),
     "parameters": Key("tables", keys=_PARAMETER), "kinetic": Key("text", True), "potential": _TEXT,
     "signature": Key("text", choices=("definite", "indefinite")), "relativity": Key("table", keys=_RELATIVITY),
-    "hamiltonian": _TEXT,
+    "hamiltonian": _TEXT, "functions": Key("texts"),
 }  # fmt: skip
 """The keys of an inline ``[system]`` table."""
 ENTRY = SYSTEM | {
@@ -85,12 +85,17 @@ ENTRY = SYSTEM | {
 """The keys of a catalog file."""
 
 
+_MOST_WORDS, _FEW_WORDS = 40, 8
+
+
 def nearest(word: str, known: object) -> str:
     """The hint `; did you mean "x"?`, or the words known, or nothing."""
     words = [str(w) for w in known] if isinstance(known, (Mapping, tuple, list, frozenset)) else []
     close = difflib.get_close_matches(word, words, n=1, cutoff=0.6)
     if close:
         return f'; did you mean "{close[0]}"?'
+    if len(words) > _MOST_WORDS:
+        return f"; known are {', '.join(words[:_FEW_WORDS])} and {len(words) - _FEW_WORDS} more"
     return f"; known are {', '.join(words)}" if words else ""
 
 

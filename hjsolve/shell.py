@@ -5,17 +5,16 @@ Every system of this project is, after its ignorable coordinates are replaced by
     ½ Σₐ gᵃᵃ(q) Pₐ²  +  V_eff(q; c)  =  E,        Pₐ = pₐ + Aₐ(q; c),
 
 over the essential coordinates only (Greenwood 1977, §2-3, §4-3, (5-74)–(5-81)). Ignorable coordinates may be coupled
-to the rest (the top): eliminating them is symmetric Gaussian elimination of the mass matrix, which leaves the Schur
-complement as mass matrix, Σ rₖ²/(2dₖ) as centrifugal potential, and linear terms A. T₀ is folded, V′ = V − T₀
-(2-152). Linear terms are shifted away when A = dχ; when they are not closed they are gyroscopic and the system is
-refused.
+to the rest (the top): eliminating them (``elimination``) leaves a centrifugal potential and linear terms A; where T is
+indefinite the momenta of null coordinates may be left to first degree, gⁿpₙ in place of ½gᵃᵃPₐ². T₀ is folded,
+V′ = V − T₀ (2-152). Linear terms are shifted away when A = dχ; when they are not closed they are gyroscopic and the
+system is refused.
 """
 
 from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import dataclass
-from fractions import Fraction
 
 import sympy as sp
 
@@ -23,9 +22,11 @@ from .algebra.field import Element
 from .algebra.integration import closed_form_potential
 from .algebra.modular_jets import at_random_points
 from .algebra.poly import Budget
-from .algebra.readable import cost, readable
+from .algebra.readable import readable
 from .algebra.reader import Reader
 from .algebra.signs import Bounds
+from .declarations import free_name
+from .elimination import Eliminated, eliminate
 from .kinetic import mass_as_written
 from .system import Coordinate, System, kinetic_rest, linear_terms
 
@@ -53,12 +54,13 @@ class Shell:
         system: the system it was made from.
         coordinates: the essential coordinates, in the user's order.
         ignorable: the coordinates that H does not hold; their momentum symbols are the constants c.
-        inverse_metric: gᵃᵃ(q), one per essential coordinate.
+        inverse_metric: gᵃᵃ(q), one per essential coordinate; for a null coordinate the coefficient of its momentum.
         potential: V_eff(q; c), energy not subtracted.
         energy: the symbol of the energy.
         shift: Aₐ(q; c), one per essential coordinate; zero where H has no linear terms.
         shift_potential: χ with ∂χ/∂qₐ = Aₐ.
         steps: the reduction in words and formulas.
+        null: names of essential coordinates whose momentum enters H linearly, not squared (T indefinite, gᵃᵃ = 0).
     """
 
     system: System
@@ -70,6 +72,13 @@ class Shell:
     shift: tuple[sp.Expr, ...]
     shift_potential: sp.Expr
     steps: tuple[Step, ...]
+    null: tuple[str, ...] = ()
+
+    @property
+    def momentum_terms(self) -> tuple[sp.Expr, ...]:
+        """Xₐ(p) with H = Σ gᵃXₐ + V_eff: ½(pₐ + Aₐ)², or pₐ itself for a null coordinate."""
+        pairs = zip(self.coordinates, self.shift, strict=True)
+        return tuple(c.momentum if c.name in self.null else (c.momentum + a) ** 2 / 2 for c, a in pairs)
 
 
 @dataclass(frozen=True)
@@ -116,15 +125,6 @@ class _Lagrangian:
         )
 
 
-@dataclass(frozen=True)
-class _Eliminated:
-    """Result of eliminating the ignorable coordinates."""
-
-    mass: list[list[Element]]
-    shift: list[Element]
-    centrifugal: list[Element]
-
-
 def domain_bounds(system: System) -> dict[sp.Symbol, Bounds]:
     """Open interval of each coordinate; angles and lines have no ends."""
     return {
@@ -137,6 +137,12 @@ def energy_symbol(system: System) -> sp.Symbol:
     """The symbol E, or another letter where the user has taken E."""
     taken = set(system.symbols)
     return sp.Symbol(next(name for name in ("E", "h", "energy", "E_total") if name not in taken), real=True)
+
+
+def time_name(system: System) -> str:
+    """What the parameter of a motion is called: t, or another letter where the system has a coordinate t."""
+    taken = [*system.symbols, *(c.momentum.name for c in system.coordinates)]
+    return next(name for name in ("t", "tau", "s", "sigma", "t_") if free_name(name, taken) == name)
 
 
 def reduce(system: System, budget: Budget | None = None) -> Shell | Irreducible:
@@ -161,10 +167,10 @@ def reduce(system: System, budget: Budget | None = None) -> Shell | Irreducible:
     eliminated = _eliminate(system, lagrangian, reader, essential, passive)
     coordinates = tuple(system.coordinates[i] for i in essential)
     steps = _reduction_steps(system, ignorable, lagrangian, eliminated, reader)
-    if (coupled := _coupled_pair(eliminated.mass, reader)) is not None:
-        i, j, residual = coupled
+    if eliminated.coupled is not None:
+        i, j, entry = eliminated.coupled
         pair = coordinates[i].name, coordinates[j].name
-        return Irreducible("metric", pair, residual, steps, coordinates, ignorable)
+        return Irreducible("metric", pair, readable(reader, entry), steps, coordinates, ignorable)
     if (curl := _curl(coordinates, eliminated.shift, reader)) is not None:
         i, j, residual = curl
         pair = coordinates[i].name, coordinates[j].name
@@ -177,11 +183,11 @@ def _shell(
     coordinates: tuple[Coordinate, ...],
     ignorable: tuple[Coordinate, ...],
     lagrangian: _Lagrangian,
-    eliminated: _Eliminated,
+    eliminated: Eliminated,
     reader: Reader,
     steps: tuple[Step, ...],
 ) -> Shell:
-    metric = tuple(readable(reader, eliminated.mass[a][a] ** -1) for a in range(len(coordinates)))
+    metric = tuple(readable(reader, g) for g in eliminated.metric)
     centrifugal = [readable(reader, x) for x in eliminated.centrifugal]
     potential = sp.Add(lagrangian.potential, -lagrangian.rest, *centrifugal)
     shift = tuple(readable(reader, x) for x in eliminated.shift)
@@ -189,10 +195,27 @@ def _shell(
     energy = energy_symbol(system)
     if any(shift):
         steps += (_shift_step(coordinates, χ),)
-    shell = sp.Add(*(g * sp.Symbol(f"P_{c.name}") ** 2 / 2 for g, c in zip(metric, coordinates)), potential)
+    null = tuple(coordinates[a].name for a in eliminated.null)
+    if null:
+        steps += (_null_step(null),)
+    steps += (_shell_step(coordinates, metric, potential, energy, null, shifted=any(shift)),)
+    return Shell(system, coordinates, ignorable, metric, potential, energy, shift, χ, steps, null)
+
+
+def _shell_step(
+    coordinates: tuple[Coordinate, ...], metric: tuple[sp.Expr, ...], potential: sp.Expr, energy: sp.Symbol,
+    null: tuple[str, ...], *, shifted: bool,
+) -> Step:  # fmt: skip
+    """The shell in a formula; P in place of p where terms linear in the momenta were shifted away."""
+    momenta = [sp.Symbol(f"P_{c.name}") if shifted else c.momentum for c in coordinates]
+    powers = (p if c.name in null else p**2 / 2 for c, p in zip(coordinates, momenta))
+    shell = sp.Add(*(g * power for g, power in zip(metric, powers)), potential)
     text = "What is left: half the inverse metric times the squared momenta plus the effective potential is the energy."
-    steps += (Step("Energy shell", text, sp.Eq(shell, energy, evaluate=False)),)
-    return Shell(system, coordinates, ignorable, metric, potential, energy, shift, χ, steps)
+    if shifted:
+        text += " The momenta in it are P = p + gradient, as above."
+    if not coordinates:
+        text = "No coordinate is left: the effective potential is the energy, a function of the constant momenta."
+    return Step("Energy shell", text, sp.Eq(shell, energy, evaluate=False))
 
 
 def _mass(system: System) -> sp.Matrix:
@@ -237,38 +260,14 @@ def _inside(c: Coordinate) -> sp.Expr:
 
 def _eliminate(
     system: System, lagrangian: _Lagrangian, reader: Reader, essential: Sequence[int], passive: Sequence[int]
-) -> _Eliminated:
-    """Symmetric elimination of the ignorable coordinates, simplest pivot first.
-
-    With m the mass matrix and r = (c − a) for ignorable, (−a) for essential coordinates, each pivot k adds
-    r_k²/(2m_kk) to the potential and replaces m by m − m_·k m_k·/m_kk, r by r − m_·k r_k/m_kk. What remains of r is A.
-    """
-    n = len(system.coordinates)
-    m = [[reader.element(lagrangian.mass[i, j]) for j in range(n)] for i in range(n)]
+) -> Eliminated:
+    """The ignorable coordinates eliminated, with r = (c − a) for them and (−a) for the others."""
+    n = range(len(system.coordinates))
+    mass = [[reader.element(lagrangian.mass[i, j]) for j in n] for i in n]
     r = [-reader.element(a) for a in lagrangian.linear]
     for i in passive:
         r[i] = r[i] + reader.element(system.coordinates[i].momentum)
-    left, centrifugal = list(passive), []
-    positions = [system.coordinates[i].symbol for i in essential]
-    while left:
-        k = min(left, key=lambda i: (any(m[i][i].depends_on(q) for q in positions), cost(m[i][i])))
-        left.remove(k)
-        centrifugal.append(r[k] ** 2 / m[k][k] * Fraction(1, 2))
-        others = [i for i in (*left, *essential) if not m[i][k].is_zero]
-        share = {i: reader.field.cancelled(m[i][k] / m[k][k]) for i in others}
-        for i in others:
-            r[i] = reader.field.cancelled(r[i] - share[i] * r[k])
-            for j in others:
-                m[i][j] = reader.field.cancelled(m[i][j] - share[i] * m[k][j])
-    return _Eliminated([[m[i][j] for j in essential] for i in essential], [r[i] for i in essential], centrifugal)
-
-
-def _coupled_pair(mass: list[list[Element]], reader: Reader) -> tuple[int, int, sp.Expr] | None:
-    for i in range(len(mass)):
-        for j in range(i):
-            if not mass[i][j].is_zero:
-                return j, i, readable(reader, mass[i][j])
-    return None
+    return eliminate(reader, mass, r, essential, passive, [system.coordinates[i].symbol for i in essential])
 
 
 def _curl(coordinates: tuple[Coordinate, ...], shift: list[Element], reader: Reader) -> tuple[int, int, sp.Expr] | None:
@@ -285,7 +284,7 @@ def _reduction_steps(
     system: System,
     ignorable: tuple[Coordinate, ...],
     lagrangian: _Lagrangian,
-    eliminated: _Eliminated,
+    eliminated: Eliminated,
     reader: Reader,
 ) -> tuple[Step, ...]:
     steps = []
@@ -294,9 +293,9 @@ def _reduction_steps(
         constants = ", ".join(str(c.momentum) for c in ignorable)
         coupled = any(not x.is_zero for x in eliminated.shift) and not any(lagrangian.linear)
         text = (
-            f"T and V do not hold {names}, so {constants} stay constant and W is linear in {names}. Eliminating the "
-            f"velocities "
-            f"adds the centrifugal potential shown" + (", and terms linear in the momenta left." if coupled else ".")
+            f"T and V do not contain {names}, so {constants} {'stays' if len(ignorable) == 1 else 'stay'} constant and "
+            f"W is linear in {names}. Eliminating the velocities adds the centrifugal potential shown"
+            + (", and terms linear in the momenta left." if coupled else ".")
         )
         steps.append(
             Step("Ignorable coordinates", text, sp.Add(*(readable(reader, x) for x in eliminated.centrifugal)))
@@ -306,7 +305,7 @@ def _reduction_steps(
         steps.append(Step("Velocity-free part of T", text, lagrangian.potential - lagrangian.rest))
     if not steps:
         names = ", ".join(c.name for c in system.coordinates)
-        text = f"T or V holds each of {names}, or the motion may reach an end of its domain: none is ignorable."
+        text = f"T or V contains each of {names}, or the motion may reach an end of its domain: none is ignorable."
         steps.append(Step("Ignorable coordinates", text, None))
     return tuple(steps)
 
@@ -320,3 +319,11 @@ def _shift_step(coordinates: tuple[Coordinate, ...], χ: sp.Expr) -> Step:
     if len(coordinates) == 1:
         text = "With one essential coordinate linear terms are always a gradient. " + text
     return Step("Linear terms", text, χ)
+
+
+def _null_step(null: tuple[str, ...]) -> Step:
+    text = (
+        f"T is indefinite and the ignorable coordinates left over are light-like: H holds the momentum of "
+        f"{', '.join(null)} to first degree, with the coefficient shown in the energy shell, so that no root is taken."
+    )
+    return Step("Null coordinates", text)

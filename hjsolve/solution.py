@@ -16,22 +16,26 @@ from __future__ import annotations
 from collections.abc import Iterable, Mapping
 from dataclasses import dataclass, replace
 from functools import lru_cache
+from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 import sympy as sp
 
 from hjsolve import arguments
-from hjsolve.errors import NotSeparableError
+from hjsolve.declarations import free_name
+from hjsolve.errors import InvalidInputError, NotSeparableError
 from hjsolve.separation import Constant, Obstruction, Separation, Undecided, separate
 from hjsolve.separation.relativistic import shell_energy
 from hjsolve.separation.verdicts import Verdict
-from hjsolve.system import A_SYSTEM, System
+from hjsolve.shell import time_name
+from hjsolve.subjects import system_of
+from hjsolve.system import System
 
 if TYPE_CHECKING:
     from hjsolve.motion import Motion
 
 Separated = list[tuple[sp.Symbol, sp.Expr, sp.Symbol]]
-"""Of every separated coordinate: q, the root √Pᵢ², the lower limit."""
+"""Of every separated coordinate: q, the root √Pᵢ² (the momentum itself where null), the lower limit."""
 
 
 @dataclass(frozen=True)
@@ -42,13 +46,15 @@ class Solution:
         system: the system solved. separation: the verdict it was made from.
         coordinates: names of the separated (essential) coordinates, in the order of Φ's rows.
         constants: name → constant of the motion; E, then alpha_2, …, then the ignorable momenta.
-        momentum_squared: separated coordinate → Pᵢ²(qᵢ; constants, parameters).
+        momentum_squared: separated coordinate → Pᵢ²(qᵢ; constants, parameters); none for a null coordinate
+            (``Shell.null``), whose momentum enters H to first degree and is given by ``momenta`` without a root.
         shift: separated coordinate → Aᵢ(q; c), Pᵢ = pᵢ + Aᵢ; zero unless T has terms linear in the velocities.
         shift_potential: χ, with ∂χ/∂qᵢ = Aᵢ.
         momenta: every coordinate → its momentum ∂W/∂q; +√Pᵢ² − Aᵢ, or the constant itself.
         lower_limits: separated coordinate → the symbol its quadratures start from.
         characteristic_function: W, with unevaluated integrals.
-        time_law: t − t₀ = ∂W/∂E; None where every coordinate is ignorable (then E is a function of the other constants
+        time_law: t − t₀ = ∂W/∂E (τ for t where t is a coordinate);
+            None where every coordinate is ignorable (then E is a function of the other constants
             and the orbit equations carry the time).
         orbit_equations: name of a constant → −β = ∂W/∂(constant); for all constants but E.
     """
@@ -120,19 +126,34 @@ class Solution:
         # the one call from the symbolic half up into the numeric half: solving loads no numerical library
         from hjsolve.motion import start
 
+        refuse_null(self)
         return start(
             self, q=q, velocity=velocity, p=p, constants=constants, signs=signs, parameters=parameters, t0=t0,
             digits=digits, certified=certified, want=want,
         )  # fmt: skip
 
 
-def solve(system: System | Separation) -> Solution:
+def refuse_null(solution: Solution) -> None:
+    """Refuse numbers of a solution that holds a momentum to first degree.
+
+    Raises:
+        InvalidInputError: it does; the message says what to use instead.
+    """
+    names = ", ".join(solution.separation.shell.null)
+    if names:
+        raise InvalidInputError(
+            f"H holds the momentum of {names} to first degree (T is indefinite): such a motion has no turning points "
+            "and is not computed here; use the formulas, solution.momenta, time_law and orbit_equations"
+        )
+
+
+def solve(system: System | Separation | str | Path) -> Solution:
     """Solve a system by quadratures.
 
     A system that was solved before in this process is not solved again: equal systems share one solution.
 
     Args:
-        system: a system, or the ``Separation`` it already gave.
+        system: a system, or the ``Separation`` it already gave; or the id or file of a catalog entry.
 
     Returns:
         The solution; every integral stays unevaluated.
@@ -145,8 +166,9 @@ def solve(system: System | Separation) -> Solution:
     References:
         Greenwood, Classical Dynamics (1977), (5-65)–(5-83), (5-142); Jacobi's theorem (5-53)–(5-62).
     """
-    arguments.refuse_other(system, (System, Separation, Obstruction, Undecided), "solve", A_SYSTEM)
-    return _remembered(system) if isinstance(system, System) else _solved(system)
+    if isinstance(system, (Separation, Obstruction, Undecided)):
+        return _solved(system)
+    return _remembered(system_of(system, "solve"))
 
 
 @lru_cache(maxsize=128)
@@ -159,9 +181,10 @@ def _solved(verdict: Verdict) -> Solution:
     if not isinstance(verdict, Separation):
         raise NotSeparableError(_why_not(verdict), verdict)
     shell, names = verdict.shell, tuple(c.name for c in verdict.shell.coordinates)
-    squares = dict(zip(names, _momenta_squared(verdict), strict=True))
+    halves = dict(zip(names, _separated_terms(verdict), strict=True))
+    squares = {name: sp.expand_mul(2 * half) for name, half in halves.items() if name not in shell.null}
     shift = dict(zip(names, shell.shift, strict=True))
-    roots = {name: sp.sqrt(square) for name, square in squares.items()}
+    roots = {name: sp.sqrt(squares[name]) if name in squares else half for name, half in halves.items()}
     taken = _names_taken(verdict)
     limits = {name: _fresh(f"{name}_0", taken, real=True) for name in names}
     separated = [(c.symbol, roots[c.name], limits[c.name]) for c in shell.coordinates]
@@ -180,8 +203,8 @@ def _solved(verdict: Verdict) -> Solution:
     )  # fmt: skip
 
 
-def _momenta_squared(verdict: Separation) -> tuple[sp.Expr, ...]:
-    """Pᵢ² = 2(Σⱼ Φᵢⱼ αⱼ − ψᵢ), Greenwood (5-142); none where every coordinate is ignorable."""
+def _separated_terms(verdict: Separation) -> tuple[sp.Expr, ...]:
+    """½Pᵢ² = Σⱼ Φᵢⱼ αⱼ − ψᵢ, Greenwood (5-142), or pᵢ itself where null; none where every coordinate is ignorable."""
     staeckel = verdict.reduced.stackel
     if staeckel is None:
         return ()
@@ -189,7 +212,7 @@ def _momenta_squared(verdict: Separation) -> tuple[sp.Expr, ...]:
     if verdict.system.relativity is not None:
         alphas[0] = shell_energy(verdict.system)
     Φ, ψ = staeckel.matrix, staeckel.column
-    return tuple(sp.expand_mul(2 * (sum(Φ[i, j] * α for j, α in enumerate(alphas)) - ψ[i])) for i in range(len(ψ)))
+    return tuple(sum(Φ[i, j] * α for j, α in enumerate(alphas)) - ψ[i] for i in range(len(ψ)))
 
 
 def _named(verdict: Separation) -> dict[str, Constant]:
@@ -234,14 +257,19 @@ def _quadrature(integrand: sp.Expr, q: sp.Symbol, start: sp.Symbol) -> sp.Expr:
 
 def _derivative(verdict: Separation, separated: Separated, constant: sp.Symbol) -> sp.Expr:
     """∂W/∂(constant) without the term c·q: Σ ∫ (∂Pᵢ²/∂c)/(2Pᵢ) dqᵢ − ∂χ/∂c."""
-    terms = [_quadrature(sp.diff(root**2, constant) / (2 * root), q, start) for q, root, start in separated]
+    null = {c.symbol for c in verdict.shell.coordinates if c.name in verdict.shell.null}
+    slopes = [
+        sp.diff(root, constant) if q in null else sp.diff(root**2, constant) / (2 * root) for q, root, _ in separated
+    ]
+    terms = [_quadrature(slope, q, start) for slope, (q, _, start) in zip(slopes, separated, strict=True)]
     return sp.Add(*terms, -sp.diff(verdict.shell.shift_potential, constant))
 
 
 def _time_law(verdict: Separation, separated: Separated, taken: frozenset[str]) -> sp.Eq | None:
     if not separated:
         return None
-    t, t0 = _fresh("t", taken, real=True), _fresh("t_0", taken, real=True)
+    name = time_name(verdict.system)
+    t, t0 = sp.Symbol(name, real=True), _fresh(f"{name}_0", taken, real=True)
     return sp.Eq(t - t0, _derivative(verdict, separated, verdict.shell.energy), evaluate=False)
 
 
@@ -254,7 +282,7 @@ def _orbit_equations(verdict: Separation, separated: Separated, taken: frozenset
             continue
         right = position.get(constant.symbol, sp.S.Zero) + _derivative(verdict, separated, constant.symbol)
         if not separated:
-            right -= _fresh("t", taken, real=True) * sp.diff(verdict.shell.potential, constant.symbol)
+            right -= sp.Symbol(time_name(verdict.system), real=True) * sp.diff(verdict.shell.potential, constant.symbol)
         beta = _fresh("beta_" + name.removeprefix("alpha_").removeprefix("p_"), taken, real=True)
         equations[name] = sp.Eq(-beta, right, evaluate=False)
     return equations
@@ -266,10 +294,8 @@ def _names_taken(verdict: Separation) -> frozenset[str]:
 
 
 def _fresh(name: str, taken: Iterable[str], **assumptions: bool) -> sp.Symbol:
-    """A symbol of this name, or with underscores added where the user already has it."""
-    while name in taken:
-        name += "_"
-    return sp.Symbol(name, **assumptions)
+    """A symbol of this name, or with underscores added where the user already has one that looks like it."""
+    return sp.Symbol(free_name(name, taken), **assumptions)
 
 
 def _why_not(verdict: Obstruction | Undecided) -> str:

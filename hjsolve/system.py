@@ -7,12 +7,13 @@ Everything else here is a pure function of a system.
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Mapping
+from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass, replace
 from functools import lru_cache
 from typing import Literal
 
 import sympy as sp
+from sympy.core.function import AppliedUndef
 
 from hjsolve import arguments
 from hjsolve.declarations import (
@@ -21,6 +22,7 @@ from hjsolve.declarations import (
     check_value,
     parameter,
     read_coordinates,
+    read_functions,
     read_parameters,
     unknown,
 )
@@ -30,11 +32,10 @@ from hjsolve.errors import InvalidSystemError, MissingValueError
 from hjsolve.evaluation import NoValueError, evaluate
 from hjsolve.expressions import admit, number, parse
 from hjsolve.kinetic import check_quadratic, half_inverse_form, inverse, mass_entries, parts
+from hjsolve.periodicity import check_periodic
 from hjsolve.relativity import Relativity
 from hjsolve.relativity import read as read_relativity
 
-A_SYSTEM = 'a System is needed, made by hjsolve.System(…) or hjsolve.catalog.load("kepler-planar")'
-"""What ``separate``, ``solve`` and their like say to anything else."""
 __all__ = [
     "Coordinate", "Domain", "Parameter", "System", "hamiltonian", "inverse_mass_matrix", "kinetic_rest", "linear_terms",
     "mass_matrix", "momenta", "parameter", "require_values", "velocities", "with_values",
@@ -56,6 +57,8 @@ class System:
         id: of the catalog entry.
         relativity: ``{"mass": name, "light": name}``, the parameters that are rest mass and speed of light, for a
             relativistic particle; ``kinetic`` is then the classical T, whose metric it shares.
+        functions: functions left undetermined in the texts of T and V, such as ``["v1(r)", "f(x, y)"]``; the solution
+            is then one of formulas, numbers cannot be asked of it.
 
     Raises:
         InvalidSystemError: the parts do not make a mechanical system; the message says which and why.
@@ -88,13 +91,15 @@ class System:
         title: str = "",
         id: str = "",  # noqa: A002 - the catalog's word
         relativity: Mapping[str, str] | None = None,
+        functions: Iterable[str] = (),
     ):
         constants = read_parameters({} if parameters is None else parameters)
         places = read_coordinates(coordinates, constants)
         _set(self, coordinates=places, parameters=constants, title=str(title), id=str(id))
         _set(self, relativity=read_relativity(relativity, constants))
         _set(self, signature=_read_signature(signature))
-        _set(self, kinetic=_read_kinetic(self, kinetic), potential=_read_potential(self, potential))
+        unknowns = read_functions(functions, (c.name for c in places), self.symbols)
+        _set(self, kinetic=_read_kinetic(self, kinetic, unknowns), potential=_read_potential(self, potential, unknowns))
         _check_values(self)
         if self.relativity is not None and kinetic_rest(self) != 0:
             raise InvalidSystemError("relativity: the classical T may have no part without velocities; put it into V")
@@ -108,6 +113,11 @@ class System:
     def defaults(self) -> dict[sp.Symbol, sp.Expr]:
         """Exact default values by symbol, of the parameters that have one."""
         return {p.symbol: p.value for p in self.parameters if p.value is not None}
+
+    @property
+    def functions(self) -> tuple[str, ...]:
+        """The functions left undetermined in T and V, such as ``v1(r)``."""
+        return tuple(sorted({str(f) for e in (self.kinetic, self.potential) for f in e.atoms(AppliedUndef)}))
 
     def coordinate(self, name: str) -> Coordinate:
         """The coordinate of this name; InvalidSystemError where there is none."""
@@ -124,6 +134,8 @@ class System:
         rest = "".join(f", {key}={getattr(self, key)!r}" for key in ("title", "id") if getattr(self, key))
         if self.signature != "definite":
             rest = f", signature={self.signature!r}{rest}"
+        if self.functions:
+            rest += f", functions={list(self.functions)}"
         if self.relativity is not None:
             rest += f", relativity={{'mass': '{self.relativity.mass}', 'light': '{self.relativity.light}'}}"
         return (
@@ -145,10 +157,10 @@ def _read_signature(signature: str) -> Literal["definite", "indefinite"]:
     raise InvalidSystemError(f"signature: {signature!r} is unknown; write definite or indefinite")
 
 
-def _read(system: System, given: object, source: str) -> sp.Expr:
+def _read(system: System, given: object, source: str, functions: Mapping[str, sp.Expr]) -> sp.Expr:
     speeds = {c.name: c.velocity for c in system.coordinates}
     if isinstance(given, str):
-        return parse(given, system.symbols, velocities=speeds, source=source)
+        return parse(given, system.symbols, velocities=speeds, functions=functions, source=source)
     if isinstance(given, sp.Expr):
         return admit(given, system.symbols, velocities=speeds, source=source)
     if isinstance(given, (int, float)):
@@ -158,12 +170,12 @@ def _read(system: System, given: object, source: str) -> sp.Expr:
     )
 
 
-def _read_kinetic(system: System, given: object) -> sp.Expr:
-    return check_quadratic(_read(system, given, "kinetic"), [c.velocity for c in system.coordinates])
+def _read_kinetic(system: System, given: object, functions: Mapping[str, sp.Expr]) -> sp.Expr:
+    return check_quadratic(_read(system, given, "kinetic", functions), [c.velocity for c in system.coordinates])
 
 
-def _read_potential(system: System, given: object) -> sp.Expr:
-    potential = _read(system, given, "potential")
+def _read_potential(system: System, given: object, functions: Mapping[str, sp.Expr]) -> sp.Expr:
+    potential = _read(system, given, "potential", functions)
     for c in system.coordinates:
         if c.velocity in potential.free_symbols:
             raise InvalidSystemError(
@@ -181,6 +193,18 @@ def _check_values(system: System) -> None:
         if all(end.free_symbols <= defaults.keys() for end in ends):
             _check_ends(c, defaults)
     check_mass_matrix(mass_matrix(system), system.coordinates, system.parameters, system.signature)
+    refuse_turns_that_differ(system, system.parameters)
+
+
+def refuse_turns_that_differ(system: System, parameters: Sequence[Parameter]) -> None:
+    """Refuse T or V that, with these values of the parameters, is no function of a coordinate declared an angle.
+
+    Raises:
+        InvalidSystemError: see ``periodicity``.
+    """
+    if any(c.domain.kind == "angle" for c in system.coordinates):
+        parts = (("kinetic", system.kinetic), ("potential", system.potential))
+        check_periodic(parts, system.coordinates, parameters)
 
 
 def _check_ends(coordinate: Coordinate, defaults: Mapping[sp.Symbol, sp.Expr]) -> None:

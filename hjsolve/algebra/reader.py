@@ -17,6 +17,7 @@ import sympy as sp
 
 from . import poly
 from .field import MAX_POWER, Element, Field, Generator, Root
+from .logarithms import Logarithms
 from .poly import Budget, Poly, WorkLimitError
 from .roots import root
 from .signs import Bounds, atom_bounds
@@ -58,7 +59,7 @@ class Reader:
         self._written: dict[int, sp.Expr] = {}
         self._units: dict[tuple[str, sp.Expr], Fraction] = {}
         self._exponential: set[sp.Expr] = set()
-        self._logarithms: dict[tuple[object, ...], Element] = {}
+        self._logarithms = Logarithms(self)
         for expression in expressions:
             self._look_through(expression)
 
@@ -72,6 +73,11 @@ class Reader:
         for node in expression.atoms(sp.exp):
             self._note("rapidity", node.args[0])
             self._exponential |= {m for m, _ in _linear_terms(node.args[0])}
+        for node in expression.atoms(sp.Pow, sp.log):
+            inside = node.args[0]
+            even = isinstance(node, sp.log) or (node.exp.is_Rational and node.exp.q % 2 == 0)
+            if even and inside.is_Symbol and self.bounds.get(inside, (None, None)) == (None, None):
+                self.bounds[inside] = (sp.S.Zero, None)  # where the expression is defined at all
 
     def _note(self, kind: str, argument: sp.Expr) -> None:
         for monomial, c in self._terms(kind, argument):
@@ -171,7 +177,7 @@ class Reader:
         for n, unit in self._multiples("rapidity", argument):
             atom = sp.exp(unit)
             if not isinstance(atom, sp.exp):
-                result = result * self.element(sp.exp(n * unit))
+                result = result * self.element(atom) ** n
                 continue
             result = result * self.adjoined(Generator(atom, "other", low=Fraction(0))) ** n
         return result
@@ -212,12 +218,7 @@ class Reader:
         parts = sp.expand_log(sp.log(argument))
         if not isinstance(parts, sp.log):
             return self.element(parts)
-        y = self.element(parts.args[0])
-        name = (y.coefficient, poly.key(y.numerator), frozenset(y.factors.items()))
-        if name not in self._logarithms:
-            low, high = atom_bounds(parts, self.bounds)
-            self._logarithms[name] = self.adjoined(Generator(parts, "other", low=low, high=high))
-        return self._logarithms[name]
+        return self._logarithms.of(parts, self.element(parts.args[0]))
 
     # derivatives and writing -----------------------------------------------------------------------------------------
 

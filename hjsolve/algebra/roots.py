@@ -81,7 +81,8 @@ def _rest_root(reader: Reader, rest: Element, q: int) -> Element:
 def _denested(reader: Reader, radicand: Poly) -> Element | None:
     """Denest √(A + B√d) = √((A+C)/2) ± √((A−C)/2).
 
-    C² = A² − B²d must have a root C in the functions that A, B and d are made of; A ≥ 0 and the sign of B must be
+    C² = A² − B²d must have a root C in the functions that A, B and d are made of, and the roots of (A ± C)/2 must be
+    nested less deeply; A ≥ 0 and the sign of B must be
     proved. Where B > 0, either sign of C gives the same sum, so that the sign of C need not be known.
     Borodin, Fagin, Hopcroft and Tompa, J. Symb. Comp. 1 (1985) 169.
     """
@@ -103,8 +104,25 @@ def _denested(reader: Reader, radicand: Poly) -> Element | None:
         if not all(j in own or field.generators[j].atom.is_number for j in C.generators):
             continue
         half = Fraction(1, 2)
-        return root(reader, (a + C) * half, 1, 2) + root(reader, (a - C) * half, 1, 2) * side
+        parts = [(a + C) * half, (a - C) * half]
+        number = g.atom.is_number
+        inside = max((_depth(field, j, number) for part in parts for j in part.generators), default=0)
+        if inside >= _depth(field, k, number):
+            continue
+        return root(reader, parts[0], 1, 2) + root(reader, parts[1], 1, 2) * side
     return None
+
+
+def _depth(field: Field, k: int, number: bool) -> int:
+    """How many roots of numbers, or of functions, lie in each other in a generator.
+
+    Denesting goes on only where this falls, or it would go round in circles: √(3 + √2) → √(3 + √7) → √(3 + √2).
+    """
+    g = field.generators[k]
+    if g.kind != "root" or g.root is None:
+        return 0
+    inside = max((_depth(field, j, number) for j in poly.generators(g.root.radicand)), default=0)
+    return inside + (g.atom.is_number is number)
 
 
 def _whole_root(field: Field, square: Element) -> Element | None:

@@ -50,7 +50,7 @@ def _circular(atom: sp.Expr, bounds: Mapping[sp.Symbol, Bounds]) -> Range:
     whole: Range = (Fraction(-1), Fraction(1))
     if lower is None or upper is None or not coefficient.is_positive:
         return whole
-    ends = [sp.nsimplify(coefficient * end / sp.pi) for end in (lower, upper)]
+    ends = [sp.expand(coefficient * end / sp.pi) for end in (lower, upper)]
     if not all(end.is_Rational for end in ends):
         return whole
     shift = Fraction(0) if isinstance(atom, sp.sin) else Fraction(1, 2)
@@ -164,9 +164,22 @@ def _power(x: Range, n: int) -> Range:
 
 def _times(x: Range, y: Range) -> Range:
     """Product of two ranges with infinite ends; 0·∞ is 0, as it is for ends of ranges."""
-    infinity = float("inf")
-    xs = (-infinity if x[0] is None else x[0], infinity if x[1] is None else x[1])
-    ys = (-infinity if y[0] is None else y[0], infinity if y[1] is None else y[1])
-    products = [Fraction(0) if 0 in (a, b) else a * b for a in xs for b in ys]
-    low, high = min(products), max(products)
-    return (None if low == -infinity else Fraction(low)), (None if high == infinity else Fraction(high))
+    finite, infinite = list[Fraction](), set[int]()
+    for i, a in enumerate(x):
+        for j, b in enumerate(y):
+            if a is not None and b is not None:
+                finite.append(a * b)
+            elif sign := _sign_of_end(a, i) * _sign_of_end(b, j):
+                infinite.add(sign)
+            else:
+                finite.append(Fraction(0))
+    low = None if -1 in infinite else min(finite, default=Fraction(0))
+    high = None if 1 in infinite else max(finite, default=Fraction(0))
+    return low, high
+
+
+def _sign_of_end(end: Fraction | None, upper: int) -> int:
+    """Sign of an end of a range; None is +∞ at the upper end and −∞ at the lower one."""
+    if end is None:
+        return 1 if upper else -1
+    return (end > 0) - (end < 0)

@@ -4,20 +4,30 @@ from __future__ import annotations
 
 import time
 from collections.abc import Sequence
+from pathlib import Path
 
 import sympy as sp
 
 from hjsolve import arguments
+from hjsolve.coordinates.constants import Values, named, restored
 from hjsolve.coordinates.exceptional import exceptional_values
 from hjsolve.coordinates.families import family
 from hjsolve.coordinates.frames import sign_by, tidy
-from hjsolve.coordinates.killing import Kernel, concircular_basis, kernel, killing_basis, killing_tensor
+from hjsolve.coordinates.killing import (
+    Kernel,
+    concircular_basis,
+    dimension_by_numbers,
+    kernel,
+    killing_basis,
+    killing_tensor,
+)
 from hjsolve.coordinates.results import Coordinates, Geometry, ParameterValues, Web
 from hjsolve.coordinates.transform import Cartesian, web_of
 from hjsolve.coordinates.webs_plane import plane_webs
 from hjsolve.coordinates.webs_space import Potential, space_webs
 from hjsolve.errors import InvalidSystemError
-from hjsolve.system import A_SYSTEM, System, kinetic_rest, linear_terms, mass_matrix
+from hjsolve.subjects import system_of
+from hjsolve.system import System, kinetic_rest, linear_terms, mass_matrix
 
 _NONE = "No quadratic first integral of this kind besides the energy: the system is"
 _NO_WEB = "Besides the energy there {are} {extra} quadratic first integral{s}, but no orthogonal web belongs to {it}: "
@@ -34,10 +44,12 @@ _INCOMPLETE = (
     "and there may be more coordinates than those listed."
 )
 _MOST_LINES = 6
+_MOST_LETTERS = 2
+"""Of irrational constants in space: with three the elimination takes minutes."""
 _PARTIAL = ("split", "sphere", "unresolved")
 
 
-def find_coordinates(system: System, *, special: bool = True, budget: float = 20.0) -> Coordinates:
+def find_coordinates(system: System | str | Path, *, special: bool = True, budget: float = 20.0) -> Coordinates:
     """Find every orthogonal coordinate system in which a natural system of the plane or of space separates.
 
     The system must be given in Cartesian coordinates: T = ½ Σ m_i ẋ_i² with constant masses (a constant symmetric
@@ -46,7 +58,7 @@ def find_coordinates(system: System, *, special: bool = True, budget: float = 20
     (Rajaratnam, McLenaghan, Valero, SIGMA 12 (2016) 117), transforms the system and lets ``separate`` certify it.
 
     Args:
-        system: the system; its parameters stay symbolic and count as generic.
+        system: the system, or the id or file of a catalog entry; its parameters stay symbolic and count as generic.
         special: also look for parameter values at which there are more coordinates.
         budget: seconds that ``separate`` may take for one web.
 
@@ -65,15 +77,11 @@ def find_coordinates(system: System, *, special: bool = True, budget: float = 20
         >>> [(web.kind, web.centre, web.lengths["a"], web.certified) for web in found.webs]
         [('elliptic', (2, 1/2), sqrt(13)/2, True)]
     """
-    arguments.refuse_other(system, System, "find_coordinates", A_SYSTEM)
+    system = system_of(system, "find_coordinates")
     start, budget = time.monotonic(), arguments.seconds(budget, "budget")
     cartesian = _cartesian(system)
-    n = len(cartesian.X)
-    full = kernel(cartesian.potential, cartesian.X, killing_basis(cartesian.X))
-    concircular = tuple(killing_tensor(M, cartesian.X) for M in concircular_basis(n))
-    reduced = kernel(cartesian.potential, cartesian.X, concircular, check=n == 3)
-    geometries = _geometries(reduced, cartesian)
-    webs = tuple(web_of(g, cartesian, budget=budget) for g in geometries if g.kind not in _PARTIAL)
+    full, reduced = _kernels(cartesian)
+    geometries, webs = _webs(reduced, cartesian, budget)
     values: tuple[ParameterValues, ...] = ()
     if special and full.pivots:
         found = exceptional_values(cartesian.potential, cartesian.X, killing_basis(cartesian.X), full)
@@ -89,6 +97,82 @@ def find_coordinates(system: System, *, special: bool = True, budget: float = 20
         _advice(full, geometries, webs, values),
         time.monotonic() - start,
     )
+
+
+def _kernels(cartesian: Cartesian) -> tuple[Kernel, Kernel]:
+    """Return the kernels of all Killing tensors and of those that come from concircular tensors.
+
+    In the plane irrational constants are letters first: a kernel as large as numbers allow at the constants is theirs.
+    """
+    n, basis = len(cartesian.X), killing_basis(cartesian.X)
+    lettered, values = named(cartesian)
+    if n == 2 and values and not cartesian.system.parameters:
+        generic = kernel(lettered.potential, cartesian.X, basis, check=False)
+        if generic.dimension == dimension_by_numbers(cartesian.potential, cartesian.X, basis):
+            pair = [_at(k, values) for k in (generic, _concircular_kernel(lettered, check=False))]
+            if pair[0] is not None and pair[1] is not None:
+                return pair[0], pair[1]
+    full = kernel(cartesian.potential, cartesian.X, basis)
+    return full, _concircular_kernel(cartesian, check=n == 3)
+
+
+def _at(generic: Kernel, values: Values) -> Kernel | None:
+    """Return a kernel at the constants that its letters stand for; None where a denominator vanishes there."""
+    vectors = tuple(tuple(tidy(c.xreplace(dict(values))) for c in v) for v in generic.vectors)
+    if any(c.has(sp.zoo, sp.nan, sp.oo) for v in vectors for c in v):
+        return None
+    return Kernel(vectors, True, ())
+
+
+def _concircular_kernel(cartesian: Cartesian, *, check: bool) -> Kernel:
+    basis = tuple(killing_tensor(M, cartesian.X) for M in concircular_basis(len(cartesian.X)))
+    return kernel(cartesian.potential, cartesian.X, basis, check=check)
+
+
+Found = tuple[list[Geometry], tuple[Web, ...]]
+
+
+def _webs(reduced: Kernel, cartesian: Cartesian, budget: float) -> Found:
+    """Return the geometries and the webs.
+
+    Irrational constants are letters in the plane, where this is quick, and in space where their own arithmetic does
+    not lead to the end.
+    """
+    lettered, values = named(cartesian)
+    if not values or reduced.dimension == 1:
+        return _with_constants(reduced, cartesian, budget)
+    if len(cartesian.X) == 2:
+        return _with_letters(reduced, cartesian, lettered, values, budget) or _with_constants(
+            reduced, cartesian, budget
+        )
+    found = _with_constants(reduced, cartesian, budget)
+    if len(values) > _MOST_LETTERS or _is_resolved(found):
+        return found
+    return _with_letters(reduced, cartesian, lettered, values, budget) or found
+
+
+def _is_resolved(found: Found) -> bool:
+    return all(web.certified for web in found[1]) and not any(g.kind == "unresolved" for g in found[0])
+
+
+def _with_constants(reduced: Kernel, cartesian: Cartesian, budget: float) -> Found:
+    """Find the webs with the constants as they are; sympy may have no normal form of them, or no end."""
+    try:
+        geometries = _geometries(reduced, cartesian)
+        return geometries, tuple(web_of(g, cartesian, budget=budget) for g in geometries if g.kind not in _PARTIAL)
+    except (sp.PolynomialError, NotImplementedError, OverflowError):
+        return [Geometry("unresolved", (), ())], ()
+
+
+def _with_letters(
+    reduced: Kernel, cartesian: Cartesian, lettered: Cartesian, values: Values, budget: float
+) -> Found | None:
+    """Find the webs with a letter for each constant; None where the constants have more webs than the letters."""
+    generic = _concircular_kernel(lettered, check=False)
+    if generic.dimension != reduced.dimension:
+        return None
+    geometries, webs = _with_constants(generic, lettered, budget)
+    return geometries, tuple(restored(web, values, cartesian, budget=budget) for web in webs)
 
 
 def _tensors(full: Kernel, cartesian: Cartesian) -> tuple[sp.ImmutableMatrix, ...]:

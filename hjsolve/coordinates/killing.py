@@ -287,6 +287,11 @@ def kernel(V: sp.Expr, x: Sequence[sp.Symbol], tensors: Sequence[sp.ImmutableMat
     return Kernel(vectors, complete, restored)
 
 
+def dimension_by_numbers(V: sp.Expr, x: Sequence[sp.Symbol], tensors: Sequence[sp.ImmutableMatrix]) -> int:
+    """Upper bound of the dimension of the kernel, from 60-digit numbers."""
+    return len(tensors) - numerical_rank(V, tuple(x), _coefficients(tuple(tensors), tuple(x)), len(tensors))
+
+
 def _dense_echelon(stream: Any) -> dict[int, list[Any]]:
     echelon: dict[int, list[Any]] = {}
     quiet = 0

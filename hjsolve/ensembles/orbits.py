@@ -19,7 +19,8 @@ from hjsolve.ensembles.recipe import WORTH_COMPILING, WORTH_LOADING, Recipe
 from hjsolve.ensembles.rows import Columns, compute
 from hjsolve.errors import InvalidInputError
 from hjsolve.initial import parameter_values
-from hjsolve.solution import Solution, solve
+from hjsolve.solution import Solution, refuse_null, solve
+from hjsolve.subjects import system_of
 from hjsolve.system import System
 
 
@@ -73,6 +74,7 @@ def ensemble(
     arguments.refuse_other(fallback, bool, "fallback", "True or False is needed")
     arguments.refuse_other(compiled, (bool, type(None)), "compiled", "True, False or None (what is faster) is needed")
     solution = _solution(system)
+    refuse_null(solution)
     given = conditions(solution.system, q, p, velocity)
     layout = layout_of(solution, want)
     recipe = recipe_for(solution, layout.want, parameters, given.kind, fallback=fallback, compiled=bool(compiled))
@@ -110,14 +112,9 @@ def recipe_for(
 def _solution(system: Any) -> Solution:
     if isinstance(system, Solution):
         return system
-    if isinstance(system, System):
-        return solve(system)
-    if isinstance(system, (str, Path)):
-        path = str(system).endswith(".toml")
-        return solve(catalog.load(Path(system))) if path else _entry(str(system))
-    raise InvalidInputError(
-        f"ensemble: give a System, a Solution, a catalog id or the path of a .toml entry, not a {type(system).__name__}"
-    )
+    if isinstance(system, str) and not system.endswith(".toml"):
+        return _entry(system)
+    return solve(system_of(system, "ensemble"))
 
 
 @lru_cache(maxsize=16)

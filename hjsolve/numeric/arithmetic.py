@@ -68,7 +68,13 @@ class Float64(ByOperators):
         return np.float_power(x, n) if abs(n) > 3 else _small_power(x, n)
 
     def unary(self, name: str, x: Any) -> Any:
-        return getattr(np, _NUMPY_NAMES.get(name, name))(x)
+        return sech(x) if name == "sech" else getattr(np, _NUMPY_NAMES.get(name, name))(x)
+
+
+def sech(x: Any) -> Any:
+    """Return 1/cosh x of doubles, which does not overflow."""
+    decay = np.exp(-np.abs(x))
+    return 2 * decay / (1 + decay * decay)
 
 
 def _small_power(x: Any, n: int) -> Any:

@@ -178,6 +178,10 @@ class Intervals:
         size = self.unary("abs", x)
         return self._wide(self._call("cosh", size.low), self._call("cosh", size.high))
 
+    def _sech(self, x: Interval) -> Interval:
+        size = self.unary("abs", x)
+        return self._wide(self._call("sech", size.high), self._call("sech", size.low))
+
     def _acos(self, x: Interval) -> Interval:
         return self.sub(self.div(self.pi(), self.rational(2, 1)), self.unary("asin", x))
 
@@ -187,6 +191,7 @@ _OTHERS: dict[str, Callable[[Intervals, Interval], Interval]] = {
     "cos": lambda field, x: field._sine(x, "cos"),
     "tan": Intervals._tangent,
     "cosh": Intervals._cosh,
+    "sech": Intervals._sech,
     "acos": Intervals._acos,
 }
 

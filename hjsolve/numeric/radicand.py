@@ -9,7 +9,8 @@ from typing import Any
 
 import numpy as np
 
-from hjsolve.numeric.arithmetic import Float64, Multi
+from hjsolve.numeric import asymptotics
+from hjsolve.numeric.arithmetic import Float64, Multi, multiprecision
 from hjsolve.numeric.counting import count
 from hjsolve.numeric.interval import Interval, Intervals
 from hjsolve.numeric.jet import Jet, Jets
@@ -56,6 +57,11 @@ class Radicand:
         """Return ½ ∂F/∂κⱼ at q."""
         count(kernels=1)
         return self._bound("weights", bits).run(q)
+
+    def sign_beyond(self, side: int, start: float) -> int:
+        """Return the sign of F for all side·q ≥ start; 0 where that is not known."""
+        bits = asymptotics.BITS + 2 * self.guard
+        return asymptotics.sign_beyond(self.squared, self.inputs(bits), side, start, bits)
 
     def guarded(self, place: Number, squared: Number) -> Radicand:
         """Return the same with as many bits more as its terms lose at a place where it is known.
@@ -116,3 +122,13 @@ class Radicand:
         return Jet(
             *(Interval(*(np.broadcast_to(end, np.shape(low)) for end in part)) for part in (value, first, second))
         )
+
+
+def has_period(radicand: Radicand, place: Any) -> bool:
+    """True when p² has period 2π (a wheel on a slope has not, though its coordinate is an angle)."""
+    bits = 160
+    turn = 2 * multiprecision(bits).pi
+    places = [place(bits) + k for k in range(3)]
+    pairs = [(radicand.value(q, bits), radicand.value(q + turn, bits)) for q in places]
+    size = max(abs(value) for pair in pairs for value in pair)
+    return all(abs(here - there) <= multiprecision(bits).mpf(2) ** -120 * size for here, there in pairs)

@@ -38,6 +38,9 @@ class _Negated(Radicand):
     def jet(self, q: Any, bits: int) -> Jet:
         return Jet(*(-part for part in super().jet(q, bits)))
 
+    def sign_beyond(self, side: int, start: float) -> int:
+        return -super().sign_beyond(side, start)
+
     def enclose(self, low: Any, high: Any, bits: int = 53) -> Jet:
         return Jet(*(Interval(-part.high, -part.low) for part in super().enclose(low, high, bits)))
 

@@ -19,7 +19,7 @@ _POLE = (
     'such as "0 < x"'
 )
 UNARY = ("neg", "sqrt", "exp", "log", "sin", "cos", "tan", "asin", "acos", "atan",
-         "sinh", "cosh", "tanh", "asinh", "acosh", "atanh", "abs")  # fmt: skip
+         "sinh", "cosh", "tanh", "sech", "asinh", "acosh", "atanh", "abs")  # fmt: skip
 """Operation codes with one argument."""
 
 
@@ -149,6 +149,10 @@ class Bound:
         return [slots[i] for i in self.outputs]
 
 
+def _raised(power: Callable[[Any, int], Any], n: int, x: Any) -> Any:
+    return power(x, n)
+
+
 def _step(arithmetic: Arithmetic, operation: Operation) -> tuple[Callable[..., Any], int, int]:
     """An operation with operands as a rule and their slots."""
     code, operands = operation.code, operation.operands
@@ -156,7 +160,7 @@ def _step(arithmetic: Arithmetic, operation: Operation) -> tuple[Callable[..., A
         return getattr(arithmetic, code), operands[0], operands[1]
     if code == "power":
         power, n = arithmetic.power, operation.payload[0]
-        return (lambda x: power(x, n)), operands[0], -1
+        return partial(_raised, power, n), operands[0], -1
     quick = getattr(arithmetic, "quick", {}).get(code)
     return quick or partial(arithmetic.unary, code), operands[0], -1
 

@@ -2,7 +2,9 @@
 
 From the start the scan walks outward over cells. A cell is passed only when interval arithmetic
 proves F = p² > 0 on it, or proves F′ or F″ of one sign so that a few exact values decide it. What
-doubles cannot decide (near-circular, near-separatrix) is decided with more digits. A zero of F at a
+doubles cannot decide (near-circular, near-separatrix) is decided with more digits, and what no cell
+decides far out, where F tends to zero or its terms overflow, by how F grows towards infinity
+(``numeric.asymptotics``). A zero of F at a
 critical point that stays zero to ``_LAST_BITS`` digits is a double zero: the motion needs infinite
 time to reach it (Greenwood, item 41).
 """
@@ -18,6 +20,7 @@ import numpy as np
 
 from hjsolve.errors import NotConvergedError
 from hjsolve.numeric.arithmetic import multiprecision
+from hjsolve.numeric.bracketing import bracketed_root, leading_power
 from hjsolve.numeric.radicand import Number, Radicand
 
 EndKind = Literal["turning", "asymptote", "boundary", "fall", "infinity", "round"]
@@ -27,6 +30,8 @@ _DEPTH = 40
 _MOST_WORK, _DEARER = 2000, 10
 """Divisions of cells before a search is given up; what one costs in many digits, in doubles 1."""
 _EXACT = 6
+_STUBBORN = 3
+"""Divisions of a cell after which what lies beyond it is looked at as a whole."""
 _FARTHEST = 2032
 """How far p² is sampled beyond all cells, as a power of two: over all places that are doubles."""
 _TOGETHER = 48
@@ -67,6 +72,11 @@ class Ray:
     def place(self, x: Any, bits: int) -> Any:
         work = bits + self.radicand.guard
         return self.origin(work) + self.side * multiprecision(work).convert(x)
+
+    def fixed(self, bits: int) -> Ray:
+        """Return the ray from an origin that is not asked for ever more bits: it may be a turning point itself."""
+        origin = self.origin(bits)
+        return replace(self, origin=lambda _: origin)
 
     def jet(self, x: Any, bits: int) -> tuple[Any, Any, Any]:
         """Return F, dF/dx and d²F/dx²."""
@@ -179,9 +189,12 @@ def _search(ray: Ray, cells: list[_Cell], digits: int) -> End | None:
     Raises:
         NotConvergedError: the work is beyond ``_MOST_WORK``: interval arithmetic does not see what p² does there.
     """
-    work = 0
+    work, outlook = 0, _Outlook(ray)
     while cells:
         first = cells[0]
+        stubborn = first.undecided and (first.blurred or first.depth >= _STUBBORN)
+        if (first.overflowed or stubborn) and outlook.clear(first.ends[0]):
+            return None
         if first.overflowed:
             work += _DEARER
             cells = [_exactly(ray, first), *cells[1:]]
@@ -200,6 +213,27 @@ def _search(ray: Ray, cells: list[_Cell], digits: int) -> End | None:
             return found
         cells = cells[1:]
     return None
+
+
+class _Outlook:
+    """Where p² is known to stay positive up to infinity; asked once in every factor of two."""
+
+    def __init__(self, ray: Ray):
+        self.ray = ray
+        self.asked: set[int] = set()
+
+    def clear(self, x: float) -> bool:
+        """True when p² > 0 from a distance x on to infinity."""
+        octave = int(np.frexp(x)[1])
+        if self.ray.reach is not None or octave in self.asked:
+            return False
+        self.asked.add(octave)
+        return _stays_positive(self.ray, x)
+
+
+def _stays_positive(ray: Ray, x: float) -> bool:
+    far = ray.side * float(ray.place(x, 128))
+    return ray.radicand.sign_beyond(ray.side, far * (1 - 2.0**-50)) > 0
 
 
 def _exactly(ray: Ray, cell: _Cell) -> _Cell:
@@ -292,7 +326,7 @@ def _at_reach(ray: Ray, bits: int) -> Any:
 
 def _critical(ray: Ray, x0: Any, x1: Any, bits: int) -> Any:
     """The zero of F′ in a cell where F′ is monotone."""
-    return _bracketed(lambda x: ray.jet(x, bits)[1:], x0, x1, bits)
+    return bracketed_root(lambda x: ray.jet(x, bits)[1:], x0, x1, bits)
 
 
 def _turning(ray: Ray, x0: Any, x1: Any, digits: int) -> End:
@@ -320,8 +354,8 @@ class _Zero:
     def _found(self, bits: int) -> Any:
         ray, (x0, x1), extra = self.ray, self.cell, bits + 64
         while extra <= _MOST_BITS:
-            fixed = _fixed(ray, extra + 64)
-            x = _bracketed(lambda y, fixed=fixed, extra=extra: fixed.jet(y, extra)[:2], x0, x1, extra)
+            fixed = ray.fixed(extra + 64)
+            x = bracketed_root(lambda y, fixed=fixed, extra=extra: fixed.jet(y, extra)[:2], x0, x1, extra)
             f, slope, _ = fixed.jet(x, 2 * extra)
             if not f or abs(f) <= abs(slope * x) * multiprecision(64).mpf(2) ** -(bits + 32):
                 return fixed.place(x, 2 * extra)
@@ -333,54 +367,9 @@ class _Zero:
         )
 
 
-def _fixed(ray: Ray, bits: int) -> Ray:
-    """The ray from an origin that may be a turning point itself: it is not asked for ever more bits."""
-    origin = ray.origin(bits)
-    return replace(ray, origin=lambda _: origin)
-
-
 def end_of(ray: Ray, inside: float, outside: float) -> End:
     """Return the only zero of F between two distances, a simple one; at the origin if both are 0."""
     return _turning(ray, inside, outside, 15) if outside else End("turning", ray.origin)
-
-
-def _bracketed(function: Any, x0: Any, x1: Any, bits: int) -> Any:
-    """Newton's method kept inside a bracket, to the last bits.
-
-    Args:
-        function: x ↦ (f, f′) with one sign change of f on [x0, x1].
-        x0, x1: the bracket, x0 < x1.
-        bits: working precision.
-    """
-    context = multiprecision(bits)
-    left, right = context.convert(x0), context.convert(x1)
-    before, after = function(left)[0], function(right)[0]
-    # an end of the bracket may be the zero itself, where the sign of f is rounding: the other end knows
-    sign = (1 if after > 0 else -1) if abs(after) >= abs(before) else (1 if before < 0 else -1)
-    x = (left + right) / 2
-    tolerance, close = context.mpf(2) ** (8 - bits), context.mpf(2) ** (-bits // 3)
-    for count in range(4 * bits):
-        f, slope = function(x)
-        left, right = (x, right) if f * sign < 0 else (left, x)
-        step = f / slope if slope else right - left
-        if f == 0 or abs(step) <= close * abs(x):
-            return _polished(function, x, step)
-        new = x - step
-        if not left < new < right or count % 16 == 15:
-            new = (left + right) / 2
-        if right - left <= tolerance * right:
-            return new
-        x = new
-    return x
-
-
-def _polished(function: Any, x: Any, step: Any) -> Any:
-    """Two more Newton steps where they converge quadratically; rounding decides the rest."""
-    for _ in range(2):
-        x -= step
-        f, slope = function(x)
-        step = f / slope if slope else 0 * x
-    return x - step
 
 
 def _beyond(ray: Ray, last: float, digits: int) -> End:
@@ -388,6 +377,8 @@ def _beyond(ray: Ray, last: float, digits: int) -> End:
 
     Signs are sampled along a geometric sequence; a sign change is a turning point.
     """
+    if ray.reach is None and _stays_positive(ray, last):
+        return End("infinity")
     bits = 3072
     context = multiprecision(bits)
     powers = [*range(0, 400, 16), *range(432, _FARTHEST, 64), _FARTHEST, _FARTHEST + 16]
@@ -402,16 +393,7 @@ def _beyond(ray: Ray, last: float, digits: int) -> End:
         if values[-1] < 0:
             return _turning(ray, before, x, digits)
         before = x
-    power = _power(values, context) * (1 if ray.reach is None else -1)
+    power = leading_power(values, context) * (1 if ray.reach is None else -1)
     if ray.reach is None:
         return End("infinity", None, power)
     return End("boundary" if power < 2 else "asymptote", partial(_at_reach, ray), power)
-
-
-def _power(values: list[Any], context: Any) -> float:
-    """Exponent of growth of p² from one sample to the next, a factor 2¹⁶ apart."""
-    if not values[-1] or not values[-2]:
-        return 0.0
-    ratio = float(context.log(values[-1] / values[-2], 2)) / 16
-    nearest = round(2 * ratio) / 2
-    return nearest if abs(ratio - nearest) < 1e-3 else ratio

@@ -125,6 +125,9 @@ def _phases(scheme: Plan, time: tuple[Any, Any], span: float) -> tuple[list[Any]
     """The same with panels that reach so far; True last where that is not far enough."""
     t = time[0] + time[1]
     courses = [reaching(c, scheme, span, i) for i, c in enumerate(scheme.courses)]
+    if scheme.steps:
+        first = scheme.steps[0]
+        courses[first.index] = _one_way(courses[first.index], first, time[0])
     targets = _targets(courses, scheme.equations)
     n = len(courses)
     χ: list[Any] = [None] * n
@@ -153,6 +156,19 @@ def _phases(scheme: Plan, time: tuple[Any, Any], span: float) -> tuple[list[Any]
                 χ[i], errors[i] = both.χ[row], both.errors[row]
             ended, short = ended | both.ended, both.short
     return χ, whole, errors, ended, short
+
+
+def _one_way(course: Course, step: Step, times: Any) -> Course:
+    """A course that is a clock by itself and starts at the phase 0, with panels on the side where there are times.
+
+    Its phase has the sign of the time.
+    """
+    if not isinstance(course, Open) or course.behind is course.ahead or course.start or not step.weights[0]:
+        return course
+    weights, amount = course.reach
+    back = amount if np.min(times, initial=0.0) < 0 else 1e-290
+    ahead = amount if np.max(times, initial=0.0) > 0 else 1e-290
+    return replace(course, reach=(weights, ahead), back=back)
 
 
 def _couple(courses: list[Course], scheme: Plan) -> Pair | None:

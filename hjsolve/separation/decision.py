@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import time
+from pathlib import Path
 
 import sympy as sp
 
@@ -12,7 +13,8 @@ from ..algebra.poly import Budget, WorkLimitError
 from ..algebra.readable import readable
 from ..algebra.reader import HYPERBOLIC, is_shifted
 from ..shell import Irreducible, Shell, Step, reduce
-from ..system import A_SYSTEM, System, kinetic_rest, linear_terms, mass_matrix
+from ..subjects import system_of
+from ..system import System, kinetic_rest, linear_terms, mass_matrix
 from . import advice, levi_civita, liouville, relativistic, stackel
 from .constants import constants_of
 from .diagnosis import diagnosed
@@ -23,7 +25,7 @@ DEFAULT_BUDGET = 20.0
 SMALL_SYSTEM = 120
 
 
-def separate(system: System, *, budget: float = DEFAULT_BUDGET) -> Verdict:
+def separate(system: System | str | Path, *, budget: float = DEFAULT_BUDGET) -> Verdict:
     """Decide whether the Hamilton–Jacobi equation of a system separates in its coordinates.
 
     The system is reduced to its energy shell, Levi-Civita's conditions are decided exactly, one by one, and Stäckel's
@@ -31,7 +33,7 @@ def separate(system: System, *, budget: float = DEFAULT_BUDGET) -> Verdict:
     allow.
 
     Args:
-        system: the system, as the user wrote it.
+        system: the system, as the user wrote it; or the id or file of a catalog entry.
         budget: seconds after which undecided conditions are left undecided.
 
     Returns:
@@ -40,7 +42,7 @@ def separate(system: System, *, budget: float = DEFAULT_BUDGET) -> Verdict:
     Raises:
         InvalidInputError: not a system, or a negative budget. What cannot be decided is a verdict, no error.
     """
-    arguments.refuse_other(system, System, "separate", A_SYSTEM)
+    system = system_of(system, "separate")
     budget = arguments.seconds(budget, "budget")
     if system.relativity is not None:
         return relativistic.decided(system, lambda shell: separate(shell, budget=budget))
@@ -137,11 +139,16 @@ def _conditions(setting: Setting, *, hunting: bool) -> tuple[Obstruction | Undec
 
 
 def _reduced_forms(setting: Setting, matrix: stackel.Matrix | None) -> Reduced:
-    """Stäckel's and Liouville's forms of the shell; with one coordinate f = 1, R = g, v = V."""
+    """Stäckel's and Liouville's forms of the shell; with one coordinate f = 1, R = g, v = V.
+
+    A shell that holds a momentum to first degree is not of Liouville's form.
+    """
     if matrix is None:
         return Reduced(None, None)
     shell, names = setting.shell, [c.name for c in setting.shell.coordinates]
     form = stackel.finished(setting.reader, names, shell.inverse_metric, shell.potential, matrix)
+    if shell.null:
+        return Reduced(None, form)
     if len(names) == 1:
         return Reduced(Liouville(tuple(names), (sp.S.One,), shell.inverse_metric, (shell.potential,)), form)
     functions = liouville.recognise(
@@ -178,7 +185,7 @@ def _evidence_of(reduced: Reduced, shell: Shell) -> list[Step]:
     if reduced.stackel is not None:
         text = (
             "Stäckel's matrix, from the base-point construction; c^T Phi = (1, 0, ..., 0) and c^T psi = V were "
-            "verified by substitution, exactly. Row i holds coordinate i only."
+            "verified by substitution, exactly. Row i contains coordinate i only."
         )
         steps.append(Step("Stäckel's matrix", text, reduced.stackel.matrix))
         text = "The part of the separated equations without separation constants."

@@ -235,7 +235,7 @@ def _general_obstruction(
 ) -> Obstruction:
     coupled = " and ".join(found.pair)
     coupling = f"the terms linear in the velocities of {coupled} are no gradient (their curl is shown)"
-    words = advice.for_gyroscopic(found.pair)
+    words = advice.for_gyroscopic(system, found.pair)
     if found.reason == "metric":
         coupling = f"T couples {coupled} (mass-matrix entry shown)"
         words = advice.for_metric(system, found.pair, coupled=True)

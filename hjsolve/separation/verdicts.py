@@ -35,7 +35,8 @@ class Stackel:
 
     Attributes:
         coordinates: names, in order.
-        matrix: Φ; row i depends on coordinate i only. The separated momenta are Pᵢ² = 2(Σⱼ Φᵢⱼ αⱼ − ψᵢ) with α₁ = E.
+        matrix: Φ; row i depends on coordinate i only. The separated momenta are Pᵢ² = 2(Σⱼ Φᵢⱼ αⱼ − ψᵢ) with α₁ = E;
+            for a null coordinate (``Shell.null``) pᵢ = Σⱼ Φᵢⱼ αⱼ − ψᵢ.
         column: ψ; entry i depends on coordinate i only.
         inverse_metric: c, the coefficients of ½pᵢ² in H.
     """

@@ -5,7 +5,9 @@ In this order, each step within the budget:
 1. values modulo a prime at random points, a filter that takes about a millisecond (``algebra.modular``);
 2. the exact normal form over the field of the expression (``algebra.field``): a numerator that reduces to zero is a
 proof; 3. a rational witness where interval arithmetic excludes zero: a proof of the opposite;
-4. otherwise ``Unproved``, with the value to 40 digits.
+4. relations on the domain that the normal form does not know: half angles, roots of squares, logarithms of powers, sums
+of inverse functions, constants (``algebra.vanishing``), each proved;
+5. otherwise ``Unproved``, with the value to 40 digits.
 
 ``simplify``, ``equals`` and float thresholds decide nothing here: they miss zeros, take minutes and guess (docs,
 baselines).
@@ -21,6 +23,7 @@ import sympy as sp
 from ..algebra.modular import products_vanish
 from ..algebra.poly import Budget, WorkLimitError
 from ..algebra.reader import Reader
+from ..algebra.vanishing import proved_zero
 from .enclosure import Region, Witness, find_witness, value_to_40_digits
 
 DEFAULT_SECONDS = 20.0
@@ -85,7 +88,10 @@ def is_zero(expression: sp.Expr, region: Region | None = None, *, budget: Budget
             return Zero()
     except (WorkLimitError, ZeroDivisionError) as fault:
         reason = str(fault)
-    return not_zero(expression, region, budget, reason)
+    answer = not_zero(expression, region, budget, reason)
+    if isinstance(answer, Unproved) and proved_zero(expression, region.bounds, budget):
+        return Zero("relations on the domain")
+    return answer
 
 
 def not_zero(expression: sp.Expr, region: Region, budget: Budget, reason: str) -> NonZero | Unproved:

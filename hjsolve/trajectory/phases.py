@@ -106,28 +106,39 @@ def _refined(
     if isinstance(motion.equations, inverse.Torus):
         return refine.on_torus(motion.equations, χ, whole, precise, bits)
     full = [phase + 2 * np.pi * n for phase, n in zip(χ, whole, strict=True)]
-    courses = [with_reach(c, x) for c, x in zip(motion.equations.courses, full, strict=True)]
-    return refine.unbounded(courses, motion.equations.equations, full, precise, bits)
+    courses = [_with_reaches(c, x) for c, x in zip(motion.equations.courses, full, strict=True)]
+    found, errors = refine.unbounded(courses, motion.equations.equations, full, precise, bits)
+    turn = 2 * multiprecision(bits).pi
+    return [x - turn * n.astype(int) for x, n in zip(found, whole, strict=True)], errors
 
 
 def with_reach(course: Course, χ: Any) -> Course:
-    """Return an open course that holds enough panels for some phases; others as they are."""
+    """Return an open course that holds enough panels for some phases, on either side of 0; others as they are."""
+    return _with_reach(course, float(np.max(np.abs(χ), initial=0)), None)
+
+
+def _with_reach(course: Course, ahead: float, back: float | None) -> Course:
     if not isinstance(course, Open):
         return course
+    least = max(1.0, abs(float(course.start)))
     return Open(
-        course.kind,
-        course.ahead,
-        course.behind,
-        course.start,
-        (None, 1.001 * max(1.0, float(np.max(np.abs(χ), initial=0)), abs(float(course.start)))),
-    )
+        course.kind, course.ahead, course.behind, course.start, (None, 1.001 * max(least, ahead)),
+        None if back is None else 1.001 * max(least, back),
+    )  # fmt: skip
+
+
+def _with_reaches(course: Course, χ: Any) -> Course:
+    """The same, with panels on each side as far as there are phases."""
+    alone = isinstance(course, Open) and course.ahead is course.behind
+    back = None if alone else float(np.max(-χ, initial=0))
+    return _with_reach(course, float(np.max(np.abs(χ) if alone else χ, initial=0)), back)
 
 
 def courses_of(motion: Motion, phases: Phases) -> list[Course]:
     """The courses, reaching as far as the phases need."""
     if motion.equations is None:
         return []
-    return [with_reach(c, x) for c, x in zip(motion.equations.courses, phases.χ, strict=True)]
+    return [_with_reaches(c, x) for c, x in zip(motion.equations.courses, phases.χ, strict=True)]
 
 
 def _rule(x: float) -> Callable[[int], Any]:
