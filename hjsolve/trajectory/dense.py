@@ -68,6 +68,7 @@ class Dense:
         waves: ignorable coordinates in the table's order, and their oscillation at the start.
         period: True where the argument is an angle variable, to be reduced to one turn.
         first: least argument of a table that is not folded.
+        begin: argument at t₀ where it is no angle variable.
         ends: quantities that hold the distances from the lower and the upper turning point, where velocities need them.
     """
 
@@ -75,6 +76,7 @@ class Dense:
     waves: Mapping[str, tuple[int, float]]
     period: bool
     first: float
+    begin: float = 0.0
     ends: tuple[int, int] | None = None
 
     def argument(self, motion: Motion, time: tuple[Any, Any]) -> tuple[Any, Any, Any]:
@@ -95,8 +97,7 @@ class Dense:
             return θ, whole, np.zeros(θ.shape, dtype=bool)
         assert isinstance(equations, Plan)
         course = equations.courses[0]
-        begin = float(np.ravel(course.integral(0, np.array([float(course.start)])))[0])
-        value = (time[0] + begin) + time[1]
+        value = (time[0] + self.begin) + time[1]
         low = -self.table.edges[-1] if self.table.even else self.table.edges[0]
         return (
             np.clip(value, low, self.table.edges[-1]),
@@ -183,7 +184,7 @@ def _bounded(motion: Motion) -> Dense:
     )
     begin = np.array([float(course.start)])
     waves = {name: (2 + k, float(_wave(s, begin)[0])) for k, (name, s) in enumerate(zip(names, series, strict=True))}
-    return Dense(table, waves, True, first, ends)
+    return Dense(table, waves, True, first, ends=ends)
 
 
 def _resting(motion: Motion) -> Dense:
@@ -255,4 +256,4 @@ def _open(motion: Motion, power: int) -> Dense:
         name: (2 + k, float(-np.ravel(course.integral(j, begin))[0]))
         for k, (name, j) in enumerate(zip(names, indices, strict=True))
     }
-    return Dense(table, waves, False, first)
+    return Dense(table, waves, False, first, float(np.ravel(course.integral(0, begin))[0]))

@@ -15,8 +15,9 @@ import numpy as np
 import sympy as sp
 
 from hjsolve.initial import to_bits
+from hjsolve.numeric.anomaly import Crested, Libration
 from hjsolve.numeric.arithmetic import Float64
-from hjsolve.numeric.course import Anomaly, Bounded, Course, Frozen, Open, float_way
+from hjsolve.numeric.course import Bounded, Course, Frozen, Open, float_way
 from hjsolve.numeric.doubled import Doubled
 from hjsolve.numeric.error_free import Pair, split, two_sum
 from hjsolve.numeric.running import Bounded as Rounded
@@ -95,31 +96,13 @@ def _place(course: Course, χ: Any, rough: Any) -> Pair:
         return _open_place(course, χ)
     if not course.anomaly.even:
         return Pair(rough, 0 * rough)
-    near, low = offset(course, χ)
-    return beside(course, near, low)
-
-
-def offset(course: Bounded, χ: Any) -> tuple[Any, Any]:
-    """Distance from the nearer turning point of a libration, with its relative accuracy, and whether it is the lower.
-
-    From their product Π and their sum W the smaller of the two distances is 2Π/(W + √(W² − 4Π)).
-    """
-    anomaly = rounded(course.anomaly)
-    place = anomaly.place(χ - 2 * np.pi * np.rint(χ / (2 * np.pi)), Float64())
-    W = float(_ends(course.anomaly).width)
-    root = np.sqrt(np.maximum(W * W - 4 * place.product, 0.0))
-    return 2 * place.product / (W + root), place.q < float(_ends(course.anomaly).lower) + W / 2
-
-
-def _ends(anomaly: Anomaly) -> Any:
-    return anomaly.inner if isinstance(anomaly, Stretched) else anomaly
+    return beside(course, *distances(course, χ))
 
 
 def distances(course: Bounded, χ: Any) -> tuple[Any, Any]:
-    """Distances from the lower and from the upper turning point of a libration."""
-    near, low = offset(course, χ)
-    far = float(_ends(course.anomaly).width) - near
-    return np.where(low, near, far), np.where(low, far, near)
+    """Distances from the lower and from the upper turning point of a libration, each with its relative accuracy."""
+    place = rounded(course.anomaly).place(χ - 2 * np.pi * np.rint(χ / (2 * np.pi)), Float64())
+    return place.below, place.above
 
 
 def grain(course: Course, χ: Any) -> Any:
@@ -128,15 +111,16 @@ def grain(course: Course, χ: Any) -> Any:
         return 0.0 * χ
     if isinstance(course, Open):
         return np.abs(course.place(χ)[0] - float(course.ahead.way.start))
-    return offset(course, χ)[0] if course.anomaly.even else np.abs(course.place(χ)[0]) + np.pi
+    return np.minimum(*distances(course, χ)) if course.anomaly.even else np.abs(course.place(χ)[0]) + np.pi
 
 
-def beside(course: Bounded, near: Any, low: Any) -> Pair:
-    """A turning point and a distance from it, as the sum of two doubles."""
-    ends = _ends(course.anomaly)
-    a, b = split(ends.lower), split(ends.upper)
-    high, rest = np.where(low, a.high, b.high), np.where(low, a.low, b.low)
-    return _sum(Pair(high, rest), np.where(low, near, -near))
+def beside(course: Bounded, below: Any, above: Any) -> Pair:
+    """The place at these distances from the turning points, in two doubles: the nearer one and its distance."""
+    anomaly = course.anomaly
+    assert isinstance(anomaly, (Libration, Crested, Stretched))
+    a, b, low = split(anomaly.lower), split(anomaly.upper), below < above
+    end = Pair(np.where(low, a.high, b.high), np.where(low, a.low, b.low))
+    return _sum(end, np.where(low, below, -above))
 
 
 def _sum(base: Pair, more: Any) -> Pair:
@@ -200,7 +184,7 @@ def from_table(motion: Motion, table: Dense, θ: Any) -> tuple[dict[str, Pair], 
     course = motion.located[name].course
     assert isinstance(course, Bounded)
     below, above, shell = table.table.evaluate([*table.ends, 1], θ)
-    return {name: beside(course, np.minimum(below, above), below < above)}, {name: shell}
+    return {name: beside(course, below, above)}, {name: shell}
 
 
 def worked_out(

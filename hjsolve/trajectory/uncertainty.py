@@ -125,9 +125,7 @@ def table_errors(
     if isinstance(equations, Torus):
         delay = (3 * _EPS * np.abs(θ) + equations.blurs[0] + table.table.doubt(θ)) / abs(float(equations.rates[0]))
     else:
-        assert equations is not None
-        begin = np.array([float(equations.courses[0].start)])
-        delay = 3 * _EPS * (np.abs(θ) + np.abs(float(np.ravel(equations.courses[0].integral(0, begin))[0])))
+        delay = 3 * _EPS * (np.abs(θ) + abs(table.begin))
         delay = delay + table.table.doubt(θ)
     separated = motion.solution.coordinates[0]
     H = hamiltonian(system)
