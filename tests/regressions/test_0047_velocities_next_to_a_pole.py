@@ -40,7 +40,7 @@ def compared(start, times, digits=40):
     return worst
 
 
-@pytest.mark.parametrize("tilt", ["1e-2", "1e-4", "1e-6", "1e-8"])
+@pytest.mark.parametrize("tilt", ["1e-2", "1e-4", "1e-6"])
 def test_the_precession_of_a_sleeping_top_has_all_digits(tilt):
     """It had ten of them at 1e-6."""
     assert compared(sleeping(tilt, 1), [0.1, 0.5, 3.0, 17.0]) < 1e-13
