@@ -148,9 +148,12 @@ def seconds(value: Any, source: str) -> float:
     Raises:
         InvalidInputError: no number, negative, or NaN.
     """
-    if isinstance(value, bool) or not isinstance(value, Real) or math.isnan(value) or value < 0:
+    if isinstance(value, bool) or not isinstance(value, Real) or not value >= 0:
         raise InvalidInputError(f"{source}: a number of seconds, from 0 on, is needed, not {described(value)}")
-    return float(value)
+    try:
+        return float(value)
+    except OverflowError:
+        return math.inf
 
 
 def described(value: Any) -> str:

@@ -15,7 +15,7 @@ from typing import Any
 import sympy as sp
 
 from hjsolve import arguments, quantities
-from hjsolve.errors import InvalidInputError
+from hjsolve.errors import InvalidInputError, NotConvergedError
 from hjsolve.expressions import number
 from hjsolve.initial import ZERO_BITS, InBits, Initial, domain_ends, expanded, initial_data, sign, to_bits
 from hjsolve.lowering import momentum_squared_tapes
@@ -363,7 +363,10 @@ def _square(root: Callable[[int], Any]) -> Callable[[int], Any]:
 
 
 def _checked(begin: Start) -> Start:
-    value = begin.radicand.value(begin.place(256 + begin.radicand.guard), 256)
+    place = begin.place(256 + begin.radicand.guard)
+    if abs(place) >= 2**1000:
+        raise NotConvergedError(f"q[{begin.name}]: is beyond doubles, 1e-308 to 1e308; write lengths in another unit")
+    value = begin.radicand.value(place, 256)
     if begin.forward and value < 0:
         raise forbidden(begin)
     return begin
