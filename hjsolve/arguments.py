@@ -148,7 +148,7 @@ def seconds(value: Any, source: str) -> float:
     Raises:
         InvalidInputError: no number, negative, or NaN.
     """
-    if isinstance(value, bool) or not isinstance(value, Real) or not value >= 0:
+    if isinstance(value, bool) or not isinstance(value, Real) or not value >= 0:  # type: ignore[operator]
         raise InvalidInputError(f"{source}: a number of seconds, from 0 on, is needed, not {described(value)}")
     try:
         return float(value)

@@ -194,7 +194,8 @@ def _moved(rate: Any, start: Any, elapsed: Any, context: Any, name: str, domain:
             if 0.9 * before < longest < 1.1 * before and abs(left) > _MOST_STEPS * longest:
                 break
             before = longest
-        if longest < abs(left) / 2**20 and abs(place) > 2**30 and _longest(rate, 2 * place, 1, longest) < 0.999 * longest:
+        far = abs(place) > 2**30 and longest < abs(left) / 2**20
+        if far and _longest(rate, 2 * place, 1, longest) < 0.999 * longest:
             raise OutsideMotionError(f"{name} reaches infinity in a finite time")
         step = left if abs(left) <= longest else (longest if left > 0 else -longest)
         place, left = _step(rate, place, step, context, name), left - step
@@ -207,7 +208,7 @@ def _moved(rate: Any, start: Any, elapsed: Any, context: Any, name: str, domain:
 
 
 def _longest(rate: Any, place: Any, way: int, most: Any) -> Any:
-    """A time up to ``most`` in which neither 1 + |q| nor dq/dt changes by more than half, as its value at the end tells."""
+    """A time, at most ``most``, in which 1 + |q| and dq/dt change by half at most, as their values at its end tell."""
     here = rate(place)
     if not here:
         return abs(place) * 0

@@ -10,6 +10,7 @@ from __future__ import annotations
 import math
 from collections.abc import Iterable, Mapping
 from dataclasses import dataclass, replace
+from numbers import Integral
 from typing import Any
 
 import sympy as sp
@@ -250,8 +251,8 @@ def _only_known(given: Values, names: Iterable[str], what: str) -> None:
 
 
 def _sign_given(name: str, value: Any) -> sp.Integer:
-    if value not in (1, -1):
-        raise InvalidInputError(f"signs[{name}]: 1 or -1 is needed, not {value!r}")
+    if not isinstance(value, int | float | sp.Number | Integral) or value not in (1, -1):
+        raise InvalidInputError(f"signs[{name}]: 1 or -1 is needed, not {arguments.described(value)}")
     return sp.Integer(int(value))
 
 

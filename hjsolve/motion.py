@@ -30,6 +30,7 @@ from hjsolve.quantities import FLOAT_DIGITS
 from hjsolve.solution import Solution
 from hjsolve.state import State
 
+_FARTHEST, _MOST_ANGLE = 2**1000, 2**48
 QUANTITIES: Mapping[str, frozenset[str]] = {
     "constants": frozenset(), "kinds": frozenset(), "turning_points": frozenset(), "actions": frozenset({"action"}),
     "periods": frozenset({"time"}), "frequencies": frozenset({"time"}), "mean_velocities": frozenset({"time"}),
@@ -364,8 +365,10 @@ def _square(root: Callable[[int], Any]) -> Callable[[int], Any]:
 
 def _checked(begin: Start) -> Start:
     place = begin.place(256 + begin.radicand.guard)
-    if abs(place) >= 2**1000:
+    if abs(place) >= _FARTHEST:
         raise NotConvergedError(f"q[{begin.name}]: is beyond doubles, 1e-308 to 1e308; write lengths in another unit")
+    if begin.angle and abs(place) >= _MOST_ANGLE:
+        raise InvalidInputError(f"q[{begin.name}]: take whole turns off; beyond 2**48 they leave too few digits of p²")
     value = begin.radicand.value(place, 256)
     if begin.forward and value < 0:
         raise forbidden(begin)
