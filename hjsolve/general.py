@@ -208,13 +208,13 @@ def _moved(rate: Any, start: Any, elapsed: Any, context: Any, name: str, domain:
 
 
 def _longest(rate: Any, place: Any, way: int, most: Any) -> Any:
-    """A time, at most ``most``, in which 1 + |q| and dq/dt change by half at most, as their values at its end tell."""
+    """A time, at most ``most``, in which 1 + |q| and dq/dt at most double or halve, as their values at its end tell."""
     here = rate(place)
     if not here:
         return abs(place) * 0
     longest = min((1 + abs(place)) / abs(here) / 2, most)
     for _ in range(_MOST_HALVINGS):
-        if abs(rate(place + way * longest * here) - here) <= abs(here) / 2:
+        if 0.5 <= rate(place + way * longest * here) / here <= 2:
             break
         longest /= 2
     return longest

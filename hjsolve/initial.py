@@ -19,7 +19,7 @@ from hjsolve import arguments
 from hjsolve.errors import InvalidInputError, MissingValueError
 from hjsolve.exact_values import rational_value
 from hjsolve.expressions import number
-from hjsolve.hamiltonians import LinearHamiltonian
+from hjsolve.hamiltonians import GeneralHamiltonian, LinearHamiltonian
 from hjsolve.lowering import lower
 from hjsolve.numeric.arithmetic import Multi, multiprecision
 from hjsolve.solution import Solution
@@ -132,7 +132,9 @@ def sign(value: sp.Expr) -> int:
     return 1 if to_bits(value)(ZERO_BITS) > 0 else -1
 
 
-def parameter_values(system: System | LinearHamiltonian, given: Values) -> dict[sp.Symbol, sp.Expr]:
+def parameter_values(
+    system: System | LinearHamiltonian | GeneralHamiltonian, given: Values
+) -> dict[sp.Symbol, sp.Expr]:
     """Give every parameter its exact value: the one given, else the default.
 
     Raises:

@@ -44,6 +44,8 @@ ARRAYS = {
 LINE = hjsolve.solve(hjsolve.System({"x": "line"}, "dot(x)**2/2", "k*x**2/2", {"k": 1}))
 KEPLER = hjsolve.solve("kepler-planar")
 LINEAR = hjsolve.from_hamiltonian("q*p", {"q": "line"})
+QUARTIC = hjsolve.from_hamiltonian("p**4 + q**2", {"q": "line"})
+ROUND = QUARTIC.motion(q={"q": 1}, p={"q": 0})
 SWING, ORBIT = (
     LINE.motion(q={"x": 1}, velocity={"x": 0}),
     KEPLER.motion(q={"r": 1, "theta": 0}, p={"r": 0, "theta": "1.1"}),
@@ -83,6 +85,9 @@ DOORS = {
     "digits": lambda v: LINE.motion(q={"x": 1}, p={"x": 1}, digits=v).periods,
     "linear: at": lambda v: LINEAR.motion(q={"q": 1}, p={"q": 1}).at(v),
     "linear: q": lambda v: LINEAR.motion(q={"q": v}, p={"q": 1}).at(1),
+    "level: q": lambda v: QUARTIC.motion(q={"q": v}, p={"q": "0.5"}).periods,
+    "level: p": lambda v: QUARTIC.motion(q={"q": "0.5"}, p={"q": v}).actions,
+    "level: at": lambda v: ROUND.at(v).error.q,
     "ensemble: q": lambda v: _ensemble(q={"r": v, "theta": 0.0}).columns,
     "ensemble: p": lambda v: _ensemble(p={"r": 0.1, "theta": v}).columns,
     "ensemble: parameters": lambda v: _ensemble(parameters={"k": v}).columns,

@@ -11,6 +11,7 @@ LINE = hjsolve.solve(hjsolve.System({"x": "line"}, "dot(x)**2/2", "x**2/2"))
 DOORS = {
     "Solution": LINE.motion,
     "LinearHamiltonian": hjsolve.from_hamiltonian("q + p", {"q": "line"}).motion,
+    "GeneralHamiltonian": hjsolve.from_hamiltonian("p**4 + q**2", {"q": "line"}).motion,
     "Frame": hjsolve.frames.load("spring-moving-anchor").motion,
     "LinearModes": hjsolve.linear_modes(hjsolve.catalog.load("gyroscopic-three")).motion,
 }
