@@ -30,7 +30,7 @@ from hjsolve.numeric.disks import Disk, Disks
 from hjsolve.numeric.tape import Tape
 
 _RHO, _WIDER = 2 + 3**0.5, 2.1
-_MOST_PIECES, _HALVINGS, _LOST = 400, 60, 60
+_MOST_PIECES, _FIRST_HALVINGS, _HALVINGS, _LOST = 400, 600, 60, 60
 _GUARD, _SHORTEST = 8, 2.0**-80
 """Decimal digits to spare in the quadratures; a piece over the longest one, below which a place of rest is near."""
 
@@ -114,14 +114,14 @@ class Curve:
             before = step
         raise NotConvergedError("a branch of H = E could not be solved for")
 
-    def piece(self, along: int, point: tuple[Any, Any], radius: float) -> tuple[Piece, float] | None:
-        """The longest piece from a point, of a half length at most ``radius``; and the time it takes, roughly."""
+    def piece(self, along: int, point: tuple[Any, Any], radius: float, tries: int) -> tuple[Piece, float] | None:
+        """The longest piece from a point, of a half length at most ``radius``; and half the time it takes, roughly."""
         x0, y0 = point[along], point[1 - along]
         _, slope, rate = self.at(along, x0, y0)
         if not rate:
             return None
         side = (1 if rate > 0 else -1) * (1 if along == 0 else -1)
-        for _ in range(_HALVINGS):
+        for _ in range(tries):
             c = float(x0 + side * radius)
             found = self._proved(along, c, float(y0 - slope / rate * (c - x0)), radius)
             if found is not None and abs(y0 - found[0]) < found[1]:
@@ -269,7 +269,8 @@ def followed(curve: Curve, q: Any, p: Any, domain: tuple[Any, Any], *, angle: bo
     point, radii, pieces, places = (q, p), [max(abs(float(x)), 1.0) for x in (q, p)], list[Piece](), [q]
     longest = [0.0, 0.0]
     for _ in range(_MOST_PIECES):
-        tried = [found for along in (0, 1) if (found := curve.piece(along, point, radii[along])) is not None]
+        tries = _HALVINGS if pieces else _FIRST_HALVINGS
+        tried = [found for k in (0, 1) if (found := curve.piece(k, point, radii[k], tries)) is not None]
         piece = max(tried, key=lambda found: found[1])[0] if tried else None
         if piece is not None:
             radii[piece.along] = 2 * abs(float(piece.end - piece.begin))

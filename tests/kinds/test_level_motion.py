@@ -125,3 +125,11 @@ def test_a_place_of_rest_rests():
 def test_what_does_not_come_back_or_is_not_real_is_refused(H, q, p, domain, error):
     with pytest.raises(error):
         moving(H, q, p, domain)
+
+
+@pytest.mark.parametrize("size", ["1e-100", "1e-6", "1e30"])
+def test_any_size_of_motion_is_followed(size):
+    """T goes like E^(−1/4) for p⁴ + q²."""
+    motion = moving("p**4 + q**2", size, 0)
+    with mp.workdps(40):
+        within(motion.periods["q"], mpmath.beta(mpf(1) / 2, mpf(1) / 4) / 2 / mp.sqrt(mpf(size)), 14)
