@@ -250,7 +250,6 @@ def start(
         "q": q, "velocity": velocity, "p": p, "constants": constants, "signs": signs, "parameters": parameters,
     }  # fmt: skip
     given = {name: None if group is None else dict(group) for name, group in groups.items()}
-
     if certified:
         motion = _certified(solution, initial, exact_t0, max(digits, FLOAT_DIGITS), parts)
     else:
@@ -365,10 +364,9 @@ def _square(root: Callable[[int], Any]) -> Callable[[int], Any]:
 
 def _checked(begin: Start) -> Start:
     place = begin.place(256 + begin.radicand.guard)
-    if abs(place) >= _FARTHEST:
-        raise NotConvergedError(f"q[{begin.name}]: is beyond doubles, 1e-308 to 1e308; write lengths in another unit")
-    if begin.angle and abs(place) >= _MOST_ANGLE:
-        raise InvalidInputError(f"q[{begin.name}]: take whole turns off; beyond 2**48 they leave too few digits of p²")
+    if abs(place) >= (_MOST_ANGLE if begin.angle else _FARTHEST):
+        cure = "take whole turns off" if begin.angle else "write lengths in another unit"
+        raise NotConvergedError(f"q[{begin.name}]: is so far out that doubles cannot tell places apart there; {cure}")
     value = begin.radicand.value(place, 256)
     if begin.forward and value < 0:
         raise forbidden(begin)

@@ -269,8 +269,8 @@ def followed(curve: Curve, q: Any, p: Any, domain: tuple[Any, Any], *, angle: bo
     point, radii, pieces, places = (q, p), [max(abs(float(x)), 1.0) for x in (q, p)], list[Piece](), [q]
     longest = [0.0, 0.0]
     for _ in range(_MOST_PIECES):
-        tries = _HALVINGS if pieces else _FIRST_HALVINGS
-        tried = [found for k in (0, 1) if (found := curve.piece(k, point, radii[k], tries)) is not None]
+        tries = [_HALVINGS if far else _FIRST_HALVINGS for far in longest]
+        tried = [found for k in (0, 1) if (found := curve.piece(k, point, radii[k], tries[k])) is not None]
         piece = max(tried, key=lambda found: found[1])[0] if tried else None
         if piece is not None:
             radii[piece.along] = 2 * abs(float(piece.end - piece.begin))
