@@ -31,13 +31,14 @@ if TYPE_CHECKING:
     from hjsolve.motion import Motion
 
 _EPS = 2.0**-52
-_SCAN, _TREND = 200_000, 16
+_SCAN, _TREND, _MOST_PASSAGES = 200_000, 16, 2**60
 """Steps of a scan along the motion; doublings of the time over which a trend is taken for the rule."""
 
 
 def crossing_time(motion: Motion, name: str, value: Any, passage: int) -> Estimate:
     """Return the time of a crossing; see ``Motion.time_at``."""
-    arguments.whole(passage, "passage", -(2**60), 2**60)
+    if abs(arguments.whole(passage, "passage")) > _MOST_PASSAGES:
+        raise InvalidInputError("passage: more than 2**60; two doubles do not tell its phase")
     target = to_bits(number(value, source=f"value of {name}"))
     if name not in motion.located:
         return _scanned(motion, name, float(target(64)), passage)
