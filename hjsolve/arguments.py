@@ -6,16 +6,57 @@ an ``AttributeError`` or ``TypeError`` from deep inside.
 
 from __future__ import annotations
 
+import functools
+import inspect
 import math
 import re
 import unicodedata
-from collections.abc import Iterable, Mapping
+from collections.abc import Callable, Iterable, Mapping
 from numbers import Real
-from typing import Any
+from typing import Any, ParamSpec, TypeVar
 
 from hjsolve.errors import InvalidInputError
 
 MOST_DIGITS = 2000
+
+
+_P = ParamSpec("_P")
+_R = TypeVar("_R")
+
+
+def by_name(example: str) -> Callable[[Callable[_P, _R]], Callable[_P, _R]]:
+    """Let a method take its arguments by name only, and say so in one of our errors where they come otherwise.
+
+    The signature that ``help`` shows stays that of the method.
+
+    Args:
+        example: a call to write instead.
+
+    Returns:
+        The decorator; what it makes raises ``InvalidInputError`` for arguments by position, unknown or missing names.
+    """
+
+    def decorate(method: Callable[_P, _R]) -> Callable[_P, _R]:
+        known = list(inspect.signature(method).parameters.values())[1:]
+        needed = [argument.name for argument in known if argument.default is argument.empty]
+
+        @functools.wraps(method)
+        def checked(*positional: _P.args, **named: _P.kwargs) -> _R:
+            name, names = method.__name__, {argument.name for argument in known}
+            if len(positional) > 1:
+                raise InvalidInputError(f"{name}: arguments go by name; write {example}")
+            for other in named:
+                if other not in names:
+                    told = ", ".join(argument.name for argument in known)
+                    raise InvalidInputError(f'{name}: no argument "{other}"; known are {told}; write {example}')
+            for missing in needed:
+                if missing not in named:
+                    raise InvalidInputError(f"{name}: no {missing}={{…}}; write {example}")
+            return method(*positional, **named)
+
+        return checked
+
+    return decorate
 
 
 def refuse_other(value: Any, kinds: type | tuple[type, ...], source: str, needed: str) -> None:
@@ -107,9 +148,12 @@ def seconds(value: Any, source: str) -> float:
     Raises:
         InvalidInputError: no number, negative, or NaN.
     """
-    if isinstance(value, bool) or not isinstance(value, Real) or math.isnan(value) or value < 0:
+    if isinstance(value, bool) or not isinstance(value, Real) or not value >= 0:  # type: ignore[operator]
         raise InvalidInputError(f"{source}: a number of seconds, from 0 on, is needed, not {described(value)}")
-    return float(value)
+    try:
+        return float(value)
+    except OverflowError:
+        return math.inf
 
 
 def described(value: Any) -> str:
@@ -118,4 +162,6 @@ def described(value: Any) -> str:
     return shown if plain and len(shown) < 40 else f"a value of type {type(value).__name__}"
 
 
-__all__ = ["MOST_DIGITS", "ascii_name", "described", "digits", "refuse_other", "seconds", "table", "whole", "words"]
+__all__ = [
+    "MOST_DIGITS", "ascii_name", "by_name", "described", "digits", "refuse_other", "seconds", "table", "whole", "words",
+]  # fmt: skip

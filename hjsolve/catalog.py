@@ -21,7 +21,7 @@ from hjsolve.entries import InitialData as InitialData
 from hjsolve.entries import Reference as Reference
 from hjsolve.entry_faults import form_faults, motion_faults, reference_faults
 from hjsolve.errors import CatalogError, InvalidInputError, NotSeparableError
-from hjsolve.hamiltonians import LinearHamiltonian, from_hamiltonian
+from hjsolve.hamiltonians import GeneralHamiltonian, LinearHamiltonian, from_hamiltonian
 from hjsolve.system import System, parameter
 from hjsolve.tokens import printable
 
@@ -217,9 +217,15 @@ def _built(table: Mapping[str, Any], source: str) -> System | LinearHamiltonian:
         coordinates = {c["name"]: c["domain"] for c in own["coordinates"]}
         parameters = {p["name"]: _parameter(p) for p in own.get("parameters", [])}
         if "hamiltonian" in own:
-            return from_hamiltonian(
+            found = from_hamiltonian(
                 own["hamiltonian"], coordinates, parameters, title=own.get("title", ""), id=own.get("id", "")
             )
+            if isinstance(found, GeneralHamiltonian):
+                raise CatalogError(
+                    f"{source}: hamiltonian: an entry takes first or second degree in p; in Python "
+                    "hjsolve.from_hamiltonian takes any other H(q, p)"
+                )
+            return found
         return System(
             coordinates, own["kinetic"], own.get("potential", "0"), parameters,
             signature=own.get("signature", "definite"), title=own.get("title", ""), id=own.get("id", ""),

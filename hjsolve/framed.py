@@ -9,6 +9,7 @@ from typing import Any
 import numpy as np
 import sympy as sp
 
+from hjsolve import arguments
 from hjsolve.errors import InvalidInputError, MissingValueError
 from hjsolve.expressions import number
 from hjsolve.frames import Frame, initial_data
@@ -105,8 +106,7 @@ def start(
         raise InvalidInputError("initial data: give either velocity={…} or p={…}, a number for every coordinate")
     names = [c.name for c in frame.original.coordinates]
     for what, given in (("q", q), ("velocity" if p is None else "p", velocity if p is None else p)):
-        assert given is not None
-        if set(given) != set(names):
+        if set(arguments.table(given, what)) != set(names):
             raise MissingValueError(f"{what}: needs a number for each of {', '.join(names)}, and nothing else")
     time = number(t0, source="t0")
     values = {**parameter_values(frame.system, parameters), frame.time: time}

@@ -16,7 +16,7 @@ from typing import TYPE_CHECKING, Any
 
 import sympy as sp
 
-from hjsolve import catalog
+from hjsolve import arguments, catalog
 from hjsolve.errors import CatalogError, InvalidSystemError
 from hjsolve.expressions import number, parse
 from hjsolve.separation.zero_test import Zero, is_zero
@@ -90,6 +90,7 @@ class Frame:
         """Solve the autonomous system by quadratures; NotSeparableError as ``hjsolve.solve``."""
         return solve(self.system)
 
+    @arguments.by_name('motion(q={"q": "0.3"}, velocity={"q": "0.4"}, t0="0.5")')
     def motion(
         self, *, q: Mapping[str, Any], velocity: Mapping[str, Any] | None = None, p: Mapping[str, Any] | None = None,
         parameters: Mapping[str, Any] | None = None, t0: Any = 0, digits: int = 15,
@@ -184,7 +185,7 @@ def drift(frame: Frame, expression: sp.Expr) -> sp.Expr:
 def initial_data(
     frame: Frame, values: Mapping[sp.Symbol, sp.Expr], q: Mapping[str, Any], velocity: Mapping[str, Any] | None,
     p: Mapping[str, Any] | None,
-) -> dict[str, dict[str, sp.Expr]]:  # fmt: skip
+) -> dict[str, Any]:  # fmt: skip
     """Bring initial data over to the autonomous system, exactly: ``{"q": …, "p": …}``.
 
     Args:

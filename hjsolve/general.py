@@ -15,7 +15,7 @@ import numpy as np
 import sympy as sp
 
 from hjsolve import arguments
-from hjsolve.errors import InvalidInputError, MissingValueError, OutsideMotionError
+from hjsolve.errors import InvalidInputError, MissingValueError, NotConvergedError, OutsideMotionError
 from hjsolve.expressions import number
 from hjsolve.hamiltonians import LinearHamiltonian
 from hjsolve.initial import parameter_values, to_bits
@@ -26,6 +26,9 @@ from hjsolve.state import Errors, State
 from hjsolve.trajectory.times import exact_numbers
 
 _FLOAT_DIGITS, _GUARD_BITS, _LOST_BITS = 15, 96, 48
+_MOST_STEPS, _FIRST_STEPS = 2000, 64
+"""Steps at most, and after which it is asked whether they will do; in each q or dq/dt changes by a factor."""
+_MOST_HALVINGS = 8192
 
 
 @dataclass(frozen=True, eq=False)
@@ -182,24 +185,46 @@ def start(
 
 def _moved(rate: Any, start: Any, elapsed: Any, context: Any, name: str, domain: _Ends) -> Any:
     """Solve ∫ dq/a = elapsed by Newton's method: the derivative of the left side is 1/a itself."""
-    place, left = start, elapsed
-    while left:
-        longest = (1 + abs(place)) / abs(rate(place)) / 2
-        if abs(place) > 2**30 and longest < abs(left) / 2**20:
+    place, left, before, longest = start, elapsed, context.inf, context.inf
+    for count in range(_MOST_STEPS):
+        if not left:
+            return place
+        longest = _longest(rate, place, 1 if left > 0 else -1, 4 * longest)
+        if count % _FIRST_STEPS == 0:
+            if 0.9 * before < longest < 1.1 * before and abs(left) > _MOST_STEPS * longest:
+                break
+            before = longest
+        far = abs(place) > 2**30 and longest < abs(left) / 2**20
+        if far and _longest(rate, 2 * place, 1, longest) < 0.999 * longest:
             raise OutsideMotionError(f"{name} reaches infinity in a finite time")
         step = left if abs(left) <= longest else (longest if left > 0 else -longest)
         place, left = _step(rate, place, step, context, name), left - step
         if not domain.hold(place):
             raise OutsideMotionError(f"{name} reaches an end of its domain")
-    return place
+    raise NotConvergedError(
+        f"{name}: until that time it grows, or comes near a place where it rests, by too many factors to be followed; "
+        "take a time nearer to t0"
+    )
+
+
+def _longest(rate: Any, place: Any, way: int, most: Any) -> Any:
+    """A time, at most ``most``, in which 1 + |q| and dq/dt at most double or halve, as their values at its end tell."""
+    here = rate(place)
+    if not here:
+        return abs(place) * 0
+    longest = min((1 + abs(place)) / abs(here) / 2, most)
+    for _ in range(_MOST_HALVINGS):
+        if 0.5 <= rate(place + way * longest * here) / here <= 2:
+            break
+        longest /= 2
+    return longest
 
 
 def _step(rate: Any, place: Any, step: Any, context: Any, name: str) -> Any:
     guess = place + rate(place) * step
     for _ in range(60):
         time = context.quad(lambda x: 1 / rate(x), [place, guess])
-        change = (step - time) * rate(guess)
-        guess += change
-        if abs(change) <= context.mpf(2) ** (24 - context.prec) * (abs(guess) + 1):
+        guess += (step - time) * rate(guess)
+        if abs(step - time) <= context.mpf(2) ** (24 - context.prec) * abs(step):
             return guess
     raise OutsideMotionError(f"{name} comes to a place where a(q) vanishes, in infinite time")

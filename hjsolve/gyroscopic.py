@@ -59,6 +59,7 @@ class LinearModes:
     values: Mapping[sp.Symbol, sp.Expr]
     digits: int
 
+    @arguments.by_name('motion(q={"q1": 1, "q2": 0}, velocity={"q1": 0, "q2": 0})')
     def motion(
         self, *, q: Mapping[str, Any], velocity: Mapping[str, Any] | None = None, p: Mapping[str, Any] | None = None
     ) -> ModalMotion:

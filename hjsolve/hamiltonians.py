@@ -6,7 +6,9 @@ is linear in p: no square root, one branch, and no turning point; q moves one wa
 
     H(q, p) = a(q) p² + b(q) p + c(q):  L = (q̇ − b)²/(4a) − c
 
-is a natural system with a term linear in the velocity, and becomes a ``System``. Other dependences on p are refused.
+is a natural system with a term linear in the velocity, and becomes a ``System``. Any other H(q, p), such as p⁴ + q² or
+√(1 + p²) + q², has branches p(q; E), solved for numerically, and t − β = ∂W/∂E = ∫ dq/(∂H/∂p) along them (Greenwood
+(5-71) with ∂p/∂E = 1/(∂H/∂p)); its motions are followed where they come back.
 """
 
 from __future__ import annotations
@@ -20,10 +22,12 @@ import sympy as sp
 from hjsolve import arguments
 from hjsolve.errors import InvalidSystemError
 from hjsolve.expressions import parse
+from hjsolve.periodicity import is_periodic
 from hjsolve.system import Coordinate, Parameter, System
 
 if TYPE_CHECKING:
     from hjsolve.general import LinearMotion
+    from hjsolve.level_motion import LevelMotion
 
 ENERGY = sp.Symbol("E", real=True)
 TIME = sp.Symbol("t", real=True)
@@ -75,6 +79,7 @@ class LinearHamiltonian:
         """∂W/∂E = t − β as a function of q: the integral of dq/a, without a constant of integration."""
         return sp.integrate(1 / self.rate, self.coordinate.symbol)
 
+    @arguments.by_name('motion(q={"q": "0.5"}, p={"q": 1})')
     def motion(
         self, *, q: Mapping[str, Any], velocity: Mapping[str, Any] | None = None, p: Mapping[str, Any] | None = None,
         parameters: Mapping[str, Any] | None = None, t0: Any = 0, digits: int = 15,
@@ -116,24 +121,85 @@ class LinearHamiltonian:
         return self.motion(q={name: q}, p={name: p}, t0=t0, digits=digits).reach(t)
 
 
+@dataclass(frozen=True)
+class GeneralHamiltonian:
+    """H(q, p) of one degree of freedom that is no polynomial of first or second degree in p.
+
+    Attributes:
+        coordinate: q.
+        hamiltonian: H.
+        parameters: with their default values.
+        title, id: for display.
+    """
+
+    coordinate: Coordinate
+    hamiltonian: sp.Expr
+    parameters: tuple[Parameter, ...] = ()
+    title: str = ""
+    id: str = ""
+
+    @property
+    def coordinates(self) -> tuple[Coordinate]:
+        """The one coordinate, as a ``System`` has them."""
+        return (self.coordinate,)
+
+    @property
+    def velocity(self) -> sp.Expr:
+        """dq/dt = ∂H/∂p, in q and p."""
+        return sp.diff(self.hamiltonian, self.coordinate.momentum)
+
+    @property
+    def force(self) -> sp.Expr:
+        """dp/dt = −∂H/∂q, in q and p."""
+        return -sp.diff(self.hamiltonian, self.coordinate.symbol)
+
+    @arguments.by_name('motion(q={"q": 1}, p={"q": 0})')
+    def motion(
+        self, *, q: Mapping[str, Any], velocity: Mapping[str, Any] | None = None, p: Mapping[str, Any] | None = None,
+        parameters: Mapping[str, Any] | None = None, t0: Any = 0, digits: int = 15,
+    ) -> LevelMotion:  # fmt: skip
+        """Start a motion.
+
+        Args:
+            q: the position at t0, by the name of the coordinate.
+            velocity: refused: several p may have the same dq/dt.
+            p: the momentum at t0.
+            parameters: values that differ from the defaults.
+            t0: initial time.
+            digits: relative digits wanted.
+
+        Returns:
+            The motion, with its period, action and turning points; ``motion.at(t)`` is the state.
+
+        Raises:
+            InvalidInputError: no momentum, or a place outside the domain. MissingValueError: a number is missing.
+            NotConvergedError: the motion does not come back, or meets a place where branches p(q; E) cannot be told
+                apart.
+        """
+        from hjsolve.level_motion import start
+
+        return start(self, q=q, velocity=velocity, p=p, parameters=parameters or {}, t0=t0, digits=digits)
+
+
 def from_hamiltonian(
     hamiltonian: str, coordinates: Mapping[str, str], parameters: Mapping[str, Any] | None = None, *,
     title: str = "", id: str = "",  # noqa: A002
-) -> System | LinearHamiltonian:  # fmt: skip
+) -> System | LinearHamiltonian | GeneralHamiltonian:  # fmt: skip
     """Take a system of one degree of freedom from H(q, p), written with ``p``.
 
     Args:
-        hamiltonian: H, a polynomial of first or second degree in the momentum ``p``.
+        hamiltonian: H, any function of the coordinate and of the momentum ``p``.
         coordinates: one name → domain.
         parameters: name → value, as for ``System``.
         title: for display.
         id: permanent name, for display.
 
     Returns:
-        A ``System`` where H is quadratic in p, a ``LinearHamiltonian`` where it is linear.
+        A ``System`` where H is quadratic in p, a ``LinearHamiltonian`` where it is linear, else a
+        ``GeneralHamiltonian``.
 
     Raises:
-        InvalidSystemError: more than one coordinate, or another dependence on p.
+        InvalidSystemError: more than one coordinate, no p in H, or an H that is not periodic in its angle.
 
     Example:
         >>> problem = from_hamiltonian("q + p", {"q": "line"})
@@ -142,14 +208,19 @@ def from_hamiltonian(
     """
     if len(arguments.table(coordinates, "coordinates", '{"q": "line"}')) != 1:
         raise InvalidSystemError("H(q, p): one coordinate only; more need T and V")
-    (name, domain), = coordinates.items()
+    ((name, domain),) = coordinates.items()
     if name == "p" or "p" in (parameters or {}):
         raise InvalidSystemError("H(q, p): p is the momentum; rename the coordinate or parameter")
     shape = System(coordinates, f"dot({name})**2/2", "0", parameters)
     q = shape.coordinate(name)
     H = parse(hamiltonian, {**shape.symbols, "p": q.momentum}, source="hamiltonian")
+    if not H.has(q.momentum):
+        raise InvalidSystemError("H(q, p): there is no p in it")
     if not H.is_polynomial(q.momentum) or sp.degree(H, q.momentum) not in (1, 2):
-        raise InvalidSystemError("H(q, p): must be a polynomial of first or second degree in p, with p in it")
+        numbers = {s.symbol: s.value for s in shape.parameters if s.value is not None}
+        if domain == "angle" and not (is_periodic(H, q.symbol) or is_periodic(H.xreplace(numbers), q.symbol)):
+            raise InvalidSystemError(f"H(q, p): is not shown to have period 2*pi in {name}, which is an angle")
+        return GeneralHamiltonian(q, H, tuple(shape.parameters), title, id)
     coefficients = sp.Poly(H, q.momentum).all_coeffs()
     if len(coefficients) == 2:
         return LinearHamiltonian(q, H, coefficients[0], coefficients[1], tuple(shape.parameters), title, id)

@@ -10,6 +10,7 @@ from __future__ import annotations
 import math
 from collections.abc import Iterable, Mapping
 from dataclasses import dataclass, replace
+from numbers import Integral
 from typing import Any
 
 import sympy as sp
@@ -18,7 +19,7 @@ from hjsolve import arguments
 from hjsolve.errors import InvalidInputError, MissingValueError
 from hjsolve.exact_values import rational_value
 from hjsolve.expressions import number
-from hjsolve.hamiltonians import LinearHamiltonian
+from hjsolve.hamiltonians import GeneralHamiltonian, LinearHamiltonian
 from hjsolve.lowering import lower
 from hjsolve.numeric.arithmetic import Multi, multiprecision
 from hjsolve.solution import Solution
@@ -131,7 +132,9 @@ def sign(value: sp.Expr) -> int:
     return 1 if to_bits(value)(ZERO_BITS) > 0 else -1
 
 
-def parameter_values(system: System | LinearHamiltonian, given: Values) -> dict[sp.Symbol, sp.Expr]:
+def parameter_values(
+    system: System | LinearHamiltonian | GeneralHamiltonian, given: Values
+) -> dict[sp.Symbol, sp.Expr]:
     """Give every parameter its exact value: the one given, else the default.
 
     Raises:
@@ -250,8 +253,8 @@ def _only_known(given: Values, names: Iterable[str], what: str) -> None:
 
 
 def _sign_given(name: str, value: Any) -> sp.Integer:
-    if value not in (1, -1):
-        raise InvalidInputError(f"signs[{name}]: 1 or -1 is needed, not {value!r}")
+    if not isinstance(value, int | float | sp.Number | Integral) or value not in (1, -1):
+        raise InvalidInputError(f"signs[{name}]: 1 or -1 is needed, not {arguments.described(value)}")
     return sp.Integer(int(value))
 
 

@@ -15,7 +15,7 @@ from typing import Any
 import sympy as sp
 
 from hjsolve import arguments, quantities
-from hjsolve.errors import InvalidInputError
+from hjsolve.errors import InvalidInputError, NotConvergedError
 from hjsolve.expressions import number
 from hjsolve.initial import ZERO_BITS, InBits, Initial, domain_ends, expanded, initial_data, sign, to_bits
 from hjsolve.lowering import momentum_squared_tapes
@@ -30,6 +30,7 @@ from hjsolve.quantities import FLOAT_DIGITS
 from hjsolve.solution import Solution
 from hjsolve.state import State
 
+_FARTHEST, _MOST_ANGLE = 2**1000, 2**48
 QUANTITIES: Mapping[str, frozenset[str]] = {
     "constants": frozenset(), "kinds": frozenset(), "turning_points": frozenset(), "actions": frozenset({"action"}),
     "periods": frozenset({"time"}), "frequencies": frozenset({"time"}), "mean_velocities": frozenset({"time"}),
@@ -249,7 +250,6 @@ def start(
         "q": q, "velocity": velocity, "p": p, "constants": constants, "signs": signs, "parameters": parameters,
     }  # fmt: skip
     given = {name: None if group is None else dict(group) for name, group in groups.items()}
-
     if certified:
         motion = _certified(solution, initial, exact_t0, max(digits, FLOAT_DIGITS), parts)
     else:
@@ -363,7 +363,11 @@ def _square(root: Callable[[int], Any]) -> Callable[[int], Any]:
 
 
 def _checked(begin: Start) -> Start:
-    value = begin.radicand.value(begin.place(256 + begin.radicand.guard), 256)
+    place = begin.place(256 + begin.radicand.guard)
+    if abs(place) >= (_MOST_ANGLE if begin.angle else _FARTHEST):
+        cure = "take whole turns off" if begin.angle else "write lengths in another unit"
+        raise NotConvergedError(f"q[{begin.name}]: is so far out that doubles cannot tell places apart there; {cure}")
+    value = begin.radicand.value(place, 256)
     if begin.forward and value < 0:
         raise forbidden(begin)
     return begin

@@ -31,13 +31,14 @@ if TYPE_CHECKING:
     from hjsolve.motion import Motion
 
 _EPS = 2.0**-52
-_SCAN, _TREND = 200_000, 16
+_SCAN, _TREND, _MOST_PASSAGES = 200_000, 16, 2**60
 """Steps of a scan along the motion; doublings of the time over which a trend is taken for the rule."""
 
 
 def crossing_time(motion: Motion, name: str, value: Any, passage: int) -> Estimate:
     """Return the time of a crossing; see ``Motion.time_at``."""
-    arguments.whole(passage, "passage")
+    if abs(arguments.whole(passage, "passage")) > _MOST_PASSAGES:
+        raise InvalidInputError("passage: more than 2**60; two doubles do not tell its phase")
     target = to_bits(number(value, source=f"value of {name}"))
     if name not in motion.located:
         return _scanned(motion, name, float(target(64)), passage)
@@ -69,8 +70,7 @@ def _phase_of(motion: Motion, name: str, course: Course, target: Callable[[int],
     if isinstance(course, Frozen):
         raise OutsideMotionError(f"{name} rests at {float(course.rest):.12g}: it crosses nothing")
     if isinstance(course, Bounded):
-        _require_between(motion, name, course, place)
-        χ = course.anomaly.phase(place, 1, arithmetic)
+        χ = course.anomaly.phase(_between(motion, name, course, place), 1, arithmetic)
         turn = 2 * arithmetic.pi()
         around = {float(x % turn): x % turn for x in ((χ, -χ) if course.anomaly.even else (χ,))}
         start = course.start
@@ -86,10 +86,20 @@ def _phase_of(motion: Motion, name: str, course: Course, target: Callable[[int],
     return later[index]
 
 
-def _require_between(motion: Motion, name: str, course: Bounded, place: Any) -> None:
-    if course.anomaly.even and not course.anomaly.lower <= place <= course.anomaly.upper:  # type: ignore[union-attr]
+def _between(motion: Motion, name: str, course: Bounded, place: Any) -> Any:
+    """A place that is passed; a turning point itself where it is that, but for the rounding of both.
+
+    Raises:
+        OutsideMotionError: it lies beyond.
+    """
+    if not course.anomaly.even:
+        return place
+    a, b = course.anomaly.lower, course.anomaly.upper  # type: ignore[union-attr]
+    blur = (abs(a) + abs(b)) * multiprecision(64).mpf(2) ** -(int(3.33 * motion.digits) + 96)
+    if not a - blur <= place <= b + blur:
         low, high = motion.turning_points[name]
         raise OutsideMotionError(f"{name} never reaches {float(place):.12g}: it moves between {low} and {high}")
+    return min(max(place, a), b)
 
 
 def _open_phases(name: str, course: Open, place: Any, bits: int) -> list[Any]:

@@ -21,13 +21,16 @@ from hjsolve.numeric.unbounded import Plan
 from hjsolve.solution import Solution
 
 FLOAT_DIGITS = 15
+_NORMAL, _LEAST = 2.0**-1022, 2.0**-1074
+"""Doubles below the first have fewer digits; the second is the smallest."""
 """Up to here results are doubles, above they are ``mpf``."""
 
 
 def rounded(value: Any, digits: int, nodes: int = 0) -> Estimate:
     """Round a number computed with many digits to spare."""
     if digits <= FLOAT_DIGITS:
-        return Estimate(float(value), abs(float(value)) * 2.0**-52, nodes=nodes)
+        near = float(value)
+        return Estimate(near, abs(near) * 2.0**-52 + (_LEAST if value and abs(near) < _NORMAL else 0.0), nodes=nodes)
     context = multiprecision(int(3.33 * digits) + 16)
     return Estimate(context.convert(value), abs(context.convert(value)) * context.mpf(10) ** -digits, nodes=nodes)
 

@@ -21,6 +21,7 @@ from typing import TYPE_CHECKING, Any
 
 import sympy as sp
 
+from hjsolve import arguments
 from hjsolve.declarations import free_name
 from hjsolve.errors import InvalidInputError, NotSeparableError
 from hjsolve.separation import Constant, Obstruction, Separation, Undecided, separate
@@ -71,16 +72,65 @@ class Solution:
     time_law: sp.Eq | None
     orbit_equations: Mapping[str, sp.Eq]
 
-    def motion(self, **initial: Any) -> Motion:
+    @arguments.by_name('motion(q={"r": 1, "theta": 0}, velocity={"r": 0, "theta": "1.2"})')
+    def motion(
+        self,
+        *,
+        q: Mapping[str, Any],
+        velocity: Mapping[str, Any] | None = None,
+        p: Mapping[str, Any] | None = None,
+        constants: Mapping[str, Any] | None = None,
+        signs: Mapping[str, int] | None = None,
+        parameters: Mapping[str, Any] | None = None,
+        t0: Any = 0,
+        digits: int = 15,
+        certified: bool = False,
+        want: Iterable[str] | None = None,
+    ) -> Motion:
         """Start a motion: numbers for this solution.
 
-        This is the one call from the symbolic half up into the numeric half; the import happens here, at call time, so
-        that solving loads no numerical library. Arguments, returns and errors are those of ``hjsolve.motion.start``.
+        A number is an int, a float (the binary number it is), a Fraction, a Decimal, an ``mpf``, or a text such as
+        "1.2", "1/24", "pi/3", "sqrt(2)", which is taken exactly.
+
+        Args:
+            q: coordinate → position at t0, every one.
+            velocity: coordinate → velocity at t0, every one; or
+            p: coordinate → canonical momentum at t0, every one; or
+            constants: name of a constant of the motion (``Solution.constants``) → value, every one, with
+            signs: separated coordinate → 1 or −1, the sign its root P = √P² starts with; needless where P = 0.
+            parameters: name → value, where it differs from the default.
+            t0: time of the initial data.
+            digits: relative digits wanted, from 1 on; float64 up to 15, ``mpf`` above.
+            certified: prove constants, turning points, actions, frequencies and periods (needs the extra
+                ``certified``); states stay estimates, at the digits asked.
+            want: which quantities will be asked, such as ["actions", "periods"]; nothing else is integrated. None: all.
+
+        Returns:
+            The motion: ``kinds``, ``turning_points``, ``constants``, ``actions``, ``frequencies``, ``periods``, and
+            ``at(t)`` for its state at any time.
+
+        Raises:
+            InvalidInputError: initial data that are no numbers, incomplete, or outside the domain; arguments by
+                position, or of unknown names.
+            MissingValueError: a parameter or an initial value is missing.
+            ForbiddenMotionError: no real motion has these constants.
+            NotConvergedError: a turning point or an integral could not be had to the digits asked.
+
+        Example:
+            >>> import hjsolve
+            >>> kepler = hjsolve.solve(hjsolve.catalog.load("kepler-planar"))
+            >>> motion = kepler.motion(q={"r": 1, "theta": 0}, velocity={"r": 0, "theta": "1.2"})
+            >>> motion.kinds["r"], round(motion.periods["r"].value, 9)
+            ('libration', 14.99332061)
         """
-        from hjsolve import motion
+        # the one call from the symbolic half up into the numeric half: solving loads no numerical library
+        from hjsolve.motion import start
 
         refuse_null(self)
-        return motion.start(self, **initial)
+        return start(
+            self, q=q, velocity=velocity, p=p, constants=constants, signs=signs, parameters=parameters, t0=t0,
+            digits=digits, certified=certified, want=want,
+        )  # fmt: skip
 
 
 def refuse_null(solution: Solution) -> None:

@@ -332,9 +332,14 @@ def _slope(kinetic: sp.Expr, velocity: sp.Symbol) -> sp.Expr:
 
 def velocities(system: System) -> dict[str, sp.Expr]:
     """q̇ = M⁻¹ (p − a) by name of the coordinate, in coordinates and momenta; relativistic c m₀ M⁻¹ (p − a)/√(…)."""
+    return dict(zip([c.name for c in system.coordinates], _rates(system)))
+
+
+@lru_cache(maxsize=256)
+def _rates(system: System) -> tuple[sp.Expr, ...]:
     shifted = _shifted(system)
     speeds = list(inverse_mass_matrix(system) * sp.Matrix(shifted))
     if system.relativity is not None:
         square = 2 * half_inverse_form(mass_matrix(system), shifted)
         speeds = system.relativity.speeds(speeds, square)
-    return {c.name: speed for c, speed in zip(system.coordinates, speeds)}
+    return tuple(speeds)

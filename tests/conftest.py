@@ -60,8 +60,6 @@ OPEN = {
         "told in other words since panels are proved",
     "test_0039_reports_that_can_be_read.py::test_the_meaning_of_a_constant_stands_before_its_long_formula":
         "Kerr's H is one wide fraction again since two branches met",
-    "test_0045_numbers_at_the_door.py::test_times_beyond_doubles_are_refused_in_one_line":
-        "the search for turning points answers first since two branches met",
     "test_0045_numbers_at_the_door.py::test_a_fall_from_far_away_turns_at_its_perihelion[1e60]":
         "no number of nodes is proved over sixty orders of magnitude",
     "test_separation_parts.py::test_an_open_question_carries_the_point_and_the_value_there":

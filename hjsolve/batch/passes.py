@@ -137,22 +137,23 @@ def _resting(found: Found, index: Any, constants: int) -> Sums:
     zero = np.zeros(len(index))
     rows = [np.broadcast_to(w, zero.shape) for w in view.full(zero)[1:]]
     errors = [np.broadcast_to(e, zero.shape) for e in view.errors(zero, kernels=True)[1:]]
-    root = np.sqrt(-bend)
     sums = empty(constants, len(index))
-    sums.means[:] = np.stack([w / root for w in rows])
-    sums.mean_errors[:] = np.stack(
-        [e / root + np.abs(w / root) * doubt / -bend for w, e in zip(rows, errors, strict=True)]
-    )
+    with np.errstate(all="ignore"):
+        root = np.sqrt(-bend)
+        sums.means[:] = np.stack([w / root for w in rows])
+        sums.mean_errors[:] = np.stack(
+            [e / root + np.abs(w / root) * doubt / -bend for w, e in zip(rows, errors, strict=True)]
+        )
     sums.speeds[:] = sums.means
     for part in (sums.action, sums.action_error, sums.ripples, sums.ripple_errors, sums.phase, sums.phase_error):
         part[...] = 0.0
-    sums.good[:] = True
+    sums.good[:] = np.isfinite(root)
     return sums
 
 
 def _fill(columns: Columns, quantity: str, name: str, value: Any, error: Any) -> None:
     columns.group(quantity)[name][:] = value
-    columns.error[f"{quantity}.{name}"][:] = error + _EPS * np.abs(value) * (quantity != "constants")
+    columns.error[f"{quantity}.{name}"][:] = error if quantity == "constants" else error + _EPS * np.abs(value)
 
 
 def _actions(

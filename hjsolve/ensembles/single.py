@@ -27,7 +27,7 @@ Row = dict[str, float]
 
 
 def single_orbit(
-    solution: Solution, layout: Layout, start: Mapping[str, Mapping[str, float]], parameters: Mapping[str, Any], *,
+    solution: Solution, layout: Layout, start: Mapping[str, Any], parameters: Mapping[str, Any], *,
     endless: bool = False,
 ) -> tuple[Status, Row]:  # fmt: skip
     """Compute one orbit.

@@ -39,6 +39,7 @@ class Place(NamedTuple):
         product: (q − a)(b − q), or 1 for a rotation.
         stretch: |dq/dχ| / √product.
         rate: dχ/dψ where the phase is ψ and not χ itself; ``speed`` and ``stretch`` are without it.
+        below, above: q − a and b − q, each with its relative accuracy; None for a rotation.
     """
 
     q: Any
@@ -46,6 +47,8 @@ class Place(NamedTuple):
     product: Any
     stretch: Any
     rate: Any = 1
+    below: Any = None
+    above: Any = None
 
 
 @dataclass(frozen=True)
@@ -82,7 +85,7 @@ class Libration:
         ends = (1 + self.near_upper * (to_upper / self.width)) * (1 + self.near_lower * (from_lower / self.width))
         stretch = 2 * self.quarter / arithmetic.pi() * arithmetic.unary("sqrt", ends * self.complement)
         q = _nearer(from_lower, to_upper, self.lower, self.upper)
-        return Place(q, root * stretch, from_lower * to_upper, stretch)
+        return Place(q, root * stretch, from_lower * to_upper, stretch, 1, from_lower, to_upper)
 
     def phase(self, q: Any, forward: int, arithmetic: Multi) -> Any:
         """Return χ in (−π, π] of a position; ``forward`` is the sign of p, 0 at a turning point."""
@@ -132,7 +135,8 @@ class Crested:
         to_upper = self.width * (self.from_upper * high / denominator)
         stretch = 2 * self.quarter / arithmetic.pi() * dn * mean / denominator
         q = _nearer(from_lower, to_upper, self.lower, self.upper)
-        return Place(q, self.width * mean * sn / 2 / denominator * stretch, from_lower * to_upper, stretch)
+        speed = self.width * mean * sn / 2 / denominator * stretch
+        return Place(q, speed, from_lower * to_upper, stretch, 1, from_lower, to_upper)
 
     def phase(self, q: Any, forward: int, arithmetic: Multi) -> Any:
         """Return χ in (−π, π] of a position; ``forward`` is the sign of p, 0 at a turning point."""

@@ -27,6 +27,8 @@ _NEAREST = 200
 """Bits by which a turning point may be nearer to an end of the domain than to the other one."""
 
 
+_WIDEST, _CURVED = 2.0**500, 2.0**1000
+"""Width of a motion, and p² over its square, from whose inverse to which doubles hold what is worked out with them."""
 _LONG = 2**16
 """The natural length of an open motion, over |q|, at most."""
 
@@ -150,6 +152,8 @@ def _libration(start: Start, lower: End, upper: End, digits: int) -> Bounded:
             f"{start.name}: it turns {nearness} powers of two nearer to an end of its domain than to its other turning "
             f"point, and {_NEAREST} are the most that can be integrated"
         )
+    ends = lower.place(256), upper.place(256)
+    _refuse_beyond_doubles(start, sum(ends) / 2, ends[1] - ends[0])
     bits = needed + 80 + 2 * nearness + start.radicand.guard
     while True:
         arithmetic = Multi(bits)
@@ -171,6 +175,25 @@ def _libration(start: Start, lower: End, upper: End, digits: int) -> Bounded:
         yield from _over_crests(start, usual, bits)
 
     return over_the_best_map(start, "libration", maps(), digits, bits)
+
+
+def _refuse_beyond_doubles(start: Start, middle: Any, width: Any) -> None:
+    """Refuse to integrate what doubles cannot hold.
+
+    Args:
+        start: the coordinate. middle: a place inside its motion. width: of its motion, or a length natural to it.
+
+    Raises:
+        NotConvergedError: the width, or p² over its square, is too large or too small.
+    """
+    if not start.parts:
+        return
+    bend = abs(start.radicand.value(middle, 256)) / (width * width) if width else 0
+    if width >= _WIDEST or (bend and not 1 / _CURVED < bend < _CURVED):
+        raise NotConvergedError(
+            f"{start.name}: lengths, momenta or times of this motion are beyond doubles, or their squares are; "
+            'write them in other units, or leave integrals out with want=["constants", "turning_points"]'
+        )
 
 
 def _nearness(start: Start, turns: tuple[Number, Number]) -> int:
@@ -308,6 +331,7 @@ def _open(start: Start, forward: int, lower: End, upper: End, digits: int) -> Op
             else _length(start, first, bits, turning=turning)
         )
         end = "infinity" if target.kind in {"infinity", "round"} else target.kind
+        _refuse_beyond_doubles(start, first + side * length / 2, length)
         way = Way(turning, end, first, side, length, max(0, round(-target.power)))
         return Branch(way, start.radicand, start.skipped, digits, bits)
 

@@ -20,6 +20,8 @@ def relative(times: Any, start: Callable[[int], Any]) -> tuple[Any, Any]:
         start: t₀ at any precision.
     """
     high, low = split(start(160))
+    if not np.isfinite(high):
+        return times - high, 0.0 * times
     upper, lower = np.empty(times.shape), np.empty(times.shape)
     if compiled := kernels(times.size):
         compiled.relative(times, high, low, upper, lower)

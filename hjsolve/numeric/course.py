@@ -254,12 +254,13 @@ class Open:
 
     def _on(self, branch: Branch, panels: Panels, χ: Any, sign: int) -> tuple[Any, Any]:
         y, arithmetic = abs(χ), arithmetic_of(χ)
-        way = branch.way if χ.dtype == object else _float_way(branch.way)
+        way = branch.way if χ.dtype == object else float_way(branch.way)
         q, slope = elementwise(lambda v: way.position(v, arithmetic), y, 2)
         return q, sign * slope * panels.value(-1, y) / elementwise(lambda v: way.rest(v, arithmetic), y, 1)
 
 
-def _float_way(way: Way) -> Way:
+def float_way(way: Way) -> Way:
+    """Round the constants of a map to doubles."""
     return Way(way.turning, way.end, float(way.start), way.side, float(way.length), way.pole)
 
 

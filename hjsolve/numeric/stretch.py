@@ -81,8 +81,7 @@ class Stretched:
     def place(self, ψ: Any, arithmetic: Float64 | Multi) -> Place:
         """Return the place at ψ, |ψ| ≤ 2π."""
         χ, rate = self.unstretched(ψ, arithmetic)
-        place = self.inner.place(χ, arithmetic)
-        return Place(place.q, place.speed, place.product, place.stretch, rate)
+        return self.inner.place(χ, arithmetic)._replace(rate=rate)
 
     def unstretched(self, ψ: Any, arithmetic: Float64 | Multi) -> tuple[Any, Any]:
         """Return χ(ψ) and dχ/dψ."""

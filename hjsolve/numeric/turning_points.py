@@ -131,7 +131,8 @@ def _within_doubles(ray: Ray) -> bool:
 def _cells(ray: Ray) -> Any:
     """Edges growing geometrically from the origin and, where the domain ends, shrinking towards its end."""
     if ray.reach is None:
-        return np.concatenate([[0.0], _scale(ray) * 2.0 ** np.arange(-50, 120)])
+        edges = np.ldexp(_scale(ray), np.arange(-50, min(120, 1023 - int(np.frexp(_scale(ray))[1]))))
+        return np.concatenate([[0.0], edges])
     reach = float(ray.reach(128))
     outward = reach * 2.0 ** np.arange(-50, 0)
     inward: Any = [] if ray.turns else reach * (1 - 2.0 ** -np.arange(2, 41))

@@ -8,6 +8,7 @@ from collections.abc import Iterator
 from contextlib import contextmanager, suppress
 from pathlib import Path
 
+from hjsolve import arguments
 from hjsolve.errors import InvalidInputError
 
 SUFFIXES = (".html", ".md", ".json", ".txt", ".tex")
@@ -25,6 +26,7 @@ def checked_path(path: str | Path) -> Path:
     Raises:
         InvalidInputError: unknown suffix, a directory, a folder that does not exist or cannot be written to.
     """
+    arguments.refuse_other(path, (str, os.PathLike), "path", 'the file to write is needed, such as "orbit.html"')
     target = Path(path)
     if target.suffix.lower() not in SUFFIXES:
         given = f'"{target.suffix}"' if target.suffix else "none"

@@ -11,6 +11,7 @@ from typing import Any
 import numpy as np
 import sympy as sp
 
+from hjsolve.errors import InvalidInputError
 from hjsolve.initial import to_bits
 from hjsolve.motion import Motion
 from hjsolve.quantities import FLOAT_DIGITS
@@ -22,6 +23,7 @@ from hjsolve.scenes.results import Arc, Trajectory
 from hjsolve.scenes.scene import Scene, Times
 from hjsolve.state import Errors, State
 from hjsolve.trajectory.dense import OnDemand
+from hjsolve.trajectory.times import LONGEST
 
 
 @dataclass(frozen=True, eq=False)
@@ -36,7 +38,10 @@ class _Part:
 def sampled(times: Times, digits: int) -> Any:
     """The times as an array: doubles where they are evenly spaced and 15 digits serve, exact numbers otherwise."""
     if digits <= FLOAT_DIGITS and not times.listed:
-        return np.linspace(float(times.start), float(times.stop), times.count)
+        ends = float(times.start), float(times.stop)
+        if not max(map(abs, ends)) < LONGEST:
+            raise InvalidInputError(f"times: one is beyond {LONGEST:.0e}; write times in another unit")
+        return np.linspace(*ends, times.count)
     return np.array(times.exact(), dtype=object)
 
 

@@ -6,7 +6,7 @@ from collections.abc import Iterator, Mapping
 from pathlib import Path
 from typing import Any
 
-from hjsolve import schema, toml_file
+from hjsolve import arguments, schema, toml_file
 from hjsolve.errors import CatalogError
 from hjsolve.scenes.varied import sweep_faults
 from hjsolve.schema import Key
@@ -71,7 +71,7 @@ def scene_faults(table: Mapping[str, Any]) -> Iterator[str]:
     if isinstance(accuracy, Mapping) and ("digits" in accuracy) == ("seconds" in accuracy):
         yield "accuracy: give digits or seconds, one of the two: {digits = 30}, or {seconds = 5}"
     if digits is not None and (not isinstance(digits, int) or isinstance(digits, bool) or not 1 <= digits <= 500):
-        yield f"accuracy.digits: must be a whole number from 1 to 500, not {digits}"
+        yield f"accuracy.digits: must be a whole number from 1 to 500, not {arguments.described(digits)}"
     if isinstance(events := table.get("events"), list):
         for place, event in enumerate(events, start=1):
             if isinstance(event, Mapping):
@@ -102,7 +102,7 @@ def _time_faults(times: Any) -> Iterator[str]:
         yield from schema.faults(times, _TIMES, "times")
         count = times.get("count")
         if count is not None and (not isinstance(count, int) or isinstance(count, bool) or not 2 <= count <= LONGEST):
-            yield f"times.count: must be a whole number from 2 to {LONGEST}, not {count}"
+            yield f"times.count: must be a whole number from 2 to {LONGEST}, not {arguments.described(count)}"
     else:
         yield "times: must be a list of times, or {start = …, stop = …, count = …}"
 

@@ -18,7 +18,7 @@ from typing import Any
 
 import sympy as sp
 
-from hjsolve import schema
+from hjsolve import arguments, schema
 from hjsolve.expressions import number
 from hjsolve.schema import Key, nearest
 
@@ -90,7 +90,7 @@ def sweep_faults(given: Any, scene: Mapping[str, Any]) -> Iterator[str]:
     yield from schema.faults(plain, _SWEEP, "sweep")
     chunk = given.get("chunk", CHUNK)
     if not _is_count(chunk, 1):
-        yield f"sweep.chunk: must be a whole number from 1 to {_MOST}, not {chunk}"
+        yield f"sweep.chunk: must be a whole number from 1 to {_MOST}, not {arguments.described(chunk)}"
     varied = [group for group in GROUPS if isinstance(given.get(group), Mapping)]
     if ("table" in given) == bool(varied):
         yield "sweep: give a grid (q, p or velocity) or a table, one of the two"
@@ -114,7 +114,7 @@ def _axis_faults(values: Any, where: str) -> Iterator[str]:
         yield from schema.faults(values, _RANGE, where)
         count = values.get("count", 2)
         if not _is_count(count, 2):
-            yield f"{where}.count: must be a whole number from 2 to {_MOST}, not {count}"
+            yield f"{where}.count: must be a whole number from 2 to {_MOST}, not {arguments.described(count)}"
     elif isinstance(values, list):
         if not values:
             yield f"{where}: must be a list of numbers, and not empty"

@@ -22,6 +22,7 @@ from hjsolve.numeric.series import Series
 from hjsolve.numeric.turns import turns
 from hjsolve.numeric.unbounded import Plan, reaching
 from hjsolve.trajectory.positions import constant_index
+from hjsolve.trajectory.sharp import blurs, distances
 
 if TYPE_CHECKING:
     from hjsolve.motion import Motion
@@ -67,12 +68,16 @@ class Dense:
         waves: ignorable coordinates in the table's order, and their oscillation at the start.
         period: True where the argument is an angle variable, to be reduced to one turn.
         first: least argument of a table that is not folded.
+        begin: argument at t₀ where it is no angle variable.
+        ends: quantities that hold the distances from the lower and the upper turning point, where velocities need them.
     """
 
     table: Table
     waves: Mapping[str, tuple[int, float]]
     period: bool
     first: float
+    begin: float = 0.0
+    ends: tuple[int, int] | None = None
 
     def argument(self, motion: Motion, time: tuple[Any, Any]) -> tuple[Any, Any, Any]:
         """Return the table's argument, the whole turns, and where the motion has ended, at times relative to t₀."""
@@ -92,8 +97,7 @@ class Dense:
             return θ, whole, np.zeros(θ.shape, dtype=bool)
         assert isinstance(equations, Plan)
         course = equations.courses[0]
-        begin = float(np.ravel(course.integral(0, np.array([float(course.start)])))[0])
-        value = (time[0] + begin) + time[1]
+        value = (time[0] + self.begin) + time[1]
         low = -self.table.edges[-1] if self.table.even else self.table.edges[0]
         return (
             np.clip(value, low, self.table.edges[-1]),
@@ -132,6 +136,8 @@ def dense(motion: Motion, span: float) -> Dense | None:
     try:
         if isinstance(equations, Torus):
             return _bounded(motion) if isinstance(equations.courses[0], Bounded) else _resting(motion)
+        if isinstance(equations.courses[0], Open) and blurs(motion, equations.courses[0]):
+            return None
         return (
             _open(motion, int(np.ceil(np.log2(max(span, 1e-290))))) if isinstance(equations.courses[0], Open) else None
         )
@@ -148,7 +154,10 @@ def _bounded(motion: Motion) -> Dense:
     mean = float(course.kernels[0].mean)
     names = [c.name for c in motion.solution.system.coordinates if c.name not in motion.located]
     series = [oscillation(equations, 0, constant_index(motion, n)) for n in names]
-    even = (True, False, *(False for _ in names)) if course.anomaly.even else ()
+    ends = (2 + len(names), 3 + len(names)) if course.anomaly.even and blurs(motion, course) else None
+    more = [None, None] if ends else []
+    even = (True, False, *(False for _ in names), *(True for _ in more)) if course.anomaly.even else ()
+    flat = [0.0] * (len(names) + len(more))
     edges = np.linspace(0 if even else -np.pi, np.pi, 17)
     first = (
         0.0
@@ -160,22 +169,22 @@ def _bounded(motion: Motion) -> Dense:
     )
 
     def outputs(χ: Any) -> list[Any]:
-        return [*course.place(χ), *(_wave(s, χ) for s in series)]
+        return [*course.place(χ), *(_wave(s, χ) for s in series), *(distances(course, χ) if ends else ())]
 
     table = tabulate(
         edges,
         lambda χ: course.pace((1.0,), χ) / mean,
         outputs,
-        [_scale(motion), None, *(np.pi for _ in names)],
+        [_scale(motion), None, *(np.pi for _ in names), *more],
         even=even,
         origin=first,
         total=np.pi if even else 2 * np.pi,
         known=lambda χ: _angle(equations.ripples[0][0], χ),
-        grains=lambda χ: [0.0, np.abs(course.place(χ)[1]) * course.crowding(χ) / _FINE, *(0.0 for _ in names)],
+        grains=lambda χ: [0.0, np.abs(course.place(χ)[1]) * course.crowding(χ) / _FINE, *flat],
     )
     begin = np.array([float(course.start)])
     waves = {name: (2 + k, float(_wave(s, begin)[0])) for k, (name, s) in enumerate(zip(names, series, strict=True))}
-    return Dense(table, waves, True, first)
+    return Dense(table, waves, True, first, ends=ends)
 
 
 def _resting(motion: Motion) -> Dense:
@@ -247,4 +256,4 @@ def _open(motion: Motion, power: int) -> Dense:
         name: (2 + k, float(-np.ravel(course.integral(j, begin))[0]))
         for k, (name, j) in enumerate(zip(names, indices, strict=True))
     }
-    return Dense(table, waves, False, first)
+    return Dense(table, waves, False, first, float(np.ravel(course.integral(0, begin))[0]))

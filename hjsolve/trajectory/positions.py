@@ -93,7 +93,8 @@ def coordinate_velocities(motion: Motion, q: Mapping[str, Any], p: Mapping[str, 
 
 
 @lru_cache(maxsize=64)
-def _tape(formulas: tuple[sp.Expr, ...], arguments: tuple[sp.Symbol, ...]) -> Tape:
+def tape_of(formulas: tuple[sp.Expr, ...], arguments: tuple[sp.Symbol, ...]) -> Tape:
+    """Formulas as a tape, kept."""
     return lower(formulas, arguments)
 
 
@@ -107,7 +108,7 @@ def evaluate(motion: Motion, formulas: tuple[sp.Expr, ...], q: Mapping[str, Any]
         p[c.name] for c in system.coordinates if c.name in p
     ]
     fixed = {s: v for s, v in motion.initial.values.items() if s not in variables}
-    tape = _tape(tuple(formulas), tuple(variables) + tuple(fixed))
+    tape = tape_of(tuple(formulas), tuple(variables) + tuple(fixed))
     many = arrays[0].dtype == object
     bits = arrays[0].flat[0].context.prec if many else 64
     numbers = [to_bits(v)(bits) if many else float(to_bits(v)(64)) for v in fixed.values()]
@@ -126,7 +127,7 @@ def rounding(motion: Motion, formulas: tuple[sp.Expr, ...], q: Mapping[str, Any]
     fixed = {s: float(to_bits(v)(64)) for s, v in motion.initial.values.items() if s not in places}
     inputs = [Rounded(np.asarray(x).astype(float)) for x in places.values()]
     inputs += [Rounded(x, 2.0**-53 * abs(x)) for x in fixed.values()]
-    tape = _tape(tuple(formulas), (*places, *fixed))
+    tape = tape_of(tuple(formulas), (*places, *fixed))
     with np.errstate(all="ignore"):
         found = tape.run(Running(Float64()), inputs)
     return [2 * (0.0 if x.error is None else x.error) for x in found]

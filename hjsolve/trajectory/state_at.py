@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Mapping
+from functools import cache
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
@@ -17,7 +18,7 @@ from hjsolve.state import Errors, State
 from hjsolve.system import velocities
 from hjsolve.trajectory.dense import FEWEST, Dense, OnDemand, dense, rough
 from hjsolve.trajectory.endings import statuses
-from hjsolve.trajectory.phases import Phases, phases_at
+from hjsolve.trajectory.phases import Phases, courses_of, phases_at
 from hjsolve.trajectory.positions import (
     canonical_momenta,
     constant_index,
@@ -28,6 +29,7 @@ from hjsolve.trajectory.positions import (
     positions,
     principal,
 )
+from hjsolve.trajectory.sharp import blurred, sharpened, sharpened_from_table
 from hjsolve.trajectory.times import counted, read_times, within_doubles
 from hjsolve.trajectory.uncertainty import state_errors, table_errors
 
@@ -57,6 +59,9 @@ def state_at(motion: Motion, t: Any, digits: int | None = None) -> State:
         return state_at(motion.again(motion.digits + lacking, {}), t, wanted)
     q, p, whole = positions(motion, phases)
     v = coordinate_velocities(motion, q, p)
+    sharp = None if phases.exact is not None else blurred(motion, q, p)
+    if sharp is not None and sharp.any():
+        v = sharpened(motion, courses_of(motion, phases), phases.χ, q, v, sharp)
     status = statuses(motion, phases.time, phases.ended)
     turns = {name: counted(n) for name, n in whole.items()}
     for group in (q, p, v):
@@ -67,7 +72,7 @@ def state_at(motion: Motion, t: Any, digits: int | None = None) -> State:
         return {name: shaped(values, shape) for name, values in group.items()}
 
     def errors() -> Errors:
-        return Errors(*(reshaped(group) for group in state_errors(motion, phases, q, p, whole)))
+        return Errors(*(reshaped(group) for group in state_errors(motion, phases, q, p, whole, sharp)))
 
     return State(
         t,
@@ -132,10 +137,17 @@ def _tabulated(motion: Motion, table: Dense, t: Any, time: tuple[Any, Any], shap
     p = OnDemand(names, momentum)
 
     def velocity(name: str) -> Any:
-        return evaluate(motion, (velocities(system)[name],), q, p)[0]
+        value = evaluate(motion, (velocities(system)[name],), q, p)[0]
+        if table.ends is None or not sharp().any():
+            return value
+        return sharpened_from_table(motion, table, θ, q, {name: value}, sharp())[name]
+
+    @cache
+    def sharp() -> Any:
+        return blurred(motion, q, p)
 
     def errors() -> Errors:
-        groups = table_errors(motion, table, θ, q, p, v)
+        groups = table_errors(motion, table, θ, q, p, v, None if table.ends is None else sharp())
         return Errors(*({n: shaped(values, shape) for n, values in group.items()} for group in groups))
 
     def view(source: Mapping[str, Any], chosen: tuple[str, ...]) -> OnDemand:

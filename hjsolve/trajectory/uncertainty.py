@@ -17,6 +17,7 @@ from hjsolve.system import hamiltonian, velocities
 from hjsolve.trajectory.dense import Dense
 from hjsolve.trajectory.phases import Phases, courses_of
 from hjsolve.trajectory.positions import constant_index, evaluate, rounding
+from hjsolve.trajectory.sharp import from_table, grain, places, worked_out
 
 if TYPE_CHECKING:
     from hjsolve.motion import Motion
@@ -29,9 +30,17 @@ _TABLE = 1e-14
 
 
 def state_errors(
-    motion: Motion, phases: Phases, q: Mapping[str, Any], p: Mapping[str, Any], whole: Mapping[str, Any]
+    motion: Motion,
+    phases: Phases,
+    q: Mapping[str, Any],
+    p: Mapping[str, Any],
+    whole: Mapping[str, Any],
+    sharp: Any = None,
 ) -> tuple[dict[str, Any], dict[str, Any], dict[str, Any]]:
-    """Bounds on q, p and velocity from the bounds on the phases."""
+    """Bounds on q, p and velocity from the bounds on the phases.
+
+    ``sharp``: where velocities were not worked out from rounded places (``sharp.blurred``); None where all were.
+    """
     unit = _EPS if phases.exact is None else float(multiprecision(64).mpf(10) ** (1 - motion.digits))
     dq, dp = {}, {}
     χ = [x.astype(float) for x in phases.χ]
@@ -53,21 +62,70 @@ def state_errors(
                 np.abs(q[name].astype(float)) + np.pi
             )
             dp[name] = unit * np.abs(p[name].astype(float))
-    return dq, dp, velocity_errors(motion, q, p, dq, dp, unit)
+    dv = velocity_errors(motion, q, p, dq, dp, unit)
+    if sharp is not None and sharp.any():
+        _put_in(dv, _sharp_errors(motion, courses, [x[sharp] for x in χ], [s[sharp] for s in slack], q, sharp), sharp)
+    return dq, dp, dv
+
+
+def _put_in(errors: dict[str, Any], better: Mapping[str, Any], where: Any) -> None:
+    for name, values in better.items():
+        errors[name] = np.array(np.broadcast_to(errors[name], where.shape))
+        errors[name][where] = values
+
+
+def _sharp_errors(
+    motion: Motion, courses: list[Course], χ: list[Any], slack: list[Any], q: Mapping[str, Any], where: Any
+) -> dict[str, Any]:
+    """Bounds on velocities worked out in two doubles: what the phases leave open, and the last rounding."""
+    exact, shell = places(motion, courses, χ)
+    doubts: dict[sp.Symbol, Any] = {}
+    for name, course, x, e in zip(motion.solution.coordinates, courses, χ, slack, strict=True):
+        c = motion.solution.system.coordinate(name)
+        slope_q, slope_p = _slopes(course, x, e)
+        moved, _ = _shifted(motion, name, {n: values[where] for n, values in q.items()})
+        doubts[c.symbol] = slope_q * e + 16 * _EPS * grain(course, x) + _LEAST
+        own = slope_p * e + (16 + _waves(course, x)) * _EPS * np.abs(shell[name]) + _LEAST
+        doubts[c.momentum] = own + moved * doubts[c.symbol]
+    return _by_doubts(motion, doubts, exact, shell, q, where)
+
+
+def _by_doubts(
+    motion: Motion, doubts: Mapping[sp.Symbol, Any], exact: Mapping[str, Any], shell: Mapping[str, Any],
+    q: Mapping[str, Any], where: Any,
+) -> dict[str, Any]:  # fmt: skip
+    """What doubts of separated coordinates and momenta leave open of the velocities, and the last rounding."""
+    rest = {name: values[where] for name, values in q.items() if name not in exact}
+    formulas = velocities(motion.solution.system)
+    gradients = tuple(sp.diff(f, s) for f in formulas.values() for s in doubts)
+    found = worked_out(motion, (*gradients, *formulas.values()), exact, shell, rest)
+    result = {}
+    for row, name in enumerate(formulas):
+        parts = zip(found[row * len(doubts) :], doubts.values(), strict=False)
+        result[name] = sum(np.abs(slope) * doubt for slope, doubt in parts)
+        result[name] = result[name] + 4 * _EPS * np.abs(found[len(gradients) + row]) + _LEAST
+    return result
 
 
 def table_errors(
-    motion: Motion, table: Dense, θ: Any, q: Mapping[str, Any], p: Mapping[str, Any], v: Mapping[str, Any]
+    motion: Motion,
+    table: Dense,
+    θ: Any,
+    q: Mapping[str, Any],
+    p: Mapping[str, Any],
+    v: Mapping[str, Any],
+    sharp: Any = None,
 ) -> tuple[dict[str, Any], dict[str, Any], dict[str, Any]]:
-    """Bounds on q, p and velocity read from a table: its own accuracy, and the rounding of its argument as a delay."""
+    """Bounds on q, p and velocity read from a table: its own accuracy, and the rounding of its argument as a delay.
+
+    ``sharp`` as in ``state_errors``.
+    """
     system = motion.solution.system
     equations = motion.equations
     if isinstance(equations, Torus):
         delay = (3 * _EPS * np.abs(θ) + equations.blurs[0] + table.table.doubt(θ)) / abs(float(equations.rates[0]))
     else:
-        assert equations is not None
-        begin = np.array([float(equations.courses[0].start)])
-        delay = 3 * _EPS * (np.abs(θ) + np.abs(float(np.ravel(equations.courses[0].integral(0, begin))[0])))
+        delay = 3 * _EPS * (np.abs(θ) + abs(table.begin))
         delay = delay + table.table.doubt(θ)
     separated = motion.solution.coordinates[0]
     H = hamiltonian(system)
@@ -82,7 +140,19 @@ def table_errors(
         moved, shift = _shifted(motion, c.name, q)
         own = own + moved * inner + 8 * _EPS * shift
         dp[c.name] = np.abs(force) * delay + own
-    return dq, dp, velocity_errors(motion, q, p, dq, dp, _EPS)
+    dv = velocity_errors(motion, q, p, dq, dp, _EPS)
+    if sharp is not None and sharp.any():
+        c = system.coordinate(separated)
+        assert table.ends is not None
+        below, above = (table.table.sizes(end, θ) for end in table.ends)
+        grain_q = np.where(below < above, above, below)  # either may have been the nearer one on the panel
+        moved, _ = _shifted(motion, separated, q)
+        delay = np.broadcast_to(delay, θ.shape)
+        dq_inner = np.abs(v[separated]) * delay + _TABLE * grain_q + _LEAST
+        dp_inner = np.abs(forces[list(dq).index(separated)]) * delay + _TABLE * table.table.sizes(1, θ) + _LEAST
+        doubts = {c.symbol: dq_inner[sharp], c.momentum: (dp_inner + moved * dq_inner)[sharp]}
+        _put_in(dv, _by_doubts(motion, doubts, *from_table(motion, table, θ[sharp]), q, sharp), sharp)
+    return dq, dp, dv
 
 
 def _shifted(motion: Motion, name: str, q: Mapping[str, Any]) -> tuple[Any, Any]:

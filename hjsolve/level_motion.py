@@ -1,0 +1,212 @@
+"""Motions of any H(q, p) of one degree of freedom that come back: period, action, turning points, states.
+
+The curve H = E is followed branch by branch (``numeric.level_curve``); the formulas are in ``hjsolve.hamiltonians``.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from dataclasses import dataclass
+from typing import Any
+
+import numpy as np
+import sympy as sp
+
+from hjsolve import arguments
+from hjsolve.errors import InvalidInputError, MissingValueError, NotConvergedError
+from hjsolve.expressions import number
+from hjsolve.hamiltonians import GeneralHamiltonian
+from hjsolve.initial import is_zero, parameter_values, to_bits
+from hjsolve.lowering import lower
+from hjsolve.numeric.arithmetic import Multi, multiprecision
+from hjsolve.numeric.estimate import Estimate
+from hjsolve.numeric.level_curve import Curve, Orbit, followed
+from hjsolve.numeric.tape import Bound
+from hjsolve.state import Errors, State
+from hjsolve.trajectory.times import counted, exact_numbers
+
+_FLOAT_DIGITS, _GUARDS, _SPARE = 15, (96, 192, 384, 768), 64
+
+
+@dataclass(frozen=True, eq=False)
+class LevelMotion:
+    """A motion of a general H(q, p).
+
+    Attributes:
+        problem: the Hamiltonian.
+        digits: asked for.
+        kinds: name → ``libration``, ``rotation`` or ``equilibrium``.
+        constants: E.
+        turning_points: name → (least, greatest) q of a libration.
+        actions: name → J = (1/2π) ∮ p dq along the motion; signed like its direction for a rotation.
+        periods, frequencies: name → T and 2π/T; none where it rests.
+        q, p, t0: exact initial data.
+        orbit: the curve H = E once round; None where it rests.
+        rates: H_q, H_p and their derivatives along the motion, at the precision worked in.
+    """
+
+    problem: GeneralHamiltonian
+    digits: int
+    kinds: Mapping[str, str]
+    constants: Mapping[str, Estimate]
+    turning_points: Mapping[str, tuple[Estimate, Estimate]]
+    actions: Mapping[str, Estimate]
+    periods: Mapping[str, Estimate]
+    frequencies: Mapping[str, Estimate]
+    q: sp.Expr
+    p: sp.Expr
+    t0: sp.Expr
+    orbit: Orbit | None
+    rates: Bound
+
+    def at(self, t: Any) -> State:
+        """Return the state at a time or at an array of times.
+
+        Raises:
+            InvalidInputError: times that are no numbers, or more than 2**60 periods away.
+        """
+        shape, times = exact_numbers(t, "t")
+        name = self.problem.coordinate.name
+        rows = [self._state(time) for time in times]
+        columns = list(zip(*rows, strict=True)) or [()] * 7
+        q, p, v, turns, *errors = (self._shaped(column, shape) for column in columns)
+        counts = {name: turns} if self.problem.coordinate.domain.kind == "angle" else {}
+
+        def bounds() -> Errors:
+            return Errors(*({name: error} for error in errors))
+
+        status = np.full(shape, "ok") if shape else "ok"
+        return State(t, {name: q}, {name: p}, {name: v}, counts, status, bounds)
+
+    def _shaped(self, column: tuple[Any, ...], shape: tuple[int, ...]) -> Any:
+        if not shape:
+            return column[0]
+        plain = all(isinstance(x, float | int) for x in column)
+        return np.array(column, dtype=None if plain else object).reshape(shape)
+
+    def _state(self, t: sp.Expr) -> tuple[Any, ...]:
+        """(q, p, q̇, turns, errors of the first three)."""
+        bits = self.rates.arithmetic.bits  # type: ignore[attr-defined]
+        context = multiprecision(bits)
+        q, p, turns, doubt = to_bits(self.q)(bits), to_bits(self.p)(bits), 0, context.zero
+        if self.orbit is not None:
+            T = self.orbit.period
+            elapsed = to_bits(t - self.t0)(bits + 64)
+            whole = int(counted(np.array([context.floor(elapsed / T)], dtype=object))[0])
+            q, p = self.orbit.at(elapsed - whole * T)
+            q += 2 * context.pi * whole * self.orbit.turns
+            doubt = (abs(whole) + 1) * (self.orbit.period_error + abs(T) * context.mpf(2) ** (_SPARE - bits))
+        if self.problem.coordinate.domain.kind == "angle":
+            turns = int(context.ceil((q - context.pi) / (2 * context.pi)))
+            q -= 2 * context.pi * turns
+        falls, rate, *second = self.rates.run(q, p)
+        errors = self._errors(doubt, (rate, falls, *second), context.mpf(2) ** (_SPARE - bits))
+        if self.digits > _FLOAT_DIGITS:
+            small = context.mpf(10) ** -self.digits
+            return q, p, rate, turns, *(e + small * abs(x) for e, x in zip(errors, (q, p, rate), strict=True))
+        plain = [float(x) for x in (q, p, rate)]
+        return *plain, turns, *(float(e) + 2.0**-52 * abs(x) for e, x in zip(errors, plain, strict=True))
+
+    def _errors(self, doubt: Any, slopes: tuple[Any, ...], grain: Any) -> tuple[Any, Any, Any]:
+        """What a doubt of the time leaves open of q, p and q̇, to second order, and the grain of the curve itself."""
+        if self.orbit is None:
+            return doubt, doubt, doubt
+        rate, falls, more, bend = (abs(slope) for slope in slopes)
+        T, (wide, high) = self.orbit.period, self.orbit.extents
+        return (
+            2 * (rate + bend * doubt) * doubt + grain * wide,
+            2 * (falls + more * doubt) * doubt + grain * high,
+            2 * bend * doubt + grain * (rate + bend * T + wide / T),
+        )
+
+
+def start(
+    problem: GeneralHamiltonian, *, q: Mapping[str, Any], velocity: Mapping[str, Any] | None,
+    p: Mapping[str, Any] | None, parameters: Mapping[str, Any], t0: Any, digits: int,
+) -> LevelMotion:  # fmt: skip
+    """Start a motion; see ``GeneralHamiltonian.motion``."""
+    coordinate, digits = problem.coordinate, arguments.digits(digits)
+    name = coordinate.name
+    if velocity is not None or p is None:
+        raise InvalidInputError(f"initial data: give p={{{name!r}: …}}; several p may have the same dq/dt here")
+    for what, given in (("q", q), ("p", p)):
+        if set(arguments.table(given, what)) != {name}:
+            raise MissingValueError(f"{what}: needs a number for {name}, and nothing else")
+    values = parameter_values(problem, arguments.table(parameters, "parameters"))
+    place, momentum = number(q[name], source=f"q.{name}"), number(p[name], source=f"p.{name}")
+    domain = coordinate.domain
+    at = {**values, coordinate.symbol: place, coordinate.momentum: momentum}
+    E = problem.hamiltonian.xreplace(at)
+    if not E.is_finite or not E.is_real:
+        raise InvalidInputError("initial data: H is no real number there")
+    slopes = [sp.diff(problem.hamiltonian, s) for s in (coordinate.symbol, coordinate.momentum)]
+    begin, rests = number(t0, source="t0"), all(is_zero(slope.xreplace(at)) for slope in slopes)
+    curve = _curve(problem, slopes, values, E, (place, momentum), digits)
+    bits, rates = curve.bits, _rates(problem, slopes, values, curve.bits)
+    point = to_bits(place)(bits), to_bits(momentum)(bits)
+    ends = [None if end is None else to_bits(end.xreplace(values))(bits) for end in (domain.lower, domain.upper)]
+    if any(end is not None and side * (point[0] - end) <= 0 for end, side in zip(ends, (1, -1), strict=True)):
+        raise InvalidInputError(f"q.{name}: {place} is not inside the domain of {name}")
+    orbit = None
+    if not rests:
+        orbit = followed(curve, *point, (ends[0], ends[1]), angle=coordinate.domain.kind == "angle")
+    kinds, constants, turning, actions, periods, frequencies = _numbers(name, orbit, to_bits(E)(bits), digits, bits)
+    return LevelMotion(
+        problem, digits, kinds, constants, turning, actions, periods, frequencies, place, momentum, begin, orbit, rates
+    )
+
+
+def _curve(
+    problem: GeneralHamiltonian, slopes: list[sp.Expr], values: Mapping[sp.Symbol, sp.Expr], E: sp.Expr,
+    point: tuple[sp.Expr, sp.Expr], digits: int,
+) -> Curve:  # fmt: skip
+    """H = E, in enough binary digits for what cancels in H."""
+    pair, known = (problem.coordinate.symbol, problem.coordinate.momentum), [to_bits(v) for v in values.values()]
+    tape, energy = lower([problem.hamiltonian, *slopes], [*pair, *values]), to_bits(E)
+    for guard in _GUARDS:
+        curve = Curve(tape, lambda bits: [v(bits) for v in known], energy, digits, int(3.33 * digits) + guard)
+        x, y = (to_bits(v)(curve.bits) for v in point)
+        h, along, across = curve.at(0, x, y)
+        size = abs(x * along) + abs(y * across) or abs(along) + abs(across)
+        if abs(h) <= size * multiprecision(64).mpf(2) ** (24 - curve.bits) or not size:
+            return curve
+    raise NotConvergedError("the terms of H cancel at the start beyond what any precision tried makes up for")
+
+
+def _rates(problem: GeneralHamiltonian, slopes: list[sp.Expr], values: Mapping[sp.Symbol, sp.Expr], bits: int) -> Bound:
+    """H_q, H_p, and their derivatives along the motion."""
+    q, p = problem.coordinate.symbol, problem.coordinate.momentum
+    second = [sp.diff(f, q) * slopes[1] - sp.diff(f, p) * slopes[0] for f in slopes]
+    tape = lower([*slopes, *second], [q, p, *values])
+    return tape.bind(Multi(bits), [to_bits(v)(bits) for v in values.values()])
+
+
+def _numbers(name: str, orbit: Orbit | None, E: Any, digits: int, bits: int) -> tuple[Any, ...]:
+    """Kinds, constants, turning points, actions, periods and frequencies."""
+    context = multiprecision(bits)
+
+    def estimate(value: Any, error: Any = 0) -> Estimate:
+        if digits > _FLOAT_DIGITS:
+            return Estimate(value, error + abs(value) * context.mpf(10) ** -digits, nodes=nodes)
+        return Estimate(float(value), float(error) + abs(float(value)) * 2.0**-52, nodes=nodes)
+
+    nodes = 0 if orbit is None else sum(piece.nodes for piece in orbit.pieces)
+    energy = {"E": estimate(E)}
+    if orbit is None:
+        return {name: "equilibrium"}, energy, {}, {name: estimate(context.zero)}, {}, {}
+    T, off = orbit.period, orbit.period_error
+    J, blur = orbit.action
+    small = context.mpf(2) ** (_SPARE - bits)
+    turns = {}
+    if orbit.ends is not None:
+        low, high = orbit.ends
+        turns = {name: (estimate(low, small * (high - low)), estimate(high, small * (high - low)))}
+    rate = 2 * context.pi / T
+    return (
+        {name: "rotation" if orbit.turns else "libration"}, energy, turns,
+        {name: estimate(J * (orbit.turns or 1), blur)}, {name: estimate(T, off)},
+        {name: estimate(rate, 2 * rate * off / T)},
+    )  # fmt: skip
+
+
+__all__ = ["LevelMotion", "start"]

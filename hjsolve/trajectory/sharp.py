@@ -1,0 +1,228 @@
+"""Velocities next to a pole of the coordinates, where a place rounded to doubles has lost what they depend on.
+
+φ̇ = (p_φ − p_ψ cos θ)/(I sin² θ) at θ = 10⁻⁷: the distance from the pole, the difference of the momenta and their
+cosines cancel. The distance of a coordinate from its nearer turning point is known with its relative accuracy, and the
+turning point to any precision: their sum in two doubles is worked out in two doubles (``numeric/doubled``).
+"""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from functools import lru_cache
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+import sympy as sp
+
+from hjsolve.initial import to_bits
+from hjsolve.numeric.anomaly import Crested, Libration
+from hjsolve.numeric.arithmetic import Float64
+from hjsolve.numeric.course import Bounded, Course, Frozen, Open, float_way
+from hjsolve.numeric.doubled import Doubled
+from hjsolve.numeric.error_free import Pair, split, two_sum
+from hjsolve.numeric.running import Bounded as Rounded
+from hjsolve.numeric.running import Running
+from hjsolve.numeric.stretch import Stretched, rounded
+from hjsolve.system import velocities
+from hjsolve.trajectory.positions import tape_of
+
+if TYPE_CHECKING:
+    from hjsolve.motion import Motion
+    from hjsolve.trajectory.dense import Dense
+
+_LOST = 16 * 2.0**-53
+"""What the rounding of a place may do to a velocity, relative to it, before it is worked out in two doubles."""
+Places = Mapping[str, Pair]
+
+
+def blurred(motion: Motion, q: Mapping[str, Any], p: Mapping[str, Any]) -> Any:
+    """Where some velocity in doubles is far from rounded well, because of the rounding of places and constants.
+
+    Args:
+        motion: the motion.
+        q, p: coordinates and momenta in doubles, shape (m,).
+
+    Returns:
+        Array of bools, shape (m,).
+    """
+    formulas = tuple(velocities(motion.solution.system).values())
+    variables, arrays, fixed = _arguments(motion, q, p)
+    places = len(arrays) - len(p)
+    inputs = [Rounded(x, 2.0**-53 * np.abs(x) if k < places else None) for k, x in enumerate(arrays)]
+    inputs += [Rounded(float(x), 2.0**-53 * abs(float(x))) for x in (to_bits(value)(64) for value in fixed.values())]
+    with np.errstate(all="ignore"):
+        found = tape_of(formulas, (*variables, *fixed)).run(Running(Float64()), inputs)
+        lost = [0.0 if x.error is None else x.error > _LOST * np.abs(x.value) for x in found]
+    return np.any(np.broadcast_arrays(*lost, np.zeros(arrays[0].shape, dtype=bool)), axis=0)
+
+
+def blurs(motion: Motion, course: Course) -> bool:
+    """Whether a motion with one separated coordinate comes to places where its velocities are blurred."""
+    system, name = motion.solution.system, motion.solution.coordinates[0]
+    χ = np.linspace(0, np.pi, 65) if isinstance(course, Bounded) else np.linspace(-1, 1, 65)
+    q, p = {}, {}
+    q[name], p[name] = course.place(χ)
+    for c in system.coordinates:
+        if c.name != name:
+            exact = (motion.initial.values[s] for s in (c.symbol, c.momentum))
+            q[c.name], p[c.name] = (float(to_bits(value)(64)) + 0 * χ for value in exact)
+    return bool(blurred(motion, q, p).any())
+
+
+def _arguments(
+    motion: Motion, q: Mapping[str, Any], p: Mapping[str, Any]
+) -> tuple[list[sp.Symbol], list[Any], dict[sp.Symbol, sp.Expr]]:
+    """Symbols and arrays of what varies, places before momenta, and exact values of the rest."""
+    coordinates = motion.solution.system.coordinates
+    variables = [c.symbol for c in coordinates if c.name in q] + [c.momentum for c in coordinates if c.name in p]
+    arrays = [q[c.name] for c in coordinates if c.name in q] + [p[c.name] for c in coordinates if c.name in p]
+    return variables, arrays, {s: v for s, v in motion.initial.values.items() if s not in variables}
+
+
+def places(motion: Motion, courses: list[Course], χ: list[Any]) -> tuple[dict[str, Pair], dict[str, Any]]:
+    """Separated coordinates in two doubles, and their shell momenta, at phases in doubles."""
+    q, shell = {}, {}
+    for name, course, phase in zip(motion.solution.coordinates, courses, χ, strict=True):
+        rough, shell[name] = course.place(phase)
+        q[name] = _place(course, phase, rough)
+    return q, shell
+
+
+def _place(course: Course, χ: Any, rough: Any) -> Pair:
+    if isinstance(course, Frozen):
+        rest = split(course.rest)
+        return Pair(rest.high + 0 * χ, rest.low + 0 * χ)
+    if isinstance(course, Open):
+        return _open_place(course, χ)
+    if not course.anomaly.even:
+        return Pair(rough, 0 * rough)
+    return beside(course, *distances(course, χ))
+
+
+def distances(course: Bounded, χ: Any) -> tuple[Any, Any]:
+    """Distances from the lower and from the upper turning point of a libration, each with its relative accuracy."""
+    place = rounded(course.anomaly).place(χ - 2 * np.pi * np.rint(χ / (2 * np.pi)), Float64())
+    return place.below, place.above
+
+
+def grain(course: Course, χ: Any) -> Any:
+    """The size that the rounding of a place in two doubles refers to."""
+    if isinstance(course, Frozen):
+        return 0.0 * χ
+    if isinstance(course, Open):
+        return np.abs(course.place(χ)[0] - float(course.ahead.way.start))
+    return np.minimum(*distances(course, χ)) if course.anomaly.even else np.abs(course.place(χ)[0]) + np.pi
+
+
+def beside(course: Bounded, below: Any, above: Any) -> Pair:
+    """The place at these distances from the turning points, in two doubles: the nearer one and its distance."""
+    anomaly = course.anomaly
+    assert isinstance(anomaly, (Libration, Crested, Stretched))
+    a, b, low = split(anomaly.lower), split(anomaly.upper), below < above
+    end = Pair(np.where(low, a.high, b.high), np.where(low, a.low, b.low))
+    return _sum(end, np.where(low, below, -above))
+
+
+def _sum(base: Pair, more: Any) -> Pair:
+    s, e = two_sum(base.high, more)
+    return Pair(*two_sum(s, e + base.low))
+
+
+def _open_place(course: Open, χ: Any) -> Pair:
+    """Start or end of a branch and the distance from it."""
+    pairs = []
+    for branch in (course.ahead, course.behind):
+        way = float_way(branch.way)
+        x, left, _ = way.distances(np.abs(χ), Float64())
+        start, end = split(branch.way.start), split(branch.way.start + branch.way.side * branch.way.length)
+        from_start = _sum(Pair(start.high + 0 * χ, start.low + 0 * χ), way.side * x)
+        if left is None:
+            pairs.append(from_start)
+            continue
+        from_end = _sum(Pair(end.high + 0 * χ, end.low + 0 * χ), -way.side * left)
+        pairs.append(Pair(*(np.where(left < x, e, s) for s, e in zip(from_start, from_end, strict=True))))
+    ahead, behind = pairs
+    return Pair(*(np.where(χ >= 0, a, b) for a, b in zip(ahead, behind, strict=True)))
+
+
+def sharpened(
+    motion: Motion, courses: list[Course], χ: list[Any], q: Mapping[str, Any], v: Mapping[str, Any], where: Any
+) -> dict[str, Any]:
+    """Velocities, those of some times worked out in two doubles.
+
+    Args:
+        motion: the motion. courses: of its separated coordinates. χ: their phases in doubles.
+        q, v: coordinates and velocities in doubles, shape (m,).
+        where: which of them to work out anew, shape (m,).
+    """
+    exact, shell = places(motion, courses, [x[where] for x in χ])
+    return _put(motion, exact, shell, q, v, where)
+
+
+def sharpened_from_table(
+    motion: Motion, table: Dense, θ: Any, q: Mapping[str, Any], v: Mapping[str, Any], where: Any
+) -> dict[str, Any]:
+    """As ``sharpened``, from a table that holds the distances from both turning points; θ its argument."""
+    return _put(motion, *from_table(motion, table, θ[where]), q, v, where)
+
+
+def _put(
+    motion: Motion, exact: Places, shell: Mapping[str, Any], q: Mapping[str, Any], v: Mapping[str, Any], where: Any
+) -> dict[str, Any]:
+    rest = {name: values[where] for name, values in q.items() if name not in exact}
+    chosen = {name: f for name, f in velocities(motion.solution.system).items() if name in v}
+    result = {name: np.array(values) for name, values in v.items()}
+    for name, values in zip(chosen, worked_out(motion, tuple(chosen.values()), exact, shell, rest), strict=True):
+        result[name][where] = values
+    return result
+
+
+def from_table(motion: Motion, table: Dense, θ: Any) -> tuple[dict[str, Pair], dict[str, Any]]:
+    """As ``places``, from a table that holds the distances from both turning points; θ its argument."""
+    assert table.ends is not None
+    name = motion.solution.coordinates[0]
+    course = motion.located[name].course
+    assert isinstance(course, Bounded)
+    below, above, shell = table.table.evaluate([*table.ends, 1], θ)
+    return {name: beside(course, below, above)}, {name: shell}
+
+
+def worked_out(
+    motion: Motion, formulas: tuple[sp.Expr, ...], q: Places, shell: Mapping[str, Any], ignorable: Mapping[str, Any]
+) -> list[Any]:
+    """Formulas in coordinates and momenta in two doubles, rounded once.
+
+    Args:
+        motion: the motion.
+        formulas: what to work out.
+        q: separated coordinates in two doubles. shell: their shell momenta, with relative accuracy.
+        ignorable: the other coordinates, in doubles.
+
+    Returns:
+        One array a formula, of the shape of the places.
+    """
+    solution = motion.solution
+    pairs = {**q, **{name: Pair(x, 0 * x) for name, x in ignorable.items()}}
+    some = next(iter(pairs.values())).high
+    p = {}
+    for c in solution.system.coordinates:
+        if c.name in shell:
+            p[c.name] = Pair(shell[c.name], 0 * shell[c.name])
+            if solution.shift[c.name] != 0:
+                p[c.name] = Doubled().sub(p[c.name], _run(motion, (solution.shift[c.name],), pairs, {})[0])
+        else:
+            constant = _constant(motion.initial.values[c.momentum])
+            p[c.name] = Pair(constant.high + 0 * some, constant.low + 0 * some)
+    return [np.broadcast_to(v.high, some.shape) for v in _run(motion, formulas, pairs, p)]
+
+
+def _run(motion: Motion, formulas: tuple[sp.Expr, ...], q: Places, p: Places) -> list[Pair]:
+    variables, pairs, fixed = _arguments(motion, q, p)
+    tape = tape_of(formulas, (*variables, *fixed))
+    with np.errstate(all="ignore"):
+        return tape.run(Doubled(), [*pairs, *(_constant(value) for value in fixed.values())])
+
+
+@lru_cache(maxsize=256)
+def _constant(value: sp.Expr) -> Pair:
+    return split(to_bits(value)(160))
