@@ -103,8 +103,12 @@ class Deflated:
 
     def at(self, q: Any, from_lower: Any, from_upper: Any, divided: Any = False) -> Any:
         """Return R at complex places, in doubles; by a quotient where ``divided``."""
+        return np.where(divided, *self.both(q, from_lower, from_upper))
+
+    def both(self, q: Any, from_lower: Any, from_upper: Any) -> tuple[Any, Any]:
+        """Return R at complex places as a quotient and as a difference: either may have lost all digits."""
         value, second = self._run(_AtPoints(), q, from_lower, from_upper)
-        return -np.where(divided, value / (from_lower * from_upper), second)
+        return -value / (from_lower * from_upper), -second
 
     def _run(self, on: _Rules, q: Any, from_lower: Any, from_upper: Any) -> tuple[Any, Any]:
         one, zero = on.fixed(_ONE), on.fixed(Disk(np.complex128(0), np.float64(0)))

@@ -43,13 +43,13 @@ _WIDE = 0.7
 """Half width from which on the nodes are so few that a wider strip would cost more than it saves."""
 _FIRST, _ROWS, _HIGH = 0.85, 4, 0.7
 """Part of such a half width that is to be proved; rows of squares; part of it that is enough."""
-_CONE = 1.0
+_CONE, _EXPLAINED = 1.0, 0.6
 """Slope of the cone over an obstacle."""
 _COARSE, FINE = 0.15, 0.05
 """A square of that share of its height which cannot be decided bounds the strip; where many nodes are at stake."""
-_MOST_PLACES = 12
+_MOST_PLACES = 60
 """Rough places through which a phase is stretched; where there are more, the nodes are spaced evenly."""
-_MOST, _MOST_SEARCHED, _MOST_FOUND = 40000, 12000, 400
+_MOST, _MOST_SEARCHED, _MOST_FOUND = 40000, 40000, 4000
 """Squares evaluated before a strip is taken as it is, or a search for obstacles is given up; most obstacles."""
 
 
@@ -100,6 +100,12 @@ class Integrands:
         else:
             factor = self.squared[1].run(seen.q)[0]
         return [factor, *self.kernels[1].run(seen.q)]
+
+    def factors(self, seen: ComplexPlace) -> tuple[Any, ...]:
+        """Return R at points in every way it can be had; where terms cancel one of them may be nothing but rounding."""
+        if isinstance(self.squared, Deflated):
+            return self.squared.both(seen.q, seen.from_lower, -seen.to_upper)
+        return (self.squared[1].run(seen.q)[0],)
 
 
 def integrands(
@@ -233,7 +239,7 @@ def rough_places(subject: Integrands) -> list[tuple[float, float]] | None:
     """
     chosen: list[tuple[float, float]] = []
     for x, y in obstacles(subject) or []:
-        if y < 1 and all(y < 0.5 * math.hypot(_apart(x - other, subject), height) for other, height in chosen):
+        if y < 1 and all(y < _EXPLAINED * math.hypot(_apart(x - other, subject), height) for other, height in chosen):
             chosen.append((x, y))
     return chosen if len(chosen) <= _MOST_PLACES else None
 
@@ -262,9 +268,10 @@ def _foreseen(subject: Integrands) -> float:
     columns = 192 if isinstance(subject.anomaly, Stretched) else 12
     χ = np.linspace(begin, np.pi, turn * columns + 1) + 1j * _HEIGHTS[:, None]
     with np.errstate(all="ignore"):
-        factor = np.broadcast_to(subject.at(complex_place(subject.anomaly, χ))[0], χ.shape)
-        turns = np.sum(np.angle(factor[:, 1:] / factor[:, :-1]), axis=1)
-        clear = np.cumprod(np.isfinite(turns) & (np.abs(turns) < 1)).astype(bool)
+        ways = [np.broadcast_to(R, χ.shape) for R in subject.factors(complex_place(subject.anomaly, χ))]
+        turns = [np.sum(np.angle(R[:, 1:] / R[:, :-1]), axis=1) for R in ways]
+        calm = np.any([np.isfinite(t) & (np.abs(t) < 1) for t in turns], axis=0)
+        clear = np.cumprod(calm).astype(bool)
     found = float(np.max(_HEIGHTS[clear], initial=_HEIGHTS[0]))
     return found * _FIRST if found > _WIDE else found
 
