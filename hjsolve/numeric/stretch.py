@@ -3,7 +3,7 @@
 The anomalies of ``numeric.anomaly`` take care of the four branch points of p dq nearest to the motion. Where more
 come close (a wheel that just passes several crests, features of a potential) the new phase ψ grows like
 
-    dψ/dχ ~ (1 + Σₖ (sin²((χ − χₖ)/2) + δₖ²/4)^−2)^¼
+    dψ/dχ ~ (3⁴ + Σₖ (sin²((χ − χₖ)/2) + δₖ²/4)^−2)^¼
 
 with a rough place χₖ ± iδₖ for each (and its mirror image for an even anomaly): nearly the inverse of the distance to
 the nearest one, so that all of them are equally far from the real axis in ψ. The number of nodes is in proportion to
@@ -29,9 +29,10 @@ from hjsolve.numeric.fourier import at_midpoints
 from hjsolve.numeric.series import Series, midpoints
 
 _SAMPLES, _MOST_SAMPLES = 4096, 32768
-_STEPS = 12
+_STEPS, _ORDERS = 12, 12
+"""Newton steps; Legendre polynomials on a piece."""
 _BASE = 3.0
-_GAUSS = np.polynomial.legendre.leggauss(12)
+"""What keeps zeros that are as far from the real axis as they may be, 1 or so, as far in ψ as the rough places."""
 _LAST = 1e-4
 """Coefficients of dχ/dψ below that part of its least value are left out: they would not make the map a better one."""
 _NARROWEST = 1e-12
@@ -178,51 +179,72 @@ def stretched(inner: Inner, places: list[tuple[float, float]]) -> Stretched | No
 
 def _inverse_slope(places: list[tuple[float, float]], *, even: bool) -> Series | None:
     """dχ/dψ as a trigonometric polynomial in ψ; None where rounding would make it negative."""
-    table, levels = _table(places)
+    growth = _Growth.through(places)
     samples = _SAMPLES
-    while True:
-        ψ = 2 * np.pi * np.arange(samples) / samples - np.pi
-        values = levels[-1] / (2 * np.pi) / _density(_inverted((ψ + np.pi) / (2 * np.pi), table, levels, places), places)
+    while samples <= _MOST_SAMPLES:
+        share = np.arange(samples) / samples
+        values = growth.rate(share)
         waves = np.fft.rfft(np.roll(values, samples // 2)) / samples
         size = np.abs(waves[1:])
         top = int(np.max(np.nonzero(size > _LAST * np.min(values))[0], initial=0)) + 1
         if top <= samples // 4:
-            break
+            cosines, sines = 2 * waves.real[1 : top + 1], -2 * waves.imag[1 : top + 1]
+            slope = Series(1, cosines, None if even else sines, samples, 0.0)
+            good = np.abs(slope.value(2 * np.pi * share - np.pi) - values) < values / 4
+            return slope if np.all(good) else None
         samples *= 2
-        if samples > _MOST_SAMPLES:
-            return None
-    cosines, sines = 2 * waves.real[1 : top + 1], -2 * waves.imag[1 : top + 1]
-    slope = Series(1, cosines, None if even else sines, samples, 0.0)
-    return slope if np.all(np.abs(slope.value(ψ) - values) < values / 4) else None
+    return None
 
 
-def _table(places: list[tuple[float, float]]) -> tuple[Any, Any]:
-    """Phases χ that are dense at the rough places, and ∫ dψ from −π to each of them."""
+@dataclass(frozen=True)
+class _Growth:
+    """ψ(χ) in pieces that are shorter than the distance to the rough places.
+
+    Attributes:
+        edges: of the pieces, from −π to π. levels: ∫ dψ from −π to each of them.
+        rates: dψ/dχ on each piece, coefficients of Legendre polynomials, shape (pieces, orders).
+    """
+
+    edges: Any
+    levels: Any
+    rates: Any
+
+    @classmethod
+    def through(cls, places: list[tuple[float, float]]) -> _Growth:
+        edges = _edges(places)
+        nodes, weights = np.polynomial.legendre.leggauss(_ORDERS)
+        half = np.diff(edges) / 2
+        values = _density((edges[:-1] + half)[:, None] + half[:, None] * nodes, places)
+        k = np.arange(_ORDERS)
+        rates = (values * weights) @ np.polynomial.legendre.legvander(nodes, _ORDERS - 1) * (k + 0.5)
+        return cls(edges, np.concatenate([[0.0], np.cumsum(2 * half * rates[:, 0])]), rates)
+
+    def rate(self, share: Any) -> Any:
+        """dχ/dψ where a share of ψ's whole turn is reached, by Newton steps within a piece."""
+        goal = share * self.levels[-1]
+        piece = np.clip(np.searchsorted(self.levels, goal, side="right") - 1, 0, len(self.rates) - 1)
+        half = (self.edges[piece + 1] - self.edges[piece]) / 2
+        goal = (goal - self.levels[piece]) / half
+        rates = self.rates[piece].T
+        areas = np.polynomial.legendre.legint(rates, lbnd=-1)
+        t = goal / rates[0] - 1
+        for _ in range(_STEPS):
+            value = np.polynomial.legendre.legval(t, areas, tensor=False) - goal
+            t = np.clip(t - value / np.polynomial.legendre.legval(t, rates, tensor=False), -1, 1)
+            if np.all(np.abs(value) <= 1e-9 * goal[-1]):
+                break
+        return self.levels[-1] / (2 * np.pi) / np.polynomial.legendre.legval(t, rates, tensor=False)
+
+
+def _edges(places: list[tuple[float, float]]) -> Any:
+    """Phases between which ψ grows by about 1: closer to each other than to the rough places."""
     near = [χ + side * δ * 2.0 ** np.arange(-2, 4 - np.log2(δ), 0.5) for χ, δ in places for side in (-1, 1)]
-    centres = np.array([χ for χ, _ in places])
-    points = np.concatenate([np.linspace(-np.pi, np.pi, 65), centres, *near])
+    points = np.concatenate([np.linspace(-np.pi, np.pi, 65), [χ for χ, _ in places], *near])
     table = np.unique(np.concatenate([np.remainder(points + np.pi, 2 * np.pi) - np.pi, [np.pi]]))
-    return table, np.concatenate([[0.0], np.cumsum(_integral(table[:-1], table[1:], places))])
-
-
-def _integral(low: Any, high: Any, places: list[tuple[float, float]]) -> Any:
-    """∫ dψ between phases that are closer to each other than to the rough places, or nearly."""
-    half = (high - low) / 2
-    return half * (_density((low + high)[..., None] / 2 + half[..., None] * _GAUSS[0], places) @ _GAUSS[1])
-
-
-def _inverted(share: Any, table: Any, levels: Any, places: list[tuple[float, float]]) -> Any:
-    """The phases χ that are reached after a share of ψ, by Newton steps within an interval of the table."""
-    goal = share * levels[-1]
-    position = np.clip(np.searchsorted(levels, goal, side="right") - 1, 0, len(table) - 2)
-    first, last = table[position], table[position + 1]
-    χ = first + (last - first) * (goal - levels[position]) / (levels[position + 1] - levels[position])
-    for _ in range(_STEPS):
-        new = χ - (levels[position] + _integral(first, χ, places) - goal) / _density(χ, places)
-        χ, moved = np.clip(new, first, last), np.abs(new - χ)
-        if np.all(moved <= 1e-9 * (last - first)):
-            break
-    return χ
+    density = _density(table, places)
+    levels = np.concatenate([[0.0], np.cumsum(np.diff(table) * (density[1:] + density[:-1]) / 2)])
+    inner = np.interp(np.arange(1, np.ceil(levels[-1])), levels, table)
+    return np.concatenate([[-np.pi], inner, [np.pi]])
 
 
 def _density(χ: Any, places: list[tuple[float, float]]) -> Any:
