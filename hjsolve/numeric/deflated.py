@@ -32,6 +32,8 @@ class Points(Float64):
     """Complex doubles, where a few digits are enough."""
 
     def unary(self, name: str, x: Any) -> Any:
+        if name == "turned":
+            return 1j * x
         if name == "abs":  # the analytic function ±z
             return np.where(np.real(x) < 0, -x, x)
         if name == "sech":

@@ -114,7 +114,7 @@ def integrands(
     """Bind the formulas of a motion to its constants."""
     exact = radicand.inputs(bits)
     points, numbers = [_DISKS.point(x) for x in exact], [float(x) for x in exact]
-    squared, kernels = without_overflow(radicand.squared), without_overflow(radicand.kernels)
+    squared, kernels = (without_overflow(tape, packets=True) for tape in (radicand.squared, radicand.kernels))
     kernels = kernels.only(*(j for j, skip in enumerate(skipped) if not skip and "time" in parts))
     with np.errstate(all="ignore"):
         both = kernels.bind(_DISKS, points), kernels.bind(_POINTS, numbers)
