@@ -37,7 +37,7 @@ def over_the_best_map(start: Start, kind: Kind, maps: Iterator[Anomaly], digits:
         best = _better(best, _proved(start, anomaly, digits, bits))
         if best is not None and best[0] <= few * max(1.0, digits / 15) * (1 if anomaly.even else 2):
             break
-    if best is not None and best[0] > _MANY:
+    if best is not None and best[0] > _MOST * max(1.0, digits / 15):
         best = _better(best, _proved(start, best[1], digits, bits, resolution.FINE))
     if best is None:
         return _next_to_a_separatrix(start, kind, tried, digits, bits)

@@ -116,19 +116,27 @@ def _(anomaly: Stretched, phase: Any) -> ComplexPlace:
     sines = 0 * cosines if slope.sines is None else slope.sines.astype(complex)
     up, down = (cosines - 1j * sines) / 2, (cosines + 1j * sines) / 2  # of e^{ikψ} and e^{−ikψ}
     wave = np.exp(1j * phase)
-    χ = phase + _power_sum(up / (1j * k), wave) - _power_sum(down / (1j * k), 1 / wave)
-    χ = χ + np.sum((-1.0) ** k * sines / k)  # χ = π at ψ = π
-    rate = 1 + _power_sum(up, wave) + _power_sum(down, 1 / wave)
+    rising, rising_rate = _power_sums(np.stack([up / (1j * k), up]), wave)
+    falling, falling_rate = _power_sums(np.stack([down / (1j * k), down]), 1 / wave)
+    χ = phase + rising - falling + np.sum((-1.0) ** k * sines / k)  # χ = π at ψ = π
     place = complex_place(anomaly.inner, χ)
-    return place._replace(stretch=place.stretch * np.abs(rate))
+    return place._replace(stretch=place.stretch * np.abs(1 + rising_rate + falling_rate))
 
 
-def _power_sum(coefficients: Any, z: Any) -> Any:
-    """Sum cₖ zᵏ over k = 1, 2, …."""
-    total = np.zeros_like(z)
-    for c in coefficients[::-1]:
-        total = (total + c) * z
-    return total
+_AT_ONCE = 1024
+"""Places that are worked on together: they stay in the cache."""
+
+
+def _power_sums(coefficients: Any, z: Any) -> Any:
+    """Sum cₖ zᵏ over k = 1, 2, … for each row of coefficients, shape (rows, *z.shape), by Horner's rule."""
+    rows = len(coefficients)
+    total = np.zeros((rows, z.size), dtype=complex)
+    for first in range(0, z.size, _AT_ONCE):
+        part, sums = z.reshape(-1)[first : first + _AT_ONCE], total[:, first : first + _AT_ONCE]
+        for column in coefficients.T[::-1, :, None]:
+            sums += column
+            sums *= part
+    return total.reshape(rows, *z.shape)
 
 
 def _nearer(anomaly: Libration | Crested, from_lower: Any, to_upper: Any) -> Any:

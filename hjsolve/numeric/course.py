@@ -7,19 +7,19 @@ and what the integrals Gⱼ(χ) = ∫ kⱼ dq/p are, one for each constant of th
 
 from __future__ import annotations
 
-from collections.abc import Callable
+from collections.abc import Callable, Iterable
 from dataclasses import dataclass, replace
 from typing import Any, Literal
 
 import numpy as np
 
-from hjsolve.numeric.anomaly import Crested, Libration, Paired, Rotation
+from hjsolve.numeric.anomaly import Crested, Libration, Paired, Place, Rotation
 from hjsolve.numeric.arithmetic import Float64, Multi, multiprecision
 from hjsolve.numeric.branch import Branch
 from hjsolve.numeric.counting import count
 from hjsolve.numeric.panels import Panels, Way
 from hjsolve.numeric.radicand import Radicand
-from hjsolve.numeric.series import Series, fit, zero
+from hjsolve.numeric.series import Series, fit, midpoints, zero
 from hjsolve.numeric.stretch import Stretched, rounded
 
 Anomaly = Libration | Crested | Rotation | Paired | Stretched
@@ -294,10 +294,9 @@ def bounded(
     if not parts:
         empty = [zero() for _ in skipped]
         return Bounded(kind, anomaly, empty, zero(), None, start, radicand)
-    functions = integrands(anomaly, radicand, skipped, bits, parts)
-    *kernels, momentum, density = fit(
-        functions, even=anomaly.even, nodes=nodes, digits=digits, bits=bits, floors=_floors(radicand)
-    )
+    values = integrands(radicand, skipped, bits, parts)
+    rows = [values(place) for place in _places(anomaly, nodes, bits)]
+    *kernels, momentum, density = fit(rows, even=anomaly.even, digits=digits, bits=bits, floors=_floors(radicand))
     return Bounded(kind, anomaly, kernels, momentum, density.mean if "action" in parts else None, start, radicand)
 
 
@@ -305,14 +304,20 @@ def _floors(radicand: Radicand) -> list[float]:
     return [0.0] * len(radicand.kernels.outputs) + [1.0, 0.0]
 
 
+def _places(anomaly: Anomaly, nodes: int, bits: int) -> Iterable[Place]:
+    arithmetic = Multi(bits)
+    if isinstance(anomaly, Stretched):
+        return anomaly.places(nodes, arithmetic)
+    return (anomaly.place(χ, arithmetic) for χ in midpoints(nodes, even=anomaly.even, bits=bits))
+
+
 def integrands(
-    anomaly: Anomaly, radicand: Radicand, skipped: tuple[bool, ...], bits: int, parts: frozenset[str]
-) -> Callable[[Any], list[Any]]:
+    radicand: Radicand, skipped: tuple[bool, ...], bits: int, parts: frozenset[str]
+) -> Callable[[Place], list[Any]]:
     """kⱼ (dq/dψ)/p for each constant, ln(p/(dq/dχ)), and p dq/dψ, all regular functions of the phase ψ (mostly χ)."""
     arithmetic = Multi(bits)
 
-    def functions(χ: Any) -> list[Any]:
-        place = anomaly.place(χ, arithmetic)
+    def functions(place: Place) -> list[Any]:
         root = (radicand.value(place.q, bits) / place.product) ** 0.5
         kernels: list[Any] = [None] * len(skipped)
         if "time" in parts:

@@ -32,6 +32,8 @@ class Points(Float64):
     """Complex doubles, where a few digits are enough."""
 
     def unary(self, name: str, x: Any) -> Any:
+        if name == "turned":
+            return 1j * x
         if name == "abs":  # the analytic function ±z
             return np.where(np.real(x) < 0, -x, x)
         if name == "sech":
@@ -103,8 +105,12 @@ class Deflated:
 
     def at(self, q: Any, from_lower: Any, from_upper: Any, divided: Any = False) -> Any:
         """Return R at complex places, in doubles; by a quotient where ``divided``."""
+        return np.where(divided, *self.both(q, from_lower, from_upper))
+
+    def both(self, q: Any, from_lower: Any, from_upper: Any) -> tuple[Any, Any]:
+        """Return R at complex places as a quotient and as a difference: either may have lost all digits."""
         value, second = self._run(_AtPoints(), q, from_lower, from_upper)
-        return -np.where(divided, value / (from_lower * from_upper), second)
+        return -value / (from_lower * from_upper), -second
 
     def _run(self, on: _Rules, q: Any, from_lower: Any, from_upper: Any) -> tuple[Any, Any]:
         one, zero = on.fixed(_ONE), on.fixed(Disk(np.complex128(0), np.float64(0)))

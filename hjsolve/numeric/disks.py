@@ -248,10 +248,11 @@ def _inverse_function(name: str) -> Callable[[Disks, Disk], Disk]:
 
 _FUNCTIONS: dict[str, Callable[[Disks, Disk], Disk]] = {
     "neg": lambda _, x: _neg(x), "abs": _abs, "exp": _exp, "log": _log, "sqrt": _sqrt, "tan": _tan, "tanh": _tanh,
-    "sech": _sech,
+    "sech": _sech, "turned": lambda _, x: Disk(1j * x.centre, x.radius),
     **{name: _paired(name) for name in _PAIR}, **{name: _inverse_function(name) for name in _NUMPY},
 }  # fmt: skip
 _SLOPES: dict[str, Callable[[Disks, Disk], Disk]] = {
+    "turned": lambda _, x: Disk(1j + 0 * x.centre, 0 * x.radius),
     "abs": lambda _, x: _sign(x),
     "exp": _exp,
     "log": Disks.inverse,
@@ -271,6 +272,7 @@ _SLOPES: dict[str, Callable[[Disks, Disk], Disk]] = {
     "atanh": lambda d, x: d.inverse(_beside(d, x, -1.0)),
 }
 _BENDS: dict[str, Callable[[Disks, Disk], Disk]] = {
+    "turned": lambda _, x: Disk(0 * x.centre, 0 * x.radius),
     "abs": lambda d, x: d.times(_sign(x), 0.0),
     "exp": _exp,
     "log": lambda d, x: _neg(d.power(x, -2)),

@@ -68,6 +68,24 @@ def waves(values: list[Any], *, even: bool, bits: int) -> tuple[list[Any], list[
     return numbers(cosines), [] if even else numbers(sines)
 
 
+def at_midpoints(coefficients: list[tuple[int, int]], turn: int, work: int) -> Parts:
+    """Return Σₖ (uₖ + i vₖ) e^{ikψ}, k = 1, 2, …, at ψ = (2m + 1) π/turn for m = 0 … turn − 1.
+
+    Args:
+        coefficients: uₖ and vₖ, as multiples of 2^−work, as the sums will be.
+        turn: how many places; fast without a prime factor above 13.
+    """
+    re, im = [0] * turn, [0] * turn
+    x, y = _root(2 * turn, work)
+    c, s = x, -y  # e^{iπk/turn}, step by step
+    for k, (u, v) in enumerate(coefficients, 1):
+        re[k % turn] += (u * c - v * s) >> work
+        im[k % turn] -= (u * s + v * c) >> work  # the conjugate: what follows has the other sign in the exponent
+        c, s = (c * x + s * y) >> work, (s * x - c * y) >> work
+    re, im = _transformed(re, im, 1, _roots(turn, work), work)
+    return re, [-part for part in im]
+
+
 def _root(order: int, work: int) -> tuple[int, int]:
     """Cos and −sin of 2π/order."""
     context = multiprecision(work + _GUARD)

@@ -35,7 +35,7 @@ _MARGIN = 1.2
 """The radius of a map's image over the greatest distance seen at eight points of the edge."""
 _ROUNDING = 2.0**-40
 """Rounding of a value at a point, relative to the bound of the formula as it stands, with room to spare."""
-_HIGHEST, _LOWEST = 3.2, 1e-7
+_HIGHEST, _LOWEST = 3.2, 1e-9
 """Half widths of a strip that are tried: 12 nodes need no more than the highest."""
 _HEIGHTS = _HIGHEST * 0.85 ** np.arange(30)[::-1]
 """Half widths at which points are tried first."""
@@ -43,13 +43,13 @@ _WIDE = 0.7
 """Half width from which on the nodes are so few that a wider strip would cost more than it saves."""
 _FIRST, _ROWS, _HIGH = 0.85, 4, 0.7
 """Part of such a half width that is to be proved; rows of squares; part of it that is enough."""
-_CONE = 1.0
-"""Slope of the cone over an obstacle."""
+_EXPLAINED = 0.6
+"""What lies higher than that part of its distance from an obstacle is explained by it."""
 _COARSE, FINE = 0.15, 0.05
 """A square of that share of its height which cannot be decided bounds the strip; where many nodes are at stake."""
-_MOST_PLACES = 12
+_MOST_PLACES = 300
 """Rough places through which a phase is stretched; where there are more, the nodes are spaced evenly."""
-_MOST, _MOST_SEARCHED, _MOST_FOUND = 40000, 12000, 400
+_MOST, _MOST_SEARCHED, _MOST_FOUND = 40000, 40000, 4000
 """Squares evaluated before a strip is taken as it is, or a search for obstacles is given up; most obstacles."""
 
 
@@ -101,6 +101,12 @@ class Integrands:
             factor = self.squared[1].run(seen.q)[0]
         return [factor, *self.kernels[1].run(seen.q)]
 
+    def factors(self, seen: ComplexPlace) -> tuple[Any, ...]:
+        """Return R at points in every way it can be had; where terms cancel one of them may be nothing but rounding."""
+        if isinstance(self.squared, Deflated):
+            return self.squared.both(seen.q, seen.from_lower, -seen.to_upper)
+        return (self.squared[1].run(seen.q)[0],)
+
 
 def integrands(
     anomaly: Any, radicand: Radicand, skipped: tuple[bool, ...], parts: frozenset[str], bits: int
@@ -108,7 +114,7 @@ def integrands(
     """Bind the formulas of a motion to its constants."""
     exact = radicand.inputs(bits)
     points, numbers = [_DISKS.point(x) for x in exact], [float(x) for x in exact]
-    squared, kernels = without_overflow(radicand.squared), without_overflow(radicand.kernels)
+    squared, kernels = (without_overflow(tape, packets=True) for tape in (radicand.squared, radicand.kernels))
     kernels = kernels.only(*(j for j, skip in enumerate(skipped) if not skip and "time" in parts))
     with np.errstate(all="ignore"):
         both = kernels.bind(_DISKS, points), kernels.bind(_POINTS, numbers)
@@ -202,27 +208,37 @@ def obstacles(subject: Integrands) -> list[tuple[float, float]] | None:
         work += todo.x.size
         fine = np.isfinite(_sizes(subject, todo)[0]).all(axis=0)
         left = todo.chosen(~fine).beside(waiting)
-        above = _over(left, left.x + left.side / 2, left.y, left.side / 2, 0.0)
+        above = _straight_above(left)
         left, waiting = left.chosen(~above), left.chosen(above)
         hopeless = _hopeless(left)
         if work > _MOST_SEARCHED or found.shape[1] > _MOST_FOUND or np.any(left.y[hopeless] == 0):
             return None
         found = np.concatenate([found, np.stack([left.x + left.side / 2, left.y])[:, hopeless]], axis=1)
         todo = left.chosen(~hopeless).divided()
-        todo, waiting = (part.chosen(~_over(part, found[0], found[1], 0.0, _CONE)) for part in (todo, waiting))
+        todo, waiting = (part.chosen(~_in_a_cone(part, found)) for part in (todo, waiting))
         if not todo.x.size:
             todo, waiting = waiting, Squares.none()
     order = np.argsort(found[1])
     return [(float(x), float(y)) for x, y in found[:, order].T]
 
 
-def _over(squares: Squares, x: Any, y: Any, half: Any, cone: float) -> Any:
-    """True for squares above one of the places (x ± half, y), or above the cone over it."""
-    beside = np.abs(squares.x + squares.side / 2 - x[:, None])
-    rise = squares.y - y[:, None]
-    if cone:
-        return (rise > cone * beside).any(axis=0)
-    return ((rise > 0) & (beside < 0.99 * (squares.side / 2 + np.reshape(half, (-1, 1))))).any(axis=0)
+def _straight_above(squares: Squares) -> Any:
+    """True for squares that have another one of them straight below."""
+    middle = squares.x + squares.side / 2
+    beside, rise = np.abs(middle - middle[:, None]), squares.y - squares.y[:, None]
+    return ((rise > 0) & (beside < 0.495 * (squares.side + squares.side[:, None]))).any(axis=0)
+
+
+def _in_a_cone(squares: Squares, found: Any) -> Any:
+    """True for squares that lie in the cone over one of the obstacles found: y − yₖ > |x − xₖ|."""
+    if not found.shape[1]:
+        return np.zeros(squares.x.shape, dtype=bool)
+    x, y = found[:, np.argsort(found[0])]
+    rising = np.concatenate([[np.inf], np.minimum.accumulate(y - x)])
+    falling = np.concatenate([np.minimum.accumulate((y + x)[::-1])[::-1], [np.inf]])
+    middle = squares.x + squares.side / 2
+    at = np.searchsorted(x, middle)
+    return squares.y > np.minimum(rising[at] + middle, falling[at] - middle)
 
 
 def rough_places(subject: Integrands) -> list[tuple[float, float]] | None:
@@ -231,16 +247,16 @@ def rough_places(subject: Integrands) -> list[tuple[float, float]] | None:
     Returns:
         (χₖ, δₖ), the distance from the real axis below 1; None where they are too many or cannot be told in doubles.
     """
-    chosen: list[tuple[float, float]] = []
-    for x, y in obstacles(subject) or []:
-        if y < 1 and all(y < 0.5 * math.hypot(_apart(x - other, subject), height) for other, height in chosen):
-            chosen.append((x, y))
-    return chosen if len(chosen) <= _MOST_PLACES else None
+    x, y = np.zeros(0), np.zeros(0)
+    for χ, height in obstacles(subject) or []:
+        if height < 1 and not np.any(height > _EXPLAINED * np.hypot(_apart(χ - x, subject), y)):
+            x, y = np.append(x, χ), np.append(y, height)
+    return list(zip(x.tolist(), y.tolist(), strict=True)) if len(x) <= _MOST_PLACES else None
 
 
-def _apart(x: float, subject: Integrands) -> float:
+def _apart(x: Any, subject: Integrands) -> Any:
     """The distance of two phases of a circle."""
-    return abs(x) if subject.anomaly.even else abs(math.remainder(x, 2 * math.pi))
+    return np.abs(x) if subject.anomaly.even else np.abs(np.remainder(x + np.pi, 2 * np.pi) - np.pi)
 
 
 def _covering(subject: Integrands, height: float) -> Squares:
@@ -262,9 +278,10 @@ def _foreseen(subject: Integrands) -> float:
     columns = 192 if isinstance(subject.anomaly, Stretched) else 12
     χ = np.linspace(begin, np.pi, turn * columns + 1) + 1j * _HEIGHTS[:, None]
     with np.errstate(all="ignore"):
-        factor = np.broadcast_to(subject.at(complex_place(subject.anomaly, χ))[0], χ.shape)
-        turns = np.sum(np.angle(factor[:, 1:] / factor[:, :-1]), axis=1)
-        clear = np.cumprod(np.isfinite(turns) & (np.abs(turns) < 1)).astype(bool)
+        ways = [np.broadcast_to(R, χ.shape) for R in subject.factors(complex_place(subject.anomaly, χ))]
+        turns = [np.sum(np.angle(R[:, 1:] / R[:, :-1]), axis=1) for R in ways]
+        calm = np.any([np.isfinite(t) & (np.abs(t) < 1) for t in turns], axis=0)
+        clear = np.cumprod(calm).astype(bool)
     found = float(np.max(_HEIGHTS[clear], initial=_HEIGHTS[0]))
     return found * _FIRST if found > _WIDE else found
 

@@ -7,7 +7,7 @@ The coefficients of an analytic periodic function fall geometrically; how many a
 
 from __future__ import annotations
 
-from collections.abc import Callable, Sequence
+from collections.abc import Sequence
 from dataclasses import dataclass
 from typing import Any
 
@@ -89,28 +89,25 @@ def constant(value: Any) -> Series:
     return Series(value, np.zeros(0), None, 1, 0.0)
 
 
+def midpoints(nodes: int, *, even: bool, bits: int) -> list[Any]:
+    """Return the middles of equal parts of half a turn (a whole turn where nothing is even), as ``mpf``."""
+    context = multiprecision(bits)
+    step = context.pi / nodes if even else 2 * context.pi / nodes
+    return [step * (2 * m + 1) / 2 for m in range(nodes)]
+
+
 def fit(
-    function: Callable[[Any], list[Any]],
-    *,
-    even: bool,
-    nodes: int,
-    bits: int,
-    digits: int = 15,
-    floors: Sequence[float] = (),
+    rows: Sequence[list[Any]], *, even: bool, bits: int, digits: int = 15, floors: Sequence[float] = ()
 ) -> list[Series]:
-    """Represent periodic functions by series with a given number of nodes; ``resolution`` proves how many are enough.
+    """Represent periodic functions by series; ``resolution`` proves how many nodes are enough.
 
     Args:
-        function: χ (``mpf``) ↦ values of all functions there; None for one that is zero everywhere.
+        rows: the values of all functions (``mpf``) at each of the midpoints; None for one that is zero everywhere.
         even: True when all are even in χ: half the nodes serve.
-        nodes: equally spaced, over half a turn where all are even.
         bits: working precision.
         digits: relative digits wanted (of the largest value of each): 15 or fewer keep coefficients in doubles.
         floors: size below which a function counts as that size (1 for a logarithm), one a function.
     """
-    context = multiprecision(bits)
-    step = context.pi / nodes if even else 2 * context.pi / nodes
-    rows = [function(step * (2 * m + 1) / 2) for m in range(nodes)]
     floors = floors or [0.0] * len(rows[0])
     return [_one([row[j] for row in rows], even, digits, bits, floors[j]) for j in range(len(rows[0]))]
 

@@ -1,19 +1,21 @@
 """A second change of variable where the elliptic anomaly alone would need too many nodes.
 
 The anomalies of ``numeric.anomaly`` take care of the four branch points of p dq nearest to the motion. Where more
-come close (a wheel that just passes several crests) the new phase ψ grows like
+come close (a wheel that just passes several crests, features of a potential) the new phase ψ grows like
 
-    dψ/dχ ~ 1 + Σₖ cₖ / √(sin²((χ − χₖ)/2) + δₖ²/4)
+    dψ/dχ ~ (3⁴ + Σₖ (sin²((χ − χₖ)/2) + δₖ²/4)^−2)^¼
 
-with a rough place χₖ ± iδₖ for each (and its mirror image for an even anomaly), which spreads a square-root singularity
-evenly. Its integral is 2 sin u R_F(δ² cos² u, δ², δ² + sin² u), u = (χ − χₖ)/2 and δ = δₖ/2 (Carlson's form; DLMF
-19.25.5): nothing cancels. The map used is a trigonometric polynomial close to the inverse, χ = ψ + Σ (cₖ/k) sin kψ …
+with a rough place χₖ ± iδₖ for each (and its mirror image for an even anomaly): nearly the inverse of the distance to
+the nearest one, so that all of them are equally far from the real axis in ψ. The number of nodes is in proportion to
+the integral of that, 2 log(8/δₖ) for a lonely place; a crowd of places costs little more than one of them.
+The map used is a trigonometric polynomial close to the inverse, χ = ψ + Σ (cₖ/k) sin kψ …
 with coefficients that are doubles, taken as exact numbers: any such map with dχ/dψ > 0 leaves the integrals what they
 are, so it need not be known better than that.
 """
 
 from __future__ import annotations
 
+from collections.abc import Iterator
 from dataclasses import dataclass, fields, replace
 from fractions import Fraction
 from functools import cached_property, lru_cache
@@ -23,10 +25,14 @@ import numpy as np
 
 from hjsolve.numeric.anomaly import Crested, Libration, Paired, Place, Rotation, as_float
 from hjsolve.numeric.arithmetic import Float64, Multi
-from hjsolve.numeric.series import Series
+from hjsolve.numeric.fourier import at_midpoints
+from hjsolve.numeric.series import Series, midpoints
 
-_SAMPLES = 4096
-_STEPS = 60
+_SAMPLES, _MOST_SAMPLES = 4096, 32768
+_STEPS, _ORDERS = 12, 12
+"""Newton steps; Legendre polynomials on a piece."""
+_BASE = 3.0
+"""What keeps zeros that are as far from the real axis as they may be, 1 or so, as far in ψ as the rough places."""
 _LAST = 1e-4
 """Coefficients of dχ/dψ below that part of its least value are left out: they would not make the map a better one."""
 _NARROWEST = 1e-12
@@ -82,6 +88,18 @@ class Stretched:
         """Return the place at ψ, |ψ| ≤ 2π."""
         χ, rate = self.unstretched(ψ, arithmetic)
         return self.inner.place(χ, arithmetic)._replace(rate=rate)
+
+    def places(self, nodes: int, arithmetic: Multi) -> Iterator[Place]:
+        """Yield the places at the midpoints of equal parts of half a turn (of a turn where it is not even)."""
+        bits, context = arithmetic.bits + 32, arithmetic.context
+        waves = self._fixed(bits)[::-1]
+        shift = sum(s if k % 2 == 0 else -s for k, (_, s) in enumerate(waves, 1))
+        turn = 2 * nodes if self.even else nodes
+        _, moved = at_midpoints([(c, -s) for c, s in waves], turn, bits)
+        rates, _ = at_midpoints([(k * c, -k * s) for k, (c, s) in enumerate(waves, 1)], turn, bits)
+        for ψ, v, du in zip(midpoints(nodes, even=self.even, bits=arithmetic.bits), moved, rates, strict=False):
+            place = self.inner.place(ψ + context.mpf(v + shift) * context.mpf(2) ** -bits, arithmetic)
+            yield place._replace(rate=1 + context.mpf(du) * context.mpf(2) ** -bits)
 
     def unstretched(self, ψ: Any, arithmetic: Float64 | Multi) -> tuple[Any, Any]:
         """Return χ(ψ) and dχ/dψ."""
@@ -160,69 +178,77 @@ def stretched(inner: Inner, places: list[tuple[float, float]]) -> Stretched | No
 
 def _inverse_slope(places: list[tuple[float, float]], *, even: bool) -> Series | None:
     """dχ/dψ as a trigonometric polynomial in ψ; None where rounding would make it negative."""
-    ψ = 2 * np.pi * np.arange(_SAMPLES) / _SAMPLES - np.pi
-    χ = _inverted(ψ, places)
-    values = 1 / _stretching(χ, places)[1]
-    waves = np.fft.rfft(np.roll(values, _SAMPLES // 2)) / _SAMPLES
-    size = np.abs(waves[1:])
-    top = int(np.max(np.nonzero(size > _LAST * np.min(values))[0], initial=0)) + 1
-    if top > _SAMPLES // 4:
-        return None
-    cosines, sines = 2 * waves.real[1 : top + 1], -2 * waves.imag[1 : top + 1]
-    slope = Series(1, cosines, None if even else sines, _SAMPLES, 0.0)
-    return slope if np.all(np.abs(slope.value(ψ) - values) < values / 4) else None
+    growth = _Growth.through(places)
+    samples = _SAMPLES
+    while samples <= _MOST_SAMPLES:
+        share = np.arange(samples) / samples
+        values = growth.rate(share)
+        waves = np.fft.rfft(np.roll(values, samples // 2)) / samples
+        size = np.abs(waves[1:])
+        top = int(np.max(np.nonzero(size > _LAST * np.min(values))[0], initial=0)) + 1
+        if top <= samples // 4:
+            cosines, sines = 2 * waves.real[1 : top + 1], -2 * waves.imag[1 : top + 1]
+            slope = Series(1, cosines, None if even else sines, samples, 0.0)
+            good = np.abs(slope.value(2 * np.pi * share - np.pi) - values) < values / 4
+            return slope if np.all(good) else None
+        samples *= 2
+    return None
 
 
-def _inverted(ψ: Any, places: list[tuple[float, float]]) -> Any:
-    """Solve ψ(χ) = ψ by Newton steps from a table that is fine at the rough places."""
-    near = [χ + side * δ * 2.0 ** np.arange(-3, 4 - np.log2(δ), 0.25) for χ, δ in places for side in (-1, 1)]
-    table = np.unique(np.clip(np.concatenate([np.linspace(-np.pi, np.pi, 257), *near]), -np.pi, np.pi))
-    levels = _stretching(table, places)[0]
-    position = np.clip(np.searchsorted(levels, ψ) - 1, 0, len(table) - 2)
-    low, high = table[position], table[position + 1]
-    χ = (low + high) / 2
-    for _ in range(_STEPS):
-        value, rate = _stretching(χ, places)
-        low, high = np.where(value < ψ, χ, low), np.where(value > ψ, χ, high)
-        new = χ - (value - ψ) / rate
-        new = np.where((new >= low) & (new <= high), new, (low + high) / 2)
-        moved, χ = np.abs(new - χ), new
-        if np.all(np.minimum(moved * rate, moved / 4) < 1e-15):
-            break
-    return χ
+@dataclass(frozen=True)
+class _Growth:
+    """ψ(χ) in pieces that are shorter than the distance to the rough places.
+
+    Attributes:
+        edges: of the pieces, from −π to π. levels: ∫ dψ from −π to each of them.
+        rates: dψ/dχ on each piece, coefficients of Legendre polynomials, shape (pieces, orders).
+    """
+
+    edges: Any
+    levels: Any
+    rates: Any
+
+    @classmethod
+    def through(cls, places: list[tuple[float, float]]) -> _Growth:
+        edges = _edges(places)
+        nodes, weights = np.polynomial.legendre.leggauss(_ORDERS)
+        half = np.diff(edges) / 2
+        values = _density((edges[:-1] + half)[:, None] + half[:, None] * nodes, places)
+        k = np.arange(_ORDERS)
+        rates = (values * weights) @ np.polynomial.legendre.legvander(nodes, _ORDERS - 1) * (k + 0.5)
+        return cls(edges, np.concatenate([[0.0], np.cumsum(2 * half * rates[:, 0])]), rates)
+
+    def rate(self, share: Any) -> Any:
+        """dχ/dψ where a share of ψ's whole turn is reached, by Newton steps within a piece."""
+        goal = share * self.levels[-1]
+        piece = np.clip(np.searchsorted(self.levels, goal, side="right") - 1, 0, len(self.rates) - 1)
+        half = (self.edges[piece + 1] - self.edges[piece]) / 2
+        goal = (goal - self.levels[piece]) / half
+        rates = self.rates[piece].T
+        areas = np.polynomial.legendre.legint(rates, lbnd=-1)
+        t = goal / rates[0] - 1
+        for _ in range(_STEPS):
+            value = np.polynomial.legendre.legval(t, areas, tensor=False) - goal
+            t = np.clip(t - value / np.polynomial.legendre.legval(t, rates, tensor=False), -1, 1)
+            if np.all(np.abs(value) <= 1e-9 * goal[-1]):
+                break
+        return self.levels[-1] / (2 * np.pi) / np.polynomial.legendre.legval(t, rates, tensor=False)
 
 
-def _stretching(χ: Any, places: list[tuple[float, float]]) -> tuple[Any, Any]:
-    """ψ(χ), −π ↦ −π, π ↦ π, and dψ/dχ."""
-    total, slope = χ - 0.0, np.ones_like(χ)
+def _edges(places: list[tuple[float, float]]) -> Any:
+    """Phases between which ψ grows by about 1: closer to each other than to the rough places."""
+    near = [χ + side * δ * 2.0 ** np.arange(-2, 4 - np.log2(δ), 0.5) for χ, δ in places for side in (-1, 1)]
+    points = np.concatenate([np.linspace(-np.pi, np.pi, 65), [χ for χ, _ in places], *near])
+    table = np.unique(np.concatenate([np.remainder(points + np.pi, 2 * np.pi) - np.pi, [np.pi]]))
+    density = _density(table, places)
+    levels = np.concatenate([[0.0], np.cumsum(np.diff(table) * (density[1:] + density[:-1]) / 2)])
+    inner = np.interp(np.arange(1, np.ceil(levels[-1])), levels, table)
+    return np.concatenate([[-np.pi], inner, [np.pi]])
+
+
+def _density(χ: Any, places: list[tuple[float, float]]) -> Any:
+    """dψ/dχ, up to a constant."""
+    total = np.full_like(χ, _BASE**4)
     for place, width in places:
-        δ = width / 2
-        half = 2 * _carlson(np.array([0.0]), np.array([δ**2]), np.array([1 + δ**2]))[0]
-        weight = np.pi / half
-        growth = [_growth((x - place) / 2, δ, half) for x in (χ, np.array([-np.pi]))]
-        total = total + weight * (growth[0] - growth[1]) - 0.0
-        slope = slope + weight / np.sqrt(np.sin((χ - place) / 2) ** 2 + δ**2)
-    span = 1 + len(places)
-    return (total + np.pi) / span - np.pi, slope / span
-
-
-def _growth(u: Any, δ: float, half: float) -> Any:
-    """2 ∫₀ᵘ du/√(sin² u + δ²)."""
-    turns = np.rint(u / np.pi)
-    sine, cosine = np.sin(u), np.cos(u)
-    part = 2 * sine * _carlson((δ * cosine) ** 2, np.full_like(u, δ**2), δ**2 + sine**2)
-    return np.where(turns % 2 == 0, part, -part) + 2 * turns * half
-
-
-def _carlson(x: Any, y: Any, z: Any) -> Any:
-    """R_F by duplication (Carlson, Numer. Math. 33 (1979) 1), in doubles."""
-    for _ in range(60):
-        root = np.sqrt(x * y) + np.sqrt(y * z) + np.sqrt(z * x)
-        x, y, z = (x + root) / 4, (y + root) / 4, (z + root) / 4
-        mean = (x + y + z) / 3
-        if np.all(np.abs(x - mean) + np.abs(y - mean) + np.abs(z - mean) < 1e-3 * mean):
-            break
-    X, Y = 1 - x / mean, 1 - y / mean
-    Z = -X - Y
-    E2, E3 = X * Y - Z * Z, X * Y * Z
-    return (1 - E2 / 10 + E3 / 14 + E2 * E2 / 24 - 3 * E2 * E3 / 44) / np.sqrt(mean)
+        total += (np.sin((χ - place) / 2) ** 2 + width**2 / 4) ** -2
+    return total**0.25

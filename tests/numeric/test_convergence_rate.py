@@ -11,7 +11,7 @@ import hjsolve
 from hjsolve.numeric.anomaly import libration
 from hjsolve.numeric.arithmetic import Multi
 from hjsolve.numeric.course import PARTS, integrands
-from hjsolve.numeric.series import fit
+from hjsolve.numeric.series import fit, midpoints
 
 
 def swinging(amplitude):
@@ -28,8 +28,9 @@ def period_error(motion, nodes, below=None, above=None):
     anomaly = libration(
         a, b, None if below is None else below(a, b), None if above is None else above(a, b), arithmetic
     )
-    functions = integrands(anomaly, course.radicand, (False,), bits, PARTS)
-    mean = fit(functions, even=True, nodes=nodes, bits=bits)[0].mean
+    values = integrands(course.radicand, (False,), bits, PARTS)
+    rows = [values(anomaly.place(χ, arithmetic)) for χ in midpoints(nodes, even=True, bits=bits)]
+    mean = fit(rows, even=True, bits=bits)[0].mean
     with mpmath.workdps(110):
         exact = 2 * mpmath.ellipk(mpmath.sin(mpmath.mpf(b) / 2) ** 2) / mpmath.pi
         return abs(mpmath.mpf(mean) / exact - 1)
