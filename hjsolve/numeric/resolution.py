@@ -224,9 +224,18 @@ def obstacles(subject: Integrands) -> list[tuple[float, float]] | None:
 
 def _straight_above(squares: Squares) -> Any:
     """True for squares that have another one of them straight below."""
-    middle = squares.x + squares.side / 2
-    beside, rise = np.abs(middle - middle[:, None]), squares.y - squares.y[:, None]
-    return ((rise > 0) & (beside < 0.495 * (squares.side + squares.side[:, None]))).any(axis=0)
+    if not squares.x.size:
+        return np.zeros(0, dtype=bool)
+    unit = np.min(squares.side)
+    left = np.rint((squares.x - np.min(squares.x)) / unit).astype(np.int64)
+    edges = np.unique(np.concatenate([left, left + np.rint(squares.side / unit).astype(np.int64)]))
+    first = np.searchsorted(edges, left)
+    last = np.searchsorted(edges, left + np.rint(squares.side / unit).astype(np.int64))
+    spans = last - first  # of columns between neighbouring edges
+    columns = np.repeat(first - np.cumsum(spans) + spans, spans) + np.arange(np.sum(spans))
+    lowest = np.full(len(edges), np.inf)
+    np.minimum.at(lowest, columns, np.repeat(squares.y, spans))
+    return squares.y > np.minimum.reduceat(lowest, np.stack([first, last], axis=1).ravel())[::2]
 
 
 def _in_a_cone(squares: Squares, found: Any) -> Any:
