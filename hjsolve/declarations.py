@@ -157,7 +157,8 @@ def read_functions(given: object, coordinates: Iterable[str], names: Mapping[str
     for text in given:
         match = _APPLIED.fullmatch(text) if isinstance(text, str) else None
         if match is None:
-            raise InvalidSystemError(f"functions: {printable(repr(text))[:60]} is no function of coordinates; {example}")
+            shown = printable(repr(text))[:60]
+            raise InvalidSystemError(f"functions: {shown} is no function of coordinates; {example}")
         name, arguments = match[1], [a.strip() for a in match[2].split(",")]
         check_name(name, "function")
         if name in names or name in found:

@@ -10,11 +10,11 @@ for logarithms and inverse functions.
 **Algebraic functions.** On the compact curve to which f belongs, a cover of the t-line by at most K = Π q sheets (q the
 order of each root), f has at most K h(f) zeros unless it is the zero function, where the height h counts poles:
 h(t) = 1, h(f + g), h(fg) ≤ h(f) + h(g), h(1/f) = h(f), h(f^(1/q)) = h(f)/q. So f vanishes on a piece if it vanishes at
-more than K h(f) places of it, and at a rational place that is a question of algebraic numbers (``constants``). The signs
-of the roots on the piece are taken care of by the places themselves.
+more than K h(f) places of it, and at a rational place that is a question of algebraic numbers (``constants``). The
+signs of the roots on the piece are taken care of by the places themselves.
 
-**Logarithms and inverse functions** that occur with constant coefficients go away in the derivative; f vanishes on a piece
-if f′ does and f does at one place.
+**Logarithms and inverse functions** that occur with constant coefficients go away in the derivative; f vanishes on a
+piece if f′ does and f does at one place.
 """
 
 from __future__ import annotations

@@ -17,7 +17,7 @@ def test_a_potential_that_tells_turns_apart_is_refused_with_what_to_write(potent
 
 
 def test_a_kinetic_energy_that_tells_turns_apart_is_refused():
-    with pytest.raises(hjsolve.InvalidSystemError, match="kinetic: .*T changes"):
+    with pytest.raises(hjsolve.InvalidSystemError, match=r"kinetic: .*T changes"):
         system("0", "(2 + cos(a/2))*dot(a)**2")
 
 
