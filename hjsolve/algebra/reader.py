@@ -19,6 +19,7 @@ from . import poly
 from .constants import constant_is_zero
 from .elementary import INVERSE_CIRCULAR, INVERSE_HYPERBOLIC, at_one_place, circular_pair, composed
 from .field import MAX_POWER, Element, Field, Generator, Root
+from .intervals import NoEnclosureError, enclose
 from .logarithms import Logarithms
 from .poly import Budget, Poly, WorkLimitError
 from .relations import dependent
@@ -28,6 +29,8 @@ from .signs import Bounds, atom_bounds
 TRIGONOMETRIC = (sp.sin, sp.cos, sp.tan, sp.cot, sp.sec, sp.csc)
 HYPERBOLIC = (sp.sinh, sp.cosh, sp.tanh, sp.coth, sp.sech, sp.csch)
 MAX_MULTIPLE = 12
+MAX_SECONDS = 5.0
+"""Of processor time, for relations between generators of one variable in one field."""
 Pair = tuple[Element, Element]
 
 
@@ -58,6 +61,7 @@ class Reader:
         self._units: dict[tuple[str, sp.Expr], Fraction] = {}
         self._exponential: set[sp.Expr] = set()
         self._dependent: dict[sp.Expr, Element | None] = {}
+        self.seconds_for_relations = MAX_SECONDS
         self._logarithms = Logarithms(self)
         for expression in expressions:
             self._look_through(expression)
@@ -117,7 +121,7 @@ class Reader:
         if x.is_Symbol:
             return self._symbol(x)
         if x.is_Add:
-            if x.is_number and x.has(sp.Function) and constant_is_zero(at_one_place(x)):
+            if x.is_number and x.has(sp.Function) and _is_zero(x):
                 return self.field.zero
             return self.field.total([self.element(a) for a in x.args])
         if x.is_Mul:
@@ -294,6 +298,15 @@ class Reader:
         generators = self.field.generators
         terms = (sp.Mul(c, *[generators[k].atom ** e for k, e in poly.exponents(m)]) for m, c in a.items())
         return sp.Add(*terms)
+
+
+def _is_zero(x: sp.Expr) -> bool:
+    """Proof that a constant is zero."""
+    try:
+        lower, upper = enclose(x, {}, 64)
+    except NoEnclosureError:
+        return False
+    return lower <= 0 <= upper and constant_is_zero(at_one_place(x)) is True
 
 
 def _linear_terms(x: sp.Expr) -> list[tuple[sp.Expr, Fraction]]:

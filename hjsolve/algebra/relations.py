@@ -8,6 +8,7 @@ the generators there are. What fits is proved by ``one_variable``, ``several_var
 
 from __future__ import annotations
 
+import time
 from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
 from fractions import Fraction
@@ -29,7 +30,9 @@ if TYPE_CHECKING:
     from .reader import Reader
 
 DIGITS, MAX_DENOMINATOR, MAX_BASIS, MAX_NEIGHBOURS = 60, 720, 20, 5
-SECONDS = 1.5
+MAX_OPERATIONS, MAX_NUMBER, MAX_VARIABLES = 60, 10**9, 3
+MAX_COEFFICIENT, MAX_STEPS = 1000, 1000
+SECONDS = 6.0
 CHECKS = 4
 Place = dict[sp.Symbol, sp.Rational]
 
@@ -44,12 +47,23 @@ class _Term:
 
 def dependent(reader: Reader, g: Generator) -> Element | None:
     """The element of the field that equals a new generator on the domain, proved; None where none was found."""
+    start = time.process_time()
+    found = _dependent(reader, g)
+    reader.seconds_for_relations -= time.process_time() - start
+    return found
+
+
+def _dependent(reader: Reader, g: Generator) -> Element | None:
     symbols = sorted(g.atom.free_symbols, key=str)
     inverse = isinstance(g.atom, PRIMITIVES) and not isinstance(g.atom, sp.log)
-    if not (inverse or (g.kind == "root" and len(symbols) <= 1)) or not all(s.is_real for s in symbols):
+    if not (inverse or (g.kind == "root" and len(symbols) <= 1)):
         return None
     neighbours = _neighbours(reader, set(symbols), inverse=inverse)
-    if not neighbours:
+    if not neighbours or not _worth_while(reader, g, neighbours):
+        return None
+    held = (reader.field.generators[k].atom.free_symbols for k in neighbours)
+    symbols = sorted(g.atom.free_symbols.union(*held), key=str)
+    if len(symbols) > MAX_VARIABLES or not all(s.is_real for s in symbols):
         return None
     for factor, basis in _bases(reader, g, neighbours, inverse=inverse):
         places = [dict(zip(symbols, place, strict=True)) for place in _places(reader, symbols, len(basis) + CHECKS)]
@@ -65,14 +79,32 @@ def dependent(reader: Reader, g: Generator) -> Element | None:
     return None
 
 
+def _worth_while(reader: Reader, g: Generator, neighbours: Sequence[int]) -> bool:
+    """Whether a relation may be hoped for, and seconds are left for looking.
+
+    Roots of different primes are independent; numbers of many digits come from places, not from users.
+    """
+    if reader.seconds_for_relations < 0 or sp.count_ops(g.atom) > MAX_OPERATIONS:
+        return False
+    if any(max(abs(int(r.p)), int(r.q)) > MAX_NUMBER for r in g.atom.atoms(sp.Rational)):
+        return False
+    nested = (reader.field.generators[k] for k in neighbours)
+    return not (g.kind == "root" and g.atom.is_number) or any(_is_nested(h) for h in (g, *nested))
+
+
+def _is_nested(g: Generator) -> bool:
+    return g.root is not None and any(g.root.radicand)
+
+
 def _neighbours(reader: Reader, symbols: set[sp.Symbol], *, inverse: bool) -> list[int]:
-    """The generators of the same variables that a root, or an inverse function, may depend on; newest first."""
+    """The generators that a new one may depend on, newest first: of the same variable, inverse ones of any of them."""
     found = []
     for k, g in enumerate(reader.field.generators):
-        if g.atom.free_symbols != symbols or g.atom.has(sp.core.function.AppliedUndef):
+        own = g.atom.free_symbols
+        is_inverse = isinstance(g.atom, PRIMITIVES)
+        if g.atom.has(sp.core.function.AppliedUndef) or is_inverse != (inverse and g.kind != "symbol"):
             continue
-        is_inverse = isinstance(g.atom, PRIMITIVES) or g.atom is sp.pi
-        if is_inverse == inverse or (inverse and g.kind == "symbol"):
+        if own == symbols or (is_inverse and own & symbols):
             found.append(k)
     return found[::-1]
 
@@ -84,7 +116,7 @@ def _bases(
     field, one = reader.field, _Term(reader.field.one, sp.S.One)
     terms = [_Term(field.generator(k), field.generators[k].atom) for k in neighbours]
     if inverse:
-        others = [t for t in terms if t.expression is not sp.pi][: MAX_BASIS - 2]
+        others = terms[: MAX_BASIS - 2]
         if others or g.atom.is_number:
             yield one, [_Term(reader.element(sp.pi), sp.pi), *others]
         return
@@ -177,9 +209,9 @@ def _solved(rows: Sequence[Sequence[mpmath.mpf]], n: int) -> list[sp.Rational] |
 
 def _integer_relation(g: sp.Expr, basis: Sequence[_Term]) -> list[sp.Rational] | None:
     values = [v._to_mpmath(250) for v in (sp.N(x, DIGITS + 15) for x in (g, *(t.expression for t in basis)))]
-    if not all(isinstance(v, mpmath.mpf) for v in values):
+    if not all(isinstance(v, mpmath.mpf) and v for v in values):
         return None
-    relation = mpmath.pslq(values, maxcoeff=MAX_DENOMINATOR**2, maxsteps=4000)
+    relation = mpmath.pslq(values, maxcoeff=MAX_COEFFICIENT, maxsteps=MAX_STEPS)
     if relation is None or not relation[0]:
         return None
     return [sp.Rational(-c, relation[0]) for c in relation[1:]]

@@ -37,7 +37,8 @@ def separate(system: System, *, budget: float = DEFAULT_BUDGET) -> Verdict:
         ``Separation``, ``Obstruction`` (proved not to separate, with a witness) or ``Undecided``.
 
     Raises:
-        InvalidInputError: not a system, or a negative budget. What cannot be decided is a verdict, no error.
+        InvalidInputError: not a system, or a negative budget; or T or V divides by what is zero everywhere. What
+            cannot be decided is a verdict, no error.
     """
     arguments.refuse_other(system, System, "separate", A_SYSTEM)
     budget = arguments.seconds(budget, "budget")
