@@ -7,6 +7,8 @@ an ``AttributeError`` or ``TypeError`` from deep inside.
 from __future__ import annotations
 
 import math
+import re
+import unicodedata
 from collections.abc import Iterable, Mapping
 from numbers import Real
 from typing import Any
@@ -32,7 +34,7 @@ def refuse_other(value: Any, kinds: type | tuple[type, ...], source: str, needed
 
 
 def table(value: Any, source: str, example: str = '{"r": 1}') -> Mapping[str, Any]:
-    """A table name → value, None counting as empty.
+    """A table name → value, None counting as empty; Greek letters in names are spelled.
 
     Raises:
         InvalidInputError: it is no mapping.
@@ -40,7 +42,27 @@ def table(value: Any, source: str, example: str = '{"r": 1}') -> Mapping[str, An
     if value is None:
         return {}
     refuse_other(value, Mapping, source, f"a table name → value is needed, such as {example}")
-    return value
+    if all(not isinstance(name, str) or name.isascii() for name in value):
+        return value
+    return {ascii_name(name): item for name, item in value.items()}
+
+
+def ascii_name(name: Any) -> Any:
+    """A name with its Greek letters spelled: ``θ1`` is theta1, ``p_φ`` is p_phi, ``λ`` is lam, ``Ω`` is Omega.
+
+    Letters that have no such name are left as they are, and so is what is no text.
+    """
+    if not isinstance(name, str) or name.isascii():
+        return name
+    return "".join(map(_spelled_letter, unicodedata.normalize("NFKC", name)))
+
+
+def _spelled_letter(letter: str) -> str:
+    match = re.fullmatch(r"GREEK (SMALL|CAPITAL) LETTER ([A-Z]+)", unicodedata.name(letter, ""))
+    if match is None:
+        return letter
+    name = {"LAMDA": "lam"}.get(match[2], match[2].lower())
+    return name if match[1] == "SMALL" else {"lam": "Lambda"}.get(name, name.capitalize())
 
 
 def words(value: Any, source: str, example: str) -> frozenset[str]:
@@ -96,4 +118,4 @@ def described(value: Any) -> str:
     return shown if plain and len(shown) < 40 else f"a value of type {type(value).__name__}"
 
 
-__all__ = ["MOST_DIGITS", "described", "digits", "refuse_other", "seconds", "table", "whole", "words"]
+__all__ = ["MOST_DIGITS", "ascii_name", "described", "digits", "refuse_other", "seconds", "table", "whole", "words"]

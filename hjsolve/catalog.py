@@ -6,6 +6,7 @@ inline ``[system]`` table go through the same door.
 
 from __future__ import annotations
 
+import difflib
 from collections.abc import Iterable, Iterator, Mapping
 from importlib.resources import files
 from importlib.resources.abc import Traversable
@@ -152,6 +153,43 @@ def from_table(table: Mapping[str, Any], *, source: str = "system") -> System:
     return built
 
 
+def entry_of(system: System) -> Entry | None:
+    """Give the entry a system was loaded from; None where it has none or was changed since.
+
+    Args:
+        system: any system.
+    """
+    if not system.id or system.id not in ids():
+        return None
+    entry = describe(system.id)
+    return entry if entry.system == system else None
+
+
+def table_of(system: System) -> dict[str, Any]:
+    """Give a system as the table ``[system]`` that ``from_table`` reads back.
+
+    Args:
+        system: any system.
+
+    Example:
+        >>> from_table(table_of(load("kepler-planar"))) == load("kepler-planar")
+        True
+    """
+    table: dict[str, Any] = {
+        "coordinates": [{"name": c.name, "domain": c.domain.written(c.name)} for c in system.coordinates],
+        "kinetic": str(system.kinetic), "potential": str(system.potential),
+        "parameters": [
+            {"name": p.name, "assume": p.assume, "unit": p.unit, "meaning": p.meaning}
+            | ({} if p.value is None else {"value": str(p.value)})
+            for p in system.parameters
+        ],
+        "signature": system.signature, "title": system.title, "id": system.id,
+    }  # fmt: skip
+    if system.relativity is not None:
+        table["relativity"] = {"mass": str(system.relativity.mass), "light": str(system.relativity.light)}
+    return {key: value for key, value in table.items() if value not in ("", [])}
+
+
 def hamiltonian(entry: str | Path) -> LinearHamiltonian | None:
     """Give the solved H(q, p) of an entry that gives one, linear in p; None for an entry with T and V.
 
@@ -209,7 +247,18 @@ def _locate(entry: str | Path) -> tuple[Traversable, str]:
         if file.name == f"{entry}.toml":
             return file, file.name
     shown = printable(str(entry)[:40])
-    raise CatalogError(f'no catalog entry "{shown}"{schema.nearest(shown, ids())}')
+    raise CatalogError(f'no catalog entry "{shown}"{_alike(shown)}')
+
+
+def _alike(word: str) -> str:
+    """The entries that look most like a word, and where all are listed."""
+    known = ids()
+    close = difflib.get_close_matches(word, known, n=3, cutoff=0.6)
+    if close:
+        return f'; did you mean "{close[0]}"?' + (f' or {" or ".join(close[1:])}?' if close[1:] else "")
+    held = [name for name in known if len(word) > 2 and word.lower() in name]
+    near = held or difflib.get_close_matches(word, known, n=3, cutoff=0.0)
+    return f"; the nearest are {', '.join(near[:5])}; `hjsolve catalog` (hjsolve.catalog.ids()) lists all {len(known)}"
 
 
 def _kind(expect: Mapping[str, Any], outside: refusals.Refusal | None) -> str:
@@ -292,3 +341,13 @@ def _refused(source: str, problems: list[str]) -> CatalogError:
 def _one_line(error: Exception) -> str:
     return " ".join(str(error).split())
 
+
+__all__ = [
+    "Effect", "Entry", "InitialData", "Reference", "describe", "entry_of", "folder", "from_table", "hamiltonian", "ids",
+    "kind_of", "load", "read", "table_of", "titles",
+]  # fmt: skip
+
+
+def __dir__() -> list[str]:
+    """List what is public, without what this module needs itself."""
+    return sorted(__all__)

@@ -73,15 +73,19 @@ def check(solution: Solution, *, budget: float = 20.0) -> tuple[Check, ...]:
 def hamilton_jacobi_residual(solution: Solution) -> sp.Expr:
     """H(q, ∂W/∂q) − E, with every root squared away where it occurs squared; zero for a solution.
 
-    H is Legendre's transform of the system's own T and V (4-109)–(4-112), not of the shell.
+    H is Legendre's transform of the system's own T and V (4-109)–(4-112), not of the shell. Of a relativistic particle
+    H − V = c √(…) is a root itself, positive like E − V: there it is (H − V)² − (E − V)², (7-165), (7-170).
     """
     system, shell = solution.system, solution.separation.shell
     roots = {name: sp.Dummy(f"P_{name}") for name in solution.momentum_squared}
     momenta = {system.coordinate(n).momentum: solution.momenta[n] for n in solution.coordinates}
     momenta |= {system.coordinate(n).momentum: root - solution.shift[n] for n, root in roots.items()}
-    H = hamiltonian(system).xreplace(momenta)
     energy = shell.energy if solution.coordinates else shell.potential
-    return _squared_away(H, roots, solution) - energy
+    H = hamiltonian(system)
+    if system.relativity is not None:
+        square, other = sp.expand_mul((H - system.potential) ** 2), (energy - system.potential) ** 2
+        return _squared_away(sp.expand_mul(square.xreplace(momenta)), roots, solution) - other
+    return _squared_away(sp.expand_mul(H.xreplace(momenta)), roots, solution) - energy
 
 
 def _squared_away(H: sp.Expr, roots: dict[str, sp.Dummy], solution: Solution) -> sp.Expr:
@@ -176,7 +180,9 @@ def _decide(solution: Solution, name: str, statement: str, residuals: Iterable[s
 def _outcome(solution: Solution, residual: sp.Expr, budget: float) -> Outcome:
     if residual == 0:
         return "proved"
-    bounds = {**free_region(residual).bounds, **domain_bounds(solution.system)}
+    given = {p.symbol for p in solution.system.parameters}  # they take their values first: domains may end at them
+    free = {symbol: ends for symbol, ends in free_region(residual).bounds.items() if symbol not in given}
+    bounds = {**free, **domain_bounds(solution.system)}
     match is_zero(residual, Region(bounds, solution.system.defaults), budget=budget):
         case Zero():
             return "proved"

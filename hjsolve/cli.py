@@ -103,6 +103,7 @@ examples:
 examples:
   hjsolve catalog                       list all entries
   hjsolve catalog --kind refused        those that are refused; also --separable, --book C28
+  hjsolve catalog search "black hole"   entries that speak of it
   hjsolve catalog show kepler-planar    one entry: T, V, parameters, motions, effects, literature
   hjsolve catalog check my-system.toml  what is wrong with a file of your own""",
 }
@@ -128,8 +129,11 @@ def main(arguments: Sequence[str] | None = None) -> int:
         if hasattr(stream, "reconfigure"):
             stream.reconfigure(errors="backslashreplace")
     try:
-        options = parser().parse_args(_joined(sys.argv[1:] if arguments is None else arguments))
-        status = _run(options)
+        given = _joined(sys.argv[1:] if arguments is None else arguments)
+        if not given:
+            parser().print_help()
+            return BAD_INPUT
+        status = _run(parser().parse_args(given))
         sys.stdout.flush()
     except SystemExit as exit_request:  # argparse after --help and --version
         return exit_request.code if isinstance(exit_request.code, int) else ANSWER
@@ -166,6 +170,7 @@ _VALUED = {
     "--motion",
     "--digits",
     "--seconds",
+    "--title",
 }
 
 
@@ -287,8 +292,9 @@ def _add_report(kinds: _Commands) -> None:
         "-o", "--output", required=True, metavar="FILE", help="where to write; an existing file is replaced"
     )
     report.add_argument(
-        "--no-cost", dest="cost", action="store_false", help="leave out the section that measures accuracy against time"
-    )
+        "--cost", action=argparse.BooleanOptionalAction, default=False,
+        help="add a section that measures accuracy against time, in three seconds (default: no)",
+    )  # fmt: skip
     motion = report.add_argument_group("the motion (a catalog entry brings its own)")
     motion.add_argument("--motion", default="default", metavar="NAME", help="another motion of the catalog entry")
     motion.add_argument(
@@ -320,10 +326,14 @@ def _add_cost(kinds: _Commands) -> None:
     cost = _add(kinds, "cost", "what accuracy costs in time, measured", about)
     cost.add_argument("subject", metavar="SUBJECT", help="scene file, catalog id or .toml entry")
     cost.add_argument("--motion", default="default", metavar="NAME", help="another motion of the catalog entry")
-    cost.add_argument("--digits", metavar="N,N,…", help="digits beyond double precision (default 20,30,50,100)")
-    cost.add_argument("--seconds", type=float, default=60.0, metavar="S", help="budget for everything (default 60)")
+    cost.add_argument(
+        "--digits", metavar="N,N,…", help="digits beyond double precision (default 20,30,50, with 30 seconds 100 too)"
+    )
+    cost.add_argument("--seconds", type=float, default=20.0, metavar="S", help="budget for everything (default 20)")
     cost.add_argument("--no-rivals", action="store_true", help="leave DOP853 and heyoka out")
     cost.add_argument("-o", "--output", metavar="FILE", help="table and figure: .html .md .json .txt .tex, or .svg")
+
+
 def _add_sweep(kinds: _Commands) -> None:
     about = (
         "Compute the orbits that the table [sweep] of a scene declares: actions, frequencies, angles and the\n"
@@ -341,12 +351,15 @@ def _add_sweep(kinds: _Commands) -> None:
 
 
 def _add_catalog(kinds: _Commands) -> None:
-    about = "List the catalog of mechanical systems, show one entry, or check a file of your own."
+    about = "List the catalog of mechanical systems, search it, show one entry, or check a file of your own."
     catalog = _add(kinds, "catalog", "the systems that come with hjsolve", about)
     catalog.add_argument(
-        "action", nargs="?", choices=["list", "show", "check"], default="list", help="what to do (default: list)"
+        "action", nargs="?", choices=["list", "show", "search", "check"], default="list",
+        help="what to do (default: list)",
+    )  # fmt: skip
+    catalog.add_argument(
+        "entry", nargs="?", metavar="ENTRY", help="an id for show, words for search, a .toml file for check"
     )
-    catalog.add_argument("entry", nargs="?", metavar="ENTRY", help="an id for show, a .toml file for check")
     filters = catalog.add_argument_group("which entries to list")
     filters.add_argument("--separable", action="store_true", help="those that are solved: separable and extended")
     filters.add_argument("--kind", choices=["separable", "extended", "refused", "outside"], help="those of one kind")
@@ -375,10 +388,11 @@ def _system_arguments(command: argparse.ArgumentParser) -> None:
     )
     own.add_argument("-T", "--kinetic", metavar="FORMULA", help="kinetic energy, e.g. m/2*dot(x)**2")
     own.add_argument("-V", "--potential", metavar="FORMULA", help="potential energy (default 0)")
+    own.add_argument("--title", metavar="TEXT", help="what the system is called in the output")
     command.add_argument(
         "--parameter",
         action="append",
         default=[],
-        metavar="NAME[=VALUE]",
-        help="a parameter of your own system, or another value for one of the entry (repeat)",
+        metavar="NAME[=VALUE][:SIGN]",
+        help="a parameter of your own system, e.g. m=1:positive, or another value for one of the entry (repeat)",
     )

@@ -2,24 +2,20 @@
 
 from __future__ import annotations
 
-import re
 from argparse import Namespace
-from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
+from hjsolve import meant
 from hjsolve.errors import InvalidInputError, NotSeparableError
 
 if TYPE_CHECKING:
     from hjsolve.coordinates import NormalModes
     from hjsolve.hamiltonians import LinearHamiltonian
     from hjsolve.reports.document import Section, Text
-    from hjsolve.scenes import Scene
     from hjsolve.system import System
 
 ANSWER, REFUSED, BAD_INPUT, UNSETTLED, INTERRUPTED = 0, 1, 2, 3, 130
 """Exit statuses; see ``hjsolve.cli``."""
-
-_NAME = re.compile(r"\s*(\w+)\s*")
 
 
 def check(options: Namespace) -> int:
@@ -35,16 +31,16 @@ def check(options: Namespace) -> int:
     from hjsolve.reports.text import wrapped
     from hjsolve.separation import Separation, separate
 
-    if (problem := _hamiltonian(options)) is not None:
+    if (problem := meant.hamiltonian(options)) is not None:
         return _print_hamiltonian(problem, solved=False)
     try:
-        system = _system(options)
+        system = meant.system(options)
     except NotSeparableError as outside:  # a catalog entry that is no T and V: its reason is the answer
         print(wrapped((str(outside),)))
         return REFUSED
     verdict = separate(system)
     evidence = symbolic.evidence_section(verdict, lead=False)
-    sections: list[Section | None] = [symbolic.reduction_section(verdict), evidence]
+    sections: list[Section | None] = [meant.frame(options), symbolic.reduction_section(verdict), evidence]
     sections.append(
         quadratures.forms_section(verdict) if isinstance(verdict, Separation) else symbolic.refusal_section(verdict)
     )
@@ -63,14 +59,16 @@ def solve(options: Namespace) -> int:
     """
     from hjsolve import solution
     from hjsolve.reports import quadratures, symbolic
+    from hjsolve.reports.laws import laws_section
     from hjsolve.separation import Separation, separate
 
-    if (problem := _hamiltonian(options)) is not None:
+    if (problem := meant.hamiltonian(options)) is not None:
         return _print_hamiltonian(problem, solved=True)
-    system = _system(options)
+    system = meant.system(options)
     verdict = separate(system)
     if isinstance(verdict, Separation):
-        _print(system, [*quadratures.solution_sections(solution.solve(verdict))])
+        solved = solution.solve(verdict)
+        _print(system, [meant.frame(options, solved), *quadratures.solution_sections(solved), laws_section(solved)])
     else:
         evidence = [symbolic.evidence_section(verdict, lead=False), symbolic.refusal_section(verdict)]
         _print(system, evidence, symbolic.answer(verdict))
@@ -88,7 +86,7 @@ def coordinates(options: Namespace) -> int:
     """
     from hjsolve.reports import webs
 
-    system = _system(options)
+    system = meant.system(options)
     modes = _modes(system)
     if modes is not None and len(system.coordinates) not in {2, 3}:
         _print(system, [webs.modes_section(modes)], webs.modes_answer(modes))
@@ -124,26 +122,32 @@ def report(options: Namespace) -> int:
     Returns:
         The exit status.
     """
-    from hjsolve.cost_command import progress_bar
-    from hjsolve.reports.content import gather
-    from hjsolve.reports.write import checked_path, save, save_hamiltonian, save_scene
+    from hjsolve.reports.files import checked_path
 
     target = checked_path(options.output)
-    if (scene := _scene(options)) is not None:
+    from hjsolve.cost_command import progress_bar
+    from hjsolve.reports.content import gather
+    from hjsolve.reports.outside import outside_document
+    from hjsolve.reports.write import outside_entry, save, save_hamiltonian, save_scene, write_document
+
+    if (scene := meant.scene(options)) is not None:
         print(f"wrote {save_scene(scene, target, options.cost, progress_bar())}")
         return ANSWER
-    initial = _initial(options)
-    if _hamiltonian(options) is not None:
-        initial = initial or _own_motion(options)
+    if not options.coordinate and (outside := outside_entry(meant.located(options.system))) is not None:
+        print(f"wrote {write_document(outside_document(outside), target)}")
+        return REFUSED
+    initial = meant.initial(options)
+    if meant.hamiltonian(options) is not None:
+        initial = initial or meant.own_motion(options)
         told = {"initial": initial, "motion": options.motion, "digits": options.digits}
-        print(f"wrote {save_hamiltonian(_located(options.system), target, **told)}")
+        print(f"wrote {save_hamiltonian(meant.located(options.system), target, **told)}")
         return ANSWER
     subject: Any = options.system
     if options.coordinate or options.effect or options.system is None:
-        subject = _system(options)
+        subject = meant.system(options)
     if initial is None and options.system is not None:
-        initial = _own_motion(options)
-    material = gather(_located(subject), initial=initial, motion=options.motion, digits=options.digits)
+        initial = meant.own_motion(options)
+    material = gather(meant.located(subject), initial=initial, motion=options.motion, digits=options.digits)
     print(f"wrote {save(material, target, options.cost, progress_bar())}")
     return _status(material.verdict)
 
@@ -159,7 +163,7 @@ def cost(options: Namespace) -> int:
     """
     from hjsolve.cost_command import cost as measured
 
-    measured(options, _located(options.subject))
+    measured(options, meant.located(options.subject))
     return ANSWER
 
 
@@ -194,13 +198,15 @@ def catalog(options: Namespace) -> int:
             raise InvalidInputError(f"catalog list: takes no entry; write `hjsolve catalog show {options.entry}`")
         listing.entries(separable=options.separable, kind=options.kind, book=options.book)
         return ANSWER
+    if options.action == "search":
+        return _search(options)
     if options.separable or options.kind or options.book:
         raise InvalidInputError(f"catalog {options.action}: --separable, --kind and --book choose what is listed")
     if options.entry is None:
         raise InvalidInputError(
             f"catalog {options.action}: an entry is needed, e.g. `hjsolve catalog {options.action} kepler-planar`"
         )
-    entry = entries.describe(_located(options.entry))
+    entry = entries.describe(meant.located(options.entry))
     if options.action == "check":
         print(
             f"{options.entry}: a correct entry, {len(entry.motions)} motions, {len(entry.effects)} effects, "
@@ -211,154 +217,16 @@ def catalog(options: Namespace) -> int:
     return ANSWER
 
 
-# -------------------------------------------------------------------------------- the system that is meant
-def _hamiltonian(options: Namespace) -> LinearHamiltonian | None:
-    """The H(q, p) of the entry, where it gives one that is linear in p."""
-    if options.system is None or options.coordinate or options.kinetic or options.potential:
-        return None
-    from hjsolve import catalog as entries
-
-    problem = entries.hamiltonian(_located(options.system))
-    if problem is not None and options.effect:
-        raise InvalidInputError("--effect: an entry with H(q, p) has no effects; change its hamiltonian")
-    return problem
-
-
-def _system(options: Namespace) -> System:
-    from hjsolve import catalog as entries
-
-    own = bool(options.coordinate or options.kinetic or options.potential)
-    if own and options.system is not None:
-        raise InvalidInputError(
-            f"give the system {options.system} or one of your own with --coordinate and --kinetic, not both"
-        )
-    if own:
-        return _own_system(options)
-    if options.function:
-        raise InvalidInputError("--function belongs to a system of your own, with --coordinate and --kinetic")
-    if options.system is None:
-        raise InvalidInputError(
-            "which system? give a catalog id, a .toml file, or --coordinate and --kinetic (see --help)"
-        )
-    return entries.load(_located(options.system), effects=options.effect)
-
-
-def _own_system(options: Namespace) -> System:
-    from hjsolve.system import System
-
-    if not options.coordinate or not options.kinetic:
-        missing = "--coordinate" if not options.coordinate else "--kinetic"
-        raise InvalidInputError(
-            f"a system of your own needs {missing}, "
-            'e.g. --coordinate "x: line" --kinetic "m/2*dot(x)**2" --parameter m=1'
-        )
-    if options.effect:
-        raise InvalidInputError(
-            "--effect belongs to a catalog entry; write the term into --kinetic or --potential instead"
-        )
-    coordinates: dict[str, str] = {}
-    for text in options.coordinate:
-        name, colon, domain = text.partition(":")
-        if not colon or not name.strip() or not domain.strip():
-            raise InvalidInputError(
-                f'--coordinate "{text}": write a name, a colon and a domain, e.g. "x: line" or "r: 0 < r"'
-            )
-        _once(coordinates, name.strip(), "--coordinate")
-        coordinates[name.strip()] = domain.strip()
-    return System(
-        coordinates,
-        options.kinetic,
-        options.potential if options.potential is not None else "0",
-        _parameters(options.parameter),
-        functions=options.function,
-    )
-
-
-def _parameters(texts: list[str]) -> dict[str, str | None]:
-    found: dict[str, str | None] = {}
-    for text in texts:
-        name, equals, value = text.partition("=")
-        if not _NAME.fullmatch(name) or (equals and not value.strip()):
-            raise InvalidInputError(f'--parameter "{text}": write a name, or a name and a value, e.g. m or m=1')
-        _once(found, name.strip(), "--parameter")
-        found[name.strip()] = value.strip() if equals else None
-    return found
-
-
-def _values(texts: list[str], option: str) -> dict[str, str]:
-    found: dict[str, str] = {}
-    for text in texts:
-        name, equals, value = text.partition("=")
-        if not equals or not _NAME.fullmatch(name) or not value.strip():
-            raise InvalidInputError(f'{option} "{text}": write a name, an equals sign and a value, e.g. {option} r=1')
-        _once(found, name.strip(), option)
-        found[name.strip()] = value.strip()
-    return found
-
-
-def _once(found: dict[str, Any], name: str, option: str) -> None:
-    if name in found:
-        raise InvalidInputError(f'{option}: "{name}" is given twice')
-
-
-def _scene(options: Namespace) -> Scene | None:
-    """The scene that is meant, where the file given is one."""
-    from hjsolve.scenes import Scene, is_scene
-
-    if options.system is None or not is_scene(options.system):
-        return None
-    given = (options.coordinate, options.kinetic, options.potential, options.parameter, options.effect, options.q)
-    if any(given) or options.velocity or options.momentum:
-        raise InvalidInputError(f"{options.system}: a scene says everything itself; leave the other options out")
-    return Scene.load(options.system)
-
-
-def _initial(options: Namespace) -> dict[str, Any] | None:
-    """Initial data from the command line; None where there are none."""
-    if not (options.q or options.velocity or options.momentum):
-        return None
-    if not options.q or bool(options.velocity) == bool(options.momentum):
-        raise InvalidInputError("a motion needs --q and one of --velocity and --momentum, for every coordinate")
-    data: dict[str, Any] = {"q": _values(options.q, "--q")}
-    if options.velocity:
-        data["velocity"] = _values(options.velocity, "--velocity")
-    else:
-        data["p"] = _values(options.momentum, "--momentum")
-    if options.system is not None and options.parameter:
-        data["parameters"] = _given_values(options)
-    return data
-
-
-def _own_motion(options: Namespace) -> dict[str, Any] | None:
-    """The entry's own motion where its parameters or effects are changed; None where it is taken as it is."""
-    if not options.parameter and not options.effect:
-        return None
-    from hjsolve import catalog as entries
-
-    entry = entries.describe(_located(options.system))
-    if options.motion not in entry.motions:
-        raise InvalidInputError(
-            f'motion: {entry.id} has no motion "{options.motion}"; it has {", ".join(entry.motions) or "none"}'
-        )
-    data: dict[str, Any] = dict(entry.motions[options.motion].arguments)
-    return {**data, "parameters": {**data.get("parameters", {}), **_given_values(options)}}
-
-
-def _given_values(options: Namespace) -> dict[str, str]:
-    return _values(options.parameter, "--parameter")
-
-
-def _located(target: Any) -> Any:
-    """A path for a file, the text itself for an id; a helpful word for other files."""
-    if not isinstance(target, str) or target.endswith(".toml"):
-        return Path(target) if isinstance(target, str) else target
-    if Path(target).exists() and not re.fullmatch(r"[a-z0-9-]+", target):
-        kind = "a directory" if Path(target).is_dir() else "a file, but its name does not end in .toml"
-        raise InvalidInputError(f"{target}: is {kind}; give a catalog id or a .toml file")
-    return target
-
-
 # -------------------------------------------------------------------------------- printing
+def _search(options: Namespace) -> int:
+    from hjsolve import listing
+
+    if options.entry is None:
+        raise InvalidInputError('catalog search: words are needed, e.g. `hjsolve catalog search "black hole"`')
+    found = listing.search(options.entry, separable=options.separable, kind=options.kind, book=options.book)
+    return ANSWER if found else REFUSED
+
+
 def _status(verdict: Any) -> int:
     return {"Separation": ANSWER, "Obstruction": REFUSED, "Undecided": UNSETTLED}[type(verdict).__name__]
 
@@ -367,10 +235,12 @@ def _print(system: System, sections: list[Section | None], answer: Text = ()) ->
     from hjsolve.reports.boxes import Glyph, row
     from hjsolve.reports.notation import box
     from hjsolve.reports.plain import plain
+    from hjsolve.reports.prose import heading
     from hjsolve.reports.text import section_text, wrapped
 
     if system.title:
-        print(f"{system.title}  [{system.id}]" if system.id else system.title)
+        title = heading(system.title, system.symbols)
+        print(f"{title}  [{system.id}]" if system.id else title)
     equals = Glyph("=", "operator")
     for letter, energy in (("T", system.kinetic), ("V", system.potential)):
         print(f"    {plain(row(Glyph(letter), equals, box(energy)))}")

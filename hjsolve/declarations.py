@@ -10,6 +10,7 @@ from typing import Literal, get_args
 
 import sympy as sp
 
+from hjsolve import arguments
 from hjsolve.domains import Domain, read_domain
 from hjsolve.errors import InvalidSystemError
 from hjsolve.evaluation import CONTEXT, evaluate
@@ -81,6 +82,7 @@ def parameter(name: str, value: object = None, *, assume: str = "real", unit: st
         InvalidSystemError: the name cannot be used, the assumption is unknown, or the value does not satisfy it.
         ExpressionError: the value is not a number.
     """
+    name = arguments.ascii_name(name)
     check_name(name, "parameter")
     if name == "t":
         raise InvalidSystemError("parameter t: t is the time; T and V must not depend on it. Rename the constant")
@@ -117,7 +119,7 @@ def read_parameters(given: Mapping[str, object]) -> tuple[Parameter, ...]:
             f'parameters: expected a mapping such as {{"m": 1, "k": None}}, got {type(given).__name__}'
         )
     read = []
-    for name, value in given.items():
+    for name, value in arguments.table(given, "parameters").items():
         if isinstance(value, Parameter) and value.name != name:
             raise InvalidSystemError(f"parameters: {printable(str(name))[:40]} is given the parameter {value.name}")
         read.append(value if isinstance(value, Parameter) else parameter(name, value))
@@ -132,6 +134,7 @@ def read_coordinates(given: Mapping[str, object], parameters: tuple[Parameter, .
         )
     if not given:
         raise InvalidSystemError('coordinates: at least one is needed, such as {"x": "line"}')
+    given = arguments.table(given, "coordinates")
     for name in given:
         check_name(name, "coordinate")
     check_clashes([*given], [p.name for p in parameters])
@@ -205,6 +208,26 @@ def check_clashes(coordinates: list[str], parameters: list[str]) -> None:
     for name in (*coordinates, *parameters):
         if name.startswith("p_") and name[2:] in coordinates:
             raise InvalidSystemError(f"{name} is the name of the momentum of {name[2:]}; choose another name")
+
+
+def free_name(name: str, taken: Iterable[str]) -> str:
+    """A name that cannot be taken for one of those taken: underscores are added at its end, which print as primes.
+
+    Names that differ only in an underscore inside, r0 and r_0, are written alike.
+
+    Args:
+        name: the name wanted.
+        taken: names in use.
+    """
+    looks = {_looks(other) for other in taken}
+    while _looks(name) in looks:
+        name += "_"
+    return name
+
+
+def _looks(name: str) -> tuple[str, int]:
+    bare = name.rstrip("_")
+    return bare.replace("_", ""), len(name) - len(bare)
 
 
 def unknown(name: object, known: Iterable[str], role: str) -> InvalidSystemError:

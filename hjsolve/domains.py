@@ -9,6 +9,7 @@ from typing import Literal
 
 import sympy as sp
 
+from hjsolve.arguments import ascii_name
 from hjsolve.errors import InvalidSystemError
 from hjsolve.expressions import parse
 from hjsolve.tokens import nearest, printable
@@ -68,7 +69,7 @@ def read_domain(name: str, text: object, parameters: Mapping[str, sp.Expr]) -> D
     if re.search(r"[≤≥=]", word):
         advice = 'write "angle" for a full turn' if "2*pi" in word else "an end is never reached; write < or >"
         raise InvalidSystemError(f'domain of {name}: "{shown}" includes an end, and domains are open; {advice}')
-    sides = re.split(r"[<>]", word)
+    sides = [ascii_name(side.strip()) for side in re.split(r"[<>]", word)]
     signs = set(re.findall(r"[<>]", word))
     if len(sides) not in (2, 3) or len(signs) != 1 or not all(side.strip() for side in sides):
         near = nearest(word, ("line", "angle"))

@@ -18,6 +18,7 @@ from hjsolve.motion import Motion
 from hjsolve.numeric.arithmetic import Float64, Multi
 from hjsolve.state import Errors, State
 from hjsolve.system import momenta
+from hjsolve.trajectory.times import exact_numbers
 
 
 @dataclass(frozen=True, eq=False)
@@ -86,8 +87,7 @@ class FramedMotion:
 
 
 def _numbers(t: Any, shape: tuple[int, ...], digits: int) -> Any:
-    exact = [to_bits(number(x.item() if hasattr(x, "item") else x, source="t"))(int(3.33 * digits) + 64)
-             for x in np.ravel(np.array(t, dtype=object))]  # fmt: skip
+    exact = [to_bits(x)(int(3.33 * digits) + 64) for x in exact_numbers(t, "t")[1]]
     values = np.array([float(x) for x in exact]) if digits <= 15 else np.array(exact, dtype=object)
     return values.reshape(shape) if shape else values[0]
 

@@ -101,7 +101,7 @@ class Frame:
             velocity: of every original coordinate, or
             p: its canonical momentum.
             parameters: values that differ from the defaults.
-            t0: the initial time; it matters, since the original system holds the time.
+            t0: the initial time; it matters, since the original system contains the time.
             digits: relative digits wanted.
         """
         from hjsolve.framed import start
@@ -141,6 +141,16 @@ def load(entry: str | Path) -> Frame:
         return from_table(table, catalog.from_table(table, source=source), source)
     except InvalidSystemError as error:
         raise CatalogError(f"{source}: {error}") from error
+
+
+def of(entry: str | Path) -> Frame | None:
+    """The frame of a catalog entry; None where it declares none.
+
+    Raises:
+        CatalogError: as ``load``.
+    """
+    table, _ = catalog.read(entry)
+    return load(entry) if "frame" in table else None
 
 
 def from_table(table: Mapping[str, Any], system: System, source: str) -> Frame:

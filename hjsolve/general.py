@@ -23,6 +23,7 @@ from hjsolve.lowering import lower
 from hjsolve.numeric.arithmetic import Multi, multiprecision
 from hjsolve.numeric.estimate import Estimate
 from hjsolve.state import Errors, State
+from hjsolve.trajectory.times import exact_numbers
 
 _FLOAT_DIGITS, _GUARD_BITS, _LOST_BITS = 15, 96, 48
 
@@ -51,10 +52,10 @@ class LinearMotion:
 
     def at(self, t: Any) -> State:
         """Return the state at a time or at an array of times; NaN where the motion has left its domain."""
-        times = np.array(t, dtype=object)
-        rows = [self._state(number(x.item() if hasattr(x, "item") else x, source="t")) for x in times.ravel()]
+        shape, times = exact_numbers(t, "t")
+        rows = [self._state(time) for time in times]
         name = self.problem.coordinate.name
-        columns = [self._shaped(column, times.shape) for column in zip(*rows, strict=True)]
+        columns = [self._shaped(column, shape) for column in (zip(*rows, strict=True) if rows else [()] * 8)]
         q, p, v, turns, status, *errors = columns
         counts = {name: turns} if self.problem.coordinate.domain.kind == "angle" else {}
 

@@ -13,8 +13,10 @@ from __future__ import annotations
 
 from collections.abc import Mapping
 from dataclasses import dataclass
+from pathlib import Path
 from typing import Any
 
+import numpy as np
 import sympy as sp
 
 from hjsolve import arguments
@@ -24,7 +26,8 @@ from hjsolve.initial import parameter_values, to_bits
 from hjsolve.motion import Motion
 from hjsolve.numeric.arithmetic import multiprecision
 from hjsolve.solution import solve
-from hjsolve.system import A_SYSTEM, System, hamiltonian, kinetic_rest, linear_terms, mass_matrix, momenta
+from hjsolve.subjects import system_of
+from hjsolve.system import System, hamiltonian, kinetic_rest, linear_terms, mass_matrix, momenta
 
 LAMBDA = sp.Symbol("lambda")
 
@@ -94,20 +97,24 @@ class ModalMotion:
     motion: Motion
 
     def at(self, t: Any) -> tuple[dict[str, Any], dict[str, Any]]:
-        """Return q and p by coordinate at one time, ``mpf``."""
+        """Return q and p by coordinate, ``mpf``; object arrays shaped like the times where these are several."""
         names = [c.name for c in self.modes.system.coordinates]
         state, n = self.motion.at(t), len(names)
         context = multiprecision(_bits(self.modes.digits))
-        modal = [*state.q.values(), *state.p.values()]
-        z = self.modes.matrix * context.matrix([context.convert(x) for x in modal])
+        convert = context.convert if np.ndim(t) == 0 else np.frompyfunc(context.convert, 1, 1)
+        modal, N = [convert(x) for x in (*state.q.values(), *state.p.values())], self.modes.matrix
+        z = [sum(N[i, k] * x for k, x in enumerate(modal)) for i in range(2 * n)]
         return {name: z[i] for i, name in enumerate(names)}, {name: z[n + i] for i, name in enumerate(names)}
 
 
-def linear_modes(system: System, *, parameters: Mapping[str, Any] | None = None, digits: int = 30) -> LinearModes:
+def linear_modes(
+    system: System | str | Path, *, parameters: Mapping[str, Any] | None = None, digits: int = 30
+) -> LinearModes:
     """Bring a linear system to normal form by a linear symplectic map.
 
     Args:
-        system: constant masses, T₁ bilinear, T₀ and V quadratic in the coordinates.
+        system: constant masses, T₁ bilinear, T₀ and V quadratic in the coordinates; or the id or file of a
+            catalog entry.
         parameters: values that differ from the defaults.
         digits: of all numbers.
 
@@ -122,7 +129,7 @@ def linear_modes(system: System, *, parameters: Mapping[str, Any] | None = None,
     References:
         Greenwood (1977), (3-117), (3-129), Ex 3-4, P3-10; Arnold, Mathematical Methods, appendix 6.
     """
-    arguments.refuse_other(system, System, "linear_modes", A_SYSTEM)
+    system = system_of(system, "linear_modes")
     digits = arguments.digits(digits)
     M, Γ, K = _matrices(system)
     values = parameter_values(system, parameters or {})

@@ -2,15 +2,14 @@
 
 Nothing is rounded here. A float is the binary number it is, "1.2" is 6/5, "sqrt(2)" stays a root; the
 constants of the motion are exact expressions that can be had to any number of digits. Whether one of
-them is zero (a parabolic orbit, a motion through the axis) is decided with ``_ZERO_BITS`` bits.
+them is zero (a parabolic orbit, a motion through the axis) is decided with ``ZERO_BITS`` bits.
 """
 
 from __future__ import annotations
 
 import math
-from collections.abc import Callable, Iterable, Mapping
+from collections.abc import Iterable, Mapping
 from dataclasses import dataclass, replace
-from functools import lru_cache
 from typing import Any
 
 import sympy as sp
@@ -25,7 +24,7 @@ from hjsolve.numeric.arithmetic import Multi, multiprecision
 from hjsolve.solution import Solution
 from hjsolve.system import System, momenta, refuse_turns_that_differ
 
-_ZERO_BITS = 2048
+ZERO_BITS = 2048
 _SHORT, _MOST_TERMS = 12, 400
 """Terms up to which a number is short, and up to which it is multiplied out."""
 
@@ -47,24 +46,33 @@ class Initial:
     exact: bool
 
 
-def to_bits(value: sp.Expr) -> Callable[[int], Any]:
+class InBits:
+    """An exact number as a rule: binary digits asked ↦ its value; made by ``to_bits``, and pickled as the number."""
+
+    __slots__ = ("_known", "_tape", "value")
+
+    def __init__(self, value: sp.Expr):
+        self.value, self._known = value, dict[int, Any]()
+        self._tape = None if value.is_Rational else lower([value], [])
+
+    def __call__(self, bits: int) -> Any:
+        """Return the number, to (about) so many bits."""
+        if bits not in self._known:
+            more = Multi(bits + 64)
+            if self._tape is None:
+                exact = more.rational(int(self.value.p), int(self.value.q))
+            else:
+                exact = self._tape.run(more, [])[0]
+            self._known[bits] = multiprecision(bits).convert(exact)
+        return self._known[bits]
+
+    def __reduce__(self) -> tuple[Any, ...]:
+        return to_bits, (self.value,)
+
+
+def to_bits(value: sp.Expr) -> InBits:
     """Return a rule that gives an exact number to any binary precision."""
-    if value.is_Rational:
-        above, below = int(value.p), int(value.q)
-
-        def exact(bits: int) -> Any:
-            return Multi(bits).rational(above, below)
-    else:
-        tape = lower([value], [])
-
-        def exact(bits: int) -> Any:
-            return tape.run(Multi(bits), [])[0]
-
-    @lru_cache(maxsize=32)
-    def at(bits: int) -> Any:
-        return multiprecision(bits).convert(exact(bits + 64))
-
-    return at
+    return InBits(value)
 
 
 def is_zero(value: sp.Expr) -> bool:
@@ -85,8 +93,8 @@ def is_zero(value: sp.Expr) -> bool:
     if value.is_Pow and value.exp.is_positive:
         return is_zero(value.base)
     size = max(abs(to_bits(term)(64)) for term in sp.Add.make_args(value))
-    tiny = abs(to_bits(value)(_ZERO_BITS)) <= size * multiprecision(64).mpf(2) ** (64 - _ZERO_BITS)
-    return bool(tiny or not _agreed(value, _ZERO_BITS // 2))
+    tiny = abs(to_bits(value)(ZERO_BITS)) <= size * multiprecision(64).mpf(2) ** (64 - ZERO_BITS)
+    return bool(tiny or not _agreed(value, ZERO_BITS // 2))
 
 
 def _agreed(value: sp.Expr, bits: int) -> bool:
@@ -120,7 +128,7 @@ def sign(value: sp.Expr) -> int:
         return (value.p > 0) - (value.p < 0)
     if is_zero(value):
         return 0
-    return 1 if to_bits(value)(_ZERO_BITS) > 0 else -1
+    return 1 if to_bits(value)(ZERO_BITS) > 0 else -1
 
 
 def parameter_values(system: System | LinearHamiltonian, given: Values) -> dict[sp.Symbol, sp.Expr]:

@@ -2,7 +2,10 @@
 
 from __future__ import annotations
 
+from collections.abc import Iterator, Mapping
+
 from hjsolve import catalog
+from hjsolve.bibliography import cited
 from hjsolve.catalog import Entry
 from hjsolve.errors import InvalidInputError
 
@@ -25,6 +28,60 @@ def entries(*, separable: bool, kind: str | None, book: str | None) -> None:
     titles = {name: title for name, title in chosen.items() if kinds is None or catalog.kind_of(name) in kinds}
     if not titles:
         raise InvalidInputError("catalog: no entry is of that kind and row; rows are C01 to C96, some with a or b")
+    _listed(titles)
+
+
+def search(words: str, *, separable: bool, kind: str | None, book: str | None) -> bool:
+    """List the entries that speak of something: in id, title, summary, parameters, effects or literature.
+
+    Args:
+        words: every one of them has to occur, in any order, small or capital.
+        separable, kind, book: as in ``entries``.
+
+    Returns:
+        Whether any entry does.
+
+    Raises:
+        InvalidInputError: filters that exclude each other.
+    """
+    if separable and kind not in (None, "separable", "extended"):
+        raise InvalidInputError(f"catalog: --separable and --kind {kind} exclude each other")
+    kinds = {kind} if kind else {"separable", "extended"} if separable else None
+    wanted, titles = words.casefold().split(), {}
+    for name, title in catalog.titles(book=book).items():
+        if kinds is not None and catalog.kind_of(name) not in kinds:
+            continue
+        text = " ".join(_texts(catalog.read(name)[0])).casefold()
+        if all(word in text for word in wanted):
+            titles[name] = title
+    if titles:
+        _listed(titles)
+    else:
+        print(f"no entry of the catalog speaks of {words}; `hjsolve catalog` lists all of them")
+    return bool(titles)
+
+
+_SPEAKING = ("id", "title", "summary", "meaning", "reason", "instead", "cite", "name", "kind")
+
+
+def _texts(table: object, key: str = "") -> Iterator[str]:
+    """Every text of an entry's file that is words, with the authors of the works it cites."""
+    if isinstance(table, Mapping):
+        for inner, value in table.items():
+            if inner != "reference":
+                yield inner if key in ("effects", "motions") else ""
+                yield from _texts(value, inner)
+    elif isinstance(table, list):
+        for value in table:
+            yield from _texts(value, key)
+    elif key == "cite":
+        yield from (source.name for source, _ in cited([str(table)]))
+    elif key in _SPEAKING:
+        yield str(table)
+
+
+def _listed(titles: Mapping[str, str]) -> None:
+    """Print entries by kind."""
     width = max(map(len, titles))
     for each, words in (
         ("separable", "separates"),
@@ -71,4 +128,5 @@ def entry(entry: Entry) -> None:
         print(wrapped((entry.instead,)))
     if entry.cite:
         print("\nLiterature\n----------\n")
-        print("\n".join(f"  {source}" for source in entry.cite))
+        for source, places in cited(entry.cite):
+            print(wrapped((f"{source.name}{', ' if places else ''}{places}: {source.written}",), "  "))

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
+from functools import lru_cache
 
 import sympy as sp
 
@@ -64,6 +65,41 @@ def spread_exponentials(e: sp.Expr) -> sp.Expr:
     return spread.xreplace(hidden) if sp.count_ops(spread) <= 4 * sp.count_ops(e) else e
 
 
+def recentred(e: sp.Expr, q: sp.Symbol) -> sp.Expr:
+    """Write polynomials in q inside functions and below the line about the place where they are shortest.
+
+    exp(−10⁶q² + 38·10⁵q − 361·10⁴) is narrow, but its terms are not: over an interval, or in doubles, nothing is known
+    of their sum. (q − 19/10)² is known. Exponentials in a product become one, so that none of them overflows.
+    """
+    if not e.has(q) or e.is_Atom:
+        return e
+    parts = [recentred(part, q) for part in e.args]
+    if e.is_Mul and sum(isinstance(part, sp.exp) for part in parts) > 1:
+        powers = [part.args[0] for part in parts if isinstance(part, sp.exp)]
+        rest = [part for part in parts if not isinstance(part, sp.exp)]
+        return sp.Mul(*rest, sp.exp(_shortest(sp.Add(*(sp.expand(x) for x in powers)), q)))
+    if e.is_Pow and not (e.exp.is_Integer and e.exp > 0):
+        return _shortest(parts[0], q) ** parts[1]
+    if isinstance(e, sp.Function):
+        return e.func(*(_shortest(part, q) for part in parts))
+    return e.func(*parts)
+
+
+def _shortest(e: sp.Expr, q: sp.Symbol) -> sp.Expr:
+    """A polynomial in q of degree 2 or more about −cₙ₋₁/(n cₙ), where that leaves fewer terms; else as it stands."""
+    if not e.is_Add or not e.is_polynomial(q):
+        return e
+    polynomial = sp.Poly(e, q)
+    n, terms = polynomial.degree(), polynomial.all_coeffs()
+    if n < 2 or terms[1] == 0:
+        return e
+    place = -terms[1] / (n * terms[0])
+    moved = [sp.cancel(c) for c in polynomial.compose(sp.Poly(q + place, q)).all_coeffs()]
+    if sum(c != 0 for c in moved) >= sum(c != 0 for c in terms):
+        return e
+    return sp.Add(*(c * (q - place) ** (n - k) for k, c in enumerate(moved)))
+
+
 def over_one_denominator(e: sp.Expr, q: sp.Symbol) -> sp.Expr:
     """Write a sum as one quotient where a sum in q is a denominator of all of its terms.
 
@@ -79,6 +115,45 @@ def _denominators(term: sp.Expr, q: sp.Symbol) -> set[sp.Expr]:
     """Sums with q below the line of a product, without their constant factors."""
     bases = (factor.as_base_exp()[0] for factor in sp.Mul.make_args(sp.fraction(term)[1]))
     return {sp.factor_terms(base).as_coeff_Mul()[1] for base in bases if base.is_Add and base.has(q)}
+
+
+def _tamed(e: sp.Expr) -> sp.Expr:
+    """A product without huge numbers over huge ones: tanh for sinh/cosh, 1/(1 + exp(−x)) for exp(x)/(1 + exp(x)).
+
+    Far out both overflow, and over an interval nothing would be known of the quotient.
+    """
+    for sine, m in e.as_powers_dict().items():
+        if isinstance(sine, sp.sinh) and m.is_Integer:
+            cosine = sp.cosh(sine.args[0])
+            n = -e.as_powers_dict().get(cosine, sp.S.Zero)
+            if n.is_Integer and m * n > 0:
+                k = min(m, n, key=abs)
+                e = e * cosine**k / sine**k * sp.tanh(sine.args[0]) ** k
+    for factor in sp.Mul.make_args(e):
+        if factor.is_Pow and factor.base.is_Add and factor.exp.is_Integer and factor.exp < 0:
+            e = _shared_exponential(e, factor.base, int(-factor.exp))
+    return e
+
+
+def _shared_exponential(e: sp.Expr, below: sp.Add, n: int) -> sp.Expr:
+    """Divide an exponential of the numerator, and a sum in the denominator with power n, by that of the sum."""
+    above = next((factor.args[0] for factor in sp.Mul.make_args(e) if isinstance(factor, sp.exp)), None)
+    found = [node.args[0] for term in below.args for node in sp.Mul.make_args(term) if isinstance(node, sp.exp)]
+    if above is None or not found:
+        return e
+    shares = [(ratio, a) for a in found if (ratio := sp.cancel(above / a)).is_Rational and ratio >= 1]
+    if not shares:
+        return e
+    ratio, a = min(shares, key=lambda share: share[0])
+    k = min(n, int(ratio))
+    return _times_exponential(e * below**k, -k * a) / sp.Add(*(_times_exponential(t, -a) for t in below.args)) ** k
+
+
+def _times_exponential(term: sp.Expr, exponent: sp.Expr) -> sp.Expr:
+    """A product times exp(exponent), its exponentials made one."""
+    factors = sp.Mul.make_args(term)
+    rest = [factor for factor in factors if not isinstance(factor, sp.exp)]
+    return sp.Mul(*rest, sp.exp(sp.expand(exponent + sum(f.args[0] for f in factors if isinstance(f, sp.exp)))))
 
 
 class _Writer:
@@ -141,11 +216,17 @@ class _Writer:
     def _product(self, e: sp.Mul) -> int:
         if e.could_extract_minus_sign():
             return self._emit("neg", (self.slot(-e),))
+        together = _tamed(e)
+        if not together.is_Mul:
+            return self.slot(together)
+        e = together
         above, below = [], []
         for factor in e.args:
             if factor.is_Rational:
                 above.append(sp.Integer(factor.p))
                 below.append(sp.Integer(factor.q))
+            elif isinstance(factor, sp.Pow) and isinstance(factor.base, sp.cosh) and factor.exp.is_negative:
+                above.append(sp.sech(*factor.base.args) ** -factor.exp)  # does not overflow
             elif isinstance(factor, sp.Pow) and factor.exp.could_extract_minus_sign():  # exp(−x) stays above
                 below.append(1 / factor)
             else:
@@ -168,6 +249,8 @@ class _Writer:
         if base is sp.E:
             return self._emit("exp", (self.slot(exponent),))
         if exponent.is_Integer:
+            if isinstance(base, sp.cosh) and exponent < 0:
+                return self.slot(sp.sech(*base.args) ** -exponent)
             if exponent == -1:
                 return self._emit("div", (self.slot(sp.Integer(1)), self.slot(base)))
             return self._emit("power", (self.slot(base),), (int(exponent),))
@@ -180,3 +263,14 @@ class _Writer:
             return self._emit("power", (root,), (int(exponent.p),))
         logarithm = self._emit("log", (self.slot(base),))
         return self._emit("exp", (self._emit("mul", (self.slot(exponent), logarithm)),))
+
+
+@lru_cache(maxsize=256)
+def momentum_squared_tapes(
+    F: sp.Expr, q: sp.Symbol, constants: tuple[sp.Symbol, ...], parameters: tuple[sp.Symbol, ...]
+) -> tuple[Tape, Tape, tuple[bool, ...], bool]:
+    """p² and its kernels ½ ∂F/∂κⱼ as tapes; which kernels are zero everywhere; whether p² has period 2π by its form."""
+    inputs, kernels = [q, *constants, *parameters], [sp.diff(F, c) / 2 for c in constants]
+    absent, periodic = tuple(k == 0 for k in kernels), bool(F.xreplace({q: q + 2 * sp.pi}) == F)
+    squared = recentred(spread_exponentials(over_one_denominator(F, q)), q)
+    return lower([squared], inputs), lower([recentred(k, q) for k in kernels], inputs), absent, periodic

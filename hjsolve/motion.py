@@ -9,7 +9,7 @@ from __future__ import annotations
 
 from collections.abc import Callable, Iterable, Mapping
 from dataclasses import dataclass, field, replace
-from functools import cache, lru_cache
+from functools import partial
 from typing import Any
 
 import sympy as sp
@@ -17,16 +17,14 @@ import sympy as sp
 from hjsolve import arguments, quantities
 from hjsolve.errors import InvalidInputError
 from hjsolve.expressions import number
-from hjsolve.initial import Initial, domain_ends, expanded, initial_data, sign, to_bits
-from hjsolve.lowering import lower, over_one_denominator, spread_exponentials
-from hjsolve.numeric.arithmetic import multiprecision
+from hjsolve.initial import ZERO_BITS, InBits, Initial, domain_ends, expanded, initial_data, sign, to_bits
+from hjsolve.lowering import momentum_squared_tapes
 from hjsolve.numeric.classify import Located, Start, locate
 from hjsolve.numeric.course import PARTS, Open
 from hjsolve.numeric.estimate import Estimate
 from hjsolve.numeric.inverse import Torus, torus
-from hjsolve.numeric.radicand import Radicand
+from hjsolve.numeric.radicand import Radicand, has_period
 from hjsolve.numeric.regions import forbidden, others
-from hjsolve.numeric.tape import Tape
 from hjsolve.numeric.unbounded import Plan, plan
 from hjsolve.quantities import FLOAT_DIGITS
 from hjsolve.solution import Solution
@@ -245,19 +243,26 @@ def start(
     initial = initial_data(
         solution, q=q, velocity=velocity, p=p, constants=constants, signs=signs, parameters=parameters
     )
-    parts, exact_t0 = parts_of(want), number(t0, source="t0")
-    given = {
+    wanted = None if want is None else arguments.words(want, "want", '["actions", "periods"]')
+    parts, exact_t0 = parts_of(wanted), number(t0, source="t0")
+    groups = {
         "q": q, "velocity": velocity, "p": p, "constants": constants, "signs": signs, "parameters": parameters,
     }  # fmt: skip
-
-    def again(digits: int, change: Mapping[str, Any]) -> Motion:
-        return start(solution, **{**given, **change}, t0=t0, digits=digits, want=want)
+    given = {name: None if group is None else dict(group) for name, group in groups.items()}
 
     if certified:
         motion = _certified(solution, initial, exact_t0, max(digits, FLOAT_DIGITS), parts)
     else:
         motion = _move(solution, initial, exact_t0, max(digits, FLOAT_DIGITS), parts)
-    return replace(motion, given=given, again=again)
+    return replace(motion, given=given, again=partial(_again, solution, given, exact_t0, wanted))
+
+
+def _again(
+    solution: Solution, given: Mapping[str, Any], t0: sp.Expr, want: frozenset[str] | None, digits: int,
+    change: Mapping[str, Any],
+) -> Motion:  # fmt: skip
+    """Start a motion anew from what was given, with other digits or changed input."""
+    return start(solution, **{**given, **change}, t0=t0, digits=digits, want=want)
 
 
 def _move(solution: Solution, initial: Initial, t0: sp.Expr, digits: int, parts: frozenset[str]) -> Motion:
@@ -282,13 +287,29 @@ def _certified(solution: Solution, initial: Initial, t0: sp.Expr, digits: int, p
     }
     motion = Motion(
         solution, initial, t0, digits, located, None, _kinds(solution, located), {}, {}, {}, {}, {}, {}, parts,
-        states=cache(lambda: _move(solution, initial, t0, digits, parts)),
+        states=_States(solution, initial, t0, digits, parts),
     )  # fmt: skip
     proved = enclose(motion, digits, known)
     return replace(
         motion, constants=proved.constants, turning_points=proved.turning_points, actions=proved.actions,
         frequencies=proved.frequencies, periods=proved.periods,
     )  # fmt: skip
+
+
+class _States:
+    """The motion that the states of a certified one are read from, made when it is first asked for."""
+
+    def __init__(self, *arguments: Any):
+        self.arguments = arguments
+        self.motion: Motion | None = None
+
+    def __call__(self) -> Motion:
+        if self.motion is None:
+            self.motion = _move(*self.arguments)
+        return self.motion
+
+    def __reduce__(self) -> tuple[Any, ...]:
+        return _States, self.arguments
 
 
 def _kinds(solution: Solution, located: Mapping[str, Located]) -> dict[str, str]:
@@ -319,38 +340,30 @@ def _start(solution: Solution, initial: Initial, name: str) -> Start:
     parameters = tuple(p.symbol for p in solution.system.parameters)
     exact = [initial.constants[c] for c in solution.constants] + [initial.values[s] for s in parameters]
     rules = [to_bits(value) for value in exact]
-    squared, kernels, absent, periodic = _tapes(F, coordinate.symbol, constants, parameters)
-    radicand = Radicand(squared, kernels, lambda bits: [rule(bits) for rule in rules])
+    squared, kernels, absent, periodic = momentum_squared_tapes(F, coordinate.symbol, constants, parameters)
+    radicand = Radicand(squared, kernels, partial(_at_bits, rules))
     momentum, shift = initial.values[coordinate.momentum], solution.shift[name]
     ends = [None if end is None else to_bits(end) for end in domain_ends(solution.system, name, initial.values)]
     place = to_bits(initial.values[coordinate.symbol])
-    angle = coordinate.domain.kind == "angle" and (periodic or _periodic(radicand, place))
-    forward = sign(expanded(momentum + shift.subs(initial.values))) if shift != 0 else sign(expanded(momentum))
+    angle = coordinate.domain.kind == "angle" and (periodic or has_period(radicand, place))
+    root = expanded(momentum + shift.subs(initial.values)) if shift != 0 else expanded(momentum)
+    forward = sign(root)
+    if forward:
+        radicand = radicand.guarded(place, _square(to_bits(root)))
     return Start(name, radicand, place, forward, ends[0], ends[1], angle, absent)
 
 
-@lru_cache(maxsize=256)
-def _tapes(
-    F: sp.Expr, q: sp.Symbol, constants: tuple[sp.Symbol, ...], parameters: tuple[sp.Symbol, ...]
-) -> tuple[Tape, Tape, tuple[bool, ...], bool]:
-    """p² and its kernels ½ ∂F/∂κⱼ as tapes; which kernels are zero everywhere; whether p² has period 2π by its form."""
-    inputs, kernels = [q, *constants, *parameters], [sp.diff(F, c) / 2 for c in constants]
-    absent, periodic = tuple(k == 0 for k in kernels), bool(F.xreplace({q: q + 2 * sp.pi}) == F)
-    return lower([spread_exponentials(over_one_denominator(F, q))], inputs), lower(kernels, inputs), absent, periodic
+def _at_bits(rules: list[InBits], bits: int) -> list[Any]:
+    return [rule(bits) for rule in rules]
 
 
-def _periodic(radicand: Radicand, place: Any) -> bool:
-    """True when p² has period 2π (a wheel on a slope has not, though its coordinate is an angle)."""
-    bits = 160
-    turn = 2 * multiprecision(bits).pi
-    places = [place(bits) + k for k in range(3)]
-    pairs = [(radicand.value(q, bits), radicand.value(q + turn, bits)) for q in places]
-    size = max(abs(value) for pair in pairs for value in pair)
-    return all(abs(here - there) <= multiprecision(bits).mpf(2) ** -120 * size for here, there in pairs)
+def _square(root: Callable[[int], Any]) -> Callable[[int], Any]:
+    """P² of a root that may be what two large numbers leave."""
+    return lambda bits: root(bits + ZERO_BITS) ** 2
 
 
 def _checked(begin: Start) -> Start:
-    value = begin.radicand.value(begin.place(256), 256)
+    value = begin.radicand.value(begin.place(256 + begin.radicand.guard), 256)
     if begin.forward and value < 0:
         raise forbidden(begin)
     return begin

@@ -22,9 +22,10 @@ from hjsolve.numeric.inverse import Torus, mean_rate, oscillation
 from hjsolve.numeric.turns import turns
 from hjsolve.numeric.unbounded import Plan, Step
 from hjsolve.trajectory.beside import time_beside
-from hjsolve.trajectory.phases import phases_at, read_times, solve, with_reach
+from hjsolve.trajectory.phases import phases_at, solve, with_reach
 from hjsolve.trajectory.positions import constant_index, principal
 from hjsolve.trajectory.state_at import shaped, state_at
+from hjsolve.trajectory.times import counted, exact_numbers, read_times
 
 if TYPE_CHECKING:
     from hjsolve.motion import Motion
@@ -48,7 +49,7 @@ def crossing_time(motion: Motion, name: str, value: Any, passage: int) -> Estima
 
 def crossing_times(motion: Motion, name: str, values: Any) -> Any:
     """Return the times of the first crossings after t₀, array of shape (m,)."""
-    return np.array([crossing_time(motion, name, v, 0).value for v in np.ravel(np.asarray(values, dtype=object))])
+    return np.array([crossing_time(motion, name, v, 0).value for v in exact_numbers(values, "values")[1]])
 
 
 def _shifted(motion: Motion, elapsed: Any, error: Any) -> Estimate:
@@ -281,7 +282,8 @@ def angle_variables(motion: Motion, t: Any) -> dict[str, Any]:
             for i, course in enumerate(equations.courses):
                 series = oscillation(equations, i, j)
                 start -= float(series.ripple(np.array([float(course.start)]))[0]) if len(series.cosines) else 0
-        _, rest = turns(split(rate / (2 * multiprecision(160).pi)), phases.time)
+        whole, rest = turns(split(rate / (2 * multiprecision(160).pi)), phases.time)
+        counted(whole)
         direction = 1 if float(frequency.value) * float(rate) > 0 else -1
         result[name] = shaped(principal(direction * (2 * np.pi * rest + float(start)))[0], shape)
     return result

@@ -26,16 +26,16 @@ class Relativity:
 
     def energy(self, square: sp.Expr) -> sp.Expr:
         """H − V, given (p − a)ᵀM⁻¹(p − a)."""
-        return self.light * sp.sqrt(self.mass**2 * self.light**2 + self.mass * square)
+        return self.light * sp.sqrt(self.mass**2 * self.light**2 + sp.expand_mul(self.mass * square))
 
     def speeds(self, classical: Sequence[sp.Expr], square: sp.Expr) -> list[sp.Expr]:
         """The velocities, given M⁻¹(p − a) and (p − a)ᵀM⁻¹(p − a)."""
-        root = sp.sqrt(self.mass**2 * self.light**2 + self.mass * square)
+        root = sp.sqrt(self.mass**2 * self.light**2 + sp.expand_mul(self.mass * square))
         return [self.light * self.mass * speed / root for speed in classical]
 
     def momenta(self, linear: Sequence[sp.Expr], classical: Sequence[sp.Expr], square: sp.Expr) -> list[sp.Expr]:
         """The momenta, given a, M q̇ and q̇ᵀM q̇."""
-        γ = 1 / sp.sqrt(1 - square / (self.mass * self.light**2))
+        γ = 1 / sp.sqrt(1 - sp.expand_mul(sp.expand_mul(square) / self.mass) / self.light**2)
         return [a + γ * p for a, p in zip(linear, classical)]
 
 

@@ -85,12 +85,17 @@ ENTRY = SYSTEM | {
 """The keys of a catalog file."""
 
 
+_MOST_WORDS, _FEW_WORDS = 40, 8
+
+
 def nearest(word: str, known: object) -> str:
     """The hint `; did you mean "x"?`, or the words known, or nothing."""
     words = [str(w) for w in known] if isinstance(known, (Mapping, tuple, list, frozenset)) else []
     close = difflib.get_close_matches(word, words, n=1, cutoff=0.6)
     if close:
         return f'; did you mean "{close[0]}"?'
+    if len(words) > _MOST_WORDS:
+        return f"; known are {', '.join(words[:_FEW_WORDS])} and {len(words) - _FEW_WORDS} more"
     return f"; known are {', '.join(words)}" if words else ""
 
 

@@ -25,6 +25,7 @@ from .algebra.poly import Budget
 from .algebra.readable import readable
 from .algebra.reader import Reader
 from .algebra.signs import Bounds
+from .declarations import free_name
 from .elimination import Eliminated, eliminate
 from .errors import InvalidSystemError
 from .kinetic import mass_as_written
@@ -139,6 +140,12 @@ def energy_symbol(system: System) -> sp.Symbol:
     return sp.Symbol(next(name for name in ("E", "h", "energy", "E_total") if name not in taken), real=True)
 
 
+def time_name(system: System) -> str:
+    """What the parameter of a motion is called: t, or another letter where the system has a coordinate t."""
+    taken = [*system.symbols, *(c.momentum.name for c in system.coordinates)]
+    return next(name for name in ("t", "tau", "s", "sigma", "t_") if free_name(name, taken) == name)
+
+
 def reduce(system: System, budget: Budget | None = None) -> Shell | Irreducible:
     """Reduce a system to its energy shell.
 
@@ -192,12 +199,9 @@ def _shell(
     if any(shift):
         steps += (_shift_step(coordinates, χ),)
     null = tuple(coordinates[a].name for a in eliminated.null)
-    momenta = [sp.Symbol(f"P_{c.name}") for c in coordinates]
-    terms = (g * (P if c.name in null else P**2 / 2) for g, P, c in zip(metric, momenta, coordinates))
-    text = "What is left: half the inverse metric times the squared momenta plus the effective potential is the energy."
     if null:
         steps += (_null_step(null),)
-    steps += (Step("Energy shell", text, sp.Eq(sp.Add(*terms, potential), energy, evaluate=False)),)
+    steps += (_shell_step(coordinates, metric, potential, energy, null, shifted=any(shift)),)
     return Shell(system, coordinates, ignorable, metric, potential, energy, shift, χ, steps, null)
 
 
@@ -210,6 +214,22 @@ def _refuse_divisions_by_zero(lagrangian: _Lagrangian, reader: Reader) -> None:
         raise InvalidSystemError(
             "T or V divides by an expression that is zero everywhere on the domain; correct the denominator"
         ) from None
+
+
+def _shell_step(
+    coordinates: tuple[Coordinate, ...], metric: tuple[sp.Expr, ...], potential: sp.Expr, energy: sp.Symbol,
+    null: tuple[str, ...], *, shifted: bool,
+) -> Step:  # fmt: skip
+    """The shell in a formula; P in place of p where terms linear in the momenta were shifted away."""
+    momenta = [sp.Symbol(f"P_{c.name}") if shifted else c.momentum for c in coordinates]
+    powers = (p if c.name in null else p**2 / 2 for c, p in zip(coordinates, momenta))
+    shell = sp.Add(*(g * power for g, power in zip(metric, powers)), potential)
+    text = "What is left: half the inverse metric times the squared momenta plus the effective potential is the energy."
+    if shifted:
+        text += " The momenta in it are P = p + gradient, as above."
+    if not coordinates:
+        text = "No coordinate is left: the effective potential is the energy, a function of the constant momenta."
+    return Step("Energy shell", text, sp.Eq(shell, energy, evaluate=False))
 
 
 def _mass(system: System) -> sp.Matrix:
@@ -287,9 +307,9 @@ def _reduction_steps(
         constants = ", ".join(str(c.momentum) for c in ignorable)
         coupled = any(not x.is_zero for x in eliminated.shift) and not any(lagrangian.linear)
         text = (
-            f"T and V do not hold {names}, so {constants} stay constant and W is linear in {names}. Eliminating the "
-            f"velocities "
-            f"adds the centrifugal potential shown" + (", and terms linear in the momenta left." if coupled else ".")
+            f"T and V do not contain {names}, so {constants} {'stays' if len(ignorable) == 1 else 'stay'} constant and "
+            f"W is linear in {names}. Eliminating the velocities adds the centrifugal potential shown"
+            + (", and terms linear in the momenta left." if coupled else ".")
         )
         steps.append(
             Step("Ignorable coordinates", text, sp.Add(*(readable(reader, x) for x in eliminated.centrifugal)))
@@ -299,7 +319,7 @@ def _reduction_steps(
         steps.append(Step("Velocity-free part of T", text, lagrangian.potential - lagrangian.rest))
     if not steps:
         names = ", ".join(c.name for c in system.coordinates)
-        text = f"T or V holds each of {names}, or the motion may reach an end of its domain: none is ignorable."
+        text = f"T or V contains each of {names}, or the motion may reach an end of its domain: none is ignorable."
         steps.append(Step("Ignorable coordinates", text, None))
     return tuple(steps)
 

@@ -16,16 +16,19 @@ from __future__ import annotations
 from collections.abc import Iterable, Mapping
 from dataclasses import dataclass, replace
 from functools import lru_cache
+from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 import sympy as sp
 
-from hjsolve import arguments
+from hjsolve.declarations import free_name
 from hjsolve.errors import InvalidInputError, NotSeparableError
 from hjsolve.separation import Constant, Obstruction, Separation, Undecided, separate
 from hjsolve.separation.relativistic import shell_energy
 from hjsolve.separation.verdicts import Verdict
-from hjsolve.system import A_SYSTEM, System
+from hjsolve.shell import time_name
+from hjsolve.subjects import system_of
+from hjsolve.system import System
 
 if TYPE_CHECKING:
     from hjsolve.motion import Motion
@@ -49,7 +52,8 @@ class Solution:
         momenta: every coordinate → its momentum ∂W/∂q; +√Pᵢ² − Aᵢ, or the constant itself.
         lower_limits: separated coordinate → the symbol its quadratures start from.
         characteristic_function: W, with unevaluated integrals.
-        time_law: t − t₀ = ∂W/∂E; None where every coordinate is ignorable (then E is a function of the other constants
+        time_law: t − t₀ = ∂W/∂E (τ for t where t is a coordinate);
+            None where every coordinate is ignorable (then E is a function of the other constants
             and the orbit equations carry the time).
         orbit_equations: name of a constant → −β = ∂W/∂(constant); for all constants but E.
     """
@@ -93,13 +97,13 @@ def refuse_null(solution: Solution) -> None:
         )
 
 
-def solve(system: System | Separation) -> Solution:
+def solve(system: System | Separation | str | Path) -> Solution:
     """Solve a system by quadratures.
 
     A system that was solved before in this process is not solved again: equal systems share one solution.
 
     Args:
-        system: a system, or the ``Separation`` it already gave.
+        system: a system, or the ``Separation`` it already gave; or the id or file of a catalog entry.
 
     Returns:
         The solution; every integral stays unevaluated.
@@ -112,8 +116,9 @@ def solve(system: System | Separation) -> Solution:
     References:
         Greenwood, Classical Dynamics (1977), (5-65)–(5-83), (5-142); Jacobi's theorem (5-53)–(5-62).
     """
-    arguments.refuse_other(system, (System, Separation, Obstruction, Undecided), "solve", A_SYSTEM)
-    return _remembered(system) if isinstance(system, System) else _solved(system)
+    if isinstance(system, (Separation, Obstruction, Undecided)):
+        return _solved(system)
+    return _remembered(system_of(system, "solve"))
 
 
 @lru_cache(maxsize=128)
@@ -213,7 +218,8 @@ def _derivative(verdict: Separation, separated: Separated, constant: sp.Symbol) 
 def _time_law(verdict: Separation, separated: Separated, taken: frozenset[str]) -> sp.Eq | None:
     if not separated:
         return None
-    t, t0 = _fresh("t", taken, real=True), _fresh("t_0", taken, real=True)
+    name = time_name(verdict.system)
+    t, t0 = sp.Symbol(name, real=True), _fresh(f"{name}_0", taken, real=True)
     return sp.Eq(t - t0, _derivative(verdict, separated, verdict.shell.energy), evaluate=False)
 
 
@@ -226,7 +232,7 @@ def _orbit_equations(verdict: Separation, separated: Separated, taken: frozenset
             continue
         right = position.get(constant.symbol, sp.S.Zero) + _derivative(verdict, separated, constant.symbol)
         if not separated:
-            right -= _fresh("t", taken, real=True) * sp.diff(verdict.shell.potential, constant.symbol)
+            right -= sp.Symbol(time_name(verdict.system), real=True) * sp.diff(verdict.shell.potential, constant.symbol)
         beta = _fresh("beta_" + name.removeprefix("alpha_").removeprefix("p_"), taken, real=True)
         equations[name] = sp.Eq(-beta, right, evaluate=False)
     return equations
@@ -238,10 +244,8 @@ def _names_taken(verdict: Separation) -> frozenset[str]:
 
 
 def _fresh(name: str, taken: Iterable[str], **assumptions: bool) -> sp.Symbol:
-    """A symbol of this name, or with underscores added where the user already has it."""
-    while name in taken:
-        name += "_"
-    return sp.Symbol(name, **assumptions)
+    """A symbol of this name, or with underscores added where the user already has one that looks like it."""
+    return sp.Symbol(free_name(name, taken), **assumptions)
 
 
 def _why_not(verdict: Obstruction | Undecided) -> str:

@@ -15,6 +15,20 @@ class Errors:
     p: Mapping[str, Any]
     velocity: Mapping[str, Any]
 
+    def __reduce__(self) -> tuple[Any, ...]:
+        return Errors, tuple(dict(group) for group in (self.q, self.p, self.velocity))
+
+
+@dataclass(frozen=True)
+class Known:
+    """The rule behind the errors of a state that was pickled: they are there already."""
+
+    errors: Errors
+
+    def __call__(self) -> Errors:
+        """Return them."""
+        return self.errors
+
 
 @dataclass(frozen=True)
 class State:
@@ -38,6 +52,10 @@ class State:
     turns: Mapping[str, Any]
     status: Any
     errors: Callable[[], Errors] = field(repr=False, compare=False)
+
+    def __reduce__(self) -> tuple[Any, ...]:
+        tables = (dict(group) for group in (self.q, self.p, self.velocity, self.turns))
+        return type(self), (self.t, *tables, self.status, Known(self.error))
 
     @property
     def error(self) -> Errors:

@@ -36,8 +36,6 @@ from hjsolve.periodicity import check_periodic
 from hjsolve.relativity import Relativity
 from hjsolve.relativity import read as read_relativity
 
-A_SYSTEM = 'a System is needed, made by hjsolve.System(…) or hjsolve.catalog.load("kepler-planar")'
-"""What ``separate``, ``solve`` and their like say to anything else."""
 __all__ = [
     "Coordinate", "Domain", "Parameter", "System", "hamiltonian", "inverse_mass_matrix", "kinetic_rest", "linear_terms",
     "mass_matrix", "momenta", "parameter", "require_values", "velocities", "with_values",

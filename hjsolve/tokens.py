@@ -1,6 +1,7 @@
 """Text of a formula → tokens, and what to write instead where a character or a word is not one.
 
-A formula is ASCII: numbers, names, ``+ - * / **``, round brackets and commas. Everything else is refused at its
+A formula is ASCII, but for Greek letters, which are read as their names: numbers, names,
+``+ - * / **``, round brackets and commas. Everything else is refused at its
 place with the spelling that would be accepted; nothing is guessed.
 """
 
@@ -13,6 +14,7 @@ from collections.abc import Callable, Iterable, Mapping
 from dataclasses import dataclass
 from typing import NamedTuple
 
+from hjsolve.arguments import ascii_name
 from hjsolve.errors import ExpressionError
 
 MAX_CHARACTERS = 10_000
@@ -21,7 +23,7 @@ _EXCERPT = 24
 
 _TOKEN = re.compile(
     r"(?P<space>\s+)|(?P<number>(?:[0-9]+\.?[0-9]*|\.[0-9]+)(?:[eE][+-]?[0-9]+)?)"
-    r"|(?P<name>[A-Za-z_][A-Za-z0-9_]*)|(?P<operator>\*\*|[-+*/(),])|(?P<other>.)",
+    r"|(?P<name>[A-Za-z_\u0370-\u03ff\u00b5][A-Za-z0-9_\u0370-\u03ff\u00b5]*)|(?P<operator>\*\*|[-+*/(),])|(?P<other>.)",
     re.DOTALL,
 )
 
@@ -147,8 +149,10 @@ def scan(source: Source) -> list[Token]:
             raise source.error(_instead_of_character(source.text, match.start()), match.start())
         if kind == "number":
             _check_number(match.group(), match.start(), source)
+        if kind == "name" and not (word := ascii_name(match.group())).isascii():
+            raise source.error(_instead_of_character(source.text, match.start()), match.start())
         if kind != "space":
-            tokens.append(Token(kind, match.group(), match.start()))
+            tokens.append(Token(kind, word if kind == "name" else match.group(), match.start()))
     if not tokens:
         raise source.error("the text is empty; write a formula such as m*x**2/2, or 0", None)
     return [*tokens, Token("end", "", len(source.text.rstrip()))]

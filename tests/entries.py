@@ -22,6 +22,26 @@ def described(name: str) -> Entry:
 
 
 @functools.cache
+def separable() -> tuple[str, ...]:
+    """Every entry with T and V that is expected to separate: those of ``extended`` too, relativistic or in a frame."""
+    names = (*catalog.ids("separable"), *catalog.ids("extended"))
+    return tuple(n for n in names if (e := described(n)).system is not None and e.expect["verdict"] != "refused")
+
+
+@functools.cache
+def separable_with_effects() -> tuple[str, ...]:
+    """The same, and each with every effect that leaves it separable: ``name`` and ``name+effect``."""
+    more = (f"{n}+{e.name}" for n in separable() for e in described(n).effects.values() if e.verdict != "refused")
+    return (*separable(), *more)
+
+
+def solved(name: str) -> Solution:
+    """The solution of an entry, effects after plus signs."""
+    entry, *effects = name.split("+")
+    return solution(entry, tuple(effects))
+
+
+@functools.cache
 def loaded(name: str, effects: tuple[str, ...] = ()) -> System:
     """The system of an entry with some effects."""
     if effects:

@@ -9,7 +9,7 @@ each of its derivatives.
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterable, Mapping
+from collections.abc import Callable, Collection, Iterable, Mapping
 from fractions import Fraction
 from math import gcd
 
@@ -45,6 +45,8 @@ class Reader:
         expressions: what will be read; only looked through for the multiples of angles that occur.
         bounds: lower and upper end of each coordinate's domain; None is infinite.
         budget: work allowed.
+        whole: keep tanh(a*(x - b)) a function of a*(x - b), which addition theorems would make one of a*x and of a*b
+            that no longer can be worked out where a is large. What vanishes so, vanishes; not the other way round.
     """
 
     def __init__(
@@ -52,8 +54,11 @@ class Reader:
         expressions: Iterable[sp.Expr] = (),
         bounds: Mapping[sp.Symbol, Bounds] | None = None,
         budget: Budget | None = None,
+        *,
+        whole: bool = False,
     ):
         self.field = Field(budget)
+        self._whole = whole
         self.bounds = dict(bounds or {})
         self._read: dict[sp.Expr, Element] = {}
         self._derivatives: dict[tuple[int, sp.Symbol], Element] = {}
@@ -83,13 +88,21 @@ class Reader:
                 self.bounds[inside] = (sp.S.Zero, None)  # where the expression is defined at all
 
     def _note(self, kind: str, argument: sp.Expr) -> None:
-        for monomial, c in _linear_terms(argument):
+        for monomial, c in self._terms(kind, argument):
             self._units[kind, monomial] = _rational_gcd(self._units.get((kind, monomial), abs(c)), c)
+
+    def _terms(self, kind: str, argument: sp.Expr) -> list[tuple[sp.Expr, Fraction]]:
+        """The argument as Σ coefficient · monomial; a shifted one is a monomial itself where it is kept whole."""
+        terms = _linear_terms(argument)
+        if self._whole and kind == "rapidity" and is_shifted(argument, set(self.bounds)):
+            c = next(c for m, c in terms if not m.free_symbols.isdisjoint(self.bounds))
+            return [(sp.Add(*(sp.Rational(d.numerator, d.denominator) * m / c for m, d in terms)), c)]
+        return terms
 
     def _multiples(self, kind: str, argument: sp.Expr) -> list[tuple[int, sp.Expr]]:
         """The argument as Σ n_k u_k with integers n_k and unit angles u_k."""
         parts = []
-        for monomial, c in _linear_terms(argument):
+        for monomial, c in self._terms(kind, argument):
             unit = self._units.setdefault((kind, monomial), abs(c))
             n = c / unit
             if n.denominator != 1 or abs(n) > MAX_MULTIPLE:  # a function of its own: what vanishes so vanishes
@@ -307,6 +320,12 @@ def _is_zero(x: sp.Expr) -> bool:
     except NoEnclosureError:
         return False
     return lower <= 0 <= upper and constant_is_zero(at_one_place(x)) is True
+
+
+def is_shifted(argument: sp.Expr, coordinates: Collection[sp.Symbol]) -> bool:
+    """Whether an argument is that of one coordinate, moved by something that holds none."""
+    parts = [part.free_symbols.intersection(coordinates) for part in sp.Add.make_args(sp.expand(argument))]
+    return len(parts) > 1 and not all(parts) and len(set().union(*parts)) == 1
 
 
 def _linear_terms(x: sp.Expr) -> list[tuple[sp.Expr, Fraction]]:

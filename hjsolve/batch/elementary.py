@@ -108,6 +108,13 @@ def tanh_(x: float) -> float:
 
 
 @njit(**OPTIONS)
+def sech_(x: float) -> float:
+    """Return 1/cosh x."""
+    decay = exp_(-min(abs(x), 700.0))
+    return 2.0 * decay / (1.0 + decay * decay)
+
+
+@njit(**OPTIONS)
 def log_(x: float) -> float:
     """Return the logarithm."""
     return math.log(x) if x > 0 else np.nan
@@ -152,7 +159,7 @@ def atanh_(x: float) -> float:
 NAMES: dict[str, Any] = {
     f.__name__: f
     for f in (
-        exp_, sincos, sinhcosh, sqrt_, abs_, tan_, tanh_, log_, asin_, acos_, atan_, asinh_, acosh_, atanh_,
+        exp_, sincos, sinhcosh, sqrt_, abs_, tan_, tanh_, sech_, log_, asin_, acos_, atan_, asinh_, acosh_, atanh_,
     )
 }  # fmt: skip
 """What generated programs call."""

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import time
 from collections.abc import Sequence
+from pathlib import Path
 
 import sympy as sp
 
@@ -25,7 +26,8 @@ from hjsolve.coordinates.transform import Cartesian, web_of
 from hjsolve.coordinates.webs_plane import plane_webs
 from hjsolve.coordinates.webs_space import Potential, space_webs
 from hjsolve.errors import InvalidSystemError
-from hjsolve.system import A_SYSTEM, System, kinetic_rest, linear_terms, mass_matrix
+from hjsolve.subjects import system_of
+from hjsolve.system import System, kinetic_rest, linear_terms, mass_matrix
 
 _NONE = "No quadratic first integral of this kind besides the energy: the system is"
 _NO_WEB = "Besides the energy there {are} {extra} quadratic first integral{s}, but no orthogonal web belongs to {it}: "
@@ -47,7 +49,7 @@ _MOST_LETTERS = 2
 _PARTIAL = ("split", "sphere", "unresolved")
 
 
-def find_coordinates(system: System, *, special: bool = True, budget: float = 20.0) -> Coordinates:
+def find_coordinates(system: System | str | Path, *, special: bool = True, budget: float = 20.0) -> Coordinates:
     """Find every orthogonal coordinate system in which a natural system of the plane or of space separates.
 
     The system must be given in Cartesian coordinates: T = ½ Σ m_i ẋ_i² with constant masses (a constant symmetric
@@ -56,7 +58,7 @@ def find_coordinates(system: System, *, special: bool = True, budget: float = 20
     (Rajaratnam, McLenaghan, Valero, SIGMA 12 (2016) 117), transforms the system and lets ``separate`` certify it.
 
     Args:
-        system: the system; its parameters stay symbolic and count as generic.
+        system: the system, or the id or file of a catalog entry; its parameters stay symbolic and count as generic.
         special: also look for parameter values at which there are more coordinates.
         budget: seconds that ``separate`` may take for one web.
 
@@ -75,7 +77,7 @@ def find_coordinates(system: System, *, special: bool = True, budget: float = 20
         >>> [(web.kind, web.centre, web.lengths["a"], web.certified) for web in found.webs]
         [('elliptic', (2, 1/2), sqrt(13)/2, True)]
     """
-    arguments.refuse_other(system, System, "find_coordinates", A_SYSTEM)
+    system = system_of(system, "find_coordinates")
     start, budget = time.monotonic(), arguments.seconds(budget, "budget")
     cartesian = _cartesian(system)
     full, reduced = _kernels(cartesian)

@@ -11,6 +11,7 @@ from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, replace
 from functools import reduce
 from itertools import product
+from pathlib import Path
 from typing import Any
 
 import sympy as sp
@@ -20,7 +21,8 @@ from hjsolve.coordinates.frames import Sign, sign_by, tidy
 from hjsolve.errors import InvalidSystemError
 from hjsolve.expressions import number
 from hjsolve.separation import separate
-from hjsolve.system import A_SYSTEM, System, kinetic_rest, linear_terms, mass_matrix
+from hjsolve.subjects import system_of
+from hjsolve.system import System, kinetic_rest, linear_terms, mass_matrix
 
 _MOST_TRIAL_COLUMNS = 6
 
@@ -73,11 +75,14 @@ class NormalModes:
     remark: str
 
 
-def normal_modes(system: System, about: Mapping[str, object] | None = None, *, budget: float = 20.0) -> NormalModes:
+def normal_modes(
+    system: System | str | Path, about: Mapping[str, object] | None = None, *, budget: float = 20.0
+) -> NormalModes:
     """Change to normal modes.
 
     Args:
-        system: T and V quadratic with constant coefficients; or any system without gyroscopic terms, with ``about``.
+        system: T and V quadratic with constant coefficients; or any system without gyroscopic terms, with ``about``;
+            or the id or file of a catalog entry.
         about: an equilibrium, coordinate → value; the system is then linearised there. Coordinates left out are zero.
         budget: seconds that ``separate`` may take.
 
@@ -96,7 +101,7 @@ def normal_modes(system: System, about: Mapping[str, object] | None = None, *, b
         >>> [mode.frequency_squared for mode in normal_modes(pendulum).modes]
         [g*(2 - sqrt(2))/l, g*(sqrt(2) + 2)/l]
     """
-    arguments.refuse_other(system, System, "normal_modes", A_SYSTEM)
+    system = system_of(system, "normal_modes")
     quadratic = _quadratic(system, None if about is None else arguments.table(about, "about", '{"theta": 0}'))
     sign = sign_by({p.symbol: p.value for p in system.parameters if p.value is not None})
     columns = _columns(quadratic, sign)

@@ -13,7 +13,7 @@ from dataclasses import dataclass, field, replace
 
 from hjsolve.costs.answers import Answer, Ruler
 from hjsolve.costs.reference import SPARE, Reference
-from hjsolve.costs.table import Row
+from hjsolve.costs.table import Row, duration
 from hjsolve.costs.trial import Task, Trial
 from hjsolve.errors import HJSolveError, InvalidInputError, MissingExtraError, NotConvergedError
 
@@ -118,7 +118,7 @@ def _first(
     empty = Row(trial.method, trial.digits, unit=trial.unit, covers=trial.covers, note=trial.note)
     allowed = max(0.0, clock.left) * 0.25
     if trial.own and trial.digits > truth.digits - SPARE:
-        return Found(trial, replace(empty, status="too slow", note="no reference in the time"))
+        return Found(trial, replace(empty, status="too slow", note="no reference with more digits fitted the budget"))
     if last is not None and last.row.status == "too slow" and trial.digits > last.trial.digits:
         return Found(trial, replace(empty, status="too slow", note="as with fewer digits"))
     try:
@@ -129,7 +129,8 @@ def _first(
                 return thinned
         expected = _expected(trial, last)
         if expected > allowed:
-            return Found(trial, replace(empty, status="too slow", note=f"about {expected:.2g} s"))
+            note = f"would take about {duration(expected)}, more than its share of what was left"
+            return Found(trial, replace(empty, status="too slow", note=note))
         begin = time.thread_time()
         result = trial.compute(None, time.perf_counter() + allowed)
         spent = time.thread_time() - begin
@@ -139,7 +140,8 @@ def _first(
         return Found(trial, replace(empty, status="missing", note=_line(error)))
     except NotConvergedError as error:
         status = "too slow" if str(error) == "out of time" else "not converged"
-        return Found(trial, replace(empty, status=status, note="" if status == "too slow" else _line(error)))
+        note = "stopped when its share was spent" if status == "too slow" else _line(error)
+        return Found(trial, replace(empty, status=status, note=note))
     except (InvalidInputError, HJSolveError) as error:
         return Found(trial, replace(empty, status="not applicable", note=_line(error)))
 
@@ -189,7 +191,7 @@ def _judged(row: Row, answer: Answer, truth: Reference, sizes: dict[str, float])
     worst = ruler.measure(answer.numbers)
     row = replace(row, claimed=worst.claimed, error=worst.error, held=worst.held, count=answer.count)
     if worst.error is None:
-        return replace(row, note="no reference")
+        return replace(row, note="no reference: the true error is not known")
     if worst.error >= 0.5:
         return replace(row, status="lost")
     return replace(row, status="claim broken") if worst.held is False else row

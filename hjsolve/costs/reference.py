@@ -83,7 +83,7 @@ def reference(
     left = sorted({name.partition(".")[0] for name in others if name not in balls and name not in series})
     if left:
         words.append(f"{', '.join(_WORDS.get(name, name) for name in left)} against mpmath at {digits} digits")
-    return Reference(plain, others | series, digits, angles, "; ".join(words) or "nothing: no reference could be had")
+    return Reference(plain, others | series, digits, angles, "; ".join(words))
 
 
 _WORDS = {"q": "coordinates", "p": "momenta", "turning_points": "turning points", "boundary_times": "boundary times"}

@@ -28,7 +28,7 @@ def cost(
     subject: Subject,
     *,
     digits: Sequence[int] | None = None,
-    seconds: float = 60.0,
+    seconds: float = 20.0,
     repeats: int = 5,
     motion: str = "default",
     rivals: bool = True,
@@ -42,7 +42,8 @@ def cost(
     with more digits.
 
     Args:
-        subject: a ``Scene``, its table or its file; a catalog id or an entry's file; a ``Motion``.
+        subject: a ``Scene``, its table or its file; a catalog id or an entry's file; a ``Motion``; a
+            ``System`` or a ``Solution`` of the catalog, for its motion there.
         digits: beyond double precision; None for ``DIGITS``.
         seconds: budget for everything. What does not fit is marked, not dropped.
         repeats: timed runs of each method at most; the median counts.

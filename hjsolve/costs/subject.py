@@ -10,14 +10,16 @@ from typing import Any, TypeAlias
 import sympy as sp
 
 from hjsolve import catalog
-from hjsolve.errors import InvalidInputError, MissingValueError, NotSeparableError
+from hjsolve.errors import InvalidInputError, MissingValueError
 from hjsolve.expressions import number
 from hjsolve.motion import Motion
 from hjsolve.scenes import Scene, is_scene
 from hjsolve.scenes.scene import Start, Times
 from hjsolve.solution import Solution, solve
+from hjsolve.subjects import system_of
+from hjsolve.system import System
 
-Subject: TypeAlias = Scene | Motion | Mapping[str, Any] | str | Path
+Subject: TypeAlias = Scene | Motion | System | Solution | Mapping[str, Any] | str | Path
 _WANT = ("turning_points", "actions", "frequencies", "periods", "trajectory")
 _COUNT, _CYCLES = 101, 10
 
@@ -26,7 +28,8 @@ def scene_of(subject: Subject, motion: str = "default") -> tuple[Scene, Solution
     """Find the scene.
 
     Args:
-        subject: a scene, its table or its file; a catalog id or an entry's file; a motion.
+        subject: a scene, its table or its file; a catalog id or an entry's file; a motion; a system or its solution,
+            with the motion of the catalog entry that it is.
         motion: which motion of the entry.
 
     Returns:
@@ -42,14 +45,19 @@ def scene_of(subject: Subject, motion: str = "default") -> tuple[Scene, Solution
         subject = Scene.load(subject)
     if isinstance(subject, Scene):
         return subject, _solution(subject)
-    if not isinstance(subject, str | Path):
+    if isinstance(subject, Solution):
+        subject = subject.system
+    if not isinstance(subject, str | Path | System):
         raise InvalidInputError(
-            f"cost: a Scene, a Motion, a catalog id or a TOML file is needed, not {type(subject).__name__}"
+            f"cost: a Scene, a Motion, a System, a catalog id or a TOML file is needed, not {type(subject).__name__}"
         )
-    entry = catalog.describe(subject)
-    if entry.system is None:
-        raise NotSeparableError(str(entry.refusal), entry.refusal)
-    scene = Scene.load({"system": str(subject), **({} if motion == "default" else {"motion": motion})})
+    system = system_of(subject, "cost")
+    if isinstance(subject, System) and catalog.entry_of(system) is None:
+        raise MissingValueError(
+            "cost: nothing says where this system starts; give a motion, hjsolve.cost(hjsolve.solve(system).motion(…))"
+        )
+    named = system if isinstance(subject, System) else str(subject)
+    scene = Scene.load({"system": named, **({} if motion == "default" else {"motion": motion})})
     solution = _solution(scene)
     return (scene if solution is None else _usual(scene, solution)), solution
 
@@ -68,8 +76,7 @@ def _scene_of_motion(motion: Motion) -> Scene:
     given = motion.given
     start = Start(given["q"], given.get("velocity"), given.get("p"), motion.t0)
     system = motion.solution.system
-    known = bool(system.id) and system.id in catalog.ids() and catalog.load(system.id) == system
-    table = catalog.read(system.id)[0] if known else {}
+    table = catalog.read(system.id)[0] if catalog.entry_of(system) is not None else {}
     return Scene(
         source="motion", title=system.title, summary="", table=table, effects=(), system=system, forces={},
         parameters=given.get("parameters") or {}, initial=start, want=(), times=None, digits=15, events=(), orbit=None,

@@ -108,6 +108,10 @@ class Cost:
         return self.text
 
 
+_WORDS = {"ok": "", "too slow": "did not fit the budget"}
+"""What a status is called where it is not itself the word."""
+
+
 def explanation(cost: Cost) -> list[str]:
     """What the table is about, in sentences.
 
@@ -120,7 +124,9 @@ def explanation(cost: Cost) -> list[str]:
     states = f" at {cost.times} times, compared at {cost.checked} of them" if cost.checked else ""
     return [
         f"Asked: {', '.join(cost.want)}{states}.",
-        f"True errors against {cost.reference}; relative to the size of each quantity, the worst of all.",
+        f"True errors against {cost.reference}; relative to the size of each quantity, the worst of all."
+        if cost.reference
+        else "No reference could be had in the time, so no true errors are known; give more seconds.",
         "Times are processor time, medians of interleaved runs, without the symbolic solution and compilation.",
     ]
 
@@ -135,11 +141,11 @@ def cells_of(row: Row, floor: float) -> tuple[str, ...]:
     Returns:
         As many texts as the table has columns.
     """
-    time = "" if row.seconds is None else ("≈ " if row.status == "extrapolated" else "") + _time(row.seconds)
+    time = "" if row.seconds is None else ("≈ " if row.status == "extrapolated" else "") + duration(row.seconds)
     return (
         row.method, "" if row.digits is None else f"{row.digits:.3g}", _error(row.claimed, 0.0),
         _error(row.error, floor), "" if row.count is None else f"{row.count} {row.unit}", time,
-        " · ".join(part for part in (("" if row.status == "ok" else row.status), row.note) if part),
+        " · ".join(part for part in (_WORDS.get(row.status, row.status), row.note) if part),
     )  # fmt: skip
 
 
@@ -151,7 +157,8 @@ def _error(value: float | None, floor: float) -> str:
     return f"{value:.1e}" if value else "0"
 
 
-def _time(value: float) -> str:
+def duration(value: float) -> str:
+    """A time with two digits and the unit that suits it."""
     if value < 0.9995e-3:
         return f"{value * 1e6:.0f} µs"
     return f"{value * 1e3:.0f} ms" if value < 0.9995 else f"{value:.2g} s" if value < 9.95 else f"{value:.0f} s"

@@ -138,6 +138,8 @@ class Program:
             return Constant(self.plain.unary(name, x.value))
         if name in ("sin", "cos", "tan", "sinh", "cosh", "tanh"):
             return self._circular(name, x)
+        if name == "sech":
+            return self.div(self.rational(1, 1), self._circular("cosh", x))
         if name in ("neg", "abs"):
             out = self.new()
             self.lines.append(lambda k: out.append(-x[k] if name == "neg" or x[0] < 0 else x[k]))

@@ -20,6 +20,7 @@ from hjsolve.ensembles.rows import Columns, compute
 from hjsolve.errors import InvalidInputError
 from hjsolve.initial import parameter_values
 from hjsolve.solution import Solution, refuse_null, solve
+from hjsolve.subjects import system_of
 from hjsolve.system import System
 
 
@@ -111,14 +112,9 @@ def recipe_for(
 def _solution(system: Any) -> Solution:
     if isinstance(system, Solution):
         return system
-    if isinstance(system, System):
-        return solve(system)
-    if isinstance(system, (str, Path)):
-        path = str(system).endswith(".toml")
-        return solve(catalog.load(Path(system))) if path else _entry(str(system))
-    raise InvalidInputError(
-        f"ensemble: give a System, a Solution, a catalog id or the path of a .toml entry, not a {type(system).__name__}"
-    )
+    if isinstance(system, str) and not system.endswith(".toml"):
+        return _entry(system)
+    return solve(system_of(system, "ensemble"))
 
 
 @lru_cache(maxsize=16)

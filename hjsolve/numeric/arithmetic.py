@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import copyreg
 import operator
 from collections.abc import Callable
 from dataclasses import dataclass, field
@@ -24,6 +25,12 @@ _NUMPY_NAMES = {
     "neg": "negative",
     "abs": "absolute",
 }
+
+
+FARTHEST = 1024
+"""Binary digits before the point of the largest argument of an exponential; many more of a circular function."""
+CIRCULAR = ("sin", "cos", "tan")
+_COSTLY = dict.fromkeys(("exp", "sinh", "cosh", "tanh"), FARTHEST) | dict.fromkeys(CIRCULAR, 16 * FARTHEST)
 
 
 class ByOperators:
@@ -61,7 +68,13 @@ class Float64(ByOperators):
         return np.float_power(x, n) if abs(n) > 3 else _small_power(x, n)
 
     def unary(self, name: str, x: Any) -> Any:
-        return getattr(np, _NUMPY_NAMES.get(name, name))(x)
+        return sech(x) if name == "sech" else getattr(np, _NUMPY_NAMES.get(name, name))(x)
+
+
+def sech(x: Any) -> Any:
+    """Return 1/cosh x of doubles, which does not overflow."""
+    decay = np.exp(-np.abs(x))
+    return 2 * decay / (1 + decay * decay)
 
 
 def _small_power(x: Any, n: int) -> Any:
@@ -74,7 +87,47 @@ def multiprecision(bits: int) -> Any:
     """Return an mpmath context of its own with this precision, so that no global is touched."""
     context = mpmath.ctx_mp.MPContext()
     context.prec = bits
+    for kind in (context.mpf, context.mpc):  # classes of their own, which pickle does not find by their names
+        copyreg.pickle(kind, _reduced)
+    copyreg.pickle(context.matrix, _reduced_matrix)
     return context
+
+
+def _reduced(x: Any) -> tuple[Any, ...]:
+    """What a number of one of our contexts is pickled as: its precision and its parts."""
+    parts = (x._mpf_,) if hasattr(x, "_mpf_") else x._mpc_
+    return _restored, (x.context.prec, *(tuple(int(part) for part in number) for number in parts))
+
+
+def _reduced_matrix(matrix: Any) -> tuple[Any, ...]:
+    return _restored_matrix, (matrix.ctx.prec, matrix.tolist())
+
+
+def _restored_matrix(bits: int, rows: list[list[Any]]) -> Any:
+    return multiprecision(bits).matrix(rows)
+
+
+def _restored(bits: int, *parts: tuple[int, ...]) -> Any:
+    context = multiprecision(bits)
+    numbers = tuple((sign, mpmath.libmp.MPZ(whole), exponent, count) for sign, whole, exponent, count in parts)
+    return context.make_mpf(numbers[0]) if len(parts) == 1 else context.make_mpc(numbers)
+
+
+def within_reach(name: str, x: Any, context: Any) -> Any:
+    """An argument, that of an exponential at most 2**FARTHEST: beyond, as many digits as it has bits would be needed.
+
+    Raises:
+        InvalidInputError: a circular function of so large an argument.
+    """
+    if name not in _COSTLY or context.mag(x) <= _COSTLY[name]:
+        return x
+    farthest = _COSTLY[name]
+    if name in CIRCULAR:
+        raise InvalidInputError(
+            f"{name} of a number beyond 2**{farthest}: give the coordinate a domain that ends before"
+        )
+    edge = context.ldexp(1, farthest)
+    return edge if x > 0 else -edge
 
 
 @dataclass(frozen=True, slots=True)
@@ -109,7 +162,7 @@ class Multi(ByOperators):
     def unary(self, name: str, x: Any) -> Any:
         if name == "neg":
             return -x
-        value = abs(x) if name == "abs" else getattr(self.context, name)(x)
+        value = abs(x) if name == "abs" else getattr(self.context, name)(within_reach(name, x, self.context))
         if isinstance(value, self.context.mpc):
             raise InvalidInputError(
                 f"{name} of {self.context.nstr(x, 8)} is not real: the formula leaves its domain there"

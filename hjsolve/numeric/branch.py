@@ -3,15 +3,18 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
-from functools import lru_cache
+from functools import cached_property, lru_cache
 from typing import Any
 
 import numpy as np
 
+from hjsolve.errors import NotConvergedError
 from hjsolve.numeric.arithmetic import Multi
 from hjsolve.numeric.panels import Growing, Panels, Way
 from hjsolve.numeric.radicand import Radicand
+from hjsolve.numeric.surroundings import Sight, Surrounding
 
+_MOST_BITS = 16384
 _FINE = 8
 """Steps of the reach of panels in a factor of two: far out, what is not asked for may be much."""
 
@@ -26,9 +29,9 @@ class Branch:
     digits: int
     bits: int
 
-    def integrands(self, y: Any) -> list[Any]:
-        """Return all kernels kⱼ |dq/dy| / |p|, then |p|/|dq/dy| (times ``Way.rest``), at y."""
-        work = self.bits
+    def integrands(self, y: Any, extra: int = 0) -> list[Any]:
+        """Return all kernels kⱼ |dq/dy| / |p|, then |p|/|dq/dy| (times ``Way.rest``), at y, with so many bits more."""
+        work = self.bits + extra
         x, left, _ = self.way.distances(y, Multi(64))
         nearest = min(v for v in (x, left) if v is not None)
         if nearest < self.way.length:
@@ -39,11 +42,53 @@ class Branch:
         kernels = [0 * p if skip else w * abs(slope) / p for w, skip in zip(weights, self.skipped, strict=True)]
         return [*kernels, p / abs(slope) * self.way.rest(y, Multi(work))]
 
+    def cancelled(self, y: Any, extra: int) -> int:
+        """Return how many bits more than ``extra`` are needed at y, so that all digits are left of the integrands.
+
+        Raises:
+            NotConvergedError: p² is too small there.
+        """
+        enough, more = int(3.33 * self.digits) + 16, extra
+        exact = self._seen(y, extra + 2 * self.bits)
+        while True:
+            lost = _disagreement(self._seen(y, more), exact)
+            if lost <= -enough:
+                return more
+            if more > _MOST_BITS:
+                q = float(self.way.position(y, Multi(self.bits))[0])
+                raise NotConvergedError(f"p² cannot be told from zero near q = {q:.9g}")
+            more += max(64, min(self.bits + more, lost + enough + 32))
+            exact = self._seen(y, more + 2 * self.bits) if more >= extra + self.bits else exact
+
+    def _seen(self, y: Any, extra: int) -> list[Any] | None:
+        """The integrands; None where p² is all rounding."""
+        try:
+            values = self.integrands(y, extra)
+        except ZeroDivisionError:
+            return None
+        return None if isinstance(values[-1], values[-1].context.mpc) else values
+
+    def around(self, y: Any, rest: float) -> Surrounding:
+        """Return what is around the place y, ``rest`` before the greatest y; see ``numeric.reach``."""
+        return Surrounding(self._sight, y, rest)
+
+    @cached_property
+    def _sight(self) -> Sight:
+        return Sight(self.way, self.radicand, self.skipped, self.bits)
+
     def panels(self, weights: tuple[float, ...] | None, amount: float) -> Panels:
         """Return the integrals so far that |Σ wⱼ Gⱼ| reaches ``amount``; without weights, that y does."""
         if self.way.end == "fall":  # all of it, once
             return _panels(self, None, 1000 * _FINE)
         return _panels(self, weights, int(np.ceil(_FINE * np.log2(max(abs(amount), 1e-290)))) + 1)
+
+
+def _disagreement(values: list[Any] | None, exact: list[Any] | None) -> int:
+    """The largest relative difference, as a power of two."""
+    if values is None or exact is None:
+        return 0
+    pairs = [(abs(v - e), abs(e)) for v, e in zip(values, exact, strict=True)]
+    return max((e.context.mag(d / e) if e else 0 for d, e in pairs if d), default=-_MOST_BITS)
 
 
 def farthest(digits: int) -> int:
@@ -53,7 +98,7 @@ def farthest(digits: int) -> int:
 
 @lru_cache(maxsize=64)
 def _growing(branch: Branch) -> Growing:
-    return Growing(branch.way, branch.integrands, digits=branch.digits, bits=branch.bits)
+    return Growing(branch.way, branch, digits=branch.digits, bits=branch.bits)
 
 
 @lru_cache(maxsize=64)

@@ -12,7 +12,7 @@ from typing import Any, NamedTuple
 
 from hjsolve.numeric.tape import Arithmetic
 
-FUNCTIONS = frozenset({"neg", "sqrt", "exp", "sin", "cos", "tan", "sinh", "cosh", "tanh"})
+FUNCTIONS = frozenset({"neg", "sqrt", "exp", "sin", "cos", "tan", "sinh", "cosh", "tanh", "sech"})
 """Elementary functions that have a rule."""
 
 _TINY = (1, 10**290)
@@ -94,6 +94,8 @@ class Chords:
         if name in {"tan", "tanh"}:
             over, under = ("sin", "cos") if name == "tan" else ("sinh", "cosh")
             return self.div(self.unary(over, x), self.unary(under, x))
+        if name == "sech":
+            return self.div(self.rational(1, 1), self.unary("cosh", x))
         base, value = a.unary(name, x.base), a.unary(name, x.value)
         return Chord(base, value, a.mul(self._between(name, x, base, value), x.slope))
 

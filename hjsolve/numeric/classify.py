@@ -3,25 +3,32 @@
 from __future__ import annotations
 
 import itertools
-from collections.abc import Callable, Iterator
+from collections.abc import Iterator
 from dataclasses import dataclass, replace
+from functools import partial
 from typing import Any
 
 import numpy as np
 
 from hjsolve.errors import NotConvergedError
-from hjsolve.numeric.anomaly import Rotation, crested, libration, paired, rotation
+from hjsolve.numeric import resolution
+from hjsolve.numeric.anomaly import Libration, Rotation, crested, libration, paired, rotation
 from hjsolve.numeric.arithmetic import Float64, Multi, multiprecision
+from hjsolve.numeric.best_map import over_the_best_map
 from hjsolve.numeric.branch import Branch
-from hjsolve.numeric.course import PARTS, Anomaly, Bounded, Course, Frozen, Kind, Open, bounded, roughness
-from hjsolve.numeric.crests import Crest, crests
+from hjsolve.numeric.course import PARTS, Anomaly, Bounded, Course, Frozen, Open
+from hjsolve.numeric.crests import crests
 from hjsolve.numeric.panels import Way
 from hjsolve.numeric.radicand import Number, Radicand
 from hjsolve.numeric.stretch import Inner, Stretched, stretched
 from hjsolve.numeric.turning_points import End, Ray, first_end
 
-_MANY = 220
-"""Nodes above which another change of variable is tried, for a double and half a cycle."""
+_NEAREST = 200
+"""Bits by which a turning point may be nearer to an end of the domain than to the other one."""
+
+
+_LONG = 2**16
+"""The natural length of an open motion, over |q|, at most."""
 
 
 @dataclass(frozen=True)
@@ -103,10 +110,18 @@ def ray(start: Start, side: int) -> Ray:
     """The way from the initial place to one side, up to the end of the domain or a full turn."""
     end = start.upper if side > 0 else start.lower
     if start.angle:
-        return Ray(start.radicand, start.place, side, lambda bits: 2 * multiprecision(bits).pi, turns=True)
+        return Ray(start.radicand, start.place, side, _turn, turns=True)
     if end is None:
         return Ray(start.radicand, start.place, side, None)
-    return Ray(start.radicand, start.place, side, lambda bits: abs(end(bits) - start.place(bits)))
+    return Ray(start.radicand, start.place, side, partial(_distance, start.place, end))
+
+
+def _turn(bits: int) -> Any:
+    return 2 * multiprecision(bits).pi
+
+
+def _distance(one: Number, other: Number, bits: int) -> Any:
+    return abs(other(bits) - one(bits))
 
 
 def _rest(start: Start, digits: int) -> Located:
@@ -129,7 +144,13 @@ def _libration(start: Start, lower: End, upper: End, digits: int) -> Bounded:
     assert upper.place is not None
     places = (lower.place, upper.place)
     needed = int(3.33 * digits) + 48
-    bits = needed + 80
+    nearness = _nearness(start, places)
+    if nearness > _NEAREST:
+        raise NotConvergedError(
+            f"{start.name}: it turns {nearness} powers of two nearer to an end of its domain than to its other turning "
+            f"point, and {_NEAREST} are the most that can be integrated"
+        )
+    bits = needed + 80 + 2 * nearness + start.radicand.guard
     while True:
         arithmetic = Multi(bits)
         a, b = (arithmetic.convert(place(bits)) for place in places)
@@ -142,71 +163,58 @@ def _libration(start: Start, lower: End, upper: End, digits: int) -> Bounded:
                 f"{start.name}: the turning points {float(a):.17g} and {float(b):.17g} are too close to separate"
             )
         bits = needed + lost + 16
-    best: Anomaly = plain
-    if roughness(plain, start.radicand, start.skipped, bits, start.parts) > 1e-7:
-        best = libration(a, b, _outside(start, a, b - a, -1, bits), _outside(start, b, b - a, 1, bits), arithmetic)
-    return _smoothest(start, "libration", best, lambda: _over_crests(start, a, b, bits), digits, bits)
+
+    def maps() -> Iterator[Anomaly]:
+        yield plain
+        usual = libration(a, b, _outside(start, a, b - a, -1, bits), _outside(start, b, b - a, 1, bits), arithmetic)
+        yield usual
+        yield from _over_crests(start, usual, bits)
+
+    return over_the_best_map(start, "libration", maps(), digits, bits)
 
 
-def _smoothest(
-    start: Start, kind: Kind, usual: Anomaly, others: Callable[[], Iterator[Anomaly]], digits: int, bits: int
-) -> Bounded:
-    """Integrate over the usual anomaly, or over another where that would need too many nodes."""
-    place = Multi(bits).convert(start.place(bits))
-
-    def over(anomaly: Anomaly, most: int | None) -> Bounded:
-        phase = anomaly.phase(place, start.forward, Multi(bits))
-        return bounded(kind, anomaly, start.radicand, phase, start.skipped, digits, bits, start.parts, most)
-
-    enough = int(_MANY * max(1, digits / 15)) * (1 if usual.even else 2)
-    tried: list[Anomaly] = []
-    for anomaly in itertools.chain([usual], (anomaly for make in (others,) for anomaly in make())):
-        try:
-            return over(anomaly, enough if anomaly is usual else 2 * enough)
-        except NotConvergedError:
-            tried.append(anomaly)
-
-    def rough(anomaly: Anomaly) -> float:
-        return roughness(anomaly, start.radicand, start.skipped, bits, start.parts, nodes=enough // 2)
-
-    return over(min(tried, key=rough) if len(tried) > 1 else usual, None)
+def _nearness(start: Start, turns: tuple[Number, Number]) -> int:
+    """Bits by which a turning point is nearer to an end of the domain than to the other turning point."""
+    if start.lower is None and start.upper is None:
+        return 0
+    gaps, width = [], multiprecision(64).mpf(1)
+    for bits in (256, 3072):
+        a, b = (turn(bits) for turn in turns)
+        width = b - a
+        gaps = [abs(turn - end(bits)) for turn, end in ((a, start.lower), (b, start.upper)) if end is not None]
+        if all(gap > width * multiprecision(64).mpf(2) ** (-bits // 2) for gap in gaps):
+            break
+    return max((int(multiprecision(64).log(width / gap, 2)) for gap in gaps if 0 < gap < width), default=0)
 
 
-def _over_crests(start: Start, a: Any, b: Any, bits: int) -> Iterator[Anomaly]:
+def _over_crests(start: Start, usual: Libration, bits: int) -> Iterator[Anomaly]:
     """Anomalies of a libration that are slow where p² comes close to zero or to a pole inside the motion."""
-    found, arithmetic = crests(start.radicand, a, b, bits), Multi(bits)
+    arithmetic = Multi(bits)
+    yield from _spread(start, usual, bits)
+    found = crests(start.radicand, usual.lower, usual.upper, bits)
     if found:
-        first = crested(a, b, found[0].place, found[0].gap, arithmetic)
+        first = crested(usual.lower, usual.upper, found[0].place, found[0].gap, arithmetic)
         yield first
-        yield from _spread(first, found[1:], arithmetic)
-    yield from _spread(
-        libration(a, b, _outside(start, a, b - a, -1, bits), _outside(start, b, b - a, 1, bits), arithmetic),
-        found,
-        arithmetic,
-    )
+        yield from _spread(start, first, bits)
 
 
 def _over_other_crests(start: Start, anomaly: Rotation, gap: Any | None, bits: int) -> Iterator[Anomaly]:
     """Anomalies of a rotation that are slow at all crests, not only at the highest."""
     arithmetic = Multi(bits)
     turn, margin = 2 * arithmetic.pi(), arithmetic.pi() / 512
+    yield from _spread(start, anomaly, bits)
     found = crests(start.radicand, anomaly.slow + margin, anomaly.slow + turn - margin, bits)
     if found and gap is not None:
         both = paired(anomaly.slow, gap, found[0].place, found[0].gap, anomaly.direction, arithmetic)
-        if len(found) == 1:
-            yield both
-        yield from _spread(both, found[1:], arithmetic)
-    yield from _spread(anomaly, found, arithmetic)
+        yield both
+        yield from _spread(start, both, bits)
 
 
-def _spread(inner: Inner, places: list[Crest], arithmetic: Multi) -> Iterator[Stretched]:
-    """Stretch the phase of an anomaly through rough places; nothing where there is none."""
-    rough = []
-    for crest in places:
-        χ = inner.phase(arithmetic.convert(crest.place), 1, arithmetic)
-        rough.append((float(χ), float(crest.gap / abs(inner.place(χ, arithmetic).speed))))
-    rough = [place for place in rough if place[1] < 1]
-    map_ = stretched(inner, rough) if rough else None
+def _spread(start: Start, inner: Inner, bits: int) -> Iterator[Stretched]:
+    """Stretch the phase of an anomaly through the places where its integrands are rough; nothing where none is."""
+    subject = resolution.integrands(inner, start.radicand, start.skipped, start.parts, bits)
+    places = resolution.rough_places(subject)
+    map_ = stretched(inner, places) if places else None
     if map_ is not None:
         yield map_
 
@@ -245,7 +253,7 @@ def _outside(start: Start, end: Any, width: Any, side: int, bits: int) -> Any | 
 
 
 def _rotation(start: Start, direction: int, digits: int) -> Bounded:
-    bits = int(3.33 * digits) + 128
+    bits = int(3.33 * digits) + 128 + start.radicand.guard
     arithmetic = Multi(bits)
     slow, gap = _slow_place(start, bits)
     anomaly: Rotation = rotation(slow, direction, gap, arithmetic)
@@ -260,7 +268,8 @@ def _rotation(start: Start, direction: int, digits: int) -> Bounded:
         bits += lost
         arithmetic = Multi(bits)
         anomaly = rotation(arithmetic.convert(slow), direction, gap, arithmetic)
-    return _smoothest(start, "rotation", anomaly, lambda: _over_other_crests(start, anomaly, gap, bits), digits, bits)
+    maps = itertools.chain([anomaly], _over_other_crests(start, anomaly, gap, bits))
+    return over_the_best_map(start, "rotation", maps, digits, bits)
 
 
 def _slow_place(start: Start, bits: int) -> tuple[Any, Any | None]:
@@ -284,16 +293,17 @@ def _slow_place(start: Start, bits: int) -> tuple[Any, Any | None]:
 
 def _open(start: Start, forward: int, lower: End, upper: End, digits: int) -> Open:
     bits = int(3.33 * digits) + 128
+    exact = bits + 512 + start.radicand.guard
     lower, upper = _judged(start, lower), _judged(start, upper)
     kinds = {lower.kind, upper.kind}
     kind = "boundary" if kinds & {"boundary", "fall"} else "asymptotic" if "asymptote" in kinds else "escape"
 
     def branch(origin: End, target: End, side: int) -> Branch:
         assert origin.place is not None
-        first = origin.place(bits + 512)
+        first = origin.place(exact)
         turning = origin.kind == "turning"
         length = (
-            abs(target.place(bits + 512) - first)
+            abs(target.place(exact) - first)
             if target.place is not None
             else _length(start, first, bits, turning=turning)
         )
@@ -326,15 +336,19 @@ def _judged(start: Start, end: End) -> End:
 
 
 def _length(start: Start, place: Any, bits: int, *, turning: bool) -> Any:
-    """A length over which p² changes by itself near a place; at a turning point its value there is rounding only."""
+    """A length over which p² changes by itself near a place; at a turning point its value there is rounding only.
+
+    Beside a narrow feature far away p² hardly changes at all: the length is not much larger than |q|.
+    """
     value, slope, bend = start.radicand.jet(place, bits)
+    own = max(abs(place), abs(place - start.place(bits))) or multiprecision(bits).mpf(1)
     if turning:
         value = 0 * value
     if bend and slope and abs(value) < abs(slope * slope / bend):
-        return abs(slope / bend)
+        return min(abs(slope / bend), _LONG * own)
     if value and slope:
-        return abs(value / slope)
-    return max(abs(place), abs(place - start.place(bits))) or multiprecision(bits).mpf(1)
+        return min(abs(value / slope), _LONG * own)
+    return own
 
 
 def _open_phase(way: Way, start: Start, forward: int, bits: int) -> Any:

@@ -13,21 +13,18 @@ from typing import Any, Literal
 
 import numpy as np
 
-from hjsolve.errors import NotConvergedError
 from hjsolve.numeric.anomaly import Crested, Libration, Paired, Rotation
 from hjsolve.numeric.arithmetic import Float64, Multi, multiprecision
 from hjsolve.numeric.branch import Branch
 from hjsolve.numeric.counting import count
 from hjsolve.numeric.panels import Panels, Way
 from hjsolve.numeric.radicand import Radicand
-from hjsolve.numeric.series import Series, fit, foreseen, trial, zero
-from hjsolve.numeric.stretch import Stretched, lowered, rounded
+from hjsolve.numeric.series import Series, fit, zero
+from hjsolve.numeric.stretch import Stretched, rounded
 
 Anomaly = Libration | Crested | Rotation | Paired | Stretched
 
 Kind = Literal["libration", "rotation", "escape", "equilibrium", "asymptotic", "boundary"]
-_LONG, _FEW = 60, 30
-"""Digits from which on the nodes are foreseen in few digits, and how many these are."""
 PARTS = frozenset({"time", "action", "place"})
 """What is integrated over a cycle: Jacobi's integrals (periods, times), the action, what places and momenta need."""
 
@@ -69,6 +66,11 @@ class Bounded:
     radicand: Radicand
 
     periodic = True
+
+    @property
+    def tail(self) -> float:
+        """The largest of the last coefficients, relative to the size of its function."""
+        return max(float(s.tail) for s in (*self.kernels, self.momentum))
 
     def integral(self, j: int, χ: Any) -> Any:
         """Return Gⱼ from 0 to χ."""
@@ -178,6 +180,7 @@ class Open:
         behind: branch for χ ≤ 0, run backwards; the same branch where the motion turns at χ = 0.
         start: χ of the initial place.
         reach: how far the panels go: (weights, amount of the weighted sum of integrals), or (None, greatest phase).
+        back: the amount for the branch behind, where it is another; None for the same.
     """
 
     kind: Kind
@@ -185,13 +188,17 @@ class Open:
     behind: Branch
     start: Any
     reach: tuple[tuple[float, ...] | None, float] = (None, 1.0)
+    back: float | None = None
 
     periodic = False
     action = None
 
     def _sides(self, χ: Any) -> tuple[Any, Panels, Panels]:
-        ahead = self.ahead.panels(*self.reach)
-        return χ >= 0, ahead, ahead if self.behind is self.ahead else self.behind.panels(*self.reach)
+        weights, amount = self.reach
+        ahead = self.ahead.panels(weights, amount)
+        if self.behind is self.ahead:
+            return χ >= 0, ahead, ahead
+        return χ >= 0, ahead, self.behind.panels(weights, amount if self.back is None else self.back)
 
     def integral(self, j: int, χ: Any) -> Any:
         forward, ahead, behind = self._sides(χ)
@@ -267,8 +274,8 @@ def bounded(
     skipped: tuple[bool, ...],
     digits: int,
     bits: int,
+    nodes: int,
     parts: frozenset[str] = PARTS,
-    most: int | None = None,
 ) -> Bounded:
     """Integrate over one cycle of a libration or rotation.
 
@@ -280,60 +287,17 @@ def bounded(
         skipped: which kernels are zero everywhere.
         digits: relative digits wanted.
         bits: working precision, enough for the cancellation at the turning points.
+        nodes: how many are proved to be enough, for half a turn where all is even; see ``resolution``.
         parts: what is integrated, of ``PARTS``; the rest is left at zero, and the action at None.
-        most: nodes not to exceed; see ``series.fit``.
-
-    Raises:
-        NotConvergedError: that many nodes were not enough.
     """
     if not parts:
         empty = [zero() for _ in skipped]
         return Bounded(kind, anomaly, empty, zero(), None, start, radicand)
     functions = integrands(anomaly, radicand, skipped, bits, parts)
-    first = _foreseen(anomaly, radicand, skipped, digits, bits, parts) if digits >= _LONG else 12
     *kernels, momentum, density = fit(
-        functions, even=anomaly.even, digits=digits, bits=bits, floors=_floors(radicand), most=most, first=first
+        functions, even=anomaly.even, nodes=nodes, digits=digits, bits=bits, floors=_floors(radicand)
     )
     return Bounded(kind, anomaly, kernels, momentum, density.mean if "action" in parts else None, start, radicand)
-
-
-def _foreseen(
-    anomaly: Anomaly, radicand: Radicand, skipped: tuple[bool, ...], digits: int, bits: int, parts: frozenset[str]
-) -> int:
-    """Nodes for many digits, from the decay of the coefficients in few: a node in few costs next to nothing."""
-    low = bits - int(3.33 * (digits - _FEW))
-    functions = integrands(lowered(anomaly, Multi(low)), radicand, skipped, low, parts)
-    floors = _floors(radicand)
-    try:
-        shorter = fit(functions, even=anomaly.even, digits=_FEW // 2, bits=low, floors=floors)
-        longer = fit(functions, even=anomaly.even, digits=_FEW, bits=low, floors=floors)
-    except NotConvergedError:
-        return 12
-    told = any(s.tail for s in shorter) and any(s.tail for s in longer)
-    return foreseen(shorter, longer, digits) if told else 12
-
-
-def roughness(
-    anomaly: Anomaly,
-    radicand: Radicand,
-    skipped: tuple[bool, ...],
-    bits: int,
-    parts: frozenset[str] = PARTS,
-    nodes: int = 12,
-) -> float:
-    """Return how far few nodes are from resolving the integrands: the size of the last terms."""
-    if not parts:
-        return 0.0
-    return max(
-        s.tail
-        for s in trial(
-            integrands(anomaly, radicand, skipped, bits, parts),
-            even=anomaly.even,
-            nodes=nodes,
-            bits=bits,
-            floors=_floors(radicand),
-        )
-    )
 
 
 def _floors(radicand: Radicand) -> list[float]:

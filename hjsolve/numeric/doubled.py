@@ -127,6 +127,10 @@ class Doubled:
     def _tanh(self, x: Pair) -> Pair:
         return self.div(self._sinh(x), self._cosh(x))
 
+    def _sech(self, x: Pair) -> Pair:
+        e = self._exp(self._scaled(self._abs(x), -1.0))
+        return self._scaled(self.div(e, self.add(Pair(1.0, 0.0), self.mul(e, e))), 2.0)
+
     def _turned(self, x: Pair) -> tuple[Pair, Pair, Any]:
         """Sin and cos of the argument less a multiple of π/2, and that multiple modulo 4."""
         k = np.rint(x.high / _HALF_PI[0])

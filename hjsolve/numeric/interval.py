@@ -15,7 +15,7 @@ from typing import Any, NamedTuple
 
 import numpy as np
 
-from hjsolve.numeric.arithmetic import Float64, Multi
+from hjsolve.numeric.arithmetic import FARTHEST, Float64, Multi, within_reach
 
 _GREATEST = float(np.finfo(float).max)
 _RISING = {"exp", "sinh", "tanh", "asinh", "atan"}
@@ -141,9 +141,9 @@ class Intervals:
     def _scalar(self, name: str, v: Any) -> Any:
         assert isinstance(self.plain, Multi)
         context = self.plain.context
-        if name in {"sin", "cos"} and context.isinf(v):
+        if name in {"sin", "cos"} and (context.isinf(v) or context.mag(v) > 16 * FARTHEST):
             return context.nan
-        value = getattr(context, name)(v)
+        value = getattr(context, name)(within_reach(name, v, context))
         return value if isinstance(value, context.mpf) else context.nan
 
     def _rising(self, name: str, x: Interval, left: float, right: float) -> Interval:
@@ -166,7 +166,7 @@ class Intervals:
             with np.errstate(all="ignore"):
                 return _floor((x.high - point + slack) / turn) >= _floor((x.low - point - slack) / turn) + 1
 
-        everything = ~((x.high - x.low) < turn) | (a != a) | (b != b)
+        everything = np.logical_not((x.high - x.low) < turn) | (a != a) | (b != b)  # one number has a Python bool here
         top, bottom = everything | contains(crest), everything | contains(crest + turn / 2)
         low, high = self._wide(np.minimum(a, b), np.maximum(a, b))
         return Interval(np.where(bottom, -1, low), np.where(top, 1, high))
@@ -178,6 +178,10 @@ class Intervals:
         size = self.unary("abs", x)
         return self._wide(self._call("cosh", size.low), self._call("cosh", size.high))
 
+    def _sech(self, x: Interval) -> Interval:
+        size = self.unary("abs", x)
+        return self._wide(self._call("sech", size.high), self._call("sech", size.low))
+
     def _acos(self, x: Interval) -> Interval:
         return self.sub(self.div(self.pi(), self.rational(2, 1)), self.unary("asin", x))
 
@@ -187,6 +191,7 @@ _OTHERS: dict[str, Callable[[Intervals, Interval], Interval]] = {
     "cos": lambda field, x: field._sine(x, "cos"),
     "tan": Intervals._tangent,
     "cosh": Intervals._cosh,
+    "sech": Intervals._sech,
     "acos": Intervals._acos,
 }
 

@@ -116,6 +116,9 @@ class Jets:
             case "tan" | "tanh":
                 slope = a.add(one, a.power(f, 2)) if name == "tan" else a.sub(one, a.power(f, 2))
                 return slope, a.mul(a.rational(2 if name == "tan" else -2, 1), a.mul(f, slope))
+            case "sech":
+                square, two = a.power(f, 2), a.rational(2, 1)
+                return a.unary("neg", a.mul(f, a.unary("tanh", x))), a.mul(f, a.sub(one, a.mul(two, square)))
             case "abs":
                 return a.div(f, x), a.rational(0, 1)
             case _:

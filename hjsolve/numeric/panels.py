@@ -12,28 +12,33 @@ its end; the map q(y) is chosen by the two ends so that dq/p is analytic in y up
     regular → asymptote    x = ℓ (1 − e^{−y})
     … → fall               as to an asymptote: reached in a finite time, but an angle winds for ever on the way
 
-The integrals are Chebyshev series on panels whose length adapts to their decay; far out panels grow
-geometrically, so the cost rises with the logarithm of the time.
+The integrals are Chebyshev series on panels, each as long as its integrands are proved to be analytic around it
+(``numeric.reach``); far out panels grow geometrically, so the cost rises with the logarithm of the time.
 """
 
 from __future__ import annotations
 
 from collections.abc import Callable
 from dataclasses import dataclass
-from functools import cached_property
+from functools import cached_property, lru_cache
 from threading import Lock
-from typing import Any
+from typing import Any, Protocol
 
 import numpy as np
 
 from hjsolve.errors import NotConvergedError
 from hjsolve.numeric.arithmetic import Float64, Multi, multiprecision
 from hjsolve.numeric.fourier import smooth, waves
+from hjsolve.numeric.reach import Surroundings, longest, nodes_for
 from hjsolve.numeric.turning_points import EndKind
 
 _MAX_PANELS = 1600
-_LEAST_SHARE = 2.0**-10
-"""Of the way that is left to a boundary; where a panel may take less, the singularity there is essential."""
+_GROWTH, _LONGEST, _FIRST = 4.0, 8.0, 2.0
+"""The longest panel thought of: so many times the last one, at most this on the way to an asymptote; the first one."""
+_DEAREST = 4
+"""Nodes of one panel, over those for integrands that are no larger in the ellipse than on the panel."""
+_RETRIES = 8
+"""How often a panel is shortened whose integrands are smaller than their bounds made them look."""
 
 
 @dataclass(frozen=True)
@@ -166,27 +171,48 @@ class Panels:
         return x2 / 2 * b1 - b2 + rows[..., 0]
 
 
+class Integrated(Protocol):
+    """Functions of y in many digits, with what is known of them about a place; see ``branch.Branch``."""
+
+    def integrands(self, y: Any, extra: int = 0) -> list[Any]:
+        """Return the values of all functions at y (``mpf``), with so many bits more than usual."""
+        ...
+
+    def cancelled(self, y: Any, extra: int) -> int:
+        """Return the bits more than usual that the functions need at y, at least ``extra``."""
+        ...
+
+    def around(self, y: Any, rest: float) -> Surroundings:
+        """Return where the functions are analytic about y; ``rest`` is left from there to the greatest y."""
+        ...
+
+
 class Growing:
     """The integrals along a branch, panel by panel, as far as they were asked for; what is there is never done again.
 
     The panels do not depend on how far is asked for: a shorter reach has the first ones of a longer.
     """
 
-    def __init__(self, way: Way, integrands: Callable[[Any], list[Any]], *, digits: int, bits: int):
+    def __init__(
+        self,
+        way: Way,
+        course: Integrated,
+        *,
+        digits: int,
+        bits: int,
+    ):
         """Start at y = 0.
 
         Args:
             way: the branch.
-            integrands: y (``mpf``) ↦ the values of all functions.
+            course: what is integrated.
             digits: relative digits wanted.
             bits: working precision.
         """
-        self.way, self.integrands, self.digits, self.bits = way, integrands, digits, bits
+        self.way, self.course, self.digits, self.bits, self.extra = way, course, digits, bits, 0
         self.context = multiprecision(bits)
-        degree = smooth(max(20, int(1.3 * digits)) + 1) - 1
-        self.points = [self.context.cos(self.context.pi * (2 * m + 1) / (2 * (degree + 1))) for m in range(degree + 1)]
         self.last = way.last(self.context)
-        self.step, self.share = self.context.mpf(1) / 2, 1.0  # share: of the way that is left, which one panel may take
+        self.step = self.context.mpf(_FIRST) / _GROWTH
         self.edges, self.values, self.sums, self.totals = [self.context.mpf(0)], [], [], []  # type: ignore[var-annotated]
         self.nodes: list[int] = []
         self.over = self.blown = False
@@ -200,7 +226,7 @@ class Growing:
             enough: (y, integrals so far) ↦ True when the branch is long enough.
 
         Raises:
-            NotConvergedError: too many panels; the integrand is not analytic along the branch.
+            NotConvergedError: too many panels; the integrand could not be shown to be analytic along the branch.
         """
         count = 0
         with self.lock:
@@ -214,8 +240,8 @@ class Growing:
         ends = self.over and count == len(self.values)
         return Panels(
             np.array(self.edges[: count + 1], dtype=kind),
-            np.array(self.values[:count], dtype=kind).transpose(1, 0, 2),
-            np.array(self.sums[:count], dtype=kind).transpose(1, 0, 2),
+            np.array(_filled(self.values[:count]), dtype=kind).transpose(1, 0, 2),
+            np.array(_filled(self.sums[:count]), dtype=kind).transpose(1, 0, 2),
             self.nodes[count - 1],
             (ends and self.blown) or (self.last is not None and bool(y >= self.last * (1 - 2.0**-40))),
         )
@@ -238,37 +264,60 @@ class Growing:
         self.totals.append(after)
         self.edges.append(y)
         self.nodes.append(nodes)
-        self.share = min(1.0, self.share * 1.1)
         self.blown = self.way.end == "infinity" and _settled(before, after, self.digits, context)
         # the end; or, where it is not analytic there, near enough
         self.over = self.blown or (
             self.last is not None and self.last - y <= self.last * context.mpf(10) ** -self.digits
         )
-        self.step = (
-            min(2 * self.step, max(self.step, 5 * y / 8))
-            if self.way.end in {"infinity", "boundary"}
-            else min(2 * self.step, context.mpf(2))
-        )
 
     def _resolved(self) -> tuple[list[list[Any]], int]:
-        """Chebyshev coefficients over the next panel, short enough for its digits, and the nodes used so far."""
+        """Chebyshev coefficients over the next panel, proved to be enough, and the nodes used so far."""
         y, nodes = self.edges[-1], self.nodes[-1] if self.nodes else 0
         if len(self.values) > _MAX_PANELS:
-            raise NotConvergedError(f"more than {_MAX_PANELS} panels on the way to {self.way.end}")
-        while True:
-            if self.last is not None:
-                self.step = min(self.step, self.share * (self.last - y))
-            rows = _expand(self.integrands, y, self.step, self.points, self.bits)
-            nodes += len(self.points)
-            if _tail(rows) <= self.context.mpf(10) ** -(self.digits + 1):
-                return rows, nodes
-            self.step /= 2
-            self.share = 1.0 if self.last is None else float(self.step / (self.last - y))
-            lost = nodes > _MAX_PANELS * len(self.points) or self.share < _LEAST_SHARE
-            if lost or self.step < self.context.mpf(2) ** -200:
-                raise NotConvergedError(
-                    f"the integrand stays rough near y = {float(y):.6g} on its way to {self.way.end}"
-                )
+            raise NotConvergedError(f"more than {_MAX_PANELS} panels on the way to {self.way.end}; {self._reached(y)}")
+        rest = 0.0 if self.last is None else float(self.last - y)
+        around, most = self.course.around(y, rest), _GROWTH * float(self.step)
+        if self.last is not None:
+            most = min(most, rest) if most < rest / 2 else rest
+        elif self.way.end != "infinity":
+            most = min(most, _LONGEST)
+        for _ in range(_RETRIES):
+            reach = longest(around, most, self.digits)
+            if reach is None:
+                break
+            self.step = self.last - y if reach.length == rest else self.context.mpf(reach.length)
+            count, most = reach.nodes, reach.length / 2
+            ends = [y + self.step] if self.last is None or y + self.step < self.last else []
+            extra = max([self.extra, *(self.course.cancelled(end, self.extra) for end in ends)])
+            while count <= _DEAREST * nodes_for(0.0, self.digits):
+                points = _points(smooth(count), self.bits)
+                rows = _expand(self.course, y, self.step, points, self.bits, extra)
+                nodes += len(points)
+                count = reach.nodes_for([max(abs(c) for c in row) for row in rows], self.digits)
+                if count <= len(points):
+                    self.extra = extra
+                    return rows, nodes
+        raise NotConvergedError(
+            f"the integrand could not be shown to be smooth near y = {float(y):.6g} on its way to {self.way.end}; "
+            + self._reached(y)
+        )
+
+    def _reached(self, y: Any) -> str:
+        q, _ = self.way.position(y, Multi(self.bits))
+        return f"the integrals are known up to q = {float(q):.9g}"
+
+
+def _filled(rows: list[list[list[Any]]]) -> list[list[list[Any]]]:
+    """Series of panels, all of the same length."""
+    longest_ = max(len(series) for panel in rows for series in panel)
+    return [[[*series, *[0 * series[0]] * (longest_ - len(series))] for series in panel] for panel in rows]
+
+
+@lru_cache(maxsize=64)
+def _points(count: int, bits: int) -> list[Any]:
+    """The zeros of a Chebyshev polynomial."""
+    context = multiprecision(bits)
+    return [context.cos(context.pi * (2 * m + 1) / (2 * count)) for m in range(count)]
 
 
 def _settled(before: list[Any], after: list[Any], digits: int, context: Any) -> bool:
@@ -277,26 +326,16 @@ def _settled(before: list[Any], after: list[Any], digits: int, context: Any) -> 
     return all(abs(b - a) <= tiny * abs(b) for a, b in zip(before[:-1], after[:-1], strict=True))
 
 
-def _expand(integrands: Callable[[Any], list[Any]], y: Any, step: Any, points: list[Any], bits: int) -> list[list[Any]]:
+def _expand(course: Integrated, y: Any, step: Any, points: list[Any], bits: int, extra: int) -> list[list[Any]]:
     """Chebyshev coefficients on [y, y + step] from values at Chebyshev points."""
     context, n = multiprecision(bits), len(points)
-    samples = [integrands(y + step * (1 + x) / 2) for x in points]
+    samples = [course.integrands(y + step * (1 + x) / 2, extra) for x in points]
     rows = []
     for column in zip(*samples, strict=True):
         values = [context.convert(v) for v in column]
         waves_ = waves(values, even=True, bits=bits)[0] if any(values) else [context.mpf(0)] * (n - 1)
         rows.append([context.fsum(values) / n, *waves_])
     return rows
-
-
-def _tail(rows: list[list[Any]]) -> Any:
-    """Largest of the last three coefficients, relative to the largest of all, over all functions."""
-    worst = 0 * rows[0][0]
-    for row in rows:
-        size = max(abs(c) for c in row)
-        if size:
-            worst = max(worst, max(abs(c) for c in row[-3:]) / size)
-    return worst
 
 
 def _antiderivative(row: list[Any], half: Any, start: Any) -> list[Any]:

@@ -3,17 +3,22 @@
 from __future__ import annotations
 
 from collections.abc import Callable
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from functools import cached_property
 from typing import Any
 
 import numpy as np
 
-from hjsolve.numeric.arithmetic import Float64, Multi
+from hjsolve.numeric import asymptotics
+from hjsolve.numeric.arithmetic import Float64, Multi, multiprecision
 from hjsolve.numeric.counting import count
 from hjsolve.numeric.interval import Interval, Intervals
 from hjsolve.numeric.jet import Jet, Jets
 from hjsolve.numeric.tape import Bound, Tape
+
+_TRIED = (128, 256, 512, 1024, 2048, 4096, 8192)
+_KEPT = 64
+"""Precisions tried at the start, and bits of p² there that must be left of the first."""
 
 Number = Callable[[int], Any]
 """A real number as a rule: binary digits asked ↦ ``mpf`` with (about) that many right."""
@@ -27,11 +32,13 @@ class Radicand:
         squared: tape of F; inputs q, then constants and parameters.
         kernels: tape of ½ ∂F/∂κⱼ, one output a constant; same inputs.
         inputs: constants and parameters at any precision.
+        guard: bits by which its terms cancel at the start; every evaluation has so many more than are asked for.
     """
 
     squared: Tape
     kernels: Tape
     inputs: Callable[[int], list[Any]]
+    guard: int = 0
 
     def value(self, q: Any, bits: int) -> Any:
         """Return F(q) at the working precision ``bits``."""
@@ -51,6 +58,28 @@ class Radicand:
         count(kernels=1)
         return self._bound("weights", bits).run(q)
 
+    def sign_beyond(self, side: int, start: float) -> int:
+        """Return the sign of F for all side·q ≥ start; 0 where that is not known."""
+        bits = asymptotics.BITS + 2 * self.guard
+        return asymptotics.sign_beyond(self.squared, self.inputs(bits), side, start, bits)
+
+    def guarded(self, place: Number, squared: Number) -> Radicand:
+        """Return the same with as many bits more as its terms lose at a place where it is known.
+
+        A velocity 1e-50 of the others leaves p² = 1e-100 of terms that cancel.
+
+        Args:
+            place: q. squared: p² > 0 there, by other means.
+        """
+        for bits in _TRIED:
+            known = squared(bits)
+            if abs(self.value(place(bits), bits) - known) <= known * known.context.ldexp(1, -_KEPT):
+                return replace(self, guard=bits - _TRIED[0])
+        return self
+
+    def __getstate__(self) -> dict[str, Any]:
+        return {name: value for name, value in self.__dict__.items() if name != "_tapes"}
+
     @cached_property
     def _tapes(self) -> dict[tuple[str, int], Bound]:
         return {}
@@ -59,16 +88,17 @@ class Radicand:
         """The tapes with all but q known, kept for every precision that was asked for."""
         key = what, bits
         if key not in self._tapes:
-            arithmetic = Multi(bits)
+            work = bits + self.guard
+            arithmetic = Multi(work)
             field = Intervals(Float64()) if bits == 53 else Intervals(arithmetic)
             tape = self.kernels if what == "weights" else self.squared
             match what:
                 case "value" | "weights":
-                    bound = tape.bind(arithmetic, self.inputs(bits))
+                    bound = tape.bind(arithmetic, self.inputs(work))
                 case "jet":
-                    bound = tape.bind(Jets(arithmetic), [Jet(x) for x in self.inputs(bits)])
+                    bound = tape.bind(Jets(arithmetic), [Jet(x) for x in self.inputs(work)])
                 case _:
-                    points = [field.point(x) for x in self.inputs(128 if bits == 53 else bits)]
+                    points = [field.point(x) for x in self.inputs(128 if bits == 53 else work)]
                     jets = [Jet(x) for x in points]
                     bound = tape.bind(field, points) if what == "centre" else tape.bind(Jets(field), jets)
             self._tapes[key] = bound
@@ -92,3 +122,13 @@ class Radicand:
         return Jet(
             *(Interval(*(np.broadcast_to(end, np.shape(low)) for end in part)) for part in (value, first, second))
         )
+
+
+def has_period(radicand: Radicand, place: Any) -> bool:
+    """True when p² has period 2π (a wheel on a slope has not, though its coordinate is an angle)."""
+    bits = 160
+    turn = 2 * multiprecision(bits).pi
+    places = [place(bits) + k for k in range(3)]
+    pairs = [(radicand.value(q, bits), radicand.value(q + turn, bits)) for q in places]
+    size = max(abs(value) for pair in pairs for value in pair)
+    return all(abs(here - there) <= multiprecision(bits).mpf(2) ** -120 * size for here, there in pairs)

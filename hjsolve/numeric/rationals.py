@@ -10,7 +10,7 @@ from hjsolve.numeric.arithmetic import ByOperators
 
 _AT_ZERO = {
     **dict.fromkeys(("sin", "tan", "asin", "atan", "sinh", "tanh", "asinh", "atanh"), Fraction(0)),
-    **dict.fromkeys(("cos", "cosh", "exp"), Fraction(1)),
+    **dict.fromkeys(("cos", "cosh", "sech", "exp"), Fraction(1)),
 }
 
 

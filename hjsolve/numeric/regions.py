@@ -38,6 +38,9 @@ class _Negated(Radicand):
     def jet(self, q: Any, bits: int) -> Jet:
         return Jet(*(-part for part in super().jet(q, bits)))
 
+    def sign_beyond(self, side: int, start: float) -> int:
+        return -super().sign_beyond(side, start)
+
     def enclose(self, low: Any, high: Any, bits: int = 53) -> Jet:
         return Jet(*(Interval(-part.high, -part.low) for part in super().enclose(low, high, bits)))
 
@@ -75,7 +78,7 @@ def _along(start: Start, end: End, side: int, digits: int, last: End | None = No
 def _at(start: Start, end: End, *, negated: bool = False) -> Start:
     assert end.place is not None
     own = start.radicand
-    radicand = _Negated(own.squared, own.kernels, own.inputs) if negated else own
+    radicand = _Negated(own.squared, own.kernels, own.inputs, own.guard) if negated else own
     return replace(start, place=end.place, radicand=radicand)
 
 
@@ -95,7 +98,7 @@ def _passed(end: End, last: End) -> bool:
 def forbidden(start: Start, digits: int = 15) -> ForbiddenMotionError:
     """Make the error for p² < 0 at the initial place, with the nearest regions on both sides."""
     here = End("turning", start.place)
-    value = float(start.radicand.value(start.place(128), 128))
+    value = float(start.radicand.value(start.place(256 + start.radicand.guard), 256))
     beside: list[tuple[float, tuple[float | None, float | None]]] = []
     for side in (-1, 1):
         for region in _nearest(start, here, side, digits):

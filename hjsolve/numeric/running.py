@@ -100,7 +100,7 @@ class Running:
         match name:
             case "exp" | "cosh":
                 return f
-            case "sin" | "cos" | "tanh" | "asinh" | "atan":
+            case "sin" | "cos" | "tanh" | "sech" | "asinh" | "atan":
                 return one
             case "sinh":
                 return a.add(one, a.unary("abs", f))

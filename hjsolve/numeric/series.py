@@ -1,8 +1,7 @@
 """Trigonometric series of the regular integrands, and their integrals term by term.
 
-The coefficients of an analytic periodic function fall geometrically, so the last ones tell whether
-the nodes were enough (a convergence test built in, as in the Darwin-anomaly series of Kerr orbits),
-and ∫ c₀ + Σ cₖ cos kχ dχ = c₀ χ + Σ (cₖ/k) sin kχ is an explicit time law for all times
+The coefficients of an analytic periodic function fall geometrically; how many are needed is proved beforehand
+(``numeric.resolution``), and ∫ c₀ + Σ cₖ cos kχ dχ = c₀ χ + Σ (cₖ/k) sin kχ is an explicit time law for all times
 (Trefethen & Weideman, SIAM Review 56 (2014) 385, §3).
 """
 
@@ -14,15 +13,8 @@ from typing import Any
 
 import numpy as np
 
-from hjsolve.errors import NotConvergedError
 from hjsolve.numeric.arithmetic import multiprecision
-from hjsolve.numeric.fourier import smooth, waves
-
-MAX_NODES = 1536
-_TELLING = 96
-"""Nodes from which on the decay of the coefficients says how many will do."""
-_CLOSE = 0.6
-"""Share of the digits from which on an attempt is not given up: the last ones may come unevenly."""
+from hjsolve.numeric.fourier import waves
 
 
 @dataclass(frozen=True)
@@ -101,75 +93,21 @@ def fit(
     function: Callable[[Any], list[Any]],
     *,
     even: bool,
-    digits: int,
-    bits: int,
-    floors: Sequence[float] = (),
-    most: int | None = None,
-    first: int = 12,
-) -> list[Series]:
-    """Represent periodic functions by series, with as many nodes as their own decay asks for.
-
-    Args:
-        function: χ (``mpf``) ↦ values of all functions there; None for one that is zero everywhere.
-        even: True when all are even in χ: half the nodes serve.
-        digits: relative digits wanted (of the largest value of each).
-        bits: working precision.
-        floors: size below which a function counts as that size (1 for a logarithm), one a function.
-        most: nodes not to exceed, or to be far from enough soon; ``MAX_NODES`` for every 30 digits where None.
-        first: nodes to begin with; see ``foreseen``.
-
-    Raises:
-        NotConvergedError: that many nodes were not enough; a zero or pole of p² lies close to the path.
-    """
-    hopeless, most = most is not None, most or int(MAX_NODES * max(1, digits / 30))
-    nodes = max(12, min(first, most))
-    before: list[tuple[int, float]] = []
-    while True:
-        series = trial(function, even=even, nodes=nodes, bits=bits, digits=digits, floors=floors)
-        tail = max((s.tail for s in series), default=0.0)
-        reached = -float(multiprecision(64).log10(tail)) if tail else np.inf  # tails of many digits underflow doubles
-        if reached >= digits + 1:
-            return series
-        before.append((nodes, reached))
-        if nodes >= most or (hopeless and _needed(before, digits) > 2 * most):
-            raise NotConvergedError(
-                f"{nodes} nodes reached {10**-reached:.1e} only: a zero or pole of p² lies close to the motion"
-            )
-        needed = 2 + (nodes - 2) * (digits + 1) / reached if reached > 1 else 2.0 * nodes
-        nodes = smooth(int(min(max(nodes + 2, needed), 3 * nodes, most)) + 1)
-
-
-def foreseen(shorter: list[Series], longer: list[Series], digits: int) -> int:
-    """Return the nodes that many digits will need, from series of the same functions to two smaller numbers of digits.
-
-    The coefficients of an analytic function fall geometrically, so digits come evenly with the nodes.
-    """
-    (n0, r0), (n1, r1) = (
-        (max(s.nodes for s in series), min(-float(multiprecision(64).log10(s.tail)) for s in series if s.tail))
-        for series in (shorter, longer)
-    )
-    each = (n1 - n0) / (r1 - r0) if n1 > n0 and r1 > r0 + 4 else n1 / r1
-    return smooth(int(n1 + 1.01 * each * (digits + 1 - r1)) + 2)
-
-
-def _needed(before: list[tuple[int, float]], digits: int) -> float:
-    """Nodes at which the digits will be there, if they go on coming as between the last two attempts."""
-    if len(before) < 3 or before[-1][0] < _TELLING or before[-1][1] > _CLOSE * (digits + 1):
-        return 0.0
-    (n0, r0), (n1, r1) = before[-2:]
-    return n1 + (digits + 1 - r1) * (n1 - n0) / (r1 - r0) if r1 > r0 else np.inf
-
-
-def trial(
-    function: Callable[[Any], list[Any]],
-    *,
-    even: bool,
     nodes: int,
     bits: int,
     digits: int = 15,
     floors: Sequence[float] = (),
 ) -> list[Series]:
-    """Represent periodic functions by series with a given number of nodes; arguments as in ``fit``."""
+    """Represent periodic functions by series with a given number of nodes; ``resolution`` proves how many are enough.
+
+    Args:
+        function: χ (``mpf``) ↦ values of all functions there; None for one that is zero everywhere.
+        even: True when all are even in χ: half the nodes serve.
+        nodes: equally spaced, over half a turn where all are even.
+        bits: working precision.
+        digits: relative digits wanted (of the largest value of each): 15 or fewer keep coefficients in doubles.
+        floors: size below which a function counts as that size (1 for a logarithm), one a function.
+    """
     context = multiprecision(bits)
     step = context.pi / nodes if even else 2 * context.pi / nodes
     rows = [function(step * (2 * m + 1) / 2) for m in range(nodes)]

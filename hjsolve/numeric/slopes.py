@@ -19,7 +19,7 @@ import numpy as np
 
 from hjsolve.numeric.arithmetic import Float64, by_squaring
 
-FUNCTIONS = frozenset({"neg", "sqrt", "exp", "log", "sin", "cos", "tan", "sinh", "cosh", "tanh", "abs"})
+FUNCTIONS = frozenset({"neg", "sqrt", "exp", "log", "sin", "cos", "tan", "sinh", "cosh", "tanh", "sech", "abs"})
 """Elementary functions that have a rule."""
 
 _SERIES = 0.7
@@ -104,6 +104,8 @@ class Slopes:
             return self.div(self.unary("sin", x), self.unary("cos", x))
         if name == "tanh":
             return self.div(self.unary("sinh", x), self.unary("cosh", x))
+        if name == "sech":
+            return self.div(Slope(1.0), self.unary("cosh", x))
         if name == "abs":
             sign = np.where(x.base * x.value > 0, np.sign(x.base), np.nan)
             return self.mul(x, Slope(sign))

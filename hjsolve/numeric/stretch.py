@@ -27,7 +27,8 @@ from hjsolve.numeric.series import Series
 
 _SAMPLES = 4096
 _STEPS = 60
-_LAST = 3e-16
+_LAST = 1e-4
+"""Coefficients of dχ/dψ below that part of its least value are left out: they would not make the map a better one."""
 _NARROWEST = 1e-12
 
 Inner = Libration | Crested | Rotation | Paired
@@ -68,6 +69,11 @@ class Stretched:
         parts = (self.slope.cosines / k, 0 * k if self.slope.sines is None else self.slope.sines / k)
         return [(Fraction(float(c)), Fraction(float(s))) for c, s in zip(*parts, strict=True)][::-1]
 
+    @cached_property
+    def _shift(self) -> float:
+        """What makes χ = π at ψ = π."""
+        return float(self.slope.ripple(np.array([np.pi]))[0])
+
     @lru_cache(maxsize=8)  # noqa: B019
     def _fixed(self, bits: int) -> list[tuple[int, int]]:
         return [(int(c * 2**bits), int(s * 2**bits)) for c, s in self._waves]
@@ -81,11 +87,11 @@ class Stretched:
     def unstretched(self, ψ: Any, arithmetic: Float64 | Multi) -> tuple[Any, Any]:
         """Return χ(ψ) and dχ/dψ."""
         if isinstance(arithmetic, Float64):
-            return ψ + self.slope.ripple(ψ), self.slope.value(ψ)
+            return ψ + (self.slope.ripple(ψ) - self._shift), self.slope.value(ψ)
         return self._in_fixed_point(ψ, arithmetic)
 
     def _in_fixed_point(self, ψ: Any, arithmetic: Multi) -> tuple[Any, Any]:
-        """χ = ψ + Im Σ (cₖ − i sₖ) e^{ikψ} + Σ sₖ and its derivative by Horner's rule in integers."""
+        """χ = ψ + Im Σ (cₖ − i sₖ) e^{ikψ} + Σ (−1)ᵏ sₖ and its derivative by Horner's rule in integers."""
         bits, context = arithmetic.bits + 32, arithmetic.context
         one = context.mpf(2) ** bits
         x, y = (int(context.nint(part * one)) for part in context.cos_sin(ψ))
@@ -95,7 +101,7 @@ class Stretched:
             u, v, du, dv = u + c, v - s, du + k * c, dv - k * s
             u, v = (u * x - v * y) >> bits, (u * y + v * x) >> bits
             du, dv = (du * x - dv * y) >> bits, (du * y + dv * x) >> bits
-            shift += s
+            shift += s if k % 2 == 0 else -s
         return ψ + context.mpf(v + shift) / one, 1 + context.mpf(du) / one
 
     def phase(self, q: Any, forward: int, arithmetic: Multi) -> Any:
@@ -160,7 +166,7 @@ def _inverse_slope(places: list[tuple[float, float]], *, even: bool) -> Series |
     values = 1 / _stretching(χ, places)[1]
     waves = np.fft.rfft(np.roll(values, _SAMPLES // 2)) / _SAMPLES
     size = np.abs(waves[1:])
-    top = int(np.max(np.nonzero(size > _LAST)[0], initial=0)) + 1
+    top = int(np.max(np.nonzero(size > _LAST * np.min(values))[0], initial=0)) + 1
     if top > _SAMPLES // 4:
         return None
     cosines, sines = 2 * waves.real[1 : top + 1], -2 * waves.imag[1 : top + 1]

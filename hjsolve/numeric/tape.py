@@ -12,8 +12,14 @@ from dataclasses import dataclass
 from functools import partial
 from typing import Any, Protocol
 
+from hjsolve.errors import InvalidInputError
+
+_POLE = (
+    "a formula divides by zero at a place that the motion comes to: give the coordinate a domain that ends there, "
+    'such as "0 < x"'
+)
 UNARY = ("neg", "sqrt", "exp", "log", "sin", "cos", "tan", "asin", "acos", "atan",
-         "sinh", "cosh", "tanh", "asinh", "acosh", "atanh", "abs")  # fmt: skip
+         "sinh", "cosh", "tanh", "sech", "asinh", "acosh", "atanh", "abs")  # fmt: skip
 """Operation codes with one argument."""
 
 
@@ -62,10 +68,16 @@ class Tape:
 
         Returns:
             One value an output, in order.
+
+        Raises:
+            InvalidInputError: a division by zero, in an arithmetic without infinity.
         """
         slots = list(values)
-        for operation in self.operations:
-            slots.append(_apply(arithmetic, operation, slots))
+        try:
+            for operation in self.operations:
+                slots.append(_apply(arithmetic, operation, slots))
+        except ZeroDivisionError as fault:
+            raise InvalidInputError(_POLE) from fault
         return [slots[i] for i in self.outputs]
 
     def bind(self, arithmetic: Arithmetic, known: Sequence[Any]) -> Bound:
@@ -126,12 +138,19 @@ class Bound:
     outputs: tuple[int, ...]
 
     def run(self, *values: Any) -> list[Any]:
-        """Evaluate all outputs at values of the free inputs."""
+        """Evaluate all outputs at values of the free inputs; errors as in ``Tape.run``."""
         slots = list(self.slots)
         slots[: self.free] = values
-        for place, rule, i, j in self.rest:
-            slots[place] = rule(slots[i]) if j < 0 else rule(slots[i], slots[j])
+        try:
+            for place, rule, i, j in self.rest:
+                slots[place] = rule(slots[i]) if j < 0 else rule(slots[i], slots[j])
+        except ZeroDivisionError as fault:
+            raise InvalidInputError(_POLE) from fault
         return [slots[i] for i in self.outputs]
+
+
+def _raised(power: Callable[[Any, int], Any], n: int, x: Any) -> Any:
+    return power(x, n)
 
 
 def _step(arithmetic: Arithmetic, operation: Operation) -> tuple[Callable[..., Any], int, int]:
@@ -141,7 +160,7 @@ def _step(arithmetic: Arithmetic, operation: Operation) -> tuple[Callable[..., A
         return getattr(arithmetic, code), operands[0], operands[1]
     if code == "power":
         power, n = arithmetic.power, operation.payload[0]
-        return (lambda x: power(x, n)), operands[0], -1
+        return partial(_raised, power, n), operands[0], -1
     quick = getattr(arithmetic, "quick", {}).get(code)
     return quick or partial(arithmetic.unary, code), operands[0], -1
 

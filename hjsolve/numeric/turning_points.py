@@ -2,7 +2,9 @@
 
 From the start the scan walks outward over cells. A cell is passed only when interval arithmetic
 proves F = p² > 0 on it, or proves F′ or F″ of one sign so that a few exact values decide it. What
-doubles cannot decide (near-circular, near-separatrix) is decided with more digits. A zero of F at a
+doubles cannot decide (near-circular, near-separatrix) is decided with more digits, and what no cell
+decides far out, where F tends to zero or its terms overflow, by how F grows towards infinity
+(``numeric.asymptotics``). A zero of F at a
 critical point that stays zero to ``_LAST_BITS`` digits is a double zero: the motion needs infinite
 time to reach it (Greenwood, item 41).
 """
@@ -11,12 +13,14 @@ from __future__ import annotations
 
 import itertools
 from dataclasses import dataclass, replace
+from functools import partial
 from typing import Any, Literal, NamedTuple
 
 import numpy as np
 
 from hjsolve.errors import NotConvergedError
 from hjsolve.numeric.arithmetic import multiprecision
+from hjsolve.numeric.bracketing import bracketed_root, leading_power
 from hjsolve.numeric.radicand import Number, Radicand
 
 EndKind = Literal["turning", "asymptote", "boundary", "fall", "infinity", "round"]
@@ -26,6 +30,10 @@ _DEPTH = 40
 _MOST_WORK, _DEARER = 2000, 10
 """Divisions of cells before a search is given up; what one costs in many digits, in doubles 1."""
 _EXACT = 6
+_STUBBORN = 3
+"""Divisions of a cell after which what lies beyond it is looked at as a whole."""
+_FARTHEST = 2032
+"""How far p² is sampled beyond all cells, as a power of two: over all places that are doubles."""
 _TOGETHER = 48
 
 
@@ -62,7 +70,13 @@ class Ray:
     turns: bool = False
 
     def place(self, x: Any, bits: int) -> Any:
-        return self.origin(bits) + self.side * multiprecision(bits).convert(x)
+        work = bits + self.radicand.guard
+        return self.origin(work) + self.side * multiprecision(work).convert(x)
+
+    def fixed(self, bits: int) -> Ray:
+        """Return the ray from an origin that is not asked for ever more bits: it may be a turning point itself."""
+        origin = self.origin(bits)
+        return replace(self, origin=lambda _: origin)
 
     def jet(self, x: Any, bits: int) -> tuple[Any, Any, Any]:
         """Return F, dF/dx and d²F/dx²."""
@@ -76,8 +90,9 @@ class Ray:
             slack = 2.0**-52 * (abs(q0) + abs(x1))
             ends = q0 + self.side * x0, q0 + self.side * x1
         else:
-            convert = np.frompyfunc(multiprecision(bits).convert, 1, 1)
-            q0, slack = self.origin(bits), 0
+            work = bits + self.radicand.guard
+            convert = np.frompyfunc(multiprecision(work).convert, 1, 1)
+            q0, slack = self.origin(work), 0
             ends = q0 + self.side * convert(x0), q0 + self.side * convert(x1)
         value, first, second = self.radicand.enclose(np.minimum(*ends) - slack, np.maximum(*ends) + slack, bits)
         return value, first if self.side > 0 else type(first)(-first.high, -first.low), second
@@ -97,12 +112,20 @@ def first_end(ray: Ray, *, digits: int) -> End:
     """
     cells = _cells(ray)
     todo = list(itertools.pairwise(cells))
-    found = _search(ray, [_Cell(c, e, 0) for c, e in zip(todo, _enclose(ray, todo, 53), strict=True)], digits)
+    exact = not _within_doubles(ray)
+    enclosures = _enclose(ray, todo, 256 if exact else 53)
+    found = _search(ray, [_Cell(c, e, 0, exact) for c, e in zip(todo, enclosures, strict=True)], digits)
     if found is not None:
         return found
     if ray.turns:
         return End("round")
     return _beyond(ray, float(cells[-1]), digits)
+
+
+def _within_doubles(ray: Ray) -> bool:
+    """False where p² at the start is so small or large that intervals of doubles tell nothing of it."""
+    jet, length = ray.jet(0, 256), multiprecision(256).mpf(_scale(ray))
+    return 1e-250 < max(abs(part) * length**k for k, part in enumerate(jet)) < 1e250
 
 
 def _cells(ray: Ray) -> Any:
@@ -166,9 +189,12 @@ def _search(ray: Ray, cells: list[_Cell], digits: int) -> End | None:
     Raises:
         NotConvergedError: the work is beyond ``_MOST_WORK``: interval arithmetic does not see what p² does there.
     """
-    work = 0
+    work, outlook = 0, _Outlook(ray)
     while cells:
         first = cells[0]
+        stubborn = first.undecided and (first.blurred or first.depth >= _STUBBORN)
+        if (first.overflowed or stubborn) and outlook.clear(first.ends[0]):
+            return None
         if first.overflowed:
             work += _DEARER
             cells = [_exactly(ray, first), *cells[1:]]
@@ -187,6 +213,27 @@ def _search(ray: Ray, cells: list[_Cell], digits: int) -> End | None:
             return found
         cells = cells[1:]
     return None
+
+
+class _Outlook:
+    """Where p² is known to stay positive up to infinity; asked once in every factor of two."""
+
+    def __init__(self, ray: Ray):
+        self.ray = ray
+        self.asked: set[int] = set()
+
+    def clear(self, x: float) -> bool:
+        """True when p² > 0 from a distance x on to infinity."""
+        octave = int(np.frexp(x)[1])
+        if self.ray.reach is not None or octave in self.asked:
+            return False
+        self.asked.add(octave)
+        return _stays_positive(self.ray, x)
+
+
+def _stays_positive(ray: Ray, x: float) -> bool:
+    far = ray.side * float(ray.place(x, 128))
+    return ray.radicand.sign_beyond(ray.side, far * (1 - 2.0**-50)) > 0
 
 
 def _exactly(ray: Ray, cell: _Cell) -> _Cell:
@@ -227,10 +274,12 @@ def _pieces(ray: Ray, cell: _Cell) -> list[tuple[float, float]]:
         NotConvergedError: it was divided too often already.
     """
     if cell.depth > _DEPTH:
-        raise NotConvergedError(
-            f"p² could not be decided near q = {float(ray.place(cell.ends[0], 128)):.15g}: it may have a zero of "
-            "high multiplicity there"
+        why = (
+            "it may have a zero of high multiplicity there"
+            if _finite(cell.enclosure)
+            else "it has a pole or no real value there; give the coordinate a domain that ends at that place"
         )
+        raise NotConvergedError(f"p² could not be decided near q = {float(ray.place(cell.ends[0], 128)):.15g}: {why}")
     parts = 8 if cell.depth < 4 else 2
     edges = np.linspace(*cell.ends, parts + 1)
     return [] if len(set(edges)) < parts + 1 else list(itertools.pairwise(edges))
@@ -243,7 +292,7 @@ def _settle(ray: Ray, cell: tuple[float, float], digits: int) -> End | None:
     f0, d0, _ = ray.jet(x0, bits)
     f1, d1, _ = ray.jet(x1, bits)
     if d1 == 0 and abs(f1) <= abs(f0) * multiprecision(bits).mpf(2) ** (24 - bits):
-        return End("asymptote", lambda b: ray.place(x1, b + 32), 2.0)
+        return End("asymptote", partial(_at, ray, x1), 2.0)
     if d0 * d1 >= 0:
         return _turning(ray, x0, x1, digits) if f1 < 0 else None
     if d0 > 0:
@@ -258,51 +307,64 @@ def _settle(ray: Ray, cell: tuple[float, float], digits: int) -> End | None:
         if value > noise:
             return None
         if bits >= _LAST_BITS:
-            return End("asymptote", lambda b: ray.place(_critical(ray, x0, x1, b + 32), b + 32), 2.0)
+            return End("asymptote", partial(_at_critical, ray, x0, x1), 2.0)
         bits *= 2
+
+
+def _at(ray: Ray, x: Any, bits: int) -> Any:
+    return ray.place(x, bits + 32)
+
+
+def _at_critical(ray: Ray, x0: Any, x1: Any, bits: int) -> Any:
+    return _at(ray, _critical(ray, x0, x1, bits + 32), bits)
+
+
+def _at_reach(ray: Ray, bits: int) -> Any:
+    assert ray.reach is not None
+    return _at(ray, ray.reach(bits + 32), bits)
 
 
 def _critical(ray: Ray, x0: Any, x1: Any, bits: int) -> Any:
     """The zero of F′ in a cell where F′ is monotone."""
-    return _bracketed(lambda x: ray.jet(x, bits)[1:], x0, x1, bits)
+    return bracketed_root(lambda x: ray.jet(x, bits)[1:], x0, x1, bits)
 
 
 def _turning(ray: Ray, x0: Any, x1: Any, digits: int) -> End:
-    """A simple zero of F in a cell where F is monotone.
+    """A simple zero of F in a cell where F is monotone."""
+    return End("turning", _Zero(ray, x0, x1, digits))
+
+
+class _Zero:
+    """The place of a simple zero of F in a cell where F is monotone, at any precision.
 
     Its place is checked by F itself with twice the digits, F/F′ being the error left; what cancellation took away
     (a small amplitude about a deep minimum, two zeros close together) is made up by a higher precision. What is known
     to more bits than are asked for is not worked out again.
     """
-    best: list[tuple[int, Any]] = []
 
-    def place(bits: int) -> Any:
-        if not best or best[-1][0] < bits:
-            best.append((bits, found(bits)))
-        return best[-1][1]
+    def __init__(self, ray: Ray, x0: Any, x1: Any, digits: int):
+        self.ray, self.cell, self.digits = ray, (x0, x1), digits
+        self.best: tuple[int, Any] = (0, None)
 
-    def found(bits: int) -> Any:
-        extra = bits + 64
+    def __call__(self, bits: int) -> Any:
+        if self.best[0] < bits:
+            self.best = bits, self._found(bits)
+        return self.best[1]
+
+    def _found(self, bits: int) -> Any:
+        ray, (x0, x1), extra = self.ray, self.cell, bits + 64
         while extra <= _MOST_BITS:
-            fixed = _fixed(ray, extra + 64)
-            x = _bracketed(lambda y, fixed=fixed, extra=extra: fixed.jet(y, extra)[:2], x0, x1, extra)
+            fixed = ray.fixed(extra + 64)
+            x = bracketed_root(lambda y, fixed=fixed, extra=extra: fixed.jet(y, extra)[:2], x0, x1, extra)
             f, slope, _ = fixed.jet(x, 2 * extra)
             if not f or abs(f) <= abs(slope * x) * multiprecision(64).mpf(2) ** -(bits + 32):
                 return fixed.place(x, 2 * extra)
             left = float(multiprecision(64).log(abs(f / (slope * x)), 2)) if slope else 0.0
             extra += max(64, int(bits + 48 + left))
         raise NotConvergedError(
-            f"the turning point near q = {float(ray.place(x1, 128)):.15g} could not be had to {digits} digits: "
+            f"the turning point near q = {float(ray.place(x1, 128)):.15g} could not be had to {self.digits} digits: "
             "p² is too flat there"
         )
-
-    return End("turning", place)
-
-
-def _fixed(ray: Ray, bits: int) -> Ray:
-    """The ray from an origin that may be a turning point itself: it is not asked for ever more bits."""
-    origin = ray.origin(bits)
-    return replace(ray, origin=lambda _: origin)
 
 
 def end_of(ray: Ray, inside: float, outside: float) -> End:
@@ -310,56 +372,20 @@ def end_of(ray: Ray, inside: float, outside: float) -> End:
     return _turning(ray, inside, outside, 15) if outside else End("turning", ray.origin)
 
 
-def _bracketed(function: Any, x0: Any, x1: Any, bits: int) -> Any:
-    """Newton's method kept inside a bracket, to the last bits.
-
-    Args:
-        function: x ↦ (f, f′) with one sign change of f on [x0, x1].
-        x0, x1: the bracket, x0 < x1.
-        bits: working precision.
-    """
-    context = multiprecision(bits)
-    left, right = context.convert(x0), context.convert(x1)
-    before, after = function(left)[0], function(right)[0]
-    # an end of the bracket may be the zero itself, where the sign of f is rounding: the other end knows
-    sign = (1 if after > 0 else -1) if abs(after) >= abs(before) else (1 if before < 0 else -1)
-    x = (left + right) / 2
-    tolerance, close = context.mpf(2) ** (8 - bits), context.mpf(2) ** (-bits // 3)
-    for count in range(4 * bits):
-        f, slope = function(x)
-        left, right = (x, right) if f * sign < 0 else (left, x)
-        step = f / slope if slope else right - left
-        if f == 0 or abs(step) <= close * abs(x):
-            return _polished(function, x, step)
-        new = x - step
-        if not left < new < right or count % 16 == 15:
-            new = (left + right) / 2
-        if right - left <= tolerance * right:
-            return new
-        x = new
-    return x
-
-
-def _polished(function: Any, x: Any, step: Any) -> Any:
-    """Two more Newton steps where they converge quadratically; rounding decides the rest."""
-    for _ in range(2):
-        x -= step
-        f, slope = function(x)
-        step = f / slope if slope else 0 * x
-    return x - step
-
-
 def _beyond(ray: Ray, last: float, digits: int) -> End:
     """What p² does past the last cell: a power of the distance to the end of the domain, or of q.
 
     Signs are sampled along a geometric sequence; a sign change is a turning point.
     """
-    bits = 1024
+    if ray.reach is None and _stays_positive(ray, last):
+        return End("infinity")
+    bits = 3072
     context = multiprecision(bits)
+    powers = [*range(0, 400, 16), *range(432, _FARTHEST, 64), _FARTHEST, _FARTHEST + 16]
     if ray.reach is None:
-        steps = [context.mpf(last) * context.mpf(2) ** k for k in range(0, 400, 16)]
+        steps = [context.mpf(last) * context.mpf(2) ** k for k in powers]
     else:
-        steps = [ray.reach(bits) * (1 - context.mpf(2) ** -k) for k in range(40, 440, 16)]
+        steps = [ray.reach(bits) * (1 - context.mpf(2) ** -(40 + k)) for k in powers]
     before = context.convert(last)
     values = []
     for x in steps:
@@ -367,17 +393,7 @@ def _beyond(ray: Ray, last: float, digits: int) -> End:
         if values[-1] < 0:
             return _turning(ray, before, x, digits)
         before = x
-    power = _power(values, context) * (1 if ray.reach is None else -1)
+    power = leading_power(values, context) * (1 if ray.reach is None else -1)
     if ray.reach is None:
         return End("infinity", None, power)
-    reach = ray.reach
-    return End("boundary" if power < 2 else "asymptote", lambda b: ray.place(reach(b + 32), b + 32), power)
-
-
-def _power(values: list[Any], context: Any) -> float:
-    """Exponent of growth of p² from one sample to the next, a factor 2¹⁶ apart."""
-    if not values[-1] or not values[-2]:
-        return 0.0
-    ratio = float(context.log(values[-1] / values[-2], 2)) / 16
-    nearest = round(2 * ratio) / 2
-    return nearest if abs(ratio - nearest) < 1e-3 else ratio
+    return End("boundary" if power < 2 else "asymptote", partial(_at_reach, ray), power)

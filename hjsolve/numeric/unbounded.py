@@ -49,7 +49,11 @@ class Plan:
 
 
 def plan(courses: Sequence[Course]) -> Plan:
-    """Find which coordinates have a time of their own."""
+    """Find which coordinates have a time of their own.
+
+    Raises:
+        NotConvergedError: the integrals are beyond the range of doubles.
+    """
     n = len(courses)
     samples = [_sample(c, n) for c in courses]
     steps: list[Step] = []
@@ -72,6 +76,11 @@ def _sample(course: Course, n: int) -> Any:
     rows = np.stack([np.broadcast_to(course.rate(j, χ), χ.shape) for j in range(n)], axis=1)
     sizes = np.max(np.abs(rows), axis=1, keepdims=True)
     told = sizes[:, 0] > 1e-12 * (float(np.max(sizes)) if isinstance(course, Bounded) else 0.0)
+    if not (told.any() and np.isfinite(sizes).all()):
+        raise NotConvergedError(
+            "the times of this motion are beyond doubles, 1e-308 to 1e308; write lengths and times in other "
+            'units, or leave them out with want=["constants", "turning_points"]'
+        )
     return rows[told] / sizes[told]
 
 
@@ -116,6 +125,9 @@ def _phases(scheme: Plan, time: tuple[Any, Any], span: float) -> tuple[list[Any]
     """The same with panels that reach so far; True last where that is not far enough."""
     t = time[0] + time[1]
     courses = [reaching(c, scheme, span, i) for i, c in enumerate(scheme.courses)]
+    if scheme.steps:
+        first = scheme.steps[0]
+        courses[first.index] = _one_way(courses[first.index], first, time[0])
     targets = _targets(courses, scheme.equations)
     n = len(courses)
     χ: list[Any] = [None] * n
@@ -144,6 +156,19 @@ def _phases(scheme: Plan, time: tuple[Any, Any], span: float) -> tuple[list[Any]
                 χ[i], errors[i] = both.χ[row], both.errors[row]
             ended, short = ended | both.ended, both.short
     return χ, whole, errors, ended, short
+
+
+def _one_way(course: Course, step: Step, times: Any) -> Course:
+    """A course that is a clock by itself and starts at the phase 0, with panels on the side where there are times.
+
+    Its phase has the sign of the time.
+    """
+    if not isinstance(course, Open) or course.behind is course.ahead or course.start or not step.weights[0]:
+        return course
+    weights, amount = course.reach
+    back = amount if np.min(times, initial=0.0) < 0 else 1e-290
+    ahead = amount if np.max(times, initial=0.0) > 0 else 1e-290
+    return replace(course, reach=(weights, ahead), back=back)
 
 
 def _couple(courses: list[Course], scheme: Plan) -> Pair | None:

@@ -5,7 +5,7 @@ from __future__ import annotations
 from typing import TYPE_CHECKING, Any
 
 if TYPE_CHECKING:
-    from hjsolve.reports.write import SUFFIXES as SUFFIXES
+    from hjsolve.reports.files import SUFFIXES as SUFFIXES
     from hjsolve.reports.write import report as report
 
 __all__ = ["SUFFIXES", "report"]
@@ -13,6 +13,10 @@ __all__ = ["SUFFIXES", "report"]
 
 def __getattr__(name: str) -> Any:
     """Import the writers when they are first used: the sections of formulas alone need no numpy (PEP 562)."""
+    if name == "SUFFIXES":
+        from hjsolve.reports import files
+
+        return files.SUFFIXES
     if name in __all__:
         from hjsolve.reports import write
 

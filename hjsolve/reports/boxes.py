@@ -5,12 +5,15 @@ from __future__ import annotations
 from dataclasses import dataclass
 from typing import Literal, TypeAlias
 
-GlyphKind: TypeAlias = Literal["identifier", "number", "operator", "function", "text"]
+GlyphKind: TypeAlias = Literal["identifier", "number", "operator", "function", "text", "constant", "differential"]
 
 
 @dataclass(frozen=True)
 class Glyph:
-    """A letter, number, operator, function name or piece of prose."""
+    """A letter, number, operator, function name or piece of prose.
+
+    A constant (e of the exponential function) and a differential (d of a derivative) are letters that no name is.
+    """
 
     text: str
     kind: GlyphKind = "identifier"

@@ -8,11 +8,16 @@ from dataclasses import dataclass, field
 from pathlib import Path
 from typing import Any, TypeAlias
 
-from hjsolve import catalog
-from hjsolve.errors import InvalidInputError, NotSeparableError
+from hjsolve import catalog, frames
+from hjsolve.errors import InvalidInputError, NotConvergedError, NotSeparableError
+from hjsolve.frames import Frame
 from hjsolve.motion import Motion
 from hjsolve.reports import numerical, paths, quadratures, symbolic
 from hjsolve.reports.document import Code, Document, Note, Section, Text
+from hjsolve.reports.framed import frame_section
+from hjsolve.reports.laws import laws_section
+from hjsolve.reports.literature import literature_section
+from hjsolve.reports.prose import heading
 from hjsolve.separation import Obstruction, Separation, Undecided, separate
 from hjsolve.solution import Solution, solve
 from hjsolve.system import System
@@ -30,6 +35,8 @@ class Material:
         motion: None where no initial data are known.
         entry: the catalog's entry or None.
         summary: about the initial data.
+        frame: of an entry whose system as posed contains the time; None for every other.
+        failure: why no motion could be started; empty where it could, or none was asked.
         clock: part → seconds.
     """
 
@@ -38,6 +45,8 @@ class Material:
     motion: Motion | None = None
     entry: catalog.Entry | None = None
     summary: str = ""
+    frame: Frame | None = None
+    failure: str = ""
     clock: Mapping[str, float] = field(default_factory=dict)
 
 
@@ -61,8 +70,10 @@ def gather(
     clock: dict[str, float] = {}
     if isinstance(subject, Motion):
         return Material(
-            subject.solution.separation, subject.solution, subject, _entry_of(subject.solution.system), "", clock
-        )
+            subject.solution.separation, subject.solution, subject, catalog.entry_of(subject.solution.system),
+            clock=clock,
+        )  # fmt: skip
+    named = subject if isinstance(subject, str | Path) else None
     entry = catalog.describe(subject) if isinstance(subject, str | Path) else None
     if isinstance(subject, str | Path):
         assert entry is not None
@@ -70,18 +81,28 @@ def gather(
             raise NotSeparableError(str(entry.refusal), entry.refusal)
         subject = entry.system
     verdict, solution = _decided(subject, clock)
-    entry = entry or _entry_of(verdict.system)
+    entry = entry or catalog.entry_of(verdict.system)
     if isinstance(verdict, Separation) and solution is None:
         solution = _timed(clock, "solution by quadratures", lambda: solve(verdict))
+    frame = frames.of(named if named is not None else entry.id) if entry is not None else None
     if solution is None:
-        return Material(verdict, None, None, entry, "", clock)
+        return Material(verdict, entry=entry, frame=frame, clock=clock)
     data, summary = initial_of(entry, initial, motion)
-    started = (
-        _timed(clock, "turning points, integrals, time law", lambda: solution.motion(**data, digits=digits))
-        if data
-        else None
-    )
-    return Material(verdict, solution, started, entry, summary, clock)
+    started, failure = None, ""
+    if data:
+        try:
+            started = _timed(
+                clock, "turning points, integrals, time law", lambda: solution.motion(**data, digits=digits)
+            )
+        except NotConvergedError as error:
+            failure = told(error)
+    return Material(verdict, solution, started, entry, summary, frame, failure, clock)
+
+
+def told(error: NotConvergedError) -> str:
+    """The failure in a sentence, with what was reached."""
+    reached = f" (reached: {error.estimate})" if error.estimate is not None else ""
+    return f"{' '.join(str(error).split())}{reached}"
 
 
 def _decided(subject: Any, clock: dict[str, float]) -> tuple[Any, Solution | None]:
@@ -96,14 +117,6 @@ def _decided(subject: Any, clock: dict[str, float]) -> tuple[Any, Solution | Non
         "report: a System, a verdict, a Solution, a Motion, a catalog id or a TOML file is needed, "
         f"not {type(subject).__name__}"
     )
-
-
-def _entry_of(system: System) -> catalog.Entry | None:
-    """The catalog entry a system was loaded from, if it is still the same system."""
-    if not system.id or system.id not in catalog.ids():
-        return None
-    entry = catalog.describe(system.id)
-    return entry if entry.system == system else None
 
 
 def initial_of(
@@ -132,6 +145,9 @@ def _timed(clock: dict[str, float], part: str, work: Any) -> Any:
 
 
 # ------------------------------------------------------------------------------------------------ the document
+_ANSWERS = {Separation: "yes", Obstruction: "no", Undecided: "open"}
+
+
 def document(material: Material) -> Document:
     """Write the document.
 
@@ -145,26 +161,53 @@ def document(material: Material) -> Document:
     system, clock = verdict.system, dict(material.clock)
     sections: list[Section | None] = [
         symbolic.system_section(system, entry.meanings if entry else {}, entry.summary if entry else ""),
+        frame_section(material.frame, material.solution) if material.frame is not None else None,
         symbolic.reduction_section(verdict),
         symbolic.evidence_section(verdict),
     ]
-    trace: paths.Trace | None = None
     if isinstance(verdict, Separation):
         sections.append(quadratures.forms_section(verdict))
     else:
         sections.append(symbolic.refusal_section(verdict))
     if material.solution is not None:
-        sections += quadratures.solution_sections(material.solution)
+        solved = material.solution
+        sections += quadratures.solution_sections(solved)
+        sections.append(_timed(clock, "laws the solution must obey", lambda: laws_section(solved)))
+    trace, failures = None, [material.failure] if material.failure else []
     if material.motion is not None:
-        motion = material.motion
-        trace = _timed(clock, "where it is at the times drawn", lambda: paths.trace(motion))
-        sections.append(_timed(clock, "drawings", lambda: numerical.motion_section(motion, trace, material.summary)))
-        sections.append(numerical.numbers_section(motion))
-    elif material.solution is not None:
+        trace = _add_numbers(material, sections, failures, clock)
+    elif material.solution is not None and not failures:
         sections.append(_no_numbers(system))
+    if failures:
+        sections.append(_fell_short(failures))
+    sections += [literature_section(sections, entry)]
     sections.append(numerical.how_section(clock, material.motion, trace))
-    title = system.title or "A mechanical system"
-    return Document(title, system.id, _lead(material), tuple(s for s in sections if s is not None))
+    title = heading(system.title, system.symbols) if system.title else "A mechanical system"
+    shown = tuple(s for s in sections if s is not None)
+    return Document(title, system.id, _lead(material), shown, _ANSWERS[type(verdict)], "; ".join(failures))
+
+
+def _add_numbers(
+    material: Material, sections: list[Section | None], failures: list[str], clock: dict[str, float]
+) -> paths.Trace | None:
+    """Add the drawings and the numbers of the motion, as far as they can be had; the rest is told."""
+    motion, trace = material.motion, None
+    try:
+        trace = _timed(clock, "where it is at the times drawn", lambda: paths.trace(motion))
+        drawn = _timed(clock, "drawings", lambda: numerical.motion_section(motion, trace, material.summary))
+        sections.append(drawn)
+    except NotConvergedError as error:
+        failures.append(told(error))
+    try:
+        sections.append(numerical.numbers_section(motion))
+    except NotConvergedError as error:
+        failures.append(told(error))
+    return trace
+
+
+def _fell_short(failures: list[str]) -> Section:
+    text = "Some numbers of this motion could not be had to the digits asked, and are left out. What fell short: "
+    return Section("unsettled", "What fell short", tuple(Note((text, failure, ".")) for failure in failures))
 
 
 def _lead(material: Material) -> Text:

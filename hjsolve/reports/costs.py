@@ -16,9 +16,10 @@ from hjsolve.errors import HJSolveError, InvalidInputError
 from hjsolve.motion import Motion
 from hjsolve.reports import svg
 from hjsolve.reports.document import Block, Code, Document, Figures, Note, Paragraph, Section, Table, Text
+from hjsolve.reports.files import SUFFIXES, checked_path, replace
 from hjsolve.reports.numbers import seconds
 from hjsolve.reports.workprecision import figure
-from hjsolve.reports.write import SUFFIXES, checked_path, replace, write_document
+from hjsolve.reports.write import write_document
 from hjsolve.scenes import Scene
 
 Wish: TypeAlias = bool | float
@@ -40,10 +41,10 @@ def cost_section(table: Cost) -> Section:
     states = f" at {table.times} times" if table.times else ""
     text: Text = (
         "The same quantities (", Code(", ".join(table.want)), f"{states}) were computed by every method that applies, "
-        f"in turn, for {table.spent:.0f} s in all. Errors are true ones, against {table.reference}",
-        f"; states were compared at {table.checked} of the times." if table.checked else ".",
+        f"in turn, within a budget of {table.budget:.3g} s. ", _against(table),
     )  # fmt: skip
-    blocks: list[Block] = [Paragraph(text), Figures((figure(table, "cost-figure"),))]
+    known = any(row.answered and row.error is not None for row in table.rows)
+    blocks: list[Block] = [Paragraph(text), *([Figures((figure(table, "cost-figure"),))] if known else [])]
     cheapest = _cheapest(table)
     blocks += [cheapest] if cheapest is not None else []
     blocks.append(_table(table))
@@ -53,6 +54,17 @@ def cost_section(table: Cost) -> Section:
         "solution and without compilation."
     )
     return Section("cost", "What accuracy costs", (*blocks, Note((note,))))
+
+
+def _against(table: Cost) -> str:
+    """What the errors were measured against."""
+    if not table.reference:
+        return (
+            "No reference with more digits could be had in that time, so no true errors are known; `hjsolve cost` "
+            "takes a longer one."
+        )
+    states = f"; states were compared at {table.checked} of the times" if table.checked else ""
+    return f"Errors are true ones, against {table.reference}{states}."
 
 
 def _cheapest(table: Cost) -> Table | None:

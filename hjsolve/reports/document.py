@@ -159,9 +159,18 @@ class Document:
         subtitle: its id, or the T and V it was given by.
         answer: the verdict in a sentence or two; stands first.
         sections: in reading order.
+        verdict: ``yes``, ``no`` or ``open`` where the answer is one to a question; else empty.
+        unsettled: which number fell short, and why; empty where none did.
     """
 
     title: str
     subtitle: str
     answer: Text
     sections: tuple[Section, ...]
+    verdict: str = ""
+    unsettled: str = ""
+
+    @property
+    def sign(self) -> str:
+        """The verdict as a sign that stands before the answer, so that colour is not all that tells it."""
+        return {"yes": "✓ ", "no": "✗ ", "open": "? "}.get(self.verdict, "")

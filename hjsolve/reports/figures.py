@@ -7,7 +7,8 @@ import numpy as np
 from hjsolve.reports import portrait, svg
 from hjsolve.reports.boxes import Box, Glyph, Script, row
 from hjsolve.reports.document import Figure, Mathematics, Text
-from hjsolve.reports.notation import name_box
+from hjsolve.reports.names import name_box
+from hjsolve.reports.plain import spoken
 from hjsolve.reports.wells import Array, Well
 
 _HALF = 181  # places on one branch of a loop
@@ -88,9 +89,10 @@ def effective_potential(well: Well, key: str, *, several: bool, plain: bool = Fa
     below = [
         svg.axes(frame, svg.label(name_box(well.name)), svg.label(name), angles=(_is_angle(well), False), zero=True)
     ]
-    title = f"Effective potential of {well.name}"
+    title = f"Effective potential of {spoken(well.name)}"
+    level = spoken(well.level_name) if well.level_name else "level"
     description = (
-        f"Effective potential against {well.name}. The motion has {well.level_name or 'level'} = {well.level:.6g} and "
+        f"Effective potential against {spoken(well.name)}. The motion has {level} = {well.level:.6g} and "
         f"{_KINDS[well.kind]}{_between(well)}."
     )
     caption: Text = (
@@ -134,9 +136,12 @@ def phase_portrait(well: Well, key: str) -> Figure:
         above.append(svg.mark(frame, well.place, -float(well.shift(well.place))))
     name, momentum = name_box(well.name), name_box(f"p_{well.name}")
     below = [svg.axes(frame, svg.label(name), svg.label(momentum), angles=(_is_angle(well), False), zero=True)]
-    title = f"Phase portrait of {well.name}"
-    level = well.level_name or "the constants"
-    description = f"Momentum p_{well.name} against {well.name} at several values of {level}; the motion is marked."
+    title = f"Phase portrait of {spoken(well.name)}"
+    level = spoken(well.level_name) if well.level_name else "the constants"
+    description = (
+        f"Momentum {spoken(f'p_{well.name}')} against {spoken(well.name)} at several values of {level}; "
+        "the motion is marked."
+    )
     caption: Text = (
         "Phase plane of ",
         Mathematics(name),
@@ -240,7 +245,7 @@ def _is_angle(well: Well) -> bool:
 
 def _between(well: Well) -> str:
     low, high = well.ends
-    return f" between {low:.6g} and {high:.6g}" if low is not None and high is not None else ""
+    return f", {low:.6g} and {high:.6g}" if low is not None and high is not None else ""
 
 
 def _hill_words(hills: list[tuple[float, str]]) -> str:

@@ -10,8 +10,9 @@ import sympy as sp
 from hjsolve.hamiltonians import LinearHamiltonian
 from hjsolve.reports.boxes import Glyph, Script, row
 from hjsolve.reports.document import Block, Document, Mathematics, Note, Paragraph, Section, Table, Text
-from hjsolve.reports.notation import box, name_box
-from hjsolve.reports.prose import domain_text, prose, typeset
+from hjsolve.reports.names import name_box
+from hjsolve.reports.notation import box
+from hjsolve.reports.prose import domain_text, prose
 from hjsolve.reports.symbolic import EQUALS, formula, math
 
 if TYPE_CHECKING:
@@ -39,7 +40,7 @@ def given_section(problem: LinearHamiltonian, meanings: Mapping[str, tuple[str, 
     """
     c = problem.coordinate
     unit, meaning = meanings.get(c.name, ("", ""))
-    blocks: list[Block] = [Paragraph(prose(typeset(summary), problem))] if summary else []
+    blocks: list[Block] = [Paragraph(prose(summary, problem))] if summary else []
     blocks.append(formula(Glyph("H"), problem.hamiltonian))
     cells: tuple[Text, ...] = ((Mathematics(name_box(c.name)),), domain_text(c.domain, c.name))
     blocks.append(
@@ -87,7 +88,7 @@ def motion_section(motion: LinearMotion, summary: str) -> Section:
     from hjsolve.reports.numbers import quantity
 
     c = motion.problem.coordinate
-    told: Any = (": ", *prose(typeset(summary), motion.problem)) if summary else ()
+    told: Any = (": ", *prose(summary, motion.problem)) if summary else ()
     times = [motion.t0 + sp.Rational(k, 2) for k in range(_SHOWN)]
     rows: list[tuple[Text, ...]] = []
     for t in times:
@@ -126,4 +127,4 @@ def hamiltonian_document(
     if motion is not None:
         sections.append(motion_section(motion, about))
     title = problem.title or "A Hamiltonian of one degree of freedom"
-    return Document(title, problem.id, answer(problem), tuple(sections))
+    return Document(title, problem.id, answer(problem), tuple(sections), "yes")

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from html import escape
 
+from hjsolve.reports.boxes import width
 from hjsolve.reports.document import (
     Block,
     Code,
@@ -23,10 +24,13 @@ from hjsolve.reports.document import (
     Table,
     Text,
 )
+from hjsolve.reports.lines import LINE
 from hjsolve.reports.mathml import mathml
 from hjsolve.reports.stylesheet import CSS
 from hjsolve.reports.svg import STYLE
 
+_FULL_LINE = 1.05 * LINE
+_MOST_ROWS_UNBROKEN = 8
 _SCROLL = 'class="scroll" tabindex="0" role="group"'
 
 
@@ -42,6 +46,7 @@ def html(document: Document) -> str:
     title = escape(document.title)
     entries = "".join(f'<li><a href="#{s.key}">{escape(s.title)}</a></li>' for s in document.sections)
     subtitle = f'<p class="id"><code>{escape(document.subtitle)}</code></p>' if document.subtitle else ""
+    sign = f'<span class="sign" aria-hidden="true">{document.sign}</span>' if document.sign else ""
     sections = "\n".join(_section(section) for section in document.sections)
     return f"""<!DOCTYPE html>
 <html lang="en">
@@ -56,7 +61,7 @@ def html(document: Document) -> str:
 <header>
 <h1>{title}</h1>
 {subtitle}
-<p class="answer">{_text(document.answer)}</p>
+<p class="answer {document.verdict}">{sign}{_text(document.answer)}</p>
 <nav aria-label="Contents"><ol>{entries}</ol></nav>
 </header>
 <main>
@@ -93,8 +98,15 @@ def _block(block: Block) -> str:
 
 def _formula(formula: Formula) -> str:
     tag = f'<span class="tag">{escape(formula.tag)}</span>' if formula.tag else ""
-    box = f'<div {_SCROLL} aria-label="Formula">{mathml(formula.box, block=True)}</div>'
+    small = _smaller(width(formula.box))
+    box = f'<div {_SCROLL} aria-label="Formula"{small}>{mathml(formula.box, block=True)}</div>'
     return f'<div class="formula">{box}{tag}</div>'
+
+
+def _smaller(letters: float) -> str:
+    """A formula that is still too long for a line when it is broken is set smaller, down to three fifths."""
+    scale = max(0.6, _FULL_LINE / letters) if letters > _FULL_LINE else 1.0
+    return f' style="font-size:{100 * scale:.0f}%"' if scale < 1 else ""
 
 
 def _step(step: Step) -> str:
@@ -116,8 +128,9 @@ def _table(table: Table) -> str:
     )
     caption = f"<caption>{escape(table.caption)}</caption>" if table.caption else ""
     label = escape(table.caption or "Table", quote=True)
+    long = ' class="long"' if len(table.rows) > _MOST_ROWS_UNBROKEN else ""
     return (
-        f'<div {_SCROLL} aria-label="{label}"><table>{caption}<thead><tr>{heads}</tr></thead>'
+        f'<div {_SCROLL} aria-label="{label}"><table{long}>{caption}<thead><tr>{heads}</tr></thead>'
         f"<tbody>{rows}</tbody></table></div>"
     )
 

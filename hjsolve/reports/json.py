@@ -37,7 +37,10 @@ def json_text(document: Document) -> str:
         ``{"title", "id", "answer", "sections": {key: {"title", "blocks"}}}``, indented.
     """
     sections = {s.key: {"title": s.title, "blocks": [_block(block) for block in s.blocks]} for s in document.sections}
-    whole = {"title": document.title, "id": document.subtitle, "answer": line(document.answer), "sections": sections}
+    whole = {
+        "title": document.title, "id": document.subtitle, "answer": line(document.answer), "verdict": document.verdict,
+        "sections": sections,
+    }  # fmt: skip
     return json.dumps(whole, ensure_ascii=False, indent=1, allow_nan=False) + "\n"
 
 

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from hjsolve.reports.boxes import Box, Definite, Dotted, Fence, Fraction, Glyph, Grid, Root, Row, Script
-from hjsolve.reports.notation import GREEK
+from hjsolve.reports.names import GREEK
 
 _LETTERS = {
     letter: f"\\{name}" for name, letter in reversed(GREEK.items()) if name not in {"lamda", "lam", "omicron"}
@@ -73,7 +73,13 @@ def _glyph(glyph: Glyph) -> str:
             return rf"\text{{{escape(glyph.text)}}}" if glyph.text else ""
         case "function":
             return rf"\{glyph.text}" if glyph.text in _NAMED else rf"\operatorname{{{escape(glyph.text)}}}"
+        case "constant" | "differential" if glyph.text.isalpha():
+            return rf"\mathrm{{{glyph.text}}}"
+        case "differential":
+            return _OPERATORS.get(glyph.text, glyph.text)
         case _:
+            if "′" in glyph.text:
+                return latex(Glyph(glyph.text.rstrip("′"))) + "'" * glyph.text.count("′")
             if glyph.text in _LETTERS:
                 return _LETTERS[glyph.text]
             return glyph.text if len(glyph.text) == 1 else rf"\mathrm{{{escape(glyph.text)}}}"
@@ -109,6 +115,8 @@ def _grid(grid: Grid) -> str:
         return rf"\begin{{pmatrix}} {body} \end{{pmatrix}}"
     if grid.left == "{":
         return rf"\begin{{cases}} {body} \end{{cases}}"
+    if grid.align == "l":  # aligned begins with a column that is flush right
+        body = r" \\ ".join("& " + latex(cells[0]) for cells in grid.rows)
     return rf"\begin{{aligned}} {body} \end{{aligned}}"
 
 

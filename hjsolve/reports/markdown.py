@@ -42,7 +42,7 @@ def markdown(document: Document) -> str:
     head = [f"# {_plain(document.title)}"]
     if document.subtitle:
         head.append(f"`{document.subtitle}`")
-    head.append(f"> {_text(document.answer)}")
+    head.append(f"> {document.sign}{_text(document.answer)}")
     return "\n\n".join([*head, *map(_section, document.sections)]) + "\n"
 
 

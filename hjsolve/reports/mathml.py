@@ -63,6 +63,10 @@ def _glyph(glyph: Glyph) -> str:
             return f"<mo>{text}</mo>"
         case "text":
             return f"<mtext>{text.replace(' ', chr(0xA0))}</mtext>"
+        case "constant":
+            return f'<mi mathvariant="normal">{text}</mi>'
+        case "differential":
+            return f"<mo>{text}</mo>" if glyph.text == "∂" else f'<mi mathvariant="normal">{text}</mi>'
         case _:
             return f"<mi>{text}</mi>"
 
@@ -78,7 +82,7 @@ def _row_items(items: tuple[Box, ...]) -> list[str]:
 
 
 def _needs_space(before: Box, item: Box) -> bool:
-    if isinstance(before, Glyph) and before.kind in {"operator", "text", "function"}:
+    if isinstance(before, Glyph) and before.kind in {"operator", "text", "function", "differential"}:
         return False
     head = item.base if isinstance(item, Script) else item
     starts_function = isinstance(head, Glyph) and head.kind == "function"

@@ -10,86 +10,13 @@ import sympy as sp
 from sympy.core.function import AppliedUndef
 from sympy.core.relational import Relational
 
-from hjsolve.reports.boxes import Box, Definite, Dotted, Fence, Fraction, Glyph, Grid, Root, Row, Script, row, width
+from hjsolve.reports.boxes import Box, Definite, Fence, Fraction, Glyph, Grid, Root, Row, Script, row, width
+from hjsolve.reports.names import FUNCTION_NAMES, name_box
 
-GREEK = {
-    "alpha": "α",
-    "beta": "β",
-    "gamma": "γ",
-    "delta": "δ",
-    "epsilon": "ε",
-    "varepsilon": "ε",
-    "zeta": "ζ",
-    "eta": "η",
-    "theta": "θ",
-    "iota": "ι",
-    "kappa": "κ",
-    "lambda": "λ",
-    "lamda": "λ",
-    "lam": "λ",
-    "mu": "μ",
-    "nu": "ν",
-    "xi": "ξ",
-    "omicron": "ο",
-    "pi": "π",
-    "rho": "ρ",
-    "sigma": "σ",
-    "tau": "τ",
-    "upsilon": "υ",
-    "phi": "φ",
-    "varphi": "φ",
-    "chi": "χ",
-    "psi": "ψ",
-    "omega": "ω",
-    "Gamma": "Γ",
-    "Delta": "Δ",
-    "Theta": "Θ",
-    "Lambda": "Λ",
-    "Xi": "Ξ",
-    "Pi": "Π",
-    "Sigma": "Σ",
-    "Upsilon": "Υ",
-    "Phi": "Φ",
-    "Psi": "Ψ",
-    "Omega": "Ω",
-}
-FUNCTION_NAMES = {
-    "log": "ln",
-    "asin": "arcsin",
-    "acos": "arccos",
-    "atan": "arctan",
-    "asinh": "arsinh",
-    "acosh": "arcosh",
-    "atanh": "artanh",
-    "sign": "sgn",
-}
 RELATIONS = {"==": "=", "!=": "≠", "<=": "≤", ">=": "≥", "<": "<", ">": ">"}
+EULER = Glyph("e", "constant")
+_MANY_TERMS = 6
 MINUS, PLUS, TIMES, APPLY = "−", "+", "⋅", "\u2061"
-LINE = 72.0  # letters; a longer equation is set on several lines
-
-
-def name_box(name: str) -> Box:
-    """Set a name the way a physicist writes it: ``p_theta1`` as p with index θ₁, ``dot(r)`` as ṙ.
-
-    Args:
-        name: the name of a coordinate, parameter, velocity, momentum or constant.
-
-    Returns:
-        Its box.
-    """
-    if match := re.fullmatch(r"dot\((.+)\)", name):
-        return Dotted(name_box(match[1]))
-    name = name.rstrip("_") or name  # lambda_ is a λ that Python lets stand
-    if "_" in name.strip("_"):
-        base, _, index = name.strip("_").partition("_")
-        inner = name_box(index) if not index.isdigit() else Glyph(index, "number")
-        outer = name_box(base)
-        if isinstance(outer, Script) and outer.sub is not None and outer.sup is None:
-            return Script(outer.base, row(outer.sub, Glyph(",", "operator"), inner))
-        return Script(outer, inner)
-    if (match := re.fullmatch(r"([^\W\d]+)(\d+)", name)) and (len(match[1]) == 1 or match[1] in GREEK):
-        return Script(name_box(match[1]), Glyph(match[2], "number"))
-    return Glyph(GREEK.get(name, name), "identifier")
 
 
 def box(expression: sp.Basic) -> Box:
@@ -107,29 +34,6 @@ def box(expression: sp.Basic) -> Box:
     return Glyph(str(expression), "text")
 
 
-def display(expression: sp.Basic, line: float = LINE) -> Box:
-    """Lay out a displayed formula; an equation too long for a line is broken before the terms of its right side.
-
-    Args:
-        expression: any sympy object.
-        line: letters that fit on a line.
-
-    Returns:
-        The box; a borderless grid where the formula takes several lines.
-    """
-    whole = box(expression)
-    if width(whole) <= line or not isinstance(expression, sp.Eq) or not isinstance(expression.rhs, sp.Add):
-        return whole
-    left = row(box(expression.lhs), Glyph("=", "operator"))
-    lines: list[list[Box]] = [[]]
-    for term in _signed_terms(expression.rhs):
-        if lines[-1] and sum(map(width, lines[-1])) + width(term) > line - width(left):
-            lines.append([])
-        lines[-1].append(term)
-    rows = tuple((left if i == 0 else Glyph("", "text"), row(*terms)) for i, terms in enumerate(lines))
-    return Grid(rows, "", "", "rl")
-
-
 def tidy(expression: sp.Basic) -> sp.Basic:
     """Take constant factors and signs out of integrals, for reading; the value stays the same.
 
@@ -140,6 +44,20 @@ def tidy(expression: sp.Basic) -> sp.Basic:
         An equal expression.
     """
     return expression.replace(lambda e: isinstance(e, sp.Integral), _outside)
+
+
+def compact(expression: sp.Expr) -> sp.Expr:
+    """Write a long sum of quotients as one fraction, its factors apart, where that is shorter.
+
+    Args:
+        expression: any expression.
+
+    Returns:
+        An equal expression.
+    """
+    if len(sp.Add.make_args(expression)) <= _MANY_TERMS or not expression.is_rational_function():
+        return expression
+    return min((expression, sp.factor(sp.together(expression))), key=sp.count_ops)
 
 
 def _outside(integral: sp.Integral) -> sp.Expr:
@@ -255,17 +173,27 @@ def _power(expression: sp.Pow) -> Box:
         return _call(base, box(exponent))
     if isinstance(base, sp.Symbol):
         inner = name_box(base.name)
-        power = _inline(exponent)
+        power = on_a_line(box(exponent))
         return Script(inner.base, inner.sub, power) if isinstance(inner, Script) else Script(inner, sup=power)
     bare = isinstance(base, sp.NumberSymbol | sp.exp) or (base.is_Integer and base.is_nonnegative)
-    return Script(box(base) if bare else Fence(box(base)), sup=_inline(exponent))
+    return Script(box(base) if bare else Fence(box(base)), sup=on_a_line(box(exponent)))
 
 
-def _inline(exponent: sp.Expr) -> Box:
-    """Set an exponent with slashes where it would have fractions."""
-    inner = box(exponent)
+def on_a_line(inner: Box) -> Box:
+    """Set a formula that shall not grow in height, such as an exponent: with slashes where it has fractions.
+
+    Args:
+        inner: its box.
+
+    Returns:
+        The flat box.
+    """
     items = inner.items if isinstance(inner, Row) else (inner,)
-    return row(*(_slashed(item) for item in items))
+    flat: list[Box] = []
+    for item, following in zip(items, [*items[1:], None]):
+        factor = following is not None and not (isinstance(following, Glyph) and following.kind == "operator")
+        flat.append(Fence(_slashed(item)) if factor and isinstance(item, Fraction) else _slashed(item))
+    return row(*flat)
 
 
 def _slashed(item: Box) -> Box:
@@ -283,7 +211,7 @@ def _call(expression: sp.Function, power: Box | None = None) -> Box:
     name = type(expression).__name__
     head: Box = Glyph(FUNCTION_NAMES.get(name, name), "function")
     if isinstance(expression, AppliedUndef):
-        head = Glyph(GREEK.get(name, name), "function") if name.isalpha() else name_box(name)
+        head = _callable(name_box(name))
     head = Script(head, sup=power) if power is not None else head
     arguments: list[Box] = []
     for i, argument in enumerate(expression.args):
@@ -293,15 +221,22 @@ def _call(expression: sp.Function, power: Box | None = None) -> Box:
     return row(head, Fence(row(*arguments)))
 
 
+def _callable(shown: Box) -> Box:
+    """The name of a function that is not known: v₁ of v₁(r)."""
+    if isinstance(shown, Script):
+        return Script(_callable(shown.base), shown.sub, shown.sup)
+    return Glyph(shown.text, "function") if isinstance(shown, Glyph) else shown
+
+
 def _simple(argument: sp.Expr) -> bool:
     return isinstance(argument, sp.Symbol)
 
 
 def _exponential(expression: sp.exp) -> Box:
-    inner = _inline(expression.args[0])
+    inner = on_a_line(box(expression.args[0]))
     if width(inner) > 14:
         return row(Glyph("exp", "function"), Fence(inner))
-    return Script(Glyph("e"), sup=inner)
+    return Script(EULER, sup=inner)
 
 
 # ------------------------------------------------------------------------------------------------ calculus and the rest
@@ -319,7 +254,7 @@ def _integral(expression: sp.Integral) -> Box:
 def _derivative(expression: sp.Derivative) -> Box:
     order = sum(count for _, count in expression.variable_count)
     partial = len(expression.expr.free_symbols) > 1 or len(expression.variable_count) > 1
-    d = Glyph("∂" if partial else "d", "operator" if partial else "identifier")
+    d = Glyph("∂" if partial else "d", "differential")
     bottom: list[Box] = []
     for variable, count in expression.variable_count:
         bottom += [d, Script(box(variable), sup=Glyph(str(count), "number")) if count != 1 else box(variable)]
@@ -366,7 +301,7 @@ def _constant(expression: sp.Basic) -> Box:
     texts = {sp.pi: "π", sp.E: "e", sp.I: "i", sp.oo: "∞", sp.zoo: "∞̃", sp.nan: "undefined"}
     if expression is sp.S.NegativeInfinity:
         return row(Glyph(MINUS, "operator"), Glyph("∞", "number"))
-    return Glyph(texts.get(expression, str(expression)), "identifier")
+    return EULER if expression is sp.E else Glyph(texts.get(expression, str(expression)), "identifier")
 
 
 def _tuple(expression: sp.Tuple) -> Box:

@@ -2,8 +2,10 @@
 
 from __future__ import annotations
 
-from decimal import ROUND_CEILING, ROUND_FLOOR, ROUND_HALF_EVEN, ROUND_UP, Context, Decimal
+from decimal import ROUND_CEILING, ROUND_FLOOR, ROUND_HALF_EVEN, ROUND_UP, Context, Decimal, Inexact
 from typing import Any
+
+import sympy as sp
 
 from hjsolve.reports.document import Number
 
@@ -59,6 +61,31 @@ def quantity(estimate: Any) -> Number:
     return Number(
         _text(rounded), _text(margin) if -3 < margin.adjusted() < 3 else _scientific(margin), bool(estimate.certified)
     )
+
+
+def terminating(value: sp.Basic, digits: int = 15) -> Number | None:
+    """Write a number that is known exactly and has a short decimal expansion.
+
+    Args:
+        value: the exact number.
+        digits: significant digits that count as short.
+
+    Returns:
+        The exact decimal; None where the number is no rational, or its expansion is long or does not end.
+
+    Example:
+        >>> terminating(sp.Rational(-7, 25))
+        Number(value='-0.28', error='', certified=False)
+    """
+    if not isinstance(value, sp.Rational) or len(str(value.q)) > digits:
+        return None
+    context = Context(prec=4 * digits)
+    context.clear_flags()
+    quotient = context.divide(Decimal(int(value.p)), Decimal(int(value.q))).normalize(context)
+    if context.flags[Inexact] or len(quotient.as_tuple().digits) > digits:
+        return None
+    whole = quotient == quotient.to_integral_value() and quotient.adjusted() < _LARGE
+    return Number(str(int(quotient)) if whole else _text(quotient))
 
 
 def _last_place(error: Decimal) -> int:

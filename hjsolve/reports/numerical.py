@@ -7,6 +7,7 @@ from collections.abc import Mapping
 from importlib.metadata import PackageNotFoundError, version
 from typing import Any
 
+import mpmath
 import numpy as np
 import sympy as sp
 
@@ -14,14 +15,27 @@ from hjsolve._version import __version__
 from hjsolve.lowering import lower
 from hjsolve.numeric.arithmetic import Float64
 from hjsolve.reports import paths
-from hjsolve.reports.boxes import Glyph, Script, row
-from hjsolve.reports.document import Block, Code, Figure, Figures, Mathematics, Note, Paragraph, Section, Table, Text
+from hjsolve.reports.boxes import Glyph, Script
+from hjsolve.reports.document import (
+    Block,
+    Code,
+    Figure,
+    Figures,
+    Mathematics,
+    Note,
+    Paragraph,
+    Section,
+    Table,
+    Text,
+)
 from hjsolve.reports.figures import effective_potential, phase_portrait, potential_name
-from hjsolve.reports.notation import box, name_box
-from hjsolve.reports.numbers import quantity, seconds
-from hjsolve.reports.prose import prose, typeset
-from hjsolve.reports.symbolic import formula, math
+from hjsolve.reports.names import name_box
+from hjsolve.reports.numbers import quantity, seconds, terminating
+from hjsolve.reports.plain import spoken
+from hjsolve.reports.prose import prose
+from hjsolve.reports.symbolic import exactly, formula
 from hjsolve.reports.wells import Array, values_of, well
+from hjsolve.shell import time_name
 from hjsolve.system import hamiltonian
 
 DASH: Text = ("–",)
@@ -38,7 +52,7 @@ def motion_section(motion: Any, trace: paths.Trace, summary: str) -> Section:
     Returns:
         The section.
     """
-    told = (": ", *prose(typeset(summary), motion.solution.system)) if summary else ()
+    told = (": ", *prose(summary, motion.solution.system)) if summary else ()
     blocks: list[Block] = [Paragraph(("One motion, as an example", *told, ".")), _initial(motion)]
     names = motion.solution.coordinates
     for i, name in enumerate(names):
@@ -64,22 +78,45 @@ def _initial(motion: Any) -> Table:
     rows = tuple(
         (
             (Mathematics(name_box(c.name)),),
-            (math(values[c.symbol]),),
-            (math(values[c.momentum]),),
+            exactly(values[c.symbol]),
+            exactly(values[c.momentum]),
             (motion.kinds[c.name],),
         )
         for c in motion.solution.system.coordinates
     )
     header: tuple[Text, ...] = (("Coordinate",), ("Starts at",), ("with momentum",), ("Kind of motion",))
-    return Table(header, rows, f"Initial data at t = {motion.t0}, exact, and the kind of motion they lead to")
+    return Table(header, rows, _at_the_start(motion))
+
+
+def _at_the_start(motion: Any) -> str:
+    letter = spoken(time_name(motion.solution.system))
+    return f"Initial data at {letter} = {motion.t0}, exact, and the kind of motion they lead to"
 
 
 def _turning_points(motion: Any) -> Table:
     rows = tuple(
-        ((Mathematics(name_box(name)),), _number(lower_end), _number(upper_end))
-        for name, (lower_end, upper_end) in motion.turning_points.items()
+        ((Mathematics(name_box(name)),), *(_end(motion, name, end) for end in ends))
+        for name, ends in motion.turning_points.items()
     )
     return Table((("Coordinate",), ("Lower",), ("Upper",)), rows, "Turning points")
+
+
+def _end(motion: Any, name: str, end: Any | None) -> Text:
+    """A turning point; exactly the place of the start where the motion starts there at rest."""
+    if end is None:
+        return DASH
+    coordinate = motion.solution.system.coordinate(name)
+    values = values_of(motion)
+    at_rest = (coordinate.momentum + motion.solution.shift[name]).xreplace(values) == 0
+    here = values[coordinate.symbol]
+    same = at_rest and abs(mpmath.mpf(sp.N(here, 40)) - mpmath.mpf(end.value)) <= mpmath.mpf(end.error)
+    return _known(here if same else None, end)
+
+
+def _known(exact: sp.Expr | None, estimate: Any) -> Text:
+    """The exact decimal where a number has one, else the estimate."""
+    ending = terminating(exact) if exact is not None else None
+    return _number(estimate) if ending is None else (ending,)
 
 
 def _number(estimate: Any | None) -> Text:
@@ -97,12 +134,13 @@ def numbers_section(motion: Any) -> Section:
         The section.
     """
     values = [
-        (Mathematics(row(name_box(p.name), Glyph("=", "operator"), box(motion.initial.values[p.symbol]))), ", ")
+        (Mathematics(name_box(p.name)), " = ", *exactly(motion.initial.values[p.symbol]), ", ")
         for p in motion.solution.system.parameters
     ]
-    pieces: list[Any] = [piece for pair in values for piece in pair][:-1]
+    pieces: list[Any] = [piece for group in values for piece in group][:-1]
     blocks: list[Block] = [Paragraph(("With ", *pieces, ". "))] if pieces else []
-    rows = tuple(((Mathematics(name_box(name)),), _number(e)) for name, e in motion.constants.items())
+    exact = motion.initial.constants
+    rows = tuple(((Mathematics(name_box(name)),), _known(exact.get(name), e)) for name, e in motion.constants.items())
     blocks.append(Table((("Constant",), ("Value",)), rows, "Constants of the motion"))
     if any(end is not None for ends in motion.turning_points.values() for end in ends):
         blocks.append(_turning_points(motion))
@@ -124,20 +162,28 @@ def numbers_section(motion: Any) -> Section:
 
 
 def _cycles(motion: Any, names: list[str]) -> Table:
+    letter = time_name(motion.solution.system)
+    unit = "time" if letter == "t" else f"of {spoken(letter)}"
     quantities: tuple[tuple[str, Mapping[str, Any]], ...] = (
         ("J", motion.actions),
         ("Ω", motion.frequencies),
         ("T", motion.periods),
     )
+    exact = motion.initial.constants  # the action of an ignorable coordinate is its momentum
     rows = tuple(
-        ((Mathematics(name_box(name)),), *(_number(table.get(name)) for _, table in quantities)) for name in names
+        (
+            (Mathematics(name_box(name)),),
+            DASH if name not in motion.actions else _known(exact.get(f"p_{name}"), motion.actions[name]),
+            *(_number(table.get(name)) for _, table in quantities[1:]),
+        )
+        for name in names
     )
     heads = [
         (f"{word} ", Mathematics(Script(Glyph(letter), Glyph("i"))))
         for word, (letter, _) in zip(("Action", "Frequency", "Period"), quantities)
     ]
     header: tuple[Text, ...] = (("Coordinate",), *heads)
-    return Table(header, rows, "Actions, frequencies (in radians per unit time) and periods")
+    return Table(header, rows, f"Actions, frequencies (in radians per unit {unit}) and periods")
 
 
 # ------------------------------------------------------------------------------------------------ how it was computed

@@ -8,11 +8,13 @@ from typing import Any
 import numpy as np
 
 from hjsolve.reports import svg
-from hjsolve.reports.boxes import Glyph
+from hjsolve.reports.boxes import Box, Glyph
 from hjsolve.reports.document import Figure, Mathematics, Text
 from hjsolve.reports.embedding import Embedding, embedding, place, projected
-from hjsolve.reports.notation import name_box
+from hjsolve.reports.names import name_box
+from hjsolve.reports.plain import plain, spoken
 from hjsolve.reports.wells import Array
+from hjsolve.shell import time_name
 
 _POINTS_PER_CYCLE = 181
 _MOST_POINTS = 2600
@@ -167,16 +169,14 @@ def _plane(motion: Any, where: Embedding, t: Array, path: tuple[Array, ...], clo
     above.append(svg.mark(frame, float(x[now]), float(y[now]), "ring"))
     names = [svg.label(name_box(a)) for a in where.axes[:2]]
     title = "Orbit"
-    description = (
-        f"Path of the motion in the plane of {where.axes[0]} and {where.axes[1]}, "
-        f"from t = {t[0]:.6g} to t = {t[-1]:.6g}."
-    )
+    across, up = map(spoken, where.axes[:2])
+    description = f"Path of the motion in the plane of {across} and {up}, {_from_to(motion, t)}."
     svg_text = svg.assemble(frame, key, title, description, [svg.axes(frame, *names)], inside, above)
     return Figure(
         svg_text,
         title,
         description,
-        _caption(t, closed, cut < len(t)),
+        _caption(motion, t, closed, cut < len(t)),
         {where.axes[0]: _list(x), where.axes[1]: _list(y)},
     )
 
@@ -198,10 +198,14 @@ def _space(motion: Any, where: Embedding, t: Array, path: tuple[Array, ...], clo
     above.append(svg.mark(frame, 0.0, 0.0, "centre", 3.2))
     now = int(np.argmin(np.abs(t - float(motion.t0))))
     above.append(svg.mark(frame, float(across[now]), float(up[now]), "ring"))
-    description = f"Path of the motion in space, seen from above the plane, from t = {t[0]:.6g} to t = {t[-1]:.6g}."
+    description = f"Path of the motion in space, seen from above the plane, {_from_to(motion, t)}."
     svg_text = svg.assemble(frame, key, "Orbit", description, below, inside, above)
     return Figure(
-        svg_text, "Orbit", description, _caption(t, closed, cut < len(t)), dict(zip(where.axes, map(_list, path)))
+        svg_text,
+        "Orbit",
+        description,
+        _caption(motion, t, closed, cut < len(t)),
+        dict(zip(where.axes, map(_list, path))),
     )
 
 
@@ -230,7 +234,7 @@ def _sphere(motion: Any, where: Embedding, t: Array, path: tuple[Array, ...], cl
     now = int(np.argmin(np.abs(t - float(motion.t0))))
     above.append(svg.mark(frame, float(across[now]), float(up[now]), "ring"))
     description = (
-        f"Path of the direction ({', '.join(where.names)}) on the unit sphere, from t = {t[0]:.6g} to t = {t[-1]:.6g}; "
+        f"Path of the direction ({', '.join(map(spoken, where.names))}) on the unit sphere, {_from_to(motion, t)}; "
         "the far side is drawn faint."
     )
     svg_text = svg.assemble(frame, key, "Orbit on the sphere", description, below, inside, above)
@@ -238,15 +242,24 @@ def _sphere(motion: Any, where: Embedding, t: Array, path: tuple[Array, ...], cl
         svg_text,
         "Orbit on the sphere",
         description,
-        _caption(t, closed, cut < len(t), sphere=True),
+        _caption(motion, t, closed, cut < len(t), sphere=True),
         dict(zip(where.axes, map(_list, path))),
     )
 
 
-def _caption(t: Array, closed: bool, faint: bool, *, sphere: bool = False) -> Text:
-    start: Text = (
-        "Orbit over one period" if closed else f"Orbit from t = {t[0]:.4g} to {t[-1]:.4g}".replace("-", "−"),
-    )
+def time_box(motion: Any) -> Box:
+    """The letter of the parameter of a motion."""
+    return name_box(time_name(motion.solution.system))
+
+
+def _from_to(motion: Any, t: Array) -> str:
+    letter = plain(time_box(motion))
+    return f"from {letter} = {t[0]:.6g} to {letter} = {t[-1]:.6g}"
+
+
+def _caption(motion: Any, t: Array, closed: bool, faint: bool, *, sphere: bool = False) -> Text:
+    ends = f" = {t[0]:.4g} to {t[-1]:.4g}".replace("-", "−")
+    start: Text = ("Orbit over one period",) if closed else ("Orbit from ", Mathematics(time_box(motion)), ends)
     side = "; the far side of the sphere is faint" if sphere else "; the first cycle is drawn strong" if faint else ""
     return (*start, "; the ring is the start", side, ".")
 
@@ -268,7 +281,7 @@ def history(motion: Any, trace: Trace, key: str) -> Figure:
     shown = trace.t[keep]
     whole = 360.0 if len(names) > 1 else 320.0
     band = (whole - 40.0 - 30.0 * len(names)) / len(names)
-    parts_below, parts_inside, data = [], [], {"t": _list(shown)}
+    parts_below, parts_inside, data = [], [], {time_name(motion.solution.system): _list(shown)}
     for i, name in enumerate(names):
         values = np.asarray(trace.state.unwrapped(name), float)[keep]
         top = 28.0 + i * (band + 30.0)
@@ -279,13 +292,18 @@ def history(motion: Any, trace: Trace, key: str) -> Figure:
             top=top,
             bottom=whole - top - band,
         )
-        parts_below.append(_band_axes(frame, name, last=i == len(names) - 1))
+        parts_below.append(_band_axes(frame, name, time_box(motion), last=i == len(names) - 1))
         parts_inside.append(svg.curve(frame, shown, values, "motion"))
         data[name] = _list(values)
-    title = "The coordinates against time"
-    description = f"{', '.join(names)} against time from t = {shown[0]:.6g} to t = {shown[-1]:.6g}."
+    own = time_name(motion.solution.system) == "t"
+    title = "The coordinates against time" if own else "The coordinates along the path"
+    across = "time" if own else "the parameter of the path"
+    description = f"{', '.join(map(spoken, names))} against {across} {_from_to(motion, shown)}."
     board = svg.Frame((0.0, 1.0), (0.0, 1.0), height=whole)
-    caption: Text = ("Where the motion is at time ", Mathematics(Glyph("t")), ", from the time law alone.")
+    caption: Text = (
+        f"Where the motion is at {across if own else 'the value'} ", Mathematics(time_box(motion)),
+        "" if own else " of its parameter", ", from the time law alone.",
+    )  # fmt: skip
     return Figure(
         svg.assemble(board, key, title, description, parts_below, parts_inside), title, description, caption, data
     )
@@ -298,8 +316,8 @@ def _few_cycles(motion: Any, t: Array) -> slice:
     return slice(0, int(np.searchsorted(t, t[0] + 4 * max(periods))) + 1)
 
 
-def _band_axes(frame: svg.Frame, name: str, *, last: bool) -> str:
-    return svg.axes(frame, svg.label(Glyph("t")) if last else "", svg.label(name_box(name)), numbers=last)
+def _band_axes(frame: svg.Frame, name: str, time: Box, *, last: bool) -> str:
+    return svg.axes(frame, svg.label(time) if last else "", svg.label(name_box(name)), numbers=last)
 
 
 def _list(values: Array) -> list[float]:

@@ -5,7 +5,6 @@ from __future__ import annotations
 import numpy as np
 
 from hjsolve.reports import quadratures, svg, symbolic
-from hjsolve.reports.boxes import Glyph
 from hjsolve.reports.document import (
     Block,
     Code,
@@ -19,11 +18,13 @@ from hjsolve.reports.document import (
     Table,
     Text,
 )  # fmt: skip
-from hjsolve.reports.notation import name_box
+from hjsolve.reports.names import name_box
 from hjsolve.reports.numbers import quantity
-from hjsolve.reports.prose import prose, typeset
+from hjsolve.reports.plain import spoken
+from hjsolve.reports.prose import prose
 from hjsolve.reports.wells import Array
 from hjsolve.scenes import Run
+from hjsolve.shell import time_name
 
 _METHODS = {
     "float64": "double precision", "mpmath": "multiple precision (mpmath)", "certified": "ball arithmetic (certified)",
@@ -53,7 +54,9 @@ def scene_document(run: Run) -> Document:
         sections += [quadratures.forms_section(run.solution.separation), *quadratures.solution_sections(run.solution)]
         sections.append(_numbers(run))
         lead = symbolic.answer(run.solution.separation)
+        verdict = "yes"
     else:
+        verdict = ""
         lead = (
             "This scene was handed to an integrator, as it asks: no Hamilton-Jacobi solution covers what acts here.",
         )
@@ -62,14 +65,15 @@ def scene_document(run: Run) -> Document:
     if run.drift:
         sections.append(_drift(run))
     sections.append(_effort(run))
-    return Document(scene.title or "A scene", scene.system.id, lead, tuple(s for s in sections if s is not None))
+    shown = tuple(s for s in sections if s is not None)
+    return Document(scene.title or "A scene", scene.system.id, lead, shown, verdict)
 
 
 def _asked(run: Run) -> Section:
     scene = run.scene
     blocks: list[Block] = []
     if scene.summary:
-        blocks.append(Paragraph(tuple(prose(typeset(scene.summary), scene.system))))
+        blocks.append(Paragraph(prose(scene.summary, scene.system)))
     effects = ", ".join(scene.effects) or "none"
     blocks.append(Paragraph(("Effects switched on: ", Code(effects), ". Wanted: ", Code(", ".join(scene.want)), ".")))
     if scene.forces:
@@ -136,7 +140,7 @@ def _path(run: Run) -> Section:
     assert trajectory is not None
     t = np.asarray(trajectory.t, float)
     series = {name: np.asarray(trajectory.unwrapped(name), float) for name in list(trajectory.q)[:4]}
-    figure = _graphs(t, series, "path", "The coordinates against time")
+    figure = _graphs(t, series, "path", "The coordinates against time", time_name(run.scene.system))
     rows: list[tuple[Text, ...]] = []
     for name in trajectory.q:
         worst = max((float(x) for x in trajectory.error.q[name] if np.isfinite(float(x))), default=0.0)
@@ -153,14 +157,14 @@ def _drift(run: Run) -> Section:
     assert run.scene.times is not None
     t = np.array([float(x) for x in run.scene.times.exact()])
     changes = {name: np.asarray(values, float) for name, values in run.drift.items()}
-    figure = _graphs(t, changes, "drift", "Drift of the former constants")
+    figure = _graphs(t, changes, "drift", "Drift of the former constants", time_name(run.scene.system))
     rows = tuple(((Mathematics(name_box(n)),), (Code(f"{np.max(np.abs(v)):.3e}"),)) for n, v in changes.items())
     table = Table((("Former constant",), ("Largest change",)), rows, "Drift over the whole scene")
     return Section("drift", "What became of the constants", (Paragraph((text,)), Figures((figure,)), table))
 
 
-def _graphs(t: Array, series: dict[str, Array], key: str, title: str) -> Figure:
-    """Curves against time, one above the other."""
+def _graphs(t: Array, series: dict[str, Array], key: str, title: str, time: str) -> Figure:
+    """Curves against the parameter of the motion, which has the name ``time``, one above the other."""
     whole = 110.0 * len(series) + 60.0
     band = (whole - 40.0 - 30.0 * len(series)) / len(series)
     below, inside = [], []
@@ -171,11 +175,13 @@ def _graphs(t: Array, series: dict[str, Array], key: str, title: str) -> Figure:
             (float(t[0]), float(t[-1]) if t[-1] > t[0] else float(t[0]) + 1.0),
             svg.spread(finite if len(finite) else np.zeros(1), 0.1), height=whole, top=top, bottom=whole - top - band,
         )  # fmt: skip
-        below.append(svg.axes(frame, svg.label(Glyph("t")) if last else "", svg.label(name_box(name)), numbers=last))
+        across = svg.label(name_box(time)) if last else ""
+        below.append(svg.axes(frame, across, svg.label(name_box(name)), numbers=last))
         inside.append(svg.curve(frame, t, values, "motion"))
-    description = f"{', '.join(series)} against time from t = {t[0]:.6g} to t = {t[-1]:.6g}."
+    letter = spoken(time)
+    description = f"{', '.join(map(spoken, series))} against {letter} from {letter} = {t[0]:.6g} to {t[-1]:.6g}."
     board = svg.Frame((0.0, 1.0), (0.0, 1.0), height=whole)
-    data = {"t": [float(x) for x in t]} | {name: [float(x) for x in v] for name, v in series.items()}
+    data = {time: [float(x) for x in t]} | {name: [float(x) for x in v] for name, v in series.items()}
     drawn = svg.assemble(board, key, title, description, below, inside)
     return Figure(drawn, title, description, (f"{title}.",), data)
 

@@ -1,11 +1,11 @@
 """How an HTML report looks: one column of text, drawings side by side, light and dark, screen and paper."""
 
 CSS = """
-:root{--paper:#fffdf8;--ink:#22262b;--soft:#666b72;--rule:#d9d5cc;--blue:#2f5f8f;--red:#b8402a;--wash:#f5f1e8;
+:root{--paper:#fffdf8;--ink:#22262b;--soft:#666b72;--rule:#d9d5cc;--blue:#2f5f8f;--red:#b8402a;--wash:#f5f1e8;--green:#2e7044;--amber:#8a6100;
 --serif:"Iowan Old Style","Palatino Linotype",Palatino,"Book Antiqua",Georgia,"DejaVu Serif",serif;
 --sans:system-ui,-apple-system,"Segoe UI","Helvetica Neue","DejaVu Sans",sans-serif}
 @media (prefers-color-scheme:dark){:root{--paper:#16191d;--ink:#e6e3dc;--soft:#a2a6ad;--rule:#3b4048;--blue:#7fb2e5;
---red:#f0846b;--wash:#1f242a}}
+--red:#f0846b;--wash:#1f242a;--green:#7cc495;--amber:#e0b45c}}
 *{box-sizing:border-box}
 html{-webkit-text-size-adjust:100%;text-size-adjust:100%}
 body{margin:0 auto;padding:2.6rem 1.25rem 4rem;max-width:54rem;background:var(--paper);color:var(--ink);
@@ -20,14 +20,15 @@ background:var(--wash);padding:.08em .32em;
 border-radius:3px;overflow-wrap:anywhere}
 .id{margin:0 0 1.2rem}
 .answer{font-size:1.16rem;line-height:1.5;margin:1.1rem 0 1.3rem;
-padding:.15rem 0 .15rem 1rem;border-left:3px solid var(--red)}
-.answer strong{color:var(--red)}
+padding:.15rem 0 .15rem 1rem;border-left:3px solid var(--verdict)}
+.answer{--verdict:var(--soft)}.answer.yes{--verdict:var(--green)}.answer.no{--verdict:var(--red)}.answer.open{--verdict:var(--amber)}
+.answer strong,.answer .sign{color:var(--verdict)}
 nav ol{margin:0;padding:0;list-style:none;display:flex;flex-wrap:wrap;gap:.15rem 1.15rem;font:.86rem/1.7 var(--sans)}
 math{font-family:"Latin Modern Math","STIX Two Math","Cambria Math","Libertinus Math","DejaVu Math TeX Gyre",math;
 font-size:1em}
 math[display=block]{margin:0;text-align:left;width:max-content}
 math .lines{text-align:left}
-math .lines mtd{padding:.3em 0}
+math .lines>mtr>mtd{padding:.3em 0}
 .formula{display:flex;align-items:center;gap:1rem;margin:.55rem 0;padding-left:1.4rem}
 .formula .scroll{flex:1 1 auto;min-width:0;padding:.3rem 0}
 .tag{flex:none;font:.78rem/1.3 var(--sans);color:var(--soft);max-width:9rem;text-align:right}
@@ -59,8 +60,13 @@ figcaption math{font-size:1em}
 @media (max-width:34rem){body{padding:1.5rem 1rem 3rem;font-size:1rem}
 .formula{padding-left:.3rem;flex-wrap:wrap;gap:.1rem}
 .formula .scroll{flex-basis:100%}.tag{max-width:none;text-align:left}th,td{padding-right:.9rem}}
-@media print{:root{--paper:#fff;--ink:#000;--soft:#444;--rule:#bbb;--blue:#1d4e7e;--red:#a3301c;--wash:#f4f4f4}
+@media print{:root{--paper:#fff;--ink:#000;--soft:#444;--rule:#bbb;--blue:#1d4e7e;--red:#a3301c;
+--wash:#f4f4f4;--green:#1f5a33;--amber:#6e4d00}
 body{max-width:none;padding:0;font-size:10.5pt}nav{display:none}a{color:inherit;text-decoration:none}
 h2{break-after:avoid;margin-top:1.6rem}figure,table,.formula,.steps li{break-inside:avoid}
+h2+p,h2+.formula,p:has(+.formula),p:has(+.scroll),caption{break-after:avoid}
+p{orphans:3;widows:3}table.long{break-inside:auto}tr{break-inside:avoid}thead{break-after:avoid}thead{display:table-header-group}
+.formula{flex-wrap:wrap}.formula .scroll{min-width:min-content}
+table{font-size:8.4pt}th,td{padding-right:.7rem}
 .figures{grid-template-columns:1fr 1fr}.scroll{overflow:visible}@page{margin:18mm 16mm}}
 """

@@ -5,6 +5,7 @@ from __future__ import annotations
 from collections.abc import Mapping, Sequence
 from typing import Any
 
+import mpmath
 import sympy as sp
 
 from hjsolve.reports.boxes import Box, Fraction, Glyph, Script, row
@@ -14,6 +15,7 @@ from hjsolve.reports.document import (
     Formula,
     Mathematics,
     Note,
+    Number,
     Paragraph,
     Section,
     Step,
@@ -22,18 +24,46 @@ from hjsolve.reports.document import (
     Table,
     Text,
 )
-from hjsolve.reports.notation import box, display, name_box, tidy
-from hjsolve.reports.numbers import bound, shortest
+from hjsolve.reports.lines import LINE, broken, display
+from hjsolve.reports.names import name_box
+from hjsolve.reports.notation import box, tidy
+from hjsolve.reports.numbers import bound, shortest, terminating
 from hjsolve.reports.prose import domain_text, listed, prose, typeset
 from hjsolve.separation import Obstruction, Separation, Undecided
-from hjsolve.system import System, hamiltonian
+from hjsolve.separation.zero_test import Zero, is_zero
+from hjsolve.system import System, hamiltonian, linear_terms, mass_matrix, momenta
 
 EQUALS = Glyph("=", "operator")
 
 
+IN_A_CELL = 0.6 * LINE
+"""Letters after which an expression in the cell of a table takes another line."""
+
+
 def math(expression: sp.Basic) -> Mathematics:
-    """Set an expression inside a sentence or a cell."""
-    return Mathematics(box(expression))
+    """Set an expression inside a sentence or a cell, a long one on several lines."""
+    return Mathematics(display(expression, IN_A_CELL))
+
+
+_SIMPLE, _FIRST_DIGITS = 12, 6
+"""Denominators up to which fractions are read best; digits shown of a long exact number."""
+
+
+def exactly(value: sp.Expr) -> Text:
+    """Write a number that is known exactly: short fractions as they are, decimals where they end, the rest with both.
+
+    Args:
+        value: an exact number.
+
+    Returns:
+        The number in pieces, a long one followed by its first digits.
+    """
+    if isinstance(value, sp.Rational) and value.q <= _SIMPLE:
+        return (math(value),)
+    ending = terminating(value)
+    if ending is not None:
+        return (ending,)
+    return (math(value), " ≈ ", Number(shortest(mpmath.mpf(sp.N(value, 20)), _FIRST_DIGITS)))
 
 
 def formula(left: Box, expression: sp.Basic, tag: str = "") -> Formula:
@@ -47,7 +77,7 @@ def formula(left: Box, expression: sp.Basic, tag: str = "") -> Formula:
     Returns:
         The displayed formula.
     """
-    return Formula(row(left, EQUALS, display(expression)), str(expression), tag)
+    return Formula(broken(row(left, EQUALS, box(expression))), str(expression), tag)
 
 
 def equation(relation: sp.Basic, tag: str = "") -> Formula:
@@ -78,20 +108,40 @@ def system_section(system: System, meanings: Mapping[str, tuple[str, str]], summ
     Returns:
         The section.
     """
-    blocks: list[Block] = [Paragraph(prose(typeset(summary), system))] if summary else []
+    blocks: list[Block] = [Paragraph(prose(summary, system))] if summary else []
+    if system.relativity is not None:
+        blocks.append(Paragraph((RELATIVISTIC,)))
     blocks += [formula(Glyph("T"), system.kinetic), formula(Glyph("V"), system.potential)]
     blocks.append(_coordinates(system, meanings))
     if system.parameters:
         blocks.append(_parameters(system))
-    blocks += [
-        Paragraph(("Hamilton's function, with the momenta ", Mathematics(_momentum_definition()), ":")),
-        formula(Glyph("H"), hamiltonian(system), "Greenwood (4-109)"),
+    return Section("system", "The system", (*blocks, *_hamilton(system)))
+
+
+RELATIVISTIC = (
+    "A relativistic particle. T is not its energy but the classical kinetic energy, which gives the metric and the "
+    "terms linear in the velocities."
+)
+
+
+def _hamilton(system: System) -> list[Block]:
+    """Hamilton's function and what its momenta are; of a relativistic particle they are not ∂T/∂q̇."""
+    H = hamiltonian(system)
+    if system.relativity is None:
+        text = ("Hamilton's function, with the momenta ", Mathematics(_momentum_definition()), ":")
+        return [Paragraph(text), formula(Glyph("H"), H, "Greenwood (4-109)")]
+    field = any(linear_terms(system))
+    tag = "" if field else "Greenwood (7-159)"
+    return [
+        Paragraph(("The momenta:",)),
+        *(formula(name_box(f"p_{name}"), p, tag) for name, p in momenta(system).items()),
+        Paragraph(("Hamilton's function, the rest energy included:",)),
+        formula(Glyph("H"), H, "Greenwood (7-170)" if field else "Greenwood (7-165)"),
     ]
-    return Section("system", "The system", tuple(blocks))
 
 
 def _momentum_definition() -> Box:
-    partial = Glyph("∂", "operator")
+    partial = Glyph("∂", "differential")
     dot = name_box("dot(q)")
     top, bottom = row(partial, Glyph("T")), row(partial, Script(dot, Glyph("i")))
     return row(Script(Glyph("p"), Glyph("i")), EQUALS, Fraction(top, bottom))
@@ -112,14 +162,14 @@ def _coordinates(system: System, meanings: Mapping[str, tuple[str, str]]) -> Tab
 
 
 def _meaning(system: System, unit: str, meaning: str) -> tuple[Text, Text]:
-    return prose(typeset(meaning), system), (typeset(unit),)
+    return prose(meaning, system), (typeset(unit),)
 
 
 def _parameters(system: System) -> Table:
     told = any(p.meaning for p in system.parameters)
     rows = []
     for p in system.parameters:
-        value: Text = (math(p.value),) if p.value is not None else ("no default",)
+        value: Text = exactly(p.value) if p.value is not None else ("no default",)
         rows.append(
             (
                 (Mathematics(name_box(p.name)),),
@@ -155,8 +205,9 @@ def _step_formula(title: str, result: sp.Basic | None) -> Formula | None:
     """Nested tuples (Liouville's functions) have their own table and are not repeated here."""
     if result is None or (isinstance(result, sp.Tuple) and any(isinstance(item, sp.Tuple) for item in result)):
         return None
-    shown = display(result)
-    return Formula(row(Glyph(_LEFT[title]), EQUALS, shown) if title in _LEFT else shown, str(result))
+    if title in _LEFT:
+        return Formula(broken(row(Glyph(_LEFT[title]), EQUALS, box(result))), str(result))
+    return Formula(display(result), str(result))
 
 
 _LEFT = {"Stäckel's matrix": "Φ", "Stäckel's column": "ψ"}
@@ -257,7 +308,32 @@ def _form(verdict: Separation) -> str:
             if verdict.reduced.liouville is None
             else (": a system of Stäckel's form; of Liouville's only once the ignorable coordinates are gone.")
         )
-    return " once the ignorable coordinates are eliminated; the kinetic energy is not diagonal in all of them."
+    if verdict.reduced.stackel is None:
+        return ": no coordinate is left after the ignorable ones; the motion is uniform."
+    return _by_its_shell(verdict)
+
+
+def _by_its_shell(verdict: Separation) -> str:
+    """Say what stands between the full system and its separable shell: relativity, linear terms, mixed products."""
+    whose = "Stäckel's" if verdict.reduced.liouville is None else "Liouville's"
+    gone = " once the ignorable coordinates are eliminated" if verdict.ignorable else ""
+    if verdict.system.relativity is not None:
+        return f"{gone}: the energy relation, squared, is a shell of {whose} form for every energy."
+    if not _diagonal(verdict.system):
+        return f"{gone}; the kinetic energy is not diagonal in all of them. The shell is of {whose} form."
+    if any(linear_terms(verdict.system)):
+        how = (
+            "are a gradient and are shifted away" if any(verdict.shell.shift) else "become part of the potential"
+        )
+        return f"{gone}: T has terms linear in the velocities, which {how}. The shell is of {whose} form."
+    return f"{gone}: the shell is of {whose} form."
+
+
+def _diagonal(system: System) -> bool:
+    """Whether T holds no product of two velocities; entries that only look like something are decided."""
+    mass = mass_matrix(system)
+    mixed = (mass[i, j] for i in range(mass.rows) for j in range(i))
+    return all(entry == 0 or isinstance(is_zero(entry), Zero) for entry in mixed)
 
 
 # -------------------------------------------------------------------------------- a refusal

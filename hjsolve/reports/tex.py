@@ -2,6 +2,9 @@
 
 from __future__ import annotations
 
+import re
+from unicodedata import decomposition, normalize
+
 from hjsolve.reports.boxes import Grid
 from hjsolve.reports.document import (
     Block,
@@ -23,7 +26,7 @@ from hjsolve.reports.document import (
     Text,
 )
 from hjsolve.reports.latex import escape, latex
-from hjsolve.reports.notation import GREEK
+from hjsolve.reports.names import GREEK
 
 _PREAMBLE = r"""\documentclass[11pt,a4paper]{article}
 \usepackage[T1]{fontenc}
@@ -53,11 +56,23 @@ _LETTERS = {
     "ʰ": r"\textsuperscript{h}",
     "θ": r"$\theta$",
     "µ": r"$\mu$",
+    "§": r"\S{}",
+    "√": r"$\surd$",
+    "≈": r"$\approx$",
+    "∛": r"$\sqrt[3]{\ }$",
+    "∓": r"$\mp$",
+    "≤": r"$\le$",
+    "≥": r"$\ge$",
+    "′": r"$'$",
+    "⋅": r"$\cdot$",
+    "ο": "o",
 }
 _LETTERS |= {
     letter: f"${latex_name}$"
     for letter, latex_name in ((v, f"\\{k}") for k, v in GREEK.items() if k not in {"lamda", "lam", "omicron"})
 }
+
+_SIGNS = {"yes": r"$\surd$ ", "no": r"$\times$ ", "open": "? "}
 
 
 def tex(document: Document) -> str:
@@ -70,7 +85,8 @@ def tex(document: Document) -> str:
         A file that pdflatex takes.
     """
     subtitle = rf"\\ \texttt{{{escape(document.subtitle)}}}" if document.subtitle else ""
-    head = rf"\section*{{{_plain(document.title)}{subtitle}}}" + "\n" + _text(document.answer)
+    answer = _SIGNS.get(document.verdict, "") + _text(document.answer)
+    head = rf"\section*{{{_plain(document.title)}{subtitle}}}" + "\n" + answer
     return _PREAMBLE + "\n\n".join([head, *map(_section, document.sections)]) + "\n\n\\end{document}\n"
 
 
@@ -144,7 +160,29 @@ def _inline(piece: Inline) -> str:
 
 
 def _plain(text: str) -> str:
-    return "".join(_LETTERS.get(letter, letter) for letter in escape(text))
+    """Prose with every letter that pdflatex does not know written out."""
+    pieces = re.findall(r".\u0307?", normalize("NFC", escape(text)), flags=re.DOTALL)
+    return "".join(map(_letter, pieces))
+
+
+def _letter(letter: str) -> str:
+    """One letter, perhaps with a dot over it; raised and lowered ones by what they are made of."""
+    dotted = letter if letter.endswith("\u0307") else normalize("NFD", letter)
+    if dotted.endswith("\u0307") and len(dotted) == 2:
+        return rf"$\dot{{{_LETTERS.get(dotted[0], dotted[0]).strip('$')}}}$"
+    if letter in _LETTERS:
+        return _LETTERS[letter]
+    kind, _, parts = decomposition(letter).partition(" ")
+    plain = "".join(chr(int(part, 16)) for part in parts.split()) if kind.startswith("<") else ""
+    match kind:
+        case "<sub>":
+            return rf"\textsubscript{{{_plain(plain)}}}"
+        case "<super>":
+            return rf"\textsuperscript{{{_plain(plain)}}}"
+        case "<fraction>":
+            top, _, bottom = plain.partition("⁄")
+            return rf"$\tfrac{{{top}}}{{{bottom}}}$"
+    return letter
 
 
 def _digits(text: str) -> str:

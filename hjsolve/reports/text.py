@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from itertools import zip_longest
 from textwrap import fill
 
 from hjsolve.reports.document import (
@@ -39,7 +40,7 @@ def text(document: Document) -> str:
         The whole text, lines of at most 96 letters except where a formula is longer.
     """
     title = f"{document.title}  [{document.subtitle}]" if document.subtitle else document.title
-    head = f"{title}\n{'=' * len(title)}\n\n{wrapped(document.answer)}"
+    head = f"{title}\n{'=' * len(title)}\n\n{wrapped((document.sign, *document.answer))}"
     return "\n\n".join([head, *(part for part in map(section_text, document.sections) if part)]) + "\n"
 
 
@@ -92,9 +93,13 @@ def _step(number: int, step: Step) -> str:
 
 
 def _table(table: Table) -> str:
-    cells = [[line(cell) for cell in row] for row in (table.header, *table.rows)]
-    widths = [max(len(row[i]) for row in cells) for i in range(len(table.header))]
-    lines = ["  " + "  ".join(cell.ljust(w) for cell, w in zip(row, widths)).rstrip() for row in cells]
+    cells = [[line(cell).split("\n") for cell in row] for row in (table.header, *table.rows)]
+    widths = [max(len(part) for row in cells for part in row[i]) for i in range(len(table.header))]
+    lines = [
+        "  " + "  ".join(part.ljust(w) for part, w in zip(parts, widths)).rstrip()
+        for row in cells
+        for parts in zip_longest(*row, fillvalue="")
+    ]
     lines.insert(1, "  " + "  ".join("-" * w for w in widths))
     return "\n".join([*([f"  {table.caption}:"] if table.caption else []), *lines])
 

@@ -13,6 +13,7 @@ from numpy.typing import NDArray
 from hjsolve.lowering import lower
 from hjsolve.numeric.arithmetic import Float64
 from hjsolve.numeric.tape import Tape
+from hjsolve.reports.notation import compact
 
 Array = NDArray[np.float64]
 
@@ -169,7 +170,7 @@ def _level(
 
 
 def readable(expression: sp.Expr) -> sp.Expr:
-    """Expand a quotient and cancel term by term, which is how an effective potential is read.
+    """Expand a quotient and cancel term by term, as an effective potential is read; many terms as one fraction.
 
     Args:
         expression: any expression.
@@ -177,12 +178,9 @@ def readable(expression: sp.Expr) -> sp.Expr:
     Returns:
         An equal expression.
     """
-    return sp.Add(
-        *(
-            sp.powsimp(sp.cancel(term) if term.is_rational_function() else term)
-            for term in sp.Add.make_args(sp.expand(expression))
-        )
-    )
+    terms = sp.Add.make_args(sp.expand(expression))
+    whole = sp.Add(*(sp.powsimp(sp.cancel(term) if term.is_rational_function() else term) for term in terms))
+    return compact(whole)
 
 
 def _end(end: Any, exact: Mapping[sp.Symbol, sp.Expr]) -> float | None:

@@ -73,7 +73,7 @@ def figure(cost: Cost, key: str) -> Figure:
     caption: Text = (
         "True error against time: lower is more accurate, further left is quicker. Red: hjsolve, with error bounds; "
         "black: the catalog's formulas; blue: integrators, without bounds. Hollow: the time for all times was worked "
-        "out from some. A cross: too slow or failed, at the height of the digits asked, or lost, at the top.",
+        "out from some. A cross: did not fit the budget or failed, at the height of the digits asked; or lost, at top.",
     )
     drawing = svg.assemble(frame, key, title, description, below, inside, above)
     return Figure(drawing, title, description, caption, data)

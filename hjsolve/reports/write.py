@@ -2,20 +2,19 @@
 
 from __future__ import annotations
 
-import os
-import tempfile
-from collections.abc import Callable, Iterator, Mapping
-from contextlib import contextmanager, suppress
+from collections.abc import Callable, Mapping
 from pathlib import Path
 from typing import Any
 
 from hjsolve import catalog
 from hjsolve.costs.measure import Progress
-from hjsolve.errors import InvalidInputError
+from hjsolve.errors import NotConvergedError
 from hjsolve.hamiltonians import LinearHamiltonian
 from hjsolve.reports.content import Material, Subject, document, gather, initial_of
 from hjsolve.reports.document import Document
+from hjsolve.reports.files import checked_path, readable_errors, replace
 from hjsolve.reports.html import html
+from hjsolve.reports.outside import outside_document
 from hjsolve.scenes import Scene
 
 
@@ -50,7 +49,6 @@ _WRITERS: Mapping[str, Callable[[Document], str]] = {
     ".txt": _text,
     ".tex": _tex,
 }
-SUFFIXES = tuple(_WRITERS)
 
 
 def report(
@@ -60,7 +58,7 @@ def report(
     initial: Mapping[str, Any] | None = None,
     motion: str = "default",
     digits: int = 15,
-    cost: bool | float = True,
+    cost: bool | float = False,
 ) -> Path:
     """Write a report about a system, a verdict, a solution or a motion.
 
@@ -75,15 +73,15 @@ def report(
         initial: keyword arguments for ``solution.motion``, in place of the catalog's initial data.
         motion: which of the catalog entry's motions.
         digits: of the numbers.
-        cost: whether the report has a section that measures what accuracy costs; or the seconds it may take, 3 by
-            default, at most 10.
+        cost: whether the report has a section that measures what accuracy costs, in 3 seconds; or the seconds it may
+            take, at most 10.
 
     Returns:
         The path written.
 
     Raises:
         InvalidInputError: another suffix, a path that cannot be written, or a subject that cannot be reported.
-        NotConvergedError: a number fell short of the digits asked.
+        NotConvergedError: a number fell short of the digits asked; the report is written all the same, and says which.
 
     Example:
         >>> report("kepler-planar", "kepler.html")  # doctest: +SKIP
@@ -92,38 +90,13 @@ def report(
     target = checked_path(path)
     if isinstance(subject, Scene):
         return save_scene(subject, target, cost)
+    if (outside := outside_entry(subject)) is not None:
+        return write_document(outside_document(outside), target)
     if isinstance(subject, LinearHamiltonian) or (
         isinstance(subject, str | Path) and catalog.hamiltonian(subject) is not None
     ):
         return save_hamiltonian(subject, target, initial=initial, motion=motion, digits=digits)
     return save(gather(subject, initial=initial, motion=motion, digits=digits), target, cost)
-
-
-def checked_path(path: str | Path) -> Path:
-    """Check where a report shall go before anything is computed.
-
-    Args:
-        path: the file.
-
-    Returns:
-        The path.
-
-    Raises:
-        InvalidInputError: unknown suffix, a directory, a folder that does not exist or cannot be written to.
-    """
-    target = Path(path)
-    if target.suffix.lower() not in _WRITERS:
-        given = f'"{target.suffix}"' if target.suffix else "none"
-        raise InvalidInputError(f"{target}: the suffix must be one of {', '.join(SUFFIXES)}, not {given}")
-    folder = target.parent
-    with _readable_errors(target):
-        if target.is_dir():
-            raise InvalidInputError(f"{target}: is a directory; give a file name")
-        if not folder.is_dir():
-            raise InvalidInputError(f"{target}: the folder {folder} does not exist; create it first")
-        if not os.access(folder, os.W_OK) or (target.exists() and not os.access(target, os.W_OK)):
-            raise InvalidInputError(f"{target}: cannot be written here; choose another place")
-    return target
 
 
 def save_scene(scene: Scene, target: Path, cost: bool | float = False, progress: Progress | None = None) -> Path:
@@ -194,13 +167,25 @@ def save(material: Material, target: Path, cost: bool | float = False, progress:
 
     Raises:
         InvalidInputError: the file cannot be written.
+        NotConvergedError: a number fell short; the report is written all the same.
     """
     from hjsolve.reports.costs import with_cost
 
     content = document(material)
     if material.motion is not None:
         content = with_cost(content, material.motion, cost, progress)
-    return write_document(content, target)
+    path = write_document(content, target)
+    if content.unsettled:
+        raise NotConvergedError(f"{content.unsettled}; everything else was written to {path}")
+    return path
+
+
+def outside_entry(subject: object) -> catalog.Entry | None:
+    """The entry that is named, where it is no T and V: its reason is the report."""
+    if not isinstance(subject, str | Path):
+        return None
+    entry = catalog.describe(subject)
+    return entry if entry.refusal is not None else None
 
 
 def write_document(content: Document, target: Path) -> Path:
@@ -217,42 +202,6 @@ def write_document(content: Document, target: Path) -> Path:
         InvalidInputError: the file cannot be written.
     """
     text = _WRITERS[target.suffix.lower()](content)
-    with _readable_errors(target):
+    with readable_errors(target):
         replace(target, text)
     return target
-
-
-def replace(target: Path, content: str) -> None:
-    """Write a file completely and only then put it in its place.
-
-    Args:
-        target: the file.
-        content: its text, written as UTF-8.
-
-    Raises:
-        OSError: it cannot be written; then nothing has changed.
-    """
-    handle, name = tempfile.mkstemp(dir=target.parent, prefix=f".{target.name}.")
-    try:
-        with os.fdopen(handle, "w", encoding="utf-8", newline="\n") as file:
-            file.write(content)
-        mask = os.umask(0)
-        os.umask(mask)
-        Path(name).chmod(target.stat().st_mode & 0o777 if target.exists() else 0o666 & ~mask)
-        Path(name).replace(target)
-    finally:  # nothing is left beside the target, whatever went wrong
-        with suppress(OSError):
-            Path(name).unlink(missing_ok=True)
-
-
-@contextmanager
-def _readable_errors(target: Path) -> Iterator[None]:
-    """Turn an error of the operating system into one line about the file."""
-    try:
-        yield
-    except InvalidInputError:
-        raise
-    except OSError as error:
-        raise InvalidInputError(f"{target}: cannot be written ({error.strerror or type(error).__name__})") from error
-    except ValueError as error:
-        raise InvalidInputError(f"{str(target)!r}: is not a usable file name") from error

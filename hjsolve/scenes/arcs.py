@@ -5,6 +5,7 @@
 (Greenwood §3-2: an impulse changes the momenta and leaves the coordinates.) Between events nothing is approximated
 by steps. The state handed on has ``GUARD`` digits more than the scene asks for, and as many again as the length
 of the scene costs; what is exact (the place of a surface, ignorable momenta, a coordinate at rest) stays exact.
+Where a bounce changes only signs nothing is recomputed: see ``flights``.
 """
 
 from __future__ import annotations
@@ -16,18 +17,23 @@ from typing import Any
 
 import sympy as sp
 
-from hjsolve.errors import NotConvergedError
-from hjsolve.initial import to_bits
+from hjsolve.errors import InvalidInputError, NotConvergedError
+from hjsolve.initial import initial_data, is_zero, to_bits
 from hjsolve.motion import Motion
 from hjsolve.numeric.arithmetic import multiprecision
 from hjsolve.numeric.course import Frozen
 from hjsolve.scenes.crossing import bits_of, crossings, exact
-from hjsolve.scenes.events import Event, changed
+from hjsolve.scenes.events import Event, Pending, changed, once
+from hjsolve.scenes.flights import Flight, Free, walk
+from hjsolve.scenes.mirrors import Mirrors, mirrors
+from hjsolve.scenes.rest import Rest, Settling, acceleration
 from hjsolve.scenes.scene import Scene
 from hjsolve.solution import Solution
+from hjsolve.system import velocities
 
 GUARD = 10
-MOST_EVENTS = 10_000
+MOST_EVENTS, MOST_BOUNCES, _LOOK = 10_000, 1_000_000, 40
+"""Events that change constants, bounces that change only signs; events after which it is judged how many will come."""
 Turns = Mapping[str, int]
 
 
@@ -49,24 +55,46 @@ class Piece:
     """One arc before anything wanted is computed.
 
     Attributes:
-        leg: its start. ends: the time of the events that end it, exact; None for the last.
+        leg: its start; of an arc that is a flight, that of the free motion.
+        ends: the time of the events that end it, exact or in many digits; None for the last.
         events: those events.
+        free, flight: the free motion that it is part of, and how; None where it has constants of its own.
     """
 
     leg: Leg
-    ends: sp.Expr | None
+    ends: Any
     events: tuple[Event, ...]
+    free: Free | None = None
+    flight: Flight | None = None
 
 
-@dataclass(frozen=True)
-class _Pending:
-    """An event to come, and how many passages it still lets by."""
+@dataclass(frozen=True, eq=False)
+class Change:
+    """The state just before events that change constants.
 
-    event: Event
-    left: int
+    Attributes:
+        motion: that led there. time: exact. events: that happen.
+        q: coordinate → position, many digits or exact; angles in (−π, π]. p: momenta. turns: of the angles.
+    """
+
+    motion: Motion
+    time: sp.Expr
+    events: tuple[Event, ...]
+    q: Mapping[str, Any]
+    p: Mapping[str, Any]
+    turns: Turns
 
 
-def pieces(scene: Scene, solution: Solution, first: Mapping[str, Any]) -> list[Piece]:
+@dataclass(frozen=True, eq=False)
+class Stretch:
+    """Arcs up to a change of constants, or to the end, where ``change`` is None; and what is still to come then."""
+
+    pieces: list[Piece]
+    pending: list[Pending]
+    change: Change | None
+
+
+def pieces(scene: Scene, solution: Solution, first: Mapping[str, Any]) -> tuple[list[Piece], Rest | None]:
     """Follow the motion from event to event.
 
     Args:
@@ -75,37 +103,126 @@ def pieces(scene: Scene, solution: Solution, first: Mapping[str, Any]) -> list[P
         first: the arguments of the first motion.
 
     Returns:
-        The arcs in order; one where nothing happens.
+        The arcs in order, one where nothing happens; and how the scene ended early, if a wall keeps the body.
 
     Raises:
         NotConvergedError: an event without a definite time, or more than ``MOST_EVENTS`` of them.
     """
-    pending = [_Pending(event, event.passage) for event in scene.events]
+    pending = [Pending(event, event.passage) for event in scene.events]
+    _refuse_rest_on_a_wall(scene, solution, first)
     leg, found = Leg(first, {}), list[Piece]()
     horizon = scene.times.last if scene.times is not None else None
     digits = _digits(scene, horizon)
-    while pending and len(found) < MOST_EVENTS:
-        motion = solution.motion(**leg.arguments, digits=digits, want={"trajectory"})
-        hit = _next(motion, pending, horizon)
-        if hit is None:
-            break
-        time, happening = hit
-        events = tuple(p.event for p in happening)
-        found.append(Piece(leg, time, events))
-        pending = _later(motion, pending, happening, time)
-        leg = _after(motion, leg, time, events)
-    if len(found) == MOST_EVENTS:
-        raise NotConvergedError(f"more than {MOST_EVENTS} events before the last time; shorten the scene")
-    return [*found, Piece(leg, None, ())]
+    turning = mirrors(solution) if any(e.kind == "wall" for e in scene.events) else None
+    settling: Settling | None = None
+    happened: list[Any] = []
+    for _ in range(MOST_EVENTS):
+        if not pending:
+            return [*found, Piece(leg, None, ())], None
+        stretch = _flown(solution, leg, pending, horizon, digits, turning)
+        stretch = stretch or _one_arc(solution, leg, pending, horizon, digits)
+        found, change, pending = found + stretch.pieces, stretch.change, stretch.pending
+        if change is None:
+            return found, None
+        leg = _after(change, leg.turns)
+        happened.append(to_bits(change.time)(64))
+        _refuse_too_many(happened, horizon)
+        if all(e.elastic or e.kind != "wall" for e in once(change.events)):
+            settling = None
+            continue
+        settling = settling or Settling(scene, change.motion.initial.values, digits)
+        rest = settling.landed(change.events, change.time, leg.arguments, _side(change), pending)
+        if rest is not None:
+            return _ended(found, leg, rest), rest
+    raise NotConvergedError(f"more than {MOST_EVENTS} events before the last time; shorten the scene")
+
+
+def _refuse_too_many(happened: list[Any], horizon: sp.Expr | None) -> None:
+    """Say early that there will be too many events, where they come evenly or ever later."""
+    if len(happened) != _LOOK or horizon is None:
+        return
+    before, last = happened[-2] - happened[-3], happened[-1] - happened[-2]
+    if last >= before and (to_bits(horizon)(64) - happened[-1]) > 2 * MOST_EVENTS * last:
+        raise NotConvergedError(
+            f"{_LOOK} events came before t = {float(happened[-1]):.6g}; up to the last time there would be more than "
+            f"{MOST_EVENTS}: shorten the scene"
+        )
+
+
+def _refuse_rest_on_a_wall(scene: Scene, solution: Solution, first: Mapping[str, Any]) -> None:
+    """A body at rest on a wall, and drawn away from there: nothing says on which side of it the body is."""
+    walls = [e for e in scene.events if e.kind == "wall"]
+    if not walls:
+        return
+    system = solution.system
+    given = {name: first.get(name) for name in ("q", "velocity", "p", "parameters")}
+    values = initial_data(solution, **given).values  # type: ignore[arg-type]
+    for wall in walls:
+        c = system.coordinate(str(wall.coordinate))
+        speed = velocities(system)[c.name]
+        if all(is_zero(x.subs(values)) for x in (c.symbol - wall.value, speed)) and not is_zero(
+            acceleration(system, c.name).subs(values)
+        ):
+            raise InvalidInputError(
+                f"initial: the motion starts at rest on the {wall}, and nothing says on which side of it; start it a "
+                "little to one side, or with a velocity"
+            )
 
 
 def _digits(scene: Scene, horizon: sp.Expr | None) -> int:
     """Digits of the state at events: a phase loses as many as the time has before the point."""
-    span = abs(float(horizon)) + 1 if horizon is not None else 1e3
-    return max(scene.digits, 15) + GUARD + math.ceil(math.log10(span))
+    span = abs(to_bits(horizon)(64)) + 1 if horizon is not None else 1000
+    return max(scene.digits, 15) + GUARD + math.ceil(multiprecision(64).log10(span))
 
 
-def _next(motion: Motion, pending: list[_Pending], horizon: sp.Expr | None) -> tuple[sp.Expr, list[_Pending]] | None:
+# ------------------------------------------------------------------------------- bounces that change only signs
+def _flown(
+    solution: Solution, leg: Leg, pending: list[Pending], horizon: Any, digits: int, turning: Mirrors | None
+) -> Stretch | None:
+    """Walk along the bounces of one free motion; None where that does not serve."""
+    if turning is None or not any(p.event.kind == "wall" for p in pending):
+        return None
+    motion = solution.motion(**{**leg.arguments, "t0": 0}, digits=digits, want={"trajectory"})
+    free = Free(motion, turning)
+    if not free.serves([p.event for p in pending]):
+        return None
+    bits = free.context.prec
+    now = free.start(to_bits(sp.sympify(leg.arguments.get("t0", 0)))(bits))
+    flown = walk(free, now, pending, None if horizon is None else to_bits(horizon)(bits), MOST_BOUNCES)
+    found = [Piece(leg, time, events, free, flight) for flight, time, events in flown.arcs]
+    if len(found) == MOST_BOUNCES:
+        raise NotConvergedError(f"more than {MOST_BOUNCES} bounces before the last time; shorten the scene")
+    if not flown.stopped:
+        return Stretch([*found, Piece(leg, None, (), free, now.flight())], flown.pending, None)
+    last = found[-1]
+    left = [p for p in flown.pending if p.event not in last.events or p.event.kind == "wall"]
+    time = last.ends if isinstance(last.ends, sp.Expr) else exact(last.ends, digits)
+    q, p, turns = free.state(now)
+    return Stretch(found, left, Change(motion, time, last.events, q, p, turns))
+
+
+# --------------------------------------------------------------------------------------------- one arc at a time
+def _one_arc(solution: Solution, leg: Leg, pending: list[Pending], horizon: Any, digits: int) -> Stretch:
+    """The arc up to the next event, whatever it is."""
+    motion = solution.motion(**leg.arguments, digits=digits, want={"trajectory"})
+    hit = _next(motion, pending, horizon)
+    if hit is None:
+        return Stretch([Piece(leg, None, ())], pending, None)
+    time, happening = hit
+    events = tuple(p.event for p in happening)
+    state = motion.at(to_bits(time)(bits_of(motion.digits)))
+    if not all(x.context.isfinite(x) for x in (*state.q.values(), *state.p.values())):
+        raise NotConvergedError(f"the motion ends, or is too far out for its numbers, before {events[0]}")
+    given, system = motion.initial.values, solution.system
+    resting = {name for name, place in motion.located.items() if isinstance(place.course, Frozen)}
+    q = {c.name: given[c.symbol] if c.name in resting else state.q[c.name] for c in system.coordinates}
+    p = {c.name: given[c.momentum] if c.name in resting or c.name not in motion.located else state.p[c.name]
+         for c in system.coordinates}  # fmt: skip
+    change = Change(motion, time, events, q, p, {name: int(n) for name, n in state.turns.items()})
+    return Stretch([Piece(leg, time, events)], _later(motion, pending, happening, time), change)
+
+
+def _next(motion: Motion, pending: list[Pending], horizon: sp.Expr | None) -> tuple[sp.Expr, list[Pending]] | None:
     """The earliest event, and those at the same time; None where nothing happens before the end."""
     bits = bits_of(motion.digits)
     times = [(_time(motion, p, horizon), p) for p in pending]
@@ -119,7 +236,7 @@ def _next(motion: Motion, pending: list[_Pending], horizon: sp.Expr | None) -> t
     return first, [p for t, p in ahead if abs(to_bits(t - first)(bits)) <= slack]
 
 
-def _time(motion: Motion, pending: _Pending, horizon: sp.Expr | None) -> sp.Expr | None:
+def _time(motion: Motion, pending: Pending, horizon: sp.Expr | None) -> sp.Expr | None:
     event = pending.event
     if event.time is not None:
         return event.time
@@ -129,7 +246,7 @@ def _time(motion: Motion, pending: _Pending, horizon: sp.Expr | None) -> sp.Expr
     return None if time is None else exact(time, motion.digits)
 
 
-def _later(motion: Motion, pending: list[_Pending], happening: list[_Pending], time: sp.Expr) -> list[_Pending]:
+def _later(motion: Motion, pending: list[Pending], happening: list[Pending], time: sp.Expr) -> list[Pending]:
     """What is still to come: walls stay, impulses are spent, passages of the others are counted down."""
     result = []
     slack = sp.Rational(10) ** (8 - motion.digits) * sp.Max(1, abs(time))
@@ -145,33 +262,59 @@ def _later(motion: Motion, pending: list[_Pending], happening: list[_Pending], t
     return result
 
 
-def _after(motion: Motion, leg: Leg, time: sp.Expr, events: tuple[Event, ...]) -> Leg:
+# ----------------------------------------------------------------------------------------------- after an event
+def _after(change: Change, before: Turns) -> Leg:
     """The state just after the events, exact where it can be."""
-    system, given = motion.solution.system, motion.initial.values
-    state = motion.at(to_bits(time)(bits_of(motion.digits)))
-    surfaces = {e.coordinate: e.value for e in events if e.coordinate is not None}
-    resting = {name for name, place in motion.located.items() if isinstance(place.course, Frozen)}
-    q, values, turns = {}, dict(given), dict(leg.turns)
+    system, given = change.motion.solution.system, change.motion.initial.values
+    digits = change.motion.digits
+    surfaces = {e.coordinate: e.value for e in change.events if e.coordinate is not None}
+    q, values, turns = {}, dict(given), dict(before)
     for c in system.coordinates:
-        if c.name in resting:
-            q[c.name], values[c.momentum] = given[c.symbol], given[c.momentum]
-        else:
-            q[c.name] = exact(state.q[c.name], motion.digits)
-            if c.name in motion.located:
-                values[c.momentum] = exact(state.p[c.name], motion.digits)
+        q[c.name], values[c.momentum] = (
+            x if isinstance(x, sp.Expr) else exact(x, digits) for x in (change.q[c.name], change.p[c.name])
+        )
         if c.name in surfaces and c.domain.kind != "angle":
             q[c.name] = surfaces[c.name]
         values[c.symbol] = q[c.name]
         if c.domain.kind == "angle":
-            turns[c.name] = turns.get(c.name, 0) + int(state.turns[c.name]) - whole_turns(q[c.name])
-    for event in events:
+            turns[c.name] = turns.get(c.name, 0) + change.turns[c.name] - whole_turns(q[c.name])
+    for event in once(change.events):
         p = changed(event, system, values)
         values |= {c.momentum: p[c.name] for c in system.coordinates}
     arguments = {
         "q": q, "p": {c.name: values[c.momentum] for c in system.coordinates},
-        "parameters": {p.name: given[p.symbol] for p in system.parameters}, "t0": time,
+        "parameters": {p.name: given[p.symbol] for p in system.parameters}, "t0": change.time,
     }  # fmt: skip
     return Leg(arguments, turns)
+
+
+def start_of(piece: Piece) -> Leg:
+    """Where an arc starts, worked out where it is a flight."""
+    if piece.flight is None or piece.free is None:
+        return piece.leg
+    free, flight = piece.free, piece.flight
+    q, p, turns = free.state(free.back(flight))
+    time = exact(flight.begin, free.motion.digits)
+    return _after(Change(free.motion, time, (), q, p, turns), piece.leg.turns)
+
+
+def _side(change: Change) -> int:
+    """The side of a wall that a body comes from: −1 where its coordinate grows."""
+    system, wall = change.motion.solution.system, next(e for e in change.events if e.kind == "wall")
+    values = dict(change.motion.initial.values)
+    for c in system.coordinates:
+        for symbol, x in ((c.symbol, change.q[c.name]), (c.momentum, change.p[c.name])):
+            values[symbol] = x if isinstance(x, sp.Expr) else exact(x, change.motion.digits)
+    speed = to_bits(velocities(system)[str(wall.coordinate)].xreplace(values))(64)
+    return -1 if speed > 0 else 1
+
+
+def _ended(found: list[Piece], leg: Leg, rest: Rest) -> list[Piece]:
+    """The arcs of a scene that ends at a wall."""
+    end = Event("rest", f"{rest.wall.name} keeps the body", coordinate=rest.wall.coordinate, value=rest.wall.value)
+    if rest.bounces == 1:
+        return [*found[:-1], replace(found[-1], events=(*found[-1].events, end))]
+    return [*found, Piece(leg, rest.limit, (end,))]
 
 
 def whole_turns(angle: sp.Expr) -> int:

@@ -46,7 +46,7 @@ def crossings(motion: Motion, name: str, value: sp.Expr, horizon: sp.Expr | None
     else:
         rough = _walked(motion, name, value, horizon)
     for guess, error in rough:
-        time = guess if error < slack / 1000 else _sharpened(motion, name, value, guess)
+        time = guess if error < slack / 1000 else sharpened(motion, name, value, guess)
         if horizon is not None and time > to_bits(horizon)(bits_of(motion.digits)):
             return
         if time - start > slack:
@@ -111,7 +111,7 @@ def _halved(level: Any, low: float, high: float, before: float) -> float:
     return (low + high) / 2
 
 
-def _sharpened(motion: Motion, name: str, value: sp.Expr, time: Any) -> Any:
+def sharpened(motion: Motion, name: str, value: sp.Expr, time: Any) -> Any:
     """Newton's method on q(t) = value, q from the motion in all its digits."""
     bits = bits_of(motion.digits)
     context = multiprecision(bits)

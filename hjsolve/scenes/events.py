@@ -1,22 +1,23 @@
 """Events: what changes the momenta at an instant, exactly.
 
-The coordinates do not change. An impulse adds Δpᵢ = Q̂ᵢ, or Δp = m(q) Δq̇ (Greenwood (3-24)–(3-29)); an elastic wall at a
-coordinate surface exerts an impulse along its own coordinate alone, such that q̇ᵢ is reversed: Δpᵢ = −2 q̇ᵢ/(m⁻¹)ᵢᵢ. It
-keeps the energy: ΔH = q̇ᵢ Δpᵢ + ½ (m⁻¹)ᵢᵢ Δpᵢ² = 0; with an orthogonal T without linear terms it is pᵢ → −pᵢ.
+The coordinates do not change. An impulse adds Δpᵢ = Q̂ᵢ, or Δp = m(q) Δq̇ (Greenwood (3-24)–(3-29)); a wall at a
+coordinate surface exerts an impulse along its own coordinate alone, such that q̇ᵢ becomes −e q̇ᵢ, e the restitution:
+Δpᵢ = −(1 + e) q̇ᵢ/(m⁻¹)ᵢᵢ. An elastic one, e = 1, keeps the energy: ΔH = q̇ᵢ Δpᵢ + ½ (m⁻¹)ᵢᵢ Δpᵢ² = 0; with an
+orthogonal T without linear terms it is pᵢ → −pᵢ.
 """
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from typing import Any
 
 import sympy as sp
 
-from hjsolve.errors import CatalogError
+from hjsolve.errors import CatalogError, InvalidInputError
 from hjsolve.expressions import number
 from hjsolve.schema import nearest
-from hjsolve.system import System, inverse_mass_matrix, mass_matrix, velocities
+from hjsolve.system import System, inverse_mass_matrix, linear_terms, mass_matrix, momenta, velocities
 
 Momenta = dict[str, sp.Expr]
 
@@ -32,6 +33,7 @@ class Event:
         coordinate, value: where; None for a given time.
         passage: of an impulse at a place, which crossing after the start: 0 is the first.
         momentum, velocity: the jumps of an impulse, by coordinate, exact.
+        restitution: of a wall, the part of the speed against it that is left, exact, from 0 to 1.
     """
 
     kind: str
@@ -42,11 +44,25 @@ class Event:
     passage: int = 0
     momentum: Mapping[str, sp.Expr] | None = None
     velocity: Mapping[str, sp.Expr] | None = None
+    restitution: sp.Expr = sp.S.One
+
+    @property
+    def elastic(self) -> bool:
+        """Whether it is a wall that keeps the energy."""
+        return self.kind == "wall" and bool(self.restitution == 1)
 
     def __str__(self) -> str:
         """Say what happens, and where or when."""
         place = f"t = {self.time}" if self.coordinate is None else f"{self.coordinate} = {self.value}"
         return f"{self.name} at {place}"
+
+
+@dataclass(frozen=True)
+class Pending:
+    """An event to come, and how many passages it still lets by."""
+
+    event: Event
+    left: int
 
 
 def read_event(table: Mapping[str, Any], system: System, where: str) -> Event:
@@ -73,6 +89,7 @@ def read_event(table: Mapping[str, Any], system: System, where: str) -> Event:
         coordinate=at.get("coordinate"), passage=at.get("passage", 0),
         value=number(at["value"], source=f"{where}.at.value") if "value" in at else None,
         momentum=_jumps(table, "momentum", where), velocity=_jumps(table, "velocity", where),
+        restitution=_restitution(table, where),
     )  # fmt: skip
     if event.coordinate is not None and event.value is not None:
         domain = system.coordinate(event.coordinate).domain
@@ -80,6 +97,22 @@ def read_event(table: Mapping[str, Any], system: System, where: str) -> Event:
             if bound is not None and bound.is_number and (side * (event.value - bound)).is_positive is not True:
                 raise CatalogError(f"{where}.at.value: {event.value} is not inside the domain of {event.coordinate}")
     return event
+
+
+def _restitution(table: Mapping[str, Any], where: str) -> sp.Expr:
+    value = number(table.get("restitution", 1), source=f"{where}.restitution")
+    if value.is_negative or (value - 1).is_positive:
+        raise CatalogError(f"{where}.restitution: must be from 0 (nothing bounces back) to 1 (elastic), not {value}")
+    return value
+
+
+def once(events: Sequence[Event]) -> list[Event]:
+    """Events at one instant, in order; of several walls at one place the first one counts, so none undoes another."""
+    found: list[Event] = []
+    for event in events:
+        if event.kind != "wall" or all(e.kind != "wall" or e.coordinate != event.coordinate for e in found):
+            found.append(event)
+    return found
 
 
 def _jumps(table: Mapping[str, Any], key: str, where: str) -> dict[str, sp.Expr] | None:
@@ -103,12 +136,26 @@ def changed(event: Event, system: System, values: Mapping[sp.Symbol, sp.Expr]) -
     before = {c.name: values[c.momentum] for c in system.coordinates}
     if event.kind == "wall":
         assert event.coordinate is not None
-        i = names.index(event.coordinate)
-        speed, inertia = velocities(system)[event.coordinate], inverse_mass_matrix(system)[i, i]
-        jump = sp.cancel(-2 * speed / inertia).xreplace(dict(values))
+        i, inverse = names.index(event.coordinate), inverse_mass_matrix(system)
+        moving = sp.Matrix([c.momentum - a for c, a in zip(system.coordinates, linear_terms(system), strict=True)])
+        against = sp.cancel(-(inverse.row(i) * moving)[0] / inverse[i, i])
+        jump = (1 + event.restitution) * against.xreplace(dict(values))
         return before | {event.coordinate: sp.expand(before[event.coordinate] + jump)}
     if event.momentum is not None:
         return {name: sp.expand(p + event.momentum.get(name, 0)) for name, p in before.items()}
     jumps = sp.Matrix([(event.velocity or {}).get(name, 0) for name in names])
+    if system.relativity is not None:
+        return _faster(event, system, values)
     change = mass_matrix(system).xreplace(dict(values)) * jumps
     return {name: sp.expand(before[name] + change[i]) for i, name in enumerate(names)}
+
+
+def _faster(event: Event, system: System, values: Mapping[sp.Symbol, sp.Expr]) -> Momenta:
+    """Momenta after a jump of the velocities of a relativistic particle: those of the new velocities."""
+    old = velocities(system)
+    new = {c.velocity: old[c.name].xreplace(dict(values)) + (event.velocity or {}).get(c.name, 0)
+           for c in system.coordinates}  # fmt: skip
+    found = {name: formula.xreplace({**values, **new}) for name, formula in momenta(system).items()}
+    if not all(p.is_finite and p.is_real for p in found.values()):
+        raise InvalidInputError(f"{event}: after it the particle would be as fast as light; give momentum instead")
+    return found

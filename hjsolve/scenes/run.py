@@ -2,8 +2,8 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Mapping
-from dataclasses import dataclass
+from collections.abc import Mapping
+from functools import cache
 from typing import Any
 
 import numpy as np
@@ -12,124 +12,25 @@ import sympy as sp
 from hjsolve.errors import InvalidInputError, MissingValueError, NotSeparableError
 from hjsolve.initial import to_bits
 from hjsolve.motion import Motion
-from hjsolve.numeric.counting import Work, counted
+from hjsolve.numeric.counting import counted
 from hjsolve.numeric.estimate import Estimate
-from hjsolve.scenes import arcs as smooth
+from hjsolve.scenes.arcs import Leg, Piece, pieces, start_of
 from hjsolve.scenes.crossing import bits_of
-from hjsolve.scenes.events import Event
+from hjsolve.scenes.flights import signed
 from hjsolve.scenes.orbits import orbit_table
+from hjsolve.scenes.path import belongings, sampled, trajectory
 from hjsolve.scenes.refusal import dissipative, words
-from hjsolve.scenes.scene import Scene, Times
+from hjsolve.scenes.results import Arc, Choice, Run, Trajectory
+from hjsolve.scenes.scene import Scene
 from hjsolve.solution import Solution, solve
-from hjsolve.state import Errors, State
 from hjsolve.trajectory.dense import OnDemand
 
+__all__ = ["Arc", "Choice", "Run", "Trajectory", "first_arguments", "run", "sampled", "solved"]
 _FIELDS = (
     "constants", "kinds", "turning_points", "actions", "periods", "frequencies", "mean_velocities", "boundary_times",
 )  # fmt: skip
-
-
-@dataclass(frozen=True, eq=False)
-class Arc:
-    """One smooth arc.
-
-    Attributes:
-        begins, ends: its times; ``ends`` None for the last.
-        events: those that end it.
-        motion: what was computed; of the wanted quantities only.
-        turns: angle → whole turns made before the arc.
-        quantities: wanted quantity → its values, as in ``Motion``.
-    """
-
-    begins: Estimate
-    ends: Estimate | None
-    events: tuple[Event, ...]
-    motion: Motion
-    turns: Mapping[str, int]
-    quantities: Mapping[str, Any]
-
-
-@dataclass(frozen=True, eq=False)
-class Trajectory:
-    """The states at the times of a scene; at the time of an event, the state just after it.
-
-    Attributes:
-        t: the times, shape (m,); float64 up to 15 digits, ``mpf`` above.
-        q, p, velocity: coordinate → array (m,); angles in (−π, π].
-        turns: angle → whole turns to be added to ``q``.
-        status: ``ok`` or ``reaches_boundary`` for each time.
-        arc: number of the arc each time belongs to.
-        errors: the rule behind ``error``.
-    """
-
-    t: Any
-    q: Mapping[str, Any]
-    p: Mapping[str, Any]
-    velocity: Mapping[str, Any]
-    turns: Mapping[str, Any]
-    status: Any
-    arc: Any
-    errors: Callable[[], Errors]
-
-    @property
-    def error(self) -> Errors:
-        """Bounds on the errors of q, p and velocity, worked out when asked for."""
-        return self.errors()
-
-    def unwrapped(self, name: str) -> Any:
-        """Return q with its whole turns."""
-        return State(self.t, self.q, self.p, self.velocity, self.turns, self.status, self.errors).unwrapped(name)
-
-
-@dataclass(frozen=True)
-class Choice:
-    """How a scene was run.
-
-    Attributes:
-        method: ``float64``, ``mpmath``, ``certified`` (ball arithmetic) or ``integrate``.
-        digits: it was run with. why: in words.
-        tried: (method, digits, seconds) of every run made, in order; the last one gave the answer.
-    """
-
-    method: str
-    digits: int
-    why: str
-    tried: tuple[tuple[str, int, float], ...] = ()
-
-
-@dataclass(frozen=True, eq=False)
-class Run:
-    """What a scene gave; see ``Scene.run``.
-
-    Attributes:
-        scene: what was asked.
-        solution: the quadratures; None where the scene was integrated.
-        arcs: the smooth arcs in order; none where the scene was integrated.
-        trajectory: the states, where they are wanted.
-        drift: former constant → its change since the start at every time, where the scene was integrated.
-        work: evaluations of p², of kernels, and of places, all that the run needed.
-        choice: which method was chosen, and why.
-    """
-
-    scene: Scene
-    solution: Solution | None
-    arcs: tuple[Arc, ...]
-    trajectory: Trajectory | None
-    drift: Mapping[str, Any]
-    work: Work
-    choice: Choice | None = None
-
-    def quantity(self, name: str, arc: int = 0) -> Any:
-        """Return a wanted quantity of one arc, as in ``Motion``.
-
-        Raises:
-            InvalidInputError: the scene does not want it, or there is no such arc.
-        """
-        if not -len(self.arcs) <= arc < len(self.arcs):
-            raise InvalidInputError(f"arc: {arc} does not exist; the scene has {len(self.arcs)}")
-        if name not in self.arcs[arc].quantities:
-            raise InvalidInputError(f'"{name}" was not computed; add it to want')
-        return self.arcs[arc].quantities[name]
+_TIMED, _OWN = frozenset({"trajectory", "angles"}), frozenset({"angles", "orbit", "boundary_times"})
+"""What needs times inside an arc; what is not the same on all arcs of one free motion."""
 
 
 def run(scene: Scene, solution: Solution | None = None) -> Run:
@@ -145,10 +46,18 @@ def run(scene: Scene, solution: Solution | None = None) -> Run:
     if scene.certified and scene.events:
         raise InvalidInputError("proofs end at an event: the state there is computed, not proved; leave certified out")
     with counted() as work:
-        found = smooth.pieces(scene, solution, first_arguments(scene))
-        arcs = tuple(_arc(scene, solution, piece) for piece in found)
-        trajectory = _trajectory(scene, arcs, found) if "trajectory" in scene.want else None
-    return Run(scene, solution, arcs, trajectory, {}, work)
+        found, rest = pieces(scene, solution, first_arguments(scene))
+        wholes = _Wholes(scene, solution)
+        busy = np.zeros(len(found) + 1, dtype=bool)
+        if scene.times is not None and {"trajectory", "angles"} & set(scene.want):
+            busy[belongings(sampled(scene.times, scene.digits), found, rest)] = True
+        last = None if rest is None else rest.time
+        arcs = tuple(
+            _arc(scene, solution, piece, bool(timed), wholes, last if piece is found[-1] else None)
+            for piece, timed in zip(found, busy, strict=False)
+        )
+        path = trajectory(scene, arcs, found, rest, wholes) if "trajectory" in scene.want else None
+    return Run(scene, solution, arcs, path, {}, work, rest=rest)
 
 
 def _started(scene: Scene) -> None:
@@ -188,87 +97,83 @@ def first_arguments(scene: Scene) -> dict[str, Any]:
     return {name: value for name, value in given.items() if value is not None}
 
 
-def _arc(scene: Scene, solution: Solution, piece: smooth.Piece) -> Arc:
-    motion = solution.motion(
-        **piece.leg.arguments, digits=scene.digits, want=scene.want, certified=scene.certified
-    )
-    begins = _moment(motion.t0, scene.digits)
-    ends = None if piece.ends is None else _moment(piece.ends, scene.digits)
-    quantities = {name: getattr(motion, name) for name in _FIELDS if name in scene.want}
-    if "angles" in scene.want and scene.times is not None:
-        inside = _inside(scene.times, scene.digits, motion.t0, piece.ends)
-        quantities["angles"] = motion.angles(inside)
-    if "orbit" in scene.want:
-        quantities["orbit"] = orbit_table(scene.orbit, motion)
-    return Arc(begins, ends, piece.events, motion, piece.leg.turns, quantities)
+class _Wholes:
+    """The free motions of flights, and their mirror images, to the digits of the scene: each is made once."""
+
+    def __init__(self, scene: Scene, solution: Solution):
+        self.scene, self.solution, self.known = scene, solution, dict[tuple[Any, ...], Motion]()
+
+    def __call__(self, piece: Piece, signs: Mapping[str, int] | None = None) -> Motion:
+        """Of its own time zero; with momenta of other signs, if given."""
+        assert piece.free is not None
+        turned = tuple(name for name, sign in (signs or {}).items() if sign < 0)
+        key = (piece.free, turned)
+        if key not in self.known:
+            arguments, values = {**piece.leg.arguments, "t0": 0}, piece.free.motion.initial.values
+            if turned:
+                p = {c.name: values[c.momentum] for c in self.scene.system.coordinates}
+                arguments |= {"velocity": None, "p": {n: -x if n in turned else x for n, x in p.items()}}
+            self.known[key] = self.solution.motion(**arguments, digits=self.scene.digits, want=self.scene.want)
+        return self.known[key]
 
 
-def _moment(time: sp.Expr, digits: int) -> Estimate:
-    value = to_bits(time)(bits_of(max(digits, 15)))
-    if digits <= 15:
-        exact = time.is_Rational and sp.Rational(float(value)) == time
-        return Estimate(float(value), 0.0 if exact else abs(float(value)) * 2.0**-52)
-    return Estimate(value, abs(value) * value.context.mpf(10) ** -digits)
+def _arc(
+    scene: Scene, solution: Solution, piece: Piece, timed: bool, wholes: _Wholes, rest: Estimate | None
+) -> Arc:
+    """Compute what is wanted of an arc."""
+
+    def made(leg: Leg) -> Motion:
+        return solution.motion(**leg.arguments, digits=scene.digits, want=scene.want, certified=scene.certified)
+
+    names = [n for n in (*_FIELDS, "angles", "orbit") if n in scene.want and (n != "angles" or scene.times)]
+    ends = rest if rest is not None else None if piece.ends is None else _moment(piece.ends, scene.digits)
+    if piece.flight is None:
+        motion = cache(lambda: made(piece.leg))
+        source = motion if timed or not _TIMED & set(scene.want) else cache(lambda: _untimed(scene, solution, piece))
+        begins = _moment(sp.sympify(piece.leg.arguments.get("t0", 0)), scene.digits)
+        quantities = {name: _quantity(scene, piece, name, source() if name not in _TIMED else motion())
+                      for name in names}  # fmt: skip
+        return Arc(begins, ends, piece.events, piece.leg.turns, quantities, motion)
+    flight, free = piece.flight, piece.free
+    assert free is not None
+    leg = cache(lambda: start_of(piece))
+    motion = cache(lambda: made(leg()))
+    angles = tuple(c.name for c in scene.system.coordinates if c.domain.kind == "angle")
+
+    def shared(name: str) -> Any:
+        whole = motion() if name in _OWN else wholes(piece, signed(free, flight.signs))
+        return _quantity(scene, piece, name, whole)
+
+    begins = _moment(flight.begin, scene.digits, flight.doubt)
+    turns = OnDemand(angles, lambda name: leg().turns.get(name, 0))
+    return Arc(begins, ends, piece.events, turns, OnDemand(tuple(names), shared), motion)
 
 
-def sampled(times: Times, digits: int) -> Any:
-    """The times as an array: doubles where they are evenly spaced and 15 digits serve, exact numbers otherwise."""
-    if digits <= 15 and not times.listed:
-        return np.linspace(float(times.start), float(times.stop), times.count)
-    return np.array(times.exact(), dtype=object)
+def _untimed(scene: Scene, solution: Solution, piece: Piece) -> Motion:
+    """The motion of an arc without a wanted time, for its quantities alone."""
+    want = [word for word in scene.want if word not in _TIMED]
+    return solution.motion(**piece.leg.arguments, digits=scene.digits, want=want, certified=scene.certified)
 
 
-def _inside(times: Times, digits: int, begins: sp.Expr, ends: sp.Expr | None) -> Any:
-    array = sampled(times, digits)
-    return array[_mask(array, begins, ends)]
+def _quantity(scene: Scene, piece: Piece, name: str, motion: Motion) -> Any:
+    if name == "angles":
+        assert scene.times is not None
+        array = sampled(scene.times, scene.digits)
+        return motion.angles(array[_mask(array, motion.t0, piece.ends)])
+    return orbit_table(scene.orbit, motion) if name == "orbit" else getattr(motion, name)
 
 
-def _mask(array: Any, begins: sp.Expr | None, ends: sp.Expr | None) -> Any:
+def _mask(array: Any, begins: Any, ends: Any) -> Any:
     """Which times lie in [begins, ends)."""
-    low, high = (None if t is None else float(t) if array.dtype == float else t for t in (begins, ends))
-    inside = np.ones(array.shape, dtype=bool) if low is None else (array >= low).astype(bool)
+    low, high = (t if t is None or array.dtype != float else float(t) for t in (begins, ends))
+    inside = (array >= low).astype(bool)
     return inside if high is None else inside & (array < high).astype(bool)
 
 
-def _trajectory(scene: Scene, arcs: tuple[Arc, ...], found: list[smooth.Piece]) -> Trajectory:
-    """Put the states of the arcs together; a quantity is worked out when it is read."""
-    assert scene.times is not None
-    times = sampled(scene.times, scene.digits)
-    begins = [None, *(arc.motion.t0 for arc in arcs[1:])]
-    masks = [_mask(times, begin, piece.ends) for begin, piece in zip(begins, found, strict=True)]
-    states = [(mask, arc, arc.motion.at(times[mask])) for mask, arc in zip(masks, arcs, strict=True) if mask.any()]
-    coordinates = scene.system.coordinates
-    names, angles = (tuple(c.name for c in coordinates if kind in ("any", c.domain.kind)) for kind in ("any", "angle"))
-
-    def joined(part: Callable[[Arc, State, str], Any], name: str) -> Any:
-        parts = [(mask, part(arc, state, name)) for mask, arc, state in states]
-        result = np.empty(times.shape, dtype=parts[0][1].dtype if parts else float)
-        for mask, values in parts:
-            result[mask] = values
-        return result
-
-    def view(part: Callable[[Arc, State, str], Any], chosen: tuple[str, ...] = names) -> OnDemand:
-        return OnDemand(chosen, lambda name: joined(part, name))
-
-    def errors() -> Errors:
-        bounds = {id(state): state.error for _, _, state in states}
-        q, p = view(lambda _, s, n: bounds[id(s)].q[n]), view(lambda _, s, n: bounds[id(s)].p[n])
-        return Errors(q, p, view(lambda _, s, n: bounds[id(s)].velocity[n]))
-
-    number = np.zeros(times.shape, dtype=int)
-    for mask, arc, _ in states:
-        number[mask] = arcs.index(arc)
-    return Trajectory(
-        joined(lambda _a, s, _n: _numbers(s.t, scene.digits), ""), view(lambda _, s, n: s.q[n]),
-        view(lambda _, s, n: s.p[n]), view(lambda _, s, n: s.velocity[n]),
-        view(lambda a, s, n: s.turns[n] + a.turns.get(n, 0), angles), joined(lambda _a, s, _n: s.status, ""),
-        number, errors,
-    )  # fmt: skip
-
-
-def _numbers(times: Any, digits: int) -> Any:
-    if times.dtype == float:
-        return times
+def _moment(time: Any, digits: int, doubt: Any = 0) -> Estimate:
+    """A time, exact or in many digits, as a number with its error."""
+    value = to_bits(time)(bits_of(max(digits, 15))) if isinstance(time, sp.Expr) else time
     if digits <= 15:
-        return np.array([float(t) for t in times])
-    return np.array([to_bits(t)(bits_of(digits)) for t in times], dtype=object)
+        known = isinstance(time, sp.Rational) and sp.Rational(float(value)) == time
+        return Estimate(float(value), 0.0 if known else abs(float(value)) * 2.0**-52 + float(doubt))
+    return Estimate(value, abs(value) * value.context.mpf(10) ** -digits + doubt)

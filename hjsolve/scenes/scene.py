@@ -6,6 +6,7 @@ does not call for is not read into the system: an effect that is off leaves no s
 
 from __future__ import annotations
 
+import math
 from collections.abc import Iterator, Mapping
 from dataclasses import dataclass
 from pathlib import Path
@@ -29,6 +30,9 @@ if TYPE_CHECKING:
 
 INTEGRATED_DIGITS, MOST_INTEGRATED_DIGITS, _SWEEP_DIGITS = 10, 12, 15
 _LONGEST_RUN = 86_400
+_FAR_ROUND = 1_000_000
+LEAST = sp.Rational(1, 10**100)
+"""The smallest number that a scene with events is computed with; its inverse is the greatest."""
 Numbers = Mapping[str, object]
 
 
@@ -52,6 +56,14 @@ class Times:
             return list(self.listed)
         step = (self.stop - self.start) / (self.count - 1)
         return [self.start + k * step for k in range(self.count)]
+
+    def between(self, begin: float, end: float) -> list[sp.Expr]:
+        """The times from ``begin`` to ``end``, and perhaps one more on each side."""
+        if self.listed:
+            return [t for t in self.listed if begin - 1 <= t <= end + 1]
+        step = (self.stop - self.start) / (self.count - 1)
+        first, last = (math.floor((x - float(self.start)) / float(step)) for x in (begin, end))
+        return [self.start + k * step for k in range(max(first - 1, 0), min(last + 3, self.count))]
 
     @property
     def last(self) -> sp.Expr:
@@ -120,11 +132,12 @@ class Scene:
     sweep: Varied | None = None
 
     @staticmethod
-    def load(scene: str | Path | Mapping[str, Any]) -> Scene:
+    def load(scene: str | Path | System | Mapping[str, Any]) -> Scene:
         """Read a scene.
 
         Args:
-            scene: the path of a TOML file, or its table; docs/scenes.md says what it may hold.
+            scene: the path of a TOML file, or its table, whose ``system`` may be a ``System``; docs/scenes.md says what
+                it may hold. A ``System`` or the id of a catalog entry alone is the scene of its default motion.
 
         Returns:
             The scene, checked.
@@ -167,12 +180,21 @@ class Scene:
         return run_chosen(self)
 
 
-def _opened(scene: str | Path | Mapping[str, Any]) -> tuple[Mapping[str, Any], str, Path]:
+def _opened(scene: str | Path | System | Mapping[str, Any]) -> tuple[Mapping[str, Any], str, Path]:
+    if isinstance(scene, System) or (isinstance(scene, str) and not scene.endswith(".toml") and scene in catalog.ids()):
+        scene = {"system": scene}
     if isinstance(scene, Mapping):
-        return scene, "scene", Path()
-    arguments.refuse_other(scene, (str, Path), "scene", "the path of a TOML file or its table is needed")
+        system = scene.get("system")
+        return {**scene, "system": named(system)} if isinstance(system, System) else scene, "scene", Path()
+    needed = "the path of a TOML file or its table, a System or a catalog id is needed"
+    arguments.refuse_other(scene, (str, Path), "scene", needed)
     path, source = Path(scene), str(scene)
     return toml_file.read(path, source), source, path.parent
+
+
+def named(system: System) -> str | dict[str, Any]:
+    """What the key ``system`` says for a system: the id of its entry, which knows motions and effects, or its table."""
+    return system.id if catalog.entry_of(system) is not None else catalog.table_of(system)
 
 
 def _built(table: Mapping[str, Any], source: str, folder: Path) -> Scene:
@@ -288,7 +310,35 @@ def _disagreements(scene: Scene) -> Iterator[str]:
             yield 'orbit: described but not wanted; add "orbit" to want'
     if scene.method == "integrate":
         yield from _integrated_faults(scene)
+    if scene.events:
+        yield from _out_of_proportion(scene)
     yield from _time_order(scene)
+
+
+def _out_of_proportion(scene: Scene) -> Iterator[str]:
+    """Numbers whose powers no double holds: what happens at an event is decided in many digits, but not in any size."""
+    given: dict[str, object] = {}
+    if scene.initial is not None:
+        for key, group in (("q", scene.initial.q), ("velocity", scene.initial.velocity), ("p", scene.initial.p)):
+            given |= {f"initial.{key}.{name}": value for name, value in (group or {}).items()}
+    if scene.times is not None:
+        given |= {"times": scene.times.last}
+    for place, event in enumerate(scene.events, start=1):
+        jumps = {**(event.momentum or {}), **(event.velocity or {})}
+        given |= {f"events[{place}].{name}": value for name, value in jumps.items()}
+        numbers = {"at.t": event.time, "at.value": event.value, "restitution": event.restitution}
+        given |= {f"events[{place}].{key}": value for key, value in numbers.items() if value is not None}
+    for key, value in given.items():
+        size = abs(number(value, source=key))
+        if size != 0 and not LEAST <= size <= 1 / LEAST:
+            yield f"{key}: with events numbers from 1e-100 to 1e100 are computed with; choose units nearer to 1"
+    angles = {c.name for c in scene.system.coordinates if c.domain.kind == "angle"}
+    turned = {f"initial.q.{name}": given.get(f"initial.q.{name}", 0) for name in angles} | {
+        f"events[{k}].at.value": e.value for k, e in enumerate(scene.events, start=1) if e.coordinate in angles
+    }
+    for key, value in turned.items():
+        if abs(number(value, source=key)) > _FAR_ROUND:
+            yield f"{key}: an angle beyond {_FAR_ROUND}; give the same place within a turn or a few"
 
 
 def _integrated_faults(scene: Scene) -> Iterator[str]:

@@ -54,7 +54,9 @@ def scene_faults(table: Mapping[str, Any]) -> Iterator[str]:
     if isinstance(orbit := plain.get("orbit"), Mapping) and "values" in orbit:
         plain["orbit"] = {key: value for key, value in orbit.items() if key != "values"}
         yield from _list_faults(orbit["values"], "orbit.values")
-    yield from schema.faults(plain, keys)
+    surfaces = {k for k, e in enumerate(_events(plain), start=1) if "surface" in e and "at" not in e}
+    follows = tuple(f"events[{k}].at: missing" for k in surfaces)  # it stands at its surface: that is the fault
+    yield from (fault for fault in schema.faults(plain, keys) if not fault.startswith(follows))
     yield from _system_faults(table)
     if "sweep" in table:
         yield from sweep_faults(table["sweep"], table)
@@ -74,6 +76,11 @@ def scene_faults(table: Mapping[str, Any]) -> Iterator[str]:
         for place, event in enumerate(events, start=1):
             if isinstance(event, Mapping):
                 yield from _event_faults(event, f"events[{place}]")
+
+
+def _events(table: Mapping[str, Any]) -> list[Mapping[str, Any]]:
+    events = table.get("events")
+    return [e if isinstance(e, Mapping) else {} for e in events] if isinstance(events, list) else []
 
 
 def _system_faults(table: Mapping[str, Any]) -> Iterator[str]:
@@ -138,9 +145,4 @@ def _wall_faults(event: Mapping[str, Any], where: str) -> Iterator[str]:
         yield (
             f"{where}.surface: only walls at a coordinate surface, coordinate = value, can be treated: an oblique wall "
             "mixes the separated momenta; choose coordinates in which the wall is such a surface"
-        )
-    if str(event.get("restitution", "1")) not in ("1", "1.0"):
-        yield (
-            f"{where}.restitution: only elastic walls (1) are treated: with less, energy is lost at each impact and "
-            "the constants of the motion are not kept; give an impulse at each passage instead"
         )

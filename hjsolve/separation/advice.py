@@ -29,6 +29,24 @@ def small_oscillations(system: System) -> bool:
     return int(sp.Poly(potential, *symbols).total_degree()) <= 2
 
 
+def linear_modes(system: System) -> str:
+    """What to do with a system whose equations are linear and that has gyroscopic terms; nothing for any other."""
+    symbols = [c.symbol for c in system.coordinates]
+    speeds = [c.velocity for c in system.coordinates]
+    energy = sp.expand(system.kinetic - system.potential)
+    if system.relativity is not None or not any(linear_terms(system)) or not energy.is_polynomial(*symbols, *speeds):
+        return ""
+    polynomial = sp.Poly(energy, *symbols, *speeds)
+    forced = any(polynomial.coeff_monomial(q) != 0 for q in symbols)
+    if int(polynomial.total_degree()) > 2 or forced:
+        return ""
+    return (
+        "T and V are quadratic with constant coefficients, so the equations of motion are linear: hjsolve.linear_modes "
+        "brings the system to normal form by a linear symplectic map, after which every mode is an oscillator of its "
+        f"own where the motion is stable. {ALWAYS}"
+    )
+
+
 def for_metric(system: System, pair: tuple[str, str], coupled: bool) -> str:
     """Advice when the kinetic energy is the obstacle."""
     i, j = pair
@@ -38,6 +56,8 @@ def for_metric(system: System, pair: tuple[str, str], coupled: bool) -> str:
             f"as coordinates; "
             f"each mode is then a one-dimensional oscillator. {ALWAYS}"
         )
+    if words := linear_modes(system):
+        return f"The kinetic energy couples {i} and {j}. {words}"
     if coupled:
         return (
             f"The kinetic energy couples {i} and {j} by a term dot({i})*dot({j}), and no ignorable coordinate "
@@ -69,9 +89,11 @@ def for_potential(system: System, pair: tuple[str, str]) -> str:
     )
 
 
-def for_gyroscopic(pair: tuple[str, str]) -> str:
+def for_gyroscopic(system: System, pair: tuple[str, str]) -> str:
     """Advice when linear terms are not a gradient."""
     i, j = pair
+    if words := linear_modes(system):
+        return f"The terms linear in the velocities of {i} and {j} are no gradient. {words}"
     return (
         f"The terms linear in the velocities of {i} and {j} act like a magnetic field: they are not a gradient and "
         f"cannot be shifted "

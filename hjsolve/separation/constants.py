@@ -5,34 +5,65 @@ from __future__ import annotations
 from collections.abc import Sequence
 
 import sympy as sp
+from mpmath import mp
 
 from ..algebra.field import Element
 from ..algebra.readable import cost, readable
 from ..algebra.reader import Reader
-from ..shell import Shell
-from ..system import kinetic_rest, linear_terms
+from ..declarations import free_name
+from ..shell import Shell, domain_bounds
+from ..system import Coordinate, System, kinetic_rest, linear_terms, mass_matrix
+from .enclosure import Region
 from .known_integrals import Naming
 from .stackel import Matrix
 from .verdicts import Constant
+
+_PLACES = 4
 
 
 def constants_of(shell: Shell, reader: Reader, matrix: Matrix | None) -> dict[str, Constant]:
     """E, then the separation constants α₂ …, then the ignorable momenta; by name, in this order."""
     system = shell.system
-    plain = not any(linear_terms(system)) and kinetic_rest(system) == 0
-    energy = "energy T + V" if plain else "Jacobi's integral T2 - T0 + V"
     squares = (g * X for g, X in zip(shell.inverse_metric, shell.momentum_terms, strict=True))
-    found = [Constant(str(shell.energy), shell.energy, sp.Add(*squares, shell.potential), energy)]
+    found = [Constant(str(shell.energy), shell.energy, sp.Add(*squares, shell.potential), _meaning_of_energy(system))]
     if matrix is not None and len(shell.coordinates) > 1:
         found += _separation_constants(shell, reader, matrix)
     for c in shell.ignorable:
         kind = "angular momentum" if c.domain.kind == "angle" else "momentum"
-        found.append(
-            Constant(
-                str(c.momentum), c.momentum, c.momentum, f"{kind} that belongs to {c.name}, which T and V do not hold"
-            )
-        )
+        if (sign := _sign_of_time(shell, c)) != 0:
+            kind = "energy" if sign > 0 else "minus the energy"
+        words = f"{kind} that belongs to {c.name}, which T and V do not contain"
+        found.append(Constant(str(c.momentum), c.momentum, c.momentum, words))
     return {c.name: c for c in found}
+
+
+def _meaning_of_energy(system: System) -> str:
+    """What H is: the energy, Jacobi's integral, or the constant square of the velocity along a geodesic."""
+    if system.signature == "indefinite" and system.potential == 0 and not any(linear_terms(system)):
+        return "T, half the square of the velocity by this metric; not an energy"
+    if kinetic_rest(system) != 0:
+        return "Jacobi's integral T2 - T0 + V"
+    return "energy T2 + V" if any(linear_terms(system)) else "energy T + V"
+
+
+def _sign_of_time(shell: Shell, coordinate: Coordinate) -> int:
+    """The sign of the metric along a coordinate that is the one time of a geodesic's metric somewhere; 0 where none is.
+
+    One of the metric's n > 2 signs, as a number at places of the domain, differs from all others: it is that of time.
+    """
+    system = shell.system
+    angle, n = coordinate.domain.kind == "angle", len(system.coordinates)
+    if system.signature != "indefinite" or system.potential != 0 or angle or n < 3 or any(linear_terms(system)):
+        return 0
+    mass, own = mass_matrix(system), system.coordinates.index(coordinate)
+    region = Region(domain_bounds(system), dict(system.defaults))
+    for _, point in zip(range(_PLACES), region.points(sp.Tuple(*mass), seed=3)):
+        numbers = mp.matrix([[mp.mpmathify(sp.N(mass[i, j].xreplace(point), 20)) for j in range(n)] for i in range(n)])
+        signs = [1 if value > 0 else -1 for value in mp.eigsy(numbers, eigvals_only=True)]
+        lonely = -1 if signs.count(-1) == 1 else 1 if signs.count(1) == 1 else 0
+        if lonely and numbers[own, own] * lonely > 0:
+            return lonely
+    return 0
 
 
 def _separation_constants(shell: Shell, reader: Reader, matrix: Matrix) -> list[Constant]:
@@ -45,9 +76,7 @@ def _separation_constants(shell: Shell, reader: Reader, matrix: Matrix) -> list[
     found = []
     for j in range(1, len(names)):
         holds = [name for name, row in zip(names, matrix.rows) if not row[j].is_zero]
-        name = f"alpha_{j + 1}"
-        while name in taken:
-            name += "_"
+        name = free_name(f"alpha_{j + 1}", taken)
         text = f"separation constant shared by {', '.join(holds)}"
         if known := meanings[j - 1]:
             text = f"{text}: {known}"

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import time
+from pathlib import Path
 
 import sympy as sp
 
@@ -10,8 +11,10 @@ from .. import arguments
 from ..algebra.modular import Filter
 from ..algebra.poly import Budget, WorkLimitError
 from ..algebra.readable import readable
+from ..algebra.reader import HYPERBOLIC, is_shifted
 from ..shell import Irreducible, Shell, Step, reduce
-from ..system import A_SYSTEM, System, kinetic_rest, linear_terms, mass_matrix
+from ..subjects import system_of
+from ..system import System, kinetic_rest, linear_terms, mass_matrix
 from . import advice, levi_civita, liouville, relativistic, stackel
 from .constants import constants_of
 from .diagnosis import diagnosed
@@ -22,7 +25,7 @@ DEFAULT_BUDGET = 20.0
 SMALL_SYSTEM = 120
 
 
-def separate(system: System, *, budget: float = DEFAULT_BUDGET) -> Verdict:
+def separate(system: System | str | Path, *, budget: float = DEFAULT_BUDGET) -> Verdict:
     """Decide whether the Hamilton–Jacobi equation of a system separates in its coordinates.
 
     The system is reduced to its energy shell, Levi-Civita's conditions are decided exactly, one by one, and Stäckel's
@@ -30,7 +33,7 @@ def separate(system: System, *, budget: float = DEFAULT_BUDGET) -> Verdict:
     allow.
 
     Args:
-        system: the system, as the user wrote it.
+        system: the system, as the user wrote it; or the id or file of a catalog entry.
         budget: seconds after which undecided conditions are left undecided.
 
     Returns:
@@ -40,7 +43,7 @@ def separate(system: System, *, budget: float = DEFAULT_BUDGET) -> Verdict:
         InvalidInputError: not a system, or a negative budget; or T or V divides by what is zero everywhere. What
             cannot be decided is a verdict, no error.
     """
-    arguments.refuse_other(system, System, "separate", A_SYSTEM)
+    system = system_of(system, "separate")
     budget = arguments.seconds(budget, "budget")
     if system.relativity is not None:
         return relativistic.decided(system, lambda shell: separate(shell, budget=budget))
@@ -52,17 +55,34 @@ def separate(system: System, *, budget: float = DEFAULT_BUDGET) -> Verdict:
         if isinstance(reduced, Irreducible):
             return refuse_without_shell(system, reduced, work)
         shell = reduced
-        return _decide(of_shell(shell, work), start)
+        return _decide(*_constructed(shell, work), start)
     except WorkLimitError as fault:
         steps = (*(shell.steps if shell else ()), Step("Budget", f"Exact arithmetic stopped: {fault}."))
         return Undecided(system, shell, (), "reduction", sp.nan, {}, None, advice.for_undecided(), steps)
 
 
-def _decide(setting: Setting, start: float) -> Verdict:
+def _constructed(shell: Shell, work: Budget) -> tuple[Setting, stackel.Matrix | None]:
+    """Read a shell and construct Stäckel's matrix; None where there is none, or no coordinate it would be of.
+
+    Steep functions of shifted places, tanh(1000 x - 300), are kept whole if it can be had so: multiplied out by
+    addition theorems they could not be worked out in numbers.
+    """
+    held = {c.symbol for c in shell.coordinates}
+    steep = [f for e in (*shell.inverse_metric, shell.potential) for f in e.atoms(*HYPERBOLIC, sp.exp)]
+    for whole in (True, False) if any(is_shifted(f.args[0], held) for f in steep) else (False,):
+        setting = of_shell(shell, work, whole=whole)
+        matrix = None
+        if setting.symbols:
+            matrix = stackel.construct(setting.reader, setting.symbols, setting.metric, setting.potential)
+        if matrix is not None:
+            break
+    return setting, matrix
+
+
+def _decide(setting: Setting, matrix: stackel.Matrix | None, start: float) -> Verdict:
     shell, reader = setting.shell, setting.reader
-    matrix, proved = None, list[Step]()
+    proved = list[Step]()
     if setting.symbols:
-        matrix = stackel.construct(reader, setting.symbols, setting.metric, setting.potential)
         if matrix is None or _small(setting):
             failed, proved = _conditions(setting, hunting=matrix is None)
             if failed is not None:
@@ -166,7 +186,7 @@ def _evidence_of(reduced: Reduced, shell: Shell) -> list[Step]:
     if reduced.stackel is not None:
         text = (
             "Stäckel's matrix, from the base-point construction; c^T Phi = (1, 0, ..., 0) and c^T psi = V were "
-            "verified by substitution, exactly. Row i holds coordinate i only."
+            "verified by substitution, exactly. Row i contains coordinate i only."
         )
         steps.append(Step("Stäckel's matrix", text, reduced.stackel.matrix))
         text = "The part of the separated equations without separation constants."

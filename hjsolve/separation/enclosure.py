@@ -98,6 +98,8 @@ class Region:
     ) -> sp.Rational | None:
         """A rational number inside the coordinate's interval; None when the interval is empty for these parameters."""
         lower, upper = (None if end is None else end.subs(point) for end in self.bounds[symbol])
+        if any(end is not None and end.is_real is False for end in (lower, upper)):
+            return None
         share = Fraction(place + 1, place + 3) if attempt < 2 else Fraction(generator.randrange(1, 64), 64)
         if lower is None and upper is None:
             value = sp.Rational((-1) ** attempt * (2 * share.numerator + place), share.denominator)

@@ -55,9 +55,10 @@ def region_of(system: System) -> Region:
     return Region(domain_bounds(system), dict(system.defaults))
 
 
-def of_shell(shell: Shell, work: Budget) -> Setting:
-    """Read a shell into a field."""
-    reader = Reader([*shell.inverse_metric, shell.potential, *shell.shift], domain_bounds(shell.system), work)
+def of_shell(shell: Shell, work: Budget, *, whole: bool = False) -> Setting:
+    """Read a shell into a field; ``whole`` as in ``Reader``."""
+    parts = [*shell.inverse_metric, shell.potential, *shell.shift]
+    reader = Reader(parts, domain_bounds(shell.system), work, whole=whole)
     metric = [reader.element(g) for g in shell.inverse_metric]
     symbols = [c.symbol for c in shell.coordinates]
     return Setting(shell, region_of(shell.system), reader, symbols, metric, reader.element(shell.potential))
@@ -234,7 +235,7 @@ def _general_obstruction(
 ) -> Obstruction:
     coupled = " and ".join(found.pair)
     coupling = f"the terms linear in the velocities of {coupled} are no gradient (their curl is shown)"
-    words = advice.for_gyroscopic(found.pair)
+    words = advice.for_gyroscopic(system, found.pair)
     if found.reason == "metric":
         coupling = f"T couples {coupled} (mass-matrix entry shown)"
         words = advice.for_metric(system, found.pair, coupled=True)

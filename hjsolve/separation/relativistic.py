@@ -51,8 +51,11 @@ def decided(system: System, decide: Callable[[System], Verdict]) -> Verdict:
     """
     verdict = decide(shell_system(system))
     if not isinstance(verdict, Separation):
-        shell = None if verdict.shell is None else replace(verdict.shell, system=system)
-        return replace(verdict, system=system, shell=shell, evidence=(_step(system), *verdict.evidence))
+        own = verdict.shell.energy if verdict.shell is not None else None
+        steps = _steps(system, verdict.evidence, own)
+        told = _steps(system, verdict.shell.steps, own) if verdict.shell is not None else ()
+        shell = None if verdict.shell is None else replace(verdict.shell, system=system, steps=told)
+        return replace(verdict, system=system, shell=shell, evidence=steps)
     energy = energy_symbol(system)
     H = hamiltonian(system)
     own = str(verdict.shell.energy)
@@ -61,7 +64,7 @@ def decided(system: System, decide: Callable[[System], Verdict]) -> Verdict:
         if name != own:
             constants[name] = replace(constant, expression=constant.expression.subs(energy, H))
     shell = _shell(verdict.shell, system, energy, H)
-    evidence = (_step(system), *verdict.evidence)
+    evidence = _steps(system, verdict.evidence, verdict.shell.energy)
     return replace(
         verdict, system=system, shell=shell, constants=constants, liouville=None, stackel=None, evidence=evidence
     )
@@ -69,12 +72,28 @@ def decided(system: System, decide: Callable[[System], Verdict]) -> Verdict:
 
 def _shell(shell: Shell, system: System, energy: sp.Symbol, H: sp.Expr) -> Shell:
     """The shell in terms of the true energy; without essential coordinates H itself is the potential."""
-    return replace(shell, system=system, energy=energy, potential=shell.potential if shell.coordinates else H)
+    steps = _steps(system, shell.steps, shell.energy)
+    potential = shell.potential if shell.coordinates else H
+    return replace(shell, system=system, energy=energy, potential=potential, steps=steps)
+
+
+def _steps(system: System, steps: tuple[Step, ...], own: sp.Symbol | None) -> tuple[Step, ...]:
+    """The argument for the shell's system with the value −½m₀c² of its own energy, after the step that leads to it."""
+    if own is None:
+        return (_step(system), *steps)
+    value = shell_energy(system)
+    told = (
+        step if step.formula is None else replace(step, formula=step.formula.xreplace({own: value})) for step in steps
+    )
+    return (_step(system), *told)
 
 
 def _step(system: System) -> Step:
+    assert system.relativity is not None
+    m, c, E = system.relativity.mass, system.relativity.light, energy_symbol(system)
     text = (
-        "The relation between energy and momentum, squared, is quadratic in the momenta: the shell of a natural system "
-        "with the potential shown, at the energy -m c^2/2. It has to separate for every value of the true energy."
+        f"The relation (E - V)^2 = (H - V)^2 is quadratic in the momenta: divided by 2*{m}*{c}^2 it is the shell of a "
+        f"natural system with the kinetic energy T and the potential shown, at the energy -{m}*{c}^2/2. It has to "
+        f"separate for every value of the true energy {E}."
     )
     return Step("Relativistic energy shell", text, shell_system(system).potential)

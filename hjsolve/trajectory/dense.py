@@ -51,6 +51,9 @@ class OnDemand(Mapping[str, Any]):
     def __len__(self) -> int:
         return len(self._names)
 
+    def __reduce__(self) -> tuple[Any, ...]:
+        return dict, (dict(self),)
+
     def __repr__(self) -> str:
         return f"OnDemand({', '.join(self._names)})"
 

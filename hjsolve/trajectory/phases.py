@@ -8,12 +8,12 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from hjsolve.expressions import number
 from hjsolve.initial import to_bits
 from hjsolve.numeric import inverse, refine, unbounded
 from hjsolve.numeric.arithmetic import multiprecision
 from hjsolve.numeric.clock import halves, relative, relative_exact
 from hjsolve.numeric.course import Course, Open
+from hjsolve.trajectory.times import counted, within_doubles
 
 if TYPE_CHECKING:
     from hjsolve.motion import Motion
@@ -49,27 +49,18 @@ def phases_at(motion: Motion, floats: Any | None, exact: list[Any], time: tuple[
             default=float(np.max(np.abs(floats), initial=0.0)) if floats is not None else 0.0,
         )
         rate = max((abs(f.value) for f in motion.frequencies.values()), default=0.0)
-        bits += max(0, int(np.log2(largest * float(rate) + 1.0)))
+        bits += max(0, int(np.log2(min(largest * float(rate), 1e300) + 1.0)))
     rules = exact if floats is None else [_rule(x) for x in floats] if many else []
     precise = relative_exact(rules, start, bits) if rules else None
     if time is None:
         time = relative(floats, start) if floats is not None else halves(precise or [])
-    χ, whole, errors, ended = solve(motion, time)
+    χ, whole, errors, ended = solve(motion, within_doubles(time))
+    for cycles in whole:
+        counted(cycles)
     χ = [_where_it_goes_on(ended, x, c) for x, c in zip(χ, _courses(motion), strict=True)]
     if many and precise is not None:
         χ, errors = _refined_where(~ended, motion, χ, whole, precise, bits)
     return Phases(time, precise if many else None, χ, whole, errors, ended)
-
-
-def read_times(t: Any) -> tuple[tuple[int, ...] | None, Any | None, list[Any]]:
-    """Return shape (None for a scalar), a float array where all times are floats or small ints, and exact rules."""
-    array = np.asarray(t) if not isinstance(t, str) else np.array(t, dtype=object)
-    shape = None if array.ndim == 0 else array.shape
-    flat = array.ravel()
-    if array.dtype.kind == "f" and array.dtype.itemsize <= 8 and np.isfinite(flat).all():
-        floats = np.ascontiguousarray(flat, dtype=float)
-        return shape, floats, []
-    return shape, None, [to_bits(number(x.item() if hasattr(x, "item") else x, source="t")) for x in flat]
 
 
 def solve(motion: Motion, time: tuple[Any, Any]) -> tuple[list[Any], list[Any], list[Any], Any]:
@@ -115,28 +106,39 @@ def _refined(
     if isinstance(motion.equations, inverse.Torus):
         return refine.on_torus(motion.equations, χ, whole, precise, bits)
     full = [phase + 2 * np.pi * n for phase, n in zip(χ, whole, strict=True)]
-    courses = [with_reach(c, x) for c, x in zip(motion.equations.courses, full, strict=True)]
-    return refine.unbounded(courses, motion.equations.equations, full, precise, bits)
+    courses = [_with_reaches(c, x) for c, x in zip(motion.equations.courses, full, strict=True)]
+    found, errors = refine.unbounded(courses, motion.equations.equations, full, precise, bits)
+    turn = 2 * multiprecision(bits).pi
+    return [x - turn * n.astype(int) for x, n in zip(found, whole, strict=True)], errors
 
 
 def with_reach(course: Course, χ: Any) -> Course:
-    """Return an open course that holds enough panels for some phases; others as they are."""
+    """Return an open course that holds enough panels for some phases, on either side of 0; others as they are."""
+    return _with_reach(course, float(np.max(np.abs(χ), initial=0)), None)
+
+
+def _with_reach(course: Course, ahead: float, back: float | None) -> Course:
     if not isinstance(course, Open):
         return course
+    least = max(1.0, abs(float(course.start)))
     return Open(
-        course.kind,
-        course.ahead,
-        course.behind,
-        course.start,
-        (None, 1.001 * max(1.0, float(np.max(np.abs(χ), initial=0)), abs(float(course.start)))),
-    )
+        course.kind, course.ahead, course.behind, course.start, (None, 1.001 * max(least, ahead)),
+        None if back is None else 1.001 * max(least, back),
+    )  # fmt: skip
+
+
+def _with_reaches(course: Course, χ: Any) -> Course:
+    """The same, with panels on each side as far as there are phases."""
+    alone = isinstance(course, Open) and course.ahead is course.behind
+    back = None if alone else float(np.max(-χ, initial=0))
+    return _with_reach(course, float(np.max(np.abs(χ) if alone else χ, initial=0)), back)
 
 
 def courses_of(motion: Motion, phases: Phases) -> list[Course]:
     """The courses, reaching as far as the phases need."""
     if motion.equations is None:
         return []
-    return [with_reach(c, x) for c, x in zip(motion.equations.courses, phases.χ, strict=True)]
+    return [_with_reaches(c, x) for c, x in zip(motion.equations.courses, phases.χ, strict=True)]
 
 
 def _rule(x: float) -> Callable[[int], Any]:

@@ -156,7 +156,9 @@ def _ignorable(motion: Motion, phases: Phases, name: str, q: Mapping[str, Any]) 
         first = np.array([course.start], dtype=object) if χ.dtype == object else np.array([float(course.start)])
         total = total - (course.integral(j, χ) - course.integral(j, first)[0])
         if isinstance(course, Bounded) and n.any():
-            total = total - 2 * np.pi * n * float(course.growth(j))
+            turn = 2 * multiprecision(int(3.33 * motion.digits) + 96).pi if χ.dtype == object else 2 * np.pi
+            growth = course.growth(j) if χ.dtype == object else float(course.growth(j))
+            total = total - n.astype(int) * (turn * growth)
     return grown(begin, 0, phases.time, phases.exact, coordinate.domain.kind == "angle", total)
 
 

@@ -17,7 +17,7 @@ from hjsolve.state import Errors, State
 from hjsolve.system import velocities
 from hjsolve.trajectory.dense import FEWEST, Dense, OnDemand, dense, rough
 from hjsolve.trajectory.endings import statuses
-from hjsolve.trajectory.phases import Phases, phases_at, read_times
+from hjsolve.trajectory.phases import Phases, phases_at
 from hjsolve.trajectory.positions import (
     canonical_momenta,
     constant_index,
@@ -28,6 +28,7 @@ from hjsolve.trajectory.positions import (
     positions,
     principal,
 )
+from hjsolve.trajectory.times import counted, read_times, within_doubles
 from hjsolve.trajectory.uncertainty import state_errors, table_errors
 
 if TYPE_CHECKING:
@@ -46,6 +47,7 @@ def state_at(motion: Motion, t: Any, digits: int | None = None) -> State:
     if motion.digits <= FLOAT_DIGITS and (rough(motion) or (floats is not None and len(floats) >= FEWEST)):
         start = to_bits(motion.t0)
         time = relative(floats, start) if floats is not None else halves(relative_exact(exact, start, 256))
+        within_doubles(time)
         table = dense(motion, 2 * max(-float(np.min(time[0], initial=0.0)), float(np.max(time[0], initial=1e-290))))
         if table is not None:
             return _tabulated(motion, table, t, time, shape)
@@ -56,6 +58,7 @@ def state_at(motion: Motion, t: Any, digits: int | None = None) -> State:
     q, p, whole = positions(motion, phases)
     v = coordinate_velocities(motion, q, p)
     status = statuses(motion, phases.time, phases.ended)
+    turns = {name: counted(n) for name, n in whole.items()}
     for group in (q, p, v):
         for name, values in group.items():
             group[name] = np.where(phases.ended, np.nan, values) if phases.ended.any() else values
@@ -71,7 +74,7 @@ def state_at(motion: Motion, t: Any, digits: int | None = None) -> State:
         reshaped(q),
         reshaped(p),
         reshaped(v),
-        reshaped({name: n.astype(int) for name, n in whole.items()}),
+        reshaped(turns),
         shaped(status, shape),
         errors,
     )
@@ -91,6 +94,7 @@ def _tabulated(motion: Motion, table: Dense, t: Any, time: tuple[Any, Any], shap
     """The state from a table: every quantity is worked out when it is read."""
     system = motion.solution.system
     θ, whole, ended = table.argument(motion, time)
+    counted(whole)
     separated = motion.solution.coordinates[0]
     angles = tuple(c.name for c in system.coordinates if c.domain.kind == "angle")
     names = tuple(c.name for c in system.coordinates)
@@ -137,7 +141,7 @@ def _tabulated(motion: Motion, table: Dense, t: Any, time: tuple[Any, Any], shap
     def view(source: Mapping[str, Any], chosen: tuple[str, ...]) -> OnDemand:
         return OnDemand(chosen, lambda name: shaped(source[name], shape))
 
-    counts = OnDemand(angles, lambda name: shaped(places[name][1].astype(int), shape))
+    counts = OnDemand(angles, lambda name: shaped(counted(places[name][1]), shape))
     v = OnDemand(names, velocity)
     status = statuses(motion, time, ended) if ended.any() else np.broadcast_to(np.array("ok"), ended.shape)
     return State(t, view(q, names), view(p, names), view(v, names), counts, shaped(status, shape), errors)

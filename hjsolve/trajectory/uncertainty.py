@@ -53,7 +53,7 @@ def state_errors(
                 np.abs(q[name].astype(float)) + np.pi
             )
             dp[name] = unit * np.abs(p[name].astype(float))
-    return dq, dp, _velocity_errors(motion, q, p, dq, dp, unit)
+    return dq, dp, velocity_errors(motion, q, p, dq, dp, unit)
 
 
 def table_errors(
@@ -82,7 +82,7 @@ def table_errors(
         moved, shift = _shifted(motion, c.name, q)
         own = own + moved * inner + 8 * _EPS * shift
         dp[c.name] = np.abs(force) * delay + own
-    return dq, dp, _velocity_errors(motion, q, p, dq, dp, _EPS)
+    return dq, dp, velocity_errors(motion, q, p, dq, dp, _EPS)
 
 
 def _shifted(motion: Motion, name: str, q: Mapping[str, Any]) -> tuple[Any, Any]:
@@ -160,12 +160,14 @@ def _ignorable_error(motion: Motion, phases: Phases, χ: list[Any], slack: list[
             total = total + 4 * unit * (course.grain(j, χ[i]) + course.grain(j, begin)[0])
         elif not isinstance(equations, Torus):
             total = total + 4 * unit * np.abs(np.asarray(course.integral(j, phases.χ[i]), dtype=float))
+            if isinstance(course, Bounded):
+                total = total + 4 * unit * 2 * np.pi * np.abs(phases.whole[i] * float(course.growth(j)))
         elif isinstance(course, Bounded):
             total = total + 4 * unit * float(np.sum(np.abs(oscillation(equations, i, j).cosines.astype(float))))
     return total
 
 
-def _velocity_errors(
+def velocity_errors(
     motion: Motion,
     q: Mapping[str, Any],
     p: Mapping[str, Any],
@@ -173,6 +175,7 @@ def _velocity_errors(
     dp: Mapping[str, Any],
     unit: float,
 ) -> dict[str, Any]:
+    """Return bounds on the errors of the velocities, from those of places and momenta and their own rounding."""
     system = motion.solution.system
     formulas = velocities(system)
     variables = [(c.symbol, dq[c.name]) for c in system.coordinates] + [

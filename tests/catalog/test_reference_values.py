@@ -42,7 +42,9 @@ def start(name: str, motion: str) -> tuple[dict[str, mpmath.mpf], dict[str, mpma
     texts = {p.name: p.value for p in system.parameters} | {n: number(v, source=n) for n, v in data.parameters.items()}
     parameters = {n: real(v) for n, v in texts.items()}
     q = {c.name: real(number(data.q[c.name], source=c.name)) for c in system.coordinates}
-    assert data.velocity is not None
+    if data.velocity is None:
+        assert data.p is not None
+        return parameters, q, {c.name: real(number(data.p[c.name], source=c.name)) for c in system.coordinates}
     point = {system.symbols[n]: v for n, v in (parameters | q).items()}
     point |= {c.velocity: real(number(data.velocity[c.name], source=c.name)) for c in system.coordinates}
     p = {n: real(expression.xreplace(point)) for n, expression in momenta(system).items()}

@@ -174,7 +174,7 @@ def test_rows_are_chosen_by_accuracy_and_by_what_they_cover(scene_table: Cost) -
 @pytest.mark.parametrize(
     ("arguments", "words"),
     [
-        ({"subject": 3}, "a Scene, a Motion, a catalog id"), ({"subject": "no-such-system"}, "no catalog entry"),
+        ({"subject": 3}, "a Scene, a Motion, a System, a catalog id"), ({"subject": "no-such-system"}, "no catalog entry"),
         ({"subject": "pendulum", "digits": (7,)}, "digits"), ({"subject": "pendulum", "seconds": 0}, "positive"),
         ({"subject": "pendulum", "repeats": 0}, "positive"), ({"subject": "pendulum", "motion": "upwards"}, "upwards"),
     ],
@@ -218,7 +218,7 @@ def test_the_command_refuses_in_one_line(arguments: list[str], words: str, capsy
     assert len(message.strip().splitlines()) == 1
 
 
-def test_a_report_has_the_section_unless_it_is_switched_off(tmp_path: Path) -> None:
+def test_a_report_has_the_section_where_it_is_asked_for(tmp_path: Path) -> None:
     with_it, without, scene = (tmp_path / name for name in ("with.html", "without.html", "scene.md"))
     hjsolve.report("harmonic-oscillator", with_it, cost=2)
     page = with_it.read_text(encoding="utf-8")
@@ -226,6 +226,8 @@ def test_a_report_has_the_section_unless_it_is_switched_off(tmp_path: Path) -> N
     assert "float64" in page
     assert page.index('id="cost"') < page.index('id="how"')
     assert main(["report", "harmonic-oscillator", "-o", str(without), "--no-cost"]) == 0
+    assert 'id="cost"' not in without.read_text(encoding="utf-8")
+    assert main(["report", "harmonic-oscillator", "-o", str(without)]) == 0
     assert 'id="cost"' not in without.read_text(encoding="utf-8")
     hjsolve.report(hjsolve.Scene.load({"system": "pendulum", "want": ["periods"]}), scene, cost=2)
     assert "What accuracy costs" in scene.read_text(encoding="utf-8")

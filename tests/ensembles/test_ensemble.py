@@ -226,7 +226,7 @@ def test_one_clear_error_at_the_door(change: dict[str, Any], error: type[Excepti
 
 
 def test_what_is_no_system_and_what_does_not_separate_are_refused() -> None:
-    with pytest.raises(InvalidInputError, match="give a System"):
+    with pytest.raises(InvalidInputError, match="a System is needed"):
         hjsolve.ensemble(3.0, **GOOD)  # type: ignore[arg-type]
     with pytest.raises(hjsolve.NotSeparableError):
         hjsolve.ensemble("henon-heiles", q={"x": 0, "y": 0}, p={"x": 1, "y": 1})

@@ -51,7 +51,7 @@ def test_angles_periods_rates_and_actions_are_right_and_the_claims_hold(case: Tu
     assert motion.kinds["theta"] == "libration"
     assert worst <= 2e-13
     assert off <= 1e-15
-    assert motion.nodes <= 250
+    assert motion.nodes <= 300  # as many as are proved to be enough
     assert np.median(ratios) <= 150
 
 

@@ -3,28 +3,15 @@
 import pytest
 import sympy as sp
 
-from hjsolve import catalog
 from hjsolve.checks import check, hamilton_jacobi_residual
 from hjsolve.separation import Separation, separate
 from hjsolve.separation.zero_test import Zero, is_zero
 from hjsolve.solution import Solution, solve
 from hjsolve.system import System, hamiltonian
 from tests import entries
+from tests.entries import solved
 
-SYSTEMS = [(name, ()) for name in catalog.ids("separable")]
-SYSTEMS += [
-    (name, (effect.name,))
-    for name in catalog.ids("separable")
-    for effect in entries.described(name).effects.values()
-    if effect.verdict != "refused"
-]
-NAMES = ["+".join([name, *effects]) for name, effects in SYSTEMS]
-
-
-def solved(name: str) -> Solution:
-    """The solution of an entry, effects after plus signs."""
-    entry, *effects = name.split("+")
-    return entries.solution(entry, tuple(effects))
+NAMES = entries.separable_with_effects()
 
 
 @pytest.mark.parametrize("name", NAMES)

@@ -5,7 +5,6 @@ from __future__ import annotations
 import pytest
 import sympy as sp
 
-from hjsolve import catalog
 from hjsolve.separation import Separation, region_of
 from hjsolve.system import hamiltonian
 from tests import entries
@@ -13,7 +12,7 @@ from tests import entries
 TOLERANCE = sp.Float("1e-40", 50)
 
 
-@pytest.mark.parametrize("name", catalog.ids("separable"))
+@pytest.mark.parametrize("name", entries.separable())
 def test_the_constants_of_the_catalog_are_in_involution_and_independent(name):
     """(α_i, α_j) = 0, and the rank of ∂α/∂p is the number of coordinates."""
     system, verdict = entries.loaded(name), entries.verdict(name)

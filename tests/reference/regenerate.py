@@ -61,10 +61,13 @@ def motions(entry: str) -> Iterator[Motion]:
     for name, data in {"default": table["initial"], **table.get("motions", {})}.items():
         parameters = {par["name"]: number(par["value"]) for par in table.get("parameters", [])}
         parameters |= {n: number(text) for n, text in data.get("parameters", {}).items()}
-        q, v = ({n: number(data[key][n]) for n in names} for key in ("q", "velocity"))
+        given = "p" if "p" in data else "velocity"
+        q, v = ({n: number(data[key][n]) for n in names} for key in ("q", given))
         point = {sympy.Symbol(n): value for n, value in (q | parameters).items()}
         point |= {sympy.Symbol(f"v_{n}"): value for n, value in v.items()}
-        p = {n: mp.mpf(sympy.N(kinetic.diff(sympy.Symbol(f"v_{n}")).subs(point), mp.dps)) for n in names}
+        p = v
+        if given == "velocity":
+            p = {n: mp.mpf(sympy.N(kinetic.diff(sympy.Symbol(f"v_{n}")).subs(point), mp.dps)) for n in names}
         yield Motion(
             entry,
             name,

@@ -64,14 +64,14 @@ def test_wrong_kinds_of_arguments_are_refused_at_the_door(door):
 @pytest.mark.parametrize(
     ("call", "says"),
     [
-        (lambda: hjsolve.solve("kerr"), "solve: a System is needed, made by .*catalog.load.*, not 'kerr'"),
+        (lambda: hjsolve.solve(3), "solve: a System is needed, made by .*the id of a catalog entry.*, not 3"),
         (lambda: hjsolve.separate(KEPLER, budget=-1), "budget: a number of seconds, from 0 on, is needed, not -1"),
         (lambda: SOLUTION.motion(q=1, p={}), 'q: a table name → value is needed, such as {"r": 1}, not 1'),
         (lambda: SOLUTION.motion(**START, want=3), r'want: words are needed, such as \["actions", "periods"\], not 3'),
         (lambda: SOLUTION.motion(**START, digits=True), "digits: a whole number from 1 to 2000 is needed, not True"),
         (lambda: MOTION.time_at("r", 1, 0.5), "passage: a whole number is needed, not 0.5"),
         (lambda: MOTION.orbit("s", along="r", values=[1]), "s"),
-        (lambda: hjsolve.Scene.load([]), "scene: the path of a TOML file or its table is needed, not a value of type"),
+        (lambda: hjsolve.Scene.load([]), "scene: the path of a TOML file or its table, a System or a catalog id is needed"),
     ],
 )
 def test_the_message_says_what_to_write(call, says):

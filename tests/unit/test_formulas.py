@@ -11,8 +11,10 @@ from hypothesis import strategies as st
 
 from hjsolve.reports.boxes import Glyph, Grid, width
 from hjsolve.reports.latex import latex
+from hjsolve.reports.lines import display
 from hjsolve.reports.mathml import mathml
-from hjsolve.reports.notation import box, display, name_box, tidy
+from hjsolve.reports.names import name_box
+from hjsolve.reports.notation import box, tidy
 from hjsolve.reports.plain import plain
 
 r, θ, m, k, E = sp.Symbol("r", positive=True), sp.Symbol("theta", real=True), *sp.symbols("m k E")
@@ -33,7 +35,7 @@ pr, pθ, vr = sp.symbols("p_r p_theta dot(r)")
         (sp.Symbol("omega0"), "ω₀"),
         (sp.Symbol("lambda_"), "λ"),
         (pθ * θ, "p_θ θ"),
-        (sp.exp(-r / k), "e^(−r/k)"),
+        (sp.exp(-r / k), "exp(−r/k)"),
         (r ** sp.Rational(3, 2), "r^(3/2)"),
         (3 * 2**r, "3⋅2^r"),
         (k * (1 - r), "k (1 − r)"),

@@ -100,7 +100,7 @@ NAMES = {
     "class": "write class_",
     "1x": "ASCII letter",
     "x y": "ASCII letter",
-    "θ": "ASCII letter",
+    "ж": "ASCII letter",
     "": "ASCII letter",
     "_x": "ASCII letter",
     "x" * 41: "at most 40",

@@ -1,0 +1,186 @@
+"""From the arguments of a command to what they mean: a system, a scene, initial data; heavy imports wait."""
+
+from __future__ import annotations
+
+import re
+from argparse import Namespace
+from pathlib import Path
+from typing import TYPE_CHECKING, Any
+
+from hjsolve.arguments import ascii_name
+from hjsolve.errors import InvalidInputError
+
+if TYPE_CHECKING:
+    from hjsolve.hamiltonians import LinearHamiltonian
+    from hjsolve.reports.document import Section
+    from hjsolve.scenes import Scene
+    from hjsolve.solution import Solution
+    from hjsolve.system import System
+
+_NAME = re.compile(r"\s*(\w+)\s*")
+
+
+def hamiltonian(options: Namespace) -> LinearHamiltonian | None:
+    """The H(q, p) of the entry, where it gives one that is linear in p."""
+    if options.system is None or options.coordinate or options.kinetic or options.potential:
+        return None
+    from hjsolve import catalog as entries
+
+    problem = entries.hamiltonian(located(options.system))
+    if problem is not None and options.effect:
+        raise InvalidInputError("--effect: an entry with H(q, p) has no effects; change its hamiltonian")
+    return problem
+
+
+def frame(options: Namespace, solved: Solution | None = None) -> Section | None:
+    """The section about the frame that an entry declares; None where it declares none."""
+    if options.system is None or options.coordinate:
+        return None
+    from hjsolve import frames
+    from hjsolve.reports.framed import frame_section
+
+    frame = frames.of(located(options.system))
+    return None if frame is None else frame_section(frame, solved)
+
+
+def system(options: Namespace) -> System:
+    """The system that is meant: an entry, a file, or one of the user's own."""
+    from hjsolve import catalog as entries
+
+    own = bool(options.coordinate or options.kinetic or options.potential)
+    if own and options.system is not None:
+        raise InvalidInputError(
+            f"give the system {options.system} or one of your own with --coordinate and --kinetic, not both"
+        )
+    if own:
+        return _own_system(options)
+    if options.function:
+        raise InvalidInputError("--function belongs to a system of your own, with --coordinate and --kinetic")
+    if options.system is None:
+        raise InvalidInputError(
+            "which system? give a catalog id, a .toml file, or --coordinate and --kinetic (see --help)"
+        )
+    return entries.load(located(options.system), effects=options.effect)
+
+
+def _own_system(options: Namespace) -> System:
+    from hjsolve.system import System
+
+    if not options.coordinate or not options.kinetic:
+        missing = "--coordinate" if not options.coordinate else "--kinetic"
+        raise InvalidInputError(
+            f"a system of your own needs {missing}, "
+            'e.g. --coordinate "x: line" --kinetic "m/2*dot(x)**2" --parameter m=1'
+        )
+    if options.effect:
+        raise InvalidInputError(
+            "--effect belongs to a catalog entry; write the term into --kinetic or --potential instead"
+        )
+    coordinates: dict[str, str] = {}
+    for text in options.coordinate:
+        name, colon, domain = text.partition(":")
+        if not colon or not name.strip() or not domain.strip():
+            raise InvalidInputError(
+                f'--coordinate "{text}": write a name, a colon and a domain, e.g. "x: line" or "r: 0 < r"'
+            )
+        _once(coordinates, name.strip(), "--coordinate")
+        coordinates[ascii_name(name.strip())] = domain.strip()
+    return System(
+        coordinates,
+        options.kinetic,
+        options.potential if options.potential is not None else "0",
+        _parameters(options.parameter),
+        functions=options.function,
+        title=getattr(options, "title", None) or "",
+    )
+
+
+def _parameters(texts: list[str]) -> dict[str, Any]:
+    """Each ``NAME``, ``NAME=VALUE``, ``NAME:ASSUMPTION`` or ``NAME=VALUE:ASSUMPTION``."""
+    from hjsolve.system import parameter
+
+    found: dict[str, Any] = {}
+    for text in texts:
+        declared, colon, assume = text.partition(":")
+        name, equals, value = declared.partition("=")
+        if not _NAME.fullmatch(name) or (equals and not value.strip()) or (colon and not assume.strip()):
+            raise InvalidInputError(
+                f'--parameter "{text}": write a name, a value and an assumption as wanted, e.g. m, m=1 or m=1:positive'
+            )
+        _once(found, name.strip(), "--parameter")
+        plain = ascii_name(name.strip())
+        found[plain] = parameter(plain, value.strip() if equals else None, assume=assume.strip() or "real")
+    return found
+
+
+def _values(texts: list[str], option: str) -> dict[str, str]:
+    found: dict[str, str] = {}
+    for text in texts:
+        name, equals, value = text.partition("=")
+        if not equals or not _NAME.fullmatch(name) or not value.strip():
+            raise InvalidInputError(f'{option} "{text}": write a name, an equals sign and a value, e.g. {option} r=1')
+        _once(found, name.strip(), option)
+        found[ascii_name(name.strip())] = value.strip()
+    return found
+
+
+def _once(found: dict[str, Any], name: str, option: str) -> None:
+    if ascii_name(name) in found:
+        raise InvalidInputError(f'{option}: "{name}" is given twice')
+
+
+def scene(options: Namespace) -> Scene | None:
+    """The scene that is meant, where the file given is one."""
+    from hjsolve.scenes import Scene, is_scene
+
+    if options.system is None or not is_scene(options.system):
+        return None
+    given = (options.coordinate, options.kinetic, options.potential, options.parameter, options.effect, options.q)
+    if any(given) or options.velocity or options.momentum:
+        raise InvalidInputError(f"{options.system}: a scene says everything itself; leave the other options out")
+    return Scene.load(options.system)
+
+
+def initial(options: Namespace) -> dict[str, Any] | None:
+    """Initial data from the command line; None where there are none."""
+    if not (options.q or options.velocity or options.momentum):
+        return None
+    if not options.q or bool(options.velocity) == bool(options.momentum):
+        raise InvalidInputError("a motion needs --q and one of --velocity and --momentum, for every coordinate")
+    data: dict[str, Any] = {"q": _values(options.q, "--q")}
+    if options.velocity:
+        data["velocity"] = _values(options.velocity, "--velocity")
+    else:
+        data["p"] = _values(options.momentum, "--momentum")
+    if options.system is not None and options.parameter:
+        data["parameters"] = _given_values(options)
+    return data
+
+
+def own_motion(options: Namespace) -> dict[str, Any] | None:
+    """The entry's own motion where its parameters or effects are changed; None where it is taken as it is."""
+    if not options.parameter and not options.effect:
+        return None
+    from hjsolve import catalog as entries
+
+    entry = entries.describe(located(options.system))
+    if options.motion not in entry.motions:
+        raise InvalidInputError(
+            f'motion: {entry.id} has no motion "{options.motion}"; it has {", ".join(entry.motions) or "none"}'
+        )
+    data: dict[str, Any] = dict(entry.motions[options.motion].arguments)
+    return {**data, "parameters": {**data.get("parameters", {}), **_given_values(options)}}
+
+
+def _given_values(options: Namespace) -> dict[str, str]:
+    return _values(options.parameter, "--parameter")
+
+
+def located(target: Any) -> Any:
+    """A path for a file, the text itself for an id; a helpful word for other files."""
+    if not isinstance(target, str) or target.endswith(".toml"):
+        return Path(target) if isinstance(target, str) else target
+    if Path(target).exists() and not re.fullmatch(r"[a-z0-9-]+", target):
+        kind = "a directory" if Path(target).is_dir() else "a file, but its name does not end in .toml"
+        raise InvalidInputError(f"{target}: is {kind}; give a catalog id or a .toml file")
+    return target

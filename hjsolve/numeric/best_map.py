@@ -1,0 +1,86 @@
+"""Which map from phases to places a bounded motion is integrated over: the one that is proved to need fewest nodes."""
+
+from __future__ import annotations
+
+import itertools
+from collections.abc import Iterator
+from typing import TYPE_CHECKING
+
+from hjsolve.errors import NotConvergedError
+from hjsolve.numeric import resolution
+from hjsolve.numeric.arithmetic import Multi
+from hjsolve.numeric.course import Anomaly, Bounded, Kind, bounded
+from hjsolve.numeric.fourier import smooth
+
+if TYPE_CHECKING:
+    from hjsolve.numeric.classify import Start
+
+_FEW, _MANY = 32, 120
+"""Nodes above which a second and another change of variable is tried, for a double and half a cycle."""
+_MOST = 20000
+"""Nodes above which a motion is given up, for a double."""
+
+
+def over_the_best_map(start: Start, kind: Kind, maps: Iterator[Anomaly], digits: int, bits: int) -> Bounded:
+    """Integrate over the first map for which few nodes are proved to be enough, or over the best of them.
+
+    Raises:
+        NotConvergedError: for none of them it could be proved how many nodes are enough, or they are too many.
+    """
+    best: tuple[int, Anomaly] | None = None
+    limits: Iterator[int] = itertools.chain([_FEW], itertools.repeat(_MANY))
+    if not start.parts:  # nothing is integrated
+        best, limits = (1, next(maps)), iter(())
+    tried: list[Anomaly] = []
+    for few, anomaly in zip(limits, maps, strict=False):
+        tried.append(anomaly)
+        best = _better(best, _proved(start, anomaly, digits, bits))
+        if best is not None and best[0] <= few * max(1.0, digits / 15) * (1 if anomaly.even else 2):
+            break
+    if best is not None and best[0] > _MANY:
+        best = _better(best, _proved(start, best[1], digits, bits, resolution.FINE))
+    if best is None:
+        return _next_to_a_separatrix(start, kind, tried, digits, bits)
+    if best[0] > _MOST * max(1.0, digits / 15):
+        raise NotConvergedError(
+            f"{start.name}: no fewer than {best[0]} nodes are proved to resolve p² between its turning points"
+        )
+    return _integrated(start, kind, *best, digits, bits)
+
+
+def _proved(
+    start: Start, anomaly: Anomaly, digits: int, bits: int, *coarse: float, zeros: bool = True
+) -> tuple[int, Anomaly] | None:
+    """The nodes that are proved to be enough over a map; None where nothing is."""
+    subject = resolution.integrands(anomaly, start.radicand, start.skipped, start.parts, bits)
+    found = resolution.strip(subject, digits, *coarse, zeros=zeros)
+    return None if found is None else (smooth(found.nodes(digits) * (1 if anomaly.even else 2)), anomaly)
+
+
+def _better(one: tuple[int, Anomaly] | None, other: tuple[int, Anomaly] | None) -> tuple[int, Anomaly] | None:
+    return min((x for x in (one, other) if x is not None), key=lambda x: x[0], default=None)
+
+
+def _integrated(start: Start, kind: Kind, nodes: int, anomaly: Anomaly, digits: int, bits: int) -> Bounded:
+    phase = anomaly.phase(Multi(bits).convert(start.place(bits)), start.forward, Multi(bits))
+    return bounded(kind, anomaly, start.radicand, phase, start.skipped, digits, bits, nodes, start.parts)
+
+
+def _next_to_a_separatrix(start: Start, kind: Kind, maps: list[Anomaly], digits: int, bits: int) -> Bounded:
+    """Integrate where doubles cannot tell the regular factor R of p² from 0, between ends that are all but double.
+
+    So many nodes that R and the kernels are proved to be their interpolants, and then as many as the coefficients of
+    the integrands ask for: a zero of R that is too close cannot hide, it is in the values of R.
+
+    Raises:
+        NotConvergedError: not even R is proved to be resolved, or that takes too many nodes.
+    """
+    for anomaly in reversed(maps):
+        least = _proved(start, anomaly, digits, bits, zeros=False)
+        nodes = least[0] if least is not None else _MOST
+        while nodes < _MANY * 8 * max(1.0, digits / 15):
+            found = _integrated(start, kind, nodes, anomaly, digits, bits)
+            if found.tail <= 10.0 ** -(digits + 1):
+                return found
+            nodes = smooth(int(1.4 * nodes))
+    raise NotConvergedError(f"{start.name}: no number of nodes is proved to resolve p² between its turning points")

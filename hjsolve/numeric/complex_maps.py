@@ -1,0 +1,136 @@
+"""The maps from an anomaly to a coordinate at complex phases, in doubles.
+
+The maps are those of ``numeric.anomaly`` and ``numeric.stretch``; here they serve to bound integrands in a strip of
+the complex plane, so that a few digits are enough.
+"""
+
+from __future__ import annotations
+
+from functools import singledispatch
+from typing import Any, NamedTuple
+
+import numpy as np
+
+from hjsolve.numeric.anomaly import Crested, Libration, Paired, Rotation
+from hjsolve.numeric.arithmetic import Float64
+from hjsolve.numeric.elliptic import jacobi, quarter_period
+from hjsolve.numeric.stretch import Stretched
+
+_FLOAT = Float64()
+
+
+class ComplexPlace(NamedTuple):
+    """Where a complex phase puts the coordinate, arrays of one shape.
+
+    Attributes:
+        q: position; of an angle that goes round up to whole turns.
+        from_lower, to_upper: q − a and b − q; None for a rotation.
+        stretch: |dq/dψ| / √|(q − a)(b − q)|, the factor of dq/p.
+    """
+
+    q: Any
+    from_lower: Any
+    to_upper: Any
+    stretch: Any
+
+
+def jacobi_complex(u: Any, complement: float, quarter: float) -> tuple[Any, Any, Any]:
+    """Return sn, cn, dn of complex arguments, |Re u| ≤ 2K, by the addition theorem (DLMF 22.8.19-21)."""
+    if complement == 1.0:
+        return np.sin(u), np.cos(u), np.ones_like(u)
+    s, c, d = jacobi(np.real(u), complement, quarter, _FLOAT)
+    parameter = 1.0 - complement
+    other = quarter_period(parameter, _FLOAT)
+    y = np.clip(np.imag(u), -1.999 * other, 1.999 * other)
+    s1, c1, d1 = jacobi(y, parameter, other, _FLOAT)
+    below = c1 * c1 + parameter * (s * s1) ** 2
+    return (s * d1 + 1j * c * d * s1 * c1) / below, (c * c1 - 1j * s * d * s1 * d1) / below, (
+        d * c1 * d1 - 1j * parameter * s * c * s1
+    ) / below  # fmt: skip
+
+
+@singledispatch
+def complex_place(anomaly: Any, phase: Any) -> ComplexPlace:
+    """Return where a complex phase puts the coordinate.
+
+    Args:
+        anomaly: the map; its constants are rounded to doubles.
+        phase: complex array, real parts in [−π, π].
+    """
+    raise TypeError(f"no map from phases like {phase!r} to places: {anomaly!r}")
+
+
+@complex_place.register
+def _(anomaly: Libration, phase: Any) -> ComplexPlace:
+    width, low, up = (float(x) for x in (anomaly.width, anomaly.near_lower, anomaly.near_upper))
+    quarter, complement = float(anomaly.quarter), float(anomaly.complement)
+    sn, cn, _ = jacobi_complex(phase * (quarter / np.pi), complement, quarter)
+    below = 1 + low * cn * cn
+    x, y = sn * sn / below, (1 + low) * cn * cn / below
+    stretch = 2 * quarter / np.pi * np.sqrt(np.abs((1 + up * y) * (1 + low * x)) * complement)
+    return ComplexPlace(_nearer(anomaly, width * x, width * y), width * x, width * y, stretch)
+
+
+@complex_place.register
+def _(anomaly: Crested, phase: Any) -> ComplexPlace:
+    width, left, right = (float(x) for x in (anomaly.width, anomaly.from_lower, anomaly.from_upper))
+    quarter, complement = float(anomaly.quarter), float(anomaly.complement)
+    sn, cn, dn = jacobi_complex(phase * (2 * quarter / np.pi), complement, quarter)
+    forward = np.real(cn) > 0
+    large = np.where(forward, 1 + cn, 1 - cn) / 2
+    low, high = np.where(forward, sn * sn / (4 * large), large), np.where(forward, large, sn * sn / (4 * large))
+    below = left * low + right * high
+    x, y = left * low / below, right * high / below
+    stretch = 2 * quarter / np.pi * np.abs(dn / below) * np.sqrt(left * right)
+    return ComplexPlace(_nearer(anomaly, width * x, width * y), width * x, width * y, stretch)
+
+
+@complex_place.register
+def _(anomaly: Rotation, phase: Any) -> ComplexPlace:
+    quarter, complement = float(anomaly.quarter), float(anomaly.complement)
+    sn, cn, dn = jacobi_complex(quarter * phase / np.pi, complement, quarter)
+    amplitude = -1j * np.log(cn + 1j * sn)
+    q = float(anomaly.slow) + anomaly.direction * (2 * amplitude - np.pi)
+    return ComplexPlace(q, None, None, 2 * quarter / np.pi * np.abs(dn))
+
+
+@complex_place.register
+def _(anomaly: Paired, phase: Any) -> ComplexPlace:
+    quarter, complement = float(anomaly.quarter), float(anomaly.complement)
+    scale, tilt, root = float(anomaly.scale), float(anomaly.tilt), complement**0.5
+    turned = np.where(np.real(phase) < 0, phase + np.pi, phase - np.pi)
+    sn, cn, dn = jacobi_complex(2 * quarter * turned / np.pi, complement, quarter)
+    w = -1j * np.log(cn / dn + 1j * root * sn / dn)
+    s, c = np.sin(w / 2), np.cos(w / 2)
+    beside = scale * c + anomaly.direction * tilt * s
+    angle = -0.5j * np.log((beside + 1j * s) / (beside - 1j * s))
+    stretch = np.abs(scale / (s * s + beside * beside) * root / dn) * 2 * quarter / np.pi
+    return ComplexPlace(float(anomaly.slow) + 2 * anomaly.direction * angle, None, None, stretch)
+
+
+@complex_place.register
+def _(anomaly: Stretched, phase: Any) -> ComplexPlace:
+    slope = anomaly.slope
+    k = np.arange(1, len(slope.cosines) + 1)
+    cosines = slope.cosines.astype(complex)
+    sines = 0 * cosines if slope.sines is None else slope.sines.astype(complex)
+    up, down = (cosines - 1j * sines) / 2, (cosines + 1j * sines) / 2  # of e^{ikψ} and e^{−ikψ}
+    wave = np.exp(1j * phase)
+    χ = phase + _power_sum(up / (1j * k), wave) - _power_sum(down / (1j * k), 1 / wave)
+    χ = χ + np.sum((-1.0) ** k * sines / k)  # χ = π at ψ = π
+    rate = 1 + _power_sum(up, wave) + _power_sum(down, 1 / wave)
+    place = complex_place(anomaly.inner, χ)
+    return place._replace(stretch=place.stretch * np.abs(rate))
+
+
+def _power_sum(coefficients: Any, z: Any) -> Any:
+    """Sum cₖ zᵏ over k = 1, 2, …."""
+    total = np.zeros_like(z)
+    for c in coefficients[::-1]:
+        total = (total + c) * z
+    return total
+
+
+def _nearer(anomaly: Libration | Crested, from_lower: Any, to_upper: Any) -> Any:
+    lower = np.abs(from_lower) < np.abs(to_upper)
+    return np.where(lower, float(anomaly.lower) + from_lower, float(anomaly.upper) - to_upper)

@@ -1,0 +1,291 @@
+"""Disks of the complex plane as numbers: what a formula can be over a whole piece of the plane, in doubles.
+
+A disk is a centre and a radius, arrays of any shape. Every operation gives a disk that holds all values of the
+operation over the disks it is given, its own rounding included; where the operation meets a singularity or a branch
+cut, or overflows, the radius is no finite number, "nothing is known here", never an error. A formula whose radius stays
+finite over a disk is analytic there: this is what proofs of resolution rest on (``numeric.resolution``). Functions of
+principal value are taken as analytic off their cuts only. (Gargantini & Henrici, Numer. Math. 18 (1972) 305.)
+
+Whoever runs a formula in this arithmetic silences numpy's warnings around it.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from typing import Any, NamedTuple
+
+import numpy as np
+
+from hjsolve.numeric.arithmetic import Float64
+
+_UNIT = 4 * 2.0**-52
+"""Relative rounding of one operation on complex doubles, more than it is."""
+_NUMPY: dict[str, Callable[[Any], Any]] = {
+    "asin": np.arcsin, "acos": np.arccos, "atan": np.arctan, "asinh": np.arcsinh, "acosh": np.arccosh,
+    "atanh": np.arctanh,
+}  # fmt: skip
+_PAIR: dict[str, tuple[Callable[[Any], Any], Callable[[Any], Any]]] = {
+    "sin": (np.sin, np.cos), "cos": (np.cos, np.sin), "sinh": (np.sinh, np.cosh), "cosh": (np.cosh, np.sinh),
+}  # fmt: skip
+_CUT = {"atan": 1.0, "atanh": -1.0}
+"""Functions whose cut is where 1 + sign·x² is negative."""
+
+
+class Disk(NamedTuple):
+    """All z with |z − centre| ≤ radius; nothing is known where the radius is not finite."""
+
+    centre: Any
+    radius: Any
+
+    @property
+    def largest(self) -> Any:
+        """The greatest |z|."""
+        return np.abs(self.centre) + self.radius
+
+    @property
+    def least(self) -> Any:
+        """The least |z|, not below 0."""
+        return np.maximum(np.abs(self.centre) - self.radius, 0.0)
+
+    @property
+    def known(self) -> Any:
+        """True where the disk is bounded."""
+        return np.isfinite(self.radius) & np.isfinite(self.centre)
+
+
+def hull(x: Disk, y: Disk) -> Disk:
+    """Return a disk that holds both."""
+    apart = y.centre - x.centre
+    return Disk(x.centre + apart / 2, np.abs(apart) * 0.5000001 + np.maximum(x.radius, y.radius))
+
+
+def tighter(x: Disk, y: Disk) -> Disk:
+    """Return the smaller of two disks that hold the same number, element by element."""
+    first = (x.radius <= y.radius) | ~np.isfinite(y.radius)
+    return x if first.all() else Disk(np.where(first, x.centre, y.centre), np.where(first, x.radius, y.radius))
+
+
+def _where(good: Any, x: Disk) -> Disk:
+    """The disk where ``good``, unknown elsewhere."""
+    return x if np.all(good) else Disk(x.centre, np.where(good, x.radius, np.inf))
+
+
+class Disks:
+    """Arithmetic on disks; numbers below it are complex doubles."""
+
+    __slots__ = ()
+
+    def point(self, x: Any) -> Disk:
+        """Enclose a real number that may have to be rounded."""
+        nearest = float(x)
+        return Disk(np.complex128(nearest), np.float64(0.0 if nearest == x else abs(nearest) * 2.0**-52))
+
+    def rational(self, numerator: int, denominator: int) -> Disk:
+        value = Float64().rational(numerator, denominator)
+        exact = denominator & (denominator - 1) == 0 and abs(numerator) < 2**53
+        return Disk(np.complex128(value), np.float64(0.0 if exact else abs(value) * 2.0**-52))
+
+    def pi(self) -> Disk:
+        return Disk(np.complex128(np.pi), np.float64(2.0**-52))
+
+    def add(self, x: Disk, y: Disk) -> Disk:
+        centre = x.centre + y.centre
+        return Disk(centre, x.radius + y.radius + _UNIT * np.abs(centre))
+
+    def sub(self, x: Disk, y: Disk) -> Disk:
+        centre = x.centre - y.centre
+        return Disk(centre, x.radius + y.radius + _UNIT * np.abs(centre))
+
+    def mul(self, x: Disk, y: Disk) -> Disk:
+        a, b = np.abs(x.centre), np.abs(y.centre)
+        return Disk(x.centre * y.centre, a * (y.radius + _UNIT * b) + x.radius * (b + y.radius))
+
+    def div(self, x: Disk, y: Disk) -> Disk:
+        return self.mul(x, self.inverse(y))
+
+    def inverse(self, x: Disk) -> Disk:
+        """Return 1/x: the exact image of a disk is a disk."""
+        size = np.abs(x.centre)
+        room = (size - x.radius) * (size + x.radius)
+        share = x.radius / room
+        return Disk(np.conj(x.centre) / room, np.where(room > 0, share + _UNIT * (share + 1 / size), np.inf))
+
+    def power(self, x: Disk, n: int) -> Disk:
+        if n < 0:
+            return self.inverse(self.power(x, -n))
+        if n == 0:
+            return self.rational(1, 1)
+        size, value = np.abs(x.centre), x.centre**n
+        grown = (size + x.radius) ** n - size**n
+        return Disk(value, grown + n * _UNIT * (size + x.radius) ** n)
+
+    def unary(self, name: str, x: Disk) -> Disk:
+        result: Disk = _FUNCTIONS[name](self, x)
+        return result
+
+    def derivative(self, name: str, x: Disk) -> Disk:
+        """Return Φ′ over a disk."""
+        result: Disk = _SLOPES[name](self, x)
+        return result
+
+    def bend(self, name: str, x: Disk) -> Disk:
+        """Return Φ″ over a disk."""
+        result: Disk = _BENDS[name](self, x)
+        return result
+
+    def shifted(self, x: Disk, by: float) -> Disk:
+        """Return x + by."""
+        centre = x.centre + by
+        return Disk(centre, x.radius + _UNIT * np.abs(centre))
+
+    def times(self, x: Disk, by: complex) -> Disk:
+        """Return by·x."""
+        return Disk(by * x.centre, abs(by) * x.radius + _UNIT * np.abs(by * x.centre))
+
+
+def _abs(_: Disks, x: Disk) -> Disk:
+    """The analytic function ±z, off the imaginary axis."""
+    real = np.real(x.centre)
+    return _where(np.abs(real) > x.radius, Disk(np.where(real < 0, -x.centre, x.centre), x.radius))
+
+
+def _exp(_: Disks, x: Disk) -> Disk:
+    value, most = np.exp(x.centre), np.exp(np.real(x.centre) + x.radius)
+    return Disk(value, most * (-np.expm1(-x.radius) + _UNIT * (1 + np.abs(x.centre))))
+
+
+def _sincos(x: Disk, name: str) -> Disk:
+    """By the addition theorem: |cos z − 1| ≤ cosh r − 1 and |sin z| ≤ sinh r for |z| ≤ r; sinh and cosh alike."""
+    of, other = _PAIR[name]
+    value, beside = of(x.centre), np.abs(other(x.centre))
+    size = np.abs(value)
+    spread = size * 2 * np.sinh(x.radius / 2) ** 2 + beside * np.sinh(x.radius)
+    near = np.minimum(np.abs(x.centre), 1.0)
+    return Disk(value, spread + _UNIT * (1 + np.abs(x.centre)) * (size + near * beside))
+
+
+def _tan(d: Disks, x: Disk) -> Disk:
+    """Tan as −i tanh ix."""
+    turned = _tanh(d, Disk(1j * x.centre, x.radius))
+    return Disk(-1j * turned.centre, turned.radius)
+
+
+def _decaying(d: Disks, x: Disk, n: float) -> tuple[Any, Disk]:
+    """The sign s of Re x and exp(−n s x), which is not above e^(n·radius)."""
+    side = np.where(np.real(x.centre) < 0, -1.0, 1.0)
+    return side, _exp(d, Disk(-n * side * x.centre, n * x.radius))
+
+
+def _tanh(d: Disks, x: Disk) -> Disk:
+    """Tanh as s (2/(1 + u) − 1), u = exp(−2 s x), which does not overflow."""
+    side, u = _decaying(d, x, 2.0)
+    rest = d.shifted(d.times(d.inverse(d.shifted(u, 1.0)), 2.0), -1.0)
+    return Disk(side * rest.centre, rest.radius)
+
+
+def _sech(d: Disks, x: Disk) -> Disk:
+    """Sech as 2u/(1 + u²), u = exp(−s x)."""
+    _, u = _decaying(d, x, 1.0)
+    return d.times(d.mul(u, d.inverse(d.shifted(d.power(u, 2), 1.0))), 2.0)
+
+
+def _off_cut(x: Disk) -> Any:
+    """True where a disk does not meet the negative real axis or 0."""
+    real = np.real(x.centre)
+    return np.where(real > 0, np.abs(x.centre), np.abs(np.imag(x.centre))) > x.radius
+
+
+def _log(_: Disks, x: Disk) -> Disk:
+    value = np.log(x.centre)
+    share = np.minimum(x.radius / np.abs(x.centre), 1.0)
+    return _where(_off_cut(x), Disk(value, -np.log1p(-share) + _UNIT * (1 + np.abs(value))))
+
+
+def _sqrt(_: Disks, x: Disk) -> Disk:
+    share = np.minimum(x.radius / np.abs(x.centre), 1.0)
+    root = np.sqrt(x.centre)
+    return _where(_off_cut(x), Disk(root, np.abs(root) * (share / (1 + np.sqrt(1 - share)) + _UNIT)))
+
+
+def _by_slope(d: Disks, x: Disk, name: str) -> Disk:
+    """By the mean value theorem, f′ known over the disk off the cuts of f."""
+    slope, value = d.derivative(name, x), _NUMPY[name](x.centre)
+    clear = slope.known & _off_cut(_beside(d, x, _CUT[name])) if name in _CUT else slope.known
+    return _where(clear, Disk(value, x.radius * slope.largest + _UNIT * (1 + np.abs(value))))
+
+
+def _root(d: Disks, x: Disk, n: int) -> Disk:
+    """x^(n/2)."""
+    return d.power(_sqrt(d, x), n)
+
+
+def _beside(d: Disks, x: Disk, sign: float) -> Disk:
+    """1 + sign·x²."""
+    return d.shifted(d.times(d.power(x, 2), sign), 1.0)
+
+
+def _hyperbola(d: Disks, x: Disk) -> Disk:
+    """√(x − 1) √(x + 1)."""
+    return d.mul(_sqrt(d, d.shifted(x, -1.0)), _sqrt(d, d.shifted(x, 1.0)))
+
+
+def _sign(x: Disk) -> Disk:
+    real = np.real(x.centre)
+    return _where(np.abs(real) > x.radius, Disk(np.sign(real) + 0j, 0.0 * x.radius))
+
+
+def _neg(x: Disk) -> Disk:
+    return Disk(-x.centre, x.radius)
+
+
+def _paired(name: str) -> Callable[[Disks, Disk], Disk]:
+    return lambda _, x: _sincos(x, name)
+
+
+def _inverse_function(name: str) -> Callable[[Disks, Disk], Disk]:
+    return lambda d, x: _by_slope(d, x, name)
+
+
+_FUNCTIONS: dict[str, Callable[[Disks, Disk], Disk]] = {
+    "neg": lambda _, x: _neg(x), "abs": _abs, "exp": _exp, "log": _log, "sqrt": _sqrt, "tan": _tan, "tanh": _tanh,
+    "sech": _sech,
+    **{name: _paired(name) for name in _PAIR}, **{name: _inverse_function(name) for name in _NUMPY},
+}  # fmt: skip
+_SLOPES: dict[str, Callable[[Disks, Disk], Disk]] = {
+    "abs": lambda _, x: _sign(x),
+    "exp": _exp,
+    "log": Disks.inverse,
+    "sqrt": lambda d, x: d.times(_root(d, x, -1), 0.5),
+    "sin": lambda _, x: _sincos(x, "cos"),
+    "cos": lambda _, x: _neg(_sincos(x, "sin")),
+    "sinh": lambda _, x: _sincos(x, "cosh"),
+    "cosh": lambda _, x: _sincos(x, "sinh"),
+    "tan": lambda d, x: _beside(d, _tan(d, x), 1.0),
+    "tanh": lambda d, x: d.power(_sech(d, x), 2),
+    "sech": lambda d, x: _neg(d.mul(_sech(d, x), _tanh(d, x))),
+    "asin": lambda d, x: _root(d, _beside(d, x, -1.0), -1),
+    "acos": lambda d, x: _neg(_root(d, _beside(d, x, -1.0), -1)),
+    "atan": lambda d, x: d.inverse(_beside(d, x, 1.0)),
+    "asinh": lambda d, x: _root(d, _beside(d, x, 1.0), -1),
+    "acosh": lambda d, x: d.inverse(_hyperbola(d, x)),
+    "atanh": lambda d, x: d.inverse(_beside(d, x, -1.0)),
+}
+_BENDS: dict[str, Callable[[Disks, Disk], Disk]] = {
+    "abs": lambda d, x: d.times(_sign(x), 0.0),
+    "exp": _exp,
+    "log": lambda d, x: _neg(d.power(x, -2)),
+    "sqrt": lambda d, x: d.times(_root(d, x, -3), -0.25),
+    "sin": lambda _, x: _neg(_sincos(x, "sin")),
+    "cos": lambda _, x: _neg(_sincos(x, "cos")),
+    "sinh": lambda _, x: _sincos(x, "sinh"),
+    "cosh": lambda _, x: _sincos(x, "cosh"),
+    "tan": lambda d, x: d.times(d.mul(_tan(d, x), _beside(d, _tan(d, x), 1.0)), 2.0),
+    "tanh": lambda d, x: d.times(d.mul(_tanh(d, x), d.power(_sech(d, x), 2)), -2.0),
+    "sech": lambda d, x: d.mul(_sech(d, x), d.shifted(d.times(d.power(_sech(d, x), 2), -2.0), 1.0)),
+    "asin": lambda d, x: d.mul(x, _root(d, _beside(d, x, -1.0), -3)),
+    "acos": lambda d, x: _neg(d.mul(x, _root(d, _beside(d, x, -1.0), -3))),
+    "atan": lambda d, x: d.times(d.mul(x, d.power(_beside(d, x, 1.0), -2)), -2.0),
+    "asinh": lambda d, x: _neg(d.mul(x, _root(d, _beside(d, x, 1.0), -3))),
+    "acosh": lambda d, x: _neg(d.mul(x, d.power(_hyperbola(d, x), -3))),
+    "atanh": lambda d, x: d.times(d.mul(x, d.power(_beside(d, x, -1.0), -2)), 2.0),
+}

@@ -1,0 +1,316 @@
+"""A formula seen from one place e of its line, over disks: f = uᵏ φ with φ = φ(e) + φ[e, q] u, u = q − e.
+
+What vanishes or has a pole at e keeps its relative accuracy however small u is, and nothing that is common to f(q) and
+f(e) matters. Differences are carried through a formula by Leibniz' rule and through an elementary function Φ by
+
+    (Φ∘f)[e, q] = Φ[f(e), f(q)] f[e, q],   (Φ∘f)[e, e, q] = Φ[f(e), f(q)] f[e, e, q] + f[e, e] f[e, q] Φ[f(e), f(e),
+    f(q)]
+
+(Krawczyk & Neumaier, SIAM J. Numer. Anal. 22 (1985) 604); a difference of Φ is a quotient or a mean value over the
+hull, whichever is narrower. Poles and zeros of the parts of a formula are taken out where their orders are known.
+
+The place may be infinity, with u = 1/q, or with u = e^{−c|q|}: q itself has no series in that u, but exp(aq + b) is
+e^b times a power of it. So what is linear in q is kept as a and b.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass, field
+from fractions import Fraction
+from math import lcm
+from typing import Any, NamedTuple
+
+import numpy as np
+
+from hjsolve.numeric.arithmetic import by_squaring
+from hjsolve.numeric.disks import Disk, Disks, hull, tighter
+from hjsolve.numeric.tape import Tape
+
+_DISKS = Disks()
+_EXPONENTIAL = frozenset({"exp", "sinh", "cosh", "tanh", "sech"})
+_HIGHEST = 48
+"""Of the powers of one exponential."""
+ZERO = "zero"
+"""In place of an order: the number is exactly 0."""
+
+
+class Local(NamedTuple):
+    """f = uᵏ φ: φ(q), φ[e, q], φ[e, e, q], as many as are known; the first element of each array is at q = e.
+
+    ``constant``: f does not depend on q, and all further differences are 0. ``line``: a and b where f = a q + b, known
+    only with exponentials.
+    """
+
+    order: int
+    parts: tuple[Disk, ...]
+    constant: bool = False
+    line: tuple[Disk, Disk] | None = None
+
+
+def _after(base: Disk, cells: Disk) -> Disk:
+    """The cells with the base before them."""
+    return Disk(np.append(base.centre, cells.centre), np.append(base.radius, cells.radius))
+
+
+def _negative(x: Disk) -> Disk:
+    return Disk(-x.centre, x.radius)
+
+
+def _at_base(x: Disk) -> Disk:
+    """The element that belongs to q = e."""
+    return Disk(np.ravel(x.centre)[0], np.ravel(x.radius)[0])
+
+
+@dataclass
+class Locals:
+    """Arithmetic on ``Local``.
+
+    Attributes:
+        offset: u over all cells; its first element is 0.
+        depth: greatest order of a difference that is kept, 1 or 2.
+        rate: −c·sign q where u = e^{−c|q|}, else 0.
+        orders: of the slots of the tape that is run, in their order; None for one that is not known. Empty: none is.
+        q: the cells, the first element of no meaning, where u is an exponential.
+    """
+
+    offset: Disk
+    depth: int
+    orders: Sequence[Any] = ()
+    rate: float = 0.0
+    q: Disk | None = None
+    _count: int = field(default=0)
+
+    def constant(self, value: Disk) -> Local:
+        """Return a number that does not depend on q."""
+        return Local(0, (value,), constant=True)
+
+    def variable(self, base: Disk, sign: float, q: Disk | None = None, *, centred: bool = False) -> Local:
+        """Return q = e + sign·u; the cells themselves may be known more closely.
+
+        With e = 0, ``centred``, it is of first order.
+        """
+        slope = self._full(sign)
+        if centred:
+            return Local(1, (slope, *(self._full(0.0) for _ in range(self.depth))))
+        value = _DISKS.add(base, _DISKS.mul(slope, self.offset))
+        if q is not None:
+            value = tighter(value, _after(base, q))
+        return Local(0, (value, slope, *(self._full(0.0) for _ in range(self.depth - 1))))
+
+    def inverse_variable(self, sign: float) -> Local:
+        """Return q = sign/u: the place is infinity."""
+        return Local(-1, (self._full(sign), *(self._full(0.0) for _ in range(self.depth))))
+
+    def exponent(self) -> Local:
+        """Return q where u is an exponential."""
+        assert self.q is not None
+        return Local(0, (self.q,), line=(_DISKS.rational(1, 1), _DISKS.rational(0, 1)))
+
+    def _full(self, value: float) -> Disk:
+        return Disk(np.full(np.shape(self.offset.radius), value, dtype=complex), np.zeros(np.shape(self.offset.radius)))
+
+    # ------------------------------------------------------------------ what a tape calls: one result a slot
+
+    def rational(self, numerator: int, denominator: int) -> Local:
+        return self._told(self.constant(_DISKS.rational(numerator, denominator)))
+
+    def pi(self) -> Local:
+        return self._told(self.constant(_DISKS.pi()))
+
+    def add(self, x: Local, y: Local) -> Local:
+        return self._told(self._add(x, y))
+
+    def sub(self, x: Local, y: Local) -> Local:
+        return self._told(self._add(x, self._negative(y)))
+
+    def mul(self, x: Local, y: Local) -> Local:
+        return self._told(self._mul(x, y))
+
+    def div(self, x: Local, y: Local) -> Local:
+        return self._told(self._mul(x, self._inverse(y)))
+
+    def power(self, x: Local, n: int) -> Local:
+        if n == 0:
+            return self._told(self.constant(_DISKS.rational(1, 1)))
+        base = self._inverse(x) if n < 0 else x
+        result = by_squaring(self._mul, base, abs(n))
+        if not x.constant:  # a power of a disk is narrower than its product with itself
+            result = result._replace(parts=(_DISKS.power(base.parts[0], abs(n)), *result.parts[1:]))
+        return self._told(result)
+
+    def unary(self, name: str, x: Local) -> Local:
+        return self._told(self._negative(x) if name == "neg" else self._unary(name, x))
+
+    # ------------------------------------------------------------------ orders
+
+    def _told(self, x: Local) -> Local:
+        """Take out what is known of the order of this slot."""
+        if not self.orders:
+            return x
+        known = self.orders[self._count]
+        self._count += 1
+        if known == ZERO:
+            return self.constant(_DISKS.rational(0, 1))
+        if known is None or x.constant:
+            return x
+        while known > x.order and len(x.parts) > 1:  # φ(e) = 0
+            x = Local(x.order + 1, x.parts[1:])
+        return self.lowered(x, known) if known < x.order else x
+
+    def lowered(self, x: Local, order: int) -> Local:
+        """Return the same with φ multiplied by a power of u."""
+        n = x.order - order
+        if n == 0:
+            return x
+        powers = [_DISKS.power(self.offset, n - i) for i in range(min(n, self.depth + 1))]
+        parts = [_DISKS.mul(power, x.parts[0]) for power in powers]
+        if n <= self.depth:
+            parts += x.parts[: self.depth + 1 - n]
+        return Local(order, tuple(parts))
+
+    # ------------------------------------------------------------------ the arithmetic
+
+    def _negative(self, x: Local) -> Local:
+        line = x.line and (_negative(x.line[0]), _negative(x.line[1]))
+        return x._replace(parts=tuple(map(_negative, x.parts)), line=line)
+
+    def _add(self, x: Local, y: Local) -> Local:
+        if x.constant and y.constant:
+            return self.constant(_DISKS.add(x.parts[0], y.parts[0]))
+        if not self.rate:
+            return self._sum(x, y)
+        one, other = (part.line or (_DISKS.rational(0, 1), part.parts[0]) for part in (x, y))
+        known = all(part.line or part.constant for part in (x, y))
+        line = (_DISKS.add(one[0], other[0]), _DISKS.add(one[1], other[1])) if known else None
+        return self._sum(x, y)._replace(line=line)
+
+    def _sum(self, x: Local, y: Local) -> Local:
+        if x.constant:
+            x, y = y, x
+        if y.constant and x.order == 0:
+            return x._replace(parts=(_DISKS.add(x.parts[0], y.parts[0]), *x.parts[1:]))
+        y = self._opened(y)
+        order = min(x.order, y.order)
+        x, y = self.lowered(x, order), self.lowered(y, order)
+        return Local(order, tuple(_DISKS.add(a, b) for a, b in zip(x.parts, y.parts, strict=False)))
+
+    def _opened(self, x: Local) -> Local:
+        if not x.constant:
+            return x
+        value = Disk(np.broadcast_to(x.parts[0].centre, np.shape(self.offset.radius)),
+                     np.broadcast_to(x.parts[0].radius, np.shape(self.offset.radius)))  # fmt: skip
+        return Local(0, (value, *(self._full(0.0) for _ in range(self.depth))))
+
+    def _mul(self, x: Local, y: Local) -> Local:
+        d = _DISKS
+        if y.constant:
+            x, y = y, x
+        if x.constant:
+            line = y.line and (d.mul(x.parts[0], y.line[0]), d.mul(x.parts[0], y.line[1]))
+            return y._replace(parts=tuple(d.mul(x.parts[0], part) for part in y.parts), line=line)
+        parts = [d.mul(x.parts[0], y.parts[0])]
+        known = min(len(x.parts), len(y.parts))
+        bases = [_at_base(part) for part in x.parts[: known - 1]]
+        for i in range(1, known):
+            total = d.mul(x.parts[i], y.parts[0])
+            for l in range(i):
+                total = d.add(total, d.mul(bases[l], y.parts[i - l]))
+            parts.append(total)
+        return Local(x.order + y.order, tuple(parts))
+
+    def _inverse(self, x: Local) -> Local:
+        """1/f: f·(1/f) = 1 and Leibniz' rule."""
+        d = _DISKS
+        value = d.inverse(x.parts[0])
+        if x.constant:
+            return self.constant(value)
+        parts = [value]
+        base = _at_base(value)
+        if len(x.parts) > 1:
+            parts.append(_negative(d.mul(d.mul(base, value), x.parts[1])))
+        if len(x.parts) > 2:  # (1/f)[e, e, q] = (f[e, e] f[e, q] − f(e) f[e, e, q]) / (f(e)² f(q))
+            inner = d.sub(d.mul(_at_base(x.parts[1]), x.parts[1]), d.mul(_at_base(x.parts[0]), x.parts[2]))
+            parts.append(d.mul(d.mul(d.mul(base, base), value), inner))
+        return Local(-x.order, tuple(parts))
+
+    def _unary(self, name: str, x: Local) -> Local:
+        d = _DISKS
+        if x.constant:
+            return self.constant(d.unary(name, x.parts[0]))
+        if x.line is not None and name in _EXPONENTIAL:
+            return self._exponential(name, x.line)
+        if name == "sqrt" and x.order % 2 == 0:
+            return self._composed(name, Local(0, x.parts))._replace(order=x.order // 2)
+        if name == "log" and x.order:
+            return self._logarithm(x)
+        if x.order < 0:  # no expansion; its values where u is not 0
+            return Local(0, (d.unary(name, d.mul(x.parts[0], d.power(self.offset, x.order))),))
+        return self._composed(name, self.lowered(x, 0))
+
+    def _exponential(self, name: str, line: tuple[Disk, Disk]) -> Local:
+        """e^{aq + b} = uᵏ e^{b + …}, and what is made of it."""
+        d = _DISKS
+        if name == "tanh":
+            return self._mul(self._exponential("sinh", line), self._inverse(self._exponential("cosh", line)))
+        if name == "sech":
+            return self._inverse(self._exponential("cosh", line))
+        if name == "exp":
+            order = round(float(np.real(line[0].centre)) / self.rate)
+            left = d.mul(d.shifted(line[0], -order * self.rate), self.exponent().parts[0])
+            return Local(order, (d.unary("exp", d.add(left, line[1])), *(self._full(0.0) for _ in range(self.depth))))
+        up, down = (self._exponential("exp", ends) for ends in (line, (_negative(line[0]), _negative(line[1]))))
+        both = self._sum(up, down if name == "cosh" else self._negative(down))
+        return both._replace(parts=tuple(d.times(part, 0.5) for part in both.parts))
+
+    def _logarithm(self, x: Local) -> Local:
+        d = _DISKS
+        log = d.times(self.exponent().parts[0], self.rate) if self.rate else d.unary("log", self.offset)
+        return Local(0, (d.add(d.mul(d.rational(x.order, 1), log), d.unary("log", x.parts[0])),))
+
+    def _composed(self, name: str, x: Local) -> Local:
+        d, f = _DISKS, x.parts
+        value = d.unary(name, f[0])
+        if len(f) == 1:
+            return Local(0, (value,))
+        f0, at0 = _at_base(f[0]), _at_base(value)
+        gap, both = d.sub(f[0], f0), hull(f[0], f0)
+        first = tighter(d.div(d.sub(value, at0), gap), d.derivative(name, both))
+        parts = [value, d.mul(first, f[1])]
+        if len(f) > 2:
+            close = d.times(d.bend(name, both), 0.5)
+            second = tighter(d.div(d.sub(first, _at_base(first)), gap), close)
+            parts.append(d.add(d.mul(first, f[2]), d.mul(d.mul(_at_base(f[1]), f[1]), second)))
+        return Local(0, tuple(parts))
+
+
+def _unit(rates: list[float]) -> float:
+    """The largest number of which all are multiples, 0 where there is none or the multiples are high."""
+    least = min((abs(a) for a in rates if a), default=0.0)
+    if not least:
+        return 0.0
+    ratios = [Fraction(a / least).limit_denominator(_HIGHEST) for a in rates]
+    if any(abs(r * least - a) > 1e-12 * abs(a) for r, a in zip(ratios, rates, strict=True)):
+        return 0.0
+    common = lcm(*(r.denominator for r in ratios))
+    return least / common if max(abs(r) for r in ratios) * common <= _HIGHEST else 0.0
+
+
+@dataclass
+class _Listening(Locals):
+    """The same, writing down the rates of all exponentials."""
+
+    heard: list[float] = field(default_factory=list)
+
+    def _exponential(self, name: str, line: tuple[Disk, Disk]) -> Local:  # noqa: ARG002  (asked like the others)
+        self.heard.append(float(np.real(line[0].centre)))
+        return Local(0, (_DISKS.rational(1, 1),))
+
+
+def exponential_unit(tapes: Sequence[Tape], inputs: list[Disk]) -> float:
+    """Return c such that all exponentials of linear forms are powers of e^{cq}; 0 where there is none."""
+    place = Disk(np.array([0.0, 1.0]), np.array([0.0, 0.0]))
+    listening = _Listening(place, 1, rate=1.0, q=place)
+    for tape in tapes:
+        tape.run(listening, [listening.exponent(), *map(listening.constant, inputs)])
+    return _unit(listening.heard)

@@ -1,0 +1,40 @@
+"""How fast something grows towards infinity: monomials in e^{λs}, s and log s, and what is left beside them."""
+
+from __future__ import annotations
+
+from typing import Any, NamedTuple
+
+
+class UnknownGrowthError(Exception):
+    """Nothing is known of a formula for all s ≥ Q."""
+
+
+class Monomial(NamedTuple):
+    """e^{λs} sᵏ (log s)ᵐ; greater is what grows faster."""
+
+    rate: Any
+    power: Any
+    logs: Any
+
+    def times(self, other: Monomial, n: float = 1.0) -> Monomial:
+        """Return self·otherⁿ."""
+        return Monomial(*(a + n * b for a, b in zip(self, other, strict=True)))
+
+
+class Range(NamedTuple):
+    """The remainder: a monomial and what it is multiplied by."""
+
+    monomial: Monomial
+    low: float
+    high: float
+
+    @property
+    def size(self) -> float:
+        return max(abs(self.low), abs(self.high))
+
+
+class Growth(NamedTuple):
+    """Terms, the fastest first, and the remainder."""
+
+    terms: tuple[tuple[Monomial, Any], ...]
+    rest: Range | None = None

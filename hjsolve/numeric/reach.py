@@ -1,0 +1,142 @@
+"""How long the next panel of an open motion may be: as long as its integrands are proved to be analytic around it.
+
+A series through n Chebyshev points of a panel misses a function that is analytic and at most M in the ellipse of
+parameter ρ about the panel by no more than 4 M ρ^(1−n)/(ρ − 1) (Trefethen, Approximation Theory and Approximation
+Practice (2013), theorem 8.2). The ellipse is covered by disks (``numeric.sectors``) and the integrands are enclosed
+over
+them (``numeric.surroundings``): where p² and the kernels are bounded and p² has no zero, all integrands are analytic,
+and the disks bound them. Nothing can hide between the nodes, however narrow it is.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from dataclasses import dataclass
+from typing import Any, NamedTuple
+
+import numpy as np
+
+from hjsolve.numeric.disks import Disk
+from hjsolve.numeric.sectors import RHO, Sectors, around, joined, real_lengths
+
+_OCTAVES, _DEEPEST = 12, 12
+"""How many times smaller than the longest panel the core is, in powers of two, and how often that is done."""
+_ROUNDS = 3
+"""How often the sectors that limit a panel are quartered."""
+_WORTH = 2.5
+"""Sectors are quartered up to so many times the panel that the nearest one allows."""
+_SHORT = 1 / 64
+"""Of the longest panel; where one is shorter, the surroundings are looked at with all care."""
+_SHARES = 0.84 ** np.arange(13)
+"""Parts of the longest panel that is proved, from which the one with the fewest nodes for its length is taken."""
+_MOST_NODES = 2.0
+"""Nodes, over those for integrands that are no larger in the ellipse than on the panel."""
+_NOTHING = 1e-290
+"""A bound below this is that of an integrand which is 0: the rounding of disks."""
+_LOSS = float(np.log(4 * RHO / (RHO - 1)))
+
+
+class Sizes(NamedTuple):
+    """Bounds of the integrands over some sectors, infinite where nothing is known, and their size inside, roughly.
+
+    Both of shape (integrands, sectors).
+    """
+
+    most: Any
+    inside: Any
+
+
+Surroundings = Callable[[Disk, bool], Sizes]
+"""Disks of y − y₀ ↦ what the integrands are there; False quickly, True with all care."""
+
+
+@dataclass(frozen=True)
+class Reach:
+    """A panel: its length, bounds of all integrands in the ellipse about it, and the nodes that are thought to do."""
+
+    length: float
+    most: Any
+    nodes: int
+
+    def nodes_for(self, sizes: list[Any], digits: int) -> int:
+        """Return the nodes that miss no integrand by more than 10^−(digits + 1) of its size, proved."""
+        pairs = zip(self.most, sizes, strict=True)
+        excess = max((float(np.log(most)) - _log(size) for most, size in pairs if size), default=0.0)
+        return nodes_for(excess, digits)
+
+
+def _log(x: Any) -> float:
+    return float(x.context.log(x))
+
+
+def nodes_for(excess: float, digits: int) -> int:
+    """Nodes for an error of 10^−(digits + 1), relative, where the bound is e^excess times the size."""
+    return int(np.ceil((max(excess, 0.0) + _LOSS + (digits + 1) * np.log(10)) / np.log(RHO))) + 1
+
+
+def longest(surroundings: Surroundings, most: float, digits: int) -> Reach | None:
+    """Return the panel that is worth most; None where none can be proved.
+
+    Args:
+        surroundings: of the place where the panel begins.
+        most: greatest length.
+        digits: relative digits wanted.
+    """
+    for _ in range(_DEEPEST):
+        found = _within(surroundings, most, digits)
+        if found is not None:
+            return found
+        most *= 2.0**-_OCTAVES
+    return None
+
+
+def _within(surroundings: Surroundings, most: float, digits: int) -> Reach | None:
+    """The same, not shorter than most/2^``_OCTAVES``."""
+    sectors = around(_OCTAVES).scaled(most)
+    sizes = surroundings(sectors.disks(), False)
+    careful = False
+    for turn in range(_ROUNDS + 1):
+        bad = ~np.all(np.isfinite(sizes.most), axis=0)
+        lengths = sectors.lengths()
+        length = float(np.min(lengths[bad], initial=most))
+        if turn == _ROUNDS or length >= most:
+            break
+        least = most * 2.0**-_OCTAVES
+        if length < _SHORT * most and not careful:
+            careful = True
+            sizes = _again(surroundings, sectors, sizes, bad & (lengths < _WORTH * _SHORT * most))
+            continue
+        if length == 0:
+            break
+        limiting = bad & (lengths < _WORTH * max(length, least))
+        parts = sectors.chosen(limiting).quartered()
+        finer = surroundings(parts.disks(), careful)
+        sectors = joined(sectors.chosen(~limiting), parts)
+        sizes = Sizes(*(np.concatenate([a[:, ~limiting], b], axis=1) for a, b in zip(sizes, finer, strict=True)))
+    return _best(sectors, sizes, length, digits) if length > 0 else None
+
+
+def _again(surroundings: Surroundings, sectors: Sectors, sizes: Sizes, which: Any) -> Sizes:
+    """The same with all care taken over some sectors."""
+    again = surroundings(sectors.chosen(which).disks(), True)
+    most, inside = sizes.most.copy(), sizes.inside.copy()
+    most[:, which], inside[:, which] = again.most, again.inside
+    return Sizes(most, inside)
+
+
+def _best(sectors: Sectors, sizes: Sizes, length: float, digits: int) -> Reach:
+    """Of the panels up to a length, the one with the fewest nodes for its length."""
+    order = np.argsort(sectors.lengths())
+    met = sectors.lengths()[order]
+    most = np.maximum.accumulate(sizes.most[:, order], axis=1)
+    inside = np.maximum.accumulate(np.where(sectors.first[order] == 0, sizes.inside[:, order], 0.0), axis=1)
+    steps = length * _SHARES
+    outer = np.searchsorted(met, steps) - 1
+    inner = np.searchsorted(met, real_lengths(steps)) - 1
+    with np.errstate(divide="ignore", invalid="ignore"):
+        excess = np.nan_to_num(np.log(most[:, outer] / inside[:, inner]), nan=0.0, posinf=700.0, neginf=0.0)
+    excess[most[:, outer] < _NOTHING] = 0.0
+    nodes = np.array([nodes_for(x, digits) for x in np.max(excess, axis=0)])
+    dear = nodes > _MOST_NODES * nodes_for(0.0, digits)
+    best = int(np.argmin(np.where(dear, 1e3, 1.0) * nodes / steps))
+    return Reach(float(steps[best]), most[:, outer[best]], int(nodes[best]))

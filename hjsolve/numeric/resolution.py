@@ -1,0 +1,352 @@
+"""How many nodes resolve a motion, proved: nothing can hide between them.
+
+Over an anomaly χ the integrands of a bounded motion are periodic. If one is analytic in the strip |Im χ| ≤ a and at
+most M there, its Fourier coefficients are at most 2M e^{−ak}, so that N nodes over half a turn of an even function (2N
+over a turn) give it everywhere to within 4M e^{−aN}/(1 − e^{−a}) (Trefethen & Weideman, SIAM Review 56 (2014) 385,
+Theorem 3.1). The strip is proved by covering it with disks: over each the regular factor R of p² is evaluated in disk
+arithmetic (``numeric.deflated``), and where every operation is defined and 0 is not in the disk of R, all integrands
+are analytic. Squares that cannot be decided are divided; one that still cannot be decided when it is small against its
+height bounds the strip from above. A dip, a step or a pole of whatever width is in the formula, so it is in the disks.
+"""
+
+from __future__ import annotations
+
+import math
+from dataclasses import dataclass
+from typing import Any, NamedTuple
+
+import numpy as np
+
+from hjsolve.numeric.complex_maps import ComplexPlace, complex_place
+from hjsolve.numeric.counting import count
+from hjsolve.numeric.deflated import Deflated, Points, deflated
+from hjsolve.numeric.disks import Disk, Disks
+from hjsolve.numeric.radicand import Radicand
+from hjsolve.numeric.reciprocals import without_overflow
+from hjsolve.numeric.stretch import Stretched
+from hjsolve.numeric.tape import Bound
+
+_DISKS, _POINTS = Disks(), Points()
+_CIRCLE = np.exp(2j * np.pi * np.arange(20) / 20)
+_WIDER = 1.7
+"""The disk over which a formula is enclosed, in units of the one over which its series is taken."""
+_EDGE = np.exp(2j * np.pi * (np.arange(8) + 0.5) / 8)
+_MARGIN = 1.2
+"""The radius of a map's image over the greatest distance seen at eight points of the edge."""
+_ROUNDING = 2.0**-40
+"""Rounding of a value at a point, relative to the bound of the formula as it stands, with room to spare."""
+_HIGHEST, _LOWEST = 3.2, 1e-7
+"""Half widths of a strip that are tried: 12 nodes need no more than the highest."""
+_HEIGHTS = _HIGHEST * 0.85 ** np.arange(30)[::-1]
+"""Half widths at which points are tried first."""
+_WIDE = 0.7
+"""Half width from which on the nodes are so few that a wider strip would cost more than it saves."""
+_FIRST, _ROWS, _HIGH = 0.85, 4, 0.7
+"""Part of such a half width that is to be proved; rows of squares; part of it that is enough."""
+_CONE = 1.0
+"""Slope of the cone over an obstacle."""
+_COARSE, FINE = 0.15, 0.05
+"""A square of that share of its height which cannot be decided bounds the strip; where many nodes are at stake."""
+_MOST_PLACES = 12
+"""Rough places through which a phase is stretched; where there are more, the nodes are spaced evenly."""
+_MOST, _MOST_SEARCHED, _MOST_FOUND = 40000, 12000, 400
+"""Squares evaluated before a strip is taken as it is, or a search for obstacles is given up; most obstacles."""
+
+
+class Strip(NamedTuple):
+    """Proved: over |Im χ| ≤ width the integrands are analytic.
+
+    Attributes:
+        width: half width of the strip.
+        growth: the greatest ln(M/size) of an integrand, size being what it reaches on the real axis.
+    """
+
+    width: float
+    growth: float
+
+    def nodes(self, digits: int) -> int:
+        """Return the nodes, for half a turn, that leave less than 10^−(digits + 1) of the size."""
+        wanted = (digits + 1) * math.log(10) + self.growth + math.log(4 / -math.expm1(-self.width))
+        return math.ceil(wanted / self.width)
+
+
+@dataclass(frozen=True)
+class Integrands:
+    """What is to be resolved, bound to the constants of a motion.
+
+    Attributes:
+        anomaly: the map.
+        squared: p², by its second difference for a libration.
+        kernels: those that are integrated, in disks; and in complex doubles.
+    """
+
+    anomaly: Any
+    squared: Deflated | tuple[Bound, Bound]
+    kernels: tuple[Bound, Bound]
+
+    def over(self, seen: _Image) -> tuple[list[Disk], Any]:
+        """Enclose R and the kernels over disks; and where R is a quotient, see ``Deflated.over``."""
+        divided: Any = False
+        if isinstance(self.squared, Deflated):
+            factor, divided = self.squared.over(seen.q, seen.from_lower, seen.from_upper)
+        else:
+            factor = self.squared[0].run(seen.q)[0]
+        return [factor, *self.kernels[0].run(seen.q)], divided
+
+    def at(self, seen: ComplexPlace, divided: Any = False) -> list[Any]:
+        """Return R and the kernels at points."""
+        if isinstance(self.squared, Deflated):
+            factor = self.squared.at(seen.q, seen.from_lower, -seen.to_upper, divided)
+        else:
+            factor = self.squared[1].run(seen.q)[0]
+        return [factor, *self.kernels[1].run(seen.q)]
+
+
+def integrands(
+    anomaly: Any, radicand: Radicand, skipped: tuple[bool, ...], parts: frozenset[str], bits: int
+) -> Integrands:
+    """Bind the formulas of a motion to its constants."""
+    exact = radicand.inputs(bits)
+    points, numbers = [_DISKS.point(x) for x in exact], [float(x) for x in exact]
+    squared, kernels = without_overflow(radicand.squared), without_overflow(radicand.kernels)
+    kernels = kernels.only(*(j for j, skip in enumerate(skipped) if not skip and "time" in parts))
+    with np.errstate(all="ignore"):
+        both = kernels.bind(_DISKS, points), kernels.bind(_POINTS, numbers)
+        if not anomaly.even:
+            return Integrands(anomaly, (squared.bind(_DISKS, points), squared.bind(_POINTS, numbers)), both)
+        inner = getattr(anomaly, "inner", anomaly)
+        ends = (_DISKS.point(x) for x in (inner.lower, inner.upper, inner.width))
+        return Integrands(anomaly, deflated(squared, points, *ends), both)
+
+
+class Squares(NamedTuple):
+    """Squares of the strip [x, x + side] × i[y, y + side], arrays of one shape."""
+
+    x: Any
+    y: Any
+    side: Any
+
+    @property
+    def top(self) -> Any:
+        return self.y + self.side
+
+    @staticmethod
+    def none() -> Squares:
+        return Squares(*(np.zeros(0) for _ in range(3)))
+
+    def beside(self, others: Squares) -> Squares:
+        return Squares(*(np.concatenate(pair) for pair in zip(self, others, strict=True)))
+
+    def chosen(self, which: Any) -> Squares:
+        return Squares(*(part[which] for part in self))
+
+    def divided(self) -> Squares:
+        half = self.side / 2
+        return Squares(
+            np.concatenate([self.x, self.x + half, self.x, self.x + half]),
+            np.concatenate([self.y, self.y, self.y + half, self.y + half]),
+            np.concatenate([half] * 4),
+        )
+
+
+def strip(subject: Integrands, digits: int, coarse: float = _COARSE, *, zeros: bool = True) -> Strip | None:
+    """Find a strip in which the integrands are analytic, as wide as disks can prove.
+
+    Args:
+        subject: the integrands.
+        digits: for which the strip should need few nodes.
+        coarse: a square of that share of its height which cannot be decided bounds the strip.
+        zeros: False to let R have zeros in the strip: then R and the kernels are analytic in it, and the growth is
+            theirs, but not the integrands. Where doubles cannot tell R from 0, next to a separatrix, this is what
+            they can prove; a zero of R shows in the values of R at the nodes, which tell all of R.
+
+    Returns:
+        The strip that needs the fewest nodes; None where no strip could be proved in doubles.
+    """
+    cap = _foreseen(subject) if zeros else _HIGHEST / 2
+    high = _HIGH * cap if cap > _WIDE and coarse == _COARSE else cap
+    done: list[tuple[Any, Any]] = []
+    size, work = np.zeros(len(subject.kernels[0].outputs) + (2 if zeros else 1)), 0
+    todo, waiting = _covering(subject, cap), Squares.none()
+    while todo.x.size and cap > 0:
+        work += todo.x.size
+        logs, here = _sizes(subject, todo, zeros=zeros)
+        fine = np.isfinite(logs).all(axis=0)
+        size = np.maximum(size, here)
+        done.append((todo.y[fine], logs[:, fine]))
+        left = todo.chosen(~fine)
+        hopeless = _hopeless(left, coarse) | ((left.y >= high) & (len(done) > 1)) | (work > _MOST)
+        cap = min([cap, *left.y[hopeless]])
+        left = left.chosen(~hopeless).beside(waiting)
+        left = left.chosen(left.y < cap)
+        low = left.y < 2 * np.min(left.top, initial=cap)
+        todo, waiting = left.chosen(low).divided(), left.chosen(~low)
+        todo = todo.chosen(todo.y < cap)
+    if cap <= 0:
+        return None
+    return _cheapest(cap, np.concatenate([y for y, _ in done]), np.hstack([logs for _, logs in done]), size, digits)
+
+
+def obstacles(subject: Integrands) -> list[tuple[float, float]] | None:
+    """Find where the integrands may be singular next to the real axis: the places a change of variable must spread.
+
+    A square that cannot be decided and is small against its height is an obstacle; what lies straight above a square
+    that is not decided either waits, and what lies above the cone over an obstacle is not looked at.
+
+    Returns:
+        (Re χ, Im χ) of obstacles, the lowest first; None where they are too many, or one is as good as real.
+    """
+    found, work = np.zeros((2, 0)), 0
+    todo, waiting = _covering(subject, _HIGHEST / 4), Squares.none()
+    while todo.x.size:
+        work += todo.x.size
+        fine = np.isfinite(_sizes(subject, todo)[0]).all(axis=0)
+        left = todo.chosen(~fine).beside(waiting)
+        above = _over(left, left.x + left.side / 2, left.y, left.side / 2, 0.0)
+        left, waiting = left.chosen(~above), left.chosen(above)
+        hopeless = _hopeless(left)
+        if work > _MOST_SEARCHED or found.shape[1] > _MOST_FOUND or np.any(left.y[hopeless] == 0):
+            return None
+        found = np.concatenate([found, np.stack([left.x + left.side / 2, left.y])[:, hopeless]], axis=1)
+        todo = left.chosen(~hopeless).divided()
+        todo, waiting = (part.chosen(~_over(part, found[0], found[1], 0.0, _CONE)) for part in (todo, waiting))
+        if not todo.x.size:
+            todo, waiting = waiting, Squares.none()
+    order = np.argsort(found[1])
+    return [(float(x), float(y)) for x, y in found[:, order].T]
+
+
+def _over(squares: Squares, x: Any, y: Any, half: Any, cone: float) -> Any:
+    """True for squares above one of the places (x ± half, y), or above the cone over it."""
+    beside = np.abs(squares.x + squares.side / 2 - x[:, None])
+    rise = squares.y - y[:, None]
+    if cone:
+        return (rise > cone * beside).any(axis=0)
+    return ((rise > 0) & (beside < 0.99 * (squares.side / 2 + np.reshape(half, (-1, 1))))).any(axis=0)
+
+
+def rough_places(subject: Integrands) -> list[tuple[float, float]] | None:
+    """Choose the obstacles that explain all others: what lies as high as half its distance from one of them is its.
+
+    Returns:
+        (χₖ, δₖ), the distance from the real axis below 1; None where they are too many or cannot be told in doubles.
+    """
+    chosen: list[tuple[float, float]] = []
+    for x, y in obstacles(subject) or []:
+        if y < 1 and all(y < 0.5 * math.hypot(_apart(x - other, subject), height) for other, height in chosen):
+            chosen.append((x, y))
+    return chosen if len(chosen) <= _MOST_PLACES else None
+
+
+def _apart(x: float, subject: Integrands) -> float:
+    """The distance of two phases of a circle."""
+    return abs(x) if subject.anomaly.even else abs(math.remainder(x, 2 * math.pi))
+
+
+def _covering(subject: Integrands, height: float) -> Squares:
+    """Squares that cover the strip up to a height, of a quarter of its size."""
+    begin, length = (0.0, np.pi) if subject.anomaly.even else (-np.pi, 2 * np.pi)
+    columns = math.ceil(_ROWS * length / height)
+    side = length / columns
+    x, y = np.meshgrid(begin + side * np.arange(columns), side * np.arange(math.ceil(height / side)))
+    return Squares(x.ravel(), y.ravel(), np.full(x.size, side))
+
+
+def _hopeless(squares: Squares, coarse: float = _COARSE) -> Any:
+    return squares.side <= np.maximum(coarse * squares.y, _LOWEST)
+
+
+def _foreseen(subject: Integrands) -> float:
+    """A half width to begin with: the greatest at which R does not yet turn round 0, as points tell."""
+    begin, turn = (0.0, 1) if subject.anomaly.even else (-np.pi, 2)
+    columns = 192 if isinstance(subject.anomaly, Stretched) else 12
+    χ = np.linspace(begin, np.pi, turn * columns + 1) + 1j * _HEIGHTS[:, None]
+    with np.errstate(all="ignore"):
+        factor = np.broadcast_to(subject.at(complex_place(subject.anomaly, χ))[0], χ.shape)
+        turns = np.sum(np.angle(factor[:, 1:] / factor[:, :-1]), axis=1)
+        clear = np.cumprod(np.isfinite(turns) & (np.abs(turns) < 1)).astype(bool)
+    found = float(np.max(_HEIGHTS[clear], initial=_HEIGHTS[0]))
+    return found * _FIRST if found > _WIDE else found
+
+
+def _cheapest(cap: float, y: Any, logs: Any, size: Any, digits: int) -> Strip:
+    """The strip, of all that are proved, that needs the fewest nodes."""
+    with np.errstate(all="ignore"):
+        excess = np.max(np.where(size[:, None] > 0, logs - np.log(size)[:, None], -np.inf), axis=0, initial=0.0)
+    order = np.argsort(y)
+    heights, growths = y[order], np.maximum.accumulate(excess[order])
+    edges = np.unique(heights[(heights > 0) & (heights < cap)])
+    found = [Strip(float(h), float(growths[np.searchsorted(heights, h, side="left") - 1])) for h in (*edges, cap)]
+    return min(found, key=lambda s: s.nodes(digits))
+
+
+def _sizes(subject: Integrands, squares: Squares, *, zeros: bool = True) -> tuple[Any, Any]:
+    """The logarithm of the greatest size of each integrand over squares, not finite where unknown; sizes on the axis.
+
+    A square lies in a disk of radius ρ; over that of radius ``_WIDER``·ρ the formulas are enclosed as they
+    stand, which shows that they are analytic there and bounds them, be it far from sharply. So the power series of an
+    integrand about the centre is known from values at points of the circle: what they do not tell is less than
+    2Bt^n/(1 − t) for n points, t = 1/``_WIDER`` and the bound B, and the values themselves suffer from no dependency.
+    """
+    χ = squares.x + squares.side / 2 + 1j * (squares.y + squares.side / 2)
+    radius = squares.side * 0.7072
+    count(squares=χ.size * (len(_CIRCLE) + 1))
+    with np.errstate(all="ignore"):
+        disks, divided = subject.over(_image(subject.anomaly, χ, _WIDER * radius))
+        bounds = [x.largest + 0 * radius for x in disks]
+        points = complex_place(subject.anomaly, χ + radius * _CIRCLE[:, None])
+        (centre, spread), *weights = (
+            _series(values, bound) for values, bound in zip(subject.at(points, divided), bounds, strict=True)
+        )
+        if not zeros:
+            logs = np.log(np.maximum(np.stack(bounds), 1e-300))
+            axis = np.isfinite(logs).all(axis=0) & (squares.y == 0)
+            usual = np.stack([np.broadcast_to(c, radius.shape) for c in (centre, *(c for c, _ in weights))])
+            return logs, np.max(np.where(axis & np.isfinite(usual), usual, 0.0), axis=1, initial=0.0)
+        least, most = centre - spread, centre + spread
+        known = np.isfinite(np.stack(bounds)).all(axis=0) & (least > 0)
+        product = 1.0 if points.from_lower is None else np.max(np.abs(points.from_lower * points.to_upper), axis=0)
+        stretch = np.max(points.stretch, axis=0)
+        sizes = _rows([c + s for c, s in weights], least, most, product, stretch)
+        usual = _rows([c for c, _ in weights], centre, centre, product, stretch)
+        logs = np.where(known, np.log(np.maximum(sizes, 1e-300)), np.nan)
+    return logs, np.max(np.where(known & (squares.y == 0), usual, 0.0), axis=1, initial=0.0)
+
+
+def _series(values: Any, bound: Any) -> tuple[Any, Any]:
+    """|f(centre)| and the greatest |f(z) − f(centre)| of a function that is known at points of circles."""
+    values = np.broadcast_to(values, (len(_CIRCLE), *bound.shape))
+    powers = np.abs(np.fft.fft(values, axis=0)) / len(_CIRCLE)
+    rest = 2 * bound * (_WIDER ** -len(_CIRCLE) / (1 - 1 / _WIDER) + _ROUNDING)
+    return powers[0], np.sum(powers[1:], axis=0) + rest
+
+
+def _rows(weights: list[Any], least: Any, most: Any, product: Any, stretch: Any) -> Any:
+    """Sizes of the kernels' integrands, of ln(p/(dq/dχ)) (at least 1) and of p dq, where √R lies between two sizes."""
+    angle = 4.0  # the argument of R on the way from the real axis
+    low, high = (np.abs(np.log(x) / 2 - np.log(stretch)) for x in (least, most))
+    rows = [w * stretch / np.sqrt(least) for w in weights]
+    return np.stack([*rows, 1.0 + angle + np.maximum(low, high), product * np.sqrt(most) * stretch])
+
+
+class _Image(NamedTuple):
+    """Disks that hold q, q − a and q − b; the last two None for a rotation."""
+
+    q: Disk
+    from_lower: Any
+    from_upper: Any
+
+
+def _image(anomaly: Any, χ: Any, radius: Any) -> _Image:
+    """Disks that hold the images of disks of the phase: the distance is greatest on the edge (maximum principle)."""
+    points = np.concatenate([χ[None], χ + radius * _EDGE[:, None]])
+    found = complex_place(anomaly, points)
+
+    def disk(values: Any) -> Disk:
+        apart = np.max(np.abs(values[1:] - values[0]), axis=0)
+        return Disk(values[0], _MARGIN * apart + 1e-15 * np.abs(values[0]))
+
+    if found.from_lower is None:
+        across = np.real(found.q - found.q[0]) + np.pi
+        return _Image(disk(found.q[0] + across % (2 * np.pi) - np.pi + 1j * np.imag(found.q - found.q[0])), None, None)
+    return _Image(disk(found.q), disk(found.from_lower), disk(-found.to_upper))

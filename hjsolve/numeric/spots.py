@@ -1,0 +1,81 @@
+"""Where disks of the parameter of a way put the coordinate, and how fast it goes there."""
+
+from __future__ import annotations
+
+from typing import NamedTuple
+
+import numpy as np
+
+from hjsolve.numeric.disks import Disk, Disks, tighter
+from hjsolve.numeric.panels import Way
+
+_D = Disks()
+_ONE = Disk(np.complex128(1.0), np.float64(0.0))
+
+
+class Scale(NamedTuple):
+    """|dx/dy| = rate·rᵃ and what the momentum is divided by, pace·rᵇ, r being the root of the share of the way left.
+
+    At a turning point both stand without the root of x that p² brings.
+    """
+
+    rate: float
+    a: int
+    pace: float
+    b: int
+
+
+def scale(way: Way) -> Scale:
+    """Return how dx/dy goes along a way; see ``Way.distances`` and ``Way.rest``."""
+    length = float(way.length)
+    root = length**0.5
+    match way.end, way.turning:
+        case "infinity", turning:
+            return Scale(2 * root, 0, 1 / (2 * root), 0) if turning else Scale(length, 0, 1 / length, 0)
+        case "boundary", turning:
+            return Scale(root, 1, 1 / root, way.pole) if turning else Scale(2 * length, 1, 1 / (2 * length), way.pole)
+        case end, turning:
+            b = way.pole if end == "fall" else -2
+            return Scale(2 * root, 2, 1 / (2 * root), b) if turning else Scale(length, 2, 1 / length, b)
+
+
+class Spots(NamedTuple):
+    """Where disks of y lie: x, r, and q − q(y₀) times the side; r is 1 on the way to infinity."""
+
+    x: Disk
+    root: Disk
+    moved: Disk
+
+
+def spots(way: Way, y: float, rest: float, z: Disk) -> Spots:
+    """Map disks of z = y − y₀.
+
+    Args:
+        way: the branch.
+        y: y₀. rest: what is left from y₀ to the greatest y, if there is one.
+        z: the disks.
+    """
+    d, length = _D, float(way.length)
+    here = d.shifted(z, y)
+    if way.end == "infinity":
+        if way.turning:
+            return Spots(d.times(d.power(here, 2), length), _ONE, d.times(d.mul(z, d.shifted(z, 2 * y)), length))
+        return Spots(d.times(here, length), _ONE, d.times(z, length))
+    if way.end == "boundary":
+        left = d.shifted(d.times(z, -1.0), rest)
+        if way.turning:
+            half, sine, root = d.times(z, 0.5), d.unary("sin", d.times(here, 0.5)), d.unary("sin", d.times(left, 0.5))
+            moved = d.mul(d.unary("sin", half), d.unary("sin", d.shifted(half, y)))
+            x = tighter(d.power(sine, 2), d.sub(_ONE, d.power(root, 2)))
+            return Spots(d.times(x, length), root, d.times(moved, length))
+        x = tighter(d.mul(here, d.shifted(left, 1.0)), d.sub(_ONE, d.power(left, 2)))
+        return Spots(d.times(x, length), left, d.times(d.mul(z, d.shifted(left, rest)), length))
+    if way.turning:
+        rise, root = d.unary("tanh", here), d.inverse(d.unary("cosh", here))
+        before = np.tanh(y) ** 2
+        x = tighter(d.power(rise, 2), d.sub(_ONE, d.power(root, 2)))
+        moved = d.sub(x, Disk(np.complex128(before), np.float64(2.0**-50 * before)))
+        return Spots(d.times(x, length), root, d.times(moved, length))
+    root = d.unary("exp", d.times(here, -0.5))
+    moved = d.mul(d.unary("exp", Disk(np.complex128(-y), np.float64(0))), d.sub(_ONE, d.unary("exp", d.times(z, -1.0))))
+    return Spots(d.times(d.sub(_ONE, d.power(root, 2)), length), root, d.times(moved, length))

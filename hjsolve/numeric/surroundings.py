@@ -1,0 +1,372 @@
+"""The integrands of an open motion over disks of its parameter y about a place y₀: bounds, proof of analyticity.
+
+p² is seen from where it has a zero or a pole, so that what is small keeps its relative accuracy: from the turning point
+a at the start, p² = x G with x = |q − a|; from an end b, p² = ℓᵏ times a factor without zero, ℓ the distance left, k =
+2 at an asymptote; or, with all care, from the place of the panel itself, p² = F₀ + F₁u + F₂(q)u² with F₀ and F₁ in many
+digits (``numeric.expansion``). Every way is right; where several know something, the narrowest is taken.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from dataclasses import dataclass, replace
+from functools import cached_property
+from typing import TYPE_CHECKING, Any, NamedTuple
+
+import numpy as np
+
+from hjsolve.errors import InvalidInputError
+from hjsolve.numeric.arithmetic import Multi
+from hjsolve.numeric.disks import Disk, Disks, tighter
+from hjsolve.numeric.expansion import ZERO, Local, Locals, exponential_unit
+from hjsolve.numeric.panels import Way
+from hjsolve.numeric.rates import EXPONENTIAL, Rates, largest
+from hjsolve.numeric.reach import Sizes
+from hjsolve.numeric.reciprocals import without_overflow
+from hjsolve.numeric.spots import Scale, Spots, scale, spots
+from hjsolve.numeric.tape import Bound, Tape
+
+if TYPE_CHECKING:
+    from hjsolve.numeric.radicand import Radicand
+
+_D = Disks()
+_ONE = Disk(np.complex128(1.0), np.float64(0.0))
+_FAR, _FARTHER = 100, 116
+"""Distances from an end, 2^−…, at which the orders of what vanishes there are taken."""
+_EXACT = 2048
+_HIGHEST = 64
+"""Of the orders; what grows or falls faster is no power."""
+_AWAY = 16.0
+"""Distance from the start, in natural lengths of at most 1, from which on a way to infinity is far out."""
+
+
+class Root(NamedTuple):
+    """The least |r|, |r| at the centre, and the largest."""
+
+    low: Any
+    middle: Any
+    high: Any
+
+
+@dataclass(frozen=True, eq=False)
+class View:
+    """The end of a way, from where a formula is seen: u is the distance to it, or 1/|q|, or e^{−c|q|}.
+
+    Attributes:
+        way: the branch. rate: −c·sign q where u is an exponential, else 0. length: u = length·r².
+        orders: of all slots of p² and of the kernels.
+    """
+
+    way: Way
+    rate: float
+    length: float
+    orders: tuple[list[Any], ...] = ()
+
+    @property
+    def _finish(self) -> Any:
+        return self.way.start + self.way.side * self.way.length
+
+    def samples(self) -> list[Any]:
+        """Return q where u is 2^−``_FAR`` and 2^−``_FARTHER`` (of the length)."""
+        context, way = Multi(_EXACT).context, self.way
+        if way.end != "infinity":
+            return [self._finish - way.side * way.length * context.mpf(2) ** -k for k in (_FAR, _FARTHER)]
+        if self.rate:
+            return [-k * context.log(2) / self.rate for k in (_FAR, _FARTHER)]
+        return [way.side * context.mpf(2) ** k for k in (_FAR, _FARTHER)]
+
+    def offset(self, q: Disk, root: Disk) -> Disk:
+        """Return u."""
+        if self.way.end != "infinity":
+            return _D.times(_D.power(root, 2), self.length)
+        return _D.unary("exp", _D.times(q, self.rate)) if self.rate else _D.times(_D.inverse(q), float(self.way.side))
+
+    def variable(self, local: Locals) -> Local:
+        """Return q as it is seen."""
+        side = float(self.way.side)
+        if self.way.end == "infinity":
+            return local.exponent() if self.rate else local.inverse_variable(side)
+        centred = bool(abs(self._finish) < abs(self.way.length) * 2.0**-300)
+        return local.variable(_D.point(self._finish), -side, centred=centred)
+
+    def root(self, q: Disk, places: Spots) -> Root:
+        """Return |r|, the root of |u|/length."""
+        if self.way.end != "infinity":
+            return _sizes_of(places.root, places)
+        with np.errstate(all="ignore"):
+            if self.rate:
+                middle, spread = self.rate * np.real(q.centre) / 2, abs(self.rate) * q.radius / 2
+                return Root(*(np.exp(middle + sign * spread) for sign in (-1, 0, 1)))
+            return Root(q.largest**-0.5, np.abs(q.centre) ** -0.5, q.least**-0.5)
+
+
+@dataclass(frozen=True, eq=False)
+class Sight:
+    """A branch in doubles, made once for all of its panels.
+
+    Attributes:
+        way: the branch. radicand: p² and its kernels. skipped: kernels that are zero everywhere.
+        bits: of the branch's numbers.
+    """
+
+    way: Way
+    radicand: Radicand
+    skipped: tuple[bool, ...]
+    bits: int
+
+    @cached_property
+    def scale(self) -> Scale:
+        return scale(self.way)
+
+    @cached_property
+    def inputs(self) -> list[Disk]:
+        """Constants and parameters."""
+        return [_D.point(x) for x in self.radicand.inputs(128)]
+
+    @cached_property
+    def tapes(self) -> tuple[Tape, Tape]:
+        """p² and its kernels."""
+        return without_overflow(self.radicand.squared), without_overflow(self.radicand.kernels)
+
+    @cached_property
+    def plain(self) -> tuple[Bound, Bound]:
+        """The same with all but q known."""
+        squared, kernels = (tape.bind(_D, self.inputs) for tape in self.tapes)
+        return squared, kernels
+
+    @cached_property
+    def exponential(self) -> bool:
+        """True where a formula has exponentials."""
+        return any(operation.code in EXPONENTIAL for tape in self.tapes for operation in tape.operations)
+
+    @cached_property
+    def start(self) -> Disk:
+        return _D.point(self.way.start)
+
+    @cached_property
+    def finish(self) -> Disk:
+        return _D.point(self.way.start + self.way.side * self.way.length)
+
+    @cached_property
+    def view(self) -> View | None:
+        """How the formulas look from the end of the way; None where that is not known."""
+        tapes, way = self.tapes, self.way
+        if way.end == "infinity":
+            unit = exponential_unit(tapes, self.inputs)
+            view = View(way, -way.side * unit, 1.0)
+        else:
+            view = View(way, 0.0, float(way.length))
+        inputs = self.radicand.inputs(_EXACT)
+        orders = [_orders(tape, view.samples(), inputs) for tape in tapes]
+        if not all(orders) or orders[0][-1] in {ZERO, None}:
+            return None
+        return replace(view, orders=tuple(orders))
+
+    def integrands(self, squared: Disk, weights: list[Disk], root: Root, powers: list[int], order: int) -> Sizes:
+        """Bound all integrands where |p²| (without x at a turning point) is ``squared``·rᵒ and a kernel is w·rᵖ."""
+        with np.errstate(all="ignore"):
+            (low, middle, high), least, shape = root, np.sqrt(squared.least), np.shape(root.middle)
+            centre = np.sqrt(np.abs(squared.centre))
+            most, inside = [], []
+            for w, power, skip in zip(weights, powers, self.skipped, strict=True):
+                k = self.scale.a + power - order // 2
+                if skip:
+                    most.append(0 * least)
+                    inside.append(0 * least)
+                    continue
+                most.append(self.scale.rate * _power(low, high, k) * w.largest / least)
+                inside.append(self.scale.rate * middle**k * np.abs(w.centre) / centre)
+            k = self.scale.b + order // 2
+            most.append(self.scale.pace * _power(low, high, k) * np.sqrt(squared.largest))
+            inside.append(self.scale.pace * middle**k * centre)
+            known = squared.known & (least > 0)
+            rows = [np.where(known & np.isfinite(row), row, np.inf) for row in most]
+            both = rows, _numbers(inside)
+            return Sizes(*(np.stack([np.broadcast_to(row, shape) for row in part]) for part in both))
+
+
+def _sizes_of(r: Disk, places: Spots) -> Root:
+    shape = np.shape(places.moved.radius)
+    return Root(*(np.broadcast_to(part, shape) for part in (r.least, np.abs(r.centre), r.largest)))
+
+
+def _numbers(rows: list[Any]) -> list[Any]:
+    return [np.nan_to_num(row, posinf=0.0) for row in rows]
+
+
+def _power(low: Any, high: Any, k: int) -> Any:
+    """The largest |r|ᵏ; infinite where r may be 0 and k is negative."""
+    return high**k if k >= 0 else 1 / low**-k
+
+
+def _orders(tape: Tape, places: list[Any], inputs: list[Any]) -> list[Any]:
+    """Orders of all slots, from their values at two places 2^16 times apart; empty where they cannot be had."""
+    every = Tape(tape.inputs, tape.operations, tuple(range(len(tape.inputs), len(tape.inputs) + len(tape.operations))))
+    try:
+        far, near = (every.run(Multi(_EXACT), [q, *inputs]) for q in places)
+    except (ArithmeticError, InvalidInputError, ValueError):
+        return []
+    found: list[Any] = []
+    for a, b in zip(far, near, strict=True):
+        if not a and not b:
+            found.append(ZERO)
+            continue
+        ratio = float(a.context.log(abs(a / b), 2)) / (_FARTHER - _FAR) if a and b else 0.5
+        told = abs(ratio) < _HIGHEST and abs(ratio - round(ratio)) < 1e-9
+        found.append(round(ratio) if told else None)
+    return found
+
+
+@dataclass(frozen=True, eq=False)
+class Surrounding:
+    """What is around one place of a branch, called by ``reach.longest`` with disks of y − y₀.
+
+    Attributes:
+        sight: the branch.
+        y, rest: y₀, and what is left from there to the greatest y.
+    """
+
+    sight: Sight
+    y: Any
+    rest: float
+
+    def __call__(self, z: Disk, careful: bool) -> Sizes:
+        with np.errstate(all="ignore"):
+            return self._seen(z, careful)
+
+    def _seen(self, z: Disk, careful: bool) -> Sizes:
+        places = spots(self.sight.way, float(self.y), self.rest, z)
+        sizes = self._plainly(places)
+        for look in self._others(careful):
+            bad = ~np.all(np.isfinite(sizes.most), axis=0)
+            if not bad.any():
+                break
+            more = look(_chosen(places, bad))
+            for part, better in zip(sizes, more, strict=True):
+                part[:, bad] = better
+        return sizes
+
+    def _others(self, careful: bool) -> list[Callable[[Spots], Sizes]]:
+        """Other ways to look at disks about which the plain formula knows nothing, those that apply here."""
+        way, here = self.sight.way, []
+        if way.end != "infinity":
+            here.append(self._from_end)
+        elif self._far:
+            several = self.sight.exponential and not (self.sight.view and self.sight.view.rate)
+            here += [self._by_rates] * several + [self._from_end]
+        return here + [self._closely] * careful
+
+    @property
+    def _far(self) -> bool:
+        """True far from the start, where a place is seen best from infinity."""
+        x, way = self.sight.way.distances(self.y, Multi(64))[0], self.sight.way
+        return bool(x > _AWAY * max(abs(way.start), min(way.length, 1)) and way.side * way.start > -x / 2)
+
+    def _place(self, places: Spots) -> Disk:
+        """q, from the start or from the end of the way."""
+        sight, side = self.sight, float(self.sight.way.side)
+        q = _D.add(sight.start, _D.times(places.x, side))
+        if sight.way.end == "infinity":
+            return q
+        left = _D.times(_D.power(places.root, 2), float(sight.way.length))
+        return tighter(q, _D.sub(sight.finish, _D.times(left, side)))
+
+    def _plainly(self, places: Spots) -> Sizes:
+        """p² by its formula, or by its first difference from the turning point at the start."""
+        sight, q = self.sight, self._place(places)
+        if sight.way.turning:
+            offset = _with_base(places.x)
+            local = Locals(offset, 1)
+            variable = local.variable(sight.start, float(sight.way.side), q)
+            found = sight.tapes[0].run(local, [variable, *map(local.constant, sight.inputs)])[0]
+            squared = _D.div(_cells(found.parts[0]), places.x)
+            if len(found.parts) > 1:
+                squared = tighter(_cells(found.parts[1]), squared)
+        else:
+            squared = sight.plain[0].run(q)[0]
+        return self._plain_sizes(squared, q, places)
+
+    def _plain_sizes(self, squared: Disk, q: Disk, places: Spots) -> Sizes:
+        weights = self.sight.plain[1].run(q)
+        return self.sight.integrands(squared, weights, _sizes_of(places.root, places), [0] * len(weights), 0)
+
+    def _closely(self, places: Spots) -> Sizes:
+        """p² from the place of the panel, where its value and slope are had in many digits."""
+        sight, way = self.sight, self.sight.way
+        here = way.position(self.y, Multi(sight.bits + 64))[0] if self.y else way.start
+        value, slope, _ = sight.radicand.jet(here, 2 * sight.bits + 256)
+        local = Locals(_with_base(places.moved), 2)
+        variable = local.variable(_D.point(here), float(way.side), self._place(places))
+        found = sight.tapes[0].run(local, [variable, *map(local.constant, sight.inputs)])[0]
+        if len(found.parts) < 3:
+            return self._plainly(places)
+        if self.y:
+            start = [_D.point(value), _D.point(way.side * slope)]
+        else:
+            start = [_D.point(0 * value if way.turning else value), _D.point(way.side * slope)]
+        bend = _D.mul(places.moved, _cells(found.parts[2]))
+        squared = _D.add(start[0], _D.mul(places.moved, _D.add(start[1], bend)))
+        if way.turning:
+            squared = _D.add(start[1], bend) if not self.y else _D.div(squared, places.x)
+        return self._plain_sizes(squared, self._place(places), places)
+
+    def _from_end(self, places: Spots) -> Sizes:
+        """p² and the kernels from the end of the way, what vanishes or has a pole there taken out."""
+        sight, way = self.sight, self.sight.way
+        view = sight.view
+        if view is None:
+            return _nothing(places.moved, len(sight.skipped))
+        q = self._place(places)
+        offset = view.offset(q, places.root)
+        outputs = []
+        for tape, orders in zip(sight.tapes, view.orders, strict=True):
+            local = Locals(_with_base(offset), 2, orders, rate=view.rate, q=_with_base(q))
+            outputs.append(tape.run(local, [view.variable(local), *map(local.constant, sight.inputs)]))
+        squared, *weights = (
+            (f.order, _D.times(_full(_cells(f.parts[0]), offset), view.length**f.order))
+            for f in (*outputs[0], *outputs[1])
+        )
+        factor = _D.div(squared[1], places.x) if way.turning else squared[1]
+        powers = [2 * order for order, _ in weights]
+        return sight.integrands(factor, [w for _, w in weights], view.root(q, places), powers, 2 * squared[0])
+
+
+    def _by_rates(self, places: Spots) -> Sizes:
+        """The formulas with their exponentials taken out."""
+        sight, q = self.sight, self._place(places)
+        rates = Rates(q, sight.way.side)
+        inputs = [rates.variable(), *map(rates.constant, sight.inputs)]
+        squared, *weights = (f for tape in sight.tapes for f in tape.run(rates, inputs))
+        factor = _full(squared.value, q)
+        factor = _D.div(factor, places.x) if sight.way.turning else factor
+        root = _sizes_of(_ONE, places)
+        sizes = sight.integrands(factor, [w.value for w in weights], root, [0] * len(weights), 0)
+        growths = [*(w.rate - squared.rate / 2 for w in weights), squared.rate / 2]
+        most = [row * np.exp(largest(q, rate)) for row, rate in zip(sizes.most, growths, strict=True)]
+        inside = [row * np.exp(rate * np.real(q.centre)) for row, rate in zip(sizes.inside, growths, strict=True)]
+        return Sizes(np.where(np.isfinite(most), most, np.inf), np.nan_to_num(inside, posinf=0.0))
+
+
+def _with_base(x: Disk) -> Disk:
+    """The disks with 0 before them."""
+    return Disk(np.concatenate([[0.0], np.ravel(x.centre)]), np.concatenate([[0.0], np.ravel(x.radius)]))
+
+
+def _cells(x: Disk) -> Disk:
+    """The disks without that of the base; a constant stays as it is."""
+    return Disk(x.centre[1:], x.radius[1:]) if np.ndim(x.radius) else x
+
+
+def _full(x: Disk, like: Disk) -> Disk:
+    shape = np.shape(like.radius)
+    return Disk(np.broadcast_to(x.centre, shape), np.broadcast_to(x.radius, shape))
+
+
+def _nothing(like: Disk, kernels: int) -> Sizes:
+    shape = (kernels + 1, *np.shape(like.radius))
+    return Sizes(np.full(shape, np.inf), np.zeros(shape))
+
+
+def _chosen(places: Spots, which: Any) -> Spots:
+    """Some of the places."""
+    return Spots(*(Disk(x.centre[which], x.radius[which]) if np.ndim(x.radius) else x for x in places))

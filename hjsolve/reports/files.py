@@ -1,0 +1,80 @@
+"""Where a report goes: the file is checked before anything is computed, and written whole or not at all."""
+
+from __future__ import annotations
+
+import os
+import tempfile
+from collections.abc import Iterator
+from contextlib import contextmanager, suppress
+from pathlib import Path
+
+from hjsolve.errors import InvalidInputError
+
+SUFFIXES = (".html", ".md", ".json", ".txt", ".tex")
+
+
+def checked_path(path: str | Path) -> Path:
+    """Check where a report shall go before anything is computed.
+
+    Args:
+        path: the file.
+
+    Returns:
+        The path.
+
+    Raises:
+        InvalidInputError: unknown suffix, a directory, a folder that does not exist or cannot be written to.
+    """
+    target = Path(path)
+    if target.suffix.lower() not in SUFFIXES:
+        given = f'"{target.suffix}"' if target.suffix else "none"
+        raise InvalidInputError(f"{target}: the suffix must be one of {', '.join(SUFFIXES)}, not {given}")
+    folder = target.parent
+    with readable_errors(target):
+        if target.is_dir():
+            raise InvalidInputError(f"{target}: is a directory; give a file name")
+        if not folder.is_dir():
+            raise InvalidInputError(f"{target}: the folder {folder} does not exist; create it first")
+        if not os.access(folder, os.W_OK) or (target.exists() and not os.access(target, os.W_OK)):
+            raise InvalidInputError(f"{target}: cannot be written here; choose another place")
+    return target
+
+
+def replace(target: Path, content: str) -> None:
+    """Write a file completely and only then put it in its place.
+
+    Args:
+        target: the file.
+        content: its text, written as UTF-8.
+
+    Raises:
+        OSError: it cannot be written; then nothing has changed.
+    """
+    handle, name = tempfile.mkstemp(dir=target.parent, prefix=f".{target.name}.")
+    try:
+        with os.fdopen(handle, "w", encoding="utf-8", newline="\n") as file:
+            file.write(content)
+        mask = os.umask(0)
+        os.umask(mask)
+        Path(name).chmod(target.stat().st_mode & 0o777 if target.exists() else 0o666 & ~mask)
+        Path(name).replace(target)
+    finally:  # nothing is left beside the target, whatever went wrong
+        with suppress(OSError):
+            Path(name).unlink(missing_ok=True)
+
+
+@contextmanager
+def readable_errors(target: Path) -> Iterator[None]:
+    """Turn an error of the operating system into one line about the file.
+
+    Args:
+        target: the file.
+    """
+    try:
+        yield
+    except InvalidInputError:
+        raise
+    except OSError as error:
+        raise InvalidInputError(f"{target}: cannot be written ({error.strerror or type(error).__name__})") from error
+    except ValueError as error:
+        raise InvalidInputError(f"{str(target)!r}: is not a usable file name") from error

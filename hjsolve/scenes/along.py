@@ -1,0 +1,173 @@
+"""The states along many bounces at once: every coordinate is read from one free motion, at a time of its own."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Sequence
+from dataclasses import dataclass
+from typing import Any
+
+import numpy as np
+import sympy as sp
+
+from hjsolve.initial import to_bits
+from hjsolve.motion import Motion
+from hjsolve.numeric.arithmetic import multiprecision
+from hjsolve.numeric.clock import halves
+from hjsolve.quantities import FLOAT_DIGITS
+from hjsolve.scenes.flights import Flight, Free
+from hjsolve.state import Errors, State
+from hjsolve.system import hamiltonian
+from hjsolve.trajectory.positions import coordinate_velocities, evaluate, principal
+from hjsolve.trajectory.uncertainty import velocity_errors
+
+
+@dataclass(frozen=True, eq=False)
+class Along:
+    """Times on the flights of one free motion.
+
+    Attributes:
+        free: the free motion in many digits. motion: the same to the digits of the scene, started at t₀ = 0.
+        flights: the arcs. which: the arc of each time, shape (m,). times: as given.
+        elapsed: since the arc began.
+    """
+
+    free: Free
+    motion: Motion
+    flights: Sequence[Flight]
+    which: Any
+    times: Any
+    elapsed: Any
+
+    @property
+    def many(self) -> bool:
+        """Whether numbers are of more digits than doubles."""
+        return self.motion.digits > FLOAT_DIGITS
+
+    def gather(self, pick: Callable[[Flight], Any]) -> tuple[Any, Any]:
+        """A number of every flight at the times, as a high part and what is left."""
+        numbers = [pick(flight) for flight in self.flights]
+        if self.many:
+            return np.array(numbers, dtype=object)[self.which], 0
+        high = np.array([float(x) for x in numbers])
+        low = np.array([float(x - h) for x, h in zip(numbers, high, strict=True)])
+        return high[self.which], low[self.which]
+
+    def floats(self, pick: Callable[[Flight], Any]) -> Any:
+        """A number of every flight at the times, rounded."""
+        return np.array([float(pick(flight)) for flight in self.flights])[self.which]
+
+
+def along(free: Free, motion: Motion, flights: Sequence[Flight], which: Any, times: Any) -> State:
+    """Work out the states at times on the flights of a free motion.
+
+    Args:
+        free: the free motion in many digits, which the flights are of.
+        motion: the same to the digits of the scene, started at t₀ = 0.
+        flights: the arcs. which: the arc of each time, shape (m,).
+        times: float array of shape (m,), or exact numbers above 15 digits.
+
+    Returns:
+        The states; angles in (−π, π], with all their whole turns.
+    """
+    here = Along(free, motion, flights, which, times, None)
+    begin, rest = here.gather(lambda f: f.begin)
+    if here.many:
+        elapsed = np.array([to_bits(t)(free.context.prec) for t in times], dtype=object) - begin
+    else:
+        high, low = (times, 0.0) if times.dtype == float else halves([to_bits(t)(free.context.prec) for t in times])
+        elapsed = (high - begin) + (low - rest)
+    here = Along(free, motion, flights, which, times, elapsed)
+    clocks = {name: _clock(here, k) for k, name in enumerate(free.separated)}
+    free_states = {name: motion.at(clock) for name, clock in clocks.items()}
+    q, p, turns = _places(here, free_states)
+    velocity = coordinate_velocities(motion, q, p)
+    status = np.full(len(which), "ok", dtype="<U16")
+    for state in free_states.values():
+        status = np.where(state.status == "ok", status, state.status)
+
+    def errors() -> Errors:
+        return _errors(here, clocks, free_states, q, p, velocity)
+
+    return State(times, q, p, velocity, turns, status, errors)
+
+
+def _clock(here: Along, k: int) -> Any:
+    """Times of the free motion for one separated coordinate."""
+    high, low = here.gather(lambda f: f.clocks[k])
+    sign = np.array([f.signs[k] for f in here.flights])[here.which]
+    return high + (sign * here.elapsed + low)
+
+
+def _places(here: Along, states: dict[str, State]) -> tuple[dict[str, Any], dict[str, Any], dict[str, Any]]:
+    """Positions, momenta, whole turns."""
+    free, system, n = here.free, here.motion.solution.system, len(here.free.separated)
+    q: dict[str, Any] = {}
+    p: dict[str, Any] = {}
+    turns: dict[str, Any] = {}
+    signs = {name: np.array([f.signs[k] for f in here.flights])[here.which]
+             for k, name in enumerate((*free.separated, *free.ignorable))}  # fmt: skip
+    for name in free.separated:
+        q[name], p[name] = states[name].q[name], signs[name] * states[name].p[name]
+        if name in states[name].turns:
+            turns[name] = states[name].turns[name]
+    for j, name in enumerate(free.ignorable):
+        angle, turn = system.coordinate(name).domain.kind == "angle", 2 * free.context.pi
+        whole = np.zeros(len(here.which), dtype=int)
+        if angle:
+            each = [int(free.context.nint(f.places[j] / turn)) for f in here.flights]
+            whole = np.array(each, dtype=int)[here.which]
+            rests = dict(zip(map(id, here.flights), each, strict=True))
+            high, low = here.gather(lambda f, j=j, rests=rests, turn=turn: f.places[j] - turn * rests[id(f)])  # type: ignore[misc]
+        else:
+            high, low = here.gather(lambda f, j=j: f.places[j])  # type: ignore[misc]
+        if name in free.carrier:
+            carrier = free.carrier[name]
+            side = signs[name] * signs[carrier]
+            grown = side * states[carrier].q[name]
+            if angle:
+                whole = whole + side * states[carrier].turns[name]
+        else:
+            rate = free.rates[name]
+            grown = signs[name] * (rate if here.many else float(rate)) * here.elapsed
+        q[name] = high + (grown + low)
+        if angle:
+            q[name], more = principal(q[name])
+            turns[name] = whole + more.astype(int)
+        constant = to_bits(here.motion.initial.values[system.coordinate(name).momentum])(free.context.prec)
+        p[name] = signs[name] * (constant if here.many else float(constant)) + 0 * q[name]
+    names = [c.name for c in system.coordinates]
+    assert len(q) == len(names) >= n
+    return {k: q[k] for k in names}, {k: p[k] for k in names}, {k: turns[k] for k in names if k in turns}
+
+
+def _errors(here: Along, clocks: Any, states: dict[str, State], q: Any, p: Any, velocity: Any) -> Errors:
+    """Those of the free motion; what the clocks and places are in doubt; the rounding of their sums."""
+    free, system = here.free, here.motion.solution.system
+    unit = 2.0**-52 if not here.many else float(multiprecision(64).mpf(10) ** (1 - here.motion.digits))
+    doubt, blur = here.floats(lambda f: f.doubt), here.floats(lambda f: f.blur)
+    elapsed = np.abs(here.elapsed.astype(float))
+    H = hamiltonian(system)
+    forces = evaluate(here.motion, tuple(-sp.diff(H, c.symbol) for c in system.coordinates), q, p)
+    force = dict(zip(q, (np.abs(np.asarray(f, dtype=float)) for f in forces), strict=True))
+    speed = {name: np.abs(np.asarray(v, dtype=float)) for name, v in velocity.items()}
+    late = {name: doubt + unit * (elapsed + np.abs(clock.astype(float))) for name, clock in clocks.items()}
+    dq: dict[str, Any] = {}
+    dp: dict[str, Any] = {}
+    for name in free.separated:
+        error = states[name].error
+        dq[name] = np.asarray(error.q[name], dtype=float) + speed[name] * late[name]
+        dp[name] = np.asarray(error.p[name], dtype=float) + force[name] * late[name]
+    for j, name in enumerate(free.ignorable):
+        size = np.abs(q[name].astype(float)) + here.floats(lambda f, j=j: abs(f.places[j]))  # type: ignore[misc]
+        if system.coordinate(name).domain.kind == "angle":
+            size = np.full(len(here.which), 3 * np.pi)
+        dq[name] = blur + 4 * unit * size
+        if name in free.carrier:
+            carrier = free.carrier[name]
+            dq[name] = dq[name] + np.asarray(states[carrier].error.q[name], dtype=float) + speed[name] * late[carrier]
+        else:
+            dq[name] = dq[name] + speed[name] * (doubt + 4 * unit * elapsed)
+        dp[name] = unit * np.abs(p[name].astype(float))
+    names = list(q)
+    dq, dp = {k: dq[k] for k in names}, {k: dp[k] for k in names}
+    return Errors(dq, dp, velocity_errors(here.motion, q, p, dq, dp, unit))

@@ -1,0 +1,387 @@
+"""Bounces that change only signs: one free motion serves them all, however many there are.
+
+Between two bounces every coordinate is where the free motion has it at a time of its own (its clock), forwards or
+backwards (``mirrors``). At a wall the clock of the coordinate that hits it stops and runs the other way; the others go
+on. So a bounce costs a few sums: when the free motion passes a wall is worked out once for all (``passes``). An
+ignorable coordinate φ carried by k is φ = c + σ d φ°(τₖ): φ° of the free motion at the clock τₖ that runs in the
+direction d, σ the sign of pᵩ, c changed at each bounce such that φ does not jump. Every sum adds what it leaves open to
+``doubt`` and ``blur``.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Mapping, Sequence
+from dataclasses import dataclass, field, replace
+from functools import cached_property
+from typing import Any
+
+import sympy as sp
+
+from hjsolve.errors import NotConvergedError
+from hjsolve.initial import to_bits
+from hjsolve.motion import Motion
+from hjsolve.numeric.arithmetic import multiprecision
+from hjsolve.numeric.course import Bounded, Frozen, Open
+from hjsolve.numeric.inverse import Torus, mean_rate
+from hjsolve.scenes.crossing import bits_of
+from hjsolve.scenes.events import Event, Pending, once
+from hjsolve.scenes.mirrors import Mirrors
+from hjsolve.scenes.passes import Carried, Passes, passes
+from hjsolve.system import velocities
+from hjsolve.trajectory.positions import constant_index
+
+_LOOK = 1000
+"""Bounces after which it is judged how many there will be."""
+Candidate = tuple[Any, Pending, Callable[["Now"], None]]
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class Flight:
+    """One arc of a bouncing motion, by the free motion it is part of.
+
+    Attributes:
+        begin: its time. doubt: a bound on the error of that and of the clocks.
+        clocks: of the separated coordinates: times of the free motion.
+        places: of the ignorable coordinates at ``begin``; the offset c for one that is carried. blur: a bound on their
+            error.
+        signs: of the clocks' directions, then of the ignorable momenta, against the free motion.
+    """
+
+    begin: Any
+    doubt: Any
+    clocks: tuple[Any, ...]
+    places: tuple[Any, ...]
+    blur: Any
+    signs: tuple[int, ...]
+
+
+@dataclass
+class Now:
+    """Where the walk along a bouncing motion is; names as in ``Flight``, by coordinate."""
+
+    time: Any
+    clock: dict[str, Any]
+    place: dict[str, Any]
+    sign: dict[str, int]
+    doubt: Any = 0
+    blur: Any = 0
+    landed: dict[str, Any] = field(default_factory=dict)
+
+    def flight(self) -> Flight:
+        """Freeze it."""
+        signs = (*(self.sign[n] for n in self.clock), *(self.sign[n] for n in self.place))
+        return Flight(self.time, self.doubt, tuple(self.clock.values()), tuple(self.place.values()), self.blur, signs)
+
+
+class Free:
+    """A free motion, and when it passes the places that events stand at.
+
+    Args:
+        motion: with many digits, started at t₀ = 0.
+        mirrors: what may be turned round.
+    """
+
+    def __init__(self, motion: Motion, mirrors: Mirrors):
+        self.motion, self.mirrors = motion, mirrors
+        self.context = multiprecision(bits_of(motion.digits))
+        self.unit = self.context.mpf(10) ** (2 - motion.digits)
+        self.separated = tuple(motion.solution.coordinates)
+        self.ignorable = tuple(n for n in mirrors.carrier)
+        self._passes: dict[tuple[str, sp.Expr], Passes] = {}
+        self._angles: dict[tuple[str, Passes, int], Any] = {}
+
+    @cached_property
+    def carrier(self) -> dict[str, str]:
+        """Ignorable coordinate → the one that carries it, where that does not rest."""
+        located = self.motion.located
+        pairs = ((n, c) for n, c in self.mirrors.carrier.items() if c is not None)
+        return {name: c for name, c in pairs if not isinstance(located[c].course, Frozen)}
+
+    @cached_property
+    def rates(self) -> dict[str, Any]:
+        """The constant rates of ignorable coordinates."""
+        found, motion = {}, self.motion
+        for name in self.ignorable:
+            if name in self.carrier:
+                continue
+            if self.mirrors.carrier[name] is not None and isinstance(motion.equations, Torus):
+                found[name] = self.context.convert(mean_rate(motion.equations, constant_index(motion, name)))
+            else:
+                value = velocities(motion.solution.system)[name].xreplace(dict(motion.initial.values))
+                found[name] = self.context.convert(to_bits(value)(self.context.prec))
+        return found
+
+    @cached_property
+    def carried(self) -> dict[str, Carried]:
+        """Ignorable coordinates that walls may stand at, as functions of their carriers' phases."""
+        if not isinstance(self.motion.equations, Torus):
+            return {}
+        bounded = {n: c for n, c in self.carrier.items() if isinstance(self.motion.located[c].course, Bounded)}
+        return {name: Carried(self.motion, name, c) for name, c in bounded.items()}
+
+    def serves(self, events: Sequence[Event]) -> bool:
+        """Whether the clocks never end and every place that events stand at can be looked up."""
+        for place in self.motion.located.values():
+            branches = (place.course.ahead, place.course.behind) if isinstance(place.course, Open) else ()
+            if any(branch.way.end in {"boundary", "fall"} for branch in branches):
+                return False
+        placed = {e.coordinate for e in events if e.coordinate in self.carrier}
+        return all(name in self.carried and self.carried[name].monotone for name in placed)
+
+    def passes(self, name: str, value: sp.Expr) -> Passes:
+        """When the free motion has a separated coordinate at a place; looked up the second time."""
+        key = (name, value)
+        if key not in self._passes:
+            self._passes[key] = passes(self.motion, name, value)
+        return self._passes[key]
+
+    def angle(self, name: str, clock: Any) -> Any:
+        """A carried coordinate of the free motion at a clock, with its whole turns."""
+        return self.context.convert(self.motion.at(clock).unwrapped(name))
+
+    def angle_landed(self, name: str, landed: tuple[Passes, int, int]) -> Any:
+        """The same at a passage; the state is looked up the second time."""
+        found, index, turns = landed
+        key = (name, found, index)
+        if key not in self._angles:
+            self._angles[key] = self.angle(name, found.times[index])
+        return self._angles[key] + (turns * self.turn(name) if turns else 0)
+
+    def start(self, time: Any) -> Now:
+        """The beginning: all clocks at zero."""
+        values, system = self.motion.initial.values, self.motion.solution.system
+        zero = self.context.mpf(0)
+        place = {
+            n: zero if n in self.carrier else self.context.convert(
+                to_bits(values[system.coordinate(n).symbol])(self.context.prec)) for n in self.ignorable
+        }  # fmt: skip
+        sign = dict.fromkeys((*self.separated, *self.ignorable), 1)
+        return Now(self.context.convert(time), dict.fromkeys(self.separated, zero), place, sign)
+
+    def back(self, flight: Flight) -> Now:
+        """The beginning of a flight."""
+        clock = dict(zip(self.separated, flight.clocks, strict=True))
+        place = dict(zip(self.ignorable, flight.places, strict=True))
+        sign = dict(zip((*self.separated, *self.ignorable), flight.signs, strict=True))
+        return Now(flight.begin, clock, place, sign, flight.doubt, flight.blur)
+
+    # ------------------------------------------------------------------------------------------ what comes next
+    def candidate(self, now: Now, pending: Pending, slack: Any) -> Candidate | None:
+        """When an event at a place is next met, and how to be exactly there."""
+        name, value = pending.event.coordinate, pending.event.value
+        assert name is not None
+        assert value is not None
+        if name in now.clock:
+            return self._own(now, pending, name, value, slack)
+        target = self.context.convert(to_bits(value)(self.context.prec))
+        turn = 2 * self.context.pi if self.motion.solution.system.coordinate(name).domain.kind == "angle" else None
+        return (self._uniform if name in self.rates else self._carried)(now, pending, name, target, turn, slack)
+
+    def _own(self, now: Now, pending: Pending, name: str, value: sp.Expr, slack: Any) -> Candidate | None:
+        found = self.passes(name, value)
+        hit = found.beside(now.clock[name], now.sign[name], slack)
+        if hit is None:
+            return None
+        there, index, turns = hit
+
+        def land(now: Now) -> None:
+            now.clock[name], now.landed[name] = there, (found, index, turns)
+            now.doubt += 2 * (1 + abs(turns)) * found.error
+
+        return now.time + abs(there - now.clock[name]), pending, land
+
+    def _uniform(self, now: Now, pending: Pending, name: str, target: Any, turn: Any, slack: Any) -> Candidate | None:
+        rate = now.sign[name] * self.rates[name]
+        if not rate:
+            return None
+        way = (target - now.place[name]) / rate
+        if turn is not None:
+            each = turn / abs(rate)
+            way -= each * self.context.floor((way - slack) / each)
+        elif way <= slack:
+            return None
+        there = now.place[name] + way * rate if turn is not None else target
+
+        def land(now: Now) -> None:
+            now.place[name] = there
+            now.doubt += self.unit * way
+
+        return now.time + way, pending, land
+
+    def _carried(self, now: Now, pending: Pending, name: str, target: Any, turn: Any, slack: Any) -> Candidate | None:
+        carried, carrier = self.carried[name], self.carrier[name]
+        side = now.sign[name] * now.sign[carrier]
+        offset, clock = now.place[name], now.clock[carrier]
+        ahead = now.sign[name] * (1 if carried.turn > 0 else -1)
+        here = offset + side * carried.near(clock)
+        if turn is None:
+            goals = [target]
+        else:
+            first = target + turn * ahead * self.context.ceil(ahead * (here - target) / turn - 0.01)
+            goals = [first, first + ahead * turn]
+        for goal in goals:
+            if now.landed.get(name) == goal:
+                continue
+            there, error = carried.time(side * (goal - offset))
+            if now.sign[carrier] * (there - clock) > slack:
+                break
+        else:
+            return None
+
+        def land(now: Now) -> None:
+            if carrier not in now.landed:
+                now.clock[carrier] = there
+            now.doubt += error
+            now.blur += self.unit * abs(goal)
+            now.landed[name] = goal
+
+        return now.time + abs(there - clock), pending, land
+
+    # ------------------------------------------------------------------------------------------ what happens
+    def advance(self, now: Now, time: Any) -> None:
+        """Let all clocks run until a time."""
+        step = time - now.time
+        for name in now.clock:
+            now.clock[name] += now.sign[name] * step
+        for name, rate in self.rates.items():
+            now.place[name] += now.sign[name] * rate * step
+        now.time, now.landed = time, {}
+        now.doubt += self.unit * abs(step)
+
+    def reflect(self, now: Now, name: str) -> None:
+        """Turn a coordinate round where it stands, after ``advance`` and its landing."""
+        if name in now.clock:
+            for other, carrier in self.carrier.items():
+                if carrier == name:
+                    angle = self.angle_landed(other, now.landed[name])
+                    now.place[other] += 2 * now.sign[other] * now.sign[name] * angle
+                    now.blur += 4 * self.unit * (1 + abs(angle))
+        elif name in self.carrier:
+            now.place[name] = 2 * now.landed[name] - now.place[name]
+        now.sign[name] = -now.sign[name]
+
+    def reduce(self, now: Now) -> None:
+        """Take whole periods from the clocks of librations, so that many of them cost no digits."""
+        for name, clock in now.clock.items():
+            period = self.motion.periods.get(name) if self.motion.kinds[name] == "libration" else None
+            turns = 0 if period is None else int(self.context.nint(clock / period.value))
+            if period is None or not turns:
+                continue
+            now.clock[name] -= turns * period.value
+            now.doubt += abs(turns) * period.error
+            for other, carrier in self.carrier.items():
+                if carrier == name:
+                    now.place[other] += now.sign[other] * now.sign[name] * turns * self.turn(other)
+
+    def turn(self, name: str) -> Any:
+        """What a carried coordinate gains in a period of the one that carries it."""
+        course = self.motion.located[self.carrier[name]].course
+        assert isinstance(course, Bounded)
+        return -2 * self.context.pi * self.context.convert(course.growth(constant_index(self.motion, name)))
+
+    def state(self, now: Now) -> tuple[dict[str, Any], dict[str, Any], dict[str, int]]:
+        """Positions, angles in (−π, π]; momenta; turns of the angles. Exact where constant, else in many digits."""
+        q: dict[str, Any] = {}
+        p: dict[str, Any] = {}
+        turns: dict[str, int] = {}
+        values, system = self.motion.initial.values, self.motion.solution.system
+        for name in self.separated:
+            c = system.coordinate(name)
+            q[name], p[name] = values[c.symbol], values[c.momentum]
+            if not isinstance(self.motion.located[name].course, Frozen):
+                state = self.motion.at(now.clock[name])
+                q[name], p[name] = state.q[name], now.sign[name] * state.p[name]
+                if name in state.turns:
+                    turns[name] = int(state.turns[name])
+        for name in self.ignorable:
+            p[name] = now.sign[name] * values[system.coordinate(name).momentum]
+            q[name] = now.place[name]
+            if name in self.carrier:
+                carrier = self.carrier[name]
+                q[name] += now.sign[name] * now.sign[carrier] * self.angle(name, now.clock[carrier])
+        for c in system.coordinates:
+            if c.domain.kind == "angle" and c.name not in turns:
+                turns[c.name] = 0
+                if not isinstance(q[c.name], sp.Expr):
+                    pi = self.context.pi
+                    turns[c.name] = int(self.context.ceil((q[c.name] - pi) / (2 * pi)))
+                    q[c.name] -= 2 * pi * turns[c.name]
+        return q, p, turns
+
+
+@dataclass(frozen=True, eq=False)
+class Flown:
+    """A walk along a bouncing motion.
+
+    Attributes:
+        arcs: with the times and events that end them. pending: what is still to come, the last events among it.
+        stopped: True where the last events change more than signs and are still to be carried out.
+    """
+
+    arcs: list[tuple[Flight, Any, tuple[Event, ...]]]
+    pending: list[Pending]
+    stopped: bool
+
+
+def walk(free: Free, now: Now, pending: list[Pending], horizon: Any | None, most: int) -> Flown:
+    """Follow a bouncing motion until an event that changes more than signs, or until nothing more happens.
+
+    Args:
+        free: the free motion.
+        now: the beginning; left just before the last event, or after it where the walk is over.
+        pending: what is to come.
+        horizon: the last time of interest. most: arcs.
+    """
+    found: list[tuple[Flight, Any, tuple[Event, ...]]] = []
+    flight, begin = now.flight(), now.time
+    while len(found) < most:
+        if len(found) == _LOOK and horizon is not None and (horizon - begin) * _LOOK > 2 * most * (now.time - begin):
+            raise NotConvergedError(
+                f"{_LOOK} bounces came before t = {float(now.time):.6g}; up to t = {float(horizon):.6g} there would be "
+                f"more than {most}: shorten the scene"
+            )
+        slack = free.context.mpf(10) ** (8 - free.motion.digits) * max(1, abs(now.time))
+        ahead = _ahead(free, now, pending, slack)
+        first = min((time for time, _, _ in ahead), default=None)
+        if first is None or (horizon is not None and first > horizon):
+            break
+        free.advance(now, first)
+        hits = [(p, land) for time, p, land in ahead if time - first <= slack]
+        now.doubt += max(time - first for time, _, _ in ahead if time - first <= slack)
+        for _, land in hits:
+            land(now)
+        happening = [p for p, _ in hits if not p.left]
+        passed = [p for p, _ in hits if p.left]
+        pending = [replace(p, left=p.left - 1) if p in passed else p for p in pending]
+        if not happening:
+            continue
+        events = tuple(p.event for p in happening)
+        exact = next((e.time for e in events if e.time is not None), first)
+        found.append((flight, exact, events))
+        if not all(e.elastic and e.coordinate in free.mirrors.even for e in once(events)):
+            return Flown(found, pending, True)
+        for name in dict.fromkeys(e.coordinate for e in events):
+            assert name is not None
+            free.reflect(now, name)
+        free.reduce(now)
+        flight = now.flight()
+    return Flown(found, pending, False)
+
+
+def _ahead(free: Free, now: Now, pending: list[Pending], slack: Any) -> list[Candidate]:
+    """Every event to come with its time."""
+    ahead: list[Candidate] = []
+    for p in pending:
+        if p.event.time is not None:
+            time = free.context.convert(to_bits(p.event.time)(free.context.prec))
+            ahead.append((max(time, now.time), p, lambda _: None))
+        elif (candidate := free.candidate(now, p, slack)) is not None:
+            ahead.append(candidate)
+    return ahead
+
+
+def signed(free: Free, signs: Sequence[int]) -> Mapping[str, int]:
+    """The signs of a flight by coordinate, those that change no number of a motion left at 1."""
+    names = (*free.separated, *free.ignorable)
+    kinds = free.motion.kinds
+    return {n: 1 if kinds[n] in ("libration", "equilibrium") else s for n, s in zip(names, signs, strict=True)}

@@ -1,0 +1,39 @@
+"""Whatever names a system → the system: the one door of every verb that takes one."""
+
+from __future__ import annotations
+
+from pathlib import Path
+
+from hjsolve.arguments import described
+from hjsolve.errors import InvalidInputError
+from hjsolve.system import System
+
+A_SYSTEM = (
+    'a System is needed, made by hjsolve.System(…), or the id of a catalog entry such as "kepler-planar", or the '
+    "path of a .toml entry"
+)
+
+
+def system_of(subject: object, verb: str) -> System:
+    """Give the system that is meant.
+
+    This is the one call from here up into the catalog; the import happens at call time.
+
+    Args:
+        subject: a ``System``; the id of a catalog entry; the path of an entry's file.
+        verb: the function that asks, for the message.
+
+    Raises:
+        InvalidInputError: none of these; ``CatalogError`` for an id or a file that is no entry.
+        NotSeparableError: an entry that is no T and V; the error carries its ``Refusal``.
+    """
+    if isinstance(subject, System):
+        return subject
+    if isinstance(subject, (str, Path)):
+        from hjsolve import catalog
+
+        return catalog.load(Path(subject) if str(subject).endswith(".toml") else subject)
+    raise InvalidInputError(f"{verb}: {A_SYSTEM}, not {described(subject)}")
+
+
+__all__ = ["A_SYSTEM", "system_of"]

@@ -1,0 +1,89 @@
+"""Arrays of times and places as users give them: numbers of any kind, in any shape."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from typing import Any
+
+import numpy as np
+
+from hjsolve.arguments import described
+from hjsolve.errors import InvalidInputError
+from hjsolve.expressions import number
+from hjsolve.initial import to_bits
+
+
+def grid(values: Any, source: str) -> Any:
+    """Numbers as an array; what they are is not looked at yet.
+
+    Args:
+        values: a number, or a list or array of numbers, nested to any depth.
+        source: the name of the argument.
+
+    Raises:
+        InvalidInputError: rows of different lengths, a masked array, or something else that is no array.
+    """
+    if isinstance(values, np.ma.MaskedArray):
+        raise InvalidInputError(f"{source}: is masked; leave out what is masked, with {source}.compressed()")
+    if isinstance(values, str | bytes):
+        return np.array(values, dtype=object)
+    if isinstance(values, dict | set | frozenset) or hasattr(values, "__next__"):
+        raise InvalidInputError(f"{source}: a number or an array of numbers is needed, not {described(values)}")
+    try:
+        return np.asarray(values)
+    except (ValueError, TypeError, OverflowError) as error:
+        raise InvalidInputError(
+            f"{source}: a number or an array of numbers is needed; the rows of this one have different lengths"
+        ) from error
+
+
+def exact_numbers(values: Any, source: str) -> tuple[tuple[int, ...], list[Any]]:
+    """Return the shape of an array of numbers and each of them exact, in order.
+
+    Raises:
+        InvalidInputError: no array, or something in it that is no finite real number.
+    """
+    array = grid(values, source)
+    return array.shape, [number(x.item() if hasattr(x, "item") else x, source=source) for x in array.ravel()]
+
+
+def read_times(t: Any) -> tuple[tuple[int, ...] | None, Any | None, list[Callable[[int], Any]]]:
+    """Return shape (None for a scalar), a float array where all times are finite floats, and exact rules otherwise."""
+    array = grid(t, "t")
+    shape = None if array.ndim == 0 else array.shape
+    if array.dtype.kind == "f" and array.dtype.itemsize <= 8 and np.isfinite(array).all():
+        return shape, np.ascontiguousarray(array.ravel(), dtype=float), []
+    return shape, None, [to_bits(x) for x in exact_numbers(array, "t")[1]]
+
+
+LONGEST = 1e290
+MOST_TURNS = 2.0**60
+"""Of an angle, and cycles of a coordinate: beyond, two doubles do not tell a phase."""
+
+
+def counted(whole: Any) -> Any:
+    """Whole turns as integers.
+
+    Args:
+        whole: turns, an array of floats or of numbers of many digits.
+
+    Raises:
+        InvalidInputError: more than can be told apart.
+    """
+    sizes = np.abs(whole.astype(float))
+    if sizes.size and not np.max(sizes) < MOST_TURNS:
+        raise InvalidInputError(
+            "t: more than 2**60 turns or cycles after t0; take a time nearer to t0, or a later t0 with its own q and p"
+        )
+    return whole.astype(int)
+
+
+def within_doubles(time: tuple[Any, Any]) -> tuple[Any, Any]:
+    """Times relative to t₀ as two doubles, once they and their products are finite.
+
+    Raises:
+        InvalidInputError: one is too long.
+    """
+    if not np.all(np.abs(time[0]) < LONGEST):
+        raise InvalidInputError(f"t: a time beyond {LONGEST:.0e} after t0; write times in another unit")
+    return time
