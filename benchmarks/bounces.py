@@ -1,6 +1,6 @@
 """Ten thousand bounces: processor time, and true errors against closed forms in 60 digits beside what is claimed.
 
-    python -m benchmarks.bounces [bounces]
+Run it by ``python -m benchmarks.bounces [bounces]``.
 """
 
 from __future__ import annotations
@@ -15,10 +15,13 @@ from tests.scenes import billiards
 
 RAYS = {**billiards.KEPLER, "events": [billiards.wall("theta", "1"), billiards.wall("theta", "-0.5")]}
 CASES = {
-    "ball on a floor": (billiards.BALL, billiards.ball, 1.02), "box": (billiards.BOX, billiards.box, 1.25),
-    "quartic well": (billiards.QUARTIC, billiards.quartic, 4.76), "Kepler in a circle": (billiards.CIRCLE, billiards.circle, 2.92),
-    "Kepler between rays": (RAYS, billiards.rays, 2.31), "Kepler in a sector": (billiards.SECTOR, billiards.sector, 0.955),
-}  # fmt: skip
+    "ball on a floor": (billiards.BALL, billiards.ball, 1.02),
+    "box": (billiards.BOX, billiards.box, 1.25),
+    "quartic well": (billiards.QUARTIC, billiards.quartic, 4.76),
+    "Kepler in a circle": (billiards.CIRCLE, billiards.circle, 2.92),
+    "Kepler between rays": (RAYS, billiards.rays, 2.31),
+    "Kepler in a sector": (billiards.SECTOR, billiards.sector, 0.955),
+}
 """Scene, closed form, and the time of a bounce in the mean."""
 
 
