@@ -352,7 +352,8 @@ def _integrated_faults(scene: Scene) -> Iterator[str]:
         yield "times: missing; say from when to when the scene is integrated"
     for place, event in enumerate(scene.events, start=1):
         if event.kind == "wall" and not event.elastic:
-            yield f"events[{place}].restitution: bounces that accumulate need quadratures; an integrated wall is elastic"
+            cure = "bounces that accumulate need quadratures; an integrated wall is elastic"
+            yield f"events[{place}].restitution: {cure}"
 
 
 def _sweep_faults(scene: Scene, sweep: Varied, names: list[str]) -> Iterator[str]:
