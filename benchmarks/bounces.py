@@ -1,6 +1,7 @@
 """Ten thousand bounces: processor time, true errors against closed forms in 60 digits beside what is claimed.
 
-The energy is compared on every arc. Numbers whose claim is below their true error are counted as false. Run it by ``python -m benchmarks.bounces [bounces]``.
+The energy is compared on every arc. Numbers whose claim is below their true error are counted as false. Run it
+by ``python -m benchmarks.bounces [bounces]``.
 """
 
 from __future__ import annotations
@@ -24,10 +25,12 @@ CASES = {
 }
 """Scene, closed form, energy, and the time of a bounce in the mean."""
 
+HEADER = "scene", "bounces", "seconds", "error", "claim", "energy", "claim", "false"
+
 
 def main(bounces: int) -> None:
     """Print a line for each scene."""
-    print(f"{'scene':22} {'bounces':>8} {'seconds':>8} {'error':>9} {'claim':>9} {'energy':>9} {'claim':>9} {'false':>6}")
+    print(("{:22} {:>8} {:>8}" + 4 * " {:>9}" + " {:>6}").format(*HEADER))
     for name, (table, truth, energy, each) in CASES.items():
         times = {"start": 0, "stop": round(each * bounces), "count": 201}
         scene = Scene.load({**table, "want": ["constants", "trajectory"], "times": times})

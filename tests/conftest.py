@@ -60,8 +60,6 @@ OPEN = {
         "the search for turning points answers first since two branches met",
     "test_0045_numbers_at_the_door.py::test_a_fall_from_far_away_turns_at_its_perihelion[1e60]":
         "no number of nodes is proved over sixty orders of magnitude",
-    "test_separation_parts.py::test_an_open_question_carries_the_point_and_the_value_there":
-        "the identity it takes for open is decided now; another one is needed",
 }  # fmt: skip
 """Tests that a merge left open, with what has to be done; docs/trust.md and the changes name what users see of it."""
 

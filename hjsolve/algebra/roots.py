@@ -20,7 +20,7 @@ if TYPE_CHECKING:
     from .reader import Reader
 
 MAX_FACTORED = 10**15
-"""Larger numbers are not factored, and no root of a sum with larger coefficients is denested: its C² has their squares."""
+"""Larger numbers are not factored, and no root of a sum with larger ones is denested: its C² has their squares."""
 
 
 def root(reader: Reader, x: Element, p: int, q: int) -> Element:

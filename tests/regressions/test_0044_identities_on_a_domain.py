@@ -10,7 +10,8 @@ from hjsolve.algebra.one_variable import vanishes
 from hjsolve.algebra.poly import Budget
 from hjsolve.separation.enclosure import Region
 from hjsolve.separation.zero_test import NonZero, Zero, is_zero
-from tests.random_identities import CONSTANTS, identities
+from tests.random_identities import CONSTANTS, FAMILIES, identities
+from tests.typed_identities import TYPED
 
 x, y = sp.symbols("x y", real=True)
 TAU = 2 * sp.pi
@@ -96,9 +97,32 @@ def test_what_is_defined_nowhere_is_not_called_zero_by_its_values():
     assert not vanishes(sp.sqrt(-1 - x**2) - sp.sqrt(-1 - x**2) * sp.sqrt(2) / 2, x, (None, None), Budget.seconds(5))
 
 
-def test_random_identities_and_their_false_neighbours_are_never_mistaken():
+@pytest.mark.timeout(20)
+def test_a_false_constant_of_nested_roots_is_refuted_at_once():
+    """Squares of squares of the numbers in it had thousands of digits."""
+    right, wrong = CONSTANTS[-1], CONSTANTS[-1].replace("- sqrt(5)", "+ sqrt(5)")
+    assert isinstance(is_zero(read(right)), Zero)
+    assert isinstance(is_zero(read(wrong)), NonZero)
+
+
+@pytest.mark.parametrize(
+    ("text", "domain"),
+    [
+        ("atan(x + 3) - acos(1/sqrt((x + 3)**2 + 1))", (None, None)),
+        ("asin(3*x - 4*x**3) - 3*asin(x)", (None, -sp.Rational(1, 2))),
+        ("sqrt((x - 40)**2) + x - 40", (None, None)),
+        ("asin(x - 20) - atan(x)", (None, None)),
+        ("log((x - pi)**2) - 2*log(x - pi) + asin(x - pi)", (sp.pi, None)),
+    ],
+)
+def test_a_witness_is_looked_for_next_to_the_end_of_a_half_line_and_far_out(text, domain):
+    assert isinstance(is_zero(read(text), Region({x: domain})), NonZero)
+
+
+@pytest.mark.parametrize("templates", [FAMILIES, TYPED])
+def test_random_identities_and_their_false_neighbours_are_never_mistaken(templates):
     decided = total = 0
-    for known in identities(5, 30):
+    for known in identities(5, 30, templates):
         answer = is_zero(known.expression, Region(known.bounds), budget=4)
         assert not isinstance(answer, NonZero if known.true else Zero), known
         total += known.true
