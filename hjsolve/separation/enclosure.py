@@ -120,11 +120,12 @@ class Region:
 def _stretched(share: Fraction, lower: sp.Expr | None, upper: sp.Expr | None, side: int) -> sp.Rational:
     """A place anywhere on a line or half-line, next to its end as well as far out."""
     distance = sp.Rational(share.numerator, share.denominator - share.numerator)
-    if lower is None and upper is None:
+    end = lower if upper is None else upper
+    if end is None:
         return 4 * side * distance
-    near = Fraction(float(lower if upper is None else upper)).limit_denominator(256)
-    end = sp.Rational(near.numerator, near.denominator)
-    return end + distance if upper is None else end - distance
+    near = Fraction(float(end)).limit_denominator(256)
+    start = sp.Rational(near.numerator, near.denominator)
+    return start + distance if upper is None else start - distance
 
 
 def find_witness(expression: sp.Expr, region: Region, budget: Budget | None = None) -> Witness | None:
