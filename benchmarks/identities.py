@@ -1,8 +1,8 @@
-"""Random identities on domains and false neighbours: ``python benchmarks/identities.py [--count 600] [--seed 1]``.
+"""Random identities that depend on the domain, and false neighbours: ``python benchmarks/identities.py [--count 600]``.
 
 Half angles, logarithms of powers, roots of squares, sums of inverse functions, constants: true ones and false ones
-in equal parts (``tests/random_identities.py``). Prints the share decided by family; ends with status 1 when one is
-wrong.
+in equal parts (``tests/random_identities.py``, with ``--typed`` ``tests/typed_identities.py``). Prints the share
+decided by family; status 1 when one is wrong.
 """
 
 from __future__ import annotations
@@ -18,7 +18,8 @@ sys.path.insert(0, str(Path(__file__).resolve().parents[1]))
 
 from hjsolve.separation.enclosure import Region
 from hjsolve.separation.zero_test import NonZero, Zero, is_zero
-from tests.random_identities import identities
+from tests.random_identities import FAMILIES, identities
+from tests.typed_identities import TYPED
 
 
 def main() -> int:
@@ -26,10 +27,11 @@ def main() -> int:
     parser.add_argument("--count", type=int, default=600)
     parser.add_argument("--seed", type=int, default=1)
     parser.add_argument("--budget", type=float, default=5.0, help="of one decision, in seconds")
+    parser.add_argument("--typed", action="store_true", help="the second set of templates")
     parser.add_argument("--show", action="store_true", help="print every identity that stays undecided")
     given = parser.parse_args()
     counts, times, wrong = Counter[tuple[str, bool, str]](), list[float](), 0
-    for known in identities(given.seed, given.count):
+    for known in identities(given.seed, given.count, TYPED if given.typed else FAMILIES):
         start = time.process_time()
         answer = is_zero(known.expression, Region(known.bounds), budget=given.budget)
         times.append(time.process_time() - start)

@@ -289,7 +289,7 @@ def _add_report(kinds: _Commands) -> None:
     report = _add(kinds, "report", "all of that in a file, with drawings and numbers", about)
     _system_arguments(report)
     report.add_argument(
-        "-o", "--output", required=True, metavar="FILE", help="where to write; an existing file is replaced"
+        "-o", "--output", required=True, metavar="FILE", help='an existing file is replaced; "-" prints plain text'
     )
     report.add_argument(
         "--cost", action=argparse.BooleanOptionalAction, default=False,

@@ -3,6 +3,8 @@
 from __future__ import annotations
 
 from argparse import Namespace
+from pathlib import Path
+from tempfile import TemporaryDirectory
 from typing import TYPE_CHECKING, Any
 
 from hjsolve import meant
@@ -114,7 +116,7 @@ def _modes(system: System) -> NormalModes | None:
 
 
 def report(options: Namespace) -> int:
-    """Write a report to a file.
+    """Write a report to a file, or as plain text to the standard output where the file is "-".
 
     Args:
         options: the parsed arguments.
@@ -124,32 +126,39 @@ def report(options: Namespace) -> int:
     """
     from hjsolve.reports.files import checked_path
 
-    target = checked_path(options.output)
+    if options.output != "-":
+        status, written = _reported(options, checked_path(options.output))
+        print(f"wrote {written}")
+        return status
+    with TemporaryDirectory() as folder:
+        status, written = _reported(options, Path(folder) / "report.txt")
+        print(written.read_text(encoding="utf-8"), end="")
+    return status
+
+
+def _reported(options: Namespace, target: Path) -> tuple[int, Path]:
+    """Write the report; the exit status and the file."""
     from hjsolve.cost_command import progress_bar
     from hjsolve.reports.content import gather
     from hjsolve.reports.outside import outside_document
     from hjsolve.reports.write import outside_entry, save, save_hamiltonian, save_scene, write_document
 
     if (scene := meant.scene(options)) is not None:
-        print(f"wrote {save_scene(scene, target, options.cost, progress_bar())}")
-        return ANSWER
+        return ANSWER, save_scene(scene, target, options.cost, progress_bar())
     if not options.coordinate and (outside := outside_entry(meant.located(options.system))) is not None:
-        print(f"wrote {write_document(outside_document(outside), target)}")
-        return REFUSED
+        return REFUSED, write_document(outside_document(outside), target)
     initial = meant.initial(options)
     if meant.hamiltonian(options) is not None:
         initial = initial or meant.own_motion(options)
         told = {"initial": initial, "motion": options.motion, "digits": options.digits}
-        print(f"wrote {save_hamiltonian(meant.located(options.system), target, **told)}")
-        return ANSWER
+        return ANSWER, save_hamiltonian(meant.located(options.system), target, **told)
     subject: Any = options.system
     if options.coordinate or options.effect or options.system is None:
         subject = meant.system(options)
     if initial is None and options.system is not None:
         initial = meant.own_motion(options)
     material = gather(meant.located(subject), initial=initial, motion=options.motion, digits=options.digits)
-    print(f"wrote {save(material, target, options.cost, progress_bar())}")
-    return _status(material.verdict)
+    return _status(material.verdict), save(material, target, options.cost, progress_bar())
 
 
 def cost(options: Namespace) -> int:

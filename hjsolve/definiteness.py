@@ -173,7 +173,7 @@ def _parameter_values(parameters: Sequence[Parameter]) -> Iterator[Point]:
 
 
 def sample_points(coordinates: Sequence[Coordinate], parameters: Sequence[Parameter]) -> Iterator[Point]:
-    """Points inside the domain, with default values of the parameters or values that agree with their assumptions."""
+    """Points inside the domain; parameters at their default values, or at others that agree with their assumptions."""
     for _, values in zip(range(_TRIALS), _parameter_values(parameters)):
         yield from _points(coordinates, values)
 

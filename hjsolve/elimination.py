@@ -90,7 +90,7 @@ def _sweep(reader: Reader, mass: Rows, r: list[Element], pivots: tuple[int, int]
     """Replace m and r by what is left of them after the pivots; return the term they leave in H."""
     field, (k, n) = reader.field, pivots
     pivot = mass[k][n]
-    term = r[k] * r[n] / pivot * (Fraction(1, 2) if k == n else 1)
+    term = r[k] ** 2 / pivot * Fraction(1, 2) if k == n else r[k] * r[n] / pivot  # a power keeps its factors
     both = [(k, n)] if k == n else [(k, n), (n, k)]
     share = {i: [(field.cancelled(mass[i][a] / pivot), b) for a, b in both if not mass[i][a].is_zero] for i in others}
     rows = {b: list(mass[b]) for b in pivots}

@@ -1,7 +1,7 @@
 """Are T and V functions of an angle? Decided by the exact zero test of f(a + 2π) − f(a).
 
-A coordinate declared ``angle`` is counted modulo 2π: its motion is taken modulo a turn, and actions are integrals over
-one turn. That is wrong where T or V tells one turn from the next, as cos(a/2) or a do.
+A coordinate declared ``angle`` is counted modulo 2π: its motion is taken modulo one turn, and actions are integrals
+over one turn. That is wrong where T or V tells one turn from the next, as cos(a/2) or a do.
 """
 
 from __future__ import annotations

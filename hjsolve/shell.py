@@ -27,6 +27,7 @@ from .algebra.reader import Reader
 from .algebra.signs import Bounds
 from .declarations import free_name
 from .elimination import Eliminated, eliminate
+from .errors import InvalidSystemError
 from .kinetic import mass_as_written
 from .system import Coordinate, System, kinetic_rest, linear_terms
 
@@ -157,10 +158,12 @@ def reduce(system: System, budget: Budget | None = None) -> Shell | Irreducible:
 
     Raises:
         WorkLimitError: exact arithmetic needs more than the budget, or T or V is outside its reach.
+        InvalidSystemError: T or V divides by an expression that is identically zero.
     """
     budget = budget or Budget.seconds(20.0)
     lagrangian = _Lagrangian(_mass(system), tuple(linear_terms(system)), kinetic_rest(system), system.potential)
     reader = Reader(lagrangian.parts(), domain_bounds(system), budget)
+    _refuse_divisions_by_zero(lagrangian, reader)
     ignorable, lagrangian = _find_ignorable(system, lagrangian, reader)
     essential = [i for i, c in enumerate(system.coordinates) if c not in ignorable]
     passive = [i for i, c in enumerate(system.coordinates) if c in ignorable]
@@ -200,6 +203,17 @@ def _shell(
         steps += (_null_step(null),)
     steps += (_shell_step(coordinates, metric, potential, energy, null, shifted=any(shift)),)
     return Shell(system, coordinates, ignorable, metric, potential, energy, shift, χ, steps, null)
+
+
+def _refuse_divisions_by_zero(lagrangian: _Lagrangian, reader: Reader) -> None:
+    """Refuse T or V with a denominator that is zero everywhere, however it is written."""
+    try:
+        for part in lagrangian.parts():
+            reader.element(part)
+    except ZeroDivisionError:
+        raise InvalidSystemError(
+            "T or V divides by an expression that is zero everywhere on the domain; correct the denominator"
+        ) from None
 
 
 def _shell_step(

@@ -56,23 +56,3 @@ def pytest_xdist_make_scheduler(config: pytest.Config, log: Any) -> Any:
 OPEN = {
     "test_0014_two_coupled_that_run_away.py::test_a_black_hole_s_pole_may_be_passed_as_near_as_one_likes[1e-13--0.02]":
         "no number of nodes is proved 1e-13 from a pole; it was integrated without a proof before",
-    "test_0017_essential_singularity.py::test_an_essential_singularity_at_the_end_of_a_domain_is_told_soon":
-        "told in other words since panels are proved",
-    "test_0039_reports_that_can_be_read.py::test_the_meaning_of_a_constant_stands_before_its_long_formula":
-        "Kerr's H is one wide fraction again since two branches met",
-    "test_0045_numbers_at_the_door.py::test_a_fall_from_far_away_turns_at_its_perihelion[1e60]":
-        "no number of nodes is proved over sixty orders of magnitude",
-    "test_separation_parts.py::test_an_open_question_carries_the_point_and_the_value_there":
-        "the identity it takes for open is decided now; another one is needed",
-    "test_zero_test.py::test_what_cannot_be_settled_is_left_open_with_its_value":
-        "the identity it takes for open is decided now; another one is needed",
-}  # fmt: skip
-"""Tests that a merge left open, with what has to be done; docs/trust.md and the changes name what users see of it."""
-
-
-def _expect_what_is_open(items: list[pytest.Item]) -> None:
-    """Mark what is open: it runs, and its failure is expected until it is mended."""
-    for item in items:
-        for name, reason in OPEN.items():
-            if name in item.nodeid:
-                item.add_marker(pytest.mark.xfail(reason=reason, strict=False))

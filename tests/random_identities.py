@@ -180,7 +180,11 @@ PAIRS = [
     ("sqrt(exp(2*x)*y**2) - y*exp(x)", (None, None), ("0", None)),
     ("sqrt(x**2*(1 - cos(y))/2) + x*sin(y/2)", (None, "0"), ("0", "2*pi")),
 ]  # fmt: skip
-FAMILIES = {"half angles": HALF_ANGLES, "logarithms": LOGARITHMS, "roots": ROOTS, "inverse functions": INVERSES}
+FAMILIES = {
+    "half angles": HALF_ANGLES, "logarithms": LOGARITHMS, "roots": ROOTS, "inverse functions": INVERSES,
+    "constants": [(text,) for text in CONSTANTS], "two coordinates": PAIRS,
+}  # fmt: skip
+Templates = dict[str, list[tuple]]
 Bounds = dict[sp.Symbol, tuple[sp.Expr | None, sp.Expr | None]]
 
 
@@ -202,12 +206,13 @@ def _number(source: random.Random) -> sp.Rational:
     return sp.Rational(source.randint(1, 12), source.choice((1, 1, 2, 3, 5)))
 
 
-def identities(seed: int, count: int) -> Iterator[Identity]:
-    """Draw identities, true ones and false neighbours in turn; a function of the seed."""
+def identities(seed: int, count: int, templates: Templates = FAMILIES) -> Iterator[Identity]:
+    """Draw identities, true ones and false neighbours in turn; a function of the seed and the templates."""
     source = random.Random(seed)
+    of_one = [name for name in templates if name not in {"constants", "two coordinates"}]
     while count:
-        family = source.choice([*FAMILIES, *FAMILIES, "constants", "two coordinates"])
-        expression, bounds = _drawn(source, family)
+        family = source.choice([*of_one, *of_one, "constants", "two coordinates"])
+        expression, bounds = _drawn(source, family, source.choice(templates[family]))
         false = count % 2 == 0
         if false:
             expression, bounds = _neighbour(source, expression, bounds)
@@ -217,16 +222,16 @@ def identities(seed: int, count: int) -> Iterator[Identity]:
         yield Identity(family, expression, bounds, true)
 
 
-def _drawn(source: random.Random, family: str) -> tuple[sp.Expr, Bounds]:
+def _drawn(source: random.Random, family: str, template: tuple) -> tuple[sp.Expr, Bounds]:
     if family == "constants":
-        return _read(source.choice(CONSTANTS)), {}
+        return _read(template[0]), {}
     if family == "two coordinates":
-        text, *ends = source.choice(PAIRS)
+        text, *ends = template
         a, b = (sp.Rational(source.choice((1, 1, 2, 3)), source.choice((1, 1, 2))) for _ in range(2))
         expression = _read(text).xreplace({X: a * X, Y: b * Y})
         pairs = [tuple(None if e is None else _read(e) / c for e in pair) for pair, c in zip(ends, (a, b), strict=True)]
         return expression, dict(zip((X, Y), pairs, strict=True))  # type: ignore[arg-type]
-    text, low, high = source.choice(FAMILIES[family])
+    text, low, high = template
     u = sp.Symbol("u", real=True)
     a, b = source.choice([(1, 0), (1, 0), (-1, 0), (_number(source), 0), (1, _number(source)), (-1, _number(source)),
                           (_number(source), _number(source))])  # fmt: skip

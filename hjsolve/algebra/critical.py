@@ -79,11 +79,8 @@ def _apart(
             return None
         if (begin is None or sides[0] == 1) and (end is None or sides[1] == -1):
             inside.append((a, b))
-    marks = [
-        None if begin is None else begin[1],
-        *(x for pair in inside for x in pair),
-        None if end is None else end[0],
-    ]
+    outer = None if begin is None else begin[1], None if end is None else end[0]
+    marks = [outer[0], *(x for pair in inside for x in pair), outer[1]]
     gaps = [(marks[k], marks[k + 1]) for k in range(0, len(marks), 2)]
     if any(a is not None and b is not None and a >= b for a, b in gaps):
         return None

@@ -83,8 +83,8 @@ class Curve:
         if not self.turns:
             raise NotAlgebraicError("infinitely many turns")
         angle = 2 * sp.atan(place)
-        rows = zip(self.turns, self.ends, strict=True)
-        turns = sorted({k for row, ends in rows for k in row if _inside(place, ends)})
+        met = (row for row, ends in zip(self.turns, self.ends, strict=True) if _inside(place, ends))
+        turns = sorted({k for row in met for k in row})
         return [g.xreplace({self.x: (angle + 2 * sp.pi * k - self.shift) / self.unit}) for k in turns]
 
 
@@ -129,7 +129,7 @@ def curve_of(functions: Sequence[sp.Expr], x: sp.Symbol, bounds: Bounds) -> Curv
 
 
 def _unit(arguments: Sequence[sp.Expr], x: sp.Symbol) -> tuple[sp.Expr, sp.Expr]:
-    """W = unit·x + shift, of which every argument is a whole multiple; unit is positive."""
+    """Unit and shift of w = unit·x + shift, of which every argument is a whole multiple; unit is positive."""
     pairs = []
     for a in arguments:
         a = sp.expand(a)

@@ -44,7 +44,7 @@ def _rewritten(x: sp.Expr, rules: dict[object, Rule]) -> sp.Expr:
 
 
 def _exponential(w: sp.Expr) -> sp.Expr:
-    """Exp w, with exp(r log u) as u^r."""
+    """The exponential of w, with exp(r log u) as u^r."""
     powers, rest = [], []
     for term in sp.Add.make_args(sp.expand_mul(w)):
         c, f = term.as_coeff_Mul()

@@ -1,9 +1,8 @@
 """Logarithms in a field, with all their relations log(ab) = log a + log b.
 
 Wherever log y is defined it is Σ e log|b| over the factors b^e of y, whatever their signs. So every logarithm is a
-vector
-of exponents, over prime numbers and base polynomials; roots count by their fractions, exponentials by their exponents.
-One that depends linearly on those before is written in them, the others are generators.
+vector of exponents, over prime numbers and base polynomials; roots count by their fractions, exponentials by their
+exponents. One that depends linearly on those before is written in them, the others are generators.
 """
 
 from __future__ import annotations
@@ -44,7 +43,7 @@ class Logarithms:
         self._rows: list[_Row] = []
 
     def of(self, atom: sp.Expr, y: Element) -> Element:
-        """Log y, which is written ``atom`` where it is a new generator."""
+        """The logarithm of y, which is written ``atom`` where it is a new generator."""
         vector, exponent = self._vector(y)
         value = exponent
         for row in self._rows:

@@ -16,15 +16,21 @@ from math import gcd
 import sympy as sp
 
 from . import poly
+from .constants import constant_is_zero
+from .elementary import INVERSE_CIRCULAR, INVERSE_HYPERBOLIC, at_one_place, circular_pair, composed
 from .field import MAX_POWER, Element, Field, Generator, Root
+from .intervals import NoEnclosureError, enclose
 from .logarithms import Logarithms
 from .poly import Budget, Poly, WorkLimitError
+from .relations import dependent
 from .roots import root
 from .signs import Bounds, atom_bounds
 
 TRIGONOMETRIC = (sp.sin, sp.cos, sp.tan, sp.cot, sp.sec, sp.csc)
 HYPERBOLIC = (sp.sinh, sp.cosh, sp.tanh, sp.coth, sp.sech, sp.csch)
 MAX_MULTIPLE = 12
+MAX_SECONDS = 5.0
+"""Of processor time, for relations between generators of one variable in one field."""
 Pair = tuple[Element, Element]
 
 
@@ -59,6 +65,8 @@ class Reader:
         self._written: dict[int, sp.Expr] = {}
         self._units: dict[tuple[str, sp.Expr], Fraction] = {}
         self._exponential: set[sp.Expr] = set()
+        self._dependent: dict[sp.Expr, Element | None] = {}
+        self.seconds_for_relations = MAX_SECONDS
         self._logarithms = Logarithms(self)
         for expression in expressions:
             self._look_through(expression)
@@ -126,6 +134,8 @@ class Reader:
         if x.is_Symbol:
             return self._symbol(x)
         if x.is_Add:
+            if x.is_number and x.has(sp.Function) and _is_zero(x):
+                return self.field.zero
             return self.field.total([self.element(a) for a in x.args])
         if x.is_Mul:
             return self.field.product([self.field.factored(self.element(a)) for a in x.args])
@@ -142,7 +152,22 @@ class Reader:
     def adjoined(self, g: Generator) -> Element:
         """The element of a generator, adjoined to the field when it is new."""
         k = self.field.number_of(g.atom)
-        return self.field.generator(self.field.adjoin(g) if k is None else k)
+        if k is not None:
+            return self.field.generator(k)
+        if g.atom not in self._dependent:
+            self._prepare(g.atom)
+            self._dependent[g.atom] = dependent(self, g)
+        known = self._dependent[g.atom]
+        return self.field.generator(self.field.adjoin(g)) if known is None else known
+
+    def _prepare(self, atom: sp.Expr) -> None:
+        """Let the sines and cosines of a root's or inverse function's variable join first: it may depend on them."""
+        if len(atom.free_symbols) != 1 or isinstance(atom, (*TRIGONOMETRIC, *HYPERBOLIC, sp.exp)):
+            return
+        for kind, monomial in list(self._units):
+            unit = self._units[kind, monomial]
+            if monomial.free_symbols == atom.free_symbols and monomial.is_Symbol:
+                self._pair(kind, sp.Rational(unit.numerator, unit.denominator) * monomial)
 
     def _opaque(self, x: sp.Expr) -> Element:
         """Anything else that is real: an inverse function, an undetermined function, a derivative of one, π."""
@@ -175,7 +200,7 @@ class Reader:
     def _exp(self, argument: sp.Expr) -> Element:
         result = self.field.one
         for n, unit in self._multiples("rapidity", argument):
-            atom = sp.exp(unit)
+            atom = composed(sp.exp(unit)) if unit.has(*INVERSE_HYPERBOLIC) else sp.exp(unit)
             if not isinstance(atom, sp.exp):
                 result = result * self.element(atom) ** n
                 continue
@@ -198,7 +223,11 @@ class Reader:
         return s, c
 
     def _unit_pair(self, kind: str, unit: sp.Expr) -> Pair:
-        if kind == "rapidity" and unit.as_coeff_Mul()[1] in self._exponential:
+        monomial = unit.as_coeff_Mul()[1]
+        if kind == "angle" and isinstance(monomial, INVERSE_CIRCULAR) and unit.as_coeff_Mul()[0].q <= 2:
+            cosine, sine = circular_pair(unit)
+            return self.element(sine), self.element(cosine)
+        if kind == "rapidity" and (monomial in self._exponential or isinstance(monomial, INVERSE_HYPERBOLIC)):
             e = self._exp(unit)
             return (e - e**-1) * Fraction(1, 2), (e + e**-1) * Fraction(1, 2)
         sine, cosine = (sp.sin, sp.cos) if kind == "angle" else (sp.sinh, sp.cosh)
@@ -282,6 +311,15 @@ class Reader:
         generators = self.field.generators
         terms = (sp.Mul(c, *[generators[k].atom ** e for k, e in poly.exponents(m)]) for m, c in a.items())
         return sp.Add(*terms)
+
+
+def _is_zero(x: sp.Expr) -> bool:
+    """Proof that a constant is zero."""
+    try:
+        lower, upper = enclose(x, {}, 64)
+    except NoEnclosureError:
+        return False
+    return lower <= 0 <= upper and constant_is_zero(at_one_place(x)) is True
 
 
 def is_shifted(argument: sp.Expr, coordinates: Collection[sp.Symbol]) -> bool:

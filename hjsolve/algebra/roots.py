@@ -20,6 +20,7 @@ if TYPE_CHECKING:
     from .reader import Reader
 
 MAX_FACTORED = 10**15
+"""Larger numbers are not factored, and no root of a sum with larger ones is denested: its C² has their squares."""
 
 
 def root(reader: Reader, x: Element, p: int, q: int) -> Element:
@@ -85,8 +86,14 @@ def _denested(reader: Reader, radicand: Poly) -> Element | None:
     nested less deeply; A ≥ 0 and the sign of B must be
     proved. Where B > 0, either sign of C gives the same sum, so that the sign of C need not be known.
     Borodin, Fagin, Hopcroft and Tompa, J. Symb. Comp. 1 (1985) 169.
+
+    Raises:
+        WorkLimitError: the budget is used up.
     """
     field = reader.field
+    field.budget.check()
+    if max(map(abs, radicand.values())) > MAX_FACTORED:
+        return None
     for k in reversed(poly.generators(radicand)):
         g = field.generators[k]
         if g.kind != "root" or g.root is None or g.root.order != 2:

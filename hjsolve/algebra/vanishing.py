@@ -21,7 +21,7 @@ from .poly import Budget, Poly, WorkLimitError
 from .reader import Reader
 from .signs import Bounds
 
-SECONDS = 3.0
+SECONDS = 10.0
 MAX_COEFFICIENTS = 12
 BoundsOf = Mapping[sp.Symbol, Bounds]
 

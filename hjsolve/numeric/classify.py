@@ -31,6 +31,8 @@ _WIDEST, _CURVED = 2.0**500, 2.0**1000
 """Width of a motion, and p² over its square, from whose inverse to which doubles hold what is worked out with them."""
 _LONG = 2**16
 """The natural length of an open motion, over |q|, at most."""
+_STEEPEST = 1000
+"""Exponents above are taken for those of powers only where they are the same at every distance."""
 
 
 @dataclass(frozen=True)
@@ -344,11 +346,20 @@ def _open(start: Start, forward: int, lower: End, upper: End, digits: int) -> Op
 
 
 def _judged(start: Start, end: End) -> End:
-    """An end of a domain; a ``fall`` where an integral has no limit there, an ``asymptote`` where time has none."""
+    """An end of a domain; a ``fall`` where an integral has no limit there, an ``asymptote`` where time has none.
+
+    Raises:
+        NotConvergedError: p² grows faster than any power there: no map makes the way to that end regular.
+    """
     if end.kind != "boundary" or end.place is None:
         return end
     bits = 1024
     context, place, here = multiprecision(bits), end.place(bits), start.place(bits)
+    if _outgrows_powers(start.radicand, place, here - place):
+        raise NotConvergedError(
+            f"p² grows faster than any power of the distance on the way to {start.name} = {float(place):.9g}, an "
+            "essential singularity: no integral can be had up to there; give the coordinate a domain that ends before"
+        )
     sizes = []
     for power in (200, 216):
         q = place + (here - place) * context.mpf(2) ** -power
@@ -357,6 +368,16 @@ def _judged(start: Start, end: End) -> End:
         sizes.append([0 * root if skip else abs(w / root) for w, skip in weights])
     endless = [bool(before and after / before > context.mpf(2) ** 15.99) for before, after in zip(*sizes, strict=True)]
     return replace(end, kind="asymptote" if endless[0] else "fall" if any(endless) else "boundary")
+
+
+def _outgrows_powers(radicand: Radicand, place: Any, way: Any) -> bool:
+    """Whether p² grows faster than powers of the distance to a place: the nearer, the greater the exponent."""
+    context = way.context
+    values = [abs(radicand.value(place + way * context.mpf(2) ** -k, context.prec)) for k in (50, 66, 100, 116)]
+    if not all(values):
+        return False
+    far, near = (context.log(after / before, 2) / 16 for before, after in (values[:2], values[2:]))
+    return bool(near > max(_STEEPEST, 2 * abs(far)) or context.log(values[0], 2) > 2**64)
 
 
 def _length(start: Start, place: Any, bits: int, *, turning: bool) -> Any:

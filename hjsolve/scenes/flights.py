@@ -90,6 +90,9 @@ class Free:
         self._passes: dict[tuple[str, sp.Expr], Passes] = {}
         self._angles: dict[tuple[str, Passes, int], Any] = {}
 
+    def __reduce__(self) -> tuple[Any, ...]:
+        return Free, (self.motion, self.mirrors)
+
     @cached_property
     def carrier(self) -> dict[str, str]:
         """Ignorable coordinate → the one that carries it, where that does not rest."""

@@ -17,17 +17,6 @@ from hjsolve.solution import Solution
 from hjsolve.state import Errors, Known, State
 
 
-@dataclass(frozen=True)
-class Made:
-    """The rule behind the motion of an arc that was pickled: it is there already."""
-
-    motion: Motion
-
-    def __call__(self) -> Motion:
-        """Return it."""
-        return self.motion
-
-
 @dataclass(frozen=True, eq=False)
 class Arc:
     """One smooth arc.
@@ -46,10 +35,6 @@ class Arc:
     turns: Mapping[str, int]
     quantities: Mapping[str, Any] = field(repr=False)
     started: Callable[[], Motion] = field(repr=False)
-
-    def __reduce__(self) -> tuple[Any, ...]:
-        values = dict(self.turns), dict(self.quantities), Made(self.motion)
-        return Arc, (self.begins, self.ends, self.events, *values)
 
     @property
     def motion(self) -> Motion:

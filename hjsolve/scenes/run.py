@@ -2,8 +2,6 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
-from functools import cache
 from typing import Any
 
 import numpy as np
@@ -14,9 +12,9 @@ from hjsolve.initial import to_bits
 from hjsolve.motion import Motion
 from hjsolve.numeric.counting import counted
 from hjsolve.numeric.estimate import Estimate
-from hjsolve.scenes.arcs import Leg, Piece, pieces, start_of
+from hjsolve.scenes.arcs import Piece, pieces
+from hjsolve.scenes.begun import Begun, Turned, Wholes
 from hjsolve.scenes.crossing import bits_of
-from hjsolve.scenes.flights import signed
 from hjsolve.scenes.orbits import orbit_table
 from hjsolve.scenes.path import belongings, sampled, trajectory
 from hjsolve.scenes.refusal import dissipative, words
@@ -29,7 +27,7 @@ __all__ = ["Arc", "Choice", "Run", "Trajectory", "first_arguments", "run", "samp
 _FIELDS = (
     "constants", "kinds", "turning_points", "actions", "periods", "frequencies", "mean_velocities", "boundary_times",
 )  # fmt: skip
-_TIMED, _OWN = frozenset({"trajectory", "angles"}), frozenset({"angles", "orbit", "boundary_times"})
+_TIMED, _OWN = frozenset({"trajectory", "angles"}), frozenset({"angles", "orbit"})
 """What needs times inside an arc; what is not the same on all arcs of one free motion."""
 
 
@@ -47,7 +45,7 @@ def run(scene: Scene, solution: Solution | None = None) -> Run:
         raise InvalidInputError("proofs end at an event: the state there is computed, not proved; leave certified out")
     with counted() as work:
         found, rest = pieces(scene, solution, first_arguments(scene))
-        wholes = _Wholes(scene, solution)
+        wholes = Wholes(scene, solution)
         busy = np.zeros(len(found) + 1, dtype=bool)
         if scene.times is not None and {"trajectory", "angles"} & set(scene.want):
             busy[belongings(sampled(scene.times, scene.digits), found, rest)] = True
@@ -97,62 +95,28 @@ def first_arguments(scene: Scene) -> dict[str, Any]:
     return {name: value for name, value in given.items() if value is not None}
 
 
-class _Wholes:
-    """The free motions of flights, and their mirror images, to the digits of the scene: each is made once."""
-
-    def __init__(self, scene: Scene, solution: Solution):
-        self.scene, self.solution, self.known = scene, solution, dict[tuple[Any, ...], Motion]()
-
-    def __call__(self, piece: Piece, signs: Mapping[str, int] | None = None) -> Motion:
-        """Of its own time zero; with momenta of other signs, if given."""
-        assert piece.free is not None
-        turned = tuple(name for name, sign in (signs or {}).items() if sign < 0)
-        key = (piece.free, turned)
-        if key not in self.known:
-            arguments, values = {**piece.leg.arguments, "t0": 0}, piece.free.motion.initial.values
-            if turned:
-                p = {c.name: values[c.momentum] for c in self.scene.system.coordinates}
-                arguments |= {"velocity": None, "p": {n: -x if n in turned else x for n, x in p.items()}}
-            self.known[key] = self.solution.motion(**arguments, digits=self.scene.digits, want=self.scene.want)
-        return self.known[key]
-
-
 def _arc(
-    scene: Scene, solution: Solution, piece: Piece, timed: bool, wholes: _Wholes, rest: Estimate | None
+    scene: Scene, solution: Solution, piece: Piece, timed: bool, wholes: Wholes, rest: Estimate | None
 ) -> Arc:
     """Compute what is wanted of an arc."""
-
-    def made(leg: Leg) -> Motion:
-        return solution.motion(**leg.arguments, digits=scene.digits, want=scene.want, certified=scene.certified)
-
     names = [n for n in (*_FIELDS, "angles", "orbit") if n in scene.want and (n != "angles" or scene.times)]
     ends = rest if rest is not None else None if piece.ends is None else _moment(piece.ends, scene.digits)
+    begun = Begun(scene, solution, piece)
     if piece.flight is None:
-        motion = cache(lambda: made(piece.leg))
-        source = motion if timed or not _TIMED & set(scene.want) else cache(lambda: _untimed(scene, solution, piece))
+        without = tuple(word for word in scene.want if word not in _TIMED)  # no time wanted, no place needed
+        source = begun if timed or len(without) == len(scene.want) else Begun(scene, solution, piece, without)
         begins = _moment(sp.sympify(piece.leg.arguments.get("t0", 0)), scene.digits)
-        quantities = {name: _quantity(scene, piece, name, source() if name not in _TIMED else motion())
-                      for name in names}  # fmt: skip
-        return Arc(begins, ends, piece.events, piece.leg.turns, quantities, motion)
-    flight, free = piece.flight, piece.free
-    assert free is not None
-    leg = cache(lambda: start_of(piece))
-    motion = cache(lambda: made(leg()))
+        quantities = {n: _quantity(scene, piece, n, begun() if n in _TIMED else source()) for n in names}
+        return Arc(begins, ends, piece.events, piece.leg.turns, quantities, begun)
     angles = tuple(c.name for c in scene.system.coordinates if c.domain.kind == "angle")
+    begins, turns = _moment(piece.flight.begin, scene.digits, piece.flight.doubt), Turned(begun, angles)
+    if _OWN.isdisjoint(names):
+        return Arc(begins, ends, piece.events, turns, wholes.shared(piece, tuple(names)), begun)
 
-    def shared(name: str) -> Any:
-        whole = motion() if name in _OWN else wholes(piece, signed(free, flight.signs))
-        return _quantity(scene, piece, name, whole)
+    def compute(name: str) -> Any:
+        return _quantity(scene, piece, name, begun() if name in _OWN else wholes.mirrored(piece))
 
-    begins = _moment(flight.begin, scene.digits, flight.doubt)
-    turns = OnDemand(angles, lambda name: leg().turns.get(name, 0))
-    return Arc(begins, ends, piece.events, turns, OnDemand(tuple(names), shared), motion)
-
-
-def _untimed(scene: Scene, solution: Solution, piece: Piece) -> Motion:
-    """The motion of an arc without a wanted time, for its quantities alone."""
-    want = [word for word in scene.want if word not in _TIMED]
-    return solution.motion(**piece.leg.arguments, digits=scene.digits, want=want, certified=scene.certified)
+    return Arc(begins, ends, piece.events, turns, OnDemand(tuple(names), compute), begun)
 
 
 def _quantity(scene: Scene, piece: Piece, name: str, motion: Motion) -> Any:

@@ -350,6 +350,10 @@ def _integrated_faults(scene: Scene) -> Iterator[str]:
         yield f"accuracy.digits: an integrator in doubles reaches {most} at best, not {scene.digits}; ask for less"
     if scene.times is None:
         yield "times: missing; say from when to when the scene is integrated"
+    for place, event in enumerate(scene.events, start=1):
+        if event.kind == "wall" and not event.elastic:
+            cure = "bounces that accumulate need quadratures; an integrated wall is elastic"
+            yield f"events[{place}].restitution: {cure}"
 
 
 def _sweep_faults(scene: Scene, sweep: Varied, names: list[str]) -> Iterator[str]:

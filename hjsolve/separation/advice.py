@@ -85,8 +85,22 @@ def for_potential(system: System, pair: tuple[str, str]) -> str:
         f"{i} and {j}. "
         f"Try the other coordinates in which the free motion separates (for a plane: Cartesian turned by an angle, "
         f"polar, "
-        f"parabolic, elliptic, each about another centre or axis). {ALWAYS}"
+        f"parabolic, elliptic, each about another centre or axis). {_search(system)}{ALWAYS}"
     )
+
+
+def _search(system: System) -> str:
+    """Where other coordinates are looked for, if the system is one of a particle in a plane or in space."""
+    speeds = [c.velocity for c in system.coordinates]
+    masses = {sp.diff(system.kinetic, v, 2) for v in speeds}
+    cartesian = (
+        len(speeds) in {2, 3}
+        and len(masses) == 1
+        and masses.pop().free_symbols.isdisjoint(c.symbol for c in system.coordinates)
+        and all(c.domain.kind == "line" and sp.expand(sp.diff(system.kinetic, c.velocity, d)) == 0
+                for c in system.coordinates for d in speeds if d != c.velocity)
+    )  # fmt: skip
+    return "hjsolve.find_coordinates (hjsolve coordinates) looks through them all. " if cartesian else ""
 
 
 def for_gyroscopic(system: System, pair: tuple[str, str]) -> str:

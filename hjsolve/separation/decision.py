@@ -40,7 +40,8 @@ def separate(system: System | str | Path, *, budget: float = DEFAULT_BUDGET) -> 
         ``Separation``, ``Obstruction`` (proved not to separate, with a witness) or ``Undecided``.
 
     Raises:
-        InvalidInputError: not a system, or a negative budget. What cannot be decided is a verdict, no error.
+        InvalidInputError: not a system, or a negative budget; or T or V divides by what is zero everywhere. What
+            cannot be decided is a verdict, no error.
     """
     system = system_of(system, "separate")
     budget = arguments.seconds(budget, "budget")

@@ -101,7 +101,9 @@ class Region:
         if any(end is not None and end.is_real is False for end in (lower, upper)):
             return None
         share = Fraction(place + 1, place + 3) if attempt < 2 else Fraction(generator.randrange(1, 64), 64)
-        if lower is None and upper is None:
+        if attempt % 4 > 1 and (lower is None or upper is None):
+            value = _stretched(share, lower, upper, (-1) ** attempt)
+        elif lower is None and upper is None:
             value = sp.Rational((-1) ** attempt * (2 * share.numerator + place), share.denominator)
         elif upper is None:
             value = sp.ceiling(lower) + sp.Rational(share.numerator * 3, share.denominator)
@@ -113,6 +115,17 @@ class Region:
             value = sp.Rational(inside.numerator, inside.denominator)
         inside_lower = lower is None or bool(lower < value)
         return value if inside_lower and (upper is None or bool(value < upper)) else None
+
+
+def _stretched(share: Fraction, lower: sp.Expr | None, upper: sp.Expr | None, side: int) -> sp.Rational:
+    """A place anywhere on a line or half-line, next to its end as well as far out."""
+    distance = sp.Rational(share.numerator, share.denominator - share.numerator)
+    end = lower if upper is None else upper
+    if end is None:
+        return 4 * side * distance
+    near = Fraction(float(end)).limit_denominator(256)
+    start = sp.Rational(near.numerator, near.denominator)
+    return start + distance if upper is None else start - distance
 
 
 def find_witness(expression: sp.Expr, region: Region, budget: Budget | None = None) -> Witness | None:

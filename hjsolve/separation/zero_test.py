@@ -81,6 +81,8 @@ def is_zero(expression: sp.Expr, region: Region | None = None, *, budget: Budget
         budget = Budget.seconds(DEFAULT_SECONDS if budget is None else budget)
     region = region or free_region(expression)
     reason = "no witness was found"
+    if not expression.free_symbols and (witness := find_witness(expression, region, budget)) is not None:
+        return NonZero(witness)  # of a constant it is had at once, and roots of numbers may take seconds to denest
     try:
         reader = Reader([expression], region.bounds, budget)
         terms = [reader.element(term) for term in sp.Add.make_args(expression)]

@@ -22,10 +22,7 @@ e.getBoundingClientRect().right > window.innerWidth + 1).map(e => e.textContent.
 PAPER = 673  # CSS pixels of A4 less its margins
 
 
-TOO_WIDE = pytest.mark.xfail(reason="H of Kerr is one fraction again, whose numerator does not break", strict=False)
-
-
-@pytest.fixture(scope="module", params=[pytest.param("kerr", marks=TOO_WIDE), "kuzmin-kutuzov", "lagrange-top"])
+@pytest.fixture(scope="module", params=["kerr", "kuzmin-kutuzov", "lagrange-top"])
 def page(request: pytest.FixtureRequest, tmp_path_factory: pytest.TempPathFactory, browser) -> Iterator[object]:
     path: Path = tmp_path_factory.mktemp("wide") / "report.html"
     hjsolve.report(request.param, path)

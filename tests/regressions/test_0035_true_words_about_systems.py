@@ -193,3 +193,18 @@ def test_what_is_no_energy_is_not_called_one() -> None:
     magnetic = entries.solution("charge-in-uniform-field").constants["E"].meaning
     assert magnetic == "energy T2 + V"
     assert with_values(other, {"M": 2}) is not None
+
+
+@pytest.mark.parametrize(
+    ("domains", "kinetic", "named"),
+    [
+        ({"x": "line", "y": "line"}, "m*(dot(x)**2 + dot(y)**2)/2", True),
+        ({"x": "line", "y": "line"}, "m*(dot(x)**2 + 2*dot(y)**2)/2", False),
+        ({"x": "line", "y": "0 < y"}, "m*(dot(x)**2 + dot(y)**2)/2", False),
+    ],
+)
+def test_a_refused_particle_in_the_plane_is_told_who_looks_for_other_coordinates(domains, kinetic, named):
+    system = hjsolve.System(domains, kinetic, "x**2*y - y**3/3 + x**4*y", parameters={"m": 1})
+    advice = hjsolve.separate(system).advice
+    assert ("hjsolve.find_coordinates" in advice) is named
+    assert "The free motion separates in these coordinates" in advice

@@ -112,6 +112,14 @@ def circle(t: Any) -> dict[str, dict[str, Any]]:
     return {"q": {"r": r, "theta": θ}, "p": {"r": speed, "theta": ellipse.L}}
 
 
+def rays(t: Any) -> dict[str, dict[str, Any]]:
+    """Walls at θ = −1/2 and θ = 1 alone."""
+    ellipse = Ellipse()
+    r, θ, speed = ellipse.free(t)
+    θ, sign = folded(θ + mp.mpf("0.5"), mp.mpf("1.5"))
+    return {"q": {"r": r, "theta": θ - mp.mpf("0.5")}, "p": {"r": speed, "theta": sign * ellipse.L}}
+
+
 def sector(t: Any) -> dict[str, dict[str, Any]]:
     """Walls at r = 6/5, θ = −1/2 and θ = 1: H is even in both momenta, so θ is that of the circle, folded."""
     there = circle(t)

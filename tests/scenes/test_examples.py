@@ -41,7 +41,7 @@ def test_a_scene_runs_and_gives_what_it_wants(path: Path) -> None:
         for name, values in run.trajectory.q.items():
             assert np.all(np.isfinite(values))
             assert np.all(run.trajectory.error.q[name] < (1e-7 if scene.method == "integrate" else 1e-12))
-        assert set(run.trajectory.status) == {"ok"}
+        assert set(run.trajectory.status) == ({"ok"} if run.rest is None else {"ok", "at_rest"})
     document = scene_document(run)
     told = html(document)
     assert scene.title in unescape(told)

@@ -82,6 +82,9 @@ FAULTS: dict[str, tuple[str, str]] = {
     "wall with a jump": (WALL + 'momentum = {r = "1"}', "events[1].momentum: belongs to an impulse"),
     "wall at a time": (WALL.replace('coordinate = "r", value = "1.5"', 't = "1"'), "a wall stands at a coordinate"),
     "wall that gives energy": (WALL + 'restitution = "1.1"', "events[1].restitution: must be from 0"),
+    "soft wall for an integrator": (
+        'method = "integrate"\n' + WALL.replace('"periods", ', "") + 'restitution = "1/2"',
+        "events[1].restitution: bounces that accumulate need quadratures"),
     "wall of negative restitution": (WALL + 'restitution = "-1/2"', "events[1].restitution: must be from 0"),
     "oblique wall": (WALL + 'surface = "r*cos(theta) = 1"', "events[1].surface: only walls at a coordinate surface"),
     "unknown method": ('method = "euler"' + GOOD, 'method: "euler" is not known'),

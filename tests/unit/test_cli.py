@@ -317,6 +317,19 @@ def test_undecided_is_status_3(monkeypatch: pytest.MonkeyPatch, capsys: Capture)
 
 
 # ------------------------------------------------------------------------------------------------ H(q, p) in an entry
+@pytest.mark.parametrize(("system", "status"), [("pendulum", 0), ("henon-heiles", 1), ("skate", 1)])
+def test_a_report_to_a_dash_is_the_text_file_on_the_standard_output(
+    system: str, status: int, tmp_path: Path, capsys: Capture
+) -> None:
+    """Nothing but the report is printed, so that it can be piped; its last section has times, which differ."""
+    assert main(["report", system, "-o", "-"]) == status
+    printed = capsys.readouterr().out
+    assert main(["report", system, "-o", str(tmp_path / "report.txt")]) == status
+    written = (tmp_path / "report.txt").read_text(encoding="utf-8")
+    assert len(printed) > 300
+    assert printed.split("How this was computed")[0] == written.split("How this was computed")[0]
+
+
 def test_an_entry_with_a_hamiltonian_is_checked_solved_and_reported(tmp_path: Path, capsys: Capture) -> None:
     name = "hamiltonian-q-plus-p"
     assert main(["check", name]) == 0

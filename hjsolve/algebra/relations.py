@@ -1,0 +1,233 @@
+"""Relations between generators of one variable, found by numbers and proved: a new generator may be an old function.
+
+√((1 − cos x)/2) is sin(x/2) on (0, 2π), atan((1 − x)/(1 + x)) is π/4 − atan x on x > 0, and a nested radical may lie
+in the field of the roots before it. A root or an inverse function of one variable (or a constant) that is about to
+join a field is compared, at a few places of the domain and at 40 digits, with rational combinations of monomials in
+the generators there are. What fits is proved by ``one_variable``, ``several_variables`` or ``constants``, or not used.
+"""
+
+from __future__ import annotations
+
+import time
+from collections.abc import Iterator, Sequence
+from dataclasses import dataclass
+from fractions import Fraction
+from itertools import product
+from typing import TYPE_CHECKING
+
+import mpmath
+import sympy as sp
+
+from .constants import constant_is_zero
+from .elementary import PRIMITIVES, at_one_place
+from .field import Element, Generator
+from .one_variable import vanishes
+from .poly import WorkLimitError
+from .several_variables import constant_zero
+from .signs import Bounds
+
+if TYPE_CHECKING:
+    from .reader import Reader
+
+DIGITS, MAX_DENOMINATOR, MAX_BASIS, MAX_NEIGHBOURS = 60, 720, 20, 5
+MAX_OPERATIONS, MAX_NUMBER, MAX_VARIABLES = 60, 10**9, 3
+MAX_COEFFICIENT, MAX_STEPS = 1000, 1000
+SECONDS = 6.0
+CHECKS = 4
+Place = dict[sp.Symbol, sp.Rational]
+
+
+@dataclass(frozen=True)
+class _Term:
+    """One function of the basis: as an element and as an expression."""
+
+    element: Element
+    expression: sp.Expr
+
+
+def dependent(reader: Reader, g: Generator) -> Element | None:
+    """The element of the field that equals a new generator on the domain, proved; None where none was found."""
+    start = time.process_time()
+    found = _dependent(reader, g)
+    reader.seconds_for_relations -= time.process_time() - start
+    return found
+
+
+def _dependent(reader: Reader, g: Generator) -> Element | None:
+    symbols = sorted(g.atom.free_symbols, key=str)
+    inverse = isinstance(g.atom, PRIMITIVES) and not isinstance(g.atom, sp.log)
+    if not (inverse or (g.kind == "root" and len(symbols) <= 1)):
+        return None
+    neighbours = _neighbours(reader, set(symbols), inverse=inverse)
+    if not neighbours or not _worth_while(reader, g, neighbours):
+        return None
+    held = (reader.field.generators[k].atom.free_symbols for k in neighbours)
+    symbols = sorted(g.atom.free_symbols.union(*held), key=str)
+    if len(symbols) > MAX_VARIABLES or not all(s.is_real for s in symbols):
+        return None
+    start = time.process_time()
+    for factor, basis in _bases(reader, g, neighbours, inverse=inverse):
+        reader.field.budget.check()
+        if time.process_time() - start > reader.seconds_for_relations:
+            return None
+        places = [dict(zip(symbols, place, strict=True)) for place in _places(reader, symbols, len(basis) + CHECKS)]
+        found = _combination(g.atom * factor.expression, basis, symbols, places)
+        if found is None:
+            continue
+        whole = sp.Add(*(c * t.expression for c, t in zip(found, basis, strict=True)))
+        if _proved(reader, g.atom * factor.expression - whole, symbols, places):
+            total = reader.field.total(
+                t.element * Fraction(int(c.p), int(c.q)) for c, t in zip(found, basis, strict=True)
+            )
+            return total / factor.element
+    return None
+
+
+def _worth_while(reader: Reader, g: Generator, neighbours: Sequence[int]) -> bool:
+    """Whether a relation may be hoped for, and seconds are left for looking.
+
+    Roots of different primes are independent; numbers of many digits come from places, not from users.
+    """
+    if reader.seconds_for_relations < 0 or sp.count_ops(g.atom) > MAX_OPERATIONS:
+        return False
+    if any(max(abs(int(r.p)), int(r.q)) > MAX_NUMBER for r in g.atom.atoms(sp.Rational)):
+        return False
+    nested = (reader.field.generators[k] for k in neighbours)
+    return not (g.kind == "root" and g.atom.is_number) or any(_is_nested(h) for h in (g, *nested))
+
+
+def _is_nested(g: Generator) -> bool:
+    return g.root is not None and any(g.root.radicand)
+
+
+def _neighbours(reader: Reader, symbols: set[sp.Symbol], *, inverse: bool) -> list[int]:
+    """The generators that a new one may depend on, newest first: of the same variable, inverse ones of any of them."""
+    found = []
+    for k, g in enumerate(reader.field.generators):
+        own = g.atom.free_symbols
+        is_inverse = isinstance(g.atom, PRIMITIVES)
+        if g.atom.has(sp.core.function.AppliedUndef) or is_inverse != (inverse and g.kind != "symbol"):
+            continue
+        if own == symbols or (is_inverse and own & symbols):
+            found.append(k)
+    return found[::-1]
+
+
+def _bases(
+    reader: Reader, g: Generator, neighbours: Sequence[int], *, inverse: bool
+) -> Iterator[tuple[_Term, list[_Term]]]:
+    """Factors and bases to try: g·factor as a combination of the basis."""
+    field, one = reader.field, _Term(reader.field.one, sp.S.One)
+    terms = [_Term(field.generator(k), field.generators[k].atom) for k in neighbours]
+    if inverse:
+        others = terms[: MAX_BASIS - 2]
+        if others or g.atom.is_number:
+            yield one, [_Term(reader.element(sp.pi), sp.pi), *others]
+        return
+    basis = [one]
+    for k, t in zip(neighbours[:MAX_NEIGHBOURS], terms, strict=False):
+        root = field.generators[k].root
+        top = (root.order if root is not None else 3) - 1
+        basis = [
+            _Term(b.element * t.element**e, b.expression * t.expression**e)
+            for b, e in product(basis, range(top + 1))
+            if len(basis) * (top + 1) <= MAX_BASIS or e <= 1
+        ][: 2 * MAX_BASIS]
+        if len(basis) > MAX_BASIS:
+            basis = sorted(basis, key=lambda b: b.expression.count_ops())[:MAX_BASIS]
+    yield one, basis
+    for k, t in zip(neighbours[:MAX_NEIGHBOURS], terms, strict=False):
+        other = field.generators[k]
+        if g.root is not None and g.root.order == 2 and other.kind == "root" and other.root and other.root.order == 2:
+            yield t, basis
+
+
+def _places(reader: Reader, symbols: Sequence[sp.Symbol], count: int) -> list[tuple[sp.Rational, ...]]:
+    """Rational places of the domain; more than are asked for, since some may be refused."""
+    columns = [_column(reader, s, 3 * count, k) for k, s in enumerate(symbols)]
+    return list(zip(*columns, strict=True))
+
+
+def _column(reader: Reader, symbol: sp.Symbol, count: int, k: int) -> list[sp.Rational]:
+    low, high = _ends(reader, symbol)
+    if any(e is not None and e.free_symbols for e in (low, high)):
+        return []
+    a, b = (None if e is None else sp.Rational(str(sp.N(e, 30))) for e in (low, high))
+    shares = [sp.Rational((377 * j + 101 * k * j * j) % 997 or 1, 997) for j in range(1, count + 1)]
+    if a is not None and b is not None:
+        return [a + (b - a) * share for share in shares]
+    if a is None and b is None:
+        return [6 * share - 3 for share in shares]
+    return [a + 4 * share if a is not None else b - 4 * share for share in shares]
+
+
+def _ends(reader: Reader, symbol: sp.Symbol) -> Bounds:
+    low, high = reader.bounds.get(symbol, (None, None))
+    low = sp.S.Zero if low is None and symbol.is_nonnegative else low
+    high = sp.S.Zero if high is None and symbol.is_nonpositive else high
+    return low, high
+
+
+def _combination(
+    g: sp.Expr, basis: Sequence[_Term], symbols: Sequence[sp.Symbol], places: Sequence[Place]
+) -> list[sp.Rational] | None:
+    """Rational coefficients with which the basis gives g at all places, to 40 digits."""
+    with mpmath.workdps(DIGITS):
+        if not symbols:
+            return _integer_relation(g, basis)
+        f = sp.lambdify(symbols, [*(t.expression for t in basis), g], "mpmath")
+        rows = []
+        for place in places:
+            try:
+                row = f(*(mpmath.mpf(int(place[s].p)) / int(place[s].q) for s in symbols))
+            except (ZeroDivisionError, ValueError, OverflowError, TypeError):
+                continue
+            if all(not isinstance(v, mpmath.mpc) and mpmath.isfinite(v) for v in row):
+                rows.append(row)
+            if len(rows) == len(basis) + CHECKS:
+                break
+        if len(rows) < len(basis) + CHECKS:
+            return None
+        return _solved(rows, len(basis))
+
+
+def _solved(rows: Sequence[Sequence[mpmath.mpf]], n: int) -> list[sp.Rational] | None:
+    matrix = mpmath.matrix([[mpmath.mpf(v) for v in row[:n]] for row in rows[:n]])
+    right = mpmath.matrix([mpmath.mpf(row[n]) for row in rows[:n]])
+    try:
+        solution = mpmath.lu_solve(matrix, right)
+    except (ZeroDivisionError, TypeError):
+        return None
+    found = []
+    for v in solution:
+        near = Fraction(int(mpmath.nint(v * 2**200)), 2**200).limit_denominator(MAX_DENOMINATOR)
+        if abs(v - mpmath.mpf(near.numerator) / near.denominator) > mpmath.mpf(10) ** -15:
+            return None
+        found.append(near)
+    for row in rows:
+        value = mpmath.fsum(mpmath.mpf(c.numerator) / c.denominator * v for c, v in zip(found, row))
+        if abs(value - row[n]) > mpmath.mpf(10) ** -40 * (1 + abs(row[n])):
+            return None
+    return [sp.Rational(c.numerator, c.denominator) for c in found]
+
+
+def _integer_relation(g: sp.Expr, basis: Sequence[_Term]) -> list[sp.Rational] | None:
+    values = [v._to_mpmath(250) for v in (sp.N(x, DIGITS + 15) for x in (g, *(t.expression for t in basis)))]
+    if not all(isinstance(v, mpmath.mpf) and v for v in values):
+        return None
+    relation = mpmath.pslq(values, maxcoeff=MAX_COEFFICIENT, maxsteps=MAX_STEPS)
+    if relation is None or not relation[0]:
+        return None
+    return [sp.Rational(-c, relation[0]) for c in relation[1:]]
+
+
+def _proved(reader: Reader, difference: sp.Expr, symbols: Sequence[sp.Symbol], places: Sequence[Place]) -> bool:
+    if not symbols:
+        return constant_is_zero(at_one_place(difference)) is True
+    if len(symbols) > 1:
+        return constant_zero(reader, difference, symbols, places[0])
+    budget = reader.field.budget
+    try:
+        return vanishes(difference, symbols[0], _ends(reader, symbols[0]), budget.part(SECONDS, budget.terms))
+    except WorkLimitError:
+        return False

@@ -1,0 +1,71 @@
+"""Is a function of several variables constant, and zero? For sums of inverse functions such as atan(x/y) + atan(y/x).
+
+Its derivatives vanish, by the normal form; its domain is a box less the zeros of what is divided by or rooted. Each of
+these is a polynomial that does not change its sign on the box. The zeros of an irreducible one then have codimension
+two at least (where they had one, it would change sign across them), so that the domain is connected and one value
+decides.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Mapping, Sequence
+from typing import TYPE_CHECKING
+
+import sympy as sp
+
+from . import poly
+from .constants import constant_is_zero
+from .elementary import PRIMITIVES, at_one_place, composed
+from .poly import WorkLimitError
+from .signs import sign_of
+
+if TYPE_CHECKING:
+    from .reader import Reader
+
+
+def constant_zero(
+    reader: Reader, f: sp.Expr, symbols: Sequence[sp.Symbol], place: Mapping[sp.Symbol, sp.Rational]
+) -> bool:
+    """Proof that f is zero on its domain.
+
+    Args:
+        reader: reads and differentiates; its bounds are the box.
+        f: inverse functions of rational functions, with constant coefficients, or what else the reader decides.
+        symbols: all variables of f.
+        place: a place of the box.
+    """
+    ends = [e for s in symbols for e in reader.bounds.get(s, (None, None)) if e is not None]
+    if any(e.free_symbols for e in ends):
+        return False
+    try:
+        if not all(_is_signed(reader, w) for w in _watched(f)):
+            return False
+        if any(not reader.element(composed(f.diff(s))).is_zero for s in symbols):
+            return False
+    except (WorkLimitError, ZeroDivisionError):
+        return False
+    value = at_one_place(f.xreplace(place))
+    return not value.has(sp.I, sp.zoo, sp.nan) and constant_is_zero(value) is True
+
+
+def _watched(f: sp.Expr) -> list[sp.Expr]:
+    """What must not vanish: denominators, radicands, arguments of logarithms, 1 − u² of inverse sines."""
+    found = [p.base for p in f.atoms(sp.Pow) if p.base.free_symbols and (p.exp.is_negative or not p.exp.is_Integer)]
+    for p in f.atoms(*PRIMITIVES):
+        u = p.args[0]
+        if isinstance(p, sp.log):
+            found.append(u)
+        elif isinstance(p, (sp.asin, sp.acos, sp.acosh, sp.atanh)):
+            found.append(1 - u**2)
+    return [w for w in found if w.free_symbols]
+
+
+def _is_signed(reader: Reader, x: sp.Expr) -> bool:
+    """Whether every factor is a polynomial in the variables that keeps its sign on the box."""
+    field = reader.field
+    y = field.factored(reader.element(x))
+    return all(
+        sign_of(field, base, reader.bounds) != 0
+        and all(field.generators[k].kind == "symbol" for k in poly.generators(base))
+        for base, _ in y.bases
+    )

@@ -1,0 +1,111 @@
+"""Rules that start the motion of an arc when it is read: ten thousand bounces are not ten thousand motions."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator, Mapping
+from typing import Any
+
+from hjsolve.motion import Motion
+from hjsolve.scenes.arcs import Leg, Piece, start_of
+from hjsolve.scenes.flights import signed
+from hjsolve.scenes.scene import Scene
+from hjsolve.solution import Solution
+
+
+class Begun:
+    """Starts the motion of an arc, once; pickled, it is started anew.
+
+    Args:
+        scene, solution: what is run. piece: the arc. want: what of the motion, where not all that the scene wants.
+    """
+
+    def __init__(self, scene: Scene, solution: Solution, piece: Piece, want: tuple[str, ...] | None = None):
+        self.given = scene, solution, piece, want
+        self._leg: Leg | None = None
+        self._motion: Motion | None = None
+
+    def __reduce__(self) -> tuple[Any, ...]:
+        return Begun, self.given
+
+    def leg(self) -> Leg:
+        """Where the arc starts."""
+        if self._leg is None:
+            self._leg = start_of(self.given[2])
+        return self._leg
+
+    def __call__(self) -> Motion:
+        """Give the motion."""
+        if self._motion is None:
+            scene, solution, _, want = self.given
+            self._motion = solution.motion(
+                **self.leg().arguments, digits=scene.digits, want=scene.want if want is None else want,
+                certified=scene.certified,
+            )  # fmt: skip
+        return self._motion
+
+
+class Turned(Mapping[str, int]):
+    """Whole turns made before an arc, worked out when they are read.
+
+    Args:
+        begun: the arc. angles: names.
+    """
+
+    def __init__(self, begun: Begun, angles: tuple[str, ...]):
+        self.begun, self.angles = begun, angles
+
+    def __getitem__(self, name: str) -> int:
+        if name not in self.angles:
+            raise KeyError(name)
+        return self.begun.leg().turns.get(name, 0)
+
+    def __iter__(self) -> Iterator[str]:
+        return iter(self.angles)
+
+    def __len__(self) -> int:
+        return len(self.angles)
+
+    def __repr__(self) -> str:
+        return repr(dict(self))
+
+
+class Wholes:
+    """The free motions of flights, and their mirror images, to the digits of the scene: each is made once.
+
+    Args:
+        scene, solution: what is run.
+    """
+
+    def __init__(self, scene: Scene, solution: Solution):
+        self.scene, self.solution, self.known = scene, solution, dict[tuple[Any, ...], Motion]()
+        self._shared: dict[tuple[Any, ...], dict[str, Any]] = {}
+
+    def __call__(self, piece: Piece) -> Motion:
+        """The free motion of a flight, of its own time zero."""
+        return self._turned(piece, ())
+
+    def shared(self, piece: Piece, names: tuple[str, ...]) -> Mapping[str, Any]:
+        """Quantities that are the same on all flights of the same signs: one table for them all."""
+        motion = self.mirrored(piece)
+        key = (id(motion), names)
+        if key not in self._shared:
+            self._shared[key] = {name: getattr(motion, name) for name in names}
+        return self._shared[key]
+
+    def mirrored(self, piece: Piece) -> Motion:
+        """With momenta of the signs of the flight: what is the same along it is the same along that motion."""
+        assert piece.free is not None
+        assert piece.flight is not None
+        signs = signed(piece.free, piece.flight.signs)
+        return self._turned(piece, tuple(name for name, sign in signs.items() if sign < 0))
+
+    def _turned(self, piece: Piece, names: tuple[str, ...]) -> Motion:
+        assert piece.free is not None
+        key = (piece.free, names)
+        if key not in self.known:
+            arguments, values = {**piece.leg.arguments, "t0": 0}, piece.free.motion.initial.values
+            if names:
+                p = {c.name: values[c.momentum] for c in self.scene.system.coordinates}
+                arguments |= {"velocity": None, "p": {n: -x if n in names else x for n, x in p.items()}}
+            self.known[key] = self.solution.motion(**arguments, digits=self.scene.digits, want=self.scene.want)
+        return self.known[key]
