@@ -16,7 +16,7 @@ import numpy as np
 import sympy as sp
 
 from hjsolve import catalog
-from hjsolve.expressions import number
+from hjsolve.formulas.read import number
 from hjsolve.system import hamiltonian as extended_hamiltonian
 from hjsolve.system import momenta as extended_momenta
 from tests.reference import mechanics

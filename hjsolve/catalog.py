@@ -21,9 +21,9 @@ from hjsolve.entries import InitialData as InitialData
 from hjsolve.entries import Reference as Reference
 from hjsolve.entry_faults import form_faults, motion_faults, reference_faults
 from hjsolve.errors import CatalogError, InvalidInputError, NotSeparableError
+from hjsolve.formulas.tokens import printable
 from hjsolve.hamiltonians import GeneralHamiltonian, LinearHamiltonian, from_hamiltonian
 from hjsolve.system import System, parameter
-from hjsolve.tokens import printable
 
 _FOLDERS = {"separable": "systems", "extended": "extended", "refused": "refused", "outside": "outside"}
 _ENTRY = schema.ENTRY | refusals.KEYS

@@ -13,10 +13,10 @@ import sympy as sp
 from hjsolve import arguments
 from hjsolve.domains import Domain, read_domain
 from hjsolve.errors import InvalidSystemError
-from hjsolve.evaluation import CONTEXT, evaluate
-from hjsolve.expressions import number
-from hjsolve.parser import RESERVED
-from hjsolve.tokens import nearest, printable
+from hjsolve.formulas.parser import RESERVED
+from hjsolve.formulas.point_values import CONTEXT, evaluate
+from hjsolve.formulas.read import number
+from hjsolve.formulas.tokens import nearest, printable
 
 Assumption = Literal["real", "positive", "negative", "nonnegative", "nonzero", "integer"]
 _ASSUMPTIONS: tuple[Assumption, ...] = get_args(Assumption)

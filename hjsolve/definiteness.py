@@ -12,7 +12,7 @@ from sympy.core.function import AppliedUndef
 from hjsolve.declarations import Coordinate, Parameter
 from hjsolve.domains import Domain
 from hjsolve.errors import InvalidSystemError
-from hjsolve.evaluation import CONTEXT, BeyondRangeError, NoValueError, evaluate
+from hjsolve.formulas.point_values import CONTEXT, BeyondRangeError, NoValueError, evaluate
 
 _POINTS = 16
 _TRIALS = 6

@@ -11,8 +11,8 @@ import sympy as sp
 
 from hjsolve.arguments import ascii_name
 from hjsolve.errors import InvalidSystemError
-from hjsolve.expressions import parse
-from hjsolve.tokens import nearest, printable
+from hjsolve.formulas.read import parse
+from hjsolve.formulas.tokens import nearest, printable
 
 _EXAMPLES = '"line", "angle", "0 < r" or "-a < x < a"'
 _INFINITE = re.compile(r"[+-]?\s*(oo|inf|infinity|∞)", re.IGNORECASE)

@@ -9,7 +9,7 @@ import sympy as sp
 
 from hjsolve import schema
 from hjsolve.errors import CatalogError
-from hjsolve.expressions import parse
+from hjsolve.formulas.read import parse
 from hjsolve.system import System
 
 

@@ -20,9 +20,9 @@ from fractions import Fraction
 
 import sympy as sp
 
-from .algebra.field import Element
-from .algebra.readable import cost
-from .algebra.reader import Reader
+from hjsolve.algebra.field import Element
+from hjsolve.algebra.readable import cost
+from hjsolve.algebra.reader import Reader
 
 Rows = list[list[Element]]
 

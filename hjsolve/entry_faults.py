@@ -10,7 +10,7 @@ from typing import Any
 
 from hjsolve import schema
 from hjsolve.errors import ExpressionError
-from hjsolve.expressions import number
+from hjsolve.formulas.read import number
 
 _OF_ENERGIES = ("kinetic", "potential", "effects", "relativity", "signature", "frame")
 

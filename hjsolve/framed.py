@@ -11,7 +11,7 @@ import sympy as sp
 
 from hjsolve import arguments
 from hjsolve.errors import InvalidInputError, MissingValueError
-from hjsolve.expressions import number
+from hjsolve.formulas.read import number
 from hjsolve.frames import Frame, initial_data
 from hjsolve.initial import parameter_values, to_bits
 from hjsolve.lowering import lower

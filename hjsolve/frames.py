@@ -18,7 +18,7 @@ import sympy as sp
 
 from hjsolve import arguments, catalog
 from hjsolve.errors import CatalogError, InvalidSystemError
-from hjsolve.expressions import number, parse
+from hjsolve.formulas.read import number, parse
 from hjsolve.separation.zero_test import Zero, is_zero
 from hjsolve.solution import Solution, solve
 from hjsolve.system import Parameter, System, hamiltonian, momenta

@@ -16,7 +16,7 @@ import sympy as sp
 
 from hjsolve import arguments
 from hjsolve.errors import InvalidInputError, MissingValueError, NotConvergedError, OutsideMotionError
-from hjsolve.expressions import number
+from hjsolve.formulas.read import number
 from hjsolve.hamiltonians import LinearHamiltonian
 from hjsolve.initial import parameter_values, to_bits
 from hjsolve.lowering import lower

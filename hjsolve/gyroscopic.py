@@ -21,7 +21,7 @@ import sympy as sp
 
 from hjsolve import arguments
 from hjsolve.errors import InvalidInputError, InvalidSystemError, NotConvergedError
-from hjsolve.expressions import number
+from hjsolve.formulas.read import number
 from hjsolve.initial import parameter_values, to_bits
 from hjsolve.motion import Motion
 from hjsolve.numeric.arithmetic import multiprecision

@@ -21,7 +21,7 @@ import sympy as sp
 
 from hjsolve import arguments
 from hjsolve.errors import InvalidSystemError
-from hjsolve.expressions import parse
+from hjsolve.formulas.read import parse
 from hjsolve.periodicity import is_periodic
 from hjsolve.system import Coordinate, Parameter, System
 

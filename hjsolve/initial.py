@@ -18,7 +18,7 @@ import sympy as sp
 from hjsolve import arguments
 from hjsolve.errors import InvalidInputError, MissingValueError
 from hjsolve.exact_values import rational_value
-from hjsolve.expressions import number
+from hjsolve.formulas.read import number
 from hjsolve.hamiltonians import GeneralHamiltonian, LinearHamiltonian
 from hjsolve.lowering import lower
 from hjsolve.numeric.arithmetic import Multi, multiprecision

@@ -14,7 +14,7 @@ import sympy as sp
 
 from hjsolve.algebra.factoring import factored
 from hjsolve.errors import InvalidSystemError
-from hjsolve.tokens import printable
+from hjsolve.formulas.tokens import printable
 
 _MAX_TERMS = 300
 _MAX_TIDY = 60

@@ -14,7 +14,7 @@ import sympy as sp
 
 from hjsolve import arguments
 from hjsolve.errors import InvalidInputError, MissingValueError, NotConvergedError
-from hjsolve.expressions import number
+from hjsolve.formulas.read import number
 from hjsolve.hamiltonians import GeneralHamiltonian
 from hjsolve.initial import is_zero, parameter_values, to_bits
 from hjsolve.lowering import lower

@@ -16,7 +16,7 @@ import sympy as sp
 
 from hjsolve import arguments, quantities
 from hjsolve.errors import InvalidInputError, NotConvergedError
-from hjsolve.expressions import number
+from hjsolve.formulas.read import number
 from hjsolve.initial import ZERO_BITS, InBits, Initial, domain_ends, expanded, initial_data, sign, to_bits
 from hjsolve.lowering import momentum_squared_tapes
 from hjsolve.numeric.classify import Located, Start, locate

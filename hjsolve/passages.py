@@ -11,7 +11,7 @@ import numpy as np
 
 from hjsolve import arguments
 from hjsolve.errors import InvalidInputError, NotConvergedError, OutsideMotionError
-from hjsolve.expressions import number
+from hjsolve.formulas.read import number
 from hjsolve.initial import to_bits
 from hjsolve.numeric.arithmetic import Multi, multiprecision
 from hjsolve.numeric.branch import farthest

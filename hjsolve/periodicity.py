@@ -17,8 +17,8 @@ from hjsolve.algebra.reader import Reader
 from hjsolve.declarations import Coordinate, Parameter
 from hjsolve.definiteness import sample_points
 from hjsolve.errors import InvalidSystemError
-from hjsolve.evaluation import CONTEXT, NoValueError, evaluate
-from hjsolve.tokens import printable
+from hjsolve.formulas.point_values import CONTEXT, NoValueError, evaluate
+from hjsolve.formulas.tokens import printable
 
 _SECONDS = 2.0
 _ROUNDING = CONTEXT.mpf(10) ** -50

@@ -18,18 +18,18 @@ from dataclasses import dataclass
 
 import sympy as sp
 
-from .algebra.field import Element
-from .algebra.integration import closed_form_potential
-from .algebra.modular_jets import at_random_points
-from .algebra.poly import Budget
-from .algebra.readable import readable
-from .algebra.reader import Reader
-from .algebra.signs import Bounds
-from .declarations import free_name
-from .elimination import Eliminated, eliminate
-from .errors import InvalidSystemError
-from .kinetic import mass_as_written
-from .system import Coordinate, System, kinetic_rest, linear_terms
+from hjsolve.algebra.field import Element
+from hjsolve.algebra.integration import closed_form_potential
+from hjsolve.algebra.modular_jets import at_random_points
+from hjsolve.algebra.poly import Budget
+from hjsolve.algebra.readable import readable
+from hjsolve.algebra.reader import Reader
+from hjsolve.algebra.signs import Bounds
+from hjsolve.declarations import free_name
+from hjsolve.elimination import Eliminated, eliminate
+from hjsolve.errors import InvalidSystemError
+from hjsolve.kinetic import mass_as_written
+from hjsolve.system import Coordinate, System, kinetic_rest, linear_terms
 
 
 @dataclass(frozen=True)

@@ -29,8 +29,8 @@ from hjsolve.declarations import (
 from hjsolve.definiteness import check_mass_matrix, end_values
 from hjsolve.domains import Domain
 from hjsolve.errors import InvalidSystemError, MissingValueError
-from hjsolve.evaluation import NoValueError, evaluate
-from hjsolve.expressions import admit, number, parse
+from hjsolve.formulas.point_values import NoValueError, evaluate
+from hjsolve.formulas.read import admit, number, parse
 from hjsolve.kinetic import check_quadratic, half_inverse_form, inverse, mass_entries, parts
 from hjsolve.periodicity import check_periodic
 from hjsolve.relativity import Relativity

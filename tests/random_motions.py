@@ -17,7 +17,7 @@ import sympy as sp
 
 from hjsolve import catalog
 from hjsolve.errors import NotSeparableError
-from hjsolve.expressions import number
+from hjsolve.formulas.read import number
 from hjsolve.solution import Solution, solve
 
 Given = Mapping[str, object]

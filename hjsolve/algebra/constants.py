@@ -24,7 +24,7 @@ from fractions import Fraction
 import mpmath
 import sympy as sp
 
-from .intervals import NoEnclosureError, enclose
+from hjsolve.algebra.intervals import NoEnclosureError, enclose
 
 MAX_DEGREE, MAX_BITS = 4096, 40_000
 MAX_MULTIPLE = 240

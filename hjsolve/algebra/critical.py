@@ -9,9 +9,9 @@ from functools import reduce
 import mpmath
 import sympy as sp
 
-from .constants import algebraic_is_zero
-from .intervals import enclose
-from .poly import Budget
+from hjsolve.algebra.constants import algebraic_is_zero
+from hjsolve.algebra.intervals import enclose
+from hjsolve.algebra.poly import Budget
 
 MAX_DEGREE = 80
 REFINEMENTS = (20, 60, 200, 600)

@@ -9,8 +9,8 @@ from math import gcd
 
 import sympy as sp
 
-from .constants import NotAlgebraicError
-from .signs import Bounds
+from hjsolve.algebra.constants import NotAlgebraicError
+from hjsolve.algebra.signs import Bounds
 
 MAX_MULTIPLE = 24
 MAX_TURNS = 6

@@ -12,8 +12,8 @@ from typing import Any
 
 import sympy as sp
 
-from . import poly
-from .poly import Poly
+from hjsolve.algebra import poly
+from hjsolve.algebra.poly import Poly
 
 MAX_TERMS = 60
 MAX_GENERATORS = 8

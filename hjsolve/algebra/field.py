@@ -25,9 +25,9 @@ from math import lcm
 
 import sympy as sp
 
-from . import poly
-from .factoring import factors_of
-from .poly import Budget, Poly, WorkLimitError
+from hjsolve.algebra import poly
+from hjsolve.algebra.factoring import factors_of
+from hjsolve.algebra.poly import Budget, Poly, WorkLimitError
 
 MAX_POWER = 1000
 

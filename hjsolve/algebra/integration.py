@@ -7,10 +7,10 @@ from collections.abc import Sequence
 import sympy as sp
 from sympy.integrals.manualintegrate import manualintegrate
 
-from .field import Element
-from .poly import WorkLimitError
-from .readable import readable
-from .reader import Reader
+from hjsolve.algebra.field import Element
+from hjsolve.algebra.poly import WorkLimitError
+from hjsolve.algebra.readable import readable
+from hjsolve.algebra.reader import Reader
 
 MAX_OPERATIONS = 80
 

@@ -13,13 +13,13 @@ from typing import TYPE_CHECKING
 
 import sympy as sp
 
-from . import poly
-from .field import Element, Generator
-from .poly import Poly
-from .signs import atom_bounds
+from hjsolve.algebra import poly
+from hjsolve.algebra.field import Element, Generator
+from hjsolve.algebra.poly import Poly
+from hjsolve.algebra.signs import atom_bounds
 
 if TYPE_CHECKING:
-    from .reader import Reader
+    from hjsolve.algebra.reader import Reader
 
 MAX_FACTORED = 10**15
 Key = tuple[str, int]

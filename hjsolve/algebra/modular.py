@@ -11,9 +11,9 @@ import random
 from collections.abc import Iterable, Sequence
 from math import gcd
 
-from . import poly
-from .field import Element, Field
-from .poly import Poly
+from hjsolve.algebra import poly
+from hjsolve.algebra.field import Element, Field
+from hjsolve.algebra.poly import Poly
 
 _BELOW = (45, 465, 1281, 1425, 1533, 1845, 1869, 2133, 2373, 2385, 3045, 3069, 3081, 3105, 3153, 3441)
 PRIMES = tuple(2**61 - k for k in _BELOW)  # all ≡ 11 modulo 12: square and cube roots are powers

@@ -13,11 +13,11 @@ from dataclasses import dataclass
 
 import sympy as sp
 
-from . import poly
-from .field import Element
-from .modular import ATTEMPTS, ModularPoint, NoRootError
-from .poly import Poly
-from .reader import Reader
+from hjsolve.algebra import poly
+from hjsolve.algebra.field import Element
+from hjsolve.algebra.modular import ATTEMPTS, ModularPoint, NoRootError
+from hjsolve.algebra.poly import Poly
+from hjsolve.algebra.reader import Reader
 
 Pair = tuple[int, int]
 

@@ -23,13 +23,13 @@ from collections.abc import Callable, Iterable, Sequence
 
 import sympy as sp
 
-from .constants import NotAlgebraicError, algebraic_is_zero, constant_is_zero
-from .critical import Piece, TooLargeError, pieces
-from .curve import Curve, curve_of
-from .elementary import PRIMITIVES, at_one_place, composed
-from .intervals import NoEnclosureError, enclose
-from .poly import Budget
-from .signs import Bounds
+from hjsolve.algebra.constants import NotAlgebraicError, algebraic_is_zero, constant_is_zero
+from hjsolve.algebra.critical import Piece, TooLargeError, pieces
+from hjsolve.algebra.curve import Curve, curve_of
+from hjsolve.algebra.elementary import PRIMITIVES, at_one_place, composed
+from hjsolve.algebra.intervals import NoEnclosureError, enclose
+from hjsolve.algebra.poly import Budget
+from hjsolve.algebra.signs import Bounds
 
 MAX_PLACES = 400
 

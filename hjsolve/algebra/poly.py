@@ -14,7 +14,7 @@ from collections.abc import Iterable
 from dataclasses import dataclass, field
 from math import gcd
 
-from ..errors import HJSolveError
+from hjsolve.errors import HJSolveError
 
 BITS = 16
 FIELD = (1 << BITS) - 1

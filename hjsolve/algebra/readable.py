@@ -6,10 +6,10 @@ from fractions import Fraction
 
 import sympy as sp
 
-from . import poly
-from .field import Element
-from .poly import Poly
-from .reader import Reader
+from hjsolve.algebra import poly
+from hjsolve.algebra.field import Element
+from hjsolve.algebra.poly import Poly
+from hjsolve.algebra.reader import Reader
 
 MAX_TERMS = 60
 

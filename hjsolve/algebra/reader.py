@@ -15,16 +15,16 @@ from math import gcd
 
 import sympy as sp
 
-from . import poly
-from .constants import constant_is_zero
-from .elementary import INVERSE_CIRCULAR, INVERSE_HYPERBOLIC, at_one_place, circular_pair, composed
-from .field import MAX_POWER, Element, Field, Generator, Root
-from .intervals import NoEnclosureError, enclose
-from .logarithms import Logarithms
-from .poly import Budget, Poly, WorkLimitError
-from .relations import dependent
-from .roots import root
-from .signs import Bounds, atom_bounds
+from hjsolve.algebra import poly
+from hjsolve.algebra.constants import constant_is_zero
+from hjsolve.algebra.elementary import INVERSE_CIRCULAR, INVERSE_HYPERBOLIC, at_one_place, circular_pair, composed
+from hjsolve.algebra.field import MAX_POWER, Element, Field, Generator, Root
+from hjsolve.algebra.intervals import NoEnclosureError, enclose
+from hjsolve.algebra.logarithms import Logarithms
+from hjsolve.algebra.poly import Budget, Poly, WorkLimitError
+from hjsolve.algebra.relations import dependent
+from hjsolve.algebra.roots import root
+from hjsolve.algebra.signs import Bounds, atom_bounds
 
 TRIGONOMETRIC = (sp.sin, sp.cos, sp.tan, sp.cot, sp.sec, sp.csc)
 HYPERBOLIC = (sp.sinh, sp.cosh, sp.tanh, sp.coth, sp.sech, sp.csch)

@@ -18,16 +18,16 @@ from typing import TYPE_CHECKING
 import mpmath
 import sympy as sp
 
-from .constants import constant_is_zero
-from .elementary import PRIMITIVES, at_one_place
-from .field import Element, Generator
-from .one_variable import vanishes
-from .poly import WorkLimitError
-from .several_variables import constant_zero
-from .signs import Bounds
+from hjsolve.algebra.constants import constant_is_zero
+from hjsolve.algebra.elementary import PRIMITIVES, at_one_place
+from hjsolve.algebra.field import Element, Generator
+from hjsolve.algebra.one_variable import vanishes
+from hjsolve.algebra.poly import WorkLimitError
+from hjsolve.algebra.several_variables import constant_zero
+from hjsolve.algebra.signs import Bounds
 
 if TYPE_CHECKING:
-    from .reader import Reader
+    from hjsolve.algebra.reader import Reader
 
 DIGITS, MAX_DENOMINATOR, MAX_BASIS, MAX_NEIGHBOURS = 60, 720, 20, 5
 MAX_OPERATIONS, MAX_NUMBER, MAX_VARIABLES = 60, 10**9, 3

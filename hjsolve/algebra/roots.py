@@ -11,13 +11,13 @@ from typing import TYPE_CHECKING
 
 import sympy as sp
 
-from . import poly
-from .field import Element, Field, Generator, Root
-from .poly import Poly
-from .signs import sign_of
+from hjsolve.algebra import poly
+from hjsolve.algebra.field import Element, Field, Generator, Root
+from hjsolve.algebra.poly import Poly
+from hjsolve.algebra.signs import sign_of
 
 if TYPE_CHECKING:
-    from .reader import Reader
+    from hjsolve.algebra.reader import Reader
 
 MAX_FACTORED = 10**15
 """Larger numbers are not factored, and no root of a sum with larger ones is denested: its C² has their squares."""

@@ -13,14 +13,14 @@ from typing import TYPE_CHECKING
 
 import sympy as sp
 
-from . import poly
-from .constants import constant_is_zero
-from .elementary import PRIMITIVES, at_one_place, composed
-from .poly import WorkLimitError
-from .signs import sign_of
+from hjsolve.algebra import poly
+from hjsolve.algebra.constants import constant_is_zero
+from hjsolve.algebra.elementary import PRIMITIVES, at_one_place, composed
+from hjsolve.algebra.poly import WorkLimitError
+from hjsolve.algebra.signs import sign_of
 
 if TYPE_CHECKING:
-    from .reader import Reader
+    from hjsolve.algebra.reader import Reader
 
 
 def constant_zero(

@@ -11,11 +11,11 @@ from typing import TYPE_CHECKING
 
 import sympy as sp
 
-from . import poly
-from .poly import Poly
+from hjsolve.algebra import poly
+from hjsolve.algebra.poly import Poly
 
 if TYPE_CHECKING:
-    from .field import Field
+    from hjsolve.algebra.field import Field
 
 Bounds = tuple[sp.Expr | None, sp.Expr | None]
 Range = tuple[Fraction | None, Fraction | None]

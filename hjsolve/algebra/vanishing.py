@@ -12,14 +12,14 @@ from collections.abc import Mapping
 import sympy as sp
 from sympy.core.function import AppliedUndef
 
-from . import poly
-from .constants import constant_is_zero
-from .elementary import at_one_place
-from .field import Element
-from .one_variable import vanishes
-from .poly import Budget, Poly, WorkLimitError
-from .reader import Reader
-from .signs import Bounds
+from hjsolve.algebra import poly
+from hjsolve.algebra.constants import constant_is_zero
+from hjsolve.algebra.elementary import at_one_place
+from hjsolve.algebra.field import Element
+from hjsolve.algebra.one_variable import vanishes
+from hjsolve.algebra.poly import Budget, Poly, WorkLimitError
+from hjsolve.algebra.reader import Reader
+from hjsolve.algebra.signs import Bounds
 
 SECONDS = 10.0
 MAX_COEFFICIENTS = 12

@@ -19,7 +19,7 @@ import sympy as sp
 from hjsolve import arguments
 from hjsolve.coordinates.frames import Sign, sign_by, tidy
 from hjsolve.errors import InvalidSystemError
-from hjsolve.expressions import number
+from hjsolve.formulas.read import number
 from hjsolve.separation import separate
 from hjsolve.subjects import system_of
 from hjsolve.system import System, kinetic_rest, linear_terms, mass_matrix

@@ -14,7 +14,7 @@ import sympy as sp
 from hjsolve.costs.answers import Answer
 from hjsolve.costs.trial import Task, Trial
 from hjsolve.errors import HJSolveError, NotConvergedError
-from hjsolve.expressions import parse
+from hjsolve.formulas.read import parse
 from hjsolve.initial import sign, to_bits
 from hjsolve.lowering import lower
 from hjsolve.motion import Motion

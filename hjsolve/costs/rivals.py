@@ -21,7 +21,7 @@ from hjsolve.costs.answers import Answer
 from hjsolve.costs.plain import Plain
 from hjsolve.costs.trial import Task, Trial
 from hjsolve.errors import InvalidInputError, MissingExtraError, NotConvergedError
-from hjsolve.expressions import number
+from hjsolve.formulas.read import number
 from hjsolve.lowering import lower
 from hjsolve.numeric.tape import Tape
 from hjsolve.scenes.events import Event, changed

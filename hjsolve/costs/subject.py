@@ -11,7 +11,7 @@ import sympy as sp
 
 from hjsolve import catalog
 from hjsolve.errors import InvalidInputError, MissingValueError
-from hjsolve.expressions import number
+from hjsolve.formulas.read import number
 from hjsolve.motion import Motion
 from hjsolve.scenes import Scene, is_scene
 from hjsolve.scenes.scene import Start, Times

@@ -9,7 +9,7 @@ from typing import Any
 import numpy as np
 
 from hjsolve.errors import InvalidInputError, MissingValueError
-from hjsolve.expressions import number
+from hjsolve.formulas.read import number
 from hjsolve.schema import nearest
 from hjsolve.system import System
 

@@ -11,7 +11,7 @@ import re
 from collections.abc import Collection, Iterator
 from dataclasses import dataclass
 
-from hjsolve.guarded import FUNCTIONS
+from hjsolve.formulas.checked_arithmetic import FUNCTIONS
 from hjsolve.reports.boxes import Box, Fence, Fraction, Glyph, Root, Script, row
 from hjsolve.reports.document import Mathematics
 from hjsolve.reports.names import FUNCTION_NAMES, GREEK, name_box

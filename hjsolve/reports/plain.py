@@ -5,7 +5,7 @@ from __future__ import annotations
 import re
 import unicodedata
 
-from hjsolve.guarded import FUNCTIONS
+from hjsolve.formulas.checked_arithmetic import FUNCTIONS
 from hjsolve.reports.boxes import Box, Definite, Dotted, Fence, Fraction, Glyph, Grid, Root, Row, Script
 from hjsolve.reports.names import FUNCTION_NAMES, name_box
 

@@ -9,7 +9,7 @@ import numpy as np
 import sympy as sp
 
 from hjsolve.errors import NotConvergedError, OutsideMotionError
-from hjsolve.expressions import number
+from hjsolve.formulas.read import number
 from hjsolve.initial import to_bits
 from hjsolve.motion import Motion
 from hjsolve.numeric.arithmetic import multiprecision

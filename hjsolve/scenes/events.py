@@ -15,7 +15,7 @@ from typing import Any
 import sympy as sp
 
 from hjsolve.errors import CatalogError, InvalidInputError
-from hjsolve.expressions import number
+from hjsolve.formulas.read import number
 from hjsolve.schema import nearest
 from hjsolve.system import System, inverse_mass_matrix, linear_terms, mass_matrix, momenta, velocities
 

@@ -20,7 +20,7 @@ import sympy as sp
 from hjsolve import catalog
 from hjsolve.effects import with_effects
 from hjsolve.errors import MissingExtraError, NotConvergedError
-from hjsolve.expressions import number
+from hjsolve.formulas.read import number
 from hjsolve.initial import parameter_values
 from hjsolve.lowering import lower
 from hjsolve.numeric.arithmetic import Float64

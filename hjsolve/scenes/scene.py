@@ -18,7 +18,7 @@ from hjsolve import arguments, catalog, toml_file
 from hjsolve.effects import forces, with_effects
 from hjsolve.ensembles.layout import QUANTITIES
 from hjsolve.errors import CatalogError, InvalidInputError
-from hjsolve.expressions import number
+from hjsolve.formulas.read import number
 from hjsolve.scenes.events import Event, read_event
 from hjsolve.scenes.tables import scene_faults
 from hjsolve.scenes.varied import Varied, disagreements, read_sweep

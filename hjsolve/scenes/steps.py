@@ -10,7 +10,7 @@ import numpy as np
 import sympy as sp
 
 from hjsolve.errors import NotConvergedError
-from hjsolve.expressions import number
+from hjsolve.formulas.read import number
 from hjsolve.scenes.events import Event, changed
 from hjsolve.system import System
 

@@ -19,7 +19,7 @@ from typing import Any
 import sympy as sp
 
 from hjsolve import arguments, schema
-from hjsolve.expressions import number
+from hjsolve.formulas.read import number
 from hjsolve.schema import Key, nearest
 
 GROUPS = ("q", "p", "velocity")

@@ -1,9 +1,18 @@
 """Does it separate? ``separate`` gives a ``Separation``, an ``Obstruction`` or an ``Undecided``, with the evidence."""
 
-from .decision import DEFAULT_BUDGET, region_of, separate
-from .enclosure import Region, Witness
-from .verdicts import Constant, Liouville, Obstruction, Reduced, Separation, Stackel, Undecided, Verdict
-from .zero_test import NonZero, Unproved, Zero, is_zero
+from hjsolve.separation.decision import DEFAULT_BUDGET, region_of, separate
+from hjsolve.separation.enclosure import Region, Witness
+from hjsolve.separation.verdicts import (
+    Constant,
+    Liouville,
+    Obstruction,
+    Reduced,
+    Separation,
+    Stackel,
+    Undecided,
+    Verdict,
+)
+from hjsolve.separation.zero_test import NonZero, Unproved, Zero, is_zero
 
 __all__ = [
     "DEFAULT_BUDGET", "Constant", "Liouville", "NonZero", "Obstruction", "Reduced", "Region", "Separation",

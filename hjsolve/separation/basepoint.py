@@ -19,10 +19,10 @@ from math import gcd, isqrt
 
 import sympy as sp
 
-from ..algebra import poly
-from ..algebra.field import Element
-from ..algebra.poly import Poly
-from ..algebra.reader import OutsideFieldError, Reader
+from hjsolve.algebra import poly
+from hjsolve.algebra.field import Element
+from hjsolve.algebra.poly import Poly
+from hjsolve.algebra.reader import OutsideFieldError, Reader
 
 ATTEMPTS = 40
 CIRCLE = ((1, 0), ("3/5", "4/5"), (0, 1), ("4/5", "3/5"), ("5/13", "12/13"), ("12/13", "5/13"), ("8/17", "15/17"))

@@ -12,12 +12,12 @@ from collections.abc import Iterable, Iterator, Sequence
 
 import sympy as sp
 
-from ..algebra.field import Element
-from ..algebra.modular import Filter
-from ..algebra.reader import Reader
-from . import levi_civita
-from .basepoint import base_points
-from .stackel import at_base_point, certified, plausible
+from hjsolve.algebra.field import Element
+from hjsolve.algebra.modular import Filter
+from hjsolve.algebra.reader import Reader
+from hjsolve.separation import levi_civita
+from hjsolve.separation.basepoint import base_points
+from hjsolve.separation.stackel import at_base_point, certified, plausible
 
 Block = tuple[int, ...]
 MAX_BASE_POINTS = 6

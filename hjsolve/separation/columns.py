@@ -14,12 +14,12 @@ from itertools import combinations, islice
 
 import sympy as sp
 
-from ..algebra import poly
-from ..algebra.field import Element
-from ..algebra.modular import Filter
-from ..algebra.poly import Poly
-from ..algebra.readable import cost, variants
-from ..algebra.reader import Reader
+from hjsolve.algebra import poly
+from hjsolve.algebra.field import Element
+from hjsolve.algebra.modular import Filter
+from hjsolve.algebra.poly import Poly
+from hjsolve.algebra.readable import cost, variants
+from hjsolve.algebra.reader import Reader
 
 Row = list[Element]
 Vector = list[Element]

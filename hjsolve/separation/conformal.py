@@ -9,11 +9,11 @@ from __future__ import annotations
 from collections.abc import Sequence
 from itertools import combinations
 
-from ..algebra.field import Element
-from ..algebra.modular import Filter, Products
-from ..algebra.reader import Reader
-from . import levi_civita
-from .levi_civita import Conditions
+from hjsolve.algebra.field import Element
+from hjsolve.algebra.modular import Filter, Products
+from hjsolve.algebra.reader import Reader
+from hjsolve.separation import levi_civita
+from hjsolve.separation.levi_civita import Conditions
 
 
 def energy_of_separation(conditions: Conditions) -> Element | None:

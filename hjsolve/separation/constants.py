@@ -7,16 +7,16 @@ from collections.abc import Sequence
 import sympy as sp
 from mpmath import mp
 
-from ..algebra.field import Element
-from ..algebra.readable import cost, readable
-from ..algebra.reader import Reader
-from ..declarations import free_name
-from ..shell import Shell, domain_bounds
-from ..system import Coordinate, System, kinetic_rest, linear_terms, mass_matrix
-from .enclosure import Region
-from .known_integrals import Naming
-from .stackel import Matrix
-from .verdicts import Constant
+from hjsolve.algebra.field import Element
+from hjsolve.algebra.readable import cost, readable
+from hjsolve.algebra.reader import Reader
+from hjsolve.declarations import free_name
+from hjsolve.separation.enclosure import Region
+from hjsolve.separation.known_integrals import Naming
+from hjsolve.separation.stackel import Matrix
+from hjsolve.separation.verdicts import Constant
+from hjsolve.shell import Shell, domain_bounds
+from hjsolve.system import Coordinate, System, kinetic_rest, linear_terms, mass_matrix
 
 _PLACES = 4
 

@@ -7,19 +7,19 @@ from pathlib import Path
 
 import sympy as sp
 
-from .. import arguments
-from ..algebra.modular import Filter
-from ..algebra.poly import Budget, WorkLimitError
-from ..algebra.readable import readable
-from ..algebra.reader import HYPERBOLIC, is_shifted
-from ..shell import Irreducible, Shell, Step, reduce
-from ..subjects import system_of
-from ..system import System, kinetic_rest, linear_terms, mass_matrix
-from . import advice, levi_civita, liouville, relativistic, stackel
-from .constants import constants_of
-from .diagnosis import diagnosed
-from .refusal import Setting, of_shell, refuse_condition, refuse_without_shell, region_of
-from .verdicts import Liouville, Obstruction, Reduced, Separation, Stackel, Undecided, Verdict
+from hjsolve import arguments
+from hjsolve.algebra.modular import Filter
+from hjsolve.algebra.poly import Budget, WorkLimitError
+from hjsolve.algebra.readable import readable
+from hjsolve.algebra.reader import HYPERBOLIC, is_shifted
+from hjsolve.separation import advice, levi_civita, liouville, relativistic, stackel
+from hjsolve.separation.constants import constants_of
+from hjsolve.separation.diagnosis import diagnosed
+from hjsolve.separation.refusal import Setting, of_shell, refuse_condition, refuse_without_shell, region_of
+from hjsolve.separation.verdicts import Liouville, Obstruction, Reduced, Separation, Stackel, Undecided, Verdict
+from hjsolve.shell import Irreducible, Shell, Step, reduce
+from hjsolve.subjects import system_of
+from hjsolve.system import System, kinetic_rest, linear_terms, mass_matrix
 
 DEFAULT_BUDGET = 20.0
 SMALL_SYSTEM = 120

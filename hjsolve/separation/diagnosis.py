@@ -7,16 +7,16 @@ from __future__ import annotations
 
 from dataclasses import replace
 
-from ..algebra.poly import WorkLimitError
-from ..algebra.readable import readable
-from ..shell import Step
-from . import advice
-from .blocks import finest
-from .conformal import energy_of_separation
-from .distance import distance_from_separable
-from .levi_civita import Conditions
-from .refusal import Setting
-from .verdicts import Obstruction
+from hjsolve.algebra.poly import WorkLimitError
+from hjsolve.algebra.readable import readable
+from hjsolve.separation import advice
+from hjsolve.separation.blocks import finest
+from hjsolve.separation.conformal import energy_of_separation
+from hjsolve.separation.distance import distance_from_separable
+from hjsolve.separation.levi_civita import Conditions
+from hjsolve.separation.refusal import Setting
+from hjsolve.separation.verdicts import Obstruction
+from hjsolve.shell import Step
 
 SECONDS, TERMS = 0.5, 100_000
 

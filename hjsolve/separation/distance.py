@@ -15,7 +15,7 @@ from statistics import median
 import mpmath
 import sympy as sp
 
-from .enclosure import UNKNOWNS, NoEnclosureError, Region, Walk, finite
+from hjsolve.separation.enclosure import UNKNOWNS, NoEnclosureError, Region, Walk, finite
 
 SAMPLES = 6
 ATTEMPTS = 60

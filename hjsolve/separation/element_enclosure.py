@@ -13,11 +13,11 @@ import mpmath
 import sympy as sp
 from mpmath import libmp
 
-from ..algebra import poly
-from ..algebra.field import Element, Field
-from ..algebra.modular import Products
-from ..algebra.poly import Budget, Poly
-from .enclosure import Interval, Region, Walk, Witness, finite, inverse, rational, search
+from hjsolve.algebra import poly
+from hjsolve.algebra.field import Element, Field
+from hjsolve.algebra.modular import Products
+from hjsolve.algebra.poly import Budget, Poly
+from hjsolve.separation.enclosure import Interval, Region, Walk, Witness, finite, inverse, rational, search
 
 
 def find_witness_of_products(field: Field, products: Products, region: Region, budget: Budget) -> Witness | None:

@@ -14,9 +14,9 @@ from functools import partial
 import mpmath
 import sympy as sp
 
-from ..algebra.intervals import Interval, NoEnclosureError, Walk, enclose, finite, inverse, rational
-from ..algebra.poly import Budget
-from ..algebra.signs import Bounds
+from hjsolve.algebra.intervals import Interval, NoEnclosureError, Walk, enclose, finite, inverse, rational
+from hjsolve.algebra.poly import Budget
+from hjsolve.algebra.signs import Bounds
 
 PRECISIONS = (64, 160, 400)
 POINTS = 24

@@ -13,7 +13,7 @@ import mpmath
 import sympy as sp
 from mpmath import libmp
 
-from .enclosure import Interval, NoEnclosureError, Walk, finite, inverse, rational
+from hjsolve.separation.enclosure import Interval, NoEnclosureError, Walk, finite, inverse, rational
 
 Slope: TypeAlias = Interval | None
 Jet: TypeAlias = tuple[Interval, Slope, Slope, Slope]

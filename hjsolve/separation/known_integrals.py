@@ -15,15 +15,15 @@ from itertools import combinations, permutations
 import mpmath
 import sympy as sp
 
-from ..algebra.field import Element
-from ..algebra.poly import WorkLimitError
-from ..algebra.readable import readable
-from ..algebra.reader import Reader
-from ..evaluation import CONTEXT, NoValueError, evaluate
-from ..shell import Shell
-from ..system import System, inverse_mass_matrix, linear_terms, mass_matrix
-from .basepoint import base_points
-from .known_charts import Integral, of_dimension
+from hjsolve.algebra.field import Element
+from hjsolve.algebra.poly import WorkLimitError
+from hjsolve.algebra.readable import readable
+from hjsolve.algebra.reader import Reader
+from hjsolve.formulas.point_values import CONTEXT, NoValueError, evaluate
+from hjsolve.separation.basepoint import base_points
+from hjsolve.separation.known_charts import Integral, of_dimension
+from hjsolve.shell import Shell
+from hjsolve.system import System, inverse_mass_matrix, linear_terms, mass_matrix
 
 MAX_SIZE = 400
 MAX_POINTS = 4

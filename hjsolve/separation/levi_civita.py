@@ -22,13 +22,13 @@ from functools import cached_property
 
 import sympy as sp
 
-from ..algebra import poly
-from ..algebra.field import Element
-from ..algebra.modular import Filter, Products
-from ..algebra.modular_jets import Jet, at_random_points
-from ..algebra.poly import Poly
-from ..algebra.readable import cost
-from ..algebra.reader import Reader
+from hjsolve.algebra import poly
+from hjsolve.algebra.field import Element
+from hjsolve.algebra.modular import Filter, Products
+from hjsolve.algebra.modular_jets import Jet, at_random_points
+from hjsolve.algebra.poly import Poly
+from hjsolve.algebra.readable import cost
+from hjsolve.algebra.reader import Reader
 
 Sum = list[Element]
 

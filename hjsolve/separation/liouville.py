@@ -12,12 +12,12 @@ from fractions import Fraction
 
 import sympy as sp
 
-from ..algebra.field import Element
-from ..algebra.readable import cost, readable, variants
-from ..algebra.reader import Reader
-from .basepoint import base_points
-from .enclosure import NoEnclosureError, Region, enclose
-from .verdicts import Liouville
+from hjsolve.algebra.field import Element
+from hjsolve.algebra.readable import cost, readable, variants
+from hjsolve.algebra.reader import Reader
+from hjsolve.separation.basepoint import base_points
+from hjsolve.separation.enclosure import NoEnclosureError, Region, enclose
+from hjsolve.separation.verdicts import Liouville
 
 
 def recognise(

@@ -10,20 +10,20 @@ from itertools import islice
 import mpmath
 import sympy as sp
 
-from ..algebra.field import Element
-from ..algebra.modular import Filter, Products
-from ..algebra.poly import Budget, WorkLimitError
-from ..algebra.readable import readable
-from ..algebra.reader import Reader
-from ..shell import Irreducible, Shell, Step, domain_bounds
-from ..system import System, hamiltonian
-from . import advice, levi_civita
-from .element_enclosure import find_witness_of_products
-from .enclosure import UNKNOWNS, Region, Witness, search
-from .jet_enclosure import enclose_condition
-from .levi_civita import Condition
-from .verdicts import Obstruction, Undecided
-from .zero_test import NonZero, Unproved, not_zero
+from hjsolve.algebra.field import Element
+from hjsolve.algebra.modular import Filter, Products
+from hjsolve.algebra.poly import Budget, WorkLimitError
+from hjsolve.algebra.readable import readable
+from hjsolve.algebra.reader import Reader
+from hjsolve.separation import advice, levi_civita
+from hjsolve.separation.element_enclosure import find_witness_of_products
+from hjsolve.separation.enclosure import UNKNOWNS, Region, Witness, search
+from hjsolve.separation.jet_enclosure import enclose_condition
+from hjsolve.separation.levi_civita import Condition
+from hjsolve.separation.verdicts import Obstruction, Undecided
+from hjsolve.separation.zero_test import NonZero, Unproved, not_zero
+from hjsolve.shell import Irreducible, Shell, Step, domain_bounds
+from hjsolve.system import System, hamiltonian
 
 EXPANSION_SECONDS, EXPANSION_TERMS = 0.2, 20_000
 LARGE = 120

@@ -19,14 +19,14 @@ from dataclasses import dataclass
 
 import sympy as sp
 
-from ..algebra.field import Element
-from ..algebra.modular import Filter, Products
-from ..algebra.readable import readable
-from ..algebra.reader import Reader
-from . import levi_civita
-from .basepoint import BasePoint, base_points
-from .columns import sparsest
-from .verdicts import Stackel
+from hjsolve.algebra.field import Element
+from hjsolve.algebra.modular import Filter, Products
+from hjsolve.algebra.readable import readable
+from hjsolve.algebra.reader import Reader
+from hjsolve.separation import levi_civita
+from hjsolve.separation.basepoint import BasePoint, base_points
+from hjsolve.separation.columns import sparsest
+from hjsolve.separation.verdicts import Stackel
 
 Row = list[Element]
 

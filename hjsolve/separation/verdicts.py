@@ -7,9 +7,9 @@ from dataclasses import dataclass
 import mpmath
 import sympy as sp
 
-from ..shell import Shell, Step
-from ..system import System
-from .enclosure import Witness
+from hjsolve.separation.enclosure import Witness
+from hjsolve.shell import Shell, Step
+from hjsolve.system import System
 
 
 @dataclass(frozen=True)

@@ -20,11 +20,11 @@ from dataclasses import dataclass
 import mpmath
 import sympy as sp
 
-from ..algebra.modular import products_vanish
-from ..algebra.poly import Budget, WorkLimitError
-from ..algebra.reader import Reader
-from ..algebra.vanishing import proved_zero
-from .enclosure import Region, Witness, find_witness, value_to_40_digits
+from hjsolve.algebra.modular import products_vanish
+from hjsolve.algebra.poly import Budget, WorkLimitError
+from hjsolve.algebra.reader import Reader
+from hjsolve.algebra.vanishing import proved_zero
+from hjsolve.separation.enclosure import Region, Witness, find_witness, value_to_40_digits
 
 DEFAULT_SECONDS = 20.0
 

@@ -13,7 +13,7 @@ import numpy as np
 import sympy as sp
 
 from hjsolve.errors import InvalidInputError, MissingExtraError
-from hjsolve.expressions import number
+from hjsolve.formulas.read import number
 from hjsolve.initial import to_bits
 from hjsolve.scenes import Scene
 from hjsolve.scenes.varied import GROUPS, Axis, Varied, keys, kind_of, missing

@@ -9,7 +9,7 @@ import numpy as np
 
 from hjsolve.arguments import described
 from hjsolve.errors import InvalidInputError
-from hjsolve.expressions import number
+from hjsolve.formulas.read import number
 from hjsolve.initial import to_bits
 
 

@@ -8,7 +8,7 @@ import pytest
 import sympy as sp
 
 from hjsolve import catalog
-from hjsolve.expressions import parse
+from hjsolve.formulas.read import parse
 from hjsolve.separation import Separation
 from hjsolve.separation.verdicts import Liouville, Stackel
 from hjsolve.system import hamiltonian

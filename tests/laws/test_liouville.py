@@ -6,7 +6,7 @@ import pytest
 import sympy as sp
 
 from hjsolve.algebra.reader import Reader
-from hjsolve.expressions import parse
+from hjsolve.formulas.read import parse
 from hjsolve.separation import Liouville, Region, Separation, region_of, separate
 from hjsolve.separation.liouville import recognise
 from hjsolve.system import System, kinetic_rest, mass_matrix

@@ -15,7 +15,7 @@ from mpmath import mp
 
 from benchmarks import campaign
 from hjsolve import catalog
-from hjsolve.expressions import number
+from hjsolve.formulas.read import number
 from tests import random_motions
 from tests.reference import mechanics
 from tests.reference.taylor import Flow

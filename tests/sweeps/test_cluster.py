@@ -17,7 +17,7 @@ import hjsolve
 distributed = pytest.importorskip("distributed", reason="needs the extra cluster")
 dataset = pytest.importorskip("pyarrow.dataset", reason="needs the extra cluster")
 
-from .conftest import parts, start, start_slowly, wait_until  # noqa: E402
+from tests.sweeps.conftest import parts, start, start_slowly, wait_until  # noqa: E402
 
 SLOW_WORKER = """
 import time

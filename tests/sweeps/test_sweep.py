@@ -17,7 +17,7 @@ from hjsolve.cli import main
 dataset = pytest.importorskip("pyarrow.dataset", reason="needs the extra cluster")
 pq = pytest.importorskip("pyarrow.parquet", reason="needs the extra cluster")
 
-from .conftest import SCENE, parts, start_slowly, wait_until  # noqa: E402
+from tests.sweeps.conftest import SCENE, parts, start_slowly, wait_until  # noqa: E402
 
 
 def rows(out: Path) -> dict[str, Any]:

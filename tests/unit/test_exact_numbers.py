@@ -12,7 +12,7 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from hjsolve.errors import ExpressionError
-from hjsolve.expressions import number
+from hjsolve.formulas.read import number
 
 EXACT = [
     (3, sp.Integer(3)),

@@ -12,7 +12,7 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from hjsolve.errors import ExpressionError
-from hjsolve.expressions import admit, parse
+from hjsolve.formulas.read import admit, parse
 
 x, y, r, m, k, g, theta = sp.symbols("x y r m k g theta", real=True)
 NAMES = {symbol.name: symbol for symbol in (x, y, r, m, k, g, theta)}

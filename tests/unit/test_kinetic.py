@@ -4,7 +4,7 @@ import pytest
 import sympy as sp
 
 from hjsolve.errors import ExpressionError
-from hjsolve.expressions import parse
+from hjsolve.formulas.read import parse
 from hjsolve.kinetic import mass_as_written, mass_entries, parts
 
 x, y, m = sp.symbols("x y m", real=True)

@@ -17,7 +17,7 @@ import mpmath
 import sympy as sp
 
 from hjsolve.errors import ExpressionError
-from hjsolve.tokens import MAX_DIGITS
+from hjsolve.formulas.tokens import MAX_DIGITS
 
 MAX_BITS = 7_000
 MAX_EXPONENT = 100

@@ -1,6 +1,6 @@
 """What a user writes → exact sympy expressions: formulas as text, formulas as sympy, and numbers of every kind.
 
-Nothing here evaluates text as Python. A formula in text goes through the parser of ``hjsolve.parser``; a sympy
+Nothing here evaluates text as Python. A formula in text goes through the parser of ``hjsolve.formulas.parser``; a sympy
 expression is taken over node by node, symbols matched by name; a number becomes the exact real number it is.
 """
 
@@ -15,9 +15,9 @@ from fractions import Fraction
 import sympy as sp
 
 from hjsolve.errors import ExpressionError
-from hjsolve.guarded import FUNCTIONS, MAX_BITS
-from hjsolve.parser import Parser
-from hjsolve.tokens import MAX_DIGITS, Source, instead_of_word, printable, scan
+from hjsolve.formulas.checked_arithmetic import FUNCTIONS, MAX_BITS
+from hjsolve.formulas.parser import Parser
+from hjsolve.formulas.tokens import MAX_DIGITS, Source, instead_of_word, printable, scan
 
 _ARITHMETIC: tuple[type, ...] = (sp.Symbol, sp.Add, sp.Mul, sp.Pow, type(sp.pi), type(sp.E))
 _ELEMENTARY: tuple[type, ...] = (sp.exp, sp.log, sp.sin, sp.cos, sp.tan, sp.asin, sp.acos, sp.atan)

@@ -1,7 +1,7 @@
 """The parser of formulas: tokens → sympy, by recursive descent over numbers, declared names and a list of functions.
 
 The grammar is Python's for + - * / ** and brackets. Numbers are exact: a decimal is the rational it spells. What is
-built, and that it stays real, finite and small, is the business of ``hjsolve.guarded``.
+built, and that it stays real, finite and small, is the business of ``hjsolve.formulas.checked_arithmetic``.
 """
 
 from __future__ import annotations
@@ -10,10 +10,10 @@ from collections.abc import Mapping
 
 import sympy as sp
 
-from hjsolve import guarded
 from hjsolve.errors import ExpressionError
-from hjsolve.guarded import FUNCTIONS, Node
-from hjsolve.tokens import Source, Token, instead_of_word, nearest
+from hjsolve.formulas import checked_arithmetic
+from hjsolve.formulas.checked_arithmetic import FUNCTIONS, Node
+from hjsolve.formulas.tokens import Source, Token, instead_of_word, nearest
 
 MAX_DEPTH = 50
 RESERVED = frozenset({*FUNCTIONS, "pi", "dot"})
@@ -48,7 +48,7 @@ class Parser:
             return token
         return None
 
-    def _fail(self, token: Token) -> guarded.Fail:
+    def _fail(self, token: Token) -> checked_arithmetic.Fail:
         return lambda message: self._source.error(message, token.position)
 
     def formula(self) -> sp.Expr:
@@ -69,9 +69,9 @@ class Parser:
         nodes = [self._product()]
         while operator := self._take("+", "-"):
             node = self._product()
-            nodes.append(node if operator.text == "+" else guarded.negative(node))
+            nodes.append(node if operator.text == "+" else checked_arithmetic.negative(node))
         self._depth -= 1
-        return nodes[0] if len(nodes) == 1 else guarded.total(nodes, self._fail(start))
+        return nodes[0] if len(nodes) == 1 else checked_arithmetic.total(nodes, self._fail(start))
 
     def _product(self) -> Node:
         """A product; a sign stays in front of it, so that -(a + b)*c does not become (-a - b)*c."""
@@ -80,12 +80,12 @@ class Parser:
         nodes = [node]
         while operator := self._take("*", "/"):
             node, minus = self._signed()
-            nodes.append(node if operator.text == "*" else guarded.reciprocal(node, self._fail(operator)))
+            nodes.append(node if operator.text == "*" else checked_arithmetic.reciprocal(node, self._fail(operator)))
             negative ^= minus
         if len(nodes) == 1:
-            return guarded.negative(nodes[0]) if negative else nodes[0]
-        sign = [guarded.leaf(sp.S.NegativeOne)] if negative else []
-        return guarded.product([*sign, *nodes], self._fail(start))
+            return checked_arithmetic.negative(nodes[0]) if negative else nodes[0]
+        sign = [checked_arithmetic.leaf(sp.S.NegativeOne)] if negative else []
+        return checked_arithmetic.product([*sign, *nodes], self._fail(start))
 
     def _signed(self) -> tuple[Node, bool]:
         """A factor without its signs, and whether they make it negative."""
@@ -102,13 +102,13 @@ class Parser:
         self._deeper(operator)
         exponent, negative = self._signed()
         self._depth -= 1
-        return guarded.power(base, guarded.negative(exponent) if negative else exponent, self._fail(operator))
+        return checked_arithmetic.power(base, checked_arithmetic.negative(exponent) if negative else exponent, self._fail(operator))
 
     def _atom(self) -> Node:
         token = self._next
         self._index += 1
         if token.kind == "number":
-            return self._followed(guarded.literal(token.text, self._fail(token)))
+            return self._followed(checked_arithmetic.literal(token.text, self._fail(token)))
         if token.kind == "name":
             return self._named(token)
         if token.text == "(":
@@ -124,13 +124,13 @@ class Parser:
             if opened:
                 message = f"{token.text} is not a function; write {token.text}*(...) for a product"
                 raise self._source.error(message, token.position)
-            return self._followed(guarded.leaf(self._names[token.text]))
+            return self._followed(checked_arithmetic.leaf(self._names[token.text]))
         if token.text in FUNCTIONS:
             return self._call(token)
         if token.text == "dot" and opened:
             return self._velocity(token)
         if token.text == "pi":
-            return self._followed(guarded.leaf(sp.pi))
+            return self._followed(checked_arithmetic.leaf(sp.pi))
         if token.text in self._functions:
             return self._undetermined(token)
         near = nearest(token.text, [*FUNCTIONS, *self._functions]) if opened else ""
@@ -150,7 +150,7 @@ class Parser:
         if tokens != ["(", *written, ")"]:
             raise self._source.error(f"{token.text} is declared as {declared}; write {declared}", token.position)
         self._index += len(tokens)
-        return self._followed(guarded.leaf(declared))
+        return self._followed(checked_arithmetic.leaf(declared))
 
     def _velocity(self, token: Token) -> Node:
         name, closing = self._tokens[self._index + 1 : self._index + 3]
@@ -162,7 +162,7 @@ class Parser:
             known = ", ".join(f"dot({q})" for q in self._velocities)
             raise self._source.error(f"{name.text!r} is not a coordinate; velocities are {known}", name.position)
         self._index += 3
-        return self._followed(guarded.leaf(self._velocities[name.text]))
+        return self._followed(checked_arithmetic.leaf(self._velocities[name.text]))
 
     def _call(self, token: Token) -> Node:
         opening = self._take("(")
@@ -176,7 +176,7 @@ class Parser:
                 f"{token.text} takes one argument; a decimal comma is written as a point", self._next.position
             )
         self._close(opening)
-        return self._followed(guarded.call(token.text, argument, self._fail(token)))
+        return self._followed(checked_arithmetic.call(token.text, argument, self._fail(token)))
 
     def _close(self, opening: Token) -> None:
         if self._take(")"):
