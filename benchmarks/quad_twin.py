@@ -17,8 +17,8 @@ import sympy as sp
 
 from hjsolve import catalog
 from hjsolve.formulas.read import number
-from hjsolve.system import hamiltonian as extended_hamiltonian
-from hjsolve.system import momenta as extended_momenta
+from hjsolve.mechanics.system import hamiltonian as extended_hamiltonian
+from hjsolve.mechanics.system import momenta as extended_momenta
 from tests.reference import mechanics
 
 Quad = hy.real128

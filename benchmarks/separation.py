@@ -13,8 +13,8 @@ from pathlib import Path
 
 sys.path.insert(0, str(Path(__file__).resolve().parents[1]))
 
+from hjsolve.mechanics.system import System
 from hjsolve.separation import Obstruction, Separation, separate
-from hjsolve.system import System
 from tests.separation_cases import E3, ONE_DIMENSIONAL, REFUSED, SEVERAL, ellipsoidal
 
 RUNS = 5

@@ -41,6 +41,10 @@ if TYPE_CHECKING:
     from hjsolve.errors import OutsideMotionError as OutsideMotionError
     from hjsolve.gyroscopic import linear_modes as linear_modes
     from hjsolve.hamiltonians import from_hamiltonian as from_hamiltonian
+    from hjsolve.mechanics.system import Coordinate as Coordinate
+    from hjsolve.mechanics.system import Domain as Domain
+    from hjsolve.mechanics.system import Parameter as Parameter
+    from hjsolve.mechanics.system import System as System
     from hjsolve.motion import Motion as Motion
     from hjsolve.numeric.estimate import Estimate as Estimate
     from hjsolve.reports import report as report
@@ -53,13 +57,9 @@ if TYPE_CHECKING:
     from hjsolve.solution import solve as solve
     from hjsolve.sweeps import Swept as Swept
     from hjsolve.sweeps import sweep as sweep
-    from hjsolve.system import Coordinate as Coordinate
-    from hjsolve.system import Domain as Domain
-    from hjsolve.system import Parameter as Parameter
-    from hjsolve.system import System as System
 
 _HOMES = {
-    "Coordinate": "system", "Domain": "system", "Parameter": "system", "System": "system",
+    "Coordinate": "mechanics.system", "Domain": "mechanics.system", "Parameter": "mechanics.system", "System": "mechanics.system",
     "Coordinates": "coordinates", "NormalModes": "coordinates", "Web": "coordinates",
     "find_coordinates": "coordinates", "normal_modes": "coordinates",
     "separate": "separation", "Separation": "separation", "Obstruction": "separation", "Undecided": "separation",

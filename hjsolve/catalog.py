@@ -23,7 +23,7 @@ from hjsolve.entry_faults import form_faults, motion_faults, reference_faults
 from hjsolve.errors import CatalogError, InvalidInputError, NotSeparableError
 from hjsolve.formulas.tokens import printable
 from hjsolve.hamiltonians import GeneralHamiltonian, LinearHamiltonian, from_hamiltonian
-from hjsolve.system import System, parameter
+from hjsolve.mechanics.system import System, parameter
 
 _FOLDERS = {"separable": "systems", "extended": "extended", "refused": "refused", "outside": "outside"}
 _ENTRY = schema.ENTRY | refusals.KEYS

@@ -13,12 +13,12 @@ from typing import Literal
 
 import sympy as sp
 
-from hjsolve.kinetic import degree, parts
+from hjsolve.mechanics.energy_shell import domain_bounds
+from hjsolve.mechanics.kinetic_energy import degree, parts
+from hjsolve.mechanics.system import hamiltonian
 from hjsolve.separation.enclosure import Region
 from hjsolve.separation.zero_test import NonZero, Unproved, Zero, free_region, is_zero
-from hjsolve.shell import domain_bounds
 from hjsolve.solution import Solution
-from hjsolve.system import hamiltonian
 
 NUMERIC_ZERO = sp.Float("1e-35")
 Outcome = Literal["proved", "numeric", "undecided", "failed"]

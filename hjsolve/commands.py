@@ -13,8 +13,8 @@ from hjsolve.errors import InvalidInputError, NotSeparableError
 if TYPE_CHECKING:
     from hjsolve.coordinates import NormalModes
     from hjsolve.hamiltonians import LinearHamiltonian
+    from hjsolve.mechanics.system import System
     from hjsolve.reports.document import Section, Text
-    from hjsolve.system import System
 
 ANSWER, REFUSED, BAD_INPUT, UNSETTLED, INTERRUPTED = 0, 1, 2, 3, 130
 """Exit statuses; see ``hjsolve.cli``."""

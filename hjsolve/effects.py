@@ -10,7 +10,7 @@ import sympy as sp
 from hjsolve import schema
 from hjsolve.errors import CatalogError
 from hjsolve.formulas.read import parse
-from hjsolve.system import System
+from hjsolve.mechanics.system import System
 
 
 def with_effects(table: Mapping[str, Any], names: Sequence[str], source: str) -> dict[str, Any]:

@@ -8,7 +8,7 @@ from typing import Any
 
 from hjsolve import refusals
 from hjsolve.hamiltonians import LinearHamiltonian
-from hjsolve.system import System
+from hjsolve.mechanics.system import System
 
 
 @dataclass(frozen=True)

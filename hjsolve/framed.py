@@ -15,10 +15,10 @@ from hjsolve.formulas.read import number
 from hjsolve.frames import Frame, initial_data
 from hjsolve.initial import parameter_values, to_bits
 from hjsolve.lowering import lower
+from hjsolve.mechanics.system import momenta
 from hjsolve.motion import Motion
 from hjsolve.numeric.arithmetic import Float64, Multi
 from hjsolve.state import Errors, State
-from hjsolve.system import momenta
 from hjsolve.trajectory.times import exact_numbers
 
 

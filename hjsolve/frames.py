@@ -19,9 +19,9 @@ import sympy as sp
 from hjsolve import arguments, catalog
 from hjsolve.errors import CatalogError, InvalidSystemError
 from hjsolve.formulas.read import number, parse
+from hjsolve.mechanics.system import Parameter, System, hamiltonian, momenta
 from hjsolve.separation.zero_test import Zero, is_zero
 from hjsolve.solution import Solution, solve
-from hjsolve.system import Parameter, System, hamiltonian, momenta
 
 if TYPE_CHECKING:
     from hjsolve.framed import FramedMotion

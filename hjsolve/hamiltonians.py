@@ -22,8 +22,8 @@ import sympy as sp
 from hjsolve import arguments
 from hjsolve.errors import InvalidSystemError
 from hjsolve.formulas.read import parse
-from hjsolve.periodicity import is_periodic
-from hjsolve.system import Coordinate, Parameter, System
+from hjsolve.mechanics.periodicity import is_periodic
+from hjsolve.mechanics.system import Coordinate, Parameter, System
 
 if TYPE_CHECKING:
     from hjsolve.general import LinearMotion

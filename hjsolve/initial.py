@@ -21,9 +21,9 @@ from hjsolve.exact_values import rational_value
 from hjsolve.formulas.read import number
 from hjsolve.hamiltonians import GeneralHamiltonian, LinearHamiltonian
 from hjsolve.lowering import lower
+from hjsolve.mechanics.system import System, momenta, refuse_turns_that_differ
 from hjsolve.numeric.arithmetic import Multi, multiprecision
 from hjsolve.solution import Solution
-from hjsolve.system import System, momenta, refuse_turns_that_differ
 
 ZERO_BITS = 2048
 _SHORT, _MOST_TERMS = 12, 400

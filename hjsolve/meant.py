@@ -12,10 +12,10 @@ from hjsolve.errors import InvalidInputError
 
 if TYPE_CHECKING:
     from hjsolve.hamiltonians import LinearHamiltonian
+    from hjsolve.mechanics.system import System
     from hjsolve.reports.document import Section
     from hjsolve.scenes import Scene
     from hjsolve.solution import Solution
-    from hjsolve.system import System
 
 _NAME = re.compile(r"\s*(\w+)\s*")
 
@@ -64,7 +64,7 @@ def system(options: Namespace) -> System:
 
 
 def _own_system(options: Namespace) -> System:
-    from hjsolve.system import System
+    from hjsolve.mechanics.system import System
 
     if not options.coordinate or not options.kinetic:
         missing = "--coordinate" if not options.coordinate else "--kinetic"
@@ -97,7 +97,7 @@ def _own_system(options: Namespace) -> System:
 
 def _parameters(texts: list[str]) -> dict[str, Any]:
     """Each ``NAME``, ``NAME=VALUE``, ``NAME:ASSUMPTION`` or ``NAME=VALUE:ASSUMPTION``."""
-    from hjsolve.system import parameter
+    from hjsolve.mechanics.system import parameter
 
     found: dict[str, Any] = {}
     for text in texts:

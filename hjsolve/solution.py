@@ -22,14 +22,14 @@ from typing import TYPE_CHECKING, Any
 import sympy as sp
 
 from hjsolve import arguments
-from hjsolve.declarations import free_name
 from hjsolve.errors import InvalidInputError, NotSeparableError
+from hjsolve.mechanics.coordinates_and_parameters import free_name
+from hjsolve.mechanics.energy_shell import time_name
+from hjsolve.mechanics.subjects import system_of
+from hjsolve.mechanics.system import System
 from hjsolve.separation import Constant, Obstruction, Separation, Undecided, separate
 from hjsolve.separation.relativistic import shell_energy
 from hjsolve.separation.verdicts import Verdict
-from hjsolve.shell import time_name
-from hjsolve.subjects import system_of
-from hjsolve.system import System
 
 if TYPE_CHECKING:
     from hjsolve.motion import Motion

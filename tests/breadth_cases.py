@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from hjsolve.system import System
+from hjsolve.mechanics.system import System
 from tests.separation_cases import PLANE, PLANE_POLAR, POLAR_COORDINATES, SPHERICAL, SPHERICAL_COORDINATES, make
 
 FREE = "(dot(x)**2 + dot(y)**2)/2"

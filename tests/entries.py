@@ -10,9 +10,9 @@ from typing import Any
 
 from hjsolve import catalog
 from hjsolve.catalog import Entry
+from hjsolve.mechanics.system import System
 from hjsolve.separation import Obstruction, Separation, Undecided, separate
 from hjsolve.solution import Solution, solve
-from hjsolve.system import System
 
 
 @functools.cache

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from hjsolve.system import System, parameter
+from hjsolve.mechanics.system import System, parameter
 
 PLANE = "m/2*(dot(r)**2 + r**2*dot(theta)**2)"
 TOP = "I_a/2*(dot(phi) - dot(psi)*sin(theta))**2 + I_t/2*(dot(theta)**2 + dot(psi)**2*cos(theta)**2)"

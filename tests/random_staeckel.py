@@ -11,7 +11,7 @@ from dataclasses import dataclass
 
 import sympy as sp
 
-from hjsolve.system import System
+from hjsolve.mechanics.system import System
 
 NAMES = ("x", "y", "z", "w")
 SMALL = sp.Rational(1, 10**9)

@@ -8,8 +8,8 @@ from __future__ import annotations
 import functools
 from collections.abc import Sequence
 
+from hjsolve.mechanics.system import System, parameter
 from hjsolve.separation import Obstruction, Separation, Undecided, separate
-from hjsolve.system import System, parameter
 
 PLANE_POLAR = "m/2*(dot(r)**2 + r**2*dot(theta)**2)"
 SPHERICAL = "m/2*(dot(r)**2 + r**2*dot(theta)**2 + r**2*sin(theta)**2*dot(phi)**2)"

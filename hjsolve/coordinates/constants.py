@@ -16,8 +16,8 @@ import sympy as sp
 from hjsolve.coordinates.frames import tidy
 from hjsolve.coordinates.results import Vector, Web
 from hjsolve.coordinates.transform import Cartesian
+from hjsolve.mechanics.system import System, parameter
 from hjsolve.separation import separate
-from hjsolve.system import System, parameter
 
 Values = Mapping[sp.Symbol, sp.Expr]
 

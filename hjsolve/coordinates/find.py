@@ -26,8 +26,8 @@ from hjsolve.coordinates.transform import Cartesian, web_of
 from hjsolve.coordinates.webs_plane import plane_webs
 from hjsolve.coordinates.webs_space import Potential, space_webs
 from hjsolve.errors import InvalidSystemError
-from hjsolve.subjects import system_of
-from hjsolve.system import System, kinetic_rest, linear_terms, mass_matrix
+from hjsolve.mechanics.subjects import system_of
+from hjsolve.mechanics.system import System, kinetic_rest, linear_terms, mass_matrix
 
 _NONE = "No quadratic first integral of this kind besides the energy: the system is"
 _NO_WEB = "Besides the energy there {are} {extra} quadratic first integral{s}, but no orthogonal web belongs to {it}: "

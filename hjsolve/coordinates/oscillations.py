@@ -20,9 +20,9 @@ from hjsolve import arguments
 from hjsolve.coordinates.frames import Sign, sign_by, tidy
 from hjsolve.errors import InvalidSystemError
 from hjsolve.formulas.read import number
+from hjsolve.mechanics.subjects import system_of
+from hjsolve.mechanics.system import System, kinetic_rest, linear_terms, mass_matrix
 from hjsolve.separation import separate
-from hjsolve.subjects import system_of
-from hjsolve.system import System, kinetic_rest, linear_terms, mass_matrix
 
 _MOST_TRIAL_COLUMNS = 6
 

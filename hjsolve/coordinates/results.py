@@ -9,7 +9,7 @@ from typing import TYPE_CHECKING, Any
 import sympy as sp
 
 if TYPE_CHECKING:
-    from hjsolve.system import System
+    from hjsolve.mechanics.system import System
 
 Vector = tuple[sp.Expr, ...]
 

@@ -12,8 +12,8 @@ from hjsolve.coordinates.carried import Carrier, flattened
 from hjsolve.coordinates.charts import Chart, Range, chart
 from hjsolve.coordinates.frames import norm_squared, tidy
 from hjsolve.coordinates.results import Geometry, Vector, Web
+from hjsolve.mechanics.system import System
 from hjsolve.separation import separate
-from hjsolve.system import System
 
 
 @dataclass(frozen=True)

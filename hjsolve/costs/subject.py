@@ -12,12 +12,12 @@ import sympy as sp
 from hjsolve import catalog
 from hjsolve.errors import InvalidInputError, MissingValueError
 from hjsolve.formulas.read import number
+from hjsolve.mechanics.subjects import system_of
+from hjsolve.mechanics.system import System
 from hjsolve.motion import Motion
 from hjsolve.scenes import Scene, is_scene
 from hjsolve.scenes.scene import Start, Times
 from hjsolve.solution import Solution, solve
-from hjsolve.subjects import system_of
-from hjsolve.system import System
 
 Subject: TypeAlias = Scene | Motion | System | Solution | Mapping[str, Any] | str | Path
 _WANT = ("turning_points", "actions", "frequencies", "periods", "trajectory")

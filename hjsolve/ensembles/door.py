@@ -10,8 +10,8 @@ import numpy as np
 
 from hjsolve.errors import InvalidInputError, MissingValueError
 from hjsolve.formulas.read import number
+from hjsolve.mechanics.system import System
 from hjsolve.schema import nearest
-from hjsolve.system import System
 
 _MASKED = "a masked array; give NaN for what is missing (array.filled(nan)), such orbits get a status"
 

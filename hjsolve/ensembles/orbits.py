@@ -19,9 +19,9 @@ from hjsolve.ensembles.recipe import WORTH_COMPILING, WORTH_LOADING, Recipe
 from hjsolve.ensembles.rows import Columns, compute
 from hjsolve.errors import InvalidInputError
 from hjsolve.initial import parameter_values
+from hjsolve.mechanics.subjects import system_of
+from hjsolve.mechanics.system import System
 from hjsolve.solution import Solution, refuse_null, solve
-from hjsolve.subjects import system_of
-from hjsolve.system import System
 
 
 def ensemble(

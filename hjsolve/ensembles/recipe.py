@@ -12,10 +12,10 @@ from hjsolve import batch
 from hjsolve.ensembles.layout import Layout, layout_of
 from hjsolve.initial import domain_ends, sign, to_bits
 from hjsolve.lowering import lower
+from hjsolve.mechanics.system import System, momenta
 from hjsolve.numeric.error_free import Pair, split
 from hjsolve.numeric.tape import Tape
 from hjsolve.solution import Solution, solve
-from hjsolve.system import System, momenta
 
 ONE_AT_A_TIME = threading.RLock()
 """sympy and mpmath keep caches that were not made for threads, and hold Python's lock anyway."""

@@ -11,6 +11,7 @@ from typing import Any, TypeAlias
 from hjsolve import catalog, frames
 from hjsolve.errors import InvalidInputError, NotConvergedError, NotSeparableError
 from hjsolve.frames import Frame
+from hjsolve.mechanics.system import System
 from hjsolve.motion import Motion
 from hjsolve.reports import numerical, paths, quadratures, symbolic
 from hjsolve.reports.document import Code, Document, Note, Section, Text
@@ -20,7 +21,6 @@ from hjsolve.reports.literature import literature_section
 from hjsolve.reports.prose import heading
 from hjsolve.separation import Obstruction, Separation, Undecided, separate
 from hjsolve.solution import Solution, solve
-from hjsolve.system import System
 
 Subject: TypeAlias = System | Separation | Obstruction | Undecided | Solution | Motion | str | Path
 

@@ -9,8 +9,8 @@ from typing import Any, Literal
 import numpy as np
 import sympy as sp
 
+from hjsolve.mechanics.system import Coordinate, System, mass_matrix
 from hjsolve.reports.wells import Array
-from hjsolve.system import Coordinate, System, mass_matrix
 
 Shape = Literal["line", "plane", "space", "sphere", "coordinates"]
 

@@ -5,13 +5,13 @@ from __future__ import annotations
 import sympy as sp
 
 from hjsolve.frames import Frame
+from hjsolve.mechanics.system import hamiltonian
 from hjsolve.reports.boxes import Glyph
 from hjsolve.reports.document import Block, Paragraph, Section
 from hjsolve.reports.names import name_box
 from hjsolve.reports.prose import listed
 from hjsolve.reports.symbolic import formula
 from hjsolve.solution import Solution
-from hjsolve.system import hamiltonian
 
 
 def frame_section(frame: Frame, solution: Solution | None) -> Section:

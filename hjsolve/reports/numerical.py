@@ -13,6 +13,8 @@ import sympy as sp
 
 from hjsolve._version import __version__
 from hjsolve.lowering import lower
+from hjsolve.mechanics.energy_shell import time_name
+from hjsolve.mechanics.system import hamiltonian
 from hjsolve.numeric.arithmetic import Float64
 from hjsolve.reports import paths
 from hjsolve.reports.boxes import Glyph, Script
@@ -35,8 +37,6 @@ from hjsolve.reports.plain import spoken
 from hjsolve.reports.prose import prose
 from hjsolve.reports.symbolic import exactly, formula
 from hjsolve.reports.wells import Array, values_of, well
-from hjsolve.shell import time_name
-from hjsolve.system import hamiltonian
 
 DASH: Text = ("–",)
 

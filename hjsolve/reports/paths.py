@@ -7,6 +7,7 @@ from typing import Any
 
 import numpy as np
 
+from hjsolve.mechanics.energy_shell import time_name
 from hjsolve.reports import svg
 from hjsolve.reports.boxes import Box, Glyph
 from hjsolve.reports.document import Figure, Mathematics, Text
@@ -14,7 +15,6 @@ from hjsolve.reports.embedding import Embedding, embedding, place, projected
 from hjsolve.reports.names import name_box
 from hjsolve.reports.plain import plain, spoken
 from hjsolve.reports.wells import Array
-from hjsolve.shell import time_name
 
 _POINTS_PER_CYCLE = 181
 _MOST_POINTS = 2600

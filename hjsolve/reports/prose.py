@@ -6,13 +6,13 @@ import re
 from collections.abc import Collection
 
 from hjsolve.hamiltonians import LinearHamiltonian
+from hjsolve.mechanics.system import Domain, System
 from hjsolve.reports.boxes import Box, Glyph, row
 from hjsolve.reports.document import Code, Inline, Mathematics, Text
 from hjsolve.reports.formulas_in_text import formulas, named
 from hjsolve.reports.names import GREEK, name_box
 from hjsolve.reports.notation import box
 from hjsolve.reports.plain import plain
-from hjsolve.system import Domain, System
 
 _PHRASES = (
     ("c^T Phi = (1, 0, ..., 0)", "cᵀΦ = (1, 0, …, 0)"),

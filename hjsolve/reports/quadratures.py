@@ -6,6 +6,8 @@ from dataclasses import dataclass
 
 import sympy as sp
 
+from hjsolve.mechanics.energy_shell import time_name
+from hjsolve.mechanics.system import kinetic_rest
 from hjsolve.reports.boxes import Box, Fence, Fraction, Glyph, Script, row, width
 from hjsolve.reports.document import Block, Formula, Mathematics, Paragraph, Section, Table, Text
 from hjsolve.reports.lines import LINE, broken, display
@@ -15,9 +17,7 @@ from hjsolve.reports.plain import spoken
 from hjsolve.reports.prose import listed, prose
 from hjsolve.reports.symbolic import EQUALS, equation, formula, math
 from hjsolve.separation import Liouville, Separation, Stackel
-from hjsolve.shell import time_name
 from hjsolve.solution import Solution
-from hjsolve.system import kinetic_rest
 
 
 def forms_section(verdict: Separation) -> Section | None:

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import numpy as np
 
+from hjsolve.mechanics.energy_shell import time_name
 from hjsolve.reports import quadratures, svg, symbolic
 from hjsolve.reports.document import (
     Block,
@@ -24,7 +25,6 @@ from hjsolve.reports.plain import spoken
 from hjsolve.reports.prose import prose
 from hjsolve.reports.wells import Array
 from hjsolve.scenes import Run
-from hjsolve.shell import time_name
 
 _METHODS = {
     "float64": "double precision", "mpmath": "multiple precision (mpmath)", "certified": "ball arithmetic (certified)",

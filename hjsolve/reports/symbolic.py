@@ -8,6 +8,7 @@ from typing import Any
 import mpmath
 import sympy as sp
 
+from hjsolve.mechanics.system import System, hamiltonian, linear_terms, mass_matrix, momenta
 from hjsolve.reports.boxes import Box, Fraction, Glyph, Script, row
 from hjsolve.reports.document import (
     Block,
@@ -31,7 +32,6 @@ from hjsolve.reports.numbers import bound, shortest, terminating
 from hjsolve.reports.prose import domain_text, listed, prose, typeset
 from hjsolve.separation import Obstruction, Separation, Undecided
 from hjsolve.separation.zero_test import Zero, is_zero
-from hjsolve.system import System, hamiltonian, linear_terms, mass_matrix, momenta
 
 EQUALS = Glyph("=", "operator")
 

@@ -8,13 +8,13 @@ import sympy as sp
 
 from hjsolve.coordinates import Coordinates, NormalModes, Web
 from hjsolve.coordinates.results import ParameterValues, Vector
+from hjsolve.mechanics.system import System
 from hjsolve.reports.boxes import Glyph, row
 from hjsolve.reports.document import Block, Inline, Mathematics, Note, Paragraph, Section, Strong, Table, Text
 from hjsolve.reports.names import name_box
 from hjsolve.reports.notation import box
 from hjsolve.reports.prose import domain_text
 from hjsolve.reports.symbolic import EQUALS, formula, math
-from hjsolve.system import System
 
 
 def found_answer(found: Coordinates) -> Text:

@@ -10,13 +10,13 @@ import numpy as np
 import sympy as sp
 
 from hjsolve.initial import to_bits
+from hjsolve.mechanics.system import hamiltonian
 from hjsolve.motion import Motion
 from hjsolve.numeric.arithmetic import multiprecision
 from hjsolve.numeric.clock import halves
 from hjsolve.quantities import FLOAT_DIGITS
 from hjsolve.scenes.flights import Flight, Free
 from hjsolve.state import Errors, State
-from hjsolve.system import hamiltonian
 from hjsolve.trajectory.positions import coordinate_velocities, evaluate, principal
 from hjsolve.trajectory.uncertainty import velocity_errors
 

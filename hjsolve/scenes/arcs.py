@@ -19,6 +19,7 @@ import sympy as sp
 
 from hjsolve.errors import InvalidInputError, NotConvergedError
 from hjsolve.initial import initial_data, is_zero, to_bits
+from hjsolve.mechanics.system import velocities
 from hjsolve.motion import Motion
 from hjsolve.numeric.arithmetic import multiprecision
 from hjsolve.numeric.course import Frozen
@@ -29,7 +30,6 @@ from hjsolve.scenes.mirrors import Mirrors, mirrors
 from hjsolve.scenes.rest import Rest, Settling, acceleration
 from hjsolve.scenes.scene import Scene
 from hjsolve.solution import Solution
-from hjsolve.system import velocities
 
 GUARD = 10
 MOST_EVENTS, MOST_BOUNCES, _LOOK = 10_000, 1_000_000, 40

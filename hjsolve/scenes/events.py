@@ -16,8 +16,8 @@ import sympy as sp
 
 from hjsolve.errors import CatalogError, InvalidInputError
 from hjsolve.formulas.read import number
+from hjsolve.mechanics.system import System, inverse_mass_matrix, linear_terms, mass_matrix, momenta, velocities
 from hjsolve.schema import nearest
-from hjsolve.system import System, inverse_mass_matrix, linear_terms, mass_matrix, momenta, velocities
 
 Momenta = dict[str, sp.Expr]
 

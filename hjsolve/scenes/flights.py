@@ -19,6 +19,7 @@ import sympy as sp
 
 from hjsolve.errors import NotConvergedError
 from hjsolve.initial import to_bits
+from hjsolve.mechanics.system import velocities
 from hjsolve.motion import Motion
 from hjsolve.numeric.arithmetic import multiprecision
 from hjsolve.numeric.course import Bounded, Frozen, Open
@@ -27,7 +28,6 @@ from hjsolve.scenes.crossing import bits_of
 from hjsolve.scenes.events import Event, Pending, once
 from hjsolve.scenes.mirrors import Mirrors
 from hjsolve.scenes.passes import Carried, Passes, passes
-from hjsolve.system import velocities
 from hjsolve.trajectory.positions import constant_index
 
 _LOOK = 1000

@@ -23,6 +23,7 @@ from hjsolve.errors import MissingExtraError, NotConvergedError
 from hjsolve.formulas.read import number
 from hjsolve.initial import parameter_values
 from hjsolve.lowering import lower
+from hjsolve.mechanics.system import System, hamiltonian, momenta, velocities
 from hjsolve.numeric.arithmetic import Float64
 from hjsolve.numeric.counting import Work
 from hjsolve.numeric.tape import Tape
@@ -31,7 +32,6 @@ from hjsolve.scenes.scene import Scene
 from hjsolve.scenes.steps import Flow, Sampled, follow
 from hjsolve.separation import Separation, separate
 from hjsolve.state import Errors
-from hjsolve.system import System, hamiltonian, momenta, velocities
 
 _FINEST = 2.3e-14
 

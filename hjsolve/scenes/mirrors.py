@@ -13,8 +13,8 @@ from dataclasses import dataclass
 
 import sympy as sp
 
+from hjsolve.mechanics.system import hamiltonian
 from hjsolve.solution import Solution
-from hjsolve.system import hamiltonian
 
 
 @dataclass(frozen=True)

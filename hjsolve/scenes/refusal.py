@@ -7,7 +7,7 @@ from dataclasses import dataclass
 
 import sympy as sp
 
-from hjsolve.system import System
+from hjsolve.mechanics.system import System
 
 
 @dataclass(frozen=True)

@@ -17,11 +17,11 @@ import sympy as sp
 
 from hjsolve.initial import to_bits
 from hjsolve.lowering import lower
+from hjsolve.mechanics.system import System, hamiltonian, velocities
 from hjsolve.numeric.arithmetic import Multi
 from hjsolve.numeric.estimate import Estimate
 from hjsolve.scenes.events import Event, Pending, once
 from hjsolve.scenes.scene import Scene
-from hjsolve.system import System, hamiltonian, velocities
 
 _COLUMNS, _FEWEST, _SAFETY = 40, 4, 8
 

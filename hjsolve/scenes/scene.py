@@ -19,11 +19,11 @@ from hjsolve.effects import forces, with_effects
 from hjsolve.ensembles.layout import QUANTITIES
 from hjsolve.errors import CatalogError, InvalidInputError
 from hjsolve.formulas.read import number
+from hjsolve.mechanics.system import System
 from hjsolve.scenes.events import Event, read_event
 from hjsolve.scenes.tables import scene_faults
 from hjsolve.scenes.varied import Varied, disagreements, read_sweep
 from hjsolve.schema import nearest
-from hjsolve.system import System
 
 if TYPE_CHECKING:
     from hjsolve.scenes.run import Run

@@ -11,8 +11,8 @@ import sympy as sp
 
 from hjsolve.errors import NotConvergedError
 from hjsolve.formulas.read import number
+from hjsolve.mechanics.system import System
 from hjsolve.scenes.events import Event, changed
-from hjsolve.system import System
 
 MOST_STEPS = 2_000_000
 

@@ -10,7 +10,7 @@ from collections.abc import Sequence
 
 import sympy as sp
 
-from hjsolve.system import System, kinetic_rest, linear_terms
+from hjsolve.mechanics.system import System, kinetic_rest, linear_terms
 
 ALWAYS = (
     "This is a statement about these coordinates only: the system may separate in others, or be integrable without "

@@ -12,14 +12,14 @@ from hjsolve.algebra.modular import Filter
 from hjsolve.algebra.poly import Budget, WorkLimitError
 from hjsolve.algebra.readable import readable
 from hjsolve.algebra.reader import HYPERBOLIC, is_shifted
+from hjsolve.mechanics.energy_shell import Irreducible, Shell, Step, reduce
+from hjsolve.mechanics.subjects import system_of
+from hjsolve.mechanics.system import System, kinetic_rest, linear_terms, mass_matrix
 from hjsolve.separation import advice, levi_civita, liouville, relativistic, stackel
 from hjsolve.separation.constants import constants_of
 from hjsolve.separation.diagnosis import diagnosed
 from hjsolve.separation.refusal import Setting, of_shell, refuse_condition, refuse_without_shell, region_of
 from hjsolve.separation.verdicts import Liouville, Obstruction, Reduced, Separation, Stackel, Undecided, Verdict
-from hjsolve.shell import Irreducible, Shell, Step, reduce
-from hjsolve.subjects import system_of
-from hjsolve.system import System, kinetic_rest, linear_terms, mass_matrix
 
 DEFAULT_BUDGET = 20.0
 SMALL_SYSTEM = 120

@@ -9,6 +9,7 @@ from dataclasses import replace
 
 from hjsolve.algebra.poly import WorkLimitError
 from hjsolve.algebra.readable import readable
+from hjsolve.mechanics.energy_shell import Step
 from hjsolve.separation import advice
 from hjsolve.separation.blocks import finest
 from hjsolve.separation.conformal import energy_of_separation
@@ -16,7 +17,6 @@ from hjsolve.separation.distance import distance_from_separable
 from hjsolve.separation.levi_civita import Conditions
 from hjsolve.separation.refusal import Setting
 from hjsolve.separation.verdicts import Obstruction
-from hjsolve.shell import Step
 
 SECONDS, TERMS = 0.5, 100_000
 

@@ -20,10 +20,10 @@ from hjsolve.algebra.poly import WorkLimitError
 from hjsolve.algebra.readable import readable
 from hjsolve.algebra.reader import Reader
 from hjsolve.formulas.point_values import CONTEXT, NoValueError, evaluate
+from hjsolve.mechanics.energy_shell import Shell
+from hjsolve.mechanics.system import System, inverse_mass_matrix, linear_terms, mass_matrix
 from hjsolve.separation.basepoint import base_points
 from hjsolve.separation.known_charts import Integral, of_dimension
-from hjsolve.shell import Shell
-from hjsolve.system import System, inverse_mass_matrix, linear_terms, mass_matrix
 
 MAX_SIZE = 400
 MAX_POINTS = 4

@@ -15,6 +15,8 @@ from hjsolve.algebra.modular import Filter, Products
 from hjsolve.algebra.poly import Budget, WorkLimitError
 from hjsolve.algebra.readable import readable
 from hjsolve.algebra.reader import Reader
+from hjsolve.mechanics.energy_shell import Irreducible, Shell, Step, domain_bounds
+from hjsolve.mechanics.system import System, hamiltonian
 from hjsolve.separation import advice, levi_civita
 from hjsolve.separation.element_enclosure import find_witness_of_products
 from hjsolve.separation.enclosure import UNKNOWNS, Region, Witness, search
@@ -22,8 +24,6 @@ from hjsolve.separation.jet_enclosure import enclose_condition
 from hjsolve.separation.levi_civita import Condition
 from hjsolve.separation.verdicts import Obstruction, Undecided
 from hjsolve.separation.zero_test import NonZero, Unproved, not_zero
-from hjsolve.shell import Irreducible, Shell, Step, domain_bounds
-from hjsolve.system import System, hamiltonian
 
 EXPANSION_SECONDS, EXPANSION_TERMS = 0.2, 20_000
 LARGE = 120

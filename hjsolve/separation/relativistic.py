@@ -16,9 +16,9 @@ from dataclasses import replace
 
 import sympy as sp
 
+from hjsolve.mechanics.energy_shell import Shell, Step, energy_symbol
+from hjsolve.mechanics.system import System, hamiltonian
 from hjsolve.separation.verdicts import Constant, Separation, Verdict
-from hjsolve.shell import Shell, Step, energy_symbol
-from hjsolve.system import System, hamiltonian
 
 
 def shell_system(system: System) -> System:

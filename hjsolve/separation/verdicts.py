@@ -7,9 +7,9 @@ from dataclasses import dataclass
 import mpmath
 import sympy as sp
 
+from hjsolve.mechanics.energy_shell import Shell, Step
+from hjsolve.mechanics.system import System
 from hjsolve.separation.enclosure import Witness
-from hjsolve.shell import Shell, Step
-from hjsolve.system import System
 
 
 @dataclass(frozen=True)

@@ -11,6 +11,7 @@ import sympy as sp
 
 from hjsolve.initial import to_bits
 from hjsolve.lowering import lower
+from hjsolve.mechanics.system import velocities
 from hjsolve.numeric.arithmetic import Float64, Multi, multiprecision
 from hjsolve.numeric.course import Bounded, arithmetic_of
 from hjsolve.numeric.error_free import split
@@ -21,7 +22,6 @@ from hjsolve.numeric.series import Series
 from hjsolve.numeric.tape import Tape
 from hjsolve.numeric.turns import principal as principal_of_doubles
 from hjsolve.numeric.turns import turns
-from hjsolve.system import velocities
 from hjsolve.trajectory.phases import Phases, courses_of
 
 if TYPE_CHECKING:

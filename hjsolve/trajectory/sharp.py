@@ -15,6 +15,7 @@ import numpy as np
 import sympy as sp
 
 from hjsolve.initial import to_bits
+from hjsolve.mechanics.system import velocities
 from hjsolve.numeric.anomaly import Crested, Libration
 from hjsolve.numeric.arithmetic import Float64
 from hjsolve.numeric.course import Bounded, Course, Frozen, Open, float_way
@@ -23,7 +24,6 @@ from hjsolve.numeric.error_free import Pair, split, two_sum
 from hjsolve.numeric.running import Bounded as Rounded
 from hjsolve.numeric.running import Running
 from hjsolve.numeric.stretch import Stretched, rounded
-from hjsolve.system import velocities
 from hjsolve.trajectory.positions import tape_of
 
 if TYPE_CHECKING:

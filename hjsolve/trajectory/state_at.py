@@ -9,13 +9,13 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from hjsolve.initial import to_bits
+from hjsolve.mechanics.system import velocities
 from hjsolve.numeric.arithmetic import multiprecision
 from hjsolve.numeric.clock import halves, relative, relative_exact
 from hjsolve.numeric.course import Bounded
 from hjsolve.numeric.inverse import Torus, mean_rate
 from hjsolve.quantities import FLOAT_DIGITS
 from hjsolve.state import Errors, State
-from hjsolve.system import velocities
 from hjsolve.trajectory.dense import FEWEST, Dense, OnDemand, dense, rough
 from hjsolve.trajectory.endings import statuses
 from hjsolve.trajectory.phases import Phases, courses_of, phases_at

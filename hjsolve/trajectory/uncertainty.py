@@ -9,11 +9,11 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 import sympy as sp
 
+from hjsolve.mechanics.system import hamiltonian, velocities
 from hjsolve.numeric.arithmetic import Multi, multiprecision
 from hjsolve.numeric.course import Bounded, Course, Open
 from hjsolve.numeric.inverse import Torus, oscillation
 from hjsolve.numeric.series import Series
-from hjsolve.system import hamiltonian, velocities
 from hjsolve.trajectory.dense import Dense
 from hjsolve.trajectory.phases import Phases, courses_of
 from hjsolve.trajectory.positions import constant_index, evaluate, rounding

@@ -15,7 +15,7 @@ import sympy as sp
 from mpmath import mp
 
 from hjsolve import catalog
-from hjsolve.system import System, hamiltonian, momenta
+from hjsolve.mechanics.system import System, hamiltonian, momenta
 from tests.catalog.pfaff import formula, names_of
 from tests.entries import loaded, motion, solution
 

@@ -7,8 +7,8 @@ import sympy as sp
 from mpmath import mp
 
 from hjsolve import catalog
+from hjsolve.mechanics.system import System, parameter
 from hjsolve.separation import Obstruction, Separation, separate
-from hjsolve.system import System, parameter
 from tests.catalog.book import (
     RESULTS,
     H_of,

@@ -9,9 +9,9 @@ import sympy as sp
 
 from hjsolve import catalog
 from hjsolve.formulas.read import parse
+from hjsolve.mechanics.system import hamiltonian
 from hjsolve.separation import Separation
 from hjsolve.separation.verdicts import Liouville, Stackel
-from hjsolve.system import hamiltonian
 from tests import entries
 from tests.entries import described as entry
 

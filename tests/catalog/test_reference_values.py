@@ -14,7 +14,7 @@ from sympy.core.cache import clear_cache
 from hjsolve import catalog
 from hjsolve.catalog import Reference
 from hjsolve.formulas.read import number
-from hjsolve.system import hamiltonian, momenta
+from hjsolve.mechanics.system import hamiltonian, momenta
 from tests.entries import described as entry
 from tests.entries import motion as motion_of
 from tests.entries import solution

@@ -12,7 +12,7 @@ import hjsolve
 from hjsolve.costs.taylor import Constant, Program, follow
 from hjsolve.initial import to_bits
 from hjsolve.lowering import lower
-from hjsolve.system import hamiltonian, velocities
+from hjsolve.mechanics.system import hamiltonian, velocities
 
 X = sp.Symbol("x")
 FUNCTIONS = [

@@ -12,8 +12,8 @@ from mpmath import mp, mpf
 from hjsolve import catalog
 from hjsolve.errors import InvalidInputError, InvalidSystemError
 from hjsolve.gyroscopic import LAMBDA, linear_modes
+from hjsolve.mechanics.system import System, hamiltonian
 from hjsolve.separation import Obstruction, separate
-from hjsolve.system import System, hamiltonian
 from tests import entries
 from tests.reference.taylor import Flow
 

@@ -9,9 +9,9 @@ from mpmath import mp, mpf
 
 from hjsolve import catalog
 from hjsolve.errors import InvalidSystemError
+from hjsolve.mechanics.system import System, hamiltonian, momenta, parameter, velocities
 from hjsolve.separation import Obstruction, Separation, separate
 from hjsolve.solution import solve
-from hjsolve.system import System, hamiltonian, momenta, parameter, velocities
 from tests import entries
 from tests.reference.taylor import Flow
 

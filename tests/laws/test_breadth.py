@@ -7,8 +7,8 @@ import itertools
 import pytest
 import sympy as sp
 
+from hjsolve.mechanics.system import System, mass_matrix
 from hjsolve.separation import Obstruction, Separation, Undecided, region_of, separate
-from hjsolve.system import System, mass_matrix
 from tests.breadth_cases import REFUSED, SEPARABLE
 from tests.separation_cases import E3
 from tests.separation_cases import SEPARABLE as ALL

@@ -4,8 +4,8 @@ import pytest
 import sympy as sp
 
 from hjsolve.checks import check, poisson_bracket
+from hjsolve.mechanics.system import System, parameter
 from hjsolve.solution import Solution, solve
-from hjsolve.system import System, parameter
 from tests import entries
 from tests.entries import solved
 

@@ -5,8 +5,8 @@ from __future__ import annotations
 import pytest
 import sympy as sp
 
+from hjsolve.mechanics.system import hamiltonian
 from hjsolve.separation import Separation, region_of
-from hjsolve.system import hamiltonian
 from tests import entries
 
 TOLERANCE = sp.Float("1e-40", 50)

@@ -8,9 +8,9 @@ from __future__ import annotations
 import pytest
 import sympy as sp
 
+from hjsolve.mechanics.system import System, hamiltonian, kinetic_rest
 from hjsolve.separation import Obstruction, Separation, region_of, separate
 from hjsolve.separation.verdicts import Stackel
-from hjsolve.system import System, hamiltonian, kinetic_rest
 from tests.separation_cases import E3, SEPARABLE, SEVERAL, SPHERICAL, SPHERICAL_COORDINATES, decided, make
 
 TOLERANCE = sp.Float("1e-40", 50)

@@ -10,8 +10,8 @@ from typing import Any
 import pytest
 from mpmath import mp
 
+from hjsolve.mechanics.system import System
 from hjsolve.solution import Solution, solve
-from hjsolve.system import System
 
 
 @pytest.fixture(scope="module")

@@ -16,11 +16,11 @@ import sympy as sp
 import hjsolve
 from hjsolve import frames
 from hjsolve.cli import main
+from hjsolve.mechanics.system import hamiltonian
 from hjsolve.reports.content import document, gather
 from hjsolve.reports.framed import principal_function
 from hjsolve.reports.json import json_text
 from hjsolve.reports.text import text
-from hjsolve.system import hamiltonian
 from tests import entries
 
 FRAMED = ["spring-moving-anchor", "spring-turning-anchor", "oscillator-drifting-gauge"]

@@ -8,7 +8,7 @@ import sympy as sp
 
 import hjsolve
 from hjsolve.checks import check
-from hjsolve.definiteness import _is_regular
+from hjsolve.mechanics.positive_definite import _is_regular
 
 LIGHT_CONE = {"u": "line", "v": "line", "x": "line"}
 WAVE = "dot(u)*dot(v) + dot(x)**2/2 + ({})*dot(u)**2/2"

@@ -3,7 +3,7 @@
 import pytest
 
 import hjsolve
-from hjsolve.system import parameter, with_values
+from hjsolve.mechanics.system import parameter, with_values
 
 
 def system(potential, kinetic="dot(a)**2/2", **parameters):

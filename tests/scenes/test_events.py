@@ -12,9 +12,9 @@ import sympy as sp
 from mpmath import mp
 
 from hjsolve import catalog
+from hjsolve.mechanics.system import hamiltonian
 from hjsolve.scenes import Run, Scene
 from hjsolve.solution import solve
-from hjsolve.system import hamiltonian
 from tests.reference.taylor import Flow
 from tests.scenes.examples import example
 

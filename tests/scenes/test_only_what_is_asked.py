@@ -8,10 +8,10 @@ import pytest
 import sympy as sp
 
 from hjsolve import catalog
+from hjsolve.mechanics.system import hamiltonian
 from hjsolve.numeric.counting import counted
 from hjsolve.scenes import Scene
 from hjsolve.solution import solve
-from hjsolve.system import hamiltonian
 from tests import entries
 
 SEVEN = (

@@ -8,8 +8,8 @@ import pytest
 import sympy as sp
 
 from hjsolve.algebra.factoring import MAX_DEGREES, MAX_DEGREES_OF_MANY, factored
+from hjsolve.mechanics.system import System
 from hjsolve.separation import Separation, separate
-from hjsolve.system import System
 
 x, y, z, a, b, c, m = sp.symbols("x y z a b c m")
 s = sp.sin(x)

@@ -5,7 +5,7 @@ import sympy as sp
 
 from hjsolve.errors import ExpressionError
 from hjsolve.formulas.read import parse
-from hjsolve.kinetic import mass_as_written, mass_entries, parts
+from hjsolve.mechanics.kinetic_energy import mass_as_written, mass_entries, parts
 
 x, y, m = sp.symbols("x y m", real=True)
 u, v = sp.symbols("u v", real=True)

@@ -7,7 +7,7 @@ import random
 import pytest
 import sympy as sp
 
-from hjsolve.system import (
+from hjsolve.mechanics.system import (
     System,
     hamiltonian,
     inverse_mass_matrix,

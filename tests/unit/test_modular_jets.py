@@ -10,9 +10,9 @@ import sympy as sp
 from hjsolve.algebra.modular import Filter, ModularPoint, NoRootError
 from hjsolve.algebra.modular_jets import ModularJets, at_random_points
 from hjsolve.algebra.reader import Reader
+from hjsolve.mechanics.energy_shell import Shell, reduce
 from hjsolve.separation import levi_civita, refusal
 from hjsolve.separation.blocks import components
-from hjsolve.shell import Shell, reduce
 from tests.separation_cases import REFUSED, SEPARABLE
 
 x, y, z = sp.symbols("x y z", real=True)

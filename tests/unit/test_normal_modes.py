@@ -7,7 +7,7 @@ import sympy as sp
 
 from hjsolve import InvalidSystemError, Separation, System, normal_modes
 from hjsolve.coordinates import NormalModes
-from hjsolve.system import mass_matrix
+from hjsolve.mechanics.system import mass_matrix
 
 LINES2 = {"a": "line", "b": "line"}
 ONE = {"m": 1, "l": 1, "g": 1}

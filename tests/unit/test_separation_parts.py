@@ -8,12 +8,12 @@ import pytest
 import sympy as sp
 
 from hjsolve.algebra.reader import Reader
+from hjsolve.mechanics.energy_shell import reduce
 from hjsolve.separation import levi_civita, refusal, stackel
 from hjsolve.separation.basepoint import base_points
 from hjsolve.separation.constants import inverse
 from hjsolve.separation.stackel import Matrix
 from hjsolve.separation.zero_test import NonZero, Unproved, is_zero
-from hjsolve.shell import reduce
 from tests.random_staeckel import case
 
 x, y = sp.symbols("x y", positive=True)

@@ -6,9 +6,9 @@ import pytest
 import sympy as sp
 
 from hjsolve.algebra.poly import Budget, WorkLimitError
+from hjsolve.mechanics.energy_shell import Irreducible, Shell, domain_bounds, reduce
+from hjsolve.mechanics.system import System, hamiltonian, mass_matrix
 from hjsolve.separation import region_of
-from hjsolve.shell import Irreducible, Shell, domain_bounds, reduce
-from hjsolve.system import System, hamiltonian, mass_matrix
 from tests.separation_cases import CARTESIAN, PLANE, REFUSED, SEPARABLE, SPACE, make
 
 
@@ -200,7 +200,7 @@ def test_hidden_coordinates_are_found_where_no_random_point_has_a_value():
     system = SEPARABLE["Kepler, space"]
     expected = reduce(system).ignorable
     with pytest.MonkeyPatch.context() as patch:
-        patch.setattr("hjsolve.shell.at_random_points", lambda *_, **__: None)
+        patch.setattr("hjsolve.mechanics.energy_shell.at_random_points", lambda *_, **__: None)
         assert reduce(system).ignorable == expected != ()
         seeming = System({"x": "line", "y": "line"}, "(dot(x)**2 + dot(y)**2)/2", "sin(x)**2 + cos(x)**2 + y**2")
         assert [c.name for c in reduce(seeming).ignorable] == ["x"]

@@ -5,9 +5,9 @@ import sympy as sp
 
 from hjsolve import catalog
 from hjsolve.errors import NotSeparableError
+from hjsolve.mechanics.system import System
 from hjsolve.separation import separate
 from hjsolve.solution import Solution, solve
-from hjsolve.system import System
 
 
 @pytest.fixture(scope="module")

@@ -9,14 +9,7 @@ import pytest
 import sympy as sp
 
 from hjsolve.errors import ExpressionError, InvalidInputError, InvalidSystemError, MissingValueError
-from hjsolve.system import (
-    Domain,
-    System,
-    mass_matrix,
-    parameter,
-    require_values,
-    with_values,
-)
+from hjsolve.mechanics.system import Domain, System, mass_matrix, parameter, require_values, with_values
 from tests.plain_systems import PLANE, kepler, oscillator, positive
 
 

@@ -13,8 +13,8 @@ from dataclasses import dataclass
 
 import sympy as sp
 
-from hjsolve.declarations import Parameter
 from hjsolve.errors import InvalidSystemError
+from hjsolve.mechanics.coordinates_and_parameters import Parameter
 
 
 @dataclass(frozen=True)

@@ -9,10 +9,10 @@ import mpmath
 import sympy as sp
 from sympy.core.function import AppliedUndef
 
-from hjsolve.declarations import Coordinate, Parameter
-from hjsolve.domains import Domain
 from hjsolve.errors import InvalidSystemError
 from hjsolve.formulas.point_values import CONTEXT, BeyondRangeError, NoValueError, evaluate
+from hjsolve.mechanics.coordinates_and_parameters import Coordinate, Parameter
+from hjsolve.mechanics.domains import Domain
 
 _POINTS = 16
 _TRIALS = 6

@@ -14,11 +14,11 @@ from sympy.core.function import AppliedUndef
 
 from hjsolve.algebra.poly import Budget, WorkLimitError
 from hjsolve.algebra.reader import Reader
-from hjsolve.declarations import Coordinate, Parameter
-from hjsolve.definiteness import sample_points
 from hjsolve.errors import InvalidSystemError
 from hjsolve.formulas.point_values import CONTEXT, NoValueError, evaluate
 from hjsolve.formulas.tokens import printable
+from hjsolve.mechanics.coordinates_and_parameters import Coordinate, Parameter
+from hjsolve.mechanics.positive_definite import sample_points
 
 _SECONDS = 2.0
 _ROUNDING = CONTEXT.mpf(10) ** -50

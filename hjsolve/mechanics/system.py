@@ -16,7 +16,10 @@ import sympy as sp
 from sympy.core.function import AppliedUndef
 
 from hjsolve import arguments
-from hjsolve.declarations import (
+from hjsolve.errors import InvalidSystemError, MissingValueError
+from hjsolve.formulas.point_values import NoValueError, evaluate
+from hjsolve.formulas.read import admit, number, parse
+from hjsolve.mechanics.coordinates_and_parameters import (
     Coordinate,
     Parameter,
     check_value,
@@ -26,15 +29,12 @@ from hjsolve.declarations import (
     read_parameters,
     unknown,
 )
-from hjsolve.definiteness import check_mass_matrix, end_values
-from hjsolve.domains import Domain
-from hjsolve.errors import InvalidSystemError, MissingValueError
-from hjsolve.formulas.point_values import NoValueError, evaluate
-from hjsolve.formulas.read import admit, number, parse
-from hjsolve.kinetic import check_quadratic, half_inverse_form, inverse, mass_entries, parts
-from hjsolve.periodicity import check_periodic
-from hjsolve.relativity import Relativity
-from hjsolve.relativity import read as read_relativity
+from hjsolve.mechanics.domains import Domain
+from hjsolve.mechanics.kinetic_energy import check_quadratic, half_inverse_form, inverse, mass_entries, parts
+from hjsolve.mechanics.periodicity import check_periodic
+from hjsolve.mechanics.positive_definite import check_mass_matrix, end_values
+from hjsolve.mechanics.relativity import Relativity
+from hjsolve.mechanics.relativity import read as read_relativity
 
 __all__ = [
     "Coordinate", "Domain", "Parameter", "System", "hamiltonian", "inverse_mass_matrix", "kinetic_rest", "linear_terms",

@@ -25,11 +25,11 @@ from hjsolve.algebra.poly import Budget
 from hjsolve.algebra.readable import readable
 from hjsolve.algebra.reader import Reader
 from hjsolve.algebra.signs import Bounds
-from hjsolve.declarations import free_name
-from hjsolve.elimination import Eliminated, eliminate
 from hjsolve.errors import InvalidSystemError
-from hjsolve.kinetic import mass_as_written
-from hjsolve.system import Coordinate, System, kinetic_rest, linear_terms
+from hjsolve.mechanics.coordinates_and_parameters import free_name
+from hjsolve.mechanics.ignorable_coordinates import Eliminated, eliminate
+from hjsolve.mechanics.kinetic_energy import mass_as_written
+from hjsolve.mechanics.system import Coordinate, System, kinetic_rest, linear_terms
 
 
 @dataclass(frozen=True)

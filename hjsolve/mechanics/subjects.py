@@ -6,7 +6,7 @@ from pathlib import Path
 
 from hjsolve.arguments import described
 from hjsolve.errors import InvalidInputError
-from hjsolve.system import System
+from hjsolve.mechanics.system import System
 
 A_SYSTEM = (
     'a System is needed, made by hjsolve.System(…), or the id of a catalog entry such as "kepler-planar", or the '
