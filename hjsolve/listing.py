@@ -5,8 +5,8 @@ from __future__ import annotations
 from collections.abc import Iterator, Mapping
 
 from hjsolve import catalog
-from hjsolve.bibliography import cited
-from hjsolve.catalog import Entry
+from hjsolve.catalog.bibliography import cited
+from hjsolve.catalog.loading import Entry
 from hjsolve.errors import InvalidInputError
 
 

@@ -8,10 +8,10 @@ from typing import Any
 
 import numpy as np
 
+from hjsolve.catalog.schema import nearest
 from hjsolve.errors import InvalidInputError, MissingValueError
 from hjsolve.formulas.read import number
 from hjsolve.mechanics.system import System
-from hjsolve.schema import nearest
 
 _MASKED = "a masked array; give NaN for what is missing (array.filled(nan)), such orbits get a status"
 

@@ -6,8 +6,8 @@ from collections.abc import Iterable, Iterator, Mapping
 from dataclasses import dataclass
 
 from hjsolve import arguments
+from hjsolve.catalog.schema import nearest
 from hjsolve.errors import InvalidInputError
-from hjsolve.schema import nearest
 from hjsolve.solution import Solution
 
 QUANTITIES = ("actions", "frequencies", "periods", "angles", "constants", "turning_points")

@@ -4,8 +4,8 @@ from __future__ import annotations
 
 from collections.abc import Iterable
 
-from hjsolve.bibliography import GREENWOOD, cited
-from hjsolve.entries import Entry
+from hjsolve.catalog.bibliography import GREENWOOD, cited
+from hjsolve.catalog.entry import Entry
 from hjsolve.reports.document import Block, Formula, Paragraph, Section, Steps, Text
 
 

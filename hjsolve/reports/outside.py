@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from hjsolve.entries import Entry
+from hjsolve.catalog.entry import Entry
 from hjsolve.reports.document import Block, Document, Note, Paragraph, Section, Strong, Text
 from hjsolve.reports.literature import literature_section
 from hjsolve.reports.prose import heading, with_names

@@ -18,7 +18,7 @@ import numpy as np
 import sympy as sp
 
 from hjsolve import catalog
-from hjsolve.effects import with_effects
+from hjsolve.catalog.effects import with_effects
 from hjsolve.errors import MissingExtraError, NotConvergedError
 from hjsolve.formulas.read import number
 from hjsolve.initial import parameter_values

@@ -14,8 +14,10 @@ from typing import TYPE_CHECKING, Any
 
 import sympy as sp
 
-from hjsolve import arguments, catalog, toml_file
-from hjsolve.effects import forces, with_effects
+from hjsolve import arguments, catalog
+from hjsolve.catalog import toml_file
+from hjsolve.catalog.effects import forces, with_effects
+from hjsolve.catalog.schema import nearest
 from hjsolve.ensembles.layout import QUANTITIES
 from hjsolve.errors import CatalogError, InvalidInputError
 from hjsolve.formulas.read import number
@@ -23,7 +25,6 @@ from hjsolve.mechanics.system import System
 from hjsolve.scenes.events import Event, read_event
 from hjsolve.scenes.tables import scene_faults
 from hjsolve.scenes.varied import Varied, disagreements, read_sweep
-from hjsolve.schema import nearest
 
 if TYPE_CHECKING:
     from hjsolve.scenes.run import Run

@@ -6,10 +6,11 @@ from collections.abc import Iterator, Mapping
 from pathlib import Path
 from typing import Any
 
-from hjsolve import arguments, schema, toml_file
+from hjsolve import arguments
+from hjsolve.catalog import schema, toml_file
+from hjsolve.catalog.schema import Key
 from hjsolve.errors import CatalogError
 from hjsolve.scenes.varied import sweep_faults
-from hjsolve.schema import Key
 
 METHODS = ("quadratures", "integrate")
 WANTED = (

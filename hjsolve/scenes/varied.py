@@ -18,9 +18,10 @@ from typing import Any
 
 import sympy as sp
 
-from hjsolve import arguments, schema
+from hjsolve import arguments
+from hjsolve.catalog import schema
+from hjsolve.catalog.schema import Key, nearest
 from hjsolve.formulas.read import number
-from hjsolve.schema import Key, nearest
 
 GROUPS = ("q", "p", "velocity")
 SUFFIXES = (".csv", ".npz", ".parquet")

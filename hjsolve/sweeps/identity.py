@@ -11,8 +11,8 @@ from importlib.metadata import PackageNotFoundError, version
 from pathlib import Path
 from typing import Any
 
-from hjsolve import schema
 from hjsolve._version import __version__
+from hjsolve.catalog import schema
 from hjsolve.scenes import Scene
 
 PARTS = ("system", "effects", "parameters", "initial", "want", "sweep", "table")

@@ -12,12 +12,12 @@ from typing import Any
 import numpy as np
 import sympy as sp
 
+from hjsolve.catalog.schema import nearest
 from hjsolve.errors import InvalidInputError, MissingExtraError
 from hjsolve.formulas.read import number
 from hjsolve.initial import to_bits
 from hjsolve.scenes import Scene
 from hjsolve.scenes.varied import GROUPS, Axis, Varied, keys, kind_of, missing
-from hjsolve.schema import nearest
 
 
 @dataclass(frozen=True, eq=False)

@@ -177,7 +177,7 @@ def test_labels_are_resolved_in_every_format(suffix: str, tmp_path: Path) -> Non
 
 
 def test_every_cited_work_is_found_and_readable() -> None:
-    from hjsolve.bibliography import cited, sources
+    from hjsolve.catalog.bibliography import cited, sources
 
     for name in hjsolve.catalog.ids():
         entry = entries.described(name)

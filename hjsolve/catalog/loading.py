@@ -13,13 +13,14 @@ from importlib.resources.abc import Traversable
 from pathlib import Path
 from typing import Any
 
-from hjsolve import refusals, schema, toml_file
-from hjsolve.effects import forces, with_effects
-from hjsolve.entries import Effect as Effect
-from hjsolve.entries import Entry as Entry
-from hjsolve.entries import InitialData as InitialData
-from hjsolve.entries import Reference as Reference
-from hjsolve.entry_faults import form_faults, motion_faults, reference_faults
+from hjsolve.catalog import outside as refusals
+from hjsolve.catalog import schema, toml_file
+from hjsolve.catalog.cross_checks import form_faults, motion_faults, reference_faults
+from hjsolve.catalog.effects import forces, with_effects
+from hjsolve.catalog.entry import Effect as Effect
+from hjsolve.catalog.entry import Entry as Entry
+from hjsolve.catalog.entry import InitialData as InitialData
+from hjsolve.catalog.entry import Reference as Reference
 from hjsolve.errors import CatalogError, InvalidInputError, NotSeparableError
 from hjsolve.formulas.tokens import printable
 from hjsolve.hamiltonians import GeneralHamiltonian, LinearHamiltonian, from_hamiltonian

@@ -7,7 +7,7 @@ from typing import Any
 
 import sympy as sp
 
-from hjsolve import schema
+from hjsolve.catalog import schema
 from hjsolve.errors import CatalogError
 from hjsolve.formulas.read import parse
 from hjsolve.mechanics.system import System

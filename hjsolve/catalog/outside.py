@@ -10,7 +10,7 @@ from collections.abc import Iterator, Mapping
 from dataclasses import dataclass, field
 from typing import Any
 
-from hjsolve.schema import Key
+from hjsolve.catalog.schema import Key
 
 REFUSALS = (
     "nonholonomic", "dissipative", "unilateral", "impulsive", "explicit time", "variable mass", "collision",

@@ -8,7 +8,7 @@ from __future__ import annotations
 from collections.abc import Iterator, Mapping
 from typing import Any
 
-from hjsolve import schema
+from hjsolve.catalog import schema
 from hjsolve.errors import ExpressionError
 from hjsolve.formulas.read import number
 

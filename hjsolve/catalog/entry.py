@@ -6,7 +6,7 @@ from collections.abc import Mapping
 from dataclasses import dataclass, field
 from typing import Any
 
-from hjsolve import refusals
+from hjsolve.catalog import outside
 from hjsolve.hamiltonians import LinearHamiltonian
 from hjsolve.mechanics.system import System
 
@@ -99,7 +99,7 @@ class Entry:
     meanings: Mapping[str, tuple[str, str]]
     reason: str = ""
     instead: str = ""
-    refusal: refusals.Refusal | None = None
-    constraints: tuple[refusals.Constraint, ...] = ()
-    stated: refusals.Stated | None = None
+    refusal: outside.Refusal | None = None
+    constraints: tuple[outside.Constraint, ...] = ()
+    stated: outside.Stated | None = None
     hamiltonian: LinearHamiltonian | None = None
