@@ -153,7 +153,7 @@ def by_times() -> dict[str, list[dict[str, float]]]:
     from hjsolve.costs.rivals import rival_trials
     from hjsolve.costs.trial import Task
     from hjsolve.scenes import Scene
-    from hjsolve.solution import solve
+    from hjsolve.solution.quadratures import solve
 
     found: dict[str, list[dict[str, float]]] = {}
     for count in (2, 10, 100, 1000, 10_000, 100_000):

@@ -53,8 +53,8 @@ if TYPE_CHECKING:
     from hjsolve.separation import Separation as Separation
     from hjsolve.separation import Undecided as Undecided
     from hjsolve.separation import separate as separate
-    from hjsolve.solution import Solution as Solution
-    from hjsolve.solution import solve as solve
+    from hjsolve.solution.quadratures import Solution as Solution
+    from hjsolve.solution.quadratures import solve as solve
     from hjsolve.sweeps import Swept as Swept
     from hjsolve.sweeps import sweep as sweep
 
@@ -63,7 +63,7 @@ _HOMES = {
     "Coordinates": "coordinates", "NormalModes": "coordinates", "Web": "coordinates",
     "find_coordinates": "coordinates", "normal_modes": "coordinates",
     "separate": "separation", "Separation": "separation", "Obstruction": "separation", "Undecided": "separation",
-    "solve": "solution", "Solution": "solution",
+    "solve": "solution.quadratures", "Solution": "solution.quadratures",
     "ensemble": "ensembles", "Batch": "ensembles", "Status": "ensembles",
     "sweep": "sweeps", "Swept": "sweeps",
     "Motion": "motion", "Estimate": "numeric.estimate",

@@ -31,7 +31,7 @@ from hjsolve.numeric.series import zero
 from hjsolve.numeric.strip import means
 from hjsolve.numeric.turning_points import end_of
 from hjsolve.numeric.walls import walls
-from hjsolve.solution import Solution
+from hjsolve.solution.quadratures import Solution
 
 if TYPE_CHECKING:
     from hjsolve.motion import Motion

@@ -59,10 +59,10 @@ def solve(options: Namespace) -> int:
     Returns:
         The exit status.
     """
-    from hjsolve import solution
     from hjsolve.reports import quadratures, symbolic
     from hjsolve.reports.laws import laws_section
     from hjsolve.separation import Separation, separate
+    from hjsolve.solution import quadratures as solution
 
     if (problem := meant.hamiltonian(options)) is not None:
         return _print_hamiltonian(problem, solved=True)

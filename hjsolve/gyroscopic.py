@@ -27,7 +27,7 @@ from hjsolve.mechanics.subjects import system_of
 from hjsolve.mechanics.system import System, hamiltonian, kinetic_rest, linear_terms, mass_matrix, momenta
 from hjsolve.motion import Motion
 from hjsolve.numeric.arithmetic import multiprecision
-from hjsolve.solution import solve
+from hjsolve.solution.quadratures import solve
 
 LAMBDA = sp.Symbol("lambda")
 

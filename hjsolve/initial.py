@@ -23,7 +23,7 @@ from hjsolve.hamiltonians import GeneralHamiltonian, LinearHamiltonian
 from hjsolve.lowering import lower
 from hjsolve.mechanics.system import System, momenta, refuse_turns_that_differ
 from hjsolve.numeric.arithmetic import Multi, multiprecision
-from hjsolve.solution import Solution
+from hjsolve.solution.quadratures import Solution
 
 ZERO_BITS = 2048
 _SHORT, _MOST_TERMS = 12, 400

@@ -15,7 +15,7 @@ if TYPE_CHECKING:
     from hjsolve.mechanics.system import System
     from hjsolve.reports.document import Section
     from hjsolve.scenes import Scene
-    from hjsolve.solution import Solution
+    from hjsolve.solution.quadratures import Solution
 
 _NAME = re.compile(r"\s*(\w+)\s*")
 

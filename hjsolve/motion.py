@@ -27,7 +27,7 @@ from hjsolve.numeric.radicand import Radicand, has_period
 from hjsolve.numeric.regions import forbidden, others
 from hjsolve.numeric.unbounded import Plan, plan
 from hjsolve.quantities import FLOAT_DIGITS
-from hjsolve.solution import Solution
+from hjsolve.solution.quadratures import Solution
 from hjsolve.state import State
 
 _FARTHEST, _MOST_ANGLE = 2**1000, 2**48

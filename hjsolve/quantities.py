@@ -18,7 +18,7 @@ from hjsolve.numeric.estimate import Estimate
 from hjsolve.numeric.inverse import Torus, mean_rate
 from hjsolve.numeric.regions import Region
 from hjsolve.numeric.unbounded import Plan
-from hjsolve.solution import Solution
+from hjsolve.solution.quadratures import Solution
 
 FLOAT_DIGITS = 15
 _NORMAL, _LEAST = 2.0**-1022, 2.0**-1074

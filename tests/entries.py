@@ -12,7 +12,7 @@ from hjsolve import catalog
 from hjsolve.catalog import Entry
 from hjsolve.mechanics.system import System
 from hjsolve.separation import Obstruction, Separation, Undecided, separate
-from hjsolve.solution import Solution, solve
+from hjsolve.solution.quadratures import Solution, solve
 
 
 @functools.cache

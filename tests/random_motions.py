@@ -18,7 +18,7 @@ import sympy as sp
 from hjsolve import catalog
 from hjsolve.errors import NotSeparableError
 from hjsolve.formulas.read import number
-from hjsolve.solution import Solution, solve
+from hjsolve.solution.quadratures import Solution, solve
 
 Given = Mapping[str, object]
 

@@ -14,7 +14,7 @@ from hjsolve.batch.passes import TIMED, TOLERANCE, run_compiled, run_pass, worst
 from hjsolve.batch.programs import Compiled, available, compiled, is_kept
 from hjsolve.errors import InvalidInputError
 from hjsolve.initial import parameter_values
-from hjsolve.solution import Solution
+from hjsolve.solution.quadratures import Solution
 
 CHUNK = 16384
 """Orbits worked on together: enough for numpy to spend its time in loops; temporaries are bounded in ``quadrature``."""

@@ -20,7 +20,7 @@ from hjsolve.lowering import lower
 from hjsolve.numeric.arithmetic import Multi
 from hjsolve.numeric.error_free import Pair
 from hjsolve.numeric.tape import Tape
-from hjsolve.solution import Solution
+from hjsolve.solution.quadratures import Solution
 
 _HIGHEST_DEGREE = 4
 """Of p² in the constants, which is 2 wherever H is quadratic in the momenta."""

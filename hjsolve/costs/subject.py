@@ -17,7 +17,7 @@ from hjsolve.mechanics.system import System
 from hjsolve.motion import Motion
 from hjsolve.scenes import Scene, is_scene
 from hjsolve.scenes.scene import Start, Times
-from hjsolve.solution import Solution, solve
+from hjsolve.solution.quadratures import Solution, solve
 
 Subject: TypeAlias = Scene | Motion | System | Solution | Mapping[str, Any] | str | Path
 _WANT = ("turning_points", "actions", "frequencies", "periods", "trajectory")

@@ -13,7 +13,7 @@ from hjsolve.costs.answers import Answer
 from hjsolve.scenes import Scene
 from hjsolve.scenes.run import sampled
 from hjsolve.scenes.scene import Times
-from hjsolve.solution import Solution
+from hjsolve.solution.quadratures import Solution
 
 
 @dataclass(frozen=True, eq=False)

@@ -8,7 +8,7 @@ from dataclasses import dataclass
 from hjsolve import arguments
 from hjsolve.catalog.schema import nearest
 from hjsolve.errors import InvalidInputError
-from hjsolve.solution import Solution
+from hjsolve.solution.quadratures import Solution
 
 QUANTITIES = ("actions", "frequencies", "periods", "angles", "constants", "turning_points")
 """What may be asked of an ensemble."""

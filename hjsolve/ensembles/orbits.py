@@ -21,7 +21,7 @@ from hjsolve.errors import InvalidInputError
 from hjsolve.initial import parameter_values
 from hjsolve.mechanics.subjects import system_of
 from hjsolve.mechanics.system import System
-from hjsolve.solution import Solution, refuse_null, solve
+from hjsolve.solution.quadratures import Solution, refuse_null, solve
 
 
 def ensemble(

@@ -15,7 +15,7 @@ from hjsolve.lowering import lower
 from hjsolve.mechanics.system import System, momenta
 from hjsolve.numeric.error_free import Pair, split
 from hjsolve.numeric.tape import Tape
-from hjsolve.solution import Solution, solve
+from hjsolve.solution.quadratures import Solution, solve
 
 ONE_AT_A_TIME = threading.RLock()
 """sympy and mpmath keep caches that were not made for threads, and hold Python's lock anyway."""

@@ -15,7 +15,7 @@ from hjsolve.motion import Motion
 from hjsolve.numeric.course import Frozen
 from hjsolve.numeric.estimate import Estimate
 from hjsolve.numeric.inverse import Torus, oscillation
-from hjsolve.solution import Solution
+from hjsolve.solution.quadratures import Solution
 from hjsolve.trajectory.positions import constant_index
 
 _ANGLE_ROUNDING = 2.0**-48

@@ -20,7 +20,7 @@ from hjsolve.reports.laws import laws_section
 from hjsolve.reports.literature import literature_section
 from hjsolve.reports.prose import heading
 from hjsolve.separation import Obstruction, Separation, Undecided, separate
-from hjsolve.solution import Solution, solve
+from hjsolve.solution.quadratures import Solution, solve
 
 Subject: TypeAlias = System | Separation | Obstruction | Undecided | Solution | Motion | str | Path
 

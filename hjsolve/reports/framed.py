@@ -11,7 +11,7 @@ from hjsolve.reports.document import Block, Paragraph, Section
 from hjsolve.reports.names import name_box
 from hjsolve.reports.prose import listed
 from hjsolve.reports.symbolic import formula
-from hjsolve.solution import Solution
+from hjsolve.solution.quadratures import Solution
 
 
 def frame_section(frame: Frame, solution: Solution | None) -> Section:

@@ -2,12 +2,12 @@
 
 from __future__ import annotations
 
-from hjsolve.checks import Outcome, check
 from hjsolve.reports.document import Block, Note, Paragraph, Section, Table, Text
-from hjsolve.solution import Solution
+from hjsolve.solution.laws import Outcome, check
+from hjsolve.solution.quadratures import Solution
 
 BUDGET = 0.3
-"""Seconds that one identity may take here; ``hjsolve.checks.check`` takes more."""
+"""Seconds that one identity may take here; ``hjsolve.solution.laws.check`` takes more."""
 _LAWS = {
     "hamilton-jacobi": "H(q, ∂W/∂q) = E identically in q and the constants",
     "momenta": "p = ∂W/∂q gives back every momentum when the constants are functions of q and p",

@@ -17,7 +17,7 @@ from hjsolve.reports.plain import spoken
 from hjsolve.reports.prose import listed, prose
 from hjsolve.reports.symbolic import EQUALS, equation, formula, math
 from hjsolve.separation import Liouville, Separation, Stackel
-from hjsolve.solution import Solution
+from hjsolve.solution.quadratures import Solution
 
 
 def forms_section(verdict: Separation) -> Section | None:

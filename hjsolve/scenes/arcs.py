@@ -29,7 +29,7 @@ from hjsolve.scenes.flights import Flight, Free, walk
 from hjsolve.scenes.mirrors import Mirrors, mirrors
 from hjsolve.scenes.rest import Rest, Settling, acceleration
 from hjsolve.scenes.scene import Scene
-from hjsolve.solution import Solution
+from hjsolve.solution.quadratures import Solution
 
 GUARD = 10
 MOST_EVENTS, MOST_BOUNCES, _LOOK = 10_000, 1_000_000, 40

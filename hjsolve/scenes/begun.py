@@ -9,7 +9,7 @@ from hjsolve.motion import Motion
 from hjsolve.scenes.arcs import Leg, Piece, start_of
 from hjsolve.scenes.flights import signed
 from hjsolve.scenes.scene import Scene
-from hjsolve.solution import Solution
+from hjsolve.solution.quadratures import Solution
 
 
 class Begun:

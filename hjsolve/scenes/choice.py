@@ -17,7 +17,7 @@ from dataclasses import dataclass, field, replace
 from hjsolve.errors import InvalidInputError, MissingExtraError, NotConvergedError
 from hjsolve.scenes.run import Choice, Run, run, solved
 from hjsolve.scenes.scene import INTEGRATED_DIGITS, MOST_INTEGRATED_DIGITS, Scene, Times
-from hjsolve.solution import Solution
+from hjsolve.solution.quadratures import Solution
 
 LADDER = (20, 30, 45, 70, 100, 150, 220, 330, 500)
 INTEGRATED_LADDER = (4, 6, 8, INTEGRATED_DIGITS, MOST_INTEGRATED_DIGITS)

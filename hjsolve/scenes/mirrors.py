@@ -14,7 +14,7 @@ from dataclasses import dataclass
 import sympy as sp
 
 from hjsolve.mechanics.system import hamiltonian
-from hjsolve.solution import Solution
+from hjsolve.solution.quadratures import Solution
 
 
 @dataclass(frozen=True)

@@ -13,7 +13,7 @@ from hjsolve.numeric.estimate import Estimate
 from hjsolve.scenes.events import Event
 from hjsolve.scenes.rest import Rest
 from hjsolve.scenes.scene import Scene
-from hjsolve.solution import Solution
+from hjsolve.solution.quadratures import Solution
 from hjsolve.state import Errors, Known, State
 
 

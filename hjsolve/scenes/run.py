@@ -20,7 +20,7 @@ from hjsolve.scenes.path import belongings, sampled, trajectory
 from hjsolve.scenes.refusal import dissipative, words
 from hjsolve.scenes.results import Arc, Choice, Run, Trajectory
 from hjsolve.scenes.scene import Scene
-from hjsolve.solution import Solution, solve
+from hjsolve.solution.quadratures import Solution, solve
 from hjsolve.trajectory.dense import OnDemand
 
 __all__ = ["Arc", "Choice", "Run", "Trajectory", "first_arguments", "run", "sampled", "solved"]

@@ -14,7 +14,7 @@ from hjsolve.ensembles.recipe import WORTH_COMPILING, Recipe
 from hjsolve.ensembles.rows import compute
 from hjsolve.errors import MissingExtraError
 from hjsolve.scenes import Scene
-from hjsolve.solution import solve
+from hjsolve.solution.quadratures import solve
 from hjsolve.sweeps.identity import code, identity
 from hjsolve.sweeps.points import Points, points_of
 from hjsolve.sweeps.progress import Advance, progress

@@ -14,7 +14,7 @@ from hjsolve.batch import kept
 from hjsolve.batch.programs import _careful
 from hjsolve.catalog import load
 from hjsolve.ensembles import orbits
-from hjsolve.solution import solve
+from hjsolve.solution.quadratures import solve
 
 TEXT = "def start(q):\n    return (q, )\n"
 RUN = """

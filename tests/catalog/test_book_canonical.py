@@ -148,7 +148,7 @@ ENTRIES = (
 def test_the_map_to_alpha_and_beta_is_symplectic_at_a_point(entry: str) -> None:
     """(q, p) → (β, α) with −β = ∂W/∂α (6-76)–(6-79): Poisson brackets of the α's vanish, and MᵀZM = Z to 25 digits.
 
-    The β's are differentiated through Jacobi's equations with mpmath, independently of ``hjsolve.checks``.
+    The β's are differentiated through Jacobi's equations with mpmath, independently of ``hjsolve.solution.laws``.
     """
     found = solution(entry)
     system = found.system

@@ -7,7 +7,7 @@ import sympy as sp
 from hjsolve import catalog
 from hjsolve.errors import NotSeparableError
 from hjsolve.separation import Obstruction, separate
-from hjsolve.solution import solve
+from hjsolve.solution.quadratures import solve
 from tests import entries
 
 IDS = catalog.ids("refused")

@@ -234,11 +234,11 @@ def test_what_is_no_system_and_what_does_not_separate_are_refused() -> None:
 
 # ------------------------------------------------------------------------------------------------ solved once
 def test_equal_systems_share_one_solution_and_refusals_are_not_remembered(monkeypatch: pytest.MonkeyPatch) -> None:
-    from hjsolve import solution
+    from hjsolve.solution import quadratures
 
     calls = []
-    separate = solution.separate
-    monkeypatch.setattr(solution, "separate", lambda system: (calls.append(system), separate(system))[1])
+    separate = quadratures.separate
+    monkeypatch.setattr(quadratures, "separate", lambda system: (calls.append(system), separate(system))[1])
 
     def oscillator(name: str) -> hjsolve.System:
         return hjsolve.System({name: "line"}, f"dot({name})**2/2", f"11*{name}**2/2", title="solved once")

@@ -9,7 +9,7 @@ from mpmath import mp, mpf
 from hjsolve.errors import InvalidInputError, InvalidSystemError, OutsideMotionError
 from hjsolve.hamiltonians import LinearHamiltonian, from_hamiltonian
 from hjsolve.mechanics.system import System, hamiltonian
-from hjsolve.solution import solve
+from hjsolve.solution.quadratures import solve
 
 
 def test_the_books_problem_5_1() -> None:

@@ -11,7 +11,7 @@ from hjsolve import catalog
 from hjsolve.errors import InvalidSystemError
 from hjsolve.mechanics.system import System, hamiltonian, momenta, parameter, velocities
 from hjsolve.separation import Obstruction, Separation, separate
-from hjsolve.solution import solve
+from hjsolve.solution.quadratures import solve
 from tests import entries
 from tests.reference.taylor import Flow
 

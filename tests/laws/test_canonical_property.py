@@ -3,9 +3,9 @@
 import pytest
 import sympy as sp
 
-from hjsolve.checks import check, poisson_bracket
 from hjsolve.mechanics.system import System, parameter
-from hjsolve.solution import Solution, solve
+from hjsolve.solution.laws import check, poisson_bracket
+from hjsolve.solution.quadratures import Solution, solve
 from tests import entries
 from tests.entries import solved
 

@@ -3,11 +3,11 @@
 import pytest
 import sympy as sp
 
-from hjsolve.checks import check, hamilton_jacobi_residual
 from hjsolve.mechanics.system import System, hamiltonian
 from hjsolve.separation import Separation, separate
 from hjsolve.separation.zero_test import Zero, is_zero
-from hjsolve.solution import Solution, solve
+from hjsolve.solution.laws import check, hamilton_jacobi_residual
+from hjsolve.solution.quadratures import Solution, solve
 from tests import entries
 from tests.entries import solved
 

@@ -11,7 +11,7 @@ import pytest
 from mpmath import mp
 
 from hjsolve.mechanics.system import System
-from hjsolve.solution import Solution, solve
+from hjsolve.solution.quadratures import Solution, solve
 
 
 @pytest.fixture(scope="module")

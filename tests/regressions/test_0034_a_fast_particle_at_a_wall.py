@@ -11,7 +11,7 @@ from hjsolve.errors import InvalidInputError
 from hjsolve.initial import initial_data
 from hjsolve.scenes import Scene
 from hjsolve.scenes.events import changed, read_event
-from hjsolve.solution import solve
+from hjsolve.solution.quadratures import solve
 from tests.scenes.billiards import wall
 
 

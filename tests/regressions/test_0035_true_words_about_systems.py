@@ -13,14 +13,14 @@ import pytest
 import sympy as sp
 
 import hjsolve
-from hjsolve.checks import check
 from hjsolve.mechanics.system import linear_terms, mass_matrix, parameter, with_values
 from hjsolve.reports import symbolic
 from hjsolve.reports.content import document, gather
 from hjsolve.reports.json import json_text
 from hjsolve.reports.prose import prose
 from hjsolve.reports.text import line, section_text, text
-from hjsolve.solution import Solution
+from hjsolve.solution.laws import check
+from hjsolve.solution.quadratures import Solution
 from tests import entries
 
 RELATIVITY = {"mass": "m0", "light": "c"}

@@ -133,7 +133,7 @@ def test_formulas_are_written_when_a_number_falls_short(
     suffix: str, tmp_path: Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
 ) -> None:
     from hjsolve.errors import NotConvergedError
-    from hjsolve.solution import Solution
+    from hjsolve.solution.quadratures import Solution
 
     def fails(self: Solution, **initial: object) -> None:
         raise NotConvergedError("p² could not be decided near q = 12")

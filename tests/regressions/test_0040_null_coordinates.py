@@ -7,8 +7,8 @@ import pytest
 import sympy as sp
 
 import hjsolve
-from hjsolve.checks import check
 from hjsolve.mechanics.positive_definite import _is_regular
+from hjsolve.solution.laws import check
 
 LIGHT_CONE = {"u": "line", "v": "line", "x": "line"}
 WAVE = "dot(u)*dot(v) + dot(x)**2/2 + ({})*dot(u)**2/2"

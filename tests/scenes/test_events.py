@@ -14,7 +14,7 @@ from mpmath import mp
 from hjsolve import catalog
 from hjsolve.mechanics.system import hamiltonian
 from hjsolve.scenes import Run, Scene
-from hjsolve.solution import solve
+from hjsolve.solution.quadratures import solve
 from tests.reference.taylor import Flow
 from tests.scenes.examples import example
 

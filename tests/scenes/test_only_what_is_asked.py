@@ -11,7 +11,7 @@ from hjsolve import catalog
 from hjsolve.mechanics.system import hamiltonian
 from hjsolve.numeric.counting import counted
 from hjsolve.scenes import Scene
-from hjsolve.solution import solve
+from hjsolve.solution.quadratures import solve
 from tests import entries
 
 SEVEN = (

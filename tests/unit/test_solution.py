@@ -7,7 +7,7 @@ from hjsolve import catalog
 from hjsolve.errors import NotSeparableError
 from hjsolve.mechanics.system import System
 from hjsolve.separation import separate
-from hjsolve.solution import Solution, solve
+from hjsolve.solution.quadratures import Solution, solve
 
 
 @pytest.fixture(scope="module")

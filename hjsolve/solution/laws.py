@@ -18,7 +18,7 @@ from hjsolve.mechanics.kinetic_energy import degree, parts
 from hjsolve.mechanics.system import hamiltonian
 from hjsolve.separation.enclosure import Region
 from hjsolve.separation.zero_test import NonZero, Unproved, Zero, free_region, is_zero
-from hjsolve.solution import Solution
+from hjsolve.solution.quadratures import Solution
 
 NUMERIC_ZERO = sp.Float("1e-35")
 Outcome = Literal["proved", "numeric", "undecided", "failed"]
