@@ -134,7 +134,7 @@ def certified() -> None:
     """
     import flint
 
-    from hjsolve import certified as proof
+    from hjsolve.motion import certified as proof
     from hjsolve.numeric.ball import working
     from hjsolve.numeric.strip import means
 

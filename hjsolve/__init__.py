@@ -45,7 +45,7 @@ if TYPE_CHECKING:
     from hjsolve.mechanics.system import Domain as Domain
     from hjsolve.mechanics.system import Parameter as Parameter
     from hjsolve.mechanics.system import System as System
-    from hjsolve.motion import Motion as Motion
+    from hjsolve.motion.motion import Motion as Motion
     from hjsolve.numeric.estimate import Estimate as Estimate
     from hjsolve.reports import report as report
     from hjsolve.scenes import Scene as Scene
@@ -66,7 +66,7 @@ _HOMES = {
     "solve": "solution.quadratures", "Solution": "solution.quadratures",
     "ensemble": "ensembles", "Batch": "ensembles", "Status": "ensembles",
     "sweep": "sweeps", "Swept": "sweeps",
-    "Motion": "motion", "Estimate": "numeric.estimate",
+    "Motion": "motion.motion", "Estimate": "numeric.estimate",
     "report": "reports", "cost": "costs", "Cost": "costs", "Scene": "scenes",
     "linear_modes": "gyroscopic", "from_hamiltonian": "hamiltonians",
     "CatalogError": "errors", "ClusterError": "errors", "ExpressionError": "errors",

@@ -13,13 +13,13 @@ from hjsolve import arguments
 from hjsolve.errors import InvalidInputError, MissingValueError
 from hjsolve.formulas.read import number
 from hjsolve.frames import Frame, initial_data
-from hjsolve.initial import parameter_values, to_bits
 from hjsolve.lowering import lower
 from hjsolve.mechanics.system import momenta
-from hjsolve.motion import Motion
+from hjsolve.motion.initial_data import parameter_values, to_bits
+from hjsolve.motion.motion import Motion
+from hjsolve.motion.state import Errors, State
+from hjsolve.motion.times import exact_numbers
 from hjsolve.numeric.arithmetic import Float64, Multi
-from hjsolve.state import Errors, State
-from hjsolve.trajectory.times import exact_numbers
 
 
 @dataclass(frozen=True, eq=False)

@@ -18,12 +18,12 @@ from hjsolve import arguments
 from hjsolve.errors import InvalidInputError, MissingValueError, NotConvergedError, OutsideMotionError
 from hjsolve.formulas.read import number
 from hjsolve.hamiltonians import LinearHamiltonian
-from hjsolve.initial import parameter_values, to_bits
 from hjsolve.lowering import lower
+from hjsolve.motion.initial_data import parameter_values, to_bits
+from hjsolve.motion.state import Errors, State
+from hjsolve.motion.times import exact_numbers
 from hjsolve.numeric.arithmetic import Multi, multiprecision
 from hjsolve.numeric.estimate import Estimate
-from hjsolve.state import Errors, State
-from hjsolve.trajectory.times import exact_numbers
 
 _FLOAT_DIGITS, _GUARD_BITS, _LOST_BITS = 15, 96, 48
 _MOST_STEPS, _FIRST_STEPS = 2000, 64

@@ -16,14 +16,14 @@ from hjsolve import arguments
 from hjsolve.errors import InvalidInputError, MissingValueError, NotConvergedError
 from hjsolve.formulas.read import number
 from hjsolve.hamiltonians import GeneralHamiltonian
-from hjsolve.initial import is_zero, parameter_values, to_bits
 from hjsolve.lowering import lower
+from hjsolve.motion.initial_data import is_zero, parameter_values, to_bits
+from hjsolve.motion.state import Errors, State
+from hjsolve.motion.times import counted, exact_numbers
 from hjsolve.numeric.arithmetic import Multi, multiprecision
 from hjsolve.numeric.estimate import Estimate
 from hjsolve.numeric.level_curve import Curve, Orbit, followed
 from hjsolve.numeric.tape import Bound
-from hjsolve.state import Errors, State
-from hjsolve.trajectory.times import counted, exact_numbers
 
 _FLOAT_DIGITS, _GUARDS, _SPARE = 15, (96, 192, 384, 768), 64
 

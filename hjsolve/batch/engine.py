@@ -13,7 +13,7 @@ from hjsolve.batch.model import Model, read
 from hjsolve.batch.passes import TIMED, TOLERANCE, run_compiled, run_pass, worst
 from hjsolve.batch.programs import Compiled, available, compiled, is_kept
 from hjsolve.errors import InvalidInputError
-from hjsolve.initial import parameter_values
+from hjsolve.motion.initial_data import parameter_values
 from hjsolve.solution.quadratures import Solution
 
 CHUNK = 16384

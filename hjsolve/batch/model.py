@@ -15,8 +15,8 @@ import sympy as sp
 
 from hjsolve.batch.clearance import Clearance
 from hjsolve.errors import InvalidInputError
-from hjsolve.initial import to_bits
 from hjsolve.lowering import lower
+from hjsolve.motion.initial_data import to_bits
 from hjsolve.numeric.arithmetic import Multi
 from hjsolve.numeric.error_free import Pair
 from hjsolve.numeric.tape import Tape

@@ -15,9 +15,9 @@ from hjsolve.costs.answers import Answer
 from hjsolve.costs.trial import Task, Trial
 from hjsolve.errors import HJSolveError, NotConvergedError
 from hjsolve.formulas.read import parse
-from hjsolve.initial import sign, to_bits
 from hjsolve.lowering import lower
-from hjsolve.motion import Motion
+from hjsolve.motion.initial_data import sign, to_bits
+from hjsolve.motion.motion import Motion
 from hjsolve.numeric.arithmetic import Multi
 from hjsolve.numeric.tape import Tape
 from hjsolve.scenes.run import first_arguments

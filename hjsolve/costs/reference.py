@@ -20,8 +20,8 @@ from hjsolve.costs.own import read, result_of
 from hjsolve.costs.taylor import follow
 from hjsolve.costs.trial import Task
 from hjsolve.errors import HJSolveError, NotConvergedError
-from hjsolve.initial import to_bits
 from hjsolve.lowering import lower
+from hjsolve.motion.initial_data import to_bits
 from hjsolve.numeric.tape import Tape
 from hjsolve.scenes.crossing import exact
 from hjsolve.scenes.events import Event, changed

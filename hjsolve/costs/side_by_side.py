@@ -15,7 +15,7 @@ from hjsolve.costs.subject import Subject, scene_of
 from hjsolve.costs.table import Cost
 from hjsolve.costs.trial import Task, Trial
 from hjsolve.errors import InvalidInputError, NotConvergedError
-from hjsolve.initial import to_bits
+from hjsolve.motion.initial_data import to_bits
 from hjsolve.scenes import Scene
 
 DIGITS = (20, 30, 50, 100)

@@ -14,7 +14,7 @@ from hjsolve.errors import InvalidInputError, MissingValueError
 from hjsolve.formulas.read import number
 from hjsolve.mechanics.subjects import system_of
 from hjsolve.mechanics.system import System
-from hjsolve.motion import Motion
+from hjsolve.motion.motion import Motion
 from hjsolve.scenes import Scene, is_scene
 from hjsolve.scenes.scene import Start, Times
 from hjsolve.solution.quadratures import Solution, solve

@@ -18,9 +18,9 @@ from hjsolve.ensembles.layout import layout_of
 from hjsolve.ensembles.recipe import WORTH_COMPILING, WORTH_LOADING, Recipe
 from hjsolve.ensembles.rows import Columns, compute
 from hjsolve.errors import InvalidInputError
-from hjsolve.initial import parameter_values
 from hjsolve.mechanics.subjects import system_of
 from hjsolve.mechanics.system import System
+from hjsolve.motion.initial_data import parameter_values
 from hjsolve.solution.quadratures import Solution, refuse_null, solve
 
 

@@ -10,9 +10,9 @@ import sympy as sp
 
 from hjsolve import batch
 from hjsolve.ensembles.layout import Layout, layout_of
-from hjsolve.initial import domain_ends, sign, to_bits
 from hjsolve.lowering import lower
 from hjsolve.mechanics.system import System, momenta
+from hjsolve.motion.initial_data import domain_ends, sign, to_bits
 from hjsolve.numeric.error_free import Pair, split
 from hjsolve.numeric.tape import Tape
 from hjsolve.solution.quadratures import Solution, solve

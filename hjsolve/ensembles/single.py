@@ -11,12 +11,12 @@ from hjsolve.ensembles.batch_of_orbits import Status
 from hjsolve.ensembles.layout import ERROR, Layout
 from hjsolve.ensembles.recipe import ONE_AT_A_TIME
 from hjsolve.errors import ForbiddenMotionError, InvalidInputError, NotConvergedError
-from hjsolve.motion import Motion
+from hjsolve.motion.motion import Motion
+from hjsolve.motion.positions import constant_index
 from hjsolve.numeric.course import Frozen
 from hjsolve.numeric.estimate import Estimate
 from hjsolve.numeric.inverse import Torus, oscillation
 from hjsolve.solution.quadratures import Solution
-from hjsolve.trajectory.positions import constant_index
 
 _ANGLE_ROUNDING = 2.0**-48
 """An angle is reduced, summed and rounded in doubles of size up to 2π: a few 2⁻⁵⁰."""

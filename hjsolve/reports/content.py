@@ -12,7 +12,7 @@ from hjsolve import catalog, frames
 from hjsolve.errors import InvalidInputError, NotConvergedError, NotSeparableError
 from hjsolve.frames import Frame
 from hjsolve.mechanics.system import System
-from hjsolve.motion import Motion
+from hjsolve.motion.motion import Motion
 from hjsolve.reports import numerical, paths, quadratures, symbolic
 from hjsolve.reports.document import Code, Document, Note, Section, Text
 from hjsolve.reports.framed import frame_section

@@ -13,7 +13,7 @@ from hjsolve.costs import Cost, cost
 from hjsolve.costs.measure import Progress
 from hjsolve.costs.table import cells_of
 from hjsolve.errors import HJSolveError, InvalidInputError
-from hjsolve.motion import Motion
+from hjsolve.motion.motion import Motion
 from hjsolve.reports import svg
 from hjsolve.reports.document import Block, Code, Document, Figures, Note, Paragraph, Section, Table, Text
 from hjsolve.reports.files import SUFFIXES, checked_path, replace

@@ -9,16 +9,16 @@ from typing import Any
 import numpy as np
 import sympy as sp
 
-from hjsolve.initial import to_bits
 from hjsolve.mechanics.system import hamiltonian
-from hjsolve.motion import Motion
+from hjsolve.motion.initial_data import to_bits
+from hjsolve.motion.motion import Motion
+from hjsolve.motion.positions import coordinate_velocities, evaluate, principal
+from hjsolve.motion.quantities import FLOAT_DIGITS
+from hjsolve.motion.state import Errors, State
+from hjsolve.motion.state_errors import velocity_errors
 from hjsolve.numeric.arithmetic import multiprecision
 from hjsolve.numeric.clock import halves
-from hjsolve.quantities import FLOAT_DIGITS
 from hjsolve.scenes.flights import Flight, Free
-from hjsolve.state import Errors, State
-from hjsolve.trajectory.positions import coordinate_velocities, evaluate, principal
-from hjsolve.trajectory.uncertainty import velocity_errors
 
 
 @dataclass(frozen=True, eq=False)

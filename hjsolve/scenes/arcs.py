@@ -18,9 +18,9 @@ from typing import Any
 import sympy as sp
 
 from hjsolve.errors import InvalidInputError, NotConvergedError
-from hjsolve.initial import initial_data, is_zero, to_bits
 from hjsolve.mechanics.system import velocities
-from hjsolve.motion import Motion
+from hjsolve.motion.initial_data import initial_data, is_zero, to_bits
+from hjsolve.motion.motion import Motion
 from hjsolve.numeric.arithmetic import multiprecision
 from hjsolve.numeric.course import Frozen
 from hjsolve.scenes.crossing import bits_of, crossings, exact

@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Iterator, Mapping
 from typing import Any
 
-from hjsolve.motion import Motion
+from hjsolve.motion.motion import Motion
 from hjsolve.scenes.arcs import Leg, Piece, start_of
 from hjsolve.scenes.flights import signed
 from hjsolve.scenes.scene import Scene

@@ -10,8 +10,8 @@ import sympy as sp
 
 from hjsolve.errors import NotConvergedError, OutsideMotionError
 from hjsolve.formulas.read import number
-from hjsolve.initial import to_bits
-from hjsolve.motion import Motion
+from hjsolve.motion.initial_data import to_bits
+from hjsolve.motion.motion import Motion
 from hjsolve.numeric.arithmetic import multiprecision
 
 _CHUNK, _LONGEST_WALK = 512, 400

@@ -18,9 +18,10 @@ from typing import Any
 import sympy as sp
 
 from hjsolve.errors import NotConvergedError
-from hjsolve.initial import to_bits
 from hjsolve.mechanics.system import velocities
-from hjsolve.motion import Motion
+from hjsolve.motion.initial_data import to_bits
+from hjsolve.motion.motion import Motion
+from hjsolve.motion.positions import constant_index
 from hjsolve.numeric.arithmetic import multiprecision
 from hjsolve.numeric.course import Bounded, Frozen, Open
 from hjsolve.numeric.inverse import Torus, mean_rate
@@ -28,7 +29,6 @@ from hjsolve.scenes.crossing import bits_of
 from hjsolve.scenes.events import Event, Pending, once
 from hjsolve.scenes.mirrors import Mirrors
 from hjsolve.scenes.passes import Carried, Passes, passes
-from hjsolve.trajectory.positions import constant_index
 
 _LOOK = 1000
 """Bounces after which it is judged how many there will be."""

@@ -21,9 +21,10 @@ from hjsolve import catalog
 from hjsolve.catalog.effects import with_effects
 from hjsolve.errors import MissingExtraError, NotConvergedError
 from hjsolve.formulas.read import number
-from hjsolve.initial import parameter_values
 from hjsolve.lowering import lower
 from hjsolve.mechanics.system import System, hamiltonian, momenta, velocities
+from hjsolve.motion.initial_data import parameter_values
+from hjsolve.motion.state import Errors
 from hjsolve.numeric.arithmetic import Float64
 from hjsolve.numeric.counting import Work
 from hjsolve.numeric.tape import Tape
@@ -31,7 +32,6 @@ from hjsolve.scenes.run import Run, Trajectory, sampled
 from hjsolve.scenes.scene import Scene
 from hjsolve.scenes.steps import Flow, Sampled, follow
 from hjsolve.separation import Separation, separate
-from hjsolve.state import Errors
 
 _FINEST = 2.3e-14
 

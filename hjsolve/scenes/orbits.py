@@ -8,8 +8,8 @@ from typing import Any
 import numpy as np
 
 from hjsolve.errors import InvalidInputError
-from hjsolve.initial import to_bits
-from hjsolve.motion import Motion
+from hjsolve.motion.initial_data import to_bits
+from hjsolve.motion.motion import Motion
 from hjsolve.scenes.scene import OrbitAsked
 
 _PLACES = 33

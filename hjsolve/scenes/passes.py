@@ -15,14 +15,14 @@ import numpy as np
 import sympy as sp
 
 from hjsolve.errors import NotConvergedError, OutsideMotionError
-from hjsolve.initial import to_bits
-from hjsolve.motion import Motion
+from hjsolve.motion.initial_data import to_bits
+from hjsolve.motion.motion import Motion
+from hjsolve.motion.positions import constant_index
 from hjsolve.numeric.arithmetic import multiprecision
 from hjsolve.numeric.clenshaw import Fixed
 from hjsolve.numeric.course import Bounded
 from hjsolve.numeric.inverse import Torus
 from hjsolve.scenes.crossing import bits_of, sharpened
-from hjsolve.trajectory.positions import constant_index
 
 _GRID, _MOST_STEPS = 513, 12
 

@@ -12,18 +12,18 @@ import numpy as np
 import sympy as sp
 
 from hjsolve.errors import InvalidInputError
-from hjsolve.initial import to_bits
-from hjsolve.motion import Motion
-from hjsolve.quantities import FLOAT_DIGITS
+from hjsolve.motion.initial_data import to_bits
+from hjsolve.motion.motion import Motion
+from hjsolve.motion.quantities import FLOAT_DIGITS
+from hjsolve.motion.state import Errors, State
+from hjsolve.motion.tabulated import OnDemand
+from hjsolve.motion.times import LONGEST
 from hjsolve.scenes.along import along
 from hjsolve.scenes.arcs import Piece
 from hjsolve.scenes.crossing import bits_of
 from hjsolve.scenes.rest import Rest
 from hjsolve.scenes.results import Arc, Trajectory
 from hjsolve.scenes.scene import Scene, Times
-from hjsolve.state import Errors, State
-from hjsolve.trajectory.dense import OnDemand
-from hjsolve.trajectory.times import LONGEST
 
 
 @dataclass(frozen=True, eq=False)

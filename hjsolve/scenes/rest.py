@@ -15,9 +15,9 @@ from typing import Any
 
 import sympy as sp
 
-from hjsolve.initial import to_bits
 from hjsolve.lowering import lower
 from hjsolve.mechanics.system import System, hamiltonian, velocities
+from hjsolve.motion.initial_data import to_bits
 from hjsolve.numeric.arithmetic import Multi
 from hjsolve.numeric.estimate import Estimate
 from hjsolve.scenes.events import Event, Pending, once

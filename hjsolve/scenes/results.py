@@ -7,14 +7,14 @@ from dataclasses import dataclass, field
 from typing import Any
 
 from hjsolve.errors import InvalidInputError
-from hjsolve.motion import Motion
+from hjsolve.motion.motion import Motion
+from hjsolve.motion.state import Errors, Known, State
 from hjsolve.numeric.counting import Work
 from hjsolve.numeric.estimate import Estimate
 from hjsolve.scenes.events import Event
 from hjsolve.scenes.rest import Rest
 from hjsolve.scenes.scene import Scene
 from hjsolve.solution.quadratures import Solution
-from hjsolve.state import Errors, Known, State
 
 
 @dataclass(frozen=True, eq=False)

@@ -8,8 +8,9 @@ import numpy as np
 import sympy as sp
 
 from hjsolve.errors import InvalidInputError, MissingValueError, NotSeparableError
-from hjsolve.initial import to_bits
-from hjsolve.motion import Motion
+from hjsolve.motion.initial_data import to_bits
+from hjsolve.motion.motion import Motion
+from hjsolve.motion.tabulated import OnDemand
 from hjsolve.numeric.counting import counted
 from hjsolve.numeric.estimate import Estimate
 from hjsolve.scenes.arcs import Piece, pieces
@@ -21,7 +22,6 @@ from hjsolve.scenes.refusal import dissipative, words
 from hjsolve.scenes.results import Arc, Choice, Run, Trajectory
 from hjsolve.scenes.scene import Scene
 from hjsolve.solution.quadratures import Solution, solve
-from hjsolve.trajectory.dense import OnDemand
 
 __all__ = ["Arc", "Choice", "Run", "Trajectory", "first_arguments", "run", "sampled", "solved"]
 _FIELDS = (

@@ -32,7 +32,7 @@ from hjsolve.separation.relativistic import shell_energy
 from hjsolve.separation.verdicts import Verdict
 
 if TYPE_CHECKING:
-    from hjsolve.motion import Motion
+    from hjsolve.motion.motion import Motion
 
 Separated = list[tuple[sp.Symbol, sp.Expr, sp.Symbol]]
 """Of every separated coordinate: q, the root √Pᵢ² (the momentum itself where null), the lower limit."""
@@ -124,7 +124,7 @@ class Solution:
             ('libration', 14.99332061)
         """
         # the one call from the symbolic half up into the numeric half: solving loads no numerical library
-        from hjsolve.motion import start
+        from hjsolve.motion.motion import start
 
         refuse_null(self)
         return start(

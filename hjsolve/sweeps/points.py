@@ -15,7 +15,7 @@ import sympy as sp
 from hjsolve.catalog.schema import nearest
 from hjsolve.errors import InvalidInputError, MissingExtraError
 from hjsolve.formulas.read import number
-from hjsolve.initial import to_bits
+from hjsolve.motion.initial_data import to_bits
 from hjsolve.scenes import Scene
 from hjsolve.scenes.varied import GROUPS, Axis, Varied, keys, kind_of, missing
 

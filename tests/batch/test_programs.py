@@ -10,7 +10,7 @@ import pytest
 import hjsolve
 from hjsolve.batch.model import read
 from hjsolve.batch.programs import _coordinate_text, _start_text, programs
-from hjsolve.initial import parameter_values
+from hjsolve.motion.initial_data import parameter_values
 from hjsolve.numeric.arithmetic import Float64
 from hjsolve.numeric.source import Source
 

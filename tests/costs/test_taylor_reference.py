@@ -10,9 +10,9 @@ from mpmath import mp
 
 import hjsolve
 from hjsolve.costs.taylor import Constant, Program, follow
-from hjsolve.initial import to_bits
 from hjsolve.lowering import lower
 from hjsolve.mechanics.system import hamiltonian, velocities
+from hjsolve.motion.initial_data import to_bits
 
 X = sp.Symbol("x")
 FUNCTIONS = [

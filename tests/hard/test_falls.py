@@ -12,7 +12,7 @@ from mpmath import mp
 
 import hjsolve
 from hjsolve import catalog
-from hjsolve.motion import Motion
+from hjsolve.motion.motion import Motion
 
 RATE, TURN = "-1/10", "1/2"
 

@@ -11,8 +11,8 @@ import mpmath
 import pytest
 
 import hjsolve
-from hjsolve import certified
 from hjsolve.errors import InvalidInputError
+from hjsolve.motion import certified
 from hjsolve.numeric import ball, strip
 from hjsolve.numeric.counting import counted
 from hjsolve.numeric.cycle import Map

@@ -5,7 +5,7 @@ from __future__ import annotations
 import pytest
 
 import hjsolve
-from hjsolve import certified
+from hjsolve.motion import certified
 
 pytest.importorskip("flint")
 

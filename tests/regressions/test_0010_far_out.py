@@ -8,7 +8,7 @@ import sympy as sp
 from mpmath import mp
 
 import hjsolve
-from hjsolve.initial import expanded, is_zero
+from hjsolve.motion.initial_data import expanded, is_zero
 from hjsolve.numeric.arithmetic import Float64
 from hjsolve.numeric.interval import Interval, Intervals
 from hjsolve.numeric.turning_points import Ray

@@ -8,7 +8,7 @@ import pytest
 from mpmath import mp
 
 from hjsolve.errors import InvalidInputError
-from hjsolve.initial import initial_data
+from hjsolve.motion.initial_data import initial_data
 from hjsolve.scenes import Scene
 from hjsolve.scenes.events import changed, read_event
 from hjsolve.solution.quadratures import solve

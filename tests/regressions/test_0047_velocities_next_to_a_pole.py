@@ -52,7 +52,7 @@ def test_so_it_has_at_many_times(tilt):
 
 
 def test_a_velocity_that_does_not_cancel_is_left_as_it_was():
-    from hjsolve.trajectory.sharp import blurred
+    from hjsolve.motion.near_poles import blurred
 
     motion = entries.motion("kepler-planar")
     state = motion.at([0.1, 2.0, 5.0])
@@ -61,8 +61,8 @@ def test_a_velocity_that_does_not_cancel_is_left_as_it_was():
 
 def test_two_doubles_give_the_same_velocities_as_one_where_nothing_cancels():
     """At every phase of an ordinary top, by the rule for poles and without it."""
-    from hjsolve.trajectory.phases import courses_of, phases_at
-    from hjsolve.trajectory.sharp import sharpened
+    from hjsolve.motion.near_poles import sharpened
+    from hjsolve.motion.phases import courses_of, phases_at
 
     start = {"q": {"psi": 0, "theta": "0.3", "phi": 0}, "p": {"psi": "0.4", "theta": "0.2", "phi": 2}}
     motion, times = TOP.motion(**start), np.linspace(0, 9, 40)

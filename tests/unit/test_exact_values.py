@@ -7,8 +7,9 @@ import sympy as sp
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from hjsolve import catalog, initial
-from hjsolve.exact_values import rational_value
+from hjsolve import catalog
+from hjsolve.motion import initial_data
+from hjsolve.motion.rational_values import rational_value
 from tests import entries
 
 x, y = sp.symbols("x y", real=True)
@@ -55,13 +56,13 @@ def test_constants_of_the_catalog_are_the_same_either_way(monkeypatch: pytest.Mo
     ways = []
     for declined in (False, True):
         if declined:
-            monkeypatch.setattr(initial, "rational_value", lambda *_: None)
+            monkeypatch.setattr(initial_data, "rational_value", lambda *_: None)
         found = {}
         for name in catalog.ids("separable")[::4]:
             described = entries.described(name)
             if described.initial is not None:
                 given = described.initial.arguments
-                found[name] = initial.initial_data(entries.solution(name), **{"parameters": None, **given})
+                found[name] = initial_data.initial_data(entries.solution(name), **{"parameters": None, **given})
         ways.append(found)
     assert len(ways[0]) > 12
     assert sum(c.is_Rational for i in ways[0].values() for c in i.constants.values()) > 10

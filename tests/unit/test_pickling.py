@@ -59,7 +59,7 @@ MOTIONS = {
 def numbers(motion):
     """All that a motion says, as text that shows every bit."""
     told = [repr(getattr(motion, name)) for name in FIELDS if hasattr(motion, name)]
-    many = isinstance(motion, hjsolve.motion.Motion) and motion.digits <= 15
+    many = isinstance(motion, hjsolve.motion.motion.Motion) and motion.digits <= 15
     for times in ("0.7", [0.25, 2.5], np.linspace(0, 1, 2100 if many else 2)):
         try:
             told.append(shown(motion.at(times)))
@@ -103,7 +103,7 @@ def test_another_process_gives_the_same_numbers_bit_for_bit(tmp_path):
 @pytest.mark.parametrize("times", [0.5, [0.5, 50.0], np.linspace(0, 1, 2100)])
 def test_a_state_travels_with_its_errors(name, times):
     motion = MOTIONS[name]()
-    if not isinstance(motion, hjsolve.motion.Motion) or motion.digits > 15:
+    if not isinstance(motion, hjsolve.motion.motion.Motion) or motion.digits > 15:
         times = np.ravel(times)[:2]
     state = motion.at(times)
     for again in (pickle.loads(pickle.dumps(state)), copy.deepcopy(state)):

@@ -17,11 +17,11 @@ import sympy as sp
 
 from hjsolve import arguments
 from hjsolve.errors import InvalidInputError, MissingValueError
-from hjsolve.exact_values import rational_value
 from hjsolve.formulas.read import number
 from hjsolve.hamiltonians import GeneralHamiltonian, LinearHamiltonian
 from hjsolve.lowering import lower
 from hjsolve.mechanics.system import System, momenta, refuse_turns_that_differ
+from hjsolve.motion.rational_values import rational_value
 from hjsolve.numeric.arithmetic import Multi, multiprecision
 from hjsolve.solution.quadratures import Solution
 

@@ -8,18 +8,12 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from hjsolve.initial import to_bits
 from hjsolve.mechanics.system import velocities
-from hjsolve.numeric.arithmetic import multiprecision
-from hjsolve.numeric.clock import halves, relative, relative_exact
-from hjsolve.numeric.course import Bounded
-from hjsolve.numeric.inverse import Torus, mean_rate
-from hjsolve.quantities import FLOAT_DIGITS
-from hjsolve.state import Errors, State
-from hjsolve.trajectory.dense import FEWEST, Dense, OnDemand, dense, rough
-from hjsolve.trajectory.endings import statuses
-from hjsolve.trajectory.phases import Phases, courses_of, phases_at
-from hjsolve.trajectory.positions import (
+from hjsolve.motion.endings import statuses
+from hjsolve.motion.initial_data import to_bits
+from hjsolve.motion.near_poles import blurred, sharpened, sharpened_from_table
+from hjsolve.motion.phases import Phases, courses_of, phases_at
+from hjsolve.motion.positions import (
     canonical_momenta,
     constant_index,
     coordinate_velocities,
@@ -29,12 +23,18 @@ from hjsolve.trajectory.positions import (
     positions,
     principal,
 )
-from hjsolve.trajectory.sharp import blurred, sharpened, sharpened_from_table
-from hjsolve.trajectory.times import counted, read_times, within_doubles
-from hjsolve.trajectory.uncertainty import state_errors, table_errors
+from hjsolve.motion.quantities import FLOAT_DIGITS
+from hjsolve.motion.state import Errors, State
+from hjsolve.motion.state_errors import state_errors, table_errors
+from hjsolve.motion.tabulated import FEWEST, Dense, OnDemand, dense, rough
+from hjsolve.motion.times import counted, read_times, within_doubles
+from hjsolve.numeric.arithmetic import multiprecision
+from hjsolve.numeric.clock import halves, relative, relative_exact
+from hjsolve.numeric.course import Bounded
+from hjsolve.numeric.inverse import Torus, mean_rate
 
 if TYPE_CHECKING:
-    from hjsolve.motion import Motion
+    from hjsolve.motion.motion import Motion
 
 
 def state_at(motion: Motion, t: Any, digits: int | None = None) -> State:

@@ -14,8 +14,9 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 import sympy as sp
 
-from hjsolve.initial import to_bits
 from hjsolve.mechanics.system import velocities
+from hjsolve.motion.initial_data import to_bits
+from hjsolve.motion.positions import tape_of
 from hjsolve.numeric.anomaly import Crested, Libration
 from hjsolve.numeric.arithmetic import Float64
 from hjsolve.numeric.course import Bounded, Course, Frozen, Open, float_way
@@ -24,11 +25,10 @@ from hjsolve.numeric.error_free import Pair, split, two_sum
 from hjsolve.numeric.running import Bounded as Rounded
 from hjsolve.numeric.running import Running
 from hjsolve.numeric.stretch import Stretched, rounded
-from hjsolve.trajectory.positions import tape_of
 
 if TYPE_CHECKING:
-    from hjsolve.motion import Motion
-    from hjsolve.trajectory.dense import Dense
+    from hjsolve.motion.motion import Motion
+    from hjsolve.motion.tabulated import Dense
 
 _LOST = 16 * 2.0**-53
 """What the rounding of a place may do to a velocity, relative to it, before it is worked out in two doubles."""

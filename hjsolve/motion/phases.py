@@ -8,15 +8,15 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from hjsolve.initial import to_bits
+from hjsolve.motion.initial_data import to_bits
+from hjsolve.motion.times import counted, within_doubles
 from hjsolve.numeric import inverse, refine, unbounded
 from hjsolve.numeric.arithmetic import multiprecision
 from hjsolve.numeric.clock import halves, relative, relative_exact
 from hjsolve.numeric.course import Course, Open
-from hjsolve.trajectory.times import counted, within_doubles
 
 if TYPE_CHECKING:
-    from hjsolve.motion import Motion
+    from hjsolve.motion.motion import Motion
 
 
 @dataclass(frozen=True)

@@ -16,7 +16,7 @@ from typing import TYPE_CHECKING, Any
 from hjsolve.errors import InternalError
 
 if TYPE_CHECKING:
-    from hjsolve.motion import Motion
+    from hjsolve.motion.motion import Motion
 
 _DIGITS = 40
 _GROUPS = ("q", "velocity", "p", "constants", "parameters")

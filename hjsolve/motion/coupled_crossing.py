@@ -12,13 +12,13 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from hjsolve.errors import OutsideMotionError
+from hjsolve.motion.phases import with_reach
 from hjsolve.numeric.arithmetic import multiprecision
 from hjsolve.numeric.course import Bounded, Course, Open
 from hjsolve.numeric.unbounded import Plan
-from hjsolve.trajectory.phases import with_reach
 
 if TYPE_CHECKING:
-    from hjsolve.motion import Motion
+    from hjsolve.motion.motion import Motion
 
 _TREND, _STEEP, _MOST = 24, 5, 400
 

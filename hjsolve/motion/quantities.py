@@ -9,8 +9,8 @@ from typing import Any
 import numpy as np
 import sympy as sp
 
-from hjsolve.initial import Initial, to_bits
 from hjsolve.lowering import lower
+from hjsolve.motion.initial_data import Initial, to_bits
 from hjsolve.numeric.arithmetic import Multi, multiprecision
 from hjsolve.numeric.classify import Located
 from hjsolve.numeric.course import Bounded, Frozen

@@ -15,8 +15,8 @@ from typing import TYPE_CHECKING, Any
 import sympy as sp
 
 from hjsolve.errors import InvalidInputError, NotConvergedError
-from hjsolve.initial import Initial
 from hjsolve.lowering import lower
+from hjsolve.motion.initial_data import Initial
 from hjsolve.numeric import ball
 from hjsolve.numeric.anomaly import Libration, Rotation
 from hjsolve.numeric.arithmetic import multiprecision
@@ -34,7 +34,7 @@ from hjsolve.numeric.walls import walls
 from hjsolve.solution.quadratures import Solution
 
 if TYPE_CHECKING:
-    from hjsolve.motion import Motion
+    from hjsolve.motion.motion import Motion
 
 _FARTHEST = 4
 """Quarters of a turn from 0 up to which a centre of symmetry is looked for."""

@@ -14,6 +14,8 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from hjsolve.errors import NotConvergedError
+from hjsolve.motion.near_poles import blurs, distances
+from hjsolve.motion.positions import constant_index
 from hjsolve.numeric.course import Bounded, Open
 from hjsolve.numeric.ephemeris import DEGREE, Table, tabulate
 from hjsolve.numeric.error_free import split
@@ -21,11 +23,9 @@ from hjsolve.numeric.inverse import Torus, oscillation
 from hjsolve.numeric.series import Series
 from hjsolve.numeric.turns import turns
 from hjsolve.numeric.unbounded import Plan, reaching
-from hjsolve.trajectory.positions import constant_index
-from hjsolve.trajectory.sharp import blurs, distances
 
 if TYPE_CHECKING:
-    from hjsolve.motion import Motion
+    from hjsolve.motion.motion import Motion
 
 _FINE = 22
 """The crowding of a phase (``Bounded.crowding``) from which on a table of momenta is as exact as it is rounded."""

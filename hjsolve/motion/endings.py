@@ -10,7 +10,7 @@ from hjsolve.numeric.course import Open
 from hjsolve.numeric.unbounded import Plan, reaching
 
 if TYPE_CHECKING:
-    from hjsolve.motion import Motion
+    from hjsolve.motion.motion import Motion
 
 
 def statuses(motion: Motion, time: tuple[Any, Any], ended: Any) -> Any:

@@ -9,9 +9,10 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 import sympy as sp
 
-from hjsolve.initial import to_bits
 from hjsolve.lowering import lower
 from hjsolve.mechanics.system import velocities
+from hjsolve.motion.initial_data import to_bits
+from hjsolve.motion.phases import Phases, courses_of
 from hjsolve.numeric.arithmetic import Float64, Multi, multiprecision
 from hjsolve.numeric.course import Bounded, arithmetic_of
 from hjsolve.numeric.error_free import split
@@ -22,10 +23,9 @@ from hjsolve.numeric.series import Series
 from hjsolve.numeric.tape import Tape
 from hjsolve.numeric.turns import principal as principal_of_doubles
 from hjsolve.numeric.turns import turns
-from hjsolve.trajectory.phases import Phases, courses_of
 
 if TYPE_CHECKING:
-    from hjsolve.motion import Motion
+    from hjsolve.motion.motion import Motion
 
 
 def constant_index(motion: Motion, name: str) -> int:

@@ -12,7 +12,12 @@ import numpy as np
 from hjsolve import arguments
 from hjsolve.errors import InvalidInputError, NotConvergedError, OutsideMotionError
 from hjsolve.formulas.read import number
-from hjsolve.initial import to_bits
+from hjsolve.motion.coupled_crossing import time_beside
+from hjsolve.motion.initial_data import to_bits
+from hjsolve.motion.phases import phases_at, solve, with_reach
+from hjsolve.motion.positions import constant_index, principal
+from hjsolve.motion.state_at import shaped, state_at
+from hjsolve.motion.times import counted, exact_numbers, read_times
 from hjsolve.numeric.arithmetic import Multi, multiprecision
 from hjsolve.numeric.branch import farthest
 from hjsolve.numeric.course import Bounded, Course, Frozen, Open
@@ -21,14 +26,9 @@ from hjsolve.numeric.estimate import Estimate
 from hjsolve.numeric.inverse import Torus, mean_rate, oscillation
 from hjsolve.numeric.turns import turns
 from hjsolve.numeric.unbounded import Plan, Step
-from hjsolve.trajectory.beside import time_beside
-from hjsolve.trajectory.phases import phases_at, solve, with_reach
-from hjsolve.trajectory.positions import constant_index, principal
-from hjsolve.trajectory.state_at import shaped, state_at
-from hjsolve.trajectory.times import counted, exact_numbers, read_times
 
 if TYPE_CHECKING:
-    from hjsolve.motion import Motion
+    from hjsolve.motion.motion import Motion
 
 _EPS = 2.0**-52
 _SCAN, _TREND, _MOST_PASSAGES = 200_000, 16, 2**60

@@ -14,11 +14,14 @@ from typing import Any
 
 import sympy as sp
 
-from hjsolve import arguments, quantities
+from hjsolve import arguments
 from hjsolve.errors import InvalidInputError, NotConvergedError
 from hjsolve.formulas.read import number
-from hjsolve.initial import ZERO_BITS, InBits, Initial, domain_ends, expanded, initial_data, sign, to_bits
 from hjsolve.lowering import momentum_squared_tapes
+from hjsolve.motion import quantities
+from hjsolve.motion.initial_data import ZERO_BITS, InBits, Initial, domain_ends, expanded, initial_data, sign, to_bits
+from hjsolve.motion.quantities import FLOAT_DIGITS
+from hjsolve.motion.state import State
 from hjsolve.numeric.classify import Located, Start, locate
 from hjsolve.numeric.course import PARTS, Open
 from hjsolve.numeric.estimate import Estimate
@@ -26,9 +29,7 @@ from hjsolve.numeric.inverse import Torus, torus
 from hjsolve.numeric.radicand import Radicand, has_period
 from hjsolve.numeric.regions import forbidden, others
 from hjsolve.numeric.unbounded import Plan, plan
-from hjsolve.quantities import FLOAT_DIGITS
 from hjsolve.solution.quadratures import Solution
-from hjsolve.state import State
 
 _FARTHEST, _MOST_ANGLE = 2**1000, 2**48
 QUANTITIES: Mapping[str, frozenset[str]] = {
@@ -109,7 +110,7 @@ class Motion:
         Raises:
             InvalidInputError: a time that is no finite real number.
         """
-        from hjsolve.trajectory.state_at import state_at
+        from hjsolve.motion.state_at import state_at
 
         self._require("trajectory")
         return state_at(self._source, t)
@@ -126,7 +127,7 @@ class Motion:
             InvalidInputError: an unknown coordinate, a value that is no number, or a passage that is not whole.
             OutsideMotionError: the motion never reaches that position, or not that often.
         """
-        from hjsolve.passages import crossing_time
+        from hjsolve.motion.crossings import crossing_time
 
         self.solution.system.coordinate(name)
         self._require("periods" if name in self.located else "trajectory")
@@ -147,7 +148,7 @@ class Motion:
             InvalidInputError: an unknown coordinate, or a value that is no number.
             OutsideMotionError: the motion never reaches a value.
         """
-        from hjsolve.passages import crossing_times
+        from hjsolve.motion.crossings import crossing_times
 
         for coordinate in (name, along):
             self.solution.system.coordinate(coordinate)
@@ -159,14 +160,14 @@ class Motion:
 
         θ of a libration is zero when all coordinates stand at their lower turning points.
         """
-        from hjsolve.passages import angle_variables
+        from hjsolve.motion.crossings import angle_variables
 
         self._require("angles")
         return angle_variables(self._source, t)
 
     def input_doubt(self) -> dict[str, dict[str, float]]:
         """Return how far each number can move when every float input moves by half an ulp; see ``conditioning``."""
-        from hjsolve.conditioning import input_doubt
+        from hjsolve.motion.input_sensitivity import input_doubt
 
         return input_doubt(self)
 
@@ -276,7 +277,7 @@ def _certified(solution: Solution, initial: Initial, t0: sp.Expr, digits: int, p
 
     The proof needs kinds and guesses, in few digits and without an integral.
     """
-    from hjsolve.certified import enclose, librating, lines, work_bits
+    from hjsolve.motion.certified import enclose, librating, lines, work_bits
 
     begins = {name: replace(_start(solution, initial, name), parts=frozenset[str]()) for name in solution.coordinates}
     radicands = {name: begin.radicand for name, begin in begins.items()}
@@ -394,6 +395,6 @@ def _assemble(
     )  # fmt: skip
     if "boundary" not in kinds.values() or not timed:
         return motion
-    from hjsolve.passages import boundary_times
+    from hjsolve.motion.crossings import boundary_times
 
     return replace(motion, boundary_times=boundary_times(motion))

@@ -10,7 +10,7 @@ import numpy as np
 from hjsolve.arguments import described
 from hjsolve.errors import InvalidInputError
 from hjsolve.formulas.read import number
-from hjsolve.initial import to_bits
+from hjsolve.motion.initial_data import to_bits
 
 
 def grid(values: Any, source: str) -> Any:

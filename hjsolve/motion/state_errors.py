@@ -10,17 +10,17 @@ import numpy as np
 import sympy as sp
 
 from hjsolve.mechanics.system import hamiltonian, velocities
+from hjsolve.motion.near_poles import from_table, grain, places, worked_out
+from hjsolve.motion.phases import Phases, courses_of
+from hjsolve.motion.positions import constant_index, evaluate, rounding
+from hjsolve.motion.tabulated import Dense
 from hjsolve.numeric.arithmetic import Multi, multiprecision
 from hjsolve.numeric.course import Bounded, Course, Open
 from hjsolve.numeric.inverse import Torus, oscillation
 from hjsolve.numeric.series import Series
-from hjsolve.trajectory.dense import Dense
-from hjsolve.trajectory.phases import Phases, courses_of
-from hjsolve.trajectory.positions import constant_index, evaluate, rounding
-from hjsolve.trajectory.sharp import from_table, grain, places, worked_out
 
 if TYPE_CHECKING:
-    from hjsolve.motion import Motion
+    from hjsolve.motion.motion import Motion
 
 _EPS = 2.0**-52
 _LEAST = 2.0**-1074
