@@ -15,7 +15,6 @@ from hjsolve._version import __version__ as __version__
 
 if TYPE_CHECKING:
     from hjsolve import catalog as catalog
-    from hjsolve import frames as frames
     from hjsolve.coordinates import Coordinates as Coordinates
     from hjsolve.coordinates import NormalModes as NormalModes
     from hjsolve.coordinates import Web as Web
@@ -39,8 +38,9 @@ if TYPE_CHECKING:
     from hjsolve.errors import NotConvergedError as NotConvergedError
     from hjsolve.errors import NotSeparableError as NotSeparableError
     from hjsolve.errors import OutsideMotionError as OutsideMotionError
-    from hjsolve.gyroscopic import linear_modes as linear_modes
-    from hjsolve.hamiltonians import from_hamiltonian as from_hamiltonian
+    from hjsolve.extended import moving_frame as frames
+    from hjsolve.extended.gyroscopic import linear_modes as linear_modes
+    from hjsolve.extended.linear_hamiltonian import from_hamiltonian as from_hamiltonian
     from hjsolve.mechanics.system import Coordinate as Coordinate
     from hjsolve.mechanics.system import Domain as Domain
     from hjsolve.mechanics.system import Parameter as Parameter
@@ -68,14 +68,14 @@ _HOMES = {
     "sweep": "sweeps", "Swept": "sweeps",
     "Motion": "motion.motion", "Estimate": "numeric.estimate",
     "report": "reports", "cost": "costs", "Cost": "costs", "Scene": "scenes",
-    "linear_modes": "gyroscopic", "from_hamiltonian": "hamiltonians",
+    "linear_modes": "extended.gyroscopic", "from_hamiltonian": "extended.linear_hamiltonian",
     "CatalogError": "errors", "ClusterError": "errors", "ExpressionError": "errors",
     "ForbiddenMotionError": "errors", "HJSolveError": "errors",
     "InternalError": "errors", "InvalidInputError": "errors", "InvalidSystemError": "errors",
     "MissingExtraError": "errors", "MissingValueError": "errors", "NotConvergedError": "errors",
     "NotSeparableError": "errors", "OutsideMotionError": "errors",
 }  # fmt: skip
-_MODULES = frozenset({"catalog", "frames"})
+_MODULES = {"catalog": "catalog", "frames": "extended.moving_frame"}
 
 __all__ = ["__version__", *sorted(_MODULES), *sorted(_HOMES)]  # noqa: PLE0604
 
@@ -83,7 +83,7 @@ __all__ = ["__version__", *sorted(_MODULES), *sorted(_HOMES)]  # noqa: PLE0604
 def __getattr__(name: str) -> Any:
     """Import a public name when it is first asked for (PEP 562)."""
     if name in _MODULES:
-        return importlib.import_module(f"hjsolve.{name}")
+        return importlib.import_module(f"hjsolve.{_MODULES[name]}")
     if name not in _HOMES:
         raise AttributeError(f"module 'hjsolve' has no attribute {name!r}")
     value = getattr(importlib.import_module(f"hjsolve.{_HOMES[name]}"), name)

@@ -12,7 +12,7 @@ from hjsolve.errors import InvalidInputError, NotSeparableError
 
 if TYPE_CHECKING:
     from hjsolve.coordinates import NormalModes
-    from hjsolve.hamiltonians import LinearHamiltonian
+    from hjsolve.extended.linear_hamiltonian import LinearHamiltonian
     from hjsolve.mechanics.system import System
     from hjsolve.reports.document import Section, Text
 

@@ -11,7 +11,7 @@ from hjsolve.arguments import ascii_name
 from hjsolve.errors import InvalidInputError
 
 if TYPE_CHECKING:
-    from hjsolve.hamiltonians import LinearHamiltonian
+    from hjsolve.extended.linear_hamiltonian import LinearHamiltonian
     from hjsolve.mechanics.system import System
     from hjsolve.reports.document import Section
     from hjsolve.scenes import Scene
@@ -36,10 +36,10 @@ def frame(options: Namespace, solved: Solution | None = None) -> Section | None:
     """The section about the frame that an entry declares; None where it declares none."""
     if options.system is None or options.coordinate:
         return None
-    from hjsolve import frames
+    from hjsolve.extended import moving_frame
     from hjsolve.reports.framed import frame_section
 
-    frame = frames.of(located(options.system))
+    frame = moving_frame.of(located(options.system))
     return None if frame is None else frame_section(frame, solved)
 
 

@@ -7,7 +7,7 @@ from dataclasses import dataclass, field
 from typing import Any
 
 from hjsolve.catalog import outside
-from hjsolve.hamiltonians import LinearHamiltonian
+from hjsolve.extended.linear_hamiltonian import LinearHamiltonian
 from hjsolve.mechanics.system import System
 
 

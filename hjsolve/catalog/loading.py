@@ -22,8 +22,8 @@ from hjsolve.catalog.entry import Entry as Entry
 from hjsolve.catalog.entry import InitialData as InitialData
 from hjsolve.catalog.entry import Reference as Reference
 from hjsolve.errors import CatalogError, InvalidInputError, NotSeparableError
+from hjsolve.extended.linear_hamiltonian import GeneralHamiltonian, LinearHamiltonian, from_hamiltonian
 from hjsolve.formulas.tokens import printable
-from hjsolve.hamiltonians import GeneralHamiltonian, LinearHamiltonian, from_hamiltonian
 from hjsolve.mechanics.system import System, parameter
 
 _FOLDERS = {"separable": "systems", "extended": "extended", "refused": "refused", "outside": "outside"}

@@ -17,8 +17,8 @@ import sympy as sp
 
 from hjsolve import arguments
 from hjsolve.errors import InvalidInputError, MissingValueError
+from hjsolve.extended.linear_hamiltonian import GeneralHamiltonian, LinearHamiltonian
 from hjsolve.formulas.read import number
-from hjsolve.hamiltonians import GeneralHamiltonian, LinearHamiltonian
 from hjsolve.lowering import lower
 from hjsolve.mechanics.system import System, momenta, refuse_turns_that_differ
 from hjsolve.motion.rational_values import rational_value

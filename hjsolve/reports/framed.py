@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import sympy as sp
 
-from hjsolve.frames import Frame
+from hjsolve.extended.moving_frame import Frame
 from hjsolve.mechanics.system import hamiltonian
 from hjsolve.reports.boxes import Glyph
 from hjsolve.reports.document import Block, Paragraph, Section

@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING, Any
 
 import sympy as sp
 
-from hjsolve.hamiltonians import LinearHamiltonian
+from hjsolve.extended.linear_hamiltonian import LinearHamiltonian
 from hjsolve.reports.boxes import Glyph, Script, row
 from hjsolve.reports.document import Block, Document, Mathematics, Note, Paragraph, Section, Table, Text
 from hjsolve.reports.names import name_box
@@ -16,7 +16,7 @@ from hjsolve.reports.prose import domain_text, prose
 from hjsolve.reports.symbolic import EQUALS, formula, math
 
 if TYPE_CHECKING:
-    from hjsolve.general import LinearMotion
+    from hjsolve.extended.linear_hamiltonian_motion import LinearMotion
 
 _SHOWN = 9
 

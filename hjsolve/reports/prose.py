@@ -5,7 +5,7 @@ from __future__ import annotations
 import re
 from collections.abc import Collection
 
-from hjsolve.hamiltonians import LinearHamiltonian
+from hjsolve.extended.linear_hamiltonian import LinearHamiltonian
 from hjsolve.mechanics.system import Domain, System
 from hjsolve.reports.boxes import Box, Glyph, row
 from hjsolve.reports.document import Code, Inline, Mathematics, Text

@@ -9,7 +9,7 @@ from typing import Any
 from hjsolve import catalog
 from hjsolve.costs.measure import Progress
 from hjsolve.errors import NotConvergedError
-from hjsolve.hamiltonians import LinearHamiltonian
+from hjsolve.extended.linear_hamiltonian import LinearHamiltonian
 from hjsolve.reports.content import Material, Subject, document, gather, initial_of
 from hjsolve.reports.document import Document
 from hjsolve.reports.files import checked_path, readable_errors, replace

@@ -8,7 +8,7 @@ import sympy as sp
 from mpmath import mp
 
 from hjsolve import catalog, frames
-from hjsolve.gyroscopic import LAMBDA, LinearModes, linear_modes
+from hjsolve.extended.gyroscopic import LAMBDA, LinearModes, linear_modes
 from tests import entries
 from tests.catalog.book import (
     RESULTS,

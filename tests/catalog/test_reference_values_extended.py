@@ -8,7 +8,7 @@ from mpmath import mp
 
 from hjsolve import catalog
 from hjsolve.catalog import Reference
-from hjsolve.gyroscopic import linear_modes
+from hjsolve.extended.gyroscopic import linear_modes
 from hjsolve.solution.quadratures import solve
 from tests.entries import described as entry
 from tests.reference import extended

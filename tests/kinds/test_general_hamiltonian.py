@@ -7,7 +7,7 @@ import sympy as sp
 from mpmath import mp, mpf
 
 from hjsolve.errors import InvalidInputError, InvalidSystemError, OutsideMotionError
-from hjsolve.hamiltonians import LinearHamiltonian, from_hamiltonian
+from hjsolve.extended.linear_hamiltonian import LinearHamiltonian, from_hamiltonian
 from hjsolve.mechanics.system import System, hamiltonian
 from hjsolve.solution.quadratures import solve
 

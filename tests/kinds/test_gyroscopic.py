@@ -11,7 +11,7 @@ from mpmath import mp, mpf
 
 from hjsolve import catalog
 from hjsolve.errors import InvalidInputError, InvalidSystemError
-from hjsolve.gyroscopic import LAMBDA, linear_modes
+from hjsolve.extended.gyroscopic import LAMBDA, linear_modes
 from hjsolve.mechanics.system import System, hamiltonian
 from hjsolve.separation import Obstruction, separate
 from tests import entries

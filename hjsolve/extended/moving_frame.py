@@ -24,7 +24,7 @@ from hjsolve.separation.zero_test import Zero, is_zero
 from hjsolve.solution.quadratures import Solution, solve
 
 if TYPE_CHECKING:
-    from hjsolve.framed import FramedMotion
+    from hjsolve.extended.moving_frame_motion import FramedMotion
 
 TIME = "t"
 
@@ -105,7 +105,7 @@ class Frame:
             t0: the initial time; it matters, since the original system contains the time.
             digits: relative digits wanted.
         """
-        from hjsolve.framed import start
+        from hjsolve.extended.moving_frame_motion import start
 
         return start(self, q=q, velocity=velocity, p=p, parameters=parameters or {}, t0=t0, digits=digits)
 

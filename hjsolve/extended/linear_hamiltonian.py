@@ -26,8 +26,8 @@ from hjsolve.mechanics.periodicity import is_periodic
 from hjsolve.mechanics.system import Coordinate, Parameter, System
 
 if TYPE_CHECKING:
-    from hjsolve.general import LinearMotion
-    from hjsolve.level_motion import LevelMotion
+    from hjsolve.extended.level_motion import LevelMotion
+    from hjsolve.extended.linear_hamiltonian_motion import LinearMotion
 
 ENERGY = sp.Symbol("E", real=True)
 TIME = sp.Symbol("t", real=True)
@@ -100,7 +100,7 @@ class LinearHamiltonian:
         Raises:
             InvalidInputError: no momentum. MissingValueError: a number is missing.
         """
-        from hjsolve.general import start
+        from hjsolve.extended.linear_hamiltonian_motion import start
 
         return start(self, q=q, velocity=velocity, p=p, parameters=parameters or {}, t0=t0, digits=digits)
 
@@ -176,7 +176,7 @@ class GeneralHamiltonian:
             NotConvergedError: the motion does not come back, or meets a place where branches p(q; E) cannot be told
                 apart.
         """
-        from hjsolve.level_motion import start
+        from hjsolve.extended.level_motion import start
 
         return start(self, q=q, velocity=velocity, p=p, parameters=parameters or {}, t0=t0, digits=digits)
 

@@ -1,6 +1,6 @@
 """Motions of any H(q, p) of one degree of freedom that come back: period, action, turning points, states.
 
-The curve H = E is followed branch by branch (``numeric.level_curve``); the formulas are in ``hjsolve.hamiltonians``.
+The curve H = E is followed branch by branch (``numeric.level_curve``); the formulas are in ``hjsolve.extended.linear_hamiltonian``.
 """
 
 from __future__ import annotations
@@ -14,8 +14,8 @@ import sympy as sp
 
 from hjsolve import arguments
 from hjsolve.errors import InvalidInputError, MissingValueError, NotConvergedError
+from hjsolve.extended.linear_hamiltonian import GeneralHamiltonian
 from hjsolve.formulas.read import number
-from hjsolve.hamiltonians import GeneralHamiltonian
 from hjsolve.lowering import lower
 from hjsolve.motion.initial_data import is_zero, parameter_values, to_bits
 from hjsolve.motion.state import Errors, State

@@ -11,8 +11,8 @@ import sympy as sp
 
 from hjsolve import arguments
 from hjsolve.errors import InvalidInputError, MissingValueError
+from hjsolve.extended.moving_frame import Frame, initial_data
 from hjsolve.formulas.read import number
-from hjsolve.frames import Frame, initial_data
 from hjsolve.lowering import lower
 from hjsolve.mechanics.system import momenta
 from hjsolve.motion.initial_data import parameter_values, to_bits

@@ -1,7 +1,7 @@
 """Motions of H = a(q) p + b(q): ∫ dq/a = t − t₀ by quadrature, inverted by Newton's method; p from H = E.
 
 Where a(q) vanishes at the start q rests and p follows its own linear equation. The formulas are in
-``hjsolve.hamiltonians``. Digits are carried well beyond those asked, so the error stated covers the quadrature, the
+``hjsolve.extended.linear_hamiltonian``. Digits are carried well beyond those asked, so the error stated covers the quadrature, the
 inversion and the rounding.
 """
 
@@ -16,8 +16,8 @@ import sympy as sp
 
 from hjsolve import arguments
 from hjsolve.errors import InvalidInputError, MissingValueError, NotConvergedError, OutsideMotionError
+from hjsolve.extended.linear_hamiltonian import LinearHamiltonian
 from hjsolve.formulas.read import number
-from hjsolve.hamiltonians import LinearHamiltonian
 from hjsolve.lowering import lower
 from hjsolve.motion.initial_data import parameter_values, to_bits
 from hjsolve.motion.state import Errors, State
