@@ -1,5 +1,5 @@
 """``python -m hjsolve``: the command line."""
 
-from hjsolve.cli import main
+from hjsolve.command_line.main import main
 
 raise SystemExit(main())

@@ -16,18 +16,18 @@ def loaded_by(code: str) -> set[str]:
     return set(run.stdout.rpartition("LOADED")[2].split())
 
 
-@pytest.mark.parametrize("code", ["import hjsolve", "import hjsolve.cli", "import hjsolve.errors"])
+@pytest.mark.parametrize("code", ["import hjsolve", "import hjsolve.command_line.main", "import hjsolve.errors"])
 def test_importing_loads_nothing_heavy(code: str) -> None:
     assert loaded_by(code).isdisjoint(HEAVY)
 
 
 def test_help_loads_nothing_heavy() -> None:
-    code = "import contextlib, io, hjsolve.cli\nwith contextlib.redirect_stdout(io.StringIO()): hjsolve.cli.main(['check', '--help'])"
+    code = "import contextlib, io, hjsolve.command_line.main\nwith contextlib.redirect_stdout(io.StringIO()): hjsolve.command_line.main.main(['check', '--help'])"
     assert loaded_by(code).isdisjoint(HEAVY)
 
 
 def test_checking_a_system_needs_no_numpy() -> None:
-    code = "import contextlib, io, hjsolve.cli\nwith contextlib.redirect_stdout(io.StringIO()): hjsolve.cli.main(['check', 'kepler-planar'])"
+    code = "import contextlib, io, hjsolve.command_line.main\nwith contextlib.redirect_stdout(io.StringIO()): hjsolve.command_line.main.main(['check', 'kepler-planar'])"
     loaded = loaded_by(code)
     assert "sympy" in loaded
     assert "numpy" not in loaded

@@ -12,7 +12,7 @@ from typing import Any
 import pytest
 
 import hjsolve
-from hjsolve.cli import main
+from hjsolve.command_line.main import main
 from hjsolve.costs import Cost, Row
 from hjsolve.errors import CatalogError, InvalidInputError, NotSeparableError
 

@@ -64,7 +64,7 @@ def test_without_time_nothing_is_called_failed_and_nothing_breaks() -> None:
 
 
 def test_reports_and_the_command_line_say_whether_the_solution_solves(capsys: pytest.CaptureFixture[str]) -> None:
-    from hjsolve.cli import main
+    from hjsolve.command_line.main import main
 
     assert main(["solve", "relativistic-oscillator"]) == 0
     out = capsys.readouterr().out

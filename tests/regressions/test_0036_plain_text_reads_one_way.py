@@ -15,7 +15,7 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 import hjsolve
-from hjsolve.cli import main
+from hjsolve.command_line.main import main
 from hjsolve.reports.names import name_box
 from hjsolve.reports.notation import box, tidy
 from hjsolve.reports.plain import plain

@@ -15,7 +15,7 @@ import sympy as sp
 
 import hjsolve
 from hjsolve import frames
-from hjsolve.cli import main
+from hjsolve.command_line.main import main
 from hjsolve.mechanics.system import hamiltonian
 from hjsolve.reports.content import document, gather
 from hjsolve.reports.framed import principal_function

@@ -11,7 +11,7 @@ import pytest
 
 import hjsolve
 from hjsolve import catalog
-from hjsolve.cli import main
+from hjsolve.command_line.main import main
 
 Capture = pytest.CaptureFixture[str]
 KEPLER = catalog.load("kepler-planar")
@@ -171,7 +171,7 @@ def test_they_are_not_named_where_they_would_refuse() -> None:
 
 def test_a_wrong_output_is_told_before_anything_heavy_is_loaded() -> None:
     code = (
-        "import sys\nfrom hjsolve.cli import main\nstatus = main(['report', 'kepler-planar', '-o', 'x.doc'])\n"
+        "import sys\nfrom hjsolve.command_line.main import main\nstatus = main(['report', 'kepler-planar', '-o', 'x.doc'])\n"
         "print(status, 'sympy' in sys.modules, 'numpy' in sys.modules)"
     )
     done = subprocess.run([sys.executable, "-c", code], capture_output=True, text=True, timeout=60, check=True)

@@ -11,7 +11,7 @@ import pytest
 import sympy as sp
 
 import hjsolve
-from hjsolve.cli import main
+from hjsolve.command_line.main import main
 from hjsolve.costs import Cost, Row
 from hjsolve.reports.boxes import Glyph, Grid, width
 from hjsolve.reports.boxes import Row as BoxRow

@@ -4,7 +4,7 @@ import pytest
 import sympy as sp
 
 import hjsolve
-from hjsolve import cli
+from hjsolve.command_line import main
 
 POLAR = {"r": "0 < r", "theta": "angle"}
 KINETIC = "(dot(r)**2 + r**2*dot(theta)**2)/2"
@@ -69,9 +69,9 @@ def test_numbers_are_refused_in_one_clear_error():
 
 def test_the_command_line_and_a_file_declare_functions_too(capsys, tmp_path):
     own = ["--coordinate", "r: 0 < r", "--coordinate", "theta: angle", "-T", KINETIC, "-V", "v1(r)"]
-    assert cli.main(["solve", *own, "--function", "v1(r)"]) == 0
+    assert main.main(["solve", *own, "--function", "v1(r)"]) == 0
     assert "v₁" in (out := capsys.readouterr().out) or "v1" in out
-    assert cli.main(["solve", *own]) == 2
+    assert main.main(["solve", *own]) == 2
     assert "declare functions" in capsys.readouterr().err
     file = tmp_path / "central.toml"
     file.write_text(
@@ -79,4 +79,4 @@ def test_the_command_line_and_a_file_declare_functions_too(capsys, tmp_path):
         'potential = "v1(r)"\nfunctions = ["v1(r)"]\n'
         'coordinates = [{name = "r", domain = "0 < r"}, {name = "theta", domain = "angle"}]\n'
     )
-    assert cli.main(["check", str(file)]) == 0
+    assert main.main(["check", str(file)]) == 0

@@ -9,7 +9,7 @@ from typing import Any
 import pytest
 
 import hjsolve
-from hjsolve.cli import main
+from hjsolve.command_line.main import main
 from hjsolve.scenes import Scene, choice
 from hjsolve.scenes.run import run
 

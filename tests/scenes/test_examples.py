@@ -9,7 +9,7 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from hjsolve.cli import main
+from hjsolve.command_line.main import main
 from hjsolve.reports.html import html
 from hjsolve.reports.json import json_text
 from hjsolve.reports.markdown import markdown

@@ -7,7 +7,7 @@ from typing import Any
 
 import pytest
 
-from hjsolve.cli import main
+from hjsolve.command_line.main import main
 from hjsolve.errors import CatalogError
 from hjsolve.scenes import Scene
 

@@ -12,7 +12,7 @@ import numpy as np
 import pytest
 
 import hjsolve
-from hjsolve.cli import main
+from hjsolve.command_line.main import main
 
 dataset = pytest.importorskip("pyarrow.dataset", reason="needs the extra cluster")
 pq = pytest.importorskip("pyarrow.parquet", reason="needs the extra cluster")

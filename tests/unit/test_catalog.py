@@ -7,7 +7,7 @@ import pytest
 import sympy as sp
 
 from hjsolve import catalog
-from hjsolve.cli import main
+from hjsolve.command_line.main import main
 from hjsolve.errors import CatalogError, NotSeparableError
 
 GOOD = """

@@ -13,7 +13,7 @@ from pathlib import Path
 
 import pytest
 
-from hjsolve.cli import main
+from hjsolve.command_line.main import main
 
 Capture = pytest.CaptureFixture[str]
 KEPLER = ["--coordinate", "r: 0 < r", "--coordinate", "theta: angle", "--kinetic", "m/2*(dot(r)**2 + r**2*dot(theta)**2)",
@@ -254,8 +254,8 @@ def test_a_closed_pipe_is_no_error_message() -> None:
 
 def test_interrupt_is_one_line(tmp_path: Path) -> None:
     code = """
-import signal, sys, time, hjsolve.commands as c
-from hjsolve.cli import main
+import signal, sys, time, hjsolve.command_line.commands as c
+from hjsolve.command_line.main import main
 signal.signal(signal.SIGINT, signal.default_int_handler)  # a job in the background inherits that it is ignored
 c.check = lambda options: (print('ready', flush=True), time.sleep(30))
 sys.exit(main(['check', 'x']))
@@ -289,7 +289,7 @@ def test_a_fault_of_ours_is_one_line_and_asks_for_a_report(monkeypatch: pytest.M
     def broken(options: object) -> int:
         raise ZeroDivisionError("division by zero")
 
-    monkeypatch.setattr("hjsolve.commands.check", broken)
+    monkeypatch.setattr("hjsolve.command_line.commands.check", broken)
     monkeypatch.delenv("HJSOLVE_TRACEBACK", raising=False)
     assert main(["check", "pendulum"]) == 3
     error = capsys.readouterr().err

@@ -8,7 +8,7 @@ import pytest
 import sympy as sp
 
 from hjsolve import Separation, System, find_coordinates, separate
-from hjsolve.cli import main
+from hjsolve.command_line.main import main
 from hjsolve.coordinates.exceptional import exceptional_values
 from hjsolve.coordinates.killing import kernel, killing_basis
 from hjsolve.reports.webs import command

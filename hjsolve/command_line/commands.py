@@ -7,7 +7,7 @@ from pathlib import Path
 from tempfile import TemporaryDirectory
 from typing import TYPE_CHECKING, Any
 
-from hjsolve import meant
+from hjsolve.command_line import arguments_read
 from hjsolve.errors import InvalidInputError, NotSeparableError
 
 if TYPE_CHECKING:
@@ -17,7 +17,7 @@ if TYPE_CHECKING:
     from hjsolve.reports.document import Section, Text
 
 ANSWER, REFUSED, BAD_INPUT, UNSETTLED, INTERRUPTED = 0, 1, 2, 3, 130
-"""Exit statuses; see ``hjsolve.cli``."""
+"""Exit statuses; see ``hjsolve.command_line.main``."""
 
 
 def check(options: Namespace) -> int:
@@ -33,16 +33,16 @@ def check(options: Namespace) -> int:
     from hjsolve.reports.text import wrapped
     from hjsolve.separation import Separation, separate
 
-    if (problem := meant.hamiltonian(options)) is not None:
+    if (problem := arguments_read.hamiltonian(options)) is not None:
         return _print_hamiltonian(problem, solved=False)
     try:
-        system = meant.system(options)
+        system = arguments_read.system(options)
     except NotSeparableError as outside:  # a catalog entry that is no T and V: its reason is the answer
         print(wrapped((str(outside),)))
         return REFUSED
     verdict = separate(system)
     evidence = symbolic.evidence_section(verdict, lead=False)
-    sections: list[Section | None] = [meant.frame(options), symbolic.reduction_section(verdict), evidence]
+    sections: list[Section | None] = [arguments_read.frame(options), symbolic.reduction_section(verdict), evidence]
     sections.append(
         quadratures.forms_section(verdict) if isinstance(verdict, Separation) else symbolic.refusal_section(verdict)
     )
@@ -64,13 +64,13 @@ def solve(options: Namespace) -> int:
     from hjsolve.separation import Separation, separate
     from hjsolve.solution import quadratures as solution
 
-    if (problem := meant.hamiltonian(options)) is not None:
+    if (problem := arguments_read.hamiltonian(options)) is not None:
         return _print_hamiltonian(problem, solved=True)
-    system = meant.system(options)
+    system = arguments_read.system(options)
     verdict = separate(system)
     if isinstance(verdict, Separation):
         solved = solution.solve(verdict)
-        _print(system, [meant.frame(options, solved), *quadratures.solution_sections(solved), laws_section(solved)])
+        _print(system, [arguments_read.frame(options, solved), *quadratures.solution_sections(solved), laws_section(solved)])
     else:
         evidence = [symbolic.evidence_section(verdict, lead=False), symbolic.refusal_section(verdict)]
         _print(system, evidence, symbolic.answer(verdict))
@@ -88,7 +88,7 @@ def coordinates(options: Namespace) -> int:
     """
     from hjsolve.reports import webs
 
-    system = meant.system(options)
+    system = arguments_read.system(options)
     modes = _modes(system)
     if modes is not None and len(system.coordinates) not in {2, 3}:
         _print(system, [webs.modes_section(modes)], webs.modes_answer(modes))
@@ -138,26 +138,26 @@ def report(options: Namespace) -> int:
 
 def _reported(options: Namespace, target: Path) -> tuple[int, Path]:
     """Write the report; the exit status and the file."""
-    from hjsolve.cost_command import progress_bar
+    from hjsolve.command_line.cost import progress_bar
     from hjsolve.reports.content import gather
     from hjsolve.reports.outside import outside_document
     from hjsolve.reports.write import outside_entry, save, save_hamiltonian, save_scene, write_document
 
-    if (scene := meant.scene(options)) is not None:
+    if (scene := arguments_read.scene(options)) is not None:
         return ANSWER, save_scene(scene, target, options.cost, progress_bar())
-    if not options.coordinate and (outside := outside_entry(meant.located(options.system))) is not None:
+    if not options.coordinate and (outside := outside_entry(arguments_read.located(options.system))) is not None:
         return REFUSED, write_document(outside_document(outside), target)
-    initial = meant.initial(options)
-    if meant.hamiltonian(options) is not None:
-        initial = initial or meant.own_motion(options)
+    initial = arguments_read.initial(options)
+    if arguments_read.hamiltonian(options) is not None:
+        initial = initial or arguments_read.own_motion(options)
         told = {"initial": initial, "motion": options.motion, "digits": options.digits}
-        return ANSWER, save_hamiltonian(meant.located(options.system), target, **told)
+        return ANSWER, save_hamiltonian(arguments_read.located(options.system), target, **told)
     subject: Any = options.system
     if options.coordinate or options.effect or options.system is None:
-        subject = meant.system(options)
+        subject = arguments_read.system(options)
     if initial is None and options.system is not None:
-        initial = meant.own_motion(options)
-    material = gather(meant.located(subject), initial=initial, motion=options.motion, digits=options.digits)
+        initial = arguments_read.own_motion(options)
+    material = gather(arguments_read.located(subject), initial=initial, motion=options.motion, digits=options.digits)
     return _status(material.verdict), save(material, target, options.cost, progress_bar())
 
 
@@ -170,9 +170,9 @@ def cost(options: Namespace) -> int:
     Returns:
         The exit status.
     """
-    from hjsolve.cost_command import cost as measured
+    from hjsolve.command_line.cost import cost as measured
 
-    measured(options, meant.located(options.subject))
+    measured(options, arguments_read.located(options.subject))
     return ANSWER
 
 
@@ -185,7 +185,7 @@ def sweep(options: Namespace) -> int:
     Returns:
         The exit status.
     """
-    from hjsolve.sweeps.command import run
+    from hjsolve.command_line.sweep import run
 
     return run(options)
 
@@ -200,12 +200,12 @@ def catalog(options: Namespace) -> int:
         The exit status.
     """
     from hjsolve import catalog as entries
-    from hjsolve import listing
+    from hjsolve.command_line import catalog_listing
 
     if options.action == "list":
         if options.entry is not None:
             raise InvalidInputError(f"catalog list: takes no entry; write `hjsolve catalog show {options.entry}`")
-        listing.entries(separable=options.separable, kind=options.kind, book=options.book)
+        catalog_listing.entries(separable=options.separable, kind=options.kind, book=options.book)
         return ANSWER
     if options.action == "search":
         return _search(options)
@@ -215,24 +215,24 @@ def catalog(options: Namespace) -> int:
         raise InvalidInputError(
             f"catalog {options.action}: an entry is needed, e.g. `hjsolve catalog {options.action} kepler-planar`"
         )
-    entry = entries.describe(meant.located(options.entry))
+    entry = entries.describe(arguments_read.located(options.entry))
     if options.action == "check":
         print(
             f"{options.entry}: a correct entry, {len(entry.motions)} motions, {len(entry.effects)} effects, "
             f"{len(entry.references)} reference values"
         )
     else:
-        listing.entry(entry)
+        catalog_listing.entry(entry)
     return ANSWER
 
 
 # -------------------------------------------------------------------------------- printing
 def _search(options: Namespace) -> int:
-    from hjsolve import listing
+    from hjsolve.command_line import catalog_listing
 
     if options.entry is None:
         raise InvalidInputError('catalog search: words are needed, e.g. `hjsolve catalog search "black hole"`')
-    found = listing.search(options.entry, separable=options.separable, kind=options.kind, book=options.book)
+    found = catalog_listing.search(options.entry, separable=options.separable, kind=options.kind, book=options.book)
     return ANSWER if found else REFUSED
 
 

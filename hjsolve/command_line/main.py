@@ -12,9 +12,9 @@ import sys
 from collections.abc import Sequence
 from typing import NoReturn, TypeAlias
 
-from hjsolve import commands
 from hjsolve._version import __version__
-from hjsolve.commands import ANSWER, BAD_INPUT, INTERRUPTED, REFUSED, UNSETTLED
+from hjsolve.command_line import commands
+from hjsolve.command_line.commands import ANSWER, BAD_INPUT, INTERRUPTED, REFUSED, UNSETTLED
 from hjsolve.errors import (
     ClusterError,
     HJSolveError,

@@ -17,7 +17,7 @@ def run(options: Namespace) -> int:
         options: the parsed arguments.
 
     Returns:
-        The exit status; see ``hjsolve.cli``.
+        The exit status; see ``hjsolve.command_line.main``.
     """
     out = options.output
     try:
