@@ -20,9 +20,9 @@ import numpy as np
 
 import hjsolve
 from hjsolve import batch
+from hjsolve.arithmetic.double_double import Doubled
+from hjsolve.arithmetic.error_free import Pair
 from hjsolve.batch.programs import available
-from hjsolve.numeric.doubled import Doubled
-from hjsolve.numeric.error_free import Pair
 
 DATA = Path(__file__).resolve().parents[1] / "tests" / "batch" / "kuzmin_kutuzov.npz"
 COLUMNS = (("actions", "u"), ("actions", "w"), ("frequencies", "u"), ("frequencies", "phi"), ("frequencies", "w"))

@@ -134,8 +134,8 @@ def certified() -> None:
     """
     import flint
 
+    from hjsolve.arithmetic.ball import working
     from hjsolve.motion import certified as proof
-    from hjsolve.numeric.ball import working
     from hjsolve.numeric.strip import means
 
     solution = hjsolve.solve(hjsolve.catalog.load("pendulum"))

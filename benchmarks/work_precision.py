@@ -98,7 +98,7 @@ def growth() -> dict[str, Any]:
 
 def by_digits() -> dict[str, list[dict[str, float]]]:
     import hjsolve
-    from hjsolve.numeric.counting import counted
+    from hjsolve.arithmetic.work_counter import counted
 
     found: dict[str, list[dict[str, float]]] = {}
     for name in ("kepler-planar", "pendulum", "lagrange-top"):
@@ -123,7 +123,7 @@ def by_digits() -> dict[str, list[dict[str, float]]]:
 def by_separatrix() -> dict[str, list[dict[str, float]]]:
     """The pendulum's period at an amplitude with k'² = 1 − k² = 10^−n, from its exact energy."""
     import hjsolve
-    from hjsolve.numeric.counting import counted
+    from hjsolve.arithmetic.work_counter import counted
 
     solution = hjsolve.solve(hjsolve.catalog.load("pendulum"))
     found: dict[str, list[dict[str, float]]] = {}

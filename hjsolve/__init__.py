@@ -15,6 +15,7 @@ from hjsolve._version import __version__ as __version__
 
 if TYPE_CHECKING:
     from hjsolve import catalog as catalog
+    from hjsolve.arithmetic.estimate import Estimate as Estimate
     from hjsolve.coordinates import Coordinates as Coordinates
     from hjsolve.coordinates import NormalModes as NormalModes
     from hjsolve.coordinates import Web as Web
@@ -46,7 +47,6 @@ if TYPE_CHECKING:
     from hjsolve.mechanics.system import Parameter as Parameter
     from hjsolve.mechanics.system import System as System
     from hjsolve.motion.motion import Motion as Motion
-    from hjsolve.numeric.estimate import Estimate as Estimate
     from hjsolve.reports import report as report
     from hjsolve.scenes import Scene as Scene
     from hjsolve.separation import Obstruction as Obstruction
@@ -66,7 +66,7 @@ _HOMES = {
     "solve": "solution.quadratures", "Solution": "solution.quadratures",
     "ensemble": "ensembles", "Batch": "ensembles", "Status": "ensembles",
     "sweep": "sweeps", "Swept": "sweeps",
-    "Motion": "motion.motion", "Estimate": "numeric.estimate",
+    "Motion": "motion.motion", "Estimate": "arithmetic.estimate",
     "report": "reports", "cost": "costs", "Cost": "costs", "Scene": "scenes",
     "linear_modes": "extended.gyroscopic", "from_hamiltonian": "extended.linear_hamiltonian",
     "CatalogError": "errors", "ClusterError": "errors", "ExpressionError": "errors",

@@ -7,8 +7,8 @@ from functools import lru_cache
 
 import sympy as sp
 
+from hjsolve.arithmetic.tape import UNARY, Operation, Tape
 from hjsolve.errors import InvalidInputError
-from hjsolve.numeric.tape import UNARY, Operation, Tape
 
 _FUNCTIONS = {
     getattr(sp, name.capitalize() if name == "abs" else name): name for name in UNARY if name not in {"neg", "sqrt"}

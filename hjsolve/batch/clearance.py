@@ -18,11 +18,11 @@ from typing import Any
 
 import numpy as np
 
-from hjsolve.numeric.arithmetic import Float64
-from hjsolve.numeric.disks import Disk
-from hjsolve.numeric.error_free import Pair
-from hjsolve.numeric.logarithms import Logarithms
-from hjsolve.numeric.tape import Tape
+from hjsolve.arithmetic.complex_disks import Disk
+from hjsolve.arithmetic.disks_with_logarithms import Logarithms
+from hjsolve.arithmetic.error_free import Pair
+from hjsolve.arithmetic.floats import Float64
+from hjsolve.arithmetic.tape import Tape
 
 GROWTH = 100.0
 """How much larger than on the real axis functions may be in a disk."""

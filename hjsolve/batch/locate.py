@@ -7,6 +7,9 @@ from typing import Any
 
 import numpy as np
 
+from hjsolve.arithmetic.double_double import Doubled
+from hjsolve.arithmetic.error_free import Pair, two_sum
+from hjsolve.arithmetic.second_differences import FUNCTIONS
 from hjsolve.batch.columns import Status
 from hjsolve.batch.model import Formula, Model, Separated
 from hjsolve.batch.nodes import EVEN, MOST
@@ -14,9 +17,6 @@ from hjsolve.batch.quadrature import Region
 from hjsolve.batch.roots import bracket, first_step, kept, refine
 from hjsolve.batch.start import Begin, slope
 from hjsolve.batch.views import Fine, Knowns, Near, Raw, View, second_slope
-from hjsolve.numeric.doubled import Doubled
-from hjsolve.numeric.error_free import Pair, two_sum
-from hjsolve.numeric.slopes import FUNCTIONS
 
 _SMALL = 3e-14
 _CLEAR = 1e-12

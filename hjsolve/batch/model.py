@@ -13,13 +13,13 @@ from fractions import Fraction
 
 import sympy as sp
 
+from hjsolve.arithmetic.error_free import Pair
+from hjsolve.arithmetic.floats import Multi
+from hjsolve.arithmetic.tape import Tape
 from hjsolve.batch.clearance import Clearance
 from hjsolve.errors import InvalidInputError
 from hjsolve.lowering import lower
 from hjsolve.motion.initial_data import to_bits
-from hjsolve.numeric.arithmetic import Multi
-from hjsolve.numeric.error_free import Pair
-from hjsolve.numeric.tape import Tape
 from hjsolve.solution.quadratures import Solution
 
 _HIGHEST_DEGREE = 4

@@ -19,8 +19,8 @@ from typing import Any
 
 import numpy as np
 
-from hjsolve.numeric.doubled import Doubled
-from hjsolve.numeric.error_free import Pair
+from hjsolve.arithmetic.double_double import Doubled
+from hjsolve.arithmetic.error_free import Pair
 
 COUNTS = (12, 16, 20, 24, 32, 40, 48, 64, 80, 96, 128, 160, 192, 256, 320, 384)
 """Numbers of nodes in use, over half a period (librations) or over a period (rotations, twice as many)."""
@@ -167,7 +167,7 @@ def _means(level: int) -> list[tuple[Pair, Pair]]:
 
 
 def _bulirsch(u: Pair, means: list[tuple[Pair, Pair]]) -> tuple[Pair, Pair, Pair]:
-    """Sn, cn, dn for 0 < u ≤ K/2; see ``numeric/elliptic``."""
+    """Sn, cn, dn for 0 < u ≤ K/2; see ``arithmetic/elliptic``."""
     D, one = Doubled(), Pair(1.0, 0.0)
     last, dn = means[-1][0], Pair(1.0 + 0.0 * u.high, 0.0 * u.high)
     angle = D.mul(last, u)

@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from hjsolve.numeric.rowwise import rowwise
+from hjsolve.arithmetic.reproducible_products import rowwise
 
 if TYPE_CHECKING:
     from hjsolve.batch.nodes import Nodes

@@ -1,7 +1,7 @@
 """Programs of one system for the compiled pass, written from its tapes and compiled by numba (extra ``fast``).
 
 A program is straight-line Python over doubles, or the same inside a loop over nodes that LLVM vectorises. Its text
-comes from operation codes and numbers (``numeric/source.py``); nothing that a user wrote gets into it.
+comes from operation codes and numbers (``arithmetic/python_source.py``); nothing that a user wrote gets into it.
 """
 
 from __future__ import annotations
@@ -18,14 +18,14 @@ from threading import RLock
 from types import FunctionType, ModuleType
 from typing import Any
 
+from hjsolve.arithmetic.divided_differences import Chords
+from hjsolve.arithmetic.jet import Jet, Jets
+from hjsolve.arithmetic.python_source import Source, function
+from hjsolve.arithmetic.running_error import Bounded, Running
+from hjsolve.arithmetic.tape import Tape
 from hjsolve.batch.kept import kept, mark, shelf
 from hjsolve.batch.model import Formula, Model, Separated
 from hjsolve.batch.views import has_chords
-from hjsolve.numeric.chords import Chords
-from hjsolve.numeric.jet import Jet, Jets
-from hjsolve.numeric.running import Bounded, Running
-from hjsolve.numeric.source import Source, function
-from hjsolve.numeric.tape import Tape
 
 _OWN = 4
 _SEARCHED = 6

@@ -14,11 +14,11 @@ from typing import Any
 
 import numpy as np
 
+from hjsolve.arithmetic.reproducible_products import rowwise
 from hjsolve.batch import nodes as tables
 from hjsolve.batch.phase import Ends, librating, rotating
 from hjsolve.batch.resolution import least
 from hjsolve.batch.views import View
-from hjsolve.numeric.rowwise import rowwise
 
 _EPS = 2.0**-52
 _SAFETY = 1.5

@@ -11,13 +11,13 @@ from typing import Any
 
 import numpy as np
 
+from hjsolve.arithmetic.double_double import Doubled
+from hjsolve.arithmetic.error_free import Pair
+from hjsolve.arithmetic.floats import Float64
+from hjsolve.arithmetic.jet import Jet, Jets
+from hjsolve.arithmetic.running_error import Bounded, Running
 from hjsolve.batch.model import Formula, Model
 from hjsolve.batch.views import UNIT, Knowns
-from hjsolve.numeric.arithmetic import Float64
-from hjsolve.numeric.doubled import Doubled
-from hjsolve.numeric.error_free import Pair
-from hjsolve.numeric.jet import Jet, Jets
-from hjsolve.numeric.running import Bounded, Running
 
 
 @dataclass(frozen=True)

@@ -12,9 +12,9 @@ from typing import Any
 
 import numpy as np
 
+from hjsolve.arithmetic.reproducible_products import stacked
 from hjsolve.batch.model import Model
 from hjsolve.batch.quadrature import Sums
-from hjsolve.numeric.rowwise import stacked
 
 _EPS = 2.0**-52
 

@@ -2,7 +2,7 @@
 
 A view answers for arrays of shape (n,) or (n, nodes): the value of F = p², its kernels, and a bound on the rounding
 error of F. ``Raw`` evaluates the formula at x with q = origin + sign·x. ``Near`` carries second-order slopes from the
-initial place, F(q₀ + δ) = P₀² + δ (F′₀ + δ F[q₀, q₀, q]): small amplitudes keep their digits (``numeric/slopes.py``).
+initial place, F(q₀ + δ) = P₀² + δ (F′₀ + δ F[q₀, q₀, q]): small amplitudes keep their digits (``arithmetic/second_differences.py``).
 ``Fine`` evaluates F with 32 digits at a distance x from a turning point known to 32 digits: close zeros keep theirs.
 """
 
@@ -14,14 +14,14 @@ from typing import Any
 
 import numpy as np
 
+from hjsolve.arithmetic.divided_differences import FUNCTIONS as CHORDS
+from hjsolve.arithmetic.double_double import Doubled
+from hjsolve.arithmetic.error_free import Pair
+from hjsolve.arithmetic.floats import Float64
+from hjsolve.arithmetic.jet import Jet, Jets
+from hjsolve.arithmetic.running_error import Bounded, Running
+from hjsolve.arithmetic.second_differences import Slope, Slopes
 from hjsolve.batch.model import Formula
-from hjsolve.numeric.arithmetic import Float64
-from hjsolve.numeric.chords import FUNCTIONS as CHORDS
-from hjsolve.numeric.doubled import Doubled
-from hjsolve.numeric.error_free import Pair
-from hjsolve.numeric.jet import Jet, Jets
-from hjsolve.numeric.running import Bounded, Running
-from hjsolve.numeric.slopes import Slope, Slopes
 
 UNIT = 2.0**-53
 _PLACE = 2.0

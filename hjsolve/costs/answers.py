@@ -6,8 +6,8 @@ from collections.abc import Callable, Mapping
 from dataclasses import dataclass
 from typing import Any
 
-from hjsolve.numeric.arithmetic import multiprecision
-from hjsolve.numeric.estimate import Estimate
+from hjsolve.arithmetic.estimate import Estimate
+from hjsolve.arithmetic.floats import multiprecision
 from hjsolve.scenes.run import Run
 
 Numbers = Mapping[str, tuple[tuple[Any, Any], ...]]

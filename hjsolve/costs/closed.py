@@ -11,6 +11,8 @@ from typing import Any
 
 import sympy as sp
 
+from hjsolve.arithmetic.floats import Multi
+from hjsolve.arithmetic.tape import Tape
 from hjsolve.costs.answers import Answer
 from hjsolve.costs.trial import Task, Trial
 from hjsolve.errors import HJSolveError, NotConvergedError
@@ -18,8 +20,6 @@ from hjsolve.formulas.read import parse
 from hjsolve.lowering import lower
 from hjsolve.motion.initial_data import sign, to_bits
 from hjsolve.motion.motion import Motion
-from hjsolve.numeric.arithmetic import Multi
-from hjsolve.numeric.tape import Tape
 from hjsolve.scenes.run import first_arguments
 from hjsolve.scenes.scene import Times
 

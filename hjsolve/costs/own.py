@@ -8,9 +8,9 @@ from typing import Any
 
 import numpy as np
 
+from hjsolve.arithmetic.work_counter import counted
 from hjsolve.costs.answers import Answer, scalars
 from hjsolve.costs.trial import Task, Trial
-from hjsolve.numeric.counting import counted
 from hjsolve.scenes import Scene
 from hjsolve.scenes.run import Run, run
 from hjsolve.scenes.scene import Times

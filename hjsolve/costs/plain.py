@@ -6,7 +6,7 @@ import math
 from dataclasses import dataclass
 from typing import Any
 
-from hjsolve.numeric.arithmetic import ByOperators
+from hjsolve.arithmetic.floats import ByOperators
 
 _NAMES = {"abs": "fabs"}
 

@@ -15,6 +15,7 @@ from typing import Any
 
 import sympy as sp
 
+from hjsolve.arithmetic.tape import Tape
 from hjsolve.costs.answers import Numbers, Ruler
 from hjsolve.costs.own import read, result_of
 from hjsolve.costs.taylor import follow
@@ -22,7 +23,6 @@ from hjsolve.costs.trial import Task
 from hjsolve.errors import HJSolveError, NotConvergedError
 from hjsolve.lowering import lower
 from hjsolve.motion.initial_data import to_bits
-from hjsolve.numeric.tape import Tape
 from hjsolve.scenes.crossing import exact
 from hjsolve.scenes.events import Event, changed
 from hjsolve.scenes.integrate import Numbers as Start

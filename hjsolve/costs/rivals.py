@@ -17,13 +17,13 @@ from typing import Any
 import numpy as np
 import sympy as sp
 
+from hjsolve.arithmetic.tape import Tape
 from hjsolve.costs.answers import Answer
 from hjsolve.costs.plain import Plain
 from hjsolve.costs.trial import Task, Trial
 from hjsolve.errors import InvalidInputError, MissingExtraError, NotConvergedError
 from hjsolve.formulas.read import number
 from hjsolve.lowering import lower
-from hjsolve.numeric.tape import Tape
 from hjsolve.scenes.events import Event, changed
 from hjsolve.scenes.integrate import Numbers, numbers_of, slopes_of
 from hjsolve.scenes.run import sampled

@@ -15,9 +15,9 @@ from dataclasses import dataclass, field
 from operator import mul
 from typing import Any
 
+from hjsolve.arithmetic.floats import Multi
+from hjsolve.arithmetic.tape import Tape
 from hjsolve.errors import InvalidInputError, NotConvergedError
-from hjsolve.numeric.arithmetic import Multi
-from hjsolve.numeric.tape import Tape
 
 Series = list[int]
 _LONGEST_STRETCH, _MOST_TRIALS, _TAIL, _PATIENCE = 1.25, 200, 8, 0.4

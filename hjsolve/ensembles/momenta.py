@@ -9,9 +9,9 @@ from typing import Any
 import numpy as np
 
 from hjsolve import batch
+from hjsolve.arithmetic.double_double import Doubled
+from hjsolve.arithmetic.error_free import Pair
 from hjsolve.ensembles.recipe import Tools
-from hjsolve.numeric.doubled import Doubled
-from hjsolve.numeric.error_free import Pair
 
 Arrays = Mapping[str, Any]
 

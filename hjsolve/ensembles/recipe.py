@@ -9,12 +9,12 @@ from functools import lru_cache
 import sympy as sp
 
 from hjsolve import batch
+from hjsolve.arithmetic.error_free import Pair, split
+from hjsolve.arithmetic.tape import Tape
 from hjsolve.ensembles.layout import Layout, layout_of
 from hjsolve.lowering import lower
 from hjsolve.mechanics.system import System, momenta
 from hjsolve.motion.initial_data import domain_ends, sign, to_bits
-from hjsolve.numeric.error_free import Pair, split
-from hjsolve.numeric.tape import Tape
 from hjsolve.solution.quadratures import Solution, solve
 
 ONE_AT_A_TIME = threading.RLock()

@@ -7,6 +7,7 @@ from typing import Any
 
 import numpy as np
 
+from hjsolve.arithmetic.estimate import Estimate
 from hjsolve.ensembles.batch_of_orbits import Status
 from hjsolve.ensembles.layout import ERROR, Layout
 from hjsolve.ensembles.recipe import ONE_AT_A_TIME
@@ -14,7 +15,6 @@ from hjsolve.errors import ForbiddenMotionError, InvalidInputError, NotConverged
 from hjsolve.motion.motion import Motion
 from hjsolve.motion.positions import constant_index
 from hjsolve.numeric.course import Frozen
-from hjsolve.numeric.estimate import Estimate
 from hjsolve.numeric.inverse import Torus, oscillation
 from hjsolve.solution.quadratures import Solution
 

@@ -20,13 +20,13 @@ import numpy as np
 import sympy as sp
 
 from hjsolve import arguments
+from hjsolve.arithmetic.floats import multiprecision
 from hjsolve.errors import InvalidInputError, InvalidSystemError, NotConvergedError
 from hjsolve.formulas.read import number
 from hjsolve.mechanics.subjects import system_of
 from hjsolve.mechanics.system import System, hamiltonian, kinetic_rest, linear_terms, mass_matrix, momenta
 from hjsolve.motion.initial_data import parameter_values, to_bits
 from hjsolve.motion.motion import Motion
-from hjsolve.numeric.arithmetic import multiprecision
 from hjsolve.solution.quadratures import solve
 
 LAMBDA = sp.Symbol("lambda")

@@ -13,6 +13,9 @@ import numpy as np
 import sympy as sp
 
 from hjsolve import arguments
+from hjsolve.arithmetic.estimate import Estimate
+from hjsolve.arithmetic.floats import Multi, multiprecision
+from hjsolve.arithmetic.tape import Bound
 from hjsolve.errors import InvalidInputError, MissingValueError, NotConvergedError
 from hjsolve.extended.linear_hamiltonian import GeneralHamiltonian
 from hjsolve.formulas.read import number
@@ -20,10 +23,7 @@ from hjsolve.lowering import lower
 from hjsolve.motion.initial_data import is_zero, parameter_values, to_bits
 from hjsolve.motion.state import Errors, State
 from hjsolve.motion.times import counted, exact_numbers
-from hjsolve.numeric.arithmetic import Multi, multiprecision
-from hjsolve.numeric.estimate import Estimate
 from hjsolve.numeric.level_curve import Curve, Orbit, followed
-from hjsolve.numeric.tape import Bound
 
 _FLOAT_DIGITS, _GUARDS, _SPARE = 15, (96, 192, 384, 768), 64
 

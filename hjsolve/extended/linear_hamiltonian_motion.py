@@ -15,6 +15,8 @@ import numpy as np
 import sympy as sp
 
 from hjsolve import arguments
+from hjsolve.arithmetic.estimate import Estimate
+from hjsolve.arithmetic.floats import Multi, multiprecision
 from hjsolve.errors import InvalidInputError, MissingValueError, NotConvergedError, OutsideMotionError
 from hjsolve.extended.linear_hamiltonian import LinearHamiltonian
 from hjsolve.formulas.read import number
@@ -22,8 +24,6 @@ from hjsolve.lowering import lower
 from hjsolve.motion.initial_data import parameter_values, to_bits
 from hjsolve.motion.state import Errors, State
 from hjsolve.motion.times import exact_numbers
-from hjsolve.numeric.arithmetic import Multi, multiprecision
-from hjsolve.numeric.estimate import Estimate
 
 _FLOAT_DIGITS, _GUARD_BITS, _LOST_BITS = 15, 96, 48
 _MOST_STEPS, _FIRST_STEPS = 2000, 64

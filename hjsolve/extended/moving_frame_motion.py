@@ -10,6 +10,7 @@ import numpy as np
 import sympy as sp
 
 from hjsolve import arguments
+from hjsolve.arithmetic.floats import Float64, Multi
 from hjsolve.errors import InvalidInputError, MissingValueError
 from hjsolve.extended.moving_frame import Frame, initial_data
 from hjsolve.formulas.read import number
@@ -19,7 +20,6 @@ from hjsolve.motion.initial_data import parameter_values, to_bits
 from hjsolve.motion.motion import Motion
 from hjsolve.motion.state import Errors, State
 from hjsolve.motion.times import exact_numbers
-from hjsolve.numeric.arithmetic import Float64, Multi
 
 
 @dataclass(frozen=True, eq=False)

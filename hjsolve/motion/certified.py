@@ -1,7 +1,7 @@
 """Proved enclosures of a motion's numbers: ``motion(..., certified=True)``.
 
 The kinds of motion and first guesses come from the ordinary computation; everything returned is then enclosed by balls
-(``numeric/ball``): constants from the exact initial data, turning points by the interval Newton test, actions and mean
+(``arithmetic/ball``): constants from the exact initial data, turning points by the interval Newton test, actions and mean
 growths by quadrature with a proved error, frequencies from the inverse of the matrix of growths in ball arithmetic.
 """
 
@@ -14,17 +14,17 @@ from typing import TYPE_CHECKING, Any
 
 import sympy as sp
 
+from hjsolve.arithmetic import ball
+from hjsolve.arithmetic.ball import Balls, flint, from_mpf, working
+from hjsolve.arithmetic.estimate import Estimate
+from hjsolve.arithmetic.floats import multiprecision
 from hjsolve.errors import InvalidInputError, NotConvergedError
 from hjsolve.lowering import lower
 from hjsolve.motion.initial_data import Initial
-from hjsolve.numeric import ball
 from hjsolve.numeric.anomaly import Libration, Rotation
-from hjsolve.numeric.arithmetic import multiprecision
-from hjsolve.numeric.ball import Balls, flint, from_mpf, working
 from hjsolve.numeric.classify import Located, Start, ray
 from hjsolve.numeric.course import Bounded
 from hjsolve.numeric.cycle import Cycle, Map, all_round, between_turns
-from hjsolve.numeric.estimate import Estimate
 from hjsolve.numeric.line import Line, turning_point
 from hjsolve.numeric.radicand import Radicand
 from hjsolve.numeric.series import zero

@@ -11,9 +11,9 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
+from hjsolve.arithmetic.floats import multiprecision
 from hjsolve.errors import OutsideMotionError
 from hjsolve.motion.phases import with_reach
-from hjsolve.numeric.arithmetic import multiprecision
 from hjsolve.numeric.course import Bounded, Course, Open
 from hjsolve.numeric.unbounded import Plan
 

@@ -10,6 +10,9 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from hjsolve import arguments
+from hjsolve.arithmetic.error_free import split
+from hjsolve.arithmetic.estimate import Estimate
+from hjsolve.arithmetic.floats import Multi, multiprecision
 from hjsolve.errors import InvalidInputError, NotConvergedError, OutsideMotionError
 from hjsolve.formulas.read import number
 from hjsolve.motion.coupled_crossing import time_beside
@@ -18,11 +21,8 @@ from hjsolve.motion.phases import phases_at, solve, with_reach
 from hjsolve.motion.positions import constant_index, principal
 from hjsolve.motion.state_at import shaped, state_at
 from hjsolve.motion.times import counted, exact_numbers, read_times
-from hjsolve.numeric.arithmetic import Multi, multiprecision
 from hjsolve.numeric.branch import farthest
 from hjsolve.numeric.course import Bounded, Course, Frozen, Open
-from hjsolve.numeric.error_free import split
-from hjsolve.numeric.estimate import Estimate
 from hjsolve.numeric.inverse import Torus, mean_rate, oscillation
 from hjsolve.numeric.turns import turns
 from hjsolve.numeric.unbounded import Plan, Step

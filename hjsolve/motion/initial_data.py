@@ -16,13 +16,13 @@ from typing import Any
 import sympy as sp
 
 from hjsolve import arguments
+from hjsolve.arithmetic.floats import Multi, multiprecision
 from hjsolve.errors import InvalidInputError, MissingValueError
 from hjsolve.extended.linear_hamiltonian import GeneralHamiltonian, LinearHamiltonian
 from hjsolve.formulas.read import number
 from hjsolve.lowering import lower
 from hjsolve.mechanics.system import System, momenta, refuse_turns_that_differ
 from hjsolve.motion.rational_values import rational_value
-from hjsolve.numeric.arithmetic import Multi, multiprecision
 from hjsolve.solution.quadratures import Solution
 
 ZERO_BITS = 2048

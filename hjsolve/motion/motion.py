@@ -15,6 +15,7 @@ from typing import Any
 import sympy as sp
 
 from hjsolve import arguments
+from hjsolve.arithmetic.estimate import Estimate
 from hjsolve.errors import InvalidInputError, NotConvergedError
 from hjsolve.formulas.read import number
 from hjsolve.lowering import momentum_squared_tapes
@@ -24,7 +25,6 @@ from hjsolve.motion.quantities import FLOAT_DIGITS
 from hjsolve.motion.state import State
 from hjsolve.numeric.classify import Located, Start, locate
 from hjsolve.numeric.course import PARTS, Open
-from hjsolve.numeric.estimate import Estimate
 from hjsolve.numeric.inverse import Torus, torus
 from hjsolve.numeric.radicand import Radicand, has_period
 from hjsolve.numeric.regions import forbidden, others

@@ -2,7 +2,7 @@
 
 φ̇ = (p_φ − p_ψ cos θ)/(I sin² θ) at θ = 10⁻⁷: the distance from the pole, the difference of the momenta and their
 cosines cancel. The distance of a coordinate from its nearer turning point is known with its relative accuracy, and the
-turning point to any precision: their sum in two doubles is worked out in two doubles (``numeric/doubled``).
+turning point to any precision: their sum in two doubles is worked out in two doubles (``arithmetic/double_double``).
 """
 
 from __future__ import annotations
@@ -14,16 +14,16 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 import sympy as sp
 
+from hjsolve.arithmetic.double_double import Doubled
+from hjsolve.arithmetic.error_free import Pair, split, two_sum
+from hjsolve.arithmetic.floats import Float64
+from hjsolve.arithmetic.running_error import Bounded as Rounded
+from hjsolve.arithmetic.running_error import Running
 from hjsolve.mechanics.system import velocities
 from hjsolve.motion.initial_data import to_bits
 from hjsolve.motion.positions import tape_of
 from hjsolve.numeric.anomaly import Crested, Libration
-from hjsolve.numeric.arithmetic import Float64
 from hjsolve.numeric.course import Bounded, Course, Frozen, Open, float_way
-from hjsolve.numeric.doubled import Doubled
-from hjsolve.numeric.error_free import Pair, split, two_sum
-from hjsolve.numeric.running import Bounded as Rounded
-from hjsolve.numeric.running import Running
 from hjsolve.numeric.stretch import Stretched, rounded
 
 if TYPE_CHECKING:

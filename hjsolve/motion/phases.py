@@ -8,10 +8,10 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
+from hjsolve.arithmetic.floats import multiprecision
 from hjsolve.motion.initial_data import to_bits
 from hjsolve.motion.times import counted, within_doubles
 from hjsolve.numeric import inverse, refine, unbounded
-from hjsolve.numeric.arithmetic import multiprecision
 from hjsolve.numeric.clock import halves, relative, relative_exact
 from hjsolve.numeric.course import Course, Open
 

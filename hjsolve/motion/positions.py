@@ -9,18 +9,18 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 import sympy as sp
 
+from hjsolve.arithmetic.error_free import split
+from hjsolve.arithmetic.floats import Float64, Multi, multiprecision
+from hjsolve.arithmetic.running_error import Bounded as Rounded
+from hjsolve.arithmetic.running_error import Running
+from hjsolve.arithmetic.tape import Tape
 from hjsolve.lowering import lower
 from hjsolve.mechanics.system import velocities
 from hjsolve.motion.initial_data import to_bits
 from hjsolve.motion.phases import Phases, courses_of
-from hjsolve.numeric.arithmetic import Float64, Multi, multiprecision
 from hjsolve.numeric.course import Bounded, arithmetic_of
-from hjsolve.numeric.error_free import split
 from hjsolve.numeric.inverse import Torus, mean_rate, oscillation
-from hjsolve.numeric.running import Bounded as Rounded
-from hjsolve.numeric.running import Running
 from hjsolve.numeric.series import Series
-from hjsolve.numeric.tape import Tape
 from hjsolve.numeric.turns import principal as principal_of_doubles
 from hjsolve.numeric.turns import turns
 

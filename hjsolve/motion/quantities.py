@@ -9,12 +9,12 @@ from typing import Any
 import numpy as np
 import sympy as sp
 
+from hjsolve.arithmetic.estimate import Estimate
+from hjsolve.arithmetic.floats import Multi, multiprecision
 from hjsolve.lowering import lower
 from hjsolve.motion.initial_data import Initial, to_bits
-from hjsolve.numeric.arithmetic import Multi, multiprecision
 from hjsolve.numeric.classify import Located
 from hjsolve.numeric.course import Bounded, Frozen
-from hjsolve.numeric.estimate import Estimate
 from hjsolve.numeric.inverse import Torus, mean_rate
 from hjsolve.numeric.regions import Region
 from hjsolve.numeric.unbounded import Plan

@@ -12,10 +12,10 @@ from functools import lru_cache
 
 import sympy as sp
 
+from hjsolve.arithmetic.rationals import IrrationalError, Rationals
+from hjsolve.arithmetic.tape import Tape
 from hjsolve.errors import InvalidInputError
 from hjsolve.lowering import lower
-from hjsolve.numeric.rationals import IrrationalError, Rationals
-from hjsolve.numeric.tape import Tape
 
 
 def rational_value(formula: sp.Expr, values: Mapping[sp.Symbol, sp.Expr]) -> sp.Rational | None:

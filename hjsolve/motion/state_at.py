@@ -8,6 +8,7 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
+from hjsolve.arithmetic.floats import multiprecision
 from hjsolve.mechanics.system import velocities
 from hjsolve.motion.endings import statuses
 from hjsolve.motion.initial_data import to_bits
@@ -28,7 +29,6 @@ from hjsolve.motion.state import Errors, State
 from hjsolve.motion.state_errors import state_errors, table_errors
 from hjsolve.motion.tabulated import FEWEST, Dense, OnDemand, dense, rough
 from hjsolve.motion.times import counted, read_times, within_doubles
-from hjsolve.numeric.arithmetic import multiprecision
 from hjsolve.numeric.clock import halves, relative, relative_exact
 from hjsolve.numeric.course import Bounded
 from hjsolve.numeric.inverse import Torus, mean_rate

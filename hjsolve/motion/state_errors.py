@@ -9,12 +9,12 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 import sympy as sp
 
+from hjsolve.arithmetic.floats import Multi, multiprecision
 from hjsolve.mechanics.system import hamiltonian, velocities
 from hjsolve.motion.near_poles import from_table, grain, places, worked_out
 from hjsolve.motion.phases import Phases, courses_of
 from hjsolve.motion.positions import constant_index, evaluate, rounding
 from hjsolve.motion.tabulated import Dense
-from hjsolve.numeric.arithmetic import Multi, multiprecision
 from hjsolve.numeric.course import Bounded, Course, Open
 from hjsolve.numeric.inverse import Torus, oscillation
 from hjsolve.numeric.series import Series

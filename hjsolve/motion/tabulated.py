@@ -13,12 +13,12 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
+from hjsolve.arithmetic.error_free import split
 from hjsolve.errors import NotConvergedError
 from hjsolve.motion.near_poles import blurs, distances
 from hjsolve.motion.positions import constant_index
 from hjsolve.numeric.course import Bounded, Open
 from hjsolve.numeric.ephemeris import DEGREE, Table, tabulate
-from hjsolve.numeric.error_free import split
 from hjsolve.numeric.inverse import Torus, oscillation
 from hjsolve.numeric.series import Series
 from hjsolve.numeric.turns import turns

@@ -11,8 +11,8 @@ from dataclasses import dataclass
 from functools import cached_property
 from typing import Any
 
-from hjsolve.numeric.ball import Balls, flint
-from hjsolve.numeric.counting import count
+from hjsolve.arithmetic.ball import Balls, flint
+from hjsolve.arithmetic.work_counter import count
 from hjsolve.numeric.cycle import Cycle
 
 

@@ -26,8 +26,8 @@ from typing import Any, NamedTuple
 
 import numpy as np
 
-from hjsolve.numeric.arithmetic import Float64, Multi
-from hjsolve.numeric.elliptic import jacobi, quarter_period
+from hjsolve.arithmetic.elliptic import jacobi, quarter_period
+from hjsolve.arithmetic.floats import Float64, Multi
 
 
 class Place(NamedTuple):

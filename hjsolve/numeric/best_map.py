@@ -6,11 +6,11 @@ import itertools
 from collections.abc import Iterator
 from typing import TYPE_CHECKING
 
+from hjsolve.arithmetic.floats import Multi
+from hjsolve.arithmetic.fourier import smooth
 from hjsolve.errors import NotConvergedError
 from hjsolve.numeric import resolution
-from hjsolve.numeric.arithmetic import Multi
 from hjsolve.numeric.course import Anomaly, Bounded, Kind, bounded
-from hjsolve.numeric.fourier import smooth
 
 if TYPE_CHECKING:
     from hjsolve.numeric.classify import Start

@@ -8,8 +8,8 @@ from typing import Any
 
 import numpy as np
 
+from hjsolve.arithmetic.floats import Multi
 from hjsolve.errors import NotConvergedError
-from hjsolve.numeric.arithmetic import Multi
 from hjsolve.numeric.panels import Growing, Panels, Way
 from hjsolve.numeric.radicand import Radicand
 from hjsolve.numeric.surroundings import Sight, Surrounding

@@ -10,10 +10,10 @@ from typing import Any
 
 import numpy as np
 
+from hjsolve.arithmetic.floats import Float64, Multi, multiprecision
 from hjsolve.errors import NotConvergedError
 from hjsolve.numeric import resolution
 from hjsolve.numeric.anomaly import Libration, Rotation, crested, libration, paired, rotation
-from hjsolve.numeric.arithmetic import Float64, Multi, multiprecision
 from hjsolve.numeric.best_map import over_the_best_map
 from hjsolve.numeric.branch import Branch
 from hjsolve.numeric.course import PARTS, Anomaly, Bounded, Course, Frozen, Open

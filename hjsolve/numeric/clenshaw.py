@@ -11,7 +11,7 @@ from __future__ import annotations
 from functools import cached_property
 from typing import Any
 
-from hjsolve.numeric.arithmetic import multiprecision
+from hjsolve.arithmetic.floats import multiprecision
 from hjsolve.numeric.series import Series
 
 _GUARD = 32

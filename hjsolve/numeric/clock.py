@@ -7,8 +7,8 @@ from typing import Any
 
 import numpy as np
 
+from hjsolve.arithmetic.error_free import split
 from hjsolve.numeric.compiled import kernels
-from hjsolve.numeric.error_free import split
 from hjsolve.numeric.turns import CHUNK
 
 

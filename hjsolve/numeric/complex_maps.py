@@ -11,9 +11,9 @@ from typing import Any, NamedTuple
 
 import numpy as np
 
+from hjsolve.arithmetic.elliptic import jacobi, quarter_period
+from hjsolve.arithmetic.floats import Float64
 from hjsolve.numeric.anomaly import Crested, Libration, Paired, Rotation
-from hjsolve.numeric.arithmetic import Float64
-from hjsolve.numeric.elliptic import jacobi, quarter_period
 from hjsolve.numeric.stretch import Stretched
 
 _FLOAT = Float64()

@@ -13,10 +13,10 @@ from typing import Any, Literal
 
 import numpy as np
 
+from hjsolve.arithmetic.floats import Float64, Multi, multiprecision
+from hjsolve.arithmetic.work_counter import count
 from hjsolve.numeric.anomaly import Crested, Libration, Paired, Place, Rotation
-from hjsolve.numeric.arithmetic import Float64, Multi, multiprecision
 from hjsolve.numeric.branch import Branch
-from hjsolve.numeric.counting import count
 from hjsolve.numeric.panels import Panels, Way
 from hjsolve.numeric.radicand import Radicand
 from hjsolve.numeric.series import Series, fit, midpoints, zero

@@ -12,8 +12,8 @@ from typing import Any, NamedTuple
 
 import numpy as np
 
-from hjsolve.numeric.arithmetic import Float64, Multi, multiprecision
-from hjsolve.numeric.counting import count
+from hjsolve.arithmetic.floats import Float64, Multi, multiprecision
+from hjsolve.arithmetic.work_counter import count
 from hjsolve.numeric.radicand import Radicand
 
 _SAMPLES = 257

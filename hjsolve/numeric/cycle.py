@@ -21,9 +21,9 @@ from dataclasses import dataclass, replace
 from functools import cached_property, lru_cache
 from typing import Any, NamedTuple
 
-from hjsolve.numeric.ball import Balls, flint, working
+from hjsolve.arithmetic.ball import Balls, flint, working
+from hjsolve.arithmetic.tape import Bound, Tape
 from hjsolve.numeric.line import Line
-from hjsolve.numeric.tape import Bound, Tape
 
 _ENTIRE = {"add", "sub", "mul", "neg", "rational", "pi", "sin", "cos", "exp", "sinh", "cosh"}
 

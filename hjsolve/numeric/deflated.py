@@ -20,9 +20,9 @@ from typing import Any, NamedTuple
 
 import numpy as np
 
-from hjsolve.numeric.arithmetic import Float64
-from hjsolve.numeric.disks import Disk, Disks, hull, tighter
-from hjsolve.numeric.tape import Operation, Tape
+from hjsolve.arithmetic.complex_disks import Disk, Disks, hull, tighter
+from hjsolve.arithmetic.floats import Float64
+from hjsolve.arithmetic.tape import Operation, Tape
 
 _DISKS = Disks()
 _ONE = _DISKS.rational(1, 1)

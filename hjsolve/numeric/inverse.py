@@ -15,10 +15,10 @@ from typing import Any
 
 import numpy as np
 
+from hjsolve.arithmetic.error_free import split
+from hjsolve.arithmetic.floats import multiprecision
 from hjsolve.errors import NotConvergedError
-from hjsolve.numeric.arithmetic import multiprecision
 from hjsolve.numeric.course import Bounded, Course, Frozen
-from hjsolve.numeric.error_free import split
 from hjsolve.numeric.series import Series, combine, zero
 from hjsolve.numeric.turns import turns
 

@@ -24,10 +24,10 @@ from typing import Any
 
 import numpy as np
 
+from hjsolve.arithmetic.complex_disks import Disk, Disks
+from hjsolve.arithmetic.floats import Multi, multiprecision
+from hjsolve.arithmetic.tape import Tape
 from hjsolve.errors import NotConvergedError
-from hjsolve.numeric.arithmetic import Multi, multiprecision
-from hjsolve.numeric.disks import Disk, Disks
-from hjsolve.numeric.tape import Tape
 
 _RHO, _WIDER = 2 + 3**0.5, 2.1
 _MOST_PIECES, _FIRST_HALVINGS, _HALVINGS, _LOST = 400, 600, 60, 60

@@ -6,10 +6,10 @@ from dataclasses import dataclass
 from functools import cached_property
 from typing import Any
 
+from hjsolve.arithmetic.ball import Balls, Series, flint, working
+from hjsolve.arithmetic.tape import Bound
 from hjsolve.errors import NotConvergedError
-from hjsolve.numeric.ball import Balls, Series, flint, working
 from hjsolve.numeric.radicand import Radicand
-from hjsolve.numeric.tape import Bound
 
 _FINE = 256
 """Bits beyond which numbers are rounded before they are used at a low precision; below it costs more than it saves."""

@@ -26,9 +26,9 @@ from typing import Any, Protocol
 
 import numpy as np
 
+from hjsolve.arithmetic.floats import Float64, Multi, multiprecision
+from hjsolve.arithmetic.fourier import smooth, waves
 from hjsolve.errors import NotConvergedError
-from hjsolve.numeric.arithmetic import Float64, Multi, multiprecision
-from hjsolve.numeric.fourier import smooth, waves
 from hjsolve.numeric.reach import Surroundings, longest, nodes_for
 from hjsolve.numeric.turning_points import EndKind
 

@@ -9,12 +9,12 @@ from typing import Any
 
 import numpy as np
 
-from hjsolve.numeric import asymptotics
-from hjsolve.numeric.arithmetic import Float64, Multi, multiprecision
-from hjsolve.numeric.counting import count
-from hjsolve.numeric.interval import Interval, Intervals
-from hjsolve.numeric.jet import Jet, Jets
-from hjsolve.numeric.tape import Bound, Tape
+from hjsolve.arithmetic import asymptotic_expansion
+from hjsolve.arithmetic.floats import Float64, Multi, multiprecision
+from hjsolve.arithmetic.interval import Interval, Intervals
+from hjsolve.arithmetic.jet import Jet, Jets
+from hjsolve.arithmetic.tape import Bound, Tape
+from hjsolve.arithmetic.work_counter import count
 
 _TRIED = (128, 256, 512, 1024, 2048, 4096, 8192)
 _KEPT = 64
@@ -60,8 +60,8 @@ class Radicand:
 
     def sign_beyond(self, side: int, start: float) -> int:
         """Return the sign of F for all side·q ≥ start; 0 where that is not known."""
-        bits = asymptotics.BITS + 2 * self.guard
-        return asymptotics.sign_beyond(self.squared, self.inputs(bits), side, start, bits)
+        bits = asymptotic_expansion.BITS + 2 * self.guard
+        return asymptotic_expansion.sign_beyond(self.squared, self.inputs(bits), side, start, bits)
 
     def guarded(self, place: Number, squared: Number) -> Radicand:
         """Return the same with as many bits more as its terms lose at a place where it is known.

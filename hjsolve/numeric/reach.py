@@ -16,7 +16,7 @@ from typing import Any, NamedTuple
 
 import numpy as np
 
-from hjsolve.numeric.disks import Disk
+from hjsolve.arithmetic.complex_disks import Disk
 from hjsolve.numeric.sectors import RHO, Sectors, around, joined, real_lengths
 
 _OCTAVES, _DEEPEST = 12, 12

@@ -6,8 +6,8 @@ from typing import Any
 
 import numpy as np
 
+from hjsolve.arithmetic.floats import multiprecision
 from hjsolve.errors import NotConvergedError
-from hjsolve.numeric.arithmetic import multiprecision
 from hjsolve.numeric.course import Course
 from hjsolve.numeric.inverse import Torus
 from hjsolve.numeric.series import Series

@@ -9,11 +9,11 @@ from __future__ import annotations
 from dataclasses import dataclass, replace
 from typing import Any, NamedTuple
 
+from hjsolve.arithmetic.floats import multiprecision
+from hjsolve.arithmetic.interval import Interval
+from hjsolve.arithmetic.jet import Jet
 from hjsolve.errors import ForbiddenMotionError, NotConvergedError
-from hjsolve.numeric.arithmetic import multiprecision
 from hjsolve.numeric.classify import Start, ray
-from hjsolve.numeric.interval import Interval
-from hjsolve.numeric.jet import Jet
 from hjsolve.numeric.radicand import Radicand
 from hjsolve.numeric.turning_points import End, first_end
 

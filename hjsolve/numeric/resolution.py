@@ -17,14 +17,14 @@ from typing import Any, NamedTuple
 
 import numpy as np
 
+from hjsolve.arithmetic.complex_disks import Disk, Disks
+from hjsolve.arithmetic.reciprocals import without_overflow
+from hjsolve.arithmetic.tape import Bound
+from hjsolve.arithmetic.work_counter import count
 from hjsolve.numeric.complex_maps import ComplexPlace, complex_place
-from hjsolve.numeric.counting import count
 from hjsolve.numeric.deflated import Deflated, Points, deflated
-from hjsolve.numeric.disks import Disk, Disks
 from hjsolve.numeric.radicand import Radicand
-from hjsolve.numeric.reciprocals import without_overflow
 from hjsolve.numeric.stretch import Stretched
-from hjsolve.numeric.tape import Bound
 
 _DISKS, _POINTS = Disks(), Points()
 _CIRCLE = np.exp(2j * np.pi * np.arange(20) / 20)

@@ -17,7 +17,7 @@ from typing import Any
 
 import numpy as np
 
-from hjsolve.numeric.disks import Disk
+from hjsolve.arithmetic.complex_disks import Disk
 
 RHO = 5.0
 """Parameter of the ellipses: a series of degree n is right to about ρ^(−n)."""

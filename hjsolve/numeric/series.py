@@ -13,8 +13,8 @@ from typing import Any
 
 import numpy as np
 
-from hjsolve.numeric.arithmetic import multiprecision
-from hjsolve.numeric.fourier import waves
+from hjsolve.arithmetic.floats import multiprecision
+from hjsolve.arithmetic.fourier import waves
 
 
 @dataclass(frozen=True)

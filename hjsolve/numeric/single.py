@@ -6,9 +6,9 @@ from typing import Any
 
 import numpy as np
 
-from hjsolve.numeric.arithmetic import multiprecision
+from hjsolve.arithmetic.error_free import split
+from hjsolve.arithmetic.floats import multiprecision
 from hjsolve.numeric.course import Bounded, Course, Frozen, Open
-from hjsolve.numeric.error_free import split
 from hjsolve.numeric.inverse import _alone, bracketed
 from hjsolve.numeric.series import combine
 from hjsolve.numeric.turns import turns

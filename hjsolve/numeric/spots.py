@@ -6,7 +6,7 @@ from typing import NamedTuple
 
 import numpy as np
 
-from hjsolve.numeric.disks import Disk, Disks, tighter
+from hjsolve.arithmetic.complex_disks import Disk, Disks, tighter
 from hjsolve.numeric.panels import Way
 
 _D = Disks()

@@ -23,9 +23,9 @@ from typing import Any
 
 import numpy as np
 
+from hjsolve.arithmetic.floats import Float64, Multi
+from hjsolve.arithmetic.fourier import at_midpoints
 from hjsolve.numeric.anomaly import Crested, Libration, Paired, Place, Rotation, as_float
-from hjsolve.numeric.arithmetic import Float64, Multi
-from hjsolve.numeric.fourier import at_midpoints
 from hjsolve.numeric.series import Series, midpoints
 
 _SAMPLES, _MOST_SAMPLES = 4096, 32768

@@ -22,11 +22,11 @@ from typing import Any, NamedTuple
 
 import numpy as np
 
+from hjsolve.arithmetic.ball import flint, working
+from hjsolve.arithmetic.floats import Float64
+from hjsolve.arithmetic.work_counter import count
 from hjsolve.errors import NotConvergedError
 from hjsolve.numeric.adaptive import mean
-from hjsolve.numeric.arithmetic import Float64
-from hjsolve.numeric.ball import flint, working
-from hjsolve.numeric.counting import count
 from hjsolve.numeric.cycle import TERMS, Cycle, Map, Spot
 
 _GROWTH = 2.0

@@ -15,16 +15,16 @@ from typing import TYPE_CHECKING, Any, NamedTuple
 
 import numpy as np
 
+from hjsolve.arithmetic.complex_disks import Disk, Disks, tighter
+from hjsolve.arithmetic.exponential_factor import EXPONENTIAL, Rates, largest
+from hjsolve.arithmetic.floats import Multi
+from hjsolve.arithmetic.local_expansion import ZERO, Local, Locals, exponential_unit
+from hjsolve.arithmetic.reciprocals import without_overflow
+from hjsolve.arithmetic.tape import Bound, Tape
 from hjsolve.errors import InvalidInputError
-from hjsolve.numeric.arithmetic import Multi
-from hjsolve.numeric.disks import Disk, Disks, tighter
-from hjsolve.numeric.expansion import ZERO, Local, Locals, exponential_unit
 from hjsolve.numeric.panels import Way
-from hjsolve.numeric.rates import EXPONENTIAL, Rates, largest
 from hjsolve.numeric.reach import Sizes
-from hjsolve.numeric.reciprocals import without_overflow
 from hjsolve.numeric.spots import Scale, Spots, scale, spots
-from hjsolve.numeric.tape import Bound, Tape
 
 if TYPE_CHECKING:
     from hjsolve.numeric.radicand import Radicand

@@ -18,9 +18,9 @@ from typing import Any, Literal, NamedTuple
 
 import numpy as np
 
+from hjsolve.arithmetic.floats import multiprecision
+from hjsolve.arithmetic.root_finding import bracketed_root, leading_power
 from hjsolve.errors import NotConvergedError
-from hjsolve.numeric.arithmetic import multiprecision
-from hjsolve.numeric.bracketing import bracketed_root, leading_power
 from hjsolve.numeric.radicand import Number, Radicand
 
 EndKind = Literal["turning", "asymptote", "boundary", "fall", "infinity", "round"]

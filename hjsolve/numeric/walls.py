@@ -12,7 +12,7 @@ import math
 from dataclasses import dataclass
 from typing import Any
 
-from hjsolve.numeric.ball import flint, from_mpf, working
+from hjsolve.arithmetic.ball import flint, from_mpf, working
 from hjsolve.numeric.classify import Start
 from hjsolve.numeric.line import Line
 

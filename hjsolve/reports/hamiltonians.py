@@ -84,7 +84,7 @@ def solution_sections(problem: LinearHamiltonian) -> list[Section]:
 
 def motion_section(motion: LinearMotion, summary: str) -> Section:
     """Give the energy of one motion and where it is at some times, each number with its error."""
-    from hjsolve.numeric.estimate import Estimate
+    from hjsolve.arithmetic.estimate import Estimate
     from hjsolve.reports.numbers import quantity
 
     c = motion.problem.coordinate

@@ -42,7 +42,7 @@ def quantity(estimate: Any) -> Number:
         The rounded texts. A zero error leaves the value exact and the error text empty.
 
     Example:
-        >>> from hjsolve.numeric.estimate import Estimate
+        >>> from hjsolve.arithmetic.estimate import Estimate
         >>> quantity(Estimate(6.283185307179586, 3.1e-15))
         Number(value='6.283185307179586', error='4e-15', certified=False)
     """

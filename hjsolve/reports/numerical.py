@@ -12,10 +12,10 @@ import numpy as np
 import sympy as sp
 
 from hjsolve._version import __version__
+from hjsolve.arithmetic.floats import Float64
 from hjsolve.lowering import lower
 from hjsolve.mechanics.energy_shell import time_name
 from hjsolve.mechanics.system import hamiltonian
-from hjsolve.numeric.arithmetic import Float64
 from hjsolve.reports import paths
 from hjsolve.reports.boxes import Glyph, Script
 from hjsolve.reports.document import (

@@ -10,9 +10,9 @@ import numpy as np
 import sympy as sp
 from numpy.typing import NDArray
 
+from hjsolve.arithmetic.floats import Float64
+from hjsolve.arithmetic.tape import Tape
 from hjsolve.lowering import lower
-from hjsolve.numeric.arithmetic import Float64
-from hjsolve.numeric.tape import Tape
 from hjsolve.reports.notation import compact
 
 Array = NDArray[np.float64]

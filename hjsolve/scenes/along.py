@@ -9,6 +9,7 @@ from typing import Any
 import numpy as np
 import sympy as sp
 
+from hjsolve.arithmetic.floats import multiprecision
 from hjsolve.mechanics.system import hamiltonian
 from hjsolve.motion.initial_data import to_bits
 from hjsolve.motion.motion import Motion
@@ -16,7 +17,6 @@ from hjsolve.motion.positions import coordinate_velocities, evaluate, principal
 from hjsolve.motion.quantities import FLOAT_DIGITS
 from hjsolve.motion.state import Errors, State
 from hjsolve.motion.state_errors import velocity_errors
-from hjsolve.numeric.arithmetic import multiprecision
 from hjsolve.numeric.clock import halves
 from hjsolve.scenes.flights import Flight, Free
 

@@ -17,11 +17,11 @@ from typing import Any
 
 import sympy as sp
 
+from hjsolve.arithmetic.floats import multiprecision
 from hjsolve.errors import InvalidInputError, NotConvergedError
 from hjsolve.mechanics.system import velocities
 from hjsolve.motion.initial_data import initial_data, is_zero, to_bits
 from hjsolve.motion.motion import Motion
-from hjsolve.numeric.arithmetic import multiprecision
 from hjsolve.numeric.course import Frozen
 from hjsolve.scenes.crossing import bits_of, crossings, exact
 from hjsolve.scenes.events import Event, Pending, changed, once

@@ -8,11 +8,11 @@ from typing import Any
 import numpy as np
 import sympy as sp
 
+from hjsolve.arithmetic.floats import multiprecision
 from hjsolve.errors import NotConvergedError, OutsideMotionError
 from hjsolve.formulas.read import number
 from hjsolve.motion.initial_data import to_bits
 from hjsolve.motion.motion import Motion
-from hjsolve.numeric.arithmetic import multiprecision
 
 _CHUNK, _LONGEST_WALK = 512, 400
 

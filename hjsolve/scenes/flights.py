@@ -17,12 +17,12 @@ from typing import Any
 
 import sympy as sp
 
+from hjsolve.arithmetic.floats import multiprecision
 from hjsolve.errors import NotConvergedError
 from hjsolve.mechanics.system import velocities
 from hjsolve.motion.initial_data import to_bits
 from hjsolve.motion.motion import Motion
 from hjsolve.motion.positions import constant_index
-from hjsolve.numeric.arithmetic import multiprecision
 from hjsolve.numeric.course import Bounded, Frozen, Open
 from hjsolve.numeric.inverse import Torus, mean_rate
 from hjsolve.scenes.crossing import bits_of

@@ -18,6 +18,9 @@ import numpy as np
 import sympy as sp
 
 from hjsolve import catalog
+from hjsolve.arithmetic.floats import Float64
+from hjsolve.arithmetic.tape import Tape
+from hjsolve.arithmetic.work_counter import Work
 from hjsolve.catalog.effects import with_effects
 from hjsolve.errors import MissingExtraError, NotConvergedError
 from hjsolve.formulas.read import number
@@ -25,9 +28,6 @@ from hjsolve.lowering import lower
 from hjsolve.mechanics.system import System, hamiltonian, momenta, velocities
 from hjsolve.motion.initial_data import parameter_values
 from hjsolve.motion.state import Errors
-from hjsolve.numeric.arithmetic import Float64
-from hjsolve.numeric.counting import Work
-from hjsolve.numeric.tape import Tape
 from hjsolve.scenes.run import Run, Trajectory, sampled
 from hjsolve.scenes.scene import Scene
 from hjsolve.scenes.steps import Flow, Sampled, follow

@@ -14,11 +14,11 @@ from typing import Any
 import numpy as np
 import sympy as sp
 
+from hjsolve.arithmetic.floats import multiprecision
 from hjsolve.errors import NotConvergedError, OutsideMotionError
 from hjsolve.motion.initial_data import to_bits
 from hjsolve.motion.motion import Motion
 from hjsolve.motion.positions import constant_index
-from hjsolve.numeric.arithmetic import multiprecision
 from hjsolve.numeric.clenshaw import Fixed
 from hjsolve.numeric.course import Bounded
 from hjsolve.numeric.inverse import Torus

@@ -15,11 +15,11 @@ from typing import Any
 
 import sympy as sp
 
+from hjsolve.arithmetic.estimate import Estimate
+from hjsolve.arithmetic.floats import Multi
 from hjsolve.lowering import lower
 from hjsolve.mechanics.system import System, hamiltonian, velocities
 from hjsolve.motion.initial_data import to_bits
-from hjsolve.numeric.arithmetic import Multi
-from hjsolve.numeric.estimate import Estimate
 from hjsolve.scenes.events import Event, Pending, once
 from hjsolve.scenes.scene import Scene
 

@@ -6,11 +6,11 @@ from collections.abc import Callable, Mapping
 from dataclasses import dataclass, field
 from typing import Any
 
+from hjsolve.arithmetic.estimate import Estimate
+from hjsolve.arithmetic.work_counter import Work
 from hjsolve.errors import InvalidInputError
 from hjsolve.motion.motion import Motion
 from hjsolve.motion.state import Errors, Known, State
-from hjsolve.numeric.counting import Work
-from hjsolve.numeric.estimate import Estimate
 from hjsolve.scenes.events import Event
 from hjsolve.scenes.rest import Rest
 from hjsolve.scenes.scene import Scene

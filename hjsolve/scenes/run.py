@@ -7,12 +7,12 @@ from typing import Any
 import numpy as np
 import sympy as sp
 
+from hjsolve.arithmetic.estimate import Estimate
+from hjsolve.arithmetic.work_counter import counted
 from hjsolve.errors import InvalidInputError, MissingValueError, NotSeparableError
 from hjsolve.motion.initial_data import to_bits
 from hjsolve.motion.motion import Motion
 from hjsolve.motion.tabulated import OnDemand
-from hjsolve.numeric.counting import counted
-from hjsolve.numeric.estimate import Estimate
 from hjsolve.scenes.arcs import Piece, pieces
 from hjsolve.scenes.begun import Begun, Turned, Wholes
 from hjsolve.scenes.crossing import bits_of

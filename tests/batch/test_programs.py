@@ -8,11 +8,11 @@ import numpy as np
 import pytest
 
 import hjsolve
+from hjsolve.arithmetic.floats import Float64
+from hjsolve.arithmetic.python_source import Source
 from hjsolve.batch.model import read
 from hjsolve.batch.programs import _coordinate_text, _start_text, programs
 from hjsolve.motion.initial_data import parameter_values
-from hjsolve.numeric.arithmetic import Float64
-from hjsolve.numeric.source import Source
 
 WORDS = {
     "def", "return", "for", "in", "range", "if", "else", "x", "c", "e", "q", "p", "i", "j", "r", "a", "b", "W", "C", "E",

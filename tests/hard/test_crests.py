@@ -10,8 +10,8 @@ import pytest
 from mpmath import mp, mpf
 
 import hjsolve
+from hjsolve.arithmetic.floats import Float64, Multi
 from hjsolve.numeric.anomaly import crested, paired, rotation
-from hjsolve.numeric.arithmetic import Float64, Multi
 from hjsolve.numeric.stretch import rounded as as_doubles
 from hjsolve.numeric.stretch import stretched
 

@@ -11,10 +11,11 @@ import mpmath
 import pytest
 
 import hjsolve
+from hjsolve.arithmetic import ball
+from hjsolve.arithmetic.work_counter import counted
 from hjsolve.errors import InvalidInputError
 from hjsolve.motion import certified
-from hjsolve.numeric import ball, strip
-from hjsolve.numeric.counting import counted
+from hjsolve.numeric import strip
 from hjsolve.numeric.cycle import Map
 
 pytest.importorskip("flint")

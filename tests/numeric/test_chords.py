@@ -6,10 +6,10 @@ import numpy as np
 import pytest
 import sympy as sp
 
+from hjsolve.arithmetic.divided_differences import Chords
+from hjsolve.arithmetic.floats import Float64, Multi
+from hjsolve.arithmetic.running_error import Bounded, Running
 from hjsolve.lowering import lower
-from hjsolve.numeric.arithmetic import Float64, Multi
-from hjsolve.numeric.chords import Chords
-from hjsolve.numeric.running import Bounded, Running
 
 x, c = sp.symbols("x c")
 FORMULAS = [

@@ -8,8 +8,8 @@ import mpmath
 import pytest
 
 import hjsolve
+from hjsolve.arithmetic.floats import Multi
 from hjsolve.numeric.anomaly import libration
-from hjsolve.numeric.arithmetic import Multi
 from hjsolve.numeric.course import PARTS, integrands
 from hjsolve.numeric.series import fit, midpoints
 

@@ -4,8 +4,8 @@ import numpy as np
 import pytest
 from mpmath import mp
 
-from hjsolve.numeric.arithmetic import Float64, Multi
-from hjsolve.numeric.elliptic import jacobi, quarter_period
+from hjsolve.arithmetic.elliptic import jacobi, quarter_period
+from hjsolve.arithmetic.floats import Float64, Multi
 
 COMPLEMENTS = ("0.9", "0.1", "1e-6", "3.8e-11", "1e-15")
 

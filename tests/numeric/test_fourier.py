@@ -7,8 +7,8 @@ import random
 import pytest
 from mpmath import mp
 
-from hjsolve.numeric.arithmetic import multiprecision
-from hjsolve.numeric.fourier import smooth, waves
+from hjsolve.arithmetic.floats import multiprecision
+from hjsolve.arithmetic.fourier import smooth, waves
 
 BITS = 300
 

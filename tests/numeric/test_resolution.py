@@ -11,15 +11,15 @@ import sympy as sp
 from mpmath import mp
 
 import hjsolve
+from hjsolve.arithmetic.complex_disks import Disk, Disks
+from hjsolve.arithmetic.floats import Multi
+from hjsolve.arithmetic.reciprocals import without_overflow
+from hjsolve.arithmetic.tape import UNARY
 from hjsolve.lowering import lower
 from hjsolve.numeric import resolution
 from hjsolve.numeric.anomaly import libration
-from hjsolve.numeric.arithmetic import Multi
 from hjsolve.numeric.deflated import deflated
-from hjsolve.numeric.disks import Disk, Disks
 from hjsolve.numeric.radicand import Radicand
-from hjsolve.numeric.reciprocals import without_overflow
-from hjsolve.numeric.tape import UNARY
 from tests.random_features import Draw, Feature, draw, truth
 
 x = sp.Symbol("x")

@@ -5,7 +5,7 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
-from hjsolve.numeric.rowwise import rowwise, stacked
+from hjsolve.arithmetic.reproducible_products import rowwise, stacked
 
 RANDOM = np.random.default_rng(5)
 TABLE = RANDOM.standard_normal((64, 63))

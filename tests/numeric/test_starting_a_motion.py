@@ -9,10 +9,10 @@ import sympy as sp
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
+from hjsolve.arithmetic.floats import Float64, Multi
+from hjsolve.arithmetic.interval import Interval, Intervals
+from hjsolve.arithmetic.jet import Jet, Jets
 from hjsolve.lowering import lower
-from hjsolve.numeric.arithmetic import Float64, Multi
-from hjsolve.numeric.interval import Interval, Intervals
-from hjsolve.numeric.jet import Jet, Jets
 from hjsolve.numeric.radicand import Radicand
 from hjsolve.numeric.turning_points import Ray, first_end
 

@@ -4,8 +4,8 @@ import sympy as sp
 from mpmath import mp
 
 import hjsolve
+from hjsolve.arithmetic.floats import Multi
 from hjsolve.lowering import lower, spread_exponentials
-from hjsolve.numeric.arithmetic import Multi
 
 
 def test_a_dissociated_morse_oscillator_escapes_however_its_potential_is_written() -> None:

@@ -8,9 +8,9 @@ import sympy as sp
 from mpmath import mp
 
 import hjsolve
+from hjsolve.arithmetic.floats import Float64
+from hjsolve.arithmetic.interval import Interval, Intervals
 from hjsolve.motion.initial_data import expanded, is_zero
-from hjsolve.numeric.arithmetic import Float64
-from hjsolve.numeric.interval import Interval, Intervals
 from hjsolve.numeric.turning_points import Ray
 
 

@@ -6,8 +6,8 @@ import sympy as sp
 from mpmath import mp
 
 import hjsolve
+from hjsolve.arithmetic.floats import Float64
 from hjsolve.numeric import unbounded
-from hjsolve.numeric.arithmetic import Float64
 from hjsolve.numeric.course import Open
 from tests.reference import mechanics
 from tests.reference.taylor import Flow

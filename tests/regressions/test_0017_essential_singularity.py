@@ -5,8 +5,8 @@ import pytest
 import sympy as sp
 
 import hjsolve
+from hjsolve.arithmetic.work_counter import counted
 from hjsolve.errors import NotConvergedError
-from hjsolve.numeric.counting import counted
 
 HARD = ["-exp(1/r)", "-exp(1/r**2)", "-exp(3/sqrt(r))/r", "-sinh(1/r)", "exp(1/r) - exp(2/r)", "-exp(exp(1/r))"]
 

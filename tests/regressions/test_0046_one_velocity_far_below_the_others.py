@@ -70,8 +70,8 @@ def test_a_velocity_that_the_kinetic_energy_hides_is_forbidden_where_it_is():
 
 
 def test_the_sine_of_one_number_is_enclosed_in_many_digits():
-    from hjsolve.numeric.arithmetic import Multi
-    from hjsolve.numeric.interval import Intervals
+    from hjsolve.arithmetic.floats import Multi
+    from hjsolve.arithmetic.interval import Intervals
 
     field = Intervals(Multi(256))
     sine = field.unary("sin", field.point(Multi(256).convert(0.5)))

@@ -87,7 +87,7 @@ def test_the_choice_is_what_the_table_of_costs_says(clock: Any, name: str) -> No
 
 
 def test_without_the_extra_mpmath_is_taken(monkeypatch: pytest.MonkeyPatch) -> None:
-    monkeypatch.setattr("hjsolve.numeric.ball.flint", None)
+    monkeypatch.setattr("hjsolve.arithmetic.ball.flint", None)
     done = chosen(PERIODS, digits=80)
     assert done.choice.method == "mpmath"
     assert "pip install" in done.choice.why

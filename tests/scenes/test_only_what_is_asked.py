@@ -8,8 +8,8 @@ import pytest
 import sympy as sp
 
 from hjsolve import catalog
+from hjsolve.arithmetic.work_counter import counted
 from hjsolve.mechanics.system import hamiltonian
-from hjsolve.numeric.counting import counted
 from hjsolve.scenes import Scene
 from hjsolve.solution.quadratures import solve
 from tests import entries

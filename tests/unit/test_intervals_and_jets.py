@@ -10,10 +10,10 @@ from hypothesis import assume, given, settings
 from hypothesis import strategies as st
 from mpmath import mp
 
+from hjsolve.arithmetic.floats import Float64, Multi
+from hjsolve.arithmetic.interval import Interval, Intervals
+from hjsolve.arithmetic.jet import Jets
 from hjsolve.lowering import lower
-from hjsolve.numeric.arithmetic import Float64, Multi
-from hjsolve.numeric.interval import Interval, Intervals
-from hjsolve.numeric.jet import Jets
 
 x = sp.Symbol("x", real=True)
 UNARY = (sp.sin, sp.cos, sp.tan, sp.exp, sp.log, sp.sqrt, sp.asin, sp.acos, sp.atan, sp.sinh, sp.cosh, sp.tanh,

@@ -9,7 +9,7 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from hjsolve.numeric.estimate import Estimate
+from hjsolve.arithmetic.estimate import Estimate
 from hjsolve.reports.numbers import bound, decimal, quantity, raised, seconds, shortest
 
 

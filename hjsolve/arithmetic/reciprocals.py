@@ -10,7 +10,7 @@ from __future__ import annotations
 
 from functools import lru_cache, reduce
 
-from hjsolve.numeric.tape import Operation, Tape
+from hjsolve.arithmetic.tape import Operation, Tape
 
 _WAVES = frozenset({"sin", "cos", "sinh", "cosh"})
 

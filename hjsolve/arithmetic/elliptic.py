@@ -11,7 +11,7 @@ from typing import Any
 
 import numpy as np
 
-from hjsolve.numeric.arithmetic import Float64, Multi
+from hjsolve.arithmetic.floats import Float64, Multi
 
 
 def quarter_period(complement: Any, arithmetic: Float64 | Multi) -> Any:

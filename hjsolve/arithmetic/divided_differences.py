@@ -10,7 +10,7 @@ from __future__ import annotations
 from dataclasses import dataclass
 from typing import Any, NamedTuple
 
-from hjsolve.numeric.tape import Arithmetic
+from hjsolve.arithmetic.tape import Arithmetic
 
 FUNCTIONS = frozenset({"neg", "sqrt", "exp", "sin", "cos", "tan", "sinh", "cosh", "tanh", "sech"})
 """Elementary functions that have a rule."""

@@ -15,7 +15,7 @@ from typing import Any, NamedTuple
 
 import numpy as np
 
-from hjsolve.numeric.arithmetic import FARTHEST, Float64, Multi, within_reach
+from hjsolve.arithmetic.floats import FARTHEST, Float64, Multi, within_reach
 
 _GREATEST = float(np.finfo(float).max)
 _RISING = {"exp", "sinh", "tanh", "asinh", "atan"}

@@ -5,7 +5,7 @@ from __future__ import annotations
 from dataclasses import dataclass
 from typing import Any, NamedTuple
 
-from hjsolve.numeric.tape import Arithmetic
+from hjsolve.arithmetic.tape import Arithmetic
 
 
 class Jet(NamedTuple):

@@ -11,8 +11,8 @@ from dataclasses import dataclass, field
 from fractions import Fraction
 from math import pi
 
-from hjsolve.numeric.arithmetic import by_squaring
-from hjsolve.numeric.tape import UNARY
+from hjsolve.arithmetic.floats import by_squaring
+from hjsolve.arithmetic.tape import UNARY
 
 _PAIRED = {"sin": ("sincos", 0), "cos": ("sincos", 1), "sinh": ("sinhcosh", 0), "cosh": ("sinhcosh", 1)}
 

@@ -11,7 +11,7 @@ from __future__ import annotations
 from functools import lru_cache
 from typing import Any
 
-from hjsolve.numeric.arithmetic import multiprecision
+from hjsolve.arithmetic.floats import multiprecision
 
 _GUARD = 24
 _PRIMES = (2, 3, 5, 7, 11, 13)

@@ -6,7 +6,7 @@ import math
 from dataclasses import dataclass
 from fractions import Fraction
 
-from hjsolve.numeric.arithmetic import ByOperators
+from hjsolve.arithmetic.floats import ByOperators
 
 _AT_ZERO = {
     **dict.fromkeys(("sin", "tan", "asin", "atan", "sinh", "tanh", "asinh", "atanh"), Fraction(0)),

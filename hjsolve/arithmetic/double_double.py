@@ -15,8 +15,8 @@ from typing import Any
 
 import numpy as np
 
-from hjsolve.numeric.arithmetic import by_squaring
-from hjsolve.numeric.error_free import Pair, exact, quick_two_sum, two_product, two_sum
+from hjsolve.arithmetic.error_free import Pair, exact, quick_two_sum, two_product, two_sum
+from hjsolve.arithmetic.floats import by_squaring
 
 _LN2 = (0.6931471805599453, 2.3190468138462996e-17)
 _HALF_PI = (1.5707963267948966, 6.123233995736766e-17)

@@ -11,9 +11,9 @@ from contextlib import AbstractContextManager
 from dataclasses import dataclass
 from typing import Any, ClassVar
 
+from hjsolve.arithmetic.floats import ByOperators
+from hjsolve.arithmetic.jet import Jet, Jets
 from hjsolve.errors import MissingExtraError
-from hjsolve.numeric.arithmetic import ByOperators
-from hjsolve.numeric.jet import Jet, Jets
 
 try:
     import flint as flint

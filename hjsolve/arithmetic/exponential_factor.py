@@ -14,7 +14,7 @@ from typing import Any, NamedTuple
 
 import numpy as np
 
-from hjsolve.numeric.disks import Disk, Disks
+from hjsolve.arithmetic.complex_disks import Disk, Disks
 
 EXPONENTIAL = frozenset({"exp", "sinh", "cosh", "sech"})
 _LARGE = 600.0

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from typing import Any
 
-from hjsolve.numeric.arithmetic import multiprecision
+from hjsolve.arithmetic.floats import multiprecision
 
 
 def bracketed_root(function: Any, x0: Any, x1: Any, bits: int) -> Any:

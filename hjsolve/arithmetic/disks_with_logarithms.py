@@ -17,8 +17,8 @@ from typing import Any, NamedTuple
 
 import numpy as np
 
-from hjsolve.numeric.arithmetic import Float64
-from hjsolve.numeric.disks import Disk, Disks, tighter
+from hjsolve.arithmetic.complex_disks import Disk, Disks, tighter
+from hjsolve.arithmetic.floats import Float64
 
 _D, _F = Disks(), Float64()
 _MOST = 0.999

@@ -17,12 +17,12 @@ from typing import Any
 
 import numpy as np
 
+from hjsolve.arithmetic.asymptotic_scale import Growth, Monomial, Range, UnknownGrowthError
+from hjsolve.arithmetic.floats import Float64, Multi, by_squaring
+from hjsolve.arithmetic.interval import Interval, Intervals
+from hjsolve.arithmetic.jet import Jet, Jets
+from hjsolve.arithmetic.tape import Tape
 from hjsolve.errors import InvalidInputError
-from hjsolve.numeric.arithmetic import Float64, Multi, by_squaring
-from hjsolve.numeric.growth import Growth, Monomial, Range, UnknownGrowthError
-from hjsolve.numeric.interval import Interval, Intervals
-from hjsolve.numeric.jet import Jet, Jets
-from hjsolve.numeric.tape import Tape
 
 BITS = 1024
 _TERMS = 6

@@ -17,7 +17,7 @@ from typing import Any, NamedTuple
 
 import numpy as np
 
-from hjsolve.numeric.arithmetic import Float64, by_squaring
+from hjsolve.arithmetic.floats import Float64, by_squaring
 
 FUNCTIONS = frozenset({"neg", "sqrt", "exp", "log", "sin", "cos", "tan", "sinh", "cosh", "tanh", "sech", "abs"})
 """Elementary functions that have a rule."""

@@ -16,7 +16,7 @@ from typing import Any, NamedTuple
 
 import numpy as np
 
-from hjsolve.numeric.arithmetic import Float64
+from hjsolve.arithmetic.floats import Float64
 
 _UNIT = 4 * 2.0**-52
 """Relative rounding of one operation on complex doubles, more than it is."""

@@ -23,9 +23,9 @@ from typing import Any, NamedTuple
 
 import numpy as np
 
-from hjsolve.numeric.arithmetic import by_squaring
-from hjsolve.numeric.disks import Disk, Disks, hull, tighter
-from hjsolve.numeric.tape import Tape
+from hjsolve.arithmetic.complex_disks import Disk, Disks, hull, tighter
+from hjsolve.arithmetic.floats import by_squaring
+from hjsolve.arithmetic.tape import Tape
 
 _DISKS = Disks()
 _EXPONENTIAL = frozenset({"exp", "sinh", "cosh", "tanh", "sech"})
