@@ -35,7 +35,7 @@ class Region:
         below, above: views of F used in the lower and in the upper half.
         lower, upper: offsets of the turning points in those views; for a rotation ``lower`` is the slow place.
         width: b − a.
-        near_lower, near_upper, level: ρ_d, ρ_c and the modulus 4^−level (int array); see ``numeric/anomaly``.
+        near_lower, near_upper, level: ρ_d, ρ_c and the modulus 4^−level (int array); see ``one_coordinate/anomaly``.
         warp: which of ``nodes.WARPS`` (int array).
         momentum: P₀ (signed). left, right: q₀ − a and b − q₀; for a rotation ``left`` is q₀ less the slow place.
         turning: False for rotations.

@@ -18,7 +18,7 @@ import numpy as np
 from hjsolve.arithmetic.elliptic import quarter_period
 from hjsolve.arithmetic.floats import Float64
 from hjsolve.batch.nodes import Nodes
-from hjsolve.numeric.complex_maps import jacobi_complex
+from hjsolve.one_coordinate.complex_anomaly import jacobi_complex
 
 EXPONENT = 36.0
 """exp(−36) = 2.3e-16: what is missed of a function is at most 2 M exp(−36), M being ``clearance.GROWTH`` times what the

@@ -14,8 +14,8 @@ from hjsolve.ensembles.recipe import ONE_AT_A_TIME
 from hjsolve.errors import ForbiddenMotionError, InvalidInputError, NotConvergedError
 from hjsolve.motion.motion import Motion
 from hjsolve.motion.positions import constant_index
-from hjsolve.numeric.course import Frozen
 from hjsolve.numeric.inverse import Torus, oscillation
+from hjsolve.one_coordinate.coordinate_motion import Frozen
 from hjsolve.solution.quadratures import Solution
 
 _ANGLE_ROUNDING = 2.0**-48

@@ -23,7 +23,7 @@ from hjsolve.lowering import lower
 from hjsolve.motion.initial_data import is_zero, parameter_values, to_bits
 from hjsolve.motion.state import Errors, State
 from hjsolve.motion.times import counted, exact_numbers
-from hjsolve.numeric.level_curve import Curve, Orbit, followed
+from hjsolve.one_coordinate.level_curve import Curve, Orbit, followed
 
 _FLOAT_DIGITS, _GUARDS, _SPARE = 15, (96, 192, 384, 768), 64
 

@@ -21,16 +21,16 @@ from hjsolve.arithmetic.floats import multiprecision
 from hjsolve.errors import InvalidInputError, NotConvergedError
 from hjsolve.lowering import lower
 from hjsolve.motion.initial_data import Initial
-from hjsolve.numeric.anomaly import Libration, Rotation
-from hjsolve.numeric.classify import Located, Start, ray
-from hjsolve.numeric.course import Bounded
 from hjsolve.numeric.cycle import Cycle, Map, all_round, between_turns
 from hjsolve.numeric.line import Line, turning_point
-from hjsolve.numeric.radicand import Radicand
-from hjsolve.numeric.series import zero
 from hjsolve.numeric.strip import means
-from hjsolve.numeric.turning_points import end_of
 from hjsolve.numeric.walls import walls
+from hjsolve.one_coordinate.anomaly import Libration, Rotation
+from hjsolve.one_coordinate.classify import Located, Start, ray
+from hjsolve.one_coordinate.coordinate_motion import Bounded
+from hjsolve.one_coordinate.fourier_series import zero
+from hjsolve.one_coordinate.momentum_squared import Radicand
+from hjsolve.one_coordinate.turning_points import end_of
 from hjsolve.solution.quadratures import Solution
 
 if TYPE_CHECKING:

@@ -14,8 +14,8 @@ import numpy as np
 from hjsolve.arithmetic.floats import multiprecision
 from hjsolve.errors import OutsideMotionError
 from hjsolve.motion.phases import with_reach
-from hjsolve.numeric.course import Bounded, Course, Open
 from hjsolve.numeric.unbounded import Plan
+from hjsolve.one_coordinate.coordinate_motion import Bounded, Course, Open
 
 if TYPE_CHECKING:
     from hjsolve.motion.motion import Motion

@@ -21,11 +21,11 @@ from hjsolve.motion.phases import phases_at, solve, with_reach
 from hjsolve.motion.positions import constant_index, principal
 from hjsolve.motion.state_at import shaped, state_at
 from hjsolve.motion.times import counted, exact_numbers, read_times
-from hjsolve.numeric.branch import farthest
-from hjsolve.numeric.course import Bounded, Course, Frozen, Open
 from hjsolve.numeric.inverse import Torus, mean_rate, oscillation
 from hjsolve.numeric.turns import turns
 from hjsolve.numeric.unbounded import Plan, Step
+from hjsolve.one_coordinate.coordinate_motion import Bounded, Course, Frozen, Open
+from hjsolve.one_coordinate.open_branch import farthest
 
 if TYPE_CHECKING:
     from hjsolve.motion.motion import Motion

@@ -22,9 +22,9 @@ from hjsolve.arithmetic.running_error import Running
 from hjsolve.mechanics.system import velocities
 from hjsolve.motion.initial_data import to_bits
 from hjsolve.motion.positions import tape_of
-from hjsolve.numeric.anomaly import Crested, Libration
-from hjsolve.numeric.course import Bounded, Course, Frozen, Open, float_way
-from hjsolve.numeric.stretch import Stretched, rounded
+from hjsolve.one_coordinate.anomaly import Crested, Libration
+from hjsolve.one_coordinate.coordinate_motion import Bounded, Course, Frozen, Open, float_way
+from hjsolve.one_coordinate.stretched_anomaly import Stretched, rounded
 
 if TYPE_CHECKING:
     from hjsolve.motion.motion import Motion

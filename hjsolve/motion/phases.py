@@ -13,7 +13,7 @@ from hjsolve.motion.initial_data import to_bits
 from hjsolve.motion.times import counted, within_doubles
 from hjsolve.numeric import inverse, refine, unbounded
 from hjsolve.numeric.clock import halves, relative, relative_exact
-from hjsolve.numeric.course import Course, Open
+from hjsolve.one_coordinate.coordinate_motion import Course, Open
 
 if TYPE_CHECKING:
     from hjsolve.motion.motion import Motion

@@ -18,11 +18,11 @@ from hjsolve.lowering import lower
 from hjsolve.mechanics.system import velocities
 from hjsolve.motion.initial_data import to_bits
 from hjsolve.motion.phases import Phases, courses_of
-from hjsolve.numeric.course import Bounded, arithmetic_of
 from hjsolve.numeric.inverse import Torus, mean_rate, oscillation
-from hjsolve.numeric.series import Series
 from hjsolve.numeric.turns import principal as principal_of_doubles
 from hjsolve.numeric.turns import turns
+from hjsolve.one_coordinate.coordinate_motion import Bounded, arithmetic_of
+from hjsolve.one_coordinate.fourier_series import Series
 
 if TYPE_CHECKING:
     from hjsolve.motion.motion import Motion

@@ -13,11 +13,11 @@ from hjsolve.arithmetic.estimate import Estimate
 from hjsolve.arithmetic.floats import Multi, multiprecision
 from hjsolve.lowering import lower
 from hjsolve.motion.initial_data import Initial, to_bits
-from hjsolve.numeric.classify import Located
-from hjsolve.numeric.course import Bounded, Frozen
 from hjsolve.numeric.inverse import Torus, mean_rate
-from hjsolve.numeric.regions import Region
 from hjsolve.numeric.unbounded import Plan
+from hjsolve.one_coordinate.allowed_regions import Region
+from hjsolve.one_coordinate.classify import Located
+from hjsolve.one_coordinate.coordinate_motion import Bounded, Frozen
 from hjsolve.solution.quadratures import Solution
 
 FLOAT_DIGITS = 15

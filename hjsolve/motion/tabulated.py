@@ -17,12 +17,12 @@ from hjsolve.arithmetic.error_free import split
 from hjsolve.errors import NotConvergedError
 from hjsolve.motion.near_poles import blurs, distances
 from hjsolve.motion.positions import constant_index
-from hjsolve.numeric.course import Bounded, Open
 from hjsolve.numeric.ephemeris import DEGREE, Table, tabulate
 from hjsolve.numeric.inverse import Torus, oscillation
-from hjsolve.numeric.series import Series
 from hjsolve.numeric.turns import turns
 from hjsolve.numeric.unbounded import Plan, reaching
+from hjsolve.one_coordinate.coordinate_motion import Bounded, Open
+from hjsolve.one_coordinate.fourier_series import Series
 
 if TYPE_CHECKING:
     from hjsolve.motion.motion import Motion

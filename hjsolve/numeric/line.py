@@ -9,7 +9,7 @@ from typing import Any
 from hjsolve.arithmetic.ball import Balls, Series, flint, working
 from hjsolve.arithmetic.tape import Bound
 from hjsolve.errors import NotConvergedError
-from hjsolve.numeric.radicand import Radicand
+from hjsolve.one_coordinate.momentum_squared import Radicand
 
 _FINE = 256
 """Bits beyond which numbers are rounded before they are used at a low precision; below it costs more than it saves."""

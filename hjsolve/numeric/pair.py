@@ -19,8 +19,8 @@ from typing import Any
 
 import numpy as np
 
-from hjsolve.numeric.course import Bounded, Course, Open
 from hjsolve.numeric.single import solve_alone
+from hjsolve.one_coordinate.coordinate_motion import Bounded, Course, Open
 
 _EPS = 2.0**-52
 _STEPS, _POLISH = 120, 3

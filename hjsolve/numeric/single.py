@@ -8,10 +8,10 @@ import numpy as np
 
 from hjsolve.arithmetic.error_free import split
 from hjsolve.arithmetic.floats import multiprecision
-from hjsolve.numeric.course import Bounded, Course, Frozen, Open
 from hjsolve.numeric.inverse import _alone, bracketed
-from hjsolve.numeric.series import combine
 from hjsolve.numeric.turns import turns
+from hjsolve.one_coordinate.coordinate_motion import Bounded, Course, Frozen, Open
+from hjsolve.one_coordinate.fourier_series import combine
 
 _EPS = 2.0**-52
 

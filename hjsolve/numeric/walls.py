@@ -13,8 +13,8 @@ from dataclasses import dataclass
 from typing import Any
 
 from hjsolve.arithmetic.ball import flint, from_mpf, working
-from hjsolve.numeric.classify import Start
 from hjsolve.numeric.line import Line
+from hjsolve.one_coordinate.classify import Start
 
 _BITS = 128
 _MOST_STEPS = 240

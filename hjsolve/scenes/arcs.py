@@ -22,7 +22,7 @@ from hjsolve.errors import InvalidInputError, NotConvergedError
 from hjsolve.mechanics.system import velocities
 from hjsolve.motion.initial_data import initial_data, is_zero, to_bits
 from hjsolve.motion.motion import Motion
-from hjsolve.numeric.course import Frozen
+from hjsolve.one_coordinate.coordinate_motion import Frozen
 from hjsolve.scenes.crossing import bits_of, crossings, exact
 from hjsolve.scenes.events import Event, Pending, changed, once
 from hjsolve.scenes.flights import Flight, Free, walk

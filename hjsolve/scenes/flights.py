@@ -23,8 +23,8 @@ from hjsolve.mechanics.system import velocities
 from hjsolve.motion.initial_data import to_bits
 from hjsolve.motion.motion import Motion
 from hjsolve.motion.positions import constant_index
-from hjsolve.numeric.course import Bounded, Frozen, Open
 from hjsolve.numeric.inverse import Torus, mean_rate
+from hjsolve.one_coordinate.coordinate_motion import Bounded, Frozen, Open
 from hjsolve.scenes.crossing import bits_of
 from hjsolve.scenes.events import Event, Pending, once
 from hjsolve.scenes.mirrors import Mirrors

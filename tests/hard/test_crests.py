@@ -11,9 +11,9 @@ from mpmath import mp, mpf
 
 import hjsolve
 from hjsolve.arithmetic.floats import Float64, Multi
-from hjsolve.numeric.anomaly import crested, paired, rotation
-from hjsolve.numeric.stretch import rounded as as_doubles
-from hjsolve.numeric.stretch import stretched
+from hjsolve.one_coordinate.anomaly import crested, paired, rotation
+from hjsolve.one_coordinate.stretched_anomaly import rounded as as_doubles
+from hjsolve.one_coordinate.stretched_anomaly import stretched
 
 DIGITS = 40
 

@@ -9,9 +9,9 @@ import pytest
 
 import hjsolve
 from hjsolve.arithmetic.floats import Multi
-from hjsolve.numeric.anomaly import libration
-from hjsolve.numeric.course import PARTS, integrands
-from hjsolve.numeric.series import fit, midpoints
+from hjsolve.one_coordinate.anomaly import libration
+from hjsolve.one_coordinate.coordinate_motion import PARTS, integrands
+from hjsolve.one_coordinate.fourier_series import fit, midpoints
 
 
 def swinging(amplitude):

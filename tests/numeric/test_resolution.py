@@ -16,10 +16,10 @@ from hjsolve.arithmetic.floats import Multi
 from hjsolve.arithmetic.reciprocals import without_overflow
 from hjsolve.arithmetic.tape import UNARY
 from hjsolve.lowering import lower
-from hjsolve.numeric import resolution
-from hjsolve.numeric.anomaly import libration
-from hjsolve.numeric.deflated import deflated
-from hjsolve.numeric.radicand import Radicand
+from hjsolve.one_coordinate import resolution
+from hjsolve.one_coordinate.anomaly import libration
+from hjsolve.one_coordinate.momentum_squared import Radicand
+from hjsolve.one_coordinate.regular_factor import deflated
 from tests.random_features import Draw, Feature, draw, truth
 
 x = sp.Symbol("x")

@@ -13,8 +13,8 @@ from hjsolve.arithmetic.floats import Float64, Multi
 from hjsolve.arithmetic.interval import Interval, Intervals
 from hjsolve.arithmetic.jet import Jet, Jets
 from hjsolve.lowering import lower
-from hjsolve.numeric.radicand import Radicand
-from hjsolve.numeric.turning_points import Ray, first_end
+from hjsolve.one_coordinate.momentum_squared import Radicand
+from hjsolve.one_coordinate.turning_points import Ray, first_end
 
 q, E, k = sp.symbols("q E k")
 FORMULAS = (
@@ -94,7 +94,7 @@ def test_cells_that_wait_for_the_same_are_divided_together(monkeypatch) -> None:
     monkeypatch.setattr(Radicand, "enclose", lambda *a: calls.append(1) or enclose(*a))
 
     def end(together: int) -> tuple[int, mpmath.mpf]:
-        monkeypatch.setattr("hjsolve.numeric.turning_points._TOGETHER", together)
+        monkeypatch.setattr("hjsolve.one_coordinate.turning_points._TOGETHER", together)
         calls.clear()
         found = first_end(Ray(field, lambda bits: Multi(bits).convert(6), 1, None), digits=15)
         assert found.kind == "turning"

@@ -8,7 +8,7 @@ from mpmath import mp
 import hjsolve
 from hjsolve.arithmetic.floats import Float64
 from hjsolve.numeric import unbounded
-from hjsolve.numeric.course import Open
+from hjsolve.one_coordinate.coordinate_motion import Open
 from tests.reference import mechanics
 from tests.reference.taylor import Flow
 

@@ -9,7 +9,7 @@ import pytest
 import sympy as sp
 
 from hjsolve.lowering import over_one_denominator
-from hjsolve.numeric.radicand import Radicand
+from hjsolve.one_coordinate.momentum_squared import Radicand
 from tests import entries
 
 x, a = sp.symbols("x a", real=True)

@@ -10,9 +10,9 @@ import numpy as np
 
 from hjsolve.arithmetic.floats import Multi
 from hjsolve.errors import NotConvergedError
-from hjsolve.numeric.panels import Growing, Panels, Way
-from hjsolve.numeric.radicand import Radicand
-from hjsolve.numeric.surroundings import Sight, Surrounding
+from hjsolve.one_coordinate.chebyshev_panels import Growing, Panels, Way
+from hjsolve.one_coordinate.momentum_squared import Radicand
+from hjsolve.one_coordinate.panel_integrands import Sight, Surrounding
 
 _MOST_BITS = 16384
 _FINE = 8

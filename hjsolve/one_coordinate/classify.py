@@ -12,16 +12,16 @@ import numpy as np
 
 from hjsolve.arithmetic.floats import Float64, Multi, multiprecision
 from hjsolve.errors import NotConvergedError
-from hjsolve.numeric import resolution
-from hjsolve.numeric.anomaly import Libration, Rotation, crested, libration, paired, rotation
-from hjsolve.numeric.best_map import over_the_best_map
-from hjsolve.numeric.branch import Branch
-from hjsolve.numeric.course import PARTS, Anomaly, Bounded, Course, Frozen, Open
-from hjsolve.numeric.crests import crests
-from hjsolve.numeric.panels import Way
-from hjsolve.numeric.radicand import Number, Radicand
-from hjsolve.numeric.stretch import Inner, Stretched, stretched
-from hjsolve.numeric.turning_points import End, Ray, first_end
+from hjsolve.one_coordinate import resolution
+from hjsolve.one_coordinate.anomaly import Libration, Rotation, crested, libration, paired, rotation
+from hjsolve.one_coordinate.anomaly_choice import over_the_best_map
+from hjsolve.one_coordinate.chebyshev_panels import Way
+from hjsolve.one_coordinate.coordinate_motion import PARTS, Anomaly, Bounded, Course, Frozen, Open
+from hjsolve.one_coordinate.momentum_squared import Number, Radicand
+from hjsolve.one_coordinate.near_zeros import crests
+from hjsolve.one_coordinate.open_branch import Branch
+from hjsolve.one_coordinate.stretched_anomaly import Inner, Stretched, stretched
+from hjsolve.one_coordinate.turning_points import End, Ray, first_end
 
 _NEAREST = 200
 """Bits by which a turning point may be nearer to an end of the domain than to the other one."""

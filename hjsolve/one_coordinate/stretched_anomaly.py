@@ -25,8 +25,8 @@ import numpy as np
 
 from hjsolve.arithmetic.floats import Float64, Multi
 from hjsolve.arithmetic.fourier import at_midpoints
-from hjsolve.numeric.anomaly import Crested, Libration, Paired, Place, Rotation, as_float
-from hjsolve.numeric.series import Series, midpoints
+from hjsolve.one_coordinate.anomaly import Crested, Libration, Paired, Place, Rotation, as_float
+from hjsolve.one_coordinate.fourier_series import Series, midpoints
 
 _SAMPLES, _MOST_SAMPLES = 4096, 32768
 _STEPS, _ORDERS = 12, 12

@@ -13,9 +13,9 @@ from hjsolve.arithmetic.floats import multiprecision
 from hjsolve.arithmetic.interval import Interval
 from hjsolve.arithmetic.jet import Jet
 from hjsolve.errors import ForbiddenMotionError, NotConvergedError
-from hjsolve.numeric.classify import Start, ray
-from hjsolve.numeric.radicand import Radicand
-from hjsolve.numeric.turning_points import End, first_end
+from hjsolve.one_coordinate.classify import Start, ray
+from hjsolve.one_coordinate.momentum_squared import Radicand
+from hjsolve.one_coordinate.turning_points import End, first_end
 
 MOST = 4
 """Regions looked for on each side (a coordinate that winds for ever may have infinitely many)."""

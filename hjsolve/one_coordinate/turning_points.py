@@ -21,7 +21,7 @@ import numpy as np
 from hjsolve.arithmetic.floats import multiprecision
 from hjsolve.arithmetic.root_finding import bracketed_root, leading_power
 from hjsolve.errors import NotConvergedError
-from hjsolve.numeric.radicand import Number, Radicand
+from hjsolve.one_coordinate.momentum_squared import Number, Radicand
 
 EndKind = Literal["turning", "asymptote", "boundary", "fall", "infinity", "round"]
 _LAST_BITS = 2048

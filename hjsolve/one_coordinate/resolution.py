@@ -21,10 +21,10 @@ from hjsolve.arithmetic.complex_disks import Disk, Disks
 from hjsolve.arithmetic.reciprocals import without_overflow
 from hjsolve.arithmetic.tape import Bound
 from hjsolve.arithmetic.work_counter import count
-from hjsolve.numeric.complex_maps import ComplexPlace, complex_place
-from hjsolve.numeric.deflated import Deflated, Points, deflated
-from hjsolve.numeric.radicand import Radicand
-from hjsolve.numeric.stretch import Stretched
+from hjsolve.one_coordinate.complex_anomaly import ComplexPlace, complex_place
+from hjsolve.one_coordinate.momentum_squared import Radicand
+from hjsolve.one_coordinate.regular_factor import Deflated, Points, deflated
+from hjsolve.one_coordinate.stretched_anomaly import Stretched
 
 _DISKS, _POINTS = Disks(), Points()
 _CIRCLE = np.exp(2j * np.pi * np.arange(20) / 20)

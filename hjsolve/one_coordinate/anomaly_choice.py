@@ -9,11 +9,11 @@ from typing import TYPE_CHECKING
 from hjsolve.arithmetic.floats import Multi
 from hjsolve.arithmetic.fourier import smooth
 from hjsolve.errors import NotConvergedError
-from hjsolve.numeric import resolution
-from hjsolve.numeric.course import Anomaly, Bounded, Kind, bounded
+from hjsolve.one_coordinate import resolution
+from hjsolve.one_coordinate.coordinate_motion import Anomaly, Bounded, Kind, bounded
 
 if TYPE_CHECKING:
-    from hjsolve.numeric.classify import Start
+    from hjsolve.one_coordinate.classify import Start
 
 _FEW, _MANY = 32, 120
 """Nodes above which a second and another change of variable is tried, for a double and half a cycle."""

@@ -22,12 +22,12 @@ from hjsolve.arithmetic.local_expansion import ZERO, Local, Locals, exponential_
 from hjsolve.arithmetic.reciprocals import without_overflow
 from hjsolve.arithmetic.tape import Bound, Tape
 from hjsolve.errors import InvalidInputError
-from hjsolve.numeric.panels import Way
-from hjsolve.numeric.reach import Sizes
-from hjsolve.numeric.spots import Scale, Spots, scale, spots
+from hjsolve.one_coordinate.chebyshev_panels import Way
+from hjsolve.one_coordinate.panel_images import Scale, Spots, scale, spots
+from hjsolve.one_coordinate.panel_length import Sizes
 
 if TYPE_CHECKING:
-    from hjsolve.numeric.radicand import Radicand
+    from hjsolve.one_coordinate.momentum_squared import Radicand
 
 _D = Disks()
 _ONE = Disk(np.complex128(1.0), np.float64(0.0))

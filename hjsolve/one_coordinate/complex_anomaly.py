@@ -13,8 +13,8 @@ import numpy as np
 
 from hjsolve.arithmetic.elliptic import jacobi, quarter_period
 from hjsolve.arithmetic.floats import Float64
-from hjsolve.numeric.anomaly import Crested, Libration, Paired, Rotation
-from hjsolve.numeric.stretch import Stretched
+from hjsolve.one_coordinate.anomaly import Crested, Libration, Paired, Rotation
+from hjsolve.one_coordinate.stretched_anomaly import Stretched
 
 _FLOAT = Float64()
 

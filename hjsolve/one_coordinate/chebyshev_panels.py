@@ -29,8 +29,8 @@ import numpy as np
 from hjsolve.arithmetic.floats import Float64, Multi, multiprecision
 from hjsolve.arithmetic.fourier import smooth, waves
 from hjsolve.errors import NotConvergedError
-from hjsolve.numeric.reach import Surroundings, longest, nodes_for
-from hjsolve.numeric.turning_points import EndKind
+from hjsolve.one_coordinate.panel_length import Surroundings, longest, nodes_for
+from hjsolve.one_coordinate.turning_points import EndKind
 
 _MAX_PANELS = 1600
 _GROWTH, _LONGEST, _FIRST = 4.0, 8.0, 2.0

@@ -14,7 +14,7 @@ import numpy as np
 
 from hjsolve.arithmetic.floats import Float64, Multi, multiprecision
 from hjsolve.arithmetic.work_counter import count
-from hjsolve.numeric.radicand import Radicand
+from hjsolve.one_coordinate.momentum_squared import Radicand
 
 _SAMPLES = 257
 _STEPS = 40

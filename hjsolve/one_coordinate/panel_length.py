@@ -17,7 +17,7 @@ from typing import Any, NamedTuple
 import numpy as np
 
 from hjsolve.arithmetic.complex_disks import Disk
-from hjsolve.numeric.sectors import RHO, Sectors, around, joined, real_lengths
+from hjsolve.one_coordinate.panel_sectors import RHO, Sectors, around, joined, real_lengths
 
 _OCTAVES, _DEEPEST = 12, 12
 """How many times smaller than the longest panel the core is, in powers of two, and how often that is done."""

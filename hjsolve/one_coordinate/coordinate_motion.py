@@ -15,12 +15,12 @@ import numpy as np
 
 from hjsolve.arithmetic.floats import Float64, Multi, multiprecision
 from hjsolve.arithmetic.work_counter import count
-from hjsolve.numeric.anomaly import Crested, Libration, Paired, Place, Rotation
-from hjsolve.numeric.branch import Branch
-from hjsolve.numeric.panels import Panels, Way
-from hjsolve.numeric.radicand import Radicand
-from hjsolve.numeric.series import Series, fit, midpoints, zero
-from hjsolve.numeric.stretch import Stretched, rounded
+from hjsolve.one_coordinate.anomaly import Crested, Libration, Paired, Place, Rotation
+from hjsolve.one_coordinate.chebyshev_panels import Panels, Way
+from hjsolve.one_coordinate.fourier_series import Series, fit, midpoints, zero
+from hjsolve.one_coordinate.momentum_squared import Radicand
+from hjsolve.one_coordinate.open_branch import Branch
+from hjsolve.one_coordinate.stretched_anomaly import Stretched, rounded
 
 Anomaly = Libration | Crested | Rotation | Paired | Stretched
 

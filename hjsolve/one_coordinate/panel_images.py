@@ -7,7 +7,7 @@ from typing import NamedTuple
 import numpy as np
 
 from hjsolve.arithmetic.complex_disks import Disk, Disks, tighter
-from hjsolve.numeric.panels import Way
+from hjsolve.one_coordinate.chebyshev_panels import Way
 
 _D = Disks()
 _ONE = Disk(np.complex128(1.0), np.float64(0.0))

@@ -12,7 +12,7 @@ from functools import cached_property
 from typing import Any
 
 from hjsolve.arithmetic.floats import multiprecision
-from hjsolve.numeric.series import Series
+from hjsolve.one_coordinate.fourier_series import Series
 
 _GUARD = 32
 
