@@ -2,7 +2,7 @@
 
 Jᵢ is a function of the constants; ∂Jᵢ/∂cⱼ = (1/2π) ∮ ½ (∂Pᵢ²/∂cⱼ) dqᵢ/Pᵢ are the means of the kernels. From
 dE = Σ Ωᵢ dJᵢ: Σᵢ Ωᵢ ∂Jᵢ/∂cⱼ = δⱼ₁ over the separation constants, and −Σᵢ Ωᵢ ∂Jᵢ/∂c for an ignorable momentum c. The
-angles are those of ``numeric/inverse``: θₖ = Σⱼ (∂J/∂c)⁻¹ₖⱼ Σᵢ Gᵢⱼ(χᵢ) with G the running integrals.
+angles are those of ``time_law/torus``: θₖ = Σⱼ (∂J/∂c)⁻¹ₖⱼ Σᵢ Gᵢⱼ(χᵢ) with G the running integrals.
 """
 
 from __future__ import annotations

@@ -14,9 +14,9 @@ from hjsolve.ensembles.recipe import ONE_AT_A_TIME
 from hjsolve.errors import ForbiddenMotionError, InvalidInputError, NotConvergedError
 from hjsolve.motion.motion import Motion
 from hjsolve.motion.positions import constant_index
-from hjsolve.numeric.inverse import Torus, oscillation
 from hjsolve.one_coordinate.coordinate_motion import Frozen
 from hjsolve.solution.quadratures import Solution
+from hjsolve.time_law.torus import Torus, oscillation
 
 _ANGLE_ROUNDING = 2.0**-48
 """An angle is reduced, summed and rounded in doubles of size up to 2π: a few 2⁻⁵⁰."""

@@ -14,8 +14,8 @@ import numpy as np
 from hjsolve.arithmetic.floats import multiprecision
 from hjsolve.errors import OutsideMotionError
 from hjsolve.motion.phases import with_reach
-from hjsolve.numeric.unbounded import Plan
 from hjsolve.one_coordinate.coordinate_motion import Bounded, Course, Open
+from hjsolve.time_law.open_motion import Plan
 
 if TYPE_CHECKING:
     from hjsolve.motion.motion import Motion

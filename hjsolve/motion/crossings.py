@@ -21,11 +21,11 @@ from hjsolve.motion.phases import phases_at, solve, with_reach
 from hjsolve.motion.positions import constant_index, principal
 from hjsolve.motion.state_at import shaped, state_at
 from hjsolve.motion.times import counted, exact_numbers, read_times
-from hjsolve.numeric.inverse import Torus, mean_rate, oscillation
-from hjsolve.numeric.turns import turns
-from hjsolve.numeric.unbounded import Plan, Step
 from hjsolve.one_coordinate.coordinate_motion import Bounded, Course, Frozen, Open
 from hjsolve.one_coordinate.open_branch import farthest
+from hjsolve.time_law.open_motion import Plan, Step
+from hjsolve.time_law.phase_reduction import turns
+from hjsolve.time_law.torus import Torus, mean_rate, oscillation
 
 if TYPE_CHECKING:
     from hjsolve.motion.motion import Motion

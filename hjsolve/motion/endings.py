@@ -6,8 +6,8 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from hjsolve.numeric.unbounded import Plan, reaching
 from hjsolve.one_coordinate.coordinate_motion import Open
+from hjsolve.time_law.open_motion import Plan, reaching
 
 if TYPE_CHECKING:
     from hjsolve.motion.motion import Motion

@@ -23,13 +23,13 @@ from hjsolve.motion import quantities
 from hjsolve.motion.initial_data import ZERO_BITS, InBits, Initial, domain_ends, expanded, initial_data, sign, to_bits
 from hjsolve.motion.quantities import FLOAT_DIGITS
 from hjsolve.motion.state import State
-from hjsolve.numeric.inverse import Torus, torus
-from hjsolve.numeric.unbounded import Plan, plan
 from hjsolve.one_coordinate.allowed_regions import forbidden, others
 from hjsolve.one_coordinate.classify import Located, Start, locate
 from hjsolve.one_coordinate.coordinate_motion import PARTS, Open
 from hjsolve.one_coordinate.momentum_squared import Radicand, has_period
 from hjsolve.solution.quadratures import Solution
+from hjsolve.time_law.open_motion import Plan, plan
+from hjsolve.time_law.torus import Torus, torus
 
 _FARTHEST, _MOST_ANGLE = 2**1000, 2**48
 QUANTITIES: Mapping[str, frozenset[str]] = {

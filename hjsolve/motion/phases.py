@@ -11,9 +11,9 @@ import numpy as np
 from hjsolve.arithmetic.floats import multiprecision
 from hjsolve.motion.initial_data import to_bits
 from hjsolve.motion.times import counted, within_doubles
-from hjsolve.numeric import inverse, refine, unbounded
-from hjsolve.numeric.clock import halves, relative, relative_exact
 from hjsolve.one_coordinate.coordinate_motion import Course, Open
+from hjsolve.time_law import open_motion, refine, torus
+from hjsolve.time_law.elapsed_time import halves, relative, relative_exact
 
 if TYPE_CHECKING:
     from hjsolve.motion.motion import Motion
@@ -68,9 +68,9 @@ def solve(motion: Motion, time: tuple[Any, Any]) -> tuple[list[Any], list[Any], 
     never = np.zeros(time[0].shape, dtype=bool)
     if motion.equations is None:
         return [], [], [], never
-    if isinstance(motion.equations, inverse.Torus):
-        return *inverse.phases(motion.equations, time), never
-    return unbounded.phases(motion.equations, time)
+    if isinstance(motion.equations, torus.Torus):
+        return *torus.phases(motion.equations, time), never
+    return open_motion.phases(motion.equations, time)
 
 
 def _courses(motion: Motion) -> Sequence[Course]:
@@ -103,7 +103,7 @@ def _refined(
 ) -> tuple[list[Any], list[Any]]:
     if motion.equations is None:
         return χ, []
-    if isinstance(motion.equations, inverse.Torus):
+    if isinstance(motion.equations, torus.Torus):
         return refine.on_torus(motion.equations, χ, whole, precise, bits)
     full = [phase + 2 * np.pi * n for phase, n in zip(χ, whole, strict=True)]
     courses = [_with_reaches(c, x) for c, x in zip(motion.equations.courses, full, strict=True)]

@@ -18,11 +18,11 @@ from hjsolve.lowering import lower
 from hjsolve.mechanics.system import velocities
 from hjsolve.motion.initial_data import to_bits
 from hjsolve.motion.phases import Phases, courses_of
-from hjsolve.numeric.inverse import Torus, mean_rate, oscillation
-from hjsolve.numeric.turns import principal as principal_of_doubles
-from hjsolve.numeric.turns import turns
 from hjsolve.one_coordinate.coordinate_motion import Bounded, arithmetic_of
 from hjsolve.one_coordinate.fourier_series import Series
+from hjsolve.time_law.phase_reduction import principal as principal_of_doubles
+from hjsolve.time_law.phase_reduction import turns
+from hjsolve.time_law.torus import Torus, mean_rate, oscillation
 
 if TYPE_CHECKING:
     from hjsolve.motion.motion import Motion

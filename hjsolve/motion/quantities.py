@@ -13,12 +13,12 @@ from hjsolve.arithmetic.estimate import Estimate
 from hjsolve.arithmetic.floats import Multi, multiprecision
 from hjsolve.lowering import lower
 from hjsolve.motion.initial_data import Initial, to_bits
-from hjsolve.numeric.inverse import Torus, mean_rate
-from hjsolve.numeric.unbounded import Plan
 from hjsolve.one_coordinate.allowed_regions import Region
 from hjsolve.one_coordinate.classify import Located
 from hjsolve.one_coordinate.coordinate_motion import Bounded, Frozen
 from hjsolve.solution.quadratures import Solution
+from hjsolve.time_law.open_motion import Plan
+from hjsolve.time_law.torus import Torus, mean_rate
 
 FLOAT_DIGITS = 15
 _NORMAL, _LEAST = 2.0**-1022, 2.0**-1074

@@ -29,9 +29,9 @@ from hjsolve.motion.state import Errors, State
 from hjsolve.motion.state_errors import state_errors, table_errors
 from hjsolve.motion.tabulated import FEWEST, Dense, OnDemand, dense, rough
 from hjsolve.motion.times import counted, read_times, within_doubles
-from hjsolve.numeric.clock import halves, relative, relative_exact
-from hjsolve.numeric.inverse import Torus, mean_rate
 from hjsolve.one_coordinate.coordinate_motion import Bounded
+from hjsolve.time_law.elapsed_time import halves, relative, relative_exact
+from hjsolve.time_law.torus import Torus, mean_rate
 
 if TYPE_CHECKING:
     from hjsolve.motion.motion import Motion

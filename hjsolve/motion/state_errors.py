@@ -15,9 +15,9 @@ from hjsolve.motion.near_poles import from_table, grain, places, worked_out
 from hjsolve.motion.phases import Phases, courses_of
 from hjsolve.motion.positions import constant_index, evaluate, rounding
 from hjsolve.motion.tabulated import Dense
-from hjsolve.numeric.inverse import Torus, oscillation
 from hjsolve.one_coordinate.coordinate_motion import Bounded, Course, Open
 from hjsolve.one_coordinate.fourier_series import Series
+from hjsolve.time_law.torus import Torus, oscillation
 
 if TYPE_CHECKING:
     from hjsolve.motion.motion import Motion

@@ -1,7 +1,7 @@
 """Many times at once: positions from a table of the inverted time law, each quantity only when it is read.
 
 It serves motions with one separated coordinate (all others ignorable), in double precision. The table is made
-once per motion from the same regular integrals (``numeric/ephemeris``).
+once per motion from the same regular integrals (``time_law/table``).
 """
 
 from __future__ import annotations
@@ -17,12 +17,12 @@ from hjsolve.arithmetic.error_free import split
 from hjsolve.errors import NotConvergedError
 from hjsolve.motion.near_poles import blurs, distances
 from hjsolve.motion.positions import constant_index
-from hjsolve.numeric.ephemeris import DEGREE, Table, tabulate
-from hjsolve.numeric.inverse import Torus, oscillation
-from hjsolve.numeric.turns import turns
-from hjsolve.numeric.unbounded import Plan, reaching
 from hjsolve.one_coordinate.coordinate_motion import Bounded, Open
 from hjsolve.one_coordinate.fourier_series import Series
+from hjsolve.time_law.open_motion import Plan, reaching
+from hjsolve.time_law.phase_reduction import turns
+from hjsolve.time_law.table import DEGREE, Table, tabulate
+from hjsolve.time_law.torus import Torus, oscillation
 
 if TYPE_CHECKING:
     from hjsolve.motion.motion import Motion

@@ -17,8 +17,8 @@ from hjsolve.motion.positions import coordinate_velocities, evaluate, principal
 from hjsolve.motion.quantities import FLOAT_DIGITS
 from hjsolve.motion.state import Errors, State
 from hjsolve.motion.state_errors import velocity_errors
-from hjsolve.numeric.clock import halves
 from hjsolve.scenes.flights import Flight, Free
+from hjsolve.time_law.elapsed_time import halves
 
 
 @dataclass(frozen=True, eq=False)

@@ -23,12 +23,12 @@ from hjsolve.mechanics.system import velocities
 from hjsolve.motion.initial_data import to_bits
 from hjsolve.motion.motion import Motion
 from hjsolve.motion.positions import constant_index
-from hjsolve.numeric.inverse import Torus, mean_rate
 from hjsolve.one_coordinate.coordinate_motion import Bounded, Frozen, Open
 from hjsolve.scenes.crossing import bits_of
 from hjsolve.scenes.events import Event, Pending, once
 from hjsolve.scenes.mirrors import Mirrors
 from hjsolve.scenes.passes import Carried, Passes, passes
+from hjsolve.time_law.torus import Torus, mean_rate
 
 _LOOK = 1000
 """Bounces after which it is judged how many there will be."""

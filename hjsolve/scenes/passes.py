@@ -19,10 +19,10 @@ from hjsolve.errors import NotConvergedError, OutsideMotionError
 from hjsolve.motion.initial_data import to_bits
 from hjsolve.motion.motion import Motion
 from hjsolve.motion.positions import constant_index
-from hjsolve.numeric.inverse import Torus
 from hjsolve.one_coordinate.clenshaw import Fixed
 from hjsolve.one_coordinate.coordinate_motion import Bounded
 from hjsolve.scenes.crossing import bits_of, sharpened
+from hjsolve.time_law.torus import Torus
 
 _GRID, _MOST_STEPS = 513, 12
 

@@ -13,7 +13,7 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 import hjsolve
-from hjsolve.numeric.ephemeris import DEGREE, Table
+from hjsolve.time_law.table import DEGREE, Table
 
 pytest.importorskip("numba")
 
@@ -33,7 +33,7 @@ def pendulum(rate: str) -> hjsolve.Motion:
 def by(monkeypatch: pytest.MonkeyPatch, way: str, motion: hjsolve.Motion, t: np.ndarray) -> hjsolve.State:
     """State of a motion at times, all of it worked out by numpy or all by compiled loops."""
     monkeypatch.setenv("HJSOLVE_COMPILED", {"numpy": "0", "compiled": "1"}[way])
-    monkeypatch.setattr("hjsolve.numeric.compiled.WORTH", 1)
+    monkeypatch.setattr("hjsolve.time_law.compiled.WORTH", 1)
     state = motion.at(t)
     for group in (state.q, state.p, state.velocity, state.turns, state.error.q):
         for name in group:
@@ -148,7 +148,7 @@ def test_threads_share_the_compiled_loops(monkeypatch) -> None:
 
 
 def test_machine_code_that_cannot_be_kept_is_made_anyway(monkeypatch) -> None:
-    from hjsolve.numeric import kernels
+    from hjsolve.time_law import compiled_loops
 
     def njit(*, cache: bool = False, **options):
         if cache:
@@ -156,7 +156,7 @@ def test_machine_code_that_cannot_be_kept_is_made_anyway(monkeypatch) -> None:
         return lambda function: function
 
     monkeypatch.setattr("numba.njit", njit)
-    assert kernels._kernel(abs)(-3) == 3
+    assert compiled_loops._kernel(abs)(-3) == 3
 
 
 def test_few_times_do_not_load_numba() -> None:

@@ -7,8 +7,8 @@ from mpmath import mp
 
 import hjsolve
 from hjsolve.arithmetic.floats import Float64
-from hjsolve.numeric import unbounded
 from hjsolve.one_coordinate.coordinate_motion import Open
+from hjsolve.time_law import open_motion
 from tests.reference import mechanics
 from tests.reference.taylor import Flow
 
@@ -42,7 +42,7 @@ def _no_march(monkeypatch):
     def march(*_):
         raise AssertionError("followed in time")
 
-    monkeypatch.setattr(unbounded, "_march", march)
+    monkeypatch.setattr(open_motion, "_march", march)
 
 
 def moved(name, digits=15):

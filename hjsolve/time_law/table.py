@@ -16,8 +16,8 @@ from typing import Any
 import numpy as np
 
 from hjsolve.errors import NotConvergedError
-from hjsolve.numeric.compiled import kernels
-from hjsolve.numeric.turns import CHUNK
+from hjsolve.time_law.compiled import kernels
+from hjsolve.time_law.phase_reduction import CHUNK
 
 DEGREE = 11
 """Degree of every polynomial; ``kernels`` writes Horner's rule out for it."""

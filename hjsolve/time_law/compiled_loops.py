@@ -1,6 +1,6 @@
 """Compiled loops over many times (extra ``fast``): the same operations in the same order as the numpy path.
 
-Only ``hjsolve.numeric.compiled`` imports this module, when there is enough to do. The loops hold no lock (``nogil``)
+Only ``hjsolve.time_law.compiled`` imports this module, when there is enough to do. The loops hold no lock (``nogil``)
 and no state, so that threads may share them; machine code is kept on disk between processes where that can be written.
 """
 

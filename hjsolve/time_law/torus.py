@@ -18,9 +18,9 @@ import numpy as np
 from hjsolve.arithmetic.error_free import split
 from hjsolve.arithmetic.floats import multiprecision
 from hjsolve.errors import NotConvergedError
-from hjsolve.numeric.turns import turns
 from hjsolve.one_coordinate.coordinate_motion import Bounded, Course, Frozen
 from hjsolve.one_coordinate.fourier_series import Series, combine, zero
+from hjsolve.time_law.phase_reduction import turns
 
 _EPS = 2.0**-52
 

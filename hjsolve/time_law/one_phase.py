@@ -8,10 +8,10 @@ import numpy as np
 
 from hjsolve.arithmetic.error_free import split
 from hjsolve.arithmetic.floats import multiprecision
-from hjsolve.numeric.inverse import _alone, bracketed
-from hjsolve.numeric.turns import turns
 from hjsolve.one_coordinate.coordinate_motion import Bounded, Course, Frozen, Open
 from hjsolve.one_coordinate.fourier_series import combine
+from hjsolve.time_law.phase_reduction import turns
+from hjsolve.time_law.torus import _alone, bracketed
 
 _EPS = 2.0**-52
 

@@ -14,9 +14,9 @@ from typing import Any
 import numpy as np
 
 from hjsolve.errors import NotConvergedError
-from hjsolve.numeric.pair import Pair, pair, solve_pair
-from hjsolve.numeric.single import solve_alone
 from hjsolve.one_coordinate.coordinate_motion import Bounded, Course, Open
+from hjsolve.time_law.coupled_pair import Pair, pair, solve_pair
+from hjsolve.time_law.one_phase import solve_alone
 
 _EPS = 2.0**-52
 _REACHES = 12

@@ -14,7 +14,7 @@ if TYPE_CHECKING:
 WORTH = 50_000
 """Fewer times than this do not pay for loading numba (0.3 s, once a process); after that everything is compiled."""
 
-_MODULE = "hjsolve.numeric.kernels"
+_MODULE = "hjsolve.time_law.compiled_loops"
 
 
 def kernels(points: int) -> ModuleType | None:
@@ -24,12 +24,12 @@ def kernels(points: int) -> ModuleType | None:
         points: how many numbers are to be worked out.
 
     Returns:
-        The module ``hjsolve.numeric.kernels``; None without the extra ``fast``, for a small task while numba
+        The module ``hjsolve.time_law.compiled_loops``; None without the extra ``fast``, for a small task while numba
         is not loaded yet, or where the environment says ``HJSOLVE_COMPILED=0``.
     """
     if os.environ.get("HJSOLVE_COMPILED") == "0" or (_MODULE not in sys.modules and points < WORTH) or not _numba():
         return None
-    from hjsolve.numeric import kernels as module
+    from hjsolve.time_law import compiled_loops as module
 
     return module
 

@@ -8,8 +8,8 @@ from typing import Any
 import numpy as np
 
 from hjsolve.arithmetic.error_free import split
-from hjsolve.numeric.compiled import kernels
-from hjsolve.numeric.turns import CHUNK
+from hjsolve.time_law.compiled import kernels
+from hjsolve.time_law.phase_reduction import CHUNK
 
 
 def relative(times: Any, start: Callable[[int], Any]) -> tuple[Any, Any]:

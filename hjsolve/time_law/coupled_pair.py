@@ -19,8 +19,8 @@ from typing import Any
 
 import numpy as np
 
-from hjsolve.numeric.single import solve_alone
 from hjsolve.one_coordinate.coordinate_motion import Bounded, Course, Open
+from hjsolve.time_law.one_phase import solve_alone
 
 _EPS = 2.0**-52
 _STEPS, _POLISH = 120, 3

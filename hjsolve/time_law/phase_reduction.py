@@ -12,7 +12,7 @@ from typing import Any
 import numpy as np
 
 from hjsolve.arithmetic.error_free import two_product, two_sum
-from hjsolve.numeric.compiled import kernels
+from hjsolve.time_law.compiled import kernels
 
 CHUNK = 8192
 """How many numbers are worked on at once, so that what is in between stays in the cache."""

@@ -8,9 +8,9 @@ import numpy as np
 
 from hjsolve.arithmetic.floats import multiprecision
 from hjsolve.errors import NotConvergedError
-from hjsolve.numeric.inverse import Torus
 from hjsolve.one_coordinate.coordinate_motion import Course
 from hjsolve.one_coordinate.fourier_series import Series
+from hjsolve.time_law.torus import Torus
 
 
 def on_torus(system: Torus, χ: list[Any], whole: list[Any], time: list[Any], bits: int) -> tuple[list[Any], list[Any]]:
