@@ -135,8 +135,8 @@ def certified() -> None:
     import flint
 
     from hjsolve.arithmetic.ball import working
+    from hjsolve.certified.strip_bound import means
     from hjsolve.motion import certified as proof
-    from hjsolve.numeric.strip import means
 
     solution = hjsolve.solve(hjsolve.catalog.load("pendulum"))
     print(

@@ -18,13 +18,13 @@ from hjsolve.arithmetic import ball
 from hjsolve.arithmetic.ball import Balls, flint, from_mpf, working
 from hjsolve.arithmetic.estimate import Estimate
 from hjsolve.arithmetic.floats import multiprecision
+from hjsolve.certified.ball_radicand import Line, turning_point
+from hjsolve.certified.integrands import Cycle, Map, all_round, between_turns
+from hjsolve.certified.proved_turning_points import walls
+from hjsolve.certified.strip_bound import means
 from hjsolve.errors import InvalidInputError, NotConvergedError
 from hjsolve.lowering import lower
 from hjsolve.motion.initial_data import Initial
-from hjsolve.numeric.cycle import Cycle, Map, all_round, between_turns
-from hjsolve.numeric.line import Line, turning_point
-from hjsolve.numeric.strip import means
-from hjsolve.numeric.walls import walls
 from hjsolve.one_coordinate.anomaly import Libration, Rotation
 from hjsolve.one_coordinate.classify import Located, Start, ray
 from hjsolve.one_coordinate.coordinate_motion import Bounded

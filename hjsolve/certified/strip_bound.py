@@ -25,9 +25,9 @@ import numpy as np
 from hjsolve.arithmetic.ball import flint, working
 from hjsolve.arithmetic.floats import Float64
 from hjsolve.arithmetic.work_counter import count
+from hjsolve.certified.arb_integral import mean
+from hjsolve.certified.integrands import TERMS, Cycle, Map, Spot
 from hjsolve.errors import NotConvergedError
-from hjsolve.numeric.adaptive import mean
-from hjsolve.numeric.cycle import TERMS, Cycle, Map, Spot
 
 _GROWTH = 2.0
 """How much longer than a ball the next may be."""

@@ -13,7 +13,7 @@ from typing import Any
 
 from hjsolve.arithmetic.ball import Balls, flint
 from hjsolve.arithmetic.work_counter import count
-from hjsolve.numeric.cycle import Cycle
+from hjsolve.certified.integrands import Cycle
 
 
 def mean(cycle: Cycle, j: int, bits: int, size: Any) -> Any:

@@ -13,7 +13,7 @@ from dataclasses import dataclass
 from typing import Any
 
 from hjsolve.arithmetic.ball import flint, from_mpf, working
-from hjsolve.numeric.line import Line
+from hjsolve.certified.ball_radicand import Line
 from hjsolve.one_coordinate.classify import Start
 
 _BITS = 128

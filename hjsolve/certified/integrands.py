@@ -23,7 +23,7 @@ from typing import Any, NamedTuple
 
 from hjsolve.arithmetic.ball import Balls, flint, working
 from hjsolve.arithmetic.tape import Bound, Tape
-from hjsolve.numeric.line import Line
+from hjsolve.certified.ball_radicand import Line
 
 _ENTIRE = {"add", "sub", "mul", "neg", "rational", "pi", "sin", "cos", "exp", "sinh", "cosh"}
 
