@@ -16,8 +16,8 @@ from statistics import median
 
 sys.path.insert(0, str(Path(__file__).resolve().parents[1]))
 
-from hjsolve.separation.enclosure import Region
-from hjsolve.separation.zero_test import NonZero, Zero, is_zero
+from hjsolve.separation.zero_test.interval_evaluation import Region
+from hjsolve.separation.zero_test.zero_test import NonZero, Zero, is_zero
 from tests.random_identities import FAMILIES, identities
 from tests.typed_identities import TYPED
 

@@ -27,32 +27,32 @@ from pathlib import Path
 ROOT = Path(__file__).resolve().parents[1]
 LAWS = ("tests/laws/test_levi_civita.py", "tests/laws/test_staeckel_matrix.py", "tests/laws/test_liouville.py")
 TESTS = {
-    "separation/levi_civita": (
+    "separation/forms/levi_civita": (
         "tests/unit/test_modular_jets.py",
         "tests/unit/test_separation_parts.py",
         "tests/laws/test_levi_civita.py",
         "tests/laws/test_why_not.py",
     ),
-    "separation/liouville": ("tests/unit/test_liouville_parts.py", "tests/laws/test_liouville.py"),
-    "separation/stackel": (
+    "separation/forms/liouville": ("tests/unit/test_liouville_parts.py", "tests/laws/test_liouville.py"),
+    "separation/forms/stackel": (
         "tests/unit/test_separation_parts.py",
         "tests/laws/test_staeckel_matrix.py",
         "tests/laws/test_why_not.py",
     ),
-    "separation/zero_test": ("tests/unit/test_separation_parts.py", "tests/unit/test_zero_test.py", *LAWS),
+    "separation/zero_test/zero_test": ("tests/unit/test_separation_parts.py", "tests/unit/test_zero_test.py", *LAWS),
     "shell": ("tests/unit/test_shell.py", *LAWS, "tests/unit/test_solution.py"),
-    "separation/constants": ("tests/laws/test_staeckel_matrix.py", "tests/laws/test_involution.py"),
-    "separation/blocks": ("tests/laws/test_why_not.py",),
-    "separation/conformal": ("tests/laws/test_why_not.py",),
-    "separation/distance": ("tests/laws/test_why_not.py",),
+    "separation/constants/constants": ("tests/laws/test_staeckel_matrix.py", "tests/laws/test_involution.py"),
+    "separation/obstruction/blocks": ("tests/laws/test_why_not.py",),
+    "separation/obstruction/one_energy": ("tests/laws/test_why_not.py",),
+    "separation/obstruction/distance": ("tests/laws/test_why_not.py",),
 }
-NAMED = ("separation/levi_civita", "separation/liouville", "separation/stackel", "separation/zero_test", "shell")
+NAMED = ("separation/forms/levi_civita", "separation/forms/liouville", "separation/forms/stackel", "separation/zero_test/zero_test", "shell")
 
 SYMMETRIC = "the mass matrix is symmetric"
 
 # module → {(line of source, change): why it means nothing}
 HARMLESS: dict[str, dict[tuple[str, str], str]] = {
-    "separation/levi_civita": {
+    "separation/forms/levi_civita": {
         (
             "return not any(self._value(i, j, about, *place) for place in self._jets)",
             "any → all",
@@ -97,10 +97,10 @@ HARMLESS: dict[str, dict[tuple[str, str], str]] = {
         ("if not mass[i][j].is_zero:", "indices of mass[i][j] exchanged"): SYMMETRIC,
         ("return j, i, readable(reader, mass[i][j])", "indices of mass[i][j] exchanged"): SYMMETRIC,
     },
-    "separation/stackel": {
+    "separation/forms/stackel": {
         ("if any(x.is_zero for x in (*g, *g0)):", "any → all"): "the division that follows raises the same error",
     },
-    "separation/liouville": {
+    "separation/forms/liouville": {
         ("factor = Element(field, Fraction(1), {0: 1}, {base: e})", "0 → 1"): "asked only what it depends on",
         ("if lower > 0 or upper < 0:", "0 → 1"): "the sign is +1 where none is found",
         ("return 1", "1 → 2"): "asked is only whether it is negative",

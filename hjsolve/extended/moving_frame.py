@@ -20,7 +20,7 @@ from hjsolve import arguments, catalog
 from hjsolve.errors import CatalogError, InvalidSystemError
 from hjsolve.formulas.read import number, parse
 from hjsolve.mechanics.system import Parameter, System, hamiltonian, momenta
-from hjsolve.separation.zero_test import Zero, is_zero
+from hjsolve.separation.zero_test.zero_test import Zero, is_zero
 from hjsolve.solution.quadratures import Solution, solve
 
 if TYPE_CHECKING:

@@ -31,7 +31,7 @@ from hjsolve.reports.notation import box, tidy
 from hjsolve.reports.numbers import bound, shortest, terminating
 from hjsolve.reports.prose import domain_text, listed, prose, typeset
 from hjsolve.separation import Obstruction, Separation, Undecided
-from hjsolve.separation.zero_test import Zero, is_zero
+from hjsolve.separation.zero_test.zero_test import Zero, is_zero
 
 EQUALS = Glyph("=", "operator")
 

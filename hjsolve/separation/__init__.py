@@ -1,7 +1,6 @@
 """Does it separate? ``separate`` gives a ``Separation``, an ``Obstruction`` or an ``Undecided``, with the evidence."""
 
 from hjsolve.separation.decision import DEFAULT_BUDGET, region_of, separate
-from hjsolve.separation.enclosure import Region, Witness
 from hjsolve.separation.verdicts import (
     Constant,
     Liouville,
@@ -12,7 +11,8 @@ from hjsolve.separation.verdicts import (
     Undecided,
     Verdict,
 )
-from hjsolve.separation.zero_test import NonZero, Unproved, Zero, is_zero
+from hjsolve.separation.zero_test.interval_evaluation import Region, Witness
+from hjsolve.separation.zero_test.zero_test import NonZero, Unproved, Zero, is_zero
 
 __all__ = [
     "DEFAULT_BUDGET", "Constant", "Liouville", "NonZero", "Obstruction", "Reduced", "Region", "Separation",

@@ -15,10 +15,18 @@ from hjsolve.algebra.reader import HYPERBOLIC, is_shifted
 from hjsolve.mechanics.energy_shell import Irreducible, Shell, Step, reduce
 from hjsolve.mechanics.subjects import system_of
 from hjsolve.mechanics.system import System, kinetic_rest, linear_terms, mass_matrix
-from hjsolve.separation import advice, levi_civita, liouville, relativistic, stackel
-from hjsolve.separation.constants import constants_of
-from hjsolve.separation.diagnosis import diagnosed
-from hjsolve.separation.refusal import Setting, of_shell, refuse_condition, refuse_without_shell, region_of
+from hjsolve.separation import relativistic
+from hjsolve.separation.constants.constants import constants_of
+from hjsolve.separation.forms import levi_civita, liouville, stackel
+from hjsolve.separation.obstruction import advice
+from hjsolve.separation.obstruction.diagnose import diagnosed
+from hjsolve.separation.obstruction.obstruction import (
+    Setting,
+    of_shell,
+    refuse_condition,
+    refuse_without_shell,
+    region_of,
+)
 from hjsolve.separation.verdicts import Liouville, Obstruction, Reduced, Separation, Stackel, Undecided, Verdict
 
 DEFAULT_BUDGET = 20.0

@@ -9,7 +9,7 @@ import sympy as sp
 
 from hjsolve.mechanics.energy_shell import Shell, Step
 from hjsolve.mechanics.system import System
-from hjsolve.separation.enclosure import Witness
+from hjsolve.separation.zero_test.interval_evaluation import Witness
 
 
 @dataclass(frozen=True)

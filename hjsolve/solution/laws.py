@@ -16,8 +16,8 @@ import sympy as sp
 from hjsolve.mechanics.energy_shell import domain_bounds
 from hjsolve.mechanics.kinetic_energy import degree, parts
 from hjsolve.mechanics.system import hamiltonian
-from hjsolve.separation.enclosure import Region
-from hjsolve.separation.zero_test import NonZero, Unproved, Zero, free_region, is_zero
+from hjsolve.separation.zero_test.interval_evaluation import Region
+from hjsolve.separation.zero_test.zero_test import NonZero, Unproved, Zero, free_region, is_zero
 from hjsolve.solution.quadratures import Solution
 
 NUMERIC_ZERO = sp.Float("1e-35")

@@ -8,8 +8,8 @@ from hjsolve import catalog
 from hjsolve.catalog import Entry
 from hjsolve.errors import NotSeparableError
 from hjsolve.mechanics.energy_shell import domain_bounds
-from hjsolve.separation.enclosure import Region
-from hjsolve.separation.zero_test import Zero, free_region, is_zero
+from hjsolve.separation.zero_test.interval_evaluation import Region
+from hjsolve.separation.zero_test.zero_test import Zero, free_region, is_zero
 from tests.catalog.book import Mechanics, exact, formula, mechanics
 from tests.catalog.book_table import REFUSED_ROWS, ROWS, entries_of
 from tests.catalog.pfaff import curvature, one_form

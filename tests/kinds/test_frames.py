@@ -11,7 +11,7 @@ from mpmath import mp, mpf
 from hjsolve import catalog, frames
 from hjsolve.errors import CatalogError, InvalidInputError, InvalidSystemError, MissingValueError
 from hjsolve.mechanics.system import hamiltonian, momenta
-from hjsolve.separation.zero_test import Zero, is_zero
+from hjsolve.separation.zero_test.zero_test import Zero, is_zero
 from tests.reference.taylor import Flow
 
 IDS = ["spring-moving-anchor", "oscillator-drifting-gauge", "spring-turning-anchor"]

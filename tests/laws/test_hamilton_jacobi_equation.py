@@ -5,7 +5,7 @@ import sympy as sp
 
 from hjsolve.mechanics.system import System, hamiltonian
 from hjsolve.separation import Separation, separate
-from hjsolve.separation.zero_test import Zero, is_zero
+from hjsolve.separation.zero_test.zero_test import Zero, is_zero
 from hjsolve.solution.laws import check, hamilton_jacobi_residual
 from hjsolve.solution.quadratures import Solution, solve
 from tests import entries

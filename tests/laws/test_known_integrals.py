@@ -15,7 +15,7 @@ import sympy as sp
 from hjsolve.algebra.reader import Reader
 from hjsolve.mechanics.system import System, hamiltonian
 from hjsolve.separation import Separation, separate
-from hjsolve.separation.known_integrals import curvature
+from hjsolve.separation.constants.known_integrals import curvature
 from tests.separation_cases import E3, ONE_DIMENSIONAL, SEVERAL, SPHERICAL_COORDINATES, make, two_centres
 
 CONTINUED = "continued by a function of the coordinates"

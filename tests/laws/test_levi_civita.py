@@ -6,8 +6,10 @@ import pytest
 import sympy as sp
 
 from hjsolve.algebra.reader import Reader
-from hjsolve.separation import Obstruction, Separation, levi_civita, refusal, region_of, separate
-from hjsolve.separation.enclosure import enclose
+from hjsolve.separation import Obstruction, Separation, region_of, separate
+from hjsolve.separation.forms import levi_civita
+from hjsolve.separation.obstruction import obstruction
+from hjsolve.separation.zero_test.interval_evaluation import enclose
 from tests.random_staeckel import case
 from tests.separation_cases import REFUSED, SEPARABLE, decided
 
@@ -135,7 +137,7 @@ def test_the_enclosure_of_a_residual_is_narrow():
 
 @pytest.mark.parametrize("name", list(REFUSED))
 def test_a_residual_too_large_to_expand_is_written_out_and_still_has_a_witness(name, monkeypatch):
-    monkeypatch.setattr(refusal, "EXPANSION_TERMS", 0)
+    monkeypatch.setattr(obstruction, "EXPANSION_TERMS", 0)
     system, pair, part = REFUSED[name]
     verdict = decided(name)
     assert isinstance(verdict, Obstruction)

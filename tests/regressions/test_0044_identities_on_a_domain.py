@@ -8,8 +8,8 @@ from hjsolve.algebra.constants import NotAlgebraicError, algebraic_is_zero, cons
 from hjsolve.algebra.elementary import at_one_place
 from hjsolve.algebra.one_variable import vanishes
 from hjsolve.algebra.poly import Budget
-from hjsolve.separation.enclosure import Region
-from hjsolve.separation.zero_test import NonZero, Zero, is_zero
+from hjsolve.separation.zero_test.interval_evaluation import Region
+from hjsolve.separation.zero_test.zero_test import NonZero, Zero, is_zero
 from tests.random_identities import CONSTANTS, FAMILIES, identities
 from tests.typed_identities import TYPED
 

@@ -6,7 +6,8 @@ import pytest
 import sympy as sp
 
 from hjsolve.algebra.reader import Reader
-from hjsolve.separation import Region, liouville
+from hjsolve.separation import Region
+from hjsolve.separation.forms import liouville
 
 x, y = sp.symbols("x y", positive=True)
 BOUNDS = {x: (sp.S.Zero, None), y: (sp.S.Zero, None)}

@@ -11,8 +11,9 @@ from hjsolve.algebra.modular import Filter, ModularPoint, NoRootError
 from hjsolve.algebra.modular_jets import ModularJets, at_random_points
 from hjsolve.algebra.reader import Reader
 from hjsolve.mechanics.energy_shell import Shell, reduce
-from hjsolve.separation import levi_civita, refusal
-from hjsolve.separation.blocks import components
+from hjsolve.separation.forms import levi_civita
+from hjsolve.separation.obstruction import obstruction
+from hjsolve.separation.obstruction.blocks import components
 from tests.separation_cases import REFUSED, SEPARABLE
 
 x, y, z = sp.symbols("x y z", real=True)
@@ -86,7 +87,7 @@ ORTHOGONAL = {
 
 @pytest.mark.parametrize("name", ORTHOGONAL)
 def test_a_condition_passes_the_filter_exactly_where_its_written_terms_do(name):
-    setting = refusal.of_shell(ORTHOGONAL[name], Reader().field.budget)
+    setting = obstruction.of_shell(ORTHOGONAL[name], Reader().field.budget)
     reader, q = setting.reader, setting.symbols
     conditions = levi_civita.Conditions(reader, q, setting.metric, setting.potential)
     sieve = Filter(reader.field)
@@ -106,7 +107,7 @@ def test_a_condition_passes_the_filter_exactly_where_its_written_terms_do(name):
 @pytest.mark.parametrize("name", ORTHOGONAL)
 def test_one_factor_for_all_metric_coefficients(name):
     """S_ij(gʰʰ)/gʰʰ alike for every h: against the differences written out."""
-    setting = refusal.of_shell(ORTHOGONAL[name], Reader().field.budget)
+    setting = obstruction.of_shell(ORTHOGONAL[name], Reader().field.budget)
     reader, n = setting.reader, len(setting.symbols)
     conditions = levi_civita.Conditions(reader, setting.symbols, setting.metric, setting.potential)
     sieve, minus = Filter(reader.field), [reader.field.coerce(-1)]
@@ -121,7 +122,7 @@ def test_one_factor_for_all_metric_coefficients(name):
 
 @pytest.mark.parametrize("answer", [True, None])
 def test_a_filter_that_lets_everything_pass_is_no_proof(answer, monkeypatch):
-    setting = refusal.of_shell(ORTHOGONAL[sorted(REFUSED.keys() & ORTHOGONAL)[0]], Reader().field.budget)
+    setting = obstruction.of_shell(ORTHOGONAL[sorted(REFUSED.keys() & ORTHOGONAL)[0]], Reader().field.budget)
     conditions = levi_civita.Conditions(setting.reader, setting.symbols, setting.metric, setting.potential)
     sieve = Filter(setting.reader.field)
     written = [sieve.vanishes(c.products) for c in conditions]

@@ -9,11 +9,12 @@ import sympy as sp
 
 from hjsolve.algebra.reader import Reader
 from hjsolve.mechanics.energy_shell import reduce
-from hjsolve.separation import levi_civita, refusal, stackel
-from hjsolve.separation.basepoint import base_points
-from hjsolve.separation.constants import inverse
-from hjsolve.separation.stackel import Matrix
-from hjsolve.separation.zero_test import NonZero, Unproved, is_zero
+from hjsolve.separation.constants.constants import inverse
+from hjsolve.separation.forms import levi_civita, stackel
+from hjsolve.separation.forms.base_points import base_points
+from hjsolve.separation.forms.stackel import Matrix
+from hjsolve.separation.obstruction import obstruction
+from hjsolve.separation.zero_test.zero_test import NonZero, Unproved, is_zero
 from tests.random_staeckel import case
 
 x, y = sp.symbols("x y", positive=True)
@@ -140,7 +141,7 @@ def test_a_root_that_is_nowhere_rational_is_left_alone() -> None:
 def test_the_inverse_of_staeckels_matrix_is_its_inverse_and_stays_small(n: int) -> None:
     system = case(100_000 * n + 3, n, separable=True).system
     shell = reduce(system)
-    setting = refusal.of_shell(shell, Reader().field.budget)
+    setting = obstruction.of_shell(shell, Reader().field.budget)
     reader, matrix = (
         setting.reader,
         stackel.construct(setting.reader, setting.symbols, setting.metric, setting.potential),

@@ -14,8 +14,8 @@ from hjsolve.algebra import poly
 from hjsolve.algebra.modular import PRIMES, products_vanish
 from hjsolve.algebra.poly import Budget
 from hjsolve.algebra.reader import Reader
-from hjsolve.separation.enclosure import NoEnclosureError, Region, enclose, find_witness
-from hjsolve.separation.zero_test import NonZero, Unproved, Zero, is_zero
+from hjsolve.separation.zero_test.interval_evaluation import NoEnclosureError, Region, enclose, find_witness
+from hjsolve.separation.zero_test.zero_test import NonZero, Unproved, Zero, is_zero
 
 x, y, t = sp.symbols("x y t", real=True)
 u, v, a, b, n = sp.symbols("u v a b n", positive=True)

@@ -15,9 +15,9 @@ import sympy as sp
 from hjsolve.algebra.field import Element
 from hjsolve.algebra.modular import Filter
 from hjsolve.algebra.reader import Reader
-from hjsolve.separation import levi_civita
-from hjsolve.separation.basepoint import base_points
-from hjsolve.separation.stackel import at_base_point, certified, plausible
+from hjsolve.separation.forms import levi_civita
+from hjsolve.separation.forms.base_points import base_points
+from hjsolve.separation.forms.stackel import at_base_point, certified, plausible
 
 Block = tuple[int, ...]
 MAX_BASE_POINTS = 6

@@ -13,10 +13,10 @@ from hjsolve.algebra.reader import Reader
 from hjsolve.mechanics.coordinates_and_parameters import free_name
 from hjsolve.mechanics.energy_shell import Shell, domain_bounds
 from hjsolve.mechanics.system import Coordinate, System, kinetic_rest, linear_terms, mass_matrix
-from hjsolve.separation.enclosure import Region
-from hjsolve.separation.known_integrals import Naming
-from hjsolve.separation.stackel import Matrix
+from hjsolve.separation.constants.known_integrals import Naming
+from hjsolve.separation.forms.stackel import Matrix
 from hjsolve.separation.verdicts import Constant
+from hjsolve.separation.zero_test.interval_evaluation import Region
 
 _PLACES = 4
 

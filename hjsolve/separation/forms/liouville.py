@@ -15,9 +15,9 @@ import sympy as sp
 from hjsolve.algebra.field import Element
 from hjsolve.algebra.readable import cost, readable, variants
 from hjsolve.algebra.reader import Reader
-from hjsolve.separation.basepoint import base_points
-from hjsolve.separation.enclosure import NoEnclosureError, Region, enclose
+from hjsolve.separation.forms.base_points import base_points
 from hjsolve.separation.verdicts import Liouville
+from hjsolve.separation.zero_test.interval_evaluation import NoEnclosureError, Region, enclose
 
 
 def recognise(

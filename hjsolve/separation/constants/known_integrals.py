@@ -22,8 +22,8 @@ from hjsolve.algebra.reader import Reader
 from hjsolve.formulas.point_values import CONTEXT, NoValueError, evaluate
 from hjsolve.mechanics.energy_shell import Shell
 from hjsolve.mechanics.system import System, inverse_mass_matrix, linear_terms, mass_matrix
-from hjsolve.separation.basepoint import base_points
-from hjsolve.separation.known_charts import Integral, of_dimension
+from hjsolve.separation.constants.known_charts import Integral, of_dimension
+from hjsolve.separation.forms.base_points import base_points
 
 MAX_SIZE = 400
 MAX_POINTS = 4

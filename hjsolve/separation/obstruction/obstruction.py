@@ -17,13 +17,14 @@ from hjsolve.algebra.readable import readable
 from hjsolve.algebra.reader import Reader
 from hjsolve.mechanics.energy_shell import Irreducible, Shell, Step, domain_bounds
 from hjsolve.mechanics.system import System, hamiltonian
-from hjsolve.separation import advice, levi_civita
-from hjsolve.separation.element_enclosure import find_witness_of_products
-from hjsolve.separation.enclosure import UNKNOWNS, Region, Witness, search
-from hjsolve.separation.jet_enclosure import enclose_condition
-from hjsolve.separation.levi_civita import Condition
+from hjsolve.separation.forms import levi_civita
+from hjsolve.separation.forms.levi_civita import Condition
+from hjsolve.separation.obstruction import advice
 from hjsolve.separation.verdicts import Obstruction, Undecided
-from hjsolve.separation.zero_test import NonZero, Unproved, not_zero
+from hjsolve.separation.zero_test.interval_elements import find_witness_of_products
+from hjsolve.separation.zero_test.interval_evaluation import UNKNOWNS, Region, Witness, search
+from hjsolve.separation.zero_test.interval_jets import enclose_condition
+from hjsolve.separation.zero_test.zero_test import NonZero, Unproved, not_zero
 
 EXPANSION_SECONDS, EXPANSION_TERMS = 0.2, 20_000
 LARGE = 120

@@ -10,12 +10,12 @@ from dataclasses import replace
 from hjsolve.algebra.poly import WorkLimitError
 from hjsolve.algebra.readable import readable
 from hjsolve.mechanics.energy_shell import Step
-from hjsolve.separation import advice
-from hjsolve.separation.blocks import finest
-from hjsolve.separation.conformal import energy_of_separation
-from hjsolve.separation.distance import distance_from_separable
-from hjsolve.separation.levi_civita import Conditions
-from hjsolve.separation.refusal import Setting
+from hjsolve.separation.forms.levi_civita import Conditions
+from hjsolve.separation.obstruction import advice
+from hjsolve.separation.obstruction.blocks import finest
+from hjsolve.separation.obstruction.distance import distance_from_separable
+from hjsolve.separation.obstruction.obstruction import Setting
+from hjsolve.separation.obstruction.one_energy import energy_of_separation
 from hjsolve.separation.verdicts import Obstruction
 
 SECONDS, TERMS = 0.5, 100_000

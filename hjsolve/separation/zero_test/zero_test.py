@@ -24,7 +24,7 @@ from hjsolve.algebra.modular import products_vanish
 from hjsolve.algebra.poly import Budget, WorkLimitError
 from hjsolve.algebra.reader import Reader
 from hjsolve.algebra.vanishing import proved_zero
-from hjsolve.separation.enclosure import Region, Witness, find_witness, value_to_40_digits
+from hjsolve.separation.zero_test.interval_evaluation import Region, Witness, find_witness, value_to_40_digits
 
 DEFAULT_SECONDS = 20.0
 

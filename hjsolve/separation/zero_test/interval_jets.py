@@ -13,7 +13,7 @@ import mpmath
 import sympy as sp
 from mpmath import libmp
 
-from hjsolve.separation.enclosure import Interval, NoEnclosureError, Walk, finite, inverse, rational
+from hjsolve.separation.zero_test.interval_evaluation import Interval, NoEnclosureError, Walk, finite, inverse, rational
 
 Slope: TypeAlias = Interval | None
 Jet: TypeAlias = tuple[Interval, Slope, Slope, Slope]

@@ -23,9 +23,9 @@ from hjsolve.algebra.field import Element
 from hjsolve.algebra.modular import Filter, Products
 from hjsolve.algebra.readable import readable
 from hjsolve.algebra.reader import Reader
-from hjsolve.separation import levi_civita
-from hjsolve.separation.basepoint import BasePoint, base_points
-from hjsolve.separation.columns import sparsest
+from hjsolve.separation.forms import levi_civita
+from hjsolve.separation.forms.base_points import BasePoint, base_points
+from hjsolve.separation.forms.sparse_columns import sparsest
 from hjsolve.separation.verdicts import Stackel
 
 Row = list[Element]

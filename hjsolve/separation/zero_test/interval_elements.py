@@ -17,7 +17,16 @@ from hjsolve.algebra import poly
 from hjsolve.algebra.field import Element, Field
 from hjsolve.algebra.modular import Products
 from hjsolve.algebra.poly import Budget, Poly
-from hjsolve.separation.enclosure import Interval, Region, Walk, Witness, finite, inverse, rational, search
+from hjsolve.separation.zero_test.interval_evaluation import (
+    Interval,
+    Region,
+    Walk,
+    Witness,
+    finite,
+    inverse,
+    rational,
+    search,
+)
 
 
 def find_witness_of_products(field: Field, products: Products, region: Region, budget: Budget) -> Witness | None:

@@ -15,7 +15,7 @@ from statistics import median
 import mpmath
 import sympy as sp
 
-from hjsolve.separation.enclosure import UNKNOWNS, NoEnclosureError, Region, Walk, finite
+from hjsolve.separation.zero_test.interval_evaluation import UNKNOWNS, NoEnclosureError, Region, Walk, finite
 
 SAMPLES = 6
 ATTEMPTS = 60

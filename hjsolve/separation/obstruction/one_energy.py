@@ -12,8 +12,8 @@ from itertools import combinations
 from hjsolve.algebra.field import Element
 from hjsolve.algebra.modular import Filter, Products
 from hjsolve.algebra.reader import Reader
-from hjsolve.separation import levi_civita
-from hjsolve.separation.levi_civita import Conditions
+from hjsolve.separation.forms import levi_civita
+from hjsolve.separation.forms.levi_civita import Conditions
 
 
 def energy_of_separation(conditions: Conditions) -> Element | None:
