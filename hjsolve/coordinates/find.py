@@ -9,11 +9,9 @@ from pathlib import Path
 import sympy as sp
 
 from hjsolve import arguments
-from hjsolve.coordinates.constants import Values, named, restored
-from hjsolve.coordinates.exceptional import exceptional_values
-from hjsolve.coordinates.families import family
-from hjsolve.coordinates.frames import sign_by, tidy
-from hjsolve.coordinates.killing import (
+from hjsolve.coordinates.charts.named_constants import Values, named, restored
+from hjsolve.coordinates.charts.transform import Cartesian, web_of
+from hjsolve.coordinates.killing.killing_tensors import (
     Kernel,
     concircular_basis,
     dimension_by_numbers,
@@ -21,10 +19,12 @@ from hjsolve.coordinates.killing import (
     killing_basis,
     killing_tensor,
 )
+from hjsolve.coordinates.killing.special_parameters import exceptional_values
 from hjsolve.coordinates.results import Coordinates, Geometry, ParameterValues, Web
-from hjsolve.coordinates.transform import Cartesian, web_of
-from hjsolve.coordinates.webs_plane import plane_webs
-from hjsolve.coordinates.webs_space import Potential, space_webs
+from hjsolve.coordinates.webs.concircular_families import family
+from hjsolve.coordinates.webs.orthonormal_frames import sign_by, tidy
+from hjsolve.coordinates.webs.plane import plane_webs
+from hjsolve.coordinates.webs.space import Potential, space_webs
 from hjsolve.errors import InvalidSystemError
 from hjsolve.mechanics.subjects import system_of
 from hjsolve.mechanics.system import System, kinetic_rest, linear_terms, mass_matrix

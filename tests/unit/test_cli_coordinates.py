@@ -9,8 +9,8 @@ import sympy as sp
 
 from hjsolve import Separation, System, find_coordinates, separate
 from hjsolve.command_line.main import main
-from hjsolve.coordinates.exceptional import exceptional_values
-from hjsolve.coordinates.killing import kernel, killing_basis
+from hjsolve.coordinates.killing.killing_tensors import kernel, killing_basis
+from hjsolve.coordinates.killing.special_parameters import exceptional_values
 from hjsolve.reports.webs import command
 
 Capture = pytest.CaptureFixture[str]

@@ -6,13 +6,13 @@ import pytest
 import sympy as sp
 
 from hjsolve import InvalidSystemError, Obstruction, Separation, System, find_coordinates
-from hjsolve.coordinates.families import family
+from hjsolve.coordinates.charts.transform import web_of
 from hjsolve.coordinates.find import _cartesian
-from hjsolve.coordinates.frames import sign_by
-from hjsolve.coordinates.killing import concircular_basis, kernel, killing_basis, killing_tensor
+from hjsolve.coordinates.killing.killing_tensors import concircular_basis, kernel, killing_basis, killing_tensor
 from hjsolve.coordinates.results import Geometry
-from hjsolve.coordinates.transform import web_of
-from hjsolve.coordinates.webs_plane import plane_webs
+from hjsolve.coordinates.webs.concircular_families import family
+from hjsolve.coordinates.webs.orthonormal_frames import sign_by
+from hjsolve.coordinates.webs.plane import plane_webs
 from tests.coordinate_checks import PLANE, along, particle, points, same_motion
 
 r = "sqrt(x**2 + y**2)"

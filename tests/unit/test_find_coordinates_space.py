@@ -8,11 +8,11 @@ import pytest
 import sympy as sp
 
 from hjsolve import System, find_coordinates
-from hjsolve.coordinates.charts import Range, chart
-from hjsolve.coordinates.families import family
-from hjsolve.coordinates.frames import sign_by
-from hjsolve.coordinates.killing import concircular_basis, kernel, killing_basis, killing_tensor
-from hjsolve.coordinates.webs_space import Potential, space_webs
+from hjsolve.coordinates.charts.charts import Range, chart
+from hjsolve.coordinates.killing.killing_tensors import concircular_basis, kernel, killing_basis, killing_tensor
+from hjsolve.coordinates.webs.concircular_families import family
+from hjsolve.coordinates.webs.orthonormal_frames import sign_by
+from hjsolve.coordinates.webs.space import Potential, space_webs
 from tests.coordinate_checks import SPACE, along, particle, points, same_motion
 
 r = "sqrt(x**2 + y**2 + z**2)"

@@ -8,10 +8,10 @@ from random import Random
 
 import sympy as sp
 
-from hjsolve.coordinates.carried import Carrier, flattened
-from hjsolve.coordinates.charts import Chart, Range, chart
-from hjsolve.coordinates.frames import norm_squared, tidy
+from hjsolve.coordinates.charts.charts import Chart, Range, chart
+from hjsolve.coordinates.charts.simplify_potential import Carrier, flattened
 from hjsolve.coordinates.results import Geometry, Vector, Web
+from hjsolve.coordinates.webs.orthonormal_frames import norm_squared, tidy
 from hjsolve.mechanics.system import System
 from hjsolve.separation import separate
 

@@ -13,13 +13,13 @@ from itertools import combinations_with_replacement
 
 import sympy as sp
 
-from hjsolve.coordinates.branches import Piece
-from hjsolve.coordinates.families import representatives
-from hjsolve.coordinates.frames import Sign, eigenframe, perpendicular_frame, righted, sort_frame, tidy
-from hjsolve.coordinates.killing import kernel
-from hjsolve.coordinates.rank_one import direction, directions
+from hjsolve.coordinates.killing.killing_tensors import kernel
 from hjsolve.coordinates.results import Geometry, Vector
-from hjsolve.coordinates.words import in_words
+from hjsolve.coordinates.webs.concircular_families import representatives
+from hjsolve.coordinates.webs.describe import in_words
+from hjsolve.coordinates.webs.orthonormal_frames import Sign, eigenframe, perpendicular_frame, righted, sort_frame, tidy
+from hjsolve.coordinates.webs.piecewise_conditions import Piece
+from hjsolve.coordinates.webs.rank_one import direction, directions
 
 _PAIRS = tuple(combinations_with_replacement(range(3), 2))
 

@@ -12,14 +12,23 @@ from dataclasses import replace
 
 import sympy as sp
 
-from hjsolve.coordinates.branches import Piece
-from hjsolve.coordinates.families import family, representatives
-from hjsolve.coordinates.frames import Sign, attempt, eigenframe, moved, perpendicular_frame, righted, sort_frame, tidy
-from hjsolve.coordinates.killing import concircular_basis, kernel, killing_tensor
-from hjsolve.coordinates.rank_one import directions, members
+from hjsolve.coordinates.killing.killing_tensors import concircular_basis, kernel, killing_tensor
 from hjsolve.coordinates.results import Geometry, Vector
-from hjsolve.coordinates.webs_plane import plane_webs
-from hjsolve.coordinates.words import in_words
+from hjsolve.coordinates.webs.concircular_families import family, representatives
+from hjsolve.coordinates.webs.describe import in_words
+from hjsolve.coordinates.webs.orthonormal_frames import (
+    Sign,
+    attempt,
+    eigenframe,
+    moved,
+    perpendicular_frame,
+    righted,
+    sort_frame,
+    tidy,
+)
+from hjsolve.coordinates.webs.piecewise_conditions import Piece
+from hjsolve.coordinates.webs.plane import plane_webs
+from hjsolve.coordinates.webs.rank_one import directions, members
 
 _CYLINDER = {"polar": "circular cylinder", "parabolic": "parabolic cylinder", "elliptic": "elliptic cylinder"}
 _ORIGIN: Vector = (sp.S.Zero, sp.S.Zero, sp.S.Zero)

@@ -17,7 +17,7 @@ from typing import Any
 import sympy as sp
 
 from hjsolve import arguments
-from hjsolve.coordinates.frames import Sign, sign_by, tidy
+from hjsolve.coordinates.webs.orthonormal_frames import Sign, sign_by, tidy
 from hjsolve.errors import InvalidSystemError
 from hjsolve.formulas.read import number
 from hjsolve.mechanics.subjects import system_of

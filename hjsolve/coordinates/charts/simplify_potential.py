@@ -12,7 +12,7 @@ from dataclasses import dataclass
 
 import sympy as sp
 
-from hjsolve.coordinates.frames import tidy
+from hjsolve.coordinates.webs.orthonormal_frames import tidy
 
 
 @dataclass(frozen=True)

@@ -22,9 +22,16 @@ from typing import Any
 
 import sympy as sp
 
-from hjsolve.coordinates.elimination import echelon_over_ring
-from hjsolve.coordinates.numerical_kernel import derivatives, numerical_rank, reconstructed_kernel
-from hjsolve.coordinates.point_algebra import Generators, Ground, PointAlgebra, ZeroDivisorError, generators, prepared
+from hjsolve.coordinates.killing.fraction_free_elimination import echelon_over_ring
+from hjsolve.coordinates.killing.numerical_rank import derivatives, numerical_rank, reconstructed_kernel
+from hjsolve.coordinates.killing.radical_algebra import (
+    Generators,
+    Ground,
+    PointAlgebra,
+    ZeroDivisorError,
+    generators,
+    prepared,
+)
 from hjsolve.errors import InternalError
 
 _POINTS_WITHOUT_NEWS = 4

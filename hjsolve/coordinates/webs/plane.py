@@ -12,11 +12,11 @@ from functools import reduce
 
 import sympy as sp
 
-from hjsolve.coordinates.branches import real_pieces
-from hjsolve.coordinates.families import Family, combination, parts, representatives
-from hjsolve.coordinates.frames import Sign, attempt, moved, root, tidy, unit
 from hjsolve.coordinates.results import Geometry, Vector
-from hjsolve.coordinates.words import in_words
+from hjsolve.coordinates.webs.concircular_families import Family, combination, parts, representatives
+from hjsolve.coordinates.webs.describe import in_words
+from hjsolve.coordinates.webs.orthonormal_frames import Sign, attempt, moved, root, tidy, unit
+from hjsolve.coordinates.webs.piecewise_conditions import real_pieces
 
 Lift = Callable[[Geometry], Geometry]
 _ORIGIN: Vector = (sp.S.Zero, sp.S.Zero)

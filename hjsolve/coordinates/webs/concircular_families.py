@@ -14,8 +14,8 @@ from typing import Generic, TypeVar
 
 import sympy as sp
 
-from hjsolve.coordinates.frames import TooHardError
-from hjsolve.coordinates.killing import concircular_basis
+from hjsolve.coordinates.killing.killing_tensors import concircular_basis
+from hjsolve.coordinates.webs.orthonormal_frames import TooHardError
 
 Member = TypeVar("Member")
 

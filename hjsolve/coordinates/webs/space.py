@@ -19,10 +19,11 @@ from dataclasses import dataclass, replace
 
 import sympy as sp
 
-from hjsolve.coordinates.branches import Piece, real_pieces
-from hjsolve.coordinates.cylinders import cylinder_webs
-from hjsolve.coordinates.families import Family, combination, parts, representatives
-from hjsolve.coordinates.frames import (
+from hjsolve.coordinates.results import Geometry, Vector
+from hjsolve.coordinates.webs.concircular_families import Family, combination, parts, representatives
+from hjsolve.coordinates.webs.cylinders import cylinder_webs
+from hjsolve.coordinates.webs.describe import in_words
+from hjsolve.coordinates.webs.orthonormal_frames import (
     Sign,
     attempt,
     eigenframe,
@@ -34,10 +35,9 @@ from hjsolve.coordinates.frames import (
     tidy,
     unit,
 )
-from hjsolve.coordinates.rank_one import V, annihilators, pair
-from hjsolve.coordinates.results import Geometry, Vector
-from hjsolve.coordinates.spheres import sphere_webs
-from hjsolve.coordinates.words import in_words
+from hjsolve.coordinates.webs.piecewise_conditions import Piece, real_pieces
+from hjsolve.coordinates.webs.rank_one import V, annihilators, pair
+from hjsolve.coordinates.webs.spheres import sphere_webs
 
 _ZERO = sp.S.Zero
 _STANDARD: tuple[Vector, ...] = tuple(tuple(sp.Integer(int(i == j)) for j in range(3)) for i in range(3))

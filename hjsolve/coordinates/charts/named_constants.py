@@ -13,9 +13,9 @@ from dataclasses import replace
 
 import sympy as sp
 
-from hjsolve.coordinates.frames import tidy
+from hjsolve.coordinates.charts.transform import Cartesian
 from hjsolve.coordinates.results import Vector, Web
-from hjsolve.coordinates.transform import Cartesian
+from hjsolve.coordinates.webs.orthonormal_frames import tidy
 from hjsolve.mechanics.system import System, parameter
 from hjsolve.separation import separate
 

@@ -12,7 +12,7 @@ from dataclasses import dataclass
 
 import sympy as sp
 
-from hjsolve.coordinates.killing import Kernel, kernel
+from hjsolve.coordinates.killing.killing_tensors import Kernel, kernel
 
 _MOST_TRIES = {2: 36, 3: 24}
 

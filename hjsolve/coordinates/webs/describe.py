@@ -7,9 +7,9 @@ from dataclasses import replace
 
 import sympy as sp
 
-from hjsolve.coordinates.families import Found
-from hjsolve.coordinates.frames import TooHardError, dot
 from hjsolve.coordinates.results import Geometry, Vector
+from hjsolve.coordinates.webs.concircular_families import Found
+from hjsolve.coordinates.webs.orthonormal_frames import TooHardError, dot
 
 _PLACE = {"polar": "pole", "parabolic": "focus", "rotational parabolic": "focus", "parabolic cylinder": "focal line"}
 
