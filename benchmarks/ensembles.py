@@ -19,10 +19,10 @@ from typing import Any
 import numpy as np
 
 import hjsolve
-from hjsolve import batch
 from hjsolve.arithmetic.double_double import Doubled
 from hjsolve.arithmetic.error_free import Pair
-from hjsolve.batch.programs import available
+from hjsolve.ensembles import engine as batch
+from hjsolve.ensembles.engine.programs import available
 
 DATA = Path(__file__).resolve().parents[1] / "tests" / "batch" / "kuzmin_kutuzov.npz"
 COLUMNS = (("actions", "u"), ("actions", "w"), ("frequencies", "u"), ("frequencies", "phi"), ("frequencies", "w"))

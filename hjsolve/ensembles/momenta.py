@@ -8,10 +8,10 @@ from typing import Any
 
 import numpy as np
 
-from hjsolve import batch
 from hjsolve.arithmetic.double_double import Doubled
 from hjsolve.arithmetic.error_free import Pair
-from hjsolve.ensembles.recipe import Tools
+from hjsolve.ensembles import engine
+from hjsolve.ensembles.task import Tools
 
 Arrays = Mapping[str, Any]
 
@@ -31,7 +31,7 @@ def momenta_of(tools: Tools, q: Arrays, velocity: Arrays) -> tuple[dict[str, Any
     return p, {name: low != 0 for name, low in rest.items() if np.any(low != 0)}
 
 
-def run_from_velocities(tools: Tools, q: Arrays, velocity: Arrays) -> batch.Columns:
+def run_from_velocities(tools: Tools, q: Arrays, velocity: Arrays) -> engine.Columns:
     """Run the vectorised engine on the momenta that velocities give, their rounding counted.
 
     Every momentum that was rounded is moved to the next double, both ways; what that does to a number is added to its
@@ -47,21 +47,21 @@ def run_from_velocities(tools: Tools, q: Arrays, velocity: Arrays) -> batch.Colu
         step = np.where(rounded, np.spacing(np.abs(p[name])), 0.0)
         moved = [tools.engine.run(q, {**p, name: p[name] + side * step}) for side in (-1, 1)]
         for other in moved:
-            lost = (status == batch.Status.OK) & (other.status != batch.Status.OK)
-            status[lost] = batch.Status.EXACT
+            lost = (status == engine.Status.OK) & (other.status != engine.Status.OK)
+            status[lost] = engine.Status.EXACT
         for column in tools.layout.values():
             change = np.fmax(*(_distance(column, columns, other) for other in moved))
             error[column] += np.where(step > 0, np.nan_to_num(change), 0.0)
     return replace(columns, error=error, status=status)
 
 
-def _distance(column: str, one: batch.Columns, other: batch.Columns) -> Any:
+def _distance(column: str, one: engine.Columns, other: engine.Columns) -> Any:
     with np.errstate(invalid="ignore"):
         far = np.abs(value_of(one, column) - value_of(other, column))
         return np.minimum(far, np.abs(2 * np.pi - far)) if column.startswith("angles.") else far
 
 
-def value_of(columns: batch.Columns, name: str) -> Any:
+def value_of(columns: engine.Columns, name: str) -> Any:
     """A column of values by its flat name."""
     quantity, _, key = name.partition(".")
     return columns.group(quantity)[key]

@@ -11,12 +11,13 @@ from typing import Any
 
 import numpy as np
 
-from hjsolve import arguments, batch, catalog
-from hjsolve.ensembles.batch_of_orbits import Batch
-from hjsolve.ensembles.door import Conditions, conditions
+from hjsolve import arguments, catalog
+from hjsolve.ensembles import engine
+from hjsolve.ensembles.batch import Batch
+from hjsolve.ensembles.compute import Columns, compute
+from hjsolve.ensembles.initial_conditions import Conditions, conditions
 from hjsolve.ensembles.layout import layout_of
-from hjsolve.ensembles.recipe import WORTH_COMPILING, WORTH_LOADING, Recipe
-from hjsolve.ensembles.rows import Columns, compute
+from hjsolve.ensembles.task import WORTH_COMPILING, WORTH_LOADING, Recipe
 from hjsolve.errors import InvalidInputError
 from hjsolve.mechanics.subjects import system_of
 from hjsolve.mechanics.system import System
@@ -81,7 +82,7 @@ def ensemble(
     if compiled is None:
         recipe = replace(recipe, compiled=_worth_compiling(math.prod(given.shape), recipe, solution))
     if given.lazy:
-        from hjsolve.ensembles.blocks import lazily
+        from hjsolve.ensembles.dask_blocks import lazily
 
         return lazily(recipe, layout, given)
     columns = _at_once(recipe, given, _thread_count(threads))
@@ -90,7 +91,7 @@ def ensemble(
 
 def _worth_compiling(count: int, recipe: Recipe, solution: Solution) -> bool:
     if WORTH_LOADING <= count < WORTH_COMPILING:
-        return batch.ready(solution, frozenset(recipe.want), dict(recipe.parameters))
+        return engine.ready(solution, frozenset(recipe.want), dict(recipe.parameters))
     return count >= WORTH_COMPILING
 
 

@@ -9,7 +9,7 @@ from __future__ import annotations
 from collections.abc import Iterator, Mapping
 from typing import Any
 
-from hjsolve.ensembles.recipe import Recipe
+from hjsolve.ensembles.task import Recipe
 from hjsolve.errors import ClusterError, InvalidInputError, MissingExtraError
 from hjsolve.sweeps.conduct import Work, columns_of
 from hjsolve.sweeps.identity import code

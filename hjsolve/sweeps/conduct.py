@@ -8,10 +8,10 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 from hjsolve import arguments
+from hjsolve.ensembles.compute import compute
 from hjsolve.ensembles.layout import wanted
 from hjsolve.ensembles.orbits import recipe_for
-from hjsolve.ensembles.recipe import WORTH_COMPILING, Recipe
-from hjsolve.ensembles.rows import compute
+from hjsolve.ensembles.task import WORTH_COMPILING, Recipe
 from hjsolve.errors import MissingExtraError
 from hjsolve.scenes import Scene
 from hjsolve.solution.quadratures import solve

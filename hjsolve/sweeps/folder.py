@@ -22,7 +22,7 @@ import numpy as np
 import pyarrow as pa
 import pyarrow.parquet as pq
 
-from hjsolve.ensembles.batch_of_orbits import WORDS
+from hjsolve.ensembles.batch import WORDS
 from hjsolve.ensembles.layout import EXACT, STATUS
 from hjsolve.errors import InvalidInputError
 

@@ -13,7 +13,7 @@ SOURCES = sorted((ROOT / "hjsolve").rglob("*.py"))
 TESTS = sorted((ROOT / "tests").rglob("*.py"))
 FUNCTIONS = (ast.FunctionDef, ast.AsyncFunctionDef)
 # the one place that runs a generated program: written from operation codes and numbers, see tests/batch/test_programs.py
-WRITTEN_BY_US = {"batch/programs.py": {"exec", "compile"}}
+WRITTEN_BY_US = {"ensembles/engine/programs.py": {"exec", "compile"}}
 IDS = [str(path.relative_to(ROOT / "hjsolve")) for path in SOURCES]
 
 

@@ -14,9 +14,9 @@ import mpmath
 import numpy as np
 import pytest
 
-from hjsolve import batch
-from hjsolve.batch import Status, nodes
-from hjsolve.batch.programs import available
+from hjsolve.ensembles import engine as batch
+from hjsolve.ensembles.engine import Status, nodes
+from hjsolve.ensembles.engine.programs import available
 
 QUANTITIES = (
     "actions.u", "actions.w", "frequencies.u", "frequencies.w", "frequencies.phi", "angles.u", "angles.w", "angles.phi",

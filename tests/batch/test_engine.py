@@ -8,9 +8,9 @@ import numpy as np
 import pytest
 
 import hjsolve
-from hjsolve import batch
-from hjsolve.batch import Status
-from hjsolve.batch.programs import available
+from hjsolve.ensembles import engine as batch
+from hjsolve.ensembles.engine import Status
+from hjsolve.ensembles.engine.programs import available
 from hjsolve.errors import InvalidInputError
 
 COMPILED = [False, *([True] if available() else [])]

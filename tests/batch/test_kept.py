@@ -9,11 +9,10 @@ from pathlib import Path
 
 import pytest
 
-from hjsolve import batch
-from hjsolve.batch import kept
-from hjsolve.batch.programs import _careful
 from hjsolve.catalog import load
-from hjsolve.ensembles import orbits
+from hjsolve.ensembles import engine, orbits
+from hjsolve.ensembles.engine import program_cache
+from hjsolve.ensembles.engine.programs import _careful
 from hjsolve.solution.quadratures import solve
 
 TEXT = "def start(q):\n    return (q, )\n"
@@ -42,13 +41,13 @@ def test_the_second_process_compiles_nothing(tmp_path: Path, monkeypatch: pytest
     monkeypatch.delenv("NUMBA_CACHE_DIR", raising=False)
     monkeypatch.setenv("HJSOLVE_CACHE_DIR", str(tmp_path))
     solution, want = solve(load("harmonic-oscillator")), frozenset({"actions"})
-    assert not batch.ready(solution, want)
+    assert not engine.ready(solution, want)
     compiled, numbers = one(tmp_path)
     assert compiled > 10
-    assert batch.ready(solution, want)
+    assert engine.ready(solution, want)
     assert one(tmp_path) == (0, numbers)
-    assert not batch.ready(solution, frozenset({"frequencies"}))
-    assert not batch.ready(solution, want, {"k": 3})
+    assert not engine.ready(solution, frozenset({"frequencies"}))
+    assert not engine.ready(solution, want, {"k": 3})
 
 
 @pytest.fixture
@@ -59,34 +58,34 @@ def folder(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Path:
 
 
 def test_the_file_holds_the_text_and_is_mended(folder: Path) -> None:
-    path = kept.shelf(TEXT)
+    path = program_cache.shelf(TEXT)
     assert path is not None
     assert path.is_relative_to(folder)
     assert path.read_text() == TEXT
     path.write_text("import somebody\n")
-    assert not kept.kept(TEXT, ())
-    assert kept.shelf(TEXT) == path
+    assert not program_cache.kept(TEXT, ())
+    assert program_cache.shelf(TEXT) == path
     assert path.read_text() == TEXT
     assert [p.name for p in path.parent.iterdir() if p.suffix == ".tmp"] == []
-    assert kept.shelf(TEXT + "\n") != path
+    assert program_cache.shelf(TEXT + "\n") != path
 
 
 @pytest.mark.skipif(not hasattr(os, "getuid"), reason="folders have no modes here")
 @pytest.mark.parametrize("inner", ["", "__pycache__"])
 def test_a_folder_where_others_may_write_is_not_used(folder: Path, inner: str) -> None:
-    path = kept.shelf(TEXT)
+    path = program_cache.shelf(TEXT)
     assert path is not None
     (path.parent / inner).chmod(0o777)
-    assert kept.shelf(TEXT) is None
-    assert not kept.kept(TEXT, ())
+    assert program_cache.shelf(TEXT) is None
+    assert not program_cache.kept(TEXT, ())
 
 
 @pytest.mark.skipif(not hasattr(os, "getuid") or os.getuid() != 0, reason="only the administrator gives folders away")
 def test_a_folder_of_somebody_else_is_not_used(folder: Path) -> None:
-    path = kept.shelf(TEXT)
+    path = program_cache.shelf(TEXT)
     assert path is not None
     os.chown(path.parent, 12345, -1)
-    assert kept.shelf(TEXT) is None
+    assert program_cache.shelf(TEXT) is None
 
 
 def test_nothing_is_kept_where_nothing_can_be(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
@@ -97,8 +96,8 @@ def test_nothing_is_kept_where_nothing_can_be(tmp_path: Path, monkeypatch: pytes
         ("NUMBA_CACHE_DIR", str(tmp_path)),
     ):
         monkeypatch.setenv(name, place)
-        assert kept.shelf(TEXT) is None
-        assert not kept.kept(TEXT, ())
+        assert program_cache.shelf(TEXT) is None
+        assert not program_cache.kept(TEXT, ())
         monkeypatch.delenv("HJSOLVE_CACHE_DIR", raising=False)
 
 
@@ -114,7 +113,7 @@ def test_kept_programs_serve_smaller_ensembles(monkeypatch: pytest.MonkeyPatch) 
     recipe = orbits.recipe_for(solution, ("actions",), {}, "p", compiled=False)
     choice = {}
     for there in (False, True):
-        monkeypatch.setattr(batch, "ready", lambda *_, there=there: there)
+        monkeypatch.setattr(engine, "ready", lambda *_, there=there: there)
         choice[there] = [
             orbits._worth_compiling(count, recipe, solution) for count in (19_999, 20_000, 99_999, 100_000)
         ]

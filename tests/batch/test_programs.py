@@ -10,8 +10,8 @@ import pytest
 import hjsolve
 from hjsolve.arithmetic.floats import Float64
 from hjsolve.arithmetic.python_source import Source
-from hjsolve.batch.model import read
-from hjsolve.batch.programs import _coordinate_text, _start_text, programs
+from hjsolve.ensembles.engine.lowered_solution import read
+from hjsolve.ensembles.engine.programs import _coordinate_text, _start_text, programs
 from hjsolve.motion.initial_data import parameter_values
 
 WORDS = {

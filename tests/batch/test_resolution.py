@@ -10,9 +10,9 @@ import pytest
 from mpmath import mp, mpf
 
 import hjsolve
-from hjsolve import batch
-from hjsolve.batch import quadrature
-from hjsolve.batch.clearance import Clearance
+from hjsolve.ensembles import engine
+from hjsolve.ensembles.engine import midpoint_rule
+from hjsolve.ensembles.engine.clearance import Clearance
 from hjsolve.lowering import lower
 from tests.batch.kuzmin_kutuzov import load, solution
 
@@ -105,7 +105,7 @@ def test_the_engine_itself_hands_back_what_it_cannot_prove() -> None:
 
 def test_without_the_proof_the_false_number_is_back(monkeypatch: pytest.MonkeyPatch) -> None:
     text, width, place = NARROW["dip 1e-5"]
-    monkeypatch.setattr(quadrature, "least", lambda region, first: np.full(len(region.width), float(first)))
+    monkeypatch.setattr(midpoint_rule, "least", lambda region, first: np.full(len(region.width), float(first)))
     found = _orbits(text, compiled=False, fallback=False)
     period = _truth(text, width, place)[1]
     assert found.status.item() == "ok"
@@ -144,7 +144,7 @@ def test_the_frequencies_of_two_near_radial_orbits_are_right_to_1e_13() -> None:
     # u, w, p_u, p_w, p_φ as doubles; Ω_u, Ω_φ, Ω_w by ball arithmetic at 55 digits
     data = NEAR_RADIAL
     u, w, pu, pw, pφ = np.array([row[0] for row in data]).T
-    made = batch.build(solution(), frozenset({"actions", "frequencies"}), compiled=False)
+    made = engine.build(solution(), frozenset({"actions", "frequencies"}), compiled=False)
     columns = made.run({"u": u, "w": w, "phi": 0 * u}, {"u": pu, "w": pw, "phi": pφ})
     for k, name in enumerate(("u", "phi", "w")):
         exact = np.array([row[1][k] for row in data])
@@ -164,7 +164,7 @@ def test_bound_orbits_that_are_not_computed_are_not_called_unbounded() -> None:
 def test_no_warning_of_numpy_reaches_the_user() -> None:
     data = load()
     rows = data["prolate"][np.isin(data["family"], (1, 2))]  # nearly circular, nearly planar
-    made = batch.build(solution(), frozenset({"actions", "frequencies"}), compiled=False)
+    made = engine.build(solution(), frozenset({"actions", "frequencies"}), compiled=False)
     u, w, pu, pw, pφ = rows.T
     with warnings.catch_warnings():
         warnings.simplefilter("error")

@@ -41,11 +41,11 @@ def test_blocks_types_and_meta_are_right_before_and_after() -> None:
 
 
 def test_one_block_is_one_task_however_many_columns_are_computed(monkeypatch: pytest.MonkeyPatch) -> None:
-    from hjsolve.ensembles import blocks
+    from hjsolve.ensembles import dask_blocks
 
     shapes = []
-    compute = blocks.compute
-    monkeypatch.setattr(blocks, "compute", lambda recipe, q, *rest, **more: (shapes.append(q[0].shape), compute(recipe, q, *rest, **more))[1])  # fmt: skip
+    compute = dask_blocks.compute
+    monkeypatch.setattr(dask_blocks, "compute", lambda recipe, q, *rest, **more: (shapes.append(q[0].shape), compute(recipe, q, *rest, **more))[1])  # fmt: skip
     r = da.from_array(R, chunks=(1, 2))
     batch = hjsolve.ensemble("kepler-planar", q={"r": r, "theta": 0}, p=P, want={"actions", "constants"})
     batch.compute(scheduler="synchronous")

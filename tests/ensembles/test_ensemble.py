@@ -10,7 +10,7 @@ import numpy as np
 import pytest
 
 import hjsolve
-from hjsolve.ensembles import rows
+from hjsolve.ensembles import compute
 from hjsolve.errors import InvalidInputError, MissingValueError
 
 GOOD: dict[str, Any] = {"q": {"r": [1.0, 2.0], "theta": 0.5}, "p": {"r": [0.1, 0.0], "theta": [1.1, 1.2]}}
@@ -107,7 +107,7 @@ def test_an_orbit_does_not_depend_on_its_company() -> None:
 def test_chunks_and_threads_do_not_change_a_bit(chunk: int, threads: int, monkeypatch: pytest.MonkeyPatch) -> None:
     q, p = random_kepler(12, seed=2)
     usual = kepler(q, p, threads=1)
-    monkeypatch.setattr(rows, "CHUNK", chunk)
+    monkeypatch.setattr(compute, "CHUNK", chunk)
     other = kepler(q, p, threads=threads)
     assert other.columns.keys() == usual.columns.keys()
     assert all(other.columns[name].tobytes() == column.tobytes() for name, column in usual.columns.items())

@@ -16,14 +16,14 @@ from typing import TYPE_CHECKING, Any, NamedTuple
 
 import numpy as np
 
-from hjsolve.batch.clearance import Clearance
-from hjsolve.batch.model import Formula
-from hjsolve.batch.nodes import COUNTS, Nodes, nodes_of
-from hjsolve.batch.strips import SAFETY, Strip, across, strip
-from hjsolve.batch.views import Fine, Knowns, Near, View
+from hjsolve.ensembles.engine.clearance import Clearance
+from hjsolve.ensembles.engine.lowered_solution import Formula
+from hjsolve.ensembles.engine.nodes import COUNTS, Nodes, nodes_of
+from hjsolve.ensembles.engine.radicand_views import Fine, Knowns, Near, View
+from hjsolve.ensembles.engine.strips_of_analyticity import SAFETY, Strip, across, strip
 
 if TYPE_CHECKING:
-    from hjsolve.batch.quadrature import Region
+    from hjsolve.ensembles.engine.midpoint_rule import Region
 
 _UNKNOWN, _CAUTIOUS, _HOPELESS = 0.3, 0.7, 2.0
 """The nodes needed grow nearly like the share of the radius that is missing, at least with this power; for stretched

@@ -15,10 +15,10 @@ from typing import Any
 import numpy as np
 
 from hjsolve.arithmetic.reproducible_products import rowwise
-from hjsolve.batch import nodes as tables
-from hjsolve.batch.phase import Ends, librating, rotating
-from hjsolve.batch.resolution import least
-from hjsolve.batch.views import View
+from hjsolve.ensembles.engine import nodes as tables
+from hjsolve.ensembles.engine.initial_phase import Ends, librating, rotating
+from hjsolve.ensembles.engine.radicand_views import View
+from hjsolve.ensembles.engine.resolution import least
 
 _EPS = 2.0**-52
 _SAFETY = 1.5

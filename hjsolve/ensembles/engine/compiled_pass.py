@@ -12,15 +12,15 @@ from typing import Any
 
 import numpy as np
 
-from hjsolve.batch import nodes as tables
-from hjsolve.batch.clearance import Clearance
-from hjsolve.batch.model import Model, Separated
-from hjsolve.batch.programs import Compiled
-from hjsolve.batch.quadrature import Sums, empty
-from hjsolve.batch.resolution import room
-from hjsolve.batch.start import Begin
-from hjsolve.batch.strips import across, strip
-from hjsolve.batch.views import Knowns
+from hjsolve.ensembles.engine import nodes as tables
+from hjsolve.ensembles.engine.clearance import Clearance
+from hjsolve.ensembles.engine.constants import Begin
+from hjsolve.ensembles.engine.lowered_solution import Model, Separated
+from hjsolve.ensembles.engine.midpoint_rule import Sums, empty
+from hjsolve.ensembles.engine.programs import Compiled
+from hjsolve.ensembles.engine.radicand_views import Knowns
+from hjsolve.ensembles.engine.resolution import room
+from hjsolve.ensembles.engine.strips_of_analyticity import across, strip
 
 _COUNTS = (16, 24, 32, 40, 48, 56, 64, 72, 80, 96, 112, 128)
 """Numbers of nodes: whole vectors."""

@@ -23,9 +23,9 @@ from hjsolve.arithmetic.jet import Jet, Jets
 from hjsolve.arithmetic.python_source import Source, function
 from hjsolve.arithmetic.running_error import Bounded, Running
 from hjsolve.arithmetic.tape import Tape
-from hjsolve.batch.kept import kept, mark, shelf
-from hjsolve.batch.model import Formula, Model, Separated
-from hjsolve.batch.views import has_chords
+from hjsolve.ensembles.engine.lowered_solution import Formula, Model, Separated
+from hjsolve.ensembles.engine.program_cache import kept, mark, shelf
+from hjsolve.ensembles.engine.radicand_views import has_chords
 
 _OWN = 4
 _SEARCHED = 6
@@ -239,14 +239,14 @@ def _functions(text: str, parts: Sequence[str], fronts: Sequence[str], path: Pat
     """Compile the functions of a text, and our loops beside them, which call them by their names."""
     from numba import njit
 
-    from hjsolve.batch import glances, loops, rules, searches
-    from hjsolve.batch.elementary import NAMES, OPTIONS
+    from hjsolve.ensembles.engine import compiled_clearance, compiled_integrals, compiled_rule, compiled_turning_points
+    from hjsolve.ensembles.engine.elementary import NAMES, OPTIONS
 
     name = mark(text)
     module = ModuleType(f"hjsolve_program_{name}")
     space = module.__dict__
-    loose = [function for part in (rules, loops, searches, glances) for function in part.BOUND]
-    for part in (rules, loops, searches, glances):
+    loose = [function for part in (compiled_rule, compiled_integrals, compiled_turning_points, compiled_clearance) for function in part.BOUND]
+    for part in (compiled_rule, compiled_integrals, compiled_turning_points, compiled_clearance):
         space.update({key: item for key, item in vars(part).items() if not key.startswith("__")})
     space.update(NAMES, **{f.__name__: FunctionType(f.__code__, space, f.__name__) for f in loose})
     sys.modules[module.__name__] = module  # where numba looks for the surroundings of kept functions

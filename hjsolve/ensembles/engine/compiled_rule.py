@@ -13,8 +13,8 @@ from typing import Any
 import numpy as np
 from numba import njit
 
-from hjsolve.batch.elementary import OPTIONS
-from hjsolve.batch.nodes import EVEN
+from hjsolve.ensembles.engine.elementary import OPTIONS
+from hjsolve.ensembles.engine.nodes import EVEN
 
 SAMPLES = 5
 REDUCING = OPTIONS | {"fastmath": {"contract", "reassoc"}}

@@ -16,7 +16,7 @@ import sympy as sp
 from hjsolve.arithmetic.error_free import Pair
 from hjsolve.arithmetic.floats import Multi
 from hjsolve.arithmetic.tape import Tape
-from hjsolve.batch.clearance import Clearance
+from hjsolve.ensembles.engine.clearance import Clearance
 from hjsolve.errors import InvalidInputError
 from hjsolve.lowering import lower
 from hjsolve.motion.initial_data import to_bits

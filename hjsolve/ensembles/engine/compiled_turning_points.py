@@ -8,7 +8,7 @@ from typing import Any
 import numpy as np
 from numba import njit
 
-from hjsolve.batch.elementary import OPTIONS
+from hjsolve.ensembles.engine.elementary import OPTIONS
 
 _EPS = 2.0**-52
 _SWEEPS = 5

@@ -5,9 +5,9 @@ claimed error that is not below the true error for exactly these inputs, or with
 belongs to the single-orbit engine (``hjsolve.motion``), which has as many digits as it takes.
 """
 
-from hjsolve.batch.columns import QUANTITIES as QUANTITIES
-from hjsolve.batch.columns import Columns as Columns
-from hjsolve.batch.columns import Status as Status
-from hjsolve.batch.engine import Engine as Engine
-from hjsolve.batch.engine import build as build
-from hjsolve.batch.engine import ready as ready
+from hjsolve.ensembles.engine.columns import QUANTITIES as QUANTITIES
+from hjsolve.ensembles.engine.columns import Columns as Columns
+from hjsolve.ensembles.engine.columns import Status as Status
+from hjsolve.ensembles.engine.engine import Engine as Engine
+from hjsolve.ensembles.engine.engine import build as build
+from hjsolve.ensembles.engine.engine import ready as ready

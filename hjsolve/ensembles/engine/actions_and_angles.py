@@ -13,8 +13,8 @@ from typing import Any
 import numpy as np
 
 from hjsolve.arithmetic.reproducible_products import stacked
-from hjsolve.batch.model import Model
-from hjsolve.batch.quadrature import Sums
+from hjsolve.ensembles.engine.lowered_solution import Model
+from hjsolve.ensembles.engine.midpoint_rule import Sums
 
 _EPS = 2.0**-52
 

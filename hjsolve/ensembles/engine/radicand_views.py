@@ -21,7 +21,7 @@ from hjsolve.arithmetic.floats import Float64
 from hjsolve.arithmetic.jet import Jet, Jets
 from hjsolve.arithmetic.running_error import Bounded, Running
 from hjsolve.arithmetic.second_differences import Slope, Slopes
-from hjsolve.batch.model import Formula
+from hjsolve.ensembles.engine.lowered_solution import Formula
 
 UNIT = 2.0**-53
 _PLACE = 2.0

@@ -6,8 +6,8 @@ from typing import Any
 
 from numba import njit
 
-from hjsolve.batch.clearance import DEEPEST, DROPPED, QUARTER
-from hjsolve.batch.elementary import OPTIONS, as_bits
+from hjsolve.ensembles.engine.clearance import DEEPEST, DROPPED, QUARTER
+from hjsolve.ensembles.engine.elementary import OPTIONS, as_bits
 
 _DROPPED, _QUARTER, _DEEPEST, _TURNS = DROPPED, QUARTER, DEEPEST, QUARTER << DEEPEST
 

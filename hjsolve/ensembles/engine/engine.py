@@ -8,10 +8,10 @@ from typing import Any
 
 import numpy as np
 
-from hjsolve.batch.columns import QUANTITIES, Columns, Status, blank, put
-from hjsolve.batch.model import Model, read
-from hjsolve.batch.passes import TIMED, TOLERANCE, run_compiled, run_pass, worst
-from hjsolve.batch.programs import Compiled, available, compiled, is_kept
+from hjsolve.ensembles.engine.columns import QUANTITIES, Columns, Status, blank, put
+from hjsolve.ensembles.engine.lowered_solution import Model, read
+from hjsolve.ensembles.engine.passes import TIMED, TOLERANCE, run_compiled, run_pass, worst
+from hjsolve.ensembles.engine.programs import Compiled, available, compiled, is_kept
 from hjsolve.errors import InvalidInputError
 from hjsolve.motion.initial_data import parameter_values
 from hjsolve.solution.quadratures import Solution

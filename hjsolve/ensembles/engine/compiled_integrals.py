@@ -11,9 +11,9 @@ from typing import Any
 import numpy as np
 from numba import njit
 
-from hjsolve.batch.elementary import OPTIONS, sincos
-from hjsolve.batch.nodes import EVEN
-from hjsolve.batch.rules import REDUCING, SAMPLES, choose, dot
+from hjsolve.ensembles.engine.compiled_rule import REDUCING, SAMPLES, choose, dot
+from hjsolve.ensembles.engine.elementary import OPTIONS, sincos
+from hjsolve.ensembles.engine.nodes import EVEN
 
 _EPS = 2.0**-52
 _EVEN = EVEN

@@ -8,9 +8,9 @@ from functools import lru_cache
 
 import sympy as sp
 
-from hjsolve import batch
 from hjsolve.arithmetic.error_free import Pair, split
 from hjsolve.arithmetic.tape import Tape
+from hjsolve.ensembles import engine as batch
 from hjsolve.ensembles.layout import Layout, layout_of
 from hjsolve.lowering import lower
 from hjsolve.mechanics.system import System, momenta

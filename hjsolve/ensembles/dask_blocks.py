@@ -6,11 +6,11 @@ from typing import Any
 
 import numpy as np
 
-from hjsolve.ensembles.batch_of_orbits import Batch
-from hjsolve.ensembles.door import Conditions
+from hjsolve.ensembles.batch import Batch
+from hjsolve.ensembles.compute import compute, dtypes
+from hjsolve.ensembles.initial_conditions import Conditions
 from hjsolve.ensembles.layout import Layout
-from hjsolve.ensembles.recipe import Recipe
-from hjsolve.ensembles.rows import compute, dtypes
+from hjsolve.ensembles.task import Recipe
 from hjsolve.errors import MissingExtraError
 
 

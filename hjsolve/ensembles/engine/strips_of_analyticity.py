@@ -17,7 +17,7 @@ import numpy as np
 
 from hjsolve.arithmetic.elliptic import quarter_period
 from hjsolve.arithmetic.floats import Float64
-from hjsolve.batch.nodes import Nodes
+from hjsolve.ensembles.engine.nodes import Nodes
 from hjsolve.one_coordinate.complex_anomaly import jacobi_complex
 
 EXPONENT = 36.0

@@ -16,8 +16,8 @@ from hjsolve.arithmetic.error_free import Pair
 from hjsolve.arithmetic.floats import Float64
 from hjsolve.arithmetic.jet import Jet, Jets
 from hjsolve.arithmetic.running_error import Bounded, Running
-from hjsolve.batch.model import Formula, Model
-from hjsolve.batch.views import UNIT, Knowns
+from hjsolve.ensembles.engine.lowered_solution import Formula, Model
+from hjsolve.ensembles.engine.radicand_views import UNIT, Knowns
 
 
 @dataclass(frozen=True)

@@ -10,13 +10,13 @@ import numpy as np
 from hjsolve.arithmetic.double_double import Doubled
 from hjsolve.arithmetic.error_free import Pair, two_sum
 from hjsolve.arithmetic.second_differences import FUNCTIONS
-from hjsolve.batch.columns import Status
-from hjsolve.batch.model import Formula, Model, Separated
-from hjsolve.batch.nodes import EVEN, MOST
-from hjsolve.batch.quadrature import Region
-from hjsolve.batch.roots import bracket, first_step, kept, refine
-from hjsolve.batch.start import Begin, slope
-from hjsolve.batch.views import Fine, Knowns, Near, Raw, View, second_slope
+from hjsolve.ensembles.engine.columns import Status
+from hjsolve.ensembles.engine.constants import Begin, slope
+from hjsolve.ensembles.engine.lowered_solution import Formula, Model, Separated
+from hjsolve.ensembles.engine.midpoint_rule import Region
+from hjsolve.ensembles.engine.nodes import EVEN, MOST
+from hjsolve.ensembles.engine.radicand_views import Fine, Knowns, Near, Raw, View, second_slope
+from hjsolve.ensembles.engine.turning_points import bracket, first_step, kept, refine
 
 _SMALL = 3e-14
 _CLEAR = 1e-12

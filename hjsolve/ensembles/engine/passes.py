@@ -6,14 +6,14 @@ from typing import Any
 
 import numpy as np
 
-from hjsolve.batch.columns import Columns, Status, blank, put
-from hjsolve.batch.locate import Found, locate
-from hjsolve.batch.model import Model, Separated
-from hjsolve.batch.programs import Compiled
-from hjsolve.batch.quadrature import Sums, empty, integrate
-from hjsolve.batch.start import Begin, begin
-from hjsolve.batch.torus import assemble
-from hjsolve.batch.views import Near, Raw, second_slope
+from hjsolve.ensembles.engine.actions_and_angles import assemble
+from hjsolve.ensembles.engine.columns import Columns, Status, blank, put
+from hjsolve.ensembles.engine.constants import Begin, begin
+from hjsolve.ensembles.engine.lowered_solution import Model, Separated
+from hjsolve.ensembles.engine.midpoint_rule import Sums, empty, integrate
+from hjsolve.ensembles.engine.programs import Compiled
+from hjsolve.ensembles.engine.radicand_views import Near, Raw, second_slope
+from hjsolve.ensembles.engine.regions import Found, locate
 
 _EPS = 2.0**-52
 TOLERANCE = 1e-10
@@ -80,7 +80,7 @@ def run_compiled(
     model: Model, names: dict[str, tuple[str, ...]], q: Any, p: Any, *, made: Compiled, tolerance: float
 ) -> Columns:
     """Compute everything for those orbits that are easy librations; as ``run_pass`` with depth 0."""
-    from hjsolve.batch.compiled import begin_compiled, librations
+    from hjsolve.ensembles.engine.compiled_pass import begin_compiled, librations
 
     count = q.shape[1]
     columns = blank(names, count)

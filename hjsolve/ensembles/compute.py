@@ -10,12 +10,12 @@ from typing import Any
 
 import numpy as np
 
-from hjsolve import batch
-from hjsolve.ensembles.batch_of_orbits import Status
+from hjsolve.ensembles import engine
+from hjsolve.ensembles.batch import Status
+from hjsolve.ensembles.fallback import single_orbit
 from hjsolve.ensembles.layout import ERROR, EXACT, STATUS, Layout
 from hjsolve.ensembles.momenta import run_from_velocities, value_of
-from hjsolve.ensembles.recipe import Recipe, Tools, tools_of
-from hjsolve.ensembles.single import single_orbit
+from hjsolve.ensembles.task import Recipe, Tools, tools_of
 
 CHUNK = 16384
 """Orbits that one thread treats at a time, as many as the engine works on together."""
@@ -96,7 +96,7 @@ def _fill(
         return
     places, speeds = ({name: np.ascontiguousarray(x[good]) for name, x in group.items()} for group in (places, speeds))
     found = tools.engine.run(places, speeds) if recipe.kind == "p" else run_from_velocities(tools, places, speeds)
-    fine = found.status == batch.Status.OK
+    fine = found.status == engine.Status.OK
     for name in tools.layout.values():
         columns[name][window][good] = np.where(fine, value_of(found, name), np.nan)
         columns[ERROR + name][window][good] = np.where(fine, found.error[name], np.nan)
@@ -107,7 +107,7 @@ def _fill(
         if stop.is_set():
             return
         start = {"q": _picked(places, k), recipe.kind: _picked(speeds, k)}
-        endless = bool(found.status[k] == batch.Status.UNBOUNDED)
+        endless = bool(found.status[k] == engine.Status.UNBOUNDED)
         _one(recipe, tools, columns, window.start + int(good[k]), start, endless)
 
 
