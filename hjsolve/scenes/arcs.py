@@ -25,9 +25,9 @@ from hjsolve.motion.motion import Motion
 from hjsolve.one_coordinate.coordinate_motion import Frozen
 from hjsolve.scenes.crossing import bits_of, crossings, exact
 from hjsolve.scenes.events import Event, Pending, changed, once
-from hjsolve.scenes.flights import Flight, Free, walk
-from hjsolve.scenes.mirrors import Mirrors, mirrors
-from hjsolve.scenes.rest import Rest, Settling, acceleration
+from hjsolve.scenes.reflecting_walls import Mirrors, mirrors
+from hjsolve.scenes.reflections import Flight, Free, walk
+from hjsolve.scenes.resting_contact import Rest, Settling, acceleration
 from hjsolve.scenes.scene import Scene
 from hjsolve.solution.quadratures import Solution
 

@@ -7,7 +7,7 @@ from typing import Any
 
 from hjsolve.motion.motion import Motion
 from hjsolve.scenes.arcs import Leg, Piece, start_of
-from hjsolve.scenes.flights import signed
+from hjsolve.scenes.reflections import signed
 from hjsolve.scenes.scene import Scene
 from hjsolve.solution.quadratures import Solution
 

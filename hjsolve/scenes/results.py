@@ -12,7 +12,7 @@ from hjsolve.errors import InvalidInputError
 from hjsolve.motion.motion import Motion
 from hjsolve.motion.state import Errors, Known, State
 from hjsolve.scenes.events import Event
-from hjsolve.scenes.rest import Rest
+from hjsolve.scenes.resting_contact import Rest
 from hjsolve.scenes.scene import Scene
 from hjsolve.solution.quadratures import Solution
 

@@ -16,11 +16,11 @@ from hjsolve.motion.tabulated import OnDemand
 from hjsolve.scenes.arcs import Piece, pieces
 from hjsolve.scenes.begun import Begun, Turned, Wholes
 from hjsolve.scenes.crossing import bits_of
+from hjsolve.scenes.force_refusal import dissipative, words
 from hjsolve.scenes.orbits import orbit_table
-from hjsolve.scenes.path import belongings, sampled, trajectory
-from hjsolve.scenes.refusal import dissipative, words
 from hjsolve.scenes.results import Arc, Choice, Run, Trajectory
 from hjsolve.scenes.scene import Scene
+from hjsolve.scenes.trajectory import belongings, sampled, trajectory
 from hjsolve.solution.quadratures import Solution, solve
 
 __all__ = ["Arc", "Choice", "Run", "Trajectory", "first_arguments", "run", "sampled", "solved"]

@@ -23,8 +23,8 @@ from hjsolve.errors import CatalogError, InvalidInputError
 from hjsolve.formulas.read import number
 from hjsolve.mechanics.system import System
 from hjsolve.scenes.events import Event, read_event
+from hjsolve.scenes.initial_grid import Varied, disagreements, read_sweep
 from hjsolve.scenes.tables import scene_faults
-from hjsolve.scenes.varied import Varied, disagreements, read_sweep
 
 if TYPE_CHECKING:
     from hjsolve.scenes.run import Run

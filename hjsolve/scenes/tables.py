@@ -10,7 +10,7 @@ from hjsolve import arguments
 from hjsolve.catalog import schema, toml_file
 from hjsolve.catalog.schema import Key
 from hjsolve.errors import CatalogError
-from hjsolve.scenes.varied import sweep_faults
+from hjsolve.scenes.initial_grid import sweep_faults
 
 METHODS = ("quadratures", "integrate")
 WANTED = (

@@ -17,7 +17,7 @@ from hjsolve.errors import InvalidInputError, MissingExtraError
 from hjsolve.formulas.read import number
 from hjsolve.motion.initial_data import to_bits
 from hjsolve.scenes import Scene
-from hjsolve.scenes.varied import GROUPS, Axis, Varied, keys, kind_of, missing
+from hjsolve.scenes.initial_grid import GROUPS, Axis, Varied, keys, kind_of, missing
 
 
 @dataclass(frozen=True, eq=False)

@@ -26,8 +26,8 @@ from hjsolve.motion.positions import constant_index
 from hjsolve.one_coordinate.coordinate_motion import Bounded, Frozen, Open
 from hjsolve.scenes.crossing import bits_of
 from hjsolve.scenes.events import Event, Pending, once
-from hjsolve.scenes.mirrors import Mirrors
-from hjsolve.scenes.passes import Carried, Passes, passes
+from hjsolve.scenes.passage_times import Carried, Passes, passes
+from hjsolve.scenes.reflecting_walls import Mirrors
 from hjsolve.time_law.torus import Torus, mean_rate
 
 _LOOK = 1000

@@ -18,12 +18,12 @@ from hjsolve.motion.quantities import FLOAT_DIGITS
 from hjsolve.motion.state import Errors, State
 from hjsolve.motion.tabulated import OnDemand
 from hjsolve.motion.times import LONGEST
-from hjsolve.scenes.along import along
 from hjsolve.scenes.arcs import Piece
 from hjsolve.scenes.crossing import bits_of
-from hjsolve.scenes.rest import Rest
+from hjsolve.scenes.resting_contact import Rest
 from hjsolve.scenes.results import Arc, Trajectory
 from hjsolve.scenes.scene import Scene, Times
+from hjsolve.scenes.states_along_bounces import along
 
 
 @dataclass(frozen=True, eq=False)

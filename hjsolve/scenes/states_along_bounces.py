@@ -17,7 +17,7 @@ from hjsolve.motion.positions import coordinate_velocities, evaluate, principal
 from hjsolve.motion.quantities import FLOAT_DIGITS
 from hjsolve.motion.state import Errors, State
 from hjsolve.motion.state_errors import velocity_errors
-from hjsolve.scenes.flights import Flight, Free
+from hjsolve.scenes.reflections import Flight, Free
 from hjsolve.time_law.elapsed_time import halves
 
 
