@@ -149,7 +149,7 @@ def by_separatrix() -> dict[str, list[dict[str, float]]]:
 
 def by_times() -> dict[str, list[dict[str, float]]]:
     """Kepler's ellipse over a hundred revolutions, at more and more times."""
-    from hjsolve.costs.own import own
+    from hjsolve.costs.own_methods import own
     from hjsolve.costs.rivals import rival_trials
     from hjsolve.costs.trial import Task
     from hjsolve.scenes import Scene

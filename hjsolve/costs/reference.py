@@ -17,7 +17,7 @@ import sympy as sp
 
 from hjsolve.arithmetic.tape import Tape
 from hjsolve.costs.answers import Numbers, Ruler
-from hjsolve.costs.own import read, result_of
+from hjsolve.costs.own_methods import read, result_of
 from hjsolve.costs.taylor import follow
 from hjsolve.costs.trial import Task
 from hjsolve.errors import HJSolveError, NotConvergedError

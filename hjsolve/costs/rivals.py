@@ -19,7 +19,7 @@ import sympy as sp
 
 from hjsolve.arithmetic.tape import Tape
 from hjsolve.costs.answers import Answer
-from hjsolve.costs.plain import Plain
+from hjsolve.costs.scalar_floats import Plain
 from hjsolve.costs.trial import Task, Trial
 from hjsolve.errors import InvalidInputError, MissingExtraError, NotConvergedError
 from hjsolve.formulas.read import number

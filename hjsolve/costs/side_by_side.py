@@ -6,9 +6,9 @@ import time
 from collections.abc import Sequence
 from contextlib import suppress
 
-from hjsolve.costs.closed import closed_trials
+from hjsolve.costs.closed_forms import closed_trials
 from hjsolve.costs.measure import Clock, Progress, measured
-from hjsolve.costs.own import own_trials
+from hjsolve.costs.own_methods import own_trials
 from hjsolve.costs.reference import SPARE, Reference, reference
 from hjsolve.costs.rivals import rival_trials
 from hjsolve.costs.subject import Subject, scene_of

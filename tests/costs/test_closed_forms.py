@@ -7,8 +7,8 @@ from dataclasses import replace
 import pytest
 
 from hjsolve import catalog
-from hjsolve.costs.closed import closed_form
-from hjsolve.costs.own import own
+from hjsolve.costs.closed_forms import closed_form
+from hjsolve.costs.own_methods import own
 from hjsolve.costs.side_by_side import _places
 from hjsolve.costs.subject import scene_of
 from hjsolve.costs.trial import Task
