@@ -13,8 +13,8 @@ from typing import Any
 
 import numpy as np
 
-from hjsolve.reports import svg
-from hjsolve.reports.workprecision import LOOKS, depth, legend_line, log_axes, shape
+from hjsolve.reports.drawings import svg
+from hjsolve.reports.drawings.work_precision import LOOKS, depth, legend_line, log_axes, shape
 
 DOCS = Path(__file__).resolve().parents[1] / "docs"
 NAMES = ("float64", "mpmath", "certified", "closed form", "DOP853", "heyoka")

@@ -33,7 +33,7 @@ DOCS, PARTIAL = ROOT / "docs", ROOT / "build" / "work-precision.partial.json"
 RESULTS = DOCS / "work-precision.json"
 _ONE = """
 import json, sys, hjsolve
-from hjsolve.reports.costs import plain_rows
+from hjsolve.reports.sections.cost import plain_rows
 table = hjsolve.cost(sys.argv[1], digits=(20, 30, 50), seconds=float(sys.argv[2]), repeats=2)
 print(json.dumps(plain_rows(table)))
 """

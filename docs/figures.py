@@ -5,10 +5,10 @@ from __future__ import annotations
 from pathlib import Path
 
 import hjsolve
-from hjsolve.reports import paths, svg
 from hjsolve.reports.document import Figure
-from hjsolve.reports.figures import effective_potential, phase_portrait
-from hjsolve.reports.wells import well
+from hjsolve.reports.drawings import orbit_paths, svg
+from hjsolve.reports.drawings.effective_potential import well
+from hjsolve.reports.drawings.motion_figures import effective_potential, phase_portrait
 
 HERE = Path(__file__).resolve().parent
 
@@ -33,7 +33,7 @@ def kepler() -> str:
     solution = hjsolve.solve(hjsolve.catalog.load("kepler-planar", effects=["precession"]))
     motion = solution.motion(**entry.initial.arguments)
     radius = well(motion, "r")
-    orbit = paths.orbit(motion, paths.trace(motion), "orbit")
+    orbit = orbit_paths.orbit(motion, orbit_paths.trace(motion), "orbit")
     assert orbit is not None
     figures = [effective_potential(radius, "potential", several=False), phase_portrait(radius, "phase"), orbit]
     return side_by_side(

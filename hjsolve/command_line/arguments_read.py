@@ -37,7 +37,7 @@ def frame(options: Namespace, solved: Solution | None = None) -> Section | None:
     if options.system is None or options.coordinate:
         return None
     from hjsolve.extended import moving_frame
-    from hjsolve.reports.framed import frame_section
+    from hjsolve.reports.sections.moving_frame import frame_section
 
     frame = moving_frame.of(located(options.system))
     return None if frame is None else frame_section(frame, solved)

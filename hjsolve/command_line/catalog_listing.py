@@ -103,9 +103,9 @@ def entry(entry: Entry) -> None:
     Args:
         entry: from ``catalog.describe``.
     """
-    from hjsolve.reports.hamiltonians import given_section
-    from hjsolve.reports.symbolic import system_section
-    from hjsolve.reports.text import section_text, wrapped
+    from hjsolve.reports.formats.text import section_text, wrapped
+    from hjsolve.reports.sections.linear_hamiltonian import given_section
+    from hjsolve.reports.sections.system_and_verdict import system_section
 
     print(f"{entry.title}  [{entry.id}]\n")
     if entry.hamiltonian is not None:

@@ -29,8 +29,9 @@ def check(options: Namespace) -> int:
     Returns:
         The exit status.
     """
-    from hjsolve.reports import quadratures, symbolic
-    from hjsolve.reports.text import wrapped
+    from hjsolve.reports.formats.text import wrapped
+    from hjsolve.reports.sections import solution as quadratures
+    from hjsolve.reports.sections import system_and_verdict
     from hjsolve.separation import Separation, separate
 
     if (problem := arguments_read.hamiltonian(options)) is not None:
@@ -41,12 +42,12 @@ def check(options: Namespace) -> int:
         print(wrapped((str(outside),)))
         return REFUSED
     verdict = separate(system)
-    evidence = symbolic.evidence_section(verdict, lead=False)
-    sections: list[Section | None] = [arguments_read.frame(options), symbolic.reduction_section(verdict), evidence]
+    evidence = system_and_verdict.evidence_section(verdict, lead=False)
+    sections: list[Section | None] = [arguments_read.frame(options), system_and_verdict.reduction_section(verdict), evidence]
     sections.append(
-        quadratures.forms_section(verdict) if isinstance(verdict, Separation) else symbolic.refusal_section(verdict)
+        quadratures.forms_section(verdict) if isinstance(verdict, Separation) else system_and_verdict.refusal_section(verdict)
     )
-    _print(system, sections, symbolic.answer(verdict))
+    _print(system, sections, system_and_verdict.answer(verdict))
     return _status(verdict)
 
 
@@ -59,8 +60,9 @@ def solve(options: Namespace) -> int:
     Returns:
         The exit status.
     """
-    from hjsolve.reports import quadratures, symbolic
-    from hjsolve.reports.laws import laws_section
+    from hjsolve.reports.sections import solution as quadratures
+    from hjsolve.reports.sections import system_and_verdict
+    from hjsolve.reports.sections.laws import laws_section
     from hjsolve.separation import Separation, separate
     from hjsolve.solution import quadratures as solution
 
@@ -72,8 +74,8 @@ def solve(options: Namespace) -> int:
         solved = solution.solve(verdict)
         _print(system, [arguments_read.frame(options, solved), *quadratures.solution_sections(solved), laws_section(solved)])
     else:
-        evidence = [symbolic.evidence_section(verdict, lead=False), symbolic.refusal_section(verdict)]
-        _print(system, evidence, symbolic.answer(verdict))
+        evidence = [system_and_verdict.evidence_section(verdict, lead=False), system_and_verdict.refusal_section(verdict)]
+        _print(system, evidence, system_and_verdict.answer(verdict))
     return _status(verdict)
 
 
@@ -86,7 +88,7 @@ def coordinates(options: Namespace) -> int:
     Returns:
         The exit status.
     """
-    from hjsolve.reports import webs
+    from hjsolve.reports.sections import coordinates as webs
 
     system = arguments_read.system(options)
     modes = _modes(system)
@@ -140,7 +142,7 @@ def _reported(options: Namespace, target: Path) -> tuple[int, Path]:
     """Write the report; the exit status and the file."""
     from hjsolve.command_line.cost import progress_bar
     from hjsolve.reports.content import gather
-    from hjsolve.reports.outside import outside_document
+    from hjsolve.reports.sections.outside import outside_document
     from hjsolve.reports.write import outside_entry, save, save_hamiltonian, save_scene, write_document
 
     if (scene := arguments_read.scene(options)) is not None:
@@ -241,11 +243,11 @@ def _status(verdict: Any) -> int:
 
 
 def _print(system: System, sections: list[Section | None], answer: Text = ()) -> None:
-    from hjsolve.reports.boxes import Glyph, row
-    from hjsolve.reports.notation import box
-    from hjsolve.reports.plain import plain
-    from hjsolve.reports.prose import heading
-    from hjsolve.reports.text import section_text, wrapped
+    from hjsolve.reports.formats.text import section_text, wrapped
+    from hjsolve.reports.formulas.from_sympy import box
+    from hjsolve.reports.formulas.layout import Glyph, row
+    from hjsolve.reports.formulas.one_line_text import plain
+    from hjsolve.reports.sections.prose import heading
 
     if system.title:
         title = heading(system.title, system.symbols)
@@ -261,15 +263,15 @@ def _print(system: System, sections: list[Section | None], answer: Text = ()) ->
 
 
 def _print_hamiltonian(problem: LinearHamiltonian, *, solved: bool) -> int:
-    from hjsolve.reports import hamiltonians
-    from hjsolve.reports.boxes import Glyph, row
-    from hjsolve.reports.notation import box
-    from hjsolve.reports.plain import plain
-    from hjsolve.reports.text import section_text, wrapped
+    from hjsolve.reports.formats.text import section_text, wrapped
+    from hjsolve.reports.formulas.from_sympy import box
+    from hjsolve.reports.formulas.layout import Glyph, row
+    from hjsolve.reports.formulas.one_line_text import plain
+    from hjsolve.reports.sections import linear_hamiltonian
 
     print(f"{problem.title}  [{problem.id}]" if problem.id else problem.title)
     print(f"    {plain(row(Glyph('H'), Glyph('=', 'operator'), box(problem.hamiltonian)))}")
-    print(f"\n{wrapped(hamiltonians.answer(problem))}")
-    for section in hamiltonians.solution_sections(problem) if solved else ():
+    print(f"\n{wrapped(linear_hamiltonian.answer(problem))}")
+    for section in linear_hamiltonian.solution_sections(problem) if solved else ():
         print(f"\n{section_text(section)}")
     return ANSWER

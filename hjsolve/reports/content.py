@@ -14,12 +14,15 @@ from hjsolve.extended import moving_frame
 from hjsolve.extended.moving_frame import Frame
 from hjsolve.mechanics.system import System
 from hjsolve.motion.motion import Motion
-from hjsolve.reports import numerical, paths, quadratures, symbolic
 from hjsolve.reports.document import Code, Document, Note, Section, Text
-from hjsolve.reports.framed import frame_section
-from hjsolve.reports.laws import laws_section
-from hjsolve.reports.literature import literature_section
-from hjsolve.reports.prose import heading
+from hjsolve.reports.drawings import orbit_paths
+from hjsolve.reports.sections import motion as numerical
+from hjsolve.reports.sections import solution as quadratures
+from hjsolve.reports.sections import system_and_verdict
+from hjsolve.reports.sections.laws import laws_section
+from hjsolve.reports.sections.literature import literature_section
+from hjsolve.reports.sections.moving_frame import frame_section
+from hjsolve.reports.sections.prose import heading
 from hjsolve.separation import Obstruction, Separation, Undecided, separate
 from hjsolve.solution.quadratures import Solution, solve
 
@@ -161,15 +164,15 @@ def document(material: Material) -> Document:
     verdict, entry = material.verdict, material.entry
     system, clock = verdict.system, dict(material.clock)
     sections: list[Section | None] = [
-        symbolic.system_section(system, entry.meanings if entry else {}, entry.summary if entry else ""),
+        system_and_verdict.system_section(system, entry.meanings if entry else {}, entry.summary if entry else ""),
         frame_section(material.frame, material.solution) if material.frame is not None else None,
-        symbolic.reduction_section(verdict),
-        symbolic.evidence_section(verdict),
+        system_and_verdict.reduction_section(verdict),
+        system_and_verdict.evidence_section(verdict),
     ]
     if isinstance(verdict, Separation):
         sections.append(quadratures.forms_section(verdict))
     else:
-        sections.append(symbolic.refusal_section(verdict))
+        sections.append(system_and_verdict.refusal_section(verdict))
     if material.solution is not None:
         solved = material.solution
         sections += quadratures.solution_sections(solved)
@@ -190,11 +193,11 @@ def document(material: Material) -> Document:
 
 def _add_numbers(
     material: Material, sections: list[Section | None], failures: list[str], clock: dict[str, float]
-) -> paths.Trace | None:
+) -> orbit_paths.Trace | None:
     """Add the drawings and the numbers of the motion, as far as they can be had; the rest is told."""
     motion, trace = material.motion, None
     try:
-        trace = _timed(clock, "where it is at the times drawn", lambda: paths.trace(motion))
+        trace = _timed(clock, "where it is at the times drawn", lambda: orbit_paths.trace(motion))
         drawn = _timed(clock, "drawings", lambda: numerical.motion_section(motion, trace, material.summary))
         sections.append(drawn)
     except NotConvergedError as error:
@@ -212,15 +215,15 @@ def _fell_short(failures: list[str]) -> Section:
 
 
 def _lead(material: Material) -> Text:
-    sentence = symbolic.answer(material.verdict)
+    sentence = system_and_verdict.answer(material.verdict)
     motion = material.motion
     if motion is None or not motion.periods:
         return sentence
     names = [n for n in motion.solution.coordinates if n in motion.periods]
     if not names:
         return sentence
-    from hjsolve.reports.numbers import quantity
-    from hjsolve.reports.prose import listed
+    from hjsolve.reports.sections.prose import listed
+    from hjsolve.reports.sections.rounded_numbers import quantity
 
     pieces: list[Any] = [" The motion shown is periodic in ", *listed(names), ", with period "]
     for i, name in enumerate(names):

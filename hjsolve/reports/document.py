@@ -5,7 +5,7 @@ from __future__ import annotations
 from dataclasses import dataclass, field
 from typing import TypeAlias
 
-from hjsolve.reports.boxes import Box
+from hjsolve.reports.formulas.layout import Box
 
 
 @dataclass(frozen=True)

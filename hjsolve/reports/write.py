@@ -13,31 +13,31 @@ from hjsolve.extended.linear_hamiltonian import LinearHamiltonian
 from hjsolve.reports.content import Material, Subject, document, gather, initial_of
 from hjsolve.reports.document import Document
 from hjsolve.reports.files import checked_path, readable_errors, replace
-from hjsolve.reports.html import html
-from hjsolve.reports.outside import outside_document
+from hjsolve.reports.formats.html import html
+from hjsolve.reports.sections.outside import outside_document
 from hjsolve.scenes import Scene
 
 
 def _markdown(content: Document) -> str:
-    from hjsolve.reports.markdown import markdown
+    from hjsolve.reports.formats.markdown import markdown
 
     return markdown(content)
 
 
 def _json(content: Document) -> str:
-    from hjsolve.reports.json import json_text
+    from hjsolve.reports.formats.json_format import json_text
 
     return json_text(content)
 
 
 def _text(content: Document) -> str:
-    from hjsolve.reports.text import text
+    from hjsolve.reports.formats.text import text
 
     return text(content)
 
 
 def _tex(content: Document) -> str:
-    from hjsolve.reports.tex import tex
+    from hjsolve.reports.formats.latex_document import tex
 
     return tex(content)
 
@@ -114,8 +114,8 @@ def save_scene(scene: Scene, target: Path, cost: bool | float = False, progress:
         NotSeparableError: the scene cannot be solved by quadratures and does not ask for an integrator.
         InvalidInputError: the file cannot be written.
     """
-    from hjsolve.reports.costs import with_cost
-    from hjsolve.reports.scenes import scene_document
+    from hjsolve.reports.sections.cost import with_cost
+    from hjsolve.reports.sections.scene import scene_document
 
     return write_document(with_cost(scene_document(scene.run()), scene, cost, progress), target)
 
@@ -143,7 +143,7 @@ def save_hamiltonian(
     Raises:
         InvalidInputError: no such motion, or the file cannot be written.
     """
-    from hjsolve.reports.hamiltonians import hamiltonian_document
+    from hjsolve.reports.sections.linear_hamiltonian import hamiltonian_document
 
     entry = None if isinstance(subject, LinearHamiltonian) else catalog.describe(subject)
     problem = subject if isinstance(subject, LinearHamiltonian) else entry.hamiltonian if entry else None
@@ -169,7 +169,7 @@ def save(material: Material, target: Path, cost: bool | float = False, progress:
         InvalidInputError: the file cannot be written.
         NotConvergedError: a number fell short; the report is written all the same.
     """
-    from hjsolve.reports.costs import with_cost
+    from hjsolve.reports.sections.cost import with_cost
 
     content = document(material)
     if material.motion is not None:

@@ -8,7 +8,7 @@ from pathlib import Path
 import pytest
 
 from hjsolve.costs import Cost, Row
-from hjsolve.reports.costs import cost_document, save_cost
+from hjsolve.reports.sections.cost import cost_document, save_cost
 
 
 def row(

@@ -14,11 +14,11 @@ import sympy as sp
 
 import hjsolve
 from hjsolve.mechanics.system import linear_terms, mass_matrix, parameter, with_values
-from hjsolve.reports import symbolic
 from hjsolve.reports.content import document, gather
-from hjsolve.reports.json import json_text
-from hjsolve.reports.prose import prose
-from hjsolve.reports.text import line, section_text, text
+from hjsolve.reports.formats.json_format import json_text
+from hjsolve.reports.formats.text import line, section_text, text
+from hjsolve.reports.sections import system_and_verdict
+from hjsolve.reports.sections.prose import prose
 from hjsolve.solution.laws import check
 from hjsolve.solution.quadratures import Solution
 from tests import entries
@@ -77,7 +77,7 @@ def test_reports_and_the_command_line_say_whether_the_solution_solves(capsys: py
 @pytest.mark.parametrize("name", entries.separable())
 def test_the_headline_says_why_the_full_system_has_no_form_and_only_what_is_true(name: str) -> None:
     verdict = entries.verdict(name)
-    words = line(symbolic.answer(verdict))
+    words = line(system_and_verdict.answer(verdict))
     system = verdict.system
     mass = mass_matrix(system)
     mixed = any(sp.simplify(mass[i, j]) != 0 for i in range(mass.rows) for j in range(i))
@@ -93,7 +93,7 @@ def test_the_headline_says_why_the_full_system_has_no_form_and_only_what_is_true
 def test_a_relativistic_report_does_not_contradict_itself(name: str) -> None:
     """p as printed is the p whose H is printed: H(q, p(q̇)) is the relativistic energy γ m₀ c² + V."""
     system = entries.loaded(name)
-    section = symbolic.system_section(system, {}, "")
+    section = system_and_verdict.system_section(system, {}, "")
     shown = section_text(section)
     assert "∂T" not in shown
     assert "4-109" not in shown

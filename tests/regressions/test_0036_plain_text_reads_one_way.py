@@ -16,9 +16,9 @@ from hypothesis import strategies as st
 
 import hjsolve
 from hjsolve.command_line.main import main
-from hjsolve.reports.names import name_box
-from hjsolve.reports.notation import box, tidy
-from hjsolve.reports.plain import plain
+from hjsolve.reports.formulas.from_sympy import box, tidy
+from hjsolve.reports.formulas.names import name_box
+from hjsolve.reports.formulas.one_line_text import plain
 
 NAMES = ["d", "e", "E", "i", "partial", "Delta", "Pi", "dx", "dd", "ln", "arcsin", "p_d", "x1", "d_e", "theta", "GM", "t_", "n", "T"]
 LETTERS = {plain(name_box(name)): name for name in NAMES} | {plain(name_box(f"dot({n})")): f"dot({n})" for n in ("d", "theta")}

@@ -18,9 +18,9 @@ from hjsolve import frames
 from hjsolve.command_line.main import main
 from hjsolve.mechanics.system import hamiltonian
 from hjsolve.reports.content import document, gather
-from hjsolve.reports.framed import principal_function
-from hjsolve.reports.json import json_text
-from hjsolve.reports.text import text
+from hjsolve.reports.formats.json_format import json_text
+from hjsolve.reports.formats.text import text
+from hjsolve.reports.sections.moving_frame import principal_function
 from tests import entries
 
 FRAMED = ["spring-moving-anchor", "spring-turning-anchor", "oscillator-drifting-gauge"]
@@ -153,12 +153,12 @@ def test_formulas_are_written_when_a_number_falls_short(
 
 def test_drawings_that_fall_short_leave_the_numbers(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     from hjsolve.errors import NotConvergedError
-    from hjsolve.reports import paths
+    from hjsolve.reports.drawings import orbit_paths
 
     def fails(motion: object) -> None:
         raise NotConvergedError("no state at t = 3")
 
-    monkeypatch.setattr(paths, "trace", fails)
+    monkeypatch.setattr(orbit_paths, "trace", fails)
     with pytest.raises(NotConvergedError, match=r"no state at t = 3.*everything else was written"):
         hjsolve.report("pendulum", tmp_path / "short.txt")
     page = (tmp_path / "short.txt").read_text(encoding="utf-8")

@@ -13,21 +13,21 @@ import sympy as sp
 import hjsolve
 from hjsolve.command_line.main import main
 from hjsolve.costs import Cost, Row
-from hjsolve.reports.boxes import Glyph, Grid, width
-from hjsolve.reports.boxes import Row as BoxRow
 from hjsolve.reports.content import document, gather
-from hjsolve.reports.costs import cost_section
-from hjsolve.reports.html import html
-from hjsolve.reports.json import json_text
-from hjsolve.reports.lines import LINE, broken, display
-from hjsolve.reports.markdown import markdown
-from hjsolve.reports.notation import box, compact
-from hjsolve.reports.numbers import terminating
-from hjsolve.reports.plain import plain
-from hjsolve.reports.quadratures import solution_sections
-from hjsolve.reports.symbolic import exactly
-from hjsolve.reports.tex import tex
-from hjsolve.reports.text import line, text
+from hjsolve.reports.formats.html import html
+from hjsolve.reports.formats.json_format import json_text
+from hjsolve.reports.formats.latex_document import tex
+from hjsolve.reports.formats.markdown import markdown
+from hjsolve.reports.formats.text import line, text
+from hjsolve.reports.formulas.from_sympy import box, compact
+from hjsolve.reports.formulas.layout import Glyph, Grid, width
+from hjsolve.reports.formulas.layout import Row as BoxRow
+from hjsolve.reports.formulas.line_breaks import LINE, broken, display
+from hjsolve.reports.formulas.one_line_text import plain
+from hjsolve.reports.sections.cost import cost_section
+from hjsolve.reports.sections.rounded_numbers import terminating
+from hjsolve.reports.sections.solution import solution_sections
+from hjsolve.reports.sections.system_and_verdict import exactly
 from tests import entries
 
 

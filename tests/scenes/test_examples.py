@@ -10,12 +10,12 @@ import numpy as np
 import pytest
 
 from hjsolve.command_line.main import main
-from hjsolve.reports.html import html
-from hjsolve.reports.json import json_text
-from hjsolve.reports.markdown import markdown
-from hjsolve.reports.scenes import scene_document
-from hjsolve.reports.tex import tex
-from hjsolve.reports.text import text
+from hjsolve.reports.formats.html import html
+from hjsolve.reports.formats.json_format import json_text
+from hjsolve.reports.formats.latex_document import tex
+from hjsolve.reports.formats.markdown import markdown
+from hjsolve.reports.formats.text import text
+from hjsolve.reports.sections.scene import scene_document
 from tests.scenes.examples import FOLDER, example
 
 SCENES = sorted(FOLDER.glob("*.toml"))

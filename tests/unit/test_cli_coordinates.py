@@ -11,7 +11,7 @@ from hjsolve import Separation, System, find_coordinates, separate
 from hjsolve.command_line.main import main
 from hjsolve.coordinates.killing.killing_tensors import kernel, killing_basis
 from hjsolve.coordinates.killing.special_parameters import exceptional_values
-from hjsolve.reports.webs import command
+from hjsolve.reports.sections.coordinates import command
 
 Capture = pytest.CaptureFixture[str]
 PLANE = ["--coordinate", "x: line", "--coordinate", "y: line", "-T", "m/2*(dot(x)**2 + dot(y)**2)"]

@@ -9,13 +9,13 @@ import sympy as sp
 from hypothesis import given
 from hypothesis import strategies as st
 
-from hjsolve.reports.boxes import Glyph, Grid, width
-from hjsolve.reports.latex import latex
-from hjsolve.reports.lines import display
-from hjsolve.reports.mathml import mathml
-from hjsolve.reports.names import name_box
-from hjsolve.reports.notation import box, tidy
-from hjsolve.reports.plain import plain
+from hjsolve.reports.formulas.from_sympy import box, tidy
+from hjsolve.reports.formulas.latex import latex
+from hjsolve.reports.formulas.layout import Glyph, Grid, width
+from hjsolve.reports.formulas.line_breaks import display
+from hjsolve.reports.formulas.mathml import mathml
+from hjsolve.reports.formulas.names import name_box
+from hjsolve.reports.formulas.one_line_text import plain
 
 r, θ, m, k, E = sp.Symbol("r", positive=True), sp.Symbol("theta", real=True), *sp.symbols("m k E")
 pr, pθ, vr = sp.symbols("p_r p_theta dot(r)")

@@ -10,7 +10,7 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from hjsolve.arithmetic.estimate import Estimate
-from hjsolve.reports.numbers import bound, decimal, quantity, raised, seconds, shortest
+from hjsolve.reports.sections.rounded_numbers import bound, decimal, quantity, raised, seconds, shortest
 
 
 @pytest.mark.parametrize(

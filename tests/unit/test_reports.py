@@ -15,16 +15,16 @@ import numpy as np
 import pytest
 
 import hjsolve
-from hjsolve.reports import paths, portrait, svg
 from hjsolve.reports.content import Material, document, gather
 from hjsolve.reports.document import Document
-from hjsolve.reports.embedding import embedding, place
-from hjsolve.reports.html import html as write_html
-from hjsolve.reports.json import json_text
-from hjsolve.reports.markdown import markdown
-from hjsolve.reports.tex import tex
-from hjsolve.reports.text import text
-from hjsolve.reports.wells import well
+from hjsolve.reports.drawings import orbit_paths, phase_portrait, svg
+from hjsolve.reports.drawings.cartesian_picture import embedding, place
+from hjsolve.reports.drawings.effective_potential import well
+from hjsolve.reports.formats.html import html as write_html
+from hjsolve.reports.formats.json_format import json_text
+from hjsolve.reports.formats.latex_document import tex
+from hjsolve.reports.formats.markdown import markdown
+from hjsolve.reports.formats.text import text
 
 SEPARABLE = [
     "kepler-planar",
@@ -269,7 +269,7 @@ def test_the_area_of_the_phase_curve_is_two_pi_times_the_action(materials: dict[
             low, high = view.ends
             assert low is not None
             assert high is not None
-            q, p = portrait.loop(view, view.level, low, high, points=4001)
+            q, p = phase_portrait.loop(view, view.level, low, high, points=4001)
             area = abs(float(np.sum((p[1:] + p[:-1]) * np.diff(q)) / 2))
             assert area == pytest.approx(2 * math.pi * float(motion.actions[coordinate].value), rel=1e-5)
 
@@ -277,7 +277,7 @@ def test_the_area_of_the_phase_curve_is_two_pi_times_the_action(materials: dict[
 def test_the_separatrix_of_the_pendulum_is_found(materials: dict[str, Material]) -> None:
     motion = materials["pendulum"].motion
     assert motion is not None
-    hills = portrait.hills(well(motion, "theta"))
+    hills = phase_portrait.hills(well(motion, "theta"))
     assert [kind for _, kind in hills] == ["separatrix"]
     assert hills[0][0] == pytest.approx(9.81, rel=1e-9)
 
@@ -285,7 +285,7 @@ def test_the_separatrix_of_the_pendulum_is_found(materials: dict[str, Material])
 def test_the_edge_of_the_bound_kepler_motions_is_zero_energy(materials: dict[str, Material]) -> None:
     motion = materials["kepler-planar"].motion
     assert motion is not None
-    assert portrait.hills(well(motion, "r")) == [(pytest.approx(0.0, abs=1e-7), "edge of the bound motions")]
+    assert phase_portrait.hills(well(motion, "r")) == [(pytest.approx(0.0, abs=1e-7), "edge of the bound motions")]
 
 
 @pytest.mark.parametrize(
@@ -310,7 +310,7 @@ def test_the_spherical_pendulum_hangs_below_its_support(materials: dict[str, Mat
 def test_a_periodic_orbit_is_drawn_over_one_period(materials: dict[str, Material]) -> None:
     motion = materials["kepler-planar"].motion
     assert motion is not None
-    times, closed = paths.times(motion)
+    times, closed = orbit_paths.times(motion)
     assert closed
     assert times[-1] == pytest.approx(float(motion.periods["r"].value), rel=1e-12)
 

@@ -1,0 +1,270 @@
+"""The drawings of a separated coordinate: its effective potential and its phase portrait."""
+
+from __future__ import annotations
+
+import numpy as np
+
+from hjsolve.reports.document import Figure, Mathematics, Text
+from hjsolve.reports.drawings import phase_portrait as portrait
+from hjsolve.reports.drawings import svg
+from hjsolve.reports.drawings.effective_potential import Array, Well
+from hjsolve.reports.formulas.layout import Box, Glyph, Script, row
+from hjsolve.reports.formulas.names import name_box
+from hjsolve.reports.formulas.one_line_text import spoken
+
+_HALF = 181  # places on one branch of a loop
+_KINDS = {
+    "libration": "swings between its turning points",
+    "rotation": "turns on and on",
+    "escape": "runs off to infinity",
+    "equilibrium": "rests at an equilibrium",
+    "asymptotic": "creeps towards an unstable equilibrium",
+    "boundary": "reaches an end of its domain",
+}
+
+
+def potential_name(well: Well, *, several: bool, plain: bool = False) -> Box:
+    """Name the effective potential of a coordinate, with the coordinate as index where there are several.
+
+    Args:
+        well: the coordinate.
+        several: whether the system has more than one separated coordinate.
+        plain: whether it is the potential of the system itself.
+
+    Returns:
+        V, or V with an index.
+    """
+    if plain:
+        return Glyph("V")
+    return Script(Glyph("V"), name_box(well.name)) if several else Script(Glyph("V"), Glyph("eff", "text"))
+
+
+def level_box(well: Well) -> Box:
+    """Name the constant that plays the part of the energy, with its sign.
+
+    Args:
+        well: the coordinate.
+
+    Returns:
+        E, α₂ or −α₂; 0 where no constant does.
+    """
+    if not well.level_name:
+        return Glyph("0", "number")
+    name = name_box(well.level_name)
+    return name if well.sign > 0 else row(Glyph("−", "operator"), name)
+
+
+def effective_potential(well: Well, key: str, *, several: bool, plain: bool = False) -> Figure:
+    """Draw the effective potential, the level of the motion and its turning points.
+
+    Args:
+        well: the coordinate.
+        key: a name that is unique on the page.
+        several: whether there are other separated coordinates.
+        plain: whether it is the potential of the system itself.
+
+    Returns:
+        The figure.
+    """
+    q = portrait.grid(well)
+    V = well.potential(q)
+    frame = svg.Frame(well.window, _height(well, q, V))
+    name = potential_name(well, several=several, plain=plain)
+    inside = [_allowed_area(well, frame), svg.curve(frame, q, V)]
+    hills = [hill for hill in portrait.hills(well) if frame.y[0] < hill[0] < frame.y[1]]
+    inside += [svg.curve(frame, np.array(well.window), np.full(2, level), "edge") for level, _ in hills]
+    inside.append(svg.curve(frame, np.array(well.window), np.full(2, well.level), "energy"))
+    inside += [svg.curve(frame, np.array(span), np.full(2, well.level), "motion") for span in _spans(well)]
+    above = [svg.mark(frame, end, well.level) for end in well.ends if end is not None]
+    above.append(
+        svg.words(
+            frame,
+            well.window[1],
+            well.level,
+            svg.label(level_box(well)),
+            style="name warm",
+            anchor="end",
+            shift=(-3, -6),
+        )
+    )
+    below = [
+        svg.axes(frame, svg.label(name_box(well.name)), svg.label(name), angles=(_is_angle(well), False), zero=True)
+    ]
+    title = f"Effective potential of {spoken(well.name)}"
+    level = spoken(well.level_name) if well.level_name else "level"
+    description = (
+        f"Effective potential against {spoken(well.name)}. The motion has {level} = {well.level:.6g} and "
+        f"{_KINDS[well.kind]}{_between(well)}."
+    )
+    caption: Text = (
+        "Potential " if plain else "Effective potential ",
+        Mathematics(name),
+        ". Red: the motion, which ",
+        _KINDS[well.kind],
+        _hill_words(hills),
+        ".",
+    )
+    svg_text = svg.assemble(frame, key, title, description, below, inside, above)
+    return Figure(
+        svg_text, title, description, caption, {well.name: _list(q), "potential": _list(V), "level": [well.level]}
+    )
+
+
+def phase_portrait(well: Well, key: str) -> Figure:
+    """Draw the phase plane of a coordinate: some levels, the separatrices, the motion.
+
+    Args:
+        well: the coordinate.
+        key: a name that is unique on the page.
+
+    Returns:
+        The figure.
+    """
+    own = _own_loops(well)
+    others = [loop for level in portrait.levels(well) for loop in _loops(well, level)]
+    hills = [(level, word) for level, word in portrait.hills(well) if _loops(well, level)]
+    edges = [loop for level, _ in hills for loop in _loops(well, level)]
+    frame = svg.Frame(well.window, _momentum_range(well, own, others))
+    inside = [svg.curve(frame, *loop, "level") for loop in others] + [svg.curve(frame, *loop, "edge") for loop in edges]
+    inside += [
+        svg.area(frame, q[: len(q) // 2], p[len(q) // 2 :][::-1], p[: len(q) // 2])
+        for q, p in own
+        if well.kind == "libration"
+    ]
+    inside += [svg.curve(frame, *loop, "motion") for loop in own]
+    above = []
+    if well.kind == "equilibrium":
+        above.append(svg.mark(frame, well.place, -float(well.shift(well.place))))
+    name, momentum = name_box(well.name), name_box(f"p_{well.name}")
+    below = [svg.axes(frame, svg.label(name), svg.label(momentum), angles=(_is_angle(well), False), zero=True)]
+    title = f"Phase portrait of {spoken(well.name)}"
+    level = spoken(well.level_name) if well.level_name else "the constants"
+    description = (
+        f"Momentum {spoken(f'p_{well.name}')} against {spoken(well.name)} at several values of {level}; "
+        "the motion is marked."
+    )
+    caption: Text = (
+        "Phase plane of ",
+        Mathematics(name),
+        ". Red: the motion",
+        *_area_words(well),
+        "; blue: other values of ",
+        Mathematics(level_box(well)) if well.level_name else "the constants",
+        _hill_words(hills),
+        ".",
+    )
+    q, p = (np.concatenate([loop[i] for loop in own]) if own else np.empty(0) for i in (0, 1))
+    return Figure(
+        svg.assemble(frame, key, title, description, below, inside, above),
+        title,
+        description,
+        caption,
+        {well.name: _list(q), f"p_{well.name}": _list(p)},
+    )
+
+
+# -------------------------------------------------------------------------------- what the motion covers
+def _spans(well: Well) -> list[tuple[float, float]]:
+    """Intervals of the window that the motion itself covers."""
+    low, high = well.ends
+    if well.kind == "equilibrium":
+        return []
+    if low is not None and high is not None and well.kind == "libration":
+        return [(low + turn, high + turn) for turn in _turns(well, low, high)]
+    if well.kind == "rotation":
+        return [well.window]
+    return [(well.window[0] if low is None else low, well.window[1] if high is None else high)]
+
+
+def _turns(well: Well, low: float, high: float) -> list[float]:
+    """Copies of an interval of an angle that meet the window."""
+    if not well.periodic:
+        return [0.0]
+    first = np.ceil((well.window[0] - high) / (2 * np.pi))
+    last = np.floor((well.window[1] - low) / (2 * np.pi))
+    return [2 * np.pi * float(n) for n in np.arange(first, last + 1)]
+
+
+def _own_loops(well: Well) -> list[tuple[Array, Array]]:
+    loops = [portrait.loop(well, well.level, low, high) for low, high in _spans(well)]
+    if well.kind != "rotation":
+        return loops
+    half = slice(None, _HALF) if well.direction > 0 else slice(_HALF, None)
+    return [(q[half], p[half]) for q, p in loops]
+
+
+def _loops(well: Well, level: float) -> list[tuple[Array, Array]]:
+    return [portrait.loop(well, level, low, high) for low, high in portrait.allowed(well, level) if high > low]
+
+
+def _allowed_area(well: Well, frame: svg.Frame) -> str:
+    parts = []
+    for low, high in _spans(well):
+        q = np.linspace(low, high, 400)
+        V = well.potential(q)
+        parts.append(
+            svg.area(
+                frame, q, np.where(np.isfinite(V), np.minimum(V, well.level), well.level), np.full_like(q, well.level)
+            )
+        )
+    return "".join(parts)
+
+
+# -------------------------------------------------------------------------------- ranges
+def _height(well: Well, q: Array, V: Array) -> tuple[float, float]:
+    """Show the bottom of the well and as much above the level as is below it."""
+    inside = np.isfinite(V)
+    spans = _spans(well)
+    reached = np.zeros_like(inside)
+    for low, high in spans:
+        reached |= (q >= low) & (q <= high)
+    floor = float(np.min(V[inside & (reached if reached.any() else inside)], initial=well.level))
+    hills = [h for h, _ in portrait.hills(well) if h - floor < 4 * (well.level - floor)]
+    depth = max(well.level, *hills, floor) - floor if hills else well.level - floor
+    if depth < 1e-9 * max(abs(floor), 1e-300):
+        depth = 0.4 * float(np.quantile(V[inside], 0.8) - floor) if inside.any() else 1.0
+        depth = depth or 1.0
+    return floor - 0.3 * depth, floor + 1.7 * depth
+
+
+def _momentum_range(
+    well: Well, own: list[tuple[Array, Array]], others: list[tuple[Array, Array]]
+) -> tuple[float, float]:
+    mine = np.concatenate([p for _, p in own]) if own else np.empty(0)
+    mine = np.concatenate([mine, -mine]) if well.kind == "rotation" else mine
+    shown = mine if mine.size and np.ptp(mine) > 0 else np.concatenate([p for _, p in others]) if others else mine
+    low, high = svg.spread(shown, 0.0)
+    room = high - low
+    return low - 0.38 * room, high + 0.38 * room
+
+
+# -------------------------------------------------------------------------------- words
+def _is_angle(well: Well) -> bool:
+    width = well.window[1] - well.window[0]
+    return well.periodic or abs(width - np.pi) < 1e-9
+
+
+def _between(well: Well) -> str:
+    low, high = well.ends
+    return f", {low:.6g} and {high:.6g}" if low is not None and high is not None else ""
+
+
+def _hill_words(hills: list[tuple[float, str]]) -> str:
+    words = list(dict.fromkeys(word for _, word in hills))
+    return f"; dashed: {' and '.join(words)}" if words else ""
+
+
+def _area_words(well: Well) -> Text:
+    return (
+        (
+            " (the shaded area is ",
+            Mathematics(row(Glyph("2", "number"), Glyph("π"), Script(Glyph("J"), name_box(well.name)))),
+            ")",
+        )
+        if well.kind == "libration"
+        else ()
+    )
+
+
+def _list(values: Array) -> list[float]:
+    return [float(v) for v in values if np.isfinite(v)]

@@ -1,0 +1,395 @@
+"""A small drawing board: frames with axes, curves, areas, marks, as SVG text that follows the page's colours."""
+
+from __future__ import annotations
+
+from collections.abc import Iterable, Sequence
+from dataclasses import dataclass
+from html import escape
+from math import ceil, floor, isfinite, log10, pi
+
+import numpy as np
+from numpy.typing import NDArray
+
+from hjsolve.reports.formulas.layout import Box, Dotted, Glyph, Row, Script
+from hjsolve.reports.formulas.one_line_text import plain
+
+Array = NDArray[np.float64]
+
+STYLE = """
+.fig{font-family:var(--sans,system-ui,sans-serif);font-size:12px;fill:var(--ink,#22262b)}
+.fig .axis{stroke:var(--ink,#22262b);stroke-width:1;fill:none;stroke-linecap:square}
+.fig .grid{stroke:var(--rule,#d9d5cc);stroke-width:.8;fill:none}
+.fig .tick{font-size:11px;fill:var(--soft,#666b72)}
+.fig .name{font-size:13.5px}
+.fig .name .it{font-style:italic;font-family:var(--serif,Georgia,serif)}
+.fig .curve{stroke:var(--ink,#22262b);stroke-width:1.7;fill:none;stroke-linejoin:round}
+.fig .level{stroke:var(--blue,#2f5f8f);stroke-width:1.05;fill:none;stroke-linejoin:round}
+.fig .edge{stroke:var(--blue,#2f5f8f);stroke-width:1.1;fill:none;stroke-dasharray:5 4}
+.fig .energy{stroke:var(--soft,#666b72);stroke-width:1;fill:none;stroke-dasharray:2 3}
+.fig .motion{stroke:var(--red,#b8402a);stroke-width:2;fill:none;stroke-linejoin:round;stroke-linecap:round}
+.fig .faint{stroke:var(--red,#b8402a);stroke-width:1.1;fill:none;opacity:.4;stroke-linejoin:round}
+.fig .area{fill:var(--red,#b8402a);opacity:.11;stroke:none}
+.fig .region{fill:var(--blue,#2f5f8f);opacity:.08;stroke:none}
+.fig .dot{fill:var(--red,#b8402a);stroke:var(--paper,#fffdf8);stroke-width:1.6}
+.fig .ring{fill:var(--paper,#fffdf8);stroke:var(--red,#b8402a);stroke-width:1.8}
+.fig .centre{fill:var(--ink,#22262b)}
+.fig .note{font-size:11.5px;fill:var(--soft,#666b72)}
+.fig .warm{fill:var(--red,#b8402a)}
+.fig .proof{stroke:var(--red,#b8402a);stroke-width:1.5;fill:none;stroke-dasharray:5 4}
+.fig .redmark{fill:var(--red,#b8402a);stroke:var(--red,#b8402a);stroke-width:1.3}
+.fig .bluemark{fill:var(--blue,#2f5f8f);stroke:var(--blue,#2f5f8f);stroke-width:1.3}
+.fig .inkmark{fill:var(--ink,#22262b);stroke:var(--ink,#22262b);stroke-width:1.3}
+.fig .hollow{fill:var(--paper,#fffdf8)}
+.fig .cross{fill:none;stroke-width:1.7}
+.fig .cool{fill:var(--blue,#2f5f8f)}
+"""
+"""Colours are the page's variables, with defaults for a drawing that stands alone."""
+
+
+@dataclass(frozen=True)
+class Frame:
+    """A rectangle of the plane shown in a rectangle of the drawing.
+
+    Attributes:
+        x, y: the ranges shown, (low, high).
+        width, height: of the whole drawing, in pixels of its view box.
+        left, right, top, bottom: margins.
+    """
+
+    x: tuple[float, float]
+    y: tuple[float, float]
+    width: float = 460.0
+    height: float = 320.0
+    left: float = 56.0
+    right: float = 16.0
+    top: float = 26.0
+    bottom: float = 40.0
+
+    def px(self, x: Array | float) -> Array:
+        """Give the horizontal place of x on the drawing."""
+        low, high = self.x
+        return np.asarray(
+            self.left + (np.asarray(x, float) - low) / (high - low) * (self.width - self.left - self.right)
+        )
+
+    def py(self, y: Array | float) -> Array:
+        """Give the vertical place of y on the drawing."""
+        low, high = self.y
+        room = self.height - self.top - self.bottom
+        return np.asarray(self.top + (high - np.asarray(y, float)) / (high - low) * room)
+
+
+def square(frame: Frame) -> Frame:
+    """Widen one range so that both axes have the same scale.
+
+    Args:
+        frame: any frame.
+
+    Returns:
+        A frame that shows at least as much, with equal scales.
+    """
+    wide, tall = frame.width - frame.left - frame.right, frame.height - frame.top - frame.bottom
+    scale = max((frame.x[1] - frame.x[0]) / wide, (frame.y[1] - frame.y[0]) / tall)
+    middle = (sum(frame.x) / 2, sum(frame.y) / 2)
+    x = (middle[0] - scale * wide / 2, middle[0] + scale * wide / 2)
+    y = (middle[1] - scale * tall / 2, middle[1] + scale * tall / 2)
+    return Frame(x, y, frame.width, frame.height, frame.left, frame.right, frame.top, frame.bottom)
+
+
+# ------------------------------------------------------------------------------------------------ ticks
+def ticks(low: float, high: float, wanted: float = 5.0, *, angle: bool = False) -> list[tuple[float, str]]:
+    """Choose round places on an axis.
+
+    Args:
+        low: start of the range.
+        high: its end, above ``low``.
+        wanted: about how many.
+        angle: True for multiples of π/2, π/4 … where the range is that of an angle.
+
+    Returns:
+        (place, label) in order.
+    """
+    if angle and high - low > pi / 3:
+        return _angle_ticks(low, high, wanted)
+    raw = (high - low) / wanted
+    power = 10.0 ** floor(log10(raw))
+    step = next(s * power for s in (1.0, 2.0, 5.0, 10.0) if s * power >= raw * 0.999)
+    places = [i * step for i in range(ceil(low / step - 1e-9), floor(high / step + 1e-9) + 1)]
+    decimals = max(0, -floor(log10(step) + 1e-9))
+    largest = max(abs(low), abs(high))
+    if decimals > 4 or largest >= 1e6:
+        # many digits: show the offset-free value with as few digits as tell the ticks apart
+        digits = max(1, ceil(log10(largest / step) - 1e-9) + 1)
+        return [(x, _power_label(x, digits)) for x in places]
+    return [(x, f"{x:.{decimals}f}".replace("-", "−") if abs(x) > step / 2 else "0") for x in places]
+
+
+def _power_label(x: float, digits: int) -> str:
+    mantissa, _, exponent = f"{x:.{digits - 1}e}".partition("e")
+    superscript = str(int(exponent)).translate(str.maketrans("0123456789-", "⁰¹²³⁴⁵⁶⁷⁸⁹⁻"))
+    return "0" if x == 0 else f"{mantissa}·10{superscript}".replace("-", "−")
+
+
+def _angle_ticks(low: float, high: float, wanted: float) -> list[tuple[float, str]]:
+    step = next(
+        (s for s in (pi / 4, pi / 2, pi, 2 * pi, 4 * pi, 8 * pi, 16 * pi) if (high - low) / s <= wanted + 1.01), 32 * pi
+    )
+    places = range(ceil(low / step - 1e-9), floor(high / step + 1e-9) + 1)
+    return [(i * step, _angle_label(i * round(step / (pi / 4)))) for i in places]
+
+
+def _angle_label(quarters: int) -> str:
+    sign, n = ("−" if quarters < 0 else ""), abs(quarters)
+    if n == 0:
+        return "0"
+    for divisor in (4, 2):
+        if n % divisor == 0:
+            whole, under = n // divisor, 4 // divisor
+            return f"{sign}{'' if whole == 1 else whole}π{'' if under == 1 else f'/{under}'}"
+    return f"{sign}{'' if n == 1 else n}π/4"
+
+
+# ------------------------------------------------------------------------------------------------ marks on the board
+def curve(frame: Frame, x: Array, y: Array, style: str = "curve") -> str:
+    """Draw a curve; gaps where a value is not finite.
+
+    Args:
+        frame: where.
+        x: places, shape (n,).
+        y: values, shape (n,).
+        style: one of the classes of ``STYLE``.
+
+    Returns:
+        SVG text, clipped to the frame by the caller's ``assemble``.
+    """
+    return f'<path class="{style}" d="{_path(frame, x, y)}"/>' if len(x) else ""
+
+
+def area(frame: Frame, x: Array, lower: Array, upper: Array, style: str = "area") -> str:
+    """Fill between two curves.
+
+    Args:
+        frame: where.
+        x: places, shape (n,).
+        lower: values of one curve, shape (n,).
+        upper: values of the other, shape (n,).
+        style: one of the classes of ``STYLE``.
+
+    Returns:
+        SVG text.
+    """
+    outline = _path(frame, np.concatenate([x, x[::-1]]), np.concatenate([lower, upper[::-1]]))
+    return f'<path class="{style}" d="{outline}Z"/>' if len(x) else ""
+
+
+def mark(frame: Frame, x: float, y: float, style: str = "dot", size: float = 4.2) -> str:
+    """Draw a small disc.
+
+    Args:
+        frame: where.
+        x: place.
+        y: value.
+        style: one of the classes of ``STYLE``.
+        size: radius in pixels.
+
+    Returns:
+        SVG text.
+    """
+    return f'<circle class="{style}" cx="{_n(frame.px(x))}" cy="{_n(frame.py(y))}" r="{size}"/>'
+
+
+def words(
+    frame: Frame,
+    x: float,
+    y: float,
+    text: str,
+    *,
+    style: str = "note",
+    anchor: str = "start",
+    shift: tuple[float, float] = (0.0, 0.0),
+) -> str:
+    """Write words at a place.
+
+    Args:
+        frame: where.
+        x: place.
+        y: value.
+        text: SVG text content, already escaped (see ``label``).
+        style: one of the classes of ``STYLE``.
+        anchor: ``start``, ``middle`` or ``end``.
+        shift: pixels to the right and down.
+
+    Returns:
+        SVG text.
+    """
+    left, top = _n(frame.px(x) + shift[0]), _n(frame.py(y) + shift[1])
+    return f'<text class="{style}" x="{left}" y="{top}" text-anchor="{anchor}">{text}</text>'
+
+
+def label(box: Box) -> str:
+    """Write a name with its indices as SVG text: letters slanted, indices lowered or raised.
+
+    Args:
+        box: the name's box.
+
+    Returns:
+        ``tspan`` elements.
+    """
+    match box:
+        case Script(base, sub, sup):
+            parts = [label(base)]
+            for script, offset in ((sub, 4), (sup, -5)):
+                if script is not None:
+                    parts.append(
+                        f'<tspan dy="{offset}" font-size="78%">{label(script)}</tspan>'
+                        f'<tspan dy="{-offset}">&#8203;</tspan>'
+                    )
+            return "".join(parts)
+        case Row(items):
+            return "".join(label(item) for item in items)
+        case Glyph(text, "identifier"):
+            return f'<tspan class="it">{escape(text)}</tspan>'
+        case Dotted():
+            return f'<tspan class="it">{escape(plain(box))}</tspan>'
+    return escape(plain(box))
+
+
+def axes(
+    frame: Frame,
+    across: str,
+    up: str,
+    *,
+    angles: tuple[bool, bool] = (False, False),
+    zero: bool = False,
+    numbers: bool = True,
+) -> str:
+    """Draw the axes with ticks and names.
+
+    Args:
+        frame: where.
+        across: name of the horizontal axis, SVG text (see ``label``).
+        up: name of the vertical axis, written above it.
+        angles: whether each axis is an angle.
+        zero: draw the zero line of the vertical axis.
+        numbers: write the numbers under the horizontal axis.
+
+    Returns:
+        SVG text.
+    """
+    bottom, left = frame.height - frame.bottom, frame.left
+    parts = [f'<path class="axis" d="M{_n(left)} {_n(frame.top)}V{_n(bottom)}H{_n(frame.width - frame.right)}"/>']
+    if zero and frame.y[0] < 0 < frame.y[1]:
+        parts.append(f'<path class="grid" d="M{_n(left)} {_n(frame.py(0.0))}H{_n(frame.width - frame.right)}"/>')
+    for place, text in ticks(*frame.x, angle=angles[0]):
+        x = frame.px(place)
+        parts.append(f'<path class="axis" d="M{_n(x)} {_n(bottom)}v4"/>')
+        parts += (
+            [f'<text class="tick" x="{_n(x)}" y="{_n(bottom + 17)}" text-anchor="middle">{text}</text>']
+            if numbers
+            else []
+        )
+    for place, text in ticks(*frame.y, wanted=min(5.0, (bottom - frame.top) / 34), angle=angles[1]):
+        y = frame.py(place)
+        parts.append(f'<path class="axis" d="M{_n(left)} {_n(y)}h-4"/>')
+        parts.append(f'<text class="tick" x="{_n(left - 8)}" y="{_n(y + 4)}" text-anchor="end">{text}</text>')
+    parts.append(
+        f'<text class="name" x="{_n(frame.width - frame.right)}" y="{_n(bottom + 34)}" '
+        f'text-anchor="end">{across}</text>'
+    )
+    parts.append(f'<text class="name" x="{_n(left - 8)}" y="{_n(frame.top - 11)}">{up}</text>')
+    return "".join(parts)
+
+
+def assemble(
+    frame: Frame,
+    key: str,
+    title: str,
+    description: str,
+    below: Iterable[str],
+    inside: Iterable[str],
+    above: Iterable[str] = (),
+) -> str:
+    """Put a drawing together.
+
+    Args:
+        frame: its frame.
+        key: a name that is unique on the page.
+        title: a few words, read out by screen readers.
+        description: what the drawing shows.
+        below: axes and the like, not clipped.
+        inside: curves and areas, clipped to the frame.
+        above: marks and words, not clipped.
+
+    Returns:
+        One ``<svg>`` element.
+    """
+    clip = (
+        f'<clipPath id="{key}-clip"><rect x="{_n(frame.left)}" y="{_n(frame.top)}" '
+        f'width="{_n(frame.width - frame.left - frame.right)}" height="{_n(frame.height - frame.top - frame.bottom)}"/>'
+        "</clipPath>"
+    )
+    return (
+        f'<svg xmlns="http://www.w3.org/2000/svg" class="fig" viewBox="0 0 {_n(frame.width)} {_n(frame.height)}" '
+        'role="img" '
+        f'aria-labelledby="{key}-title {key}-desc"><title id="{key}-title">{escape(title)}</title>'
+        f'<desc id="{key}-desc">{escape(description)}</desc>{clip}{"".join(below)}'
+        f'<g clip-path="url(#{key}-clip)">{"".join(inside)}</g>{"".join(above)}</svg>'
+    )
+
+
+def standalone(svg: str) -> str:
+    """Make a drawing a file of its own, which follows the reader's light or dark page.
+
+    Args:
+        svg: an element made by ``assemble``.
+
+    Returns:
+        The element with its style inside.
+    """
+    dark = (
+        "@media (prefers-color-scheme:dark){svg{--ink:#e6e3dc;--soft:#a2a6ad;--rule:#3b4048;--blue:#7fb2e5;"
+        "--red:#f0846b;"
+        "--paper:#16191d}}"
+    )
+    head, _, rest = svg.partition(">")
+    return f"{head}><style>{STYLE}{dark}</style>{rest}\n"
+
+
+def _path(frame: Frame, x: Array, y: Array) -> str:
+    """Points in tenths of a pixel; values far outside are drawn in so that coordinates stay small."""
+    across = np.clip(frame.px(x), -4 * frame.width, 5 * frame.width)
+    down = np.clip(frame.py(y), -4 * frame.height, 5 * frame.height)
+    parts, pen, last = [], "M", ""
+    for a, b in zip(across, down):
+        if not (isfinite(a) and isfinite(b)):
+            pen = "M"
+            continue
+        point = f"{_n(a)} {_n(b)}"
+        if point != last or pen == "M":
+            parts.append(f"{pen}{point}")
+        pen, last = "L", point
+    return "".join(parts)
+
+
+def _n(value: Array | float) -> str:
+    text = f"{float(value):.1f}"
+    return text.removesuffix(".0") if text != "-0.0" else "0"
+
+
+def spread(values: Sequence[float] | Array, margin: float = 0.06) -> tuple[float, float]:
+    """Give a range that holds all finite values with a margin; never empty.
+
+    Args:
+        values: any numbers.
+        margin: part of the range left free on each side.
+
+    Returns:
+        (low, high).
+    """
+    finite = np.asarray(values, float)
+    finite = finite[np.isfinite(finite)]
+    if not finite.size:
+        return -1.0, 1.0
+    low, high = float(finite.min()), float(finite.max())
+    room = (high - low) * margin or max(abs(high), 1.0) * 0.1
+    return low - room, high + room

@@ -1,0 +1,178 @@
+"""A document as one self-contained HTML file: MathML formulas, inline SVG drawings, no script, nothing fetched."""
+
+from __future__ import annotations
+
+from html import escape
+
+from hjsolve.reports.document import (
+    Block,
+    Code,
+    Document,
+    Figure,
+    Figures,
+    Formula,
+    Inline,
+    Mathematics,
+    Note,
+    Number,
+    Paragraph,
+    Section,
+    Step,
+    Steps,
+    Strong,
+    Table,
+    Text,
+)
+from hjsolve.reports.drawings.svg import STYLE
+from hjsolve.reports.formats.stylesheet import CSS
+from hjsolve.reports.formulas.layout import width
+from hjsolve.reports.formulas.line_breaks import LINE
+from hjsolve.reports.formulas.mathml import mathml
+
+_FULL_LINE = 1.05 * LINE
+_MOST_ROWS_UNBROKEN = 8
+_SCROLL = 'class="scroll" tabindex="0" role="group"'
+
+
+def html(document: Document) -> str:
+    """Write a document as HTML.
+
+    Args:
+        document: the document.
+
+    Returns:
+        The whole file; valid as HTML and well-formed as XML after the first line.
+    """
+    title = escape(document.title)
+    entries = "".join(f'<li><a href="#{s.key}">{escape(s.title)}</a></li>' for s in document.sections)
+    subtitle = f'<p class="id"><code>{escape(document.subtitle)}</code></p>' if document.subtitle else ""
+    sign = f'<span class="sign" aria-hidden="true">{document.sign}</span>' if document.sign else ""
+    sections = "\n".join(_section(section) for section in document.sections)
+    return f"""<!DOCTYPE html>
+<html lang="en">
+<head>
+<meta charset="utf-8"/>
+<meta name="viewport" content="width=device-width, initial-scale=1"/>
+<meta name="color-scheme" content="light dark"/>
+<title>{title}</title>
+<style>{CSS}{STYLE}</style>
+</head>
+<body>
+<header>
+<h1>{title}</h1>
+{subtitle}
+<p class="answer {document.verdict}">{sign}{_text(document.answer)}</p>
+<nav aria-label="Contents"><ol>{entries}</ol></nav>
+</header>
+<main>
+{sections}
+</main>
+</body>
+</html>
+"""
+
+
+def _section(section: Section) -> str:
+    body = "\n".join(_block(block) for block in section.blocks)
+    head = f'<h2 id="{section.key}-h">{escape(section.title)}</h2>'
+    return f'<section id="{section.key}" aria-labelledby="{section.key}-h">\n{head}\n{body}\n</section>'
+
+
+def _block(block: Block) -> str:
+    match block:
+        case Paragraph(text):
+            return f"<p>{_text(text)}</p>"
+        case Note(text):
+            return f'<p class="note">{_text(text)}</p>'
+        case Formula():
+            return _formula(block)
+        case Table():
+            return _table(block)
+        case Steps(items):
+            return f'<ol class="steps">{"".join(map(_step, items))}</ol>'
+        case Figure():
+            return _figure(block)
+        case Figures(items):
+            return f'<div class="figures">{"".join(map(_figure, items))}</div>'
+
+
+def _formula(formula: Formula) -> str:
+    tag = f'<span class="tag">{escape(formula.tag)}</span>' if formula.tag else ""
+    small = _smaller(width(formula.box))
+    box = f'<div {_SCROLL} aria-label="Formula"{small}>{mathml(formula.box, block=True)}</div>'
+    return f'<div class="formula">{box}{tag}</div>'
+
+
+def _smaller(letters: float) -> str:
+    """A formula that is still too long for a line when it is broken is set smaller, down to three fifths."""
+    scale = max(0.6, _FULL_LINE / letters) if letters > _FULL_LINE else 1.0
+    return f' style="font-size:{100 * scale:.0f}%"' if scale < 1 else ""
+
+
+def _step(step: Step) -> str:
+    formula = _formula(step.formula) if step.formula else ""
+    return f"<li><p><strong>{escape(step.title)}.</strong> {_text(step.text)}</p>{formula}</li>"
+
+
+def _table(table: Table) -> str:
+    numeric = [any(_is_number(row[i]) for row in table.rows) for i in range(len(table.header))]
+    heads = "".join(f'<th scope="col"{_class(n)}>{_text(cell)}</th>' for cell, n in zip(table.header, numeric))
+    rows = "".join(
+        "<tr>"
+        + "".join(
+            f'<th scope="row">{_text(cell)}</th>' if i == 0 else f"<td{_class(numeric[i])}>{_text(cell)}</td>"
+            for i, cell in enumerate(row)
+        )
+        + "</tr>"
+        for row in table.rows
+    )
+    caption = f"<caption>{escape(table.caption)}</caption>" if table.caption else ""
+    label = escape(table.caption or "Table", quote=True)
+    long = ' class="long"' if len(table.rows) > _MOST_ROWS_UNBROKEN else ""
+    return (
+        f'<div {_SCROLL} aria-label="{label}"><table{long}>{caption}<thead><tr>{heads}</tr></thead>'
+        f"<tbody>{rows}</tbody></table></div>"
+    )
+
+
+def _is_number(cell: Text) -> bool:
+    return any(isinstance(piece, Number) for piece in cell)
+
+
+def _class(numeric: bool) -> str:
+    return ' class="num"' if numeric else ""
+
+
+def _figure(figure: Figure) -> str:
+    return f"<figure>{figure.svg}<figcaption>{_text(figure.caption)}</figcaption></figure>"
+
+
+def _text(text: Text) -> str:
+    return "".join(map(_inline, text))
+
+
+def _inline(piece: Inline) -> str:
+    match piece:
+        case str():
+            return escape(piece)
+        case Mathematics(box):
+            return mathml(box)
+        case Code(text):
+            return f"<code>{escape(text)}</code>"
+        case Strong(text):
+            return f"<strong>{escape(text)}</strong>"
+        case Number():
+            return _number(piece)
+
+
+def _number(number: Number) -> str:
+    value = _digits(number.value)
+    if not number.error:
+        return f'<span class="value">{value}</span>'
+    proof = ' <abbr title="the error is a proved bound">certified</abbr>' if number.certified else ""
+    return f'<span class="value">{value} <span class="error">± {_digits(number.error)}</span>{proof}</span>'
+
+
+def _digits(text: str) -> str:
+    mantissa, _, exponent = text.replace("-", "−").partition("e")
+    return f"{mantissa}×10<sup>{exponent}</sup>" if exponent else mantissa

@@ -1,0 +1,192 @@
+"""A document as one LaTeX file, for pdflatex with ``amsmath``; drawings are told in words."""
+
+from __future__ import annotations
+
+import re
+from unicodedata import decomposition, normalize
+
+from hjsolve.reports.document import (
+    Block,
+    Code,
+    Document,
+    Figure,
+    Figures,
+    Formula,
+    Inline,
+    Mathematics,
+    Note,
+    Number,
+    Paragraph,
+    Section,
+    Step,
+    Steps,
+    Strong,
+    Table,
+    Text,
+)
+from hjsolve.reports.formulas.latex import escape, latex
+from hjsolve.reports.formulas.layout import Grid
+from hjsolve.reports.formulas.names import GREEK
+
+_PREAMBLE = r"""\documentclass[11pt,a4paper]{article}
+\usepackage[T1]{fontenc}
+\usepackage[utf8]{inputenc}
+\usepackage{lmodern,amsmath,graphicx,booktabs,microtype}
+\usepackage[margin=25mm]{geometry}
+\allowdisplaybreaks
+\begin{document}
+"""
+_LETTERS = {
+    "−": "$-$",
+    "±": r"$\pm$",
+    "×": r"$\times$",
+    "∮": r"$\oint$",
+    "∂": r"$\partial$",
+    "½": r"\textonehalf{}",
+    "²": r"\textsuperscript{2}",
+    "ᵀ": r"\textsuperscript{T}",
+    "…": r"\dots{}",
+    "·": r"$\cdot$",
+    "→": r"$\to$",
+    "∞": r"$\infty$",
+    "–": "--",
+    "Σ": r"$\Sigma$",
+    "ᵢ": r"\textsubscript{i}",
+    "ⱼ": r"\textsubscript{j}",
+    "ʰ": r"\textsuperscript{h}",
+    "θ": r"$\theta$",
+    "µ": r"$\mu$",
+    "§": r"\S{}",
+    "√": r"$\surd$",
+    "≈": r"$\approx$",
+    "∛": r"$\sqrt[3]{\ }$",
+    "∓": r"$\mp$",
+    "≤": r"$\le$",
+    "≥": r"$\ge$",
+    "′": r"$'$",
+    "⋅": r"$\cdot$",
+    "ο": "o",
+}
+_LETTERS |= {
+    letter: f"${latex_name}$"
+    for letter, latex_name in ((v, f"\\{k}") for k, v in GREEK.items() if k not in {"lamda", "lam", "omicron"})
+}
+
+_SIGNS = {"yes": r"$\surd$ ", "no": r"$\times$ ", "open": "? "}
+
+
+def tex(document: Document) -> str:
+    """Write a document as LaTeX.
+
+    Args:
+        document: the document.
+
+    Returns:
+        A file that pdflatex takes.
+    """
+    subtitle = rf"\\ \texttt{{{escape(document.subtitle)}}}" if document.subtitle else ""
+    answer = _SIGNS.get(document.verdict, "") + _text(document.answer)
+    head = rf"\section*{{{_plain(document.title)}{subtitle}}}" + "\n" + answer
+    return _PREAMBLE + "\n\n".join([head, *map(_section, document.sections)]) + "\n\n\\end{document}\n"
+
+
+def _section(section: Section) -> str:
+    return "\n\n".join([rf"\subsection*{{{_plain(section.title)}}}", *map(_block, section.blocks)])
+
+
+def _block(block: Block) -> str:
+    match block:
+        case Paragraph(text):
+            return _text(text)
+        case Note(text):
+            return rf"\begin{{quote}}\small {_text(text)}\end{{quote}}"
+        case Formula():
+            return _formula(block)
+        case Table():
+            return _table(block)
+        case Steps(items):
+            return "\\begin{enumerate}\n" + "\n".join(map(_step, items)) + "\n\\end{enumerate}"
+        case Figure():
+            return rf"\emph{{{_plain(block.description)}}}"
+        case Figures(items):
+            return "\n\n".join(map(_block, items))
+
+
+def _formula(formula: Formula) -> str:
+    tag = rf"\tag*{{\footnotesize {_plain(formula.tag)}}}" if formula.tag else ""
+    body = latex(formula.box)
+    if isinstance(formula.box, Grid) and not formula.box.left:
+        return f"\\begin{{equation*}}\n{body}{tag}\n\\end{{equation*}}"
+    fit = r"\resizebox{\ifdim\width>0.8\linewidth 0.8\linewidth\else\width\fi}{!}"
+    return f"\\begin{{equation*}}\n{fit}{{$\\displaystyle {body}$}}{tag}\n\\end{{equation*}}"
+
+
+def _step(step: Step) -> str:
+    formula = "\n" + _formula(step.formula) if step.formula else ""
+    return rf"\item \textbf{{{_plain(step.title)}.}} {_text(step.text)}{formula}"
+
+
+def _table(table: Table) -> str:
+    rows = " \\\\\n".join(" & ".join(_text(cell) for cell in row) for row in table.rows)
+    head = " & ".join(_text(cell) for cell in table.header)
+    body = (
+        rf"\begin{{tabular}}{{{'l' * len(table.header)}}}\toprule {head} \\\midrule"
+        + f"\n{rows} \\\\\\bottomrule\\end{{tabular}}"
+    )
+    caption = rf"\par\smallskip {{\small {_plain(table.caption)}}}" if table.caption else ""
+    shrink = r"\resizebox{\ifdim\width>\linewidth\linewidth\else\width\fi}{!}"
+    return rf"\begin{{center}}{shrink}{{{body}}}{caption}\end{{center}}"
+
+
+def _text(text: Text) -> str:
+    return "".join(map(_inline, text))
+
+
+def _inline(piece: Inline) -> str:
+    match piece:
+        case str():
+            return _plain(piece)
+        case Mathematics(box):
+            return f"${latex(box)}$"
+        case Code(text):
+            return rf"\texttt{{{_plain(text)}}}"
+        case Strong(text):
+            return rf"\textbf{{{_plain(text)}}}"
+        case Number():
+            proof = " (certified)" if piece.certified else ""
+            return (
+                f"${_digits(piece.value)} \\pm {_digits(piece.error)}$" if piece.error else f"${_digits(piece.value)}$"
+            ) + proof
+
+
+def _plain(text: str) -> str:
+    """Prose with every letter that pdflatex does not know written out."""
+    pieces = re.findall(r".\u0307?", normalize("NFC", escape(text)), flags=re.DOTALL)
+    return "".join(map(_letter, pieces))
+
+
+def _letter(letter: str) -> str:
+    """One letter, perhaps with a dot over it; raised and lowered ones by what they are made of."""
+    dotted = letter if letter.endswith("\u0307") else normalize("NFD", letter)
+    if dotted.endswith("\u0307") and len(dotted) == 2:
+        return rf"$\dot{{{_LETTERS.get(dotted[0], dotted[0]).strip('$')}}}$"
+    if letter in _LETTERS:
+        return _LETTERS[letter]
+    kind, _, parts = decomposition(letter).partition(" ")
+    plain = "".join(chr(int(part, 16)) for part in parts.split()) if kind.startswith("<") else ""
+    match kind:
+        case "<sub>":
+            return rf"\textsubscript{{{_plain(plain)}}}"
+        case "<super>":
+            return rf"\textsuperscript{{{_plain(plain)}}}"
+        case "<fraction>":
+            top, _, bottom = plain.partition("⁄")
+            return rf"$\tfrac{{{top}}}{{{bottom}}}$"
+    return letter
+
+
+def _digits(text: str) -> str:
+    mantissa, _, exponent = text.partition("e")
+    if mantissa in {"∞", "−∞"}:
+        return mantissa.replace("∞", r"\infty").replace("−", "-")
+    return rf"{mantissa}\times 10^{{{exponent}}}" if exponent else mantissa

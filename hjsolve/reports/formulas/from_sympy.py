@@ -1,0 +1,331 @@
+"""From sympy expressions to boxes, in the notation of the mechanics books: ½ m ṙ², p_θ, sin²θ, ∂W/∂E."""
+
+from __future__ import annotations
+
+import re
+from collections.abc import Callable
+from typing import Any
+
+import sympy as sp
+from sympy.core.function import AppliedUndef
+from sympy.core.relational import Relational
+
+from hjsolve.reports.formulas.layout import Box, Definite, Fence, Fraction, Glyph, Grid, Root, Row, Script, row, width
+from hjsolve.reports.formulas.names import FUNCTION_NAMES, name_box
+
+RELATIONS = {"==": "=", "!=": "≠", "<=": "≤", ">=": "≥", "<": "<", ">": ">"}
+EULER = Glyph("e", "constant")
+_MANY_TERMS = 6
+MINUS, PLUS, TIMES, APPLY = "−", "+", "⋅", "\u2061"
+
+
+def box(expression: sp.Basic) -> Box:
+    """Lay out an expression, an equation or a matrix.
+
+    Args:
+        expression: any sympy object; kinds unknown here are set as the text sympy gives them.
+
+    Returns:
+        The box.
+    """
+    for kind, method in _METHODS:
+        if isinstance(expression, kind):
+            return method(expression)
+    return Glyph(str(expression), "text")
+
+
+def tidy(expression: sp.Basic) -> sp.Basic:
+    """Take constant factors and signs out of integrals, for reading; the value stays the same.
+
+    Args:
+        expression: any sympy object.
+
+    Returns:
+        An equal expression.
+    """
+    return expression.replace(lambda e: isinstance(e, sp.Integral), _outside)
+
+
+def compact(expression: sp.Expr) -> sp.Expr:
+    """Write a long sum of quotients as one fraction, its factors apart, where that is shorter.
+
+    Args:
+        expression: any expression.
+
+    Returns:
+        An equal expression.
+    """
+    if len(sp.Add.make_args(expression)) <= _MANY_TERMS or not expression.is_rational_function():
+        return expression
+    return min((expression, sp.factor(sp.together(expression))), key=sp.count_ops)
+
+
+def _outside(integral: sp.Integral) -> sp.Expr:
+    variables = [limit[0] for limit in integral.limits]
+    # what stands under a root is kept as it is written
+    radicands = {
+        p.base for p in integral.function.atoms(sp.Pow) if p.exp.is_Rational and p.exp.q == 2 and p.base.is_Add
+    }
+    hidden = {radicand: sp.Dummy(positive=True) for radicand in radicands}
+    shown = {dummy: radicand for radicand, dummy in hidden.items()}
+    factored = sp.factor_terms(integral.function.xreplace(hidden)).xreplace(shown)
+    constant, rest = factored.as_independent(*variables, as_Add=False)
+    return constant * sp.Integral(rest, *integral.limits)
+
+
+# ------------------------------------------------------------------------------------------------ sums and products
+def _terms(expression: sp.Add) -> list[sp.Expr]:
+    """Give the terms in sympy's order, the first one positive if any is."""
+    terms = list(expression.as_ordered_terms())
+    first = next((i for i, term in enumerate(terms) if not term.could_extract_minus_sign()), 0)
+    return [terms[first], *terms[:first], *terms[first + 1 :]]
+
+
+def _signed_terms(expression: sp.Add) -> list[Box]:
+    boxes: list[Box] = []
+    for i, term in enumerate(_terms(expression)):
+        negative = term.could_extract_minus_sign()
+        body = _operand(-term if negative else term)
+        sign = MINUS if negative else PLUS
+        boxes.append(row(Glyph(sign, "operator"), body) if i or negative else body)
+    return boxes
+
+
+def _operand(term: sp.Expr) -> Box:
+    return Fence(box(term)) if isinstance(term, sp.Add | Relational) else box(term)
+
+
+def _sum(expression: sp.Add) -> Box:
+    return row(*_signed_terms(expression))
+
+
+def _factor_key(factor: sp.Expr, momenta: set[str]) -> int:
+    """Order factors as physicists do: numbers, masses, E, other symbols, p, the q of a p, functions, sums, ∫."""
+    base = factor.base if isinstance(factor, sp.Pow) else factor
+    if factor.is_number:
+        return 0
+    if isinstance(base, sp.Symbol):
+        if re.fullmatch(r"[mM]\d*|mu|m_\w+", base.name):
+            return 1
+        if f"p_{base.name}" in momenta:
+            return 5
+        return 4 if base.name.startswith(("dot(", "p_")) else 2 if re.fullmatch(r"E|alpha_\d+", base.name) else 3
+    if isinstance(base, sp.Function):
+        return 6
+    return 8 if isinstance(factor, sp.Integral) else 7
+
+
+def _ordered_factors(product: sp.Expr) -> list[sp.Expr]:
+    momenta = {symbol.name for symbol in product.free_symbols if symbol.name.startswith("p_")}
+    return sorted(product.as_ordered_factors(), key=lambda factor: _factor_key(factor, momenta))
+
+
+def _product(expression: sp.Mul) -> Box:
+    if expression.could_extract_minus_sign():
+        return row(Glyph(MINUS, "operator"), _operand(-expression))
+    coefficient, rest = expression.as_coeff_Mul()
+    above: list[sp.Expr] = []
+    below: list[sp.Expr] = []
+    for factor in _ordered_factors(rest):
+        base, exponent = factor.as_base_exp()
+        if base is not sp.E and exponent.is_Rational and exponent.is_negative and not base.is_Integer:
+            below.append(base ** (-exponent))
+        else:
+            above.append(factor)
+    if not isinstance(coefficient, sp.Rational):
+        return _side_by_side([coefficient, *above], below)
+    if coefficient.q != 1 and not below:
+        return row(box(coefficient), _side_by_side(above, []))
+    top = [sp.Integer(coefficient.p)] if coefficient.p != 1 or not above else []
+    bottom = [sp.Integer(coefficient.q)] if coefficient.q != 1 else []
+    loose = [f for f in above if isinstance(f, sp.Integral)]
+    fraction = _side_by_side(top + [f for f in above if f not in loose], bottom + below)
+    return row(fraction, *map(box, loose)) if loose else fraction
+
+
+def _side_by_side(above: list[sp.Expr], below: list[sp.Expr]) -> Box:
+    if below:
+        return Fraction(_side_by_side(above or [sp.Integer(1)], []), _side_by_side(below, []))
+    if len(above) == 1:
+        return box(above[0])
+    boxes: list[Box] = []
+    for factor in above:
+        item = Fence(box(factor)) if isinstance(factor, sp.Add | Relational) else box(factor)
+        if boxes and isinstance(boxes[-1], Glyph) and boxes[-1].kind == "number" and _starts_with_number(item):
+            boxes.append(Glyph(TIMES, "operator"))
+        boxes.append(item)
+    return row(*boxes)
+
+
+def _starts_with_number(item: Box) -> bool:
+    first = item.base if isinstance(item, Script) else item
+    return isinstance(first, Fraction) or (isinstance(first, Glyph) and first.kind == "number")
+
+
+# ------------------------------------------------------------------------------------------------ powers and functions
+def _power(expression: sp.Pow) -> Box:
+    base, exponent = expression.as_base_exp()
+    if exponent.is_Rational and exponent.is_negative:
+        return Fraction(Glyph("1", "number"), box(base ** (-exponent)))
+    if exponent.is_Rational and exponent.p == 1 and exponent.q != 1:
+        return Root(box(base), None if exponent.q == 2 else Glyph(str(exponent.q), "number"))
+    if isinstance(base, sp.Function) and not isinstance(base, sp.exp | sp.Abs | AppliedUndef) and exponent.is_Integer:
+        return _call(base, box(exponent))
+    if isinstance(base, sp.Symbol):
+        inner = name_box(base.name)
+        power = on_a_line(box(exponent))
+        return Script(inner.base, inner.sub, power) if isinstance(inner, Script) else Script(inner, sup=power)
+    bare = isinstance(base, sp.NumberSymbol | sp.exp) or (base.is_Integer and base.is_nonnegative)
+    return Script(box(base) if bare else Fence(box(base)), sup=on_a_line(box(exponent)))
+
+
+def on_a_line(inner: Box) -> Box:
+    """Set a formula that shall not grow in height, such as an exponent: with slashes where it has fractions.
+
+    Args:
+        inner: its box.
+
+    Returns:
+        The flat box.
+    """
+    items = inner.items if isinstance(inner, Row) else (inner,)
+    flat: list[Box] = []
+    for item, following in zip(items, [*items[1:], None]):
+        factor = following is not None and not (isinstance(following, Glyph) and following.kind == "operator")
+        flat.append(Fence(_slashed(item)) if factor and isinstance(item, Fraction) else _slashed(item))
+    return row(*flat)
+
+
+def _slashed(item: Box) -> Box:
+    if not isinstance(item, Fraction):
+        return item
+    top, bottom = (Fence(part) if _compound(part) else part for part in (item.top, item.bottom))
+    return row(top, Glyph("/", "operator"), Fence(bottom) if isinstance(bottom, Row) else bottom)
+
+
+def _compound(part: Box) -> bool:
+    return isinstance(part, Row) and any(isinstance(item, Glyph) and item.text in {PLUS, MINUS} for item in part.items)
+
+
+def _call(expression: sp.Function, power: Box | None = None) -> Box:
+    name = type(expression).__name__
+    head: Box = Glyph(FUNCTION_NAMES.get(name, name), "function")
+    if isinstance(expression, AppliedUndef):
+        head = _callable(name_box(name))
+    head = Script(head, sup=power) if power is not None else head
+    arguments: list[Box] = []
+    for i, argument in enumerate(expression.args):
+        arguments += ([Glyph(",", "operator")] if i else []) + [box(argument)]
+    if len(expression.args) == 1 and _simple(expression.args[0]) and not isinstance(expression, AppliedUndef):
+        return row(head, Glyph(APPLY, "operator"), arguments[0])
+    return row(head, Fence(row(*arguments)))
+
+
+def _callable(shown: Box) -> Box:
+    """The name of a function that is not known: v₁ of v₁(r)."""
+    if isinstance(shown, Script):
+        return Script(_callable(shown.base), shown.sub, shown.sup)
+    return Glyph(shown.text, "function") if isinstance(shown, Glyph) else shown
+
+
+def _simple(argument: sp.Expr) -> bool:
+    return isinstance(argument, sp.Symbol)
+
+
+def _exponential(expression: sp.exp) -> Box:
+    inner = on_a_line(box(expression.args[0]))
+    if width(inner) > 14:
+        return row(Glyph("exp", "function"), Fence(inner))
+    return Script(EULER, sup=inner)
+
+
+# ------------------------------------------------------------------------------------------------ calculus and the rest
+def _integral(expression: sp.Integral) -> Box:
+    inner = box(expression.function)
+    if isinstance(expression.function, sp.Add):
+        inner = Fence(inner)
+    for limit in expression.limits:
+        lower = box(limit[1]) if len(limit) == 3 else None
+        upper = box(limit[-1]) if len(limit) > 1 else None
+        inner = Definite("∫", inner, lower, upper, box(limit[0]))
+    return inner
+
+
+def _derivative(expression: sp.Derivative) -> Box:
+    order = sum(count for _, count in expression.variable_count)
+    partial = len(expression.expr.free_symbols) > 1 or len(expression.variable_count) > 1
+    d = Glyph("∂" if partial else "d", "differential")
+    bottom: list[Box] = []
+    for variable, count in expression.variable_count:
+        bottom += [d, Script(box(variable), sup=Glyph(str(count), "number")) if count != 1 else box(variable)]
+    top = d if order == 1 else Script(d, sup=Glyph(str(order), "number"))
+    return Fraction(row(top, _operand(expression.expr)), row(*bottom))
+
+
+def _rational(expression: sp.Rational) -> Box:
+    sign = [Glyph(MINUS, "operator")] if expression.p < 0 else []
+    top = Glyph(str(abs(expression.p)), "number")
+    return row(*sign, top if expression.q == 1 else Fraction(top, Glyph(str(expression.q), "number")))
+
+
+def _float(expression: sp.Float) -> Box:
+    text = repr(float(expression)) if expression._prec <= 53 else str(expression)
+    mantissa, _, exponent = text.partition("e")
+    sign = [Glyph(MINUS, "operator")] if mantissa.startswith("-") else []
+    number: Box = Glyph(mantissa.lstrip("-"), "number")
+    if exponent:
+        ten = Script(Glyph("10", "number"), sup=box(sp.Integer(int(exponent))))
+        number = row(number, Glyph("×", "operator"), ten)
+    return row(*sign, number)
+
+
+def _relation(expression: Relational) -> Box:
+    sign = Glyph(RELATIONS[expression.rel_op], "operator")
+    return row(box(expression.lhs), sign, box(expression.rhs))
+
+
+def _matrix(expression: sp.MatrixBase) -> Box:
+    rows = tuple(tuple(box(expression[i, j]) for j in range(expression.cols)) for i in range(expression.rows))
+    return Grid(rows, "(", ")", "c" * expression.cols)
+
+
+def _piecewise(expression: sp.Piecewise) -> Box:
+    rows = tuple(
+        (box(value), Glyph("otherwise", "text") if condition == sp.true else row(Glyph("if ", "text"), box(condition)))
+        for value, condition in expression.args
+    )
+    return Grid(rows, "{", "", "ll")
+
+
+def _constant(expression: sp.Basic) -> Box:
+    texts = {sp.pi: "π", sp.E: "e", sp.I: "i", sp.oo: "∞", sp.zoo: "∞̃", sp.nan: "undefined"}
+    if expression is sp.S.NegativeInfinity:
+        return row(Glyph(MINUS, "operator"), Glyph("∞", "number"))
+    return EULER if expression is sp.E else Glyph(texts.get(expression, str(expression)), "identifier")
+
+
+def _tuple(expression: sp.Tuple) -> Box:
+    items: list[Box] = []
+    for i, item in enumerate(expression):
+        items += ([Glyph(",", "operator")] if i else []) + [box(item)]
+    return Fence(row(*items) if items else Glyph("", "text"))
+
+
+_METHODS: tuple[tuple[Any, Callable[[Any], Box]], ...] = (
+    (sp.Symbol, lambda e: name_box(e.name)),
+    (sp.Rational, _rational),
+    (sp.Float, _float),
+    ((sp.NumberSymbol, type(sp.I), type(sp.oo), type(-sp.oo), type(sp.zoo), type(sp.nan)), _constant),
+    (sp.Add, _sum),
+    (sp.Mul, _product),
+    (sp.exp, _exponential),
+    (sp.Pow, _power),
+    (sp.Abs, lambda e: Fence(box(e.args[0]), "|", "|")),
+    (sp.Piecewise, _piecewise),
+    (sp.Function, _call),
+    (sp.Integral, _integral),
+    (sp.Derivative, _derivative),
+    (Relational, _relation),
+    (sp.MatrixBase, _matrix),
+    (sp.Tuple, _tuple),
+)

@@ -1,0 +1,200 @@
+"""What accuracy costs, as a section of a report and as a document of its own."""
+
+from __future__ import annotations
+
+import json
+import math
+from dataclasses import asdict
+from dataclasses import replace as replace_fields
+from pathlib import Path
+from typing import Any, TypeAlias
+
+from hjsolve.costs import Cost, cost
+from hjsolve.costs.measure import Progress
+from hjsolve.costs.table import cells_of
+from hjsolve.errors import HJSolveError, InvalidInputError
+from hjsolve.motion.motion import Motion
+from hjsolve.reports.document import Block, Code, Document, Figures, Note, Paragraph, Section, Table, Text
+from hjsolve.reports.drawings import svg
+from hjsolve.reports.drawings.work_precision import figure
+from hjsolve.reports.files import SUFFIXES, checked_path, replace
+from hjsolve.reports.sections.rounded_numbers import seconds
+from hjsolve.reports.write import write_document
+from hjsolve.scenes import Scene
+
+Wish: TypeAlias = bool | float
+IN_A_REPORT, MOST_IN_A_REPORT = 3.0, 10.0
+"""Seconds that the section of a report may take: by default, and at most."""
+_IN_A_REPORT_DIGITS = (20, 30, 50)
+_ASKED = (3, 6, 9, 12, 15, 20, 30, 50, 100)
+
+
+def cost_section(table: Cost) -> Section:
+    """Write the section.
+
+    Args:
+        table: what was measured.
+
+    Returns:
+        The section: figure, the cheapest method for each accuracy, and the whole table.
+    """
+    states = f" at {table.times} times" if table.times else ""
+    text: Text = (
+        "The same quantities (", Code(", ".join(table.want)), f"{states}) were computed by every method that applies, "
+        f"in turn, within a budget of {table.budget:.3g} s. ", _against(table),
+    )  # fmt: skip
+    known = any(row.answered and row.error is not None for row in table.rows)
+    blocks: list[Block] = [Paragraph(text), *([Figures((figure(table, "cost-figure"),))] if known else [])]
+    cheapest = _cheapest(table)
+    blocks += [cheapest] if cheapest is not None else []
+    blocks.append(_table(table))
+    note = (
+        "Claimed and true errors are the worst of all numbers, relative to the size of each. An integrator claims no "
+        "error: its digits are those of its tolerance. Times are processor time, medians, without the symbolic "
+        "solution and without compilation."
+    )
+    return Section("cost", "What accuracy costs", (*blocks, Note((note,))))
+
+
+def _against(table: Cost) -> str:
+    """What the errors were measured against."""
+    if not table.reference:
+        return (
+            "No reference with more digits could be had in that time, so no true errors are known; `hjsolve cost` "
+            "takes a longer one."
+        )
+    states = f"; states were compared at {table.checked} of the times" if table.checked else ""
+    return f"Errors are true ones, against {table.reference}{states}."
+
+
+def _cheapest(table: Cost) -> Table | None:
+    """The quickest method for a number of right digits: for all that is wanted, and for the parts some methods give."""
+    given = {row.covers for row in table.rows if row.answered}
+    columns = [("all", "Everything"), *(c for c in (("numbers", "Numbers"), ("states", "States")) if c[0] in given)]
+    rows: list[tuple[Text, ...]] = []
+    for digits in _ASKED:
+        found = [table.cheapest(digits, covers) for covers, _ in columns]
+        if any(found):
+            cells = ("–" if best is None else f"{best.method}, {_nowrap(seconds(best.seconds or 0))}" for best in found)
+            rows.append(((str(digits),), *((cell,) for cell in cells)))
+    head: tuple[Text, ...] = (("Right digits",), *((name,) for _, name in columns))
+    return Table(head, tuple(rows), "The cheapest way to a number of right digits") if rows else None
+
+
+def _nowrap(text: str) -> str:
+    return text.replace(" ", "\u00a0")
+
+
+def _table(table: Cost) -> Table:
+    rows = []
+    for row in table.rows:
+        cells = cells_of(row, table.floor)
+        shown = (c if k == len(cells) - 1 else _nowrap(c) for k, c in enumerate(cells))
+        rows.append(tuple((Code(c),) if k in (2, 3) and c else (c,) for k, c in enumerate(shown)))
+    head: tuple[Text, ...] = (
+        ("Method",), ("Digits",), ("Claimed error",), ("True error",), ("Count",), ("Time",), ("Remark",)
+    )  # fmt: skip
+    return Table(head, tuple(rows), "Accuracy against time")
+
+
+def with_cost(document: Document, subject: Motion | Scene, wish: Wish, progress: Progress | None = None) -> Document:
+    """Add the section to a report, just before the last one.
+
+    Args:
+        document: the report.
+        subject: the motion or scene it is about.
+        wish: whether the section is wanted, or the seconds it may take (at most 10).
+        progress: as in ``hjsolve.cost``.
+
+    Returns:
+        The report with the section; as it was where it is not wanted.
+
+    Raises:
+        InvalidInputError: the seconds make no sense.
+    """
+    seconds = IN_A_REPORT if wish is True else wish
+    if seconds is False:
+        return document
+    if not 0 < seconds <= MOST_IN_A_REPORT:
+        raise InvalidInputError(f"cost: True, False, or seconds up to {MOST_IN_A_REPORT:g} are needed, not {wish!r}")
+    try:
+        table = cost(subject, seconds=seconds, digits=_IN_A_REPORT_DIGITS, repeats=3, progress=progress)
+    except HJSolveError as error:
+        words = " ".join(str(error).split())
+        section = Section("cost", "What accuracy costs", (Note((f"This could not be measured: {words}",)),))
+    else:
+        section = cost_section(table)
+    return replace_fields(document, sections=(*document.sections[:-1], section, *document.sections[-1:]))
+
+
+def cost_document(table: Cost) -> Document:
+    """Write a document that holds nothing else.
+
+    Args:
+        table: what was measured.
+
+    Returns:
+        The document.
+    """
+    best = table.cheapest(15) or table.cheapest(12)
+    answer: Text = ("No method reached 12 right digits.",)
+    if best is not None and best.seconds is not None:
+        reached = "15" if table.cheapest(15) is best else "12"
+        how = f"{best.method}: {seconds(best.seconds)}"
+        answer = (f"The cheapest way to {reached} right digits of all that is wanted is {how}.",)
+    return Document(table.title, table.id, answer, (cost_section(table),))
+
+
+def checked_cost_path(path: str | Path) -> Path:
+    """Check where a table shall go, as ``checked_path``; ``.svg`` is a suffix as well.
+
+    Raises:
+        InvalidInputError: unknown suffix, or a place that cannot be written to.
+    """
+    target = Path(path)
+    if target.suffix.lower() == ".svg":
+        return target.parent / checked_path(target.with_suffix(".html")).with_suffix(target.suffix).name
+    if target.suffix.lower() not in SUFFIXES:
+        raise InvalidInputError(f"{target}: the suffix must be one of {', '.join(SUFFIXES)} or .svg")
+    return checked_path(target)
+
+
+def save_cost(table: Cost, target: Path) -> Path:
+    """Write what was measured: the figure alone (``.svg``), the rows (``.json``), or a document.
+
+    Args:
+        table: what was measured.
+        target: a path that ``checked_cost_path`` has passed.
+
+    Returns:
+        The path.
+    """
+    suffix = target.suffix.lower()
+    if suffix == ".svg":
+        replace(target, svg.standalone(figure(table, "cost-figure").svg))
+    elif suffix == ".json":
+        replace(target, json.dumps(plain_rows(table), ensure_ascii=False, indent=1, allow_nan=False) + "\n")
+    else:
+        write_document(cost_document(table), target)
+    return target
+
+
+def plain_rows(table: Cost) -> dict[str, Any]:
+    """The table as plain data, for JSON.
+
+    Args:
+        table: what was measured.
+
+    Returns:
+        Its attributes; what is infinite is None.
+    """
+
+    def clean(value: Any) -> Any:
+        if isinstance(value, dict):
+            return {key: clean(item) for key, item in value.items()}
+        if isinstance(value, (list, tuple)):
+            return [clean(item) for item in value]
+        return None if isinstance(value, float) and not math.isfinite(value) else value
+
+    result: dict[str, Any] = clean(asdict(table))
+    return result

@@ -1,0 +1,263 @@
+"""The sections of a report that hold numbers and drawings of one motion."""
+
+from __future__ import annotations
+
+import platform
+from collections.abc import Mapping
+from importlib.metadata import PackageNotFoundError, version
+from typing import Any
+
+import mpmath
+import numpy as np
+import sympy as sp
+
+from hjsolve._version import __version__
+from hjsolve.arithmetic.floats import Float64
+from hjsolve.lowering import lower
+from hjsolve.mechanics.energy_shell import time_name
+from hjsolve.mechanics.system import hamiltonian
+from hjsolve.reports.document import (
+    Block,
+    Code,
+    Figure,
+    Figures,
+    Mathematics,
+    Note,
+    Paragraph,
+    Section,
+    Table,
+    Text,
+)
+from hjsolve.reports.drawings import orbit_paths
+from hjsolve.reports.drawings.effective_potential import Array, values_of, well
+from hjsolve.reports.drawings.motion_figures import effective_potential, phase_portrait, potential_name
+from hjsolve.reports.formulas.layout import Glyph, Script
+from hjsolve.reports.formulas.names import name_box
+from hjsolve.reports.formulas.one_line_text import spoken
+from hjsolve.reports.sections.prose import prose
+from hjsolve.reports.sections.rounded_numbers import quantity, seconds, terminating
+from hjsolve.reports.sections.system_and_verdict import exactly, formula
+
+DASH: Text = ("–",)
+
+
+def motion_section(motion: Any, trace: orbit_paths.Trace, summary: str) -> Section:
+    """Say which motion is shown and draw it.
+
+    Args:
+        motion: a ``Motion``.
+        trace: where it is at the times shown.
+        summary: what the catalog says about its initial data; may be empty.
+
+    Returns:
+        The section.
+    """
+    told = (": ", *prose(summary, motion.solution.system)) if summary else ()
+    blocks: list[Block] = [Paragraph(("One motion, as an example", *told, ".")), _initial(motion)]
+    names = motion.solution.coordinates
+    for i, name in enumerate(names):
+        view = well(motion, name)
+        plain = bool(sp.expand(view.formula - motion.solution.system.potential) == 0)
+        several = len(names) > 1
+        blocks.append(formula(potential_name(view, several=several, plain=plain), view.formula))
+        blocks.append(
+            Figures(
+                (
+                    effective_potential(view, f"potential-{i}", several=several, plain=plain),
+                    phase_portrait(view, f"phase-{i}"),
+                )
+            )
+        )
+    orbit, history = orbit_paths.orbit(motion, trace, "orbit-figure"), orbit_paths.history(motion, trace, "history")
+    drawings: tuple[Figure, ...] = tuple(figure for figure in (orbit, history) if figure is not None)
+    return Section("motion", "A motion", (*blocks, Figures(drawings)))
+
+
+def _initial(motion: Any) -> Table:
+    values = values_of(motion)
+    rows = tuple(
+        (
+            (Mathematics(name_box(c.name)),),
+            exactly(values[c.symbol]),
+            exactly(values[c.momentum]),
+            (motion.kinds[c.name],),
+        )
+        for c in motion.solution.system.coordinates
+    )
+    header: tuple[Text, ...] = (("Coordinate",), ("Starts at",), ("with momentum",), ("Kind of motion",))
+    return Table(header, rows, _at_the_start(motion))
+
+
+def _at_the_start(motion: Any) -> str:
+    letter = spoken(time_name(motion.solution.system))
+    return f"Initial data at {letter} = {motion.t0}, exact, and the kind of motion they lead to"
+
+
+def _turning_points(motion: Any) -> Table:
+    rows = tuple(
+        ((Mathematics(name_box(name)),), *(_end(motion, name, end) for end in ends))
+        for name, ends in motion.turning_points.items()
+    )
+    return Table((("Coordinate",), ("Lower",), ("Upper",)), rows, "Turning points")
+
+
+def _end(motion: Any, name: str, end: Any | None) -> Text:
+    """A turning point; exactly the place of the start where the motion starts there at rest."""
+    if end is None:
+        return DASH
+    coordinate = motion.solution.system.coordinate(name)
+    values = values_of(motion)
+    at_rest = (coordinate.momentum + motion.solution.shift[name]).xreplace(values) == 0
+    here = values[coordinate.symbol]
+    same = at_rest and abs(mpmath.mpf(sp.N(here, 40)) - mpmath.mpf(end.value)) <= mpmath.mpf(end.error)
+    return _known(here if same else None, end)
+
+
+def _known(exact: sp.Expr | None, estimate: Any) -> Text:
+    """The exact decimal where a number has one, else the estimate."""
+    ending = terminating(exact) if exact is not None else None
+    return _number(estimate) if ending is None else (ending,)
+
+
+def _number(estimate: Any | None) -> Text:
+    return DASH if estimate is None else (quantity(estimate),)
+
+
+# ------------------------------------------------------------------------------------------------ numbers
+def numbers_section(motion: Any) -> Section:
+    """Give constants, actions, frequencies, periods and boundary times, each with its error.
+
+    Args:
+        motion: a ``Motion``.
+
+    Returns:
+        The section.
+    """
+    values = [
+        (Mathematics(name_box(p.name)), " = ", *exactly(motion.initial.values[p.symbol]), ", ")
+        for p in motion.solution.system.parameters
+    ]
+    pieces: list[Any] = [piece for group in values for piece in group][:-1]
+    blocks: list[Block] = [Paragraph(("With ", *pieces, ". "))] if pieces else []
+    exact = motion.initial.constants
+    rows = tuple(((Mathematics(name_box(name)),), _known(exact.get(name), e)) for name, e in motion.constants.items())
+    blocks.append(Table((("Constant",), ("Value",)), rows, "Constants of the motion"))
+    if any(end is not None for ends in motion.turning_points.values() for end in ends):
+        blocks.append(_turning_points(motion))
+    cycles = [
+        c.name
+        for c in motion.solution.system.coordinates
+        if c.name in {*motion.actions, *motion.frequencies, *motion.periods}
+    ]
+    if cycles:
+        blocks.append(_cycles(motion, cycles))
+    if "time" in motion.parts and (means := motion.mean_velocities):
+        rows = tuple(((Mathematics(name_box(name)),), _number(e)) for name, e in means.items())
+        blocks.append(Table((("Coordinate",), ("Mean velocity",)), rows, "Mean velocities of ignorable coordinates"))
+    if motion.boundary_times:
+        times = tuple(((Mathematics(name_box(name)),), _number(e)) for name, e in motion.boundary_times.items())
+        blocks.append(Table((("Coordinate",), ("Time",)), times, "Times at which an end of the domain is reached"))
+    blocks.append(Note(("Every number is a value ± a bound on its error. A number without ± is exact as printed.",)))
+    return Section("numbers", "Numbers with their errors", tuple(blocks))
+
+
+def _cycles(motion: Any, names: list[str]) -> Table:
+    letter = time_name(motion.solution.system)
+    unit = "time" if letter == "t" else f"of {spoken(letter)}"
+    quantities: tuple[tuple[str, Mapping[str, Any]], ...] = (
+        ("J", motion.actions),
+        ("Ω", motion.frequencies),
+        ("T", motion.periods),
+    )
+    exact = motion.initial.constants  # the action of an ignorable coordinate is its momentum
+    rows = tuple(
+        (
+            (Mathematics(name_box(name)),),
+            DASH if name not in motion.actions else _known(exact.get(f"p_{name}"), motion.actions[name]),
+            *(_number(table.get(name)) for _, table in quantities[1:]),
+        )
+        for name in names
+    )
+    heads = [
+        (f"{word} ", Mathematics(Script(Glyph(letter), Glyph("i"))))
+        for word, (letter, _) in zip(("Action", "Frequency", "Period"), quantities)
+    ]
+    header: tuple[Text, ...] = (("Coordinate",), *heads)
+    return Table(header, rows, f"Actions, frequencies (in radians per unit {unit}) and periods")
+
+
+# ------------------------------------------------------------------------------------------------ how it was computed
+def how_section(clock: Mapping[str, float], motion: Any | None, trace: orbit_paths.Trace | None) -> Section:
+    """Say with what the report was computed and how long each part took.
+
+    Args:
+        clock: part → seconds, in the order they ran.
+        motion: a ``Motion``, or None where nothing numerical was done.
+        trace: where it is at the times shown, or None.
+
+    Returns:
+        The section.
+    """
+    blocks: list[Block] = []
+    if motion is not None and trace is not None:
+        blocks.append(_effort(motion))
+        drift = energy_drift(motion, trace)
+        if drift is not None:
+            text = (
+                "As a check that shares nothing with the quadratures, H(q(t), p(t)) was evaluated along the path "
+                "drawn above; it differs from E by at most "
+            )
+            blocks.append(Paragraph((text, Code(f"{drift:.1e}"), ".")))
+    spent = tuple(((part,), (seconds(time),)) for part, time in clock.items())
+    blocks.append(Table((("Part",), ("Time",)), spent, "Time spent"))
+    versions = tuple(((name,), (number,)) for name, number in _versions().items())
+    blocks.append(Table((("Software",), ("Version",)), versions, "Versions"))
+    return Section("how", "How this was computed", tuple(blocks))
+
+
+def _effort(motion: Any) -> Paragraph:
+    digits, nodes = motion.digits, motion.nodes
+    arithmetic = "double precision" if digits <= 15 else "multiple precision"
+    used = f", from {nodes} quadrature nodes at most per coordinate" if nodes else ""
+    return Paragraph(
+        (
+            f"Numbers were asked to {digits} digits ({arithmetic}){used}. Initial data and constants of the motion "
+            "were kept exact; turning points come from them at a precision raised until all digits asked are right. No "
+            "differential equation was integrated.",
+        )
+    )
+
+
+def energy_drift(motion: Any, trace: orbit_paths.Trace) -> float | None:
+    """Evaluate H along the path that is drawn and compare it with E.
+
+    Args:
+        motion: a ``Motion``.
+        trace: where it is at the times shown.
+
+    Returns:
+        The largest difference; None where E is no constant of the solution or the state is not finite.
+    """
+    system = motion.solution.system
+    if "E" not in motion.constants:
+        return None
+    H = hamiltonian(system)
+    symbols: list[sp.Symbol] = [c.symbol for c in system.coordinates] + [c.momentum for c in system.coordinates]
+    arrays: list[Array] = [np.asarray(trace.state.unwrapped(c.name), float) for c in system.coordinates]
+    arrays += [np.asarray(trace.state.p[c.name], float) for c in system.coordinates]
+    exact = values_of(motion)
+    rest = sorted(H.free_symbols - set(symbols), key=str)
+    with np.errstate(all="ignore"):
+        values = lower([H], [*symbols, *rest]).run(Float64(), [*arrays, *(float(sp.N(exact[s], 30)) for s in rest)])[0]
+    drift = np.abs(np.asarray(values, float) - float(motion.constants["E"].value))
+    return float(np.nanmax(drift)) if np.isfinite(drift).any() else None
+
+
+def _versions() -> dict[str, str]:
+    found = {"hjsolve": __version__, "Python": platform.python_version()}
+    for package in ("sympy", "mpmath", "numpy"):
+        try:
+            found[package] = version(package)
+        except PackageNotFoundError:
+            found[package] = "unknown"
+    return found

@@ -1,0 +1,143 @@
+"""Prose of the symbolic half turned into text with formulas: ``p_theta`` becomes p with index θ."""
+
+from __future__ import annotations
+
+import re
+from collections.abc import Collection
+
+from hjsolve.extended.linear_hamiltonian import LinearHamiltonian
+from hjsolve.mechanics.system import Domain, System
+from hjsolve.reports.document import Code, Inline, Mathematics, Text
+from hjsolve.reports.formulas.from_sympy import box
+from hjsolve.reports.formulas.inside_text import formulas, named
+from hjsolve.reports.formulas.layout import Box, Glyph, row
+from hjsolve.reports.formulas.names import GREEK, name_box
+from hjsolve.reports.formulas.one_line_text import plain
+
+_PHRASES = (
+    ("c^T Phi = (1, 0, ..., 0)", "cᵀΦ = (1, 0, …, 0)"),
+    ("c^T psi = V", "cᵀψ = V"),
+    ("S_ij(g^hh)", "Sᵢⱼ(gʰʰ)"),
+    ("S_ij(V)", "Sᵢⱼ(V)"),
+    ("L_ij", "Lᵢⱼ"),
+    ("S_ij", "Sᵢⱼ"),
+    ("T = sum(R_i p_i^2)/(2 sum f_i), V = sum(v_i)/sum(f_i)", "T = ΣRᵢpᵢ²/(2Σfᵢ), V = Σvᵢ/Σfᵢ"),
+    ("Staeckel", "Stäckel"),
+    ("V' = V - T0", "V′ = V − T₀"),
+    ("T2 - T0 + V", "T₂ − T₀ + V"),
+    ("T2 + V", "T₂ + V"),
+)
+
+
+def prose(text: str, system: System | LinearHamiltonian) -> Text:
+    """Set the names and the plain formulas of a sentence as mathematics.
+
+    Args:
+        text: the sentence.
+        system: whose names they are.
+
+    Returns:
+        The sentence in pieces.
+    """
+    return with_names(text, {c.name for c in system.coordinates} | {p.name for p in system.parameters})
+
+
+def with_names(text: str, names: Collection[str]) -> Text:
+    """Set names and plain formulas of a sentence as mathematics.
+
+    Args:
+        text: the sentence.
+        names: what is a name in it; single letters and Greek ones in formulas are names anyway.
+
+    Returns:
+        The sentence in pieces.
+    """
+    for ascii_form, better in _PHRASES:
+        text = text.replace(ascii_form, better)
+    pieces: list[Inline] = []
+    for piece in formulas(text, names):
+        if not isinstance(piece, str):
+            pieces.append(piece)
+            continue
+        for i, part in enumerate(re.split(r"(hjsolve\.\w+|normal_modes|linear_modes|find_coordinates)", piece)):
+            pieces += [Code(part)] if i % 2 else _named(part, names) if part else []
+    return tuple(pieces)
+
+
+def heading(title: str, names: Collection[str] = ()) -> str:
+    """Write a title, whose plain formulas are set as text: ``T = m*dot(q)^2/2`` as T = m q̇²/2.
+
+    Args:
+        title: as given.
+        names: what is a name in it.
+    """
+    pieces = with_names(title, names)
+    return "".join(plain(p.box) if isinstance(p, Mathematics) else str(p) for p in pieces)
+
+
+def _named(text: str, names: Collection[str]) -> list[Inline]:
+    """Words with the names that cannot be meant as words set as mathematics."""
+    telling = {n for n in names if n in GREEK or re.fullmatch(r"[A-Za-z]+\d+", n)} | {f"p_{n}" for n in names}
+    spelled_names = "|".join(re.escape(n) for n in sorted(names, key=len, reverse=True))
+    telling |= {f"dot({n})" for n in names} | {f"alpha_{i}" for i in range(2, 10)}
+    spelled = rf"(?:{'|'.join(sorted(GREEK.keys() - {'iota', 'lam', 'lamda'}, key=len, reverse=True))})(?:_?\d+)?"
+    indexed = [rf"[A-Z](?:_(?:{spelled_names}))+"] if names else []
+    pattern = "|".join([*(re.escape(n) for n in sorted(telling, key=len, reverse=True)), spelled, *indexed])
+    pieces = re.split(rf"(?<![\w.])({pattern})(?!\w)", text)
+    return [Mathematics(named(p, names)) if i % 2 else typeset(p) for i, p in enumerate(pieces) if p]
+
+
+def domain_text(domain: Domain, name: str) -> Text:
+    """Say where a coordinate may go.
+
+    Args:
+        domain: its domain.
+        name: its name.
+
+    Returns:
+        Such as "0 < r" or "angle, period 2π".
+    """
+    if domain.kind == "angle":
+        return ("angle, period ", Mathematics(row(Glyph("2", "number"), Glyph("π"))))
+    less, infinity = Glyph("<", "operator"), Glyph("∞", "number")
+    parts: list[Box] = [name_box(name)]
+    if domain.lower is not None or domain.kind == "line":
+        parts = [*([Glyph("−", "operator"), infinity] if domain.lower is None else [box(domain.lower)]), less, *parts]
+    if domain.upper is not None or domain.kind == "line":
+        parts = [*parts, less, infinity if domain.upper is None else box(domain.upper)]
+    return (Mathematics(row(*parts)),)
+
+
+def listed(names: tuple[str, ...] | list[str], word: str = "and") -> Text:
+    """Enumerate names: q₁, q₂ and q₃.
+
+    Args:
+        names: at least one name.
+        word: the word before the last.
+
+    Returns:
+        The enumeration in pieces.
+    """
+    pieces: list[Inline] = []
+    for i, name in enumerate(names):
+        if i:
+            pieces.append(f" {word} " if i == len(names) - 1 else ", ")
+        pieces.append(Mathematics(name_box(name)))
+    return tuple(pieces)
+
+
+def typeset(text: str) -> str:
+    """Write the plain powers and products of units and remarks properly: ``kg*m^2/s^2`` as kg·m²/s².
+
+    Args:
+        text: a unit or a remark.
+
+    Returns:
+        The same with raised digits and centred dots.
+    """
+    raised = str.maketrans("0123456789-", "⁰¹²³⁴⁵⁶⁷⁸⁹⁻")
+    text = re.sub(
+        r"(?:\^|\*\*)(?:\((-?\d+)\)|(-?\d+)(?![\w.]))", lambda m: (m[1] or m[2]).translate(raised), text
+    )
+    text = re.sub(r"(?<=[=(,] )-(?=\w)|(?<=[=(])-(?=\w)|(?<=\b\w )-(?= \w\b)", "−", text)
+    return re.sub(r"(?<=[\w²³⁰¹⁴⁵⁶⁷⁸⁹)])\*(?=[\w(])", "·", text)

@@ -1,0 +1,201 @@
+"""The sections of a report about the solution: Stäckel's and Liouville's form, W, time law, orbit equations."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import sympy as sp
+
+from hjsolve.mechanics.energy_shell import time_name
+from hjsolve.mechanics.system import kinetic_rest
+from hjsolve.reports.document import Block, Formula, Mathematics, Paragraph, Section, Table, Text
+from hjsolve.reports.formulas.from_sympy import box, compact, tidy
+from hjsolve.reports.formulas.layout import Box, Fence, Fraction, Glyph, Script, row, width
+from hjsolve.reports.formulas.line_breaks import LINE, broken, display
+from hjsolve.reports.formulas.names import name_box
+from hjsolve.reports.formulas.one_line_text import spoken
+from hjsolve.reports.sections.prose import listed, prose
+from hjsolve.reports.sections.system_and_verdict import EQUALS, equation, formula, math
+from hjsolve.separation import Liouville, Separation, Stackel
+from hjsolve.solution.quadratures import Solution
+
+
+def forms_section(verdict: Separation) -> Section | None:
+    """Show Stäckel's matrix and Liouville's functions, of the full system and of the shell.
+
+    Args:
+        verdict: a separation.
+
+    Returns:
+        The section; None where there is nothing to show.
+    """
+    full, shell = (verdict.stackel, verdict.liouville), (verdict.reduced.stackel, verdict.reduced.liouville)
+    blocks: list[Block] = []
+    if any(full) and verdict.ignorable:
+        text = (
+            "Of the whole system: every ignorable coordinate has a row and a separation constant of its own here, "
+            "which the matrix of the shell has not."
+        )
+        blocks.append(Paragraph((text,)))
+    blocks += _forms(*full, _Whose("H", Glyph("V" if kinetic_rest(verdict.system) == 0 else "V′")))
+    if any(shell) and (not all(full) or not verdict.ignorable) and shell != full:
+        blocks += [Paragraph((_of_the_shell(verdict),)), *_forms(*shell, _Whose("the shell", name_box("V_eff")))]
+    return Section("forms", "Stäckel's and Liouville's form", tuple(blocks)) if blocks else None
+
+
+@dataclass(frozen=True)
+class _Whose:
+    """What a form belongs to: H of the whole system with V (V′ = V − T₀), or the shell with its effective potential."""
+
+    energy: str
+    potential: Box
+
+
+def _of_the_shell(verdict: Separation) -> str:
+    constant = ", with the ignorable momenta as constants" if verdict.ignorable else ""
+    if verdict.stackel is not None or verdict.liouville is not None:
+        return f"Of the shell{constant}:"
+    if verdict.system.relativity is not None:
+        return f"Of the shell, the squared energy relation{constant}:"
+    return f"The whole system is of neither form; its shell is{constant}:"
+
+
+def _forms(stackel: Stackel | None, liouville: Liouville | None, whose: _Whose) -> list[Block]:
+    blocks: list[Block] = []
+    if stackel is not None:
+        blocks += _stackel(stackel, whose)
+    if liouville is not None:
+        blocks += _liouville(liouville, whose)
+    return blocks
+
+
+def _stackel(form: Stackel, whose: _Whose) -> list[Block]:
+    Φ, ψ, c = Glyph("Φ"), Glyph("ψ"), Glyph("c")
+    column = sp.ImmutableMatrix(form.column)
+    metric = sp.ImmutableMatrix(form.inverse_metric)
+    gap = Glyph(",  ", "text")
+    whole = row(Φ, EQUALS, box(form.matrix), gap, ψ, EQUALS, box(column), gap, c, EQUALS, box(metric))
+    transposed = Script(c, sup=Glyph("T", "text"))
+    comma, zero = Glyph(",", "operator"), Glyph("0", "number")
+    one = Fence(row(Glyph("1", "number"), comma, zero, comma, Glyph("…", "operator"), comma, zero))
+    text: Text = (
+        f"Stäckel's matrix Φ, column ψ and coefficients c of ½p² in {whose.energy}; row i contains coordinate ",
+        *_order(form.coordinates),
+        " only. Checked by substitution, exactly: ",
+        Mathematics(row(transposed, Φ, EQUALS, one)),
+        " and ",
+        Mathematics(row(transposed, ψ, EQUALS, whose.potential)),
+        ".",
+    )
+    source = f"Phi = {form.matrix.tolist()}, psi = {list(form.column)}, c = {list(form.inverse_metric)}"
+    return [Paragraph(text), Formula(broken(whole), source, "Greenwood (5-139)")]
+
+
+def _order(names: tuple[str, ...]) -> Text:
+    return ("i of ", *listed(names))
+
+
+def _liouville(form: Liouville, whose: _Whose) -> list[Block]:
+    names = [name_box(name) for name in form.coordinates]
+    rows = tuple(
+        ((Mathematics(name),), (math(f),), (math(R),), (math(v),))
+        for name, f, R, v in zip(names, form.f, form.R, form.v)
+    )
+    i, sums = Glyph("i"), Glyph("∑", "operator")
+    f, R, v = (Script(Glyph(letter), i) for letter in "fRv")
+    two = Glyph("2", "number")
+    kinetic = row(Glyph("T"), EQUALS, Fraction(row(sums, R, Script(Glyph("p"), i, two)), row(two, sums, f)))
+    potential = row(whose.potential, EQUALS, Fraction(row(sums, v), row(sums, f)))
+    whole = row(kinetic, Glyph(",  ", "text"), potential)
+    header: tuple[Text, ...] = (("Coordinate",), (Mathematics(f),), (Mathematics(R),), (Mathematics(v),))
+    return [
+        Paragraph(("Liouville's form:",)),
+        Formula(whole, "T = sum(R_i*p_i**2)/(2*sum(f_i)), V = sum(v_i)/sum(f_i)", "Greenwood (5-125)"),
+        Table(header, rows, "Liouville's functions"),
+    ]
+
+
+# ------------------------------------------------------------------------------------------------ the solution
+def solution_sections(solution: Solution) -> list[Section]:
+    """Give W with the momenta and constants, the time law, and the orbit equations.
+
+    Args:
+        solution: the solution.
+
+    Returns:
+        Three sections; the time law is missing where every coordinate is ignorable.
+    """
+    sections = [_characteristic_function(solution)]
+    if solution.time_law is not None:
+        letter = time_name(solution.system)
+        what = "time" if letter == "t" else "parameter of the motion"
+        text = (
+            f"The {what} as a function of the place. The root is positive while the coordinate increases and negative "
+            f"while it decreases; the lower limit fixes what the initial {what} means."
+        )
+        if letter != "t":
+            text += f" It is called {spoken(letter)}, for t is a coordinate here."
+        law = _jacobi(solution, solution.time_law, "Greenwood (5-71)")
+        sections.append(Section("time-law", "Time law", (Paragraph((text,)), law)))
+    passive = {c.momentum.name for c in solution.separation.shell.ignorable}
+    equations = tuple(
+        _jacobi(solution, e, "Greenwood (5-83)" if name in passive else "Greenwood (5-70)")
+        for name, e in solution.orbit_equations.items()
+    )
+    if equations:
+        text = "One equation for each further constant: together they are the orbit, without the time."
+        sections.append(Section("orbit", "Orbit equations", (Paragraph((text,)), *equations)))
+    return sections
+
+
+def _jacobi(solution: Solution, law: sp.Eq, tag: str) -> Formula:
+    """One of Jacobi's equations; the roots of a long one are written by the letters of the momenta."""
+    plain = equation(law, tag)
+    if not _is_long(solution):
+        return plain
+    return Formula(display(sp.Eq(law.lhs, _by_momenta(solution, law.rhs), evaluate=False)), plain.source, tag)
+
+
+def _is_long(solution: Solution) -> bool:
+    """Whether the squared momenta are too long to be repeated under every integral."""
+    return any(width(box(square)) > LINE for square in solution.momentum_squared.values())
+
+
+def _by_momenta(solution: Solution, expression: sp.Expr) -> sp.Expr:
+    """An expression with p(q), or P(q) with P = p + A, in place of the roots √P²."""
+    letters = {}
+    for name, square in solution.momentum_squared.items():
+        letter = f"P_{name}" if solution.shift[name] != 0 else f"p_{name}"
+        letters[square] = sp.Function(letter, positive=True)(solution.system.coordinate(name).symbol) ** 2
+    return tidy(expression.xreplace(letters))
+
+
+def _characteristic_function(solution: Solution) -> Section:
+    function = tidy(solution.characteristic_function)
+    words = "Hamilton's characteristic function; its derivatives by the coordinates are the momenta:"
+    if _is_long(solution):
+        function = _by_momenta(solution, solution.characteristic_function)
+        words = (
+            "Hamilton's characteristic function; its derivatives by the coordinates are the momenta, and under the "
+            "integrals here and below stand the roots of their squares as given next:"
+        )
+    equality = sp.Eq(sp.Symbol("W"), function, evaluate=False)
+    blocks: list[Block] = [
+        Paragraph((words,)),
+        Formula(display(equality), f"W = {solution.characteristic_function}", "Greenwood (5-65)"),
+    ]
+    for name, square in solution.momentum_squared.items():
+        shifted = solution.shift[name] != 0
+        left = Script(Glyph("P" if shifted else "p"), name_box(name), Glyph("2", "number"))
+        short = compact(square)
+        shown = short if width(box(short)) <= LINE else square
+        blocks.append(formula(left, shown, "Greenwood (5-142)"))
+        if shifted:
+            blocks.append(formula(name_box(f"p_{name}"), solution.momenta[name]))
+    blocks += [formula(name_box(f"p_{name}"), solution.momenta[name]) for name in solution.separation.shell.null]
+    rows = tuple(
+        ((Mathematics(name_box(name)),), prose(c.meaning, solution.system), (math(c.expression),))
+        for name, c in solution.constants.items()
+    )
+    blocks.append(Table((("Constant",), ("Meaning",), ("In terms of q and p",)), rows, "Constants of the motion"))
+    return Section("characteristic-function", "Hamilton's characteristic function", tuple(blocks))

@@ -1,0 +1,379 @@
+"""The sections of a report about the question: the system, its reduction, the evidence, and the obstruction."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping, Sequence
+from typing import Any
+
+import mpmath
+import sympy as sp
+
+from hjsolve.mechanics.system import System, hamiltonian, linear_terms, mass_matrix, momenta
+from hjsolve.reports.document import (
+    Block,
+    Code,
+    Formula,
+    Mathematics,
+    Note,
+    Number,
+    Paragraph,
+    Section,
+    Step,
+    Steps,
+    Strong,
+    Table,
+    Text,
+)
+from hjsolve.reports.formulas.from_sympy import box, tidy
+from hjsolve.reports.formulas.layout import Box, Fraction, Glyph, Script, row
+from hjsolve.reports.formulas.line_breaks import LINE, broken, display
+from hjsolve.reports.formulas.names import name_box
+from hjsolve.reports.sections.prose import domain_text, listed, prose, typeset
+from hjsolve.reports.sections.rounded_numbers import bound, shortest, terminating
+from hjsolve.separation import Obstruction, Separation, Undecided
+from hjsolve.separation.zero_test.zero_test import Zero, is_zero
+
+EQUALS = Glyph("=", "operator")
+
+
+IN_A_CELL = 0.6 * LINE
+"""Letters after which an expression in the cell of a table takes another line."""
+
+
+def math(expression: sp.Basic) -> Mathematics:
+    """Set an expression inside a sentence or a cell, a long one on several lines."""
+    return Mathematics(display(expression, IN_A_CELL))
+
+
+_SIMPLE, _FIRST_DIGITS = 12, 6
+"""Denominators up to which fractions are read best; digits shown of a long exact number."""
+
+
+def exactly(value: sp.Expr) -> Text:
+    """Write a number that is known exactly: short fractions as they are, decimals where they end, the rest with both.
+
+    Args:
+        value: an exact number.
+
+    Returns:
+        The number in pieces, a long one followed by its first digits.
+    """
+    if isinstance(value, sp.Rational) and value.q <= _SIMPLE:
+        return (math(value),)
+    ending = terminating(value)
+    if ending is not None:
+        return (ending,)
+    return (math(value), " ≈ ", Number(shortest(mpmath.mpf(sp.N(value, 20)), _FIRST_DIGITS)))
+
+
+def formula(left: Box, expression: sp.Basic, tag: str = "") -> Formula:
+    """Display an equation.
+
+    Args:
+        left: the box of its left side.
+        expression: its right side.
+        tag: the equation's number in the literature.
+
+    Returns:
+        The displayed formula.
+    """
+    return Formula(broken(row(left, EQUALS, box(expression))), str(expression), tag)
+
+
+def equation(relation: sp.Basic, tag: str = "") -> Formula:
+    """Display an equation that is a sympy object, constants taken out of its integrals.
+
+    Args:
+        relation: the equation or expression.
+        tag: the equation's number in the literature.
+
+    Returns:
+        The displayed formula.
+    """
+    shown = relation
+    if isinstance(relation, sp.Eq):
+        shown = sp.Eq(relation.lhs, tidy(relation.rhs), evaluate=False)
+    return Formula(display(shown), str(relation), tag)
+
+
+# -------------------------------------------------------------------------------- the system
+def system_section(system: System, meanings: Mapping[str, tuple[str, str]], summary: str) -> Section:
+    """Write down what was given.
+
+    Args:
+        system: the system.
+        meanings: coordinate → (unit, meaning); may be empty.
+        summary: what the catalog says about it; may be empty.
+
+    Returns:
+        The section.
+    """
+    blocks: list[Block] = [Paragraph(prose(summary, system))] if summary else []
+    if system.relativity is not None:
+        blocks.append(Paragraph((RELATIVISTIC,)))
+    blocks += [formula(Glyph("T"), system.kinetic), formula(Glyph("V"), system.potential)]
+    blocks.append(_coordinates(system, meanings))
+    if system.parameters:
+        blocks.append(_parameters(system))
+    return Section("system", "The system", (*blocks, *_hamilton(system)))
+
+
+RELATIVISTIC = (
+    "A relativistic particle. T is not its energy but the classical kinetic energy, which gives the metric and the "
+    "terms linear in the velocities."
+)
+
+
+def _hamilton(system: System) -> list[Block]:
+    """Hamilton's function and what its momenta are; of a relativistic particle they are not ∂T/∂q̇."""
+    H = hamiltonian(system)
+    if system.relativity is None:
+        text = ("Hamilton's function, with the momenta ", Mathematics(_momentum_definition()), ":")
+        return [Paragraph(text), formula(Glyph("H"), H, "Greenwood (4-109)")]
+    field = any(linear_terms(system))
+    tag = "" if field else "Greenwood (7-159)"
+    return [
+        Paragraph(("The momenta:",)),
+        *(formula(name_box(f"p_{name}"), p, tag) for name, p in momenta(system).items()),
+        Paragraph(("Hamilton's function, the rest energy included:",)),
+        formula(Glyph("H"), H, "Greenwood (7-170)" if field else "Greenwood (7-165)"),
+    ]
+
+
+def _momentum_definition() -> Box:
+    partial = Glyph("∂", "differential")
+    dot = name_box("dot(q)")
+    top, bottom = row(partial, Glyph("T")), row(partial, Script(dot, Glyph("i")))
+    return row(Script(Glyph("p"), Glyph("i")), EQUALS, Fraction(top, bottom))
+
+
+def _coordinates(system: System, meanings: Mapping[str, tuple[str, str]]) -> Table:
+    told = any(meanings.get(c.name, ("", ""))[1] for c in system.coordinates)
+    rows = tuple(
+        (
+            (Mathematics(name_box(c.name)),),
+            domain_text(c.domain, c.name),
+            *(_meaning(system, *meanings.get(c.name, ("", ""))) if told else ()),
+        )
+        for c in system.coordinates
+    )
+    header: tuple[Text, ...] = (("Coordinate",), ("Domain",), *((("Meaning",), ("Unit",)) if told else ()))
+    return Table(header, rows, "Coordinates")
+
+
+def _meaning(system: System, unit: str, meaning: str) -> tuple[Text, Text]:
+    return prose(meaning, system), (typeset(unit),)
+
+
+def _parameters(system: System) -> Table:
+    told = any(p.meaning for p in system.parameters)
+    rows = []
+    for p in system.parameters:
+        value: Text = exactly(p.value) if p.value is not None else ("no default",)
+        rows.append(
+            (
+                (Mathematics(name_box(p.name)),),
+                value,
+                (p.assume,),
+                *(_meaning(system, p.unit, p.meaning) if told else ()),
+            )
+        )
+    header: tuple[Text, ...] = (
+        ("Parameter",),
+        ("Default",),
+        ("Assumed",),
+        *((("Meaning",), ("Unit",)) if told else ()),
+    )
+    return Table(header, tuple(rows), "Parameters")
+
+
+# -------------------------------------------------------------------------------- the reduction and the test
+def steps_block(steps: Sequence[Any], system: System) -> Steps:
+    """Write an argument of the symbolic half.
+
+    Args:
+        steps: its ``Step`` values.
+        system: whose names they use.
+
+    Returns:
+        The argument.
+    """
+    return Steps(tuple(Step(s.title, prose(s.explanation, system), _step_formula(s.title, s.formula)) for s in steps))
+
+
+def _step_formula(title: str, result: sp.Basic | None) -> Formula | None:
+    """Nested tuples (Liouville's functions) have their own table and are not repeated here."""
+    if result is None or (isinstance(result, sp.Tuple) and any(isinstance(item, sp.Tuple) for item in result)):
+        return None
+    if title in _LEFT:
+        return Formula(broken(row(Glyph(_LEFT[title]), EQUALS, box(result))), str(result))
+    return Formula(display(result), str(result))
+
+
+_LEFT = {"Stäckel's matrix": "Φ", "Stäckel's column": "ψ"}
+
+
+def reduction_section(verdict: Separation | Obstruction | Undecided) -> Section | None:
+    """Tell how the system was reduced to its energy shell; None where it never had one.
+
+    Args:
+        verdict: any verdict.
+
+    Returns:
+        The section, or None.
+    """
+    if verdict.shell is None:
+        return None
+    text = (
+        "Ignorable coordinates are replaced by their constant momenta. What is left, the energy shell, is one "
+        "quadratic form in "
+        "the momenta of the other coordinates and one effective potential."
+    )
+    return Section(
+        "reduction",
+        "Reduction to the energy shell",
+        (Paragraph((text,)), steps_block(verdict.shell.steps, verdict.system)),
+    )
+
+
+def evidence_section(verdict: Separation | Obstruction | Undecided, *, lead: bool = True) -> Section | None:
+    """Give the evidence for the verdict.
+
+    Args:
+        verdict: any verdict.
+        lead: whether the section begins with the answer itself.
+
+    Returns:
+        The section; None where there is nothing to say.
+    """
+    known = verdict.shell.steps if verdict.shell else ()
+    rest = [step for step in verdict.evidence if step not in known]
+    blocks: tuple[Block, ...] = (Paragraph(answer(verdict)),) if lead else ()
+    if rest:
+        blocks += (steps_block(rest, verdict.system),)
+    return Section("test", "Does it separate?", blocks) if blocks else None
+
+
+def answer(verdict: Separation | Obstruction | Undecided) -> Text:
+    """Say the verdict in a sentence or two.
+
+    Args:
+        verdict: any verdict.
+
+    Returns:
+        The sentence in pieces.
+    """
+    names = [c.name for c in verdict.system.coordinates]
+    inside = ("in ", *listed(names))
+    match verdict:
+        case Separation():
+            free = verdict.ignorable
+            ignorable: Text = (
+                (" ", *listed(free), " " + ("is" if len(free) == 1 else "are") + " ignorable.") if free else ()
+            )
+            return (Strong("Separates"), " ", *inside, _form(verdict), *ignorable)
+        case Obstruction():
+            pair = (" between ", *listed(verdict.pair)) if len(set(verdict.pair)) > 1 else ()
+            return (
+                Strong("Does not separate"),
+                " ",
+                *inside,
+                f": the {_PARTS.get(verdict.part, verdict.part)} stands in the way",
+                *pair,
+                ".",
+            )
+        case Undecided():
+            return (
+                Strong("Not decided"),
+                " ",
+                *inside,
+                ": the residual could neither be proved zero nor proved different from zero.",
+            )
+
+
+_PARTS = {
+    "metric": "kinetic energy",
+    "potential": "potential",
+    "gyroscopic": "gyroscopic term",
+    "reduction": "reduction",
+}
+
+
+def _form(verdict: Separation) -> str:
+    if verdict.liouville is not None:
+        return ": a system of Liouville's form."
+    if verdict.stackel is not None:
+        return (
+            ": a system of Stäckel's form, not of Liouville's."
+            if verdict.reduced.liouville is None
+            else (": a system of Stäckel's form; of Liouville's only once the ignorable coordinates are gone.")
+        )
+    if verdict.reduced.stackel is None:
+        return ": no coordinate is left after the ignorable ones; the motion is uniform."
+    return _by_its_shell(verdict)
+
+
+def _by_its_shell(verdict: Separation) -> str:
+    """Say what stands between the full system and its separable shell: relativity, linear terms, mixed products."""
+    whose = "Stäckel's" if verdict.reduced.liouville is None else "Liouville's"
+    gone = " once the ignorable coordinates are eliminated" if verdict.ignorable else ""
+    if verdict.system.relativity is not None:
+        return f"{gone}: the energy relation, squared, is a shell of {whose} form for every energy."
+    if not _diagonal(verdict.system):
+        return f"{gone}; the kinetic energy is not diagonal in all of them. The shell is of {whose} form."
+    if any(linear_terms(verdict.system)):
+        how = (
+            "are a gradient and are shifted away" if any(verdict.shell.shift) else "become part of the potential"
+        )
+        return f"{gone}: T has terms linear in the velocities, which {how}. The shell is of {whose} form."
+    return f"{gone}: the shell is of {whose} form."
+
+
+def _diagonal(system: System) -> bool:
+    """Whether T holds no product of two velocities; entries that only look like something are decided."""
+    mass = mass_matrix(system)
+    mixed = (mass[i, j] for i in range(mass.rows) for j in range(i))
+    return all(entry == 0 or isinstance(is_zero(entry), Zero) for entry in mixed)
+
+
+# -------------------------------------------------------------------------------- a refusal
+def refusal_section(verdict: Obstruction | Undecided) -> Section:
+    """Show the obstruction: residual, witness, advice.
+
+    Args:
+        verdict: an obstruction or an open question.
+
+    Returns:
+        The section.
+    """
+    residual = Formula(display(verdict.residual), str(verdict.residual))
+    blocks: list[Block] = [Paragraph(("The expression that would have to vanish identically:",)), residual]
+    if isinstance(verdict, Obstruction):
+        point = verdict.witness.point
+        blocks.append(
+            Paragraph(
+                (
+                    "A witness that it does not: at ",
+                    *_point(point),
+                    " it is proved to lie between ",
+                    Code(bound(verdict.witness.lower, up=False)),
+                    " and ",
+                    Code(bound(verdict.witness.upper, up=True)),
+                    ".",
+                )
+            )
+        )
+    elif verdict.value is not None:
+        blocks.append(
+            Paragraph(("At ", *_point(verdict.point), " it is, to 40 digits, ", Code(shortest(verdict.value, 40)), "."))
+        )
+    blocks.append(Note(prose(verdict.advice, verdict.system)))
+    title = "The obstruction" if isinstance(verdict, Obstruction) else "What is left open"
+    return Section("obstruction", title, tuple(blocks))
+
+
+def _point(point: Mapping[str, Any]) -> Text:
+    pieces: list[Any] = []
+    for i, (name, value) in enumerate(point.items()):
+        pieces += ([", "] if i else []) + [Mathematics(row(name_box(name), EQUALS, box(sp.sympify(value))))]
+    return tuple(pieces)
