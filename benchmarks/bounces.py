@@ -12,7 +12,7 @@ import time
 from mpmath import mp
 
 from hjsolve.scenes import Scene
-from tests.scenes import billiards
+from tests.support import billiards
 
 RAYS = {**billiards.KEPLER, "events": [billiards.wall("theta", "1"), billiards.wall("theta", "-0.5")]}
 CASES = {

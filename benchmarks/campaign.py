@@ -36,8 +36,8 @@ import mpmath
 import numpy as np
 
 from hjsolve.errors import ForbiddenMotionError, InvalidInputError, NotConvergedError, OutsideMotionError
-from tests import random_motions
-from tests.random_motions import Draw
+from tests.support import random_motions
+from tests.support.random_motions import Draw
 
 DIGITS = 25
 ATTEMPTS = 8

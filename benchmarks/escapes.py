@@ -2,7 +2,7 @@
 
     python benchmarks/escapes.py --count 200 --digits 15 --out escapes.jsonl
 
-Potentials and references are those of ``tests/random_escapes.py``: times of passage t(q) by mpmath's quadrature cut at
+Potentials and references are those of ``tests/support/random_escapes.py``: times of passage t(q) by mpmath's quadrature cut at
 the features, at twice the digits; and q(t), whose reference is t(q) of the place found, the difference times the
 velocity. One line a motion; status 1 when a claim is below the true error, or something else than an error of
 hjsolve's own was raised.
@@ -24,7 +24,7 @@ sys.path.insert(0, str(Path(__file__).resolve().parents[1]))
 from mpmath import mp
 
 import hjsolve
-from tests.random_escapes import Escape, draw
+from tests.support.random_escapes import Escape, draw
 
 
 def compared(escape: Escape, digits: int) -> list[tuple[str, float, float, float]]:

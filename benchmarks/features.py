@@ -2,7 +2,7 @@
 
     python benchmarks/features.py --count 100 --seed 5 --ways 15,30,numpy,compiled --out features.jsonl
 
-Each line of the file is one draw of ``tests/random_features.py`` computed in one way: a single motion in so many
+Each line of the file is one draw of ``tests/support/random_features.py`` computed in one way: a single motion in so many
 digits, or an ensemble by numpy or compiled loops, in which orbits that the vectorised engine hands back are computed
 one by one (``recomputed`` in the file). A run that was stopped goes on where it stopped. At the end, and with
 ``--report FILE`` alone, the counts are printed: right (1e-12 and inside the claim) · loose (inside the claim, off by
@@ -25,7 +25,7 @@ from mpmath import mp, mpf
 sys.path.insert(0, str(pathlib.Path(__file__).resolve().parent.parent))
 
 import hjsolve
-from tests.random_features import Draw, Truth, draw, truth
+from tests.support.random_features import Draw, Truth, draw, truth
 
 _GOOD = 1e-12
 _REFERENCE = 1e-18

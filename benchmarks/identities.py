@@ -1,7 +1,7 @@
 """Random identities that depend on the domain, and false neighbours: ``python benchmarks/identities.py [--count 600]``.
 
 Half angles, logarithms of powers, roots of squares, sums of inverse functions, constants: true ones and false ones
-in equal parts (``tests/random_identities.py``, with ``--typed`` ``tests/typed_identities.py``). Prints the share
+in equal parts (``tests/support/random_identities.py``, with ``--typed`` ``tests/support/typed_identities.py``). Prints the share
 decided by family; status 1 when one is wrong.
 """
 
@@ -18,8 +18,8 @@ sys.path.insert(0, str(Path(__file__).resolve().parents[1]))
 
 from hjsolve.separation.zero_test.interval_evaluation import Region
 from hjsolve.separation.zero_test.zero_test import NonZero, Zero, is_zero
-from tests.random_identities import FAMILIES, identities
-from tests.typed_identities import TYPED
+from tests.support.random_identities import FAMILIES, identities
+from tests.support.typed_identities import TYPED
 
 
 def main() -> int:

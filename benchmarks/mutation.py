@@ -28,19 +28,19 @@ ROOT = Path(__file__).resolve().parents[1]
 LAWS = ("tests/laws/test_levi_civita.py", "tests/laws/test_staeckel_matrix.py", "tests/laws/test_liouville.py")
 TESTS = {
     "separation/forms/levi_civita": (
-        "tests/unit/test_modular_jets.py",
-        "tests/unit/test_separation_parts.py",
+        "tests/algebra/test_modular_jets.py",
+        "tests/separation/test_separation_parts.py",
         "tests/laws/test_levi_civita.py",
         "tests/laws/test_why_not.py",
     ),
-    "separation/forms/liouville": ("tests/unit/test_liouville_parts.py", "tests/laws/test_liouville.py"),
+    "separation/forms/liouville": ("tests/separation/test_liouville_parts.py", "tests/laws/test_liouville.py"),
     "separation/forms/stackel": (
-        "tests/unit/test_separation_parts.py",
+        "tests/separation/test_separation_parts.py",
         "tests/laws/test_staeckel_matrix.py",
         "tests/laws/test_why_not.py",
     ),
-    "separation/zero_test/zero_test": ("tests/unit/test_separation_parts.py", "tests/unit/test_zero_test.py", *LAWS),
-    "shell": ("tests/unit/test_shell.py", *LAWS, "tests/unit/test_solution.py"),
+    "separation/zero_test/zero_test": ("tests/separation/test_separation_parts.py", "tests/separation/test_zero_test.py", *LAWS),
+    "shell": ("tests/mechanics/test_energy_shell.py", *LAWS, "tests/solution/test_solution.py"),
     "separation/constants/constants": ("tests/laws/test_staeckel_matrix.py", "tests/laws/test_involution.py"),
     "separation/obstruction/blocks": ("tests/laws/test_why_not.py",),
     "separation/obstruction/one_energy": ("tests/laws/test_why_not.py",),

@@ -166,7 +166,7 @@ def _heyoka_kepler(hy: Any, e: float, t: Any) -> Callable[[], Any]:
 
 
 def kerr(repeats: int) -> Iterator[Row]:
-    from tests.kinds.test_kerr import separatrix, start
+    from tests.motion.test_kerr import separatrix, start
     from tests.reference.kerr import by_quadrature, from_start, from_turning_points, in_closed_form
 
     kg, names = rival("kerrgeopy"), ("r", "theta", "phi")

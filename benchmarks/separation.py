@@ -15,7 +15,7 @@ sys.path.insert(0, str(Path(__file__).resolve().parents[1]))
 
 from hjsolve.mechanics.system import System
 from hjsolve.separation import Obstruction, Separation, separate
-from tests.separation_cases import E3, ONE_DIMENSIONAL, REFUSED, SEVERAL, ellipsoidal
+from tests.support.separation_cases import E3, ONE_DIMENSIONAL, REFUSED, SEVERAL, ellipsoidal
 
 RUNS = 5
 ELLIPSOIDAL_LIMITS = {3: 1.0, 4: 5.0, 5: 30.0}

@@ -20,7 +20,7 @@ sys.path.insert(0, str(Path(__file__).resolve().parents[1]))
 
 from hjsolve.errors import InvalidInputError
 from hjsolve.separation import Obstruction, Separation, separate
-from tests.random_staeckel import Case, case
+from tests.support.random_staeckel import Case, case
 
 SHARES = {2: 0.56, 3: 0.38, 4: 0.06}
 

@@ -12,7 +12,7 @@ ROOT = Path(__file__).resolve().parents[2]
 SOURCES = sorted((ROOT / "hjsolve").rglob("*.py"))
 TESTS = sorted((ROOT / "tests").rglob("*.py"))
 FUNCTIONS = (ast.FunctionDef, ast.AsyncFunctionDef)
-# the one place that runs a generated program: written from operation codes and numbers, see tests/batch/test_programs.py
+# the one place that runs a generated program: written from operation codes and numbers, see tests/ensembles/test_programs.py
 WRITTEN_BY_US = {"ensembles/engine/programs.py": {"exec", "compile"}}
 IDS = [str(path.relative_to(ROOT / "hjsolve")) for path in SOURCES]
 

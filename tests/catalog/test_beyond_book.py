@@ -8,8 +8,8 @@ import sympy as sp
 from mpmath import mp
 
 from hjsolve import catalog
-from tests import entries
-from tests.catalog.book import motion, off, start
+from tests.support import entries
+from tests.support.book import motion, off, start
 
 FREQUENCIES: dict[tuple[str, str, str], Callable[[Any], Any]] = {
     # Landau & Lifshitz, Quantum Mechanics §23: E = D − (a J/√(2m) − √D)², so Ω = a√(2(D − E)/m)

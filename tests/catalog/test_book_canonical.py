@@ -6,7 +6,7 @@ import pytest
 import sympy as sp
 from mpmath import mp
 
-from tests.catalog.book import RESULTS, Result, exact, result, solution
+from tests.support.book import RESULTS, Result, exact, result, solution
 
 q, p, Q, P, time = sp.symbols("q p Q P t", positive=True)
 x, x0, m, k, E, t0 = sp.symbols("x x0 m k E t0", positive=True)

@@ -3,7 +3,7 @@
 import pytest
 import sympy as sp
 
-from tests.catalog.book import (
+from tests.support.book import (  # fmt: skip
     RESULTS,
     Mechanics,
     Result,
@@ -18,8 +18,8 @@ from tests.catalog.book import (
     p_of,
     result,
     start,
-)  # fmt: skip
-from tests.catalog.pfaff import curvature, one_form, reachable
+)
+from tests.support.pfaff import curvature, one_form, reachable
 
 S = sp.Symbol
 

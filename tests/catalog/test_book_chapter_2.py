@@ -5,7 +5,7 @@ import pytest
 import sympy as sp
 from mpmath import mp
 
-from tests.catalog.book import (
+from tests.support.book import (  # fmt: skip
     RESULTS,
     H_of,
     Mechanics,
@@ -19,8 +19,8 @@ from tests.catalog.book import (
     on_shell,
     result,
     start,
-)  # fmt: skip
-from tests.catalog.pfaff import curvature, one_form
+)
+from tests.support.pfaff import curvature, one_form
 
 S = sp.Symbol
 

@@ -4,7 +4,7 @@ import pytest
 import sympy as sp
 from mpmath import mp
 
-from tests.catalog.book import (
+from tests.support.book import (  # fmt: skip
     RESULTS,
     H_of,
     Mechanics,
@@ -17,8 +17,8 @@ from tests.catalog.book import (
     p_of,
     result,
     start,
-)  # fmt: skip
-from tests.catalog.pfaff import curvature, one_form
+)
+from tests.support.pfaff import curvature, one_form
 
 S = sp.Symbol
 

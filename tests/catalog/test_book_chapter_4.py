@@ -5,8 +5,8 @@ import pytest
 import sympy as sp
 from mpmath import mp
 
-from tests import entries
-from tests.catalog.book import (
+from tests.support import entries
+from tests.support.book import (  # fmt: skip
     RESULTS,
     Mechanics,
     Result,
@@ -20,8 +20,8 @@ from tests.catalog.book import (
     p_of,
     result,
     start,
-)  # fmt: skip
-from tests.catalog.pfaff import curvature, one_form
+)
+from tests.support.pfaff import curvature, one_form
 
 S = sp.Symbol
 

@@ -6,7 +6,7 @@ from mpmath import mp
 
 from hjsolve import catalog
 from hjsolve.separation import separate
-from tests.catalog.book import (
+from tests.support.book import (
     RESULTS,
     H_of,
     Result,

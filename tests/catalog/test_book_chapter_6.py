@@ -5,8 +5,8 @@ import sympy as sp
 from mpmath import mp
 
 from hjsolve import catalog
-from tests import entries
-from tests.catalog.book import (
+from tests.support import entries
+from tests.support.book import (
     RESULTS,
     H_of,
     Result,

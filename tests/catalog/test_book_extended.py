@@ -9,20 +9,8 @@ from mpmath import mp
 
 from hjsolve import catalog, frames
 from hjsolve.extended.gyroscopic import LAMBDA, LinearModes, linear_modes
-from tests import entries
-from tests.catalog.book import (
-    RESULTS,
-    H_of,
-    Mechanics,
-    Result,
-    bracket,
-    exact,
-    formula,
-    mechanics,
-    off,
-    plain,
-    result,
-)
+from tests.support import entries
+from tests.support.book import RESULTS, H_of, Mechanics, Result, bracket, exact, formula, mechanics, off, plain, result
 
 S = sp.Symbol
 DIGITS_PRINTED = 2e-3

@@ -4,8 +4,8 @@ import pytest
 import sympy as sp
 from mpmath import mp
 
-from tests import entries
-from tests.catalog.book import (
+from tests.support import entries
+from tests.support.book import (  # fmt: skip
     RESULTS,
     Mechanics,
     Result,
@@ -19,8 +19,8 @@ from tests.catalog.book import (
     plain,
     result,
     solution,
-)  # fmt: skip
-from tests.catalog.pfaff import curvature, one_form
+)
+from tests.support.pfaff import curvature, one_form
 
 S = sp.Symbol
 

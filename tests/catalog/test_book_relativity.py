@@ -9,18 +9,7 @@ from mpmath import mp
 from hjsolve import catalog
 from hjsolve.mechanics.system import System, parameter
 from hjsolve.separation import Obstruction, Separation, separate
-from tests.catalog.book import (
-    RESULTS,
-    H_of,
-    Mechanics,
-    Result,
-    exact,
-    formula,
-    motion,
-    off,
-    result,
-    start,
-)
+from tests.support.book import RESULTS, H_of, Mechanics, Result, exact, formula, motion, off, result, start
 
 S = sp.Symbol
 DIGITS_PRINTED = 2e-3

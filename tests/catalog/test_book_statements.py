@@ -10,10 +10,10 @@ from hjsolve.errors import NotSeparableError
 from hjsolve.mechanics.energy_shell import domain_bounds
 from hjsolve.separation.zero_test.interval_evaluation import Region
 from hjsolve.separation.zero_test.zero_test import Zero, free_region, is_zero
-from tests.catalog.book import Mechanics, exact, formula, mechanics
-from tests.catalog.book_table import REFUSED_ROWS, ROWS, entries_of
-from tests.catalog.pfaff import curvature, one_form
-from tests.entries import described
+from tests.support.book import Mechanics, exact, formula, mechanics
+from tests.support.book_table import REFUSED_ROWS, ROWS, entries_of
+from tests.support.entries import described
+from tests.support.pfaff import curvature, one_form
 
 ENTRIES = {name: described(name) for name in catalog.ids()}
 STATED = [n for n, e in ENTRIES.items() if e.stated and e.stated.kinetic]

@@ -1,10 +1,10 @@
 """docs/book.md says what the checks say now."""
 
-from tests.catalog import book_table
+from tests.support import book_table
 
 
 def test_the_page_is_current() -> None:
-    """Run `python -m tests.catalog.book_table` after a change of the entries or of the checks."""
+    """Run `python -m tests.support.book_table` after a change of the entries or of the checks."""
     assert book_table.PAGE.read_text(encoding="utf-8") == book_table.page()
 
 

@@ -12,8 +12,8 @@ from hjsolve.formulas.read import parse
 from hjsolve.mechanics.system import hamiltonian
 from hjsolve.separation import Separation
 from hjsolve.separation.verdicts import Liouville, Stackel
-from tests import entries
-from tests.entries import described as entry
+from tests.support import entries
+from tests.support.entries import described as entry
 
 IDS = catalog.ids("separable")
 EFFECTS = [(name, effect) for name in catalog.ids() for effect, what in entry(name).effects.items() if not what.force]

@@ -9,8 +9,8 @@ import sympy as sp
 from mpmath import mp
 
 from hjsolve import catalog
-from tests import entries
-from tests.catalog.book import H_of, bracket, mechanics, motion, off, solution, start
+from tests.support import entries
+from tests.support.book import H_of, bracket, mechanics, motion, off, solution, start
 
 FREQUENCIES: dict[tuple[str, str], Callable[[Any], Any]] = {
     # whatever the coordinates, Kepler's frequencies all are sqrt(-8 E^3/(m k^2))

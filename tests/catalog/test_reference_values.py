@@ -15,13 +15,13 @@ from hjsolve import catalog
 from hjsolve.catalog import Reference
 from hjsolve.formulas.read import number
 from hjsolve.mechanics.system import hamiltonian, momenta
-from tests.entries import described as entry
-from tests.entries import motion as motion_of
-from tests.entries import solution
-from tests.entries import state as state_of
 from tests.reference.forms import THOROUGH, form
 from tests.reference.regenerate import TAYLOR
 from tests.reference.taylor import Flow
+from tests.support.entries import described as entry
+from tests.support.entries import motion as motion_of
+from tests.support.entries import solution
+from tests.support.entries import state as state_of
 
 IDS = catalog.ids("separable")
 MOTIONS = [(name, motion) for name in IDS for motion in entry(name).motions]

@@ -10,8 +10,8 @@ from hjsolve import catalog
 from hjsolve.catalog import Reference
 from hjsolve.extended.gyroscopic import linear_modes
 from hjsolve.solution.quadratures import solve
-from tests.entries import described as entry
 from tests.reference import extended
+from tests.support.entries import described as entry
 
 IDS = catalog.ids("extended")
 MOTIONS = [(name, motion) for name in IDS for motion in entry(name).motions]

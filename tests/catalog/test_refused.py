@@ -8,7 +8,7 @@ from hjsolve import catalog
 from hjsolve.errors import NotSeparableError
 from hjsolve.separation import Obstruction, separate
 from hjsolve.solution.quadratures import solve
-from tests import entries
+from tests.support import entries
 
 IDS = catalog.ids("refused")
 

@@ -9,9 +9,9 @@ import sympy as sp
 
 from hjsolve.mechanics.system import System, mass_matrix
 from hjsolve.separation import Obstruction, Separation, Undecided, region_of, separate
-from tests.breadth_cases import REFUSED, SEPARABLE
-from tests.separation_cases import E3
-from tests.separation_cases import SEPARABLE as ALL
+from tests.support.breadth_cases import REFUSED, SEPARABLE
+from tests.support.separation_cases import E3
+from tests.support.separation_cases import SEPARABLE as ALL
 
 
 @pytest.mark.parametrize("name", list(SEPARABLE))

@@ -6,8 +6,8 @@ import sympy as sp
 from hjsolve.mechanics.system import System, parameter
 from hjsolve.solution.laws import check, poisson_bracket
 from hjsolve.solution.quadratures import Solution, solve
-from tests import entries
-from tests.entries import solved
+from tests.support import entries
+from tests.support.entries import solved
 
 NAMES = entries.separable_with_effects()
 

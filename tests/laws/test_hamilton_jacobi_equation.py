@@ -8,8 +8,8 @@ from hjsolve.separation import Separation, separate
 from hjsolve.separation.zero_test.zero_test import Zero, is_zero
 from hjsolve.solution.laws import check, hamilton_jacobi_residual
 from hjsolve.solution.quadratures import Solution, solve
-from tests import entries
-from tests.entries import solved
+from tests.support import entries
+from tests.support.entries import solved
 
 NAMES = entries.separable_with_effects()
 

@@ -7,7 +7,7 @@ import sympy as sp
 
 from hjsolve.mechanics.system import hamiltonian
 from hjsolve.separation import Separation, region_of
-from tests import entries
+from tests.support import entries
 
 TOLERANCE = sp.Float("1e-40", 50)
 

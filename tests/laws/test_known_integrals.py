@@ -16,7 +16,7 @@ from hjsolve.algebra.reader import Reader
 from hjsolve.mechanics.system import System, hamiltonian
 from hjsolve.separation import Separation, separate
 from hjsolve.separation.constants.known_integrals import curvature
-from tests.separation_cases import E3, ONE_DIMENSIONAL, SEVERAL, SPHERICAL_COORDINATES, make, two_centres
+from tests.support.separation_cases import E3, ONE_DIMENSIONAL, SEVERAL, SPHERICAL_COORDINATES, make, two_centres
 
 CONTINUED = "continued by a function of the coordinates"
 a, b, c, m, k = sp.symbols("a b c m k", positive=True)

@@ -10,8 +10,8 @@ from hjsolve.separation import Obstruction, Separation, region_of, separate
 from hjsolve.separation.forms import levi_civita
 from hjsolve.separation.obstruction import obstruction
 from hjsolve.separation.zero_test.interval_evaluation import enclose
-from tests.random_staeckel import case
-from tests.separation_cases import REFUSED, SEPARABLE, decided
+from tests.support.random_staeckel import case
+from tests.support.separation_cases import REFUSED, SEPARABLE, decided
 
 x, y, z = sp.symbols("x y z", positive=True)
 px, py, pz = sp.symbols("p_x p_y p_z", real=True)

@@ -10,7 +10,7 @@ from hjsolve.formulas.read import parse
 from hjsolve.mechanics.system import System, kinetic_rest, mass_matrix
 from hjsolve.separation import Liouville, Region, Separation, region_of, separate
 from hjsolve.separation.forms.liouville import recognise
-from tests.separation_cases import CARTESIAN, E3, ONE_DIMENSIONAL, SEPARABLE, SEVERAL, SPACE, decided, make
+from tests.support.separation_cases import CARTESIAN, E3, ONE_DIMENSIONAL, SEPARABLE, SEVERAL, SPACE, decided, make
 
 FULL = {
     "pendulum", "harmonic oscillator", "Kepler, plane", "isotropic oscillator, polar", "spherical pendulum",

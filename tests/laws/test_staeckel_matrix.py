@@ -11,7 +11,7 @@ import sympy as sp
 from hjsolve.mechanics.system import System, hamiltonian, kinetic_rest
 from hjsolve.separation import Obstruction, Separation, region_of, separate
 from hjsolve.separation.verdicts import Stackel
-from tests.separation_cases import E3, SEPARABLE, SEVERAL, SPHERICAL, SPHERICAL_COORDINATES, decided, make
+from tests.support.separation_cases import E3, SEPARABLE, SEVERAL, SPHERICAL, SPHERICAL_COORDINATES, decided, make
 
 TOLERANCE = sp.Float("1e-40", 50)
 

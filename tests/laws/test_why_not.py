@@ -6,7 +6,7 @@ import sympy as sp
 from hjsolve.mechanics.system import System
 from hjsolve.separation import Obstruction, Separation, separate
 from hjsolve.separation.obstruction.blocks import components
-from tests.separation_cases import CARTESIAN, PLANE, REFUSED, SPACE, SPHERICAL, SPHERICAL_COORDINATES, make
+from tests.support.separation_cases import CARTESIAN, PLANE, REFUSED, SPACE, SPHERICAL, SPHERICAL_COORDINATES, make
 
 FREE_PLANE = "(dot(x)**2 + dot(y)**2)/2"
 

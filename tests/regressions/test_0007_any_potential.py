@@ -1,4 +1,4 @@
-"""What random potentials found (tests/numeric/test_any_potential.py)."""
+"""What random potentials found (tests/motion/test_any_potential.py)."""
 
 import pytest
 from mpmath import mp

@@ -12,7 +12,7 @@ import pytest
 import sympy as sp
 
 from hjsolve.separation import Obstruction, Separation, separate
-from tests.random_staeckel import SMALL, case
+from tests.support.random_staeckel import SMALL, case
 
 
 @pytest.mark.parametrize("seed", [400003, 400004])

@@ -8,7 +8,7 @@ from __future__ import annotations
 
 from mpmath import mp, mpf
 
-from tests import entries
+from tests.support import entries
 
 START = {"u": "1.18", "w": "-1.13", "phi": "2.12"}
 SPEED = {"u": "0.545", "w": "0.00055", "phi": "0.637"}

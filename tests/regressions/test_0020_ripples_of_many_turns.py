@@ -9,7 +9,7 @@ from __future__ import annotations
 import numpy as np
 from mpmath import mp, mpf
 
-from tests import entries
+from tests.support import entries
 
 START = {"r": 1.6219417232110496, "theta": 2.663424334449126, "phi": -0.004154770313343992}
 SPEED = {"r": -0.10745538849679942, "theta": 0.22424718337412372, "phi": 6.221979849528468e-06}

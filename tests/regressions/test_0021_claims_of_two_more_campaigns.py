@@ -16,7 +16,7 @@ import warnings
 import pytest
 from mpmath import mp, mpf
 
-from tests import entries
+from tests.support import entries
 
 TURNS = 2 * mp.pi
 

@@ -10,7 +10,7 @@ import sympy as sp
 
 from hjsolve.lowering import over_one_denominator
 from hjsolve.one_coordinate.momentum_squared import Radicand
-from tests import entries
+from tests.support import entries
 
 x, a = sp.symbols("x a", real=True)
 

@@ -8,8 +8,8 @@ import pytest
 from mpmath import mp
 
 from hjsolve.scenes import Scene
-from tests.scenes import billiards
-from tests.scenes.billiards import wall
+from tests.support import billiards
+from tests.support.billiards import wall
 
 
 def test_ten_thousand_bounces_evaluate_what_ten_do() -> None:

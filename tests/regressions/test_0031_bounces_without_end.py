@@ -12,7 +12,7 @@ from mpmath import mp
 
 from hjsolve.errors import InvalidInputError, NotConvergedError
 from hjsolve.scenes import Scene
-from tests.scenes.billiards import wall
+from tests.support.billiards import wall
 
 LINE = {"coordinates": [{"name": "z", "domain": "line"}], "kinetic": "dot(z)**2/2"}
 PLANE = {"coordinates": [{"name": c, "domain": "line"} for c in "xz"], "kinetic": "dot(x)**2/2 + dot(z)**2/2"}

@@ -9,7 +9,7 @@ import pytest
 from hjsolve import catalog
 from hjsolve.errors import CatalogError
 from hjsolve.scenes import Scene
-from tests.scenes.billiards import BALL, KEPLER, wall
+from tests.support.billiards import BALL, KEPLER, wall
 
 BASE: dict[str, Any] = {**BALL, "want": ["trajectory"], "times": [1, 2]}
 PUSH = {"kind": "impulse", "at": {"t": "1"}}

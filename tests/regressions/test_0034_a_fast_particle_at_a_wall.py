@@ -12,7 +12,7 @@ from hjsolve.motion.initial_data import initial_data
 from hjsolve.scenes import Scene
 from hjsolve.scenes.events import changed, read_event
 from hjsolve.solution.quadratures import solve
-from tests.scenes.billiards import wall
+from tests.support.billiards import wall
 
 
 def scene(event: dict[str, Any]) -> Any:

@@ -21,7 +21,7 @@ from hjsolve.reports.sections import system_and_verdict
 from hjsolve.reports.sections.prose import prose
 from hjsolve.solution.laws import check
 from hjsolve.solution.quadratures import Solution
-from tests import entries
+from tests.support import entries
 
 RELATIVITY = {"mass": "m0", "light": "c"}
 POSITIVE = {"m0": parameter("m0", 1, assume="positive"), "c": parameter("c", 2, assume="positive"), "k": "0.3"}

@@ -21,7 +21,7 @@ from hjsolve.reports.content import document, gather
 from hjsolve.reports.formats.json_format import json_text
 from hjsolve.reports.formats.text import text
 from hjsolve.reports.sections.moving_frame import principal_function
-from tests import entries
+from tests.support import entries
 
 FRAMED = ["spring-moving-anchor", "spring-turning-anchor", "oscillator-drifting-gauge"]
 OUTSIDE = hjsolve.catalog.ids("outside")

@@ -28,7 +28,7 @@ from hjsolve.reports.sections.cost import cost_section
 from hjsolve.reports.sections.rounded_numbers import terminating
 from hjsolve.reports.sections.solution import solution_sections
 from hjsolve.reports.sections.system_and_verdict import exactly
-from tests import entries
+from tests.support import entries
 
 
 # ------------------------------------------------------------------------------------------------ numbers

@@ -10,8 +10,8 @@ from hjsolve.algebra.one_variable import vanishes
 from hjsolve.algebra.poly import Budget
 from hjsolve.separation.zero_test.interval_evaluation import Region
 from hjsolve.separation.zero_test.zero_test import NonZero, Zero, is_zero
-from tests.random_identities import CONSTANTS, FAMILIES, identities
-from tests.typed_identities import TYPED
+from tests.support.random_identities import CONSTANTS, FAMILIES, identities
+from tests.support.typed_identities import TYPED
 
 x, y = sp.symbols("x y", real=True)
 TAU = 2 * sp.pi

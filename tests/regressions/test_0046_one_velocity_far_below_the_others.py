@@ -6,7 +6,7 @@ import mpmath
 import pytest
 
 import hjsolve
-from tests import entries
+from tests.support import entries
 
 GEODESICS = hjsolve.solve(hjsolve.catalog.load("oblate-geodesics"))
 WGS84 = {"a": "6378137", "b": "6356752.314245"}

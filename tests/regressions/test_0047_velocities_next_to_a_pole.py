@@ -6,7 +6,7 @@ import mpmath
 import numpy as np
 import pytest
 
-from tests import entries
+from tests.support import entries
 
 TOP = entries.solution("lagrange-top")
 

@@ -8,7 +8,7 @@ import pytest
 from mpmath import mp
 
 import hjsolve
-from tests.random_features import Draw, Feature, truth
+from tests.support.random_features import Draw, Feature, truth
 
 pytest.importorskip("flint")
 

@@ -10,8 +10,8 @@ from mpmath import mp
 
 from hjsolve.errors import NotConvergedError
 from hjsolve.scenes import Scene, arcs
-from tests.scenes import billiards
-from tests.scenes.billiards import wall
+from tests.support import billiards
+from tests.support.billiards import wall
 
 PLANE = {"coordinates": [{"name": "x", "domain": "line"}, {"name": "y", "domain": "line"}],
          "kinetic": "dot(x)**2/2 + dot(y)**2/2"}  # fmt: skip

@@ -16,7 +16,7 @@ from hjsolve.mechanics.system import hamiltonian
 from hjsolve.scenes import Run, Scene
 from hjsolve.solution.quadratures import solve
 from tests.reference.taylor import Flow
-from tests.scenes.examples import example
+from tests.support.scene_files import example
 
 FLOOR = {"kind": "wall", "at": {"coordinate": "y", "value": "0"}}
 CASES: dict[str, dict[str, Any]] = {

@@ -16,7 +16,7 @@ from hjsolve.reports.formats.latex_document import tex
 from hjsolve.reports.formats.markdown import markdown
 from hjsolve.reports.formats.text import text
 from hjsolve.reports.sections.scene import scene_document
-from tests.scenes.examples import FOLDER, example
+from tests.support.scene_files import FOLDER, example
 
 SCENES = sorted(FOLDER.glob("*.toml"))
 

@@ -12,7 +12,7 @@ from hjsolve.arithmetic.work_counter import counted
 from hjsolve.mechanics.system import hamiltonian
 from hjsolve.scenes import Scene
 from hjsolve.solution.quadratures import solve
-from tests import entries
+from tests.support import entries
 
 SEVEN = (
     "kepler-planar", "kepler-spherical", "spherical-pendulum", "lagrange-top", "harmonic-oscillator",

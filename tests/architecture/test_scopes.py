@@ -1,0 +1,20 @@
+"""Which tests go to one process together."""
+
+import pytest
+
+from tests.conftest import scope_of
+
+
+@pytest.mark.parametrize(("nodeid", "scope"), [
+    ("tests/catalog/test_reference_values.py::test_x[kepler-planar-period.r-default]", "kepler-planar"),
+    ("tests/catalog/test_reference_values.py::test_x[kepler-planar-default]", "kepler-planar"),
+    ("tests/catalog/test_every_entry.py::test_y[pendulum-on-block-small]", "pendulum-on-block-small"),
+    ("tests/catalog/test_every_entry.py::test_y[pendulum+drag]", "pendulum"),
+    ("tests/laws/test_involution.py::test_z[pendulum]", "pendulum"),
+    ("tests/laws/test_liouville.py::test_z[top, C52]", "top, C52]"),
+    ("tests/catalog/test_book_chapter_1.py::test_r[C09 (1-78): Each]", "book"),
+    ("tests/catalog/test_book_table.py::test_the_page_is_current", "book"),
+    ("tests/command_line/test_command_line.py::test_w[pendulum]", "tests/command_line/test_command_line.py::test_w[pendulum]"),
+])  # fmt: skip
+def test_tests_of_one_entry_share_a_process(nodeid: str, scope: str) -> None:
+    assert scope_of(nodeid) == scope

@@ -1,0 +1,136 @@
+"""Linear gyroscopic systems (Ex 3-4, P3-10, P3-11): exponents, ratios, stability, and the symplectic normal form."""
+
+from __future__ import annotations
+
+from typing import Any
+
+import mpmath
+import pytest
+import sympy as sp
+from mpmath import mp, mpf
+
+from hjsolve import catalog
+from hjsolve.errors import InvalidInputError, InvalidSystemError
+from hjsolve.extended.gyroscopic import LAMBDA, linear_modes
+from hjsolve.mechanics.system import System, hamiltonian
+from hjsolve.separation import Obstruction, separate
+from tests.reference.taylor import Flow
+from tests.support import entries
+
+CASES: dict[int, dict[str, Any]] = {
+    1: {"gamma": 1, "k11": 1, "k12": -1, "k22": 8}, 2: {"gamma": 7, "k11": -1, "k12": 1, "k22": -8},
+    3: {"gamma": 7, "k11": -1, "k12": 1, "k22": 8},
+}  # fmt: skip
+
+
+def close(a: Any, b: complex, digits: int) -> bool:
+    """Equal to the digits that the book prints."""
+    return abs(complex(a) - b) <= 1.01 * 10.0**-digits
+
+
+def test_neither_separates_in_its_own_coordinates() -> None:
+    for name in ("gyroscopic-pair", "gyroscopic-three"):
+        verdict = separate(catalog.load(name))
+        assert isinstance(verdict, Obstruction)
+        expected = entries.described(name).expect
+        assert (list(verdict.pair), verdict.part) == (expected["pair"], expected["part"])
+
+
+def test_the_exponents_and_amplitude_ratios_of_example_3_4() -> None:
+    system = catalog.load("gyroscopic-pair")
+    for case, roots, ratios, signs in (
+        (1, (0.583, 1.716), (0.202 + 0.0877j, -1.043 - 0.453j), (1, 1)),
+        (2, (0.529, 1.891), (0.0790 - 0.406j, -0.1155 - 0.594j), (-1, 1)),
+    ):
+        modes = linear_modes(system, parameters=CASES[case], digits=20)
+        assert modes.stable
+        assert modes.signs == signs
+        for k in (0, 1):
+            assert close(modes.exponents[2 * k], 1j * roots[k], 3)
+            assert close(modes.ratios[2 * k]["q2"], ratios[k], 3)
+            assert close(modes.frequencies[k], roots[k], 3)
+
+
+def test_case_three_is_unstable_for_every_gamma() -> None:
+    """7λ⁴ + (10 + γ²)λ² − 9 = 0."""
+    system = catalog.load("gyroscopic-pair")
+    modes = linear_modes(system, parameters=CASES[3])
+    γ = system.symbols["gamma"]
+    case = {system.symbols[n]: v for n, v in CASES[3].items() if n != "gamma"}
+    assert sp.expand(modes.polynomial.subs(case) - (7 * LAMBDA**4 + (10 + γ**2) * LAMBDA**2 - 9)) == 0
+    for value in (0, 1, 100):
+        assert not linear_modes(system, parameters={**CASES[3], "gamma": value}).stable
+    with pytest.raises(InvalidInputError, match="some exponent is not imaginary"):
+        modes.motion(q={"q1": 1, "q2": 0}, velocity={"q1": 0, "q2": 0})
+
+
+@pytest.mark.parametrize(("gamma", "stable"), [("5.9999", False), ("6.0001", True), ("-6.0001", True), (0, False)])
+def test_case_two_is_stabilised_beyond_gamma_six(gamma: Any, stable: bool) -> None:
+    assert linear_modes(catalog.load("gyroscopic-pair"), parameters={**CASES[2], "gamma": gamma}).stable == stable
+
+
+def test_three_coordinates_have_the_books_exponents() -> None:
+    """P3-10: γ² = 5mk gives λ² = −k/2m, −3k/2m, −3k/m; stable from γ² = 4.490 mk on (P3-11)."""
+    system = catalog.load("gyroscopic-three")
+    modes = linear_modes(system, parameters={"m": 2, "k": 3, "gamma": "sqrt(30)"}, digits=30)
+    with mp.workdps(40):
+        squares = [λ**2 for λ in modes.exponents[::2]]
+        for found, expected in zip(squares, (mpf(-3) / 4, mpf(-9) / 4, mpf(-9) / 2), strict=True):
+            assert abs(found - expected) < mpf(10) ** -28
+    assert linear_modes(system, parameters={"gamma": "sqrt(4.4901)"}).stable
+    assert not linear_modes(system, parameters={"gamma": "sqrt(4.4900)"}).stable
+
+
+@pytest.mark.parametrize(("name", "given"), [("gyroscopic-pair", CASES[1]), ("gyroscopic-pair", CASES[2]),
+                                             ("gyroscopic-three", {})])  # fmt: skip
+def test_the_map_is_symplectic_and_h_becomes_a_sum_of_oscillators(name: str, given: dict[str, Any]) -> None:
+    """(6-334): NᵀJN = J; and NᵀSN = diag(σω, σω)."""
+    system = catalog.load(name)
+    modes, n = linear_modes(system, parameters=given, digits=30), len(system.coordinates)
+    with mp.workdps(40):
+        J = mp.matrix(2 * n)
+        for i in range(n):
+            J[i, n + i], J[n + i, i] = 1, -1
+        N = mp.matrix(modes.matrix.tolist())
+        assert mp.norm(N.T * J * N - J, mp.inf) < mpf(10) ** -28
+        z = [c.symbol for c in system.coordinates] + [c.momentum for c in system.coordinates]
+        S = mp.matrix(sp.hessian(sp.expand(hamiltonian(system)), z).subs(modes.values).evalf(45).tolist())
+        D = N.T * S * N
+        for i in range(n):
+            for k in (i, n + i):
+                D[k, k] -= modes.signs[i] * modes.frequencies[i]
+        assert mp.norm(D, mp.inf) < mpf(10) ** -28
+
+
+@pytest.mark.parametrize(("name", "given"), [("gyroscopic-pair", CASES[2]), ("gyroscopic-three", {})])
+def test_the_motion_is_that_of_a_taylor_integration(name: str, given: dict[str, Any]) -> None:
+    entry = entries.described(name)
+    system, start = entry.system, entry.initial
+    moved = linear_modes(system, parameters=given, digits=25).motion(q=start.q, velocity=start.velocity)
+    with mp.workdps(50):
+        values = {s: mpf(sp.N(v, 50)) for s, v in moved.modes.values.items()}
+        q, p = [c.symbol for c in system.coordinates], [c.momentum for c in system.coordinates]
+        places = {c.symbol: sp.Rational(str(start.q[c.name])) for c in system.coordinates}
+        speeds = {c.velocity: sp.Rational(str(start.velocity[c.name])) for c in system.coordinates}
+        momenta = [sp.diff(system.kinetic, c.velocity).subs({**places, **speeds, **moved.modes.values})
+                   for c in system.coordinates]  # fmt: skip
+        begin = [mpf(sp.N(x, 50)) for x in (*places.values(), *momenta)]
+        flow = Flow(hamiltonian(system), q, p, values, begin, digits=30)
+        for t in ("0", "1.5", "6"):
+            expected, (found_q, found_p) = flow.at(mpf(t)), moved.at(t)
+            for value, reference in zip((*found_q.values(), *found_p.values()), expected, strict=True):
+                assert abs(mp.mpf(value) - reference) < mpf(10) ** -22
+
+
+def test_a_system_that_is_not_linear_is_refused() -> None:
+    with pytest.raises(InvalidSystemError, match="constant, bilinear, quadratic"):
+        linear_modes(catalog.load("pendulum"))
+    with pytest.raises(InvalidSystemError, match="term of first degree"):
+        linear_modes(System({"x": "line"}, "dot(x)**2/2", "x**2 + x"))
+
+
+def test_without_gyroscopic_terms_the_modes_are_the_usual_ones() -> None:
+    modes = linear_modes(System({"x": "line", "y": "line"}, "dot(x)**2/2 + dot(y)**2/2", "x**2 + y**2 - x*y"))
+    assert modes.signs == (1, 1)
+    assert abs(modes.frequencies[0] - 1) < mpmath.mpf(10) ** -29
+    assert abs(modes.frequencies[1] ** 2 - 3) < mpmath.mpf(10) ** -28
