@@ -79,9 +79,7 @@ class Finding:
     seconds: float = 0.0
     message: str = ""
 
-    def compare(
-        self, what: str, value: Any, claimed: Any, truth: Any, blur: float = 1e-22, floor: float = 0.0
-    ) -> None:
+    def compare(self, what: str, value: Any, claimed: Any, truth: Any, blur: float = 1e-22, floor: float = 0.0) -> None:
         """Take down one claim; ``blur`` is the relative doubt of the truth itself, ``floor`` the absolute one."""
         self.claims += 1
         true = abs(exact.convert(value) - exact.convert(truth))

@@ -24,7 +24,7 @@ from hjsolve.arithmetic.error_free import Pair
 from hjsolve.ensembles import engine as batch
 from hjsolve.ensembles.engine.programs import available
 
-DATA = Path(__file__).resolve().parents[1] / "tests" / "batch" / "kuzmin_kutuzov.npz"
+DATA = Path(__file__).resolve().parents[1] / "tests" / "support" / "kuzmin_kutuzov.npz"
 COLUMNS = (("actions", "u"), ("actions", "w"), ("frequencies", "u"), ("frequencies", "phi"), ("frequencies", "w"))
 
 

@@ -2,8 +2,8 @@
 
     python benchmarks/escapes.py --count 200 --digits 15 --out escapes.jsonl
 
-Potentials and references are those of ``tests/support/random_escapes.py``: times of passage t(q) by mpmath's quadrature cut at
-the features, at twice the digits; and q(t), whose reference is t(q) of the place found, the difference times the
+Potentials and references are those of ``tests/support/random_escapes.py``: times of passage t(q) by mpmath's quadrature
+cut at the features, at twice the digits; and q(t), whose reference is t(q) of the place found, the difference times the
 velocity. One line a motion; status 1 when a claim is below the true error, or something else than an error of
 hjsolve's own was raised.
 """

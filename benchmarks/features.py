@@ -2,9 +2,9 @@
 
     python benchmarks/features.py --count 100 --seed 5 --ways 15,30,numpy,compiled --out features.jsonl
 
-Each line of the file is one draw of ``tests/support/random_features.py`` computed in one way: a single motion in so many
-digits, or an ensemble by numpy or compiled loops, in which orbits that the vectorised engine hands back are computed
-one by one (``recomputed`` in the file). A run that was stopped goes on where it stopped. At the end, and with
+Each line of the file is one draw of ``tests/support/random_features.py`` computed in one way: a single motion in so
+many digits, or an ensemble by numpy or compiled loops, in which orbits that the vectorised engine hands back are
+computed one by one (``recomputed`` in the file). A run that was stopped goes on where it stopped. At the end, and with
 ``--report FILE`` alone, the counts are printed: right (1e-12 and inside the claim) · loose (inside the claim, off by
 more) · false (outside the claim) · refused · foreign.
 """

@@ -1,8 +1,8 @@
 """Random identities that depend on the domain, and false neighbours: ``python benchmarks/identities.py [--count 600]``.
 
 Half angles, logarithms of powers, roots of squares, sums of inverse functions, constants: true ones and false ones
-in equal parts (``tests/support/random_identities.py``, with ``--typed`` ``tests/support/typed_identities.py``). Prints the share
-decided by family; status 1 when one is wrong.
+in equal parts (``tests/support/random_identities.py``, with ``--typed`` ``tests/support/typed_identities.py``). Prints
+the share decided by family; status 1 when one is wrong.
 """
 
 from __future__ import annotations

@@ -39,14 +39,24 @@ TESTS = {
         "tests/laws/test_staeckel_matrix.py",
         "tests/laws/test_why_not.py",
     ),
-    "separation/zero_test/zero_test": ("tests/separation/test_separation_parts.py", "tests/separation/test_zero_test.py", *LAWS),
+    "separation/zero_test/zero_test": (
+        "tests/separation/test_separation_parts.py",
+        "tests/separation/test_zero_test.py",
+        *LAWS,
+    ),
     "shell": ("tests/mechanics/test_energy_shell.py", *LAWS, "tests/solution/test_solution.py"),
     "separation/constants/constants": ("tests/laws/test_staeckel_matrix.py", "tests/laws/test_involution.py"),
     "separation/obstruction/blocks": ("tests/laws/test_why_not.py",),
     "separation/obstruction/one_energy": ("tests/laws/test_why_not.py",),
     "separation/obstruction/distance": ("tests/laws/test_why_not.py",),
 }
-NAMED = ("separation/forms/levi_civita", "separation/forms/liouville", "separation/forms/stackel", "separation/zero_test/zero_test", "shell")
+NAMED = (
+    "separation/forms/levi_civita",
+    "separation/forms/liouville",
+    "separation/forms/stackel",
+    "separation/zero_test/zero_test",
+    "shell",
+)
 
 SYMMETRIC = "the mass matrix is symmetric"
 

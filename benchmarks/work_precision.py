@@ -107,6 +107,7 @@ def by_digits() -> dict[str, list[dict[str, float]]]:
         for certified in (False, True):
             rows = found.setdefault(f"{name}, {'certified' if certified else 'plain'}", [])
             for digits in (15, 20, 30, 50, 70, 100, 150, 200):
+
                 def work(digits: int = digits, certified: bool = certified) -> Any:
                     return solution.motion(
                         **description.initial.arguments, digits=digits, certified=certified, want={"periods", "actions"}

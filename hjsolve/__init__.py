@@ -39,7 +39,7 @@ if TYPE_CHECKING:
     from hjsolve.errors import NotConvergedError as NotConvergedError
     from hjsolve.errors import NotSeparableError as NotSeparableError
     from hjsolve.errors import OutsideMotionError as OutsideMotionError
-    from hjsolve.extended import moving_frame as frames
+    from hjsolve.extended import moving_frame as frames  # noqa: F401
     from hjsolve.extended.gyroscopic import linear_modes as linear_modes
     from hjsolve.extended.linear_hamiltonian import from_hamiltonian as from_hamiltonian
     from hjsolve.mechanics.system import Coordinate as Coordinate
@@ -58,23 +58,25 @@ if TYPE_CHECKING:
     from hjsolve.sweeps import Swept as Swept
     from hjsolve.sweeps import sweep as sweep
 
-_HOMES = {
-    "Coordinate": "mechanics.system", "Domain": "mechanics.system", "Parameter": "mechanics.system", "System": "mechanics.system",
-    "Coordinates": "coordinates", "NormalModes": "coordinates", "Web": "coordinates",
-    "find_coordinates": "coordinates", "normal_modes": "coordinates",
-    "separate": "separation", "Separation": "separation", "Obstruction": "separation", "Undecided": "separation",
-    "solve": "solution.quadratures", "Solution": "solution.quadratures",
-    "ensemble": "ensembles", "Batch": "ensembles", "Status": "ensembles",
-    "sweep": "sweeps", "Swept": "sweeps",
-    "Motion": "motion.motion", "Estimate": "arithmetic.estimate",
-    "report": "reports", "cost": "costs", "Cost": "costs", "Scene": "scenes",
-    "linear_modes": "extended.gyroscopic", "from_hamiltonian": "extended.linear_hamiltonian",
-    "CatalogError": "errors", "ClusterError": "errors", "ExpressionError": "errors",
-    "ForbiddenMotionError": "errors", "HJSolveError": "errors",
-    "InternalError": "errors", "InvalidInputError": "errors", "InvalidSystemError": "errors",
-    "MissingExtraError": "errors", "MissingValueError": "errors", "NotConvergedError": "errors",
-    "NotSeparableError": "errors", "OutsideMotionError": "errors",
-}  # fmt: skip
+_PUBLIC = {
+    "mechanics.system": "Coordinate Domain Parameter System",
+    "coordinates": "Coordinates NormalModes Web find_coordinates normal_modes",
+    "separation": "separate Separation Obstruction Undecided",
+    "solution.quadratures": "solve Solution",
+    "ensembles": "ensemble Batch Status",
+    "sweeps": "sweep Swept",
+    "motion.motion": "Motion",
+    "arithmetic.estimate": "Estimate",
+    "reports": "report",
+    "costs": "cost Cost",
+    "scenes": "Scene",
+    "extended.gyroscopic": "linear_modes",
+    "extended.linear_hamiltonian": "from_hamiltonian",
+    "errors": "CatalogError ClusterError ExpressionError ForbiddenMotionError HJSolveError InternalError "
+    "InvalidInputError InvalidSystemError MissingExtraError MissingValueError NotConvergedError "
+    "NotSeparableError OutsideMotionError ",
+}
+_HOMES = {name: home for home, names in _PUBLIC.items() for name in names.split()}
 _MODULES = {"catalog": "catalog", "frames": "extended.moving_frame"}
 
 __all__ = ["__version__", *sorted(_MODULES), *sorted(_HOMES)]  # noqa: PLE0604

@@ -1,4 +1,5 @@
-"""Exact arithmetic in the field a mechanical system lives in.
+"""Algebra: exact arithmetic in the field of functions that a mechanical system lives in; nothing below it but sympy.
 
-Below ``shell`` and ``separation``, above nothing but sympy.
+In: sympy expressions and the ranges of their symbols. Out: elements of a ``Field``, their derivatives, signs, zeros.
+Read ``field.py`` first (elements with factored denominators), then ``reader.py`` (sympy in, sympy out).
 """

@@ -208,9 +208,7 @@ def _kinds(f: sp.Expr, x: sp.Symbol) -> set[str]:
 # -------------------------------------------------------------------------------- logarithms and inverse functions
 
 
-def _with_primitives(
-    f: sp.Expr, primitives: Sequence[sp.Expr], x: sp.Symbol, bounds: Bounds, budget: Budget
-) -> bool:
+def _with_primitives(f: sp.Expr, primitives: Sequence[sp.Expr], x: sp.Symbol, bounds: Bounds, budget: Budget) -> bool:
     """Zero where the derivative is, and one value on each piece; f is divided by the coefficient of a primitive."""
     held = {p: sp.Dummy(real=True) for p in primitives}
     g = sp.expand_mul(f.xreplace(held))

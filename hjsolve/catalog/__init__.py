@@ -1,7 +1,8 @@
 """The catalog: mechanical systems as data, each with its literature, initial data, effects and reference values.
 
 In: an entry's id, or a TOML file of the same format. Out: a ``System``, or a frozen ``Entry`` with all it holds.
-Read ``loading.py`` first, then ``schema.py`` (which keys there are). The names below are imported when they are first used.
+Read ``loading.py`` first, then ``schema.py`` (which keys there are). The names below are imported when they are first
+used.
 """
 
 from __future__ import annotations

@@ -239,7 +239,7 @@ def _built(table: Mapping[str, Any], source: str) -> System | LinearHamiltonian:
 def folder() -> Traversable:
     """The catalog's folder: inside the installed package, or at the top of a source checkout."""
     installed = files("hjsolve") / "_catalog"
-    return installed if installed.is_dir() else Path(__file__).resolve().parent.parent / "catalog"
+    return installed if installed.is_dir() else Path(__file__).resolve().parents[2] / "catalog"
 
 
 def _toml_files(kind: str) -> list[Traversable]:
@@ -262,7 +262,7 @@ def _alike(word: str) -> str:
     known = ids()
     close = difflib.get_close_matches(word, known, n=3, cutoff=0.6)
     if close:
-        return f'; did you mean "{close[0]}"?' + (f' or {" or ".join(close[1:])}?' if close[1:] else "")
+        return f'; did you mean "{close[0]}"?' + (f" or {' or '.join(close[1:])}?" if close[1:] else "")
     held = [name for name in known if len(word) > 2 and word.lower() in name]
     near = held or difflib.get_close_matches(word, known, n=3, cutoff=0.0)
     return f"; the nearest are {', '.join(near[:5])}; `hjsolve catalog` (hjsolve.catalog.ids()) lists all {len(known)}"

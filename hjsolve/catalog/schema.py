@@ -114,7 +114,7 @@ def faults(table: object, keys: Mapping[str, Key], where: str = "") -> Iterator[
         if name in keys:
             yield from _value_faults(value, keys[name], f"{prefix}{name}")
         else:
-            yield f'{prefix}{name}: unknown key{nearest(str(name), keys)}'
+            yield f"{prefix}{name}: unknown key{nearest(str(name), keys)}"
     for name, key in keys.items():
         if key.required and name not in table:
             yield f"{prefix}{name}: missing; it must be {_WORDS[key.type]}"

@@ -43,9 +43,15 @@ def check(options: Namespace) -> int:
         return REFUSED
     verdict = separate(system)
     evidence = system_and_verdict.evidence_section(verdict, lead=False)
-    sections: list[Section | None] = [arguments_read.frame(options), system_and_verdict.reduction_section(verdict), evidence]
+    sections: list[Section | None] = [
+        arguments_read.frame(options),
+        system_and_verdict.reduction_section(verdict),
+        evidence,
+    ]
     sections.append(
-        quadratures.forms_section(verdict) if isinstance(verdict, Separation) else system_and_verdict.refusal_section(verdict)
+        quadratures.forms_section(verdict)
+        if isinstance(verdict, Separation)
+        else system_and_verdict.refusal_section(verdict)
     )
     _print(system, sections, system_and_verdict.answer(verdict))
     return _status(verdict)
@@ -72,9 +78,15 @@ def solve(options: Namespace) -> int:
     verdict = separate(system)
     if isinstance(verdict, Separation):
         solved = solution.solve(verdict)
-        _print(system, [arguments_read.frame(options, solved), *quadratures.solution_sections(solved), laws_section(solved)])
+        _print(
+            system,
+            [arguments_read.frame(options, solved), *quadratures.solution_sections(solved), laws_section(solved)],
+        )
     else:
-        evidence = [system_and_verdict.evidence_section(verdict, lead=False), system_and_verdict.refusal_section(verdict)]
+        evidence = [
+            system_and_verdict.evidence_section(verdict, lead=False),
+            system_and_verdict.refusal_section(verdict),
+        ]
         _print(system, evidence, system_and_verdict.answer(verdict))
     return _status(verdict)
 

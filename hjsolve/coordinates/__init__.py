@@ -1,4 +1,8 @@
-"""Where else does it separate? ``find_coordinates`` in the plane and in space; ``normal_modes`` of small motion."""
+"""Coordinates: in which coordinates would it separate? In the plane and in space, and by normal modes.
+
+In: a ``System`` in Cartesian coordinates. Out: every orthogonal separable web, certified; normal modes of small motion.
+Read ``find.py`` first, then ``killing`` (which webs), ``webs`` (their parameters) and ``charts`` (their coordinates).
+"""
 
 from hjsolve.coordinates.find import find_coordinates
 from hjsolve.coordinates.results import Coordinates, ParameterValues, Web

@@ -53,9 +53,7 @@ class Reference:
         return Ruler(self.proved if proved else self.plain, self.digits, sizes, self.turning)
 
 
-def reference(
-    task: Task, digits: int, seconds: float, *, own: bool = True, proofs: bool = True
-) -> Reference:
+def reference(task: Task, digits: int, seconds: float, *, own: bool = True, proofs: bool = True) -> Reference:
     """Work out the reference.
 
     Args:

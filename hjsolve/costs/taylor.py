@@ -321,5 +321,3 @@ def _reach(inputs: list[Series], order: int, digits: int) -> float:
         if size > 1:
             bounds.append(2 ** ((goal - math.log2(size)) / k))
     return min(bounds, default=math.inf)
-
-

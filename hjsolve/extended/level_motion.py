@@ -1,6 +1,7 @@
 """Motions of any H(q, p) of one degree of freedom that come back: period, action, turning points, states.
 
-The curve H = E is followed branch by branch (``numeric.level_curve``); the formulas are in ``hjsolve.extended.linear_hamiltonian``.
+The curve H = E is followed branch by branch (``numeric.level_curve``); the formulas are in
+``hjsolve.extended.linear_hamiltonian``.
 """
 
 from __future__ import annotations

@@ -1,8 +1,8 @@
 """Motions of H = a(q) p + b(q): ∫ dq/a = t − t₀ by quadrature, inverted by Newton's method; p from H = E.
 
 Where a(q) vanishes at the start q rests and p follows its own linear equation. The formulas are in
-``hjsolve.extended.linear_hamiltonian``. Digits are carried well beyond those asked, so the error stated covers the quadrature, the
-inversion and the rounding.
+``hjsolve.extended.linear_hamiltonian``. Digits are carried well beyond those asked, so the error stated covers the
+quadrature, the inversion and the rounding.
 """
 
 from __future__ import annotations

@@ -102,7 +102,9 @@ class Parser:
         self._deeper(operator)
         exponent, negative = self._signed()
         self._depth -= 1
-        return checked_arithmetic.power(base, checked_arithmetic.negative(exponent) if negative else exponent, self._fail(operator))
+        return checked_arithmetic.power(
+            base, checked_arithmetic.negative(exponent) if negative else exponent, self._fail(operator)
+        )
 
     def _atom(self) -> Node:
         token = self._next

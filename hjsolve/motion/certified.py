@@ -1,8 +1,9 @@
 """Proved enclosures of a motion's numbers: ``motion(..., certified=True)``.
 
 The kinds of motion and first guesses come from the ordinary computation; everything returned is then enclosed by balls
-(``arithmetic/ball``): constants from the exact initial data, turning points by the interval Newton test, actions and mean
-growths by quadrature with a proved error, frequencies from the inverse of the matrix of growths in ball arithmetic.
+(``arithmetic/ball``): constants from the exact initial data, turning points by the interval Newton test, actions and
+mean growths by quadrature with a proved error, frequencies from the inverse of the matrix of growths in ball
+arithmetic.
 """
 
 from __future__ import annotations

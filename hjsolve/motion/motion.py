@@ -1,8 +1,8 @@
 """One motion of a separable system: constants, kinds, turning points, periods, actions, and where it is at any time.
 
 Everything is computed from Jacobi's theorem (Greenwood (5-70), (5-71)): the constants come exactly from the initial
-data, each separated coordinate is classified and integrated over its anomaly (``numeric/``), and q(t) inverts the
-time law. No differential equation is integrated.
+data, each separated coordinate is classified and integrated over its anomaly (``one_coordinate/``), and q(t) inverts
+the time law. No differential equation is integrated.
 """
 
 from __future__ import annotations

@@ -330,7 +330,6 @@ class Surrounding:
         powers = [2 * order for order, _ in weights]
         return sight.integrands(factor, [w for _, w in weights], view.root(q, places), powers, 2 * squared[0])
 
-
     def _by_rates(self, places: Spots) -> Sizes:
         """The formulas with their exponentials taken out."""
         sight, q = self.sight, self._place(places)

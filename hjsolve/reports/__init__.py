@@ -1,4 +1,9 @@
-"""Reports: one document about a system and a motion, written as HTML, Markdown, JSON, text or LaTeX."""
+"""Reports: one document about a system and a motion, written as HTML, Markdown, JSON, text or LaTeX.
+
+In: anything the library makes. Out: one file, written whole or not at all.
+Read ``document.py`` first (what a report says), then ``content.py`` and ``write.py``; ``sections`` make its parts,
+``formulas`` and ``drawings`` what they hold, ``formats`` the text of a file.
+"""
 
 from __future__ import annotations
 

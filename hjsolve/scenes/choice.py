@@ -141,9 +141,7 @@ def _foretell(runner: _Runner, once: float) -> None:
     runner.known["mpmath"] = (_FEWEST, clock[0] + (count - 1) * each)
 
 
-def _next(
-    runner: _Runner, names: list[str], last: int, ladder: tuple[int, ...], left: float
-) -> tuple[Run | None, str]:
+def _next(runner: _Runner, names: list[str], last: int, ladder: tuple[int, ...], left: float) -> tuple[Run | None, str]:
     """Run with as many digits as should fit, by the method that should take less; None, and why, if none can."""
     above = [digits for digits in ladder if digits > last]
     reach = [digits for digits in above if digits <= _LEAP * last] or above[:1]

@@ -139,9 +139,7 @@ def read_sweep(given: Mapping[str, Any] | None, folder: Path) -> Varied | None:
     """
     if given is None:
         return None
-    axes = tuple(
-        _axis(group, name, values) for group in GROUPS for name, values in given.get(group, {}).items()
-    )
+    axes = tuple(_axis(group, name, values) for group in GROUPS for name, values in given.get(group, {}).items())
     table = Path(given["table"]) if "table" in given else None
     if table is not None and (folder / table).exists():
         table = folder / table

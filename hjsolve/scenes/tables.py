@@ -87,7 +87,7 @@ def _events(table: Mapping[str, Any]) -> list[Mapping[str, Any]]:
 def _system_faults(table: Mapping[str, Any]) -> Iterator[str]:
     system = table.get("system")
     if system is None:
-        yield 'system: missing; write a catalog id, the path of a .toml file, or a table [system]'
+        yield "system: missing; write a catalog id, the path of a .toml file, or a table [system]"
     elif isinstance(system, Mapping):
         effects = Key("named", keys=schema.ENTRY["effects"].keys)
         keys = {**schema.SYSTEM, "effects": effects}

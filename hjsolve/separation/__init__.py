@@ -1,4 +1,9 @@
-"""Does it separate? ``separate`` gives a ``Separation``, an ``Obstruction`` or an ``Undecided``, with the evidence."""
+"""Separation: does a system separate in the coordinates it is written in? A verdict with its evidence.
+
+In: a ``System``. Out: ``Separation``, ``Obstruction`` or ``Undecided``, each a frozen value that carries its proof.
+Read ``decision.py`` first; ``forms`` holds the conditions, ``zero_test`` decides identities, ``obstruction`` explains a
+no, ``constants`` names the constants of the motion.
+"""
 
 from hjsolve.separation.decision import DEFAULT_BUDGET, region_of, separate
 from hjsolve.separation.verdicts import (

@@ -71,7 +71,10 @@ def test_wrong_kinds_of_arguments_are_refused_at_the_door(door):
         (lambda: SOLUTION.motion(**START, digits=True), "digits: a whole number from 1 to 2000 is needed, not True"),
         (lambda: MOTION.time_at("r", 1, 0.5), "passage: a whole number is needed, not 0.5"),
         (lambda: MOTION.orbit("s", along="r", values=[1]), "s"),
-        (lambda: hjsolve.Scene.load([]), "scene: the path of a TOML file or its table, a System or a catalog id is needed"),
+        (
+            lambda: hjsolve.Scene.load([]),
+            "scene: the path of a TOML file or its table, a System or a catalog id is needed",
+        ),
     ],
 )
 def test_the_message_says_what_to_write(call, says):

@@ -1,4 +1,4 @@
-"""Imports point one way, and no module escapes the contract."""
+"""Imports point one way, no room escapes the contract, and nothing lies loose beside the rooms."""
 
 from __future__ import annotations
 
@@ -8,6 +8,16 @@ import tomllib
 from pathlib import Path
 
 ROOT = Path(__file__).resolve().parents[2]
+LOOSE = {"__init__", "__main__", "_version", "arguments", "errors", "lowering"}
+
+
+def rooms() -> set[str]:
+    return {path.parent.name for path in (ROOT / "hjsolve").glob("*/__init__.py")}
+
+
+def contracts() -> list[dict[str, list[str]]]:
+    configuration = tomllib.loads((ROOT / "pyproject.toml").read_text(encoding="utf-8"))
+    return list(configuration["tool"]["importlinter"]["contracts"])
 
 
 def test_import_contracts_hold() -> None:
@@ -17,24 +27,31 @@ def test_import_contracts_hold() -> None:
     assert "0 broken" in run.stdout
 
 
-def test_every_module_has_a_layer() -> None:
-    configuration = tomllib.loads((ROOT / "pyproject.toml").read_text(encoding="utf-8"))
-    layers = " ".join(configuration["tool"]["importlinter"]["contracts"][0]["layers"])
-    for sign in "|:()":
-        layers = layers.replace(sign, " ")
-    named = {name.removeprefix("hjsolve.") for name in layers.split()}
-    modules = {path.stem for path in (ROOT / "hjsolve").glob("*.py")} | {
-        path.parent.name for path in (ROOT / "hjsolve").glob("*/__init__.py")
+def test_nothing_lies_loose_beside_the_rooms() -> None:
+    assert {path.stem for path in (ROOT / "hjsolve").glob("*.py")} == LOOSE
+
+
+def test_every_room_has_a_floor() -> None:
+    named = {name for floor in contracts()[0]["layers"] for name in floor.replace("|", " ").split()}
+    assert named == rooms() | LOOSE - {"__init__"}
+
+
+def test_every_room_of_exact_formulas_is_under_the_contract_that_forbids_numpy() -> None:
+    """The floors under the arithmetic are symbolic; those that compute are above it, or forbid sympy."""
+    floors, symbolic, numeric = contracts()
+    below = floors["layers"][floors["layers"].index("arithmetic") + 1 :]
+    exact = {f"hjsolve.{name}" for floor in below for name in floor.replace("|", " ").split()} - {
+        f"hjsolve.{name}" for name in LOOSE
     }
-    assert modules - {"__init__"} <= named, (
-        f"name a layer for {sorted(modules - named - {'__init__'})} in pyproject.toml"
-    )
+    assert exact == set(symbolic["source_modules"])
+    assert not exact & set(numeric["source_modules"])
 
 
-def test_the_symbolic_half_is_named_whole_in_its_contract() -> None:
-    """Whatever lies below the numeric half must be under the contract that forbids numpy."""
-    configuration = tomllib.loads((ROOT / "pyproject.toml").read_text(encoding="utf-8"))
-    order, symbolic, _ = configuration["tool"]["importlinter"]["contracts"]
-    place = next(i for i, layer in enumerate(order["layers"]) if "hjsolve.numeric" in layer)
-    below = " ".join(order["layers"][place + 1 :]).replace("|", " ").replace(":", " ").split()
-    assert set(below) - {"hjsolve._version"} <= set(symbolic["source_modules"])
+def test_every_room_says_what_it_is_for() -> None:
+    """Three to six lines: what goes in, what comes out, which file to read first."""
+    for room in sorted(rooms()):
+        text = (ROOT / "hjsolve" / room / "__init__.py").read_text(encoding="utf-8").split('"""')[1].strip()
+        assert 3 <= len(text.splitlines()) <= 7, room
+        assert "In:" in text, room
+        assert "Out:" in text, room
+        assert "first" in text, room

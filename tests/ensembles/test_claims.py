@@ -9,7 +9,6 @@ from functools import cache
 from pathlib import Path
 from typing import Any
 
-import kuzmin_kutuzov as galaxy
 import mpmath
 import numpy as np
 import pytest
@@ -17,6 +16,7 @@ import pytest
 from hjsolve.ensembles import engine as batch
 from hjsolve.ensembles.engine import Status, nodes
 from hjsolve.ensembles.engine.programs import available
+from tests.support import kuzmin_kutuzov as galaxy
 
 QUANTITIES = (
     "actions.u", "actions.w", "frequencies.u", "frequencies.w", "frequencies.phi", "angles.u", "angles.w", "angles.phi",
@@ -28,7 +28,7 @@ CASES = [(want, False) for want in WANTED] + [(want, True) for want in WANTED[1:
 @cache
 def references() -> tuple[Any, Any]:
     """Two doubles for every orbit and quantity."""
-    with np.load(Path(__file__).with_name("galaxy_claims.npz")) as data:
+    with np.load(Path(__file__).resolve().parents[1] / "support" / "galaxy_claims.npz") as data:
         return data["high"], data["low"]
 
 

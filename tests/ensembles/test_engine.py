@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import kuzmin_kutuzov as galaxy
 import mpmath
 import numpy as np
 import pytest
@@ -12,6 +11,7 @@ from hjsolve.ensembles import engine as batch
 from hjsolve.ensembles.engine import Status
 from hjsolve.ensembles.engine.programs import available
 from hjsolve.errors import InvalidInputError
+from tests.support import kuzmin_kutuzov as galaxy
 
 COMPILED = [False, *([True] if available() else [])]
 TIMED = frozenset({"actions", "frequencies", "periods", "angles", "turning_points", "constants"})

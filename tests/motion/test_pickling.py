@@ -125,7 +125,9 @@ def test_a_run_of_a_scene_travels():
         run = hjsolve.Scene.load(f"scenes/{name}.toml").run()
         for again in (pickle.loads(pickle.dumps(run)), copy.deepcopy(run)):
             assert shown(again.trajectory) == shown(run.trajectory)
-            assert repr([dict(arc.quantities) for arc in again.arcs]) == repr([dict(arc.quantities) for arc in run.arcs])
+            assert repr([dict(arc.quantities) for arc in again.arcs]) == repr(
+                [dict(arc.quantities) for arc in run.arcs]
+            )
 
 
 def test_what_was_given_may_be_changed_afterwards():

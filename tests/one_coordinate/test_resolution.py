@@ -180,7 +180,9 @@ def test_without_the_enclosures_the_narrow_dip_would_not_be_seen(monkeypatch):
     seen = moving(*start).periods["x"]
     own = resolution.Integrands.over
     monkeypatch.setattr(
-        resolution.Integrands, "over", lambda self, image: ([Disk(0 * d.centre, 0 * np.abs(d.centre)) for d in own(self, image)[0]], False)
+        resolution.Integrands,
+        "over",
+        lambda self, image: ([Disk(0 * d.centre, 0 * np.abs(d.centre)) for d in own(self, image)[0]], False),
     )
     unseen = moving(*start).periods["x"]
     assert abs(unseen.value - 2 * math.pi) < 1e-9 < 1e-8 < abs(seen.value - 2 * math.pi)

@@ -97,9 +97,7 @@ def test_a_coordinate_has_its_place_at_the_end_of_the_motion_or_none(name):
 @pytest.mark.parametrize("digits", [15, 25])
 def test_both_ends_at_once_are_one_time(digits):
     """A fall along a ray, in parabolic coordinates: t = ∫ dr/√(2(E + 1/r)), r = y²."""
-    system = hjsolve.System(
-        {"u": "0 < u", "v": "0 < v"}, "(u**2 + v**2)*(dot(u)**2 + dot(v)**2)/2", "-2/(u**2 + v**2)"
-    )
+    system = hjsolve.System({"u": "0 < u", "v": "0 < v"}, "(u**2 + v**2)*(dot(u)**2 + dot(v)**2)/2", "-2/(u**2 + v**2)")
     motion = hjsolve.solve(system).motion(q={"u": 1, "v": "0.7"}, velocity={"u": "-0.1", "v": "-0.07"}, digits=digits)
     with mp.workdps(35):
         r, speed = mp.mpf("0.745"), mp.mpf("0.149")
@@ -179,7 +177,9 @@ def test_an_end_that_is_never_reached_because_the_other_coordinate_runs_away_is_
     assert list(motion.at([1e3, 1e6]).status) == ["ok", "ok"]
 
 
-@pytest.mark.parametrize(("place", "speed"), [("1e-13", "-0.02"), pytest.param("1e-8", "0.02", marks=pytest.mark.nightly)])
+@pytest.mark.parametrize(
+    ("place", "speed"), [("1e-13", "-0.02"), pytest.param("1e-8", "0.02", marks=pytest.mark.nightly)]
+)
 def test_a_black_hole_s_pole_may_be_passed_as_near_as_one_likes(place, speed):
     """θ goes down to 9e-17 or 9e-27, where its kernel is below the rounding of the series; it was not converged, or false.
 

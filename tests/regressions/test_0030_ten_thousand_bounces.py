@@ -14,7 +14,9 @@ from tests.support.billiards import wall
 
 def test_ten_thousand_bounces_evaluate_what_ten_do() -> None:
     def work(stop: int) -> Any:
-        run = Scene.load({**billiards.BALL, "want": ["trajectory"], "times": {"start": 0, "stop": stop, "count": 3}}).run()
+        run = Scene.load(
+            {**billiards.BALL, "want": ["trajectory"], "times": {"start": 0, "stop": stop, "count": 3}}
+        ).run()
         assert len(run.arcs) > 0.98 * stop
         return run.work
 

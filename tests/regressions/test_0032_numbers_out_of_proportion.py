@@ -17,7 +17,10 @@ FAULTS: dict[str, tuple[dict[str, Any], str]] = {
     "a push": ({**BASE, "events": [{**PUSH, "velocity": {"z": "1e300"}}]}, "events[1].z: with events"),
     "a small push": ({**BASE, "events": [{**PUSH, "momentum": {"z": "5e-324"}}]}, "events[1].z: with events"),
     "a place": ({**BASE, "initial": {"q": {"z": "-1e160"}, "velocity": {"z": "0"}}}, "initial.q.z: with events"),
-    "a velocity": ({**BASE, "initial": {"q": {"z": "1"}, "velocity": {"z": "1e400"}}}, "initial.velocity.z: with events"),
+    "a velocity": (
+        {**BASE, "initial": {"q": {"z": "1"}, "velocity": {"z": "1e400"}}},
+        "initial.velocity.z: with events",
+    ),
     "a wall": ({**BASE, "events": [wall("z", "1e-300")]}, "events[1].at.value: with events"),
     "a restitution": ({**BASE, "events": [wall("z", "0", restitution="1e-300")]}, "events[1].restitution: with events"),
     "a time": ({**BASE, "times": ["1e300"]}, "times: with events"),

@@ -20,8 +20,30 @@ from hjsolve.reports.formulas.from_sympy import box, tidy
 from hjsolve.reports.formulas.names import name_box
 from hjsolve.reports.formulas.one_line_text import plain
 
-NAMES = ["d", "e", "E", "i", "partial", "Delta", "Pi", "dx", "dd", "ln", "arcsin", "p_d", "x1", "d_e", "theta", "GM", "t_", "n", "T"]
-LETTERS = {plain(name_box(name)): name for name in NAMES} | {plain(name_box(f"dot({n})")): f"dot({n})" for n in ("d", "theta")}
+NAMES = [
+    "d",
+    "e",
+    "E",
+    "i",
+    "partial",
+    "Delta",
+    "Pi",
+    "dx",
+    "dd",
+    "ln",
+    "arcsin",
+    "p_d",
+    "x1",
+    "d_e",
+    "theta",
+    "GM",
+    "t_",
+    "n",
+    "T",
+]
+LETTERS = {plain(name_box(name)): name for name in NAMES} | {
+    plain(name_box(f"dot({n})")): f"dot({n})" for n in ("d", "theta")
+}
 SYMBOLS = {name: sp.Symbol(name, positive=True) for name in [*NAMES, "dot(d)", "dot(theta)"]}
 CALLS = {"ln": sp.log, "arcsin": sp.asin, "sin": sp.sin, "cosh": sp.cosh, "exp": sp.exp, "artanh": sp.atanh}
 SMALL = dict(zip("⁰¹²³⁴⁵⁶⁷⁸⁹⁻⁺ⁿᵀ", "0123456789−+nT"))
@@ -139,9 +161,13 @@ class Reader:
 
 
 symbols = st.sampled_from(sorted(SYMBOLS.values(), key=str))
-numbers = st.fractions(min_value=-9, max_value=9, max_denominator=9).map(lambda q: sp.Rational(q.numerator, q.denominator))
+numbers = st.fractions(min_value=-9, max_value=9, max_denominator=9).map(
+    lambda q: sp.Rational(q.numerator, q.denominator)
+)
 calls = st.sampled_from(list(CALLS.values()))
-powers = st.sampled_from([-2, -1, sp.Rational(-1, 2), sp.Rational(1, 2), sp.Rational(1, 3), sp.Rational(3, 2), 2, 3, 12])
+powers = st.sampled_from(
+    [-2, -1, sp.Rational(-1, 2), sp.Rational(1, 2), sp.Rational(1, 3), sp.Rational(3, 2), 2, 3, 12]
+)
 expressions = st.recursive(
     symbols | numbers | st.tuples(calls, symbols).map(lambda pair: pair[0](pair[1])),
     lambda inner: st.one_of(
@@ -162,7 +188,8 @@ def same(one: sp.Expr, other: sp.Expr) -> bool:
     one, other = (e.replace(lambda s: s.is_Symbol, lambda s: sp.Symbol(s.name)) for e in (one, other))
     kernel = sp.Function("K")
     one, other = (
-        e.replace(lambda s: isinstance(s, sp.Integral), lambda s: kernel(s.function, s.limits[0][1])) for e in (one, other)
+        e.replace(lambda s: isinstance(s, sp.Integral), lambda s: kernel(s.function, s.limits[0][1]))
+        for e in (one, other)
     )
     one, other = (e.replace(kernel, lambda f, a: sp.sin(f) + 3 * a) for e in (one, other))
     names = sorted(one.free_symbols | other.free_symbols, key=str)

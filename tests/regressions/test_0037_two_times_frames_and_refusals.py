@@ -40,7 +40,9 @@ def test_the_parameter_of_a_path_is_not_called_t_where_t_is_a_coordinate() -> No
     assert "from τ = 0 to τ = " in shown
     assert "t₀" not in shown
     assert not re.search(r"\bt =", shown)
-    drawings = [f for s in whole.sections for b in s.blocks if hasattr(b, "items") for f in b.items if hasattr(f, "svg")]
+    drawings = [
+        f for s in whole.sections for b in s.blocks if hasattr(b, "items") for f in b.items if hasattr(f, "svg")
+    ]
     history = next(f for f in drawings if "along the path" in f.title)
     assert set(history.data) == {"tau", "r", "theta"}
     assert "τ" in history.svg
@@ -82,7 +84,9 @@ def test_the_principal_function_in_the_original_coordinates_solves_the_equation(
     residual = sp.diff(S, frame.time) + H.xreplace(slopes)
     point = {s: sp.Rational(1, 3 + i) for i, s in enumerate(sorted(residual.free_symbols, key=str))}
     point |= {p.symbol: p.value for p in frame.system.parameters}
-    point |= {c.symbol: c.symbol.assumptions0 and sp.Integer(3 + i) for i, (n, c) in enumerate(solution.constants.items())}
+    point |= {
+        c.symbol: c.symbol.assumptions0 and sp.Integer(3 + i) for i, (n, c) in enumerate(solution.constants.items())
+    }
     assert abs(sp.N(residual.subs(point), 30)) < 1e-25
 
 

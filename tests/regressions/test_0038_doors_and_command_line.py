@@ -85,7 +85,9 @@ def test_a_system_and_its_table_are_the_same_system(name: str) -> None:
 
 # ------------------------------------------------------------------------------------------------ what is typed
 def test_greek_letters_are_names() -> None:
-    spelled = hjsolve.System({"theta": "-pi < theta < 2*pi/3"}, "m*dot(theta)**2/2", "-lam*cos(theta)", {"m": 1, "lam": 2})
+    spelled = hjsolve.System(
+        {"theta": "-pi < theta < 2*pi/3"}, "m*dot(theta)**2/2", "-lam*cos(theta)", {"m": 1, "lam": 2}
+    )
     typed = hjsolve.System({"θ": "-π < θ < 2*π/3"}, "m*dot(θ)**2/2", "-λ*cos(θ)", {"m": 1, "λ": 2})
     assert typed == spelled
     motion = hjsolve.solve(typed).motion(q={"θ": 1}, velocity={"θ": 0}, parameters={"λ": 3})

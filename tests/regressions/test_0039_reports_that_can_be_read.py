@@ -73,7 +73,9 @@ def test_a_verdict_is_told_by_a_sign_and_a_colour(name: str, verdict: str, sign:
     assert (whole.verdict, whole.sign) == (verdict, sign)
     page = html(whole)
     assert f'class="answer {verdict}"' in page
-    colours = {word: re.search(rf"\.answer\.{word}{{--verdict:var\(--(\w+)\)", page)[1] for word in ("yes", "no", "open")}
+    colours = {
+        word: re.search(rf"\.answer\.{word}{{--verdict:var\(--(\w+)\)", page)[1] for word in ("yes", "no", "open")
+    }
     assert len(set(colours.values())) == 3
     assert f"> {sign}**" in markdown(whole)
     assert f"\n\n{sign}" in text(whole)
@@ -86,7 +88,9 @@ def letters(shown: object) -> str:
     return re.sub(r"\s", "", plain(shown))  # type: ignore[arg-type]
 
 
-@pytest.mark.parametrize("name", ["kerr", "kuzmin-kutuzov", "vinti", "two-centres-space", "lagrange-top", "charge-in-monopole-field"])
+@pytest.mark.parametrize(
+    "name", ["kerr", "kuzmin-kutuzov", "vinti", "two-centres-space", "lagrange-top", "charge-in-monopole-field"]
+)
 def test_broken_formulas_keep_every_sign_and_term(name: str) -> None:
     solution = entries.solution(name)
     expressions = [solution.system.kinetic, *solution.momentum_squared.values(), solution.separation.shell.potential]

@@ -31,9 +31,7 @@ def system(coordinates, kinetic, potential="0"):
         ("abc", "dot(a)*dot(b) + dot(b)*dot(c) + dot(c)*dot(a)", "c**2", ()),
     ],
 )
-def test_light_like_coordinates_separate_and_every_law_of_the_solution_is_proved(
-    coordinates, kinetic, potential, null
-):
+def test_light_like_coordinates_separate_and_every_law_of_the_solution_is_proved(coordinates, kinetic, potential, null):
     verdict = hjsolve.separate(system(dict.fromkeys(coordinates, "line"), kinetic, potential))
     assert isinstance(verdict, hjsolve.Separation)
     assert verdict.shell.null == null

@@ -10,7 +10,9 @@ def system(potential, kinetic="dot(a)**2/2", **parameters):
     return hjsolve.System({"a": "angle"}, kinetic, potential, parameters)
 
 
-@pytest.mark.parametrize("potential", ["cos(a/2)", "a", "a**2", "atan(a)", "cos(pi*a)", "(cos(a/2) + 2)**2", "sin(a/3)"])
+@pytest.mark.parametrize(
+    "potential", ["cos(a/2)", "a", "a**2", "atan(a)", "cos(pi*a)", "(cos(a/2) + 2)**2", "sin(a/3)"]
+)
 def test_a_potential_that_tells_turns_apart_is_refused_with_what_to_write(potential):
     with pytest.raises(hjsolve.InvalidSystemError, match=r"not 2\*pi-periodic in a.*\"line\".*\"-pi < a < pi\""):
         system(potential)

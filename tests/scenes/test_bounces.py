@@ -63,7 +63,11 @@ def test_the_times_of_bounces_are_within_their_claims() -> None:
         g, v0 = mp.mpf("9.81"), mp.mpf("0.3")
         up = mp.sqrt(v0**2 + 2 * g * mp.mpf("1.25"))
         for k, arc in enumerate(run.arcs[:-1]):
-            assert abs(mp.mpf(arc.ends.value) - ((v0 + up) / g + 2 * k * up / g)) <= arc.ends.error <= 4e-16 * arc.ends.value
+            assert (
+                abs(mp.mpf(arc.ends.value) - ((v0 + up) / g + 2 * k * up / g))
+                <= arc.ends.error
+                <= 4e-16 * arc.ends.value
+            )
 
 
 @pytest.mark.parametrize("name", ["ball", "box", "circle"])
@@ -128,7 +132,9 @@ def test_the_motion_of_an_arc_begins_where_the_arc_does() -> None:
         k = int(np.searchsorted(run.trajectory.t, arc.begins.value))
         later = arc.motion.at(run.trajectory.t[k])
         assert abs(later.q["theta"] - run.trajectory.q["theta"][k]) < 1e-14
-        assert any(abs(state.q[e.coordinate] - float(e.value)) < 1e-14 for e in run.arcs[run.arcs.index(arc) - 1].events)
+        assert any(
+            abs(state.q[e.coordinate] - float(e.value)) < 1e-14 for e in run.arcs[run.arcs.index(arc) - 1].events
+        )
 
 
 def test_a_rotation_turned_round_has_the_action_of_its_direction() -> None:

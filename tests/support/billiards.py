@@ -124,7 +124,10 @@ def sector(t: Any) -> dict[str, dict[str, Any]]:
     """Walls at r = 6/5, θ = −1/2 and θ = 1: H is even in both momenta, so θ is that of the circle, folded."""
     there = circle(t)
     θ, sign = folded(there["q"]["theta"] + mp.mpf("0.5"), mp.mpf("1.5"))
-    return {"q": {"r": there["q"]["r"], "theta": θ - mp.mpf("0.5")}, "p": {"r": there["p"]["r"], "theta": sign * mp.mpf("1.1")}}
+    return {
+        "q": {"r": there["q"]["r"], "theta": θ - mp.mpf("0.5")},
+        "p": {"r": there["p"]["r"], "theta": sign * mp.mpf("1.1")},
+    }
 
 
 KEPLER: dict[str, Any] = {

@@ -54,7 +54,9 @@ class Turning:
             return hard_exact.Nutation(real(self.h), mp.sin(θ) ** 2 * real(self.velocity["phi"]), mpf(0), -mp.cos(θ))
         ψ̇, φ̇ = real(self.velocity["psi"]), real(self.velocity["phi"])
         c = real(self.axial) * (φ̇ - ψ̇ * mp.sin(θ))
-        return hard_exact.Nutation(real(self.h), -c * mp.sin(θ) + ψ̇ * mp.cos(θ) ** 2, c, mp.sin(θ), 1 / real(self.axial))
+        return hard_exact.Nutation(
+            real(self.h), -c * mp.sin(θ) + ψ̇ * mp.cos(θ) ** 2, c, mp.sin(θ), 1 / real(self.axial)
+        )
 
     def place(self, truth: hard_exact.Nutation, t: mpf) -> dict[str, mpf]:
         """Coordinates at t; azimuth and spin unwrapped, counted from the start."""

@@ -92,6 +92,10 @@ def draw(chance: random.Random, *, narrowest: float = -6.0) -> Escape:
         features.append(Feature(shape.format(h=height, c=place, w=width), place, width))
     potential = " + ".join([base, *(f.text for f in features)])
     start, velocity = f"{chance.uniform(-1, 0):.3f}", f"{chance.uniform(1.7, 2.5):.3f}"
-    if base == "-x/2" and chance.random() < 0.5 and all(abs(sp.Rational(f.text.split(")")[0][1:])) < 0.1 for f in features):
+    if (
+        base == "-x/2"
+        and chance.random() < 0.5
+        and all(abs(sp.Rational(f.text.split(")")[0][1:])) < 0.1 for f in features)
+    ):
         velocity = "0"
     return Escape(potential, start, velocity, tuple(features), ("5", f"{10 ** chance.uniform(1, 4):.3f}"))

@@ -1,8 +1,9 @@
-"""Many orbits of one system at once, in doubles, each with a status and an error: the engine below ``ensemble``.
+"""The engine below ``ensemble``: many orbits of one system at once, in doubles, each with a status and an error.
 
-``build`` reads a solution once; ``Engine.run`` takes arrays of starts. An orbit comes back with status ``OK`` and a
+In: a solution, read once by ``build``, and arrays of starts. Out: columns: an orbit comes back with status ``OK`` and a
 claimed error that is not below the true error for exactly these inputs, or with another status and NaN: it then
-belongs to the single-orbit engine (``hjsolve.motion``), which has as many digits as it takes.
+belongs to the engine of single motions (``hjsolve.motion``), which has as many digits as it takes.
+Read ``engine.py`` first, then ``passes.py``; files named ``compiled_`` do the same in numba (extra ``fast``).
 """
 
 from hjsolve.ensembles.engine.columns import QUANTITIES as QUANTITIES

@@ -1,7 +1,7 @@
 """Tables of nodes: places of equally spaced anomalies, made once for a number of nodes and a modulus.
 
-The anomalies are those of ``one_coordinate/anomaly.py``, over w = sn²(u | k²). Where a zero or pole of p² lies does not enter
-an integral, only its rate of convergence; so k′² is taken from the powers of 4, and the tables serve all orbits.
+The anomalies are those of ``one_coordinate/anomaly.py``, over w = sn²(u | k²). Where a zero or pole of p² lies does not
+enter an integral, only its rate of convergence; so k′² is taken from the powers of 4, and the tables serve all orbits.
 
 When k′² is small, u grows like the logarithm of the distance from an end that has a pole next to it, and all else that
 p² does happens within a small part of the period. So the nodes are drawn together there:

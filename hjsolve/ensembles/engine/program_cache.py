@@ -19,7 +19,15 @@ from hashlib import sha256
 from importlib.metadata import version
 from pathlib import Path
 
-_CODE = ("clearance.py", "elementary.py", "glances.py", "loops.py", "nodes.py", "rules.py", "searches.py")
+_CODE = (
+    "clearance.py",
+    "compiled_clearance.py",
+    "compiled_integrals.py",
+    "compiled_rule.py",
+    "compiled_turning_points.py",
+    "elementary.py",
+    "nodes.py",
+)
 _OTHERS = 0o022
 
 

@@ -245,7 +245,11 @@ def _functions(text: str, parts: Sequence[str], fronts: Sequence[str], path: Pat
     name = mark(text)
     module = ModuleType(f"hjsolve_program_{name}")
     space = module.__dict__
-    loose = [function for part in (compiled_rule, compiled_integrals, compiled_turning_points, compiled_clearance) for function in part.BOUND]
+    loose = [
+        function
+        for part in (compiled_rule, compiled_integrals, compiled_turning_points, compiled_clearance)
+        for function in part.BOUND
+    ]
     for part in (compiled_rule, compiled_integrals, compiled_turning_points, compiled_clearance):
         space.update({key: item for key, item in vars(part).items() if not key.startswith("__")})
     space.update(NAMES, **{f.__name__: FunctionType(f.__code__, space, f.__name__) for f in loose})

@@ -2,8 +2,9 @@
 
 A view answers for arrays of shape (n,) or (n, nodes): the value of F = p², its kernels, and a bound on the rounding
 error of F. ``Raw`` evaluates the formula at x with q = origin + sign·x. ``Near`` carries second-order slopes from the
-initial place, F(q₀ + δ) = P₀² + δ (F′₀ + δ F[q₀, q₀, q]): small amplitudes keep their digits (``arithmetic/second_differences.py``).
-``Fine`` evaluates F with 32 digits at a distance x from a turning point known to 32 digits: close zeros keep theirs.
+initial place, F(q₀ + δ) = P₀² + δ (F′₀ + δ F[q₀, q₀, q]): small amplitudes keep their digits
+(``arithmetic/second_differences.py``). ``Fine`` evaluates F with 32 digits at a distance x from a turning point known
+to 32 digits: close zeros keep theirs.
 """
 
 from __future__ import annotations

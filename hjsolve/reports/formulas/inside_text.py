@@ -17,9 +17,7 @@ from hjsolve.reports.formulas.from_sympy import APPLY, MINUS, TIMES, on_a_line
 from hjsolve.reports.formulas.layout import Box, Fence, Fraction, Glyph, Root, Script, row
 from hjsolve.reports.formulas.names import FUNCTION_NAMES, GREEK, name_box
 
-_TOKEN = re.compile(
-    r" *(?:(?P<number>\d+(?:\.\d+)?)|(?P<name>[A-Za-z]\w*)|(?P<operator>\*\*|->|-\+|\+-|[-+*/^=(),]))"
-)
+_TOKEN = re.compile(r" *(?:(?P<number>\d+(?:\.\d+)?)|(?P<name>[A-Za-z]\w*)|(?P<operator>\*\*|->|-\+|\+-|[-+*/^=(),]))")
 _STEM = re.compile(r"([A-Za-z]+?)_?\d*")
 _SIGNS = {"+": "+", "-": MINUS, "-+": "∓", "+-": "±"}
 

@@ -136,8 +136,6 @@ def typeset(text: str) -> str:
         The same with raised digits and centred dots.
     """
     raised = str.maketrans("0123456789-", "⁰¹²³⁴⁵⁶⁷⁸⁹⁻")
-    text = re.sub(
-        r"(?:\^|\*\*)(?:\((-?\d+)\)|(-?\d+)(?![\w.]))", lambda m: (m[1] or m[2]).translate(raised), text
-    )
+    text = re.sub(r"(?:\^|\*\*)(?:\((-?\d+)\)|(-?\d+)(?![\w.]))", lambda m: (m[1] or m[2]).translate(raised), text)
     text = re.sub(r"(?<=[=(,] )-(?=\w)|(?<=[=(])-(?=\w)|(?<=\b\w )-(?= \w\b)", "−", text)
     return re.sub(r"(?<=[\w²³⁰¹⁴⁵⁶⁷⁸⁹)])\*(?=[\w(])", "·", text)

@@ -322,9 +322,7 @@ def _by_its_shell(verdict: Separation) -> str:
     if not _diagonal(verdict.system):
         return f"{gone}; the kinetic energy is not diagonal in all of them. The shell is of {whose} form."
     if any(linear_terms(verdict.system)):
-        how = (
-            "are a gradient and are shifted away" if any(verdict.shell.shift) else "become part of the potential"
-        )
+        how = "are a gradient and are shifted away" if any(verdict.shell.shift) else "become part of the potential"
         return f"{gone}: T has terms linear in the velocities, which {how}. The shell is of {whose} form."
     return f"{gone}: the shell is of {whose} form."
 
