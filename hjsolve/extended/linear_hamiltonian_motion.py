@@ -21,7 +21,7 @@ from hjsolve.errors import InvalidInputError, MissingValueError, NotConvergedErr
 from hjsolve.extended.linear_hamiltonian import LinearHamiltonian
 from hjsolve.formulas.read import number
 from hjsolve.lowering import lower
-from hjsolve.motion.initial_data import parameter_values, to_bits
+from hjsolve.motion.initial_data import to_bits, values_of
 from hjsolve.motion.state import Errors, State
 from hjsolve.motion.times import exact_numbers
 
@@ -167,7 +167,7 @@ def start(
     for what, given in (("q", q), ("p", p)):
         if set(arguments.table(given, what)) != {name}:
             raise MissingValueError(f"{what}: needs a number for {name}, and nothing else")
-    values = parameter_values(problem, parameters)
+    values = values_of(problem.parameters, parameters)
     place, momentum = number(q[name], source=f"q.{name}"), number(p[name], source=f"p.{name}")
     bits = int(3.33 * digits) + _GUARD_BITS
     if not _Ends.of(problem, values, bits).hold(to_bits(place)(bits)):

@@ -8,7 +8,7 @@ them is zero (a parabolic orbit, a motion through the axis) is decided with ``ZE
 from __future__ import annotations
 
 import math
-from collections.abc import Iterable, Mapping
+from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass, replace
 from numbers import Integral
 from typing import Any
@@ -18,7 +18,6 @@ import sympy as sp
 from hjsolve import arguments
 from hjsolve.arithmetic.floats import Multi, multiprecision
 from hjsolve.errors import InvalidInputError, MissingValueError
-from hjsolve.extended.linear_hamiltonian import GeneralHamiltonian, LinearHamiltonian
 from hjsolve.formulas.read import number
 from hjsolve.lowering import lower
 from hjsolve.mechanics.system import System, momenta, refuse_turns_that_differ
@@ -132,39 +131,48 @@ def sign(value: sp.Expr) -> int:
     return 1 if to_bits(value)(ZERO_BITS) > 0 else -1
 
 
-def parameter_values(
-    system: System | LinearHamiltonian | GeneralHamiltonian, given: Values
-) -> dict[sp.Symbol, sp.Expr]:
-    """Give every parameter its exact value: the one given, else the default.
+def parameter_values(system: System, given: Values) -> dict[sp.Symbol, sp.Expr]:
+    """Give every parameter of a system its exact value: the one given, else the default.
+
+    Raises:
+        InvalidInputError: a name that is no parameter, or a value against the parameter's ``assume``.
+        MissingValueError: a parameter without any value, or a function in T or V that is left undetermined.
+    """
+    if system.functions:
+        raise MissingValueError(
+            f"{_listed(system.functions)}: left undetermined, so there are formulas but no numbers; write a formula in "
+            "its place into T and V"
+        )
+    values = values_of(system.parameters, given)
+    if given:
+        refuse_turns_that_differ(system, [replace(p, value=values[p.symbol]) for p in system.parameters])
+    return values
+
+
+def values_of(parameters: Sequence[Parameter], given: Values) -> dict[sp.Symbol, sp.Expr]:
+    """Give every parameter its exact value, as ``parameter_values``, where there is no T and V beside them.
 
     Raises:
         InvalidInputError: a name that is no parameter, or a value against the parameter's ``assume``.
         MissingValueError: a parameter without any value.
     """
-    if isinstance(system, System) and system.functions:
-        raise MissingValueError(
-            f"{_listed(system.functions)}: left undetermined, so there are formulas but no numbers; write a formula in "
-            "its place into T and V"
-        )
-    known = {p.name: p for p in system.parameters}
+    known = {p.name: p for p in parameters}
     for name in given:
         if name not in known:
             raise InvalidInputError(f"parameters: {name!r} is not a parameter of this system; it has {_listed(known)}")
     values = {
         p.symbol: number(given[p.name], source=f"parameter {p.name}") if p.name in given else p.value
-        for p in system.parameters
+        for p in parameters
     }
-    missing = [p.name for p in system.parameters if values[p.symbol] is None]
+    missing = [p.name for p in parameters if values[p.symbol] is None]
     if missing:
         raise MissingValueError(f"no value for {_listed(missing)}: write parameters={{{missing[0]!r}: …}}")
-    for p in system.parameters:
+    for p in parameters:
         value = values[p.symbol]
         if p.assume == "integer" and value is not None and not value.is_Integer:
             raise InvalidInputError(f"parameters: {p.name} must be an integer, not {value}")
         if p.assume == "positive" and sign(values[p.symbol]) <= 0:
             raise InvalidInputError(f"parameters: {p.name} must be positive, not {values[p.symbol]}")
-    if given and isinstance(system, System):
-        refuse_turns_that_differ(system, [replace(p, value=values[p.symbol]) for p in system.parameters])
     return {symbol: value for symbol, value in values.items() if value is not None}
 
 
