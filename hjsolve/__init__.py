@@ -16,6 +16,7 @@ from hjsolve._version import __version__ as __version__
 if TYPE_CHECKING:
     from hjsolve import catalog as catalog
     from hjsolve.arithmetic.estimate import Estimate as Estimate
+    from hjsolve.catalog import moving_frames as frames  # noqa: F401
     from hjsolve.coordinates import Coordinates as Coordinates
     from hjsolve.coordinates import NormalModes as NormalModes
     from hjsolve.coordinates import Web as Web
@@ -39,7 +40,6 @@ if TYPE_CHECKING:
     from hjsolve.errors import NotConvergedError as NotConvergedError
     from hjsolve.errors import NotSeparableError as NotSeparableError
     from hjsolve.errors import OutsideMotionError as OutsideMotionError
-    from hjsolve.extended import moving_frame as frames  # noqa: F401
     from hjsolve.extended.gyroscopic import linear_modes as linear_modes
     from hjsolve.extended.linear_hamiltonian import from_hamiltonian as from_hamiltonian
     from hjsolve.mechanics.system import Coordinate as Coordinate
@@ -77,7 +77,7 @@ _PUBLIC = {
     "NotSeparableError OutsideMotionError ",
 }
 _HOMES = {name: home for home, names in _PUBLIC.items() for name in names.split()}
-_MODULES = {"catalog": "catalog", "frames": "extended.moving_frame"}
+_MODULES = {"catalog": "catalog", "frames": "catalog.moving_frames"}
 
 __all__ = ["__version__", *sorted(_MODULES), *sorted(_HOMES)]  # noqa: PLE0604
 

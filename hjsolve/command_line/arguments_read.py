@@ -36,10 +36,10 @@ def frame(options: Namespace, solved: Solution | None = None) -> Section | None:
     """The section about the frame that an entry declares; None where it declares none."""
     if options.system is None or options.coordinate:
         return None
-    from hjsolve.extended import moving_frame
+    from hjsolve.catalog import moving_frames
     from hjsolve.reports.sections.moving_frame import frame_section
 
-    frame = moving_frame.of(located(options.system))
+    frame = moving_frames.of(located(options.system))
     return None if frame is None else frame_section(frame, solved)
 
 

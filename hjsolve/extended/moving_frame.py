@@ -11,15 +11,14 @@ from __future__ import annotations
 
 from collections.abc import Mapping
 from dataclasses import dataclass
-from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 import sympy as sp
 
-from hjsolve import arguments, catalog
-from hjsolve.errors import CatalogError, InvalidSystemError
-from hjsolve.formulas.read import number, parse
-from hjsolve.mechanics.system import Parameter, System, hamiltonian, momenta
+from hjsolve import arguments
+from hjsolve.errors import InvalidSystemError
+from hjsolve.formulas.read import number
+from hjsolve.mechanics.system import System, hamiltonian, momenta
 from hjsolve.separation.zero_test.zero_test import Zero, is_zero
 from hjsolve.solution.quadratures import Solution, solve
 
@@ -127,50 +126,6 @@ def verified(frame: Frame) -> Frame:
     raise InvalidSystemError(
         f"frame: L - L' - dΛ/dt is {frame.residual()}, not zero: the map and the gauge do not lead to this system"
     )
-
-
-def load(entry: str | Path) -> Frame:
-    """Read and verify the frame of a catalog entry: the table ``[frame]`` beside the autonomous system.
-
-    Raises:
-        CatalogError: no such entry or frame, or a frame that does not do what it says.
-    """
-    table, source = catalog.read(entry)
-    if "frame" not in table:
-        raise CatalogError(f"{source}: frame: missing; this entry declares no change of frame")
-    try:
-        return from_table(table, catalog.from_table(table, source=source), source)
-    except InvalidSystemError as error:
-        raise CatalogError(f"{source}: {error}") from error
-
-
-def of(entry: str | Path) -> Frame | None:
-    """The frame of a catalog entry; None where it declares none.
-
-    Raises:
-        CatalogError: as ``load``.
-    """
-    table, _ = catalog.read(entry)
-    return load(entry) if "frame" in table else None
-
-
-def from_table(table: Mapping[str, Any], system: System, source: str) -> Frame:
-    """Build and verify the frame that an entry's table declares for its system."""
-    given = table["frame"]
-    parameters: dict[str, Any] = {p.name: p for p in system.parameters}
-    clock = Parameter(TIME, sp.Symbol(TIME, real=True), None, "real", "", "time")
-    original = System(
-        coordinates={c["name"]: c["domain"] for c in given["coordinates"]}, kinetic=given["kinetic"],
-        potential=given.get("potential", "0"), parameters=parameters | {TIME: clock}, title=table.get("title", ""),
-    )  # fmt: skip
-    time = original.symbols[TIME]
-    names = {**system.symbols, TIME: time}
-    place = {
-        c.name: parse(given["place"].get(c.name, c.name), names, source=f"{source}: frame.place.{c.name}")
-        for c in original.coordinates
-    }
-    gauge = parse(given.get("gauge", "0"), names, source=f"{source}: frame.gauge")
-    return verified(Frame(system, original, place, gauge, time))
 
 
 def drift(frame: Frame, expression: sp.Expr) -> sp.Expr:

@@ -9,8 +9,8 @@ from pathlib import Path
 from typing import Any, TypeAlias
 
 from hjsolve import catalog
+from hjsolve.catalog import moving_frames
 from hjsolve.errors import InvalidInputError, NotConvergedError, NotSeparableError
-from hjsolve.extended import moving_frame
 from hjsolve.extended.moving_frame import Frame
 from hjsolve.mechanics.system import System
 from hjsolve.motion.motion import Motion
@@ -88,7 +88,7 @@ def gather(
     entry = entry or catalog.entry_of(verdict.system)
     if isinstance(verdict, Separation) and solution is None:
         solution = _timed(clock, "solution by quadratures", lambda: solve(verdict))
-    frame = moving_frame.of(named if named is not None else entry.id) if entry is not None else None
+    frame = moving_frames.of(named if named is not None else entry.id) if entry is not None else None
     if solution is None:
         return Material(verdict, entry=entry, frame=frame, clock=clock)
     data, summary = initial_of(entry, initial, motion)
