@@ -17,7 +17,7 @@ A_SYSTEM = (
 def system_of(subject: object, verb: str) -> System:
     """Give the system that is meant.
 
-    This is the one call from here up into the catalog; the import happens at call time.
+    A name goes to ``hjsolve.catalog``, asked for at call time through the package's public face, as a user would.
 
     Args:
         subject: a ``System``; the id of a catalog entry; the path of an entry's file.
@@ -30,9 +30,9 @@ def system_of(subject: object, verb: str) -> System:
     if isinstance(subject, System):
         return subject
     if isinstance(subject, (str, Path)):
-        from hjsolve import catalog
+        import hjsolve
 
-        return catalog.load(Path(subject) if str(subject).endswith(".toml") else subject)
+        return hjsolve.catalog.load(Path(subject) if str(subject).endswith(".toml") else subject)
     raise InvalidInputError(f"{verb}: {A_SYSTEM}, not {described(subject)}")
 
 
