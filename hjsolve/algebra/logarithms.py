@@ -9,17 +9,14 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 from fractions import Fraction
-from typing import TYPE_CHECKING
 
 import sympy as sp
 
 from hjsolve.algebra import poly
 from hjsolve.algebra.field import Element, Generator
 from hjsolve.algebra.poly import Poly
+from hjsolve.algebra.reading import FieldReader
 from hjsolve.algebra.signs import atom_bounds
-
-if TYPE_CHECKING:
-    from hjsolve.algebra.reader import Reader
 
 MAX_FACTORED = 10**15
 Key = tuple[str, int]
@@ -38,7 +35,7 @@ class _Row:
 class Logarithms:
     """The logarithms of one reader."""
 
-    def __init__(self, reader: Reader):
+    def __init__(self, reader: FieldReader):
         self.reader = reader
         self._rows: list[_Row] = []
 

@@ -7,23 +7,20 @@ from __future__ import annotations
 
 import math
 from fractions import Fraction
-from typing import TYPE_CHECKING
 
 import sympy as sp
 
 from hjsolve.algebra import poly
 from hjsolve.algebra.field import Element, Field, Generator, Root
 from hjsolve.algebra.poly import Poly
+from hjsolve.algebra.reading import FieldReader
 from hjsolve.algebra.signs import sign_of
-
-if TYPE_CHECKING:
-    from hjsolve.algebra.reader import Reader
 
 MAX_FACTORED = 10**15
 """Larger numbers are not factored, and no root of a sum with larger ones is denested: its C² has their squares."""
 
 
-def root(reader: Reader, x: Element, p: int, q: int) -> Element:
+def root(reader: FieldReader, x: Element, p: int, q: int) -> Element:
     """x^(p/q), the real root.
 
     Factors whose sign on the domain is proved get a root of their own, so that √(ab) = √a·√b and √(P²) = ±P are used
@@ -52,7 +49,7 @@ def root(reader: Reader, x: Element, p: int, q: int) -> Element:
     return outside * _rest_root(reader, rest, q) ** p
 
 
-def _base_root(reader: Reader, base: Element, q: int) -> Element:
+def _base_root(reader: FieldReader, base: Element, q: int) -> Element:
     """base^(1/q) for ± a base polynomial that is not negative on the domain."""
     ((b, _),) = base.factors.items()
     radicand = poly.scale(reader.field.bases[b], int(base.coefficient))
@@ -61,7 +58,7 @@ def _base_root(reader: Reader, base: Element, q: int) -> Element:
     return _adjoin(reader, radicand, reader.field.one, q, nonnegative=True)
 
 
-def _rest_root(reader: Reader, rest: Element, q: int) -> Element:
+def _rest_root(reader: FieldReader, rest: Element, q: int) -> Element:
     """rest^(1/q) where rest = N/D.
 
     The generator is D·rest^(1/q), a root of N·D^(q−1), whatever the sign of D.
@@ -79,7 +76,7 @@ def _rest_root(reader: Reader, rest: Element, q: int) -> Element:
     return _adjoin(reader, expanded, down, q, nonnegative=not down.factors) / down
 
 
-def _denested(reader: Reader, radicand: Poly) -> Element | None:
+def _denested(reader: FieldReader, radicand: Poly) -> Element | None:
     """Denest √(A + B√d) = √((A+C)/2) ± √((A−C)/2).
 
     C² = A² − B²d must have a root C in the functions that A, B and d are made of, and the roots of (A ± C)/2 must be
@@ -143,7 +140,7 @@ def _whole_root(field: Field, square: Element) -> Element | None:
     return Element(field, Fraction(top, bottom), {0: 1}, {b: e // 2 for b, e in x.factors.items()})
 
 
-def _adjoin(reader: Reader, radicand: Poly, factor: Element, q: int, *, nonnegative: bool) -> Element:
+def _adjoin(reader: FieldReader, radicand: Poly, factor: Element, q: int, *, nonnegative: bool) -> Element:
     value = reader.write(reader.field.from_poly(radicand) / factor**q)
     atom = reader.write(factor) * sp.Pow(value, sp.Rational(1, q))
     if atom.is_Rational:
@@ -152,7 +149,7 @@ def _adjoin(reader: Reader, radicand: Poly, factor: Element, q: int, *, nonnegat
     return reader.adjoined(Generator(atom, "root", Root(q, radicand), low=low))
 
 
-def _number_root(reader: Reader, value: Fraction, p: int, q: int) -> Element:
+def _number_root(reader: FieldReader, value: Fraction, p: int, q: int) -> Element:
     """value^(p/q) for a positive rational number, over the roots of primes."""
     result = reader.field.one
     for n, sign in ((value.numerator, 1), (value.denominator, -1)):
