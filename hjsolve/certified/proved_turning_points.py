@@ -14,7 +14,7 @@ from typing import Any
 
 from hjsolve.arithmetic.ball import flint, from_mpf, working
 from hjsolve.certified.ball_radicand import Line
-from hjsolve.one_coordinate.classify import Start
+from hjsolve.one_coordinate.coordinate_start import Start
 
 _BITS = 128
 _MOST_STEPS = 240

@@ -24,7 +24,7 @@ def cost(options: Namespace, subject: Any) -> None:
         InvalidInputError: digits, seconds or the output make no sense.
     """
     from hjsolve.costs import cost as measured
-    from hjsolve.reports.sections.cost import checked_cost_path, save_cost
+    from hjsolve.reports.write_cost import checked_cost_path, save_cost
 
     target = None if options.output is None else checked_cost_path(options.output)
     table = measured(

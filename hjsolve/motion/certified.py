@@ -27,8 +27,9 @@ from hjsolve.errors import InvalidInputError, NotConvergedError
 from hjsolve.lowering import lower
 from hjsolve.motion.initial_data import Initial
 from hjsolve.one_coordinate.anomaly import Libration, Rotation
-from hjsolve.one_coordinate.classify import Located, Start, ray
+from hjsolve.one_coordinate.classify import Located, ray
 from hjsolve.one_coordinate.coordinate_motion import Bounded
+from hjsolve.one_coordinate.coordinate_start import Start
 from hjsolve.one_coordinate.fourier_series import zero
 from hjsolve.one_coordinate.momentum_squared import Radicand
 from hjsolve.one_coordinate.turning_points import end_of

@@ -24,8 +24,9 @@ from hjsolve.motion.initial_data import ZERO_BITS, InBits, Initial, domain_ends,
 from hjsolve.motion.quantities import FLOAT_DIGITS
 from hjsolve.motion.state import State
 from hjsolve.one_coordinate.allowed_regions import forbidden, others
-from hjsolve.one_coordinate.classify import Located, Start, locate
+from hjsolve.one_coordinate.classify import Located, locate
 from hjsolve.one_coordinate.coordinate_motion import PARTS, Open
+from hjsolve.one_coordinate.coordinate_start import Start
 from hjsolve.one_coordinate.momentum_squared import Radicand, has_period
 from hjsolve.solution.quadratures import Solution
 from hjsolve.time_law.open_motion import Plan, plan

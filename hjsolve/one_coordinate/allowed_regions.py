@@ -13,7 +13,8 @@ from hjsolve.arithmetic.floats import multiprecision
 from hjsolve.arithmetic.interval import Interval
 from hjsolve.arithmetic.jet import Jet
 from hjsolve.errors import ForbiddenMotionError, NotConvergedError
-from hjsolve.one_coordinate.classify import Start, ray
+from hjsolve.one_coordinate.classify import ray
+from hjsolve.one_coordinate.coordinate_start import Start
 from hjsolve.one_coordinate.momentum_squared import Radicand
 from hjsolve.one_coordinate.turning_points import End, first_end
 

@@ -13,7 +13,7 @@ from hjsolve.one_coordinate import resolution
 from hjsolve.one_coordinate.coordinate_motion import Anomaly, Bounded, Kind, bounded
 
 if TYPE_CHECKING:
-    from hjsolve.one_coordinate.classify import Start
+    from hjsolve.one_coordinate.coordinate_start import Start
 
 _FEW, _MANY = 32, 120
 """Nodes above which a second and another change of variable is tried, for a double and half a cycle."""

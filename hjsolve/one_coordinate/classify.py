@@ -16,7 +16,8 @@ from hjsolve.one_coordinate import resolution
 from hjsolve.one_coordinate.anomaly import Libration, Rotation, crested, libration, paired, rotation
 from hjsolve.one_coordinate.anomaly_choice import over_the_best_map
 from hjsolve.one_coordinate.chebyshev_panels import Way
-from hjsolve.one_coordinate.coordinate_motion import PARTS, Anomaly, Bounded, Course, Frozen, Open
+from hjsolve.one_coordinate.coordinate_motion import Anomaly, Bounded, Course, Frozen, Open
+from hjsolve.one_coordinate.coordinate_start import Start
 from hjsolve.one_coordinate.momentum_squared import Number, Radicand
 from hjsolve.one_coordinate.near_zeros import crests
 from hjsolve.one_coordinate.open_branch import Branch
@@ -33,32 +34,6 @@ _LONG = 2**16
 """The natural length of an open motion, over |q|, at most."""
 _STEEPEST = 1000
 """Exponents above are taken for those of powers only where they are the same at every distance."""
-
-
-@dataclass(frozen=True)
-class Start:
-    """One coordinate at the initial time.
-
-    Attributes:
-        name: of the coordinate.
-        radicand: p² and its kernels.
-        place: q at any precision.
-        forward: sign of the shell momentum; 0 exactly at a turning point.
-        lower, upper: ends of the domain at any precision; None where there is none.
-        angle: True when p² has period 2π in q.
-        skipped: kernels that are zero everywhere.
-        parts: what is to be integrated; see ``course.PARTS``.
-    """
-
-    name: str
-    radicand: Radicand
-    place: Number
-    forward: int
-    lower: Number | None
-    upper: Number | None
-    angle: bool
-    skipped: tuple[bool, ...]
-    parts: frozenset[str] = PARTS
 
 
 @dataclass(frozen=True)

@@ -11,8 +11,8 @@ from typing import Any
 
 from hjsolve.ensembles.task import Recipe
 from hjsolve.errors import ClusterError, InvalidInputError, MissingExtraError
-from hjsolve.sweeps.conduct import Work, columns_of
 from hjsolve.sweeps.identity import code
+from hjsolve.sweeps.work import Work, columns_of
 
 _PATIENCE = 20.0
 """Seconds until a scheduler that does not answer, or has no worker, is given up."""

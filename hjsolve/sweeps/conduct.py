@@ -5,22 +5,19 @@ from __future__ import annotations
 from collections.abc import Mapping
 from dataclasses import dataclass
 from pathlib import Path
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 from hjsolve import arguments
-from hjsolve.ensembles.compute import compute
 from hjsolve.ensembles.layout import wanted
 from hjsolve.ensembles.orbits import recipe_for
-from hjsolve.ensembles.task import WORTH_COMPILING, Recipe
+from hjsolve.ensembles.task import WORTH_COMPILING
 from hjsolve.errors import MissingExtraError
 from hjsolve.scenes import Scene
 from hjsolve.solution.quadratures import solve
 from hjsolve.sweeps.identity import code, identity
-from hjsolve.sweeps.points import Points, points_of
-from hjsolve.sweeps.progress import Advance, progress
-
-if TYPE_CHECKING:
-    from hjsolve.sweeps.folder import Folder
+from hjsolve.sweeps.points import points_of
+from hjsolve.sweeps.progress import progress
+from hjsolve.sweeps.work import Work, columns_of
 
 
 @dataclass(frozen=True)
@@ -38,32 +35,6 @@ class Swept:
     parts: int
     kept: int
     statuses: Mapping[str, int]
-
-
-@dataclass(frozen=True, eq=False)
-class Work:
-    """What is left to do, and how; passed to whoever conducts it."""
-
-    recipe: Recipe
-    points: Points
-    folder: Folder
-    left: tuple[int, ...]
-    advance: Advance
-
-    @property
-    def names(self) -> list[str]:
-        """The coordinates."""
-        return [c.name for c in self.recipe.system.coordinates]
-
-    def starts(self, part: int) -> dict[str, Any]:
-        """The initial conditions of a part."""
-        return self.points.window(self.names, *self.folder.plan.window(part))
-
-    def keep(self, part: int, starts: Mapping[str, Any], columns: Mapping[str, Any]) -> None:
-        """Write a part that is done."""
-        self.folder.write(part, starts, columns)
-        begin, end = self.folder.plan.window(part)
-        self.advance(end - begin)
 
 
 def sweep(
@@ -130,10 +101,3 @@ def _on_threads(work: Work, threads: int | None) -> None:
     for part in work.left:
         starts = work.starts(part)
         work.keep(part, starts, columns_of(work.recipe, starts, threads))
-
-
-def columns_of(recipe: Recipe, starts: Mapping[str, Any], threads: int | None) -> dict[str, Any]:
-    """The columns of a part; runs here or on a worker."""
-    names = [c.name for c in recipe.system.coordinates]
-    q, rates = ([starts[f"{group}.{name}"] for name in names] for group in ("q", recipe.kind))
-    return compute(recipe, q, rates, threads=threads)

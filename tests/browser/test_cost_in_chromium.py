@@ -8,7 +8,8 @@ from pathlib import Path
 import pytest
 
 from hjsolve.costs import Cost, Row
-from hjsolve.reports.sections.cost import cost_document, save_cost
+from hjsolve.reports.sections.cost import cost_document
+from hjsolve.reports.write_cost import save_cost
 
 
 def row(

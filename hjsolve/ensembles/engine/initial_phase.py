@@ -10,8 +10,8 @@ import numpy as np
 from hjsolve.arithmetic.reproducible_products import rowwise
 
 if TYPE_CHECKING:
-    from hjsolve.ensembles.engine.midpoint_rule import Region
     from hjsolve.ensembles.engine.nodes import Nodes
+    from hjsolve.ensembles.engine.region import Region
 
 _EPS = 2.0**-52
 _CLOSE = 0.05

@@ -18,6 +18,7 @@ from hjsolve.arithmetic.reproducible_products import rowwise
 from hjsolve.ensembles.engine import nodes as tables
 from hjsolve.ensembles.engine.initial_phase import Ends, librating, rotating
 from hjsolve.ensembles.engine.radicand_views import View
+from hjsolve.ensembles.engine.region import Region
 from hjsolve.ensembles.engine.resolution import least
 
 _EPS = 2.0**-52
@@ -25,45 +26,6 @@ _SAFETY = 1.5
 _GOAL = 4e-16
 _PLACES = 5
 _ELEMENTS = 1 << 18
-
-
-@dataclass(frozen=True)
-class Region:
-    """Where one coordinate moves, for n orbits; arrays (n,).
-
-    Attributes:
-        below, above: views of F used in the lower and in the upper half.
-        lower, upper: offsets of the turning points in those views; for a rotation ``lower`` is the slow place.
-        width: b − a.
-        near_lower, near_upper, level: ρ_d, ρ_c and the modulus 4^−level (int array); see ``one_coordinate/anomaly``.
-        warp: which of ``nodes.WARPS`` (int array).
-        momentum: P₀ (signed). left, right: q₀ − a and b − q₀; for a rotation ``left`` is q₀ less the slow place.
-        turning: False for rotations.
-    """
-
-    below: View
-    above: View
-    lower: Any
-    upper: Any
-    width: Any
-    near_lower: Any
-    near_upper: Any
-    level: Any
-    warp: Any
-    momentum: Any
-    left: Any
-    right: Any
-    turning: bool = True
-
-    def take(self, index: Any) -> Region:
-        """Return the region of some of the orbits."""
-        arrays = ("lower", "upper", "width", "near_lower", "near_upper", "level", "warp", "momentum", "left", "right")
-        below = self.below.take(index)
-        above = below if self.above is self.below else self.above.take(index)
-        return Region(
-            below, above, **{name: getattr(self, name)[index] for name in arrays},
-            turning=self.turning,
-        )  # fmt: skip
 
 
 @dataclass(frozen=True)

@@ -13,9 +13,9 @@ from hjsolve.arithmetic.second_differences import FUNCTIONS
 from hjsolve.ensembles.engine.columns import Status
 from hjsolve.ensembles.engine.constants import Begin, slope
 from hjsolve.ensembles.engine.lowered_solution import Formula, Model, Separated
-from hjsolve.ensembles.engine.midpoint_rule import Region
 from hjsolve.ensembles.engine.nodes import EVEN, MOST
 from hjsolve.ensembles.engine.radicand_views import Fine, Knowns, Near, Raw, View, second_slope
+from hjsolve.ensembles.engine.region import Region
 from hjsolve.ensembles.engine.turning_points import bracket, first_step, kept, refine
 
 _SMALL = 3e-14

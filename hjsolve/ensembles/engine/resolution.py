@@ -23,7 +23,7 @@ from hjsolve.ensembles.engine.radicand_views import Fine, Knowns, Near, View
 from hjsolve.ensembles.engine.strips_of_analyticity import SAFETY, Strip, across, strip
 
 if TYPE_CHECKING:
-    from hjsolve.ensembles.engine.midpoint_rule import Region
+    from hjsolve.ensembles.engine.region import Region
 
 _UNKNOWN, _CAUTIOUS, _HOPELESS = 0.3, 0.7, 2.0
 """The nodes needed grow nearly like the share of the radius that is missing, at least with this power; for stretched

@@ -1,0 +1,34 @@
+"""Where the motion of one separated coordinate begins, and by which p² it goes on."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+from hjsolve.one_coordinate.coordinate_motion import PARTS
+from hjsolve.one_coordinate.momentum_squared import Number, Radicand
+
+
+@dataclass(frozen=True)
+class Start:
+    """One coordinate at the initial time.
+
+    Attributes:
+        name: of the coordinate.
+        radicand: p² and its kernels.
+        place: q at any precision.
+        forward: sign of the shell momentum; 0 exactly at a turning point.
+        lower, upper: ends of the domain at any precision; None where there is none.
+        angle: True when p² has period 2π in q.
+        skipped: kernels that are zero everywhere.
+        parts: what is to be integrated; see ``course.PARTS``.
+    """
+
+    name: str
+    radicand: Radicand
+    place: Number
+    forward: int
+    lower: Number | None
+    upper: Number | None
+    angle: bool
+    skipped: tuple[bool, ...]
+    parts: frozenset[str] = PARTS

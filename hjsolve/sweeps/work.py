@@ -1,0 +1,48 @@
+"""What is left to do of a sweep, and the columns of one of its parts."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from dataclasses import dataclass
+from typing import TYPE_CHECKING, Any
+
+from hjsolve.ensembles.compute import compute
+from hjsolve.ensembles.task import Recipe
+from hjsolve.sweeps.points import Points
+from hjsolve.sweeps.progress import Advance
+
+if TYPE_CHECKING:
+    from hjsolve.sweeps.folder import Folder
+
+
+@dataclass(frozen=True, eq=False)
+class Work:
+    """What is left to do, and how; passed to whoever conducts it."""
+
+    recipe: Recipe
+    points: Points
+    folder: Folder
+    left: tuple[int, ...]
+    advance: Advance
+
+    @property
+    def names(self) -> list[str]:
+        """The coordinates."""
+        return [c.name for c in self.recipe.system.coordinates]
+
+    def starts(self, part: int) -> dict[str, Any]:
+        """The initial conditions of a part."""
+        return self.points.window(self.names, *self.folder.plan.window(part))
+
+    def keep(self, part: int, starts: Mapping[str, Any], columns: Mapping[str, Any]) -> None:
+        """Write a part that is done."""
+        self.folder.write(part, starts, columns)
+        begin, end = self.folder.plan.window(part)
+        self.advance(end - begin)
+
+
+def columns_of(recipe: Recipe, starts: Mapping[str, Any], threads: int | None) -> dict[str, Any]:
+    """The columns of a part; runs here or on a worker."""
+    names = [c.name for c in recipe.system.coordinates]
+    q, rates = ([starts[f"{group}.{name}"] for name in names] for group in ("q", recipe.kind))
+    return compute(recipe, q, rates, threads=threads)
