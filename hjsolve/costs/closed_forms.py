@@ -20,8 +20,8 @@ from hjsolve.formulas.read import parse
 from hjsolve.lowering import lower
 from hjsolve.motion.initial_data import sign, to_bits
 from hjsolve.motion.motion import Motion
+from hjsolve.scenes.question import Times
 from hjsolve.scenes.run import first_arguments
-from hjsolve.scenes.scene import Times
 
 _GUARD = 64
 _T, _K, _ELL = sp.Symbol("t"), sp.Symbol("K"), sp.Symbol("Ell")

@@ -12,8 +12,8 @@ from hjsolve.arithmetic.work_counter import counted
 from hjsolve.costs.answers import Answer, scalars
 from hjsolve.costs.trial import Task, Trial
 from hjsolve.scenes import Scene
+from hjsolve.scenes.question import Times
 from hjsolve.scenes.run import Run, run
-from hjsolve.scenes.scene import Times
 
 
 @dataclass(frozen=True, eq=False)

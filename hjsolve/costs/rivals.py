@@ -26,8 +26,8 @@ from hjsolve.formulas.read import number
 from hjsolve.lowering import lower
 from hjsolve.scenes.events import Event, changed
 from hjsolve.scenes.integrate import Numbers, numbers_of, slopes_of
+from hjsolve.scenes.question import Times
 from hjsolve.scenes.run import sampled
-from hjsolve.scenes.scene import Times
 from hjsolve.scenes.steps import Flow, follow
 
 TOLERANCES = (1e-4, 1e-6, 1e-8, 1e-10, 1e-12, 2.3e-14)

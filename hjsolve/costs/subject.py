@@ -16,7 +16,7 @@ from hjsolve.mechanics.subjects import system_of
 from hjsolve.mechanics.system import System
 from hjsolve.motion.motion import Motion
 from hjsolve.scenes import Scene, is_scene
-from hjsolve.scenes.scene import Start, Times
+from hjsolve.scenes.question import Start, Times
 from hjsolve.solution.quadratures import Solution, solve
 
 Subject: TypeAlias = Scene | Motion | System | Solution | Mapping[str, Any] | str | Path

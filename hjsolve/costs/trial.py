@@ -11,8 +11,8 @@ import sympy as sp
 
 from hjsolve.costs.answers import Answer
 from hjsolve.scenes import Scene
+from hjsolve.scenes.question import Times
 from hjsolve.scenes.run import sampled
-from hjsolve.scenes.scene import Times
 from hjsolve.solution.quadratures import Solution
 
 

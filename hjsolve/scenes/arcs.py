@@ -25,10 +25,10 @@ from hjsolve.motion.motion import Motion
 from hjsolve.one_coordinate.coordinate_motion import Frozen
 from hjsolve.scenes.crossing import bits_of, crossings, exact
 from hjsolve.scenes.events import Event, Pending, changed, once
+from hjsolve.scenes.question import Question
 from hjsolve.scenes.reflecting_walls import Mirrors, mirrors
 from hjsolve.scenes.reflections import Flight, Free, walk
 from hjsolve.scenes.resting_contact import Rest, Settling, acceleration
-from hjsolve.scenes.scene import Scene
 from hjsolve.solution.quadratures import Solution
 
 GUARD = 10
@@ -94,7 +94,7 @@ class Stretch:
     change: Change | None
 
 
-def pieces(scene: Scene, solution: Solution, first: Mapping[str, Any]) -> tuple[list[Piece], Rest | None]:
+def pieces(scene: Question, solution: Solution, first: Mapping[str, Any]) -> tuple[list[Piece], Rest | None]:
     """Follow the motion from event to event.
 
     Args:
@@ -149,7 +149,7 @@ def _refuse_too_many(happened: list[Any], horizon: sp.Expr | None) -> None:
         )
 
 
-def _refuse_rest_on_a_wall(scene: Scene, solution: Solution, first: Mapping[str, Any]) -> None:
+def _refuse_rest_on_a_wall(scene: Question, solution: Solution, first: Mapping[str, Any]) -> None:
     """A body at rest on a wall, and drawn away from there: nothing says on which side of it the body is."""
     walls = [e for e in scene.events if e.kind == "wall"]
     if not walls:
@@ -169,7 +169,7 @@ def _refuse_rest_on_a_wall(scene: Scene, solution: Solution, first: Mapping[str,
             )
 
 
-def _digits(scene: Scene, horizon: sp.Expr | None) -> int:
+def _digits(scene: Question, horizon: sp.Expr | None) -> int:
     """Digits of the state at events: a phase loses as many as the time has before the point."""
     span = abs(to_bits(horizon)(64)) + 1 if horizon is not None else 1000
     return max(scene.digits, 15) + GUARD + math.ceil(multiprecision(64).log10(span))

@@ -7,8 +7,8 @@ from typing import Any
 
 from hjsolve.motion.motion import Motion
 from hjsolve.scenes.arcs import Leg, Piece, start_of
+from hjsolve.scenes.question import Question
 from hjsolve.scenes.reflections import signed
-from hjsolve.scenes.scene import Scene
 from hjsolve.solution.quadratures import Solution
 
 
@@ -19,7 +19,7 @@ class Begun:
         scene, solution: what is run. piece: the arc. want: what of the motion, where not all that the scene wants.
     """
 
-    def __init__(self, scene: Scene, solution: Solution, piece: Piece, want: tuple[str, ...] | None = None):
+    def __init__(self, scene: Question, solution: Solution, piece: Piece, want: tuple[str, ...] | None = None):
         self.given = scene, solution, piece, want
         self._leg: Leg | None = None
         self._motion: Motion | None = None
@@ -76,7 +76,7 @@ class Wholes:
         scene, solution: what is run.
     """
 
-    def __init__(self, scene: Scene, solution: Solution):
+    def __init__(self, scene: Question, solution: Solution):
         self.scene, self.solution, self.known = scene, solution, dict[tuple[Any, ...], Motion]()
         self._shared: dict[tuple[Any, ...], dict[str, Any]] = {}
 

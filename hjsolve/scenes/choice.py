@@ -15,8 +15,9 @@ import time
 from dataclasses import dataclass, field, replace
 
 from hjsolve.errors import InvalidInputError, MissingExtraError, NotConvergedError
-from hjsolve.scenes.run import Choice, Run, run, solved
-from hjsolve.scenes.scene import INTEGRATED_DIGITS, MOST_INTEGRATED_DIGITS, Scene, Times
+from hjsolve.scenes.question import INTEGRATED_DIGITS, MOST_INTEGRATED_DIGITS, Question, Times
+from hjsolve.scenes.results import Choice, Run
+from hjsolve.scenes.run import run, solved
 from hjsolve.solution.quadratures import Solution
 
 LADDER = (20, 30, 45, 70, 100, 150, 220, 330, 500)
@@ -39,7 +40,7 @@ class _Runner:
         known: method → (digits, seconds), of its last run or foretold.
     """
 
-    scene: Scene
+    scene: Question
     solution: Solution | None
     tried: tuple[Tried, ...] = ()
     known: dict[str, tuple[int, float]] = field(default_factory=dict)
@@ -59,7 +60,7 @@ class _Runner:
         return seconds * (digits / last) ** GROWTH[method]
 
 
-def run_chosen(scene: Scene) -> Run:
+def run_chosen(scene: Question) -> Run:
     """Run a scene with the method its accuracy calls for; see ``Scene.run``."""
     begin = time.perf_counter()
     if scene.seconds is not None:
@@ -73,7 +74,7 @@ def run_chosen(scene: Scene) -> Run:
     return replace(done, choice=Choice(method, scene.digits, why, runner.tried))
 
 
-def _cheapest(scene: Scene, runner: _Runner) -> tuple[str, str]:
+def _cheapest(scene: Question, runner: _Runner) -> tuple[str, str]:
     """The method for the digits asked, and why."""
     if scene.digits <= 15:
         return "float64", "double precision reaches up to 15 digits, and every other method does more"
@@ -98,12 +99,12 @@ def _cheapest(scene: Scene, runner: _Runner) -> tuple[str, str]:
     return method, why
 
 
-def _provable(scene: Scene) -> bool:
+def _provable(scene: Question) -> bool:
     """Whether all that is wanted could be proved, states and events apart."""
     return not scene.events and set(scene.want) <= _PROVED
 
 
-def _within(scene: Scene, runner: _Runner, seconds: float, begin: float) -> Run:
+def _within(scene: Question, runner: _Runner, seconds: float, begin: float) -> Run:
     """More and more digits, as long as the next run should fit."""
     integrated = scene.method == "integrate"
     ladder = INTEGRATED_LADDER if integrated else (15, *LADDER)

@@ -28,9 +28,10 @@ from hjsolve.lowering import lower
 from hjsolve.mechanics.system import System, hamiltonian, momenta, velocities
 from hjsolve.motion.initial_data import parameter_values
 from hjsolve.motion.state import Errors
-from hjsolve.scenes.run import Run, Trajectory, sampled
-from hjsolve.scenes.scene import Scene
+from hjsolve.scenes.question import Question
+from hjsolve.scenes.results import Run, Trajectory
 from hjsolve.scenes.steps import Flow, Sampled, follow
+from hjsolve.scenes.trajectory import sampled
 from hjsolve.separation import Separation, separate
 
 _FINEST = 2.3e-14
@@ -51,7 +52,7 @@ class Numbers:
     start: float
 
 
-def integrated(scene: Scene) -> Run:
+def integrated(scene: Question) -> Run:
     """Integrate a scene.
 
     Returns:
@@ -75,7 +76,7 @@ def integrated(scene: Scene) -> Run:
     return Run(scene, None, (), trajectory, drift, Work(squares=0, kernels=0, places=flow.calls))
 
 
-def numbers_of(scene: Scene) -> Numbers:
+def numbers_of(scene: Question) -> Numbers:
     """Work out where a scene starts, momenta from velocities."""
     assert scene.initial is not None
     system, start = scene.system, scene.initial
@@ -92,7 +93,7 @@ def numbers_of(scene: Scene) -> Numbers:
     return Numbers(parameters, tuple(state), np.array([float(sp.N(x, 20)) for x in state]), float(sp.N(start.t, 20)))
 
 
-def _compiled(formulas: list[sp.Expr], scene: Scene, numbers: Numbers) -> Callable[[Any], Any]:
+def _compiled(formulas: list[sp.Expr], scene: Question, numbers: Numbers) -> Callable[[Any], Any]:
     """Formulas of (q, p) as a function of the state: shape (2n,) or (2n, m) in, (number of formulas, …) out."""
     variables = [c.symbol for c in scene.system.coordinates] + [c.momentum for c in scene.system.coordinates]
     tape: Tape = lower(formulas, [*variables, *numbers.parameters])
@@ -106,7 +107,7 @@ def _compiled(formulas: list[sp.Expr], scene: Scene, numbers: Numbers) -> Callab
     return evaluate
 
 
-def slopes_of(scene: Scene) -> list[sp.Expr]:
+def slopes_of(scene: Question) -> list[sp.Expr]:
     """Hamilton's equations with the scene's forces: q̇ and then ṗ, in q, p and parameters."""
     system = scene.system
     H, speeds = hamiltonian(system), velocities(system)
@@ -117,12 +118,12 @@ def slopes_of(scene: Scene) -> list[sp.Expr]:
     ]
 
 
-def flow_of(scene: Scene, numbers: Numbers) -> Flow:
+def flow_of(scene: Question, numbers: Numbers) -> Flow:
     """Give the equations of motion of a scene in double precision."""
     return Flow(scene.system, _compiled(slopes_of(scene), scene, numbers), dict(numbers.parameters))
 
 
-def _converged(scene: Scene, flow: Flow, numbers: Numbers, times: Any) -> tuple[Sampled, Any]:
+def _converged(scene: Question, flow: Flow, numbers: Numbers, times: Any) -> tuple[Sampled, Any]:
     """Run with finer and finer tolerance until two runs agree to the digits asked."""
     digits = scene.digits
     tolerance = 10.0 ** -(digits - 1)
@@ -142,7 +143,7 @@ def _converged(scene: Scene, flow: Flow, numbers: Numbers, times: Any) -> tuple[
         coarse = fine
 
 
-def former(scene: Scene) -> tuple[Separation | None, tuple[str, ...]]:
+def former(scene: Question) -> tuple[Separation | None, tuple[str, ...]]:
     """The separation whose constants no longer hold, with as many of the scene's effects as keep it separable."""
     kept: tuple[str, ...] = ()
     found: Separation | None = None
@@ -157,7 +158,7 @@ def former(scene: Scene) -> tuple[Separation | None, tuple[str, ...]]:
     return found, kept
 
 
-def _drift(scene: Scene, numbers: Numbers, states: Any) -> dict[str, Any]:
+def _drift(scene: Question, numbers: Numbers, states: Any) -> dict[str, Any]:
     """Former constant → its value minus its value at the start; ``E`` is that of the full system."""
     verdict, _ = former(scene)
     formulas = {"E": hamiltonian(scene.system)}
@@ -175,7 +176,7 @@ def _same_symbols(formula: sp.Expr, system: System) -> sp.Expr:
     return formula.xreplace({s: known[s.name] for s in formula.free_symbols if s.name in known})
 
 
-def _trajectory(scene: Scene, flow: Flow, times: Any, best: Sampled, error: Any) -> Trajectory:
+def _trajectory(scene: Question, flow: Flow, times: Any, best: Sampled, error: Any) -> Trajectory:
     names = [c.name for c in scene.system.coordinates]
     n, turns = len(names), dict[str, Any]()
     q = {name: best.states[i] for i, name in enumerate(names)}

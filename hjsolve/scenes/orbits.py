@@ -10,7 +10,7 @@ import numpy as np
 from hjsolve.errors import InvalidInputError
 from hjsolve.motion.initial_data import to_bits
 from hjsolve.motion.motion import Motion
-from hjsolve.scenes.scene import OrbitAsked
+from hjsolve.scenes.question import OrbitAsked
 
 _PLACES = 33
 

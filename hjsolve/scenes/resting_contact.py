@@ -21,7 +21,7 @@ from hjsolve.lowering import lower
 from hjsolve.mechanics.system import System, hamiltonian, velocities
 from hjsolve.motion.initial_data import to_bits
 from hjsolve.scenes.events import Event, Pending, once
-from hjsolve.scenes.scene import Scene
+from hjsolve.scenes.question import Question
 
 _COLUMNS, _FEWEST, _SAFETY = 40, 4, 8
 
@@ -82,7 +82,7 @@ class Settling:
         scene: what is run. values: exact parameters, by symbol, among others. work: digits of the states.
     """
 
-    def __init__(self, scene: Scene, values: Mapping[sp.Symbol, sp.Expr], work: int):
+    def __init__(self, scene: Question, values: Mapping[sp.Symbol, sp.Expr], work: int):
         self.system, self.digits, self.work, self.times = scene.system, max(scene.digits, 15), work, scene.times
         self.parameters = {p.symbol: values[p.symbol] for p in scene.system.parameters}
         self.arithmetic = Multi(int(3.33 * work) + 64)

@@ -12,8 +12,8 @@ from hjsolve.errors import InvalidInputError
 from hjsolve.motion.motion import Motion
 from hjsolve.motion.state import Errors, Known, State
 from hjsolve.scenes.events import Event
+from hjsolve.scenes.question import Question
 from hjsolve.scenes.resting_contact import Rest
-from hjsolve.scenes.scene import Scene
 from hjsolve.solution.quadratures import Solution
 
 
@@ -110,7 +110,7 @@ class Run:
         rest: how the scene ended before its last time, if a wall that takes energy keeps the body.
     """
 
-    scene: Scene
+    scene: Question
     solution: Solution | None
     arcs: tuple[Arc, ...]
     trajectory: Trajectory | None

@@ -18,8 +18,8 @@ from hjsolve.scenes.begun import Begun, Turned, Wholes
 from hjsolve.scenes.crossing import bits_of
 from hjsolve.scenes.force_refusal import dissipative, words
 from hjsolve.scenes.orbits import orbit_table
+from hjsolve.scenes.question import Question
 from hjsolve.scenes.results import Arc, Choice, Run, Trajectory
-from hjsolve.scenes.scene import Scene
 from hjsolve.scenes.trajectory import belongings, sampled, trajectory
 from hjsolve.solution.quadratures import Solution, solve
 
@@ -31,7 +31,7 @@ _TIMED, _OWN = frozenset({"trajectory", "angles"}), frozenset({"angles", "orbit"
 """What needs times inside an arc; what is not the same on all arcs of one free motion."""
 
 
-def run(scene: Scene, solution: Solution | None = None) -> Run:
+def run(scene: Question, solution: Solution | None = None) -> Run:
     """Compute what a scene wants with the digits it has; a solution that is there already is not made again."""
     if scene.method == "integrate":
         from hjsolve.scenes.integrate import integrated
@@ -58,7 +58,7 @@ def run(scene: Scene, solution: Solution | None = None) -> Run:
     return Run(scene, solution, arcs, path, {}, work, rest=rest)
 
 
-def _started(scene: Scene) -> None:
+def _started(scene: Question) -> None:
     if scene.sweep is not None:
         raise InvalidInputError(
             f"{scene.source}: has many motions; run it by hjsolve.sweep(scene, out) or `hjsolve sweep FILE -o OUT`"
@@ -67,7 +67,7 @@ def _started(scene: Scene) -> None:
         raise MissingValueError(f"{scene.source}: initial: missing, and the system has no default motion")
 
 
-def solved(scene: Scene) -> Solution | None:
+def solved(scene: Question) -> Solution | None:
     """Solve the system of a scene; None where it is to be integrated.
 
     Raises:
@@ -87,7 +87,7 @@ def solved(scene: Scene) -> Solution | None:
         raise NotSeparableError(text, error.verdict) from error
 
 
-def first_arguments(scene: Scene) -> dict[str, Any]:
+def first_arguments(scene: Question) -> dict[str, Any]:
     """The arguments of the first motion, as the scene gives them."""
     start = scene.initial
     assert start is not None
@@ -95,7 +95,7 @@ def first_arguments(scene: Scene) -> dict[str, Any]:
     return {name: value for name, value in given.items() if value is not None}
 
 
-def _arc(scene: Scene, solution: Solution, piece: Piece, timed: bool, wholes: Wholes, rest: Estimate | None) -> Arc:
+def _arc(scene: Question, solution: Solution, piece: Piece, timed: bool, wholes: Wholes, rest: Estimate | None) -> Arc:
     """Compute what is wanted of an arc."""
     names = [n for n in (*_FIELDS, "angles", "orbit") if n in scene.want and (n != "angles" or scene.times)]
     ends = rest if rest is not None else None if piece.ends is None else _moment(piece.ends, scene.digits)
@@ -117,7 +117,7 @@ def _arc(scene: Scene, solution: Solution, piece: Piece, timed: bool, wholes: Wh
     return Arc(begins, ends, piece.events, turns, OnDemand(tuple(names), compute), begun)
 
 
-def _quantity(scene: Scene, piece: Piece, name: str, motion: Motion) -> Any:
+def _quantity(scene: Question, piece: Piece, name: str, motion: Motion) -> Any:
     if name == "angles":
         assert scene.times is not None
         array = sampled(scene.times, scene.digits)

@@ -6,7 +6,6 @@ does not call for is not read into the system: an effect that is off leaves no s
 
 from __future__ import annotations
 
-import math
 from collections.abc import Iterator, Mapping
 from dataclasses import dataclass
 from pathlib import Path
@@ -22,83 +21,31 @@ from hjsolve.ensembles.layout import QUANTITIES
 from hjsolve.errors import CatalogError, InvalidInputError
 from hjsolve.formulas.read import number
 from hjsolve.mechanics.system import System
-from hjsolve.scenes.events import Event, read_event
+from hjsolve.scenes.events import read_event
 from hjsolve.scenes.initial_grid import Varied, disagreements, read_sweep
+from hjsolve.scenes.question import (
+    INTEGRATED_DIGITS,
+    MOST_INTEGRATED_DIGITS,
+    OrbitAsked,
+    Question,
+    Start,
+    Times,
+)
 from hjsolve.scenes.tables import scene_faults
 
 if TYPE_CHECKING:
     from hjsolve.scenes.run import Run
 
-INTEGRATED_DIGITS, MOST_INTEGRATED_DIGITS, _SWEEP_DIGITS = 10, 12, 15
+_SWEEP_DIGITS = 15
 _LONGEST_RUN = 86_400
 _FAR_ROUND = 1_000_000
 LEAST = sp.Rational(1, 10**100)
 """The smallest number that a scene with events is computed with; its inverse is the greatest."""
-Numbers = Mapping[str, object]
-
-
-@dataclass(frozen=True)
-class Times:
-    """When the state is wanted: listed, or evenly spaced.
-
-    Attributes:
-        listed: exact times; empty where they are evenly spaced.
-        start, stop, count: of the spacing, both ends included.
-    """
-
-    listed: tuple[sp.Expr, ...] = ()
-    start: sp.Expr = sp.S.Zero
-    stop: sp.Expr = sp.S.Zero
-    count: int = 0
-
-    def exact(self) -> list[sp.Expr]:
-        """Every time as an exact number."""
-        if self.listed:
-            return list(self.listed)
-        step = (self.stop - self.start) / (self.count - 1)
-        return [self.start + k * step for k in range(self.count)]
-
-    def between(self, begin: float, end: float) -> list[sp.Expr]:
-        """The times from ``begin`` to ``end``, and perhaps one more on each side."""
-        if self.listed:
-            return [t for t in self.listed if begin - 1 <= t <= end + 1]
-        step = (self.stop - self.start) / (self.count - 1)
-        first, last = (math.floor((x - float(self.start)) / float(step)) for x in (begin, end))
-        return [self.start + k * step for k in range(max(first - 1, 0), min(last + 3, self.count))]
-
-    @property
-    def last(self) -> sp.Expr:
-        """The latest time."""
-        return sp.Max(*self.listed) if self.listed else sp.Max(self.start, self.stop)
-
-    @property
-    def first(self) -> sp.Expr:
-        """The earliest time."""
-        return sp.Min(*self.listed) if self.listed else sp.Min(self.start, self.stop)
-
-
-@dataclass(frozen=True)
-class Start:
-    """Initial data of a scene: exact numbers at the time ``t``; velocities or momenta."""
-
-    q: Numbers
-    velocity: Numbers | None
-    p: Numbers | None
-    t: sp.Expr
-
-
-@dataclass(frozen=True)
-class OrbitAsked:
-    """The orbit equation wanted: ``of`` as a function of ``along``; at ``values``, or at places chosen by the run."""
-
-    of: str
-    along: str
-    values: tuple[object, ...] = ()
 
 
 @dataclass(frozen=True, eq=False)
-class Scene:
-    """What one question calls for; see ``Scene.load``.
+class Scene(Question):
+    """A question that can be read from a file and run.
 
     Attributes:
         source: the file, or ``scene``. title, summary: for display.
@@ -112,25 +59,6 @@ class Scene:
         seconds: the time allowed, where the scene asks for the best that fits into it instead of digits.
         sweep: many initial conditions in place of one; such a scene is for ``hjsolve.sweep``, not for ``run``.
     """
-
-    source: str
-    title: str
-    summary: str
-    table: Mapping[str, Any]
-    effects: tuple[str, ...]
-    system: System
-    forces: Mapping[str, sp.Expr]
-    parameters: Numbers
-    initial: Start | None
-    want: tuple[str, ...]
-    times: Times | None
-    digits: int
-    events: tuple[Event, ...]
-    orbit: OrbitAsked | None
-    method: str
-    certified: bool = False
-    seconds: float | None = None
-    sweep: Varied | None = None
 
     @staticmethod
     def load(scene: str | Path | System | Mapping[str, Any]) -> Scene:
@@ -160,12 +88,6 @@ class Scene:
         except InvalidInputError as error:
             text = " ".join(str(error).split())
             raise CatalogError(text if text.startswith(source) else f"{source}: {text}") from error
-
-    @property
-    def fixed(self) -> dict[str, Mapping[str, object] | None]:
-        """The initial data by group: ``q``, ``p``, ``velocity``; what a sweep does not vary is taken from them."""
-        start = self.initial
-        return {} if start is None else {"q": start.q, "p": start.p, "velocity": start.velocity}
 
     def run(self) -> Run:
         """Compute what the scene wants, and nothing else, with the method its accuracy calls for (``Run.choice``).

@@ -20,9 +20,9 @@ from hjsolve.motion.tabulated import OnDemand
 from hjsolve.motion.times import LONGEST
 from hjsolve.scenes.arcs import Piece
 from hjsolve.scenes.crossing import bits_of
+from hjsolve.scenes.question import Question, Times
 from hjsolve.scenes.resting_contact import Rest
 from hjsolve.scenes.results import Arc, Trajectory
-from hjsolve.scenes.scene import Scene, Times
 from hjsolve.scenes.states_along_bounces import along
 
 
@@ -68,7 +68,7 @@ def _ratio(value: Any) -> tuple[int, int]:
 
 
 def trajectory(
-    scene: Scene, arcs: Sequence[Arc], pieces: Sequence[Piece], rest: Rest | None, whole: Callable[[Piece], Motion]
+    scene: Question, arcs: Sequence[Arc], pieces: Sequence[Piece], rest: Rest | None, whole: Callable[[Piece], Motion]
 ) -> Trajectory:
     """Put the states of the arcs together; a quantity is worked out when it is read.
 
@@ -137,7 +137,7 @@ def _parts(
     return found
 
 
-def _resting(scene: Scene, rest: Rest, times: Any) -> State:
+def _resting(scene: Question, rest: Rest, times: Any) -> State:
     """The state of a body that a wall keeps; not a number where other coordinates still move."""
     kind = object if scene.digits > FLOAT_DIGITS else float
     missing = rest.limit.context.nan if kind is object else np.nan

@@ -1,0 +1,121 @@
+"""What one question calls for: a system, numbers, events and the quantities wanted; data, without what answers it."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Mapping
+from dataclasses import dataclass
+from typing import Any
+
+import sympy as sp
+
+from hjsolve.mechanics.system import System
+from hjsolve.scenes.events import Event
+from hjsolve.scenes.initial_grid import Varied
+
+INTEGRATED_DIGITS, MOST_INTEGRATED_DIGITS = 10, 12
+
+
+Numbers = Mapping[str, object]
+
+
+@dataclass(frozen=True)
+class Times:
+    """When the state is wanted: listed, or evenly spaced.
+
+    Attributes:
+        listed: exact times; empty where they are evenly spaced.
+        start, stop, count: of the spacing, both ends included.
+    """
+
+    listed: tuple[sp.Expr, ...] = ()
+    start: sp.Expr = sp.S.Zero
+    stop: sp.Expr = sp.S.Zero
+    count: int = 0
+
+    def exact(self) -> list[sp.Expr]:
+        """Every time as an exact number."""
+        if self.listed:
+            return list(self.listed)
+        step = (self.stop - self.start) / (self.count - 1)
+        return [self.start + k * step for k in range(self.count)]
+
+    def between(self, begin: float, end: float) -> list[sp.Expr]:
+        """The times from ``begin`` to ``end``, and perhaps one more on each side."""
+        if self.listed:
+            return [t for t in self.listed if begin - 1 <= t <= end + 1]
+        step = (self.stop - self.start) / (self.count - 1)
+        first, last = (math.floor((x - float(self.start)) / float(step)) for x in (begin, end))
+        return [self.start + k * step for k in range(max(first - 1, 0), min(last + 3, self.count))]
+
+    @property
+    def last(self) -> sp.Expr:
+        """The latest time."""
+        return sp.Max(*self.listed) if self.listed else sp.Max(self.start, self.stop)
+
+    @property
+    def first(self) -> sp.Expr:
+        """The earliest time."""
+        return sp.Min(*self.listed) if self.listed else sp.Min(self.start, self.stop)
+
+
+@dataclass(frozen=True)
+class Start:
+    """Initial data of a scene: exact numbers at the time ``t``; velocities or momenta."""
+
+    q: Numbers
+    velocity: Numbers | None
+    p: Numbers | None
+    t: sp.Expr
+
+
+@dataclass(frozen=True)
+class OrbitAsked:
+    """The orbit equation wanted: ``of`` as a function of ``along``; at ``values``, or at places chosen by the run."""
+
+    of: str
+    along: str
+    values: tuple[object, ...] = ()
+
+
+@dataclass(frozen=True, eq=False)
+class Question:
+    """What one question calls for.
+
+    Attributes:
+        source: the file, or ``scene``. title, summary: for display.
+        table: of the system, as in its file. effects: switched on. system: with their terms of T and V.
+        forces: generalized forces of the effects, by coordinate; with any of them only ``integrate`` can run the scene.
+        parameters: values that differ from the defaults. initial: where the motion starts; None if nothing says so.
+        want: the quantities wanted. times: for ``trajectory`` and ``angles``. digits: relative digits of every number.
+        events: impulses and walls, in the file's order. orbit: see ``OrbitAsked``.
+        method: ``quadratures`` (Hamilton-Jacobi) or ``integrate`` (an ODE integrator).
+        certified: constants, turning points, actions, frequencies and periods are proved.
+        seconds: the time allowed, where the scene asks for the best that fits into it instead of digits.
+        sweep: many initial conditions in place of one; such a scene is for ``hjsolve.sweep``, not for ``run``.
+    """
+
+    source: str
+    title: str
+    summary: str
+    table: Mapping[str, Any]
+    effects: tuple[str, ...]
+    system: System
+    forces: Mapping[str, sp.Expr]
+    parameters: Numbers
+    initial: Start | None
+    want: tuple[str, ...]
+    times: Times | None
+    digits: int
+    events: tuple[Event, ...]
+    orbit: OrbitAsked | None
+    method: str
+    certified: bool = False
+    seconds: float | None = None
+    sweep: Varied | None = None
+
+    @property
+    def fixed(self) -> dict[str, Mapping[str, object] | None]:
+        """The initial data by group: ``q``, ``p``, ``velocity``; what a sweep does not vary is taken from them."""
+        start = self.initial
+        return {} if start is None else {"q": start.q, "p": start.p, "velocity": start.velocity}
