@@ -229,7 +229,7 @@ def _truth(second: Any, what: str, m: int) -> Any:
 def _passages(finding: Finding, motion: Any, better: Any) -> None:
     """Times at which separated coordinates pass places of theirs."""
     state = motion.at(0.37 * max(e.value for e in motion.periods.values()))
-    for name in motion.located:
+    for name in motion.separated.located:
         for passage in (0, 3):
             try:
                 ours = motion.time_at(name, float(state.q[name]), passage)
@@ -242,7 +242,7 @@ def _passages(finding: Finding, motion: Any, better: Any) -> None:
 
 def _alone(better: Any) -> bool:
     """True where times of passages are had to many digits: one separated coordinate."""
-    return len(better.located) == 1
+    return len(better.separated.located) == 1
 
 
 def _summary(findings: list[dict[str, Any]], seconds: float) -> int:

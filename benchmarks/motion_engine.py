@@ -171,7 +171,7 @@ def certified() -> None:
 
             def integral(motion: Any, digits: int = digits) -> float:
                 work = proof.work_bits(digits)
-                radicands = {"theta": motion.located["theta"].course.radicand}
+                radicands = {"theta": motion.separated.located["theta"].course.radicand}
                 line = proof.lines(radicands, motion.initial, solution, work)["theta"]
                 with working(work):
                     cycle = proof._cycle(motion, "theta", line)

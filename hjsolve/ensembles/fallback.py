@@ -62,7 +62,7 @@ def _status(motion: Motion) -> Status:
     for kind in ("boundary", "escape", "asymptotic"):
         if kind in kinds:
             return _KINDS[kind]
-    frozen = (place.course for place in motion.located.values() if isinstance(place.course, Frozen))
+    frozen = (place.course for place in motion.separated.located.values() if isinstance(place.course, Frozen))
     return Status.OK if all(course.stable for course in frozen) else Status.ASYMPTOTIC
 
 
@@ -98,13 +98,13 @@ def _angle_error(motion: Motion, name: str) -> float:
 
     A ripple is a periodic series; its slope at the phase, found by moving it, multiplies the rounding of the phase.
     """
-    torus = motion.equations
+    torus = motion.separated.equations
     if not isinstance(torus, Torus):
         return _ANGLE_ROUNDING
-    if name in motion.located:
+    if name in motion.separated.located:
         ripples = torus.ripples[list(motion.solution.coordinates).index(name)]
     else:
-        j = constant_index(motion, name)
+        j = constant_index(motion.separated, name)
         ripples = tuple(oscillation(torus, i, j) for i in range(len(torus.courses)))
     error = _ANGLE_ROUNDING
     for series, course in zip(ripples, torus.courses, strict=True):

@@ -36,7 +36,7 @@ from hjsolve.one_coordinate.turning_points import end_of
 from hjsolve.solution.quadratures import Solution
 
 if TYPE_CHECKING:
-    from hjsolve.motion.motion import Motion
+    from hjsolve.motion.separated import SeparatedMotion
 
 _FARTHEST = 4
 """Quarters of a turn from 0 up to which a centre of symmetry is looked for."""
@@ -73,7 +73,7 @@ def lines(radicands: Mapping[str, Radicand], initial: Initial, solution: Solutio
     return {name: Line(radicand, inputs, bits) for name, radicand in radicands.items()}
 
 
-def enclose(motion: Motion, digits: int, known: Mapping[str, Line]) -> Enclosed:
+def enclose(motion: SeparatedMotion, digits: int, known: Mapping[str, Line]) -> Enclosed:
     """Enclose all numbers of a bounded motion.
 
     Args:
@@ -91,7 +91,7 @@ def enclose(motion: Motion, digits: int, known: Mapping[str, Line]) -> Enclosed:
     unfit = [name for name, place in motion.located.items() if not isinstance(place.course, Bounded)]
     if unfit:
         raise InvalidInputError(
-            f"certified=True encloses librations and rotations; {unfit[0]} is in {motion.kinds[unfit[0]]}"
+            f"certified=True encloses librations and rotations; {unfit[0]} is in {motion.located[unfit[0]].course.kind}"
         )
     work = work_bits(digits)
     for _ in range(6):
@@ -106,7 +106,7 @@ def enclose(motion: Motion, digits: int, known: Mapping[str, Line]) -> Enclosed:
         return _enclose(motion, digits, known)
 
 
-def _enclose(motion: Motion, digits: int, known: Mapping[str, Line]) -> Enclosed:
+def _enclose(motion: SeparatedMotion, digits: int, known: Mapping[str, Line]) -> Enclosed:
     cycles = {name: _cycle(motion, name, line) for name, line in known.items()}
     constants = {name: exact_ball(value) for name, value in motion.initial.constants.items()}
     bits = int(3.33 * digits) + 12
@@ -153,7 +153,7 @@ def librating(begin: Start, initial: Initial, solution: Solution, line: Line) ->
     return Located(Bounded("libration", anomaly, empty, zero(), None, context.zero, begin.radicand), *ends)
 
 
-def _cycle(motion: Motion, name: str, line: Line) -> Cycle:
+def _cycle(motion: SeparatedMotion, name: str, line: Line) -> Cycle:
     """Prove the turning points and set up the integrands of one coordinate."""
     solution, course = motion.solution, motion.located[name].course
     assert isinstance(course, Bounded)
@@ -213,7 +213,7 @@ def _spread_round(anomaly: Any) -> Map | None:
     return all_round(2 * float(anomaly.complement) ** 0.5)
 
 
-def _actions(motion: Motion, found: Mapping[str, Mapping[int, Any]]) -> dict[str, Any]:
+def _actions(motion: SeparatedMotion, found: Mapping[str, Mapping[int, Any]]) -> dict[str, Any]:
     result = {}
     for c in motion.solution.system.coordinates:
         if c.name in found:
@@ -226,7 +226,7 @@ def _actions(motion: Motion, found: Mapping[str, Mapping[int, Any]]) -> dict[str
     return result
 
 
-def _frequencies(motion: Motion, growths: Mapping[str, list[Any]]) -> dict[str, Any]:
+def _frequencies(motion: SeparatedMotion, growths: Mapping[str, list[Any]]) -> dict[str, Any]:
     """Ω from the growths: first row of the inverse, and −Σ Ωᵢ·growth for ignorable angles."""
     names = list(motion.solution.coordinates)
     n = len(names)

@@ -18,12 +18,12 @@ from hjsolve.one_coordinate.coordinate_motion import Bounded, Course, Open
 from hjsolve.time_law.open_motion import Plan
 
 if TYPE_CHECKING:
-    from hjsolve.motion.motion import Motion
+    from hjsolve.motion.separated import SeparatedMotion
 
 _TREND, _STEEP, _MOST = 24, 5, 400
 
 
-def time_beside(motion: Motion, k: int, phase: Any) -> tuple[Any, Any] | None:
+def time_beside(motion: SeparatedMotion, k: int, phase: Any) -> tuple[Any, Any] | None:
     """Return the time from t₀ until one of two coupled coordinates has a phase, and a bound on its error.
 
     Args:

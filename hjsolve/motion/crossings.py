@@ -28,14 +28,14 @@ from hjsolve.time_law.phase_reduction import turns
 from hjsolve.time_law.torus import Torus, mean_rate, oscillation
 
 if TYPE_CHECKING:
-    from hjsolve.motion.motion import Motion
+    from hjsolve.motion.separated import SeparatedMotion
 
 _EPS = 2.0**-52
 _SCAN, _TREND, _MOST_PASSAGES = 200_000, 16, 2**60
 """Steps of a scan along the motion; doublings of the time over which a trend is taken for the rule."""
 
 
-def crossing_time(motion: Motion, name: str, value: Any, passage: int) -> Estimate:
+def crossing_time(motion: SeparatedMotion, name: str, value: Any, passage: int) -> Estimate:
     """Return the time of a crossing; see ``Motion.time_at``."""
     if abs(arguments.whole(passage, "passage")) > _MOST_PASSAGES:
         raise InvalidInputError("passage: more than 2**60; two doubles do not tell its phase")
@@ -48,12 +48,12 @@ def crossing_time(motion: Motion, name: str, value: Any, passage: int) -> Estima
     return _shifted(motion, elapsed, error)
 
 
-def crossing_times(motion: Motion, name: str, values: Any) -> Any:
+def crossing_times(motion: SeparatedMotion, name: str, values: Any) -> Any:
     """Return the times of the first crossings after t₀, array of shape (m,)."""
     return np.array([crossing_time(motion, name, v, 0).value for v in exact_numbers(values, "values")[1]])
 
 
-def _shifted(motion: Motion, elapsed: Any, error: Any) -> Estimate:
+def _shifted(motion: SeparatedMotion, elapsed: Any, error: Any) -> Estimate:
     """t₀ + elapsed time."""
     if motion.digits > 15:
         bits = int(3.33 * motion.digits) + 32
@@ -63,7 +63,7 @@ def _shifted(motion: Motion, elapsed: Any, error: Any) -> Estimate:
     return Estimate(value, float(error) + _EPS * abs(value))
 
 
-def _phase_of(motion: Motion, name: str, course: Course, target: Callable[[int], Any], passage: int) -> Any:
+def _phase_of(motion: SeparatedMotion, name: str, course: Course, target: Callable[[int], Any], passage: int) -> Any:
     """Phase of the passage-th crossing, counted from the start."""
     bits = int(3.33 * motion.digits) + 128
     place, arithmetic = target(bits), Multi(bits)
@@ -86,7 +86,7 @@ def _phase_of(motion: Motion, name: str, course: Course, target: Callable[[int],
     return later[index]
 
 
-def _between(motion: Motion, name: str, course: Bounded, place: Any) -> Any:
+def _between(motion: SeparatedMotion, name: str, course: Bounded, place: Any) -> Any:
     """A place that is passed; a turning point itself where it is that, but for the rounding of both.
 
     Raises:
@@ -123,7 +123,7 @@ def _open_phases(name: str, course: Open, place: Any, bits: int) -> list[Any]:
     return found
 
 
-def _elapsed(motion: Motion, k: int, phase: Any) -> tuple[Any, Any]:
+def _elapsed(motion: SeparatedMotion, k: int, phase: Any) -> tuple[Any, Any]:
     """Time from t₀ until coordinate k has a phase, and a bound on its error."""
     equations = motion.equations
     many = motion.digits > 15
@@ -149,11 +149,11 @@ def _elapsed(motion: Motion, k: int, phase: Any) -> tuple[Any, Any]:
     return time_beside(motion, k, phase) or _sought(motion, k, float(phase))
 
 
-def _noise(motion: Motion) -> Any:
+def _noise(motion: SeparatedMotion) -> Any:
     return 4 * _EPS if motion.digits <= 15 else multiprecision(64).mpf(10) ** -motion.digits
 
 
-def _own_time(motion: Motion, course: Course, step: Step, phase: Any) -> tuple[Any, Any]:
+def _own_time(motion: SeparatedMotion, course: Course, step: Step, phase: Any) -> tuple[Any, Any]:
     """Time of a coordinate whose equation holds no other."""
     kind = object if motion.digits > 15 else float
     here, start = np.array([phase], dtype=kind), np.array([course.start], dtype=kind)
@@ -166,7 +166,7 @@ def _own_time(motion: Motion, course: Course, step: Step, phase: Any) -> tuple[A
     return total / step.weights[0], _noise(motion) * size / abs(step.weights[0])
 
 
-def _sought(motion: Motion, k: int, goal: float) -> tuple[Any, Any]:
+def _sought(motion: SeparatedMotion, k: int, goal: float) -> tuple[Any, Any]:
     """Time at which χₖ(t), increasing, passes a phase; by bracketing and the secant rule."""
     assert motion.equations is not None
 
@@ -222,7 +222,7 @@ def _root(function: Callable[[float], float], low: float, high: float) -> float:
     return low
 
 
-def _scanned(motion: Motion, name: str, value: float, passage: int) -> Estimate:
+def _scanned(motion: SeparatedMotion, name: str, value: float, passage: int) -> Estimate:
     """Crossings of an ignorable coordinate, found by walking along the motion: it need not be monotone."""
     if passage < 0:
         raise InvalidInputError(f"time_at: passage counts from 0 for the ignorable coordinate {name}")
@@ -260,7 +260,7 @@ def _scanned(motion: Motion, name: str, value: float, passage: int) -> Estimate:
     raise NotConvergedError(f"{name} did not pass {value:.12g} in the time searched")
 
 
-def boundary_times(motion: Motion) -> dict[str, Estimate]:
+def boundary_times(motion: SeparatedMotion) -> dict[str, Estimate]:
     """Return, for every coordinate that will reach an end of its domain, when."""
     result = {}
     for k, name in enumerate(motion.solution.coordinates):
@@ -273,7 +273,7 @@ def boundary_times(motion: Motion) -> dict[str, Estimate]:
     return result
 
 
-def angle_variables(motion: Motion, t: Any) -> dict[str, Any]:
+def angle_variables(motion: SeparatedMotion, t: Any) -> dict[str, Any]:
     """Return θ = θ₀ + Ω (t − t₀) in (−π, π]; see ``Motion.angles``."""
     equations = motion.equations
     shape, floats, exact = read_times(t)

@@ -10,10 +10,10 @@ from hjsolve.one_coordinate.coordinate_motion import Open
 from hjsolve.time_law.open_motion import Plan, reaching
 
 if TYPE_CHECKING:
-    from hjsolve.motion.motion import Motion
+    from hjsolve.motion.separated import SeparatedMotion
 
 
-def statuses(motion: Motion, time: tuple[Any, Any], ended: Any) -> Any:
+def statuses(motion: SeparatedMotion, time: tuple[Any, Any], ended: Any) -> Any:
     """Return the status of a motion at times.
 
     Args:
@@ -35,7 +35,7 @@ def statuses(motion: Motion, time: tuple[Any, Any], ended: Any) -> Any:
     return status
 
 
-def _ends(motion: Motion, direction: int, span: float) -> bool:
+def _ends(motion: SeparatedMotion, direction: int, span: float) -> bool:
     """True where some coordinate has an end in that direction of time."""
     scheme = motion.equations
     assert isinstance(scheme, Plan)

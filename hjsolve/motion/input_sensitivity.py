@@ -9,37 +9,33 @@ input is moved by half an ulp and the numbers are worked out again, with digits 
 from __future__ import annotations
 
 import math
-from collections.abc import Mapping
+from collections.abc import Callable, Mapping
 from fractions import Fraction
-from typing import TYPE_CHECKING, Any
-
-from hjsolve.errors import InternalError
-
-if TYPE_CHECKING:
-    from hjsolve.motion.motion import Motion
+from typing import Any
 
 _DIGITS = 40
 _GROUPS = ("q", "velocity", "p", "constants", "parameters")
 QUANTITIES = ("constants", "actions", "frequencies", "periods")
 
 
-def input_doubt(motion: Motion) -> dict[str, dict[str, float]]:
+def input_doubt(
+    again: Callable[[int, Mapping[str, Any]], Any], given: Mapping[str, Any]
+) -> dict[str, dict[str, float]]:
     """Return how far each number can move when every float input moves by half a unit in its last place.
+
+    Args:
+        again: the rule that starts the motion anew: digits, changed groups of the input ↦ Motion.
+        given: the groups of the input as they came.
 
     Returns:
         Quantity (``constants``, ``actions``, ``frequencies``, ``periods``) → name → absolute doubt; all zero for input
         given exactly (ints, decimal strings, fractions). A number that ceases to exist when an input moves (a frequency
         at a separatrix) is in infinite doubt.
-
-    Raises:
-        InternalError: the motion does not know the input it was started from.
     """
-    if motion.again is None:
-        raise InternalError("this motion does not know its input")
-    base = motion.again(_DIGITS, {})
+    base = again(_DIGITS, {})
     doubt = {quantity: dict.fromkeys(getattr(base, quantity), 0.0) for quantity in QUANTITIES}
-    for change in _changes(motion.given):
-        moved = motion.again(_DIGITS, change)
+    for change in _changes(given):
+        moved = again(_DIGITS, change)
         for quantity, names in doubt.items():
             for name in names:
                 there = getattr(moved, quantity).get(name)

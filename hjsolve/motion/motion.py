@@ -16,21 +16,17 @@ import sympy as sp
 
 from hjsolve import arguments
 from hjsolve.arithmetic.estimate import Estimate
-from hjsolve.errors import InvalidInputError, NotConvergedError
+from hjsolve.errors import InternalError, InvalidInputError
 from hjsolve.formulas.read import number
-from hjsolve.lowering import momentum_squared_tapes
 from hjsolve.motion import quantities
-from hjsolve.motion.initial_data import ZERO_BITS, InBits, Initial, domain_ends, expanded, initial_data, sign, to_bits
+from hjsolve.motion.initial_data import Initial, initial_data, to_bits
 from hjsolve.motion.quantities import FLOAT_DIGITS
+from hjsolve.motion.separated import SeparatedMotion, checked, coordinate_start, separated_motion
 from hjsolve.motion.state import State
-from hjsolve.one_coordinate.allowed_regions import forbidden, others
+from hjsolve.one_coordinate.allowed_regions import others
 from hjsolve.one_coordinate.classify import Located, locate
-from hjsolve.one_coordinate.coordinate_motion import PARTS, Open
-from hjsolve.one_coordinate.coordinate_start import Start
-from hjsolve.one_coordinate.momentum_squared import Radicand, has_period
+from hjsolve.one_coordinate.coordinate_motion import PARTS
 from hjsolve.solution.quadratures import Solution
-from hjsolve.time_law.open_motion import Plan, plan
-from hjsolve.time_law.torus import Torus, torus
 
 _FARTHEST, _MOST_ANGLE = 2**1000, 2**48
 QUANTITIES: Mapping[str, frozenset[str]] = {
@@ -47,12 +43,7 @@ class Motion:
     """A motion, started by ``Solution.motion``; see the module's text.
 
     Attributes:
-        solution: what is solved.
-        initial: the exact initial data and constants.
-        t0: the initial time, exact.
-        digits: digits asked of every number.
-        located: separated coordinate → its course and the ends of its region.
-        equations: Jacobi's equations made ready for inversion; None where every coordinate is ignorable.
+        separated: what each separated coordinate does, and the equations that tie them to the time.
         kinds: coordinate → libration, rotation, escape, equilibrium, asymptotic, boundary or ignorable.
         turning_points: coordinate → (lower, upper), None where there is none on that side; no key for a rotation.
         constants: name → Estimate.
@@ -60,17 +51,12 @@ class Motion:
         frequencies: coordinate → Ω = ∂H/∂J in radians per unit time, where it exists.
         periods: coordinate → 2π/|Ω|.
         boundary_times: coordinate → time at which it reaches an end of its domain.
-        parts: what was integrated, of ``numeric.course.PARTS``; all of it unless ``want`` asked for less.
-        states: for a certified motion, the rule that starts the motion its states are read from.
-        given: the input as it came. again: the rule that starts it anew with other digits or changed input.
+        states: for a certified motion, the rule that gives what its states are read from.
+        given: the input as it came.
+        again: the rule that starts it anew with other digits or changed input.
     """
 
-    solution: Solution
-    initial: Initial
-    t0: sp.Expr
-    digits: int
-    located: Mapping[str, Located]
-    equations: Torus | Plan | None
+    separated: SeparatedMotion = field(repr=False)
     kinds: Mapping[str, str]
     turning_points: Mapping[str, tuple[Estimate | None, Estimate | None]]
     constants: Mapping[str, Estimate]
@@ -78,15 +64,34 @@ class Motion:
     frequencies: Mapping[str, Estimate]
     periods: Mapping[str, Estimate]
     boundary_times: Mapping[str, Estimate]
-    parts: frozenset[str] = PARTS
-    states: Callable[[], Motion] | None = field(default=None, repr=False)
+    states: Callable[[], SeparatedMotion] | None = field(default=None, repr=False)
     given: Mapping[str, Any] = field(default_factory=dict, repr=False)
     again: Callable[[int, Mapping[str, Any]], Motion] | None = field(default=None, repr=False)
 
     @property
+    def solution(self) -> Solution:
+        """What is solved."""
+        return self.separated.solution
+
+    @property
+    def initial(self) -> Initial:
+        """The exact initial data and constants."""
+        return self.separated.initial
+
+    @property
+    def t0(self) -> sp.Expr:
+        """The initial time, exact."""
+        return self.separated.t0
+
+    @property
+    def digits(self) -> int:
+        """Digits asked of every number."""
+        return self.separated.digits
+
+    @property
     def nodes(self) -> int:
         """Quadrature nodes of the dearest coordinate."""
-        return max((quantities.nodes_of(place.course) for place in self.located.values()), default=0)
+        return max((quantities.nodes_of(place.course) for place in self.separated.located.values()), default=0)
 
     @property
     def mean_velocities(self) -> dict[str, Estimate]:
@@ -131,7 +136,7 @@ class Motion:
         from hjsolve.motion.crossings import crossing_time
 
         self.solution.system.coordinate(name)
-        self._require("periods" if name in self.located else "trajectory")
+        self._require("periods" if name in self.separated.located else "trajectory")
         return crossing_time(self._source, name, value, passage)
 
     def orbit(self, name: str, *, along: str, values: Any) -> Any:
@@ -170,7 +175,9 @@ class Motion:
         """Return how far each number can move when every float input moves by half an ulp; see ``conditioning``."""
         from hjsolve.motion.input_sensitivity import input_doubt
 
-        return input_doubt(self)
+        if self.again is None:
+            raise InternalError("this motion does not know its input")
+        return input_doubt(self.again, self.given)
 
     @property
     def other_regions(self) -> dict[str, tuple[tuple[Estimate | None, Estimate | None], ...]]:
@@ -180,18 +187,18 @@ class Motion:
         an end that is no turning point. At most ``numeric.regions.MOST`` on each side. Worked out when it is read.
         """
         result = {}
-        for name, place in self.located.items():
-            begin = _start(self.solution, self.initial, name)
+        for name, place in self.separated.located.items():
+            begin = coordinate_start(self.solution, self.initial, name)
             found = others(begin, place.lower, place.upper, self.digits)
             result[name] = tuple(quantities.ends(region, self.digits) for region in found)
         return result
 
     @property
-    def _source(self) -> Motion:
-        return self.states() if self.states else self
+    def _source(self) -> SeparatedMotion:
+        return self.states() if self.states else self.separated
 
     def _require(self, quantity: str) -> None:
-        if not QUANTITIES[quantity] <= self.parts:
+        if not QUANTITIES[quantity] <= self.separated.parts:
             raise InvalidInputError(f'this motion was started without what {quantity} need; add "{quantity}" to want')
 
 
@@ -268,9 +275,19 @@ def _again(
 
 
 def _move(solution: Solution, initial: Initial, t0: sp.Expr, digits: int, parts: frozenset[str]) -> Motion:
-    begins = {name: replace(_start(solution, initial, name), parts=parts) for name in solution.coordinates}
-    located = {name: locate(_checked(begin), digits) for name, begin in begins.items()}
-    return _assemble(solution, initial, t0, digits, located, parts)
+    found = separated_motion(solution, initial, t0, digits, parts)
+    bits = int(3.33 * digits) + 128
+    motion = Motion(
+        found, _kinds(solution, found.located), found.turning_points,
+        {name: quantities.rounded(to_bits(value)(bits), digits) for name, value in initial.constants.items()},
+        quantities.actions(solution, initial, found.located, digits) if "action" in parts else {}, found.frequencies,
+        {name: quantities.period(f) for name, f in found.frequencies.items() if f.value}, {},
+    )  # fmt: skip
+    if "boundary" not in motion.kinds.values() or "time" not in parts:
+        return motion
+    from hjsolve.motion.crossings import boundary_times
+
+    return replace(motion, boundary_times=boundary_times(found))
 
 
 def _certified(solution: Solution, initial: Initial, t0: sp.Expr, digits: int, parts: frozenset[str]) -> Motion:
@@ -280,34 +297,34 @@ def _certified(solution: Solution, initial: Initial, t0: sp.Expr, digits: int, p
     """
     from hjsolve.motion.certified import enclose, librating, lines, work_bits
 
-    begins = {name: replace(_start(solution, initial, name), parts=frozenset[str]()) for name in solution.coordinates}
+    begins = {
+        name: replace(coordinate_start(solution, initial, name), parts=frozenset[str]())
+        for name in solution.coordinates
+    }
     radicands = {name: begin.radicand for name, begin in begins.items()}
     known = lines(radicands, initial, solution, work_bits(digits))
     located = {
-        name: librating(begin, initial, solution, known[name]) or locate(_checked(begin), FLOAT_DIGITS)
+        name: librating(begin, initial, solution, known[name]) or locate(checked(begin), FLOAT_DIGITS)
         for name, begin in begins.items()
     }
-    motion = Motion(
-        solution, initial, t0, digits, located, None, _kinds(solution, located), {}, {}, {}, {}, {}, {}, parts,
-        states=_States(solution, initial, t0, digits, parts),
-    )  # fmt: skip
-    proved = enclose(motion, digits, known)
-    return replace(
-        motion, constants=proved.constants, turning_points=proved.turning_points, actions=proved.actions,
-        frequencies=proved.frequencies, periods=proved.periods,
+    taken_apart = SeparatedMotion(solution, initial, t0, digits, parts, located, None, {}, {})
+    proved = enclose(taken_apart, digits, known)
+    return Motion(
+        taken_apart, _kinds(solution, located), proved.turning_points, proved.constants, proved.actions,
+        proved.frequencies, proved.periods, {}, states=_States(solution, initial, t0, digits, parts),
     )  # fmt: skip
 
 
 class _States:
-    """The motion that the states of a certified one are read from, made when it is first asked for."""
+    """What the states of a certified motion are read from, made when it is first asked for."""
 
     def __init__(self, *arguments: Any):
         self.arguments = arguments
-        self.motion: Motion | None = None
+        self.motion: SeparatedMotion | None = None
 
-    def __call__(self) -> Motion:
+    def __call__(self) -> SeparatedMotion:
         if self.motion is None:
-            self.motion = _move(*self.arguments)
+            self.motion = separated_motion(*self.arguments)
         return self.motion
 
     def __reduce__(self) -> tuple[Any, ...]:
@@ -333,69 +350,3 @@ def parts_of(want: Iterable[str] | None) -> frozenset[str]:
     for name in sorted(names - QUANTITIES.keys()):
         raise InvalidInputError(f'want: "{name}" is not known; known are {", ".join(QUANTITIES)}')
     return frozenset[str]().union(*(QUANTITIES[name] for name in names))
-
-
-def _start(solution: Solution, initial: Initial, name: str) -> Start:
-    """Bring one separated coordinate over to numbers."""
-    coordinate, F = solution.system.coordinate(name), solution.momentum_squared[name]
-    constants = tuple(solution.constants[c].symbol for c in solution.constants)
-    parameters = tuple(p.symbol for p in solution.system.parameters)
-    exact = [initial.constants[c] for c in solution.constants] + [initial.values[s] for s in parameters]
-    rules = [to_bits(value) for value in exact]
-    squared, kernels, absent, periodic = momentum_squared_tapes(F, coordinate.symbol, constants, parameters)
-    radicand = Radicand(squared, kernels, partial(_at_bits, rules))
-    momentum, shift = initial.values[coordinate.momentum], solution.shift[name]
-    ends = [None if end is None else to_bits(end) for end in domain_ends(solution.system, name, initial.values)]
-    place = to_bits(initial.values[coordinate.symbol])
-    angle = coordinate.domain.kind == "angle" and (periodic or has_period(radicand, place))
-    root = expanded(momentum + shift.subs(initial.values)) if shift != 0 else expanded(momentum)
-    forward = sign(root)
-    if forward:
-        radicand = radicand.guarded(place, _square(to_bits(root)))
-    return Start(name, radicand, place, forward, ends[0], ends[1], angle, absent)
-
-
-def _at_bits(rules: list[InBits], bits: int) -> list[Any]:
-    return [rule(bits) for rule in rules]
-
-
-def _square(root: Callable[[int], Any]) -> Callable[[int], Any]:
-    """P² of a root that may be what two large numbers leave."""
-    return lambda bits: root(bits + ZERO_BITS) ** 2
-
-
-def _checked(begin: Start) -> Start:
-    place = begin.place(256 + begin.radicand.guard)
-    if abs(place) >= (_MOST_ANGLE if begin.angle else _FARTHEST):
-        cure = "take whole turns off" if begin.angle else "write lengths in another unit"
-        raise NotConvergedError(f"q[{begin.name}]: is so far out that doubles cannot tell places apart there; {cure}")
-    value = begin.radicand.value(place, 256)
-    if begin.forward and value < 0:
-        raise forbidden(begin)
-    return begin
-
-
-def _assemble(
-    solution: Solution, initial: Initial, t0: sp.Expr, digits: int, located: dict[str, Located], parts: frozenset[str]
-) -> Motion:
-    courses = [located[name].course for name in solution.coordinates]
-    bits = int(3.33 * digits) + 128
-    bounded = [c for c in courses if not isinstance(c, Open)]
-    timed = "time" in parts
-    equations = (
-        None if not (courses and timed) else torus(bounded, bits) if len(bounded) == len(courses) else plan(courses)
-    )
-    kinds = _kinds(solution, located)
-    frequencies = quantities.frequencies(solution, initial, equations, digits) if timed else {}
-    motion = Motion(
-        solution, initial, t0, digits, located, equations, kinds,
-        {name: quantities.ends(place, digits) for name, place in located.items() if place.lower.kind != "round"},
-        {name: quantities.rounded(to_bits(value)(bits), digits) for name, value in initial.constants.items()},
-        quantities.actions(solution, initial, located, digits) if "action" in parts else {}, frequencies,
-        {name: quantities.period(f) for name, f in frequencies.items() if f.value}, {}, parts,
-    )  # fmt: skip
-    if "boundary" not in kinds.values() or not timed:
-        return motion
-    from hjsolve.motion.crossings import boundary_times
-
-    return replace(motion, boundary_times=boundary_times(motion))

@@ -27,7 +27,7 @@ from hjsolve.one_coordinate.coordinate_motion import Bounded, Course, Frozen, Op
 from hjsolve.one_coordinate.stretched_anomaly import Stretched, rounded
 
 if TYPE_CHECKING:
-    from hjsolve.motion.motion import Motion
+    from hjsolve.motion.separated import SeparatedMotion
     from hjsolve.motion.tabulated import Dense
 
 _LOST = 16 * 2.0**-53
@@ -35,7 +35,7 @@ _LOST = 16 * 2.0**-53
 Places = Mapping[str, Pair]
 
 
-def blurred(motion: Motion, q: Mapping[str, Any], p: Mapping[str, Any]) -> Any:
+def blurred(motion: SeparatedMotion, q: Mapping[str, Any], p: Mapping[str, Any]) -> Any:
     """Where some velocity in doubles is far from rounded well, because of the rounding of places and constants.
 
     Args:
@@ -56,7 +56,7 @@ def blurred(motion: Motion, q: Mapping[str, Any], p: Mapping[str, Any]) -> Any:
     return np.any(np.broadcast_arrays(*lost, np.zeros(arrays[0].shape, dtype=bool)), axis=0)
 
 
-def blurs(motion: Motion, course: Course) -> bool:
+def blurs(motion: SeparatedMotion, course: Course) -> bool:
     """Whether a motion with one separated coordinate comes to places where its velocities are blurred."""
     system, name = motion.solution.system, motion.solution.coordinates[0]
     χ = np.linspace(0, np.pi, 65) if isinstance(course, Bounded) else np.linspace(-1, 1, 65)
@@ -70,7 +70,7 @@ def blurs(motion: Motion, course: Course) -> bool:
 
 
 def _arguments(
-    motion: Motion, q: Mapping[str, Any], p: Mapping[str, Any]
+    motion: SeparatedMotion, q: Mapping[str, Any], p: Mapping[str, Any]
 ) -> tuple[list[sp.Symbol], list[Any], dict[sp.Symbol, sp.Expr]]:
     """Symbols and arrays of what varies, places before momenta, and exact values of the rest."""
     coordinates = motion.solution.system.coordinates
@@ -79,7 +79,7 @@ def _arguments(
     return variables, arrays, {s: v for s, v in motion.initial.values.items() if s not in variables}
 
 
-def places(motion: Motion, courses: list[Course], χ: list[Any]) -> tuple[dict[str, Pair], dict[str, Any]]:
+def places(motion: SeparatedMotion, courses: list[Course], χ: list[Any]) -> tuple[dict[str, Pair], dict[str, Any]]:
     """Separated coordinates in two doubles, and their shell momenta, at phases in doubles."""
     q, shell = {}, {}
     for name, course, phase in zip(motion.solution.coordinates, courses, χ, strict=True):
@@ -146,7 +146,7 @@ def _open_place(course: Open, χ: Any) -> Pair:
 
 
 def sharpened(
-    motion: Motion, courses: list[Course], χ: list[Any], q: Mapping[str, Any], v: Mapping[str, Any], where: Any
+    motion: SeparatedMotion, courses: list[Course], χ: list[Any], q: Mapping[str, Any], v: Mapping[str, Any], where: Any
 ) -> dict[str, Any]:
     """Velocities, those of some times worked out in two doubles.
 
@@ -160,14 +160,19 @@ def sharpened(
 
 
 def sharpened_from_table(
-    motion: Motion, table: Dense, θ: Any, q: Mapping[str, Any], v: Mapping[str, Any], where: Any
+    motion: SeparatedMotion, table: Dense, θ: Any, q: Mapping[str, Any], v: Mapping[str, Any], where: Any
 ) -> dict[str, Any]:
     """As ``sharpened``, from a table that holds the distances from both turning points; θ its argument."""
     return _put(motion, *from_table(motion, table, θ[where]), q, v, where)
 
 
 def _put(
-    motion: Motion, exact: Places, shell: Mapping[str, Any], q: Mapping[str, Any], v: Mapping[str, Any], where: Any
+    motion: SeparatedMotion,
+    exact: Places,
+    shell: Mapping[str, Any],
+    q: Mapping[str, Any],
+    v: Mapping[str, Any],
+    where: Any,
 ) -> dict[str, Any]:
     rest = {name: values[where] for name, values in q.items() if name not in exact}
     chosen = {name: f for name, f in velocities(motion.solution.system).items() if name in v}
@@ -177,7 +182,7 @@ def _put(
     return result
 
 
-def from_table(motion: Motion, table: Dense, θ: Any) -> tuple[dict[str, Pair], dict[str, Any]]:
+def from_table(motion: SeparatedMotion, table: Dense, θ: Any) -> tuple[dict[str, Pair], dict[str, Any]]:
     """As ``places``, from a table that holds the distances from both turning points; θ its argument."""
     assert table.ends is not None
     name = motion.solution.coordinates[0]
@@ -188,7 +193,11 @@ def from_table(motion: Motion, table: Dense, θ: Any) -> tuple[dict[str, Pair], 
 
 
 def worked_out(
-    motion: Motion, formulas: tuple[sp.Expr, ...], q: Places, shell: Mapping[str, Any], ignorable: Mapping[str, Any]
+    motion: SeparatedMotion,
+    formulas: tuple[sp.Expr, ...],
+    q: Places,
+    shell: Mapping[str, Any],
+    ignorable: Mapping[str, Any],
 ) -> list[Any]:
     """Formulas in coordinates and momenta in two doubles, rounded once.
 
@@ -216,7 +225,7 @@ def worked_out(
     return [np.broadcast_to(v.high, some.shape) for v in _run(motion, formulas, pairs, p)]
 
 
-def _run(motion: Motion, formulas: tuple[sp.Expr, ...], q: Places, p: Places) -> list[Pair]:
+def _run(motion: SeparatedMotion, formulas: tuple[sp.Expr, ...], q: Places, p: Places) -> list[Pair]:
     variables, pairs, fixed = _arguments(motion, q, p)
     tape = tape_of(formulas, (*variables, *fixed))
     with np.errstate(all="ignore"):

@@ -16,7 +16,7 @@ from hjsolve.time_law import open_motion, refine, torus
 from hjsolve.time_law.elapsed_time import halves, relative, relative_exact
 
 if TYPE_CHECKING:
-    from hjsolve.motion.motion import Motion
+    from hjsolve.motion.separated import SeparatedMotion
 
 
 @dataclass(frozen=True)
@@ -38,7 +38,9 @@ class Phases:
     ended: Any
 
 
-def phases_at(motion: Motion, floats: Any | None, exact: list[Any], time: tuple[Any, Any] | None = None) -> Phases:
+def phases_at(
+    motion: SeparatedMotion, floats: Any | None, exact: list[Any], time: tuple[Any, Any] | None = None
+) -> Phases:
     """Solve Jacobi's equations at the times t (or at times relative to t₀ already)."""
     start = to_bits(motion.t0)
     many = motion.digits > 15
@@ -63,7 +65,7 @@ def phases_at(motion: Motion, floats: Any | None, exact: list[Any], time: tuple[
     return Phases(time, precise if many else None, χ, whole, errors, ended)
 
 
-def solve(motion: Motion, time: tuple[Any, Any]) -> tuple[list[Any], list[Any], list[Any], Any]:
+def solve(motion: SeparatedMotion, time: tuple[Any, Any]) -> tuple[list[Any], list[Any], list[Any], Any]:
     """Return phases, whole turns, error bounds and "has ended" at times relative to t₀ (two doubles, shape (m,))."""
     never = np.zeros(time[0].shape, dtype=bool)
     if motion.equations is None:
@@ -73,7 +75,7 @@ def solve(motion: Motion, time: tuple[Any, Any]) -> tuple[list[Any], list[Any], 
     return open_motion.phases(motion.equations, time)
 
 
-def _courses(motion: Motion) -> Sequence[Course]:
+def _courses(motion: SeparatedMotion) -> Sequence[Course]:
     return motion.equations.courses if motion.equations is not None else ()
 
 
@@ -83,7 +85,7 @@ def _where_it_goes_on(ended: Any, χ: Any, course: Course) -> Any:
 
 
 def _refined_where(
-    going: Any, motion: Motion, χ: list[Any], whole: list[Any], precise: list[Any], bits: int
+    going: Any, motion: SeparatedMotion, χ: list[Any], whole: list[Any], precise: list[Any], bits: int
 ) -> tuple[list[Any], list[Any]]:
     """Phases in many digits where the motion goes on; where it has ended there is nothing to refine."""
     if going.all():
@@ -99,7 +101,7 @@ def _refined_where(
 
 
 def _refined(
-    motion: Motion, χ: list[Any], whole: list[Any], precise: list[Any], bits: int
+    motion: SeparatedMotion, χ: list[Any], whole: list[Any], precise: list[Any], bits: int
 ) -> tuple[list[Any], list[Any]]:
     if motion.equations is None:
         return χ, []
@@ -134,7 +136,7 @@ def _with_reaches(course: Course, χ: Any) -> Course:
     return _with_reach(course, float(np.max(np.abs(χ) if alone else χ, initial=0)), back)
 
 
-def courses_of(motion: Motion, phases: Phases) -> list[Course]:
+def courses_of(motion: SeparatedMotion, phases: Phases) -> list[Course]:
     """The courses, reaching as far as the phases need."""
     if motion.equations is None:
         return []

@@ -25,15 +25,15 @@ from hjsolve.time_law.phase_reduction import turns
 from hjsolve.time_law.torus import Torus, mean_rate, oscillation
 
 if TYPE_CHECKING:
-    from hjsolve.motion.motion import Motion
+    from hjsolve.motion.separated import SeparatedMotion
 
 
-def constant_index(motion: Motion, name: str) -> int:
+def constant_index(motion: SeparatedMotion, name: str) -> int:
     """Return the place of an ignorable coordinate's momentum among the constants."""
     return list(motion.solution.constants).index(motion.solution.system.coordinate(name).momentum.name)
 
 
-def positions(motion: Motion, phases: Phases) -> tuple[dict[str, Any], dict[str, Any], dict[str, Any]]:
+def positions(motion: SeparatedMotion, phases: Phases) -> tuple[dict[str, Any], dict[str, Any], dict[str, Any]]:
     """q, canonical p, and whole turns of the angles."""
     q, shell, whole = {}, {}, {}
     for name, course, χ, n in zip(
@@ -67,7 +67,7 @@ def principal(angle: Any) -> tuple[Any, Any]:
 
 
 def canonical_momenta(
-    motion: Motion, q: Mapping[str, Any], shell: Mapping[str, Any], wanted: list[str]
+    motion: SeparatedMotion, q: Mapping[str, Any], shell: Mapping[str, Any], wanted: list[str]
 ) -> dict[str, Any]:
     """Canonical momenta: p = P − A for separated coordinates, the constants for ignorable ones."""
     solution = motion.solution
@@ -86,7 +86,7 @@ def canonical_momenta(
     return result
 
 
-def coordinate_velocities(motion: Motion, q: Mapping[str, Any], p: Mapping[str, Any]) -> dict[str, Any]:
+def coordinate_velocities(motion: SeparatedMotion, q: Mapping[str, Any], p: Mapping[str, Any]) -> dict[str, Any]:
     """Return dq/dt of every coordinate."""
     formulas = velocities(motion.solution.system)
     return dict(zip(formulas, evaluate(motion, tuple(formulas.values()), q, p), strict=True))
@@ -98,7 +98,9 @@ def tape_of(formulas: tuple[sp.Expr, ...], arguments: tuple[sp.Symbol, ...]) -> 
     return lower(formulas, arguments)
 
 
-def evaluate(motion: Motion, formulas: tuple[sp.Expr, ...], q: Mapping[str, Any], p: Mapping[str, Any]) -> list[Any]:
+def evaluate(
+    motion: SeparatedMotion, formulas: tuple[sp.Expr, ...], q: Mapping[str, Any], p: Mapping[str, Any]
+) -> list[Any]:
     """Evaluate formulas in coordinates, momenta, constants and parameters along the motion."""
     system = motion.solution.system
     variables = [c.symbol for c in system.coordinates if c.name in q] + [
@@ -119,7 +121,9 @@ def evaluate(motion: Motion, formulas: tuple[sp.Expr, ...], q: Mapping[str, Any]
         return [np.broadcast_to(value, arrays[0].shape) for value in tape.run(Float64(), [*arrays, *numbers])]
 
 
-def rounding(motion: Motion, formulas: tuple[sp.Expr, ...], q: Mapping[str, Any], p: Mapping[str, Any]) -> list[Any]:
+def rounding(
+    motion: SeparatedMotion, formulas: tuple[sp.Expr, ...], q: Mapping[str, Any], p: Mapping[str, Any]
+) -> list[Any]:
     """Bound what evaluating formulas in doubles loses, cancellation inside of them included (``numeric.running``)."""
     system = motion.solution.system
     places = {c.symbol: q[c.name] for c in system.coordinates if c.name in q}
@@ -133,7 +137,7 @@ def rounding(motion: Motion, formulas: tuple[sp.Expr, ...], q: Mapping[str, Any]
     return [2 * (0.0 if x.error is None else x.error) for x in found]
 
 
-def _ignorable(motion: Motion, phases: Phases, name: str, q: Mapping[str, Any]) -> tuple[Any, Any]:
+def _ignorable(motion: SeparatedMotion, phases: Phases, name: str, q: Mapping[str, Any]) -> tuple[Any, Any]:
     """φ(t) = φ₀ − Σᵢ [Gᵢ(χᵢ) − Gᵢ(χᵢ⁰)] + ∂χ/∂c: Greenwood (5-83). On a torus the mean growth is reduced exactly."""
     solution, equations = motion.solution, motion.equations
     coordinate = solution.system.coordinate(name)
@@ -170,7 +174,7 @@ def _rise(series: Series, χ: Any, start: Any) -> Any:
     return series.ripple(χ) - series.ripple(np.array([float(start)]))
 
 
-def gauge_angle(motion: Motion, constant: sp.Symbol, q: Mapping[str, Any]) -> Any:
+def gauge_angle(motion: SeparatedMotion, constant: sp.Symbol, q: Mapping[str, Any]) -> Any:
     """∂χ/∂c at q minus its value at the start; 0 where no shift was made."""
     formula = sp.diff(motion.solution.shift_potential, constant)
     if formula == 0:

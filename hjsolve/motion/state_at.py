@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Mapping
 from functools import cache
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 import numpy as np
 
@@ -25,6 +25,7 @@ from hjsolve.motion.positions import (
     principal,
 )
 from hjsolve.motion.quantities import FLOAT_DIGITS
+from hjsolve.motion.separated import SeparatedMotion, separated_motion
 from hjsolve.motion.state import Errors, State
 from hjsolve.motion.state_errors import state_errors, table_errors
 from hjsolve.motion.tabulated import FEWEST, Dense, OnDemand, dense, rough
@@ -33,11 +34,8 @@ from hjsolve.one_coordinate.coordinate_motion import Bounded
 from hjsolve.time_law.elapsed_time import halves, relative, relative_exact
 from hjsolve.time_law.torus import Torus, mean_rate
 
-if TYPE_CHECKING:
-    from hjsolve.motion.motion import Motion
 
-
-def state_at(motion: Motion, t: Any, digits: int | None = None) -> State:
+def state_at(motion: SeparatedMotion, t: Any, digits: int | None = None) -> State:
     """Return the state at a time or times; see ``Motion.at``.
 
     Args:
@@ -55,8 +53,10 @@ def state_at(motion: Motion, t: Any, digits: int | None = None) -> State:
             return _tabulated(motion, table, t, time, shape)
     phases = phases_at(motion, floats, exact)
     wanted = digits or motion.digits
-    if motion.again is not None and (lacking := _lacking(motion, phases, wanted)):
-        return state_at(motion.again(motion.digits + lacking, {}), t, wanted)
+    if lacking := _lacking(motion, phases, wanted):
+        given = motion.solution, motion.initial, motion.t0
+        more = separated_motion(*given, motion.digits + lacking, motion.parts)
+        return state_at(more, t, wanted)
     q, p, whole = positions(motion, phases)
     v = coordinate_velocities(motion, q, p)
     sharp = None if phases.exact is not None else blurred(motion, q, p)
@@ -85,7 +85,7 @@ def state_at(motion: Motion, t: Any, digits: int | None = None) -> State:
     )
 
 
-def _lacking(motion: Motion, phases: Phases, wanted: int) -> int:
+def _lacking(motion: SeparatedMotion, phases: Phases, wanted: int) -> int:
     """Digits that the series must have more: where dt/dχ is far below its mean, a phase has fewer than its time."""
     if phases.exact is None or motion.digits > 3 * wanted:
         return 0
@@ -95,7 +95,9 @@ def _lacking(motion: Motion, phases: Phases, wanted: int) -> int:
     return wanted + 2 + int(multiprecision(64).log10(worst))
 
 
-def _tabulated(motion: Motion, table: Dense, t: Any, time: tuple[Any, Any], shape: tuple[int, ...] | None) -> State:
+def _tabulated(
+    motion: SeparatedMotion, table: Dense, t: Any, time: tuple[Any, Any], shape: tuple[int, ...] | None
+) -> State:
     """The state from a table: every quantity is worked out when it is read."""
     system = motion.solution.system
     θ, whole, ended = table.argument(motion, time)

@@ -20,7 +20,7 @@ from hjsolve.one_coordinate.fourier_series import Series
 from hjsolve.time_law.torus import Torus, oscillation
 
 if TYPE_CHECKING:
-    from hjsolve.motion.motion import Motion
+    from hjsolve.motion.separated import SeparatedMotion
 
 _EPS = 2.0**-52
 _LEAST = 2.0**-1074
@@ -30,7 +30,7 @@ _TABLE = 1e-14
 
 
 def state_errors(
-    motion: Motion,
+    motion: SeparatedMotion,
     phases: Phases,
     q: Mapping[str, Any],
     p: Mapping[str, Any],
@@ -75,7 +75,7 @@ def _put_in(errors: dict[str, Any], better: Mapping[str, Any], where: Any) -> No
 
 
 def _sharp_errors(
-    motion: Motion, courses: list[Course], χ: list[Any], slack: list[Any], q: Mapping[str, Any], where: Any
+    motion: SeparatedMotion, courses: list[Course], χ: list[Any], slack: list[Any], q: Mapping[str, Any], where: Any
 ) -> dict[str, Any]:
     """Bounds on velocities worked out in two doubles: what the phases leave open, and the last rounding."""
     exact, shell = places(motion, courses, χ)
@@ -91,7 +91,7 @@ def _sharp_errors(
 
 
 def _by_doubts(
-    motion: Motion, doubts: Mapping[sp.Symbol, Any], exact: Mapping[str, Any], shell: Mapping[str, Any],
+    motion: SeparatedMotion, doubts: Mapping[sp.Symbol, Any], exact: Mapping[str, Any], shell: Mapping[str, Any],
     q: Mapping[str, Any], where: Any,
 ) -> dict[str, Any]:  # fmt: skip
     """What doubts of separated coordinates and momenta leave open of the velocities, and the last rounding."""
@@ -108,7 +108,7 @@ def _by_doubts(
 
 
 def table_errors(
-    motion: Motion,
+    motion: SeparatedMotion,
     table: Dense,
     θ: Any,
     q: Mapping[str, Any],
@@ -155,7 +155,7 @@ def table_errors(
     return dq, dp, dv
 
 
-def _shifted(motion: Motion, name: str, q: Mapping[str, Any]) -> tuple[Any, Any]:
+def _shifted(motion: SeparatedMotion, name: str, q: Mapping[str, Any]) -> tuple[Any, Any]:
     """|∂A/∂q| of the shift between the canonical momentum and the root, p = P − A(q), and the size A is rounded to."""
     A = motion.solution.shift.get(name, sp.Integer(0))
     if A == 0:
@@ -181,12 +181,12 @@ def _unreduced(course: Course, q: Any, whole: Any | None) -> Any:
     return np.abs(q.astype(float) + 2 * np.pi * whole.astype(float))
 
 
-def _straddles(motion: Motion, name: str) -> bool:
+def _straddles(motion: SeparatedMotion, name: str) -> bool:
     low, high = motion.turning_points[name]
     return high is None or low is None or float(low.value) * float(high.value) <= 0
 
 
-def _width(motion: Motion, name: str) -> float:
+def _width(motion: SeparatedMotion, name: str) -> float:
     return sum(abs(float(end.value)) for end in motion.turning_points[name] if end is not None)
 
 
@@ -216,7 +216,9 @@ def _rounded(course: Bounded) -> Bounded:
     return replace(course, momentum=Series(series.mean, series.cosines.astype(float), sines, series.nodes, series.tail))
 
 
-def _ignorable_error(motion: Motion, phases: Phases, χ: list[Any], slack: list[Any], name: str, unit: float) -> Any:
+def _ignorable_error(
+    motion: SeparatedMotion, phases: Phases, χ: list[Any], slack: list[Any], name: str, unit: float
+) -> Any:
     equations = motion.equations
     total = 0.0 * phases.time[0]
     if equations is None:
@@ -238,7 +240,7 @@ def _ignorable_error(motion: Motion, phases: Phases, χ: list[Any], slack: list[
 
 
 def velocity_errors(
-    motion: Motion,
+    motion: SeparatedMotion,
     q: Mapping[str, Any],
     p: Mapping[str, Any],
     dq: Mapping[str, Any],

@@ -25,7 +25,7 @@ from hjsolve.time_law.table import DEGREE, Table, tabulate
 from hjsolve.time_law.torus import Torus, oscillation
 
 if TYPE_CHECKING:
-    from hjsolve.motion.motion import Motion
+    from hjsolve.motion.separated import SeparatedMotion
 
 _FINE = 22
 """The crowding of a phase (``Bounded.crowding``) from which on a table of momenta is as exact as it is rounded."""
@@ -79,7 +79,7 @@ class Dense:
     begin: float = 0.0
     ends: tuple[int, int] | None = None
 
-    def argument(self, motion: Motion, time: tuple[Any, Any]) -> tuple[Any, Any, Any]:
+    def argument(self, motion: SeparatedMotion, time: tuple[Any, Any]) -> tuple[Any, Any, Any]:
         """Return the table's argument, the whole turns, and where the motion has ended, at times relative to t₀."""
         equations = motion.equations
         if self.period:
@@ -112,7 +112,7 @@ def _ended(course: Any, value: Any, low: float, high: float) -> Any:
 
 
 @lru_cache(maxsize=64)
-def rough(motion: Motion) -> bool:
+def rough(motion: SeparatedMotion) -> bool:
     """True where the time law is so uneven that its inverse needs a table even for one time.
 
     Where θ grows with χ at a rate d ≪ 1 (a fast perihelion), χ + D(χ) = θ solved in doubles leaves an error of about
@@ -128,7 +128,7 @@ def rough(motion: Motion) -> bool:
     return bool(np.min(pace) < 0.05 * float(course.kernels[0].mean))
 
 
-def dense(motion: Motion, span: float) -> Dense | None:
+def dense(motion: SeparatedMotion, span: float) -> Dense | None:
     """Return the table of a motion that reaches over a time span; None where a table does not serve."""
     equations = motion.equations
     if motion.digits > 15 or equations is None or len(equations.courses) != 1:
@@ -146,7 +146,7 @@ def dense(motion: Motion, span: float) -> Dense | None:
 
 
 @lru_cache(maxsize=8)
-def _bounded(motion: Motion) -> Dense:
+def _bounded(motion: SeparatedMotion) -> Dense:
     equations = motion.equations
     assert isinstance(equations, Torus)
     course = equations.courses[0]
@@ -187,7 +187,7 @@ def _bounded(motion: Motion) -> Dense:
     return Dense(table, waves, True, first, ends=ends)
 
 
-def _resting(motion: Motion) -> Dense:
+def _resting(motion: SeparatedMotion) -> Dense:
     """A table of constants: the coordinate rests, the ignorable ones grow evenly."""
     place = float(motion.located[motion.solution.coordinates[0]].course.rest)  # type: ignore[union-attr]
     names = [c.name for c in motion.solution.system.coordinates if c.name not in motion.located]
@@ -208,7 +208,7 @@ def _wave(series: Series, χ: Any) -> Any:
     return series.ripple(χ) if len(series.cosines) else 0 * χ
 
 
-def _scale(motion: Motion) -> float:
+def _scale(motion: SeparatedMotion) -> float:
     """Size below which q needs no relative accuracy: 0 unless it passes through zero."""
     name = motion.solution.coordinates[0]
     ends = motion.turning_points.get(name)
@@ -226,7 +226,7 @@ def _scale(motion: Motion) -> float:
 
 
 @lru_cache(maxsize=8)
-def _open(motion: Motion, power: int) -> Dense:
+def _open(motion: SeparatedMotion, power: int) -> Dense:
     equations = motion.equations
     assert isinstance(equations, Plan)
     course = reaching(equations.courses[0], equations, 2.0**power, 0)

@@ -214,9 +214,9 @@ def _one_arc(solution: Solution, leg: Leg, pending: list[Pending], horizon: Any,
     if not all(x.context.isfinite(x) for x in (*state.q.values(), *state.p.values())):
         raise NotConvergedError(f"the motion ends, or is too far out for its numbers, before {events[0]}")
     given, system = motion.initial.values, solution.system
-    resting = {name for name, place in motion.located.items() if isinstance(place.course, Frozen)}
+    resting = {name for name, place in motion.separated.located.items() if isinstance(place.course, Frozen)}
     q = {c.name: given[c.symbol] if c.name in resting else state.q[c.name] for c in system.coordinates}
-    p = {c.name: given[c.momentum] if c.name in resting or c.name not in motion.located else state.p[c.name]
+    p = {c.name: given[c.momentum] if c.name in resting or c.name not in motion.separated.located else state.p[c.name]
          for c in system.coordinates}  # fmt: skip
     change = Change(motion, time, events, q, p, {name: int(n) for name, n in state.turns.items()})
     return Stretch([Piece(leg, time, events)], _later(motion, pending, happening, time), change)

@@ -39,7 +39,7 @@ def crossings(motion: Motion, name: str, value: sp.Expr, horizon: sp.Expr | None
     """
     start = to_bits(motion.t0)(bits_of(motion.digits))
     slack = multiprecision(64).mpf(10) ** (8 - motion.digits) * max(1, abs(start))
-    if name in motion.located:
+    if name in motion.separated.located:
         first = next(_known(motion, name, value, 0), None)
         at_start = first is not None and first[0] - start <= slack
         rough, skip = _known(motion, name, value, skip + at_start), 0

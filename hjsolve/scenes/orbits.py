@@ -49,7 +49,7 @@ def orbit_table(asked: OrbitAsked | None, motion: Motion) -> OrbitTable:
 
 def _chosen(motion: Motion) -> OrbitAsked:
     names = [c.name for c in motion.solution.system.coordinates]
-    along = next((n for n in motion.located if motion.kinds[n] in ("libration", "rotation")), None)
+    along = next((n for n in motion.separated.located if motion.kinds[n] in ("libration", "rotation")), None)
     of = next((n for n in names if n != along), None)
     if along is None or of is None:
         raise InvalidInputError(

@@ -109,10 +109,10 @@ class Carried:
     """
 
     def __init__(self, motion: Motion, name: str, carrier: str):
-        course, equations = motion.located[carrier].course, motion.equations
+        course, equations = motion.separated.located[carrier].course, motion.separated.equations
         assert isinstance(course, Bounded)
         assert isinstance(equations, Torus)
-        j, k = constant_index(motion, name), list(motion.solution.coordinates).index(carrier)
+        j, k = constant_index(motion.separated, name), list(motion.solution.coordinates).index(carrier)
         self.digits, self.context = motion.digits, multiprecision(bits_of(motion.digits) + 64)
         bits, convert = self.context.prec, self.context.convert
         self.begin = to_bits(motion.initial.values[motion.solution.system.coordinate(name).symbol])(bits)

@@ -96,7 +96,7 @@ class Free:
     @cached_property
     def carrier(self) -> dict[str, str]:
         """Ignorable coordinate → the one that carries it, where that does not rest."""
-        located = self.motion.located
+        located = self.motion.separated.located
         pairs = ((n, c) for n, c in self.mirrors.carrier.items() if c is not None)
         return {name: c for name, c in pairs if not isinstance(located[c].course, Frozen)}
 
@@ -107,8 +107,10 @@ class Free:
         for name in self.ignorable:
             if name in self.carrier:
                 continue
-            if self.mirrors.carrier[name] is not None and isinstance(motion.equations, Torus):
-                found[name] = self.context.convert(mean_rate(motion.equations, constant_index(motion, name)))
+            if self.mirrors.carrier[name] is not None and isinstance(motion.separated.equations, Torus):
+                found[name] = self.context.convert(
+                    mean_rate(motion.separated.equations, constant_index(motion.separated, name))
+                )
             else:
                 value = velocities(motion.solution.system)[name].xreplace(dict(motion.initial.values))
                 found[name] = self.context.convert(to_bits(value)(self.context.prec))
@@ -117,14 +119,16 @@ class Free:
     @cached_property
     def carried(self) -> dict[str, Carried]:
         """Ignorable coordinates that walls may stand at, as functions of their carriers' phases."""
-        if not isinstance(self.motion.equations, Torus):
+        if not isinstance(self.motion.separated.equations, Torus):
             return {}
-        bounded = {n: c for n, c in self.carrier.items() if isinstance(self.motion.located[c].course, Bounded)}
+        bounded = {
+            n: c for n, c in self.carrier.items() if isinstance(self.motion.separated.located[c].course, Bounded)
+        }
         return {name: Carried(self.motion, name, c) for name, c in bounded.items()}
 
     def serves(self, events: Sequence[Event]) -> bool:
         """Whether the clocks never end and every place that events stand at can be looked up."""
-        for place in self.motion.located.values():
+        for place in self.motion.separated.located.values():
             branches = (place.course.ahead, place.course.behind) if isinstance(place.course, Open) else ()
             if any(branch.way.end in {"boundary", "fall"} for branch in branches):
                 return False
@@ -278,9 +282,9 @@ class Free:
 
     def turn(self, name: str) -> Any:
         """What a carried coordinate gains in a period of the one that carries it."""
-        course = self.motion.located[self.carrier[name]].course
+        course = self.motion.separated.located[self.carrier[name]].course
         assert isinstance(course, Bounded)
-        return -2 * self.context.pi * self.context.convert(course.growth(constant_index(self.motion, name)))
+        return -2 * self.context.pi * self.context.convert(course.growth(constant_index(self.motion.separated, name)))
 
     def state(self, now: Now) -> tuple[dict[str, Any], dict[str, Any], dict[str, int]]:
         """Positions, angles in (−π, π]; momenta; turns of the angles. Exact where constant, else in many digits."""
@@ -291,7 +295,7 @@ class Free:
         for name in self.separated:
             c = system.coordinate(name)
             q[name], p[name] = values[c.symbol], values[c.momentum]
-            if not isinstance(self.motion.located[name].course, Frozen):
+            if not isinstance(self.motion.separated.located[name].course, Frozen):
                 state = self.motion.at(now.clock[name])
                 q[name], p[name] = state.q[name], now.sign[name] * state.p[name]
                 if name in state.turns:

@@ -80,7 +80,7 @@ def along(free: Free, motion: Motion, flights: Sequence[Flight], which: Any, tim
     clocks = {name: _clock(here, k) for k, name in enumerate(free.separated)}
     free_states = {name: motion.at(clock) for name, clock in clocks.items()}
     q, p, turns = _places(here, free_states)
-    velocity = coordinate_velocities(motion, q, p)
+    velocity = coordinate_velocities(motion.separated, q, p)
     status = np.full(len(which), "ok", dtype="<U16")
     for state in free_states.values():
         status = np.where(state.status == "ok", status, state.status)
@@ -147,7 +147,7 @@ def _errors(here: Along, clocks: Any, states: dict[str, State], q: Any, p: Any, 
     doubt, blur = here.floats(lambda f: f.doubt), here.floats(lambda f: f.blur)
     elapsed = np.abs(here.elapsed.astype(float))
     H = hamiltonian(system)
-    forces = evaluate(here.motion, tuple(-sp.diff(H, c.symbol) for c in system.coordinates), q, p)
+    forces = evaluate(here.motion.separated, tuple(-sp.diff(H, c.symbol) for c in system.coordinates), q, p)
     force = dict(zip(q, (np.abs(np.asarray(f, dtype=float)) for f in forces), strict=True))
     speed = {name: np.abs(np.asarray(v, dtype=float)) for name, v in velocity.items()}
     late = {name: doubt + unit * (elapsed + np.abs(clock.astype(float))) for name, clock in clocks.items()}
@@ -170,4 +170,4 @@ def _errors(here: Along, clocks: Any, states: dict[str, State], q: Any, p: Any, 
         dp[name] = unit * np.abs(p[name].astype(float))
     names = list(q)
     dq, dp = {k: dq[k] for k in names}, {k: dp[k] for k in names}
-    return Errors(dq, dp, velocity_errors(here.motion, q, p, dq, dp, unit))
+    return Errors(dq, dp, velocity_errors(here.motion.separated, q, p, dq, dp, unit))

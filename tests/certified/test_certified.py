@@ -104,10 +104,10 @@ def test_a_motion_that_escapes_is_refused_with_its_name():
 
 def cycle(name, motion, map_=None, bits=200):
     """The integrands of one coordinate of a certified motion, in balls."""
-    radicands = {name: motion.located[name].course.radicand}
+    radicands = {name: motion.separated.located[name].course.radicand}
     line = certified.lines(radicands, motion.initial, motion.solution, bits)[name]
     with ball.working(bits):
-        made = certified._cycle(motion, name, line)
+        made = certified._cycle(motion.separated, name, line)
         return made if map_ is None else made.over(map_)
 
 

@@ -23,7 +23,7 @@ def swinging(amplitude):
 def period_error(motion, nodes, below=None, above=None):
     """Relative error of the period with a given number of midpoints, against the elliptic integral, at 100 digits."""
     bits, arithmetic = 400, Multi(400)
-    course, place = motion.located["theta"].course, motion.located["theta"]
+    course, place = motion.separated.located["theta"].course, motion.separated.located["theta"]
     a, b = place.lower.place(bits), place.upper.place(bits)
     anomaly = libration(
         a, b, None if below is None else below(a, b), None if above is None else above(a, b), arithmetic

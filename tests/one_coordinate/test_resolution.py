@@ -111,10 +111,10 @@ def test_the_regular_factor_over_disks_holds_the_second_difference_in_many_digit
 def test_a_proved_strip_ends_below_the_nearest_zero_and_not_far_below(amplitude):
     """The pendulum's p² is zero next at θ = 2π − A, where cosh Im χ = 2π/A − 1."""
     motion = swinging(amplitude)
-    course, place = motion.located["theta"].course, motion.located["theta"]
+    course, place = motion.separated.located["theta"].course, motion.separated.located["theta"]
     arithmetic = Multi(200)
     plain = libration(place.lower.place(200), place.upper.place(200), None, None, arithmetic)
-    subject = resolution.integrands(plain, course.radicand, (False,), motion.parts, 200)
+    subject = resolution.integrands(plain, course.radicand, (False,), motion.separated.parts, 200)
     found = resolution.strip(subject, 1000)
     nearest = math.acosh(2 * math.pi / float(amplitude) - 1)
     assert 0.5 * min(nearest, 3.2) < found.width < nearest

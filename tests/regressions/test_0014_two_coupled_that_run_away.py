@@ -133,7 +133,7 @@ def test_the_canonical_momentum_claims_the_rounding_of_what_cancels_in_it():
 
 def test_longer_panels_begin_with_the_shorter_ones():
     """They are made once and go on from where they ended, whatever was asked first."""
-    first, second = (moved("henon-heiles-kdv").located["v"].course for _ in range(2))
+    first, second = (moved("henon-heiles-kdv").separated.located["v"].course for _ in range(2))
     assert isinstance(first, Open)
     far = first.ahead.panels(None, 64.0)
     near, again = first.ahead.panels(None, 4.0), second.ahead.panels(None, 4.0)
@@ -148,7 +148,7 @@ def test_a_wiggle_on_the_way_out_is_followed_as_far_as_is_asked_and_no_farther()
     solution = hjsolve.solve(hjsolve.catalog.load("eccentric-disk"))
     start = {"q": {"theta": "0.318"}, "velocity": {"theta": "0.158"}}
     motion = solution.motion(**start, parameters={"r": "1.07", "l": "0.232", "alpha": "0.526"})
-    course = motion.located["theta"].course
+    course = motion.separated.located["theta"].course
     assert isinstance(course, Open)
     for t in (0.4, 10.3):
         q = float(motion.at(t).unwrapped("theta"))

@@ -151,7 +151,7 @@ def numbers_section(motion: Any) -> Section:
     ]
     if cycles:
         blocks.append(_cycles(motion, cycles))
-    if "time" in motion.parts and (means := motion.mean_velocities):
+    if "time" in motion.separated.parts and (means := motion.mean_velocities):
         rows = tuple(((Mathematics(name_box(name)),), _number(e)) for name, e in means.items())
         blocks.append(Table((("Coordinate",), ("Mean velocity",)), rows, "Mean velocities of ignorable coordinates"))
     if motion.boundary_times:

@@ -1,0 +1,121 @@
+"""A motion taken apart: one motion for every separated coordinate, and the equations that couple them to the time."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Mapping
+from dataclasses import dataclass, replace
+from functools import partial
+from typing import Any
+
+import sympy as sp
+
+from hjsolve.arithmetic.estimate import Estimate
+from hjsolve.errors import NotConvergedError
+from hjsolve.lowering import momentum_squared_tapes
+from hjsolve.motion import quantities
+from hjsolve.motion.initial_data import ZERO_BITS, InBits, Initial, domain_ends, expanded, sign, to_bits
+from hjsolve.motion.motion import _FARTHEST, _MOST_ANGLE
+from hjsolve.one_coordinate.allowed_regions import forbidden
+from hjsolve.one_coordinate.classify import Located, locate
+from hjsolve.one_coordinate.coordinate_motion import Open
+from hjsolve.one_coordinate.coordinate_start import Start
+from hjsolve.one_coordinate.momentum_squared import Radicand, has_period
+from hjsolve.solution.quadratures import Solution
+from hjsolve.time_law.open_motion import Plan, plan
+from hjsolve.time_law.torus import Torus, torus
+
+
+@dataclass(frozen=True, eq=False)
+class SeparatedMotion:
+    """A motion taken apart; states, passages and proofs are worked out from it, ``Motion`` shows its numbers.
+
+    Attributes:
+        solution: what is solved.
+        initial: the exact initial data and constants.
+        t0: the initial time, exact.
+        digits: digits of every number.
+        parts: what was integrated, of ``one_coordinate.coordinate_motion.PARTS``.
+        located: separated coordinate → its motion and the ends of its region.
+        equations: Jacobi's equations made ready for inversion; None where every coordinate is ignorable, or no time
+            was asked for.
+        turning_points: coordinate → (lower, upper), None where there is none on that side; no key for a rotation.
+        frequencies: coordinate → Ω = ∂H/∂J, where it exists.
+    """
+
+    solution: Solution
+    initial: Initial
+    t0: sp.Expr
+    digits: int
+    parts: frozenset[str]
+    located: Mapping[str, Located]
+    equations: Torus | Plan | None
+    turning_points: Mapping[str, tuple[Estimate | None, Estimate | None]]
+    frequencies: Mapping[str, Estimate]
+
+
+def separated_motion(
+    solution: Solution, initial: Initial, t0: sp.Expr, digits: int, parts: frozenset[str]
+) -> SeparatedMotion:
+    """Integrate every separated coordinate and make the equations ready that couple them.
+
+    Raises:
+        ForbiddenMotionError: no real motion has these constants.
+        NotConvergedError: a turning point or an integral could not be had to the digits asked.
+    """
+    begins = {name: replace(coordinate_start(solution, initial, name), parts=parts) for name in solution.coordinates}
+    located = {name: locate(checked(begin), digits) for name, begin in begins.items()}
+    courses = [located[name].course for name in solution.coordinates]
+    bounded = [c for c in courses if not isinstance(c, Open)]
+    equations: Torus | Plan | None = None
+    if courses and "time" in parts:
+        equations = torus(bounded, int(3.33 * digits) + 128) if len(bounded) == len(courses) else plan(courses)
+    return SeparatedMotion(
+        solution, initial, t0, digits, parts, located, equations, turning_points(located, digits),
+        quantities.frequencies(solution, initial, equations, digits) if "time" in parts else {},
+    )  # fmt: skip
+
+
+def turning_points(located: Mapping[str, Located], digits: int) -> dict[str, tuple[Estimate | None, Estimate | None]]:
+    """Return the ends of the regions, rounded with their errors; none of a rotation."""
+    return {name: quantities.ends(place, digits) for name, place in located.items() if place.lower.kind != "round"}
+
+
+def coordinate_start(solution: Solution, initial: Initial, name: str) -> Start:
+    """Bring one separated coordinate over to numbers."""
+    coordinate, F = solution.system.coordinate(name), solution.momentum_squared[name]
+    constants = tuple(solution.constants[c].symbol for c in solution.constants)
+    parameters = tuple(p.symbol for p in solution.system.parameters)
+    exact = [initial.constants[c] for c in solution.constants] + [initial.values[s] for s in parameters]
+    rules = [to_bits(value) for value in exact]
+    squared, kernels, absent, periodic = momentum_squared_tapes(F, coordinate.symbol, constants, parameters)
+    radicand = Radicand(squared, kernels, partial(_at_bits, rules))
+    momentum, shift = initial.values[coordinate.momentum], solution.shift[name]
+    ends = [None if end is None else to_bits(end) for end in domain_ends(solution.system, name, initial.values)]
+    place = to_bits(initial.values[coordinate.symbol])
+    angle = coordinate.domain.kind == "angle" and (periodic or has_period(radicand, place))
+    root = expanded(momentum + shift.subs(initial.values)) if shift != 0 else expanded(momentum)
+    forward = sign(root)
+    if forward:
+        radicand = radicand.guarded(place, _square(to_bits(root)))
+    return Start(name, radicand, place, forward, ends[0], ends[1], angle, absent)
+
+
+def _at_bits(rules: list[InBits], bits: int) -> list[Any]:
+    return [rule(bits) for rule in rules]
+
+
+def _square(root: Callable[[int], Any]) -> Callable[[int], Any]:
+    """P² of a root that may be what two large numbers leave."""
+    return lambda bits: root(bits + ZERO_BITS) ** 2
+
+
+def checked(begin: Start) -> Start:
+    """Give a beginning back; ``ForbiddenMotionError`` where p² < 0 there."""
+    place = begin.place(256 + begin.radicand.guard)
+    if abs(place) >= (_MOST_ANGLE if begin.angle else _FARTHEST):
+        cure = "take whole turns off" if begin.angle else "write lengths in another unit"
+        raise NotConvergedError(f"q[{begin.name}]: is so far out that doubles cannot tell places apart there; {cure}")
+    value = begin.radicand.value(place, 256)
+    if begin.forward and value < 0:
+        raise forbidden(begin)
+    return begin
