@@ -49,7 +49,7 @@ def overview(entries: Sequence[dict[str, Any]]) -> str:
     every = [p for one in entries for name in NAMES for p in points_of(one.get("rows", ()), name)]
     deepest = -min(y for _, y in every)
     low, high = math.floor(min(x for x, _ in every)), math.ceil(max(x for x, _ in every))
-    frame = svg.Frame((low, high), (-1.04 * -depth(deepest), 0.0), width=760, height=420, left=58, right=150, bottom=44)
+    frame = svg.DrawingFrame((low, high), (-1.04 * -depth(deepest), 0.0), width=760, height=420, left=58, right=150, bottom=44)
     inside, above, below = [], [], log_axes(frame)
     for k, name in enumerate(NAMES):
         look, middle = LOOKS[name], medians(entries, name)
@@ -73,7 +73,7 @@ def overview(entries: Sequence[dict[str, Any]]) -> str:
     return svg.assemble(frame, "overview", title, f"Medians. {description}.", below, inside, above)
 
 
-def curve(frame: svg.Frame, pairs: Points, style: str) -> str:
+def curve(frame: svg.DrawingFrame, pairs: Points, style: str) -> str:
     xs, ys = (np.array([pair[i] for pair in pairs], float) for i in (0, 1))
     return svg.curve(frame, xs, np.array([depth(-y) for y in ys]), style) if len(pairs) > 1 else ""
 
@@ -91,7 +91,7 @@ def panel(series: dict[str, Points], x_name: str, y_name: str, key: str, *, seco
     x = (math.floor(min(p[0] for p in every) - 0.05), math.ceil(max(p[0] for p in every) + 0.05))
     y = (math.floor(min(p[1] for p in every) - 0.05), math.ceil(max(p[1] for p in every) + 0.05))
     top = 26.0 + 17 * len(series) + 8
-    frame = svg.Frame(x, y, width=360, height=270 + top, left=62, right=14, top=top + 14, bottom=44)
+    frame = svg.DrawingFrame(x, y, width=360, height=270 + top, left=62, right=14, top=top + 14, bottom=44)
     below = axes(frame, x_name, y_name, seconds=seconds)
     inside, above = [], []
     for k, (name, pairs) in enumerate(series.items()):
@@ -105,7 +105,7 @@ def panel(series: dict[str, Points], x_name: str, y_name: str, key: str, *, seco
     return svg.assemble(frame, key, f"{y_name} against {x_name}", ", ".join(series), below, inside, above)
 
 
-def axes(frame: svg.Frame, x_name: str, y_name: str, *, seconds: bool) -> list[str]:
+def axes(frame: svg.DrawingFrame, x_name: str, y_name: str, *, seconds: bool) -> list[str]:
     bottom, left, right = frame.height - frame.bottom, frame.left, frame.width - frame.right
     parts = [f'<path class="axis" d="M{left} {frame.top}V{bottom}H{right}"/>']
     wide, tall = (max(1, math.ceil((b - a) / 6)) for a, b in (frame.x, frame.y))

@@ -19,7 +19,7 @@ from typing import Any
 import numpy as np
 
 import hjsolve
-from hjsolve.arithmetic.double_double import Doubled
+from hjsolve.arithmetic.double_double import DoubleDouble
 from hjsolve.arithmetic.error_free import Pair
 from hjsolve.ensembles import engine as batch
 from hjsolve.ensembles.engine.programs import available
@@ -30,7 +30,7 @@ COLUMNS = (("actions", "u"), ("actions", "w"), ("frequencies", "u"), ("frequenci
 
 def prolate(cylindrical: Any) -> Any:
     """Carry rows R, v_R, v_T, z, v_z over to u, w, p_u, p_w, p_φ."""
-    D = Doubled()
+    D = DoubleDouble()
     R, vR, vT, z, vz = (Pair(x, 0.0 * x) for x in cylindrical.T)
     first = np.arcsinh(cylindrical[:, 0] + 1j * cylindrical[:, 3])
     u, w = Pair(first.real, 0.0 * first.real), Pair(first.imag, 0.0 * first.imag)

@@ -135,7 +135,7 @@ def certified() -> None:
     import flint
 
     from hjsolve.arithmetic.ball import working
-    from hjsolve.certified.strip_bound import means
+    from hjsolve.certified.strip_bound import certified_means
     from hjsolve.motion import certified as proof
 
     solution = hjsolve.solve(hjsolve.catalog.load("pendulum"))
@@ -175,7 +175,7 @@ def certified() -> None:
                 line = proof.lines(radicands, motion.initial, solution, work)["theta"]
                 with working(work):
                     cycle = proof._cycle(motion, "theta", line)
-                    return processor(lambda: means(cycle, int(3.33 * digits) + 12))[0]
+                    return processor(lambda: certified_means(cycle, int(3.33 * digits) + 12))[0]
 
             rows = []
             for n in range(25 if digits < 300 else 3):

@@ -7,7 +7,7 @@ from pathlib import Path
 import hjsolve
 from hjsolve.reports.document import Figure
 from hjsolve.reports.drawings import orbit_paths, svg
-from hjsolve.reports.drawings.effective_potential import well
+from hjsolve.reports.drawings.effective_potential import effective_potential_of
 from hjsolve.reports.drawings.motion_figures import effective_potential, phase_portrait
 
 HERE = Path(__file__).resolve().parent
@@ -32,7 +32,7 @@ def kepler() -> str:
     entry = hjsolve.catalog.describe("kepler-planar")
     solution = hjsolve.solve(hjsolve.catalog.load("kepler-planar", effects=["precession"]))
     motion = solution.motion(**entry.initial.arguments)
-    radius = well(motion, "r")
+    radius = effective_potential_of(motion, "r")
     orbit = orbit_paths.orbit(motion, orbit_paths.trace(motion), "orbit")
     assert orbit is not None
     figures = [effective_potential(radius, "potential", several=False), phase_portrait(radius, "phase"), orbit]

@@ -23,7 +23,7 @@ class TooLargeError(ArithmeticError):
 
 
 @dataclass(frozen=True)
-class Piece:
+class AnalyticPiece:
     """An open interval with rational ends inside of a piece; None is infinite."""
 
     low: sp.Rational | None
@@ -44,7 +44,7 @@ class Piece:
             yield from (sp.Rational(first + k, n) for k in range(count))
 
 
-def pieces(functions: Sequence[sp.Expr], t: sp.Symbol, ends: Sequence[Ends], budget: Budget) -> Iterator[Piece]:
+def analytic_pieces(functions: Sequence[sp.Expr], t: sp.Symbol, ends: Sequence[Ends], budget: Budget) -> Iterator[AnalyticPiece]:
     """The pieces of intervals between the critical points of some functions: zeros of what is divided by or rooted.
 
     Raises:
@@ -55,7 +55,7 @@ def pieces(functions: Sequence[sp.Expr], t: sp.Symbol, ends: Sequence[Ends], bud
         yield from _pieces(polynomial, t, low, high)
 
 
-def _pieces(polynomial: sp.Poly, t: sp.Symbol, low: sp.Expr | None, high: sp.Expr | None) -> Iterator[Piece]:
+def _pieces(polynomial: sp.Poly, t: sp.Symbol, low: sp.Expr | None, high: sp.Expr | None) -> Iterator[AnalyticPiece]:
     at_end = [e is not None and algebraic_is_zero(polynomial.as_expr().xreplace({t: e})) for e in (low, high)]
     for digits in REFINEMENTS:
         found = _apart(polynomial, low, high, at_end, digits)
@@ -67,7 +67,7 @@ def _pieces(polynomial: sp.Poly, t: sp.Symbol, low: sp.Expr | None, high: sp.Exp
 
 def _apart(
     polynomial: sp.Poly, low: sp.Expr | None, high: sp.Expr | None, at_end: Sequence[bool], digits: int
-) -> list[Piece] | None:
+) -> list[AnalyticPiece] | None:
     """The pieces where roots and ends are told apart at this accuracy, else None."""
     eps = sp.Rational(1, 10**digits)
     roots = [] if polynomial.degree() == 0 else [pair for pair, _ in polynomial.intervals(eps=eps)]
@@ -84,7 +84,7 @@ def _apart(
     gaps = [(marks[k], marks[k + 1]) for k in range(0, len(marks), 2)]
     if any(a is not None and b is not None and a >= b for a, b in gaps):
         return None
-    return [Piece(a, b) for a, b in gaps]
+    return [AnalyticPiece(a, b) for a, b in gaps]
 
 
 def _side(a: sp.Rational, b: sp.Rational, end: tuple[sp.Rational, sp.Rational] | None, may_meet: bool) -> int | None:

@@ -19,7 +19,7 @@ _CIRCULAR, _RISING = (sp.sin, sp.cos), (sp.exp, sp.sinh, sp.cosh, sp.tanh, sp.co
 
 
 @dataclass(frozen=True)
-class Curve:
+class AlgebraicCurve:
     """The variable as a function of the parameter t.
 
     Attributes:
@@ -108,7 +108,7 @@ def _multiple(argument: sp.Expr, x: sp.Symbol, unit: sp.Expr) -> sp.Rational:
     return n
 
 
-def curve_of(functions: Sequence[sp.Expr], x: sp.Symbol, bounds: Bounds) -> Curve:
+def curve_of(functions: Sequence[sp.Expr], x: sp.Symbol, bounds: Bounds) -> AlgebraicCurve:
     """The parameter for functions of x on an interval.
 
     Raises:
@@ -117,15 +117,15 @@ def curve_of(functions: Sequence[sp.Expr], x: sp.Symbol, bounds: Bounds) -> Curv
     t = sp.Dummy("t")  # no assumption: sympy would write √(t²) as |t|
     nodes = [n for f in functions for n in f.atoms(*_CIRCULAR, *_RISING) if n.has(x)]
     if not nodes:
-        return Curve("plain", x, t, sp.S.One, sp.S.Zero, (bounds,), ())
+        return AlgebraicCurve("plain", x, t, sp.S.One, sp.S.Zero, (bounds,), ())
     unit, shift = _unit([n.args[0] for n in nodes], x)
     circular = isinstance(nodes[0], _CIRCULAR)
     low, high = (None if e is None else sp.expand(unit * e + shift) for e in bounds)
     if not circular:
         ends = (sp.S.Zero if low is None else sp.exp(low), None if high is None else sp.exp(high))
-        return Curve("exponential", x, t, unit, shift, (ends,), ())
+        return AlgebraicCurve("exponential", x, t, unit, shift, (ends,), ())
     ranges, turns = _turned(low, high)
-    return Curve("circular", x, t, unit, shift, ranges, turns)
+    return AlgebraicCurve("circular", x, t, unit, shift, ranges, turns)
 
 
 def _unit(arguments: Sequence[sp.Expr], x: sp.Symbol) -> tuple[sp.Expr, sp.Expr]:

@@ -33,7 +33,7 @@ MAX_POWER = 1000
 
 
 @dataclass(frozen=True)
-class Root:
+class RootRelation:
     """Relation of a generator g: g^order = radicand, the radicand free of g and later generators."""
 
     order: int
@@ -54,7 +54,7 @@ class Generator:
 
     atom: sp.Expr
     kind: str
-    root: Root | None = None
+    root: RootRelation | None = None
     partner: int | None = None
     low: Fraction | None = None
     high: Fraction | None = None
@@ -126,7 +126,7 @@ class Field:
         self._numbers: dict[sp.Expr, int] = {}
         self._base_numbers: dict[tuple[tuple[int, int], ...], int] = {}
         self._splits: dict[tuple[tuple[int, int], ...], tuple[tuple[int, int], ...]] = {}
-        self._relations: dict[int, Root] = {}
+        self._relations: dict[int, RootRelation] = {}
         self._base_values: dict[int, int] = {}
         self._mask = 0
         self.zero = Element(self, Fraction(0), {}, {})

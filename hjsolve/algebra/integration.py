@@ -9,7 +9,7 @@ from sympy.integrals.manualintegrate import manualintegrate
 
 from hjsolve.algebra.field import Element
 from hjsolve.algebra.poly import WorkLimitError
-from hjsolve.algebra.readable import readable
+from hjsolve.algebra.readable import shortest_form
 from hjsolve.algebra.reader import Reader
 
 MAX_OPERATIONS = 80
@@ -23,7 +23,7 @@ def closed_form_potential(reader: Reader, symbols: Sequence[sp.Symbol], form: Se
     """
     χ = sp.S.Zero
     for position, (q, a) in enumerate(zip(symbols, form)):
-        lacking = readable(reader, a - reader.element(sp.diff(χ, q)))
+        lacking = shortest_form(reader, a - reader.element(sp.diff(χ, q)))
         for earlier in symbols[:position]:
             lacking = lacking.subs(earlier, 1) if earlier in lacking.free_symbols else lacking
         χ += antiderivative(reader, lacking, q)

@@ -92,11 +92,11 @@ class Walk:
         prec, b = self.precision, self(base)
         if exponent.is_Integer:
             n = int(exponent)
-            return inverse(libmp.mpi_pow_int(b, -n, prec), prec) if n < 0 else libmp.mpi_pow_int(b, n, prec)
+            return enclose_inverse(libmp.mpi_pow_int(b, -n, prec), prec) if n < 0 else libmp.mpi_pow_int(b, n, prec)
         if exponent.is_Rational and exponent.q == 2:
             root = libmp.mpi_sqrt(b, prec)
             n = int(exponent.p)
-            return inverse(libmp.mpi_pow_int(root, -n, prec), prec) if n < 0 else libmp.mpi_pow_int(root, n, prec)
+            return enclose_inverse(libmp.mpi_pow_int(root, -n, prec), prec) if n < 0 else libmp.mpi_pow_int(root, n, prec)
         return libmp.mpi_exp(libmp.mpi_mul(self(exponent), _log(b, prec), prec), prec)
 
 
@@ -113,7 +113,7 @@ def _integer(n: int) -> Interval:
     return libmp.from_int(n), libmp.from_int(n)
 
 
-def inverse(x: Interval, prec: int) -> Interval:
+def enclose_inverse(x: Interval, prec: int) -> Interval:
     """1/x; ``NoEnclosureError`` where x may be zero."""
     if not (libmp.mpf_sign(x[0]) > 0 or libmp.mpf_sign(x[1]) < 0):
         raise NoEnclosureError("division by an interval that contains zero")
@@ -129,11 +129,11 @@ def _log(x: Interval, prec: int) -> Interval:
 def _ratio(
     top: Callable[[Interval, int], Interval], bottom: Callable[[Interval, int], Interval]
 ) -> Callable[[Interval, int], Interval]:
-    return lambda x, prec: libmp.mpi_mul(top(x, prec), inverse(bottom(x, prec), prec), prec)
+    return lambda x, prec: libmp.mpi_mul(top(x, prec), enclose_inverse(bottom(x, prec), prec), prec)
 
 
 def _reciprocal(function: Callable[[Interval, int], Interval]) -> Callable[[Interval, int], Interval]:
-    return lambda x, prec: inverse(function(x, prec), prec)
+    return lambda x, prec: enclose_inverse(function(x, prec), prec)
 
 
 def _half_sum(sign: int) -> Callable[[Interval, int], Interval]:
@@ -147,7 +147,7 @@ def _half_sum(sign: int) -> Callable[[Interval, int], Interval]:
 
 def _asin(x: Interval, prec: int) -> Interval:
     rest = libmp.mpi_sub(_integer(1), libmp.mpi_mul(x, x, prec), prec)
-    return libmp.mpi_atan(libmp.mpi_mul(x, inverse(libmp.mpi_sqrt(rest, prec), prec), prec), prec)
+    return libmp.mpi_atan(libmp.mpi_mul(x, enclose_inverse(libmp.mpi_sqrt(rest, prec), prec), prec), prec)
 
 
 def _acos(x: Interval, prec: int) -> Interval:

@@ -23,14 +23,14 @@ Pair = tuple[int, int]
 
 
 @dataclass(frozen=True)
-class Jet:
+class ModularJet:
     """f, ∂ᵢf and ∂ᵢ∂ⱼf (i < j) modulo a prime."""
 
     value: int
     slopes: Sequence[int]
     mixed: dict[Pair, int]
 
-    def logarithm(self, prime: int) -> Jet:
+    def logarithm(self, prime: int) -> ModularJet:
         """The jet of ln f but for its value.
 
         Raises:
@@ -41,7 +41,7 @@ class Jet:
         inverse = pow(self.value, -1, prime)
         slopes = [s * inverse % prime for s in self.slopes]
         mixed = {(i, j): (m * inverse - slopes[i] * slopes[j]) % prime for (i, j), m in self.mixed.items()}
-        return Jet(self.value, slopes, mixed)
+        return ModularJet(self.value, slopes, mixed)
 
 
 class ModularJets:
@@ -56,10 +56,10 @@ class ModularJets:
     def __init__(self, reader: Reader, symbols: Sequence[sp.Symbol], point: ModularPoint):
         self.reader, self.symbols, self.point = reader, symbols, point
         self.pairs = [(i, j) for j in range(len(symbols)) for i in range(j)]
-        self._generators: dict[int, Jet] = {}
-        self._bases: dict[int, Jet] = {}
+        self._generators: dict[int, ModularJet] = {}
+        self._bases: dict[int, ModularJet] = {}
 
-    def element(self, x: Element) -> Jet:
+    def element(self, x: Element) -> ModularJet:
         """The jet of an element.
 
         Raises:
@@ -79,14 +79,14 @@ class ModularJets:
             crossed = numerator.slopes[i] * slopes[j] + numerator.slopes[j] * slopes[i]
             mixed[i, j] = scale * (numerator.mixed[i, j] + crossed + numerator.value * rest) % p
         firsts = [scale * (s + numerator.value * l) % p for s, l in zip(numerator.slopes, slopes)]
-        return Jet(scale * numerator.value % p, firsts, mixed)
+        return ModularJet(scale * numerator.value % p, firsts, mixed)
 
-    def _base(self, b: int) -> Jet:
+    def _base(self, b: int) -> ModularJet:
         if b not in self._bases:
             self._bases[b] = self._poly(self.reader.field.bases[b]).logarithm(self.point.prime)
         return self._bases[b]
 
-    def _poly(self, a: Poly) -> Jet:
+    def _poly(self, a: Poly) -> ModularJet:
         """∂ᵢ of a monomial v is v Σ e ∂ᵢ ln g, and so on."""
         p, n = self.point.prime, range(len(self.symbols))
         value, slopes, mixed = 0, [0 for _ in n], dict.fromkeys(self.pairs, 0)
@@ -106,9 +106,9 @@ class ModularJets:
             for i, j in self.pairs:
                 if (factor := firsts[i] * firsts[j] + seconds.get((i, j), 0)) != 0:
                     mixed[i, j] += c * (factor % p)
-        return Jet(value % p, [s % p for s in slopes], {pair: m % p for pair, m in mixed.items()})
+        return ModularJet(value % p, [s % p for s in slopes], {pair: m % p for pair, m in mixed.items()})
 
-    def _generator(self, k: int) -> Jet:
+    def _generator(self, k: int) -> ModularJet:
         """The jet of ln g, without the mixed derivatives that vanish."""
         if k not in self._generators:
             value, reader = self.point.value(k), self.reader
@@ -116,16 +116,16 @@ class ModularJets:
             seconds = {(i, j): reader.diff(firsts[i], self.symbols[j]) for i, j in self.pairs if not firsts[i].is_zero}
             slopes = [self.point.element(x) for x in firsts]
             mixed = {pair: self.point.element(x) for pair, x in seconds.items()}
-            jet = Jet(value, slopes, mixed).logarithm(self.point.prime)
-            self._generators[k] = Jet(value, jet.slopes, {pair: m for pair, m in jet.mixed.items() if m})
+            jet = ModularJet(value, slopes, mixed).logarithm(self.point.prime)
+            self._generators[k] = ModularJet(value, jet.slopes, {pair: m for pair, m in jet.mixed.items() if m})
         return self._generators[k]
 
 
 def at_random_points(
     reader: Reader, symbols: Sequence[sp.Symbol], elements: Iterable[Element], points: int = 2
-) -> list[tuple[int, list[Jet]]] | None:
+) -> list[tuple[int, list[ModularJet]]] | None:
     """Primes and the jets of the elements at a few random points; None when no such points could be found."""
-    wanted, found = list(elements), list[tuple[int, list[Jet]]]()
+    wanted, found = list(elements), list[tuple[int, list[ModularJet]]]()
     for seed in range(ATTEMPTS):
         jets = ModularJets(reader, symbols, ModularPoint(reader.field, seed))
         try:

@@ -24,8 +24,8 @@ from collections.abc import Callable, Iterable, Sequence
 import sympy as sp
 
 from hjsolve.algebra.constants import NotAlgebraicError, algebraic_is_zero, constant_is_zero
-from hjsolve.algebra.critical import Piece, TooLargeError, pieces
-from hjsolve.algebra.curve import Curve, curve_of
+from hjsolve.algebra.critical import AnalyticPiece, TooLargeError, analytic_pieces
+from hjsolve.algebra.curve import AlgebraicCurve, curve_of
 from hjsolve.algebra.elementary import PRIMITIVES, at_one_place, composed
 from hjsolve.algebra.intervals import NoEnclosureError, enclose
 from hjsolve.algebra.poly import Budget
@@ -82,11 +82,11 @@ def _algebraic(f: sp.Expr, x: sp.Symbol, bounds: Bounds, budget: Budget) -> bool
     curve = curve_of([f], x, bounds)
     (g,) = curve.carried([f])
     need = _places_needed(g, curve.t)
-    found = [_vanishes_on(g, piece, curve, need, budget) for piece in pieces([g], curve.t, curve.ends, budget)]
+    found = [_vanishes_on(g, piece, curve, need, budget) for piece in analytic_pieces([g], curve.t, curve.ends, budget)]
     return True in found and False not in found
 
 
-def _vanishes_on(g: sp.Expr, piece: Piece, curve: Curve, need: int, budget: Budget) -> bool | None:
+def _vanishes_on(g: sp.Expr, piece: AnalyticPiece, curve: AlgebraicCurve, need: int, budget: Budget) -> bool | None:
     """Whether g is zero at so many places of a piece; None where it is defined nowhere on it."""
     for place in piece.places(need):
         budget.check()
@@ -249,7 +249,7 @@ def _vanishes_somewhere_on_each_piece(whole: sp.Expr, x: sp.Symbol, bounds: Boun
     inner = [w for p in whole.atoms(*PRIMITIVES) if p.has(x) for w in (p.args[0], _edge(p))]
     watched = curve.carried([*inner, *(r for r in [_without(whole, x)] if r.has(x))])
     defined = False
-    for piece in pieces(watched, curve.t, curve.ends, budget):
+    for piece in analytic_pieces(watched, curve.t, curve.ends, budget):
         (place,) = piece.places(1)
         for value in curve.values(whole, place):
             budget.check()

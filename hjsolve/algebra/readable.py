@@ -14,7 +14,7 @@ from hjsolve.algebra.reader import Reader
 MAX_TERMS = 60
 
 
-def readable(reader: Reader, x: Element) -> sp.Expr:
+def shortest_form(reader: Reader, x: Element) -> sp.Expr:
     """The shortest of a few forms of an element.
 
     As it stands, factored, expanded over its denominator, sin² ↔ 1 − cos².
@@ -123,7 +123,7 @@ def _digits(x: sp.Rational) -> int:
     return len(str(p)) + (len(str(q)) + 1 if q != 1 else 0)
 
 
-def cost(x: Element) -> int:
+def printed_length(x: Element) -> int:
     """A cheap measure of how long an element will print."""
     if x.is_zero:
         return 0

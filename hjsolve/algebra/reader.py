@@ -18,7 +18,7 @@ import sympy as sp
 from hjsolve.algebra import poly
 from hjsolve.algebra.constants import constant_is_zero
 from hjsolve.algebra.elementary import INVERSE_CIRCULAR, INVERSE_HYPERBOLIC, at_one_place, circular_pair, composed
-from hjsolve.algebra.field import MAX_POWER, Element, Field, Generator, Root
+from hjsolve.algebra.field import MAX_POWER, Element, Field, Generator, RootRelation
 from hjsolve.algebra.intervals import NoEnclosureError, enclose
 from hjsolve.algebra.logarithms import Logarithms
 from hjsolve.algebra.poly import Budget, Poly, WorkLimitError
@@ -240,7 +240,7 @@ class Reader:
         assert k is not None
         square = {2 << (poly.BITS * k): -1, 0: 1} if kind == "angle" else {2 << (poly.BITS * k): 1, 0: -1}
         low, high = atom_bounds(s_atom, self.bounds)
-        s = self.adjoined(Generator(s_atom, s_atom.func.__name__, Root(2, square), k, low, high))
+        s = self.adjoined(Generator(s_atom, s_atom.func.__name__, RootRelation(2, square), k, low, high))
         return s, c
 
     def _log(self, argument: sp.Expr) -> Element:

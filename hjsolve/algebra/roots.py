@@ -11,7 +11,7 @@ from fractions import Fraction
 import sympy as sp
 
 from hjsolve.algebra import poly
-from hjsolve.algebra.field import Element, Field, Generator, Root
+from hjsolve.algebra.field import Element, Field, Generator, RootRelation
 from hjsolve.algebra.poly import Poly
 from hjsolve.algebra.reading import FieldReader
 from hjsolve.algebra.signs import sign_of
@@ -146,7 +146,7 @@ def _adjoin(reader: FieldReader, radicand: Poly, factor: Element, q: int, *, non
     if atom.is_Rational:
         return reader.element(atom)
     low = Fraction(0) if nonnegative and q % 2 == 0 else None
-    return reader.adjoined(Generator(atom, "root", Root(q, radicand), low=low))
+    return reader.adjoined(Generator(atom, "root", RootRelation(q, radicand), low=low))
 
 
 def _number_root(reader: FieldReader, value: Fraction, p: int, q: int) -> Element:
@@ -159,6 +159,6 @@ def _number_root(reader: FieldReader, value: Fraction, p: int, q: int) -> Elemen
             result = result * Fraction(prime) ** whole
             if part:
                 atom = sp.Pow(sp.Integer(prime), sp.Rational(1, q))
-                generator = Generator(atom, "root", Root(q, {0: int(prime)}), low=Fraction(0))
+                generator = Generator(atom, "root", RootRelation(q, {0: int(prime)}), low=Fraction(0))
                 result = result * reader.adjoined(generator) ** part
     return result

@@ -17,7 +17,7 @@ from typing import Any
 
 import numpy as np
 
-from hjsolve.arithmetic.asymptotic_scale import Growth, Monomial, Range, UnknownGrowthError
+from hjsolve.arithmetic.asymptotic_scale import Growth, Monomial, Remainder, UnknownGrowthError
 from hjsolve.arithmetic.floats import Float64, Multi, by_squaring
 from hjsolve.arithmetic.interval import Interval, Intervals
 from hjsolve.arithmetic.jet import Jet, Jets
@@ -77,7 +77,7 @@ class Growths:
             raise UnknownGrowthError
         return math.exp(min(rate * q + power * l + logs * math.log(l), 700.0)) * (1 + _SLACK) + 1e-300
 
-    def range_of(self, f: Growth, over: Monomial) -> Range:
+    def range_of(self, f: Growth, over: Monomial) -> Remainder:
         """Return f as a remainder over a monomial that grows no slower."""
         low = high = 0.0
         for monomial, c in f.terms:
@@ -283,7 +283,7 @@ class Growths:
         up = x.terms[0][1] > 0
         match name:
             case "sin" | "cos":
-                return Growth((), Range(_CONSTANT, -1.0, 1.0))
+                return Growth((), Remainder(_CONSTANT, -1.0, 1.0))
             case "atan":
                 half = self._times(self.pi(), self.plain.rational(1 if up else -1, 2))
                 return self.sub(half, self._smooth("atan", self.power(x, -1)))
@@ -360,15 +360,15 @@ def _power(m: Monomial, n: int) -> Monomial:
     return Monomial(*(n * part for part in m))
 
 
-def _range(monomial: Monomial, low: float, high: float) -> Range:
+def _range(monomial: Monomial, low: float, high: float) -> Remainder:
     """A remainder, widened by rounding."""
     if not (math.isfinite(low) and math.isfinite(high)):
         raise UnknownGrowthError
     slack = _SLACK * max(abs(low), abs(high)) + 1e-300
-    return Range(monomial, low - slack, high + slack)
+    return Remainder(monomial, low - slack, high + slack)
 
 
-def _product(x: Range, y: Range) -> Range:
+def _product(x: Remainder, y: Remainder) -> Remainder:
     ends = [a * b for a in (x.low, x.high) for b in (y.low, y.high)]
     return _range(x.monomial.times(y.monomial), min(ends), max(ends))
 

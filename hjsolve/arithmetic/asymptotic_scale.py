@@ -21,7 +21,7 @@ class Monomial(NamedTuple):
         return Monomial(*(a + n * b for a, b in zip(self, other, strict=True)))
 
 
-class Range(NamedTuple):
+class Remainder(NamedTuple):
     """The remainder: a monomial and what it is multiplied by."""
 
     monomial: Monomial
@@ -37,4 +37,4 @@ class Growth(NamedTuple):
     """Terms, the fastest first, and the remainder."""
 
     terms: tuple[tuple[Monomial, Any], ...]
-    rest: Range | None = None
+    rest: Remainder | None = None

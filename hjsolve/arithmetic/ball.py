@@ -70,7 +70,7 @@ class Balls(ByOperators):
 
 
 @dataclass(frozen=True, slots=True)
-class Series(ByOperators):
+class BallSeries(ByOperators):
     """Power series a₀ + a₁h + … whose coefficients are balls: a value with its derivatives, in one pass."""
 
     def rational(self, numerator: int, denominator: int) -> Any:

@@ -19,7 +19,7 @@ _TINY = (1, 10**290)
 """Keeps sinh h/h from 0/0; no other h is moved by it."""
 
 
-class Chord(NamedTuple):
+class FirstDifference(NamedTuple):
     """f(e), f(q), and f[e, q]; a constant has no slope."""
 
     base: Any
@@ -28,8 +28,8 @@ class Chord(NamedTuple):
 
 
 @dataclass(frozen=True, slots=True)
-class Chords:
-    """Arithmetic on ``Chord`` values.
+class FirstDifferences:
+    """Arithmetic on ``FirstDifference`` values.
 
     Attributes:
         plain: arithmetic of the parts. offset: q − e in it.
@@ -38,36 +38,36 @@ class Chords:
     plain: Arithmetic
     offset: Any
 
-    def constant(self, value: Any) -> Chord:
+    def constant(self, value: Any) -> FirstDifference:
         """Return a number that does not depend on q."""
-        return Chord(value, value)
+        return FirstDifference(value, value)
 
-    def variable(self, base: Any, value: Any) -> Chord:
+    def variable(self, base: Any, value: Any) -> FirstDifference:
         """Return q itself, from e to q."""
-        return Chord(base, value, self.plain.rational(1, 1))
+        return FirstDifference(base, value, self.plain.rational(1, 1))
 
-    def rational(self, numerator: int, denominator: int) -> Chord:
+    def rational(self, numerator: int, denominator: int) -> FirstDifference:
         return self.constant(self.plain.rational(numerator, denominator))
 
-    def pi(self) -> Chord:
+    def pi(self) -> FirstDifference:
         return self.constant(self.plain.pi())
 
-    def add(self, x: Chord, y: Chord) -> Chord:
+    def add(self, x: FirstDifference, y: FirstDifference) -> FirstDifference:
         a = self.plain
         slope = y.slope if x.slope is None else x.slope if y.slope is None else a.add(x.slope, y.slope)
         return self._made(slope, lambda part: a.add(part(x), part(y)))
 
-    def sub(self, x: Chord, y: Chord) -> Chord:
+    def sub(self, x: FirstDifference, y: FirstDifference) -> FirstDifference:
         return self.add(x, self.unary("neg", y))
 
-    def mul(self, x: Chord, y: Chord) -> Chord:
+    def mul(self, x: FirstDifference, y: FirstDifference) -> FirstDifference:
         a = self.plain
         left = None if x.slope is None else a.mul(x.slope, y.value)
         right = None if y.slope is None else a.mul(x.base, y.slope)
         slope = right if left is None else left if right is None else a.add(left, right)
         return self._made(slope, lambda part: a.mul(part(x), part(y)))
 
-    def div(self, x: Chord, y: Chord) -> Chord:
+    def div(self, x: FirstDifference, y: FirstDifference) -> FirstDifference:
         a = self.plain
         if y.slope is None:
             slope = None if x.slope is None else a.div(x.slope, y.value)
@@ -75,9 +75,9 @@ class Chords:
         base = a.div(x.base, y.base)
         rest = a.unary("neg", a.mul(base, y.slope))
         rest = rest if x.slope is None else a.add(x.slope, rest)
-        return Chord(base, a.div(x.value, y.value), a.div(rest, y.value))
+        return FirstDifference(base, a.div(x.value, y.value), a.div(rest, y.value))
 
-    def power(self, x: Chord, n: int) -> Chord:
+    def power(self, x: FirstDifference, n: int) -> FirstDifference:
         if n < 0:
             return self.div(self.rational(1, 1), self.power(x, -n))
         result = x
@@ -87,7 +87,7 @@ class Chords:
                 result = self.mul(result, x)
         return result if n else self.rational(1, 1)
 
-    def unary(self, name: str, x: Chord) -> Chord:
+    def unary(self, name: str, x: FirstDifference) -> FirstDifference:
         a = self.plain
         if x.slope is None:
             return self.constant(a.unary(name, x.value))
@@ -97,9 +97,9 @@ class Chords:
         if name == "sech":
             return self.div(self.rational(1, 1), self.unary("cosh", x))
         base, value = a.unary(name, x.base), a.unary(name, x.value)
-        return Chord(base, value, a.mul(self._between(name, x, base, value), x.slope))
+        return FirstDifference(base, value, a.mul(self._between(name, x, base, value), x.slope))
 
-    def _between(self, name: str, x: Chord, base: Any, value: Any) -> Any:
+    def _between(self, name: str, x: FirstDifference, base: Any, value: Any) -> Any:
         """Φ[f₀, f]."""
         a = self.plain
         if name == "neg":
@@ -120,6 +120,6 @@ class Chords:
             case _:
                 raise NotImplementedError(name)
 
-    def _made(self, slope: Any, combined: Any) -> Chord:
+    def _made(self, slope: Any, combined: Any) -> FirstDifference:
         value = combined(lambda x: x.value)
-        return Chord(value, value) if slope is None else Chord(combined(lambda x: x.base), value, slope)
+        return FirstDifference(value, value) if slope is None else FirstDifference(combined(lambda x: x.base), value, slope)

@@ -31,7 +31,7 @@ def _coefficients(start: int, step: int, count: int, alternate: bool) -> tuple[P
 
 
 @dataclass(frozen=True, slots=True)
-class Doubled:
+class DoubleDouble:
     """Arithmetic on ``Pair`` values, elementwise over arrays."""
 
     def rational(self, numerator: int, denominator: int) -> Pair:

@@ -35,7 +35,7 @@ ZERO = "zero"
 """In place of an order: the number is exactly 0."""
 
 
-class Local(NamedTuple):
+class LocalExpansion(NamedTuple):
     """f = uᵏ φ: φ(q), φ[e, q], φ[e, e, q], as many as are known; the first element of each array is at q = e.
 
     ``constant``: f does not depend on q, and all further differences are 0. ``line``: a and b where f = a q + b, known
@@ -64,7 +64,7 @@ def _at_base(x: Disk) -> Disk:
 
 @dataclass
 class Locals:
-    """Arithmetic on ``Local``.
+    """Arithmetic on ``LocalExpansion``.
 
     Attributes:
         offset: u over all cells; its first element is 0.
@@ -81,56 +81,56 @@ class Locals:
     q: Disk | None = None
     _count: int = field(default=0)
 
-    def constant(self, value: Disk) -> Local:
+    def constant(self, value: Disk) -> LocalExpansion:
         """Return a number that does not depend on q."""
-        return Local(0, (value,), constant=True)
+        return LocalExpansion(0, (value,), constant=True)
 
-    def variable(self, base: Disk, sign: float, q: Disk | None = None, *, centred: bool = False) -> Local:
+    def variable(self, base: Disk, sign: float, q: Disk | None = None, *, centred: bool = False) -> LocalExpansion:
         """Return q = e + sign·u; the cells themselves may be known more closely.
 
         With e = 0, ``centred``, it is of first order.
         """
         slope = self._full(sign)
         if centred:
-            return Local(1, (slope, *(self._full(0.0) for _ in range(self.depth))))
+            return LocalExpansion(1, (slope, *(self._full(0.0) for _ in range(self.depth))))
         value = _DISKS.add(base, _DISKS.mul(slope, self.offset))
         if q is not None:
             value = tighter(value, _after(base, q))
-        return Local(0, (value, slope, *(self._full(0.0) for _ in range(self.depth - 1))))
+        return LocalExpansion(0, (value, slope, *(self._full(0.0) for _ in range(self.depth - 1))))
 
-    def inverse_variable(self, sign: float) -> Local:
+    def inverse_variable(self, sign: float) -> LocalExpansion:
         """Return q = sign/u: the place is infinity."""
-        return Local(-1, (self._full(sign), *(self._full(0.0) for _ in range(self.depth))))
+        return LocalExpansion(-1, (self._full(sign), *(self._full(0.0) for _ in range(self.depth))))
 
-    def exponent(self) -> Local:
+    def exponent(self) -> LocalExpansion:
         """Return q where u is an exponential."""
         assert self.q is not None
-        return Local(0, (self.q,), line=(_DISKS.rational(1, 1), _DISKS.rational(0, 1)))
+        return LocalExpansion(0, (self.q,), line=(_DISKS.rational(1, 1), _DISKS.rational(0, 1)))
 
     def _full(self, value: float) -> Disk:
         return Disk(np.full(np.shape(self.offset.radius), value, dtype=complex), np.zeros(np.shape(self.offset.radius)))
 
     # ------------------------------------------------------------------ what a tape calls: one result a slot
 
-    def rational(self, numerator: int, denominator: int) -> Local:
+    def rational(self, numerator: int, denominator: int) -> LocalExpansion:
         return self._told(self.constant(_DISKS.rational(numerator, denominator)))
 
-    def pi(self) -> Local:
+    def pi(self) -> LocalExpansion:
         return self._told(self.constant(_DISKS.pi()))
 
-    def add(self, x: Local, y: Local) -> Local:
+    def add(self, x: LocalExpansion, y: LocalExpansion) -> LocalExpansion:
         return self._told(self._add(x, y))
 
-    def sub(self, x: Local, y: Local) -> Local:
+    def sub(self, x: LocalExpansion, y: LocalExpansion) -> LocalExpansion:
         return self._told(self._add(x, self._negative(y)))
 
-    def mul(self, x: Local, y: Local) -> Local:
+    def mul(self, x: LocalExpansion, y: LocalExpansion) -> LocalExpansion:
         return self._told(self._mul(x, y))
 
-    def div(self, x: Local, y: Local) -> Local:
+    def div(self, x: LocalExpansion, y: LocalExpansion) -> LocalExpansion:
         return self._told(self._mul(x, self._inverse(y)))
 
-    def power(self, x: Local, n: int) -> Local:
+    def power(self, x: LocalExpansion, n: int) -> LocalExpansion:
         if n == 0:
             return self._told(self.constant(_DISKS.rational(1, 1)))
         base = self._inverse(x) if n < 0 else x
@@ -139,12 +139,12 @@ class Locals:
             result = result._replace(parts=(_DISKS.power(base.parts[0], abs(n)), *result.parts[1:]))
         return self._told(result)
 
-    def unary(self, name: str, x: Local) -> Local:
+    def unary(self, name: str, x: LocalExpansion) -> LocalExpansion:
         return self._told(self._negative(x) if name == "neg" else self._unary(name, x))
 
     # ------------------------------------------------------------------ orders
 
-    def _told(self, x: Local) -> Local:
+    def _told(self, x: LocalExpansion) -> LocalExpansion:
         """Take out what is known of the order of this slot."""
         if not self.orders:
             return x
@@ -155,10 +155,10 @@ class Locals:
         if known is None or x.constant:
             return x
         while known > x.order and len(x.parts) > 1:  # φ(e) = 0
-            x = Local(x.order + 1, x.parts[1:])
+            x = LocalExpansion(x.order + 1, x.parts[1:])
         return self.lowered(x, known) if known < x.order else x
 
-    def lowered(self, x: Local, order: int) -> Local:
+    def lowered(self, x: LocalExpansion, order: int) -> LocalExpansion:
         """Return the same with φ multiplied by a power of u."""
         n = x.order - order
         if n == 0:
@@ -167,15 +167,15 @@ class Locals:
         parts = [_DISKS.mul(power, x.parts[0]) for power in powers]
         if n <= self.depth:
             parts += x.parts[: self.depth + 1 - n]
-        return Local(order, tuple(parts))
+        return LocalExpansion(order, tuple(parts))
 
     # ------------------------------------------------------------------ the arithmetic
 
-    def _negative(self, x: Local) -> Local:
+    def _negative(self, x: LocalExpansion) -> LocalExpansion:
         line = x.line and (_negative(x.line[0]), _negative(x.line[1]))
         return x._replace(parts=tuple(map(_negative, x.parts)), line=line)
 
-    def _add(self, x: Local, y: Local) -> Local:
+    def _add(self, x: LocalExpansion, y: LocalExpansion) -> LocalExpansion:
         if x.constant and y.constant:
             return self.constant(_DISKS.add(x.parts[0], y.parts[0]))
         if not self.rate:
@@ -185,7 +185,7 @@ class Locals:
         line = (_DISKS.add(one[0], other[0]), _DISKS.add(one[1], other[1])) if known else None
         return self._sum(x, y)._replace(line=line)
 
-    def _sum(self, x: Local, y: Local) -> Local:
+    def _sum(self, x: LocalExpansion, y: LocalExpansion) -> LocalExpansion:
         if x.constant:
             x, y = y, x
         if y.constant and x.order == 0:
@@ -193,16 +193,16 @@ class Locals:
         y = self._opened(y)
         order = min(x.order, y.order)
         x, y = self.lowered(x, order), self.lowered(y, order)
-        return Local(order, tuple(_DISKS.add(a, b) for a, b in zip(x.parts, y.parts, strict=False)))
+        return LocalExpansion(order, tuple(_DISKS.add(a, b) for a, b in zip(x.parts, y.parts, strict=False)))
 
-    def _opened(self, x: Local) -> Local:
+    def _opened(self, x: LocalExpansion) -> LocalExpansion:
         if not x.constant:
             return x
         value = Disk(np.broadcast_to(x.parts[0].centre, np.shape(self.offset.radius)),
                      np.broadcast_to(x.parts[0].radius, np.shape(self.offset.radius)))  # fmt: skip
-        return Local(0, (value, *(self._full(0.0) for _ in range(self.depth))))
+        return LocalExpansion(0, (value, *(self._full(0.0) for _ in range(self.depth))))
 
-    def _mul(self, x: Local, y: Local) -> Local:
+    def _mul(self, x: LocalExpansion, y: LocalExpansion) -> LocalExpansion:
         d = _DISKS
         if y.constant:
             x, y = y, x
@@ -217,9 +217,9 @@ class Locals:
             for l in range(i):
                 total = d.add(total, d.mul(bases[l], y.parts[i - l]))
             parts.append(total)
-        return Local(x.order + y.order, tuple(parts))
+        return LocalExpansion(x.order + y.order, tuple(parts))
 
-    def _inverse(self, x: Local) -> Local:
+    def _inverse(self, x: LocalExpansion) -> LocalExpansion:
         """1/f: f·(1/f) = 1 and Leibniz' rule."""
         d = _DISKS
         value = d.inverse(x.parts[0])
@@ -232,23 +232,23 @@ class Locals:
         if len(x.parts) > 2:  # (1/f)[e, e, q] = (f[e, e] f[e, q] − f(e) f[e, e, q]) / (f(e)² f(q))
             inner = d.sub(d.mul(_at_base(x.parts[1]), x.parts[1]), d.mul(_at_base(x.parts[0]), x.parts[2]))
             parts.append(d.mul(d.mul(d.mul(base, base), value), inner))
-        return Local(-x.order, tuple(parts))
+        return LocalExpansion(-x.order, tuple(parts))
 
-    def _unary(self, name: str, x: Local) -> Local:
+    def _unary(self, name: str, x: LocalExpansion) -> LocalExpansion:
         d = _DISKS
         if x.constant:
             return self.constant(d.unary(name, x.parts[0]))
         if x.line is not None and name in _EXPONENTIAL:
             return self._exponential(name, x.line)
         if name == "sqrt" and x.order % 2 == 0:
-            return self._composed(name, Local(0, x.parts))._replace(order=x.order // 2)
+            return self._composed(name, LocalExpansion(0, x.parts))._replace(order=x.order // 2)
         if name == "log" and x.order:
             return self._logarithm(x)
         if x.order < 0:  # no expansion; its values where u is not 0
-            return Local(0, (d.unary(name, d.mul(x.parts[0], d.power(self.offset, x.order))),))
+            return LocalExpansion(0, (d.unary(name, d.mul(x.parts[0], d.power(self.offset, x.order))),))
         return self._composed(name, self.lowered(x, 0))
 
-    def _exponential(self, name: str, line: tuple[Disk, Disk]) -> Local:
+    def _exponential(self, name: str, line: tuple[Disk, Disk]) -> LocalExpansion:
         """e^{aq + b} = uᵏ e^{b + …}, and what is made of it."""
         d = _DISKS
         if name == "tanh":
@@ -258,21 +258,21 @@ class Locals:
         if name == "exp":
             order = round(float(np.real(line[0].centre)) / self.rate)
             left = d.mul(d.shifted(line[0], -order * self.rate), self.exponent().parts[0])
-            return Local(order, (d.unary("exp", d.add(left, line[1])), *(self._full(0.0) for _ in range(self.depth))))
+            return LocalExpansion(order, (d.unary("exp", d.add(left, line[1])), *(self._full(0.0) for _ in range(self.depth))))
         up, down = (self._exponential("exp", ends) for ends in (line, (_negative(line[0]), _negative(line[1]))))
         both = self._sum(up, down if name == "cosh" else self._negative(down))
         return both._replace(parts=tuple(d.times(part, 0.5) for part in both.parts))
 
-    def _logarithm(self, x: Local) -> Local:
+    def _logarithm(self, x: LocalExpansion) -> LocalExpansion:
         d = _DISKS
         log = d.times(self.exponent().parts[0], self.rate) if self.rate else d.unary("log", self.offset)
-        return Local(0, (d.add(d.mul(d.rational(x.order, 1), log), d.unary("log", x.parts[0])),))
+        return LocalExpansion(0, (d.add(d.mul(d.rational(x.order, 1), log), d.unary("log", x.parts[0])),))
 
-    def _composed(self, name: str, x: Local) -> Local:
+    def _composed(self, name: str, x: LocalExpansion) -> LocalExpansion:
         d, f = _DISKS, x.parts
         value = d.unary(name, f[0])
         if len(f) == 1:
-            return Local(0, (value,))
+            return LocalExpansion(0, (value,))
         f0, at0 = _at_base(f[0]), _at_base(value)
         gap, both = d.sub(f[0], f0), hull(f[0], f0)
         first = tighter(d.div(d.sub(value, at0), gap), d.derivative(name, both))
@@ -281,7 +281,7 @@ class Locals:
             close = d.times(d.bend(name, both), 0.5)
             second = tighter(d.div(d.sub(first, _at_base(first)), gap), close)
             parts.append(d.add(d.mul(first, f[2]), d.mul(d.mul(_at_base(f[1]), f[1]), second)))
-        return Local(0, tuple(parts))
+        return LocalExpansion(0, tuple(parts))
 
 
 def _unit(rates: list[float]) -> float:
@@ -302,9 +302,9 @@ class _Listening(Locals):
 
     heard: list[float] = field(default_factory=list)
 
-    def _exponential(self, name: str, line: tuple[Disk, Disk]) -> Local:  # noqa: ARG002  (asked like the others)
+    def _exponential(self, name: str, line: tuple[Disk, Disk]) -> LocalExpansion:  # noqa: ARG002  (asked like the others)
         self.heard.append(float(np.real(line[0].centre)))
-        return Local(0, (_DISKS.rational(1, 1),))
+        return LocalExpansion(0, (_DISKS.rational(1, 1),))
 
 
 def exponential_unit(tapes: Sequence[Tape], inputs: list[Disk]) -> float:

@@ -18,7 +18,7 @@ _PAIRED = {"sin": ("sincos", 0), "cos": ("sincos", 1), "sinh": ("sinhcosh", 0), 
 
 
 @dataclass
-class Source:
+class PythonSource:
     """Arithmetic on the names of variables and on literals.
 
     Attributes:
@@ -72,7 +72,7 @@ class Source:
         return self._assigned(f"{name}_({x})")[0]
 
 
-def function(name: str, arguments: Sequence[str], source: Source, results: Sequence[str]) -> str:
+def function(name: str, arguments: Sequence[str], source: PythonSource, results: Sequence[str]) -> str:
     """Return the text of a function that runs the program."""
     body = "".join(f"    {line}\n" for line in source.lines)
     values = "".join(f"{result}, " for result in results)

@@ -14,7 +14,7 @@ from typing import Any, NamedTuple
 _UNIT = 2.0**-53
 
 
-class Bounded(NamedTuple):
+class WithErrorBound(NamedTuple):
     """A value and a bound on its error; None for an exact value."""
 
     value: Any
@@ -22,8 +22,8 @@ class Bounded(NamedTuple):
 
 
 @dataclass(frozen=True, slots=True)
-class Running:
-    """Arithmetic on ``Bounded`` values over a plain one.
+class RunningError:
+    """Arithmetic on ``WithErrorBound`` values over a plain one.
 
     Attributes:
         plain: arithmetic of values and bounds.
@@ -48,50 +48,50 @@ class Running:
         """|factor|·error."""
         return None if error is None else self.plain.mul(self.plain.unary("abs", factor), error)
 
-    def rational(self, numerator: int, denominator: int) -> Bounded:
+    def rational(self, numerator: int, denominator: int) -> WithErrorBound:
         value = self.plain.rational(numerator, denominator)
         power_of_two = denominator & (denominator - 1) == 0 and abs(numerator) < 2**53
-        return Bounded(value, None if power_of_two else self._scaled(value))
+        return WithErrorBound(value, None if power_of_two else self._scaled(value))
 
-    def pi(self) -> Bounded:
-        return Bounded(self.plain.pi(), self._scaled(self.plain.pi()))
+    def pi(self) -> WithErrorBound:
+        return WithErrorBound(self.plain.pi(), self._scaled(self.plain.pi()))
 
-    def add(self, x: Bounded, y: Bounded) -> Bounded:
+    def add(self, x: WithErrorBound, y: WithErrorBound) -> WithErrorBound:
         value = self.plain.add(x.value, y.value)
-        return Bounded(value, self._sum(x.error, y.error, self._scaled(value)))
+        return WithErrorBound(value, self._sum(x.error, y.error, self._scaled(value)))
 
-    def sub(self, x: Bounded, y: Bounded) -> Bounded:
+    def sub(self, x: WithErrorBound, y: WithErrorBound) -> WithErrorBound:
         value = self.plain.sub(x.value, y.value)
-        return Bounded(value, self._sum(x.error, y.error, self._scaled(value)))
+        return WithErrorBound(value, self._sum(x.error, y.error, self._scaled(value)))
 
-    def mul(self, x: Bounded, y: Bounded) -> Bounded:
+    def mul(self, x: WithErrorBound, y: WithErrorBound) -> WithErrorBound:
         value = self.plain.mul(x.value, y.value)
-        return Bounded(
+        return WithErrorBound(
             value, self._sum(self._part(y.value, x.error), self._part(x.value, y.error), self._scaled(value))
         )
 
-    def div(self, x: Bounded, y: Bounded) -> Bounded:
+    def div(self, x: WithErrorBound, y: WithErrorBound) -> WithErrorBound:
         value = self.plain.div(x.value, y.value)
         passed = self._sum(x.error, self._part(value, y.error))
         if passed is not None:
             passed = self.plain.div(passed, self.plain.unary("abs", y.value))
-        return Bounded(value, self._sum(passed, self._scaled(value)))
+        return WithErrorBound(value, self._sum(passed, self._scaled(value)))
 
-    def power(self, x: Bounded, n: int) -> Bounded:
+    def power(self, x: WithErrorBound, n: int) -> WithErrorBound:
         a = self.plain
         value = a.power(x.value, n)
         slope = a.mul(a.rational(n, 1), a.power(x.value, n - 1)) if n != 1 else a.rational(1, 1)
-        return Bounded(value, self._sum(self._part(slope, x.error), self._scaled(value, abs(n))))
+        return WithErrorBound(value, self._sum(self._part(slope, x.error), self._scaled(value, abs(n))))
 
-    def unary(self, name: str, x: Bounded) -> Bounded:
+    def unary(self, name: str, x: WithErrorBound) -> WithErrorBound:
         value = self.plain.unary(name, x.value)
         if name == "neg" or name == "abs":
-            return Bounded(value, x.error)
+            return WithErrorBound(value, x.error)
         if name == "sqrt":
             passed = None if x.error is None else self.plain.div(x.error, value)
-            return Bounded(value, self._sum(passed, self._scaled(value)))
+            return WithErrorBound(value, self._sum(passed, self._scaled(value)))
         passed = None if x.error is None else self._part(self._slope(name, x.value, value), x.error)
-        return Bounded(value, self._sum(passed, self._scaled(value, self.own)))
+        return WithErrorBound(value, self._sum(passed, self._scaled(value, self.own)))
 
     def _slope(self, name: str, x: Any, f: Any) -> Any:
         """A bound on the derivative at x, where the function is f."""

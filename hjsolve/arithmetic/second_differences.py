@@ -26,7 +26,7 @@ _SERIES = 0.7
 _TERMS = 11
 
 
-class Slope(NamedTuple):
+class SecondDifference(NamedTuple):
     """f(q₀), f′(q₀), f[q₀, q₀, q], f[q₀, q] and f(q); a constant has None but at the first."""
 
     base: Any
@@ -37,8 +37,8 @@ class Slope(NamedTuple):
 
 
 @dataclass(frozen=True)
-class Slopes:
-    """Arithmetic on ``Slope`` values.
+class SecondDifferences:
+    """Arithmetic on ``SecondDifference`` values.
 
     Attributes:
         offset: δ; base parts must broadcast against it.
@@ -46,69 +46,69 @@ class Slopes:
 
     offset: Any
 
-    def variable(self, place: Any) -> Slope:
+    def variable(self, place: Any) -> SecondDifference:
         """Return the slope of q itself, q₀ = ``place``."""
         return self._made(place, 1.0, 0.0)
 
-    def _made(self, base: Any, first: Any, second: Any) -> Slope:
+    def _made(self, base: Any, first: Any, second: Any) -> SecondDifference:
         slope = first + self.offset * second
-        return Slope(base, first, second, slope, base + self.offset * slope)
+        return SecondDifference(base, first, second, slope, base + self.offset * slope)
 
-    def rational(self, numerator: int, denominator: int) -> Slope:
-        return Slope(Float64().rational(numerator, denominator))
+    def rational(self, numerator: int, denominator: int) -> SecondDifference:
+        return SecondDifference(Float64().rational(numerator, denominator))
 
-    def pi(self) -> Slope:
-        return Slope(np.pi)
+    def pi(self) -> SecondDifference:
+        return SecondDifference(np.pi)
 
-    def add(self, x: Slope, y: Slope) -> Slope:
+    def add(self, x: SecondDifference, y: SecondDifference) -> SecondDifference:
         if x.first is None or y.first is None:
             other = y if x.first is None else x
             if other.first is None:
-                return Slope(x.base + y.base)
+                return SecondDifference(x.base + y.base)
             return self._made(x.base + y.base, other.first, other.second)
         return self._made(x.base + y.base, x.first + y.first, x.second + y.second)
 
-    def sub(self, x: Slope, y: Slope) -> Slope:
+    def sub(self, x: SecondDifference, y: SecondDifference) -> SecondDifference:
         return self.add(x, self.unary("neg", y))
 
-    def mul(self, x: Slope, y: Slope) -> Slope:
+    def mul(self, x: SecondDifference, y: SecondDifference) -> SecondDifference:
         if x.first is None or y.first is None:
             constant, other = (x, y) if x.first is None else (y, x)
             if other.first is None:
-                return Slope(x.base * y.base)
+                return SecondDifference(x.base * y.base)
             return self._made(constant.base * other.base, constant.base * other.first, constant.base * other.second)
         second = x.base * y.second + x.first * y.slope + x.second * y.value
         return self._made(x.base * y.base, x.first * y.base + x.base * y.first, second)
 
-    def div(self, x: Slope, y: Slope) -> Slope:
+    def div(self, x: SecondDifference, y: SecondDifference) -> SecondDifference:
         """Solve x = h y for h = x/y: x[q₀,q₀,q] = h₀ y[q₀,q₀,q] + h′₀ y[q₀,q] + h[q₀,q₀,q] y."""
         if y.first is None:
-            return self.mul(x, Slope(1.0 / y.base))
+            return self.mul(x, SecondDifference(1.0 / y.base))
         base = x.base / y.base
         first = ((0.0 if x.first is None else x.first) - base * y.first) / y.base
         second = ((0.0 if x.second is None else x.second) - base * y.second - first * y.slope) / y.value
         return self._made(base, first, second)
 
-    def power(self, x: Slope, n: int) -> Slope:
+    def power(self, x: SecondDifference, n: int) -> SecondDifference:
         if n < 0:
-            return self.div(Slope(1.0), self.power(x, -n))
-        result: Slope = by_squaring(self.mul, x, n)
+            return self.div(SecondDifference(1.0), self.power(x, -n))
+        result: SecondDifference = by_squaring(self.mul, x, n)
         return result
 
-    def unary(self, name: str, x: Slope) -> Slope:
+    def unary(self, name: str, x: SecondDifference) -> SecondDifference:
         if x.first is None:
-            return Slope(Float64().unary(name, x.base))
+            return SecondDifference(Float64().unary(name, x.base))
         if name == "neg":
-            return Slope(-x.base, -x.first, -x.second, -x.slope, -x.value)
+            return SecondDifference(-x.base, -x.first, -x.second, -x.slope, -x.value)
         if name == "tan":
             return self.div(self.unary("sin", x), self.unary("cos", x))
         if name == "tanh":
             return self.div(self.unary("sinh", x), self.unary("cosh", x))
         if name == "sech":
-            return self.div(Slope(1.0), self.unary("cosh", x))
+            return self.div(SecondDifference(1.0), self.unary("cosh", x))
         if name == "abs":
             sign = np.where(x.base * x.value > 0, np.sign(x.base), np.nan)
-            return self.mul(x, Slope(sign))
+            return self.mul(x, SecondDifference(sign))
         if name == "sqrt":
             base, here = np.sqrt(x.base), np.sqrt(x.value)
             first = x.first / (2 * base)

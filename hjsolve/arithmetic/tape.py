@@ -80,7 +80,7 @@ class Tape:
             raise InvalidInputError(_POLE) from fault
         return [slots[i] for i in self.outputs]
 
-    def bind(self, arithmetic: Arithmetic, known: Sequence[Any]) -> Bound:
+    def bind(self, arithmetic: Arithmetic, known: Sequence[Any]) -> BoundTape:
         """Work out once what depends on the last inputs alone.
 
         Args:
@@ -101,7 +101,7 @@ class Tape:
                 varying.add(place)
                 slots.append(None)
                 rest.append((place, *_step(arithmetic, operation)))
-        return Bound(arithmetic, free, tuple(slots), tuple(rest), self.outputs)
+        return BoundTape(arithmetic, free, tuple(slots), tuple(rest), self.outputs)
 
     def only(self, *chosen: int) -> Tape:
         """Return the tape of some of the outputs, with the operations they need."""
@@ -122,7 +122,7 @@ Step = tuple[int, Callable[..., Any], int, int]
 
 
 @dataclass(frozen=True, slots=True, eq=False)
-class Bound:
+class BoundTape:
     """A tape some of whose inputs are known; made by ``Tape.bind``.
 
     Attributes:

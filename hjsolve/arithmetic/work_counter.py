@@ -16,7 +16,7 @@ from dataclasses import dataclass
 
 
 @dataclass
-class Work:
+class WorkCount:
     """Evaluations since the block began.
 
     Attributes:
@@ -30,13 +30,13 @@ class Work:
     places: int = 0
 
 
-_OPEN: ContextVar[Work | None] = ContextVar("hjsolve_work", default=None)
+_OPEN: ContextVar[WorkCount | None] = ContextVar("hjsolve_work", default=None)
 
 
 @contextmanager
-def counted() -> Iterator[Work]:
+def counted() -> Iterator[WorkCount]:
     """Count all evaluations of the block; blocks inside add to those around them."""
-    outer, work = _OPEN.get(), Work()
+    outer, work = _OPEN.get(), WorkCount()
     token = _OPEN.set(work)
     try:
         yield work

@@ -18,7 +18,7 @@ _FIELD = re.compile(r"^\s*(\w+)\s*=\s*\{(.*?)\},?\s*$", re.MULTILINE | re.DOTALL
 
 
 @dataclass(frozen=True)
-class Source:
+class Publication:
     """One work.
 
     Attributes:
@@ -90,16 +90,16 @@ def _ordinal(number: str) -> str:
 
 
 @cache
-def sources() -> Mapping[str, Source]:
+def sources() -> Mapping[str, Publication]:
     """Read catalog/references.bib: key → work."""
     text = (catalog.folder() / "references.bib").read_text(encoding="utf-8")
     return {
-        key: Source(key, {name.lower(): " ".join(value.split()) for name, value in _FIELD.findall(body)})
+        key: Publication(key, {name.lower(): " ".join(value.split()) for name, value in _FIELD.findall(body)})
         for _, key, body in _ENTRY.findall(text)
     }
 
 
-def cited(references: Iterable[str]) -> list[tuple[Source, str]]:
+def cited(references: Iterable[str]) -> list[tuple[Publication, str]]:
     """Resolve what an entry cites.
 
     Args:
@@ -118,4 +118,4 @@ def cited(references: Iterable[str]) -> list[tuple[Source, str]]:
     return [(sources()[key], ", ".join(found)) for key, found in places.items()]
 
 
-__all__ = ["GREENWOOD", "Source", "cited", "sources"]
+__all__ = ["GREENWOOD", "Publication", "cited", "sources"]

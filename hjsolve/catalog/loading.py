@@ -280,7 +280,7 @@ def _checked(entry: str | Path) -> tuple[dict[str, Any], str]:
     keys = schema.optional(_ENTRY, "kinetic") if "hamiltonian" in table else _ENTRY
     if "refused_because" in table and "kinetic" not in table:
         keys = schema.optional(_ENTRY, "kinetic", "coordinates")
-    problems = list(schema.faults(table, keys)) or [*refusals.faults(table), *form_faults(table)]
+    problems = list(schema.faults(table, keys)) or [*refusals.outside_faults(table), *form_faults(table)]
     if not problems and table["id"] != file.name.removesuffix(".toml"):
         problems.append(f'id: "{table["id"]}" must be the name of the file, "{file.name.removesuffix(".toml")}"')
     if problems:

@@ -12,8 +12,8 @@ from hjsolve.catalog import loading
 from hjsolve.errors import CatalogError, InvalidSystemError
 from hjsolve.extended.moving_frame import TIME as TIME
 from hjsolve.extended.moving_frame import Frame as Frame
+from hjsolve.extended.moving_frame import carried_initial_data as carried_initial_data
 from hjsolve.extended.moving_frame import drift as drift
-from hjsolve.extended.moving_frame import initial_data as initial_data
 from hjsolve.extended.moving_frame import verified as verified
 from hjsolve.formulas.read import parse
 from hjsolve.mechanics.system import Parameter, System

@@ -109,7 +109,7 @@ def stated(table: Mapping[str, Any]) -> Stated | None:
     return Stated(**{**table["stated"], "coordinates": tuple(table["stated"].get("coordinates", ()))})
 
 
-def faults(table: Mapping[str, Any]) -> Iterator[str]:
+def outside_faults(table: Mapping[str, Any]) -> Iterator[str]:
     """What is missing in an entry without T and V, one line each."""
     because = table.get("refused_because", {}).get("kind", "")
     if "kinetic" not in table and because in _FOUND_BY_US:
@@ -125,4 +125,4 @@ def faults(table: Mapping[str, Any]) -> Iterator[str]:
             yield f"constraint[{place}].integral: missing; only an integrable constraint can be eliminated"
 
 
-__all__ = ["KEYS", "REFUSALS", "Constraint", "Refusal", "Stated", "constraints", "faults", "refusal", "stated"]
+__all__ = ["KEYS", "REFUSALS", "Constraint", "Refusal", "Stated", "constraints", "outside_faults", "refusal", "stated"]

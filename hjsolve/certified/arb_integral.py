@@ -13,10 +13,10 @@ from typing import Any
 
 from hjsolve.arithmetic.ball import Balls, flint
 from hjsolve.arithmetic.work_counter import count
-from hjsolve.certified.integrands import Cycle
+from hjsolve.certified.integrands import CycleIntegrand
 
 
-def mean(cycle: Cycle, j: int, bits: int, size: Any) -> Any:
+def mean(cycle: CycleIntegrand, j: int, bits: int, size: Any) -> Any:
     """Enclose (1/π) ∫₀^π of an integrand over the plain anomaly (over a full turn and divided by 2π for a rotation).
 
     Args:
@@ -46,7 +46,7 @@ def mean(cycle: Cycle, j: int, bits: int, size: Any) -> Any:
 class _Plain:
     """The integrands over the plain anomaly, q = a + (b − a) sin²(χ/2), on any ball; q = χ for a rotation."""
 
-    cycle: Cycle
+    cycle: CycleIntegrand
 
     def value(self, j: int, χ: Any) -> Any:
         """Return kⱼ (dq/dχ)/p, or p dq/dχ for j = −1."""

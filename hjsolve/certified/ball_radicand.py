@@ -6,10 +6,10 @@ from dataclasses import dataclass
 from functools import cached_property
 from typing import Any
 
-from hjsolve.arithmetic.ball import Balls, Series, flint, working
-from hjsolve.arithmetic.tape import Bound
+from hjsolve.arithmetic.ball import Balls, BallSeries, flint, working
+from hjsolve.arithmetic.tape import BoundTape
 from hjsolve.errors import NotConvergedError
-from hjsolve.one_coordinate.momentum_squared import Radicand
+from hjsolve.one_coordinate.momentum_squared import MomentumSquared
 
 _FINE = 256
 """Bits beyond which numbers are rounded before they are used at a low precision; below it costs more than it saves."""
@@ -18,7 +18,7 @@ _SPARE = 40
 
 
 @dataclass(frozen=True, eq=False)
-class Line:
+class BallMomentumSquared:
     """F(q) = p²(q) and its kernels.
 
     Attributes:
@@ -27,28 +27,28 @@ class Line:
         bits: the precision of the inputs.
     """
 
-    radicand: Radicand
+    radicand: MomentumSquared
     inputs: list[Any]
     bits: int
 
-    def rounded(self, bits: int) -> Line:
+    def rounded(self, bits: int) -> BallMomentumSquared:
         """Return the same line for a low precision."""
         if self.bits <= _FINE:
             return self
         with working(bits):
-            return Line(self.radicand, [x + 0 for x in self.inputs], bits)
+            return BallMomentumSquared(self.radicand, [x + 0 for x in self.inputs], bits)
 
     @cached_property
-    def _square(self) -> Bound:
+    def _square(self) -> BoundTape:
         with working(self.bits):
             return self.radicand.squared.bind(Balls(), self.inputs)
 
     @cached_property
-    def _series(self) -> Bound:
+    def _series(self) -> BoundTape:
         with working(self.bits):
-            return self.radicand.squared.bind(Series(), self.inputs)
+            return self.radicand.squared.bind(BallSeries(), self.inputs)
 
-    def weights(self, *chosen: int) -> Bound:
+    def weights(self, *chosen: int) -> BoundTape:
         """Return the rule of some of the kernels."""
         with working(self.bits):
             return self.radicand.kernels.only(*chosen).bind(Balls(), self.inputs)
@@ -69,7 +69,7 @@ class Line:
         return [value[k] for k in range(terms)]
 
 
-def turning_point(line: Line, guess: Any, bits: int) -> Any:
+def turning_point(line: BallMomentumSquared, guess: Any, bits: int) -> Any:
     """Prove a simple zero of F next to a guess by the interval Newton test, and enclose it to about ``bits``.
 
     Raises:
@@ -87,7 +87,7 @@ def turning_point(line: Line, guess: Any, bits: int) -> Any:
     raise NotConvergedError(f"the turning point near {float(guess.mid()):.15g} could not be proved to be one")
 
 
-def _contracted(line: Line, centre: Any, value: Any, reach: Any, size: Any, bits: int) -> Any | None:
+def _contracted(line: BallMomentumSquared, centre: Any, value: Any, reach: Any, size: Any, bits: int) -> Any | None:
     """Newton's step from the values of F and the slopes on a ball; it holds the only zero there if it lies inside."""
     for spare in (16, 24, 48, 96, bits // 2):
         around = flint.arb(centre, reach + size * flint.arb(2) ** (spare - bits))

@@ -22,8 +22,8 @@ from functools import cached_property, lru_cache
 from typing import Any, NamedTuple
 
 from hjsolve.arithmetic.ball import Balls, flint, working
-from hjsolve.arithmetic.tape import Bound, Tape
-from hjsolve.certified.ball_radicand import Line
+from hjsolve.arithmetic.tape import BoundTape, Tape
+from hjsolve.certified.ball_radicand import BallMomentumSquared
 
 _ENTIRE = {"add", "sub", "mul", "neg", "rational", "pi", "sin", "cos", "exp", "sinh", "cosh"}
 
@@ -43,7 +43,7 @@ class Shares(NamedTuple):
 
 
 @dataclass(frozen=True)
-class Map:
+class AnomalyMap:
     """s = S(λ; sin χ/2), c = S(μ; cos χ/2).
 
     Attributes:
@@ -98,21 +98,21 @@ def _constants(κ: float, bits: int) -> tuple[Any, Any, Any]:
         return slow, unit, slow * unit
 
 
-def between_turns(near_lower: float, near_upper: float) -> Map:
+def between_turns(near_lower: float, near_upper: float) -> AnomalyMap:
     """Make the map of a libration with zeros of p² near.
 
     Args:
         near_lower, near_upper: (b − a) over the distance of the next zero from a and from b; 0 where it is far.
     """
-    return Map(*(math.asinh(math.sqrt(ρ)) if ρ > 1 else 0.0 for ρ in (near_lower, near_upper)))
+    return AnomalyMap(*(math.asinh(math.sqrt(ρ)) if ρ > 1 else 0.0 for ρ in (near_lower, near_upper)))
 
 
-def all_round(gap: float) -> Map:
+def all_round(gap: float) -> AnomalyMap:
     """Make the map of a rotation; ``gap`` is the distance of the complex zero of p² near χ = π from the real axis."""
-    return Map(0.0, math.asinh(2 / gap))
+    return AnomalyMap(0.0, math.asinh(2 / gap))
 
 
-class Spot(NamedTuple):
+class CycleNode(NamedTuple):
     """A place of the cycle: q, q − a, b − q (None for a rotation), |dq/dχ|/√((q − a)(b − q)), s² + c²; is a nearer?"""
 
     q: Any
@@ -124,7 +124,7 @@ class Spot(NamedTuple):
 
 
 @dataclass(frozen=True, eq=False)
-class Cycle:
+class CycleIntegrand:
     """The integrands of one coordinate at one precision: of the current context when it is made.
 
     Attributes:
@@ -140,13 +140,13 @@ class Cycle:
             where χ ↦ π − χ leaves them what they are as well; 1 where nothing is known.
     """
 
-    line: Line
+    line: BallMomentumSquared
     lower: Any
     upper: Any
     slow: Any
     wanted: tuple[int, ...]
-    map: Map = Map()
-    spread: Map | None = None
+    map: AnomalyMap = AnomalyMap()
+    spread: AnomalyMap | None = None
     near: float = 0.0
     fold: int = 1
 
@@ -155,12 +155,12 @@ class Cycle:
         """True between two turning points."""
         return self.lower is not None
 
-    def over(self, map_: Map) -> Cycle:
+    def over(self, map_: AnomalyMap) -> CycleIntegrand:
         """Return the same cycle with another map."""
         fold = self.fold if map_.lower == map_.upper else min(self.fold, 2)  # χ ↦ π − χ exchanges s and c
         return self if map_ == self.map else replace(self, map=map_, fold=fold)
 
-    def rounded(self, bits: int) -> Cycle:
+    def rounded(self, bits: int) -> CycleIntegrand:
         """Return the same cycle for a low precision."""
         line = self.line.rounded(bits)
         if line is self.line:
@@ -185,7 +185,7 @@ class Cycle:
         return self.line.taylor(flint.acb(self.upper), TERMS)
 
     @cached_property
-    def weights(self) -> Bound:
+    def weights(self) -> BoundTape:
         return self.line.weights(*(j for j in self.wanted if j >= 0))
 
     @cached_property
@@ -193,15 +193,15 @@ class Cycle:
         """True where p² and the kernels are entire functions of q by their form."""
         return _entire(self.line.radicand.squared) and _entire(self.line.radicand.kernels)
 
-    def spot(self, χ: Any) -> Spot:
+    def spot(self, χ: Any) -> CycleNode:
         """Return where χ is."""
         share = self.map.shares(χ)
         if self.lower is None:
-            return Spot(self._turned(χ, share), None, None, share.stretch, share.denominator)
+            return CycleNode(self._turned(χ, share), None, None, share.stretch, share.denominator)
         from_lower, to_upper = self.width * share.low, self.width * share.high
         near_lower = bool(share.low.real < 0.5)  # the shares add up to 1
         q = self.lower + from_lower if near_lower else self.upper - to_upper
-        return Spot(q, from_lower, to_upper, share.stretch, share.denominator, near_lower)
+        return CycleNode(q, from_lower, to_upper, share.stretch, share.denominator, near_lower)
 
     def _turned(self, χ: Any, share: Shares) -> Any:
         """Q of a rotation; on a complex ball up to whole turns, which p² does not see."""
@@ -226,7 +226,7 @@ class Cycle:
             root = (square / product).sqrt()
         return self.integrands(spot, product, root)
 
-    def integrands(self, spot: Spot, product: Any, root: Any) -> list[Any]:
+    def integrands(self, spot: CycleNode, product: Any, root: Any) -> list[Any]:
         """Return the wanted integrands from √(p²/((q − a)(b − q)))."""
         weights = iter(self.weights.run(spot.q) if self.weights.outputs else ())
         scale = spot.stretch / root

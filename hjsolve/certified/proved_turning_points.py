@@ -13,8 +13,8 @@ from dataclasses import dataclass
 from typing import Any
 
 from hjsolve.arithmetic.ball import flint, from_mpf, working
-from hjsolve.certified.ball_radicand import Line
-from hjsolve.one_coordinate.coordinate_start import Start
+from hjsolve.certified.ball_radicand import BallMomentumSquared
+from hjsolve.one_coordinate.coordinate_start import CoordinateStart
 
 _BITS = 128
 _MOST_STEPS = 240
@@ -23,7 +23,7 @@ _NEWTON = 30
 
 
 @dataclass(frozen=True)
-class Wall:
+class ProvedTurningPoint:
     """A simple zero of p², and p² > 0 from the start up to it.
 
     Attributes:
@@ -36,7 +36,7 @@ class Wall:
     guess: Any
 
 
-def walls(start: Start, place: Any, line: Line) -> tuple[Wall, Wall] | None:
+def prove_turning_points(start: CoordinateStart, place: Any, line: BallMomentumSquared) -> tuple[ProvedTurningPoint, ProvedTurningPoint] | None:
     """Return the turning points below and above the start; None where that could not be proved.
 
     Args:
@@ -49,8 +49,8 @@ def walls(start: Start, place: Any, line: Line) -> tuple[Wall, Wall] | None:
             from_mpf(start.place(_BITS)), abs(from_mpf(start.place(_BITS))) * flint.arb(2) ** (8 - _BITS)
         )
         walker = _Walker(line.rounded(_BITS), origin)
-        still = Wall(0.0, 0.0, place.mid())
-        found: list[Wall | None] = []
+        still = ProvedTurningPoint(0.0, 0.0, place.mid())
+        found: list[ProvedTurningPoint | None] = []
         for side in (-1, 1):
             resting = start.forward == 0
             if resting and walker.rises(-side):
@@ -64,7 +64,7 @@ def walls(start: Start, place: Any, line: Line) -> tuple[Wall, Wall] | None:
         return found[0], found[1]  # type: ignore[return-value]
 
 
-def _reach(start: Start, side: int) -> float | None:
+def _reach(start: CoordinateStart, side: int) -> float | None:
     """How far the domain goes, or a turn of an angle; None where it has no end."""
     if start.angle:
         return 2 * math.pi
@@ -76,14 +76,14 @@ def _reach(start: Start, side: int) -> float | None:
 class _Walker:
     """F along the line, from a start."""
 
-    line: Line
+    line: BallMomentumSquared
     origin: Any
 
     def rises(self, side: int) -> bool:
         """True when F certainly grows from the start to one side."""
         return bool(side * self.line.taylor(self.origin, 2)[1] > 0)
 
-    def walk(self, side: int, reach: float | None, *, resting: bool) -> Wall | None:
+    def walk(self, side: int, reach: float | None, *, resting: bool) -> ProvedTurningPoint | None:
         """Walk to one side; ``resting``: F = 0 at the start itself."""
         x0, steps, here = 0.0, _MOST_STEPS, self.line.value(self.origin)
         if not resting and not here > 0:
@@ -101,7 +101,7 @@ class _Walker:
             if end > 0 and (slope > 0 or slope < 0 or bend < 0 or value > 0):
                 x0, here, step, growth = x1, end, growth * step, min(2.0, growth + 0.25)
             elif end < 0 and (slope < 0 or bend < 0):
-                return Wall(x0, x1, self._refined(side, x0, x1, float((here / (here - end)).mid())))
+                return ProvedTurningPoint(x0, x1, self._refined(side, x0, x1, float((here / (here - end)).mid())))
             else:
                 step, growth = (x1 - x0) * 0.4, 1.0
         return None

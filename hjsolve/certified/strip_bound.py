@@ -8,7 +8,7 @@ than 2M/(e^(aN) − 1) (Trefethen & Weideman, SIAM Review 56 (2014) 385, theorem
   edge, and each lies in a disk without 0 about its centre. Likewise s² + c², where q has its poles;
 - so the integrand, a kernel times dq/dχ over √R, is analytic, and largest on the edge (maximum principle).
 
-f(χ̄) = f̄(χ), and what else is known of f (``Cycle.fold``), let a part of the edge stand for the whole. Doubles only
+f(χ̄) = f̄(χ), and what else is known of f (``CycleIntegrand.fold``), let a part of the edge stand for the whole. Doubles only
 choose the width a.
 """
 
@@ -26,7 +26,7 @@ from hjsolve.arithmetic.ball import flint, working
 from hjsolve.arithmetic.floats import Float64
 from hjsolve.arithmetic.work_counter import count
 from hjsolve.certified.arb_integral import mean
-from hjsolve.certified.integrands import TERMS, Cycle, Map, Spot
+from hjsolve.certified.integrands import TERMS, AnomalyMap, CycleIntegrand, CycleNode
 from hjsolve.errors import NotConvergedError
 
 _GROWTH = 2.0
@@ -79,7 +79,7 @@ def _grid(librates: bool) -> tuple[Any, Any, Any]:
 _GRIDS = {librates: _grid(librates) for librates in (True, False)}
 
 
-class Bound(NamedTuple):
+class StripBound(NamedTuple):
     """Proved: the integrands are analytic in |Im χ| ≤ width and at most ``most`` there, one bound an integrand."""
 
     width: float
@@ -98,7 +98,7 @@ class _Box(NamedTuple):
     spread: float
 
 
-def means(cycle: Cycle, bits: int) -> list[Any]:
+def certified_means(cycle: CycleIntegrand, bits: int) -> list[Any]:
     """Enclose (1/π) ∫₀^π of the wanted integrands (over a full turn and divided by 2π for a rotation).
 
     Args:
@@ -123,17 +123,17 @@ def means(cycle: Cycle, bits: int) -> list[Any]:
     return found
 
 
-def _midpoints(cycle: Cycle, bits: int, sizes: list[Any]) -> list[Any] | None:
+def _midpoints(cycle: CycleIntegrand, bits: int, sizes: list[Any]) -> list[Any] | None:
     """The means by the midpoint rule; None where no strip is found, or it would need too many nodes."""
     for map_, a in _plans(cycle, bits, sizes):
         over = cycle.over(map_)
-        strip = bound(over, a)
+        strip = bound_in_strip(over, a)
         if strip is not None:
             return midpoint(over, strip, bits, sizes)
     return None
 
 
-def _plans(cycle: Cycle, bits: int, sizes: list[Any]) -> Iterator[tuple[Map, float]]:
+def _plans(cycle: CycleIntegrand, bits: int, sizes: list[Any]) -> Iterator[tuple[AnomalyMap, float]]:
     """Maps with half widths of strips, the most promising first; those that need too many nodes are left out."""
     wide = _widest(cycle, bits, sizes)
     if wide is None and cycle.librates and cycle.near < 1:  # F in doubles is all rounding: the motion is small
@@ -148,10 +148,10 @@ def _plans(cycle: Cycle, bits: int, sizes: list[Any]) -> Iterator[tuple[Map, flo
             yield from ((cycle.spread, portion * spread) for portion in (1.0, 0.7, 0.5))
     if wide is not None and wide > 1 / _MOST_NODES:
         first = next((portion for most, portion in _PORTIONS if bits <= most), _LARGEST_PORTION)
-        yield from ((Map(), first * portion * wide) for portion in (1.0, 0.6, 0.36))
+        yield from ((AnomalyMap(), first * portion * wide) for portion in (1.0, 0.6, 0.36))
 
 
-def midpoint(cycle: Cycle, strip: Bound, bits: int, sizes: list[Any]) -> list[Any]:
+def midpoint(cycle: CycleIntegrand, strip: StripBound, bits: int, sizes: list[Any]) -> list[Any]:
     """The midpoint rule with the error that a bound proves.
 
     Args:
@@ -172,7 +172,7 @@ def midpoint(cycle: Cycle, strip: Bound, bits: int, sizes: list[Any]) -> list[An
     ]
 
 
-def _widest(cycle: Cycle, bits: int, sizes: list[Any]) -> float | None:
+def _widest(cycle: CycleIntegrand, bits: int, sizes: list[Any]) -> float | None:
     """The half width of a strip over the plain map that needs the fewest nodes, as doubles see it; None for none."""
     inputs = [float(v.mid()) for v in cycle.line.inputs]
     turned, low, product = _GRIDS[cycle.librates]
@@ -194,7 +194,7 @@ def _widest(cycle: Cycle, bits: int, sizes: list[Any]) -> float | None:
     return float(_HEIGHTS[np.argmin(best)]) if np.min(best) < np.inf else None
 
 
-def bound(cycle: Cycle, a: float) -> Bound | None:
+def bound_in_strip(cycle: CycleIntegrand, a: float) -> StripBound | None:
     """Bound the integrands in a strip.
 
     Args:
@@ -219,10 +219,10 @@ def bound(cycle: Cycle, a: float) -> Bound | None:
         most = boxes[0].sizes
         for box in boxes[1:]:
             most = [x.max(y) for x, y in zip(most, box.sizes, strict=True)]
-        return Bound(a, [x.upper() for x in most])
+        return StripBound(a, [x.upper() for x in most])
 
 
-def _edge(cycle: Cycle, a: float) -> list[_Box] | None:
+def _edge(cycle: CycleIntegrand, a: float) -> list[_Box] | None:
     """Cover the edge Im χ = a with balls from left to right, as wide as they may be; None where that takes too many."""
     x, end = (-_PI, _PI) if cycle.fold == 1 else (0.0, 2 * _PI / cycle.fold)
     found: list[_Box] = []
@@ -240,7 +240,7 @@ def _edge(cycle: Cycle, a: float) -> list[_Box] | None:
     return found
 
 
-def _box(cycle: Cycle, χ: Any) -> _Box:
+def _box(cycle: CycleIntegrand, χ: Any) -> _Box:
     """Evaluate on a ball of the edge; R = F/P with P = (q − a)(b − q), or R = F for a rotation."""
     spot = cycle.spot(χ)
     denominator, _, _, width = (flint.acb(1), 1, 1, 0.0) if cycle.map.plain else _ring(spot.denominator)
@@ -259,7 +259,7 @@ def _box(cycle: Cycle, χ: Any) -> _Box:
     return _Box([abs(x) for x in sizes], centre, denominator, spread + 1e-9)
 
 
-def _forms(cycle: Cycle, spot: Spot) -> list[Callable[[Cycle, Spot, Any], Any]]:
+def _forms(cycle: CycleIntegrand, spot: CycleNode) -> list[Callable[[CycleIntegrand, CycleNode, Any], Any]]:
     """Ways to enclose R on a ball, the best one first."""
     if spot.from_lower is None:
         return [_of_a_rotation]
@@ -275,14 +275,14 @@ def _ring(x: Any) -> tuple[Any, Any, Any, float]:
     return middle, (size - spread).lower(), (size + spread).upper(), float(ratio) if ratio.is_finite() else math.inf
 
 
-def _of_a_rotation(cycle: Cycle, spot: Spot, _product: Any) -> Any:
+def _of_a_rotation(cycle: CycleIntegrand, spot: CycleNode, _product: Any) -> Any:
     """F from its value and slope at the centre."""
     middle = spot.q.mid()
     (value, slope), bend, h = cycle.line.taylor(middle, 2), cycle.line.taylor(spot.q, 3)[2], spot.q - middle
     return value + (slope + bend * h) * h
 
 
-def _from_an_end(cycle: Cycle, spot: Spot, _product: Any) -> Any:
+def _from_an_end(cycle: CycleIntegrand, spot: CycleNode, _product: Any) -> Any:
     """R from F = (q − a) F[a, q] at the nearer turning point a, by Taylor's formula with its remainder on the hull."""
     lower = spot.near_lower
     end, h = (cycle.lower, spot.from_lower) if lower else (cycle.upper, -spot.to_upper)
@@ -293,7 +293,7 @@ def _from_an_end(cycle: Cycle, spot: Spot, _product: Any) -> Any:
     return value / spot.to_upper if lower else -value / spot.from_lower
 
 
-def _from_the_middle(cycle: Cycle, spot: Spot, product: Any) -> Any:
+def _from_the_middle(cycle: CycleIntegrand, spot: CycleNode, product: Any) -> Any:
     """R from F = F₀ + F₁h + F₂(ball)h² about the centre of the ball, h = q − m.
 
     With P = P₀ + P₁h − h² that is R₀ + h (F₁ − R₀P₁ + (F₂ + R₀)h)/P: no difference of quotients that are nearly equal.
@@ -324,7 +324,7 @@ def _angle(x: Any) -> float:
     return float(x.arg().mid())
 
 
-def _covered(cycle: Cycle, a: float) -> bool:
+def _covered(cycle: CycleIntegrand, a: float) -> bool:
     """True when p² and the kernels are finite on balls that cover the strip: no operation meets a singularity."""
     start, pieces = (0.0, 16 // cycle.fold) if cycle.fold > 1 else (-np.pi, 16)
     step = 3.1415926535897936 / 8

@@ -20,7 +20,7 @@ if TYPE_CHECKING:
 _NAME = re.compile(r"\s*(\w+)\s*")
 
 
-def hamiltonian(options: Namespace) -> LinearHamiltonian | None:
+def given_hamiltonian(options: Namespace) -> LinearHamiltonian | None:
     """The H(q, p) of the entry, where it gives one that is linear in p."""
     if options.system is None or options.coordinate or options.kinetic or options.potential:
         return None

@@ -31,7 +31,7 @@ def entries(*, separable: bool, kind: str | None, book: str | None) -> None:
     _listed(titles)
 
 
-def search(words: str, *, separable: bool, kind: str | None, book: str | None) -> bool:
+def search_catalog(words: str, *, separable: bool, kind: str | None, book: str | None) -> bool:
     """List the entries that speak of something: in id, title, summary, parameters, effects or literature.
 
     Args:

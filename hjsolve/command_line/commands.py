@@ -34,7 +34,7 @@ def check(options: Namespace) -> int:
     from hjsolve.reports.sections import system_and_verdict
     from hjsolve.separation import Separation, separate
 
-    if (problem := arguments_read.hamiltonian(options)) is not None:
+    if (problem := arguments_read.given_hamiltonian(options)) is not None:
         return _print_hamiltonian(problem, solved=False)
     try:
         system = arguments_read.system(options)
@@ -72,7 +72,7 @@ def solve(options: Namespace) -> int:
     from hjsolve.separation import Separation, separate
     from hjsolve.solution import quadratures as solution
 
-    if (problem := arguments_read.hamiltonian(options)) is not None:
+    if (problem := arguments_read.given_hamiltonian(options)) is not None:
         return _print_hamiltonian(problem, solved=True)
     system = arguments_read.system(options)
     verdict = separate(system)
@@ -162,7 +162,7 @@ def _reported(options: Namespace, target: Path) -> tuple[int, Path]:
     if not options.coordinate and (outside := outside_entry(arguments_read.located(options.system))) is not None:
         return REFUSED, write_document(outside_document(outside), target)
     initial = arguments_read.initial(options)
-    if arguments_read.hamiltonian(options) is not None:
+    if arguments_read.given_hamiltonian(options) is not None:
         initial = initial or arguments_read.own_motion(options)
         told = {"initial": initial, "motion": options.motion, "digits": options.digits}
         return ANSWER, save_hamiltonian(arguments_read.located(options.system), target, **told)
@@ -184,7 +184,7 @@ def cost(options: Namespace) -> int:
     Returns:
         The exit status.
     """
-    from hjsolve.command_line.cost import cost as measured
+    from hjsolve.command_line.cost import measure_and_print as measured
 
     measured(options, arguments_read.located(options.subject))
     return ANSWER
@@ -199,9 +199,9 @@ def sweep(options: Namespace) -> int:
     Returns:
         The exit status.
     """
-    from hjsolve.command_line.sweep import run
+    from hjsolve.command_line.sweep import run_sweep
 
-    return run(options)
+    return run_sweep(options)
 
 
 def catalog(options: Namespace) -> int:
@@ -246,7 +246,7 @@ def _search(options: Namespace) -> int:
 
     if options.entry is None:
         raise InvalidInputError('catalog search: words are needed, e.g. `hjsolve catalog search "black hole"`')
-    found = catalog_listing.search(options.entry, separable=options.separable, kind=options.kind, book=options.book)
+    found = catalog_listing.search_catalog(options.entry, separable=options.separable, kind=options.kind, book=options.book)
     return ANSWER if found else REFUSED
 
 
@@ -283,7 +283,7 @@ def _print_hamiltonian(problem: LinearHamiltonian, *, solved: bool) -> int:
 
     print(f"{problem.title}  [{problem.id}]" if problem.id else problem.title)
     print(f"    {plain(row(Glyph('H'), Glyph('=', 'operator'), box(problem.hamiltonian)))}")
-    print(f"\n{wrapped(linear_hamiltonian.answer(problem))}")
-    for section in linear_hamiltonian.solution_sections(problem) if solved else ():
+    print(f"\n{wrapped(linear_hamiltonian.hamiltonian_answer(problem))}")
+    for section in linear_hamiltonian.hamiltonian_solution_sections(problem) if solved else ():
         print(f"\n{section_text(section)}")
     return ANSWER

@@ -13,7 +13,7 @@ from hjsolve.errors import InvalidInputError
 _WIDTH = 24
 
 
-def cost(options: Namespace, subject: Any) -> None:
+def measure_and_print(options: Namespace, subject: Any) -> None:
     """Measure, print the table, write what is asked.
 
     Args:

@@ -10,7 +10,7 @@ from hjsolve.sweeps.conduct import sweep
 _DONE, _INTERRUPTED = 0, 130
 
 
-def run(options: Namespace) -> int:
+def run_sweep(options: Namespace) -> int:
     """Sweep, and say what came of it.
 
     Args:

@@ -9,7 +9,7 @@ from pathlib import Path
 import sympy as sp
 
 from hjsolve import arguments
-from hjsolve.coordinates.charts.named_constants import Values, named, restored
+from hjsolve.coordinates.charts.named_constants import Values, restored, with_named_constants
 from hjsolve.coordinates.charts.transform import Cartesian, web_of
 from hjsolve.coordinates.killing.killing_tensors import (
     Kernel,
@@ -22,7 +22,7 @@ from hjsolve.coordinates.killing.killing_tensors import (
 from hjsolve.coordinates.killing.special_parameters import exceptional_values
 from hjsolve.coordinates.results import Coordinates, Geometry, ParameterValues, Web
 from hjsolve.coordinates.webs.concircular_families import family
-from hjsolve.coordinates.webs.orthonormal_frames import sign_by, tidy
+from hjsolve.coordinates.webs.orthonormal_frames import sign_by, tidy_constant
 from hjsolve.coordinates.webs.plane import plane_webs
 from hjsolve.coordinates.webs.space import Potential, space_webs
 from hjsolve.errors import InvalidSystemError
@@ -105,7 +105,7 @@ def _kernels(cartesian: Cartesian) -> tuple[Kernel, Kernel]:
     In the plane irrational constants are letters first: a kernel as large as numbers allow at the constants is theirs.
     """
     n, basis = len(cartesian.X), killing_basis(cartesian.X)
-    lettered, values = named(cartesian)
+    lettered, values = with_named_constants(cartesian)
     if n == 2 and values and not cartesian.system.parameters:
         generic = kernel(lettered.potential, cartesian.X, basis, check=False)
         if generic.dimension == dimension_by_numbers(cartesian.potential, cartesian.X, basis):
@@ -118,7 +118,7 @@ def _kernels(cartesian: Cartesian) -> tuple[Kernel, Kernel]:
 
 def _at(generic: Kernel, values: Values) -> Kernel | None:
     """Return a kernel at the constants that its letters stand for; None where a denominator vanishes there."""
-    vectors = tuple(tuple(tidy(c.xreplace(dict(values))) for c in v) for v in generic.vectors)
+    vectors = tuple(tuple(tidy_constant(c.xreplace(dict(values))) for c in v) for v in generic.vectors)
     if any(c.has(sp.zoo, sp.nan, sp.oo) for v in vectors for c in v):
         return None
     return Kernel(vectors, True, ())
@@ -138,7 +138,7 @@ def _webs(reduced: Kernel, cartesian: Cartesian, budget: float) -> Found:
     Irrational constants are letters in the plane, where this is quick, and in space where their own arithmetic does
     not lead to the end.
     """
-    lettered, values = named(cartesian)
+    lettered, values = with_named_constants(cartesian)
     if not values or reduced.dimension == 1:
         return _with_constants(reduced, cartesian, budget)
     if len(cartesian.X) == 2:
@@ -266,7 +266,7 @@ def _stretch(M: sp.ImmutableMatrix, mass: sp.Expr) -> sp.ImmutableMatrix:
     """Return S with Sᵀ M S = mass·1, upper triangular, from M = L D Lᵀ: S = L⁻ᵀ √(mass/D)."""
     lower, diagonal = sp.Matrix(M).LDLdecomposition(hermitian=False)
     n = M.rows
-    scales = sp.diag(*(tidy(sp.sqrt(sp.factor(mass / diagonal[i, i]))) for i in range(n)))
+    scales = sp.diag(*(tidy_constant(sp.sqrt(sp.factor(mass / diagonal[i, i]))) for i in range(n)))
     return sp.ImmutableMatrix((lower.T.inv() * scales).applyfunc(sp.simplify))
 
 

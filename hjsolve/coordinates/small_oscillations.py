@@ -17,7 +17,7 @@ from typing import Any
 import sympy as sp
 
 from hjsolve import arguments
-from hjsolve.coordinates.webs.orthonormal_frames import Sign, sign_by, tidy
+from hjsolve.coordinates.webs.orthonormal_frames import Sign, sign_by, tidy_constant
 from hjsolve.errors import InvalidSystemError
 from hjsolve.formulas.read import number
 from hjsolve.mechanics.subjects import system_of
@@ -201,7 +201,7 @@ def _tidy(expression: sp.Expr) -> sp.Expr:
         return expression
     if expression.has(sp.sin, sp.cos, sp.tan):
         expression = sp.simplify(expression)
-    return tidy(expression)
+    return tidy_constant(expression)
 
 
 def _text(system: System, origin: Sequence[sp.Expr]) -> str:

@@ -12,7 +12,7 @@ from collections.abc import Callable, Sequence
 from dataclasses import dataclass, field, replace
 
 from hjsolve.costs.answers import Answer, Ruler
-from hjsolve.costs.reference import SPARE, Reference
+from hjsolve.costs.reference import SPARE, TrueValues
 from hjsolve.costs.table import Row, duration
 from hjsolve.costs.trial import Task, Trial
 from hjsolve.errors import HJSolveError, InvalidInputError, MissingExtraError, NotConvergedError
@@ -23,7 +23,7 @@ _GROWTH = 1.6
 
 
 @dataclass
-class Found:
+class TrialRecord:
     """What is known of a trial so far.
 
     Attributes:
@@ -65,7 +65,7 @@ class Clock:
             self.progress(min(1.0, self.spent / self.budget), what)
 
 
-def measured(task: Task, trials: Sequence[Trial], truth: Reference, clock: Clock, repeats: int) -> list[Row]:
+def measured(task: Task, trials: Sequence[Trial], truth: TrueValues, clock: Clock, repeats: int) -> list[Row]:
     """Run all trials once, then again in turn as often as time allows.
 
     Args:
@@ -78,7 +78,7 @@ def measured(task: Task, trials: Sequence[Trial], truth: Reference, clock: Clock
     Returns:
         One row a trial, method by method; a single one for a method that cannot start.
     """
-    found: list[Found] = []
+    found: list[TrialRecord] = []
     sizes: dict[str, float] = {}
     cheap = {trial.method for trial in trials} - {"mpmath", "certified"}
     for trial in sorted(trials, key=lambda trial: (trial is not trials[0], trial.method not in cheap, trial.digits)):
@@ -103,7 +103,7 @@ def measured(task: Task, trials: Sequence[Trial], truth: Reference, clock: Clock
     return [_closed(one) for one in sorted(found, key=lambda f: (methods.index(f.trial.method), f.trial.digits))]
 
 
-def _closed(one: Found) -> Row:
+def _closed(one: TrialRecord) -> Row:
     """The row with its time: the first run warms up and counts only where there is no other."""
     if not one.clock:
         return one.row
@@ -112,15 +112,15 @@ def _closed(one: Found) -> Row:
 
 
 def _first(
-    task: Task, trial: Trial, truth: Reference, clock: Clock, sizes: dict[str, float], last: Found | None
-) -> Found:
+    task: Task, trial: Trial, truth: TrueValues, clock: Clock, sizes: dict[str, float], last: TrialRecord | None
+) -> TrialRecord:
     """The first run: its answer, or why there is none."""
     empty = Row(trial.method, trial.digits, unit=trial.unit, covers=trial.covers, note=trial.note)
     allowed = max(0.0, clock.left) * 0.25
     if trial.own and trial.digits > truth.digits - SPARE:
-        return Found(trial, replace(empty, status="too slow", note="no reference with more digits fitted the budget"))
+        return TrialRecord(trial, replace(empty, status="too slow", note="no reference with more digits fitted the budget"))
     if last is not None and last.row.status == "too slow" and trial.digits > last.trial.digits:
-        return Found(trial, replace(empty, status="too slow", note="as with fewer digits"))
+        return TrialRecord(trial, replace(empty, status="too slow", note="as with fewer digits"))
     try:
         trial.prepare()
         if trial.thin:
@@ -130,23 +130,23 @@ def _first(
         expected = _expected(trial, last)
         if expected > allowed:
             note = f"would take about {duration(expected)}, more than its share of what was left"
-            return Found(trial, replace(empty, status="too slow", note=note))
+            return TrialRecord(trial, replace(empty, status="too slow", note=note))
         begin = time.thread_time()
         result = trial.compute(None, time.perf_counter() + allowed)
         spent = time.thread_time() - begin
         row = _judged(empty, trial.read(result, task.places), truth, sizes)
-        return Found(trial, row, [spent], True)
+        return TrialRecord(trial, row, [spent], True)
     except MissingExtraError as error:
-        return Found(trial, replace(empty, status="missing", note=_line(error)))
+        return TrialRecord(trial, replace(empty, status="missing", note=_line(error)))
     except NotConvergedError as error:
         status = "too slow" if str(error) == "out of time" else "not converged"
         note = "stopped when its share was spent" if status == "too slow" else _line(error)
-        return Found(trial, replace(empty, status=status, note=note))
+        return TrialRecord(trial, replace(empty, status=status, note=note))
     except (InvalidInputError, HJSolveError) as error:
-        return Found(trial, replace(empty, status="not applicable", note=_line(error)))
+        return TrialRecord(trial, replace(empty, status="not applicable", note=_line(error)))
 
 
-def _expected(trial: Trial, last: Found | None) -> float:
+def _expected(trial: Trial, last: TrialRecord | None) -> float:
     """Seconds the trial will take, from the one before it."""
     if last is None or not last.clock:
         return 0.0
@@ -154,7 +154,7 @@ def _expected(trial: Trial, last: Found | None) -> float:
     return last.clock[0] * ratio**_GROWTH
 
 
-def _thinned(task: Task, trial: Trial, truth: Reference, sizes: dict[str, float], allowed: float) -> Found | None:
+def _thinned(task: Task, trial: Trial, truth: TrueValues, sizes: dict[str, float], allowed: float) -> TrialRecord | None:
     """Run for some of the times; None where all of them fit in the time allowed."""
     count = len(task.every)
     if count <= 2 * _SAMPLE:
@@ -174,7 +174,7 @@ def _thinned(task: Task, trial: Trial, truth: Reference, sizes: dict[str, float]
     row = _judged(row, trial.read(result, [places.index(place) for place in task.places]), truth, sizes)
     note = f"time for {count} times from {len(places)}"
     status = "extrapolated" if row.status == "ok" else row.status
-    return Found(trial, replace(row, status=status, note=note, count=None), [total], False)
+    return TrialRecord(trial, replace(row, status=status, note=note, count=None), [total], False)
 
 
 def _seconds(work: Callable[[], object]) -> float:
@@ -183,7 +183,7 @@ def _seconds(work: Callable[[], object]) -> float:
     return time.thread_time() - begin
 
 
-def _judged(row: Row, answer: Answer, truth: Reference, sizes: dict[str, float]) -> Row:
+def _judged(row: Row, answer: Answer, truth: TrueValues, sizes: dict[str, float]) -> Row:
     """The row with its errors."""
     for name, size in answer.sizes.items():
         sizes.setdefault(name, 3.141592653589793 if name in truth.turning else size)

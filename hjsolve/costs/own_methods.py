@@ -13,7 +13,7 @@ from hjsolve.costs.answers import Answer, scalars
 from hjsolve.costs.trial import Task, Trial
 from hjsolve.scenes import Scene
 from hjsolve.scenes.question import Times
-from hjsolve.scenes.run import Run, run
+from hjsolve.scenes.run import Run, run_by_quadratures
 
 
 @dataclass(frozen=True, eq=False)
@@ -59,14 +59,14 @@ def own(task: Task, method: str, digits: int) -> Trial:
 
     covers, note = ("numbers", "without the states") if proved and task.states else ("all", "")
     unit = "right-hand sides" if method == "integrate" else "evaluations"
-    return Trial(method, digits, compute, read, unit, thin=method == "mpmath" and task.states, own=True,
+    return Trial(method, digits, compute, numbers_read, unit, thin=method == "mpmath" and task.states, own=True,
                  covers=covers, note=note)  # fmt: skip
 
 
 def result_of(scene: Scene, task: Task) -> Result:
     """Run a scene and work out everything it wants, errors too."""
     with counted() as work:
-        done = run(scene, task.solution)
+        done = run_by_quadratures(scene, task.solution)
         states = {}
         if done.trajectory is not None:
             error = done.trajectory.error
@@ -77,7 +77,7 @@ def result_of(scene: Scene, task: Task) -> Result:
     return Result(done, states, count if task.solution is not None else done.work.places)
 
 
-def read(result: Result, places: Sequence[int]) -> Answer:
+def numbers_read(result: Result, places: Sequence[int]) -> Answer:
     """The numbers of a run, its states at the places compared."""
     numbers = dict(scalars(result.run))
     sizes = {}

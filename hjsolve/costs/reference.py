@@ -17,13 +17,13 @@ import sympy as sp
 
 from hjsolve.arithmetic.tape import Tape
 from hjsolve.costs.answers import Numbers, Ruler
-from hjsolve.costs.own_methods import read, result_of
+from hjsolve.costs.own_methods import numbers_read, result_of
 from hjsolve.costs.taylor import follow
 from hjsolve.costs.trial import Task
 from hjsolve.errors import HJSolveError, NotConvergedError
 from hjsolve.lowering import lower
 from hjsolve.motion.initial_data import to_bits
-from hjsolve.scenes.crossing import exact
+from hjsolve.scenes.crossing import as_rational
 from hjsolve.scenes.events import Event, changed
 from hjsolve.scenes.integrate import Numbers as Start
 from hjsolve.scenes.integrate import numbers_of, slopes_of
@@ -33,7 +33,7 @@ Values = dict[str, tuple[Any, ...]]
 
 
 @dataclass(frozen=True)
-class Reference:
+class TrueValues:
     """Numbers to compare with.
 
     Attributes:
@@ -53,7 +53,7 @@ class Reference:
         return Ruler(self.proved if proved else self.plain, self.digits, sizes, self.turning)
 
 
-def reference(task: Task, digits: int, seconds: float, *, own: bool = True, proofs: bool = True) -> Reference:
+def true_values(task: Task, digits: int, seconds: float, *, own: bool = True, proofs: bool = True) -> TrueValues:
     """Work out the reference.
 
     Args:
@@ -81,7 +81,7 @@ def reference(task: Task, digits: int, seconds: float, *, own: bool = True, proo
     left = sorted({name.partition(".")[0] for name in others if name not in balls and name not in series})
     if left:
         words.append(f"{', '.join(_WORDS.get(name, name) for name in left)} against mpmath at {digits} digits")
-    return Reference(plain, others | series, digits, angles, "; ".join(words))
+    return TrueValues(plain, others | series, digits, angles, "; ".join(words))
 
 
 _WORDS = {"q": "coordinates", "p": "momenta", "turning_points": "turning points", "boundary_times": "boundary times"}
@@ -94,7 +94,7 @@ def _first(numbers: Numbers) -> Values:
 def _own(task: Task, digits: int) -> Values:
     try:
         scene = replace(task.scene, digits=digits, times=task.some(task.places) if task.states else task.scene.times)
-        return _first(read(result_of(scene, task), range(len(task.places))).numbers)
+        return _first(numbers_read(result_of(scene, task), range(len(task.places))).numbers)
     except HJSolveError:
         return {}
 
@@ -105,7 +105,7 @@ def _balls(task: Task, digits: int) -> Values:
         return {}
     try:
         scene = replace(task.scene, digits=digits, certified=True, want=want)
-        numbers = read(result_of(scene, task), ()).numbers
+        numbers = numbers_read(result_of(scene, task), ()).numbers
     except HJSolveError:
         return {}
     return {name: values for name, values in _first(numbers).items() if not name.startswith("boundary_times")}
@@ -163,8 +163,8 @@ def _struck(event: Event, task: Task, start: Start, state: list[Any], digits: in
     """The state just after an event."""
     system, values = task.scene.system, dict(start.parameters)
     for i, c in enumerate(system.coordinates):
-        values[c.symbol] = exact(state[i], digits + SPARE)
-        values[c.momentum] = exact(state[len(system.coordinates) + i], digits + SPARE)
+        values[c.symbol] = as_rational(state[i], digits + SPARE)
+        values[c.momentum] = as_rational(state[len(system.coordinates) + i], digits + SPARE)
     p = changed(event, system, values)
     bits = int(3.4 * digits) + 256
     return [*state[: len(system.coordinates)], *(to_bits(p[c.name])(bits) for c in system.coordinates)]

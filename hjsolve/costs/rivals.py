@@ -19,7 +19,7 @@ import sympy as sp
 
 from hjsolve.arithmetic.tape import Tape
 from hjsolve.costs.answers import Answer
-from hjsolve.costs.scalar_floats import Plain
+from hjsolve.costs.scalar_floats import ScalarFloat
 from hjsolve.costs.trial import Task, Trial
 from hjsolve.errors import InvalidInputError, MissingExtraError, NotConvergedError
 from hjsolve.formulas.read import number
@@ -28,7 +28,7 @@ from hjsolve.scenes.events import Event, changed
 from hjsolve.scenes.integrate import Numbers, numbers_of, slopes_of
 from hjsolve.scenes.question import Times
 from hjsolve.scenes.run import sampled
-from hjsolve.scenes.steps import Flow, follow
+from hjsolve.scenes.steps import Flow, integrate_steps
 
 TOLERANCES = (1e-4, 1e-6, 1e-8, 1e-10, 1e-12, 2.3e-14)
 
@@ -152,7 +152,7 @@ def _dop853(task: Task, tolerance: float) -> Callable[[Times | None, float], Sta
     relative = max(tolerance, 2.3e-14)
 
     def compute(times: Times | None, deadline: float) -> States:
-        calls, arithmetic, when = 0, Plain(), _when(task, times)
+        calls, arithmetic, when = 0, ScalarFloat(), _when(task, times)
 
         def slopes(_: float, state: Any) -> list[float]:
             nonlocal calls
@@ -163,7 +163,7 @@ def _dop853(task: Task, tolerance: float) -> Callable[[Times | None, float], Sta
 
         if any(event.time is None for event in scene.events):
             flow = Flow(scene.system, lambda state: slopes(0.0, state), numbers.parameters)
-            done = follow(flow, scene.events, numbers.start, numbers.state, when, relative)
+            done = integrate_steps(flow, scene.events, numbers.start, numbers.state, when, relative)
             return States(done.states, calls)
 
         def carried(begin: float, state: Any, goal: Any) -> Any:
@@ -179,7 +179,7 @@ def _dop853(task: Task, tolerance: float) -> Callable[[Times | None, float], Sta
 
 
 @dataclass(frozen=True, slots=True)
-class _Symbols(Plain):
+class _Symbols(ScalarFloat):
     """A tape run over heyoka's expressions."""
 
     library: Any
@@ -192,7 +192,7 @@ class _Symbols(Plain):
 
     def unary(self, name: str, x: Any) -> Any:
         if isinstance(x, float):
-            return Plain().unary(name, x)
+            return ScalarFloat().unary(name, x)
         return -x if name == "neg" else getattr(self.library, name)(x)
 
 

@@ -12,7 +12,7 @@ _NAMES = {"abs": "fabs"}
 
 
 @dataclass(frozen=True, slots=True)
-class Plain(ByOperators):
+class ScalarFloat(ByOperators):
     """Double precision for scalars; what leaves the domain of a function is not a number."""
 
     def rational(self, numerator: int, denominator: int) -> float:

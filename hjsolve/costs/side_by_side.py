@@ -9,7 +9,7 @@ from contextlib import suppress
 from hjsolve.costs.closed_forms import closed_trials
 from hjsolve.costs.measure import Clock, Progress, measured
 from hjsolve.costs.own_methods import own_trials
-from hjsolve.costs.reference import SPARE, Reference, reference
+from hjsolve.costs.reference import SPARE, TrueValues, true_values
 from hjsolve.costs.rivals import rival_trials
 from hjsolve.costs.subject import Subject, scene_of
 from hjsolve.costs.table import Cost
@@ -81,7 +81,7 @@ def cost(
     )  # fmt: skip
 
 
-def _truth(task: Task, first: Trial, levels: Sequence[int], clock: Clock) -> Reference:
+def _truth(task: Task, first: Trial, levels: Sequence[int], clock: Clock) -> TrueValues:
     """The reference: as many digits as the time allows, judged by the first method."""
     clock.tell(first.method)
     begin = time.perf_counter()
@@ -96,7 +96,7 @@ def _truth(task: Task, first: Trial, levels: Sequence[int], clock: Clock) -> Ref
     digits = max(fit, default=15) + SPARE
     clock.tell(f"reference, {digits} digits")
     proofs = 5 * once * ((digits + SPARE) / 15) ** 0.6 <= clock.budget / 2
-    return reference(task, digits, clock.budget / 4, own=expected(digits - SPARE) <= third, proofs=proofs)
+    return true_values(task, digits, clock.budget / 4, own=expected(digits - SPARE) <= third, proofs=proofs)
 
 
 def _levels(digits: Sequence[int]) -> tuple[int, ...]:

@@ -16,7 +16,7 @@ from hjsolve.mechanics.subjects import system_of
 from hjsolve.mechanics.system import System
 from hjsolve.motion.motion import Motion
 from hjsolve.scenes import Scene, is_scene
-from hjsolve.scenes.question import Start, Times
+from hjsolve.scenes.question import InitialGroups, Times
 from hjsolve.solution.quadratures import Solution, solve
 
 Subject: TypeAlias = Scene | Motion | System | Solution | Mapping[str, Any] | str | Path
@@ -74,7 +74,7 @@ def _solution(scene: Scene) -> Solution | None:
 
 def _scene_of_motion(motion: Motion) -> Scene:
     given = motion.given
-    start = Start(given["q"], given.get("velocity"), given.get("p"), motion.t0)
+    start = InitialGroups(given["q"], given.get("velocity"), given.get("p"), motion.t0)
     system = motion.solution.system
     table = catalog.read(system.id)[0] if catalog.entry_of(system) is not None else {}
     return Scene(

@@ -24,13 +24,13 @@ _LONGEST_STRETCH, _MOST_TRIALS, _TAIL, _PATIENCE = 1.25, 200, 8, 0.4
 
 
 @dataclass(frozen=True, eq=False)
-class Constant:
+class ConstantSeries:
     """A slot that does not change along the motion."""
 
     value: Any
 
 
-Slot = Series | Constant
+Slot = Series | ConstantSeries
 
 
 @dataclass(eq=False)
@@ -65,11 +65,11 @@ class Program:
 
     def rational(self, numerator: int, denominator: int) -> Slot:
         """Give an exact number."""
-        return Constant(self.plain.rational(numerator, denominator))
+        return ConstantSeries(self.plain.rational(numerator, denominator))
 
     def pi(self) -> Slot:
         """Give π."""
-        return Constant(self.plain.pi())
+        return ConstantSeries(self.plain.pi())
 
     def add(self, x: Slot, y: Slot) -> Slot:
         """X + y."""
@@ -80,15 +80,15 @@ class Program:
         return self._sum(x, y, -1)
 
     def _sum(self, x: Slot, y: Slot, sign: int) -> Slot:
-        if isinstance(x, Constant) and isinstance(y, Constant):
-            return Constant(x.value + sign * y.value)
+        if isinstance(x, ConstantSeries) and isinstance(y, ConstantSeries):
+            return ConstantSeries(x.value + sign * y.value)
         a, b, out = self.coefficients(x), self.coefficients(y), self.new()
         self.lines.append(lambda k: out.append(a(k) + sign * b(k)))
         return out
 
     def coefficients(self, x: Slot) -> Callable[[int], int]:
         """K ↦ the k-th coefficient of a slot."""
-        if isinstance(x, Constant):
+        if isinstance(x, ConstantSeries):
             value = self.fixed(x.value)
             return lambda k: 0 if k else value
         return x.__getitem__
@@ -96,14 +96,14 @@ class Program:
     def mul(self, x: Slot, y: Slot) -> Slot:
         """The product; Cauchy's where both change."""
         bits = self.bits
-        if isinstance(x, Constant) and isinstance(y, Constant):
-            return Constant(x.value * y.value)
+        if isinstance(x, ConstantSeries) and isinstance(y, ConstantSeries):
+            return ConstantSeries(x.value * y.value)
         out = self.new()
         if isinstance(x, list) and isinstance(y, list):
             self.lines.append(lambda k: out.append(sum(map(mul, x, y[k::-1])) >> bits))
             return out
-        factor, other = (x, y) if isinstance(x, Constant) else (y, x)
-        assert isinstance(factor, Constant)
+        factor, other = (x, y) if isinstance(x, ConstantSeries) else (y, x)
+        assert isinstance(factor, ConstantSeries)
         assert isinstance(other, list)
         number = self.fixed(factor.value)
         self.lines.append(lambda k: out.append(other[k] * number >> bits))
@@ -111,8 +111,8 @@ class Program:
 
     def div(self, x: Slot, y: Slot) -> Slot:
         """The quotient: w₀ = x₀/y₀, y₀ wₖ = xₖ − Σ yⱼ wₖ₋ⱼ."""
-        if isinstance(y, Constant):
-            return self.mul(x, Constant(1 / y.value))
+        if isinstance(y, ConstantSeries):
+            return self.mul(x, ConstantSeries(1 / y.value))
         a, out, bits = self.coefficients(x), self.new(), self.bits
 
         def line(k: int) -> None:
@@ -124,8 +124,8 @@ class Program:
 
     def power(self, x: Slot, n: int) -> Slot:
         """A whole power, by products, so that a base that vanishes does no harm."""
-        if isinstance(x, Constant):
-            return Constant(x.value**n)
+        if isinstance(x, ConstantSeries):
+            return ConstantSeries(x.value**n)
         result: Slot = x
         for digit in f"{abs(n):b}"[1:]:
             result = self.mul(result, result)
@@ -134,8 +134,8 @@ class Program:
 
     def unary(self, name: str, x: Slot) -> Slot:
         """An elementary function, from the differential equation it satisfies."""
-        if isinstance(x, Constant):
-            return Constant(self.plain.unary(name, x.value))
+        if isinstance(x, ConstantSeries):
+            return ConstantSeries(self.plain.unary(name, x.value))
         if name in ("sin", "cos", "tan", "sinh", "cosh", "tanh"):
             return self._circular(name, x)
         if name == "sech":
@@ -246,7 +246,7 @@ def follow(slopes: Tape, start: Any, state: Sequence[Any], constants: Sequence[A
     small = max(0, -math.frexp(min(sizes))[1]) if sizes else 0
     program = Program(math.ceil(3.33 * digits) + order // 3 + 64 + small)
     inputs = [program.new() for _ in state]
-    rates = slopes.run(program, [*inputs, *(Constant(program.plain.convert(c)) for c in constants)])
+    rates = slopes.run(program, [*inputs, *(ConstantSeries(program.plain.convert(c)) for c in constants)])
     derivatives = [program.coefficients(rate) for rate in rates]
     values, now, found = [program.fixed(y) for y in state], program.plain.convert(start), list[list[Any]]()
     step = _first_step(program, times, now)

@@ -9,7 +9,7 @@ from typing import Any
 
 import numpy as np
 
-from hjsolve.ensembles.layout import ERROR, EXACT, QUANTITIES, STATUS, Layout
+from hjsolve.ensembles.layout import ERROR, QUANTITIES, RECOMPUTED, STATUS, Layout
 from hjsolve.errors import InvalidInputError
 
 
@@ -116,7 +116,7 @@ class Batch:
     @property
     def exact(self) -> Any:
         """True where the single-orbit engine computed the orbit, because the vectorised one handed it back."""
-        return self.columns[EXACT]
+        return self.columns[RECOMPUTED]
 
     @property
     def lazy(self) -> bool:
@@ -129,14 +129,14 @@ class Batch:
         Returns:
             Word → number of orbits; words that no orbit has are left out, ``exact`` is always there.
         """
-        status, exact = self.columns[STATUS], self.columns[EXACT]
+        status, exact = self.columns[STATUS], self.columns[RECOMPUTED]
         if self.lazy:
             from dask.base import compute
 
             status, exact = compute(status, exact)
         counts = np.bincount(np.ravel(status), minlength=len(Status))
         found = {s.word: int(counts[s]) for s in Status if counts[s]}
-        return {**found, EXACT: int(np.count_nonzero(exact))}
+        return {**found, RECOMPUTED: int(np.count_nonzero(exact))}
 
     def compute(self, **options: Any) -> Batch:
         """Compute a lazy batch, every block once; one that is computed is returned as it is.

@@ -13,9 +13,9 @@ import numpy as np
 from hjsolve.ensembles import engine
 from hjsolve.ensembles.batch import Status
 from hjsolve.ensembles.fallback import single_orbit
-from hjsolve.ensembles.layout import ERROR, EXACT, STATUS, Layout
+from hjsolve.ensembles.layout import ERROR, RECOMPUTED, STATUS, Layout
 from hjsolve.ensembles.momenta import run_from_velocities, value_of
-from hjsolve.ensembles.task import Recipe, Tools, tools_of
+from hjsolve.ensembles.task import EnsembleTask, TaskContext, context_of
 
 CHUNK = 16384
 """Orbits that one thread treats at a time, as many as the engine works on together."""
@@ -27,12 +27,12 @@ Columns = dict[str, Any]
 
 def dtypes(layout: Layout) -> dict[str, np.dtype[Any]]:
     """The type of every column."""
-    return {STATUS: np.dtype(np.int8), EXACT: np.dtype(np.bool_)} | dict.fromkeys(
+    return {STATUS: np.dtype(np.int8), RECOMPUTED: np.dtype(np.bool_)} | dict.fromkeys(
         layout.numbers(), np.dtype(np.float64)
     )
 
 
-def compute(recipe: Recipe, q: list[Any], rates: list[Any], *, threads: int | None = None) -> Columns:
+def compute_columns(recipe: EnsembleTask, q: list[Any], rates: list[Any], *, threads: int | None = None) -> Columns:
     """Compute the columns of n orbits.
 
     Args:
@@ -43,7 +43,7 @@ def compute(recipe: Recipe, q: list[Any], rates: list[Any], *, threads: int | No
     Returns:
         Column name → array of shape (n,).
     """
-    n, tools = len(q[0]), tools_of(recipe)
+    n, tools = len(q[0]), context_of(recipe)
     columns: Columns = {name: _empty(n, dtype) for name, dtype in dtypes(tools.layout).items()}
 
     stop = threading.Event()
@@ -83,7 +83,7 @@ def _windows(n: int, threads: int) -> Iterator[slice]:
 
 
 def _fill(
-    recipe: Recipe, tools: Tools, columns: Columns, window: slice, q: list[Any], rates: list[Any],
+    recipe: EnsembleTask, tools: TaskContext, columns: Columns, window: slice, q: list[Any], rates: list[Any],
     stop: threading.Event,
 ) -> None:  # fmt: skip
     """Compute one chunk into its window of the columns."""
@@ -111,7 +111,7 @@ def _fill(
         _one(recipe, tools, columns, window.start + int(good[k]), start, endless)
 
 
-def _at_the_door(tools: Tools, q: Mapping[str, Any], rates: Mapping[str, Any]) -> Any:
+def _at_the_door(tools: TaskContext, q: Mapping[str, Any], rates: Mapping[str, Any]) -> Any:
     """The status of orbits that need no engine, ``OK`` for the others."""
     finite = np.logical_and.reduce([np.isfinite(x) for group in (q, rates) for x in group.values()])
     within = np.ones(finite.shape, dtype=bool)
@@ -127,10 +127,10 @@ def _picked(arrays: Mapping[str, Any], k: int) -> dict[str, float]:
 
 
 def _one(
-    recipe: Recipe, tools: Tools, columns: Columns, place: int, start: Mapping[str, Mapping[str, float]], endless: bool
+    recipe: EnsembleTask, tools: TaskContext, columns: Columns, place: int, start: Mapping[str, Mapping[str, float]], endless: bool
 ) -> None:
     """Compute one orbit by the engine of single motions into its row."""
     status, row = single_orbit(tools.solution, tools.layout, start, dict(recipe.parameters), endless=endless)
-    columns[STATUS][place], columns[EXACT][place] = status, True
+    columns[STATUS][place], columns[RECOMPUTED][place] = status, True
     for column, value in row.items():
         columns[column][place] = value

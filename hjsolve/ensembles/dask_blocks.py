@@ -7,14 +7,14 @@ from typing import Any
 import numpy as np
 
 from hjsolve.ensembles.batch import Batch
-from hjsolve.ensembles.compute import compute, dtypes
-from hjsolve.ensembles.initial_conditions import Conditions
+from hjsolve.ensembles.compute import compute_columns, dtypes
+from hjsolve.ensembles.initial_conditions import InitialConditions
 from hjsolve.ensembles.layout import Layout
-from hjsolve.ensembles.task import Recipe
+from hjsolve.ensembles.task import EnsembleTask
 from hjsolve.errors import MissingExtraError
 
 
-def lazily(recipe: Recipe, layout: Layout, given: Conditions) -> Batch:
+def lazily(recipe: EnsembleTask, layout: Layout, given: InitialConditions) -> Batch:
     """Lay an ensemble out as dask arrays.
 
     A block's task computes all columns of its orbits, as one array of records; each column is a view of it. Blocks are
@@ -43,11 +43,11 @@ def _field(block: Any, name: str) -> Any:
     return np.ascontiguousarray(block[name]).reshape(block.shape)
 
 
-def _records(*arrays: Any, recipe: Recipe) -> Any:
+def _records(*arrays: Any, recipe: EnsembleTask) -> Any:
     """The records of one block."""
     shape, half = arrays[0].shape, len(arrays) // 2
     flat = [np.ascontiguousarray(array).reshape(-1) for array in arrays]
-    columns = compute(recipe, flat[:half], flat[half:], threads=1)
+    columns = compute_columns(recipe, flat[:half], flat[half:], threads=1)
     block = np.empty(shape, dtype=[(name, column.dtype) for name, column in columns.items()])
     for name, column in columns.items():
         block[name] = column.reshape(shape)

@@ -14,9 +14,9 @@ from hjsolve.ensembles.task import ONE_AT_A_TIME
 from hjsolve.errors import ForbiddenMotionError, InvalidInputError, NotConvergedError
 from hjsolve.motion.motion import Motion
 from hjsolve.motion.positions import constant_index
-from hjsolve.one_coordinate.coordinate_motion import Frozen
+from hjsolve.one_coordinate.coordinate_motion import AtRest
 from hjsolve.solution.quadratures import Solution
-from hjsolve.time_law.torus import Torus, oscillation
+from hjsolve.time_law.torus import TorusEquations, oscillation
 
 _ANGLE_ROUNDING = 2.0**-48
 """An angle is reduced, summed and rounded in doubles of size up to 2π: a few 2⁻⁵⁰."""
@@ -62,7 +62,7 @@ def _status(motion: Motion) -> Status:
     for kind in ("boundary", "escape", "asymptotic"):
         if kind in kinds:
             return _KINDS[kind]
-    frozen = (place.course for place in motion.separated.located.values() if isinstance(place.course, Frozen))
+    frozen = (place.course for place in motion.separated.located.values() if isinstance(place.course, AtRest))
     return Status.OK if all(course.stable for course in frozen) else Status.ASYMPTOTIC
 
 
@@ -99,7 +99,7 @@ def _angle_error(motion: Motion, name: str) -> float:
     A ripple is a periodic series; its slope at the phase, found by moving it, multiplies the rounding of the phase.
     """
     torus = motion.separated.equations
-    if not isinstance(torus, Torus):
+    if not isinstance(torus, TorusEquations):
         return _ANGLE_ROUNDING
     if name in motion.separated.located:
         ripples = torus.ripples[list(motion.solution.coordinates).index(name)]

@@ -17,7 +17,7 @@ _MASKED = "a masked array; give NaN for what is missing (array.filled(nan)), suc
 
 
 @dataclass(frozen=True)
-class Conditions:
+class InitialConditions:
     """Initial conditions, checked.
 
     Attributes:
@@ -36,7 +36,7 @@ class Conditions:
 
 def conditions(
     system: System, q: Mapping[str, Any], p: Mapping[str, Any] | None, velocity: Mapping[str, Any] | None
-) -> Conditions:
+) -> InitialConditions:
     """Check the initial conditions of an ensemble.
 
     Args:
@@ -58,7 +58,7 @@ def conditions(
     shape = _common_shape(arrays)
     places = {name: array for (group, name), array in arrays.items() if group == "q"}
     speeds = {name: array for (group, name), array in arrays.items() if group == kind}
-    return Conditions(kind, places, speeds, shape, any(_is_dask(array) for array in arrays.values()))
+    return InitialConditions(kind, places, speeds, shape, any(_is_dask(array) for array in arrays.values()))
 
 
 def _complete(system: System, given: Any, what: str) -> dict[str, Any]:
@@ -116,4 +116,4 @@ def _kind(value: Any) -> str:
     return f"a {type(value).__name__}"
 
 
-__all__ = ["Conditions", "conditions"]
+__all__ = ["InitialConditions", "conditions"]

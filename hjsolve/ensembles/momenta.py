@@ -8,15 +8,15 @@ from typing import Any
 
 import numpy as np
 
-from hjsolve.arithmetic.double_double import Doubled
+from hjsolve.arithmetic.double_double import DoubleDouble
 from hjsolve.arithmetic.error_free import Pair
 from hjsolve.ensembles import engine
-from hjsolve.ensembles.task import Tools
+from hjsolve.ensembles.task import TaskContext
 
 Arrays = Mapping[str, Any]
 
 
-def momenta_of(tools: Tools, q: Arrays, velocity: Arrays) -> tuple[dict[str, Any], dict[str, Any]]:
+def momenta_of(tools: TaskContext, q: Arrays, velocity: Arrays) -> tuple[dict[str, Any], dict[str, Any]]:
     """Momenta in doubles from velocities, and which of them are rounded.
 
     Returns:
@@ -25,13 +25,13 @@ def momenta_of(tools: Tools, q: Arrays, velocity: Arrays) -> tuple[dict[str, Any
     names = [c.name for c in tools.solution.system.coordinates]
     arrays = [Pair(np.asarray(group[name], float), 0.0) for group in (q, velocity) for name in names]
     with np.errstate(all="ignore"):
-        pairs = tools.momenta.run(Doubled(), [*arrays, *tools.numbers])
+        pairs = tools.momenta.run(DoubleDouble(), [*arrays, *tools.numbers])
     shape = np.shape(q[names[0]])
     p, rest = ({n: np.broadcast_to(pair[k], shape) for n, pair in zip(names, pairs, strict=True)} for k in (0, 1))
     return p, {name: low != 0 for name, low in rest.items() if np.any(low != 0)}
 
 
-def run_from_velocities(tools: Tools, q: Arrays, velocity: Arrays) -> engine.Columns:
+def run_from_velocities(tools: TaskContext, q: Arrays, velocity: Arrays) -> engine.Columns:
     """Run the vectorised engine on the momenta that velocities give, their rounding counted.
 
     Every momentum that was rounded is moved to the next double, both ways; what that does to a number is added to its

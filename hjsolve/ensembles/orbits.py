@@ -14,10 +14,10 @@ import numpy as np
 from hjsolve import arguments, catalog
 from hjsolve.ensembles import engine
 from hjsolve.ensembles.batch import Batch
-from hjsolve.ensembles.compute import Columns, compute
-from hjsolve.ensembles.initial_conditions import Conditions, conditions
+from hjsolve.ensembles.compute import Columns, compute_columns
+from hjsolve.ensembles.initial_conditions import InitialConditions, conditions
 from hjsolve.ensembles.layout import layout_of
-from hjsolve.ensembles.task import WORTH_COMPILING, WORTH_LOADING, Recipe
+from hjsolve.ensembles.task import WORTH_COMPILING, WORTH_LOADING, EnsembleTask
 from hjsolve.errors import InvalidInputError
 from hjsolve.mechanics.subjects import system_of
 from hjsolve.mechanics.system import System
@@ -89,7 +89,7 @@ def ensemble(
     return Batch({name: column.reshape(given.shape) for name, column in columns.items()}, layout, given.shape)
 
 
-def _worth_compiling(count: int, recipe: Recipe, solution: Solution) -> bool:
+def _worth_compiling(count: int, recipe: EnsembleTask, solution: Solution) -> bool:
     if WORTH_LOADING <= count < WORTH_COMPILING:
         return engine.ready(solution, frozenset(recipe.want), dict(recipe.parameters))
     return count >= WORTH_COMPILING
@@ -98,7 +98,7 @@ def _worth_compiling(count: int, recipe: Recipe, solution: Solution) -> bool:
 def recipe_for(
     solution: Solution, want: tuple[str, ...], parameters: Mapping[str, Any] | None, kind: str, *, compiled: bool,
     fallback: bool = True,
-) -> Recipe:  # fmt: skip
+) -> EnsembleTask:  # fmt: skip
     """Write the recipe of an ensemble: every parameter with its exact value.
 
     Raises:
@@ -107,7 +107,7 @@ def recipe_for(
     """
     exact = parameter_values(solution.system, _numbers(parameters))
     values = tuple((symbol.name, exact[symbol]) for symbol in sorted(exact, key=lambda s: s.name))
-    return Recipe(solution.system, want, values, kind, fallback, compiled)
+    return EnsembleTask(solution.system, want, values, kind, fallback, compiled)
 
 
 def _solution(system: Any) -> Solution:
@@ -135,10 +135,10 @@ def _thread_count(threads: Any) -> int | None:
     return None if threads is None else arguments.whole(threads, "threads", 1)
 
 
-def _at_once(recipe: Recipe, given: Conditions, threads: int | None) -> Columns:
+def _at_once(recipe: EnsembleTask, given: InitialConditions, threads: int | None) -> Columns:
     names = [c.name for c in recipe.system.coordinates]
 
     def flat(array: Any) -> Any:
         return np.broadcast_to(array, given.shape).reshape(-1)
 
-    return compute(recipe, [flat(given.q[n]) for n in names], [flat(given.rates[n]) for n in names], threads=threads)
+    return compute_columns(recipe, [flat(given.q[n]) for n in names], [flat(given.rates[n]) for n in names], threads=threads)

@@ -29,7 +29,7 @@ WORTH_LOADING = 20_000
 
 
 @dataclass(frozen=True)
-class Recipe:
+class EnsembleTask:
     """Plain values; equal recipes give equal columns, in whatever process.
 
     Attributes:
@@ -51,7 +51,7 @@ class Recipe:
 
 
 @dataclass(frozen=True)
-class Bound:
+class DomainEnd:
     """An end of a coordinate's domain, as a double that tells doubles inside from doubles outside.
 
     Attributes:
@@ -66,7 +66,7 @@ class Bound:
 
 
 @dataclass(frozen=True, eq=False)
-class Tools:
+class TaskContext:
     """What a process makes of a recipe.
 
     Attributes:
@@ -78,24 +78,24 @@ class Tools:
     solution: Solution
     layout: Layout
     engine: batch.Engine
-    bounds: tuple[Bound, ...]
+    bounds: tuple[DomainEnd, ...]
     momenta: Tape
     numbers: tuple[Pair, ...]
 
 
-def tools_of(recipe: Recipe) -> Tools:
+def context_of(recipe: EnsembleTask) -> TaskContext:
     """The tools of a recipe; made when a process first asks, and kept for the newest recipes."""
     with ONE_AT_A_TIME:
         return _tools(recipe)
 
 
 @lru_cache(maxsize=16)
-def _tools(recipe: Recipe) -> Tools:
+def _tools(recipe: EnsembleTask) -> TaskContext:
     system, solution = recipe.system, solve(recipe.system)
     names = [name for name, _ in recipe.parameters]
     formulas = momenta(system)
     arguments = [c.symbol for c in system.coordinates] + [c.velocity for c in system.coordinates]
-    return Tools(
+    return TaskContext(
         solution=solution,
         layout=layout_of(solution, recipe.want),
         engine=batch.build(
@@ -112,12 +112,12 @@ def _tools(recipe: Recipe) -> Tools:
     )
 
 
-def _bounds(recipe: Recipe) -> list[Bound]:
+def _bounds(recipe: EnsembleTask) -> list[DomainEnd]:
     values = {recipe.system.symbols[name]: value for name, value in recipe.parameters}
     found = []
     for c in recipe.system.coordinates:
         for end, side in zip(domain_ends(recipe.system, c.name, values), (1, -1), strict=True):
             if end is not None:
                 number = float(to_bits(end)(128))
-                found.append(Bound(c.name, side, number, side * sign(end - sp.Rational(number)) < 0))
+                found.append(DomainEnd(c.name, side, number, side * sign(end - sp.Rational(number)) < 0))
     return found

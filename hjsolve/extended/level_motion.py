@@ -16,14 +16,14 @@ import sympy as sp
 from hjsolve import arguments
 from hjsolve.arithmetic.estimate import Estimate
 from hjsolve.arithmetic.floats import Multi, multiprecision
-from hjsolve.arithmetic.tape import Bound
+from hjsolve.arithmetic.tape import BoundTape
 from hjsolve.errors import InvalidInputError, MissingValueError, NotConvergedError
 from hjsolve.extended.linear_hamiltonian import GeneralHamiltonian
 from hjsolve.formulas.read import number
 from hjsolve.lowering import lower
-from hjsolve.motion.initial_data import is_zero, parameter_values, to_bits
+from hjsolve.motion.initial_data import number_is_zero, parameter_values, to_bits
 from hjsolve.motion.state import Errors, State
-from hjsolve.motion.times import counted, exact_numbers
+from hjsolve.motion.times import exact_numbers, whole_numbers
 from hjsolve.one_coordinate.level_curve import Curve, Orbit, followed
 
 _FLOAT_DIGITS, _GUARDS, _SPARE = 15, (96, 192, 384, 768), 64
@@ -58,7 +58,7 @@ class LevelMotion:
     p: sp.Expr
     t0: sp.Expr
     orbit: Orbit | None
-    rates: Bound
+    rates: BoundTape
 
     def at(self, t: Any) -> State:
         """Return the state at a time or at an array of times.
@@ -93,7 +93,7 @@ class LevelMotion:
         if self.orbit is not None:
             T = self.orbit.period
             elapsed = to_bits(t - self.t0)(bits + 64)
-            whole = int(counted(np.array([context.floor(elapsed / T)], dtype=object))[0])
+            whole = int(whole_numbers(np.array([context.floor(elapsed / T)], dtype=object))[0])
             q, p = self.orbit.at(elapsed - whole * T)
             q += 2 * context.pi * whole * self.orbit.turns
             doubt = (abs(whole) + 1) * (self.orbit.period_error + abs(T) * context.mpf(2) ** (_SPARE - bits))
@@ -141,7 +141,7 @@ def start(
     if not E.is_finite or not E.is_real:
         raise InvalidInputError("initial data: H is no real number there")
     slopes = [sp.diff(problem.hamiltonian, s) for s in (coordinate.symbol, coordinate.momentum)]
-    begin, rests = number(t0, source="t0"), all(is_zero(slope.xreplace(at)) for slope in slopes)
+    begin, rests = number(t0, source="t0"), all(number_is_zero(slope.xreplace(at)) for slope in slopes)
     curve = _curve(problem, slopes, values, E, (place, momentum), digits)
     bits, rates = curve.bits, _rates(problem, slopes, values, curve.bits)
     point = to_bits(place)(bits), to_bits(momentum)(bits)
@@ -174,7 +174,7 @@ def _curve(
     raise NotConvergedError("the terms of H cancel at the start beyond what any precision tried makes up for")
 
 
-def _rates(problem: GeneralHamiltonian, slopes: list[sp.Expr], values: Mapping[sp.Symbol, sp.Expr], bits: int) -> Bound:
+def _rates(problem: GeneralHamiltonian, slopes: list[sp.Expr], values: Mapping[sp.Symbol, sp.Expr], bits: int) -> BoundTape:
     """H_q, H_p, and their derivatives along the motion."""
     q, p = problem.coordinate.symbol, problem.coordinate.momentum
     second = [sp.diff(f, q) * slopes[1] - sp.diff(f, p) * slopes[0] for f in slopes]

@@ -100,9 +100,9 @@ class LinearHamiltonian:
         Raises:
             InvalidInputError: no momentum. MissingValueError: a number is missing.
         """
-        from hjsolve.extended.linear_hamiltonian_motion import start
+        from hjsolve.extended.linear_hamiltonian_motion import start_linear_motion
 
-        return start(self, q=q, velocity=velocity, p=p, parameters=parameters or {}, t0=t0, digits=digits)
+        return start_linear_motion(self, q=q, velocity=velocity, p=p, parameters=parameters or {}, t0=t0, digits=digits)
 
     def at(self, t: Any, *, q: Any, p: Any, t0: Any = 0, digits: int = 15) -> tuple[Any, Any]:
         """Return (q, p) at one time; ``motion`` gives their errors as well.

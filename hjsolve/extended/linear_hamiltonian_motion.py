@@ -151,7 +151,7 @@ class _Ends:
         return (self.lower is None or place > self.lower) and (self.upper is None or place < self.upper)
 
 
-def start(
+def start_linear_motion(
     problem: LinearHamiltonian, *, q: Mapping[str, Any], velocity: Mapping[str, Any] | None,
     p: Mapping[str, Any] | None, parameters: Mapping[str, Any], t0: Any, digits: int,
 ) -> LinearMotion:  # fmt: skip

@@ -104,9 +104,9 @@ class Frame:
             t0: the initial time; it matters, since the original system contains the time.
             digits: relative digits wanted.
         """
-        from hjsolve.extended.moving_frame_motion import start
+        from hjsolve.extended.moving_frame_motion import start_framed_motion
 
-        return start(self, q=q, velocity=velocity, p=p, parameters=parameters or {}, t0=t0, digits=digits)
+        return start_framed_motion(self, q=q, velocity=velocity, p=p, parameters=parameters or {}, t0=t0, digits=digits)
 
 
 def verified(frame: Frame) -> Frame:
@@ -137,7 +137,7 @@ def drift(frame: Frame, expression: sp.Expr) -> sp.Expr:
     return total
 
 
-def initial_data(
+def carried_initial_data(
     frame: Frame, values: Mapping[sp.Symbol, sp.Expr], q: Mapping[str, Any], velocity: Mapping[str, Any] | None,
     p: Mapping[str, Any] | None,
 ) -> dict[str, Any]:  # fmt: skip

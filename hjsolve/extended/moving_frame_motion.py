@@ -12,7 +12,7 @@ import sympy as sp
 from hjsolve import arguments
 from hjsolve.arithmetic.floats import Float64, Multi
 from hjsolve.errors import InvalidInputError, MissingValueError
-from hjsolve.extended.moving_frame import Frame, initial_data
+from hjsolve.extended.moving_frame import Frame, carried_initial_data
 from hjsolve.formulas.read import number
 from hjsolve.lowering import lower
 from hjsolve.mechanics.system import momenta
@@ -93,7 +93,7 @@ def _numbers(t: Any, shape: tuple[int, ...], digits: int) -> Any:
     return values.reshape(shape) if shape else values[0]
 
 
-def start(
+def start_framed_motion(
     frame: Frame, *, q: Mapping[str, Any], velocity: Mapping[str, Any] | None, p: Mapping[str, Any] | None,
     parameters: Mapping[str, Any], t0: Any, digits: int,
 ) -> FramedMotion:  # fmt: skip
@@ -110,5 +110,5 @@ def start(
             raise MissingValueError(f"{what}: needs a number for each of {', '.join(names)}, and nothing else")
     time = number(t0, source="t0")
     values = {**parameter_values(frame.system, parameters), frame.time: time}
-    data = initial_data(frame, values, q, velocity, p)
+    data = carried_initial_data(frame, values, q, velocity, p)
     return FramedMotion(frame, frame.solve().motion(**data, parameters=parameters, t0=time, digits=digits))

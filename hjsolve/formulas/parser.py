@@ -13,7 +13,7 @@ import sympy as sp
 from hjsolve.errors import ExpressionError
 from hjsolve.formulas import checked_arithmetic
 from hjsolve.formulas.checked_arithmetic import FUNCTIONS, Node
-from hjsolve.formulas.tokens import Source, Token, instead_of_word, nearest
+from hjsolve.formulas.tokens import FormulaText, Token, instead_of_word, nearest_name
 
 MAX_DEPTH = 50
 RESERVED = frozenset({*FUNCTIONS, "pi", "dot"})
@@ -27,7 +27,7 @@ class Parser:
 
     def __init__(
         self,
-        source: Source,
+        source: FormulaText,
         tokens: list[Token],
         names: Mapping[str, sp.Expr],
         velocities: Mapping[str, sp.Symbol],
@@ -135,7 +135,7 @@ class Parser:
             return self._followed(checked_arithmetic.leaf(sp.pi))
         if token.text in self._functions:
             return self._undetermined(token)
-        near = nearest(token.text, [*FUNCTIONS, *self._functions]) if opened else ""
+        near = nearest_name(token.text, [*FUNCTIONS, *self._functions]) if opened else ""
         names, speeds = ([near], []) if near else (list(self._names), list(self._velocities))
         message = instead_of_word(token.text, names, speeds, FUNCTIONS)
         argument, closing = ([*self._tokens, *self._tokens[-1:] * 2])[self._index + 1 : self._index + 3]

@@ -17,7 +17,7 @@ import sympy as sp
 from hjsolve.errors import ExpressionError
 from hjsolve.formulas.checked_arithmetic import FUNCTIONS, MAX_BITS
 from hjsolve.formulas.parser import Parser
-from hjsolve.formulas.tokens import MAX_DIGITS, Source, instead_of_word, printable, scan
+from hjsolve.formulas.tokens import MAX_DIGITS, FormulaText, instead_of_word, printable, scan
 
 _ARITHMETIC: tuple[type, ...] = (sp.Symbol, sp.Add, sp.Mul, sp.Pow, type(sp.pi), type(sp.E))
 _ELEMENTARY: tuple[type, ...] = (sp.exp, sp.log, sp.sin, sp.cos, sp.tan, sp.asin, sp.acos, sp.atan)
@@ -59,7 +59,7 @@ def parse(
     """
     if not isinstance(text, str):
         raise ExpressionError(f"{source}: expected a text, got {type(text).__name__}", source=source)
-    given = Source(source, text)
+    given = FormulaText(source, text)
     return Parser(given, scan(given), names, velocities, functions).formula()
 
 

@@ -103,7 +103,7 @@ class Token(NamedTuple):
 
 
 @dataclass(frozen=True)
-class Source:
+class FormulaText:
     """A formula as it was given: what it is called and its text."""
 
     name: str
@@ -134,7 +134,7 @@ def printable(text: str) -> str:
     return "".join(shown).strip()
 
 
-def scan(source: Source) -> list[Token]:
+def scan(source: FormulaText) -> list[Token]:
     """Split a formula into tokens; the last one is of kind ``end``.
 
     Raises:
@@ -158,7 +158,7 @@ def scan(source: Source) -> list[Token]:
     return [*tokens, Token("end", "", len(source.text.rstrip()))]
 
 
-def _check_number(text: str, position: int, source: Source) -> None:
+def _check_number(text: str, position: int, source: FormulaText) -> None:
     digits, _, exponent = text.lower().partition("e")
     if len(digits) > MAX_DIGITS:
         raise source.error(f"a number of {len(digits)} digits is too long; at most {MAX_DIGITS} are accepted", position)
@@ -196,7 +196,7 @@ def _spelled(character: str) -> str:
     return "write formulas with plain ASCII letters, digits and + - * / ** ( )"
 
 
-def nearest(word: str, known: Iterable[str]) -> str:
+def nearest_name(word: str, known: Iterable[str]) -> str:
     """The known name that is spelled most like ``word``, or nothing."""
     if len(word) > 40:
         return ""
@@ -222,7 +222,7 @@ def instead_of_word(
     for function in sorted(functions, key=len, reverse=True):
         if word.startswith(function) and word[len(function) :] in names:
             return f"{shown!r} is not declared; write {function}({word[len(function) :]})"
-    near = nearest(word, [*names, *functions, "pi"])
+    near = nearest_name(word, [*names, *functions, "pi"])
     if near:
         return f"{shown!r} is not declared; did you mean {near}?"
     if not names:

@@ -15,7 +15,7 @@ from hjsolve.errors import InvalidSystemError
 from hjsolve.formulas.parser import RESERVED
 from hjsolve.formulas.point_values import CONTEXT, evaluate
 from hjsolve.formulas.read import number
-from hjsolve.formulas.tokens import nearest, printable
+from hjsolve.formulas.tokens import nearest_name, printable
 from hjsolve.mechanics.domains import Domain, read_domain
 
 Assumption = Literal["real", "positive", "negative", "nonnegative", "nonzero", "integer"]
@@ -168,7 +168,7 @@ def read_functions(given: object, coordinates: Iterable[str], names: Mapping[str
             raise InvalidSystemError(f"functions: {name} is declared twice; rename the function")
         for argument in arguments:
             if argument not in places:
-                raise unknown(argument, places, "coordinate")
+                raise unknown_names(argument, places, "coordinate")
         if len(set(arguments)) < len(arguments):
             raise InvalidSystemError(f"functions: {text.strip()}: an argument stands twice")
         found[name] = sp.Function(name)(*(names[a] for a in arguments))
@@ -230,9 +230,9 @@ def _looks(name: str) -> tuple[str, int]:
     return bare.replace("_", ""), len(name) - len(bare)
 
 
-def unknown(name: object, known: Iterable[str], role: str) -> InvalidSystemError:
+def unknown_names(name: object, known: Iterable[str], role: str) -> InvalidSystemError:
     """The error for a name that the system does not declare."""
     shown, known = printable(str(name))[:_MAX_NAME], list(known)
-    near = nearest(shown, known)
+    near = nearest_name(shown, known)
     hint = f"did you mean {near}?" if near else f"known are {', '.join(known)}" if known else "it has none"
     return InvalidSystemError(f"{shown!r} is not a {role} of the system; {hint}")

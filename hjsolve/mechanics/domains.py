@@ -12,7 +12,7 @@ import sympy as sp
 from hjsolve.arguments import ascii_name
 from hjsolve.errors import InvalidSystemError
 from hjsolve.formulas.read import parse
-from hjsolve.formulas.tokens import nearest, printable
+from hjsolve.formulas.tokens import nearest_name, printable
 
 _EXAMPLES = '"line", "angle", "0 < r" or "-a < x < a"'
 _INFINITE = re.compile(r"[+-]?\s*(oo|inf|infinity|∞)", re.IGNORECASE)
@@ -72,7 +72,7 @@ def read_domain(name: str, text: object, parameters: Mapping[str, sp.Expr]) -> D
     sides = [ascii_name(side.strip()) for side in re.split(r"[<>]", word)]
     signs = set(re.findall(r"[<>]", word))
     if len(sides) not in (2, 3) or len(signs) != 1 or not all(side.strip() for side in sides):
-        near = nearest(word, ("line", "angle"))
+        near = nearest_name(word, ("line", "angle"))
         hint = f'did you mean "{near}"?' if near else f"write {_EXAMPLES}"
         raise InvalidSystemError(f'domain of {name}: "{shown}" is not a domain; {hint}')
     if signs == {">"}:

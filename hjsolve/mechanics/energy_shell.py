@@ -22,7 +22,7 @@ from hjsolve.algebra.field import Element
 from hjsolve.algebra.integration import closed_form_potential
 from hjsolve.algebra.modular_jets import at_random_points
 from hjsolve.algebra.poly import Budget
-from hjsolve.algebra.readable import readable
+from hjsolve.algebra.readable import shortest_form
 from hjsolve.algebra.reader import Reader
 from hjsolve.algebra.signs import Bounds
 from hjsolve.errors import InvalidSystemError
@@ -33,7 +33,7 @@ from hjsolve.mechanics.system import Coordinate, System, kinetic_rest, linear_te
 
 
 @dataclass(frozen=True)
-class Step:
+class ReductionStep:
     """One step of an argument.
 
     Attributes:
@@ -72,7 +72,7 @@ class Shell:
     energy: sp.Symbol
     shift: tuple[sp.Expr, ...]
     shift_potential: sp.Expr
-    steps: tuple[Step, ...]
+    steps: tuple[ReductionStep, ...]
     null: tuple[str, ...] = ()
 
     @property
@@ -98,7 +98,7 @@ class Irreducible:
     reason: str
     pair: tuple[str, str]
     residual: sp.Expr
-    steps: tuple[Step, ...]
+    steps: tuple[ReductionStep, ...]
     essential: tuple[Coordinate, ...] = ()
     ignorable: tuple[Coordinate, ...] = ()
 
@@ -173,7 +173,7 @@ def reduce(system: System, budget: Budget | None = None) -> Shell | Irreducible:
     if eliminated.coupled is not None:
         i, j, entry = eliminated.coupled
         pair = coordinates[i].name, coordinates[j].name
-        return Irreducible("metric", pair, readable(reader, entry), steps, coordinates, ignorable)
+        return Irreducible("metric", pair, shortest_form(reader, entry), steps, coordinates, ignorable)
     if (curl := _curl(coordinates, eliminated.shift, reader)) is not None:
         i, j, residual = curl
         pair = coordinates[i].name, coordinates[j].name
@@ -188,12 +188,12 @@ def _shell(
     lagrangian: _Lagrangian,
     eliminated: Eliminated,
     reader: Reader,
-    steps: tuple[Step, ...],
+    steps: tuple[ReductionStep, ...],
 ) -> Shell:
-    metric = tuple(readable(reader, g) for g in eliminated.metric)
-    centrifugal = [readable(reader, x) for x in eliminated.centrifugal]
+    metric = tuple(shortest_form(reader, g) for g in eliminated.metric)
+    centrifugal = [shortest_form(reader, x) for x in eliminated.centrifugal]
     potential = sp.Add(lagrangian.potential, -lagrangian.rest, *centrifugal)
-    shift = tuple(readable(reader, x) for x in eliminated.shift)
+    shift = tuple(shortest_form(reader, x) for x in eliminated.shift)
     χ = closed_form_potential(reader, [c.symbol for c in coordinates], eliminated.shift)
     energy = energy_symbol(system)
     if any(shift):
@@ -219,7 +219,7 @@ def _refuse_divisions_by_zero(lagrangian: _Lagrangian, reader: Reader) -> None:
 def _shell_step(
     coordinates: tuple[Coordinate, ...], metric: tuple[sp.Expr, ...], potential: sp.Expr, energy: sp.Symbol,
     null: tuple[str, ...], *, shifted: bool,
-) -> Step:  # fmt: skip
+) -> ReductionStep:  # fmt: skip
     """The shell in a formula; P in place of p where terms linear in the momenta were shifted away."""
     momenta = [sp.Symbol(f"P_{c.name}") if shifted else c.momentum for c in coordinates]
     powers = (p if c.name in null else p**2 / 2 for c, p in zip(coordinates, momenta))
@@ -229,7 +229,7 @@ def _shell_step(
         text += " The momenta in it are P = p + gradient, as above."
     if not coordinates:
         text = "No coordinate is left: the effective potential is the energy, a function of the constant momenta."
-    return Step("Energy shell", text, sp.Eq(shell, energy, evaluate=False))
+    return ReductionStep("Energy shell", text, sp.Eq(shell, energy, evaluate=False))
 
 
 def _mass(system: System) -> sp.Matrix:
@@ -290,7 +290,7 @@ def _curl(coordinates: tuple[Coordinate, ...], shift: list[Element], reader: Rea
         for i in range(j):
             curl = reader.diff(shift[j], coordinates[i].symbol) - reader.diff(shift[i], coordinates[j].symbol)
             if not curl.is_zero:
-                return i, j, readable(reader, curl)
+                return i, j, shortest_form(reader, curl)
     return None
 
 
@@ -300,7 +300,7 @@ def _reduction_steps(
     lagrangian: _Lagrangian,
     eliminated: Eliminated,
     reader: Reader,
-) -> tuple[Step, ...]:
+) -> tuple[ReductionStep, ...]:
     steps = []
     if ignorable:
         names = ", ".join(c.name for c in ignorable)
@@ -312,19 +312,19 @@ def _reduction_steps(
             + (", and terms linear in the momenta left." if coupled else ".")
         )
         steps.append(
-            Step("Ignorable coordinates", text, sp.Add(*(readable(reader, x) for x in eliminated.centrifugal)))
+            ReductionStep("Ignorable coordinates", text, sp.Add(*(shortest_form(reader, x) for x in eliminated.centrifugal)))
         )
     if lagrangian.rest != 0:
         text = "The part of T without velocities acts as a potential: V' = V - T0."
-        steps.append(Step("Velocity-free part of T", text, lagrangian.potential - lagrangian.rest))
+        steps.append(ReductionStep("Velocity-free part of T", text, lagrangian.potential - lagrangian.rest))
     if not steps:
         names = ", ".join(c.name for c in system.coordinates)
         text = f"T or V contains each of {names}, or the motion may reach an end of its domain: none is ignorable."
-        steps.append(Step("Ignorable coordinates", text, None))
+        steps.append(ReductionStep("Ignorable coordinates", text, None))
     return tuple(steps)
 
 
-def _shift_step(coordinates: tuple[Coordinate, ...], χ: sp.Expr) -> Step:
+def _shift_step(coordinates: tuple[Coordinate, ...], χ: sp.Expr) -> ReductionStep:
     text = (
         "H has terms linear in the momenta left; together they are the gradient of the function shown, so they are "
         "removed by "
@@ -332,12 +332,12 @@ def _shift_step(coordinates: tuple[Coordinate, ...], χ: sp.Expr) -> Step:
     )
     if len(coordinates) == 1:
         text = "With one essential coordinate linear terms are always a gradient. " + text
-    return Step("Linear terms", text, χ)
+    return ReductionStep("Linear terms", text, χ)
 
 
-def _null_step(null: tuple[str, ...]) -> Step:
+def _null_step(null: tuple[str, ...]) -> ReductionStep:
     text = (
         f"T is indefinite and the ignorable coordinates left over are light-like: H holds the momentum of "
         f"{', '.join(null)} to first degree, with the coefficient shown in the energy shell, so that no root is taken."
     )
-    return Step("Null coordinates", text)
+    return ReductionStep("Null coordinates", text)

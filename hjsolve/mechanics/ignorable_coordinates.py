@@ -21,7 +21,7 @@ from fractions import Fraction
 import sympy as sp
 
 from hjsolve.algebra.field import Element
-from hjsolve.algebra.readable import cost
+from hjsolve.algebra.readable import printed_length
 from hjsolve.algebra.reader import Reader
 
 Rows = list[list[Element]]
@@ -81,7 +81,7 @@ def _pivots(mass: Rows, left: Sequence[int], positions: Sequence[sp.Symbol]) -> 
     """The simplest pivot as (k, k), else a pair (k, l) with m_kk = m_ll = 0 and m_kl ≠ 0, else None."""
     usable = [i for i in left if not mass[i][i].is_zero]
     if usable:
-        k = min(usable, key=lambda i: (any(mass[i][i].depends_on(q) for q in positions), cost(mass[i][i])))
+        k = min(usable, key=lambda i: (any(mass[i][i].depends_on(q) for q in positions), printed_length(mass[i][i])))
         return k, k
     return next(((k, n) for n in left for k in left if k < n and not mass[k][n].is_zero), None)
 
@@ -136,7 +136,7 @@ def _inverse(reader: Reader, m: Rows) -> Rows:
     field, size = reader.field, len(m)
     work = [[*row, *(field.one if i == j else field.zero for j in range(size))] for i, row in enumerate(m)]
     for k in range(size):
-        p = min((i for i in range(k, size) if not work[i][k].is_zero), key=lambda i: cost(work[i][k]), default=None)
+        p = min((i for i in range(k, size) if not work[i][k].is_zero), key=lambda i: printed_length(work[i][k]), default=None)
         if p is None:
             raise ZeroDivisionError("the mass matrix is singular")
         work[k], work[p] = work[p], work[k]

@@ -69,7 +69,7 @@ def mass_entries(kinetic: sp.Expr, velocities: Sequence[sp.Symbol]) -> sp.Immuta
 
 def mass_as_written(kinetic: sp.Expr, velocities: Sequence[sp.Symbol]) -> sp.ImmutableMatrix:
     """The same, as it falls out of T."""
-    found = parts(kinetic, velocities)
+    found = velocity_coefficients(kinetic, velocities)
 
     def entry(i: int, j: int) -> sp.Expr:
         return found.get((min(i, j), max(i, j)), sp.S.Zero) * (2 if i == j else 1)
@@ -77,7 +77,7 @@ def mass_as_written(kinetic: sp.Expr, velocities: Sequence[sp.Symbol]) -> sp.Imm
     return sp.ImmutableMatrix(len(velocities), len(velocities), entry)
 
 
-def parts(kinetic: sp.Expr, velocities: Sequence[sp.Symbol]) -> Parts:
+def velocity_coefficients(kinetic: sp.Expr, velocities: Sequence[sp.Symbol]) -> Parts:
     """The coefficients of T as a polynomial in the velocities, by their positions: (), (i,), (i, j) with i ≤ j.
 
     Read off the structure; what holds no velocity is neither differentiated nor expanded.
@@ -128,7 +128,7 @@ def blocks(matrix: sp.ImmutableMatrix) -> list[list[int]]:
 
 
 @dataclass(frozen=True)
-class Squares:
+class SumOfSquares:
     """½ xᵀM⁻¹x of one block as a sum of squares: ½ Σ_k (rows[k]·x)²/pivots[k], from M = L D Lᵀ and rows = L⁻¹."""
 
     indices: tuple[int, ...]
@@ -136,7 +136,7 @@ class Squares:
     pivots: tuple[sp.Expr, ...]
 
 
-def squares(matrix: sp.ImmutableMatrix, block: Sequence[int]) -> Squares | None:
+def squares(matrix: sp.ImmutableMatrix, block: Sequence[int]) -> SumOfSquares | None:
     """Complete the squares of a block, the simplest pivot first; None where every pivot left is zero."""
     left = list(block)
     n = len(left)
@@ -158,10 +158,10 @@ def squares(matrix: sp.ImmutableMatrix, block: Sequence[int]) -> Squares | None:
             for j in left:
                 if i <= j:
                     remaining[i, j] = remaining[j, i] = tidy(remaining[i, j] - ratio * remaining[k, j])
-    return Squares(tuple(block), tuple(rows), tuple(pivots))
+    return SumOfSquares(tuple(block), tuple(rows), tuple(pivots))
 
 
-def inverse(matrix: sp.ImmutableMatrix) -> sp.ImmutableMatrix:
+def inverse_of_mass_matrix(matrix: sp.ImmutableMatrix) -> sp.ImmutableMatrix:
     """M⁻¹, block by block, in readable entries."""
     result = sp.zeros(matrix.rows, matrix.rows)
     for block in blocks(matrix):
@@ -173,10 +173,10 @@ def inverse(matrix: sp.ImmutableMatrix) -> sp.ImmutableMatrix:
     return sp.ImmutableMatrix(result)
 
 
-def _from_squares(completed: Squares) -> sp.Matrix:
+def _from_squares(completed: SumOfSquares) -> sp.Matrix:
     n = len(completed.indices)
     terms = list(zip(completed.rows, completed.pivots))
-    return sp.Matrix(n, n, lambda i, j: sp.Add(*(row[i] * row[j] * reciprocal(pivot) for row, pivot in terms)))
+    return sp.Matrix(n, n, lambda i, j: sp.Add(*(row[i] * row[j] * short_reciprocal(pivot) for row, pivot in terms)))
 
 
 def _adjugate_inverse(matrix: sp.ImmutableMatrix, block: Sequence[int]) -> sp.Matrix:
@@ -195,11 +195,11 @@ def half_inverse_form(matrix: sp.ImmutableMatrix, vector: Sequence[sp.Expr]) -> 
             terms.append((x.T * part * x)[0, 0] / 2)
             continue
         for row, pivot in zip(completed.rows, completed.pivots):
-            terms.append(sp.Add(*(c * vector[i] for c, i in zip(row, block))) ** 2 * reciprocal(pivot) / 2)
+            terms.append(sp.Add(*(c * vector[i] for c, i in zip(row, block))) ** 2 * short_reciprocal(pivot) / 2)
     return sp.Add(*terms)
 
 
-def reciprocal(expression: sp.Expr) -> sp.Expr:
+def short_reciprocal(expression: sp.Expr) -> sp.Expr:
     """1/expression, without a fraction in the denominator where that is shorter."""
     return _shortest([1 / expression, 1 / sp.together(expression)])
 

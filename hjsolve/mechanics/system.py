@@ -27,10 +27,16 @@ from hjsolve.mechanics.coordinates_and_parameters import (
     read_coordinates,
     read_functions,
     read_parameters,
-    unknown,
+    unknown_names,
 )
 from hjsolve.mechanics.domains import Domain
-from hjsolve.mechanics.kinetic_energy import check_quadratic, half_inverse_form, inverse, mass_entries, parts
+from hjsolve.mechanics.kinetic_energy import (
+    check_quadratic,
+    half_inverse_form,
+    inverse_of_mass_matrix,
+    mass_entries,
+    velocity_coefficients,
+)
 from hjsolve.mechanics.periodicity import check_periodic
 from hjsolve.mechanics.positive_definite import check_mass_matrix, end_values
 from hjsolve.mechanics.relativity import Relativity
@@ -125,7 +131,7 @@ class System:
         for coordinate in self.coordinates:
             if coordinate.name == name:
                 return coordinate
-        raise unknown(name, (c.name for c in self.coordinates), "coordinate")
+        raise unknown_names(name, (c.name for c in self.coordinates), "coordinate")
 
     def __repr__(self) -> str:
         """The call that makes the system, as far as it differs from the defaults."""
@@ -233,7 +239,7 @@ def with_values(system: System, values: Mapping[str, object]) -> System:
     names = [p.name for p in system.parameters]
     for name in values:
         if name not in names:
-            raise unknown(name, names, "parameter")
+            raise unknown_names(name, names, "parameter")
     changed = []
     for p in system.parameters:
         if p.name in values:
@@ -258,7 +264,7 @@ def require_values(system: System, names: Iterable[str] | None = None) -> dict[s
     wanted = list(known) if names is None else list(names)
     for name in wanted:
         if name not in known:
-            raise unknown(name, known, "parameter")
+            raise unknown_names(name, known, "parameter")
     missing = [name for name in wanted if known[name].value is None]
     if missing:
         example = ", ".join(f'"{name}": …' for name in missing)
@@ -277,7 +283,7 @@ def mass_matrix(system: System) -> sp.ImmutableMatrix:
 
 def linear_terms(system: System) -> tuple[sp.Expr, ...]:
     """a_i(q) of T₁ = Σ a_i q̇_i, one for each coordinate."""
-    found = parts(system.kinetic, _speeds(system))
+    found = velocity_coefficients(system.kinetic, _speeds(system))
     return tuple(found.get((i,), sp.S.Zero) for i in range(len(system.coordinates)))
 
 
@@ -295,7 +301,7 @@ def kinetic_rest(system: System) -> sp.Expr:
 
 def inverse_mass_matrix(system: System) -> sp.ImmutableMatrix:
     """The inverse of the mass matrix, shape (n, n)."""
-    return inverse(mass_matrix(system))
+    return inverse_of_mass_matrix(mass_matrix(system))
 
 
 def _shifted(system: System) -> list[sp.Expr]:

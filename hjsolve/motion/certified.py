@@ -19,19 +19,19 @@ from hjsolve.arithmetic import ball
 from hjsolve.arithmetic.ball import Balls, flint, from_mpf, working
 from hjsolve.arithmetic.estimate import Estimate
 from hjsolve.arithmetic.floats import multiprecision
-from hjsolve.certified.ball_radicand import Line, turning_point
-from hjsolve.certified.integrands import Cycle, Map, all_round, between_turns
-from hjsolve.certified.proved_turning_points import walls
-from hjsolve.certified.strip_bound import means
+from hjsolve.certified.ball_radicand import BallMomentumSquared, turning_point
+from hjsolve.certified.integrands import AnomalyMap, CycleIntegrand, all_round, between_turns
+from hjsolve.certified.proved_turning_points import prove_turning_points
+from hjsolve.certified.strip_bound import certified_means
 from hjsolve.errors import InvalidInputError, NotConvergedError
 from hjsolve.lowering import lower
 from hjsolve.motion.initial_data import Initial
 from hjsolve.one_coordinate.anomaly import Libration, Rotation
 from hjsolve.one_coordinate.classify import Located, ray
-from hjsolve.one_coordinate.coordinate_motion import Bounded
-from hjsolve.one_coordinate.coordinate_start import Start
+from hjsolve.one_coordinate.coordinate_motion import Periodic
+from hjsolve.one_coordinate.coordinate_start import CoordinateStart
 from hjsolve.one_coordinate.fourier_series import zero
-from hjsolve.one_coordinate.momentum_squared import Radicand
+from hjsolve.one_coordinate.momentum_squared import MomentumSquared
 from hjsolve.one_coordinate.turning_points import end_of
 from hjsolve.solution.quadratures import Solution
 
@@ -60,7 +60,7 @@ def work_bits(digits: int) -> int:
     return int(3.33 * digits) + 79
 
 
-def lines(radicands: Mapping[str, Radicand], initial: Initial, solution: Solution, bits: int) -> dict[str, Line]:
+def lines(radicands: Mapping[str, MomentumSquared], initial: Initial, solution: Solution, bits: int) -> dict[str, BallMomentumSquared]:
     """Return p² of each separated coordinate in balls.
 
     Raises:
@@ -70,10 +70,10 @@ def lines(radicands: Mapping[str, Radicand], initial: Initial, solution: Solutio
     with working(bits):
         exact = (*initial.constants.values(), *(initial.values[p.symbol] for p in solution.system.parameters))
         inputs = [exact_ball(value) for value in exact]
-    return {name: Line(radicand, inputs, bits) for name, radicand in radicands.items()}
+    return {name: BallMomentumSquared(radicand, inputs, bits) for name, radicand in radicands.items()}
 
 
-def enclose(motion: SeparatedMotion, digits: int, known: Mapping[str, Line]) -> Enclosed:
+def enclosed_numbers(motion: SeparatedMotion, digits: int, known: Mapping[str, BallMomentumSquared]) -> Enclosed:
     """Enclose all numbers of a bounded motion.
 
     Args:
@@ -88,7 +88,7 @@ def enclose(motion: SeparatedMotion, digits: int, known: Mapping[str, Line]) -> 
         InvalidInputError: a coordinate neither librates nor rotates; that is not certified yet.
         NotConvergedError: an enclosure stayed wider than asked.
     """
-    unfit = [name for name, place in motion.located.items() if not isinstance(place.course, Bounded)]
+    unfit = [name for name, place in motion.located.items() if not isinstance(place.course, Periodic)]
     if unfit:
         raise InvalidInputError(
             f"certified=True encloses librations and rotations; {unfit[0]} is in {motion.located[unfit[0]].course.kind}"
@@ -106,12 +106,12 @@ def enclose(motion: SeparatedMotion, digits: int, known: Mapping[str, Line]) -> 
         return _enclose(motion, digits, known)
 
 
-def _enclose(motion: SeparatedMotion, digits: int, known: Mapping[str, Line]) -> Enclosed:
+def _enclose(motion: SeparatedMotion, digits: int, known: Mapping[str, BallMomentumSquared]) -> Enclosed:
     cycles = {name: _cycle(motion, name, line) for name, line in known.items()}
     constants = {name: exact_ball(value) for name, value in motion.initial.constants.items()}
     bits = int(3.33 * digits) + 12
     ends = {n: (f.lower, f.upper) for n, f in cycles.items() if f.lower is not None}
-    found = {n: dict(zip(f.wanted, means(f, bits), strict=True)) for n, f in cycles.items() if f.wanted}
+    found = {n: dict(zip(f.wanted, certified_means(f, bits), strict=True)) for n, f in cycles.items() if f.wanted}
     count = len(motion.solution.constants)
     growths = {n: [row.get(j, flint.arb(0)) for j in range(count)] for n, row in found.items()}
     actions = _actions(motion, found) if "action" in motion.parts else {}
@@ -132,7 +132,7 @@ def exact_ball(value: sp.Expr) -> Any:
     return lower([value], []).run(Balls(), [])[0]
 
 
-def librating(begin: Start, initial: Initial, solution: Solution, line: Line) -> Located | None:
+def proved_libration(begin: CoordinateStart, initial: Initial, solution: Solution, line: BallMomentumSquared) -> Located | None:
     """Prove that a coordinate librates, without integrating anything; None where that is not seen quickly.
 
     Args:
@@ -142,7 +142,7 @@ def librating(begin: Start, initial: Initial, solution: Solution, line: Line) ->
     """
     with working(line.bits):
         place = exact_ball(initial.values[solution.system.coordinate(begin.name).symbol])
-    found = walls(begin, place, line)
+    found = prove_turning_points(begin, place, line)
     if found is None:
         return None
     context = multiprecision(64)
@@ -150,13 +150,13 @@ def librating(begin: Start, initial: Initial, solution: Solution, line: Line) ->
     a, b = (to_mpf(wall.guess, 128) for wall in found)
     anomaly = Libration(a, b - a, b, context.zero, context.zero, context.one, context.pi / 2)
     empty = [zero() for _ in begin.skipped]
-    return Located(Bounded("libration", anomaly, empty, zero(), None, context.zero, begin.radicand), *ends)
+    return Located(Periodic("libration", anomaly, empty, zero(), None, context.zero, begin.radicand), *ends)
 
 
-def _cycle(motion: SeparatedMotion, name: str, line: Line) -> Cycle:
+def _cycle(motion: SeparatedMotion, name: str, line: BallMomentumSquared) -> CycleIntegrand:
     """Prove the turning points and set up the integrands of one coordinate."""
     solution, course = motion.solution, motion.located[name].course
-    assert isinstance(course, Bounded)
+    assert isinstance(course, Periodic)
     anomaly = course.anomaly
     F = solution.momentum_squared[name]
     held = [j for j, c in enumerate(solution.constants.values()) if c.symbol in F.free_symbols]
@@ -168,7 +168,7 @@ def _cycle(motion: SeparatedMotion, name: str, line: Line) -> Cycle:
         centre = _centre(F, q, slow, turns=True)
         fold = 1 if centre is None else 2
         slow = slow if centre is None else centre
-        return Cycle(line, None, None, slow, wanted, spread=_spread_round(anomaly), fold=fold)
+        return CycleIntegrand(line, None, None, slow, wanted, spread=_spread_round(anomaly), fold=fold)
     guesses = (anomaly.lower, anomaly.upper)  # type: ignore[union-attr]
     a, b = (turning_point(line, from_mpf(guess), line.bits) for guess in guesses)
     centre = _centre(F, q, (a + b) / 2, turns=False)
@@ -176,10 +176,10 @@ def _cycle(motion: SeparatedMotion, name: str, line: Line) -> Cycle:
     below = _near(line, a, b - a)
     near = (below, below if mirrored else _near(line, b, a - b))
     spread = between_turns(*near) if max(near) > 1 else None
-    return Cycle(line, a, b, flint.arb(0), wanted, spread=spread, near=max(near), fold=4 if mirrored else 2)
+    return CycleIntegrand(line, a, b, flint.arb(0), wanted, spread=spread, near=max(near), fold=4 if mirrored else 2)
 
 
-def _near(line: Line, end: Any, inward: Any) -> float:
+def _near(line: BallMomentumSquared, end: Any, inward: Any) -> float:
     """The width over the distance of the next zero or pole of R = p²/((q−a)(b−q)) from a turning point: W|R′/R|."""
     _, slope, half = line.taylor(end, 3)
     return abs(float((inward * half / slope).mid()) + 1)
@@ -206,7 +206,7 @@ def _even_about(F: sp.Expr, q: sp.Symbol, n: int, turns: bool) -> bool:
     return same(n * sp.pi - q) and (not turns or same(q + 2 * sp.pi))
 
 
-def _spread_round(anomaly: Any) -> Map | None:
+def _spread_round(anomaly: Any) -> AnomalyMap | None:
     """The map of a rotation that is slow at one place, from k′² = (gap/2)²/(1 + (gap/2)²)."""
     if not isinstance(anomaly, Rotation) or anomaly.complement > 0.1:
         return None
@@ -218,7 +218,7 @@ def _actions(motion: SeparatedMotion, found: Mapping[str, Mapping[int, Any]]) ->
     for c in motion.solution.system.coordinates:
         if c.name in found:
             course = motion.located[c.name].course
-            direction = course.anomaly.direction if isinstance(course, Bounded) else 1
+            direction = course.anomaly.direction if isinstance(course, Periodic) else 1
             if -1 in found[c.name]:
                 result[c.name] = direction * found[c.name][-1]
         elif c.name not in motion.located and c.domain.kind == "angle":
@@ -238,7 +238,7 @@ def _frequencies(motion: SeparatedMotion, growths: Mapping[str, list[Any]]) -> d
     for c in motion.solution.system.coordinates:
         if c.name in names:
             course = motion.located[c.name].course
-            direction = course.anomaly.direction if isinstance(course, Bounded) else 1
+            direction = course.anomaly.direction if isinstance(course, Periodic) else 1
             result[c.name] = direction * rates[names.index(c.name)]
         elif c.domain.kind == "angle":
             j = list(motion.solution.constants).index(c.momentum.name)

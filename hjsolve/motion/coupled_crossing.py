@@ -14,8 +14,8 @@ import numpy as np
 from hjsolve.arithmetic.floats import multiprecision
 from hjsolve.errors import OutsideMotionError
 from hjsolve.motion.phases import with_reach
-from hjsolve.one_coordinate.coordinate_motion import Bounded, Course, Open
-from hjsolve.time_law.open_motion import Plan
+from hjsolve.one_coordinate.coordinate_motion import CoordinateMotion, Periodic, Unbounded
+from hjsolve.time_law.open_motion import TriangularScheme
 
 if TYPE_CHECKING:
     from hjsolve.motion.separated import SeparatedMotion
@@ -23,7 +23,7 @@ if TYPE_CHECKING:
 _TREND, _STEEP, _MOST = 24, 5, 400
 
 
-def time_beside(motion: SeparatedMotion, k: int, phase: Any) -> tuple[Any, Any] | None:
+def coupled_crossing_time(motion: SeparatedMotion, k: int, phase: Any) -> tuple[Any, Any] | None:
     """Return the time from t₀ until one of two coupled coordinates has a phase, and a bound on its error.
 
     Args:
@@ -37,7 +37,7 @@ def time_beside(motion: SeparatedMotion, k: int, phase: Any) -> tuple[Any, Any] 
         OutsideMotionError: the other coordinate ends, or runs away, before.
     """
     scheme = motion.equations
-    if not isinstance(scheme, Plan) or len(scheme.courses) != 2:
+    if not isinstance(scheme, TriangularScheme) or len(scheme.courses) != 2:
         return None
     own, other = scheme.courses[k], scheme.courses[1 - k]
     kind = object if motion.digits > 15 else float
@@ -60,14 +60,14 @@ def time_beside(motion: SeparatedMotion, k: int, phase: Any) -> tuple[Any, Any] 
     return time, 4 * noise * (sum(map(abs, parts)) + slide + abs(there.rate(0, χ)) * (1 + abs(χ)))
 
 
-def _falling(course: Course) -> bool:
-    return isinstance(course, Open) and "fall" in (course.ahead.way.end, course.behind.way.end)
+def _falling(course: CoordinateMotion) -> bool:
+    return isinstance(course, Unbounded) and "fall" in (course.ahead.way.end, course.behind.way.end)
 
 
 class _Values:
     """Integrals of a course at single phases up to a largest one."""
 
-    def __init__(self, course: Course, kind: type, largest: Any):
+    def __init__(self, course: CoordinateMotion, kind: type, largest: Any):
         self.course, self.kind = with_reach(course, np.array([float(largest)])), kind
 
     def integral(self, j: int, χ: Any) -> Any:
@@ -77,12 +77,12 @@ class _Values:
         return np.ravel(self.course.rate(j, np.array([χ], dtype=self.kind)))[0]
 
 
-def _solved(course: Course, kind: type, start: Any, goal: Any, side: int, noise: Any) -> tuple[_Values, Any] | None:
+def _solved(course: CoordinateMotion, kind: type, start: Any, goal: Any, side: int, noise: Any) -> tuple[_Values, Any] | None:
     """The phase at which the second integral has grown by ``goal``, on one side of the start; None if not monotone."""
     reach, step, gains = abs(start) + 1, start * 0 + 1, [start * 0]
     while True:
         values = _Values(course, kind, reach + step)
-        floor, ceiling = values.course.limits() if isinstance(values.course, Open) else (-np.inf, np.inf)
+        floor, ceiling = values.course.limits() if isinstance(values.course, Unbounded) else (-np.inf, np.inf)
         last = start + side * step
         ended = not floor <= last <= ceiling
         last = last if not ended else (ceiling if side > 0 else floor) + 0 * start
@@ -127,7 +127,7 @@ def _monotone(values: _Values, first: Any, last: Any) -> bool:
     """True where the second integral is; at the end of a domain its rate may vanish, beside a pole be all rounding."""
     rates = [values.rate(1, first + (last - first) * k / 16) for k in range(16)]
     noise = 0.0
-    if values.kind is float and isinstance(values.course, Bounded):
+    if values.kind is float and isinstance(values.course, Periodic):
         series = values.course.kernels[1]
         noise = 2.0**-48 * (abs(float(series.mean)) + float(np.sum(np.abs(series.cosines.astype(float)))))
     return all(r > -noise for r in rates) or all(r < noise for r in rates)

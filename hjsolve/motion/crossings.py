@@ -15,17 +15,17 @@ from hjsolve.arithmetic.estimate import Estimate
 from hjsolve.arithmetic.floats import Multi, multiprecision
 from hjsolve.errors import InvalidInputError, NotConvergedError, OutsideMotionError
 from hjsolve.formulas.read import number
-from hjsolve.motion.coupled_crossing import time_beside
+from hjsolve.motion.coupled_crossing import coupled_crossing_time
 from hjsolve.motion.initial_data import to_bits
-from hjsolve.motion.phases import phases_at, solve, with_reach
-from hjsolve.motion.positions import constant_index, principal
-from hjsolve.motion.state_at import shaped, state_at
-from hjsolve.motion.times import counted, exact_numbers, read_times
-from hjsolve.one_coordinate.coordinate_motion import Bounded, Course, Frozen, Open
+from hjsolve.motion.phases import phases_at, solve_phases, with_reach
+from hjsolve.motion.positions import constant_index, principal_values
+from hjsolve.motion.state_at import shaped, state_at_times
+from hjsolve.motion.times import exact_numbers, read_times, whole_numbers
+from hjsolve.one_coordinate.coordinate_motion import AtRest, CoordinateMotion, Periodic, Unbounded
 from hjsolve.one_coordinate.open_branch import farthest
-from hjsolve.time_law.open_motion import Plan, Step
-from hjsolve.time_law.phase_reduction import turns
-from hjsolve.time_law.torus import Torus, mean_rate, oscillation
+from hjsolve.time_law.open_motion import DecoupledStep, TriangularScheme
+from hjsolve.time_law.phase_reduction import turns_and_rest
+from hjsolve.time_law.torus import TorusEquations, mean_rate, oscillation
 
 if TYPE_CHECKING:
     from hjsolve.motion.separated import SeparatedMotion
@@ -63,13 +63,13 @@ def _shifted(motion: SeparatedMotion, elapsed: Any, error: Any) -> Estimate:
     return Estimate(value, float(error) + _EPS * abs(value))
 
 
-def _phase_of(motion: SeparatedMotion, name: str, course: Course, target: Callable[[int], Any], passage: int) -> Any:
+def _phase_of(motion: SeparatedMotion, name: str, course: CoordinateMotion, target: Callable[[int], Any], passage: int) -> Any:
     """Phase of the passage-th crossing, counted from the start."""
     bits = int(3.33 * motion.digits) + 128
     place, arithmetic = target(bits), Multi(bits)
-    if isinstance(course, Frozen):
+    if isinstance(course, AtRest):
         raise OutsideMotionError(f"{name} rests at {float(course.rest):.12g}: it crosses nothing")
-    if isinstance(course, Bounded):
+    if isinstance(course, Periodic):
         χ = course.anomaly.phase(_between(motion, name, course, place), 1, arithmetic)
         turn = 2 * arithmetic.pi()
         around = {float(x % turn): x % turn for x in ((χ, -χ) if course.anomaly.even else (χ,))}
@@ -86,7 +86,7 @@ def _phase_of(motion: SeparatedMotion, name: str, course: Course, target: Callab
     return later[index]
 
 
-def _between(motion: SeparatedMotion, name: str, course: Bounded, place: Any) -> Any:
+def _between(motion: SeparatedMotion, name: str, course: Periodic, place: Any) -> Any:
     """A place that is passed; a turning point itself where it is that, but for the rounding of both.
 
     Raises:
@@ -102,7 +102,7 @@ def _between(motion: SeparatedMotion, name: str, course: Bounded, place: Any) ->
     return min(max(place, a), b)
 
 
-def _open_phases(name: str, course: Open, place: Any, bits: int) -> list[Any]:
+def _open_phases(name: str, course: Unbounded, place: Any, bits: int) -> list[Any]:
     """Phases of an unbounded course at a place: one on a branch, two where the branch turns."""
     found = []
     for sign, branch in ((1, course.ahead), (-1, course.behind)):
@@ -127,7 +127,7 @@ def _elapsed(motion: SeparatedMotion, k: int, phase: Any) -> tuple[Any, Any]:
     """Time from t₀ until coordinate k has a phase, and a bound on its error."""
     equations = motion.equations
     many = motion.digits > 15
-    if isinstance(equations, Torus) and all(not len(s.cosines) for i, s in enumerate(equations.ripples[k]) if i != k):
+    if isinstance(equations, TorusEquations) and all(not len(s.cosines) for i, s in enumerate(equations.ripples[k]) if i != k):
         ripple = equations.ripples[k][k]
         wave = (
             0
@@ -140,20 +140,20 @@ def _elapsed(motion: SeparatedMotion, k: int, phase: Any) -> tuple[Any, Any]:
         size = float(np.sum(np.abs(ripple.cosines.astype(float)))) + 4.0
         return time, _noise(motion) * size / abs(equations.rates[k])
     if (
-        isinstance(equations, Plan)
+        isinstance(equations, TriangularScheme)
         and (step := next((s for s in equations.steps if s.index == k), None))
         and step is equations.steps[0]
         and step.weights[0]
     ):
         return _own_time(motion, equations.courses[k], step, phase)
-    return time_beside(motion, k, phase) or _sought(motion, k, float(phase))
+    return coupled_crossing_time(motion, k, phase) or _sought(motion, k, float(phase))
 
 
 def _noise(motion: SeparatedMotion) -> Any:
     return 4 * _EPS if motion.digits <= 15 else multiprecision(64).mpf(10) ** -motion.digits
 
 
-def _own_time(motion: SeparatedMotion, course: Course, step: Step, phase: Any) -> tuple[Any, Any]:
+def _own_time(motion: SeparatedMotion, course: CoordinateMotion, step: DecoupledStep, phase: Any) -> tuple[Any, Any]:
     """Time of a coordinate whose equation holds no other."""
     kind = object if motion.digits > 15 else float
     here, start = np.array([phase], dtype=kind), np.array([course.start], dtype=kind)
@@ -171,7 +171,7 @@ def _sought(motion: SeparatedMotion, k: int, goal: float) -> tuple[Any, Any]:
     assert motion.equations is not None
 
     def full(t: float) -> tuple[float, float]:
-        χ, whole, errors, ended = solve(motion, (np.array([t]), np.zeros(1)))
+        χ, whole, errors, ended = solve_phases(motion, (np.array([t]), np.zeros(1)))
         return (np.inf if ended[0] else float(χ[k][0] + 2 * np.pi * whole[k][0])) - goal, float(errors[k][0])
 
     low, high = 0.0, 0.0
@@ -232,7 +232,7 @@ def _scanned(motion: SeparatedMotion, name: str, value: float, passage: int) -> 
     angle = motion.solution.system.coordinate(name).domain.kind == "angle"
 
     def off(t: float) -> float:
-        return float(state_at(motion, t).unwrapped(name)) - value
+        return float(state_at_times(motion, t).unwrapped(name)) - value
 
     def level(x: float) -> float:
         return np.floor(x / (2 * np.pi)) if angle else float(x >= 0)
@@ -250,7 +250,7 @@ def _scanned(motion: SeparatedMotion, name: str, value: float, passage: int) -> 
                 sign = 1.0 if after > before else -1.0
                 previous = start + k * step if rates else (start + step * 1.02 ** (k - 1) if k else start)
                 time = _root(lambda s, sign=sign, edge=edge: sign * (off(s) - edge), previous, t)  # type: ignore[misc]
-                state = state_at(motion, time)
+                state = state_at_times(motion, time)
                 return Estimate(
                     time,
                     2 * float(state.error.q[name]) / max(abs(float(state.velocity[name])), 1e-300)
@@ -265,7 +265,7 @@ def boundary_times(motion: SeparatedMotion) -> dict[str, Estimate]:
     result = {}
     for k, name in enumerate(motion.solution.coordinates):
         course = motion.located[name].course
-        if isinstance(course, Open) and course.ahead.way.end in {"boundary", "fall"}:
+        if isinstance(course, Unbounded) and course.ahead.way.end in {"boundary", "fall"}:
             context = multiprecision(int(3.33 * motion.digits) + 64)
             phase = course.ahead.way.last(context) or context.mpf(farthest(motion.digits))
             with suppress(OutsideMotionError):  # the others run away before, in a time of its own that ends
@@ -280,7 +280,7 @@ def angle_variables(motion: SeparatedMotion, t: Any) -> dict[str, Any]:
     phases = phases_at(motion, floats, exact)
     result = {}
     for name, frequency in motion.frequencies.items():
-        if not isinstance(equations, Torus):
+        if not isinstance(equations, TorusEquations):
             continue
         if name in motion.located:
             k = list(motion.solution.coordinates).index(name)
@@ -292,8 +292,8 @@ def angle_variables(motion: SeparatedMotion, t: Any) -> dict[str, Any]:
             for i, course in enumerate(equations.courses):
                 series = oscillation(equations, i, j)
                 start -= float(series.ripple(np.array([float(course.start)]))[0]) if len(series.cosines) else 0
-        whole, rest = turns(split(rate / (2 * multiprecision(160).pi)), phases.time)
-        counted(whole)
+        whole, rest = turns_and_rest(split(rate / (2 * multiprecision(160).pi)), phases.time)
+        whole_numbers(whole)
         direction = 1 if float(frequency.value) * float(rate) > 0 else -1
-        result[name] = shaped(principal(direction * (2 * np.pi * rest + float(start)))[0], shape)
+        result[name] = shaped(principal_values(direction * (2 * np.pi * rest + float(start)))[0], shape)
     return result

@@ -6,14 +6,14 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from hjsolve.one_coordinate.coordinate_motion import Open
-from hjsolve.time_law.open_motion import Plan, reaching
+from hjsolve.one_coordinate.coordinate_motion import Unbounded
+from hjsolve.time_law.open_motion import TriangularScheme, reaching
 
 if TYPE_CHECKING:
     from hjsolve.motion.separated import SeparatedMotion
 
 
-def statuses(motion: SeparatedMotion, time: tuple[Any, Any], ended: Any) -> Any:
+def end_statuses(motion: SeparatedMotion, time: tuple[Any, Any], ended: Any) -> Any:
     """Return the status of a motion at times.
 
     Args:
@@ -38,11 +38,11 @@ def statuses(motion: SeparatedMotion, time: tuple[Any, Any], ended: Any) -> Any:
 def _ends(motion: SeparatedMotion, direction: int, span: float) -> bool:
     """True where some coordinate has an end in that direction of time."""
     scheme = motion.equations
-    assert isinstance(scheme, Plan)
+    assert isinstance(scheme, TriangularScheme)
     for i, course in enumerate(scheme.courses):
-        if isinstance(course, Open):
+        if isinstance(course, Unbounded):
             whole = reaching(course, scheme, span, i)
-            assert isinstance(whole, Open)
+            assert isinstance(whole, Unbounded)
             branch = whole.ahead if direction > 0 else whole.behind
             ends = branch.way.end in {"boundary", "fall"} or branch.panels(*whole.reach).finished
             if ends or (branch.way.end == "asymptote" and np.isfinite(whole.limits()[direction > 0])):

@@ -75,7 +75,7 @@ def to_bits(value: sp.Expr) -> InBits:
     return InBits(value)
 
 
-def is_zero(value: sp.Expr) -> bool:
+def number_is_zero(value: sp.Expr) -> bool:
     """Decide whether an exact number is zero.
 
     A long one that two precisions agree on is not; else by sympy's own rules, which take their time, or to 2048 bits:
@@ -89,9 +89,9 @@ def is_zero(value: sp.Expr) -> bool:
     if value.is_zero is not None:
         return bool(value.is_zero)
     if value.is_Mul:
-        return any(is_zero(factor) for factor in value.args)
+        return any(number_is_zero(factor) for factor in value.args)
     if value.is_Pow and value.exp.is_positive:
-        return is_zero(value.base)
+        return number_is_zero(value.base)
     size = max(abs(to_bits(term)(64)) for term in sp.Add.make_args(value))
     tiny = abs(to_bits(value)(ZERO_BITS)) <= size * multiprecision(64).mpf(2) ** (64 - ZERO_BITS)
     return bool(tiny or not _agreed(value, ZERO_BITS // 2))
@@ -126,7 +126,7 @@ def sign(value: sp.Expr) -> int:
     """Return −1, 0 or 1."""
     if value.is_Rational:
         return (value.p > 0) - (value.p < 0)
-    if is_zero(value):
+    if number_is_zero(value):
         return 0
     return 1 if to_bits(value)(ZERO_BITS) > 0 else -1
 
@@ -176,7 +176,7 @@ def values_of(parameters: Sequence[Parameter], given: Values) -> dict[sp.Symbol,
     return {symbol: value for symbol, value in values.items() if value is not None}
 
 
-def initial_data(
+def read_initial_data(
     solution: Solution,
     *,
     q: Values,
@@ -237,7 +237,7 @@ def _from_constants(
     unsigned = []
     for name in solution.coordinates:
         squared = expanded(solution.momentum_squared[name].subs(values))
-        if is_zero(squared):
+        if number_is_zero(squared):
             root = sp.Integer(0)
         elif name not in signs:
             unsigned.append(name)
@@ -287,7 +287,7 @@ def _clean(value: sp.Expr) -> sp.Expr:
         raise InvalidInputError(
             "initial data: a constant of the motion is infinite there; the place is a singularity of the coordinates"
         )
-    return sp.Integer(0) if is_zero(value) else value
+    return sp.Integer(0) if number_is_zero(value) else value
 
 
 def _complete(system: System, given: Values, what: str) -> dict[str, sp.Expr]:

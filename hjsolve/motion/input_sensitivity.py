@@ -18,7 +18,7 @@ _GROUPS = ("q", "velocity", "p", "constants", "parameters")
 QUANTITIES = ("constants", "actions", "frequencies", "periods")
 
 
-def input_doubt(
+def input_sensitivities(
     again: Callable[[int, Mapping[str, Any]], Any], given: Mapping[str, Any]
 ) -> dict[str, dict[str, float]]:
     """Return how far each number can move when every float input moves by half a unit in its last place.

@@ -19,7 +19,7 @@ from hjsolve.arithmetic.estimate import Estimate
 from hjsolve.errors import InternalError, InvalidInputError
 from hjsolve.formulas.read import number
 from hjsolve.motion import quantities
-from hjsolve.motion.initial_data import Initial, initial_data, to_bits
+from hjsolve.motion.initial_data import Initial, read_initial_data, to_bits
 from hjsolve.motion.quantities import FLOAT_DIGITS
 from hjsolve.motion.separated import SeparatedMotion, checked, coordinate_start, separated_motion
 from hjsolve.motion.state import State
@@ -116,10 +116,10 @@ class Motion:
         Raises:
             InvalidInputError: a time that is no finite real number.
         """
-        from hjsolve.motion.state_at import state_at
+        from hjsolve.motion.state_at import state_at_times
 
         self._require("trajectory")
-        return state_at(self._source, t)
+        return state_at_times(self._source, t)
 
     def time_at(self, name: str, value: Any, passage: int = 0) -> Estimate:
         """Return the time of the passage-th crossing of a position, counted from t₀ on.
@@ -173,11 +173,11 @@ class Motion:
 
     def input_doubt(self) -> dict[str, dict[str, float]]:
         """Return how far each number can move when every float input moves by half an ulp; see ``conditioning``."""
-        from hjsolve.motion.input_sensitivity import input_doubt
+        from hjsolve.motion.input_sensitivity import input_sensitivities
 
         if self.again is None:
             raise InternalError("this motion does not know its input")
-        return input_doubt(self.again, self.given)
+        return input_sensitivities(self.again, self.given)
 
     @property
     def other_regions(self) -> dict[str, tuple[tuple[Estimate | None, Estimate | None], ...]]:
@@ -190,7 +190,7 @@ class Motion:
         for name, place in self.separated.located.items():
             begin = coordinate_start(self.solution, self.initial, name)
             found = others(begin, place.lower, place.upper, self.digits)
-            result[name] = tuple(quantities.ends(region, self.digits) for region in found)
+            result[name] = tuple(quantities.turning_points_of(region, self.digits) for region in found)
         return result
 
     @property
@@ -250,7 +250,7 @@ def start(
     """
     digits = arguments.digits(digits)
     arguments.refuse_other(certified, bool, "certified", "True or False is needed")
-    initial = initial_data(
+    initial = read_initial_data(
         solution, q=q, velocity=velocity, p=p, constants=constants, signs=signs, parameters=parameters
     )
     wanted = None if want is None else arguments.words(want, "want", '["actions", "periods"]')
@@ -295,7 +295,7 @@ def _certified(solution: Solution, initial: Initial, t0: sp.Expr, digits: int, p
 
     The proof needs kinds and guesses, in few digits and without an integral.
     """
-    from hjsolve.motion.certified import enclose, librating, lines, work_bits
+    from hjsolve.motion.certified import enclosed_numbers, lines, proved_libration, work_bits
 
     begins = {
         name: replace(coordinate_start(solution, initial, name), parts=frozenset[str]())
@@ -304,11 +304,11 @@ def _certified(solution: Solution, initial: Initial, t0: sp.Expr, digits: int, p
     radicands = {name: begin.radicand for name, begin in begins.items()}
     known = lines(radicands, initial, solution, work_bits(digits))
     located = {
-        name: librating(begin, initial, solution, known[name]) or locate(checked(begin), FLOAT_DIGITS)
+        name: proved_libration(begin, initial, solution, known[name]) or locate(checked(begin), FLOAT_DIGITS)
         for name, begin in begins.items()
     }
     taken_apart = SeparatedMotion(solution, initial, t0, digits, parts, located, None, {}, {})
-    proved = enclose(taken_apart, digits, known)
+    proved = enclosed_numbers(taken_apart, digits, known)
     return Motion(
         taken_apart, _kinds(solution, located), proved.turning_points, proved.constants, proved.actions,
         proved.frequencies, proved.periods, {}, states=_States(solution, initial, t0, digits, parts),

@@ -14,21 +14,21 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 import sympy as sp
 
-from hjsolve.arithmetic.double_double import Doubled
+from hjsolve.arithmetic.double_double import DoubleDouble
 from hjsolve.arithmetic.error_free import Pair, split, two_sum
 from hjsolve.arithmetic.floats import Float64
-from hjsolve.arithmetic.running_error import Bounded as Rounded
-from hjsolve.arithmetic.running_error import Running
+from hjsolve.arithmetic.running_error import RunningError
+from hjsolve.arithmetic.running_error import WithErrorBound as Rounded
 from hjsolve.mechanics.system import velocities
 from hjsolve.motion.initial_data import to_bits
 from hjsolve.motion.positions import tape_of
-from hjsolve.one_coordinate.anomaly import Crested, Libration
-from hjsolve.one_coordinate.coordinate_motion import Bounded, Course, Frozen, Open, float_way
-from hjsolve.one_coordinate.stretched_anomaly import Stretched, rounded
+from hjsolve.one_coordinate.anomaly import BarrierAnomaly, Libration
+from hjsolve.one_coordinate.coordinate_motion import AtRest, CoordinateMotion, Periodic, Unbounded, float_way
+from hjsolve.one_coordinate.stretched_anomaly import Stretched, map_in_doubles
 
 if TYPE_CHECKING:
     from hjsolve.motion.separated import SeparatedMotion
-    from hjsolve.motion.tabulated import Dense
+    from hjsolve.motion.tabulated import DenseOutput
 
 _LOST = 16 * 2.0**-53
 """What the rounding of a place may do to a velocity, relative to it, before it is worked out in two doubles."""
@@ -51,15 +51,15 @@ def blurred(motion: SeparatedMotion, q: Mapping[str, Any], p: Mapping[str, Any])
     inputs = [Rounded(x, 2.0**-53 * np.abs(x) if k < places else None) for k, x in enumerate(arrays)]
     inputs += [Rounded(float(x), 2.0**-53 * abs(float(x))) for x in (to_bits(value)(64) for value in fixed.values())]
     with np.errstate(all="ignore"):
-        found = tape_of(formulas, (*variables, *fixed)).run(Running(Float64()), inputs)
+        found = tape_of(formulas, (*variables, *fixed)).run(RunningError(Float64()), inputs)
         lost = [0.0 if x.error is None else x.error > _LOST * np.abs(x.value) for x in found]
     return np.any(np.broadcast_arrays(*lost, np.zeros(arrays[0].shape, dtype=bool)), axis=0)
 
 
-def blurs(motion: SeparatedMotion, course: Course) -> bool:
+def blurs(motion: SeparatedMotion, course: CoordinateMotion) -> bool:
     """Whether a motion with one separated coordinate comes to places where its velocities are blurred."""
     system, name = motion.solution.system, motion.solution.coordinates[0]
-    χ = np.linspace(0, np.pi, 65) if isinstance(course, Bounded) else np.linspace(-1, 1, 65)
+    χ = np.linspace(0, np.pi, 65) if isinstance(course, Periodic) else np.linspace(-1, 1, 65)
     q, p = {}, {}
     q[name], p[name] = course.place(χ)
     for c in system.coordinates:
@@ -79,7 +79,7 @@ def _arguments(
     return variables, arrays, {s: v for s, v in motion.initial.values.items() if s not in variables}
 
 
-def places(motion: SeparatedMotion, courses: list[Course], χ: list[Any]) -> tuple[dict[str, Pair], dict[str, Any]]:
+def places(motion: SeparatedMotion, courses: list[CoordinateMotion], χ: list[Any]) -> tuple[dict[str, Pair], dict[str, Any]]:
     """Separated coordinates in two doubles, and their shell momenta, at phases in doubles."""
     q, shell = {}, {}
     for name, course, phase in zip(motion.solution.coordinates, courses, χ, strict=True):
@@ -88,36 +88,36 @@ def places(motion: SeparatedMotion, courses: list[Course], χ: list[Any]) -> tup
     return q, shell
 
 
-def _place(course: Course, χ: Any, rough: Any) -> Pair:
-    if isinstance(course, Frozen):
+def _place(course: CoordinateMotion, χ: Any, rough: Any) -> Pair:
+    if isinstance(course, AtRest):
         rest = split(course.rest)
         return Pair(rest.high + 0 * χ, rest.low + 0 * χ)
-    if isinstance(course, Open):
+    if isinstance(course, Unbounded):
         return _open_place(course, χ)
     if not course.anomaly.even:
         return Pair(rough, 0 * rough)
     return beside(course, *distances(course, χ))
 
 
-def distances(course: Bounded, χ: Any) -> tuple[Any, Any]:
+def distances(course: Periodic, χ: Any) -> tuple[Any, Any]:
     """Distances from the lower and from the upper turning point of a libration, each with its relative accuracy."""
-    place = rounded(course.anomaly).place(χ - 2 * np.pi * np.rint(χ / (2 * np.pi)), Float64())
+    place = map_in_doubles(course.anomaly).place(χ - 2 * np.pi * np.rint(χ / (2 * np.pi)), Float64())
     return place.below, place.above
 
 
-def grain(course: Course, χ: Any) -> Any:
+def grain(course: CoordinateMotion, χ: Any) -> Any:
     """The size that the rounding of a place in two doubles refers to."""
-    if isinstance(course, Frozen):
+    if isinstance(course, AtRest):
         return 0.0 * χ
-    if isinstance(course, Open):
+    if isinstance(course, Unbounded):
         return np.abs(course.place(χ)[0] - float(course.ahead.way.start))
     return np.minimum(*distances(course, χ)) if course.anomaly.even else np.abs(course.place(χ)[0]) + np.pi
 
 
-def beside(course: Bounded, below: Any, above: Any) -> Pair:
+def beside(course: Periodic, below: Any, above: Any) -> Pair:
     """The place at these distances from the turning points, in two doubles: the nearer one and its distance."""
     anomaly = course.anomaly
-    assert isinstance(anomaly, (Libration, Crested, Stretched))
+    assert isinstance(anomaly, (Libration, BarrierAnomaly, Stretched))
     a, b, low = split(anomaly.lower), split(anomaly.upper), below < above
     end = Pair(np.where(low, a.high, b.high), np.where(low, a.low, b.low))
     return _sum(end, np.where(low, below, -above))
@@ -128,7 +128,7 @@ def _sum(base: Pair, more: Any) -> Pair:
     return Pair(*two_sum(s, e + base.low))
 
 
-def _open_place(course: Open, χ: Any) -> Pair:
+def _open_place(course: Unbounded, χ: Any) -> Pair:
     """Start or end of a branch and the distance from it."""
     pairs = []
     for branch in (course.ahead, course.behind):
@@ -146,7 +146,7 @@ def _open_place(course: Open, χ: Any) -> Pair:
 
 
 def sharpened(
-    motion: SeparatedMotion, courses: list[Course], χ: list[Any], q: Mapping[str, Any], v: Mapping[str, Any], where: Any
+    motion: SeparatedMotion, courses: list[CoordinateMotion], χ: list[Any], q: Mapping[str, Any], v: Mapping[str, Any], where: Any
 ) -> dict[str, Any]:
     """Velocities, those of some times worked out in two doubles.
 
@@ -160,7 +160,7 @@ def sharpened(
 
 
 def sharpened_from_table(
-    motion: SeparatedMotion, table: Dense, θ: Any, q: Mapping[str, Any], v: Mapping[str, Any], where: Any
+    motion: SeparatedMotion, table: DenseOutput, θ: Any, q: Mapping[str, Any], v: Mapping[str, Any], where: Any
 ) -> dict[str, Any]:
     """As ``sharpened``, from a table that holds the distances from both turning points; θ its argument."""
     return _put(motion, *from_table(motion, table, θ[where]), q, v, where)
@@ -182,12 +182,12 @@ def _put(
     return result
 
 
-def from_table(motion: SeparatedMotion, table: Dense, θ: Any) -> tuple[dict[str, Pair], dict[str, Any]]:
+def from_table(motion: SeparatedMotion, table: DenseOutput, θ: Any) -> tuple[dict[str, Pair], dict[str, Any]]:
     """As ``places``, from a table that holds the distances from both turning points; θ its argument."""
     assert table.ends is not None
     name = motion.solution.coordinates[0]
     course = motion.located[name].course
-    assert isinstance(course, Bounded)
+    assert isinstance(course, Periodic)
     below, above, shell = table.table.evaluate([*table.ends, 1], θ)
     return {name: beside(course, below, above)}, {name: shell}
 
@@ -218,7 +218,7 @@ def worked_out(
         if c.name in shell:
             p[c.name] = Pair(shell[c.name], 0 * shell[c.name])
             if solution.shift[c.name] != 0:
-                p[c.name] = Doubled().sub(p[c.name], _run(motion, (solution.shift[c.name],), pairs, {})[0])
+                p[c.name] = DoubleDouble().sub(p[c.name], _run(motion, (solution.shift[c.name],), pairs, {})[0])
         else:
             constant = _constant(motion.initial.values[c.momentum])
             p[c.name] = Pair(constant.high + 0 * some, constant.low + 0 * some)
@@ -229,7 +229,7 @@ def _run(motion: SeparatedMotion, formulas: tuple[sp.Expr, ...], q: Places, p: P
     variables, pairs, fixed = _arguments(motion, q, p)
     tape = tape_of(formulas, (*variables, *fixed))
     with np.errstate(all="ignore"):
-        return tape.run(Doubled(), [*pairs, *(_constant(value) for value in fixed.values())])
+        return tape.run(DoubleDouble(), [*pairs, *(_constant(value) for value in fixed.values())])
 
 
 @lru_cache(maxsize=256)

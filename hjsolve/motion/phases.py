@@ -10,8 +10,8 @@ import numpy as np
 
 from hjsolve.arithmetic.floats import multiprecision
 from hjsolve.motion.initial_data import to_bits
-from hjsolve.motion.times import counted, within_doubles
-from hjsolve.one_coordinate.coordinate_motion import Course, Open
+from hjsolve.motion.times import whole_numbers, within_doubles
+from hjsolve.one_coordinate.coordinate_motion import CoordinateMotion, Unbounded
 from hjsolve.time_law import open_motion, refine, torus
 from hjsolve.time_law.elapsed_time import halves, relative, relative_exact
 
@@ -56,30 +56,30 @@ def phases_at(
     precise = relative_exact(rules, start, bits) if rules else None
     if time is None:
         time = relative(floats, start) if floats is not None else halves(precise or [])
-    χ, whole, errors, ended = solve(motion, within_doubles(time))
+    χ, whole, errors, ended = solve_phases(motion, within_doubles(time))
     for cycles in whole:
-        counted(cycles)
+        whole_numbers(cycles)
     χ = [_where_it_goes_on(ended, x, c) for x, c in zip(χ, _courses(motion), strict=True)]
     if many and precise is not None:
         χ, errors = _refined_where(~ended, motion, χ, whole, precise, bits)
     return Phases(time, precise if many else None, χ, whole, errors, ended)
 
 
-def solve(motion: SeparatedMotion, time: tuple[Any, Any]) -> tuple[list[Any], list[Any], list[Any], Any]:
+def solve_phases(motion: SeparatedMotion, time: tuple[Any, Any]) -> tuple[list[Any], list[Any], list[Any], Any]:
     """Return phases, whole turns, error bounds and "has ended" at times relative to t₀ (two doubles, shape (m,))."""
     never = np.zeros(time[0].shape, dtype=bool)
     if motion.equations is None:
         return [], [], [], never
-    if isinstance(motion.equations, torus.Torus):
-        return *torus.phases(motion.equations, time), never
-    return open_motion.phases(motion.equations, time)
+    if isinstance(motion.equations, torus.TorusEquations):
+        return *torus.torus_phases(motion.equations, time), never
+    return open_motion.open_phases(motion.equations, time)
 
 
-def _courses(motion: SeparatedMotion) -> Sequence[Course]:
+def _courses(motion: SeparatedMotion) -> Sequence[CoordinateMotion]:
     return motion.equations.courses if motion.equations is not None else ()
 
 
-def _where_it_goes_on(ended: Any, χ: Any, course: Course) -> Any:
+def _where_it_goes_on(ended: Any, χ: Any, course: CoordinateMotion) -> Any:
     """Phases, and that of the start where the motion has ended: at an end itself momenta may be infinite."""
     return np.where(ended, float(course.start), χ) if ended.any() else χ
 
@@ -105,7 +105,7 @@ def _refined(
 ) -> tuple[list[Any], list[Any]]:
     if motion.equations is None:
         return χ, []
-    if isinstance(motion.equations, torus.Torus):
+    if isinstance(motion.equations, torus.TorusEquations):
         return refine.on_torus(motion.equations, χ, whole, precise, bits)
     full = [phase + 2 * np.pi * n for phase, n in zip(χ, whole, strict=True)]
     courses = [_with_reaches(c, x) for c, x in zip(motion.equations.courses, full, strict=True)]
@@ -114,29 +114,29 @@ def _refined(
     return [x - turn * n.astype(int) for x, n in zip(found, whole, strict=True)], errors
 
 
-def with_reach(course: Course, χ: Any) -> Course:
+def with_reach(course: CoordinateMotion, χ: Any) -> CoordinateMotion:
     """Return an open course that holds enough panels for some phases, on either side of 0; others as they are."""
     return _with_reach(course, float(np.max(np.abs(χ), initial=0)), None)
 
 
-def _with_reach(course: Course, ahead: float, back: float | None) -> Course:
-    if not isinstance(course, Open):
+def _with_reach(course: CoordinateMotion, ahead: float, back: float | None) -> CoordinateMotion:
+    if not isinstance(course, Unbounded):
         return course
     least = max(1.0, abs(float(course.start)))
-    return Open(
+    return Unbounded(
         course.kind, course.ahead, course.behind, course.start, (None, 1.001 * max(least, ahead)),
         None if back is None else 1.001 * max(least, back),
     )  # fmt: skip
 
 
-def _with_reaches(course: Course, χ: Any) -> Course:
+def _with_reaches(course: CoordinateMotion, χ: Any) -> CoordinateMotion:
     """The same, with panels on each side as far as there are phases."""
-    alone = isinstance(course, Open) and course.ahead is course.behind
+    alone = isinstance(course, Unbounded) and course.ahead is course.behind
     back = None if alone else float(np.max(-χ, initial=0))
     return _with_reach(course, float(np.max(np.abs(χ) if alone else χ, initial=0)), back)
 
 
-def courses_of(motion: SeparatedMotion, phases: Phases) -> list[Course]:
+def courses_of(motion: SeparatedMotion, phases: Phases) -> list[CoordinateMotion]:
     """The courses, reaching as far as the phases need."""
     if motion.equations is None:
         return []

@@ -11,18 +11,18 @@ import sympy as sp
 
 from hjsolve.arithmetic.error_free import split
 from hjsolve.arithmetic.floats import Float64, Multi, multiprecision
-from hjsolve.arithmetic.running_error import Bounded as Rounded
-from hjsolve.arithmetic.running_error import Running
+from hjsolve.arithmetic.running_error import RunningError
+from hjsolve.arithmetic.running_error import WithErrorBound as Rounded
 from hjsolve.arithmetic.tape import Tape
 from hjsolve.lowering import lower
 from hjsolve.mechanics.system import velocities
 from hjsolve.motion.initial_data import to_bits
 from hjsolve.motion.phases import Phases, courses_of
-from hjsolve.one_coordinate.coordinate_motion import Bounded, arithmetic_of
-from hjsolve.one_coordinate.fourier_series import Series
+from hjsolve.one_coordinate.coordinate_motion import Periodic, arithmetic_of
+from hjsolve.one_coordinate.fourier_series import FourierSeries
 from hjsolve.time_law.phase_reduction import principal as principal_of_doubles
-from hjsolve.time_law.phase_reduction import turns
-from hjsolve.time_law.torus import Torus, mean_rate, oscillation
+from hjsolve.time_law.phase_reduction import turns_and_rest
+from hjsolve.time_law.torus import TorusEquations, mean_rate, oscillation
 
 if TYPE_CHECKING:
     from hjsolve.motion.separated import SeparatedMotion
@@ -33,14 +33,14 @@ def constant_index(motion: SeparatedMotion, name: str) -> int:
     return list(motion.solution.constants).index(motion.solution.system.coordinate(name).momentum.name)
 
 
-def positions(motion: SeparatedMotion, phases: Phases) -> tuple[dict[str, Any], dict[str, Any], dict[str, Any]]:
+def positions_at(motion: SeparatedMotion, phases: Phases) -> tuple[dict[str, Any], dict[str, Any], dict[str, Any]]:
     """q, canonical p, and whole turns of the angles."""
     q, shell, whole = {}, {}, {}
     for name, course, χ, n in zip(
         motion.solution.coordinates, courses_of(motion, phases), phases.χ, phases.whole, strict=True
     ):
         q[name], shell[name] = course.place(χ)
-        rotating = isinstance(course, Bounded) and not course.anomaly.even
+        rotating = isinstance(course, Periodic) and not course.anomaly.even
         whole[name] = course.anomaly.direction * n if rotating else 0 * n  # type: ignore[union-attr]
     for coordinate in motion.solution.system.coordinates:
         if coordinate.name not in q:
@@ -48,7 +48,7 @@ def positions(motion: SeparatedMotion, phases: Phases) -> tuple[dict[str, Any], 
     p = canonical_momenta(motion, q, shell, [c.name for c in motion.solution.system.coordinates])
     for coordinate in motion.solution.system.coordinates:
         if coordinate.domain.kind == "angle":
-            q[coordinate.name], more = principal(q[coordinate.name])
+            q[coordinate.name], more = principal_values(q[coordinate.name])
             whole[coordinate.name] = whole[coordinate.name] + more
         else:
             whole.pop(coordinate.name)
@@ -56,7 +56,7 @@ def positions(motion: SeparatedMotion, phases: Phases) -> tuple[dict[str, Any], 
     return {n: q[n] for n in names}, p, {n: whole[n] for n in names if n in whole}
 
 
-def principal(angle: Any) -> tuple[Any, Any]:
+def principal_values(angle: Any) -> tuple[Any, Any]:
     """Reduce to (−π, π] and count the turns taken away."""
     arithmetic = arithmetic_of(angle)
     if isinstance(arithmetic, Float64):
@@ -78,7 +78,7 @@ def canonical_momenta(
             continue
         if name in shell:
             A = solution.shift[name]
-            result[name] = shell[name] if A == 0 else shell[name] - evaluate(motion, (A,), q, {})[0]
+            result[name] = shell[name] if A == 0 else shell[name] - evaluate_along(motion, (A,), q, {})[0]
         else:
             constant = to_bits(motion.initial.values[coordinate.momentum])(int(3.33 * motion.digits) + 64)
             some = next(iter(q.values()))
@@ -89,7 +89,7 @@ def canonical_momenta(
 def coordinate_velocities(motion: SeparatedMotion, q: Mapping[str, Any], p: Mapping[str, Any]) -> dict[str, Any]:
     """Return dq/dt of every coordinate."""
     formulas = velocities(motion.solution.system)
-    return dict(zip(formulas, evaluate(motion, tuple(formulas.values()), q, p), strict=True))
+    return dict(zip(formulas, evaluate_along(motion, tuple(formulas.values()), q, p), strict=True))
 
 
 @lru_cache(maxsize=64)
@@ -98,7 +98,7 @@ def tape_of(formulas: tuple[sp.Expr, ...], arguments: tuple[sp.Symbol, ...]) -> 
     return lower(formulas, arguments)
 
 
-def evaluate(
+def evaluate_along(
     motion: SeparatedMotion, formulas: tuple[sp.Expr, ...], q: Mapping[str, Any], p: Mapping[str, Any]
 ) -> list[Any]:
     """Evaluate formulas in coordinates, momenta, constants and parameters along the motion."""
@@ -133,7 +133,7 @@ def rounding(
     inputs += [Rounded(x, 2.0**-53 * abs(x)) for x in fixed.values()]
     tape = tape_of(tuple(formulas), (*places, *fixed))
     with np.errstate(all="ignore"):
-        found = tape.run(Running(Float64()), inputs)
+        found = tape.run(RunningError(Float64()), inputs)
     return [2 * (0.0 if x.error is None else x.error) for x in found]
 
 
@@ -149,7 +149,7 @@ def _ignorable(motion: SeparatedMotion, phases: Phases, name: str, q: Mapping[st
         return grown(begin, rate, phases.time, phases.exact, coordinate.domain.kind == "angle", 0)
     j = constant_index(motion, name)
     gauge = gauge_angle(motion, coordinate.momentum, q)
-    if isinstance(equations, Torus):
+    if isinstance(equations, TorusEquations):
         wave = gauge
         for i, bounded in enumerate(equations.courses):
             series = oscillation(equations, i, j)
@@ -160,14 +160,14 @@ def _ignorable(motion: SeparatedMotion, phases: Phases, name: str, q: Mapping[st
     for course, χ, n in zip(courses_of(motion, phases), phases.χ, phases.whole, strict=True):
         first = np.array([course.start], dtype=object) if χ.dtype == object else np.array([float(course.start)])
         total = total - (course.integral(j, χ) - course.integral(j, first)[0])
-        if isinstance(course, Bounded) and n.any():
+        if isinstance(course, Periodic) and n.any():
             turn = 2 * multiprecision(int(3.33 * motion.digits) + 96).pi if χ.dtype == object else 2 * np.pi
             growth = course.growth(j) if χ.dtype == object else float(course.growth(j))
             total = total - n.astype(int) * (turn * growth)
     return grown(begin, 0, phases.time, phases.exact, coordinate.domain.kind == "angle", total)
 
 
-def _rise(series: Series, χ: Any, start: Any) -> Any:
+def _rise(series: FourierSeries, χ: Any, start: Any) -> Any:
     """Ripple at χ minus ripple at the start."""
     if χ.dtype == object:
         return np.array([series.ripple(x) for x in χ], dtype=object) - series.ripple(start)
@@ -180,7 +180,7 @@ def gauge_angle(motion: SeparatedMotion, constant: sp.Symbol, q: Mapping[str, An
     if formula == 0:
         return 0
     begin = to_bits(formula.subs(motion.initial.values))(int(3.33 * motion.digits) + 64)
-    values = evaluate(motion, (formula,), q, {})[0]
+    values = evaluate_along(motion, (formula,), q, {})[0]
     return values - (float(begin) if values.dtype != object else begin)
 
 
@@ -193,8 +193,8 @@ def grown(
         values = np.array([begin(context.prec) + rate * t for t in exact], dtype=object) + wave
         return values, np.zeros(len(values))
     if not angle:
-        whole, rest = turns(split(multiprecision(256).mpf(rate)), time)
+        whole, rest = turns_and_rest(split(multiprecision(256).mpf(rate)), time)
         return float(begin(256)) + rest + wave + whole, 0 * whole
     turn = 2 * multiprecision(256).pi
-    whole, rest = turns(split(rate / turn), time, split(begin(256) / turn))
+    whole, rest = turns_and_rest(split(rate / turn), time, split(begin(256) / turn))
     return 2 * np.pi * rest + wave, whole

@@ -13,12 +13,12 @@ from hjsolve.arithmetic.estimate import Estimate
 from hjsolve.arithmetic.floats import Multi, multiprecision
 from hjsolve.lowering import lower
 from hjsolve.motion.initial_data import Initial, to_bits
-from hjsolve.one_coordinate.allowed_regions import Region
+from hjsolve.one_coordinate.allowed_regions import AllowedRegion
 from hjsolve.one_coordinate.classify import Located
-from hjsolve.one_coordinate.coordinate_motion import Bounded, Frozen
+from hjsolve.one_coordinate.coordinate_motion import AtRest, Periodic
 from hjsolve.solution.quadratures import Solution
-from hjsolve.time_law.open_motion import Plan
-from hjsolve.time_law.torus import Torus, mean_rate
+from hjsolve.time_law.open_motion import TriangularScheme
+from hjsolve.time_law.torus import TorusEquations, mean_rate
 
 FLOAT_DIGITS = 15
 _NORMAL, _LEAST = 2.0**-1022, 2.0**-1074
@@ -43,13 +43,13 @@ def period(frequency: Estimate) -> Estimate:
     return Estimate(value, value * (relative + 2.0**-52 * isinstance(value, float)), nodes=frequency.nodes)
 
 
-def ends(place: Located | Region, digits: int) -> tuple[Estimate | None, Estimate | None]:
+def turning_points_of(place: Located | AllowedRegion, digits: int) -> tuple[Estimate | None, Estimate | None]:
     """Return the turning points of a region, None where it ends in another way.
 
     An end is known to its distance from where the search began: one at zero has an absolute error, not a relative one.
     """
     bits = int(3.33 * digits) + 32
-    kinds = {"turning", "asymptote"} if isinstance(place, Region) else {"turning"}
+    kinds = {"turning", "asymptote"} if isinstance(place, AllowedRegion) else {"turning"}
     places = [end.place(bits) if end.kind in kinds and end.place else None for end in (place.lower, place.upper)]
     blur = max((abs(x) for x in places if x is not None), default=0) * multiprecision(64).mpf(2) ** -bits
     lower_end, upper_end = (None if x is None else _blurred(rounded(x, digits), blur) for x in places)
@@ -62,7 +62,7 @@ def _blurred(estimate: Estimate, blur: Any) -> Estimate:
 
 def nodes_of(course: Any) -> int:
     """Return the quadrature nodes behind a course."""
-    return max((s.nodes for s in course.kernels), default=0) if isinstance(course, Bounded) else 0
+    return max((s.nodes for s in course.kernels), default=0) if isinstance(course, Periodic) else 0
 
 
 def actions(solution: Solution, initial: Initial, located: Mapping[str, Located], digits: int) -> dict[str, Estimate]:
@@ -76,9 +76,9 @@ def actions(solution: Solution, initial: Initial, located: Mapping[str, Located]
                 )
             continue
         course = located[coordinate.name].course
-        if isinstance(course, Frozen) and course.stable:
+        if isinstance(course, AtRest) and course.stable:
             result[coordinate.name] = rounded(0, digits)
-        elif isinstance(course, Bounded):
+        elif isinstance(course, Periodic):
             value = course.action * course.anomaly.direction
             if not course.anomaly.even:
                 value -= _mean_shift(solution, initial, coordinate, digits)
@@ -103,18 +103,18 @@ def frequencies(solution: Solution, initial: Initial, equations: Any, digits: in
     if equations is None:
         return _free_rates(solution, initial, digits, angles=True)
     result = {}
-    if isinstance(equations, Torus):
+    if isinstance(equations, TorusEquations):
         for k, name in enumerate(names):
             course = equations.courses[k]
-            if not (isinstance(course, Frozen) and not course.stable):
-                direction = course.anomaly.direction if isinstance(course, Bounded) else 1
+            if not (isinstance(course, AtRest) and not course.stable):
+                direction = course.anomaly.direction if isinstance(course, Periodic) else 1
                 result[name] = rounded(direction * equations.rates[k], digits, nodes_of(course))
         result |= _ignorable_rates(solution, equations, digits, angles=True)
         return {c.name: result[c.name] for c in system.coordinates if c.name in result}
     for step in equations.steps:
         course = equations.courses[step.index]
-        if (isinstance(course, Bounded) and step == equations.steps[0]) or (
-            isinstance(course, Bounded) and step.weights[0] and _alone(equations, step)
+        if (isinstance(course, Periodic) and step == equations.steps[0]) or (
+            isinstance(course, Periodic) and step.weights[0] and _alone(equations, step)
         ):
             mean = sum(w * series.mean for w, series in zip(step.weights, course.kernels, strict=False))
             result[names[step.index]] = rounded(
@@ -127,10 +127,10 @@ def mean_velocities(solution: Solution, initial: Initial, equations: Any, digits
     """⟨dq/dt⟩ = ∂H/∂c, at constant actions, of the ignorable coordinates that are no angles (Greenwood (5-83))."""
     if equations is None:
         return _free_rates(solution, initial, digits, angles=False)
-    return _ignorable_rates(solution, equations, digits, angles=False) if isinstance(equations, Torus) else {}
+    return _ignorable_rates(solution, equations, digits, angles=False) if isinstance(equations, TorusEquations) else {}
 
 
-def _ignorable_rates(solution: Solution, equations: Torus, digits: int, *, angles: bool) -> dict[str, Estimate]:
+def _ignorable_rates(solution: Solution, equations: TorusEquations, digits: int, *, angles: bool) -> dict[str, Estimate]:
     constants = list(solution.constants)
     return {
         c.name: _ignorable_rate(equations, constants.index(c.momentum.name), digits)
@@ -139,7 +139,7 @@ def _ignorable_rates(solution: Solution, equations: Torus, digits: int, *, angle
     }
 
 
-def _ignorable_rate(equations: Torus, j: int, digits: int) -> Estimate:
+def _ignorable_rate(equations: TorusEquations, j: int, digits: int) -> Estimate:
     """The mean growth of an ignorable angle, a sum that may cancel: what is below the noise of its terms is zero."""
     value = mean_rate(equations, j)
     sizes = [abs(rate) * _swing(c, j) for rate, c in zip(equations.rates, equations.courses, strict=True)]
@@ -151,13 +151,13 @@ def _ignorable_rate(equations: Torus, j: int, digits: int) -> Estimate:
 
 def _swing(course: Any, j: int) -> Any:
     """Size of the values whose mean a growth is, or of the terms it is the sum of."""
-    if isinstance(course, Frozen):
+    if isinstance(course, AtRest):
         return course.sizes[j]
-    waves = abs(course.kernels[j].cosines) if isinstance(course, Bounded) else []
+    waves = abs(course.kernels[j].cosines) if isinstance(course, Periodic) else []
     return abs(course.growth(j)) + sum(waves)
 
 
-def _alone(scheme: Plan, step: Any) -> bool:
+def _alone(scheme: TriangularScheme, step: Any) -> bool:
     """True when a coordinate's equation holds none of the other coordinates."""
     others = [c for i, c in enumerate(scheme.courses) if i != step.index]
     phase = np.array([0.7])

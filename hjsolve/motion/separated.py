@@ -17,12 +17,12 @@ from hjsolve.motion.initial_data import ZERO_BITS, InBits, Initial, domain_ends,
 from hjsolve.motion.motion import _FARTHEST, _MOST_ANGLE
 from hjsolve.one_coordinate.allowed_regions import forbidden
 from hjsolve.one_coordinate.classify import Located, locate
-from hjsolve.one_coordinate.coordinate_motion import Open
-from hjsolve.one_coordinate.coordinate_start import Start
-from hjsolve.one_coordinate.momentum_squared import Radicand, has_period
+from hjsolve.one_coordinate.coordinate_motion import Unbounded
+from hjsolve.one_coordinate.coordinate_start import CoordinateStart
+from hjsolve.one_coordinate.momentum_squared import MomentumSquared, has_period
 from hjsolve.solution.quadratures import Solution
-from hjsolve.time_law.open_motion import Plan, plan
-from hjsolve.time_law.torus import Torus, torus
+from hjsolve.time_law.open_motion import TriangularScheme, plan
+from hjsolve.time_law.torus import TorusEquations, torus_equations
 
 
 @dataclass(frozen=True, eq=False)
@@ -48,7 +48,7 @@ class SeparatedMotion:
     digits: int
     parts: frozenset[str]
     located: Mapping[str, Located]
-    equations: Torus | Plan | None
+    equations: TorusEquations | TriangularScheme | None
     turning_points: Mapping[str, tuple[Estimate | None, Estimate | None]]
     frequencies: Mapping[str, Estimate]
 
@@ -65,10 +65,10 @@ def separated_motion(
     begins = {name: replace(coordinate_start(solution, initial, name), parts=parts) for name in solution.coordinates}
     located = {name: locate(checked(begin), digits) for name, begin in begins.items()}
     courses = [located[name].course for name in solution.coordinates]
-    bounded = [c for c in courses if not isinstance(c, Open)]
-    equations: Torus | Plan | None = None
+    bounded = [c for c in courses if not isinstance(c, Unbounded)]
+    equations: TorusEquations | TriangularScheme | None = None
     if courses and "time" in parts:
-        equations = torus(bounded, int(3.33 * digits) + 128) if len(bounded) == len(courses) else plan(courses)
+        equations = torus_equations(bounded, int(3.33 * digits) + 128) if len(bounded) == len(courses) else plan(courses)
     return SeparatedMotion(
         solution, initial, t0, digits, parts, located, equations, turning_points(located, digits),
         quantities.frequencies(solution, initial, equations, digits) if "time" in parts else {},
@@ -77,10 +77,10 @@ def separated_motion(
 
 def turning_points(located: Mapping[str, Located], digits: int) -> dict[str, tuple[Estimate | None, Estimate | None]]:
     """Return the ends of the regions, rounded with their errors; none of a rotation."""
-    return {name: quantities.ends(place, digits) for name, place in located.items() if place.lower.kind != "round"}
+    return {name: quantities.turning_points_of(place, digits) for name, place in located.items() if place.lower.kind != "round"}
 
 
-def coordinate_start(solution: Solution, initial: Initial, name: str) -> Start:
+def coordinate_start(solution: Solution, initial: Initial, name: str) -> CoordinateStart:
     """Bring one separated coordinate over to numbers."""
     coordinate, F = solution.system.coordinate(name), solution.momentum_squared[name]
     constants = tuple(solution.constants[c].symbol for c in solution.constants)
@@ -88,7 +88,7 @@ def coordinate_start(solution: Solution, initial: Initial, name: str) -> Start:
     exact = [initial.constants[c] for c in solution.constants] + [initial.values[s] for s in parameters]
     rules = [to_bits(value) for value in exact]
     squared, kernels, absent, periodic = momentum_squared_tapes(F, coordinate.symbol, constants, parameters)
-    radicand = Radicand(squared, kernels, partial(_at_bits, rules))
+    radicand = MomentumSquared(squared, kernels, partial(_at_bits, rules))
     momentum, shift = initial.values[coordinate.momentum], solution.shift[name]
     ends = [None if end is None else to_bits(end) for end in domain_ends(solution.system, name, initial.values)]
     place = to_bits(initial.values[coordinate.symbol])
@@ -97,7 +97,7 @@ def coordinate_start(solution: Solution, initial: Initial, name: str) -> Start:
     forward = sign(root)
     if forward:
         radicand = radicand.guarded(place, _square(to_bits(root)))
-    return Start(name, radicand, place, forward, ends[0], ends[1], angle, absent)
+    return CoordinateStart(name, radicand, place, forward, ends[0], ends[1], angle, absent)
 
 
 def _at_bits(rules: list[InBits], bits: int) -> list[Any]:
@@ -109,7 +109,7 @@ def _square(root: Callable[[int], Any]) -> Callable[[int], Any]:
     return lambda bits: root(bits + ZERO_BITS) ** 2
 
 
-def checked(begin: Start) -> Start:
+def checked(begin: CoordinateStart) -> CoordinateStart:
     """Give a beginning back; ``ForbiddenMotionError`` where p² < 0 there."""
     place = begin.place(256 + begin.radicand.guard)
     if abs(place) >= (_MOST_ANGLE if begin.angle else _FARTHEST):

@@ -20,7 +20,7 @@ class Errors:
 
 
 @dataclass(frozen=True)
-class Known:
+class KnownErrors:
     """The rule behind the errors of a state that was pickled: they are there already."""
 
     errors: Errors
@@ -55,7 +55,7 @@ class State:
 
     def __reduce__(self) -> tuple[Any, ...]:
         tables = (dict(group) for group in (self.q, self.p, self.velocity, self.turns))
-        return type(self), (self.t, *tables, self.status, Known(self.error))
+        return type(self), (self.t, *tables, self.status, KnownErrors(self.error))
 
     @property
     def error(self) -> Errors:

@@ -10,7 +10,7 @@ import numpy as np
 
 from hjsolve.arithmetic.floats import multiprecision
 from hjsolve.mechanics.system import velocities
-from hjsolve.motion.endings import statuses
+from hjsolve.motion.endings import end_statuses
 from hjsolve.motion.initial_data import to_bits
 from hjsolve.motion.near_poles import blurred, sharpened, sharpened_from_table
 from hjsolve.motion.phases import Phases, courses_of, phases_at
@@ -18,24 +18,24 @@ from hjsolve.motion.positions import (
     canonical_momenta,
     constant_index,
     coordinate_velocities,
-    evaluate,
+    evaluate_along,
     gauge_angle,
     grown,
-    positions,
-    principal,
+    positions_at,
+    principal_values,
 )
 from hjsolve.motion.quantities import FLOAT_DIGITS
 from hjsolve.motion.separated import SeparatedMotion, separated_motion
 from hjsolve.motion.state import Errors, State
-from hjsolve.motion.state_errors import state_errors, table_errors
-from hjsolve.motion.tabulated import FEWEST, Dense, OnDemand, dense, rough
-from hjsolve.motion.times import counted, read_times, within_doubles
-from hjsolve.one_coordinate.coordinate_motion import Bounded
+from hjsolve.motion.state_errors import errors_of_state, table_errors
+from hjsolve.motion.tabulated import FEWEST, DenseOutput, OnDemand, dense_output, needs_table
+from hjsolve.motion.times import read_times, whole_numbers, within_doubles
+from hjsolve.one_coordinate.coordinate_motion import Periodic
 from hjsolve.time_law.elapsed_time import halves, relative, relative_exact
-from hjsolve.time_law.torus import Torus, mean_rate
+from hjsolve.time_law.torus import TorusEquations, mean_rate
 
 
-def state_at(motion: SeparatedMotion, t: Any, digits: int | None = None) -> State:
+def state_at_times(motion: SeparatedMotion, t: Any, digits: int | None = None) -> State:
     """Return the state at a time or times; see ``Motion.at``.
 
     Args:
@@ -44,11 +44,11 @@ def state_at(motion: SeparatedMotion, t: Any, digits: int | None = None) -> Stat
         digits: digits wanted of the phases; those of the motion where None.
     """
     shape, floats, exact = read_times(t)
-    if motion.digits <= FLOAT_DIGITS and (rough(motion) or (floats is not None and len(floats) >= FEWEST)):
+    if motion.digits <= FLOAT_DIGITS and (needs_table(motion) or (floats is not None and len(floats) >= FEWEST)):
         start = to_bits(motion.t0)
         time = relative(floats, start) if floats is not None else halves(relative_exact(exact, start, 256))
         within_doubles(time)
-        table = dense(motion, 2 * max(-float(np.min(time[0], initial=0.0)), float(np.max(time[0], initial=1e-290))))
+        table = dense_output(motion, 2 * max(-float(np.min(time[0], initial=0.0)), float(np.max(time[0], initial=1e-290))))
         if table is not None:
             return _tabulated(motion, table, t, time, shape)
     phases = phases_at(motion, floats, exact)
@@ -56,14 +56,14 @@ def state_at(motion: SeparatedMotion, t: Any, digits: int | None = None) -> Stat
     if lacking := _lacking(motion, phases, wanted):
         given = motion.solution, motion.initial, motion.t0
         more = separated_motion(*given, motion.digits + lacking, motion.parts)
-        return state_at(more, t, wanted)
-    q, p, whole = positions(motion, phases)
+        return state_at_times(more, t, wanted)
+    q, p, whole = positions_at(motion, phases)
     v = coordinate_velocities(motion, q, p)
     sharp = None if phases.exact is not None else blurred(motion, q, p)
     if sharp is not None and sharp.any():
         v = sharpened(motion, courses_of(motion, phases), phases.χ, q, v, sharp)
-    status = statuses(motion, phases.time, phases.ended)
-    turns = {name: counted(n) for name, n in whole.items()}
+    status = end_statuses(motion, phases.time, phases.ended)
+    turns = {name: whole_numbers(n) for name, n in whole.items()}
     for group in (q, p, v):
         for name, values in group.items():
             group[name] = np.where(phases.ended, np.nan, values) if phases.ended.any() else values
@@ -72,7 +72,7 @@ def state_at(motion: SeparatedMotion, t: Any, digits: int | None = None) -> Stat
         return {name: shaped(values, shape) for name, values in group.items()}
 
     def errors() -> Errors:
-        return Errors(*(reshaped(group) for group in state_errors(motion, phases, q, p, whole, sharp)))
+        return Errors(*(reshaped(group) for group in errors_of_state(motion, phases, q, p, whole, sharp)))
 
     return State(
         t,
@@ -96,12 +96,12 @@ def _lacking(motion: SeparatedMotion, phases: Phases, wanted: int) -> int:
 
 
 def _tabulated(
-    motion: SeparatedMotion, table: Dense, t: Any, time: tuple[Any, Any], shape: tuple[int, ...] | None
+    motion: SeparatedMotion, table: DenseOutput, t: Any, time: tuple[Any, Any], shape: tuple[int, ...] | None
 ) -> State:
     """The state from a table: every quantity is worked out when it is read."""
     system = motion.solution.system
     θ, whole, ended = table.argument(motion, time)
-    counted(whole)
+    whole_numbers(whole)
     separated = motion.solution.coordinates[0]
     angles = tuple(c.name for c in system.coordinates if c.domain.kind == "angle")
     names = tuple(c.name for c in system.coordinates)
@@ -110,7 +110,7 @@ def _tabulated(
         if name == separated:
             value, count = table.table.evaluate([0], θ)[0], 0.0
             course = motion.located[name].course
-            if isinstance(course, Bounded) and not course.anomaly.even:
+            if isinstance(course, Periodic) and not course.anomaly.even:
                 count = course.anomaly.direction * whole
         else:
             index, begin = table.waves[name]
@@ -118,7 +118,7 @@ def _tabulated(
             coordinate = system.coordinate(name)
             gauge = gauge_angle(motion, coordinate.momentum, q) if motion.solution.shift_potential != 0 else 0.0
             equations = motion.equations
-            rate = mean_rate(equations, constant_index(motion, name)) if isinstance(equations, Torus) else 0
+            rate = mean_rate(equations, constant_index(motion, name)) if isinstance(equations, TorusEquations) else 0
             value, count = grown(
                 to_bits(motion.initial.values[coordinate.symbol]), rate, time, None, name in angles, wave + gauge
             )
@@ -126,7 +126,7 @@ def _tabulated(
             value = np.where(ended, np.nan, value)
         if name not in angles:
             return value, None
-        value, more = principal(value)
+        value, more = principal_values(value)
         return value, count + more
 
     places = OnDemand(names, place)
@@ -139,7 +139,7 @@ def _tabulated(
     p = OnDemand(names, momentum)
 
     def velocity(name: str) -> Any:
-        value = evaluate(motion, (velocities(system)[name],), q, p)[0]
+        value = evaluate_along(motion, (velocities(system)[name],), q, p)[0]
         if table.ends is None or not sharp().any():
             return value
         return sharpened_from_table(motion, table, θ, q, {name: value}, sharp())[name]
@@ -155,9 +155,9 @@ def _tabulated(
     def view(source: Mapping[str, Any], chosen: tuple[str, ...]) -> OnDemand:
         return OnDemand(chosen, lambda name: shaped(source[name], shape))
 
-    counts = OnDemand(angles, lambda name: shaped(counted(places[name][1]), shape))
+    counts = OnDemand(angles, lambda name: shaped(whole_numbers(places[name][1]), shape))
     v = OnDemand(names, velocity)
-    status = statuses(motion, time, ended) if ended.any() else np.broadcast_to(np.array("ok"), ended.shape)
+    status = end_statuses(motion, time, ended) if ended.any() else np.broadcast_to(np.array("ok"), ended.shape)
     return State(t, view(q, names), view(p, names), view(v, names), counts, shaped(status, shape), errors)
 
 

@@ -13,11 +13,11 @@ from hjsolve.arithmetic.floats import Multi, multiprecision
 from hjsolve.mechanics.system import hamiltonian, velocities
 from hjsolve.motion.near_poles import from_table, grain, places, worked_out
 from hjsolve.motion.phases import Phases, courses_of
-from hjsolve.motion.positions import constant_index, evaluate, rounding
-from hjsolve.motion.tabulated import Dense
-from hjsolve.one_coordinate.coordinate_motion import Bounded, Course, Open
-from hjsolve.one_coordinate.fourier_series import Series
-from hjsolve.time_law.torus import Torus, oscillation
+from hjsolve.motion.positions import constant_index, evaluate_along, rounding
+from hjsolve.motion.tabulated import DenseOutput
+from hjsolve.one_coordinate.coordinate_motion import CoordinateMotion, Periodic, Unbounded
+from hjsolve.one_coordinate.fourier_series import FourierSeries
+from hjsolve.time_law.torus import TorusEquations, oscillation
 
 if TYPE_CHECKING:
     from hjsolve.motion.separated import SeparatedMotion
@@ -29,7 +29,7 @@ _TABLE = 1e-14
 """Relative accuracy of a table, above the phases' own."""
 
 
-def state_errors(
+def errors_of_state(
     motion: SeparatedMotion,
     phases: Phases,
     q: Mapping[str, Any],
@@ -75,7 +75,7 @@ def _put_in(errors: dict[str, Any], better: Mapping[str, Any], where: Any) -> No
 
 
 def _sharp_errors(
-    motion: SeparatedMotion, courses: list[Course], χ: list[Any], slack: list[Any], q: Mapping[str, Any], where: Any
+    motion: SeparatedMotion, courses: list[CoordinateMotion], χ: list[Any], slack: list[Any], q: Mapping[str, Any], where: Any
 ) -> dict[str, Any]:
     """Bounds on velocities worked out in two doubles: what the phases leave open, and the last rounding."""
     exact, shell = places(motion, courses, χ)
@@ -109,7 +109,7 @@ def _by_doubts(
 
 def table_errors(
     motion: SeparatedMotion,
-    table: Dense,
+    table: DenseOutput,
     θ: Any,
     q: Mapping[str, Any],
     p: Mapping[str, Any],
@@ -118,18 +118,18 @@ def table_errors(
 ) -> tuple[dict[str, Any], dict[str, Any], dict[str, Any]]:
     """Bounds on q, p and velocity read from a table: its own accuracy, and the rounding of its argument as a delay.
 
-    ``sharp`` as in ``state_errors``.
+    ``sharp`` as in ``errors_of_state``.
     """
     system = motion.solution.system
     equations = motion.equations
-    if isinstance(equations, Torus):
+    if isinstance(equations, TorusEquations):
         delay = (3 * _EPS * np.abs(θ) + equations.blurs[0] + table.table.doubt(θ)) / abs(float(equations.rates[0]))
     else:
         delay = 3 * _EPS * (np.abs(θ) + abs(table.begin))
         delay = delay + table.table.doubt(θ)
     separated = motion.solution.coordinates[0]
     H = hamiltonian(system)
-    forces = evaluate(motion, tuple(-sp.diff(H, c.symbol) for c in system.coordinates), q, p)
+    forces = evaluate_along(motion, tuple(-sp.diff(H, c.symbol) for c in system.coordinates), q, p)
     dq, dp = {}, {}
     for c, force in zip(system.coordinates, forces, strict=True):
         index = 0 if c.name == separated else table.waves[c.name][0]
@@ -161,21 +161,21 @@ def _shifted(motion: SeparatedMotion, name: str, q: Mapping[str, Any]) -> tuple[
     if A == 0:
         return 0.0, 0.0
     symbol = motion.solution.system.coordinate(name).symbol
-    slope, value = evaluate(motion, (sp.diff(A, symbol), A), q, {})
+    slope, value = evaluate_along(motion, (sp.diff(A, symbol), A), q, {})
     own = rounding(motion, (A,), q, {})[0] / (4 * _EPS)
     return np.abs(np.asarray(slope, dtype=float)), np.abs(np.asarray(value, dtype=float)) + own
 
 
-def _blur(course: Course, χ: Any, unit: float) -> Any:
+def _blur(course: CoordinateMotion, χ: Any, unit: float) -> Any:
     """Rounding of a stretched anomaly as an uncertainty of its phase."""
-    return course.blur(χ) * (unit / _EPS) if isinstance(course, Bounded) else 0.0
+    return course.blur(χ) * (unit / _EPS) if isinstance(course, Periodic) else 0.0
 
 
-def _unreduced(course: Course, q: Any, whole: Any | None) -> Any:
+def _unreduced(course: CoordinateMotion, q: Any, whole: Any | None) -> Any:
     """The size of q before whole turns were taken from it: that is what was rounded."""
     if whole is None:
         return np.abs(q.astype(float))
-    if isinstance(course, Bounded) and not course.anomaly.even:  # whole turns of its phase were never added
+    if isinstance(course, Periodic) and not course.anomaly.even:  # whole turns of its phase were never added
         middle = course.anomaly.place(multiprecision(64).zero, Multi(64)).q
         return np.abs(q.astype(float)) + (abs(float(middle)) + np.pi) / 4
     return np.abs(q.astype(float) + 2 * np.pi * whole.astype(float))
@@ -190,10 +190,10 @@ def _width(motion: SeparatedMotion, name: str) -> float:
     return sum(abs(float(end.value)) for end in motion.turning_points[name] if end is not None)
 
 
-def _slopes(course: Course, χ: Any, error: Any) -> tuple[Any, Any]:
+def _slopes(course: CoordinateMotion, χ: Any, error: Any) -> tuple[Any, Any]:
     """|dq/dχ| and |dp/dχ| by differences over the error of χ, or small ones; generous where they vary."""
-    course = _rounded(course) if isinstance(course, Bounded) else course
-    scale = np.maximum(1.0, np.abs(χ)) if isinstance(course, Open) else 1.0  # far out, steps must be seen
+    course = _rounded(course) if isinstance(course, Periodic) else course
+    scale = np.maximum(1.0, np.abs(χ)) if isinstance(course, Unbounded) else 1.0  # far out, steps must be seen
     h, rest = np.clip(error, 1e-6 * scale, 0.5 * scale), 1e-6 / scale
     (q1, p1), (q0, p0), (q2, p2) = (course.place(χ + s) for s in (-h, 0.0, h))
     return 2 * np.maximum(np.abs(q2 - q0), np.abs(q0 - q1)) / h + rest * np.abs(q2 - q1), 2 * np.maximum(
@@ -201,19 +201,19 @@ def _slopes(course: Course, χ: Any, error: Any) -> tuple[Any, Any]:
     ) / h + rest * np.abs(p2 - p1)
 
 
-def _waves(course: Course, χ: Any) -> Any:
+def _waves(course: CoordinateMotion, χ: Any) -> Any:
     """Terms of ln(p/(dq/dχ)), which are rounded one by one, and what the rounding of χ does to it."""
-    if not isinstance(course, Bounded):
+    if not isinstance(course, Periodic):
         return 0.0
     return 2 * np.sum(np.abs(course.momentum.cosines.astype(float))) + 4 * _rounded(course).crowding(χ)
 
 
-def _rounded(course: Bounded) -> Bounded:
+def _rounded(course: Periodic) -> Periodic:
     series = course.momentum
     if series.cosines.dtype != object:
         return course
     sines = None if series.sines is None else series.sines.astype(float)
-    return replace(course, momentum=Series(series.mean, series.cosines.astype(float), sines, series.nodes, series.tail))
+    return replace(course, momentum=FourierSeries(series.mean, series.cosines.astype(float), sines, series.nodes, series.tail))
 
 
 def _ignorable_error(
@@ -227,14 +227,14 @@ def _ignorable_error(
     for i, course in enumerate(courses_of(motion, phases)):
         rate = np.abs(np.asarray(course.rate(j, χ[i] if phases.exact is None else phases.χ[i]), dtype=float))
         total = total + rate * slack[i]
-        if isinstance(course, Open):
+        if isinstance(course, Unbounded):
             begin = np.array([float(course.start)])
             total = total + 4 * unit * (course.grain(j, χ[i]) + course.grain(j, begin)[0])
-        elif not isinstance(equations, Torus):
+        elif not isinstance(equations, TorusEquations):
             total = total + 4 * unit * np.abs(np.asarray(course.integral(j, phases.χ[i]), dtype=float))
-            if isinstance(course, Bounded):
+            if isinstance(course, Periodic):
                 total = total + 4 * unit * 2 * np.pi * np.abs(phases.whole[i] * float(course.growth(j)))
-        elif isinstance(course, Bounded):
+        elif isinstance(course, Periodic):
             total = total + 4 * unit * float(np.sum(np.abs(oscillation(equations, i, j).cosines.astype(float))))
     return total
 
@@ -254,8 +254,8 @@ def velocity_errors(
         (c.momentum, dp[c.name]) for c in system.coordinates
     ]
     gradients = tuple(sp.diff(f, s) for f in formulas.values() for s, _ in variables)
-    slopes = evaluate(motion, gradients, q, p)
-    values = evaluate(motion, tuple(formulas.values()), q, p)
+    slopes = evaluate_along(motion, gradients, q, p)
+    values = evaluate_along(motion, tuple(formulas.values()), q, p)
     own = rounding(motion, tuple(formulas.values()), q, p)
     result = {}
     for row, name in enumerate(formulas):

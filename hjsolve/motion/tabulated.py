@@ -17,18 +17,18 @@ from hjsolve.arithmetic.error_free import split
 from hjsolve.errors import NotConvergedError
 from hjsolve.motion.near_poles import blurs, distances
 from hjsolve.motion.positions import constant_index
-from hjsolve.one_coordinate.coordinate_motion import Bounded, Open
-from hjsolve.one_coordinate.fourier_series import Series
-from hjsolve.time_law.open_motion import Plan, reaching
-from hjsolve.time_law.phase_reduction import turns
-from hjsolve.time_law.table import DEGREE, Table, tabulate
-from hjsolve.time_law.torus import Torus, oscillation
+from hjsolve.one_coordinate.coordinate_motion import Periodic, Unbounded
+from hjsolve.one_coordinate.fourier_series import FourierSeries
+from hjsolve.time_law.open_motion import TriangularScheme, reaching
+from hjsolve.time_law.phase_reduction import turns_and_rest
+from hjsolve.time_law.table import DEGREE, InterpolationTable, tabulate
+from hjsolve.time_law.torus import TorusEquations, oscillation
 
 if TYPE_CHECKING:
     from hjsolve.motion.separated import SeparatedMotion
 
 _FINE = 22
-"""The crowding of a phase (``Bounded.crowding``) from which on a table of momenta is as exact as it is rounded."""
+"""The crowding of a phase (``Periodic.crowding``) from which on a table of momenta is as exact as it is rounded."""
 FEWEST = 2048
 """Below this many times a table does not pay."""
 
@@ -60,7 +60,7 @@ class OnDemand(Mapping[str, Any]):
 
 
 @dataclass(frozen=True, eq=False)
-class Dense:
+class DenseOutput:
     """A motion as a table.
 
     Attributes:
@@ -72,7 +72,7 @@ class Dense:
         ends: quantities that hold the distances from the lower and the upper turning point, where velocities need them.
     """
 
-    table: Table
+    table: InterpolationTable
     waves: Mapping[str, tuple[int, float]]
     period: bool
     first: float
@@ -83,9 +83,9 @@ class Dense:
         """Return the table's argument, the whole turns, and where the motion has ended, at times relative to t₀."""
         equations = motion.equations
         if self.period:
-            assert isinstance(equations, Torus)
+            assert isinstance(equations, TorusEquations)
             turn = 2 * equations.rates[0].context.pi
-            whole, rest = turns(split(equations.rates[0] / turn), time, split(equations.starts[0] / turn))
+            whole, rest = turns_and_rest(split(equations.rates[0] / turn), time, split(equations.starts[0] / turn))
             θ = rest
             θ *= 2 * np.pi
             if not self.table.even:
@@ -95,7 +95,7 @@ class Dense:
                     θ += 2 * np.pi * shift
                     whole -= shift
             return θ, whole, np.zeros(θ.shape, dtype=bool)
-        assert isinstance(equations, Plan)
+        assert isinstance(equations, TriangularScheme)
         course = equations.courses[0]
         value = (time[0] + self.begin) + time[1]
         low = -self.table.edges[-1] if self.table.even else self.table.edges[0]
@@ -112,45 +112,45 @@ def _ended(course: Any, value: Any, low: float, high: float) -> Any:
 
 
 @lru_cache(maxsize=64)
-def rough(motion: SeparatedMotion) -> bool:
+def needs_table(motion: SeparatedMotion) -> bool:
     """True where the time law is so uneven that its inverse needs a table even for one time.
 
     Where θ grows with χ at a rate d ≪ 1 (a fast perihelion), χ + D(χ) = θ solved in doubles leaves an error of about
     2⁻⁵² / d in χ; the table integrates the rate itself, without that cancellation.
     """
     equations = motion.equations
-    if not isinstance(equations, Torus) or len(equations.courses) != 1 or "place" not in motion.parts:
+    if not isinstance(equations, TorusEquations) or len(equations.courses) != 1 or "place" not in motion.parts:
         return False
     course = equations.courses[0]
-    if not isinstance(course, Bounded):
+    if not isinstance(course, Periodic):
         return False
     pace = np.abs(course.pace((1.0,), np.linspace(0.0 if course.anomaly.even else -np.pi, np.pi, 129)))
     return bool(np.min(pace) < 0.05 * float(course.kernels[0].mean))
 
 
-def dense(motion: SeparatedMotion, span: float) -> Dense | None:
+def dense_output(motion: SeparatedMotion, span: float) -> DenseOutput | None:
     """Return the table of a motion that reaches over a time span; None where a table does not serve."""
     equations = motion.equations
     if motion.digits > 15 or equations is None or len(equations.courses) != 1:
         return None
     try:
-        if isinstance(equations, Torus):
-            return _bounded(motion) if isinstance(equations.courses[0], Bounded) else _resting(motion)
-        if isinstance(equations.courses[0], Open) and blurs(motion, equations.courses[0]):
+        if isinstance(equations, TorusEquations):
+            return _bounded(motion) if isinstance(equations.courses[0], Periodic) else _resting(motion)
+        if isinstance(equations.courses[0], Unbounded) and blurs(motion, equations.courses[0]):
             return None
         return (
-            _open(motion, int(np.ceil(np.log2(max(span, 1e-290))))) if isinstance(equations.courses[0], Open) else None
+            _open(motion, int(np.ceil(np.log2(max(span, 1e-290))))) if isinstance(equations.courses[0], Unbounded) else None
         )
     except NotConvergedError:
         return None
 
 
 @lru_cache(maxsize=8)
-def _bounded(motion: SeparatedMotion) -> Dense:
+def _bounded(motion: SeparatedMotion) -> DenseOutput:
     equations = motion.equations
-    assert isinstance(equations, Torus)
+    assert isinstance(equations, TorusEquations)
     course = equations.courses[0]
-    assert isinstance(course, Bounded)
+    assert isinstance(course, Periodic)
     mean = float(course.kernels[0].mean)
     names = [c.name for c in motion.solution.system.coordinates if c.name not in motion.located]
     series = [oscillation(equations, 0, constant_index(motion, n)) for n in names]
@@ -184,27 +184,27 @@ def _bounded(motion: SeparatedMotion) -> Dense:
     )
     begin = np.array([float(course.start)])
     waves = {name: (2 + k, float(_wave(s, begin)[0])) for k, (name, s) in enumerate(zip(names, series, strict=True))}
-    return Dense(table, waves, True, first, ends=ends)
+    return DenseOutput(table, waves, True, first, ends=ends)
 
 
-def _resting(motion: SeparatedMotion) -> Dense:
+def _resting(motion: SeparatedMotion) -> DenseOutput:
     """A table of constants: the coordinate rests, the ignorable ones grow evenly."""
     place = float(motion.located[motion.solution.coordinates[0]].course.rest)  # type: ignore[union-attr]
     names = [c.name for c in motion.solution.system.coordinates if c.name not in motion.located]
     rows = [np.zeros((DEGREE + 1, 1)) for _ in range(2 + len(names))]
     rows[0][0] = place
-    table = Table(np.array([-np.pi, np.pi]), tuple(rows), (), tuple(np.abs(row[0]) for row in rows), np.zeros(1))
-    return Dense(table, {name: (2 + k, 0.0) for k, name in enumerate(names)}, True, -np.pi)
+    table = InterpolationTable(np.array([-np.pi, np.pi]), tuple(rows), (), tuple(np.abs(row[0]) for row in rows), np.zeros(1))
+    return DenseOutput(table, {name: (2 + k, 0.0) for k, name in enumerate(names)}, True, -np.pi)
 
 
-def _angle(ripple: Series, χ: Any) -> Any:
+def _angle(ripple: FourierSeries, χ: Any) -> Any:
     """χ + D(χ), the sum taken in extended precision."""
     if not len(ripple.cosines):
         return χ
     return (χ.astype(np.longdouble) + ripple.ripple(χ.astype(np.longdouble))).astype(float)
 
 
-def _wave(series: Series, χ: Any) -> Any:
+def _wave(series: FourierSeries, χ: Any) -> Any:
     return series.ripple(χ) if len(series.cosines) else 0 * χ
 
 
@@ -222,15 +222,15 @@ def _scale(motion: SeparatedMotion) -> float:
     if values:
         return max(abs(v) for v in values)
     course = motion.located[name].course
-    return float(course.ahead.way.length) if isinstance(course, Open) else float(np.pi)
+    return float(course.ahead.way.length) if isinstance(course, Unbounded) else float(np.pi)
 
 
 @lru_cache(maxsize=8)
-def _open(motion: SeparatedMotion, power: int) -> Dense:
+def _open(motion: SeparatedMotion, power: int) -> DenseOutput:
     equations = motion.equations
-    assert isinstance(equations, Plan)
+    assert isinstance(equations, TriangularScheme)
     course = reaching(equations.courses[0], equations, 2.0**power, 0)
-    assert isinstance(course, Open)
+    assert isinstance(course, Unbounded)
     folded = course.ahead is course.behind
     edges = course.edges()
     names = [c.name for c in motion.solution.system.coordinates if c.name not in motion.located]
@@ -256,4 +256,4 @@ def _open(motion: SeparatedMotion, power: int) -> Dense:
         name: (2 + k, float(-np.ravel(course.integral(j, begin))[0]))
         for k, (name, j) in enumerate(zip(names, indices, strict=True))
     }
-    return Dense(table, waves, False, first, float(np.ravel(course.integral(0, begin))[0]))
+    return DenseOutput(table, waves, False, first, float(np.ravel(course.integral(0, begin))[0]))

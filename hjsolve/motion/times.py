@@ -61,7 +61,7 @@ MOST_TURNS = 2.0**60
 """Of an angle, and cycles of a coordinate: beyond, two doubles do not tell a phase."""
 
 
-def counted(whole: Any) -> Any:
+def whole_numbers(whole: Any) -> Any:
     """Whole turns as integers.
 
     Args:

@@ -14,15 +14,15 @@ from hjsolve.arithmetic.interval import Interval
 from hjsolve.arithmetic.jet import Jet
 from hjsolve.errors import ForbiddenMotionError, NotConvergedError
 from hjsolve.one_coordinate.classify import ray
-from hjsolve.one_coordinate.coordinate_start import Start
-from hjsolve.one_coordinate.momentum_squared import Radicand
+from hjsolve.one_coordinate.coordinate_start import CoordinateStart
+from hjsolve.one_coordinate.momentum_squared import MomentumSquared
 from hjsolve.one_coordinate.turning_points import End, first_end
 
 MOST = 4
 """Regions looked for on each side (a coordinate that winds for ever may have infinitely many)."""
 
 
-class Region(NamedTuple):
+class AllowedRegion(NamedTuple):
     """An interval on which p² ≥ 0, in order of q; both ends at one place where the coordinate could only rest."""
 
     lower: End
@@ -30,7 +30,7 @@ class Region(NamedTuple):
 
 
 @dataclass(frozen=True)
-class _Negated(Radicand):
+class _Negated(MomentumSquared):
     """−p²."""
 
     def value(self, q: Any, bits: int) -> Any:
@@ -46,7 +46,7 @@ class _Negated(Radicand):
         return Jet(*(Interval(-part.high, -part.low) for part in super().enclose(low, high, bits)))
 
 
-def others(start: Start, lower: End, upper: End, digits: int) -> list[Region]:
+def others(start: CoordinateStart, lower: End, upper: End, digits: int) -> list[AllowedRegion]:
     """Return the regions beside the one a motion is in, in order of q.
 
     Args:
@@ -61,9 +61,9 @@ def others(start: Start, lower: End, upper: End, digits: int) -> list[Region]:
     return _along(start, lower, -1, digits)[::-1] + _along(start, upper, 1, digits)
 
 
-def _along(start: Start, end: End, side: int, digits: int, last: End | None = None, most: int = MOST) -> list[Region]:
+def _along(start: CoordinateStart, end: End, side: int, digits: int, last: End | None = None, most: int = MOST) -> list[AllowedRegion]:
     """Regions from an end outward; for an angle, up to the first region itself a turn later (``last``)."""
-    found: list[Region] = []
+    found: list[AllowedRegion] = []
     while end.place is not None and end.kind != "boundary" and len(found) < most:
         if not _adjoins(start, end):
             end = first_end(ray(_at(start, end, negated=True), side), digits=digits)
@@ -71,19 +71,19 @@ def _along(start: Start, end: End, side: int, digits: int, last: End | None = No
             break
         rests = end.kind == "asymptote" and not _adjoins(start, end)
         far = end if rests else first_end(ray(_at(start, end), side), digits=digits)
-        found.append(Region(end, far) if side > 0 else Region(far, end))
+        found.append(AllowedRegion(end, far) if side > 0 else AllowedRegion(far, end))
         end = far
     return found
 
 
-def _at(start: Start, end: End, *, negated: bool = False) -> Start:
+def _at(start: CoordinateStart, end: End, *, negated: bool = False) -> CoordinateStart:
     assert end.place is not None
     own = start.radicand
     radicand = _Negated(own.squared, own.kernels, own.inputs, own.guard) if negated else own
     return replace(start, place=end.place, radicand=radicand)
 
 
-def _adjoins(start: Start, end: End) -> bool:
+def _adjoins(start: CoordinateStart, end: End) -> bool:
     """True at a double zero with p² > 0 on both sides: the next region begins where the last one ends."""
     return end.kind == "asymptote" and end.place is not None and bool(start.radicand.jet(end.place(512), 512)[2] > 0)
 
@@ -96,7 +96,7 @@ def _passed(end: End, last: End) -> bool:
     return bool(end.place(256) - last.place(256) > turn * (1 - 2.0**-100))
 
 
-def forbidden(start: Start, digits: int = 15) -> ForbiddenMotionError:
+def forbidden(start: CoordinateStart, digits: int = 15) -> ForbiddenMotionError:
     """Make the error for p² < 0 at the initial place, with the nearest regions on both sides."""
     here = End("turning", start.place)
     value = float(start.radicand.value(start.place(256 + start.radicand.guard), 256))
@@ -117,7 +117,7 @@ def forbidden(start: Start, digits: int = 15) -> ForbiddenMotionError:
     )  # fmt: skip
 
 
-def _nearest(start: Start, here: End, side: int, digits: int) -> list[Region]:
+def _nearest(start: CoordinateStart, here: End, side: int, digits: int) -> list[AllowedRegion]:
     """The first region on one side; none where it could not be decided."""
     try:
         return _along(start, here, side, digits, most=1)

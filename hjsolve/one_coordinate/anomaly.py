@@ -100,7 +100,7 @@ class Libration:
 
 
 @dataclass(frozen=True)
-class Crested:
+class BarrierAnomaly:
     """A libration that passes over a low barrier; χ as in ``Libration``, slow at the crest.
 
     Attributes:
@@ -183,7 +183,7 @@ class Rotation:
 
 
 @dataclass(frozen=True)
-class Paired:
+class TwoBarrierAnomaly:
     """An angle that goes round over two crests; χ as in ``Rotation``, slow at both.
 
     A Möbius map of the circle carries the two crests, as complex pairs, to w = 0 and w = π with equal gaps; there
@@ -232,10 +232,10 @@ class Paired:
         return χ - 2 * pi * context.ceil((χ - pi) / (2 * pi))
 
 
-Anomaly = Libration | Crested | Rotation | Paired
+Anomaly = Libration | BarrierAnomaly | Rotation | TwoBarrierAnomaly
 
 
-def libration(lower: Any, upper: Any, below: Any | None, above: Any | None, arithmetic: Multi) -> Libration:
+def libration_anomaly(lower: Any, upper: Any, below: Any | None, above: Any | None, arithmetic: Multi) -> Libration:
     """Make the anomaly between two turning points.
 
     Args:
@@ -250,7 +250,7 @@ def libration(lower: Any, upper: Any, below: Any | None, above: Any | None, arit
     return Libration(lower, width, upper, near_lower, near_upper, complement, quarter_period(complement, arithmetic))
 
 
-def crested(lower: Any, upper: Any, crest: Any, gap: Any, arithmetic: Multi) -> Crested:
+def barrier_anomaly(lower: Any, upper: Any, crest: Any, gap: Any, arithmetic: Multi) -> BarrierAnomaly:
     """Make the anomaly between two turning points with a barrier just overcome between them.
 
     Args:
@@ -263,10 +263,10 @@ def crested(lower: Any, upper: Any, crest: Any, gap: Any, arithmetic: Multi) -> 
     A, B = (arithmetic.unary("sqrt", x * x + δ * δ) for x in (left, right))
     excess = δ * δ / (A + left) + δ * δ / (B + right)  # (A + B) − W, which may be tiny
     complement = excess * (A + B + 1) / (4 * A * B)
-    return Crested(lower, width, upper, A, B, complement, quarter_period(complement, arithmetic))
+    return BarrierAnomaly(lower, width, upper, A, B, complement, quarter_period(complement, arithmetic))
 
 
-def rotation(slow: Any, direction: int, gap: Any, arithmetic: Multi) -> Rotation:
+def rotation_anomaly(slow: Any, direction: int, gap: Any, arithmetic: Multi) -> Rotation:
     """Make the anomaly of a rotating angle.
 
     Args:
@@ -280,7 +280,7 @@ def rotation(slow: Any, direction: int, gap: Any, arithmetic: Multi) -> Rotation
     return Rotation(slow, direction, complement, quarter_period(complement, arithmetic))
 
 
-def paired(crest: Any, gap: Any, other: Any, other_gap: Any, direction: int, arithmetic: Multi) -> Paired:
+def two_barrier_anomaly(crest: Any, gap: Any, other: Any, other_gap: Any, direction: int, arithmetic: Multi) -> TwoBarrierAnomaly:
     """Make the anomaly of an angle that goes round over two crests.
 
     In the upper half plane of tan((q − crest)/2) the pairs are z₁ = i tanh(gap/2) and z₂; the real Möbius map that
@@ -302,7 +302,7 @@ def paired(crest: Any, gap: Any, other: Any, other_gap: Any, direction: int, ari
     D = context.sqrt(ε / e1 - (C * ε) ** 2)
     A, B = D * e1 / ε, -C * ε * e1
     complement = (2 * ε / (1 + ε * ε)) ** 2
-    return Paired(
+    return TwoBarrierAnomaly(
         crest + 2 * context.atan2(B, D), direction, B * B + D * D, A * B + C * D, complement,
         quarter_period(complement, arithmetic),
     )  # fmt: skip

@@ -10,10 +10,10 @@ from hjsolve.arithmetic.floats import Multi
 from hjsolve.arithmetic.fourier import smooth
 from hjsolve.errors import NotConvergedError
 from hjsolve.one_coordinate import resolution
-from hjsolve.one_coordinate.coordinate_motion import Anomaly, Bounded, Kind, bounded
+from hjsolve.one_coordinate.coordinate_motion import Anomaly, Kind, Periodic, bounded
 
 if TYPE_CHECKING:
-    from hjsolve.one_coordinate.coordinate_start import Start
+    from hjsolve.one_coordinate.coordinate_start import CoordinateStart
 
 _FEW, _MANY = 32, 120
 """Nodes above which a second and another change of variable is tried, for a double and half a cycle."""
@@ -21,7 +21,7 @@ _MOST = 20000
 """Nodes above which a motion is given up, for a double."""
 
 
-def over_the_best_map(start: Start, kind: Kind, maps: Iterator[Anomaly], digits: int, bits: int) -> Bounded:
+def over_the_best_map(start: CoordinateStart, kind: Kind, maps: Iterator[Anomaly], digits: int, bits: int) -> Periodic:
     """Integrate over the first map for which few nodes are proved to be enough, or over the best of them.
 
     Raises:
@@ -49,10 +49,10 @@ def over_the_best_map(start: Start, kind: Kind, maps: Iterator[Anomaly], digits:
 
 
 def _proved(
-    start: Start, anomaly: Anomaly, digits: int, bits: int, *coarse: float, zeros: bool = True
+    start: CoordinateStart, anomaly: Anomaly, digits: int, bits: int, *coarse: float, zeros: bool = True
 ) -> tuple[int, Anomaly] | None:
     """The nodes that are proved to be enough over a map; None where nothing is."""
-    subject = resolution.integrands(anomaly, start.radicand, start.skipped, start.parts, bits)
+    subject = resolution.integrands_to_resolve(anomaly, start.radicand, start.skipped, start.parts, bits)
     found = resolution.strip(subject, digits, *coarse, zeros=zeros)
     return None if found is None else (smooth(found.nodes(digits) * (1 if anomaly.even else 2)), anomaly)
 
@@ -61,12 +61,12 @@ def _better(one: tuple[int, Anomaly] | None, other: tuple[int, Anomaly] | None) 
     return min((x for x in (one, other) if x is not None), key=lambda x: x[0], default=None)
 
 
-def _integrated(start: Start, kind: Kind, nodes: int, anomaly: Anomaly, digits: int, bits: int) -> Bounded:
+def _integrated(start: CoordinateStart, kind: Kind, nodes: int, anomaly: Anomaly, digits: int, bits: int) -> Periodic:
     phase = anomaly.phase(Multi(bits).convert(start.place(bits)), start.forward, Multi(bits))
     return bounded(kind, anomaly, start.radicand, phase, start.skipped, digits, bits, nodes, start.parts)
 
 
-def _next_to_a_separatrix(start: Start, kind: Kind, maps: list[Anomaly], digits: int, bits: int) -> Bounded:
+def _next_to_a_separatrix(start: CoordinateStart, kind: Kind, maps: list[Anomaly], digits: int, bits: int) -> Periodic:
     """Integrate where doubles cannot tell the regular factor R of p² from 0, between ends that are all but double.
 
     So many nodes that R and the kernels are proved to be their interpolants, and then as many as the coefficients of

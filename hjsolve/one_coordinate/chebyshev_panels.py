@@ -42,7 +42,7 @@ _RETRIES = 8
 
 
 @dataclass(frozen=True)
-class Way:
+class EndMap:
     """The map q(y) of one branch.
 
     Attributes:
@@ -195,7 +195,7 @@ class Growing:
 
     def __init__(
         self,
-        way: Way,
+        way: EndMap,
         course: Integrated,
         *,
         digits: int,

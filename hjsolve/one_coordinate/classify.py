@@ -13,13 +13,20 @@ import numpy as np
 from hjsolve.arithmetic.floats import Float64, Multi, multiprecision
 from hjsolve.errors import NotConvergedError
 from hjsolve.one_coordinate import resolution
-from hjsolve.one_coordinate.anomaly import Libration, Rotation, crested, libration, paired, rotation
+from hjsolve.one_coordinate.anomaly import (
+    Libration,
+    Rotation,
+    barrier_anomaly,
+    libration_anomaly,
+    rotation_anomaly,
+    two_barrier_anomaly,
+)
 from hjsolve.one_coordinate.anomaly_choice import over_the_best_map
-from hjsolve.one_coordinate.chebyshev_panels import Way
-from hjsolve.one_coordinate.coordinate_motion import Anomaly, Bounded, Course, Frozen, Open
-from hjsolve.one_coordinate.coordinate_start import Start
-from hjsolve.one_coordinate.momentum_squared import Number, Radicand
-from hjsolve.one_coordinate.near_zeros import crests
+from hjsolve.one_coordinate.chebyshev_panels import EndMap
+from hjsolve.one_coordinate.coordinate_motion import Anomaly, AtRest, CoordinateMotion, Periodic, Unbounded
+from hjsolve.one_coordinate.coordinate_start import CoordinateStart
+from hjsolve.one_coordinate.momentum_squared import MomentumSquared, Number
+from hjsolve.one_coordinate.near_zeros import complex_zero_pairs
 from hjsolve.one_coordinate.open_branch import Branch
 from hjsolve.one_coordinate.stretched_anomaly import Inner, Stretched, stretched
 from hjsolve.one_coordinate.turning_points import End, Ray, first_end
@@ -45,12 +52,12 @@ class Located:
         lower, upper: the ends found, in order of q.
     """
 
-    course: Course
+    course: CoordinateMotion
     lower: End
     upper: End
 
 
-def locate(start: Start, digits: int) -> Located:
+def locate(start: CoordinateStart, digits: int) -> Located:
     """Classify the motion of one coordinate and integrate it.
 
     Raises:
@@ -74,7 +81,7 @@ def locate(start: Start, digits: int) -> Located:
     return Located(_open(start, forward, lower, upper, digits), lower, upper)
 
 
-def _push(start: Start) -> int:
+def _push(start: CoordinateStart) -> int:
     """Direction in which a coordinate leaves a turning point: the sign of F′ (Greenwood, item 102); 0 when it rests."""
     for bits in (256, 1024, 2048):
         q = start.place(bits)
@@ -85,7 +92,7 @@ def _push(start: Start) -> int:
     return 0
 
 
-def ray(start: Start, side: int) -> Ray:
+def ray(start: CoordinateStart, side: int) -> Ray:
     """The way from the initial place to one side, up to the end of the domain or a full turn."""
     end = start.upper if side > 0 else start.lower
     if start.angle:
@@ -103,7 +110,7 @@ def _distance(one: Number, other: Number, bits: int) -> Any:
     return abs(other(bits) - one(bits))
 
 
-def _rest(start: Start, digits: int) -> Located:
+def _rest(start: CoordinateStart, digits: int) -> Located:
     bits = int(3.33 * digits) + 96
     q = start.place(bits)
     _, _, bend = start.radicand.jet(q, bits)
@@ -115,10 +122,10 @@ def _rest(start: Start, digits: int) -> Located:
     changes = [abs(after - w) / h / scale for w, after in zip(weights, beside, strict=True)]
     sizes = [abs(r) + (c if c < multiprecision(bits).inf else 0) for r, c in zip(rates, changes, strict=True)]
     end = End("turning" if stable else "asymptote", start.place)
-    return Located(Frozen(q, rates, sizes, stable), end, end)
+    return Located(AtRest(q, rates, sizes, stable), end, end)
 
 
-def _libration(start: Start, lower: End, upper: End, digits: int) -> Bounded:
+def _libration(start: CoordinateStart, lower: End, upper: End, digits: int) -> Periodic:
     assert lower.place is not None
     assert upper.place is not None
     places = (lower.place, upper.place)
@@ -135,7 +142,7 @@ def _libration(start: Start, lower: End, upper: End, digits: int) -> Bounded:
     while True:
         arithmetic = Multi(bits)
         a, b = (arithmetic.convert(place(bits)) for place in places)
-        plain = libration(a, b, None, None, arithmetic)
+        plain = libration_anomaly(a, b, None, None, arithmetic)
         lost = _lost_bits(start.radicand, plain, bits)
         if bits - lost >= needed:
             break
@@ -147,14 +154,14 @@ def _libration(start: Start, lower: End, upper: End, digits: int) -> Bounded:
 
     def maps() -> Iterator[Anomaly]:
         yield plain
-        usual = libration(a, b, _outside(start, a, b - a, -1, bits), _outside(start, b, b - a, 1, bits), arithmetic)
+        usual = libration_anomaly(a, b, _outside(start, a, b - a, -1, bits), _outside(start, b, b - a, 1, bits), arithmetic)
         yield usual
         yield from _over_crests(start, usual, bits)
 
     return over_the_best_map(start, "libration", maps(), digits, bits)
 
 
-def _refuse_beyond_doubles(start: Start, middle: Any, width: Any) -> None:
+def _refuse_beyond_doubles(start: CoordinateStart, middle: Any, width: Any) -> None:
     """Refuse to integrate what doubles cannot hold.
 
     Args:
@@ -173,7 +180,7 @@ def _refuse_beyond_doubles(start: Start, middle: Any, width: Any) -> None:
         )
 
 
-def _nearness(start: Start, turns: tuple[Number, Number]) -> int:
+def _nearness(start: CoordinateStart, turns: tuple[Number, Number]) -> int:
     """Bits by which a turning point is nearer to an end of the domain than to the other turning point."""
     if start.lower is None and start.upper is None:
         return 0
@@ -187,39 +194,39 @@ def _nearness(start: Start, turns: tuple[Number, Number]) -> int:
     return max((int(multiprecision(64).log(width / gap, 2)) for gap in gaps if 0 < gap < width), default=0)
 
 
-def _over_crests(start: Start, usual: Libration, bits: int) -> Iterator[Anomaly]:
+def _over_crests(start: CoordinateStart, usual: Libration, bits: int) -> Iterator[Anomaly]:
     """Anomalies of a libration that are slow where p² comes close to zero or to a pole inside the motion."""
     arithmetic = Multi(bits)
     yield from _spread(start, usual, bits)
-    found = crests(start.radicand, usual.lower, usual.upper, bits)
+    found = complex_zero_pairs(start.radicand, usual.lower, usual.upper, bits)
     if found:
-        first = crested(usual.lower, usual.upper, found[0].place, found[0].gap, arithmetic)
+        first = barrier_anomaly(usual.lower, usual.upper, found[0].place, found[0].gap, arithmetic)
         yield first
         yield from _spread(start, first, bits)
 
 
-def _over_other_crests(start: Start, anomaly: Rotation, gap: Any | None, bits: int) -> Iterator[Anomaly]:
+def _over_other_crests(start: CoordinateStart, anomaly: Rotation, gap: Any | None, bits: int) -> Iterator[Anomaly]:
     """Anomalies of a rotation that are slow at all crests, not only at the highest."""
     arithmetic = Multi(bits)
     turn, margin = 2 * arithmetic.pi(), arithmetic.pi() / 512
     yield from _spread(start, anomaly, bits)
-    found = crests(start.radicand, anomaly.slow + margin, anomaly.slow + turn - margin, bits)
+    found = complex_zero_pairs(start.radicand, anomaly.slow + margin, anomaly.slow + turn - margin, bits)
     if found and gap is not None:
-        both = paired(anomaly.slow, gap, found[0].place, found[0].gap, anomaly.direction, arithmetic)
+        both = two_barrier_anomaly(anomaly.slow, gap, found[0].place, found[0].gap, anomaly.direction, arithmetic)
         yield both
         yield from _spread(start, both, bits)
 
 
-def _spread(start: Start, inner: Inner, bits: int) -> Iterator[Stretched]:
+def _spread(start: CoordinateStart, inner: Inner, bits: int) -> Iterator[Stretched]:
     """Stretch the phase of an anomaly through the places where its integrands are rough; nothing where none is."""
-    subject = resolution.integrands(inner, start.radicand, start.skipped, start.parts, bits)
+    subject = resolution.integrands_to_resolve(inner, start.radicand, start.skipped, start.parts, bits)
     places = resolution.rough_places(subject)
     map_ = stretched(inner, places) if places else None
     if map_ is not None:
         yield map_
 
 
-def _lost_bits(radicand: Radicand, anomaly: Any, bits: int) -> int:
+def _lost_bits(radicand: MomentumSquared, anomaly: Any, bits: int) -> int:
     """How many bits p²/((q−a)(b−q)) loses by cancellation, measured against twice the precision."""
     worst = 0
     for χ in (0.3, 1.6, 2.9):
@@ -233,7 +240,7 @@ def _lost_bits(radicand: Radicand, anomaly: Any, bits: int) -> int:
     return max(worst, 0)
 
 
-def _outside(start: Start, end: Any, width: Any, side: int, bits: int) -> Any | None:
+def _outside(start: CoordinateStart, end: Any, width: Any, side: int, bits: int) -> Any | None:
     """The nearest zero of p² beyond a turning point, roughly, or the end of the domain; None where all is far.
 
     Only the choice of the anomaly depends on it, never the value of an integral.
@@ -252,27 +259,27 @@ def _outside(start: Start, end: Any, width: Any, side: int, bits: int) -> Any | 
     return domain(bits) if domain is not None else None
 
 
-def _rotation(start: Start, direction: int, digits: int) -> Bounded:
+def _rotation(start: CoordinateStart, direction: int, digits: int) -> Periodic:
     bits = int(3.33 * digits) + 128 + start.radicand.guard
     arithmetic = Multi(bits)
     slow, gap = _slow_place(start, bits)
-    anomaly: Rotation = rotation(slow, direction, gap, arithmetic)
+    anomaly: Rotation = rotation_anomaly(slow, direction, gap, arithmetic)
     phase = anomaly.phase(arithmetic.convert(start.place(bits)), direction, arithmetic)
     whole = arithmetic.context.nint((start.place(bits) - anomaly.place(phase, arithmetic).q) / (2 * arithmetic.pi()))
     slow += 2 * arithmetic.pi() * whole  # turns are counted from the place given, whichever way the motion goes
-    anomaly = rotation(slow, direction, gap, arithmetic)
+    anomaly = rotation_anomaly(slow, direction, gap, arithmetic)
     lost = _lost_bits(start.radicand, anomaly, bits)
     if gap is not None:
         lost += int(max(0.0, -2 * float(arithmetic.context.log(gap, 2))))
     if lost > 64:
         bits += lost
         arithmetic = Multi(bits)
-        anomaly = rotation(arithmetic.convert(slow), direction, gap, arithmetic)
+        anomaly = rotation_anomaly(arithmetic.convert(slow), direction, gap, arithmetic)
     maps = itertools.chain([anomaly], _over_other_crests(start, anomaly, gap, bits))
     return over_the_best_map(start, "rotation", maps, digits, bits)
 
 
-def _slow_place(start: Start, bits: int) -> tuple[Any, Any | None]:
+def _slow_place(start: CoordinateStart, bits: int) -> tuple[Any, Any | None]:
     """Where p² is least on the circle, whatever the initial place, and how far from the real axis its zero lies."""
     context = multiprecision(bits)
     grid = 2 * np.pi * np.arange(96) / 96
@@ -291,7 +298,7 @@ def _slow_place(start: Start, bits: int) -> tuple[Any, Any | None]:
     return q, gap
 
 
-def _open(start: Start, forward: int, lower: End, upper: End, digits: int) -> Open:
+def _open(start: CoordinateStart, forward: int, lower: End, upper: End, digits: int) -> Unbounded:
     bits = int(3.33 * digits) + 128
     exact = bits + 512 + start.radicand.guard
     lower, upper = _judged(start, lower), _judged(start, upper)
@@ -309,18 +316,18 @@ def _open(start: Start, forward: int, lower: End, upper: End, digits: int) -> Op
         )
         end = "infinity" if target.kind in {"infinity", "round"} else target.kind
         _refuse_beyond_doubles(start, first + side * length / 2, length)
-        way = Way(turning, end, first, side, length, max(0, round(-target.power)))
+        way = EndMap(turning, end, first, side, length, max(0, round(-target.power)))
         return Branch(way, start.radicand, start.skipped, digits, bits)
 
     if "turning" in kinds:
         out = branch(lower, upper, 1) if lower.kind == "turning" else branch(upper, lower, -1)
-        return Open(kind, out, out, _open_phase(out.way, start, forward, bits))  # type: ignore[arg-type]
+        return Unbounded(kind, out, out, _open_phase(out.way, start, forward, bits))  # type: ignore[arg-type]
     here = End("boundary", start.place)
     ahead, behind = (upper, lower) if forward > 0 else (lower, upper)
-    return Open(kind, branch(here, ahead, forward), branch(here, behind, -forward), 0 * start.place(bits))  # type: ignore[arg-type]
+    return Unbounded(kind, branch(here, ahead, forward), branch(here, behind, -forward), 0 * start.place(bits))  # type: ignore[arg-type]
 
 
-def _judged(start: Start, end: End) -> End:
+def _judged(start: CoordinateStart, end: End) -> End:
     """An end of a domain; a ``fall`` where an integral has no limit there, an ``asymptote`` where time has none.
 
     Raises:
@@ -345,7 +352,7 @@ def _judged(start: Start, end: End) -> End:
     return replace(end, kind="asymptote" if endless[0] else "fall" if any(endless) else "boundary")
 
 
-def _outgrows_powers(radicand: Radicand, place: Any, way: Any) -> bool:
+def _outgrows_powers(radicand: MomentumSquared, place: Any, way: Any) -> bool:
     """Whether p² grows faster than powers of the distance to a place: the nearer, the greater the exponent."""
     context = way.context
     values = [abs(radicand.value(place + way * context.mpf(2) ** -k, context.prec)) for k in (50, 66, 100, 116)]
@@ -355,7 +362,7 @@ def _outgrows_powers(radicand: Radicand, place: Any, way: Any) -> bool:
     return bool(near > max(_STEEPEST, 2 * abs(far)) or context.log(values[0], 2) > 2**64)
 
 
-def _length(start: Start, place: Any, bits: int, *, turning: bool) -> Any:
+def _length(start: CoordinateStart, place: Any, bits: int, *, turning: bool) -> Any:
     """A length over which p² changes by itself near a place; at a turning point its value there is rounding only.
 
     Beside a narrow feature far away p² hardly changes at all: the length is not much larger than |q|.
@@ -371,7 +378,7 @@ def _length(start: Start, place: Any, bits: int, *, turning: bool) -> Any:
     return own
 
 
-def _open_phase(way: Way, start: Start, forward: int, bits: int) -> Any:
+def _open_phase(way: EndMap, start: CoordinateStart, forward: int, bits: int) -> Any:
     """Invert the map of a branch that starts at a turning point."""
     if start.forward == 0:
         return multiprecision(bits).mpf(0)

@@ -12,7 +12,7 @@ from functools import cached_property
 from typing import Any
 
 from hjsolve.arithmetic.floats import multiprecision
-from hjsolve.one_coordinate.fourier_series import Series
+from hjsolve.one_coordinate.fourier_series import FourierSeries
 
 _GUARD = 32
 
@@ -24,7 +24,7 @@ class Fixed:
         series: with coefficients of many digits. bits: working precision, at least that of the coefficients.
     """
 
-    def __init__(self, series: Series, bits: int):
+    def __init__(self, series: FourierSeries, bits: int):
         self.series, self.context = series, multiprecision(bits)
         parts = [part for part in (series.cosines, series.sines) if part is not None]
         self.size = max((abs(c) for part in parts for c in part), default=0)
@@ -72,7 +72,7 @@ class Fixed:
         return self.series.mean + self._number(total)
 
     def ripple(self, χ: Any) -> Any:
-        """The periodic part of its integral from 0, as in ``Series``."""
+        """The periodic part of its integral from 0, as in ``FourierSeries``."""
         if not self.size:
             return self.context.mpf(0)
         c, s = self._wave(χ)

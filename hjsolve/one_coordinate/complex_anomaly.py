@@ -13,7 +13,7 @@ import numpy as np
 
 from hjsolve.arithmetic.elliptic import jacobi, quarter_period
 from hjsolve.arithmetic.floats import Float64
-from hjsolve.one_coordinate.anomaly import Crested, Libration, Paired, Rotation
+from hjsolve.one_coordinate.anomaly import BarrierAnomaly, Libration, Rotation, TwoBarrierAnomaly
 from hjsolve.one_coordinate.stretched_anomaly import Stretched
 
 _FLOAT = Float64()
@@ -72,7 +72,7 @@ def _(anomaly: Libration, phase: Any) -> ComplexPlace:
 
 
 @complex_place.register
-def _(anomaly: Crested, phase: Any) -> ComplexPlace:
+def _(anomaly: BarrierAnomaly, phase: Any) -> ComplexPlace:
     width, left, right = (float(x) for x in (anomaly.width, anomaly.from_lower, anomaly.from_upper))
     quarter, complement = float(anomaly.quarter), float(anomaly.complement)
     sn, cn, dn = jacobi_complex(phase * (2 * quarter / np.pi), complement, quarter)
@@ -95,7 +95,7 @@ def _(anomaly: Rotation, phase: Any) -> ComplexPlace:
 
 
 @complex_place.register
-def _(anomaly: Paired, phase: Any) -> ComplexPlace:
+def _(anomaly: TwoBarrierAnomaly, phase: Any) -> ComplexPlace:
     quarter, complement = float(anomaly.quarter), float(anomaly.complement)
     scale, tilt, root = float(anomaly.scale), float(anomaly.tilt), complement**0.5
     turned = np.where(np.real(phase) < 0, phase + np.pi, phase - np.pi)
@@ -139,6 +139,6 @@ def _power_sums(coefficients: Any, z: Any) -> Any:
     return total.reshape(rows, *z.shape)
 
 
-def _nearer(anomaly: Libration | Crested, from_lower: Any, to_upper: Any) -> Any:
+def _nearer(anomaly: Libration | BarrierAnomaly, from_lower: Any, to_upper: Any) -> Any:
     lower = np.abs(from_lower) < np.abs(to_upper)
     return np.where(lower, float(anomaly.lower) + from_lower, float(anomaly.upper) - to_upper)

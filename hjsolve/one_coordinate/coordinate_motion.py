@@ -15,14 +15,14 @@ import numpy as np
 
 from hjsolve.arithmetic.floats import Float64, Multi, multiprecision
 from hjsolve.arithmetic.work_counter import count
-from hjsolve.one_coordinate.anomaly import Crested, Libration, Paired, Place, Rotation
-from hjsolve.one_coordinate.chebyshev_panels import Panels, Way
-from hjsolve.one_coordinate.fourier_series import Series, fit, midpoints, zero
-from hjsolve.one_coordinate.momentum_squared import Radicand
+from hjsolve.one_coordinate.anomaly import BarrierAnomaly, Libration, Place, Rotation, TwoBarrierAnomaly
+from hjsolve.one_coordinate.chebyshev_panels import EndMap, Panels
+from hjsolve.one_coordinate.fourier_series import FourierSeries, fit, midpoints, zero
+from hjsolve.one_coordinate.momentum_squared import MomentumSquared
 from hjsolve.one_coordinate.open_branch import Branch
-from hjsolve.one_coordinate.stretched_anomaly import Stretched, rounded
+from hjsolve.one_coordinate.stretched_anomaly import Stretched, map_in_doubles
 
-Anomaly = Libration | Crested | Rotation | Paired | Stretched
+Anomaly = Libration | BarrierAnomaly | Rotation | TwoBarrierAnomaly | Stretched
 
 Kind = Literal["libration", "rotation", "escape", "equilibrium", "asymptotic", "boundary"]
 PARTS = frozenset({"time", "action", "place"})
@@ -44,7 +44,7 @@ def elementwise(function: Callable[..., Any], χ: Any, outputs: int) -> Any:
 
 
 @dataclass(frozen=True)
-class Bounded:
+class Periodic:
     """Libration or rotation: phases with period 2π.
 
     Attributes:
@@ -59,11 +59,11 @@ class Bounded:
 
     kind: Kind
     anomaly: Anomaly
-    kernels: list[Series]
-    momentum: Series
+    kernels: list[FourierSeries]
+    momentum: FourierSeries
     action: Any
     start: Any
-    radicand: Radicand
+    radicand: MomentumSquared
 
     periodic = True
 
@@ -119,7 +119,7 @@ class Bounded:
         """Return q (not reduced to one turn) and the shell momentum at χ."""
         count(places=χ.size)
         arithmetic = arithmetic_of(χ)
-        anomaly = rounded(self.anomaly) if isinstance(arithmetic, Float64) else self.anomaly
+        anomaly = map_in_doubles(self.anomaly) if isinstance(arithmetic, Float64) else self.anomaly
         turn = (
             np.rint(χ / (2 * np.pi))
             if χ.dtype == float
@@ -136,7 +136,7 @@ class Bounded:
 
 
 @dataclass(frozen=True)
-class Frozen:
+class AtRest:
     """A coordinate that rests: the phase only counts, as the limit of a vanishing libration.
 
     Attributes:
@@ -171,7 +171,7 @@ class Frozen:
 
 
 @dataclass(frozen=True, eq=False)
-class Open:
+class Unbounded:
     """Escape, asymptotic motion, or motion to an end of the domain.
 
     Attributes:
@@ -259,25 +259,25 @@ class Open:
         return q, sign * slope * panels.value(-1, y) / elementwise(lambda v: way.rest(v, arithmetic), y, 1)
 
 
-def float_way(way: Way) -> Way:
+def float_way(way: EndMap) -> EndMap:
     """Round the constants of a map to doubles."""
-    return Way(way.turning, way.end, float(way.start), way.side, float(way.length), way.pole)
+    return EndMap(way.turning, way.end, float(way.start), way.side, float(way.length), way.pole)
 
 
-Course = Bounded | Frozen | Open
+CoordinateMotion = Periodic | AtRest | Unbounded
 
 
 def bounded(
     kind: Kind,
     anomaly: Anomaly,
-    radicand: Radicand,
+    radicand: MomentumSquared,
     start: Any,
     skipped: tuple[bool, ...],
     digits: int,
     bits: int,
     nodes: int,
     parts: frozenset[str] = PARTS,
-) -> Bounded:
+) -> Periodic:
     """Integrate over one cycle of a libration or rotation.
 
     Args:
@@ -293,14 +293,14 @@ def bounded(
     """
     if not parts:
         empty = [zero() for _ in skipped]
-        return Bounded(kind, anomaly, empty, zero(), None, start, radicand)
+        return Periodic(kind, anomaly, empty, zero(), None, start, radicand)
     values = integrands(radicand, skipped, bits, parts)
     rows = [values(place) for place in _places(anomaly, nodes, bits)]
     *kernels, momentum, density = fit(rows, even=anomaly.even, digits=digits, bits=bits, floors=_floors(radicand))
-    return Bounded(kind, anomaly, kernels, momentum, density.mean if "action" in parts else None, start, radicand)
+    return Periodic(kind, anomaly, kernels, momentum, density.mean if "action" in parts else None, start, radicand)
 
 
-def _floors(radicand: Radicand) -> list[float]:
+def _floors(radicand: MomentumSquared) -> list[float]:
     return [0.0] * len(radicand.kernels.outputs) + [1.0, 0.0]
 
 
@@ -312,7 +312,7 @@ def _places(anomaly: Anomaly, nodes: int, bits: int) -> Iterable[Place]:
 
 
 def integrands(
-    radicand: Radicand, skipped: tuple[bool, ...], bits: int, parts: frozenset[str]
+    radicand: MomentumSquared, skipped: tuple[bool, ...], bits: int, parts: frozenset[str]
 ) -> Callable[[Place], list[Any]]:
     """kⱼ (dq/dψ)/p for each constant, ln(p/(dq/dχ)), and p dq/dψ, all regular functions of the phase ψ (mostly χ)."""
     arithmetic = Multi(bits)

@@ -5,11 +5,11 @@ from __future__ import annotations
 from dataclasses import dataclass
 
 from hjsolve.one_coordinate.coordinate_motion import PARTS
-from hjsolve.one_coordinate.momentum_squared import Number, Radicand
+from hjsolve.one_coordinate.momentum_squared import MomentumSquared, Number
 
 
 @dataclass(frozen=True)
-class Start:
+class CoordinateStart:
     """One coordinate at the initial time.
 
     Attributes:
@@ -24,7 +24,7 @@ class Start:
     """
 
     name: str
-    radicand: Radicand
+    radicand: MomentumSquared
     place: Number
     forward: int
     lower: Number | None

@@ -18,7 +18,7 @@ from hjsolve.arithmetic.fourier import waves
 
 
 @dataclass(frozen=True)
-class Series:
+class FourierSeries:
     """c₀ + Σₖ cₖ cos kχ + sₖ sin kχ.
 
     Attributes:
@@ -55,7 +55,7 @@ class Series:
         return not self.mean and not len(self.cosines)
 
 
-def combine(weights: list[Any], series: list[Series]) -> Series:
+def combine(weights: list[Any], series: list[FourierSeries]) -> FourierSeries:
     """Return Σ wⱼ·seriesⱼ; a weight that is exactly zero leaves its series out."""
     terms = [(w, s) for w, s in zip(weights, series, strict=True) if w and not s.vanishes]
     if not terms:
@@ -70,7 +70,7 @@ def combine(weights: list[Any], series: list[Series]) -> Series:
         return result
 
     sines = [(w, s.sines) for w, s in terms if s.sines is not None]
-    return Series(
+    return FourierSeries(
         sum(w * s.mean for w, s in terms),
         total([(w, s.cosines) for w, s in terms]),
         total(sines) if sines else None,
@@ -79,14 +79,14 @@ def combine(weights: list[Any], series: list[Series]) -> Series:
     )
 
 
-def zero() -> Series:
+def zero() -> FourierSeries:
     """Return the zero function."""
-    return Series(0, np.zeros(0), None, 0, 0.0)
+    return FourierSeries(0, np.zeros(0), None, 0, 0.0)
 
 
-def constant(value: Any) -> Series:
+def constant_series(value: Any) -> FourierSeries:
     """Return a constant function."""
-    return Series(value, np.zeros(0), None, 1, 0.0)
+    return FourierSeries(value, np.zeros(0), None, 1, 0.0)
 
 
 def midpoints(nodes: int, *, even: bool, bits: int) -> list[Any]:
@@ -98,7 +98,7 @@ def midpoints(nodes: int, *, even: bool, bits: int) -> list[Any]:
 
 def fit(
     rows: Sequence[list[Any]], *, even: bool, bits: int, digits: int = 15, floors: Sequence[float] = ()
-) -> list[Series]:
+) -> list[FourierSeries]:
     """Represent periodic functions by series; ``resolution`` proves how many nodes are enough.
 
     Args:
@@ -112,7 +112,7 @@ def fit(
     return [_one([row[j] for row in rows], even, digits, bits, floors[j]) for j in range(len(rows[0]))]
 
 
-def _one(values: list[Any], even: bool, digits: int, bits: int, floor: float) -> Series:
+def _one(values: list[Any], even: bool, digits: int, bits: int, floor: float) -> FourierSeries:
     """Discrete cosine (or Fourier) transform of values at midpoints, and the size of its last terms."""
     if values[0] is None:
         return zero()
@@ -121,11 +121,11 @@ def _one(values: list[Any], even: bool, digits: int, bits: int, floor: float) ->
     largest = max(floor, *(abs(v) for v in values))
     rest = [v - mean for v in values]
     if not largest or max(abs(v) for v in rest) <= largest * context.mpf(10) ** -(digits + 8):
-        return constant(mean)
+        return constant_series(mean)
     cosines, sines = waves(rest, even=even, bits=bits)
     tail = max(abs(c) for c in cosines[-2:] + sines[-2:]) / largest
     kind = object if digits > 15 else float
-    return Series(
+    return FourierSeries(
         mean,
         np.array(cosines, dtype=kind),
         None if even else np.array(sines, dtype=kind),

@@ -13,7 +13,7 @@ from hjsolve.arithmetic import asymptotic_expansion
 from hjsolve.arithmetic.floats import Float64, Multi, multiprecision
 from hjsolve.arithmetic.interval import Interval, Intervals
 from hjsolve.arithmetic.jet import Jet, Jets
-from hjsolve.arithmetic.tape import Bound, Tape
+from hjsolve.arithmetic.tape import BoundTape, Tape
 from hjsolve.arithmetic.work_counter import count
 
 _TRIED = (128, 256, 512, 1024, 2048, 4096, 8192)
@@ -25,7 +25,7 @@ Number = Callable[[int], Any]
 
 
 @dataclass(frozen=True)
-class Radicand:
+class MomentumSquared:
     """F(q) = p²(q; κ) and its kernels ½ ∂F/∂κⱼ, with the constants κ known exactly.
 
     Attributes:
@@ -63,7 +63,7 @@ class Radicand:
         bits = asymptotic_expansion.BITS + 2 * self.guard
         return asymptotic_expansion.sign_beyond(self.squared, self.inputs(bits), side, start, bits)
 
-    def guarded(self, place: Number, squared: Number) -> Radicand:
+    def guarded(self, place: Number, squared: Number) -> MomentumSquared:
         """Return the same with as many bits more as its terms lose at a place where it is known.
 
         A velocity 1e-50 of the others leaves p² = 1e-100 of terms that cancel.
@@ -81,10 +81,10 @@ class Radicand:
         return {name: value for name, value in self.__dict__.items() if name != "_tapes"}
 
     @cached_property
-    def _tapes(self) -> dict[tuple[str, int], Bound]:
+    def _tapes(self) -> dict[tuple[str, int], BoundTape]:
         return {}
 
-    def _bound(self, what: str, bits: int) -> Bound:
+    def _bound(self, what: str, bits: int) -> BoundTape:
         """The tapes with all but q known, kept for every precision that was asked for."""
         key = what, bits
         if key not in self._tapes:
@@ -124,7 +124,7 @@ class Radicand:
         )
 
 
-def has_period(radicand: Radicand, place: Any) -> bool:
+def has_period(radicand: MomentumSquared, place: Any) -> bool:
     """True when p² has period 2π (a wheel on a slope has not, though its coordinate is an angle)."""
     bits = 160
     turn = 2 * multiprecision(bits).pi

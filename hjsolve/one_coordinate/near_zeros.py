@@ -14,20 +14,20 @@ import numpy as np
 
 from hjsolve.arithmetic.floats import Float64, Multi, multiprecision
 from hjsolve.arithmetic.work_counter import count
-from hjsolve.one_coordinate.momentum_squared import Radicand
+from hjsolve.one_coordinate.momentum_squared import MomentumSquared
 
 _SAMPLES = 257
 _STEPS = 40
 
 
-class Crest(NamedTuple):
+class ComplexZeroPair(NamedTuple):
     """A complex pair place ± i·gap of zeros or poles of p²."""
 
     place: Any
     gap: Any
 
 
-def crests(radicand: Radicand, lower: Any, upper: Any, bits: int) -> list[Crest]:
+def complex_zero_pairs(radicand: MomentumSquared, lower: Any, upper: Any, bits: int) -> list[ComplexZeroPair]:
     """Return the pairs over a stretch of q, the closest to the real axis first.
 
     Args:
@@ -42,14 +42,14 @@ def crests(radicand: Radicand, lower: Any, upper: Any, bits: int) -> list[Crest]
         for q in _extrema(radicand, float(lower), float(upper))
         if (crest := _refined(radicand, context.convert(q), lower, upper, bits)) and crest.gap < width / 4
     ]
-    distinct: list[Crest] = []
+    distinct: list[ComplexZeroPair] = []
     for crest in sorted(found, key=lambda c: c.gap):
         if all(abs(crest.place - other.place) > width / _SAMPLES for other in distinct):
             distinct.append(crest)
     return distinct
 
 
-def _extrema(radicand: Radicand, lower: float, upper: float) -> list[float]:
+def _extrema(radicand: MomentumSquared, lower: float, upper: float) -> list[float]:
     """Places on a grid where p² stops growing or falling."""
     q = np.linspace(lower, upper, _SAMPLES + 2)[1:-1]
     count(squares=q.size)
@@ -59,7 +59,7 @@ def _extrema(radicand: Radicand, lower: float, upper: float) -> list[float]:
     return [float(x) for x in q[1:-1][rise[:-1] * rise[1:] <= 0]]
 
 
-def _refined(radicand: Radicand, q: Any, lower: Any, upper: Any, bits: int) -> Crest | None:
+def _refined(radicand: MomentumSquared, q: Any, lower: Any, upper: Any, bits: int) -> ComplexZeroPair | None:
     """Newton's method for F′ = 0; None where it leaves the stretch."""
     tiny = (upper - lower) * Multi(bits).context.mpf(2) ** (32 - bits)
     for _ in range(_STEPS):
@@ -72,4 +72,4 @@ def _refined(radicand: Radicand, q: Any, lower: Any, upper: Any, bits: int) -> C
         if abs(slope / bend) <= tiny:
             break
     value, _, bend = radicand.jet(q, bits)
-    return Crest(q, (2 * abs(value / bend)) ** 0.5) if value > 0 and bend else None
+    return ComplexZeroPair(q, (2 * abs(value / bend)) ** 0.5) if value > 0 and bend else None

@@ -10,8 +10,8 @@ import numpy as np
 
 from hjsolve.arithmetic.floats import Multi
 from hjsolve.errors import NotConvergedError
-from hjsolve.one_coordinate.chebyshev_panels import Growing, Panels, Way
-from hjsolve.one_coordinate.momentum_squared import Radicand
+from hjsolve.one_coordinate.chebyshev_panels import EndMap, Growing, Panels
+from hjsolve.one_coordinate.momentum_squared import MomentumSquared
 from hjsolve.one_coordinate.panel_integrands import Sight, Surrounding
 
 _MOST_BITS = 16384
@@ -23,14 +23,14 @@ _FINE = 8
 class Branch:
     """One way of an open motion, from its start to its end, with what is integrated along it."""
 
-    way: Way
-    radicand: Radicand
+    way: EndMap
+    radicand: MomentumSquared
     skipped: tuple[bool, ...]
     digits: int
     bits: int
 
     def integrands(self, y: Any, extra: int = 0) -> list[Any]:
-        """Return all kernels kⱼ |dq/dy| / |p|, then |p|/|dq/dy| (times ``Way.rest``), at y, with so many bits more."""
+        """Return kernels kⱼ |dq/dy| / |p|, then |p|/|dq/dy| (times ``EndMap.rest``), at y, with so many bits more."""
         work = self.bits + extra
         x, left, _ = self.way.distances(y, Multi(64))
         nearest = min(v for v in (x, left) if v is not None)

@@ -7,7 +7,7 @@ from typing import NamedTuple
 import numpy as np
 
 from hjsolve.arithmetic.complex_disks import Disk, Disks, tighter
-from hjsolve.one_coordinate.chebyshev_panels import Way
+from hjsolve.one_coordinate.chebyshev_panels import EndMap
 
 _D = Disks()
 _ONE = Disk(np.complex128(1.0), np.float64(0.0))
@@ -25,8 +25,8 @@ class Scale(NamedTuple):
     b: int
 
 
-def scale(way: Way) -> Scale:
-    """Return how dx/dy goes along a way; see ``Way.distances`` and ``Way.rest``."""
+def scale(way: EndMap) -> Scale:
+    """Return how dx/dy goes along a way; see ``EndMap.distances`` and ``EndMap.rest``."""
     length = float(way.length)
     root = length**0.5
     match way.end, way.turning:
@@ -47,7 +47,7 @@ class Spots(NamedTuple):
     moved: Disk
 
 
-def spots(way: Way, y: float, rest: float, z: Disk) -> Spots:
+def spots(way: EndMap, y: float, rest: float, z: Disk) -> Spots:
     """Map disks of z = y − y₀.
 
     Args:

@@ -18,16 +18,16 @@ import numpy as np
 from hjsolve.arithmetic.complex_disks import Disk, Disks, tighter
 from hjsolve.arithmetic.exponential_factor import EXPONENTIAL, Rates, largest
 from hjsolve.arithmetic.floats import Multi
-from hjsolve.arithmetic.local_expansion import ZERO, Local, Locals, exponential_unit
+from hjsolve.arithmetic.local_expansion import ZERO, LocalExpansion, Locals, exponential_unit
 from hjsolve.arithmetic.reciprocals import without_overflow
-from hjsolve.arithmetic.tape import Bound, Tape
+from hjsolve.arithmetic.tape import BoundTape, Tape
 from hjsolve.errors import InvalidInputError
-from hjsolve.one_coordinate.chebyshev_panels import Way
+from hjsolve.one_coordinate.chebyshev_panels import EndMap
 from hjsolve.one_coordinate.panel_images import Scale, Spots, scale, spots
 from hjsolve.one_coordinate.panel_length import Sizes
 
 if TYPE_CHECKING:
-    from hjsolve.one_coordinate.momentum_squared import Radicand
+    from hjsolve.one_coordinate.momentum_squared import MomentumSquared
 
 _D = Disks()
 _ONE = Disk(np.complex128(1.0), np.float64(0.0))
@@ -40,7 +40,7 @@ _AWAY = 16.0
 """Distance from the start, in natural lengths of at most 1, from which on a way to infinity is far out."""
 
 
-class Root(NamedTuple):
+class RootBounds(NamedTuple):
     """The least |r|, |r| at the centre, and the largest."""
 
     low: Any
@@ -57,7 +57,7 @@ class View:
         orders: of all slots of p² and of the kernels.
     """
 
-    way: Way
+    way: EndMap
     rate: float
     length: float
     orders: tuple[list[Any], ...] = ()
@@ -81,7 +81,7 @@ class View:
             return _D.times(_D.power(root, 2), self.length)
         return _D.unary("exp", _D.times(q, self.rate)) if self.rate else _D.times(_D.inverse(q), float(self.way.side))
 
-    def variable(self, local: Locals) -> Local:
+    def variable(self, local: Locals) -> LocalExpansion:
         """Return q as it is seen."""
         side = float(self.way.side)
         if self.way.end == "infinity":
@@ -89,15 +89,15 @@ class View:
         centred = bool(abs(self._finish) < abs(self.way.length) * 2.0**-300)
         return local.variable(_D.point(self._finish), -side, centred=centred)
 
-    def root(self, q: Disk, places: Spots) -> Root:
+    def root(self, q: Disk, places: Spots) -> RootBounds:
         """Return |r|, the root of |u|/length."""
         if self.way.end != "infinity":
             return _sizes_of(places.root, places)
         with np.errstate(all="ignore"):
             if self.rate:
                 middle, spread = self.rate * np.real(q.centre) / 2, abs(self.rate) * q.radius / 2
-                return Root(*(np.exp(middle + sign * spread) for sign in (-1, 0, 1)))
-            return Root(q.largest**-0.5, np.abs(q.centre) ** -0.5, q.least**-0.5)
+                return RootBounds(*(np.exp(middle + sign * spread) for sign in (-1, 0, 1)))
+            return RootBounds(q.largest**-0.5, np.abs(q.centre) ** -0.5, q.least**-0.5)
 
 
 @dataclass(frozen=True, eq=False)
@@ -109,8 +109,8 @@ class Sight:
         bits: of the branch's numbers.
     """
 
-    way: Way
-    radicand: Radicand
+    way: EndMap
+    radicand: MomentumSquared
     skipped: tuple[bool, ...]
     bits: int
 
@@ -129,7 +129,7 @@ class Sight:
         return without_overflow(self.radicand.squared), without_overflow(self.radicand.kernels)
 
     @cached_property
-    def plain(self) -> tuple[Bound, Bound]:
+    def plain(self) -> tuple[BoundTape, BoundTape]:
         """The same with all but q known."""
         squared, kernels = (tape.bind(_D, self.inputs) for tape in self.tapes)
         return squared, kernels
@@ -162,7 +162,7 @@ class Sight:
             return None
         return replace(view, orders=tuple(orders))
 
-    def integrands(self, squared: Disk, weights: list[Disk], root: Root, powers: list[int], order: int) -> Sizes:
+    def integrands(self, squared: Disk, weights: list[Disk], root: RootBounds, powers: list[int], order: int) -> Sizes:
         """Bound all integrands where |p²| (without x at a turning point) is ``squared``·rᵒ and a kernel is w·rᵖ."""
         with np.errstate(all="ignore"):
             (low, middle, high), least, shape = root, np.sqrt(squared.least), np.shape(root.middle)
@@ -185,9 +185,9 @@ class Sight:
             return Sizes(*(np.stack([np.broadcast_to(row, shape) for row in part]) for part in both))
 
 
-def _sizes_of(r: Disk, places: Spots) -> Root:
+def _sizes_of(r: Disk, places: Spots) -> RootBounds:
     shape = np.shape(places.moved.radius)
-    return Root(*(np.broadcast_to(part, shape) for part in (r.least, np.abs(r.centre), r.largest)))
+    return RootBounds(*(np.broadcast_to(part, shape) for part in (r.least, np.abs(r.centre), r.largest)))
 
 
 def _numbers(rows: list[Any]) -> list[Any]:

@@ -28,7 +28,7 @@ _DISKS = Disks()
 _ONE = _DISKS.rational(1, 1)
 
 
-class Points(Float64):
+class ComplexPoints(Float64):
     """Complex doubles, where a few digits are enough."""
 
     def unary(self, name: str, x: Any) -> Any:
@@ -49,7 +49,7 @@ _CLOSE = 1e-4
 """Relative distance of two points below which a quotient of differences loses more than a mean value leaves out."""
 
 
-class Ends(NamedTuple):
+class EndValues(NamedTuple):
     """f(a), f(b) and f[a, b] as disks; a constant has only the first."""
 
     lower: Disk
@@ -57,7 +57,7 @@ class Ends(NamedTuple):
     chord: Disk | None = None
 
 
-class Local(NamedTuple):
+class DividedValues(NamedTuple):
     """f(q), f[a, b, q], f[b, q] and f[a, q]."""
 
     here: Any
@@ -66,7 +66,7 @@ class Local(NamedTuple):
     from_lower: Any
 
 
-class Line(NamedTuple):
+class ProgramLine(NamedTuple):
     """One operation of the program, ``add``, ``mul``, ``inverse`` or a function: the slot it fills, what it takes."""
 
     code: str
@@ -85,8 +85,8 @@ class Deflated:
         output: the slot of the formula.
     """
 
-    ends: tuple[Ends, ...]
-    lines: tuple[Line, ...]
+    ends: tuple[EndValues, ...]
+    lines: tuple[ProgramLine, ...]
     output: int
 
     def over(self, q: Disk, from_lower: Disk, from_upper: Disk) -> tuple[Disk, Any]:
@@ -114,12 +114,12 @@ class Deflated:
 
     def _run(self, on: _Rules, q: Any, from_lower: Any, from_upper: Any) -> tuple[Any, Any]:
         one, zero = on.fixed(_ONE), on.fixed(Disk(np.complex128(0), np.float64(0)))
-        slots: list[Local | None] = [None] * len(self.ends)
-        slots[0] = Local(q, zero, one, one)
+        slots: list[DividedValues | None] = [None] * len(self.ends)
+        slots[0] = DividedValues(q, zero, one, one)
         for line in self.lines:
             here, second = on.step(line, self.ends, slots)
             chord = on.fixed(self.ends[line.target].chord)
-            slots[line.target] = Local(
+            slots[line.target] = DividedValues(
                 here, second, on.plus(chord, on.times(from_lower, second)), on.plus(chord, on.times(from_upper, second))
             )
         found = slots[self.output]
@@ -157,7 +157,7 @@ class _Rules(ABC):
     def bend(self, name: str, places: tuple[Any, Any, Any], chord: Any, near_a: Any, near_b: Any) -> Any:
         """Return Φ[a, b, q] from Φ[a, b], Φ[a, q] and Φ[b, q]."""
 
-    def step(self, line: Line, ends: tuple[Ends, ...], slots: list[Local | None]) -> tuple[Any, Any]:
+    def step(self, line: ProgramLine, ends: tuple[EndValues, ...], slots: list[DividedValues | None]) -> tuple[Any, Any]:
         """Return f(q) and f[a, b, q] of one line."""
         x, y, f, g = ends[line.first], ends[line.other], slots[line.first], slots[line.other]
         if line.code in {"add", "mul"}:
@@ -169,19 +169,19 @@ class _Rules(ABC):
         assert f is not None
         return self._inverse(x, f) if line.code == "inverse" else self._unary(line.code, x, f)
 
-    def _with_constant(self, code: str, constant: Any, f: Local) -> tuple[Any, Any]:
+    def _with_constant(self, code: str, constant: Any, f: DividedValues) -> tuple[Any, Any]:
         if code == "add":
             return self.plus(constant, f.here), f.second
         return self.times(constant, f.here), self.times(constant, f.second)
 
-    def _sum(self, f: Local, g: Local) -> tuple[Any, Any]:
+    def _sum(self, f: DividedValues, g: DividedValues) -> tuple[Any, Any]:
         return self.plus(f.here, g.here), self.plus(f.second, g.second)
 
-    def _product(self, x: Ends, f: Local, g: Local) -> tuple[Any, Any]:
+    def _product(self, x: EndValues, f: DividedValues, g: DividedValues) -> tuple[Any, Any]:
         outer = self.plus(self.times(self.fixed(x.lower), g.second), self.times(self.fixed(x.chord), g.from_upper))
         return self.times(f.here, g.here), self.plus(outer, self.times(f.second, g.here))
 
-    def _inverse(self, x: Ends, f: Local) -> tuple[Any, Any]:
+    def _inverse(self, x: EndValues, f: DividedValues) -> tuple[Any, Any]:
         """(1/f)[a, b, q] = (f[a, b] f[a, q] − f(a) f[a, b, q])/(f(a) f(b) f(q))."""
         here = self.reciprocal(f.here)
         ends = self.fixed(_DISKS.mul(_DISKS.inverse(x.lower), _DISKS.inverse(x.upper)))
@@ -189,7 +189,7 @@ class _Rules(ABC):
         inner = self.plus(self.times(self.fixed(x.chord), f.from_lower), self.times(minus, f.second))
         return here, self.times(self.times(ends, here), inner)
 
-    def _unary(self, name: str, x: Ends, f: Local) -> tuple[Any, Any]:
+    def _unary(self, name: str, x: EndValues, f: DividedValues) -> tuple[Any, Any]:
         a, b, q = self.fixed(x.lower), self.fixed(x.upper), f.here
         at_a, at_b = (self.fixed(_DISKS.unary(name, end)) for end in (x.lower, x.upper))
         here = self.call(name, q)
@@ -287,11 +287,11 @@ class _Builder:
     """Writes the lines of a program and works out what is known at the ends."""
 
     def __init__(self, lower: Disk, upper: Disk, width: Disk, inputs: Sequence[Disk]):
-        self.ends: list[Ends] = [Ends(lower, upper, _ONE), *(Ends(x, x) for x in inputs)]
-        self.lines: list[Line] = []
+        self.ends: list[EndValues] = [EndValues(lower, upper, _ONE), *(EndValues(x, x) for x in inputs)]
+        self.lines: list[ProgramLine] = []
         self.width = width
         self.slots = list(range(len(self.ends)))
-        self.known: dict[Line, int] = {}
+        self.known: dict[ProgramLine, int] = {}
 
     def add(self, operation: Operation) -> None:
         self.slots.append(self._slot(operation, [self.slots[i] for i in operation.operands]))
@@ -316,7 +316,7 @@ class _Builder:
                 return self._line(operation.code, x[0])
 
     def _constant(self, value: Disk) -> int:
-        self.ends.append(Ends(value, value))
+        self.ends.append(EndValues(value, value))
         return len(self.ends) - 1
 
     def _negative(self, x: int) -> int:
@@ -336,8 +336,8 @@ class _Builder:
         at = self._at(code, f.lower, g.lower), self._at(code, f.upper, g.upper)
         if f.chord is None and (y < 0 or g.chord is None):
             return self._constant(at[0])
-        line = Line(code, len(self.ends), x, y)
-        self.ends.append(Ends(*at, self._chord(code, f, g, at)))
+        line = ProgramLine(code, len(self.ends), x, y)
+        self.ends.append(EndValues(*at, self._chord(code, f, g, at)))
         self.lines.append(line)
         return line.target
 
@@ -352,7 +352,7 @@ class _Builder:
             case _:
                 return _DISKS.unary(code, x)
 
-    def _chord(self, code: str, f: Ends, g: Ends, at: tuple[Disk, Disk]) -> Disk:
+    def _chord(self, code: str, f: EndValues, g: EndValues, at: tuple[Disk, Disk]) -> Disk:
         """The first difference on a and b, by rule or as a quotient."""
         zero, d = Disk(np.complex128(0), np.float64(0)), _DISKS
         first, second = f.chord or zero, g.chord or zero

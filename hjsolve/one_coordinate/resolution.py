@@ -19,14 +19,14 @@ import numpy as np
 
 from hjsolve.arithmetic.complex_disks import Disk, Disks
 from hjsolve.arithmetic.reciprocals import without_overflow
-from hjsolve.arithmetic.tape import Bound
+from hjsolve.arithmetic.tape import BoundTape
 from hjsolve.arithmetic.work_counter import count
 from hjsolve.one_coordinate.complex_anomaly import ComplexPlace, complex_place
-from hjsolve.one_coordinate.momentum_squared import Radicand
-from hjsolve.one_coordinate.regular_factor import Deflated, Points, deflated
+from hjsolve.one_coordinate.momentum_squared import MomentumSquared
+from hjsolve.one_coordinate.regular_factor import ComplexPoints, Deflated, deflated
 from hjsolve.one_coordinate.stretched_anomaly import Stretched
 
-_DISKS, _POINTS = Disks(), Points()
+_DISKS, _POINTS = Disks(), ComplexPoints()
 _CIRCLE = np.exp(2j * np.pi * np.arange(20) / 20)
 _WIDER = 1.7
 """The disk over which a formula is enclosed, in units of the one over which its series is taken."""
@@ -81,8 +81,8 @@ class Integrands:
     """
 
     anomaly: Any
-    squared: Deflated | tuple[Bound, Bound]
-    kernels: tuple[Bound, Bound]
+    squared: Deflated | tuple[BoundTape, BoundTape]
+    kernels: tuple[BoundTape, BoundTape]
 
     def over(self, seen: _Image) -> tuple[list[Disk], Any]:
         """Enclose R and the kernels over disks; and where R is a quotient, see ``Deflated.over``."""
@@ -108,8 +108,8 @@ class Integrands:
         return (self.squared[1].run(seen.q)[0],)
 
 
-def integrands(
-    anomaly: Any, radicand: Radicand, skipped: tuple[bool, ...], parts: frozenset[str], bits: int
+def integrands_to_resolve(
+    anomaly: Any, radicand: MomentumSquared, skipped: tuple[bool, ...], parts: frozenset[str], bits: int
 ) -> Integrands:
     """Bind the formulas of a motion to its constants."""
     exact = radicand.inputs(bits)
@@ -125,7 +125,7 @@ def integrands(
         return Integrands(anomaly, deflated(squared, points, *ends), both)
 
 
-class Squares(NamedTuple):
+class StripSquares(NamedTuple):
     """Squares of the strip [x, x + side] × i[y, y + side], arrays of one shape."""
 
     x: Any
@@ -137,18 +137,18 @@ class Squares(NamedTuple):
         return self.y + self.side
 
     @staticmethod
-    def none() -> Squares:
-        return Squares(*(np.zeros(0) for _ in range(3)))
+    def none() -> StripSquares:
+        return StripSquares(*(np.zeros(0) for _ in range(3)))
 
-    def beside(self, others: Squares) -> Squares:
-        return Squares(*(np.concatenate(pair) for pair in zip(self, others, strict=True)))
+    def beside(self, others: StripSquares) -> StripSquares:
+        return StripSquares(*(np.concatenate(pair) for pair in zip(self, others, strict=True)))
 
-    def chosen(self, which: Any) -> Squares:
-        return Squares(*(part[which] for part in self))
+    def chosen(self, which: Any) -> StripSquares:
+        return StripSquares(*(part[which] for part in self))
 
-    def divided(self) -> Squares:
+    def divided(self) -> StripSquares:
         half = self.side / 2
-        return Squares(
+        return StripSquares(
             np.concatenate([self.x, self.x + half, self.x, self.x + half]),
             np.concatenate([self.y, self.y, self.y + half, self.y + half]),
             np.concatenate([half] * 4),
@@ -173,7 +173,7 @@ def strip(subject: Integrands, digits: int, coarse: float = _COARSE, *, zeros: b
     high = _HIGH * cap if cap > _WIDE and coarse == _COARSE else cap
     done: list[tuple[Any, Any]] = []
     size, work = np.zeros(len(subject.kernels[0].outputs) + (2 if zeros else 1)), 0
-    todo, waiting = _covering(subject, cap), Squares.none()
+    todo, waiting = _covering(subject, cap), StripSquares.none()
     while todo.x.size and cap > 0:
         work += todo.x.size
         logs, here = _sizes(subject, todo, zeros=zeros)
@@ -203,7 +203,7 @@ def obstacles(subject: Integrands) -> list[tuple[float, float]] | None:
         (Re χ, Im χ) of obstacles, the lowest first; None where they are too many, or one is as good as real.
     """
     found, work = np.zeros((2, 0)), 0
-    todo, waiting = _covering(subject, _HIGHEST / 4), Squares.none()
+    todo, waiting = _covering(subject, _HIGHEST / 4), StripSquares.none()
     while todo.x.size:
         work += todo.x.size
         fine = np.isfinite(_sizes(subject, todo)[0]).all(axis=0)
@@ -217,12 +217,12 @@ def obstacles(subject: Integrands) -> list[tuple[float, float]] | None:
         todo = left.chosen(~hopeless).divided()
         todo, waiting = (part.chosen(~_in_a_cone(part, found)) for part in (todo, waiting))
         if not todo.x.size:
-            todo, waiting = waiting, Squares.none()
+            todo, waiting = waiting, StripSquares.none()
     order = np.argsort(found[1])
     return [(float(x), float(y)) for x, y in found[:, order].T]
 
 
-def _straight_above(squares: Squares) -> Any:
+def _straight_above(squares: StripSquares) -> Any:
     """True for squares that have another one of them straight below."""
     if not squares.x.size:
         return np.zeros(0, dtype=bool)
@@ -238,7 +238,7 @@ def _straight_above(squares: Squares) -> Any:
     return squares.y > np.minimum.reduceat(lowest, np.stack([first, last], axis=1).ravel())[::2]
 
 
-def _in_a_cone(squares: Squares, found: Any) -> Any:
+def _in_a_cone(squares: StripSquares, found: Any) -> Any:
     """True for squares that lie in the cone over one of the obstacles found: y − yₖ > |x − xₖ|."""
     if not found.shape[1]:
         return np.zeros(squares.x.shape, dtype=bool)
@@ -268,16 +268,16 @@ def _apart(x: Any, subject: Integrands) -> Any:
     return np.abs(x) if subject.anomaly.even else np.abs(np.remainder(x + np.pi, 2 * np.pi) - np.pi)
 
 
-def _covering(subject: Integrands, height: float) -> Squares:
+def _covering(subject: Integrands, height: float) -> StripSquares:
     """Squares that cover the strip up to a height, of a quarter of its size."""
     begin, length = (0.0, np.pi) if subject.anomaly.even else (-np.pi, 2 * np.pi)
     columns = math.ceil(_ROWS * length / height)
     side = length / columns
     x, y = np.meshgrid(begin + side * np.arange(columns), side * np.arange(math.ceil(height / side)))
-    return Squares(x.ravel(), y.ravel(), np.full(x.size, side))
+    return StripSquares(x.ravel(), y.ravel(), np.full(x.size, side))
 
 
-def _hopeless(squares: Squares, coarse: float = _COARSE) -> Any:
+def _hopeless(squares: StripSquares, coarse: float = _COARSE) -> Any:
     return squares.side <= np.maximum(coarse * squares.y, _LOWEST)
 
 
@@ -306,7 +306,7 @@ def _cheapest(cap: float, y: Any, logs: Any, size: Any, digits: int) -> Strip:
     return min(found, key=lambda s: s.nodes(digits))
 
 
-def _sizes(subject: Integrands, squares: Squares, *, zeros: bool = True) -> tuple[Any, Any]:
+def _sizes(subject: Integrands, squares: StripSquares, *, zeros: bool = True) -> tuple[Any, Any]:
     """The logarithm of the greatest size of each integrand over squares, not finite where unknown; sizes on the axis.
 
     A square lies in a disk of radius ρ; over that of radius ``_WIDER``·ρ the formulas are enclosed as they

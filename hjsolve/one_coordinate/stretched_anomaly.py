@@ -25,8 +25,8 @@ import numpy as np
 
 from hjsolve.arithmetic.floats import Float64, Multi
 from hjsolve.arithmetic.fourier import at_midpoints
-from hjsolve.one_coordinate.anomaly import Crested, Libration, Paired, Place, Rotation, as_float
-from hjsolve.one_coordinate.fourier_series import Series, midpoints
+from hjsolve.one_coordinate.anomaly import BarrierAnomaly, Libration, Place, Rotation, TwoBarrierAnomaly, as_float
+from hjsolve.one_coordinate.fourier_series import FourierSeries, midpoints
 
 _SAMPLES, _MOST_SAMPLES = 4096, 32768
 _STEPS, _ORDERS = 12, 12
@@ -37,7 +37,7 @@ _LAST = 1e-4
 """Coefficients of dχ/dψ below that part of its least value are left out: they would not make the map a better one."""
 _NARROWEST = 1e-12
 
-Inner = Libration | Crested | Rotation | Paired
+Inner = Libration | BarrierAnomaly | Rotation | TwoBarrierAnomaly
 
 
 @dataclass(frozen=True, eq=False)
@@ -50,7 +50,7 @@ class Stretched:
     """
 
     inner: Inner
-    slope: Series
+    slope: FourierSeries
 
     @property
     def even(self) -> bool:
@@ -137,7 +137,7 @@ class Stretched:
         return ψ
 
 
-def rounded(anomaly: Inner | Stretched) -> Inner | Stretched:
+def map_in_doubles(anomaly: Inner | Stretched) -> Inner | Stretched:
     """Round the constants of a map to doubles, for vectorised use."""
     return replace(anomaly, inner=as_float(anomaly.inner)) if isinstance(anomaly, Stretched) else as_float(anomaly)
 
@@ -176,7 +176,7 @@ def stretched(inner: Inner, places: list[tuple[float, float]]) -> Stretched | No
     return None
 
 
-def _inverse_slope(places: list[tuple[float, float]], *, even: bool) -> Series | None:
+def _inverse_slope(places: list[tuple[float, float]], *, even: bool) -> FourierSeries | None:
     """dχ/dψ as a trigonometric polynomial in ψ; None where rounding would make it negative."""
     growth = _Growth.through(places)
     samples = _SAMPLES
@@ -188,7 +188,7 @@ def _inverse_slope(places: list[tuple[float, float]], *, even: bool) -> Series |
         top = int(np.max(np.nonzero(size > _LAST * np.min(values))[0], initial=0)) + 1
         if top <= samples // 4:
             cosines, sines = 2 * waves.real[1 : top + 1], -2 * waves.imag[1 : top + 1]
-            slope = Series(1, cosines, None if even else sines, samples, 0.0)
+            slope = FourierSeries(1, cosines, None if even else sines, samples, 0.0)
             good = np.abs(slope.value(2 * np.pi * share - np.pi) - values) < values / 4
             return slope if np.all(good) else None
         samples *= 2

@@ -21,7 +21,7 @@ import numpy as np
 from hjsolve.arithmetic.floats import multiprecision
 from hjsolve.arithmetic.root_finding import bracketed_root, leading_power
 from hjsolve.errors import NotConvergedError
-from hjsolve.one_coordinate.momentum_squared import Number, Radicand
+from hjsolve.one_coordinate.momentum_squared import MomentumSquared, Number
 
 EndKind = Literal["turning", "asymptote", "boundary", "fall", "infinity", "round"]
 _LAST_BITS = 2048
@@ -63,7 +63,7 @@ class Ray:
         turns: True where the reach is a full turn of an angle, not an end.
     """
 
-    radicand: Radicand
+    radicand: MomentumSquared
     origin: Number
     side: int
     reach: Number | None

@@ -86,7 +86,7 @@ class Table:
 
 
 @dataclass(frozen=True)
-class Step:
+class ArgumentStep:
     """One step of an argument: what was done, why, and the formula it gave."""
 
     title: str
@@ -98,7 +98,7 @@ class Step:
 class Steps:
     """An argument, step by step."""
 
-    items: tuple[Step, ...]
+    items: tuple[ArgumentStep, ...]
 
 
 @dataclass(frozen=True)

@@ -13,15 +13,15 @@ from hjsolve.extended.linear_hamiltonian import LinearHamiltonian
 from hjsolve.reports.content import Material, Subject, document, gather, initial_of
 from hjsolve.reports.document import Document
 from hjsolve.reports.files import checked_path, readable_errors, replace
-from hjsolve.reports.formats.html import html
+from hjsolve.reports.formats.html import html_page
 from hjsolve.reports.sections.outside import outside_document
 from hjsolve.scenes import Scene
 
 
 def _markdown(content: Document) -> str:
-    from hjsolve.reports.formats.markdown import markdown
+    from hjsolve.reports.formats.markdown import markdown_page
 
-    return markdown(content)
+    return markdown_page(content)
 
 
 def _json(content: Document) -> str:
@@ -31,9 +31,9 @@ def _json(content: Document) -> str:
 
 
 def _text(content: Document) -> str:
-    from hjsolve.reports.formats.text import text
+    from hjsolve.reports.formats.text import text_page
 
-    return text(content)
+    return text_page(content)
 
 
 def _tex(content: Document) -> str:
@@ -43,7 +43,7 @@ def _tex(content: Document) -> str:
 
 
 _WRITERS: Mapping[str, Callable[[Document], str]] = {
-    ".html": html,
+    ".html": html_page,
     ".md": _markdown,
     ".json": _json,
     ".txt": _text,

@@ -20,10 +20,10 @@ import sympy as sp
 from hjsolve.arithmetic.floats import multiprecision
 from hjsolve.errors import InvalidInputError, NotConvergedError
 from hjsolve.mechanics.system import velocities
-from hjsolve.motion.initial_data import initial_data, is_zero, to_bits
+from hjsolve.motion.initial_data import number_is_zero, read_initial_data, to_bits
 from hjsolve.motion.motion import Motion
-from hjsolve.one_coordinate.coordinate_motion import Frozen
-from hjsolve.scenes.crossing import bits_of, crossings, exact
+from hjsolve.one_coordinate.coordinate_motion import AtRest
+from hjsolve.scenes.crossing import as_rational, bits_of, crossings
 from hjsolve.scenes.events import Event, Pending, changed, once
 from hjsolve.scenes.question import Question
 from hjsolve.scenes.reflecting_walls import Mirrors, mirrors
@@ -51,7 +51,7 @@ class Leg:
 
 
 @dataclass(frozen=True, eq=False)
-class Piece:
+class FreeArc:
     """One arc before anything wanted is computed.
 
     Attributes:
@@ -89,12 +89,12 @@ class Change:
 class Stretch:
     """Arcs up to a change of constants, or to the end, where ``change`` is None; and what is still to come then."""
 
-    pieces: list[Piece]
+    pieces: list[FreeArc]
     pending: list[Pending]
     change: Change | None
 
 
-def pieces(scene: Question, solution: Solution, first: Mapping[str, Any]) -> tuple[list[Piece], Rest | None]:
+def free_arcs(scene: Question, solution: Solution, first: Mapping[str, Any]) -> tuple[list[FreeArc], Rest | None]:
     """Follow the motion from event to event.
 
     Args:
@@ -110,7 +110,7 @@ def pieces(scene: Question, solution: Solution, first: Mapping[str, Any]) -> tup
     """
     pending = [Pending(event, event.passage) for event in scene.events]
     _refuse_rest_on_a_wall(scene, solution, first)
-    leg, found = Leg(first, {}), list[Piece]()
+    leg, found = Leg(first, {}), list[FreeArc]()
     horizon = scene.times.last if scene.times is not None else None
     digits = _digits(scene, horizon)
     turning = mirrors(solution) if any(e.kind == "wall" for e in scene.events) else None
@@ -118,7 +118,7 @@ def pieces(scene: Question, solution: Solution, first: Mapping[str, Any]) -> tup
     happened: list[Any] = []
     for _ in range(MOST_EVENTS):
         if not pending:
-            return [*found, Piece(leg, None, ())], None
+            return [*found, FreeArc(leg, None, ())], None
         stretch = _flown(solution, leg, pending, horizon, digits, turning)
         stretch = stretch or _one_arc(solution, leg, pending, horizon, digits)
         found, change, pending = found + stretch.pieces, stretch.change, stretch.pending
@@ -156,11 +156,11 @@ def _refuse_rest_on_a_wall(scene: Question, solution: Solution, first: Mapping[s
         return
     system = solution.system
     given = {name: first.get(name) for name in ("q", "velocity", "p", "parameters")}
-    values = initial_data(solution, **given).values  # type: ignore[arg-type]
+    values = read_initial_data(solution, **given).values  # type: ignore[arg-type]
     for wall in walls:
         c = system.coordinate(str(wall.coordinate))
         speed = velocities(system)[c.name]
-        if all(is_zero(x.subs(values)) for x in (c.symbol - wall.value, speed)) and not is_zero(
+        if all(number_is_zero(x.subs(values)) for x in (c.symbol - wall.value, speed)) and not number_is_zero(
             acceleration(system, c.name).subs(values)
         ):
             raise InvalidInputError(
@@ -189,14 +189,14 @@ def _flown(
     bits = free.context.prec
     now = free.start(to_bits(sp.sympify(leg.arguments.get("t0", 0)))(bits))
     flown = walk(free, now, pending, None if horizon is None else to_bits(horizon)(bits), MOST_BOUNCES)
-    found = [Piece(leg, time, events, free, flight) for flight, time, events in flown.arcs]
+    found = [FreeArc(leg, time, events, free, flight) for flight, time, events in flown.arcs]
     if len(found) == MOST_BOUNCES:
         raise NotConvergedError(f"more than {MOST_BOUNCES} bounces before the last time; shorten the scene")
     if not flown.stopped:
-        return Stretch([*found, Piece(leg, None, (), free, now.flight())], flown.pending, None)
+        return Stretch([*found, FreeArc(leg, None, (), free, now.flight())], flown.pending, None)
     last = found[-1]
     left = [p for p in flown.pending if p.event not in last.events or p.event.kind == "wall"]
-    time = last.ends if isinstance(last.ends, sp.Expr) else exact(last.ends, digits)
+    time = last.ends if isinstance(last.ends, sp.Expr) else as_rational(last.ends, digits)
     q, p, turns = free.state(now)
     return Stretch(found, left, Change(motion, time, last.events, q, p, turns))
 
@@ -207,19 +207,19 @@ def _one_arc(solution: Solution, leg: Leg, pending: list[Pending], horizon: Any,
     motion = solution.motion(**leg.arguments, digits=digits, want={"trajectory"})
     hit = _next(motion, pending, horizon)
     if hit is None:
-        return Stretch([Piece(leg, None, ())], pending, None)
+        return Stretch([FreeArc(leg, None, ())], pending, None)
     time, happening = hit
     events = tuple(p.event for p in happening)
     state = motion.at(to_bits(time)(bits_of(motion.digits)))
     if not all(x.context.isfinite(x) for x in (*state.q.values(), *state.p.values())):
         raise NotConvergedError(f"the motion ends, or is too far out for its numbers, before {events[0]}")
     given, system = motion.initial.values, solution.system
-    resting = {name for name, place in motion.separated.located.items() if isinstance(place.course, Frozen)}
+    resting = {name for name, place in motion.separated.located.items() if isinstance(place.course, AtRest)}
     q = {c.name: given[c.symbol] if c.name in resting else state.q[c.name] for c in system.coordinates}
     p = {c.name: given[c.momentum] if c.name in resting or c.name not in motion.separated.located else state.p[c.name]
          for c in system.coordinates}  # fmt: skip
     change = Change(motion, time, events, q, p, {name: int(n) for name, n in state.turns.items()})
-    return Stretch([Piece(leg, time, events)], _later(motion, pending, happening, time), change)
+    return Stretch([FreeArc(leg, time, events)], _later(motion, pending, happening, time), change)
 
 
 def _next(motion: Motion, pending: list[Pending], horizon: sp.Expr | None) -> tuple[sp.Expr, list[Pending]] | None:
@@ -243,7 +243,7 @@ def _time(motion: Motion, pending: Pending, horizon: sp.Expr | None) -> sp.Expr 
     assert event.coordinate is not None
     assert event.value is not None
     time = next(crossings(motion, event.coordinate, event.value, horizon, pending.left), None)
-    return None if time is None else exact(time, motion.digits)
+    return None if time is None else as_rational(time, motion.digits)
 
 
 def _later(motion: Motion, pending: list[Pending], happening: list[Pending], time: sp.Expr) -> list[Pending]:
@@ -271,7 +271,7 @@ def _after(change: Change, before: Turns) -> Leg:
     q, values, turns = {}, dict(given), dict(before)
     for c in system.coordinates:
         q[c.name], values[c.momentum] = (
-            x if isinstance(x, sp.Expr) else exact(x, digits) for x in (change.q[c.name], change.p[c.name])
+            x if isinstance(x, sp.Expr) else as_rational(x, digits) for x in (change.q[c.name], change.p[c.name])
         )
         if c.name in surfaces and c.domain.kind != "angle":
             q[c.name] = surfaces[c.name]
@@ -288,13 +288,13 @@ def _after(change: Change, before: Turns) -> Leg:
     return Leg(arguments, turns)
 
 
-def start_of(piece: Piece) -> Leg:
+def start_of(piece: FreeArc) -> Leg:
     """Where an arc starts, worked out where it is a flight."""
     if piece.flight is None or piece.free is None:
         return piece.leg
     free, flight = piece.free, piece.flight
     q, p, turns = free.state(free.back(flight))
-    time = exact(flight.begin, free.motion.digits)
+    time = as_rational(flight.begin, free.motion.digits)
     return _after(Change(free.motion, time, (), q, p, turns), piece.leg.turns)
 
 
@@ -304,17 +304,17 @@ def _side(change: Change) -> int:
     values = dict(change.motion.initial.values)
     for c in system.coordinates:
         for symbol, x in ((c.symbol, change.q[c.name]), (c.momentum, change.p[c.name])):
-            values[symbol] = x if isinstance(x, sp.Expr) else exact(x, change.motion.digits)
+            values[symbol] = x if isinstance(x, sp.Expr) else as_rational(x, change.motion.digits)
     speed = to_bits(velocities(system)[str(wall.coordinate)].xreplace(values))(64)
     return -1 if speed > 0 else 1
 
 
-def _ended(found: list[Piece], leg: Leg, rest: Rest) -> list[Piece]:
+def _ended(found: list[FreeArc], leg: Leg, rest: Rest) -> list[FreeArc]:
     """The arcs of a scene that ends at a wall."""
     end = Event("rest", f"{rest.wall.name} keeps the body", coordinate=rest.wall.coordinate, value=rest.wall.value)
     if rest.bounces == 1:
         return [*found[:-1], replace(found[-1], events=(*found[-1].events, end))]
-    return [*found, Piece(leg, rest.limit, (end,))]
+    return [*found, FreeArc(leg, rest.limit, (end,))]
 
 
 def whole_turns(angle: sp.Expr) -> int:

@@ -6,7 +6,7 @@ from collections.abc import Iterator, Mapping
 from typing import Any
 
 from hjsolve.motion.motion import Motion
-from hjsolve.scenes.arcs import Leg, Piece, start_of
+from hjsolve.scenes.arcs import FreeArc, Leg, start_of
 from hjsolve.scenes.question import Question
 from hjsolve.scenes.reflections import signed
 from hjsolve.solution.quadratures import Solution
@@ -19,7 +19,7 @@ class Begun:
         scene, solution: what is run. piece: the arc. want: what of the motion, where not all that the scene wants.
     """
 
-    def __init__(self, scene: Question, solution: Solution, piece: Piece, want: tuple[str, ...] | None = None):
+    def __init__(self, scene: Question, solution: Solution, piece: FreeArc, want: tuple[str, ...] | None = None):
         self.given = scene, solution, piece, want
         self._leg: Leg | None = None
         self._motion: Motion | None = None
@@ -80,11 +80,11 @@ class Wholes:
         self.scene, self.solution, self.known = scene, solution, dict[tuple[Any, ...], Motion]()
         self._shared: dict[tuple[Any, ...], dict[str, Any]] = {}
 
-    def __call__(self, piece: Piece) -> Motion:
+    def __call__(self, piece: FreeArc) -> Motion:
         """The free motion of a flight, of its own time zero."""
         return self._turned(piece, ())
 
-    def shared(self, piece: Piece, names: tuple[str, ...]) -> Mapping[str, Any]:
+    def shared(self, piece: FreeArc, names: tuple[str, ...]) -> Mapping[str, Any]:
         """Quantities that are the same on all flights of the same signs: one table for them all."""
         motion = self.mirrored(piece)
         key = (id(motion), names)
@@ -92,14 +92,14 @@ class Wholes:
             self._shared[key] = {name: getattr(motion, name) for name in names}
         return self._shared[key]
 
-    def mirrored(self, piece: Piece) -> Motion:
+    def mirrored(self, piece: FreeArc) -> Motion:
         """With momenta of the signs of the flight: what is the same along it is the same along that motion."""
         assert piece.free is not None
         assert piece.flight is not None
         signs = signed(piece.free, piece.flight.signs)
         return self._turned(piece, tuple(name for name, sign in signs.items() if sign < 0))
 
-    def _turned(self, piece: Piece, names: tuple[str, ...]) -> Motion:
+    def _turned(self, piece: FreeArc, names: tuple[str, ...]) -> Motion:
         assert piece.free is not None
         key = (piece.free, names)
         if key not in self.known:

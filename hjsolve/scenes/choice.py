@@ -17,7 +17,7 @@ from dataclasses import dataclass, field, replace
 from hjsolve.errors import InvalidInputError, MissingExtraError, NotConvergedError
 from hjsolve.scenes.question import INTEGRATED_DIGITS, MOST_INTEGRATED_DIGITS, Question, Times
 from hjsolve.scenes.results import Choice, Run
-from hjsolve.scenes.run import run, solved
+from hjsolve.scenes.run import run_by_quadratures, solved
 from hjsolve.solution.quadratures import Solution
 
 LADDER = (20, 30, 45, 70, 100, 150, 220, 330, 500)
@@ -48,7 +48,7 @@ class _Runner:
     def go(self, method: str, digits: int) -> Run:
         """Run and time it."""
         begin = time.perf_counter()
-        done = run(replace(self.scene, digits=digits, certified=method == "certified"), self.solution)
+        done = run_by_quadratures(replace(self.scene, digits=digits, certified=method == "certified"), self.solution)
         spent = time.perf_counter() - begin
         self.tried += ((method, digits, spent),)
         self.known[method] = (digits, spent)
@@ -67,7 +67,7 @@ def run_chosen(scene: Question) -> Run:
         return _within(scene, _Runner(scene, solved(scene)), scene.seconds, begin)
     if scene.method == "integrate":
         why = "the scene asks for an integrator; its tolerance was lowered until two runs agreed to the digits asked"
-        return replace(run(scene), choice=Choice("integrate", scene.digits, why))
+        return replace(run_by_quadratures(scene), choice=Choice("integrate", scene.digits, why))
     runner = _Runner(scene, solved(scene))
     method, why = _cheapest(scene, runner)
     done = runner.go(method, scene.digits)
@@ -136,7 +136,7 @@ def _foretell(runner: _Runner, once: float) -> None:
     for k in (1, _PROBE):
         few = replace(scene, times=Times(listed=(scene.times.last,) * k), digits=_FEWEST)
         start = time.perf_counter()
-        run(few, runner.solution)
+        run_by_quadratures(few, runner.solution)
         clock.append(time.perf_counter() - start)
     each = max(0.0, clock[1] - clock[0]) / (_PROBE - 1)
     runner.known["mpmath"] = (_FEWEST, clock[0] + (count - 1) * each)

@@ -144,6 +144,6 @@ def restart(motion: Motion) -> dict[str, Any]:
     }
 
 
-def exact(value: Any, digits: int) -> sp.Expr:
+def as_rational(value: Any, digits: int) -> sp.Expr:
     """An ``mpf``, rounded to so many digits, as the rational number it is."""
     return number(multiprecision(bits_of(digits)).mpf(value) * 1, source="state")

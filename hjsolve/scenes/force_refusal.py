@@ -36,7 +36,7 @@ def dissipative(system: System, forces: Mapping[str, sp.Expr]) -> Dissipative:
     return Dissipative(system, tuple(forces), "dissipation", sp.expand(power), advice)
 
 
-def words(verdict: Dissipative) -> str:
+def force_words(verdict: Dissipative) -> str:
     """The error's line."""
     return (
         f"a force that no T and V contain acts on {', '.join(verdict.pair)}: dH/dt = {verdict.residual}, so the energy "

@@ -182,7 +182,7 @@ def keys(names: Iterable[str]) -> list[str]:
     return [f"{group}.{name}" for group in GROUPS for name in names]
 
 
-def kind_of(varied: Iterable[str], fixed: Mapping[str, Mapping[str, object] | None]) -> str:
+def varied_kind(varied: Iterable[str], fixed: Mapping[str, Mapping[str, object] | None]) -> str:
     """``p`` or ``velocity``: what the sweep varies, else what the initial data give."""
     groups = {key.partition(".")[0] for key in varied} - {"q"}
     return min(groups) if groups else "p" if fixed.get("p") else "velocity"
@@ -190,7 +190,7 @@ def kind_of(varied: Iterable[str], fixed: Mapping[str, Mapping[str, object] | No
 
 def missing(varied: list[str], names: list[str], fixed: Mapping[str, Mapping[str, object] | None]) -> Iterator[str]:
     """Initial conditions that neither the sweep nor the initial data give."""
-    kind = kind_of(varied, fixed)
+    kind = varied_kind(varied, fixed)
     for group in ("q", kind):
         for name in names:
             if f"{group}.{name}" not in varied and name not in (fixed.get(group) or {}):

@@ -20,7 +20,7 @@ import sympy as sp
 from hjsolve import catalog
 from hjsolve.arithmetic.floats import Float64
 from hjsolve.arithmetic.tape import Tape
-from hjsolve.arithmetic.work_counter import Work
+from hjsolve.arithmetic.work_counter import WorkCount
 from hjsolve.catalog.effects import with_effects
 from hjsolve.errors import MissingExtraError, NotConvergedError
 from hjsolve.formulas.read import number
@@ -30,7 +30,7 @@ from hjsolve.motion.initial_data import parameter_values
 from hjsolve.motion.state import Errors
 from hjsolve.scenes.question import Question
 from hjsolve.scenes.results import Run, Trajectory
-from hjsolve.scenes.steps import Flow, Sampled, follow
+from hjsolve.scenes.steps import Flow, Sampled, integrate_steps
 from hjsolve.scenes.trajectory import sampled
 from hjsolve.separation import Separation, separate
 
@@ -73,7 +73,7 @@ def integrated(scene: Question) -> Run:
     best, error = _converged(scene, flow, numbers, times)
     drift = _drift(scene, numbers, best.states) if "constants" in scene.want else {}
     trajectory = _trajectory(scene, flow, times, best, error) if "trajectory" in scene.want else None
-    return Run(scene, None, (), trajectory, drift, Work(squares=0, kernels=0, places=flow.calls))
+    return Run(scene, None, (), trajectory, drift, WorkCount(squares=0, kernels=0, places=flow.calls))
 
 
 def numbers_of(scene: Question) -> Numbers:
@@ -127,10 +127,10 @@ def _converged(scene: Question, flow: Flow, numbers: Numbers, times: Any) -> tup
     """Run with finer and finer tolerance until two runs agree to the digits asked."""
     digits = scene.digits
     tolerance = 10.0 ** -(digits - 1)
-    coarse = follow(flow, scene.events, numbers.start, numbers.state, times, tolerance)
+    coarse = integrate_steps(flow, scene.events, numbers.start, numbers.state, times, tolerance)
     while True:
         tolerance = max(tolerance / 100, _FINEST)
-        fine = follow(flow, scene.events, numbers.start, numbers.state, times, tolerance)
+        fine = integrate_steps(flow, scene.events, numbers.start, numbers.state, times, tolerance)
         error = np.abs(fine.states - coarse.states)
         scale = np.maximum(np.max(np.abs(fine.states), axis=1), 1e-300)
         worst = float(np.max(np.max(error, axis=1) / scale))

@@ -60,7 +60,7 @@ class Times:
 
 
 @dataclass(frozen=True)
-class Start:
+class InitialGroups:
     """Initial data of a scene: exact numbers at the time ``t``; velocities or momenta."""
 
     q: Numbers
@@ -103,7 +103,7 @@ class Question:
     system: System
     forces: Mapping[str, sp.Expr]
     parameters: Numbers
-    initial: Start | None
+    initial: InitialGroups | None
     want: tuple[str, ...]
     times: Times | None
     digits: int

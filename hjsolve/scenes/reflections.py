@@ -23,12 +23,12 @@ from hjsolve.mechanics.system import velocities
 from hjsolve.motion.initial_data import to_bits
 from hjsolve.motion.motion import Motion
 from hjsolve.motion.positions import constant_index
-from hjsolve.one_coordinate.coordinate_motion import Bounded, Frozen, Open
+from hjsolve.one_coordinate.coordinate_motion import AtRest, Periodic, Unbounded
 from hjsolve.scenes.crossing import bits_of
 from hjsolve.scenes.events import Event, Pending, once
 from hjsolve.scenes.passage_times import Carried, Passes, passes
 from hjsolve.scenes.reflecting_walls import Mirrors
-from hjsolve.time_law.torus import Torus, mean_rate
+from hjsolve.time_law.torus import TorusEquations, mean_rate
 
 _LOOK = 1000
 """Bounces after which it is judged how many there will be."""
@@ -98,7 +98,7 @@ class Free:
         """Ignorable coordinate → the one that carries it, where that does not rest."""
         located = self.motion.separated.located
         pairs = ((n, c) for n, c in self.mirrors.carrier.items() if c is not None)
-        return {name: c for name, c in pairs if not isinstance(located[c].course, Frozen)}
+        return {name: c for name, c in pairs if not isinstance(located[c].course, AtRest)}
 
     @cached_property
     def rates(self) -> dict[str, Any]:
@@ -107,7 +107,7 @@ class Free:
         for name in self.ignorable:
             if name in self.carrier:
                 continue
-            if self.mirrors.carrier[name] is not None and isinstance(motion.separated.equations, Torus):
+            if self.mirrors.carrier[name] is not None and isinstance(motion.separated.equations, TorusEquations):
                 found[name] = self.context.convert(
                     mean_rate(motion.separated.equations, constant_index(motion.separated, name))
                 )
@@ -119,17 +119,17 @@ class Free:
     @cached_property
     def carried(self) -> dict[str, Carried]:
         """Ignorable coordinates that walls may stand at, as functions of their carriers' phases."""
-        if not isinstance(self.motion.separated.equations, Torus):
+        if not isinstance(self.motion.separated.equations, TorusEquations):
             return {}
         bounded = {
-            n: c for n, c in self.carrier.items() if isinstance(self.motion.separated.located[c].course, Bounded)
+            n: c for n, c in self.carrier.items() if isinstance(self.motion.separated.located[c].course, Periodic)
         }
         return {name: Carried(self.motion, name, c) for name, c in bounded.items()}
 
     def serves(self, events: Sequence[Event]) -> bool:
         """Whether the clocks never end and every place that events stand at can be looked up."""
         for place in self.motion.separated.located.values():
-            branches = (place.course.ahead, place.course.behind) if isinstance(place.course, Open) else ()
+            branches = (place.course.ahead, place.course.behind) if isinstance(place.course, Unbounded) else ()
             if any(branch.way.end in {"boundary", "fall"} for branch in branches):
                 return False
         placed = {e.coordinate for e in events if e.coordinate in self.carrier}
@@ -283,7 +283,7 @@ class Free:
     def turn(self, name: str) -> Any:
         """What a carried coordinate gains in a period of the one that carries it."""
         course = self.motion.separated.located[self.carrier[name]].course
-        assert isinstance(course, Bounded)
+        assert isinstance(course, Periodic)
         return -2 * self.context.pi * self.context.convert(course.growth(constant_index(self.motion.separated, name)))
 
     def state(self, now: Now) -> tuple[dict[str, Any], dict[str, Any], dict[str, int]]:
@@ -295,7 +295,7 @@ class Free:
         for name in self.separated:
             c = system.coordinate(name)
             q[name], p[name] = values[c.symbol], values[c.momentum]
-            if not isinstance(self.motion.separated.located[name].course, Frozen):
+            if not isinstance(self.motion.separated.located[name].course, AtRest):
                 state = self.motion.at(now.clock[name])
                 q[name], p[name] = state.q[name], now.sign[name] * state.p[name]
                 if name in state.turns:

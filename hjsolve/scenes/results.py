@@ -7,10 +7,10 @@ from dataclasses import dataclass, field
 from typing import Any
 
 from hjsolve.arithmetic.estimate import Estimate
-from hjsolve.arithmetic.work_counter import Work
+from hjsolve.arithmetic.work_counter import WorkCount
 from hjsolve.errors import InvalidInputError
 from hjsolve.motion.motion import Motion
-from hjsolve.motion.state import Errors, Known, State
+from hjsolve.motion.state import Errors, KnownErrors, State
 from hjsolve.scenes.events import Event
 from hjsolve.scenes.question import Question
 from hjsolve.scenes.resting_contact import Rest
@@ -67,7 +67,7 @@ class Trajectory:
 
     def __reduce__(self) -> tuple[Any, ...]:
         numbers = (self.q, self.p, self.velocity, self.turns)
-        return Trajectory, (self.t, *map(dict, numbers), self.status, self.arc, Known(self.error))
+        return Trajectory, (self.t, *map(dict, numbers), self.status, self.arc, KnownErrors(self.error))
 
     @property
     def error(self) -> Errors:
@@ -115,7 +115,7 @@ class Run:
     arcs: tuple[Arc, ...]
     trajectory: Trajectory | None
     drift: Mapping[str, Any]
-    work: Work
+    work: WorkCount
     choice: Choice | None = None
     rest: Rest | None = None
 

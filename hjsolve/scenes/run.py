@@ -13,17 +13,17 @@ from hjsolve.errors import InvalidInputError, MissingValueError, NotSeparableErr
 from hjsolve.motion.initial_data import to_bits
 from hjsolve.motion.motion import Motion
 from hjsolve.motion.tabulated import OnDemand
-from hjsolve.scenes.arcs import Piece, pieces
+from hjsolve.scenes.arcs import FreeArc, free_arcs
 from hjsolve.scenes.begun import Begun, Turned, Wholes
 from hjsolve.scenes.crossing import bits_of
-from hjsolve.scenes.force_refusal import dissipative, words
+from hjsolve.scenes.force_refusal import dissipative, force_words
 from hjsolve.scenes.orbits import orbit_table
 from hjsolve.scenes.question import Question
 from hjsolve.scenes.results import Arc, Choice, Run, Trajectory
-from hjsolve.scenes.trajectory import belongings, sampled, trajectory
+from hjsolve.scenes.trajectory import belongings, sampled, trajectory_of
 from hjsolve.solution.quadratures import Solution, solve
 
-__all__ = ["Arc", "Choice", "Run", "Trajectory", "first_arguments", "run", "sampled", "solved"]
+__all__ = ["Arc", "Choice", "Run", "Trajectory", "first_arguments", "run_by_quadratures", "sampled", "solved"]
 _FIELDS = (
     "constants", "kinds", "turning_points", "actions", "periods", "frequencies", "mean_velocities", "boundary_times",
 )  # fmt: skip
@@ -31,7 +31,7 @@ _TIMED, _OWN = frozenset({"trajectory", "angles"}), frozenset({"angles", "orbit"
 """What needs times inside an arc; what is not the same on all arcs of one free motion."""
 
 
-def run(scene: Question, solution: Solution | None = None) -> Run:
+def run_by_quadratures(scene: Question, solution: Solution | None = None) -> Run:
     """Compute what a scene wants with the digits it has; a solution that is there already is not made again."""
     if scene.method == "integrate":
         from hjsolve.scenes.integrate import integrated
@@ -44,7 +44,7 @@ def run(scene: Question, solution: Solution | None = None) -> Run:
     if scene.certified and scene.events:
         raise InvalidInputError("proofs end at an event: the state there is computed, not proved; leave certified out")
     with counted() as work:
-        found, rest = pieces(scene, solution, first_arguments(scene))
+        found, rest = free_arcs(scene, solution, first_arguments(scene))
         wholes = Wholes(scene, solution)
         busy = np.zeros(len(found) + 1, dtype=bool)
         if scene.times is not None and {"trajectory", "angles"} & set(scene.want):
@@ -54,7 +54,7 @@ def run(scene: Question, solution: Solution | None = None) -> Run:
             _arc(scene, solution, piece, bool(timed), wholes, last if piece is found[-1] else None)
             for piece, timed in zip(found, busy, strict=False)
         )
-        path = trajectory(scene, arcs, found, rest, wholes) if "trajectory" in scene.want else None
+        path = trajectory_of(scene, arcs, found, rest, wholes) if "trajectory" in scene.want else None
     return Run(scene, solution, arcs, path, {}, work, rest=rest)
 
 
@@ -79,7 +79,7 @@ def solved(scene: Question) -> Solution | None:
         return None
     if scene.forces:
         verdict = dissipative(scene.system, scene.forces)
-        raise NotSeparableError(words(verdict), verdict)
+        raise NotSeparableError(force_words(verdict), verdict)
     try:
         return solve(scene.system)
     except NotSeparableError as error:
@@ -95,7 +95,7 @@ def first_arguments(scene: Question) -> dict[str, Any]:
     return {name: value for name, value in given.items() if value is not None}
 
 
-def _arc(scene: Question, solution: Solution, piece: Piece, timed: bool, wholes: Wholes, rest: Estimate | None) -> Arc:
+def _arc(scene: Question, solution: Solution, piece: FreeArc, timed: bool, wholes: Wholes, rest: Estimate | None) -> Arc:
     """Compute what is wanted of an arc."""
     names = [n for n in (*_FIELDS, "angles", "orbit") if n in scene.want and (n != "angles" or scene.times)]
     ends = rest if rest is not None else None if piece.ends is None else _moment(piece.ends, scene.digits)
@@ -117,7 +117,7 @@ def _arc(scene: Question, solution: Solution, piece: Piece, timed: bool, wholes:
     return Arc(begins, ends, piece.events, turns, OnDemand(tuple(names), compute), begun)
 
 
-def _quantity(scene: Question, piece: Piece, name: str, motion: Motion) -> Any:
+def _quantity(scene: Question, piece: FreeArc, name: str, motion: Motion) -> Any:
     if name == "angles":
         assert scene.times is not None
         array = sampled(scene.times, scene.digits)

@@ -26,9 +26,9 @@ from hjsolve.scenes.initial_grid import Varied, disagreements, read_sweep
 from hjsolve.scenes.question import (
     INTEGRATED_DIGITS,
     MOST_INTEGRATED_DIGITS,
+    InitialGroups,
     OrbitAsked,
     Question,
-    Start,
     Times,
 )
 from hjsolve.scenes.tables import scene_faults
@@ -108,14 +108,14 @@ def _opened(scene: str | Path | System | Mapping[str, Any]) -> tuple[Mapping[str
         scene = {"system": scene}
     if isinstance(scene, Mapping):
         system = scene.get("system")
-        return {**scene, "system": named(system)} if isinstance(system, System) else scene, "scene", Path()
+        return {**scene, "system": name_or_table(system)} if isinstance(system, System) else scene, "scene", Path()
     needed = "the path of a TOML file or its table, a System or a catalog id is needed"
     arguments.refuse_other(scene, (str, Path), "scene", needed)
     path, source = Path(scene), str(scene)
     return toml_file.read(path, source), source, path.parent
 
 
-def named(system: System) -> str | dict[str, Any]:
+def name_or_table(system: System) -> str | dict[str, Any]:
     """What the key ``system`` says for a system: the id of its entry, which knows motions and effects, or its table."""
     return system.id if catalog.entry_of(system) is not None else catalog.table_of(system)
 
@@ -174,11 +174,11 @@ def _parameters(table: Mapping[str, Any], entry: Mapping[str, Any], source: str)
     return {**own, **table.get("parameters", {})}
 
 
-def _initial(table: Mapping[str, Any], entry: Mapping[str, Any], source: str) -> Start | None:
+def _initial(table: Mapping[str, Any], entry: Mapping[str, Any], source: str) -> InitialGroups | None:
     data = table.get("initial") or _motion_table(table, entry, source)
     if not data:
         return None
-    return Start(
+    return InitialGroups(
         data["q"], data.get("velocity"), data.get("p"), number(data.get("t", 0), source=f"{source}: initial.t")
     )
 
@@ -292,7 +292,7 @@ def _sweep_faults(scene: Scene, sweep: Varied, names: list[str]) -> Iterator[str
         yield f"effects: a sweep is computed by quadratures, which the force in {', '.join(scene.forces)} forbids"
 
 
-def _initial_faults(initial: Start, names: list[str], *, partial: bool) -> Iterator[str]:
+def _initial_faults(initial: InitialGroups, names: list[str], *, partial: bool) -> Iterator[str]:
     if (initial.velocity is None) == (initial.p is None) and not (partial and initial.p is None):
         yield "initial: give velocity or p, one of the two"
     for key, given in (("q", initial.q), ("velocity", initial.velocity), ("p", initial.p)):

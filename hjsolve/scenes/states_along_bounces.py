@@ -13,7 +13,7 @@ from hjsolve.arithmetic.floats import multiprecision
 from hjsolve.mechanics.system import hamiltonian
 from hjsolve.motion.initial_data import to_bits
 from hjsolve.motion.motion import Motion
-from hjsolve.motion.positions import coordinate_velocities, evaluate, principal
+from hjsolve.motion.positions import coordinate_velocities, evaluate_along, principal_values
 from hjsolve.motion.quantities import FLOAT_DIGITS
 from hjsolve.motion.state import Errors, State
 from hjsolve.motion.state_errors import velocity_errors
@@ -131,7 +131,7 @@ def _places(here: Along, states: dict[str, State]) -> tuple[dict[str, Any], dict
             grown = signs[name] * (rate if here.many else float(rate)) * here.elapsed
         q[name] = high + (grown + low)
         if angle:
-            q[name], more = principal(q[name])
+            q[name], more = principal_values(q[name])
             turns[name] = whole + more.astype(int)
         constant = to_bits(here.motion.initial.values[system.coordinate(name).momentum])(free.context.prec)
         p[name] = signs[name] * (constant if here.many else float(constant)) + 0 * q[name]
@@ -147,7 +147,7 @@ def _errors(here: Along, clocks: Any, states: dict[str, State], q: Any, p: Any, 
     doubt, blur = here.floats(lambda f: f.doubt), here.floats(lambda f: f.blur)
     elapsed = np.abs(here.elapsed.astype(float))
     H = hamiltonian(system)
-    forces = evaluate(here.motion.separated, tuple(-sp.diff(H, c.symbol) for c in system.coordinates), q, p)
+    forces = evaluate_along(here.motion.separated, tuple(-sp.diff(H, c.symbol) for c in system.coordinates), q, p)
     force = dict(zip(q, (np.abs(np.asarray(f, dtype=float)) for f in forces), strict=True))
     speed = {name: np.abs(np.asarray(v, dtype=float)) for name, v in velocity.items()}
     late = {name: doubt + unit * (elapsed + np.abs(clock.astype(float))) for name, clock in clocks.items()}

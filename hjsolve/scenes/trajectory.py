@@ -18,7 +18,7 @@ from hjsolve.motion.quantities import FLOAT_DIGITS
 from hjsolve.motion.state import Errors, State
 from hjsolve.motion.tabulated import OnDemand
 from hjsolve.motion.times import LONGEST
-from hjsolve.scenes.arcs import Piece
+from hjsolve.scenes.arcs import FreeArc
 from hjsolve.scenes.crossing import bits_of
 from hjsolve.scenes.question import Question, Times
 from hjsolve.scenes.resting_contact import Rest
@@ -45,7 +45,7 @@ def sampled(times: Times, digits: int) -> Any:
     return np.array(times.exact(), dtype=object)
 
 
-def belongings(times: Any, pieces: Sequence[Piece], rest: Rest | None) -> Any:
+def belongings(times: Any, pieces: Sequence[FreeArc], rest: Rest | None) -> Any:
     """The arc of each time, which is in [begin, end); −1 from the last bounce on where a wall keeps the body."""
     ends = [piece.ends for piece in pieces if piece.ends is not None]
     if rest is not None and rest.bounces > 1:
@@ -67,8 +67,8 @@ def _ratio(value: Any) -> tuple[int, int]:
     return (top << exponent, 1) if exponent >= 0 else (top, 1 << -exponent)
 
 
-def trajectory(
-    scene: Question, arcs: Sequence[Arc], pieces: Sequence[Piece], rest: Rest | None, whole: Callable[[Piece], Motion]
+def trajectory_of(
+    scene: Question, arcs: Sequence[Arc], pieces: Sequence[FreeArc], rest: Rest | None, whole: Callable[[FreeArc], Motion]
 ) -> Trajectory:
     """Put the states of the arcs together; a quantity is worked out when it is read.
 
@@ -111,7 +111,7 @@ def trajectory(
 
 
 def _parts(
-    times: Any, number: Any, arcs: Sequence[Arc], pieces: Sequence[Piece], whole: Callable[[Piece], Motion]
+    times: Any, number: Any, arcs: Sequence[Arc], pieces: Sequence[FreeArc], whole: Callable[[FreeArc], Motion]
 ) -> list[_Part]:
     """The flights of one free motion together, other arcs one by one; those without a time are left out."""
     order = np.argsort(number, kind="stable")

@@ -10,9 +10,9 @@ import sympy as sp
 from hjsolve import arguments
 from hjsolve.algebra.modular import Filter
 from hjsolve.algebra.poly import Budget, WorkLimitError
-from hjsolve.algebra.readable import readable
+from hjsolve.algebra.readable import shortest_form
 from hjsolve.algebra.reader import HYPERBOLIC, is_shifted
-from hjsolve.mechanics.energy_shell import Irreducible, Shell, Step, reduce
+from hjsolve.mechanics.energy_shell import Irreducible, ReductionStep, Shell, reduce
 from hjsolve.mechanics.subjects import system_of
 from hjsolve.mechanics.system import System, kinetic_rest, linear_terms, mass_matrix
 from hjsolve.separation import relativistic
@@ -65,7 +65,7 @@ def separate(system: System | str | Path, *, budget: float = DEFAULT_BUDGET) -> 
         shell = reduced
         return _decide(*_constructed(shell, work), start)
     except WorkLimitError as fault:
-        steps = (*(shell.steps if shell else ()), Step("Budget", f"Exact arithmetic stopped: {fault}."))
+        steps = (*(shell.steps if shell else ()), ReductionStep("Budget", f"Exact arithmetic stopped: {fault}."))
         return Undecided(system, shell, (), "reduction", sp.nan, {}, None, advice.for_undecided(), steps)
 
 
@@ -89,7 +89,7 @@ def _constructed(shell: Shell, work: Budget) -> tuple[Setting, stackel.Matrix | 
 
 def _decide(setting: Setting, matrix: stackel.Matrix | None, start: float) -> Verdict:
     shell, reader = setting.shell, setting.reader
-    proved = list[Step]()
+    proved = list[ReductionStep]()
     if setting.symbols:
         if matrix is None or _small(setting):
             failed, proved = _conditions(setting, hunting=matrix is None)
@@ -97,7 +97,7 @@ def _decide(setting: Setting, matrix: stackel.Matrix | None, start: float) -> Ve
                 return failed
         if matrix is None:
             text = "Levi-Civita's conditions hold, but no regular base point for Stäckel's matrix was found."
-            steps = (*shell.steps, *proved, Step("Stäckel's matrix", text))
+            steps = (*shell.steps, *proved, ReductionStep("Stäckel's matrix", text))
             words = advice.for_undecided()
             return Undecided(shell.system, shell, (), "metric", sp.nan, {}, None, words, steps)
     reduced = _reduced_forms(setting, matrix)
@@ -117,7 +117,7 @@ def _small(setting: Setting) -> bool:
     return sum(len(x.numerator) + sum(len(base) for base, _ in x.bases) for x in elements) <= SMALL_SYSTEM
 
 
-def _conditions(setting: Setting, *, hunting: bool) -> tuple[Obstruction | Undecided | None, list[Step]]:
+def _conditions(setting: Setting, *, hunting: bool) -> tuple[Obstruction | Undecided | None, list[ReductionStep]]:
     """The first condition proved to fail, else the first that stays open, else the step that says all hold.
 
     Hunting: Stäckel's certificate has failed, so some condition fails; those that pass the filter are not proved first.
@@ -127,7 +127,7 @@ def _conditions(setting: Setting, *, hunting: bool) -> tuple[Obstruction | Undec
     count = 0
     undecided: Undecided | None = None
     sieve = Filter(setting.reader.field)
-    conditions = levi_civita.Conditions(setting.reader, setting.symbols, setting.metric, setting.potential)
+    conditions = levi_civita.LeviCivitaConditions(setting.reader, setting.symbols, setting.metric, setting.potential)
     for condition in conditions:
         count += 1
         if hunting and condition.passes_filter:
@@ -144,7 +144,7 @@ def _conditions(setting: Setting, *, hunting: bool) -> tuple[Obstruction | Undec
         f"All {count} conditions S_ij(g^hh) = 0 and S_ij(V) = 0 hold identically, coefficient by coefficient in the "
         "constant momenta; each was brought to an exact normal form that is zero."
     )
-    return undecided, [Step("Levi-Civita's conditions", text)]
+    return undecided, [ReductionStep("Levi-Civita's conditions", text)]
 
 
 def _reduced_forms(setting: Setting, matrix: stackel.Matrix | None) -> Reduced:
@@ -185,10 +185,10 @@ def _full_forms(setting: Setting, reduced: Reduced) -> tuple[Liouville | None, S
     matrix = stackel.construct(reader, symbols, metric, potential)
     if matrix is None:
         return functions, None
-    return functions, stackel.finished(reader, names, [readable(reader, g) for g in metric], V, matrix)
+    return functions, stackel.finished(reader, names, [shortest_form(reader, g) for g in metric], V, matrix)
 
 
-def _evidence_of(reduced: Reduced, shell: Shell) -> list[Step]:
+def _evidence_of(reduced: Reduced, shell: Shell) -> list[ReductionStep]:
     """The forms found, as steps."""
     steps = []
     if reduced.stackel is not None:
@@ -196,16 +196,16 @@ def _evidence_of(reduced: Reduced, shell: Shell) -> list[Step]:
             "Stäckel's matrix, from the base-point construction; c^T Phi = (1, 0, ..., 0) and c^T psi = V were "
             "verified by substitution, exactly. Row i contains coordinate i only."
         )
-        steps.append(Step("Stäckel's matrix", text, reduced.stackel.matrix))
+        steps.append(ReductionStep("Stäckel's matrix", text, reduced.stackel.matrix))
         text = "The part of the separated equations without separation constants."
-        steps.append(Step("Stäckel's column", text, sp.Tuple(*reduced.stackel.column)))
+        steps.append(ReductionStep("Stäckel's column", text, sp.Tuple(*reduced.stackel.column)))
     if reduced.liouville is not None:
         form = reduced.liouville
         text = "The shell is of Liouville's form: T = sum(R_i p_i^2)/(2 sum f_i), V = sum(v_i)/sum(f_i)."
-        steps.append(Step("Liouville's form", text, sp.Tuple(sp.Tuple(*form.f), sp.Tuple(*form.R), sp.Tuple(*form.v))))
+        steps.append(ReductionStep("Liouville's form", text, sp.Tuple(sp.Tuple(*form.f), sp.Tuple(*form.R), sp.Tuple(*form.v))))
     if not shell.coordinates:
         text = "Every momentum is constant and H is a function of them: the motion is uniform."
-        steps.append(Step("All coordinates ignorable", text, shell.potential))
+        steps.append(ReductionStep("All coordinates ignorable", text, shell.potential))
     return steps
 
 

@@ -16,7 +16,7 @@ from dataclasses import replace
 
 import sympy as sp
 
-from hjsolve.mechanics.energy_shell import Shell, Step, energy_symbol
+from hjsolve.mechanics.energy_shell import ReductionStep, Shell, energy_symbol
 from hjsolve.mechanics.system import System, hamiltonian
 from hjsolve.separation.verdicts import Constant, Separation, Verdict
 
@@ -77,7 +77,7 @@ def _shell(shell: Shell, system: System, energy: sp.Symbol, H: sp.Expr) -> Shell
     return replace(shell, system=system, energy=energy, potential=potential, steps=steps)
 
 
-def _steps(system: System, steps: tuple[Step, ...], own: sp.Symbol | None) -> tuple[Step, ...]:
+def _steps(system: System, steps: tuple[ReductionStep, ...], own: sp.Symbol | None) -> tuple[ReductionStep, ...]:
     """The argument for the shell's system with the value −½m₀c² of its own energy, after the step that leads to it."""
     if own is None:
         return (_step(system), *steps)
@@ -88,7 +88,7 @@ def _steps(system: System, steps: tuple[Step, ...], own: sp.Symbol | None) -> tu
     return (_step(system), *told)
 
 
-def _step(system: System) -> Step:
+def _step(system: System) -> ReductionStep:
     assert system.relativity is not None
     m, c, E = system.relativity.mass, system.relativity.light, energy_symbol(system)
     text = (
@@ -96,4 +96,4 @@ def _step(system: System) -> Step:
         f"natural system with the kinetic energy T and the potential shown, at the energy -{m}*{c}^2/2. It has to "
         f"separate for every value of the true energy {E}."
     )
-    return Step("Relativistic energy shell", text, shell_system(system).potential)
+    return ReductionStep("Relativistic energy shell", text, shell_system(system).potential)

@@ -7,7 +7,7 @@ from dataclasses import dataclass
 import mpmath
 import sympy as sp
 
-from hjsolve.mechanics.energy_shell import Shell, Step
+from hjsolve.mechanics.energy_shell import ReductionStep, Shell
 from hjsolve.mechanics.system import System
 from hjsolve.separation.zero_test.interval_evaluation import Witness
 
@@ -95,7 +95,7 @@ class Separation:
     liouville: Liouville | None
     stackel: Stackel | None
     reduced: Reduced
-    evidence: tuple[Step, ...]
+    evidence: tuple[ReductionStep, ...]
     seconds: float
 
 
@@ -131,7 +131,7 @@ class Obstruction:
     residual: sp.Expr
     witness: Witness
     advice: str
-    evidence: tuple[Step, ...]
+    evidence: tuple[ReductionStep, ...]
     distance: float | None = None
     blocks: tuple[tuple[str, ...], ...] = ()
     conformal: bool | None = None
@@ -162,7 +162,7 @@ class Undecided:
     point: dict[str, sp.Rational]
     value: mpmath.mpf | None
     advice: str
-    evidence: tuple[Step, ...]
+    evidence: tuple[ReductionStep, ...]
 
 
 Verdict = Separation | Obstruction | Undecided

@@ -14,7 +14,7 @@ from typing import Literal
 import sympy as sp
 
 from hjsolve.mechanics.energy_shell import domain_bounds
-from hjsolve.mechanics.kinetic_energy import degree, parts
+from hjsolve.mechanics.kinetic_energy import degree, velocity_coefficients
 from hjsolve.mechanics.system import hamiltonian
 from hjsolve.separation.zero_test.interval_evaluation import Region
 from hjsolve.separation.zero_test.zero_test import NonZero, Unproved, Zero, free_region, is_zero
@@ -103,7 +103,7 @@ def _squared_away(H: sp.Expr, roots: dict[str, sp.Dummy], solution: Solution) ->
 def _coefficients(H: sp.Expr, roots: list[sp.Dummy]) -> list[tuple[tuple[int, ...], sp.Expr]]:
     """H as a polynomial in some symbols: powers and coefficients; a quadratic one is read off, not expanded."""
     if degree(H, frozenset(roots)) <= 2:
-        found = parts(H, roots)
+        found = velocity_coefficients(H, roots)
         return [(tuple(key.count(k) for k in range(len(roots))), c) for key, c in found.items()]
     return list(sp.Poly(sp.expand_mul(H), *roots).terms())
 

@@ -9,10 +9,10 @@ from __future__ import annotations
 from collections.abc import Iterator, Mapping
 from typing import Any
 
-from hjsolve.ensembles.task import Recipe
+from hjsolve.ensembles.task import EnsembleTask
 from hjsolve.errors import ClusterError, InvalidInputError, MissingExtraError
 from hjsolve.sweeps.identity import code
-from hjsolve.sweeps.work import Work, columns_of
+from hjsolve.sweeps.work import SweepWork, columns_of
 
 _PATIENCE = 20.0
 """Seconds until a scheduler that does not answer, or has no worker, is given up."""
@@ -21,7 +21,7 @@ _AHEAD = 2
 """Parts a thread of the cluster holds or waits for: more would only fill memory."""
 
 
-def on_cluster(work: Work, scheduler: str) -> None:
+def on_cluster(work: SweepWork, scheduler: str) -> None:
     """Compute what is left on a cluster; see ``hjsolve.sweep``."""
     try:
         import distributed
@@ -56,7 +56,7 @@ def _wait_for_workers(distributed: Any, client: Any, scheduler: str) -> None:
         raise InvalidInputError(f"scheduler: {scheduler} has no worker; start `dask worker {scheduler}`") from error
 
 
-def _hand_out(distributed: Any, client: Any, work: Work) -> None:
+def _hand_out(distributed: Any, client: Any, work: SweepWork) -> None:
     """Keep every thread of the cluster busy and take in what is done, in whatever order it comes."""
     waiting: dict[Any, tuple[int, Mapping[str, Any]]] = {}
     parts = iter(work.left)
@@ -69,7 +69,7 @@ def _hand_out(distributed: Any, client: Any, work: Work) -> None:
         _refill(client, work, parts, waiting, done)
 
 
-def _refill(client: Any, work: Work, parts: Iterator[int], waiting: dict[Any, Any], done: Any) -> None:
+def _refill(client: Any, work: SweepWork, parts: Iterator[int], waiting: dict[Any, Any], done: Any) -> None:
     room = max(_AHEAD * sum(client.nthreads().values()), 1) - len(waiting)
     for _, part in zip(range(room), parts, strict=False):
         starts = work.starts(part)
@@ -78,7 +78,7 @@ def _refill(client: Any, work: Work, parts: Iterator[int], waiting: dict[Any, An
         done.add(future)
 
 
-def remote_part(recipe: Recipe, expected: Mapping[str, str], starts: Mapping[str, Any]) -> dict[str, Any]:
+def remote_part(recipe: EnsembleTask, expected: Mapping[str, str], starts: Mapping[str, Any]) -> dict[str, Any]:
     """The columns of one part, on a worker.
 
     Raises:

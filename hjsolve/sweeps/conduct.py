@@ -14,10 +14,10 @@ from hjsolve.ensembles.task import WORTH_COMPILING
 from hjsolve.errors import MissingExtraError
 from hjsolve.scenes import Scene
 from hjsolve.solution.quadratures import solve
-from hjsolve.sweeps.identity import code, identity
+from hjsolve.sweeps.identity import code, sweep_digest
 from hjsolve.sweeps.points import points_of
-from hjsolve.sweeps.progress import progress
-from hjsolve.sweeps.work import Work, columns_of
+from hjsolve.sweeps.progress import sweep_progress
+from hjsolve.sweeps.work import SweepWork, columns_of
 
 
 @dataclass(frozen=True)
@@ -69,7 +69,7 @@ def sweep(
         MissingExtraError: pyarrow, or for a cluster distributed, is not installed.
     """
     try:
-        from hjsolve.sweeps.folder import Plan, opened
+        from hjsolve.sweeps.folder import SweepPlan, opened
     except ImportError as error:
         raise MissingExtraError('a sweep writes Parquet and needs pyarrow: pip install "hjsolve[cluster]"') from error
     if not isinstance(scene, Scene):
@@ -78,12 +78,12 @@ def sweep(
     size = _checked_chunk(chunk) or scene.sweep.chunk  # type: ignore[union-attr] # points_of has seen it
     many = points.count >= WORTH_COMPILING
     recipe = recipe_for(solve(scene.system), wanted(scene.want), dict(scene.parameters), points.kind, compiled=many)
-    plan = Plan(identity(scene, table, size), code(), points.count, size, scene.title)
+    plan = SweepPlan(sweep_digest(scene, table, size), code(), points.count, size, scene.title)
     with opened(Path(out), plan) as folder:
         left = folder.left()
         done = points.count - sum(end - begin for begin, end in map(plan.window, left))
-        with progress(points.count, done, shown=shown) as advance:
-            work = Work(recipe, points, folder, tuple(left), advance)
+        with sweep_progress(points.count, done, shown=shown) as advance:
+            work = SweepWork(recipe, points, folder, tuple(left), advance)
             if scheduler is None:
                 _on_threads(work, threads)
             else:
@@ -97,7 +97,7 @@ def _checked_chunk(chunk: Any) -> int | None:
     return None if chunk is None else arguments.whole(chunk, "chunk", 1)
 
 
-def _on_threads(work: Work, threads: int | None) -> None:
+def _on_threads(work: SweepWork, threads: int | None) -> None:
     for part in work.left:
         starts = work.starts(part)
         work.keep(part, starts, columns_of(work.recipe, starts, threads))

@@ -23,7 +23,7 @@ import pyarrow as pa
 import pyarrow.parquet as pq
 
 from hjsolve.ensembles.batch import WORDS
-from hjsolve.ensembles.layout import EXACT, STATUS
+from hjsolve.ensembles.layout import RECOMPUTED, STATUS
 from hjsolve.errors import InvalidInputError
 
 MANIFEST, _LOCK, _WRITING = "_manifest.json", "_lock", "_writing-"
@@ -31,7 +31,7 @@ FORMAT = 1
 
 
 @dataclass(frozen=True)
-class Plan:
+class SweepPlan:
     """What the folder is for.
 
     Attributes:
@@ -69,7 +69,7 @@ class Folder:
     """The folder of a plan; made by ``opened``."""
 
     path: Path
-    plan: Plan
+    plan: SweepPlan
 
     def part(self, number: int) -> Path:
         """The file of a part."""
@@ -90,7 +90,7 @@ class Folder:
         """Write one part, completely or not at all."""
         begin, end = self.plan.window(number)
         words = pa.DictionaryArray.from_arrays(pa.array(columns[STATUS]), pa.array(WORDS.tolist()))
-        arrays = {"orbit": np.arange(begin, end), **starts, STATUS: words, EXACT: columns[EXACT]}
+        arrays = {"orbit": np.arange(begin, end), **starts, STATUS: words, RECOMPUTED: columns[RECOMPUTED]}
         arrays |= {name: column for name, column in columns.items() if name not in arrays}
         beside = self.path / f"{_WRITING}{number:06d}-{os.getpid()}"
         pq.write_table(pa.table(arrays), beside)
@@ -107,17 +107,17 @@ class Folder:
         for number in range(self.plan.parts):
             path, (begin, end) = self.part(number), self.plan.window(number)
             files.append({"file": path.name, "orbits": end - begin, "sha256": _digest(path)})
-            table = pq.read_table(path, columns=[STATUS, EXACT])
+            table = pq.read_table(path, columns=[STATUS, RECOMPUTED])
             for entry in table[STATUS].value_counts().to_pylist():
                 counts[entry["values"]] = counts.get(entry["values"], 0) + entry["counts"]
-            counts[EXACT] = counts.get(EXACT, 0) + int(np.count_nonzero(table[EXACT].to_numpy()))
-        ordered = {word: counts[word] for word in [*WORDS.tolist(), EXACT] if word in counts}
+            counts[RECOMPUTED] = counts.get(RECOMPUTED, 0) + int(np.count_nonzero(table[RECOMPUTED].to_numpy()))
+        ordered = {word: counts[word] for word in [*WORDS.tolist(), RECOMPUTED] if word in counts}
         _write_manifest(self.path, {**self.plan.head, "complete": True, "statuses": ordered, "files": files})
         return ordered
 
 
 @contextlib.contextmanager
-def opened(path: Path, plan: Plan) -> Iterator[Folder]:
+def opened(path: Path, plan: SweepPlan) -> Iterator[Folder]:
     """Begin a sweep in a folder, or go on with the one it holds.
 
     Raises:
@@ -139,7 +139,7 @@ def opened(path: Path, plan: Plan) -> Iterator[Folder]:
         yield Folder(path, plan)
 
 
-def _check(path: Path, plan: Plan) -> None:
+def _check(path: Path, plan: SweepPlan) -> None:
     how = "give another name, or delete the folder to begin anew"
     try:
         held = json.loads((path / MANIFEST).read_text(encoding="utf-8"))

@@ -19,7 +19,7 @@ PARTS = ("system", "effects", "parameters", "initial", "want", "sweep", "table")
 """What of a scene decides the result."""
 
 
-def identity(scene: Scene, table: str, chunk: int) -> dict[str, str]:
+def sweep_digest(scene: Scene, table: str, chunk: int) -> dict[str, str]:
     """Digests of everything in a scene that decides the numbers; its title and its remarks do not.
 
     Args:

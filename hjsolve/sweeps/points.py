@@ -17,11 +17,11 @@ from hjsolve.errors import InvalidInputError, MissingExtraError
 from hjsolve.formulas.read import number
 from hjsolve.motion.initial_data import to_bits
 from hjsolve.scenes import Scene
-from hjsolve.scenes.initial_grid import GROUPS, Axis, Varied, keys, kind_of, missing
+from hjsolve.scenes.initial_grid import GROUPS, Axis, Varied, keys, missing, varied_kind
 
 
 @dataclass(frozen=True, eq=False)
-class Points:
+class SweepPoints:
     """Where the orbits of a sweep start.
 
     Attributes:
@@ -51,7 +51,7 @@ class Points:
         return result
 
 
-def points_of(scene: Scene) -> tuple[Points, str]:
+def points_of(scene: Scene) -> tuple[SweepPoints, str]:
     """The starts that a scene declares, and a digest of the table they come from (empty for a grid).
 
     Raises:
@@ -69,14 +69,14 @@ def points_of(scene: Scene) -> tuple[Points, str]:
         columns, digest = _table(scene, scene.sweep, scene.sweep.table)
         varied = {key: (0, column) for key, column in columns.items()}
         sizes = (len(next(iter(columns.values()))),)
-    kind = kind_of(varied, scene.fixed)
+    kind = varied_kind(varied, scene.fixed)
     fixed = {
         f"{group}.{name}": float(to_bits(number(value, source=f"initial.{group}.{name}"))(64))
         for group in ("q", kind)
         for name, value in (scene.fixed.get(group) or {}).items()
         if f"{group}.{name}" not in varied
     }
-    return Points(kind, int(np.prod(sizes, dtype=np.int64)), sizes, varied, fixed), digest
+    return SweepPoints(kind, int(np.prod(sizes, dtype=np.int64)), sizes, varied, fixed), digest
 
 
 def _values(axis: Axis) -> Any:

@@ -6,9 +6,9 @@ from collections.abc import Mapping
 from dataclasses import dataclass
 from typing import TYPE_CHECKING, Any
 
-from hjsolve.ensembles.compute import compute
-from hjsolve.ensembles.task import Recipe
-from hjsolve.sweeps.points import Points
+from hjsolve.ensembles.compute import compute_columns
+from hjsolve.ensembles.task import EnsembleTask
+from hjsolve.sweeps.points import SweepPoints
 from hjsolve.sweeps.progress import Advance
 
 if TYPE_CHECKING:
@@ -16,11 +16,11 @@ if TYPE_CHECKING:
 
 
 @dataclass(frozen=True, eq=False)
-class Work:
+class SweepWork:
     """What is left to do, and how; passed to whoever conducts it."""
 
-    recipe: Recipe
-    points: Points
+    recipe: EnsembleTask
+    points: SweepPoints
     folder: Folder
     left: tuple[int, ...]
     advance: Advance
@@ -41,8 +41,8 @@ class Work:
         self.advance(end - begin)
 
 
-def columns_of(recipe: Recipe, starts: Mapping[str, Any], threads: int | None) -> dict[str, Any]:
+def columns_of(recipe: EnsembleTask, starts: Mapping[str, Any], threads: int | None) -> dict[str, Any]:
     """The columns of a part; runs here or on a worker."""
     names = [c.name for c in recipe.system.coordinates]
     q, rates = ([starts[f"{group}.{name}"] for name in names] for group in ("q", recipe.kind))
-    return compute(recipe, q, rates, threads=threads)
+    return compute_columns(recipe, q, rates, threads=threads)

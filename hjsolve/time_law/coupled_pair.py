@@ -19,7 +19,7 @@ from typing import Any
 
 import numpy as np
 
-from hjsolve.one_coordinate.coordinate_motion import Bounded, Course, Open
+from hjsolve.one_coordinate.coordinate_motion import CoordinateMotion, Periodic, Unbounded
 from hjsolve.time_law.one_phase import solve_alone
 
 _EPS = 2.0**-52
@@ -30,7 +30,7 @@ Weights = tuple[float, ...]
 
 
 @dataclass(frozen=True)
-class Pair:
+class CoupledPair:
     """Two courses and the two combinations of the equations that they share.
 
     Attributes:
@@ -39,13 +39,13 @@ class Pair:
         clock: v, any other combination; the energy's where it can be.
     """
 
-    courses: tuple[Course, Course]
+    courses: tuple[CoordinateMotion, CoordinateMotion]
     level: Weights
     clock: Weights
 
 
 @dataclass(frozen=True)
-class Found:
+class CoupledPhases:
     """Phases of both coordinates at some times.
 
     Attributes:
@@ -61,7 +61,7 @@ class Found:
     short: Any
 
 
-def pair(courses: tuple[Course, Course], used: Sequence[Weights], equations: int) -> Pair | None:
+def choose_pair(courses: tuple[CoordinateMotion, CoordinateMotion], used: Sequence[Weights], equations: int) -> CoupledPair | None:
     """Choose the two combinations; None where no single equation is monotone in both coordinates.
 
     Args:
@@ -78,13 +78,13 @@ def pair(courses: tuple[Course, Course], used: Sequence[Weights], equations: int
         size = [abs(np.linalg.det(np.array([*used, level, clock]))) for clock in units]
         clock = units[0] if size[0] > 1e-9 else units[int(np.argmax(size))]
         if max(size) > 1e-9:
-            return Pair(courses, level, clock)
+            return CoupledPair(courses, level, clock)
     return None
 
 
-def _kernels(course: Course, n: int) -> Any:
+def _kernels(course: CoordinateMotion, n: int) -> Any:
     """Rows of kernels at phases all along a course, shape (phases, n)."""
-    if isinstance(course, Open):
+    if isinstance(course, Unbounded):
         edges = course.edges()
         χ = np.concatenate([(edges[1:] + edges[:-1]) / 2, [float(course.start)]])
     else:
@@ -92,29 +92,29 @@ def _kernels(course: Course, n: int) -> Any:
     return np.stack([np.broadcast_to(course.rate(j, χ), χ.shape) for j in range(n)], axis=1)
 
 
-def _sign(course: Course, rows: Any, level: Weights) -> int:
+def _sign(course: CoordinateMotion, rows: Any, level: Weights) -> int:
     """The sign of a combination of kernels all along a course, 0 where it has none.
 
     Beside a pole in a coordinate a kernel may be smaller than the rounding of its series: that counts as zero.
     """
     values = rows @ np.array(level)
-    noise = _BLUR * float(np.max(np.abs(rows) @ np.abs(level))) if isinstance(course, Bounded) else 0.0
+    noise = _BLUR * float(np.max(np.abs(rows) @ np.abs(level))) if isinstance(course, Periodic) else 0.0
     side = 1 if values[int(np.argmax(np.abs(values)))] > 0 else -1
     return side if np.all(side * values >= -noise) and np.any(values) and (noise or np.all(values)) else 0
 
 
-def solve_pair(couple: Pair, goals: Any, noise: Any, time: Any) -> Found:
+def solve_pair(couple: CoupledPair, goals: Any, noise: Any, time: Any) -> CoupledPhases:
     """Solve for both phases.
 
     Args:
-        couple: from ``pair``.
+        couple: from ``choose_pair``.
         goals: right sides of Jacobi's equations, shape (equations, m).
         noise: bounds on their errors, shape (equations, m).
         time: relative to t₀, shape (m,); only its sign is used.
     """
     goals = np.stack([np.array(w) @ goals for w in (couple.level, couple.clock)])
     noise = np.stack([np.abs(w) @ noise for w in (couple.level, couple.clock)])
-    found = Found(np.empty((2, len(time))), np.empty((2, len(time))), time != time, time != time)
+    found = CoupledPhases(np.empty((2, len(time))), np.empty((2, len(time))), time != time, time != time)
     for side in (1, -1):
         chosen = np.where(side * time >= 0)[0] if side > 0 else np.where(time < 0)[0]
         if len(chosen):
@@ -125,7 +125,7 @@ def solve_pair(couple: Pair, goals: Any, noise: Any, time: Any) -> Found:
     return found
 
 
-def _one_way(couple: Pair, side: int, goals: Any, noise: Any) -> Found:
+def _one_way(couple: CoupledPair, side: int, goals: Any, noise: Any) -> CoupledPhases:
     """Times on one side of t₀."""
     gains = [_gain(c, couple.level, side) for c in couple.courses]
     k = int(gains[1] < gains[0])
@@ -140,12 +140,12 @@ def _one_way(couple: Pair, side: int, goals: Any, noise: Any) -> Found:
     χ = _polished(couple, goals, χ)
     finished = _finished(outer, side)
     errors = np.where(passed, 0.0, _bound(couple, goals, noise, χ))
-    return Found(χ, errors, passed & finished, passed & (not finished))
+    return CoupledPhases(χ, errors, passed & finished, passed & (not finished))
 
 
-def _gain(course: Course, level: Weights, side: int) -> float:
+def _gain(course: CoordinateMotion, level: Weights, side: int) -> float:
     """How much the first equation can still grow along a course; infinite where it goes on for ever."""
-    if not isinstance(course, Open):
+    if not isinstance(course, Unbounded):
         return np.inf
     limit = course.limits()[side > 0]
     if not np.isfinite(limit):
@@ -153,19 +153,19 @@ def _gain(course: Course, level: Weights, side: int) -> float:
     return abs(float(_amount(course, level, np.array([float(limit)]))[0] - _amount(course, level, _start(course))[0]))
 
 
-def _finished(course: Course, side: int) -> bool:
+def _finished(course: CoordinateMotion, side: int) -> bool:
     """True where the last phase held is the end of the motion, not of the panels."""
-    if not isinstance(course, Open):
+    if not isinstance(course, Unbounded):
         return False
     branch = course.ahead if side > 0 else course.behind
     return branch.way.end in {"boundary", "fall"} or branch.panels(*course.reach).finished
 
 
-def _stations(course: Course, side: int) -> Any:
+def _stations(course: CoordinateMotion, side: int) -> Any:
     """Phases from the start outward, between which a search may begin; the last one is the farthest there is."""
     start = float(course.start)
     doublings = 2.0 ** np.arange(-2, 61)
-    if not isinstance(course, Open):
+    if not isinstance(course, Unbounded):
         return np.concatenate([[start], start + side * doublings])
     edges, limit = course.edges(), course.limits()[side > 0]
     beyond = edges[edges > start] if side > 0 else edges[edges < start][::-1]
@@ -173,15 +173,15 @@ def _stations(course: Course, side: int) -> Any:
     return stations if np.isfinite(limit) else np.concatenate([stations, stations[-1] + side * doublings])
 
 
-def _start(course: Course) -> Any:
+def _start(course: CoordinateMotion) -> Any:
     return np.array([float(course.start)])
 
 
-def _amount(course: Course, weights: Weights, χ: Any) -> Any:
+def _amount(course: CoordinateMotion, weights: Weights, χ: Any) -> Any:
     return sum(w * course.integral(j, χ) for j, w in enumerate(weights) if w)
 
 
-def _pace(course: Course, weights: Weights, χ: Any) -> Any:
+def _pace(course: CoordinateMotion, weights: Weights, χ: Any) -> Any:
     return sum(w * course.rate(j, χ) for j, w in enumerate(weights) if w)
 
 
@@ -189,9 +189,9 @@ def _pace(course: Course, weights: Weights, χ: Any) -> Any:
 class _Search:
     """The search in one phase, the other one being a function of it."""
 
-    couple: Pair
-    outer: Course
-    inner: Course
+    couple: CoupledPair
+    outer: CoordinateMotion
+    inner: CoordinateMotion
     goals: Any
 
     def other(self, x: Any) -> tuple[Any, Any]:
@@ -250,7 +250,7 @@ class _Search:
         return x
 
 
-def _polished(couple: Pair, goals: Any, χ: Any) -> Any:
+def _polished(couple: CoupledPair, goals: Any, χ: Any) -> Any:
     """Newton's method for both, from nearby: what one search leaves of an ill conditioned phase the other takes up."""
     for _ in range(_POLISH):
         residual, ((a, b), (c, d)) = _residual(couple, goals, χ), _slopes(couple, χ)
@@ -259,18 +259,18 @@ def _polished(couple: Pair, goals: Any, χ: Any) -> Any:
             small = np.all(np.abs(step) <= 1e-3 * np.abs(χ) + 1e-8, axis=0)
         trial = np.where(small, χ + step, χ)
         for row, course in enumerate(couple.courses):
-            if isinstance(course, Open):
+            if isinstance(course, Unbounded):
                 trial[row] = np.clip(trial[row], *course.limits())
         χ = trial
     return χ
 
 
-def _residual(couple: Pair, goals: Any, χ: Any) -> Any:
+def _residual(couple: CoupledPair, goals: Any, χ: Any) -> Any:
     sums = [sum(_amount(c, w, x) for c, x in zip(couple.courses, χ, strict=True)) for w in (couple.level, couple.clock)]
     return np.stack(sums) - goals
 
 
-def _slopes(couple: Pair, χ: Any) -> Any:
+def _slopes(couple: CoupledPair, χ: Any) -> Any:
     """Rows: equations; columns: coordinates; shape (2, 2, m)."""
     return np.stack(
         [
@@ -280,7 +280,7 @@ def _slopes(couple: Pair, χ: Any) -> Any:
     )
 
 
-def _bound(couple: Pair, goals: Any, noise: Any, χ: Any) -> Any:
+def _bound(couple: CoupledPair, goals: Any, noise: Any, χ: Any) -> Any:
     """Bound the errors of the phases from the residuals and the rounding of the sums."""
     (a, b), (c, d) = _slopes(couple, χ)
     sizes = [
@@ -293,17 +293,17 @@ def _bound(couple: Pair, goals: Any, noise: Any, χ: Any) -> Any:
     return np.sum(inverse * left[None, :], axis=1) + 2 * _EPS * np.abs(χ)
 
 
-def _size(course: Course, weights: Weights, χ: Any) -> Any:
+def _size(course: CoordinateMotion, weights: Weights, χ: Any) -> Any:
     """What the rounding of Σ wⱼ Gⱼ(χ) is relative to: a panel's series is rounded like its greatest value."""
     used = [(j, abs(w)) for j, w in enumerate(weights) if w]
-    if isinstance(course, Open):
+    if isinstance(course, Unbounded):
         edges = course.edges()
         summed = sum(w * np.abs(course.integral(j, edges)) for j, w in used)
         position = np.clip(np.searchsorted(edges, χ) - 1, 0, len(edges) - 2)
         tail = sum(w * np.abs(course.integral(j, χ)) for j, w in used)
         return np.maximum(np.maximum(summed[position], summed[position + 1]), tail)
     size = sum(w * np.abs(course.growth(j) * np.abs(χ)).astype(float) for j, w in used)
-    if isinstance(course, Bounded):
+    if isinstance(course, Periodic):
         for j, w in used:
             waves = course.kernels[j].cosines.astype(float)
             size = size + w * float(np.sum(np.abs(waves) / np.arange(1, len(waves) + 1)))

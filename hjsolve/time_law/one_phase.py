@@ -8,16 +8,16 @@ import numpy as np
 
 from hjsolve.arithmetic.error_free import split
 from hjsolve.arithmetic.floats import multiprecision
-from hjsolve.one_coordinate.coordinate_motion import Bounded, Course, Frozen, Open
+from hjsolve.one_coordinate.coordinate_motion import AtRest, CoordinateMotion, Periodic, Unbounded
 from hjsolve.one_coordinate.fourier_series import combine
-from hjsolve.time_law.phase_reduction import turns
+from hjsolve.time_law.phase_reduction import turns_and_rest
 from hjsolve.time_law.torus import _alone, bracketed
 
 _EPS = 2.0**-52
 
 
 def solve_alone(
-    course: Course, weights: tuple[float, ...], value: Any, slack: Any, own: float, time: tuple[Any, Any]
+    course: CoordinateMotion, weights: tuple[float, ...], value: Any, slack: Any, own: float, time: tuple[Any, Any]
 ) -> tuple[Any, Any, Any, Any]:
     """Solve Σ wⱼ Gⱼ(χ) = value for one coordinate.
 
@@ -32,24 +32,24 @@ def solve_alone(
         χ, whole turns, a bound on the error of χ, and True where the coordinate has ended before; shape (m,).
     """
     never = np.zeros(value.shape, dtype=bool)
-    if isinstance(course, Bounded):
+    if isinstance(course, Periodic):
         total = combine(list(weights), course.kernels[: len(weights)])
         scaled = combine([1 / total.mean], [total])
         angle, whole = value / float(total.mean), 0.0 * value
         if own:
-            count, rest = turns(split(own / total.mean / (2 * multiprecision(160).pi)), time)
+            count, rest = turns_and_rest(split(own / total.mean / (2 * multiprecision(160).pi)), time)
             start = angle - own / float(total.mean) * (time[0] + time[1])
             whole = count + np.rint(rest)
             angle = 2 * np.pi * (rest - np.rint(rest)) + start
         x, error = _alone(scaled, angle, slack / abs(float(total.mean)))
         return x, whole, error, never
-    if isinstance(course, Frozen):
+    if isinstance(course, AtRest):
         rate = float(sum(w * float(r) for w, r in zip(weights, course.rates, strict=False)))
         return value / rate, 0.0 * value, slack / abs(rate) + _EPS * np.abs(value / rate), never
     return _solve_open(course, weights, value, slack)
 
 
-def _solve_open(course: Open, weights: tuple[float, ...], value: Any, slack: Any) -> tuple[Any, Any, Any, Any]:
+def _solve_open(course: Unbounded, weights: tuple[float, ...], value: Any, slack: Any) -> tuple[Any, Any, Any, Any]:
     def function(χ: Any) -> tuple[Any, Any]:
         pairs = [(w * course.integral(j, χ), w * course.rate(j, χ)) for j, w in enumerate(weights) if w]
         return sum(p[0] for p in pairs), sum(p[1] for p in pairs)

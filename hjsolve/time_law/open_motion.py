@@ -14,8 +14,8 @@ from typing import Any
 import numpy as np
 
 from hjsolve.errors import NotConvergedError
-from hjsolve.one_coordinate.coordinate_motion import Bounded, Course, Open
-from hjsolve.time_law.coupled_pair import Pair, pair, solve_pair
+from hjsolve.one_coordinate.coordinate_motion import CoordinateMotion, Periodic, Unbounded
+from hjsolve.time_law.coupled_pair import CoupledPair, choose_pair, solve_pair
 from hjsolve.time_law.one_phase import solve_alone
 
 _EPS = 2.0**-52
@@ -24,7 +24,7 @@ _REACHES = 12
 
 
 @dataclass(frozen=True)
-class Step:
+class DecoupledStep:
     """One coordinate solved alone: its index and the weights of the equations."""
 
     index: int
@@ -32,7 +32,7 @@ class Step:
 
 
 @dataclass(frozen=True)
-class Plan:
+class TriangularScheme:
     """How the equations are solved.
 
     Attributes:
@@ -42,13 +42,13 @@ class Plan:
         coupled: the others.
     """
 
-    courses: tuple[Course, ...]
+    courses: tuple[CoordinateMotion, ...]
     equations: int
-    steps: tuple[Step, ...]
+    steps: tuple[DecoupledStep, ...]
     coupled: tuple[int, ...]
 
 
-def plan(courses: Sequence[Course]) -> Plan:
+def plan(courses: Sequence[CoordinateMotion]) -> TriangularScheme:
     """Find which coordinates have a time of their own.
 
     Raises:
@@ -56,7 +56,7 @@ def plan(courses: Sequence[Course]) -> Plan:
     """
     n = len(courses)
     samples = [_sample(c, n) for c in courses]
-    steps: list[Step] = []
+    steps: list[DecoupledStep] = []
     left = list(range(n))
     while left:
         found = next((step for i in left if (step := _own(i, left, samples))), None)
@@ -64,18 +64,18 @@ def plan(courses: Sequence[Course]) -> Plan:
             break
         steps.append(found)
         left.remove(found.index)
-    return Plan(tuple(courses), n, tuple(steps), tuple(left))
+    return TriangularScheme(tuple(courses), n, tuple(steps), tuple(left))
 
 
-def _sample(course: Course, n: int) -> Any:
+def _sample(course: CoordinateMotion, n: int) -> Any:
     """Rows of kernels at a few phases, each scaled to unit size; without those that are rounding.
 
     A periodic series is rounded like its greatest value, panels each like their own.
     """
-    χ = np.array([0.37, 0.81, 1.23, 1.77, 2.41, 2.93]) * (0.3 if isinstance(course, Open) else 1.0)
+    χ = np.array([0.37, 0.81, 1.23, 1.77, 2.41, 2.93]) * (0.3 if isinstance(course, Unbounded) else 1.0)
     rows = np.stack([np.broadcast_to(course.rate(j, χ), χ.shape) for j in range(n)], axis=1)
     sizes = np.max(np.abs(rows), axis=1, keepdims=True)
-    told = sizes[:, 0] > 1e-12 * (float(np.max(sizes)) if isinstance(course, Bounded) else 0.0)
+    told = sizes[:, 0] > 1e-12 * (float(np.max(sizes)) if isinstance(course, Periodic) else 0.0)
     if not (told.any() and np.isfinite(sizes).all()):
         raise NotConvergedError(
             "the times of this motion are beyond doubles, 1e-308 to 1e308; write lengths and times in other "
@@ -84,12 +84,12 @@ def _sample(course: Course, n: int) -> Any:
     return rows[told] / sizes[told]
 
 
-def _own(i: int, left: list[int], samples: list[Any]) -> Step | None:
+def _own(i: int, left: list[int], samples: list[Any]) -> DecoupledStep | None:
     n = samples[i].shape[1]
     others = np.concatenate([samples[l] for l in left if l != i] or [np.zeros((1, n))])
     for j in range(n):
         if np.all(others[:, j] == 0) and np.min(np.abs(samples[i][:, j])) > 1e-9:
-            return Step(i, tuple(float(j == c) for c in range(n)))
+            return DecoupledStep(i, tuple(float(j == c) for c in range(n)))
     _, values, rows = np.linalg.svd(others)
     rank = int(np.sum(values > 1e-12 * max(values[0], 1e-300)))
     null = rows[rank:]
@@ -99,10 +99,10 @@ def _own(i: int, left: list[int], samples: list[Any]) -> Step | None:
     weights = weights / max(np.max(np.abs(weights)), 1e-300)
     weights[np.abs(weights) < 1e-11] = 0.0
     seen = samples[i] @ weights
-    return Step(i, tuple(float(w) for w in weights)) if np.min(np.abs(seen)) > 1e-6 else None
+    return DecoupledStep(i, tuple(float(w) for w in weights)) if np.min(np.abs(seen)) > 1e-6 else None
 
 
-def phases(scheme: Plan, time: tuple[Any, Any]) -> tuple[list[Any], list[Any], list[Any], Any]:
+def open_phases(scheme: TriangularScheme, time: tuple[Any, Any]) -> tuple[list[Any], list[Any], list[Any], Any]:
     """Solve for the phases at times relative to t₀.
 
     Args:
@@ -121,7 +121,7 @@ def phases(scheme: Plan, time: tuple[Any, Any]) -> tuple[list[Any], list[Any], l
     return found[0], found[1], found[2], found[3] | short
 
 
-def _phases(scheme: Plan, time: tuple[Any, Any], span: float) -> tuple[list[Any], list[Any], list[Any], Any, Any]:
+def _phases(scheme: TriangularScheme, time: tuple[Any, Any], span: float) -> tuple[list[Any], list[Any], list[Any], Any, Any]:
     """The same with panels that reach so far; True last where that is not far enough."""
     t = time[0] + time[1]
     courses = [reaching(c, scheme, span, i) for i, c in enumerate(scheme.courses)]
@@ -158,12 +158,12 @@ def _phases(scheme: Plan, time: tuple[Any, Any], span: float) -> tuple[list[Any]
     return χ, whole, errors, ended, short
 
 
-def _one_way(course: Course, step: Step, times: Any) -> Course:
+def _one_way(course: CoordinateMotion, step: DecoupledStep, times: Any) -> CoordinateMotion:
     """A course that is a clock by itself and starts at the phase 0, with panels on the side where there are times.
 
     Its phase has the sign of the time.
     """
-    if not isinstance(course, Open) or course.behind is course.ahead or course.start or not step.weights[0]:
+    if not isinstance(course, Unbounded) or course.behind is course.ahead or course.start or not step.weights[0]:
         return course
     weights, amount = course.reach
     back = amount if np.min(times, initial=0.0) < 0 else 1e-290
@@ -171,16 +171,16 @@ def _one_way(course: Course, step: Step, times: Any) -> Course:
     return replace(course, reach=(weights, ahead), back=back)
 
 
-def _couple(courses: list[Course], scheme: Plan) -> Pair | None:
+def _couple(courses: list[CoordinateMotion], scheme: TriangularScheme) -> CoupledPair | None:
     """Two coupled coordinates that can be searched one within the other."""
     if len(scheme.coupled) != 2:
         return None
     first, second = scheme.coupled
-    return pair((courses[first], courses[second]), [s.weights for s in scheme.steps], scheme.equations)
+    return choose_pair((courses[first], courses[second]), [s.weights for s in scheme.steps], scheme.equations)
 
 
 def _right_sides(
-    courses: list[Course], scheme: Plan, targets: list[float], t: Any, known: list[Any], errors: list[Any]
+    courses: list[CoordinateMotion], scheme: TriangularScheme, targets: list[float], t: Any, known: list[Any], errors: list[Any]
 ) -> tuple[Any, Any]:
     """Right sides of all equations for the coupled coordinates and bounds on their errors, shape (equations, m)."""
     goals = np.array(targets)[:, None] + 0 * t
@@ -197,9 +197,9 @@ def _right_sides(
     return goals, noise
 
 
-def reaching(course: Course, scheme: Plan, span: float, i: int) -> Course:
+def reaching(course: CoordinateMotion, scheme: TriangularScheme, span: float, i: int) -> CoordinateMotion:
     """Let an open course hold enough panels for a time span: of its own clock, or of its part of the time."""
-    if not isinstance(course, Open):
+    if not isinstance(course, Unbounded):
         return course
     weights = next(
         (s.weights for s in scheme.steps if s.index == i), tuple(float(j == 0) for j in range(scheme.equations))
@@ -215,13 +215,13 @@ def reaching(course: Course, scheme: Plan, span: float, i: int) -> Course:
     )
 
 
-def _targets(courses: list[Course], n: int) -> list[float]:
+def _targets(courses: list[CoordinateMotion], n: int) -> list[float]:
     """Cⱼ = Σᵢ Gᵢⱼ at the start."""
     return [sum(float(np.asarray(c.integral(j, np.array([float(c.start)])))[0]) for c in courses) for j in range(n)]
 
 
 def _right_side(
-    step: Step, targets: list[float], known: list[tuple[int, Course]], χ: list[Any], errors: list[Any], t: Any
+    step: DecoupledStep, targets: list[float], known: list[tuple[int, CoordinateMotion]], χ: list[Any], errors: list[Any], t: Any
 ) -> tuple[Any, Any]:
     value = sum(w * c for w, c in zip(step.weights, targets, strict=True)) + step.weights[0] * t
     size = sum(abs(w * c) for w, c in zip(step.weights, targets, strict=True)) + np.abs(step.weights[0] * t)
@@ -238,8 +238,8 @@ def _right_side(
 
 
 def _march(
-    courses: list[Course],
-    scheme: Plan,
+    courses: list[CoordinateMotion],
+    scheme: TriangularScheme,
     targets: list[float],
     t: Any,
     known: list[Any],
@@ -250,7 +250,7 @@ def _march(
     """Follow the coupled coordinates from t₀ through the sorted times, Newton's method at every step."""
     block = scheme.coupled
     begin = np.array([float(courses[i].start) for i in block])
-    limits = [c.limits() if isinstance(c, Open) else (-np.inf, np.inf) for c in (courses[i] for i in block)]
+    limits = [c.limits() if isinstance(c, Unbounded) else (-np.inf, np.inf) for c in (courses[i] for i in block)]
     found = np.empty((len(block), len(t)))
     bounds = np.empty_like(found)
     for direction in (1, -1):
@@ -272,8 +272,8 @@ def _march(
 class _Equations:
     """Jacobi's equations in the coupled coordinates, at one value of those already known."""
 
-    courses: list[Course]
-    scheme: Plan
+    courses: list[CoordinateMotion]
+    scheme: TriangularScheme
     targets: list[float]
     known: dict[int, float]
 

@@ -8,12 +8,12 @@ import numpy as np
 
 from hjsolve.arithmetic.floats import multiprecision
 from hjsolve.errors import NotConvergedError
-from hjsolve.one_coordinate.coordinate_motion import Course
-from hjsolve.one_coordinate.fourier_series import Series
-from hjsolve.time_law.torus import Torus
+from hjsolve.one_coordinate.coordinate_motion import CoordinateMotion
+from hjsolve.one_coordinate.fourier_series import FourierSeries
+from hjsolve.time_law.torus import TorusEquations
 
 
-def on_torus(system: Torus, χ: list[Any], whole: list[Any], time: list[Any], bits: int) -> tuple[list[Any], list[Any]]:
+def on_torus(system: TorusEquations, χ: list[Any], whole: list[Any], time: list[Any], bits: int) -> tuple[list[Any], list[Any]]:
     """Refine phases of a bounded motion.
 
     Args:
@@ -47,7 +47,7 @@ def on_torus(system: Torus, χ: list[Any], whole: list[Any], time: list[Any], bi
     return result, bounds
 
 
-def _left_out(series: Series) -> Any:
+def _left_out(series: FourierSeries) -> Any:
     """The terms that a series lacks; where dt/dχ is far below its mean they move the phase by much more."""
     if not len(series.cosines):
         return 0
@@ -55,18 +55,18 @@ def _left_out(series: Series) -> Any:
     return 2 * series.tail * (abs(series.mean) + sum(map(abs, series.cosines)) + sum(map(abs, sines)))
 
 
-def _ripple(system: Torus, k: int, i: int, x: Any) -> Any:
+def _ripple(system: TorusEquations, k: int, i: int, x: Any) -> Any:
     series = system.ripples[k][i]
     return series.ripple(x) if len(series.cosines) else 0
 
 
-def _slope(system: Torus, k: int, i: int, x: Any) -> Any:
+def _slope(system: TorusEquations, k: int, i: int, x: Any) -> Any:
     series = system.ripples[k][i]
     return series.value(x) - series.mean if len(series.cosines) else 0
 
 
 def unbounded(
-    courses: list[Course], equations: int, χ: list[Any], time: list[Any], bits: int
+    courses: list[CoordinateMotion], equations: int, χ: list[Any], time: list[Any], bits: int
 ) -> tuple[list[Any], list[Any]]:
     """Refine phases where some coordinate does not come back; arguments as in ``on_torus``."""
     context = multiprecision(bits)

@@ -29,7 +29,7 @@ _MOST = 4000
 
 
 @dataclass(frozen=True, eq=False)
-class Table:
+class InterpolationTable:
     """Quantities as functions of an increasing argument.
 
     Attributes:
@@ -123,7 +123,7 @@ def tabulate(
     total: float | None = None,
     known: Callable[[Any], Any] | None = None,
     grains: Callable[[Any], list[Any]] | None = None,
-) -> Table:
+) -> InterpolationTable:
     """Build a table.
 
     Args:
@@ -174,7 +174,7 @@ def tabulate(
         for rows, scale, floor in zip(tables, scales, floors)
     )
     doubts = 2.0**-52 * np.maximum(np.abs(begins), np.abs(ends)) * np.diff(edges) / (ends - begins)
-    return Table(edges, tables, tuple(even), bounds, doubts)
+    return InterpolationTable(edges, tables, tuple(even), bounds, doubts)
 
 
 def _halfway(left: Any, right: Any) -> Any:

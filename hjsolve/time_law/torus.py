@@ -18,15 +18,15 @@ import numpy as np
 from hjsolve.arithmetic.error_free import split
 from hjsolve.arithmetic.floats import multiprecision
 from hjsolve.errors import NotConvergedError
-from hjsolve.one_coordinate.coordinate_motion import Bounded, Course, Frozen
-from hjsolve.one_coordinate.fourier_series import Series, combine, zero
-from hjsolve.time_law.phase_reduction import turns
+from hjsolve.one_coordinate.coordinate_motion import AtRest, CoordinateMotion, Periodic
+from hjsolve.one_coordinate.fourier_series import FourierSeries, combine, zero
+from hjsolve.time_law.phase_reduction import turns_and_rest
 
 _EPS = 2.0**-52
 
 
 @dataclass(frozen=True)
-class Torus:
+class TorusEquations:
     """The equations of a motion all of whose coordinates are bounded.
 
     Attributes:
@@ -40,17 +40,17 @@ class Torus:
         blurs: how far rounded series leave the angles at t₀ open; 0 where the motion starts at turning points.
     """
 
-    courses: tuple[Bounded | Frozen, ...]
+    courses: tuple[Periodic | AtRest, ...]
     rates: tuple[Any, ...]
     starts: tuple[Any, ...]
     growth: tuple[tuple[Any, ...], ...]
-    ripples: tuple[tuple[Series, ...], ...]
+    ripples: tuple[tuple[FourierSeries, ...], ...]
     order: tuple[int, ...]
     coupled: tuple[int, ...]
     blurs: tuple[float, ...]
 
 
-def torus(courses: Sequence[Bounded | Frozen], bits: int) -> Torus:
+def torus_equations(courses: Sequence[Periodic | AtRest], bits: int) -> TorusEquations:
     """Set up the angle form of Jacobi's equations.
 
     Raises:
@@ -74,31 +74,31 @@ def torus(courses: Sequence[Bounded | Frozen], bits: int) -> Torus:
         blurs.append(sum(_blur(ripples[k][i], c.start, context) for i, c in enumerate(courses)))
     order, coupled = _ordering([[i for i in range(n) if len(ripples[k][i].cosines)] for k in range(n)])
     rates = tuple(growth[k][0] for k in range(n))
-    return Torus(tuple(courses), rates, tuple(starts), growth, ripples, order, coupled, tuple(blurs))
+    return TorusEquations(tuple(courses), rates, tuple(starts), growth, ripples, order, coupled, tuple(blurs))
 
 
-def mean_rate(system: Torus, j: int) -> Any:
+def mean_rate(system: TorusEquations, j: int) -> Any:
     """Return the mean growth of the coordinate that belongs to the j-th constant, an ignorable momentum."""
     return -sum(rate * course.growth(j) for rate, course in zip(system.rates, system.courses, strict=True))
 
 
-def oscillation(system: Torus, i: int, j: int) -> Series:
+def oscillation(system: TorusEquations, i: int, j: int) -> FourierSeries:
     """Return what that coordinate adds to its mean growth, as a function of the phase of coordinate i."""
     course = system.courses[i]
-    own = combine([-1], [course.kernels[j]]) if isinstance(course, Bounded) else zero()
+    own = combine([-1], [course.kernels[j]]) if isinstance(course, Periodic) else zero()
     return combine([1, *(c.growth(j) for c in system.courses)], [own, *(row[i] for row in system.ripples)])
 
 
-def _ripple(weights: Sequence[Any], course: Course, n: int) -> Series:
-    return combine(list(weights), course.kernels[:n]) if isinstance(course, Bounded) else zero()
+def _ripple(weights: Sequence[Any], course: CoordinateMotion, n: int) -> FourierSeries:
+    return combine(list(weights), course.kernels[:n]) if isinstance(course, Periodic) else zero()
 
 
-def _at(series: Series, χ: Any, context: Any) -> Any:
+def _at(series: FourierSeries, χ: Any, context: Any) -> Any:
     """Ripple at one many-digit phase; nothing at a turning point, exactly."""
     return series.ripple(context.mpf(χ)) if len(series.cosines) else 0
 
 
-def _blur(series: Series, χ: Any, context: Any) -> float:
+def _blur(series: FourierSeries, χ: Any, context: Any) -> float:
     """What rounded coefficients leave open of the ripple at one phase; nothing at a turning point."""
     if not len(series.cosines) or series.cosines.dtype == object:
         return 0.0
@@ -119,7 +119,7 @@ def _ordering(needs: list[list[int]]) -> tuple[tuple[int, ...], tuple[int, ...]]
     return tuple(order), tuple(sorted(left))
 
 
-def phases(system: Torus, time: tuple[Any, Any]) -> tuple[list[Any], list[Any], list[Any]]:
+def torus_phases(system: TorusEquations, time: tuple[Any, Any]) -> tuple[list[Any], list[Any], list[Any]]:
     """Solve for the phases at times given as two doubles each, relative to t₀.
 
     Args:
@@ -133,7 +133,7 @@ def phases(system: Torus, time: tuple[Any, Any]) -> tuple[list[Any], list[Any], 
     angles, whole = [], []
     for k in range(n):
         turn = 2 * multiprecision(160).pi
-        count, rest = turns(split(system.rates[k] / turn), time, split(system.starts[k] / turn))
+        count, rest = turns_and_rest(split(system.rates[k] / turn), time, split(system.starts[k] / turn))
         angles.append(2 * np.pi * rest)
         whole.append(count)
     χ: list[Any] = [None] * n
@@ -146,7 +146,7 @@ def phases(system: Torus, time: tuple[Any, Any]) -> tuple[list[Any], list[Any], 
     return χ, whole, errors
 
 
-def _of_others(system: Torus, k: int, χ: list[Any], errors: list[Any]) -> tuple[Any, Any]:
+def _of_others(system: TorusEquations, k: int, χ: list[Any], errors: list[Any]) -> tuple[Any, Any]:
     """Ripples of θₖ beside the phases known by now, and what their errors and rounding do to that sum."""
     total, slack = 0.0, 0.0
     for i in system.order:
@@ -157,12 +157,12 @@ def _of_others(system: Torus, k: int, χ: list[Any], errors: list[Any]) -> tuple
     return total, slack
 
 
-def _size(ripple: Series) -> float:
+def _size(ripple: FourierSeries) -> float:
     """What the rounding of a ripple is relative to."""
     return float(np.sum(np.abs(ripple.cosines.astype(float) / np.arange(1, len(ripple.cosines) + 1))))
 
 
-def _alone(ripple: Series, goal: Any, slack: Any) -> tuple[Any, Any]:
+def _alone(ripple: FourierSeries, goal: Any, slack: Any) -> tuple[Any, Any]:
     """Solve χ + D(χ) = θ, monotone in χ; the start comes from a table of the inverse."""
     noise = _EPS * (np.abs(goal) + np.pi) + slack
     if not len(ripple.cosines):
@@ -209,7 +209,7 @@ def bracketed(function: Any, x: Any, low: Any, high: Any) -> tuple[Any, Any, Any
     return x, f, slope
 
 
-def _together(system: Torus, angles: list[Any], χ: list[Any], errors: list[Any]) -> None:
+def _together(system: TorusEquations, angles: list[Any], χ: list[Any], errors: list[Any]) -> None:
     """Solve the coupled coordinates by Newton's method, following the torus from the start where it fails."""
     block = system.coupled
     beside = [_of_others(system, k, χ, errors) for k in block]
@@ -228,7 +228,7 @@ def _together(system: Torus, angles: list[Any], χ: list[Any], errors: list[Any]
         χ[k], errors[k] = found[row], bound[:, row] + _EPS * np.pi
 
 
-def _residual(system: Torus, goal: Any, x: Any) -> Any:
+def _residual(system: TorusEquations, goal: Any, x: Any) -> Any:
     block = system.coupled
     return np.stack(
         [
@@ -238,7 +238,7 @@ def _residual(system: Torus, goal: Any, x: Any) -> Any:
     )
 
 
-def _jacobian(system: Torus, x: Any) -> Any:
+def _jacobian(system: TorusEquations, x: Any) -> Any:
     block = system.coupled
     return np.stack(
         [
@@ -253,7 +253,7 @@ def _jacobian(system: Torus, x: Any) -> Any:
     )
 
 
-def _newton(system: Torus, goal: Any, x: Any, steps: int) -> Any:
+def _newton(system: TorusEquations, goal: Any, x: Any, steps: int) -> Any:
     residual = _residual(system, goal, x)
     for _ in range(steps):
         jacobian = _jacobian(system, x).transpose(2, 0, 1)
@@ -272,7 +272,7 @@ def _newton(system: Torus, goal: Any, x: Any, steps: int) -> Any:
     return x
 
 
-def _follow(system: Torus, goal: Any) -> Any:
+def _follow(system: TorusEquations, goal: Any) -> Any:
     """Walk on the torus from the start to each goal: the map is one to one, so small steps cannot fail.
 
     Raises:
@@ -298,7 +298,7 @@ def _follow(system: Torus, goal: Any) -> Any:
     return result
 
 
-def sum_ripples(system: Torus, x: Any) -> Any:
+def sum_ripples(system: TorusEquations, x: Any) -> Any:
     """Return Σᵢ Dₖᵢ(χᵢ) over the coupled block; shapes (coordinates, m)."""
     block = system.coupled
     return np.stack([sum(system.ripples[k][i].ripple(x[c]) for c, i in enumerate(block)) for k in block])

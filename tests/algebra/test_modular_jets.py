@@ -89,7 +89,7 @@ ORTHOGONAL = {
 def test_a_condition_passes_the_filter_exactly_where_its_written_terms_do(name):
     setting = obstruction.of_shell(ORTHOGONAL[name], Reader().field.budget)
     reader, q = setting.reader, setting.symbols
-    conditions = levi_civita.Conditions(reader, q, setting.metric, setting.potential)
+    conditions = levi_civita.LeviCivitaConditions(reader, q, setting.metric, setting.potential)
     sieve = Filter(reader.field)
     failing = set()
     for c in conditions:
@@ -109,7 +109,7 @@ def test_one_factor_for_all_metric_coefficients(name):
     """S_ij(gʰʰ)/gʰʰ alike for every h: against the differences written out."""
     setting = obstruction.of_shell(ORTHOGONAL[name], Reader().field.budget)
     reader, n = setting.reader, len(setting.symbols)
-    conditions = levi_civita.Conditions(reader, setting.symbols, setting.metric, setting.potential)
+    conditions = levi_civita.LeviCivitaConditions(reader, setting.symbols, setting.metric, setting.potential)
     sieve, minus = Filter(reader.field), [reader.field.coerce(-1)]
     for i, j in combinations(range(n), 2):
         first = conditions.of_metric(i, j, i)
@@ -123,9 +123,9 @@ def test_one_factor_for_all_metric_coefficients(name):
 @pytest.mark.parametrize("answer", [True, None])
 def test_a_filter_that_lets_everything_pass_is_no_proof(answer, monkeypatch):
     setting = obstruction.of_shell(ORTHOGONAL[sorted(REFUSED.keys() & ORTHOGONAL)[0]], Reader().field.budget)
-    conditions = levi_civita.Conditions(setting.reader, setting.symbols, setting.metric, setting.potential)
+    conditions = levi_civita.LeviCivitaConditions(setting.reader, setting.symbols, setting.metric, setting.potential)
     sieve = Filter(setting.reader.field)
     written = [sieve.vanishes(c.products) for c in conditions]
     assert not all(written)
-    monkeypatch.setattr(levi_civita.Conditions, "passes_filter", lambda *_: answer)
+    monkeypatch.setattr(levi_civita.LeviCivitaConditions, "passes_filter", lambda *_: answer)
     assert [conditions.holds(c, sieve) for c in conditions] == written

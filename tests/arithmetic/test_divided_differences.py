@@ -6,9 +6,9 @@ import numpy as np
 import pytest
 import sympy as sp
 
-from hjsolve.arithmetic.divided_differences import Chords
+from hjsolve.arithmetic.divided_differences import FirstDifferences
 from hjsolve.arithmetic.floats import Float64, Multi
-from hjsolve.arithmetic.running_error import Bounded, Running
+from hjsolve.arithmetic.running_error import RunningError, WithErrorBound
 from hjsolve.lowering import lower
 
 x, c = sp.symbols("x c")
@@ -30,8 +30,8 @@ def test_a_slope_keeps_its_digits_and_its_bound_holds(formula: sp.Expr, d: float
         tape.run(many, [q, many.convert(constant)])[0] for q in (many.convert(base) + step, many.convert(base))
     )
     true = (far - near) / step
-    chords = Chords(Running(Float64()), Bounded(np.float64(float(step))))
-    inputs = [chords.variable(Bounded(base), Bounded(place)), chords.constant(Bounded(constant))]
+    chords = FirstDifferences(RunningError(Float64()), WithErrorBound(np.float64(float(step))))
+    inputs = [chords.variable(WithErrorBound(base), WithErrorBound(place)), chords.constant(WithErrorBound(constant))]
     slope = tape.run(chords, inputs)[0].slope
     error = abs(many.convert(float(slope.value)) - true)
     assert error <= slope.error <= 1e-13 * max(abs(true), 1), (float(error), slope.error)

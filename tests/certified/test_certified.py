@@ -14,7 +14,7 @@ import hjsolve
 from hjsolve.arithmetic import ball
 from hjsolve.arithmetic.work_counter import counted
 from hjsolve.certified import strip_bound
-from hjsolve.certified.integrands import Map
+from hjsolve.certified.integrands import AnomalyMap
 from hjsolve.errors import InvalidInputError
 from hjsolve.motion import certified
 
@@ -118,30 +118,30 @@ def swinging(gap, map_=None):
     return cycle("theta", motion, map_), float(mpmath.acosh(2 * mpmath.pi / amplitude - 1))
 
 
-SPREAD = Map(7.65, 7.65)
+SPREAD = AnomalyMap(7.65, 7.65)
 """The map for 1 − k = 1e-12; there the integrand has poles where q = ∞, at √½ π/κ in the middle of the motion."""
 
 
 @pytest.mark.parametrize(("gap", "map_", "width"), [
-    ("0.9", Map(), 2.0), ("0.1", Map(), 0.9), ("0.1", Map(1.3, 1.3), 0.9), ("1e-12", SPREAD, 0.15), ("1e-3", Map(0, 3), 0.1),
+    ("0.9", AnomalyMap(), 2.0), ("0.1", AnomalyMap(), 0.9), ("0.1", AnomalyMap(1.3, 1.3), 0.9), ("1e-12", SPREAD, 0.15), ("1e-3", AnomalyMap(0, 3), 0.1),
 ])  # fmt: skip
 @pytest.mark.parametrize("bits", [2, 12, 30])
 def test_the_midpoint_rule_with_few_nodes_misses_by_no_more_than_its_bound(gap, map_, width, bits):
     integrand, _ = swinging(gap, map_)
     with ball.working(200), mpmath.workdps(60):
-        found = strip_bound.midpoint(integrand, strip_bound.bound(integrand, width), bits, [ball.flint.arb(1)])[0]
+        found = strip_bound.midpoint(integrand, strip_bound.bound_in_strip(integrand, width), bits, [ball.flint.arb(1)])[0]
         exact = 2 * mpmath.ellipk((1 - mpmath.mpf(gap)) ** 2) / mpmath.pi
         missed = abs(certified.to_mpf(found.mid(), 200) - exact)
         assert 0 < missed <= certified.to_mpf(found.rad(), 64)
 
 
 @pytest.mark.parametrize(
-    ("gap", "map_", "width"), [("0.1", Map(), 0.9), ("1e-12", SPREAD, 0.15), ("1e-3", Map(0, 3), 0.1)]
+    ("gap", "map_", "width"), [("0.1", AnomalyMap(), 0.9), ("1e-12", SPREAD, 0.15), ("1e-3", AnomalyMap(0, 3), 0.1)]
 )
 def test_the_bound_holds_everywhere_in_the_strip_and_is_not_idle(gap, map_, width):
     integrand, _ = swinging(gap, map_)
     with ball.working(200), mpmath.workdps(40):
-        most = float(strip_bound.bound(integrand, width).most[0])
+        most = float(strip_bound.bound_in_strip(integrand, width).most[0])
         k = 1 - mpmath.mpf(gap)
         b = 2 * mpmath.asin(k)
 
@@ -168,15 +168,15 @@ def test_the_bound_holds_everywhere_in_the_strip_and_is_not_idle(gap, map_, widt
 def test_no_bound_is_given_on_a_strip_that_holds_another_zero_of_p_squared(beyond):
     integrand, width = swinging("0.1")
     with ball.working(200):
-        assert strip_bound.bound(integrand, 0.9 * width) is not None
-        assert strip_bound.bound(integrand, beyond * width) is None
+        assert strip_bound.bound_in_strip(integrand, 0.9 * width) is not None
+        assert strip_bound.bound_in_strip(integrand, beyond * width) is None
 
 
 def test_no_bound_is_given_on_a_strip_that_holds_the_place_where_q_is_infinite():
     integrand, _ = swinging("1e-12", SPREAD)
     with ball.working(200):
-        assert strip_bound.bound(integrand, 0.4 * math.pi / SPREAD.lower) is not None
-        assert strip_bound.bound(integrand, 0.75 * math.pi / SPREAD.lower) is None
+        assert strip_bound.bound_in_strip(integrand, 0.4 * math.pi / SPREAD.lower) is not None
+        assert strip_bound.bound_in_strip(integrand, 0.75 * math.pi / SPREAD.lower) is None
 
 
 @pytest.mark.parametrize("part", [0.8, 1.2])
@@ -188,7 +188,7 @@ def test_no_bound_is_given_on_a_strip_that_holds_a_pole(part):
     )
     integrand = cycle("r", motion)
     with ball.working(200):
-        found = strip_bound.bound(integrand, part * float(mpmath.acosh(1 / mpmath.mpf("0.44"))))
+        found = strip_bound.bound_in_strip(integrand, part * float(mpmath.acosh(1 / mpmath.mpf("0.44"))))
         assert (found is None) == (part > 1)
 
 
@@ -204,9 +204,9 @@ def test_no_bound_is_given_on_a_strip_that_holds_a_complex_pair_of_zeros(excess)
     b, zero = mpmath.sqrt(1 + mpmath.sqrt(E)), mpmath.sqrt(mpmath.sqrt(E) - 1)
     width = float(mpmath.asinh(zero / b))
     with ball.working(200):
-        assert strip_bound.bound(integrand, 0.8 * width) is not None
-        assert strip_bound.bound(integrand, 1.1 * width) is None
-        assert strip_bound.bound(integrand, 3 * width) is None
+        assert strip_bound.bound_in_strip(integrand, 0.8 * width) is not None
+        assert strip_bound.bound_in_strip(integrand, 1.1 * width) is None
+        assert strip_bound.bound_in_strip(integrand, 3 * width) is None
 
 
 def test_no_bound_is_given_on_a_strip_that_holds_as_many_poles_as_zeros():
@@ -216,8 +216,8 @@ def test_no_bound_is_given_on_a_strip_that_holds_as_many_poles_as_zeros():
     integrand = cycle("x", motion)
     b = motion.turning_points["x"][1].value
     with ball.working(200):
-        assert strip_bound.bound(integrand, 0.8 * math.asinh(0.17 / b)) is not None
-        assert strip_bound.bound(integrand, 1.5 * math.asinh(0.2 / b)) is None
+        assert strip_bound.bound_in_strip(integrand, 0.8 * math.asinh(0.17 / b)) is not None
+        assert strip_bound.bound_in_strip(integrand, 1.5 * math.asinh(0.2 / b)) is None
 
 
 @pytest.mark.parametrize(
@@ -255,7 +255,7 @@ def test_the_folds_of_a_turn_give_the_same_mean():
     assert (whole.fold, spinning.fold) == (4, 2)
     with ball.working(200):
         for integrand in (whole, spinning):
-            means = [strip_bound.means(replace(integrand, fold=integrand.fold // part), 100) for part in (1, 2)]
+            means = [strip_bound.certified_means(replace(integrand, fold=integrand.fold // part), 100) for part in (1, 2)]
             for one, other in zip(*means, strict=True):
                 assert one.overlaps(other)
 

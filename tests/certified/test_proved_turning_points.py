@@ -27,7 +27,7 @@ def test_the_walk_and_the_search_find_the_same_ends(entry, monkeypatch):
         return solution.motion(**described.initial.arguments, certified=True, want=["turning_points"], digits=30)
 
     quick = started()
-    monkeypatch.setattr(certified, "walls", lambda *_: None)
+    monkeypatch.setattr(certified, "prove_turning_points", lambda *_: None)
     slow = started()
     assert quick.kinds == slow.kinds
     for name, ends in slow.turning_points.items():

@@ -8,7 +8,7 @@ import pytest
 import sympy as sp
 
 from hjsolve import System, find_coordinates
-from hjsolve.coordinates.charts.charts import Range, chart
+from hjsolve.coordinates.charts.charts import CoordinateRange, chart
 from hjsolve.coordinates.killing.killing_tensors import concircular_basis, kernel, killing_basis, killing_tensor
 from hjsolve.coordinates.webs.concircular_families import family
 from hjsolve.coordinates.webs.orthonormal_frames import sign_by
@@ -150,7 +150,7 @@ def test_a_potential_made_in_one_web_gives_that_web_back(kind: str) -> None:
     ],
 )  # fmt: skip
 def test_every_chart_has_the_metric_it_claims(kind: str, n: int, lengths: dict[str, object]) -> None:
-    def symbol(name: str, where: Range) -> sp.Symbol:
+    def symbol(name: str, where: CoordinateRange) -> sp.Symbol:
         return sp.Symbol(name, real=True)
 
     local = chart(kind, {k: sp.sympify(v) for k, v in lengths.items()}, n, symbol)

@@ -70,7 +70,7 @@ def test_no_claim_is_below_the_true_error(want: tuple[str, ...], compiled: bool)
 def test_nodes_are_right_to_the_last_bit() -> None:
     """No claim counts the errors of the tables. DLMF 22.2, by mpmath's theta functions; k′² = 4^−level."""
     for count, level, warp in ((48, 0, 0), (48, 0, 4), (32, 7, 2), (64, 34, 3), (64, nodes.MOST, 5)):
-        table = nodes.libration(count, level, warp)
+        table = nodes.libration_nodes(count, level, warp)
         with mpmath.workdps(120):
             γ, δ = (mpmath.mpf(c) for c in table.warp)
             m = 1 - mpmath.mpf(4) ** -level

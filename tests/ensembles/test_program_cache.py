@@ -58,34 +58,34 @@ def folder(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Path:
 
 
 def test_the_file_holds_the_text_and_is_mended(folder: Path) -> None:
-    path = program_cache.shelf(TEXT)
+    path = program_cache.path_for(TEXT)
     assert path is not None
     assert path.is_relative_to(folder)
     assert path.read_text() == TEXT
     path.write_text("import somebody\n")
-    assert not program_cache.kept(TEXT, ())
-    assert program_cache.shelf(TEXT) == path
+    assert not program_cache.is_cached(TEXT, ())
+    assert program_cache.path_for(TEXT) == path
     assert path.read_text() == TEXT
     assert [p.name for p in path.parent.iterdir() if p.suffix == ".tmp"] == []
-    assert program_cache.shelf(TEXT + "\n") != path
+    assert program_cache.path_for(TEXT + "\n") != path
 
 
 @pytest.mark.skipif(not hasattr(os, "getuid"), reason="folders have no modes here")
 @pytest.mark.parametrize("inner", ["", "__pycache__"])
 def test_a_folder_where_others_may_write_is_not_used(folder: Path, inner: str) -> None:
-    path = program_cache.shelf(TEXT)
+    path = program_cache.path_for(TEXT)
     assert path is not None
     (path.parent / inner).chmod(0o777)
-    assert program_cache.shelf(TEXT) is None
-    assert not program_cache.kept(TEXT, ())
+    assert program_cache.path_for(TEXT) is None
+    assert not program_cache.is_cached(TEXT, ())
 
 
 @pytest.mark.skipif(not hasattr(os, "getuid") or os.getuid() != 0, reason="only the administrator gives folders away")
 def test_a_folder_of_somebody_else_is_not_used(folder: Path) -> None:
-    path = program_cache.shelf(TEXT)
+    path = program_cache.path_for(TEXT)
     assert path is not None
     os.chown(path.parent, 12345, -1)
-    assert program_cache.shelf(TEXT) is None
+    assert program_cache.path_for(TEXT) is None
 
 
 def test_nothing_is_kept_where_nothing_can_be(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
@@ -96,8 +96,8 @@ def test_nothing_is_kept_where_nothing_can_be(tmp_path: Path, monkeypatch: pytes
         ("NUMBA_CACHE_DIR", str(tmp_path)),
     ):
         monkeypatch.setenv(name, place)
-        assert program_cache.shelf(TEXT) is None
-        assert not program_cache.kept(TEXT, ())
+        assert program_cache.path_for(TEXT) is None
+        assert not program_cache.is_cached(TEXT, ())
         monkeypatch.delenv("HJSOLVE_CACHE_DIR", raising=False)
 
 

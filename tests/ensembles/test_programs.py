@@ -9,9 +9,9 @@ import pytest
 
 import hjsolve
 from hjsolve.arithmetic.floats import Float64
-from hjsolve.arithmetic.python_source import Source
-from hjsolve.ensembles.engine.lowered_solution import read
-from hjsolve.ensembles.engine.programs import _coordinate_text, _start_text, programs
+from hjsolve.arithmetic.python_source import PythonSource
+from hjsolve.ensembles.engine.lowered_solution import lowered_model
+from hjsolve.ensembles.engine.programs import _coordinate_text, _start_text, compiled_programs
 from hjsolve.motion.initial_data import parameter_values
 
 WORDS = {
@@ -26,7 +26,7 @@ WORDS = {
 @pytest.mark.parametrize("name", ["pendulum", "two-centres-plane", "oscillator-tan", "spherical-staeckel", "morse"])
 def test_a_program_has_only_our_words(name: str) -> None:
     solution = hjsolve.solve(hjsolve.catalog.load(name))
-    model = read(solution, parameter_values(solution.system, {}))
+    model = lowered_model(solution, parameter_values(solution.system, {}))
     numbers = tuple(pair.high for pair in model.numbers)
     texts = [_start_text(model)] + [_coordinate_text(c, len(model.constants), numbers, True) for c in model.separated]
     for text in texts:
@@ -36,17 +36,17 @@ def test_a_program_has_only_our_words(name: str) -> None:
 
 def test_only_known_codes_are_written() -> None:
     with pytest.raises(ValueError, match="__import__"):
-        Source().unary("__import__", "x")
+        PythonSource().unary("__import__", "x")
 
 
 @pytest.mark.parametrize("name", ["two-centres-plane", "spherical-staeckel", "oscillator-tan"])
 def test_a_program_computes_what_its_tape_computes(name: str) -> None:
     pytest.importorskip("numba")
     solution = hjsolve.solve(hjsolve.catalog.load(name))
-    model = read(solution, parameter_values(solution.system, {}))
+    model = lowered_model(solution, parameter_values(solution.system, {}))
     numbers = tuple(pair.high for pair in model.numbers)
     constants = tuple(-0.3 + 0.37 * k for k in range(len(model.constants)))
     for coordinate in model.separated:
-        made = programs(coordinate, len(constants), numbers, True)
+        made = compiled_programs(coordinate, len(constants), numbers, True)
         expected = coordinate.plain.squared.run(Float64(), [0.7, *constants, *numbers])[0]
         assert np.isclose(made.value(0.7, constants)[0], expected, rtol=1e-14, atol=0)

@@ -82,8 +82,8 @@ def test_every_condition_is_the_formula_of_eisenhart_on_metrics_where_no_term_va
     q, V = (x, y, z), x**2 * sp.sin(y) + sp.log(z + x) / y
     reader = Reader([*metric, V])
     elements = [reader.element(g) for g in metric]
-    for c in levi_civita.Conditions(reader, q, elements, reader.element(V)):
-        ours = reader.write(levi_civita.total(reader, c.products) * c.scale)
+    for c in levi_civita.LeviCivitaConditions(reader, q, elements, reader.element(V)):
+        ours = reader.write(levi_civita.sum_of_products(reader, c.products) * c.scale)
         theirs = eisenhart(metric, V if c.about is None else metric[c.about], c.i, c.j, q)
         difference, size = ((ours - theirs).subs(POINT).evalf(50), theirs.subs(POINT).evalf(50))
         assert abs(size) > 1e-3, "a term that vanishes would hide a mutant"
@@ -93,7 +93,7 @@ def test_every_condition_is_the_formula_of_eisenhart_on_metrics_where_no_term_va
 def test_all_pairs_and_all_metric_coefficients_are_asked():
     reader = Reader(METRICS[0])
     conditions = list(
-        levi_civita.Conditions(reader, (x, y, z), [reader.element(g) for g in METRICS[0]], reader.element(x))
+        levi_civita.LeviCivitaConditions(reader, (x, y, z), [reader.element(g) for g in METRICS[0]], reader.element(x))
     )
     assert [(c.i, c.j, c.part, c.about) for c in conditions] == [
         *((i, j, "metric", h) for i, j in ((0, 1), (0, 2), (1, 2)) for h in range(3)),
@@ -107,7 +107,7 @@ def test_the_general_condition_is_levi_civitas_formula_for_a_hamiltonian_with_ev
     reader = Reader([H])
     element = reader.element(H)
     for i, j in ((0, 1), (0, 2), (1, 2)):
-        ours = reader.write(levi_civita.total(reader, levi_civita.general_condition(reader, element, q, p, i, j)))
+        ours = reader.write(levi_civita.sum_of_products(reader, levi_civita.general_condition(reader, element, q, p, i, j)))
         a, b, c, d = H.diff(p[i]), H.diff(p[j]), H.diff(q[i]), H.diff(q[j])
         theirs = (
             a * b * H.diff(q[i], q[j])

@@ -5,7 +5,7 @@ import sympy as sp
 
 from hjsolve.errors import ExpressionError
 from hjsolve.formulas.read import parse
-from hjsolve.mechanics.kinetic_energy import mass_as_written, mass_entries, parts
+from hjsolve.mechanics.kinetic_energy import mass_as_written, mass_entries, velocity_coefficients
 
 x, y, m = sp.symbols("x y m", real=True)
 u, v = sp.symbols("u v", real=True)
@@ -19,7 +19,7 @@ FORMS = [
 
 @pytest.mark.parametrize("kinetic", FORMS, ids=str)
 def test_the_parts_of_the_kinetic_energy_are_its_derivatives(kinetic):
-    found = parts(kinetic, [u, v])
+    found = velocity_coefficients(kinetic, [u, v])
     rest = {u: 0, v: 0}
     assert sp.simplify(found.get((), 0) - kinetic.subs(rest)) == 0
     for i, p in enumerate((u, v)):

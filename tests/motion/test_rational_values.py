@@ -62,7 +62,7 @@ def test_constants_of_the_catalog_are_the_same_either_way(monkeypatch: pytest.Mo
             described = entries.described(name)
             if described.initial is not None:
                 given = described.initial.arguments
-                found[name] = initial_data.initial_data(entries.solution(name), **{"parameters": None, **given})
+                found[name] = initial_data.read_initial_data(entries.solution(name), **{"parameters": None, **given})
         ways.append(found)
     assert len(ways[0]) > 12
     assert sum(c.is_Rational for i in ways[0].values() for c in i.constants.values()) > 10

@@ -13,7 +13,7 @@ from hjsolve.arithmetic.floats import Float64, Multi
 from hjsolve.arithmetic.interval import Interval, Intervals
 from hjsolve.arithmetic.jet import Jet, Jets
 from hjsolve.lowering import lower
-from hjsolve.one_coordinate.momentum_squared import Radicand
+from hjsolve.one_coordinate.momentum_squared import MomentumSquared
 from hjsolve.one_coordinate.turning_points import Ray, first_end
 
 q, E, k = sp.symbols("q E k")
@@ -25,10 +25,10 @@ FORMULAS = (
 )
 
 
-def radicand(formula: sp.Expr, *values: str) -> Radicand:
+def radicand(formula: sp.Expr, *values: str) -> MomentumSquared:
     arguments = [q, E, k]
     kernels = [sp.diff(formula, c) / 2 for c in (E, k)]
-    return Radicand(
+    return MomentumSquared(
         lower([formula], arguments), lower(kernels, arguments), lambda bits: [Multi(bits).convert(v) for v in values]
     )
 
@@ -90,8 +90,8 @@ def test_cells_that_wait_for_the_same_are_divided_together(monkeypatch) -> None:
     field = radicand(
         sp.expand(((E * (q**2 + k**2) - 2 * k) ** 2 - horizon * (q**2 + 8)).expand()) / horizon**2, "0.95", "0.9"
     )
-    enclose, calls = Radicand.enclose, []
-    monkeypatch.setattr(Radicand, "enclose", lambda *a: calls.append(1) or enclose(*a))
+    enclose, calls = MomentumSquared.enclose, []
+    monkeypatch.setattr(MomentumSquared, "enclose", lambda *a: calls.append(1) or enclose(*a))
 
     def end(together: int) -> tuple[int, mpmath.mpf]:
         monkeypatch.setattr("hjsolve.one_coordinate.turning_points._TOGETHER", together)

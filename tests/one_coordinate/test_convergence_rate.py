@@ -9,7 +9,7 @@ import pytest
 
 import hjsolve
 from hjsolve.arithmetic.floats import Multi
-from hjsolve.one_coordinate.anomaly import libration
+from hjsolve.one_coordinate.anomaly import libration_anomaly
 from hjsolve.one_coordinate.coordinate_motion import PARTS, integrands
 from hjsolve.one_coordinate.fourier_series import fit, midpoints
 
@@ -25,7 +25,7 @@ def period_error(motion, nodes, below=None, above=None):
     bits, arithmetic = 400, Multi(400)
     course, place = motion.separated.located["theta"].course, motion.separated.located["theta"]
     a, b = place.lower.place(bits), place.upper.place(bits)
-    anomaly = libration(
+    anomaly = libration_anomaly(
         a, b, None if below is None else below(a, b), None if above is None else above(a, b), arithmetic
     )
     values = integrands(course.radicand, (False,), bits, PARTS)

@@ -11,8 +11,8 @@ from mpmath import mp, mpf
 
 import hjsolve
 from hjsolve.arithmetic.floats import Float64, Multi
-from hjsolve.one_coordinate.anomaly import crested, paired, rotation
-from hjsolve.one_coordinate.stretched_anomaly import rounded as as_doubles
+from hjsolve.one_coordinate.anomaly import barrier_anomaly, rotation_anomaly, two_barrier_anomaly
+from hjsolve.one_coordinate.stretched_anomaly import map_in_doubles as as_doubles
 from hjsolve.one_coordinate.stretched_anomaly import stretched
 
 DIGITS = 40
@@ -106,14 +106,14 @@ def maps() -> list[tuple[str, Callable[[Multi], Any]]]:
         return arithmetic.context.mpf(text)
 
     def a_crest(arithmetic: Multi) -> Any:
-        return crested(*(number(arithmetic, x) for x in ("-1", "1.5", "0.3", "1e-7")), arithmetic)
+        return barrier_anomaly(*(number(arithmetic, x) for x in ("-1", "1.5", "0.3", "1e-7")), arithmetic)
 
     def two_crests(arithmetic: Multi) -> Any:
         numbers = (number(arithmetic, x) for x in ("0.3", "1e-6", "-2", "1e-3"))
-        return paired(*numbers, -1, arithmetic)
+        return two_barrier_anomaly(*numbers, -1, arithmetic)
 
     def three_crests(arithmetic: Multi) -> Any:
-        wheel = rotation(number(arithmetic, "0.3"), 1, number(arithmetic, "1e-3"), arithmetic)
+        wheel = rotation_anomaly(number(arithmetic, "0.3"), 1, number(arithmetic, "1e-3"), arithmetic)
         return stretched(wheel, [(0.4, 1e-4), (-1.7, 1e-2)])
 
     def crests_in_a_libration(arithmetic: Multi) -> Any:

@@ -17,8 +17,8 @@ from hjsolve.arithmetic.reciprocals import without_overflow
 from hjsolve.arithmetic.tape import UNARY
 from hjsolve.lowering import lower
 from hjsolve.one_coordinate import resolution
-from hjsolve.one_coordinate.anomaly import libration
-from hjsolve.one_coordinate.momentum_squared import Radicand
+from hjsolve.one_coordinate.anomaly import libration_anomaly
+from hjsolve.one_coordinate.momentum_squared import MomentumSquared
 from hjsolve.one_coordinate.regular_factor import deflated
 from tests.support.random_features import Draw, Feature, draw, truth
 
@@ -113,8 +113,8 @@ def test_a_proved_strip_ends_below_the_nearest_zero_and_not_far_below(amplitude)
     motion = swinging(amplitude)
     course, place = motion.separated.located["theta"].course, motion.separated.located["theta"]
     arithmetic = Multi(200)
-    plain = libration(place.lower.place(200), place.upper.place(200), None, None, arithmetic)
-    subject = resolution.integrands(plain, course.radicand, (False,), motion.separated.parts, 200)
+    plain = libration_anomaly(place.lower.place(200), place.upper.place(200), None, None, arithmetic)
+    subject = resolution.integrands_to_resolve(plain, course.radicand, (False,), motion.separated.parts, 200)
     found = resolution.strip(subject, 1000)
     nearest = math.acosh(2 * math.pi / float(amplitude) - 1)
     assert 0.5 * min(nearest, 3.2) < found.width < nearest
@@ -123,13 +123,13 @@ def test_a_proved_strip_ends_below_the_nearest_zero_and_not_far_below(amplitude)
 def test_few_values_of_p_squared_are_worked_out_twice(monkeypatch):
     """The nodes are known before the first value: one set of them is worked out, in full digits."""
     costly = []
-    own = Radicand.value
+    own = MomentumSquared.value
 
     def value(self, q, bits):
         costly.append(bits > 300)
         return own(self, q, bits)
 
-    monkeypatch.setattr(Radicand, "value", value)
+    monkeypatch.setattr(MomentumSquared, "value", value)
     motion = swinging("2.2", 120)
     assert sum(costly) <= 1.05 * motion.nodes + 240  # the rest: zeros of p² next to the motion, sought by doubling
     with mp.workdps(170):

@@ -9,15 +9,15 @@ import pytest
 import sympy as sp
 
 from hjsolve.lowering import over_one_denominator
-from hjsolve.one_coordinate.momentum_squared import Radicand
+from hjsolve.one_coordinate.momentum_squared import MomentumSquared
 from tests.support import entries
 
 x, a = sp.symbols("x a", real=True)
 
 
 def test_a_motion_to_the_end_of_the_domain_is_found_in_few_cells(monkeypatch: pytest.MonkeyPatch) -> None:
-    calls, enclose = [], Radicand.enclose
-    monkeypatch.setattr(Radicand, "enclose", lambda self, *cells: calls.append(1) or enclose(self, *cells))
+    calls, enclose = [], MomentumSquared.enclose
+    monkeypatch.setattr(MomentumSquared, "enclose", lambda self, *cells: calls.append(1) or enclose(self, *cells))
     given = {"q": {"theta": 0.3834943254720452}, "velocity": {"theta": -0.4525303280294137},
              "parameters": {"m": 0.8940583360515237, "g": 0.5688089120512491, "l": 0.8229074146068331}}  # fmt: skip
     solution = entries.solution("a-frame")

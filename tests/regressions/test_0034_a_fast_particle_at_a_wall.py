@@ -8,7 +8,7 @@ import pytest
 from mpmath import mp
 
 from hjsolve.errors import InvalidInputError
-from hjsolve.motion.initial_data import initial_data
+from hjsolve.motion.initial_data import read_initial_data
 from hjsolve.scenes import Scene
 from hjsolve.scenes.events import changed, read_event
 from hjsolve.solution.quadratures import solve
@@ -26,7 +26,7 @@ def test_a_wall_keeps_the_energy_and_turns_the_momentum() -> None:
     system = scene({"kind": "impulse", "at": {"t": "1"}, "momentum": {"x": "0"}}).system
     name = system.coordinates[0].name
     solution = solve(system)
-    values = initial_data(solution, q={name: "1/3"}, velocity=None, p={name: "3"}, parameters={}).values
+    values = read_initial_data(solution, q={name: "1/3"}, velocity=None, p={name: "3"}, parameters={}).values
     event = read_event(wall(name, "1/3"), system, "events[1]")
     assert changed(event, system, values) == {name: -3}
     push = read_event({"kind": "impulse", "at": {"t": "1"}, "velocity": {name: "0.01"}}, system, "events[1]")
@@ -41,7 +41,7 @@ def test_a_wall_keeps_the_energy_and_turns_the_momentum() -> None:
 def test_nothing_is_pushed_beyond_the_speed_of_light() -> None:
     system = scene({"kind": "impulse", "at": {"t": "1"}, "momentum": {"x": "0"}}).system
     name = system.coordinates[0].name
-    values = initial_data(solve(system), q={name: "0"}, velocity=None, p={name: "1"}, parameters={}).values
+    values = read_initial_data(solve(system), q={name: "0"}, velocity=None, p={name: "1"}, parameters={}).values
     push = read_event({"kind": "impulse", "at": {"t": "1"}, "velocity": {name: "1e9"}}, system, "events[1]")
     with pytest.raises(InvalidInputError, match="as fast as light"):
         changed(push, system, values)

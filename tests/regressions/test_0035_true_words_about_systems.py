@@ -16,9 +16,9 @@ import hjsolve
 from hjsolve.mechanics.system import linear_terms, mass_matrix, parameter, with_values
 from hjsolve.reports.content import document, gather
 from hjsolve.reports.formats.json_format import json_text
-from hjsolve.reports.formats.text import line, section_text, text
+from hjsolve.reports.formats.text import line, section_text, text_page
 from hjsolve.reports.sections import system_and_verdict
-from hjsolve.reports.sections.prose import prose
+from hjsolve.reports.sections.prose import typeset_prose
 from hjsolve.solution.laws import check
 from hjsolve.solution.quadratures import Solution
 from tests.support import entries
@@ -129,7 +129,7 @@ def test_the_shell_of_a_relativistic_particle_is_at_minus_half_its_rest_energy()
 # ------------------------------------------------------------------------------------------------ words
 def test_a_remark_keeps_its_brackets() -> None:
     system = entries.loaded("relativistic-oscillator")
-    words = line(prose("drawn out: eta^2 = k*a^2/(4*m0*c^2) = 9/16, almost", system))
+    words = line(typeset_prose("drawn out: eta^2 = k*a^2/(4*m0*c^2) = 9/16, almost", system))
     assert words == "drawn out: η² = k a²/(4 m₀ c²) = 9/16, almost"
 
 
@@ -148,7 +148,7 @@ def test_a_remark_keeps_its_brackets() -> None:
 )
 def test_formulas_in_a_sentence_are_set_as_they_are_written(plain: str, shown: str) -> None:
     system = hjsolve.System({"x": "line", "y": "line"}, "dot(x)**2 + dot(y)**2", "k*x", {"k": 1})
-    assert line(prose(plain, system)) == shown
+    assert line(typeset_prose(plain, system)) == shown
 
 
 @pytest.mark.parametrize("name", [n for n in hjsolve.catalog.ids() if entries.described(n).system is not None])
@@ -159,7 +159,7 @@ def test_no_raw_formula_is_left_in_the_prose_of_an_entry(name: str) -> None:
     if name in entries.separable():
         texts += [c.meaning for c in entries.solution(name).constants.values()]
     for words in texts:
-        shown = " ".join(piece for piece in prose(words, entry.system) if isinstance(piece, str))
+        shown = " ".join(piece for piece in typeset_prose(words, entry.system) if isinstance(piece, str))
         shown = shown.replace("linear_modes", "")
         assert not re.search(r"\*|\^\w|\w_[a-z]|(sqrt|sin|cos|exp|dot)\(|\bphi\b|\btheta\b|do not hold", shown), shown
 
@@ -171,9 +171,9 @@ def test_ignorable_orbit_equations_cite_their_own_equation() -> None:
 
 
 def test_capital_momenta_stand_only_where_they_differ_and_are_explained() -> None:
-    plain = text(document(gather("kepler-planar", initial=None)))
+    plain = text_page(document(gather("kepler-planar", initial=None)))
     assert "Pᵣ" not in plain
-    shifted = text(document(gather("bead-on-turning-wire")))
+    shifted = text_page(document(gather("bead-on-turning-wire")))
     assert "P_θ²" in shifted
     assert "P = p + gradient" in shifted
 

@@ -19,7 +19,7 @@ from hjsolve.command_line.main import main
 from hjsolve.mechanics.system import hamiltonian
 from hjsolve.reports.content import document, gather
 from hjsolve.reports.formats.json_format import json_text
-from hjsolve.reports.formats.text import text
+from hjsolve.reports.formats.text import text_page
 from hjsolve.reports.sections.moving_frame import principal_function
 from tests.support import entries
 
@@ -34,7 +34,7 @@ def test_the_parameter_of_a_path_is_not_called_t_where_t_is_a_coordinate() -> No
     names = {s.name for s in solution.time_law.lhs.free_symbols}
     assert names == {"tau", "tau_0"}
     whole = document(gather("kerr"))
-    shown = text(whole)
+    shown = text_page(whole)
     assert "τ − τ₀ = " in shown
     assert "Initial data at τ = 0" in shown
     assert "from τ = 0 to τ = " in shown
@@ -193,6 +193,6 @@ def test_every_cited_work_is_found_and_readable() -> None:
 
 def test_a_system_of_ones_own_cites_the_book_of_its_labels_only() -> None:
     own = hjsolve.System({"x": "line"}, "dot(x)**2/2", "x**4")
-    shown = text(document(gather(own)))
+    shown = text_page(document(gather(own)))
     assert shown.count("Greenwood 1977") == 1
     assert "Landau" not in shown

@@ -14,14 +14,14 @@ import hjsolve
 from hjsolve.command_line.main import main
 from hjsolve.costs import Cost, Row
 from hjsolve.reports.content import document, gather
-from hjsolve.reports.formats.html import html
+from hjsolve.reports.formats.html import html_page
 from hjsolve.reports.formats.json_format import json_text
 from hjsolve.reports.formats.latex_document import tex
-from hjsolve.reports.formats.markdown import markdown
-from hjsolve.reports.formats.text import line, text
+from hjsolve.reports.formats.markdown import markdown_page
+from hjsolve.reports.formats.text import line, text_page
 from hjsolve.reports.formulas.from_sympy import box, compact
 from hjsolve.reports.formulas.layout import Glyph, Grid, width
-from hjsolve.reports.formulas.layout import Row as BoxRow
+from hjsolve.reports.formulas.layout import RowBox as BoxRow
 from hjsolve.reports.formulas.line_breaks import LINE, broken, display
 from hjsolve.reports.formulas.one_line_text import plain
 from hjsolve.reports.sections.cost import cost_section
@@ -71,14 +71,14 @@ def test_only_the_turning_point_of_the_start_is_exact() -> None:
 def test_a_verdict_is_told_by_a_sign_and_a_colour(name: str, verdict: str, sign: str) -> None:
     whole = document(gather(name))
     assert (whole.verdict, whole.sign) == (verdict, sign)
-    page = html(whole)
+    page = html_page(whole)
     assert f'class="answer {verdict}"' in page
     colours = {
         word: re.search(rf"\.answer\.{word}{{--verdict:var\(--(\w+)\)", page)[1] for word in ("yes", "no", "open")
     }
     assert len(set(colours.values())) == 3
-    assert f"> {sign}**" in markdown(whole)
-    assert f"\n\n{sign}" in text(whole)
+    assert f"> {sign}**" in markdown_page(whole)
+    assert f"\n\n{sign}" in text_page(whole)
     assert json.loads(json_text(whole))["verdict"] == verdict
     assert replace(whole, verdict="open").sign == "? "
 
@@ -129,7 +129,7 @@ def test_the_shorter_form_is_the_same_function() -> None:
 
 
 def test_the_meaning_of_a_constant_stands_before_its_long_formula() -> None:
-    shown = text(document(gather("kerr", initial=None)))
+    shown = text_page(document(gather("kerr", initial=None)))
     head = next(row for row in shown.splitlines() if "In terms of q and p" in row)
     assert head.index("Meaning") < head.index("In terms of q and p")
     assert max(map(len, shown.splitlines())) < 300

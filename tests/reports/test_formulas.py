@@ -9,11 +9,11 @@ import sympy as sp
 from hypothesis import given
 from hypothesis import strategies as st
 
-from hjsolve.reports.formulas.from_sympy import box, tidy
-from hjsolve.reports.formulas.latex import latex
+from hjsolve.reports.formulas.from_sympy import box, constants_outside
+from hjsolve.reports.formulas.latex import latex_of
 from hjsolve.reports.formulas.layout import Glyph, Grid, width
 from hjsolve.reports.formulas.line_breaks import display
-from hjsolve.reports.formulas.mathml import mathml
+from hjsolve.reports.formulas.mathml import mathml_of
 from hjsolve.reports.formulas.names import name_box
 from hjsolve.reports.formulas.one_line_text import plain
 
@@ -68,11 +68,11 @@ def test_a_formula_reads_like_the_book(expression: sp.Basic, expected: str) -> N
     ],
 )
 def test_latex_keeps_control_words_apart(expression: sp.Basic, expected: str) -> None:
-    assert latex(box(expression)) == expected
+    assert latex_of(box(expression)) == expected
 
 
 def test_mathml_has_stretchy_fences_and_no_elements_that_browsers_dropped() -> None:
-    text = mathml(
+    text = mathml_of(
         display(sp.Eq(sp.Symbol("W"), sp.Integral(sp.sqrt(2 * m * E + k / r), (r, sp.Symbol("r_0"), r)))), block=True
     )
     root = ET.fromstring(text)
@@ -98,14 +98,14 @@ def test_mathml_has_stretchy_fences_and_no_elements_that_browsers_dropped() -> N
 
 
 def test_a_name_that_is_markup_is_escaped() -> None:
-    text = mathml(Glyph("<script>&", "text"))
+    text = mathml_of(Glyph("<script>&", "text"))
     assert "<script>" not in text
     assert ET.fromstring(text) is not None
 
 
 def test_constants_come_out_of_integrals_and_the_value_stays() -> None:
     integral = sp.Integral(-k * m * r / sp.sqrt(E), (r, 0, 1))
-    tidied = tidy(integral)
+    tidied = constants_outside(integral)
     assert tidied.doit() == integral.doit()
     assert tidied == -k * m / sp.sqrt(E) * sp.Integral(r, (r, 0, 1))
 
@@ -142,8 +142,8 @@ expressions = st.recursive(
 @given(expressions)
 def test_every_expression_is_well_formed_in_every_format(expression: sp.Expr) -> None:
     shown = box(expression)
-    ET.fromstring(mathml(shown))
-    text, code = plain(shown), latex(shown)
+    ET.fromstring(mathml_of(shown))
+    text, code = plain(shown), latex_of(shown)
     assert text
     assert code.count("{") == code.count("}")
     assert code.count(r"\left") == code.count(r"\right")
@@ -153,5 +153,5 @@ def test_every_expression_is_well_formed_in_every_format(expression: sp.Expr) ->
 
 @given(st.from_regex(r"[A-Za-z][A-Za-z0-9_]{0,12}", fullmatch=True))
 def test_every_name_has_a_box(name: str) -> None:
-    ET.fromstring(mathml(name_box(name)))
+    ET.fromstring(mathml_of(name_box(name)))
     assert plain(name_box(name))

@@ -19,12 +19,12 @@ from hjsolve.reports.content import Material, document, gather
 from hjsolve.reports.document import Document
 from hjsolve.reports.drawings import orbit_paths, phase_portrait, svg
 from hjsolve.reports.drawings.cartesian_picture import embedding, place
-from hjsolve.reports.drawings.effective_potential import well
-from hjsolve.reports.formats.html import html as write_html
+from hjsolve.reports.drawings.effective_potential import effective_potential_of
+from hjsolve.reports.formats.html import html_page as write_html
 from hjsolve.reports.formats.json_format import json_text
 from hjsolve.reports.formats.latex_document import tex
-from hjsolve.reports.formats.markdown import markdown
-from hjsolve.reports.formats.text import text
+from hjsolve.reports.formats.markdown import markdown_page
+from hjsolve.reports.formats.text import text_page
 
 SEPARABLE = [
     "kepler-planar",
@@ -171,7 +171,7 @@ def test_text_that_looks_like_markup_is_escaped() -> None:
     page = write_html(document(gather(system)))
     assert "<b>" not in page
     assert "&lt;b&gt;A &amp; B" in page
-    assert r"\<b\>" in markdown(document(gather(system)))
+    assert r"\<b\>" in markdown_page(document(gather(system)))
 
 
 # ------------------------------------------------------------------------------------------------ the other formats
@@ -179,8 +179,8 @@ def test_text_that_looks_like_markup_is_escaped() -> None:
 def test_all_formats_hold_the_same_sections_and_formulas(name: str, documents: dict[str, Document]) -> None:
     whole = documents[name]
     pages = {
-        "md": markdown(whole),
-        "txt": text(whole),
+        "md": markdown_page(whole),
+        "txt": text_page(whole),
         "tex": tex(whole),
         "json": json_text(whole),
         "html": write_html(whole),
@@ -218,7 +218,7 @@ def test_tex_has_balanced_braces_and_only_letters_that_it_declares(name: str, do
 
 
 def test_markdown_embeds_its_drawings(documents: dict[str, Document]) -> None:
-    page = markdown(documents["kepler-planar"])
+    page = markdown_page(documents["kepler-planar"])
     assert page.count("data:image/svg+xml;base64,") == 4
     assert "http://" not in page.replace("http://www.w3.org", "")
 
@@ -237,7 +237,7 @@ def test_the_effective_potential_meets_the_level_at_the_turning_points(materials
         motion = materials[name].motion
         assert motion is not None
         for coordinate in motion.solution.coordinates:
-            view = well(motion, coordinate)
+            view = effective_potential_of(motion, coordinate)
             for end in view.ends:
                 if end is not None:
                     slope = abs(float(view.potential(end + 1e-6) - view.potential(end - 1e-6))) / 2e-6
@@ -252,7 +252,7 @@ def test_p_squared_of_the_drawing_is_p_squared_of_the_solution(materials: dict[s
         assert motion is not None
         state = motion.at(float(motion.t0))
         for coordinate in motion.solution.coordinates:
-            view = well(motion, coordinate)
+            view = effective_potential_of(motion, coordinate)
             P = float(state.p[coordinate]) + float(view.shift(float(state.q[coordinate])))
             square = float(view.momentum_squared(np.array(float(state.q[coordinate])), view.level))
             assert square == pytest.approx(P**2, rel=1e-11, abs=1e-13)
@@ -265,7 +265,7 @@ def test_the_area_of_the_phase_curve_is_two_pi_times_the_action(materials: dict[
         for coordinate in motion.solution.coordinates:
             if motion.kinds[coordinate] != "libration":
                 continue
-            view = well(motion, coordinate)
+            view = effective_potential_of(motion, coordinate)
             low, high = view.ends
             assert low is not None
             assert high is not None
@@ -277,7 +277,7 @@ def test_the_area_of_the_phase_curve_is_two_pi_times_the_action(materials: dict[
 def test_the_separatrix_of_the_pendulum_is_found(materials: dict[str, Material]) -> None:
     motion = materials["pendulum"].motion
     assert motion is not None
-    hills = phase_portrait.hills(well(motion, "theta"))
+    hills = phase_portrait.hills(effective_potential_of(motion, "theta"))
     assert [kind for _, kind in hills] == ["separatrix"]
     assert hills[0][0] == pytest.approx(9.81, rel=1e-9)
 
@@ -285,7 +285,7 @@ def test_the_separatrix_of_the_pendulum_is_found(materials: dict[str, Material])
 def test_the_edge_of_the_bound_kepler_motions_is_zero_energy(materials: dict[str, Material]) -> None:
     motion = materials["kepler-planar"].motion
     assert motion is not None
-    assert phase_portrait.hills(well(motion, "r")) == [(pytest.approx(0.0, abs=1e-7), "edge of the bound motions")]
+    assert phase_portrait.hills(effective_potential_of(motion, "r")) == [(pytest.approx(0.0, abs=1e-7), "edge of the bound motions")]
 
 
 @pytest.mark.parametrize(

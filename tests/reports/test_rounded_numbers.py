@@ -10,7 +10,14 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from hjsolve.arithmetic.estimate import Estimate
-from hjsolve.reports.sections.rounded_numbers import bound, decimal, quantity, raised, seconds, shortest
+from hjsolve.reports.sections.rounded_numbers import (
+    decimal,
+    quantity,
+    raised,
+    rounded_outward,
+    shortest,
+    written_duration,
+)
 
 
 @pytest.mark.parametrize(
@@ -57,11 +64,11 @@ def test_bounds_are_rounded_outward(value: float) -> None:
         figures = str.maketrans("⁰¹²³⁴⁵⁶⁷⁸⁹⁻−", "0123456789--")
         return Decimal(text.replace("×10", "e").translate(figures))
 
-    assert number(bound(value, up=False)) <= decimal(value) <= number(bound(value, up=True))
+    assert number(rounded_outward(value, up=False)) <= decimal(value) <= number(rounded_outward(value, up=True))
 
 
 def test_small_things() -> None:
     assert shortest(0.1) == "0.1"
     assert shortest(1e-9) == "1e-9"
     assert raised("-1.5e-9") == "−1.5×10⁻⁹"
-    assert [seconds(t) for t in (2e-4, 0.0375, 1.23, 45.0)] == ["200 µs", "38 ms", "1.2 s", "45 s"]
+    assert [written_duration(t) for t in (2e-4, 0.0375, 1.23, 45.0)] == ["200 µs", "38 ms", "1.2 s", "45 s"]

@@ -11,7 +11,7 @@ import pytest
 import hjsolve
 from hjsolve.command_line.main import main
 from hjsolve.scenes import Scene, choice
-from hjsolve.scenes.run import run
+from hjsolve.scenes.run import run_by_quadratures
 
 PERIODS: dict[str, Any] = {"system": "pendulum", "want": ["periods", "actions"]}
 STATES: dict[str, Any] = {
@@ -52,11 +52,11 @@ def clock(monkeypatch: pytest.MonkeyPatch) -> Callable[[Callable[[Scene], float]
         now = [0.0]
 
         def timed(scene: Scene, solution: Any = None) -> Any:
-            done = run(scene, solution)
+            done = run_by_quadratures(scene, solution)
             now[0] += seconds(scene)
             return done
 
-        monkeypatch.setattr(choice, "run", timed)
+        monkeypatch.setattr(choice, "run_sweep", timed)
         monkeypatch.setattr(choice.time, "perf_counter", lambda: now[0])
         return now
 

@@ -10,11 +10,11 @@ import numpy as np
 import pytest
 
 from hjsolve.command_line.main import main
-from hjsolve.reports.formats.html import html
+from hjsolve.reports.formats.html import html_page
 from hjsolve.reports.formats.json_format import json_text
 from hjsolve.reports.formats.latex_document import tex
-from hjsolve.reports.formats.markdown import markdown
-from hjsolve.reports.formats.text import text
+from hjsolve.reports.formats.markdown import markdown_page
+from hjsolve.reports.formats.text import text_page
 from hjsolve.reports.sections.scene import scene_document
 from tests.support.scene_files import FOLDER, example
 
@@ -43,10 +43,10 @@ def test_a_scene_runs_and_gives_what_it_wants(path: Path) -> None:
             assert np.all(run.trajectory.error.q[name] < (1e-7 if scene.method == "integrate" else 1e-12))
         assert set(run.trajectory.status) == ({"ok"} if run.rest is None else {"ok", "at_rest"})
     document = scene_document(run)
-    told = html(document)
+    told = html_page(document)
     assert scene.title in unescape(told)
-    assert scene.title in markdown(document)
-    assert scene.title in text(document)
+    assert scene.title in markdown_page(document)
+    assert scene.title in text_page(document)
     assert json.loads(json_text(document))["title"] == scene.title
     assert "\\section" in tex(document)
     assert told.count("<section") >= 3

@@ -9,9 +9,9 @@ import sympy as sp
 
 from hjsolve.algebra.reader import Reader
 from hjsolve.mechanics.energy_shell import reduce
-from hjsolve.separation.constants.constants import inverse
+from hjsolve.separation.constants.constants import inverse_stackel_matrix
 from hjsolve.separation.forms import levi_civita, stackel
-from hjsolve.separation.forms.base_points import base_points
+from hjsolve.separation.forms.base_points import find_base_points
 from hjsolve.separation.forms.stackel import Matrix
 from hjsolve.separation.obstruction import obstruction
 from hjsolve.separation.zero_test.zero_test import NonZero, Unproved, is_zero
@@ -35,13 +35,13 @@ class Believer:
 def test_what_the_filter_lets_through_is_still_proved(answer: bool | None) -> None:
     reader = Reader([x, y])
     zero, other = reader.element(x - x), reader.element(x * y)
-    assert not levi_civita.vanishes(reader, [[[other]]], Believer(answer))  # type: ignore[arg-type]
-    assert levi_civita.vanishes(reader, [[[zero]]], Believer(answer))  # type: ignore[arg-type]
+    assert not levi_civita.sum_vanishes(reader, [[[other]]], Believer(answer))  # type: ignore[arg-type]
+    assert levi_civita.sum_vanishes(reader, [[[zero]]], Believer(answer))  # type: ignore[arg-type]
 
 
 def test_what_the_filter_excludes_is_not_expanded() -> None:
     reader = Reader([x])
-    assert not levi_civita.vanishes(reader, [[[reader.field.zero]]], Believer(False))  # type: ignore[arg-type]
+    assert not levi_civita.sum_vanishes(reader, [[[reader.field.zero]]], Believer(False))  # type: ignore[arg-type]
 
 
 @pytest.mark.parametrize(
@@ -118,14 +118,14 @@ def test_base_points_bring_no_irrational_constants() -> None:
     reader = Reader([function])
     element = reader.element(function)
     count = len(reader.field.generators)
-    for point in islice(base_points(reader, [x, y]), 8):
+    for point in islice(find_base_points(reader, [x, y]), 8):
         value = reader.write(point.keep(element, set()))
         assert value.is_Rational
         assert len(reader.field.generators) == count
         kept = reader.element(sp.sqrt(x**2 + 5)), reader.element(x)
         root, place = (reader.write(point.keep(e, set())) for e in kept)
         assert root**2 == place**2 + 5
-    values = {reader.write(point.keep(element, set())) for point in islice(base_points(reader, [x, y]), 8)}
+    values = {reader.write(point.keep(element, set())) for point in islice(find_base_points(reader, [x, y]), 8)}
     assert len(values) > 4
 
 
@@ -133,7 +133,7 @@ def test_a_root_that_is_nowhere_rational_is_left_alone() -> None:
     """x² + y² = 3 has no rational points, and neither has √(3 − x²)."""
     reader = Reader([sp.sqrt(3 - x**2)], {x: (sp.Integer(-1), sp.Integer(1))})
     element = reader.element(sp.sqrt(3 - x**2))
-    point = next(base_points(reader, [x]))
+    point = next(find_base_points(reader, [x]))
     assert not reader.write(point.keep(element, set())).is_Rational
 
 
@@ -146,9 +146,9 @@ def test_the_inverse_of_staeckels_matrix_is_its_inverse_and_stays_small(n: int) 
         setting.reader,
         stackel.construct(setting.reader, setting.symbols, setting.metric, setting.potential),
     )
-    inverted = inverse(reader, matrix.rows, setting.metric)
+    inverted = inverse_stackel_matrix(reader, matrix.rows, setting.metric)
     for i in range(n):
         for k in range(n):
             terms = [[[matrix.rows[i][j]], [inverted[j][k]]] for j in range(n)]
-            assert levi_civita.total(reader, [*terms, [[reader.field.coerce(-int(i == k))]]]).is_zero
+            assert levi_civita.sum_of_products(reader, [*terms, [[reader.field.coerce(-int(i == k))]]]).is_zero
     assert max(len(e.numerator) for row in inverted for e in row) < 200

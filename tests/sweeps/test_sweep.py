@@ -301,11 +301,11 @@ def test_an_interrupted_command_says_that_it_can_go_on(
 
 
 def test_progress_is_a_bar_a_line_or_nothing(monkeypatch: pytest.MonkeyPatch) -> None:
-    from hjsolve.sweeps.progress import progress
+    from hjsolve.sweeps.progress import sweep_progress
 
     def told(shown: bool | None) -> str:
         stream = io.StringIO()
-        with progress(10, 4, shown=shown, stream=stream) as advance:
+        with sweep_progress(10, 4, shown=shown, stream=stream) as advance:
             advance(6)
         return stream.getvalue()
 

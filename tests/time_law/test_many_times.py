@@ -13,7 +13,7 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 import hjsolve
-from hjsolve.time_law.table import DEGREE, Table
+from hjsolve.time_law.table import DEGREE, InterpolationTable
 
 pytest.importorskip("numba")
 
@@ -130,7 +130,7 @@ def test_keplers_distance_at_any_eccentricity(e, way, monkeypatch) -> None:
 )
 def test_the_guide_finds_the_panel_that_holds_the_argument(lengths, shares) -> None:
     edges = np.concatenate([[0.0], np.cumsum(lengths)])
-    table = Table(edges, (np.zeros((DEGREE + 1, len(lengths))),), (), (), np.zeros(len(lengths)))
+    table = InterpolationTable(edges, (np.zeros((DEGREE + 1, len(lengths))),), (), (), np.zeros(len(lengths)))
     u = np.minimum(np.concatenate([np.array(shares) * edges[-1], edges]), edges[-1])
     panel = table.panels(u)
     slack = 8 * 2.0**-52 * edges[-1]

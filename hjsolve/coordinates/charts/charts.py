@@ -21,7 +21,7 @@ from hjsolve.errors import InternalError
 
 
 @dataclass(frozen=True)
-class Range:
+class CoordinateRange:
     """The open interval a coordinate runs through; None where it has no end; an angle is periodic."""
 
     lower: sp.Expr | None = None
@@ -41,11 +41,11 @@ class Range:
         return f"{left}{name}{right}"
 
 
-LINE, ANGLE, HALF, MERIDIAN = Range(), Range(-sp.pi, sp.pi, True), Range(sp.S.Zero), Range(sp.S.Zero, sp.pi)
+LINE, ANGLE, HALF, MERIDIAN = CoordinateRange(), CoordinateRange(-sp.pi, sp.pi, True), CoordinateRange(sp.S.Zero), CoordinateRange(sp.S.Zero, sp.pi)
 
 
 @dataclass(frozen=True)
-class Chart:
+class SeparableChart:
     """Local coordinates u of a web.
 
     Attributes:
@@ -57,17 +57,17 @@ class Chart:
     """
 
     symbols: tuple[sp.Symbol, ...]
-    ranges: tuple[Range, ...]
+    ranges: tuple[CoordinateRange, ...]
     place: Vector
     scale: Vector
     remark: str = ""
 
 
-Symbols = Callable[[str, Range], sp.Symbol]
+Symbols = Callable[[str, CoordinateRange], sp.Symbol]
 _OCTANT = "one octant of the frame; reflect it for the others"
 
 
-def chart(kind: str, lengths: Mapping[str, sp.Expr], n: int, symbol: Symbols) -> Chart:
+def chart(kind: str, lengths: Mapping[str, sp.Expr], n: int, symbol: Symbols) -> SeparableChart:
     """Return the chart of a kind of web.
 
     Args:
@@ -78,56 +78,56 @@ def chart(kind: str, lengths: Mapping[str, sp.Expr], n: int, symbol: Symbols) ->
     """
     if kind == "cartesian":
         u = tuple(symbol(name, LINE) for name in ("xi", "eta", "zeta")[:n])
-        return Chart(u, (LINE,) * n, u, (sp.S.One,) * n)
+        return SeparableChart(u, (LINE,) * n, u, (sp.S.One,) * n)
     if kind.endswith("cylinder"):
         flat = {"circular": "polar", "elliptic": "elliptic", "parabolic": "parabolic"}[kind.split(maxsplit=1)[0]]
         base = _PLANE[flat](lengths, symbol)
         z = symbol("z", LINE)
-        return Chart((*base.symbols, z), (*base.ranges, LINE), (*base.place, z), (*base.scale, sp.S.One), base.remark)
+        return SeparableChart((*base.symbols, z), (*base.ranges, LINE), (*base.place, z), (*base.scale, sp.S.One), base.remark)
     known = {**_PLANE, **_SPACE}
     if kind not in known:
         raise InternalError(f"no chart of kind {kind}")
     return known[kind](lengths, symbol)
 
 
-def _polar(_: Mapping[str, sp.Expr], symbol: Symbols) -> Chart:
+def _polar(_: Mapping[str, sp.Expr], symbol: Symbols) -> SeparableChart:
     r, θ = symbol("r", HALF), symbol("theta", ANGLE)
-    return Chart((r, θ), (HALF, ANGLE), (r * sp.cos(θ), r * sp.sin(θ)), (sp.S.One, r**2))
+    return SeparableChart((r, θ), (HALF, ANGLE), (r * sp.cos(θ), r * sp.sin(θ)), (sp.S.One, r**2))
 
 
-def _parabolic(_: Mapping[str, sp.Expr], symbol: Symbols) -> Chart:
+def _parabolic(_: Mapping[str, sp.Expr], symbol: Symbols) -> SeparableChart:
     u, v = symbol("u", LINE), symbol("v", LINE)
     h = u**2 + v**2
-    return Chart(
+    return SeparableChart(
         (u, v), (LINE, LINE), ((u**2 - v**2) / 2, u * v), (h, h), f"({u}, {v}) and (−{u}, −{v}) are the same point"
     )
 
 
-def _elliptic(lengths: Mapping[str, sp.Expr], symbol: Symbols) -> Chart:
+def _elliptic(lengths: Mapping[str, sp.Expr], symbol: Symbols) -> SeparableChart:
     a, μ, ν = lengths["a"], symbol("mu", LINE), symbol("nu", ANGLE)
     h = a**2 * (sp.cosh(μ) ** 2 - sp.cos(ν) ** 2)
     place = (a * sp.cosh(μ) * sp.cos(ν), a * sp.sinh(μ) * sp.sin(ν))
-    return Chart((μ, ν), (LINE, ANGLE), place, (h, h), f"({μ}, {ν}) and (−{μ}, −{ν}) are the same point")
+    return SeparableChart((μ, ν), (LINE, ANGLE), place, (h, h), f"({μ}, {ν}) and (−{μ}, −{ν}) are the same point")
 
 
-def _spherical(_: Mapping[str, sp.Expr], symbol: Symbols) -> Chart:
+def _spherical(_: Mapping[str, sp.Expr], symbol: Symbols) -> SeparableChart:
     r, θ = symbol("r", HALF), symbol("theta", MERIDIAN)
     return _turned((r, θ), (HALF, MERIDIAN), (r * sp.sin(θ), r * sp.cos(θ)), (sp.S.One, r**2), symbol)
 
 
-def _rotational_parabolic(_: Mapping[str, sp.Expr], symbol: Symbols) -> Chart:
+def _rotational_parabolic(_: Mapping[str, sp.Expr], symbol: Symbols) -> SeparableChart:
     u, v = symbol("u", HALF), symbol("v", HALF)
     return _turned((u, v), (HALF, HALF), (u * v, (u**2 - v**2) / 2), (u**2 + v**2, u**2 + v**2), symbol)
 
 
-def _prolate(lengths: Mapping[str, sp.Expr], symbol: Symbols) -> Chart:
+def _prolate(lengths: Mapping[str, sp.Expr], symbol: Symbols) -> SeparableChart:
     a, μ, ν = lengths["a"], symbol("mu", HALF), symbol("nu", MERIDIAN)
     h = a**2 * (sp.cosh(μ) ** 2 - sp.cos(ν) ** 2)
     place = (a * sp.sinh(μ) * sp.sin(ν), a * sp.cosh(μ) * sp.cos(ν))
     return _turned((μ, ν), (HALF, MERIDIAN), place, (h, h), symbol)
 
 
-def _oblate(lengths: Mapping[str, sp.Expr], symbol: Symbols) -> Chart:
+def _oblate(lengths: Mapping[str, sp.Expr], symbol: Symbols) -> SeparableChart:
     a, μ, ν = lengths["a"], symbol("mu", LINE), symbol("nu", MERIDIAN)
     h = a**2 * (sp.sinh(μ) ** 2 + sp.cos(ν) ** 2)
     place = (a * sp.cosh(μ) * sp.sin(ν), a * sp.sinh(μ) * sp.cos(ν))
@@ -137,14 +137,14 @@ def _oblate(lengths: Mapping[str, sp.Expr], symbol: Symbols) -> Chart:
 
 def _turned(
     u: tuple[sp.Symbol, sp.Symbol],
-    ranges: tuple[Range, Range],
+    ranges: tuple[CoordinateRange, CoordinateRange],
     place: tuple[sp.Expr, sp.Expr],
     scale: tuple[sp.Expr, sp.Expr],
     symbol: Symbols,
-) -> Chart:
+) -> SeparableChart:
     """Rotate a half-plane (ρ, z) about the z axis."""
     φ, (ρ, z) = symbol("phi", ANGLE), place
-    return Chart((*u, φ), (*ranges, ANGLE), (ρ * sp.cos(φ), ρ * sp.sin(φ), z), (*scale, ρ**2))
+    return SeparableChart((*u, φ), (*ranges, ANGLE), (ρ * sp.cos(φ), ρ * sp.sin(φ), z), (*scale, ρ**2))
 
 
 def _rooted(constants: tuple[sp.Expr, ...], u: tuple[sp.Expr, ...], i: int) -> sp.Expr:
@@ -153,32 +153,32 @@ def _rooted(constants: tuple[sp.Expr, ...], u: tuple[sp.Expr, ...], i: int) -> s
     return sp.prod([constants[i] - s for s in u]) / others
 
 
-def _conical(lengths: Mapping[str, sp.Expr], symbol: Symbols) -> Chart:
+def _conical(lengths: Mapping[str, sp.Expr], symbol: Symbols) -> SeparableChart:
     e = tuple(lengths[f"e{i}"] for i in (1, 2, 3))
-    ranges = (HALF, Range(e[0], e[1]), Range(e[1], e[2]))
+    ranges = (HALF, CoordinateRange(e[0], e[1]), CoordinateRange(e[1], e[2]))
     r, μ, ν = (symbol(name, where) for name, where in zip(("r", "mu", "nu"), ranges, strict=True))
     place = tuple(r * sp.sqrt(_rooted(e, (μ, ν), i)) for i in range(3))
     scale = tuple(r**2 * (other - s) / (4 * sp.prod([s - c for c in e])) for s, other in ((μ, ν), (ν, μ)))
-    return Chart((r, μ, ν), ranges, place, (sp.S.One, *scale), _OCTANT)
+    return SeparableChart((r, μ, ν), ranges, place, (sp.S.One, *scale), _OCTANT)
 
 
-def _ellipsoidal(lengths: Mapping[str, sp.Expr], symbol: Symbols) -> Chart:
+def _ellipsoidal(lengths: Mapping[str, sp.Expr], symbol: Symbols) -> SeparableChart:
     a = tuple(lengths[f"a{i}"] for i in (1, 2, 3))
-    ranges = (Range(a[0], a[1]), Range(a[1], a[2]), Range(a[2]))
+    ranges = (CoordinateRange(a[0], a[1]), CoordinateRange(a[1], a[2]), CoordinateRange(a[2]))
     u = tuple(symbol(name, where) for name, where in zip(("u", "v", "w"), ranges, strict=True))
     length = lengths["a"]
     place = tuple(length * sp.sqrt(-_rooted(a, u, i)) for i in range(3))
     scale = tuple(length**2 * sp.prod([s - o for o in u if o != s]) / (4 * sp.prod([s - c for c in a])) for s in u)
-    return Chart(u, ranges, place, scale, _OCTANT)
+    return SeparableChart(u, ranges, place, scale, _OCTANT)
 
 
-def _paraboloidal(lengths: Mapping[str, sp.Expr], symbol: Symbols) -> Chart:
+def _paraboloidal(lengths: Mapping[str, sp.Expr], symbol: Symbols) -> SeparableChart:
     a, b, c = lengths["a"], lengths["b"], lengths["c"]
-    ranges = (Range(None, b), Range(b, c), Range(c))
+    ranges = (CoordinateRange(None, b), CoordinateRange(b, c), CoordinateRange(c))
     u = tuple(symbol(name, where) for name, where in zip(("u", "v", "w"), ranges, strict=True))
     y, z = (sp.sqrt(-_rooted((b, c), u, i)) for i in (0, 1))
     scale = tuple(a**2 * sp.prod([s - o for o in u if o != s]) / (4 * (s - b) * (s - c)) for s in u)
-    return Chart(u, ranges, (a * (sp.Add(*u) - b - c) / 2, a * y, a * z), scale, _OCTANT.replace("octant", "quarter"))
+    return SeparableChart(u, ranges, (a * (sp.Add(*u) - b - c) / 2, a * y, a * z), scale, _OCTANT.replace("octant", "quarter"))
 
 
 _PLANE = {"polar": _polar, "parabolic": _parabolic, "elliptic": _elliptic}

@@ -15,14 +15,14 @@ import sympy as sp
 
 from hjsolve.coordinates.charts.transform import Cartesian
 from hjsolve.coordinates.results import Vector, Web
-from hjsolve.coordinates.webs.orthonormal_frames import tidy
+from hjsolve.coordinates.webs.orthonormal_frames import tidy_constant
 from hjsolve.mechanics.system import System, parameter
 from hjsolve.separation import separate
 
 Values = Mapping[sp.Symbol, sp.Expr]
 
 
-def named(cartesian: Cartesian) -> tuple[Cartesian, Values]:
+def with_named_constants(cartesian: Cartesian) -> tuple[Cartesian, Values]:
     """Replace every irrational constant of the potential by a letter.
 
     Returns:
@@ -64,7 +64,7 @@ def restored(web: Web, values: Values, cartesian: Cartesian, *, budget: float) -
     """Put the constants back into a web and let ``separate`` judge the system with them."""
 
     def value(x: sp.Expr) -> sp.Expr:
-        return tidy(x.xreplace(dict(values))) if x.free_symbols & values.keys() else x
+        return tidy_constant(x.xreplace(dict(values))) if x.free_symbols & values.keys() else x
 
     def vector(v: Vector) -> Vector:
         return tuple(value(c) for c in v)

@@ -8,10 +8,10 @@ from random import Random
 
 import sympy as sp
 
-from hjsolve.coordinates.charts.charts import Chart, Range, chart
-from hjsolve.coordinates.charts.simplify_potential import Carrier, flattened
+from hjsolve.coordinates.charts.charts import CoordinateRange, SeparableChart, chart
+from hjsolve.coordinates.charts.simplify_potential import ChangeOfVariables, flattened
 from hjsolve.coordinates.results import Geometry, Vector, Web
-from hjsolve.coordinates.webs.orthonormal_frames import norm_squared, tidy
+from hjsolve.coordinates.webs.orthonormal_frames import norm_squared, tidy_constant
 from hjsolve.mechanics.system import System
 from hjsolve.separation import separate
 
@@ -46,9 +46,9 @@ def web_of(geometry: Geometry, cartesian: Cartesian, *, budget: float) -> Web:
     names = tuple(s.name for s in local.symbols)
     L = sp.symbols(f"X0:{n}", real=True)
     centre = geometry.centre
-    moved = [sp.Add(c, *(tidy(axis[i]) * Xi for axis, Xi in zip(axes, L, strict=True))) for i, c in enumerate(centre)]
+    moved = [sp.Add(c, *(tidy_constant(axis[i]) * Xi for axis, Xi in zip(axes, L, strict=True))) for i, c in enumerate(centre)]
     in_frame = flattened(cartesian.potential.subs(dict(zip(cartesian.X, moved, strict=True)), simultaneous=True), L)
-    carrier = Carrier(dict(zip(L, local.place, strict=True)), _domain_sign(local, cartesian), set())
+    carrier = ChangeOfVariables(dict(zip(L, local.place, strict=True)), _domain_sign(local, cartesian), set())
     potential = carrier.carry(in_frame)
     speeds = [sp.Symbol(f"dot({name})", real=True) for name in names]
     kinetic = cartesian.mass / 2 * sp.Add(*(h * v**2 for h, v in zip(local.scale, speeds, strict=True)))
@@ -79,7 +79,7 @@ def web_of(geometry: Geometry, cartesian: Cartesian, *, budget: float) -> Web:
     )
 
 
-def _adapted(local: Chart, geometry: Geometry, cartesian: Cartesian) -> tuple[Chart, tuple[Vector, ...]]:
+def _adapted(local: SeparableChart, geometry: Geometry, cartesian: Cartesian) -> tuple[SeparableChart, tuple[Vector, ...]]:
     """Return the chart and the axes to use.
 
     Cartesian axes keep the given names where nothing changes, and are not normalised where that would put symbolic
@@ -90,7 +90,7 @@ def _adapted(local: Chart, geometry: Geometry, cartesian: Cartesian) -> tuple[Ch
         return local, geometry.axes
     if sp.Matrix(geometry.axes) == sp.eye(n):
         own = tuple(sp.Symbol(q.name, real=True) for q in cartesian.system.coordinates)
-        return Chart(own, local.ranges, own, local.scale), geometry.axes
+        return SeparableChart(own, local.ranges, own, local.scale), geometry.axes
     if not any(c.free_symbols for axis in geometry.axes for c in axis):
         return local, geometry.axes
     axes = []
@@ -100,12 +100,12 @@ def _adapted(local: Chart, geometry: Geometry, cartesian: Cartesian) -> tuple[Ch
     return replace(local, scale=tuple(sp.radsimp(sp.simplify(norm_squared(axis))) for axis in axes)), tuple(axes)
 
 
-def _symbol_maker(cartesian: Cartesian) -> Callable[[str, Range], sp.Symbol]:
+def _symbol_maker(cartesian: Cartesian) -> Callable[[str, CoordinateRange], sp.Symbol]:
     """Return a maker of coordinate symbols; a name that is a parameter's gets a number."""
     taken = {p.name for p in cartesian.system.parameters}
     taken |= {name[2:] for name in taken if name.startswith("p_")}
 
-    def symbol(name: str, where: Range) -> sp.Symbol:
+    def symbol(name: str, where: CoordinateRange) -> sp.Symbol:
         free = name if name not in taken else next(f"{name}_{i}" for i in range(1, 99) if f"{name}_{i}" not in taken)
         if where.lower is not None and where.lower.is_nonnegative and not where.periodic:
             return sp.Symbol(free, real=True, positive=True)
@@ -114,7 +114,7 @@ def _symbol_maker(cartesian: Cartesian) -> Callable[[str, Range], sp.Symbol]:
     return symbol
 
 
-def _domain_sign(local: Chart, cartesian: Cartesian) -> Callable[[sp.Expr], int]:
+def _domain_sign(local: SeparableChart, cartesian: Cartesian) -> Callable[[sp.Expr], int]:
     """Return the sign of an expression at random points of the domain; 0 where it changes or a parameter decides."""
     random = Random(11)  # noqa: S311
     points = [
@@ -141,7 +141,7 @@ def _domain_sign(local: Chart, cartesian: Cartesian) -> Callable[[sp.Expr], int]
     return sign
 
 
-def _inside(where: Range, values: Mapping[sp.Symbol, sp.Expr], random: Random) -> sp.Expr:
+def _inside(where: CoordinateRange, values: Mapping[sp.Symbol, sp.Expr], random: Random) -> sp.Expr:
     fraction = sp.Rational(random.randint(5, 95), 100)
     low, high = (None if end is None else end.xreplace(dict(values)) for end in (where.lower, where.upper))
     if low is not None and high is not None:
@@ -155,7 +155,7 @@ def _inside(where: Range, values: Mapping[sp.Symbol, sp.Expr], random: Random) -
     )
 
 
-def _remark(geometry: Geometry, local: Chart, assumed: Iterable[sp.Expr]) -> str:
+def _remark(geometry: Geometry, local: SeparableChart, assumed: Iterable[sp.Expr]) -> str:
     """Say what the chart covers and what was taken to be positive."""
     radicands = {
         p.base

@@ -23,13 +23,13 @@ from typing import Any
 import sympy as sp
 
 from hjsolve.coordinates.killing.fraction_free_elimination import echelon_over_ring
-from hjsolve.coordinates.killing.numerical_rank import derivatives, numerical_rank, reconstructed_kernel
+from hjsolve.coordinates.killing.numerical_rank import derivatives, rank_in_numbers, reconstructed_kernel
 from hjsolve.coordinates.killing.radical_algebra import (
     Generators,
     Ground,
     PointAlgebra,
     ZeroDivisorError,
-    generators,
+    collected_generators,
     prepared,
 )
 from hjsolve.errors import InternalError
@@ -272,7 +272,7 @@ def kernel(V: sp.Expr, x: Sequence[sp.Symbol], tensors: Sequence[sp.ImmutableMat
     """
     x, width = tuple(x), len(tensors)
     values = prepared(derivatives(V, x), x)
-    made_of = generators(values, x)
+    made_of = collected_generators(values, x)
     ground, random = made_of.ground, Random(20161)  # noqa: S311
     table = _coefficients(tuple(tensors), x)
     stream = _points(made_of, values, table, width, random)
@@ -286,7 +286,7 @@ def kernel(V: sp.Expr, x: Sequence[sp.Symbol], tensors: Sequence[sp.ImmutableMat
     vectors = tuple(tuple(ground.restore(entry) for entry in vector) for vector in basis)
     complete = not check
     if check:
-        upper = width - numerical_rank(V, x, table, width)
+        upper = width - rank_in_numbers(V, x, table, width)
         if upper > len(vectors) and not ground.parameters:
             vectors = reconstructed_kernel(V, x, table, width) or vectors
         complete = upper == len(vectors)
@@ -296,7 +296,7 @@ def kernel(V: sp.Expr, x: Sequence[sp.Symbol], tensors: Sequence[sp.ImmutableMat
 
 def dimension_by_numbers(V: sp.Expr, x: Sequence[sp.Symbol], tensors: Sequence[sp.ImmutableMatrix]) -> int:
     """Upper bound of the dimension of the kernel, from 60-digit numbers."""
-    return len(tensors) - numerical_rank(V, tuple(x), _coefficients(tuple(tensors), tuple(x)), len(tensors))
+    return len(tensors) - rank_in_numbers(V, tuple(x), _coefficients(tuple(tensors), tuple(x)), len(tensors))
 
 
 def _dense_echelon(stream: Any) -> dict[int, list[Any]]:

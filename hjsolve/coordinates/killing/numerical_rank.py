@@ -86,7 +86,7 @@ def _numerical_echelon(rows: list[list[Any]], width: int) -> tuple[list[list[Any
     return rows[: len(pivots)], pivots
 
 
-def numerical_rank(V: sp.Expr, x: Sequence[sp.Symbol], table: list[Any], width: int) -> int:
+def rank_in_numbers(V: sp.Expr, x: Sequence[sp.Symbol], table: list[Any], width: int) -> int:
     """Return the rank of d(K·dV) = 0 found by 60-digit numbers; it bounds the dimension of the kernel from above."""
     with mpmath.workdps(60):
         return len(_numerical_echelon(_numerical_rows(V, x, table, width), width)[1])

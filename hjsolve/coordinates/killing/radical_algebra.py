@@ -134,7 +134,7 @@ class Generators:
     denominators: Mapping[tuple[str, sp.Expr], int]
 
 
-def generators(expressions: Sequence[sp.Expr], coordinates: Sequence[sp.Symbol]) -> Generators:
+def collected_generators(expressions: Sequence[sp.Expr], coordinates: Sequence[sp.Symbol]) -> Generators:
     """Collect the exponentials, angles and symbolic powers of some prepared expressions."""
     found: dict[tuple[str, sp.Expr], int] = {}
 

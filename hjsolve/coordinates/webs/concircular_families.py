@@ -94,7 +94,7 @@ def combination(
     return total
 
 
-def parts(M: sp.MatrixBase) -> tuple[sp.Matrix, sp.Matrix, sp.Expr]:
+def tensor_parts(M: sp.MatrixBase) -> tuple[sp.Matrix, sp.Matrix, sp.Expr]:
     """Return A, w, m."""
     n = M.rows - 1
     return sp.Matrix(M[:n, :n]), sp.Matrix(M[:n, n]), M[n, n]
@@ -108,7 +108,7 @@ def small_values(count: int, most: int = 700) -> Iterator[tuple[sp.Expr, ...]]:
 
 
 @dataclass(frozen=True)
-class Found(Generic[Member]):
+class FamilyMember(Generic[Member]):
     """A member of a family and the parameter values it was found at."""
 
     member: Member
@@ -122,7 +122,7 @@ def representatives(
     wanted: int,
     cost: Callable[[Member], int],
     enough: int = 10,
-) -> dict[str, Found[Member]]:
+) -> dict[str, FamilyMember[Member]]:
     """Sample a family at small parameter values and keep the simplest member of each kind.
 
     Args:
@@ -133,7 +133,7 @@ def representatives(
         cost: simplicity; the smaller the better, below 10 good enough (rational constants only).
         enough: members of every kind to look at before stopping.
     """
-    best: dict[str, Found[Member]] = {}
+    best: dict[str, FamilyMember[Member]] = {}
     seen: dict[str, int] = {}
     hard = False
     for values in islice(small_values(count), 90):
@@ -147,7 +147,7 @@ def representatives(
         name = kind(member)
         seen[name] = seen.get(name, 0) + 1
         if name not in best or cost(member) < cost(best[name].member):
-            best[name] = Found(member, values)
+            best[name] = FamilyMember(member, values)
         if len(best) >= wanted and all(seen[name] >= enough or cost(best[name].member) < 10 for name in best):
             break
     if hard and not best:

@@ -24,9 +24,9 @@ from hjsolve.coordinates.webs.orthonormal_frames import (
     perpendicular_frame,
     righted,
     sort_frame,
-    tidy,
+    tidy_constant,
 )
-from hjsolve.coordinates.webs.piecewise_conditions import Piece
+from hjsolve.coordinates.webs.piecewise_conditions import SolutionPiece
 from hjsolve.coordinates.webs.plane import plane_webs
 from hjsolve.coordinates.webs.rank_one import directions, members
 
@@ -65,7 +65,7 @@ def _form(forms: Sequence[sp.Matrix], numbers: Sequence[sp.Expr]) -> sp.Matrix:
 def _cartesian(forms: Sequence[sp.Matrix], sign: Sign) -> list[Geometry]:
     def member(values: tuple[sp.Expr, ...]) -> Geometry | None:
         (low, e1), (middle, e2), (high, e3) = sort_frame(eigenframe(_form(forms, values)), sign)
-        if tidy(middle - low) == 0 or tidy(high - middle) == 0:
+        if tidy_constant(middle - low) == 0 or tidy_constant(high - middle) == 0:
             return None
         axes = sorted((e1, e2, e3), key=lambda v: [c != 0 for c in v], reverse=True)
         return Geometry("cartesian", _ORIGIN, righted(axes[0], axes[1]))
@@ -75,7 +75,7 @@ def _cartesian(forms: Sequence[sp.Matrix], sign: Sign) -> list[Geometry]:
     return [in_words(web, freedom, member) for web in best.values()]
 
 
-def _over_directions(piece: Piece, V: sp.Expr, x: Sequence[sp.Symbol], sign: Sign) -> list[Geometry]:
+def _over_directions(piece: SolutionPiece, V: sp.Expr, x: Sequence[sp.Symbol], sign: Sign) -> list[Geometry]:
     freedom = len(piece.free) - 1
     trials = members(piece, _MOST_DIRECTIONS)[::-1]
     found = []

@@ -8,14 +8,14 @@ from dataclasses import replace
 import sympy as sp
 
 from hjsolve.coordinates.results import Geometry, Vector
-from hjsolve.coordinates.webs.concircular_families import Found
-from hjsolve.coordinates.webs.orthonormal_frames import TooHardError, dot
+from hjsolve.coordinates.webs.concircular_families import FamilyMember
+from hjsolve.coordinates.webs.orthonormal_frames import TooHardError, scalar_product
 
 _PLACE = {"polar": "pole", "parabolic": "focus", "rotational parabolic": "focus", "parabolic cylinder": "focal line"}
 
 
 def in_words(
-    found: Found[Geometry], freedom: int, member: Callable[[tuple[sp.Expr, ...]], Geometry | None]
+    found: FamilyMember[Geometry], freedom: int, member: Callable[[tuple[sp.Expr, ...]], Geometry | None]
 ) -> Geometry:
     """Describe the family that a representative stands for by varying its parameters one at a time.
 
@@ -84,7 +84,7 @@ def _directions(members: Sequence[Geometry], index: int) -> str:
     for member in members:
         if not any(_parallel(member.axes[index], axis) for axis in different):
             different.append(member.axes[index])
-    if len(different) == 2 and len(members) > 3 and dot(different[0], different[1]) == 0:
+    if len(different) == 2 and len(members) > 3 and scalar_product(different[0], different[1]) == 0:
         return f"axis along {_text(different[0])} or {_text(different[1])}"
     rank = sp.Matrix(different).rank(simplify=True)
     if rank < len(different[0]):

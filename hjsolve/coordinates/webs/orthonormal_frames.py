@@ -33,7 +33,7 @@ class TooHardError(ArithmeticError):
     """An exact frame would need the roots of an irreducible cubic, or a search has too many branches."""
 
 
-def tidy(expression: sp.Expr) -> sp.Expr:
+def tidy_constant(expression: sp.Expr) -> sp.Expr:
     """Bring a constant to a short form: rational denominators, no nested radicals where they can be undone."""
     if expression.is_Rational or expression.is_Symbol:
         return expression
@@ -42,15 +42,15 @@ def tidy(expression: sp.Expr) -> sp.Expr:
     if expression.is_Mul and expression.free_symbols:
         number, rest = expression.as_independent(*expression.free_symbols, as_Add=False)
         if number != 1 and rest.atoms(sp.Pow) != expression.atoms(sp.Pow):
-            return tidy(number) * tidy(rest)
+            return tidy_constant(number) * tidy_constant(rest)
     if expression.is_number:
         return sp.sqrtdenest(sp.radsimp(sp.expand(expression)))
     return sp.radsimp(sp.factor(sp.sqrtdenest(expression)))
 
 
-def root(square: sp.Expr) -> sp.Expr:
+def real_root(square: sp.Expr) -> sp.Expr:
     """Return a square root of a non-negative quantity; its sign is of no importance, so |c| is written c."""
-    value = tidy(sp.sqrt(sp.factor(square)))
+    value = tidy_constant(sp.sqrt(sp.factor(square)))
     return value.replace(sp.Abs, lambda u: u)
 
 
@@ -64,31 +64,31 @@ def unit(v: Sequence[sp.Expr]) -> Vector:
 
     A symbolic vector is divided by its first component before, so that ratios of components stay short.
     """
-    entries = [tidy(c) for c in v]
+    entries = [tidy_constant(c) for c in v]
     lead = next(c for c in entries if c != 0)
     if any(c.free_symbols for c in entries):
         entries = [sp.S.Zero if c == 0 else sp.S.One if c == lead else sp.radsimp(sp.cancel(c / lead)) for c in entries]
-        length = root(sp.simplify(norm_squared(entries)))
+        length = real_root(sp.simplify(norm_squared(entries)))
         return tuple(c / length for c in entries)
     length = sp.sqrt(norm_squared(entries))
     sign = -1 if lead.is_negative else 1
-    return tuple(tidy(sign * c / length) for c in entries)
+    return tuple(tidy_constant(sign * c / length) for c in entries)
 
 
 def cross(a: Vector, b: Vector) -> Vector:
     """Return a × b."""
     (a1, a2, a3), (b1, b2, b3) = a, b
-    return tidy(a2 * b3 - a3 * b2), tidy(a3 * b1 - a1 * b3), tidy(a1 * b2 - a2 * b1)
+    return tidy_constant(a2 * b3 - a3 * b2), tidy_constant(a3 * b1 - a1 * b3), tidy_constant(a1 * b2 - a2 * b1)
 
 
-def dot(a: Sequence[sp.Expr], b: Sequence[sp.Expr]) -> sp.Expr:
+def scalar_product(a: Sequence[sp.Expr], b: Sequence[sp.Expr]) -> sp.Expr:
     """Return a·b."""
     return sp.expand(sp.Add(*(p * q for p, q in zip(a, b, strict=True))))
 
 
 def moved(origin: Vector, terms: Sequence[tuple[sp.Expr, Vector]]) -> Vector:
     """Return origin + Σ length·direction."""
-    return tuple(tidy(c + sp.Add(*(length * v[i] for length, v in terms))) for i, c in enumerate(origin))
+    return tuple(tidy_constant(c + sp.Add(*(length * v[i] for length, v in terms))) for i, c in enumerate(origin))
 
 
 def attempt(search: Callable[[], list[Geometry]]) -> list[Geometry]:
@@ -103,7 +103,7 @@ def perpendicular_frame(axis: Vector, first: Vector | None = None) -> tuple[Vect
     """Return (e₁, e₂, axis), right-handed and orthonormal; e₁ along ``first`` if given, else as simple as possible."""
     if first is None:
         candidates = [tuple(sp.Integer(int(i == j)) for j in range(3)) for i in range(3)]
-        first = next((c for c in candidates if dot(c, axis) == 0), None) or unit(
+        first = next((c for c in candidates if scalar_product(c, axis) == 0), None) or unit(
             (axis[1], -axis[0], sp.S.Zero) if axis[0] != 0 else (sp.S.Zero, axis[2], -axis[1])
         )
     return first, cross(axis, first), axis
@@ -127,7 +127,7 @@ def eigenframe(A: sp.MatrixBase) -> list[tuple[sp.Expr, Vector]]:
         for v in space:
             rest = sp.Matrix(v)
             for e in basis:
-                rest -= sp.Matrix(e) * dot(v, e)
+                rest -= sp.Matrix(e) * scalar_product(v, e)
             basis.append(unit(tuple(rest)))
         result.extend((value, e) for e in basis)
     return result
@@ -142,7 +142,7 @@ def _eigenvalues(A: sp.Matrix) -> list[tuple[sp.Expr, int]]:
     for factor, multiplicity in polynomial:
         degree = sp.degree(factor, s)
         if degree <= 2:
-            values.extend((tidy(r), multiplicity) for r in sorted(sp.roots(factor, s), key=sp.default_sort_key))
+            values.extend((tidy_constant(r), multiplicity) for r in sorted(sp.roots(factor, s), key=sp.default_sort_key))
         else:
             raise TooHardError
     return values
@@ -150,18 +150,18 @@ def _eigenvalues(A: sp.Matrix) -> list[tuple[sp.Expr, int]]:
 
 def _nullspace(A: sp.Matrix, value: sp.Expr, multiplicity: int) -> list[Vector]:
     n = A.rows
-    B = (A - value * sp.eye(n)).applyfunc(tidy)
+    B = (A - value * sp.eye(n)).applyfunc(tidy_constant)
     if n - multiplicity == 1:
         row = next(B.row(i) for i in range(n) if any(sp.simplify(c) != 0 for c in B.row(i)))
         lead = next(i for i, c in enumerate(row) if sp.simplify(c) != 0)
         space = []
         for free in (i for i in range(n) if i != lead):
-            entry = {free: sp.S.One, lead: tidy(-row[free] / row[lead])}
+            entry = {free: sp.S.One, lead: tidy_constant(-row[free] / row[lead])}
             space.append(tuple(entry.get(i, sp.S.Zero) for i in range(n)))
         return space
     for i in range(n):
         for j in range(i + 1, n):
-            v = tuple(tidy(c) for c in B.row(i).cross(B.row(j)))
+            v = tuple(tidy_constant(c) for c in B.row(i).cross(B.row(j)))
             if any(sp.simplify(c) != 0 for c in v):
                 return [v]
     raise TooHardError

@@ -21,7 +21,7 @@ _MOST_BRANCHES = 400
 
 
 @dataclass(frozen=True)
-class Piece:
+class SolutionPiece:
     """A part of a solution set: unknown → expression in the free unknowns.
 
     Attributes:
@@ -35,7 +35,7 @@ class Piece:
     whole: bool = True
 
 
-def real_pieces(equations: Sequence[sp.Expr], unknowns: Sequence[sp.Symbol]) -> list[Piece]:
+def real_pieces(equations: Sequence[sp.Expr], unknowns: Sequence[sp.Symbol]) -> list[SolutionPiece]:
     """Solve polynomial equations over the reals; parameters in the coefficients are generic.
 
     Returns:
@@ -48,12 +48,12 @@ def real_pieces(equations: Sequence[sp.Expr], unknowns: Sequence[sp.Symbol]) -> 
     raw = _split(search, _Branch(tuple(sp.expand(e) for e in equations), {}, ()))
     if search.budget[0] < 0:
         raise TooHardError
-    pieces: list[Piece] = []
+    pieces: list[SolutionPiece] = []
     for branch in raw:
         full = {u: sp.together(_close(u, branch.values)) for u in unknowns}
         free = tuple(u for u in unknowns if u not in branch.values)
         if all(piece.values != full for piece in pieces):
-            pieces.append(Piece(full, free, branch.whole))
+            pieces.append(SolutionPiece(full, free, branch.whole))
     return [p for p in pieces if not _inside_another(p, pieces, equations, unknowns)]
 
 
@@ -222,7 +222,7 @@ def _sum_of_squares(p: sp.Expr, unknowns: list[sp.Symbol]) -> list[sp.Expr] | No
 
 
 def _inside_another(
-    piece: Piece, pieces: list[Piece], equations: Sequence[sp.Expr], unknowns: Sequence[sp.Symbol]
+    piece: SolutionPiece, pieces: list[SolutionPiece], equations: Sequence[sp.Expr], unknowns: Sequence[sp.Symbol]
 ) -> bool:
     """Tell whether a piece lies in the closure of a larger one.
 
@@ -247,7 +247,7 @@ def _inside_another(
     return len(unknowns) - rank in {len(other.free) for other in larger}
 
 
-def _covers(larger: Piece, smaller: Piece) -> bool:
+def _covers(larger: SolutionPiece, smaller: SolutionPiece) -> bool:
     place = {f: smaller.values[f] for f in larger.free}
     images = {u: value.subs(place, simultaneous=True) for u, value in larger.values.items()}
     return all(sp.simplify(images[u] - smaller.values[u]) == 0 for u in images)

@@ -13,9 +13,9 @@ from functools import reduce
 import sympy as sp
 
 from hjsolve.coordinates.results import Geometry, Vector
-from hjsolve.coordinates.webs.concircular_families import Family, combination, parts, representatives
+from hjsolve.coordinates.webs.concircular_families import Family, combination, representatives, tensor_parts
 from hjsolve.coordinates.webs.describe import in_words
-from hjsolve.coordinates.webs.orthonormal_frames import Sign, attempt, moved, root, tidy, unit
+from hjsolve.coordinates.webs.orthonormal_frames import Sign, attempt, moved, real_root, tidy_constant, unit
 from hjsolve.coordinates.webs.piecewise_conditions import real_pieces
 
 Lift = Callable[[Geometry], Geometry]
@@ -24,12 +24,12 @@ _STANDARD: tuple[Vector, ...] = ((sp.S.One, sp.S.Zero), (sp.S.Zero, sp.S.One))
 
 
 def _turned(first: Vector) -> tuple[Vector, ...]:
-    return first, (tidy(-first[1]), first[0])
+    return first, (tidy_constant(-first[1]), first[0])
 
 
 def classify(M: sp.MatrixBase, sign: Sign) -> Geometry | None:
     """Return the web of one concircular tensor; None for a multiple of the metric."""
-    A, w, m = parts(M)
+    A, w, m = tensor_parts(M)
     if m != 0:
         return _central(A / m, w / m, sign)
     if any(c != 0 for c in w):
@@ -46,19 +46,19 @@ def _low_direction(A: sp.MatrixBase, sign: Sign) -> tuple[sp.Expr, Vector]:
     difference, off = sp.factor(A[0, 0] - A[1, 1]), sp.factor(A[0, 1])
     if off == 0:
         return (-difference, _STANDARD[0]) if sign(difference) < 0 else (difference, _STANDARD[1])
-    gap = tidy(sp.sqrt(sp.factor(difference**2 + 4 * off**2))).replace(sp.Abs, lambda u: u)
+    gap = tidy_constant(sp.sqrt(sp.factor(difference**2 + 4 * off**2))).replace(sp.Abs, lambda u: u)
     gap = -gap if sign(gap) < 0 else gap
     return gap, unit((2 * off, sp.expand(-difference - gap)))
 
 
 def _central(A: sp.MatrixBase, w: sp.MatrixBase, sign: Sign) -> Geometry:
     """L = A + w⊙x + x⊗x: centre −w, and foci where A − w⊗w has different eigenvalues."""
-    centre = tuple(tidy(-c) for c in w)
+    centre = tuple(tidy_constant(-c) for c in w)
     rest = (A - w * w.T).applyfunc(sp.expand)
     if sp.simplify(rest[0, 1]) == 0 and sp.simplify(rest[0, 0] - rest[1, 1]) == 0:
         return Geometry("polar", centre, _STANDARD)
     gap, axis = _low_direction(rest, sign)
-    k = root(gap)
+    k = real_root(gap)
     foci = (moved(centre, [(k, axis)]), moved(centre, [(-k, axis)]))
     return Geometry("elliptic", centre, _turned(axis), foci, {"a": k})
 
@@ -67,7 +67,7 @@ def _parabolic(A: sp.MatrixBase, w: sp.MatrixBase) -> Geometry:
     """L = A + w⊙x = (x − f)⊙w modulo the metric: −(w_x f_x − w_y f_y) = (A₁₁−A₂₂)/2, −(w_x f_y + w_y f_x) = A₁₂."""
     difference, off = (A[0, 0] - A[1, 1]) / 2, A[0, 1]
     square = w[0] ** 2 + w[1] ** 2
-    focus = (tidy(-(w[0] * difference + w[1] * off) / square), tidy((w[1] * difference - w[0] * off) / square))
+    focus = (tidy_constant(-(w[0] * difference + w[1] * off) / square), tidy_constant((w[1] * difference - w[0] * off) / square))
     return Geometry("parabolic", focus, _turned(unit(tuple(w))), (focus,))
 
 
@@ -111,7 +111,7 @@ def plane_webs(family: Family, sign: Sign, lift: Lift = lambda web: web) -> list
 def _polar(family: Family, terms: Sequence[sp.MatrixBase], sign: Sign, lift: Lift) -> list[Geometry]:
     """Solve A − w⊗w = multiple of 1 for the parameters of the family."""
     t = sp.symbols(f"t0:{len(terms)}", real=True)
-    A, w, _ = parts(combination(family.central, terms, t, 2))
+    A, w, _ = tensor_parts(combination(family.central, terms, t, 2))
     rest = A - w * w.T
     webs = []
     for piece in real_pieces([rest[0, 0] - rest[1, 1], rest[0, 1]], t):

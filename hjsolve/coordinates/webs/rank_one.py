@@ -14,7 +14,7 @@ import sympy as sp
 from hjsolve.coordinates.results import Vector
 from hjsolve.coordinates.webs.concircular_families import small_values
 from hjsolve.coordinates.webs.orthonormal_frames import unit
-from hjsolve.coordinates.webs.piecewise_conditions import Piece, real_pieces
+from hjsolve.coordinates.webs.piecewise_conditions import SolutionPiece, real_pieces
 
 PAIRS = ((0, 0), (0, 1), (0, 2), (1, 1), (1, 2), (2, 2))
 V = sp.symbols("v0:3", real=True)
@@ -32,19 +32,19 @@ def annihilators(forms: Sequence[sp.MatrixBase]) -> list[sp.Matrix]:
     return result
 
 
-def pair(φ: sp.MatrixBase, F: sp.MatrixBase) -> sp.Expr:
+def trace_product(φ: sp.MatrixBase, F: sp.MatrixBase) -> sp.Expr:
     """Return tr(φ F)."""
     return sp.expand((φ * F).trace())
 
 
-def directions(forms: Sequence[sp.MatrixBase]) -> list[Piece]:
+def directions(forms: Sequence[sp.MatrixBase]) -> list[SolutionPiece]:
     """Return the pieces of {v : v⊗v in the span of the forms and the metric}; v = 0 is left out."""
     v = sp.Matrix(V)
-    pieces = real_pieces([pair(φ, v * v.T) for φ in annihilators(forms)], V)
+    pieces = real_pieces([trace_product(φ, v * v.T) for φ in annihilators(forms)], V)
     return [piece for piece in pieces if piece.free]
 
 
-def members(piece: Piece, most: int) -> list[Vector]:
+def members(piece: SolutionPiece, most: int) -> list[Vector]:
     """Return the simplest unit vectors of a piece, at most so many, no two parallel."""
     found: list[Vector] = []
     for values in small_values(len(piece.free)):
@@ -56,7 +56,7 @@ def members(piece: Piece, most: int) -> list[Vector]:
     return found
 
 
-def direction(piece: Piece, values: Sequence[sp.Expr]) -> Vector | None:
+def direction(piece: SolutionPiece, values: Sequence[sp.Expr]) -> Vector | None:
     """Return the unit vector of a piece at given values of its free unknowns; None where there is none."""
     place = dict(zip(piece.free, values, strict=True))
     v = [piece.values[u].subs(place) for u in V]

@@ -20,7 +20,7 @@ from dataclasses import dataclass, replace
 import sympy as sp
 
 from hjsolve.coordinates.results import Geometry, Vector
-from hjsolve.coordinates.webs.concircular_families import Family, combination, parts, representatives
+from hjsolve.coordinates.webs.concircular_families import Family, combination, representatives, tensor_parts
 from hjsolve.coordinates.webs.cylinders import cylinder_webs
 from hjsolve.coordinates.webs.describe import in_words
 from hjsolve.coordinates.webs.orthonormal_frames import (
@@ -29,14 +29,14 @@ from hjsolve.coordinates.webs.orthonormal_frames import (
     eigenframe,
     moved,
     perpendicular_frame,
+    real_root,
     righted,
-    root,
     sort_frame,
-    tidy,
+    tidy_constant,
     unit,
 )
-from hjsolve.coordinates.webs.piecewise_conditions import Piece, real_pieces
-from hjsolve.coordinates.webs.rank_one import V, annihilators, pair
+from hjsolve.coordinates.webs.piecewise_conditions import SolutionPiece, real_pieces
+from hjsolve.coordinates.webs.rank_one import V, annihilators, trace_product
 from hjsolve.coordinates.webs.spheres import sphere_webs
 
 _ZERO = sp.S.Zero
@@ -55,18 +55,18 @@ class Potential:
 def _ellipsoid(A: sp.MatrixBase, w: sp.MatrixBase, sign: Sign) -> Geometry | None:
     """L = A + w⊙x + x⊗x: centre −w, axes and constants from the eigenvalues of A − w⊗w; None where two are equal."""
     (low, e1), (middle, e2), (high, _) = sort_frame(eigenframe(A - w * w.T), sign)
-    first, second = tidy(middle - low), tidy(high - middle)
+    first, second = tidy_constant(middle - low), tidy_constant(high - middle)
     if first == 0 or second == 0:
         return None
-    scale, (a2, a3) = _scaled(first, tidy(high - low))
-    constants = {"a": root(scale), "a1": _ZERO, "a2": a2, "a3": a3}
-    return Geometry("ellipsoidal", tuple(tidy(-c) for c in w), righted(e1, e2), (), constants)
+    scale, (a2, a3) = _scaled(first, tidy_constant(high - low))
+    constants = {"a": real_root(scale), "a1": _ZERO, "a2": a2, "a3": a3}
+    return Geometry("ellipsoidal", tuple(tidy_constant(-c) for c in w), righted(e1, e2), (), constants)
 
 
 def _scaled(*constants: sp.Expr) -> tuple[sp.Expr, tuple[sp.Expr, ...]]:
     """Take a common irrational factor out of some constants, so that the ends of the coordinates are rational."""
     largest = constants[-1]
-    ratios = tuple(tidy(c / largest) for c in constants)
+    ratios = tuple(tidy_constant(c / largest) for c in constants)
     if largest.is_number and not largest.is_Rational and all(r.is_Rational for r in ratios):
         return largest, ratios
     return sp.S.One, constants
@@ -74,20 +74,20 @@ def _scaled(*constants: sp.Expr) -> tuple[sp.Expr, tuple[sp.Expr, ...]]:
 
 def _axial(A: sp.MatrixBase, w: sp.MatrixBase, sign: Sign) -> Geometry:
     """L = A + w⊙x; in the frame (e₁, e₂, d = w/|w|) a shift removes A d, what is left is A on the plane ⟂ d."""
-    length = tidy(sp.sqrt(sp.Add(*(c**2 for c in w))))
-    d = tuple(tidy(c / length) for c in w)
-    A = (A / length).applyfunc(tidy)
+    length = tidy_constant(sp.sqrt(sp.Add(*(c**2 for c in w))))
+    d = tuple(tidy_constant(c / length) for c in w)
+    A = (A / length).applyfunc(tidy_constant)
     e1, e2, _ = perpendicular_frame(d)
     frame = sp.Matrix([e1, e2]).T
-    restricted = (frame.T * A * frame).applyfunc(tidy)
+    restricted = (frame.T * A * frame).applyfunc(tidy_constant)
     (low, f1), (high, f2) = sort_frame(eigenframe(restricted), sign)
-    axes = [tuple(tidy(c) for c in frame * sp.Matrix(f)) for f in (f1, f2)]
+    axes = [tuple(tidy_constant(c) for c in frame * sp.Matrix(f)) for f in (f1, f2)]
     # with A shifted so that its lower eigenvalue on the plane is 0: A + w⊙x = (x − f) ⊙ d + (high − low) e₂⊗e₂
     shifted = A - low * sp.eye(3)
-    push = [-tidy((sp.Matrix(e).T * shifted * sp.Matrix(d))[0]) for e in axes]
-    along = -tidy((sp.Matrix(d).T * shifted * sp.Matrix(d))[0]) / 2
+    push = [-tidy_constant((sp.Matrix(e).T * shifted * sp.Matrix(d))[0]) for e in axes]
+    along = -tidy_constant((sp.Matrix(d).T * shifted * sp.Matrix(d))[0]) / 2
     focus = moved((_ZERO,) * 3, [(push[0], axes[0]), (push[1], axes[1]), (along, d)])
-    gap = tidy(high - low)
+    gap = tidy_constant(high - low)
     if gap == 0:
         return Geometry("rotational parabolic", focus, perpendicular_frame(d), (focus,))
     return Geometry(
@@ -124,7 +124,7 @@ def _paraboloids(terms: Sequence[sp.MatrixBase], potential: Potential) -> list[G
 def _axial_member(
     terms: Sequence[sp.MatrixBase], numbers: Sequence[sp.Expr], potential: Potential, kind: str
 ) -> Geometry | None:
-    A, w, _ = parts(combination(None, terms, numbers, 3))
+    A, w, _ = tensor_parts(combination(None, terms, numbers, 3))
     web = _axial(A, w, potential.sign) if any(c != 0 for c in w) else None
     return web if web is not None and web.kind == kind else None
 
@@ -136,7 +136,7 @@ def _from_spheres(family: Family, potential: Potential) -> list[Geometry]:
 def _ellipsoids(family: Family, terms: Sequence[sp.MatrixBase], potential: Potential) -> list[Geometry]:
     def ellipsoid(values: tuple[sp.Expr, ...]) -> Geometry | None:
         M = combination(family.central, terms, values, 3)
-        A, w, _ = parts(M)
+        A, w, _ = tensor_parts(M)
         return _ellipsoid(A, w, potential.sign) if _simple_spectrum(M) else None
 
     arbitrary = tuple(sp.Rational(3 * i * i + 2, 5 + i) for i in range(len(terms)))
@@ -147,7 +147,7 @@ def _ellipsoids(family: Family, terms: Sequence[sp.MatrixBase], potential: Poten
 
 def _simple_spectrum(M: sp.MatrixBase) -> bool:
     """Tell whether N = A − w⊗w of a central tensor has three different eigenvalues."""
-    A, w, m = parts(M)
+    A, w, m = tensor_parts(M)
     s = sp.Symbol("s")
     return bool(sp.simplify(sp.discriminant((A / m - w * w.T / m**2).charpoly(s).as_expr(s), s)) != 0)
 
@@ -155,7 +155,7 @@ def _simple_spectrum(M: sp.MatrixBase) -> bool:
 def _split_parts(family: Family) -> tuple[tuple[sp.Symbol, ...], sp.Matrix, sp.Matrix, list[sp.Matrix]]:
     """Return the parameters s of w, w(s), A(s) − w(s)⊗w(s) and the functionals that do not see the constant tensors."""
     s = sp.symbols(f"s0:{len(family.axial)}", real=True)
-    A, w, _ = parts(combination(family.central, family.axial, s, 3))
+    A, w, _ = tensor_parts(combination(family.central, family.axial, s, 3))
     return s, w, A - w * w.T, annihilators([sp.Matrix(M[:3, :3]) for M in family.constant])
 
 
@@ -163,9 +163,9 @@ def _spheres(family: Family) -> list[Geometry]:
     """Find the centres about which V splits off the radius: A − w⊗w is constant up to constant tensors."""
     s, w, N, functionals = _split_parts(family)
     webs: list[Geometry] = []
-    for piece in real_pieces([pair(φ, N) for φ in functionals], s):
+    for piece in real_pieces([trace_product(φ, N) for φ in functionals], s):
 
-        def member(values: tuple[sp.Expr, ...], piece: Piece = piece) -> Geometry | None:
+        def member(values: tuple[sp.Expr, ...], piece: SolutionPiece = piece) -> Geometry | None:
             centre = _at(-w, piece, values)
             return None if centre is None else Geometry("sphere", centre, _STANDARD)
 
@@ -179,9 +179,9 @@ def _spheroids(family: Family, kind: str) -> list[Geometry]:
     v = sp.Matrix(V)
     odd = v * v.T * (-1 if kind.startswith("prolate") else 1)
     webs: list[Geometry] = []
-    for piece in real_pieces([pair(φ, N - odd) for φ in functionals], (*s, *V)):
+    for piece in real_pieces([trace_product(φ, N - odd) for φ in functionals], (*s, *V)):
 
-        def member(values: tuple[sp.Expr, ...], piece: Piece = piece) -> Geometry | None:
+        def member(values: tuple[sp.Expr, ...], piece: SolutionPiece = piece) -> Geometry | None:
             centre, axis = _at(-w, piece, values), _at(v, piece, values)
             if centre is None or axis is None or not any(axis):
                 return None
@@ -193,21 +193,21 @@ def _spheroids(family: Family, kind: str) -> list[Geometry]:
 
 
 def _spheroid(kind: str, centre: Vector, axis: Vector) -> Geometry:
-    a = tidy(sp.sqrt(sp.Add(*(c**2 for c in axis)))).replace(sp.Abs, lambda u: u)
+    a = tidy_constant(sp.sqrt(sp.Add(*(c**2 for c in axis)))).replace(sp.Abs, lambda u: u)
     foci = (moved(centre, [(sp.S.One, axis)]), moved(centre, [(-sp.S.One, axis)])) if kind.startswith("prolate") else ()
     return Geometry(kind, centre, perpendicular_frame(unit(axis)), foci, {"a": a})
 
 
-def _at(vector: sp.MatrixBase, piece: Piece, values: Sequence[sp.Expr]) -> Vector | None:
+def _at(vector: sp.MatrixBase, piece: SolutionPiece, values: Sequence[sp.Expr]) -> Vector | None:
     place = dict(zip(piece.free, values, strict=True))
-    numbers = tuple(tidy(c.subs(piece.values, simultaneous=True).subs(place)) for c in vector)
+    numbers = tuple(tidy_constant(c.subs(piece.values, simultaneous=True).subs(place)) for c in vector)
     return None if any(n.has(sp.zoo, sp.nan, sp.oo) for n in numbers) else numbers
 
 
 def _with_foci(web: Geometry) -> Geometry:
     """Add the ends of the focal conics: on e₁ at a√(a₂−a₁) and a√(a₃−a₁), on e₂ at a√(a₃−a₂)."""
     a, a2, a3 = (web.lengths[name] for name in ("a", "a2", "a3"))
-    ends = ((a * root(a2), web.axes[0]), (a * root(a3), web.axes[0]), (a * root(tidy(a3 - a2)), web.axes[1]))
+    ends = ((a * real_root(a2), web.axes[0]), (a * real_root(a3), web.axes[0]), (a * real_root(tidy_constant(a3 - a2)), web.axes[1]))
     return replace(web, foci=tuple(moved(web.centre, [(s * k, e)]) for k, e in ends for s in (1, -1)))
 
 
@@ -224,7 +224,7 @@ def _rotational(terms: Sequence[sp.MatrixBase], potential: Potential) -> list[Ge
     """Find the axial tensors whose A is a multiple of 1 on the plane perpendicular to w."""
     t = sp.symbols(f"t0:{len(terms)}", real=True)
     shift = sp.Symbol("lambda_", real=True)
-    A, w, _ = parts(combination(None, terms, t, 3))
+    A, w, _ = tensor_parts(combination(None, terms, t, 3))
     cross = sp.Matrix([[0, -w[2], w[1]], [w[2], 0, -w[0]], [-w[1], w[0], 0]])
     seen = cross.T * (A - shift * sp.eye(3)) * cross
     webs: list[Geometry] = []
@@ -232,7 +232,7 @@ def _rotational(terms: Sequence[sp.MatrixBase], potential: Potential) -> list[Ge
         if all(sp.expand(c.subs(piece.values)) == 0 for c in w):
             continue
 
-        def member(values: tuple[sp.Expr, ...], piece: Piece = piece) -> Geometry | None:
+        def member(values: tuple[sp.Expr, ...], piece: SolutionPiece = piece) -> Geometry | None:
             numbers = _at(sp.Matrix(t), piece, values)
             return None if numbers is None else _axial_member(terms, numbers, potential, "rotational parabolic")
 

@@ -17,8 +17,15 @@ from hjsolve.coordinates.killing.killing_tensors import kernel
 from hjsolve.coordinates.results import Geometry, Vector
 from hjsolve.coordinates.webs.concircular_families import representatives
 from hjsolve.coordinates.webs.describe import in_words
-from hjsolve.coordinates.webs.orthonormal_frames import Sign, eigenframe, perpendicular_frame, righted, sort_frame, tidy
-from hjsolve.coordinates.webs.piecewise_conditions import Piece
+from hjsolve.coordinates.webs.orthonormal_frames import (
+    Sign,
+    eigenframe,
+    perpendicular_frame,
+    righted,
+    sort_frame,
+    tidy_constant,
+)
+from hjsolve.coordinates.webs.piecewise_conditions import SolutionPiece
 from hjsolve.coordinates.webs.rank_one import direction, directions
 
 _PAIRS = tuple(combinations_with_replacement(range(3), 2))
@@ -74,12 +81,12 @@ def _unform(row: Sequence[sp.Expr]) -> sp.Matrix:
 
 def _classified(form: sp.Matrix, sphere: Geometry, sign: Sign) -> Geometry | None:
     (low, e1), (middle, e2), (high, e3) = sort_frame(eigenframe(form), sign)
-    equal = [tidy(middle - low) == 0, tidy(high - middle) == 0]
+    equal = [tidy_constant(middle - low) == 0, tidy_constant(high - middle) == 0]
     if all(equal):
         return None
     if any(equal):
         return Geometry("spherical", sphere.centre, perpendicular_frame(e3 if equal[0] else e1))
-    modulus = {"e1": sp.S.Zero, "e2": tidy((middle - low) / (high - low)), "e3": sp.S.One}
+    modulus = {"e1": sp.S.Zero, "e2": tidy_constant((middle - low) / (high - low)), "e3": sp.S.One}
     return Geometry("conical", sphere.centre, righted(e1, e2), (), modulus)
 
 
@@ -104,7 +111,7 @@ def _spherical(basis: Sequence[sp.Matrix], sphere: Geometry) -> list[Geometry]:
     webs: list[Geometry] = []
     for piece in directions(basis):
 
-        def member(values: tuple[sp.Expr, ...], piece: Piece = piece) -> Geometry | None:
+        def member(values: tuple[sp.Expr, ...], piece: SolutionPiece = piece) -> Geometry | None:
             axis = direction(piece, values)
             return None if axis is None else Geometry("spherical", sphere.centre, perpendicular_frame(axis))
 

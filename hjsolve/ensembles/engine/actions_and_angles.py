@@ -20,14 +20,14 @@ _EPS = 2.0**-52
 
 
 @dataclass(frozen=True)
-class Torus:
+class TorusNumbers:
     """Numbers of n orbits; coordinate → array (n,), and its error bound."""
 
     frequencies: dict[str, tuple[Any, Any]]
     angles: dict[str, tuple[Any, Any]]
 
 
-def assemble(model: Model, sums: list[Sums], directions: Any, q: Any, *, angles: bool) -> Torus:
+def combine_integrals(model: Model, sums: list[Sums], directions: Any, q: Any, *, angles: bool) -> TorusNumbers:
     """Combine the integrals.
 
     With M the matrix ∂Jᵢ/∂cⱼ, δM⁻¹ = −M⁻¹ δM M⁻¹ to first order. It is multiplied out as far as signs are known, before
@@ -59,7 +59,7 @@ def assemble(model: Model, sums: list[Sums], directions: Any, q: Any, *, angles:
             frequencies[name] = value, error + 8 * _EPS * np.sum(np.abs(rates * means[:, j]), axis=0)
         found = _angles(model, sums, directions, q, inverse, blur) if angles else {}
     ordered = {name: frequencies[name] for name in model.names if name in frequencies}
-    return Torus(ordered, found)
+    return TorusNumbers(ordered, found)
 
 
 def _applied(matrices: Any, vectors: Any) -> Any:

@@ -14,7 +14,7 @@ import numpy as np
 
 from hjsolve.ensembles.engine import nodes as tables
 from hjsolve.ensembles.engine.clearance import Clearance
-from hjsolve.ensembles.engine.constants import Begin
+from hjsolve.ensembles.engine.constants import InitialConstants
 from hjsolve.ensembles.engine.lowered_solution import Model, Separated
 from hjsolve.ensembles.engine.midpoint_rule import Sums, empty
 from hjsolve.ensembles.engine.programs import Compiled
@@ -50,7 +50,7 @@ def _tables() -> tuple[Any, ...]:
             for k, row in enumerate(np.split(places, np.cumsum(_COUNTS)[:-1])):
                 part[warp, k, : len(row)] = row
     for k, count in enumerate(_COUNTS):
-        table = tables.libration(count, 0)
+        table = tables.libration_nodes(count, 0)
         last[k, :, :count], middle[k, :, :count] = table.cosines[table.last], table.cosines[table.middle][1:-1]
         cosines[k, : count - 1, :count] = table.cosines
         for fold in (1, 2):
@@ -60,16 +60,16 @@ def _tables() -> tuple[Any, ...]:
     )  # fmt: skip
 
 
-def begin_compiled(model: Model, made: Compiled, q: Any, p: Any) -> Begin:
+def begin_compiled(model: Model, made: Compiled, q: Any, p: Any) -> InitialConstants:
     """Work out the constants in doubles; see ``start.begin``."""
     count, m = q.shape[1], len(model.constants)
     C, E, P = np.empty((m, count)), np.empty((m, count)), np.empty((len(model.separated), count))
     made.start(q, p, C, E, P)
     numbers = tuple(pair.high for pair in model.numbers)
-    return Begin(q[[c.index for c in model.separated]], P, p, Knowns(tuple(C), tuple(E), numbers), None)
+    return InitialConstants(q[[c.index for c in model.separated]], P, p, Knowns(tuple(C), tuple(E), numbers), None)
 
 
-def librations(coordinate: Separated, made: Compiled, start: Begin, k: int, *, ripples: bool) -> Sums:
+def librations(coordinate: Separated, made: Compiled, start: InitialConstants, k: int, *, ripples: bool) -> Sums:
     """Integrate one coordinate of many orbits.
 
     Args:
@@ -111,7 +111,7 @@ def librations(coordinate: Separated, made: Compiled, start: Begin, k: int, *, r
 def _strips() -> tuple[Any, ...]:
     """Disks over the strips of all crowdings and sizes, padded; see ``glances.glances``."""
     folds = [2 if warp >= tables.EVEN else 1 for warp in range(len(tables.WARPS))]
-    rows = [[strip(tables.libration(n, 0, warp), turning=True) for n in _COUNTS] for warp in range(len(folds))]
+    rows = [[strip(tables.libration_nodes(n, 0, warp), turning=True) for n in _COUNTS] for warp in range(len(folds))]
     shape = (len(folds), len(_COUNTS))
     low, high, spread = (np.zeros((*shape, max(len(one.low) for row in rows for one in row))) for _ in range(3))
     counts = np.zeros(shape, dtype=np.int64)

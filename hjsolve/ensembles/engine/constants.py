@@ -11,17 +11,17 @@ from typing import Any
 
 import numpy as np
 
-from hjsolve.arithmetic.double_double import Doubled
+from hjsolve.arithmetic.double_double import DoubleDouble
 from hjsolve.arithmetic.error_free import Pair
 from hjsolve.arithmetic.floats import Float64
 from hjsolve.arithmetic.jet import Jet, Jets
-from hjsolve.arithmetic.running_error import Bounded, Running
-from hjsolve.ensembles.engine.lowered_solution import Formula, Model
+from hjsolve.arithmetic.running_error import RunningError, WithErrorBound
+from hjsolve.ensembles.engine.lowered_solution import LoweredFormula, Model
 from hjsolve.ensembles.engine.radicand_views import UNIT, Knowns
 
 
 @dataclass(frozen=True)
-class Begin:
+class InitialConstants:
     """Initial data of n orbits.
 
     Attributes:
@@ -37,7 +37,7 @@ class Begin:
     pairs: tuple[Pair, ...] | None
 
 
-def begin(model: Model, q: Any, p: Any, *, precise: bool) -> Begin:
+def initial_constants(model: Model, q: Any, p: Any, *, precise: bool) -> InitialConstants:
     """Work out the constants.
 
     Args:
@@ -48,24 +48,24 @@ def begin(model: Model, q: Any, p: Any, *, precise: bool) -> Begin:
     numbers = [pair.high for pair in model.numbers]
     shape = q.shape[1:]
     with np.errstate(all="ignore"):
-        bounded = [Bounded(x) for x in (*q, *p)] + [Bounded(x, UNIT * abs(x)) for x in numbers]
-        running = model.rule.run(Running(Float64()), bounded)
+        bounded = [WithErrorBound(x) for x in (*q, *p)] + [WithErrorBound(x, UNIT * abs(x)) for x in numbers]
+        running = model.rule.run(RunningError(Float64()), bounded)
         doubts = [np.broadcast_to((0.0 if r.error is None else r.error), shape) for r in running]
         values = [np.broadcast_to(r.value, shape) for r in running]
         places = [c.index for c in model.separated]
         pairs = None
         if precise:
             inputs = [Pair(x, 0.0 * x) for x in (*q, *p)] + list(model.numbers)
-            pairs = tuple(_full(pair, shape) for pair in model.rule.run(Doubled(), inputs))
+            pairs = tuple(_full(pair, shape) for pair in model.rule.run(DoubleDouble(), inputs))
             values = [pair.high for pair in pairs]
             doubts = [UNIT * np.abs(v) + 2.0**-44 * e for v, e in zip(values, doubts, strict=True)]
-            shifts = model.shift.run(Doubled(), inputs)
+            shifts = model.shift.run(DoubleDouble(), inputs)
             P = [_sum(p[k], shift) for k, shift in zip(places, shifts, strict=True)]
         else:
             shifts = model.shift.run(Float64(), [*q, *p, *numbers])
             P = [p[k] + shift for k, shift in zip(places, shifts, strict=True)]
     knowns = Knowns(tuple(values), tuple(doubts), tuple(numbers))
-    return Begin(q[places], np.stack(P) if P else p[:0], p, knowns, pairs)
+    return InitialConstants(q[places], np.stack(P) if P else p[:0], p, knowns, pairs)
 
 
 def _full(pair: Pair, shape: tuple[int, ...]) -> Pair:
@@ -73,13 +73,13 @@ def _full(pair: Pair, shape: tuple[int, ...]) -> Pair:
 
 
 def _sum(p: Any, shift: Pair) -> Any:
-    total = Doubled().add(Pair(p, 0.0 * p), shift)
+    total = DoubleDouble().add(Pair(p, 0.0 * p), shift)
     return total.high + 0.0 * p
 
 
-def slope(formula: Formula, pairs: tuple[Pair, ...], parameters: tuple[Pair, ...], q: Any) -> Any:
+def slope(formula: LoweredFormula, pairs: tuple[Pair, ...], parameters: tuple[Pair, ...], q: Any) -> Any:
     """Return F′(q) to full relative accuracy, from 32 digits."""
-    jets = Jets(Doubled())
+    jets = Jets(DoubleDouble())
     inputs = [jets.variable(Pair(q, 0.0 * q)), *(Jet(pair) for pair in (*pairs, *parameters))]
     first = formula.squared.run(jets, inputs)[0].first
     return 0.0 * q if first is None else first.high + 0.0 * q

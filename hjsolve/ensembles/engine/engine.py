@@ -9,7 +9,7 @@ from typing import Any
 import numpy as np
 
 from hjsolve.ensembles.engine.columns import QUANTITIES, Columns, Status, blank, put
-from hjsolve.ensembles.engine.lowered_solution import Model, read
+from hjsolve.ensembles.engine.lowered_solution import Model, lowered_model
 from hjsolve.ensembles.engine.passes import TIMED, TOLERANCE, run_compiled, run_pass, worst
 from hjsolve.ensembles.engine.programs import Compiled, available, compiled, is_kept
 from hjsolve.errors import InvalidInputError
@@ -115,13 +115,13 @@ def build(
         raise InvalidInputError(f'want: "{name}" is not known for many orbits; known are {", ".join(QUANTITIES)}')
     values = parameter_values(solution.system, parameters or {})
     return Engine(
-        solution, want, read(solution, values), _names(solution, want), available() if compiled is None else compiled
+        solution, want, lowered_model(solution, values), _names(solution, want), available() if compiled is None else compiled
     )
 
 
 def ready(solution: Solution, want: frozenset[str], parameters: Mapping[str, Any] | None = None) -> bool:
     """Tell whether the machine code of a compiled engine is on disk already; the arguments are those of ``build``."""
-    model = read(solution, parameter_values(solution.system, parameters or {}))
+    model = lowered_model(solution, parameter_values(solution.system, parameters or {}))
     return is_kept(model, kernels=bool(TIMED & want))
 
 

@@ -11,14 +11,14 @@ from hjsolve.arithmetic.reproducible_products import rowwise
 
 if TYPE_CHECKING:
     from hjsolve.ensembles.engine.nodes import Nodes
-    from hjsolve.ensembles.engine.region import Region
+    from hjsolve.ensembles.engine.region import OrbitRegions
 
 _EPS = 2.0**-52
 _CLOSE = 0.05
 
 
 @dataclass(frozen=True)
-class Ends:
+class EndNodes:
     """The nodes next to the turning points; arrays (n,).
 
     Attributes:
@@ -32,7 +32,7 @@ class Ends:
     high_doubt: Any
 
 
-def librating(region: Region, table: Nodes, ratio: Any, ends: Ends) -> tuple[Any, Any]:
+def phase_of_libration(region: OrbitRegions, table: Nodes, ratio: Any, ends: EndNodes) -> tuple[Any, Any]:
     """Return χ₀ in (−π, π] and a bound on its error.
 
     The place x = (q₀ − a)/W moves with the turning points: an error δF of p² shifts a by δF/F′ = W x δF/F, taken at the
@@ -70,7 +70,7 @@ def _stretch(table: Nodes, χ: Any, x: Any, y: Any, d: Any, c: Any) -> Any:
     return (2 * table.quarter / np.pi * pace) ** 2 * table.complement * (1 + c * y) * (1 + d * x)
 
 
-def _from_momentum(region: Region, table: Nodes, ratio: Any, part: Any, x: Any, y: Any) -> tuple[Any, Any]:
+def _from_momentum(region: OrbitRegions, table: Nodes, ratio: Any, part: Any, x: Any, y: Any) -> tuple[Any, Any]:
     """Return x = (q₀ − a)/W and y = 1 − x near an end, from P₀² = W² x y S(q₀)."""
     W, P = region.width[part], region.momentum[part]
     d, c = (region.near_lower[part], region.near_upper[part]) if table.complement < 1 else (0.0, 0.0)
@@ -83,7 +83,7 @@ def _from_momentum(region: Region, table: Nodes, ratio: Any, part: Any, x: Any, 
     return np.where(lower, small, 1 - small), np.where(lower, 1 - small, small)
 
 
-def rotating(region: Region, table: Nodes) -> tuple[Any, Any]:
+def phase_of_rotation(region: OrbitRegions, table: Nodes) -> tuple[Any, Any]:
     """Return χ₀ in (−π, π] of a rotation and a bound on its error; the slow place is χ = π."""
     left = np.sign(region.momentum) * region.left
     left = left - 2 * np.pi * np.rint(left / (2 * np.pi))

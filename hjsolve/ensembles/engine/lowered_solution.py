@@ -27,7 +27,7 @@ _HIGHEST_DEGREE = 4
 
 
 @dataclass(frozen=True)
-class Formula:
+class LoweredFormula:
     """P² and its kernels as functions of x, q = origin + sign·x.
 
     Attributes:
@@ -58,9 +58,9 @@ class Separated:
 
     name: str
     index: int
-    plain: Formula
-    lower: Formula | None
-    upper: Formula | None
+    plain: LoweredFormula
+    lower: LoweredFormula | None
+    upper: LoweredFormula | None
     periodic: bool
     shifted: bool
     even: bool
@@ -89,7 +89,7 @@ class Model:
     numbers: tuple[Pair, ...]
 
 
-def read(solution: Solution, values: Mapping[sp.Symbol, sp.Expr]) -> Model:
+def lowered_model(solution: Solution, values: Mapping[sp.Symbol, sp.Expr]) -> Model:
     """Lower a solution.
 
     Args:
@@ -141,19 +141,19 @@ def _separated(
     domain = coordinate.domain
     lower_end, upper_end = domain.lower, domain.upper
 
-    def formula(origin: sp.Expr, sign: int, near: Callable[[sp.Expr], sp.Expr]) -> Formula:
+    def formula(origin: sp.Expr, sign: int, near: Callable[[sp.Expr], sp.Expr]) -> LoweredFormula:
         arguments = [q, *constants, *parameters]
         seen = [near(e) for e in (F, *kernels)]
         apart = lower(seen if parts is None else [near(e) for e in parts if e.has(q)], arguments)
         side = 1 if origin == lower_end or sign < 0 else -1 if origin == upper_end else 0
         numbers = tuple(_pair(values[s]) for s in parameters)
         clearance = Clearance(apart, numbers, alone=parts is not None, side=side)
-        return Formula(_pair(origin.subs(values)), sign, lower(seen[:1], arguments), lower(seen, arguments), clearance)
+        return LoweredFormula(_pair(origin.subs(values)), sign, lower(seen[:1], arguments), lower(seen, arguments), clearance)
 
-    def from_end(end: sp.Expr | None, sign: int) -> Formula | None:
+    def from_end(end: sp.Expr | None, sign: int) -> LoweredFormula | None:
         if end is None:
             return None
-        return formula(end, sign, lambda e: tidy(e.subs(q, end + sign * q), q))
+        return formula(end, sign, lambda e: multiplied_out(e.subs(q, end + sign * q), q))
 
     plain = formula(sp.Integer(0), 1, lambda e: e)
     angle = domain.kind == "angle" and periodic(plain.squared, values, constants, parameters)
@@ -181,7 +181,7 @@ def _parts(F: sp.Expr, constants: list[sp.Symbol]) -> list[sp.Expr] | None:
     return None
 
 
-def tidy(expression: sp.Expr, x: sp.Symbol) -> sp.Expr:
+def multiplied_out(expression: sp.Expr, x: sp.Symbol) -> sp.Expr:
     """Multiply out sums that hold x as polynomials, so that what cancels at x = 0 is gone."""
     expression = expression.rewrite(sp.tan) if expression.has(sp.cot) else expression
 

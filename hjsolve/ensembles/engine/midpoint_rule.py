@@ -16,9 +16,9 @@ import numpy as np
 
 from hjsolve.arithmetic.reproducible_products import rowwise
 from hjsolve.ensembles.engine import nodes as tables
-from hjsolve.ensembles.engine.initial_phase import Ends, librating, rotating
+from hjsolve.ensembles.engine.initial_phase import EndNodes, phase_of_libration, phase_of_rotation
 from hjsolve.ensembles.engine.radicand_views import View
-from hjsolve.ensembles.engine.region import Region
+from hjsolve.ensembles.engine.region import OrbitRegions
 from hjsolve.ensembles.engine.resolution import least
 
 _EPS = 2.0**-52
@@ -63,7 +63,7 @@ def empty(constants: int, count: int) -> Sums:
     return Sums(row(), row(), block(), block(), block(), block(), row(), row(), block(), np.zeros(count, dtype=bool))
 
 
-def integrate(region: Region, constants: int, *, kernels: bool, ripples: bool, first: int = 32) -> Sums:
+def integrate(region: OrbitRegions, constants: int, *, kernels: bool, ripples: bool, first: int = 32) -> Sums:
     """Integrate with as many nodes as every orbit needs, and no fewer than are proved to resolve it.
 
     Args:
@@ -92,12 +92,12 @@ def integrate(region: Region, constants: int, *, kernels: bool, ripples: bool, f
                 sums.put(part, result)
 
 
-def _table(region: Region, code: int) -> tables.Nodes:
+def _table(region: OrbitRegions, code: int) -> tables.Nodes:
     count, level, warp = code // 512, code // 8 % 64, code % 8
     return tables.nodes_of(region.turning, count, level, warp)
 
 
-def _rule(region: Region, constants: int, table: tables.Nodes, *, kernels: bool, ripples: bool) -> tuple[Sums, Any]:
+def _rule(region: OrbitRegions, constants: int, table: tables.Nodes, *, kernels: bool, ripples: bool) -> tuple[Sums, Any]:
     """Apply the rule with a number of nodes; also return how many would be needed."""
     count = len(table.χ) if region.turning else len(table.χ) // 2
     with np.errstate(all="ignore"):
@@ -138,13 +138,13 @@ def _rule(region: Region, constants: int, table: tables.Nodes, *, kernels: bool,
     return sums, more
 
 
-def _ends(region: Region, table: tables.Nodes, doubt: Any) -> Ends:
+def _ends(region: OrbitRegions, table: tables.Nodes, doubt: Any) -> EndNodes:
     """The nodes next to the turning points; an even motion has only the first of them."""
     d = region.near_lower if table.complement < 1 else 0.0 * region.width
     low = table.low[0] / (1 + d * table.high[0])
     if table.fold == 2:
-        return Ends(low, low, doubt[:, 0], doubt[:, 0])
-    return Ends(low, (1 + d) * table.high[-1] / (1 + d * table.high[-1]), doubt[:, 0], doubt[:, -1])
+        return EndNodes(low, low, doubt[:, 0], doubt[:, 0])
+    return EndNodes(low, (1 + d) * table.high[-1] / (1 + d * table.high[-1]), doubt[:, 0], doubt[:, -1])
 
 
 def _largest(values: Any, table: tables.Nodes, rows: slice) -> Any:
@@ -155,7 +155,7 @@ def _largest(values: Any, table: tables.Nodes, rows: slice) -> Any:
     return np.maximum.reduce(parts)
 
 
-def _librating(region: Region, table: tables.Nodes) -> tuple[Any, Any, Any]:
+def _librating(region: OrbitRegions, table: tables.Nodes) -> tuple[Any, Any, Any]:
     """Offsets in the two views, and (dq/dχ)², at the nodes: arrays (n, nodes)."""
     half = len(table.χ) if table.fold == 2 else len(table.χ) // 2
     W = region.width[:, None]
@@ -174,7 +174,7 @@ def _librating(region: Region, table: tables.Nodes) -> tuple[Any, Any, Any]:
     return below, above, scale
 
 
-def _rotating(region: Region, table: tables.Nodes) -> tuple[Any, Any, Any]:
+def _rotating(region: OrbitRegions, table: tables.Nodes) -> tuple[Any, Any, Any]:
     half = len(table.χ) // 2
     direction = np.sign(region.momentum)[:, None]
     q = region.lower[:, None] + direction * table.low
@@ -182,7 +182,7 @@ def _rotating(region: Region, table: tables.Nodes) -> tuple[Any, Any, Any]:
     return q[:, :half], q[:, half:], scale
 
 
-def _integrands(region: Region, places: tuple[Any, Any, Any], kernels: bool, smooth: bool) -> tuple[Any, ...]:
+def _integrands(region: OrbitRegions, places: tuple[Any, Any, Any], kernels: bool, smooth: bool) -> tuple[Any, ...]:
     """F, r = |dq/dχ|/√F, the kernels, bounds on the errors of F and kernels, and the smooth part of the first."""
     below, above, scale = places
     if region.below is region.above:
@@ -223,11 +223,11 @@ def _doubts(view: View, x: Any, values: list[Any], smooth: bool) -> list[Any]:
     return [noise + drift, *others, drift]
 
 
-def _running(region: Region, table: tables.Nodes, values: Any, ratio: Any, sums: Sums, noise: Any, ends: Ends) -> None:
+def _running(region: OrbitRegions, table: tables.Nodes, values: Any, ratio: Any, sums: Sums, noise: Any, ends: EndNodes) -> None:
     """Phase of the start, and the integrals from χ = 0 to it less their mean growth."""
     count = len(table.χ)
     terms = np.arange(1, len(table.cosines) + 1)
-    phase, blur = librating(region, table, ratio, ends) if region.turning else rotating(region, table)
+    phase, blur = phase_of_libration(region, table, ratio, ends) if region.turning else phase_of_rotation(region, table)
     angle = table.fold * terms * phase[:, None]
     sine, cosine = np.sin(angle), np.cos(angle)
     weights, delta = rowwise(sine / terms, table.cosines), 1 + 2 * rowwise(cosine, table.cosines)

@@ -19,7 +19,7 @@ from typing import Any
 
 import numpy as np
 
-from hjsolve.arithmetic.double_double import Doubled
+from hjsolve.arithmetic.double_double import DoubleDouble
 from hjsolve.arithmetic.error_free import Pair
 
 COUNTS = (12, 16, 20, 24, 32, 40, 48, 64, 80, 96, 128, 160, 192, 256, 320, 384)
@@ -66,7 +66,7 @@ class Nodes:
 
 
 @cache
-def libration(count: int, level: int, warp: int = 0) -> Nodes:
+def libration_nodes(count: int, level: int, warp: int = 0) -> Nodes:
     """Return the nodes of half a period between turning points; k′² = 4^−level."""
     fold = 2 if warp >= EVEN else 1
     χ = _anomalies(count, fold * count)
@@ -81,7 +81,7 @@ def libration(count: int, level: int, warp: int = 0) -> Nodes:
 
 
 def libration_places(counts: tuple[int, ...], warp: int) -> tuple[Any, Any, Any]:
-    """Return ``low``, ``high``, ``pace`` of ``libration`` at level 0 for some numbers of nodes, one after another."""
+    """Return ``low``, ``high``, ``pace`` of ``libration_nodes`` at level 0 for some numbers of nodes, in turn."""
     fold = 2 if warp >= EVEN else 1
     parts = [_anomalies(count, fold * count) for count in counts]
     χ = Pair(np.concatenate([part.high for part in parts]), np.concatenate([part.low for part in parts]))
@@ -90,7 +90,7 @@ def libration_places(counts: tuple[int, ...], warp: int) -> tuple[Any, Any, Any]
 
 def _places(χ: Pair, level: int, warp: int) -> tuple[float, float, Any, Any, Any]:
     """k′² and K; sn², cn² and π/K du/dχ at crowded anomalies."""
-    D = Doubled()
+    D = DoubleDouble()
     γ, δ = (Pair(c, 0.0) for c in WARPS[warp])
     turned, twice = D.unary("sin", χ), D.unary("sin", _twice(χ))
     goal = D.add(χ, D.add(D.mul(γ, turned), D.mul(Pair(0.5 * δ.high, 0.0), twice)))
@@ -100,7 +100,7 @@ def _places(χ: Pair, level: int, warp: int) -> tuple[float, float, Any, Any, An
 
 
 @cache
-def rotation(count: int, level: int) -> Nodes:
+def rotation_nodes(count: int, level: int) -> Nodes:
     """Return the nodes of a whole turn; k′² = 4^−level."""
     χ = _anomalies(count, count // 2)
     complement, quarter, sn, cn, dn = _functions(χ, level)
@@ -116,7 +116,7 @@ def rotation(count: int, level: int) -> Nodes:
 
 def nodes_of(turning: bool, count: int, level: int, warp: int) -> Nodes:
     """Return the nodes for librations or rotations; ``count`` in half a period."""
-    return libration(count, level, warp) if turning else rotation(2 * count, level)
+    return libration_nodes(count, level, warp) if turning else rotation_nodes(2 * count, level)
 
 
 def _twice(x: Pair) -> Pair:
@@ -125,13 +125,13 @@ def _twice(x: Pair) -> Pair:
 
 def _anomalies(count: int, parts: int) -> Pair:
     """(j + ½) π/parts, j < count."""
-    D = Doubled()
+    D = DoubleDouble()
     return D.div(D.mul(Pair(np.arange(count) + 0.5, 0.0), D.pi()), Pair(float(parts), 0.0))
 
 
 def _functions(χ: Pair, level: int) -> tuple[float, float, Pair, Pair, Pair]:
     """k′², K, and sn, cn, dn of χ K/π for 0 < χ < 2π, each right to its last bit: no claim counts their errors."""
-    D, one = Doubled(), Pair(1.0 + 0.0 * χ.high, 0.0 * χ.high)
+    D, one = DoubleDouble(), Pair(1.0 + 0.0 * χ.high, 0.0 * χ.high)
     if level == 0:
         half = Pair(0.5 * χ.high, 0.5 * χ.low)
         return 1.0, np.pi / 2, D.unary("sin", half), D.unary("cos", half), one
@@ -158,7 +158,7 @@ def _where(chosen: Any, x: Pair, y: Pair) -> Pair:
 
 def _means(level: int) -> list[tuple[Pair, Pair]]:
     """Arithmetic and geometric means from (1, k′), k′ = 2^−level, until they agree to 32 digits."""
-    D, half = Doubled(), lambda x: Pair(0.5 * x.high, 0.5 * x.low)
+    D, half = DoubleDouble(), lambda x: Pair(0.5 * x.high, 0.5 * x.low)
     pairs = [(Pair(1.0, 0.0), Pair(2.0**-level, 0.0))]
     while abs(D.sub(*pairs[-1]).high) > 1e-17 * pairs[-1][0].high:
         a, b = pairs[-1]
@@ -168,7 +168,7 @@ def _means(level: int) -> list[tuple[Pair, Pair]]:
 
 def _bulirsch(u: Pair, means: list[tuple[Pair, Pair]]) -> tuple[Pair, Pair, Pair]:
     """Sn, cn, dn for 0 < u ≤ K/2; see ``arithmetic/elliptic``."""
-    D, one = Doubled(), Pair(1.0, 0.0)
+    D, one = DoubleDouble(), Pair(1.0, 0.0)
     last, dn = means[-1][0], Pair(1.0 + 0.0 * u.high, 0.0 * u.high)
     angle = D.mul(last, u)
     a = D.div(D.unary("cos", angle), D.unary("sin", angle))

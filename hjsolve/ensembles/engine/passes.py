@@ -6,14 +6,14 @@ from typing import Any
 
 import numpy as np
 
-from hjsolve.ensembles.engine.actions_and_angles import assemble
+from hjsolve.ensembles.engine.actions_and_angles import combine_integrals
 from hjsolve.ensembles.engine.columns import Columns, Status, blank, put
-from hjsolve.ensembles.engine.constants import Begin, begin
+from hjsolve.ensembles.engine.constants import InitialConstants, initial_constants
 from hjsolve.ensembles.engine.lowered_solution import Model, Separated
 from hjsolve.ensembles.engine.midpoint_rule import Sums, empty, integrate
 from hjsolve.ensembles.engine.programs import Compiled
-from hjsolve.ensembles.engine.radicand_views import Near, Raw, second_slope
-from hjsolve.ensembles.engine.regions import Found, locate
+from hjsolve.ensembles.engine.radicand_views import DifferenceEvaluation, DirectEvaluation, second_slope
+from hjsolve.ensembles.engine.regions import LocatedRegions, locate_regions
 
 _EPS = 2.0**-52
 TOLERANCE = 1e-10
@@ -41,7 +41,7 @@ def run_pass(
     """
     count = q.shape[1]
     columns = blank(names, count)
-    start = begin(model, q, p, precise=depth > 0)
+    start = initial_constants(model, q, p, precise=depth > 0)
     kernels, ripples = bool(TIMED & names.keys()), "angles" in names
     status = np.full(count, Status.OK, dtype=np.uint8)
     sums: list[Sums] = []
@@ -49,7 +49,7 @@ def run_pass(
     spared, small = np.zeros(count, dtype=bool), np.zeros(count, dtype=bool)
     for k, coordinate in enumerate(model.separated):
         total = empty(len(model.constants), count)
-        for found in locate(model, coordinate, start, k, depth):
+        for found in locate_regions(model, coordinate, start, k, depth):
             left = status[found.index] == Status.OK  # what is lost in one coordinate is lost
             _integrated(total, found, left, len(model.constants), kernels=kernels, ripples=ripples)
             fresh = np.where(
@@ -60,8 +60,8 @@ def run_pass(
                 directions[k, found.index] = np.sign(start.P[k, found.index])
             if "turning_points" in names:
                 _ends(columns, coordinate, found)
-            spared[found.index] |= isinstance(found.region.below, Raw)
-            small[found.index] |= isinstance(found.region.below, Near)
+            spared[found.index] |= isinstance(found.region.below, DirectEvaluation)
+            small[found.index] |= isinstance(found.region.below, DifferenceEvaluation)
         sums.append(total)
     _results(model, names, columns, sums, directions, start, q)
     if ripples and any(c.shifted for c in model.separated):
@@ -107,7 +107,7 @@ def _results(
     columns: Columns,
     sums: list[Sums],
     directions: Any,
-    start: Begin,
+    start: InitialConstants,
     q: Any,
 ) -> None:
     if "constants" in names:
@@ -118,7 +118,7 @@ def _results(
         _timed(model, names, columns, sums, directions, q)
 
 
-def _integrated(total: Sums, found: Found, left: Any, constants: int, *, kernels: bool, ripples: bool) -> None:
+def _integrated(total: Sums, found: LocatedRegions, left: Any, constants: int, *, kernels: bool, ripples: bool) -> None:
     """Integrate over the regions of the orbits that are left; coordinates at rest have their limit."""
     left = left & (found.status == Status.OK)
     index = np.flatnonzero(left & ~found.rest)
@@ -129,10 +129,10 @@ def _integrated(total: Sums, found: Found, left: Any, constants: int, *, kernels
         total.put(found.index[index], _resting(found, index, constants))
 
 
-def _resting(found: Found, index: Any, constants: int) -> Sums:
+def _resting(found: LocatedRegions, index: Any, constants: int) -> Sums:
     """A stable double zero of p²: J = 0 and ∂J/∂cⱼ = kⱼ/√(−½F″), the limit of a vanishing libration."""
     view = found.region.below.take(index)
-    assert isinstance(view, Near)
+    assert isinstance(view, DifferenceEvaluation)
     bend, doubt = second_slope(view.formula, view.knowns, view.start)
     zero = np.zeros(len(index))
     rows = [np.broadcast_to(w, zero.shape) for w in view.full(zero)[1:]]
@@ -157,7 +157,7 @@ def _fill(columns: Columns, quantity: str, name: str, value: Any, error: Any) ->
 
 
 def _actions(
-    model: Model, names: dict[str, tuple[str, ...]], columns: Columns, sums: list[Sums], directions: Any, start: Begin
+    model: Model, names: dict[str, tuple[str, ...]], columns: Columns, sums: list[Sums], directions: Any, start: InitialConstants
 ) -> None:
     if "actions" not in names:
         return
@@ -171,7 +171,7 @@ def _actions(
 def _timed(
     model: Model, names: dict[str, tuple[str, ...]], columns: Columns, sums: list[Sums], directions: Any, q: Any
 ) -> None:
-    torus = assemble(model, sums, directions, q, angles="angles" in names)
+    torus = combine_integrals(model, sums, directions, q, angles="angles" in names)
     for name, (rate, error) in torus.frequencies.items():
         if "frequencies" in names:
             _fill(columns, "frequencies", name, rate, error)
@@ -183,14 +183,14 @@ def _timed(
         _fill(columns, "angles", name, angle, error)
 
 
-def _ends(columns: Columns, coordinate: Separated, found: Found) -> None:
+def _ends(columns: Columns, coordinate: Separated, found: LocatedRegions) -> None:
     """Turning points, with the error that the rounding of p² there leaves."""
     region = found.region
     if not region.turning:
         return
     for side, view, x in (("lower", region.below, region.lower), ("upper", region.above, region.upper)):
         with np.errstate(all="ignore"):
-            slope = np.abs(view.jet(x)[1]) if not isinstance(view, Near) else _slope(view, region)
+            slope = np.abs(view.jet(x)[1]) if not isinstance(view, DifferenceEvaluation) else _slope(view, region)
             error = view.errors(x, kernels=False)[0] / slope + _EPS * np.abs(x)
             place = view.place(x)
         name = f"{coordinate.name}.{side}"

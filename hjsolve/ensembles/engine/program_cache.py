@@ -31,7 +31,7 @@ _CODE = (
 _OTHERS = 0o022
 
 
-def mark(text: str) -> str:
+def fingerprint(text: str) -> str:
     """A name for a program that no other text, version of numba or of Python, or state of our loops has."""
     return sha256(f"{_surroundings()}\n{text}".encode()).hexdigest()[:32]
 
@@ -44,12 +44,12 @@ def _surroundings() -> str:
     return f"{sys.version}\n{version('numba')}\n{version('llvmlite')}\n{own.hexdigest()}"
 
 
-def shelf(text: str) -> Path | None:
+def path_for(text: str) -> Path | None:
     """Return the file that stands for a program, written where it is not there yet; None where nothing is kept."""
     folder = _folder()
     if folder is None:
         return None
-    path = folder / f"program_{mark(text)}.py"
+    path = folder / f"program_{fingerprint(text)}.py"
     try:
         for place in (folder, folder / "__pycache__"):
             place.mkdir(mode=0o700, parents=True, exist_ok=True)
@@ -62,12 +62,12 @@ def shelf(text: str) -> Path | None:
     return path
 
 
-def kept(text: str, names: tuple[str, ...]) -> bool:
+def is_cached(text: str, names: tuple[str, ...]) -> bool:
     """Tell whether the machine code of these functions of a program is there already; nothing is written."""
     folder = _folder()
     if folder is None:
         return False
-    path = folder / f"program_{mark(text)}.py"
+    path = folder / f"program_{fingerprint(text)}.py"
     try:
         if not (_private(folder) and _private(folder / "__pycache__") and _same(path, text)):
             return False

@@ -18,13 +18,13 @@ from threading import RLock
 from types import FunctionType, ModuleType
 from typing import Any
 
-from hjsolve.arithmetic.divided_differences import Chords
+from hjsolve.arithmetic.divided_differences import FirstDifferences
 from hjsolve.arithmetic.jet import Jet, Jets
-from hjsolve.arithmetic.python_source import Source, function
-from hjsolve.arithmetic.running_error import Bounded, Running
+from hjsolve.arithmetic.python_source import PythonSource, function
+from hjsolve.arithmetic.running_error import RunningError, WithErrorBound
 from hjsolve.arithmetic.tape import Tape
-from hjsolve.ensembles.engine.lowered_solution import Formula, Model, Separated
-from hjsolve.ensembles.engine.program_cache import kept, mark, shelf
+from hjsolve.ensembles.engine.lowered_solution import LoweredFormula, Model, Separated
+from hjsolve.ensembles.engine.program_cache import fingerprint, is_cached, path_for
 from hjsolve.ensembles.engine.radicand_views import has_chords
 
 _OWN = 4
@@ -79,13 +79,13 @@ def _coordinate_text(coordinate: Separated, constants: int, numbers: tuple[float
     squared, full = coordinate.plain.squared, coordinate.plain.full
     tape = full if kernels else squared
 
-    def plain(name: str, run: Callable[[Source], Sequence[str]]) -> str:
-        source = Source()
+    def plain(name: str, run: Callable[[PythonSource], Sequence[str]]) -> str:
+        source = PythonSource()
         results = run(source)
         head, body = function(name, ["x", "c"], source, results).split("\n", 1)
         return f"{head}\n{unpack}{body}"
 
-    def jet(source: Source, order: int) -> list[str]:
+    def jet(source: PythonSource, order: int) -> list[str]:
         jets = Jets(source)
         inputs = [jets.variable("x"), *(Jet(k) for k in names + literals)]
         parts = squared.run(jets, inputs)[0]
@@ -118,11 +118,11 @@ def _front(name: str, call: str, count: int) -> str:
 _GLANCE = _front("glance", "glances(", _GLANCED)
 
 
-def _fill_text(formula: Formula, unpack: str, known: list[str], kernels: bool) -> str:
+def _fill_text(formula: LoweredFormula, unpack: str, known: list[str], kernels: bool) -> str:
     """Fill the buffer; with kernels F next to a turning point b is (q − b) F[b, q], which keeps its digits."""
-    source = Source()
+    source = PythonSource()
     if kernels and has_chords(formula):
-        chords = Chords(source, "d")
+        chords = FirstDifferences(source, "d")
         inputs = [chords.variable("b", "x"), *(chords.constant(k) for k in known)]
         (F,) = formula.squared.run(chords, inputs)
         square = source.mul("d", F.slope)
@@ -167,16 +167,16 @@ def _divided(lines: list[str]) -> tuple[list[str], list[str], list[str]]:
     return fixed, moving, kept
 
 
-def _relative_text(formula: Formula, unpack: str, names: list[str], numbers: tuple[float, ...]) -> str:
+def _relative_text(formula: LoweredFormula, unpack: str, names: list[str], numbers: tuple[float, ...]) -> str:
     """Bounds on the relative error of F[b, b + d]."""
-    source = Source()
+    source = PythonSource()
     if not has_chords(formula):
         return "def relative(out, base, offset, c):\n    out[:] = 0.0\n"
-    chords = Chords(Running(source, own=_OWN), Bounded("d"))
+    chords = FirstDifferences(RunningError(source, own=_OWN), WithErrorBound("d"))
     place = source.add("b", "d")
-    inputs = [chords.variable(Bounded("b"), Bounded(place, source.mul(_PLACE, source.unary("abs", place))))]
-    inputs += [chords.constant(Bounded(c)) for c in names]
-    inputs += [chords.constant(Bounded(f"({x!r})", f"({abs(x) * 2.0**-53!r})")) for x in numbers]
+    inputs = [chords.variable(WithErrorBound("b"), WithErrorBound(place, source.mul(_PLACE, source.unary("abs", place))))]
+    inputs += [chords.constant(WithErrorBound(c)) for c in names]
+    inputs += [chords.constant(WithErrorBound(f"({x!r})", f"({abs(x) * 2.0**-53!r})")) for x in numbers]
     slope = formula.squared.run(chords, inputs)[0].slope
     head = f"def relative(out, base, offset, c):\n{unpack}    for g in range(out.shape[0]):\n"
     lines = ["b = base[g]", "d = offset[g]", *source.lines, f"out[g] = abs({slope.error}) / abs({slope.value})"]
@@ -185,11 +185,11 @@ def _relative_text(formula: Formula, unpack: str, names: list[str], numbers: tup
 
 def _doubts_text(tape: Tape, constants: int, numbers: tuple[float, ...]) -> str:
     """Bounds on the errors of F and the kernels, and F; the constants are in doubt where the mask is 1."""
-    source = Source()
+    source = PythonSource()
     place = source.mul(_PLACE, source.unary("abs", "x"))
-    inputs = [Bounded("x", place), *(Bounded(f"c{j}", f"e{j}") for j in range(constants))]
-    inputs += [Bounded(f"({x!r})", f"({abs(x) * 2.0**-53!r})") for x in numbers]
-    results = tape.run(Running(source, own=_OWN), inputs)
+    inputs = [WithErrorBound("x", place), *(WithErrorBound(f"c{j}", f"e{j}") for j in range(constants))]
+    inputs += [WithErrorBound(f"({x!r})", f"({abs(x) * 2.0**-53!r})") for x in numbers]
+    results = tape.run(RunningError(source, own=_OWN), inputs)
     unpack = "".join(f"    c{j} = c[{j}]\n    s{j} = e[{j}]\n" for j in range(constants))
     head = f"def doubts(out, place, mask, c, e):\n{unpack}    for g in range(out.shape[1]):\n"
     lines = ["x = place[g]", *(f"e{j} = mask[g] * s{j}" for j in range(constants)), *source.lines]
@@ -201,10 +201,10 @@ def _doubts_text(tape: Tape, constants: int, numbers: tuple[float, ...]) -> str:
 def _start_text(model: Model) -> str:
     """The constants, their doubts, and the shell momenta, of every orbit."""
     n = len(model.names)
-    source = Source()
+    source = PythonSource()
     names = [f"q[{k}, i]" for k in range(n)] + [f"p[{k}, i]" for k in range(n)]
-    numbers = [Bounded(f"({x.high!r})", f"({abs(x.high) * 2.0**-53!r})") for x in model.numbers]
-    results = model.rule.run(Running(source, own=_OWN), [*(Bounded(x) for x in names), *numbers])
+    numbers = [WithErrorBound(f"({x.high!r})", f"({abs(x.high) * 2.0**-53!r})") for x in model.numbers]
+    results = model.rule.run(RunningError(source, own=_OWN), [*(WithErrorBound(x) for x in names), *numbers])
     shifts = model.shift.run(source, [*names, *(x.value for x in numbers)])
     lines = list(source.lines)
     for j, result in enumerate(results):
@@ -223,7 +223,7 @@ _ONE_AT_A_TIME = RLock()
 
 def _compile(text: str, parts: Sequence[str], fronts: Sequence[str]) -> dict[str, Any]:
     """Compile functions from a text of our own making; the parts are what the fronts call, which are kept on disk."""
-    path = shelf(text)
+    path = path_for(text)
     made = _functions(text, parts, fronts, path)
     if path is None:
         return made
@@ -242,7 +242,7 @@ def _functions(text: str, parts: Sequence[str], fronts: Sequence[str], path: Pat
     from hjsolve.ensembles.engine import compiled_clearance, compiled_integrals, compiled_rule, compiled_turning_points
     from hjsolve.ensembles.engine.elementary import NAMES, OPTIONS
 
-    name = mark(text)
+    name = fingerprint(text)
     module = ModuleType(f"hjsolve_program_{name}")
     space = module.__dict__
     loose = [
@@ -279,7 +279,7 @@ def _numbers(model: Model) -> tuple[float, ...]:
 
 
 @cache
-def programs(coordinate: Separated, constants: int, numbers: tuple[float, ...], kernels: bool) -> Programs:
+def compiled_programs(coordinate: Separated, constants: int, numbers: tuple[float, ...], kernels: bool) -> Programs:
     """Compile the programs of a coordinate, once in a process."""
     made = _compile(_coordinate_text(coordinate, constants, numbers, kernels), _PARTS, _FRONTS)
     return Programs(made["value"], made["search"], made["loop"])
@@ -298,12 +298,12 @@ def compiled(model: Model, *, kernels: bool) -> Compiled:
         kernels: True when ∂J/∂c are wanted.
     """
     with _ONE_AT_A_TIME:  # else several threads would compile the same
-        parts = tuple(programs(c, len(model.constants), _numbers(model), kernels) for c in model.separated)
+        parts = tuple(compiled_programs(c, len(model.constants), _numbers(model), kernels) for c in model.separated)
         return Compiled(_one_program(_start_text(model), "start"), _one_program(_GLANCE, "glance"), parts)
 
 
 def is_kept(model: Model, *, kernels: bool) -> bool:
     """Tell whether ``compiled`` would find all of its machine code on disk."""
     texts = (_coordinate_text(c, len(model.constants), _numbers(model), kernels) for c in model.separated)
-    others = kept(_start_text(model), ("start",)) and kept(_GLANCE, ("glance",))
-    return available() and others and all(kept(text, _FRONTS) for text in texts)
+    others = is_cached(_start_text(model), ("start",)) and is_cached(_GLANCE, ("glance",))
+    return available() and others and all(is_cached(text, _FRONTS) for text in texts)

@@ -1,9 +1,9 @@
 """P² of one coordinate as a function of an offset, for many orbits: from zero, a domain's end, the start, a zero.
 
 A view answers for arrays of shape (n,) or (n, nodes): the value of F = p², its kernels, and a bound on the rounding
-error of F. ``Raw`` evaluates the formula at x with q = origin + sign·x. ``Near`` carries second-order slopes from the
+error of F. ``DirectEvaluation`` evaluates the formula at x with q = origin + sign·x. ``DifferenceEvaluation`` carries second-order slopes from the
 initial place, F(q₀ + δ) = P₀² + δ (F′₀ + δ F[q₀, q₀, q]): small amplitudes keep their digits
-(``arithmetic/second_differences.py``). ``Fine`` evaluates F with 32 digits at a distance x from a turning point known
+(``arithmetic/second_differences.py``). ``DoubleDoubleEvaluation`` evaluates F with 32 digits at a distance x from a turning point known
 to 32 digits: close zeros keep theirs.
 """
 
@@ -16,13 +16,13 @@ from typing import Any
 import numpy as np
 
 from hjsolve.arithmetic.divided_differences import FUNCTIONS as CHORDS
-from hjsolve.arithmetic.double_double import Doubled
+from hjsolve.arithmetic.double_double import DoubleDouble
 from hjsolve.arithmetic.error_free import Pair
 from hjsolve.arithmetic.floats import Float64
 from hjsolve.arithmetic.jet import Jet, Jets
-from hjsolve.arithmetic.running_error import Bounded, Running
-from hjsolve.arithmetic.second_differences import Slope, Slopes
-from hjsolve.ensembles.engine.lowered_solution import Formula
+from hjsolve.arithmetic.running_error import RunningError, WithErrorBound
+from hjsolve.arithmetic.second_differences import SecondDifference, SecondDifferences
+from hjsolve.ensembles.engine.lowered_solution import LoweredFormula
 
 UNIT = 2.0**-53
 _PLACE = 2.0
@@ -50,16 +50,16 @@ class Knowns:
 
     def plain(self, like: Any) -> list[Any]:
         """Return constants that broadcast against an array (n, …), and parameters."""
-        return [shaped(c, like) for c in self.constants] + list(self.parameters)
+        return [with_node_axis(c, like) for c in self.constants] + list(self.parameters)
 
-    def bounded(self, like: Any) -> list[Bounded]:
+    def bounded(self, like: Any) -> list[WithErrorBound]:
         """Return the same with their error bounds."""
         pairs = zip(self.constants, self.doubt, strict=True)
-        known = [Bounded(shaped(c, like), shaped(e, like)) for c, e in pairs]
-        return known + [Bounded(p, UNIT * abs(p)) for p in self.parameters]
+        known = [WithErrorBound(with_node_axis(c, like), with_node_axis(e, like)) for c, e in pairs]
+        return known + [WithErrorBound(p, UNIT * abs(p)) for p in self.parameters]
 
 
-def shaped(array: Any, like: Any) -> Any:
+def with_node_axis(array: Any, like: Any) -> Any:
     """Add an axis to an array (n,) where the other has nodes."""
     return array[:, None] if np.ndim(like) == 2 else array
 
@@ -67,17 +67,17 @@ def shaped(array: Any, like: Any) -> Any:
 _ARITHMETIC = frozenset({"add", "sub", "mul", "div", "power", "rational", "pi"})
 
 
-def has_chords(formula: Formula) -> bool:
+def has_chords(formula: LoweredFormula) -> bool:
     """Tell whether F[b, q] can be had without cancellation."""
     codes = {operation.code for operation in formula.squared.operations}
     return bool(formula.squared.operations) and codes <= CHORDS | _ARITHMETIC
 
 
 @dataclass(frozen=True)
-class Raw:
+class DirectEvaluation:
     """F(origin + sign·x), evaluated as it is written."""
 
-    formula: Formula
+    formula: LoweredFormula
     knowns: Knowns
 
     @property
@@ -85,7 +85,7 @@ class Raw:
         """+1 where the offset grows with q, else −1."""
         return self.formula.sign
 
-    def take(self, index: Any) -> Raw:
+    def take(self, index: Any) -> DirectEvaluation:
         """Return the view of some of the orbits."""
         return replace(self, knowns=self.knowns.take(index))
 
@@ -99,14 +99,14 @@ class Raw:
 
     def errors(self, x: Any, *, kernels: bool) -> list[Any]:
         """Return bounds on the errors of F and of the kernels, those of x and of the constants included."""
-        place = Bounded(x, _PLACE * UNIT * np.abs(x))
+        place = WithErrorBound(x, _PLACE * UNIT * np.abs(x))
         tape = self.formula.full if kernels else self.formula.squared
-        results = tape.run(Running(Float64()), [place, *self.knowns.bounded(x)])
+        results = tape.run(RunningError(Float64()), [place, *self.knowns.bounded(x)])
         return [0.0 if result.error is None else result.error for result in results]
 
     def drift(self, kernels: Sequence[Any], x: Any) -> Any:
         """Return what of the error of F comes from the constants: it is smooth in x. Σ |∂F/∂c| δc, ∂F/∂c = 2k."""
-        return sum(2 * np.abs(k) * shaped(e, x) for k, e in zip(kernels, self.knowns.doubt, strict=True))
+        return sum(2 * np.abs(k) * with_node_axis(e, x) for k, e in zip(kernels, self.knowns.doubt, strict=True))
 
     def jet(self, x: Any) -> tuple[Any, Any, Any]:
         """Return F, dF/dx, d²F/dx²."""
@@ -121,7 +121,7 @@ class Raw:
 
 
 @dataclass(frozen=True)
-class Near:
+class DifferenceEvaluation:
     """F(q₀ + δ) by slopes; arrays of shape (n,).
 
     Attributes:
@@ -130,7 +130,7 @@ class Near:
         doubt: bound on the error of F[q₀, q₀, q].
     """
 
-    formula: Formula
+    formula: LoweredFormula
     knowns: Knowns
     start: Any
     momentum: Any
@@ -139,31 +139,31 @@ class Near:
 
     sign = 1
 
-    def take(self, index: Any) -> Near:
+    def take(self, index: Any) -> DifferenceEvaluation:
         """Return the view of some of the orbits."""
         own = (self.start, self.momentum, self.first, self.doubt)
-        return Near(self.formula, self.knowns.take(index), *(part[index] for part in own))
+        return DifferenceEvaluation(self.formula, self.knowns.take(index), *(part[index] for part in own))
 
     def value(self, δ: Any) -> Any:
         """Return F."""
-        slopes = Slopes(δ)
-        known = [Slope(k) for k in self.knowns.plain(δ)]
-        result = self.formula.squared.run(slopes, [slopes.variable(shaped(self.start, δ)), *known])[0]
+        slopes = SecondDifferences(δ)
+        known = [SecondDifference(k) for k in self.knowns.plain(δ)]
+        result = self.formula.squared.run(slopes, [slopes.variable(with_node_axis(self.start, δ)), *known])[0]
         second = 0.0 if result.second is None else result.second
-        return shaped(self.momentum, δ) ** 2 + δ * (shaped(self.first, δ) + δ * second)
+        return with_node_axis(self.momentum, δ) ** 2 + δ * (with_node_axis(self.first, δ) + δ * second)
 
     def full(self, δ: Any) -> Sequence[Any]:
         """Return F and the kernels."""
-        q = shaped(self.start, δ) + δ
+        q = with_node_axis(self.start, δ) + δ
         return [self.value(δ), *self.formula.full.run(Float64(), [q, *self.knowns.plain(δ)])[1:]]
 
     def errors(self, δ: Any, *, kernels: bool) -> list[Any]:
         """Return bounds on the errors of F and of the kernels."""
-        size = shaped(self.momentum, δ) ** 2 + 2 * np.abs(δ * shaped(self.first, δ))
-        own = 4 * UNIT * size + δ**2 * shaped(self.doubt, δ)
+        size = with_node_axis(self.momentum, δ) ** 2 + 2 * np.abs(δ * with_node_axis(self.first, δ))
+        own = 4 * UNIT * size + δ**2 * with_node_axis(self.doubt, δ)
         if not kernels:
             return [own]
-        return [own, *Raw(self.formula, self.knowns).errors(shaped(self.start, δ) + δ, kernels=True)[1:]]
+        return [own, *DirectEvaluation(self.formula, self.knowns).errors(with_node_axis(self.start, δ) + δ, kernels=True)[1:]]
 
     def drift(self, kernels: Sequence[Any], x: Any) -> Any:  # noqa: ARG002
         """Return what of the error of F comes smoothly from the constants: none is told apart here."""
@@ -171,11 +171,11 @@ class Near:
 
     def place(self, δ: Any) -> Any:
         """Return q."""
-        return shaped(self.start, δ) + δ
+        return with_node_axis(self.start, δ) + δ
 
 
 @dataclass(frozen=True)
-class Fine:
+class DoubleDoubleEvaluation:
     """F(origin + sign·(base + x)) with 32 digits.
 
     Attributes:
@@ -183,7 +183,7 @@ class Fine:
         base: offset of a turning point (or slow place) in two doubles, arrays (n,).
     """
 
-    raw: Raw
+    raw: DirectEvaluation
     pairs: tuple[Pair, ...]
     numbers: tuple[Pair, ...]
     base: Pair
@@ -193,36 +193,36 @@ class Fine:
         """+1 where the offset grows with q, else −1."""
         return self.raw.sign
 
-    def take(self, index: Any) -> Fine:
+    def take(self, index: Any) -> DoubleDoubleEvaluation:
         """Return the view of some of the orbits."""
         pairs = tuple(Pair(c.high[index], c.low[index]) for c in self.pairs)
-        return Fine(self.raw.take(index), pairs, self.numbers, Pair(self.base.high[index], self.base.low[index]))
+        return DoubleDoubleEvaluation(self.raw.take(index), pairs, self.numbers, Pair(self.base.high[index], self.base.low[index]))
 
     def _inputs(self, x: Any) -> tuple[Pair, list[Pair]]:
-        place = Doubled().add(Pair(shaped(self.base.high, x), shaped(self.base.low, x)), Pair(x, 0.0 * x))
-        return place, [Pair(shaped(c.high, x), shaped(c.low, x)) for c in self.pairs] + list(self.numbers)
+        place = DoubleDouble().add(Pair(with_node_axis(self.base.high, x), with_node_axis(self.base.low, x)), Pair(x, 0.0 * x))
+        return place, [Pair(with_node_axis(c.high, x), with_node_axis(c.low, x)) for c in self.pairs] + list(self.numbers)
 
     def value(self, x: Any) -> Any:
         """Return F."""
         place, known = self._inputs(x)
-        return self.raw.formula.squared.run(Doubled(), [place, *known])[0].high + 0.0 * x
+        return self.raw.formula.squared.run(DoubleDouble(), [place, *known])[0].high + 0.0 * x
 
     def jet(self, x: Any) -> tuple[Any, Any, Any]:
         """Return F, dF/dx, d²F/dx²."""
         place, known = self._inputs(x)
-        jets = Jets(Doubled())
+        jets = Jets(DoubleDouble())
         parts = self.raw.formula.squared.run(jets, [jets.variable(place), *(Jet(k) for k in known)])[0]
         value, first, second = (0.0 * x if part is None else part.high + 0.0 * x for part in parts)
         return value, first, second
 
     def full(self, x: Any) -> Sequence[Any]:
         """Return F and the kernels."""
-        offset = shaped(self.base.high, x) + x
+        offset = with_node_axis(self.base.high, x) + x
         return [self.value(x), *self.raw.full(offset)[1:]]
 
     def errors(self, x: Any, *, kernels: bool) -> list[Any]:
         """Return bounds on the errors of F (relative, but for 2⁻⁴⁴ of those in doubles) and of the kernels."""
-        rough = self.raw.errors(shaped(self.base.high, x) + x, kernels=kernels)
+        rough = self.raw.errors(with_node_axis(self.base.high, x) + x, kernels=kernels)
         return [4 * UNIT * np.abs(self.value(x)) + 2.0**-44 * rough[0], *rough[1:]]
 
     def drift(self, kernels: Sequence[Any], x: Any) -> Any:  # noqa: ARG002
@@ -234,13 +234,13 @@ class Fine:
         return self.raw.place(self.base.high + (self.base.low + x))
 
 
-View = Raw | Near | Fine
+View = DirectEvaluation | DifferenceEvaluation | DoubleDoubleEvaluation
 
 
-def second_slope(formula: Formula, knowns: Knowns, q: Any) -> tuple[Any, Any]:
+def second_slope(formula: LoweredFormula, knowns: Knowns, q: Any) -> tuple[Any, Any]:
     """Return ½F″ at q and a bound on the error of slopes nearby."""
-    jets = Jets(Running(Float64()))
-    inputs = [jets.variable(Bounded(q)), *(Jet(k) for k in knowns.bounded(q))]
+    jets = Jets(RunningError(Float64()))
+    inputs = [jets.variable(WithErrorBound(q)), *(Jet(k) for k in knowns.bounded(q))]
     bend = formula.squared.run(jets, inputs)[0].second
     if bend is None:
         return 0.0 * q, 0.0 * q

@@ -9,7 +9,7 @@ from hjsolve.ensembles.engine.radicand_views import View
 
 
 @dataclass(frozen=True)
-class Region:
+class OrbitRegions:
     """Where one coordinate moves, for n orbits; arrays (n,).
 
     Attributes:
@@ -36,12 +36,12 @@ class Region:
     right: Any
     turning: bool = True
 
-    def take(self, index: Any) -> Region:
+    def take(self, index: Any) -> OrbitRegions:
         """Return the region of some of the orbits."""
         arrays = ("lower", "upper", "width", "near_lower", "near_upper", "level", "warp", "momentum", "left", "right")
         below = self.below.take(index)
         above = below if self.above is self.below else self.above.take(index)
-        return Region(
+        return OrbitRegions(
             below, above, **{name: getattr(self, name)[index] for name in arrays},
             turning=self.turning,
         )  # fmt: skip

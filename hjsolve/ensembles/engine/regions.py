@@ -7,16 +7,23 @@ from typing import Any
 
 import numpy as np
 
-from hjsolve.arithmetic.double_double import Doubled
+from hjsolve.arithmetic.double_double import DoubleDouble
 from hjsolve.arithmetic.error_free import Pair, two_sum
 from hjsolve.arithmetic.second_differences import FUNCTIONS
 from hjsolve.ensembles.engine.columns import Status
-from hjsolve.ensembles.engine.constants import Begin, slope
-from hjsolve.ensembles.engine.lowered_solution import Formula, Model, Separated
+from hjsolve.ensembles.engine.constants import InitialConstants, slope
+from hjsolve.ensembles.engine.lowered_solution import LoweredFormula, Model, Separated
 from hjsolve.ensembles.engine.nodes import EVEN, MOST
-from hjsolve.ensembles.engine.radicand_views import Fine, Knowns, Near, Raw, View, second_slope
-from hjsolve.ensembles.engine.region import Region
-from hjsolve.ensembles.engine.turning_points import bracket, first_step, kept, refine
+from hjsolve.ensembles.engine.radicand_views import (
+    DifferenceEvaluation,
+    DirectEvaluation,
+    DoubleDoubleEvaluation,
+    Knowns,
+    View,
+    second_slope,
+)
+from hjsolve.ensembles.engine.region import OrbitRegions
+from hjsolve.ensembles.engine.turning_points import bracket, first_step, kept_inside, refine
 
 _SMALL = 3e-14
 _CLEAR = 1e-12
@@ -36,7 +43,7 @@ _ARITHMETIC = frozenset({"add", "sub", "mul", "div", "power", "rational", "pi"})
 
 
 @dataclass(frozen=True)
-class Found:
+class LocatedRegions:
     """Regions of some orbits.
 
     Attributes:
@@ -45,13 +52,13 @@ class Found:
     """
 
     index: Any
-    region: Region
+    region: OrbitRegions
     status: Any
     rest: Any
 
-    def take(self, index: Any) -> Found:
+    def take(self, index: Any) -> LocatedRegions:
         """Return some of them."""
-        return Found(self.index[index], self.region.take(index), self.status[index], self.rest[index])
+        return LocatedRegions(self.index[index], self.region.take(index), self.status[index], self.rest[index])
 
 
 @dataclass(frozen=True)
@@ -84,7 +91,7 @@ class Group:
         return replace(self, knowns=self.knowns.take(index), pairs=pairs, **arrays)
 
 
-def locate(model: Model, coordinate: Separated, start: Begin, k: int, depth: int) -> list[Found]:
+def locate_regions(model: Model, coordinate: Separated, start: InitialConstants, k: int, depth: int) -> list[LocatedRegions]:
     """Find where one coordinate moves.
 
     Args:
@@ -96,7 +103,7 @@ def locate(model: Model, coordinate: Separated, start: Begin, k: int, depth: int
     """
     q, P = start.q[k], start.P[k]
     with np.errstate(all="ignore"):
-        raw = Raw(coordinate.plain, start.knowns)
+        raw = DirectEvaluation(coordinate.plain, start.knowns)
         _, first, second = raw.jet(q)
         everything = np.arange(len(q))
         pairs = start.pairs or ()
@@ -120,16 +127,16 @@ def locate(model: Model, coordinate: Separated, start: Begin, k: int, depth: int
     return found
 
 
-def _has_slopes(formula: Formula) -> bool:
+def _has_slopes(formula: LoweredFormula) -> bool:
     return {operation.code for operation in formula.squared.operations} <= FUNCTIONS | _ARITHMETIC
 
 
-def _near(group: Group) -> Found:
+def _near(group: Group) -> LocatedRegions:
     """Small motions about a deep maximum of p²."""
     coordinate, knowns, q, P = group.coordinate, group.knowns, group.q, group.P
     first = slope(coordinate.plain, group.pairs, group.numbers, q)
     bend, doubt = second_slope(coordinate.plain, knowns, q)
-    view = Near(coordinate.plain, knowns, q, P, first, doubt)
+    view = DifferenceEvaluation(coordinate.plain, knowns, q, P, first, doubt)
     zero = np.zeros_like(q)
     rest = (P == 0) & (np.abs(first) <= 2.0**-40 * doubt * np.maximum(np.abs(q), 2.0**-40))
     floors = [
@@ -148,7 +155,7 @@ def _near(group: Group) -> Found:
     region = _region(view, view, ends[0], ends[1], P, -ends[0], ends[1])
     status = np.where(np.isfinite(region.width) & (region.width > 0), Status.OK, Status.UNBOUNDED)
     status = np.where(rest, np.where(bend < 0, Status.OK, Status.EQUILIBRIUM), status)
-    return Found(group.index, region, status.astype(np.uint8), rest & (bend < 0))
+    return LocatedRegions(group.index, region, status.astype(np.uint8), rest & (bend < 0))
 
 
 def _end(
@@ -165,7 +172,7 @@ def _end(
         if not len(todo):
             break
         x = start[todo] + side * crest[todo]
-        x = kept(x, start[todo], floor[todo])
+        x = kept_inside(x, start[todo], floor[todo])
         f = view.take(todo).value(x)
         up = f > below[todo]
         inner[todo[up]], below[todo[up]] = x[up], f[up]
@@ -182,11 +189,11 @@ def _end(
     return refine(value, inner, outer, below)
 
 
-def _wide(group: Group) -> list[Found]:
+def _wide(group: Group) -> list[LocatedRegions]:
     """Motions whose amplitude is not small: rotations first, then librations."""
     if not group.coordinate.periodic:
         return _librations(group)
-    raw = Raw(group.coordinate.plain, group.knowns)
+    raw = DirectEvaluation(group.coordinate.plain, group.knowns)
     grid = np.pi * (1 + 2 * np.arange(_GRID) / _GRID)
     values = raw.value(grid + np.zeros((len(group.q), 1)))
     going = (values > 0).all(axis=1)
@@ -198,7 +205,7 @@ def _wide(group: Group) -> list[Found]:
     return found
 
 
-def _librations(group: Group) -> list[Found]:
+def _librations(group: Group) -> list[LocatedRegions]:
     """Librations; in the third pass those whose p² doubles know well enough are left to doubles, not in the fourth."""
     found = _libration(replace(group, depth=min(group.depth, 1)))
     if group.depth < 2:
@@ -208,7 +215,7 @@ def _librations(group: Group) -> list[Found]:
     return parts + ([_libration(group.take(np.flatnonzero(vague)))] if vague.any() else [])
 
 
-def _vague(region: Region) -> Any:
+def _vague(region: OrbitRegions) -> Any:
     """True where the error of p² in doubles, next to the turning points and between them, is not small beside p²."""
     worst = np.zeros(len(region.width))
     for view, end, side in ((region.below, region.lower, 1), (region.above, region.upper, -1)):
@@ -218,16 +225,16 @@ def _vague(region: Region) -> Any:
     return ~(worst <= _CLEAR)
 
 
-def _libration(group: Group) -> Found:
+def _libration(group: Group) -> LocatedRegions:
     coordinate, knowns, q, P = group.coordinate, group.knowns, group.q, group.P
     first, bend = group.first, group.bend
     seen: list[tuple[View, Any, Any, Any]] = []
-    plain = Raw(coordinate.plain, knowns)
+    plain = DirectEvaluation(coordinate.plain, knowns)
     scale = np.sqrt(np.abs(P * P / bend))
     length = np.where(q != 0, np.abs(q), np.where(np.isfinite(scale) & (scale > 0), scale, 1.0))
     outside = np.zeros(len(q), dtype=bool)
     for side, formula in ((-1, coordinate.lower), (1, coordinate.upper)):
-        view = plain if formula is None or not group.depth else Raw(formula, knowns)
+        view = plain if formula is None or not group.depth else DirectEvaluation(formula, knowns)
         start = _offset(view.formula, q)
         distance = np.inf if formula is None else _offset(formula, q)
         outside |= distance <= 0
@@ -250,42 +257,42 @@ def _libration(group: Group) -> Found:
         region = _stretched(region)
     status = np.where(np.isfinite(region.width) & (region.width > 0), Status.OK, Status.UNBOUNDED)
     status = np.where(outside | ~np.isfinite(P), Status.FORBIDDEN, status)
-    return Found(group.index, region, status.astype(np.uint8), np.zeros(len(q), dtype=bool))
+    return LocatedRegions(group.index, region, status.astype(np.uint8), np.zeros(len(q), dtype=bool))
 
 
-def _fine(group: Group, region: Region) -> Region:
+def _fine(group: Group, region: OrbitRegions) -> OrbitRegions:
     """The same region with its turning points, and F, to 32 digits."""
-    arithmetic, seen = Doubled(), []
+    arithmetic, seen = DoubleDouble(), []
     for view, x in ((region.below, region.lower), (region.above, region.upper)):
-        assert isinstance(view, Raw)
+        assert isinstance(view, DirectEvaluation)
         base = Pair(x, 0.0 * x)
         for _ in range(5):
-            value, slope_, _ = Fine(view, group.pairs, group.numbers, base).jet(0.0 * x)
+            value, slope_, _ = DoubleDoubleEvaluation(view, group.pairs, group.numbers, base).jet(0.0 * x)
             base = arithmetic.sub(base, Pair(value / slope_, 0.0 * x))
         s, e = two_sum(group.q, -view.formula.origin.high)
         here = Pair(view.sign * s, view.sign * (e - view.formula.origin.low))
-        seen.append((Fine(view, group.pairs, group.numbers, base), view.sign * arithmetic.sub(here, base).high))
+        seen.append((DoubleDoubleEvaluation(view, group.pairs, group.numbers, base), view.sign * arithmetic.sub(here, base).high))
     (below, left), (above, right) = seen
     zero = np.zeros_like(group.q)
     return _region(below, above, zero, zero, group.P, left, -right)
 
 
-def _offset(formula: Formula, q: Any) -> Any:
+def _offset(formula: LoweredFormula, q: Any) -> Any:
     """Return x of a position: (q − origin)·sign with one rounding."""
     s, e = two_sum(q, -formula.origin.high)
     return formula.sign * (s + (e - formula.origin.low))
 
 
-def _region(below: View, above: View, lower: Any, upper: Any, P: Any, left: Any, right: Any) -> Region:
+def _region(below: View, above: View, lower: Any, upper: Any, P: Any, left: Any, right: Any) -> OrbitRegions:
     zero, none = np.zeros_like(P), np.zeros(len(P), dtype=int)
-    return Region(below, above, lower, upper, left + right, zero, zero, none, none, P, left, right)
+    return OrbitRegions(below, above, lower, upper, left + right, zero, zero, none, none, P, left, right)
 
 
-def _stretched(region: Region) -> Region:
+def _stretched(region: OrbitRegions) -> OrbitRegions:
     """Choose the anomaly: W·|S′/S| at an end is W over the distance of the zero or pole next to it."""
     nearby = []
     for view, x, side in ((region.below, region.lower, 1), (region.above, region.upper, -1)):
-        assert not isinstance(view, Near)
+        assert not isinstance(view, DifferenceEvaluation)
         _, first, second = view.jet(x)
         inward = side * view.sign * first
         ρ = np.abs(region.width * second / (2 * inward) + 1)
@@ -303,10 +310,10 @@ def _stretched(region: Region) -> Region:
     return replace(region, near_lower=d, near_upper=c, level=level, warp=warp)
 
 
-def _rotation(group: Group, values: Any, grid: Any) -> Found:
+def _rotation(group: Group, values: Any, grid: Any) -> LocatedRegions:
     """The slow place: the first least value on a grid, improved by Newton's method on F′."""
     q, P = group.q, group.P
-    raw: Raw | Fine = Raw(group.coordinate.plain, group.knowns)
+    raw: DirectEvaluation | DoubleDoubleEvaluation = DirectEvaluation(group.coordinate.plain, group.knowns)
     least = values.min(axis=1, keepdims=True)
     slow = grid[np.argmax(values <= least + 1e-9 * np.abs(values).max(axis=1, keepdims=True), axis=1)]
     going = np.ones(len(q), dtype=bool)
@@ -317,19 +324,19 @@ def _rotation(group: Group, values: Any, grid: Any) -> Found:
         slow = np.where(going, slow - step, slow)
     left = q - slow
     if group.depth > 1:
-        assert isinstance(raw, Raw)
-        raw = Fine(raw, group.pairs, group.numbers, Pair(slow, 0.0 * slow))
+        assert isinstance(raw, DirectEvaluation)
+        raw = DoubleDoubleEvaluation(raw, group.pairs, group.numbers, Pair(slow, 0.0 * slow))
         slow = 0.0 * slow
     value, _, second = raw.jet(slow)
     gap = np.sqrt(2 * value / second)
     complement = np.where(going & np.isfinite(gap), (gap / 2) ** 2 / (1 + (gap / 2) ** 2), 1.0)
     level = np.where(complement < 0.125, np.rint(-np.log2(complement) / 2), 0)
     zero = np.zeros_like(q)
-    region = Region(
+    region = OrbitRegions(
         raw, raw, slow, slow, zero + 2 * np.pi, zero, zero, np.clip(level, 0, MOST).astype(int),
         np.zeros(len(q), dtype=int), P, left, zero,
         turning=False,
     )  # fmt: skip
     good = np.isfinite(P) & (P != 0) & (not group.coordinate.shifted)
     status = np.where(good, Status.OK, Status.EXACT).astype(np.uint8)
-    return Found(group.index, region, status, np.zeros(len(q), dtype=bool))
+    return LocatedRegions(group.index, region, status, np.zeros(len(q), dtype=bool))

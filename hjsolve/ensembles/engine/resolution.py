@@ -17,13 +17,13 @@ from typing import TYPE_CHECKING, Any, NamedTuple
 import numpy as np
 
 from hjsolve.ensembles.engine.clearance import Clearance
-from hjsolve.ensembles.engine.lowered_solution import Formula
+from hjsolve.ensembles.engine.lowered_solution import LoweredFormula
 from hjsolve.ensembles.engine.nodes import COUNTS, Nodes, nodes_of
-from hjsolve.ensembles.engine.radicand_views import Fine, Knowns, Near, View
+from hjsolve.ensembles.engine.radicand_views import DifferenceEvaluation, DoubleDoubleEvaluation, Knowns, View
 from hjsolve.ensembles.engine.strips_of_analyticity import SAFETY, Strip, across, strip
 
 if TYPE_CHECKING:
-    from hjsolve.ensembles.engine.region import Region
+    from hjsolve.ensembles.engine.region import OrbitRegions
 
 _UNKNOWN, _CAUTIOUS, _HOPELESS = 0.3, 0.7, 2.0
 """The nodes needed grow nearly like the share of the radius that is missing, at least with this power; for stretched
@@ -56,7 +56,7 @@ def room(clearance: Clearance, middle: Any, width: Any) -> Any:
         return clearance.radius(middle) / (0.5 * width)
 
 
-def least(region: Region, first: int) -> Any:
+def least(region: OrbitRegions, first: int) -> Any:
     """Return the least number of nodes, from the first one on, that is proved to resolve each orbit; inf for none.
 
     What is proved for a number of nodes is proved for more: the strip is narrower.
@@ -74,7 +74,7 @@ def least(region: Region, first: int) -> Any:
     return needed
 
 
-def _shares(region: Region, count: int, codes: Any) -> Any:
+def _shares(region: OrbitRegions, count: int, codes: Any) -> Any:
     """The least radius that is known over the one that is needed; only whether it is below 1 is exact."""
     share = np.zeros(len(region.width))
     below: list[_Disks] = []
@@ -109,7 +109,7 @@ def _looked_up(view: View, disks: list[_Disks], share: Any) -> None:
         share[one.orbits] = np.minimum(share[one.orbits], least_share)
 
 
-def _at_a_glance(region: Region, table: Nodes) -> Any:
+def _at_a_glance(region: OrbitRegions, table: Nodes) -> Any:
     """The same by one disk about the middle of each motion."""
     formula, knowns, base = _seen(region.below)
     middle = np.ravel(base) + region.lower + region.below.sign * 0.5 * region.width
@@ -122,16 +122,16 @@ def _at_a_glance(region: Region, table: Nodes) -> Any:
     return share
 
 
-def _seen(view: View) -> tuple[Formula, Knowns, Any]:
+def _seen(view: View) -> tuple[LoweredFormula, Knowns, Any]:
     """The formula of a view, what is known, and the offset in the formula of the view's zero."""
-    if isinstance(view, Near):
+    if isinstance(view, DifferenceEvaluation):
         return view.formula, view.knowns, view.start[:, None]
-    if isinstance(view, Fine):
+    if isinstance(view, DoubleDoubleEvaluation):
         return view.raw.formula, view.raw.knowns, view.base.high[:, None]
     return view.formula, view.knowns, 0.0
 
 
-def _disks(region: Region, orbits: Any, table: Nodes, over: Strip) -> tuple[_Disks, _Disks | None]:
+def _disks(region: OrbitRegions, orbits: Any, table: Nodes, over: Strip) -> tuple[_Disks, _Disks | None]:
     """The disks that cover the strip, seen from the lower and from the upper end; where one view has all, no second."""
     with np.errstate(all="ignore"):
         if not region.turning:
@@ -148,7 +148,7 @@ def _disks(region: Region, orbits: Any, table: Nodes, over: Strip) -> tuple[_Dis
         return _Disks(orbits, lower, W * spread[:, :half]), rest
 
 
-def _within(region: Region, table: Nodes, over: Strip) -> tuple[Any, Any, Any]:
+def _within(region: OrbitRegions, table: Nodes, over: Strip) -> tuple[Any, Any, Any]:
     """(q − a)/W and (b − q)/W of the centres, and the radii over W."""
     if table.complement == 1.0:
         one = np.ones((len(region.width), 1))

@@ -54,7 +54,7 @@ def bracket(function: Function, start: Any, step: Any, side: int, *, floor: Any,
     index = np.arange(len(start))
     for _ in range(_STEPS):
         x = inner[index] + side * step[index]
-        x = kept(x, inner[index], floor[index])
+        x = kept_inside(x, inner[index], floor[index])
         f = function(x, index)
         negative = f < 0
         outer[index[negative]] = x[negative]
@@ -69,7 +69,7 @@ def bracket(function: Function, start: Any, step: Any, side: int, *, floor: Any,
     return inner, outer
 
 
-def kept(x: Any, inner: Any, floor: Any) -> Any:
+def kept_inside(x: Any, inner: Any, floor: Any) -> Any:
     """Return x, or three quarters of the way to the floor where x lies beyond that."""
     with np.errstate(invalid="ignore"):
         limit = floor + 0.25 * (inner - floor)

@@ -19,7 +19,7 @@ Array = NDArray[np.float64]
 
 
 @dataclass(frozen=True)
-class Curve:
+class FormulaCurve:
     """A formula of one variable, every other symbol replaced by a number."""
 
     tape: Tape
@@ -33,7 +33,7 @@ class Curve:
         return np.broadcast_to(np.asarray(value, float), places.shape).copy()
 
 
-def curve_of(formula: sp.Expr, variable: sp.Symbol, values: Mapping[sp.Symbol, sp.Expr]) -> Curve:
+def formula_curve(formula: sp.Expr, variable: sp.Symbol, values: Mapping[sp.Symbol, sp.Expr]) -> FormulaCurve:
     """Make a formula a function of one variable.
 
     Args:
@@ -45,11 +45,11 @@ def curve_of(formula: sp.Expr, variable: sp.Symbol, values: Mapping[sp.Symbol, s
         The function, double precision.
     """
     rest = sorted(formula.free_symbols - {variable}, key=str)
-    return Curve(lower([formula], [variable, *rest]), tuple(float(sp.N(values[s], 30)) for s in rest))
+    return FormulaCurve(lower([formula], [variable, *rest]), tuple(float(sp.N(values[s], 30)) for s in rest))
 
 
 @dataclass(frozen=True)
-class Well:
+class EffectivePotential:
     """A separated coordinate: P² = weight(q)·(level − potential(q)), p = P − shift(q).
 
     Attributes:
@@ -72,9 +72,9 @@ class Well:
     sign: int
     level: float
     formula: sp.Expr
-    potential: Curve
-    weight: Curve
-    shift: Curve
+    potential: FormulaCurve
+    weight: FormulaCurve
+    shift: FormulaCurve
     domain: tuple[float, float]
     periodic: bool
     window: tuple[float, float]
@@ -89,7 +89,7 @@ class Well:
             return np.asarray(self.weight(q) * (level - self.potential(q)))
 
 
-def well(motion: Any, name: str) -> Well:
+def effective_potential_of(motion: Any, name: str) -> EffectivePotential:
     """Look at one separated coordinate of a motion.
 
     Args:
@@ -99,7 +99,7 @@ def well(motion: Any, name: str) -> Well:
     Returns:
         The view.
     """
-    solution, exact = motion.solution, values_of(motion)
+    solution, exact = motion.solution, exact_values_of(motion)
     coordinate = solution.separation.shell.coordinates[solution.coordinates.index(name)]
     F = sp.expand(solution.momentum_squared[name])
     low, high = (_end(end, exact) for end in (coordinate.domain.lower, coordinate.domain.upper))
@@ -111,8 +111,8 @@ def well(motion: Any, name: str) -> Well:
     window = _window(whole, (ends[0], ends[1]), place, motion.kinds[name])
     level_name, sign, weight, potential = _level(solution, F, coordinate.symbol, exact, window)
     level = sign * float(motion.constants[level_name].value) if level_name else 0.0
-    V, A, shift = (curve_of(formula, coordinate.symbol, exact) for formula in (potential, weight, solution.shift[name]))
-    return Well(
+    V, A, shift = (formula_curve(formula, coordinate.symbol, exact) for formula in (potential, weight, solution.shift[name]))
+    return EffectivePotential(
         name,
         level_name,
         sign,
@@ -136,7 +136,7 @@ def _direction(solution: Any, coordinate: Any, exact: Mapping[sp.Symbol, sp.Expr
     return int(np.sign(float(P)))
 
 
-def values_of(motion: Any) -> dict[sp.Symbol, sp.Expr]:
+def exact_values_of(motion: Any) -> dict[sp.Symbol, sp.Expr]:
     """Give every symbol of a motion its exact value: parameters, initial place, constants.
 
     Args:
@@ -159,17 +159,17 @@ def _level(
         A = sp.diff(F, constant.symbol)
         if A == 0 or A.has(constant.symbol) or name.startswith("p_"):
             continue
-        weight = curve_of(A, q, exact)(places)
+        weight = formula_curve(A, q, exact)(places)
         if np.min(np.abs(weight)) < 0.003 * np.max(np.abs(weight)) or np.ptp(np.sign(weight)):
             continue
         sign = int(np.sign(weight[0]))
         alone = name == "E" and len(solution.coordinates) == 1
-        potential = solution.separation.shell.potential if alone else readable(sign * (constant.symbol * A - F) / A)
+        potential = solution.separation.shell.potential if alone else readable_quotient(sign * (constant.symbol * A - F) / A)
         return name, sign, sign * sp.factor_terms(A), potential
     return "", 1, sp.Integer(2), -F / 2
 
 
-def readable(expression: sp.Expr) -> sp.Expr:
+def readable_quotient(expression: sp.Expr) -> sp.Expr:
     """Expand a quotient and cancel term by term, as an effective potential is read; many terms as one fraction.
 
     Args:

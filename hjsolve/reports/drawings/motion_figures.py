@@ -7,7 +7,7 @@ import numpy as np
 from hjsolve.reports.document import Figure, Mathematics, Text
 from hjsolve.reports.drawings import phase_portrait as portrait
 from hjsolve.reports.drawings import svg
-from hjsolve.reports.drawings.effective_potential import Array, Well
+from hjsolve.reports.drawings.effective_potential import Array, EffectivePotential
 from hjsolve.reports.formulas.layout import Box, Glyph, Script, row
 from hjsolve.reports.formulas.names import name_box
 from hjsolve.reports.formulas.one_line_text import spoken
@@ -23,7 +23,7 @@ _KINDS = {
 }
 
 
-def potential_name(well: Well, *, several: bool, plain: bool = False) -> Box:
+def potential_name(well: EffectivePotential, *, several: bool, plain: bool = False) -> Box:
     """Name the effective potential of a coordinate, with the coordinate as index where there are several.
 
     Args:
@@ -39,7 +39,7 @@ def potential_name(well: Well, *, several: bool, plain: bool = False) -> Box:
     return Script(Glyph("V"), name_box(well.name)) if several else Script(Glyph("V"), Glyph("eff", "text"))
 
 
-def level_box(well: Well) -> Box:
+def level_box(well: EffectivePotential) -> Box:
     """Name the constant that plays the part of the energy, with its sign.
 
     Args:
@@ -54,7 +54,7 @@ def level_box(well: Well) -> Box:
     return name if well.sign > 0 else row(Glyph("−", "operator"), name)
 
 
-def effective_potential(well: Well, key: str, *, several: bool, plain: bool = False) -> Figure:
+def effective_potential(well: EffectivePotential, key: str, *, several: bool, plain: bool = False) -> Figure:
     """Draw the effective potential, the level of the motion and its turning points.
 
     Args:
@@ -66,18 +66,18 @@ def effective_potential(well: Well, key: str, *, several: bool, plain: bool = Fa
     Returns:
         The figure.
     """
-    q = portrait.grid(well)
+    q = portrait.window_places(well)
     V = well.potential(q)
-    frame = svg.Frame(well.window, _height(well, q, V))
+    frame = svg.DrawingFrame(well.window, _height(well, q, V))
     name = potential_name(well, several=several, plain=plain)
     inside = [_allowed_area(well, frame), svg.curve(frame, q, V)]
     hills = [hill for hill in portrait.hills(well) if frame.y[0] < hill[0] < frame.y[1]]
     inside += [svg.curve(frame, np.array(well.window), np.full(2, level), "edge") for level, _ in hills]
     inside.append(svg.curve(frame, np.array(well.window), np.full(2, well.level), "energy"))
     inside += [svg.curve(frame, np.array(span), np.full(2, well.level), "motion") for span in _spans(well)]
-    above = [svg.mark(frame, end, well.level) for end in well.ends if end is not None]
+    above = [svg.disc(frame, end, well.level) for end in well.ends if end is not None]
     above.append(
-        svg.words(
+        svg.annotate(
             frame,
             well.window[1],
             well.level,
@@ -110,7 +110,7 @@ def effective_potential(well: Well, key: str, *, several: bool, plain: bool = Fa
     )
 
 
-def phase_portrait(well: Well, key: str) -> Figure:
+def phase_portrait(well: EffectivePotential, key: str) -> Figure:
     """Draw the phase plane of a coordinate: some levels, the separatrices, the motion.
 
     Args:
@@ -124,7 +124,7 @@ def phase_portrait(well: Well, key: str) -> Figure:
     others = [loop for level in portrait.levels(well) for loop in _loops(well, level)]
     hills = [(level, word) for level, word in portrait.hills(well) if _loops(well, level)]
     edges = [loop for level, _ in hills for loop in _loops(well, level)]
-    frame = svg.Frame(well.window, _momentum_range(well, own, others))
+    frame = svg.DrawingFrame(well.window, _momentum_range(well, own, others))
     inside = [svg.curve(frame, *loop, "level") for loop in others] + [svg.curve(frame, *loop, "edge") for loop in edges]
     inside += [
         svg.area(frame, q[: len(q) // 2], p[len(q) // 2 :][::-1], p[: len(q) // 2])
@@ -134,7 +134,7 @@ def phase_portrait(well: Well, key: str) -> Figure:
     inside += [svg.curve(frame, *loop, "motion") for loop in own]
     above = []
     if well.kind == "equilibrium":
-        above.append(svg.mark(frame, well.place, -float(well.shift(well.place))))
+        above.append(svg.disc(frame, well.place, -float(well.shift(well.place))))
     name, momentum = name_box(well.name), name_box(f"p_{well.name}")
     below = [svg.axes(frame, svg.label(name), svg.label(momentum), angles=(_is_angle(well), False), zero=True)]
     title = f"Phase portrait of {spoken(well.name)}"
@@ -164,7 +164,7 @@ def phase_portrait(well: Well, key: str) -> Figure:
 
 
 # -------------------------------------------------------------------------------- what the motion covers
-def _spans(well: Well) -> list[tuple[float, float]]:
+def _spans(well: EffectivePotential) -> list[tuple[float, float]]:
     """Intervals of the window that the motion itself covers."""
     low, high = well.ends
     if well.kind == "equilibrium":
@@ -176,7 +176,7 @@ def _spans(well: Well) -> list[tuple[float, float]]:
     return [(well.window[0] if low is None else low, well.window[1] if high is None else high)]
 
 
-def _turns(well: Well, low: float, high: float) -> list[float]:
+def _turns(well: EffectivePotential, low: float, high: float) -> list[float]:
     """Copies of an interval of an angle that meet the window."""
     if not well.periodic:
         return [0.0]
@@ -185,7 +185,7 @@ def _turns(well: Well, low: float, high: float) -> list[float]:
     return [2 * np.pi * float(n) for n in np.arange(first, last + 1)]
 
 
-def _own_loops(well: Well) -> list[tuple[Array, Array]]:
+def _own_loops(well: EffectivePotential) -> list[tuple[Array, Array]]:
     loops = [portrait.loop(well, well.level, low, high) for low, high in _spans(well)]
     if well.kind != "rotation":
         return loops
@@ -193,11 +193,11 @@ def _own_loops(well: Well) -> list[tuple[Array, Array]]:
     return [(q[half], p[half]) for q, p in loops]
 
 
-def _loops(well: Well, level: float) -> list[tuple[Array, Array]]:
+def _loops(well: EffectivePotential, level: float) -> list[tuple[Array, Array]]:
     return [portrait.loop(well, level, low, high) for low, high in portrait.allowed(well, level) if high > low]
 
 
-def _allowed_area(well: Well, frame: svg.Frame) -> str:
+def _allowed_area(well: EffectivePotential, frame: svg.DrawingFrame) -> str:
     parts = []
     for low, high in _spans(well):
         q = np.linspace(low, high, 400)
@@ -211,7 +211,7 @@ def _allowed_area(well: Well, frame: svg.Frame) -> str:
 
 
 # -------------------------------------------------------------------------------- ranges
-def _height(well: Well, q: Array, V: Array) -> tuple[float, float]:
+def _height(well: EffectivePotential, q: Array, V: Array) -> tuple[float, float]:
     """Show the bottom of the well and as much above the level as is below it."""
     inside = np.isfinite(V)
     spans = _spans(well)
@@ -228,7 +228,7 @@ def _height(well: Well, q: Array, V: Array) -> tuple[float, float]:
 
 
 def _momentum_range(
-    well: Well, own: list[tuple[Array, Array]], others: list[tuple[Array, Array]]
+    well: EffectivePotential, own: list[tuple[Array, Array]], others: list[tuple[Array, Array]]
 ) -> tuple[float, float]:
     mine = np.concatenate([p for _, p in own]) if own else np.empty(0)
     mine = np.concatenate([mine, -mine]) if well.kind == "rotation" else mine
@@ -239,12 +239,12 @@ def _momentum_range(
 
 
 # -------------------------------------------------------------------------------- words
-def _is_angle(well: Well) -> bool:
+def _is_angle(well: EffectivePotential) -> bool:
     width = well.window[1] - well.window[0]
     return well.periodic or abs(width - np.pi) < 1e-9
 
 
-def _between(well: Well) -> str:
+def _between(well: EffectivePotential) -> str:
     low, high = well.ends
     return f", {low:.6g} and {high:.6g}" if low is not None and high is not None else ""
 
@@ -254,7 +254,7 @@ def _hill_words(hills: list[tuple[float, str]]) -> str:
     return f"; dashed: {' and '.join(words)}" if words else ""
 
 
-def _area_words(well: Well) -> Text:
+def _area_words(well: EffectivePotential) -> Text:
     return (
         (
             " (the shaded area is ",

@@ -159,14 +159,14 @@ def _plane(motion: Any, where: Embedding, t: Array, path: tuple[Array, ...], clo
     x, y = path[:2]
     centred = where.kind in {"polar", "parabolic"}
     xs, ys = (np.append(x, 0.0), np.append(y, 0.0)) if centred else (x, y)
-    frame = svg.Frame(svg.spread(xs), svg.spread(ys), height=360.0)
+    frame = svg.DrawingFrame(svg.spread(xs), svg.spread(ys), height=360.0)
     frame = svg.square(frame) if where.shape == "plane" else frame
     cut = _split(motion, t, closed)
     inside = [svg.curve(frame, x, y, "faint")] if cut < len(t) else []
     inside.append(svg.curve(frame, x[:cut], y[:cut], "motion"))
     now = int(np.argmin(np.abs(t - float(motion.t0))))
-    above = [svg.mark(frame, 0.0, 0.0, "centre", 3.2)] if centred else []
-    above.append(svg.mark(frame, float(x[now]), float(y[now]), "ring"))
+    above = [svg.disc(frame, 0.0, 0.0, "centre", 3.2)] if centred else []
+    above.append(svg.disc(frame, float(x[now]), float(y[now]), "ring"))
     names = [svg.label(name_box(a)) for a in where.axes[:2]]
     title = "Orbit"
     across, up = map(spoken, where.axes[:2])
@@ -185,19 +185,19 @@ def _space(motion: Any, where: Embedding, t: Array, path: tuple[Array, ...], clo
     across, up, _ = projected(*path)
     reach = 1.08 * float(np.max(np.hypot(across, up)))
     frame = svg.square(
-        svg.Frame(svg.spread([*across, 0.0]), svg.spread([*up, 0.0]), height=360.0, left=16, top=16, bottom=16)
+        svg.DrawingFrame(svg.spread([*across, 0.0]), svg.spread([*up, 0.0]), height=360.0, left=16, top=16, bottom=16)
     )
     below, above = [], []
     for name, direction in zip("xyz", np.eye(3)):
         a, b, _ = projected(*(np.array([0.0, d * reach * 0.5]) for d in direction))
         below.append(svg.curve(frame, a, b, "grid"))
-        above.append(svg.words(frame, float(a[1]), float(b[1]), svg.label(Glyph(name)), style="name", shift=(3, 0)))
+        above.append(svg.annotate(frame, float(a[1]), float(b[1]), svg.label(Glyph(name)), style="name", shift=(3, 0)))
     cut = _split(motion, t, closed)
     inside = [svg.curve(frame, across, up, "faint")] if cut < len(t) else []
     inside.append(svg.curve(frame, across[:cut], up[:cut], "motion"))
-    above.append(svg.mark(frame, 0.0, 0.0, "centre", 3.2))
+    above.append(svg.disc(frame, 0.0, 0.0, "centre", 3.2))
     now = int(np.argmin(np.abs(t - float(motion.t0))))
-    above.append(svg.mark(frame, float(across[now]), float(up[now]), "ring"))
+    above.append(svg.disc(frame, float(across[now]), float(up[now]), "ring"))
     description = f"Path of the motion in space, seen from above the plane, {_from_to(motion, t)}."
     svg_text = svg.assemble(frame, key, "Orbit", description, below, inside, above)
     return Figure(
@@ -211,7 +211,7 @@ def _space(motion: Any, where: Embedding, t: Array, path: tuple[Array, ...], clo
 
 def _sphere(motion: Any, where: Embedding, t: Array, path: tuple[Array, ...], closed: bool, key: str) -> Figure:
     """Draw a path of directions on the unit sphere; the far side is faint."""
-    frame = svg.square(svg.Frame((-1.12, 1.12), (-1.08, 1.2), height=360.0, left=16, top=16, bottom=16))
+    frame = svg.square(svg.DrawingFrame((-1.12, 1.12), (-1.08, 1.2), height=360.0, left=16, top=16, bottom=16))
     turn = np.linspace(0.0, 2 * np.pi, 181)
     below = [
         svg.area(frame, np.cos(turn[:91]), -np.sin(turn[:91]), np.sin(turn[:91]), "region"),
@@ -229,10 +229,10 @@ def _sphere(motion: Any, where: Embedding, t: Array, path: tuple[Array, ...], cl
     pole = projected(np.zeros(2), np.zeros(2), np.array([1.0, 1.1]))
     above = [
         svg.curve(frame, pole[0], pole[1], "axis"),
-        svg.words(frame, float(pole[0][1]), float(pole[1][1]), "up", anchor="middle", shift=(0, -4)),
+        svg.annotate(frame, float(pole[0][1]), float(pole[1][1]), "up", anchor="middle", shift=(0, -4)),
     ]
     now = int(np.argmin(np.abs(t - float(motion.t0))))
-    above.append(svg.mark(frame, float(across[now]), float(up[now]), "ring"))
+    above.append(svg.disc(frame, float(across[now]), float(up[now]), "ring"))
     description = (
         f"Path of the direction ({', '.join(map(spoken, where.names))}) on the unit sphere, {_from_to(motion, t)}; "
         "the far side is drawn faint."
@@ -285,7 +285,7 @@ def history(motion: Any, trace: Trace, key: str) -> Figure:
     for i, name in enumerate(names):
         values = np.asarray(trace.state.unwrapped(name), float)[keep]
         top = 28.0 + i * (band + 30.0)
-        frame = svg.Frame(
+        frame = svg.DrawingFrame(
             (float(shown[0]), float(shown[-1])),
             svg.spread(values, 0.1),
             height=whole,
@@ -299,7 +299,7 @@ def history(motion: Any, trace: Trace, key: str) -> Figure:
     title = "The coordinates against time" if own else "The coordinates along the path"
     across = "time" if own else "the parameter of the path"
     description = f"{', '.join(map(spoken, names))} against {across} {_from_to(motion, shown)}."
-    board = svg.Frame((0.0, 1.0), (0.0, 1.0), height=whole)
+    board = svg.DrawingFrame((0.0, 1.0), (0.0, 1.0), height=whole)
     caption: Text = (
         f"Where the motion is at {across if own else 'the value'} ", Mathematics(time_box(motion)),
         "" if own else " of its parameter", ", from the time law alone.",
@@ -316,7 +316,7 @@ def _few_cycles(motion: Any, t: Array) -> slice:
     return slice(0, int(np.searchsorted(t, t[0] + 4 * max(periods))) + 1)
 
 
-def _band_axes(frame: svg.Frame, name: str, time: Box, *, last: bool) -> str:
+def _band_axes(frame: svg.DrawingFrame, name: str, time: Box, *, last: bool) -> str:
     return svg.axes(frame, svg.label(time) if last else "", svg.label(name_box(name)), numbers=last)
 
 

@@ -4,12 +4,12 @@ from __future__ import annotations
 
 import numpy as np
 
-from hjsolve.reports.drawings.effective_potential import Array, Well
+from hjsolve.reports.drawings.effective_potential import Array, EffectivePotential
 
 _SCAN = 1200
 
 
-def grid(well: Well) -> Array:
+def window_places(well: EffectivePotential) -> Array:
     """Places across the window, without the ends of the domain, where the potential may be infinite.
 
     Args:
@@ -22,7 +22,7 @@ def grid(well: Well) -> Array:
     return np.asarray(low + (high - low) * (np.arange(_SCAN) + 0.5) / _SCAN)
 
 
-def allowed(well: Well, level: float) -> list[tuple[float, float]]:
+def allowed(well: EffectivePotential, level: float) -> list[tuple[float, float]]:
     """Find the intervals of the window where the motion is allowed at a level.
 
     Args:
@@ -32,7 +32,7 @@ def allowed(well: Well, level: float) -> list[tuple[float, float]]:
     Returns:
         (low, high) of each; an interval that reaches past the window ends at the window.
     """
-    q = grid(well)
+    q = window_places(well)
     positive = well.momentum_squared(q, level) > 0
     change = np.flatnonzero(np.diff(positive.astype(int)))
     roots = [_root(well, level, q[i], q[i + 1]) for i in change]
@@ -40,7 +40,7 @@ def allowed(well: Well, level: float) -> list[tuple[float, float]]:
     return list(zip(edges[::2], edges[1::2]))
 
 
-def loop(well: Well, level: float, low: float, high: float, points: int = 181) -> tuple[Array, Array]:
+def loop(well: EffectivePotential, level: float, low: float, high: float, points: int = 181) -> tuple[Array, Array]:
     """Give the phase curve over an allowed interval, there and back.
 
     The places crowd together at the ends like those of the anomaly q = m − h cos χ, so that the curve closes smoothly.
@@ -70,7 +70,7 @@ def loop(well: Well, level: float, low: float, high: float, points: int = 181) -
     return np.concatenate([q, q[::-1]]), np.concatenate([upper, lower])
 
 
-def hills(well: Well) -> list[tuple[float, str]]:
+def hills(well: EffectivePotential) -> list[tuple[float, str]]:
     """Find the levels that divide the motions: interior maxima of the effective potential, and its limit far out.
 
     Args:
@@ -79,7 +79,7 @@ def hills(well: Well) -> list[tuple[float, str]]:
     Returns:
         (level, what it is), each level once; what is ``separatrix`` or ``edge of the bound motions``.
     """
-    q = grid(well)
+    q = window_places(well)
     V = well.potential(q)
     if well.periodic and well.window[1] - well.window[0] > 6.28:
         V = np.concatenate([V[-1:], V, V[:1]])
@@ -104,7 +104,7 @@ def _peak(three: Array) -> float:
     return b if bend == 0 or not np.isfinite(bend) else b - (c - a) ** 2 / (8 * bend)
 
 
-def levels(well: Well) -> list[float]:
+def levels(well: EffectivePotential) -> list[float]:
     """Choose levels worth drawing beside the motion's own.
 
     Args:
@@ -113,7 +113,7 @@ def levels(well: Well) -> list[float]:
     Returns:
         Levels from near the bottom of the well to above the motion.
     """
-    V = well.potential(grid(well))
+    V = well.potential(window_places(well))
     bottom = float(np.min(V[np.isfinite(V)], initial=np.inf))
     if not np.isfinite(bottom) or not well.level_name:
         return []
@@ -125,7 +125,7 @@ def levels(well: Well) -> list[float]:
     return [bottom + depth * part for part in (0.1, 0.34, 0.66, 1.4, 1.9, 2.5)]
 
 
-def _root(well: Well, level: float, low: float, high: float) -> float:
+def _root(well: EffectivePotential, level: float, low: float, high: float) -> float:
     inside = bool(well.momentum_squared(np.array([low]), level)[0] > 0)
     for _ in range(50):
         middle = (low + high) / 2

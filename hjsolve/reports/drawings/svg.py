@@ -10,7 +10,7 @@ from math import ceil, floor, isfinite, log10, pi
 import numpy as np
 from numpy.typing import NDArray
 
-from hjsolve.reports.formulas.layout import Box, Dotted, Glyph, Row, Script
+from hjsolve.reports.formulas.layout import Box, Dotted, Glyph, RowBox, Script
 from hjsolve.reports.formulas.one_line_text import plain
 
 Array = NDArray[np.float64]
@@ -47,7 +47,7 @@ STYLE = """
 
 
 @dataclass(frozen=True)
-class Frame:
+class DrawingFrame:
     """A rectangle of the plane shown in a rectangle of the drawing.
 
     Attributes:
@@ -79,7 +79,7 @@ class Frame:
         return np.asarray(self.top + (high - np.asarray(y, float)) / (high - low) * room)
 
 
-def square(frame: Frame) -> Frame:
+def square(frame: DrawingFrame) -> DrawingFrame:
     """Widen one range so that both axes have the same scale.
 
     Args:
@@ -93,7 +93,7 @@ def square(frame: Frame) -> Frame:
     middle = (sum(frame.x) / 2, sum(frame.y) / 2)
     x = (middle[0] - scale * wide / 2, middle[0] + scale * wide / 2)
     y = (middle[1] - scale * tall / 2, middle[1] + scale * tall / 2)
-    return Frame(x, y, frame.width, frame.height, frame.left, frame.right, frame.top, frame.bottom)
+    return DrawingFrame(x, y, frame.width, frame.height, frame.left, frame.right, frame.top, frame.bottom)
 
 
 # ------------------------------------------------------------------------------------------------ ticks
@@ -150,7 +150,7 @@ def _angle_label(quarters: int) -> str:
 
 
 # ------------------------------------------------------------------------------------------------ marks on the board
-def curve(frame: Frame, x: Array, y: Array, style: str = "curve") -> str:
+def curve(frame: DrawingFrame, x: Array, y: Array, style: str = "curve") -> str:
     """Draw a curve; gaps where a value is not finite.
 
     Args:
@@ -165,7 +165,7 @@ def curve(frame: Frame, x: Array, y: Array, style: str = "curve") -> str:
     return f'<path class="{style}" d="{_path(frame, x, y)}"/>' if len(x) else ""
 
 
-def area(frame: Frame, x: Array, lower: Array, upper: Array, style: str = "area") -> str:
+def area(frame: DrawingFrame, x: Array, lower: Array, upper: Array, style: str = "area") -> str:
     """Fill between two curves.
 
     Args:
@@ -182,7 +182,7 @@ def area(frame: Frame, x: Array, lower: Array, upper: Array, style: str = "area"
     return f'<path class="{style}" d="{outline}Z"/>' if len(x) else ""
 
 
-def mark(frame: Frame, x: float, y: float, style: str = "dot", size: float = 4.2) -> str:
+def disc(frame: DrawingFrame, x: float, y: float, style: str = "dot", size: float = 4.2) -> str:
     """Draw a small disc.
 
     Args:
@@ -198,8 +198,8 @@ def mark(frame: Frame, x: float, y: float, style: str = "dot", size: float = 4.2
     return f'<circle class="{style}" cx="{_n(frame.px(x))}" cy="{_n(frame.py(y))}" r="{size}"/>'
 
 
-def words(
-    frame: Frame,
+def annotate(
+    frame: DrawingFrame,
     x: float,
     y: float,
     text: str,
@@ -245,7 +245,7 @@ def label(box: Box) -> str:
                         f'<tspan dy="{-offset}">&#8203;</tspan>'
                     )
             return "".join(parts)
-        case Row(items):
+        case RowBox(items):
             return "".join(label(item) for item in items)
         case Glyph(text, "identifier"):
             return f'<tspan class="it">{escape(text)}</tspan>'
@@ -255,7 +255,7 @@ def label(box: Box) -> str:
 
 
 def axes(
-    frame: Frame,
+    frame: DrawingFrame,
     across: str,
     up: str,
     *,
@@ -301,7 +301,7 @@ def axes(
 
 
 def assemble(
-    frame: Frame,
+    frame: DrawingFrame,
     key: str,
     title: str,
     description: str,
@@ -355,7 +355,7 @@ def standalone(svg: str) -> str:
     return f"{head}><style>{STYLE}{dark}</style>{rest}\n"
 
 
-def _path(frame: Frame, x: Array, y: Array) -> str:
+def _path(frame: DrawingFrame, x: Array, y: Array) -> str:
     """Points in tenths of a pixel; values far outside are drawn in so that coordinates stay small."""
     across = np.clip(frame.px(x), -4 * frame.width, 5 * frame.width)
     down = np.clip(frame.py(y), -4 * frame.height, 5 * frame.height)

@@ -79,13 +79,13 @@ def figure(cost: Cost, key: str) -> Figure:
     return Figure(drawing, title, description, caption, data)
 
 
-def _frame(cost: Cost, shown: Sequence[Row]) -> svg.Frame:
+def _frame(cost: Cost, shown: Sequence[Row]) -> svg.DrawingFrame:
     times = [_x(row) for row in shown] or [-3.0, 0.0]
     errors = [_y(row, cost) for row in shown if row.status != "lost"] or [-15.0]
     deepest = min([*errors, *(depth(row.digits) for row in cost.rows if row.digits is not None and _crossed(row))])
     low, high = math.floor(min(times) - 0.15), math.ceil(max(times) + 0.15)
     span = max(2.5, 1.05 * -deepest)
-    return svg.Frame((low, max(high, low + 2)), (-span, 0.0), width=560, height=330, left=54, right=140, bottom=44)
+    return svg.DrawingFrame((low, max(high, low + 2)), (-span, 0.0), width=560, height=330, left=54, right=140, bottom=44)
 
 
 def _x(row: Row) -> float:
@@ -107,7 +107,7 @@ def _crossed(row: Row) -> bool:
     return row.status in ("too slow", "not converged", "lost")
 
 
-def log_axes(frame: svg.Frame) -> list[str]:
+def log_axes(frame: svg.DrawingFrame) -> list[str]:
     """Draw the axes: log₁₀ seconds across, errors by ``depth`` upwards."""
     bottom, left, right = frame.height - frame.bottom, frame.left, frame.width - frame.right
     parts = [f'<path class="axis" d="M{left} {frame.top}V{bottom}H{right}"/>']
@@ -137,7 +137,7 @@ def _time(seconds: float) -> str:
     return f"{value:.0f} {unit}" if value > 0.5 else f"{value:.1g} {unit}"
 
 
-def _legend(frame: svg.Frame, cost: Cost) -> list[str]:
+def _legend(frame: svg.DrawingFrame, cost: Cost) -> list[str]:
     """One line a method in the right margin; what could not run has a cross and the reason."""
     left, parts = frame.width - frame.right + 16, list[str]()
     for k, method in enumerate(cost.methods):
@@ -149,7 +149,7 @@ def _legend(frame: svg.Frame, cost: Cost) -> list[str]:
     return parts
 
 
-def legend_line(frame: svg.Frame, k: int, method: str, *, several: bool, ran: bool = True) -> list[str]:
+def legend_line(frame: svg.DrawingFrame, k: int, method: str, *, several: bool, ran: bool = True) -> list[str]:
     """Draw the k-th line of the legend in the right margin: the method's line, its mark or a cross, its name."""
     left, y, look = frame.width - frame.right + 16, frame.top + 8 + _PITCH * k, LOOKS[method]
     return [
@@ -159,7 +159,7 @@ def legend_line(frame: svg.Frame, k: int, method: str, *, several: bool, ran: bo
     ]
 
 
-def _mark(frame: svg.Frame, row: Row, cost: Cost) -> str:
+def _mark(frame: svg.DrawingFrame, row: Row, cost: Cost) -> str:
     look = LOOKS[row.method]
     said = f"<title>{escape(_row_said(row))}</title>"
     if row.answered and row.status != "lost":

@@ -5,6 +5,7 @@ from __future__ import annotations
 from html import escape
 
 from hjsolve.reports.document import (
+    ArgumentStep,
     Block,
     Code,
     Document,
@@ -17,7 +18,6 @@ from hjsolve.reports.document import (
     Number,
     Paragraph,
     Section,
-    Step,
     Steps,
     Strong,
     Table,
@@ -27,14 +27,14 @@ from hjsolve.reports.drawings.svg import STYLE
 from hjsolve.reports.formats.stylesheet import CSS
 from hjsolve.reports.formulas.layout import width
 from hjsolve.reports.formulas.line_breaks import LINE
-from hjsolve.reports.formulas.mathml import mathml
+from hjsolve.reports.formulas.mathml import mathml_of
 
 _FULL_LINE = 1.05 * LINE
 _MOST_ROWS_UNBROKEN = 8
 _SCROLL = 'class="scroll" tabindex="0" role="group"'
 
 
-def html(document: Document) -> str:
+def html_page(document: Document) -> str:
     """Write a document as HTML.
 
     Args:
@@ -99,7 +99,7 @@ def _block(block: Block) -> str:
 def _formula(formula: Formula) -> str:
     tag = f'<span class="tag">{escape(formula.tag)}</span>' if formula.tag else ""
     small = _smaller(width(formula.box))
-    box = f'<div {_SCROLL} aria-label="Formula"{small}>{mathml(formula.box, block=True)}</div>'
+    box = f'<div {_SCROLL} aria-label="Formula"{small}>{mathml_of(formula.box, block=True)}</div>'
     return f'<div class="formula">{box}{tag}</div>'
 
 
@@ -109,7 +109,7 @@ def _smaller(letters: float) -> str:
     return f' style="font-size:{100 * scale:.0f}%"' if scale < 1 else ""
 
 
-def _step(step: Step) -> str:
+def _step(step: ArgumentStep) -> str:
     formula = _formula(step.formula) if step.formula else ""
     return f"<li><p><strong>{escape(step.title)}.</strong> {_text(step.text)}</p>{formula}</li>"
 
@@ -156,7 +156,7 @@ def _inline(piece: Inline) -> str:
         case str():
             return escape(piece)
         case Mathematics(box):
-            return mathml(box)
+            return mathml_of(box)
         case Code(text):
             return f"<code>{escape(text)}</code>"
         case Strong(text):

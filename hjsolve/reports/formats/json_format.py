@@ -23,7 +23,7 @@ from hjsolve.reports.document import (
     Text,
 )
 from hjsolve.reports.formats.text import line
-from hjsolve.reports.formulas.latex import latex
+from hjsolve.reports.formulas.latex import latex_of
 from hjsolve.reports.formulas.one_line_text import plain
 
 
@@ -74,7 +74,7 @@ def _formula(formula: Formula) -> dict[str, Any]:
     return {
         "kind": "formula",
         "sympy": formula.source,
-        "latex": latex(formula.box),
+        "latex": latex_of(formula.box),
         "text": plain(formula.box),
         "tag": formula.tag,
     }

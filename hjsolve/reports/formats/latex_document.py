@@ -6,6 +6,7 @@ import re
 from unicodedata import decomposition, normalize
 
 from hjsolve.reports.document import (
+    ArgumentStep,
     Block,
     Code,
     Document,
@@ -18,13 +19,12 @@ from hjsolve.reports.document import (
     Number,
     Paragraph,
     Section,
-    Step,
     Steps,
     Strong,
     Table,
     Text,
 )
-from hjsolve.reports.formulas.latex import escape, latex
+from hjsolve.reports.formulas.latex import escape, latex_of
 from hjsolve.reports.formulas.layout import Grid
 from hjsolve.reports.formulas.names import GREEK
 
@@ -114,14 +114,14 @@ def _block(block: Block) -> str:
 
 def _formula(formula: Formula) -> str:
     tag = rf"\tag*{{\footnotesize {_plain(formula.tag)}}}" if formula.tag else ""
-    body = latex(formula.box)
+    body = latex_of(formula.box)
     if isinstance(formula.box, Grid) and not formula.box.left:
         return f"\\begin{{equation*}}\n{body}{tag}\n\\end{{equation*}}"
     fit = r"\resizebox{\ifdim\width>0.8\linewidth 0.8\linewidth\else\width\fi}{!}"
     return f"\\begin{{equation*}}\n{fit}{{$\\displaystyle {body}$}}{tag}\n\\end{{equation*}}"
 
 
-def _step(step: Step) -> str:
+def _step(step: ArgumentStep) -> str:
     formula = "\n" + _formula(step.formula) if step.formula else ""
     return rf"\item \textbf{{{_plain(step.title)}.}} {_text(step.text)}{formula}"
 
@@ -147,7 +147,7 @@ def _inline(piece: Inline) -> str:
         case str():
             return _plain(piece)
         case Mathematics(box):
-            return f"${latex(box)}$"
+            return f"${latex_of(box)}$"
         case Code(text):
             return rf"\texttt{{{_plain(text)}}}"
         case Strong(text):

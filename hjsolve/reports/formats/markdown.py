@@ -5,6 +5,7 @@ from __future__ import annotations
 from base64 import b64encode
 
 from hjsolve.reports.document import (
+    ArgumentStep,
     Block,
     Code,
     Document,
@@ -17,20 +18,19 @@ from hjsolve.reports.document import (
     Number,
     Paragraph,
     Section,
-    Step,
     Steps,
     Strong,
     Table,
     Text,
 )
 from hjsolve.reports.drawings.svg import standalone
-from hjsolve.reports.formulas.latex import latex
+from hjsolve.reports.formulas.latex import latex_of
 from hjsolve.reports.sections.rounded_numbers import raised
 
 _SPECIAL = str.maketrans({letter: f"\\{letter}" for letter in "\\`*_[]<>|$#"})
 
 
-def markdown(document: Document) -> str:
+def markdown_page(document: Document) -> str:
     """Write a document as Markdown.
 
     Args:
@@ -70,10 +70,10 @@ def _block(block: Block) -> str:
 
 def _formula(formula: Formula) -> str:
     tag = rf" \qquad \text{{{formula.tag}}}" if formula.tag else ""
-    return f"$$\n{latex(formula.box)}{tag}\n$$"
+    return f"$$\n{latex_of(formula.box)}{tag}\n$$"
 
 
-def _step(number: int, step: Step) -> str:
+def _step(number: int, step: ArgumentStep) -> str:
     body = f"{number}. **{_plain(step.title)}.** {_text(step.text)}"
     if step.formula is None:
         return body
@@ -111,7 +111,7 @@ def _inline(piece: Inline) -> str:
         case str():
             return _plain(piece)
         case Mathematics(box):
-            return f"${latex(box)}$"
+            return f"${latex_of(box)}$"
         case Code(text):
             return f"`{text}`"
         case Strong(text):

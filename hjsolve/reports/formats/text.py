@@ -6,6 +6,7 @@ from itertools import zip_longest
 from textwrap import fill
 
 from hjsolve.reports.document import (
+    ArgumentStep,
     Block,
     Code,
     Document,
@@ -18,7 +19,6 @@ from hjsolve.reports.document import (
     Number,
     Paragraph,
     Section,
-    Step,
     Steps,
     Strong,
     Table,
@@ -30,7 +30,7 @@ from hjsolve.reports.sections.rounded_numbers import raised
 _WIDTH = 96
 
 
-def text(document: Document) -> str:
+def text_page(document: Document) -> str:
     """Write a document as text.
 
     Args:
@@ -87,7 +87,7 @@ def _formula(formula: Formula, indent: str) -> str:
     return "\n".join(indent + line for line in plain(formula.box).splitlines()) + tag
 
 
-def _step(number: int, step: Step) -> str:
+def _step(number: int, step: ArgumentStep) -> str:
     body = wrapped((f"{number}. {step.title}. ", *step.text), "  ")
     return body + ("\n" + _formula(step.formula, "       ") if step.formula else "")
 

@@ -10,7 +10,19 @@ import sympy as sp
 from sympy.core.function import AppliedUndef
 from sympy.core.relational import Relational
 
-from hjsolve.reports.formulas.layout import Box, Definite, Fence, Fraction, Glyph, Grid, Root, Row, Script, row, width
+from hjsolve.reports.formulas.layout import (
+    Box,
+    Definite,
+    Fence,
+    Fraction,
+    Glyph,
+    Grid,
+    RadicalBox,
+    RowBox,
+    Script,
+    row,
+    width,
+)
 from hjsolve.reports.formulas.names import FUNCTION_NAMES, name_box
 
 RELATIONS = {"==": "=", "!=": "≠", "<=": "≤", ">=": "≥", "<": "<", ">": ">"}
@@ -34,7 +46,7 @@ def box(expression: sp.Basic) -> Box:
     return Glyph(str(expression), "text")
 
 
-def tidy(expression: sp.Basic) -> sp.Basic:
+def constants_outside(expression: sp.Basic) -> sp.Basic:
     """Take constant factors and signs out of integrals, for reading; the value stays the same.
 
     Args:
@@ -168,7 +180,7 @@ def _power(expression: sp.Pow) -> Box:
     if exponent.is_Rational and exponent.is_negative:
         return Fraction(Glyph("1", "number"), box(base ** (-exponent)))
     if exponent.is_Rational and exponent.p == 1 and exponent.q != 1:
-        return Root(box(base), None if exponent.q == 2 else Glyph(str(exponent.q), "number"))
+        return RadicalBox(box(base), None if exponent.q == 2 else Glyph(str(exponent.q), "number"))
     if isinstance(base, sp.Function) and not isinstance(base, sp.exp | sp.Abs | AppliedUndef) and exponent.is_Integer:
         return _call(base, box(exponent))
     if isinstance(base, sp.Symbol):
@@ -188,7 +200,7 @@ def on_a_line(inner: Box) -> Box:
     Returns:
         The flat box.
     """
-    items = inner.items if isinstance(inner, Row) else (inner,)
+    items = inner.items if isinstance(inner, RowBox) else (inner,)
     flat: list[Box] = []
     for item, following in zip(items, [*items[1:], None]):
         factor = following is not None and not (isinstance(following, Glyph) and following.kind == "operator")
@@ -200,11 +212,11 @@ def _slashed(item: Box) -> Box:
     if not isinstance(item, Fraction):
         return item
     top, bottom = (Fence(part) if _compound(part) else part for part in (item.top, item.bottom))
-    return row(top, Glyph("/", "operator"), Fence(bottom) if isinstance(bottom, Row) else bottom)
+    return row(top, Glyph("/", "operator"), Fence(bottom) if isinstance(bottom, RowBox) else bottom)
 
 
 def _compound(part: Box) -> bool:
-    return isinstance(part, Row) and any(isinstance(item, Glyph) and item.text in {PLUS, MINUS} for item in part.items)
+    return isinstance(part, RowBox) and any(isinstance(item, Glyph) and item.text in {PLUS, MINUS} for item in part.items)
 
 
 def _call(expression: sp.Function, power: Box | None = None) -> Box:

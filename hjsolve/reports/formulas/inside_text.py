@@ -14,7 +14,7 @@ from dataclasses import dataclass
 from hjsolve.formulas.checked_arithmetic import FUNCTIONS
 from hjsolve.reports.document import Mathematics
 from hjsolve.reports.formulas.from_sympy import APPLY, MINUS, TIMES, on_a_line
-from hjsolve.reports.formulas.layout import Box, Fence, Fraction, Glyph, Root, Script, row
+from hjsolve.reports.formulas.layout import Box, Fence, Fraction, Glyph, RadicalBox, Script, row
 from hjsolve.reports.formulas.names import FUNCTION_NAMES, GREEK, name_box
 
 _TOKEN = re.compile(r" *(?:(?P<number>\d+(?:\.\d+)?)|(?P<name>[A-Za-z]\w*)|(?P<operator>\*\*|->|-\+|\+-|[-+*/^=(),]))")
@@ -166,7 +166,7 @@ class _Reader:
             return factor and _Found(row(number, factor.box), factor.end)
         if not token["name"] or self.text[token.end() : token.end() + 1] == "(" or not self._known(token["name"]):
             return None
-        return _Found(named(token["name"], self.names), token.end())
+        return _Found(typeset_name(token["name"], self.names), token.end())
 
     def _call(self, token: re.Match[str]) -> _Found | None:
         name, opening = token["name"], self._token(token.end())
@@ -177,7 +177,7 @@ class _Reader:
             return None
         inside = argument.box.body
         if name == "sqrt":
-            return self._raised(_Found(Root(inside), argument.end))
+            return self._raised(_Found(RadicalBox(inside), argument.end))
         if name == "dot":
             token_inside = self._token(opening.end())
             assert token_inside is not None
@@ -205,7 +205,7 @@ def several(name: str, names: Collection[str]) -> list[str]:
     return indices if len(letter) == 1 and indices and all(index in names for index in indices) else []
 
 
-def named(name: str, names: Collection[str]) -> Box:
+def typeset_name(name: str, names: Collection[str]) -> Box:
     """Set a name; E_x_y has two indices with a comma between them."""
     indices = several(name, names)
     if len(indices) < 2:

@@ -2,7 +2,18 @@
 
 from __future__ import annotations
 
-from hjsolve.reports.formulas.layout import Box, Definite, Dotted, Fence, Fraction, Glyph, Grid, Root, Row, Script
+from hjsolve.reports.formulas.layout import (
+    Box,
+    Definite,
+    Dotted,
+    Fence,
+    Fraction,
+    Glyph,
+    Grid,
+    RadicalBox,
+    RowBox,
+    Script,
+)
 from hjsolve.reports.formulas.names import GREEK
 
 _LETTERS = {
@@ -32,7 +43,7 @@ _WORDS = tuple(f"\\{name}" for name in sorted(_NAMED)) + (r"\sqrt", r"\int", r"\
 _SIGNS = {"∫": r"\int", "∑": r"\sum"}
 
 
-def latex(box: Box) -> str:
+def latex_of(box: Box) -> str:
     r"""Write a box as LaTeX mathematics, without the dollar signs.
 
     Args:
@@ -44,19 +55,19 @@ def latex(box: Box) -> str:
     match box:
         case Glyph():
             return _glyph(box)
-        case Row(items):
+        case RowBox(items):
             return "".join(_row_items(items))
         case Fraction(top, bottom):
-            return rf"\frac{{{latex(top)}}}{{{latex(bottom)}}}"
-        case Root(body, index):
-            return rf"\sqrt{f'[{latex(index)}]' if index else ''}{{{latex(body)}}}"
+            return rf"\frac{{{latex_of(top)}}}{{{latex_of(bottom)}}}"
+        case RadicalBox(body, index):
+            return rf"\sqrt{f'[{latex_of(index)}]' if index else ''}{{{latex_of(body)}}}"
         case Script(base, sub, sup):
-            scripts = (f"_{{{latex(sub)}}}" if sub else "") + (f"^{{{latex(sup)}}}" if sup else "")
-            return latex(base) + scripts
+            scripts = (f"_{{{latex_of(sub)}}}" if sub else "") + (f"^{{{latex_of(sup)}}}" if sup else "")
+            return latex_of(base) + scripts
         case Dotted(base):
-            return rf"\dot{{{latex(base)}}}"
+            return rf"\dot{{{latex_of(base)}}}"
         case Fence(body, left, right):
-            return rf"\left{left}{latex(body)}\right{right}"
+            return rf"\left{left}{latex_of(body)}\right{right}"
         case Grid():
             return _grid(box)
         case Definite():
@@ -79,7 +90,7 @@ def _glyph(glyph: Glyph) -> str:
             return _OPERATORS.get(glyph.text, glyph.text)
         case _:
             if "′" in glyph.text:
-                return latex(Glyph(glyph.text.rstrip("′"))) + "'" * glyph.text.count("′")
+                return latex_of(Glyph(glyph.text.rstrip("′"))) + "'" * glyph.text.count("′")
             if glyph.text in _LETTERS:
                 return _LETTERS[glyph.text]
             return glyph.text if len(glyph.text) == 1 else rf"\mathrm{{{escape(glyph.text)}}}"
@@ -90,7 +101,7 @@ def _row_items(items: tuple[Box, ...]) -> list[str]:
     parts: list[str] = []
     before: Box | None = None
     for item in items:
-        text = latex(item)
+        text = latex_of(item)
         if not text:
             continue
         spaced = before is not None and not (isinstance(before, Glyph) and before.kind in {"operator", "function"})
@@ -110,21 +121,21 @@ def _ends_in_control_word(text: str) -> bool:
 
 
 def _grid(grid: Grid) -> str:
-    body = r" \\ ".join(" & ".join(latex(cell) for cell in cells) for cells in grid.rows)
+    body = r" \\ ".join(" & ".join(latex_of(cell) for cell in cells) for cells in grid.rows)
     if grid.left == "(":
         return rf"\begin{{pmatrix}} {body} \end{{pmatrix}}"
     if grid.left == "{":
         return rf"\begin{{cases}} {body} \end{{cases}}"
     if grid.align == "l":  # aligned begins with a column that is flush right
-        body = r" \\ ".join("& " + latex(cells[0]) for cells in grid.rows)
+        body = r" \\ ".join("& " + latex_of(cells[0]) for cells in grid.rows)
     return rf"\begin{{aligned}} {body} \end{{aligned}}"
 
 
 def _definite(box: Definite) -> str:
-    lower = f"_{{{latex(box.lower)}}}" if box.lower else ""
-    upper = f"^{{{latex(box.upper)}}}" if box.upper else ""
-    tail = rf"\,\mathrm{{d}}{latex(box.variable)}" if box.variable else ""
-    return f"{_SIGNS[box.sign]}{lower}{upper} {latex(box.body)}{tail}"
+    lower = f"_{{{latex_of(box.lower)}}}" if box.lower else ""
+    upper = f"^{{{latex_of(box.upper)}}}" if box.upper else ""
+    tail = rf"\,\mathrm{{d}}{latex_of(box.variable)}" if box.variable else ""
+    return f"{_SIGNS[box.sign]}{lower}{upper} {latex_of(box.body)}{tail}"
 
 
 def escape(text: str) -> str:

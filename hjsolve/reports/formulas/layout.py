@@ -20,7 +20,7 @@ class Glyph:
 
 
 @dataclass(frozen=True)
-class Row:
+class RowBox:
     """Boxes side by side."""
 
     items: tuple[Box, ...]
@@ -35,7 +35,7 @@ class Fraction:
 
 
 @dataclass(frozen=True)
-class Root:
+class RadicalBox:
     """A root sign; ``index`` is None for a square root."""
 
     body: Box
@@ -91,7 +91,7 @@ class Definite:
     variable: Box | None = None
 
 
-Box: TypeAlias = Glyph | Row | Fraction | Root | Script | Dotted | Fence | Grid | Definite
+Box: TypeAlias = Glyph | RowBox | Fraction | RadicalBox | Script | Dotted | Fence | Grid | Definite
 
 
 def row(*items: Box) -> Box:
@@ -105,8 +105,8 @@ def row(*items: Box) -> Box:
     """
     flat: list[Box] = []
     for item in items:
-        flat.extend(item.items if isinstance(item, Row) else (item,))
-    return flat[0] if len(flat) == 1 else Row(tuple(flat))
+        flat.extend(item.items if isinstance(item, RowBox) else (item,))
+    return flat[0] if len(flat) == 1 else RowBox(tuple(flat))
 
 
 def width(box: Box) -> float:
@@ -121,11 +121,11 @@ def width(box: Box) -> float:
     match box:
         case Glyph(text, kind):
             return len(text) + (1.2 if kind == "operator" and text in "=+−" else 0.1)
-        case Row(items):
+        case RowBox(items):
             return sum(width(item) for item in items)
         case Fraction(top, bottom):
             return max(width(top), width(bottom)) + 0.3
-        case Root(body, _):
+        case RadicalBox(body, _):
             return width(body) + 1.5
         case Script(base, sub, sup):
             return width(base) + 0.7 * max(width(s) if s else 0.0 for s in (sub, sup))

@@ -7,7 +7,7 @@ from collections.abc import Callable
 import sympy as sp
 
 from hjsolve.reports.formulas.from_sympy import box
-from hjsolve.reports.formulas.layout import Box, Glyph, Grid, Row, row, width
+from hjsolve.reports.formulas.layout import Box, Glyph, Grid, RowBox, row, width
 
 LINE = 60.0
 """Letters that fit on a line of a page."""
@@ -41,7 +41,7 @@ def broken(whole: Box, line: float = LINE) -> Box:
         The same box where it fits or has nothing to break at; else a grid without fences, a line a row. The lines of an
         equation with a short left side stand under its right side.
     """
-    if not isinstance(whole, Row) or width(whole) <= line:
+    if not isinstance(whole, RowBox) or width(whole) <= line:
         return whole
     parts = _split(whole.items, lambda item: isinstance(item, Glyph) and item.kind == "text" and item.text[:1] == ",")
     if len(parts) > 1:

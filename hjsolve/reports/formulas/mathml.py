@@ -4,14 +4,25 @@ from __future__ import annotations
 
 from html import escape
 
-from hjsolve.reports.formulas.layout import Box, Definite, Dotted, Fence, Fraction, Glyph, Grid, Root, Row, Script
+from hjsolve.reports.formulas.layout import (
+    Box,
+    Definite,
+    Dotted,
+    Fence,
+    Fraction,
+    Glyph,
+    Grid,
+    RadicalBox,
+    RowBox,
+    Script,
+)
 from hjsolve.reports.formulas.one_line_text import plain
 
 _THIN = '<mspace width="0.17em"/>'
 _COLUMN = {"l": "text-align:left", "r": "text-align:right", "c": "text-align:center"}
 
 
-def mathml(box: Box, *, block: bool = False) -> str:
+def mathml_of(box: Box, *, block: bool = False) -> str:
     """Write a box as a ``<math>`` element, with the same formula in plain text for those who cannot see it.
 
     Args:
@@ -30,13 +41,13 @@ def _write(box: Box) -> str:
     match box:
         case Glyph():
             return _glyph(box)
-        case Row(items):
+        case RowBox(items):
             return f"<mrow>{''.join(_row_items(items))}</mrow>"
         case Fraction(top, bottom):
             return f"<mfrac>{_write(top)}{_write(bottom)}</mfrac>"
-        case Root(body, None):
+        case RadicalBox(body, None):
             return f"<msqrt>{_write(body)}</msqrt>"
-        case Root(body, index):
+        case RadicalBox(body, index):
             return f"<mroot>{_write(body)}{_write(index)}</mroot>" if index else ""
         case Script():
             return _script(box)
@@ -88,8 +99,8 @@ def _needs_space(before: Box, item: Box) -> bool:
     starts_function = isinstance(head, Glyph) and head.kind == "function"
     return (
         starts_function
-        or isinstance(item, Definite | Root)
-        or isinstance(before, Root)
+        or isinstance(item, Definite | RadicalBox)
+        or isinstance(before, RadicalBox)
         or _wide_name(head)
         or _wide_name(before)
     )

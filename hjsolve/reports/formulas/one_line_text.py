@@ -6,7 +6,18 @@ import re
 import unicodedata
 
 from hjsolve.formulas.checked_arithmetic import FUNCTIONS
-from hjsolve.reports.formulas.layout import Box, Definite, Dotted, Fence, Fraction, Glyph, Grid, Root, Row, Script
+from hjsolve.reports.formulas.layout import (
+    Box,
+    Definite,
+    Dotted,
+    Fence,
+    Fraction,
+    Glyph,
+    Grid,
+    RadicalBox,
+    RowBox,
+    Script,
+)
 from hjsolve.reports.formulas.names import FUNCTION_NAMES, name_box
 
 _SUPERSCRIPTS = dict(zip("0123456789−-+nT", "⁰¹²³⁴⁵⁶⁷⁸⁹⁻⁻⁺ⁿᵀ"))
@@ -45,11 +56,11 @@ def plain(box: Box) -> str:
             return "∂"  # dx could be a letter
         case Glyph(text, kind):
             return text if kind != "operator" or text != "\u2061" else " "
-        case Row(items):
+        case RowBox(items):
             return _row(items)
         case Fraction(top, bottom):
             return _fraction(top, bottom)
-        case Root(body, index):
+        case RadicalBox(body, index):
             sign = {"3": "∛", "4": "∜"}.get(plain(index), f"root{plain(index)}") if index else "√"
             return f"{sign}{_wrapped(body)}"
         case Script(Glyph("e", "constant"), None, sup) if sup is not None:
@@ -129,10 +140,10 @@ def _touching(left: Box, right: Box) -> bool:
 
 def _atomic(box: Box) -> bool:
     """Tell whether a numerator needs no brackets: factors only, and no function of a bare letter."""
-    if isinstance(box, Row):
+    if isinstance(box, RowBox):
         signs = [item.text for item in box.items if isinstance(item, Glyph) and item.kind == "operator"]
         return not any(sign in _SPACED or sign == "\u2061" for sign in signs) and not _divided(box.items)
-    return isinstance(box, Glyph | Script | Fence | Dotted | Root)
+    return isinstance(box, Glyph | Script | Fence | Dotted | RadicalBox)
 
 
 def _divided(items: tuple[Box, ...]) -> bool:
@@ -141,12 +152,12 @@ def _divided(items: tuple[Box, ...]) -> bool:
 
 def _single(box: Box) -> bool:
     """Tell whether a denominator needs no brackets: a letter, a root, one call of a function, or a differential."""
-    if isinstance(box, Row):
+    if isinstance(box, RowBox):
         head = box.items[0].base if isinstance(box.items[0], Script) else box.items[0]
         kind, rest = head.kind if isinstance(head, Glyph) else "", box.items[1:]
         called = kind == "function" and (len(rest) == 1 or (len(rest) == 2 and rest[0] == _APPLY))
         return called or (kind == "differential" and len(rest) == 1 and isinstance(rest[0], Glyph | Script))
-    return isinstance(box, Glyph | Script | Fence | Dotted | Root)
+    return isinstance(box, Glyph | Script | Fence | Dotted | RadicalBox)
 
 
 def _wrapped(box: Box) -> str:

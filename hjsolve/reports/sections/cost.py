@@ -14,7 +14,7 @@ from hjsolve.errors import HJSolveError, InvalidInputError
 from hjsolve.motion.motion import Motion
 from hjsolve.reports.document import Block, Code, Document, Figures, Note, Paragraph, Section, Table, Text
 from hjsolve.reports.drawings.work_precision import figure
-from hjsolve.reports.sections.rounded_numbers import seconds
+from hjsolve.reports.sections.rounded_numbers import written_duration
 from hjsolve.scenes import Scene
 
 Wish: TypeAlias = bool | float
@@ -70,7 +70,7 @@ def _cheapest(table: Cost) -> Table | None:
     for digits in _ASKED:
         found = [table.cheapest(digits, covers) for covers, _ in columns]
         if any(found):
-            cells = ("–" if best is None else f"{best.method}, {_nowrap(seconds(best.seconds or 0))}" for best in found)
+            cells = ("–" if best is None else f"{best.method}, {_nowrap(written_duration(best.seconds or 0))}" for best in found)
             rows.append(((str(digits),), *((cell,) for cell in cells)))
     head: tuple[Text, ...] = (("Right digits",), *((name,) for _, name in columns))
     return Table(head, tuple(rows), "The cheapest way to a number of right digits") if rows else None
@@ -135,7 +135,7 @@ def cost_document(table: Cost) -> Document:
     answer: Text = ("No method reached 12 right digits.",)
     if best is not None and best.seconds is not None:
         reached = "15" if table.cheapest(15) is best else "12"
-        how = f"{best.method}: {seconds(best.seconds)}"
+        how = f"{best.method}: {written_duration(best.seconds)}"
         answer = (f"The cheapest way to {reached} right digits of all that is wanted is {how}.",)
     return Document(table.title, table.id, answer, (cost_section(table),))
 

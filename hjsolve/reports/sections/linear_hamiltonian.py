@@ -12,7 +12,7 @@ from hjsolve.reports.document import Block, Document, Mathematics, Note, Paragra
 from hjsolve.reports.formulas.from_sympy import box
 from hjsolve.reports.formulas.layout import Glyph, Script, row
 from hjsolve.reports.formulas.names import name_box
-from hjsolve.reports.sections.prose import domain_text, prose
+from hjsolve.reports.sections.prose import domain_text, typeset_prose
 from hjsolve.reports.sections.system_and_verdict import EQUALS, formula, math
 
 if TYPE_CHECKING:
@@ -21,7 +21,7 @@ if TYPE_CHECKING:
 _SHOWN = 9
 
 
-def answer(problem: LinearHamiltonian) -> Text:
+def hamiltonian_answer(problem: LinearHamiltonian) -> Text:
     """Say in one sentence what the verdict is."""
     q = Mathematics(name_box(problem.coordinate.name))
     return (
@@ -40,7 +40,7 @@ def given_section(problem: LinearHamiltonian, meanings: Mapping[str, tuple[str, 
     """
     c = problem.coordinate
     unit, meaning = meanings.get(c.name, ("", ""))
-    blocks: list[Block] = [Paragraph(prose(summary, problem))] if summary else []
+    blocks: list[Block] = [Paragraph(typeset_prose(summary, problem))] if summary else []
     blocks.append(formula(Glyph("H"), problem.hamiltonian))
     cells: tuple[Text, ...] = ((Mathematics(name_box(c.name)),), domain_text(c.domain, c.name))
     blocks.append(
@@ -58,7 +58,7 @@ def given_section(problem: LinearHamiltonian, meanings: Mapping[str, tuple[str, 
     return Section("system", "The system", tuple(blocks))
 
 
-def solution_sections(problem: LinearHamiltonian) -> list[Section]:
+def hamiltonian_solution_sections(problem: LinearHamiltonian) -> list[Section]:
     """Give p(q; E), W and S, and the time law."""
     name = problem.coordinate.name
     E = Glyph("E")
@@ -82,13 +82,13 @@ def solution_sections(problem: LinearHamiltonian) -> list[Section]:
     ]
 
 
-def motion_section(motion: LinearMotion, summary: str) -> Section:
+def hamiltonian_motion_section(motion: LinearMotion, summary: str) -> Section:
     """Give the energy of one motion and where it is at some times, each number with its error."""
     from hjsolve.arithmetic.estimate import Estimate
     from hjsolve.reports.sections.rounded_numbers import quantity
 
     c = motion.problem.coordinate
-    told: Any = (": ", *prose(summary, motion.problem)) if summary else ()
+    told: Any = (": ", *typeset_prose(summary, motion.problem)) if summary else ()
     times = [motion.t0 + sp.Rational(k, 2) for k in range(_SHOWN)]
     rows: list[tuple[Text, ...]] = []
     for t in times:
@@ -123,8 +123,8 @@ def hamiltonian_document(
         motion: one motion of it, or None.
         about: what the catalog says about that motion.
     """
-    sections = [given_section(problem, meanings, summary), *solution_sections(problem)]
+    sections = [given_section(problem, meanings, summary), *hamiltonian_solution_sections(problem)]
     if motion is not None:
-        sections.append(motion_section(motion, about))
+        sections.append(hamiltonian_motion_section(motion, about))
     title = problem.title or "A Hamiltonian of one degree of freedom"
-    return Document(title, problem.id, answer(problem), tuple(sections), "yes")
+    return Document(title, problem.id, hamiltonian_answer(problem), tuple(sections), "yes")

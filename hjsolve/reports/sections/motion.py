@@ -29,13 +29,13 @@ from hjsolve.reports.document import (
     Text,
 )
 from hjsolve.reports.drawings import orbit_paths
-from hjsolve.reports.drawings.effective_potential import Array, values_of, well
+from hjsolve.reports.drawings.effective_potential import Array, effective_potential_of, exact_values_of
 from hjsolve.reports.drawings.motion_figures import effective_potential, phase_portrait, potential_name
 from hjsolve.reports.formulas.layout import Glyph, Script
 from hjsolve.reports.formulas.names import name_box
 from hjsolve.reports.formulas.one_line_text import spoken
-from hjsolve.reports.sections.prose import prose
-from hjsolve.reports.sections.rounded_numbers import quantity, seconds, terminating
+from hjsolve.reports.sections.prose import typeset_prose
+from hjsolve.reports.sections.rounded_numbers import quantity, terminating, written_duration
 from hjsolve.reports.sections.system_and_verdict import exactly, formula
 
 DASH: Text = ("–",)
@@ -52,11 +52,11 @@ def motion_section(motion: Any, trace: orbit_paths.Trace, summary: str) -> Secti
     Returns:
         The section.
     """
-    told = (": ", *prose(summary, motion.solution.system)) if summary else ()
+    told = (": ", *typeset_prose(summary, motion.solution.system)) if summary else ()
     blocks: list[Block] = [Paragraph(("One motion, as an example", *told, ".")), _initial(motion)]
     names = motion.solution.coordinates
     for i, name in enumerate(names):
-        view = well(motion, name)
+        view = effective_potential_of(motion, name)
         plain = bool(sp.expand(view.formula - motion.solution.system.potential) == 0)
         several = len(names) > 1
         blocks.append(formula(potential_name(view, several=several, plain=plain), view.formula))
@@ -74,7 +74,7 @@ def motion_section(motion: Any, trace: orbit_paths.Trace, summary: str) -> Secti
 
 
 def _initial(motion: Any) -> Table:
-    values = values_of(motion)
+    values = exact_values_of(motion)
     rows = tuple(
         (
             (Mathematics(name_box(c.name)),),
@@ -106,7 +106,7 @@ def _end(motion: Any, name: str, end: Any | None) -> Text:
     if end is None:
         return DASH
     coordinate = motion.solution.system.coordinate(name)
-    values = values_of(motion)
+    values = exact_values_of(motion)
     at_rest = (coordinate.momentum + motion.solution.shift[name]).xreplace(values) == 0
     here = values[coordinate.symbol]
     same = at_rest and abs(mpmath.mpf(sp.N(here, 40)) - mpmath.mpf(end.value)) <= mpmath.mpf(end.error)
@@ -208,7 +208,7 @@ def how_section(clock: Mapping[str, float], motion: Any | None, trace: orbit_pat
                 "drawn above; it differs from E by at most "
             )
             blocks.append(Paragraph((text, Code(f"{drift:.1e}"), ".")))
-    spent = tuple(((part,), (seconds(time),)) for part, time in clock.items())
+    spent = tuple(((part,), (written_duration(time),)) for part, time in clock.items())
     blocks.append(Table((("Part",), ("Time",)), spent, "Time spent"))
     versions = tuple(((name,), (number,)) for name, number in _versions().items())
     blocks.append(Table((("Software",), ("Version",)), versions, "Versions"))
@@ -245,7 +245,7 @@ def energy_drift(motion: Any, trace: orbit_paths.Trace) -> float | None:
     symbols: list[sp.Symbol] = [c.symbol for c in system.coordinates] + [c.momentum for c in system.coordinates]
     arrays: list[Array] = [np.asarray(trace.state.unwrapped(c.name), float) for c in system.coordinates]
     arrays += [np.asarray(trace.state.p[c.name], float) for c in system.coordinates]
-    exact = values_of(motion)
+    exact = exact_values_of(motion)
     rest = sorted(H.free_symbols - set(symbols), key=str)
     with np.errstate(all="ignore"):
         values = lower([H], [*symbols, *rest]).run(Float64(), [*arrays, *(float(sp.N(exact[s], 30)) for s in rest)])[0]

@@ -9,7 +9,7 @@ from hjsolve.extended.linear_hamiltonian import LinearHamiltonian
 from hjsolve.mechanics.system import Domain, System
 from hjsolve.reports.document import Code, Inline, Mathematics, Text
 from hjsolve.reports.formulas.from_sympy import box
-from hjsolve.reports.formulas.inside_text import formulas, named
+from hjsolve.reports.formulas.inside_text import formulas, typeset_name
 from hjsolve.reports.formulas.layout import Box, Glyph, row
 from hjsolve.reports.formulas.names import GREEK, name_box
 from hjsolve.reports.formulas.one_line_text import plain
@@ -29,7 +29,7 @@ _PHRASES = (
 )
 
 
-def prose(text: str, system: System | LinearHamiltonian) -> Text:
+def typeset_prose(text: str, system: System | LinearHamiltonian) -> Text:
     """Set the names and the plain formulas of a sentence as mathematics.
 
     Args:
@@ -84,7 +84,7 @@ def _named(text: str, names: Collection[str]) -> list[Inline]:
     indexed = [rf"[A-Z](?:_(?:{spelled_names}))+"] if names else []
     pattern = "|".join([*(re.escape(n) for n in sorted(telling, key=len, reverse=True)), spelled, *indexed])
     pieces = re.split(rf"(?<![\w.])({pattern})(?!\w)", text)
-    return [Mathematics(named(p, names)) if i % 2 else typeset(p) for i, p in enumerate(pieces) if p]
+    return [Mathematics(typeset_name(p, names)) if i % 2 else typeset(p) for i, p in enumerate(pieces) if p]
 
 
 def domain_text(domain: Domain, name: str) -> Text:

@@ -111,7 +111,7 @@ def shortest(value: Any, digits: int = 15) -> str:
     return str(int(rounded)) if whole else _text(rounded)
 
 
-def seconds(value: float) -> str:
+def written_duration(value: float) -> str:
     """Write a duration with two digits and the unit that suits it.
 
     Args:
@@ -125,7 +125,7 @@ def seconds(value: float) -> str:
     return f"{value * 1e3:.0f} ms" if value < 0.9995 else f"{value:.2g} s" if value < 9.95 else f"{value:.0f} s"
 
 
-def bound(value: Any, *, up: bool, digits: int = 10) -> str:
+def rounded_outward(value: Any, *, up: bool, digits: int = 10) -> str:
     """Write an end of an enclosure, rounded outward.
 
     Args:

@@ -23,7 +23,7 @@ from hjsolve.reports.drawings.effective_potential import Array
 from hjsolve.reports.formulas.names import name_box
 from hjsolve.reports.formulas.one_line_text import spoken
 from hjsolve.reports.sections import solution, system_and_verdict
-from hjsolve.reports.sections.prose import prose
+from hjsolve.reports.sections.prose import typeset_prose
 from hjsolve.reports.sections.rounded_numbers import quantity
 from hjsolve.scenes import Run
 
@@ -74,7 +74,7 @@ def _asked(run: Run) -> Section:
     scene = run.scene
     blocks: list[Block] = []
     if scene.summary:
-        blocks.append(Paragraph(prose(scene.summary, scene.system)))
+        blocks.append(Paragraph(typeset_prose(scene.summary, scene.system)))
     effects = ", ".join(scene.effects) or "none"
     blocks.append(Paragraph(("Effects switched on: ", Code(effects), ". Wanted: ", Code(", ".join(scene.want)), ".")))
     if scene.forces:
@@ -172,7 +172,7 @@ def _graphs(t: Array, series: dict[str, Array], key: str, title: str, time: str)
     for i, (name, values) in enumerate(series.items()):
         top, last = 28.0 + i * (band + 30.0), i == len(series) - 1
         finite = values[np.isfinite(values)]
-        frame = svg.Frame(
+        frame = svg.DrawingFrame(
             (float(t[0]), float(t[-1]) if t[-1] > t[0] else float(t[0]) + 1.0),
             svg.spread(finite if len(finite) else np.zeros(1), 0.1), height=whole, top=top, bottom=whole - top - band,
         )  # fmt: skip
@@ -181,7 +181,7 @@ def _graphs(t: Array, series: dict[str, Array], key: str, title: str, time: str)
         inside.append(svg.curve(frame, t, values, "motion"))
     letter = spoken(time)
     description = f"{', '.join(map(spoken, series))} against {letter} from {letter} = {t[0]:.6g} to {t[-1]:.6g}."
-    board = svg.Frame((0.0, 1.0), (0.0, 1.0), height=whole)
+    board = svg.DrawingFrame((0.0, 1.0), (0.0, 1.0), height=whole)
     data = {time: [float(x) for x in t]} | {name: [float(x) for x in v] for name, v in series.items()}
     drawn = svg.assemble(board, key, title, description, below, inside)
     return Figure(drawn, title, description, (f"{title}.",), data)

@@ -9,12 +9,12 @@ import sympy as sp
 from hjsolve.mechanics.energy_shell import time_name
 from hjsolve.mechanics.system import kinetic_rest
 from hjsolve.reports.document import Block, Formula, Mathematics, Paragraph, Section, Table, Text
-from hjsolve.reports.formulas.from_sympy import box, compact, tidy
+from hjsolve.reports.formulas.from_sympy import box, compact, constants_outside
 from hjsolve.reports.formulas.layout import Box, Fence, Fraction, Glyph, Script, row, width
 from hjsolve.reports.formulas.line_breaks import LINE, broken, display
 from hjsolve.reports.formulas.names import name_box
 from hjsolve.reports.formulas.one_line_text import spoken
-from hjsolve.reports.sections.prose import listed, prose
+from hjsolve.reports.sections.prose import listed, typeset_prose
 from hjsolve.reports.sections.system_and_verdict import EQUALS, equation, formula, math
 from hjsolve.separation import Liouville, Separation, Stackel
 from hjsolve.solution.quadratures import Solution
@@ -167,11 +167,11 @@ def _by_momenta(solution: Solution, expression: sp.Expr) -> sp.Expr:
     for name, square in solution.momentum_squared.items():
         letter = f"P_{name}" if solution.shift[name] != 0 else f"p_{name}"
         letters[square] = sp.Function(letter, positive=True)(solution.system.coordinate(name).symbol) ** 2
-    return tidy(expression.xreplace(letters))
+    return constants_outside(expression.xreplace(letters))
 
 
 def _characteristic_function(solution: Solution) -> Section:
-    function = tidy(solution.characteristic_function)
+    function = constants_outside(solution.characteristic_function)
     words = "Hamilton's characteristic function; its derivatives by the coordinates are the momenta:"
     if _is_long(solution):
         function = _by_momenta(solution, solution.characteristic_function)
@@ -194,7 +194,7 @@ def _characteristic_function(solution: Solution) -> Section:
             blocks.append(formula(name_box(f"p_{name}"), solution.momenta[name]))
     blocks += [formula(name_box(f"p_{name}"), solution.momenta[name]) for name in solution.separation.shell.null]
     rows = tuple(
-        ((Mathematics(name_box(name)),), prose(c.meaning, solution.system), (math(c.expression),))
+        ((Mathematics(name_box(name)),), typeset_prose(c.meaning, solution.system), (math(c.expression),))
         for name, c in solution.constants.items()
     )
     blocks.append(Table((("Constant",), ("Meaning",), ("In terms of q and p",)), rows, "Constants of the motion"))

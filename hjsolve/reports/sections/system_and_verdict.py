@@ -10,6 +10,7 @@ import sympy as sp
 
 from hjsolve.mechanics.system import System, hamiltonian, linear_terms, mass_matrix, momenta
 from hjsolve.reports.document import (
+    ArgumentStep,
     Block,
     Code,
     Formula,
@@ -18,18 +19,17 @@ from hjsolve.reports.document import (
     Number,
     Paragraph,
     Section,
-    Step,
     Steps,
     Strong,
     Table,
     Text,
 )
-from hjsolve.reports.formulas.from_sympy import box, tidy
+from hjsolve.reports.formulas.from_sympy import box, constants_outside
 from hjsolve.reports.formulas.layout import Box, Fraction, Glyph, Script, row
 from hjsolve.reports.formulas.line_breaks import LINE, broken, display
 from hjsolve.reports.formulas.names import name_box
-from hjsolve.reports.sections.prose import domain_text, listed, prose, typeset
-from hjsolve.reports.sections.rounded_numbers import bound, shortest, terminating
+from hjsolve.reports.sections.prose import domain_text, listed, typeset, typeset_prose
+from hjsolve.reports.sections.rounded_numbers import rounded_outward, shortest, terminating
 from hjsolve.separation import Obstruction, Separation, Undecided
 from hjsolve.separation.zero_test.zero_test import Zero, is_zero
 
@@ -92,7 +92,7 @@ def equation(relation: sp.Basic, tag: str = "") -> Formula:
     """
     shown = relation
     if isinstance(relation, sp.Eq):
-        shown = sp.Eq(relation.lhs, tidy(relation.rhs), evaluate=False)
+        shown = sp.Eq(relation.lhs, constants_outside(relation.rhs), evaluate=False)
     return Formula(display(shown), str(relation), tag)
 
 
@@ -108,7 +108,7 @@ def system_section(system: System, meanings: Mapping[str, tuple[str, str]], summ
     Returns:
         The section.
     """
-    blocks: list[Block] = [Paragraph(prose(summary, system))] if summary else []
+    blocks: list[Block] = [Paragraph(typeset_prose(summary, system))] if summary else []
     if system.relativity is not None:
         blocks.append(Paragraph((RELATIVISTIC,)))
     blocks += [formula(Glyph("T"), system.kinetic), formula(Glyph("V"), system.potential)]
@@ -162,7 +162,7 @@ def _coordinates(system: System, meanings: Mapping[str, tuple[str, str]]) -> Tab
 
 
 def _meaning(system: System, unit: str, meaning: str) -> tuple[Text, Text]:
-    return prose(meaning, system), (typeset(unit),)
+    return typeset_prose(meaning, system), (typeset(unit),)
 
 
 def _parameters(system: System) -> Table:
@@ -192,13 +192,13 @@ def steps_block(steps: Sequence[Any], system: System) -> Steps:
     """Write an argument of the symbolic half.
 
     Args:
-        steps: its ``Step`` values.
+        steps: its ``ArgumentStep`` values.
         system: whose names they use.
 
     Returns:
         The argument.
     """
-    return Steps(tuple(Step(s.title, prose(s.explanation, system), _step_formula(s.title, s.formula)) for s in steps))
+    return Steps(tuple(ArgumentStep(s.title, typeset_prose(s.explanation, system), _step_formula(s.title, s.formula)) for s in steps))
 
 
 def _step_formula(title: str, result: sp.Basic | None) -> Formula | None:
@@ -354,9 +354,9 @@ def refusal_section(verdict: Obstruction | Undecided) -> Section:
                     "A witness that it does not: at ",
                     *_point(point),
                     " it is proved to lie between ",
-                    Code(bound(verdict.witness.lower, up=False)),
+                    Code(rounded_outward(verdict.witness.lower, up=False)),
                     " and ",
-                    Code(bound(verdict.witness.upper, up=True)),
+                    Code(rounded_outward(verdict.witness.upper, up=True)),
                     ".",
                 )
             )
@@ -365,7 +365,7 @@ def refusal_section(verdict: Obstruction | Undecided) -> Section:
         blocks.append(
             Paragraph(("At ", *_point(verdict.point), " it is, to 40 digits, ", Code(shortest(verdict.value, 40)), "."))
         )
-    blocks.append(Note(prose(verdict.advice, verdict.system)))
+    blocks.append(Note(typeset_prose(verdict.advice, verdict.system)))
     title = "The obstruction" if isinstance(verdict, Obstruction) else "What is left open"
     return Section("obstruction", title, tuple(blocks))
 

@@ -8,7 +8,7 @@ import sympy as sp
 from mpmath import mp
 
 from hjsolve.algebra.field import Element
-from hjsolve.algebra.readable import cost, readable
+from hjsolve.algebra.readable import printed_length, shortest_form
 from hjsolve.algebra.reader import Reader
 from hjsolve.mechanics.coordinates_and_parameters import free_name
 from hjsolve.mechanics.energy_shell import Shell, domain_bounds
@@ -68,8 +68,8 @@ def _sign_of_time(shell: Shell, coordinate: Coordinate) -> int:
 
 def _separation_constants(shell: Shell, reader: Reader, matrix: Matrix) -> list[Constant]:
     """α = Φ⁻¹(½P² + ψ), from Stäckel's separated equations (Greenwood (5-142))."""
-    inverted = inverse(reader, matrix.rows, [reader.element(g) for g in shell.inverse_metric])
-    separated = [X + readable(reader, ψ) for X, ψ in zip(shell.momentum_terms, matrix.column, strict=True)]
+    inverted = inverse_stackel_matrix(reader, matrix.rows, [reader.element(g) for g in shell.inverse_metric])
+    separated = [X + shortest_form(reader, ψ) for X, ψ in zip(shell.momentum_terms, matrix.column, strict=True)]
     taken = set(shell.system.symbols)
     meanings = [""] * len(inverted) if shell.null else Naming(shell, reader)(inverted[1:], matrix.column)
     names = [c.name for c in shell.coordinates]
@@ -80,13 +80,13 @@ def _separation_constants(shell: Shell, reader: Reader, matrix: Matrix) -> list[
         text = f"separation constant shared by {', '.join(holds)}"
         if known := meanings[j - 1]:
             text = f"{text}: {known}"
-        weights = [readable(reader, x) for x in inverted[j]]
+        weights = [shortest_form(reader, x) for x in inverted[j]]
         expression = sp.Add(*(w * square for w, square in zip(weights, separated)))
         found.append(Constant(name, sp.Symbol(name, real=True), expression, text))
     return found
 
 
-def inverse(reader: Reader, rows: Sequence[Sequence[Element]], metric: Sequence[Element]) -> list[list[Element]]:
+def inverse_stackel_matrix(reader: Reader, rows: Sequence[Sequence[Element]], metric: Sequence[Element]) -> list[list[Element]]:
     """Φ⁻¹ by cofactors; its first row is the metric, so 1/det Φ is gⁱⁱ over the cofactor of Φᵢ₁ and stays factored.
 
     Elimination would divide by pivots that cancel in the end, and multiply out what does not.
@@ -116,6 +116,6 @@ def inverse(reader: Reader, rows: Sequence[Sequence[Element]], metric: Sequence[
         return minor(tuple(k for k in n if k != i), tuple(k for k in n if k != j)) * (-1) ** (i + j)
 
     regular = [i for i in n if not cofactor(i, 0).is_zero]
-    pivot = min(regular, key=lambda i: cost(cofactor(i, 0)) + cost(metric[i]))
+    pivot = min(regular, key=lambda i: printed_length(cofactor(i, 0)) + printed_length(metric[i]))
     share = metric[pivot] / cofactor(pivot, 0)
     return [[field.cancelled(share * cofactor(i, j)) for i in n] for j in n]

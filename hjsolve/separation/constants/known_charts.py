@@ -37,7 +37,7 @@ class Integral:
 
 
 @dataclass(frozen=True)
-class Chart:
+class KnownChart:
     """Coordinates with a name.
 
     Attributes:
@@ -94,27 +94,27 @@ _TOTAL = "L the total angular momentum"
 _AXIAL = "L_z the angular momentum about the axis"
 
 CHARTS = (
-    Chart(
+    KnownChart(
         "polar",
         lambda r, θ: (sp.S.One, r**2),
         (Integral(L**2, "L the angular momentum", lambda r, θ: (sp.S.Zero, sp.S.One)),),
     ),
-    Chart(
+    KnownChart(
         "parabolic",
         lambda u, v: (u**2 + v**2,) * 2,
         (Integral(A, _RUNGE_LENZ, _parabolic, _along, _KEPLER),),
     ),
-    Chart(
+    KnownChart(
         "elliptic",
         lambda u, v: (sp.sinh(u) ** 2 + sp.sin(v) ** 2,) * 2,
         (Integral(L1 * L2, _FOCI, _confocal),),
     ),
-    Chart(
+    KnownChart(
         "circular cylinder",
         lambda r, θ, z: (sp.S.One, r**2, sp.S.One),
         (Integral(L_Z**2, _AXIAL, lambda r, θ, z: (sp.S.Zero, sp.S.One, sp.S.Zero)),),
     ),
-    Chart(
+    KnownChart(
         "spherical",
         lambda r, θ, φ: (sp.S.One, r**2, r**2 * sp.sin(θ) ** 2),
         (
@@ -122,7 +122,7 @@ CHARTS = (
             Integral(L**2, _TOTAL, lambda r, θ, φ: (sp.S.Zero, sp.S.One, sp.sin(θ) ** -2)),
         ),
     ),
-    Chart(
+    KnownChart(
         "spherical, with latitude",
         lambda r, θ, φ: (sp.S.One, r**2, r**2 * sp.cos(θ) ** 2),
         (
@@ -130,7 +130,7 @@ CHARTS = (
             Integral(L**2, _TOTAL, lambda r, θ, φ: (sp.S.Zero, sp.S.One, sp.cos(θ) ** -2)),
         ),
     ),
-    Chart(
+    KnownChart(
         "rotational parabolic",
         lambda u, v, φ: (u**2 + v**2, u**2 + v**2, u**2 * v**2),
         (
@@ -144,7 +144,7 @@ CHARTS = (
             ),
         ),
     ),
-    Chart(
+    KnownChart(
         "prolate spheroidal",
         lambda u, v, φ: (*((sp.sinh(u) ** 2 + sp.sin(v) ** 2,) * 2), sp.sinh(u) ** 2 * sp.sin(v) ** 2),
         (
@@ -159,7 +159,7 @@ CHARTS = (
             ),
         ),
     ),
-    Chart(
+    KnownChart(
         "oblate spheroidal",
         lambda u, v, φ: (*((sp.cosh(u) ** 2 - sp.sin(v) ** 2,) * 2), sp.cosh(u) ** 2 * sp.sin(v) ** 2),
         (
@@ -174,7 +174,7 @@ CHARTS = (
             ),
         ),
     ),
-    Chart(
+    KnownChart(
         "parabolic cylinder",
         lambda u, v, z: (u**2 + v**2, u**2 + v**2, sp.S.One),
         (
@@ -185,7 +185,7 @@ CHARTS = (
             ),
         ),
     ),
-    Chart(
+    KnownChart(
         "elliptic cylinder",
         lambda u, v, z: (*((sp.sinh(u) ** 2 + sp.sin(v) ** 2,) * 2), sp.S.One),
         (
@@ -197,12 +197,12 @@ CHARTS = (
         ),
         frozenset({2}),
     ),
-    Chart(
+    KnownChart(
         "elliptic, x = a ξ η",
         lambda ξ, η: ((ξ**2 - η**2) / (ξ**2 - 1), (ξ**2 - η**2) / (1 - η**2)),
         (Integral(L1 * L2, _FOCI, _confocal_algebraic),),
     ),
-    Chart(
+    KnownChart(
         "prolate spheroidal, z = a ξ η",
         lambda ξ, η, φ: (
             (ξ**2 - η**2) / (ξ**2 - 1),
@@ -221,12 +221,12 @@ CHARTS = (
             ),
         ),
     ),
-    Chart(
+    KnownChart(
         "parabolic, x = (ξ - η)/2",
         lambda ξ, η: ((ξ + η) / (4 * ξ), (ξ + η) / (4 * η)),
         (Integral(A, _RUNGE_LENZ_2, _squared, _along_squared, _KEPLER_2),),
     ),
-    Chart(
+    KnownChart(
         "rotational parabolic, z = (ξ - η)/2",
         lambda ξ, η, φ: ((ξ + η) / (4 * ξ), (ξ + η) / (4 * η), ξ * η),
         (
@@ -243,6 +243,6 @@ CHARTS = (
 )
 
 
-def of_dimension(n: int) -> Sequence[Chart]:
+def of_dimension(n: int) -> Sequence[KnownChart]:
     """The charts with n coordinates."""
     return [c for c in CHARTS if c.squares.__code__.co_argcount == n]

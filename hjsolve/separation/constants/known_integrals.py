@@ -17,13 +17,13 @@ import sympy as sp
 
 from hjsolve.algebra.field import Element
 from hjsolve.algebra.poly import WorkLimitError
-from hjsolve.algebra.readable import readable
+from hjsolve.algebra.readable import shortest_form
 from hjsolve.algebra.reader import Reader
 from hjsolve.formulas.point_values import CONTEXT, NoValueError, evaluate
 from hjsolve.mechanics.energy_shell import Shell
 from hjsolve.mechanics.system import System, inverse_mass_matrix, linear_terms, mass_matrix
 from hjsolve.separation.constants.known_charts import Integral, of_dimension
-from hjsolve.separation.forms.base_points import base_points
+from hjsolve.separation.forms.base_points import find_base_points
 
 MAX_SIZE = 400
 MAX_POINTS = 4
@@ -31,7 +31,7 @@ Quadratic = dict[tuple[str, str], Element]
 
 
 @dataclass(frozen=True)
-class Known:
+class KnownIntegral:
     """A known integral in the coordinates of a system.
 
     Attributes:
@@ -73,7 +73,7 @@ class Naming:
         self.usable = sp.count_ops(shell.system.kinetic) <= MAX_SIZE
         self.metric = [reader.element(g) for g in shell.inverse_metric]
         self.energies = [Energy(shell.energy, tuple(self.metric), reader.element(shell.potential))]
-        self._known: list[Known] | None = None
+        self._known: list[KnownIntegral] | None = None
 
     def __call__(self, rows: Sequence[Sequence[Element]], column: Sequence[Element]) -> list[str]:
         """The meaning of every α = Σ wᵢ(½Pᵢ² + ψᵢ), one for each row w; nothing where it is not known."""
@@ -104,7 +104,7 @@ class Naming:
         zero = self.reader.field.zero
         own = tuple(g if k in moving else zero for k, g in enumerate(self.metric))
         self.energies.append(Energy(symbol, own, self.reader.field.cancelled(U / λ), words))
-        return f"{readable(self.reader, λ) * symbol}, {words}"
+        return f"{shortest_form(self.reader, λ) * symbol}, {words}"
 
     # ---------------------------------------------------------------- known integrals
 
@@ -115,7 +115,7 @@ class Naming:
                     return found
         return ""
 
-    def _compared(self, weights: Sequence[Element], U: Element, known: Known, energy: Energy) -> str:
+    def _compared(self, weights: Sequence[Element], U: Element, known: KnownIntegral, energy: Energy) -> str:
         field = self.reader.field
         own = [known.form.get((c.name, c.name), field.zero) for c in self.shell.coordinates]
         half = [w / 2 for w in map(field.coerce, weights)]
@@ -129,10 +129,10 @@ class Naming:
         found = self._with_rest(known, a, b, energy, field.cancelled(U - b * energy.potential))
         return f"{found}, {energy.words}" if found and energy.words and not b.is_zero else found
 
-    def _with_rest(self, known: Known, a: Element, b: Element, energy: Energy, rest: Element) -> str:
+    def _with_rest(self, known: KnownIntegral, a: Element, b: Element, energy: Energy, rest: Element) -> str:
         """The words, once the momenta that are left agree: what remains is quadratic in the ignorable momenta."""
         reader, field = self.reader, self.reader.field
-        written = readable(reader, a) * known.symbol + readable(reader, b) * energy.symbol
+        written = shortest_form(reader, a) * known.symbol + shortest_form(reader, b) * energy.symbol
         for x, y in ((x, y) for k, x in enumerate(self.shell.ignorable) for y in self.shell.ignorable[k:]):
             coefficient = reader.diff(reader.diff(rest, x.momentum), y.momentum)
             coefficient = coefficient / 2 if x == y else coefficient
@@ -140,15 +140,15 @@ class Naming:
             difference = field.cancelled(coefficient - a * part)
             if self._varies(difference):
                 return ""
-            written += readable(reader, difference) * x.momentum * y.momentum
+            written += shortest_form(reader, difference) * x.momentum * y.momentum
         zero = dict.fromkeys((c.momentum for c in self.shell.ignorable), sp.S.Zero)
         still = field.cancelled(reader.element(reader.write(rest).xreplace(zero)))
         if not self._varies(still):
-            return f"{written + readable(reader, still)}, {known.meaning}"
+            return f"{written + shortest_form(reader, still)}, {known.meaning}"
         if known.attracted is not None:
             left = field.cancelled(still - self._slope(still, known.attracted) * known.attracted)
             if not self._varies(left):
-                return f"{written + readable(reader, left)}, {known.with_centre}"
+                return f"{written + shortest_form(reader, left)}, {known.with_centre}"
         return f"{written} continued by a function of the coordinates that the potential brings in, {known.meaning}"
 
     def _slope(self, still: Element, attracted: Element) -> Element:
@@ -161,7 +161,7 @@ class Naming:
     ) -> tuple[Element, Element] | None:
         """Return a and b of α = a·known + b·energy from two components at a base point."""
         field = self.reader.field
-        for count, point in enumerate(base_points(self.reader, self.symbols)):
+        for count, point in enumerate(find_base_points(self.reader, self.symbols)):
             if count == MAX_POINTS:
                 return None
             try:
@@ -180,14 +180,14 @@ class Naming:
 
     # ---------------------------------------------------------------- which integrals are known here
 
-    def _all_known(self) -> list[Known]:
+    def _all_known(self) -> list[KnownIntegral]:
         if self._known is None:
             self._known = [*self._of_charts(), *self._of_carter()]
             if not self._known:
                 self._known = list(self._of_spheres())
         return self._known
 
-    def _of_charts(self) -> Iterator[Known]:
+    def _of_charts(self) -> Iterator[KnownIntegral]:
         """The integrals of the chart that T is recognised to be written in."""
         mass = mass_matrix(self.system)
         n = len(self.names)
@@ -207,15 +207,15 @@ class Naming:
                 yield from (self._in_order(integral, order, symbols) for integral in chart.integrals)
                 return
 
-    def _in_order(self, integral: Integral, order: Sequence[int], symbols: Sequence[sp.Symbol]) -> Known:
+    def _in_order(self, integral: Integral, order: Sequence[int], symbols: Sequence[sp.Symbol]) -> KnownIntegral:
         q = [symbols[k] for k in order]
         coefficients = integral.coefficients(*q)
         form = {(self.names[k], self.names[k]): self.reader.element(c) for k, c in zip(order, coefficients)}
         attracted = None if integral.attracted is None else self.reader.element(integral.attracted(*q))
         meaning, centre = (text.format(*q) for text in (integral.meaning, integral.with_centre))
-        return Known(integral.symbol, meaning, form, attracted, centre)
+        return KnownIntegral(integral.symbol, meaning, form, attracted, centre)
 
-    def _of_spheres(self) -> Iterator[Known]:
+    def _of_spheres(self) -> Iterator[KnownIntegral]:
         """L² in coordinates r, μ, ν with T = m/2 (ṙ² + r² h(μ, ν)) where h is the unit sphere: its curvature is 1."""
         mass = mass_matrix(self.system)
         if len(self.names) != 3 or not mass.is_diagonal() or any(linear_terms(self.system)):
@@ -231,9 +231,9 @@ class Naming:
                 continue
             if (curvature(self.reader, [q.symbol for q, _ in rest], sphere) - 1).is_zero:
                 form = {(q.name, q.name): h**-1 for (q, _), h in zip(rest, sphere)}
-                yield Known(sp.Symbol("L", real=True) ** 2, "L the total angular momentum", form)
+                yield KnownIntegral(sp.Symbol("L", real=True) ** 2, "L the total angular momentum", form)
 
-    def _of_carter(self) -> Iterator[Known]:
+    def _of_carter(self) -> Iterator[KnownIntegral]:
         """Carter's constant Q = p_θ² + cos²θ [a²(−2H − p_t²) + p_φ²/sin²θ], for unit mass (Carter 1968)."""
         shell = self.shell
         if self.system.signature != "indefinite" or len(shell.coordinates) != 2 or len(shell.ignorable) != 2:
@@ -251,7 +251,7 @@ class Naming:
                     x, y = sorted((t.name, φ.name), key=self.names.index)
                     form[x, y] = -2 * cos2 * inverse[place[x], place[y]]
                     elements = {key: self.reader.element(value) for key, value in form.items()}
-                    yield Known(sp.Symbol("Q", real=True), "Q Carter's constant", elements)
+                    yield KnownIntegral(sp.Symbol("Q", real=True), "Q Carter's constant", elements)
 
 
 def curvature(reader: Reader, q: Sequence[sp.Symbol], h: Sequence[Element]) -> Element:

@@ -151,7 +151,7 @@ def _is_number(end: sp.Expr | None) -> bool:
     return end is not None and bool(end.is_number)
 
 
-def base_points(reader: Reader, symbols: Sequence[sp.Symbol]) -> Iterator[BasePoint]:
+def find_base_points(reader: Reader, symbols: Sequence[sp.Symbol]) -> Iterator[BasePoint]:
     """Base points to try, the simplest first, then points inside the domain, then random ones."""
     n = len(symbols)
     first = [[0] * n, list(range(n)), [1] * n, list(range(1, n + 1)), [i + 3 for i in range(n)]]

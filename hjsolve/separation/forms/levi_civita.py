@@ -25,9 +25,9 @@ import sympy as sp
 from hjsolve.algebra import poly
 from hjsolve.algebra.field import Element
 from hjsolve.algebra.modular import Filter, Products
-from hjsolve.algebra.modular_jets import Jet, at_random_points
+from hjsolve.algebra.modular_jets import ModularJet, at_random_points
 from hjsolve.algebra.poly import Poly
-from hjsolve.algebra.readable import cost
+from hjsolve.algebra.readable import printed_length
 from hjsolve.algebra.reader import Reader
 
 Sum = list[Element]
@@ -49,7 +49,7 @@ class Condition:
     j: int
     part: str
     about: int | None
-    owner: Conditions
+    owner: LeviCivitaConditions
 
     @cached_property
     def products(self) -> Products:
@@ -69,7 +69,7 @@ class Condition:
         return self.owner.passes_filter(self.i, self.j, self.about)
 
 
-class Conditions:
+class LeviCivitaConditions:
     """The conditions of an orthogonal shell; derivatives are taken when they are asked for, and once.
 
     Args:
@@ -105,7 +105,7 @@ class Conditions:
         return [self.reader.diff_terms(self.potential, q) for q in self.symbols]
 
     @cached_property
-    def _jets(self) -> list[tuple[int, list[Jet], Jet]] | None:
+    def _jets(self) -> list[tuple[int, list[ModularJet], ModularJet]] | None:
         """Primes, jets of ln gᵃᵃ and of U at random points."""
         found = at_random_points(self.reader, self.symbols, [*self.metric, self.potential])
         if found is None:
@@ -128,7 +128,7 @@ class Conditions:
         n = range(len(self.symbols))
         return all(len({self._value(i, j, h, *place) for h in n}) == 1 for place in self._jets)
 
-    def _value(self, i: int, j: int, about: int | None, prime: int, log: Sequence[Jet], potential: Jet) -> int:
+    def _value(self, i: int, j: int, about: int | None, prime: int, log: Sequence[ModularJet], potential: ModularJet) -> int:
         f = potential if about is None else log[about]
         square = 0 if about is None else f.slopes[i] * f.slopes[j]
         known = log[j].slopes[i] * f.slopes[j] + log[i].slopes[j] * f.slopes[i]
@@ -136,7 +136,7 @@ class Conditions:
 
     def holds(self, condition: Condition, sieve: Filter) -> bool:
         """Proof that a condition holds; False is no proof of the opposite."""
-        return condition.passes_filter is not False and vanishes(self.reader, condition.products, sieve)
+        return condition.passes_filter is not False and sum_vanishes(self.reader, condition.products, sieve)
 
     def of_metric(self, i: int, j: int, h: int) -> Products:
         """S_ij(gʰʰ)/gʰʰ."""
@@ -163,15 +163,15 @@ class Conditions:
         return [y for x in terms for y in self.reader.diff_terms(x, self.symbols[j])]
 
 
-def vanishes(reader: Reader, products: Products, sieve: Filter) -> bool:
+def sum_vanishes(reader: Reader, products: Products, sieve: Filter) -> bool:
     """Proof that a sum of products is zero: the modular filter, then the exact normal form.
 
     False is no proof of the opposite.
     """
-    return sieve.vanishes(products) is not False and total(reader, products).is_zero
+    return sieve.vanishes(products) is not False and sum_of_products(reader, products).is_zero
 
 
-def total(reader: Reader, products: Products) -> Element:
+def sum_of_products(reader: Reader, products: Products) -> Element:
     """The sum of products of sums as one element."""
     field = reader.field
     return field.total(field.product([field.total(elements) for elements in factors]) for factors in products)
@@ -215,4 +215,4 @@ def coefficients(reader: Reader, x: Element, symbols: Sequence[sp.Symbol]) -> li
         groups.setdefault(inner, {})[m - inner] = c
     kept = {b: e for b, e in x.factors.items() if (b, e) not in holding}
     found = [field.cancelled(field.from_poly(a, x.coefficient, kept)) for a in groups.values()]
-    return sorted(found, key=cost)
+    return sorted(found, key=printed_length)

@@ -13,9 +13,9 @@ from fractions import Fraction
 import sympy as sp
 
 from hjsolve.algebra.field import Element
-from hjsolve.algebra.readable import cost, readable, variants
+from hjsolve.algebra.readable import printed_length, shortest_form, variants
 from hjsolve.algebra.reader import Reader
-from hjsolve.separation.forms.base_points import base_points
+from hjsolve.separation.forms.base_points import find_base_points
 from hjsolve.separation.verdicts import Liouville
 from hjsolve.separation.zero_test.interval_evaluation import NoEnclosureError, Region, enclose
 
@@ -47,9 +47,9 @@ def recognise(
         return None
     return Liouville(
         tuple(names),
-        tuple(readable(reader, x) for x in f),
-        tuple(readable(reader, x) for x in ratios),
-        tuple(readable(reader, x) for x in v),
+        tuple(shortest_form(reader, x) for x in f),
+        tuple(shortest_form(reader, x) for x in ratios),
+        tuple(shortest_form(reader, x) for x in v),
     )
 
 
@@ -99,7 +99,7 @@ def split_product(
 def _split_at_base_point(
     reader: Reader, x: Element, symbols: Sequence[sp.Symbol], j: int
 ) -> tuple[Element, Element] | None:
-    for point in base_points(reader, symbols):
+    for point in find_base_points(reader, symbols):
         try:
             of_j = point.keep(x, {j}) / point.keep(x, set())
             return x / of_j, of_j
@@ -119,8 +119,8 @@ def split_sum(reader: Reader, x: Element, symbols: Sequence[sp.Symbol]) -> list[
     x = reader.field.expanded(x)
     by_terms = [parts for y in variants(reader, x) if (parts := _split_terms(reader, y, symbols)) is not None]
     if by_terms:
-        return min(by_terms, key=lambda parts: sum(map(cost, parts)))
-    for point in base_points(reader, symbols):
+        return min(by_terms, key=lambda parts: sum(map(printed_length, parts)))
+    for point in find_base_points(reader, symbols):
         try:
             constant = point.keep(x, set())
             parts = [point.keep(x, {i}) - constant for i in range(len(symbols))]
@@ -153,7 +153,7 @@ def _without(reader: Reader, x: Element, others: Sequence[sp.Symbol]) -> Element
     """The same function written without symbols it does not really depend on."""
     if not any(x.depends_on(q) for q in others):
         return x
-    for point in base_points(reader, others):
+    for point in find_base_points(reader, others):
         try:
             return point.keep(x, set())
         except ZeroDivisionError:

@@ -18,7 +18,7 @@ from hjsolve.algebra import poly
 from hjsolve.algebra.field import Element
 from hjsolve.algebra.modular import Filter
 from hjsolve.algebra.poly import Poly
-from hjsolve.algebra.readable import cost, variants
+from hjsolve.algebra.readable import printed_length, variants
 from hjsolve.algebra.reader import Reader
 
 Row = list[Element]
@@ -165,7 +165,7 @@ def _apply(reader: Reader, rows: list[Row], vector: Sequence[Element | None], st
     result = []
     for row, first in zip(rows, start or [field.zero] * len(rows)):
         terms = [first, *(x * v for x, v in zip(row, vector) if v is not None and not v.is_zero)]
-        result.append(min(variants(reader, field.cancelled(field.total(terms))), key=cost))
+        result.append(min(variants(reader, field.cancelled(field.total(terms))), key=printed_length))
     return result
 
 
@@ -175,7 +175,7 @@ def _independent_lines(reader: Reader, rows: list[Row], candidates: list[Vector]
     for position, v in enumerate(candidates):
         image = _scaled(reader, _apply(reader, rows, [None, *v]))
         zeros = tuple(x.is_zero for x in image)
-        scored.append((-sum(zeros), sum(map(cost, image)), zeros, position, v))
+        scored.append((-sum(zeros), sum(map(printed_length, image)), zeros, position, v))
     chosen: list[Vector] = []
     for *_, v in sorted(scored, key=lambda item: item[:-1]):
         if len(chosen) < len(v) and _rank(reader, [*chosen, v]) == len(chosen) + 1:
@@ -227,7 +227,7 @@ def _ordered(columns: list[Row]) -> list[Row]:
 
     def place(column: Row) -> tuple[int, int, int]:
         places = [i for i, x in enumerate(column) if not x.is_zero]
-        return places[-1], places[0], sum(map(cost, column))
+        return places[-1], places[0], sum(map(printed_length, column))
 
     return sorted(columns, key=place)
 
@@ -243,7 +243,7 @@ def _best_point(reader: Reader, rows: list[Row], start: Row, functionals: list[V
     best: tuple[tuple[object, ...], Row] | None = None
     for position, k in enumerate(candidates):
         image = _apply(reader, rows, [None, *k], start)
-        score = (-sum(x.is_zero for x in image), sum(map(cost, image)), tuple(x.is_zero for x in image), position)
+        score = (-sum(x.is_zero for x in image), sum(map(printed_length, image)), tuple(x.is_zero for x in image), position)
         if best is None or score < best[0]:
             best = score, image
     assert best is not None

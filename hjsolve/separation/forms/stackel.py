@@ -21,10 +21,10 @@ import sympy as sp
 
 from hjsolve.algebra.field import Element
 from hjsolve.algebra.modular import Filter, Products
-from hjsolve.algebra.readable import readable
+from hjsolve.algebra.readable import shortest_form
 from hjsolve.algebra.reader import Reader
 from hjsolve.separation.forms import levi_civita
-from hjsolve.separation.forms.base_points import BasePoint, base_points
+from hjsolve.separation.forms.base_points import BasePoint, find_base_points
 from hjsolve.separation.forms.sparse_columns import sparsest
 from hjsolve.separation.verdicts import Stackel
 
@@ -49,7 +49,7 @@ def construct(
     if len(metric) == 1:
         matrix = Matrix([[metric[0] ** -1]], [reader.field.cancelled(potential / metric[0])])
         return matrix if certified(reader, metric, potential, matrix) else None
-    for point in base_points(reader, symbols):
+    for point in find_base_points(reader, symbols):
         try:
             raw = at_base_point(reader, point, metric, potential)
         except ZeroDivisionError:
@@ -65,7 +65,7 @@ def construct(
 def certified(reader: Reader, metric: Sequence[Element], potential: Element, matrix: Matrix) -> bool:
     """Exact proof of cᵀΦ = (1, 0, …, 0) and cᵀψ = V."""
     return all(
-        levi_civita.total(reader, identity).is_zero for identity in _identities(reader, metric, potential, matrix)
+        levi_civita.sum_of_products(reader, identity).is_zero for identity in _identities(reader, metric, potential, matrix)
     )
 
 
@@ -128,10 +128,10 @@ def finished(
 
     With one coordinate ψ = V/c is written term by term as the user wrote V.
     """
-    entries = [[readable(reader, x) for x in row] for row in matrix.rows]
+    entries = [[shortest_form(reader, x) for x in row] for row in matrix.rows]
     if len(names) == 1:
-        terms = [readable(reader, reader.element(v) * matrix.rows[0][0]) for v in sp.Add.make_args(potential)]
+        terms = [shortest_form(reader, reader.element(v) * matrix.rows[0][0]) for v in sp.Add.make_args(potential)]
         column = (sp.Add(*terms),)
     else:
-        column = tuple(readable(reader, x) for x in matrix.column)
+        column = tuple(shortest_form(reader, x) for x in matrix.column)
     return Stackel(tuple(names), sp.ImmutableMatrix(entries), column, tuple(metric))

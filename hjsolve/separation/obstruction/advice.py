@@ -29,7 +29,7 @@ def small_oscillations(system: System) -> bool:
     return int(sp.Poly(potential, *symbols).total_degree()) <= 2
 
 
-def linear_modes(system: System) -> str:
+def advice_for_linear_equations(system: System) -> str:
     """What to do with a system whose equations are linear and that has gyroscopic terms; nothing for any other."""
     symbols = [c.symbol for c in system.coordinates]
     speeds = [c.velocity for c in system.coordinates]
@@ -56,7 +56,7 @@ def for_metric(system: System, pair: tuple[str, str], coupled: bool) -> str:
             f"as coordinates; "
             f"each mode is then a one-dimensional oscillator. {ALWAYS}"
         )
-    if words := linear_modes(system):
+    if words := advice_for_linear_equations(system):
         return f"The kinetic energy couples {i} and {j}. {words}"
     if coupled:
         return (
@@ -106,7 +106,7 @@ def _search(system: System) -> str:
 def for_gyroscopic(system: System, pair: tuple[str, str]) -> str:
     """Advice when linear terms are not a gradient."""
     i, j = pair
-    if words := linear_modes(system):
+    if words := advice_for_linear_equations(system):
         return f"The terms linear in the velocities of {i} and {j} are no gradient. {words}"
     return (
         f"The terms linear in the velocities of {i} and {j} act like a magnetic field: they are not a gradient and "

@@ -16,7 +16,7 @@ from hjsolve.algebra.field import Element
 from hjsolve.algebra.modular import Filter
 from hjsolve.algebra.reader import Reader
 from hjsolve.separation.forms import levi_civita
-from hjsolve.separation.forms.base_points import base_points
+from hjsolve.separation.forms.base_points import find_base_points
 from hjsolve.separation.forms.stackel import at_base_point, certified, plausible
 
 Block = tuple[int, ...]
@@ -80,7 +80,7 @@ def separates(
     if not all(_is_one_energy(reader, symbols, metric, block) for block in partition):
         return False
     φ = [metric[block[0]] for block in partition]
-    for count, point in enumerate(base_points(reader, symbols)):
+    for count, point in enumerate(find_base_points(reader, symbols)):
         if count == MAX_BASE_POINTS:
             break
         try:
@@ -98,6 +98,6 @@ def _is_one_energy(reader: Reader, symbols: Sequence[sp.Symbol], metric: Sequenc
     for k in block[1:]:
         for q in outside:
             mine, first = reader.log_diff_terms(metric[k], q), reader.log_diff_terms(metric[block[0]], q)
-            if not levi_civita.vanishes(reader, [[mine], [minus, first]], sieve):
+            if not levi_civita.sum_vanishes(reader, [[mine], [minus, first]], sieve):
                 return False
     return True

@@ -8,9 +8,9 @@ from __future__ import annotations
 from dataclasses import replace
 
 from hjsolve.algebra.poly import WorkLimitError
-from hjsolve.algebra.readable import readable
-from hjsolve.mechanics.energy_shell import Step
-from hjsolve.separation.forms.levi_civita import Conditions
+from hjsolve.algebra.readable import shortest_form
+from hjsolve.mechanics.energy_shell import ReductionStep
+from hjsolve.separation.forms.levi_civita import LeviCivitaConditions
 from hjsolve.separation.obstruction import advice
 from hjsolve.separation.obstruction.blocks import finest
 from hjsolve.separation.obstruction.distance import distance_from_separable
@@ -21,7 +21,7 @@ from hjsolve.separation.verdicts import Obstruction
 SECONDS, TERMS = 0.5, 100_000
 
 
-def diagnosed(found: Obstruction, setting: Setting, conditions: Conditions) -> Obstruction:
+def diagnosed(found: Obstruction, setting: Setting, conditions: LeviCivitaConditions) -> Obstruction:
     """The obstruction with ``distance``, ``blocks`` and ``conformal``, and the words for them.
 
     Args:
@@ -56,10 +56,10 @@ def _measured(found: Obstruction, setting: Setting) -> Obstruction:
         f"a relative error of {distance:.2g} (median over sample points); 0 would be separable. This measures how far "
         "from separable the system is, and plays no part in the proof."
     )
-    return replace(found, distance=distance, evidence=(*found.evidence, Step("Distance", text)))
+    return replace(found, distance=distance, evidence=(*found.evidence, ReductionStep("Distance", text)))
 
 
-def _with_blocks(found: Obstruction, setting: Setting, conditions: Conditions) -> Obstruction:
+def _with_blocks(found: Obstruction, setting: Setting, conditions: LeviCivitaConditions) -> Obstruction:
     """Two coordinates are one block; with more, the pairs that fail are found by the filter and the rest is proved."""
     names = [c.name for c in setting.shell.coordinates]
     if len(names) == 2:
@@ -72,11 +72,11 @@ def _with_blocks(found: Obstruction, setting: Setting, conditions: Conditions) -
     return _with_words(replace(found, blocks=blocks), "Blocks", advice.about_blocks(blocks))
 
 
-def _with_energy(found: Obstruction, setting: Setting, conditions: Conditions) -> Obstruction:
+def _with_energy(found: Obstruction, setting: Setting, conditions: LeviCivitaConditions) -> Obstruction:
     element = energy_of_separation(conditions)
     if element is None:
         return replace(found, conformal=False)
-    energy = readable(setting.reader, element)
+    energy = shortest_form(setting.reader, element)
     words = advice.about_energy(found.system, energy)
     return _with_words(replace(found, conformal=True, conformal_energy=energy), "One energy", words)
 
@@ -84,4 +84,4 @@ def _with_energy(found: Obstruction, setting: Setting, conditions: Conditions) -
 def _with_words(found: Obstruction, title: str, words: str) -> Obstruction:
     if not words:
         return found
-    return replace(found, advice=f"{words} {found.advice}", evidence=(*found.evidence, Step(title, words)))
+    return replace(found, advice=f"{words} {found.advice}", evidence=(*found.evidence, ReductionStep(title, words)))

@@ -13,9 +13,9 @@ import sympy as sp
 from hjsolve.algebra.field import Element
 from hjsolve.algebra.modular import Filter, Products
 from hjsolve.algebra.poly import Budget, WorkLimitError
-from hjsolve.algebra.readable import readable
+from hjsolve.algebra.readable import shortest_form
 from hjsolve.algebra.reader import Reader
-from hjsolve.mechanics.energy_shell import Irreducible, Shell, Step, domain_bounds
+from hjsolve.mechanics.energy_shell import Irreducible, ReductionStep, Shell, domain_bounds
 from hjsolve.mechanics.system import System, hamiltonian
 from hjsolve.separation.forms import levi_civita
 from hjsolve.separation.forms.levi_civita import Condition
@@ -84,7 +84,7 @@ def refuse_condition(setting: Setting, condition: Condition) -> Obstruction | Un
             words = advice.for_metric(shell.system, pair, coupled=False)
         steps = (*shell.steps, _failure_step(condition, pair, residual, shell))
         return Obstruction(shell.system, shell, pair, condition.part, residual, answer.witness, words, steps)
-    step = Step("Levi-Civita's conditions", f"One condition could not be decided: {answer.reason}.", residual)
+    step = ReductionStep("Levi-Civita's conditions", f"One condition could not be decided: {answer.reason}.", residual)
     return Undecided(
         shell.system,
         shell,
@@ -148,14 +148,14 @@ def _failing(
     whole_budget = field.budget
     field.budget = whole_budget.part(EXPANSION_SECONDS, EXPANSION_TERMS)
     try:
-        whole = field.cancelled(levi_civita.total(reader, products()))
+        whole = field.cancelled(levi_civita.sum_of_products(reader, products()))
         parts = levi_civita.coefficients(reader, whole, constants)
     except WorkLimitError:
         parts = []
     finally:
         field.budget = whole_budget
     if parts:
-        return _simplest_nonzero((readable(reader, part) for part in parts), region, whole_budget)
+        return _simplest_nonzero((shortest_form(reader, part) for part in parts), region, whole_budget)
     residual = written_out()
     witness = enclosed() or find_witness_of_products(field, products(), region, whole_budget)
     if witness is not None:
@@ -175,7 +175,7 @@ def _simplest_nonzero(parts: Iterable[sp.Expr], region: Region, budget: Budget) 
     return open_case
 
 
-def _failure_step(condition: Condition, pair: tuple[str, str], residual: sp.Expr, shell: Shell) -> Step:
+def _failure_step(condition: Condition, pair: tuple[str, str], residual: sp.Expr, shell: Shell) -> ReductionStep:
     proof = "is the expression shown; it would have to vanish identically, and is proved not to at the witness."
     names = " and ".join(pair)
     if condition.part == "metric":
@@ -183,7 +183,7 @@ def _failure_step(condition: Condition, pair: tuple[str, str], residual: sp.Expr
         text = f"For {names} the kinetic energy fails: S_ij of the inverse metric coefficient of {about} {proof}"
     else:
         text = f"The kinetic energy passes. For {names} the potential fails: S_ij(V) {proof}"
-    return Step("Levi-Civita's conditions", text, residual)
+    return ReductionStep("Levi-Civita's conditions", text, residual)
 
 
 # ------------------------------------------------------------------------------------------------ without a shell
@@ -201,7 +201,7 @@ def refuse_without_shell(system: System, found: Irreducible, work: Budget) -> Ob
     pairs = [(i, j) for j in range(len(q)) for i in range(j)]
     for i, j in sorted(pairs, key=lambda ij: {names[ij[0]], names[ij[1]]} != set(found.pair)):
         products = levi_civita.general_condition(reader, h, q, p, i, j)
-        if levi_civita.vanishes(reader, products, sieve):
+        if levi_civita.sum_vanishes(reader, products, sieve):
             continue
         residual, answer = _failing(
             reader,
@@ -225,7 +225,7 @@ def _general_written_out(H: sp.Expr, q: list[sp.Symbol], p: list[sp.Symbol], i: 
 
 
 def _general_undecided(system: System, found: Irreducible, residual: sp.Expr, answer: Unproved, text: str) -> Undecided:
-    steps = (*found.steps, Step("Levi-Civita's general condition", f"{text[0].upper()}{text[1:]}.", residual))
+    steps = (*found.steps, ReductionStep("Levi-Civita's general condition", f"{text[0].upper()}{text[1:]}.", residual))
     words = "Replace one of the coordinates by a combination that decouples T or the linear terms. "
     words += advice.for_undecided()
     return Undecided(system, None, found.pair, found.reason, residual, answer.point, answer.value, words, steps)
@@ -246,8 +246,8 @@ def _general_obstruction(
     )
     steps = (
         *found.steps,
-        Step("Coupling", f"After the reduction {coupling}: there is no orthogonal energy shell.", found.residual),
-        Step("Levi-Civita's general condition", text, residual),
+        ReductionStep("Coupling", f"After the reduction {coupling}: there is no orthogonal energy shell.", found.residual),
+        ReductionStep("Levi-Civita's general condition", text, residual),
     )
     return Obstruction(system, None, pair, found.reason, residual, answer.witness, words, steps)
 

@@ -13,10 +13,10 @@ from hjsolve.algebra.field import Element
 from hjsolve.algebra.modular import Filter, Products
 from hjsolve.algebra.reader import Reader
 from hjsolve.separation.forms import levi_civita
-from hjsolve.separation.forms.levi_civita import Conditions
+from hjsolve.separation.forms.levi_civita import LeviCivitaConditions
 
 
-def energy_of_separation(conditions: Conditions) -> Element | None:
+def energy_of_separation(conditions: LeviCivitaConditions) -> Element | None:
     """The one energy at which the shell separates, in terms of parameters and constant momenta; None if none is proved.
 
     The caller has found that the shell does not separate at every energy.
@@ -30,7 +30,7 @@ def energy_of_separation(conditions: Conditions) -> Element | None:
     for i, j in combinations(range(n), 2):
         λ = conditions.of_metric(i, j, i)
         for h in range(n):
-            if h != i and not levi_civita.vanishes(reader, difference(conditions.of_metric(i, j, h), λ, minus), sieve):
+            if h != i and not levi_civita.sum_vanishes(reader, difference(conditions.of_metric(i, j, h), λ, minus), sieve):
                 return None
         of_pair = _energy_of_pair(conditions, i, j, λ, sieve)
         if of_pair is None:
@@ -43,7 +43,7 @@ def energy_of_separation(conditions: Conditions) -> Element | None:
     return energy
 
 
-def _cannot_hold(conditions: Conditions, i: int, j: int) -> bool:
+def _cannot_hold(conditions: LeviCivitaConditions, i: int, j: int) -> bool:
     """Whether random points modulo primes rule out that a pair separates at some energy."""
     if conditions.one_factor(i, j) is False:
         return True
@@ -56,19 +56,19 @@ def difference(a: Products, b: Products, minus: Sequence[Element]) -> Products:
 
 
 def _energy_of_pair(
-    conditions: Conditions, i: int, j: int, λ: Products, sieve: Filter
+    conditions: LeviCivitaConditions, i: int, j: int, λ: Products, sieve: Filter
 ) -> tuple[Element] | tuple[()] | None:
     """E = V − S_ij(V)/λᵢⱼ where that is constant; () where the pair separates at every energy, None at none."""
     reader, field = conditions.reader, conditions.reader.field
     of_V = conditions.of_potential(i, j)
-    if conditions.passes_filter(i, j, i) is not False and levi_civita.vanishes(reader, λ, sieve):
-        return () if levi_civita.vanishes(reader, of_V, sieve) else None
-    ratio = levi_civita.total(reader, of_V) / levi_civita.total(reader, λ)
+    if conditions.passes_filter(i, j, i) is not False and levi_civita.sum_vanishes(reader, λ, sieve):
+        return () if levi_civita.sum_vanishes(reader, of_V, sieve) else None
+    ratio = levi_civita.sum_of_products(reader, of_V) / levi_civita.sum_of_products(reader, λ)
     energy = field.cancelled(conditions.potential - ratio)
     if any(not _is_constant(reader, energy, conditions, k) for k in range(len(conditions.symbols))):
         return None
     return (energy,)
 
 
-def _is_constant(reader: Reader, x: Element, conditions: Conditions, k: int) -> bool:
+def _is_constant(reader: Reader, x: Element, conditions: LeviCivitaConditions, k: int) -> bool:
     return not x.depends_on(conditions.symbols[k]) or reader.diff(x, conditions.symbols[k]).is_zero

@@ -22,8 +22,8 @@ from hjsolve.separation.zero_test.interval_evaluation import (
     Region,
     Walk,
     Witness,
+    enclose_inverse,
     finite,
-    inverse,
     rational,
     search,
 )
@@ -75,7 +75,7 @@ class _Values:
         if b not in self.bases:
             self.bases[b] = self._poly(self.field.bases[b])
         power = libmp.mpi_pow_int(self.bases[b], abs(e), self.precision)
-        return inverse(power, self.precision) if e < 0 else power
+        return enclose_inverse(power, self.precision) if e < 0 else power
 
     def _poly(self, a: Poly) -> Interval:
         return self._sum(

@@ -14,7 +14,7 @@ from functools import partial
 import mpmath
 import sympy as sp
 
-from hjsolve.algebra.intervals import Interval, NoEnclosureError, Walk, enclose, finite, inverse, rational
+from hjsolve.algebra.intervals import Interval, NoEnclosureError, Walk, enclose, enclose_inverse, finite, rational
 from hjsolve.algebra.poly import Budget
 from hjsolve.algebra.signs import Bounds
 
@@ -167,6 +167,16 @@ def value_to_40_digits(expression: sp.Expr, region: Region) -> tuple[dict[str, s
 
 
 __all__ = [
-    "Interval", "NoEnclosureError", "Region", "Walk", "Witness", "enclose", "find_witness", "finite", "inverse",
-    "rational", "search", "value_to_40_digits",
+    "Interval",
+    "NoEnclosureError",
+    "Region",
+    "Walk",
+    "Witness",
+    "enclose",
+    "enclose_inverse",
+    "find_witness",
+    "finite",
+    "rational",
+    "search",
+    "value_to_40_digits",
 ]  # fmt: skip

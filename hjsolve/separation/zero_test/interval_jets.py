@@ -13,7 +13,14 @@ import mpmath
 import sympy as sp
 from mpmath import libmp
 
-from hjsolve.separation.zero_test.interval_evaluation import Interval, NoEnclosureError, Walk, finite, inverse, rational
+from hjsolve.separation.zero_test.interval_evaluation import (
+    Interval,
+    NoEnclosureError,
+    Walk,
+    enclose_inverse,
+    finite,
+    rational,
+)
 
 Slope: TypeAlias = Interval | None
 Jet: TypeAlias = tuple[Interval, Slope, Slope, Slope]
@@ -122,7 +129,7 @@ class JetWalk:
 
     def over(self, a: Slope, b: Interval) -> Slope:
         """The quotient."""
-        return None if a is None else libmp.mpi_mul(a, inverse(b, self.precision), self.precision)
+        return None if a is None else libmp.mpi_mul(a, enclose_inverse(b, self.precision), self.precision)
 
     def negative(self, a: Slope) -> Slope:
         """The negative."""
