@@ -49,7 +49,9 @@ def overview(entries: Sequence[dict[str, Any]]) -> str:
     every = [p for one in entries for name in NAMES for p in points_of(one.get("rows", ()), name)]
     deepest = -min(y for _, y in every)
     low, high = math.floor(min(x for x, _ in every)), math.ceil(max(x for x, _ in every))
-    frame = svg.DrawingFrame((low, high), (-1.04 * -depth(deepest), 0.0), width=760, height=420, left=58, right=150, bottom=44)
+    frame = svg.DrawingFrame(
+        (low, high), (-1.04 * -depth(deepest), 0.0), width=760, height=420, left=58, right=150, bottom=44
+    )
     inside, above, below = [], [], log_axes(frame)
     for k, name in enumerate(NAMES):
         look, middle = LOOKS[name], medians(entries, name)

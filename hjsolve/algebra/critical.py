@@ -44,7 +44,9 @@ class AnalyticPiece:
             yield from (sp.Rational(first + k, n) for k in range(count))
 
 
-def analytic_pieces(functions: Sequence[sp.Expr], t: sp.Symbol, ends: Sequence[Ends], budget: Budget) -> Iterator[AnalyticPiece]:
+def analytic_pieces(
+    functions: Sequence[sp.Expr], t: sp.Symbol, ends: Sequence[Ends], budget: Budget
+) -> Iterator[AnalyticPiece]:
     """The pieces of intervals between the critical points of some functions: zeros of what is divided by or rooted.
 
     Raises:

@@ -96,7 +96,9 @@ class Walk:
         if exponent.is_Rational and exponent.q == 2:
             root = libmp.mpi_sqrt(b, prec)
             n = int(exponent.p)
-            return enclose_inverse(libmp.mpi_pow_int(root, -n, prec), prec) if n < 0 else libmp.mpi_pow_int(root, n, prec)
+            return (
+                enclose_inverse(libmp.mpi_pow_int(root, -n, prec), prec) if n < 0 else libmp.mpi_pow_int(root, n, prec)
+            )
         return libmp.mpi_exp(libmp.mpi_mul(self(exponent), _log(b, prec), prec), prec)
 
 

@@ -122,4 +122,8 @@ class FirstDifferences:
 
     def _made(self, slope: Any, combined: Any) -> FirstDifference:
         value = combined(lambda x: x.value)
-        return FirstDifference(value, value) if slope is None else FirstDifference(combined(lambda x: x.base), value, slope)
+        return (
+            FirstDifference(value, value)
+            if slope is None
+            else FirstDifference(combined(lambda x: x.base), value, slope)
+        )

@@ -258,7 +258,9 @@ class Locals:
         if name == "exp":
             order = round(float(np.real(line[0].centre)) / self.rate)
             left = d.mul(d.shifted(line[0], -order * self.rate), self.exponent().parts[0])
-            return LocalExpansion(order, (d.unary("exp", d.add(left, line[1])), *(self._full(0.0) for _ in range(self.depth))))
+            return LocalExpansion(
+                order, (d.unary("exp", d.add(left, line[1])), *(self._full(0.0) for _ in range(self.depth)))
+            )
         up, down = (self._exponential("exp", ends) for ends in (line, (_negative(line[0]), _negative(line[1]))))
         both = self._sum(up, down if name == "cosh" else self._negative(down))
         return both._replace(parts=tuple(d.times(part, 0.5) for part in both.parts))

@@ -36,7 +36,9 @@ class ProvedTurningPoint:
     guess: Any
 
 
-def prove_turning_points(start: CoordinateStart, place: Any, line: BallMomentumSquared) -> tuple[ProvedTurningPoint, ProvedTurningPoint] | None:
+def prove_turning_points(
+    start: CoordinateStart, place: Any, line: BallMomentumSquared
+) -> tuple[ProvedTurningPoint, ProvedTurningPoint] | None:
     """Return the turning points below and above the start; None where that could not be proved.
 
     Args:

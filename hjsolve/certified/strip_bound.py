@@ -8,8 +8,8 @@ than 2M/(e^(aN) − 1) (Trefethen & Weideman, SIAM Review 56 (2014) 385, theorem
   edge, and each lies in a disk without 0 about its centre. Likewise s² + c², where q has its poles;
 - so the integrand, a kernel times dq/dχ over √R, is analytic, and largest on the edge (maximum principle).
 
-f(χ̄) = f̄(χ), and what else is known of f (``CycleIntegrand.fold``), let a part of the edge stand for the whole. Doubles only
-choose the width a.
+f(χ̄) = f̄(χ), and what else is known of f (``CycleIntegrand.fold``), let a part of the edge stand for the whole.
+Doubles only choose the width a.
 """
 
 from __future__ import annotations

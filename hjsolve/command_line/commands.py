@@ -246,7 +246,9 @@ def _search(options: Namespace) -> int:
 
     if options.entry is None:
         raise InvalidInputError('catalog search: words are needed, e.g. `hjsolve catalog search "black hole"`')
-    found = catalog_listing.search_catalog(options.entry, separable=options.separable, kind=options.kind, book=options.book)
+    found = catalog_listing.search_catalog(
+        options.entry, separable=options.separable, kind=options.kind, book=options.book
+    )
     return ANSWER if found else REFUSED
 
 

@@ -118,7 +118,9 @@ def _first(
     empty = Row(trial.method, trial.digits, unit=trial.unit, covers=trial.covers, note=trial.note)
     allowed = max(0.0, clock.left) * 0.25
     if trial.own and trial.digits > truth.digits - SPARE:
-        return TrialRecord(trial, replace(empty, status="too slow", note="no reference with more digits fitted the budget"))
+        return TrialRecord(
+            trial, replace(empty, status="too slow", note="no reference with more digits fitted the budget")
+        )
     if last is not None and last.row.status == "too slow" and trial.digits > last.trial.digits:
         return TrialRecord(trial, replace(empty, status="too slow", note="as with fewer digits"))
     try:
@@ -154,7 +156,9 @@ def _expected(trial: Trial, last: TrialRecord | None) -> float:
     return last.clock[0] * ratio**_GROWTH
 
 
-def _thinned(task: Task, trial: Trial, truth: TrueValues, sizes: dict[str, float], allowed: float) -> TrialRecord | None:
+def _thinned(
+    task: Task, trial: Trial, truth: TrueValues, sizes: dict[str, float], allowed: float
+) -> TrialRecord | None:
     """Run for some of the times; None where all of them fit in the time allowed."""
     count = len(task.every)
     if count <= 2 * _SAMPLE:

@@ -4,7 +4,8 @@ In: arrays or dask arrays of starts. Out: a ``Batch``: columns with errors, and 
 Read ``orbits.py`` first (``ensemble``), then ``compute.py``; ``engine`` computes in doubles, ``fallback.py`` the rest.
 """
 
-from hjsolve.ensembles.batch import Batch, Status
+from hjsolve.ensembles.batch import Batch
 from hjsolve.ensembles.orbits import ensemble
+from hjsolve.ensembles.status import Status
 
 __all__ = ["Batch", "Status", "ensemble"]

@@ -10,11 +10,10 @@ from typing import Any
 
 import numpy as np
 
-from hjsolve.ensembles import engine
-from hjsolve.ensembles.batch import Status
 from hjsolve.ensembles.fallback import single_orbit
 from hjsolve.ensembles.layout import ERROR, RECOMPUTED, STATUS, Layout
 from hjsolve.ensembles.momenta import run_from_velocities, value_of
+from hjsolve.ensembles.status import Status
 from hjsolve.ensembles.task import EnsembleTask, TaskContext, context_of
 
 CHUNK = 16384
@@ -96,7 +95,7 @@ def _fill(
         return
     places, speeds = ({name: np.ascontiguousarray(x[good]) for name, x in group.items()} for group in (places, speeds))
     found = tools.engine.run(places, speeds) if recipe.kind == "p" else run_from_velocities(tools, places, speeds)
-    fine = found.status == engine.Status.OK
+    fine = found.status == Status.OK
     for name in tools.layout.values():
         columns[name][window][good] = np.where(fine, value_of(found, name), np.nan)
         columns[ERROR + name][window][good] = np.where(fine, found.error[name], np.nan)
@@ -107,7 +106,7 @@ def _fill(
         if stop.is_set():
             return
         start = {"q": _picked(places, k), recipe.kind: _picked(speeds, k)}
-        endless = bool(found.status[k] == engine.Status.UNBOUNDED)
+        endless = bool(found.status[k] == Status.UNBOUNDED)
         _one(recipe, tools, columns, window.start + int(good[k]), start, endless)
 
 
@@ -127,7 +126,12 @@ def _picked(arrays: Mapping[str, Any], k: int) -> dict[str, float]:
 
 
 def _one(
-    recipe: EnsembleTask, tools: TaskContext, columns: Columns, place: int, start: Mapping[str, Mapping[str, float]], endless: bool
+    recipe: EnsembleTask,
+    tools: TaskContext,
+    columns: Columns,
+    place: int,
+    start: Mapping[str, Mapping[str, float]],
+    endless: bool,
 ) -> None:
     """Compute one orbit by the engine of single motions into its row."""
     status, row = single_orbit(tools.solution, tools.layout, start, dict(recipe.parameters), endless=endless)

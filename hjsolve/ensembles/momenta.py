@@ -11,6 +11,7 @@ import numpy as np
 from hjsolve.arithmetic.double_double import DoubleDouble
 from hjsolve.arithmetic.error_free import Pair
 from hjsolve.ensembles import engine
+from hjsolve.ensembles.status import UNDECIDED, Status
 from hjsolve.ensembles.task import TaskContext
 
 Arrays = Mapping[str, Any]
@@ -47,8 +48,8 @@ def run_from_velocities(tools: TaskContext, q: Arrays, velocity: Arrays) -> engi
         step = np.where(rounded, np.spacing(np.abs(p[name])), 0.0)
         moved = [tools.engine.run(q, {**p, name: p[name] + side * step}) for side in (-1, 1)]
         for other in moved:
-            lost = (status == engine.Status.OK) & (other.status != engine.Status.OK)
-            status[lost] = engine.Status.EXACT
+            lost = (status == Status.OK) & (other.status != Status.OK)
+            status[lost] = UNDECIDED
         for column in tools.layout.values():
             change = np.fmax(*(_distance(column, columns, other) for other in moved))
             error[column] += np.where(step > 0, np.nan_to_num(change), 0.0)

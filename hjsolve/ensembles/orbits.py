@@ -141,4 +141,6 @@ def _at_once(recipe: EnsembleTask, given: InitialConditions, threads: int | None
     def flat(array: Any) -> Any:
         return np.broadcast_to(array, given.shape).reshape(-1)
 
-    return compute_columns(recipe, [flat(given.q[n]) for n in names], [flat(given.rates[n]) for n in names], threads=threads)
+    return compute_columns(
+        recipe, [flat(given.q[n]) for n in names], [flat(given.rates[n]) for n in names], threads=threads
+    )

@@ -174,7 +174,9 @@ def _curve(
     raise NotConvergedError("the terms of H cancel at the start beyond what any precision tried makes up for")
 
 
-def _rates(problem: GeneralHamiltonian, slopes: list[sp.Expr], values: Mapping[sp.Symbol, sp.Expr], bits: int) -> BoundTape:
+def _rates(
+    problem: GeneralHamiltonian, slopes: list[sp.Expr], values: Mapping[sp.Symbol, sp.Expr], bits: int
+) -> BoundTape:
     """H_q, H_p, and their derivatives along the motion."""
     q, p = problem.coordinate.symbol, problem.coordinate.momentum
     second = [sp.diff(f, q) * slopes[1] - sp.diff(f, p) * slopes[0] for f in slopes]

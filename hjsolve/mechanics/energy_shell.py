@@ -312,7 +312,9 @@ def _reduction_steps(
             + (", and terms linear in the momenta left." if coupled else ".")
         )
         steps.append(
-            ReductionStep("Ignorable coordinates", text, sp.Add(*(shortest_form(reader, x) for x in eliminated.centrifugal)))
+            ReductionStep(
+                "Ignorable coordinates", text, sp.Add(*(shortest_form(reader, x) for x in eliminated.centrifugal))
+            )
         )
     if lagrangian.rest != 0:
         text = "The part of T without velocities acts as a potential: V' = V - T0."

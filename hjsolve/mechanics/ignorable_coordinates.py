@@ -136,7 +136,11 @@ def _inverse(reader: Reader, m: Rows) -> Rows:
     field, size = reader.field, len(m)
     work = [[*row, *(field.one if i == j else field.zero for j in range(size))] for i, row in enumerate(m)]
     for k in range(size):
-        p = min((i for i in range(k, size) if not work[i][k].is_zero), key=lambda i: printed_length(work[i][k]), default=None)
+        p = min(
+            (i for i in range(k, size) if not work[i][k].is_zero),
+            key=lambda i: printed_length(work[i][k]),
+            default=None,
+        )
         if p is None:
             raise ZeroDivisionError("the mass matrix is singular")
         work[k], work[p] = work[p], work[k]

@@ -60,7 +60,9 @@ def work_bits(digits: int) -> int:
     return int(3.33 * digits) + 79
 
 
-def lines(radicands: Mapping[str, MomentumSquared], initial: Initial, solution: Solution, bits: int) -> dict[str, BallMomentumSquared]:
+def lines(
+    radicands: Mapping[str, MomentumSquared], initial: Initial, solution: Solution, bits: int
+) -> dict[str, BallMomentumSquared]:
     """Return p² of each separated coordinate in balls.
 
     Raises:
@@ -132,7 +134,9 @@ def exact_ball(value: sp.Expr) -> Any:
     return lower([value], []).run(Balls(), [])[0]
 
 
-def proved_libration(begin: CoordinateStart, initial: Initial, solution: Solution, line: BallMomentumSquared) -> Located | None:
+def proved_libration(
+    begin: CoordinateStart, initial: Initial, solution: Solution, line: BallMomentumSquared
+) -> Located | None:
     """Prove that a coordinate librates, without integrating anything; None where that is not seen quickly.
 
     Args:

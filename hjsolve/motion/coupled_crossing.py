@@ -77,7 +77,9 @@ class _Values:
         return np.ravel(self.course.rate(j, np.array([χ], dtype=self.kind)))[0]
 
 
-def _solved(course: CoordinateMotion, kind: type, start: Any, goal: Any, side: int, noise: Any) -> tuple[_Values, Any] | None:
+def _solved(
+    course: CoordinateMotion, kind: type, start: Any, goal: Any, side: int, noise: Any
+) -> tuple[_Values, Any] | None:
     """The phase at which the second integral has grown by ``goal``, on one side of the start; None if not monotone."""
     reach, step, gains = abs(start) + 1, start * 0 + 1, [start * 0]
     while True:

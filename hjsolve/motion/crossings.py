@@ -63,7 +63,9 @@ def _shifted(motion: SeparatedMotion, elapsed: Any, error: Any) -> Estimate:
     return Estimate(value, float(error) + _EPS * abs(value))
 
 
-def _phase_of(motion: SeparatedMotion, name: str, course: CoordinateMotion, target: Callable[[int], Any], passage: int) -> Any:
+def _phase_of(
+    motion: SeparatedMotion, name: str, course: CoordinateMotion, target: Callable[[int], Any], passage: int
+) -> Any:
     """Phase of the passage-th crossing, counted from the start."""
     bits = int(3.33 * motion.digits) + 128
     place, arithmetic = target(bits), Multi(bits)
@@ -127,7 +129,9 @@ def _elapsed(motion: SeparatedMotion, k: int, phase: Any) -> tuple[Any, Any]:
     """Time from t₀ until coordinate k has a phase, and a bound on its error."""
     equations = motion.equations
     many = motion.digits > 15
-    if isinstance(equations, TorusEquations) and all(not len(s.cosines) for i, s in enumerate(equations.ripples[k]) if i != k):
+    if isinstance(equations, TorusEquations) and all(
+        not len(s.cosines) for i, s in enumerate(equations.ripples[k]) if i != k
+    ):
         ripple = equations.ripples[k][k]
         wave = (
             0

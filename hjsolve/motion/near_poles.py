@@ -79,7 +79,9 @@ def _arguments(
     return variables, arrays, {s: v for s, v in motion.initial.values.items() if s not in variables}
 
 
-def places(motion: SeparatedMotion, courses: list[CoordinateMotion], χ: list[Any]) -> tuple[dict[str, Pair], dict[str, Any]]:
+def places(
+    motion: SeparatedMotion, courses: list[CoordinateMotion], χ: list[Any]
+) -> tuple[dict[str, Pair], dict[str, Any]]:
     """Separated coordinates in two doubles, and their shell momenta, at phases in doubles."""
     q, shell = {}, {}
     for name, course, phase in zip(motion.solution.coordinates, courses, χ, strict=True):
@@ -146,7 +148,12 @@ def _open_place(course: Unbounded, χ: Any) -> Pair:
 
 
 def sharpened(
-    motion: SeparatedMotion, courses: list[CoordinateMotion], χ: list[Any], q: Mapping[str, Any], v: Mapping[str, Any], where: Any
+    motion: SeparatedMotion,
+    courses: list[CoordinateMotion],
+    χ: list[Any],
+    q: Mapping[str, Any],
+    v: Mapping[str, Any],
+    where: Any,
 ) -> dict[str, Any]:
     """Velocities, those of some times worked out in two doubles.
 

@@ -130,7 +130,9 @@ def mean_velocities(solution: Solution, initial: Initial, equations: Any, digits
     return _ignorable_rates(solution, equations, digits, angles=False) if isinstance(equations, TorusEquations) else {}
 
 
-def _ignorable_rates(solution: Solution, equations: TorusEquations, digits: int, *, angles: bool) -> dict[str, Estimate]:
+def _ignorable_rates(
+    solution: Solution, equations: TorusEquations, digits: int, *, angles: bool
+) -> dict[str, Estimate]:
     constants = list(solution.constants)
     return {
         c.name: _ignorable_rate(equations, constants.index(c.momentum.name), digits)

@@ -68,7 +68,9 @@ def separated_motion(
     bounded = [c for c in courses if not isinstance(c, Unbounded)]
     equations: TorusEquations | TriangularScheme | None = None
     if courses and "time" in parts:
-        equations = torus_equations(bounded, int(3.33 * digits) + 128) if len(bounded) == len(courses) else plan(courses)
+        equations = (
+            torus_equations(bounded, int(3.33 * digits) + 128) if len(bounded) == len(courses) else plan(courses)
+        )
     return SeparatedMotion(
         solution, initial, t0, digits, parts, located, equations, turning_points(located, digits),
         quantities.frequencies(solution, initial, equations, digits) if "time" in parts else {},
@@ -77,7 +79,11 @@ def separated_motion(
 
 def turning_points(located: Mapping[str, Located], digits: int) -> dict[str, tuple[Estimate | None, Estimate | None]]:
     """Return the ends of the regions, rounded with their errors; none of a rotation."""
-    return {name: quantities.turning_points_of(place, digits) for name, place in located.items() if place.lower.kind != "round"}
+    return {
+        name: quantities.turning_points_of(place, digits)
+        for name, place in located.items()
+        if place.lower.kind != "round"
+    }
 
 
 def coordinate_start(solution: Solution, initial: Initial, name: str) -> CoordinateStart:

@@ -48,7 +48,9 @@ def state_at_times(motion: SeparatedMotion, t: Any, digits: int | None = None) -
         start = to_bits(motion.t0)
         time = relative(floats, start) if floats is not None else halves(relative_exact(exact, start, 256))
         within_doubles(time)
-        table = dense_output(motion, 2 * max(-float(np.min(time[0], initial=0.0)), float(np.max(time[0], initial=1e-290))))
+        table = dense_output(
+            motion, 2 * max(-float(np.min(time[0], initial=0.0)), float(np.max(time[0], initial=1e-290)))
+        )
         if table is not None:
             return _tabulated(motion, table, t, time, shape)
     phases = phases_at(motion, floats, exact)

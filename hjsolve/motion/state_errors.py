@@ -75,7 +75,12 @@ def _put_in(errors: dict[str, Any], better: Mapping[str, Any], where: Any) -> No
 
 
 def _sharp_errors(
-    motion: SeparatedMotion, courses: list[CoordinateMotion], χ: list[Any], slack: list[Any], q: Mapping[str, Any], where: Any
+    motion: SeparatedMotion,
+    courses: list[CoordinateMotion],
+    χ: list[Any],
+    slack: list[Any],
+    q: Mapping[str, Any],
+    where: Any,
 ) -> dict[str, Any]:
     """Bounds on velocities worked out in two doubles: what the phases leave open, and the last rounding."""
     exact, shell = places(motion, courses, χ)
@@ -213,7 +218,9 @@ def _rounded(course: Periodic) -> Periodic:
     if series.cosines.dtype != object:
         return course
     sines = None if series.sines is None else series.sines.astype(float)
-    return replace(course, momentum=FourierSeries(series.mean, series.cosines.astype(float), sines, series.nodes, series.tail))
+    return replace(
+        course, momentum=FourierSeries(series.mean, series.cosines.astype(float), sines, series.nodes, series.tail)
+    )
 
 
 def _ignorable_error(

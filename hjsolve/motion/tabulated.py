@@ -139,7 +139,9 @@ def dense_output(motion: SeparatedMotion, span: float) -> DenseOutput | None:
         if isinstance(equations.courses[0], Unbounded) and blurs(motion, equations.courses[0]):
             return None
         return (
-            _open(motion, int(np.ceil(np.log2(max(span, 1e-290))))) if isinstance(equations.courses[0], Unbounded) else None
+            _open(motion, int(np.ceil(np.log2(max(span, 1e-290)))))
+            if isinstance(equations.courses[0], Unbounded)
+            else None
         )
     except NotConvergedError:
         return None
@@ -193,7 +195,9 @@ def _resting(motion: SeparatedMotion) -> DenseOutput:
     names = [c.name for c in motion.solution.system.coordinates if c.name not in motion.located]
     rows = [np.zeros((DEGREE + 1, 1)) for _ in range(2 + len(names))]
     rows[0][0] = place
-    table = InterpolationTable(np.array([-np.pi, np.pi]), tuple(rows), (), tuple(np.abs(row[0]) for row in rows), np.zeros(1))
+    table = InterpolationTable(
+        np.array([-np.pi, np.pi]), tuple(rows), (), tuple(np.abs(row[0]) for row in rows), np.zeros(1)
+    )
     return DenseOutput(table, {name: (2 + k, 0.0) for k, name in enumerate(names)}, True, -np.pi)
 
 

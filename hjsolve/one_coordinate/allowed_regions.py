@@ -61,7 +61,9 @@ def others(start: CoordinateStart, lower: End, upper: End, digits: int) -> list[
     return _along(start, lower, -1, digits)[::-1] + _along(start, upper, 1, digits)
 
 
-def _along(start: CoordinateStart, end: End, side: int, digits: int, last: End | None = None, most: int = MOST) -> list[AllowedRegion]:
+def _along(
+    start: CoordinateStart, end: End, side: int, digits: int, last: End | None = None, most: int = MOST
+) -> list[AllowedRegion]:
     """Regions from an end outward; for an angle, up to the first region itself a turn later (``last``)."""
     found: list[AllowedRegion] = []
     while end.place is not None and end.kind != "boundary" and len(found) < most:

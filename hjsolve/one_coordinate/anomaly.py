@@ -280,7 +280,9 @@ def rotation_anomaly(slow: Any, direction: int, gap: Any, arithmetic: Multi) -> 
     return Rotation(slow, direction, complement, quarter_period(complement, arithmetic))
 
 
-def two_barrier_anomaly(crest: Any, gap: Any, other: Any, other_gap: Any, direction: int, arithmetic: Multi) -> TwoBarrierAnomaly:
+def two_barrier_anomaly(
+    crest: Any, gap: Any, other: Any, other_gap: Any, direction: int, arithmetic: Multi
+) -> TwoBarrierAnomaly:
     """Make the anomaly of an angle that goes round over two crests.
 
     In the upper half plane of tan((q − crest)/2) the pairs are z₁ = i tanh(gap/2) and z₂; the real Möbius map that

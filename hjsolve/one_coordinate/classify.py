@@ -154,7 +154,9 @@ def _libration(start: CoordinateStart, lower: End, upper: End, digits: int) -> P
 
     def maps() -> Iterator[Anomaly]:
         yield plain
-        usual = libration_anomaly(a, b, _outside(start, a, b - a, -1, bits), _outside(start, b, b - a, 1, bits), arithmetic)
+        usual = libration_anomaly(
+            a, b, _outside(start, a, b - a, -1, bits), _outside(start, b, b - a, 1, bits), arithmetic
+        )
         yield usual
         yield from _over_crests(start, usual, bits)
 

@@ -157,7 +157,9 @@ class _Rules(ABC):
     def bend(self, name: str, places: tuple[Any, Any, Any], chord: Any, near_a: Any, near_b: Any) -> Any:
         """Return Φ[a, b, q] from Φ[a, b], Φ[a, q] and Φ[b, q]."""
 
-    def step(self, line: ProgramLine, ends: tuple[EndValues, ...], slots: list[DividedValues | None]) -> tuple[Any, Any]:
+    def step(
+        self, line: ProgramLine, ends: tuple[EndValues, ...], slots: list[DividedValues | None]
+    ) -> tuple[Any, Any]:
         """Return f(q) and f[a, b, q] of one line."""
         x, y, f, g = ends[line.first], ends[line.other], slots[line.first], slots[line.other]
         if line.code in {"add", "mul"}:

@@ -95,7 +95,9 @@ def first_arguments(scene: Question) -> dict[str, Any]:
     return {name: value for name, value in given.items() if value is not None}
 
 
-def _arc(scene: Question, solution: Solution, piece: FreeArc, timed: bool, wholes: Wholes, rest: Estimate | None) -> Arc:
+def _arc(
+    scene: Question, solution: Solution, piece: FreeArc, timed: bool, wholes: Wholes, rest: Estimate | None
+) -> Arc:
     """Compute what is wanted of an arc."""
     names = [n for n in (*_FIELDS, "angles", "orbit") if n in scene.want and (n != "angles" or scene.times)]
     ends = rest if rest is not None else None if piece.ends is None else _moment(piece.ends, scene.digits)

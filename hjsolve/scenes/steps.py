@@ -63,7 +63,9 @@ class _Surface:
         return float(off - 2 * np.pi * np.rint(off / (2 * np.pi))) if self.turning else float(off)
 
 
-def integrate_steps(flow: Flow, events: Sequence[Event], start: float, state: Any, times: Any, tolerance: float) -> Sampled:
+def integrate_steps(
+    flow: Flow, events: Sequence[Event], start: float, state: Any, times: Any, tolerance: float
+) -> Sampled:
     """Integrate from the start through all times.
 
     Args:

@@ -68,7 +68,11 @@ def _ratio(value: Any) -> tuple[int, int]:
 
 
 def trajectory_of(
-    scene: Question, arcs: Sequence[Arc], pieces: Sequence[FreeArc], rest: Rest | None, whole: Callable[[FreeArc], Motion]
+    scene: Question,
+    arcs: Sequence[Arc],
+    pieces: Sequence[FreeArc],
+    rest: Rest | None,
+    whole: Callable[[FreeArc], Motion],
 ) -> Trajectory:
     """Put the states of the arcs together; a quantity is worked out when it is read.
 

@@ -202,7 +202,9 @@ def _evidence_of(reduced: Reduced, shell: Shell) -> list[ReductionStep]:
     if reduced.liouville is not None:
         form = reduced.liouville
         text = "The shell is of Liouville's form: T = sum(R_i p_i^2)/(2 sum f_i), V = sum(v_i)/sum(f_i)."
-        steps.append(ReductionStep("Liouville's form", text, sp.Tuple(sp.Tuple(*form.f), sp.Tuple(*form.R), sp.Tuple(*form.v))))
+        steps.append(
+            ReductionStep("Liouville's form", text, sp.Tuple(sp.Tuple(*form.f), sp.Tuple(*form.R), sp.Tuple(*form.v)))
+        )
     if not shell.coordinates:
         text = "Every momentum is constant and H is a function of them: the motion is uniform."
         steps.append(ReductionStep("All coordinates ignorable", text, shell.potential))

@@ -13,7 +13,9 @@ _OFTEN = 0.2
 
 
 @contextlib.contextmanager
-def sweep_progress(total: int, done: int, *, shown: bool | None = None, stream: TextIO | None = None) -> Iterator[Advance]:
+def sweep_progress(
+    total: int, done: int, *, shown: bool | None = None, stream: TextIO | None = None
+) -> Iterator[Advance]:
     """Show progress while the block runs.
 
     Args:

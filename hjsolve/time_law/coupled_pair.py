@@ -61,7 +61,9 @@ class CoupledPhases:
     short: Any
 
 
-def choose_pair(courses: tuple[CoordinateMotion, CoordinateMotion], used: Sequence[Weights], equations: int) -> CoupledPair | None:
+def choose_pair(
+    courses: tuple[CoordinateMotion, CoordinateMotion], used: Sequence[Weights], equations: int
+) -> CoupledPair | None:
     """Choose the two combinations; None where no single equation is monotone in both coordinates.
 
     Args:

@@ -121,7 +121,9 @@ def open_phases(scheme: TriangularScheme, time: tuple[Any, Any]) -> tuple[list[A
     return found[0], found[1], found[2], found[3] | short
 
 
-def _phases(scheme: TriangularScheme, time: tuple[Any, Any], span: float) -> tuple[list[Any], list[Any], list[Any], Any, Any]:
+def _phases(
+    scheme: TriangularScheme, time: tuple[Any, Any], span: float
+) -> tuple[list[Any], list[Any], list[Any], Any, Any]:
     """The same with panels that reach so far; True last where that is not far enough."""
     t = time[0] + time[1]
     courses = [reaching(c, scheme, span, i) for i, c in enumerate(scheme.courses)]
@@ -180,7 +182,12 @@ def _couple(courses: list[CoordinateMotion], scheme: TriangularScheme) -> Couple
 
 
 def _right_sides(
-    courses: list[CoordinateMotion], scheme: TriangularScheme, targets: list[float], t: Any, known: list[Any], errors: list[Any]
+    courses: list[CoordinateMotion],
+    scheme: TriangularScheme,
+    targets: list[float],
+    t: Any,
+    known: list[Any],
+    errors: list[Any],
 ) -> tuple[Any, Any]:
     """Right sides of all equations for the coupled coordinates and bounds on their errors, shape (equations, m)."""
     goals = np.array(targets)[:, None] + 0 * t
@@ -221,7 +228,12 @@ def _targets(courses: list[CoordinateMotion], n: int) -> list[float]:
 
 
 def _right_side(
-    step: DecoupledStep, targets: list[float], known: list[tuple[int, CoordinateMotion]], χ: list[Any], errors: list[Any], t: Any
+    step: DecoupledStep,
+    targets: list[float],
+    known: list[tuple[int, CoordinateMotion]],
+    χ: list[Any],
+    errors: list[Any],
+    t: Any,
 ) -> tuple[Any, Any]:
     value = sum(w * c for w, c in zip(step.weights, targets, strict=True)) + step.weights[0] * t
     size = sum(abs(w * c) for w, c in zip(step.weights, targets, strict=True)) + np.abs(step.weights[0] * t)

@@ -18,7 +18,9 @@ CHUNK = 8192
 """How many numbers are worked on at once, so that what is in between stays in the cache."""
 
 
-def turns_and_rest(rate: tuple[float, float], time: tuple[Any, Any], start: tuple[float, float] = (0.0, 0.0)) -> tuple[Any, Any]:
+def turns_and_rest(
+    rate: tuple[float, float], time: tuple[Any, Any], start: tuple[float, float] = (0.0, 0.0)
+) -> tuple[Any, Any]:
     """Return the whole turns and the rest, in [−½, ½], of start + rate·time.
 
     The rest keeps its relative accuracy when it is small: a perihelion passage is not blurred.

@@ -13,7 +13,9 @@ from hjsolve.one_coordinate.fourier_series import FourierSeries
 from hjsolve.time_law.torus import TorusEquations
 
 
-def on_torus(system: TorusEquations, χ: list[Any], whole: list[Any], time: list[Any], bits: int) -> tuple[list[Any], list[Any]]:
+def on_torus(
+    system: TorusEquations, χ: list[Any], whole: list[Any], time: list[Any], bits: int
+) -> tuple[list[Any], list[Any]]:
     """Refine phases of a bounded motion.
 
     Args:

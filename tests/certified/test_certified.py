@@ -129,7 +129,9 @@ SPREAD = AnomalyMap(7.65, 7.65)
 def test_the_midpoint_rule_with_few_nodes_misses_by_no_more_than_its_bound(gap, map_, width, bits):
     integrand, _ = swinging(gap, map_)
     with ball.working(200), mpmath.workdps(60):
-        found = strip_bound.midpoint(integrand, strip_bound.bound_in_strip(integrand, width), bits, [ball.flint.arb(1)])[0]
+        found = strip_bound.midpoint(
+            integrand, strip_bound.bound_in_strip(integrand, width), bits, [ball.flint.arb(1)]
+        )[0]
         exact = 2 * mpmath.ellipk((1 - mpmath.mpf(gap)) ** 2) / mpmath.pi
         missed = abs(certified.to_mpf(found.mid(), 200) - exact)
         assert 0 < missed <= certified.to_mpf(found.rad(), 64)
@@ -255,7 +257,9 @@ def test_the_folds_of_a_turn_give_the_same_mean():
     assert (whole.fold, spinning.fold) == (4, 2)
     with ball.working(200):
         for integrand in (whole, spinning):
-            means = [strip_bound.certified_means(replace(integrand, fold=integrand.fold // part), 100) for part in (1, 2)]
+            means = [
+                strip_bound.certified_means(replace(integrand, fold=integrand.fold // part), 100) for part in (1, 2)
+            ]
             for one, other in zip(*means, strict=True):
                 assert one.overlaps(other)
 

@@ -107,7 +107,9 @@ def test_the_general_condition_is_levi_civitas_formula_for_a_hamiltonian_with_ev
     reader = Reader([H])
     element = reader.element(H)
     for i, j in ((0, 1), (0, 2), (1, 2)):
-        ours = reader.write(levi_civita.sum_of_products(reader, levi_civita.general_condition(reader, element, q, p, i, j)))
+        ours = reader.write(
+            levi_civita.sum_of_products(reader, levi_civita.general_condition(reader, element, q, p, i, j))
+        )
         a, b, c, d = H.diff(p[i]), H.diff(p[j]), H.diff(q[i]), H.diff(q[j])
         theirs = (
             a * b * H.diff(q[i], q[j])

@@ -285,7 +285,9 @@ def test_the_separatrix_of_the_pendulum_is_found(materials: dict[str, Material])
 def test_the_edge_of_the_bound_kepler_motions_is_zero_energy(materials: dict[str, Material]) -> None:
     motion = materials["kepler-planar"].motion
     assert motion is not None
-    assert phase_portrait.hills(effective_potential_of(motion, "r")) == [(pytest.approx(0.0, abs=1e-7), "edge of the bound motions")]
+    assert phase_portrait.hills(effective_potential_of(motion, "r")) == [
+        (pytest.approx(0.0, abs=1e-7), "edge of the bound motions")
+    ]
 
 
 @pytest.mark.parametrize(

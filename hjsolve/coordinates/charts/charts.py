@@ -41,7 +41,12 @@ class CoordinateRange:
         return f"{left}{name}{right}"
 
 
-LINE, ANGLE, HALF, MERIDIAN = CoordinateRange(), CoordinateRange(-sp.pi, sp.pi, True), CoordinateRange(sp.S.Zero), CoordinateRange(sp.S.Zero, sp.pi)
+LINE, ANGLE, HALF, MERIDIAN = (
+    CoordinateRange(),
+    CoordinateRange(-sp.pi, sp.pi, True),
+    CoordinateRange(sp.S.Zero),
+    CoordinateRange(sp.S.Zero, sp.pi),
+)
 
 
 @dataclass(frozen=True)
@@ -83,7 +88,9 @@ def chart(kind: str, lengths: Mapping[str, sp.Expr], n: int, symbol: Symbols) ->
         flat = {"circular": "polar", "elliptic": "elliptic", "parabolic": "parabolic"}[kind.split(maxsplit=1)[0]]
         base = _PLANE[flat](lengths, symbol)
         z = symbol("z", LINE)
-        return SeparableChart((*base.symbols, z), (*base.ranges, LINE), (*base.place, z), (*base.scale, sp.S.One), base.remark)
+        return SeparableChart(
+            (*base.symbols, z), (*base.ranges, LINE), (*base.place, z), (*base.scale, sp.S.One), base.remark
+        )
     known = {**_PLANE, **_SPACE}
     if kind not in known:
         raise InternalError(f"no chart of kind {kind}")
@@ -178,7 +185,9 @@ def _paraboloidal(lengths: Mapping[str, sp.Expr], symbol: Symbols) -> SeparableC
     u = tuple(symbol(name, where) for name, where in zip(("u", "v", "w"), ranges, strict=True))
     y, z = (sp.sqrt(-_rooted((b, c), u, i)) for i in (0, 1))
     scale = tuple(a**2 * sp.prod([s - o for o in u if o != s]) / (4 * (s - b) * (s - c)) for s in u)
-    return SeparableChart(u, ranges, (a * (sp.Add(*u) - b - c) / 2, a * y, a * z), scale, _OCTANT.replace("octant", "quarter"))
+    return SeparableChart(
+        u, ranges, (a * (sp.Add(*u) - b - c) / 2, a * y, a * z), scale, _OCTANT.replace("octant", "quarter")
+    )
 
 
 _PLANE = {"polar": _polar, "parabolic": _parabolic, "elliptic": _elliptic}

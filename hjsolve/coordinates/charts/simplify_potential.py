@@ -107,7 +107,9 @@ def flattened(expression: sp.Expr, X: Sequence[sp.Symbol]) -> sp.Expr:
         return expression
     if expression.is_polynomial(*X):
         terms = sp.Poly(sp.expand(expression), *X).terms()
-        return sp.Add(*(tidy_constant(c) * sp.prod([q**e for q, e in zip(X, powers, strict=True)]) for powers, c in terms))
+        return sp.Add(
+            *(tidy_constant(c) * sp.prod([q**e for q, e in zip(X, powers, strict=True)]) for powers, c in terms)
+        )
     if expression.is_Add:
         smooth = [term for term in expression.args if term.is_polynomial(*X)]
         rest = [flattened(term, X) for term in expression.args if not term.is_polynomial(*X)]

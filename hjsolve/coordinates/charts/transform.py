@@ -46,7 +46,10 @@ def web_of(geometry: Geometry, cartesian: Cartesian, *, budget: float) -> Web:
     names = tuple(s.name for s in local.symbols)
     L = sp.symbols(f"X0:{n}", real=True)
     centre = geometry.centre
-    moved = [sp.Add(c, *(tidy_constant(axis[i]) * Xi for axis, Xi in zip(axes, L, strict=True))) for i, c in enumerate(centre)]
+    moved = [
+        sp.Add(c, *(tidy_constant(axis[i]) * Xi for axis, Xi in zip(axes, L, strict=True)))
+        for i, c in enumerate(centre)
+    ]
     in_frame = flattened(cartesian.potential.subs(dict(zip(cartesian.X, moved, strict=True)), simultaneous=True), L)
     carrier = ChangeOfVariables(dict(zip(L, local.place, strict=True)), _domain_sign(local, cartesian), set())
     potential = carrier.carry(in_frame)
@@ -79,7 +82,9 @@ def web_of(geometry: Geometry, cartesian: Cartesian, *, budget: float) -> Web:
     )
 
 
-def _adapted(local: SeparableChart, geometry: Geometry, cartesian: Cartesian) -> tuple[SeparableChart, tuple[Vector, ...]]:
+def _adapted(
+    local: SeparableChart, geometry: Geometry, cartesian: Cartesian
+) -> tuple[SeparableChart, tuple[Vector, ...]]:
     """Return the chart and the axes to use.
 
     Cartesian axes keep the given names where nothing changes, and are not normalised where that would put symbolic

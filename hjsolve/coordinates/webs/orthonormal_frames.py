@@ -142,7 +142,9 @@ def _eigenvalues(A: sp.Matrix) -> list[tuple[sp.Expr, int]]:
     for factor, multiplicity in polynomial:
         degree = sp.degree(factor, s)
         if degree <= 2:
-            values.extend((tidy_constant(r), multiplicity) for r in sorted(sp.roots(factor, s), key=sp.default_sort_key))
+            values.extend(
+                (tidy_constant(r), multiplicity) for r in sorted(sp.roots(factor, s), key=sp.default_sort_key)
+            )
         else:
             raise TooHardError
     return values

@@ -67,7 +67,10 @@ def _parabolic(A: sp.MatrixBase, w: sp.MatrixBase) -> Geometry:
     """L = A + w⊙x = (x − f)⊙w modulo the metric: −(w_x f_x − w_y f_y) = (A₁₁−A₂₂)/2, −(w_x f_y + w_y f_x) = A₁₂."""
     difference, off = (A[0, 0] - A[1, 1]) / 2, A[0, 1]
     square = w[0] ** 2 + w[1] ** 2
-    focus = (tidy_constant(-(w[0] * difference + w[1] * off) / square), tidy_constant((w[1] * difference - w[0] * off) / square))
+    focus = (
+        tidy_constant(-(w[0] * difference + w[1] * off) / square),
+        tidy_constant((w[1] * difference - w[0] * off) / square),
+    )
     return Geometry("parabolic", focus, _turned(unit(tuple(w))), (focus,))
 
 

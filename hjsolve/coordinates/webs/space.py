@@ -207,7 +207,11 @@ def _at(vector: sp.MatrixBase, piece: SolutionPiece, values: Sequence[sp.Expr]) 
 def _with_foci(web: Geometry) -> Geometry:
     """Add the ends of the focal conics: on e₁ at a√(a₂−a₁) and a√(a₃−a₁), on e₂ at a√(a₃−a₂)."""
     a, a2, a3 = (web.lengths[name] for name in ("a", "a2", "a3"))
-    ends = ((a * real_root(a2), web.axes[0]), (a * real_root(a3), web.axes[0]), (a * real_root(tidy_constant(a3 - a2)), web.axes[1]))
+    ends = (
+        (a * real_root(a2), web.axes[0]),
+        (a * real_root(a3), web.axes[0]),
+        (a * real_root(tidy_constant(a3 - a2)), web.axes[1]),
+    )
     return replace(web, foci=tuple(moved(web.centre, [(s * k, e)]) for k, e in ends for s in (1, -1)))
 
 

@@ -8,7 +8,7 @@ Read ``engine.py`` first, then ``passes.py``; files named ``compiled_`` do the s
 
 from hjsolve.ensembles.engine.columns import QUANTITIES as QUANTITIES
 from hjsolve.ensembles.engine.columns import Columns as Columns
-from hjsolve.ensembles.engine.columns import Status as Status
 from hjsolve.ensembles.engine.engine import Engine as Engine
 from hjsolve.ensembles.engine.engine import build as build
 from hjsolve.ensembles.engine.engine import ready as ready
+from hjsolve.ensembles.status import Status as Status

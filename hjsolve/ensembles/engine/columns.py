@@ -4,31 +4,14 @@ from __future__ import annotations
 
 from collections.abc import Mapping
 from dataclasses import dataclass
-from enum import IntEnum
 from typing import Any
 
 import numpy as np
 
+from hjsolve.ensembles.status import UNDECIDED
+
 QUANTITIES = ("constants", "turning_points", "actions", "frequencies", "periods", "angles")
 """What may be wanted of a batch."""
-
-
-class Status(IntEnum):
-    """How far the fast path came with one orbit; anything but ``OK`` is for the single-orbit engine."""
-
-    OK = 0
-    EXACT = 1
-    """Bounded perhaps, but not decided in doubles."""
-    FORBIDDEN = 2
-    """p² < 0 or a place outside the domain, or an input that is no finite number."""
-    UNBOUNDED = 3
-    """No turning point within reach on one side."""
-    EQUILIBRIUM = 4
-    """A coordinate rests at a double zero of p²."""
-    ASYMPTOTIC = 5
-    """A double zero of p² at an end of the region: an infinite time."""
-    NOT_CONVERGED = 6
-    """The nodes did not suffice."""
 
 
 @dataclass(frozen=True)
@@ -72,7 +55,7 @@ def blank(names: Mapping[str, tuple[str, ...]], count: int) -> Columns:
     """
     groups = {q: {name: np.full(count, np.nan) for name in names.get(q, ())} for q in QUANTITIES}
     error = {f"{q}.{name}": np.full(count, np.nan) for q in names for name in names[q]}
-    return Columns(**groups, error=error, status=np.full(count, Status.EXACT, dtype=np.uint8))
+    return Columns(**groups, error=error, status=np.full(count, UNDECIDED, dtype=np.uint8))
 
 
 def put(columns: Columns, index: Any, part: Columns) -> None:

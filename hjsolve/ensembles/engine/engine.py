@@ -8,10 +8,11 @@ from typing import Any
 
 import numpy as np
 
-from hjsolve.ensembles.engine.columns import QUANTITIES, Columns, Status, blank, put
+from hjsolve.ensembles.engine.columns import QUANTITIES, Columns, blank, put
 from hjsolve.ensembles.engine.lowered_solution import Model, lowered_model
 from hjsolve.ensembles.engine.passes import TIMED, TOLERANCE, run_compiled, run_pass, worst
 from hjsolve.ensembles.engine.programs import Compiled, available, compiled, is_kept
+from hjsolve.ensembles.status import Status
 from hjsolve.errors import InvalidInputError
 from hjsolve.motion.initial_data import parameter_values
 from hjsolve.solution.quadratures import Solution
@@ -115,7 +116,11 @@ def build(
         raise InvalidInputError(f'want: "{name}" is not known for many orbits; known are {", ".join(QUANTITIES)}')
     values = parameter_values(solution.system, parameters or {})
     return Engine(
-        solution, want, lowered_model(solution, values), _names(solution, want), available() if compiled is None else compiled
+        solution,
+        want,
+        lowered_model(solution, values),
+        _names(solution, want),
+        available() if compiled is None else compiled,
     )
 
 

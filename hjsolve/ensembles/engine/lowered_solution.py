@@ -148,7 +148,9 @@ def _separated(
         side = 1 if origin == lower_end or sign < 0 else -1 if origin == upper_end else 0
         numbers = tuple(_pair(values[s]) for s in parameters)
         clearance = Clearance(apart, numbers, alone=parts is not None, side=side)
-        return LoweredFormula(_pair(origin.subs(values)), sign, lower(seen[:1], arguments), lower(seen, arguments), clearance)
+        return LoweredFormula(
+            _pair(origin.subs(values)), sign, lower(seen[:1], arguments), lower(seen, arguments), clearance
+        )
 
     def from_end(end: sp.Expr | None, sign: int) -> LoweredFormula | None:
         if end is None:

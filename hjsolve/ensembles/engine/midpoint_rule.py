@@ -97,7 +97,9 @@ def _table(region: OrbitRegions, code: int) -> tables.Nodes:
     return tables.nodes_of(region.turning, count, level, warp)
 
 
-def _rule(region: OrbitRegions, constants: int, table: tables.Nodes, *, kernels: bool, ripples: bool) -> tuple[Sums, Any]:
+def _rule(
+    region: OrbitRegions, constants: int, table: tables.Nodes, *, kernels: bool, ripples: bool
+) -> tuple[Sums, Any]:
     """Apply the rule with a number of nodes; also return how many would be needed."""
     count = len(table.χ) if region.turning else len(table.χ) // 2
     with np.errstate(all="ignore"):
@@ -223,7 +225,9 @@ def _doubts(view: View, x: Any, values: list[Any], smooth: bool) -> list[Any]:
     return [noise + drift, *others, drift]
 
 
-def _running(region: OrbitRegions, table: tables.Nodes, values: Any, ratio: Any, sums: Sums, noise: Any, ends: EndNodes) -> None:
+def _running(
+    region: OrbitRegions, table: tables.Nodes, values: Any, ratio: Any, sums: Sums, noise: Any, ends: EndNodes
+) -> None:
     """Phase of the start, and the integrals from χ = 0 to it less their mean growth."""
     count = len(table.χ)
     terms = np.arange(1, len(table.cosines) + 1)

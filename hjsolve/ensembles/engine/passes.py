@@ -7,13 +7,14 @@ from typing import Any
 import numpy as np
 
 from hjsolve.ensembles.engine.actions_and_angles import combine_integrals
-from hjsolve.ensembles.engine.columns import Columns, Status, blank, put
+from hjsolve.ensembles.engine.columns import Columns, blank, put
 from hjsolve.ensembles.engine.constants import InitialConstants, initial_constants
 from hjsolve.ensembles.engine.lowered_solution import Model, Separated
 from hjsolve.ensembles.engine.midpoint_rule import Sums, empty, integrate
 from hjsolve.ensembles.engine.programs import Compiled
 from hjsolve.ensembles.engine.radicand_views import DifferenceEvaluation, DirectEvaluation, second_slope
 from hjsolve.ensembles.engine.regions import LocatedRegions, locate_regions
+from hjsolve.ensembles.status import UNDECIDED, Status
 
 _EPS = 2.0**-52
 TOLERANCE = 1e-10
@@ -65,7 +66,7 @@ def run_pass(
         sums.append(total)
     _results(model, names, columns, sums, directions, start, q)
     if ripples and any(c.shifted for c in model.separated):
-        status[status == Status.OK] = Status.EXACT
+        status[status == Status.OK] = UNDECIDED
     _settle(columns, status, tolerance)
     if depth == 2:
         again = np.flatnonzero(spared & ~small & (worst(columns) > _SPOILT))
@@ -90,13 +91,13 @@ def run_compiled(
     sums = []
     for k, coordinate in enumerate(model.separated):
         total = librations(coordinate, made, start, k, ripples=ripples)
-        status[~total.good] = Status.EXACT
+        status[~total.good] = UNDECIDED
         if "turning_points" in names:
-            status[:] = Status.EXACT
+            status[:] = UNDECIDED
         sums.append(total)
     _results(model, names, columns, sums, np.ones((len(sums), count)), start, q)
     if ripples and any(c.shifted for c in model.separated):
-        status[status == Status.OK] = Status.EXACT
+        status[status == Status.OK] = UNDECIDED
     _settle(columns, status, tolerance)
     return columns
 
@@ -157,7 +158,12 @@ def _fill(columns: Columns, quantity: str, name: str, value: Any, error: Any) ->
 
 
 def _actions(
-    model: Model, names: dict[str, tuple[str, ...]], columns: Columns, sums: list[Sums], directions: Any, start: InitialConstants
+    model: Model,
+    names: dict[str, tuple[str, ...]],
+    columns: Columns,
+    sums: list[Sums],
+    directions: Any,
+    start: InitialConstants,
 ) -> None:
     if "actions" not in names:
         return
@@ -221,7 +227,7 @@ def worst(columns: Columns) -> Any:
 
 def _settle(columns: Columns, status: Any, tolerance: float) -> None:
     """Keep the orbits whose errors are small enough; NaN for the others."""
-    status[(status == Status.OK) & ~(worst(columns) <= tolerance)] = Status.EXACT
+    status[(status == Status.OK) & ~(worst(columns) <= tolerance)] = UNDECIDED
     columns.status[:] = status
     lost = status != Status.OK
     for key, error in columns.error.items():

@@ -174,7 +174,9 @@ def _relative_text(formula: LoweredFormula, unpack: str, names: list[str], numbe
         return "def relative(out, base, offset, c):\n    out[:] = 0.0\n"
     chords = FirstDifferences(RunningError(source, own=_OWN), WithErrorBound("d"))
     place = source.add("b", "d")
-    inputs = [chords.variable(WithErrorBound("b"), WithErrorBound(place, source.mul(_PLACE, source.unary("abs", place))))]
+    inputs = [
+        chords.variable(WithErrorBound("b"), WithErrorBound(place, source.mul(_PLACE, source.unary("abs", place))))
+    ]
     inputs += [chords.constant(WithErrorBound(c)) for c in names]
     inputs += [chords.constant(WithErrorBound(f"({x!r})", f"({abs(x) * 2.0**-53!r})")) for x in numbers]
     slope = formula.squared.run(chords, inputs)[0].slope

@@ -1,10 +1,10 @@
 """P² of one coordinate as a function of an offset, for many orbits: from zero, a domain's end, the start, a zero.
 
 A view answers for arrays of shape (n,) or (n, nodes): the value of F = p², its kernels, and a bound on the rounding
-error of F. ``DirectEvaluation`` evaluates the formula at x with q = origin + sign·x. ``DifferenceEvaluation`` carries second-order slopes from the
-initial place, F(q₀ + δ) = P₀² + δ (F′₀ + δ F[q₀, q₀, q]): small amplitudes keep their digits
-(``arithmetic/second_differences.py``). ``DoubleDoubleEvaluation`` evaluates F with 32 digits at a distance x from a turning point known
-to 32 digits: close zeros keep theirs.
+error of F. ``DirectEvaluation`` evaluates the formula at x with q = origin + sign·x. ``DifferenceEvaluation`` carries
+second-order slopes from the initial place, F(q₀ + δ) = P₀² + δ (F′₀ + δ F[q₀, q₀, q]): small amplitudes keep their
+digits (``arithmetic/second_differences.py``). ``DoubleDoubleEvaluation`` evaluates F with 32 digits at a distance x
+from a turning point known to 32 digits: close zeros keep theirs.
 """
 
 from __future__ import annotations
@@ -163,7 +163,10 @@ class DifferenceEvaluation:
         own = 4 * UNIT * size + δ**2 * with_node_axis(self.doubt, δ)
         if not kernels:
             return [own]
-        return [own, *DirectEvaluation(self.formula, self.knowns).errors(with_node_axis(self.start, δ) + δ, kernels=True)[1:]]
+        return [
+            own,
+            *DirectEvaluation(self.formula, self.knowns).errors(with_node_axis(self.start, δ) + δ, kernels=True)[1:],
+        ]
 
     def drift(self, kernels: Sequence[Any], x: Any) -> Any:  # noqa: ARG002
         """Return what of the error of F comes smoothly from the constants: none is told apart here."""
@@ -196,11 +199,17 @@ class DoubleDoubleEvaluation:
     def take(self, index: Any) -> DoubleDoubleEvaluation:
         """Return the view of some of the orbits."""
         pairs = tuple(Pair(c.high[index], c.low[index]) for c in self.pairs)
-        return DoubleDoubleEvaluation(self.raw.take(index), pairs, self.numbers, Pair(self.base.high[index], self.base.low[index]))
+        return DoubleDoubleEvaluation(
+            self.raw.take(index), pairs, self.numbers, Pair(self.base.high[index], self.base.low[index])
+        )
 
     def _inputs(self, x: Any) -> tuple[Pair, list[Pair]]:
-        place = DoubleDouble().add(Pair(with_node_axis(self.base.high, x), with_node_axis(self.base.low, x)), Pair(x, 0.0 * x))
-        return place, [Pair(with_node_axis(c.high, x), with_node_axis(c.low, x)) for c in self.pairs] + list(self.numbers)
+        place = DoubleDouble().add(
+            Pair(with_node_axis(self.base.high, x), with_node_axis(self.base.low, x)), Pair(x, 0.0 * x)
+        )
+        return place, [Pair(with_node_axis(c.high, x), with_node_axis(c.low, x)) for c in self.pairs] + list(
+            self.numbers
+        )
 
     def value(self, x: Any) -> Any:
         """Return F."""

@@ -10,7 +10,6 @@ import numpy as np
 from hjsolve.arithmetic.double_double import DoubleDouble
 from hjsolve.arithmetic.error_free import Pair, two_sum
 from hjsolve.arithmetic.second_differences import FUNCTIONS
-from hjsolve.ensembles.engine.columns import Status
 from hjsolve.ensembles.engine.constants import InitialConstants, slope
 from hjsolve.ensembles.engine.lowered_solution import LoweredFormula, Model, Separated
 from hjsolve.ensembles.engine.nodes import EVEN, MOST
@@ -24,6 +23,7 @@ from hjsolve.ensembles.engine.radicand_views import (
 )
 from hjsolve.ensembles.engine.region import OrbitRegions
 from hjsolve.ensembles.engine.turning_points import bracket, first_step, kept_inside, refine
+from hjsolve.ensembles.status import EQUILIBRIUM, UNDECIDED, Status
 
 _SMALL = 3e-14
 _CLEAR = 1e-12
@@ -91,7 +91,9 @@ class Group:
         return replace(self, knowns=self.knowns.take(index), pairs=pairs, **arrays)
 
 
-def locate_regions(model: Model, coordinate: Separated, start: InitialConstants, k: int, depth: int) -> list[LocatedRegions]:
+def locate_regions(
+    model: Model, coordinate: Separated, start: InitialConstants, k: int, depth: int
+) -> list[LocatedRegions]:
     """Find where one coordinate moves.
 
     Args:
@@ -154,7 +156,7 @@ def _near(group: Group) -> LocatedRegions:
     ends[0] = np.where(far, np.nan, ends[0])
     region = _region(view, view, ends[0], ends[1], P, -ends[0], ends[1])
     status = np.where(np.isfinite(region.width) & (region.width > 0), Status.OK, Status.UNBOUNDED)
-    status = np.where(rest, np.where(bend < 0, Status.OK, Status.EQUILIBRIUM), status)
+    status = np.where(rest, np.where(bend < 0, Status.OK, EQUILIBRIUM), status)
     return LocatedRegions(group.index, region, status.astype(np.uint8), rest & (bend < 0))
 
 
@@ -271,7 +273,12 @@ def _fine(group: Group, region: OrbitRegions) -> OrbitRegions:
             base = arithmetic.sub(base, Pair(value / slope_, 0.0 * x))
         s, e = two_sum(group.q, -view.formula.origin.high)
         here = Pair(view.sign * s, view.sign * (e - view.formula.origin.low))
-        seen.append((DoubleDoubleEvaluation(view, group.pairs, group.numbers, base), view.sign * arithmetic.sub(here, base).high))
+        seen.append(
+            (
+                DoubleDoubleEvaluation(view, group.pairs, group.numbers, base),
+                view.sign * arithmetic.sub(here, base).high,
+            )
+        )
     (below, left), (above, right) = seen
     zero = np.zeros_like(group.q)
     return _region(below, above, zero, zero, group.P, left, -right)
@@ -338,5 +345,5 @@ def _rotation(group: Group, values: Any, grid: Any) -> LocatedRegions:
         turning=False,
     )  # fmt: skip
     good = np.isfinite(P) & (P != 0) & (not group.coordinate.shifted)
-    status = np.where(good, Status.OK, Status.EXACT).astype(np.uint8)
+    status = np.where(good, Status.OK, UNDECIDED).astype(np.uint8)
     return LocatedRegions(group.index, region, status, np.zeros(len(q), dtype=bool))

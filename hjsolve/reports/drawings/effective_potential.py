@@ -111,7 +111,9 @@ def effective_potential_of(motion: Any, name: str) -> EffectivePotential:
     window = _window(whole, (ends[0], ends[1]), place, motion.kinds[name])
     level_name, sign, weight, potential = _level(solution, F, coordinate.symbol, exact, window)
     level = sign * float(motion.constants[level_name].value) if level_name else 0.0
-    V, A, shift = (formula_curve(formula, coordinate.symbol, exact) for formula in (potential, weight, solution.shift[name]))
+    V, A, shift = (
+        formula_curve(formula, coordinate.symbol, exact) for formula in (potential, weight, solution.shift[name])
+    )
     return EffectivePotential(
         name,
         level_name,
@@ -164,7 +166,9 @@ def _level(
             continue
         sign = int(np.sign(weight[0]))
         alone = name == "E" and len(solution.coordinates) == 1
-        potential = solution.separation.shell.potential if alone else readable_quotient(sign * (constant.symbol * A - F) / A)
+        potential = (
+            solution.separation.shell.potential if alone else readable_quotient(sign * (constant.symbol * A - F) / A)
+        )
         return name, sign, sign * sp.factor_terms(A), potential
     return "", 1, sp.Integer(2), -F / 2
 

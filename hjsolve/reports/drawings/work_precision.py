@@ -85,7 +85,9 @@ def _frame(cost: Cost, shown: Sequence[Row]) -> svg.DrawingFrame:
     deepest = min([*errors, *(depth(row.digits) for row in cost.rows if row.digits is not None and _crossed(row))])
     low, high = math.floor(min(times) - 0.15), math.ceil(max(times) + 0.15)
     span = max(2.5, 1.05 * -deepest)
-    return svg.DrawingFrame((low, max(high, low + 2)), (-span, 0.0), width=560, height=330, left=54, right=140, bottom=44)
+    return svg.DrawingFrame(
+        (low, max(high, low + 2)), (-span, 0.0), width=560, height=330, left=54, right=140, bottom=44
+    )
 
 
 def _x(row: Row) -> float:

@@ -216,7 +216,9 @@ def _slashed(item: Box) -> Box:
 
 
 def _compound(part: Box) -> bool:
-    return isinstance(part, RowBox) and any(isinstance(item, Glyph) and item.text in {PLUS, MINUS} for item in part.items)
+    return isinstance(part, RowBox) and any(
+        isinstance(item, Glyph) and item.text in {PLUS, MINUS} for item in part.items
+    )
 
 
 def _call(expression: sp.Function, power: Box | None = None) -> Box:

@@ -70,7 +70,10 @@ def _cheapest(table: Cost) -> Table | None:
     for digits in _ASKED:
         found = [table.cheapest(digits, covers) for covers, _ in columns]
         if any(found):
-            cells = ("–" if best is None else f"{best.method}, {_nowrap(written_duration(best.seconds or 0))}" for best in found)
+            cells = (
+                "–" if best is None else f"{best.method}, {_nowrap(written_duration(best.seconds or 0))}"
+                for best in found
+            )
             rows.append(((str(digits),), *((cell,) for cell in cells)))
     head: tuple[Text, ...] = (("Right digits",), *((name,) for _, name in columns))
     return Table(head, tuple(rows), "The cheapest way to a number of right digits") if rows else None

@@ -198,7 +198,12 @@ def steps_block(steps: Sequence[Any], system: System) -> Steps:
     Returns:
         The argument.
     """
-    return Steps(tuple(ArgumentStep(s.title, typeset_prose(s.explanation, system), _step_formula(s.title, s.formula)) for s in steps))
+    return Steps(
+        tuple(
+            ArgumentStep(s.title, typeset_prose(s.explanation, system), _step_formula(s.title, s.formula))
+            for s in steps
+        )
+    )
 
 
 def _step_formula(title: str, result: sp.Basic | None) -> Formula | None:

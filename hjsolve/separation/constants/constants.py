@@ -86,7 +86,9 @@ def _separation_constants(shell: Shell, reader: Reader, matrix: Matrix) -> list[
     return found
 
 
-def inverse_stackel_matrix(reader: Reader, rows: Sequence[Sequence[Element]], metric: Sequence[Element]) -> list[list[Element]]:
+def inverse_stackel_matrix(
+    reader: Reader, rows: Sequence[Sequence[Element]], metric: Sequence[Element]
+) -> list[list[Element]]:
     """Φ⁻¹ by cofactors; its first row is the metric, so 1/det Φ is gⁱⁱ over the cofactor of Φᵢ₁ and stays factored.
 
     Elimination would divide by pivots that cancel in the end, and multiply out what does not.

@@ -128,7 +128,9 @@ class LeviCivitaConditions:
         n = range(len(self.symbols))
         return all(len({self._value(i, j, h, *place) for h in n}) == 1 for place in self._jets)
 
-    def _value(self, i: int, j: int, about: int | None, prime: int, log: Sequence[ModularJet], potential: ModularJet) -> int:
+    def _value(
+        self, i: int, j: int, about: int | None, prime: int, log: Sequence[ModularJet], potential: ModularJet
+    ) -> int:
         f = potential if about is None else log[about]
         square = 0 if about is None else f.slopes[i] * f.slopes[j]
         known = log[j].slopes[i] * f.slopes[j] + log[i].slopes[j] * f.slopes[i]

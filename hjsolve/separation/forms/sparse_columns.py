@@ -243,7 +243,12 @@ def _best_point(reader: Reader, rows: list[Row], start: Row, functionals: list[V
     best: tuple[tuple[object, ...], Row] | None = None
     for position, k in enumerate(candidates):
         image = _apply(reader, rows, [None, *k], start)
-        score = (-sum(x.is_zero for x in image), sum(map(printed_length, image)), tuple(x.is_zero for x in image), position)
+        score = (
+            -sum(x.is_zero for x in image),
+            sum(map(printed_length, image)),
+            tuple(x.is_zero for x in image),
+            position,
+        )
         if best is None or score < best[0]:
             best = score, image
     assert best is not None

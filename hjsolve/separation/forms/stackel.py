@@ -65,7 +65,8 @@ def construct(
 def certified(reader: Reader, metric: Sequence[Element], potential: Element, matrix: Matrix) -> bool:
     """Exact proof of cᵀΦ = (1, 0, …, 0) and cᵀψ = V."""
     return all(
-        levi_civita.sum_of_products(reader, identity).is_zero for identity in _identities(reader, metric, potential, matrix)
+        levi_civita.sum_of_products(reader, identity).is_zero
+        for identity in _identities(reader, metric, potential, matrix)
     )
 
 

@@ -246,7 +246,9 @@ def _general_obstruction(
     )
     steps = (
         *found.steps,
-        ReductionStep("Coupling", f"After the reduction {coupling}: there is no orthogonal energy shell.", found.residual),
+        ReductionStep(
+            "Coupling", f"After the reduction {coupling}: there is no orthogonal energy shell.", found.residual
+        ),
         ReductionStep("Levi-Civita's general condition", text, residual),
     )
     return Obstruction(system, None, pair, found.reason, residual, answer.witness, words, steps)

@@ -30,7 +30,9 @@ def energy_of_separation(conditions: LeviCivitaConditions) -> Element | None:
     for i, j in combinations(range(n), 2):
         λ = conditions.of_metric(i, j, i)
         for h in range(n):
-            if h != i and not levi_civita.sum_vanishes(reader, difference(conditions.of_metric(i, j, h), λ, minus), sieve):
+            if h != i and not levi_civita.sum_vanishes(
+                reader, difference(conditions.of_metric(i, j, h), λ, minus), sieve
+            ):
                 return None
         of_pair = _energy_of_pair(conditions, i, j, λ, sieve)
         if of_pair is None:
