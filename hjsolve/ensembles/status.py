@@ -41,4 +41,4 @@ _MEANINGS = {
 
 
 UNDECIDED, EQUILIBRIUM = len(Status), len(Status) + 1
-"""Codes between the passes, never shown: not decided in doubles; at rest at a double zero of p². Single motions decide."""
+"""Codes between the passes, never shown: not decided in doubles; at rest at a double zero of p²."""

@@ -20,6 +20,7 @@ from hjsolve.arithmetic.floats import Multi, multiprecision
 from hjsolve.errors import InvalidInputError, MissingValueError
 from hjsolve.formulas.read import number
 from hjsolve.lowering import lower
+from hjsolve.mechanics.coordinates_and_parameters import Parameter
 from hjsolve.mechanics.system import System, momenta, refuse_turns_that_differ
 from hjsolve.motion.rational_values import rational_value
 from hjsolve.solution.quadratures import Solution

@@ -28,7 +28,6 @@ from hjsolve.one_coordinate.classify import Located, locate
 from hjsolve.one_coordinate.coordinate_motion import PARTS
 from hjsolve.solution.quadratures import Solution
 
-_FARTHEST, _MOST_ANGLE = 2**1000, 2**48
 QUANTITIES: Mapping[str, frozenset[str]] = {
     "constants": frozenset(), "kinds": frozenset(), "turning_points": frozenset(), "actions": frozenset({"action"}),
     "periods": frozenset({"time"}), "frequencies": frozenset({"time"}), "mean_velocities": frozenset({"time"}),

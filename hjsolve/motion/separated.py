@@ -14,7 +14,6 @@ from hjsolve.errors import NotConvergedError
 from hjsolve.lowering import momentum_squared_tapes
 from hjsolve.motion import quantities
 from hjsolve.motion.initial_data import ZERO_BITS, InBits, Initial, domain_ends, expanded, sign, to_bits
-from hjsolve.motion.motion import _FARTHEST, _MOST_ANGLE
 from hjsolve.one_coordinate.allowed_regions import forbidden
 from hjsolve.one_coordinate.classify import Located, locate
 from hjsolve.one_coordinate.coordinate_motion import Unbounded
@@ -23,6 +22,9 @@ from hjsolve.one_coordinate.momentum_squared import MomentumSquared, has_period
 from hjsolve.solution.quadratures import Solution
 from hjsolve.time_law.open_motion import TriangularScheme, plan
 from hjsolve.time_law.torus import TorusEquations, torus_equations
+
+_FARTHEST, _MOST_ANGLE = 2**1000, 2**48
+"""Where a motion may start: the largest length, and the largest angle."""
 
 
 @dataclass(frozen=True, eq=False)
