@@ -1,4 +1,4 @@
-"""Wrong kinds of arguments: every public call answers with one of our errors, never from deep inside."""
+"""Wrong kinds of arguments: no public call ends in an error from deep inside; what it says when it refuses."""
 
 import numpy as np
 import pytest
@@ -53,7 +53,7 @@ DOORS = {
 
 
 @pytest.mark.parametrize("door", DOORS)
-def test_wrong_kinds_of_arguments_are_refused_at_the_door(door):
+def test_wrong_kinds_of_arguments_never_end_in_a_foreign_error(door):
     for value in WRONG:
         try:
             DOORS[door](value)
