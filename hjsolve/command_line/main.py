@@ -129,11 +129,12 @@ def main(arguments: Sequence[str] | None = None) -> int:
         if hasattr(stream, "reconfigure"):
             stream.reconfigure(errors="backslashreplace")
     try:
-        given = _joined(sys.argv[1:] if arguments is None else arguments)
+        top = parser()
+        given = _joined(sys.argv[1:] if arguments is None else arguments, top)
         if not given:
-            parser().print_help()
+            top.print_help()
             return BAD_INPUT
-        status = _run(parser().parse_args(given))
+        status = _run(top.parse_args(given))
         sys.stdout.flush()
     except SystemExit as exit_request:  # argparse after --help and --version
         return exit_request.code if isinstance(exit_request.code, int) else ANSWER
@@ -155,34 +156,24 @@ def main(arguments: Sequence[str] | None = None) -> int:
     return status
 
 
-_LONG = {"-T": "--kinetic", "-V": "--potential", "-o": "--output"}
-_VALUED = {
-    "--coordinate",
-    "--function",
-    "--kinetic",
-    "--potential",
-    "--parameter",
-    "--q",
-    "--velocity",
-    "--momentum",
-    "--output",
-    "--effect",
-    "--motion",
-    "--digits",
-    "--seconds",
-    "--title",
-}
-
-
-def _joined(arguments: Sequence[str]) -> list[str]:
+def _joined(arguments: Sequence[str], top: argparse.ArgumentParser) -> list[str]:
     """Join an option and its value, so that a value may begin with a minus sign: ``--potential -k/r``."""
+    valued = _valued(top)
     result: list[str] = []
     for argument in arguments:
-        if result and result[-1] in _VALUED:
+        if result and result[-1] in valued:
             result[-1] += f"={argument}"
         else:
-            result.append(_LONG.get(argument, argument))
+            result.append(valued.get(argument, argument))
     return result
+
+
+def _valued(top: argparse.ArgumentParser) -> dict[str, str]:
+    """The options of all commands that take a value: each way to write one ↦ the long way."""
+    commands_of = [action.choices.values() for action in top._actions if isinstance(action.choices, dict)]
+    parsers = [top, *(parser for group in commands_of for parser in group)]
+    options = [option for parser in parsers for option in parser._actions if option.nargs is None]
+    return {spelling: option.option_strings[-1] for option in options for spelling in option.option_strings}
 
 
 def _run(options: argparse.Namespace) -> int:

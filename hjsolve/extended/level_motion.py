@@ -21,7 +21,7 @@ from hjsolve.errors import InvalidInputError, MissingValueError, NotConvergedErr
 from hjsolve.extended.linear_hamiltonian import GeneralHamiltonian
 from hjsolve.formulas.read import number
 from hjsolve.lowering import lower
-from hjsolve.motion.initial_data import number_is_zero, parameter_values, to_bits
+from hjsolve.motion.initial_data import number_is_zero, to_bits, values_of
 from hjsolve.motion.state import Errors, State
 from hjsolve.motion.times import exact_numbers, whole_numbers
 from hjsolve.one_coordinate.level_curve import Curve, Orbit, followed
@@ -133,7 +133,7 @@ def start(
     for what, given in (("q", q), ("p", p)):
         if set(arguments.table(given, what)) != {name}:
             raise MissingValueError(f"{what}: needs a number for {name}, and nothing else")
-    values = parameter_values(problem, arguments.table(parameters, "parameters"))
+    values = values_of(problem.parameters, arguments.table(parameters, "parameters"))
     place, momentum = number(q[name], source=f"q.{name}"), number(p[name], source=f"p.{name}")
     domain = coordinate.domain
     at = {**values, coordinate.symbol: place, coordinate.momentum: momentum}
