@@ -4,13 +4,16 @@ from __future__ import annotations
 
 import itertools
 from collections.abc import Iterator
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Any
 
 from hjsolve.errors import NotConvergedError
 from hjsolve.numeric import resolution
+from hjsolve.numeric.anomaly import Libration, Rotation, crested, paired
 from hjsolve.numeric.arithmetic import Multi
 from hjsolve.numeric.course import Anomaly, Bounded, Kind, bounded
+from hjsolve.numeric.crests import crests
 from hjsolve.numeric.fourier import smooth
+from hjsolve.numeric.stretch import Inner, Stretched, stretched
 
 if TYPE_CHECKING:
     from hjsolve.numeric.classify import Start
@@ -37,7 +40,7 @@ def over_the_best_map(start: Start, kind: Kind, maps: Iterator[Anomaly], digits:
         best = _better(best, _proved(start, anomaly, digits, bits))
         if best is not None and best[0] <= few * max(1.0, digits / 15) * (1 if anomaly.even else 2):
             break
-    if best is not None and best[0] > _MOST * max(1.0, digits / 15):
+    if best is not None and best[0] > (_MOST * max(1.0, digits / 15) if isinstance(best[1], Stretched) else _MANY):
         best = _better(best, _proved(start, best[1], digits, bits, resolution.FINE))
     if best is None:
         return _next_to_a_separatrix(start, kind, tried, digits, bits)
@@ -84,3 +87,35 @@ def _next_to_a_separatrix(start: Start, kind: Kind, maps: list[Anomaly], digits:
                 return found
             nodes = smooth(int(1.4 * nodes))
     raise NotConvergedError(f"{start.name}: no number of nodes is proved to resolve p² between its turning points")
+
+
+def over_crests(start: Start, usual: Libration, bits: int) -> Iterator[Anomaly]:
+    """Anomalies of a libration that are slow where p² comes close to zero or to a pole inside the motion."""
+    arithmetic = Multi(bits)
+    yield from _spread(start, usual, bits)
+    found = crests(start.radicand, usual.lower, usual.upper, bits)
+    if found:
+        first = crested(usual.lower, usual.upper, found[0].place, found[0].gap, arithmetic)
+        yield first
+        yield from _spread(start, first, bits)
+
+
+def over_other_crests(start: Start, anomaly: Rotation, gap: Any | None, bits: int) -> Iterator[Anomaly]:
+    """Anomalies of a rotation that are slow at all crests, not only at the highest."""
+    arithmetic = Multi(bits)
+    turn, margin = 2 * arithmetic.pi(), arithmetic.pi() / 512
+    yield from _spread(start, anomaly, bits)
+    found = crests(start.radicand, anomaly.slow + margin, anomaly.slow + turn - margin, bits)
+    if found and gap is not None:
+        both = paired(anomaly.slow, gap, found[0].place, found[0].gap, anomaly.direction, arithmetic)
+        yield both
+        yield from _spread(start, both, bits)
+
+
+def _spread(start: Start, inner: Inner, bits: int) -> Iterator[Stretched]:
+    """Stretch the phase of an anomaly through the places where its integrands are rough; nothing where none is."""
+    subject = resolution.integrands(inner, start.radicand, start.skipped, start.parts, bits)
+    places = resolution.rough_places(subject)
+    map_ = stretched(inner, places) if places else None
+    if map_ is not None:
+        yield map_

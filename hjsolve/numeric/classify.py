@@ -11,16 +11,13 @@ from typing import Any
 import numpy as np
 
 from hjsolve.errors import NotConvergedError
-from hjsolve.numeric import resolution
-from hjsolve.numeric.anomaly import Libration, Rotation, crested, libration, paired, rotation
+from hjsolve.numeric.anomaly import Rotation, libration, rotation
 from hjsolve.numeric.arithmetic import Float64, Multi, multiprecision
-from hjsolve.numeric.best_map import over_the_best_map
+from hjsolve.numeric.best_map import over_crests, over_other_crests, over_the_best_map
 from hjsolve.numeric.branch import Branch
 from hjsolve.numeric.course import PARTS, Anomaly, Bounded, Course, Frozen, Open
-from hjsolve.numeric.crests import crests
 from hjsolve.numeric.panels import Way
 from hjsolve.numeric.radicand import Number, Radicand
-from hjsolve.numeric.stretch import Inner, Stretched, stretched
 from hjsolve.numeric.turning_points import End, Ray, first_end
 
 _NEAREST = 200
@@ -174,7 +171,7 @@ def _libration(start: Start, lower: End, upper: End, digits: int) -> Bounded:
         yield plain
         usual = libration(a, b, _outside(start, a, b - a, -1, bits), _outside(start, b, b - a, 1, bits), arithmetic)
         yield usual
-        yield from _over_crests(start, usual, bits)
+        yield from over_crests(start, usual, bits)
 
     return over_the_best_map(start, "libration", maps(), digits, bits)
 
@@ -210,38 +207,6 @@ def _nearness(start: Start, turns: tuple[Number, Number]) -> int:
         if all(gap > width * multiprecision(64).mpf(2) ** (-bits // 2) for gap in gaps):
             break
     return max((int(multiprecision(64).log(width / gap, 2)) for gap in gaps if 0 < gap < width), default=0)
-
-
-def _over_crests(start: Start, usual: Libration, bits: int) -> Iterator[Anomaly]:
-    """Anomalies of a libration that are slow where p² comes close to zero or to a pole inside the motion."""
-    arithmetic = Multi(bits)
-    yield from _spread(start, usual, bits)
-    found = crests(start.radicand, usual.lower, usual.upper, bits)
-    if found:
-        first = crested(usual.lower, usual.upper, found[0].place, found[0].gap, arithmetic)
-        yield first
-        yield from _spread(start, first, bits)
-
-
-def _over_other_crests(start: Start, anomaly: Rotation, gap: Any | None, bits: int) -> Iterator[Anomaly]:
-    """Anomalies of a rotation that are slow at all crests, not only at the highest."""
-    arithmetic = Multi(bits)
-    turn, margin = 2 * arithmetic.pi(), arithmetic.pi() / 512
-    yield from _spread(start, anomaly, bits)
-    found = crests(start.radicand, anomaly.slow + margin, anomaly.slow + turn - margin, bits)
-    if found and gap is not None:
-        both = paired(anomaly.slow, gap, found[0].place, found[0].gap, anomaly.direction, arithmetic)
-        yield both
-        yield from _spread(start, both, bits)
-
-
-def _spread(start: Start, inner: Inner, bits: int) -> Iterator[Stretched]:
-    """Stretch the phase of an anomaly through the places where its integrands are rough; nothing where none is."""
-    subject = resolution.integrands(inner, start.radicand, start.skipped, start.parts, bits)
-    places = resolution.rough_places(subject)
-    map_ = stretched(inner, places) if places else None
-    if map_ is not None:
-        yield map_
 
 
 def _lost_bits(radicand: Radicand, anomaly: Any, bits: int) -> int:
@@ -293,7 +258,7 @@ def _rotation(start: Start, direction: int, digits: int) -> Bounded:
         bits += lost
         arithmetic = Multi(bits)
         anomaly = rotation(arithmetic.convert(slow), direction, gap, arithmetic)
-    maps = itertools.chain([anomaly], _over_other_crests(start, anomaly, gap, bits))
+    maps = itertools.chain([anomaly], over_other_crests(start, anomaly, gap, bits))
     return over_the_best_map(start, "rotation", maps, digits, bits)
 
 
