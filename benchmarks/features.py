@@ -77,8 +77,8 @@ def _judged(one: Draw, exact: Truth, way: str, limit: int) -> dict[str, Any]:
     def stop(*_: Any) -> None:
         raise TooLongError
 
-    signal.signal(signal.SIGALRM, stop)
-    signal.alarm(limit)
+    signal.signal(signal.SIGPROF, stop)
+    signal.setitimer(signal.ITIMER_PROF, limit)
     begin = time.process_time()
     try:
         return _compared(one, exact, way)
@@ -89,7 +89,7 @@ def _judged(one: Draw, exact: Truth, way: str, limit: int) -> dict[str, Any]:
     except (ArithmeticError, LookupError, TypeError, ValueError, AttributeError, RecursionError) as error:
         return {"kind": "foreign", "why": repr(error)[:120], "seconds": time.process_time() - begin}
     finally:
-        signal.alarm(0)
+        signal.setitimer(signal.ITIMER_PROF, 0)
 
 
 def report(path: pathlib.Path) -> None:
@@ -111,7 +111,7 @@ def main() -> None:
     parser.add_argument("--first", type=int, default=0)
     parser.add_argument("--seed", type=int, default=5)
     parser.add_argument("--ways", default="15,30,numpy", help="numbers of digits, numpy, compiled")
-    parser.add_argument("--limit", type=int, default=60, help="seconds a motion may take")
+    parser.add_argument("--limit", type=int, default=60, help="seconds of processor time a motion may take")
     parser.add_argument("--out", type=pathlib.Path, default=pathlib.Path("features.jsonl"))
     parser.add_argument("--report", type=pathlib.Path, help="only print the counts of this file")
     options = parser.parse_args()

@@ -56,8 +56,6 @@ def pytest_xdist_make_scheduler(config: pytest.Config, log: Any) -> Any:
 OPEN = {
     "test_0014_two_coupled_that_run_away.py::test_a_black_hole_s_pole_may_be_passed_as_near_as_one_likes[1e-13--0.02]":
         "no number of nodes is proved 1e-13 from a pole; it was integrated without a proof before",
-    "test_0045_numbers_at_the_door.py::test_a_fall_from_far_away_turns_at_its_perihelion[1e60]":
-        "no number of nodes is proved over sixty orders of magnitude",
 }  # fmt: skip
 """Tests that a merge left open, with what has to be done; docs/trust.md and the changes name what users see of it."""
 

@@ -4,13 +4,16 @@ from __future__ import annotations
 
 import itertools
 from collections.abc import Iterator
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Any
 
 from hjsolve.arithmetic.floats import Multi
 from hjsolve.arithmetic.fourier import smooth
 from hjsolve.errors import NotConvergedError
 from hjsolve.one_coordinate import resolution
+from hjsolve.one_coordinate.anomaly import Libration, Rotation, barrier_anomaly, two_barrier_anomaly
 from hjsolve.one_coordinate.coordinate_motion import Anomaly, Kind, Periodic, bounded
+from hjsolve.one_coordinate.near_zeros import complex_zero_pairs
+from hjsolve.one_coordinate.stretched_anomaly import Inner, Stretched, stretched
 
 if TYPE_CHECKING:
     from hjsolve.one_coordinate.coordinate_start import CoordinateStart
@@ -37,7 +40,7 @@ def over_the_best_map(start: CoordinateStart, kind: Kind, maps: Iterator[Anomaly
         best = _better(best, _proved(start, anomaly, digits, bits))
         if best is not None and best[0] <= few * max(1.0, digits / 15) * (1 if anomaly.even else 2):
             break
-    if best is not None and best[0] > _MOST * max(1.0, digits / 15):
+    if best is not None and best[0] > (_MOST * max(1.0, digits / 15) if isinstance(best[1], Stretched) else _MANY):
         best = _better(best, _proved(start, best[1], digits, bits, resolution.FINE))
     if best is None:
         return _next_to_a_separatrix(start, kind, tried, digits, bits)
@@ -84,3 +87,35 @@ def _next_to_a_separatrix(start: CoordinateStart, kind: Kind, maps: list[Anomaly
                 return found
             nodes = smooth(int(1.4 * nodes))
     raise NotConvergedError(f"{start.name}: no number of nodes is proved to resolve p² between its turning points")
+
+
+def over_crests(start: CoordinateStart, usual: Libration, bits: int) -> Iterator[Anomaly]:
+    """Anomalies of a libration that are slow where p² comes close to zero or to a pole inside the motion."""
+    arithmetic = Multi(bits)
+    yield from _spread(start, usual, bits)
+    found = complex_zero_pairs(start.radicand, usual.lower, usual.upper, bits)
+    if found:
+        first = barrier_anomaly(usual.lower, usual.upper, found[0].place, found[0].gap, arithmetic)
+        yield first
+        yield from _spread(start, first, bits)
+
+
+def over_other_crests(start: CoordinateStart, anomaly: Rotation, gap: Any | None, bits: int) -> Iterator[Anomaly]:
+    """Anomalies of a rotation that are slow at all crests, not only at the highest."""
+    arithmetic = Multi(bits)
+    turn, margin = 2 * arithmetic.pi(), arithmetic.pi() / 512
+    yield from _spread(start, anomaly, bits)
+    found = complex_zero_pairs(start.radicand, anomaly.slow + margin, anomaly.slow + turn - margin, bits)
+    if found and gap is not None:
+        both = two_barrier_anomaly(anomaly.slow, gap, found[0].place, found[0].gap, anomaly.direction, arithmetic)
+        yield both
+        yield from _spread(start, both, bits)
+
+
+def _spread(start: CoordinateStart, inner: Inner, bits: int) -> Iterator[Stretched]:
+    """Stretch the phase of an anomaly through the places where its integrands are rough; nothing where none is."""
+    subject = resolution.integrands(inner, start.radicand, start.skipped, start.parts, bits)
+    places = resolution.rough_places(subject)
+    map_ = stretched(inner, places) if places else None
+    if map_ is not None:
+        yield map_

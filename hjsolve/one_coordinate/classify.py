@@ -12,23 +12,13 @@ import numpy as np
 
 from hjsolve.arithmetic.floats import Float64, Multi, multiprecision
 from hjsolve.errors import NotConvergedError
-from hjsolve.one_coordinate import resolution
-from hjsolve.one_coordinate.anomaly import (
-    Libration,
-    Rotation,
-    barrier_anomaly,
-    libration_anomaly,
-    rotation_anomaly,
-    two_barrier_anomaly,
-)
-from hjsolve.one_coordinate.anomaly_choice import over_the_best_map
+from hjsolve.one_coordinate.anomaly import Rotation, libration_anomaly, rotation_anomaly
+from hjsolve.one_coordinate.anomaly_choice import over_crests, over_other_crests, over_the_best_map
 from hjsolve.one_coordinate.chebyshev_panels import EndMap
 from hjsolve.one_coordinate.coordinate_motion import Anomaly, AtRest, CoordinateMotion, Periodic, Unbounded
 from hjsolve.one_coordinate.coordinate_start import CoordinateStart
 from hjsolve.one_coordinate.momentum_squared import MomentumSquared, Number
-from hjsolve.one_coordinate.near_zeros import complex_zero_pairs
 from hjsolve.one_coordinate.open_branch import Branch
-from hjsolve.one_coordinate.stretched_anomaly import Inner, Stretched, stretched
 from hjsolve.one_coordinate.turning_points import End, Ray, first_end
 
 _NEAREST = 200
@@ -158,7 +148,7 @@ def _libration(start: CoordinateStart, lower: End, upper: End, digits: int) -> P
             a, b, _outside(start, a, b - a, -1, bits), _outside(start, b, b - a, 1, bits), arithmetic
         )
         yield usual
-        yield from _over_crests(start, usual, bits)
+        yield from over_crests(start, usual, bits)
 
     return over_the_best_map(start, "libration", maps(), digits, bits)
 
@@ -194,38 +184,6 @@ def _nearness(start: CoordinateStart, turns: tuple[Number, Number]) -> int:
         if all(gap > width * multiprecision(64).mpf(2) ** (-bits // 2) for gap in gaps):
             break
     return max((int(multiprecision(64).log(width / gap, 2)) for gap in gaps if 0 < gap < width), default=0)
-
-
-def _over_crests(start: CoordinateStart, usual: Libration, bits: int) -> Iterator[Anomaly]:
-    """Anomalies of a libration that are slow where p² comes close to zero or to a pole inside the motion."""
-    arithmetic = Multi(bits)
-    yield from _spread(start, usual, bits)
-    found = complex_zero_pairs(start.radicand, usual.lower, usual.upper, bits)
-    if found:
-        first = barrier_anomaly(usual.lower, usual.upper, found[0].place, found[0].gap, arithmetic)
-        yield first
-        yield from _spread(start, first, bits)
-
-
-def _over_other_crests(start: CoordinateStart, anomaly: Rotation, gap: Any | None, bits: int) -> Iterator[Anomaly]:
-    """Anomalies of a rotation that are slow at all crests, not only at the highest."""
-    arithmetic = Multi(bits)
-    turn, margin = 2 * arithmetic.pi(), arithmetic.pi() / 512
-    yield from _spread(start, anomaly, bits)
-    found = complex_zero_pairs(start.radicand, anomaly.slow + margin, anomaly.slow + turn - margin, bits)
-    if found and gap is not None:
-        both = two_barrier_anomaly(anomaly.slow, gap, found[0].place, found[0].gap, anomaly.direction, arithmetic)
-        yield both
-        yield from _spread(start, both, bits)
-
-
-def _spread(start: CoordinateStart, inner: Inner, bits: int) -> Iterator[Stretched]:
-    """Stretch the phase of an anomaly through the places where its integrands are rough; nothing where none is."""
-    subject = resolution.integrands_to_resolve(inner, start.radicand, start.skipped, start.parts, bits)
-    places = resolution.rough_places(subject)
-    map_ = stretched(inner, places) if places else None
-    if map_ is not None:
-        yield map_
 
 
 def _lost_bits(radicand: MomentumSquared, anomaly: Any, bits: int) -> int:
@@ -277,7 +235,7 @@ def _rotation(start: CoordinateStart, direction: int, digits: int) -> Periodic:
         bits += lost
         arithmetic = Multi(bits)
         anomaly = rotation_anomaly(arithmetic.convert(slow), direction, gap, arithmetic)
-    maps = itertools.chain([anomaly], _over_other_crests(start, anomaly, gap, bits))
+    maps = itertools.chain([anomaly], over_other_crests(start, anomaly, gap, bits))
     return over_the_best_map(start, "rotation", maps, digits, bits)
 
 

@@ -93,37 +93,40 @@ class Deflated:
         """Enclose R over disks that hold q, q − a and q − b.
 
         Returns:
-            The disks, and True where F divided by (q − a)(b − q) is known better than the difference: away from both
-            ends of a wide motion, where the terms of the difference cancel.
+            The disks, and which of ``ways`` gave each of them: the one that is known best.
         """
-        value, second = self._run(_OverDisks(), q, from_lower, from_upper)
-        quotient = _DISKS.div(value, _DISKS.mul(from_lower, from_upper))
-        divided = (quotient.radius < second.radius) | (~np.isfinite(second.radius) & np.isfinite(quotient.radius))
-        found = (np.where(divided, x, y) for x, y in zip(quotient, second, strict=True))
-        centre, radius = found
-        return Disk(-centre, radius), divided
+        result = self._run(_OverDisks(), q)
+        best, way = result.second, np.zeros(np.shape(result.second.radius), dtype=int)
+        for number, (above, below) in enumerate(
+            ((result.from_upper, from_lower), (result.from_lower, from_upper), (result.here, None)), 1
+        ):
+            other = _DISKS.div(above, below if below is not None else _DISKS.mul(from_lower, from_upper))
+            better = (other.radius < best.radius) | (~np.isfinite(best.radius) & np.isfinite(other.radius))
+            best = Disk(*(np.where(better, x, y) for x, y in zip(other, best, strict=True)))
+            way = np.where(better, number, way)
+        return Disk(-best.centre, best.radius), way
 
-    def at(self, q: Any, from_lower: Any, from_upper: Any, divided: Any = False) -> Any:
-        """Return R at complex places, in doubles; by a quotient where ``divided``."""
-        return np.where(divided, *self.both(q, from_lower, from_upper))
+    def at(self, q: Any, from_lower: Any, from_upper: Any, way: Any = 0) -> Any:
+        """Return R at complex places, in doubles, in one of the ``ways``."""
+        return np.choose(way, np.broadcast_arrays(*self.ways(q, from_lower, from_upper)))
 
-    def both(self, q: Any, from_lower: Any, from_upper: Any) -> tuple[Any, Any]:
-        """Return R at complex places as a quotient and as a difference: either may have lost all digits."""
-        value, second = self._run(_AtPoints(), q, from_lower, from_upper)
-        return -value / (from_lower * from_upper), -second
+    def ways(self, q: Any, from_lower: Any, from_upper: Any) -> tuple[Any, Any, Any, Any]:
+        """Return R at complex places as −F[a, b, q], −F[b, q]/(q − a), −F[a, q]/(q − b), −F(q)/((q − a)(q − b)).
 
-    def _run(self, on: _Rules, q: Any, from_lower: Any, from_upper: Any) -> tuple[Any, Any]:
+        They are the same, and each of them may have lost all digits where another one has not.
+        """
+        found = self._run(_AtPoints(), q)
+        quotients = found.from_upper / from_lower, found.from_lower / from_upper, found.here / (from_lower * from_upper)
+        return -found.second, -quotients[0], -quotients[1], -quotients[2]
+
+    def _run(self, on: _Rules, q: Any) -> DividedValues:
         one, zero = on.fixed(_ONE), on.fixed(Disk(np.complex128(0), np.float64(0)))
         slots: list[DividedValues | None] = [None] * len(self.ends)
         slots[0] = DividedValues(q, zero, one, one)
         for line in self.lines:
-            here, second = on.step(line, self.ends, slots)
-            chord = on.fixed(self.ends[line.target].chord)
-            slots[line.target] = DividedValues(
-                here, second, on.plus(chord, on.times(from_lower, second)), on.plus(chord, on.times(from_upper, second))
-            )
+            slots[line.target] = on.step(line, self.ends, slots)
         found = slots[self.output]
-        return (zero, zero) if found is None else (found.here, found.second)
+        return DividedValues(zero, zero, zero, zero) if found is None else found
 
 
 class _Rules(ABC):
@@ -157,10 +160,8 @@ class _Rules(ABC):
     def bend(self, name: str, places: tuple[Any, Any, Any], chord: Any, near_a: Any, near_b: Any) -> Any:
         """Return Φ[a, b, q] from Φ[a, b], Φ[a, q] and Φ[b, q]."""
 
-    def step(
-        self, line: ProgramLine, ends: tuple[EndValues, ...], slots: list[DividedValues | None]
-    ) -> tuple[Any, Any]:
-        """Return f(q) and f[a, b, q] of one line."""
+    def step(self, line: ProgramLine, ends: tuple[EndValues, ...], slots: list[DividedValues | None]) -> DividedValues:
+        """Return f(q) and the differences of one line."""
         x, y, f, g = ends[line.first], ends[line.other], slots[line.first], slots[line.other]
         if line.code in {"add", "mul"}:
             if f is None or g is None:
@@ -171,34 +172,50 @@ class _Rules(ABC):
         assert f is not None
         return self._inverse(x, f) if line.code == "inverse" else self._unary(line.code, x, f)
 
-    def _with_constant(self, code: str, constant: Any, f: DividedValues) -> tuple[Any, Any]:
+    def _with_constant(self, code: str, constant: Any, f: DividedValues) -> DividedValues:
         if code == "add":
-            return self.plus(constant, f.here), f.second
-        return self.times(constant, f.here), self.times(constant, f.second)
+            return f._replace(here=self.plus(constant, f.here))
+        return DividedValues(*(self.times(constant, part) for part in f))
 
-    def _sum(self, f: DividedValues, g: DividedValues) -> tuple[Any, Any]:
-        return self.plus(f.here, g.here), self.plus(f.second, g.second)
+    def _sum(self, f: DividedValues, g: DividedValues) -> DividedValues:
+        return DividedValues(*(self.plus(*parts) for parts in zip(f, g, strict=True)))
 
-    def _product(self, x: EndValues, f: DividedValues, g: DividedValues) -> tuple[Any, Any]:
-        outer = self.plus(self.times(self.fixed(x.lower), g.second), self.times(self.fixed(x.chord), g.from_upper))
-        return self.times(f.here, g.here), self.plus(outer, self.times(f.second, g.here))
+    def _product(self, x: EndValues, f: DividedValues, g: DividedValues) -> DividedValues:
+        lower, upper, chord = self.fixed(x.lower), self.fixed(x.upper), self.fixed(x.chord)
+        outer = self.plus(self.times(lower, g.second), self.times(chord, g.from_upper))
+        return DividedValues(
+            self.times(f.here, g.here),
+            self.plus(outer, self.times(f.second, g.here)),
+            self.plus(self.times(upper, g.from_upper), self.times(f.from_upper, g.here)),
+            self.plus(self.times(lower, g.from_lower), self.times(f.from_lower, g.here)),
+        )
 
-    def _inverse(self, x: EndValues, f: DividedValues) -> tuple[Any, Any]:
-        """(1/f)[a, b, q] = (f[a, b] f[a, q] − f(a) f[a, b, q])/(f(a) f(b) f(q))."""
+    def _inverse(self, x: EndValues, f: DividedValues) -> DividedValues:
+        """(1/f)[a, b, q] = (f[a, b] f[a, q] − f(a) f[a, b, q])/(f(a) f(b) f(q)), (1/f)[b, q] = −f[b, q]/(f(b) f(q))."""
         here = self.reciprocal(f.here)
         ends = self.fixed(_DISKS.mul(_DISKS.inverse(x.lower), _DISKS.inverse(x.upper)))
         minus = self.fixed(Disk(-x.lower.centre, x.lower.radius))
         inner = self.plus(self.times(self.fixed(x.chord), f.from_lower), self.times(minus, f.second))
-        return here, self.times(self.times(ends, here), inner)
+        upper, lower = (
+            self.times(self.fixed(Disk(-part.centre, part.radius)), here)
+            for part in (_DISKS.inverse(x.upper), _DISKS.inverse(x.lower))
+        )
+        return DividedValues(
+            here,
+            self.times(self.times(ends, here), inner),
+            self.times(upper, f.from_upper),
+            self.times(lower, f.from_lower),
+        )
 
-    def _unary(self, name: str, x: EndValues, f: DividedValues) -> tuple[Any, Any]:
+    def _unary(self, name: str, x: EndValues, f: DividedValues) -> DividedValues:
         a, b, q = self.fixed(x.lower), self.fixed(x.upper), f.here
         at_a, at_b = (self.fixed(_DISKS.unary(name, end)) for end in (x.lower, x.upper))
         here = self.call(name, q)
         near_a, near_b = self.chord(name, a, q, at_a, here), self.chord(name, b, q, at_b, here)
         twice = self.bend(name, (a, b, q), self.fixed(_first_disk(name, x.lower, x.upper)), near_a, near_b)
         inner = self.times(self.times(self.fixed(x.chord), f.from_lower), twice)
-        return here, self.plus(self.times(near_b, f.second), inner)
+        second = self.plus(self.times(near_b, f.second), inner)
+        return DividedValues(here, second, self.times(near_b, f.from_upper), self.times(near_a, f.from_lower))
 
 
 class _OverDisks(_Rules):

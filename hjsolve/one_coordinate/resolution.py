@@ -85,18 +85,18 @@ class Integrands:
     kernels: tuple[BoundTape, BoundTape]
 
     def over(self, seen: _Image) -> tuple[list[Disk], Any]:
-        """Enclose R and the kernels over disks; and where R is a quotient, see ``Deflated.over``."""
-        divided: Any = False
+        """Enclose R and the kernels over disks; and tell how R is known best, see ``Deflated.over``."""
+        way: Any = 0
         if isinstance(self.squared, Deflated):
-            factor, divided = self.squared.over(seen.q, seen.from_lower, seen.from_upper)
+            factor, way = self.squared.over(seen.q, seen.from_lower, seen.from_upper)
         else:
             factor = self.squared[0].run(seen.q)[0]
-        return [factor, *self.kernels[0].run(seen.q)], divided
+        return [factor, *self.kernels[0].run(seen.q)], way
 
-    def at(self, seen: ComplexPlace, divided: Any = False) -> list[Any]:
+    def at(self, seen: ComplexPlace, way: Any = 0) -> list[Any]:
         """Return R and the kernels at points."""
         if isinstance(self.squared, Deflated):
-            factor = self.squared.at(seen.q, seen.from_lower, -seen.to_upper, divided)
+            factor = self.squared.at(seen.q, seen.from_lower, -seen.to_upper, way)
         else:
             factor = self.squared[1].run(seen.q)[0]
         return [factor, *self.kernels[1].run(seen.q)]
@@ -104,7 +104,7 @@ class Integrands:
     def factors(self, seen: ComplexPlace) -> tuple[Any, ...]:
         """Return R at points in every way it can be had; where terms cancel one of them may be nothing but rounding."""
         if isinstance(self.squared, Deflated):
-            return self.squared.both(seen.q, seen.from_lower, -seen.to_upper)
+            return self.squared.ways(seen.q, seen.from_lower, -seen.to_upper)
         return (self.squared[1].run(seen.q)[0],)
 
 
@@ -318,11 +318,11 @@ def _sizes(subject: Integrands, squares: StripSquares, *, zeros: bool = True) ->
     radius = squares.side * 0.7072
     count(squares=χ.size * (len(_CIRCLE) + 1))
     with np.errstate(all="ignore"):
-        disks, divided = subject.over(_image(subject.anomaly, χ, _WIDER * radius))
+        disks, way = subject.over(_image(subject.anomaly, χ, _WIDER * radius))
         bounds = [x.largest + 0 * radius for x in disks]
         points = complex_place(subject.anomaly, χ + radius * _CIRCLE[:, None])
         (centre, spread), *weights = (
-            _series(values, bound) for values, bound in zip(subject.at(points, divided), bounds, strict=True)
+            _series(values, bound) for values, bound in zip(subject.at(points, way), bounds, strict=True)
         )
         if not zeros:
             logs = np.log(np.maximum(np.stack(bounds), 1e-300))

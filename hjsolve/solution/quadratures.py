@@ -22,6 +22,7 @@ from typing import TYPE_CHECKING, Any
 import sympy as sp
 
 from hjsolve import arguments
+from hjsolve.algebra.addition_theorems import rejoined
 from hjsolve.errors import InvalidInputError, NotSeparableError
 from hjsolve.mechanics.coordinates_and_parameters import free_name
 from hjsolve.mechanics.energy_shell import time_name
@@ -182,7 +183,8 @@ def _solved(verdict: Verdict) -> Solution:
         raise NotSeparableError(_why_not(verdict), verdict)
     shell, names = verdict.shell, tuple(c.name for c in verdict.shell.coordinates)
     halves = dict(zip(names, _separated_terms(verdict), strict=True))
-    squares = {name: sp.expand_mul(2 * half) for name, half in halves.items() if name not in shell.null}
+    symbols = {c.name: c.symbol for c in shell.coordinates}
+    squares = {n: rejoined(sp.expand_mul(2 * half), symbols[n]) for n, half in halves.items() if n not in shell.null}
     shift = dict(zip(names, shell.shift, strict=True))
     roots = {name: sp.sqrt(squares[name]) if name in squares else half for name, half in halves.items()}
     taken = _names_taken(verdict)

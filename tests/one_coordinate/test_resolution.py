@@ -174,6 +174,24 @@ def test_random_narrow_features_are_resolved_or_refused(index):
             assert abs(abs(found[one.name].value) - value) <= found[one.name].error + value * mp.mpf(10) ** -17
 
 
+@pytest.mark.parametrize(
+    ("seed", "index"),
+    [(5, 48), (7, 65), (7, 84), (7, 104), (5, 14), (7, 18), (7, 91)],
+    ids=["packet", "packet of 10", "packet of 1e-6", "rotor", "rotor of 2e-6", "packet of 30", "one in another"],
+)
+def test_crowds_of_obstacles_and_products_that_overflow_are_resolved(seed, index):
+    """Drawn at random, and refused once: waves in an envelope, and sines about a place on a circle."""
+    one = draw(seed, index)
+    solution = hjsolve.solve(hjsolve.System(dict(one.coordinates), one.kinetic, one.potential))
+    motion = solution.motion(q=one.exact("q"), p=one.exact("p"))
+    with mp.workdps(40):
+        exact = truth(one)
+        for found, value in ((motion.frequencies, exact.frequency), (motion.actions, exact.action)):
+            assert abs(abs(found[one.name].value) - value) <= found[one.name].error + value * mp.mpf(10) ** -17
+            assert found[one.name].error <= 1e-12 * value
+    assert motion.nodes <= 2500
+
+
 def test_without_the_enclosures_the_narrow_dip_would_not_be_seen(monkeypatch):
     """The proof broken on purpose: formulas taken as bounded without a look at them."""
     start = "x**2/2 - 1/(1 + 10**12*(x - 19/10)**2)/5", "1", "2"

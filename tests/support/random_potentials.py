@@ -53,7 +53,8 @@ class Line:
         """Return the zeros of q̇² next to the start, None for a side without; None alone where doubles cannot tell."""
         ends: list[mpf | None] = []
         for side in (-1, 1):
-            grid = float(self.start) + side * np.linspace(0, reach, count)[1:]
+            far = np.geomspace(reach, 1e12, count // 4)[1:]  # a logarithm turns back far out
+            grid = float(self.start) + side * np.concatenate([np.linspace(0, reach, count)[1:], far])
             with np.errstate(all="ignore"):
                 values = np.broadcast_to(self.scan(grid), grid.shape)
             known = np.isfinite(values)

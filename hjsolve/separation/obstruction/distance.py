@@ -64,7 +64,7 @@ def _points(symbols: Sequence[sp.Symbol], whole: sp.Tuple, region: Region) -> It
         return
     fixed = {s: v for s, v in held.items() if s not in symbols}
     bounds = {q: tuple(None if end is None else end.xreplace(fixed) for end in region.bounds[q]) for q in symbols}
-    for point in Region(bounds).points(sp.Tuple(*symbols)):  # type: ignore[arg-type]
+    for point in Region(bounds).points(sp.Tuple(*symbols), anywhere=False):  # type: ignore[arg-type]
         yield {**fixed, **point}
 
 

@@ -55,8 +55,16 @@ class Region:
     bounds: Mapping[sp.Symbol, Bounds] = field(default_factory=dict)
     defaults: Mapping[sp.Symbol, sp.Expr] = field(default_factory=dict)
 
-    def points(self, expression: sp.Expr, seed: int = 0) -> Iterator[dict[sp.Expr, sp.Rational]]:
-        """Rational points for the symbols and undetermined functions of an expression, simple ones first."""
+    def points(
+        self, expression: sp.Expr, seed: int = 0, *, anywhere: bool = True
+    ) -> Iterator[dict[sp.Expr, sp.Rational]]:
+        """Rational points for the symbols and undetermined functions of an expression, simple ones first.
+
+        Args:
+            expression: whose symbols get values.
+            seed: of the random ones.
+            anywhere: True for places next to the ends of a domain and far out as well, where small things show.
+        """
         free = expression.free_symbols
         unknowns = sorted((x for x in expression.atoms(*UNKNOWNS) if x.free_symbols <= free), key=sp.default_sort_key)
         ends = [end for pair in self.bounds.values() for end in pair if end is not None]
@@ -66,7 +74,8 @@ class Region:
         generator = random.Random(seed)  # noqa: S311
         for attempt in range(20 * POINTS):
             point = {s: self._parameter(s, attempt, i, generator) for i, s in enumerate(parameters)}
-            values = [self._coordinate(s, point, attempt, i, generator) for i, s in enumerate(coordinates)]
+            stretched = anywhere and attempt % 4 > 1
+            values = [self._coordinate(s, point, attempt, i, generator, stretched) for i, s in enumerate(coordinates)]
             if any(value is None for value in values):
                 continue
             point.update({s: v for s, v in zip(coordinates, values, strict=True) if v is not None})
@@ -95,13 +104,14 @@ class Region:
         attempt: int,
         place: int,
         generator: random.Random,
+        stretched: bool,
     ) -> sp.Rational | None:
         """A rational number inside the coordinate's interval; None when the interval is empty for these parameters."""
         lower, upper = (None if end is None else end.subs(point) for end in self.bounds[symbol])
         if any(end is not None and end.is_real is False for end in (lower, upper)):
             return None
         share = Fraction(place + 1, place + 3) if attempt < 2 else Fraction(generator.randrange(1, 64), 64)
-        if attempt % 4 > 1 and (lower is None or upper is None):
+        if stretched and (lower is None or upper is None):
             value = _stretched(share, lower, upper, (-1) ** attempt)
         elif lower is None and upper is None:
             value = sp.Rational((-1) ** attempt * (2 * share.numerator + place), share.denominator)
