@@ -52,7 +52,7 @@ class Logged(NamedTuple):
             return np.fmin(plain, other)
 
 
-class Logarithms:
+class DisksInLogarithms:
     """Arithmetic on such disks."""
 
     __slots__ = ()

@@ -20,7 +20,7 @@ from hjsolve.ensembles.engine.clearance import Clearance
 from hjsolve.ensembles.engine.lowered_solution import LoweredFormula
 from hjsolve.ensembles.engine.nodes import COUNTS, Nodes, nodes_of
 from hjsolve.ensembles.engine.radicand_views import DifferenceEvaluation, DoubleDoubleEvaluation, Knowns, View
-from hjsolve.ensembles.engine.strips_of_analyticity import SAFETY, Strip, across, strip
+from hjsolve.ensembles.engine.strips_of_analyticity import SAFETY, CoveredStrip, across, strip
 
 if TYPE_CHECKING:
     from hjsolve.ensembles.engine.region import OrbitRegions
@@ -131,7 +131,7 @@ def _seen(view: View) -> tuple[LoweredFormula, Knowns, Any]:
     return view.formula, view.knowns, 0.0
 
 
-def _disks(region: OrbitRegions, orbits: Any, table: Nodes, over: Strip) -> tuple[_Disks, _Disks | None]:
+def _disks(region: OrbitRegions, orbits: Any, table: Nodes, over: CoveredStrip) -> tuple[_Disks, _Disks | None]:
     """The disks that cover the strip, seen from the lower and from the upper end; where one view has all, no second."""
     with np.errstate(all="ignore"):
         if not region.turning:
@@ -148,7 +148,7 @@ def _disks(region: OrbitRegions, orbits: Any, table: Nodes, over: Strip) -> tupl
         return _Disks(orbits, lower, W * spread[:, :half]), rest
 
 
-def _within(region: OrbitRegions, table: Nodes, over: Strip) -> tuple[Any, Any, Any]:
+def _within(region: OrbitRegions, table: Nodes, over: CoveredStrip) -> tuple[Any, Any, Any]:
     """(q − a)/W and (b − q)/W of the centres, and the radii over W."""
     if table.complement == 1.0:
         one = np.ones((len(region.width), 1))

@@ -34,7 +34,7 @@ _CORNERS = [(x, y) for x in (-1, 1) for y in (-1, 1)]
 
 
 @dataclass(frozen=True, eq=False)
-class Strip:
+class CoveredStrip:
     """Rectangles that cover a strip over half a period (a whole turn for rotations), from left to right; (count,).
 
     Attributes:
@@ -71,7 +71,7 @@ def across(count: int, warp: tuple[float, float], fold: int) -> float:
 
 
 @cache
-def strip(table: Nodes, turning: bool) -> Strip:
+def strip(table: Nodes, turning: bool) -> CoveredStrip:
     """Return the strip over which functions are to be known for a table of nodes."""
     nodes = len(table.χ) if turning else len(table.χ) // 2
     a, length = half_width(nodes, table.fold), np.pi / table.fold if turning else 2 * np.pi
@@ -87,7 +87,7 @@ def strip(table: Nodes, turning: bool) -> Strip:
     other = np.inf if table.complement == 1.0 else quarter_period(1 - table.complement, Float64())
     inside = abs(tip[0].imag) * table.quarter / np.pi < _INSIDE * other
     end = float(np.real(_places(np.array([np.pi + 1j * a]), table, True)[1][0])) if inside else -np.inf
-    return Strip(low, high, near_low, near_high, spread, end, bool(inside))
+    return CoveredStrip(low, high, near_low, near_high, spread, end, bool(inside))
 
 
 def _goal(χ: Any, table: Nodes) -> Any:
