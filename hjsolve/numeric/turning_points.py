@@ -1,6 +1,6 @@
 """Where a motion turns: the zeros of p² next to the initial place, found by exclusion, not by luck.
 
-From the start the scan walks outward over cells. A cell is passed only when interval arithmetic proves F = p² > 0, or F′
+From the start the scan walks outward over cells. One is passed only when interval arithmetic proves F = p² > 0, or F′
 or F″ of one sign so that a few exact values decide it. What doubles cannot decide (near-circular,
 near-separatrix) is decided with more digits, and what no cell decides far out, where F tends to zero or its terms
 overflow, by how F grows towards infinity (``numeric.asymptotics``). A zero of F at a critical point that stays zero to
