@@ -1,12 +1,10 @@
 """Where a motion turns: the zeros of p² next to the initial place, found by exclusion, not by luck.
 
-From the start the scan walks outward over cells. A cell is passed only when interval arithmetic
-proves F = p² > 0 on it, or proves F′ or F″ of one sign so that a few exact values decide it. What
-doubles cannot decide (near-circular, near-separatrix) is decided with more digits, and what no cell
-decides far out, where F tends to zero or its terms overflow, by how F grows towards infinity
-(``numeric.asymptotics``). A zero of F at a
-critical point that stays zero to ``_LAST_BITS`` digits is a double zero: the motion needs infinite
-time to reach it (Greenwood, item 41).
+From the start the scan walks outward over cells. One is passed only when interval arithmetic proves F = p² > 0, or F′
+or F″ of one sign so that a few exact values decide it. What doubles cannot decide (near-circular,
+near-separatrix) is decided with more digits, and what no cell decides far out, where F tends to zero or its terms
+overflow, by how F grows towards infinity (``arithmetic.asymptotic_expansion``). A zero of F at a critical point that stays zero to
+``_LAST_BITS`` digits is a double zero: the motion needs infinite time to reach it (Greenwood, item 41).
 """
 
 from __future__ import annotations
@@ -20,7 +18,7 @@ import numpy as np
 
 from hjsolve.arithmetic.floats import multiprecision
 from hjsolve.arithmetic.root_finding import bracketed_root, leading_power
-from hjsolve.errors import NotConvergedError
+from hjsolve.errors import InvalidInputError, NotConvergedError
 from hjsolve.one_coordinate.momentum_squared import MomentumSquared, Number
 
 EndKind = Literal["turning", "asymptote", "boundary", "fall", "infinity", "round"]
@@ -252,9 +250,8 @@ def _divided(ray: Ray, cells: list[_Cell]) -> list[_Cell]:
     depth = cells[0].depth
     exact = depth >= _EXACT or cells[0].blurred
     together = 1 if exact else _TOGETHER
-    pieces = [
-        _pieces(ray, c) if c.undecided and c.depth == depth and c.blurred <= exact else [] for c in cells[:together]
-    ]
+    alike = [c.undecided and c.depth == depth and c.blurred <= exact for c in cells[:together]]
+    pieces = [_pieces(ray, c) if same else [] for c, same in zip(cells[:together], alike, strict=True)]
     bits = max(64 * depth, 256) if exact else 53
     enclosures = iter(_enclose(ray, list(itertools.chain(*pieces)), bits))
     result: list[_Cell] = []
@@ -338,9 +335,8 @@ def _turning(ray: Ray, x0: Any, x1: Any, digits: int) -> End:
 class _Zero:
     """The place of a simple zero of F in a cell where F is monotone, at any precision.
 
-    Its place is checked by F itself with twice the digits, F/F′ being the error left; what cancellation took away
-    (a small amplitude about a deep minimum, two zeros close together) is made up by a higher precision. What is known
-    to more bits than are asked for is not worked out again.
+    Its place is checked by F itself with twice the digits, F/F′ being the error left; what cancellation took away (a
+    small amplitude about a deep minimum, close zeros) is made up by more digits. What is known is not worked out again.
     """
 
     def __init__(self, ray: Ray, x0: Any, x1: Any, digits: int):
@@ -356,7 +352,11 @@ class _Zero:
         ray, (x0, x1), extra = self.ray, self.cell, bits + 64
         while extra <= _MOST_BITS:
             fixed = ray.fixed(extra + 64)
-            x = bracketed_root(lambda y, fixed=fixed, extra=extra: fixed.jet(y, extra)[:2], x0, x1, extra)
+            try:
+                x = bracketed_root(lambda y, fixed=fixed, extra=extra: fixed.jet(y, extra)[:2], x0, x1, extra)
+            except InvalidInputError:  # far from here and next to a pole, which is hit where these bits do not tell
+                extra *= 2
+                continue
             f, slope, _ = fixed.jet(x, 2 * extra)
             if not f or abs(f) <= abs(slope * x) * multiprecision(64).mpf(2) ** -(bits + 32):
                 return fixed.place(x, 2 * extra)

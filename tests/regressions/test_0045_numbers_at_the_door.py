@@ -109,3 +109,11 @@ def test_a_pole_in_the_way_is_said_to_be_one():
     for potential in ("-1/x", "-1/x**2", "log(x**2)"):
         with pytest.raises(hjsolve.HJSolveError, match=r"pole|divides by zero"):
             on_a_line(potential).motion(q={"x": 1}, velocity={"x": -1})
+
+
+def test_an_orbit_too_far_out_is_not_said_to_divide_by_zero():
+    """The perihelion was hit at r = 0 by rounding, and an ensemble said `outside_domain`."""
+    with pytest.raises(hjsolve.NotConvergedError, match="powers of two nearer to an end of its domain"):
+        KEPLER.motion(q={"r": "1e300", "theta": 0}, p={"r": 0, "theta": 1}, want=["actions"])
+    found = hjsolve.ensemble(KEPLER, {"r": [1e300], "theta": 0}, {"r": 0.0, "theta": 1.0}, want={"actions"})
+    assert found.status.item() == "not_converged"
