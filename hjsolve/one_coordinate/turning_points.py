@@ -3,7 +3,7 @@
 From the start the scan walks outward over cells. One is passed only when interval arithmetic proves F = p² > 0, or F′
 or F″ of one sign so that a few exact values decide it. What doubles cannot decide (near-circular,
 near-separatrix) is decided with more digits, and what no cell decides far out, where F tends to zero or its terms
-overflow, by how F grows towards infinity (``arithmetic.asymptotic_expansion``). A zero of F at a critical point that stays zero to
+overflow, by how F grows towards infinity (``asymptotic_expansion``). A zero of F at a critical point that stays zero to
 ``_LAST_BITS`` digits is a double zero: the motion needs infinite time to reach it (Greenwood, item 41).
 """
 
