@@ -70,7 +70,7 @@ def _ensemble(solution: hjsolve.Solution, one: Draw, compiled: bool) -> tuple[li
     numbers = [hjsolve.Estimate(group[one.name].item(), batch.error[name][one.name].item()) for group, name in columns]
     ends = zip(batch.turning_points[one.name], batch.error["turning_points"][one.name], strict=True)
     numbers += [hjsolve.Estimate(x.item(), e.item()) for x, e in ends]
-    return numbers, {"recomputed": bool(batch.exact.item())}
+    return numbers, {"recomputed": bool(batch.recomputed.item())}
 
 
 def _judged(one: Draw, exact: Truth, way: str, limit: int) -> dict[str, Any]:

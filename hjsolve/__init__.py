@@ -17,8 +17,8 @@ if TYPE_CHECKING:
     from hjsolve import catalog as catalog
     from hjsolve.arithmetic.estimate import Estimate as Estimate
     from hjsolve.catalog import moving_frames as frames  # noqa: F401
-    from hjsolve.coordinates import Coordinates as Coordinates
     from hjsolve.coordinates import NormalModes as NormalModes
+    from hjsolve.coordinates import SeparableCoordinates as SeparableCoordinates
     from hjsolve.coordinates import Web as Web
     from hjsolve.coordinates import find_coordinates as find_coordinates
     from hjsolve.coordinates import normal_modes as normal_modes
@@ -40,7 +40,7 @@ if TYPE_CHECKING:
     from hjsolve.errors import NotConvergedError as NotConvergedError
     from hjsolve.errors import NotSeparableError as NotSeparableError
     from hjsolve.errors import OutsideMotionError as OutsideMotionError
-    from hjsolve.extended.gyroscopic import linear_modes as linear_modes
+    from hjsolve.extended.gyroscopic import gyroscopic_modes as gyroscopic_modes
     from hjsolve.extended.linear_hamiltonian import from_hamiltonian as from_hamiltonian
     from hjsolve.mechanics.system import Coordinate as Coordinate
     from hjsolve.mechanics.system import Domain as Domain
@@ -55,27 +55,29 @@ if TYPE_CHECKING:
     from hjsolve.separation import separate as separate
     from hjsolve.solution.quadratures import Solution as Solution
     from hjsolve.solution.quadratures import solve as solve
-    from hjsolve.sweeps import Swept as Swept
+    from hjsolve.sweeps import SweepResult as SweepResult
     from hjsolve.sweeps import sweep as sweep
 
 _PUBLIC = {
     "mechanics.system": "Coordinate Domain Parameter System",
-    "coordinates": "Coordinates NormalModes Web find_coordinates normal_modes",
+    "coordinates": "SeparableCoordinates NormalModes Web find_coordinates normal_modes",
     "separation": "separate Separation Obstruction Undecided",
     "solution.quadratures": "solve Solution",
     "ensembles": "ensemble Batch Status",
-    "sweeps": "sweep Swept",
+    "sweeps": "sweep SweepResult",
     "motion.motion": "Motion",
     "arithmetic.estimate": "Estimate",
     "reports": "report",
     "costs": "cost Cost",
     "scenes": "Scene",
-    "extended.gyroscopic": "linear_modes",
+    "extended.gyroscopic": "gyroscopic_modes",
     "extended.linear_hamiltonian": "from_hamiltonian",
     "errors": "CatalogError ClusterError ExpressionError ForbiddenMotionError HJSolveError InternalError "
     "InvalidInputError InvalidSystemError MissingExtraError MissingValueError NotConvergedError "
     "NotSeparableError OutsideMotionError ",
 }
+_RENAMED = {"Coordinates": "SeparableCoordinates", "Swept": "SweepResult", "linear_modes": "gyroscopic_modes"}
+"""Names of the last release; they give the new ones for one release more, with a warning."""
 _HOMES = {name: home for home, names in _PUBLIC.items() for name in names.split()}
 _MODULES = {"catalog": "catalog", "frames": "catalog.moving_frames"}
 
@@ -86,11 +88,22 @@ def __getattr__(name: str) -> Any:
     """Import a public name when it is first asked for (PEP 562)."""
     if name in _MODULES:
         return importlib.import_module(f"hjsolve.{_MODULES[name]}")
+    if name in _RENAMED:
+        return _renamed(name)
     if name not in _HOMES:
         raise AttributeError(f"module 'hjsolve' has no attribute {name!r}")
     value = getattr(importlib.import_module(f"hjsolve.{_HOMES[name]}"), name)
     globals()[name] = value
     return value
+
+
+def _renamed(name: str) -> Any:
+    """The value of a name that was given up, with a warning that says what to write."""
+    import warnings
+
+    new = _RENAMED[name]
+    warnings.warn(f"hjsolve.{name} is called hjsolve.{new} now", DeprecationWarning, stacklevel=3)
+    return __getattr__(new)
 
 
 def __dir__() -> list[str]:

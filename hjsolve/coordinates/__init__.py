@@ -5,7 +5,7 @@ Read ``find.py`` first, then ``killing`` (which webs), ``webs`` (their parameter
 """
 
 from hjsolve.coordinates.find import find_coordinates
-from hjsolve.coordinates.results import Coordinates, ParameterValues, Web
+from hjsolve.coordinates.results import ParameterValues, SeparableCoordinates, Web
 from hjsolve.coordinates.small_oscillations import Mode, NormalModes, normal_modes
 
-__all__ = ["Coordinates", "Mode", "NormalModes", "ParameterValues", "Web", "find_coordinates", "normal_modes"]
+__all__ = ["Mode", "NormalModes", "ParameterValues", "SeparableCoordinates", "Web", "find_coordinates", "normal_modes"]

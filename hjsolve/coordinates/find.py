@@ -20,7 +20,7 @@ from hjsolve.coordinates.killing.killing_tensors import (
     killing_tensor,
 )
 from hjsolve.coordinates.killing.special_parameters import exceptional_values
-from hjsolve.coordinates.results import Coordinates, Geometry, ParameterValues, Web
+from hjsolve.coordinates.results import Geometry, ParameterValues, SeparableCoordinates, Web
 from hjsolve.coordinates.webs.concircular_families import family
 from hjsolve.coordinates.webs.orthonormal_frames import sign_by, tidy_constant
 from hjsolve.coordinates.webs.plane import plane_webs
@@ -49,7 +49,9 @@ _MOST_LETTERS = 2
 _PARTIAL = ("split", "sphere", "unresolved")
 
 
-def find_coordinates(system: System | str | Path, *, special: bool = True, budget: float = 20.0) -> Coordinates:
+def find_coordinates(
+    system: System | str | Path, *, special: bool = True, budget: float = 20.0
+) -> SeparableCoordinates:
     """Find every orthogonal coordinate system in which a natural system of the plane or of space separates.
 
     The system must be given in Cartesian coordinates: T = ½ Σ m_i ẋ_i² with constant masses (a constant symmetric
@@ -63,7 +65,7 @@ def find_coordinates(system: System | str | Path, *, special: bool = True, budge
         budget: seconds that ``separate`` may take for one web.
 
     Returns:
-        A ``Coordinates`` value. Where the webs form a family (the elliptic coordinates of the Kepler problem have one
+        The coordinates. Where the webs form a family (the elliptic coordinates of the Kepler problem have one
         focus at will), a representative is given and the family described.
 
     Raises:
@@ -86,7 +88,7 @@ def find_coordinates(system: System | str | Path, *, special: bool = True, budge
     if special and full.pivots:
         found = exceptional_values(cartesian.potential, cartesian.X, killing_basis(cartesian.X), full)
         values = tuple(ParameterValues({s.name: e for s, e in one.conditions}, one.dimension) for one in found)
-    return Coordinates(
+    return SeparableCoordinates(
         system,
         full.dimension,
         reduced.dimension,

@@ -107,7 +107,7 @@ class ParameterValues:
 
 
 @dataclass(frozen=True)
-class Coordinates:
+class SeparableCoordinates:
     """All orthogonal separable coordinate systems of a natural system in the plane or in space.
 
     Attributes:

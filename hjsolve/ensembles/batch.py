@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import warnings
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass
 from typing import Any
@@ -24,7 +25,7 @@ class Batch:
     there. A number that does not exist is NaN, and ``status`` says why.
 
     Attributes:
-        columns: flat name (``actions.r``, ``error.actions.r``, ``status``, ``exact``) → array.
+        columns: flat name (``actions.r``, ``error.actions.r``, ``status``, ``recomputed``) → array.
         layout: which quantities and names there are.
         shape: of every array, that of the initial conditions.
     """
@@ -80,9 +81,15 @@ class Batch:
         return self.columns[STATUS]
 
     @property
-    def exact(self) -> Any:
+    def recomputed(self) -> Any:
         """True where the single-orbit engine computed the orbit, because the vectorised one handed it back."""
         return self.columns[RECOMPUTED]
+
+    @property
+    def exact(self) -> Any:
+        """The former name of ``recomputed``, with a warning."""
+        warnings.warn("Batch.exact is called Batch.recomputed now", DeprecationWarning, stacklevel=2)
+        return self.recomputed
 
     @property
     def lazy(self) -> bool:
@@ -90,19 +97,19 @@ class Batch:
         return hasattr(self.columns[STATUS], "dask")
 
     def summary(self) -> dict[str, int]:
-        """How many orbits have each status, and how many were ``exact``; computes a lazy batch's statuses.
+        """How many orbits have each status, and how many were ``recomputed``; computes a lazy batch's statuses.
 
         Returns:
-            Word → number of orbits; words that no orbit has are left out, ``exact`` is always there.
+            Word → number of orbits; words that no orbit has are left out, ``recomputed`` is always there.
         """
-        status, exact = self.columns[STATUS], self.columns[RECOMPUTED]
+        status, recomputed = self.columns[STATUS], self.columns[RECOMPUTED]
         if self.lazy:
             from dask.base import compute
 
-            status, exact = compute(status, exact)
+            status, recomputed = compute(status, recomputed)
         counts = np.bincount(np.ravel(status), minlength=len(Status))
         found = {s.word: int(counts[s]) for s in Status if counts[s]}
-        return {**found, RECOMPUTED: int(np.count_nonzero(exact))}
+        return {**found, RECOMPUTED: int(np.count_nonzero(recomputed))}
 
     def compute(self, **options: Any) -> Batch:
         """Compute a lazy batch, every block once; one that is computed is returned as it is.

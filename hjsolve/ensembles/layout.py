@@ -13,7 +13,7 @@ from hjsolve.solution.quadratures import Solution
 QUANTITIES = ("actions", "frequencies", "periods", "angles", "constants", "turning_points")
 """What may be asked of an ensemble."""
 
-STATUS, RECOMPUTED, ERROR = "status", "exact", "error."
+STATUS, RECOMPUTED, ERROR = "status", "recomputed", "error."
 """The columns that every result has, and the prefix of the columns of errors."""
 
 

@@ -108,7 +108,7 @@ class ModalMotion:
         return {name: z[i] for i, name in enumerate(names)}, {name: z[n + i] for i, name in enumerate(names)}
 
 
-def linear_modes(
+def gyroscopic_modes(
     system: System | str | Path, *, parameters: Mapping[str, Any] | None = None, digits: int = 30
 ) -> LinearModes:
     """Bring a linear system to normal form by a linear symplectic map.
@@ -130,7 +130,7 @@ def linear_modes(
     References:
         Greenwood (1977), (3-117), (3-129), Ex 3-4, P3-10; Arnold, Mathematical Methods, appendix 6.
     """
-    system = system_of(system, "linear_modes")
+    system = system_of(system, "gyroscopic_modes")
     digits = arguments.digits(digits)
     M, Γ, K = _matrices(system)
     values = parameter_values(system, parameters or {})

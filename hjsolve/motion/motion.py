@@ -7,6 +7,7 @@ the time law. No differential equation is integrated.
 
 from __future__ import annotations
 
+import warnings
 from collections.abc import Callable, Iterable, Mapping
 from dataclasses import dataclass, field, replace
 from functools import partial
@@ -170,13 +171,18 @@ class Motion:
         self._require("angles")
         return angle_variables(self._source, t)
 
-    def input_doubt(self) -> dict[str, dict[str, float]]:
-        """Return how far each number can move when every float input moves by half an ulp; see ``conditioning``."""
+    def input_sensitivity(self) -> dict[str, dict[str, float]]:
+        """Return how far each number can move when every float input moves by half an ulp."""
         from hjsolve.motion.input_sensitivity import input_sensitivities
 
         if self.again is None:
             raise InternalError("this motion does not know its input")
         return input_sensitivities(self.again, self.given)
+
+    def input_doubt(self) -> dict[str, dict[str, float]]:
+        """Return ``input_sensitivity()``, whose former name this is, with a warning."""
+        warnings.warn("Motion.input_doubt is called Motion.input_sensitivity now", DeprecationWarning, stacklevel=2)
+        return self.input_sensitivity()
 
     @property
     def other_regions(self) -> dict[str, tuple[tuple[Estimate | None, Estimate | None], ...]]:

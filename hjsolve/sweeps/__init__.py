@@ -4,6 +4,6 @@ In: a scene with a table ``[sweep]``. Out: a folder with a manifest, complete pa
 Read ``conduct.py`` first, then ``folder.py``.
 """
 
-from hjsolve.sweeps.conduct import Swept, sweep
+from hjsolve.sweeps.conduct import SweepResult, sweep
 
-__all__ = ["Swept", "sweep"]
+__all__ = ["SweepResult", "sweep"]

@@ -21,7 +21,7 @@ from hjsolve.sweeps.work import SweepWork, columns_of
 
 
 @dataclass(frozen=True)
-class Swept:
+class SweepResult:
     """A sweep that is complete.
 
     Attributes:
@@ -45,7 +45,7 @@ def sweep(
     scheduler: str | None = None,
     chunk: int | None = None,
     shown: bool | None = None,
-) -> Swept:
+) -> SweepResult:
     """Compute the orbits that the table ``[sweep]`` of a scene declares into a folder of Parquet files.
 
     A run that is killed, whenever it is, is gone on with by the same call: parts that are there stay, the others are
@@ -90,7 +90,7 @@ def sweep(
                 from hjsolve.sweeps.cluster import on_cluster
 
                 on_cluster(work, scheduler)
-        return Swept(folder.path, points.count, plan.parts, plan.parts - len(left), folder.finish())
+        return SweepResult(folder.path, points.count, plan.parts, plan.parts - len(left), folder.finish())
 
 
 def _checked_chunk(chunk: Any) -> int | None:

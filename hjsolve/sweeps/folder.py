@@ -100,7 +100,7 @@ class Folder:
         """Write the complete manifest.
 
         Returns:
-            Word of a status → orbits, and ``exact`` → orbits computed singly.
+            Word of a status → orbits, and ``recomputed`` → orbits computed singly.
         """
         counts: dict[str, int] = {}
         files = []

@@ -22,7 +22,7 @@ DOORS = {
     "separate: budget": lambda value: hjsolve.separate(KEPLER, budget=value),
     "find_coordinates": hjsolve.find_coordinates,
     "normal_modes": hjsolve.normal_modes,
-    "linear_modes": hjsolve.linear_modes,
+    "gyroscopic_modes": hjsolve.gyroscopic_modes,
     "from_hamiltonian": lambda value: hjsolve.from_hamiltonian(value, {"q": "line"}),
     "from_hamiltonian: coordinates": lambda value: hjsolve.from_hamiltonian("p", value),
     "catalog.load": hjsolve.catalog.load,

@@ -53,7 +53,7 @@ SWING, ORBIT = (
 PENDULUM = hjsolve.solve("pendulum")
 SWAY = PENDULUM.motion(q={"theta": "0.3"}, p={"theta": 0})
 FRAME = hjsolve.frames.load("spring-moving-anchor")
-MODES = hjsolve.linear_modes("gyroscopic-pair")
+MODES = hjsolve.gyroscopic_modes("gyroscopic-pair")
 NAMES = [c.name for c in MODES.system.coordinates]
 
 
@@ -106,7 +106,7 @@ DOORS = {
     "signs": lambda v: LINE.motion(q={"x": 0}, constants={"E": 1}, signs={"x": v}).kinds,
     "frame: t0": lambda v: FRAME.motion(q={"q": "0.3"}, velocity={"q": "0.4"}, t0=v).at(1),
     "modes: q": lambda v: MODES.motion(q=dict.fromkeys(NAMES, v), velocity=dict.fromkeys(NAMES, 0)).at(1),
-    "modes: parameter": lambda v: hjsolve.linear_modes("gyroscopic-pair", parameters={"k11": v}),
+    "modes: parameter": lambda v: hjsolve.gyroscopic_modes("gyroscopic-pair", parameters={"k11": v}),
     "scene: q": lambda v: _scene(initial={"q": {"x": v}, "velocity": {"x": 0}}),
     "scene: stop": lambda v: _scene(times={"start": 0, "stop": v, "count": 3}),
     "scene: count": lambda v: _scene(times={"start": 0, "stop": 1, "count": v}),

@@ -13,7 +13,7 @@ DOORS = {
     "LinearHamiltonian": hjsolve.from_hamiltonian("q + p", {"q": "line"}).motion,
     "GeneralHamiltonian": hjsolve.from_hamiltonian("p**4 + q**2", {"q": "line"}).motion,
     "Frame": hjsolve.frames.load("spring-moving-anchor").motion,
-    "LinearModes": hjsolve.linear_modes(hjsolve.catalog.load("gyroscopic-three")).motion,
+    "LinearModes": hjsolve.gyroscopic_modes(hjsolve.catalog.load("gyroscopic-three")).motion,
 }
 
 

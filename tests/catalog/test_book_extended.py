@@ -8,7 +8,7 @@ import sympy as sp
 from mpmath import mp
 
 from hjsolve import catalog, frames
-from hjsolve.extended.gyroscopic import LAMBDA, LinearModes, linear_modes
+from hjsolve.extended.gyroscopic import LAMBDA, LinearModes, gyroscopic_modes
 from tests.support import entries
 from tests.support.book import RESULTS, H_of, Mechanics, Result, bracket, exact, formula, mechanics, off, plain, result
 
@@ -114,7 +114,7 @@ CASES: dict[int, dict[str, Any]] = {
 
 
 def pair(case: int, **change: Any) -> LinearModes:
-    return linear_modes(catalog.load("gyroscopic-pair"), parameters={**CASES[case], **change})
+    return gyroscopic_modes(catalog.load("gyroscopic-pair"), parameters={**CASES[case], **change})
 
 
 @result("C51", "Ex 3-4, case 1", DIGITS_PRINTED)
@@ -185,7 +185,7 @@ def gyroscopic_criterion():
 @result("C62", "P3-10")
 def three_coordinates():
     """gamma^2 = 5mk: lambda^2 = -k/2m, -3k/2m, -3k/m."""
-    modes = linear_modes(catalog.load("gyroscopic-three"), parameters={"m": 2, "k": 3, "gamma": "sqrt(30)"})
+    modes = gyroscopic_modes(catalog.load("gyroscopic-three"), parameters={"m": 2, "k": 3, "gamma": "sqrt(30)"})
     assert modes.stable
     squares = sorted(mp.mpf(w) ** 2 for w in modes.frequencies)
     return off(squares, [mp.mpf(3) / 4, mp.mpf(9) / 4, mp.mpf(9) / 2])
@@ -195,14 +195,14 @@ def three_coordinates():
 def three_coordinates_threshold():
     """Stable for gamma^2 > 4.490*m*k: where two roots of the cubic in lambda^2 meet."""
     z, γ2 = S("z"), S("g2")
-    modes = linear_modes(catalog.load("gyroscopic-three"))
+    modes = gyroscopic_modes(catalog.load("gyroscopic-three"))
     cubic = plain(modes.polynomial).subs({S("m"): 1, S("k"): 1}).subs(S("gamma"), sp.sqrt(γ2))
     cubic = sp.expand(sp.expand(cubic).subs(plain(LAMBDA), sp.sqrt(z)))
     meetings = [sp.re(x) for x in sp.Poly(sp.discriminant(cubic, z), γ2).nroots(n=30) if abs(sp.im(x)) < 1e-20]
     limit = max(meetings)
     for shift, stable in ((sp.Rational(1, 10**6), True), (-sp.Rational(1, 10**6), False)):
         value = sp.sqrt(sp.Rational(str(limit)) + shift)
-        assert linear_modes(catalog.load("gyroscopic-three"), parameters={"gamma": value}).stable == stable
+        assert gyroscopic_modes(catalog.load("gyroscopic-three"), parameters={"gamma": value}).stable == stable
     return off(limit, "4.49004")
 
 

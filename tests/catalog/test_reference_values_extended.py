@@ -8,7 +8,7 @@ from mpmath import mp
 
 from hjsolve import catalog
 from hjsolve.catalog import Reference
-from hjsolve.extended.gyroscopic import linear_modes
+from hjsolve.extended.gyroscopic import gyroscopic_modes
 from hjsolve.solution.quadratures import solve
 from tests.reference import extended
 from tests.support.entries import described as entry
@@ -26,7 +26,7 @@ def motion_of(name: str, motion: str) -> Any:
         return problem.motion(**given)
     assert system is not None
     if entry(name).expect["verdict"] == "refused":
-        return linear_modes(system, digits=20).motion(q=given["q"], velocity=given["velocity"])
+        return gyroscopic_modes(system, digits=20).motion(q=given["q"], velocity=given["velocity"])
     return solve(system).motion(**given)
 
 

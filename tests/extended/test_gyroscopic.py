@@ -11,7 +11,7 @@ from mpmath import mp, mpf
 
 from hjsolve import catalog
 from hjsolve.errors import InvalidInputError, InvalidSystemError
-from hjsolve.extended.gyroscopic import LAMBDA, linear_modes
+from hjsolve.extended.gyroscopic import LAMBDA, gyroscopic_modes
 from hjsolve.mechanics.system import System, hamiltonian
 from hjsolve.separation import Obstruction, separate
 from tests.reference.taylor import Flow
@@ -42,7 +42,7 @@ def test_the_exponents_and_amplitude_ratios_of_example_3_4() -> None:
         (1, (0.583, 1.716), (0.202 + 0.0877j, -1.043 - 0.453j), (1, 1)),
         (2, (0.529, 1.891), (0.0790 - 0.406j, -0.1155 - 0.594j), (-1, 1)),
     ):
-        modes = linear_modes(system, parameters=CASES[case], digits=20)
+        modes = gyroscopic_modes(system, parameters=CASES[case], digits=20)
         assert modes.stable
         assert modes.signs == signs
         for k in (0, 1):
@@ -54,31 +54,31 @@ def test_the_exponents_and_amplitude_ratios_of_example_3_4() -> None:
 def test_case_three_is_unstable_for_every_gamma() -> None:
     """7λ⁴ + (10 + γ²)λ² − 9 = 0."""
     system = catalog.load("gyroscopic-pair")
-    modes = linear_modes(system, parameters=CASES[3])
+    modes = gyroscopic_modes(system, parameters=CASES[3])
     γ = system.symbols["gamma"]
     case = {system.symbols[n]: v for n, v in CASES[3].items() if n != "gamma"}
     assert sp.expand(modes.polynomial.subs(case) - (7 * LAMBDA**4 + (10 + γ**2) * LAMBDA**2 - 9)) == 0
     for value in (0, 1, 100):
-        assert not linear_modes(system, parameters={**CASES[3], "gamma": value}).stable
+        assert not gyroscopic_modes(system, parameters={**CASES[3], "gamma": value}).stable
     with pytest.raises(InvalidInputError, match="some exponent is not imaginary"):
         modes.motion(q={"q1": 1, "q2": 0}, velocity={"q1": 0, "q2": 0})
 
 
 @pytest.mark.parametrize(("gamma", "stable"), [("5.9999", False), ("6.0001", True), ("-6.0001", True), (0, False)])
 def test_case_two_is_stabilised_beyond_gamma_six(gamma: Any, stable: bool) -> None:
-    assert linear_modes(catalog.load("gyroscopic-pair"), parameters={**CASES[2], "gamma": gamma}).stable == stable
+    assert gyroscopic_modes(catalog.load("gyroscopic-pair"), parameters={**CASES[2], "gamma": gamma}).stable == stable
 
 
 def test_three_coordinates_have_the_books_exponents() -> None:
     """P3-10: γ² = 5mk gives λ² = −k/2m, −3k/2m, −3k/m; stable from γ² = 4.490 mk on (P3-11)."""
     system = catalog.load("gyroscopic-three")
-    modes = linear_modes(system, parameters={"m": 2, "k": 3, "gamma": "sqrt(30)"}, digits=30)
+    modes = gyroscopic_modes(system, parameters={"m": 2, "k": 3, "gamma": "sqrt(30)"}, digits=30)
     with mp.workdps(40):
         squares = [λ**2 for λ in modes.exponents[::2]]
         for found, expected in zip(squares, (mpf(-3) / 4, mpf(-9) / 4, mpf(-9) / 2), strict=True):
             assert abs(found - expected) < mpf(10) ** -28
-    assert linear_modes(system, parameters={"gamma": "sqrt(4.4901)"}).stable
-    assert not linear_modes(system, parameters={"gamma": "sqrt(4.4900)"}).stable
+    assert gyroscopic_modes(system, parameters={"gamma": "sqrt(4.4901)"}).stable
+    assert not gyroscopic_modes(system, parameters={"gamma": "sqrt(4.4900)"}).stable
 
 
 @pytest.mark.parametrize(("name", "given"), [("gyroscopic-pair", CASES[1]), ("gyroscopic-pair", CASES[2]),
@@ -86,7 +86,7 @@ def test_three_coordinates_have_the_books_exponents() -> None:
 def test_the_map_is_symplectic_and_h_becomes_a_sum_of_oscillators(name: str, given: dict[str, Any]) -> None:
     """(6-334): NᵀJN = J; and NᵀSN = diag(σω, σω)."""
     system = catalog.load(name)
-    modes, n = linear_modes(system, parameters=given, digits=30), len(system.coordinates)
+    modes, n = gyroscopic_modes(system, parameters=given, digits=30), len(system.coordinates)
     with mp.workdps(40):
         J = mp.matrix(2 * n)
         for i in range(n):
@@ -106,7 +106,7 @@ def test_the_map_is_symplectic_and_h_becomes_a_sum_of_oscillators(name: str, giv
 def test_the_motion_is_that_of_a_taylor_integration(name: str, given: dict[str, Any]) -> None:
     entry = entries.described(name)
     system, start = entry.system, entry.initial
-    moved = linear_modes(system, parameters=given, digits=25).motion(q=start.q, velocity=start.velocity)
+    moved = gyroscopic_modes(system, parameters=given, digits=25).motion(q=start.q, velocity=start.velocity)
     with mp.workdps(50):
         values = {s: mpf(sp.N(v, 50)) for s, v in moved.modes.values.items()}
         q, p = [c.symbol for c in system.coordinates], [c.momentum for c in system.coordinates]
@@ -124,13 +124,13 @@ def test_the_motion_is_that_of_a_taylor_integration(name: str, given: dict[str, 
 
 def test_a_system_that_is_not_linear_is_refused() -> None:
     with pytest.raises(InvalidSystemError, match="constant, bilinear, quadratic"):
-        linear_modes(catalog.load("pendulum"))
+        gyroscopic_modes(catalog.load("pendulum"))
     with pytest.raises(InvalidSystemError, match="term of first degree"):
-        linear_modes(System({"x": "line"}, "dot(x)**2/2", "x**2 + x"))
+        gyroscopic_modes(System({"x": "line"}, "dot(x)**2/2", "x**2 + x"))
 
 
 def test_without_gyroscopic_terms_the_modes_are_the_usual_ones() -> None:
-    modes = linear_modes(System({"x": "line", "y": "line"}, "dot(x)**2/2 + dot(y)**2/2", "x**2 + y**2 - x*y"))
+    modes = gyroscopic_modes(System({"x": "line", "y": "line"}, "dot(x)**2/2 + dot(y)**2/2", "x**2 + y**2 - x*y"))
     assert modes.signs == (1, 1)
     assert abs(modes.frequencies[0] - 1) < mpmath.mpf(10) ** -29
     assert abs(modes.frequencies[1] ** 2 - 3) < mpmath.mpf(10) ** -28

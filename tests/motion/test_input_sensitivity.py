@@ -15,7 +15,7 @@ def kepler():
 
 
 def test_exact_input_leaves_no_doubt(kepler):
-    doubt = kepler.motion(q={"r": 1, "theta": 0}, velocity={"r": 0, "theta": "1.2"}).input_doubt()
+    doubt = kepler.motion(q={"r": 1, "theta": 0}, velocity={"r": 0, "theta": "1.2"}).input_sensitivity()
     assert all(value == 0 for numbers in doubt.values() for value in numbers.values())
 
 
@@ -24,10 +24,10 @@ def test_doubt_of_the_kepler_period_is_its_derivative_times_half_an_ulp(kepler):
     v = 1.2
     motion = kepler.motion(q={"r": 1, "theta": 0}, velocity={"r": 0, "theta": v})
     expected = 6 * math.pi * v * (2 - v * v) ** -2.5 * math.ulp(v) / 2
-    assert motion.input_doubt()["periods"]["r"] == pytest.approx(expected, rel=1e-9, abs=0)
+    assert motion.input_sensitivity()["periods"]["r"] == pytest.approx(expected, rel=1e-9, abs=0)
 
 
 def test_near_parabolic_period_is_in_far_more_doubt_than_its_error(kepler):
     motion = kepler.motion(q={"r": 1, "theta": 0}, velocity={"r": 0, "theta": 1.41421356})
-    period, doubt = motion.periods["r"], motion.input_doubt()["periods"]["r"]
+    period, doubt = motion.periods["r"], motion.input_sensitivity()["periods"]["r"]
     assert doubt > 1e5 * period.error

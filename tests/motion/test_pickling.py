@@ -33,7 +33,7 @@ def linear(digits):
 
 def modal():
     rest = {"q1": 0, "q2": 0, "q3": 0}
-    return hjsolve.linear_modes(hjsolve.catalog.load("gyroscopic-three")).motion(q={**rest, "q1": 1}, velocity=rest)
+    return hjsolve.gyroscopic_modes(hjsolve.catalog.load("gyroscopic-three")).motion(q={**rest, "q1": 1}, velocity=rest)
 
 
 MOTIONS = {

@@ -26,10 +26,10 @@ def test_every_verb_takes_an_id_a_file_or_a_system() -> None:
         assert hjsolve.ensemble(named, q={"r": [1.0], "theta": [0.0]}, p={"r": [0.0], "theta": [1.0]}).status[0] == "ok"
     assert hjsolve.find_coordinates("henon-heiles").system.id == "henon-heiles"
     assert len(hjsolve.normal_modes("anisotropic-oscillator").modes) == 3
-    assert hjsolve.linear_modes("gyroscopic-pair").system.id == "gyroscopic-pair"
+    assert hjsolve.gyroscopic_modes("gyroscopic-pair").system.id == "gyroscopic-pair"
 
 
-@pytest.mark.parametrize("verb", ["solve", "separate", "find_coordinates", "normal_modes", "linear_modes"])
+@pytest.mark.parametrize("verb", ["solve", "separate", "find_coordinates", "normal_modes", "gyroscopic_modes"])
 @pytest.mark.parametrize(
     ("subject", "says"),
     [("keplr-planar", 'did you mean "kepler-planar"'), (3, "the id of a catalog entry"), (None, "a System is needed"),
@@ -160,15 +160,15 @@ def test_catalog_show_gives_whole_references(capsys: Capture) -> None:
 @pytest.mark.parametrize("name", ["gyroscopic-pair", "gyroscopic-three"])
 def test_linear_modes_are_named_where_they_are_the_answer(name: str, capsys: Capture) -> None:
     assert main(["check", name]) == 1
-    assert "hjsolve.linear_modes" in capsys.readouterr().out
-    assert hjsolve.linear_modes(name).polynomial is not None
+    assert "hjsolve.gyroscopic_modes" in capsys.readouterr().out
+    assert hjsolve.gyroscopic_modes(name).polynomial is not None
 
 
 def test_they_are_not_named_where_they_would_refuse() -> None:
     kinetic = "(dot(x)**2 + dot(y)**2)/2 + B*(x*dot(y) - y*dot(x))"
     for potential, named in (("x*y", True), ("x*y + g*y", False), ("x*y + x**4", False)):
         system = hjsolve.System({"x": "line", "y": "line"}, kinetic, potential, {"B": 1, "g": 1})
-        assert ("linear_modes" in hjsolve.separate(system).advice) == named
+        assert ("gyroscopic_modes" in hjsolve.separate(system).advice) == named
 
 
 def test_a_wrong_output_is_told_before_anything_heavy_is_loaded() -> None:

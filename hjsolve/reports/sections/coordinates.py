@@ -6,7 +6,7 @@ import shlex
 
 import sympy as sp
 
-from hjsolve.coordinates import Coordinates, NormalModes, Web
+from hjsolve.coordinates import NormalModes, SeparableCoordinates, Web
 from hjsolve.coordinates.results import ParameterValues, Vector
 from hjsolve.mechanics.system import System
 from hjsolve.reports.document import Block, Inline, Mathematics, Note, Paragraph, Section, Strong, Table, Text
@@ -17,7 +17,7 @@ from hjsolve.reports.sections.prose import domain_text
 from hjsolve.reports.sections.system_and_verdict import EQUALS, formula, math
 
 
-def found_answer(found: Coordinates) -> Text:
+def found_answer(found: SeparableCoordinates) -> Text:
     """Say the result in a sentence.
 
     Args:
@@ -35,7 +35,7 @@ def found_answer(found: Coordinates) -> Text:
     return (Strong("No orthogonal coordinates"), " were found in which it separates.", integrals)
 
 
-def found_sections(found: Coordinates) -> list[Section]:
+def found_sections(found: SeparableCoordinates) -> list[Section]:
     """Describe each web with its system, then what else was found.
 
     Args:

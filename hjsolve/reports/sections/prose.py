@@ -59,7 +59,7 @@ def with_names(text: str, names: Collection[str]) -> Text:
         if not isinstance(piece, str):
             pieces.append(piece)
             continue
-        for i, part in enumerate(re.split(r"(hjsolve\.\w+|normal_modes|linear_modes|find_coordinates)", piece)):
+        for i, part in enumerate(re.split(r"(hjsolve\.\w+|normal_modes|gyroscopic_modes|find_coordinates)", piece)):
             pieces += [Code(part)] if i % 2 else _named(part, names) if part else []
     return tuple(pieces)
 

@@ -41,7 +41,8 @@ def advice_for_linear_equations(system: System) -> str:
     if int(polynomial.total_degree()) > 2 or forced:
         return ""
     return (
-        "T and V are quadratic with constant coefficients, so the equations of motion are linear: hjsolve.linear_modes "
+        "T and V are quadratic with constant coefficients, so the equations of motion are linear: "
+        "hjsolve.gyroscopic_modes "
         "brings the system to normal form by a linear symplectic map, after which every mode is an oscillator of its "
         f"own where the motion is stable. {ALWAYS}"
     )
