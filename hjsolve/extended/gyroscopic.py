@@ -11,7 +11,7 @@ The modes are oscillators, those with σ = −1 of negative energy: stable by gy
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Iterator, Mapping
 from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
@@ -24,9 +24,10 @@ from hjsolve.arithmetic.floats import multiprecision
 from hjsolve.errors import InvalidInputError, InvalidSystemError, NotConvergedError
 from hjsolve.formulas.read import number
 from hjsolve.mechanics.subjects import system_of
-from hjsolve.mechanics.system import System, hamiltonian, kinetic_rest, linear_terms, mass_matrix, momenta
+from hjsolve.mechanics.system import System, hamiltonian, kinetic_rest, linear_terms, mass_matrix, momenta, velocities
 from hjsolve.motion.initial_data import parameter_values, to_bits
 from hjsolve.motion.motion import Motion
+from hjsolve.motion.state import Errors, State
 from hjsolve.solution.quadratures import solve
 
 LAMBDA = sp.Symbol("lambda")
@@ -97,15 +98,41 @@ class ModalMotion:
     modes: LinearModes
     motion: Motion
 
-    def at(self, t: Any) -> tuple[dict[str, Any], dict[str, Any]]:
-        """Return q and p by coordinate, ``mpf``; object arrays shaped like the times where these are several."""
+    def at(self, t: Any) -> State:
+        """Return the state in the coordinates as posed at a time or at an array of times; as ``Motion.at``.
+
+        q and p are N times those of the modes, and their errors |N| times theirs, N being good to far more digits.
+        """
+        state, context = self.motion.at(t), multiprecision(_bits(self.modes.digits))
+        rows = [*self.modes.matrix.tolist(), *_speeds(self.modes)]
+        modal = [_converted(x, context) for x in (*state.q.values(), *state.p.values())]
+        q, p, velocity = self._named([sum(a * x for a, x in zip(row, modal, strict=True)) for row in rows])
+
+        def bounds() -> Errors:
+            unit = context.mpf(10) ** (1 - self.modes.digits)
+            errors = [_converted(e, context) for e in (*state.error.q.values(), *state.error.p.values())]
+            doubts = [e + unit * np.abs(x) for e, x in zip(errors, modal, strict=True)]
+            return Errors(*self._named([sum(abs(a) * e for a, e in zip(row, doubts, strict=True)) for row in rows]))
+
+        return State(t, q, p, velocity, {}, state.status, bounds)
+
+    def _named(self, values: list[Any]) -> Iterator[dict[str, Any]]:
+        """Values of q, p and velocity by coordinate."""
         names = [c.name for c in self.modes.system.coordinates]
-        state, n = self.motion.at(t), len(names)
-        context = multiprecision(_bits(self.modes.digits))
-        convert = context.convert if np.ndim(t) == 0 else np.frompyfunc(context.convert, 1, 1)
-        modal, N = [convert(x) for x in (*state.q.values(), *state.p.values())], self.modes.matrix
-        z = [sum(N[i, k] * x for k, x in enumerate(modal)) for i in range(2 * n)]
-        return {name: z[i] for i, name in enumerate(names)}, {name: z[n + i] for i, name in enumerate(names)}
+        return (dict(zip(names, values[k * len(names) :], strict=False)) for k in range(3))
+
+
+def _converted(x: Any, context: Any) -> Any:
+    return context.convert(x) if np.ndim(x) == 0 else np.frompyfunc(context.convert, 1, 1)(x)
+
+
+def _speeds(modes: LinearModes) -> list[list[Any]]:
+    """q̇ = ∂H/∂p as rows of numbers times (Q, P)."""
+    z = sp.Matrix([c.symbol for c in modes.system.coordinates] + [c.momentum for c in modes.system.coordinates])
+    rates = sp.Matrix(list(velocities(modes.system).values())).jacobian(z).subs(modes.values)
+    context = multiprecision(_bits(modes.digits))
+    found = context.matrix([[to_bits(x)(context.prec) for x in rates.row(i)] for i in range(rates.rows)]) * modes.matrix
+    return [list(row) for row in found.tolist()]
 
 
 def gyroscopic_modes(
