@@ -47,6 +47,8 @@ if TYPE_CHECKING:
     from hjsolve.mechanics.system import Parameter as Parameter
     from hjsolve.mechanics.system import System as System
     from hjsolve.motion.motion import Motion as Motion
+    from hjsolve.motion.state import AnyMotion as AnyMotion
+    from hjsolve.motion.state import State as State
     from hjsolve.reports import report as report
     from hjsolve.scenes import Scene as Scene
     from hjsolve.separation import Obstruction as Obstruction
@@ -66,6 +68,7 @@ _PUBLIC = {
     "ensembles": "ensemble Batch Status",
     "sweeps": "sweep SweepResult",
     "motion.motion": "Motion",
+    "motion.state": "AnyMotion State",
     "arithmetic.estimate": "Estimate",
     "reports": "report",
     "costs": "cost Cost",

@@ -20,6 +20,7 @@ import numpy as np
 import sympy as sp
 
 from hjsolve import arguments
+from hjsolve.arithmetic.estimate import Estimate
 from hjsolve.arithmetic.floats import multiprecision
 from hjsolve.errors import InvalidInputError, InvalidSystemError, NotConvergedError
 from hjsolve.formulas.read import number
@@ -97,6 +98,16 @@ class ModalMotion:
 
     modes: LinearModes
     motion: Motion
+
+    @property
+    def kinds(self) -> Mapping[str, str]:
+        """The kinds of motion of the modes ``Q1`` …."""
+        return self.motion.kinds
+
+    @property
+    def constants(self) -> Mapping[str, Estimate]:
+        """The constants of the motion of the modes."""
+        return self.motion.constants
 
     def at(self, t: Any) -> State:
         """Return the state in the coordinates as posed at a time or at an array of times; as ``Motion.at``.

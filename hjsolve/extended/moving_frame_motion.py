@@ -10,6 +10,7 @@ import numpy as np
 import sympy as sp
 
 from hjsolve import arguments
+from hjsolve.arithmetic.estimate import Estimate
 from hjsolve.arithmetic.floats import Float64, Multi
 from hjsolve.errors import InvalidInputError, MissingValueError
 from hjsolve.extended.moving_frame import Frame, carried_initial_data
@@ -33,6 +34,16 @@ class FramedMotion:
 
     frame: Frame
     motion: Motion
+
+    @property
+    def kinds(self) -> Mapping[str, str]:
+        """The kinds of motion of the coordinates of the frame."""
+        return self.motion.kinds
+
+    @property
+    def constants(self) -> Mapping[str, Estimate]:
+        """The constants of the motion in the frame."""
+        return self.motion.constants
 
     def at(self, t: Any) -> State:
         """Return the state of the original system at a time or times; as ``Motion.at``, angles not counted in turns."""

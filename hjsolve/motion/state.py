@@ -4,7 +4,9 @@ from __future__ import annotations
 
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass, field
-from typing import Any
+from typing import Any, Protocol, runtime_checkable
+
+from hjsolve.arithmetic.estimate import Estimate
 
 
 @dataclass(frozen=True)
@@ -76,3 +78,22 @@ def _pi_of(value: Any) -> Any:
     if getattr(value, "dtype", None) is not None and value.dtype.kind == "O" and value.size:
         return +value.flat[0].context.pi
     return 3.141592653589793
+
+
+@runtime_checkable
+class AnyMotion(Protocol):
+    """What every kind of motion answers, however it was found: ``isinstance(motion, AnyMotion)``.
+
+    ``Motion``, those of a moving frame, of linear modes, and of H(q, p) that is no T + V.
+    """
+
+    @property
+    def kinds(self) -> Mapping[str, str]:
+        """Name of what moves (a coordinate, a mode) → libration, rotation, escape, …."""
+
+    @property
+    def constants(self) -> Mapping[str, Estimate]:
+        """Name of a constant of the motion → its value and error."""
+
+    def at(self, t: Any) -> State:
+        """Return the state at a time or at an array of times, in the coordinates as posed."""

@@ -44,7 +44,7 @@ def test_one_block_is_one_task_however_many_columns_are_computed(monkeypatch: py
     from hjsolve.ensembles import dask_blocks
 
     shapes = []
-    compute = dask_blocks.compute
+    compute = dask_blocks.compute_columns
     monkeypatch.setattr(dask_blocks, "compute_columns", lambda recipe, q, *rest, **more: (shapes.append(q[0].shape), compute(recipe, q, *rest, **more))[1])  # fmt: skip
     r = da.from_array(R, chunks=(1, 2))
     batch = hjsolve.ensemble("kepler-planar", q={"r": r, "theta": 0}, p=P, want={"actions", "constants"})

@@ -56,7 +56,7 @@ def clock(monkeypatch: pytest.MonkeyPatch) -> Callable[[Callable[[Scene], float]
             now[0] += seconds(scene)
             return done
 
-        monkeypatch.setattr(choice, "run_sweep", timed)
+        monkeypatch.setattr(choice, "run_by_quadratures", timed)
         monkeypatch.setattr(choice.time, "perf_counter", lambda: now[0])
         return now
 

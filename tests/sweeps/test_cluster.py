@@ -67,21 +67,21 @@ def test_a_cluster_that_loses_a_worker_gives_the_bytes_of_threads(
     scene: Path, tmp_path: Path, undisturbed: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     """The small version: the cluster lives in this process, and a worker leaves when the first part is there."""
-    from hjsolve.sweeps import conduct
+    from hjsolve.sweeps.work import SweepWork
 
     out, kept = tmp_path / "out", []
-    keep = conduct.Work.keep
+    keep = SweepWork.keep
     local = distributed.LocalCluster(
         n_workers=2, threads_per_worker=1, processes=False, protocol="tcp://", dashboard_address=None, silence_logs=50
     )
 
-    def noted(work: conduct.Work, part: int, *rest: object) -> None:
+    def noted(work: SweepWork, part: int, *rest: object) -> None:
         keep(work, part, *rest)  # type: ignore[arg-type]
         kept.append(part)
         if len(kept) == 1:
             local.sync(local.workers[0].close)
 
-    monkeypatch.setattr(conduct.Work, "keep", noted)
+    monkeypatch.setattr(SweepWork, "keep", noted)
     with local:
         hjsolve.sweep(scene, out, scheduler=local.scheduler_address)
     assert sorted(kept) == list(range(6))
