@@ -27,6 +27,8 @@ _NUMPY_NAMES = {
 }
 
 
+EPS = 2.0**-52
+"""From 1 to the next double; rounding of a result is half of it, relatively."""
 FARTHEST = 1024
 """Binary digits before the point of the largest argument of an exponential; many more of a circular function."""
 CIRCULAR = ("sin", "cos", "tan")
@@ -80,6 +82,11 @@ def sech(x: Any) -> Any:
 def _small_power(x: Any, n: int) -> Any:
     y = x * x if abs(n) == 2 else x * x * x if abs(n) == 3 else x
     return y if n > 0 else 1.0 / y
+
+
+def bits_for(digits: int, guard: int) -> int:
+    """Return the bits of so many decimal digits (log₂ 10 < 3.33), and some to spare for what is lost on the way."""
+    return int(3.33 * digits) + guard
 
 
 @cache

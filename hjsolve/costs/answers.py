@@ -7,7 +7,7 @@ from dataclasses import dataclass
 from typing import Any
 
 from hjsolve.arithmetic.estimate import Estimate
-from hjsolve.arithmetic.floats import multiprecision
+from hjsolve.arithmetic.floats import bits_for, multiprecision
 from hjsolve.scenes.run import Run
 
 Numbers = Mapping[str, tuple[tuple[Any, Any], ...]]
@@ -80,7 +80,7 @@ class Ruler:
         Returns:
             The worst; all None where nothing can be compared.
         """
-        context = multiprecision(int(3.33 * self.digits) + 64)
+        context = multiprecision(bits_for(self.digits, 64))
         claimed, error, held = list[float](), list[float](), list[bool]()
         for name, pairs in numbers.items():
             if name not in self.truth or leave(name):

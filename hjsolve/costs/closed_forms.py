@@ -11,7 +11,7 @@ from typing import Any
 
 import sympy as sp
 
-from hjsolve.arithmetic.floats import Multi
+from hjsolve.arithmetic.floats import Multi, bits_for
 from hjsolve.arithmetic.tape import Tape
 from hjsolve.costs.answers import Answer
 from hjsolve.costs.trial import Task, Trial
@@ -147,7 +147,7 @@ def _name(name: str) -> str:
 
 
 def _trial(task: Task, form: ClosedForm, digits: int) -> Trial:
-    bits = int(3.33 * digits) + _GUARD
+    bits = bits_for(digits, _GUARD)
     angles = {f"q.{c.name}" for c in task.scene.system.coordinates if c.domain.kind == "angle"}
 
     def compute(times: Times | None, _: float) -> dict[str, list[tuple[Any, Any]]]:

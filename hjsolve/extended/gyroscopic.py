@@ -21,7 +21,7 @@ import sympy as sp
 
 from hjsolve import arguments
 from hjsolve.arithmetic.estimate import Estimate
-from hjsolve.arithmetic.floats import multiprecision
+from hjsolve.arithmetic.floats import bits_for, multiprecision
 from hjsolve.errors import InvalidInputError, InvalidSystemError, NotConvergedError
 from hjsolve.formulas.read import number
 from hjsolve.mechanics.subjects import system_of
@@ -193,7 +193,7 @@ def gyroscopic_modes(
 
 
 def _bits(digits: int) -> int:
-    return int(3.33 * digits) + 128
+    return bits_for(digits, 128)
 
 
 def _matrices(system: System) -> tuple[sp.Matrix, sp.Matrix, sp.Matrix]:

@@ -15,7 +15,7 @@ import sympy as sp
 
 from hjsolve import arguments
 from hjsolve.arithmetic.estimate import Estimate
-from hjsolve.arithmetic.floats import Multi, multiprecision
+from hjsolve.arithmetic.floats import Multi, bits_for, multiprecision
 from hjsolve.arithmetic.tape import BoundTape
 from hjsolve.errors import InvalidInputError, MissingValueError, NotConvergedError
 from hjsolve.extended.linear_hamiltonian import GeneralHamiltonian
@@ -165,7 +165,7 @@ def _curve(
     pair, known = (problem.coordinate.symbol, problem.coordinate.momentum), [to_bits(v) for v in values.values()]
     tape, energy = lower([problem.hamiltonian, *slopes], [*pair, *values]), to_bits(E)
     for guard in _GUARDS:
-        curve = Curve(tape, lambda bits: [v(bits) for v in known], energy, digits, int(3.33 * digits) + guard)
+        curve = Curve(tape, lambda bits: [v(bits) for v in known], energy, digits, bits_for(digits, guard))
         x, y = (to_bits(v)(curve.bits) for v in point)
         h, along, across = curve.at(0, x, y)
         size = abs(x * along) + abs(y * across) or abs(along) + abs(across)

@@ -16,7 +16,7 @@ import sympy as sp
 
 from hjsolve import arguments
 from hjsolve.arithmetic.estimate import Estimate
-from hjsolve.arithmetic.floats import Multi, multiprecision
+from hjsolve.arithmetic.floats import Multi, bits_for, multiprecision
 from hjsolve.errors import InvalidInputError, MissingValueError, NotConvergedError, OutsideMotionError
 from hjsolve.extended.linear_hamiltonian import LinearHamiltonian
 from hjsolve.formulas.read import number
@@ -73,7 +73,7 @@ class LinearMotion:
         Raises:
             OutsideMotionError: the motion does not come so far.
         """
-        bits = int(3.33 * self.digits) + _GUARD_BITS
+        bits = bits_for(self.digits, _GUARD_BITS)
         place, p, _, _ = self._reached(number(t, source="t"), bits, multiprecision(bits))
         return (place, p) if self.digits > _FLOAT_DIGITS else (float(place), float(p))
 
@@ -86,7 +86,7 @@ class LinearMotion:
 
     def _state(self, t: sp.Expr) -> tuple[Any, ...]:
         """(q, p, q̇, turns, status, errors of the first three)."""
-        bits = int(3.33 * self.digits) + _GUARD_BITS
+        bits = bits_for(self.digits, _GUARD_BITS)
         context = multiprecision(bits)
         try:
             place, p, v, sizes = self._reached(t, bits, context)
@@ -169,7 +169,7 @@ def start_linear_motion(
             raise MissingValueError(f"{what}: needs a number for {name}, and nothing else")
     values = values_of(problem.parameters, parameters)
     place, momentum = number(q[name], source=f"q.{name}"), number(p[name], source=f"p.{name}")
-    bits = int(3.33 * digits) + _GUARD_BITS
+    bits = bits_for(digits, _GUARD_BITS)
     if not _Ends.of(problem, values, bits).hold(to_bits(place)(bits)):
         raise InvalidInputError(f"q.{name}: {place} is not inside the domain of {name}")
     at = {**values, problem.coordinate.symbol: place, problem.coordinate.momentum: momentum}

@@ -11,7 +11,7 @@ import sympy as sp
 
 from hjsolve import arguments
 from hjsolve.arithmetic.estimate import Estimate
-from hjsolve.arithmetic.floats import Float64, Multi
+from hjsolve.arithmetic.floats import Float64, Multi, bits_for
 from hjsolve.errors import InvalidInputError, MissingValueError
 from hjsolve.extended.moving_frame import Frame, carried_initial_data
 from hjsolve.formulas.read import number
@@ -76,7 +76,7 @@ class FramedMotion:
             numbers = [float(to_bits(v)(64)) for v in fixed.values()]
             value = np.broadcast_to(tape.run(Float64(), [*map(np.asarray, arrays), *numbers])[0], np.shape(times))
             return value if np.shape(times) else float(value)
-        bits = int(3.33 * self.motion.digits) + 64
+        bits = bits_for(self.motion.digits, 64)
         numbers = [to_bits(v)(bits) for v in fixed.values()]
         rows = zip(*(np.ravel(np.asarray(a, dtype=object)) for a in arrays), strict=True)
         found = [tape.run(Multi(bits), [*(Multi(bits).convert(x) for x in row), *numbers])[0] for row in rows]
@@ -99,7 +99,7 @@ class FramedMotion:
 
 
 def _numbers(t: Any, shape: tuple[int, ...], digits: int) -> Any:
-    exact = [to_bits(x)(int(3.33 * digits) + 64) for x in exact_numbers(t, "t")[1]]
+    exact = [to_bits(x)(bits_for(digits, 64)) for x in exact_numbers(t, "t")[1]]
     values = np.array([float(x) for x in exact]) if digits <= 15 else np.array(exact, dtype=object)
     return values.reshape(shape) if shape else values[0]
 

@@ -18,7 +18,7 @@ import sympy as sp
 from hjsolve.arithmetic import ball
 from hjsolve.arithmetic.ball import Balls, flint, from_mpf, working
 from hjsolve.arithmetic.estimate import Estimate
-from hjsolve.arithmetic.floats import multiprecision
+from hjsolve.arithmetic.floats import bits_for, multiprecision
 from hjsolve.certified.ball_radicand import BallMomentumSquared, turning_point
 from hjsolve.certified.integrands import AnomalyMap, CycleIntegrand, all_round, between_turns
 from hjsolve.certified.proved_turning_points import prove_turning_points
@@ -57,7 +57,7 @@ class Enclosed:
 
 def work_bits(digits: int) -> int:
     """The precision to begin with; two words for 15 digits."""
-    return int(3.33 * digits) + 79
+    return bits_for(digits, 79)
 
 
 def lines(
@@ -111,7 +111,7 @@ def enclosed_numbers(motion: SeparatedMotion, digits: int, known: Mapping[str, B
 def _enclose(motion: SeparatedMotion, digits: int, known: Mapping[str, BallMomentumSquared]) -> Enclosed:
     cycles = {name: _cycle(motion, name, line) for name, line in known.items()}
     constants = {name: exact_ball(value) for name, value in motion.initial.constants.items()}
-    bits = int(3.33 * digits) + 12
+    bits = bits_for(digits, 12)
     ends = {n: (f.lower, f.upper) for n, f in cycles.items() if f.lower is not None}
     found = {n: dict(zip(f.wanted, certified_means(f, bits), strict=True)) for n, f in cycles.items() if f.wanted}
     count = len(motion.solution.constants)
@@ -262,7 +262,7 @@ def estimate(value: Any, digits: int) -> Estimate:
         error: Any = float((value - flint.arb(number)).abs_upper()) * (1 + 2.0**-50)
         widest = abs(number) * 10.0 ** (1 - digits)
     else:
-        number = to_mpf(middle, int(3.33 * digits) + 16)
+        number = to_mpf(middle, bits_for(digits, 16))
         error = to_mpf((value - from_mpf(number)).abs_upper(), 64) * (1 + 2.0**-50)
         widest = abs(number) * multiprecision(64).mpf(10) ** (1 - digits)
     if not value.is_finite() or error > widest:

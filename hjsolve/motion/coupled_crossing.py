@@ -11,7 +11,7 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from hjsolve.arithmetic.floats import multiprecision
+from hjsolve.arithmetic.floats import bits_for, multiprecision
 from hjsolve.errors import OutsideMotionError
 from hjsolve.motion.phases import with_reach
 from hjsolve.one_coordinate.coordinate_motion import CoordinateMotion, Periodic, Unbounded
@@ -42,7 +42,7 @@ def coupled_crossing_time(motion: SeparatedMotion, k: int, phase: Any) -> tuple[
     own, other = scheme.courses[k], scheme.courses[1 - k]
     kind = object if motion.digits > 15 else float
     noise = 2.0**-50 if kind is float else multiprecision(64).mpf(10) ** (1 - motion.digits)
-    convert = float if kind is float else multiprecision(int(3.33 * motion.digits) + 64).convert
+    convert = float if kind is float else multiprecision(bits_for(motion.digits, 64)).convert
     phase, begin, start = convert(phase), convert(own.start), convert(other.start)
     here = _Values(own, kind, max(abs(phase), abs(begin)))
     if _falling(own) and any(abs(here.rate(j, phase)) > noise * abs(here.integral(j, phase)) for j in (0, 1)):

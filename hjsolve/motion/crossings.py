@@ -12,7 +12,7 @@ import numpy as np
 from hjsolve import arguments
 from hjsolve.arithmetic.error_free import split
 from hjsolve.arithmetic.estimate import Estimate
-from hjsolve.arithmetic.floats import Multi, multiprecision
+from hjsolve.arithmetic.floats import EPS, Multi, bits_for, multiprecision
 from hjsolve.errors import InvalidInputError, NotConvergedError, OutsideMotionError
 from hjsolve.formulas.read import number
 from hjsolve.motion.coupled_crossing import coupled_crossing_time
@@ -30,7 +30,6 @@ from hjsolve.time_law.torus import TorusEquations, mean_rate, oscillation
 if TYPE_CHECKING:
     from hjsolve.motion.separated import SeparatedMotion
 
-_EPS = 2.0**-52
 _SCAN, _TREND, _MOST_PASSAGES = 200_000, 16, 2**60
 """Steps of a scan along the motion; doublings of the time over which a trend is taken for the rule."""
 
@@ -56,18 +55,18 @@ def crossing_times(motion: SeparatedMotion, name: str, values: Any) -> Any:
 def _shifted(motion: SeparatedMotion, elapsed: Any, error: Any) -> Estimate:
     """t₀ + elapsed time."""
     if motion.digits > 15:
-        bits = int(3.33 * motion.digits) + 32
+        bits = bits_for(motion.digits, 32)
         value = to_bits(motion.t0)(bits) + elapsed
         return Estimate(value, abs(error) + abs(value) * multiprecision(bits).mpf(10) ** -motion.digits)
     value = float(to_bits(motion.t0)(160) + elapsed)
-    return Estimate(value, float(error) + _EPS * abs(value))
+    return Estimate(value, float(error) + EPS * abs(value))
 
 
 def _phase_of(
     motion: SeparatedMotion, name: str, course: CoordinateMotion, target: Callable[[int], Any], passage: int
 ) -> Any:
     """Phase of the passage-th crossing, counted from the start."""
-    bits = int(3.33 * motion.digits) + 128
+    bits = bits_for(motion.digits, 128)
     place, arithmetic = target(bits), Multi(bits)
     if isinstance(course, AtRest):
         raise OutsideMotionError(f"{name} rests at {float(course.rest):.12g}: it crosses nothing")
@@ -97,7 +96,7 @@ def _between(motion: SeparatedMotion, name: str, course: Periodic, place: Any) -
     if not course.anomaly.even:
         return place
     a, b = course.anomaly.lower, course.anomaly.upper  # type: ignore[union-attr]
-    blur = (abs(a) + abs(b)) * multiprecision(64).mpf(2) ** -(int(3.33 * motion.digits) + 96)
+    blur = (abs(a) + abs(b)) * multiprecision(64).mpf(2) ** -(bits_for(motion.digits, 96))
     if not a - blur <= place <= b + blur:
         low, high = motion.turning_points[name]
         raise OutsideMotionError(f"{name} never reaches {float(place):.12g}: it moves between {low} and {high}")
@@ -154,7 +153,7 @@ def _elapsed(motion: SeparatedMotion, k: int, phase: Any) -> tuple[Any, Any]:
 
 
 def _noise(motion: SeparatedMotion) -> Any:
-    return 4 * _EPS if motion.digits <= 15 else multiprecision(64).mpf(10) ** -motion.digits
+    return 4 * EPS if motion.digits <= 15 else multiprecision(64).mpf(10) ** -motion.digits
 
 
 def _own_time(motion: SeparatedMotion, course: CoordinateMotion, step: DecoupledStep, phase: Any) -> tuple[Any, Any]:
@@ -207,14 +206,14 @@ def _time_error(full: Callable[[float], tuple[float, float]], low: float, high: 
     h = max(high - low, abs(t) * 1e-6, 1e-9)
     near = [phase for phase in (full(t + side * h)[0] for side in (-2, -1, 0, 1)) if np.isfinite(phase)]
     slope = min((abs(b - a) / h for a, b in itertools.pairwise(near)), default=0.0)
-    return 4 * full(t)[1] / max(slope, 1e-300) + 4 * _EPS * abs(t)
+    return 4 * full(t)[1] / max(slope, 1e-300) + 4 * EPS * abs(t)
 
 
 def _root(function: Callable[[float], float], low: float, high: float) -> float:
     """Regula falsi with bisection (Illinois), to the last bits."""
     f0, f1 = function(low), function(high)
     for count in range(200):
-        if f0 == 0 or high - low <= 2 * _EPS * max(abs(low), abs(high)):
+        if f0 == 0 or high - low <= 2 * EPS * max(abs(low), abs(high)):
             return low
         middle = (low + high) / 2 if count % 3 == 2 or not np.isfinite(f1 - f0) else low - f0 * (high - low) / (f1 - f0)
         middle = min(max(middle, low + 0.001 * (high - low)), high - 0.001 * (high - low))
@@ -258,7 +257,7 @@ def _scanned(motion: SeparatedMotion, name: str, value: float, passage: int) -> 
                 return Estimate(
                     time,
                     2 * float(state.error.q[name]) / max(abs(float(state.velocity[name])), 1e-300)
-                    + 4 * _EPS * abs(time),
+                    + 4 * EPS * abs(time),
                 )
         before = after
     raise NotConvergedError(f"{name} did not pass {value:.12g} in the time searched")
@@ -270,7 +269,7 @@ def boundary_times(motion: SeparatedMotion) -> dict[str, Estimate]:
     for k, name in enumerate(motion.solution.coordinates):
         course = motion.located[name].course
         if isinstance(course, Unbounded) and course.ahead.way.end in {"boundary", "fall"}:
-            context = multiprecision(int(3.33 * motion.digits) + 64)
+            context = multiprecision(bits_for(motion.digits, 64))
             phase = course.ahead.way.last(context) or context.mpf(farthest(motion.digits))
             with suppress(OutsideMotionError):  # the others run away before, in a time of its own that ends
                 result[name] = _shifted(motion, *_elapsed(motion, k, phase))

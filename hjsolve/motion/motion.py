@@ -17,6 +17,7 @@ import sympy as sp
 
 from hjsolve import arguments
 from hjsolve.arithmetic.estimate import Estimate
+from hjsolve.arithmetic.floats import bits_for
 from hjsolve.errors import InternalError, InvalidInputError
 from hjsolve.formulas.read import number
 from hjsolve.motion import quantities
@@ -281,7 +282,7 @@ def _again(
 
 def _move(solution: Solution, initial: Initial, t0: sp.Expr, digits: int, parts: frozenset[str]) -> Motion:
     found = separated_motion(solution, initial, t0, digits, parts)
-    bits = int(3.33 * digits) + 128
+    bits = bits_for(digits, 128)
     motion = Motion(
         found, _kinds(solution, found.located), found.turning_points,
         {name: quantities.rounded(to_bits(value)(bits), digits) for name, value in initial.constants.items()},

@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from hjsolve.arithmetic.floats import multiprecision
+from hjsolve.arithmetic.floats import bits_for, multiprecision
 from hjsolve.motion.initial_data import to_bits
 from hjsolve.motion.times import whole_numbers, within_doubles
 from hjsolve.one_coordinate.coordinate_motion import CoordinateMotion, Unbounded
@@ -44,7 +44,7 @@ def phases_at(
     """Solve Jacobi's equations at the times t (or at times relative to t₀ already)."""
     start = to_bits(motion.t0)
     many = motion.digits > 15
-    bits = int(3.33 * motion.digits) + 96
+    bits = bits_for(motion.digits, 96)
     if many:
         largest = max(
             (abs(float(x(64))) for x in exact),

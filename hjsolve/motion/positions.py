@@ -10,7 +10,7 @@ import numpy as np
 import sympy as sp
 
 from hjsolve.arithmetic.error_free import split
-from hjsolve.arithmetic.floats import Float64, Multi, multiprecision
+from hjsolve.arithmetic.floats import Float64, Multi, bits_for, multiprecision
 from hjsolve.arithmetic.running_error import RunningError
 from hjsolve.arithmetic.running_error import WithErrorBound as Rounded
 from hjsolve.arithmetic.tape import Tape
@@ -80,7 +80,7 @@ def canonical_momenta(
             A = solution.shift[name]
             result[name] = shell[name] if A == 0 else shell[name] - evaluate_along(motion, (A,), q, {})[0]
         else:
-            constant = to_bits(motion.initial.values[coordinate.momentum])(int(3.33 * motion.digits) + 64)
+            constant = to_bits(motion.initial.values[coordinate.momentum])(bits_for(motion.digits, 64))
             some = next(iter(q.values()))
             result[name] = (float(constant) if some.dtype != object else constant) + 0 * some
     return result
@@ -161,7 +161,7 @@ def _ignorable(motion: SeparatedMotion, phases: Phases, name: str, q: Mapping[st
         first = np.array([course.start], dtype=object) if χ.dtype == object else np.array([float(course.start)])
         total = total - (course.integral(j, χ) - course.integral(j, first)[0])
         if isinstance(course, Periodic) and n.any():
-            turn = 2 * multiprecision(int(3.33 * motion.digits) + 96).pi if χ.dtype == object else 2 * np.pi
+            turn = 2 * multiprecision(bits_for(motion.digits, 96)).pi if χ.dtype == object else 2 * np.pi
             growth = course.growth(j) if χ.dtype == object else float(course.growth(j))
             total = total - n.astype(int) * (turn * growth)
     return grown(begin, 0, phases.time, phases.exact, coordinate.domain.kind == "angle", total)
@@ -179,7 +179,7 @@ def gauge_angle(motion: SeparatedMotion, constant: sp.Symbol, q: Mapping[str, An
     formula = sp.diff(motion.solution.shift_potential, constant)
     if formula == 0:
         return 0
-    begin = to_bits(formula.subs(motion.initial.values))(int(3.33 * motion.digits) + 64)
+    begin = to_bits(formula.subs(motion.initial.values))(bits_for(motion.digits, 64))
     values = evaluate_along(motion, (formula,), q, {})[0]
     return values - (float(begin) if values.dtype != object else begin)
 

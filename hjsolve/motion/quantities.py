@@ -10,7 +10,7 @@ import numpy as np
 import sympy as sp
 
 from hjsolve.arithmetic.estimate import Estimate
-from hjsolve.arithmetic.floats import Multi, multiprecision
+from hjsolve.arithmetic.floats import Multi, bits_for, multiprecision
 from hjsolve.lowering import lower
 from hjsolve.motion.initial_data import Initial, to_bits
 from hjsolve.one_coordinate.allowed_regions import AllowedRegion
@@ -31,7 +31,7 @@ def rounded(value: Any, digits: int, nodes: int = 0) -> Estimate:
     if digits <= FLOAT_DIGITS:
         near = float(value)
         return Estimate(near, abs(near) * 2.0**-52 + (_LEAST if value and abs(near) < _NORMAL else 0.0), nodes=nodes)
-    context = multiprecision(int(3.33 * digits) + 16)
+    context = multiprecision(bits_for(digits, 16))
     return Estimate(context.convert(value), abs(context.convert(value)) * context.mpf(10) ** -digits, nodes=nodes)
 
 
@@ -48,7 +48,7 @@ def turning_points_of(place: Located | AllowedRegion, digits: int) -> tuple[Esti
 
     An end is known to its distance from where the search began: one at zero has an absolute error, not a relative one.
     """
-    bits = int(3.33 * digits) + 32
+    bits = bits_for(digits, 32)
     kinds = {"turning", "asymptote"} if isinstance(place, AllowedRegion) else {"turning"}
     places = [end.place(bits) if end.kind in kinds and end.place else None for end in (place.lower, place.upper)]
     blur = max((abs(x) for x in places if x is not None), default=0) * multiprecision(64).mpf(2) ** -bits
@@ -72,7 +72,7 @@ def actions(solution: Solution, initial: Initial, located: Mapping[str, Located]
         if coordinate.name not in located:
             if coordinate.domain.kind == "angle":
                 result[coordinate.name] = rounded(
-                    to_bits(initial.values[coordinate.momentum])(int(3.33 * digits) + 64), digits
+                    to_bits(initial.values[coordinate.momentum])(bits_for(digits, 64)), digits
                 )
             continue
         course = located[coordinate.name].course
@@ -91,7 +91,7 @@ def _mean_shift(solution: Solution, initial: Initial, coordinate: Any, digits: i
     A = solution.shift[coordinate.name]
     if A == 0:
         return 0
-    bits, nodes = int(3.33 * digits) + 64, 8 * digits
+    bits, nodes = bits_for(digits, 64), 8 * digits
     tape = lower([A.subs({s: v for s, v in initial.values.items() if s != coordinate.symbol})], [coordinate.symbol])
     context = multiprecision(bits)
     return context.fsum(tape.run(Multi(bits), [2 * context.pi * k / nodes])[0] for k in range(nodes)) / nodes
@@ -175,4 +175,4 @@ def _free_rates(solution: Solution, initial: Initial, digits: int, *, angles: bo
         for c in solution.system.coordinates
         if (c.domain.kind == "angle") == angles
     }
-    return {name: rounded(to_bits(rate)(int(3.33 * digits) + 64), digits) for name, rate in rates.items()}
+    return {name: rounded(to_bits(rate)(bits_for(digits, 64)), digits) for name, rate in rates.items()}

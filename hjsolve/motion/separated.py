@@ -10,6 +10,7 @@ from typing import Any
 import sympy as sp
 
 from hjsolve.arithmetic.estimate import Estimate
+from hjsolve.arithmetic.floats import bits_for
 from hjsolve.errors import NotConvergedError
 from hjsolve.lowering import momentum_squared_tapes
 from hjsolve.motion import quantities
@@ -71,7 +72,7 @@ def separated_motion(
     equations: TorusEquations | TriangularScheme | None = None
     if courses and "time" in parts:
         equations = (
-            torus_equations(bounded, int(3.33 * digits) + 128) if len(bounded) == len(courses) else plan(courses)
+            torus_equations(bounded, bits_for(digits, 128)) if len(bounded) == len(courses) else plan(courses)
         )
     return SeparatedMotion(
         solution, initial, t0, digits, parts, located, equations, turning_points(located, digits),

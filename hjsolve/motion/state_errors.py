@@ -9,7 +9,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 import sympy as sp
 
-from hjsolve.arithmetic.floats import Multi, multiprecision
+from hjsolve.arithmetic.floats import EPS, Multi, multiprecision
 from hjsolve.mechanics.system import hamiltonian, velocities
 from hjsolve.motion.near_poles import from_table, grain, places, worked_out
 from hjsolve.motion.phases import Phases, courses_of
@@ -22,7 +22,6 @@ from hjsolve.time_law.torus import TorusEquations, oscillation
 if TYPE_CHECKING:
     from hjsolve.motion.separated import SeparatedMotion
 
-_EPS = 2.0**-52
 _LEAST = 2.0**-1074
 """The smallest double: what is too small for doubles is not exactly zero."""
 _TABLE = 1e-14
@@ -41,7 +40,7 @@ def errors_of_state(
 
     ``sharp``: where velocities were not worked out from rounded places (``sharp.blurred``); None where all were.
     """
-    unit = _EPS if phases.exact is None else float(multiprecision(64).mpf(10) ** (1 - motion.digits))
+    unit = EPS if phases.exact is None else float(multiprecision(64).mpf(10) ** (1 - motion.digits))
     dq, dp = {}, {}
     χ = [x.astype(float) for x in phases.χ]
     courses = courses_of(motion, phases)
@@ -89,8 +88,8 @@ def _sharp_errors(
         c = motion.solution.system.coordinate(name)
         slope_q, slope_p = _slopes(course, x, e)
         moved, _ = _shifted(motion, name, {n: values[where] for n, values in q.items()})
-        doubts[c.symbol] = slope_q * e + 16 * _EPS * grain(course, x) + _LEAST
-        own = slope_p * e + (16 + _waves(course, x)) * _EPS * np.abs(shell[name]) + _LEAST
+        doubts[c.symbol] = slope_q * e + 16 * EPS * grain(course, x) + _LEAST
+        own = slope_p * e + (16 + _waves(course, x)) * EPS * np.abs(shell[name]) + _LEAST
         doubts[c.momentum] = own + moved * doubts[c.symbol]
     return _by_doubts(motion, doubts, exact, shell, q, where)
 
@@ -108,7 +107,7 @@ def _by_doubts(
     for row, name in enumerate(formulas):
         parts = zip(found[row * len(doubts) :], doubts.values(), strict=False)
         result[name] = sum(np.abs(slope) * doubt for slope, doubt in parts)
-        result[name] = result[name] + 4 * _EPS * np.abs(found[len(gradients) + row]) + _LEAST
+        result[name] = result[name] + 4 * EPS * np.abs(found[len(gradients) + row]) + _LEAST
     return result
 
 
@@ -128,9 +127,9 @@ def table_errors(
     system = motion.solution.system
     equations = motion.equations
     if isinstance(equations, TorusEquations):
-        delay = (3 * _EPS * np.abs(θ) + equations.blurs[0] + table.table.doubt(θ)) / abs(float(equations.rates[0]))
+        delay = (3 * EPS * np.abs(θ) + equations.blurs[0] + table.table.doubt(θ)) / abs(float(equations.rates[0]))
     else:
-        delay = 3 * _EPS * (np.abs(θ) + abs(table.begin))
+        delay = 3 * EPS * (np.abs(θ) + abs(table.begin))
         delay = delay + table.table.doubt(θ)
     separated = motion.solution.coordinates[0]
     H = hamiltonian(system)
@@ -141,11 +140,11 @@ def table_errors(
         inner = _TABLE * table.table.sizes(index, θ)
         inner = inner if c.name == separated else np.maximum(inner, _TABLE * (np.pi + np.abs(q[c.name])))
         dq[c.name] = np.abs(v[c.name]) * delay + inner
-        own = _TABLE * table.table.sizes(1, θ) if c.name == separated else 2 * _EPS * np.abs(p[c.name])
+        own = _TABLE * table.table.sizes(1, θ) if c.name == separated else 2 * EPS * np.abs(p[c.name])
         moved, shift = _shifted(motion, c.name, q)
-        own = own + moved * inner + 8 * _EPS * shift
+        own = own + moved * inner + 8 * EPS * shift
         dp[c.name] = np.abs(force) * delay + own
-    dv = velocity_errors(motion, q, p, dq, dp, _EPS)
+    dv = velocity_errors(motion, q, p, dq, dp, EPS)
     if sharp is not None and sharp.any():
         c = system.coordinate(separated)
         assert table.ends is not None
@@ -167,13 +166,13 @@ def _shifted(motion: SeparatedMotion, name: str, q: Mapping[str, Any]) -> tuple[
         return 0.0, 0.0
     symbol = motion.solution.system.coordinate(name).symbol
     slope, value = evaluate_along(motion, (sp.diff(A, symbol), A), q, {})
-    own = rounding(motion, (A,), q, {})[0] / (4 * _EPS)
+    own = rounding(motion, (A,), q, {})[0] / (4 * EPS)
     return np.abs(np.asarray(slope, dtype=float)), np.abs(np.asarray(value, dtype=float)) + own
 
 
 def _blur(course: CoordinateMotion, χ: Any, unit: float) -> Any:
     """Rounding of a stretched anomaly as an uncertainty of its phase."""
-    return course.blur(χ) * (unit / _EPS) if isinstance(course, Periodic) else 0.0
+    return course.blur(χ) * (unit / EPS) if isinstance(course, Periodic) else 0.0
 
 
 def _unreduced(course: CoordinateMotion, q: Any, whole: Any | None) -> Any:
@@ -269,5 +268,5 @@ def velocity_errors(
         parts = slopes[row * len(variables) : (row + 1) * len(variables)]
         result[name] = sum(np.abs(np.asarray(s, dtype=float)) * e for s, (_, e) in zip(parts, variables, strict=True))
         size = np.abs(np.asarray(values[row], dtype=float))
-        result[name] = result[name] + 2 * unit * np.maximum(4 * size, own[row] / _EPS)
+        result[name] = result[name] + 2 * unit * np.maximum(4 * size, own[row] / EPS)
     return result

@@ -89,7 +89,7 @@ def _next_to_a_separatrix(start: CoordinateStart, kind: Kind, maps: list[Anomaly
     raise NotConvergedError(f"{start.name}: no number of nodes is proved to resolve p² between its turning points")
 
 
-def over_crests(start: CoordinateStart, usual: Libration, bits: int) -> Iterator[Anomaly]:
+def over_near_zeros(start: CoordinateStart, usual: Libration, bits: int) -> Iterator[Anomaly]:
     """Anomalies of a libration that are slow where p² comes close to zero or to a pole inside the motion."""
     arithmetic = Multi(bits)
     yield from _spread(start, usual, bits)
@@ -100,7 +100,7 @@ def over_crests(start: CoordinateStart, usual: Libration, bits: int) -> Iterator
         yield from _spread(start, first, bits)
 
 
-def over_other_crests(start: CoordinateStart, anomaly: Rotation, gap: Any | None, bits: int) -> Iterator[Anomaly]:
+def over_other_near_zeros(start: CoordinateStart, anomaly: Rotation, gap: Any | None, bits: int) -> Iterator[Anomaly]:
     """Anomalies of a rotation that are slow at all crests, not only at the highest."""
     arithmetic = Multi(bits)
     turn, margin = 2 * arithmetic.pi(), arithmetic.pi() / 512

@@ -10,10 +10,10 @@ from typing import Any
 
 import numpy as np
 
-from hjsolve.arithmetic.floats import Float64, Multi, multiprecision
+from hjsolve.arithmetic.floats import Float64, Multi, bits_for, multiprecision
 from hjsolve.errors import NotConvergedError
 from hjsolve.one_coordinate.anomaly import Rotation, libration_anomaly, rotation_anomaly
-from hjsolve.one_coordinate.anomaly_choice import over_crests, over_other_crests, over_the_best_map
+from hjsolve.one_coordinate.anomaly_choice import over_near_zeros, over_other_near_zeros, over_the_best_map
 from hjsolve.one_coordinate.chebyshev_panels import EndMap
 from hjsolve.one_coordinate.coordinate_motion import Anomaly, AtRest, CoordinateMotion, Periodic, Unbounded
 from hjsolve.one_coordinate.coordinate_start import CoordinateStart
@@ -101,7 +101,7 @@ def _distance(one: Number, other: Number, bits: int) -> Any:
 
 
 def _rest(start: CoordinateStart, digits: int) -> Located:
-    bits = int(3.33 * digits) + 96
+    bits = bits_for(digits, 96)
     q = start.place(bits)
     _, _, bend = start.radicand.jet(q, bits)
     stable = bool(bend < 0)
@@ -119,7 +119,7 @@ def _libration(start: CoordinateStart, lower: End, upper: End, digits: int) -> P
     assert lower.place is not None
     assert upper.place is not None
     places = (lower.place, upper.place)
-    needed = int(3.33 * digits) + 48
+    needed = bits_for(digits, 48)
     nearness = _nearness(start, places)
     if nearness > _NEAREST:
         raise NotConvergedError(
@@ -148,7 +148,7 @@ def _libration(start: CoordinateStart, lower: End, upper: End, digits: int) -> P
             a, b, _outside(start, a, b - a, -1, bits), _outside(start, b, b - a, 1, bits), arithmetic
         )
         yield usual
-        yield from over_crests(start, usual, bits)
+        yield from over_near_zeros(start, usual, bits)
 
     return over_the_best_map(start, "libration", maps(), digits, bits)
 
@@ -220,7 +220,7 @@ def _outside(start: CoordinateStart, end: Any, width: Any, side: int, bits: int)
 
 
 def _rotation(start: CoordinateStart, direction: int, digits: int) -> Periodic:
-    bits = int(3.33 * digits) + 128 + start.radicand.guard
+    bits = bits_for(digits, 128) + start.radicand.guard
     arithmetic = Multi(bits)
     slow, gap = _slow_place(start, bits)
     anomaly: Rotation = rotation_anomaly(slow, direction, gap, arithmetic)
@@ -235,7 +235,7 @@ def _rotation(start: CoordinateStart, direction: int, digits: int) -> Periodic:
         bits += lost
         arithmetic = Multi(bits)
         anomaly = rotation_anomaly(arithmetic.convert(slow), direction, gap, arithmetic)
-    maps = itertools.chain([anomaly], over_other_crests(start, anomaly, gap, bits))
+    maps = itertools.chain([anomaly], over_other_near_zeros(start, anomaly, gap, bits))
     return over_the_best_map(start, "rotation", maps, digits, bits)
 
 
@@ -259,7 +259,7 @@ def _slow_place(start: CoordinateStart, bits: int) -> tuple[Any, Any | None]:
 
 
 def _open(start: CoordinateStart, forward: int, lower: End, upper: End, digits: int) -> Unbounded:
-    bits = int(3.33 * digits) + 128
+    bits = bits_for(digits, 128)
     exact = bits + 512 + start.radicand.guard
     lower, upper = _judged(start, lower), _judged(start, upper)
     kinds = {lower.kind, upper.kind}

@@ -8,7 +8,7 @@ from typing import Any
 
 import numpy as np
 
-from hjsolve.arithmetic.floats import Multi
+from hjsolve.arithmetic.floats import Multi, bits_for
 from hjsolve.errors import NotConvergedError
 from hjsolve.one_coordinate.chebyshev_panels import EndMap, Growing, Panels
 from hjsolve.one_coordinate.momentum_squared import MomentumSquared
@@ -48,7 +48,7 @@ class Branch:
         Raises:
             NotConvergedError: p² is too small there.
         """
-        enough, more = int(3.33 * self.digits) + 16, extra
+        enough, more = bits_for(self.digits, 16), extra
         exact = self._seen(y, extra + 2 * self.bits)
         while True:
             lost = _disagreement(self._seen(y, more), exact)

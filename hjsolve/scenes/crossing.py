@@ -8,7 +8,7 @@ from typing import Any
 import numpy as np
 import sympy as sp
 
-from hjsolve.arithmetic.floats import multiprecision
+from hjsolve.arithmetic.floats import bits_for, multiprecision
 from hjsolve.errors import NotConvergedError, OutsideMotionError
 from hjsolve.formulas.read import number
 from hjsolve.motion.initial_data import to_bits
@@ -19,7 +19,7 @@ _CHUNK, _LONGEST_WALK = 512, 400
 
 def bits_of(digits: int) -> int:
     """Binary digits for decimal ones, with some to spare."""
-    return int(3.33 * digits) + 32
+    return bits_for(digits, 32)
 
 
 def crossings(motion: Motion, name: str, value: sp.Expr, horizon: sp.Expr | None, skip: int = 0) -> Iterator[Any]:

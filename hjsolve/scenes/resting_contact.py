@@ -16,7 +16,7 @@ from typing import Any
 import sympy as sp
 
 from hjsolve.arithmetic.estimate import Estimate
-from hjsolve.arithmetic.floats import Multi
+from hjsolve.arithmetic.floats import Multi, bits_for
 from hjsolve.lowering import lower
 from hjsolve.mechanics.system import System, hamiltonian, velocities
 from hjsolve.motion.initial_data import to_bits
@@ -85,7 +85,7 @@ class Settling:
     def __init__(self, scene: Question, values: Mapping[sp.Symbol, sp.Expr], work: int):
         self.system, self.digits, self.work, self.times = scene.system, max(scene.digits, 15), work, scene.times
         self.parameters = {p.symbol: values[p.symbol] for p in scene.system.parameters}
-        self.arithmetic = Multi(int(3.33 * work) + 64)
+        self.arithmetic = Multi(bits_for(work, 64))
         self.wall: Event | None = None
         self.landings: list[Landing] = []
         self.rows: list[_Limit] = []

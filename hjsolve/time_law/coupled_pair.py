@@ -19,10 +19,10 @@ from typing import Any
 
 import numpy as np
 
+from hjsolve.arithmetic.floats import EPS
 from hjsolve.one_coordinate.coordinate_motion import CoordinateMotion, Periodic, Unbounded
 from hjsolve.time_law.one_phase import solve_alone
 
-_EPS = 2.0**-52
 _STEPS, _POLISH = 120, 3
 _NEAR, _BLUR = 1e-11, 1e-13
 
@@ -247,7 +247,7 @@ class _Search:
             new = np.where((new >= low) & (new <= high) & ~slow, new, (low + high) / 2)
             width = np.where(count % 4 == 3, high - low, width)
             moved, x = np.abs(new - x), new
-            if np.all(moved <= _NEAR * np.abs(x)) or np.all(high - low <= 4 * _EPS * np.abs(x)):
+            if np.all(moved <= _NEAR * np.abs(x)) or np.all(high - low <= 4 * EPS * np.abs(x)):
                 break
         return x
 
@@ -289,10 +289,10 @@ def _bound(couple: CoupledPair, goals: Any, noise: Any, χ: Any) -> Any:
         sum(_size(course, w, x) for course, x in zip(couple.courses, χ, strict=True))
         for w in (couple.level, couple.clock)
     ]
-    left = np.abs(_residual(couple, goals, χ)) + noise + 4 * _EPS * np.stack(sizes)
+    left = np.abs(_residual(couple, goals, χ)) + noise + 4 * EPS * np.stack(sizes)
     with np.errstate(all="ignore"):
         inverse = np.abs(np.stack([np.stack([d, -b]), np.stack([-c, a])]) / (a * d - b * c))
-    return np.sum(inverse * left[None, :], axis=1) + 2 * _EPS * np.abs(χ)
+    return np.sum(inverse * left[None, :], axis=1) + 2 * EPS * np.abs(χ)
 
 
 def _size(course: CoordinateMotion, weights: Weights, χ: Any) -> Any:

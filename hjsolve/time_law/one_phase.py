@@ -7,13 +7,11 @@ from typing import Any
 import numpy as np
 
 from hjsolve.arithmetic.error_free import split
-from hjsolve.arithmetic.floats import multiprecision
+from hjsolve.arithmetic.floats import EPS, multiprecision
 from hjsolve.one_coordinate.coordinate_motion import AtRest, CoordinateMotion, Periodic, Unbounded
 from hjsolve.one_coordinate.fourier_series import combine
 from hjsolve.time_law.phase_reduction import turns_and_rest
 from hjsolve.time_law.torus import _alone, bracketed
-
-_EPS = 2.0**-52
 
 
 def solve_alone(
@@ -45,7 +43,7 @@ def solve_alone(
         return x, whole, error, never
     if isinstance(course, AtRest):
         rate = float(sum(w * float(r) for w, r in zip(weights, course.rates, strict=False)))
-        return value / rate, 0.0 * value, slack / abs(rate) + _EPS * np.abs(value / rate), never
+        return value / rate, 0.0 * value, slack / abs(rate) + EPS * np.abs(value / rate), never
     return _solve_open(course, weights, value, slack)
 
 
@@ -82,5 +80,5 @@ def _solve_open(course: Unbounded, weights: tuple[float, ...], value: Any, slack
     χ, residual, slope = bracketed(equation, (low + high) / 2, low, high)
     summed = sum(np.abs(w * course.integral(j, edges)) for j, w in enumerate(weights) if w)
     rounding = np.maximum(summed[position], summed[position + 1])  # a panel's series is rounded like its greatest value
-    noise = slack + 4 * _EPS * np.abs(goal) + 2 * _EPS * rounding + np.where(ended, 0.0, np.abs(residual))
-    return χ, 0.0 * value, noise / np.maximum(np.abs(slope), 1e-300) + 2 * _EPS * np.abs(χ), ended
+    noise = slack + 4 * EPS * np.abs(goal) + 2 * EPS * rounding + np.where(ended, 0.0, np.abs(residual))
+    return χ, 0.0 * value, noise / np.maximum(np.abs(slope), 1e-300) + 2 * EPS * np.abs(χ), ended

@@ -13,12 +13,12 @@ from typing import Any
 
 import numpy as np
 
+from hjsolve.arithmetic.floats import EPS
 from hjsolve.errors import NotConvergedError
 from hjsolve.one_coordinate.coordinate_motion import CoordinateMotion, Periodic, Unbounded
 from hjsolve.time_law.coupled_pair import CoupledPair, choose_pair, solve_pair
 from hjsolve.time_law.one_phase import solve_alone
 
-_EPS = 2.0**-52
 _REACHES = 12
 """How often the panels of two coupled coordinates are made longer, 8 times each."""
 
@@ -194,13 +194,13 @@ def _right_sides(
     goals[0] += t
     starts = [sum(abs(float(np.ravel(c.integral(j, np.array([float(c.start)])))[0])) for c in courses)
               for j in range(scheme.equations)]  # fmt: skip
-    noise = 4 * _EPS * (np.array(starts)[:, None] + np.abs(goals))
+    noise = 4 * EPS * (np.array(starts)[:, None] + np.abs(goals))
     for l, χ in enumerate(known):
         if χ is not None:
             for j in range(scheme.equations):
                 part = courses[l].integral(j, χ)
                 goals[j] -= part
-                noise[j] += np.abs(courses[l].rate(j, χ)) * errors[l] + 4 * _EPS * np.abs(part)
+                noise[j] += np.abs(courses[l].rate(j, χ)) * errors[l] + 4 * EPS * np.abs(part)
     return goals, noise
 
 
@@ -246,7 +246,7 @@ def _right_side(
                 value = value - part
                 size = size + np.abs(part) + 2 * np.abs(w * course.integral(j, start))
                 slack = slack + np.abs(w * course.rate(j, χ[l]) * errors[l])
-    return value, slack + 2 * _EPS * size
+    return value, slack + 2 * EPS * size
 
 
 def _march(
@@ -330,14 +330,14 @@ class _Equations:
             x, last = x + step, size
             if any(not low <= v <= high for v, (low, high) in zip(x, limits, strict=True)):
                 return x, False
-            if size < 8 * _EPS:
+            if size < 8 * EPS:
                 return x, True
         return x, last < 1e-12
 
     def bound(self, x: Any, t: float) -> Any:
         """Bound the error of a solution from its residual and the rounding of the sums."""
         residual, jacobian = self._evaluate(x, t)
-        noise = np.abs(residual) + 4 * _EPS * (
+        noise = np.abs(residual) + 4 * EPS * (
             np.abs(self.targets) + abs(t) * (np.arange(len(residual)) == 0) + np.abs(jacobian) @ np.abs(x)
         )
-        return np.abs(np.linalg.pinv(jacobian)) @ noise + 2 * _EPS * np.abs(x)
+        return np.abs(np.linalg.pinv(jacobian)) @ noise + 2 * EPS * np.abs(x)

@@ -16,13 +16,11 @@ from typing import Any
 import numpy as np
 
 from hjsolve.arithmetic.error_free import split
-from hjsolve.arithmetic.floats import multiprecision
+from hjsolve.arithmetic.floats import EPS, multiprecision
 from hjsolve.errors import NotConvergedError
 from hjsolve.one_coordinate.coordinate_motion import AtRest, CoordinateMotion, Periodic
 from hjsolve.one_coordinate.fourier_series import FourierSeries, combine, zero
 from hjsolve.time_law.phase_reduction import turns_and_rest
-
-_EPS = 2.0**-52
 
 
 @dataclass(frozen=True)
@@ -106,7 +104,7 @@ def _blur(series: FourierSeries, χ: Any, context: Any) -> float:
     for part, wave in ((series.cosines, context.sin), (series.sines, lambda x: 1 - context.cos(x))):
         if part is not None:
             total += sum(abs(float(c) / k * float(wave(k * context.mpf(χ)))) for k, c in enumerate(part, 1))
-    return _EPS * total if total > _EPS * np.pi else 0.0
+    return EPS * total if total > EPS * np.pi else 0.0
 
 
 def _ordering(needs: list[list[int]]) -> tuple[tuple[int, ...], tuple[int, ...]]:
@@ -153,7 +151,7 @@ def _of_others(system: TorusEquations, k: int, χ: list[Any], errors: list[Any])
         ripple = system.ripples[k][i]
         if i != k and χ[i] is not None and len(ripple.cosines):
             total = total + ripple.ripple(χ[i])
-            slack = slack + np.abs(ripple.value(χ[i]) - float(ripple.mean)) * errors[i] + 2 * _EPS * _size(ripple)
+            slack = slack + np.abs(ripple.value(χ[i]) - float(ripple.mean)) * errors[i] + 2 * EPS * _size(ripple)
     return total, slack
 
 
@@ -164,7 +162,7 @@ def _size(ripple: FourierSeries) -> float:
 
 def _alone(ripple: FourierSeries, goal: Any, slack: Any) -> tuple[Any, Any]:
     """Solve χ + D(χ) = θ, monotone in χ; the start comes from a table of the inverse."""
-    noise = _EPS * (np.abs(goal) + np.pi) + slack
+    noise = EPS * (np.abs(goal) + np.pi) + slack
     if not len(ripple.cosines):
         return goal, noise
     grid = np.linspace(-np.pi, np.pi, 1025)
@@ -179,8 +177,8 @@ def _alone(ripple: FourierSeries, goal: Any, slack: Any) -> tuple[Any, Any]:
     χ, residual, slope = bracketed(
         lambda x: (x + ripple.ripple(x) - goal, 1 + ripple.value(x) - float(ripple.mean)), χ, low, high
     )
-    noise = noise + 2 * _EPS * (_size(ripple) + np.pi) + np.abs(residual)
-    return χ + shift, noise / np.maximum(slope, _EPS) + _EPS * np.pi
+    noise = noise + 2 * EPS * (_size(ripple) + np.pi) + np.abs(residual)
+    return χ + shift, noise / np.maximum(slope, EPS) + EPS * np.pi
 
 
 def bracketed(function: Any, x: Any, low: Any, high: Any) -> tuple[Any, Any, Any]:
@@ -203,7 +201,7 @@ def bracketed(function: Any, x: Any, low: Any, high: Any) -> tuple[Any, Any, Any
             new = np.where(outside | ((count > 8) & (count % 4 == 3)), (low + high) / 2, new)
         moved = np.abs(new - x)
         x = new
-        if np.all(moved <= 4 * _EPS * np.maximum(np.abs(x), 1e-290)) or (count > 3 and np.all(moved <= 16 * _EPS)):
+        if np.all(moved <= 4 * EPS * np.maximum(np.abs(x), 1e-290)) or (count > 3 and np.all(moved <= 16 * EPS)):
             break
     f, slope = function(x)
     return x, f, slope
@@ -221,11 +219,11 @@ def _together(system: TorusEquations, angles: list[Any], χ: list[Any], errors: 
     residual = _residual(system, goal, found)
     inverse = np.linalg.inv(_jacobian(system, found).transpose(2, 0, 1))
     size = sum(float(np.sum(np.abs(system.ripples[k][i].cosines.astype(float)))) for k in block for i in block)
-    noise = np.max(np.abs(residual), axis=0) + 2 * _EPS * (np.max(np.abs(goal), axis=0) + size + np.pi)
+    noise = np.max(np.abs(residual), axis=0) + 2 * EPS * (np.max(np.abs(goal), axis=0) + size + np.pi)
     noise = noise + np.max(np.stack([0 * noise + slack for _, slack in beside]), axis=0)
     bound = np.sum(np.abs(inverse), axis=2) * noise[:, None]
     for row, k in enumerate(block):
-        χ[k], errors[k] = found[row], bound[:, row] + _EPS * np.pi
+        χ[k], errors[k] = found[row], bound[:, row] + EPS * np.pi
 
 
 def _residual(system: TorusEquations, goal: Any, x: Any) -> Any:
@@ -263,7 +261,7 @@ def _newton(system: TorusEquations, goal: Any, x: Any, steps: int) -> Any:
         trial = x + step
         new = _residual(system, goal, trial)
         worse = np.max(np.abs(new), axis=0) > np.max(np.abs(residual), axis=0)
-        if np.all(size < 4 * _EPS * np.pi):
+        if np.all(size < 4 * EPS * np.pi):
             return trial
         if worse.any():
             trial = np.where(worse & (size > 1e-9), x + step / 4, trial)

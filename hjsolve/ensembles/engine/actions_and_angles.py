@@ -12,11 +12,10 @@ from typing import Any
 
 import numpy as np
 
+from hjsolve.arithmetic.floats import EPS
 from hjsolve.arithmetic.reproducible_products import stacked
 from hjsolve.ensembles.engine.lowered_solution import Model
 from hjsolve.ensembles.engine.midpoint_rule import Sums
-
-_EPS = 2.0**-52
 
 
 @dataclass(frozen=True)
@@ -46,17 +45,17 @@ def combine_integrals(model: Model, sums: list[Sums], directions: Any, q: Any, *
     with np.errstate(all="ignore"):
         matrix, blur = (x[:, :size].transpose(2, 1, 0) for x in (means, doubts))  # (n, constant, coordinate)
         inverse = _inverse(matrix)
-        blur = blur + 4 * size * _EPS * np.abs(matrix)
+        blur = blur + 4 * size * EPS * np.abs(matrix)
         rates = inverse[:, :, 0].T
         shaken = _applied(blur, np.abs(rates))
-        rate_errors = _applied(np.abs(inverse), shaken) + 2 * _EPS * np.abs(rates)
+        rate_errors = _applied(np.abs(inverse), shaken) + 2 * EPS * np.abs(rates)
         frequencies = {c.name: (directions[k] * rates[k], rate_errors[k]) for k, c in enumerate(model.separated)}
         for name in model.angles:
             j = model.ignorable[name]
             value = -np.sum(rates * means[:, j], axis=0)
             error = np.sum(np.abs(_applied(inverse.transpose(0, 2, 1), means[:, j])) * shaken, axis=0)
             error = error + np.sum(np.abs(rates) * doubts[:, j], axis=0)
-            frequencies[name] = value, error + 8 * _EPS * np.sum(np.abs(rates * means[:, j]), axis=0)
+            frequencies[name] = value, error + 8 * EPS * np.sum(np.abs(rates * means[:, j]), axis=0)
         found = _angles(model, sums, directions, q, inverse, blur) if angles else {}
     ordered = {name: frequencies[name] for name in model.names if name in frequencies}
     return TorusNumbers(ordered, found)
@@ -105,7 +104,7 @@ def _angles(
     θ = _applied(inverse, ripples[:, :size].sum(axis=0))
     shaken = _applied(blur, np.abs(θ)) + blurs[:, :size].sum(axis=0)
     moved = [_applied(inverse, speeds[i, :size]) for i in range(size)]  # ∂θ/∂χᵢ
-    error = _applied(np.abs(inverse), shaken) + 4 * _EPS * (np.pi + np.abs(phases) + np.abs(θ))
+    error = _applied(np.abs(inverse), shaken) + 4 * EPS * (np.pi + np.abs(phases) + np.abs(θ))
     error = error + sum(np.abs(moved[i]) * phase_errors[i] for i in range(size))
     found = {c.name: _principal(directions[k] * (phases[k] + θ[k]), error[k]) for k, c in enumerate(model.separated)}
     for name in model.angles:
@@ -120,7 +119,7 @@ def _angles(
             spread = spread + np.abs(slope) * phase_errors[i]
         place = q[model.names.index(name)]
         size_ = np.abs(place) + np.pi + np.abs(ripples[:, j]).sum(axis=0) + np.sum(np.abs(means[:, j] * θ), axis=0)
-        found[name] = _principal(place + value, spread + 4 * _EPS * size_)
+        found[name] = _principal(place + value, spread + 4 * EPS * size_)
     return {name: found[name] for name in model.names if name in found}
 
 
@@ -128,4 +127,4 @@ def _principal(angle: Any, error: Any) -> tuple[Any, Any]:
     """Reduce to (−π, π]."""
     turns = np.rint(angle / (2 * np.pi))
     reduced = angle - 2 * np.pi * turns
-    return np.where(reduced <= -np.pi, np.pi, reduced), error + _EPS * np.abs(turns) * 2 * np.pi
+    return np.where(reduced <= -np.pi, np.pi, reduced), error + EPS * np.abs(turns) * 2 * np.pi

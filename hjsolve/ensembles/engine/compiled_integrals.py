@@ -11,11 +11,11 @@ from typing import Any
 import numpy as np
 from numba import njit
 
+from hjsolve.arithmetic.floats import EPS
 from hjsolve.ensembles.engine.compiled_rule import REDUCING, SAMPLES, choose, dot
 from hjsolve.ensembles.engine.elementary import OPTIONS, sincos
 from hjsolve.ensembles.engine.nodes import EVEN
 
-_EPS = 2.0**-52
 _EVEN = EVEN
 _CLOSE = 0.05
 _LANES = 8
@@ -55,7 +55,7 @@ def _anomaly(x, y, warp):
         inside = new >= low and new <= high
         if not inside:
             new = 0.5 * (low + high)
-        if abs(new - χ) <= (1e-6 if inside else 4.0 * _EPS) * abs(new):  # the error falls with its third power
+        if abs(new - χ) <= (1e-6 if inside else 4.0 * EPS) * abs(new):  # the error falls with its third power
             return new
         χ = new
     return χ
@@ -129,8 +129,8 @@ def _phase(buffer, weights, noise, drift, a, b, x0, P, n, low, high, warp, fold,
     χ = _anomaly(x, y, warp)
     _interpolation(weights, fold * χ, n, cosines)
     small, large = min(x, y), max(x, y)
-    doubt = (δ / np.sqrt(max(small, 1e-300)) + 4.0 * _EPS * np.sqrt(small)) / np.sqrt(large) / _pace(χ, warp)
-    return (-χ if P < 0 else χ), 2.0 * doubt + 8.0 * _EPS * math.pi
+    doubt = (δ / np.sqrt(max(small, 1e-300)) + 4.0 * EPS * np.sqrt(small)) / np.sqrt(large) / _pace(χ, warp)
+    return (-χ if P < 0 else χ), 2.0 * doubt + 8.0 * EPS * math.pi
 
 
 @njit(**OPTIONS)

@@ -13,12 +13,12 @@ from typing import Any
 import numpy as np
 from numba import njit
 
+from hjsolve.arithmetic.floats import EPS
 from hjsolve.ensembles.engine.elementary import OPTIONS
 from hjsolve.ensembles.engine.nodes import EVEN
 
 SAMPLES = 5
 REDUCING = OPTIONS | {"fastmath": {"contract", "reassoc"}}
-_EPS = 2.0**-52
 _EVEN = EVEN
 _SAFETY = 1.5
 _GOAL = 4e-16
@@ -157,7 +157,7 @@ def _rule(buffer, shares, noise, drift, found, a, b, n, low, high, pace, last, m
     _blurs(buffer, shares, noise, drift, n, integrands, chords, found)
     for k in range(integrands):
         scale, tail = found[1, k], found[2, k]
-        blur = _SAFETY * found[3, k] / n + 8.0 * _EPS * scale
+        blur = _SAFETY * found[3, k] / n + 8.0 * EPS * scale
         half = _middle(middle, buffer[0] if k == 0 else buffer[2 + k], n)
         share = min(1.0, tail / max(half, 1e-300))
         alias = 4.0 * tail * share * np.sqrt(share)

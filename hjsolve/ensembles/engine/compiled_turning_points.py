@@ -8,9 +8,9 @@ from typing import Any
 import numpy as np
 from numba import njit
 
+from hjsolve.arithmetic.floats import EPS
 from hjsolve.ensembles.engine.elementary import OPTIONS
 
-_EPS = 2.0**-52
 _SWEEPS = 5
 _STEPS = 110
 _STRIDE = 0.2
@@ -108,7 +108,7 @@ def _finish(x, x0, inner, outer, c):
         new = x - f / d
         if not (new - inner) * (new - outer) <= 0.0 or count % 16 == 15:
             new = 0.5 * (inner + outer)
-        if abs(new - x) <= 4.0 * _EPS * max(abs(new), abs(x0)):
+        if abs(new - x) <= 4.0 * EPS * max(abs(new), abs(x0)):
             return new
         x = new
     return np.nan

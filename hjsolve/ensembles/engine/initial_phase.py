@@ -7,13 +7,13 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
+from hjsolve.arithmetic.floats import EPS
 from hjsolve.arithmetic.reproducible_products import rowwise
 
 if TYPE_CHECKING:
     from hjsolve.ensembles.engine.nodes import Nodes
     from hjsolve.ensembles.engine.region import OrbitRegions
 
-_EPS = 2.0**-52
 _CLOSE = 0.05
 
 
@@ -60,8 +60,8 @@ def phase_of_libration(region: OrbitRegions, table: Nodes, ratio: Any, ends: End
     χ = _place(x, y, d, table)
     small, large = np.minimum(x, y), np.maximum(x, y)
     root = np.sqrt(np.maximum(_stretch(table, χ, x, y, d, c) * large, 1e-300))
-    doubt = (np.where(small > 0, δ / np.sqrt(np.maximum(small, 1e-300)), 0.0) + 4 * _EPS * np.sqrt(small)) / root
-    return np.where(region.momentum < 0, -χ, χ), 2 * doubt + 8 * _EPS * np.pi
+    doubt = (np.where(small > 0, δ / np.sqrt(np.maximum(small, 1e-300)), 0.0) + 4 * EPS * np.sqrt(small)) / root
+    return np.where(region.momentum < 0, -χ, χ), 2 * doubt + 8 * EPS * np.pi
 
 
 def _stretch(table: Nodes, χ: Any, x: Any, y: Any, d: Any, c: Any) -> Any:
@@ -88,7 +88,7 @@ def phase_of_rotation(region: OrbitRegions, table: Nodes) -> tuple[Any, Any]:
     left = np.sign(region.momentum) * region.left
     left = left - 2 * np.pi * np.rint(left / (2 * np.pi))
     χ = _anomaly(np.where(left > 0, -1, 1) * np.cos(left / 2), np.abs(np.sin(left / 2)), table)
-    return χ, 16 * _EPS * np.pi**2 / (2 * table.quarter * table.high.min()) + 0.0 * left
+    return χ, 16 * EPS * np.pi**2 / (2 * table.quarter * table.high.min()) + 0.0 * left
 
 
 def _place(x: Any, y: Any, d: Any, table: Nodes) -> Any:
@@ -131,7 +131,7 @@ def _unwarped(goal: Any, γ: float, δ: float) -> Any:
         low, high = np.where(f <= 0, χ, low), np.where(f >= 0, χ, high)
         new = χ - f / (1 + γ * np.cos(χ) + δ * np.cos(2 * χ))
         new = np.where((new >= low) & (new <= high), new, (low + high) / 2)
-        new, done = np.where(done, χ, new), done | (np.abs(new - χ) <= 4 * _EPS * np.abs(new))
+        new, done = np.where(done, χ, new), done | (np.abs(new - χ) <= 4 * EPS * np.abs(new))
         χ = new
         if np.all(done):
             break

@@ -14,6 +14,7 @@ from typing import Any
 
 import numpy as np
 
+from hjsolve.arithmetic.floats import EPS
 from hjsolve.arithmetic.reproducible_products import rowwise
 from hjsolve.ensembles.engine import nodes as tables
 from hjsolve.ensembles.engine.initial_phase import EndNodes, phase_of_libration, phase_of_rotation
@@ -21,7 +22,6 @@ from hjsolve.ensembles.engine.radicand_views import View
 from hjsolve.ensembles.engine.region import OrbitRegions
 from hjsolve.ensembles.engine.resolution import least
 
-_EPS = 2.0**-52
 _SAFETY = 1.5
 _GOAL = 4e-16
 _PLACES = 5
@@ -115,7 +115,7 @@ def _rule(
         noise += [ratio * (np.abs(w) * relative + e) for w, e in zip(weights, doubts[1:], strict=True)]
         values = np.stack([np.broadcast_to(row, F.shape) for row in rows])
         mean, size = values.mean(axis=2), np.abs(values).mean(axis=2)
-        blur = _SAFETY * np.stack([np.broadcast_to(e, F.shape).mean(axis=1) for e in noise]) + 8 * _EPS * size
+        blur = _SAFETY * np.stack([np.broadcast_to(e, F.shape).mean(axis=1) for e in noise]) + 8 * EPS * size
         tail, middle = (_largest(values, table, rows) for rows in (table.last, table.middle))
         alias = 4 * tail * np.minimum(1.0, tail / np.maximum(middle, 1e-300)) ** 1.5
         mean_error = blur + alias

@@ -6,6 +6,7 @@ from typing import Any
 
 import numpy as np
 
+from hjsolve.arithmetic.floats import EPS
 from hjsolve.ensembles.engine.actions_and_angles import combine_integrals
 from hjsolve.ensembles.engine.columns import Columns, blank, put
 from hjsolve.ensembles.engine.constants import InitialConstants, initial_constants
@@ -16,7 +17,6 @@ from hjsolve.ensembles.engine.radicand_views import DifferenceEvaluation, Direct
 from hjsolve.ensembles.engine.regions import LocatedRegions, locate_regions
 from hjsolve.ensembles.status import UNDECIDED, Status
 
-_EPS = 2.0**-52
 TOLERANCE = 1e-10
 """Largest claimed relative error with which an orbit is called ``OK``; of an angle, relative to ten radians."""
 
@@ -154,7 +154,7 @@ def _resting(found: LocatedRegions, index: Any, constants: int) -> Sums:
 
 def _fill(columns: Columns, quantity: str, name: str, value: Any, error: Any) -> None:
     columns.group(quantity)[name][:] = value
-    columns.error[f"{quantity}.{name}"][:] = error if quantity == "constants" else error + _EPS * np.abs(value)
+    columns.error[f"{quantity}.{name}"][:] = error if quantity == "constants" else error + EPS * np.abs(value)
 
 
 def _actions(
@@ -184,7 +184,7 @@ def _timed(
         if "periods" in names:
             with np.errstate(all="ignore"):
                 period = 2 * np.pi / np.abs(rate)
-                _fill(columns, "periods", name, period, period * (error / np.abs(rate) + _EPS))
+                _fill(columns, "periods", name, period, period * (error / np.abs(rate) + EPS))
     for name, (angle, error) in torus.angles.items():
         _fill(columns, "angles", name, angle, error)
 
@@ -197,10 +197,10 @@ def _ends(columns: Columns, coordinate: Separated, found: LocatedRegions) -> Non
     for side, view, x in (("lower", region.below, region.lower), ("upper", region.above, region.upper)):
         with np.errstate(all="ignore"):
             slope = np.abs(view.jet(x)[1]) if not isinstance(view, DifferenceEvaluation) else _slope(view, region)
-            error = view.errors(x, kernels=False)[0] / slope + _EPS * np.abs(x)
+            error = view.errors(x, kernels=False)[0] / slope + EPS * np.abs(x)
             place = view.place(x)
         name = f"{coordinate.name}.{side}"
-        error = np.where(found.rest, 0.0, error) + 2 * _EPS * (np.abs(place) + np.abs(x))
+        error = np.where(found.rest, 0.0, error) + 2 * EPS * (np.abs(place) + np.abs(x))
         columns.turning_points[name][found.index] = place
         columns.error[f"turning_points.{name}"][found.index] = error
 

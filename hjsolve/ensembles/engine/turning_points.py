@@ -13,10 +13,11 @@ from typing import Any
 
 import numpy as np
 
+from hjsolve.arithmetic.floats import EPS
+
 Function = Callable[[Any, Any], Any]
 """(x, index of the orbits) ↦ F, arrays of shape (m,)."""
 
-_EPS = 2.0**-52
 _STEPS = 110
 _STRIDE = 0.2
 
@@ -99,7 +100,7 @@ def refine(function: Function, inner: Any, outer: Any, below: Any) -> Any:
         c, fc, b, fb = np.where(same, a, b), np.where(same, fa, fb), np.where(same, b, a), np.where(same, fb, fa)
         a, fa = x, f
         best = np.where(np.abs(fa) < np.abs(fb), a, b)
-        limit = _EPS * np.abs(best) / np.abs(b - a)
+        limit = EPS * np.abs(best) / np.abs(b - a)
         done = (limit > 0.5) | (f == 0) | ~np.isfinite(f)
         if done.any():
             ready = index[done]
