@@ -70,7 +70,15 @@ class AlgebraicCurve:
         return t**n if isinstance(node, sp.exp) else _hyperbolic(node.func, t**n)
 
     def values(self, f: sp.Expr, place: sp.Rational) -> list[sp.Expr]:
-        """The values of f at the places of x where t is a rational number; one for each turn of an angle."""
+        """The values of f at the places of x where t is a rational number; one for each turn of an angle.
+
+        Args:
+            f: of x alone.
+            place: the rational t.
+
+        Raises:
+            NotAlgebraicError: an angle whose interval meets infinitely many turns.
+        """
         t = {self.t: place}
         if self.kind == "plain":
             return [f.xreplace({self.x: place})]

@@ -116,7 +116,15 @@ def _integer(n: int) -> Interval:
 
 
 def enclose_inverse(x: Interval, prec: int) -> Interval:
-    """1/x; ``NoEnclosureError`` where x may be zero."""
+    """1/x; ``NoEnclosureError`` where x may be zero.
+
+    Args:
+        x: a real interval.
+        prec: bits of the ends.
+
+    Raises:
+        NoEnclosureError: x may be zero.
+    """
     if not (libmp.mpf_sign(x[0]) > 0 or libmp.mpf_sign(x[1]) < 0):
         raise NoEnclosureError("division by an interval that contains zero")
     return libmp.mpi_div(_integer(1), x, prec)

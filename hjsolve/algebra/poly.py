@@ -68,7 +68,11 @@ class Budget:
             self.check()
 
     def check(self) -> None:
-        """Raise ``WorkLimitError`` when the deadline is past."""
+        """Raise ``WorkLimitError`` when the deadline is past.
+
+        Raises:
+            WorkLimitError: the deadline is past.
+        """
         if self.deadline is not None and time.monotonic() > self.deadline:
             raise WorkLimitError("the time budget of the exact computation is used up")
 

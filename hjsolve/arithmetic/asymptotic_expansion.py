@@ -66,7 +66,14 @@ class Growths:
         return self.constant(self.plain.pi())
 
     def largest(self, m: Monomial) -> float:
-        """Return the greatest value of a monomial that is not above 1 in growth, on s ≥ Q."""
+        """Return the greatest value of a monomial that is not above 1 in growth, on s ≥ Q.
+
+        Args:
+            m: e^{λs} sᵏ (log s)ˡ; exponents (λ, k, l).
+
+        Raises:
+            UnknownGrowthError: the monomial grows, or does not fall from s = Q on.
+        """
         q, l = self.start, math.log(self.start)
         if m == _CONSTANT:
             return 1.0

@@ -167,6 +167,15 @@ class Multi(ByOperators):
         return x**n
 
     def unary(self, name: str, x: Any) -> Any:
+        """Return a function of one variable at a number.
+
+        Args:
+            name: of the function, such as ``sqrt``.
+            x: mpmath's number of this context.
+
+        Raises:
+            InvalidInputError: the value is not real, or beyond the range of numbers.
+        """
         if name == "neg":
             return -x
         value = abs(x) if name == "abs" else getattr(self.context, name)(within_reach(name, x, self.context))

@@ -62,6 +62,18 @@ class PythonSource:
         return result
 
     def unary(self, name: str, x: str) -> str:
+        """Write the line that takes a function of one variable.
+
+        Args:
+            name: of the function, such as ``sqrt``.
+            x: name of the variable it is taken of.
+
+        Returns:
+            The name of the variable that holds the value.
+
+        Raises:
+            ValueError: a function that is not known here.
+        """
         if name not in UNARY:
             raise ValueError(name)
         if name == "neg":

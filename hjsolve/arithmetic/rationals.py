@@ -31,12 +31,26 @@ class Rationals(ByOperators):
         return Fraction(numerator, denominator)
 
     def pi(self) -> Fraction:
+        """Refuse π, which is no fraction.
+
+        Raises:
+            IrrationalError: always.
+        """
         raise IrrationalError
 
     def power(self, x: Fraction, n: int) -> Fraction:
         return x**n
 
     def unary(self, name: str, x: Fraction) -> Fraction:
+        """Return a function of one variable where its value is seen to be a fraction.
+
+        Args:
+            name: of the function, such as ``sqrt``.
+            x: a fraction.
+
+        Raises:
+            IrrationalError: the value is no fraction, or not seen to be one.
+        """
         if name == "neg":
             return -x
         if name == "abs":

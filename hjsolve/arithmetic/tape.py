@@ -138,7 +138,14 @@ class BoundTape:
     outputs: tuple[int, ...]
 
     def run(self, *values: Any) -> list[Any]:
-        """Evaluate all outputs at values of the free inputs; errors as in ``Tape.run``."""
+        """Evaluate all outputs at values of the free inputs; errors as in ``Tape.run``.
+
+        Args:
+            *values: one for each free input, numbers or arrays of the arithmetic bound.
+
+        Raises:
+            InvalidInputError: a division by zero.
+        """
         slots = list(self.slots)
         slots[: self.free] = values
         try:

@@ -21,7 +21,14 @@ _NAME = re.compile(r"\s*(\w+)\s*")
 
 
 def given_hamiltonian(options: Namespace) -> LinearHamiltonian | None:
-    """The H(q, p) of the entry, where it gives one that is linear in p."""
+    """The H(q, p) of the entry, where it gives one that is linear in p.
+
+    Args:
+        options: the parsed arguments.
+
+    Raises:
+        InvalidInputError: ``--effect`` beside an entry with H(q, p).
+    """
     if options.system is None or options.coordinate or options.kinetic or options.potential:
         return None
     from hjsolve import catalog as entries
@@ -44,7 +51,14 @@ def frame(options: Namespace, solved: Solution | None = None) -> Section | None:
 
 
 def system(options: Namespace) -> System:
-    """The system that is meant: an entry, a file, or one of the user's own."""
+    """The system that is meant: an entry, a file, or one of the user's own.
+
+    Args:
+        options: the parsed arguments.
+
+    Raises:
+        InvalidInputError: no system, two of them, or ``--function`` without a system of the user's own.
+    """
     from hjsolve import catalog as entries
 
     own = bool(options.coordinate or options.kinetic or options.potential)
@@ -130,7 +144,14 @@ def _once(found: dict[str, Any], name: str, option: str) -> None:
 
 
 def scene(options: Namespace) -> Scene | None:
-    """The scene that is meant, where the file given is one."""
+    """The scene that is meant, where the file given is one.
+
+    Args:
+        options: the parsed arguments.
+
+    Raises:
+        InvalidInputError: options of a system or of a motion beside a scene, which says them itself.
+    """
     from hjsolve.scenes import Scene, is_scene
 
     if options.system is None or not is_scene(options.system):
@@ -142,7 +163,17 @@ def scene(options: Namespace) -> Scene | None:
 
 
 def initial(options: Namespace) -> dict[str, Any] | None:
-    """Initial data from the command line; None where there are none."""
+    """Initial data from the command line; None where there are none.
+
+    Args:
+        options: the parsed arguments.
+
+    Returns:
+        Keywords of ``Solution.motion``.
+
+    Raises:
+        InvalidInputError: ``--q`` is missing, or there is not exactly one of ``--velocity`` and ``--momentum``.
+    """
     if not (options.q or options.velocity or options.momentum):
         return None
     if not options.q or bool(options.velocity) == bool(options.momentum):
@@ -158,7 +189,17 @@ def initial(options: Namespace) -> dict[str, Any] | None:
 
 
 def own_motion(options: Namespace) -> dict[str, Any] | None:
-    """The entry's own motion where its parameters or effects are changed; None where it is taken as it is."""
+    """The entry's own motion where its parameters or effects are changed; None where it is taken as it is.
+
+    Args:
+        options: the parsed arguments.
+
+    Returns:
+        Keywords of ``Solution.motion``.
+
+    Raises:
+        InvalidInputError: the entry has no motion of the name given by ``--motion``.
+    """
     if not options.parameter and not options.effect:
         return None
     from hjsolve import catalog as entries
@@ -177,7 +218,14 @@ def _given_values(options: Namespace) -> dict[str, str]:
 
 
 def located(target: Any) -> Any:
-    """A path for a file, the text itself for an id; a helpful word for other files."""
+    """A path for a file, the text itself for an id; a helpful word for other files.
+
+    Args:
+        target: what the user gave: a catalog id, a file name, or a value that is no text, which comes back as it is.
+
+    Raises:
+        InvalidInputError: a directory, or a file whose name does not end in .toml.
+    """
     if not isinstance(target, str) or target.endswith(".toml"):
         return Path(target) if isinstance(target, str) else target
     if Path(target).exists() and not re.fullmatch(r"[a-z0-9-]+", target):

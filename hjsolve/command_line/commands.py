@@ -212,6 +212,9 @@ def catalog(options: Namespace) -> int:
 
     Returns:
         The exit status.
+
+    Raises:
+        InvalidInputError: options that do not go with the action, or no entry where one is needed.
     """
     from hjsolve import catalog as entries
     from hjsolve.command_line import catalog_listing

@@ -19,6 +19,14 @@ def lazily(recipe: EnsembleTask, layout: Layout, given: InitialConditions) -> Ba
 
     A block's task computes all columns of its orbits, as one array of records; each column is a view of it. Blocks are
     those of the input, after broadcasting; the tasks take one thread each, the scheduler has the others.
+
+    Args:
+        recipe: what is to be computed of each orbit.
+        layout: names and types of the columns.
+        given: initial data, dask arrays that broadcast together.
+
+    Raises:
+        MissingExtraError: dask is not installed.
     """
     try:
         import dask.array as da

@@ -125,7 +125,20 @@ def start(
     problem: GeneralHamiltonian, *, q: Mapping[str, Any], velocity: Mapping[str, Any] | None,
     p: Mapping[str, Any] | None, parameters: Mapping[str, Any], t0: Any, digits: int,
 ) -> LevelMotion:  # fmt: skip
-    """Start a motion; see ``GeneralHamiltonian.motion``."""
+    """Start a motion; see ``GeneralHamiltonian.motion``.
+
+    Args:
+        problem: H(q, p) of one coordinate.
+        q, p: numbers by name of the coordinate.
+        velocity: refused here, for several p may have the same velocity; None.
+        parameters: numbers by name.
+        t0: time of the initial data.
+        digits: relative digits wanted.
+
+    Raises:
+        InvalidInputError: a velocity, no p, q outside its domain, or H that is no real number there.
+        MissingValueError: q or p is not given for this coordinate alone, or a parameter has no value.
+    """
     coordinate, digits = problem.coordinate, arguments.digits(digits)
     name = coordinate.name
     if velocity is not None or p is None:

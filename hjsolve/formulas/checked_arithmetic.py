@@ -123,14 +123,30 @@ def product(nodes: Sequence[Node], fail: Fail) -> Node:
 
 
 def reciprocal(node: Node, fail: Fail) -> Node:
-    """1/a."""
+    """1/a.
+
+    Args:
+        node: a.
+        fail: makes the error of a message, with the place in the text.
+
+    Raises:
+        ExpressionError: a is zero, or 1/a is beyond the limits of a formula.
+    """
     if node.expression.is_zero:
         raise fail("a division by zero")
     return power(node, leaf(sp.S.NegativeOne), fail)
 
 
 def power(base: Node, exponent: Node, fail: Fail) -> Node:
-    """a**b."""
+    """a**b.
+
+    Args:
+        base, exponent: a and b.
+        fail: makes the error of a message, with the place in the text.
+
+    Raises:
+        ExpressionError: the power is not real, or beyond the limits of a formula (terms, degree, nesting, size).
+    """
     n = exponent.value
     _check_base(base, n, fail)
     if n is not None:
@@ -159,7 +175,16 @@ def power(base: Node, exponent: Node, fail: Fail) -> Node:
 
 
 def call(name: str, argument: Node, fail: Fail) -> Node:
-    """One of ``FUNCTIONS``."""
+    """One of ``FUNCTIONS``.
+
+    Args:
+        name: of the function.
+        argument: what it is taken of.
+        fail: makes the error of a message, with the place in the text.
+
+    Raises:
+        ExpressionError: the value is not real, or beyond the limits of a formula (argument, nesting, size).
+    """
     if name == "sqrt":
         return power(argument, leaf(sp.S.Half), fail)
     if name == "cbrt":

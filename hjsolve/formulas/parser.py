@@ -52,7 +52,11 @@ class Parser:
         return lambda message: self._source.error(message, token.position)
 
     def formula(self) -> sp.Expr:
-        """The whole text as one formula."""
+        """The whole text as one formula.
+
+        Raises:
+            ExpressionError: the text goes on behind the formula, or is none.
+        """
         node = self._sum()
         if self._next.kind != "end":
             raise self._unexpected(self._next)

@@ -100,7 +100,14 @@ def parameter(name: str, value: object = None, *, assume: str = "real", unit: st
 
 
 def check_value(declared: Parameter) -> None:
-    """Refuse a value that contradicts the parameter's assumption."""
+    """Refuse a value that contradicts the parameter's assumption.
+
+    Args:
+        declared: the parameter; one without a value passes.
+
+    Raises:
+        InvalidSystemError: the value has another sign than declared, or is no integer where one is declared.
+    """
     value = declared.value
     if value is None:
         return
@@ -113,7 +120,17 @@ def check_value(declared: Parameter) -> None:
 
 
 def read_parameters(given: Mapping[str, object]) -> tuple[Parameter, ...]:
-    """The parameters of a mapping name → Parameter, number or None."""
+    """The parameters of a mapping name → Parameter, number or None.
+
+    Args:
+        given: as the user wrote it.
+
+    Returns:
+        The parameters in the order given.
+
+    Raises:
+        InvalidSystemError: no mapping, a ``Parameter`` under another name than its own, or a bad name or value.
+    """
     if not isinstance(given, Mapping):
         raise InvalidSystemError(
             f'parameters: expected a mapping such as {{"m": 1, "k": None}}, got {type(given).__name__}'
@@ -127,7 +144,18 @@ def read_parameters(given: Mapping[str, object]) -> tuple[Parameter, ...]:
 
 
 def read_coordinates(given: Mapping[str, object], parameters: tuple[Parameter, ...]) -> tuple[Coordinate, ...]:
-    """The coordinates of a mapping name → domain, with the symbols that T and V are written in."""
+    """The coordinates of a mapping name → domain, with the symbols that T and V are written in.
+
+    Args:
+        given: as the user wrote it; domains as in ``read_domain``.
+        parameters: declared before; ends of domains may hold them.
+
+    Returns:
+        The coordinates in the order given.
+
+    Raises:
+        InvalidSystemError: no mapping or an empty one, a bad name or domain, or a name declared twice.
+    """
     if not isinstance(given, Mapping):
         raise InvalidSystemError(
             f'coordinates: expected a mapping such as {{"r": "0 < r", "theta": "angle"}}, got {type(given).__name__}'
@@ -182,7 +210,15 @@ def _coordinate(name: str, domain: Domain) -> Coordinate:
 
 
 def check_name(name: object, role: str) -> None:
-    """Refuse what is not an ASCII identifier, a Python keyword, and names that already mean something."""
+    """Refuse what is not an ASCII identifier, a Python keyword, and names that already mean something.
+
+    Args:
+        name: as the user wrote it.
+        role: what it names, for the message: ``coordinate``, ``parameter`` ….
+
+    Raises:
+        InvalidSystemError: no identifier, or a name that means something already; the message says what to write.
+    """
     shown = printable(str(name))[:_MAX_NAME]
     if not isinstance(name, str):
         raise InvalidSystemError(f"{role} {shown}: a name must be a text, got {type(name).__name__}")
@@ -201,7 +237,14 @@ def check_name(name: object, role: str) -> None:
 
 
 def check_clashes(coordinates: list[str], parameters: list[str]) -> None:
-    """Refuse a name that is declared twice, or that is the momentum of a coordinate."""
+    """Refuse a name that is declared twice, or that is the momentum of a coordinate.
+
+    Args:
+        coordinates, parameters: names as declared.
+
+    Raises:
+        InvalidSystemError: a name in both lists, or ``p_x`` beside a coordinate ``x``.
+    """
     for name in parameters:
         if name in coordinates:
             raise InvalidSystemError(f"{name} is both a coordinate and a parameter; rename one of them")

@@ -126,7 +126,14 @@ class System:
         return tuple(sorted({str(f) for e in (self.kinetic, self.potential) for f in e.atoms(AppliedUndef)}))
 
     def coordinate(self, name: str) -> Coordinate:
-        """The coordinate of this name; InvalidSystemError where there is none."""
+        """The coordinate of this name.
+
+        Args:
+            name: as declared.
+
+        Raises:
+            InvalidSystemError: the system has no coordinate of this name; the message lists those it has.
+        """
         arguments.refuse_other(name, str, "coordinate", f'a name such as "{self.coordinates[0].name}" is needed')
         for coordinate in self.coordinates:
             if coordinate.name == name:

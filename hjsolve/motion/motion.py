@@ -173,7 +173,14 @@ class Motion:
         return angle_variables(self._source, t)
 
     def input_sensitivity(self) -> dict[str, dict[str, float]]:
-        """Return how far each number can move when every float input moves by half an ulp."""
+        """Return how far each number can move when every float input moves by half an ulp.
+
+        Returns:
+            By name of a quantity and of its coordinate or constant; in the units of the number.
+
+        Raises:
+            InternalError: the motion was made without a record of its input.
+        """
         from hjsolve.motion.input_sensitivity import input_sensitivities
 
         if self.again is None:

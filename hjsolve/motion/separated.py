@@ -119,7 +119,15 @@ def _square(root: Callable[[int], Any]) -> Callable[[int], Any]:
 
 
 def checked(begin: CoordinateStart) -> CoordinateStart:
-    """Give a beginning back; ``ForbiddenMotionError`` where p² < 0 there."""
+    """Give a beginning back once p² ≥ 0 there.
+
+    Args:
+        begin: place, direction and p²(q) of a coordinate at t₀.
+
+    Raises:
+        NotConvergedError: the place is so far out that doubles cannot tell places apart there.
+        ForbiddenMotionError: p² < 0 there, where the direction is not given by an ignorable momentum.
+    """
     place = begin.place(256 + begin.radicand.guard)
     if abs(place) >= (_MOST_ANGLE if begin.angle else _FARTHEST):
         cure = "take whole turns off" if begin.angle else "write lengths in another unit"

@@ -56,6 +56,9 @@ def complex_place(anomaly: Any, phase: Any) -> ComplexPlace:
     Args:
         anomaly: the map; its constants are rounded to doubles.
         phase: complex array, real parts in [−π, π].
+
+    Raises:
+        TypeError: a kind of map that has no rule here.
     """
     raise TypeError(f"no map from phases like {phase!r} to places: {anomaly!r}")
 

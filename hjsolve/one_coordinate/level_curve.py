@@ -100,7 +100,17 @@ class Curve:
         return h - self._level, slopes[along], slopes[1 - along]
 
     def root(self, along: int, x: Any, y: Any, size: Any) -> Any:
-        """y(x) by Newton's method from a place near it; ``size`` is what its accuracy refers to."""
+        """y(x) by Newton's method from a place near it; ``size`` is what its accuracy refers to.
+
+        Args:
+            along: 0 where q is the parameter x, 1 where p is.
+            x: the parameter.
+            y: where Newton's method begins.
+            size: the size of y that the accuracy refers to.
+
+        Raises:
+            NotConvergedError: a hundred steps, or one where ∂H/∂y = 0, did not lead to the root.
+        """
         fine, coarse = (multiprecision(self.bits).mpf(2) ** (k - self.bits) * size for k in (8, _LOST))
         before = None
         for _ in range(100):

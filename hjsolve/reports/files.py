@@ -71,6 +71,9 @@ def readable_errors(target: Path) -> Iterator[None]:
 
     Args:
         target: the file.
+
+    Raises:
+        InvalidInputError: the file cannot be written, or its name cannot be used.
     """
     try:
         yield

@@ -112,7 +112,20 @@ def _halved(level: Any, low: float, high: float, before: float) -> float:
 
 
 def sharpened(motion: Motion, name: str, value: sp.Expr, time: Any) -> Any:
-    """Newton's method on q(t) = value, q from the motion in all its digits."""
+    """Newton's method on q(t) = value, q from the motion in all its digits.
+
+    Args:
+        motion: the free motion of the arc.
+        name: coordinate.
+        value: position; for an angle modulo 2π.
+        time: near the crossing.
+
+    Returns:
+        The time of the crossing, to the digits of the motion.
+
+    Raises:
+        NotConvergedError: the coordinate touches the value and does not pass it.
+    """
     bits = bits_of(motion.digits)
     context = multiprecision(bits)
     target, turn = to_bits(value)(bits), 2 * context.pi

@@ -338,6 +338,9 @@ def walk(free: Free, now: Now, pending: list[Pending], horizon: Any | None, most
         now: the beginning; left just before the last event, or after it where the walk is over.
         pending: what is to come.
         horizon: the last time of interest. most: arcs.
+
+    Raises:
+        NotConvergedError: many more bounces than ``most`` would come before the horizon.
     """
     found: list[tuple[Flight, Any, tuple[Event, ...]]] = []
     flight, begin = now.flight(), now.time

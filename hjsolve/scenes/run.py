@@ -32,7 +32,15 @@ _TIMED, _OWN = frozenset({"trajectory", "angles"}), frozenset({"angles", "orbit"
 
 
 def run_by_quadratures(scene: Question, solution: Solution | None = None) -> Run:
-    """Compute what a scene wants with the digits it has; a solution that is there already is not made again."""
+    """Compute what a scene wants with the digits it has; a solution that is there already is not made again.
+
+    Args:
+        scene: what is asked.
+        solution: of the scene's system, where it was made before.
+
+    Raises:
+        InvalidInputError: a certified scene with events.
+    """
     if scene.method == "integrate":
         from hjsolve.scenes.integrate import integrated
 

@@ -36,7 +36,18 @@ class _Part:
 
 
 def sampled(times: Times, digits: int) -> Any:
-    """The times as an array: doubles where they are evenly spaced and 15 digits serve, exact numbers otherwise."""
+    """The times as an array: doubles where they are evenly spaced and 15 digits serve, exact numbers otherwise.
+
+    Args:
+        times: evenly spaced, or a list.
+        digits: of the scene.
+
+    Returns:
+        Shape (m,); doubles, or exact numbers in an object array.
+
+    Raises:
+        InvalidInputError: a time beyond the range in which doubles tell times apart.
+    """
     if digits <= FLOAT_DIGITS and not times.listed:
         ends = float(times.start), float(times.stop)
         if not max(map(abs, ends)) < LONGEST:

@@ -22,7 +22,16 @@ _AHEAD = 2
 
 
 def on_cluster(work: SweepWork, scheduler: str) -> None:
-    """Compute what is left on a cluster; see ``hjsolve.sweep``."""
+    """Compute what is left on a cluster; see ``hjsolve.sweep``.
+
+    Args:
+        work: the sweep, and what is left of it.
+        scheduler: address of the scheduler, such as ``tcp://host:8786``.
+
+    Raises:
+        MissingExtraError: distributed is not installed.
+        ClusterError: the connection was lost, or one part ended several workers; what is written stays.
+    """
     try:
         import distributed
         from distributed.comm.core import CommClosedError

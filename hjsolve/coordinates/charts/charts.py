@@ -80,6 +80,9 @@ def chart(kind: str, lengths: Mapping[str, sp.Expr], n: int, symbol: Symbols) ->
         lengths: its constants.
         n: dimension.
         symbol: makes the symbol of a coordinate from its name and range (and renames it where it clashes).
+
+    Raises:
+        InternalError: a kind without a chart.
     """
     if kind == "cartesian":
         u = tuple(symbol(name, LINE) for name in ("xi", "eta", "zeta")[:n])

@@ -228,7 +228,14 @@ class PointAlgebra:
         return result
 
     def inverse(self, a: Element) -> Element:
-        """Return 1/a by linear algebra over the field in the smallest subalgebra that holds a."""
+        """Return 1/a by linear algebra over the field in the smallest subalgebra that holds a.
+
+        Args:
+            a: sum of products of the radicals, coefficients in the field.
+
+        Raises:
+            ZeroDivisorError: a is zero, or divides zero.
+        """
         if not a:
             raise ZeroDivisorError
         if len(a) == 1:

@@ -132,6 +132,9 @@ def representatives(
         wanted: stop when so many kinds have been seen.
         cost: simplicity; the smaller the better, below 10 good enough (rational constants only).
         enough: members of every kind to look at before stopping.
+
+    Raises:
+        TooHardError: no member was found, and some were too hard to compute.
     """
     best: dict[str, FamilyMember[Member]] = {}
     seen: dict[str, int] = {}
