@@ -16,7 +16,14 @@ _OF_ENERGIES = ("kinetic", "potential", "effects", "relativity", "signature", "f
 
 
 def motion_faults(where: str, data: Mapping[str, Any], names: list[str], declared: list[str]) -> Iterator[str]:
-    """Initial data: every coordinate once, velocity or p, numbers that parse, kinds that are known."""
+    """Initial data: every coordinate once, velocity or p, numbers that parse, kinds that are known.
+
+    Args:
+        where: place of the table in its file, for the messages.
+        data: the table of one motion.
+        names: of the coordinates.
+        declared: names of the parameters.
+    """
     if ("velocity" in data) == ("p" in data):
         yield f"{where}: give velocity or p, one of the two"
     for key in ("q", "velocity", "p"):
@@ -34,7 +41,14 @@ def motion_faults(where: str, data: Mapping[str, Any], names: list[str], declare
 
 
 def reference_faults(reference: Mapping[str, Any], where: str, names: list[str], motions: set[str]) -> Iterator[str]:
-    """A reference value: a quantity that is known, of a coordinate and a motion that exist, with a time or without."""
+    """A reference value: a quantity that is known, of a coordinate and a motion that exist, with a time or without.
+
+    Args:
+        reference: the table of one reference value.
+        where: place of the table in its file, for the messages.
+        names: of the coordinates.
+        motions: names of the motions of the entry.
+    """
     quantity, at = str(reference["quantity"]), reference["at"]
     match = schema.QUANTITY.fullmatch(quantity)
     if match is None:
@@ -60,7 +74,11 @@ def _numbers(table: Mapping[str, Any], where: str) -> Iterator[str]:
 
 
 def form_faults(table: Mapping[str, Any]) -> Iterator[str]:
-    """An entry gives T and V, or H(q, p) in their place; then its motions start from momenta."""
+    """An entry gives T and V, or H(q, p) in their place; then its motions start from momenta.
+
+    Args:
+        table: of the entry.
+    """
     if "hamiltonian" not in table:
         return
     yield from (f"{key}: belongs to T and V; this entry gives H(q, p)" for key in _OF_ENERGIES if key in table)

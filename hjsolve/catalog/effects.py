@@ -16,6 +16,11 @@ from hjsolve.mechanics.system import System
 def with_effects(table: Mapping[str, Any], names: Sequence[str], source: str) -> dict[str, Any]:
     """Give a table whose T and V have the terms of the effects added; texts, so that what is absent was never parsed.
 
+    Args:
+        table: of the entry.
+        names: of the effects wanted.
+        source: what the entry is called in errors.
+
     Raises:
         CatalogError: the table declares no such effect.
     """

@@ -56,7 +56,11 @@ def titles(*, book: str | None = None) -> dict[str, str]:
 
 
 def kind_of(entry: str) -> str:
-    """Give the kind of an entry of the catalog: ``separable``, ``extended``, ``refused`` or ``outside``."""
+    """Give the kind of an entry of the catalog: ``separable``, ``extended``, ``refused`` or ``outside``.
+
+    Args:
+        entry: its id.
+    """
     return next(kind for kind in _FOLDERS if entry in ids(kind))
 
 
@@ -92,6 +96,9 @@ def load(entry: str | Path, *, effects: Iterable[str] = ()) -> System:
 
 def read(entry: str | Path) -> tuple[dict[str, Any], str]:
     """Give the table of an entry as it stands in its file, its schema checked, and what it is called in errors.
+
+    Args:
+        entry: id, or path of a .toml file.
 
     Raises:
         CatalogError: as ``load``.
@@ -193,6 +200,9 @@ def table_of(system: System) -> dict[str, Any]:
 
 def hamiltonian(entry: str | Path) -> LinearHamiltonian | None:
     """Give the solved H(q, p) of an entry that gives one, linear in p; None for an entry with T and V.
+
+    Args:
+        entry: id, or path of a .toml file.
 
     Raises:
         CatalogError: as ``load``.

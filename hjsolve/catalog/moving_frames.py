@@ -22,6 +22,9 @@ from hjsolve.mechanics.system import Parameter, System
 def load(entry: str | Path) -> Frame:
     """Read and verify the frame of a catalog entry: the table ``[frame]`` beside the autonomous system.
 
+    Args:
+        entry: id, or path of a .toml file.
+
     Raises:
         CatalogError: no such entry or frame, or a frame that does not do what it says.
     """
@@ -37,6 +40,9 @@ def load(entry: str | Path) -> Frame:
 def of(entry: str | Path) -> Frame | None:
     """The frame of a catalog entry; None where it declares none.
 
+    Args:
+        entry: id, or path of a .toml file.
+
     Raises:
         CatalogError: as ``load``.
     """
@@ -45,7 +51,13 @@ def of(entry: str | Path) -> Frame | None:
 
 
 def from_table(table: Mapping[str, Any], system: System, source: str) -> Frame:
-    """Build and verify the frame that an entry's table declares for its system."""
+    """Build and verify the frame that an entry's table declares for its system.
+
+    Args:
+        table: of the entry.
+        system: the autonomous one that the entry gives.
+        source: what the entry is called in errors.
+    """
     given = table["frame"]
     parameters: dict[str, Any] = {p.name: p for p in system.parameters}
     clock = Parameter(TIME, sp.Symbol(TIME, real=True), None, "real", "", "time")

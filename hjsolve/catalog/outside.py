@@ -87,7 +87,11 @@ class Stated:
 
 
 def refusal(table: Mapping[str, Any]) -> Refusal | None:
-    """The refusal of an entry that is no T and V; None for every other entry."""
+    """The refusal of an entry that is no T and V; None for every other entry.
+
+    Args:
+        table: of the entry.
+    """
     because = table.get("refused_because", {})
     if "kind" not in because or because["kind"] in _FOUND_BY_US or "kinetic" in table:
         return None
@@ -98,19 +102,31 @@ def refusal(table: Mapping[str, Any]) -> Refusal | None:
 
 
 def constraints(table: Mapping[str, Any]) -> tuple[Constraint, ...]:
-    """The constraints of an entry."""
+    """The constraints of an entry.
+
+    Args:
+        table: of the entry.
+    """
     return tuple(Constraint(**{**c, "coordinates": tuple(c["coordinates"])}) for c in table.get("constraint", []))
 
 
 def stated(table: Mapping[str, Any]) -> Stated | None:
-    """The system as the literature states it, or None."""
+    """The system as the literature states it, or None.
+
+    Args:
+        table: of the entry.
+    """
     if "stated" not in table:
         return None
     return Stated(**{**table["stated"], "coordinates": tuple(table["stated"].get("coordinates", ()))})
 
 
 def outside_faults(table: Mapping[str, Any]) -> Iterator[str]:
-    """What is missing in an entry without T and V, one line each."""
+    """What is missing in an entry without T and V, one line each.
+
+    Args:
+        table: of the entry.
+    """
     because = table.get("refused_because", {}).get("kind", "")
     if "kinetic" not in table and because in _FOUND_BY_US:
         yield f'kinetic: missing; an entry refused as "{because}" needs T, so that separate() can show it'

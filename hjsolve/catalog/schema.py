@@ -89,7 +89,12 @@ _MOST_WORDS, _FEW_WORDS = 40, 8
 
 
 def nearest(word: str, known: object) -> str:
-    """The hint `; did you mean "x"?`, or the words known, or nothing."""
+    """The hint `; did you mean "x"?`, or the words known, or nothing.
+
+    Args:
+        word: what the user wrote.
+        known: the words that would have been right; any other object gives no hint.
+    """
     words = [str(w) for w in known] if isinstance(known, (Mapping, tuple, list, frozenset)) else []
     close = difflib.get_close_matches(word, words, n=1, cutoff=0.6)
     if close:
@@ -100,12 +105,23 @@ def nearest(word: str, known: object) -> str:
 
 
 def optional(keys: Mapping[str, Key], *names: str) -> dict[str, Key]:
-    """The same keys, with these no longer required."""
+    """The same keys, with these no longer required.
+
+    Args:
+        keys: the schema of a table.
+        *names: of the keys that may be left out.
+    """
     return {name: replace(key, required=False) if name in names else key for name, key in keys.items()}
 
 
 def faults(table: object, keys: Mapping[str, Key], where: str = "") -> Iterator[str]:
-    """Every way in which a table does not follow its schema, one line each, ``key: what is wrong``."""
+    """Every way in which a table does not follow its schema, one line each, ``key: what is wrong``.
+
+    Args:
+        table: as it was read.
+        keys: its schema.
+        where: place of the table in its file, put before each key.
+    """
     if not isinstance(table, Mapping):
         yield f"{where or 'the file'}: must be a table, not {_shown(table)}"
         return
@@ -166,12 +182,24 @@ def _shown(value: object) -> str:
 
 
 def unknown(given: Iterable[str], known: Iterable[str], where: str, what: str) -> Iterator[str]:
-    """Yield a fault for every word that is not among those known."""
+    """Yield a fault for every word that is not among those known.
+
+    Args:
+        given: the words found.
+        known: those that are right.
+        where: place in the file, for the message.
+        what: what the words name, for the message.
+    """
     words = list(known)
     yield from (f'{where}: no {what} "{word}"{nearest(word, words)}' for word in given if word not in words)
 
 
 def repeated(tables: list[Mapping[str, Any]], where: str) -> Iterator[str]:
-    """Yield a fault for every name that stands in more than one table."""
+    """Yield a fault for every name that stands in more than one table.
+
+    Args:
+        tables: each with a ``name``.
+        where: place in the file, for the message.
+    """
     names = [table["name"] for table in tables]
     yield from (f'{where}: "{name}" is declared twice' for name in dict.fromkeys(names) if names.count(name) > 1)

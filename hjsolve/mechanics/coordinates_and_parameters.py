@@ -274,7 +274,13 @@ def _looks(name: str) -> tuple[str, int]:
 
 
 def unknown_names(name: object, known: Iterable[str], role: str) -> InvalidSystemError:
-    """The error for a name that the system does not declare."""
+    """The error for a name that the system does not declare.
+
+    Args:
+        name: as the user wrote it.
+        known: the names declared; the message offers the nearest.
+        role: what it should name, for the message: ``coordinate``, ``parameter`` ….
+    """
     shown, known = printable(str(name))[:_MAX_NAME], list(known)
     near = nearest_name(shown, known)
     hint = f"did you mean {near}?" if near else f"known are {', '.join(known)}" if known else "it has none"

@@ -33,7 +33,11 @@ class Domain:
     upper: sp.Expr | None = None
 
     def written(self, name: str) -> str:
-        """The text that declares this domain for the coordinate ``name``, e.g. ``0 < r``."""
+        """The text that declares this domain for the coordinate ``name``, e.g. ``0 < r``.
+
+        Args:
+            name: of the coordinate.
+        """
         if self.kind != "interval":
             return self.kind
         left = "" if self.lower is None else f"{self.lower} < "

@@ -127,7 +127,14 @@ class _Lagrangian:
 
 
 def domain_bounds(system: System) -> dict[sp.Symbol, Bounds]:
-    """Open interval of each coordinate; angles and lines have no ends."""
+    """Open interval of each coordinate; angles and lines have no ends.
+
+    Args:
+        system: whose coordinates are meant.
+
+    Returns:
+        Symbol of the coordinate → (lower, upper) end.
+    """
     return {
         c.symbol: (None, None) if c.domain.kind == "angle" else (c.domain.lower, c.domain.upper)
         for c in system.coordinates
@@ -135,13 +142,21 @@ def domain_bounds(system: System) -> dict[sp.Symbol, Bounds]:
 
 
 def energy_symbol(system: System) -> sp.Symbol:
-    """The symbol E, or another letter where the user has taken E."""
+    """The symbol E, or another letter where the user has taken E.
+
+    Args:
+        system: whose names are taken.
+    """
     taken = set(system.symbols)
     return sp.Symbol(next(name for name in ("E", "h", "energy", "E_total") if name not in taken), real=True)
 
 
 def time_name(system: System) -> str:
-    """What the parameter of a motion is called: t, or another letter where the system has a coordinate t."""
+    """What the parameter of a motion is called: t, or another letter where the system has a coordinate t.
+
+    Args:
+        system: whose names are taken.
+    """
     taken = [*system.symbols, *(c.momentum.name for c in system.coordinates)]
     return next(name for name in ("t", "tau", "s", "sigma", "t_") if free_name(name, taken) == name)
 

@@ -73,7 +73,11 @@ def eliminate(
 
 
 def first_coupled(m: Rows) -> tuple[int, int, Element] | None:
-    """Positions of the first entry off the diagonal that is not zero, and the entry."""
+    """Positions of the first entry off the diagonal that is not zero, and the entry.
+
+    Args:
+        m: rows of a symmetric matrix, shape (n, n).
+    """
     return next(((j, i, m[i][j]) for i in range(len(m)) for j in range(i) if not m[i][j].is_zero), None)
 
 

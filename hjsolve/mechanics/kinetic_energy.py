@@ -24,6 +24,10 @@ _MAX_EXPONENT = 12
 def check_quadratic(kinetic: sp.Expr, velocities: Sequence[sp.Symbol]) -> sp.Expr:
     """Return T once it is a polynomial of degree two at most in the velocities.
 
+    Args:
+        kinetic: T(q, q̇).
+        velocities: the symbols q̇, shape (n,).
+
     Raises:
         InvalidSystemError: it is not, or a velocity does not occur.
     """
@@ -45,7 +49,12 @@ def check_quadratic(kinetic: sp.Expr, velocities: Sequence[sp.Symbol]) -> sp.Exp
 
 
 def degree(expression: sp.Expr, symbols: frozenset[sp.Symbol]) -> float:
-    """Upper bound of the degree in the symbols, read off the structure; infinite where not a polynomial."""
+    """Upper bound of the degree in the symbols, read off the structure; infinite where not a polynomial.
+
+    Args:
+        expression: any formula.
+        symbols: those the degree counts.
+    """
     if not expression.free_symbols & symbols:
         return 0
     if expression.is_Symbol:
@@ -63,12 +72,22 @@ Parts = dict[tuple[int, ...], sp.Expr]
 
 
 def mass_entries(kinetic: sp.Expr, velocities: Sequence[sp.Symbol]) -> sp.ImmutableMatrix:
-    """m_ij = ∂²T/∂q̇_i∂q̇_j, shape (n, n), in readable entries."""
+    """m_ij = ∂²T/∂q̇_i∂q̇_j, shape (n, n), in readable entries.
+
+    Args:
+        kinetic: T(q, q̇).
+        velocities: the symbols q̇, shape (n,).
+    """
     return mass_as_written(kinetic, velocities).applyfunc(tidy)
 
 
 def mass_as_written(kinetic: sp.Expr, velocities: Sequence[sp.Symbol]) -> sp.ImmutableMatrix:
-    """The same, as it falls out of T."""
+    """m_ij = ∂²T/∂q̇_i∂q̇_j, shape (n, n), as it falls out of T.
+
+    Args:
+        kinetic: T(q, q̇).
+        velocities: the symbols q̇, shape (n,).
+    """
     found = velocity_coefficients(kinetic, velocities)
 
     def entry(i: int, j: int) -> sp.Expr:
@@ -81,6 +100,10 @@ def velocity_coefficients(kinetic: sp.Expr, velocities: Sequence[sp.Symbol]) -> 
     """The coefficients of T as a polynomial in the velocities, by their positions: (), (i,), (i, j) with i ≤ j.
 
     Read off the structure; what holds no velocity is neither differentiated nor expanded.
+
+    Args:
+        kinetic: T(q, q̇).
+        velocities: the symbols q̇, shape (n,).
     """
     return _parts(kinetic, {velocity: i for i, velocity in enumerate(velocities)})
 
@@ -118,7 +141,11 @@ def _product(a: Parts, b: Parts) -> Parts:
 
 
 def blocks(matrix: sp.ImmutableMatrix) -> list[list[int]]:
-    """The index sets that a symmetric matrix couples, each in increasing order."""
+    """The index sets that a symmetric matrix couples, each in increasing order.
+
+    Args:
+        matrix: symmetric, shape (n, n).
+    """
     found: list[list[int]] = []
     for i in range(matrix.rows):
         joined = [block for block in found if any(matrix[i, j] != 0 for j in block)]
@@ -137,7 +164,12 @@ class SumOfSquares:
 
 
 def squares(matrix: sp.ImmutableMatrix, block: Sequence[int]) -> SumOfSquares | None:
-    """Complete the squares of a block, the simplest pivot first; None where every pivot left is zero."""
+    """Complete the squares of a block, the simplest pivot first; None where every pivot left is zero.
+
+    Args:
+        matrix: symmetric, shape (n, n).
+        block: indices of the rows and columns to take, one of ``blocks``.
+    """
     left = list(block)
     n = len(left)
     remaining = {(i, j): matrix[i, j] for i in block for j in block}
@@ -162,7 +194,11 @@ def squares(matrix: sp.ImmutableMatrix, block: Sequence[int]) -> SumOfSquares | 
 
 
 def inverse_of_mass_matrix(matrix: sp.ImmutableMatrix) -> sp.ImmutableMatrix:
-    """M⁻¹, block by block, in readable entries."""
+    """M⁻¹, block by block, in readable entries.
+
+    Args:
+        matrix: M, symmetric and regular, shape (n, n).
+    """
     result = sp.zeros(matrix.rows, matrix.rows)
     for block in blocks(matrix):
         completed = squares(matrix, block)
@@ -185,7 +221,12 @@ def _adjugate_inverse(matrix: sp.ImmutableMatrix, block: Sequence[int]) -> sp.Ma
 
 
 def half_inverse_form(matrix: sp.ImmutableMatrix, vector: Sequence[sp.Expr]) -> sp.Expr:
-    """½ xᵀM⁻¹x as a sum of squares wherever a block has pivots."""
+    """½ xᵀM⁻¹x as a sum of squares wherever a block has pivots.
+
+    Args:
+        matrix: M, symmetric and regular, shape (n, n).
+        vector: x, shape (n,).
+    """
     terms = []
     for block in blocks(matrix):
         completed = squares(matrix, block)
@@ -200,12 +241,20 @@ def half_inverse_form(matrix: sp.ImmutableMatrix, vector: Sequence[sp.Expr]) -> 
 
 
 def short_reciprocal(expression: sp.Expr) -> sp.Expr:
-    """1/expression, without a fraction in the denominator where that is shorter."""
+    """1/expression, without a fraction in the denominator where that is shorter.
+
+    Args:
+        expression: the denominator.
+    """
     return _shortest([1 / expression, 1 / sp.together(expression)])
 
 
 def tidy(expression: sp.Expr) -> sp.Expr:
-    """The shortest of a few equal forms: as it is, factored, and with sin² + cos² = 1 used either way."""
+    """The shortest of a few equal forms: as it is, factored, and with sin² + cos² = 1 used either way.
+
+    Args:
+        expression: any formula in coordinates and parameters.
+    """
     if not expression.has(sp.Add) or _terms(expression) > _MAX_TIDY or any(map(_is_hard, expression.atoms(sp.Pow))):
         return expression
     if expression.is_Mul and not any(map(_may_shorten, expression.atoms(sp.Add))):

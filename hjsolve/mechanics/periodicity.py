@@ -54,7 +54,12 @@ def check_periodic(
 
 @lru_cache(maxsize=512)
 def is_periodic(f: sp.Expr, angle: sp.Symbol) -> bool:
-    """Whether f(a + 2π) = f(a) is proved."""
+    """Whether f(a + 2π) = f(a) is proved.
+
+    Args:
+        f: a formula.
+        angle: a, the symbol of the coordinate.
+    """
     if angle not in f.free_symbols:
         return True
     unknowns = {g: sp.Dummy(real=True) for g in f.atoms(AppliedUndef, sp.Derivative, sp.Subs)}

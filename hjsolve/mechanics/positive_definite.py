@@ -31,6 +31,11 @@ def check_mass_matrix(
     with their assumptions are tried: the matrix passes if some values make it positive definite at every point, for
     it is checked again when values are given. An undetermined function is tried as a positive one.
 
+    Args:
+        matrix: M(q), symmetric, shape (n, n).
+        coordinates, parameters: as declared; their domains and values say where M is tried.
+        signature: ``definite`` where M must be positive definite, ``indefinite`` where it must only be regular.
+
     Raises:
         InvalidSystemError: with the minor, its value and the point.
     """
@@ -173,7 +178,14 @@ def _parameter_values(parameters: Sequence[Parameter]) -> Iterator[Point]:
 
 
 def sample_points(coordinates: Sequence[Coordinate], parameters: Sequence[Parameter]) -> Iterator[Point]:
-    """Points inside the domain; parameters at their default values, or at others that agree with their assumptions."""
+    """Points inside the domain; parameters at their default values, or at others that agree with their assumptions.
+
+    Args:
+        coordinates, parameters: as declared.
+
+    Returns:
+        Symbol → number, one table a point.
+    """
     for _, values in zip(range(_TRIALS), _parameter_values(parameters)):
         yield from _points(coordinates, values)
 
@@ -193,6 +205,13 @@ def _points(coordinates: Sequence[Coordinate], values: Point) -> list[Point]:
 
 def end_values(domain: Domain, values: Point) -> tuple[mpmath.mpf | None, mpmath.mpf | None]:
     """The ends of the domain, ∓π for an angle, None for an end at infinity.
+
+    Args:
+        domain: of a coordinate.
+        values: of the parameters that its ends hold, by symbol.
+
+    Returns:
+        Lower end, upper end.
 
     Raises:
         NoValueError: an end is not a finite real number.

@@ -25,22 +25,41 @@ class Relativity:
     light: sp.Symbol
 
     def energy(self, square: sp.Expr) -> sp.Expr:
-        """H − V, given (p − a)ᵀM⁻¹(p − a)."""
+        """H − V, given (p − a)ᵀM⁻¹(p − a).
+
+        Args:
+            square: (p − a)ᵀM⁻¹(p − a), M and a those of the classical T.
+        """
         return self.light * sp.sqrt(self.mass**2 * self.light**2 + sp.expand_mul(self.mass * square))
 
     def speeds(self, classical: Sequence[sp.Expr], square: sp.Expr) -> list[sp.Expr]:
-        """The velocities, given M⁻¹(p − a) and (p − a)ᵀM⁻¹(p − a)."""
+        """The velocities, given M⁻¹(p − a) and (p − a)ᵀM⁻¹(p − a).
+
+        Args:
+            classical: M⁻¹(p − a), shape (n,).
+            square: (p − a)ᵀM⁻¹(p − a).
+        """
         root = sp.sqrt(self.mass**2 * self.light**2 + sp.expand_mul(self.mass * square))
         return [self.light * self.mass * speed / root for speed in classical]
 
     def momenta(self, linear: Sequence[sp.Expr], classical: Sequence[sp.Expr], square: sp.Expr) -> list[sp.Expr]:
-        """The momenta, given a, M q̇ and q̇ᵀM q̇."""
+        """The momenta, given a, M q̇ and q̇ᵀM q̇.
+
+        Args:
+            linear: a of T₁ = Σ a_i q̇_i, shape (n,).
+            classical: M q̇, shape (n,).
+            square: q̇ᵀM q̇.
+        """
         γ = 1 / sp.sqrt(1 - sp.expand_mul(sp.expand_mul(square) / self.mass) / self.light**2)
         return [a + γ * p for a, p in zip(linear, classical)]
 
 
 def read(given: Mapping[str, str] | None, parameters: Sequence[Parameter]) -> Relativity | None:
     """Read ``{"mass": name, "light": name}``.
+
+    Args:
+        given: names of the parameters that are the rest mass and the speed of light; None for a classical system.
+        parameters: as declared.
 
     Raises:
         InvalidSystemError: other keys, names that are no parameters, or parameters that may be negative.

@@ -212,6 +212,10 @@ def _check_values(system: System) -> None:
 def refuse_turns_that_differ(system: System, parameters: Sequence[Parameter]) -> None:
     """Refuse T or V that, with these values of the parameters, is no function of a coordinate declared an angle.
 
+    Args:
+        system: whose T and V are looked at.
+        parameters: those whose values are put in.
+
     Raises:
         InvalidSystemError: see ``periodicity``.
     """
@@ -263,6 +267,10 @@ def with_values(system: System, values: Mapping[str, object]) -> System:
 def require_values(system: System, names: Iterable[str] | None = None) -> dict[sp.Symbol, sp.Expr]:
     """The values of the parameters named, of all of them by default, by symbol.
 
+    Args:
+        system: whose parameters are meant.
+        names: of the parameters needed; all of them by default.
+
     Raises:
         MissingValueError: some have none; the message lists them.
         InvalidSystemError: a name is not a parameter.
@@ -284,18 +292,30 @@ def _speeds(system: System) -> list[sp.Symbol]:
 
 
 def mass_matrix(system: System) -> sp.ImmutableMatrix:
-    """m_ij(q) = ∂²T/∂q̇_i∂q̇_j, shape (n, n)."""
+    """m_ij(q) = ∂²T/∂q̇_i∂q̇_j, shape (n, n).
+
+    Args:
+        system: with T = ½ q̇ᵀM q̇ + aᵀq̇ + T₀.
+    """
     return mass_entries(system.kinetic, _speeds(system))
 
 
 def linear_terms(system: System) -> tuple[sp.Expr, ...]:
-    """a_i(q) of T₁ = Σ a_i q̇_i, one for each coordinate."""
+    """a_i(q) of T₁ = Σ a_i q̇_i, one for each coordinate.
+
+    Args:
+        system: with T = ½ q̇ᵀM q̇ + aᵀq̇ + T₀.
+    """
     found = velocity_coefficients(system.kinetic, _speeds(system))
     return tuple(found.get((i,), sp.S.Zero) for i in range(len(system.coordinates)))
 
 
 def kinetic_rest(system: System) -> sp.Expr:
-    """T₀(q), the part of T without velocities."""
+    """T₀(q), the part of T without velocities.
+
+    Args:
+        system: with T = ½ q̇ᵀM q̇ + aᵀq̇ + T₀.
+    """
     speeds = _speeds(system)
     rest = dict.fromkeys(speeds, sp.S.Zero)
 
@@ -307,7 +327,11 @@ def kinetic_rest(system: System) -> sp.Expr:
 
 
 def inverse_mass_matrix(system: System) -> sp.ImmutableMatrix:
-    """The inverse of the mass matrix, shape (n, n)."""
+    """The inverse of the mass matrix, shape (n, n).
+
+    Args:
+        system: with T = ½ q̇ᵀM q̇ + aᵀq̇ + T₀.
+    """
     return inverse_of_mass_matrix(mass_matrix(system))
 
 
@@ -320,6 +344,9 @@ def hamiltonian(system: System) -> sp.Expr:
     """H(q, p) = ½ (p − a)ᵀ M⁻¹ (p − a) − T₀ + V, Greenwood (4-109)–(4-112); the first term as a sum of squares.
 
     For a relativistic particle c √(m₀²c² + m₀ (p − a)ᵀ M⁻¹ (p − a)) + V, (7-165), (7-170).
+
+    Args:
+        system: T and V as declared.
     """
     kinetic = half_inverse_form(mass_matrix(system), _shifted(system))
     if system.relativity is not None:
@@ -328,7 +355,11 @@ def hamiltonian(system: System) -> sp.Expr:
 
 
 def momenta(system: System) -> dict[str, sp.Expr]:
-    """p_i = ∂T/∂q̇_i by name of the coordinate, in coordinates and velocities; relativistic a + γ M q̇."""
+    """p_i = ∂T/∂q̇_i by name of the coordinate, in coordinates and velocities; relativistic a + γ M q̇.
+
+    Args:
+        system: T and V as declared.
+    """
     names = [c.name for c in system.coordinates]
     if system.relativity is None:
         return {c.name: _slope(system.kinetic, c.velocity) for c in system.coordinates}
@@ -344,7 +375,11 @@ def _slope(kinetic: sp.Expr, velocity: sp.Symbol) -> sp.Expr:
 
 
 def velocities(system: System) -> dict[str, sp.Expr]:
-    """q̇ = M⁻¹ (p − a) by name of the coordinate, in coordinates and momenta; relativistic c m₀ M⁻¹ (p − a)/√(…)."""
+    """q̇ = M⁻¹ (p − a) by name of the coordinate, in coordinates and momenta; relativistic c m₀ M⁻¹ (p − a)/√(…).
+
+    Args:
+        system: T and V as declared.
+    """
     return dict(zip([c.name for c in system.coordinates], _rates(system)))
 
 

@@ -126,7 +126,7 @@ def checked(begin: CoordinateStart) -> CoordinateStart:
 
     Raises:
         NotConvergedError: the place is so far out that doubles cannot tell places apart there.
-        ForbiddenMotionError: p² < 0 there, where the direction is not given by an ignorable momentum.
+        ForbiddenMotionError: p² < 0 there, although the momentum given is not zero.
     """
     place = begin.place(256 + begin.radicand.guard)
     if abs(place) >= (_MOST_ANGLE if begin.angle else _FARTHEST):

@@ -22,7 +22,11 @@ from hjsolve.separation.verdicts import Constant, Separation, Verdict
 
 
 def shell_system(system: System) -> System:
-    """The natural system whose shell is the relativistic one; the true energy is a parameter of it."""
+    """The natural system whose shell is the relativistic one; the true energy is a parameter of it.
+
+    Args:
+        system: of a relativistic particle.
+    """
     assert system.relativity is not None
     energy = energy_symbol(system)
     m, c = system.relativity.mass, system.relativity.light
@@ -37,7 +41,11 @@ def shell_system(system: System) -> System:
 
 
 def shell_energy(system: System) -> sp.Expr:
-    """The value −½m₀c² that the shell's own energy has."""
+    """The value −½m₀c² that the shell's own energy has.
+
+    Args:
+        system: of a relativistic particle.
+    """
     assert system.relativity is not None
     return -system.relativity.mass * system.relativity.light**2 / 2
 

@@ -75,6 +75,9 @@ def hamilton_jacobi_residual(solution: Solution) -> sp.Expr:
 
     H is Legendre's transform of the system's own T and V (4-109)–(4-112), not of the shell. Of a relativistic particle
     H − V = c √(…) is a root itself, positive like E − V: there it is (H − V)² − (E − V)², (7-165), (7-170).
+
+    Args:
+        solution: with W(q) and E.
     """
     system, shell = solution.system, solution.separation.shell
     roots = {name: sp.Dummy(f"P_{name}") for name in solution.momentum_squared}
@@ -125,7 +128,12 @@ def _momentum_residuals(solution: Solution) -> Iterator[sp.Expr]:
 
 
 def poisson_bracket(u: sp.Expr, v: sp.Expr, solution: Solution) -> sp.Expr:
-    """(u, v) = Σ ∂u/∂q ∂v/∂p − ∂u/∂p ∂v/∂q, Greenwood's sign (6-212)."""
+    """(u, v) = Σ ∂u/∂q ∂v/∂p − ∂u/∂p ∂v/∂q, Greenwood's sign (6-212).
+
+    Args:
+        u, v: functions of coordinates, momenta and parameters.
+        solution: whose coordinates and momenta are meant.
+    """
     pairs = [(c.symbol, c.momentum) for c in solution.system.coordinates]
     return sp.Add(*(u.diff(q) * v.diff(p) - u.diff(p) * v.diff(q) for q, p in pairs))
 

@@ -137,6 +137,9 @@ class Solution:
 def refuse_null(solution: Solution) -> None:
     """Refuse numbers of a solution that holds a momentum to first degree.
 
+    Args:
+        solution: the one that numbers are asked of.
+
     Raises:
         InvalidInputError: it does; the message says what to use instead.
     """
@@ -248,7 +251,11 @@ def _alike(one: sp.Expr, other: sp.Expr, *momenta: sp.Symbol) -> bool:
 
 
 def separation_constants(verdict: Separation) -> tuple[Constant, ...]:
-    """E, alpha_2, …: the constants that multiply the columns of Φ, in their order."""
+    """E, alpha_2, …: the constants that multiply the columns of Φ, in their order.
+
+    Args:
+        verdict: with the Stäckel matrix Φ.
+    """
     ignorable = {c.momentum for c in verdict.shell.ignorable}
     return tuple(c for c in verdict.constants.values() if c.symbol not in ignorable)
 

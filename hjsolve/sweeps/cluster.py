@@ -90,6 +90,14 @@ def _refill(client: Any, work: SweepWork, parts: Iterator[int], waiting: dict[An
 def remote_part(recipe: EnsembleTask, expected: Mapping[str, str], starts: Mapping[str, Any]) -> dict[str, Any]:
     """The columns of one part, on a worker.
 
+    Args:
+        recipe: what is to be computed of each orbit.
+        expected: versions and digests of the code that the run began with.
+        starts: initial conditions, name → array of shape (n,).
+
+    Returns:
+        Name of the column → array of shape (n,).
+
     Raises:
         ClusterError: the worker's code is not that of the run.
     """

@@ -52,7 +52,11 @@ class SweepPlan:
         return -(-self.orbits // self.chunk)
 
     def window(self, part: int) -> tuple[int, int]:
-        """First orbit of a part, and the first after it."""
+        """First orbit of a part, and the first after it.
+
+        Args:
+            part: its number, from 0 on.
+        """
         return part * self.chunk, min((part + 1) * self.chunk, self.orbits)
 
     @property
@@ -72,7 +76,11 @@ class Folder:
     plan: SweepPlan
 
     def part(self, number: int) -> Path:
-        """The file of a part."""
+        """The file of a part.
+
+        Args:
+            number: of the part, from 0 on.
+        """
         return self.path / f"part-{number:06d}.parquet"
 
     def left(self) -> list[int]:
@@ -87,7 +95,13 @@ class Folder:
             return False
 
     def write(self, number: int, starts: Mapping[str, Any], columns: Mapping[str, Any]) -> None:
-        """Write one part, completely or not at all."""
+        """Write one part, completely or not at all.
+
+        Args:
+            number: of the part, from 0 on.
+            starts: initial conditions, name → array of shape (n,).
+            columns: results, name → array of shape (n,).
+        """
         begin, end = self.plan.window(number)
         words = pa.DictionaryArray.from_arrays(pa.array(columns[STATUS]), pa.array(WORDS.tolist()))
         arrays = {"orbit": np.arange(begin, end), **starts, STATUS: words, RECOMPUTED: columns[RECOMPUTED]}
@@ -119,6 +133,10 @@ class Folder:
 @contextlib.contextmanager
 def opened(path: Path, plan: SweepPlan) -> Iterator[Folder]:
     """Begin a sweep in a folder, or go on with the one it holds.
+
+    Args:
+        path: of the folder; made where there is none.
+        plan: what the sweep is to compute.
 
     Raises:
         InvalidInputError: the path is something else; the folder holds another sweep, or one that other code began;

@@ -39,7 +39,15 @@ class SweepPoints:
     fixed: Mapping[str, float]
 
     def window(self, names: list[str], begin: int, end: int) -> dict[str, Any]:
-        """The starts begin ≤ number < end: ``q.r`` … in the order of the coordinates, then ``p.r`` …."""
+        """The starts begin ≤ number < end: ``q.r`` … in the order of the coordinates, then ``p.r`` ….
+
+        Args:
+            names: of the coordinates.
+            begin, end: numbers of the first start and of the one after the last.
+
+        Returns:
+            Name → array of shape (end − begin,).
+        """
         places = np.unravel_index(np.arange(begin, end), self.sizes)
         result = {}
         for key in [f"{group}.{name}" for group in ("q", self.kind) for name in names]:
@@ -53,6 +61,9 @@ class SweepPoints:
 
 def points_of(scene: Scene) -> tuple[SweepPoints, str]:
     """The starts that a scene declares, and a digest of the table they come from (empty for a grid).
+
+    Args:
+        scene: with a ``sweep``.
 
     Raises:
         InvalidInputError: the scene has no sweep; the table cannot be read, or does not hold what it should.

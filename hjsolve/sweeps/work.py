@@ -31,18 +31,34 @@ class SweepWork:
         return [c.name for c in self.recipe.system.coordinates]
 
     def starts(self, part: int) -> dict[str, Any]:
-        """The initial conditions of a part."""
+        """The initial conditions of a part.
+
+        Args:
+            part: its number, from 0 on.
+        """
         return self.points.window(self.names, *self.folder.plan.window(part))
 
     def keep(self, part: int, starts: Mapping[str, Any], columns: Mapping[str, Any]) -> None:
-        """Write a part that is done."""
+        """Write a part that is done.
+
+        Args:
+            part: its number, from 0 on.
+            starts: initial conditions, name → array of shape (n,).
+            columns: results, name → array of shape (n,).
+        """
         self.folder.write(part, starts, columns)
         begin, end = self.folder.plan.window(part)
         self.advance(end - begin)
 
 
 def columns_of(recipe: EnsembleTask, starts: Mapping[str, Any], threads: int | None) -> dict[str, Any]:
-    """The columns of a part; runs here or on a worker."""
+    """The columns of a part; runs here or on a worker.
+
+    Args:
+        recipe: what is to be computed of each orbit.
+        starts: initial conditions, name → array of shape (n,).
+        threads: at most; None for as many as there are cores.
+    """
     names = [c.name for c in recipe.system.coordinates]
     q, rates = ([starts[f"{group}.{name}"] for name in names] for group in ("q", recipe.kind))
     return compute_columns(recipe, q, rates, threads=threads)

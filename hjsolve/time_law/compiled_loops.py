@@ -31,7 +31,13 @@ def _kernel(function: F) -> F:
 
 @_kernel
 def relative(times: Any, high: float, low: float, upper: Any, lower: Any) -> None:
-    """Fill ``upper`` + ``lower`` with times − (high + low)."""
+    """Fill ``upper`` + ``lower`` with times − (high + low).
+
+    Args:
+        times: t, doubles, shape (m,).
+        high, low: t₀ as the sum of two doubles.
+        upper, lower: filled here; shape (m,).
+    """
     for i in range(times.size):
         t = times[i]
         difference = t - high
@@ -42,7 +48,14 @@ def relative(times: Any, high: float, low: float, upper: Any, lower: Any) -> Non
 
 @_kernel
 def turns(rate: Any, upper: Any, lower: Any, start: Any, whole: Any, rest: Any) -> None:
-    """Fill whole turns and rest of start + rate·time; see ``turns.turns``."""
+    """Fill whole turns and rest of start + rate·time; see ``turns.turns``.
+
+    Args:
+        rate: turns in a unit of time, as two doubles whose sum it is.
+        upper, lower: time, as the sum of two doubles; shape (m,).
+        start: turns at time zero, as ``rate``.
+        whole, rest: filled here; shape (m,).
+    """
     rh, rl, sh, sl = rate[0], rate[1], start[0], start[1]
     c = _SPLITTER * rh
     ah = c - (c - rh)
@@ -129,7 +142,12 @@ def look_up(argument: Any, edges: Any, guide: Any, rows: Any, parity: int, out: 
 
 @_kernel
 def principal(angle: Any, value: Any, count: Any) -> None:
-    """Fill ``value`` in (−π, π] and the turns taken away."""
+    """Fill ``value`` in (−π, π] and the turns taken away.
+
+    Args:
+        angle: in radians, shape (m,).
+        value, count: filled here; shape (m,).
+    """
     for i in range(angle.size):
         x = angle[i]
         n = np.ceil((x - np.pi) / _TURN)

@@ -36,11 +36,24 @@ def relative(times: Any, start: Callable[[int], Any]) -> tuple[Any, Any]:
 
 
 def relative_exact(times: Sequence[Callable[[int], Any]], start: Callable[[int], Any], bits: int) -> list[Any]:
-    """Return t − t₀ in many digits."""
+    """Return t − t₀ in many digits.
+
+    Args:
+        times: rules that give each t in any number of binary digits.
+        start: the same of t₀.
+        bits: binary digits wanted.
+    """
     return [t(bits) - start(bits) for t in times]
 
 
 def halves(numbers: Sequence[Any]) -> tuple[Any, Any]:
-    """Return many-digit numbers as two double arrays."""
+    """Return many-digit numbers as two double arrays.
+
+    Args:
+        numbers: mpmath's.
+
+    Returns:
+        High and low parts, shape (m,) each; their sum is the number to about 32 digits.
+    """
     pairs = [split(x) for x in numbers]
     return np.array([p[0] for p in pairs]), np.array([p[1] for p in pairs])

@@ -51,6 +51,9 @@ class TriangularScheme:
 def plan(courses: Sequence[CoordinateMotion]) -> TriangularScheme:
     """Find which coordinates have a time of their own.
 
+    Args:
+        courses: of the separated coordinates, in their order.
+
     Raises:
         NotConvergedError: the integrals are beyond the range of doubles.
     """
@@ -205,7 +208,14 @@ def _right_sides(
 
 
 def reaching(course: CoordinateMotion, scheme: TriangularScheme, span: float, i: int) -> CoordinateMotion:
-    """Let an open course hold enough panels for a time span: of its own clock, or of its part of the time."""
+    """Let an open course hold enough panels for a time span: of its own clock, or of its part of the time.
+
+    Args:
+        course: of one coordinate; one that comes back is given back as it is.
+        scheme: which coordinates have a time of their own.
+        span: length of time, in the units of t.
+        i: position of the coordinate.
+    """
     if not isinstance(course, Unbounded):
         return course
     weights = next(

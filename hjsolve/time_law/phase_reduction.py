@@ -57,7 +57,14 @@ def _turns(rate: tuple[float, float], upper: Any, lower: Any, start: tuple[float
 
 
 def principal(angle: Any) -> tuple[Any, Any]:
-    """Reduce to (−π, π], and count the turns taken away; float array of shape (m,)."""
+    """Reduce to (−π, π], and count the turns taken away; float array of shape (m,).
+
+    Args:
+        angle: in radians, shape (m,).
+
+    Returns:
+        The angle in (−π, π], and the whole turns taken away; shape (m,) each.
+    """
     value, count = np.empty(angle.shape), np.empty(angle.shape)
     if compiled := kernels(angle.size):
         compiled.principal(np.ascontiguousarray(angle), value, count)

@@ -70,7 +70,15 @@ def _slope(system: TorusEquations, k: int, i: int, x: Any) -> Any:
 def unbounded(
     courses: list[CoordinateMotion], equations: int, χ: list[Any], time: list[Any], bits: int
 ) -> tuple[list[Any], list[Any]]:
-    """Refine phases where some coordinate does not come back; arguments as in ``on_torus``."""
+    """Refine phases where some coordinate does not come back; arguments as in ``on_torus``.
+
+    Args:
+        courses: of the separated coordinates, in their order.
+        equations: number of Jacobi's equations.
+        χ: phases in doubles, one array a coordinate, shape (m,).
+        time: t − t₀ in many digits, m numbers.
+        bits: binary digits wanted.
+    """
     context = multiprecision(bits)
     n = len(courses)
 

@@ -57,6 +57,9 @@ class InterpolationTable:
 
         The guide gives it where at most one edge lies in a cell; only the rest is searched for. At the end of a cell
         rounding may give the panel before or after, whose polynomial holds there as well.
+
+        Args:
+            u: arguments inside the table, shape (m,).
         """
         guide, first = self.guide, self.edges[0]
         cells = len(guide) - 1
@@ -72,15 +75,29 @@ class InterpolationTable:
         return panel
 
     def sizes(self, quantity: int, θ: Any) -> Any:
-        """Return the size each value is accurate against: the largest of its quantity on its panel."""
+        """Return the size each value is accurate against: the largest of its quantity on its panel.
+
+        Args:
+            quantity: position of the quantity in the table.
+            θ: arguments inside the table, shape (m,).
+        """
         return np.take(self.bounds[quantity], self.panels(np.abs(θ) if self.even else θ))
 
     def doubt(self, θ: Any) -> Any:
-        """Return the doubt in the argument that comes from the rounding of phases when the table was made."""
+        """Return the doubt in the argument that comes from the rounding of phases when the table was made.
+
+        Args:
+            θ: arguments inside the table, shape (m,).
+        """
         return np.take(self.doubts, self.panels(np.abs(θ) if self.even else θ))
 
     def evaluate(self, quantities: Sequence[int], θ: Any) -> list[Any]:
-        """Return the quantities at arguments inside the table, shape (m,)."""
+        """Return the quantities at arguments inside the table, shape (m,).
+
+        Args:
+            quantities: their positions in the table.
+            θ: arguments inside the table, shape (m,).
+        """
         results = [np.empty_like(θ) for _ in quantities]
         if compiled := kernels(len(θ)):
             for quantity, result in zip(quantities, results, strict=True):

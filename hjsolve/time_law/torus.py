@@ -51,6 +51,10 @@ class TorusEquations:
 def torus_equations(courses: Sequence[Periodic | AtRest], bits: int) -> TorusEquations:
     """Set up the angle form of Jacobi's equations.
 
+    Args:
+        courses: of the separated coordinates, in their order.
+        bits: binary digits of the arithmetic.
+
     Raises:
         NotConvergedError: the matrix of mean growths is singular, so the angles do not exist.
     """
@@ -76,12 +80,23 @@ def torus_equations(courses: Sequence[Periodic | AtRest], bits: int) -> TorusEqu
 
 
 def mean_rate(system: TorusEquations, j: int) -> Any:
-    """Return the mean growth of the coordinate that belongs to the j-th constant, an ignorable momentum."""
+    """Return the mean growth of the coordinate that belongs to the j-th constant, an ignorable momentum.
+
+    Args:
+        system: the equations in angle form.
+        j: position of the constant.
+    """
     return -sum(rate * course.growth(j) for rate, course in zip(system.rates, system.courses, strict=True))
 
 
 def oscillation(system: TorusEquations, i: int, j: int) -> FourierSeries:
-    """Return what that coordinate adds to its mean growth, as a function of the phase of coordinate i."""
+    """Return what that coordinate adds to its mean growth, as a function of the phase of coordinate i.
+
+    Args:
+        system: the equations in angle form.
+        i: position of the separated coordinate.
+        j: position of the constant, an ignorable momentum.
+    """
     course = system.courses[i]
     own = combine([-1], [course.kernels[j]]) if isinstance(course, Periodic) else zero()
     return combine([1, *(c.growth(j) for c in system.courses)], [own, *(row[i] for row in system.ripples)])
@@ -297,6 +312,11 @@ def _follow(system: TorusEquations, goal: Any) -> Any:
 
 
 def sum_ripples(system: TorusEquations, x: Any) -> Any:
-    """Return Σᵢ Dₖᵢ(χᵢ) over the coupled block; shapes (coordinates, m)."""
+    """Return Σᵢ Dₖᵢ(χᵢ) over the coupled block; shapes (coordinates, m).
+
+    Args:
+        system: the equations in angle form.
+        x: phases χ, shape (coordinates, m).
+    """
     block = system.coupled
     return np.stack([sum(system.ripples[k][i].ripple(x[c]) for c, i in enumerate(block)) for k in block])

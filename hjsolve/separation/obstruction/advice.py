@@ -19,7 +19,11 @@ ALWAYS = (
 
 
 def small_oscillations(system: System) -> bool:
-    """Whether T has constant coefficients and V − T₀ is a quadratic polynomial in coordinates that are no angles."""
+    """Whether T has constant coefficients and V − T₀ is a quadratic polynomial in coordinates that are no angles.
+
+    Args:
+        system: whose T and V are looked at.
+    """
     symbols = [c.symbol for c in system.coordinates]
     if system.kinetic.free_symbols & set(symbols) or any(linear_terms(system)):
         return False
@@ -30,7 +34,11 @@ def small_oscillations(system: System) -> bool:
 
 
 def advice_for_linear_equations(system: System) -> str:
-    """What to do with a system whose equations are linear and that has gyroscopic terms; nothing for any other."""
+    """What to do with a system whose equations are linear and that has gyroscopic terms; nothing for any other.
+
+    Args:
+        system: the one refused.
+    """
     symbols = [c.symbol for c in system.coordinates]
     speeds = [c.velocity for c in system.coordinates]
     energy = sp.expand(system.kinetic - system.potential)
@@ -49,7 +57,13 @@ def advice_for_linear_equations(system: System) -> str:
 
 
 def for_metric(system: System, pair: tuple[str, str], coupled: bool) -> str:
-    """Advice when the kinetic energy is the obstacle."""
+    """Advice when the kinetic energy is the obstacle.
+
+    Args:
+        system: the one refused.
+        pair: names of the two coordinates that do not come apart.
+        coupled: True where T has a product of their velocities.
+    """
     i, j = pair
     if small_oscillations(system):
         return (
@@ -73,7 +87,12 @@ def for_metric(system: System, pair: tuple[str, str], coupled: bool) -> str:
 
 
 def for_potential(system: System, pair: tuple[str, str]) -> str:
-    """Advice when the kinetic energy separates and the potential does not."""
+    """Advice when the kinetic energy separates and the potential does not.
+
+    Args:
+        system: the one refused.
+        pair: names of the two coordinates that do not come apart.
+    """
     i, j = pair
     if small_oscillations(system):
         return (
@@ -105,7 +124,12 @@ def _search(system: System) -> str:
 
 
 def for_gyroscopic(system: System, pair: tuple[str, str]) -> str:
-    """Advice when linear terms are not a gradient."""
+    """Advice when linear terms are not a gradient.
+
+    Args:
+        system: the one refused.
+        pair: names of the two coordinates in which the linear terms have a curl.
+    """
     i, j = pair
     if words := advice_for_linear_equations(system):
         return f"The terms linear in the velocities of {i} and {j} are no gradient. {words}"
@@ -119,7 +143,11 @@ def for_gyroscopic(system: System, pair: tuple[str, str]) -> str:
 
 
 def about_blocks(blocks: Sequence[Sequence[str]]) -> str:
-    """What the finest partition into blocks means; nothing when there is one block only."""
+    """What the finest partition into blocks means; nothing when there is one block only.
+
+    Args:
+        blocks: names of the coordinates, block by block.
+    """
     if len(blocks) < 2:
         return ""
     names = "; ".join(", ".join(block) for block in blocks)
@@ -130,7 +158,12 @@ def about_blocks(blocks: Sequence[Sequence[str]]) -> str:
 
 
 def about_energy(system: System, energy: sp.Expr) -> str:
-    """What separation at one energy means."""
+    """What separation at one energy means.
+
+    Args:
+        system: the one refused at the other energies.
+        energy: E at which it separates, in parameters and constant momenta.
+    """
     words = (
         f"The equation separates at the one energy E = {energy}, for the metric is conformally of Staeckel's form: "
         "there W is found by quadratures, at neighbouring energies it is not (conformal separation; after Jacobi and "

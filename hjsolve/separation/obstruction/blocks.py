@@ -48,7 +48,12 @@ def finest(
 
 
 def components(n: int, pairs: Iterable[tuple[int, int]]) -> tuple[Block, ...]:
-    """Connected components of a graph on 0 … n − 1."""
+    """Connected components of a graph on 0 … n − 1.
+
+    Args:
+        n: number of vertices.
+        pairs: the edges.
+    """
     found: list[Block] = [(i,) for i in range(n)]
     for i, j in pairs:
         joined = [block for block in found if i in block or j in block]
