@@ -56,7 +56,11 @@ class Enclosed:
 
 
 def work_bits(digits: int) -> int:
-    """The precision to begin with; two words for 15 digits."""
+    """The precision to begin with; two words for 15 digits.
+
+    Args:
+        digits: decimal digits asked.
+    """
     return bits_for(digits, 79)
 
 
@@ -64,6 +68,12 @@ def lines(
     radicands: Mapping[str, MomentumSquared], initial: Initial, solution: Solution, bits: int
 ) -> dict[str, BallMomentumSquared]:
     """Return p² of each separated coordinate in balls.
+
+    Args:
+        radicands: separated coordinate → p².
+        initial: the exact initial data and constants.
+        solution: what is solved.
+        bits: of the balls.
 
     Raises:
         MissingExtraError: python-flint is not installed.
@@ -128,7 +138,11 @@ def _enclose(motion: SeparatedMotion, digits: int, known: Mapping[str, BallMomen
 
 
 def exact_ball(value: sp.Expr) -> Any:
-    """Enclose an exact number at the current precision."""
+    """Enclose an exact number at the current precision.
+
+    Args:
+        value: exact number of sympy.
+    """
     if value.is_Rational:
         return Balls().rational(int(value.p), int(value.q))
     return lower([value], []).run(Balls(), [])[0]
@@ -253,6 +267,10 @@ def _frequencies(motion: SeparatedMotion, growths: Mapping[str, list[Any]]) -> d
 def estimate(value: Any, digits: int) -> Estimate:
     """Return a ball as an estimate whose error holds the radius and the rounding of its centre.
 
+    Args:
+        value: a real ball.
+        digits: decimal digits asked.
+
     Raises:
         NotConvergedError: the ball is wider than the digits asked.
     """
@@ -271,7 +289,12 @@ def estimate(value: Any, digits: int) -> Estimate:
 
 
 def to_mpf(x: Any, bits: int) -> Any:
-    """Round the centre of a ball to an mpf."""
+    """Round the centre of a ball to an mpf.
+
+    Args:
+        x: a real ball.
+        bits: of the result.
+    """
     mantissa, exponent = x.mid().man_exp()
     context = multiprecision(bits)
     return context.ldexp(context.convert(int(mantissa)), int(exponent))

@@ -59,7 +59,13 @@ def crossing_time(motion: SeparatedMotion, name: str, value: Any, passage: int) 
 
 
 def crossing_times(motion: SeparatedMotion, name: str, values: Any) -> Any:
-    """Return the times of the first crossings after t₀, array of shape (m,)."""
+    """Return the times of the first crossings after t₀, array of shape (m,).
+
+    Args:
+        motion: where the crossings are looked for.
+        name: coordinate.
+        values: positions, shape (m,); for an angle modulo 2π.
+    """
     return np.array([crossing_time(motion, name, v, 0).value for v in exact_numbers(values, "values")[1]])
 
 
@@ -275,7 +281,14 @@ def _scanned(motion: SeparatedMotion, name: str, value: float, passage: int) -> 
 
 
 def boundary_times(motion: SeparatedMotion) -> dict[str, Estimate]:
-    """Return, for every coordinate that will reach an end of its domain, when."""
+    """Return, for every coordinate that will reach an end of its domain, when.
+
+    Args:
+        motion: the one looked at.
+
+    Returns:
+        Coordinate → t, in the units of t.
+    """
     result = {}
     for k, name in enumerate(motion.solution.coordinates):
         course = motion.located[name].course
@@ -288,7 +301,12 @@ def boundary_times(motion: SeparatedMotion) -> dict[str, Estimate]:
 
 
 def angle_variables(motion: SeparatedMotion, t: Any) -> dict[str, Any]:
-    """Return θ = θ₀ + Ω (t − t₀) in (−π, π]; see ``Motion.angles``."""
+    """Return θ = θ₀ + Ω (t − t₀) in (−π, π]; see ``Motion.angles``.
+
+    Args:
+        motion: the one looked at.
+        t: a time or an array of times.
+    """
     equations = motion.equations
     shape, floats, exact = read_times(t)
     phases = phases_at(motion, floats, exact)

@@ -72,7 +72,11 @@ class InBits:
 
 
 def to_bits(value: sp.Expr) -> InBits:
-    """Return a rule that gives an exact number to any binary precision."""
+    """Return a rule that gives an exact number to any binary precision.
+
+    Args:
+        value: exact number of sympy.
+    """
     return InBits(value)
 
 
@@ -81,6 +85,9 @@ def number_is_zero(value: sp.Expr) -> bool:
 
     A long one that two precisions agree on is not; else by sympy's own rules, which take their time, or to 2048 bits:
     it is zero where it is that small against its largest term, or where two precisions find nothing but rounding.
+
+    Args:
+        value: exact number of sympy.
     """
     if value.is_Rational:
         return bool(value == 0)
@@ -105,7 +112,11 @@ def _agreed(value: sp.Expr, bits: int) -> bool:
 
 
 def expanded(value: sp.Expr) -> sp.Expr:
-    """Multiply an exact number out where that leaves it short; what is left as it is, is only worked out in digits."""
+    """Multiply an exact number out where that leaves it short; what is left as it is, is only worked out in digits.
+
+    Args:
+        value: exact number of sympy.
+    """
     if value.is_Rational:
         return value
     return sp.expand(value) if _terms(value) <= _MOST_TERMS else value
@@ -124,7 +135,11 @@ def _terms(value: sp.Expr) -> int:
 
 
 def sign(value: sp.Expr) -> int:
-    """Return −1, 0 or 1."""
+    """Return −1, 0 or 1.
+
+    Args:
+        value: exact real number of sympy.
+    """
     if value.is_Rational:
         return (value.p > 0) - (value.p < 0)
     if number_is_zero(value):
@@ -134,6 +149,10 @@ def sign(value: sp.Expr) -> int:
 
 def parameter_values(system: System, given: Values) -> dict[sp.Symbol, sp.Expr]:
     """Give every parameter of a system its exact value: the one given, else the default.
+
+    Args:
+        system: whose parameters are meant.
+        given: name → number; the others take their defaults.
 
     Raises:
         InvalidInputError: a name that is no parameter, or a value against the parameter's ``assume``.
@@ -152,6 +171,10 @@ def parameter_values(system: System, given: Values) -> dict[sp.Symbol, sp.Expr]:
 
 def values_of(parameters: Sequence[Parameter], given: Values) -> dict[sp.Symbol, sp.Expr]:
     """Give every parameter its exact value, as ``parameter_values``, where there is no T and V beside them.
+
+    Args:
+        parameters: as declared.
+        given: name → number; the others take their defaults.
 
     Raises:
         InvalidInputError: a name that is no parameter, or a value against the parameter's ``assume``.
@@ -330,7 +353,16 @@ def _real(value: sp.Expr) -> bool:
 def domain_ends(
     system: System, name: str, values: Mapping[sp.Symbol, sp.Expr]
 ) -> tuple[sp.Expr | None, sp.Expr | None]:
-    """Return the exact ends of a coordinate's domain, None where it has none."""
+    """Return the exact ends of a coordinate's domain, None where it has none.
+
+    Args:
+        system: that has the coordinate.
+        name: of the coordinate.
+        values: symbol → exact number, of the parameters that the ends hold.
+
+    Returns:
+        Lower end, upper end.
+    """
     domain = system.coordinate(name).domain
     lower_end, upper_end = (None if b is None else b.subs(values) for b in (domain.lower, domain.upper))
     return lower_end, upper_end

@@ -166,6 +166,12 @@ class Motion:
         """Return the angle variables θ = θ₀ + Ω (t − t₀), in (−π, π], of every coordinate that has a frequency.
 
         θ of a libration is zero when all coordinates stand at their lower turning points.
+
+        Args:
+            t: a time or an array of times.
+
+        Returns:
+            Coordinate → angle in radians; a number for one time, else an array of the shape of t.
         """
         from hjsolve.motion.crossings import angle_variables
 
@@ -353,6 +359,9 @@ def _kinds(solution: Solution, located: Mapping[str, Located]) -> dict[str, str]
 
 def parts_of(want: Iterable[str] | None) -> frozenset[str]:
     """The integrals that the quantities wanted need.
+
+    Args:
+        want: names of quantities; None for all.
 
     Raises:
         InvalidInputError: a name that is not in ``QUANTITIES``.

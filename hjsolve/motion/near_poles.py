@@ -57,7 +57,12 @@ def blurred(motion: SeparatedMotion, q: Mapping[str, Any], p: Mapping[str, Any])
 
 
 def blurs(motion: SeparatedMotion, course: CoordinateMotion) -> bool:
-    """Whether a motion with one separated coordinate comes to places where its velocities are blurred."""
+    """Whether a motion with one separated coordinate comes to places where its velocities are blurred.
+
+    Args:
+        motion: the one looked at.
+        course: of its separated coordinate.
+    """
     system, name = motion.solution.system, motion.solution.coordinates[0]
     χ = np.linspace(0, np.pi, 65) if isinstance(course, Periodic) else np.linspace(-1, 1, 65)
     q, p = {}, {}
@@ -82,7 +87,13 @@ def _arguments(
 def places(
     motion: SeparatedMotion, courses: list[CoordinateMotion], χ: list[Any]
 ) -> tuple[dict[str, Pair], dict[str, Any]]:
-    """Separated coordinates in two doubles, and their shell momenta, at phases in doubles."""
+    """Separated coordinates in two doubles, and their shell momenta, at phases in doubles.
+
+    Args:
+        motion: the one looked at.
+        courses: of its separated coordinates.
+        χ: phases in doubles, one array a coordinate, shape (m,).
+    """
     q, shell = {}, {}
     for name, course, phase in zip(motion.solution.coordinates, courses, χ, strict=True):
         rough, shell[name] = course.place(phase)
@@ -102,13 +113,23 @@ def _place(course: CoordinateMotion, χ: Any, rough: Any) -> Pair:
 
 
 def distances(course: Periodic, χ: Any) -> tuple[Any, Any]:
-    """Distances from the lower and from the upper turning point of a libration, each with its relative accuracy."""
+    """Distances from the lower and from the upper turning point of a libration, each with its relative accuracy.
+
+    Args:
+        course: of the libration.
+        χ: phases in doubles, shape (m,).
+    """
     place = map_in_doubles(course.anomaly).place(χ - 2 * np.pi * np.rint(χ / (2 * np.pi)), Float64())
     return place.below, place.above
 
 
 def grain(course: CoordinateMotion, χ: Any) -> Any:
-    """The size that the rounding of a place in two doubles refers to."""
+    """The size that the rounding of a place in two doubles refers to.
+
+    Args:
+        course: of one coordinate.
+        χ: phases in doubles, shape (m,).
+    """
     if isinstance(course, AtRest):
         return 0.0 * χ
     if isinstance(course, Unbounded):
@@ -117,7 +138,12 @@ def grain(course: CoordinateMotion, χ: Any) -> Any:
 
 
 def beside(course: Periodic, below: Any, above: Any) -> Pair:
-    """The place at these distances from the turning points, in two doubles: the nearer one and its distance."""
+    """The place at these distances from the turning points, in two doubles: the nearer one and its distance.
+
+    Args:
+        course: of the libration.
+        below, above: distances from the lower and from the upper turning point, shape (m,).
+    """
     anomaly = course.anomaly
     assert isinstance(anomaly, (Libration, BarrierAnomaly, Stretched))
     a, b, low = split(anomaly.lower), split(anomaly.upper), below < above
@@ -190,7 +216,13 @@ def _put(
 
 
 def from_table(motion: SeparatedMotion, table: DenseOutput, θ: Any) -> tuple[dict[str, Pair], dict[str, Any]]:
-    """As ``places``, from a table that holds the distances from both turning points; θ its argument."""
+    """As ``places``, from a table that holds the distances from both turning points; θ its argument.
+
+    Args:
+        motion: the one looked at.
+        table: what the distances are read from.
+        θ: its argument, shape (m,).
+    """
     assert table.ends is not None
     name = motion.solution.coordinates[0]
     course = motion.located[name].course

@@ -41,7 +41,14 @@ class Phases:
 def phases_at(
     motion: SeparatedMotion, floats: Any | None, exact: list[Any], time: tuple[Any, Any] | None = None
 ) -> Phases:
-    """Solve Jacobi's equations at the times t (or at times relative to t₀ already)."""
+    """Solve Jacobi's equations at the times t (or at times relative to t₀ already).
+
+    Args:
+        motion: the one looked at.
+        floats: t as a double array of shape (m,), where all times are finite floats; None otherwise.
+        exact: rules that give each t in any number of binary digits.
+        time: t − t₀ as two doubles, where it is known already.
+    """
     start = to_bits(motion.t0)
     many = motion.digits > 15
     bits = bits_for(motion.digits, 96)
@@ -66,7 +73,12 @@ def phases_at(
 
 
 def solve_phases(motion: SeparatedMotion, time: tuple[Any, Any]) -> tuple[list[Any], list[Any], list[Any], Any]:
-    """Return phases, whole turns, error bounds and "has ended" at times relative to t₀ (two doubles, shape (m,))."""
+    """Return phases, whole turns, error bounds and "has ended" at times relative to t₀ (two doubles, shape (m,)).
+
+    Args:
+        motion: the one looked at.
+        time: t − t₀ as two doubles, shape (m,).
+    """
     never = np.zeros(time[0].shape, dtype=bool)
     if motion.equations is None:
         return [], [], [], never
@@ -115,7 +127,12 @@ def _refined(
 
 
 def with_reach(course: CoordinateMotion, χ: Any) -> CoordinateMotion:
-    """Return an open course that holds enough panels for some phases, on either side of 0; others as they are."""
+    """Return an open course that holds enough panels for some phases, on either side of 0; others as they are.
+
+    Args:
+        course: of one coordinate.
+        χ: phases, shape (m,).
+    """
     return _with_reach(course, float(np.max(np.abs(χ), initial=0)), None)
 
 
@@ -137,7 +154,15 @@ def _with_reaches(course: CoordinateMotion, χ: Any) -> CoordinateMotion:
 
 
 def courses_of(motion: SeparatedMotion, phases: Phases) -> list[CoordinateMotion]:
-    """The courses, reaching as far as the phases need."""
+    """The courses, reaching as far as the phases need.
+
+    Args:
+        motion: the one looked at.
+        phases: of its separated coordinates.
+
+    Returns:
+        One course a separated coordinate, in their order.
+    """
     if motion.equations is None:
         return []
     return [_with_reaches(c, x) for c, x in zip(motion.equations.courses, phases.χ, strict=True)]

@@ -29,12 +29,25 @@ if TYPE_CHECKING:
 
 
 def constant_index(motion: SeparatedMotion, name: str) -> int:
-    """Return the place of an ignorable coordinate's momentum among the constants."""
+    """Return the place of an ignorable coordinate's momentum among the constants.
+
+    Args:
+        motion: with its constants.
+        name: of an ignorable coordinate.
+    """
     return list(motion.solution.constants).index(motion.solution.system.coordinate(name).momentum.name)
 
 
 def positions_at(motion: SeparatedMotion, phases: Phases) -> tuple[dict[str, Any], dict[str, Any], dict[str, Any]]:
-    """q, canonical p, and whole turns of the angles."""
+    """Return q, canonical p, and whole turns of the angles.
+
+    Args:
+        motion: the one looked at.
+        phases: of its separated coordinates at m times.
+
+    Returns:
+        Coordinate → array of shape (m,), three times; turns of angles only.
+    """
     q, shell, whole = {}, {}, {}
     for name, course, χ, n in zip(
         motion.solution.coordinates, courses_of(motion, phases), phases.χ, phases.whole, strict=True
@@ -57,7 +70,14 @@ def positions_at(motion: SeparatedMotion, phases: Phases) -> tuple[dict[str, Any
 
 
 def principal_values(angle: Any) -> tuple[Any, Any]:
-    """Reduce to (−π, π] and count the turns taken away."""
+    """Reduce to (−π, π] and count the turns taken away.
+
+    Args:
+        angle: in radians, shape (m,).
+
+    Returns:
+        The angle in (−π, π], and the turns taken away; shape (m,) each.
+    """
     arithmetic = arithmetic_of(angle)
     if isinstance(arithmetic, Float64):
         return principal_of_doubles(angle)
@@ -69,7 +89,14 @@ def principal_values(angle: Any) -> tuple[Any, Any]:
 def canonical_momenta(
     motion: SeparatedMotion, q: Mapping[str, Any], shell: Mapping[str, Any], wanted: list[str]
 ) -> dict[str, Any]:
-    """Canonical momenta: p = P − A for separated coordinates, the constants for ignorable ones."""
+    """Canonical momenta: p = P − A for separated coordinates, the constants for ignorable ones.
+
+    Args:
+        motion: the one looked at.
+        q: coordinate → array of shape (m,).
+        shell: separated coordinate → P = p + A, shape (m,).
+        wanted: names of the coordinates whose p is to be given.
+    """
     solution = motion.solution
     result = {}
     for coordinate in solution.system.coordinates:
@@ -87,21 +114,40 @@ def canonical_momenta(
 
 
 def coordinate_velocities(motion: SeparatedMotion, q: Mapping[str, Any], p: Mapping[str, Any]) -> dict[str, Any]:
-    """Return dq/dt of every coordinate."""
+    """Return dq/dt of every coordinate.
+
+    Args:
+        motion: the one looked at.
+        q, p: coordinate → array of shape (m,).
+    """
     formulas = velocities(motion.solution.system)
     return dict(zip(formulas, evaluate_along(motion, tuple(formulas.values()), q, p), strict=True))
 
 
 @lru_cache(maxsize=64)
 def tape_of(formulas: tuple[sp.Expr, ...], arguments: tuple[sp.Symbol, ...]) -> Tape:
-    """Formulas as a tape, kept."""
+    """Formulas as a tape, kept.
+
+    Args:
+        formulas: the outputs.
+        arguments: symbols of the inputs, in order.
+    """
     return lower(formulas, arguments)
 
 
 def evaluate_along(
     motion: SeparatedMotion, formulas: tuple[sp.Expr, ...], q: Mapping[str, Any], p: Mapping[str, Any]
 ) -> list[Any]:
-    """Evaluate formulas in coordinates, momenta, constants and parameters along the motion."""
+    """Evaluate formulas in coordinates, momenta, constants and parameters along the motion.
+
+    Args:
+        motion: gives the values of constants and parameters.
+        formulas: what is evaluated.
+        q, p: coordinate → array of shape (m,), doubles or many digits; those left out take their initial values.
+
+    Returns:
+        One array of shape (m,) for each formula.
+    """
     system = motion.solution.system
     variables = [c.symbol for c in system.coordinates if c.name in q] + [
         c.momentum for c in system.coordinates if c.name in p
@@ -124,7 +170,16 @@ def evaluate_along(
 def rounding(
     motion: SeparatedMotion, formulas: tuple[sp.Expr, ...], q: Mapping[str, Any], p: Mapping[str, Any]
 ) -> list[Any]:
-    """Bound what evaluating formulas in doubles loses, cancellation inside of them included (``numeric.running``)."""
+    """Bound what evaluating formulas in doubles loses, cancellation inside of them included (``numeric.running``).
+
+    Args:
+        motion: gives the values of constants and parameters.
+        formulas: what is evaluated.
+        q, p: coordinate → array of shape (m,).
+
+    Returns:
+        One array of absolute bounds, shape (m,), for each formula.
+    """
     system = motion.solution.system
     places = {c.symbol: q[c.name] for c in system.coordinates if c.name in q}
     places |= {c.momentum: p[c.name] for c in system.coordinates if c.name in p}
@@ -175,7 +230,13 @@ def _rise(series: FourierSeries, χ: Any, start: Any) -> Any:
 
 
 def gauge_angle(motion: SeparatedMotion, constant: sp.Symbol, q: Mapping[str, Any]) -> Any:
-    """∂χ/∂c at q minus its value at the start; 0 where no shift was made."""
+    """∂χ/∂c at q minus its value at the start; 0 where no shift was made.
+
+    Args:
+        motion: the one looked at.
+        constant: c, the symbol of a constant of the motion.
+        q: coordinate → array of shape (m,).
+    """
     formula = sp.diff(motion.solution.shift_potential, constant)
     if formula == 0:
         return 0
@@ -187,7 +248,19 @@ def gauge_angle(motion: SeparatedMotion, constant: sp.Symbol, q: Mapping[str, An
 def grown(
     begin: Any, rate: Any, time: tuple[Any, Any], exact: list[Any] | None, angle: bool, wave: Any
 ) -> tuple[Any, Any]:
-    """Begin + rate·(t − t₀) + wave, with whole turns of the growth taken out."""
+    """Return begin + rate·(t − t₀) + wave, with whole turns of the growth taken out.
+
+    Args:
+        begin: rule that gives q at t₀ in any number of binary digits.
+        rate: mean dq/dt, in many digits.
+        time: t − t₀ as two doubles, shape (m,).
+        exact: t − t₀ in many digits; None in double precision.
+        angle: True where turns are taken out.
+        wave: what comes on top of the growth, shape (m,).
+
+    Returns:
+        The coordinate, and the whole turns; shape (m,) each.
+    """
     if exact is not None:
         context = exact[0].context
         values = np.array([begin(context.prec) + rate * t for t in exact], dtype=object) + wave

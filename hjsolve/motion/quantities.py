@@ -27,7 +27,13 @@ _NORMAL, _LEAST = 2.0**-1022, 2.0**-1074
 
 
 def rounded(value: Any, digits: int, nodes: int = 0) -> Estimate:
-    """Round a number computed with many digits to spare."""
+    """Round a number computed with many digits to spare.
+
+    Args:
+        value: the number, in more digits than are asked.
+        digits: decimal digits to give it to.
+        nodes: of the quadrature behind it.
+    """
     if digits <= FLOAT_DIGITS:
         near = float(value)
         return Estimate(near, abs(near) * 2.0**-52 + (_LEAST if value and abs(near) < _NORMAL else 0.0), nodes=nodes)
@@ -36,7 +42,11 @@ def rounded(value: Any, digits: int, nodes: int = 0) -> Estimate:
 
 
 def period(frequency: Estimate) -> Estimate:
-    """Return 2π/|Ω|."""
+    """Return 2π/|Ω|.
+
+    Args:
+        frequency: Ω, in radians per unit of t.
+    """
     pi = np.pi if isinstance(frequency.value, float) else frequency.value.context.pi
     value = 2 * pi / abs(frequency.value)
     relative = abs(frequency.error / frequency.value)
@@ -47,6 +57,13 @@ def turning_points_of(place: Located | AllowedRegion, digits: int) -> tuple[Esti
     """Return the turning points of a region, None where it ends in another way.
 
     An end is known to its distance from where the search began: one at zero has an absolute error, not a relative one.
+
+    Args:
+        place: the region of one coordinate.
+        digits: decimal digits to give them to.
+
+    Returns:
+        Lower, upper.
     """
     bits = bits_for(digits, 32)
     kinds = {"turning", "asymptote"} if isinstance(place, AllowedRegion) else {"turning"}
@@ -61,12 +78,26 @@ def _blurred(estimate: Estimate, blur: Any) -> Estimate:
 
 
 def nodes_of(course: Any) -> int:
-    """Return the quadrature nodes behind a course."""
+    """Return the quadrature nodes behind a course.
+
+    Args:
+        course: of one coordinate; 0 for one that is not periodic.
+    """
     return max((s.nodes for s in course.kernels), default=0) if isinstance(course, Periodic) else 0
 
 
 def actions(solution: Solution, initial: Initial, located: Mapping[str, Located], digits: int) -> dict[str, Estimate]:
-    """Return J of every coordinate that has one: signed like p for a rotation, p itself for an ignorable angle."""
+    """Return J of every coordinate that has one: signed like p for a rotation, p itself for an ignorable angle.
+
+    Args:
+        solution: what is solved.
+        initial: the exact initial data and constants.
+        located: separated coordinate → its motion and the ends of its region.
+        digits: decimal digits to give them to.
+
+    Returns:
+        Coordinate → J = (1/2π) ∮ p dq.
+    """
     result = {}
     for coordinate in solution.system.coordinates:
         if coordinate.name not in located:
@@ -98,7 +129,17 @@ def _mean_shift(solution: Solution, initial: Initial, coordinate: Any, digits: i
 
 
 def frequencies(solution: Solution, initial: Initial, equations: Any, digits: int) -> dict[str, Estimate]:
-    """Ω = ∂H/∂J: the growth of the phases, and of the ignorable angles with them."""
+    """Ω = ∂H/∂J: the growth of the phases, and of the ignorable angles with them.
+
+    Args:
+        solution: what is solved.
+        initial: the exact initial data and constants.
+        equations: Jacobi's equations made ready for inversion.
+        digits: decimal digits to give them to.
+
+    Returns:
+        Coordinate → Ω, in radians per unit of t.
+    """
     system, names = solution.system, list(solution.coordinates)
     if equations is None:
         return _free_rates(solution, initial, digits, angles=True)
@@ -124,7 +165,17 @@ def frequencies(solution: Solution, initial: Initial, equations: Any, digits: in
 
 
 def mean_velocities(solution: Solution, initial: Initial, equations: Any, digits: int) -> dict[str, Estimate]:
-    """⟨dq/dt⟩ = ∂H/∂c, at constant actions, of the ignorable coordinates that are no angles (Greenwood (5-83))."""
+    """⟨dq/dt⟩ = ∂H/∂c, at constant actions, of the ignorable coordinates that are no angles (Greenwood (5-83)).
+
+    Args:
+        solution: what is solved.
+        initial: the exact initial data and constants.
+        equations: Jacobi's equations made ready for inversion.
+        digits: decimal digits to give them to.
+
+    Returns:
+        Coordinate → mean of dq/dt over all times.
+    """
     if equations is None:
         return _free_rates(solution, initial, digits, angles=False)
     return _ignorable_rates(solution, equations, digits, angles=False) if isinstance(equations, TorusEquations) else {}

@@ -61,6 +61,13 @@ def separated_motion(
 ) -> SeparatedMotion:
     """Integrate every separated coordinate and make the equations ready that couple them.
 
+    Args:
+        solution: what is solved.
+        initial: the exact initial data and constants.
+        t0: the initial time, exact.
+        digits: decimal digits of every number.
+        parts: what is integrated, of ``one_coordinate.coordinate_motion.PARTS``.
+
     Raises:
         ForbiddenMotionError: no real motion has these constants.
         NotConvergedError: a turning point or an integral could not be had to the digits asked.
@@ -81,7 +88,12 @@ def separated_motion(
 
 
 def turning_points(located: Mapping[str, Located], digits: int) -> dict[str, tuple[Estimate | None, Estimate | None]]:
-    """Return the ends of the regions, rounded with their errors; none of a rotation."""
+    """Return the ends of the regions, rounded with their errors; none of a rotation.
+
+    Args:
+        located: separated coordinate → its motion and the ends of its region.
+        digits: decimal digits to give them to.
+    """
     return {
         name: quantities.turning_points_of(place, digits)
         for name, place in located.items()
@@ -90,7 +102,13 @@ def turning_points(located: Mapping[str, Located], digits: int) -> dict[str, tup
 
 
 def coordinate_start(solution: Solution, initial: Initial, name: str) -> CoordinateStart:
-    """Bring one separated coordinate over to numbers."""
+    """Bring one separated coordinate over to numbers.
+
+    Args:
+        solution: what is solved.
+        initial: the exact initial data and constants.
+        name: of the separated coordinate.
+    """
     coordinate, F = solution.system.coordinate(name), solution.momentum_squared[name]
     constants = tuple(solution.constants[c].symbol for c in solution.constants)
     parameters = tuple(p.symbol for p in solution.system.parameters)

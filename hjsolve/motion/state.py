@@ -65,7 +65,11 @@ class State:
         return self.errors()
 
     def unwrapped(self, name: str) -> Any:
-        """Return q plus its whole turns, the angle that grows without jumps; q itself for other coordinates."""
+        """Return q plus its whole turns, the angle that grows without jumps; q itself for other coordinates.
+
+        Args:
+            name: of the coordinate.
+        """
         if name not in self.turns:
             return self.q[name]
         value = self.q[name]
@@ -96,4 +100,8 @@ class AnyMotion(Protocol):
         """Name of a constant of the motion → its value and error."""
 
     def at(self, t: Any) -> State:
-        """Return the state at a time or at an array of times, in the coordinates as posed."""
+        """Return the state at a time or at an array of times, in the coordinates as posed.
+
+        Args:
+            t: a time or an array of times.
+        """

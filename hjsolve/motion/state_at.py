@@ -164,7 +164,12 @@ def _tabulated(
 
 
 def shaped(values: Any, shape: tuple[int, ...] | None) -> Any:
-    """Return values in the shape of the times; a plain number for a scalar time."""
+    """Return values in the shape of the times; a plain number for a scalar time.
+
+    Args:
+        values: shape (m,).
+        shape: of the times; None for a scalar.
+    """
     if shape is None:
         return values[0].item() if hasattr(values[0], "item") else values[0]
     return values.reshape(shape)

@@ -39,6 +39,16 @@ def errors_of_state(
     """Bounds on q, p and velocity from the bounds on the phases.
 
     ``sharp``: where velocities were not worked out from rounded places (``sharp.blurred``); None where all were.
+
+    Args:
+        motion: the one looked at.
+        phases: with their error bounds.
+        q, p: coordinate → array of shape (m,).
+        whole: coordinate → turns of the angles, shape (m,).
+        sharp: bool array of shape (m,), True where velocities come from places in two doubles; None where none do.
+
+    Returns:
+        Coordinate → absolute bounds of shape (m,), of q, of p and of the velocity.
     """
     unit = EPS if phases.exact is None else float(multiprecision(64).mpf(10) ** (1 - motion.digits))
     dq, dp = {}, {}
@@ -123,6 +133,16 @@ def table_errors(
     """Bounds on q, p and velocity read from a table: its own accuracy, and the rounding of its argument as a delay.
 
     ``sharp`` as in ``errors_of_state``.
+
+    Args:
+        motion: the one looked at.
+        table: what the state was read from.
+        θ: its argument, shape (m,).
+        q, p, v: coordinate → array of shape (m,).
+        sharp: as in ``errors_of_state``.
+
+    Returns:
+        As ``errors_of_state``.
     """
     system = motion.solution.system
     equations = motion.equations
@@ -253,7 +273,17 @@ def velocity_errors(
     dp: Mapping[str, Any],
     unit: float,
 ) -> dict[str, Any]:
-    """Return bounds on the errors of the velocities, from those of places and momenta and their own rounding."""
+    """Return bounds on the errors of the velocities, from those of places and momenta and their own rounding.
+
+    Args:
+        motion: the one looked at.
+        q, p: coordinate → array of shape (m,).
+        dq, dp: coordinate → absolute bounds on their errors, shape (m,).
+        unit: relative rounding of the arithmetic.
+
+    Returns:
+        Coordinate → absolute bounds, shape (m,).
+    """
     system = motion.solution.system
     formulas = velocities(system)
     variables = [(c.symbol, dq[c.name]) for c in system.coordinates] + [

@@ -80,7 +80,12 @@ class DenseOutput:
     ends: tuple[int, int] | None = None
 
     def argument(self, motion: SeparatedMotion, time: tuple[Any, Any]) -> tuple[Any, Any, Any]:
-        """Return the table's argument, the whole turns, and where the motion has ended, at times relative to t₀."""
+        """Return the table's argument, the whole turns, and where the motion has ended, at times relative to t₀.
+
+        Args:
+            motion: the one the table was made of.
+            time: t − t₀ as two doubles, shape (m,).
+        """
         equations = motion.equations
         if self.period:
             assert isinstance(equations, TorusEquations)
@@ -117,6 +122,9 @@ def needs_table(motion: SeparatedMotion) -> bool:
 
     Where θ grows with χ at a rate d ≪ 1 (a fast perihelion), χ + D(χ) = θ solved in doubles leaves an error of about
     2⁻⁵² / d in χ; the table integrates the rate itself, without that cancellation.
+
+    Args:
+        motion: the one looked at.
     """
     equations = motion.equations
     if not isinstance(equations, TorusEquations) or len(equations.courses) != 1 or "place" not in motion.parts:
@@ -129,7 +137,12 @@ def needs_table(motion: SeparatedMotion) -> bool:
 
 
 def dense_output(motion: SeparatedMotion, span: float) -> DenseOutput | None:
-    """Return the table of a motion that reaches over a time span; None where a table does not serve."""
+    """Return the table of a motion that reaches over a time span; None where a table does not serve.
+
+    Args:
+        motion: the one to tabulate.
+        span: greatest |t − t₀|, in the units of t.
+    """
     equations = motion.equations
     if motion.digits > 15 or equations is None or len(equations.courses) != 1:
         return None

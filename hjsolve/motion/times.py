@@ -40,6 +40,10 @@ def grid(values: Any, source: str) -> Any:
 def exact_numbers(values: Any, source: str) -> tuple[tuple[int, ...], list[Any]]:
     """Return the shape of an array of numbers and each of them exact, in order.
 
+    Args:
+        values: a number or an array of numbers.
+        source: what they are called in errors.
+
     Raises:
         InvalidInputError: no array, or something in it that is no finite real number.
     """
@@ -48,7 +52,11 @@ def exact_numbers(values: Any, source: str) -> tuple[tuple[int, ...], list[Any]]
 
 
 def read_times(t: Any) -> tuple[tuple[int, ...] | None, Any | None, list[Callable[[int], Any]]]:
-    """Return shape (None for a scalar), a float array where all times are finite floats, and exact rules otherwise."""
+    """Return shape (None for a scalar), a float array where all times are finite floats, and exact rules otherwise.
+
+    Args:
+        t: a time or an array of times.
+    """
     array = grid(t, "t")
     shape = None if array.ndim == 0 else array.shape
     if array.dtype.kind == "f" and array.dtype.itemsize <= 8 and np.isfinite(array).all():
@@ -80,6 +88,9 @@ def whole_numbers(whole: Any) -> Any:
 
 def within_doubles(time: tuple[Any, Any]) -> tuple[Any, Any]:
     """Times relative to t₀ as two doubles, once they and their products are finite.
+
+    Args:
+        time: t − t₀ as two doubles, shape (m,).
 
     Raises:
         InvalidInputError: one is too long.

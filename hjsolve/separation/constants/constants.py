@@ -22,7 +22,13 @@ _PLACES = 4
 
 
 def constants_of(shell: Shell, reader: Reader, matrix: Matrix | None) -> dict[str, Constant]:
-    """E, then the separation constants α₂ …, then the ignorable momenta; by name, in this order."""
+    """E, then the separation constants α₂ …, then the ignorable momenta; by name, in this order.
+
+    Args:
+        shell: the shell H = E in essential coordinates.
+        reader: of its field.
+        matrix: Stäckel's Φ and ψ as elements; None where the shell does not separate or has one coordinate.
+    """
     system = shell.system
     squares = (g * X for g, X in zip(shell.inverse_metric, shell.momentum_terms, strict=True))
     found = [Constant(str(shell.energy), shell.energy, sp.Add(*squares, shell.potential), _meaning_of_energy(system))]

@@ -244,5 +244,9 @@ CHARTS = (
 
 
 def of_dimension(n: int) -> Sequence[KnownChart]:
-    """The charts with n coordinates."""
+    """The charts with n coordinates.
+
+    Args:
+        n: 2 or 3 for those known; there are none of other dimensions.
+    """
     return [c for c in CHARTS if c.squares.__code__.co_argcount == n]

@@ -255,7 +255,13 @@ class Naming:
 
 
 def curvature(reader: Reader, q: Sequence[sp.Symbol], h: Sequence[Element]) -> Element:
-    """Gauss's curvature of h₁dx² + h₂dy² (Gauss 1827, Disquisitiones generales circa superficies curvas, art. 11)."""
+    """Gauss's curvature of h₁dx² + h₂dy² (Gauss 1827, Disquisitiones generales circa superficies curvas, art. 11).
+
+    Args:
+        reader: of the field of h.
+        q: symbols x, y.
+        h: the coefficients h₁, h₂ of the metric.
+    """
     (x, y), (E, G), d = q, h, reader.diff
     second = (d(d(E, y), y) + d(d(G, x), x)) / (E * G)
     first = (d(E, x) * d(G, x) + d(E, y) ** 2) / (E**2 * G) + (d(E, y) * d(G, y) + d(G, x) ** 2) / (E * G**2)

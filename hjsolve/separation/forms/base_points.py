@@ -51,6 +51,10 @@ class BasePoint:
     def keep(self, x: Element, kept: set[int] | frozenset[int]) -> Element:
         """The element with every coordinate but those at the positions ``kept`` put to its base value.
 
+        Args:
+            x: element of the field.
+            kept: positions of the coordinates that stay.
+
         Raises:
             ZeroDivisionError: x has a pole there, or no real value.
         """
@@ -152,7 +156,12 @@ def _is_number(end: sp.Expr | None) -> bool:
 
 
 def find_base_points(reader: Reader, symbols: Sequence[sp.Symbol]) -> Iterator[BasePoint]:
-    """Base points to try, the simplest first, then points inside the domain, then random ones."""
+    """Base points to try, the simplest first, then points inside the domain, then random ones.
+
+    Args:
+        reader: of the field; it knows the domain.
+        symbols: essential coordinates.
+    """
     n = len(symbols)
     first = [[0] * n, list(range(n)), [1] * n, list(range(1, n + 1)), [i + 3 for i in range(n)]]
     generator = random.Random(n)  # noqa: S311

@@ -113,16 +113,24 @@ class LeviCivitaConditions:
         return [(p, [jet.logarithm(p) for jet in jets[:-1]], jets[-1]) for p, jets in found]
 
     def passes_filter(self, i: int, j: int, about: int | None) -> bool | None:
-        """Whether S_ij(gʰʰ), or S_ij(U) where h is None, vanishes at random points modulo primes.
+        """Whether S_ij(gʰʰ), or S_ij(U) where ``about`` is None, vanishes at random points modulo primes.
 
         None when no point could be found.
+
+        Args:
+            i, j: positions of the two coordinates.
+            about: h, or None for the potential.
         """
         if self._jets is None:
             return None
         return not any(self._value(i, j, about, *place) for place in self._jets)
 
     def one_factor(self, i: int, j: int) -> bool | None:
-        """Whether S_ij(gʰʰ)/gʰʰ is the same for every h at random points modulo primes; None when there is none."""
+        """Whether S_ij(gʰʰ)/gʰʰ is the same for every h at random points modulo primes; None when there is none.
+
+        Args:
+            i, j: positions of the two coordinates.
+        """
         if self._jets is None:
             return None
         n = range(len(self.symbols))
@@ -137,11 +145,21 @@ class LeviCivitaConditions:
         return (f.mixed[i, j] + square - known) % prime
 
     def holds(self, condition: Condition, sieve: Filter) -> bool:
-        """Proof that a condition holds; False is no proof of the opposite."""
+        """Proof that a condition holds; False is no proof of the opposite.
+
+        Args:
+            condition: one of these.
+            sieve: the modular filter of the field.
+        """
         return condition.passes_filter is not False and sum_vanishes(self.reader, condition.products, sieve)
 
     def of_metric(self, i: int, j: int, h: int) -> Products:
-        """S_ij(gʰʰ)/gʰʰ."""
+        """S_ij(gʰʰ)/gʰʰ.
+
+        Args:
+            i, j: positions of the two coordinates.
+            h: position of the entry of the inverse metric.
+        """
         log, minus = self.log, self.minus
         mixed = [self._again(log[h][i], j)]
         if h == i:
@@ -156,7 +174,11 @@ class LeviCivitaConditions:
         ]
 
     def of_potential(self, i: int, j: int) -> Products:
-        """S_ij(U)."""
+        """S_ij(U).
+
+        Args:
+            i, j: positions of the two coordinates.
+        """
         mixed = [self._again(self.slope[i], j)]
         return [mixed, [self.minus, self.log[j][i], self.slope[j]], [self.minus, self.log[i][j], self.slope[i]]]
 
@@ -169,12 +191,22 @@ def sum_vanishes(reader: Reader, products: Products, sieve: Filter) -> bool:
     """Proof that a sum of products is zero: the modular filter, then the exact normal form.
 
     False is no proof of the opposite.
+
+    Args:
+        reader: of the field.
+        products: Σ Π Σ of elements.
+        sieve: the modular filter of the field.
     """
     return sieve.vanishes(products) is not False and sum_of_products(reader, products).is_zero
 
 
 def sum_of_products(reader: Reader, products: Products) -> Element:
-    """The sum of products of sums as one element."""
+    """The sum of products of sums as one element.
+
+    Args:
+        reader: of the field.
+        products: Σ Π Σ of elements.
+    """
     field = reader.field
     return field.total(field.product([field.total(elements) for elements in factors]) for factors in products)
 
@@ -185,6 +217,12 @@ def general_condition(
     """L_ij of any Hamiltonian, as a sum of four products (Levi-Civita 1904.
 
     Greenwood gives no such test, see p. 208).
+
+    Args:
+        reader: reads and differentiates.
+        hamiltonian: H(q, p) as an element.
+        q, p: symbols of the essential coordinates and of their momenta.
+        i, j: positions of the two coordinates.
     """
     d = reader.diff
     hi, hj = d(hamiltonian, q[i]), d(hamiltonian, q[j])
@@ -201,6 +239,11 @@ def coefficients(reader: Reader, x: Element, symbols: Sequence[sp.Symbol]) -> li
     """The coefficients of a polynomial in some symbols, cheapest first.
 
     The element itself if a denominator holds them.
+
+    Args:
+        reader: of the field.
+        x: the polynomial.
+        symbols: its variables; everything else counts as a coefficient.
     """
     field = reader.field
     numbers = {k for s in symbols if (k := field.number_of(s)) is not None}

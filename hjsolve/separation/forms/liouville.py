@@ -28,7 +28,15 @@ def recognise(
     potential: Element,
     region: Region,
 ) -> Liouville | None:
-    """The functions f, R, v of an orthogonal system, or None when it is not of Liouville's form."""
+    """The functions f, R, v of an orthogonal system, or None when it is not of Liouville's form.
+
+    Args:
+        reader: reads and differentiates.
+        names, symbols: of the essential coordinates.
+        metric: gᵃᵃ, one element a coordinate.
+        potential: V or V_eff.
+        region: where the sign of σ = Σ f is looked up, so that it comes out positive.
+    """
     ratios = _separate_ratios(reader, symbols, metric)
     if ratios is None:
         return None
@@ -80,6 +88,12 @@ def split_product(
     """Write x = a(q_i)·b(q_j), constants in a; by its factors where they separate, else at a base point.
 
     None if it is no product.
+
+    Args:
+        reader: reads and differentiates.
+        x: what is to be split.
+        symbols: essential coordinates.
+        i, j: positions of the two coordinates that x depends on.
     """
     field = reader.field
     log_slope = reader.log_diff(x, symbols[i])
@@ -115,7 +129,13 @@ def _is_additive(reader: Reader, x: Element, symbols: Sequence[sp.Symbol]) -> bo
 
 
 def split_sum(reader: Reader, x: Element, symbols: Sequence[sp.Symbol]) -> list[Element] | None:
-    """Write x = Σ x_i(q_i): term by term where the terms separate, else at a base point; constants go to the first."""
+    """Write x = Σ x_i(q_i): term by term where the terms separate, else at a base point; constants go to the first.
+
+    Args:
+        reader: reads and differentiates.
+        x: what is to be split.
+        symbols: essential coordinates.
+    """
     x = reader.field.expanded(x)
     by_terms = [parts for y in variants(reader, x) if (parts := _split_terms(reader, y, symbols)) is not None]
     if by_terms:

@@ -45,6 +45,12 @@ def construct(
     """Φ and ψ of a shell in readable form; None when no base point gives a regular matrix or the certificate fails.
 
     A failed certificate shows that the shell does not separate; which condition fails is for ``levi_civita`` to say.
+
+    Args:
+        reader: reads and differentiates.
+        symbols: essential coordinates.
+        metric: gᵃᵃ, one element a coordinate.
+        potential: V or V_eff.
     """
     if len(metric) == 1:
         matrix = Matrix([[metric[0] ** -1]], [reader.field.cancelled(potential / metric[0])])
@@ -63,7 +69,14 @@ def construct(
 
 
 def certified(reader: Reader, metric: Sequence[Element], potential: Element, matrix: Matrix) -> bool:
-    """Exact proof of cᵀΦ = (1, 0, …, 0) and cᵀψ = V."""
+    """Exact proof of cᵀΦ = (1, 0, …, 0) and cᵀψ = V.
+
+    Args:
+        reader: of the field.
+        metric: c = (gᵃᵃ), one element a coordinate.
+        potential: V or V_eff.
+        matrix: Φ and ψ as elements.
+    """
     return all(
         levi_civita.sum_of_products(reader, identity).is_zero
         for identity in _identities(reader, metric, potential, matrix)
@@ -71,7 +84,14 @@ def certified(reader: Reader, metric: Sequence[Element], potential: Element, mat
 
 
 def plausible(reader: Reader, metric: Sequence[Element], potential: Element, matrix: Matrix) -> bool:
-    """The same identities at random points modulo primes: what fails here is not worth making readable."""
+    """The identities of ``certified`` at random points modulo primes: what fails here is not worth making readable.
+
+    Args:
+        reader: of the field.
+        metric: c = (gᵃᵃ), one element a coordinate.
+        potential: V or V_eff.
+        matrix: Φ and ψ as elements.
+    """
     sieve = Filter(reader.field)
     return all(sieve.vanishes(identity) is not False for identity in _identities(reader, metric, potential, matrix))
 
@@ -96,6 +116,13 @@ def at_base_point(
     With aⱼ measured in units of 1/gʲʲ(q⁰) the factors of g that belong to one coordinate drop out of the constants.
 
     With ``blocks``, row i is a function of all coordinates of block i, and ``metric`` has one entry per block.
+
+    Args:
+        reader: of the field.
+        point: q⁰.
+        metric: gᵃᵃ, one element a coordinate, or one a block.
+        potential: V or V_eff.
+        blocks: positions of the coordinates, block by block; by default every coordinate is one.
 
     Raises:
         ZeroDivisionError: the metric is singular at the base point or on a line through it.
@@ -128,6 +155,13 @@ def finished(
     """The verdict's form: readable expressions.
 
     With one coordinate ψ = V/c is written term by term as the user wrote V.
+
+    Args:
+        reader: of the field.
+        names: of the essential coordinates.
+        metric: gᵃᵃ, one expression a coordinate.
+        potential: V or V_eff.
+        matrix: Φ and ψ as elements.
     """
     entries = [[shortest_form(reader, x) for x in row] for row in matrix.rows]
     if len(names) == 1:

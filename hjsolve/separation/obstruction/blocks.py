@@ -81,7 +81,15 @@ def separates(
     potential: Element,
     partition: Sequence[Block],
 ) -> bool:
-    """Proof that a shell separates into these blocks; False is no proof of the opposite."""
+    """Proof that a shell separates into these blocks; False is no proof of the opposite.
+
+    Args:
+        reader: reads and differentiates.
+        symbols: essential coordinates.
+        metric: gᵃᵃ, one element a coordinate.
+        potential: V or V_eff.
+        partition: positions of the coordinates, block by block.
+    """
     if not all(_is_one_energy(reader, symbols, metric, block) for block in partition):
         return False
     φ = [metric[block[0]] for block in partition]

@@ -52,12 +52,22 @@ class Setting:
 
 
 def region_of(system: System) -> Region:
-    """Domain of the coordinates, default values of the parameters."""
+    """Domain of the coordinates, default values of the parameters.
+
+    Args:
+        system: whose domains and default values are meant.
+    """
     return Region(domain_bounds(system), dict(system.defaults))
 
 
 def of_shell(shell: Shell, work: Budget, *, whole: bool = False) -> Setting:
-    """Read a shell into a field; ``whole`` as in ``Reader``."""
+    """Read a shell into a field; ``whole`` as in ``Reader``.
+
+    Args:
+        shell: what is read.
+        work: budget of the exact computation.
+        whole: as in ``Reader``.
+    """
     parts = [*shell.inverse_metric, shell.potential, *shell.shift]
     reader = Reader(parts, domain_bounds(shell.system), work, whole=whole)
     metric = [reader.element(g) for g in shell.inverse_metric]
@@ -66,7 +76,12 @@ def of_shell(shell: Shell, work: Budget, *, whole: bool = False) -> Setting:
 
 
 def refuse_condition(setting: Setting, condition: Condition) -> Obstruction | Undecided:
-    """Verdict on a condition that was not proved to hold."""
+    """Verdict on a condition that was not proved to hold.
+
+    Args:
+        setting: the shell in its field.
+        condition: Levi-Civita's, of the metric or of the potential.
+    """
     shell = setting.shell
     pair = shell.coordinates[condition.i].name, shell.coordinates[condition.j].name
     constants = [c.momentum for c in shell.ignorable]
@@ -190,7 +205,13 @@ def _failure_step(condition: Condition, pair: tuple[str, str], residual: sp.Expr
 
 
 def refuse_without_shell(system: System, found: Irreducible, work: Budget) -> Obstruction | Undecided:
-    """Levi-Civita's general condition for coordinates that T couples, or that linear terms couple."""
+    """Levi-Civita's general condition for coordinates that T couples, or that linear terms couple.
+
+    Args:
+        system: the one refused.
+        found: the coordinates that stay coupled.
+        work: budget of the exact computation.
+    """
     H, region = hamiltonian(system), region_of(system)
     reader = Reader([H, found.residual], domain_bounds(system), work)
     sieve = Filter(reader.field)

@@ -20,6 +20,9 @@ def energy_of_separation(conditions: LeviCivitaConditions) -> Element | None:
     """The one energy at which the shell separates, in terms of parameters and constant momenta; None if none is proved.
 
     The caller has found that the shell does not separate at every energy.
+
+    Args:
+        conditions: of the shell with V_eff.
     """
     reader, n = conditions.reader, len(conditions.symbols)
     sieve = Filter(reader.field)
@@ -53,7 +56,12 @@ def _cannot_hold(conditions: LeviCivitaConditions, i: int, j: int) -> bool:
 
 
 def difference(a: Products, b: Products, minus: Sequence[Element]) -> Products:
-    """The sum of products a − b."""
+    """The sum of products a − b.
+
+    Args:
+        a, b: sums of products.
+        minus: −1 as a sum of elements.
+    """
     return [*a, *([list(minus), *factors] for factors in b)]
 
 

@@ -30,7 +30,14 @@ from hjsolve.separation.zero_test.interval_evaluation import (
 
 
 def find_witness_of_products(field: Field, products: Products, region: Region, budget: Budget) -> Witness | None:
-    """Search rational points of the region for one where Σ Π Σ of the elements is enclosed away from zero."""
+    """Search rational points of the region for one where Σ Π Σ of the elements is enclosed away from zero.
+
+    Args:
+        field: of the elements.
+        products: Σ Π Σ of elements.
+        region: where the points are taken from.
+        budget: of the search.
+    """
     used = {k for factors in products for terms in factors for x in terms for k in x.generators}
     atoms = sp.Tuple(*(field.generators[k].atom for k in sorted(used)))
     return search(partial(enclose_products, field, products), region.points(atoms), budget)
@@ -40,6 +47,12 @@ def enclose_products(
     field: Field, products: Products, point: Mapping[sp.Expr, sp.Rational], precision: int
 ) -> tuple[mpmath.mpf, mpmath.mpf]:
     """Lower and upper bound of Σ Π Σ of elements at a point.
+
+    Args:
+        field: of the elements.
+        products: Σ Π Σ of elements.
+        point: symbol, or function left undetermined, → rational value.
+        precision: binary digits.
 
     Raises:
         NoEnclosureError: a generator has no real value there, or a denominator may vanish.

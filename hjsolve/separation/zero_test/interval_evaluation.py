@@ -139,7 +139,13 @@ def _stretched(share: Fraction, lower: sp.Expr | None, upper: sp.Expr | None, si
 
 
 def find_witness(expression: sp.Expr, region: Region, budget: Budget | None = None) -> Witness | None:
-    """Search rational points of the region for one where the expression is enclosed away from zero."""
+    """Search rational points of the region for one where the expression is enclosed away from zero.
+
+    Args:
+        expression: what may not vanish.
+        region: where the points are taken from.
+        budget: of the search; without one only the number of points ends it.
+    """
     return search(partial(enclose, expression), region.points(expression), budget)
 
 
@@ -148,7 +154,13 @@ def search(
     points: Iterable[dict[sp.Expr, sp.Rational]],
     budget: Budget | None = None,
 ) -> Witness | None:
-    """The first of the points where an enclosure, of a point and a precision, excludes zero."""
+    """The first of the points where an enclosure, of a point and a precision, excludes zero.
+
+    Args:
+        enclosure: lower and upper bound at a point, to a number of binary digits.
+        points: those to try, in order.
+        budget: of the search.
+    """
     tried = 0
     for point in points:
         try:
@@ -165,7 +177,12 @@ def search(
 
 
 def value_to_40_digits(expression: sp.Expr, region: Region) -> tuple[dict[str, sp.Rational], mpmath.mpf] | None:
-    """A point of the region and the value of the expression there to 40 digits; None when no point has one."""
+    """A point of the region and the value of the expression there to 40 digits; None when no point has one.
+
+    Args:
+        expression: what is to be worked out.
+        region: where the point is taken from.
+    """
     for point in region.points(expression):
         try:
             lower, upper = enclose(expression, point, 400)

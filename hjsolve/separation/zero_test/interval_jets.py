@@ -36,6 +36,13 @@ def enclose_condition(
 ) -> tuple[mpmath.mpf, mpmath.mpf]:
     """Lower and upper bound of S_ij(f) = ∂ᵢ∂ⱼf − (∂ᵢ ln gʲʲ) ∂ⱼf − (∂ⱼ ln gⁱⁱ) ∂ᵢf.
 
+    Args:
+        f: gʰʰ, or the potential.
+        gi, gj: gⁱⁱ and gʲʲ.
+        pair: symbols of the coordinates i and j.
+        point: symbol, or function left undetermined, → rational value.
+        precision: binary digits.
+
     Raises:
         NoEnclosureError: a value is not finite or not real there, or a function has no jet here.
     """

@@ -97,7 +97,14 @@ def is_zero(expression: sp.Expr, region: Region | None = None, *, budget: Budget
 
 
 def not_zero(expression: sp.Expr, region: Region, budget: Budget, reason: str) -> NonZero | Unproved:
-    """The second half of the test: a witness, or the value to 40 digits."""
+    """The second half of the test: a witness, or the value to 40 digits.
+
+    Args:
+        expression: what the first half did not prove to be zero.
+        region: where the points are taken from.
+        budget: of the search.
+        reason: why the first half gave no proof, for ``Unproved``.
+    """
     witness = find_witness(expression, region, budget)
     if witness is not None:
         return NonZero(witness)
@@ -106,7 +113,11 @@ def not_zero(expression: sp.Expr, region: Region, budget: Budget, reason: str) -
 
 
 def free_region(expression: sp.Expr) -> Region:
-    """Every symbol over the reals that its own assumptions allow."""
+    """Every symbol over the reals that its own assumptions allow.
+
+    Args:
+        expression: whose symbols are meant.
+    """
     bounds = {}
     for s in expression.free_symbols:
         lower = sp.S.Zero if s.is_nonnegative else None
