@@ -63,7 +63,8 @@ def refuse_other(value: Any, kinds: type | tuple[type, ...], source: str, needed
     """Raise unless a value is of these kinds.
 
     Args:
-        value: what came. kinds: what it may be.
+        value: what came.
+        kinds: what it may be.
         source: the name of the argument, or of the function where it has only one.
         needed: what is needed, with what to write, e.g. "a System is needed, e.g. from catalog.load".
 

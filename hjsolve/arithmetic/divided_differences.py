@@ -32,7 +32,8 @@ class FirstDifferences:
     """Arithmetic on ``FirstDifference`` values.
 
     Attributes:
-        plain: arithmetic of the parts. offset: q − e in it.
+        plain: arithmetic of the parts.
+        offset: q − e in it.
     """
 
     plain: Arithmetic

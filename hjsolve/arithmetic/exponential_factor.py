@@ -39,7 +39,8 @@ class Rates:
     """Arithmetic on ``Rated`` over disks that all lie on one side of 0.
 
     Attributes:
-        q: the disks. side: the sign of their real parts.
+        q: the disks.
+        side: the sign of their real parts.
     """
 
     q: Disk

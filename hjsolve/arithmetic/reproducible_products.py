@@ -16,7 +16,8 @@ def rowwise(rows: Any, table: Any) -> Any:
     """Return rows · table.
 
     Args:
-        rows: shape (…, n, j). table: shape (j, m).
+        rows: shape (…, n, j).
+        table: shape (j, m).
 
     Returns:
         Shape (…, n, m).
@@ -28,7 +29,8 @@ def stacked(left: Any, right: Any) -> Any:
     """Return left[n] · right[n] for every n, small matrices.
 
     Args:
-        left: shape (n, i, j). right: shape (n, j, k).
+        left: shape (n, i, j).
+        right: shape (n, j, k).
 
     Returns:
         Shape (n, i, k).

@@ -128,7 +128,9 @@ class BoundTape:
     Attributes:
         arithmetic: where it was bound.
         free: number of inputs left.
-        slots: what is known. rest: the steps left to do. outputs: as in the tape.
+        slots: what is known.
+        rest: the steps left to do.
+        outputs: as in the tape.
     """
 
     arithmetic: Arithmetic

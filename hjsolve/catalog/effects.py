@@ -42,7 +42,10 @@ def forces(table: Mapping[str, Any], names: Sequence[str], system: System, *, so
     """Give the generalized forces Q(q, q̇) that effects bring, by coordinate; those that have none are left out.
 
     Args:
-        table: of the entry. names: of its effects. system: with these effects. source: for errors.
+        table: of the entry.
+        names: of its effects.
+        system: with these effects.
+        source: for errors.
 
     Raises:
         ExpressionError: a force is not a formula of coordinates, velocities and parameters.

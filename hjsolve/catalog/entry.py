@@ -77,10 +77,13 @@ class Entry:
         kind: ``separable``, ``extended``, ``refused``, ``outside`` (no T and V: ``system`` is None), or
             ``unchecked`` where the file expects nothing.
         hamiltonian: H(q, p) where it is given and linear in p; then ``system`` is None.
-        initial: the default motion, or None. motions: every motion by name, the default one included.
+        initial: the default motion, or None.
+        motions: every motion by name, the default one included.
         expect: what is known about separability (catalog/README.md), as in the file.
-        reason: why a refused system is refused. instead: what to do about it.
-        refusal: why a system ``outside`` is none. constraints, stated: as the literature states the system.
+        reason: why a refused system is refused.
+        instead: what to do about it.
+        refusal: why a system ``outside`` is none.
+        constraints, stated: as the literature states the system.
         meanings: coordinate → (unit, meaning).
     """
 

@@ -36,8 +36,10 @@ class Refusal:
     """Why a system that is no T and V is refused; the verdict that ``NotSeparableError`` carries for it.
 
     Attributes:
-        id: the entry. kind: one of ``REFUSALS``.
-        reason: in words. instead: what to do.
+        id: the entry.
+        kind: one of ``REFUSALS``.
+        reason: in words.
+        instead: what to do.
         formulas: the constraints, forces or conditions that stand in the way, as written in the entry.
     """
 

@@ -33,10 +33,12 @@ class ClosedForm:
     """Formulas of one kind of motion, made ready.
 
     Attributes:
-        names: of the numbers, as in ``Answer``. tape: their formulas; inputs: the exact values, K, E, t.
+        names: of the numbers, as in ``Answer``.
+        tape: their formulas; inputs: the exact values, K, E, t.
         states: how many of the last names are functions of the time.
         modulus: formula of the parameter m = k² of K(m) and E(m); None where none is needed.
-        inputs: exact values by symbol. start: the initial time.
+        inputs: exact values by symbol.
+        start: the initial time.
         left: quantities wanted that have no formula.
     """
 

@@ -27,7 +27,9 @@ class TrialRecord:
     """What is known of a trial so far.
 
     Attributes:
-        row: without times. clock: seconds of each run, of the processor. full: whether it ran for all times.
+        row: without times.
+        clock: seconds of each run, of the processor.
+        full: whether it ran for all times.
     """
 
     trial: Trial
@@ -41,7 +43,8 @@ class Clock:
     """A budget.
 
     Attributes:
-        begun: moment of the start. budget: seconds.
+        begun: moment of the start.
+        budget: seconds.
         progress: told how much of the budget is spent, and on what.
     """
 

@@ -37,7 +37,9 @@ class TrueValues:
     """Numbers to compare with.
 
     Attributes:
-        plain: for what is not proved. proved: for what is. digits: of both.
+        plain: for what is not proved.
+        proved: for what is.
+        digits: of both.
         turning: names that are angles.
         how: in words.
     """

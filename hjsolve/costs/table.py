@@ -54,11 +54,16 @@ class Cost:
     """Accuracy against time for one scene; see ``hjsolve.cost``.
 
     Attributes:
-        title: of the scene. id: of its system.
-        want: quantities asked. times: how many. checked: at how many of them states were compared.
+        title: of the scene.
+        id: of its system.
+        want: quantities asked.
+        times: how many.
+        checked: at how many of them states were compared.
         rows: in the order of methods and digits.
-        reference: what the true errors were measured against. floor: relative error of that.
-        budget: seconds allowed. spent: seconds used.
+        reference: what the true errors were measured against.
+        floor: relative error of that.
+        budget: seconds allowed.
+        spent: seconds used.
     """
 
     title: str

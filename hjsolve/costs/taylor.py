@@ -229,7 +229,9 @@ def follow(slopes: Tape, start: Any, state: Sequence[Any], constants: Sequence[A
 
     Args:
         slopes: f; its inputs are the state and then the constants.
-        start: the initial time, mpf. state: y there, mpf, length n. constants: mpf.
+        start: the initial time, mpf.
+        state: y there, mpf, length n.
+        constants: mpf.
         times: mpf, in increasing distance from the start, all on one side of it.
         digits: decimal digits of a step.
         deadline: the moment of ``time.perf_counter`` by which to be done; given up as soon as that cannot be.

@@ -55,8 +55,10 @@ class DomainEnd:
     """An end of a coordinate's domain, as a double that tells doubles inside from doubles outside.
 
     Attributes:
-        name: the coordinate. side: 1 for a lower end, −1 for an upper one.
-        value: the double nearest to the end. closed: whether this double itself lies inside.
+        name: the coordinate.
+        side: 1 for a lower end, −1 for an upper one.
+        value: the double nearest to the end.
+        closed: whether this double itself lies inside.
     """
 
     name: str
@@ -70,9 +72,12 @@ class TaskContext:
     """What a process makes of a recipe.
 
     Attributes:
-        solution: of the system. layout: of the columns. engine: the vectorised one.
+        solution: of the system.
+        layout: of the columns.
+        engine: the vectorised one.
         bounds: of the domains.
-        momenta: from places, velocities and parameters, in this order. numbers: the parameters, as two doubles.
+        momenta: from places, velocities and parameters, in this order.
+        numbers: the parameters, as two doubles.
     """
 
     solution: Solution

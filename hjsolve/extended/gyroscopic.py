@@ -39,14 +39,17 @@ class LinearModes:
     """The characteristic exponents of a linear system and, where it is stable, its normal form.
 
     Attributes:
-        system: as posed. polynomial: det(M λ² + (G − Gᵀ) λ + K) in the symbol ``lambda``, parameters kept.
+        system: as posed.
+        polynomial: det(M λ² + (G − Gᵀ) λ + K) in the symbol ``lambda``, parameters kept.
         exponents: all λ, ``mpc``, by size of the imaginary part, those with positive real or imaginary part first.
         ratios: for each of ``exponents`` the amplitudes A_i/A_1 by coordinate; empty where A_1 = 0.
         stable: True where all λ are imaginary and simple.
-        frequencies: ω_k of the modes, increasing. signs: σ_k, the sign of each mode's energy.
+        frequencies: ω_k of the modes, increasing.
+        signs: σ_k, the sign of each mode's energy.
         matrix: N as an ``mpmath`` matrix of 2n rows: q then p; None where the system is not stable.
         normal_form: the modes as a system that separates, coordinates ``Q1`` …; None where not stable.
-        values: the parameters used, by symbol. digits: of all numbers.
+        values: the parameters used, by symbol.
+        digits: of all numbers.
     """
 
     system: System
@@ -93,7 +96,8 @@ class ModalMotion:
     """A motion told in the coordinates as posed.
 
     Attributes:
-        modes: the normal form. motion: of the modes, by Hamilton–Jacobi.
+        modes: the normal form.
+        motion: of the modes, by Hamilton–Jacobi.
     """
 
     modes: LinearModes

@@ -98,7 +98,8 @@ class LinearHamiltonian:
             The motion; ``motion.at(t)`` is the state.
 
         Raises:
-            InvalidInputError: no momentum. MissingValueError: a number is missing.
+            InvalidInputError: no momentum.
+            MissingValueError: a number is missing.
         """
         from hjsolve.extended.linear_hamiltonian_motion import start_linear_motion
 
@@ -172,7 +173,8 @@ class GeneralHamiltonian:
             The motion, with its period, action and turning points; ``motion.at(t)`` is the state.
 
         Raises:
-            InvalidInputError: no momentum, or a place outside the domain. MissingValueError: a number is missing.
+            InvalidInputError: no momentum, or a place outside the domain.
+            MissingValueError: a number is missing.
             NotConvergedError: the motion does not come back, or meets a place where branches p(q; E) cannot be told
                 apart.
         """

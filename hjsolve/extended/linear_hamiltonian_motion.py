@@ -158,7 +158,8 @@ def start_linear_motion(
     """Start a motion; see ``LinearHamiltonian.motion``.
 
     Raises:
-        InvalidInputError: no momentum, or digits out of range. MissingValueError: a number is missing.
+        InvalidInputError: no momentum, or digits out of range.
+        MissingValueError: a number is missing.
     """
     name = problem.coordinate.name
     if velocity is not None or p is None:

@@ -111,7 +111,8 @@ def start_framed_motion(
     """Start a motion; see ``Frame.motion``.
 
     Raises:
-        InvalidInputError: velocity and p both or neither. MissingValueError: a coordinate without a value.
+        InvalidInputError: velocity and p both or neither.
+        MissingValueError: a coordinate without a value.
     """
     if (velocity is None) == (p is None):
         raise InvalidInputError("initial data: give either velocity={…} or p={…}, a number for every coordinate")

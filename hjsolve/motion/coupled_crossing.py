@@ -28,7 +28,8 @@ def coupled_crossing_time(motion: SeparatedMotion, k: int, phase: Any) -> tuple[
 
     Args:
         motion: the motion.
-        k: index of the coordinate. phase: its phase.
+        k: index of the coordinate.
+        phase: its phase.
 
     Returns:
         None where this way is not open: other than two coordinates, or an integral that is not monotone.

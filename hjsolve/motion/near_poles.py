@@ -184,7 +184,9 @@ def sharpened(
     """Velocities, those of some times worked out in two doubles.
 
     Args:
-        motion: the motion. courses: of its separated coordinates. χ: their phases in doubles.
+        motion: the motion.
+        courses: of its separated coordinates.
+        χ: their phases in doubles.
         q, v: coordinates and velocities in doubles, shape (m,).
         where: which of them to work out anew, shape (m,).
     """
@@ -243,7 +245,8 @@ def worked_out(
     Args:
         motion: the motion.
         formulas: what to work out.
-        q: separated coordinates in two doubles. shell: their shell momenta, with relative accuracy.
+        q: separated coordinates in two doubles.
+        shell: their shell momenta, with relative accuracy.
         ignorable: the other coordinates, in doubles.
 
     Returns:

@@ -157,7 +157,9 @@ def _refuse_beyond_doubles(start: CoordinateStart, middle: Any, width: Any) -> N
     """Refuse to integrate what doubles cannot hold.
 
     Args:
-        start: the coordinate. middle: a place inside its motion. width: of its motion, or a length natural to it.
+        start: the coordinate.
+        middle: a place inside its motion.
+        width: of its motion, or a length natural to it.
 
     Raises:
         NotConvergedError: the width, or p² over its square, is too large or too small.

@@ -21,7 +21,8 @@ class Fixed:
     """A series ready for many single phases.
 
     Args:
-        series: with coefficients of many digits. bits: working precision, at least that of the coefficients.
+        series: with coefficients of many digits.
+        bits: working precision, at least that of the coefficients.
     """
 
     def __init__(self, series: FourierSeries, bits: int):

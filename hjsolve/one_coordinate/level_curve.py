@@ -41,10 +41,12 @@ class Piece:
 
     Attributes:
         along: 0 where q is the parameter x, 1 where p is.
-        begin, end: x at both ends, in the order of time. first: y at the beginning.
+        begin, end: x at both ends, in the order of time.
+        first: y at the beginning.
         middle, room: y at the middle of the disk of x, in doubles, and the radius within which there is no other root.
         nodes: of the quadratures.
-        time, action: ∫ dt and ∫ p dq. time_error, action_error: bounds.
+        time, action: ∫ dt and ∫ p dq.
+        time_error, action_error: bounds.
     """
 
     along: int
@@ -72,8 +74,10 @@ class Curve:
 
     Attributes:
         tape: of H, ∂H/∂q and ∂H/∂p; inputs q, p, then parameters.
-        parameters: their values at any precision. energy: E at any precision.
-        digits: relative digits wanted. bits: of the arithmetic.
+        parameters: their values at any precision.
+        energy: E at any precision.
+        digits: relative digits wanted.
+        bits: of the arithmetic.
     """
 
     tape: Tape
@@ -210,7 +214,8 @@ class Orbit:
     """A motion that comes back.
 
     Attributes:
-        curve: H = E. pieces: in the order of time, from the start on.
+        curve: H = E.
+        pieces: in the order of time, from the start on.
         turns: 0 for a libration; 1 or −1 for a rotation of an angle by 2π.
         ends: the least and the greatest q of a libration; None for a rotation.
     """
@@ -268,7 +273,9 @@ def followed(curve: Curve, q: Any, p: Any, domain: tuple[Any, Any], *, angle: bo
     """Follow the curve from a point until it comes back, for an angle possibly 2π further.
 
     Args:
-        curve: H = E. q, p: the point, no place of rest. domain: its ends for q, None where there is none.
+        curve: H = E.
+        q, p: the point, no place of rest.
+        domain: its ends for q, None where there is none.
         angle: True where H has period 2π in q.
 
     Raises:

@@ -69,7 +69,8 @@ class MomentumSquared:
         A velocity 1e-50 of the others leaves p² = 1e-100 of terms that cancel.
 
         Args:
-            place: q. squared: p² > 0 there, by other means.
+            place: q.
+            squared: p² > 0 there, by other means.
         """
         for bits in _TRIED:
             known = squared(bits)

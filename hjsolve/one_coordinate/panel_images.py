@@ -52,7 +52,8 @@ def spots(way: EndMap, y: float, rest: float, z: Disk) -> Spots:
 
     Args:
         way: the branch.
-        y: y₀. rest: what is left from y₀ to the greatest y, if there is one.
+        y: y₀.
+        rest: what is left from y₀ to the greatest y, if there is one.
         z: the disks.
     """
     d, length = _D, float(way.length)

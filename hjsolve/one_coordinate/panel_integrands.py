@@ -53,7 +53,9 @@ class View:
     """The end of a way, from where a formula is seen: u is the distance to it, or 1/|q|, or e^{−c|q|}.
 
     Attributes:
-        way: the branch. rate: −c·sign q where u is an exponential, else 0. length: u = length·r².
+        way: the branch.
+        rate: −c·sign q where u is an exponential, else 0.
+        length: u = length·r².
         orders: of all slots of p² and of the kernels.
     """
 
@@ -105,7 +107,9 @@ class Sight:
     """A branch in doubles, made once for all of its panels.
 
     Attributes:
-        way: the branch. radicand: p² and its kernels. skipped: kernels that are zero everywhere.
+        way: the branch.
+        radicand: p² and its kernels.
+        skipped: kernels that are zero everywhere.
         bits: of the branch's numbers.
     """
 

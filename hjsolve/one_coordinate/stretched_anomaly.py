@@ -200,7 +200,8 @@ class _Growth:
     """ψ(χ) in pieces that are shorter than the distance to the rough places.
 
     Attributes:
-        edges: of the pieces, from −π to π. levels: ∫ dψ from −π to each of them.
+        edges: of the pieces, from −π to π.
+        levels: ∫ dψ from −π to each of them.
         rates: dψ/dχ on each piece, coefficients of Legendre polynomials, shape (pieces, orders).
     """
 

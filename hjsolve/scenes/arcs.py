@@ -73,7 +73,9 @@ class Change:
     """The state just before events that change constants.
 
     Attributes:
-        motion: that led there. time: exact. events: that happen.
+        motion: that led there.
+        time: exact.
+        events: that happen.
         q: coordinate → position, many digits or exact; angles in (−π, π]. p: momenta. turns: of the angles.
     """
 

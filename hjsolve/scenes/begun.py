@@ -16,7 +16,9 @@ class Begun:
     """Starts the motion of an arc, once; pickled, it is started anew.
 
     Args:
-        scene, solution: what is run. piece: the arc. want: what of the motion, where not all that the scene wants.
+        scene, solution: what is run.
+        piece: the arc.
+        want: what of the motion, where not all that the scene wants.
     """
 
     def __init__(self, scene: Question, solution: Solution, piece: FreeArc, want: tuple[str, ...] | None = None):
@@ -48,7 +50,8 @@ class Turned(Mapping[str, int]):
     """Whole turns made before an arc, worked out when they are read.
 
     Args:
-        begun: the arc. angles: names.
+        begun: the arc.
+        angles: names.
     """
 
     def __init__(self, begun: Begun, angles: tuple[str, ...]):

@@ -36,7 +36,8 @@ class _Runner:
     """Runs a scene with one method after the other and remembers how long each took.
 
     Attributes:
-        scene, solution: what is run. tried: (method, digits, seconds), in order.
+        scene, solution: what is run.
+        tried: (method, digits, seconds), in order.
         known: method → (digits, seconds), of its last run or foretold.
     """
 

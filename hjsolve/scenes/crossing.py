@@ -30,7 +30,8 @@ def crossings(motion: Motion, name: str, value: sp.Expr, horizon: sp.Expr | None
 
     Args:
         motion: at least as many digits as the times shall have.
-        name: of the coordinate. value: the surface, exact; an angle passes it once a turn.
+        name: of the coordinate.
+        value: the surface, exact; an angle passes it once a turn.
         horizon: the last time of interest; None for no limit.
         skip: leave out so many; where t(q) is known nothing is computed for them.
 

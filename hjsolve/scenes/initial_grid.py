@@ -46,7 +46,8 @@ class Axis:
     """One initial condition of a grid and the values it takes.
 
     Attributes:
-        group: ``q``, ``p`` or ``velocity``. name: the coordinate.
+        group: ``q``, ``p`` or ``velocity``.
+        name: the coordinate.
         listed: exact values; empty where they are spaced from ``start`` to ``stop``, both included.
         spacing: ``even``, or ``log``: equal ratios.
     """
@@ -71,7 +72,8 @@ class Varied:
 
     Attributes:
         chunk: orbits of one part of the output.
-        axes: of the grid; the last varies fastest. table: the file, in place of a grid.
+        axes: of the grid; the last varies fastest.
+        table: the file, in place of a grid.
         columns: initial condition, ``q.r``, → its column in the file, where that has another name.
     """
 

@@ -42,8 +42,10 @@ class Numbers:
     """The start of a scene: exact, and in double precision.
 
     Attributes:
-        parameters: by symbol, exact. exact: the state (q, p), exact.
-        state: the same as doubles, shape (2n,). start: the initial time.
+        parameters: by symbol, exact.
+        exact: the state (q, p), exact.
+        state: the same as doubles, shape (2n,).
+        start: the initial time.
     """
 
     parameters: Mapping[sp.Symbol, sp.Expr]

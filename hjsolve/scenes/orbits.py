@@ -21,7 +21,8 @@ class OrbitTable:
 
     Attributes:
         of, along: the coordinates.
-        places: of ``along``, shape (m,). values: of ``of`` at its first passage of each place, shape (m,).
+        places: of ``along``, shape (m,).
+        values: of ``of`` at its first passage of each place, shape (m,).
     """
 
     of: str

@@ -32,7 +32,8 @@ class Passes:
     """The times, from its start on, at which a free motion has a coordinate at a place.
 
     Attributes:
-        times: all of one period, or all there are. period: None where the coordinate does not come back.
+        times: all of one period, or all there are.
+        period: None where the coordinate does not come back.
         error: a bound for each of the times, and for the period.
     """
 
@@ -61,7 +62,8 @@ def passes(motion: Motion, name: str, value: sp.Expr) -> Passes:
 
     Args:
         motion: free, with many digits, started at t₀ = 0.
-        name: of the coordinate, which has a clock of its own. value: the place, exact.
+        name: of the coordinate, which has a clock of its own.
+        value: the place, exact.
 
     Raises:
         NotConvergedError: a passage that could not be sharpened to the digits of the motion.
@@ -105,7 +107,8 @@ class Carried:
 
     Args:
         motion: free, with many digits, started at t₀ = 0; all its coordinates are bounded.
-        name: of the ignorable coordinate. carrier: of the separated one, which turns or goes round.
+        name: of the ignorable coordinate.
+        carrier: of the separated one, which turns or goes round.
     """
 
     def __init__(self, motion: Motion, name: str, carrier: str):

@@ -40,10 +40,11 @@ class Flight:
     """One arc of a bouncing motion, by the free motion it is part of.
 
     Attributes:
-        begin: its time. doubt: a bound on the error of that and of the clocks.
+        begin: its time.
+        doubt: a bound on the error of that and of the clocks.
         clocks: of the separated coordinates: times of the free motion.
-        places: of the ignorable coordinates at ``begin``; the offset c for one that is carried. blur: a bound on their
-            error.
+        places: of the ignorable coordinates at ``begin``; the offset c for one that is carried.
+        blur: a bound on their error.
         signs: of the clocks' directions, then of the ignorable momenta, against the free motion.
     """
 
@@ -321,7 +322,8 @@ class Flown:
     """A walk along a bouncing motion.
 
     Attributes:
-        arcs: with the times and events that end them. pending: what is still to come, the last events among it.
+        arcs: with the times and events that end them.
+        pending: what is still to come, the last events among it.
         stopped: True where the last events change more than signs and are still to be carried out.
     """
 
@@ -337,7 +339,8 @@ def walk(free: Free, now: Now, pending: list[Pending], horizon: Any | None, most
         free: the free motion.
         now: the beginning; left just before the last event, or after it where the walk is over.
         pending: what is to come.
-        horizon: the last time of interest. most: arcs.
+        horizon: the last time of interest.
+        most: arcs.
 
     Raises:
         NotConvergedError: many more bounces than ``most`` would come before the horizon.

@@ -31,11 +31,13 @@ class Rest:
     """How a scene ended early: a body that a wall keeps.
 
     Attributes:
-        wall: the event it stays at. bounces: how many of them, one after the other, were followed.
+        wall: the event it stays at.
+        bounces: how many of them, one after the other, were followed.
         time: when the last of infinitely many bounces is over, or the only one.
         q, p: coordinate → position and momentum then; whole turns of angles included.
         alone: True where nothing else moves, so that the body is at rest from then on.
-        limit: the time in many digits. last: that of the last bounce that was followed.
+        limit: the time in many digits.
+        last: that of the last bounce that was followed.
         speed, push: of the wall's coordinate just after it, velocity and momentum less that at rest.
     """
 
@@ -79,7 +81,9 @@ class Settling:
     """Bounces at one wall after the other, and where they lead.
 
     Args:
-        scene: what is run. values: exact parameters, by symbol, among others. work: digits of the states.
+        scene: what is run.
+        values: exact parameters, by symbol, among others.
+        work: digits of the states.
     """
 
     def __init__(self, scene: Question, values: Mapping[sp.Symbol, sp.Expr], work: int):
@@ -96,7 +100,9 @@ class Settling:
         """Take note of a bounce that costs energy, and say whether it is the end.
 
         Args:
-            events: that happened. time: exact. state: ``q`` and ``p`` just after, exact.
+            events: that happened.
+            time: exact.
+            state: ``q`` and ``p`` just after, exact.
             side: of the wall that the body is on, −1 below its surface.
             pending: what is to come.
         """
@@ -202,7 +208,8 @@ class _Limit:
     """Richardson's table of one quantity, its last two rows.
 
     Args:
-        ratio: e. work: digits of the values.
+        ratio: e.
+        work: digits of the values.
     """
 
     def __init__(self, ratio: Any, work: int):

@@ -85,7 +85,8 @@ class Choice:
 
     Attributes:
         method: ``float64``, ``mpmath``, ``certified`` (ball arithmetic) or ``integrate``.
-        digits: it was run with. why: in words.
+        digits: it was run with.
+        why: in words.
         tried: (method, digits, seconds) of every run made, in order; the last one gave the answer.
     """
 

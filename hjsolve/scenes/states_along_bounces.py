@@ -26,8 +26,11 @@ class Along:
     """Times on the flights of one free motion.
 
     Attributes:
-        free: the free motion in many digits. motion: the same to the digits of the scene, started at t₀ = 0.
-        flights: the arcs. which: the arc of each time, shape (m,). times: as given.
+        free: the free motion in many digits.
+        motion: the same to the digits of the scene, started at t₀ = 0.
+        flights: the arcs.
+        which: the arc of each time, shape (m,).
+        times: as given.
         elapsed: since the arc began.
     """
 
@@ -63,7 +66,8 @@ def along(free: Free, motion: Motion, flights: Sequence[Flight], which: Any, tim
     Args:
         free: the free motion in many digits, which the flights are of.
         motion: the same to the digits of the scene, started at t₀ = 0.
-        flights: the arcs. which: the arc of each time, shape (m,).
+        flights: the arcs.
+        which: the arc of each time, shape (m,).
         times: float array of shape (m,), or exact numbers above 15 digits.
 
     Returns:

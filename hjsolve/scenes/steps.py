@@ -71,7 +71,8 @@ def integrate_steps(
     Args:
         flow: the equations of motion.
         events: impulses and walls.
-        start: the initial time. state: there, shape (2n,).
+        start: the initial time.
+        state: there, shape (2n,).
         times: increasing, shape (m,).
         tolerance: relative; the absolute one is that of the largest coordinate.
 

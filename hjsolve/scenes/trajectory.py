@@ -89,7 +89,8 @@ def trajectory_of(
 
     Args:
         scene: with its times.
-        arcs, pieces: in order. rest: how the scene ended early.
+        arcs, pieces: in order.
+        rest: how the scene ended early.
         whole: the free motion of a flight to the digits of the scene, started at t₀ = 0.
     """
     assert scene.times is not None

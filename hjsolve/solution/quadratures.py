@@ -44,7 +44,8 @@ class Solution:
     """A complete integral of the Hamilton–Jacobi equation and what follows from it.
 
     Attributes:
-        system: the system solved. separation: the verdict it was made from.
+        system: the system solved.
+        separation: the verdict it was made from.
         coordinates: names of the separated (essential) coordinates, in the order of Φ's rows.
         constants: name → constant of the motion; E, then alpha_2, …, then the ignorable momenta.
         momentum_squared: separated coordinate → Pᵢ²(qᵢ; constants, parameters); none for a null coordinate

@@ -26,7 +26,9 @@ class SweepResult:
 
     Attributes:
         path: the folder; ``pyarrow.dataset.dataset(path)`` reads it as one table.
-        orbits: in all. parts: files. kept: of these, how many an earlier run had written.
+        orbits: in all.
+        parts: files.
+        kept: of these, how many an earlier run had written.
         statuses: word → orbits, as ``Batch.summary``.
     """
 

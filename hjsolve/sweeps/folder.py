@@ -35,8 +35,10 @@ class SweepPlan:
     """What the folder is for.
 
     Attributes:
-        scene: digests of the parts of the scene. code: versions of the code.
-        orbits: how many. chunk: orbits of one part.
+        scene: digests of the parts of the scene.
+        code: versions of the code.
+        orbits: how many.
+        chunk: orbits of one part.
         title: of the scene, for the reader of the manifest.
     """
 

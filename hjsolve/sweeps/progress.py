@@ -19,7 +19,8 @@ def sweep_progress(
     """Show progress while the block runs.
 
     Args:
-        total: orbits in all. done: orbits that were there before.
+        total: orbits in all.
+        done: orbits that were there before.
         shown: True or False; None: only on a terminal.
         stream: where; standard error unless given.
 

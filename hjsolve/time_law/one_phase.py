@@ -22,7 +22,8 @@ def solve_alone(
     Args:
         course: of the coordinate.
         weights: w.
-        value: right side at each time, shape (m,). slack: a bound on its error, shape (m,).
+        value: right side at each time, shape (m,).
+        slack: a bound on its error, shape (m,).
         own: part of ``value`` that grows with the time, per unit; 0 where other coordinates have a share in it.
         time: high and low parts of the times, shape (m,).
 

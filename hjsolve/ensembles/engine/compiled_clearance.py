@@ -51,8 +51,10 @@ def glances(lower, upper, room, warps, begin, end, enough, low, high, spread, co
         lower, upper, room: of n orbits; see ``resolution.room``.
         warps, begin, end: how nodes are crowded, and the sizes that are looked at, shape (n,).
         enough: what ``room`` must be, shape (warps, sizes).
-        low, high, spread: the disks, in units of b − a, shape (warps, sizes, widest). counts: how many of them.
-        table: of clearances. least: where the results go.
+        low, high, spread: the disks, in units of b − a, shape (warps, sizes, widest).
+        counts: how many of them.
+        table: of clearances.
+        least: where the results go.
     """
     for i in range(lower.shape[0]):
         a, W, k = lower[i], upper[i] - lower[i], warps[i]

@@ -73,7 +73,10 @@ def librations(coordinate: Separated, made: Compiled, start: InitialConstants, k
     """Integrate one coordinate of many orbits.
 
     Args:
-        coordinate: the k-th separated one. made: the programs. start: of n orbits. k: its row.
+        coordinate: the k-th separated one.
+        made: the programs.
+        start: of n orbits.
+        k: its row.
         ripples: as in ``quadrature.integrate``; whether kernels are wanted, the programs know.
 
     Returns:
@@ -128,7 +131,9 @@ class _Proof:
     """How many nodes resolve motions between turning points, by glances at the table of clearances.
 
     Attributes:
-        clearance: of p². glance: the compiled loop. lower, upper: turning points, arrays (n,).
+        clearance: of p².
+        glance: the compiled loop.
+        lower, upper: turning points, arrays (n,).
     """
 
     clearance: Clearance
@@ -140,7 +145,9 @@ class _Proof:
         """The first size that is proved to resolve some orbits, −1 for none; the table grows until it tells for all.
 
         Args:
-            left: which orbits. warps: how their nodes are crowded. begin, end: the sizes to look at.
+            left: which orbits.
+            warps: how their nodes are crowded.
+            begin, end: the sizes to look at.
         """
         least = np.full(len(left), -1, dtype=np.int64)
         if self.clearance.table() is None:

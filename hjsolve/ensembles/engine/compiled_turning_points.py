@@ -58,8 +58,10 @@ def ends(q, P, C, floors, reach, places):
     """Turning points: brackets orbit by orbit, then Newton's method for all at once.
 
     Args:
-        q, P: starts, shape (n,). C: constants, shape (constants, n).
-        floors: ends of the domain. reach: longest distance to walk.
+        q, P: starts, shape (n,).
+        C: constants, shape (constants, n).
+        floors: ends of the domain.
+        reach: longest distance to walk.
         places: where the results go, shape (2, n); NaN where there is none.
     """
     inner, moved = np.empty(q.shape), np.empty(q.shape)

@@ -25,7 +25,9 @@ class InitialConstants:
     """Initial data of n orbits.
 
     Attributes:
-        q: positions of the separated coordinates. P: their shell momenta. momenta: p of all coordinates; shape (…, n).
+        q: positions of the separated coordinates.
+        P: their shell momenta.
+        momenta: p of all coordinates; shape (…, n).
         knowns: constants and parameters.
         pairs: the constants in two doubles, None where they were computed in doubles.
     """

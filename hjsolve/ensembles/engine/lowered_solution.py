@@ -31,8 +31,10 @@ class LoweredFormula:
     """P² and its kernels as functions of x, q = origin + sign·x.
 
     Attributes:
-        origin: in two doubles. sign: +1 or −1.
-        squared: tape of F. full: tape of F and ½ ∂F/∂cⱼ for every constant. Inputs x, constants, parameters.
+        origin: in two doubles.
+        sign: +1 or −1.
+        squared: tape of F.
+        full: tape of F and ½ ∂F/∂cⱼ for every constant. Inputs x, constants, parameters.
         clearance: where the functions of x in these are known to be analytic.
     """
 
@@ -48,7 +50,8 @@ class Separated:
     """One separated coordinate.
 
     Attributes:
-        name: of the coordinate. index: its place among all coordinates.
+        name: of the coordinate.
+        index: its place among all coordinates.
         plain: p²(q).
         lower, upper: p² seen from the ends of the domain, None where there is no end.
         periodic: True where p² has period 2π.
@@ -71,9 +74,11 @@ class Model:
     """What the batch engine needs of a solution.
 
     Attributes:
-        names: all coordinates. angles: those that are ignorable angles.
+        names: all coordinates.
+        angles: those that are ignorable angles.
         separated: the separated coordinates.
-        constants: names in order. ignorable: coordinate → place of its momentum among the constants.
+        constants: names in order.
+        ignorable: coordinate → place of its momentum among the constants.
         rule: tape of the constants; inputs all q, all p, parameters.
         shift: tape of Pᵢ − pᵢ, same inputs.
         numbers: parameters in two doubles.

@@ -33,8 +33,11 @@ class Sums:
     """Integrals of one coordinate; arrays (n,), or (constants, n).
 
     Attributes:
-        action: (1/2π) ∮ |p| dq. means: ∂J/∂cⱼ. ripples: ∫₀^χ₀ kⱼ r dχ less its mean growth.
-        phase: χ of the start. speeds: kⱼ r there.
+        action: (1/2π) ∮ |p| dq.
+        means: ∂J/∂cⱼ.
+        ripples: ∫₀^χ₀ kⱼ r dχ less its mean growth.
+        phase: χ of the start.
+        speeds: kⱼ r there.
         action_error, mean_errors, ripple_errors, phase_error: bounds.
         good: True where the nodes sufficed.
     """
@@ -69,7 +72,8 @@ def integrate(region: OrbitRegions, constants: int, *, kernels: bool, ripples: b
     Args:
         region: of n orbits.
         constants: how many there are.
-        kernels: True when ∂J/∂c are wanted. ripples: True when the phase and the running integrals are, too.
+        kernels: True when ∂J/∂c are wanted.
+        ripples: True when the phase and the running integrals are, too.
         first: number of nodes to begin with.
     """
     count = len(region.width)

@@ -46,7 +46,9 @@ class Nodes:
         χ: anomalies.
         low, high: sn² and cn²; for a rotation the angle 2 am − π and dn.
         fold: 2 for an even motion, the series being in 2χ; else 1.
-        complement, quarter: k′² and K. pace: π/K du/dχ. warp: γ₁, γ₂.
+        complement, quarter: k′² and K.
+        pace: π/K du/dχ.
+        warp: γ₁, γ₂.
         cosines, sines: cos kχ and sin kχ, shape (terms, count), k = 1, 2, …
         last: rows of the series that tell whether the nodes suffice; middle: rows half way.
     """

@@ -34,7 +34,8 @@ class Knowns:
     """Constants of the motion and parameters of many orbits.
 
     Attributes:
-        constants: one array (n,) a constant. doubt: bounds on their errors.
+        constants: one array (n,) a constant.
+        doubt: bounds on their errors.
         parameters: numbers.
     """
 
@@ -125,8 +126,11 @@ class DifferenceEvaluation:
     """F(q₀ + δ) by slopes; arrays of shape (n,).
 
     Attributes:
-        formula: p²(q), plain. knowns: of the orbits.
-        start: q₀. momentum: P₀. first: F′(q₀), to full relative accuracy.
+        formula: p²(q), plain.
+        knowns: of the orbits.
+        start: q₀.
+        momentum: P₀.
+        first: F′(q₀), to full relative accuracy.
         doubt: bound on the error of F[q₀, q₀, q].
     """
 
@@ -182,7 +186,8 @@ class DoubleDoubleEvaluation:
     """F(origin + sign·(base + x)) with 32 digits.
 
     Attributes:
-        raw: the same in doubles, for kernels. pairs, numbers: constants and parameters in two doubles.
+        raw: the same in doubles, for kernels.
+        pairs, numbers: constants and parameters in two doubles.
         base: offset of a turning point (or slow place) in two doubles, arrays (n,).
     """
 

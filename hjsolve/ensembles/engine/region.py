@@ -18,7 +18,8 @@ class OrbitRegions:
         width: b − a.
         near_lower, near_upper, level: ρ_d, ρ_c and the modulus 4^−level (int array); see ``one_coordinate/anomaly``.
         warp: which of ``nodes.WARPS`` (int array).
-        momentum: P₀ (signed). left, right: q₀ − a and b − q₀; for a rotation ``left`` is q₀ less the slow place.
+        momentum: P₀ (signed).
+        left, right: q₀ − a and b − q₀; for a rotation ``left`` is q₀ less the slow place.
         turning: False for rotations.
     """
 

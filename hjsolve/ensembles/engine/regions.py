@@ -47,7 +47,9 @@ class LocatedRegions:
     """Regions of some orbits.
 
     Attributes:
-        index: which orbits. region: where they move. status: of each.
+        index: which orbits.
+        region: where they move.
+        status: of each.
         rest: True where the coordinate stays at a stable double zero of p².
     """
 
@@ -66,7 +68,8 @@ class Group:
     """Some orbits of one coordinate.
 
     Attributes:
-        coordinate: which. index: which orbits.
+        coordinate: which.
+        index: which orbits.
         knowns, pairs, numbers: constants and parameters, in doubles and in two doubles.
         q, P, first, bend: the start, F′ and ½F″ there.
         depth: 0 in doubles; 1 with small amplitudes seen from the start and poles from their place; 2 with 32

@@ -37,7 +37,9 @@ class _Disks(NamedTuple):
     """Disks that cover strips of some orbits, in one view of p².
 
     Attributes:
-        orbits: which they are, shape (n,). centres: offsets in the formula of the view. radii: both (n, disks).
+        orbits: which they are, shape (n,).
+        centres: offsets in the formula of the view.
+        radii: both (n, disks).
     """
 
     orbits: Any
@@ -50,7 +52,8 @@ def room(clearance: Clearance, middle: Any, width: Any) -> Any:
 
     Args:
         clearance: of p².
-        middle: offset of (a + b)/2 in the formula. width: b − a; arrays (n,).
+        middle: offset of (a + b)/2 in the formula.
+        width: b − a; arrays (n,).
     """
     with np.errstate(all="ignore"):
         return clearance.radius(middle) / (0.5 * width)

@@ -26,7 +26,10 @@ def first_step(momentum: Any, slope: Any, bend: Any, size: Any) -> Any:
     """Distance at which P₀² + slope·d + bend·d² vanishes, a little more, at most ``size``; less where it never does.
 
     Args:
-        momentum: P₀. slope: dF/dd outward. bend: ½ F″. size: a length typical of the coordinate.
+        momentum: P₀.
+        slope: dF/dd outward.
+        bend: ½ F″.
+        size: a length typical of the coordinate.
     """
     square = momentum * momentum
     with np.errstate(all="ignore"):

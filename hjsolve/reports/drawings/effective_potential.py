@@ -63,7 +63,8 @@ class EffectivePotential:
         periodic: an angle on which everything has period 2π.
         window: the range of q worth showing.
         kind: of the motion in this coordinate.
-        place: where it starts. direction: ±1, the sign of P at the start; 0 at a turning point.
+        place: where it starts.
+        direction: ±1, the sign of P at the start; 0 at a turning point.
         ends: turning points of the motion, None where it has none on that side.
     """
 
