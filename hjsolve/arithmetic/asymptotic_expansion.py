@@ -155,7 +155,7 @@ class Growths:
         return self._binomial(x, -1.0) if n == -1 else self.power(self._binomial(x, -1.0), -n)
 
     def _split(self, x: Growth) -> tuple[Monomial, Any, Growth, float]:
-        """F = c M (1 + ε): M, c, ε and a bound on |ε| that is below ½."""
+        """Write f = c M (1 + ε): M, c, ε and a bound on |ε| that is below ½."""
         if not x.terms:
             raise UnknownGrowthError
         (monomial, c), others = x.terms[0], x.terms[1:]
@@ -260,7 +260,7 @@ class Growths:
         return self.mul(factor, extra)
 
     def _falling(self, x: Growth) -> Growth:
-        """E^f for f ≤ −μ s: f/s is largest at the start."""
+        """Return e^f for f ≤ −μ s: f/s is largest at the start."""
         monomial, c, _, _ = self._split(x)
         if c > 0 or monomial.rate > 0:
             raise UnknownGrowthError

@@ -204,7 +204,7 @@ class CycleIntegrand:
         return CycleNode(q, from_lower, to_upper, share.stretch, share.denominator, near_lower)
 
     def _turned(self, χ: Any, share: Shares) -> Any:
-        """Q of a rotation; on a complex ball up to whole turns, which p² does not see."""
+        """The q of a rotation; on a complex ball up to whole turns, which p² does not see."""
         if self.map.plain:
             return self.slow + χ - flint.arb.pi()
         s, c = share.s, share.c

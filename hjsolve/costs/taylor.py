@@ -72,11 +72,11 @@ class Program:
         return ConstantSeries(self.plain.pi())
 
     def add(self, x: Slot, y: Slot) -> Slot:
-        """X + y."""
+        """Return x + y."""
         return self._sum(x, y, 1)
 
     def sub(self, x: Slot, y: Slot) -> Slot:
-        """X − y."""
+        """Return x − y."""
         return self._sum(x, y, -1)
 
     def _sum(self, x: Slot, y: Slot, sign: int) -> Slot:
@@ -87,7 +87,7 @@ class Program:
         return out
 
     def coefficients(self, x: Slot) -> Callable[[int], int]:
-        """K ↦ the k-th coefficient of a slot."""
+        """Return the rule k ↦ the k-th coefficient of a slot."""
         if isinstance(x, ConstantSeries):
             value = self.fixed(x.value)
             return lambda k: 0 if k else value

@@ -132,7 +132,7 @@ def _at_bits(rules: list[InBits], bits: int) -> list[Any]:
 
 
 def _square(root: Callable[[int], Any]) -> Callable[[int], Any]:
-    """P² of a root that may be what two large numbers leave."""
+    """The square p² of a root that may be what two large numbers leave."""
     return lambda bits: root(bits + ZERO_BITS) ** 2
 
 

@@ -329,7 +329,7 @@ def _swapped(small: Any, large: Any, order: Any) -> tuple[Any, Any]:
 
 
 def _nearer(from_lower: Any, to_upper: Any, lower: Any, upper: Any) -> Any:
-    """Q from the end that keeps its relative accuracy."""
+    """Return q, counted from the end that keeps its relative accuracy."""
     if isinstance(from_lower, np.ndarray):
         return np.where(from_lower < to_upper, lower + from_lower, upper - to_upper)
     return lower + from_lower if from_lower < to_upper else upper - to_upper

@@ -314,7 +314,7 @@ def _where(why: str, point: tuple[Any, Any]) -> str:
 
 
 def _extremes(curve: Curve, piece: Piece, signs: list[tuple[Any, Any]]) -> list[Any]:
-    """Q where dq/dt = H_p vanishes on a piece along p."""
+    """The q where dq/dt = H_p vanishes on a piece along p."""
     found, before = [], (piece.begin, curve.at(1, piece.begin, piece.first)[1])
     for after in signs:
         if before[1] * after[1] < 0:

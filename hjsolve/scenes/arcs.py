@@ -76,7 +76,9 @@ class Change:
         motion: that led there.
         time: exact.
         events: that happen.
-        q: coordinate → position, many digits or exact; angles in (−π, π]. p: momenta. turns: of the angles.
+        q: coordinate → position, many digits or exact; angles in (−π, π].
+        p: momenta.
+        turns: of the angles.
     """
 
     motion: Motion

@@ -86,8 +86,8 @@ class Question:
         source: the file, or ``scene``.
         title, summary: for display.
         table: of the system, as in its file.
-        effects: switched on.
-        system: with their terms of T and V.
+        effects: names of those switched on.
+        system: with the terms that the effects add to T and V.
         forces: generalized forces of the effects, by coordinate; with any of them only ``integrate`` can run the scene.
         parameters: values that differ from the defaults.
         initial: where the motion starts; None if nothing says so.

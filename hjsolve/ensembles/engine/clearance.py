@@ -154,8 +154,10 @@ class _Table:
     """Radii by cells, the large cells divided as they need it.
 
     Attributes:
-        depth: how often each large cell is halved. start: where its parts begin, negative where not known yet.
-        radii: of the parts; 0 where not known yet. owner: the large cell of each part.
+        depth: how often each large cell is halved.
+        start: where its parts begin, negative where not known yet.
+        radii: of the parts; 0 where not known yet.
+        owner: the large cell of each part.
     """
 
     def __init__(self) -> None:

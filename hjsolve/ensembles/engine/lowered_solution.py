@@ -28,7 +28,7 @@ _HIGHEST_DEGREE = 4
 
 @dataclass(frozen=True)
 class LoweredFormula:
-    """P² and its kernels as functions of x, q = origin + sign·x.
+    """The formulas of p² and its kernels as functions of x, q = origin + sign·x.
 
     Attributes:
         origin: in two doubles.

@@ -1,4 +1,4 @@
-"""P² of one coordinate as a function of an offset, for many orbits: from zero, a domain's end, the start, a zero.
+"""Views of p² as a function of an offset, for many orbits: from zero, a domain's end, the start, a zero of p².
 
 A view answers for arrays of shape (n,) or (n, nodes): the value of F = p², its kernels, and a bound on the rounding
 error of F. ``DirectEvaluation`` evaluates the formula at x with q = origin + sign·x. ``DifferenceEvaluation`` carries

@@ -214,9 +214,9 @@ def sum_of_products(reader: Reader, products: Products) -> Element:
 def general_condition(
     reader: Reader, hamiltonian: Element, q: Sequence[sp.Symbol], p: Sequence[sp.Symbol], i: int, j: int
 ) -> Products:
-    """L_ij of any Hamiltonian, as a sum of four products (Levi-Civita 1904.
+    """L_ij of any Hamiltonian, as a sum of four products (Levi-Civita 1904).
 
-    Greenwood gives no such test, see p. 208).
+    Greenwood gives no such test, see p. 208.
 
     Args:
         reader: reads and differentiates.

@@ -4,9 +4,10 @@ In this order, each step within the budget:
 
 1. values modulo a prime at random points, a filter that takes about a millisecond (``algebra.modular``);
 2. the exact normal form over the field of the expression (``algebra.field``): a numerator that reduces to zero is a
-proof; 3. a rational witness where interval arithmetic excludes zero: a proof of the opposite;
+   proof;
+3. a rational witness where interval arithmetic excludes zero: a proof of the opposite;
 4. relations on the domain that the normal form does not know: half angles, roots of squares, logarithms of powers, sums
-of inverse functions, constants (``algebra.vanishing``), each proved;
+   of inverse functions, constants (``algebra.vanishing``), each proved;
 5. otherwise ``Unproved``, with the value to 40 digits.
 
 ``simplify``, ``equals`` and float thresholds decide nothing here: they miss zeros, take minutes and guess (docs,
