@@ -31,7 +31,11 @@ class Answer:
 
 
 def scalars(run: Run) -> Numbers:
-    """Collect the numbers of every arc that are no states."""
+    """Collect the numbers of every arc that are no states.
+
+    Args:
+        run: of the scene.
+    """
     found: dict[str, tuple[tuple[Any, Any], ...]] = {}
     for place, arc in enumerate(run.arcs):
         suffix = f"@{place}" if place else ""

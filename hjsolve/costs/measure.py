@@ -63,7 +63,11 @@ class Clock:
         return self.budget - self.spent
 
     def tell(self, what: str) -> None:
-        """Report."""
+        """Report what is being done.
+
+        Args:
+            what: in words.
+        """
         if self.progress is not None:
             self.progress(min(1.0, self.spent / self.budget), what)
 

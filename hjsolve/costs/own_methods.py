@@ -45,7 +45,13 @@ def own_trials(task: Task, levels: Sequence[int], *, proofs: bool = True) -> lis
 
 
 def own(task: Task, method: str, digits: int) -> Trial:
-    """One method at one accuracy."""
+    """One method at one accuracy.
+
+    Args:
+        task: what is asked.
+        method: one of hjsolve's own, such as ``quadratures``, ``mpmath`` or ``certified``.
+        digits: relative digits to ask of it.
+    """
     proved = method == "certified"
     want = tuple(name for name in task.scene.want if not (proved and name in ("trajectory", "orbit", "angles")))
     if task.solution is None:
@@ -64,7 +70,12 @@ def own(task: Task, method: str, digits: int) -> Trial:
 
 
 def result_of(scene: Scene, task: Task) -> Result:
-    """Run a scene and work out everything it wants, errors too."""
+    """Run a scene and work out everything it wants, errors too.
+
+    Args:
+        scene: what is run.
+        task: what is asked of it.
+    """
     with counted() as work:
         done = run_by_quadratures(scene, task.solution)
         states = {}
@@ -78,7 +89,12 @@ def result_of(scene: Scene, task: Task) -> Result:
 
 
 def numbers_read(result: Result, places: Sequence[int]) -> Answer:
-    """The numbers of a run, its states at the places compared."""
+    """The numbers of a run, its states at the places compared.
+
+    Args:
+        result: of a run.
+        places: numbers of the times compared.
+    """
     numbers = dict(scalars(result.run))
     sizes = {}
     for name, (values, errors) in result.states.items():

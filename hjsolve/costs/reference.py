@@ -51,7 +51,12 @@ class TrueValues:
     how: str
 
     def ruler(self, sizes: dict[str, float], *, proved: bool) -> Ruler:
-        """Give the means to measure an answer."""
+        """Give the means to measure an answer.
+
+        Args:
+            sizes: name of a number → the size its error is measured against.
+            proved: whether the true values that are proved are taken.
+        """
         return Ruler(self.proved if proved else self.plain, self.digits, sizes, self.turning)
 
 

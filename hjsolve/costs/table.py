@@ -83,7 +83,11 @@ class Cost:
         return tuple(dict.fromkeys(row.method for row in self.rows))
 
     def of(self, method: str) -> tuple[Row, ...]:
-        """The rows of one method."""
+        """The rows of one method.
+
+        Args:
+            method: its name.
+        """
         return tuple(row for row in self.rows if row.method == method)
 
     def cheapest(self, digits: float, covers: str = "all") -> Row | None:
@@ -163,7 +167,11 @@ def _error(value: float | None, floor: float) -> str:
 
 
 def duration(value: float) -> str:
-    """A time with two digits and the unit that suits it."""
+    """A time with two digits and the unit that suits it.
+
+    Args:
+        value: seconds.
+    """
     if value < 0.9995e-3:
         return f"{value * 1e6:.0f} µs"
     return f"{value * 1e3:.0f} ms" if value < 0.9995 else f"{value:.2g} s" if value < 9.95 else f"{value:.0f} s"

@@ -56,11 +56,19 @@ class Program:
         return self.series[-1]
 
     def fixed(self, value: Any) -> int:
-        """Round a number to a multiple of 2^−P."""
+        """Round a number to a multiple of 2^−P.
+
+        Args:
+            value: mpf.
+        """
         return int(self.plain.context.nint(self.plain.context.ldexp(value, self.bits)))
 
     def real(self, value: int) -> Any:
-        """The number that a fixed-point integer means, as an mpf."""
+        """The number that a fixed-point integer means, as an mpf.
+
+        Args:
+            value: a multiple of 2^−P.
+        """
         return self.plain.context.ldexp(self.plain.context.mpf(value), -self.bits)
 
     def rational(self, numerator: int, denominator: int) -> Slot:
@@ -87,7 +95,11 @@ class Program:
         return out
 
     def coefficients(self, x: Slot) -> Callable[[int], int]:
-        """Return the rule k ↦ the k-th coefficient of a slot."""
+        """Return the rule k ↦ the k-th coefficient of a slot.
+
+        Args:
+            x: constant or series.
+        """
         if isinstance(x, ConstantSeries):
             value = self.fixed(x.value)
             return lambda k: 0 if k else value
@@ -123,7 +135,12 @@ class Program:
         return out
 
     def power(self, x: Slot, n: int) -> Slot:
-        """A whole power, by products, so that a base that vanishes does no harm."""
+        """A whole power, by products, so that a base that vanishes does no harm.
+
+        Args:
+            x: constant or series.
+            n: the exponent, of either sign.
+        """
         if isinstance(x, ConstantSeries):
             return ConstantSeries(x.value**n)
         result: Slot = x
@@ -133,7 +150,12 @@ class Program:
         return result if n > 0 else self.div(self.rational(1, 1), result)
 
     def unary(self, name: str, x: Slot) -> Slot:
-        """An elementary function, from the differential equation it satisfies."""
+        """An elementary function, from the differential equation it satisfies.
+
+        Args:
+            name: of the function, such as ``sqrt``.
+            x: constant or series.
+        """
         if isinstance(x, ConstantSeries):
             return ConstantSeries(self.plain.unary(name, x.value))
         if name in ("sin", "cos", "tan", "sinh", "cosh", "tanh"):

@@ -49,7 +49,11 @@ class Task:
         return tuple(self.every[place] for place in self.places)
 
     def some(self, places: Sequence[int]) -> Times:
-        """A few of the times."""
+        """A few of the times.
+
+        Args:
+            places: numbers of the times, among all.
+        """
         return Times(listed=tuple(self.every[place] for place in places))
 
 

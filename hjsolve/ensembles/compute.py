@@ -25,7 +25,11 @@ Columns = dict[str, Any]
 
 
 def dtypes(layout: Layout) -> dict[str, np.dtype[Any]]:
-    """The type of every column."""
+    """The type of every column.
+
+    Args:
+        layout: names of the columns.
+    """
     return {STATUS: np.dtype(np.int8), RECOMPUTED: np.dtype(np.bool_)} | dict.fromkeys(
         layout.numbers(), np.dtype(np.float64)
     )

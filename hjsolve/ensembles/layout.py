@@ -50,6 +50,9 @@ class Layout:
 def wanted(want: Iterable[str] | str | None) -> tuple[str, ...]:
     """Read what is wanted, in the order of ``QUANTITIES``; None for all.
 
+    Args:
+        want: one word or several.
+
     Raises:
         InvalidInputError: a word that is none of them, or no word at all.
     """
@@ -67,6 +70,10 @@ def layout_of(solution: Solution, want: Iterable[str] | str | None) -> Layout:
     """The columns that a solution has of what is wanted.
 
     A quantity that no orbit of the system can have (the action of an ignorable coordinate on a line) has no column.
+
+    Args:
+        solution: of the system.
+        want: words as in ``wanted``.
     """
     coordinates = solution.system.coordinates
     cyclic = tuple(c.name for c in coordinates if c.name in solution.coordinates or c.domain.kind == "angle")

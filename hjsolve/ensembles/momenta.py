@@ -20,6 +20,10 @@ Arrays = Mapping[str, Any]
 def momenta_of(tools: TaskContext, q: Arrays, velocity: Arrays) -> tuple[dict[str, Any], dict[str, Any]]:
     """Momenta in doubles from velocities, and which of them are rounded.
 
+    Args:
+        tools: of the ensemble.
+        q, velocity: coordinate → array of shape (n,).
+
     Returns:
         Coordinate → p, and coordinate → bool array, only of those with a rounded one.
     """
@@ -37,6 +41,10 @@ def run_from_velocities(tools: TaskContext, q: Arrays, velocity: Arrays) -> engi
 
     Every momentum that was rounded is moved to the next double, both ways; what that does to a number is added to its
     error. An orbit that leaves ``OK`` on the way is for the engine of single motions.
+
+    Args:
+        tools: of the ensemble.
+        q, velocity: coordinate → array of shape (n,).
 
     Returns:
         Columns as ``Engine.run`` gives them.
@@ -63,6 +71,11 @@ def _distance(column: str, one: engine.Columns, other: engine.Columns) -> Any:
 
 
 def value_of(columns: engine.Columns, name: str) -> Any:
-    """A column of values by its flat name."""
+    """A column of values by its flat name.
+
+    Args:
+        columns: of the engine.
+        name: quantity, a dot, and the coordinate or constant, such as ``actions.r``.
+    """
     quantity, _, key = name.partition(".")
     return columns.group(quantity)[key]

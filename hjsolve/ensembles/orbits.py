@@ -101,6 +101,14 @@ def recipe_for(
 ) -> EnsembleTask:  # fmt: skip
     """Write the recipe of an ensemble: every parameter with its exact value.
 
+    Args:
+        solution: of the system.
+        want: quantities, in the order of the layout.
+        parameters: name → number; the others take their defaults.
+        kind: ``p`` or ``velocity``, what comes with the places.
+        compiled: whether the first pass is compiled, where numba is installed.
+        fallback: whether orbits that the vectorised engine hands back go to the engine of single motions.
+
     Raises:
         InvalidInputError: an unknown parameter, or one with several values.
         MissingValueError: a parameter without a value.

@@ -89,7 +89,11 @@ class TaskContext:
 
 
 def context_of(recipe: EnsembleTask) -> TaskContext:
-    """The tools of a recipe; made when a process first asks, and kept for the newest recipes."""
+    """The tools of a recipe; made when a process first asks, and kept for the newest recipes.
+
+    Args:
+        recipe: what is to be computed of each orbit.
+    """
     with ONE_AT_A_TIME:
         return _tools(recipe)
 

@@ -117,6 +117,9 @@ class ModalMotion:
         """Return the state in the coordinates as posed at a time or at an array of times; as ``Motion.at``.
 
         q and p are N times those of the modes, and their errors |N| times theirs, N being good to far more digits.
+
+        Args:
+            t: a time or an array of times.
         """
         state, context = self.motion.at(t), multiprecision(_bits(self.modes.digits))
         rows = [*self.modes.matrix.tolist(), *_speeds(self.modes)]

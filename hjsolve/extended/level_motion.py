@@ -63,6 +63,9 @@ class LevelMotion:
     def at(self, t: Any) -> State:
         """Return the state at a time or at an array of times.
 
+        Args:
+            t: a time or an array of times.
+
         Raises:
             InvalidInputError: times that are no numbers, or more than 2**60 periods away.
         """

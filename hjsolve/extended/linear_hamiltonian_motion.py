@@ -54,7 +54,11 @@ class LinearMotion:
     values: Mapping[sp.Symbol, sp.Expr]
 
     def at(self, t: Any) -> State:
-        """Return the state at a time or at an array of times; NaN where the motion has left its domain."""
+        """Return the state at a time or at an array of times; NaN where the motion has left its domain.
+
+        Args:
+            t: a time or an array of times.
+        """
         shape, times = exact_numbers(t, "t")
         rows = [self._state(time) for time in times]
         name = self.problem.coordinate.name
@@ -69,6 +73,9 @@ class LinearMotion:
 
     def reach(self, t: Any) -> tuple[Any, Any]:
         """Return (q, p) at one time, angles with all their turns.
+
+        Args:
+            t: one time.
 
         Raises:
             OutsideMotionError: the motion does not come so far.
@@ -156,6 +163,14 @@ def start_linear_motion(
     p: Mapping[str, Any] | None, parameters: Mapping[str, Any], t0: Any, digits: int,
 ) -> LinearMotion:  # fmt: skip
     """Start a motion; see ``LinearHamiltonian.motion``.
+
+    Args:
+        problem: H = a(q) p + b(q).
+        q, p: numbers by name of the coordinate.
+        velocity: refused here, for dq/dt = a(q) does not say what p is; None.
+        parameters: numbers by name.
+        t0: time of the initial data.
+        digits: relative digits wanted.
 
     Raises:
         InvalidInputError: no momentum, or digits out of range.

@@ -52,7 +52,11 @@ class Frame:
         return {name: self.total_derivative(f) for name, f in self.place.items()}
 
     def total_derivative(self, f: sp.Expr) -> sp.Expr:
-        """d/dt of a function of Q and t along the motion."""
+        """d/dt of a function of Q and t along the motion.
+
+        Args:
+            f: in Q and t.
+        """
         return sp.diff(f, self.time) + sp.Add(*(sp.diff(f, c.symbol) * c.velocity for c in self.system.coordinates))
 
     def residual(self) -> sp.Expr:
@@ -78,7 +82,11 @@ class Frame:
         }
 
     def constants(self, solution: Solution) -> dict[str, sp.Expr]:
-        """The constants of the motion as functions of the q, p and t of the original system."""
+        """The constants of the motion as functions of the q, p and t of the original system.
+
+        Args:
+            solution: of the autonomous system.
+        """
         at, back = self.new_momenta(), self.inverse()
         return {
             name: constant.expression.subs(at, simultaneous=True).subs(back, simultaneous=True)
@@ -112,6 +120,9 @@ class Frame:
 def verified(frame: Frame) -> Frame:
     """Give the frame back if it is what it claims.
 
+    Args:
+        frame: what is to be checked.
+
     Raises:
         InvalidSystemError: the map is not affine in Q, not invertible, or the identity fails; the residual is shown.
     """
@@ -129,7 +140,12 @@ def verified(frame: Frame) -> Frame:
 
 
 def drift(frame: Frame, expression: sp.Expr) -> sp.Expr:
-    """∂f/∂t + (f, H) of a function f(q, p, t) of the original system (6-235): zero for a constant of the motion."""
+    """∂f/∂t + (f, H) of a function f(q, p, t) of the original system (6-235): zero for a constant of the motion.
+
+    Args:
+        frame: with the original system.
+        expression: f(q, p, t).
+    """
     H, total = hamiltonian(frame.original), sp.diff(expression, frame.time)
     for c in frame.original.coordinates:
         total += sp.diff(expression, c.symbol) * sp.diff(H, c.momentum)

@@ -46,7 +46,11 @@ class FramedMotion:
         return self.motion.constants
 
     def at(self, t: Any) -> State:
-        """Return the state of the original system at a time or times; as ``Motion.at``, angles not counted in turns."""
+        """Return the state of the original system at a time or times; as ``Motion.at``, angles not counted in turns.
+
+        Args:
+            t: a time or an array of times.
+        """
         state = self.motion.at(t)
         shape = np.shape(state.status)
         times = _numbers(t, shape, self.motion.digits)
@@ -109,6 +113,13 @@ def start_framed_motion(
     parameters: Mapping[str, Any], t0: Any, digits: int,
 ) -> FramedMotion:  # fmt: skip
     """Start a motion; see ``Frame.motion``.
+
+    Args:
+        frame: with both systems.
+        q, velocity, p: numbers by name of the original coordinates; velocity or p.
+        parameters: numbers by name.
+        t0: time of the initial data.
+        digits: relative digits wanted.
 
     Raises:
         InvalidInputError: velocity and p both or neither.

@@ -104,7 +104,11 @@ def gather(
 
 
 def told(error: NotConvergedError) -> str:
-    """The failure in a sentence, with what was reached."""
+    """The failure in a sentence, with what was reached.
+
+    Args:
+        error: of a motion that could not be computed.
+    """
     reached = f" (reached: {error.estimate})" if error.estimate is not None else ""
     return f"{' '.join(str(error).split())}{reached}"
 
@@ -127,6 +131,11 @@ def initial_of(
     entry: catalog.Entry | None, given: Mapping[str, Any] | None, name: str
 ) -> tuple[Mapping[str, Any] | None, str]:
     """Give the initial data to use, and what the catalog says about them: those given, else the entry's.
+
+    Args:
+        entry: of the catalog; None for a system of the user's own.
+        given: keywords of ``Solution.motion``.
+        name: of one of the entry's motions.
 
     Raises:
         InvalidInputError: the entry has no such motion.

@@ -181,7 +181,11 @@ def save(material: Material, target: Path, cost: bool | float = False, progress:
 
 
 def outside_entry(subject: object) -> catalog.Entry | None:
-    """The entry that is named, where it is no T and V: its reason is the report."""
+    """The entry that is named, where it is no T and V: its reason is the report.
+
+    Args:
+        subject: what the report is asked of.
+    """
     if not isinstance(subject, str | Path):
         return None
     entry = catalog.describe(subject)

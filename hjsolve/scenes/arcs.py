@@ -293,7 +293,11 @@ def _after(change: Change, before: Turns) -> Leg:
 
 
 def start_of(piece: FreeArc) -> Leg:
-    """Where an arc starts, worked out where it is a flight."""
+    """Where an arc starts, worked out where it is a flight.
+
+    Args:
+        piece: an arc of the free motion.
+    """
     if piece.flight is None or piece.free is None:
         return piece.leg
     free, flight = piece.free, piece.flight
@@ -322,5 +326,9 @@ def _ended(found: list[FreeArc], leg: Leg, rest: Rest) -> list[FreeArc]:
 
 
 def whole_turns(angle: sp.Expr) -> int:
-    """How many turns an angle has beyond its principal value in (−π, π]."""
+    """How many turns an angle has beyond its principal value in (−π, π].
+
+    Args:
+        angle: in radians, exact.
+    """
     return int(sp.ceiling((angle - sp.pi) / (2 * sp.pi)))

@@ -88,7 +88,12 @@ class Wholes:
         return self._turned(piece, ())
 
     def shared(self, piece: FreeArc, names: tuple[str, ...]) -> Mapping[str, Any]:
-        """Quantities that are the same on all flights of the same signs: one table for them all."""
+        """Quantities that are the same on all flights of the same signs: one table for them all.
+
+        Args:
+            piece: the flight.
+            names: of the quantities.
+        """
         motion = self.mirrored(piece)
         key = (id(motion), names)
         if key not in self._shared:
@@ -96,7 +101,11 @@ class Wholes:
         return self._shared[key]
 
     def mirrored(self, piece: FreeArc) -> Motion:
-        """With momenta of the signs of the flight: what is the same along it is the same along that motion."""
+        """The motion whose momenta have the signs of the flight: what is the same along it is the same along that motion.
+
+        Args:
+            piece: the flight.
+        """
         assert piece.free is not None
         assert piece.flight is not None
         signs = signed(piece.free, piece.flight.signs)

@@ -18,7 +18,11 @@ _CHUNK, _LONGEST_WALK = 512, 400
 
 
 def bits_of(digits: int) -> int:
-    """Binary digits for decimal ones, with some to spare."""
+    """Binary digits for decimal ones, with some to spare.
+
+    Args:
+        digits: decimal digits.
+    """
     return bits_for(digits, 32)
 
 
@@ -148,7 +152,14 @@ def sharpened(motion: Motion, name: str, value: sp.Expr, time: Any) -> Any:
 
 
 def restart(motion: Motion) -> dict[str, Any]:
-    """The arguments that start the same motion again."""
+    """The arguments that start the same motion again.
+
+    Args:
+        motion: the one to start again.
+
+    Returns:
+        Keywords of ``Solution.motion``.
+    """
     system, values = motion.solution.system, motion.initial.values
     return {
         "q": {c.name: values[c.symbol] for c in system.coordinates},
@@ -159,5 +170,10 @@ def restart(motion: Motion) -> dict[str, Any]:
 
 
 def as_rational(value: Any, digits: int) -> sp.Expr:
-    """An ``mpf``, rounded to so many digits, as the rational number it is."""
+    """An ``mpf``, rounded to so many digits, as the rational number it is.
+
+    Args:
+        value: mpmath's number.
+        digits: decimal digits to round it to.
+    """
     return number(multiprecision(bits_of(digits)).mpf(value) * 1, source="state")

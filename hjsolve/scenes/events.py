@@ -107,7 +107,11 @@ def _restitution(table: Mapping[str, Any], where: str) -> sp.Expr:
 
 
 def once(events: Sequence[Event]) -> list[Event]:
-    """Events at one instant, in order; of several walls at one place the first one counts, so none undoes another."""
+    """Events at one instant, in order; of several walls at one place the first one counts, so none undoes another.
+
+    Args:
+        events: all of one instant.
+    """
     found: list[Event] = []
     for event in events:
         if event.kind != "wall" or all(e.kind != "wall" or e.coordinate != event.coordinate for e in found):

@@ -30,14 +30,23 @@ class Dissipative:
 
 
 def dissipative(system: System, forces: Mapping[str, sp.Expr]) -> Dissipative:
-    """Make the verdict; Greenwood (3-4), (3-5): with Rayleigh's function F, the power is −2F."""
+    """Make the verdict; Greenwood (3-4), (3-5): with Rayleigh's function F, the power is −2F.
+
+    Args:
+        system: without the forces.
+        forces: coordinate → generalized force Q.
+    """
     power = sp.Add(*(force * system.coordinate(name).velocity for name, force in forces.items()))
     advice = 'leave the effect out, or write method = "integrate" to run the scene through an ODE integrator'
     return Dissipative(system, tuple(forces), "dissipation", sp.expand(power), advice)
 
 
 def force_words(verdict: Dissipative) -> str:
-    """The error's line."""
+    """The error's line.
+
+    Args:
+        verdict: what the error is about.
+    """
     return (
         f"a force that no T and V contain acts on {', '.join(verdict.pair)}: dH/dt = {verdict.residual}, so the energy "
         f"is no constant and Hamilton-Jacobi does not apply; {verdict.advice}"

@@ -85,7 +85,12 @@ class Varied:
 
 # ------------------------------------------------------------------------------------------------ its shape
 def sweep_faults(given: Any, scene: Mapping[str, Any]) -> Iterator[str]:
-    """Every way in which the table does not have the shape it must have, one line each."""
+    """Every way in which the table does not have the shape it must have, one line each.
+
+    Args:
+        given: the table ``sweep`` as it was read.
+        scene: the table of the scene.
+    """
     if not isinstance(given, Mapping):
         yield f'sweep: must be a table, e.g. [sweep] q = {{r = ["1", "2"]}}, not {given!r:.40}'
         return
@@ -136,6 +141,10 @@ def _is_count(value: Any, least: int) -> bool:
 def read_sweep(given: Mapping[str, Any] | None, folder: Path) -> Varied | None:
     """Read a table that has no ``sweep_faults``; a file is looked for beside the scene first.
 
+    Args:
+        given: the table ``sweep``; None where the scene has none.
+        folder: of the scene's file.
+
     Raises:
         ExpressionError: a value that is no number.
     """
@@ -180,18 +189,33 @@ def disagreements(sweep: Varied, names: list[str], fixed: Mapping[str, Mapping[s
 
 
 def keys(names: Iterable[str]) -> list[str]:
-    """The initial conditions that a table may have: ``q.r`` and so on."""
+    """The initial conditions that a table may have: ``q.r`` and so on.
+
+    Args:
+        names: of the coordinates.
+    """
     return [f"{group}.{name}" for group in GROUPS for name in names]
 
 
 def varied_kind(varied: Iterable[str], fixed: Mapping[str, Mapping[str, object] | None]) -> str:
-    """``p`` or ``velocity``: what the sweep varies, else what the initial data give."""
+    """``p`` or ``velocity``: what the sweep varies, else what the initial data give.
+
+    Args:
+        varied: keys of the sweep, such as ``p.r``.
+        fixed: the scene's initial data: ``q``, ``p``, ``velocity`` → name → number.
+    """
     groups = {key.partition(".")[0] for key in varied} - {"q"}
     return min(groups) if groups else "p" if fixed.get("p") else "velocity"
 
 
 def missing(varied: list[str], names: list[str], fixed: Mapping[str, Mapping[str, object] | None]) -> Iterator[str]:
-    """Initial conditions that neither the sweep nor the initial data give."""
+    """Initial conditions that neither the sweep nor the initial data give.
+
+    Args:
+        varied: keys of the sweep, such as ``p.r``.
+        names: of the coordinates.
+        fixed: the scene's initial data: ``q``, ``p``, ``velocity`` → name → number.
+    """
     kind = varied_kind(varied, fixed)
     for group in ("q", kind):
         for name in names:

@@ -57,6 +57,9 @@ class Numbers:
 def integrated(scene: Question) -> Run:
     """Integrate a scene.
 
+    Args:
+        scene: what is asked; its ``method`` is ``integrate``.
+
     Returns:
         The run: trajectory and drift; no arcs, no quadratures.
 
@@ -79,7 +82,11 @@ def integrated(scene: Question) -> Run:
 
 
 def numbers_of(scene: Question) -> Numbers:
-    """Work out where a scene starts, momenta from velocities."""
+    """Work out where a scene starts, momenta from velocities.
+
+    Args:
+        scene: with initial data and parameters.
+    """
     assert scene.initial is not None
     system, start = scene.system, scene.initial
     values = dict(parameter_values(system, scene.parameters))
@@ -110,7 +117,14 @@ def _compiled(formulas: list[sp.Expr], scene: Question, numbers: Numbers) -> Cal
 
 
 def slopes_of(scene: Question) -> list[sp.Expr]:
-    """Hamilton's equations with the scene's forces: q̇ and then ṗ, in q, p and parameters."""
+    """Hamilton's equations with the scene's forces: q̇ and then ṗ, in q, p and parameters.
+
+    Args:
+        scene: with its system and forces.
+
+    Returns:
+        Length 2n.
+    """
     system = scene.system
     H, speeds = hamiltonian(system), velocities(system)
     known = {c.velocity: speeds[c.name] for c in system.coordinates}
@@ -121,7 +135,12 @@ def slopes_of(scene: Question) -> list[sp.Expr]:
 
 
 def flow_of(scene: Question, numbers: Numbers) -> Flow:
-    """Give the equations of motion of a scene in double precision."""
+    """Give the equations of motion of a scene in double precision.
+
+    Args:
+        scene: with its system and forces.
+        numbers: parameters and start of the motion.
+    """
     return Flow(scene.system, _compiled(slopes_of(scene), scene, numbers), dict(numbers.parameters))
 
 
@@ -146,7 +165,14 @@ def _converged(scene: Question, flow: Flow, numbers: Numbers, times: Any) -> tup
 
 
 def former(scene: Question) -> tuple[Separation | None, tuple[str, ...]]:
-    """The separation whose constants no longer hold, with as many of the scene's effects as keep it separable."""
+    """The separation whose constants no longer hold, with as many of the scene's effects as keep it separable.
+
+    Args:
+        scene: one that does not separate.
+
+    Returns:
+        The separation, None where there is none; and the names of the effects it keeps.
+    """
     kept: tuple[str, ...] = ()
     found: Separation | None = None
     for names in [(), *((name,) for name in scene.effects)]:

@@ -42,7 +42,13 @@ class Passes:
     error: Any
 
     def beside(self, time: Any, direction: int, slack: Any) -> tuple[Any, int, int] | None:
-        """The next one in a direction (1 later, −1 earlier), which of ``times`` it is, and periods added to that."""
+        """The next one in a direction (1 later, −1 earlier), which of ``times`` it is, and periods added to that.
+
+        Args:
+            time: where the search begins.
+            direction: 1 for later, −1 for earlier.
+            slack: passages no farther than this from ``time`` do not count.
+        """
         best: tuple[Any, int, int] | None = None
         for index, first in enumerate(self.times):
             turns, there = 0, first
@@ -135,21 +141,36 @@ class Carried:
         return self.mean * χ + self.kernel.ripple(χ)
 
     def angle(self, χ: Any) -> Any:
-        """The coordinate, with its whole turns, at a phase of the carrier."""
+        """The coordinate, with its whole turns, at a phase of the carrier.
+
+        Args:
+            χ: phase of the carrier.
+        """
         return self.begin - (self._integral(χ) - self.origin)
 
     def time_of(self, χ: Any) -> Any:
-        """The time of the free motion at a phase of the carrier, which has a clock of its own."""
+        """The time of the free motion at a phase of the carrier, which has a clock of its own.
+
+        Args:
+            χ: phase of the carrier.
+        """
         return (χ + self.clock.ripple(χ) - self.start) / self.rate
 
     def near(self, time: Any) -> Any:
-        """The coordinate, with its whole turns, at a time of the free motion, to a few digits."""
+        """The coordinate, with its whole turns, at a time of the free motion, to a few digits.
+
+        Args:
+            time: of the free motion.
+        """
         period = self.times[-1] - self.times[0]
         whole = self.context.floor((time - self.times[0]) / period)
         return self.begin + whole * self.turn + float(np.interp(float(time - whole * period), self.times, self.grid))
 
     def time(self, angle: Any) -> tuple[Any, Any]:
         """When the coordinate, with its whole turns, has a value; and a bound on the error.
+
+        Args:
+            angle: value of the coordinate, with its whole turns, in radians.
 
         Raises:
             NotConvergedError: Newton's method did not settle.

@@ -41,7 +41,11 @@ class Times:
         return [self.start + k * step for k in range(self.count)]
 
     def between(self, begin: float, end: float) -> list[sp.Expr]:
-        """The times from ``begin`` to ``end``, and perhaps one more on each side."""
+        """The times from ``begin`` to ``end``, and perhaps one more on each side.
+
+        Args:
+            begin, end: the span of time, in the units of t.
+        """
         if self.listed:
             return [t for t in self.listed if begin - 1 <= t <= end + 1]
         step = (self.stop - self.start) / (self.count - 1)

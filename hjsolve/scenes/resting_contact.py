@@ -69,7 +69,12 @@ class Landing:
 
 
 def acceleration(system: System, name: str) -> sp.Expr:
-    """q̈ of a coordinate where no wall is: d/dt ∂H/∂p by Hamilton's equations, in coordinates and momenta."""
+    """q̈ of a coordinate where no wall is: d/dt ∂H/∂p by Hamilton's equations, in coordinates and momenta.
+
+    Args:
+        system: with H(q, p).
+        name: of the coordinate.
+    """
     H, rates = hamiltonian(system), velocities(system)
     return sp.Add(*(
         sp.diff(rates[name], c.symbol) * rates[c.name] - sp.diff(rates[name], c.momentum) * sp.diff(H, c.symbol)

@@ -75,7 +75,11 @@ class Trajectory:
         return self.errors()
 
     def unwrapped(self, name: str) -> Any:
-        """Return q with its whole turns."""
+        """Return q with its whole turns.
+
+        Args:
+            name: of the coordinate.
+        """
         return State(self.t, self.q, self.p, self.velocity, self.turns, self.status, self.errors).unwrapped(name)
 
 
@@ -122,6 +126,10 @@ class Run:
 
     def quantity(self, name: str, arc: int = 0) -> Any:
         """Return a wanted quantity of one arc, as in ``Motion``.
+
+        Args:
+            name: one of those the scene wants.
+            arc: its number, from 0 on; negative ones count from the last.
 
         Raises:
             InvalidInputError: the scene does not want it, or there is no such arc.

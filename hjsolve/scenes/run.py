@@ -78,6 +78,9 @@ def _started(scene: Question) -> None:
 def solved(scene: Question) -> Solution | None:
     """Solve the system of a scene; None where it is to be integrated.
 
+    Args:
+        scene: what is asked.
+
     Raises:
         NotSeparableError: it does not separate, or a force acts on it.
         MissingValueError: nothing says where the motion starts.
@@ -96,7 +99,14 @@ def solved(scene: Question) -> Solution | None:
 
 
 def first_arguments(scene: Question) -> dict[str, Any]:
-    """The arguments of the first motion, as the scene gives them."""
+    """The arguments of the first motion, as the scene gives them.
+
+    Args:
+        scene: with initial data and parameters.
+
+    Returns:
+        Keywords of ``Solution.motion``.
+    """
     start = scene.initial
     assert start is not None
     given = {"q": start.q, "velocity": start.velocity, "p": start.p, "parameters": scene.parameters, "t0": start.t}

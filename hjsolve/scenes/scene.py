@@ -123,7 +123,11 @@ def _opened(scene: str | Path | System | Mapping[str, Any]) -> tuple[Mapping[str
 
 
 def name_or_table(system: System) -> str | dict[str, Any]:
-    """What the key ``system`` says for a system: the id of its entry, which knows motions and effects, or its table."""
+    """What the key ``system`` says for a system: the id of its entry, which knows motions and effects, or its table.
+
+    Args:
+        system: the one the scene is about.
+    """
     return system.id if catalog.entry_of(system) is not None else catalog.table_of(system)
 
 

@@ -47,7 +47,14 @@ class Along:
         return self.motion.digits > FLOAT_DIGITS
 
     def gather(self, pick: Callable[[Flight], Any]) -> tuple[Any, Any]:
-        """A number of every flight at the times, as a high part and what is left."""
+        """A number of every flight at the times, as a high part and what is left.
+
+        Args:
+            pick: gives the number of one flight, in many digits.
+
+        Returns:
+            Shape (m,) each.
+        """
         numbers = [pick(flight) for flight in self.flights]
         if self.many:
             return np.array(numbers, dtype=object)[self.which], 0
@@ -56,7 +63,14 @@ class Along:
         return high[self.which], low[self.which]
 
     def floats(self, pick: Callable[[Flight], Any]) -> Any:
-        """A number of every flight at the times, rounded."""
+        """A number of every flight at the times, rounded.
+
+        Args:
+            pick: gives the number of one flight, in many digits.
+
+        Returns:
+            Doubles, shape (m,).
+        """
         return np.array([float(pick(flight)) for flight in self.flights])[self.which]
 
 

@@ -38,7 +38,11 @@ MOST_PASSAGES = 100_000
 
 
 def is_scene(file: str | Path) -> bool:
-    """Whether a file is a scene's and not an entry's: it has keys that no entry has."""
+    """Whether a file is a scene's and not an entry's: it has keys that no entry has.
+
+    Args:
+        file: its path, or the id of an entry.
+    """
     if not str(file).endswith(".toml"):
         return False
     try:
@@ -49,7 +53,11 @@ def is_scene(file: str | Path) -> bool:
 
 
 def scene_faults(table: Mapping[str, Any]) -> Iterator[str]:
-    """Every way in which a scene does not have the shape it must have, one line each."""
+    """Every way in which a scene does not have the shape it must have, one line each.
+
+    Args:
+        table: the file as it was read.
+    """
     plain = {key: value for key, value in table.items() if key not in ("system", "times", "sweep")}
     keys = {**SCENE, "system": _TEXT, "times": _TEXT, "sweep": _TEXT}
     if isinstance(orbit := plain.get("orbit"), Mapping) and "values" in orbit:

@@ -57,7 +57,16 @@ def sampled(times: Times, digits: int) -> Any:
 
 
 def belongings(times: Any, pieces: Sequence[FreeArc], rest: Rest | None) -> Any:
-    """The arc of each time, which is in [begin, end); −1 from the last bounce on where a wall keeps the body."""
+    """The arc of each time, which is in [begin, end); −1 from the last bounce on where a wall keeps the body.
+
+    Args:
+        times: doubles or exact numbers, shape (m,).
+        pieces: the arcs, in the order of time.
+        rest: how the scene ended early; None where it did not.
+
+    Returns:
+        Numbers of the arcs, shape (m,).
+    """
     ends = [piece.ends for piece in pieces if piece.ends is not None]
     if rest is not None and rest.bounces > 1:
         ends = ends[:-1]  # that is the limit, and what comes before it is not one arc

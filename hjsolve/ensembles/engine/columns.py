@@ -36,12 +36,23 @@ class Columns:
     status: Any
 
     def group(self, quantity: str) -> Mapping[str, Any]:
-        """Return the columns of one of ``QUANTITIES``."""
+        """Return the columns of one of ``QUANTITIES``.
+
+        Args:
+            quantity: its name.
+
+        Returns:
+            Coordinate or constant → array of shape (n,).
+        """
         columns: Mapping[str, Any] = getattr(self, quantity)
         return columns
 
     def take(self, index: Any) -> Columns:
-        """Return some of the orbits."""
+        """Return some of the orbits.
+
+        Args:
+            index: of numpy, of which orbits.
+        """
         groups = {q: {name: v[index] for name, v in self.group(q).items()} for q in QUANTITIES}
         return Columns(**groups, error={k: v[index] for k, v in self.error.items()}, status=self.status[index])
 
@@ -59,7 +70,13 @@ def blank(names: Mapping[str, tuple[str, ...]], count: int) -> Columns:
 
 
 def put(columns: Columns, index: Any, part: Columns) -> None:
-    """Write the columns of some orbits."""
+    """Write the columns of some orbits.
+
+    Args:
+        columns: where they are written.
+        index: of numpy, of which orbits.
+        part: what is written.
+    """
     columns.status[index] = part.status
     for key, error in part.error.items():
         quantity, name = key.split(".", 1)

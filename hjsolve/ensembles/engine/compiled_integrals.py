@@ -204,7 +204,18 @@ def _samples(a, b, c, e, lanes, bounds, noise, drift, chords, kernels):
 
 
 def orbits(chords, kernels, ripples, q, P, C, E, lower, upper, least, first, tables, results):
-    """The integrals of one coordinate of many orbits; see ``compiled.librations``."""
+    """The integrals of one coordinate of many orbits; see ``compiled.librations``.
+
+    Args:
+        chords, kernels, ripples: whether the formula is used as a slope, and whether ∂J/∂c and the running integrals
+            are wanted.
+        q, P: starts, shape (n,).
+        C, E: constants and bounds on their errors, shape (constants, n).
+        lower, upper: turning points, shape (n,).
+        least, first: size in the tables and crowding to begin with, shape (n,); a negative size leaves the orbit out.
+        tables: of the midpoint rules, as ``compiled_pass`` makes them.
+        results: arrays filled here.
+    """
     warps, counts, low, high, pace, last, middle, cosines, squares, slopes = tables
     (
         action, action_error, means, mean_errors, ripple, ripple_errors, phase, phase_error, speeds, good, chosen,

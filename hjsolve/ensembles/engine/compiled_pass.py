@@ -61,7 +61,13 @@ def _tables() -> tuple[Any, ...]:
 
 
 def begin_compiled(model: Model, made: Compiled, q: Any, p: Any) -> InitialConstants:
-    """Work out the constants in doubles; see ``start.begin``."""
+    """Work out the constants in doubles; see ``start.begin``.
+
+    Args:
+        model: the lowered solution.
+        made: its programs.
+        q, p: of all coordinates, shape (coordinates, n).
+    """
     count, m = q.shape[1], len(model.constants)
     C, E, P = np.empty((m, count)), np.empty((m, count)), np.empty((len(model.separated), count))
     made.start(q, p, C, E, P)

@@ -36,7 +36,12 @@ fill: Any = None
 
 @njit(**REDUCING)
 def dot(x: Any, y: Any, count: int) -> float:
-    """Σ x y; the order of summation is the compiler's."""
+    """Σ x y; the order of summation is the compiler's.
+
+    Args:
+        x, y: at least ``count`` doubles.
+        count: how many are used.
+    """
     total = 0.0
     for j in range(count):
         total += x[j] * y[j]

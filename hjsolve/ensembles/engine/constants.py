@@ -80,7 +80,14 @@ def _sum(p: Any, shift: Pair) -> Any:
 
 
 def slope(formula: LoweredFormula, pairs: tuple[Pair, ...], parameters: tuple[Pair, ...], q: Any) -> Any:
-    """Return F′(q) to full relative accuracy, from 32 digits."""
+    """Return F′(q) to full relative accuracy, from 32 digits.
+
+    Args:
+        formula: F(q) and how it was lowered.
+        pairs: constants as two doubles, arrays of shape (n,).
+        parameters: as two doubles.
+        q: places, shape (n,).
+    """
     jets = Jets(DoubleDouble())
     inputs = [jets.variable(Pair(q, 0.0 * q)), *(Jet(pair) for pair in (*pairs, *parameters))]
     first = formula.squared.run(jets, inputs)[0].first

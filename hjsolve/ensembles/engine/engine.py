@@ -125,7 +125,13 @@ def build(
 
 
 def ready(solution: Solution, want: frozenset[str], parameters: Mapping[str, Any] | None = None) -> bool:
-    """Tell whether the machine code of a compiled engine is on disk already; the arguments are those of ``build``."""
+    """Tell whether the machine code of a compiled engine is on disk already; the arguments are those of ``build``.
+
+    Args:
+        solution: of the system.
+        want: names of the quantities.
+        parameters: name → exact value.
+    """
     model = lowered_model(solution, parameter_values(solution.system, parameters or {}))
     return is_kept(model, kernels=bool(TIMED & want))
 

@@ -84,7 +84,12 @@ def _from_momentum(region: OrbitRegions, table: Nodes, ratio: Any, part: Any, x:
 
 
 def phase_of_rotation(region: OrbitRegions, table: Nodes) -> tuple[Any, Any]:
-    """Return χ₀ in (−π, π] of a rotation and a bound on its error; the slow place is χ = π."""
+    """Return χ₀ in (−π, π] of a rotation and a bound on its error; the slow place is χ = π.
+
+    Args:
+        region: of n rotations.
+        table: nodes that the anomaly is read from.
+    """
     left = np.sign(region.momentum) * region.left
     left = left - 2 * np.pi * np.rint(left / (2 * np.pi))
     χ = _anomaly(np.where(left > 0, -1, 1) * np.cos(left / 2), np.abs(np.sin(left / 2)), table)

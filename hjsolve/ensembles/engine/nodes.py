@@ -69,7 +69,13 @@ class Nodes:
 
 @cache
 def libration_nodes(count: int, level: int, warp: int = 0) -> Nodes:
-    """Return the nodes of half a period between turning points; k′² = 4^−level."""
+    """Return the nodes of half a period between turning points; k′² = 4^−level.
+
+    Args:
+        count: nodes in half a period.
+        level: l in k′² = 4^−l; 0 for the circular functions.
+        warp: place in the table of crowdings.
+    """
     fold = 2 if warp >= EVEN else 1
     χ = _anomalies(count, fold * count)
     complement, quarter, low, high, pace = _places(χ, level, warp)
@@ -83,7 +89,12 @@ def libration_nodes(count: int, level: int, warp: int = 0) -> Nodes:
 
 
 def libration_places(counts: tuple[int, ...], warp: int) -> tuple[Any, Any, Any]:
-    """Return ``low``, ``high``, ``pace`` of ``libration_nodes`` at level 0 for some numbers of nodes, in turn."""
+    """Return ``low``, ``high``, ``pace`` of ``libration_nodes`` at level 0 for some numbers of nodes, in turn.
+
+    Args:
+        counts: numbers of nodes.
+        warp: place in the table of crowdings.
+    """
     fold = 2 if warp >= EVEN else 1
     parts = [_anomalies(count, fold * count) for count in counts]
     χ = Pair(np.concatenate([part.high for part in parts]), np.concatenate([part.low for part in parts]))
@@ -103,7 +114,12 @@ def _places(χ: Pair, level: int, warp: int) -> tuple[float, float, Any, Any, An
 
 @cache
 def rotation_nodes(count: int, level: int) -> Nodes:
-    """Return the nodes of a whole turn; k′² = 4^−level."""
+    """Return the nodes of a whole turn; k′² = 4^−level.
+
+    Args:
+        count: nodes in a whole turn.
+        level: l in k′² = 4^−l.
+    """
     χ = _anomalies(count, count // 2)
     complement, quarter, sn, cn, dn = _functions(χ, level)
     terms = np.arange(1, count // 2)[:, None]
@@ -117,7 +133,14 @@ def rotation_nodes(count: int, level: int) -> Nodes:
 
 
 def nodes_of(turning: bool, count: int, level: int, warp: int) -> Nodes:
-    """Return the nodes for librations or rotations; ``count`` in half a period."""
+    """Return the nodes for librations or rotations; ``count`` in half a period.
+
+    Args:
+        turning: True for librations.
+        count: nodes in half a period.
+        level: l in k′² = 4^−l.
+        warp: place in the table of crowdings; of librations only.
+    """
     return libration_nodes(count, level, warp) if turning else rotation_nodes(2 * count, level)
 
 
@@ -202,5 +225,9 @@ def shifts(count: int, fold: int) -> tuple[Any, Any]:
 
 
 def next_count(needed: float) -> int:
-    """Return the least number of nodes in use that is enough, 0 where none is."""
+    """Return the least number of nodes in use that is enough, 0 where none is.
+
+    Args:
+        needed: how many nodes would be enough.
+    """
     return next((count for count in COUNTS if count >= needed), 0)

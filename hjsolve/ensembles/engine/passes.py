@@ -80,7 +80,15 @@ def run_pass(
 def run_compiled(
     model: Model, names: dict[str, tuple[str, ...]], q: Any, p: Any, *, made: Compiled, tolerance: float
 ) -> Columns:
-    """Compute everything for those orbits that are easy librations; as ``run_pass`` with depth 0."""
+    """Compute everything for those orbits that are easy librations; as ``run_pass`` with depth 0.
+
+    Args:
+        model: the lowered solution.
+        names: quantity → names of its columns.
+        q, p: of all coordinates, shape (coordinates, n).
+        made: the compiled programs.
+        tolerance: largest claimed error of an orbit that is ``OK``.
+    """
     from hjsolve.ensembles.engine.compiled_pass import begin_compiled, librations
 
     count = q.shape[1]
@@ -212,7 +220,11 @@ def _slope(view: Any, region: Any) -> Any:
 
 
 def worst(columns: Columns) -> Any:
-    """Return the largest claimed error of every orbit: relative (of angles to 10 radians); NaN for none."""
+    """Return the largest claimed error of every orbit: relative (of angles to 10 radians); NaN for none.
+
+    Args:
+        columns: of n orbits.
+    """
     largest = np.zeros(len(columns.status))
     for key, error in columns.error.items():
         quantity, name = key.split(".", 1)

@@ -282,7 +282,14 @@ def _numbers(model: Model) -> tuple[float, ...]:
 
 @cache
 def compiled_programs(coordinate: Separated, constants: int, numbers: tuple[float, ...], kernels: bool) -> Programs:
-    """Compile the programs of a coordinate, once in a process."""
+    """Compile the programs of a coordinate, once in a process.
+
+    Args:
+        coordinate: the separated one.
+        constants: how many there are.
+        numbers: values of the parameters, doubles.
+        kernels: whether ∂J/∂c are wanted.
+    """
     made = _compile(_coordinate_text(coordinate, constants, numbers, kernels), _PARTS, _FRONTS)
     return Programs(made["value"], made["search"], made["loop"])
 
@@ -305,7 +312,12 @@ def compiled(model: Model, *, kernels: bool) -> Compiled:
 
 
 def is_kept(model: Model, *, kernels: bool) -> bool:
-    """Tell whether ``compiled`` would find all of its machine code on disk."""
+    """Tell whether ``compiled`` would find all of its machine code on disk.
+
+    Args:
+        model: the lowered solution.
+        kernels: whether ∂J/∂c are wanted.
+    """
     texts = (_coordinate_text(c, len(model.constants), _numbers(model), kernels) for c in model.separated)
     others = is_cached(_start_text(model), ("start",)) and is_cached(_GLANCE, ("glance",))
     return available() and others and all(is_cached(text, _FRONTS) for text in texts)

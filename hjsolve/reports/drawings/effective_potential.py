@@ -85,7 +85,12 @@ class EffectivePotential:
     ends: tuple[float | None, float | None]
 
     def momentum_squared(self, q: Array, level: float) -> Array:
-        """Return p²(q) at some level; the level of the motion gives the motion's own."""
+        """Return p²(q) at some level; the level of the motion gives the motion's own.
+
+        Args:
+            q: places, shape (m,).
+            level: of the curve that is drawn.
+        """
         with np.errstate(all="ignore"):
             return np.asarray(self.weight(q) * (level - self.potential(q)))
 

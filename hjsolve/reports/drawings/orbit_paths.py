@@ -248,7 +248,11 @@ def _sphere(motion: Any, where: Embedding, t: Array, path: tuple[Array, ...], cl
 
 
 def time_box(motion: Any) -> Box:
-    """The letter of the parameter of a motion."""
+    """The letter of the parameter of a motion.
+
+    Args:
+        motion: of any kind.
+    """
     return name_box(time_name(motion.solution.system))
 
 

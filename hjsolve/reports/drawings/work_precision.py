@@ -101,7 +101,11 @@ def _y(row: Row, cost: Cost) -> float:
 
 
 def depth(digits: float) -> float:
-    """Give the height at which an error of 10^−digits is drawn."""
+    """Give the height at which an error of 10^−digits is drawn.
+
+    Args:
+        digits: −log₁₀ of the relative error.
+    """
     return -(max(digits, 0.0) ** _POWER)
 
 
@@ -110,7 +114,11 @@ def _crossed(row: Row) -> bool:
 
 
 def log_axes(frame: svg.DrawingFrame) -> list[str]:
-    """Draw the axes: log₁₀ seconds across, errors by ``depth`` upwards."""
+    """Draw the axes: log₁₀ seconds across, errors by ``depth`` upwards.
+
+    Args:
+        frame: with log₁₀ seconds and ``depth`` as its axes.
+    """
     bottom, left, right = frame.height - frame.bottom, frame.left, frame.width - frame.right
     parts = [f'<path class="axis" d="M{left} {frame.top}V{bottom}H{right}"/>']
     for power in range(int(frame.x[0]), int(frame.x[1]) + 1):
@@ -152,7 +160,15 @@ def _legend(frame: svg.DrawingFrame, cost: Cost) -> list[str]:
 
 
 def legend_line(frame: svg.DrawingFrame, k: int, method: str, *, several: bool, ran: bool = True) -> list[str]:
-    """Draw the k-th line of the legend in the right margin: the method's line, its mark or a cross, its name."""
+    """Draw the k-th line of the legend in the right margin: the method's line, its mark or a cross, its name.
+
+    Args:
+        frame: the drawing.
+        k: number of the line, from 0 on.
+        method: its name.
+        several: whether the method has more than one mark, joined by a line.
+        ran: False draws a cross in place of the mark.
+    """
     left, y, look = frame.width - frame.right + 16, frame.top + 8 + _PITCH * k, LOOKS[method]
     return [
         f'<path class="{look.line}" d="M{left} {y}h22"/>' if several else "",
@@ -176,7 +192,14 @@ def _mark(frame: svg.DrawingFrame, row: Row, cost: Cost) -> str:
 
 
 def shape(form: str, x: float, y: float, style: str, size: float = 3.7) -> str:
-    """Draw a mark: a disc, square, diamond or triangle about a point of the drawing."""
+    """Draw a mark: a disc, square, diamond or triangle about a point of the drawing.
+
+    Args:
+        form: of the mark.
+        x, y: its middle, in units of the drawing.
+        style: attributes of SVG.
+        size: half its width, in units of the drawing.
+    """
     points = "L".join(f"{x + size * a:.1f} {y + size * b:.1f}" for a, b in _SHAPES[form])
     return f'<path class="{style}" d="M{points}Z"/>'
 

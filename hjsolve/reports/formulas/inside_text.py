@@ -200,13 +200,23 @@ class _Reader:
 
 
 def several(name: str, names: Collection[str]) -> list[str]:
-    """The coordinates that a letter has as indices, ``E_x_y``; none where that is not what the word is."""
+    """The coordinates that a letter has as indices, ``E_x_y``; none where that is not what the word is.
+
+    Args:
+        name: the word.
+        names: of the coordinates.
+    """
     letter, *indices = name.split("_")
     return indices if len(letter) == 1 and indices and all(index in names for index in indices) else []
 
 
 def typeset_name(name: str, names: Collection[str]) -> Box:
-    """Set a name; E_x_y has two indices with a comma between them."""
+    """Set a name; E_x_y has two indices with a comma between them.
+
+    Args:
+        name: the word.
+        names: of the coordinates.
+    """
     indices = several(name, names)
     if len(indices) < 2:
         return Glyph("π") if name == "pi" else name_box(name)

@@ -81,7 +81,11 @@ def plain(box: Box) -> str:
 
 
 def spoken(name: str) -> str:
-    """Write a name as it stands in a sentence that has no formulas, such as the description of a drawing."""
+    """Write a name as it stands in a sentence that has no formulas, such as the description of a drawing.
+
+    Args:
+        name: as it is declared.
+    """
     return plain(name_box(name))
 
 

@@ -22,7 +22,11 @@ _SHOWN = 9
 
 
 def hamiltonian_answer(problem: LinearHamiltonian) -> Text:
-    """Say in one sentence what the verdict is."""
+    """Say in one sentence what the verdict is.
+
+    Args:
+        problem: H = a(q) p + b(q), solved.
+    """
     q = Mathematics(name_box(problem.coordinate.name))
     return (
         "Separates: ", q, " is the only coordinate, and H is linear in its momentum, so H = E gives the momentum "
@@ -59,7 +63,11 @@ def given_section(problem: LinearHamiltonian, meanings: Mapping[str, tuple[str, 
 
 
 def hamiltonian_solution_sections(problem: LinearHamiltonian) -> list[Section]:
-    """Give p(q; E), W and S, and the time law."""
+    """Give p(q; E), W and S, and the time law.
+
+    Args:
+        problem: H = a(q) p + b(q), solved.
+    """
     name = problem.coordinate.name
     E = Glyph("E")
     functions = (
@@ -83,7 +91,12 @@ def hamiltonian_solution_sections(problem: LinearHamiltonian) -> list[Section]:
 
 
 def hamiltonian_motion_section(motion: LinearMotion, summary: str) -> Section:
-    """Give the energy of one motion and where it is at some times, each number with its error."""
+    """Give the energy of one motion and where it is at some times, each number with its error.
+
+    Args:
+        motion: the one described.
+        summary: what the catalog says about it.
+    """
     from hjsolve.arithmetic.estimate import Estimate
     from hjsolve.reports.sections.rounded_numbers import quantity
 

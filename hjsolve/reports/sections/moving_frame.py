@@ -48,6 +48,10 @@ def principal_function(frame: Frame, solution: Solution) -> sp.Expr:
     """S(q, t) = W(Q(q, t)) − E t + Λ(Q(q, t), t), which solves ∂S/∂t + H(q, ∂S/∂q, t) = 0.
 
     With L = L′ + dΛ/dt the momenta are p = ∂(S′ + Λ)/∂q, S′ = W − E t of the autonomous system (Greenwood (5-65)).
+
+    Args:
+        frame: with Q(q, t) and Λ.
+        solution: of the autonomous system, with W(Q).
     """
     energy = solution.separation.shell.energy if solution.coordinates else solution.separation.shell.potential
     S = solution.characteristic_function - energy * frame.time + frame.gauge
