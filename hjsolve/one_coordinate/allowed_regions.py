@@ -99,7 +99,12 @@ def _passed(end: End, last: End) -> bool:
 
 
 def forbidden(start: CoordinateStart, digits: int = 15) -> ForbiddenMotionError:
-    """Make the error for p² < 0 at the initial place, with the nearest regions on both sides."""
+    """Make the error for p² < 0 at the initial place, with the nearest regions on both sides.
+
+    Args:
+        start: the coordinate, at a place where p² < 0.
+        digits: decimal digits to which the regions are located.
+    """
     here = End("turning", start.place)
     value = float(start.radicand.value(start.place(256 + start.radicand.guard), 256))
     beside: list[tuple[float, tuple[float | None, float | None]]] = []

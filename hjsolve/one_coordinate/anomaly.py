@@ -76,7 +76,12 @@ class Libration:
     direction = 1
 
     def place(self, χ: Any, arithmetic: Float64 | Multi) -> Place:
-        """Return the place at χ, |χ| ≤ 2π."""
+        """Return the place at χ, |χ| ≤ 2π.
+
+        Args:
+            χ: phase; a number of the arithmetic, or an array of doubles.
+            arithmetic: in which q is worked out.
+        """
         sn, cn, _ = jacobi(χ * self.quarter / arithmetic.pi(), self.complement, self.quarter, arithmetic)
         denominator = 1 + self.near_lower * cn * cn
         from_lower = self.width * (sn * sn / denominator)
@@ -88,7 +93,13 @@ class Libration:
         return Place(q, root * stretch, from_lower * to_upper, stretch, 1, from_lower, to_upper)
 
     def phase(self, q: Any, forward: int, arithmetic: Multi) -> Any:
-        """Return χ in (−π, π] of a position; ``forward`` is the sign of p, 0 at a turning point."""
+        """Return χ in (−π, π] of a position; ``forward`` is the sign of p, 0 at a turning point.
+
+        Args:
+            q: position between the turning points.
+            forward: sign of p, 0 at a turning point.
+            arithmetic: in which χ is worked out.
+        """
         x = (q - self.lower) / self.width
         y = (self.upper - q) / self.width
         if forward == 0:
@@ -123,7 +134,12 @@ class BarrierAnomaly:
     direction = 1
 
     def place(self, χ: Any, arithmetic: Float64 | Multi) -> Place:
-        """Return the place at χ, |χ| ≤ 2π."""
+        """Return the place at χ, |χ| ≤ 2π.
+
+        Args:
+            χ: phase; a number of the arithmetic, or an array of doubles.
+            arithmetic: in which q is worked out.
+        """
         folded = χ - 2 * arithmetic.pi() * _round(χ / (2 * arithmetic.pi()))
         sn, cn, dn = jacobi(2 * folded * self.quarter / arithmetic.pi(), self.complement, self.quarter, arithmetic)
         small = sn * sn / (1 + abs(cn)) / 2
@@ -139,7 +155,13 @@ class BarrierAnomaly:
         return Place(q, speed, from_lower * to_upper, stretch, 1, from_lower, to_upper)
 
     def phase(self, q: Any, forward: int, arithmetic: Multi) -> Any:
-        """Return χ in (−π, π] of a position; ``forward`` is the sign of p, 0 at a turning point."""
+        """Return χ in (−π, π] of a position; ``forward`` is the sign of p, 0 at a turning point.
+
+        Args:
+            q: position between the turning points.
+            forward: sign of p, 0 at a turning point.
+            arithmetic: in which χ is worked out.
+        """
         x = (q - self.lower) / self.width
         y = (self.upper - q) / self.width
         if forward == 0:
@@ -167,7 +189,12 @@ class Rotation:
     even = False
 
     def place(self, χ: Any, arithmetic: Float64 | Multi) -> Place:
-        """Return the place at χ, |χ| ≤ 2π; q is not reduced to one turn."""
+        """Return the place at χ, |χ| ≤ 2π; q is not reduced to one turn.
+
+        Args:
+            χ: phase; a number of the arithmetic, or an array of doubles.
+            arithmetic: in which q is worked out.
+        """
         sn, cn, dn = jacobi(χ * self.quarter / arithmetic.pi(), self.complement, self.quarter, arithmetic)
         amplitude = np.arctan2(sn, cn) if isinstance(arithmetic, Float64) else arithmetic.context.atan2(sn, cn)
         stretch = 2 * self.quarter / arithmetic.pi() * dn
@@ -175,7 +202,13 @@ class Rotation:
         return Place(q, self.direction * stretch, 0 * q + 1, stretch)
 
     def phase(self, q: Any, forward: int, arithmetic: Multi) -> Any:  # noqa: ARG002  (asked like a libration's)
-        """Return χ in (−π, π] of a position."""
+        """Return χ in (−π, π] of a position.
+
+        Args:
+            q: position, an angle in radians.
+            forward: of no account here.
+            arithmetic: in which χ is worked out.
+        """
         context = arithmetic.context
         angle = self.direction * (q - self.slow) + arithmetic.pi()
         angle -= 2 * arithmetic.pi() * context.nint(angle / (2 * arithmetic.pi()))
@@ -206,7 +239,12 @@ class TwoBarrierAnomaly:
     even = False
 
     def place(self, χ: Any, arithmetic: Float64 | Multi) -> Place:
-        """Return the place at χ, |χ| ≤ 2π; q is not reduced to one turn."""
+        """Return the place at χ, |χ| ≤ 2π; q is not reduced to one turn.
+
+        Args:
+            χ: phase; a number of the arithmetic, or an array of doubles.
+            arithmetic: in which q is worked out.
+        """
         pi, root = arithmetic.pi(), arithmetic.unary("sqrt", self.complement)
         turn = _round((χ - pi) / (2 * pi))
         sn, cn, dn = jacobi(2 * self.quarter * ((χ - pi) / pi - 2 * turn), self.complement, self.quarter, arithmetic)
@@ -221,7 +259,13 @@ class TwoBarrierAnomaly:
         return Place(q, self.direction * stretch, 0 * q + 1, stretch)
 
     def phase(self, q: Any, forward: int, arithmetic: Multi) -> Any:  # noqa: ARG002  (asked like a libration's)
-        """Return χ in (−π, π] of a position."""
+        """Return χ in (−π, π] of a position.
+
+        Args:
+            q: position, an angle in radians.
+            forward: of no account here.
+            arithmetic: in which χ is worked out.
+        """
         context, pi = arithmetic.context, arithmetic.pi()
         half = self.direction * (q - self.slow) / 2
         half -= pi * context.nint(half / pi)
@@ -311,7 +355,11 @@ def two_barrier_anomaly(
 
 
 def as_float(anomaly: Anomaly) -> Anomaly:
-    """Round the constants of an anomaly to doubles, for vectorised use."""
+    """Round the constants of an anomaly to doubles, for vectorised use.
+
+    Args:
+        anomaly: with constants of many digits.
+    """
     values = {name: getattr(anomaly, name) for name in anomaly.__dataclass_fields__}
     rounded: dict[str, Any] = {name: v if isinstance(v, int) else float(v) for name, v in values.items()}
     return type(anomaly)(**rounded)

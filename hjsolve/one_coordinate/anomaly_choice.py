@@ -27,6 +27,13 @@ _MOST = 20000
 def over_the_best_map(start: CoordinateStart, kind: Kind, maps: Iterator[Anomaly], digits: int, bits: int) -> Periodic:
     """Integrate over the first map for which few nodes are proved to be enough, or over the best of them.
 
+    Args:
+        start: the coordinate.
+        kind: libration or rotation.
+        maps: anomalies to try, in order.
+        digits: decimal digits asked.
+        bits: working precision.
+
     Raises:
         NotConvergedError: for none of them it could be proved how many nodes are enough, or they are too many.
     """
@@ -90,7 +97,13 @@ def _next_to_a_separatrix(start: CoordinateStart, kind: Kind, maps: list[Anomaly
 
 
 def over_near_zeros(start: CoordinateStart, usual: Libration, bits: int) -> Iterator[Anomaly]:
-    """Anomalies of a libration that are slow where p² comes close to zero or to a pole inside the motion."""
+    """Anomalies of a libration that are slow where p² comes close to zero or to a pole inside the motion.
+
+    Args:
+        start: the coordinate.
+        usual: its anomaly between the turning points.
+        bits: working precision.
+    """
     arithmetic = Multi(bits)
     yield from _spread(start, usual, bits)
     found = complex_zero_pairs(start.radicand, usual.lower, usual.upper, bits)
@@ -101,7 +114,14 @@ def over_near_zeros(start: CoordinateStart, usual: Libration, bits: int) -> Iter
 
 
 def over_other_near_zeros(start: CoordinateStart, anomaly: Rotation, gap: Any | None, bits: int) -> Iterator[Anomaly]:
-    """Anomalies of a rotation that are slow at all crests, not only at the highest."""
+    """Anomalies of a rotation that are slow at all crests, not only at the highest.
+
+    Args:
+        start: the coordinate.
+        anomaly: slow at the highest crest only.
+        gap: distance of the complex zero of p² next to that crest from the real axis; None where it is far.
+        bits: working precision.
+    """
     arithmetic = Multi(bits)
     turn, margin = 2 * arithmetic.pi(), arithmetic.pi() / 512
     yield from _spread(start, anomaly, bits)

@@ -62,13 +62,22 @@ class EndMap:
     pole: int = 0
 
     def last(self, context: Any) -> Any:
-        """Return the greatest y, None where there is none."""
+        """Return the greatest y, None where there is none.
+
+        Args:
+            context: of mpmath.
+        """
         if self.end != "boundary":
             return None
         return +context.pi if self.turning else context.mpf(1)
 
     def rest(self, y: Any, arithmetic: Float64 | Multi) -> Any:
-        """Return what |p|/|dq/dy| is multiplied by to stay finite: a power of the share of the way that is left."""
+        """Return what |p|/|dq/dy| is multiplied by to stay finite: a power of the share of the way that is left.
+
+        Args:
+            y: place on the branch, y ≥ 0.
+            arithmetic: that y belongs to.
+        """
         if self.end == "fall":
             root = arithmetic.unary("sqrt", self.distances(y, arithmetic)[1] / self.length)
             return root ** (self.pole + 2)
@@ -78,7 +87,12 @@ class EndMap:
         return 1
 
     def distances(self, y: Any, arithmetic: Float64 | Multi) -> tuple[Any, Any, Any]:
-        """Return x, the distance left to the end (None for infinity) and dx/dy, none of them by cancellation."""
+        """Return x, the distance left to the end (None for infinity) and dx/dy, none of them by cancellation.
+
+        Args:
+            y: place on the branch, y ≥ 0.
+            arithmetic: that y belongs to.
+        """
         call = arithmetic.unary
         if self.end == "infinity":
             return (
@@ -100,7 +114,12 @@ class EndMap:
         return -self.length * call("expm1", -y), self.length * decay, self.length * decay
 
     def position(self, y: Any, arithmetic: Float64 | Multi) -> tuple[Any, Any]:
-        """Return q and dq/dy at y ≥ 0."""
+        """Return q and dq/dy at y ≥ 0.
+
+        Args:
+            y: place on the branch, y ≥ 0.
+            arithmetic: that y belongs to.
+        """
         x, left, slope = self.distances(y, arithmetic)
         q = self.start + self.side * x
         if left is not None:
@@ -134,18 +153,33 @@ class Panels:
     finished: bool
 
     def value(self, function: int, y: Any) -> Any:
-        """Return the integrand at y ≥ 0; doubles for doubles."""
+        """Return the integrand at y ≥ 0; doubles for doubles.
+
+        Args:
+            function: position of the integrand.
+            y: places, shape (m,).
+        """
         panels = self._for(y)
         return panels._clenshaw(panels.coefficients[function], y)
 
     def integral(self, function: int, y: Any) -> Any:
-        """Return its integral from 0 to y ≥ 0; past the last panel the integrand is continued by its last value."""
+        """Return its integral from 0 to y ≥ 0; past the last panel the integrand is continued by its last value.
+
+        Args:
+            function: position of the integrand.
+            y: places, shape (m,).
+        """
         panels = self._for(y)
         inside = np.minimum(y, panels.edges[-1])
         return panels._clenshaw(panels.sums[function], inside) + (y - inside) * panels.value(function, inside)
 
     def grain(self, function: int, y: Any) -> Any:
-        """Return the size that the rounding of the integral in doubles refers to: that of its panel's coefficients."""
+        """Return the size that the rounding of the integral in doubles refers to: that of its panel's coefficients.
+
+        Args:
+            function: position of the integrand.
+            y: places, shape (m,).
+        """
         panels = self._for(y)
         sizes = np.sum(np.abs(panels.sums[function].astype(float)), axis=-1)
         return sizes[np.clip(np.searchsorted(panels.edges, y, side="right") - 1, 0, len(sizes) - 1)]

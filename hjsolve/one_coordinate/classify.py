@@ -50,6 +50,10 @@ class Located:
 def locate(start: CoordinateStart, digits: int) -> Located:
     """Classify the motion of one coordinate and integrate it.
 
+    Args:
+        start: the coordinate.
+        digits: decimal digits asked.
+
     Raises:
         NotConvergedError: a zero of p² could not be decided, or an integrand stays rough.
     """
@@ -83,7 +87,12 @@ def _push(start: CoordinateStart) -> int:
 
 
 def ray(start: CoordinateStart, side: int) -> Ray:
-    """The way from the initial place to one side, up to the end of the domain or a full turn."""
+    """The way from the initial place to one side, up to the end of the domain or a full turn.
+
+    Args:
+        start: the coordinate.
+        side: +1 upwards, −1 downwards.
+    """
     end = start.upper if side > 0 else start.lower
     if start.angle:
         return Ray(start.radicand, start.place, side, _turn, turns=True)

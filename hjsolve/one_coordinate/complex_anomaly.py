@@ -35,7 +35,13 @@ class ComplexPlace(NamedTuple):
 
 
 def jacobi_complex(u: Any, complement: float, quarter: float) -> tuple[Any, Any, Any]:
-    """Return sn, cn, dn of complex arguments, |Re u| ≤ 2K, by the addition theorem (DLMF 22.8.19-21)."""
+    """Return sn, cn, dn of complex arguments, |Re u| ≤ 2K, by the addition theorem (DLMF 22.8.19-21).
+
+    Args:
+        u: complex array.
+        complement: k′² = 1 − k².
+        quarter: K, the quarter period.
+    """
     if complement == 1.0:
         return np.sin(u), np.cos(u), np.ones_like(u)
     s, c, d = jacobi(np.real(u), complement, quarter, _FLOAT)

@@ -30,14 +30,24 @@ PARTS = frozenset({"time", "action", "place"})
 
 
 def arithmetic_of(array: Any) -> Float64 | Multi:
-    """Return the arithmetic in which an array of phases is held."""
+    """Return the arithmetic in which an array of phases is held.
+
+    Args:
+        array: of doubles, or of ``mpf``.
+    """
     if array.dtype != object:
         return Float64()
     return Multi(array.flat[0].context.prec) if array.size else Float64()
 
 
 def elementwise(function: Callable[..., Any], χ: Any, outputs: int) -> Any:
-    """Apply a function of a float array, or of one ``mpf`` to an object array."""
+    """Apply a function of a float array, or of one ``mpf`` to an object array.
+
+    Args:
+        function: gives a tuple of ``outputs`` values, or one value where that is 1.
+        χ: doubles or ``mpf``, shape (m,).
+        outputs: how many values the function gives.
+    """
     if χ.dtype != object:
         return function(χ)
     return np.frompyfunc(function, 1, outputs)(χ)
@@ -73,26 +83,49 @@ class Periodic:
         return max(float(s.tail) for s in (*self.kernels, self.momentum))
 
     def integral(self, j: int, χ: Any) -> Any:
-        """Return Gⱼ from 0 to χ."""
+        """Return Gⱼ from 0 to χ.
+
+        Args:
+            j: position of the constant.
+            χ: phases, shape (m,).
+        """
         mean = self.kernels[j].mean
         return (float(mean) if χ.dtype == float else mean) * χ + elementwise(self.kernels[j].ripple, χ, 1)
 
     def rate(self, j: int, χ: Any) -> Any:
-        """Return dGⱼ/dχ."""
+        """Return dGⱼ/dχ.
+
+        Args:
+            j: position of the constant.
+            χ: phases, shape (m,).
+        """
         return elementwise(self.kernels[j].value, χ, 1)
 
     def growth(self, j: int) -> Any:
-        """Return the growth of Gⱼ per unit phase, in the mean."""
+        """Return the growth of Gⱼ per unit phase, in the mean.
+
+        Args:
+            j: position of the constant.
+        """
         return self.kernels[j].mean
 
     def blur(self, χ: Any) -> Any:
-        """Return the rounding of the anomaly itself as an uncertainty of χ in doubles; 0 where it has none."""
+        """Return the rounding of the anomaly itself as an uncertainty of χ in doubles; 0 where it has none.
+
+        Args:
+            χ: phases, shape (m,).
+        """
         if not isinstance(self.anomaly, Stretched):
             return 0.0 * χ
         return 8 * 2.0**-52 * np.pi / np.abs(self.anomaly.slope.value(χ))
 
     def pace(self, weights: tuple[float, ...], χ: Any) -> Any:
-        """Return Σ wⱼ dGⱼ/dχ for a float array |χ| ≤ π by the formula, not the series: small values keep digits."""
+        """Return Σ wⱼ dGⱼ/dχ for a float array |χ| ≤ π by the formula, not the series: small values keep digits.
+
+        Args:
+            weights: wⱼ, one a constant.
+            χ: phases in doubles, shape (m,).
+        """
         q, _ = self.place(χ)
         count(kernels=q.size)
         numbers = [float(x) for x in self.radicand.inputs(64)]
@@ -101,7 +134,11 @@ class Periodic:
         return sum(w * k for w, k in zip(weights, kernels, strict=False) if w) / self.ratio(χ) * rate
 
     def ratio(self, χ: Any) -> Any:
-        """Return p/(dq/dχ) to full relative accuracy; χ a float array or one ``mpf``."""
+        """Return p/(dq/dχ) to full relative accuracy; χ a float array or one ``mpf``.
+
+        Args:
+            χ: phase.
+        """
         if not isinstance(χ, np.ndarray):
             return χ.context.exp(self.momentum.value(χ))
         rest = replace(self.momentum, mean=0.0)
@@ -111,12 +148,19 @@ class Periodic:
         """Return |χ d ln(p/(dq/dχ))/dχ| for a float array: how the rounding of χ comes out in p, relative to p.
 
         p is a product of two factors; next to a pole both change fast with χ, and p may not.
+
+        Args:
+            χ: phases in doubles, shape (m,).
         """
         h, series = 1e-5, replace(self.momentum, mean=0.0)
         return np.abs(χ * (series.value(χ + h) - series.value(χ - h)) / (2 * h))
 
     def place(self, χ: Any) -> tuple[Any, Any]:
-        """Return q (not reduced to one turn) and the shell momentum at χ."""
+        """Return q (not reduced to one turn) and the shell momentum at χ.
+
+        Args:
+            χ: phases, shape (m,).
+        """
         count(places=χ.size)
         arithmetic = arithmetic_of(χ)
         anomaly = map_in_doubles(self.anomaly) if isinstance(arithmetic, Float64) else self.anomaly
@@ -205,7 +249,12 @@ class Unbounded:
         return np.where(forward, ahead.integral(j, abs(χ)), -behind.integral(j, abs(χ)))
 
     def grain(self, j: int, χ: Any) -> Any:
-        """Return the size that the rounding of an integral in doubles refers to."""
+        """Return the size that the rounding of an integral in doubles refers to.
+
+        Args:
+            j: position of the constant.
+            χ: phases, shape (m,).
+        """
         forward, ahead, behind = self._sides(χ)
         return np.where(forward, ahead.grain(j, abs(χ)), behind.grain(j, abs(χ)))
 
@@ -219,7 +268,12 @@ class Unbounded:
         return np.concatenate([-behind.edges[:0:-1], ahead.edges]).astype(float)
 
     def rate_sum(self, weights: tuple[float, ...], χ: Any) -> Any:
-        """Return Σ wⱼ dGⱼ/dχ."""
+        """Return Σ wⱼ dGⱼ/dχ.
+
+        Args:
+            weights: wⱼ, one a constant.
+            χ: phases, shape (m,).
+        """
         return sum(w * self.rate(j, χ) for j, w in enumerate(weights) if w)
 
     def limits(self) -> tuple[Any, Any]:
@@ -260,7 +314,11 @@ class Unbounded:
 
 
 def float_way(way: EndMap) -> EndMap:
-    """Round the constants of a map to doubles."""
+    """Round the constants of a map to doubles.
+
+    Args:
+        way: with constants of many digits.
+    """
     return EndMap(way.turning, way.end, float(way.start), way.side, float(way.length), way.pole)
 
 
@@ -314,7 +372,14 @@ def _places(anomaly: Anomaly, nodes: int, bits: int) -> Iterable[Place]:
 def integrands(
     radicand: MomentumSquared, skipped: tuple[bool, ...], bits: int, parts: frozenset[str]
 ) -> Callable[[Place], list[Any]]:
-    """kⱼ (dq/dψ)/p for each constant, ln(p/(dq/dχ)), and p dq/dψ, all regular functions of the phase ψ (mostly χ)."""
+    """kⱼ (dq/dψ)/p for each constant, ln(p/(dq/dχ)), and p dq/dψ, all regular functions of the phase ψ (mostly χ).
+
+    Args:
+        radicand: p² and its kernels.
+        skipped: kernels that are zero everywhere.
+        bits: working precision.
+        parts: what is integrated, of ``PARTS``; the others come out as None.
+    """
     arithmetic = Multi(bits)
 
     def functions(place: Place) -> list[Any]:

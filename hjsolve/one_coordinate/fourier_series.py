@@ -36,13 +36,21 @@ class FourierSeries:
     tail: Any
 
     def value(self, χ: Any) -> Any:
-        """Return the function at χ (array for float coefficients, else a scalar)."""
+        """Return the function at χ (array for float coefficients, else a scalar).
+
+        Args:
+            χ: phases; shape (m,) where the coefficients are doubles.
+        """
         real, _ = _horner(self.cosines, χ)
         total = _like(self.mean, χ) + real
         return total if self.sines is None else total + _horner(self.sines, χ)[1]
 
     def ripple(self, χ: Any) -> Any:
-        """Return the periodic part of the integral from 0 to χ, that is ∫₀^χ − c₀ χ."""
+        """Return the periodic part of the integral from 0 to χ, that is ∫₀^χ − c₀ χ.
+
+        Args:
+            χ: phases; shape (m,) where the coefficients are doubles.
+        """
         k = np.arange(1, len(self.cosines) + 1)
         total = _horner(self.cosines / k, χ)[1]
         if self.sines is None:
@@ -56,7 +64,12 @@ class FourierSeries:
 
 
 def combine(weights: list[Any], series: list[FourierSeries]) -> FourierSeries:
-    """Return Σ wⱼ·seriesⱼ; a weight that is exactly zero leaves its series out."""
+    """Return Σ wⱼ·seriesⱼ; a weight that is exactly zero leaves its series out.
+
+    Args:
+        weights: wⱼ.
+        series: as many as there are weights.
+    """
     terms = [(w, s) for w, s in zip(weights, series, strict=True) if w and not s.vanishes]
     if not terms:
         return zero()
@@ -85,12 +98,22 @@ def zero() -> FourierSeries:
 
 
 def constant_series(value: Any) -> FourierSeries:
-    """Return a constant function."""
+    """Return a constant function.
+
+    Args:
+        value: of the function.
+    """
     return FourierSeries(value, np.zeros(0), None, 1, 0.0)
 
 
 def midpoints(nodes: int, *, even: bool, bits: int) -> list[Any]:
-    """Return the middles of equal parts of half a turn (a whole turn where nothing is even), as ``mpf``."""
+    """Return the middles of equal parts of half a turn (a whole turn where nothing is even), as ``mpf``.
+
+    Args:
+        nodes: how many parts.
+        even: whether half a turn is enough.
+        bits: of the result.
+    """
     context = multiprecision(bits)
     step = context.pi / nodes if even else 2 * context.pi / nodes
     return [step * (2 * m + 1) / 2 for m in range(nodes)]

@@ -62,7 +62,11 @@ class Piece:
     action_error: float = 0.0
 
     def passes(self, point: tuple[Any, Any]) -> bool:
-        """True where a point of the curve lies on the piece, its beginning left out."""
+        """True where a point of the curve lies on the piece, its beginning left out.
+
+        Args:
+            point: (q, p).
+        """
         x, y = point[self.along], point[1 - self.along]
         share = (x - self.begin) / (self.end - self.begin)
         return bool(0 < share <= 1 and abs(y - self.middle) < self.room)
@@ -99,7 +103,12 @@ class Curve:
         return self.energy(self.bits)
 
     def at(self, along: int, x: Any, y: Any) -> tuple[Any, Any, Any]:
-        """H − E and its derivatives along x and y."""
+        """H − E and its derivatives along x and y.
+
+        Args:
+            along: 0 where q is the parameter x, 1 where p is.
+            x, y: the parameter and the other of q and p.
+        """
         h, *slopes = self._exact.run(*((x, y) if along == 0 else (y, x)))
         return h - self._level, slopes[along], slopes[1 - along]
 
@@ -129,7 +138,14 @@ class Curve:
         raise NotConvergedError("a branch of H = E could not be solved for")
 
     def piece(self, along: int, point: tuple[Any, Any], radius: float, tries: int) -> tuple[Piece, float] | None:
-        """The longest piece from a point, of a half length at most ``radius``; and half the time it takes, roughly."""
+        """The longest piece from a point, of a half length at most ``radius``; and half the time it takes, roughly.
+
+        Args:
+            along: 0 where q is the parameter x, 1 where p is.
+            point: (q, p) at its beginning.
+            radius: greatest half length, in units of x.
+            tries: how often the length is halved before None is given.
+        """
         x0, y0 = point[along], point[1 - along]
         _, slope, rate = self.at(along, x0, y0)
         if not rate:
@@ -172,7 +188,12 @@ class Curve:
             return (_known(slopes[along]), _known(slopes[1 - along]))
 
     def integrals(self, piece: Piece, end: Any) -> tuple[Any, Any, list[tuple[Any, Any]]]:
-        """∫ dt and ∫ p dq from the beginning of a piece to a place on it; and (x, H_x) at the nodes."""
+        """∫ dt and ∫ p dq from the beginning of a piece to a place on it; and (x, H_x) at the nodes.
+
+        Args:
+            piece: with its beginning.
+            end: x there.
+        """
         along, half, y = piece.along, (end - piece.begin) / 2, piece.first
         time, action, signs, x, slope = 0 * half, 0 * half, [], piece.begin, None
         for node, weight in gauss_legendre(piece.nodes, self.bits):
@@ -187,7 +208,12 @@ class Curve:
         return time, action, signs
 
     def finished(self, piece: Piece, end: Any) -> tuple[Piece, tuple[Any, Any], list[tuple[Any, Any]]]:
-        """The piece up to an end with its integrals and their bounds, the point there, and H_x at the nodes."""
+        """The piece up to an end with its integrals and their bounds, the point there, and H_x at the nodes.
+
+        Args:
+            piece: with its beginning.
+            end: x there.
+        """
         time, action, signs = self.integrals(piece, end)
         along, half = piece.along, abs(float(end - piece.begin)) / 2
         y = self.root(along, end, piece.middle + 0 * end, piece.room)
@@ -253,7 +279,11 @@ class Orbit:
         return sum(p.action for p in self.pieces) / turn, sum(p.action_error for p in self.pieces) / 6
 
     def at(self, time: Any) -> tuple[Any, Any]:
-        """Return (q, p) at a time from the start, 0 ≤ time ≤ period: ∫ dt solved for its upper end."""
+        """Return (q, p) at a time from the start, 0 ≤ time ≤ period: ∫ dt solved for its upper end.
+
+        Args:
+            time: in the units of t.
+        """
         k = min(max(bisect.bisect_right(self._begins, time) - 1, 0), len(self.pieces) - 1)
         piece, left = self.pieces[k], time - self._begins[k]
         x = piece.begin + (piece.end - piece.begin) * left / piece.time
@@ -330,7 +360,12 @@ def _extremes(curve: Curve, piece: Piece, signs: list[tuple[Any, Any]]) -> list[
 
 @lru_cache(maxsize=64)
 def gauss_legendre(n: int, bits: int) -> list[tuple[Any, Any]]:
-    """Nodes on (−1, 1), increasing, and weights: Newton's method on Pₙ from nodes in doubles."""
+    """Nodes on (−1, 1), increasing, and weights: Newton's method on Pₙ from nodes in doubles.
+
+    Args:
+        n: how many nodes.
+        bits: of the result.
+    """
     mp, result = multiprecision(bits + 16), []
     for start in np.polynomial.legendre.leggauss(n)[0]:
         x = mp.mpf(float(start))

@@ -41,12 +41,22 @@ class MomentumSquared:
     guard: int = 0
 
     def value(self, q: Any, bits: int) -> Any:
-        """Return F(q) at the working precision ``bits``."""
+        """Return F(q) at the working precision ``bits``.
+
+        Args:
+            q: position.
+            bits: working precision.
+        """
         count(squares=1)
         return self._bound("value", bits).run(q)[0]
 
     def jet(self, q: Any, bits: int) -> Jet:
-        """Return F, F′ and F″ at q; zeros where the formula does not contain q."""
+        """Return F, F′ and F″ at q; zeros where the formula does not contain q.
+
+        Args:
+            q: position.
+            bits: working precision.
+        """
         count(squares=1)
         bound = self._bound("jet", bits)
         jet = bound.run(Jet(q, Multi(bits).rational(1, 1)))[0]
@@ -54,12 +64,22 @@ class MomentumSquared:
         return Jet(*(zero if part is None else part for part in jet))
 
     def weights(self, q: Any, bits: int) -> list[Any]:
-        """Return ½ ∂F/∂κⱼ at q."""
+        """Return ½ ∂F/∂κⱼ at q.
+
+        Args:
+            q: position.
+            bits: working precision.
+        """
         count(kernels=1)
         return self._bound("weights", bits).run(q)
 
     def sign_beyond(self, side: int, start: float) -> int:
-        """Return the sign of F for all side·q ≥ start; 0 where that is not known."""
+        """Return the sign of F for all side·q ≥ start; 0 where that is not known.
+
+        Args:
+            side: +1 towards +∞, −1 towards −∞.
+            start: distance from zero.
+        """
         bits = asymptotic_expansion.BITS + 2 * self.guard
         return asymptotic_expansion.sign_beyond(self.squared, self.inputs(bits), side, start, bits)
 
@@ -109,6 +129,10 @@ class MomentumSquared:
         """Enclose F, F′, F″ over cells [low, high]: arrays of floats, or of ``mpf`` above 53 bits.
 
         The value is sharpened by the mean value form, F(m) + F′(cell)·(cell − m).
+
+        Args:
+            low, high: ends of the cells, shape (m,).
+            bits: working precision.
         """
         cells = self._bound("cells", bits)
         centres = self._bound("centre", bits)
@@ -126,7 +150,12 @@ class MomentumSquared:
 
 
 def has_period(radicand: MomentumSquared, place: Any) -> bool:
-    """True when p² has period 2π (a wheel on a slope has not, though its coordinate is an angle)."""
+    """True when p² has period 2π (a wheel on a slope has not, though its coordinate is an angle).
+
+    Args:
+        radicand: p².
+        place: rule that gives a position in any number of binary digits.
+    """
     bits = 160
     turn = 2 * multiprecision(bits).pi
     places = [place(bits) + k for k in range(3)]

@@ -30,7 +30,12 @@ class Branch:
     bits: int
 
     def integrands(self, y: Any, extra: int = 0) -> list[Any]:
-        """Return kernels kⱼ |dq/dy| / |p|, then |p|/|dq/dy| (times ``EndMap.rest``), at y, with so many bits more."""
+        """Return kernels kⱼ |dq/dy| / |p|, then |p|/|dq/dy| (times ``EndMap.rest``), at y, with so many bits more.
+
+        Args:
+            y: place on the branch.
+            extra: bits above the working precision.
+        """
         work = self.bits + extra
         x, left, _ = self.way.distances(y, Multi(64))
         nearest = min(v for v in (x, left) if v is not None)
@@ -44,6 +49,10 @@ class Branch:
 
     def cancelled(self, y: Any, extra: int) -> int:
         """Return how many bits more than ``extra`` are needed at y, so that all digits are left of the integrands.
+
+        Args:
+            y: place on the branch.
+            extra: bits above the working precision to begin with.
 
         Raises:
             NotConvergedError: p² is too small there.
@@ -69,7 +78,12 @@ class Branch:
         return None if isinstance(values[-1], values[-1].context.mpc) else values
 
     def around(self, y: Any, rest: float) -> Surrounding:
-        """Return what is around the place y, ``rest`` before the greatest y; see ``numeric.reach``."""
+        """Return what is around the place y, ``rest`` before the greatest y; see ``numeric.reach``.
+
+        Args:
+            y: place on the branch.
+            rest: what is left from there to the greatest y.
+        """
         return Surrounding(self._sight, y, rest)
 
     @cached_property
@@ -77,7 +91,12 @@ class Branch:
         return Sight(self.way, self.radicand, self.skipped, self.bits)
 
     def panels(self, weights: tuple[float, ...] | None, amount: float) -> Panels:
-        """Return the integrals so far that |Σ wⱼ Gⱼ| reaches ``amount``; without weights, that y does."""
+        """Return the integrals so far that |Σ wⱼ Gⱼ| reaches ``amount``; without weights, that y does.
+
+        Args:
+            weights: wⱼ, one a constant; None where y itself is meant.
+            amount: how far the integrals must reach.
+        """
         if self.way.end == "fall":  # all of it, once
             return _panels(self, None, 1000 * _FINE)
         return _panels(self, weights, int(np.ceil(_FINE * np.log2(max(abs(amount), 1e-290)))) + 1)
@@ -92,7 +111,11 @@ def _disagreement(values: list[Any] | None, exact: list[Any] | None) -> int:
 
 
 def farthest(digits: int) -> int:
-    """The phase at which what is left of the way to an asymptote, or of a fall, is below all digits."""
+    """The phase at which what is left of the way to an asymptote, or of a fall, is below all digits.
+
+    Args:
+        digits: decimal digits asked.
+    """
     return 60 + 2 * digits
 
 

@@ -26,7 +26,11 @@ class Scale(NamedTuple):
 
 
 def scale(way: EndMap) -> Scale:
-    """Return how dx/dy goes along a way; see ``EndMap.distances`` and ``EndMap.rest``."""
+    """Return how dx/dy goes along a way; see ``EndMap.distances`` and ``EndMap.rest``.
+
+    Args:
+        way: the map q(y) of the branch.
+    """
     length = float(way.length)
     root = length**0.5
     match way.end, way.turning:

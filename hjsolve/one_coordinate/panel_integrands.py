@@ -167,7 +167,15 @@ class Sight:
         return replace(view, orders=tuple(orders))
 
     def integrands(self, squared: Disk, weights: list[Disk], root: RootBounds, powers: list[int], order: int) -> Sizes:
-        """Bound all integrands where |p²| (without x at a turning point) is ``squared``·rᵒ and a kernel is w·rᵖ."""
+        """Bound all integrands where |p²| (without x at a turning point) is ``squared``·rᵒ and a kernel is w·rᵖ.
+
+        Args:
+            squared: disks of |p²| without its power of r.
+            weights: disks of the kernels without their powers of r.
+            root: bounds on r.
+            powers: exponents p of the kernels.
+            order: o, the exponent of |p²|.
+        """
         with np.errstate(all="ignore"):
             (low, middle, high), least, shape = root, np.sqrt(squared.least), np.shape(root.middle)
             centre = np.sqrt(np.abs(squared.centre))

@@ -59,7 +59,12 @@ class Reach:
     nodes: int
 
     def nodes_for(self, sizes: list[Any], digits: int) -> int:
-        """Return the nodes that miss no integrand by more than 10^−(digits + 1) of its size, proved."""
+        """Return the nodes that miss no integrand by more than 10^−(digits + 1) of its size, proved.
+
+        Args:
+            sizes: bounds on the integrands.
+            digits: decimal digits asked.
+        """
         pairs = zip(self.most, sizes, strict=True)
         excess = max((float(np.log(most)) - _log(size) for most, size in pairs if size), default=0.0)
         return nodes_for(excess, digits)
@@ -70,7 +75,12 @@ def _log(x: Any) -> float:
 
 
 def nodes_for(excess: float, digits: int) -> int:
-    """Nodes for an error of 10^−(digits + 1), relative, where the bound is e^excess times the size."""
+    """Nodes for an error of 10^−(digits + 1), relative, where the bound is e^excess times the size.
+
+    Args:
+        excess: logarithm of the bound over the size.
+        digits: decimal digits asked.
+    """
     return int(np.ceil((max(excess, 0.0) + _LOSS + (digits + 1) * np.log(10)) / np.log(RHO))) + 1
 
 

@@ -68,7 +68,11 @@ class Sectors:
 
 @lru_cache(maxsize=8)
 def around(octaves: int) -> Sectors:
-    """Return sectors that cover the upper half of the ellipse about [0, 1], and a core 2^octaves times smaller."""
+    """Return sectors that cover the upper half of the ellipse about [0, 1], and a core 2^octaves times smaller.
+
+    Args:
+        octaves: log₂ of how much smaller the core is.
+    """
     rings = round(octaves * np.log(2) / np.log(RATIO))
     radii = (_R + 1) / 2 * RATIO ** np.arange(-rings, 1.0)
     angles = np.linspace(0, np.pi, _ANGLES + 1)

@@ -92,6 +92,10 @@ class Deflated:
     def over(self, q: Disk, from_lower: Disk, from_upper: Disk) -> tuple[Disk, Any]:
         """Enclose R over disks that hold q, q − a and q − b.
 
+        Args:
+            q: disks, shape (m,).
+            from_lower, from_upper: q − a and q − b, known better than by subtraction.
+
         Returns:
             The disks, and which of ``ways`` gave each of them: the one that is known best.
         """
@@ -107,7 +111,13 @@ class Deflated:
         return Disk(-best.centre, best.radius), way
 
     def at(self, q: Any, from_lower: Any, from_upper: Any, way: Any = 0) -> Any:
-        """Return R at complex places, in doubles, in one of the ``ways``."""
+        """Return R at complex places, in doubles, in one of the ``ways``.
+
+        Args:
+            q: complex, shape (m,).
+            from_lower, from_upper: q − a and q − b, known better than by subtraction.
+            way: position among the ``ways``; one for all places, or one for each.
+        """
         return np.choose(way, np.broadcast_arrays(*self.ways(q, from_lower, from_upper)))
 
     def ways(self, q: Any, from_lower: Any, from_upper: Any) -> tuple[Any, Any, Any, Any]:

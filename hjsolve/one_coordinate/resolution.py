@@ -65,7 +65,11 @@ class Strip(NamedTuple):
     growth: float
 
     def nodes(self, digits: int) -> int:
-        """Return the nodes, for half a turn, that leave less than 10^−(digits + 1) of the size."""
+        """Return the nodes, for half a turn, that leave less than 10^−(digits + 1) of the size.
+
+        Args:
+            digits: decimal digits asked.
+        """
         wanted = (digits + 1) * math.log(10) + self.growth + math.log(4 / -math.expm1(-self.width))
         return math.ceil(wanted / self.width)
 
@@ -94,7 +98,12 @@ class Integrands:
         return [factor, *self.kernels[0].run(seen.q)], way
 
     def at(self, seen: ComplexPlace, way: Any = 0) -> list[Any]:
-        """Return R and the kernels at points."""
+        """Return R and the kernels at points.
+
+        Args:
+            seen: complex places.
+            way: which of the ways to have R, see ``Deflated.ways``.
+        """
         if isinstance(self.squared, Deflated):
             factor = self.squared.at(seen.q, seen.from_lower, -seen.to_upper, way)
         else:
@@ -102,7 +111,11 @@ class Integrands:
         return [factor, *self.kernels[1].run(seen.q)]
 
     def factors(self, seen: ComplexPlace) -> tuple[Any, ...]:
-        """Return R at points in every way it can be had; where terms cancel one of them may be nothing but rounding."""
+        """Return R at points in every way it can be had; where terms cancel one of them may be nothing but rounding.
+
+        Args:
+            seen: complex places.
+        """
         if isinstance(self.squared, Deflated):
             return self.squared.ways(seen.q, seen.from_lower, -seen.to_upper)
         return (self.squared[1].run(seen.q)[0],)
@@ -111,7 +124,15 @@ class Integrands:
 def integrands_to_resolve(
     anomaly: Any, radicand: MomentumSquared, skipped: tuple[bool, ...], parts: frozenset[str], bits: int
 ) -> Integrands:
-    """Bind the formulas of a motion to its constants."""
+    """Bind the formulas of a motion to its constants.
+
+    Args:
+        anomaly: the map, even or not.
+        radicand: p² and its kernels.
+        skipped: kernels that are zero everywhere.
+        parts: what is integrated, of ``PARTS``.
+        bits: of the constants.
+    """
     exact = radicand.inputs(bits)
     points, numbers = [_DISKS.point(x) for x in exact], [float(x) for x in exact]
     squared, kernels = (without_overflow(tape, packets=True) for tape in (radicand.squared, radicand.kernels))

@@ -85,12 +85,22 @@ class Stretched:
         return [(int(c * 2**bits), int(s * 2**bits)) for c, s in self._waves]
 
     def place(self, ψ: Any, arithmetic: Float64 | Multi) -> Place:
-        """Return the place at ψ, |ψ| ≤ 2π."""
+        """Return the place at ψ, |ψ| ≤ 2π.
+
+        Args:
+            ψ: phase; a number of the arithmetic, or an array of doubles.
+            arithmetic: in which q is worked out.
+        """
         χ, rate = self.unstretched(ψ, arithmetic)
         return self.inner.place(χ, arithmetic)._replace(rate=rate)
 
     def places(self, nodes: int, arithmetic: Multi) -> Iterator[Place]:
-        """Yield the places at the midpoints of equal parts of half a turn (of a turn where it is not even)."""
+        """Yield the places at the midpoints of equal parts of half a turn (of a turn where it is not even).
+
+        Args:
+            nodes: how many parts.
+            arithmetic: in which q is worked out.
+        """
         bits, context = arithmetic.bits + 32, arithmetic.context
         waves = self._fixed(bits)[::-1]
         shift = sum(s if k % 2 == 0 else -s for k, (_, s) in enumerate(waves, 1))
@@ -102,7 +112,12 @@ class Stretched:
             yield place._replace(rate=1 + context.mpf(du) * context.mpf(2) ** -bits)
 
     def unstretched(self, ψ: Any, arithmetic: Float64 | Multi) -> tuple[Any, Any]:
-        """Return χ(ψ) and dχ/dψ."""
+        """Return χ(ψ) and dχ/dψ.
+
+        Args:
+            ψ: phase; a number of the arithmetic, or an array of doubles.
+            arithmetic: in which χ is worked out.
+        """
         if isinstance(arithmetic, Float64):
             return ψ + (self.slope.ripple(ψ) - self._shift), self.slope.value(ψ)
         return self._in_fixed_point(ψ, arithmetic)
@@ -122,7 +137,13 @@ class Stretched:
         return ψ + context.mpf(v + shift) / one, 1 + context.mpf(du) / one
 
     def phase(self, q: Any, forward: int, arithmetic: Multi) -> Any:
-        """Return ψ in (−π, π] of a position: Newton's method kept inside a bracket."""
+        """Return ψ in (−π, π] of a position: Newton's method kept inside a bracket.
+
+        Args:
+            q: position.
+            forward: sign of p, 0 at a turning point.
+            arithmetic: in which ψ is worked out.
+        """
         χ = self.inner.phase(q, forward, arithmetic)
         low, high, ψ = -arithmetic.pi(), arithmetic.pi(), χ
         close = arithmetic.context.mpf(2) ** (12 - arithmetic.bits)
@@ -138,12 +159,21 @@ class Stretched:
 
 
 def map_in_doubles(anomaly: Inner | Stretched) -> Inner | Stretched:
-    """Round the constants of a map to doubles, for vectorised use."""
+    """Round the constants of a map to doubles, for vectorised use.
+
+    Args:
+        anomaly: with constants of many digits.
+    """
     return replace(anomaly, inner=as_float(anomaly.inner)) if isinstance(anomaly, Stretched) else as_float(anomaly)
 
 
 def lowered(anomaly: Inner | Stretched, arithmetic: Multi) -> Inner | Stretched:
-    """Round the constants of a map to fewer digits."""
+    """Round the constants of a map to fewer digits.
+
+    Args:
+        anomaly: with constants of many digits.
+        arithmetic: with fewer.
+    """
     if isinstance(anomaly, Stretched):
         return replace(anomaly, inner=_lowered(anomaly.inner, arithmetic))
     return _lowered(anomaly, arithmetic)

@@ -101,7 +101,7 @@ class Wholes:
         return self._shared[key]
 
     def mirrored(self, piece: FreeArc) -> Motion:
-        """The motion whose momenta have the signs of the flight: what is the same along it is the same along that motion.
+        """The motion with momenta of the signs of the flight: what is the same along it is the same along that motion.
 
         Args:
             piece: the flight.

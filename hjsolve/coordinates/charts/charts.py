@@ -29,7 +29,11 @@ class CoordinateRange:
     periodic: bool = False
 
     def text(self, name: str) -> str:
-        """Return the domain as ``System`` wants it."""
+        """Return the domain as ``System`` wants it.
+
+        Args:
+            name: of the coordinate.
+        """
         if self.periodic:
             return "angle"
         if self.lower is None and self.upper is None:

@@ -25,6 +25,9 @@ Values = Mapping[sp.Symbol, sp.Expr]
 def with_named_constants(cartesian: Cartesian) -> tuple[Cartesian, Values]:
     """Replace every irrational constant of the potential by a letter.
 
+    Args:
+        cartesian: the system in Cartesian coordinates of equal mass.
+
     Returns:
         The same with letters for constants, as parameters of its system, and letter → constant; nothing where the
         potential has none.
@@ -61,7 +64,14 @@ def _irrational(x: sp.Expr) -> Iterator[sp.Expr]:
 
 
 def restored(web: Web, values: Values, cartesian: Cartesian, *, budget: float) -> Web:
-    """Put the constants back into a web and let ``separate`` judge the system with them."""
+    """Put the constants back into a web and let ``separate`` judge the system with them.
+
+    Args:
+        web: found with letters for the constants.
+        values: letter → constant.
+        cartesian: the system as it was given.
+        budget: seconds for ``separate``.
+    """
 
     def value(x: sp.Expr) -> sp.Expr:
         return tidy_constant(x.xreplace(dict(values))) if x.free_symbols & values.keys() else x

@@ -30,7 +30,11 @@ class ChangeOfVariables:
     assumed: set[sp.Expr]
 
     def carry(self, expression: sp.Expr) -> sp.Expr:
-        """Return the expression in the new coordinates; its polynomial terms are brought together and reduced."""
+        """Return the expression in the new coordinates; its polynomial terms are brought together and reduced.
+
+        Args:
+            expression: in Cartesian coordinates.
+        """
         result = self._visit(expression)
         polynomial, rest = sp.S.Zero, sp.S.Zero
         for term in sp.Add.make_args(result):
@@ -102,7 +106,12 @@ class ChangeOfVariables:
 
 
 def flattened(expression: sp.Expr, X: Sequence[sp.Symbol]) -> sp.Expr:
-    """Expand every polynomial in X inside an expression, with tidy coefficients, so that what cancels does."""
+    """Expand every polynomial in X inside an expression, with tidy coefficients, so that what cancels does.
+
+    Args:
+        expression: with polynomials in X inside of functions.
+        X: Cartesian coordinates.
+    """
     if not expression.free_symbols & set(X) or expression in X:
         return expression
     if expression.is_polynomial(*X):
@@ -126,7 +135,11 @@ def _is_polynomial(expression: sp.Expr) -> bool:
 
 
 def short(expression: sp.Expr) -> sp.Expr:
-    """Return a short form: reduced by sinh² = cosh² − 1, sin² = 1 − cos², then factored."""
+    """Return a short form: reduced by sinh² = cosh² − 1, sin² = 1 − cos², then factored.
+
+    Args:
+        expression: in the new coordinates.
+    """
     if expression.is_Atom or expression.is_Function:
         return expression
     return _circular(sp.factor(_reduced(sp.together(expression))))

@@ -40,7 +40,13 @@ class Cartesian:
 
 
 def web_of(geometry: Geometry, cartesian: Cartesian, *, budget: float) -> Web:
-    """Build the transformed system of a web and let ``separate`` judge it."""
+    """Build the transformed system of a web and let ``separate`` judge it.
+
+    Args:
+        geometry: kind, centre, axes and constants of the web.
+        cartesian: the system in Cartesian coordinates of equal mass.
+        budget: seconds for ``separate``.
+    """
     n = len(cartesian.x)
     local, axes = _adapted(chart(geometry.kind, geometry.lengths, n, _symbol_maker(cartesian)), geometry, cartesian)
     names = tuple(s.name for s in local.symbols)

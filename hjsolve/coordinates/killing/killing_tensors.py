@@ -39,7 +39,11 @@ _MOST_POINTS = 200
 
 
 def concircular_basis(n: int) -> tuple[sp.ImmutableMatrix, ...]:
-    """Return the symmetric (n+1)×(n+1) matrices E_ab; M = [[A, w], [wᵀ, m]] stands for L = A + w⊙x + m x⊗x."""
+    """Return the symmetric (n+1)×(n+1) matrices E_ab; M = [[A, w], [wᵀ, m]] stands for L = A + w⊙x + m x⊗x.
+
+    Args:
+        n: dimension.
+    """
     basis = []
     for a, b in combinations_with_replacement(range(n + 1), 2):
         matrix = sp.zeros(n + 1, n + 1)
@@ -49,14 +53,24 @@ def concircular_basis(n: int) -> tuple[sp.ImmutableMatrix, ...]:
 
 
 def concircular_tensor(matrix: sp.MatrixBase, x: Sequence[sp.Expr]) -> sp.ImmutableMatrix:
-    """Return L = A + w⊗x + x⊗w + m x⊗x for M = [[A, w], [wᵀ, m]]; shape (n, n)."""
+    """Return L = A + w⊗x + x⊗w + m x⊗x for M = [[A, w], [wᵀ, m]]; shape (n, n).
+
+    Args:
+        matrix: M, shape (n + 1, n + 1).
+        x: Cartesian coordinates, or a place; length n.
+    """
     n = len(x)
     frame = sp.eye(n).row_join(sp.Matrix(x))
     return sp.ImmutableMatrix((frame * matrix * frame.T).applyfunc(sp.expand))
 
 
 def killing_tensor(matrix: sp.MatrixBase, x: Sequence[sp.Expr]) -> sp.ImmutableMatrix:
-    """Return K = (tr L) g − L of a concircular tensor."""
+    """Return K = (tr L) g − L of a concircular tensor.
+
+    Args:
+        matrix: M of L, shape (n + 1, n + 1).
+        x: Cartesian coordinates, or a place; length n.
+    """
     L = concircular_tensor(matrix, x)
     return sp.ImmutableMatrix((L.trace() * sp.eye(len(x)) - L).applyfunc(sp.expand))
 
@@ -66,6 +80,9 @@ def killing_basis(x: Sequence[sp.Symbol]) -> tuple[sp.ImmutableMatrix, ...]:
 
     They are the symmetrised products of the n translations and n(n−1)/2 rotations. In space the 21 products obey one
     syzygy, p·(x×p) = 0; the product p₃ ⊙ (x×p)₃ is left out.
+
+    Args:
+        x: Cartesian coordinates, two or three.
     """
     n = len(x)
     vectors = [sp.Matrix([int(i == j) for j in range(n)]) for i in range(n)]
@@ -295,7 +312,13 @@ def kernel(V: sp.Expr, x: Sequence[sp.Symbol], tensors: Sequence[sp.ImmutableMat
 
 
 def dimension_by_numbers(V: sp.Expr, x: Sequence[sp.Symbol], tensors: Sequence[sp.ImmutableMatrix]) -> int:
-    """Upper bound of the dimension of the kernel, from 60-digit numbers."""
+    """Upper bound of the dimension of the kernel, from 60-digit numbers.
+
+    Args:
+        V: potential V(x).
+        x: Cartesian coordinates, two or three.
+        tensors: K of which linear combinations are sought, shape (n, n) each.
+    """
     return len(tensors) - rank_in_numbers(V, tuple(x), _coefficients(tuple(tensors), tuple(x)), len(tensors))
 
 

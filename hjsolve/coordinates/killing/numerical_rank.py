@@ -17,7 +17,12 @@ from sympy.core.function import AppliedUndef
 
 
 def derivatives(V: sp.Expr, x: Sequence[sp.Symbol]) -> list[sp.Expr]:
-    """Return the first and second derivatives of V, in the order of the slots."""
+    """Return the first and second derivatives of V, in the order of the slots.
+
+    Args:
+        V: potential V(x).
+        x: Cartesian coordinates, two or three.
+    """
     first = [sp.diff(V, q).doit() for q in x]
     return first + [sp.diff(first[a], x[b]).doit() for a, b in combinations_with_replacement(range(len(x)), 2)]
 

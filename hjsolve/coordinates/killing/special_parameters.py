@@ -35,6 +35,13 @@ def exceptional_values(
 ) -> tuple[Exceptional, ...]:
     """Find parameter values with a larger kernel, at most ``depth`` conditions deep and within a fixed number of tries.
 
+    Args:
+        V: potential V(x), with parameters.
+        x: Cartesian coordinates, two or three.
+        tensors: K of which linear combinations are sought, shape (n, n) each.
+        general: the kernel for generic parameters.
+        depth: most conditions at once.
+
     Returns:
         The values found, the fewest conditions first; a set of conditions that only repeats what a part of it gives is
         left out. The list need not be all.

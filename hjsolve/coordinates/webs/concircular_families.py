@@ -43,7 +43,12 @@ class Family:
 
 
 def family(vectors: Sequence[Sequence[sp.Expr]], n: int) -> Family:
-    """Sort a kernel by strata: reduced echelon form with the columns in the order m, w, A modulo J."""
+    """Sort a kernel by strata: reduced echelon form with the columns in the order m, w, A modulo J.
+
+    Args:
+        vectors: a basis of the kernel, in coordinates of ``concircular_basis``.
+        n: dimension.
+    """
     basis = concircular_basis(n)
     matrices = [sum((c * E for c, E in zip(v, basis, strict=True)), sp.zeros(n + 1, n + 1)) for v in vectors]
     rows = sp.Matrix([_flatten(M, n) for M in matrices])
@@ -87,7 +92,14 @@ def _unflatten(row: list[sp.Expr], n: int) -> sp.ImmutableMatrix:
 def combination(
     base: sp.MatrixBase | None, terms: Sequence[sp.MatrixBase], numbers: Sequence[sp.Expr], n: int
 ) -> sp.Matrix:
-    """Return base + Σ number·term."""
+    """Return base + Σ number·term.
+
+    Args:
+        base: shape (n + 1, n + 1); None for zero.
+        terms: of the same shape.
+        numbers: as many as there are terms.
+        n: dimension.
+    """
     total = sp.zeros(n + 1, n + 1) if base is None else sp.Matrix(base)
     for number, term in zip(numbers, terms, strict=True):
         total += number * term
@@ -95,13 +107,22 @@ def combination(
 
 
 def tensor_parts(M: sp.MatrixBase) -> tuple[sp.Matrix, sp.Matrix, sp.Expr]:
-    """Return A, w, m."""
+    """Return A, w, m.
+
+    Args:
+        M: [[A, w], [wᵀ, m]], shape (n + 1, n + 1).
+    """
     n = M.rows - 1
     return sp.Matrix(M[:n, :n]), sp.Matrix(M[:n, n]), M[n, n]
 
 
 def small_values(count: int, most: int = 700) -> Iterator[tuple[sp.Expr, ...]]:
-    """Yield tuples of small numbers, the simplest first."""
+    """Yield tuples of small numbers, the simplest first.
+
+    Args:
+        count: length of the tuples.
+        most: how many tuples at most.
+    """
     digits = (0, 1, -1, 2, -2, 3) if count <= 3 else (0, 1, -1, 2)
     tuples = sorted(product(digits, repeat=count), key=lambda t: (sum(map(abs, t)), tuple(-v for v in t)))
     yield from (tuple(map(sp.Integer, t)) for t in islice(tuples, most))

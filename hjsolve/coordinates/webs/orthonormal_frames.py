@@ -34,7 +34,11 @@ class TooHardError(ArithmeticError):
 
 
 def tidy_constant(expression: sp.Expr) -> sp.Expr:
-    """Bring a constant to a short form: rational denominators, no nested radicals where they can be undone."""
+    """Bring a constant to a short form: rational denominators, no nested radicals where they can be undone.
+
+    Args:
+        expression: without coordinates.
+    """
     if expression.is_Rational or expression.is_Symbol:
         return expression
     if not any(p.exp.is_Rational and not p.exp.is_Integer for p in expression.atoms(sp.Pow)):
@@ -49,7 +53,11 @@ def tidy_constant(expression: sp.Expr) -> sp.Expr:
 
 
 def real_root(square: sp.Expr) -> sp.Expr:
-    """Return a square root of a non-negative quantity; its sign is of no importance, so |c| is written c."""
+    """Return a square root of a non-negative quantity; its sign is of no importance, so |c| is written c.
+
+    Args:
+        square: the quantity under the root.
+    """
     value = tidy_constant(sp.sqrt(sp.factor(square)))
     return value.replace(sp.Abs, lambda u: u)
 
@@ -63,6 +71,9 @@ def unit(v: Sequence[sp.Expr]) -> Vector:
     """Return v/|v|, with the first component that is not zero positive where its sign is known.
 
     A symbolic vector is divided by its first component before, so that ratios of components stay short.
+
+    Args:
+        v: not zero; shape (n,).
     """
     entries = [tidy_constant(c) for c in v]
     lead = next(c for c in entries if c != 0)
@@ -87,12 +98,21 @@ def scalar_product(a: Sequence[sp.Expr], b: Sequence[sp.Expr]) -> sp.Expr:
 
 
 def moved(origin: Vector, terms: Sequence[tuple[sp.Expr, Vector]]) -> Vector:
-    """Return origin + Σ length·direction."""
+    """Return origin + Σ length·direction.
+
+    Args:
+        origin: where to begin, shape (n,).
+        terms: (length, direction) of each step.
+    """
     return tuple(tidy_constant(c + sp.Add(*(length * v[i] for length, v in terms))) for i, c in enumerate(origin))
 
 
 def attempt(search: Callable[[], list[Geometry]]) -> list[Geometry]:
-    """Return what a search finds; where it is too hard, one geometry of kind ``unresolved`` says so."""
+    """Return what a search finds; where it is too hard, one geometry of kind ``unresolved`` says so.
+
+    Args:
+        search: what is to be tried.
+    """
     try:
         return search()
     except TooHardError:
@@ -100,7 +120,12 @@ def attempt(search: Callable[[], list[Geometry]]) -> list[Geometry]:
 
 
 def perpendicular_frame(axis: Vector, first: Vector | None = None) -> tuple[Vector, Vector, Vector]:
-    """Return (e₁, e₂, axis), right-handed and orthonormal; e₁ along ``first`` if given, else as simple as possible."""
+    """Return (e₁, e₂, axis), right-handed and orthonormal; e₁ along ``first`` if given, else as simple as possible.
+
+    Args:
+        axis: unit vector in space.
+        first: unit vector perpendicular to it.
+    """
     if first is None:
         candidates = [tuple(sp.Integer(int(i == j)) for j in range(3)) for i in range(3)]
         first = next((c for c in candidates if scalar_product(c, axis) == 0), None) or unit(
@@ -111,6 +136,9 @@ def perpendicular_frame(axis: Vector, first: Vector | None = None) -> tuple[Vect
 
 def eigenframe(A: sp.MatrixBase) -> list[tuple[sp.Expr, Vector]]:
     """Return (eigenvalue, unit eigenvector) of a real symmetric matrix, exact; equal eigenvalues side by side.
+
+    Args:
+        A: shape (2, 2) or (3, 3).
 
     Raises:
         TooHardError: the characteristic polynomial is an irreducible cubic.
@@ -170,7 +198,12 @@ def _nullspace(A: sp.Matrix, value: sp.Expr, multiplicity: int) -> list[Vector]:
 
 
 def sort_frame(frame: list[tuple[sp.Expr, Vector]], sign: Sign) -> list[tuple[sp.Expr, Vector]]:
-    """Sort (eigenvalue, vector) pairs from small to large eigenvalues; equal ones keep their order."""
+    """Sort (eigenvalue, vector) pairs from small to large eigenvalues; equal ones keep their order.
+
+    Args:
+        frame: as ``eigenframe`` gives it.
+        sign: tells the sign of a constant.
+    """
     ordered: list[tuple[sp.Expr, Vector]] = []
     for value, axis in frame:
         place = sum(1 for other, _ in ordered if sign(sp.expand(other - value)) <= 0)
@@ -179,5 +212,9 @@ def sort_frame(frame: list[tuple[sp.Expr, Vector]], sign: Sign) -> list[tuple[sp
 
 
 def righted(e1: Vector, e2: Vector) -> tuple[Vector, Vector, Vector]:
-    """Return the right-handed frame (e₁, e₂, e₁ × e₂)."""
+    """Return the right-handed frame (e₁, e₂, e₁ × e₂).
+
+    Args:
+        e1, e2: orthonormal, in space.
+    """
     return e1, e2, cross(e1, e2)

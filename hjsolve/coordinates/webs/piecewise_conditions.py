@@ -38,6 +38,10 @@ class SolutionPiece:
 def real_pieces(equations: Sequence[sp.Expr], unknowns: Sequence[sp.Symbol]) -> list[SolutionPiece]:
     """Solve polynomial equations over the reals; parameters in the coefficients are generic.
 
+    Args:
+        equations: polynomials that have to vanish.
+        unknowns: their variables; other symbols are parameters.
+
     Returns:
         The pieces found, without those that lie inside a larger one.
 

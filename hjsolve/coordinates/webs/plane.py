@@ -28,7 +28,12 @@ def _turned(first: Vector) -> tuple[Vector, ...]:
 
 
 def classify(M: sp.MatrixBase, sign: Sign) -> Geometry | None:
-    """Return the web of one concircular tensor; None for a multiple of the metric."""
+    """Return the web of one concircular tensor; None for a multiple of the metric.
+
+    Args:
+        M: [[A, w], [wᵀ, m]], shape (3, 3).
+        sign: tells the sign of a constant.
+    """
     A, w, m = tensor_parts(M)
     if m != 0:
         return _central(A / m, w / m, sign)

@@ -21,7 +21,11 @@ V = sp.symbols("v0:3", real=True)
 
 
 def annihilators(forms: Sequence[sp.MatrixBase]) -> list[sp.Matrix]:
-    """Return symmetric φ with tr(φ F) = 0 for every form F and for the metric; shape (3, 3) each."""
+    """Return symmetric φ with tr(φ F) = 0 for every form F and for the metric; shape (3, 3) each.
+
+    Args:
+        forms: symmetric F, shape (3, 3) each.
+    """
     rows = [[F[i, j] * (1 if i == j else 2) for i, j in PAIRS] for F in (*forms, sp.eye(3))]
     result = []
     for vector in sp.Matrix(rows).nullspace(simplify=True):
@@ -38,14 +42,23 @@ def trace_product(φ: sp.MatrixBase, F: sp.MatrixBase) -> sp.Expr:
 
 
 def directions(forms: Sequence[sp.MatrixBase]) -> list[SolutionPiece]:
-    """Return the pieces of {v : v⊗v in the span of the forms and the metric}; v = 0 is left out."""
+    """Return the pieces of {v : v⊗v in the span of the forms and the metric}; v = 0 is left out.
+
+    Args:
+        forms: symmetric F, shape (3, 3) each.
+    """
     v = sp.Matrix(V)
     pieces = real_pieces([trace_product(φ, v * v.T) for φ in annihilators(forms)], V)
     return [piece for piece in pieces if piece.free]
 
 
 def members(piece: SolutionPiece, most: int) -> list[Vector]:
-    """Return the simplest unit vectors of a piece, at most so many, no two parallel."""
+    """Return the simplest unit vectors of a piece, at most so many, no two parallel.
+
+    Args:
+        piece: a set of directions v.
+        most: how many vectors at most.
+    """
     found: list[Vector] = []
     for values in small_values(len(piece.free)):
         v = direction(piece, values)
@@ -57,7 +70,12 @@ def members(piece: SolutionPiece, most: int) -> list[Vector]:
 
 
 def direction(piece: SolutionPiece, values: Sequence[sp.Expr]) -> Vector | None:
-    """Return the unit vector of a piece at given values of its free unknowns; None where there is none."""
+    """Return the unit vector of a piece at given values of its free unknowns; None where there is none.
+
+    Args:
+        piece: a set of directions v.
+        values: of its free unknowns, in their order.
+    """
     place = dict(zip(piece.free, values, strict=True))
     v = [piece.values[u].subs(place) for u in V]
     if any(c.has(sp.zoo, sp.nan, sp.oo) for c in v) or not any(v):

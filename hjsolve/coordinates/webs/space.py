@@ -100,7 +100,12 @@ def _axial(A: sp.MatrixBase, w: sp.MatrixBase, sign: Sign) -> Geometry:
 
 
 def space_webs(family: Family, potential: Potential) -> list[Geometry]:
-    """List the webs of a linear family of concircular tensors, one representative for every kind and component."""
+    """List the webs of a linear family of concircular tensors, one representative for every kind and component.
+
+    Args:
+        family: of concircular tensors in space.
+        potential: V(x), and how to tell signs.
+    """
     terms = (*family.axial, *family.constant)
     webs = attempt(lambda: cylinder_webs(family.constant, potential.V, potential.x, potential.sign))
     if family.axial:

@@ -32,7 +32,12 @@ _PAIRS = tuple(combinations_with_replacement(range(3), 2))
 
 
 def rotation_tensors(centre: Vector, x: Sequence[sp.Symbol]) -> tuple[sp.ImmutableMatrix, ...]:
-    """Return the six Killing tensors L_a ⊙ L_b of rotations about a centre."""
+    """Return the six Killing tensors L_a ⊙ L_b of rotations about a centre.
+
+    Args:
+        centre: shape (3,).
+        x: Cartesian coordinates.
+    """
     radius = sp.Matrix([q - c for q, c in zip(x, centre, strict=True)])
     turns = [sp.Matrix([int(i == a) for i in range(3)]).cross(radius) for a in range(3)]
     products = [(turns[a] * turns[b].T + turns[b] * turns[a].T) / 2 for a, b in _PAIRS]
