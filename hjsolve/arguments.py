@@ -78,6 +78,11 @@ def refuse_other(value: Any, kinds: type | tuple[type, ...], source: str, needed
 def table(value: Any, source: str, example: str = '{"r": 1}') -> Mapping[str, Any]:
     """A table name → value, None counting as empty; Greek letters in names are spelled.
 
+    Args:
+        value: what came.
+        source: what it is called in errors.
+        example: what could be written instead, for the message.
+
     Raises:
         InvalidInputError: it is no mapping.
     """
@@ -93,6 +98,9 @@ def ascii_name(name: Any) -> Any:
     """A name with its Greek letters spelled: ``θ1`` is theta1, ``p_φ`` is p_phi, ``λ`` is lam, ``Ω`` is Omega.
 
     Letters that have no such name are left as they are, and so is what is no text.
+
+    Args:
+        name: what came.
     """
     if not isinstance(name, str) or name.isascii():
         return name
@@ -110,6 +118,11 @@ def _spelled_letter(letter: str) -> str:
 def words(value: Any, source: str, example: str) -> frozenset[str]:
     """One word or several.
 
+    Args:
+        value: what came.
+        source: what it is called in errors.
+        example: what could be written instead, for the message.
+
     Raises:
         InvalidInputError: neither a text nor a list of texts.
     """
@@ -124,6 +137,11 @@ def words(value: Any, source: str, example: str) -> frozenset[str]:
 def whole(value: Any, source: str, lowest: int | None = None, highest: int | None = None) -> int:
     """A whole number; ``True`` is none.
 
+    Args:
+        value: what came.
+        source: what it is called in errors.
+        lowest, highest: bounds, both allowed; None for no bound.
+
     Raises:
         InvalidInputError: not whole, or out of bounds.
     """
@@ -137,6 +155,9 @@ def whole(value: Any, source: str, lowest: int | None = None, highest: int | Non
 def digits(value: Any) -> int:
     """How many digits are asked.
 
+    Args:
+        value: what came.
+
     Raises:
         InvalidInputError: not a whole number from 1 to ``MOST_DIGITS``.
     """
@@ -145,6 +166,10 @@ def digits(value: Any) -> int:
 
 def seconds(value: Any, source: str) -> float:
     """A number of seconds, from 0 on; ``math.inf`` is one.
+
+    Args:
+        value: what came.
+        source: what it is called in errors.
 
     Raises:
         InvalidInputError: no number, negative, or NaN.
@@ -158,7 +183,11 @@ def seconds(value: Any, source: str) -> float:
 
 
 def described(value: Any) -> str:
-    """A value as a message shows it: itself where that is short, else its kind."""
+    """A value as a message shows it: itself where that is short, else its kind.
+
+    Args:
+        value: what came.
+    """
     plain, shown = isinstance(value, (str, bytes, int, float, complex, type(None))), repr(value)
     return shown if plain and len(shown) < 40 else f"a value of type {type(value).__name__}"
 

@@ -40,6 +40,9 @@ def spread_exponentials(e: sp.Expr) -> sp.Expr:
 
     (exp(x) − 1)²·exp(−2x) cannot be enclosed over a wide interval of x: both factors change by many orders.
     Each term of 1 − 2 exp(−x) + exp(−2x) can. What is free of exponentials is left as it stands.
+
+    Args:
+        e: any formula.
     """
     hidden: dict[sp.Dummy, sp.Expr] = {}
 
@@ -70,6 +73,10 @@ def recentred(e: sp.Expr, q: sp.Symbol) -> sp.Expr:
 
     exp(−10⁶q² + 38·10⁵q − 361·10⁴) is narrow, but its terms are not: over an interval, or in doubles, nothing is known
     of their sum. (q − 19/10)² is known. Exponentials in a product become one, so that none of them overflows.
+
+    Args:
+        e: any formula.
+        q: symbol of the coordinate.
     """
     if not e.has(q) or e.is_Atom:
         return e
@@ -104,6 +111,10 @@ def over_one_denominator(e: sp.Expr, q: sp.Symbol) -> sp.Expr:
     """Write a sum as one quotient where a sum in q is a denominator of all of its terms.
 
     Next to a zero of that denominator the terms are large and cancel: over an interval nothing is known of them.
+
+    Args:
+        e: any formula.
+        q: symbol of the coordinate.
     """
     terms = sp.Add.make_args(e)
     if len(terms) < 2 or not set.intersection(*(_denominators(term, q) for term in terms)):
@@ -269,7 +280,14 @@ class _Writer:
 def momentum_squared_tapes(
     F: sp.Expr, q: sp.Symbol, constants: tuple[sp.Symbol, ...], parameters: tuple[sp.Symbol, ...]
 ) -> tuple[Tape, Tape, tuple[bool, ...], bool]:
-    """p² and its kernels ½ ∂F/∂κⱼ as tapes; which kernels are zero everywhere; whether p² has period 2π by its form."""
+    """p² and its kernels ½ ∂F/∂κⱼ as tapes; which kernels are zero everywhere; whether p² has period 2π by its form.
+
+    Args:
+        F: p²(q; κ).
+        q: symbol of the coordinate.
+        constants: symbols of the κⱼ.
+        parameters: symbols of the parameters.
+    """
     inputs, kernels = [q, *constants, *parameters], [sp.diff(F, c) / 2 for c in constants]
     absent, periodic = tuple(k == 0 for k in kernels), bool(F.xreplace({q: q + 2 * sp.pi}) == F)
     squared = recentred(spread_exponentials(over_one_denominator(F, q)), q)

@@ -14,6 +14,10 @@ def rejoined(e: sp.Expr, q: sp.Symbol) -> sp.Expr:
     """Return the same function with the sines and cosines of constants taken into those of q.
 
     A sum with one cosine, a + b cos θ, is written with the half angle that leaves the smaller constant.
+
+    Args:
+        e: any formula.
+        q: the variable; other symbols are constants.
     """
     if not _has_angles_of_constants(e, q):
         return e

@@ -119,6 +119,9 @@ class _Measure:
 def algebraic_is_zero(x: sp.Expr) -> bool:
     """Whether an algebraic constant is zero.
 
+    Args:
+        x: without symbols.
+
     Raises:
         NotAlgebraicError: it is none, or its degree is too large.
         NoEnclosureError: it divides by zero, or is not real.

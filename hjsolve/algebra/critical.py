@@ -49,6 +49,12 @@ def analytic_pieces(
 ) -> Iterator[AnalyticPiece]:
     """The pieces of intervals between the critical points of some functions: zeros of what is divided by or rooted.
 
+    Args:
+        functions: algebraic in t.
+        t: the variable.
+        ends: of the open intervals.
+        budget: of the exact computation.
+
     Raises:
         TooLargeError: the critical points could not be had.
     """

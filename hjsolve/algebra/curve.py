@@ -39,7 +39,11 @@ class AlgebraicCurve:
     turns: tuple[tuple[int, ...], ...]
 
     def carried(self, functions: Sequence[sp.Expr]) -> list[sp.Expr]:
-        """Functions of x as functions of t."""
+        """Functions of x as functions of t.
+
+        Args:
+            functions: of x alone.
+        """
         return [self._carried(f) for f in functions]
 
     def _carried(self, f: sp.Expr) -> sp.Expr:
@@ -118,6 +122,11 @@ def _multiple(argument: sp.Expr, x: sp.Symbol, unit: sp.Expr) -> sp.Rational:
 
 def curve_of(functions: Sequence[sp.Expr], x: sp.Symbol, bounds: Bounds) -> AlgebraicCurve:
     """The parameter for functions of x on an interval.
+
+    Args:
+        functions: of x alone.
+        x: the variable.
+        bounds: of the open interval.
 
     Raises:
         NotAlgebraicError: there is none.

@@ -68,7 +68,11 @@ def _hyperbolic(function: type[sp.Function], combine: Rule) -> Rule:
 
 
 def circular_pair(w: sp.Expr) -> Pair:
-    """(cos w, sin w), algebraic in what inverse circular functions w holds."""
+    """(cos w, sin w), algebraic in what inverse circular functions w holds.
+
+    Args:
+        w: an angle in radians.
+    """
     pair: Pair = (sp.S.One, sp.S.Zero)
     rest = []
     for term in sp.Add.make_args(sp.expand_mul(w)):

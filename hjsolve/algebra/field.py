@@ -139,7 +139,11 @@ class Field:
         return self._numbers.get(atom)
 
     def adjoin(self, generator: Generator) -> int:
-        """Add a generator and return its number."""
+        """Add a generator and return its number.
+
+        Args:
+            generator: one that the field does not have.
+        """
         k = len(self.generators)
         self.generators.append(generator)
         self._numbers[generator.atom] = k
@@ -149,7 +153,12 @@ class Field:
         return k
 
     def generator(self, k: int, e: int = 1) -> Element:
-        """Generator k to the power e."""
+        """Generator k to the power e.
+
+        Args:
+            k: its number.
+            e: the exponent, of either sign.
+        """
         return self._reduced_factors(Fraction(1), {0: 1}, {self._base(poly.variable(k)): e})
 
     @property
@@ -171,6 +180,11 @@ class Field:
         """Element coefficient · a · Π factors, normalised.
 
         The polynomial is reduced modulo the relations, primitive, without monomial content.
+
+        Args:
+            a: the polynomial.
+            coefficient: rational.
+            factors: number of a registered base → exponent.
         """
         a = self.reduce(a)
         if not a or not coefficient:
@@ -187,7 +201,13 @@ class Field:
         return self._reduced_factors(coefficient, a, exponents)
 
     def monomial(self, m: int, coefficient: Fraction, factors: Mapping[int, int]) -> Element:
-        """Coefficient · monomial · Π factors with nothing multiplied out: sin²/sin² is 1, not (1 − cos²)/sin²."""
+        """Return coefficient · monomial · Π factors with nothing multiplied out: sin²/sin² is 1, not (1 − cos²)/sin².
+
+        Args:
+            m: packed exponents of the generators.
+            coefficient: rational.
+            factors: number of a registered base → exponent.
+        """
         exponents = dict(factors)
         for k, e in poly.exponents(m):
             b = self._base(poly.variable(k))

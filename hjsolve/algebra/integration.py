@@ -20,6 +20,11 @@ def closed_form_potential(reader: Reader, symbols: Sequence[sp.Symbol], form: Se
 
     χ is built coordinate by coordinate: what ∂χ/∂q_a still lacks is free of the coordinates before (A is closed) and is
     integrated over q_a alone.
+
+    Args:
+        reader: reads and differentiates.
+        symbols: q, in order.
+        form: A_a, one element a coordinate.
     """
     χ = sp.S.Zero
     for position, (q, a) in enumerate(zip(symbols, form)):
@@ -31,7 +36,13 @@ def closed_form_potential(reader: Reader, symbols: Sequence[sp.Symbol], form: Se
 
 
 def antiderivative(reader: Reader, x: sp.Expr, q: sp.Symbol) -> sp.Expr:
-    """∫ x dq in closed form, verified by differentiation, else as an unevaluated ``Integral``."""
+    """∫ x dq in closed form, verified by differentiation, else as an unevaluated ``Integral``.
+
+    Args:
+        reader: reads and differentiates.
+        x: the integrand.
+        q: the variable.
+    """
     parts = []
     for term in sp.Add.make_args(sp.expand(x) if sp.count_ops(x) < MAX_OPERATIONS else x):
         constant, rest = term.as_independent(q, as_Add=False)

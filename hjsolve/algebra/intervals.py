@@ -42,6 +42,9 @@ def enclose(
 def finite(compute: Callable[[], Interval]) -> tuple[mpmath.mpf, mpmath.mpf]:
     """The ends of an interval.
 
+    Args:
+        compute: gives the interval, or raises.
+
     Raises:
         NoEnclosureError: it could not be computed, or is not finite.
     """
@@ -103,7 +106,12 @@ class Walk:
 
 
 def rational(p: int, q: int, prec: int) -> Interval:
-    """The rational p/q."""
+    """The rational p/q.
+
+    Args:
+        p, q: numerator and denominator.
+        prec: bits of the ends.
+    """
     return libmp.from_rational(p, q, prec, "f"), libmp.from_rational(p, q, prec, "c")
 
 

@@ -118,7 +118,11 @@ class Filter:
         self._seed = 0
 
     def vanishes(self, products: Products) -> bool | None:
-        """Whether Σ Π Σ of the elements given vanishes at the points; None when no point could be found."""
+        """Whether Σ Π Σ of the elements given vanishes at the points; None when no point could be found.
+
+        Args:
+            products: Σ Π Σ of elements.
+        """
         good = place = 0
         while good < self.points:
             if place == len(self._places):
@@ -154,5 +158,11 @@ class Filter:
 
 
 def products_vanish(field: Field, products: Iterable[Iterable[Element]], points: int = 2) -> bool | None:
-    """Whether Σ Π of the elements given vanishes at random points modulo primes; None when no point could be found."""
+    """Whether Σ Π of the elements given vanishes at random points modulo primes; None when no point could be found.
+
+    Args:
+        field: of the elements.
+        products: Σ Π of elements.
+        points: how many points.
+    """
     return Filter(field, points).vanishes([[[x] for x in factors] for factors in products])

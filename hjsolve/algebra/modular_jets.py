@@ -124,7 +124,14 @@ class ModularJets:
 def at_random_points(
     reader: Reader, symbols: Sequence[sp.Symbol], elements: Iterable[Element], points: int = 2
 ) -> list[tuple[int, list[ModularJet]]] | None:
-    """Primes and the jets of the elements at a few random points; None when no such points could be found."""
+    """Primes and the jets of the elements at a few random points; None when no such points could be found.
+
+    Args:
+        reader: of the field.
+        symbols: coordinates that are differentiated by.
+        elements: what the jets are of.
+        points: how many points.
+    """
     wanted, found = list(elements), list[tuple[int, list[ModularJet]]]()
     for seed in range(ATTEMPTS):
         jets = ModularJets(reader, symbols, ModularPoint(reader.field, seed))

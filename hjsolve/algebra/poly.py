@@ -42,11 +42,21 @@ class Budget:
 
     @classmethod
     def seconds(cls, seconds: float, terms: int = 4_000_000) -> Budget:
-        """Make a budget that ends this many seconds from now."""
+        """Make a budget that ends this many seconds from now.
+
+        Args:
+            seconds: from now on.
+            terms: largest number of term-by-term products in one polynomial product.
+        """
         return cls(time.monotonic() + seconds, terms)
 
     def part(self, seconds: float, terms: int) -> Budget:
-        """A smaller budget that ends with this one at the latest."""
+        """A smaller budget that ends with this one at the latest.
+
+        Args:
+            seconds: from now on.
+            terms: largest number of term-by-term products in one polynomial product.
+        """
         return Budget.seconds(min(seconds, self.left), min(terms, self.terms))
 
     @property
@@ -88,7 +98,12 @@ def constant(n: int) -> Poly:
 
 
 def exponent(monomial: int, k: int) -> int:
-    """Exponent of generator k in a packed monomial."""
+    """Exponent of generator k in a packed monomial.
+
+    Args:
+        monomial: packed exponents.
+        k: number of the generator.
+    """
     return (monomial >> (BITS * k)) & FIELD
 
 
@@ -121,7 +136,12 @@ def scale(a: Poly, n: int) -> Poly:
 
 
 def mul(a: Poly, b: Poly, budget: Budget) -> Poly:
-    """a·b, charged to the budget."""
+    """a·b, charged to the budget.
+
+    Args:
+        a, b: polynomials with integer coefficients.
+        budget: charged with the products.
+    """
     if len(a) > len(b):
         a, b = b, a
     budget.charge(len(a) * len(b))
@@ -139,7 +159,14 @@ def mul(a: Poly, b: Poly, budget: Budget) -> Poly:
 
 
 def with_square(a: Poly, k: int, square: Poly, budget: Budget) -> Poly:
-    """Replace every square of generator k by a polynomial, so that at most its first power is left."""
+    """Replace every square of generator k by a polynomial, so that at most its first power is left.
+
+    Args:
+        a: the polynomial.
+        k: number of the generator.
+        square: what its square is.
+        budget: charged with the products.
+    """
     total: Poly = {}
     for m, n in a.items():
         pairs = exponent(m, k) // 2
@@ -193,7 +220,13 @@ def guard_bits(generators: int) -> int:
 
 
 def exact_quotient(a: Poly, b: Poly, guard: int, budget: Budget) -> Poly | None:
-    """a/b where b divides a exactly over the integers, else None; by a heap of leading monomials."""
+    """a/b where b divides a exactly over the integers, else None; by a heap of leading monomials.
+
+    Args:
+        a, b: polynomials with integer coefficients.
+        guard: ``guard_bits`` of as many generators as they have.
+        budget: charged with the products.
+    """
     lead = max(b)
     lead_c, tail = b[lead], [(m, c) for m, c in b.items() if m != lead]
     if not divides(lead, max(a), guard) or not divides(min(b), min(a), guard):

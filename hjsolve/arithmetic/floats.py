@@ -123,6 +123,11 @@ def _restored(bits: int, *parts: tuple[int, ...]) -> Any:
 def within_reach(name: str, x: Any, context: Any) -> Any:
     """An argument, that of an exponential at most 2**FARTHEST: beyond, as many digits as it has bits would be needed.
 
+    Args:
+        name: of the function.
+        x: its argument, mpmath's number.
+        context: of mpmath.
+
     Raises:
         InvalidInputError: a circular function of so large an argument.
     """

@@ -32,7 +32,11 @@ class BallMomentumSquared:
     bits: int
 
     def rounded(self, bits: int) -> BallMomentumSquared:
-        """Return the same line for a low precision."""
+        """Return the same line for a low precision.
+
+        Args:
+            bits: of the balls.
+        """
         if self.bits <= _FINE:
             return self
         with working(bits):
@@ -49,16 +53,29 @@ class BallMomentumSquared:
             return self.radicand.squared.bind(BallSeries(), self.inputs)
 
     def weights(self, *chosen: int) -> BoundTape:
-        """Return the rule of some of the kernels."""
+        """Return the rule of some of the kernels.
+
+        Args:
+            *chosen: positions of the kernels.
+        """
         with working(self.bits):
             return self.radicand.kernels.only(*chosen).bind(Balls(), self.inputs)
 
     def value(self, q: Any) -> Any:
-        """Return F at a real or complex ball."""
+        """Return F at a real or complex ball.
+
+        Args:
+            q: position, a ball.
+        """
         return self._square.run(q)[0]
 
     def taylor(self, q: Any, terms: int) -> list[Any]:
-        """Return F, F′, F″/2 … at a real or complex ball; "nan" for what is not known."""
+        """Return F, F′, F″/2 … at a real or complex ball; "nan" for what is not known.
+
+        Args:
+            q: position, a ball.
+            terms: how many coefficients.
+        """
         real = isinstance(q, flint.arb)
         kind, number = (flint.arb_series, flint.arb) if real else (flint.acb_series, flint.acb)
         value = self._series.run(kind([q, 1], prec=terms))[0]
@@ -71,6 +88,11 @@ class BallMomentumSquared:
 
 def turning_point(line: BallMomentumSquared, guess: Any, bits: int) -> Any:
     """Prove a simple zero of F next to a guess by the interval Newton test, and enclose it to about ``bits``.
+
+    Args:
+        line: F = p² in balls.
+        guess: near the zero.
+        bits: wanted of the zero.
 
     Raises:
         NotConvergedError: the test does not contract.

@@ -59,7 +59,11 @@ class AnomalyMap:
         return not (self.lower or self.upper)
 
     def shares(self, χ: Any) -> Shares:
-        """Return the map at a real or complex ball."""
+        """Return the map at a real or complex ball.
+
+        Args:
+            χ: phase, a ball.
+        """
         sine, cosine = (χ / 2).sin_cos()
         if self.plain:
             return Shares(sine * sine, cosine * cosine, flint.arb(1), flint.arb(1), sine, cosine)
@@ -161,7 +165,11 @@ class CycleIntegrand:
         return self if map_ == self.map else replace(self, map=map_, fold=fold)
 
     def rounded(self, bits: int) -> CycleIntegrand:
-        """Return the same cycle for a low precision."""
+        """Return the same cycle for a low precision.
+
+        Args:
+            bits: of the balls.
+        """
         line = self.line.rounded(bits)
         if line is self.line:
             return self
@@ -194,7 +202,11 @@ class CycleIntegrand:
         return _entire(self.line.radicand.squared) and _entire(self.line.radicand.kernels)
 
     def spot(self, χ: Any) -> CycleNode:
-        """Return where χ is."""
+        """Return where χ is.
+
+        Args:
+            χ: phase, a ball.
+        """
         share = self.map.shares(χ)
         if self.lower is None:
             return CycleNode(self._turned(χ, share), None, None, share.stretch, share.denominator)

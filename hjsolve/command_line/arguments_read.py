@@ -40,7 +40,12 @@ def given_hamiltonian(options: Namespace) -> LinearHamiltonian | None:
 
 
 def frame(options: Namespace, solved: Solution | None = None) -> Section | None:
-    """The section about the frame that an entry declares; None where it declares none."""
+    """The section about the frame that an entry declares; None where it declares none.
+
+    Args:
+        options: the parsed arguments.
+        solved: solution of the autonomous system, where there is one.
+    """
     if options.system is None or options.coordinate:
         return None
     from hjsolve.catalog import moving_frames

@@ -86,12 +86,21 @@ class Node(NamedTuple):
 
 
 def leaf(expression: sp.Expr) -> Node:
-    """The node of a name or a constant."""
+    """The node of a name or a constant.
+
+    Args:
+        expression: a symbol, or a constant without arguments.
+    """
     return Node(expression, degree=1) if expression.free_symbols else Node(expression, _value(expression))
 
 
 def literal(text: str, fail: Fail) -> Node:
-    """The exact rational that an integer or a decimal spells."""
+    """The exact rational that an integer or a decimal spells.
+
+    Args:
+        text: as scanned.
+        fail: makes the error of a message, with the place in the text.
+    """
     exact = Fraction(text)
     return _checked(Node(sp.Rational(exact.numerator, exact.denominator)), fail)
 
@@ -102,7 +111,12 @@ def negative(node: Node) -> Node:
 
 
 def total(nodes: Sequence[Node], fail: Fail) -> Node:
-    """The sum a + b + …, in one step."""
+    """The sum a + b + …, in one step.
+
+    Args:
+        nodes: the terms.
+        fail: makes the error of a message, with the place in the text.
+    """
     if all(n.expression.is_Rational for n in nodes):
         return _checked(Node(sum((n.expression for n in nodes), sp.S.Zero)), fail)
     value = None if any(n.value is None for n in nodes) else _CONTEXT.fsum(n.value for n in nodes)
@@ -112,7 +126,12 @@ def total(nodes: Sequence[Node], fail: Fail) -> Node:
 
 
 def product(nodes: Sequence[Node], fail: Fail) -> Node:
-    """The product a·b·…, in one step."""
+    """The product a·b·…, in one step.
+
+    Args:
+        nodes: the factors.
+        fail: makes the error of a message, with the place in the text.
+    """
     if all(n.expression.is_Rational for n in nodes):
         return _checked(Node(prod((n.expression for n in nodes), start=sp.S.One)), fail)
     value = None if any(n.value is None for n in nodes) else _CONTEXT.fprod(n.value for n in nodes)

@@ -25,6 +25,10 @@ class BeyondRangeError(NoValueError):
 def evaluate(expression: sp.Expr, values: Mapping[sp.Symbol, mpmath.mpf]) -> mpmath.mpf:
     """The value of an expression of ``expressions.parse``.
 
+    Args:
+        expression: of the formula language.
+        values: one for each of its symbols.
+
     Raises:
         NoValueError: it has a pole there or is not real.
         BeyondRangeError: a power or an exponential in it is too large.

@@ -110,7 +110,12 @@ class FormulaText:
     text: str
 
     def error(self, message: str, position: int | None) -> ExpressionError:
-        """The error to raise: ``potential, column 5: write ** for a power (in "m/2*r^2")``."""
+        """The error to raise: ``potential, column 5: write ** for a power (in "m/2*r^2")``.
+
+        Args:
+            message: what to write instead.
+            position: of the character at fault, from 0 on; None for the whole text.
+        """
         place = "" if position is None else f", {self._place(position)}"
         excerpt = self._excerpt(position or 0)
         shown = f' (in "{excerpt}")' if excerpt else ""
@@ -129,13 +134,20 @@ class FormulaText:
 
 
 def printable(text: str) -> str:
-    """Text on one line: white space as blanks, what cannot be printed as escapes."""
+    """Text on one line: white space as blanks, what cannot be printed as escapes.
+
+    Args:
+        text: any, also the user's.
+    """
     shown = (" " if c.isspace() else c if c.isprintable() else ascii(c)[1:-1] for c in text)
     return "".join(shown).strip()
 
 
 def scan(source: FormulaText) -> list[Token]:
     """Split a formula into tokens; the last one is of kind ``end``.
+
+    Args:
+        source: the text, and what it is called in errors.
 
     Raises:
         ExpressionError: the text is empty, too long, holds a character or a number that is not accepted.
@@ -197,7 +209,12 @@ def _spelled(character: str) -> str:
 
 
 def nearest_name(word: str, known: Iterable[str]) -> str:
-    """The known name that is spelled most like ``word``, or nothing."""
+    """The known name that is spelled most like ``word``, or nothing.
+
+    Args:
+        word: what the user wrote.
+        known: names that would have been right.
+    """
     if len(word) > 40:
         return ""
     known = list(known)
@@ -208,7 +225,14 @@ def nearest_name(word: str, known: Iterable[str]) -> str:
 def instead_of_word(
     word: str, names: Iterable[str], velocities: Iterable[str], functions: Mapping[str, Callable[..., object]]
 ) -> str:
-    """What to write for a word that is not declared."""
+    """What to write for a word that is not declared.
+
+    Args:
+        word: what the user wrote.
+        names: of coordinates and parameters.
+        velocities: names of the coordinates whose velocities may be written.
+        functions: those of the formula language.
+    """
     names, velocities = list(names), list(velocities)
     shown = word if len(word) <= 40 else word[:40] + "…"
     velocity = _velocity_meant(word, velocities)
