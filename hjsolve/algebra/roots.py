@@ -25,6 +25,11 @@ def root(reader: FieldReader, x: Element, p: int, q: int) -> Element:
 
     Factors whose sign on the domain is proved get a root of their own, so that √(ab) = √a·√b and √(P²) = ±P are used
     where they are true and nowhere else; the other factors stay together under one root.
+
+    Args:
+        reader: of the field; it knows the domain.
+        x: element of the field.
+        p, q: numerator and denominator of the exponent.
     """
     if x.is_zero:
         return x

@@ -23,7 +23,12 @@ ANYTHING: Range = (None, None)
 
 
 def atom_bounds(atom: sp.Expr, bounds: Mapping[sp.Symbol, Bounds]) -> Range:
-    """Bounds of an atom on the domain; None where there is none."""
+    """Bounds of an atom on the domain; None where there is none.
+
+    Args:
+        atom: a symbol, or a function of symbols.
+        bounds: symbol → (lower, upper) end of its open interval.
+    """
     if isinstance(atom, sp.Symbol):
         lower, upper = bounds.get(atom, (None, None))
         low, high = _rational_below(lower), _rational_above(upper)
@@ -86,7 +91,13 @@ def _rational_above(x: sp.Expr | None) -> Fraction | None:
 
 
 def sign_of(field: Field, a: Poly, bounds: Mapping[sp.Symbol, Bounds]) -> int:
-    """+1 where a ≥ 0 on the whole domain is proved, −1 where a ≤ 0 is, else 0."""
+    """+1 where a ≥ 0 on the whole domain is proved, −1 where a ≤ 0 is, else 0.
+
+    Args:
+        field: of the polynomial.
+        a: the polynomial.
+        bounds: symbol → (lower, upper) end of its open interval.
+    """
     low, high = _range_of(field, a)
     if low is not None and low >= 0:
         return 1

@@ -27,7 +27,13 @@ BoundsOf = Mapping[sp.Symbol, Bounds]
 
 
 def proved_zero(x: sp.Expr, bounds: BoundsOf, budget: Budget) -> bool:
-    """Proof that an expression is zero wherever it is defined; False is no proof of anything."""
+    """Proof that an expression is zero wherever it is defined; False is no proof of anything.
+
+    Args:
+        x: the expression.
+        bounds: symbol → (lower, upper) end of its open interval.
+        budget: of the exact computation.
+    """
     own = budget.part(SECONDS, budget.terms)
     try:
         if x.has(AppliedUndef, sp.Derivative, sp.Subs, sp.Integral):
@@ -42,7 +48,12 @@ def proved_zero(x: sp.Expr, bounds: BoundsOf, budget: Budget) -> bool:
 
 
 def element_vanishes(reader: Reader, x: Element, budget: Budget) -> bool:
-    """The same for an element of a field.
+    """Proof that an element of a field is zero wherever it is defined; False is no proof of anything.
+
+    Args:
+        reader: of the field; it knows the domain.
+        x: the element.
+        budget: of the exact computation.
 
     Raises:
         WorkLimitError: the budget is used up.

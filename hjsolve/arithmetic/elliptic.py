@@ -15,7 +15,12 @@ from hjsolve.arithmetic.floats import Float64, Multi
 
 
 def quarter_period(complement: Any, arithmetic: Float64 | Multi) -> Any:
-    """Return K for the complementary parameter k′², 0 < k′² ≤ 1."""
+    """Return K for the complementary parameter k′², 0 < k′² ≤ 1.
+
+    Args:
+        complement: k′² = 1 − k².
+        arithmetic: in which K is worked out.
+    """
     means = _means(complement, arithmetic)
     return arithmetic.pi() / (2 * means[-1][0])
 

@@ -47,7 +47,13 @@ class ByOperators:
 
 
 def by_squaring(product: Callable[[Any, Any], Any], x: Any, n: int) -> Any:
-    """Return xⁿ, n ≥ 1, by the fewest products that squaring gives."""
+    """Return xⁿ, n ≥ 1, by the fewest products that squaring gives.
+
+    Args:
+        product: multiplies two of them.
+        x: the base.
+        n: the exponent.
+    """
     result = x
     for bit in bin(n)[3:]:
         result = product(result, result)
@@ -85,13 +91,22 @@ def _small_power(x: Any, n: int) -> Any:
 
 
 def bits_for(digits: int, guard: int) -> int:
-    """Return the bits of so many decimal digits (log₂ 10 < 3.33), and some to spare for what is lost on the way."""
+    """Return the bits of so many decimal digits (log₂ 10 < 3.33), and some to spare for what is lost on the way.
+
+    Args:
+        digits: decimal digits.
+        guard: bits to spare.
+    """
     return int(3.33 * digits) + guard
 
 
 @cache
 def multiprecision(bits: int) -> Any:
-    """Return an mpmath context of its own with this precision, so that no global is touched."""
+    """Return an mpmath context of its own with this precision, so that no global is touched.
+
+    Args:
+        bits: binary digits.
+    """
     context = mpmath.ctx_mp.MPContext()
     context.prec = bits
     for kind in (context.mpf, context.mpc):  # classes of their own, which pickle does not find by their names

@@ -85,7 +85,14 @@ class PythonSource:
 
 
 def function(name: str, arguments: Sequence[str], source: PythonSource, results: Sequence[str]) -> str:
-    """Return the text of a function that runs the program."""
+    """Return the text of a function that runs the program.
+
+    Args:
+        name: of the function.
+        arguments: names of its arguments.
+        source: the program that its body runs.
+        results: names of the variables it returns.
+    """
     body = "".join(f"    {line}\n" for line in source.lines)
     values = "".join(f"{result}, " for result in results)
     return f"def {name}({', '.join(arguments)}):\n{body}    return ({values})\n"

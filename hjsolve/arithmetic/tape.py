@@ -24,7 +24,12 @@ UNARY = ("neg", "sqrt", "exp", "log", "sin", "cos", "tan", "asin", "acos", "atan
 
 
 class Arithmetic(Protocol):
-    """Where a tape is run: constants, the four operations, powers and the elementary functions."""
+    """Where a tape is run: constants, the four operations, powers and the elementary functions.
+
+    Every arithmetic has these methods, on numbers x, y of its own kind: ``rational`` and ``pi`` make constants, ``add``,
+    ``sub``, ``mul``, ``div`` are x + y, x − y, x·y, x/y, ``power`` is xⁿ for an integer n of either sign, and ``unary``
+    a function of one variable by its name, such as ``sqrt``, ``neg``, ``abs``.
+    """
 
     def rational(self, numerator: int, denominator: int) -> Any: ...
     def pi(self) -> Any: ...
@@ -104,7 +109,11 @@ class Tape:
         return BoundTape(arithmetic, free, tuple(slots), tuple(rest), self.outputs)
 
     def only(self, *chosen: int) -> Tape:
-        """Return the tape of some of the outputs, with the operations they need."""
+        """Return the tape of some of the outputs, with the operations they need.
+
+        Args:
+            *chosen: positions of the outputs.
+        """
         outputs = tuple(self.outputs[j] for j in chosen)
         first, needed = len(self.inputs), set(outputs)
         for k in reversed(range(len(self.operations))):

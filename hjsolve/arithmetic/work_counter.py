@@ -49,7 +49,13 @@ def counted() -> Iterator[WorkCount]:
 
 
 def count(*, squares: int = 0, kernels: int = 0, places: int = 0) -> None:
-    """Add to the block that is open, if one is."""
+    """Add to the block that is open, if one is.
+
+    Args:
+        squares: evaluations of p².
+        kernels: evaluations of its kernels.
+        places: evaluations of positions.
+    """
     work = _OPEN.get()
     if work is not None:
         work.squares += squares

@@ -197,7 +197,15 @@ def sharpened(
 def sharpened_from_table(
     motion: SeparatedMotion, table: DenseOutput, θ: Any, q: Mapping[str, Any], v: Mapping[str, Any], where: Any
 ) -> dict[str, Any]:
-    """As ``sharpened``, from a table that holds the distances from both turning points; θ its argument."""
+    """As ``sharpened``, from a table that holds the distances from both turning points; θ its argument.
+
+    Args:
+        motion: the one looked at.
+        table: what the distances are read from.
+        θ: its argument, shape (m,).
+        q, v: coordinates and velocities in doubles, shape (m,).
+        where: which of them to work out anew, shape (m,).
+    """
     return _put(motion, *from_table(motion, table, θ[where]), q, v, where)
 
 

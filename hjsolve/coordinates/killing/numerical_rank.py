@@ -92,13 +92,27 @@ def _numerical_echelon(rows: list[list[Any]], width: int) -> tuple[list[list[Any
 
 
 def rank_in_numbers(V: sp.Expr, x: Sequence[sp.Symbol], table: list[Any], width: int) -> int:
-    """Return the rank of d(K·dV) = 0 found by 60-digit numbers; it bounds the dimension of the kernel from above."""
+    """Return the rank of d(K·dV) = 0 found by 60-digit numbers; it bounds the dimension of the kernel from above.
+
+    Args:
+        V: potential V(x).
+        x: Cartesian coordinates, two or three.
+        table: the equations, as terms in the derivatives of V, for each tensor.
+        width: how many tensors there are.
+    """
     with mpmath.workdps(60):
         return len(_numerical_echelon(_numerical_rows(V, x, table, width), width)[1])
 
 
 def reconstructed_kernel(V: sp.Expr, x: Sequence[sp.Symbol], table: list[Any], width: int) -> Any:
-    """Recover the kernel from numbers where the radicals of V depend on each other; None unless it verifies."""
+    """Recover the kernel from numbers where the radicals of V depend on each other; None unless it verifies.
+
+    Args:
+        V: potential V(x).
+        x: Cartesian coordinates, two or three.
+        table: the equations, as terms in the derivatives of V, for each tensor.
+        width: how many tensors there are.
+    """
     with mpmath.workdps(60):
         rows, pivots = _numerical_echelon(_numerical_rows(V, x, table, width), width)
         free = [c for c in range(width) if c not in pivots]
