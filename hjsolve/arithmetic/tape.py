@@ -26,9 +26,9 @@ UNARY = ("neg", "sqrt", "exp", "log", "sin", "cos", "tan", "asin", "acos", "atan
 class Arithmetic(Protocol):
     """Where a tape is run: constants, the four operations, powers and the elementary functions.
 
-    Every arithmetic has these methods, on numbers x, y of its own kind: ``rational`` and ``pi`` make constants, ``add``,
-    ``sub``, ``mul``, ``div`` are x + y, x − y, x·y, x/y, ``power`` is xⁿ for an integer n of either sign, and ``unary``
-    a function of one variable by its name, such as ``sqrt``, ``neg``, ``abs``.
+    Every arithmetic has these methods, on numbers x, y of its own kind: ``rational`` and ``pi`` make constants;
+    ``add``, ``sub``, ``mul``, ``div`` are x + y, x − y, x·y, x/y; ``power`` is xⁿ for an integer n of either sign;
+    ``unary`` is a function of one variable by its name, such as ``sqrt``, ``neg``, ``abs``.
     """
 
     def rational(self, numerator: int, denominator: int) -> Any: ...
