@@ -147,7 +147,7 @@ def _open_place(course: Unbounded, χ: Any) -> Pair:
     return Pair(*(np.where(χ >= 0, a, b) for a, b in zip(ahead, behind, strict=True)))
 
 
-def sharpened(
+def sharpened_velocities(
     motion: SeparatedMotion,
     courses: list[CoordinateMotion],
     χ: list[Any],
@@ -169,7 +169,7 @@ def sharpened(
 def sharpened_from_table(
     motion: SeparatedMotion, table: DenseOutput, θ: Any, q: Mapping[str, Any], v: Mapping[str, Any], where: Any
 ) -> dict[str, Any]:
-    """As ``sharpened``, from a table that holds the distances from both turning points; θ its argument."""
+    """As ``sharpened_velocities``, from a table that holds the distances from both turning points; θ its argument."""
     return _put(motion, *from_table(motion, table, θ[where]), q, v, where)
 
 
