@@ -124,7 +124,7 @@ class LevelMotion:
         )
 
 
-def start(
+def start_on_level(
     problem: GeneralHamiltonian, *, q: Mapping[str, Any], velocity: Mapping[str, Any] | None,
     p: Mapping[str, Any] | None, parameters: Mapping[str, Any], t0: Any, digits: int,
 ) -> LevelMotion:  # fmt: skip
@@ -228,4 +228,4 @@ def _numbers(name: str, orbit: Orbit | None, E: Any, digits: int, bits: int) -> 
     )  # fmt: skip
 
 
-__all__ = ["LevelMotion", "start"]
+__all__ = ["LevelMotion", "start_on_level"]

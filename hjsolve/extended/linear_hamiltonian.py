@@ -178,9 +178,9 @@ class GeneralHamiltonian:
             NotConvergedError: the motion does not come back, or meets a place where branches p(q; E) cannot be told
                 apart.
         """
-        from hjsolve.extended.level_motion import start
+        from hjsolve.extended.level_motion import start_on_level
 
-        return start(self, q=q, velocity=velocity, p=p, parameters=parameters or {}, t0=t0, digits=digits)
+        return start_on_level(self, q=q, velocity=velocity, p=p, parameters=parameters or {}, t0=t0, digits=digits)
 
 
 def from_hamiltonian(

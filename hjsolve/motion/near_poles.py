@@ -173,7 +173,7 @@ def _open_place(course: Unbounded, χ: Any) -> Pair:
     return Pair(*(np.where(χ >= 0, a, b) for a, b in zip(ahead, behind, strict=True)))
 
 
-def sharpened(
+def sharpened_velocities(
     motion: SeparatedMotion,
     courses: list[CoordinateMotion],
     χ: list[Any],
@@ -197,7 +197,7 @@ def sharpened(
 def sharpened_from_table(
     motion: SeparatedMotion, table: DenseOutput, θ: Any, q: Mapping[str, Any], v: Mapping[str, Any], where: Any
 ) -> dict[str, Any]:
-    """As ``sharpened``, from a table that holds the distances from both turning points; θ its argument.
+    """As ``sharpened_velocities``, from a table that holds the distances from both turning points; θ its argument.
 
     Args:
         motion: the one looked at.

@@ -12,7 +12,7 @@ from hjsolve.arithmetic.floats import multiprecision
 from hjsolve.mechanics.system import velocities
 from hjsolve.motion.endings import end_statuses
 from hjsolve.motion.initial_data import to_bits
-from hjsolve.motion.near_poles import blurred, sharpened, sharpened_from_table
+from hjsolve.motion.near_poles import blurred, sharpened_from_table, sharpened_velocities
 from hjsolve.motion.phases import Phases, courses_of, phases_at
 from hjsolve.motion.positions import (
     canonical_momenta,
@@ -63,7 +63,7 @@ def state_at_times(motion: SeparatedMotion, t: Any, digits: int | None = None) -
     v = coordinate_velocities(motion, q, p)
     sharp = None if phases.exact is not None else blurred(motion, q, p)
     if sharp is not None and sharp.any():
-        v = sharpened(motion, courses_of(motion, phases), phases.χ, q, v, sharp)
+        v = sharpened_velocities(motion, courses_of(motion, phases), phases.χ, q, v, sharp)
     status = end_statuses(motion, phases.time, phases.ended)
     turns = {name: whole_numbers(n) for name, n in whole.items()}
     for group in (q, p, v):

@@ -20,7 +20,7 @@ from hjsolve.ensembles.engine.midpoint_rule import Sums, empty
 from hjsolve.ensembles.engine.programs import Compiled
 from hjsolve.ensembles.engine.radicand_views import Knowns
 from hjsolve.ensembles.engine.resolution import room
-from hjsolve.ensembles.engine.strips_of_analyticity import across, strip
+from hjsolve.ensembles.engine.strips_of_analyticity import across, covered_strip
 
 _COUNTS = (16, 24, 32, 40, 48, 56, 64, 72, 80, 96, 112, 128)
 """Numbers of nodes: whole vectors."""
@@ -118,9 +118,10 @@ def librations(coordinate: Separated, made: Compiled, start: InitialConstants, k
 
 @cache
 def _strips() -> tuple[Any, ...]:
-    """Disks over the strips of all crowdings and sizes, padded; see ``glances.glances``."""
+    """Disks over the strips of all crowdings and sizes, padded; see ``compiled_clearance``."""
     folds = [2 if warp >= tables.EVEN else 1 for warp in range(len(tables.WARPS))]
-    rows = [[strip(tables.libration_nodes(n, 0, warp), turning=True) for n in _COUNTS] for warp in range(len(folds))]
+    nodes = [[tables.libration_nodes(n, 0, warp) for n in _COUNTS] for warp in range(len(folds))]
+    rows = [[covered_strip(table, turning=True) for table in row] for row in nodes]
     shape = (len(folds), len(_COUNTS))
     low, high, spread = (np.zeros((*shape, max(len(one.low) for row in rows for one in row))) for _ in range(3))
     counts = np.zeros(shape, dtype=np.int64)

@@ -98,7 +98,7 @@ def integrate(region: OrbitRegions, constants: int, *, kernels: bool, ripples: b
 
 def _table(region: OrbitRegions, code: int) -> tables.Nodes:
     count, level, warp = code // 512, code // 8 % 64, code % 8
-    return tables.nodes_of(region.turning, count, level, warp)
+    return tables.node_table(region.turning, count, level, warp)
 
 
 def _rule(

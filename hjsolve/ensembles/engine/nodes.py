@@ -132,7 +132,7 @@ def rotation_nodes(count: int, level: int) -> Nodes:
     )  # fmt: skip
 
 
-def nodes_of(turning: bool, count: int, level: int, warp: int) -> Nodes:
+def node_table(turning: bool, count: int, level: int, warp: int) -> Nodes:
     """Return the nodes for librations or rotations; ``count`` in half a period.
 
     Args:

@@ -18,9 +18,9 @@ import numpy as np
 
 from hjsolve.ensembles.engine.clearance import Clearance
 from hjsolve.ensembles.engine.lowered_solution import LoweredFormula
-from hjsolve.ensembles.engine.nodes import COUNTS, Nodes, nodes_of
+from hjsolve.ensembles.engine.nodes import COUNTS, Nodes, node_table
 from hjsolve.ensembles.engine.radicand_views import DifferenceEvaluation, DoubleDoubleEvaluation, Knowns, View
-from hjsolve.ensembles.engine.strips_of_analyticity import SAFETY, CoveredStrip, across, strip
+from hjsolve.ensembles.engine.strips_of_analyticity import SAFETY, CoveredStrip, across, covered_strip
 
 if TYPE_CHECKING:
     from hjsolve.ensembles.engine.region import OrbitRegions
@@ -83,11 +83,11 @@ def _shares(region: OrbitRegions, count: int, codes: Any) -> Any:
     below: list[_Disks] = []
     above: list[_Disks] = []
     for code in np.unique(codes):
-        part, table = np.flatnonzero(codes == code), nodes_of(region.turning, count, int(code) // 8, int(code) % 8)
+        part, table = np.flatnonzero(codes == code), node_table(region.turning, count, int(code) // 8, int(code) % 8)
         if region.turning and table.complement == 1.0:
             share[part] = _at_a_glance(region.take(part), table)
             part = part[~(share[part] >= 1)]
-        over = strip(table, region.turning)
+        over = covered_strip(table, region.turning)
         if over.inside and len(part):
             share[part] = np.inf
             low, high = _disks(region.take(part), part, table, over)

@@ -71,7 +71,7 @@ def across(count: int, warp: tuple[float, float], fold: int) -> float:
 
 
 @cache
-def strip(table: Nodes, turning: bool) -> CoveredStrip:
+def covered_strip(table: Nodes, turning: bool) -> CoveredStrip:
     """Return the strip over which functions are to be known for a table of nodes."""
     nodes = len(table.χ) if turning else len(table.χ) // 2
     a, length = half_width(nodes, table.fold), np.pi / table.fold if turning else 2 * np.pi
