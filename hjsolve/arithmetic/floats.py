@@ -171,6 +171,9 @@ class Multi(ByOperators):
     def __post_init__(self) -> None:
         object.__setattr__(self, "context", multiprecision(self.bits))
 
+    def __reduce__(self) -> tuple[Any, ...]:
+        return Multi, (self.bits,)
+
     def convert(self, value: Any) -> Any:
         """Take an int, float, Fraction or mpf in; the value is rounded to the precision."""
         if isinstance(value, Fraction):

@@ -8,6 +8,7 @@ from __future__ import annotations
 
 from collections.abc import Mapping
 from dataclasses import dataclass
+from functools import partial
 from typing import Any
 
 import numpy as np
@@ -21,7 +22,7 @@ from hjsolve.errors import InvalidInputError, MissingValueError, NotConvergedErr
 from hjsolve.extended.linear_hamiltonian import GeneralHamiltonian
 from hjsolve.formulas.read import number
 from hjsolve.lowering import lower
-from hjsolve.motion.initial_data import number_is_zero, to_bits, values_of
+from hjsolve.motion.initial_data import InBits, number_is_zero, to_bits, values_of
 from hjsolve.motion.state import Errors, State
 from hjsolve.motion.times import exact_numbers, whole_numbers
 from hjsolve.one_coordinate.level_curve import Curve, Orbit, followed
@@ -181,13 +182,17 @@ def _curve(
     pair, known = (problem.coordinate.symbol, problem.coordinate.momentum), [to_bits(v) for v in values.values()]
     tape, energy = lower([problem.hamiltonian, *slopes], [*pair, *values]), to_bits(E)
     for guard in _GUARDS:
-        curve = Curve(tape, lambda bits: [v(bits) for v in known], energy, digits, bits_for(digits, guard))
+        curve = Curve(tape, partial(_in_bits, known), energy, digits, bits_for(digits, guard))
         x, y = (to_bits(v)(curve.bits) for v in point)
         h, along, across = curve.at(0, x, y)
         size = abs(x * along) + abs(y * across) or abs(along) + abs(across)
         if abs(h) <= size * multiprecision(64).mpf(2) ** (24 - curve.bits) or not size:
             return curve
     raise NotConvergedError("the terms of H cancel at the start beyond what any precision tried makes up for")
+
+
+def _in_bits(known: list[InBits], bits: int) -> list[Any]:
+    return [value(bits) for value in known]
 
 
 def _rates(

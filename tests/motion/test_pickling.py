@@ -49,6 +49,7 @@ MOTIONS = {
     "separatrix": lambda: pendulum(2),
     "three coordinates": lambda: entries.motion("lagrange-top"),
     "two coupled": lambda: entries.motion("kuzmin-kutuzov"),
+    "any H(q, p)": lambda: hjsolve.from_hamiltonian("p**4 + q**2", {"q": "line"}).motion(q={"q": 1}, p={"q": 0}),
     "linear in p": lambda: linear(15),
     "linear in p, in 30 digits": lambda: linear(30),
     "framed": lambda: hjsolve.frames.load("spring-moving-anchor").motion(q={"q": "0.3"}, velocity={"q": "0.4"}),
