@@ -1,7 +1,7 @@
 """What an argument must be: wrong kinds are refused at the door, in the same words everywhere.
 
-Values are checked where they are read (``expressions.number``, ``schema``); here is only what would otherwise end as
-an ``AttributeError`` or ``TypeError`` from deep inside.
+Values are checked where they are read (``formulas.read.number``, ``catalog.schema``); here is only what would otherwise
+end as an ``AttributeError`` or ``TypeError`` from deep inside.
 """
 
 from __future__ import annotations

@@ -1,6 +1,7 @@
 """Ball arithmetic (Arb, through the extra ``certified``): every value a ball that contains the truth.
 
-Turning points are proved in ``line`` and ``walls``, integrals in ``strip`` and ``adaptive``.
+Turning points are proved in ``certified.ball_radicand`` and ``certified.proved_turning_points``, integrals in
+``certified.strip_bound`` and ``certified.arb_integral``.
 """
 
 from __future__ import annotations

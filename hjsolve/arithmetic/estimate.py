@@ -11,8 +11,8 @@ class Estimate:
     """A value with a bound on its error.
 
     What is integrated over a bounded coordinate rests on as many nodes as a proved strip of analyticity asks for
-    (``numeric.resolution``, docs/theory.md): no feature of a potential is too narrow to be counted. The error is the
-    rounding of the value and what is known to be lost on the way to it.
+    (``one_coordinate.resolution``, docs/theory.md): no feature of a potential is too narrow to be counted. The error is
+    the rounding of the value and what is known to be lost on the way to it.
 
     Attributes:
         value: the number; float up to 15 digits, ``mpf`` above.

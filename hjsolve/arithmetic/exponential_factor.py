@@ -1,6 +1,6 @@
 """Formulas with exponentials over disks far out: f = e^{λq} φ with a disk for φ.
 
-Where all λ are multiples of one number ``numeric.expansion`` knows more; here they may be anything.
+Where all λ are multiples of one number ``arithmetic.local_expansion`` knows more; here they may be anything.
 
 A disk that holds e^z over |z − c| ≤ r holds 0 as soon as r is above log 2, and cosh overflows; but what a motion needs
 is a quotient, 8 e^{2q}/(1 + e^{2q})², whose exponentials go together: λ = −2, and φ = 8/(1 + e^{−2q})² is nearly

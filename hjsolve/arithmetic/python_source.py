@@ -1,7 +1,7 @@
 """An arithmetic that writes Python: run a tape in it and the lines of a straight-line program come out.
 
 The text is made of our own operation codes and of numbers, never of anything a user wrote: a tape has no names but its
-slots. Composite arithmetics (``jet``, ``running``) write the program of their components.
+slots. Composite arithmetics (``jet``, ``running_error``) write the program of their components.
 """
 
 from __future__ import annotations

@@ -1,6 +1,6 @@
 """Motions of any H(q, p) of one degree of freedom that come back: period, action, turning points, states.
 
-The curve H = E is followed branch by branch (``numeric.level_curve``); the formulas are in
+The curve H = E is followed branch by branch (``one_coordinate.level_curve``); the formulas are in
 ``hjsolve.extended.linear_hamiltonian``.
 """
 

@@ -72,7 +72,7 @@ def parameter(name: str, value: object = None, *, assume: str = "real", unit: st
 
     Args:
         name: as written in formulas.
-        value: default, any number that ``expressions.number`` takes; None for no default.
+        value: default, any number that ``formulas.read.number`` takes; None for no default.
         assume: ``real``, ``positive``, ``negative``, ``nonnegative``, ``nonzero`` or ``integer``; every later value
             must satisfy it.
         unit: unit of the value, for display.

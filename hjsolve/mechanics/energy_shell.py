@@ -5,10 +5,10 @@ Every system of this project is, after its ignorable coordinates are replaced by
     ½ Σₐ gᵃᵃ(q) Pₐ²  +  V_eff(q; c)  =  E,        Pₐ = pₐ + Aₐ(q; c),
 
 over the essential coordinates only (Greenwood 1977, §2-3, §4-3, (5-74)–(5-81)). Ignorable coordinates may be coupled
-to the rest (the top): eliminating them (``elimination``) leaves a centrifugal potential and linear terms A; where T is
-indefinite the momenta of null coordinates may be left to first degree, gⁿpₙ in place of ½gᵃᵃPₐ². T₀ is folded,
-V′ = V − T₀ (2-152). Linear terms are shifted away when A = dχ; when they are not closed they are gyroscopic and the
-system is refused.
+to the rest (the top): eliminating them (``ignorable_coordinates``) leaves a centrifugal potential and linear terms A;
+where T is indefinite the momenta of null coordinates may be left to first degree, gⁿpₙ in place of ½gᵃᵃPₐ². T₀ is
+folded, V′ = V − T₀ (2-152). Linear terms are shifted away when A = dχ; when they are not closed they are gyroscopic and
+the system is refused.
 """
 
 from __future__ import annotations

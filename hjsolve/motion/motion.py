@@ -36,7 +36,7 @@ QUANTITIES: Mapping[str, frozenset[str]] = {
     "angles": frozenset({"time"}), "boundary_times": frozenset({"time"}), "orbit": frozenset({"time", "place"}),
     "trajectory": frozenset({"time", "place"}),
 }  # fmt: skip
-"""What may be asked of a motion, and the integrals each needs (``numeric.course.PARTS``)."""
+"""What may be asked of a motion, and the integrals each needs (``one_coordinate.coordinate_motion.PARTS``)."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -203,7 +203,8 @@ class Motion:
         """Where else each separated coordinate could move with the same constants: other wells, and places of rest.
 
         Coordinate → intervals (lower, upper) in order, without the one the motion is in (``turning_points``); None for
-        an end that is no turning point. At most ``numeric.regions.MOST`` on each side. Worked out when it is read.
+        an end that is no turning point. At most ``one_coordinate.allowed_regions.MOST`` on each side. Worked out when
+        it is read.
         """
         result = {}
         for name, place in self.separated.located.items():

@@ -170,7 +170,7 @@ def evaluate_along(
 def rounding(
     motion: SeparatedMotion, formulas: tuple[sp.Expr, ...], q: Mapping[str, Any], p: Mapping[str, Any]
 ) -> list[Any]:
-    """Bound what evaluating formulas in doubles loses, cancellation inside of them included (``numeric.running``).
+    """Bound what evaluating formulas in doubles loses, cancellation included (``arithmetic.running_error``).
 
     Args:
         motion: gives the values of constants and parameters.

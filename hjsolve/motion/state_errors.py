@@ -38,7 +38,7 @@ def errors_of_state(
 ) -> tuple[dict[str, Any], dict[str, Any], dict[str, Any]]:
     """Bounds on q, p and velocity from the bounds on the phases.
 
-    ``sharp``: where velocities were not worked out from rounded places (``sharp.blurred``); None where all were.
+    ``sharp``: where velocities were not worked out from rounded places (``near_poles.blurred``); None where all were.
 
     Args:
         motion: the one looked at.

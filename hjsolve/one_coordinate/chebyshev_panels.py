@@ -13,7 +13,7 @@ its end; the map q(y) is chosen by the two ends so that dq/p is analytic in y up
     … → fall               as to an asymptote: reached in a finite time, but an angle winds for ever on the way
 
 The integrals are Chebyshev series on panels, each as long as its integrands are proved to be analytic around it
-(``numeric.reach``); far out panels grow geometrically, so the cost rises with the logarithm of the time.
+(``one_coordinate.panel_length``); far out panels grow geometrically, so the cost rises with the logarithm of the time.
 """
 
 from __future__ import annotations
@@ -206,7 +206,7 @@ class Panels:
 
 
 class Integrated(Protocol):
-    """Functions of y in many digits, with what is known of them about a place; see ``branch.Branch``."""
+    """Functions of y in many digits, with what is known of them about a place; see ``open_branch.Branch``."""
 
     def integrands(self, y: Any, extra: int = 0) -> list[Any]:
         """Return the values of all functions at y (``mpf``), with so many bits more than usual."""

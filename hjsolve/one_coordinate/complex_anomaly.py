@@ -1,7 +1,7 @@
 """The maps from an anomaly to a coordinate at complex phases, in doubles.
 
-The maps are those of ``numeric.anomaly`` and ``numeric.stretch``; here they serve to bound integrands in a strip of
-the complex plane, so that a few digits are enough.
+The maps are those of ``one_coordinate.anomaly`` and ``one_coordinate.stretched_anomaly``; here they serve to bound
+integrands in a strip of the complex plane, so that a few digits are enough.
 """
 
 from __future__ import annotations

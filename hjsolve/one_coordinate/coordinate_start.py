@@ -20,7 +20,7 @@ class CoordinateStart:
         lower, upper: ends of the domain at any precision; None where there is none.
         angle: True when p² has period 2π in q.
         skipped: kernels that are zero everywhere.
-        parts: what is to be integrated; see ``course.PARTS``.
+        parts: what is to be integrated; see ``coordinate_motion.PARTS``.
     """
 
     name: str

@@ -1,8 +1,8 @@
 """Trigonometric series of the regular integrands, and their integrals term by term.
 
 The coefficients of an analytic periodic function fall geometrically; how many are needed is proved beforehand
-(``numeric.resolution``), and ∫ c₀ + Σ cₖ cos kχ dχ = c₀ χ + Σ (cₖ/k) sin kχ is an explicit time law for all times
-(Trefethen & Weideman, SIAM Review 56 (2014) 385, §3).
+(``one_coordinate.resolution``), and ∫ c₀ + Σ cₖ cos kχ dχ = c₀ χ + Σ (cₖ/k) sin kχ is an explicit time law for all
+times (Trefethen & Weideman, SIAM Review 56 (2014) 385, §3).
 """
 
 from __future__ import annotations

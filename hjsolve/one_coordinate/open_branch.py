@@ -78,7 +78,7 @@ class Branch:
         return None if isinstance(values[-1], values[-1].context.mpc) else values
 
     def around(self, y: Any, rest: float) -> Surrounding:
-        """Return what is around the place y, ``rest`` before the greatest y; see ``numeric.reach``.
+        """Return what is around the place y, ``rest`` before the greatest y; see ``one_coordinate.panel_length``.
 
         Args:
             y: place on the branch.

@@ -3,7 +3,7 @@
 p² is seen from where it has a zero or a pole, so that what is small keeps its relative accuracy: from the turning point
 a at the start, p² = x G with x = |q − a|; from an end b, p² = ℓᵏ times a factor without zero, ℓ the distance left, k =
 2 at an asymptote; or, with all care, from the place of the panel itself, p² = F₀ + F₁u + F₂(q)u² with F₀ and F₁ in many
-digits (``numeric.expansion``). Every way is right; where several know something, the narrowest is taken.
+digits (``arithmetic.local_expansion``). Every way is right; where several know something, the narrowest is taken.
 """
 
 from __future__ import annotations
@@ -231,7 +231,7 @@ def _orders(tape: Tape, places: list[Any], inputs: list[Any]) -> list[Any]:
 
 @dataclass(frozen=True, eq=False)
 class Surrounding:
-    """What is around one place of a branch, called by ``reach.longest`` with disks of y − y₀.
+    """What is around one place of a branch, called by ``panel_length.longest`` with disks of y − y₀.
 
     Attributes:
         sight: the branch.

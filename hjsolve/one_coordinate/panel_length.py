@@ -2,10 +2,9 @@
 
 A series through n Chebyshev points of a panel misses a function that is analytic and at most M in the ellipse of
 parameter ρ about the panel by no more than 4 M ρ^(1−n)/(ρ − 1) (Trefethen, Approximation Theory and Approximation
-Practice (2013), theorem 8.2). The ellipse is covered by disks (``numeric.sectors``) and the integrands are enclosed
-over
-them (``numeric.surroundings``): where p² and the kernels are bounded and p² has no zero, all integrands are analytic,
-and the disks bound them. Nothing can hide between the nodes, however narrow it is.
+Practice (2013), theorem 8.2). The ellipse is covered by disks (``one_coordinate.panel_sectors``) and the integrands are
+enclosed over them (``one_coordinate.panel_integrands``): where p² and the kernels are bounded and p² has no zero, all
+integrands are analytic, and the disks bound them. Nothing can hide between the nodes, however narrow it is.
 """
 
 from __future__ import annotations

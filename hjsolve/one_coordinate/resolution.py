@@ -4,9 +4,10 @@ Over an anomaly χ the integrands of a bounded motion are periodic. If one is an
 most M there, its Fourier coefficients are at most 2M e^{−ak}, so that N nodes over half a turn of an even function (2N
 over a turn) give it everywhere to within 4M e^{−aN}/(1 − e^{−a}) (Trefethen & Weideman, SIAM Review 56 (2014) 385,
 Theorem 3.1). The strip is proved by covering it with disks: over each the regular factor R of p² is evaluated in disk
-arithmetic (``numeric.deflated``), and where every operation is defined and 0 is not in the disk of R, all integrands
-are analytic. Squares that cannot be decided are divided; one that still cannot be decided when it is small against its
-height bounds the strip from above. A dip, a step or a pole of whatever width is in the formula, so it is in the disks.
+arithmetic (``one_coordinate.regular_factor``), and where every operation is defined and 0 is not in the disk of R, all
+integrands are analytic. Squares that cannot be decided are divided; one that still cannot be decided when it is small
+against its height bounds the strip from above. A dip, a step or a pole of whatever width is in the formula, so it is in
+the disks.
 """
 
 from __future__ import annotations

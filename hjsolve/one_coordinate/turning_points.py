@@ -42,7 +42,7 @@ class End:
     Attributes:
         kind: ``turning`` a simple zero of p²; ``asymptote`` a multiple zero, never reached; ``boundary``
             an end of the coordinate's domain (``fall`` where an integral over the way there has no limit, see
-            ``panels``); ``infinity``; ``round`` none within a full turn of an angle.
+            ``chebyshev_panels``); ``infinity``; ``round`` none within a full turn of an angle.
         place: the position at any precision; None for infinity and round.
         power: at a boundary or at infinity, p² ~ distance**power.
     """

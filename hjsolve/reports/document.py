@@ -31,7 +31,7 @@ class Strong:
 
 @dataclass(frozen=True)
 class Number:
-    """A value with its error, both already rounded to the digits they deserve (``numbers.quantity``).
+    """A value with its error, both already rounded to the digits they deserve (``sections.rounded_numbers.quantity``).
 
     Attributes:
         value: digits, with ``×10^n`` written as ``e``.

@@ -5,7 +5,7 @@
 (Greenwood §3-2: an impulse changes the momenta and leaves the coordinates.) Between events nothing is approximated
 by steps. The state handed on has ``GUARD`` digits more than the scene asks for, and as many again as the length
 of the scene costs; what is exact (the place of a surface, ignorable momenta, a coordinate at rest) stays exact.
-Where a bounce changes only signs nothing is recomputed: see ``flights``.
+Where a bounce changes only signs nothing is recomputed: see ``reflections``.
 """
 
 from __future__ import annotations

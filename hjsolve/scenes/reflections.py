@@ -1,9 +1,9 @@
 """Bounces that change only signs: one free motion serves them all, however many there are.
 
 Between two bounces every coordinate is where the free motion has it at a time of its own (its clock), forwards or
-backwards (``mirrors``). At a wall the clock of the coordinate that hits it stops and runs the other way; the others go
-on. So a bounce costs a few sums: when the free motion passes a wall is worked out once for all (``passes``). An
-ignorable coordinate φ carried by k is φ = c + σ d φ°(τₖ): φ° of the free motion at the clock τₖ that runs in the
+backwards (``reflecting_walls``). At a wall the clock of the coordinate that hits it stops and runs the other way; the
+others go on. So a bounce costs a few sums: when the free motion passes a wall is worked out once for all (``passes``).
+An ignorable coordinate φ carried by k is φ = c + σ d φ°(τₖ): φ° of the free motion at the clock τₖ that runs in the
 direction d, σ the sign of pᵩ, c changed at each bounce such that φ does not jump. Every sum adds what it leaves open to
 ``doubt`` and ``blur``.
 """

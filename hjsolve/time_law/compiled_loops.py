@@ -48,7 +48,7 @@ def relative(times: Any, high: float, low: float, upper: Any, lower: Any) -> Non
 
 @_kernel
 def turns(rate: Any, upper: Any, lower: Any, start: Any, whole: Any, rest: Any) -> None:
-    """Fill whole turns and rest of start + rate·time; see ``turns.turns``.
+    """Fill whole turns and rest of start + rate·time; see ``phase_reduction.turns_and_rest``.
 
     Args:
         rate: turns in a unit of time, as two doubles whose sum it is.
@@ -103,7 +103,7 @@ def _place(argument: Any, edges: Any, guide: Any, parity: int, panels: Any, plac
 
 @_kernel
 def _polynomial(panels: Any, places: Any, rows: Any, out: Any) -> None:
-    """Horner's rule of degree ``ephemeris.DEGREE``, written out so that it becomes vector instructions."""
+    """Horner's rule of degree ``table.DEGREE``, written out so that it becomes vector instructions."""
     for i in range(panels.size):
         k, x = panels[i], places[i]
         value = rows[k, 11] * x + rows[k, 10]
@@ -116,7 +116,7 @@ def _polynomial(panels: Any, places: Any, rows: Any, out: Any) -> None:
 
 @_kernel
 def look_up(argument: Any, edges: Any, guide: Any, rows: Any, parity: int, out: Any) -> None:
-    """Fill ``out`` with a tabulated quantity; see ``ephemeris.Table``.
+    """Fill ``out`` with a tabulated quantity; see ``table.InterpolationTable``.
 
     First the panel and the place x in it, then the polynomial, block by block: a loop of its own with a fixed degree
     is what the compiler turns into vector instructions.

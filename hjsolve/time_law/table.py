@@ -20,7 +20,7 @@ from hjsolve.time_law.compiled import kernels
 from hjsolve.time_law.phase_reduction import CHUNK
 
 DEGREE = 11
-"""Degree of every polynomial; ``kernels`` writes Horner's rule out for it."""
+"""Degree of every polynomial; ``compiled_loops`` writes Horner's rule out for it."""
 
 _GROWTH_NODES = 20
 _TOLERANCE = 1e-15

@@ -1,9 +1,9 @@
 """Where the functions of q in p² are proved to be analytic, whatever the constants of the orbits.
 
 All orbits share the formulas: p² is a polynomial in the constants of an orbit, whose coefficients are functions of q
-alone (``model``). By disk arithmetic (``numeric.disks``) it is proved that they are analytic in a disk of the
-complex plane, and there at most ``GROWTH`` times what they are on the real axis. A feature narrower than the disk
-cannot be: it would have a pole in it, or grow in it like exp((radius/width)²).
+alone (``lowered_solution``). By disk arithmetic (``arithmetic.complex_disks``) it is proved that they are analytic in a
+disk of the complex plane, and there at most ``GROWTH`` times what they are on the real axis. A feature narrower than
+the disk cannot be: it would have a pole in it, or grow in it like exp((radius/width)²).
 
 For a place in the complex plane the largest such disk is found once, and kept in a table for cells whose size is in
 proportion to the distance from the origin (an end of the domain, where there is one). An orbit then needs a few looks

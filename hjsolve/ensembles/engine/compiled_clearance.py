@@ -75,4 +75,4 @@ def glances(lower, upper, room, warps, begin, end, enough, low, high, spread, co
 
 
 BOUND: tuple[Any, ...] = (glances,)
-"""See ``rules.BOUND``."""
+"""See ``compiled_rule.BOUND``."""

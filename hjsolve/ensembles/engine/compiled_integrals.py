@@ -37,7 +37,7 @@ def _pace(χ, warp):
 
 @njit(**OPTIONS)
 def _anomaly(x, y, warp):
-    """χ of a place; see ``phase._unwarped``. Halley's steps inside a bracket."""
+    """χ of a place; see ``initial_phase._unwarped``. Halley's steps inside a bracket."""
     goal = 2.0 * math.atan2(np.sqrt(max(x, 0.0)), np.sqrt(max(y, 0.0)))
     γ, δ = warp[0], warp[1]
     if γ == 0.0 and δ == 0.0:
@@ -107,7 +107,7 @@ def _integration(weights, scratch, χ, n, cosines):
 
 @njit(**OPTIONS)
 def _phase(buffer, weights, noise, drift, a, b, x0, P, n, low, high, warp, fold, cosines, chords):
-    """Phase of the start and a bound on its error; see ``phase.librating``. Leaves the weights of interpolation."""
+    """Phase of the start and a bound on its error; see ``initial_phase``. Leaves the weights of interpolation."""
     W = b - a
     x, y = (x0 - a) / W, (b - x0) / W
     end, tip = SAMPLES - 1, n - 1
@@ -260,4 +260,4 @@ def orbits(chords, kernels, ripples, q, P, C, E, lower, upper, least, first, tab
 
 
 BOUND = (_samples, orbits)
-"""See ``rules.BOUND``."""
+"""See ``compiled_rule.BOUND``."""

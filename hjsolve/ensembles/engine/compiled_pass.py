@@ -1,7 +1,7 @@
 """The first pass over librations as compiled loops, orbit by orbit (extra ``fast``).
 
-The same mathematics as ``locate``, ``roots`` and ``quadrature`` in doubles with plain anomalies; an orbit that is not
-easy (a rotation, a start at rest, a slow series, a large claimed error) is left to those.
+The same mathematics as ``regions``, ``turning_points`` and ``midpoint_rule`` in doubles with plain anomalies; an orbit
+that is not easy (a rotation, a start at rest, a slow series, a large claimed error) is left to those.
 """
 
 from __future__ import annotations
@@ -61,7 +61,7 @@ def _tables() -> tuple[Any, ...]:
 
 
 def begin_compiled(model: Model, made: Compiled, q: Any, p: Any) -> InitialConstants:
-    """Work out the constants in doubles; see ``start.begin``.
+    """Work out the constants in doubles; see ``constants.initial_constants``.
 
     Args:
         model: the lowered solution.
@@ -83,7 +83,7 @@ def librations(coordinate: Separated, made: Compiled, start: InitialConstants, k
         made: the programs.
         start: of n orbits.
         k: its row.
-        ripples: as in ``quadrature.integrate``; whether kernels are wanted, the programs know.
+        ripples: as in ``midpoint_rule.integrate``; whether kernels are wanted, the programs know.
 
     Returns:
         The sums, good only where this pass was enough.

@@ -142,7 +142,7 @@ def _blurs(buffer, shares, noise, drift, n, integrands, chords, found):
 
 
 def _rule(buffer, shares, noise, drift, found, a, b, n, low, high, pace, last, middle, c, chords, ripples, first):
-    """The midpoint rule of one size; see ``quadrature._rule``. How many nodes are needed (−1: these do), and where."""
+    """The rule of one size; see ``midpoint_rule._rule``. How many nodes are needed (−1: these do), and where."""
     fill(buffer, a, b, b - a, low, high, pace, n, c)
     integrands = buffer.shape[0] - 2
     rough, wish = (_RIPPLED, 2e-15) if ripples else (_ROUGH, 1e-8)

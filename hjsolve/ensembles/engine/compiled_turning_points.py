@@ -117,4 +117,4 @@ def _finish(x, x0, inner, outer, c):
 
 
 BOUND = (_bracket, ends, _sweep, _finish)
-"""See ``rules.BOUND``."""
+"""See ``compiled_rule.BOUND``."""

@@ -18,7 +18,7 @@ from hjsolve.motion.initial_data import parameter_values
 from hjsolve.solution.quadratures import Solution
 
 CHUNK = 16384
-"""Orbits worked on together: enough for numpy to spend its time in loops; temporaries are bounded in ``quadrature``."""
+"""Orbits worked on together: enough for numpy to spend its time in loops; ``midpoint_rule`` bounds temporaries."""
 
 FAST = 1e-11
 """Largest claimed relative error with which the compiled pass lets an orbit go; the true one is fifty times less."""

@@ -31,7 +31,8 @@ _OWN = 4
 _SEARCHED = 6
 _LOOPED = 11
 _GLANCED = 13
-"""How many arguments ``searches.ends`` and ``glances.glances`` have, and ``loops.orbits`` after the kind of program."""
+"""How many arguments ``compiled_turning_points.ends`` and ``compiled_clearance.glances`` have, and
+``compiled_integrals.orbits`` after the kind of program."""
 
 _PLACE = "(2.2204460492503131e-16)"
 
@@ -42,8 +43,8 @@ class Programs:
 
     Attributes:
         value: (x, c) ↦ F, c being the tuple of constants.
-        search: finds turning points; the arguments of ``searches.ends``.
-        loop: integrates; the arguments of ``loops.orbits`` after the first two.
+        search: finds turning points; the arguments of ``compiled_turning_points.ends``.
+        loop: integrates; the arguments of ``compiled_integrals.orbits`` after the first two.
     """
 
     value: Callable[..., Any]
@@ -57,7 +58,7 @@ class Compiled:
 
     Attributes:
         start: fills the constants, their doubts and the shell momenta.
-        glance: tells how many nodes are proved to be enough; the arguments of ``glances.glances``.
+        glance: tells how many nodes are proved to be enough; the arguments of ``compiled_clearance.glances``.
         coordinates: programs of the separated coordinates.
     """
 

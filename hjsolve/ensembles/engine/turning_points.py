@@ -3,7 +3,7 @@
 Chandrupatla, Advances in Engineering Software 28 (1997) 145: inverse quadratic steps where they are safe, bisection
 elsewhere, so a sign change is never lost. Which sign change it is cannot be proved in doubles: a pair of zeros between
 two trials goes unseen. It leaves a place where p² < 0, or a function with a kink, between the turning points, and the
-quadrature refuses those (``quadrature.py``).
+quadrature refuses those (``midpoint_rule``).
 """
 
 from __future__ import annotations
