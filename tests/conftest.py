@@ -16,7 +16,6 @@ settings.load_profile(os.environ.get("HYPOTHESIS_PROFILE", "ci" if os.environ.ge
 
 def pytest_collection_modifyitems(config: pytest.Config, items: list[pytest.Item]) -> None:
     """Leave tests marked nightly out, unless `-m nightly` or HYPOTHESIS_PROFILE=nightly asks for them."""
-    _expect_what_is_open(items)
     if "nightly" in config.getoption("markexpr", "") or os.environ.get("HYPOTHESIS_PROFILE") == "nightly":
         return
     for item in items:
@@ -51,18 +50,3 @@ def pytest_xdist_make_scheduler(config: pytest.Config, log: Any) -> Any:
             return scope_of(nodeid)
 
     return ByScope(config, log)
-
-
-OPEN = {
-    "test_0014_two_coupled_that_run_away.py::test_a_black_hole_s_pole_may_be_passed_as_near_as_one_likes[1e-13--0.02]":
-        "no number of nodes is proved 1e-13 from a pole; it was integrated without a proof before",
-}  # fmt: skip
-"""Tests that a merge left open, with what has to be done; docs/trust.md and the changes name what users see of it."""
-
-
-def _expect_what_is_open(items: list[pytest.Item]) -> None:
-    """Mark what is open: it runs, and its failure is expected until it is mended."""
-    for item in items:
-        for name, reason in OPEN.items():
-            if name in item.nodeid:
-                item.add_marker(pytest.mark.xfail(reason=reason, strict=False))

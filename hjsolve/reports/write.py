@@ -105,7 +105,7 @@ def save_scene(scene: Scene, target: Path, cost: bool | float = False, progress:
     Args:
         scene: what is asked.
         target: a path that ``checked_path`` has passed.
-        cost, progress: as in ``reports.costs.with_cost``.
+        cost, progress: as in ``sections.cost.with_cost``.
 
     Returns:
         The path.
@@ -160,7 +160,7 @@ def save(material: Material, target: Path, cost: bool | float = False, progress:
     Args:
         material: what there is to tell.
         target: a path that ``checked_path`` has passed.
-        cost, progress: as in ``reports.costs.with_cost``.
+        cost, progress: as in ``sections.cost.with_cost``.
 
     Returns:
         The path.

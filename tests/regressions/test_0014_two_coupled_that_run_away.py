@@ -7,6 +7,7 @@ from mpmath import mp
 
 import hjsolve
 from hjsolve.arithmetic.floats import Float64
+from hjsolve.errors import NotConvergedError
 from hjsolve.one_coordinate.coordinate_motion import Unbounded
 from hjsolve.time_law import open_motion
 from tests.reference import mechanics
@@ -178,7 +179,19 @@ def test_an_end_that_is_never_reached_because_the_other_coordinate_runs_away_is_
 
 
 @pytest.mark.parametrize(
-    ("place", "speed"), [("1e-13", "-0.02"), pytest.param("1e-8", "0.02", marks=pytest.mark.nightly)]
+    ("place", "speed"),
+    [
+        pytest.param(
+            "1e-13",
+            "-0.02",
+            marks=pytest.mark.xfail(
+                raises=NotConvergedError,
+                strict=True,
+                reason="no number of nodes is proved 1e-13 from a pole; it was integrated without a proof before",
+            ),
+        ),
+        pytest.param("1e-8", "0.02", marks=pytest.mark.nightly),
+    ],
 )
 def test_a_black_hole_s_pole_may_be_passed_as_near_as_one_likes(place, speed):
     """θ goes down to 9e-17 or 9e-27, where its kernel is below the rounding of the series; it was not converged, or false.

@@ -204,7 +204,7 @@ def _samples(a, b, c, e, lanes, bounds, noise, drift, chords, kernels):
 
 
 def orbits(chords, kernels, ripples, q, P, C, E, lower, upper, least, first, tables, results):
-    """The integrals of one coordinate of many orbits; see ``compiled.librations``.
+    """The integrals of one coordinate of many orbits; see ``compiled_pass.librations``.
 
     Args:
         chords, kernels, ripples: whether the formula is used as a slope, and whether ∂J/∂c and the running integrals

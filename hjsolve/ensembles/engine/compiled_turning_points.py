@@ -24,7 +24,7 @@ pack: Any = None
 
 @njit(**OPTIONS)
 def _first_step(P: float, outward: float, bend: float, size: float) -> float:
-    """See ``roots.first_step``."""
+    """See ``turning_points.first_step``."""
     square = P * P
     root = np.sqrt(outward * outward - 4.0 * bend * square)
     down = (outward + root) / (-2.0 * bend) if outward > 0 else 2.0 * square / (root - outward)
@@ -35,7 +35,7 @@ def _first_step(P: float, outward: float, bend: float, size: float) -> float:
 
 
 def _bracket(x0, step, side, floor, reach, c):
-    """Walk outward: the last place with F ≥ 0 and the first with F < 0; see ``roots.bracket``."""
+    """Walk outward: the last place with F ≥ 0 and the first with F < 0; see ``turning_points.bracket``."""
     inner = x0
     for _ in range(_STEPS):
         x = inner + side * step

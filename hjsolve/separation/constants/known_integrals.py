@@ -35,7 +35,7 @@ class KnownIntegral:
     """A known integral in the coordinates of a system.
 
     Attributes:
-        symbol, meaning: as in ``charts.Integral``.
+        symbol, meaning: as in ``known_charts.Integral``.
         form: coefficient of p_a p_b by names of coordinates, a ≤ b in the order of the system.
         attracted: what a centre of force adds, up to a factor, or None.
         with_centre: the meaning then.
