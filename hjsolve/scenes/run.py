@@ -13,8 +13,8 @@ from hjsolve.errors import InvalidInputError, MissingValueError, NotSeparableErr
 from hjsolve.motion.initial_data import to_bits
 from hjsolve.motion.motion import Motion
 from hjsolve.motion.tabulated import OnDemand
+from hjsolve.scenes.arc_motions import ArcMotion, FreeMotions, TurnsBefore
 from hjsolve.scenes.arcs import FreeArc, free_arcs
-from hjsolve.scenes.begun import Begun, Turned, Wholes
 from hjsolve.scenes.crossing import bits_of
 from hjsolve.scenes.force_refusal import dissipative, force_words
 from hjsolve.scenes.orbits import orbit_table
@@ -53,16 +53,16 @@ def run_by_quadratures(scene: Question, solution: Solution | None = None) -> Run
         raise InvalidInputError("proofs end at an event: the state there is computed, not proved; leave certified out")
     with counted() as work:
         found, rest = free_arcs(scene, solution, first_arguments(scene))
-        wholes = Wholes(scene, solution)
+        free_motions = FreeMotions(scene, solution)
         busy = np.zeros(len(found) + 1, dtype=bool)
         if scene.times is not None and {"trajectory", "angles"} & set(scene.want):
             busy[belongings(sampled(scene.times, scene.digits), found, rest)] = True
         last = None if rest is None else rest.time
         arcs = tuple(
-            _arc(scene, solution, piece, bool(timed), wholes, last if piece is found[-1] else None)
+            _arc(scene, solution, piece, bool(timed), free_motions, last if piece is found[-1] else None)
             for piece, timed in zip(found, busy, strict=False)
         )
-        path = trajectory_of(scene, arcs, found, rest, wholes) if "trajectory" in scene.want else None
+        path = trajectory_of(scene, arcs, found, rest, free_motions) if "trajectory" in scene.want else None
     return Run(scene, solution, arcs, path, {}, work, rest=rest)
 
 
@@ -114,27 +114,27 @@ def first_arguments(scene: Question) -> dict[str, Any]:
 
 
 def _arc(
-    scene: Question, solution: Solution, piece: FreeArc, timed: bool, wholes: Wholes, rest: Estimate | None
+    scene: Question, solution: Solution, piece: FreeArc, timed: bool, free_motions: FreeMotions, rest: Estimate | None
 ) -> Arc:
     """Compute what is wanted of an arc."""
     names = [n for n in (*_FIELDS, "angles", "orbit") if n in scene.want and (n != "angles" or scene.times)]
     ends = rest if rest is not None else None if piece.ends is None else _moment(piece.ends, scene.digits)
-    begun = Begun(scene, solution, piece)
+    arc_motion = ArcMotion(scene, solution, piece)
     if piece.flight is None:
         without = tuple(word for word in scene.want if word not in _TIMED)  # no time wanted, no place needed
-        source = begun if timed or len(without) == len(scene.want) else Begun(scene, solution, piece, without)
+        source = arc_motion if timed or len(without) == len(scene.want) else ArcMotion(scene, solution, piece, without)
         begins = _moment(sp.sympify(piece.leg.arguments.get("t0", 0)), scene.digits)
-        quantities = {n: _quantity(scene, piece, n, begun() if n in _TIMED else source()) for n in names}
-        return Arc(begins, ends, piece.events, piece.leg.turns, quantities, begun)
+        quantities = {n: _quantity(scene, piece, n, arc_motion() if n in _TIMED else source()) for n in names}
+        return Arc(begins, ends, piece.events, piece.leg.turns, quantities, arc_motion)
     angles = tuple(c.name for c in scene.system.coordinates if c.domain.kind == "angle")
-    begins, turns = _moment(piece.flight.begin, scene.digits, piece.flight.doubt), Turned(begun, angles)
+    begins, turns = _moment(piece.flight.begin, scene.digits, piece.flight.doubt), TurnsBefore(arc_motion, angles)
     if _OWN.isdisjoint(names):
-        return Arc(begins, ends, piece.events, turns, wholes.shared(piece, tuple(names)), begun)
+        return Arc(begins, ends, piece.events, turns, free_motions.shared(piece, tuple(names)), arc_motion)
 
     def compute(name: str) -> Any:
-        return _quantity(scene, piece, name, begun() if name in _OWN else wholes.mirrored(piece))
+        return _quantity(scene, piece, name, arc_motion() if name in _OWN else free_motions.mirrored(piece))
 
-    return Arc(begins, ends, piece.events, turns, OnDemand(tuple(names), compute), begun)
+    return Arc(begins, ends, piece.events, turns, OnDemand(tuple(names), compute), arc_motion)
 
 
 def _quantity(scene: Question, piece: FreeArc, name: str, motion: Motion) -> Any:

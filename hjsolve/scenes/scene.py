@@ -47,24 +47,8 @@ LEAST = sp.Rational(1, 10**100)
 class Scene(Question):
     """A question that can be read from a file and run.
 
-    Attributes:
-        source: the file, or ``scene``.
-        title, summary: for display.
-        table: of the system, as in its file.
-        effects: names of those switched on.
-        system: with the terms that the effects add to T and V.
-        forces: generalized forces of the effects, by coordinate; with any of them only ``integrate`` can run the scene.
-        parameters: values that differ from the defaults.
-        initial: where the motion starts; None if nothing says so.
-        want: the quantities wanted.
-        times: for ``trajectory`` and ``angles``.
-        digits: relative digits of every number.
-        events: impulses and walls, in the file's order.
-        orbit: see ``OrbitAsked``.
-        method: ``quadratures`` (Hamilton-Jacobi) or ``integrate`` (an ODE integrator).
-        certified: constants, turning points, actions, frequencies and periods are proved.
-        seconds: the time allowed, where the scene asks for the best that fits into it instead of digits.
-        sweep: many initial conditions in place of one; such a scene is for ``hjsolve.sweep``, not for ``run``.
+    Its attributes are those of ``Question``, where each is explained: source, title, summary, table, effects, system,
+    forces, parameters, initial, want, times, digits, events, orbit, method, certified, seconds, sweep.
     """
 
     @staticmethod

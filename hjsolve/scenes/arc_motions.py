@@ -12,7 +12,7 @@ from hjsolve.scenes.reflections import signed
 from hjsolve.solution.quadratures import Solution
 
 
-class Begun:
+class ArcMotion:
     """Starts the motion of an arc, once; pickled, it is started anew.
 
     Args:
@@ -27,7 +27,7 @@ class Begun:
         self._motion: Motion | None = None
 
     def __reduce__(self) -> tuple[Any, ...]:
-        return Begun, self.given
+        return ArcMotion, self.given
 
     def leg(self) -> Leg:
         """Where the arc starts."""
@@ -46,21 +46,21 @@ class Begun:
         return self._motion
 
 
-class Turned(Mapping[str, int]):
+class TurnsBefore(Mapping[str, int]):
     """Whole turns made before an arc, worked out when they are read.
 
     Args:
-        begun: the arc.
+        arc_motion: the motion of the arc.
         angles: names.
     """
 
-    def __init__(self, begun: Begun, angles: tuple[str, ...]):
-        self.begun, self.angles = begun, angles
+    def __init__(self, arc_motion: ArcMotion, angles: tuple[str, ...]):
+        self.arc_motion, self.angles = arc_motion, angles
 
     def __getitem__(self, name: str) -> int:
         if name not in self.angles:
             raise KeyError(name)
-        return self.begun.leg().turns.get(name, 0)
+        return self.arc_motion.leg().turns.get(name, 0)
 
     def __iter__(self) -> Iterator[str]:
         return iter(self.angles)
@@ -72,7 +72,7 @@ class Turned(Mapping[str, int]):
         return repr(dict(self))
 
 
-class Wholes:
+class FreeMotions:
     """The free motions of flights, and their mirror images, to the digits of the scene: each is made once.
 
     Args:
