@@ -46,7 +46,7 @@ class Batch:
 
     @property
     def periods(self) -> dict[str, Any]:
-        """2π/|Ω| by coordinate; infinite where Ω is zero."""
+        """2π/abs(Ω) by coordinate; infinite where Ω is zero."""
         return self._quantity("periods")
 
     @property

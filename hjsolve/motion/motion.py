@@ -50,7 +50,7 @@ class Motion:
         constants: name → Estimate.
         actions: coordinate → J = (1/2π) ∮ p dq over a full cycle, signed like p for a rotation.
         frequencies: coordinate → Ω = ∂H/∂J in radians per unit time, where it exists.
-        periods: coordinate → 2π/|Ω|.
+        periods: coordinate → 2π/abs(Ω).
         boundary_times: coordinate → time at which it reaches an end of its domain.
         states: for a certified motion, the rule that gives what its states are read from.
         given: the input as it came.
