@@ -9,6 +9,7 @@ from functools import cache
 from unicodedata import normalize
 
 from hjsolve import catalog
+from hjsolve.shown import Shown
 
 GREENWOOD = "greenwood1977"
 """The book whose equation numbers stand at the formulas of a report."""
@@ -17,8 +18,8 @@ _ENTRY = re.compile(r"^@(\w+)\{([^,\s]+),(.*?)^\}", re.MULTILINE | re.DOTALL)
 _FIELD = re.compile(r"^\s*(\w+)\s*=\s*\{(.*?)\},?\s*$", re.MULTILINE | re.DOTALL)
 
 
-@dataclass(frozen=True)
-class Publication:
+@dataclass(frozen=True, repr=False)
+class Publication(Shown):
     """One work.
 
     Attributes:

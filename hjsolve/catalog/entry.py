@@ -9,10 +9,11 @@ from typing import Any
 from hjsolve.catalog import outside
 from hjsolve.extended.linear_hamiltonian import LinearHamiltonian
 from hjsolve.mechanics.system import System
+from hjsolve.shown import Shown
 
 
-@dataclass(frozen=True)
-class InitialData:
+@dataclass(frozen=True, repr=False)
+class InitialData(Shown):
     """Where a motion starts: coordinates, and velocities or momenta; numbers stay the texts of the file.
 
     Attributes:
@@ -35,8 +36,8 @@ class InitialData:
         return {name: value for name, value in given.items() if value}
 
 
-@dataclass(frozen=True)
-class Effect:
+@dataclass(frozen=True, repr=False)
+class Effect(Shown):
     """An optional term of T or V, with the parameters it brings; absent from H until it is called for.
 
     Attributes:
@@ -53,8 +54,8 @@ class Effect:
     cite: tuple[str, ...] = ()
 
 
-@dataclass(frozen=True)
-class Reference:
+@dataclass(frozen=True, repr=False)
+class Reference(Shown):
     """A number known by another way than hjsolve's; ``value`` has all its digits.
 
     Attributes:
@@ -69,8 +70,8 @@ class Reference:
     cite: tuple[str, ...] = ()
 
 
-@dataclass(frozen=True)
-class Entry:
+@dataclass(frozen=True, repr=False)
+class Entry(Shown):
     """One system of the catalog.
 
     Attributes:

@@ -11,6 +11,7 @@ from dataclasses import dataclass, field
 from typing import Any
 
 from hjsolve.catalog.schema import Key
+from hjsolve.shown import Shown
 
 REFUSALS = (
     "nonholonomic", "dissipative", "unilateral", "impulsive", "explicit time", "variable mass", "collision",
@@ -31,8 +32,8 @@ KEYS = {
 """The keys of a catalog file that belong here."""
 
 
-@dataclass(frozen=True)
-class Refusal:
+@dataclass(frozen=True, repr=False)
+class Refusal(Shown):
     """Why a system that is no T and V is refused; the verdict that ``NotSeparableError`` carries for it.
 
     Attributes:
@@ -54,8 +55,8 @@ class Refusal:
         return f"{self.id} is refused, {self.kind}{shown}: {self.reason} {self.instead}"
 
 
-@dataclass(frozen=True)
-class Constraint:
+@dataclass(frozen=True, repr=False)
+class Constraint(Shown):
     """A constraint linear in the velocities, ``form`` = 0 (Greenwood (1-16), (2-48)).
 
     Attributes:
@@ -70,8 +71,8 @@ class Constraint:
     name: str = ""
 
 
-@dataclass(frozen=True)
-class Stated:
+@dataclass(frozen=True, repr=False)
+class Stated(Shown):
     """The system as the literature states it, where the entry uses other coordinates or another gauge.
 
     Attributes:

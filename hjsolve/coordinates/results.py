@@ -8,14 +8,16 @@ from typing import TYPE_CHECKING, Any
 
 import sympy as sp
 
+from hjsolve.shown import Shown
+
 if TYPE_CHECKING:
     from hjsolve.mechanics.system import System
 
 Vector = tuple[sp.Expr, ...]
 
 
-@dataclass(frozen=True)
-class Geometry:
+@dataclass(frozen=True, repr=False)
+class Geometry(Shown):
     """Where a web is: its kind, frame and lengths, in Cartesian coordinates of equal mass.
 
     Attributes:
@@ -47,8 +49,8 @@ class Geometry:
         return sum(1 if c.is_Rational else 10 + int(sp.count_ops(c)) for c in entries)
 
 
-@dataclass(frozen=True)
-class Web:
+@dataclass(frozen=True, repr=False)
+class Web(Shown):
     """One orthogonal coordinate system in which the Hamilton–Jacobi equation separates.
 
     Attributes:
@@ -93,8 +95,8 @@ def _point(vector: Vector) -> str:
     return "(" + ", ".join(map(str, vector)) + ")"
 
 
-@dataclass(frozen=True)
-class ParameterValues:
+@dataclass(frozen=True, repr=False)
+class ParameterValues(Shown):
     """Values of parameters at which more quadratic integrals exist.
 
     Attributes:
@@ -106,8 +108,8 @@ class ParameterValues:
     kernel_dimension: int
 
 
-@dataclass(frozen=True)
-class SeparableCoordinates:
+@dataclass(frozen=True, repr=False)
+class SeparableCoordinates(Shown):
     """All orthogonal separable coordinate systems of a natural system in the plane or in space.
 
     Attributes:

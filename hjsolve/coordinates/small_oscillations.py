@@ -23,12 +23,13 @@ from hjsolve.formulas.read import number
 from hjsolve.mechanics.subjects import system_of
 from hjsolve.mechanics.system import System, kinetic_rest, linear_terms, mass_matrix
 from hjsolve.separation import separate
+from hjsolve.shown import Shown
 
 _MOST_TRIAL_COLUMNS = 6
 
 
-@dataclass(frozen=True)
-class Mode:
+@dataclass(frozen=True, repr=False)
+class Mode(Shown):
     """One normal mode.
 
     Attributes:
@@ -46,8 +47,8 @@ class Mode:
     kind: str
 
 
-@dataclass(frozen=True)
-class NormalModes:
+@dataclass(frozen=True, repr=False)
+class NormalModes(Shown):
     """A system in its normal modes.
 
     Attributes:

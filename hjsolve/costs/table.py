@@ -5,14 +5,16 @@ from __future__ import annotations
 import math
 from dataclasses import dataclass
 
+from hjsolve.shown import Shown
+
 STATUSES = ("ok", "extrapolated", "lost", "claim broken", "not converged", "too slow", "not applicable", "missing")
 """What may become of a method: ``lost`` where its error is as large as the quantity, ``extrapolated`` where the time
 for all times was worked out from a few of them, ``too slow`` where it would not fit, ``missing`` where an extra is."""
 _HEADER = ("method", "digits", "claimed error", "true error", "count", "time", "")
 
 
-@dataclass(frozen=True)
-class Row:
+@dataclass(frozen=True, repr=False)
+class Row(Shown):
     """One method at one accuracy.
 
     Attributes:
@@ -49,8 +51,8 @@ class Row:
         return self.error is not None and self.seconds is not None
 
 
-@dataclass(frozen=True)
-class Cost:
+@dataclass(frozen=True, repr=False)
+class Cost(Shown):
     """Accuracy against time for one scene; see ``hjsolve.cost``.
 
     Attributes:

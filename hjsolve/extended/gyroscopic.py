@@ -29,13 +29,14 @@ from hjsolve.mechanics.system import System, hamiltonian, kinetic_rest, linear_t
 from hjsolve.motion.initial_data import parameter_values, to_bits
 from hjsolve.motion.motion import Motion
 from hjsolve.motion.state import Errors, State
+from hjsolve.shown import Shown
 from hjsolve.solution.quadratures import solve
 
 LAMBDA = sp.Symbol("lambda")
 
 
-@dataclass(frozen=True)
-class LinearModes:
+@dataclass(frozen=True, repr=False)
+class LinearModes(Shown):
     """The characteristic exponents of a linear system and, where it is stable, its normal form.
 
     Attributes:
@@ -91,8 +92,8 @@ class LinearModes:
         return ModalMotion(self, solve(self.normal_form).motion(q=data[0], p=data[1], digits=self.digits))
 
 
-@dataclass(frozen=True, eq=False)
-class ModalMotion:
+@dataclass(frozen=True, eq=False, repr=False)
+class ModalMotion(Shown):
     """A motion told in the coordinates as posed.
 
     Attributes:

@@ -26,12 +26,13 @@ from hjsolve.motion.initial_data import InBits, number_is_zero, to_bits, values_
 from hjsolve.motion.state import Errors, State
 from hjsolve.motion.times import exact_numbers, whole_numbers
 from hjsolve.one_coordinate.level_curve import Curve, Orbit, followed
+from hjsolve.shown import Shown
 
 _FLOAT_DIGITS, _GUARDS, _SPARE = 15, (96, 192, 384, 768), 64
 
 
-@dataclass(frozen=True, eq=False)
-class LevelMotion:
+@dataclass(frozen=True, eq=False, repr=False)
+class LevelMotion(Shown):
     """A motion of a general H(q, p).
 
     Attributes:

@@ -24,6 +24,7 @@ from hjsolve.errors import InvalidSystemError
 from hjsolve.formulas.read import parse
 from hjsolve.mechanics.periodicity import is_periodic
 from hjsolve.mechanics.system import Coordinate, Parameter, System
+from hjsolve.shown import Shown
 
 if TYPE_CHECKING:
     from hjsolve.extended.level_motion import LevelMotion
@@ -33,8 +34,8 @@ ENERGY = sp.Symbol("E", real=True)
 TIME = sp.Symbol("t", real=True)
 
 
-@dataclass(frozen=True)
-class LinearHamiltonian:
+@dataclass(frozen=True, repr=False)
+class LinearHamiltonian(Shown):
     """H = a(q) p + b(q), solved.
 
     Attributes:
@@ -122,8 +123,8 @@ class LinearHamiltonian:
         return self.motion(q={name: q}, p={name: p}, t0=t0, digits=digits).reach(t)
 
 
-@dataclass(frozen=True)
-class GeneralHamiltonian:
+@dataclass(frozen=True, repr=False)
+class GeneralHamiltonian(Shown):
     """H(q, p) of one degree of freedom that is no polynomial of first or second degree in p.
 
     Attributes:

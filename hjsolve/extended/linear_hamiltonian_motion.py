@@ -24,6 +24,7 @@ from hjsolve.lowering import lower
 from hjsolve.motion.initial_data import to_bits, values_of
 from hjsolve.motion.state import Errors, State
 from hjsolve.motion.times import exact_numbers
+from hjsolve.shown import Shown
 
 _FLOAT_DIGITS, _GUARD_BITS, _LOST_BITS = 15, 96, 48
 _MOST_STEPS, _FIRST_STEPS = 2000, 64
@@ -31,8 +32,8 @@ _MOST_STEPS, _FIRST_STEPS = 2000, 64
 _MOST_HALVINGS = 8192
 
 
-@dataclass(frozen=True, eq=False)
-class LinearMotion:
+@dataclass(frozen=True, eq=False, repr=False)
+class LinearMotion(Shown):
     """A motion of H = a(q) p + b(q).
 
     Attributes:

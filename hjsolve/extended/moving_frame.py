@@ -20,6 +20,7 @@ from hjsolve.errors import InvalidSystemError
 from hjsolve.formulas.read import number
 from hjsolve.mechanics.system import System, hamiltonian, momenta
 from hjsolve.separation.zero_test.zero_test import Zero, is_zero
+from hjsolve.shown import Shown
 from hjsolve.solution.quadratures import Solution, solve
 
 if TYPE_CHECKING:
@@ -28,8 +29,8 @@ if TYPE_CHECKING:
 TIME = "t"
 
 
-@dataclass(frozen=True)
-class Frame:
+@dataclass(frozen=True, repr=False)
+class Frame(Shown):
     """A system with explicit time and the autonomous one it becomes.
 
     Attributes:

@@ -21,10 +21,11 @@ from hjsolve.motion.initial_data import parameter_values, to_bits
 from hjsolve.motion.motion import Motion
 from hjsolve.motion.state import Errors, State
 from hjsolve.motion.times import exact_numbers
+from hjsolve.shown import Shown
 
 
-@dataclass(frozen=True, eq=False)
-class FramedMotion:
+@dataclass(frozen=True, eq=False, repr=False)
+class FramedMotion(Shown):
     """A motion of a system with explicit time.
 
     Attributes:

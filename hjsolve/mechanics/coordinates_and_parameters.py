@@ -17,6 +17,7 @@ from hjsolve.formulas.point_values import CONTEXT, evaluate
 from hjsolve.formulas.read import number
 from hjsolve.formulas.tokens import nearest_name, printable
 from hjsolve.mechanics.domains import Domain, read_domain
+from hjsolve.shown import Shown
 
 Assumption = Literal["real", "positive", "negative", "nonnegative", "nonzero", "integer"]
 _ASSUMPTIONS: tuple[Assumption, ...] = get_args(Assumption)
@@ -25,8 +26,8 @@ _APPLIED = re.compile(r"\s*(\w+)\s*\(\s*(\w+(?:\s*,\s*\w+)*)\s*\)\s*")
 _MAX_NAME = 40
 
 
-@dataclass(frozen=True)
-class Coordinate:
+@dataclass(frozen=True, repr=False)
+class Coordinate(Shown):
     """A generalized coordinate with the symbols of its value q, velocity ``dot(q)`` and momentum ``p_q``.
 
     The value's symbol is positive (negative) where the domain proves it; all three are real.
@@ -46,8 +47,8 @@ class Coordinate:
     momentum: sp.Symbol
 
 
-@dataclass(frozen=True)
-class Parameter:
+@dataclass(frozen=True, repr=False)
+class Parameter(Shown):
     """A constant of the system; made by ``parameter``.
 
     Attributes:

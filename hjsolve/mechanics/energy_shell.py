@@ -30,10 +30,11 @@ from hjsolve.mechanics.coordinates_and_parameters import free_name
 from hjsolve.mechanics.ignorable_coordinates import Eliminated, eliminate
 from hjsolve.mechanics.kinetic_energy import mass_as_written
 from hjsolve.mechanics.system import Coordinate, System, kinetic_rest, linear_terms
+from hjsolve.shown import Shown
 
 
-@dataclass(frozen=True)
-class ReductionStep:
+@dataclass(frozen=True, repr=False)
+class ReductionStep(Shown):
     """One step of an argument.
 
     Attributes:
@@ -47,8 +48,8 @@ class ReductionStep:
     formula: sp.Basic | None = None
 
 
-@dataclass(frozen=True)
-class Shell:
+@dataclass(frozen=True, repr=False)
+class Shell(Shown):
     """The energy shell of a system; see the module's text.
 
     Attributes:

@@ -41,6 +41,7 @@ from hjsolve.mechanics.periodicity import check_periodic
 from hjsolve.mechanics.positive_definite import check_mass_matrix, end_values
 from hjsolve.mechanics.relativity import Relativity
 from hjsolve.mechanics.relativity import read as read_relativity
+from hjsolve.shown import Shown, as_call, cut
 
 __all__ = [
     "Coordinate", "Domain", "Parameter", "System", "hamiltonian", "inverse_mass_matrix", "kinetic_rest", "linear_terms",
@@ -49,7 +50,7 @@ __all__ = [
 
 
 @dataclass(frozen=True, init=False, repr=False)
-class System:
+class System(Shown):
     """A mechanical system, checked when it is made; two systems are equal when all their parts are.
 
     Args:
@@ -144,17 +145,19 @@ class System:
         """The call that makes the system, as far as it differs from the defaults."""
         places = {c.name: c.domain.written(c.name) for c in self.coordinates}
         values = {p.name: None if p.value is None else str(p.value) for p in self.parameters}
-        rest = "".join(f", {key}={getattr(self, key)!r}" for key in ("title", "id") if getattr(self, key))
-        if self.signature != "definite":
-            rest = f", signature={self.signature!r}{rest}"
-        if self.functions:
-            rest += f", functions={list(self.functions)}"
+        parts: dict[str, object] = {"coordinates": places, "kinetic": str(self.kinetic)}
+        parts |= {"potential": str(self.potential), "parameters": values}
         if self.relativity is not None:
-            rest += f", relativity={{'mass': '{self.relativity.mass}', 'light': '{self.relativity.light}'}}"
-        return (
-            f"System(coordinates={places}, kinetic={str(self.kinetic)!r}, potential={str(self.potential)!r}, "
-            f"parameters={values}{rest})"
-        )
+            parts["relativity"] = {"mass": str(self.relativity.mass), "light": str(self.relativity.light)}
+        if self.functions:
+            parts["functions"] = list(self.functions)
+        if self.signature != "definite":
+            parts["signature"] = self.signature
+        parts |= {key: getattr(self, key) for key in ("title", "id") if getattr(self, key)}
+        return as_call("System", parts)
+
+    def _label(self) -> str:
+        return self.id or cut(f"T = {self.kinetic}, V = {self.potential}", 60)
 
 
 def _set(system: System, **fields: object) -> None:

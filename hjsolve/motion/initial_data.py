@@ -23,6 +23,7 @@ from hjsolve.lowering import lower
 from hjsolve.mechanics.coordinates_and_parameters import Parameter
 from hjsolve.mechanics.system import System, momenta, refuse_turns_that_differ
 from hjsolve.motion.rational_values import rational_value
+from hjsolve.shown import Shown
 from hjsolve.solution.quadratures import Solution
 
 ZERO_BITS = 2048
@@ -32,8 +33,8 @@ _SHORT, _MOST_TERMS = 12, 400
 Values = Mapping[str, Any]
 
 
-@dataclass(frozen=True)
-class Initial:
+@dataclass(frozen=True, repr=False)
+class Initial(Shown):
     """Everything exact at the initial time.
 
     Attributes:

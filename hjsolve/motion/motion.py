@@ -28,6 +28,7 @@ from hjsolve.motion.state import State
 from hjsolve.one_coordinate.allowed_regions import others
 from hjsolve.one_coordinate.classify import Located, locate
 from hjsolve.one_coordinate.coordinate_motion import PARTS
+from hjsolve.shown import Shown
 from hjsolve.solution.quadratures import Solution
 
 QUANTITIES: Mapping[str, frozenset[str]] = {
@@ -39,8 +40,8 @@ QUANTITIES: Mapping[str, frozenset[str]] = {
 """What may be asked of a motion, and the integrals each needs (``one_coordinate.coordinate_motion.PARTS``)."""
 
 
-@dataclass(frozen=True, eq=False)
-class Motion:
+@dataclass(frozen=True, eq=False, repr=False)
+class Motion(Shown):
     """A motion, started by ``Solution.motion``; see the module's text.
 
     Attributes:

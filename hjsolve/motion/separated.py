@@ -20,6 +20,7 @@ from hjsolve.one_coordinate.classify import Located, locate
 from hjsolve.one_coordinate.coordinate_motion import Unbounded
 from hjsolve.one_coordinate.coordinate_start import CoordinateStart
 from hjsolve.one_coordinate.momentum_squared import MomentumSquared, has_period
+from hjsolve.shown import Shown
 from hjsolve.solution.quadratures import Solution
 from hjsolve.time_law.open_motion import TriangularScheme, plan
 from hjsolve.time_law.torus import TorusEquations, torus_equations
@@ -28,8 +29,8 @@ _FARTHEST, _MOST_ANGLE = 2**1000, 2**48
 """Where a motion may start: the largest length, and the largest angle."""
 
 
-@dataclass(frozen=True, eq=False)
-class SeparatedMotion:
+@dataclass(frozen=True, eq=False, repr=False)
+class SeparatedMotion(Shown):
     """A motion taken apart; states, passages and proofs are worked out from it, ``Motion`` shows its numbers.
 
     Attributes:

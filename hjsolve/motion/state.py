@@ -7,10 +7,11 @@ from dataclasses import dataclass, field
 from typing import Any, Protocol, runtime_checkable
 
 from hjsolve.arithmetic.estimate import Estimate
+from hjsolve.shown import Shown
 
 
-@dataclass(frozen=True)
-class Errors:
+@dataclass(frozen=True, repr=False)
+class Errors(Shown):
     """Absolute error bounds, laid out like the state itself; scalars or arrays shaped like t."""
 
     q: Mapping[str, Any]
@@ -32,8 +33,8 @@ class KnownErrors:
         return self.errors
 
 
-@dataclass(frozen=True)
-class State:
+@dataclass(frozen=True, repr=False)
+class State(Shown):
     """The state at the times ``t``.
 
     Attributes:

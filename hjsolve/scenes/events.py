@@ -18,12 +18,13 @@ from hjsolve.catalog.schema import nearest
 from hjsolve.errors import CatalogError, InvalidInputError
 from hjsolve.formulas.read import number
 from hjsolve.mechanics.system import System, inverse_mass_matrix, linear_terms, mass_matrix, momenta, velocities
+from hjsolve.shown import Shown
 
 Momenta = dict[str, sp.Expr]
 
 
-@dataclass(frozen=True)
-class Event:
+@dataclass(frozen=True, repr=False)
+class Event(Shown):
     """Something that happens at an instant.
 
     Attributes:

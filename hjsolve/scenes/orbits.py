@@ -11,12 +11,13 @@ from hjsolve.errors import InvalidInputError
 from hjsolve.motion.initial_data import to_bits
 from hjsolve.motion.motion import Motion
 from hjsolve.scenes.question import OrbitAsked
+from hjsolve.shown import Shown
 
 _PLACES = 33
 
 
-@dataclass(frozen=True, eq=False)
-class OrbitTable:
+@dataclass(frozen=True, eq=False, repr=False)
+class OrbitTable(Shown):
     """An orbit equation as numbers, of the whole orbit that an arc is part of.
 
     Attributes:

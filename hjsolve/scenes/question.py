@@ -12,6 +12,7 @@ import sympy as sp
 from hjsolve.mechanics.system import System
 from hjsolve.scenes.events import Event
 from hjsolve.scenes.initial_grid import Varied
+from hjsolve.shown import Shown
 
 INTEGRATED_DIGITS, MOST_INTEGRATED_DIGITS = 10, 12
 
@@ -82,8 +83,8 @@ class OrbitAsked:
     values: tuple[object, ...] = ()
 
 
-@dataclass(frozen=True, eq=False)
-class Question:
+@dataclass(frozen=True, eq=False, repr=False)
+class Question(Shown):
     """What one question calls for.
 
     Attributes:

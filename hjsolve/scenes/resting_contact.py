@@ -22,12 +22,13 @@ from hjsolve.mechanics.system import System, hamiltonian, velocities
 from hjsolve.motion.initial_data import to_bits
 from hjsolve.scenes.events import Event, Pending, once
 from hjsolve.scenes.question import Question
+from hjsolve.shown import Shown
 
 _COLUMNS, _FEWEST, _SAFETY = 40, 4, 8
 
 
-@dataclass(frozen=True, eq=False)
-class Rest:
+@dataclass(frozen=True, eq=False, repr=False)
+class Rest(Shown):
     """How a scene ended early: a body that a wall keeps.
 
     Attributes:

@@ -14,11 +14,12 @@ from hjsolve.motion.state import Errors, KnownErrors, State
 from hjsolve.scenes.events import Event
 from hjsolve.scenes.question import Question
 from hjsolve.scenes.resting_contact import Rest
+from hjsolve.shown import Shown
 from hjsolve.solution.quadratures import Solution
 
 
-@dataclass(frozen=True, eq=False)
-class Arc:
+@dataclass(frozen=True, eq=False, repr=False)
+class Arc(Shown):
     """One smooth arc.
 
     Attributes:
@@ -42,8 +43,8 @@ class Arc:
         return self.started()
 
 
-@dataclass(frozen=True, eq=False)
-class Trajectory:
+@dataclass(frozen=True, eq=False, repr=False)
+class Trajectory(Shown):
     """The states at the times of a scene; at the time of an event, the state just after it.
 
     Attributes:
@@ -83,8 +84,8 @@ class Trajectory:
         return State(self.t, self.q, self.p, self.velocity, self.turns, self.status, self.errors).unwrapped(name)
 
 
-@dataclass(frozen=True)
-class Choice:
+@dataclass(frozen=True, repr=False)
+class Choice(Shown):
     """How a scene was run.
 
     Attributes:
@@ -100,8 +101,8 @@ class Choice:
     tried: tuple[tuple[str, int, float], ...] = ()
 
 
-@dataclass(frozen=True, eq=False)
-class Run:
+@dataclass(frozen=True, eq=False, repr=False)
+class Run(Shown):
     """What a scene gave; see ``Scene.run``.
 
     Attributes:

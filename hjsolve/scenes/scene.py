@@ -43,7 +43,7 @@ LEAST = sp.Rational(1, 10**100)
 """The smallest number that a scene with events is computed with; its inverse is the greatest."""
 
 
-@dataclass(frozen=True, eq=False)
+@dataclass(frozen=True, eq=False, repr=False)
 class Scene(Question):
     """A question that can be read from a file and run.
 

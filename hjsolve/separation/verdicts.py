@@ -10,10 +10,11 @@ import sympy as sp
 from hjsolve.mechanics.energy_shell import ReductionStep, Shell
 from hjsolve.mechanics.system import System
 from hjsolve.separation.zero_test.interval_evaluation import Witness
+from hjsolve.shown import Shown
 
 
-@dataclass(frozen=True)
-class Liouville:
+@dataclass(frozen=True, repr=False)
+class Liouville(Shown):
     """A system of Liouville's form: T = Σ Rᵢpᵢ²/(2Σf), V = Σv/Σf (Greenwood (5-125), (5-126)).
 
     Attributes:
@@ -29,8 +30,8 @@ class Liouville:
     v: tuple[sp.Expr, ...]
 
 
-@dataclass(frozen=True)
-class Stackel:
+@dataclass(frozen=True, repr=False)
+class Stackel(Shown):
     """A system of Stäckel's form: cᵀΦ = (1, 0, …, 0), cᵀψ = V (Greenwood (5-139), (5-140)).
 
     Attributes:
@@ -47,16 +48,16 @@ class Stackel:
     inverse_metric: tuple[sp.Expr, ...]
 
 
-@dataclass(frozen=True)
-class Reduced:
+@dataclass(frozen=True, repr=False)
+class Reduced(Shown):
     """The forms of the shell over the essential coordinates; None where it is not of that form."""
 
     liouville: Liouville | None
     stackel: Stackel | None
 
 
-@dataclass(frozen=True)
-class Constant:
+@dataclass(frozen=True, repr=False)
+class Constant(Shown):
     """A constant of the motion.
 
     Attributes:
@@ -72,8 +73,8 @@ class Constant:
     meaning: str
 
 
-@dataclass(frozen=True)
-class Separation:
+@dataclass(frozen=True, repr=False)
+class Separation(Shown):
     """The system separates in the coordinates given.
 
     Attributes:
@@ -99,8 +100,8 @@ class Separation:
     seconds: float
 
 
-@dataclass(frozen=True)
-class Obstruction:
+@dataclass(frozen=True, repr=False)
+class Obstruction(Shown):
     """The system does not separate in the coordinates given; proved at a witness.
 
     It is a statement about these coordinates: the system may separate in others, or be integrable without separating.
@@ -138,8 +139,8 @@ class Obstruction:
     conformal_energy: sp.Expr | None = None
 
 
-@dataclass(frozen=True)
-class Undecided:
+@dataclass(frozen=True, repr=False)
+class Undecided(Shown):
     """Neither proved to separate nor proved not to.
 
     Attributes:

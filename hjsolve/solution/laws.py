@@ -18,6 +18,7 @@ from hjsolve.mechanics.kinetic_energy import degree, velocity_coefficients
 from hjsolve.mechanics.system import hamiltonian
 from hjsolve.separation.zero_test.interval_evaluation import Region
 from hjsolve.separation.zero_test.zero_test import NonZero, Unproved, Zero, free_region, is_zero
+from hjsolve.shown import Shown
 from hjsolve.solution.quadratures import Solution
 
 NUMERIC_ZERO = sp.Float("1e-35")
@@ -25,8 +26,8 @@ Outcome = Literal["proved", "numeric", "undecided", "failed"]
 _ORDER: tuple[Outcome, ...] = ("proved", "numeric", "undecided", "failed")
 
 
-@dataclass(frozen=True)
-class Check:
+@dataclass(frozen=True, repr=False)
+class Check(Shown):
     """One law and whether it holds.
 
     Attributes:

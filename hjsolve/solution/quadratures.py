@@ -31,6 +31,7 @@ from hjsolve.mechanics.system import System
 from hjsolve.separation import Constant, Obstruction, Separation, Undecided, separate
 from hjsolve.separation.relativistic import shell_energy
 from hjsolve.separation.verdicts import Verdict
+from hjsolve.shown import Shown
 
 if TYPE_CHECKING:
     from hjsolve.motion.motion import Motion
@@ -39,8 +40,8 @@ Separated = list[tuple[sp.Symbol, sp.Expr, sp.Symbol]]
 """Of every separated coordinate: q, the root √Pᵢ² (the momentum itself where null), the lower limit."""
 
 
-@dataclass(frozen=True)
-class Solution:
+@dataclass(frozen=True, repr=False)
+class Solution(Shown):
     """A complete integral of the Hamilton–Jacobi equation and what follows from it.
 
     Attributes:

@@ -13,6 +13,7 @@ from hjsolve.ensembles.orbits import recipe_for
 from hjsolve.ensembles.task import WORTH_COMPILING
 from hjsolve.errors import MissingExtraError
 from hjsolve.scenes import Scene
+from hjsolve.shown import Shown
 from hjsolve.solution.quadratures import solve
 from hjsolve.sweeps.identity import code, sweep_digest
 from hjsolve.sweeps.points import points_of
@@ -20,8 +21,8 @@ from hjsolve.sweeps.progress import sweep_progress
 from hjsolve.sweeps.work import SweepWork, columns_of
 
 
-@dataclass(frozen=True)
-class SweepResult:
+@dataclass(frozen=True, repr=False)
+class SweepResult(Shown):
     """A sweep that is complete.
 
     Attributes:

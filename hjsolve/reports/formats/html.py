@@ -73,12 +73,20 @@ def html_page(document: Document) -> str:
 
 
 def _section(section: Section) -> str:
-    body = "\n".join(_block(block) for block in section.blocks)
+    body = "\n".join(block_html(block) for block in section.blocks)
     head = f'<h2 id="{section.key}-h">{escape(section.title)}</h2>'
     return f'<section id="{section.key}" aria-labelledby="{section.key}-h">\n{head}\n{body}\n</section>'
 
 
-def _block(block: Block) -> str:
+def block_html(block: Block) -> str:
+    """Write one block.
+
+    Args:
+        block: the block.
+
+    Returns:
+        Its HTML, for a page that has the style sheet.
+    """
     match block:
         case Paragraph(text):
             return f"<p>{_text(text)}</p>"

@@ -1,5 +1,7 @@
 """How an HTML report looks: one column of text, drawings side by side, light and dark, screen and paper."""
 
+from hjsolve.reports.drawings.svg import STYLE
+
 CSS = """
 :root{--paper:#fffdf8;--ink:#22262b;--soft:#666b72;--rule:#d9d5cc;--blue:#2f5f8f;--red:#b8402a;--wash:#f5f1e8;--green:#2e7044;--amber:#8a6100;
 --serif:"Iowan Old Style","Palatino Linotype",Palatino,"Book Antiqua",Georgia,"DejaVu Serif",serif;
@@ -70,3 +72,36 @@ p{orphans:3;widows:3}table.long{break-inside:auto}tr{break-inside:avoid}thead{br
 table{font-size:8.4pt}th,td{padding-right:.7rem}
 .figures{grid-template-columns:1fr 1fr}.scroll{overflow:visible}@page{margin:18mm 16mm}}
 """
+
+_LIGHT = (
+    "--paper:#fff;--ink:#22262b;--soft:#666b72;--rule:#d9d5cc;--blue:#2f5f8f;--red:#b8402a;--wash:#f3f1ec;"
+    "--green:#2e7044;--amber:#8a6100"
+)
+_DARK = (
+    "--paper:#16191d;--ink:#e6e3dc;--soft:#a2a6ad;--rule:#3b4048;--blue:#7fb2e5;--red:#f0846b;--wash:#1f242a;"
+    "--green:#7cc495;--amber:#e0b45c"
+)
+NOTEBOOK_CSS = (
+    f".hjsolve{{{_LIGHT};color:var(--ink);max-width:54rem;font:14px/1.5 system-ui,sans-serif}}"
+    f"[data-jp-theme-light=false] .hjsolve,.vscode-dark .hjsolve,[theme=dark] .hjsolve{{{_DARK}}}"
+    """
+.hjsolve p{margin:.5em 0}
+.hjsolve code{background:var(--wash);padding:.05em .3em;border-radius:3px}
+.hjsolve table{border-collapse:collapse;margin:.6em 0;font-variant-numeric:tabular-nums}
+.hjsolve caption{text-align:left;color:var(--soft);caption-side:top;padding:0 0 .3em}
+.hjsolve th,.hjsolve td{text-align:left!important;padding:.25em 1.1em .25em 0;font-weight:400;background:none;border:0}
+.hjsolve thead th{color:var(--soft);border-bottom:1px solid var(--ink)}
+.hjsolve tbody tr{background:none!important}
+.hjsolve .scroll{overflow-x:auto;overflow-y:hidden;padding:.2em 0}
+.hjsolve .value{white-space:nowrap}
+.hjsolve .formula{display:flex;align-items:center;gap:1em;margin:.4em 0;padding-left:1.2em}
+.hjsolve .formula .scroll{flex:1 1 auto;min-width:0}
+.hjsolve .tag,.hjsolve .error,.hjsolve figcaption,.hjsolve .note{color:var(--soft);font-size:.88em}
+.hjsolve math[display=block]{margin:0;text-align:left;width:max-content}
+.hjsolve .figures{display:grid;grid-template-columns:repeat(auto-fit,minmax(min(100%,20rem),1fr));gap:1em}
+.hjsolve figure{margin:0}
+.hjsolve figure svg{display:block;width:100%;max-width:34rem;height:auto}
+"""
+    f"{STYLE}"
+)
+"""Of a piece of a report in a notebook, whose own style it leaves alone."""

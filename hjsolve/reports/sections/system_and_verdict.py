@@ -8,6 +8,7 @@ from typing import Any
 import mpmath
 import sympy as sp
 
+from hjsolve.arithmetic.printed_digits import shortest
 from hjsolve.mechanics.system import System, hamiltonian, linear_terms, mass_matrix, momenta
 from hjsolve.reports.document import (
     ArgumentStep,
@@ -29,7 +30,7 @@ from hjsolve.reports.formulas.layout import Box, Fraction, Glyph, Script, row
 from hjsolve.reports.formulas.line_breaks import LINE, broken, display
 from hjsolve.reports.formulas.names import name_box
 from hjsolve.reports.sections.prose import domain_text, listed, typeset, typeset_prose
-from hjsolve.reports.sections.rounded_numbers import rounded_outward, shortest, terminating
+from hjsolve.reports.sections.rounded_numbers import rounded_outward, terminating
 from hjsolve.separation import Obstruction, Separation, Undecided
 from hjsolve.separation.zero_test.zero_test import Zero, is_zero
 

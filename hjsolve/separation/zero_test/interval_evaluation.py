@@ -17,14 +17,15 @@ import sympy as sp
 from hjsolve.algebra.intervals import Interval, NoEnclosureError, Walk, enclose, enclose_inverse, finite, rational
 from hjsolve.algebra.poly import Budget
 from hjsolve.algebra.signs import Bounds
+from hjsolve.shown import Shown
 
 PRECISIONS = (64, 160, 400)
 POINTS = 24
 UNKNOWNS = (sp.core.function.AppliedUndef, sp.Derivative, sp.Subs)
 
 
-@dataclass(frozen=True)
-class Witness:
+@dataclass(frozen=True, repr=False)
+class Witness(Shown):
     """A point of the domain where an expression is proved not to be zero.
 
     Attributes:

@@ -1,0 +1,308 @@
+"""What a function can be over an interval, rounded outward: the arithmetic under ``Estimate``.
+
+An interval is a pair (low, high) of mpmath's numbers, each exactly what it is. The four operations and the root are
+rounded in the direction asked. Every other function is widened by 2⁶ units in the last place of the working precision,
+far more than mpmath's own rounding. Its value at the one place where it is exact (e⁰, ln 1, …) is left alone; at every
+other fraction it is irrational, so that a short result there would be a rounded one.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from functools import partial
+from typing import Any, TypeAlias
+
+from hjsolve.arithmetic.floats import CIRCULAR, FARTHEST, by_squaring
+from hjsolve.errors import InvalidInputError
+
+Range: TypeAlias = tuple[Any, Any]
+"""Lower and upper end."""
+Function: TypeAlias = Callable[[Any, Range], Range]
+"""(mpmath's context, interval) → interval."""
+
+_WIDER = 6
+_RISING: dict[str, tuple[float | None, float | None, int]] = {
+    "exp": (None, None, 0), "expm1": (None, None, 0), "sinh": (None, None, 0), "tanh": (None, None, 0),
+    "asinh": (None, None, 0), "atan": (None, None, 0), "cbrt": (None, None, 0), "asin": (-1, 1, 0),
+    "acosh": (1, None, 1), "log": (0, None, 1), "log2": (0, None, 1), "log10": (0, None, 1),
+    "log1p": (-1, None, 0), "atanh": (-1, 1, 0),
+}  # fmt: skip
+"""Rising functions: the ends of where they are real, and where they are exact."""
+_POLES = {"log": (0,), "log2": (0,), "log10": (0,), "log1p": (-1,), "atanh": (-1, 1)}
+"""Ends at which a function is infinite."""
+
+
+def add(c: Any, x: Range, y: Range) -> Range:
+    """Return the range of x + y.
+
+    Args:
+        c: mpmath's context, in whose precision the ends are rounded.
+        x, y: intervals.
+    """
+    return c.fadd(x[0], y[0], rounding="f"), c.fadd(x[1], y[1], rounding="c")
+
+
+def subtract(c: Any, x: Range, y: Range) -> Range:
+    """Return the range of x − y; arguments as of ``add``."""
+    return c.fsub(x[0], y[1], rounding="f"), c.fsub(x[1], y[0], rounding="c")
+
+
+def multiply(c: Any, x: Range, y: Range) -> Range:
+    """Return the range of x·y; arguments as of ``add``."""
+    pairs = [(a, b) for a in x for b in y]
+    return min(c.fmul(a, b, rounding="f") for a, b in pairs), max(c.fmul(a, b, rounding="c") for a, b in pairs)
+
+
+def divide(c: Any, x: Range, y: Range) -> Range:
+    """Return the range of x/y; arguments as of ``add``.
+
+    Raises:
+        InvalidInputError: y may be 0.
+    """
+    if y[0] <= 0 <= y[1]:
+        raise InvalidInputError(f"division by {_told(c, y)}: it may be 0, so the quotient has no bound")
+    pairs = [(a, b) for a in x for b in y]
+    return min(c.fdiv(a, b, rounding="f") for a, b in pairs), max(c.fdiv(a, b, rounding="c") for a, b in pairs)
+
+
+def power(c: Any, x: Range, y: Range) -> Range:
+    """Return the range of x^y; arguments as of ``add``.
+
+    Raises:
+        InvalidInputError: x may be 0 or negative where the power then has no bound or is not real.
+    """
+    if y[0] == y[1] and c.isint(y[0]):
+        return _whole_power(c, x, int(y[0]))
+    if y[0] == y[1] == c.mpf(0.5):
+        return root(c, x)
+    if x[1] < 0 or (x[0] <= 0 and y[0] <= 0):
+        raise InvalidInputError(
+            f"power of {_told(c, x)}: for an exponent that is not whole the base must be above 0"
+        )
+    if x[1] == 0:
+        return x[1], x[1]
+    top = apply(c, "exp", multiply(c, y, apply(c, "log", (x[1], x[1]))))
+    if x[0] <= 0:
+        return c.zero, top[1]
+    bottom = apply(c, "exp", multiply(c, y, apply(c, "log", (x[0], x[0]))))
+    return min(top[0], bottom[0]), max(top[1], bottom[1])
+
+
+def _whole_power(c: Any, x: Range, n: int) -> Range:
+    if n < 0:
+        return divide(c, (c.one, c.one), _whole_power(c, x, -n))
+    if n == 0:
+        return c.one, c.one
+    ends = [by_squaring(partial(multiply, c), (end, end), n) for end in x]
+    inside = n % 2 == 0 and x[0] < 0 < x[1]
+    return (c.zero if inside else min(low for low, _ in ends)), max(high for _, high in ends)
+
+
+def absolute(c: Any, x: Range) -> Range:
+    """Return the range of |x|; arguments as of ``add``."""
+    size = sorted(abs_exact(c, end) for end in x)
+    return (c.zero if x[0] < 0 < x[1] else size[0]), size[1]
+
+
+def abs_exact(c: Any, x: Any) -> Any:
+    """|x| with every digit of x, whatever the precision."""
+    return c.fneg(x, exact=True) if x < 0 else x
+
+
+def root(c: Any, x: Range) -> Range:
+    """Return the range of √x, of what is not negative of x; arguments as of ``add``.
+
+    Raises:
+        InvalidInputError: x is negative.
+    """
+    low, high = _inside(c, "sqrt", x, 0, None)
+    return c.sqrt(low, rounding="f"), c.sqrt(high, rounding="c")
+
+
+def apply(c: Any, name: str, x: Range) -> Range:
+    """Return the range of a function of one variable.
+
+    Args:
+        c: mpmath's context, in whose precision the ends are rounded.
+        name: one of ``FUNCTIONS``.
+        x: interval; what of it lies outside the function's domain is left out.
+
+    Raises:
+        InvalidInputError: the function is not real there, has no bound, or its argument is beyond reach.
+    """
+    if name in _RISING:
+        left, right, exact = _RISING[name]
+        low, high = _inside(c, name, x, left, right)
+        return _wide(c, name, low, exact)[0], _wide(c, name, high, exact)[1]
+    return _OTHERS[name](c, x)
+
+
+def _inside(c: Any, name: str, x: Range, left: float | None, right: float | None) -> Range:
+    """The part of an interval where a function is real."""
+    low = x[0] if left is None else max(x[0], c.mpf(left))
+    high = x[1] if right is None else min(x[1], c.mpf(right))
+    if low > high:
+        raise InvalidInputError(f"{name} of {_told(c, x)} is not real")
+    if any(end in _POLES.get(name, ()) for end in (low, high)):
+        raise InvalidInputError(f"{name} of {_told(c, x)}: it is infinite at an end of that, so there is no bound")
+    return low, high
+
+
+def _wide(c: Any, name: str, x: Any, exact: int | None) -> Range:
+    """The value at one number, widened unless it is exact there."""
+    value = _value(c, name, x)
+    if exact is not None and x == exact:
+        return value, value
+    slack = c.ldexp(abs(value), _WIDER - c.prec)
+    return c.fsub(value, slack, rounding="f"), c.fadd(value, slack, rounding="c")
+
+
+def _value(c: Any, name: str, x: Any) -> Any:
+    if name in CIRCULAR or name in {"exp", "expm1", "sinh", "cosh", "tanh"}:
+        farthest = (16 if name in CIRCULAR else 1) * FARTHEST
+        if c.mag(x) > farthest:
+            raise InvalidInputError(f"{name} of a number beyond 2**{farthest}: choose other units")
+    if name == "cbrt":
+        return c.cbrt(x) if x >= 0 else -c.cbrt(c.fneg(x, exact=True))
+    if name in {"log2", "log10"}:
+        return c.log(x) / c.log(int(name[3:]))
+    return getattr(c, name)(x)
+
+
+def _told(c: Any, x: Range) -> str:
+    middle, half = (x[0] + x[1]) / 2, (x[1] - x[0]) / 2
+    return f"{c.nstr(middle, 6)} ± {c.nstr(half, 2)}"
+
+
+# ------------------------------------------------------------------------------------------------ not monotone
+def _wave(c: Any, name: str, x: Range) -> Range:
+    """Range of sin or cos: the values at the ends, and ±1 where a crest or trough may lie inside."""
+    if x[0] == x[1] == 0:
+        return _wide(c, name, x[0], 0)
+    ends = [_wide(c, name, end, None) for end in x]
+    low, high = max(min(a for a, _ in ends), -c.one), min(max(b for _, b in ends), c.one)
+    # in quarter turns, crests of the sine lie at 1 + 4k and troughs at 3 + 4k; of the cosine at 4k and 2 + 4k
+    first, last = (divide(c, (end, end), quarter_turns(c, 1)) for end in x)
+    crest = 1 if name == "sin" else 0
+    return (
+        -c.one if _meets(c, first[0], last[1], crest + 2) else low,
+        c.one if _meets(c, first[0], last[1], crest) else high,
+    )
+
+
+def _meets(c: Any, low: Any, high: Any, offset: int) -> bool:
+    """Whether a number offset + 4k may lie between two numbers, each good to the context's precision."""
+    first, last = (low - offset) / 4, (high - offset) / 4
+    return bool(c.ceil(first - 8 * c.eps * (1 + abs(low))) <= last + 8 * c.eps * (1 + abs(high)))
+
+
+def quarter_turns(c: Any, n: int) -> Range:
+    """Return n π/2, rounded outward; n ≥ 0.
+
+    Args:
+        c: mpmath's context.
+        n: how many.
+    """
+    half = c.pi * n / 2
+    slack = c.ldexp(abs(half), _WIDER - c.prec)
+    return c.fsub(half, slack, rounding="f"), c.fadd(half, slack, rounding="c")
+
+
+def _tangent(c: Any, x: Range) -> Range:
+    first, last = (divide(c, (end, end), quarter_turns(c, 1)) for end in x)
+    if _meets(c, first[0], last[1], 1) or _meets(c, first[0], last[1], 3):
+        raise InvalidInputError(f"tan of {_told(c, x)}: a pole may lie in that, so there is no bound")
+    return _wide(c, "tan", x[0], 0)[0], _wide(c, "tan", x[1], 0)[1]
+
+
+def _cosh(c: Any, x: Range) -> Range:
+    low, high = absolute(c, x)
+    return max(_wide(c, "cosh", low, 0)[0], c.one), _wide(c, "cosh", high, 0)[1]
+
+
+def _acos(c: Any, x: Range) -> Range:
+    low, high = _inside(c, "acos", x, -1, 1)
+    return max(_wide(c, "acos", high, 1)[0], c.zero), _wide(c, "acos", low, 1)[1]
+
+
+_OTHERS: dict[str, Function] = {
+    "sin": lambda c, x: _wave(c, "sin", x),
+    "cos": lambda c, x: _wave(c, "cos", x),
+    "tan": _tangent,
+    "cosh": _cosh,
+    "acos": _acos,
+    "sqrt": root,
+    "abs": absolute,
+    "neg": lambda c, x: (c.fneg(x[1], exact=True), c.fneg(x[0], exact=True)),
+    "square": lambda c, x: _whole_power(c, x, 2),
+    "reciprocal": lambda c, x: divide(c, (c.one, c.one), x),
+    "degrees": lambda c, x: divide(c, multiply(c, x, (c.mpf(90), c.mpf(90))), quarter_turns(c, 1)),
+    "radians": lambda c, x: divide(c, multiply(c, x, quarter_turns(c, 1)), (c.mpf(90), c.mpf(90))),
+}
+FUNCTIONS = frozenset({*_RISING, *_OTHERS})
+"""Functions of one variable."""
+
+
+# ------------------------------------------------------------------------------------------------ of two
+def angle_of(c: Any, y: Range, x: Range) -> Range:
+    """Return the range of atan2(y, x); arguments as of ``add``.
+
+    Raises:
+        InvalidInputError: (x, y) may lie on the cut, x ≤ 0 with y = 0, where the angle jumps.
+    """
+    if x[0] > 0:
+        return apply(c, "atan", divide(c, y, x))
+    if y[0] > 0:
+        return subtract(c, quarter_turns(c, 1), apply(c, "atan", divide(c, x, y)))
+    if y[1] < 0:
+        right = quarter_turns(c, 1)
+        return subtract(c, (-right[1], -right[0]), apply(c, "atan", divide(c, x, y)))
+    raise InvalidInputError(
+        f"the angle of x = {_told(c, x)}, y = {_told(c, y)}: it jumps by a turn there, so there is no bound"
+    )
+
+
+def hypotenuse(c: Any, x: Range, y: Range) -> Range:
+    """Return the range of √(x² + y²); arguments as of ``add``."""
+    return root(c, add(c, _whole_power(c, x, 2), _whole_power(c, y, 2)))
+
+
+def whole_quotient(c: Any, x: Range, y: Range) -> Range:
+    """Return ⌊x/y⌋; arguments as of ``add``.
+
+    Raises:
+        InvalidInputError: y may be 0, or two whole numbers are possible.
+    """
+    low, high = (c.floor(end) for end in divide(c, x, y))
+    if low != high:
+        raise InvalidInputError(
+            f"the whole part of {_told(c, x)} over {_told(c, y)}: {c.nstr(low)} and {c.nstr(high)} are both possible"
+        )
+    return low, high
+
+
+def remainder(c: Any, x: Range, y: Range) -> Range:
+    """Return the range of x − y⌊x/y⌋; arguments as of ``add``.
+
+    Raises:
+        InvalidInputError: y may be 0, or two whole numbers ⌊x/y⌋ are possible.
+    """
+    return subtract(c, x, multiply(c, whole_quotient(c, x, y), y))
+
+
+def greater(c: Any, x: Range, y: Range) -> Range:  # noqa: ARG001
+    """Return the range of the greater of two; arguments as of ``add``."""
+    return max(x[0], y[0]), max(x[1], y[1])
+
+
+def less(c: Any, x: Range, y: Range) -> Range:  # noqa: ARG001
+    """Return the range of the lesser of two; arguments as of ``add``."""
+    return min(x[0], y[0]), min(x[1], y[1])
+
+
+OF_TWO: dict[str, Callable[[Any, Range, Range], Range]] = {
+    "add": add, "subtract": subtract, "multiply": multiply, "divide": divide, "power": power, "arctan2": angle_of,
+    "hypot": hypotenuse, "floor_divide": whole_quotient, "remainder": remainder,
+    "maximum": greater, "minimum": less,
+}  # fmt: skip
+"""Functions of two variables, by numpy's names."""

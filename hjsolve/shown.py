@@ -1,0 +1,153 @@
+"""What a value shows of itself: a few short lines in a terminal, blocks of a report in a notebook.
+
+Every public value is a ``Shown``. Its text is made here, from its fields, and imports nothing; what a notebook draws is
+asked of ``hjsolve.reports.notebook`` when a notebook asks for it.
+"""
+
+from __future__ import annotations
+
+import dataclasses
+import importlib
+import re
+from collections.abc import Iterator, Mapping
+from textwrap import wrap
+from typing import Any
+
+MOST_LINES, WIDEST = 20, 110
+_MOST_ITEMS, _DIGITS, _PIECE = 6, 17, 90
+
+
+class Shown:
+    """A value with a short text, and with HTML for notebooks."""
+
+    __slots__ = ()
+
+    def __repr__(self) -> str:
+        return as_text(self)
+
+    def _label(self) -> str:
+        """What it is called inside another value."""
+        for part in ("id", "name", "title", "kind"):
+            if text := str(getattr(self, part, "") or ""):
+                return text
+        system = getattr(self, "system", None)
+        return system._label() if isinstance(system, Shown) else "…"
+
+    def _repr_html_(self) -> str:
+        """What a notebook shows."""
+        return str(importlib.import_module("hjsolve.reports.notebook").html_of(self))
+
+
+def fields_of(value: Any) -> Iterator[tuple[str, Any]]:
+    """Give the fields of a value that are shown: those that hold data.
+
+    Args:
+        value: a dataclass.
+    """
+    for field in dataclasses.fields(value):
+        if field.repr:
+            content = getattr(value, field.name)
+            if not callable(content) and content is not None and not _is_empty(content):
+                yield field.name, content
+
+
+def _is_empty(content: Any) -> bool:
+    return isinstance(content, (Mapping, tuple, list, str)) and not content
+
+
+def as_text(value: Any) -> str:
+    """Write a value in at most ``MOST_LINES`` lines of at most ``WIDEST`` letters; in one where it fits.
+
+    Args:
+        value: a dataclass.
+    """
+    rows = [(name, brief(content, WIDEST)) for name, content in fields_of(value)]
+    name = type(value).__name__
+    if sum(len(key) + len(text) + 3 for key, text in rows) + len(name) <= WIDEST:
+        return f"{name}({', '.join(f'{key}={text}' for key, text in rows)})"
+    left = max(len(key) for key, _ in rows)
+    lines = [f"  {key:{left}}  {cut(text, WIDEST - left - 4)}" for key, text in rows[: MOST_LINES - 2]]
+    return "\n".join([name, *lines, *(["  …"] if len(rows) > MOST_LINES - 2 else [])])
+
+
+def as_call(name: str, arguments: Mapping[str, Any]) -> str:
+    """Write the call that makes a value, broken into lines where it is long; Python can read it.
+
+    Args:
+        name: what is called.
+        arguments: by name; texts, numbers, and lists and mappings of them.
+    """
+    flat = f"{name}({', '.join(f'{key}={content!r}' for key, content in arguments.items())})"
+    if len(flat) <= WIDEST:
+        return flat
+    return f"{name}(\n" + "".join(f"    {key}={_broken(content)},\n" for key, content in arguments.items()) + ")"
+
+
+def _broken(content: Any) -> str:
+    """A text in pieces that Python joins again; anything else between its items."""
+    if isinstance(content, str):
+        return "\n        ".join(repr(piece) for piece in wrap(content, _PIECE, drop_whitespace=False)) or "''"
+    pieces, lines = re.split(r"(?<=, )(?=')", repr(content)), [""]
+    for piece in pieces:
+        if len(lines[-1]) + len(piece) > _PIECE:
+            lines.append("")
+        lines[-1] += piece
+    return "\n        ".join(line.rstrip() for line in lines)
+
+
+def brief(content: Any, room: int) -> str:
+    """Write what a field holds in one line.
+
+    Args:
+        content: anything.
+        room: letters there are for it; what is longer is cut.
+    """
+    if isinstance(content, Shown):
+        return cut(f"{type(content).__name__}({content._label()})", room)
+    if isinstance(content, Mapping):
+        pairs = (f"{key}: {brief(item, _share(room, len(content)))}" for key, item in content.items())
+        return cut("{" + _listed(pairs, len(content), room) + "}", room)
+    if isinstance(content, (tuple, list)) and not hasattr(content, "_fields"):
+        inside = _listed((brief(x, _share(room, len(content))) for x in content), len(content), room)
+        return cut(f"({inside}{',' if len(content) == 1 else ''})", room)
+    if getattr(content, "ndim", 0):
+        return cut(f"array {content.shape} of {_ends(content.ravel(), room)}", room)
+    if hasattr(content, "error") and hasattr(content, "certified"):
+        return f"{content:S}"
+    if hasattr(content, "_mpf_") or hasattr(content, "_mpc_"):
+        return str(content.context.nstr(content, _DIGITS))
+    text = str(content) if hasattr(content, "free_symbols") else repr(content)
+    return cut(" ".join(text.split()), room)
+
+
+def _share(room: int, count: int) -> int:
+    return room // min(max(count, 1), 3)
+
+
+def _listed(items: Iterator[str], count: int, room: int) -> str:
+    """The first few of many, as far as there is room; then how many there are."""
+    shown: list[str] = []
+    for item in items:
+        if len(shown) == _MOST_ITEMS or sum(map(len, shown)) > room:
+            return f"{', '.join(shown)}, … {count} in all"
+        shown.append(item)
+    return ", ".join(shown)
+
+
+def _ends(flat: Any, room: int) -> str:
+    places = range(len(flat)) if len(flat) <= 4 else (0, 1, len(flat) - 1)
+    words = [brief(flat[i].item() if hasattr(flat[i], "item") else flat[i], room) for i in places]
+    return ", ".join(words if len(flat) <= 4 else [*words[:2], "…", words[2]])
+
+
+def cut(text: str, room: int) -> str:
+    """Shorten a line.
+
+    Args:
+        text: one line.
+        room: letters it may have.
+    """
+    return text if len(text) <= room else text[: max(room - 2, 0)] + " …"
+
+
+__all__ = ["MOST_LINES", "WIDEST", "Shown", "as_call", "as_text", "brief", "cut", "fields_of"]
