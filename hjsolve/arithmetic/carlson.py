@@ -103,7 +103,11 @@ def carlson_rj(x: Numbers, y: Numbers, z: Numbers, p: Numbers) -> Doubles:
     x, y, z, p = _broadcast(x, y, z, p)
     if not (p < 0).any():
         return _rj(x, y, z, p)
-    x, y, z = list(np.sort(np.array([x, y, z]), axis=0))
+    return _principal(*np.sort(np.array([x, y, z]), axis=0), p)
+
+
+def _principal(x: Doubles, y: Doubles, z: Doubles, p: Doubles) -> Doubles:
+    """For x ≤ y ≤ z and any p."""
     with np.errstate(all="ignore"):
         q = np.where(p < 0, -p, np.nan)
         r = (y * (x + z + q) - x * z) / (y + q)

@@ -15,7 +15,7 @@ class Estimate:
     the rounding of the value and what is known to be lost on the way to it.
 
     Attributes:
-        value: the number; float up to 15 digits, ``mpf`` above.
+        value: the number; float up to 15 digits, ``mpf`` above. An array of them where times in an array were asked.
         error: absolute error, never below the true one unless the input itself was in doubt.
         certified: True where ``error`` is a proved bound (ball arithmetic), False where it is measured.
         nodes: quadrature nodes used, 0 where none were needed.
@@ -30,4 +30,5 @@ class Estimate:
         return float(self.value)
 
     def __str__(self) -> str:
-        return f"{self.value} ± {float(self.error):.1e}"
+        errors = self.error.ravel() if hasattr(self.error, "ravel") else [self.error]
+        return f"{self.value} ± {float(max(errors, default=0.0)):.1e}"
