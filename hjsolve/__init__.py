@@ -15,6 +15,7 @@ from hjsolve._version import __version__ as __version__
 
 if TYPE_CHECKING:
     from hjsolve import catalog as catalog
+    from hjsolve import functions as functions
     from hjsolve.arithmetic.estimate import Estimate as Estimate
     from hjsolve.catalog import moving_frames as frames  # noqa: F401
     from hjsolve.coordinates import NormalModes as NormalModes
@@ -82,7 +83,7 @@ _PUBLIC = {
 _RENAMED = {"Coordinates": "SeparableCoordinates", "Swept": "SweepResult", "linear_modes": "gyroscopic_modes"}
 """Names of the last release; they give the new ones for one release more, with a warning."""
 _HOMES = {name: home for home, names in _PUBLIC.items() for name in names.split()}
-_MODULES = {"catalog": "catalog", "frames": "catalog.moving_frames"}
+_MODULES = {"catalog": "catalog", "functions": "functions", "frames": "catalog.moving_frames"}
 
 __all__ = ["__version__", *sorted(_MODULES), *sorted(_HOMES)]  # noqa: PLE0604
 

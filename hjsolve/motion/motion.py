@@ -17,6 +17,7 @@ import sympy as sp
 
 from hjsolve import arguments
 from hjsolve.arithmetic.estimate import Estimate
+from hjsolve.arithmetic.estimate_array import EstimateArray
 from hjsolve.arithmetic.floats import bits_for
 from hjsolve.errors import InternalError, InvalidInputError
 from hjsolve.formulas.read import number
@@ -25,19 +26,11 @@ from hjsolve.motion.initial_data import Initial, read_initial_data, to_bits
 from hjsolve.motion.quantities import FLOAT_DIGITS
 from hjsolve.motion.separated import SeparatedMotion, checked, coordinate_start, separated_motion
 from hjsolve.motion.state import State
+from hjsolve.motion.wanted import QUANTITIES, parts_of
 from hjsolve.one_coordinate.allowed_regions import others
 from hjsolve.one_coordinate.classify import Located, locate
-from hjsolve.one_coordinate.coordinate_motion import PARTS
 from hjsolve.shown import Shown
 from hjsolve.solution.quadratures import Solution
-
-QUANTITIES: Mapping[str, frozenset[str]] = {
-    "constants": frozenset(), "kinds": frozenset(), "turning_points": frozenset(), "actions": frozenset({"action"}),
-    "periods": frozenset({"time"}), "frequencies": frozenset({"time"}), "mean_velocities": frozenset({"time"}),
-    "angles": frozenset({"time"}), "boundary_times": frozenset({"time"}), "orbit": frozenset({"time", "place"}),
-    "trajectory": frozenset({"time", "place"}),
-}  # fmt: skip
-"""What may be asked of a motion, and the integrals each needs (``one_coordinate.coordinate_motion.PARTS``)."""
 
 
 @dataclass(frozen=True, eq=False, repr=False)
@@ -106,6 +99,27 @@ class Motion(Shown):
         source = self._source
         return quantities.mean_velocities(source.solution, source.initial, source.equations, source.digits)
 
+    @property
+    def betas(self) -> dict[str, Estimate]:
+        """Jacobi's constants (Greenwood (5-70)): constant of the motion → its β; for E the t₀ of the time law (5-71).
+
+        They belong to ``lower_limits`` and the passages of these next to the initial data.
+        """
+        from hjsolve.motion.characteristic import betas
+
+        self._require("betas")
+        return betas(self._source)
+
+    @property
+    def lower_limits(self) -> dict[str, Estimate]:
+        """Separated coordinate → where the quadratures of ``betas`` begin: the lower or only turning point, or a rest.
+
+        It is the place at t₀ where the motion does not turn.
+        """
+        from hjsolve.motion.characteristic import lower_limits
+
+        return lower_limits(self._source)
+
     def at(self, t: Any) -> State:
         """Return the state at a time or times.
 
@@ -122,6 +136,34 @@ class Motion(Shown):
 
         self._require("trajectory")
         return state_at_times(self._source, t)
+
+    def characteristic_function(self, t: Any) -> Estimate | EstimateArray:
+        """Return Hamilton's characteristic function along the motion, W = ∫ p·dq from t₀ to t; a cycle adds ∮ p·dq.
+
+        Args:
+            t: number (int, float, decimal or rational string, Fraction, mpf) or an array or list of them.
+
+        Returns:
+            The value and its error, each of the shape of t; nan where the motion has ended.
+
+        Raises:
+            InvalidInputError: a time that is no finite real number.
+        """
+        from hjsolve.motion.characteristic import waves_along
+
+        self._require("characteristic_function")
+        return waves_along(self._source, t, principal=False)
+
+    def principal_function(self, t: Any) -> Estimate | EstimateArray:
+        """Return Hamilton's principal function along the motion, S = W − E (t − t₀) = ∫ L dt from t₀ to t.
+
+        Args:
+            t: as for ``characteristic_function``, and so is what is returned and raised.
+        """
+        from hjsolve.motion.characteristic import waves_along
+
+        self._require("characteristic_function")
+        return waves_along(self._source, t, principal=True)
 
     def time_at(self, name: str, value: Any, passage: int = 0) -> Estimate:
         """Return the time of the passage-th crossing of a position, counted from t₀ on.
@@ -357,20 +399,3 @@ def _kinds(solution: Solution, located: Mapping[str, Located]) -> dict[str, str]
         c.name: str(located[c.name].course.kind) if c.name in located else "ignorable"
         for c in solution.system.coordinates
     }
-
-
-def parts_of(want: Iterable[str] | None) -> frozenset[str]:
-    """The integrals that the quantities wanted need.
-
-    Args:
-        want: names of quantities; None for all.
-
-    Raises:
-        InvalidInputError: a name that is not in ``QUANTITIES``.
-    """
-    if want is None:
-        return PARTS
-    names = arguments.words(want, "want", '["actions", "periods"]')
-    for name in sorted(names - QUANTITIES.keys()):
-        raise InvalidInputError(f'want: "{name}" is not known; known are {", ".join(QUANTITIES)}')
-    return frozenset[str]().union(*(QUANTITIES[name] for name in names))

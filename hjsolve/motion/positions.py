@@ -192,16 +192,36 @@ def rounding(
     return [2 * (0.0 if x.error is None else x.error) for x in found]
 
 
+def travelled(motion: SeparatedMotion, phases: Phases, name: str, q: Mapping[str, Any]) -> Any:
+    """Return how far an ignorable coordinate has come since t₀; an angle with all its turns.
+
+    Args:
+        motion: the one looked at.
+        phases: of its separated coordinates at m times.
+        name: of the ignorable coordinate.
+        q: separated coordinate → array of shape (m,).
+    """
+    return _grown_from(motion, phases, name, q, to_bits(sp.S.Zero), angle=False)[0]
+
+
 def _ignorable(motion: SeparatedMotion, phases: Phases, name: str, q: Mapping[str, Any]) -> tuple[Any, Any]:
+    """An ignorable coordinate, and the whole turns taken from it."""
+    coordinate = motion.solution.system.coordinate(name)
+    begin = to_bits(motion.initial.values[coordinate.symbol])
+    return _grown_from(motion, phases, name, q, begin, angle=coordinate.domain.kind == "angle")
+
+
+def _grown_from(
+    motion: SeparatedMotion, phases: Phases, name: str, q: Mapping[str, Any], begin: Any, *, angle: bool
+) -> tuple[Any, Any]:
     """φ(t) = φ₀ − Σᵢ [Gᵢ(χᵢ) − Gᵢ(χᵢ⁰)] + ∂χ/∂c: Greenwood (5-83). On a torus the mean growth is reduced exactly."""
     solution, equations = motion.solution, motion.equations
     coordinate = solution.system.coordinate(name)
-    begin = to_bits(motion.initial.values[coordinate.symbol])
     if equations is None:
         rate = to_bits(sp.diff(solution.separation.shell.potential, coordinate.momentum).subs(motion.initial.values))(
             256
         )
-        return grown(begin, rate, phases.time, phases.exact, coordinate.domain.kind == "angle", 0)
+        return grown(begin, rate, phases.time, phases.exact, angle, 0)
     j = constant_index(motion, name)
     gauge = gauge_angle(motion, coordinate.momentum, q)
     if isinstance(equations, TorusEquations):
@@ -210,7 +230,7 @@ def _ignorable(motion: SeparatedMotion, phases: Phases, name: str, q: Mapping[st
             series = oscillation(equations, i, j)
             if len(series.cosines):
                 wave = wave + _rise(series, phases.χ[i], bounded.start)
-        return grown(begin, mean_rate(equations, j), phases.time, phases.exact, coordinate.domain.kind == "angle", wave)
+        return grown(begin, mean_rate(equations, j), phases.time, phases.exact, angle, wave)
     total = gauge
     for course, χ, n in zip(courses_of(motion, phases), phases.χ, phases.whole, strict=True):
         first = np.array([course.start], dtype=object) if χ.dtype == object else np.array([float(course.start)])
@@ -219,7 +239,7 @@ def _ignorable(motion: SeparatedMotion, phases: Phases, name: str, q: Mapping[st
             turn = 2 * multiprecision(bits_for(motion.digits, 96)).pi if χ.dtype == object else 2 * np.pi
             growth = course.growth(j) if χ.dtype == object else float(course.growth(j))
             total = total - n.astype(int) * (turn * growth)
-    return grown(begin, 0, phases.time, phases.exact, coordinate.domain.kind == "angle", total)
+    return grown(begin, 0, phases.time, phases.exact, angle, total)
 
 
 def _rise(series: FourierSeries, χ: Any, start: Any) -> Any:

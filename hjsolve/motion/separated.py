@@ -79,9 +79,7 @@ def separated_motion(
     bounded = [c for c in courses if not isinstance(c, Unbounded)]
     equations: TorusEquations | TriangularScheme | None = None
     if courses and "time" in parts:
-        equations = (
-            torus_equations(bounded, bits_for(digits, 128)) if len(bounded) == len(courses) else plan(courses)
-        )
+        equations = torus_equations(bounded, bits_for(digits, 128)) if len(bounded) == len(courses) else plan(courses)
     return SeparatedMotion(
         solution, initial, t0, digits, parts, located, equations, turning_points(located, digits),
         quantities.frequencies(solution, initial, equations, digits) if "time" in parts else {},

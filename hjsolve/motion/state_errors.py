@@ -54,7 +54,7 @@ def errors_of_state(
     dq, dp = {}, {}
     χ = [x.astype(float) for x in phases.χ]
     courses = courses_of(motion, phases)
-    slack = [np.asarray(e, dtype=float) + _blur(c, x, unit) for e, c, x in zip(phases.errors, courses, χ, strict=True)]
+    slack = phase_slack(motion, phases, unit)
     for name, course, x, e in zip(motion.solution.coordinates, courses, χ, slack, strict=True):
         slope_q, slope_p = _slopes(course, x, e)
         size_q, size_p = _unreduced(course, q[name], whole.get(name)), np.abs(p[name].astype(float))
@@ -67,7 +67,7 @@ def errors_of_state(
     for coordinate in motion.solution.system.coordinates:
         name = coordinate.name
         if name not in dq:
-            dq[name] = _ignorable_error(motion, phases, χ, slack, name, unit) + 4 * unit * (
+            dq[name] = ignorable_error(motion, phases, slack, name, unit) + 4 * unit * (
                 np.abs(q[name].astype(float)) + np.pi
             )
             dp[name] = unit * np.abs(p[name].astype(float))
@@ -242,9 +242,29 @@ def _rounded(course: Periodic) -> Periodic:
     )
 
 
-def _ignorable_error(
-    motion: SeparatedMotion, phases: Phases, χ: list[Any], slack: list[Any], name: str, unit: float
-) -> Any:
+def phase_slack(motion: SeparatedMotion, phases: Phases, unit: float) -> list[Any]:
+    """Return the bounds on the phases, with the rounding of stretched anomalies; one array a separated coordinate.
+
+    Args:
+        motion: the one looked at.
+        phases: of its separated coordinates, with their own bounds.
+        unit: relative rounding of the arithmetic.
+    """
+    together = zip(phases.errors, courses_of(motion, phases), phases.χ, strict=True)
+    return [np.asarray(e, dtype=float) + _blur(c, x.astype(float), unit) for e, c, x in together]
+
+
+def ignorable_error(motion: SeparatedMotion, phases: Phases, slack: list[Any], name: str, unit: float) -> Any:
+    """Return what the phases leave open of an ignorable coordinate, without the rounding of the last sum.
+
+    Args:
+        motion: the one looked at.
+        phases: of its separated coordinates.
+        slack: bounds on them, one array of shape (m,) a separated coordinate.
+        name: of the ignorable coordinate.
+        unit: relative rounding of the arithmetic.
+    """
+    χ = [x.astype(float) for x in phases.χ]
     equations = motion.equations
     total = 0.0 * phases.time[0]
     if equations is None:

@@ -291,7 +291,7 @@ class Growing:
             raise self.failed
         context, y = self.context, self.edges[-1] + self.step
         before = self.totals[-1] if self.totals else [context.mpf(0)] * len(rows)
-        integrated = [_antiderivative(row, self.step / 2, total) for row, total in zip(rows, before, strict=True)]
+        integrated = [antiderivative(row, self.step / 2, total) for row, total in zip(rows, before, strict=True)]
         after = [context.fsum(row) for row in integrated]
         self.values.append(rows)
         self.sums.append(integrated)
@@ -324,7 +324,7 @@ class Growing:
             ends = [y + self.step] if self.last is None or y + self.step < self.last else []
             extra = max([self.extra, *(self.course.cancelled(end, self.extra) for end in ends)])
             while count <= _DEAREST * nodes_for(0.0, self.digits):
-                points = _points(smooth(count), self.bits)
+                points = chebyshev_points(smooth(count), self.bits)
                 rows = _expand(self.course, y, self.step, points, self.bits, extra)
                 nodes += len(points)
                 count = reach.nodes_for([max(abs(c) for c in row) for row in rows], self.digits)
@@ -348,8 +348,13 @@ def _filled(rows: list[list[list[Any]]]) -> list[list[list[Any]]]:
 
 
 @lru_cache(maxsize=64)
-def _points(count: int, bits: int) -> list[Any]:
-    """The zeros of a Chebyshev polynomial."""
+def chebyshev_points(count: int, bits: int) -> list[Any]:
+    """The zeros of a Chebyshev polynomial.
+
+    Args:
+        count: its degree.
+        bits: of the result.
+    """
     context = multiprecision(bits)
     return [context.cos(context.pi * (2 * m + 1) / (2 * count)) for m in range(count)]
 
@@ -372,8 +377,14 @@ def _expand(course: Integrated, y: Any, step: Any, points: list[Any], bits: int,
     return rows
 
 
-def _antiderivative(row: list[Any], half: Any, start: Any) -> list[Any]:
-    """Coefficients of the integral, equal to ``start`` at the left edge (Mason & Handscomb 2003, (2.43))."""
+def antiderivative(row: list[Any], half: Any, start: Any) -> list[Any]:
+    """Coefficients of the integral, equal to ``start`` at the left edge (Mason & Handscomb 2003, (2.43)).
+
+    Args:
+        row: coefficients of the integrand.
+        half: half the length of the panel.
+        start: value at its left edge.
+    """
     c = [*row, 0 * row[0], 0 * row[0]]
     result = [0 * row[0], half * (c[0] - c[2] / 2)]
     result += [half * (c[k - 1] - c[k + 1]) / (2 * k) for k in range(2, len(row) + 1)]

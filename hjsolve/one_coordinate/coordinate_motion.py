@@ -62,7 +62,7 @@ class Periodic:
         anomaly: the map χ ↦ q in many digits.
         kernels: series of kⱼ (dq/dχ)/p.
         momentum: series of ln(p/(dq/dχ)), which may vary by many orders of magnitude.
-        action: (1/2π) ∮ p dq, positive.
+        density: series of p dq/dχ; its mean is the action.
         start: χ of the initial place.
         radicand: p² and its kernels.
     """
@@ -71,11 +71,16 @@ class Periodic:
     anomaly: Anomaly
     kernels: list[FourierSeries]
     momentum: FourierSeries
-    action: Any
+    density: FourierSeries | None
     start: Any
     radicand: MomentumSquared
 
     periodic = True
+
+    @property
+    def action(self) -> Any:
+        """(1/2π) ∮ p dq, positive; None where it was not integrated."""
+        return None if self.density is None else self.density.mean
 
     @property
     def tail(self) -> float:
@@ -355,7 +360,7 @@ def bounded(
     values = integrands(radicand, skipped, bits, parts)
     rows = [values(place) for place in _places(anomaly, nodes, bits)]
     *kernels, momentum, density = fit(rows, even=anomaly.even, digits=digits, bits=bits, floors=_floors(radicand))
-    return Periodic(kind, anomaly, kernels, momentum, density.mean if "action" in parts else None, start, radicand)
+    return Periodic(kind, anomaly, kernels, momentum, density if "action" in parts else None, start, radicand)
 
 
 def _floors(radicand: MomentumSquared) -> list[float]:

@@ -75,6 +75,13 @@ class Solution(Shown):
     time_law: sp.Eq | None
     orbit_equations: Mapping[str, sp.Eq]
 
+    @property
+    def principal_function(self) -> sp.Expr:
+        """S = W − E t, Hamilton's principal function (5-65); where every coordinate is ignorable E is H(c), (5-74)."""
+        shell = self.separation.shell
+        t = sp.Symbol(time_name(self.system), real=True)
+        return self.characteristic_function - (shell.energy if self.coordinates else shell.potential) * t
+
     @arguments.by_name('motion(q={"r": 1, "theta": 0}, velocity={"r": 0, "theta": "1.2"})')
     def motion(
         self,

@@ -223,9 +223,10 @@ def _compound(part: Box) -> bool:
 
 def _call(expression: sp.Function, power: Box | None = None) -> Box:
     name = type(expression).__name__
-    head: Box = Glyph(FUNCTION_NAMES.get(name, name), "function")
-    if isinstance(expression, AppliedUndef):
-        head = _callable(name_box(name))
+    shown = FUNCTION_NAMES.get(name, name)
+    head: Box = Glyph(shown, "function")
+    if isinstance(expression, AppliedUndef) or "_" in FUNCTION_NAMES.get(name, ""):
+        head = _callable(name_box(shown))
     head = Script(head, sup=power) if power is not None else head
     arguments: list[Box] = []
     for i, argument in enumerate(expression.args):

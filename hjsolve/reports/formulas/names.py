@@ -57,6 +57,15 @@ FUNCTION_NAMES = {
     "acosh": "arcosh",
     "atanh": "artanh",
     "sign": "sgn",
+    "CarlsonRF": "R_F",
+    "CarlsonRC": "R_C",
+    "CarlsonRD": "R_D",
+    "CarlsonRJ": "R_J",
+    "JacobiSN": "sn",
+    "JacobiCN": "cn",
+    "JacobiDN": "dn",
+    "JacobiAM": "am",
+    "JacobiEpsilon": "ℰ",
 }
 
 

@@ -1,0 +1,47 @@
+"""The elliptic functions by name, for ``sympy.lambdify``."""
+
+from __future__ import annotations
+
+import importlib
+from collections.abc import Callable
+from typing import Any
+
+import mpmath
+
+from hjsolve.errors import InvalidInputError
+from hjsolve.functions.carlson import CarlsonRC, CarlsonRD, CarlsonRF, CarlsonRJ
+from hjsolve.functions.jacobi import JacobiAM, JacobiCN, JacobiDN, JacobiEpsilon, JacobiSN
+from hjsolve.functions.printing import DOUBLES, MANY_DIGITS
+
+_OWN = (CarlsonRF, CarlsonRC, CarlsonRD, CarlsonRJ, JacobiAM, JacobiSN, JacobiCN, JacobiDN, JacobiEpsilon)
+_LEGENDRE = ("elliptic_k", "elliptic_f", "elliptic_e", "elliptic_pi")
+
+
+def modules(backend: str) -> list[dict[str, Callable[..., Any]] | str]:
+    """What ``sympy.lambdify`` is given as ``modules`` so that every elliptic function has a value.
+
+    Args:
+        backend: "numpy" (arrays of doubles, numpy alone) or "mpmath" (any precision).
+
+    Returns:
+        A table name → function, sympy's own Legendre integrals among them, and the name of the backend for all else.
+
+    Raises:
+        InvalidInputError: another backend.
+
+    Example:
+        >>> import sympy as sp
+        >>> m = sp.Symbol("m")
+        >>> f = sp.lambdify(m, sp.elliptic_k(m), modules=modules("numpy"))
+        >>> round(float(f(0.5)), 12)
+        1.854074677301
+    """
+    if backend == "mpmath":
+        home = importlib.import_module(MANY_DIGITS)
+        table = dict(zip(_LEGENDRE, (mpmath.ellipk, mpmath.ellipf, mpmath.ellipe, mpmath.ellippi), strict=True))
+    elif backend == "numpy":
+        home = importlib.import_module(DOUBLES)
+        table = {name: getattr(home, name.replace("elliptic", "legendre")) for name in _LEGENDRE}
+    else:
+        raise InvalidInputError(f'modules: "numpy" or "mpmath" is needed, not {backend!r}')
+    return [{own.__name__: getattr(home, own.code_name()) for own in _OWN} | table, backend]

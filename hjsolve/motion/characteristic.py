@@ -1,0 +1,253 @@
+"""W and S as numbers: Hamilton's characteristic and principal function along a motion, and Jacobi's constants β.
+
+Along the motion from t₀, W = ∫ p·dq = Σᵢ ∫ Pᵢ dqᵢ + Σ c_k Δq_k − Δχ (Greenwood (5-65), (5-83); χ the potential of the
+shift p = P − A), each term from the series of its coordinate, so that a cycle adds ∮ Pᵢ dqᵢ exactly however many
+there were; S = W − E (t − t₀). No differential equation is integrated.
+"""
+
+from __future__ import annotations
+
+from functools import lru_cache
+from typing import Any
+
+import numpy as np
+import sympy as sp
+
+from hjsolve.arithmetic.estimate import Estimate
+from hjsolve.arithmetic.estimate_array import EstimateArray
+from hjsolve.arithmetic.floats import EPS, bits_for, multiprecision
+from hjsolve.motion.initial_data import to_bits
+from hjsolve.motion.phases import Phases, courses_of, phases_at, with_reach
+from hjsolve.motion.positions import evaluate_along, positions_at, travelled
+from hjsolve.motion.quantities import FLOAT_DIGITS, rounded
+from hjsolve.motion.separated import SeparatedMotion, separated_motion
+from hjsolve.motion.state_at import shaped
+from hjsolve.motion.state_errors import ignorable_error, phase_slack
+from hjsolve.motion.tabulated import needs_table
+from hjsolve.motion.times import read_times
+from hjsolve.one_coordinate.coordinate_motion import AtRest, CoordinateMotion, Periodic
+from hjsolve.one_coordinate.fourier_series import FourierSeries
+from hjsolve.one_coordinate.momentum_integral import momentum_integral
+
+_FINER = 26
+"""Digits of the phases where doubles leave too much of them open (``tabulated.needs_table``)."""
+
+
+def waves_along(motion: SeparatedMotion, t: Any, *, principal: bool) -> Estimate | EstimateArray:
+    """Return W, or S = W − E (t − t₀), at times; see ``Motion.characteristic_function``.
+
+    Args:
+        motion: the motion.
+        t: a time or an array of times.
+        principal: True for S.
+
+    Raises:
+        InvalidInputError: a time that is no finite real number.
+    """
+    shape, floats, exact = read_times(t)
+    source = _finer(motion) if motion.digits <= FLOAT_DIGITS and needs_table(motion) else motion
+    phases = phases_at(source, floats, exact)
+    value, error = _characteristic(source, phases)
+    if principal:
+        term, doubt = _energy_term(source, phases)
+        value, error = value - term, error + doubt + _unit(source) * (abs(value) + abs(term)).astype(float)
+    if phases.ended.any():
+        value, error = np.where(phases.ended, np.nan, value), np.where(phases.ended, np.nan, error)
+    if motion.digits <= FLOAT_DIGITS and value.dtype == object:
+        value = value.astype(float)
+        error = error.astype(float) + EPS * np.abs(value)
+    value, error = shaped(value, shape), shaped(error, shape)
+    return EstimateArray(value, error) if shape else Estimate(value, error)
+
+
+@lru_cache(maxsize=16)
+def _finer(motion: SeparatedMotion) -> SeparatedMotion:
+    return separated_motion(motion.solution, motion.initial, motion.t0, _FINER, motion.parts)
+
+
+def _unit(motion: SeparatedMotion) -> float:
+    return EPS if motion.digits <= FLOAT_DIGITS else float(multiprecision(64).mpf(10) ** (1 - motion.digits))
+
+
+def _characteristic(motion: SeparatedMotion, phases: Phases) -> tuple[Any, Any]:
+    """W and a bound on its error, shape (m,)."""
+    solution, unit = motion.solution, _unit(motion)
+    many = phases.exact is not None
+    value, error = _zeros(motion, phases), 0.0 * phases.time[0]
+    slack = phase_slack(motion, phases, unit)
+    for k, course in enumerate(courses_of(motion, phases)):
+        part, slope, size = _swept(course, phases.χ[k], phases.whole[k], many)
+        value = value + part
+        error = error + slope.astype(float) * slack[k] + 4 * unit * size.astype(float)
+    q, _, whole = positions_at(motion, phases)
+    for coordinate in solution.system.coordinates:
+        if coordinate.name not in solution.coordinates:
+            c = to_bits(motion.initial.values[coordinate.momentum])(bits_for(motion.digits, 96))
+            c = c if many else float(c)
+            way = travelled(motion, phases, coordinate.name, q)
+            value = value + c * way
+            doubt = ignorable_error(motion, phases, slack, coordinate.name, unit)
+            error = error + abs(float(c)) * (doubt + 4 * unit * abs(way).astype(float))
+    if solution.shift_potential != 0:
+        shift, doubt = _gauge(motion, q, whole)
+        value, error = value - shift, error + doubt
+    return value, error + unit * abs(value).astype(float)
+
+
+def _zeros(motion: SeparatedMotion, phases: Phases) -> Any:
+    if phases.exact is None:
+        return 0.0 * phases.time[0]
+    return np.array([multiprecision(bits_for(motion.digits, 96)).zero] * len(phases.exact), dtype=object)
+
+
+def _swept(course: CoordinateMotion, χ: Any, whole: Any, many: bool) -> tuple[Any, Any, Any]:
+    """∫ P dq from the start to χ + 2π·whole, its slope by χ, and the size that rounding refers to."""
+    if isinstance(course, AtRest):
+        return 0 * χ, 0 * χ, 0 * χ
+    start = np.array([course.start], dtype=object) if many else np.array([float(course.start)])
+    there, slope, size = momentum_integral(course, χ)
+    begin, _, first = momentum_integral(course, start)
+    value, size = there - begin[0], size + first[0]
+    if isinstance(course, Periodic) and whole.any():
+        context = course.density.mean.context  # type: ignore[union-attr]
+        cycle = 2 * context.pi * course.action
+        turned = whole.astype(int) * (cycle if many else float(cycle))
+        value, size = value + turned, size + abs(turned)
+    return value, slope, size
+
+
+def _gauge(motion: SeparatedMotion, q: dict[str, Any], whole: dict[str, Any]) -> tuple[Any, Any]:
+    """Δχ from the start, χ(q) the potential of the shift with angles not reduced, and its rounding."""
+    formula = motion.solution.shift_potential
+    begin = to_bits(formula.subs(motion.initial.values))(bits_for(motion.digits, 96))
+    full = {n: values + 2 * _pi(values) * whole[n].astype(int) if n in whole else values for n, values in q.items()}
+    now = evaluate_along(motion, (formula,), full, {})[0]
+    slopes = evaluate_along(
+        motion, tuple(sp.diff(formula, c.symbol) for c in motion.solution.system.coordinates), full, {}
+    )
+    unit = _unit(motion)
+    doubt = 8 * unit * (abs(now).astype(float) + abs(float(begin)))
+    for values, slope in zip(full.values(), slopes, strict=True):
+        doubt = doubt + 4 * unit * abs(values * slope).astype(float)
+    return now - (begin if now.dtype == object else float(begin)), doubt
+
+
+def _pi(values: Any) -> Any:
+    return values.flat[0].context.pi if values.dtype == object and values.size else np.pi
+
+
+def _energy_term(motion: SeparatedMotion, phases: Phases) -> tuple[Any, Any]:
+    """E (t − t₀) and the rounding of it."""
+    bits = bits_for(motion.digits, 96)
+    E = to_bits(energy_of(motion))(bits)
+    if phases.exact is not None:
+        value = np.array([E * t for t in phases.exact], dtype=object)
+    else:
+        value = float(E) * phases.time[0]
+    return value, 2 * _unit(motion) * abs(value).astype(float)
+
+
+def betas(motion: SeparatedMotion) -> dict[str, Estimate]:
+    """Return Jacobi's constants; see ``Motion.betas``.
+
+    Args:
+        motion: with its equations.
+    """
+    result, energy = {}, motion.solution.separation.shell.energy.name
+    for j, name in enumerate(motion.solution.constants):
+        if name == energy and not motion.solution.coordinates:
+            continue  # a function of the other constants
+        total, size, nodes = _integrals_at_start(motion, j)
+        here, doubt = _outside_integrals(motion, name)
+        value = here - total if name == energy else -(here + total)
+        plain = rounded(value, motion.digits, nodes)
+        noise = 4 * _unit(motion) * (size + doubt)
+        result[name] = Estimate(plain.value, plain.error + noise, nodes=nodes)
+    return result
+
+
+def _integrals_at_start(motion: SeparatedMotion, j: int) -> tuple[Any, float, int]:
+    """Σᵢ Gᵢⱼ from the lower limits to the place at t₀, the size its rounding refers to, and the nodes behind it."""
+    total, size, nodes = multiprecision(bits_for(motion.digits, 96)).zero, 0.0, 0
+    for place in motion.located.values():
+        course = place.course
+        if isinstance(course, AtRest) or not _turns(course):
+            continue
+        if isinstance(course, Periodic):
+            series = course.kernels[j]
+            ripple = series.ripple(course.start) if len(series.cosines) else 0
+            part, nodes = series.mean * course.start + ripple, max(nodes, series.nodes)
+            size += abs(float(series.mean * course.start)) + _wave_size(series, course.start)
+        else:
+            begin = np.array([course.start], dtype=object if motion.digits > FLOAT_DIGITS else float)
+            reaching = with_reach(course, begin.astype(float))
+            part = reaching.integral(j, begin)[0]
+            size += float(reaching.grain(j, begin.astype(float))[0])  # type: ignore[union-attr]
+        total += part
+    return total, size, nodes
+
+
+def _turns(course: CoordinateMotion) -> bool:
+    """Whether phase 0 is a turning point; else the lower limit is the place at t₀ itself, and nothing is integrated."""
+    return course.anomaly.even if isinstance(course, Periodic) else course.ahead.way.turning  # type: ignore[union-attr]
+
+
+def _wave_size(series: FourierSeries, χ: Any) -> float:
+    """What the rounding of a ripple at χ refers to; nothing at a turning point."""
+    parts = ((series.cosines, np.sin), (series.sines, lambda x: 1 - np.cos(x)))
+    return float(
+        sum(
+            abs(float(c) / k * wave(k * float(χ)))
+            for part, wave in parts
+            if part is not None
+            for k, c in enumerate(part, 1)
+        )
+    )
+
+
+def _outside_integrals(motion: SeparatedMotion, name: str) -> tuple[Any, float]:
+    """What stands beside the integrals: t₀ for E; q − ∂χ/∂c at t₀ for the momentum of an ignorable coordinate."""
+    solution, values, bits = motion.solution, motion.initial.values, bits_for(motion.digits, 96)
+    constant = solution.constants[name].symbol
+    if solution.coordinates and name == solution.separation.shell.energy.name:
+        terms = [motion.t0]
+    else:
+        own = [c.symbol for c in solution.system.coordinates if c.momentum == constant]
+        terms = [q.subs(values) for q in own] + [-sp.diff(solution.shift_potential, constant).subs(values)]
+        if not solution.coordinates:
+            terms.append(-motion.t0 * sp.diff(solution.separation.shell.potential, constant).subs(values))
+    numbers = [to_bits(term)(bits) for term in terms]
+    return sum(numbers), float(sum(abs(number) for number in numbers))
+
+
+def lower_limits(motion: SeparatedMotion) -> dict[str, Estimate]:
+    """Return where the quadratures of ``betas`` begin; see ``Motion.lower_limits``.
+
+    Args:
+        motion: the motion.
+    """
+    result = {}
+    for name, place in motion.located.items():
+        course, bits = place.course, bits_for(motion.digits, 96)
+        if isinstance(course, AtRest):
+            value = course.rest
+        elif not _turns(course):
+            value = to_bits(motion.initial.values[motion.solution.system.coordinate(name).symbol])(bits)
+        elif isinstance(course, Periodic):
+            value = course.anomaly.lower  # type: ignore[union-attr]
+        else:
+            value = course.ahead.way.start
+        result[name] = rounded(value, motion.digits)
+    return result
+
+
+def energy_of(motion: SeparatedMotion) -> sp.Expr:
+    """The exact value of E, the constant that goes with the time.
+
+    Args:
+        motion: with its constants.
+    """
+    shell = motion.solution.separation.shell
+    if motion.solution.coordinates:
+        return motion.initial.constants[shell.energy.name]
+    return shell.potential.subs(motion.initial.values)

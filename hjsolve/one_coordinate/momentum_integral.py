@@ -1,0 +1,121 @@
+"""∫ P dq along the course of one coordinate, P the root of P²: its part of Hamilton's characteristic function W.
+
+A bounded course has the series of P dq/dχ among its own. An open one has |P|/|dq/dy| times ``EndMap.rest`` in Chebyshev
+polynomials on its panels, proved to be enough there; times the elementary function (dq/dy)²/rest it is |P dq/dy|, and
+that product is expanded again, on panels halved until the elementary function needs few terms on each. So nothing
+new must be proved of p².
+"""
+
+from __future__ import annotations
+
+from functools import lru_cache
+from typing import Any
+
+import numpy as np
+
+from hjsolve.arithmetic.floats import Multi, multiprecision
+from hjsolve.arithmetic.fourier import smooth, waves
+from hjsolve.one_coordinate.chebyshev_panels import EndMap, Panels, antiderivative, chebyshev_points
+from hjsolve.one_coordinate.coordinate_motion import AtRest, CoordinateMotion, Periodic, Unbounded, elementwise
+from hjsolve.one_coordinate.open_branch import Branch
+
+_TERMS = 48
+"""Degree that the elementary factor may need on a panel, for 15 digits; more digits more."""
+_HALVINGS = 200
+
+
+def momentum_integral(course: CoordinateMotion, χ: Any) -> tuple[Any, Any, Any]:
+    """Return ∫ P dq from the phase 0 to χ, |P dq/dχ|, and the size that rounding refers to; nan beyond the panels.
+
+    Args:
+        course: of one coordinate; an open one with panels as far as the phases.
+        χ: phases, shape (m,); doubles or ``mpf``.
+    """
+    if isinstance(course, AtRest):
+        return 0 * χ, 0 * χ, 0 * χ
+    if isinstance(course, Periodic):
+        series = course.density
+        mean = float(series.mean) if χ.dtype == float else series.mean
+        size = abs(mean) * abs(χ) + float(np.sum(np.abs(series.cosines.astype(float))))
+        return mean * χ + elementwise(series.ripple, χ, 1), abs(elementwise(series.value, χ, 1)), size
+    return _open(course, χ)
+
+
+def _open(course: Unbounded, χ: Any) -> tuple[Any, Any, Any]:
+    weights, amount = course.reach
+    back = amount if course.back is None or course.behind is course.ahead else course.back
+    ahead, behind = _swept(course.ahead, weights, amount), _swept(course.behind, weights, back)
+    forward, y = χ >= 0, abs(χ)
+    values = np.where(forward, ahead.integral(0, y), -behind.integral(0, y))
+    slopes = abs(np.where(forward, ahead.value(0, y), behind.value(0, y)))
+    beyond = np.where(forward, y > ahead.edges[-1], y > behind.edges[-1])
+    values = np.where(beyond, np.nan, values) if beyond.any() else values
+    return values, slopes, np.where(forward, ahead.grain(0, y), behind.grain(0, y))
+
+
+@lru_cache(maxsize=32)
+def _swept(branch: Branch, weights: tuple[float, ...] | None, amount: float) -> Panels:
+    """Panels of |P dq/dy| that reach as far as ``branch.panels(weights, amount)``."""
+    way, bits, digits, panels = branch.way, branch.bits, branch.digits, branch.panels(weights, amount)
+    context = multiprecision(bits)
+    edges, values, sums, total = [context.mpf(0)], [], [], context.mpf(0)
+    for k, row in enumerate(panels.coefficients[-1]):
+        series = [context.mpf(c) for c in row]
+        ends = context.mpf(panels.edges[k]), context.mpf(panels.edges[k + 1])
+        todo, halvings = [ends], 0
+        while todo:
+            low, high = todo.pop()
+            product = _product(way, series, ends, (low, high), bits, digits)
+            if product is None and halvings < _HALVINGS:
+                middle, halvings = (low + high) / 2, halvings + 1
+                todo += [(middle, high), (low, middle)]
+                continue
+            if product is None:
+                return _assembled(edges, values, sums, panels.nodes, digits)
+            integral = antiderivative(product, (high - low) / 2, total)
+            total = context.fsum(integral)
+            edges.append(high)
+            values.append(product)
+            sums.append(integral)
+    return _assembled(edges, values, sums, panels.nodes, digits)
+
+
+def _product(
+    way: EndMap, series: list[Any], panel: tuple[Any, Any], part: tuple[Any, Any], bits: int, digits: int
+) -> list[Any] | None:
+    """Chebyshev coefficients on a part of a panel; None where they do not fall fast enough."""
+    arithmetic, context = Multi(bits), multiprecision(bits)
+    low, high = part
+    points = chebyshev_points(smooth(len(series) + _TERMS * max(1, digits // 15)), bits)
+    samples = []
+    for x in points:
+        y = low + (high - low) * (1 + x) / 2
+        slope = way.position(y, arithmetic)[1]
+        samples.append(_clenshaw(series, y, panel) * slope * slope / way.rest(y, arithmetic))
+    if any(isinstance(value, context.mpc) for value in samples):
+        return None
+    product = [context.fsum(samples) / len(samples), *waves(samples, even=True, bits=bits)[0]]
+    size = max(abs(c) for c in product)
+    kept = next(
+        (k for k in range(len(product), 0, -1) if abs(product[k - 1]) > size * context.mpf(10) ** -(digits + 3)), 1
+    )
+    return product[:kept] if kept <= len(product) - 6 else None
+
+
+def _clenshaw(series: list[Any], y: Any, panel: tuple[Any, Any]) -> Any:
+    left, right = panel
+    x2 = 2 * ((y - left) - (right - y)) / (right - left)
+    b1 = b2 = 0 * x2
+    for c in series[:0:-1]:
+        b1, b2 = x2 * b1 - b2 + c, b1
+    return x2 / 2 * b1 - b2 + series[0]
+
+
+def _assembled(edges: list[Any], values: list[Any], sums: list[Any], nodes: int, digits: int) -> Panels:
+    kind = float if digits <= 15 else object
+
+    def table(rows: list[list[Any]]) -> Any:
+        longest = max((len(row) for row in rows), default=1)
+        return np.array([[[*row, *[0 * row[0]] * (longest - len(row))] for row in rows]], dtype=kind)
+
+    return Panels(np.array(edges, dtype=kind), table(values), table(sums), nodes, False)
