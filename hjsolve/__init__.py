@@ -18,6 +18,9 @@ if TYPE_CHECKING:
     from hjsolve import functions as functions
     from hjsolve.arithmetic.estimate import Estimate as Estimate
     from hjsolve.catalog import moving_frames as frames  # noqa: F401
+    from hjsolve.closed_form.closed_forms import closed_forms as closed_forms
+    from hjsolve.closed_form.forms import RegimeForms as RegimeForms
+    from hjsolve.closed_form.regime import Regime as Regime
     from hjsolve.coordinates import NormalModes as NormalModes
     from hjsolve.coordinates import SeparableCoordinates as SeparableCoordinates
     from hjsolve.coordinates import Web as Web
@@ -64,6 +67,9 @@ if TYPE_CHECKING:
 _PUBLIC = {
     "mechanics.system": "Coordinate Domain Parameter System",
     "coordinates": "SeparableCoordinates NormalModes Web find_coordinates normal_modes",
+    "closed_form.closed_forms": "closed_forms",
+    "closed_form.forms": "RegimeForms",
+    "closed_form.regime": "Regime",
     "separation": "separate Separation Obstruction Undecided",
     "solution.quadratures": "solve Solution",
     "ensembles": "ensemble Batch Status",

@@ -15,6 +15,7 @@ if TYPE_CHECKING:
     from hjsolve.extended.linear_hamiltonian import LinearHamiltonian
     from hjsolve.mechanics.system import System
     from hjsolve.reports.document import Section, Text
+    from hjsolve.solution.quadratures import Solution
 
 ANSWER, REFUSED, BAD_INPUT, UNSETTLED, INTERRUPTED = 0, 1, 2, 3, 130
 """Exit statuses; see ``hjsolve.command_line.main``."""
@@ -80,7 +81,12 @@ def solve(options: Namespace) -> int:
         solved = solution.solve(verdict)
         _print(
             system,
-            [arguments_read.frame(options, solved), *quadratures.solution_sections(solved), laws_section(solved)],
+            [
+                *(_closed(solved) if options.closed else ()),
+                arguments_read.frame(options, solved),
+                *quadratures.solution_sections(solved),
+                laws_section(solved),
+            ],
         )
     else:
         evidence = [
@@ -89,6 +95,14 @@ def solve(options: Namespace) -> int:
         ]
         _print(system, evidence, system_and_verdict.answer(verdict))
     return _status(verdict)
+
+
+def _closed(solved: Solution) -> list[Section]:
+    """The closed forms, regime by regime."""
+    from hjsolve.closed_form.closed_forms import closed_forms
+    from hjsolve.reports.sections.closed_forms import closed_form_sections
+
+    return closed_form_sections(closed_forms(solved))
 
 
 def coordinates(options: Namespace) -> int:

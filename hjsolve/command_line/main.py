@@ -259,6 +259,10 @@ def _add_solve(kinds: _Commands) -> None:
     )
     solve = _add(kinds, "solve", "W, momenta, time law and orbit equations", about)
     _system_arguments(solve)
+    solve.add_argument(
+        "--closed", action="store_true",
+        help="closed forms first: the integrals done, by regime, each verified (takes seconds)",
+    )  # fmt: skip
 
 
 def _add_coordinates(kinds: _Commands) -> None:

@@ -1,0 +1,93 @@
+"""The public verb: closed forms of a solution, or of a motion."""
+
+from __future__ import annotations
+
+from pathlib import Path
+
+import sympy as sp
+
+from hjsolve.closed_form.derive import form_of_sample, forms_of_solution, special_of, workshop
+from hjsolve.closed_form.forms import RegimeForms
+from hjsolve.closed_form.sampling import Sample
+from hjsolve.errors import InvalidInputError
+from hjsolve.mechanics.system import System
+from hjsolve.motion.motion import Motion
+from hjsolve.separation import Separation
+from hjsolve.solution.quadratures import Solution, solve
+
+_DIGITS = 80
+
+
+def closed_forms(subject: Solution | Motion | System | Separation | str | Path) -> tuple[RegimeForms, ...]:
+    """Derive closed forms of the quadratures, regime by regime; each is verified before it is given.
+
+    A form is differentiated back to its integrand, and compared with the quadrature to 40 digits at a motion of its
+    regime; what fails, or has no form in elementary and elliptic functions, is missing, and ``why_not`` says why.
+
+    Args:
+        subject: a solution, or what ``solve`` takes; or a motion.
+
+    Returns:
+        The forms of a solution: one for each regime that a search among random motions meets, those of general
+        constants before those of special ones (E = 0, a separatrix), bounded ones first. Of a motion: its own regime
+        first; then the others of its solution. Empty where every motion found is at rest or asymptotic.
+
+    Raises:
+        InvalidInputError: something else.
+        NotSeparableError: a system that does not separate.
+
+    Example:
+        >>> import hjsolve
+        >>> form = hjsolve.closed_forms("harmonic-oscillator")[0]
+        >>> form.regime.words, form.periods["x"]
+        ('x: libration; E > 0', 2*pi*sqrt(m)/sqrt(k))
+    """
+    if isinstance(subject, Motion):
+        own = own_form(subject)
+        others = forms_of_solution(subject.solution)
+        if own is None:
+            return others
+        return (own, *(form for form in others if form.regime.words != own.regime.words))
+    if not isinstance(subject, (Solution, System, Separation, str, Path)):
+        raise InvalidInputError(
+            f"closed_forms: expected a solution, a motion, a system or a catalog id, got {type(subject).__name__}"
+        )
+    return forms_of_solution(subject if isinstance(subject, Solution) else solve(subject))
+
+
+def own_form(motion: Motion) -> RegimeForms | None:
+    """The closed forms of a motion's own regime; None of one at rest or asymptotic.
+
+    Args:
+        motion: started, in any digits.
+    """
+    solution, shop = motion.solution, workshop(motion.solution)
+    exact = {p.symbol: motion.initial.values[p.symbol] for p in solution.system.parameters}
+    exact |= {c.symbol: motion.initial.constants[name] for name, c in solution.constants.items()}
+    special = dict(special_of(shop, exact))
+    values = {symbol: _rational(value) for symbol, value in exact.items() if symbol not in special}
+    for symbol, meaning in special.items():
+        values[symbol] = _rational(meaning.xreplace(values))
+    places = {
+        name: _rational(motion.initial.values[solution.system.coordinate(name).symbol]) for name in solution.coordinates
+    }
+    inside = {name: _moved_inside(motion, name, place) for name, place in places.items()}
+    return form_of_sample(shop, shop.at(special), special, Sample(values, inside))
+
+
+def _rational(value: sp.Expr) -> sp.Expr:
+    """A number by one with 80 digits; a rational number by itself."""
+    return value if value.is_Rational else sp.Rational(str(sp.N(value, _DIGITS)))
+
+
+def _moved_inside(motion: Motion, name: str, place: sp.Expr) -> sp.Expr:
+    """A place a little inside the region, where the motion starts at a turning point."""
+    lower, upper = motion.turning_points.get(name, (None, None))
+    low, high = (None if end is None else _rational(sp.sympify(end.value)) for end in (lower, upper))
+    if low is not None and high is not None and high > low:
+        return low + (high - low) * sp.Rational(37, 100)
+    if low is None and high is None:
+        return place
+    edge, sign = (low, 1) if low is not None else (sp.sympify(high), -1)
+    size = sp.Rational(1, 8) * (1 + abs(edge))
+    return place if abs(place - edge) > size else edge + sign * size

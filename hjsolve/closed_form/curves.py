@@ -1,0 +1,187 @@
+"""The curve y² = P(x) of a separated coordinate: P²(q) and φ′² in a variable x, squares taken out.
+
+∫ N dq/√P² = ε ∫ N dx/(S √P), with P² G = S² P, P without multiple factors, and ε the sign of S φ′ on the piece of the
+x-axis the motion is on. The genus decides: deg P ≤ 2 elementary, 3 or 4 elliptic, more hyperelliptic.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterable, Mapping
+from dataclasses import dataclass, field, replace
+
+import sympy as sp
+
+from hjsolve.closed_form.substitutions import Substitution, ends, substitutions
+from hjsolve.mechanics.coordinates_and_parameters import Coordinate
+
+W = sp.Symbol("W")
+"""The key of ∫ p dq among the integrals of a coordinate; the others are ∫ ∂p/∂c dq by their constant c."""
+
+
+@dataclass(frozen=True)
+class MomentumCurve:
+    """One coordinate's curve y² = P(x).
+
+    Attributes:
+        coordinate: q.
+        substitution: x = φ(q), and P²(q) as a function of x.
+        polynomial: P(x), squarefree.
+        square: S(x), rational, with P² φ′² = S² P.
+        momentum_squared: P²(q).
+        generic: P²(q) as a function of x for general constants.
+        stratum: constant → what it is, where the constants are special.
+    """
+
+    coordinate: Coordinate
+    substitution: Substitution
+    polynomial: sp.Poly
+    square: sp.Expr
+    momentum_squared: sp.Expr
+    generic: sp.Expr
+    stratum: Mapping[sp.Symbol, sp.Expr] = field(default_factory=dict)
+
+    @property
+    def degree(self) -> int:
+        """The degree of P."""
+        return int(self.polynomial.degree())
+
+    @property
+    def ends(self) -> tuple[sp.Expr, sp.Expr]:
+        """The ends of the domain of q."""
+        return ends(self.coordinate)
+
+    def numerator(self, key: sp.Symbol) -> sp.Expr:
+        """N as a function of x, of ∫ N dq/√P²: P² itself for W, ½ ∂P²/∂c for a constant c.
+
+        Args:
+            key: ``W``, or a constant of the motion.
+        """
+        if key == W:
+            return self.substitution.function
+        return (sp.diff(self.generic, key) / 2).subs(self.stratum)
+
+    def at(self, stratum: Mapping[sp.Symbol, sp.Expr]) -> MomentumCurve | None:
+        """The curve of motions whose constants obey equations, such as E = 0.
+
+        Args:
+            stratum: constant → what it is.
+        """
+        special = replace(self.substitution, function=self.substitution.function.subs(dict(stratum)))
+        found = curve_of(special, self.coordinate, self.momentum_squared)
+        return None if found is None else replace(found, generic=self.generic, stratum=dict(stratum))
+
+    @property
+    def substitution_square(self) -> sp.Expr:
+        """P²(q), by way of the variable: what the coordinate's momentum squared is in the stratum."""
+        return self.momentum_squared.subs(dict(self.stratum))
+
+    @property
+    def x(self) -> sp.Symbol:
+        """The variable."""
+        return self.substitution.x
+
+
+def curves(square: sp.Expr, coordinate: Coordinate, x: sp.Symbol) -> list[MomentumCurve]:
+    """The curves of a squared momentum in every variable that makes it algebraic, the simplest first.
+
+    Args:
+        square: P²(q; constants).
+        coordinate: q.
+        x: the symbol of the variable.
+    """
+    found = [
+        curve for s in substitutions(square, coordinate, x) if (curve := curve_of(s, coordinate, square)) is not None
+    ]
+    return sorted(found, key=lambda c: (genus(c.degree), c.degree, sp.count_ops(c.substitution.place)))
+
+
+def genus(degree: int) -> int:
+    """The genus of y² = P(x).
+
+    Args:
+        degree: of P, squarefree.
+    """
+    return max(0, (degree - 1) // 2)
+
+
+def curve_of(substitution: Substitution, coordinate: Coordinate, square: sp.Expr) -> MomentumCurve | None:
+    """The curve in a given variable; None where P² is not rational in it.
+
+    Args:
+        substitution: the variable.
+        coordinate: q.
+        square: P²(q).
+    """
+    x = substitution.x
+    bare, back = named_constants(substitution.function * substitution.slope_squared, x)
+    top, bottom = sp.fraction(sp.cancel(sp.together(bare)))
+    if not (top.is_polynomial(x) and bottom.is_polynomial(x)) or top == 0:
+        return None
+    below = sp.factor_list(bottom, x)
+    monic = sp.Mul(*(factor**power for factor, power in below[1]))
+    above = sp.factor_list(top, x)
+    root, odd, powers = sp.S.One, sp.S.One, dict[sp.Expr, int]()
+    for factor, power in (*above[1], *below[1]):
+        powers[factor] = powers.get(factor, 0) + power
+    for factor, power in powers.items():
+        root *= factor ** (power // 2)
+        odd *= factor ** (power % 2)
+    outside, inside = _squares(sp.factor(above[0] / below[0]))
+    P = sp.Poly((inside * odd).expand().xreplace(back), x)
+    return MomentumCurve(
+        coordinate, substitution, P, sp.factor(outside * root / monic).xreplace(back), square, substitution.function
+    )
+
+
+def _squares(content: sp.Expr) -> tuple[sp.Expr, sp.Expr]:
+    """Squares of positive numbers and symbols taken out of a factor: c = a² b."""
+    outside, inside = sp.S.One, sp.S.One
+    for factor in sp.Mul.make_args(content):
+        if factor.is_Rational:
+            for part, way in ((abs(int(factor.p)), 1), (int(factor.q), -1)):
+                for prime, power in sp.factorint(part).items():
+                    outside *= sp.Integer(prime) ** (way * (power // 2))
+                    inside *= sp.Integer(prime) ** (way * (power % 2))
+            inside *= sp.sign(factor)
+            continue
+        base, power = factor.as_base_exp()
+        if power.is_Integer and base.is_positive:
+            whole, half = divmod(abs(int(power)), 2)
+            outside *= base ** (whole * sp.sign(power))
+            inside *= base ** (half * sp.sign(power))
+        else:
+            inside *= factor
+    return outside, inside
+
+
+def named_constants(expression: sp.Expr, x: sp.Symbol) -> tuple[sp.Expr, dict[sp.Symbol, sp.Expr]]:
+    """Constants that are no rational functions of symbols, √2 or sin α, by names of their own.
+
+    Args:
+        expression: rational in x.
+        x: the variable.
+
+    Returns:
+        The expression in names, and name → constant.
+    """
+    names = dict[sp.Expr, sp.Symbol]()
+    for atom in sorted(expression.atoms(sp.Function, sp.Pow, sp.NumberSymbol), key=sp.default_sort_key):
+        if atom.has(x) or (isinstance(atom, sp.Pow) and atom.exp.is_Integer):
+            continue
+        names[atom] = sp.Dummy(f"k{len(names)}", positive=atom.is_positive, real=True)
+    return expression.xreplace(names), {name: atom for atom, name in names.items()}
+
+
+def why_no_curve(found: Iterable[MomentumCurve]) -> str:
+    """Why a coordinate has no form at all.
+
+    Args:
+        found: the curves of it, the simplest first.
+    """
+    best = next(iter(found), None)
+    if best is None:
+        return (
+            "p² is algebraic in none of the variables q, q², 1/q, cos, sin, tan half, exp, cosh, sinh, tanh, √(q² + c)"
+        )
+    g = genus(best.degree)
+    return f"y² = P({best.substitution.place}) of degree {best.degree} has genus {g}: no closed form in these functions"

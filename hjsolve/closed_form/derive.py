@@ -1,0 +1,198 @@
+"""From a solution, or a motion, to the forms of its regimes."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator, Mapping
+from dataclasses import dataclass, replace
+
+import sympy as sp
+
+from hjsolve.closed_form.assemble import assembled
+from hjsolve.closed_form.curves import MomentumCurve, W, curves
+from hjsolve.closed_form.forms import RegimeForms
+from hjsolve.closed_form.pieces import CoordinateIntegrals, piece
+from hjsolve.closed_form.regime import regime
+from hjsolve.closed_form.regions import region_of
+from hjsolve.closed_form.sampling import Sample, samples
+from hjsolve.closed_form.signs import Signs
+from hjsolve.closed_form.strata import deciders, solved, strata
+from hjsolve.closed_form.verification import flaw
+from hjsolve.solution.quadratures import Solution
+
+MOST_REGIMES = 16
+_SAMPLES, _SPECIAL_SAMPLES, _SEED = 160, 60, 1
+Stratum = Mapping[sp.Symbol, sp.Expr]
+
+
+@dataclass
+class Workshop:
+    """What is shared by the regimes of one solution.
+
+    Attributes:
+        solution: what is solved.
+        curves: separated coordinate → its curves, for general constants.
+        numerators: separated coordinate → W or constant → N(q), none zero.
+        pieces: pieces found so far, by coordinate and stratum.
+    """
+
+    solution: Solution
+    curves: dict[str, list[MomentumCurve]]
+    numerators: dict[str, dict[sp.Symbol, sp.Expr]]
+    pieces: dict[tuple[str, tuple[object, ...]], list[CoordinateIntegrals]]
+
+    @property
+    def constants(self) -> list[sp.Symbol]:
+        """E, the separation constants, the ignorable momenta."""
+        return [c.symbol for c in self.solution.constants.values()]
+
+    def at(self, special: Stratum) -> dict[str, list[MomentumCurve]]:
+        """The curves where some constants are special.
+
+        Args:
+            special: constant → what it is.
+        """
+        if not special:
+            return self.curves
+        return {name: [c for curve in own if (c := curve.at(special)) is not None] for name, own in self.curves.items()}
+
+
+def workshop(solution: Solution) -> Workshop:
+    """Find the curves of every separated coordinate.
+
+    Args:
+        solution: what is solved.
+    """
+    own, numerators = dict[str, list[MomentumCurve]](), dict[str, dict[sp.Symbol, sp.Expr]]()
+    taken = {s.name for s in solution.characteristic_function.free_symbols}
+    for name, square in solution.momentum_squared.items():
+        letter = "x" if "x" not in taken else "z"
+        while letter in taken:
+            letter += "_"
+        own[name] = curves(square, solution.system.coordinate(name), sp.Symbol(letter, real=True))
+        slopes = {c.symbol: sp.diff(square, c.symbol) / 2 for c in solution.constants.values()}
+        numerators[name] = {W: square} | {c: slope for c, slope in slopes.items() if slope != 0}
+    return Workshop(solution, own, numerators, {})
+
+
+def forms_of_solution(solution: Solution) -> tuple[RegimeForms, ...]:
+    """The forms of every regime that samples meet, those of general constants first.
+
+    Args:
+        solution: what is solved.
+    """
+    shop, found = workshop(solution), list[RegimeForms]()
+    specials: list[Stratum] = [{}, *strata(shop.curves, shop.constants)]
+    for special in specials:
+        count = _SPECIAL_SAMPLES if special else _SAMPLES
+        local = shop.at(special)
+        for sample in samples(solution, count, _SEED, special):
+            if len(found) >= MOST_REGIMES:
+                return _ordered(found)
+            if any(_alike(form, sample) for form in found):
+                continue
+            form = form_of_sample(shop, local, special, sample)
+            if form is not None:
+                found.append(form)
+    return _ordered(found)
+
+
+def _ordered(found: list[RegimeForms]) -> tuple[RegimeForms, ...]:
+    """General constants before special ones, and bounded motions before others."""
+
+    def rank(form: RegimeForms) -> tuple[int, int]:
+        kinds = form.regime.kinds.values()
+        return len(form.regime.special), sum(kind not in ("libration", "rotation") for kind in kinds)
+
+    return tuple(sorted(found, key=rank))
+
+
+def _alike(form: RegimeForms, sample: Sample) -> bool:
+    """Whether a motion is of a regime that has its form already."""
+    if not form.regime.holds(sample.values):
+        return False
+    for curve, region in form.regime.regions:
+        there = region_of(curve, sample)
+        if there is None or there.key != region.key:
+            return False
+    return True
+
+
+def form_of_sample(
+    shop: Workshop, local: Mapping[str, list[MomentumCurve]], special: Stratum, sample: Sample
+) -> RegimeForms | None:  # fmt: skip
+    """The forms of the regime a motion is in; None where it is at rest, or asymptotic, in a coordinate.
+
+    Args:
+        shop: of the solution.
+        local: the curves in the stratum.
+        special: constant → what it is.
+        sample: the motion.
+    """
+    pieces = dict[str, CoordinateIntegrals]()
+    for name in shop.solution.momentum_squared:
+        own = _piece(shop, name, local[name], special, sample)
+        if own is None:
+            if local[name]:
+                return None
+            continue
+        pieces[name] = own
+    conditions, regions = dict[sp.Expr, int](), list[tuple[MomentumCurve, object]]()
+    kinds = dict[str, str]()
+    for name, own in pieces.items():
+        conditions |= own.conditions
+        regions += own.regions
+        kinds[name] = own.region.kind
+    made = regime(kinds, special, conditions, tuple(regions), sample.values, "")  # type: ignore[arg-type]
+    return assembled(shop, pieces, made, special)
+
+
+def _piece(
+    shop: Workshop, name: str, own: list[MomentumCurve], special: Stratum, sample: Sample
+) -> CoordinateIntegrals | None:
+    """The piece of a coordinate: one that was found before where it is of the same regime."""
+    key = (name, tuple(special.items()))
+    for known in shop.pieces.setdefault(key, []):
+        if _same_piece(known, sample):
+            return known
+    numerators = {k: n.subs(dict(special)) for k, n in shop.numerators[name].items()}
+    numerators = {k: n for k, n in numerators.items() if n != 0}
+    made = piece(name, numerators, own, sample)
+    if made is None:
+        return None
+    flaws = {k: reason for k in made.integrals if (reason := flaw(made, k)) is not None}
+    made = replace(
+        made, integrals={k: v for k, v in made.integrals.items() if k not in flaws}, why_not={**made.why_not, **flaws}
+    )
+    shop.pieces[key].append(made)
+    return made
+
+
+def _same_piece(known: CoordinateIntegrals, sample: Sample) -> bool:
+    at = Signs(sample.values, sp.S.Zero)
+    for expression, sign in known.conditions.items():
+        value = at.number(expression)
+        if abs(value) < 1e-40 or (value > 0) != (sign > 0):
+            return False
+    for curve, region in known.regions:
+        there = region_of(curve, sample)
+        if there is None or there.key != region.key:
+            return False
+    return True
+
+
+def special_of(shop: Workshop, exact: Mapping[sp.Symbol, sp.Expr]) -> Iterator[tuple[sp.Symbol, sp.Expr]]:
+    """The constants that are special at exact values: what each is in terms of the others.
+
+    Args:
+        shop: of the solution.
+        exact: symbol → exact value, of parameters and constants.
+    """
+    from hjsolve.motion.initial_data import number_is_zero
+
+    for own in shop.curves.values():
+        for curve in own[:1]:
+            for decider in deciders(curve, shop.constants):
+                if number_is_zero(decider.xreplace(dict(exact))):
+                    special = solved(decider, shop.constants)
+                    if special is not None:
+                        yield from special.items()

@@ -1,0 +1,124 @@
+"""Closed forms of a separable system, regime by regime: derived, verified, and only then given."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Mapping
+from dataclasses import dataclass, field
+from typing import Any
+
+import sympy as sp
+
+from hjsolve.closed_form.regime import Regime
+from hjsolve.solution.quadratures import Solution
+
+
+@dataclass(frozen=True)
+class RegimeForms:
+    """The closed forms of one regime; on the branch on which every separated momentum is positive.
+
+    Free symbols are parameters, constants of the motion, coordinates, the time t, t_0, the lower limits q_0 and the β;
+    any other is defined in ``where``.
+
+    Attributes:
+        solution: what they are forms of.
+        regime: for which constants they hold.
+        time_law: t − t₀ = …, without an integral; None where there is no such form.
+        orbit_equations: constant → −β = ….
+        characteristic_function: W; None where there is no such form.
+        turning_points: coordinate → (lower, upper), None where the motion does not turn; no key where it never turns.
+        periods: coordinate → 2π/|Ω|.
+        actions: coordinate → J = (1/2π) ∮ p dq.
+        frequencies: coordinate → Ω = ∂H/∂J.
+        mean_velocities: ignorable coordinate that is no angle → ⟨dq/dt⟩.
+        inverse: coordinate → q(t).
+        orbit: coordinate → q as a function of another coordinate, the one that it holds.
+        energy: E as a function of the actions J_<name>; None where it was not solved for.
+        where: symbol → its definition: an expression, or (polynomial, index of the real root).
+        why_not: quantity → why there is no form of it.
+    """
+
+    solution: Solution = field(repr=False)
+    regime: Regime
+    time_law: sp.Eq | None
+    orbit_equations: Mapping[str, sp.Eq]
+    characteristic_function: sp.Expr | None
+    turning_points: Mapping[str, tuple[sp.Expr | None, sp.Expr | None]]
+    periods: Mapping[str, sp.Expr]
+    actions: Mapping[str, sp.Expr]
+    frequencies: Mapping[str, sp.Expr]
+    mean_velocities: Mapping[str, sp.Expr]
+    inverse: Mapping[str, sp.Expr]
+    orbit: Mapping[str, sp.Expr]
+    energy: sp.Expr | None
+    where: Mapping[sp.Symbol, object]
+    why_not: Mapping[str, str]
+
+    def named(self) -> dict[str, sp.Expr]:
+        """Every form that is a function, by name: ``time_law``, ``periods.r``, ``inverse.x``….
+
+        Returns:
+            Name → expression; of an equation its right side.
+        """
+        found = dict[str, sp.Expr]()
+        if self.time_law is not None:
+            found["time_law"] = self.time_law.rhs
+        if self.characteristic_function is not None:
+            found["characteristic_function"] = self.characteristic_function
+        found |= {f"orbit_equations.{name}": equation.rhs for name, equation in self.orbit_equations.items()}
+        for group in ("periods", "actions", "frequencies", "mean_velocities", "inverse", "orbit"):
+            found |= {f"{group}.{name}": value for name, value in getattr(self, group).items()}
+        for name, ends in self.turning_points.items():
+            for side, end in zip(("lower", "upper"), ends, strict=True):
+                if end is not None:
+                    found[f"turning_points.{name}.{side}"] = end
+        if self.energy is not None:
+            found["energy"] = self.energy
+        return found
+
+    def evaluate(self, name: str, values: Mapping[str, Any], digits: int = 15) -> Any:
+        """One form at numbers.
+
+        Args:
+            name: of the form, as in ``named``.
+            values: symbol's name → number, of every symbol the regime and the form hold; parameters may be left out
+                where they have a default.
+            digits: of the result.
+
+        Returns:
+            An ``Estimate``.
+
+        Raises:
+            InvalidInputError: an unknown name, a value that is missing, or constants that are not of this regime.
+        """
+        from hjsolve.closed_form.numbers import evaluated
+
+        return evaluated(self, name, values, digits)
+
+    def lambdify(self, module: str = "numpy") -> dict[str, Callable[..., Any]]:
+        """Functions of numbers: of keyword arguments by the names of the symbols.
+
+        Args:
+            module: "numpy" (arrays, nan outside the regime) or "mpmath".
+
+        Returns:
+            Name, as in ``named`` → function; with the attribute ``names``, the arguments that it needs.
+
+        Raises:
+            InvalidInputError: another module.
+        """
+        from hjsolve.closed_form.numbers import functions
+
+        return functions(self, module)
+
+    def code(self, language: str = "python") -> str:
+        """Source text of one function for each form.
+
+        Args:
+            language: "python" or "c".
+
+        Raises:
+            InvalidInputError: another language.
+        """
+        from hjsolve.closed_form.source_code import source
+
+        return source(self, language)

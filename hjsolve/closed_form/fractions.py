@@ -1,0 +1,79 @@
+"""Partial fractions of the rational factor R(x) of ∫ R dx/√P, with poles at named or radical places."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import sympy as sp
+
+from hjsolve.closed_form.curves import named_constants
+
+
+class NoFormError(Exception):
+    """These functions do not hold the integral; the message says why. Never leaves the room."""
+
+
+@dataclass(frozen=True)
+class Fractions:
+    """R(x) = Σ c x^k + Σ c/(x − r)^k.
+
+    Attributes:
+        powers: (k, c), k ≥ 0.
+        poles: (r, k, c), k ≥ 1; r real.
+    """
+
+    powers: tuple[tuple[int, sp.Expr], ...]
+    poles: tuple[tuple[sp.Expr, int, sp.Expr], ...] = ()
+
+    def by_place(self) -> dict[sp.Expr, list[tuple[int, sp.Expr]]]:
+        """R → (k, c) of the poles there."""
+        found = dict[sp.Expr, list[tuple[int, sp.Expr]]]()
+        for place, power, weight in self.poles:
+            found.setdefault(place, []).append((power, weight))
+        return found
+
+
+def fractions(R: sp.Expr, x: sp.Symbol) -> Fractions:
+    """Partial fractions.
+
+    Args:
+        R: rational in x.
+        x: the variable.
+
+    Raises:
+        NoFormError: a denominator of degree above 2 that does not factor, or without real zeros for sure.
+    """
+    bare, back = named_constants(R, x)
+    top, bottom = sp.fraction(sp.cancel(sp.together(bare)))
+    whole, rest = sp.div(sp.Poly(top, x), sp.Poly(bottom, x)) if bottom.has(x) else (sp.Poly(top / bottom, x), None)
+    powers = tuple((int(k), sp.factor(c).xreplace(back)) for (k,), c in whole.terms() if c != 0)
+    if rest is None or rest.is_zero:
+        return Fractions(powers)
+    poles = []
+    constant, factors = sp.factor_list(bottom, x)
+    for factor, power in factors:
+        others = constant * sp.Mul(*(f**n for f, n in factors if f != factor))
+        for place, cofactor in _zeros(factor, x):
+            g = rest.as_expr() / (others * cofactor**power)
+            for order in range(power):
+                weight = sp.diff(g, x, order).subs(x, place) / sp.factorial(order)
+                weight = sp.factor(sp.cancel(sp.together(weight)))
+                if weight != 0:
+                    poles.append((place.xreplace(back), power - order, weight.xreplace(back)))
+    return Fractions(powers, tuple(poles))
+
+
+def _zeros(factor: sp.Expr, x: sp.Symbol) -> list[tuple[sp.Expr, sp.Expr]]:
+    """The zeros r of an irreducible factor, and factor/(x − r)."""
+    coefficients = sp.Poly(factor, x).all_coeffs()
+    if len(coefficients) == 2:
+        a, b = coefficients
+        return [(sp.cancel(-b / a), a)]
+    if len(coefficients) == 3:
+        a, b, c = coefficients
+        D = sp.factor(b**2 - 4 * a * c)
+        if D.is_negative:
+            raise NoFormError(f"the integrand has poles at complex places, where {factor} = 0")
+        low, high = ((-b + s * sp.sqrt(D)) / (2 * a) for s in (-1, 1))
+        return [(low, a * (x - high)), (high, a * (x - low))]
+    raise NoFormError(f"the integrand has poles at the roots of a polynomial of degree {len(coefficients) - 1}")

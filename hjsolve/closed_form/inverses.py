@@ -1,0 +1,236 @@
+"""q(t) and r(θ): Jacobi's equations solved for the coordinates, where each holds a single transcendental function."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from typing import TYPE_CHECKING
+
+import mpmath
+import sympy as sp
+
+from hjsolve.closed_form.elementary import Antiderivative
+from hjsolve.closed_form.fractions import NoFormError
+from hjsolve.closed_form.pieces import CoordinateIntegrals, PieceIntegral
+from hjsolve.closed_form.tidy import tidy
+
+if TYPE_CHECKING:
+    from hjsolve.closed_form.derive import Workshop
+
+Stratum = Mapping[sp.Symbol, sp.Expr]
+_DIGITS = 40
+
+
+def inverses(
+    shop: Workshop, pieces: Mapping[str, CoordinateIntegrals], special: Stratum, why_not: dict[str, str]
+) -> dict[str, sp.Expr]:  # fmt: skip
+    """q(t) of every coordinate that can be had.
+
+    Each coordinate must have one independent integral τ, its others being multiples of it by constants: then Jacobi's
+    equations are linear in the τ, and each τ(q) is inverted by itself.
+
+    Args:
+        shop: of the solution.
+        pieces: separated coordinate → its integrals.
+        special: constant → what it is.
+        why_not: gets a reason for every coordinate without one.
+    """
+    solution, found = shop.solution, dict[str, sp.Expr]()
+    try:
+        values = _phases(shop, pieces, special)
+    except NoFormError as error:
+        return _refused(shop, why_not, str(error))
+    for name, (integral, τ) in values.items():
+        try:
+            found[name] = inverted(pieces[name], integral, τ, solution.lower_limits[name])
+        except NoFormError as error:
+            why_not[f"inverse.{name}"] = str(error)
+    for c in solution.separation.shell.ignorable:
+        equation = solution.orbit_equations[c.momentum.name]
+        if not solution.coordinates:
+            found[c.name] = sp.expand(equation.lhs - (equation.rhs - c.symbol))
+            continue
+        try:
+            moved = sp.Add(*(_multiple(pieces[n], c.momentum, i) * τ for n, (i, τ) in values.items()))
+        except NoFormError:
+            why_not[f"inverse.{c.name}"] = "its equation holds another integral than the time law"
+            continue
+        constant = equation.rhs.replace(lambda e: isinstance(e, sp.Integral), lambda _: sp.S.Zero) - c.symbol
+        along = {solution.system.coordinate(n).symbol: found.get(n) for n in solution.coordinates}
+        if any(constant.has(q) and place is None for q, place in along.items()):
+            why_not[f"inverse.{c.name}"] = "the shift of the momenta enters its equation, and with it q(t) of another"
+            continue
+        constant = constant.xreplace({q: place for q, place in along.items() if place is not None})
+        found[c.name] = tidy(sp.expand(equation.lhs - constant.subs(dict(special)) - moved))
+    return found
+
+
+def _refused(shop: Workshop, why_not: dict[str, str], reason: str) -> dict[str, sp.Expr]:
+    for c in shop.solution.system.coordinates:
+        why_not[f"inverse.{c.name}"] = reason
+    return {}
+
+
+def _phases(
+    shop: Workshop, pieces: Mapping[str, CoordinateIntegrals], special: Stratum
+) -> dict[str, tuple[PieceIntegral, sp.Expr]]:  # fmt: skip
+    """Coordinate → its one integral, and what that is as a function of t and the β."""
+    solution, names = shop.solution, list(shop.solution.coordinates)
+    if not names:
+        return {}
+    ignorable = {c.momentum for c in solution.separation.shell.ignorable}
+    inner = [c for c in solution.constants.values() if c.symbol not in ignorable]
+    for name in names:
+        if name not in pieces:
+            raise NoFormError(f"{name} has no integral in closed form")
+    references = {name: _reference(pieces[name], [c.symbol for c in inner]) for name in names}
+    M = sp.Matrix([[_multiple(pieces[n], c.symbol, references[n]) for n in names] for c in inner])
+    right = []
+    for c in inner:
+        equation = solution.time_law if c.symbol == shop.constants[0] else solution.orbit_equations[c.name]
+        assert equation is not None
+        rest = equation.rhs.replace(lambda e: isinstance(e, sp.Integral), lambda _: sp.S.Zero)
+        right.append(equation.lhs - rest.subs(dict(special)))
+    if any(r.free_symbols & {solution.system.coordinate(n).symbol for n in names} for r in right):
+        raise NoFormError("the shift of the momenta enters the time law")
+    solved = M.LUsolve(sp.Matrix(right)) if len(names) > 1 else sp.Matrix([right[0] / M[0, 0]])
+    return {n: (references[n], sp.expand(sp.cancel(τ))) for n, τ in zip(names, solved, strict=True)}
+
+
+def _reference(own: CoordinateIntegrals, inner: list[sp.Symbol]) -> PieceIntegral:
+    """The integral of which all others of a coordinate are multiples: the first that there is."""
+    for key in inner:
+        if key in own.integrals:
+            return own.integrals[key]
+        if key in own.why_not:
+            raise NoFormError(f"{own.name}: {own.why_not[key]}")
+    raise NoFormError(f"{own.name} has no integral")
+
+
+def _multiple(own: CoordinateIntegrals, key: sp.Symbol, reference: PieceIntegral) -> sp.Expr:
+    """N/N_reference, a constant."""
+    numerator = own.numerators.get(key, sp.S.Zero)
+    ratio = sp.cancel(sp.together(numerator / reference.numerator))
+    if ratio.has(reference.curve.coordinate.symbol):
+        raise NoFormError(
+            f"the time law and the orbit equations hold different integrals over {own.name}: "
+            "they must be solved together"
+        )
+    return ratio
+
+
+def inverted(own: CoordinateIntegrals, integral: PieceIntegral, value: sp.Expr, start: sp.Symbol) -> sp.Expr:
+    """The q at which an integral from a lower limit has a value.
+
+    Args:
+        own: the coordinate.
+        integral: ∫ N dq/P.
+        value: what it is to be.
+        start: the lower limit, a symbol.
+
+    Raises:
+        NoFormError: it holds more than one function of q.
+    """
+    if integral.law is None:
+        raise NoFormError("no elementary inverse")
+    law, q = integral.law, integral.curve.coordinate.symbol
+    s = integral.curve.substitution
+    if not law.terms and law.algebraic != 0:
+        return _algebraic(own, integral, value, start)
+    if law.algebraic != 0 or len(law.terms) != 1:
+        raise NoFormError(_why_not_inverted(own, law))
+    weight, basic = law.terms[0]
+    begin = basic.written(s.place.subs(q, start))
+    x = basic.solved(sp.expand(value / weight) + begin)
+    return verified_inverse(own, integral, tidy(s.inverse.subs(s.x, x)), value, start)
+
+
+def _algebraic(own: CoordinateIntegrals, integral: PieceIntegral, value: sp.Expr, start: sp.Symbol) -> sp.Expr:
+    """C √(Bx + C) = w: the uniformly accelerated motion."""
+    law, s, q = integral.law, integral.curve.substitution, integral.curve.coordinate.symbol
+    assert law is not None
+    P = sp.Poly(law.polynomial, law.x)
+    if P.degree() != 1 or law.algebraic.has(law.x):
+        raise NoFormError(_why_not_inverted(own, law))
+    B, C = P.all_coeffs()
+    w = value / law.algebraic + sp.sqrt(law.polynomial).subs(law.x, s.place.subs(q, start))
+    x = sp.expand((w**2 - C) / B)
+    return verified_inverse(own, integral, tidy(s.inverse.subs(s.x, x)), value, start)
+
+
+def _why_not_inverted(own: CoordinateIntegrals, law: Antiderivative) -> str:
+    kinds = [term.kind for _, term in law.terms]
+    if law.algebraic != 0 and len(kinds) == 1 and own.region.kind in ("libration", "escape", "boundary"):
+        what = {"arcsine": "Kepler's equation", "area cosine right": "Kepler's equation of the hyperbola"}.get(kinds[0])
+        if what is not None:
+            return f"t({own.name}) is {what}: {own.name}(t) has no closed form"
+    if not kinds:
+        return f"t({own.name}) is algebraic, of higher degree in the root"
+    return f"t({own.name}) holds more than one transcendental function of {own.name}"
+
+
+def verified_inverse(
+    own: CoordinateIntegrals, integral: PieceIntegral, place: sp.Expr, value: sp.Expr, start: sp.Symbol
+) -> sp.Expr:  # fmt: skip
+    """An inverse, once it gives back a place from the integral there, to 40 digits.
+
+    Args:
+        own: the coordinate, with its sample.
+        integral: ∫ N dq/P, verified.
+        place: the inverse, q as a function of the value.
+        value: what the integral from the lower limit is to be, an expression of t and β.
+        start: the lower limit.
+
+    Raises:
+        NoFormError: it does not.
+    """
+    q, values = integral.curve.coordinate.symbol, dict(own.sample.values)
+    begin = own.sample.places[own.name]
+    stop = _nearby(own, integral)
+    difference = (integral.value.subs(q, stop) - integral.value.subs(q, begin)).xreplace(values)
+    free = sorted(value.free_symbols - set(values), key=str)
+    with mpmath.workdps(_DIGITS + 20):
+        fixed = {s: sp.Rational(k + 2, 7) for k, s in enumerate(free[1:])} | {start: begin}
+        unknown = free[0]
+        slope = sp.diff(value, unknown)
+        rest = value.subs(unknown, 0).xreplace(fixed).xreplace(values)
+        at = sp.N((sp.N(difference, 70) - rest) / slope.xreplace(values), 70)
+        got = sp.N(place.xreplace(values).xreplace({**fixed, unknown: at}), 60)
+        if not got.is_real or abs(got - stop) > abs(stop) * sp.Float(10) ** -_DIGITS + sp.Float(10) ** (-_DIGITS - 5):
+            raise NoFormError(f"not verified: the inverse gives {sp.N(got, 15)} for {sp.N(stop, 15)}")
+    return place
+
+
+def _nearby(own: CoordinateIntegrals, integral: PieceIntegral) -> sp.Expr:
+    """Another place of the same region, on the same side of the turning points."""
+    from hjsolve.closed_form.verification import span
+
+    low, high = span(own, integral)
+    return sp.Rational(str(mpmath.nstr(low + (high - low) * mpmath.mpf("0.64"), 15)))
+
+
+def orbits(shop: Workshop, pieces: Mapping[str, CoordinateIntegrals], special: Stratum) -> dict[str, sp.Expr]:
+    """Q as a function of an ignorable coordinate, from its orbit equation −β = θ + ∫ ∂p/∂c dq.
+
+    Args:
+        shop: of the solution.
+        pieces: separated coordinate → its integrals.
+        special: constant → what it is.
+    """
+    solution, found = shop.solution, dict[str, sp.Expr]()
+    for c in solution.separation.shell.ignorable:
+        if c.momentum in special:
+            continue
+        key, equation = c.momentum, solution.orbit_equations[c.momentum.name]
+        held = [name for name in solution.coordinates if name in pieces and key in pieces[name].numerators]
+        if len(held) != 1 or held[0] in found or key not in pieces[held[0]].integrals:
+            continue
+        own, name = pieces[held[0]], held[0]
+        rest = equation.rhs.replace(lambda e: isinstance(e, sp.Integral), lambda _: sp.S.Zero)
+        if rest.has(own.integrals[key].curve.coordinate.symbol):
+            continue
+        try:
+            value = sp.expand(equation.lhs - rest)
+            found[name] = inverted(own, own.integrals[key], value, solution.lower_limits[name])
+        except NoFormError:
+            continue
+    return found

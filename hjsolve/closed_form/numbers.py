@@ -1,0 +1,217 @@
+"""Numbers of forms: with an error, and only for constants of the form's regime."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Mapping
+from typing import TYPE_CHECKING, Any
+
+import mpmath
+import sympy as sp
+
+from hjsolve.arithmetic.estimate import Estimate
+from hjsolve.closed_form.regions import region_exists
+from hjsolve.errors import InvalidInputError, MissingValueError
+from hjsolve.formulas.read import number
+from hjsolve.functions import modules
+
+if TYPE_CHECKING:
+    from hjsolve.closed_form.forms import RegimeForms
+
+_GUARD, _FLOAT_DIGITS = 20, 15
+_SPECIAL = 1e-12
+
+
+def evaluated(form: RegimeForms, name: str, values: Mapping[str, Any], digits: int) -> Estimate:
+    """One form at numbers; see ``RegimeForms.evaluate``.
+
+    Args:
+        form: of a regime.
+        name: of the quantity.
+        values: symbol's name → number.
+        digits: of the result.
+
+    Raises:
+        InvalidInputError: an unknown name, or constants that are not of this regime.
+        MissingValueError: a value that is missing.
+    """
+    expression = _wanted(form, name)
+    exact = _exact(form, expression, values)
+    refuse_outside(form, exact)
+    with mpmath.workdps(2 * (digits + _GUARD)):
+        table = exact | root_values(form, exact, 2 * (digits + _GUARD))
+        near, far = (sp.N(expression.xreplace(table), n) for n in (digits + _GUARD, 2 * (digits + _GUARD)))
+        if far.has(sp.zoo, sp.oo, -sp.oo, sp.nan):
+            raise InvalidInputError(f"{name} is infinite there")
+        if not far.is_number or (not sp.im(far).is_zero and abs(sp.im(far)) > abs(far) * sp.Float(10) ** -digits):
+            raise InvalidInputError(f"{name} has no real value there: the place is not one the motion reaches")
+        value, again = mpmath.mpf(sp.re(near)), mpmath.mpf(sp.re(far))
+        lost = 2 * abs(value - again)
+    if digits <= _FLOAT_DIGITS:
+        return Estimate(float(again), float(lost) + abs(float(again)) * 2.0**-52)
+    context = mpmath.mp.clone()
+    context.dps = digits + 2
+    return Estimate(context.mpf(again), context.mpf(lost) + abs(context.mpf(again)) * context.mpf(10) ** -digits)
+
+
+def refuse_outside(form: RegimeForms, exact: Mapping[sp.Symbol, sp.Expr]) -> None:
+    """Refuse constants that are not of a form's regime.
+
+    Args:
+        form: of a regime.
+        exact: symbol → exact value, of every parameter and constant.
+
+    Raises:
+        InvalidInputError: they are of another one.
+    """
+    if not form.regime.holds(exact):
+        raise InvalidInputError(
+            f"these constants are not of the form's regime ({form.regime.words}); "
+            "take the form of closed_forms(solution) whose regime holds, or closed_forms(motion)"
+        )
+
+
+def _wanted(form: RegimeForms, name: str) -> sp.Expr:
+    named = form.named()
+    if name not in named:
+        reason = form.why_not.get(name)
+        more = f"there is no form of it: {reason}" if reason else f"known are {', '.join(named)}"
+        raise InvalidInputError(f"{name!r}: {more}")
+    return named[name]
+
+
+def _exact(form: RegimeForms, expression: sp.Expr, values: Mapping[str, Any]) -> dict[sp.Symbol, sp.Expr]:
+    """Symbol → exact value, of everything the regime and the expression need."""
+    exact = {p.symbol: p.value for p in form.solution.system.parameters if p.value is not None}
+    needed = {s.name: s for s in (*form.regime.example, *expression.free_symbols) if s not in form.where}
+    for name, value in values.items():
+        if name not in needed:
+            raise InvalidInputError(
+                f"{name!r} occurs neither in the form nor in its regime; they hold {', '.join(needed)}"
+            )
+        exact[needed[name]] = number(value, source=name)
+    for constant, meaning in form.regime.special.items():
+        if constant not in exact:
+            exact[constant] = meaning.xreplace(exact)
+    missing = [name for name, symbol in needed.items() if symbol not in exact]
+    if missing:
+        raise MissingValueError(f"a value is missing for {', '.join(missing)}")
+    return exact
+
+
+def root_values(form: RegimeForms, exact: Mapping[sp.Symbol, sp.Expr], digits: int) -> dict[sp.Symbol, sp.Expr]:
+    """Values of the symbols that ``where`` defines.
+
+    Args:
+        form: of a regime.
+        exact: symbol → exact value.
+        digits: to which roots are found.
+    """
+    found = dict[sp.Symbol, sp.Expr]()
+    with mpmath.workdps(digits):
+        for symbol, meaning in form.where.items():
+            if isinstance(meaning, tuple):
+                polynomial, index = meaning
+                coefficients = [mpmath.mpf(sp.N(c.xreplace(dict(exact)), digits)) for c in polynomial.all_coeffs()]
+                roots = mpmath.polyroots(coefficients, maxsteps=300, extraprec=2 * digits + 200)
+                size = max(abs(r) for r in roots) * mpmath.mpf(10) ** (-digits // 2)
+                found[symbol] = sp.Float(sorted(r.real for r in roots if abs(r.imag) <= size)[index], digits)
+            else:
+                found[symbol] = sp.N(sp.sympify(meaning).xreplace({**exact, **found}), digits)
+    return found
+
+
+def functions(form: RegimeForms, module: str) -> dict[str, Callable[..., Any]]:
+    """Functions of numbers; see ``RegimeForms.lambdify``.
+
+    Args:
+        form: of a regime.
+        module: "numpy" or "mpmath".
+
+    Raises:
+        InvalidInputError: another module.
+    """
+    if module not in ("numpy", "mpmath"):
+        raise InvalidInputError(f'lambdify: {module!r} is not known; write "numpy" or "mpmath"')
+    return {name: _function(form, expression, module) for name, expression in form.named().items()}
+
+
+def _function(form: RegimeForms, expression: sp.Expr, module: str) -> Callable[..., Any]:
+    compiled = _CompiledForm(form, expression, module)
+
+    def function(**given: Any) -> Any:
+        return compiled.arrays(given) if module == "numpy" else compiled.one([*map(_exactly, compiled.values(given))])
+
+    function.names = compiled.names  # type: ignore[attr-defined]
+    return function
+
+
+def _exactly(value: Any) -> Any:
+    return mpmath.mpmathify(number(value, source="value") if isinstance(value, str) else value)
+
+
+class _CompiledForm:
+    """A form and the conditions of its regime, compiled for numbers."""
+
+    def __init__(self, form: RegimeForms, expression: sp.Expr, module: str):
+        made, where = form.regime, form.where
+        self.form, self.roots = form, [s for s in expression.free_symbols if s in where]
+        self.curves = [(c, r) for c, r in made.regions if c.degree > 2]
+        held = {s for s in expression.free_symbols if s not in where} | set(made.special)
+        held |= {s for e in (*made.conditions, *made.special.values()) for s in e.free_symbols}
+        held |= {s for c, _ in self.curves for p in c.polynomial.coeffs() for s in p.free_symbols}
+        self.symbols = sorted(held, key=str)
+        self.names = tuple(s.name for s in self.symbols)
+        self.defaults = {p.name: p.value for p in form.solution.system.parameters if p.value is not None}
+        known = modules(module)
+        self.plain = sp.lambdify([*self.symbols, *self.roots], expression, modules=known, cse=True)
+        self.tests = [sp.lambdify(self.symbols, sign * e, modules=known) for e, sign in made.conditions.items()]
+        self.equal = [sp.lambdify(self.symbols, c - e, modules=known) for c, e in made.special.items()]
+
+    def values(self, given: Mapping[str, Any]) -> list[Any]:
+        """The arguments in order."""
+        for name in given:
+            if name not in self.names:
+                raise InvalidInputError(f"{name!r} is no argument; they are {', '.join(self.names)}")
+        missing = [name for name in self.names if name not in given and name not in self.defaults]
+        if missing:
+            raise MissingValueError(f"a value is missing for {', '.join(missing)}")
+        return [given[name] if name in given else self.defaults[name] for name in self.names]
+
+    def one(self, numbers: list[Any]) -> Any:
+        """At one place; nan outside the regime."""
+        if not self._inside(numbers):
+            return mpmath.nan
+        if not self.roots:
+            return self.plain(*numbers)
+        exact = {s: sp.sympify(v) for s, v in zip(self.symbols, numbers, strict=True)}
+        table = root_values(self.form, exact, mpmath.mp.dps + 5)
+        return self.plain(*numbers, *(mpmath.mpmathify(table[s]) for s in self.roots))
+
+    def _inside(self, numbers: list[Any]) -> bool:
+        if any(abs(test(*numbers)) > _SPECIAL for test in self.equal):
+            return False
+        if any(not test(*numbers) > 0 for test in self.tests):
+            return False
+        pairs = zip(self.symbols, numbers, strict=True)
+        exact = {s: sp.sympify(mpmath.mpmathify(v)) for s, v in pairs} if self.curves else {}
+        return all(region_exists(c, r, exact) for c, r in self.curves)
+
+    def arrays(self, given: Mapping[str, Any]) -> Any:
+        """At arrays of doubles; nan outside the regime."""
+        import numpy as np
+
+        listed = [np.asarray(v, dtype=float) for v in self.values(given)]
+        places = np.broadcast_arrays(*listed) if listed else []
+        with np.errstate(all="ignore"):
+            good = np.ones(places[0].shape if places else (), dtype=bool)
+            for test in self.tests:
+                good &= np.asarray(test(*places)) > 0
+            for test in self.equal:
+                good &= np.abs(test(*places)) <= _SPECIAL
+            if self.curves or self.roots:
+                result = np.full(good.shape, np.nan)
+                for place in np.argwhere(good):
+                    result[tuple(place)] = float(self.one([float(a[tuple(place)]) for a in places]))
+            else:
+                result = np.where(good, self.plain(*places), np.nan)
+        return result[()]

@@ -1,0 +1,167 @@
+"""The regime of a form: for which constants it holds, in words, as relations, and decided at numbers."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from dataclasses import dataclass, field
+
+import sympy as sp
+
+from hjsolve.closed_form.curves import MomentumCurve
+from hjsolve.closed_form.regions import RootInterval, region_exists
+from hjsolve.closed_form.signs import Signs
+
+_OPPOSITE = {sp.StrictGreaterThan: sp.StrictLessThan, sp.StrictLessThan: sp.StrictGreaterThan}
+
+
+@dataclass(frozen=True)
+class Regime:
+    """For which motions a form holds.
+
+    Attributes:
+        words: the kinds of motion and the relations, as text.
+        relations: between the constants and parameters; all hold.
+        kinds: separated coordinate → libration, rotation, escape or boundary.
+        example: symbol → exact value, of a motion of this regime.
+        special: constant → what it is, where the regime fixes it (E = 0).
+        conditions: expression → its sign.
+        regions: the curves used, and where on them the motion is.
+    """
+
+    words: str
+    relations: tuple[sp.Basic, ...]
+    kinds: Mapping[str, str]
+    example: Mapping[sp.Symbol, sp.Expr] = field(repr=False)
+    special: Mapping[sp.Symbol, sp.Expr] = field(repr=False)
+    conditions: Mapping[sp.Expr, int] = field(repr=False)
+    regions: tuple[tuple[MomentumCurve, RootInterval], ...] = field(repr=False)
+
+    def __str__(self) -> str:
+        return self.words
+
+    def holds(self, values: Mapping[sp.Symbol, sp.Expr]) -> bool:
+        """Whether there is a motion of this regime with given constants.
+
+        Args:
+            values: symbol → exact number, of every parameter and constant.
+        """
+        at = Signs(values, sp.S.Zero)
+        for constant, expression in self.special.items():
+            size = 1 + abs(at.number(expression))
+            if abs(at.number(constant) - at.number(expression)) > size * sp.Float(10) ** -30:
+                return False
+        for expression, sign in self.conditions.items():
+            value = at.number(expression)
+            if not value.is_real or abs(value) < 1e-40 or (value > 0) != (sign > 0):
+                return False
+        return all(region_exists(curve, region, dict(values)) for curve, region in self.regions)
+
+
+def regime(
+    kinds: Mapping[str, str], special: Mapping[sp.Symbol, sp.Expr], conditions: Mapping[sp.Expr, int],
+    regions: tuple[tuple[MomentumCurve, RootInterval], ...], example: Mapping[sp.Symbol, sp.Expr], ordering: str,
+) -> Regime:  # fmt: skip
+    """Put a regime into words and relations.
+
+    Args:
+        kinds: separated coordinate → kind.
+        special: constant → what it is.
+        conditions: expression → its sign.
+        regions: the curves used, and where on them the motion is.
+        example: a motion's parameters and constants.
+        ordering: what is said of roots of higher degree.
+    """
+    relations: list[sp.Basic] = [sp.Eq(c, e, evaluate=False) for c, e in special.items()]
+    for expression, sign in conditions.items():
+        relation = plain_relation(expression, sign)
+        if relation is not None and relation not in relations:
+            relations.append(relation)
+    signed = {r.lhs for r in relations if isinstance(r, (sp.StrictGreaterThan, sp.StrictLessThan)) and r.rhs == 0}
+    relations = [r for r in relations if not (isinstance(r, sp.Ne) and r.lhs in signed)]
+    what = [f"{name}: {kind}" for name, kind in kinds.items()] or ["every motion"]
+    texts = [_written(relation) for relation in relations]
+    words = "; ".join(filter(None, (", ".join(what), ", ".join(texts), ordering)))
+    return Regime(words, tuple(relations), kinds, example, special, conditions, regions)
+
+
+def _written(relation: sp.Basic) -> str:
+    if isinstance(relation, sp.Eq):
+        return f"{relation.lhs} = {relation.rhs}"
+    if isinstance(relation, sp.Ne):
+        return f"{relation.lhs} ≠ {relation.rhs}"
+    return str(relation)
+
+
+def plain_relation(expression: sp.Expr, sign: int) -> sp.Basic | None:
+    """A relation without factors whose sign is known: 2Em < 0 is E < 0; None where it is always true.
+
+    Args:
+        expression: of the constants.
+        sign: its sign.
+    """
+    rest = sp.S.One
+    for factor in sp.Mul.make_args(sp.factor(expression)):
+        if factor.is_positive:
+            continue
+        if factor.is_negative:
+            sign = -sign
+            continue
+        base, power = factor.as_base_exp()
+        if power.is_Integer and power % 2 == 0:
+            rest *= sp.Abs(base) if rest == 1 and len(sp.Mul.make_args(expression)) < 2 else sp.S.One
+            if base.is_nonzero is None and rest == 1:
+                rest *= base**2
+            continue
+        rest *= base
+    if rest == 1:
+        return None
+    if rest.is_nonnegative and sign > 0:
+        base = rest.as_base_exp()[0]
+        return sp.Ne(base, 0)
+    left, right = _sides(rest)
+    return sp.Gt(left, right) if sign > 0 else sp.Lt(left, right)
+
+
+def _sides(expression: sp.Expr) -> tuple[sp.Expr, sp.Expr]:
+    """E − a as E against a; what is not a sum of two like that against zero."""
+    terms = sp.Add.make_args(expression)
+    if len(terms) == 2:
+        plus = [t for t in terms if not t.could_extract_minus_sign()]
+        minus = [t for t in terms if t.could_extract_minus_sign()]
+        if len(plus) == 1 and len(minus) == 1:
+            return plus[0], -minus[0]
+    return expression, sp.S.Zero
+
+
+def settled(made: Regime, expression: sp.Expr) -> sp.Expr:
+    """An expression with |E| and sign(E) written plainly where the regime says E > 0 or E < 0.
+
+    Args:
+        made: the regime.
+        expression: of a form.
+    """
+    table = dict[sp.Expr, sp.Expr]()
+    for relation in made.relations:
+        if isinstance(relation, (sp.StrictGreaterThan, sp.StrictLessThan)) and relation.rhs == 0:
+            side = 1 if isinstance(relation, sp.StrictGreaterThan) else -1
+            table |= {sp.Abs(relation.lhs): side * relation.lhs, sp.sign(relation.lhs): sp.Integer(side)}
+    return expression.xreplace(table) if table else expression
+
+
+def positive_in(made: Regime, expression: sp.Expr) -> bool:
+    """Whether an expression is positive by the regime's conditions on single symbols; False is no proof of anything.
+
+    Args:
+        made: the regime.
+        expression: of parameters and constants.
+    """
+    table = dict[sp.Symbol, sp.Expr]()
+    for relation in made.relations:
+        if not relation.lhs.is_Symbol or relation.rhs != 0:
+            continue
+        if isinstance(relation, (sp.StrictGreaterThan, sp.StrictLessThan)):
+            size = sp.Dummy(relation.lhs.name, positive=True)
+            table[relation.lhs] = size if isinstance(relation, sp.StrictGreaterThan) else -size
+        elif isinstance(relation, sp.Ne):
+            table.setdefault(relation.lhs, sp.Dummy(relation.lhs.name, real=True, nonzero=True))
+    return bool(expression.xreplace(table).is_positive)

@@ -1,0 +1,59 @@
+"""Signs of expressions in the constants at a sample of a regime: each sign that a form rests on becomes a condition."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+
+import mpmath
+import sympy as sp
+
+DIGITS = 60
+
+
+class Signs:
+    """Signs at a sample, with a record of those that decided something.
+
+    Args:
+        values: symbol → exact value, of every parameter and constant.
+        place: the x of the sample, on the piece of the x-axis that the motion is on.
+    """
+
+    def __init__(self, values: Mapping[sp.Symbol, sp.Expr], place: sp.Expr):
+        self.values, self.place = dict(values), place
+        self.decided: dict[sp.Expr, int] = {}
+
+    def number(self, expression: sp.Expr) -> mpmath.mpf:
+        """The value of an expression at the sample.
+
+        Args:
+            expression: of parameters and constants.
+        """
+        return sp.N(expression.xreplace(self.values), DIGITS)
+
+    def sign(self, expression: sp.Expr) -> int:
+        """The sign at the sample; kept as a condition where the symbols do not imply it.
+
+        Args:
+            expression: of parameters and constants.
+        """
+        if expression.is_zero or expression == 0:
+            return 0
+        known = 1 if expression.is_positive else -1 if expression.is_negative else None
+        if known is not None:
+            return known
+        value = self.number(expression)
+        found = 0 if abs(value) < 1e-40 else 1 if value > 0 else -1
+        if found:
+            self.decided[sp.factor_terms(expression)] = found
+        return found
+
+    def slope_sign(self, A: sp.Expr, B: sp.Expr, place: sp.Expr | None) -> int:
+        """The sign of 2Au + B at the sample, u = x or 1/(x − r).
+
+        Args:
+            A, B: coefficients.
+            place: r; None where u = x.
+        """
+        x = self.place
+        u = x if place is None else 1 / (x - self.number(place))
+        return 1 if 2 * self.number(A) * u + self.number(B) > 0 else -1

@@ -1,0 +1,72 @@
+"""Special constants, at which a curve changes its degree or two of its roots meet: E = 0, the separatrix."""
+
+from __future__ import annotations
+
+from collections.abc import Iterable, Mapping
+
+import sympy as sp
+
+from hjsolve.closed_form.curves import MomentumCurve, named_constants
+
+Stratum = Mapping[sp.Symbol, sp.Expr]
+
+
+def deciders(curve: MomentumCurve, constants: Iterable[sp.Symbol]) -> list[sp.Expr]:
+    """Factors of the leading coefficient, the discriminant and the values of P at the ends that depend on constants.
+
+    Args:
+        curve: of a coordinate.
+        constants: of the motion.
+    """
+    P, s, x = curve.polynomial, curve.substitution, curve.x
+    bare, back = named_constants(P.as_expr(), x)
+    factors = [f for f, _ in sp.factor_list(sp.numer(sp.together(bare)), x)[1]]
+    found: list[sp.Expr] = [P.LC()]
+    for k, f in enumerate(factors):
+        if 2 <= sp.degree(f, x) <= 3:
+            found.append(sp.discriminant(f, x).xreplace(back))
+        found += [sp.resultant(f, g, x).xreplace(back) for g in factors[:k]]
+    found += [P.as_expr().subs(x, end) for end in (s.lower, s.upper) if end.is_finite]
+    result = list[sp.Expr]()
+    wanted = set(constants)
+    for expression in found:
+        bare, back = named_constants(sp.together(expression), x)
+        top = sp.fraction(sp.cancel(bare))[0]
+        for factor, _ in sp.factor_list(top)[1]:
+            plain = factor.xreplace(back)
+            if plain.free_symbols & wanted and plain not in result:
+                result.append(plain)
+    return result
+
+
+def solved(decider: sp.Expr, constants: Iterable[sp.Symbol]) -> dict[sp.Symbol, sp.Expr] | None:
+    """The constant that a decider fixes where it is zero, the first that it holds to first degree.
+
+    Args:
+        decider: zero in the stratum.
+        constants: of the motion, in the order of preference.
+    """
+    for constant in constants:
+        if not decider.has(constant) or not decider.is_polynomial(constant):
+            continue
+        p = sp.Poly(decider, constant)
+        if p.degree() == 1:
+            return {constant: sp.factor(sp.cancel(-p.coeff_monomial(1) / p.LC()))}
+    return None
+
+
+def strata(curves: Mapping[str, list[MomentumCurve]], constants: list[sp.Symbol]) -> list[dict[sp.Symbol, sp.Expr]]:
+    """Every stratum that fixes one constant.
+
+    Args:
+        curves: separated coordinate → its curves.
+        constants: E, the separation constants, the ignorable momenta.
+    """
+    found = list[dict[sp.Symbol, sp.Expr]]()
+    for own in curves.values():
+        for curve in own[:1]:
+            for decider in deciders(curve, constants):
+                special = solved(decider, constants)
+                if special is not None and special not in found:
+                    found.append(special)
+    return found

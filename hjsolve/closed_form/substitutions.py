@@ -1,0 +1,328 @@
+"""Variables x = φ(q) in which a squared momentum P²(q) is a rational function.
+
+With G(x) = φ′(q)², every integral of a separated solution is ∫ N dq/√P² = ∫ N dx/√(P² G): rational in x but for one
+square root, where both P² and G are rational in x. Candidates: q, q², 1/q, √(q² + c), and of sines, hyperbolic
+sines and exponentials of multiples of one argument κq: cos, sin, tan of the half, sin of the half shifted, cosh, sinh,
+tanh, exp. Each is used only where it is monotone on the whole domain of the coordinate.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from dataclasses import dataclass
+
+import sympy as sp
+
+from hjsolve.mechanics.coordinates_and_parameters import Coordinate
+
+S, C, X = sp.Symbol("_S", real=True), sp.Symbol("_C", real=True), sp.Symbol("_X", positive=True)
+HYPERBOLIC = {
+    sp.sinh: lambda w: (sp.exp(w) - sp.exp(-w)) / 2,
+    sp.cosh: lambda w: (sp.exp(w) + sp.exp(-w)) / 2,
+    sp.tanh: lambda w: (sp.exp(w) - sp.exp(-w)) / (sp.exp(w) + sp.exp(-w)),
+}
+
+
+@dataclass(frozen=True)
+class Substitution:
+    """A variable x = φ(q), monotone on the domain of q.
+
+    Attributes:
+        x: the variable.
+        place: φ(q).
+        inverse: q as a function of x.
+        slope_squared: G(x) = φ′(q)².
+        function: P² as a function of x.
+        lower: the lower end of the values of x, ±oo allowed.
+        upper: the upper end.
+        increasing: whether x grows with q.
+        closed: whether x runs over its whole range while q makes one turn: a rotation is then the whole range.
+    """
+
+    x: sp.Symbol
+    place: sp.Expr
+    inverse: sp.Expr
+    slope_squared: sp.Expr
+    function: sp.Expr
+    lower: sp.Expr
+    upper: sp.Expr
+    increasing: bool
+    closed: bool = False
+
+
+def substitutions(square: sp.Expr, coordinate: Coordinate, x: sp.Symbol) -> Iterator[Substitution]:
+    """Every variable known here in which a squared momentum is rational.
+
+    Args:
+        square: P²(q).
+        coordinate: q, with its domain.
+        x: the symbol to use for the variable.
+    """
+    q = coordinate.symbol
+    lower, upper = ends(coordinate)
+    inner = [a for a in square.atoms(sp.Function, sp.Pow) if a.has(q) and not _plain(a)]
+    if not inner:
+        yield from _algebraic(square, q, lower, upper, x)
+    elif all(isinstance(a, sp.Pow) for a in inner):
+        yield from _with_root(square, q, inner, lower, upper, x)
+    elif all(a.func in (sp.sin, sp.cos, sp.tan) for a in inner):
+        yield from _trigonometric(square, coordinate, x)
+    elif all(a.func in (sp.sinh, sp.cosh, sp.tanh, sp.exp) or isinstance(a, sp.exp) for a in inner):
+        yield from _hyperbolic(square, q, lower, upper, x)
+
+
+def ends(coordinate: Coordinate) -> tuple[sp.Expr, sp.Expr]:
+    """The ends of a domain as extended real numbers; one turn about zero of an angle.
+
+    Args:
+        coordinate: with the domain.
+    """
+    domain = coordinate.domain
+    if domain.kind == "angle":
+        return -sp.pi, sp.pi
+    return (
+        -sp.oo if domain.lower is None else domain.lower,
+        sp.oo if domain.upper is None else domain.upper,
+    )
+
+
+def _plain(atom: sp.Expr) -> bool:
+    return isinstance(atom, sp.Pow) and bool(atom.exp.is_Integer)
+
+
+# -------------------------------------------------------------------------------------------- powers
+def _algebraic(
+    square: sp.Expr, q: sp.Symbol, lower: sp.Expr, upper: sp.Expr, x: sp.Symbol
+) -> Iterator[Substitution]:  # fmt: skip
+    one = sp.S.One
+    yield Substitution(x, q, x, one, square.subs(q, x), lower, upper, True)
+    if not (lower.is_nonnegative or upper.is_nonpositive):
+        return
+    grows, sign = bool(lower.is_nonnegative), 1 if lower.is_nonnegative else -1
+    z = sp.Dummy("z", positive=True)
+    halved = sp.cancel(square).subs(q, sp.sqrt(z)) if sp.cancel(square - square.subs(q, -q)) == 0 else None
+    if halved is not None:
+        low, high = (lower, upper) if grows else (upper, lower)
+        even = sp.powdenest(halved, force=True).subs(z, x)
+        yield Substitution(x, q**2, sign * sp.sqrt(x), 4 * x, even, low**2, high**2, grows)
+    if grows and lower == 0:
+        top = sp.S.Zero if upper is sp.oo else 1 / upper
+        yield Substitution(x, 1 / q, 1 / x, x**4, square.subs(q, 1 / x), top, sp.oo, False)
+
+
+def _with_root(
+    square: sp.Expr, q: sp.Symbol, roots: list[sp.Expr], lower: sp.Expr, upper: sp.Expr, x: sp.Symbol
+) -> Iterator[Substitution]:  # fmt: skip
+    """One root √(q² + c), q of one sign: x is the root itself."""
+    inside = {root.base for root in roots}
+    if len(inside) != 1 or any(sp.denom(root.exp) != 2 for root in roots):
+        return
+    (radicand,) = inside
+    if not radicand.is_polynomial(q) or sp.degree(radicand, q) != 2 or not lower.is_nonnegative:
+        return
+    c2, c1, c0 = sp.Poly(radicand, q).all_coeffs()
+    if c1 != 0 or not c2.is_positive:
+        return
+    y = sp.Dummy("y", positive=True)
+    plain = square.xreplace({root: y ** (2 * root.exp) for root in roots})
+    even = sp.cancel(plain)
+    if sp.cancel(even - even.subs(q, -q)) != 0:
+        return
+    function = sp.cancel(sp.powdenest(even.subs(q, sp.sqrt((y**2 - c0) / c2)), force=True)).subs(y, x)
+    if function.has(q):
+        return
+    low = sp.sqrt(radicand.subs(q, lower))
+    high = sp.oo if upper is sp.oo else sp.sqrt(radicand.subs(q, upper))
+    slope = c2 * (x**2 - c0) / x**2
+    yield Substitution(x, sp.sqrt(radicand), sp.sqrt((x**2 - c0) / c2), slope, function, low, high, True)
+
+
+# -------------------------------------------------------------------------------------------- circular functions
+def _trigonometric(square: sp.Expr, coordinate: Coordinate, x: sp.Symbol) -> Iterator[Substitution]:
+    q = coordinate.symbol
+    lower, upper = ends(coordinate)
+    found = _base(square, q, (sp.sin, sp.cos, sp.tan))
+    if found is None:
+        return
+    κ, function = found
+    w0, w1 = κ * lower, κ * upper
+    turn = coordinate.domain.kind == "angle" and κ == 1
+    w = κ * q
+    even_s, even_c = _even(function, S, C), _even(function, C, S)
+    if turn:
+        yield from _half_sine(function, q, x)
+    elif _inside(w0, w1, sp.S.Zero, sp.pi) and even_s is not None:
+        yield Substitution(
+            x, sp.cos(w), sp.acos(x) / κ, κ**2 * (1 - x**2), even_s.subs(C, x), sp.cos(w1), sp.cos(w0), False
+        )
+    elif _inside(w0, w1, -sp.pi / 2, sp.pi / 2) and even_c is not None:
+        yield Substitution(
+            x, sp.sin(w), sp.asin(x) / κ, κ**2 * (1 - x**2), even_c.subs(S, x), sp.sin(w0), sp.sin(w1), True
+        )
+    if turn or _inside(w0, w1, -sp.pi, sp.pi):
+        half = function.subs({S: 2 * x / (1 + x**2), C: (1 - x**2) / (1 + x**2)}, simultaneous=True)
+        low, high = (-sp.oo, sp.oo) if turn else (_tan(w0 / 2), _tan(w1 / 2))
+        yield Substitution(
+            x, sp.tan(w / 2), 2 * sp.atan(x) / κ, κ**2 * (1 + x**2) ** 2 / 4, half, low, high, True, closed=turn
+        )
+    if turn:  # about the opposite place: a libration about π is one interval of x
+        half = function.subs({S: -2 * x / (1 + x**2), C: (x**2 - 1) / (1 + x**2)}, simultaneous=True)
+        yield Substitution(
+            x, sp.tan((w - sp.pi) / 2), sp.pi + 2 * sp.atan(x), (1 + x**2) ** 2 / 4, half, -sp.oo, sp.oo, True,
+            closed=True,
+        )  # fmt: skip
+
+
+def _tan(w: sp.Expr) -> sp.Expr:
+    value = sp.tan(w)
+    if value is sp.zoo:
+        return sp.oo if sp.sign(w) == 1 else -sp.oo
+    return value
+
+
+def _half_sine(function: sp.Expr, q: sp.Symbol, x: sp.Symbol) -> Iterator[Substitution]:
+    """A + b cos q + c sin q = a + d cos(q − δ), d > 0: x = sin((q − δ)/2), as for the pendulum."""
+    if not function.is_polynomial(S, C):
+        return
+    terms = sp.Poly(function, S, C)
+    if any(sum(m) > 1 for m in terms.monoms()):
+        return
+    a, b, c = (terms.coeff_monomial(m) for m in (1, C, S))
+    if c == 0:
+        δ, d = sp.S.Zero, b
+    elif b == 0:
+        δ, d = sp.pi / 2, c
+    else:
+        common = sp.gcd(b, c)
+        if common.is_positive is None:
+            return
+        common = common if common.is_positive else -common
+        δ = sp.atan2(sp.cancel(c / common), sp.cancel(b / common))
+        d = common * sp.sqrt(sp.expand(sp.cancel(c / common) ** 2 + sp.cancel(b / common) ** 2))
+    if d.is_negative:
+        δ, d = δ + sp.pi, -d
+    x_of_q = sp.sin((q - δ) / 2)
+    yield Substitution(
+        x, x_of_q, δ + 2 * sp.asin(x), (1 - x**2) / 4, a + d * (1 - 2 * x**2), -sp.S.One, sp.S.One, True, closed=True
+    )
+
+
+def _base(
+    square: sp.Expr, q: sp.Symbol, functions: tuple[type[sp.Function], ...]
+) -> tuple[sp.Expr, sp.Expr] | None:  # fmt: skip
+    """κ, and the function written in S = sin κq and C = cos κq; None where the arguments are no multiples of one."""
+    atoms = [a for a in square.atoms(*functions) if a.has(q)]
+    slopes = [sp.diff(a.args[0], q) for a in atoms]
+    if not atoms or any(slope.has(q) for slope in slopes):
+        return None
+    first = slopes[0]
+    ratios = [sp.cancel(slope / first) for slope in slopes]
+    if not all(r.is_Rational for r in ratios):
+        return None
+    step = ratios[0]
+    for r in ratios[1:]:
+        step = sp.gcd(step, r)
+    κ = abs(step) * first
+    if κ.is_negative:
+        κ = -κ
+    u = sp.Dummy("u", real=True)
+    table = {}
+    for a, slope in zip(atoms, slopes, strict=True):
+        n, δ = sp.cancel(slope / κ), sp.expand(a.args[0] - slope * q)
+        sine, cosine = sp.expand_trig(sp.sin(n * u)), sp.expand_trig(sp.cos(n * u))
+        s, c = sine * sp.cos(δ) + cosine * sp.sin(δ), cosine * sp.cos(δ) - sine * sp.sin(δ)
+        table[a] = {sp.sin: s, sp.cos: c, sp.tan: s / c}[a.func]
+    written = square.xreplace(table).xreplace({sp.sin(u): S, sp.cos(u): C})
+    return None if written.has(u) or written.has(q) else (κ, written)
+
+
+def _even(function: sp.Expr, odd: sp.Symbol, kept: sp.Symbol) -> sp.Expr | None:
+    """The function with odd² = 1 − kept²; None where an odd power is left."""
+    top, bottom = sp.fraction(sp.together(function))
+    parts = []
+    for part in (top, bottom):
+        if not part.is_polynomial(S, C):
+            return None
+        reduced = sp.rem(sp.expand(part), odd**2 + kept**2 - 1, odd)
+        parts.append(sp.expand(reduced))
+    top, bottom = parts
+    if top.has(odd) and bottom.has(odd):
+        conjugate = bottom.subs(odd, -odd)
+        top, bottom = (sp.rem(sp.expand(part * conjugate), odd**2 + kept**2 - 1, odd) for part in (top, bottom))
+    return None if top.has(odd) or bottom.has(odd) else top / bottom
+
+
+def _inside(w0: sp.Expr, w1: sp.Expr, low: sp.Expr, high: sp.Expr) -> bool:
+    return bool((w0 - low).is_nonnegative and (high - w1).is_nonnegative)
+
+
+# -------------------------------------------------------------------------------------------- hyperbolic functions
+def _hyperbolic(square: sp.Expr, q: sp.Symbol, lower: sp.Expr, upper: sp.Expr, x: sp.Symbol) -> Iterator[Substitution]:
+    plain = square.replace(lambda a: a.func in HYPERBOLIC and a.has(q), lambda a: HYPERBOLIC[a.func](a.args[0]))
+    atoms = [a for a in plain.atoms(sp.exp) if a.has(q)]
+    slopes = [sp.diff(a.args[0], q) for a in atoms]
+    if not atoms or any(slope.has(q) for slope in slopes):
+        return
+    ratios = [sp.cancel(slope / slopes[0]) for slope in slopes]
+    if not all(r.is_Rational for r in ratios):
+        return
+    step = ratios[0]
+    for r in ratios[1:]:
+        step = sp.gcd(step, r)
+    κ = abs(step) * slopes[0]
+    κ = -κ if κ.is_negative else κ
+    if not κ.is_positive:
+        return
+    table = {
+        a: X ** sp.cancel(slope / κ) * sp.exp(a.args[0] - slope * q) for a, slope in zip(atoms, slopes, strict=True)
+    }
+    function, w = sp.cancel(sp.together(plain.xreplace(table))), κ * q
+    if function.has(q):
+        return
+    w0, w1 = κ * lower, κ * upper
+    yield from _both_exponentials(function, κ, w, (w0, w1), x)
+    yield from _even_hyperbolic(function, κ, w, (w0, w1), x)
+
+
+def _both_exponentials(
+    function: sp.Expr, κ: sp.Expr, w: sp.Expr, range_: tuple[sp.Expr, sp.Expr], x: sp.Symbol
+) -> Iterator[Substitution]:  # fmt: skip
+    low, high = (sp.exp(end) for end in range_)
+    yield Substitution(x, sp.exp(w), sp.log(x) / κ, κ**2 * x**2, function.subs(X, x), low, high, True)
+    low, high = (sp.exp(-end) for end in reversed(range_))
+    yield Substitution(x, sp.exp(-w), -sp.log(x) / κ, κ**2 * x**2, function.subs(X, 1 / x), low, high, False)
+
+
+def _even_hyperbolic(
+    function: sp.Expr, κ: sp.Expr, w: sp.Expr, range_: tuple[sp.Expr, sp.Expr], x: sp.Symbol
+) -> Iterator[Substitution]:  # fmt: skip
+    """Cosh and sinh and tanh of κq, where the function is rational in one of them: X ↔ 1/X, X ↔ −1/X, X² ↔ …."""
+    w0, w1 = range_
+    if w0.is_nonnegative and (found := _invariant(function, sp.S(1))) is not None:
+        yield Substitution(
+            x, sp.cosh(w), sp.acosh(x) / κ, κ**2 * (x**2 - 1), found.subs(C, x), sp.cosh(w0), sp.cosh(w1), True
+        )
+    if (found := _invariant(function, sp.S(-1))) is not None:
+        yield Substitution(
+            x, sp.sinh(w), sp.asinh(x) / κ, κ**2 * (x**2 + 1), found.subs(C, x), sp.sinh(w0), sp.sinh(w1), True
+        )
+    if sp.cancel(function - function.subs(X, -X)) == 0:
+        z = sp.Dummy("z", positive=True)
+        squared = sp.powdenest(function.subs(X, sp.sqrt(z)), force=True)
+        found = sp.cancel(squared.subs(z, (1 + x) / (1 - x)))
+        yield Substitution(
+            x, sp.tanh(w), sp.atanh(x) / κ, κ**2 * (1 - x**2) ** 2, found, sp.tanh(w0), sp.tanh(w1), True
+        )
+
+
+def _invariant(function: sp.Expr, sign: sp.Expr) -> sp.Expr | None:
+    """The function of X written in C = ½(X ± 1/X), where it is the same at X and ±1/X; None otherwise."""
+    top, bottom = sp.fraction(sp.cancel(function))
+    if sp.cancel(function - function.subs(X, sign / X)) != 0:
+        return None
+    relation = X**2 - 2 * C * X + sign
+    parts = [sp.Poly(sp.rem(sp.expand(part), relation, X), X) for part in (top, bottom)]
+    (b1, a1), (b2, a2) = ((p.coeff_monomial(X), p.coeff_monomial(1)) for p in parts)
+    # (a1 + b1 X)/(a2 + b2 X) with X = C ± √(C² ∓ 1): rational where a1 b2 = a2 b1
+    ratio = b1 / b2 if sp.expand(b2) != 0 else a1 / a2
+    return sp.cancel(ratio)
