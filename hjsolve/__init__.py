@@ -17,6 +17,7 @@ if TYPE_CHECKING:
     from hjsolve import catalog as catalog
     from hjsolve import functions as functions
     from hjsolve.arithmetic.estimate import Estimate as Estimate
+    from hjsolve.arithmetic.estimate_array import EstimateArray as EstimateArray
     from hjsolve.catalog import moving_frames as frames  # noqa: F401
     from hjsolve.closed_form.closed_forms import closed_forms as closed_forms
     from hjsolve.closed_form.forms import RegimeForms as RegimeForms
@@ -77,6 +78,7 @@ _PUBLIC = {
     "motion.motion": "Motion",
     "motion.state": "AnyMotion State",
     "arithmetic.estimate": "Estimate",
+    "arithmetic.estimate_array": "EstimateArray",
     "reports": "report",
     "costs": "cost Cost",
     "scenes": "Scene",

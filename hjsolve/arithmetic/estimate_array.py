@@ -38,7 +38,7 @@ class EstimateArray(Shown):
         value, error = self.value[key], self.error[key]
         if getattr(value, "shape", ()):
             return EstimateArray(value, error)
-        return Estimate(value.item() if hasattr(value, "item") else value, error.item() if hasattr(error, "item") else error)
+        return Estimate(_plain(value), _plain(error))
 
     def __iter__(self) -> Iterator[Estimate | EstimateArray]:
         return (self[k] for k in range(len(self)))
@@ -46,3 +46,8 @@ class EstimateArray(Shown):
     def __array__(self, dtype: Any = None, copy: bool | None = None) -> np.ndarray[Any, Any]:
         """The values alone, for numpy."""
         return self.value.astype(dtype or self.value.dtype, copy=bool(copy))
+
+
+def _plain(x: Any) -> Any:
+    """A number of numpy as Python's own; others as they are."""
+    return x.item() if hasattr(x, "item") else x

@@ -32,6 +32,8 @@ if TYPE_CHECKING:
 
 _LOST = 16 * 2.0**-53
 """What the rounding of a place may do to a velocity, relative to it, before it is worked out in two doubles."""
+_IN_TWO_DOUBLES = 2.0**-47
+"""What operations in two doubles lose, in units of what they would lose in doubles (``arithmetic/double_double``)."""
 Places = Mapping[str, Pair]
 
 
@@ -260,6 +262,41 @@ def worked_out(
     Returns:
         One array a formula, of the shape of the places.
     """
+    pairs, p, shape = _in_two_doubles(motion, q, shell, ignorable)
+    found = _run(motion, formulas, pairs, p, DoubleDouble())
+    return [np.broadcast_to(v.high, shape) for v in found]
+
+
+def lost_in_two_doubles(
+    motion: SeparatedMotion,
+    formulas: tuple[sp.Expr, ...],
+    q: Places,
+    shell: Mapping[str, Any],
+    ignorable: Mapping[str, Any],
+) -> list[Any]:
+    """Bounds on what ``worked_out`` loses before its last rounding: terms may cancel to less than two doubles know.
+
+    Args:
+        motion, formulas, q, shell, ignorable: as there.
+
+    Returns:
+        One array a formula, of the shape of the places.
+    """
+    pairs, p, shape = _in_two_doubles(motion, q, shell, ignorable)
+    q_bounded, p_bounded = ({name: Rounded(x, _rounding(x)) for name, x in group.items()} for group in (pairs, p))
+    found = _run(motion, formulas, q_bounded, p_bounded, RunningError(DoubleDouble()))
+    none = Pair(0.0, 0.0)
+    return [np.broadcast_to(np.abs((v.error or none).high) * _IN_TWO_DOUBLES, shape) for v in found]
+
+
+def _rounding(x: Pair) -> Pair:
+    return Pair(2.0**-53 * np.abs(x.high), 0 * x.high)
+
+
+def _in_two_doubles(
+    motion: SeparatedMotion, q: Places, shell: Mapping[str, Any], ignorable: Mapping[str, Any]
+) -> tuple[dict[str, Pair], dict[str, Pair], tuple[int, ...]]:
+    """Coordinates and momenta, and the shape of the places."""
     solution = motion.solution
     pairs = {**q, **{name: Pair(x, 0 * x) for name, x in ignorable.items()}}
     some = next(iter(pairs.values())).high
@@ -268,18 +305,23 @@ def worked_out(
         if c.name in shell:
             p[c.name] = Pair(shell[c.name], 0 * shell[c.name])
             if solution.shift[c.name] != 0:
-                p[c.name] = DoubleDouble().sub(p[c.name], _run(motion, (solution.shift[c.name],), pairs, {})[0])
+                moved = _run(motion, (solution.shift[c.name],), pairs, {}, DoubleDouble())[0]
+                p[c.name] = DoubleDouble().sub(p[c.name], moved)
         else:
             constant = _constant(motion.initial.values[c.momentum])
             p[c.name] = Pair(constant.high + 0 * some, constant.low + 0 * some)
-    return [np.broadcast_to(v.high, some.shape) for v in _run(motion, formulas, pairs, p)]
+    return pairs, p, some.shape
 
 
-def _run(motion: SeparatedMotion, formulas: tuple[sp.Expr, ...], q: Places, p: Places) -> list[Pair]:
-    variables, pairs, fixed = _arguments(motion, q, p)
-    tape = tape_of(formulas, (*variables, *fixed))
+def _run(
+    motion: SeparatedMotion, formulas: tuple[sp.Expr, ...], q: Mapping[str, Any], p: Mapping[str, Any], arithmetic: Any
+) -> list[Any]:
+    variables, numbers, fixed = _arguments(motion, q, p)
+    constants = [_constant(value) for value in fixed.values()]
+    if isinstance(arithmetic, RunningError):
+        constants = [Rounded(x, _rounding(x)) for x in constants]
     with np.errstate(all="ignore"):
-        return tape.run(DoubleDouble(), [*pairs, *(_constant(value) for value in fixed.values())])
+        return tape_of(formulas, (*variables, *fixed)).run(arithmetic, [*numbers, *constants])
 
 
 @lru_cache(maxsize=256)

@@ -11,7 +11,7 @@ import sympy as sp
 
 from hjsolve.arithmetic.floats import EPS, Multi, multiprecision
 from hjsolve.mechanics.system import hamiltonian, velocities
-from hjsolve.motion.near_poles import from_table, grain, places, worked_out
+from hjsolve.motion.near_poles import from_table, grain, lost_in_two_doubles, places, worked_out
 from hjsolve.motion.phases import Phases, courses_of
 from hjsolve.motion.positions import constant_index, evaluate_along, rounding
 from hjsolve.motion.tabulated import DenseOutput
@@ -113,11 +113,12 @@ def _by_doubts(
     formulas = velocities(motion.solution.system)
     gradients = tuple(sp.diff(f, s) for f in formulas.values() for s in doubts)
     found = worked_out(motion, (*gradients, *formulas.values()), exact, shell, rest)
+    lost = lost_in_two_doubles(motion, tuple(formulas.values()), exact, shell, rest)
     result = {}
     for row, name in enumerate(formulas):
         parts = zip(found[row * len(doubts) :], doubts.values(), strict=False)
         result[name] = sum(np.abs(slope) * doubt for slope, doubt in parts)
-        result[name] = result[name] + 4 * EPS * np.abs(found[len(gradients) + row]) + _LEAST
+        result[name] = result[name] + lost[row] + 4 * EPS * np.abs(found[len(gradients) + row]) + _LEAST
     return result
 
 
