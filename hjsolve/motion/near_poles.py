@@ -276,6 +276,8 @@ def lost_in_two_doubles(
 ) -> list[Any]:
     """Bounds on what ``worked_out`` loses before its last rounding: terms may cancel to less than two doubles know.
 
+    Places count as exact: what they leave open is the same in all terms, and counted by the slopes of the whole.
+
     Args:
         motion, formulas, q, shell, ignorable: as there.
 
@@ -283,8 +285,9 @@ def lost_in_two_doubles(
         One array a formula, of the shape of the places.
     """
     pairs, p, shape = _in_two_doubles(motion, q, shell, ignorable)
-    q_bounded, p_bounded = ({name: Rounded(x, _rounding(x)) for name, x in group.items()} for group in (pairs, p))
-    found = _run(motion, formulas, q_bounded, p_bounded, RunningError(DoubleDouble()))
+    places = {name: Rounded(x) for name, x in pairs.items()}
+    momenta = {name: Rounded(x, _rounding(x)) for name, x in p.items()}
+    found = _run(motion, formulas, places, momenta, RunningError(DoubleDouble()))
     none = Pair(0.0, 0.0)
     return [np.broadcast_to(np.abs((v.error or none).high) * _IN_TWO_DOUBLES, shape) for v in found]
 
