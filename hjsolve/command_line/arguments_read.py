@@ -4,15 +4,18 @@ from __future__ import annotations
 
 import re
 from argparse import Namespace
+from collections.abc import Mapping
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 from hjsolve.arguments import ascii_name
-from hjsolve.errors import InvalidInputError
+from hjsolve.errors import InvalidInputError, NotSeparableError
 
 if TYPE_CHECKING:
+    from hjsolve.catalog import Entry
     from hjsolve.extended.linear_hamiltonian import LinearHamiltonian
     from hjsolve.mechanics.system import System
+    from hjsolve.motion.motion import Motion
     from hjsolve.reports.document import Section
     from hjsolve.scenes import Scene
     from hjsolve.solution.quadratures import Solution
@@ -29,7 +32,7 @@ def given_hamiltonian(options: Namespace) -> LinearHamiltonian | None:
     Raises:
         InvalidInputError: ``--effect`` beside an entry with H(q, p).
     """
-    if options.system is None or options.coordinate or options.kinetic or options.potential:
+    if options.system is None or options.coordinate or options.kinetic or options.potential or _is_scene(options):
         return None
     from hjsolve import catalog as entries
 
@@ -46,7 +49,7 @@ def frame(options: Namespace, solved: Solution | None = None) -> Section | None:
         options: the parsed arguments.
         solved: solution of the autonomous system, where there is one.
     """
-    if options.system is None or options.coordinate:
+    if options.system is None or options.coordinate or _is_scene(options):
         return None
     from hjsolve.catalog import moving_frames
     from hjsolve.reports.sections.moving_frame import frame_section
@@ -79,6 +82,13 @@ def system(options: Namespace) -> System:
         raise InvalidInputError(
             "which system? give a catalog id, a .toml file, or --coordinate and --kinetic (see --help)"
         )
+    if (question := scene(options)) is not None:
+        if question.forces:
+            from hjsolve.scenes.force_refusal import dissipative, force_words
+
+            verdict = dissipative(question.system, question.forces)
+            raise NotSeparableError(f"{options.system}: {force_words(verdict)}", verdict)
+        return question.system
     return entries.load(located(options.system), effects=options.effect)
 
 
@@ -157,14 +167,22 @@ def scene(options: Namespace) -> Scene | None:
     Raises:
         InvalidInputError: options of a system or of a motion beside a scene, which says them itself.
     """
-    from hjsolve.scenes import Scene, is_scene
-
-    if options.system is None or not is_scene(options.system):
+    if not _is_scene(options):
         return None
-    given = (options.coordinate, options.kinetic, options.potential, options.parameter, options.effect, options.q)
-    if any(given) or options.velocity or options.momentum:
+    from hjsolve.scenes import Scene
+
+    own = ("coordinate", "kinetic", "potential", "parameter", "effect", "q", "velocity", "momentum")
+    if any(getattr(options, name, None) for name in own):
         raise InvalidInputError(f"{options.system}: a scene says everything itself; leave the other options out")
     return Scene.load(options.system)
+
+
+def _is_scene(options: Namespace) -> bool:
+    if not str(options.system).endswith(".toml"):
+        return False
+    from hjsolve.scenes import is_scene
+
+    return is_scene(options.system)
 
 
 def initial(options: Namespace) -> dict[str, Any] | None:
@@ -210,12 +228,47 @@ def own_motion(options: Namespace) -> dict[str, Any] | None:
     from hjsolve import catalog as entries
 
     entry = entries.describe(located(options.system))
-    if options.motion not in entry.motions:
-        raise InvalidInputError(
-            f'motion: {entry.id} has no motion "{options.motion}"; it has {", ".join(entry.motions) or "none"}'
-        )
-    data: dict[str, Any] = dict(entry.motions[options.motion].arguments)
+    data = dict(entry_motion(entry, options.motion))
     return {**data, "parameters": {**data.get("parameters", {}), **_given_values(options)}}
+
+
+def started(options: Namespace, digits: int) -> Motion:
+    """The motion that is meant: of initial data given, else the entry's own.
+
+    Args:
+        options: the parsed arguments.
+        digits: of the numbers.
+
+    Raises:
+        InvalidInputError: there are no initial data.
+        NotSeparableError: the system does not separate.
+    """
+    from hjsolve import catalog as entries
+    from hjsolve.solution.quadratures import solve
+
+    data = initial(options) or (own_motion(options) if options.system is not None else None)
+    meant = system(options)
+    if data is None and (entry := entries.entry_of(meant)) is not None and entry.motions:
+        data = dict(entry_motion(entry, options.motion))
+    if data is None:
+        raise InvalidInputError("which motion? give --q and --velocity (or --momentum) for every coordinate")
+    return solve(meant).motion(**data, digits=digits)
+
+
+def entry_motion(entry: Entry, name: str) -> Mapping[str, Any]:
+    """Initial data of a motion of an entry, as keywords of ``Solution.motion``.
+
+    Args:
+        entry: of the catalog.
+        name: of the motion.
+
+    Raises:
+        InvalidInputError: the entry has no motion of that name.
+    """
+    if name not in entry.motions:
+        known = ", ".join(entry.motions) or "none"
+        raise InvalidInputError(f'motion: {entry.id} has no motion "{name}"; it has {known}')
+    return entry.motions[name].arguments
 
 
 def _given_values(options: Namespace) -> dict[str, str]:

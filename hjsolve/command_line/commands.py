@@ -144,7 +144,7 @@ def _modes(system: System) -> NormalModes | None:
 
 
 def report(options: Namespace) -> int:
-    """Write a report to a file, or as plain text to the standard output where the file is "-".
+    """Write a report to a file, or to the standard output where the file is "-".
 
     Args:
         options: the parsed arguments.
@@ -154,12 +154,14 @@ def report(options: Namespace) -> int:
     """
     from hjsolve.reports.files import checked_path
 
+    if options.format and options.output != "-":
+        raise InvalidInputError(f"--format: goes with -o -; the suffix of {options.output} says the format")
     if options.output != "-":
         status, written = _reported(options, checked_path(options.output))
         print(f"wrote {written}")
         return status
     with TemporaryDirectory() as folder:
-        status, written = _reported(options, Path(folder) / "report.txt")
+        status, written = _reported(options, Path(folder) / f"report.{options.format or 'txt'}")
         print(written.read_text(encoding="utf-8"), end="")
     return status
 
@@ -200,7 +202,45 @@ def cost(options: Namespace) -> int:
     """
     from hjsolve.command_line.cost import measure_and_print as measured
 
-    measured(options, arguments_read.located(options.subject))
+    changed = options.effect or options.parameter or options.q or options.velocity or options.momentum
+    if options.system is None or options.coordinate or changed:
+        subject: Any = arguments_read.started(options, 15)
+    else:
+        subject = arguments_read.located(options.system)
+    measured(options, subject)
+    return ANSWER
+
+
+def motion(options: Namespace) -> int:
+    """Compute a motion, and print its numbers or its states.
+
+    Args:
+        options: the parsed arguments.
+
+    Returns:
+        The exit status.
+    """
+    from hjsolve.command_line.motion_tables import print_motion, print_run
+
+    if (scene := arguments_read.scene(options)) is not None:
+        print_run(scene.run(), options)
+    else:
+        print_motion(arguments_read.started(options, options.digits), options)
+    return ANSWER
+
+
+def completion(options: Namespace) -> int:
+    """Print the completion script of a shell.
+
+    Args:
+        options: the parsed arguments.
+
+    Returns:
+        The exit status.
+    """
+    from hjsolve.command_line.completion import completion_script
+
+    print(completion_script(options.shell), end="")
     return ANSWER
 
 

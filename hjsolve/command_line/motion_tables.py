@@ -1,0 +1,191 @@
+"""The numbers and the states of a motion as a table on the standard output: CSV, or one JSON object."""
+
+from __future__ import annotations
+
+import csv
+import json
+import sys
+from argparse import Namespace
+from collections.abc import Iterator, Mapping, Sequence
+from fractions import Fraction
+from typing import Any
+
+import numpy as np
+
+from hjsolve.arithmetic.estimate import Estimate
+from hjsolve.arithmetic.propagation import short_bound
+from hjsolve.errors import InvalidInputError
+from hjsolve.formulas.read import number
+from hjsolve.motion.motion import Motion
+from hjsolve.scenes import Run
+
+_MOST_TIMES = 1_000_000
+_NUMBERS = ("constants", "turning_points", "actions", "frequencies", "periods", "boundary_times")
+_GROUPS = ("q", "p", "velocity")
+_DOUBLES = 15
+Rows = Iterator[Sequence[object]]
+
+
+def print_motion(motion: Motion, options: Namespace) -> None:
+    """Print the numbers of a motion, or its states at the times asked.
+
+    Args:
+        motion: the motion.
+        options: the parsed arguments.
+
+    Raises:
+        InvalidInputError: times that cannot be read.
+    """
+    times = None if options.times is None else read_times(options.times, options.digits)
+    state = None if times is None else motion.at(times)
+    if options.json:
+        _print_json({"kinds": dict(motion.kinds), **_plain_numbers(motion), **_plain_states(times, state)})
+    elif times is None:
+        _print_csv(("quantity", "name", "value", "error"), _number_rows(motion))
+    else:
+        _print_csv(*_state_table(times, state))
+
+
+def print_run(run: Run, options: Namespace) -> None:
+    """Print the states of a scene at its times.
+
+    Args:
+        run: of the scene.
+        options: the parsed arguments.
+
+    Raises:
+        InvalidInputError: ``--times`` beside a scene, or a scene that wants no states.
+    """
+    if options.times is not None:
+        raise InvalidInputError(f"--times: {options.system} is a scene, which says its times itself")
+    if run.trajectory is None:
+        raise InvalidInputError(f'{options.system}: wants no states; add "trajectory" to want, and times')
+    times = [_written(t) for t in run.trajectory.t]
+    if options.json:
+        _print_json(_plain_states(times, run.trajectory))
+    else:
+        _print_csv(*_state_table(times, run.trajectory))
+
+
+def read_times(text: str, digits: int) -> list[Any]:
+    """Read times: ``start:stop:count``, both ends included, or numbers with commas between them.
+
+    Args:
+        text: as it was typed.
+        digits: asked for; up to 15 evenly spaced times are doubles, beyond that they are exact.
+
+    Returns:
+        Times as ``Motion.at`` takes them.
+
+    Raises:
+        InvalidInputError: it is neither, or no number.
+    """
+    parts = text.split(":")
+    if len(parts) == 1:
+        times = [part.strip() for part in text.split(",")]
+        for part in times:
+            number(part, source="--times")
+        return times
+    if len(parts) != 3 or not parts[2].strip().isdigit() or not 2 <= int(parts[2]) <= _MOST_TIMES:
+        raise InvalidInputError(
+            f'--times "{text}": write start:stop:count with a count from 2 to {_MOST_TIMES}, such as 0:10:101, or a '
+            "list such as 0,1/2,1"
+        )
+    start, stop = (number(part.strip(), source="--times") for part in parts[:2])
+    if not (start.is_Rational and stop.is_Rational):
+        raise InvalidInputError(f'--times "{text}": start and stop must be rational, such as 0, 2.5 or 1/3')
+    first, last, count = Fraction(int(start.p), int(start.q)), Fraction(int(stop.p), int(stop.q)), int(parts[2])
+    exact = [first + (last - first) * k / (count - 1) for k in range(count)]
+    return [float(t) for t in exact] if digits <= _DOUBLES else [str(t) for t in exact]
+
+
+# ------------------------------------------------------------------------------------------------ numbers
+def _number_rows(motion: Motion) -> Rows:
+    for name, kind in motion.kinds.items():
+        yield "kind", name, kind, ""
+    for quantity in _NUMBERS:
+        for name, found in getattr(motion, quantity).items():
+            if isinstance(found, Estimate):
+                yield quantity, name, _written(found.value), short_bound(found.error)
+            else:
+                for side, end in zip(("lower", "upper"), found):
+                    if end is not None:
+                        yield quantity, f"{name}.{side}", _written(end.value), short_bound(end.error)
+
+
+def _plain_numbers(motion: Motion) -> dict[str, Any]:
+    return {quantity: {name: _plain(x) for name, x in getattr(motion, quantity).items()} for quantity in _NUMBERS}
+
+
+def _plain(found: Any) -> Any:
+    if isinstance(found, Estimate):
+        return {"value": _json_number(found.value), "error": _bound(found.error), "certified": found.certified}
+    return None if found is None else [_plain(end) for end in found]
+
+
+# ------------------------------------------------------------------------------------------------ states
+def _columns(state: Any) -> dict[str, Any]:
+    """Column → array: values, whole turns, errors, status."""
+    columns = {f"{group}.{name}": x for group in _GROUPS for name, x in getattr(state, group).items()}
+    columns |= {f"turns.{name}": x for name, x in state.turns.items()}
+    error = state.error
+    for group in _GROUPS:
+        for name, found in getattr(error, group).items():
+            columns[f"error.{group}.{name}"] = np.frompyfunc(_bound, 1, 1)(np.asarray(found, dtype=object))
+    return {**columns, "status": state.status}
+
+
+def _state_table(times: Sequence[Any], state: Any) -> tuple[Sequence[str], Rows]:
+    columns = _columns(state)
+    count = len(times)
+    arrays = [np.broadcast_to(np.asarray(column, dtype=object), (count,)) for column in columns.values()]
+    return ("t", *columns), ((t, *map(_written, row)) for t, *row in zip(times, *arrays))
+
+
+def _plain_states(times: Sequence[Any] | None, state: Any) -> dict[str, Any]:
+    if times is None:
+        return {}
+    count = len(times)
+    arrays = {name: np.broadcast_to(np.asarray(x, dtype=object), (count,)) for name, x in _columns(state).items()}
+    return {"t": list(times), **{name: [_json_number(x) for x in array] for name, array in arrays.items()}}
+
+
+# ------------------------------------------------------------------------------------------------ writing
+def _written(x: Any) -> str:
+    """A number with all its digits; empty where there is none."""
+    if x is None:
+        return ""
+    if hasattr(x, "_mpf_"):
+        return "" if x != x else str(x.context.nstr(x, int(x.context.prec / 3.32), strip_zeros=True))
+    if isinstance(x, (float, np.floating)):
+        return "" if x != x else repr(float(x))
+    return str(x)
+
+
+def _bound(error: Any) -> float | None:
+    """An error with two digits, not below itself; None where there is none."""
+    return None if error is None or not np.isfinite(float(error)) else float(short_bound(error))
+
+
+def _json_number(x: Any) -> Any:
+    """Doubles and integers as numbers; more digits as text; None where there is no number."""
+    if x is None:
+        return None
+    if isinstance(x, (str, np.str_)):
+        return str(x)
+    if hasattr(x, "_mpf_"):
+        return _written(x) or None
+    if isinstance(x, (int, np.integer)):
+        return int(x)
+    return float(x) if np.isfinite(x) else None
+
+
+def _print_csv(header: Sequence[str], rows: Rows) -> None:
+    writer = csv.writer(sys.stdout, lineterminator="\n")
+    writer.writerow(header)
+    writer.writerows(rows)
+
+
+def _print_json(content: Mapping[str, Any]) -> None:
+    json.dump(content, sys.stdout, ensure_ascii=False, indent=1, allow_nan=False)
+    sys.stdout.write("\n")

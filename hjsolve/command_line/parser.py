@@ -1,0 +1,306 @@
+"""What the command line takes: each command with its arguments, its help, its examples. Only argparse is imported."""
+
+from __future__ import annotations
+
+import argparse
+from typing import NoReturn, TypeAlias
+
+from hjsolve._version import __version__
+from hjsolve.errors import InvalidInputError
+
+_ABOUT = """\
+Decide whether a mechanical system separates in its coordinates, solve it by quadratures
+(Hamilton-Jacobi), and give numbers that carry their error."""
+
+_SYSTEMS = """\
+SYSTEM is an entry of the catalog (see `hjsolve catalog`), or the path of a .toml file of the same
+format or of a scene. Without SYSTEM, write the kinetic and potential energy on the command line. In formulas,
+dot(q) is the velocity of q and ** is a power; the usual functions and pi are known; every other
+name must be a coordinate or a parameter."""
+
+_STATUS = """\
+exit status:
+  0  an answer
+  1  the system does not separate in these coordinates (the answer is the obstruction)
+  2  bad input: one line says what, where, and what to write instead
+  3  undecided, or a number that did not converge"""
+
+_EXAMPLES = {
+    "": """\
+examples:
+  hjsolve check kepler-planar                   does it separate, and why
+  hjsolve solve lagrange-top                    W, momenta, time law, orbit equations
+  hjsolve coordinates henon-heiles              in which coordinates would it separate
+  hjsolve motion kepler-planar --times 0:15:31  its numbers, and where it is at these times
+  hjsolve report kepler-planar -o kepler.html   all of that, a motion with drawings, and numbers
+  hjsolve cost kepler-planar                    what accuracy costs in time, measured
+  hjsolve catalog                               what is in the catalog""",
+    "check": """\
+examples:
+  hjsolve check spherical-pendulum
+  hjsolve check my-system.toml
+  hjsolve check --coordinate "r: 0 < r" --coordinate "theta: angle" \\
+      --kinetic "m/2*(dot(r)**2 + r**2*dot(theta)**2)" --potential "-k/r" --parameter m=1 --parameter k=1""",
+    "solve": """\
+examples:
+  hjsolve solve kepler-spherical
+  hjsolve solve --coordinate "x: line" -T "m/2*dot(x)**2" -V "m*w**2/2*x**2" --parameter m=1 --parameter w=2""",
+    "coordinates": """\
+examples:
+  hjsolve coordinates henon-heiles
+  hjsolve coordinates --coordinate "x: line" --coordinate "y: line" \\
+      -T "(dot(x)**2 + dot(y)**2)/2" -V "-1/sqrt((x - 1)**2 + y**2) - 2/sqrt((x + 1)**2 + y**2)"
+  hjsolve coordinates --coordinate "x: line" --coordinate "y: line" \\
+      -T "m*(dot(x)**2 + dot(y)**2)/2" -V "k*(x**2 + y**2 + (x - y)**2)/2" --parameter m --parameter k""",
+    "motion": """\
+examples:
+  hjsolve motion kepler-planar                                      its numbers: kinds, turning points, periods, …
+  hjsolve motion kepler-planar --times 0:15:31 > orbit.csv          31 times from 0 to 15
+  hjsolve motion pendulum --q theta=3.1 --velocity theta=0 --times 0,1/2,1 --digits 30 --json
+  hjsolve motion --coordinate "x: line" -T "dot(x)**2/2" -V "x**4/4" --q x=1 --velocity x=0 --times 0:10:101""",
+    "report": """\
+examples:
+  hjsolve report kepler-planar -o kepler.html
+  hjsolve report kepler-planar -o hyperbola.html --motion hyperbolic
+  hjsolve report kepler-planar -o - --format md | less
+  hjsolve report pendulum -o swing.md --q theta=3.1 --velocity theta=0 --parameter g=1.62
+  hjsolve report --coordinate "x: line" -T "dot(x)**2/2" -V "x**4/4" --q x=1 --velocity x=0 -o quartic.html""",
+    "cost": """\
+examples:
+  hjsolve cost kepler-planar
+  hjsolve cost pendulum --motion rotation --digits 20,40,80 --seconds 120
+  hjsolve cost scenes/precessing-ellipse.toml -o cost.html      with the figure
+  hjsolve cost lagrange-top -o cost.svg                         the figure alone
+  hjsolve cost --coordinate "x: line" -T "dot(x)**2/2" -V "x**4/4" --q x=1 --velocity x=0""",
+    "sweep": """\
+examples:
+  hjsolve sweep orbits.toml -o orbits.parquet                      on all cores; killed, the same command goes on
+  hjsolve sweep orbits.toml -o orbits.parquet --scheduler tcp://10.0.0.1:8786
+                                 where `dask scheduler` runs, and `dask worker tcp://10.0.0.1:8786` on many machines""",
+    "completion": """\
+examples:
+  hjsolve completion bash > ~/.local/share/bash-completion/completions/hjsolve
+  hjsolve completion zsh > "${fpath[1]}/_hjsolve"
+  hjsolve completion fish > ~/.config/fish/completions/hjsolve.fish""",
+    "catalog": """\
+examples:
+  hjsolve catalog                       list all entries
+  hjsolve catalog --kind refused        those that are refused; also --separable, --book C28
+  hjsolve catalog search "black hole"   entries that speak of it
+  hjsolve catalog show kepler-planar    one entry: T, V, parameters, motions, effects, literature
+  hjsolve catalog check my-system.toml  what is wrong with a file of your own""",
+}
+
+
+class _Parser(argparse.ArgumentParser):
+    """An argument parser whose complaints are one line, as all errors here are."""
+
+    def error(self, message: str) -> NoReturn:
+        raise InvalidInputError(f"{message}; see `{self.prog} --help`")
+
+
+# -------------------------------------------------------------------------------- the arguments
+_Commands: TypeAlias = "argparse._SubParsersAction[_Parser]"
+
+
+def parser() -> argparse.ArgumentParser:
+    """Build the argument parser.
+
+    Returns:
+        The parser, with one sub-parser for each command.
+    """
+    top = _Parser(
+        prog="hjsolve",
+        allow_abbrev=False,
+        description=_ABOUT,
+        epilog=f"{_EXAMPLES['']}\n\n{_STATUS}",
+        formatter_class=argparse.RawDescriptionHelpFormatter,
+    )
+    top.add_argument("--version", action="version", version=f"hjsolve {__version__}")
+    kinds: _Commands = top.add_subparsers(
+        dest="command", required=True, metavar="COMMAND", title="commands", parser_class=_Parser
+    )
+    _add_check(kinds)
+    _add_solve(kinds)
+    _add_coordinates(kinds)
+    _add_motion(kinds)
+    _add_report(kinds)
+    _add_cost(kinds)
+    _add_sweep(kinds)
+    _add_catalog(kinds)
+    _add_completion(kinds)
+    return top
+
+
+def _add(kinds: _Commands, name: str, summary: str, about: str) -> argparse.ArgumentParser:
+    return kinds.add_parser(
+        name,
+        help=summary,
+        allow_abbrev=False,
+        description=about,
+        epilog=f"{_EXAMPLES[name]}\n\n{_STATUS}",
+        formatter_class=argparse.RawDescriptionHelpFormatter,
+    )
+
+
+def _add_check(kinds: _Commands) -> None:
+    about = (
+        "Decide whether a system separates in its coordinates and print the evidence: the reduction, the\n"
+        f"conditions, Stäckel's and Liouville's form; or the obstruction with a witness.\n\n{_SYSTEMS}"
+    )
+    check = _add(kinds, "check", "does the system separate? with the evidence", about)
+    _system_arguments(check)
+
+
+def _add_solve(kinds: _Commands) -> None:
+    about = (
+        "Solve a system by quadratures and print Hamilton's characteristic function W, the momenta, the\n"
+        f"time law and the orbit equations.\n\n{_SYSTEMS}"
+    )
+    solve = _add(kinds, "solve", "W, momenta, time law and orbit equations", about)
+    _system_arguments(solve)
+    solve.add_argument(
+        "--closed", action="store_true",
+        help="closed forms first: the integrals done, by regime, each verified (takes seconds)",
+    )  # fmt: skip
+
+
+def _add_coordinates(kinds: _Commands) -> None:
+    about = (
+        "Find every orthogonal coordinate system in which a system given in Cartesian coordinates of the plane\n"
+        "or of space separates, with centres, axes and foci; and normal modes where T and V are quadratic with\n"
+        f"constant coefficients. Status 1: there are none.\n\n{_SYSTEMS}"
+    )
+    coordinates = _add(kinds, "coordinates", "in which coordinates does it separate?", about)
+    _system_arguments(coordinates)
+
+
+def _add_report(kinds: _Commands) -> None:
+    about = (
+        "Write a report: the system, its reduction, the test, W, time law and orbit, and one\n"
+        "motion with drawings and numbers. "
+        f"The suffix of the output chooses the format:\n.html .md .json .txt .tex\n\n{_SYSTEMS}"
+    )
+    report = _add(kinds, "report", "all of that in a file, with drawings and numbers", about)
+    _system_arguments(report)
+    report.add_argument(
+        "-o", "--output", required=True, metavar="FILE", help='an existing file is replaced; "-" prints plain text'
+    )
+    report.add_argument(
+        "--cost", action=argparse.BooleanOptionalAction, default=False,
+        help="add a section that measures accuracy against time, in three seconds (default: no)",
+    )  # fmt: skip
+    report.add_argument("--format", choices=["html", "md", "json", "txt", "tex"], help='of "-o -" (default: txt)')
+    _motion_arguments(report)
+    report.add_argument("--digits", type=int, default=15, metavar="N", help="digits of the numbers (default 15)")
+
+
+def _motion_arguments(command: argparse.ArgumentParser) -> None:
+    motion = command.add_argument_group("the motion (a catalog entry brings its own)")
+    motion.add_argument("--motion", default="default", metavar="NAME", help="another motion of the catalog entry")
+    for option, what in (
+        ("--q", "initial coordinate, e.g. r=1 (repeat)"),
+        ("--velocity", "initial velocity, e.g. theta=1.2 (repeat)"),
+        ("--momentum", "initial momentum, in place of velocities (repeat)"),
+    ):
+        motion.add_argument(option, action="append", default=[], metavar="NAME=VALUE", help=what)
+
+
+def _add_motion(kinds: _Commands) -> None:
+    about = (
+        "Compute a motion and print its numbers, or where it is at the times given, each number with a bound on\n"
+        "its error: as CSV, or as JSON. Of a scene, the states at its own times.\n\n" + _SYSTEMS
+    )
+    motion = _add(kinds, "motion", "the numbers of a motion, and where it is at given times", about)
+    _system_arguments(motion)
+    _motion_arguments(motion)
+    motion.add_argument("--times", metavar="TIMES", help="start:stop:count, both ends included, or a list: 0,1/2,1e3")
+    motion.add_argument("--digits", type=int, default=15, metavar="N", help="digits of the numbers (default 15)")
+    motion.add_argument("--json", action="store_true", help="numbers and states as one JSON object")
+
+
+def _add_cost(kinds: _Commands) -> None:
+    about = (
+        "Measure accuracy against time: every method that applies computes the same quantities side by side,\n"
+        "hjsolve's own and, for states, integrators. Errors are true ones, against a reference with more digits\n"
+        f"made in another way.\n\n{_SYSTEMS}"
+    )
+    cost = _add(kinds, "cost", "what accuracy costs in time, measured", about)
+    _system_arguments(cost)
+    _motion_arguments(cost)
+    cost.add_argument(
+        "--digits", metavar="N,N,…", help="digits beyond double precision (default 20,30,50, with 30 seconds 100 too)"
+    )
+    cost.add_argument("--seconds", type=float, default=20.0, metavar="S", help="budget for everything (default 20)")
+    cost.add_argument("--no-rivals", action="store_true", help="leave DOP853 and heyoka out")
+    cost.add_argument("-o", "--output", metavar="FILE", help="table and figure: .html .md .json .txt .tex, or .svg")
+
+
+def _add_sweep(kinds: _Commands) -> None:
+    about = (
+        "Compute the orbits that the table [sweep] of a scene declares: actions, frequencies, angles and the\n"
+        "like, each with its error, and a status for every orbit. The output is a folder of Parquet files,\n"
+        "written part by part; a run that is killed is gone on with by the same command, and neither\n"
+        "repeats nor loses a part."
+    )
+    sweep = _add(kinds, "sweep", "many orbits into Parquet files, resumable", about)
+    sweep.add_argument("scene", metavar="SCENE", help="a scene with a table [sweep], a .toml file")
+    sweep.add_argument("-o", "--output", required=True, metavar="FOLDER", help="where to write, e.g. orbits.parquet")
+    sweep.add_argument("--threads", type=int, metavar="N", help="threads (default: all cores of this process)")
+    sweep.add_argument("--scheduler", metavar="ADDRESS", help="of a dask scheduler, tcp://…, in place of threads")
+    sweep.add_argument("--chunk", type=int, metavar="N", help="orbits of one file (default: what the scene says)")
+    sweep.add_argument("--quiet", action="store_true", help="no progress bar")
+
+
+def _add_catalog(kinds: _Commands) -> None:
+    about = "List the catalog of mechanical systems, search it, show one entry, or check a file of your own."
+    catalog = _add(kinds, "catalog", "the systems that come with hjsolve", about)
+    catalog.add_argument(
+        "action", nargs="?", choices=["list", "show", "search", "check"], default="list",
+        help="what to do (default: list)",
+    )  # fmt: skip
+    catalog.add_argument(
+        "entry", nargs="?", metavar="ENTRY", help="an id for show, words for search, a .toml file for check"
+    )
+    filters = catalog.add_argument_group("which entries to list")
+    filters.add_argument("--separable", action="store_true", help="those that are solved: separable and extended")
+    filters.add_argument("--kind", choices=["separable", "extended", "refused", "outside"], help="those of one kind")
+    filters.add_argument("--book", metavar="ROW", help="those that are one row of docs/book.md, e.g. C28")
+
+
+def _add_completion(kinds: _Commands) -> None:
+    about = "Print a script that completes commands, options and the ids of the catalog in a shell (extra completion)."
+    completion = _add(kinds, "completion", "completion of commands in your shell", about)
+    completion.add_argument("shell", choices=["bash", "zsh", "tcsh", "fish", "powershell"], help="the shell")
+
+
+def _system_arguments(command: argparse.ArgumentParser) -> None:
+    command.add_argument("system", nargs="?", metavar="SYSTEM", help="catalog id, or .toml file of an entry or a scene")
+    command.add_argument(
+        "--effect", action="append", default=[], metavar="NAME", help="switch on an effect of the entry (repeat)"
+    )
+    own = command.add_argument_group("a system of your own")
+    own.add_argument(
+        "--coordinate",
+        action="append",
+        default=[],
+        metavar='"NAME: DOMAIN"',
+        help='e.g. "x: line", "theta: angle", "r: 0 < r", "x: -a < x < a" (repeat)',
+    )
+    own.add_argument(
+        "--function",
+        action="append",
+        default=[],
+        metavar='"NAME(COORDINATE)"',
+        help='a function that T or V leaves undetermined, e.g. "v1(r)" (repeat)',
+    )
+    own.add_argument("-T", "--kinetic", metavar="FORMULA", help="kinetic energy, e.g. m/2*dot(x)**2")
+    own.add_argument("-V", "--potential", metavar="FORMULA", help="potential energy (default 0)")
+    own.add_argument("--title", metavar="TEXT", help="what the system is called in the output")
+    command.add_argument(
+        "--parameter",
+        action="append",
+        default=[],
+        metavar="NAME[=VALUE][:SIGN]",
+        help="a parameter of your own system, e.g. m=1:positive, or another value for one of the entry (repeat)",
+    )
