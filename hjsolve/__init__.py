@@ -55,6 +55,7 @@ if TYPE_CHECKING:
     from hjsolve.motion.state import AnyMotion as AnyMotion
     from hjsolve.motion.state import State as State
     from hjsolve.reports import report as report
+    from hjsolve.reports.single_figures import figures as figures
     from hjsolve.scenes import Scene as Scene
     from hjsolve.separation import Obstruction as Obstruction
     from hjsolve.separation import Separation as Separation
@@ -80,6 +81,7 @@ _PUBLIC = {
     "arithmetic.estimate": "Estimate",
     "arithmetic.estimate_array": "EstimateArray",
     "reports": "report",
+    "reports.single_figures": "figures",
     "costs": "cost Cost",
     "scenes": "Scene",
     "extended.gyroscopic": "gyroscopic_modes",

@@ -38,6 +38,69 @@ class Shown:
         return str(importlib.import_module("hjsolve.reports.notebook").html_of(self))
 
 
+class ShownMotion(Shown):
+    """A motion, which draws itself on axes of matplotlib."""
+
+    __slots__ = ()
+
+    def plot(self, kind: str = "orbit", name: str | None = None, *, ax: Any = None) -> Any:
+        """Draw the motion with matplotlib (extra ``report``).
+
+        Args:
+            kind: ``orbit`` in space; ``time``: a coordinate against time; ``phase``: the phase plane of a separated
+                coordinate; ``potential``: its effective potential.
+            name: the coordinate, for time, phase and potential; None for the first.
+            ax: axes to draw on; None for new ones.
+
+        Returns:
+            The axes.
+
+        Raises:
+            InvalidInputError: another kind, or a coordinate that is not separated.
+            MissingExtraError: matplotlib is not installed.
+        """
+        return importlib.import_module("hjsolve.plots").plotted(self, kind, name, ax)
+
+    def animate(self, *, seconds: float = 8.0, frames: int = 240, ax: Any = None) -> Any:
+        """Move a point along the orbit, at equal steps of time (extra ``report``).
+
+        Args:
+            seconds: how long it takes to show.
+            frames: pictures.
+            ax: axes to draw on; None for new ones.
+
+        Returns:
+            matplotlib's animation; keep it, and show it with ``to_jshtml()`` or ``save("orbit.gif")``.
+
+        Raises:
+            InvalidInputError: a length or a number of pictures that makes no sense.
+            MissingExtraError: matplotlib is not installed.
+        """
+        return importlib.import_module("hjsolve.plots").animated(self, seconds, frames, ax)
+
+
+class ShownSolution(Shown):
+    """A solution, which draws a motion of its own."""
+
+    __slots__ = ()
+
+    def plot(self, kind: str = "phase", name: str | None = None, *, ax: Any = None, **initial: Any) -> Any:
+        """Start a motion and draw it with matplotlib (extra ``report``).
+
+        Args:
+            kind, name, ax: as in ``Motion.plot``.
+            initial: q, velocity … as ``Solution.motion`` takes them; without, the catalog's default motion.
+
+        Returns:
+            The axes.
+
+        Raises:
+            InvalidInputError: initial data are missing or cannot be used; another kind or coordinate.
+            MissingExtraError: matplotlib is not installed.
+        """
+        return importlib.import_module("hjsolve.plots").plotted_solution(self, kind, name, ax, initial)
+
+
 def fields_of(value: Any) -> Iterator[tuple[str, Any]]:
     """Give the fields of a value that are shown: those that hold data.
 
@@ -150,4 +213,6 @@ def cut(text: str, room: int) -> str:
     return text if len(text) <= room else text[: max(room - 2, 0)] + " …"
 
 
-__all__ = ["MOST_LINES", "WIDEST", "Shown", "as_call", "as_text", "brief", "cut", "fields_of"]
+__all__ = [
+    "MOST_LINES", "WIDEST", "Shown", "ShownMotion", "ShownSolution", "as_call", "as_text", "brief", "cut", "fields_of",
+]  # fmt: skip

@@ -29,12 +29,12 @@ from hjsolve.motion.state import State
 from hjsolve.motion.wanted import QUANTITIES, parts_of
 from hjsolve.one_coordinate.allowed_regions import others
 from hjsolve.one_coordinate.classify import Located, locate
-from hjsolve.shown import Shown
+from hjsolve.shown import ShownMotion
 from hjsolve.solution.quadratures import Solution
 
 
 @dataclass(frozen=True, eq=False, repr=False)
-class Motion(Shown):
+class Motion(ShownMotion):
     """A motion, started by ``Solution.motion``; see the module's text.
 
     Attributes:

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from dataclasses import dataclass, field
+from pathlib import Path
 from typing import TypeAlias
 
 from hjsolve.reports.formulas.layout import Box
@@ -101,7 +102,7 @@ class Steps:
     items: tuple[ArgumentStep, ...]
 
 
-@dataclass(frozen=True)
+@dataclass(frozen=True, repr=False)
 class Figure:
     """A drawing.
 
@@ -118,6 +119,34 @@ class Figure:
     description: str
     caption: Text
     data: dict[str, list[float]] = field(default_factory=dict)
+
+    def __repr__(self) -> str:
+        return f"Figure({self.title}: {self.description})"
+
+    def _repr_svg_(self) -> str:
+        """What a notebook shows."""
+        from hjsolve.reports.drawings.svg import standalone
+
+        return standalone(self.svg)
+
+    def save(self, path: str | Path) -> Path:
+        """Write the drawing as a file of its own, which follows the reader's light or dark page.
+
+        Args:
+            path: of the file; it ends in ``.svg``.
+
+        Returns:
+            The path.
+
+        Raises:
+            InvalidInputError: another suffix, or a place that cannot be written to.
+        """
+        from hjsolve.reports.drawings.svg import standalone
+        from hjsolve.reports.files import checked_path, replace
+
+        target = checked_path(path, (".svg",))
+        replace(target, standalone(self.svg))
+        return target
 
 
 @dataclass(frozen=True)

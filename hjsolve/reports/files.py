@@ -14,11 +14,12 @@ from hjsolve.errors import InvalidInputError
 SUFFIXES = (".html", ".md", ".json", ".txt", ".tex")
 
 
-def checked_path(path: str | Path) -> Path:
+def checked_path(path: str | Path, suffixes: tuple[str, ...] = SUFFIXES) -> Path:
     """Check where a report shall go before anything is computed.
 
     Args:
         path: the file.
+        suffixes: those it may have.
 
     Returns:
         The path.
@@ -28,9 +29,9 @@ def checked_path(path: str | Path) -> Path:
     """
     arguments.refuse_other(path, (str, os.PathLike), "path", 'the file to write is needed, such as "orbit.html"')
     target = Path(path)
-    if target.suffix.lower() not in SUFFIXES:
+    if target.suffix.lower() not in suffixes:
         given = f'"{target.suffix}"' if target.suffix else "none"
-        raise InvalidInputError(f"{target}: the suffix must be one of {', '.join(SUFFIXES)}, not {given}")
+        raise InvalidInputError(f"{target}: the suffix must be one of {', '.join(suffixes)}, not {given}")
     folder = target.parent
     with readable_errors(target):
         if target.is_dir():

@@ -31,7 +31,7 @@ from hjsolve.mechanics.system import System
 from hjsolve.separation import Constant, Obstruction, Separation, Undecided, separate
 from hjsolve.separation.relativistic import shell_energy
 from hjsolve.separation.verdicts import Verdict
-from hjsolve.shown import Shown
+from hjsolve.shown import ShownSolution
 
 if TYPE_CHECKING:
     from hjsolve.motion.motion import Motion
@@ -41,7 +41,7 @@ Separated = list[tuple[sp.Symbol, sp.Expr, sp.Symbol]]
 
 
 @dataclass(frozen=True, repr=False)
-class Solution(Shown):
+class Solution(ShownSolution):
     """A complete integral of the Hamilton–Jacobi equation and what follows from it.
 
     Attributes:

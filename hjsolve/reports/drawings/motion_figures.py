@@ -68,13 +68,13 @@ def effective_potential(well: EffectivePotential, key: str, *, several: bool, pl
     """
     q = portrait.window_places(well)
     V = well.potential(q)
-    frame = svg.DrawingFrame(well.window, _height(well, q, V))
+    frame = svg.DrawingFrame(well.window, levels_shown(well, q, V))
     name = potential_name(well, several=several, plain=plain)
     inside = [_allowed_area(well, frame), svg.curve(frame, q, V)]
     hills = [hill for hill in portrait.hills(well) if frame.y[0] < hill[0] < frame.y[1]]
     inside += [svg.curve(frame, np.array(well.window), np.full(2, level), "edge") for level, _ in hills]
     inside.append(svg.curve(frame, np.array(well.window), np.full(2, well.level), "energy"))
-    inside += [svg.curve(frame, np.array(span), np.full(2, well.level), "motion") for span in _spans(well)]
+    inside += [svg.curve(frame, np.array(span), np.full(2, well.level), "motion") for span in spans_covered(well)]
     above = [svg.disc(frame, end, well.level) for end in well.ends if end is not None]
     above.append(
         svg.annotate(
@@ -88,7 +88,7 @@ def effective_potential(well: EffectivePotential, key: str, *, several: bool, pl
         )
     )
     below = [
-        svg.axes(frame, svg.label(name_box(well.name)), svg.label(name), angles=(_is_angle(well), False), zero=True)
+        svg.axes(frame, svg.label(name_box(well.name)), svg.label(name), angles=(is_angle(well), False), zero=True)
     ]
     title = f"Effective potential of {spoken(well.name)}"
     level = spoken(well.level_name) if well.level_name else "level"
@@ -120,11 +120,11 @@ def phase_portrait(well: EffectivePotential, key: str) -> Figure:
     Returns:
         The figure.
     """
-    own = _own_loops(well)
-    others = [loop for level in portrait.levels(well) for loop in _loops(well, level)]
-    hills = [(level, word) for level, word in portrait.hills(well) if _loops(well, level)]
-    edges = [loop for level, _ in hills for loop in _loops(well, level)]
-    frame = svg.DrawingFrame(well.window, _momentum_range(well, own, others))
+    own = own_loops(well)
+    others = [loop for level in portrait.levels(well) for loop in loops_at(well, level)]
+    hills = [(level, word) for level, word in portrait.hills(well) if loops_at(well, level)]
+    edges = [loop for level, _ in hills for loop in loops_at(well, level)]
+    frame = svg.DrawingFrame(well.window, momenta_shown(well, own, others))
     inside = [svg.curve(frame, *loop, "level") for loop in others] + [svg.curve(frame, *loop, "edge") for loop in edges]
     inside += [
         svg.area(frame, q[: len(q) // 2], p[len(q) // 2 :][::-1], p[: len(q) // 2])
@@ -136,7 +136,7 @@ def phase_portrait(well: EffectivePotential, key: str) -> Figure:
     if well.kind == "equilibrium":
         above.append(svg.disc(frame, well.place, -float(well.shift(well.place))))
     name, momentum = name_box(well.name), name_box(f"p_{well.name}")
-    below = [svg.axes(frame, svg.label(name), svg.label(momentum), angles=(_is_angle(well), False), zero=True)]
+    below = [svg.axes(frame, svg.label(name), svg.label(momentum), angles=(is_angle(well), False), zero=True)]
     title = f"Phase portrait of {spoken(well.name)}"
     level = spoken(well.level_name) if well.level_name else "the constants"
     description = (
@@ -164,8 +164,12 @@ def phase_portrait(well: EffectivePotential, key: str) -> Figure:
 
 
 # -------------------------------------------------------------------------------- what the motion covers
-def _spans(well: EffectivePotential) -> list[tuple[float, float]]:
-    """Intervals of the window that the motion itself covers."""
+def spans_covered(well: EffectivePotential) -> list[tuple[float, float]]:
+    """Give the intervals of the window that the motion itself covers.
+
+    Args:
+        well: the coordinate.
+    """
     low, high = well.ends
     if well.kind == "equilibrium":
         return []
@@ -185,21 +189,38 @@ def _turns(well: EffectivePotential, low: float, high: float) -> list[float]:
     return [2 * np.pi * float(n) for n in np.arange(first, last + 1)]
 
 
-def _own_loops(well: EffectivePotential) -> list[tuple[Array, Array]]:
-    loops = [portrait.loop(well, well.level, low, high) for low, high in _spans(well)]
+def own_loops(well: EffectivePotential) -> list[tuple[Array, Array]]:
+    """Give the phase curves of the motion itself.
+
+    Args:
+        well: the coordinate.
+
+    Returns:
+        (q, p) of each.
+    """
+    loops = [portrait.loop(well, well.level, low, high) for low, high in spans_covered(well)]
     if well.kind != "rotation":
         return loops
     half = slice(None, _HALF) if well.direction > 0 else slice(_HALF, None)
     return [(q[half], p[half]) for q, p in loops]
 
 
-def _loops(well: EffectivePotential, level: float) -> list[tuple[Array, Array]]:
+def loops_at(well: EffectivePotential, level: float) -> list[tuple[Array, Array]]:
+    """Give the phase curves of another level, in the window.
+
+    Args:
+        well: the coordinate.
+        level: value of the level constant.
+
+    Returns:
+        (q, p) of each.
+    """
     return [portrait.loop(well, level, low, high) for low, high in portrait.allowed(well, level) if high > low]
 
 
 def _allowed_area(well: EffectivePotential, frame: svg.DrawingFrame) -> str:
     parts = []
-    for low, high in _spans(well):
+    for low, high in spans_covered(well):
         q = np.linspace(low, high, 400)
         V = well.potential(q)
         parts.append(
@@ -211,10 +232,19 @@ def _allowed_area(well: EffectivePotential, frame: svg.DrawingFrame) -> str:
 
 
 # -------------------------------------------------------------------------------- ranges
-def _height(well: EffectivePotential, q: Array, V: Array) -> tuple[float, float]:
-    """Show the bottom of the well and as much above the level as is below it."""
+def levels_shown(well: EffectivePotential, q: Array, V: Array) -> tuple[float, float]:
+    """Show the bottom of the well and as much above the level as is below it.
+
+    Args:
+        well: the coordinate.
+        q: places across the window.
+        V: the potential there.
+
+    Returns:
+        (lowest, highest).
+    """
     inside = np.isfinite(V)
-    spans = _spans(well)
+    spans = spans_covered(well)
     reached = np.zeros_like(inside)
     for low, high in spans:
         reached |= (q >= low) & (q <= high)
@@ -227,9 +257,19 @@ def _height(well: EffectivePotential, q: Array, V: Array) -> tuple[float, float]
     return floor - 0.3 * depth, floor + 1.7 * depth
 
 
-def _momentum_range(
+def momenta_shown(
     well: EffectivePotential, own: list[tuple[Array, Array]], others: list[tuple[Array, Array]]
 ) -> tuple[float, float]:
+    """Show the motion and as much again around it.
+
+    Args:
+        well: the coordinate.
+        own: phase curves of the motion.
+        others: those of other levels.
+
+    Returns:
+        (lowest, highest).
+    """
     mine = np.concatenate([p for _, p in own]) if own else np.empty(0)
     mine = np.concatenate([mine, -mine]) if well.kind == "rotation" else mine
     shown = mine if mine.size and np.ptp(mine) > 0 else np.concatenate([p for _, p in others]) if others else mine
@@ -239,7 +279,12 @@ def _momentum_range(
 
 
 # -------------------------------------------------------------------------------- words
-def _is_angle(well: EffectivePotential) -> bool:
+def is_angle(well: EffectivePotential) -> bool:
+    """Whether a coordinate is marked in parts of π.
+
+    Args:
+        well: the coordinate.
+    """
     width = well.window[1] - well.window[0]
     return well.periodic or abs(width - np.pi) < 1e-9
 

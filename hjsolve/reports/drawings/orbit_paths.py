@@ -147,8 +147,14 @@ def orbit(motion: Any, trace: Trace, key: str) -> Figure | None:
     return draw(motion, where, trace.t, path, trace.closed, key)
 
 
-def _split(motion: Any, t: Array, closed: bool) -> int:
-    """How many samples belong to the first cycle, drawn strong; the rest is faint."""
+def first_cycle(motion: Any, t: Array, closed: bool) -> int:
+    """Count the samples of the first cycle, which is drawn strong; the rest is faint.
+
+    Args:
+        motion: a ``Motion``.
+        t: the times drawn.
+        closed: whether the motion repeats itself after the last.
+    """
     periods = [float(motion.periods[n].value) for n in motion.solution.coordinates if n in motion.periods]
     if closed or not periods or motion.boundary_times or "escape" in motion.kinds.values():
         return len(t)
@@ -161,7 +167,7 @@ def _plane(motion: Any, where: Embedding, t: Array, path: tuple[Array, ...], clo
     xs, ys = (np.append(x, 0.0), np.append(y, 0.0)) if centred else (x, y)
     frame = svg.DrawingFrame(svg.spread(xs), svg.spread(ys), height=360.0)
     frame = svg.square(frame) if where.shape == "plane" else frame
-    cut = _split(motion, t, closed)
+    cut = first_cycle(motion, t, closed)
     inside = [svg.curve(frame, x, y, "faint")] if cut < len(t) else []
     inside.append(svg.curve(frame, x[:cut], y[:cut], "motion"))
     now = int(np.argmin(np.abs(t - float(motion.t0))))
@@ -192,7 +198,7 @@ def _space(motion: Any, where: Embedding, t: Array, path: tuple[Array, ...], clo
         a, b, _ = projected(*(np.array([0.0, d * reach * 0.5]) for d in direction))
         below.append(svg.curve(frame, a, b, "grid"))
         above.append(svg.annotate(frame, float(a[1]), float(b[1]), svg.label(Glyph(name)), style="name", shift=(3, 0)))
-    cut = _split(motion, t, closed)
+    cut = first_cycle(motion, t, closed)
     inside = [svg.curve(frame, across, up, "faint")] if cut < len(t) else []
     inside.append(svg.curve(frame, across[:cut], up[:cut], "motion"))
     above.append(svg.disc(frame, 0.0, 0.0, "centre", 3.2))
@@ -223,7 +229,7 @@ def _sphere(motion: Any, where: Embedding, t: Array, path: tuple[Array, ...], cl
         )
         below.append(svg.curve(frame, np.where(near > 0, a, np.nan), b, "grid"))
     across, up, near = projected(*path)
-    cut = _split(motion, t, closed)
+    cut = first_cycle(motion, t, closed)
     front = np.where(near >= 0, across, np.nan)
     inside = [svg.curve(frame, np.where(near < 0, across, np.nan), up, "faint"), svg.curve(frame, front, up, "motion")]
     pole = projected(np.zeros(2), np.zeros(2), np.array([1.0, 1.1]))
@@ -281,7 +287,7 @@ def history(motion: Any, trace: Trace, key: str) -> Figure:
     """
     names = motion.solution.coordinates or tuple(c.name for c in motion.solution.system.coordinates)
     names = tuple(names)[:3]
-    keep = _few_cycles(motion, trace.t)
+    keep = few_cycles(motion, trace.t)
     shown = trace.t[keep]
     whole = 360.0 if len(names) > 1 else 320.0
     band = (whole - 40.0 - 30.0 * len(names)) / len(names)
@@ -313,7 +319,13 @@ def history(motion: Any, trace: Trace, key: str) -> Figure:
     )
 
 
-def _few_cycles(motion: Any, t: Array) -> slice:
+def few_cycles(motion: Any, t: Array) -> slice:
+    """Choose the times of the first few cycles.
+
+    Args:
+        motion: a ``Motion``.
+        t: the times drawn.
+    """
     periods = [float(motion.periods[n].value) for n in motion.solution.coordinates if n in motion.periods]
     if not periods:
         return slice(None)

@@ -1,0 +1,26 @@
+"""Plots: a motion on axes of matplotlib, and moving (extra report).
+
+In: motions and solutions. Out: matplotlib's axes and animations, drawn with what the reports draw, in their colours.
+Read ``draw.py`` first; ``style.py`` has the colours, ``animation.py`` the moving point.
+"""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING, Any
+
+if TYPE_CHECKING:
+    from hjsolve.plots.animation import animated as animated
+    from hjsolve.plots.draw import plotted as plotted
+    from hjsolve.plots.draw import plotted_solution as plotted_solution
+
+_HOMES = {"animated": "animation", "plotted": "draw", "plotted_solution": "draw"}
+__all__ = ["animated", "plotted", "plotted_solution"]
+
+
+def __getattr__(name: str) -> Any:
+    """Import what draws when it is first used (PEP 562)."""
+    if name not in _HOMES:
+        raise AttributeError(f"module 'hjsolve.plots' has no attribute {name!r}")
+    import importlib
+
+    return getattr(importlib.import_module(f"hjsolve.plots.{_HOMES[name]}"), name)
