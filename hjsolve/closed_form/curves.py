@@ -13,13 +13,14 @@ import sympy as sp
 
 from hjsolve.closed_form.substitutions import Substitution, ends, substitutions
 from hjsolve.mechanics.coordinates_and_parameters import Coordinate
+from hjsolve.shown import Shown
 
 W = sp.Symbol("W")
 """The key of ∫ p dq among the integrals of a coordinate; the others are ∫ ∂p/∂c dq by their constant c."""
 
 
-@dataclass(frozen=True)
-class MomentumCurve:
+@dataclass(frozen=True, repr=False)
+class MomentumCurve(Shown):
     """One coordinate's curve y² = P(x).
 
     Attributes:

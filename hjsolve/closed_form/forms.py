@@ -9,11 +9,12 @@ from typing import Any
 import sympy as sp
 
 from hjsolve.closed_form.regime import Regime
+from hjsolve.shown import Shown
 from hjsolve.solution.quadratures import Solution
 
 
-@dataclass(frozen=True)
-class RegimeForms:
+@dataclass(frozen=True, repr=False)
+class RegimeForms(Shown):
     """The closed forms of one regime; on the branch on which every separated momentum is positive.
 
     Free symbols are parameters, constants of the motion, coordinates, the time t, t_0, the lower limits q_0 and the β;

@@ -10,12 +10,13 @@ import sympy as sp
 from hjsolve.closed_form.curves import MomentumCurve
 from hjsolve.closed_form.regions import RootInterval, region_exists
 from hjsolve.closed_form.signs import Signs
+from hjsolve.shown import Shown
 
 _OPPOSITE = {sp.StrictGreaterThan: sp.StrictLessThan, sp.StrictLessThan: sp.StrictGreaterThan}
 
 
-@dataclass(frozen=True)
-class Regime:
+@dataclass(frozen=True, repr=False)
+class Regime(Shown):
     """For which motions a form holds.
 
     Attributes:
@@ -35,6 +36,9 @@ class Regime:
     special: Mapping[sp.Symbol, sp.Expr] = field(repr=False)
     conditions: Mapping[sp.Expr, int] = field(repr=False)
     regions: tuple[tuple[MomentumCurve, RootInterval], ...] = field(repr=False)
+
+    def _label(self) -> str:
+        return str(self)
 
     def __str__(self) -> str:
         return self.words

@@ -10,13 +10,14 @@ import sympy as sp
 from hjsolve.closed_form.curves import MomentumCurve
 from hjsolve.closed_form.sampling import Sample
 from hjsolve.closed_form.signs import Signs
+from hjsolve.shown import Shown
 
 DIGITS = 50
 _SAME = mpmath.mpf(10) ** -25
 
 
-@dataclass(frozen=True)
-class RootInterval:
+@dataclass(frozen=True, repr=False)
+class RootInterval(Shown):
     """An interval of the x-axis on which P > 0.
 
     Attributes:

@@ -14,6 +14,7 @@ from dataclasses import dataclass
 import sympy as sp
 
 from hjsolve.mechanics.coordinates_and_parameters import Coordinate
+from hjsolve.shown import Shown
 
 S, C, X = sp.Symbol("_S", real=True), sp.Symbol("_C", real=True), sp.Symbol("_X", positive=True)
 HYPERBOLIC = {
@@ -23,8 +24,8 @@ HYPERBOLIC = {
 }
 
 
-@dataclass(frozen=True)
-class Substitution:
+@dataclass(frozen=True, repr=False)
+class Substitution(Shown):
     """A variable x = φ(q), monotone on the domain of q.
 
     Attributes:

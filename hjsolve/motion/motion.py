@@ -349,7 +349,6 @@ def _move(solution: Solution, initial: Initial, t0: sp.Expr, digits: int, parts:
     if "boundary" not in motion.kinds.values() or "time" not in parts:
         return motion
     from hjsolve.motion.crossings import boundary_times
-
     return replace(motion, boundary_times=boundary_times(found))
 
 
