@@ -2,7 +2,9 @@
 
 from __future__ import annotations
 
-from typing import Any, NamedTuple
+from typing import NamedTuple
+
+from hjsolve.arithmetic.number_types import Mpf
 
 
 class UnknownGrowthError(Exception):
@@ -12,9 +14,9 @@ class UnknownGrowthError(Exception):
 class Monomial(NamedTuple):
     """e^{λs} sᵏ (log s)ᵐ; greater is what grows faster."""
 
-    rate: Any
-    power: Any
-    logs: Any
+    rate: float | Mpf
+    power: float | Mpf
+    logs: float | Mpf
 
     def times(self, other: Monomial, n: float = 1.0) -> Monomial:
         """Return self·otherⁿ."""
@@ -36,5 +38,5 @@ class Remainder(NamedTuple):
 class Growth(NamedTuple):
     """Terms, the fastest first, and the remainder."""
 
-    terms: tuple[tuple[Monomial, Any], ...]
+    terms: tuple[tuple[Monomial, Mpf], ...]
     rest: Remainder | None = None

@@ -13,19 +13,20 @@ Whoever runs a formula in this arithmetic silences numpy's warnings around it.
 from __future__ import annotations
 
 from collections.abc import Callable
-from typing import Any, NamedTuple
+from typing import NamedTuple
 
 import numpy as np
 
 from hjsolve.arithmetic.floats import Float64
+from hjsolve.arithmetic.number_types import Complexes, Mask, Numeric, Reals
 
 _UNIT = 4 * 2.0**-52
 """Relative rounding of one operation on complex doubles, more than it is."""
-_NUMPY: dict[str, Callable[[Any], Any]] = {
+_NUMPY: dict[str, Callable[[Complexes], Complexes]] = {
     "asin": np.arcsin, "acos": np.arccos, "atan": np.arctan, "asinh": np.arcsinh, "acosh": np.arccosh,
     "atanh": np.arctanh,
 }  # fmt: skip
-_PAIR: dict[str, tuple[Callable[[Any], Any], Callable[[Any], Any]]] = {
+_PAIR: dict[str, tuple[Callable[[Complexes], Complexes], Callable[[Complexes], Complexes]]] = {
     "sin": (np.sin, np.cos), "cos": (np.cos, np.sin), "sinh": (np.sinh, np.cosh), "cosh": (np.cosh, np.sinh),
 }  # fmt: skip
 _CUT = {"atan": 1.0, "atanh": -1.0}
@@ -35,23 +36,33 @@ _CUT = {"atan": 1.0, "atanh": -1.0}
 class Disk(NamedTuple):
     """All z with |z − centre| ≤ radius; nothing is known where the radius is not finite."""
 
-    centre: Any
-    radius: Any
+    centre: Complexes
+    radius: Reals
 
     @property
-    def largest(self) -> Any:
+    def largest(self) -> Reals:
         """The greatest |z|."""
         return np.abs(self.centre) + self.radius
 
     @property
-    def least(self) -> Any:
+    def least(self) -> Reals:
         """The least |z|, not below 0."""
         return np.maximum(np.abs(self.centre) - self.radius, 0.0)
 
     @property
-    def known(self) -> Any:
+    def known(self) -> Mask:
         """True where the disk is bounded."""
         return np.isfinite(self.radius) & np.isfinite(self.centre)
+
+
+def single(centre: complex, radius: float) -> Disk:
+    """Return the disk of one number: a scalar of numpy is an array without axes.
+
+    Args:
+        centre: of the disk.
+        radius: of the disk.
+    """
+    return Disk(np.complex128(centre), np.float64(radius))  # type: ignore[arg-type]
 
 
 def hull(x: Disk, y: Disk) -> Disk:
@@ -66,7 +77,7 @@ def tighter(x: Disk, y: Disk) -> Disk:
     return x if first.all() else Disk(np.where(first, x.centre, y.centre), np.where(first, x.radius, y.radius))
 
 
-def _where(good: Any, x: Disk) -> Disk:
+def _where(good: Mask, x: Disk) -> Disk:
     """The disk where ``good``, unknown elsewhere."""
     return x if np.all(good) else Disk(x.centre, np.where(good, x.radius, np.inf))
 
@@ -76,18 +87,18 @@ class Disks:
 
     __slots__ = ()
 
-    def point(self, x: Any) -> Disk:
+    def point(self, x: Numeric) -> Disk:
         """Enclose a real number that may have to be rounded."""
         nearest = float(x)
-        return Disk(np.complex128(nearest), np.float64(0.0 if nearest == x else abs(nearest) * 2.0**-52))
+        return single(nearest, 0.0 if nearest == x else abs(nearest) * 2.0**-52)
 
     def rational(self, numerator: int, denominator: int) -> Disk:
         value = Float64().rational(numerator, denominator)
         exact = denominator & (denominator - 1) == 0 and abs(numerator) < 2**53
-        return Disk(np.complex128(value), np.float64(0.0 if exact else abs(value) * 2.0**-52))
+        return single(value, 0.0 if exact else abs(value) * 2.0**-52)
 
     def pi(self) -> Disk:
-        return Disk(np.complex128(np.pi), np.float64(2.0**-52))
+        return single(np.pi, 2.0**-52)
 
     def add(self, x: Disk, y: Disk) -> Disk:
         centre = x.centre + y.centre
@@ -109,7 +120,7 @@ class Disks:
         size = np.abs(x.centre)
         room = (size - x.radius) * (size + x.radius)
         share = x.radius / room
-        return Disk(np.conj(x.centre) / room, np.where(room > 0, share + _UNIT * (share + 1 / size), np.inf))
+        return Disk(x.centre.conj() / room, np.where(room > 0, share + _UNIT * (share + 1 / size), np.inf))
 
     def power(self, x: Disk, n: int) -> Disk:
         if n < 0:
@@ -171,7 +182,7 @@ def _tan(d: Disks, x: Disk) -> Disk:
     return Disk(-1j * turned.centre, turned.radius)
 
 
-def _decaying(d: Disks, x: Disk, n: float) -> tuple[Any, Disk]:
+def _decaying(d: Disks, x: Disk, n: float) -> tuple[Reals, Disk]:
     """The sign s of Re x and exp(−n s x), which is not above e^(n·radius)."""
     side = np.where(np.real(x.centre) < 0, -1.0, 1.0)
     return side, _exp(d, Disk(-n * side * x.centre, n * x.radius))
@@ -190,7 +201,7 @@ def _sech(d: Disks, x: Disk) -> Disk:
     return d.times(d.mul(u, d.inverse(d.shifted(d.power(u, 2), 1.0))), 2.0)
 
 
-def _off_cut(x: Disk) -> Any:
+def _off_cut(x: Disk) -> Mask:
     """True where a disk does not meet the negative real axis or 0."""
     real = np.real(x.centre)
     return np.where(real > 0, np.abs(x.centre), np.abs(np.imag(x.centre))) > x.radius

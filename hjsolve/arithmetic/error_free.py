@@ -6,7 +6,9 @@ Knuth, TAOCP 2, §4.2.2; Dekker, Numer. Math. 18 (1971) 224. All of it works ele
 from __future__ import annotations
 
 from fractions import Fraction
-from typing import Any, NamedTuple
+from typing import NamedTuple
+
+from hjsolve.arithmetic.number_types import Elementwise, Numeric
 
 _SPLITTER = 134217729.0
 
@@ -14,11 +16,11 @@ _SPLITTER = 134217729.0
 class Pair(NamedTuple):
     """A number high + low, |low| at most half a unit in the last place of high; floats or arrays."""
 
-    high: Any
-    low: Any
+    high: Elementwise
+    low: Elementwise
 
 
-def split(x: Any) -> Pair:
+def split(x: Numeric) -> Pair:
     """Round a many-digit number to two doubles."""
     high = float(x)
     return Pair(high, float(x - high))
@@ -30,20 +32,20 @@ def exact(value: Fraction) -> Pair:
     return Pair(high, float(value - Fraction(high)))
 
 
-def two_sum(a: Any, b: Any) -> Pair:
+def two_sum(a: Elementwise, b: Elementwise) -> Pair:
     """Return a + b exactly (Knuth)."""
     s = a + b
     part = s - a
     return Pair(s, (a - (s - part)) + (b - part))
 
 
-def quick_two_sum(a: Any, b: Any) -> Pair:
+def quick_two_sum(a: Elementwise, b: Elementwise) -> Pair:
     """Return a + b exactly, where |a| ≥ |b| (Dekker)."""
     s = a + b
     return Pair(s, b - (s - a))
 
 
-def two_product(a: Any, b: Any) -> Pair:
+def two_product(a: Elementwise, b: Elementwise) -> Pair:
     """Return a·b exactly, for sizes below about 10²⁹² (Dekker)."""
     p = a * b
     ca, cb = _SPLITTER * a, _SPLITTER * b

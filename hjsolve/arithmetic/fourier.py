@@ -9,9 +9,9 @@ few dozen guard bits, so the coefficients are as good as the values, relative to
 from __future__ import annotations
 
 from functools import lru_cache
-from typing import Any
 
 from hjsolve.arithmetic.floats import multiprecision
+from hjsolve.arithmetic.number_types import Mpf
 
 _GUARD = 24
 _PRIMES = (2, 3, 5, 7, 11, 13)
@@ -34,7 +34,7 @@ def _rest(n: int) -> int:
     return n
 
 
-def waves(values: list[Any], *, even: bool, bits: int) -> tuple[list[Any], list[Any]]:
+def waves(values: list[Mpf], *, even: bool, bits: int) -> tuple[list[Mpf], list[Mpf]]:
     """Return the coefficients cₖ and sₖ of cos kχ and sin kχ, k = 1, 2, …, below the Nyquist frequency.
 
     Args:
@@ -62,7 +62,7 @@ def waves(values: list[Any], *, even: bool, bits: int) -> tuple[list[Any], list[
         c, s = (c * x - s * y) >> work, (c * y + s * x) >> work
     scale = 2 * largest / nodes
 
-    def numbers(parts: list[int]) -> list[Any]:
+    def numbers(parts: list[int]) -> list[Mpf]:
         return [context.ldexp(context.mpf(part), -2 * work) * scale for part in parts]
 
     return numbers(cosines), [] if even else numbers(sines)

@@ -19,7 +19,7 @@ from collections.abc import Sequence
 from dataclasses import dataclass, field
 from fractions import Fraction
 from math import lcm
-from typing import Any, NamedTuple
+from typing import Final, Literal, NamedTuple
 
 import numpy as np
 
@@ -31,7 +31,7 @@ _DISKS = Disks()
 _EXPONENTIAL = frozenset({"exp", "sinh", "cosh", "tanh", "sech"})
 _HIGHEST = 48
 """Of the powers of one exponential."""
-ZERO = "zero"
+ZERO: Final = "zero"
 """In place of an order: the number is exactly 0."""
 
 
@@ -76,7 +76,7 @@ class Locals:
 
     offset: Disk
     depth: int
-    orders: Sequence[Any] = ()
+    orders: Sequence[int | Literal["zero"] | None] = ()
     rate: float = 0.0
     q: Disk | None = None
     _count: int = field(default=0)
