@@ -25,6 +25,7 @@ import numpy as np
 
 from hjsolve.arithmetic.floats import Float64, Multi
 from hjsolve.arithmetic.fourier import at_midpoints
+from hjsolve.arithmetic.number_types import Mpf, Numeric, Reals
 from hjsolve.one_coordinate.anomaly import BarrierAnomaly, Libration, Place, Rotation, TwoBarrierAnomaly, as_float
 from hjsolve.one_coordinate.fourier_series import FourierSeries, midpoints
 
@@ -61,11 +62,11 @@ class Stretched:
         return self.inner.direction
 
     @property
-    def lower(self) -> Any:
+    def lower(self) -> Mpf:
         return self.inner.lower  # type: ignore[union-attr]
 
     @property
-    def upper(self) -> Any:
+    def upper(self) -> Mpf:
         return self.inner.upper  # type: ignore[union-attr]
 
     @cached_property
@@ -84,7 +85,7 @@ class Stretched:
     def _fixed(self, bits: int) -> list[tuple[int, int]]:
         return [(int(c * 2**bits), int(s * 2**bits)) for c, s in self._waves]
 
-    def place(self, ψ: Any, arithmetic: Float64 | Multi) -> Place:
+    def place(self, ψ: Numeric, arithmetic: Float64 | Multi) -> Place:
         """Return the place at ψ, |ψ| ≤ 2π.
 
         Args:
@@ -111,7 +112,7 @@ class Stretched:
             place = self.inner.place(ψ + context.mpf(v + shift) * context.mpf(2) ** -bits, arithmetic)
             yield place._replace(rate=1 + context.mpf(du) * context.mpf(2) ** -bits)
 
-    def unstretched(self, ψ: Any, arithmetic: Float64 | Multi) -> tuple[Any, Any]:
+    def unstretched(self, ψ: Numeric, arithmetic: Float64 | Multi) -> tuple[Numeric, Numeric]:
         """Return χ(ψ) and dχ/dψ.
 
         Args:
@@ -122,7 +123,7 @@ class Stretched:
             return ψ + (self.slope.ripple(ψ) - self._shift), self.slope.value(ψ)
         return self._in_fixed_point(ψ, arithmetic)
 
-    def _in_fixed_point(self, ψ: Any, arithmetic: Multi) -> tuple[Any, Any]:
+    def _in_fixed_point(self, ψ: Numeric, arithmetic: Multi) -> tuple[Numeric, Numeric]:
         """χ = ψ + Im Σ (cₖ − i sₖ) e^{ikψ} + Σ (−1)ᵏ sₖ and its derivative by Horner's rule in integers."""
         bits, context = arithmetic.bits + 32, arithmetic.context
         one = context.mpf(2) ** bits
@@ -136,7 +137,7 @@ class Stretched:
             shift += s if k % 2 == 0 else -s
         return ψ + context.mpf(v + shift) / one, 1 + context.mpf(du) / one
 
-    def phase(self, q: Any, forward: int, arithmetic: Multi) -> Any:
+    def phase(self, q: Mpf, forward: int, arithmetic: Multi) -> Mpf:
         """Return ψ in (−π, π] of a position: Newton's method kept inside a bracket.
 
         Args:
@@ -181,7 +182,9 @@ def lowered(anomaly: Inner | Stretched, arithmetic: Multi) -> Inner | Stretched:
 
 def _lowered(anomaly: Inner, arithmetic: Multi) -> Inner:
     values = {f.name: getattr(anomaly, f.name) for f in fields(anomaly)}
-    numbers = {n: arithmetic.convert(v) for n, v in values.items() if not isinstance(v, int | float | None)}
+    numbers: dict[str, Any] = {
+        n: arithmetic.convert(v) for n, v in values.items() if not isinstance(v, int | float | None)
+    }
     return replace(anomaly, **numbers)
 
 
@@ -235,9 +238,9 @@ class _Growth:
         rates: dψ/dχ on each piece, coefficients of Legendre polynomials, shape (pieces, orders).
     """
 
-    edges: Any
-    levels: Any
-    rates: Any
+    edges: Reals
+    levels: Reals
+    rates: Reals
 
     @classmethod
     def through(cls, places: list[tuple[float, float]]) -> _Growth:
@@ -249,7 +252,7 @@ class _Growth:
         rates = (values * weights) @ np.polynomial.legendre.legvander(nodes, _ORDERS - 1) * (k + 0.5)
         return cls(edges, np.concatenate([[0.0], np.cumsum(2 * half * rates[:, 0])]), rates)
 
-    def rate(self, share: Any) -> Any:
+    def rate(self, share: Reals) -> Reals:
         """dχ/dψ where a share of ψ's whole turn is reached, by Newton steps within a piece."""
         goal = share * self.levels[-1]
         piece = np.clip(np.searchsorted(self.levels, goal, side="right") - 1, 0, len(self.rates) - 1)
@@ -266,7 +269,7 @@ class _Growth:
         return self.levels[-1] / (2 * np.pi) / np.polynomial.legendre.legval(t, rates, tensor=False)
 
 
-def _edges(places: list[tuple[float, float]]) -> Any:
+def _edges(places: list[tuple[float, float]]) -> Reals:
     """Phases between which ψ grows by about 1: closer to each other than to the rough places."""
     near = [χ + side * δ * 2.0 ** np.arange(-2, 4 - np.log2(δ), 0.5) for χ, δ in places for side in (-1, 1)]
     points = np.concatenate([np.linspace(-np.pi, np.pi, 65), [χ for χ, _ in places], *near])
@@ -277,7 +280,7 @@ def _edges(places: list[tuple[float, float]]) -> Any:
     return np.concatenate([[-np.pi], inner, [np.pi]])
 
 
-def _density(χ: Any, places: list[tuple[float, float]]) -> Any:
+def _density(χ: Reals, places: list[tuple[float, float]]) -> Reals:
     """dψ/dχ, up to a constant."""
     total = np.full_like(χ, _BASE**4)
     for place, width in places:
