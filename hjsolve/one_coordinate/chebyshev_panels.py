@@ -237,14 +237,7 @@ class Growing:
     The panels do not depend on how far is asked for: a shorter reach has the first ones of a longer.
     """
 
-    def __init__(
-        self,
-        way: EndMap,
-        course: Integrated,
-        *,
-        digits: int,
-        bits: int,
-    ):
+    def __init__(self, way: EndMap, course: Integrated, *, digits: int, bits: int):
         """Start at y = 0.
 
         Args:

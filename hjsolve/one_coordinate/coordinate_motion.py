@@ -79,7 +79,7 @@ class Periodic:
     periodic = True
 
     @property
-    def action(self) -> Any:
+    def action(self) -> Mpf | float | None:
         """(1/2π) ∮ p dq, positive; None where it was not integrated."""
         return None if self.density is None else self.density.mean
 
