@@ -72,6 +72,8 @@ class Float64(ByOperators):
     """
 
     bits: ClassVar[int] = 53
+    few_units: ClassVar[float] = 4 * 2.0**-52
+    """More than any operation rounds by, relatively."""
 
     def rational(self, numerator: int, denominator: int) -> Elementwise:
         return float(Fraction(numerator, denominator))
@@ -193,6 +195,11 @@ class Multi(ByOperators):
 
     def __reduce__(self) -> tuple[type[Multi], tuple[int]]:
         return Multi, (self.bits,)
+
+    @property
+    def few_units(self) -> Mpf:
+        """More than any operation rounds by, relatively."""
+        return cast("Mpf", self.context.mpf(2) ** (3 - self.bits))
 
     def convert(self, value: object) -> Mpf:
         """Take an int, float, Fraction or mpf in; the value is rounded to the precision."""

@@ -49,7 +49,7 @@ class Intervals:
     @cached_property
     def unit(self) -> float | Mpf:
         """Relative widening of one operation."""
-        return 4 * 2.0**-52 if isinstance(self.plain, Float64) else self.plain.context.mpf(2) ** (3 - self.plain.bits)
+        return self.plain.few_units
 
     def point(self, x: float | Mpf) -> Interval:
         """Enclose a number that the plain arithmetic may have to round."""

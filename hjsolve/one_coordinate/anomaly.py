@@ -22,36 +22,15 @@ way, the slow place q₀ where p² is least at χ = π. Differences q − a and 
 from __future__ import annotations
 
 from dataclasses import dataclass
-from typing import Any, NamedTuple
 
 from hjsolve.arithmetic.elliptic import jacobi, quarter_period
 from hjsolve.arithmetic.floats import Float64, Multi
 from hjsolve.arithmetic.number_types import Mpf, Numeric, Truth
-
-
-class Place(NamedTuple):
-    """Where the anomaly χ puts the coordinate.
-
-    Attributes:
-        q: position.
-        speed: dq/dχ, with the sign of the motion.
-        product: (q − a)(b − q), or 1 for a rotation.
-        stretch: |dq/dχ| / √product.
-        rate: dχ/dψ where the phase is ψ and not χ itself; ``speed`` and ``stretch`` are without it.
-        below, above: q − a and b − q, each with its relative accuracy; None for a rotation.
-    """
-
-    q: Numeric
-    speed: Numeric
-    product: Numeric
-    stretch: Numeric
-    rate: Numeric | int = 1
-    below: Numeric | None = None
-    above: Numeric | None = None
+from hjsolve.one_coordinate.phase_map import Place, Unstretched
 
 
 @dataclass(frozen=True)
-class Libration:
+class Libration(Unstretched):
     """To and fro between two turning points; χ = 0 at the lower one, π at the upper one.
 
     Attributes:
@@ -110,7 +89,7 @@ class Libration:
 
 
 @dataclass(frozen=True)
-class BarrierAnomaly:
+class BarrierAnomaly(Unstretched):
     """A libration that passes over a low barrier; χ as in ``Libration``, slow at the crest.
 
     Attributes:
@@ -171,7 +150,7 @@ class BarrierAnomaly:
 
 
 @dataclass(frozen=True)
-class Rotation:
+class Rotation(Unstretched):
     """An angle that goes round; χ grows by 2π a turn, whichever way the motion goes.
 
     Attributes:
@@ -215,7 +194,7 @@ class Rotation:
 
 
 @dataclass(frozen=True)
-class TwoBarrierAnomaly:
+class TwoBarrierAnomaly(Unstretched):
     """An angle that goes round over two crests; χ as in ``Rotation``, slow at both.
 
     A Möbius map of the circle carries the two crests, as complex pairs, to w = 0 and w = π with equal gaps; there
@@ -351,17 +330,6 @@ def two_barrier_anomaly(
         crest + 2 * context.atan2(B, D), direction, B * B + D * D, A * B + C * D, complement,
         quarter_period(complement, arithmetic),
     )  # fmt: skip
-
-
-def as_float(anomaly: Anomaly) -> Anomaly:
-    """Round the constants of an anomaly to doubles, for vectorised use.
-
-    Args:
-        anomaly: with constants of many digits.
-    """
-    values = {name: getattr(anomaly, name) for name in anomaly.__dataclass_fields__}
-    rounded: dict[str, Any] = {name: v if isinstance(v, int) else float(v) for name, v in values.items()}
-    return type(anomaly)(**rounded)
 
 
 def _ordered(small: Numeric, large: Numeric, order: Truth, arithmetic: Float64 | Multi) -> tuple[Numeric, Numeric]:

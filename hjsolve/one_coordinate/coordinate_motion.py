@@ -18,10 +18,10 @@ from hjsolve.arithmetic.number_types import Elementwise, Mask, Mpf, Numbers, Rea
 from hjsolve.arithmetic.work_counter import count
 from hjsolve.one_coordinate.anomaly import BarrierAnomaly, Libration, Rotation, TwoBarrierAnomaly
 from hjsolve.one_coordinate.chebyshev_panels import EndMap, Panels
-from hjsolve.one_coordinate.fourier_series import FourierSeries
+from hjsolve.one_coordinate.fourier_series import FourierSeries, zero
 from hjsolve.one_coordinate.momentum_squared import MomentumSquared
 from hjsolve.one_coordinate.open_branch import Branch
-from hjsolve.one_coordinate.stretched_anomaly import Stretched, map_in_doubles
+from hjsolve.one_coordinate.stretched_anomaly import Stretched
 
 Anomaly = Libration | BarrierAnomaly | Rotation | TwoBarrierAnomaly | Stretched
 
@@ -88,6 +88,10 @@ class Periodic:
         """The largest of the last coefficients, relative to the size of its function."""
         return max(float(s.tail) for s in (*self.kernels, self.momentum))
 
+    def limits(self) -> tuple[float, float]:
+        """Return the least and greatest phase there is: it goes on for ever."""
+        return -np.inf, np.inf
+
     def integral(self, j: int, χ: Numbers) -> Numbers:
         """Return Gⱼ from 0 to χ.
 
@@ -121,9 +125,7 @@ class Periodic:
         Args:
             χ: phases, shape (m,).
         """
-        if not isinstance(self.anomaly, Stretched):
-            return 0.0 * χ
-        return 8 * 2.0**-52 * np.pi / np.abs(self.anomaly.slope.value(χ))
+        return self.anomaly.rounding(χ)
 
     def pace(self, weights: tuple[float, ...], χ: Reals) -> Reals:
         """Return Σ wⱼ dGⱼ/dχ for a float array |χ| ≤ π by the formula, not the series: small values keep digits.
@@ -136,8 +138,8 @@ class Periodic:
         count(kernels=q.size)
         numbers = [float(x) for x in self.radicand.inputs(64)]
         kernels = self.radicand.kernels.run(Float64(), [q, *numbers])
-        rate = self.anomaly.unstretched(χ, Float64())[1] if isinstance(self.anomaly, Stretched) else 1.0
-        return sum(w * k for w, k in zip(weights, kernels, strict=False) if w) / self.ratio(χ) * rate
+        total: Elementwise = sum(w * k for w, k in zip(weights, kernels, strict=False) if w)
+        return total / self.ratio(χ) * self.anomaly.slope_at(χ)
 
     def ratio(self, χ: Elementwise) -> Elementwise:
         """Return p/(dq/dχ) to full relative accuracy; χ a float array or one ``mpf``.
@@ -169,7 +171,7 @@ class Periodic:
         """
         count(places=χ.size)
         arithmetic = arithmetic_of(χ)
-        anomaly = map_in_doubles(self.anomaly) if isinstance(arithmetic, Float64) else self.anomaly
+        anomaly = self.anomaly.in_doubles() if isinstance(arithmetic, Float64) else self.anomaly
         turn = (
             np.rint(χ / (2 * np.pi))
             if χ.dtype == float
@@ -206,6 +208,15 @@ class AtRest:
     start: Mpf | int = 0
     action: Mpf | int | None = 0
     periodic = True
+
+    @property
+    def kernels(self) -> list[FourierSeries]:
+        """Series of what is left of the kernels beside their means: nothing."""
+        return [zero() for _ in self.rates]
+
+    def limits(self) -> tuple[float, float]:
+        """Return the least and greatest phase there is: the phase only counts."""
+        return -np.inf, np.inf
 
     def growth(self, j: int) -> float | Mpf:
         """Return the growth of Gⱼ per unit phase.

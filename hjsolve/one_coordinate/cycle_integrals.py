@@ -2,16 +2,15 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterable
+from collections.abc import Callable
 from typing import cast
 
 from hjsolve.arithmetic.floats import Multi
 from hjsolve.arithmetic.number_types import Mpf
-from hjsolve.one_coordinate.anomaly import Place
 from hjsolve.one_coordinate.coordinate_motion import PARTS, Anomaly, Kind, Periodic
-from hjsolve.one_coordinate.fourier_series import fit, midpoints, zero
+from hjsolve.one_coordinate.fourier_series import fit, zero
 from hjsolve.one_coordinate.momentum_squared import MomentumSquared
-from hjsolve.one_coordinate.stretched_anomaly import Stretched
+from hjsolve.one_coordinate.phase_map import Place
 
 
 def bounded(
@@ -42,20 +41,13 @@ def bounded(
         empty = [zero() for _ in skipped]
         return Periodic(kind, anomaly, empty, zero(), None, start, radicand)
     values = integrands(radicand, skipped, bits, parts)
-    rows = [values(place) for place in _places(anomaly, nodes, bits)]
+    rows = [values(place) for place in anomaly.places(nodes, Multi(bits))]
     *kernels, momentum, density = fit(rows, even=anomaly.even, digits=digits, bits=bits, floors=_floors(radicand))
     return Periodic(kind, anomaly, kernels, momentum, density if "action" in parts else None, start, radicand)
 
 
 def _floors(radicand: MomentumSquared) -> list[float]:
     return [0.0] * len(radicand.kernels.outputs) + [1.0, 0.0]
-
-
-def _places(anomaly: Anomaly, nodes: int, bits: int) -> Iterable[Place]:
-    arithmetic = Multi(bits)
-    if isinstance(anomaly, Stretched):
-        return anomaly.places(nodes, arithmetic)
-    return (anomaly.place(χ, arithmetic) for χ in midpoints(nodes, even=anomaly.even, bits=bits))
 
 
 def integrands(

@@ -16,18 +16,18 @@ are, so it need not be known better than that.
 from __future__ import annotations
 
 from collections.abc import Iterator
-from dataclasses import dataclass, fields, replace
+from dataclasses import dataclass, replace
 from fractions import Fraction
 from functools import cached_property, lru_cache
-from typing import Any
 
 import numpy as np
 
 from hjsolve.arithmetic.floats import Float64, Multi
 from hjsolve.arithmetic.fourier import at_midpoints
 from hjsolve.arithmetic.number_types import Mpf, Numeric, Reals
-from hjsolve.one_coordinate.anomaly import BarrierAnomaly, Libration, Place, Rotation, TwoBarrierAnomaly, as_float
+from hjsolve.one_coordinate.anomaly import BarrierAnomaly, Libration, Rotation, TwoBarrierAnomaly
 from hjsolve.one_coordinate.fourier_series import FourierSeries, midpoints
+from hjsolve.one_coordinate.phase_map import Place
 
 _SAMPLES, _MOST_SAMPLES = 4096, 32768
 _STEPS, _ORDERS = 12, 12
@@ -158,6 +158,34 @@ class Stretched:
             ψ = new
         return ψ
 
+    def slope_at(self, ψ: Reals) -> Reals:
+        """Return dχ/dψ.
+
+        Args:
+            ψ: phases in doubles, shape (m,).
+        """
+        return self.unstretched(ψ, Float64())[1]  # type: ignore[return-value]
+
+    def rounding(self, ψ: Reals) -> Reals:
+        """Return the rounding of χ(ψ) as an uncertainty of ψ.
+
+        Args:
+            ψ: phases in doubles, shape (m,).
+        """
+        return 8 * 2.0**-52 * np.pi / np.abs(self.slope.value(ψ))
+
+    def in_doubles(self) -> Stretched:
+        """Return the same with its constants rounded to doubles, for vectorised use."""
+        return replace(self, inner=self.inner.in_doubles())
+
+    def lowered(self, arithmetic: Multi) -> Stretched:
+        """Return the same with its constants rounded to fewer digits.
+
+        Args:
+            arithmetic: with fewer.
+        """
+        return replace(self, inner=self.inner.lowered(arithmetic))
+
 
 def map_in_doubles(anomaly: Inner | Stretched) -> Inner | Stretched:
     """Round the constants of a map to doubles, for vectorised use.
@@ -165,7 +193,7 @@ def map_in_doubles(anomaly: Inner | Stretched) -> Inner | Stretched:
     Args:
         anomaly: with constants of many digits.
     """
-    return replace(anomaly, inner=as_float(anomaly.inner)) if isinstance(anomaly, Stretched) else as_float(anomaly)
+    return anomaly.in_doubles()
 
 
 def lowered(anomaly: Inner | Stretched, arithmetic: Multi) -> Inner | Stretched:
@@ -175,17 +203,7 @@ def lowered(anomaly: Inner | Stretched, arithmetic: Multi) -> Inner | Stretched:
         anomaly: with constants of many digits.
         arithmetic: with fewer.
     """
-    if isinstance(anomaly, Stretched):
-        return replace(anomaly, inner=_lowered(anomaly.inner, arithmetic))
-    return _lowered(anomaly, arithmetic)
-
-
-def _lowered(anomaly: Inner, arithmetic: Multi) -> Inner:
-    values = {f.name: getattr(anomaly, f.name) for f in fields(anomaly)}
-    numbers: dict[str, Any] = {
-        n: arithmetic.convert(v) for n, v in values.items() if not isinstance(v, int | float | None)
-    }
-    return replace(anomaly, **numbers)
+    return anomaly.lowered(arithmetic)
 
 
 def stretched(inner: Inner, places: list[tuple[float, float]]) -> Stretched | None:

@@ -148,8 +148,6 @@ def _one_way(couple: CoupledPair, side: int, goals: Reals, noise: Reals) -> Coup
 
 def _gain(course: CoordinateMotion, level: Weights, side: int) -> float:
     """How much the first equation can still grow along a course; infinite where it goes on for ever."""
-    if not isinstance(course, Unbounded):
-        return np.inf
     limit = course.limits()[side > 0]
     if not np.isfinite(limit):
         return np.inf
@@ -262,8 +260,7 @@ def _polished(couple: CoupledPair, goals: Reals, χ: Reals) -> Reals:
             small = np.all(np.abs(step) <= 1e-3 * np.abs(χ) + 1e-8, axis=0)
         trial = np.where(small, χ + step, χ)
         for row, course in enumerate(couple.courses):
-            if isinstance(course, Unbounded):
-                trial[row] = np.clip(trial[row], *course.limits())
+            trial[row] = np.clip(trial[row], *course.limits())
         χ = trial
     return χ
 

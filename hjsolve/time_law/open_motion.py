@@ -273,7 +273,7 @@ def _march(
     """Follow the coupled coordinates from t₀ through the sorted times, Newton's method at every step."""
     block = scheme.coupled
     begin = np.array([float(courses[i].start) for i in block])
-    limits = [c.limits() if isinstance(c, Unbounded) else (-np.inf, np.inf) for c in (courses[i] for i in block)]
+    limits = [courses[i].limits() for i in block]
     found = np.empty((len(block), len(t)))
     bounds = np.empty_like(found)
     for direction in (1, -1):

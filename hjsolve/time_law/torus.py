@@ -19,8 +19,8 @@ from hjsolve.arithmetic.error_free import split
 from hjsolve.arithmetic.floats import EPS, multiprecision
 from hjsolve.arithmetic.number_types import Context, Elementwise, Mpf, Reals
 from hjsolve.errors import NotConvergedError
-from hjsolve.one_coordinate.coordinate_motion import AtRest, CoordinateMotion, Periodic
-from hjsolve.one_coordinate.fourier_series import FourierSeries, combine, zero
+from hjsolve.one_coordinate.coordinate_motion import AtRest, Periodic
+from hjsolve.one_coordinate.fourier_series import FourierSeries, combine
 from hjsolve.time_law.phase_reduction import turns_and_rest
 
 
@@ -99,12 +99,12 @@ def oscillation(system: TorusEquations, i: int, j: int) -> FourierSeries:
         j: position of the constant, an ignorable momentum.
     """
     course = system.courses[i]
-    own = combine([-1], [course.kernels[j]]) if isinstance(course, Periodic) else zero()
+    own = combine([-1], [course.kernels[j]])
     return combine([1, *(c.growth(j) for c in system.courses)], [own, *(row[i] for row in system.ripples)])
 
 
-def _ripple(weights: Sequence[Mpf], course: CoordinateMotion, n: int) -> FourierSeries:
-    return combine(list(weights), course.kernels[:n]) if isinstance(course, Periodic) else zero()
+def _ripple(weights: Sequence[Mpf], course: Periodic | AtRest, n: int) -> FourierSeries:
+    return combine(list(weights), course.kernels[:n])
 
 
 def _at(series: FourierSeries, χ: Mpf | int, context: Context) -> Mpf | int:
