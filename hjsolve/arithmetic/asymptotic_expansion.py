@@ -49,14 +49,20 @@ class Growths:
     def plain(self) -> Multi:
         return Multi(self.bits)
 
-    # ------------------------------------------------------------------ numbers
-
     def constant(self, value: Mpf) -> Growth:
-        """Return a number that does not depend on s."""
+        """Return a number that does not depend on s.
+
+        Args:
+            value: the number.
+        """
         return Growth(((_CONSTANT, value),)) if value else Growth(())
 
     def variable(self, sign: int) -> Growth:
-        """Return ±s."""
+        """Return ±s.
+
+        Args:
+            sign: +1 or −1.
+        """
         return Growth(((Monomial(0.0, 1.0, 0.0), self.plain.context.mpf(sign)),))
 
     def rational(self, numerator: int, denominator: int) -> Growth:
@@ -85,7 +91,12 @@ class Growths:
         return math.exp(min(rate * q + power * l + logs * math.log(l), 700.0)) * (1 + _SLACK) + 1e-300
 
     def range_of(self, f: Growth, over: Monomial) -> Remainder:
-        """Return f as a remainder over a monomial that grows no slower."""
+        """Return f as a remainder over a monomial that grows no slower.
+
+        Args:
+            f: a formula known for all s ≥ Q.
+            over: the monomial.
+        """
         low = high = 0.0
         for monomial, c in f.terms:
             bound, value = self.largest(monomial.times(over, -1.0)), float(c)
@@ -115,8 +126,6 @@ class Growths:
         ranges = [self.range_of(part, top) for part in parts]
         rest = _range(top, sum(r.low for r in ranges), sum(r.high for r in ranges))
         return Growth(tuple(left[:_TERMS]), rest)
-
-    # ------------------------------------------------------------------ the four operations
 
     def add(self, x: Growth, y: Growth) -> Growth:
         return self._made([*x.terms, *y.terms], [Growth((), part.rest) for part in (x, y) if part.rest])
@@ -196,8 +205,6 @@ class Growths:
         size = tail * self.range_of(ε, top).size ** n
         rests = (result.rest, _range(_power(top, n), -size, size))
         return self._made(result.terms, [Growth((), r) for r in rests if r])
-
-    # ------------------------------------------------------------------ elementary functions
 
     def unary(self, name: str, x: Growth) -> Growth:
         if name == "neg":
@@ -329,6 +336,9 @@ class Growths:
 
     def sign(self, x: Growth) -> int:
         """Return the sign that f has for all s ≥ Q.
+
+        Args:
+            x: a number.
 
         Raises:
             UnknownGrowthError: it could not be decided.

@@ -19,7 +19,12 @@ class Monomial(NamedTuple):
     logs: float | Mpf
 
     def times(self, other: Monomial, n: float = 1.0) -> Monomial:
-        """Return self·otherⁿ."""
+        """Return self·otherⁿ.
+
+        Args:
+            other: another one.
+            n: exponent.
+        """
         return Monomial(*(a + n * b for a, b in zip(self, other, strict=True)))
 
 

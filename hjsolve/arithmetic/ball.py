@@ -72,7 +72,11 @@ def require_flint() -> None:
 
 
 def working(bits: int) -> AbstractContextManager[object]:
-    """Set Arb's precision for a while."""
+    """Set Arb's precision for a while.
+
+    Args:
+        bits: binary digits.
+    """
     return flint.ctx.workprec(bits)
 
 
@@ -154,6 +158,10 @@ def _meets_cut(name: str, x: Ball) -> bool:
 
 
 def from_mpf(x: Mpf) -> flint.arb:
-    """Return an mpf as an exact ball."""
+    """Return an mpf as an exact ball.
+
+    Args:
+        x: an ``mpf``.
+    """
     sign, mantissa, exponent, _ = x._mpf_
     return flint.arb(flint.fmpz(int(-mantissa if sign else mantissa))) * flint.arb(2) ** int(exponent)

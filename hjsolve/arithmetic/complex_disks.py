@@ -66,13 +66,23 @@ def single(centre: complex, radius: float) -> Disk:
 
 
 def hull(x: Disk, y: Disk) -> Disk:
-    """Return a disk that holds both."""
+    """Return a disk that holds both.
+
+    Args:
+        x: a disk.
+        y: another one, of the same shape.
+    """
     apart = y.centre - x.centre
     return Disk(x.centre + apart / 2, np.abs(apart) * 0.5000001 + np.maximum(x.radius, y.radius))
 
 
 def tighter(x: Disk, y: Disk) -> Disk:
-    """Return the smaller of two disks that hold the same number, element by element."""
+    """Return the smaller of two disks that hold the same number, element by element.
+
+    Args:
+        x: a disk.
+        y: another one that holds the same number.
+    """
     first = (x.radius <= y.radius) | ~np.isfinite(y.radius)
     return x if first.all() else Disk(np.where(first, x.centre, y.centre), np.where(first, x.radius, y.radius))
 
@@ -88,7 +98,11 @@ class Disks:
     __slots__ = ()
 
     def point(self, x: Numeric) -> Disk:
-        """Enclose a real number that may have to be rounded."""
+        """Enclose a real number that may have to be rounded.
+
+        Args:
+            x: a float, or a number of many digits.
+        """
         nearest = float(x)
         return single(nearest, 0.0 if nearest == x else abs(nearest) * 2.0**-52)
 
@@ -116,7 +130,11 @@ class Disks:
         return self.mul(x, self.inverse(y))
 
     def inverse(self, x: Disk) -> Disk:
-        """Return 1/x: the exact image of a disk is a disk."""
+        """Return 1/x: the exact image of a disk is a disk.
+
+        Args:
+            x: a disk.
+        """
         size = np.abs(x.centre)
         room = (size - x.radius) * (size + x.radius)
         share = x.radius / room
@@ -136,22 +154,42 @@ class Disks:
         return result
 
     def derivative(self, name: str, x: Disk) -> Disk:
-        """Return Φ′ over a disk."""
+        """Return Φ′ over a disk.
+
+        Args:
+            name: of the function, such as ``sqrt``.
+            x: a disk.
+        """
         result: Disk = _SLOPES[name](self, x)
         return result
 
     def bend(self, name: str, x: Disk) -> Disk:
-        """Return Φ″ over a disk."""
+        """Return Φ″ over a disk.
+
+        Args:
+            name: of the function, such as ``sqrt``.
+            x: a disk.
+        """
         result: Disk = _BENDS[name](self, x)
         return result
 
     def shifted(self, x: Disk, by: float) -> Disk:
-        """Return x + by."""
+        """Return x + by.
+
+        Args:
+            x: a disk.
+            by: the number.
+        """
         centre = x.centre + by
         return Disk(centre, x.radius + _UNIT * np.abs(centre))
 
     def times(self, x: Disk, by: complex) -> Disk:
-        """Return by·x."""
+        """Return by·x.
+
+        Args:
+            x: a disk.
+            by: the number.
+        """
         return Disk(by * x.centre, abs(by) * x.radius + _UNIT * np.abs(by * x.centre))
 
 

@@ -59,13 +59,21 @@ class DisksInLogarithms:
     __slots__ = ()
 
     def variable(self, x: Disk) -> Logged:
-        """Take a disk as it is; a way leads to it from the real axis."""
+        """Take a disk as it is; a way leads to it from the real axis.
+
+        Args:
+            x: the disk, or the number.
+        """
         rise = np.linspace(0.0, 1.0, _STEPS) if np.any(np.imag(x.centre)) else np.ones(1)
         centre = np.asarray(x.centre)[..., None]
         return _logged(x, centre.real + 1j * centre.imag * rise)
 
     def constant(self, x: Disk) -> Logged:
-        """Take a number in doubt."""
+        """Take a number in doubt.
+
+        Args:
+            x: the number as a disk.
+        """
         return _logged(x, np.asarray(x.centre)[..., None])
 
     def rational(self, numerator: int, denominator: int) -> Logged:

@@ -42,11 +42,20 @@ class FirstDifferences(Generic[N]):
     offset: N
 
     def constant(self, value: N) -> FirstDifference[N]:
-        """Return a number that does not depend on q."""
+        """Return a number that does not depend on q.
+
+        Args:
+            value: the number.
+        """
         return FirstDifference(value, value)
 
     def variable(self, base: N, value: N) -> FirstDifference[N]:
-        """Return q itself, from e to q."""
+        """Return q itself, from e to q.
+
+        Args:
+            base: e, or f(e).
+            value: q.
+        """
         return FirstDifference(base, value, self.plain.rational(1, 1))
 
     def rational(self, numerator: int, denominator: int) -> FirstDifference[N]:

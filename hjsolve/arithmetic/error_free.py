@@ -21,32 +21,55 @@ class Pair(NamedTuple):
 
 
 def split(x: Numeric) -> Pair:
-    """Round a many-digit number to two doubles."""
+    """Round a many-digit number to two doubles.
+
+    Args:
+        x: of many digits.
+    """
     high = float(x)
     return Pair(high, float(x - high))
 
 
 def exact(value: Fraction) -> Pair:
-    """Round a fraction to two doubles."""
+    """Round a fraction to two doubles.
+
+    Args:
+        value: a fraction.
+    """
     high = float(value)
     return Pair(high, float(value - Fraction(high)))
 
 
 def two_sum(a: Elementwise, b: Elementwise) -> Pair:
-    """Return a + b exactly (Knuth)."""
+    """Return a + b exactly (Knuth).
+
+    Args:
+        a: a double, or an array.
+        b: a double, or an array.
+    """
     s = a + b
     part = s - a
     return Pair(s, (a - (s - part)) + (b - part))
 
 
 def quick_two_sum(a: Elementwise, b: Elementwise) -> Pair:
-    """Return a + b exactly, where |a| ≥ |b| (Dekker)."""
+    """Return a + b exactly, where |a| ≥ |b| (Dekker).
+
+    Args:
+        a: a double, or an array.
+        b: a double, or an array.
+    """
     s = a + b
     return Pair(s, b - (s - a))
 
 
 def two_product(a: Elementwise, b: Elementwise) -> Pair:
-    """Return a·b exactly, for sizes below about 10²⁹² (Dekker)."""
+    """Return a·b exactly, for sizes below about 10²⁹² (Dekker).
+
+    Args:
+        a: a double, or an array.
+        b: a double, or an array.
+    """
     p = a * b
     ca, cb = _SPLITTER * a, _SPLITTER * b
     ah, bh = ca - (ca - a), cb - (cb - b)

@@ -63,7 +63,11 @@ class Rates:
         return _D.unary("exp", _D.times(self.q, rate))
 
     def whole(self, x: Rated) -> Disk:
-        """Return the number itself."""
+        """Return the number itself.
+
+        Args:
+            x: e^{λq} φ.
+        """
         return x.value if x.rate == 0 else _D.mul(self._power_of_e(x.rate), x.value)
 
     def add(self, x: Rated, y: Rated) -> Rated:
@@ -129,5 +133,10 @@ class Rates:
 
 
 def largest(q: Disk, rate: float) -> Reals:
-    """Return the exponent of the largest |e^{λq}|."""
+    """Return the exponent of the largest |e^{λq}|.
+
+    Args:
+        q: disks.
+        rate: λ.
+    """
     return rate * np.real(q.centre) + abs(rate) * q.radius

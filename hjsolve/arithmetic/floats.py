@@ -102,7 +102,11 @@ class Float64(ByOperators):
 
 
 def sech(x: Elementwise) -> Elementwise:
-    """Return 1/cosh x of doubles, which does not overflow."""
+    """Return 1/cosh x of doubles, which does not overflow.
+
+    Args:
+        x: a double, or an array.
+    """
     decay = np.exp(-np.abs(x))
     return 2 * decay / (1 + decay * decay)
 
@@ -202,7 +206,11 @@ class Multi(ByOperators):
         return cast("Mpf", self.context.mpf(2) ** (3 - self.bits))
 
     def convert(self, value: object) -> Mpf:
-        """Take an int, float, Fraction or mpf in; the value is rounded to the precision."""
+        """Take an int, float, Fraction or mpf in; the value is rounded to the precision.
+
+        Args:
+            value: an int, float, Fraction or ``mpf``.
+        """
         if isinstance(value, Fraction):
             return self.context.mpf(value.numerator) / value.denominator
         return +self.context.convert(value)

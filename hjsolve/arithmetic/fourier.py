@@ -21,7 +21,11 @@ Parts = tuple[list[int], list[int]]
 
 
 def smooth(least: int) -> int:
-    """Return the smallest number from ``least`` on without a prime factor above 13: its transform is fast."""
+    """Return the smallest number from ``least`` on without a prime factor above 13: its transform is fast.
+
+    Args:
+        least: where to begin.
+    """
     while _rest(least) > 1:
         least += 1
     return least

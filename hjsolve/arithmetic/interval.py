@@ -52,7 +52,11 @@ class Intervals:
         return self.plain.few_units
 
     def point(self, x: float | Mpf) -> Interval:
-        """Enclose a number that the plain arithmetic may have to round."""
+        """Enclose a number that the plain arithmetic may have to round.
+
+        Args:
+            x: a float, or a number of many digits.
+        """
         if isinstance(self.plain, Multi):
             number = np.array(x, dtype=object)
             return Interval(number, number)

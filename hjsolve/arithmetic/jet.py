@@ -36,7 +36,11 @@ class Jets(Generic[N]):
     plain: Arithmetic[N]
 
     def variable(self, x: N) -> Jet[N]:
-        """Return the jet of q itself."""
+        """Return the jet of q itself.
+
+        Args:
+            x: the disk, or the number.
+        """
         return Jet(x, self.plain.rational(1, 1))
 
     def rational(self, numerator: int, denominator: int) -> Jet[N]:

@@ -48,7 +48,12 @@ def _polished(function: Callable[[Mpf], Sequence[Mpf]], x: Mpf, step: Mpf) -> Mp
 
 
 def leading_power(values: list[Mpf], context: Context) -> float:
-    """Exponent of growth of p² from one sample to the next, a factor 2¹⁶ apart."""
+    """Exponent of growth of p² from one sample to the next, a factor 2¹⁶ apart.
+
+    Args:
+        values: samples, mpmath's numbers.
+        context: of mpmath.
+    """
     if not values[-1] or not values[-2]:
         return 0.0
     ratio = float(context.log(values[-1] / values[-2], 2)) / 16

@@ -48,7 +48,11 @@ class SecondDifferences:
     offset: Elementwise
 
     def variable(self, place: Elementwise) -> SecondDifference:
-        """Return the slope of q itself, q₀ = ``place``."""
+        """Return the slope of q itself, q₀ = ``place``.
+
+        Args:
+            place: q₀.
+        """
         return self._made(place, 1.0, 0.0)
 
     def _made(self, base: Elementwise, first: Elementwise, second: Elementwise) -> SecondDifference:

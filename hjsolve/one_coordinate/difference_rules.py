@@ -78,7 +78,13 @@ class DifferenceRules(ABC, Generic[N]):
     def step(
         self, line: ProgramLine, ends: tuple[EndValues, ...], slots: list[DividedValues[N] | None]
     ) -> DividedValues[N]:
-        """Return f(q) and the differences of one line."""
+        """Return f(q) and the differences of one line.
+
+        Args:
+            line: the line of the program.
+            ends: what is known of each slot at a and b.
+            slots: what is known of the slots that are filled; None for a constant.
+        """
         x, y, f, g = ends[line.first], ends[line.other], slots[line.first], slots[line.other]
         if line.code in {"add", "mul"}:
             if f is None or g is None:
