@@ -46,7 +46,7 @@ class Generator:
 
 @dataclass(frozen=True, eq=False)
 class Element:
-    """An element of a ``Field``; made by ``field.element`` and by arithmetic."""
+    """An element of a ``Field``; made by a reader, by the field and by arithmetic."""
 
     field: Field
     coefficient: Fraction

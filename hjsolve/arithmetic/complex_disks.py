@@ -136,6 +136,7 @@ class Disks:
             x: a disk.
         """
         size = np.abs(x.centre)
+        # 1/x has its centre at c̄/(|c|² − r²) and the radius r/(|c|² − r²)
         room = (size - x.radius) * (size + x.radius)
         share = x.radius / room
         return Disk(x.centre.conj() / room, np.where(room > 0, share + _UNIT * (share + 1 / size), np.inf))
@@ -200,6 +201,7 @@ def _abs(_: Disks, x: Disk) -> Disk:
 
 
 def _exp(_: Disks, x: Disk) -> Disk:
+    # |e^{c + z} − e^c| ≤ e^{Re c}(e^r − 1) for |z| ≤ r, written without cancellation and without ∞·0
     value, most = np.exp(x.centre), np.exp(np.real(x.centre) + x.radius)
     return Disk(value, most * (-np.expm1(-x.radius) + _UNIT * (1 + np.abs(x.centre))))
 
@@ -209,6 +211,7 @@ def _sincos(x: Disk, name: str) -> Disk:
     of, other = _PAIR[name]
     value, beside = of(x.centre), np.abs(other(x.centre))
     size = np.abs(value)
+    # |sin c| (cosh r − 1) + |cos c| sinh r, with cosh r − 1 = 2 sinh²(r/2)
     spread = size * 2 * np.sinh(x.radius / 2) ** 2 + beside * np.sinh(x.radius)
     near = np.minimum(np.abs(x.centre), 1.0)
     return Disk(value, spread + _UNIT * (1 + np.abs(x.centre)) * (size + near * beside))

@@ -53,10 +53,11 @@ def waves(values: list[Mpf], *, even: bool, bits: int) -> tuple[list[Mpf], list[
     largest = max(abs(v) for v in values)
     work = bits + 2 * nodes.bit_length() + _GUARD
     fixed = [int(context.nint(context.ldexp(v / largest, work))) for v in values]
-    if even:
+    if even:  # the order 0, 2, 4, …, 5, 3, 1 makes a transform of half a turn one of a whole one (Makhoul 1980)
         fixed = fixed[::2] + fixed[1::2][::-1]
     re, im = _transformed(fixed, [0] * nodes, 1, _roots(nodes, work), work)
     turn, top = (4, nodes) if even else (2, (nodes + 1) // 2)
+    # the values stand at midpoints: coefficient k is turned by half a step, k times
     x, y = _root(turn * nodes, work)
     c, s = x, y  # e^{−iπk/(2N)} or e^{−iπk/N}, step by step
     cosines, sines = [], []

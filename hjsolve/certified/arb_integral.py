@@ -67,6 +67,7 @@ class _Plain:
 
         F[a, q] = F′(a) + ½F″(hull)(q − a) stays sharp where F′(a) is small (near a separatrix).
         """
+        # where q − a may vanish only the slope F[a, q] from that end is of use; a wide ball takes the nearer end
         at_lower, at_upper = _touches_zero(from_lower), _touches_zero(to_upper)
         if at_lower and at_upper:
             return q * flint.arb("nan")

@@ -161,6 +161,7 @@ def midpoint(cycle: CycleIntegrand, strip: StripBound, bits: int, sizes: list[fl
         bits: relative precision wanted of integrands of these sizes.
         sizes: of the integrands, roughly.
     """
+    # 2M/(e^{aN} − 1) (Trefethen & Weideman 2014, theorem 3.2) below 2^−(bits + 4) of the size
     excess = max(float((4 * most / size).log().upper()) for most, size in zip(strip.most, sizes, strict=True))
     nodes = math.ceil((excess + (bits + 4) * _LN2) / (cycle.fold * strip.width)) + 1  # the others are mirror images
     count(squares=nodes, kernels=nodes)
@@ -212,11 +213,13 @@ def bound_in_strip(cycle: CycleIntegrand, a: float) -> StripBound | None:
         low = cycle.rounded(bits)
         if not (low.entire or _covered(low, a)):
             return None
+        # no zero of R, nor of s² + c², inside: their arguments return along the edge
         boxes = _edge(low, a)
         if boxes is None or not _returns([b.centre for b in boxes], even=low.fold > 1):
             return None
         if not (low.map.plain or _returns([b.denominator for b in boxes], even=low.fold > 1)):
             return None
+        # the maximum principle: the largest ball of the edge bounds the strip
         most = boxes[0].sizes
         for box in boxes[1:]:
             most = [x.max(y) for x, y in zip(most, box.sizes, strict=True)]

@@ -339,6 +339,7 @@ def _length(start: CoordinateStart, place: Mpf, bits: int, *, turning: bool) -> 
 
     Beside a narrow feature far away p² hardly changes at all: the length is not much larger than |q|.
     """
+    # |F/F′|, or |F′/F″| where F is nearly a parabola: the distance over which F changes by its own size
     value, slope, bend = start.radicand.jet(place, bits)
     own = max(abs(place), abs(place - start.place(bits))) or multiprecision(bits).mpf(1)
     if turning:

@@ -106,6 +106,7 @@ class DifferenceRules(ABC, Generic[N]):
     def _product(self, x: EndValues, f: DividedValues[N], g: DividedValues[N]) -> DividedValues[N]:
         assert x.chord is not None
         lower, upper, chord = self.fixed(x.lower), self.fixed(x.upper), self.fixed(x.chord)
+        # (fg)[a, b, q] = f(a) g[a, b, q] + f[a, b] g[b, q] + f[a, b, q] g(q)
         outer = self.plus(self.times(lower, g.second), self.times(chord, g.from_upper))
         return DividedValues(
             self.times(f.here, g.here),
@@ -137,8 +138,10 @@ class DifferenceRules(ABC, Generic[N]):
         a, b, q = self.fixed(x.lower), self.fixed(x.upper), f.here
         at_a, at_b = (self.fixed(_DISKS.unary(name, end)) for end in (x.lower, x.upper))
         here = self.call(name, q)
+        # Φ[f(a), f(q)], Φ[f(b), f(q)] and Φ[f(a), f(b), f(q)]
         near_a, near_b = self.chord(name, a, q, at_a, here), self.chord(name, b, q, at_b, here)
         twice = self.bend(name, (a, b, q), self.fixed(first_disk(name, x.lower, x.upper)), near_a, near_b)
+        # (Φ∘f)[a, b, q] = Φ[f(b), f(q)] f[a, b, q] + f[a, b] f[a, q] Φ[f(a), f(b), f(q)]
         inner = self.times(self.times(self.fixed(x.chord), f.from_lower), twice)
         second = self.plus(self.times(near_b, f.second), inner)
         return DividedValues(here, second, self.times(near_b, f.from_upper), self.times(near_a, f.from_lower))

@@ -142,12 +142,14 @@ def _one(given: list[Mpf | None], even: bool, digits: int, bits: int, floor: flo
     if not values:
         return zero()
     context, nodes = multiprecision(bits), len(values)
+    # c₀ by the midpoint rule; the rest is transformed, so that a small oscillation keeps its digits beside it
     mean = context.fsum(values) / nodes
     largest = max(floor, *(abs(v) for v in values))
     rest = [v - mean for v in values]
     if not largest or max(abs(v) for v in rest) <= largest * context.mpf(10) ** -(digits + 8):
         return constant_series(mean)
     cosines, sines = waves(rest, even=even, bits=bits)
+    # the last two of each, because one of two may vanish by a symmetry
     tail = max(abs(c) for c in cosines[-2:] + sines[-2:]) / largest
     kind = object if digits > 15 else float
     return FourierSeries(

@@ -198,6 +198,7 @@ def strip(subject: Integrands, digits: int, coarse: float = _COARSE, *, zeros: b
     Returns:
         The strip that needs the fewest nodes; None where no strip could be proved in doubles.
     """
+    # points say how wide the strip may be; where it is wide, a part of it is enough, for the nodes are few
     cap = _foreseen(subject) if zeros else _HIGHEST / 2
     high = _HIGH * cap if cap > _WIDE and coarse == _COARSE else cap
     done: list[tuple[Reals, Reals]] = []
@@ -209,11 +210,13 @@ def strip(subject: Integrands, digits: int, coarse: float = _COARSE, *, zeros: b
         fine = np.all(np.isfinite(logs), axis=0)
         size = np.maximum(size, here)
         done.append((todo.y[fine], logs[:, fine]))
+        # a square that will not be decided any more bounds the strip from above; whatever lies higher is dropped
         left = todo.chosen(~fine)
         hopeless = _hopeless(left, coarse) | ((left.y >= high) & (len(done) > 1)) | (work > _MOST)
         cap = min([cap, *left.y[hopeless]])
         left = left.chosen(~hopeless).beside(waiting)
         left = left.chosen(left.y < cap)
+        # the lowest rows go first, since they may lower the cap; squares that are above the cap then need not be seen
         low = left.y < 2 * np.min(left.top, initial=cap)
         todo, waiting = left.chosen(low).divided(), left.chosen(~low)
         todo = todo.chosen(todo.y < cap)
@@ -305,6 +308,7 @@ def _foreseen(subject: Integrands) -> float:
 def _cheapest(cap: float, y: Reals, logs: Reals, size: Reals, digits: int) -> Strip:
     """The strip, of all that are proved, that needs the fewest nodes."""
     with np.errstate(all="ignore"):
+        # ln(M/size) of the worst integrand on every square; a strip is as bad as the worst square in it
         excess = np.max(np.where(size[:, None] > 0, logs - np.log(size)[:, None], -np.inf), axis=0, initial=0.0)
     order = np.argsort(y)
     heights, growths = y[order], np.maximum.accumulate(excess[order])
@@ -327,6 +331,7 @@ def _sizes(subject: Integrands, squares: StripSquares, *, zeros: bool = True) ->
     with np.errstate(all="ignore"):
         disks, way = subject.over(_image(subject.anomaly, χ, _WIDER * radius))
         bounds = [x.largest + 0 * radius for x in disks]
+        # power series from values on circles: |f| at the centres, and what f varies by on the smaller disks
         points = complex_place(subject.anomaly, χ + radius * _CIRCLE[:, None])
         (centre, spread), *weights = (
             _series(values, bound) for values, bound in zip(subject.at(points, way), bounds, strict=True)
@@ -336,6 +341,7 @@ def _sizes(subject: Integrands, squares: StripSquares, *, zeros: bool = True) ->
             axis = np.isfinite(logs).all(axis=0) & (squares.y == 0)
             usual = np.stack([np.broadcast_to(c, radius.shape) for c in (centre, *(c for c, _ in weights))])
             return logs, np.max(np.where(axis & np.isfinite(usual), usual, 0.0), axis=1, initial=0.0)
+        # R has no zero on a disk where its variation is below its value at the centre
         least, most = centre - spread, centre + spread
         known = np.isfinite(np.stack(bounds)).all(axis=0) & (least > 0)
         product = _product(points)
@@ -356,6 +362,7 @@ def _product(points: ComplexPlace) -> Elementwise:
 def _series(values: Complexes, bound: Reals) -> tuple[Reals, Reals]:
     """|f(centre)| and the greatest |f(z) − f(centre)| of a function that is known at points of circles."""
     values = np.broadcast_to(values, (len(_CIRCLE), *bound.shape))
+    # |aₖ|ρᵏ from n values; aliasing and the rest of the series are below 2B t^n/(1 − t), t = 1/_WIDER (Cauchy)
     powers = np.abs(np.fft.fft(values, axis=0)) / len(_CIRCLE)
     rest = 2 * bound * (_WIDER ** -len(_CIRCLE) / (1 - 1 / _WIDER) + _ROUNDING)
     return powers[0], np.sum(powers[1:], axis=0) + rest

@@ -233,13 +233,16 @@ def _inverse_slope(places: list[tuple[float, float]], *, even: bool) -> FourierS
     samples = _SAMPLES
     while samples <= _MOST_SAMPLES:
         share = np.arange(samples) / samples
+        # dχ/dψ at equal steps of ψ from −π, and its Fourier coefficients
         values = growth.rate(share)
         waves = np.fft.rfft(np.roll(values, samples // 2)) / samples
         size = np.abs(waves[1:])
+        # the coefficients that matter for the least value; there must be samples enough for them
         top = int(np.max(np.nonzero(size > _LAST * np.min(values))[0], initial=0)) + 1
         if top <= samples // 4:
             cosines, sines = 2 * waves.real[1 : top + 1], -2 * waves.imag[1 : top + 1]
             slope = FourierSeries(1, cosines, None if even else sines, samples, 0.0)
+            # cut off, the polynomial is still near dχ/dψ > 0 everywhere, so it is positive itself
             good = np.abs(slope.value(2 * np.pi * share - np.pi) - values) < values / 4
             return slope if np.all(good) else None
         samples *= 2
@@ -272,11 +275,13 @@ class _Growth:
 
     def rate(self, share: Reals) -> Reals:
         """dχ/dψ where a share of ψ's whole turn is reached, by Newton steps within a piece."""
+        # the piece that holds the goal, and what is left of it there in units of half the piece
         goal = share * self.levels[-1]
         piece = np.clip(np.searchsorted(self.levels, goal, side="right") - 1, 0, len(self.rates) - 1)
         half = (self.edges[piece + 1] - self.edges[piece]) / 2
         goal = (goal - self.levels[piece]) / half
         rates = self.rates[piece].T
+        # Newton's method for ∫ rate = goal on [−1, t], from the place where a constant rate would come to
         areas = np.polynomial.legendre.legint(rates, lbnd=-1)
         t = goal / rates[0] - 1
         for _ in range(_STEPS):

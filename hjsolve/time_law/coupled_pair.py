@@ -229,6 +229,7 @@ class _Search:
     def between(self, stations: Reals, side: int) -> Reals:
         """The phase: first between which stations, then by Newton's method in that bracket."""
         shape = self.goals.shape[1:]
+        # bisection over the stations, for all times at once
         first, last = np.zeros(shape, dtype=int), np.full(shape, len(stations) - 1)
         while np.any(last - first > 1):
             middle = (first + last) // 2
@@ -236,6 +237,7 @@ class _Search:
             first, last = np.where(beyond, first, middle), np.where(beyond, middle, last)
         ends = stations[first], stations[last]
         low, high = np.minimum(*ends), np.maximum(*ends)
+        # Newton's method in the bracket; every fourth step halves it where Newton's steps do not
         x, width = (low + high) / 2, high - low
         for count in range(_STEPS):
             off, slope = self._equation(x)

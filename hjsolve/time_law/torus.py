@@ -183,6 +183,7 @@ def _alone(ripple: FourierSeries, goal: Reals, slack: Reals) -> tuple[Reals, Rea
     noise = EPS * (np.abs(goal) + np.pi) + slack
     if not len(ripple.cosines):
         return goal, noise
+    # the goal is brought into the turn of the table, and bracketed between two of its places
     grid = np.linspace(-np.pi, np.pi, 1025)
     shift = 2 * np.pi * np.rint(goal / (2 * np.pi))
     goal = goal - shift
@@ -190,6 +191,7 @@ def _alone(ripple: FourierSeries, goal: Reals, slack: Reals) -> tuple[Reals, Rea
     offset = np.where(goal > table[-1], 2 * np.pi, np.where(goal < table[0], -2 * np.pi, 0.0))
     position = np.clip(np.searchsorted(table, goal - offset) - 1, 0, len(grid) - 2)
     low, high = grid[position] + offset, grid[position + 1] + offset
+    # start by interpolation, then Newton's method that never leaves the bracket
     share = (goal - offset - table[position]) / np.maximum(table[position + 1] - table[position], 1e-300)
     χ = low + (high - low) * np.clip(share, 0, 1)
     χ, residual, slope = bracketed(
@@ -232,6 +234,7 @@ def _together(system: TorusEquations, angles: list[Reals], χ: list[Reals | None
     block = system.coupled
     beside = [_of_others(system, k, χ, errors) for k in block]
     goal = np.stack([angles[k] - ripples for k, (ripples, _) in zip(block, beside, strict=True)])
+    # Newton's method from the angles themselves, which differ from the phases by the periodic parts only
     found = _newton(system, goal, goal.copy(), 40)
     bad = ~(np.max(np.abs(_residual(system, goal, found)), axis=0) < 1e-9)
     if bad.any():
