@@ -25,12 +25,20 @@ PRIMITIVES = (*INVERSE_CIRCULAR, *INVERSE_HYPERBOLIC)
 
 
 def composed(x: sp.Expr) -> sp.Expr:
-    """The same function with exponentials and circular functions of inverse functions made algebraic."""
+    """The same function with exponentials and circular functions of inverse functions made algebraic.
+
+    Args:
+        x: a function of one variable, as an expression.
+    """
     return _rewritten(x, _COMPOSITIONS)
 
 
 def at_one_place(x: sp.Expr) -> sp.Expr:
-    """The same constant with inverse functions only as log and atan."""
+    """The same constant with inverse functions only as log and atan.
+
+    Args:
+        x: an expression without symbols.
+    """
     return _rewritten(composed(x), _INVERSES)
 
 

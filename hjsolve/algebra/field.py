@@ -18,99 +18,19 @@ nothing; that takes a witness.
 from __future__ import annotations
 
 from collections.abc import Iterable, Mapping, Sequence
-from dataclasses import dataclass
 from fractions import Fraction
-from functools import cached_property
 from math import lcm
 
 import sympy as sp
 
 from hjsolve.algebra import poly
+from hjsolve.algebra.element import Element as Element
+from hjsolve.algebra.element import Generator as Generator
+from hjsolve.algebra.element import RootRelation as RootRelation
 from hjsolve.algebra.factoring import factors_of
 from hjsolve.algebra.poly import Budget, Poly, WorkLimitError
 
 MAX_POWER = 1000
-
-
-@dataclass(frozen=True)
-class RootRelation:
-    """Relation of a generator g: g^order = radicand, the radicand free of g and later generators."""
-
-    order: int
-    radicand: Poly
-
-
-@dataclass(frozen=True)
-class Generator:
-    """One generator of the field.
-
-    Attributes:
-        atom: the sympy expression it stands for.
-        kind: symbol, cos, sin, cosh, sinh, root or other (taken as independent).
-        root: the relation it obeys, or None.
-        partner: number of the cosine that goes with a sine (cosh with sinh), else None.
-        low, high: bounds of its value on the domain; None is infinite.
-    """
-
-    atom: sp.Expr
-    kind: str
-    root: RootRelation | None = None
-    partner: int | None = None
-    low: Fraction | None = None
-    high: Fraction | None = None
-
-
-@dataclass(frozen=True, eq=False)
-class Element:
-    """An element of a ``Field``; made by ``field.element`` and by arithmetic."""
-
-    field: Field
-    coefficient: Fraction
-    numerator: Poly
-    factors: dict[int, int]
-
-    @property
-    def is_zero(self) -> bool:
-        """Whether the numerator reduces to zero: a proof that this is the zero function."""
-        return not self.numerator
-
-    def __add__(self, other: Element | int | Fraction) -> Element:
-        return self.field.total([self, self.field.coerce(other)])
-
-    def __neg__(self) -> Element:
-        return Element(self.field, -self.coefficient, self.numerator, self.factors)
-
-    def __sub__(self, other: Element | int | Fraction) -> Element:
-        return self.field.total([self, -self.field.coerce(other)])
-
-    def __mul__(self, other: Element | int | Fraction) -> Element:
-        return self.field.product([self, self.field.coerce(other)])
-
-    __radd__ = __add__
-    __rmul__ = __mul__
-
-    def __truediv__(self, other: Element | int | Fraction) -> Element:
-        return self.field.product([self, self.field.coerce(other) ** -1])
-
-    def __pow__(self, n: int) -> Element:
-        return self.field.power(self, n)
-
-    @cached_property
-    def bases(self) -> list[tuple[Poly, int]]:
-        """Base polynomials with their exponents."""
-        return [(self.field.bases[b], e) for b, e in self.factors.items()]
-
-    @cached_property
-    def generators(self) -> frozenset[int]:
-        """Numbers of the generators that occur."""
-        seen = poly.support(self.numerator)
-        for base, _ in self.bases:
-            seen |= poly.support(base)
-        return frozenset(k for k, _ in poly.exponents(seen))
-
-    def depends_on(self, symbol: sp.Symbol) -> bool:
-        """Whether the symbol occurs in any generator present."""
-        return any(symbol in self.field.generators[k].atom.free_symbols for k in self.generators)
 
 
 class Field:
@@ -135,7 +55,11 @@ class Field:
     # generators ------------------------------------------------------------------------------------------------------
 
     def number_of(self, atom: sp.Expr) -> int | None:
-        """Number of the generator that stands for this expression, if there is one."""
+        """Number of the generator that stands for this expression, if there is one.
+
+        Args:
+            atom: the expression a generator stands for.
+        """
         return self._numbers.get(atom)
 
     def adjoin(self, generator: Generator) -> int:
@@ -169,7 +93,11 @@ class Field:
     # making elements -------------------------------------------------------------------------------------------------
 
     def coerce(self, value: Element | int | Fraction) -> Element:
-        """A number as an element."""
+        """A number as an element.
+
+        Args:
+            value: a rational number.
+        """
         if isinstance(value, Element):
             return value
         return Element(self, Fraction(value), {0: 1}, {}) if value else self.zero
@@ -231,7 +159,11 @@ class Field:
         return Element(self, coefficient, a, exponents)
 
     def reduce(self, a: Poly) -> Poly:
-        """Normal form of a polynomial modulo the relations."""
+        """Normal form of a polynomial modulo the relations.
+
+        Args:
+            a: a polynomial.
+        """
         if not self._mask or not any(m & self._mask for m in a):
             return a
         for k in sorted(self._relations, reverse=True):
@@ -275,7 +207,11 @@ class Field:
         return self._base_numbers[name]
 
     def split(self, a: Poly) -> tuple[tuple[int, int], ...]:
-        """Write a primitive polynomial with positive leading coefficient as Π base^e over registered bases."""
+        """Write a primitive polynomial with positive leading coefficient as Π base^e over registered bases.
+
+        Args:
+            a: a primitive polynomial with positive leading coefficient.
+        """
         if a == {0: 1}:
             return ()
         name = poly.key(a)
@@ -300,7 +236,11 @@ class Field:
         return tuple(found.items())
 
     def factored(self, x: Element) -> Element:
-        """The same element with its numerator moved into the factors."""
+        """The same element with its numerator moved into the factors.
+
+        Args:
+            x: an element.
+        """
         if len(x.numerator) <= 1:
             return x
         factors = dict(x.factors)
@@ -311,7 +251,11 @@ class Field:
     # arithmetic ------------------------------------------------------------------------------------------------------
 
     def product(self, elements: Sequence[Element]) -> Element:
-        """Product; numerators are multiplied out, factors stay factored."""
+        """Product; numerators are multiplied out, factors stay factored.
+
+        Args:
+            elements: elements of the field.
+        """
         coefficient, a = Fraction(1), {0: 1}
         factors: dict[int, int] = {}
         for x in elements:
@@ -341,7 +285,11 @@ class Field:
         return self._reduced_factors(y.coefficient**n, {0: 1}, {b: n * e for b, e in y.factors.items()})
 
     def total(self, elements: Iterable[Element]) -> Element:
-        """Sum over the common denominator; factors that all terms share are not expanded."""
+        """Sum over the common denominator; factors that all terms share are not expanded.
+
+        Args:
+            elements: elements of the field.
+        """
         terms = [x for x in elements if not x.is_zero]
         if not terms:
             return self.zero
@@ -361,7 +309,11 @@ class Field:
         return self.from_poly(numerator, Fraction(1, denominator), shared)
 
     def cancelled(self, x: Element) -> Element:
-        """The same element after dividing the numerator by the denominators that divide it exactly."""
+        """The same element after dividing the numerator by the denominators that divide it exactly.
+
+        Args:
+            x: an element.
+        """
         if len(x.numerator) <= 1:
             return x
         a, factors = x.numerator, dict(x.factors)
@@ -371,7 +323,11 @@ class Field:
         return self.from_poly(a, x.coefficient, factors)
 
     def expanded(self, x: Element) -> Element:
-        """The same element with its positive factors multiplied into the numerator."""
+        """The same element with its positive factors multiplied into the numerator.
+
+        Args:
+            x: an element.
+        """
         a, factors = x.numerator, {}
         for b, e in x.factors.items():
             if e > 0 and len(self.bases[b]) > 1:

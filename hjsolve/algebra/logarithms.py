@@ -40,7 +40,12 @@ class Logarithms:
         self._rows: list[_Row] = []
 
     def of(self, atom: sp.Expr, y: Element) -> Element:
-        """The logarithm of y, which is written ``atom`` where it is a new generator."""
+        """The logarithm of y, which is written ``atom`` where it is a new generator.
+
+        Args:
+            atom: the expression a generator stands for.
+            y: an element, positive on the domain.
+        """
         vector, exponent = self._vector(y)
         value = exponent
         for row in self._rows:

@@ -37,7 +37,11 @@ class ModularPoint:
         self._powers: dict[tuple[int, int], int] = {}
 
     def value(self, k: int) -> int:
-        """Value of generator k."""
+        """Value of generator k.
+
+        Args:
+            k: number of the generator.
+        """
         if k not in self._values:
             self._draw(k)
         return self._values[k]
@@ -77,7 +81,11 @@ class ModularPoint:
         return root
 
     def poly(self, a: Poly) -> int:
-        """Value of a polynomial."""
+        """Value of a polynomial.
+
+        Args:
+            a: a polynomial.
+        """
         p, total, powers = self.prime, 0, self._powers
         for m, c in a.items():
             for pair in poly.exponents(m):
@@ -89,6 +97,9 @@ class ModularPoint:
 
     def element(self, x: Element) -> int:
         """Value of an element.
+
+        Args:
+            x: an element.
 
         Raises:
             ZeroDivisionError: a denominator vanishes at this point.

@@ -33,6 +33,9 @@ class ModularJet:
     def logarithm(self, prime: int) -> ModularJet:
         """The jet of ln f but for its value.
 
+        Args:
+            prime: the modulus.
+
         Raises:
             ZeroDivisionError: f vanishes modulo the prime.
         """
@@ -61,6 +64,9 @@ class ModularJets:
 
     def element(self, x: Element) -> ModularJet:
         """The jet of an element.
+
+        Args:
+            x: an element.
 
         Raises:
             ZeroDivisionError: a generator or a factor vanishes at this point.

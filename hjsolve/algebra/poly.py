@@ -67,6 +67,9 @@ class Budget:
     def charge(self, work: int) -> None:
         """Count ``work`` term products.
 
+        Args:
+            work: number of term products.
+
         Raises:
             WorkLimitError: too many at once, or the deadline is past.
         """
@@ -88,12 +91,20 @@ class Budget:
 
 
 def variable(k: int) -> Poly:
-    """Generator number k as a polynomial."""
+    """Generator number k as a polynomial.
+
+    Args:
+        k: number of the generator.
+    """
     return {1 << (BITS * k): 1}
 
 
 def constant(n: int) -> Poly:
-    """An integer as a polynomial."""
+    """An integer as a polynomial.
+
+    Args:
+        n: an integer.
+    """
     return {0: n} if n else {}
 
 
@@ -108,7 +119,11 @@ def exponent(monomial: int, k: int) -> int:
 
 
 def exponents(monomial: int) -> list[tuple[int, int]]:
-    """Pairs (generator, exponent) of a packed monomial, exponents positive."""
+    """Pairs (generator, exponent) of a packed monomial, exponents positive.
+
+    Args:
+        monomial: packed.
+    """
     found, k = [], 0
     while monomial:
         if e := monomial & FIELD:
@@ -119,7 +134,13 @@ def exponents(monomial: int) -> list[tuple[int, int]]:
 
 
 def add(a: Poly, b: Poly, scale: int = 1) -> Poly:
-    """Sum a + scale·b."""
+    """Sum a + scale·b.
+
+    Args:
+        a: a polynomial.
+        b: a polynomial.
+        scale: an integer.
+    """
     total = dict(a)
     for m, c in b.items():
         value = total.get(m, 0) + scale * c
@@ -131,7 +152,12 @@ def add(a: Poly, b: Poly, scale: int = 1) -> Poly:
 
 
 def scale(a: Poly, n: int) -> Poly:
-    """n·a."""
+    """n·a.
+
+    Args:
+        a: a polynomial.
+        n: an integer.
+    """
     return {m: n * c for m, c in a.items()} if n else {}
 
 
@@ -178,7 +204,11 @@ def with_square(a: Poly, k: int, square: Poly, budget: Budget) -> Poly:
 
 
 def content(a: Poly) -> int:
-    """Greatest common divisor of the coefficients, with the sign of the leading one; 0 for the zero polynomial."""
+    """Greatest common divisor of the coefficients, with the sign of the leading one; 0 for the zero polynomial.
+
+    Args:
+        a: a polynomial.
+    """
     if not a:
         return 0
     g = 0
@@ -190,7 +220,11 @@ def content(a: Poly) -> int:
 
 
 def monomial_content(a: Iterable[int]) -> int:
-    """Greatest monomial that divides every monomial given."""
+    """Greatest monomial that divides every monomial given.
+
+    Args:
+        a: packed monomials.
+    """
     monomials = iter(a)
     common = next(monomials, 0)
     for m in monomials:
@@ -210,12 +244,22 @@ def _common(a: int, b: int) -> int:
 
 
 def divides(a: int, b: int, guard: int) -> bool:
-    """Whether monomial a divides monomial b; guard has the top bit of every generator's field set."""
+    """Whether monomial a divides monomial b; guard has the top bit of every generator's field set.
+
+    Args:
+        a: a packed monomial.
+        b: a packed monomial.
+        guard: the mask, see ``guard_bits``.
+    """
     return ((b | guard) - a) & guard == guard
 
 
 def guard_bits(generators: int) -> int:
-    """The guard mask for this many generators."""
+    """The guard mask for this many generators.
+
+    Args:
+        generators: how many.
+    """
     return sum(1 << (BITS * k + BITS - 1) for k in range(generators))
 
 
@@ -256,7 +300,12 @@ def exact_quotient(a: Poly, b: Poly, guard: int, budget: Budget) -> Poly | None:
 
 
 def value_modulo(a: Poly, n: int) -> int:
-    """Value modulo n at one fixed integer point; generator k is put to a number that depends on k only."""
+    """Value modulo n at one fixed integer point; generator k is put to a number that depends on k only.
+
+    Args:
+        a: a polynomial.
+        n: an integer.
+    """
     total = 0
     for m, c in a.items():
         for k, e in exponents(m):
@@ -266,7 +315,11 @@ def value_modulo(a: Poly, n: int) -> int:
 
 
 def value(a: Poly) -> int:
-    """Value at the same fixed integer point."""
+    """Value at the same fixed integer point.
+
+    Args:
+        a: a polynomial.
+    """
     total = 0
     for m, c in a.items():
         for k, e in exponents(m):
@@ -279,13 +332,22 @@ _POINT = (10007, 20021, 30047, 40093, 50129, 60161, 70199, 80231, 90281, 100343)
 
 
 def partial(a: Poly, k: int) -> Poly:
-    """∂a/∂(generator k)."""
+    """∂a/∂(generator k).
+
+    Args:
+        a: a polynomial.
+        k: number of the generator.
+    """
     unit = 1 << (BITS * k)
     return {m - unit: c * e for m, c in a.items() if (e := exponent(m, k))}
 
 
 def support(a: Poly) -> int:
-    """Packed monomial with a non-zero field for every generator that occurs in a."""
+    """Packed monomial with a non-zero field for every generator that occurs in a.
+
+    Args:
+        a: a polynomial.
+    """
     seen = 0
     for m in a:
         seen |= m
@@ -293,10 +355,18 @@ def support(a: Poly) -> int:
 
 
 def generators(a: Poly) -> list[int]:
-    """Numbers of the generators that occur in a, ascending."""
+    """Numbers of the generators that occur in a, ascending.
+
+    Args:
+        a: a polynomial.
+    """
     return [k for k, _ in exponents(support(a))]
 
 
 def key(a: Poly) -> tuple[tuple[int, int], ...]:
-    """A hashable form."""
+    """A hashable form.
+
+    Args:
+        a: a polynomial.
+    """
     return tuple(sorted(a.items()))

@@ -18,6 +18,10 @@ def shortest_form(reader: Reader, x: Element) -> sp.Expr:
     """The shortest of a few forms of an element.
 
     As it stands, factored, expanded over its denominator, sin² ↔ 1 − cos².
+
+    Args:
+        reader: reads into the field.
+        x: an element.
     """
     if x.is_zero:
         return sp.S.Zero
@@ -28,7 +32,12 @@ def shortest_form(reader: Reader, x: Element) -> sp.Expr:
 
 
 def variants(reader: Reader, x: Element) -> list[Element]:
-    """The element with cos² eliminated in favour of sin², and the other way round, as far as that shortens it."""
+    """The element with cos² eliminated in favour of sin², and the other way round, as far as that shortens it.
+
+    Args:
+        reader: reads into the field.
+        x: an element.
+    """
     x = reader.field.cancelled(x)
     found = [x]
     for k, g in enumerate(reader.field.generators):
@@ -124,7 +133,11 @@ def _digits(x: sp.Rational) -> int:
 
 
 def printed_length(x: Element) -> int:
-    """A cheap measure of how long an element will print."""
+    """A cheap measure of how long an element will print.
+
+    Args:
+        x: an expression.
+    """
     if x.is_zero:
         return 0
     size = 2 * len(x.numerator) + len(str(x.coefficient)) - 1 + sum(m.bit_count() > 0 for m in x.numerator)

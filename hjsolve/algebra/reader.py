@@ -115,6 +115,9 @@ class Reader:
     def element(self, expression: sp.Expr) -> Element:
         """Read an expression.
 
+        Args:
+            expression: in the symbols of the field.
+
         Raises:
             OutsideFieldError: it holds something that is not a real function known here.
             WorkLimitError: reading it needs more work than the budget allows.
@@ -150,7 +153,11 @@ class Reader:
         return self.adjoined(Generator(x, "symbol", low=low, high=high))
 
     def adjoined(self, g: Generator) -> Element:
-        """The element of a generator, adjoined to the field when it is new."""
+        """The element of a generator, adjoined to the field when it is new.
+
+        Args:
+            g: a sympy expression.
+        """
         k = self.field.number_of(g.atom)
         if k is not None:
             return self.field.generator(k)
@@ -252,7 +259,12 @@ class Reader:
     # derivatives and writing -----------------------------------------------------------------------------------------
 
     def diff(self, x: Element, symbol: sp.Symbol) -> Element:
-        """∂x/∂symbol."""
+        """∂x/∂symbol.
+
+        Args:
+            x: an element.
+            symbol: a coordinate or parameter.
+        """
         return self.field.total(self.diff_terms(x, symbol))
 
     def diff_terms(self, x: Element, symbol: sp.Symbol) -> list[Element]:
@@ -301,13 +313,21 @@ class Reader:
         return self._derivatives[k, symbol]
 
     def write(self, x: Element) -> sp.Expr:
-        """The element as a sympy expression: coefficient · factors · numerator, nothing expanded."""
+        """The element as a sympy expression: coefficient · factors · numerator, nothing expanded.
+
+        Args:
+            x: an element.
+        """
         c = sp.Rational(x.coefficient.numerator, x.coefficient.denominator)
         parts = [self.write_poly(self.field.bases[b]) ** e for b, e in sorted(x.factors.items())]
         return sp.Mul(c, *parts, self.write_poly(x.numerator))
 
     def write_poly(self, a: Poly) -> sp.Expr:
-        """A polynomial as a sympy expression."""
+        """A polynomial as a sympy expression.
+
+        Args:
+            a: a polynomial.
+        """
         generators = self.field.generators
         terms = (sp.Mul(c, *[generators[k].atom ** e for k, e in poly.exponents(m)]) for m, c in a.items())
         return sp.Add(*terms)
@@ -323,7 +343,12 @@ def _is_zero(x: sp.Expr) -> bool:
 
 
 def is_shifted(argument: sp.Expr, coordinates: Collection[sp.Symbol]) -> bool:
-    """Whether an argument is that of one coordinate, moved by something that holds none."""
+    """Whether an argument is that of one coordinate, moved by something that holds none.
+
+    Args:
+        argument: of a function.
+        coordinates: of the system.
+    """
     parts = [part.free_symbols.intersection(coordinates) for part in sp.Add.make_args(sp.expand(argument))]
     return len(parts) > 1 and not all(parts) and len(set().union(*parts)) == 1
 

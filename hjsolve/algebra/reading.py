@@ -17,10 +17,22 @@ class FieldReader(Protocol):
     bounds: dict[sp.Symbol, Bounds]
 
     def element(self, expression: sp.Expr) -> Element:
-        """Read an expression."""
+        """Read an expression.
+
+        Args:
+            expression: in the symbols of the field.
+        """
 
     def adjoined(self, g: Generator) -> Element:
-        """Add a generator, or find the one that is there."""
+        """Add a generator, or find the one that is there.
+
+        Args:
+            g: a sympy expression.
+        """
 
     def write(self, x: Element) -> sp.Expr:
-        """Write an element as an expression."""
+        """Write an element as an expression.
+
+        Args:
+            x: an element.
+        """

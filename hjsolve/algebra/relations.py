@@ -46,7 +46,12 @@ class _Term:
 
 
 def dependent(reader: Reader, g: Generator) -> Element | None:
-    """The element of the field that equals a new generator on the domain, proved; None where none was found."""
+    """The element of the field that equals a new generator on the domain, proved; None where none was found.
+
+    Args:
+        reader: reads into the field.
+        g: a sympy expression.
+    """
     start = time.process_time()
     found = _dependent(reader, g)
     reader.seconds_for_relations -= time.process_time() - start

@@ -13,7 +13,6 @@ from __future__ import annotations
 import math
 from collections.abc import Callable, Iterable
 from dataclasses import dataclass
-from typing import Any
 
 import numpy as np
 
@@ -21,6 +20,7 @@ from hjsolve.arithmetic.asymptotic_scale import Growth, Monomial, Remainder, Unk
 from hjsolve.arithmetic.floats import Float64, Multi, by_squaring
 from hjsolve.arithmetic.interval import Interval, Intervals
 from hjsolve.arithmetic.jet import Jet, Jets
+from hjsolve.arithmetic.number_types import Mpf
 from hjsolve.arithmetic.tape import Tape
 from hjsolve.errors import InvalidInputError
 
@@ -49,14 +49,20 @@ class Growths:
     def plain(self) -> Multi:
         return Multi(self.bits)
 
-    # ------------------------------------------------------------------ numbers
+    def constant(self, value: Mpf) -> Growth:
+        """Return a number that does not depend on s.
 
-    def constant(self, value: Any) -> Growth:
-        """Return a number that does not depend on s."""
+        Args:
+            value: the number.
+        """
         return Growth(((_CONSTANT, value),)) if value else Growth(())
 
     def variable(self, sign: int) -> Growth:
-        """Return ±s."""
+        """Return ±s.
+
+        Args:
+            sign: +1 or −1.
+        """
         return Growth(((Monomial(0.0, 1.0, 0.0), self.plain.context.mpf(sign)),))
 
     def rational(self, numerator: int, denominator: int) -> Growth:
@@ -85,7 +91,12 @@ class Growths:
         return math.exp(min(rate * q + power * l + logs * math.log(l), 700.0)) * (1 + _SLACK) + 1e-300
 
     def range_of(self, f: Growth, over: Monomial) -> Remainder:
-        """Return f as a remainder over a monomial that grows no slower."""
+        """Return f as a remainder over a monomial that grows no slower.
+
+        Args:
+            f: a formula known for all s ≥ Q.
+            over: the monomial.
+        """
         low = high = 0.0
         for monomial, c in f.terms:
             bound, value = self.largest(monomial.times(over, -1.0)), float(c)
@@ -98,9 +109,9 @@ class Growths:
             high += f.rest.high if same else max(f.rest.high * bound, 0.0)
         return _range(over, low, high)
 
-    def _made(self, terms: Iterable[tuple[Monomial, Any]], rests: Iterable[Growth]) -> Growth:
+    def _made(self, terms: Iterable[tuple[Monomial, Mpf]], rests: Iterable[Growth]) -> Growth:
         """Collect equal terms, drop those that cancelled, and put what is beyond the first few into the remainder."""
-        total: dict[Monomial, tuple[Any, Any]] = {}
+        total: dict[Monomial, tuple[Mpf, Mpf]] = {}
         for monomial, c in terms:
             before, size = total.get(monomial, (0 * c, 0 * c))
             total[monomial] = before + c, max(size, abs(c))
@@ -116,15 +127,13 @@ class Growths:
         rest = _range(top, sum(r.low for r in ranges), sum(r.high for r in ranges))
         return Growth(tuple(left[:_TERMS]), rest)
 
-    # ------------------------------------------------------------------ the four operations
-
     def add(self, x: Growth, y: Growth) -> Growth:
         return self._made([*x.terms, *y.terms], [Growth((), part.rest) for part in (x, y) if part.rest])
 
     def sub(self, x: Growth, y: Growth) -> Growth:
         return self.add(x, self._times(y, -1))
 
-    def _times(self, x: Growth, c: Any) -> Growth:
+    def _times(self, x: Growth, c: Mpf | int) -> Growth:
         terms = tuple((m, c * value) for m, value in x.terms)
         rest = x.rest and _range(x.rest.monomial, *sorted((float(c) * x.rest.low, float(c) * x.rest.high)))
         return Growth(terms, rest)
@@ -154,7 +163,7 @@ class Growths:
             return self.power(Growth((), _range(_CONSTANT.times(x.rest.monomial, -1.0), *ends)), -n)
         return self._binomial(x, -1.0) if n == -1 else self.power(self._binomial(x, -1.0), -n)
 
-    def _split(self, x: Growth) -> tuple[Monomial, Any, Growth, float]:
+    def _split(self, x: Growth) -> tuple[Monomial, Mpf, Growth, float]:
         """Write f = c M (1 + ε): M, c, ε and a bound on |ε| that is below ½."""
         if not x.terms:
             raise UnknownGrowthError
@@ -196,8 +205,6 @@ class Growths:
         size = tail * self.range_of(ε, top).size ** n
         rests = (result.rest, _range(_power(top, n), -size, size))
         return self._made(result.terms, [Growth((), r) for r in rests if r])
-
-    # ------------------------------------------------------------------ elementary functions
 
     def unary(self, name: str, x: Growth) -> Growth:
         if name == "neg":
@@ -312,12 +319,14 @@ class Growths:
             return Growth((), _range(_CONSTANT, float(found.value.low[0]), float(found.value.high[0])))
         at = Jets(self.plain).unary(name, Jet(c, context.mpf(1), context.mpf(0)))
         bend = _INTERVALS.unary(name, _jet(whole.low, whole.high)).second
+        assert bend is not None  # the jet of a function of the variable itself
         most = max(abs(float(bend.low[0])), abs(float(bend.high[0]))) / 2
         if not most < math.inf:
             raise UnknownGrowthError
+        assert at.first is not None
         return self.add(self.constant(at.value), self._linear(ε, at.first, most))
 
-    def _linear(self, ε: Growth, slope: Any, most: float) -> Growth:
+    def _linear(self, ε: Growth, slope: Mpf, most: float) -> Growth:
         first = self._times(ε, slope)
         if not ε.terms and ε.rest is None:
             return first
@@ -328,6 +337,9 @@ class Growths:
     def sign(self, x: Growth) -> int:
         """Return the sign that f has for all s ≥ Q.
 
+        Args:
+            x: a number.
+
         Raises:
             UnknownGrowthError: it could not be decided.
         """
@@ -336,7 +348,7 @@ class Growths:
         return 1 if self._split(x)[1] > 0 else -1
 
 
-def sign_beyond(tape: Tape, inputs: list[Any], side: int, start: float, bits: int = BITS) -> int:
+def sign_beyond(tape: Tape, inputs: list[Mpf], side: int, start: float, bits: int = BITS) -> int:
     """Return the sign that a formula has for all side·q ≥ start; 0 where that is not known.
 
     Args:
@@ -380,6 +392,6 @@ def _product(x: Remainder, y: Remainder) -> Remainder:
     return _range(x.monomial.times(y.monomial), min(ends), max(ends))
 
 
-def _jet(low: float, high: float) -> Jet:
+def _jet(low: float, high: float) -> Jet[Interval]:
     one = Interval(np.ones(1), np.ones(1))
     return Jet(Interval(np.array([low]), np.array([high])), one, Interval(np.zeros(1), np.zeros(1)))

@@ -2,7 +2,9 @@
 
 from __future__ import annotations
 
-from typing import Any, NamedTuple
+from typing import NamedTuple
+
+from hjsolve.arithmetic.number_types import Mpf
 
 
 class UnknownGrowthError(Exception):
@@ -12,12 +14,17 @@ class UnknownGrowthError(Exception):
 class Monomial(NamedTuple):
     """e^{λs} sᵏ (log s)ᵐ; greater is what grows faster."""
 
-    rate: Any
-    power: Any
-    logs: Any
+    rate: float | Mpf
+    power: float | Mpf
+    logs: float | Mpf
 
     def times(self, other: Monomial, n: float = 1.0) -> Monomial:
-        """Return self·otherⁿ."""
+        """Return self·otherⁿ.
+
+        Args:
+            other: another one.
+            n: exponent.
+        """
         return Monomial(*(a + n * b for a, b in zip(self, other, strict=True)))
 
 
@@ -36,5 +43,5 @@ class Remainder(NamedTuple):
 class Growth(NamedTuple):
     """Terms, the fastest first, and the remainder."""
 
-    terms: tuple[tuple[Monomial, Any], ...]
+    terms: tuple[tuple[Monomial, Mpf], ...]
     rest: Remainder | None = None

@@ -10,16 +10,50 @@ import operator
 from collections.abc import Callable
 from contextlib import AbstractContextManager
 from dataclasses import dataclass
-from typing import Any, ClassVar
+from typing import TYPE_CHECKING, Any, ClassVar, Protocol
 
 from hjsolve.arithmetic.floats import ByOperators
 from hjsolve.arithmetic.jet import Jet, Jets
+from hjsolve.arithmetic.number_types import Mpf
 from hjsolve.errors import MissingExtraError
 
 try:
     import flint as flint
 except ImportError:  # pragma: no cover - the extra is part of the test installation
     flint = None  # type: ignore[assignment]
+
+
+class Ball(Protocol):
+    """A real or a complex ball: what ``flint.arb`` and ``flint.acb`` have in common."""
+
+    @property
+    def real(self) -> flint.arb: ...
+    @property
+    def imag(self) -> flint.arb: ...
+    def __add__(self, other: Any, /) -> Ball: ...
+    def __radd__(self, other: Any, /) -> Ball: ...
+    def __sub__(self, other: Any, /) -> Ball: ...
+    def __rsub__(self, other: Any, /) -> Ball: ...
+    def __mul__(self, other: Any, /) -> Ball: ...
+    def __rmul__(self, other: Any, /) -> Ball: ...
+    def __truediv__(self, other: Any, /) -> Ball: ...
+    def __rtruediv__(self, other: Any, /) -> Ball: ...
+    def __pow__(self, exponent: Any, /) -> Ball: ...
+    def __neg__(self) -> Ball: ...
+    def __abs__(self) -> flint.arb: ...
+    def mid(self) -> Ball: ...
+    def rad(self) -> flint.arb: ...
+    def sqrt(self) -> Ball: ...
+    def sin_cos(self) -> tuple[Ball, Ball]: ...
+    def sinh_cosh(self) -> tuple[Ball, Ball]: ...
+    def is_finite(self) -> bool: ...
+    def contains(self, other: Any, /) -> bool: ...
+    def rel_accuracy_bits(self) -> int: ...
+
+
+if TYPE_CHECKING:
+    PowerSeries = flint.arb_series | flint.acb_series
+    """A power series with real or complex balls as coefficients."""
 
 _IN_SERIES = {"sqrt", "exp", "log", "sin", "cos", "tan", "atan"}
 _CUTS = {"sqrt", "log", "asin", "acos", "atanh", "acosh", "atan", "asinh"}
@@ -37,8 +71,12 @@ def require_flint() -> None:
         )
 
 
-def working(bits: int) -> AbstractContextManager[Any]:
-    """Set Arb's precision for a while."""
+def working(bits: int) -> AbstractContextManager[object]:
+    """Set Arb's precision for a while.
+
+    Args:
+        bits: binary digits.
+    """
     return flint.ctx.workprec(bits)
 
 
@@ -51,16 +89,16 @@ class Balls(ByOperators):
     }  # fmt: skip
     """Functions that are entire: nothing has to be asked before."""
 
-    def rational(self, numerator: int, denominator: int) -> Any:
+    def rational(self, numerator: int, denominator: int) -> flint.arb:
         return flint.arb(flint.fmpq(numerator, denominator))
 
-    def pi(self) -> Any:
+    def pi(self) -> flint.arb:
         return flint.arb.pi()
 
-    def power(self, x: Any, n: int) -> Any:
+    def power(self, x: Ball, n: int) -> Ball:
         return x * x if n == 2 else x**n
 
-    def unary(self, name: str, x: Any) -> Any:
+    def unary(self, name: str, x: Ball) -> Ball:
         if name in self.quick:
             return self.quick[name](x)
         if name == "abs":
@@ -74,20 +112,20 @@ class Balls(ByOperators):
 class BallSeries(ByOperators):
     """Power series a₀ + a₁h + … whose coefficients are balls: a value with its derivatives, in one pass."""
 
-    def rational(self, numerator: int, denominator: int) -> Any:
+    def rational(self, numerator: int, denominator: int) -> flint.arb:
         return Balls().rational(numerator, denominator)
 
-    def pi(self) -> Any:
+    def pi(self) -> flint.arb:
         return flint.arb.pi()
 
-    def div(self, x: Any, y: Any) -> Any:
+    def div(self, x: Ball | PowerSeries, y: Ball | PowerSeries) -> Ball | PowerSeries:
         return x / y if isinstance(y, flint.arb | flint.acb) else x * y**-1  # Arb's own division raises at a zero
 
-    def power(self, x: Any, n: int) -> Any:
+    def power(self, x: Ball | PowerSeries, n: int) -> Ball | PowerSeries:
         return x * x if n == 2 else x**n
 
-    def unary(self, name: str, x: Any) -> Any:
-        if isinstance(x, flint.arb | flint.acb):
+    def unary(self, name: str, x: Ball | PowerSeries) -> Ball | PowerSeries:
+        if not isinstance(x, flint.arb_series | flint.acb_series):
             return Balls().unary(name, x)
         if name == "neg":
             return -x
@@ -96,20 +134,20 @@ class BallSeries(ByOperators):
         return _composed(name, x)
 
 
-def _composed(name: str, x: Any) -> Any:
+def _composed(name: str, x: PowerSeries) -> PowerSeries:
     """A function that Arb's series lack, up to h²."""
-    jet = Jets(Balls()).unary(name, Jet(x[0], x[1], 2 * x[2]))
-    return type(x)([jet.value, jet.first, jet.second / 2], prec=min(3, x.prec))
+    parts: list[Any] = list(Jets(Balls()).unary(name, Jet(x[0], x[1], 2 * x[2])))
+    return type(x)([parts[0], parts[1], parts[2] / 2], prec=min(3, x.prec))
 
 
-def _absolute(x: Any) -> Any:
+def _absolute(x: Ball) -> Ball:
     """|x|, continued into the complex plane as ±x where that is analytic."""
     if isinstance(x, flint.arb):
         return abs(x)
     return x if x.real > 0 else -x if x.real < 0 else flint.acb("nan")
 
 
-def _meets_cut(name: str, x: Any) -> bool:
+def _meets_cut(name: str, x: Ball) -> bool:
     """True when a complex ball meets a branch cut of an elementary function."""
     along, across = (x.imag, x.real) if name in {"atan", "asinh"} else (x.real, x.imag)
     if not across.contains(0):
@@ -119,7 +157,11 @@ def _meets_cut(name: str, x: Any) -> bool:
     return not along > 1 if name == "acosh" else not abs(along) < 1
 
 
-def from_mpf(x: Any) -> Any:
-    """Return an mpf as an exact ball."""
+def from_mpf(x: Mpf) -> flint.arb:
+    """Return an mpf as an exact ball.
+
+    Args:
+        x: an ``mpf``.
+    """
     sign, mantissa, exponent, _ = x._mpf_
     return flint.arb(flint.fmpz(int(-mantissa if sign else mantissa))) * flint.arb(2) ** int(exponent)

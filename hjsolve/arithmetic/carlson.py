@@ -103,7 +103,8 @@ def carlson_rj(x: Numbers, y: Numbers, z: Numbers, p: Numbers) -> Doubles:
     x, y, z, p = _broadcast(x, y, z, p)
     if not (p < 0).any():
         return _rj(x, y, z, p)
-    return _principal(*np.sort(np.array([x, y, z]), axis=0), p)
+    least, middle, most = np.sort(np.array([x, y, z]), axis=0)
+    return _principal(least, middle, most, p)
 
 
 def _principal(x: Doubles, y: Doubles, z: Doubles, p: Doubles) -> Doubles:

@@ -13,19 +13,20 @@ Whoever runs a formula in this arithmetic silences numpy's warnings around it.
 from __future__ import annotations
 
 from collections.abc import Callable
-from typing import Any, NamedTuple
+from typing import NamedTuple
 
 import numpy as np
 
 from hjsolve.arithmetic.floats import Float64
+from hjsolve.arithmetic.number_types import Complexes, Mask, Numeric, Reals
 
 _UNIT = 4 * 2.0**-52
 """Relative rounding of one operation on complex doubles, more than it is."""
-_NUMPY: dict[str, Callable[[Any], Any]] = {
+_NUMPY: dict[str, Callable[[Complexes], Complexes]] = {
     "asin": np.arcsin, "acos": np.arccos, "atan": np.arctan, "asinh": np.arcsinh, "acosh": np.arccosh,
     "atanh": np.arctanh,
 }  # fmt: skip
-_PAIR: dict[str, tuple[Callable[[Any], Any], Callable[[Any], Any]]] = {
+_PAIR: dict[str, tuple[Callable[[Complexes], Complexes], Callable[[Complexes], Complexes]]] = {
     "sin": (np.sin, np.cos), "cos": (np.cos, np.sin), "sinh": (np.sinh, np.cosh), "cosh": (np.cosh, np.sinh),
 }  # fmt: skip
 _CUT = {"atan": 1.0, "atanh": -1.0}
@@ -35,38 +36,58 @@ _CUT = {"atan": 1.0, "atanh": -1.0}
 class Disk(NamedTuple):
     """All z with |z − centre| ≤ radius; nothing is known where the radius is not finite."""
 
-    centre: Any
-    radius: Any
+    centre: Complexes
+    radius: Reals
 
     @property
-    def largest(self) -> Any:
+    def largest(self) -> Reals:
         """The greatest |z|."""
         return np.abs(self.centre) + self.radius
 
     @property
-    def least(self) -> Any:
+    def least(self) -> Reals:
         """The least |z|, not below 0."""
         return np.maximum(np.abs(self.centre) - self.radius, 0.0)
 
     @property
-    def known(self) -> Any:
+    def known(self) -> Mask:
         """True where the disk is bounded."""
         return np.isfinite(self.radius) & np.isfinite(self.centre)
 
 
+def single(centre: complex, radius: float) -> Disk:
+    """Return the disk of one number: a scalar of numpy is an array without axes.
+
+    Args:
+        centre: of the disk.
+        radius: of the disk.
+    """
+    return Disk(np.complex128(centre), np.float64(radius))  # type: ignore[arg-type]
+
+
 def hull(x: Disk, y: Disk) -> Disk:
-    """Return a disk that holds both."""
+    """Return a disk that holds both.
+
+    Args:
+        x: a disk.
+        y: another one, of the same shape.
+    """
     apart = y.centre - x.centre
     return Disk(x.centre + apart / 2, np.abs(apart) * 0.5000001 + np.maximum(x.radius, y.radius))
 
 
 def tighter(x: Disk, y: Disk) -> Disk:
-    """Return the smaller of two disks that hold the same number, element by element."""
+    """Return the smaller of two disks that hold the same number, element by element.
+
+    Args:
+        x: a disk.
+        y: another one that holds the same number.
+    """
     first = (x.radius <= y.radius) | ~np.isfinite(y.radius)
     return x if first.all() else Disk(np.where(first, x.centre, y.centre), np.where(first, x.radius, y.radius))
 
 
-def _where(good: Any, x: Disk) -> Disk:
+def _where(good: Mask, x: Disk) -> Disk:
     """The disk where ``good``, unknown elsewhere."""
     return x if np.all(good) else Disk(x.centre, np.where(good, x.radius, np.inf))
 
@@ -76,18 +97,22 @@ class Disks:
 
     __slots__ = ()
 
-    def point(self, x: Any) -> Disk:
-        """Enclose a real number that may have to be rounded."""
+    def point(self, x: Numeric) -> Disk:
+        """Enclose a real number that may have to be rounded.
+
+        Args:
+            x: a float, or a number of many digits.
+        """
         nearest = float(x)
-        return Disk(np.complex128(nearest), np.float64(0.0 if nearest == x else abs(nearest) * 2.0**-52))
+        return single(nearest, 0.0 if nearest == x else abs(nearest) * 2.0**-52)
 
     def rational(self, numerator: int, denominator: int) -> Disk:
         value = Float64().rational(numerator, denominator)
         exact = denominator & (denominator - 1) == 0 and abs(numerator) < 2**53
-        return Disk(np.complex128(value), np.float64(0.0 if exact else abs(value) * 2.0**-52))
+        return single(value, 0.0 if exact else abs(value) * 2.0**-52)
 
     def pi(self) -> Disk:
-        return Disk(np.complex128(np.pi), np.float64(2.0**-52))
+        return single(np.pi, 2.0**-52)
 
     def add(self, x: Disk, y: Disk) -> Disk:
         centre = x.centre + y.centre
@@ -105,11 +130,16 @@ class Disks:
         return self.mul(x, self.inverse(y))
 
     def inverse(self, x: Disk) -> Disk:
-        """Return 1/x: the exact image of a disk is a disk."""
+        """Return 1/x: the exact image of a disk is a disk.
+
+        Args:
+            x: a disk.
+        """
         size = np.abs(x.centre)
+        # 1/x has its centre at c̄/(|c|² − r²) and the radius r/(|c|² − r²)
         room = (size - x.radius) * (size + x.radius)
         share = x.radius / room
-        return Disk(np.conj(x.centre) / room, np.where(room > 0, share + _UNIT * (share + 1 / size), np.inf))
+        return Disk(x.centre.conj() / room, np.where(room > 0, share + _UNIT * (share + 1 / size), np.inf))
 
     def power(self, x: Disk, n: int) -> Disk:
         if n < 0:
@@ -125,22 +155,42 @@ class Disks:
         return result
 
     def derivative(self, name: str, x: Disk) -> Disk:
-        """Return Φ′ over a disk."""
+        """Return Φ′ over a disk.
+
+        Args:
+            name: of the function, such as ``sqrt``.
+            x: a disk.
+        """
         result: Disk = _SLOPES[name](self, x)
         return result
 
     def bend(self, name: str, x: Disk) -> Disk:
-        """Return Φ″ over a disk."""
+        """Return Φ″ over a disk.
+
+        Args:
+            name: of the function, such as ``sqrt``.
+            x: a disk.
+        """
         result: Disk = _BENDS[name](self, x)
         return result
 
     def shifted(self, x: Disk, by: float) -> Disk:
-        """Return x + by."""
+        """Return x + by.
+
+        Args:
+            x: a disk.
+            by: the number.
+        """
         centre = x.centre + by
         return Disk(centre, x.radius + _UNIT * np.abs(centre))
 
     def times(self, x: Disk, by: complex) -> Disk:
-        """Return by·x."""
+        """Return by·x.
+
+        Args:
+            x: a disk.
+            by: the number.
+        """
         return Disk(by * x.centre, abs(by) * x.radius + _UNIT * np.abs(by * x.centre))
 
 
@@ -151,6 +201,7 @@ def _abs(_: Disks, x: Disk) -> Disk:
 
 
 def _exp(_: Disks, x: Disk) -> Disk:
+    # |e^{c + z} − e^c| ≤ e^{Re c}(e^r − 1) for |z| ≤ r, written without cancellation and without ∞·0
     value, most = np.exp(x.centre), np.exp(np.real(x.centre) + x.radius)
     return Disk(value, most * (-np.expm1(-x.radius) + _UNIT * (1 + np.abs(x.centre))))
 
@@ -160,6 +211,7 @@ def _sincos(x: Disk, name: str) -> Disk:
     of, other = _PAIR[name]
     value, beside = of(x.centre), np.abs(other(x.centre))
     size = np.abs(value)
+    # |sin c| (cosh r − 1) + |cos c| sinh r, with cosh r − 1 = 2 sinh²(r/2)
     spread = size * 2 * np.sinh(x.radius / 2) ** 2 + beside * np.sinh(x.radius)
     near = np.minimum(np.abs(x.centre), 1.0)
     return Disk(value, spread + _UNIT * (1 + np.abs(x.centre)) * (size + near * beside))
@@ -171,7 +223,7 @@ def _tan(d: Disks, x: Disk) -> Disk:
     return Disk(-1j * turned.centre, turned.radius)
 
 
-def _decaying(d: Disks, x: Disk, n: float) -> tuple[Any, Disk]:
+def _decaying(d: Disks, x: Disk, n: float) -> tuple[Reals, Disk]:
     """The sign s of Re x and exp(−n s x), which is not above e^(n·radius)."""
     side = np.where(np.real(x.centre) < 0, -1.0, 1.0)
     return side, _exp(d, Disk(-n * side * x.centre, n * x.radius))
@@ -190,7 +242,7 @@ def _sech(d: Disks, x: Disk) -> Disk:
     return d.times(d.mul(u, d.inverse(d.shifted(d.power(u, 2), 1.0))), 2.0)
 
 
-def _off_cut(x: Disk) -> Any:
+def _off_cut(x: Disk) -> Mask:
     """True where a disk does not meet the negative real axis or 0."""
     real = np.real(x.centre)
     return np.where(real > 0, np.abs(x.centre), np.abs(np.imag(x.centre))) > x.radius

@@ -13,12 +13,13 @@ cosh z is not 0), and disks that overlap have the same function wherever all tha
 
 from __future__ import annotations
 
-from typing import Any, NamedTuple
+from typing import NamedTuple
 
 import numpy as np
 
 from hjsolve.arithmetic.complex_disks import Disk, Disks, tighter
 from hjsolve.arithmetic.floats import Float64
+from hjsolve.arithmetic.number_types import Complexes, Mask, Reals
 
 _D, _F = Disks(), Float64()
 _MOST = 0.999
@@ -32,8 +33,8 @@ _TURN = 2.0
 class Followed(NamedTuple):
     """Values on the way, shape (…, places), and their logarithm."""
 
-    value: Any
-    power: Any
+    value: Complexes
+    power: Complexes
 
 
 class Logged(NamedTuple):
@@ -44,7 +45,7 @@ class Logged(NamedTuple):
     way: Followed
 
     @property
-    def largest(self) -> Any:
+    def largest(self) -> Reals:
         """A bound on |f|, infinite where there is none."""
         with np.errstate(all="ignore"):
             plain = np.where(self.value.known, self.value.largest, np.inf)
@@ -58,13 +59,21 @@ class DisksInLogarithms:
     __slots__ = ()
 
     def variable(self, x: Disk) -> Logged:
-        """Take a disk as it is; a way leads to it from the real axis."""
+        """Take a disk as it is; a way leads to it from the real axis.
+
+        Args:
+            x: the disk, or the number.
+        """
         rise = np.linspace(0.0, 1.0, _STEPS) if np.any(np.imag(x.centre)) else np.ones(1)
         centre = np.asarray(x.centre)[..., None]
         return _logged(x, centre.real + 1j * centre.imag * rise)
 
     def constant(self, x: Disk) -> Logged:
-        """Take a number in doubt."""
+        """Take a number in doubt.
+
+        Args:
+            x: the number as a disk.
+        """
         return _logged(x, np.asarray(x.centre)[..., None])
 
     def rational(self, numerator: int, denominator: int) -> Logged:
@@ -107,7 +116,7 @@ class DisksInLogarithms:
             return plain
 
 
-def _logged(value: Disk, way: Any) -> Logged:
+def _logged(value: Disk, way: Complexes) -> Logged:
     """With the logarithm of a disk that does not hold 0."""
     with np.errstate(all="ignore"):
         power = _followed(way)
@@ -117,7 +126,7 @@ def _logged(value: Disk, way: Any) -> Logged:
     return Logged(value, _turned(found, power[..., -1]), Followed(way, power))
 
 
-def _followed(way: Any) -> Any:
+def _followed(way: Complexes) -> Complexes:
     """The logarithm along the way, from the principal one on the real axis; NaN where it turns too fast."""
     power = np.log(way + 0j)
     start = np.where(np.imag(power[..., :1]) < -3, 2j * np.pi, 0)  # −π is π
@@ -137,7 +146,7 @@ def _with(plain: Logged, power: Disk) -> Logged:
     return plain._replace(value=tighter(plain.value, _D.unary("exp", power)), power=tighter(plain.power, power))
 
 
-def _turned(power: Disk, centre: Any) -> Disk:
+def _turned(power: Disk, centre: Complexes) -> Disk:
     """The logarithm that one comes to on the way; nothing is known where that was lost."""
     with np.errstate(all="ignore"):
         turns = np.rint((np.imag(centre) - np.imag(power.centre)) / (2 * np.pi))
@@ -161,7 +170,7 @@ def _hyperbolic(name: str, x: Disk) -> Disk:
     return _D.shifted(_D.add(outward, _D.unary("log", _D.shifted(known, 1.0))), -float(np.log(2)))
 
 
-def _where(good: Any, x: Disk) -> Disk:
+def _where(good: Mask, x: Disk) -> Disk:
     if np.all(good):
         return x
     return Disk(np.where(good, x.centre, 0.0), np.where(good, x.radius, np.inf))

@@ -7,9 +7,11 @@ theorems with the half difference h = (f − f₀)/2 and the middle m: sinh[f₀
 
 from __future__ import annotations
 
+from collections.abc import Callable
 from dataclasses import dataclass
-from typing import Any, NamedTuple
+from typing import Any, Generic, NamedTuple
 
+from hjsolve.arithmetic.number_types import N
 from hjsolve.arithmetic.tape import Arithmetic
 
 FUNCTIONS = frozenset({"neg", "sqrt", "exp", "sin", "cos", "tan", "sinh", "cosh", "tanh", "sech"})
@@ -19,16 +21,16 @@ _TINY = (1, 10**290)
 """Keeps sinh h/h from 0/0; no other h is moved by it."""
 
 
-class FirstDifference(NamedTuple):
+class FirstDifference(NamedTuple, Generic[N]):
     """f(e), f(q), and f[e, q]; a constant has no slope."""
 
-    base: Any
-    value: Any
+    base: N
+    value: N
     slope: Any = None
 
 
 @dataclass(frozen=True, slots=True)
-class FirstDifferences:
+class FirstDifferences(Generic[N]):
     """Arithmetic on ``FirstDifference`` values.
 
     Attributes:
@@ -36,39 +38,48 @@ class FirstDifferences:
         offset: q − e in it.
     """
 
-    plain: Arithmetic
-    offset: Any
+    plain: Arithmetic[N]
+    offset: N
 
-    def constant(self, value: Any) -> FirstDifference:
-        """Return a number that does not depend on q."""
+    def constant(self, value: N) -> FirstDifference[N]:
+        """Return a number that does not depend on q.
+
+        Args:
+            value: the number.
+        """
         return FirstDifference(value, value)
 
-    def variable(self, base: Any, value: Any) -> FirstDifference:
-        """Return q itself, from e to q."""
+    def variable(self, base: N, value: N) -> FirstDifference[N]:
+        """Return q itself, from e to q.
+
+        Args:
+            base: e, or f(e).
+            value: q.
+        """
         return FirstDifference(base, value, self.plain.rational(1, 1))
 
-    def rational(self, numerator: int, denominator: int) -> FirstDifference:
+    def rational(self, numerator: int, denominator: int) -> FirstDifference[N]:
         return self.constant(self.plain.rational(numerator, denominator))
 
-    def pi(self) -> FirstDifference:
+    def pi(self) -> FirstDifference[N]:
         return self.constant(self.plain.pi())
 
-    def add(self, x: FirstDifference, y: FirstDifference) -> FirstDifference:
+    def add(self, x: FirstDifference[N], y: FirstDifference[N]) -> FirstDifference[N]:
         a = self.plain
         slope = y.slope if x.slope is None else x.slope if y.slope is None else a.add(x.slope, y.slope)
         return self._made(slope, lambda part: a.add(part(x), part(y)))
 
-    def sub(self, x: FirstDifference, y: FirstDifference) -> FirstDifference:
+    def sub(self, x: FirstDifference[N], y: FirstDifference[N]) -> FirstDifference[N]:
         return self.add(x, self.unary("neg", y))
 
-    def mul(self, x: FirstDifference, y: FirstDifference) -> FirstDifference:
+    def mul(self, x: FirstDifference[N], y: FirstDifference[N]) -> FirstDifference[N]:
         a = self.plain
         left = None if x.slope is None else a.mul(x.slope, y.value)
         right = None if y.slope is None else a.mul(x.base, y.slope)
         slope = right if left is None else left if right is None else a.add(left, right)
         return self._made(slope, lambda part: a.mul(part(x), part(y)))
 
-    def div(self, x: FirstDifference, y: FirstDifference) -> FirstDifference:
+    def div(self, x: FirstDifference[N], y: FirstDifference[N]) -> FirstDifference[N]:
         a = self.plain
         if y.slope is None:
             slope = None if x.slope is None else a.div(x.slope, y.value)
@@ -78,7 +89,7 @@ class FirstDifferences:
         rest = rest if x.slope is None else a.add(x.slope, rest)
         return FirstDifference(base, a.div(x.value, y.value), a.div(rest, y.value))
 
-    def power(self, x: FirstDifference, n: int) -> FirstDifference:
+    def power(self, x: FirstDifference[N], n: int) -> FirstDifference[N]:
         if n < 0:
             return self.div(self.rational(1, 1), self.power(x, -n))
         result = x
@@ -88,7 +99,7 @@ class FirstDifferences:
                 result = self.mul(result, x)
         return result if n else self.rational(1, 1)
 
-    def unary(self, name: str, x: FirstDifference) -> FirstDifference:
+    def unary(self, name: str, x: FirstDifference[N]) -> FirstDifference[N]:
         a = self.plain
         if x.slope is None:
             return self.constant(a.unary(name, x.value))
@@ -100,7 +111,7 @@ class FirstDifferences:
         base, value = a.unary(name, x.base), a.unary(name, x.value)
         return FirstDifference(base, value, a.mul(self._between(name, x, base, value), x.slope))
 
-    def _between(self, name: str, x: FirstDifference, base: Any, value: Any) -> Any:
+    def _between(self, name: str, x: FirstDifference[N], base: N, value: N) -> N:
         """Φ[f₀, f]."""
         a = self.plain
         if name == "neg":
@@ -121,7 +132,7 @@ class FirstDifferences:
             case _:
                 raise NotImplementedError(name)
 
-    def _made(self, slope: Any, combined: Any) -> FirstDifference:
+    def _made(self, slope: N | None, combined: Callable[[Callable[[FirstDifference[N]], N]], N]) -> FirstDifference[N]:
         value = combined(lambda x: x.value)
         return (
             FirstDifference(value, value)

@@ -11,12 +11,12 @@ from dataclasses import dataclass
 from fractions import Fraction
 from functools import cache
 from math import factorial
-from typing import Any
 
 import numpy as np
 
 from hjsolve.arithmetic.error_free import Pair, exact, quick_two_sum, two_product, two_sum
 from hjsolve.arithmetic.floats import by_squaring
+from hjsolve.arithmetic.number_types import Elementwise
 
 _LN2 = (0.6931471805599453, 2.3190468138462996e-17)
 _HALF_PI = (1.5707963267948966, 6.123233995736766e-17)
@@ -71,7 +71,7 @@ class DoubleDouble:
         result: Pair = getattr(self, f"_{name}")(x)
         return result
 
-    def _scaled(self, x: Pair, factor: Any) -> Pair:
+    def _scaled(self, x: Pair, factor: Elementwise) -> Pair:
         """Times a power of two."""
         return Pair(x.high * factor, x.low * factor)
 
@@ -94,7 +94,7 @@ class DoubleDouble:
             total = self.add(self.mul(total, x), c)
         return total
 
-    def _reduced(self, x: Pair) -> tuple[Pair, Any]:
+    def _reduced(self, x: Pair) -> tuple[Pair, Elementwise]:
         """Return exp(x − k ln 2) − 1 and k."""
         k = np.rint(x.high / _LN2[0])
         r = self._scaled(self.sub(x, self.mul(Pair(k, 0.0), Pair(*_LN2))), 2.0**-_HALVINGS)
@@ -131,7 +131,7 @@ class DoubleDouble:
         e = self._exp(self._scaled(self._abs(x), -1.0))
         return self._scaled(self.div(e, self.add(Pair(1.0, 0.0), self.mul(e, e))), 2.0)
 
-    def _turned(self, x: Pair) -> tuple[Pair, Pair, Any]:
+    def _turned(self, x: Pair) -> tuple[Pair, Pair, Elementwise]:
         """Sin and cos of the argument less a multiple of π/2, and that multiple modulo 4."""
         k = np.rint(x.high / _HALF_PI[0])
         r = self.sub(x, self.mul(Pair(k, 0.0), Pair(*_HALF_PI)))
@@ -155,7 +155,7 @@ class DoubleDouble:
     def _tan(self, x: Pair) -> Pair:
         return self.div(self._sin(x), self._cos(x))
 
-    def _improved(self, guess: Any, above: Pair, below: Pair) -> Pair:
+    def _improved(self, guess: Elementwise, above: Pair, below: Pair) -> Pair:
         """One step of Newton's method from a double: the guess and a small quotient."""
         return self.add(Pair(guess, 0.0), self.div(above, below))
 

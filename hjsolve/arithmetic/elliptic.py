@@ -7,14 +7,19 @@ k′² is carried, so nothing is lost when k → 1. The quarter period is π/(2�
 from __future__ import annotations
 
 from functools import lru_cache
-from typing import Any
+from typing import Any, overload
 
 import numpy as np
 
 from hjsolve.arithmetic.floats import Float64, Multi
+from hjsolve.arithmetic.number_types import Mpf, Numeric, Reals
 
 
-def quarter_period(complement: Any, arithmetic: Float64 | Multi) -> Any:
+@overload
+def quarter_period(complement: float, arithmetic: Float64) -> float: ...
+@overload
+def quarter_period(complement: Mpf, arithmetic: Multi) -> Mpf: ...
+def quarter_period(complement: Numeric, arithmetic: Float64 | Multi) -> Numeric:
     """Return K for the complementary parameter k′², 0 < k′² ≤ 1.
 
     Args:
@@ -25,20 +30,22 @@ def quarter_period(complement: Any, arithmetic: Float64 | Multi) -> Any:
     return arithmetic.pi() / (2 * means[-1][0])
 
 
-def _means(complement: Any, arithmetic: Float64 | Multi) -> list[tuple[Any, Any]]:
-    """The sequence of means, kept from one argument to the next."""
-    return _landen(complement, arithmetic) if isinstance(complement, np.ndarray) else _kept(complement, arithmetic)
+def _means(complement: Numeric, arithmetic: Float64 | Multi) -> list[tuple[Numeric, Numeric]]:
+    """The sequence of means, kept from one argument to the next where that is one number."""
+    if isinstance(complement, np.ndarray):
+        return _landen(complement, arithmetic)
+    return _kept(complement, arithmetic)  # type: ignore[arg-type]  # one number, which has a hash
 
 
-def _landen(complement: Any, arithmetic: Float64 | Multi) -> list[tuple[Any, Any]]:
+def _landen(complement: Numeric, arithmetic: Float64 | Multi) -> list[tuple[Numeric, Numeric]]:
     """The sequence of arithmetic and geometric means from (1, k′)."""
-    digits = 53 if isinstance(arithmetic, Float64) else arithmetic.bits
-    a, b = arithmetic.rational(1, 1), arithmetic.unary("sqrt", complement)
+    a: Numeric = arithmetic.rational(1, 1)
+    b: Numeric = arithmetic.unary("sqrt", complement)
     pairs = [(a, b)]
     while (
-        abs(a - b) > a * 2.0 ** (-(digits // 2) - 2)
-        if digits < 900
-        else abs(a - b) ** 2 > a * a * arithmetic.power(arithmetic.rational(1, 2), digits + 4)
+        abs(a - b) > a * 2.0 ** (-(arithmetic.bits // 2) - 2)
+        if arithmetic.bits < 900
+        else abs(a - b) ** 2 > a * a * arithmetic.power(arithmetic.rational(1, 2), arithmetic.bits + 4)
     ):
         a, b = (a + b) / 2, arithmetic.unary("sqrt", a * b)
         pairs.append((a, b))
@@ -49,7 +56,15 @@ def _landen(complement: Any, arithmetic: Float64 | Multi) -> list[tuple[Any, Any
 _kept = lru_cache(maxsize=64)(_landen)
 
 
-def jacobi(u: Any, complement: Any, quarter: Any, arithmetic: Float64 | Multi) -> tuple[Any, Any, Any]:
+@overload
+def jacobi(u: Reals, complement: float, quarter: float, arithmetic: Float64) -> tuple[Reals, Reals, Reals]: ...
+@overload
+def jacobi(
+    u: Numeric, complement: Numeric, quarter: Numeric, arithmetic: Float64 | Multi
+) -> tuple[Numeric, Numeric, Numeric]: ...
+def jacobi(
+    u: Numeric, complement: Numeric, quarter: Numeric, arithmetic: Float64 | Multi
+) -> tuple[Numeric, Numeric, Numeric]:
     """Return sn u, cn u, dn u for −2K ≤ u ≤ 2K (or just beyond), cn with full relative accuracy near its zeros ±K.
 
     Args:
@@ -72,7 +87,7 @@ def jacobi(u: Any, complement: Any, quarter: Any, arithmetic: Float64 | Multi) -
     return (-sn if (u < 0) != beyond else sn), (-cn if folded else cn), dn
 
 
-def _jacobi_array(u: Any, complement: float, quarter: float, arithmetic: Float64) -> tuple[Any, Any, Any]:
+def _jacobi_array(u: Reals, complement: float, quarter: float, arithmetic: Float64) -> tuple[Reals, Reals, Reals]:
     size = np.abs(u)
     folded = size > quarter
     v = np.where(folded, 2 * quarter - size, size)
@@ -84,14 +99,15 @@ def _jacobi_array(u: Any, complement: float, quarter: float, arithmetic: Float64
     return np.where(beyond, -1, 1) * np.copysign(sn, u), np.where(folded, -cn, cn), dn
 
 
-def _bulirsch(u: Any, complement: Any, arithmetic: Float64 | Multi) -> tuple[Any, Any, Any]:
+def _bulirsch(u: Any, complement: Numeric, arithmetic: Float64 | Multi) -> tuple[Any, Any, Any]:
     """sn, cn, dn for 0 ≤ u ≤ K/2."""
     dn = 0 * u + 1
     if complement == 1:
         return arithmetic.unary("sin", u), arithmetic.unary("cos", u), dn
     pairs = _means(complement, arithmetic)
-    c = pairs[-1][0] * u
-    sine, cosine = arithmetic.unary("sin", c), arithmetic.unary("cos", c)
+    c: Any = pairs[-1][0] * u
+    sine: Any = arithmetic.unary("sin", c)
+    cosine: Any = arithmetic.unary("cos", c)
     if isinstance(arithmetic, Multi) and not sine:
         return sine, cosine, dn
     with np.errstate(all="ignore"):
@@ -102,9 +118,10 @@ def _bulirsch(u: Any, complement: Any, arithmetic: Float64 | Multi) -> tuple[Any
             c = c * dn
             dn = (low + a) / (high + a)
             a = c / high
-        sn = 1 / arithmetic.unary("sqrt", c * c + 1)
+        root: Any = arithmetic.unary("sqrt", c * c + 1)
+        sn = 1 / root
         cn = c * sn
     if isinstance(arithmetic, Float64):
         zero = sine == 0
-        sn, cn, dn = np.where(zero, 0.0, sn), np.where(zero, 1.0, cn), np.where(zero, 1.0, dn)
+        return np.where(zero, 0.0, sn), np.where(zero, 1.0, cn), np.where(zero, 1.0, dn)
     return sn, cn, dn

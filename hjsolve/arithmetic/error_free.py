@@ -6,7 +6,9 @@ Knuth, TAOCP 2, §4.2.2; Dekker, Numer. Math. 18 (1971) 224. All of it works ele
 from __future__ import annotations
 
 from fractions import Fraction
-from typing import Any, NamedTuple
+from typing import NamedTuple
+
+from hjsolve.arithmetic.number_types import Elementwise, Numeric
 
 _SPLITTER = 134217729.0
 
@@ -14,37 +16,60 @@ _SPLITTER = 134217729.0
 class Pair(NamedTuple):
     """A number high + low, |low| at most half a unit in the last place of high; floats or arrays."""
 
-    high: Any
-    low: Any
+    high: Elementwise
+    low: Elementwise
 
 
-def split(x: Any) -> Pair:
-    """Round a many-digit number to two doubles."""
+def split(x: Numeric) -> Pair:
+    """Round a many-digit number to two doubles.
+
+    Args:
+        x: of many digits.
+    """
     high = float(x)
     return Pair(high, float(x - high))
 
 
 def exact(value: Fraction) -> Pair:
-    """Round a fraction to two doubles."""
+    """Round a fraction to two doubles.
+
+    Args:
+        value: a fraction.
+    """
     high = float(value)
     return Pair(high, float(value - Fraction(high)))
 
 
-def two_sum(a: Any, b: Any) -> Pair:
-    """Return a + b exactly (Knuth)."""
+def two_sum(a: Elementwise, b: Elementwise) -> Pair:
+    """Return a + b exactly (Knuth).
+
+    Args:
+        a: a double, or an array.
+        b: a double, or an array.
+    """
     s = a + b
     part = s - a
     return Pair(s, (a - (s - part)) + (b - part))
 
 
-def quick_two_sum(a: Any, b: Any) -> Pair:
-    """Return a + b exactly, where |a| ≥ |b| (Dekker)."""
+def quick_two_sum(a: Elementwise, b: Elementwise) -> Pair:
+    """Return a + b exactly, where |a| ≥ |b| (Dekker).
+
+    Args:
+        a: a double, or an array.
+        b: a double, or an array.
+    """
     s = a + b
     return Pair(s, b - (s - a))
 
 
-def two_product(a: Any, b: Any) -> Pair:
-    """Return a·b exactly, for sizes below about 10²⁹² (Dekker)."""
+def two_product(a: Elementwise, b: Elementwise) -> Pair:
+    """Return a·b exactly, for sizes below about 10²⁹² (Dekker).
+
+    Args:
+        a: a double, or an array.
+        b: a double, or an array.
+    """
     p = a * b
     ca, cb = _SPLITTER * a, _SPLITTER * b
     ah, bh = ca - (ca - a), cb - (cb - b)

@@ -10,16 +10,17 @@ constant.
 from __future__ import annotations
 
 from dataclasses import dataclass
-from typing import Any, NamedTuple
+from typing import NamedTuple
 
 import numpy as np
 
-from hjsolve.arithmetic.complex_disks import Disk, Disks
+from hjsolve.arithmetic.complex_disks import Disk, Disks, single
+from hjsolve.arithmetic.number_types import Reals
 
 EXPONENTIAL = frozenset({"exp", "sinh", "cosh", "sech"})
 _LARGE = 600.0
 _D = Disks()
-_ONE, _ZERO = Disk(np.complex128(1.0), np.float64(0.0)), Disk(np.complex128(0.0), np.float64(0.0))
+_ONE, _ZERO = single(1.0, 0.0), single(0.0, 0.0)
 
 
 class Rated(NamedTuple):
@@ -62,7 +63,11 @@ class Rates:
         return _D.unary("exp", _D.times(self.q, rate))
 
     def whole(self, x: Rated) -> Disk:
-        """Return the number itself."""
+        """Return the number itself.
+
+        Args:
+            x: e^{λq} φ.
+        """
         return x.value if x.rate == 0 else _D.mul(self._power_of_e(x.rate), x.value)
 
     def add(self, x: Rated, y: Rated) -> Rated:
@@ -127,6 +132,11 @@ class Rates:
         return Rated(sign * rate, _D.times(_D.mul(main, both), scale))
 
 
-def largest(q: Disk, rate: float) -> Any:
-    """Return the exponent of the largest |e^{λq}|."""
+def largest(q: Disk, rate: float) -> Reals:
+    """Return the exponent of the largest |e^{λq}|.
+
+    Args:
+        q: disks.
+        rate: λ.
+    """
     return rate * np.real(q.centre) + abs(rate) * q.radius

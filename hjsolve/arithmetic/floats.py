@@ -8,11 +8,12 @@ from collections.abc import Callable
 from dataclasses import dataclass, field
 from fractions import Fraction
 from functools import cache
-from typing import Any
+from typing import Any, ClassVar, cast
 
 import mpmath
 import numpy as np
 
+from hjsolve.arithmetic.number_types import Context, Elementwise, Mpc, Mpf, N, Numeric, Truth, X
 from hjsolve.errors import InvalidInputError
 
 _NUMPY_NAMES = {
@@ -46,7 +47,7 @@ class ByOperators:
     div = staticmethod(operator.truediv)
 
 
-def by_squaring(product: Callable[[Any, Any], Any], x: Any, n: int) -> Any:
+def by_squaring(product: Callable[[N, N], N], x: N, n: int) -> N:
     """Return xⁿ, n ≥ 1, by the fewest products that squaring gives.
 
     Args:
@@ -64,28 +65,53 @@ def by_squaring(product: Callable[[Any, Any], Any], x: Any, n: int) -> Any:
 
 @dataclass(frozen=True, slots=True)
 class Float64(ByOperators):
-    """Double precision, elementwise over numpy arrays of any shape."""
+    """Double precision, elementwise over numpy arrays of any shape.
 
-    def rational(self, numerator: int, denominator: int) -> Any:
+    Beside what every arithmetic has, the plain ones choose between two numbers (``where``), round to whole numbers
+    (``rint``), and have the angle of a point (``atan2``) and the size of one number with the sign of another.
+    """
+
+    bits: ClassVar[int] = 53
+    few_units: ClassVar[float] = 4 * 2.0**-52
+    """More than any operation rounds by, relatively."""
+
+    def rational(self, numerator: int, denominator: int) -> Elementwise:
         return float(Fraction(numerator, denominator))
 
-    def pi(self) -> Any:
+    def pi(self) -> Elementwise:
         return np.pi
 
-    def power(self, x: Any, n: int) -> Any:
+    def power(self, x: Elementwise, n: int) -> Elementwise:
         return np.float_power(x, n) if abs(n) > 3 else _small_power(x, n)
 
-    def unary(self, name: str, x: Any) -> Any:
+    def unary(self, name: str, x: Elementwise) -> Elementwise:
         return sech(x) if name == "sech" else getattr(np, _NUMPY_NAMES.get(name, name))(x)
 
+    def where(self, condition: Truth, x: Elementwise, y: Elementwise) -> Elementwise:
+        chosen: Elementwise = np.where(condition, x, y)
+        return chosen[()]  # one number stays a number
 
-def sech(x: Any) -> Any:
-    """Return 1/cosh x of doubles, which does not overflow."""
+    def rint(self, x: Elementwise) -> Elementwise:
+        return np.rint(x)
+
+    def atan2(self, y: Elementwise, x: Elementwise) -> Elementwise:
+        return np.arctan2(y, x)
+
+    def copysign(self, size: Elementwise, sign: Elementwise) -> Elementwise:
+        return np.copysign(size, sign)
+
+
+def sech(x: Elementwise) -> Elementwise:
+    """Return 1/cosh x of doubles, which does not overflow.
+
+    Args:
+        x: a double, or an array.
+    """
     decay = np.exp(-np.abs(x))
     return 2 * decay / (1 + decay * decay)
 
 
-def _small_power(x: Any, n: int) -> Any:
+def _small_power(x: Elementwise, n: int) -> Elementwise:
     y = x * x if abs(n) == 2 else x * x * x if abs(n) == 3 else x
     return y if n > 0 else 1.0 / y
 
@@ -101,7 +127,7 @@ def bits_for(digits: int, guard: int) -> int:
 
 
 @cache
-def multiprecision(bits: int) -> Any:
+def multiprecision(bits: int) -> Context:
     """Return an mpmath context of its own with this precision, so that no global is touched.
 
     Args:
@@ -115,27 +141,27 @@ def multiprecision(bits: int) -> Any:
     return context
 
 
-def _reduced(x: Any) -> tuple[Any, ...]:
+def _reduced(x: Mpf | Mpc) -> tuple[Callable[..., Mpf | Mpc], tuple[object, ...]]:
     """What a number of one of our contexts is pickled as: its precision and its parts."""
     parts = (x._mpf_,) if hasattr(x, "_mpf_") else x._mpc_
     return _restored, (x.context.prec, *(tuple(int(part) for part in number) for number in parts))
 
 
-def _reduced_matrix(matrix: Any) -> tuple[Any, ...]:
+def _reduced_matrix(matrix: Any) -> tuple[Callable[..., Any], tuple[int, list[list[Mpf]]]]:
     return _restored_matrix, (matrix.ctx.prec, matrix.tolist())
 
 
-def _restored_matrix(bits: int, rows: list[list[Any]]) -> Any:
+def _restored_matrix(bits: int, rows: list[list[Mpf]]) -> Any:
     return multiprecision(bits).matrix(rows)
 
 
-def _restored(bits: int, *parts: tuple[int, ...]) -> Any:
+def _restored(bits: int, *parts: tuple[int, ...]) -> Mpf | Mpc:
     context = multiprecision(bits)
     numbers = tuple((sign, mpmath.libmp.MPZ(whole), exponent, count) for sign, whole, exponent, count in parts)
     return context.make_mpf(numbers[0]) if len(parts) == 1 else context.make_mpc(numbers)
 
 
-def within_reach(name: str, x: Any, context: Any) -> Any:
+def within_reach(name: str, x: Numeric, context: Context) -> Numeric:
     """An argument, that of an exponential at most 2**FARTHEST: beyond, as many digits as it has bits would be needed.
 
     Args:
@@ -166,30 +192,39 @@ class Multi(ByOperators):
     """
 
     bits: int
-    context: Any = field(init=False, repr=False, compare=False)
+    context: Context = field(init=False, repr=False, compare=False)
 
     def __post_init__(self) -> None:
         object.__setattr__(self, "context", multiprecision(self.bits))
 
-    def __reduce__(self) -> tuple[Any, ...]:
+    def __reduce__(self) -> tuple[type[Multi], tuple[int]]:
         return Multi, (self.bits,)
 
-    def convert(self, value: Any) -> Any:
-        """Take an int, float, Fraction or mpf in; the value is rounded to the precision."""
+    @property
+    def few_units(self) -> Mpf:
+        """More than any operation rounds by, relatively."""
+        return cast("Mpf", self.context.mpf(2) ** (3 - self.bits))
+
+    def convert(self, value: object) -> Mpf:
+        """Take an int, float, Fraction or mpf in; the value is rounded to the precision.
+
+        Args:
+            value: an int, float, Fraction or ``mpf``.
+        """
         if isinstance(value, Fraction):
             return self.context.mpf(value.numerator) / value.denominator
         return +self.context.convert(value)
 
-    def rational(self, numerator: int, denominator: int) -> Any:
+    def rational(self, numerator: int, denominator: int) -> Mpf:
         return self.context.mpf(numerator) / denominator
 
-    def pi(self) -> Any:
+    def pi(self) -> Mpf:
         return +self.context.pi
 
-    def power(self, x: Any, n: int) -> Any:
-        return x**n
+    def power(self, x: Numeric, n: int) -> Mpf:
+        return cast("Mpf", x**n)
 
-    def unary(self, name: str, x: Any) -> Any:
+    def unary(self, name: str, x: Numeric) -> Mpf:
         """Return a function of one variable at a number.
 
         Args:
@@ -200,10 +235,23 @@ class Multi(ByOperators):
             InvalidInputError: the value is not real, or beyond the range of numbers.
         """
         if name == "neg":
-            return -x
+            return cast("Mpf", -x)
         value = abs(x) if name == "abs" else getattr(self.context, name)(within_reach(name, x, self.context))
         if isinstance(value, self.context.mpc):
             raise InvalidInputError(
                 f"{name} of {self.context.nstr(x, 8)} is not real: the formula leaves its domain there"
             )
-        return value
+        return cast("Mpf", value)
+
+    def where(self, condition: Truth, x: X, y: X) -> X:
+        return x if condition else y
+
+    def rint(self, x: Numeric) -> Mpf:
+        return self.context.nint(x)
+
+    def atan2(self, y: Numeric, x: Numeric) -> Mpf:
+        return self.context.atan2(y, x)
+
+    def copysign(self, size: X, sign: Numeric) -> X:
+        """Return a size with the sign of another number; a zero counts as positive."""
+        return -size if sign < 0 else size

@@ -9,9 +9,9 @@ few dozen guard bits, so the coefficients are as good as the values, relative to
 from __future__ import annotations
 
 from functools import lru_cache
-from typing import Any
 
 from hjsolve.arithmetic.floats import multiprecision
+from hjsolve.arithmetic.number_types import Mpf
 
 _GUARD = 24
 _PRIMES = (2, 3, 5, 7, 11, 13)
@@ -21,7 +21,11 @@ Parts = tuple[list[int], list[int]]
 
 
 def smooth(least: int) -> int:
-    """Return the smallest number from ``least`` on without a prime factor above 13: its transform is fast."""
+    """Return the smallest number from ``least`` on without a prime factor above 13: its transform is fast.
+
+    Args:
+        least: where to begin.
+    """
     while _rest(least) > 1:
         least += 1
     return least
@@ -34,7 +38,7 @@ def _rest(n: int) -> int:
     return n
 
 
-def waves(values: list[Any], *, even: bool, bits: int) -> tuple[list[Any], list[Any]]:
+def waves(values: list[Mpf], *, even: bool, bits: int) -> tuple[list[Mpf], list[Mpf]]:
     """Return the coefficients cₖ and sₖ of cos kχ and sin kχ, k = 1, 2, …, below the Nyquist frequency.
 
     Args:
@@ -49,10 +53,11 @@ def waves(values: list[Any], *, even: bool, bits: int) -> tuple[list[Any], list[
     largest = max(abs(v) for v in values)
     work = bits + 2 * nodes.bit_length() + _GUARD
     fixed = [int(context.nint(context.ldexp(v / largest, work))) for v in values]
-    if even:
+    if even:  # the order 0, 2, 4, …, 5, 3, 1 makes a transform of half a turn one of a whole one (Makhoul 1980)
         fixed = fixed[::2] + fixed[1::2][::-1]
     re, im = _transformed(fixed, [0] * nodes, 1, _roots(nodes, work), work)
     turn, top = (4, nodes) if even else (2, (nodes + 1) // 2)
+    # the values stand at midpoints: coefficient k is turned by half a step, k times
     x, y = _root(turn * nodes, work)
     c, s = x, y  # e^{−iπk/(2N)} or e^{−iπk/N}, step by step
     cosines, sines = [], []
@@ -62,7 +67,7 @@ def waves(values: list[Any], *, even: bool, bits: int) -> tuple[list[Any], list[
         c, s = (c * x - s * y) >> work, (c * y + s * x) >> work
     scale = 2 * largest / nodes
 
-    def numbers(parts: list[int]) -> list[Any]:
+    def numbers(parts: list[int]) -> list[Mpf]:
         return [context.ldexp(context.mpf(part), -2 * work) * scale for part in parts]
 
     return numbers(cosines), [] if even else numbers(sines)

@@ -11,11 +11,12 @@ from __future__ import annotations
 from collections.abc import Callable
 from dataclasses import dataclass
 from functools import cached_property
-from typing import Any, NamedTuple
+from typing import NamedTuple, cast
 
 import numpy as np
 
 from hjsolve.arithmetic.floats import FARTHEST, Float64, Multi, within_reach
+from hjsolve.arithmetic.number_types import Elementwise, Mpf, Truth
 
 _GREATEST = float(np.finfo(float).max)
 _RISING = {"exp", "sinh", "tanh", "asinh", "atan"}
@@ -31,8 +32,8 @@ _RISING_ON = {
 class Interval(NamedTuple):
     """Lower and upper ends, arrays of the same shape."""
 
-    low: Any
-    high: Any
+    low: Elementwise
+    high: Elementwise
 
 
 @dataclass(frozen=True)
@@ -46,15 +47,19 @@ class Intervals:
     plain: Float64 | Multi
 
     @cached_property
-    def unit(self) -> Any:
+    def unit(self) -> float | Mpf:
         """Relative widening of one operation."""
-        return 4 * 2.0**-52 if isinstance(self.plain, Float64) else self.plain.context.mpf(2) ** (3 - self.plain.bits)
+        return self.plain.few_units
 
-    def point(self, x: Any) -> Interval:
-        """Enclose a number that the plain arithmetic may have to round."""
+    def point(self, x: float | Mpf) -> Interval:
+        """Enclose a number that the plain arithmetic may have to round.
+
+        Args:
+            x: a float, or a number of many digits.
+        """
         if isinstance(self.plain, Multi):
-            x = np.array(x, dtype=object)
-            return Interval(x, x)
+            number = np.array(x, dtype=object)
+            return Interval(number, number)
         nearest = float(x)
         return (
             Interval(*(np.float64(nearest),) * 2)
@@ -62,7 +67,7 @@ class Intervals:
             else self._wide(np.float64(nearest), np.float64(nearest))
         )
 
-    def _wide(self, low: Any, high: Any) -> Interval:
+    def _wide(self, low: Elementwise, high: Elementwise) -> Interval:
         with np.errstate(all="ignore"):
             if isinstance(self.plain, Float64):  # what overflowed is beyond the greatest double, and it is finite
                 low, high = np.minimum(low, _GREATEST), np.maximum(high, -_GREATEST)
@@ -132,19 +137,19 @@ class Intervals:
             return self._rising(name, x, *_RISING_ON[name])
         return _OTHERS[name](self, x)
 
-    def _call(self, name: str, x: Any) -> Any:
+    def _call(self, name: str, x: Elementwise) -> Elementwise:
         with np.errstate(all="ignore"):
             if isinstance(self.plain, Float64):
                 return self.plain.unary(name, x)
             return np.frompyfunc(lambda v: self._scalar(name, v), 1, 1)(x)
 
-    def _scalar(self, name: str, v: Any) -> Any:
+    def _scalar(self, name: str, v: Mpf) -> Mpf:
         assert isinstance(self.plain, Multi)
         context = self.plain.context
         if name in {"sin", "cos"} and (context.isinf(v) or context.mag(v) > 16 * FARTHEST):
             return context.nan
         value = getattr(context, name)(within_reach(name, v, context))
-        return value if isinstance(value, context.mpf) else context.nan
+        return cast("Mpf", value) if isinstance(value, context.mpf) else context.nan
 
     def _rising(self, name: str, x: Interval, left: float, right: float) -> Interval:
         outside = (x.low < left) | (x.high > right)
@@ -162,7 +167,7 @@ class Intervals:
         a, b = self._call(name, x.low), self._call(name, x.high)
         slack = 8 * self.unit * (1 + np.maximum(abs(x.low), abs(x.high)))
 
-        def contains(point: Any) -> Any:
+        def contains(point: float | Mpf) -> Truth:
             with np.errstate(all="ignore"):
                 return _floor((x.high - point + slack) / turn) >= _floor((x.low - point - slack) / turn) + 1
 
@@ -196,26 +201,26 @@ _OTHERS: dict[str, Callable[[Intervals, Interval], Interval]] = {
 }
 
 
-def _floor(x: Any) -> Any:
+def _floor(x: Elementwise) -> Elementwise:
     if getattr(x, "dtype", np.dtype(float)).kind == "O":
         return np.frompyfunc(lambda v: v.context.floor(v) if v == v and abs(v) != np.inf else v, 1, 1)(x)
     return np.floor(x)
 
 
-def _product(a: Any, b: Any) -> Any:
+def _product(a: Elementwise, b: Elementwise) -> Elementwise:
     """a·b with 0·∞ = 0: an infinite end stands for "unbounded", not for a value."""
     p = np.multiply(a, b)  # an mpf asked to take an array writes the array out before it declines
     return np.where((a == 0) | (b == 0), 0, p)
 
 
-def _least(values: list[Any]) -> Any:
+def _least(values: list[Elementwise]) -> Elementwise:
     result = values[0]
     for v in values[1:]:
         result = np.minimum(result, v)
     return result
 
 
-def _greatest(values: list[Any]) -> Any:
+def _greatest(values: list[Elementwise]) -> Elementwise:
     result = values[0]
     for v in values[1:]:
         result = np.maximum(result, v)

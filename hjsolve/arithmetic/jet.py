@@ -3,67 +3,80 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
-from typing import Any, NamedTuple
+from typing import Generic, NamedTuple
 
+from hjsolve.arithmetic.number_types import N
 from hjsolve.arithmetic.tape import Arithmetic
 
 
-class Jet(NamedTuple):
+class Jet(NamedTuple, Generic[N]):
     """f, f′, f″ at one place (or over one cell); a derivative that is exactly zero is None."""
 
-    value: Any
-    first: Any = None
-    second: Any = None
+    value: N
+    first: N | None = None
+    second: N | None = None
+
+
+class Derivatives(NamedTuple, Generic[N]):
+    """f, f′, f″ with nothing left out."""
+
+    value: N
+    first: N
+    second: N
 
 
 @dataclass(frozen=True, slots=True)
-class Jets:
+class Jets(Generic[N]):
     """Differentiation by the chain rule over a plain arithmetic or over intervals.
 
     Attributes:
         plain: the arithmetic of each component.
     """
 
-    plain: Arithmetic
+    plain: Arithmetic[N]
 
-    def variable(self, x: Any) -> Jet:
-        """Return the jet of q itself."""
+    def variable(self, x: N) -> Jet[N]:
+        """Return the jet of q itself.
+
+        Args:
+            x: the disk, or the number.
+        """
         return Jet(x, self.plain.rational(1, 1))
 
-    def rational(self, numerator: int, denominator: int) -> Jet:
+    def rational(self, numerator: int, denominator: int) -> Jet[N]:
         return Jet(self.plain.rational(numerator, denominator))
 
-    def pi(self) -> Jet:
+    def pi(self) -> Jet[N]:
         return Jet(self.plain.pi())
 
-    def _plus(self, x: Any, y: Any) -> Any:
+    def _plus(self, x: N | None, y: N | None) -> N | None:
         return y if x is None else x if y is None else self.plain.add(x, y)
 
-    def _times(self, x: Any, y: Any) -> Any:
+    def _times(self, x: N | None, y: N | None) -> N | None:
         return None if x is None or y is None else self.plain.mul(x, y)
 
-    def _minus(self, x: Any) -> Any:
+    def _minus(self, x: N | None) -> N | None:
         return None if x is None else self.plain.unary("neg", x)
 
-    def _double(self, x: Any) -> Any:
+    def _double(self, x: N | None) -> N | None:
         return None if x is None else self.plain.mul(self.plain.rational(2, 1), x)
 
-    def add(self, x: Jet, y: Jet) -> Jet:
+    def add(self, x: Jet[N], y: Jet[N]) -> Jet[N]:
         return Jet(self.plain.add(x.value, y.value), self._plus(x.first, y.first), self._plus(x.second, y.second))
 
-    def sub(self, x: Jet, y: Jet) -> Jet:
+    def sub(self, x: Jet[N], y: Jet[N]) -> Jet[N]:
         return self.add(x, self.unary("neg", y))
 
-    def mul(self, x: Jet, y: Jet) -> Jet:
+    def mul(self, x: Jet[N], y: Jet[N]) -> Jet[N]:
         first = self._plus(self._times(x.first, y.value), self._times(x.value, y.first))
         cross = self._double(self._times(x.first, y.first))
         second = self._plus(self._plus(self._times(x.second, y.value), cross), self._times(x.value, y.second))
         return Jet(self.plain.mul(x.value, y.value), first, second)
 
-    def div(self, x: Jet, y: Jet) -> Jet:
+    def div(self, x: Jet[N], y: Jet[N]) -> Jet[N]:
         return self.mul(x, self.power(y, -1))
 
-    def power(self, x: Jet, n: int) -> Jet:
+    def power(self, x: Jet[N], n: int) -> Jet[N]:
         a = self.plain
         if x.first is None:
             return Jet(a.power(x.value, n))
@@ -80,14 +93,14 @@ class Jets:
         )
         return self._chain(x, a.power(x.value, n), slope, bend)
 
-    def _chain(self, x: Jet, value: Any, slope: Any, bend: Any) -> Jet:
+    def _chain(self, x: Jet[N], value: N, slope: N, bend: N) -> Jet[N]:
         """Φ(f) with Φ′ = slope and Φ″ = bend at f."""
         if x.first is None:
             return Jet(value)
         second = self._plus(self._times(bend, self.plain.power(x.first, 2)), self._times(slope, x.second))
         return Jet(value, self._times(slope, x.first), second)
 
-    def unary(self, name: str, x: Jet) -> Jet:
+    def unary(self, name: str, x: Jet[N]) -> Jet[N]:
         if name == "neg":
             return Jet(self.plain.unary("neg", x.value), self._minus(x.first), self._minus(x.second))
         value = self.plain.unary(name, x.value)
@@ -95,7 +108,7 @@ class Jets:
             return Jet(value)
         return self._chain(x, value, *self._derivatives(name, x.value, value))
 
-    def _derivatives(self, name: str, x: Any, f: Any) -> tuple[Any, Any]:
+    def _derivatives(self, name: str, x: N, f: N) -> tuple[N, N]:
         """First and second derivative of an elementary function at x, where it has the value f."""
         a = self.plain
         one = a.rational(1, 1)
@@ -124,7 +137,7 @@ class Jets:
             case _:
                 return self._inverse_derivatives(name, x)
 
-    def _inverse_derivatives(self, name: str, x: Any) -> tuple[Any, Any]:
+    def _inverse_derivatives(self, name: str, x: N) -> tuple[N, N]:
         """asin, acos, atan, asinh, acosh, atanh: Φ′ = ±w⁻ˢ with w = 1 ± x² or x² − 1, s = 1 or ½."""
         a = self.plain
         one, square = a.rational(1, 1), a.power(x, 2)

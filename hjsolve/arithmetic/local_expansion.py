@@ -19,7 +19,7 @@ from collections.abc import Sequence
 from dataclasses import dataclass, field
 from fractions import Fraction
 from math import lcm
-from typing import Any, NamedTuple
+from typing import Final, Literal, NamedTuple
 
 import numpy as np
 
@@ -31,7 +31,7 @@ _DISKS = Disks()
 _EXPONENTIAL = frozenset({"exp", "sinh", "cosh", "tanh", "sech"})
 _HIGHEST = 48
 """Of the powers of one exponential."""
-ZERO = "zero"
+ZERO: Final = "zero"
 """In place of an order: the number is exactly 0."""
 
 
@@ -76,19 +76,29 @@ class Locals:
 
     offset: Disk
     depth: int
-    orders: Sequence[Any] = ()
+    orders: Sequence[int | Literal["zero"] | None] = ()
     rate: float = 0.0
     q: Disk | None = None
     _count: int = field(default=0)
 
     def constant(self, value: Disk) -> LocalExpansion:
-        """Return a number that does not depend on q."""
+        """Return a number that does not depend on q.
+
+        Args:
+            value: the number.
+        """
         return LocalExpansion(0, (value,), constant=True)
 
     def variable(self, base: Disk, sign: float, q: Disk | None = None, *, centred: bool = False) -> LocalExpansion:
         """Return q = e + sign·u; the cells themselves may be known more closely.
 
         With e = 0, ``centred``, it is of first order.
+
+        Args:
+            base: e, or f(e).
+            sign: +1 or −1.
+            q: the cells, where they are known more closely; None elsewhere.
+            centred: True where e = 0.
         """
         slope = self._full(sign)
         if centred:
@@ -99,7 +109,11 @@ class Locals:
         return LocalExpansion(0, (value, slope, *(self._full(0.0) for _ in range(self.depth - 1))))
 
     def inverse_variable(self, sign: float) -> LocalExpansion:
-        """Return q = sign/u: the place is infinity."""
+        """Return q = sign/u: the place is infinity.
+
+        Args:
+            sign: +1 or −1.
+        """
         return LocalExpansion(-1, (self._full(sign), *(self._full(0.0) for _ in range(self.depth))))
 
     def exponent(self) -> LocalExpansion:
@@ -159,7 +173,12 @@ class Locals:
         return self.lowered(x, known) if known < x.order else x
 
     def lowered(self, x: LocalExpansion, order: int) -> LocalExpansion:
-        """Return the same with φ multiplied by a power of u."""
+        """Return the same with φ multiplied by a power of u.
+
+        Args:
+            x: of some order.
+            order: the lower order.
+        """
         n = x.order - order
         if n == 0:
             return x
@@ -310,7 +329,12 @@ class _Listening(Locals):
 
 
 def exponential_unit(tapes: Sequence[Tape], inputs: list[Disk]) -> float:
-    """Return c such that all exponentials of linear forms are powers of e^{cq}; 0 where there is none."""
+    """Return c such that all exponentials of linear forms are powers of e^{cq}; 0 where there is none.
+
+    Args:
+        tapes: of the formulas.
+        inputs: constants and parameters.
+    """
     place = Disk(np.array([0.0, 1.0]), np.array([0.0, 0.0]))
     listening = _Listening(place, 1, rate=1.0, q=place)
     for tape in tapes:

@@ -7,12 +7,12 @@ keeps one order; single sums and products of arrays are rounded the same everywh
 
 from __future__ import annotations
 
-from typing import Any
-
 import numpy as np
 
+from hjsolve.arithmetic.number_types import Reals
 
-def rowwise(rows: Any, table: Any) -> Any:
+
+def rowwise(rows: Reals, table: Reals) -> Reals:
     """Return rows · table.
 
     Args:
@@ -25,7 +25,7 @@ def rowwise(rows: Any, table: Any) -> Any:
     return np.einsum("...j,mj->...m", rows, np.ascontiguousarray(table.T))
 
 
-def stacked(left: Any, right: Any) -> Any:
+def stacked(left: Reals, right: Reals) -> Reals:
     """Return left[n] · right[n] for every n, small matrices.
 
     Args:
@@ -36,4 +36,5 @@ def stacked(left: Any, right: Any) -> Any:
         Shape (n, i, k).
     """
     terms = (left[:, :, j, None] * right[:, None, j, :] for j in range(left.shape[2]))
-    return sum(terms, start=0.0)
+    total: Reals = sum(terms, start=np.zeros(()))
+    return total

@@ -2,12 +2,13 @@
 
 from __future__ import annotations
 
-from typing import Any
+from collections.abc import Callable, Sequence
 
 from hjsolve.arithmetic.floats import multiprecision
+from hjsolve.arithmetic.number_types import Context, Mpf
 
 
-def bracketed_root(function: Any, x0: Any, x1: Any, bits: int) -> Any:
+def bracketed_root(function: Callable[[Mpf], Sequence[Mpf]], x0: float | Mpf, x1: float | Mpf, bits: int) -> Mpf:
     """Newton's method kept inside a bracket, to the last bits.
 
     Args:
@@ -37,7 +38,7 @@ def bracketed_root(function: Any, x0: Any, x1: Any, bits: int) -> Any:
     return x
 
 
-def _polished(function: Any, x: Any, step: Any) -> Any:
+def _polished(function: Callable[[Mpf], Sequence[Mpf]], x: Mpf, step: Mpf) -> Mpf:
     """Two more Newton steps where they converge quadratically; rounding decides the rest."""
     for _ in range(2):
         x -= step
@@ -46,8 +47,13 @@ def _polished(function: Any, x: Any, step: Any) -> Any:
     return x - step
 
 
-def leading_power(values: list[Any], context: Any) -> float:
-    """Exponent of growth of p² from one sample to the next, a factor 2¹⁶ apart."""
+def leading_power(values: list[Mpf], context: Context) -> float:
+    """Exponent of growth of p² from one sample to the next, a factor 2¹⁶ apart.
+
+    Args:
+        values: samples, mpmath's numbers.
+        context: of mpmath.
+    """
     if not values[-1] or not values[-2]:
         return 0.0
     ratio = float(context.log(values[-1] / values[-2], 2)) / 16

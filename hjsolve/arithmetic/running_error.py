@@ -9,20 +9,23 @@ doubles or one that writes source code.
 from __future__ import annotations
 
 from dataclasses import dataclass
-from typing import Any, NamedTuple
+from typing import Generic, NamedTuple
+
+from hjsolve.arithmetic.number_types import N
+from hjsolve.arithmetic.tape import Arithmetic
 
 _UNIT = 2.0**-53
 
 
-class WithErrorBound(NamedTuple):
+class WithErrorBound(NamedTuple, Generic[N]):
     """A value and a bound on its error; None for an exact value."""
 
-    value: Any
-    error: Any = None
+    value: N
+    error: N | None = None
 
 
 @dataclass(frozen=True, slots=True)
-class RunningError:
+class RunningError(Generic[N]):
     """Arithmetic on ``WithErrorBound`` values over a plain one.
 
     Attributes:
@@ -30,60 +33,60 @@ class RunningError:
         own: units of rounding of an elementary function.
     """
 
-    plain: Any
+    plain: Arithmetic[N]
     own: int = 2
 
-    def _scaled(self, value: Any, units: int = 1) -> Any:
+    def _scaled(self, value: N, units: int = 1) -> N:
         a = self.plain
         return a.mul(a.rational(units, 2**53), a.unary("abs", value))
 
-    def _sum(self, *parts: Any) -> Any:
-        total = None
+    def _sum(self, *parts: N | None) -> N | None:
+        total: N | None = None
         for part in parts:
             if part is not None:
                 total = part if total is None else self.plain.add(total, part)
         return total
 
-    def _part(self, factor: Any, error: Any) -> Any:
+    def _part(self, factor: N, error: N | None) -> N | None:
         """|factor|·error."""
         return None if error is None else self.plain.mul(self.plain.unary("abs", factor), error)
 
-    def rational(self, numerator: int, denominator: int) -> WithErrorBound:
+    def rational(self, numerator: int, denominator: int) -> WithErrorBound[N]:
         value = self.plain.rational(numerator, denominator)
         power_of_two = denominator & (denominator - 1) == 0 and abs(numerator) < 2**53
         return WithErrorBound(value, None if power_of_two else self._scaled(value))
 
-    def pi(self) -> WithErrorBound:
+    def pi(self) -> WithErrorBound[N]:
         return WithErrorBound(self.plain.pi(), self._scaled(self.plain.pi()))
 
-    def add(self, x: WithErrorBound, y: WithErrorBound) -> WithErrorBound:
+    def add(self, x: WithErrorBound[N], y: WithErrorBound[N]) -> WithErrorBound[N]:
         value = self.plain.add(x.value, y.value)
         return WithErrorBound(value, self._sum(x.error, y.error, self._scaled(value)))
 
-    def sub(self, x: WithErrorBound, y: WithErrorBound) -> WithErrorBound:
+    def sub(self, x: WithErrorBound[N], y: WithErrorBound[N]) -> WithErrorBound[N]:
         value = self.plain.sub(x.value, y.value)
         return WithErrorBound(value, self._sum(x.error, y.error, self._scaled(value)))
 
-    def mul(self, x: WithErrorBound, y: WithErrorBound) -> WithErrorBound:
+    def mul(self, x: WithErrorBound[N], y: WithErrorBound[N]) -> WithErrorBound[N]:
         value = self.plain.mul(x.value, y.value)
         return WithErrorBound(
             value, self._sum(self._part(y.value, x.error), self._part(x.value, y.error), self._scaled(value))
         )
 
-    def div(self, x: WithErrorBound, y: WithErrorBound) -> WithErrorBound:
+    def div(self, x: WithErrorBound[N], y: WithErrorBound[N]) -> WithErrorBound[N]:
         value = self.plain.div(x.value, y.value)
         passed = self._sum(x.error, self._part(value, y.error))
         if passed is not None:
             passed = self.plain.div(passed, self.plain.unary("abs", y.value))
         return WithErrorBound(value, self._sum(passed, self._scaled(value)))
 
-    def power(self, x: WithErrorBound, n: int) -> WithErrorBound:
+    def power(self, x: WithErrorBound[N], n: int) -> WithErrorBound[N]:
         a = self.plain
         value = a.power(x.value, n)
         slope = a.mul(a.rational(n, 1), a.power(x.value, n - 1)) if n != 1 else a.rational(1, 1)
         return WithErrorBound(value, self._sum(self._part(slope, x.error), self._scaled(value, abs(n))))
 
-    def unary(self, name: str, x: WithErrorBound) -> WithErrorBound:
+    def unary(self, name: str, x: WithErrorBound[N]) -> WithErrorBound[N]:
         value = self.plain.unary(name, x.value)
         if name == "neg" or name == "abs":
             return WithErrorBound(value, x.error)
@@ -93,7 +96,7 @@ class RunningError:
         passed = None if x.error is None else self._part(self._slope(name, x.value, value), x.error)
         return WithErrorBound(value, self._sum(passed, self._scaled(value, self.own)))
 
-    def _slope(self, name: str, x: Any, f: Any) -> Any:
+    def _slope(self, name: str, x: N, f: N) -> N:
         """A bound on the derivative at x, where the function is f."""
         a = self.plain
         one = a.rational(1, 1)

@@ -13,11 +13,12 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 from math import factorial
-from typing import Any, NamedTuple
+from typing import NamedTuple
 
 import numpy as np
 
 from hjsolve.arithmetic.floats import Float64, by_squaring
+from hjsolve.arithmetic.number_types import Elementwise
 
 FUNCTIONS = frozenset({"neg", "sqrt", "exp", "log", "sin", "cos", "tan", "sinh", "cosh", "tanh", "sech", "abs"})
 """Elementary functions that have a rule."""
@@ -29,11 +30,11 @@ _TERMS = 11
 class SecondDifference(NamedTuple):
     """f(q₀), f′(q₀), f[q₀, q₀, q], f[q₀, q] and f(q); a constant has None but at the first."""
 
-    base: Any
-    first: Any = None
-    second: Any = None
-    slope: Any = None
-    value: Any = None
+    base: Elementwise
+    first: Elementwise = None
+    second: Elementwise = None
+    slope: Elementwise = None
+    value: Elementwise = None
 
 
 @dataclass(frozen=True)
@@ -44,13 +45,17 @@ class SecondDifferences:
         offset: δ; base parts must broadcast against it.
     """
 
-    offset: Any
+    offset: Elementwise
 
-    def variable(self, place: Any) -> SecondDifference:
-        """Return the slope of q itself, q₀ = ``place``."""
+    def variable(self, place: Elementwise) -> SecondDifference:
+        """Return the slope of q itself, q₀ = ``place``.
+
+        Args:
+            place: q₀.
+        """
         return self._made(place, 1.0, 0.0)
 
-    def _made(self, base: Any, first: Any, second: Any) -> SecondDifference:
+    def _made(self, base: Elementwise, first: Elementwise, second: Elementwise) -> SecondDifference:
         slope = first + self.offset * second
         return SecondDifference(base, first, second, slope, base + self.offset * slope)
 
@@ -118,7 +123,7 @@ class SecondDifferences:
         return self._made(base, derivative * x.first, bend * x.slope**2 + derivative * x.second)
 
 
-def _elementary(name: str, x: Any, d: Any) -> tuple[Any, Any, Any]:
+def _elementary(name: str, x: Elementwise, d: Elementwise) -> tuple[Elementwise, Elementwise, Elementwise]:
     """Φ(x), Φ′(x) and Φ[x, x, x + d]."""
     match name:
         case "exp":
@@ -141,7 +146,7 @@ def _elementary(name: str, x: Any, d: Any) -> tuple[Any, Any, Any]:
             raise NotImplementedError(name)
 
 
-def _tail(d: Any, start: int, step: int, sign: int) -> Any:
+def _tail(d: Elementwise, start: int, step: int, sign: int) -> Elementwise:
     """1/start! + sign·dˢ/(start + s)! + …, s the step: the rest of a power series divided by its first power."""
     y = d**step
     total = 0.0 * d
@@ -150,7 +155,7 @@ def _tail(d: Any, start: int, step: int, sign: int) -> Any:
     return total
 
 
-def _choose(d: Any, series: Any, formula: Any) -> Any:
+def _choose(d: Elementwise, series: Elementwise, formula: Elementwise) -> Elementwise:
     """The series where |d| is small, the formula elsewhere."""
     far = np.abs(d) >= _SERIES
     if not np.any(far):
@@ -158,7 +163,7 @@ def _choose(d: Any, series: Any, formula: Any) -> Any:
     return np.where(far, formula(np.where(far, d, 1.0)), series)
 
 
-def _log_tail(r: Any) -> Any:
+def _log_tail(r: Elementwise) -> Elementwise:
     """(ln(1 + r) − r)/r², by the series of artanh: ln(1 + r) = 2 artanh(y), y = r/(2 + r)."""
     y = r / (2 + r)
     square = y * y

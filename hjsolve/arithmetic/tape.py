@@ -10,8 +10,9 @@ from __future__ import annotations
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 from functools import partial
-from typing import Any, Protocol
+from typing import Any, Generic, Protocol
 
+from hjsolve.arithmetic.number_types import N
 from hjsolve.errors import InvalidInputError
 
 _POLE = (
@@ -23,7 +24,7 @@ UNARY = ("neg", "sqrt", "exp", "log", "sin", "cos", "tan", "asin", "acos", "atan
 """Operation codes with one argument."""
 
 
-class Arithmetic(Protocol):
+class Arithmetic(Protocol[N]):
     """Where a tape is run: constants, the four operations, powers and the elementary functions.
 
     Every arithmetic has these methods, on numbers x, y of its own kind: ``rational`` and ``pi`` make constants;
@@ -31,14 +32,14 @@ class Arithmetic(Protocol):
     ``unary`` is a function of one variable by its name, such as ``sqrt``, ``neg``, ``abs``.
     """
 
-    def rational(self, numerator: int, denominator: int) -> Any: ...
-    def pi(self) -> Any: ...
-    def add(self, x: Any, y: Any, /) -> Any: ...
-    def sub(self, x: Any, y: Any, /) -> Any: ...
-    def mul(self, x: Any, y: Any, /) -> Any: ...
-    def div(self, x: Any, y: Any, /) -> Any: ...
-    def power(self, x: Any, n: int) -> Any: ...
-    def unary(self, name: str, x: Any) -> Any: ...
+    def rational(self, numerator: int, denominator: int) -> N: ...
+    def pi(self) -> N: ...
+    def add(self, x: N, y: N, /) -> N: ...
+    def sub(self, x: N, y: N, /) -> N: ...
+    def mul(self, x: N, y: N, /) -> N: ...
+    def div(self, x: N, y: N, /) -> N: ...
+    def power(self, x: N, n: int) -> N: ...
+    def unary(self, name: str, x: N) -> N: ...
 
 
 @dataclass(frozen=True, slots=True)
@@ -64,7 +65,7 @@ class Tape:
     operations: tuple[Operation, ...]
     outputs: tuple[int, ...]
 
-    def run(self, arithmetic: Arithmetic, values: Sequence[Any]) -> list[Any]:
+    def run(self, arithmetic: Arithmetic[N], values: Sequence[N]) -> list[N]:
         """Evaluate all outputs.
 
         Args:
@@ -85,7 +86,7 @@ class Tape:
             raise InvalidInputError(_POLE) from fault
         return [slots[i] for i in self.outputs]
 
-    def bind(self, arithmetic: Arithmetic, known: Sequence[Any]) -> BoundTape:
+    def bind(self, arithmetic: Arithmetic[N], known: Sequence[N]) -> BoundTape[N]:
         """Work out once what depends on the last inputs alone.
 
         Args:
@@ -96,7 +97,7 @@ class Tape:
             A rule for the other inputs.
         """
         free = len(self.inputs) - len(known)
-        slots: list[Any] = [None] * free + list(known)
+        slots: list[Any] = [None] * free + list(known)  # None: filled by a run
         varying, rest = set(range(free)), []
         for operation in self.operations:
             place = len(slots)
@@ -126,29 +127,29 @@ class Tape:
         return Tape(self.inputs, operations, tuple(moved[i] for i in outputs))
 
 
-Step = tuple[int, Callable[..., Any], int, int]
+Step = tuple[int, Callable[..., N], int, int]
 """The slot to fill, what fills it, and the slots of its operands (the second is −1 where there is one)."""
 
 
 @dataclass(frozen=True, slots=True, eq=False)
-class BoundTape:
+class BoundTape(Generic[N]):
     """A tape some of whose inputs are known; made by ``Tape.bind``.
 
     Attributes:
         arithmetic: where it was bound.
         free: number of inputs left.
-        slots: what is known.
+        slots: what is known; None where a run fills it.
         rest: the steps left to do.
         outputs: as in the tape.
     """
 
-    arithmetic: Arithmetic
+    arithmetic: Arithmetic[N]
     free: int
-    slots: tuple[Any, ...]
-    rest: tuple[Step, ...]
+    slots: tuple[N, ...]
+    rest: tuple[Step[N], ...]
     outputs: tuple[int, ...]
 
-    def run(self, *values: Any) -> list[Any]:
+    def run(self, *values: N) -> list[N]:
         """Evaluate all outputs at values of the free inputs; errors as in ``Tape.run``.
 
         Args:
@@ -157,8 +158,7 @@ class BoundTape:
         Raises:
             InvalidInputError: a division by zero.
         """
-        slots = list(self.slots)
-        slots[: self.free] = values
+        slots = [*values, *self.slots[self.free :]]
         try:
             for place, rule, i, j in self.rest:
                 slots[place] = rule(slots[i]) if j < 0 else rule(slots[i], slots[j])
@@ -167,11 +167,11 @@ class BoundTape:
         return [slots[i] for i in self.outputs]
 
 
-def _raised(power: Callable[[Any, int], Any], n: int, x: Any) -> Any:
+def _raised(power: Callable[[N, int], N], n: int, x: N) -> N:
     return power(x, n)
 
 
-def _step(arithmetic: Arithmetic, operation: Operation) -> tuple[Callable[..., Any], int, int]:
+def _step(arithmetic: Arithmetic[N], operation: Operation) -> tuple[Callable[..., N], int, int]:
     """An operation with operands as a rule and their slots."""
     code, operands = operation.code, operation.operands
     if code in {"add", "mul", "sub", "div"}:
@@ -183,7 +183,7 @@ def _step(arithmetic: Arithmetic, operation: Operation) -> tuple[Callable[..., A
     return quick or partial(arithmetic.unary, code), operands[0], -1
 
 
-def _apply(arithmetic: Arithmetic, operation: Operation, slots: list[Any]) -> Any:
+def _apply(arithmetic: Arithmetic[N], operation: Operation, slots: Sequence[N]) -> N:
     code, operands = operation.code, operation.operands
     match code:
         case "add":

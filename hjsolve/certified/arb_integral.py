@@ -9,14 +9,13 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 from functools import cached_property
-from typing import Any
 
-from hjsolve.arithmetic.ball import Balls, flint
+from hjsolve.arithmetic.ball import Ball, Balls, flint
 from hjsolve.arithmetic.work_counter import count
 from hjsolve.certified.integrands import CycleIntegrand
 
 
-def mean(cycle: CycleIntegrand, j: int, bits: int, size: Any) -> Any:
+def mean(cycle: CycleIntegrand, j: int, bits: int, size: flint.arb) -> flint.arb:
     """Enclose (1/π) ∫₀^π of an integrand over the plain anomaly (over a full turn and divided by 2π for a rotation).
 
     Args:
@@ -48,7 +47,7 @@ class _Plain:
 
     cycle: CycleIntegrand
 
-    def value(self, j: int, χ: Any) -> Any:
+    def value(self, j: int, χ: Ball) -> Ball:
         """Return kⱼ (dq/dχ)/p, or p dq/dχ for j = −1."""
         count(squares=1, kernels=int(j >= 0))
         if self.cycle.lower is None:
@@ -60,14 +59,15 @@ class _Plain:
         root = Balls().unary("sqrt", self._regular(q, from_lower, to_upper))
         return from_lower * to_upper * root if j < 0 else self._weight(j, q) / root
 
-    def _weight(self, j: int, q: Any) -> Any:
+    def _weight(self, j: int, q: Ball) -> Ball:
         return self.cycle.weights.run(q)[[k for k in self.cycle.wanted if k >= 0].index(j)]
 
-    def _regular(self, q: Any, from_lower: Any, to_upper: Any) -> Any:
+    def _regular(self, q: Ball, from_lower: Ball, to_upper: Ball) -> Ball:
         """R = p²/((q−a)(b−q)): the quotient on a small ball, a slope on one that is wide or touches an end.
 
         F[a, q] = F′(a) + ½F″(hull)(q − a) stays sharp where F′(a) is small (near a separatrix).
         """
+        # where q − a may vanish only the slope F[a, q] from that end is of use; a wide ball takes the nearer end
         at_lower, at_upper = _touches_zero(from_lower), _touches_zero(to_upper)
         if at_lower and at_upper:
             return q * flint.arb("nan")
@@ -81,18 +81,18 @@ class _Plain:
             return found
         return self._squared(q) / (from_lower * to_upper)
 
-    def _sloped(self, q: Any, end: int, offset: Any, distance: Any) -> Any:
-        place = (self.cycle.lower, self.cycle.upper)[end]
+    def _sloped(self, q: Ball, end: int, offset: Ball, distance: Ball) -> Ball:
+        place = self.cycle.ends[end]
         bend = self.cycle.line.taylor(_hull(q, place), 3)[2]
         return (self._end_slopes[end] + bend * offset) / distance
 
     @cached_property
-    def _end_slopes(self) -> tuple[Any, Any]:
+    def _end_slopes(self) -> tuple[Ball, Ball]:
         """F′ at both turning points."""
-        line = self.cycle.line
-        return line.taylor(self.cycle.lower, 2)[1], line.taylor(self.cycle.upper, 2)[1]
+        line, (lower, upper) = self.cycle.line, self.cycle.ends
+        return line.taylor(lower, 2)[1], line.taylor(upper, 2)[1]
 
-    def _squared(self, q: Any) -> Any:
+    def _squared(self, q: Ball) -> Ball:
         """F on a ball: directly at a point, by a Taylor polynomial about the middle where the ball is wide."""
         middle = q.mid()
         offset = q - middle
@@ -102,16 +102,16 @@ class _Plain:
         return value + (slope + self.cycle.line.taylor(q, 3)[2] * offset) * offset
 
 
-def _wide(q: Any) -> bool:
+def _wide(q: Ball) -> bool:
     """True for a ball so wide that the quotient of F and its factors says little."""
     return isinstance(q, flint.acb) and bool(q.rad() > 2.0**-6 * (1 + abs(q).upper()))
 
 
-def _touches_zero(x: Any) -> bool:
+def _touches_zero(x: Ball) -> bool:
     return bool(x.contains(0))
 
 
-def _hull(q: Any, end: Any) -> Any:
+def _hull(q: Ball, end: flint.arb) -> Ball:
     """A ball holding q, a real ball and all segments between them."""
     if isinstance(q, flint.arb):
         return q.union(end)

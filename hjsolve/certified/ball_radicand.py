@@ -2,14 +2,18 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from dataclasses import dataclass
 from functools import cached_property
-from typing import Any
+from typing import TYPE_CHECKING, Any, overload
 
-from hjsolve.arithmetic.ball import Balls, BallSeries, flint, working
+from hjsolve.arithmetic.ball import Ball, Balls, BallSeries, flint, working
 from hjsolve.arithmetic.tape import BoundTape
 from hjsolve.errors import NotConvergedError
 from hjsolve.one_coordinate.momentum_squared import MomentumSquared
+
+if TYPE_CHECKING:
+    from hjsolve.arithmetic.ball import PowerSeries
 
 _FINE = 256
 """Bits beyond which numbers are rounded before they are used at a low precision; below it costs more than it saves."""
@@ -28,7 +32,7 @@ class BallMomentumSquared:
     """
 
     radicand: MomentumSquared
-    inputs: list[Any]
+    inputs: list[flint.arb]
     bits: int
 
     def rounded(self, bits: int) -> BallMomentumSquared:
@@ -43,16 +47,16 @@ class BallMomentumSquared:
             return BallMomentumSquared(self.radicand, [x + 0 for x in self.inputs], bits)
 
     @cached_property
-    def _square(self) -> BoundTape:
+    def _square(self) -> BoundTape[Ball]:
         with working(self.bits):
             return self.radicand.squared.bind(Balls(), self.inputs)
 
     @cached_property
-    def _series(self) -> BoundTape:
+    def _series(self) -> BoundTape[Ball | PowerSeries]:
         with working(self.bits):
             return self.radicand.squared.bind(BallSeries(), self.inputs)
 
-    def weights(self, *chosen: int) -> BoundTape:
+    def weights(self, *chosen: int) -> BoundTape[Ball]:
         """Return the rule of some of the kernels.
 
         Args:
@@ -61,7 +65,11 @@ class BallMomentumSquared:
         with working(self.bits):
             return self.radicand.kernels.only(*chosen).bind(Balls(), self.inputs)
 
-    def value(self, q: Any) -> Any:
+    @overload
+    def value(self, q: flint.arb) -> flint.arb: ...
+    @overload
+    def value(self, q: Ball) -> Ball: ...
+    def value(self, q: Ball) -> Ball:
         """Return F at a real or complex ball.
 
         Args:
@@ -69,7 +77,11 @@ class BallMomentumSquared:
         """
         return self._square.run(q)[0]
 
-    def taylor(self, q: Any, terms: int) -> list[Any]:
+    @overload
+    def taylor(self, q: flint.arb, terms: int) -> list[flint.arb]: ...
+    @overload
+    def taylor(self, q: Ball, terms: int) -> list[Ball]: ...
+    def taylor(self, q: Ball, terms: int) -> Sequence[Ball]:
         """Return F, F′, F″/2 … at a real or complex ball; "nan" for what is not known.
 
         Args:
@@ -78,7 +90,7 @@ class BallMomentumSquared:
         """
         real = isinstance(q, flint.arb)
         kind, number = (flint.arb_series, flint.arb) if real else (flint.acb_series, flint.acb)
-        value = self._series.run(kind([q, 1], prec=terms))[0]
+        value: Any = self._series.run(kind([q, 1], prec=terms))[0]  # type: ignore[list-item]  # of its own kind
         if not isinstance(value, kind):
             return [number(value), *[number(0)] * (terms - 1)]
         if value.prec < terms:  # cut off on the way (``ball._composed``, ``flint.ctx.cap``)
@@ -86,7 +98,7 @@ class BallMomentumSquared:
         return [value[k] for k in range(terms)]
 
 
-def turning_point(line: BallMomentumSquared, guess: Any, bits: int) -> Any:
+def turning_point(line: BallMomentumSquared, guess: flint.arb, bits: int) -> flint.arb:
     """Prove a simple zero of F next to a guess by the interval Newton test, and enclose it to about ``bits``.
 
     Args:
@@ -109,7 +121,9 @@ def turning_point(line: BallMomentumSquared, guess: Any, bits: int) -> Any:
     raise NotConvergedError(f"the turning point near {float(guess.mid()):.15g} could not be proved to be one")
 
 
-def _contracted(line: BallMomentumSquared, centre: Any, value: Any, reach: Any, size: Any, bits: int) -> Any | None:
+def _contracted(
+    line: BallMomentumSquared, centre: flint.arb, value: flint.arb, reach: flint.arb, size: flint.arb, bits: int
+) -> flint.arb | None:
     """Newton's step from the values of F and the slopes on a ball; it holds the only zero there if it lies inside."""
     for spare in (16, 24, 48, 96, bits // 2):
         around = flint.arb(centre, reach + size * flint.arb(2) ** (spare - bits))

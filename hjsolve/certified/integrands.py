@@ -19,9 +19,9 @@ from __future__ import annotations
 import math
 from dataclasses import dataclass, replace
 from functools import cached_property, lru_cache
-from typing import Any, NamedTuple
+from typing import NamedTuple
 
-from hjsolve.arithmetic.ball import Balls, flint, working
+from hjsolve.arithmetic.ball import Ball, Balls, flint, working
 from hjsolve.arithmetic.tape import BoundTape, Tape
 from hjsolve.certified.ball_radicand import BallMomentumSquared
 
@@ -34,12 +34,12 @@ TERMS = 8
 class Shares(NamedTuple):
     """s²/(s² + c²), c²/(s² + c²), 2 (s′c − sc′)/(s² + c²), s² + c², s and c."""
 
-    low: Any
-    high: Any
-    stretch: Any
-    denominator: Any
-    s: Any
-    c: Any
+    low: Ball
+    high: Ball
+    stretch: Ball
+    denominator: Ball
+    s: Ball
+    c: Ball
 
 
 @dataclass(frozen=True)
@@ -58,7 +58,7 @@ class AnomalyMap:
         """True for s = sin χ/2, c = cos χ/2."""
         return not (self.lower or self.upper)
 
-    def shares(self, χ: Any) -> Shares:
+    def shares(self, χ: Ball) -> Shares:
         """Return the map at a real or complex ball.
 
         Args:
@@ -74,7 +74,7 @@ class AnomalyMap:
         return Shares(*_shared(s, c), stretch, denominator, s, c)
 
 
-def _shared(s: Any, c: Any) -> tuple[Any, Any]:
+def _shared(s: Ball, c: Ball) -> tuple[Ball, Ball]:
     """s²/(s² + c²) and c²/(s² + c²); a complex ball is wide, and what varies stands in each of them once."""
     swapped = bool(abs(s).mid() > abs(c).mid())
     ratio = c / s if swapped else s / c
@@ -84,7 +84,7 @@ def _shared(s: Any, c: Any) -> tuple[Any, Any]:
     return (large, small) if swapped else (small, large)
 
 
-def _slowed(κ: float, x: Any) -> tuple[Any, Any]:
+def _slowed(κ: float, x: Ball) -> tuple[Ball, Ball | int]:
     """S(κ; x) and dS/dx."""
     if not κ:
         return x, 1
@@ -94,7 +94,7 @@ def _slowed(κ: float, x: Any) -> tuple[Any, Any]:
 
 
 @lru_cache(maxsize=16)
-def _constants(κ: float, bits: int) -> tuple[Any, Any, Any]:
+def _constants(κ: float, bits: int) -> tuple[flint.arb, flint.arb, flint.arb]:
     """κ, 1/sinh κ and κ/sinh κ at a precision."""
     with working(bits):
         slow = flint.arb(κ)
@@ -112,19 +112,30 @@ def between_turns(near_lower: float, near_upper: float) -> AnomalyMap:
 
 
 def all_round(gap: float) -> AnomalyMap:
-    """Make the map of a rotation; ``gap`` is the distance of the complex zero of p² near χ = π from the real axis."""
+    """Make the map of a rotation; ``gap`` is the distance of the complex zero of p² near χ = π from the real axis.
+
+    Args:
+        gap: that distance.
+    """
     return AnomalyMap(0.0, math.asinh(2 / gap))
 
 
 class CycleNode(NamedTuple):
     """A place of the cycle: q, q − a, b − q (None for a rotation), |dq/dχ|/√((q − a)(b − q)), s² + c²; is a nearer?"""
 
-    q: Any
-    from_lower: Any
-    to_upper: Any
-    stretch: Any
-    denominator: Any
+    q: Ball
+    from_lower: Ball | None
+    to_upper: Ball | None
+    stretch: Ball
+    denominator: Ball
     near_lower: bool = False
+
+    @property
+    def nearest(self) -> Ball:
+        """The distance from the nearer turning point of a libration."""
+        distance = self.from_lower if self.near_lower else self.to_upper
+        assert distance is not None
+        return distance
 
 
 @dataclass(frozen=True, eq=False)
@@ -145,9 +156,9 @@ class CycleIntegrand:
     """
 
     line: BallMomentumSquared
-    lower: Any
-    upper: Any
-    slow: Any
+    lower: flint.arb | None
+    upper: flint.arb | None
+    slow: flint.arb
     wanted: tuple[int, ...]
     map: AnomalyMap = AnomalyMap()
     spread: AnomalyMap | None = None
@@ -159,8 +170,19 @@ class CycleIntegrand:
         """True between two turning points."""
         return self.lower is not None
 
+    @property
+    def ends(self) -> tuple[flint.arb, flint.arb]:
+        """The turning points of a libration."""
+        assert self.lower is not None
+        assert self.upper is not None
+        return self.lower, self.upper
+
     def over(self, map_: AnomalyMap) -> CycleIntegrand:
-        """Return the same cycle with another map."""
+        """Return the same cycle with another map.
+
+        Args:
+            map_: the map.
+        """
         fold = self.fold if map_.lower == map_.upper else min(self.fold, 2)  # χ ↦ π − χ exchanges s and c
         return self if map_ == self.map else replace(self, map=map_, fold=fold)
 
@@ -178,22 +200,23 @@ class CycleIntegrand:
             return replace(self, line=line, lower=lower, upper=upper, slow=self.slow + 0)
 
     @cached_property
-    def width(self) -> Any:
+    def width(self) -> flint.arb:
         with working(self.line.bits):  # whoever asks first, at whatever precision
-            return self.upper - self.lower
+            lower, upper = self.ends
+            return upper - lower
 
     @cached_property
-    def lower_series(self) -> list[Any]:
+    def lower_series(self) -> list[Ball]:
         """``TERMS`` Taylor coefficients of F at the lower turning point."""
-        return self.line.taylor(flint.acb(self.lower), TERMS)
+        return self.line.taylor(flint.acb(self.ends[0]), TERMS)
 
     @cached_property
-    def upper_series(self) -> list[Any]:
+    def upper_series(self) -> list[Ball]:
         """The same at the upper one."""
-        return self.line.taylor(flint.acb(self.upper), TERMS)
+        return self.line.taylor(flint.acb(self.ends[1]), TERMS)
 
     @cached_property
-    def weights(self) -> BoundTape:
+    def weights(self) -> BoundTape[Ball]:
         return self.line.weights(*(j for j in self.wanted if j >= 0))
 
     @cached_property
@@ -201,7 +224,7 @@ class CycleIntegrand:
         """True where p² and the kernels are entire functions of q by their form."""
         return _entire(self.line.radicand.squared) and _entire(self.line.radicand.kernels)
 
-    def spot(self, χ: Any) -> CycleNode:
+    def spot(self, χ: Ball) -> CycleNode:
         """Return where χ is.
 
         Args:
@@ -215,31 +238,42 @@ class CycleIntegrand:
         q = self.lower + from_lower if near_lower else self.upper - to_upper
         return CycleNode(q, from_lower, to_upper, share.stretch, share.denominator, near_lower)
 
-    def _turned(self, χ: Any, share: Shares) -> Any:
+    def _turned(self, χ: Ball, share: Shares) -> Ball:
         """The q of a rotation; on a complex ball up to whole turns, which p² does not see."""
         if self.map.plain:
             return self.slow + χ - flint.arb.pi()
         s, c = share.s, share.c
-        if isinstance(χ, flint.arb):
+        if isinstance(s, flint.arb) and isinstance(c, flint.arb):
             return self.slow + 2 * flint.arb.atan2(s, c) - flint.arb.pi()
         if share.high.real > 0.5:
             return self.slow + 2 * Balls().unary("atan", s / c) - flint.arb.pi()
         side = 1 if χ.real.mid() > 0 else -1  # c/s is small near χ = ±π and keeps its relative width there
         return self.slow - 2 * Balls().unary("atan", c / s) + (side - 1) * flint.arb.pi()
 
-    def values(self, χ: Any) -> list[Any]:
-        """Return the wanted integrands at a real ball, a node: kⱼ (dq/dχ)/p, or p dq/dχ."""
+    def values(self, χ: Ball) -> list[Ball]:
+        """Return the wanted integrands at a real ball, a node: kⱼ (dq/dχ)/p, or p dq/dχ.
+
+        Args:
+            χ: phase, a real ball.
+        """
         spot = self.spot(χ)
         square = self.line.value(spot.q)
         if spot.from_lower is None:
-            root, product = square.sqrt(), flint.arb(1)
+            product: Ball = flint.arb(1)
+            root = square.sqrt()
         else:
             product = spot.from_lower * spot.to_upper
             root = (square / product).sqrt()
         return self.integrands(spot, product, root)
 
-    def integrands(self, spot: CycleNode, product: Any, root: Any) -> list[Any]:
-        """Return the wanted integrands from √(p²/((q − a)(b − q)))."""
+    def integrands(self, spot: CycleNode, product: Ball, root: Ball) -> list[Ball]:
+        """Return the wanted integrands from √(p²/((q − a)(b − q))).
+
+        Args:
+            spot: the place.
+            product: (q − a)(b − q), 1 for a rotation.
+            root: √(p²/product).
+        """
         weights = iter(self.weights.run(spot.q) if self.weights.outputs else ())
         scale = spot.stretch / root
         return [product * root * spot.stretch if j < 0 else next(weights) * scale for j in self.wanted]

@@ -10,7 +10,6 @@ from __future__ import annotations
 
 import math
 from dataclasses import dataclass
-from typing import Any
 
 from hjsolve.arithmetic.ball import flint, from_mpf, working
 from hjsolve.certified.ball_radicand import BallMomentumSquared
@@ -33,11 +32,11 @@ class ProvedTurningPoint:
 
     inside: float
     outside: float
-    guess: Any
+    guess: flint.arb
 
 
 def prove_turning_points(
-    start: CoordinateStart, place: Any, line: BallMomentumSquared
+    start: CoordinateStart, place: flint.arb, line: BallMomentumSquared
 ) -> tuple[ProvedTurningPoint, ProvedTurningPoint] | None:
     """Return the turning points below and above the start; None where that could not be proved.
 
@@ -79,7 +78,7 @@ class _Walker:
     """F along the line, from a start."""
 
     line: BallMomentumSquared
-    origin: Any
+    origin: flint.arb
 
     def rises(self, side: int) -> bool:
         """True when F certainly grows from the start to one side."""
@@ -120,7 +119,7 @@ class _Walker:
         ]
         return min((x for x in guesses if x > 0), default=1.0) / 2
 
-    def _refined(self, side: int, x0: float, x1: float, part: float) -> Any:
+    def _refined(self, side: int, x0: float, x1: float, part: float) -> flint.arb:
         """Newton's method kept inside a bracket, from a part of the way on."""
         low, high = flint.arb(x0), flint.arb(x1)
         x = flint.arb(x0 + min(0.9, max(0.1, part)) * (x1 - x0))

@@ -18,12 +18,13 @@ import functools
 import itertools
 import math
 from collections.abc import Callable, Iterator
-from typing import Any, NamedTuple
+from typing import NamedTuple, cast
 
 import numpy as np
 
-from hjsolve.arithmetic.ball import flint, working
+from hjsolve.arithmetic.ball import Ball, flint, working
 from hjsolve.arithmetic.floats import Float64
+from hjsolve.arithmetic.number_types import Complexes, Reals
 from hjsolve.arithmetic.work_counter import count
 from hjsolve.certified.arb_integral import mean
 from hjsolve.certified.integrands import TERMS, AnomalyMap, CycleIntegrand, CycleNode
@@ -68,11 +69,11 @@ _HEIGHTS = 0.1 * 1.4 ** np.arange(11)
 """Half widths of a strip that are tried in doubles."""
 
 
-def _grid(librates: bool) -> tuple[Any, Any, Any]:
+def _grid(librates: bool) -> tuple[Complexes, Complexes, Complexes | Reals]:
     """χ − π, (q − a)/(b − a) and (q − a)(b − q)/(b − a)² on the upper edges of these strips."""
     x = np.linspace(0, np.pi, 13) if librates else np.linspace(-np.pi, np.pi, 25)
-    χ = x + 1j * _HEIGHTS[:, None]
-    low = (1 - np.cos(χ)) / 2
+    χ: Complexes = x + 1j * _HEIGHTS[:, None]
+    low = cast("Complexes", (1 - np.cos(χ)) / 2)
     return χ - np.pi, low, low * (1 + np.cos(χ)) / 2 if librates else np.ones(1)
 
 
@@ -83,7 +84,7 @@ class StripBound(NamedTuple):
     """Proved: the integrands are analytic in |Im χ| ≤ width and at most ``most`` there, one bound an integrand."""
 
     width: float
-    most: list[Any]
+    most: list[flint.arb]
 
 
 class _Box(NamedTuple):
@@ -92,13 +93,13 @@ class _Box(NamedTuple):
     ``spread``: radius of such a disk over the distance of its centre from 0, at least; below 1 there is no 0 in it.
     """
 
-    sizes: list[Any]
-    centre: Any
-    denominator: Any
+    sizes: list[flint.arb]
+    centre: Ball
+    denominator: Ball
     spread: float
 
 
-def certified_means(cycle: CycleIntegrand, bits: int) -> list[Any]:
+def certified_means(cycle: CycleIntegrand, bits: int) -> list[flint.arb]:
     """Enclose (1/π) ∫₀^π of the wanted integrands (over a full turn and divided by 2π for a rotation).
 
     Args:
@@ -123,7 +124,7 @@ def certified_means(cycle: CycleIntegrand, bits: int) -> list[Any]:
     return found
 
 
-def _midpoints(cycle: CycleIntegrand, bits: int, sizes: list[Any]) -> list[Any] | None:
+def _midpoints(cycle: CycleIntegrand, bits: int, sizes: list[flint.arb]) -> list[flint.arb] | None:
     """The means by the midpoint rule; None where no strip is found, or it would need too many nodes."""
     for map_, a in _plans(cycle, bits, sizes):
         over = cycle.over(map_)
@@ -133,7 +134,7 @@ def _midpoints(cycle: CycleIntegrand, bits: int, sizes: list[Any]) -> list[Any] 
     return None
 
 
-def _plans(cycle: CycleIntegrand, bits: int, sizes: list[Any]) -> Iterator[tuple[AnomalyMap, float]]:
+def _plans(cycle: CycleIntegrand, bits: int, sizes: list[flint.arb]) -> Iterator[tuple[AnomalyMap, float]]:
     """Maps with half widths of strips, the most promising first; those that need too many nodes are left out."""
     wide = _widest(cycle, bits, sizes)
     if wide is None and cycle.librates and cycle.near < 1:  # F in doubles is all rounding: the motion is small
@@ -151,7 +152,7 @@ def _plans(cycle: CycleIntegrand, bits: int, sizes: list[Any]) -> Iterator[tuple
         yield from ((AnomalyMap(), first * portion * wide) for portion in (1.0, 0.6, 0.36))
 
 
-def midpoint(cycle: CycleIntegrand, strip: StripBound, bits: int, sizes: list[Any]) -> list[Any]:
+def midpoint(cycle: CycleIntegrand, strip: StripBound, bits: int, sizes: list[flint.arb]) -> list[flint.arb]:
     """The midpoint rule with the error that a bound proves.
 
     Args:
@@ -160,6 +161,7 @@ def midpoint(cycle: CycleIntegrand, strip: StripBound, bits: int, sizes: list[An
         bits: relative precision wanted of integrands of these sizes.
         sizes: of the integrands, roughly.
     """
+    # 2M/(e^{aN} − 1) (Trefethen & Weideman 2014, theorem 3.2) below 2^−(bits + 4) of the size
     excess = max(float((4 * most / size).log().upper()) for most, size in zip(strip.most, sizes, strict=True))
     nodes = math.ceil((excess + (bits + 4) * _LN2) / (cycle.fold * strip.width)) + 1  # the others are mirror images
     count(squares=nodes, kernels=nodes)
@@ -172,7 +174,7 @@ def midpoint(cycle: CycleIntegrand, strip: StripBound, bits: int, sizes: list[An
     ]
 
 
-def _widest(cycle: CycleIntegrand, bits: int, sizes: list[Any]) -> float | None:
+def _widest(cycle: CycleIntegrand, bits: int, sizes: list[flint.arb]) -> float | None:
     """The half width of a strip over the plain map that needs the fewest nodes, as doubles see it; None for none."""
     inputs = [float(v.mid()) for v in cycle.line.inputs]
     turned, low, product = _GRIDS[cycle.librates]
@@ -211,11 +213,13 @@ def bound_in_strip(cycle: CycleIntegrand, a: float) -> StripBound | None:
         low = cycle.rounded(bits)
         if not (low.entire or _covered(low, a)):
             return None
+        # no zero of R, nor of s² + c², inside: their arguments return along the edge
         boxes = _edge(low, a)
         if boxes is None or not _returns([b.centre for b in boxes], even=low.fold > 1):
             return None
         if not (low.map.plain or _returns([b.denominator for b in boxes], even=low.fold > 1)):
             return None
+        # the maximum principle: the largest ball of the edge bounds the strip
         most = boxes[0].sizes
         for box in boxes[1:]:
             most = [x.max(y) for x, y in zip(most, box.sizes, strict=True)]
@@ -240,7 +244,7 @@ def _edge(cycle: CycleIntegrand, a: float) -> list[_Box] | None:
     return found
 
 
-def _box(cycle: CycleIntegrand, χ: Any) -> _Box:
+def _box(cycle: CycleIntegrand, χ: Ball) -> _Box:
     """Evaluate on a ball of the edge; R = F/P with P = (q − a)(b − q), or R = F for a rotation."""
     spot = cycle.spot(χ)
     denominator, _, _, width = (flint.acb(1), 1, 1, 0.0) if cycle.map.plain else _ring(spot.denominator)
@@ -259,15 +263,15 @@ def _box(cycle: CycleIntegrand, χ: Any) -> _Box:
     return _Box([abs(x) for x in sizes], centre, denominator, spread + 1e-9)
 
 
-def _forms(cycle: CycleIntegrand, spot: CycleNode) -> list[Callable[[CycleIntegrand, CycleNode, Any], Any]]:
+def _forms(cycle: CycleIntegrand, spot: CycleNode) -> list[Callable[[CycleIntegrand, CycleNode, Ball], Ball]]:
     """Ways to enclose R on a ball, the best one first."""
     if spot.from_lower is None:
         return [_of_a_rotation]
-    nearest = abs(spot.from_lower if spot.near_lower else spot.to_upper)
+    nearest = abs(spot.nearest)
     return [_from_an_end, _from_the_middle] if nearest < _NEAR * cycle.width else [_from_the_middle]
 
 
-def _ring(x: Any) -> tuple[Any, Any, Any, float]:
+def _ring(x: Ball) -> tuple[Ball, flint.arb, flint.arb, float]:
     """The centre m of a ball, bounds of |x|, and how large |x − m|/|m| may be, infinite where that is not known."""
     middle = x.mid()
     size, spread = abs(middle), abs(x - middle)
@@ -275,17 +279,19 @@ def _ring(x: Any) -> tuple[Any, Any, Any, float]:
     return middle, (size - spread).lower(), (size + spread).upper(), float(ratio) if ratio.is_finite() else math.inf
 
 
-def _of_a_rotation(cycle: CycleIntegrand, spot: CycleNode, _product: Any) -> Any:
+def _of_a_rotation(cycle: CycleIntegrand, spot: CycleNode, _product: Ball) -> Ball:
     """F from its value and slope at the centre."""
     middle = spot.q.mid()
     (value, slope), bend, h = cycle.line.taylor(middle, 2), cycle.line.taylor(spot.q, 3)[2], spot.q - middle
     return value + (slope + bend * h) * h
 
 
-def _from_an_end(cycle: CycleIntegrand, spot: CycleNode, _product: Any) -> Any:
+def _from_an_end(cycle: CycleIntegrand, spot: CycleNode, _product: Ball) -> Ball:
     """R from F = (q − a) F[a, q] at the nearer turning point a, by Taylor's formula with its remainder on the hull."""
     lower = spot.near_lower
-    end, h = (cycle.lower, spot.from_lower) if lower else (cycle.upper, -spot.to_upper)
+    assert spot.from_lower is not None
+    assert spot.to_upper is not None
+    end, h = (cycle.ends[0], spot.from_lower) if lower else (cycle.ends[1], -spot.to_upper)
     hull = flint.acb(spot.q.real.union(end), spot.q.imag.union(flint.arb(0)))
     value = cycle.line.taylor(hull, TERMS + 1)[TERMS]
     for coefficient in (cycle.lower_series if lower else cycle.upper_series)[:0:-1]:
@@ -293,19 +299,19 @@ def _from_an_end(cycle: CycleIntegrand, spot: CycleNode, _product: Any) -> Any:
     return value / spot.to_upper if lower else -value / spot.from_lower
 
 
-def _from_the_middle(cycle: CycleIntegrand, spot: CycleNode, product: Any) -> Any:
+def _from_the_middle(cycle: CycleIntegrand, spot: CycleNode, product: Ball) -> Ball:
     """R from F = F₀ + F₁h + F₂(ball)h² about the centre of the ball, h = q − m.
 
     With P = P₀ + P₁h − h² that is R₀ + h (F₁ − R₀P₁ + (F₂ + R₀)h)/P: no difference of quotients that are nearly equal.
     """
     middle = spot.q.mid()
     h, (value, slope), bend = spot.q - middle, cycle.line.taylor(middle, 2), cycle.line.taylor(spot.q, 3)[2]
-    from_lower, to_upper = middle - cycle.lower, cycle.upper - middle
+    from_lower, to_upper = middle - cycle.ends[0], cycle.ends[1] - middle
     start = value / (from_lower * to_upper)
     return start + h * (slope - start * (to_upper - from_lower) + (bend + start) * h) / product
 
 
-def _returns(centres: list[Any], *, even: bool) -> bool:
+def _returns(centres: list[Ball], *, even: bool) -> bool:
     """True when the argument does not grow along an edge: common points carry it from one disk to the next.
 
     The part of an even function's edge begins and ends at a real value, whose sign is that of the centre: what it grows
@@ -320,8 +326,8 @@ def _returns(centres: list[Any], *, even: bool) -> bool:
     return bool(abs(growth) < 1)
 
 
-def _angle(x: Any) -> float:
-    return float(x.arg().mid())
+def _angle(x: Ball) -> float:
+    return float(x.arg().mid())  # type: ignore[attr-defined]  # a complex ball
 
 
 def _covered(cycle: CycleIntegrand, a: float) -> bool:
@@ -344,6 +350,6 @@ def _covered(cycle: CycleIntegrand, a: float) -> bool:
     return True
 
 
-def _between(low: float, high: float) -> Any:
+def _between(low: float, high: float) -> flint.arb:
     """A real ball that holds an interval."""
     return flint.arb((low + high) / 2, (high - low) / 2 * (1 + 1e-12) + 1e-15)

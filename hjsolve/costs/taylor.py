@@ -270,7 +270,8 @@ def follow(slopes: Tape, start: Any, state: Sequence[Any], constants: Sequence[A
     small = max(0, -math.frexp(min(sizes))[1]) if sizes else 0
     program = Program(math.ceil(3.33 * digits) + order // 3 + 64 + small)
     inputs = [program.new() for _ in state]
-    rates = slopes.run(program, [*inputs, *(ConstantSeries(program.plain.convert(c)) for c in constants)])
+    slots: list[Slot] = [*inputs, *(ConstantSeries(program.plain.convert(c)) for c in constants)]
+    rates = slopes.run(program, slots)
     derivatives = [program.coefficients(rate) for rate in rates]
     values, now, found = [program.fixed(y) for y in state], program.plain.convert(start), list[list[Any]]()
     step = _first_step(program, times, now)

@@ -320,7 +320,7 @@ def _run(
     motion: SeparatedMotion, formulas: tuple[sp.Expr, ...], q: Mapping[str, Any], p: Mapping[str, Any], arithmetic: Any
 ) -> list[Any]:
     variables, numbers, fixed = _arguments(motion, q, p)
-    constants = [_constant(value) for value in fixed.values()]
+    constants: list[Any] = [_constant(value) for value in fixed.values()]
     if isinstance(arithmetic, RunningError):
         constants = [Rounded(x, _rounding(x)) for x in constants]
     with np.errstate(all="ignore"):

@@ -11,6 +11,7 @@ import sympy as sp
 
 from hjsolve.arithmetic.error_free import split
 from hjsolve.arithmetic.floats import Float64, Multi, bits_for, multiprecision
+from hjsolve.arithmetic.number_types import Elementwise
 from hjsolve.arithmetic.running_error import RunningError
 from hjsolve.arithmetic.running_error import WithErrorBound as Rounded
 from hjsolve.arithmetic.tape import Tape
@@ -184,7 +185,7 @@ def rounding(
     places = {c.symbol: q[c.name] for c in system.coordinates if c.name in q}
     places |= {c.momentum: p[c.name] for c in system.coordinates if c.name in p}
     fixed = {s: float(to_bits(v)(64)) for s, v in motion.initial.values.items() if s not in places}
-    inputs = [Rounded(np.asarray(x).astype(float)) for x in places.values()]
+    inputs: list[Rounded[Elementwise]] = [Rounded(np.asarray(x).astype(float)) for x in places.values()]
     inputs += [Rounded(x, 2.0**-53 * abs(x)) for x in fixed.values()]
     tape = tape_of(tuple(formulas), (*places, *fixed))
     with np.errstate(all="ignore"):

@@ -110,6 +110,7 @@ def actions(solution: Solution, initial: Initial, located: Mapping[str, Located]
         if isinstance(course, AtRest) and course.stable:
             result[coordinate.name] = rounded(0, digits)
         elif isinstance(course, Periodic):
+            assert course.action is not None  # it was asked for
             value = course.action * course.anomaly.direction
             if not course.anomaly.even:
                 value -= _mean_shift(solution, initial, coordinate, digits)
@@ -206,7 +207,7 @@ def _swing(course: Any, j: int) -> Any:
     """Size of the values whose mean a growth is, or of the terms it is the sum of."""
     if isinstance(course, AtRest):
         return course.sizes[j]
-    waves = abs(course.kernels[j].cosines) if isinstance(course, Periodic) else []
+    waves: Any = abs(course.kernels[j].cosines) if isinstance(course, Periodic) else []
     return abs(course.growth(j)) + sum(waves)
 
 

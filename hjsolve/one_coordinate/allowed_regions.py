@@ -7,11 +7,12 @@ proved negative, so no well is stepped over.
 from __future__ import annotations
 
 from dataclasses import dataclass, replace
-from typing import Any, NamedTuple
+from typing import NamedTuple
 
 from hjsolve.arithmetic.floats import multiprecision
 from hjsolve.arithmetic.interval import Interval
-from hjsolve.arithmetic.jet import Jet
+from hjsolve.arithmetic.jet import Derivatives
+from hjsolve.arithmetic.number_types import Mpf, Numbers, Numeric
 from hjsolve.errors import ForbiddenMotionError, NotConvergedError
 from hjsolve.one_coordinate.classify import ray
 from hjsolve.one_coordinate.coordinate_start import CoordinateStart
@@ -33,17 +34,17 @@ class AllowedRegion(NamedTuple):
 class _Negated(MomentumSquared):
     """−p²."""
 
-    def value(self, q: Any, bits: int) -> Any:
+    def value(self, q: Numeric, bits: int) -> Mpf:
         return -super().value(q, bits)
 
-    def jet(self, q: Any, bits: int) -> Jet:
-        return Jet(*(-part for part in super().jet(q, bits)))
+    def jet(self, q: Numeric, bits: int) -> Derivatives[Mpf]:
+        return Derivatives(*(-part for part in super().jet(q, bits)))
 
     def sign_beyond(self, side: int, start: float) -> int:
         return -super().sign_beyond(side, start)
 
-    def enclose(self, low: Any, high: Any, bits: int = 53) -> Jet:
-        return Jet(*(Interval(-part.high, -part.low) for part in super().enclose(low, high, bits)))
+    def enclose(self, low: Numbers, high: Numbers, bits: int = 53) -> Derivatives[Interval]:
+        return Derivatives(*(Interval(-part.high, -part.low) for part in super().enclose(low, high, bits)))
 
 
 def others(start: CoordinateStart, lower: End, upper: End, digits: int) -> list[AllowedRegion]:

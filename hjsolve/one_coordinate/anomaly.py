@@ -22,37 +22,15 @@ way, the slow place q₀ where p² is least at χ = π. Differences q − a and 
 from __future__ import annotations
 
 from dataclasses import dataclass
-from typing import Any, NamedTuple
-
-import numpy as np
 
 from hjsolve.arithmetic.elliptic import jacobi, quarter_period
 from hjsolve.arithmetic.floats import Float64, Multi
-
-
-class Place(NamedTuple):
-    """Where the anomaly χ puts the coordinate.
-
-    Attributes:
-        q: position.
-        speed: dq/dχ, with the sign of the motion.
-        product: (q − a)(b − q), or 1 for a rotation.
-        stretch: |dq/dχ| / √product.
-        rate: dχ/dψ where the phase is ψ and not χ itself; ``speed`` and ``stretch`` are without it.
-        below, above: q − a and b − q, each with its relative accuracy; None for a rotation.
-    """
-
-    q: Any
-    speed: Any
-    product: Any
-    stretch: Any
-    rate: Any = 1
-    below: Any = None
-    above: Any = None
+from hjsolve.arithmetic.number_types import Mpf, Numeric, Truth
+from hjsolve.one_coordinate.phase_map import Place, Unstretched
 
 
 @dataclass(frozen=True)
-class Libration:
+class Libration(Unstretched):
     """To and fro between two turning points; χ = 0 at the lower one, π at the upper one.
 
     Attributes:
@@ -64,18 +42,18 @@ class Libration:
         complement, quarter: k′² and K.
     """
 
-    lower: Any
-    width: Any
-    upper: Any
-    near_lower: Any
-    near_upper: Any
-    complement: Any
-    quarter: Any
+    lower: Mpf
+    width: Mpf
+    upper: Mpf
+    near_lower: Mpf
+    near_upper: Mpf
+    complement: Mpf
+    quarter: Mpf
 
     even = True
     direction = 1
 
-    def place(self, χ: Any, arithmetic: Float64 | Multi) -> Place:
+    def place(self, χ: Numeric, arithmetic: Float64 | Multi) -> Place:
         """Return the place at χ, |χ| ≤ 2π.
 
         Args:
@@ -89,10 +67,10 @@ class Libration:
         root = self.width * (arithmetic.unary("sqrt", 1 + self.near_lower) * sn * cn / denominator)
         ends = (1 + self.near_upper * (to_upper / self.width)) * (1 + self.near_lower * (from_lower / self.width))
         stretch = 2 * self.quarter / arithmetic.pi() * arithmetic.unary("sqrt", ends * self.complement)
-        q = _nearer(from_lower, to_upper, self.lower, self.upper)
+        q = _nearer(from_lower, to_upper, self, arithmetic)
         return Place(q, root * stretch, from_lower * to_upper, stretch, 1, from_lower, to_upper)
 
-    def phase(self, q: Any, forward: int, arithmetic: Multi) -> Any:
+    def phase(self, q: Mpf, forward: int, arithmetic: Multi) -> Mpf:
         """Return χ in (−π, π] of a position; ``forward`` is the sign of p, 0 at a turning point.
 
         Args:
@@ -111,7 +89,7 @@ class Libration:
 
 
 @dataclass(frozen=True)
-class BarrierAnomaly:
+class BarrierAnomaly(Unstretched):
     """A libration that passes over a low barrier; χ as in ``Libration``, slow at the crest.
 
     Attributes:
@@ -122,39 +100,39 @@ class BarrierAnomaly:
         complement, quarter: k′² and K.
     """
 
-    lower: Any
-    width: Any
-    upper: Any
-    from_lower: Any
-    from_upper: Any
-    complement: Any
-    quarter: Any
+    lower: Mpf
+    width: Mpf
+    upper: Mpf
+    from_lower: Mpf
+    from_upper: Mpf
+    complement: Mpf
+    quarter: Mpf
 
     even = True
     direction = 1
 
-    def place(self, χ: Any, arithmetic: Float64 | Multi) -> Place:
+    def place(self, χ: Numeric, arithmetic: Float64 | Multi) -> Place:
         """Return the place at χ, |χ| ≤ 2π.
 
         Args:
             χ: phase; a number of the arithmetic, or an array of doubles.
             arithmetic: in which q is worked out.
         """
-        folded = χ - 2 * arithmetic.pi() * _round(χ / (2 * arithmetic.pi()))
+        folded = χ - 2 * arithmetic.pi() * arithmetic.rint(χ / (2 * arithmetic.pi()))
         sn, cn, dn = jacobi(2 * folded * self.quarter / arithmetic.pi(), self.complement, self.quarter, arithmetic)
         small = sn * sn / (1 + abs(cn)) / 2
         large = (1 + abs(cn)) / 2
-        low, high = _swapped(small, large, cn > 0)  # sin²(φ/2), cos²(φ/2)
+        low, high = _ordered(small, large, cn > 0, arithmetic)  # sin²(φ/2), cos²(φ/2)
         denominator = self.from_lower * low + self.from_upper * high
         mean = arithmetic.unary("sqrt", self.from_lower * self.from_upper)
         from_lower = self.width * (self.from_lower * low / denominator)
         to_upper = self.width * (self.from_upper * high / denominator)
         stretch = 2 * self.quarter / arithmetic.pi() * dn * mean / denominator
-        q = _nearer(from_lower, to_upper, self.lower, self.upper)
+        q = _nearer(from_lower, to_upper, self, arithmetic)
         speed = self.width * mean * sn / 2 / denominator * stretch
         return Place(q, speed, from_lower * to_upper, stretch, 1, from_lower, to_upper)
 
-    def phase(self, q: Any, forward: int, arithmetic: Multi) -> Any:
+    def phase(self, q: Mpf, forward: int, arithmetic: Multi) -> Mpf:
         """Return χ in (−π, π] of a position; ``forward`` is the sign of p, 0 at a turning point.
 
         Args:
@@ -172,7 +150,7 @@ class BarrierAnomaly:
 
 
 @dataclass(frozen=True)
-class Rotation:
+class Rotation(Unstretched):
     """An angle that goes round; χ grows by 2π a turn, whichever way the motion goes.
 
     Attributes:
@@ -181,14 +159,14 @@ class Rotation:
         complement, quarter: k′² and K.
     """
 
-    slow: Any
+    slow: Mpf
     direction: int
-    complement: Any
-    quarter: Any
+    complement: Mpf
+    quarter: Mpf
 
     even = False
 
-    def place(self, χ: Any, arithmetic: Float64 | Multi) -> Place:
+    def place(self, χ: Numeric, arithmetic: Float64 | Multi) -> Place:
         """Return the place at χ, |χ| ≤ 2π; q is not reduced to one turn.
 
         Args:
@@ -196,12 +174,12 @@ class Rotation:
             arithmetic: in which q is worked out.
         """
         sn, cn, dn = jacobi(χ * self.quarter / arithmetic.pi(), self.complement, self.quarter, arithmetic)
-        amplitude = np.arctan2(sn, cn) if isinstance(arithmetic, Float64) else arithmetic.context.atan2(sn, cn)
+        amplitude = arithmetic.atan2(sn, cn)
         stretch = 2 * self.quarter / arithmetic.pi() * dn
         q = self.slow + self.direction * (2 * amplitude - arithmetic.pi())
         return Place(q, self.direction * stretch, 0 * q + 1, stretch)
 
-    def phase(self, q: Any, forward: int, arithmetic: Multi) -> Any:  # noqa: ARG002  (asked like a libration's)
+    def phase(self, q: Mpf, forward: int, arithmetic: Multi) -> Mpf:  # noqa: ARG002  (asked like a libration's)
         """Return χ in (−π, π] of a position.
 
         Args:
@@ -216,7 +194,7 @@ class Rotation:
 
 
 @dataclass(frozen=True)
-class TwoBarrierAnomaly:
+class TwoBarrierAnomaly(Unstretched):
     """An angle that goes round over two crests; χ as in ``Rotation``, slow at both.
 
     A Möbius map of the circle carries the two crests, as complex pairs, to w = 0 and w = π with equal gaps; there
@@ -229,16 +207,16 @@ class TwoBarrierAnomaly:
         complement, quarter: k′² and K.
     """
 
-    slow: Any
+    slow: Mpf
     direction: int
-    scale: Any
-    tilt: Any
-    complement: Any
-    quarter: Any
+    scale: Mpf
+    tilt: Mpf
+    complement: Mpf
+    quarter: Mpf
 
     even = False
 
-    def place(self, χ: Any, arithmetic: Float64 | Multi) -> Place:
+    def place(self, χ: Numeric, arithmetic: Float64 | Multi) -> Place:
         """Return the place at χ, |χ| ≤ 2π; q is not reduced to one turn.
 
         Args:
@@ -246,19 +224,19 @@ class TwoBarrierAnomaly:
             arithmetic: in which q is worked out.
         """
         pi, root = arithmetic.pi(), arithmetic.unary("sqrt", self.complement)
-        turn = _round((χ - pi) / (2 * pi))
+        turn = arithmetic.rint((χ - pi) / (2 * pi))
         sn, cn, dn = jacobi(2 * self.quarter * ((χ - pi) / pi - 2 * turn), self.complement, self.quarter, arithmetic)
         cosine, sine = cn / dn, root * sn / dn
         large = arithmetic.unary("sqrt", (1 + abs(cosine)) / 2)
-        s, c = _swapped(abs(sine) / (2 * large), large, cosine > 0)  # |sin w/2|, cos w/2
-        s = np.copysign(s, sine) if isinstance(arithmetic, Float64) else -s if sine < 0 else s
+        s, c = _ordered(abs(sine) / (2 * large), large, cosine > 0, arithmetic)  # |sin w/2|, cos w/2
+        s = arithmetic.copysign(s, sine)
         beside = self.scale * c + self.direction * self.tilt * s
-        angle = np.arctan2(s, beside) if isinstance(arithmetic, Float64) else arithmetic.context.atan2(s, beside)
+        angle = arithmetic.atan2(s, beside)
         stretch = self.scale / (s * s + beside * beside) * root / dn * 2 * self.quarter / pi
         q = self.slow + self.direction * (2 * angle + 2 * pi * turn)
         return Place(q, self.direction * stretch, 0 * q + 1, stretch)
 
-    def phase(self, q: Any, forward: int, arithmetic: Multi) -> Any:  # noqa: ARG002  (asked like a libration's)
+    def phase(self, q: Mpf, forward: int, arithmetic: Multi) -> Mpf:  # noqa: ARG002  (asked like a libration's)
         """Return χ in (−π, π] of a position.
 
         Args:
@@ -279,7 +257,7 @@ class TwoBarrierAnomaly:
 Anomaly = Libration | BarrierAnomaly | Rotation | TwoBarrierAnomaly
 
 
-def libration_anomaly(lower: Any, upper: Any, below: Any | None, above: Any | None, arithmetic: Multi) -> Libration:
+def libration_anomaly(lower: Mpf, upper: Mpf, below: Mpf | None, above: Mpf | None, arithmetic: Multi) -> Libration:
     """Make the anomaly between two turning points.
 
     Args:
@@ -294,7 +272,7 @@ def libration_anomaly(lower: Any, upper: Any, below: Any | None, above: Any | No
     return Libration(lower, width, upper, near_lower, near_upper, complement, quarter_period(complement, arithmetic))
 
 
-def barrier_anomaly(lower: Any, upper: Any, crest: Any, gap: Any, arithmetic: Multi) -> BarrierAnomaly:
+def barrier_anomaly(lower: Mpf, upper: Mpf, crest: Mpf, gap: Mpf, arithmetic: Multi) -> BarrierAnomaly:
     """Make the anomaly between two turning points with a barrier just overcome between them.
 
     Args:
@@ -310,7 +288,7 @@ def barrier_anomaly(lower: Any, upper: Any, crest: Any, gap: Any, arithmetic: Mu
     return BarrierAnomaly(lower, width, upper, A, B, complement, quarter_period(complement, arithmetic))
 
 
-def rotation_anomaly(slow: Any, direction: int, gap: Any, arithmetic: Multi) -> Rotation:
+def rotation_anomaly(slow: Mpf, direction: int, gap: Mpf | None, arithmetic: Multi) -> Rotation:
     """Make the anomaly of a rotating angle.
 
     Args:
@@ -325,7 +303,7 @@ def rotation_anomaly(slow: Any, direction: int, gap: Any, arithmetic: Multi) -> 
 
 
 def two_barrier_anomaly(
-    crest: Any, gap: Any, other: Any, other_gap: Any, direction: int, arithmetic: Multi
+    crest: Mpf, gap: Mpf, other: Mpf, other_gap: Mpf, direction: int, arithmetic: Multi
 ) -> TwoBarrierAnomaly:
     """Make the anomaly of an angle that goes round over two crests.
 
@@ -354,30 +332,13 @@ def two_barrier_anomaly(
     )  # fmt: skip
 
 
-def as_float(anomaly: Anomaly) -> Anomaly:
-    """Round the constants of an anomaly to doubles, for vectorised use.
-
-    Args:
-        anomaly: with constants of many digits.
-    """
-    values = {name: getattr(anomaly, name) for name in anomaly.__dataclass_fields__}
-    rounded: dict[str, Any] = {name: v if isinstance(v, int) else float(v) for name, v in values.items()}
-    return type(anomaly)(**rounded)
-
-
-def _round(x: Any) -> Any:
-    return np.rint(x) if isinstance(x, np.ndarray | float) else x.context.nint(x)
-
-
-def _swapped(small: Any, large: Any, order: Any) -> tuple[Any, Any]:
+def _ordered(small: Numeric, large: Numeric, order: Truth, arithmetic: Float64 | Multi) -> tuple[Numeric, Numeric]:
     """(small, large) where ``order`` holds, (large, small) elsewhere."""
-    if isinstance(small, np.ndarray):
-        return np.where(order, small, large), np.where(order, large, small)
-    return (small, large) if order else (large, small)
+    return arithmetic.where(order, small, large), arithmetic.where(order, large, small)
 
 
-def _nearer(from_lower: Any, to_upper: Any, lower: Any, upper: Any) -> Any:
+def _nearer(
+    from_lower: Numeric, to_upper: Numeric, ends: Libration | BarrierAnomaly, arithmetic: Float64 | Multi
+) -> Numeric:
     """Return q, counted from the end that keeps its relative accuracy."""
-    if isinstance(from_lower, np.ndarray):
-        return np.where(from_lower < to_upper, lower + from_lower, upper - to_upper)
-    return lower + from_lower if from_lower < to_upper else upper - to_upper
+    return arithmetic.where(from_lower < to_upper, ends.lower + from_lower, ends.upper - to_upper)

@@ -4,14 +4,16 @@ from __future__ import annotations
 
 import itertools
 from collections.abc import Iterator
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING
 
 from hjsolve.arithmetic.floats import Multi
 from hjsolve.arithmetic.fourier import smooth
+from hjsolve.arithmetic.number_types import Mpf
 from hjsolve.errors import NotConvergedError
 from hjsolve.one_coordinate import resolution
 from hjsolve.one_coordinate.anomaly import Libration, Rotation, barrier_anomaly, two_barrier_anomaly
-from hjsolve.one_coordinate.coordinate_motion import Anomaly, Kind, Periodic, bounded
+from hjsolve.one_coordinate.coordinate_motion import Anomaly, Kind, Periodic
+from hjsolve.one_coordinate.cycle_integrals import bounded
 from hjsolve.one_coordinate.near_zeros import complex_zero_pairs
 from hjsolve.one_coordinate.stretched_anomaly import Inner, Stretched, stretched
 
@@ -113,7 +115,7 @@ def over_near_zeros(start: CoordinateStart, usual: Libration, bits: int) -> Iter
         yield from _spread(start, first, bits)
 
 
-def over_other_near_zeros(start: CoordinateStart, anomaly: Rotation, gap: Any | None, bits: int) -> Iterator[Anomaly]:
+def over_other_near_zeros(start: CoordinateStart, anomaly: Rotation, gap: Mpf | None, bits: int) -> Iterator[Anomaly]:
     """Anomalies of a rotation that are slow at all crests, not only at the highest.
 
     Args:

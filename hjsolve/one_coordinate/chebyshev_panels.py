@@ -22,12 +22,13 @@ from collections.abc import Callable
 from dataclasses import dataclass
 from functools import cached_property, lru_cache
 from threading import Lock
-from typing import Any, Protocol
+from typing import Protocol
 
 import numpy as np
 
 from hjsolve.arithmetic.floats import Float64, Multi, multiprecision
 from hjsolve.arithmetic.fourier import smooth, waves
+from hjsolve.arithmetic.number_types import Context, Mpf, Numbers, Numeric, Reals
 from hjsolve.errors import NotConvergedError
 from hjsolve.one_coordinate.panel_length import Surroundings, longest, nodes_for
 from hjsolve.one_coordinate.turning_points import EndKind
@@ -56,12 +57,12 @@ class EndMap:
 
     turning: bool
     end: EndKind
-    start: Any
+    start: Mpf
     side: int
-    length: Any
+    length: Mpf
     pole: int = 0
 
-    def last(self, context: Any) -> Any:
+    def last(self, context: Context) -> Mpf | None:
         """Return the greatest y, None where there is none.
 
         Args:
@@ -71,7 +72,7 @@ class EndMap:
             return None
         return +context.pi if self.turning else context.mpf(1)
 
-    def rest(self, y: Any, arithmetic: Float64 | Multi) -> Any:
+    def rest(self, y: Numeric, arithmetic: Float64 | Multi) -> Numeric | int:
         """Return what |p|/|dq/dy| is multiplied by to stay finite: a power of the share of the way that is left.
 
         Args:
@@ -86,7 +87,7 @@ class EndMap:
             return root ** (self.pole + 1)
         return 1
 
-    def distances(self, y: Any, arithmetic: Float64 | Multi) -> tuple[Any, Any, Any]:
+    def distances(self, y: Numeric, arithmetic: Float64 | Multi) -> tuple[Numeric, Numeric | None, Numeric]:
         """Return x, the distance left to the end (None for infinity) and dx/dy, none of them by cancellation.
 
         Args:
@@ -113,7 +114,7 @@ class EndMap:
         decay = call("exp", -y)
         return -self.length * call("expm1", -y), self.length * decay, self.length * decay
 
-    def position(self, y: Any, arithmetic: Float64 | Multi) -> tuple[Any, Any]:
+    def position(self, y: Numeric, arithmetic: Float64 | Multi) -> tuple[Numeric, Numeric]:
         """Return q and dq/dy at y ≥ 0.
 
         Args:
@@ -124,13 +125,7 @@ class EndMap:
         q = self.start + self.side * x
         if left is not None:
             finish = self.start + self.side * self.length
-            q = (
-                np.where(left < x, finish - self.side * left, q)
-                if isinstance(x, np.ndarray)
-                else q
-                if x <= left
-                else finish - self.side * left
-            )
+            q = arithmetic.where(left < x, finish - self.side * left, q)
         return q, self.side * slope
 
 
@@ -146,13 +141,13 @@ class Panels:
         finished: True when the edges reach the end of a boundary branch, or infinity in a finite time.
     """
 
-    edges: Any
-    coefficients: Any
-    sums: Any
+    edges: Numbers
+    coefficients: Numbers
+    sums: Numbers
     nodes: int
     finished: bool
 
-    def value(self, function: int, y: Any) -> Any:
+    def value(self, function: int, y: Numbers) -> Numbers:
         """Return the integrand at y ≥ 0; doubles for doubles.
 
         Args:
@@ -162,7 +157,7 @@ class Panels:
         panels = self._for(y)
         return panels._clenshaw(panels.coefficients[function], y)
 
-    def integral(self, function: int, y: Any) -> Any:
+    def integral(self, function: int, y: Numbers) -> Numbers:
         """Return its integral from 0 to y ≥ 0; past the last panel the integrand is continued by its last value.
 
         Args:
@@ -173,7 +168,7 @@ class Panels:
         inside = np.minimum(y, panels.edges[-1])
         return panels._clenshaw(panels.sums[function], inside) + (y - inside) * panels.value(function, inside)
 
-    def grain(self, function: int, y: Any) -> Any:
+    def grain(self, function: int, y: Numbers) -> Reals:
         """Return the size that the rounding of the integral in doubles refers to: that of its panel's coefficients.
 
         Args:
@@ -184,7 +179,7 @@ class Panels:
         sizes = np.sum(np.abs(panels.sums[function].astype(float)), axis=-1)
         return sizes[np.clip(np.searchsorted(panels.edges, y, side="right") - 1, 0, len(sizes) - 1)]
 
-    def _for(self, y: Any) -> Panels:
+    def _for(self, y: Numbers) -> Panels:
         return self._rounded if y.dtype == float and self.edges.dtype == object else self
 
     @cached_property
@@ -194,7 +189,7 @@ class Panels:
         edges, coefficients, sums = np.append(edges[:-1][wide], edges[-1]), coefficients[:, wide], sums[:, wide]
         return Panels(edges, coefficients, sums, self.nodes, self.finished)
 
-    def _clenshaw(self, table: Any, y: Any) -> Any:
+    def _clenshaw(self, table: Numbers, y: Numbers) -> Numbers:
         panel = np.clip(np.searchsorted(self.edges, y, side="right") - 1, 0, len(self.edges) - 2)
         left, right = self.edges[panel], self.edges[panel + 1]
         x2 = 2 * ((np.minimum(y, self.edges[-1]) - left) - (right - np.minimum(y, self.edges[-1]))) / (right - left)
@@ -208,16 +203,31 @@ class Panels:
 class Integrated(Protocol):
     """Functions of y in many digits, with what is known of them about a place; see ``open_branch.Branch``."""
 
-    def integrands(self, y: Any, extra: int = 0) -> list[Any]:
-        """Return the values of all functions at y (``mpf``), with so many bits more than usual."""
+    def integrands(self, y: Mpf, extra: int = 0) -> list[Mpf]:
+        """Return the values of all functions at y (``mpf``), with so many bits more than usual.
+
+        Args:
+            y: place on the branch.
+            extra: bits above the working precision.
+        """
         ...
 
-    def cancelled(self, y: Any, extra: int) -> int:
-        """Return the bits more than usual that the functions need at y, at least ``extra``."""
+    def cancelled(self, y: Mpf, extra: int) -> int:
+        """Return the bits more than usual that the functions need at y, at least ``extra``.
+
+        Args:
+            y: place on the branch.
+            extra: bits above the working precision to begin with.
+        """
         ...
 
-    def around(self, y: Any, rest: float) -> Surroundings:
-        """Return where the functions are analytic about y; ``rest`` is left from there to the greatest y."""
+    def around(self, y: Mpf, rest: float) -> Surroundings:
+        """Return where the functions are analytic about y; ``rest`` is left from there to the greatest y.
+
+        Args:
+            y: place on the branch.
+            rest: what is left from there to the greatest y.
+        """
         ...
 
 
@@ -227,14 +237,7 @@ class Growing:
     The panels do not depend on how far is asked for: a shorter reach has the first ones of a longer.
     """
 
-    def __init__(
-        self,
-        way: EndMap,
-        course: Integrated,
-        *,
-        digits: int,
-        bits: int,
-    ):
+    def __init__(self, way: EndMap, course: Integrated, *, digits: int, bits: int):
         """Start at y = 0.
 
         Args:
@@ -253,7 +256,7 @@ class Growing:
         self.failed: NotConvergedError | None = None
         self.lock = Lock()
 
-    def until(self, enough: Callable[[Any, list[Any]], bool]) -> Panels:
+    def until(self, enough: Callable[[Mpf, list[Mpf]], bool]) -> Panels:
         """Return the panels up to the first that is enough, or to the last there is.
 
         Args:
@@ -304,7 +307,7 @@ class Growing:
             self.last is not None and self.last - y <= self.last * context.mpf(10) ** -self.digits
         )
 
-    def _resolved(self) -> tuple[list[list[Any]], int]:
+    def _resolved(self) -> tuple[list[list[Mpf]], int]:
         """Chebyshev coefficients over the next panel, proved to be enough, and the nodes used so far."""
         y, nodes = self.edges[-1], self.nodes[-1] if self.nodes else 0
         if len(self.values) > _MAX_PANELS:
@@ -336,19 +339,19 @@ class Growing:
             + self._reached(y)
         )
 
-    def _reached(self, y: Any) -> str:
+    def _reached(self, y: Mpf) -> str:
         q, _ = self.way.position(y, Multi(self.bits))
         return f"the integrals are known up to q = {float(q):.9g}"
 
 
-def _filled(rows: list[list[list[Any]]]) -> list[list[list[Any]]]:
+def _filled(rows: list[list[list[Mpf]]]) -> list[list[list[Mpf]]]:
     """Series of panels, all of the same length."""
     longest_ = max(len(series) for panel in rows for series in panel)
     return [[[*series, *[0 * series[0]] * (longest_ - len(series))] for series in panel] for panel in rows]
 
 
 @lru_cache(maxsize=64)
-def chebyshev_points(count: int, bits: int) -> list[Any]:
+def chebyshev_points(count: int, bits: int) -> list[Mpf]:
     """The zeros of a Chebyshev polynomial.
 
     Args:
@@ -359,13 +362,13 @@ def chebyshev_points(count: int, bits: int) -> list[Any]:
     return [context.cos(context.pi * (2 * m + 1) / (2 * count)) for m in range(count)]
 
 
-def _settled(before: list[Any], after: list[Any], digits: int, context: Any) -> bool:
+def _settled(before: list[Mpf], after: list[Mpf], digits: int, context: Context) -> bool:
     """True when the integrals (the momentum's apart) no longer grow: infinity is reached in a finite time."""
     tiny = context.mpf(10) ** -(digits + 3)
     return all(abs(b - a) <= tiny * abs(b) for a, b in zip(before[:-1], after[:-1], strict=True))
 
 
-def _expand(course: Integrated, y: Any, step: Any, points: list[Any], bits: int, extra: int) -> list[list[Any]]:
+def _expand(course: Integrated, y: Mpf, step: Mpf, points: list[Mpf], bits: int, extra: int) -> list[list[Mpf]]:
     """Chebyshev coefficients on [y, y + step] from values at Chebyshev points."""
     context, n = multiprecision(bits), len(points)
     samples = [course.integrands(y + step * (1 + x) / 2, extra) for x in points]
@@ -377,7 +380,7 @@ def _expand(course: Integrated, y: Any, step: Any, points: list[Any], bits: int,
     return rows
 
 
-def antiderivative(row: list[Any], half: Any, start: Any) -> list[Any]:
+def antiderivative(row: list[Mpf], half: Mpf, start: Mpf) -> list[Mpf]:
     """Coefficients of the integral, equal to ``start`` at the left edge (Mason & Handscomb 2003, (2.43)).
 
     Args:

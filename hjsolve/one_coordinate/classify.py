@@ -6,11 +6,11 @@ import itertools
 from collections.abc import Iterator
 from dataclasses import dataclass, replace
 from functools import partial
-from typing import Any
 
 import numpy as np
 
 from hjsolve.arithmetic.floats import Float64, Multi, bits_for, multiprecision
+from hjsolve.arithmetic.number_types import Mpf, Numeric
 from hjsolve.errors import NotConvergedError
 from hjsolve.one_coordinate.anomaly import Rotation, libration_anomaly, rotation_anomaly
 from hjsolve.one_coordinate.anomaly_choice import over_near_zeros, over_other_near_zeros, over_the_best_map
@@ -19,7 +19,8 @@ from hjsolve.one_coordinate.coordinate_motion import Anomaly, AtRest, Coordinate
 from hjsolve.one_coordinate.coordinate_start import CoordinateStart
 from hjsolve.one_coordinate.momentum_squared import MomentumSquared, Number
 from hjsolve.one_coordinate.open_branch import Branch
-from hjsolve.one_coordinate.turning_points import End, Ray, first_end
+from hjsolve.one_coordinate.ray import Ray
+from hjsolve.one_coordinate.turning_points import End, first_end
 
 _NEAREST = 200
 """Bits by which a turning point may be nearer to an end of the domain than to the other one."""
@@ -101,11 +102,11 @@ def ray(start: CoordinateStart, side: int) -> Ray:
     return Ray(start.radicand, start.place, side, partial(_distance, start.place, end))
 
 
-def _turn(bits: int) -> Any:
+def _turn(bits: int) -> Mpf:
     return 2 * multiprecision(bits).pi
 
 
-def _distance(one: Number, other: Number, bits: int) -> Any:
+def _distance(one: Number, other: Number, bits: int) -> Mpf:
     return abs(other(bits) - one(bits))
 
 
@@ -162,7 +163,7 @@ def _libration(start: CoordinateStart, lower: End, upper: End, digits: int) -> P
     return over_the_best_map(start, "libration", maps(), digits, bits)
 
 
-def _refuse_beyond_doubles(start: CoordinateStart, middle: Any, width: Any) -> None:
+def _refuse_beyond_doubles(start: CoordinateStart, middle: Numeric, width: Mpf) -> None:
     """Refuse to integrate what doubles cannot hold.
 
     Args:
@@ -197,7 +198,7 @@ def _nearness(start: CoordinateStart, turns: tuple[Number, Number]) -> int:
     return max((int(multiprecision(64).log(width / gap, 2)) for gap in gaps if 0 < gap < width), default=0)
 
 
-def _lost_bits(radicand: MomentumSquared, anomaly: Any, bits: int) -> int:
+def _lost_bits(radicand: MomentumSquared, anomaly: Anomaly, bits: int) -> int:
     """How many bits p²/((q−a)(b−q)) loses by cancellation, measured against twice the precision."""
     worst = 0
     for χ in (0.3, 1.6, 2.9):
@@ -211,7 +212,7 @@ def _lost_bits(radicand: MomentumSquared, anomaly: Any, bits: int) -> int:
     return max(worst, 0)
 
 
-def _outside(start: CoordinateStart, end: Any, width: Any, side: int, bits: int) -> Any | None:
+def _outside(start: CoordinateStart, end: Mpf, width: Mpf, side: int, bits: int) -> Mpf | None:
     """The nearest zero of p² beyond a turning point, roughly, or the end of the domain; None where all is far.
 
     Only the choice of the anomaly depends on it, never the value of an integral.
@@ -250,7 +251,7 @@ def _rotation(start: CoordinateStart, direction: int, digits: int) -> Periodic:
     return over_the_best_map(start, "rotation", maps, digits, bits)
 
 
-def _slow_place(start: CoordinateStart, bits: int) -> tuple[Any, Any | None]:
+def _slow_place(start: CoordinateStart, bits: int) -> tuple[Mpf, Mpf | None]:
     """Where p² is least on the circle, whatever the initial place, and how far from the real axis its zero lies."""
     context = multiprecision(bits)
     grid = 2 * np.pi * np.arange(96) / 96
@@ -323,7 +324,7 @@ def _judged(start: CoordinateStart, end: End) -> End:
     return replace(end, kind="asymptote" if endless[0] else "fall" if any(endless) else "boundary")
 
 
-def _outgrows_powers(radicand: MomentumSquared, place: Any, way: Any) -> bool:
+def _outgrows_powers(radicand: MomentumSquared, place: Mpf, way: Mpf) -> bool:
     """Whether p² grows faster than powers of the distance to a place: the nearer, the greater the exponent."""
     context = way.context
     values = [abs(radicand.value(place + way * context.mpf(2) ** -k, context.prec)) for k in (50, 66, 100, 116)]
@@ -333,11 +334,12 @@ def _outgrows_powers(radicand: MomentumSquared, place: Any, way: Any) -> bool:
     return bool(near > max(_STEEPEST, 2 * abs(far)) or context.log(values[0], 2) > 2**64)
 
 
-def _length(start: CoordinateStart, place: Any, bits: int, *, turning: bool) -> Any:
+def _length(start: CoordinateStart, place: Mpf, bits: int, *, turning: bool) -> Mpf:
     """A length over which p² changes by itself near a place; at a turning point its value there is rounding only.
 
     Beside a narrow feature far away p² hardly changes at all: the length is not much larger than |q|.
     """
+    # |F/F′|, or |F′/F″| where F is nearly a parabola: the distance over which F changes by its own size
     value, slope, bend = start.radicand.jet(place, bits)
     own = max(abs(place), abs(place - start.place(bits))) or multiprecision(bits).mpf(1)
     if turning:
@@ -349,7 +351,7 @@ def _length(start: CoordinateStart, place: Any, bits: int, *, turning: bool) -> 
     return own
 
 
-def _open_phase(way: EndMap, start: CoordinateStart, forward: int, bits: int) -> Any:
+def _open_phase(way: EndMap, start: CoordinateStart, forward: int, bits: int) -> Mpf:
     """Invert the map of a branch that starts at a turning point."""
     if start.forward == 0:
         return multiprecision(bits).mpf(0)

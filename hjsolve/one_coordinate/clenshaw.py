@@ -8,10 +8,11 @@ the coefficients, relative to the largest of them.
 
 from __future__ import annotations
 
+from collections.abc import Iterable
 from functools import cached_property
-from typing import Any
 
 from hjsolve.arithmetic.floats import multiprecision
+from hjsolve.arithmetic.number_types import Mpf
 from hjsolve.one_coordinate.fourier_series import FourierSeries
 
 _GUARD = 32
@@ -31,7 +32,7 @@ class Fixed:
         self.size = max((abs(c) for part in parts for c in part), default=0)
         self.work = bits + 2 * max(len(series.cosines), 1).bit_length() + _GUARD
 
-    def _integers(self, coefficients: Any, divided: bool) -> list[int]:
+    def _integers(self, coefficients: Iterable[object], divided: bool) -> list[int]:
         """Coefficients, or those of the integral, from the last on, as multiples of 2^−work of the largest."""
         with_order = [(c / k if divided else c) for k, c in enumerate(map(self.context.convert, coefficients), start=1)]
         return [int(self.context.nint(self.context.ldexp(c / self.size, self.work))) for c in reversed(with_order)]
@@ -46,7 +47,7 @@ class Fixed:
         sines = self._integers(self.series.sines if self.series.sines is not None else (), True)
         return self._integers(self.series.cosines, True), sines, sum(sines)
 
-    def _wave(self, χ: Any) -> tuple[int, int]:
+    def _wave(self, χ: Mpf) -> tuple[int, int]:
         c, s = self.context.cos_sin(self.context.convert(χ))
         return tuple(int(self.context.nint(self.context.ldexp(x, self.work))) for x in (c, s))  # type: ignore[return-value]
 
@@ -57,11 +58,15 @@ class Fixed:
             b, after = u + (twice * b >> work) - after, b
         return b, after
 
-    def _number(self, value: int) -> Any:
+    def _number(self, value: int) -> Mpf:
         return self.size * self.context.ldexp(self.context.mpf(value), -self.work)
 
-    def value(self, χ: Any) -> Any:
-        """The function at a phase."""
+    def value(self, χ: Mpf) -> Mpf:
+        """Return the function at a phase.
+
+        Args:
+            χ: the phase, a number of many digits.
+        """
         if not self.size:
             return self.context.convert(self.series.mean)
         c, s = self._wave(χ)
@@ -72,8 +77,12 @@ class Fixed:
             total += self._total(sines, c)[0] * s >> self.work
         return self.series.mean + self._number(total)
 
-    def ripple(self, χ: Any) -> Any:
-        """The periodic part of its integral from 0, as in ``FourierSeries``."""
+    def ripple(self, χ: Mpf) -> Mpf:
+        """Return the periodic part of its integral from 0, as in ``FourierSeries``.
+
+        Args:
+            χ: the phase, a number of many digits.
+        """
         if not self.size:
             return self.context.mpf(0)
         c, s = self._wave(χ)

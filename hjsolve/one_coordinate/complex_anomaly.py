@@ -7,12 +7,13 @@ integrands in a strip of the complex plane, so that a few digits are enough.
 from __future__ import annotations
 
 from functools import singledispatch
-from typing import Any, NamedTuple
+from typing import NamedTuple, cast
 
 import numpy as np
 
 from hjsolve.arithmetic.elliptic import jacobi, quarter_period
 from hjsolve.arithmetic.floats import Float64
+from hjsolve.arithmetic.number_types import Complexes, Reals
 from hjsolve.one_coordinate.anomaly import BarrierAnomaly, Libration, Rotation, TwoBarrierAnomaly
 from hjsolve.one_coordinate.stretched_anomaly import Stretched
 
@@ -28,13 +29,18 @@ class ComplexPlace(NamedTuple):
         stretch: |dq/dψ| / √|(q − a)(b − q)|, the factor of dq/p.
     """
 
-    q: Any
-    from_lower: Any
-    to_upper: Any
-    stretch: Any
+    q: Complexes
+    from_lower: Complexes | None
+    to_upper: Complexes | None
+    stretch: Reals
+
+    @property
+    def from_upper(self) -> Complexes | None:
+        """The distance q − b."""
+        return None if self.to_upper is None else -self.to_upper
 
 
-def jacobi_complex(u: Any, complement: float, quarter: float) -> tuple[Any, Any, Any]:
+def jacobi_complex(u: Complexes, complement: float, quarter: float) -> tuple[Complexes, Complexes, Complexes]:
     """Return sn, cn, dn of complex arguments, |Re u| ≤ 2K, by the addition theorem (DLMF 22.8.19-21).
 
     Args:
@@ -50,13 +56,14 @@ def jacobi_complex(u: Any, complement: float, quarter: float) -> tuple[Any, Any,
     y = np.clip(np.imag(u), -1.999 * other, 1.999 * other)
     s1, c1, d1 = jacobi(y, parameter, other, _FLOAT)
     below = c1 * c1 + parameter * (s * s1) ** 2
-    return (s * d1 + 1j * c * d * s1 * c1) / below, (c * c1 - 1j * s * d * s1 * d1) / below, (
-        d * c1 * d1 - 1j * parameter * s * c * s1
-    ) / below  # fmt: skip
+    sn = (s * d1 + 1j * c * d * s1 * c1) / below
+    cn = (c * c1 - 1j * s * d * s1 * d1) / below
+    dn = (d * c1 * d1 - 1j * parameter * s * c * s1) / below
+    return cast("Complexes", sn), cast("Complexes", cn), cast("Complexes", dn)
 
 
 @singledispatch
-def complex_place(anomaly: Any, phase: Any) -> ComplexPlace:
+def complex_place(anomaly: object, phase: Complexes) -> ComplexPlace:
     """Return where a complex phase puts the coordinate.
 
     Args:
@@ -70,7 +77,7 @@ def complex_place(anomaly: Any, phase: Any) -> ComplexPlace:
 
 
 @complex_place.register
-def _(anomaly: Libration, phase: Any) -> ComplexPlace:
+def _(anomaly: Libration, phase: Complexes) -> ComplexPlace:
     width, low, up = (float(x) for x in (anomaly.width, anomaly.near_lower, anomaly.near_upper))
     quarter, complement = float(anomaly.quarter), float(anomaly.complement)
     sn, cn, _ = jacobi_complex(phase * (quarter / np.pi), complement, quarter)
@@ -81,21 +88,23 @@ def _(anomaly: Libration, phase: Any) -> ComplexPlace:
 
 
 @complex_place.register
-def _(anomaly: BarrierAnomaly, phase: Any) -> ComplexPlace:
+def _(anomaly: BarrierAnomaly, phase: Complexes) -> ComplexPlace:
     width, left, right = (float(x) for x in (anomaly.width, anomaly.from_lower, anomaly.from_upper))
     quarter, complement = float(anomaly.quarter), float(anomaly.complement)
     sn, cn, dn = jacobi_complex(phase * (2 * quarter / np.pi), complement, quarter)
     forward = np.real(cn) > 0
     large = np.where(forward, 1 + cn, 1 - cn) / 2
-    low, high = np.where(forward, sn * sn / (4 * large), large), np.where(forward, large, sn * sn / (4 * large))
+    low: Complexes = np.where(forward, sn * sn / (4 * large), large)
+    high: Complexes = np.where(forward, large, sn * sn / (4 * large))
     below = left * low + right * high
-    x, y = left * low / below, right * high / below
+    x: Complexes = left * low / below
+    y: Complexes = right * high / below
     stretch = 2 * quarter / np.pi * np.abs(dn / below) * np.sqrt(left * right)
     return ComplexPlace(_nearer(anomaly, width * x, width * y), width * x, width * y, stretch)
 
 
 @complex_place.register
-def _(anomaly: Rotation, phase: Any) -> ComplexPlace:
+def _(anomaly: Rotation, phase: Complexes) -> ComplexPlace:
     quarter, complement = float(anomaly.quarter), float(anomaly.complement)
     sn, cn, dn = jacobi_complex(quarter * phase / np.pi, complement, quarter)
     amplitude = -1j * np.log(cn + 1j * sn)
@@ -104,10 +113,10 @@ def _(anomaly: Rotation, phase: Any) -> ComplexPlace:
 
 
 @complex_place.register
-def _(anomaly: TwoBarrierAnomaly, phase: Any) -> ComplexPlace:
+def _(anomaly: TwoBarrierAnomaly, phase: Complexes) -> ComplexPlace:
     quarter, complement = float(anomaly.quarter), float(anomaly.complement)
     scale, tilt, root = float(anomaly.scale), float(anomaly.tilt), complement**0.5
-    turned = np.where(np.real(phase) < 0, phase + np.pi, phase - np.pi)
+    turned: Complexes = np.where(np.real(phase) < 0, phase + np.pi, phase - np.pi)
     sn, cn, dn = jacobi_complex(2 * quarter * turned / np.pi, complement, quarter)
     w = -1j * np.log(cn / dn + 1j * root * sn / dn)
     s, c = np.sin(w / 2), np.cos(w / 2)
@@ -118,13 +127,13 @@ def _(anomaly: TwoBarrierAnomaly, phase: Any) -> ComplexPlace:
 
 
 @complex_place.register
-def _(anomaly: Stretched, phase: Any) -> ComplexPlace:
+def _(anomaly: Stretched, phase: Complexes) -> ComplexPlace:
     slope = anomaly.slope
     k = np.arange(1, len(slope.cosines) + 1)
     cosines = slope.cosines.astype(complex)
     sines = 0 * cosines if slope.sines is None else slope.sines.astype(complex)
     up, down = (cosines - 1j * sines) / 2, (cosines + 1j * sines) / 2  # of e^{ikψ} and e^{−ikψ}
-    wave = np.exp(1j * phase)
+    wave: Complexes = np.exp(1j * phase)
     rising, rising_rate = _power_sums(np.stack([up / (1j * k), up]), wave)
     falling, falling_rate = _power_sums(np.stack([down / (1j * k), down]), 1 / wave)
     χ = phase + rising - falling + np.sum((-1.0) ** k * sines / k)  # χ = π at ψ = π
@@ -136,7 +145,7 @@ _AT_ONCE, _BLOCK = 256, 64
 """Places and powers in one product of matrices: few enough to stay in the cache, and for BLAS to use one thread."""
 
 
-def _power_sums(coefficients: Any, z: Any) -> Any:
+def _power_sums(coefficients: Complexes, z: Complexes) -> Complexes:
     """Sum cₖ zᵏ over k = 1, 2, … for each row of coefficients, shape (rows, *z.shape).
 
     A block of powers at a time is a product of matrices; the blocks are joined by Horner's rule in z^64.
@@ -158,6 +167,6 @@ def _power_sums(coefficients: Any, z: Any) -> Any:
     return total.reshape(rows, *z.shape)
 
 
-def _nearer(anomaly: Libration | BarrierAnomaly, from_lower: Any, to_upper: Any) -> Any:
+def _nearer(anomaly: Libration | BarrierAnomaly, from_lower: Complexes, to_upper: Complexes) -> Complexes:
     lower = np.abs(from_lower) < np.abs(to_upper)
     return np.where(lower, float(anomaly.lower) + from_lower, float(anomaly.upper) - to_upper)

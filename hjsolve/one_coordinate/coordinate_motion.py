@@ -7,20 +7,21 @@ and what the integrals Gⱼ(χ) = ∫ kⱼ dq/p are, one for each constant of th
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterable
+from collections.abc import Callable
 from dataclasses import dataclass, replace
-from typing import Any, Literal
+from typing import Any, Literal, cast
 
 import numpy as np
 
 from hjsolve.arithmetic.floats import Float64, Multi, multiprecision
+from hjsolve.arithmetic.number_types import Elementwise, Mask, Mpf, Numbers, Reals
 from hjsolve.arithmetic.work_counter import count
-from hjsolve.one_coordinate.anomaly import BarrierAnomaly, Libration, Place, Rotation, TwoBarrierAnomaly
+from hjsolve.one_coordinate.anomaly import BarrierAnomaly, Libration, Rotation, TwoBarrierAnomaly
 from hjsolve.one_coordinate.chebyshev_panels import EndMap, Panels
-from hjsolve.one_coordinate.fourier_series import FourierSeries, fit, midpoints, zero
+from hjsolve.one_coordinate.fourier_series import FourierSeries, zero
 from hjsolve.one_coordinate.momentum_squared import MomentumSquared
 from hjsolve.one_coordinate.open_branch import Branch
-from hjsolve.one_coordinate.stretched_anomaly import Stretched, map_in_doubles
+from hjsolve.one_coordinate.stretched_anomaly import Stretched
 
 Anomaly = Libration | BarrierAnomaly | Rotation | TwoBarrierAnomaly | Stretched
 
@@ -29,7 +30,7 @@ PARTS = frozenset({"time", "action", "place"})
 """What is integrated over a cycle: Jacobi's integrals (periods, times), the action, what places and momenta need."""
 
 
-def arithmetic_of(array: Any) -> Float64 | Multi:
+def arithmetic_of(array: Numbers) -> Float64 | Multi:
     """Return the arithmetic in which an array of phases is held.
 
     Args:
@@ -37,10 +38,10 @@ def arithmetic_of(array: Any) -> Float64 | Multi:
     """
     if array.dtype != object:
         return Float64()
-    return Multi(array.flat[0].context.prec) if array.size else Float64()
+    return Multi(cast("Mpf", array.flat[0]).context.prec) if array.size else Float64()
 
 
-def elementwise(function: Callable[..., Any], χ: Any, outputs: int) -> Any:
+def elementwise(function: Callable[..., Any], χ: Numbers, outputs: int) -> Any:
     """Apply a function of a float array, or of one ``mpf`` to an object array.
 
     Args:
@@ -72,13 +73,13 @@ class Periodic:
     kernels: list[FourierSeries]
     momentum: FourierSeries
     density: FourierSeries | None
-    start: Any
+    start: Mpf
     radicand: MomentumSquared
 
     periodic = True
 
     @property
-    def action(self) -> Any:
+    def action(self) -> Mpf | float | None:
         """(1/2π) ∮ p dq, positive; None where it was not integrated."""
         return None if self.density is None else self.density.mean
 
@@ -87,7 +88,11 @@ class Periodic:
         """The largest of the last coefficients, relative to the size of its function."""
         return max(float(s.tail) for s in (*self.kernels, self.momentum))
 
-    def integral(self, j: int, χ: Any) -> Any:
+    def limits(self) -> tuple[float, float]:
+        """Return the least and greatest phase there is: it goes on for ever."""
+        return -np.inf, np.inf
+
+    def integral(self, j: int, χ: Numbers) -> Numbers:
         """Return Gⱼ from 0 to χ.
 
         Args:
@@ -97,7 +102,7 @@ class Periodic:
         mean = self.kernels[j].mean
         return (float(mean) if χ.dtype == float else mean) * χ + elementwise(self.kernels[j].ripple, χ, 1)
 
-    def rate(self, j: int, χ: Any) -> Any:
+    def rate(self, j: int, χ: Numbers) -> Numbers:
         """Return dGⱼ/dχ.
 
         Args:
@@ -106,7 +111,7 @@ class Periodic:
         """
         return elementwise(self.kernels[j].value, χ, 1)
 
-    def growth(self, j: int) -> Any:
+    def growth(self, j: int) -> float | Mpf:
         """Return the growth of Gⱼ per unit phase, in the mean.
 
         Args:
@@ -114,17 +119,15 @@ class Periodic:
         """
         return self.kernels[j].mean
 
-    def blur(self, χ: Any) -> Any:
+    def blur(self, χ: Reals) -> Reals:
         """Return the rounding of the anomaly itself as an uncertainty of χ in doubles; 0 where it has none.
 
         Args:
             χ: phases, shape (m,).
         """
-        if not isinstance(self.anomaly, Stretched):
-            return 0.0 * χ
-        return 8 * 2.0**-52 * np.pi / np.abs(self.anomaly.slope.value(χ))
+        return self.anomaly.rounding(χ)
 
-    def pace(self, weights: tuple[float, ...], χ: Any) -> Any:
+    def pace(self, weights: tuple[float, ...], χ: Reals) -> Reals:
         """Return Σ wⱼ dGⱼ/dχ for a float array |χ| ≤ π by the formula, not the series: small values keep digits.
 
         Args:
@@ -135,10 +138,10 @@ class Periodic:
         count(kernels=q.size)
         numbers = [float(x) for x in self.radicand.inputs(64)]
         kernels = self.radicand.kernels.run(Float64(), [q, *numbers])
-        rate = self.anomaly.unstretched(χ, Float64())[1] if isinstance(self.anomaly, Stretched) else 1.0
-        return sum(w * k for w, k in zip(weights, kernels, strict=False) if w) / self.ratio(χ) * rate
+        total: Elementwise = sum(w * k for w, k in zip(weights, kernels, strict=False) if w)
+        return total / self.ratio(χ) * self.anomaly.slope_at(χ)
 
-    def ratio(self, χ: Any) -> Any:
+    def ratio(self, χ: Elementwise) -> Elementwise:
         """Return p/(dq/dχ) to full relative accuracy; χ a float array or one ``mpf``.
 
         Args:
@@ -149,7 +152,7 @@ class Periodic:
         rest = replace(self.momentum, mean=0.0)
         return float(multiprecision(96).exp(self.momentum.mean)) * np.exp(rest.value(χ))
 
-    def crowding(self, χ: Any) -> Any:
+    def crowding(self, χ: Reals) -> Reals:
         """Return |χ d ln(p/(dq/dχ))/dχ| for a float array: how the rounding of χ comes out in p, relative to p.
 
         p is a product of two factors; next to a pole both change fast with χ, and p may not.
@@ -160,7 +163,7 @@ class Periodic:
         h, series = 1e-5, replace(self.momentum, mean=0.0)
         return np.abs(χ * (series.value(χ + h) - series.value(χ - h)) / (2 * h))
 
-    def place(self, χ: Any) -> tuple[Any, Any]:
+    def place(self, χ: Numbers) -> tuple[Numbers, Numbers]:
         """Return q (not reduced to one turn) and the shell momentum at χ.
 
         Args:
@@ -168,20 +171,21 @@ class Periodic:
         """
         count(places=χ.size)
         arithmetic = arithmetic_of(χ)
-        anomaly = map_in_doubles(self.anomaly) if isinstance(arithmetic, Float64) else self.anomaly
+        anomaly = self.anomaly.in_doubles() if isinstance(arithmetic, Float64) else self.anomaly
         turn = (
             np.rint(χ / (2 * np.pi))
             if χ.dtype == float
             else elementwise(lambda x: x.context.nint(x / (2 * x.context.pi)), χ, 1)
         )
-        rest = χ - 2 * arithmetic.pi() * turn
+        pi: Elementwise = arithmetic.pi()
+        rest: Numbers = χ - 2 * pi * turn
 
-        def at(x: Any) -> tuple[Any, Any]:
+        def at(x: Elementwise) -> tuple[Elementwise, Elementwise]:
             place = anomaly.place(x, arithmetic)
             return place.q, self.ratio(x) * place.speed
 
         q, p = elementwise(at, rest, 2)
-        return (q, p) if self.anomaly.even else (q + self.anomaly.direction * 2 * arithmetic.pi() * turn, p)
+        return (q, p) if self.anomaly.even else (q + self.anomaly.direction * 2 * pi * turn, p)
 
 
 @dataclass(frozen=True)
@@ -195,28 +199,61 @@ class AtRest:
         stable: True where F″ < 0.
     """
 
-    rest: Any
-    rates: list[Any]
-    sizes: list[Any]
+    rest: Mpf
+    rates: list[Mpf]
+    sizes: list[Mpf]
     stable: bool
 
     kind: Kind = "equilibrium"
-    start: Any = 0
-    action: Any = 0
+    start: Mpf | int = 0
+    action: Mpf | int | None = 0
     periodic = True
 
-    def growth(self, j: int) -> Any:
+    @property
+    def kernels(self) -> list[FourierSeries]:
+        """Series of what is left of the kernels beside their means: nothing."""
+        return [zero() for _ in self.rates]
+
+    def limits(self) -> tuple[float, float]:
+        """Return the least and greatest phase there is: the phase only counts."""
+        return -np.inf, np.inf
+
+    def growth(self, j: int) -> float | Mpf:
+        """Return the growth of Gⱼ per unit phase.
+
+        Args:
+            j: position of the constant.
+        """
         return self.rates[j]
 
-    def integral(self, j: int, χ: Any) -> Any:
+    def integral(self, j: int, χ: Numbers) -> Numbers:
+        """Return Gⱼ from 0 to χ.
+
+        Args:
+            j: position of the constant.
+            χ: phases, shape (m,).
+        """
         return self.rate(j, χ) * χ
 
-    def rate(self, j: int, χ: Any) -> Any:
-        return (float(self.rates[j]) if χ.dtype == float else self.rates[j]) + 0 * χ
+    def rate(self, j: int, χ: Numbers) -> Numbers:
+        """Return dGⱼ/dχ.
 
-    def place(self, χ: Any) -> tuple[Any, Any]:
+        Args:
+            j: position of the constant.
+            χ: phases, shape (m,).
+        """
+        rate: Elementwise = float(self.rates[j]) if χ.dtype == float else self.rates[j]
+        return rate + 0 * χ
+
+    def place(self, χ: Numbers) -> tuple[Numbers, Numbers]:
+        """Return the place, and the momentum 0.
+
+        Args:
+            χ: phases, shape (m,).
+        """
         count(places=χ.size)
-        return (float(self.rest) if χ.dtype == float else self.rest) + 0 * χ, 0 * χ
+        rest: Elementwise = float(self.rest) if χ.dtype == float else self.rest
+        return rest + 0 * χ, 0 * χ
 
 
 @dataclass(frozen=True, eq=False)
@@ -235,25 +272,31 @@ class Unbounded:
     kind: Kind
     ahead: Branch
     behind: Branch
-    start: Any
+    start: Mpf
     reach: tuple[tuple[float, ...] | None, float] = (None, 1.0)
     back: float | None = None
 
     periodic = False
     action = None
 
-    def _sides(self, χ: Any) -> tuple[Any, Panels, Panels]:
+    def _sides(self, χ: Numbers) -> tuple[Mask, Panels, Panels]:
         weights, amount = self.reach
         ahead = self.ahead.panels(weights, amount)
         if self.behind is self.ahead:
             return χ >= 0, ahead, ahead
         return χ >= 0, ahead, self.behind.panels(weights, amount if self.back is None else self.back)
 
-    def integral(self, j: int, χ: Any) -> Any:
-        forward, ahead, behind = self._sides(χ)
-        return np.where(forward, ahead.integral(j, abs(χ)), -behind.integral(j, abs(χ)))
+    def integral(self, j: int, χ: Numbers) -> Numbers:
+        """Return Gⱼ from 0 to χ.
 
-    def grain(self, j: int, χ: Any) -> Any:
+        Args:
+            j: position of the constant.
+            χ: phases, shape (m,).
+        """
+        forward, ahead, behind = self._sides(χ)
+        return np.where(forward, ahead.integral(j, np.abs(χ)), -behind.integral(j, np.abs(χ)))
+
+    def grain(self, j: int, χ: Numbers) -> Reals:
         """Return the size that the rounding of an integral in doubles refers to.
 
         Args:
@@ -261,27 +304,33 @@ class Unbounded:
             χ: phases, shape (m,).
         """
         forward, ahead, behind = self._sides(χ)
-        return np.where(forward, ahead.grain(j, abs(χ)), behind.grain(j, abs(χ)))
+        return np.where(forward, ahead.grain(j, np.abs(χ)), behind.grain(j, np.abs(χ)))
 
-    def rate(self, j: int, χ: Any) -> Any:
+    def rate(self, j: int, χ: Numbers) -> Numbers:
+        """Return dGⱼ/dχ.
+
+        Args:
+            j: position of the constant.
+            χ: phases, shape (m,).
+        """
         forward, ahead, behind = self._sides(χ)
-        return np.where(forward, ahead.value(j, abs(χ)), behind.value(j, abs(χ)))
+        return np.where(forward, ahead.value(j, np.abs(χ)), behind.value(j, np.abs(χ)))
 
-    def edges(self) -> Any:
+    def edges(self) -> Reals:
         """Return the phases at all panel ends, increasing."""
         _, ahead, behind = self._sides(np.zeros(1))
         return np.concatenate([-behind.edges[:0:-1], ahead.edges]).astype(float)
 
-    def rate_sum(self, weights: tuple[float, ...], χ: Any) -> Any:
+    def rate_sum(self, weights: tuple[float, ...], χ: Reals) -> Reals:
         """Return Σ wⱼ dGⱼ/dχ.
 
         Args:
             weights: wⱼ, one a constant.
             χ: phases, shape (m,).
         """
-        return sum(w * self.rate(j, χ) for j, w in enumerate(weights) if w)
+        return cast("Reals", sum(w * self.rate(j, χ) for j, w in enumerate(weights) if w))
 
-    def limits(self) -> tuple[Any, Any]:
+    def limits(self) -> tuple[float, float]:
         """Return the least and greatest phase the panels hold; infinite along an asymptote, whose tail is known.
 
         Not where it is reached in a finite time all the same, at a place where the kinetic energy vanishes.
@@ -305,14 +354,19 @@ class Unbounded:
         )
         return bool(last[0] * rate <= 10.0**-self.ahead.digits * total)
 
-    def place(self, χ: Any) -> tuple[Any, Any]:
+    def place(self, χ: Numbers) -> tuple[Numbers, Numbers]:
+        """Return q and the shell momentum at χ.
+
+        Args:
+            χ: phases, shape (m,).
+        """
         count(places=χ.size)
         forward, ahead, behind = self._sides(χ)
         (q1, p1), (q2, p2) = self._on(self.ahead, ahead, χ, 1), self._on(self.behind, behind, χ, -1)
         return np.where(forward, q1, q2), np.where(forward, p1, p2)
 
-    def _on(self, branch: Branch, panels: Panels, χ: Any, sign: int) -> tuple[Any, Any]:
-        y, arithmetic = abs(χ), arithmetic_of(χ)
+    def _on(self, branch: Branch, panels: Panels, χ: Numbers, sign: int) -> tuple[Numbers, Numbers]:
+        y, arithmetic = np.abs(χ), arithmetic_of(χ)
         way = branch.way if χ.dtype == object else float_way(branch.way)
         q, slope = elementwise(lambda v: way.position(v, arithmetic), y, 2)
         return q, sign * slope * panels.value(-1, y) / elementwise(lambda v: way.rest(v, arithmetic), y, 1)
@@ -324,77 +378,7 @@ def float_way(way: EndMap) -> EndMap:
     Args:
         way: with constants of many digits.
     """
-    return EndMap(way.turning, way.end, float(way.start), way.side, float(way.length), way.pole)
+    return replace(way, start=float(way.start), length=float(way.length))  # type: ignore[arg-type]  # as many digits
 
 
 CoordinateMotion = Periodic | AtRest | Unbounded
-
-
-def bounded(
-    kind: Kind,
-    anomaly: Anomaly,
-    radicand: MomentumSquared,
-    start: Any,
-    skipped: tuple[bool, ...],
-    digits: int,
-    bits: int,
-    nodes: int,
-    parts: frozenset[str] = PARTS,
-) -> Periodic:
-    """Integrate over one cycle of a libration or rotation.
-
-    Args:
-        kind: libration or rotation.
-        anomaly: the map, at ``bits``.
-        radicand: p² and its kernels.
-        start: χ of the initial place.
-        skipped: which kernels are zero everywhere.
-        digits: relative digits wanted.
-        bits: working precision, enough for the cancellation at the turning points.
-        nodes: how many are proved to be enough, for half a turn where all is even; see ``resolution``.
-        parts: what is integrated, of ``PARTS``; the rest is left at zero, and the action at None.
-    """
-    if not parts:
-        empty = [zero() for _ in skipped]
-        return Periodic(kind, anomaly, empty, zero(), None, start, radicand)
-    values = integrands(radicand, skipped, bits, parts)
-    rows = [values(place) for place in _places(anomaly, nodes, bits)]
-    *kernels, momentum, density = fit(rows, even=anomaly.even, digits=digits, bits=bits, floors=_floors(radicand))
-    return Periodic(kind, anomaly, kernels, momentum, density if "action" in parts else None, start, radicand)
-
-
-def _floors(radicand: MomentumSquared) -> list[float]:
-    return [0.0] * len(radicand.kernels.outputs) + [1.0, 0.0]
-
-
-def _places(anomaly: Anomaly, nodes: int, bits: int) -> Iterable[Place]:
-    arithmetic = Multi(bits)
-    if isinstance(anomaly, Stretched):
-        return anomaly.places(nodes, arithmetic)
-    return (anomaly.place(χ, arithmetic) for χ in midpoints(nodes, even=anomaly.even, bits=bits))
-
-
-def integrands(
-    radicand: MomentumSquared, skipped: tuple[bool, ...], bits: int, parts: frozenset[str]
-) -> Callable[[Place], list[Any]]:
-    """kⱼ (dq/dψ)/p for each constant, ln(p/(dq/dχ)), and p dq/dψ, all regular functions of the phase ψ (mostly χ).
-
-    Args:
-        radicand: p² and its kernels.
-        skipped: kernels that are zero everywhere.
-        bits: working precision.
-        parts: what is integrated, of ``PARTS``; the others come out as None.
-    """
-    arithmetic = Multi(bits)
-
-    def functions(place: Place) -> list[Any]:
-        root = (radicand.value(place.q, bits) / place.product) ** 0.5
-        kernels: list[Any] = [None] * len(skipped)
-        if "time" in parts:
-            weights = radicand.weights(place.q, bits)
-            scale = place.stretch * place.rate / root
-            kernels = [None if skip else w * scale for w, skip in zip(weights, skipped, strict=True)]
-        momentum = arithmetic.context.log(root / place.stretch) if "place" in parts else None
-        return [*kernels, momentum, place.product * root * place.stretch * place.rate if "action" in parts else None]
-
-    return functions

@@ -15,6 +15,7 @@ import numpy as np
 
 from hjsolve.arithmetic.floats import multiprecision
 from hjsolve.arithmetic.fourier import waves
+from hjsolve.arithmetic.number_types import Elementwise, Mpf, Numbers
 
 
 @dataclass(frozen=True)
@@ -29,13 +30,13 @@ class FourierSeries:
         tail: size of the first term left out, relative to the largest value.
     """
 
-    mean: Any
-    cosines: Any
-    sines: Any
+    mean: Mpf | float
+    cosines: Numbers
+    sines: Numbers | None
     nodes: int
-    tail: Any
+    tail: Mpf | float
 
-    def value(self, χ: Any) -> Any:
+    def value(self, χ: Elementwise) -> Elementwise:
         """Return the function at χ (array for float coefficients, else a scalar).
 
         Args:
@@ -45,7 +46,7 @@ class FourierSeries:
         total = _like(self.mean, χ) + real
         return total if self.sines is None else total + _horner(self.sines, χ)[1]
 
-    def ripple(self, χ: Any) -> Any:
+    def ripple(self, χ: Elementwise) -> Elementwise:
         """Return the periodic part of the integral from 0 to χ, that is ∫₀^χ − c₀ χ.
 
         Args:
@@ -63,7 +64,7 @@ class FourierSeries:
         return not self.mean and not len(self.cosines)
 
 
-def combine(weights: list[Any], series: list[FourierSeries]) -> FourierSeries:
+def combine(weights: list[float | Mpf], series: list[FourierSeries]) -> FourierSeries:
     """Return Σ wⱼ·seriesⱼ; a weight that is exactly zero leaves its series out.
 
     Args:
@@ -76,7 +77,7 @@ def combine(weights: list[Any], series: list[FourierSeries]) -> FourierSeries:
     floats = all(s.cosines.dtype == float for _, s in terms)
     length = max(len(s.cosines) for _, s in terms)
 
-    def total(parts: list[tuple[Any, Any]]) -> Any:
+    def total(parts: list[tuple[Any, Any]]) -> Numbers:
         result = np.zeros(length) if floats else np.array([0 * terms[0][0]] * length, dtype=object)
         for w, part in parts:
             result[: len(part)] += (float(w) if floats else w) * part
@@ -97,7 +98,7 @@ def zero() -> FourierSeries:
     return FourierSeries(0, np.zeros(0), None, 0, 0.0)
 
 
-def constant_series(value: Any) -> FourierSeries:
+def constant_series(value: Mpf | float) -> FourierSeries:
     """Return a constant function.
 
     Args:
@@ -106,7 +107,7 @@ def constant_series(value: Any) -> FourierSeries:
     return FourierSeries(value, np.zeros(0), None, 1, 0.0)
 
 
-def midpoints(nodes: int, *, even: bool, bits: int) -> list[Any]:
+def midpoints(nodes: int, *, even: bool, bits: int) -> list[Mpf]:
     """Return the middles of equal parts of half a turn (a whole turn where nothing is even), as ``mpf``.
 
     Args:
@@ -120,7 +121,7 @@ def midpoints(nodes: int, *, even: bool, bits: int) -> list[Any]:
 
 
 def fit(
-    rows: Sequence[list[Any]], *, even: bool, bits: int, digits: int = 15, floors: Sequence[float] = ()
+    rows: Sequence[list[Mpf | None]], *, even: bool, bits: int, digits: int = 15, floors: Sequence[float] = ()
 ) -> list[FourierSeries]:
     """Represent periodic functions by series; ``resolution`` proves how many nodes are enough.
 
@@ -135,17 +136,20 @@ def fit(
     return [_one([row[j] for row in rows], even, digits, bits, floors[j]) for j in range(len(rows[0]))]
 
 
-def _one(values: list[Any], even: bool, digits: int, bits: int, floor: float) -> FourierSeries:
+def _one(given: list[Mpf | None], even: bool, digits: int, bits: int, floor: float) -> FourierSeries:
     """Discrete cosine (or Fourier) transform of values at midpoints, and the size of its last terms."""
-    if values[0] is None:
+    values = [v for v in given if v is not None]
+    if not values:
         return zero()
     context, nodes = multiprecision(bits), len(values)
+    # c₀ by the midpoint rule; the rest is transformed, so that a small oscillation keeps its digits beside it
     mean = context.fsum(values) / nodes
     largest = max(floor, *(abs(v) for v in values))
     rest = [v - mean for v in values]
     if not largest or max(abs(v) for v in rest) <= largest * context.mpf(10) ** -(digits + 8):
         return constant_series(mean)
     cosines, sines = waves(rest, even=even, bits=bits)
+    # the last two of each, because one of two may vanish by a symmetry
     tail = max(abs(c) for c in cosines[-2:] + sines[-2:]) / largest
     kind = object if digits > 15 else float
     return FourierSeries(
@@ -157,7 +161,7 @@ def _one(values: list[Any], even: bool, digits: int, bits: int, floor: float) ->
     )
 
 
-def _horner(coefficients: Any, χ: Any) -> tuple[Any, Any]:
+def _horner(coefficients: Numbers, χ: Elementwise) -> tuple[Elementwise, Elementwise]:
     """Σ cₖ cos kχ and Σ cₖ sin kχ for k = 1, 2, …, by Horner's rule in e^{iχ}."""
     if isinstance(χ, np.ndarray | float):
         wave = np.exp(1j * np.asarray(χ))
@@ -173,5 +177,5 @@ def _horner(coefficients: Any, χ: Any) -> tuple[Any, Any]:
     return total.real, total.imag
 
 
-def _like(mean: Any, χ: Any) -> Any:
+def _like(mean: Elementwise, χ: Elementwise) -> Elementwise:
     return float(mean) if isinstance(χ, np.ndarray | float) else mean

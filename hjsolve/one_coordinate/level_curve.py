@@ -20,13 +20,13 @@ from dataclasses import dataclass
 from functools import cached_property, lru_cache
 from itertools import accumulate
 from math import ceil, log
-from typing import Any
 
 import numpy as np
 
-from hjsolve.arithmetic.complex_disks import Disk, Disks
+from hjsolve.arithmetic.complex_disks import Disk, Disks, single
 from hjsolve.arithmetic.floats import Multi, multiprecision
-from hjsolve.arithmetic.tape import Tape
+from hjsolve.arithmetic.number_types import Mpf
+from hjsolve.arithmetic.tape import BoundTape, Tape
 from hjsolve.errors import NotConvergedError
 
 _RHO, _WIDER = 2 + 3**0.5, 2.1
@@ -50,18 +50,18 @@ class Piece:
     """
 
     along: int
-    begin: Any
-    end: Any
-    first: Any
+    begin: Mpf
+    end: Mpf
+    first: Mpf
     middle: float
     room: float
     nodes: int
-    time: Any = 0
-    action: Any = 0
+    time: Mpf | int = 0
+    action: Mpf | int = 0
     time_error: float = 0.0
     action_error: float = 0.0
 
-    def passes(self, point: tuple[Any, Any]) -> bool:
+    def passes(self, point: tuple[Mpf, Mpf]) -> bool:
         """True where a point of the curve lies on the piece, its beginning left out.
 
         Args:
@@ -85,24 +85,24 @@ class Curve:
     """
 
     tape: Tape
-    parameters: Callable[[int], list[Any]]
-    energy: Callable[[int], Any]
+    parameters: Callable[[int], list[Mpf]]
+    energy: Callable[[int], Mpf]
     digits: int
     bits: int
 
     @cached_property
-    def _exact(self) -> Any:
+    def _exact(self) -> BoundTape[Mpf]:
         return self.tape.bind(Multi(self.bits), self.parameters(self.bits))
 
     @cached_property
-    def _disks(self) -> Any:
+    def _disks(self) -> BoundTape[Disk]:
         return self.tape.bind(Disks(), [Disks().point(x) for x in self.parameters(64)])
 
     @cached_property
-    def _level(self) -> Any:
+    def _level(self) -> Mpf:
         return self.energy(self.bits)
 
-    def at(self, along: int, x: Any, y: Any) -> tuple[Any, Any, Any]:
+    def at(self, along: int, x: Mpf, y: Mpf) -> tuple[Mpf, Mpf, Mpf]:
         """H − E and its derivatives along x and y.
 
         Args:
@@ -112,7 +112,7 @@ class Curve:
         h, *slopes = self._exact.run(*((x, y) if along == 0 else (y, x)))
         return h - self._level, slopes[along], slopes[1 - along]
 
-    def root(self, along: int, x: Any, y: Any, size: Any) -> Any:
+    def root(self, along: int, x: Mpf, y: Mpf, size: float | Mpf) -> Mpf:
         """y(x) by Newton's method from a place near it; ``size`` is what its accuracy refers to.
 
         Args:
@@ -137,7 +137,7 @@ class Curve:
             before = step
         raise NotConvergedError("a branch of H = E could not be solved for")
 
-    def piece(self, along: int, point: tuple[Any, Any], radius: float, tries: int) -> tuple[Piece, float] | None:
+    def piece(self, along: int, point: tuple[Mpf, Mpf], radius: float, tries: int) -> tuple[Piece, float] | None:
         """The longest piece from a point, of a half length at most ``radius``; and half the time it takes, roughly.
 
         Args:
@@ -173,13 +173,13 @@ class Curve:
                 return None
             y = float(exact(y) - h / slope)
         h, _, slope = self.at(along, exact(c), exact(y))
-        wide, steep = Disk(np.complex128(c), np.float64(_WIDER * radius)), abs(float(slope))
-        across = self._slopes(along, wide, Disk(np.complex128(y), np.float64(0.0)))[0]
+        wide, steep = single(c, _WIDER * radius), abs(float(slope))
+        across = self._slopes(along, wide, single(y, 0.0))[0]
         moved = float(across.largest) * _WIDER * radius + abs(float(h))
         if not (np.isfinite(moved) and steep > 0):
             return None
         room = 2 * moved / steep + 2.0**-50 * abs(y)
-        least = float(self._slopes(along, wide, Disk(np.complex128(y), np.float64(room)))[1].least)
+        least = float(self._slopes(along, wide, single(y, room))[1].least)
         return (y, room, 1 / least) if moved < 0.99 * room * least < np.inf else None
 
     def _slopes(self, along: int, x: Disk, y: Disk) -> tuple[Disk, Disk]:
@@ -187,7 +187,7 @@ class Curve:
             _, *slopes = self._disks.run(*((x, y) if along == 0 else (y, x)))
             return (_known(slopes[along]), _known(slopes[1 - along]))
 
-    def integrals(self, piece: Piece, end: Any) -> tuple[Any, Any, list[tuple[Any, Any]]]:
+    def integrals(self, piece: Piece, end: Mpf) -> tuple[Mpf, Mpf, list[tuple[Mpf, Mpf]]]:
         """∫ dt and ∫ p dq from the beginning of a piece to a place on it; and (x, H_x) at the nodes.
 
         Args:
@@ -207,7 +207,7 @@ class Curve:
             signs.append((x, across))
         return time, action, signs
 
-    def finished(self, piece: Piece, end: Any) -> tuple[Piece, tuple[Any, Any], list[tuple[Any, Any]]]:
+    def finished(self, piece: Piece, end: Mpf) -> tuple[Piece, tuple[Mpf, Mpf], list[tuple[Mpf, Mpf]]]:
         """The piece up to an end with its integrals and their bounds, the point there, and H_x at the nodes.
 
         Args:
@@ -218,8 +218,8 @@ class Curve:
         along, half = piece.along, abs(float(end - piece.begin)) / 2
         y = self.root(along, end, piece.middle + 0 * end, piece.room)
         c = float(piece.begin + end) / 2
-        wide = Disk(np.complex128(c), np.float64(2 * half))
-        across, steep = self._slopes(along, wide, Disk(np.complex128(piece.middle), np.float64(piece.room)))
+        wide = single(c, 2 * half)
+        across, steep = self._slopes(along, wide, single(piece.middle, piece.room))
         rate = 1 / float(steep.least)
         largest = abs(piece.middle) + piece.room if along == 0 else (abs(c) + 2 * half) * float(across.largest) * rate
         off = 64 / 15 * half * _RHO ** (-2 * piece.nodes) / (1 - _RHO**-2)
@@ -232,7 +232,7 @@ class Curve:
 
 
 def _known(x: Disk) -> Disk:
-    return x if np.all(x.known) else Disk(np.complex128(0.0), np.float64(np.inf))
+    return x if np.all(x.known) else single(0.0, np.inf)
 
 
 @dataclass(frozen=True, eq=False)
@@ -249,14 +249,14 @@ class Orbit:
     curve: Curve
     pieces: tuple[Piece, ...]
     turns: int
-    ends: tuple[Any, Any] | None
+    ends: tuple[Mpf, Mpf] | None
 
     @cached_property
-    def _begins(self) -> list[Any]:
+    def _begins(self) -> list[Mpf | int]:
         return [0, *accumulate(piece.time for piece in self.pieces)]
 
     @property
-    def period(self) -> Any:
+    def period(self) -> Mpf | int:
         return self._begins[-1]
 
     @property
@@ -273,12 +273,12 @@ class Orbit:
         return far[0], far[1]
 
     @property
-    def action(self) -> tuple[Any, float]:
+    def action(self) -> tuple[Mpf, float]:
         """(1/2π) ∮ p dq and a bound on its error."""
         turn = 2 * multiprecision(self.curve.bits).pi
         return sum(p.action for p in self.pieces) / turn, sum(p.action_error for p in self.pieces) / 6
 
-    def at(self, time: Any) -> tuple[Any, Any]:
+    def at(self, time: Mpf | int) -> tuple[Mpf, Mpf]:
         """Return (q, p) at a time from the start, 0 ≤ time ≤ period: ∫ dt solved for its upper end.
 
         Args:
@@ -299,7 +299,7 @@ class Orbit:
         return (x, y) if piece.along == 0 else (y, x)
 
 
-def followed(curve: Curve, q: Any, p: Any, domain: tuple[Any, Any], *, angle: bool) -> Orbit:
+def followed(curve: Curve, q: Mpf, p: Mpf, domain: tuple[Mpf | None, Mpf | None], *, angle: bool) -> Orbit:
     """Follow the curve from a point until it comes back, for an angle possibly 2π further.
 
     Args:
@@ -336,14 +336,14 @@ def followed(curve: Curve, q: Any, p: Any, domain: tuple[Any, Any], *, angle: bo
     raise NotConvergedError(_where(f"does not come back within {_MOST_PIECES} pieces of the curve H = E", point))
 
 
-def _where(why: str, point: tuple[Any, Any]) -> str:
+def _where(why: str, point: tuple[Mpf, Mpf]) -> str:
     return (
         f"H(q, p): the motion {why}; it was followed to q = {float(point[0]):.9g}, p = {float(point[1]):.9g}, and only "
         "one that comes back can be computed for such an H"
     )
 
 
-def _extremes(curve: Curve, piece: Piece, signs: list[tuple[Any, Any]]) -> list[Any]:
+def _extremes(curve: Curve, piece: Piece, signs: list[tuple[Mpf, Mpf]]) -> list[Mpf]:
     """The q where dq/dt = H_p vanishes on a piece along p."""
     found, before = [], (piece.begin, curve.at(1, piece.begin, piece.first)[1])
     for after in signs:
@@ -359,7 +359,7 @@ def _extremes(curve: Curve, piece: Piece, signs: list[tuple[Any, Any]]) -> list[
 
 
 @lru_cache(maxsize=64)
-def gauss_legendre(n: int, bits: int) -> list[tuple[Any, Any]]:
+def gauss_legendre(n: int, bits: int) -> list[tuple[Mpf, Mpf]]:
     """Nodes on (−1, 1), increasing, and weights: Newton's method on Pₙ from nodes in doubles.
 
     Args:

@@ -9,12 +9,12 @@ new must be proved of p².
 from __future__ import annotations
 
 from functools import lru_cache
-from typing import Any
 
 import numpy as np
 
 from hjsolve.arithmetic.floats import Multi, multiprecision
 from hjsolve.arithmetic.fourier import smooth, waves
+from hjsolve.arithmetic.number_types import Elementwise, Mpf, Numbers
 from hjsolve.one_coordinate.chebyshev_panels import EndMap, Panels, antiderivative, chebyshev_points
 from hjsolve.one_coordinate.coordinate_motion import AtRest, CoordinateMotion, Periodic, Unbounded, elementwise
 from hjsolve.one_coordinate.open_branch import Branch
@@ -24,7 +24,7 @@ _TERMS = 48
 _HALVINGS = 200
 
 
-def momentum_integral(course: CoordinateMotion, χ: Any) -> tuple[Any, Any, Any]:
+def momentum_integral(course: CoordinateMotion, χ: Numbers) -> tuple[Numbers, Numbers, Numbers]:
     """Return ∫ P dq from the phase 0 to χ, |P dq/dχ|, and the size that rounding refers to; nan beyond the panels.
 
     Args:
@@ -35,19 +35,20 @@ def momentum_integral(course: CoordinateMotion, χ: Any) -> tuple[Any, Any, Any]
         return 0 * χ, 0 * χ, 0 * χ
     if isinstance(course, Periodic):
         series = course.density
-        mean = float(series.mean) if χ.dtype == float else series.mean
+        assert series is not None  # it was asked for
+        mean: Elementwise = float(series.mean) if χ.dtype == float else series.mean
         size = abs(mean) * abs(χ) + float(np.sum(np.abs(series.cosines.astype(float))))
         return mean * χ + elementwise(series.ripple, χ, 1), abs(elementwise(series.value, χ, 1)), size
     return _open(course, χ)
 
 
-def _open(course: Unbounded, χ: Any) -> tuple[Any, Any, Any]:
+def _open(course: Unbounded, χ: Numbers) -> tuple[Numbers, Numbers, Numbers]:
     weights, amount = course.reach
     back = amount if course.back is None or course.behind is course.ahead else course.back
     ahead, behind = _swept(course.ahead, weights, amount), _swept(course.behind, weights, back)
-    forward, y = χ >= 0, abs(χ)
+    forward, y = χ >= 0, np.abs(χ)
     values = np.where(forward, ahead.integral(0, y), -behind.integral(0, y))
-    slopes = abs(np.where(forward, ahead.value(0, y), behind.value(0, y)))
+    slopes: Numbers = np.abs(np.where(forward, ahead.value(0, y), behind.value(0, y)))
     beyond = np.where(forward, y > ahead.edges[-1], y > behind.edges[-1])
     values = np.where(beyond, np.nan, values) if beyond.any() else values
     return values, slopes, np.where(forward, ahead.grain(0, y), behind.grain(0, y))
@@ -58,7 +59,10 @@ def _swept(branch: Branch, weights: tuple[float, ...] | None, amount: float) -> 
     """Panels of |P dq/dy| that reach as far as ``branch.panels(weights, amount)``."""
     way, bits, digits, panels = branch.way, branch.bits, branch.digits, branch.panels(weights, amount)
     context = multiprecision(bits)
-    edges, values, sums, total = [context.mpf(0)], [], [], context.mpf(0)
+    edges: list[Mpf] = [context.mpf(0)]
+    values: list[list[Mpf]] = []
+    sums: list[list[Mpf]] = []
+    total: Mpf = context.mpf(0)
     for k, row in enumerate(panels.coefficients[-1]):
         series = [context.mpf(c) for c in row]
         ends = context.mpf(panels.edges[k]), context.mpf(panels.edges[k + 1])
@@ -81,8 +85,8 @@ def _swept(branch: Branch, weights: tuple[float, ...] | None, amount: float) -> 
 
 
 def _product(
-    way: EndMap, series: list[Any], panel: tuple[Any, Any], part: tuple[Any, Any], bits: int, digits: int
-) -> list[Any] | None:
+    way: EndMap, series: list[Mpf], panel: tuple[Mpf, Mpf], part: tuple[Mpf, Mpf], bits: int, digits: int
+) -> list[Mpf] | None:
     """Chebyshev coefficients on a part of a panel; None where they do not fall fast enough."""
     arithmetic, context = Multi(bits), multiprecision(bits)
     low, high = part
@@ -102,7 +106,7 @@ def _product(
     return product[:kept] if kept <= len(product) - 6 else None
 
 
-def _clenshaw(series: list[Any], y: Any, panel: tuple[Any, Any]) -> Any:
+def _clenshaw(series: list[Mpf], y: Mpf, panel: tuple[Mpf, Mpf]) -> Mpf:
     left, right = panel
     x2 = 2 * ((y - left) - (right - y)) / (right - left)
     b1 = b2 = 0 * x2
@@ -111,10 +115,10 @@ def _clenshaw(series: list[Any], y: Any, panel: tuple[Any, Any]) -> Any:
     return x2 / 2 * b1 - b2 + series[0]
 
 
-def _assembled(edges: list[Any], values: list[Any], sums: list[Any], nodes: int, digits: int) -> Panels:
+def _assembled(edges: list[Mpf], values: list[list[Mpf]], sums: list[list[Mpf]], nodes: int, digits: int) -> Panels:
     kind = float if digits <= 15 else object
 
-    def table(rows: list[list[Any]]) -> Any:
+    def table(rows: list[list[Mpf]]) -> Numbers:
         longest = max((len(row) for row in rows), default=1)
         return np.array([[[*row, *[0 * row[0]] * (longest - len(row))] for row in rows]], dtype=kind)
 

@@ -5,14 +5,14 @@ from __future__ import annotations
 from collections.abc import Callable
 from dataclasses import dataclass, replace
 from functools import cached_property
-from typing import Any
 
 import numpy as np
 
 from hjsolve.arithmetic import asymptotic_expansion
 from hjsolve.arithmetic.floats import Float64, Multi, multiprecision
 from hjsolve.arithmetic.interval import Interval, Intervals
-from hjsolve.arithmetic.jet import Jet, Jets
+from hjsolve.arithmetic.jet import Derivatives, Jet, Jets
+from hjsolve.arithmetic.number_types import Mpf, Numbers, Numeric
 from hjsolve.arithmetic.tape import BoundTape, Tape
 from hjsolve.arithmetic.work_counter import count
 
@@ -20,7 +20,7 @@ _TRIED = (128, 256, 512, 1024, 2048, 4096, 8192)
 _KEPT = 64
 """Precisions tried at the start, and bits of p² there that must be left of the first."""
 
-Number = Callable[[int], Any]
+Number = Callable[[int], Mpf]
 """A real number as a rule: binary digits asked ↦ ``mpf`` with (about) that many right."""
 
 
@@ -37,10 +37,10 @@ class MomentumSquared:
 
     squared: Tape
     kernels: Tape
-    inputs: Callable[[int], list[Any]]
+    inputs: Callable[[int], list[Mpf]]
     guard: int = 0
 
-    def value(self, q: Any, bits: int) -> Any:
+    def value(self, q: Numeric, bits: int) -> Mpf:
         """Return F(q) at the working precision ``bits``.
 
         Args:
@@ -50,7 +50,7 @@ class MomentumSquared:
         count(squares=1)
         return self._bound("value", bits).run(q)[0]
 
-    def jet(self, q: Any, bits: int) -> Jet:
+    def jet(self, q: Numeric, bits: int) -> Derivatives[Mpf]:
         """Return F, F′ and F″ at q; zeros where the formula does not contain q.
 
         Args:
@@ -61,9 +61,9 @@ class MomentumSquared:
         bound = self._bound("jet", bits)
         jet = bound.run(Jet(q, Multi(bits).rational(1, 1)))[0]
         zero = Multi(bits).rational(0, 1)
-        return Jet(*(zero if part is None else part for part in jet))
+        return Derivatives(*(zero if part is None else part for part in jet))
 
-    def weights(self, q: Any, bits: int) -> list[Any]:
+    def weights(self, q: Numeric, bits: int) -> list[Mpf]:
         """Return ½ ∂F/∂κⱼ at q.
 
         Args:
@@ -98,7 +98,7 @@ class MomentumSquared:
                 return replace(self, guard=bits - _TRIED[0])
         return self
 
-    def __getstate__(self) -> dict[str, Any]:
+    def __getstate__(self) -> dict[str, object]:
         return {name: value for name, value in self.__dict__.items() if name != "_tapes"}
 
     @cached_property
@@ -125,7 +125,7 @@ class MomentumSquared:
             self._tapes[key] = bound
         return self._tapes[key]
 
-    def enclose(self, low: Any, high: Any, bits: int = 53) -> Jet:
+    def enclose(self, low: Numbers, high: Numbers, bits: int = 53) -> Derivatives[Interval]:
         """Enclose F, F′, F″ over cells [low, high]: arrays of floats, or of ``mpf`` above 53 bits.
 
         The value is sharpened by the mean value form, F(m) + F′(cell)·(cell − m).
@@ -144,12 +144,12 @@ class MomentumSquared:
         with np.errstate(all="ignore"):
             sharp = field.add(centre, field.mul(first, field.sub(cell, Interval(middle, middle))))
             value = Interval(np.maximum(value.low, sharp.low), np.minimum(value.high, sharp.high))
-        return Jet(
+        return Derivatives(
             *(Interval(*(np.broadcast_to(end, np.shape(low)) for end in part)) for part in (value, first, second))
         )
 
 
-def has_period(radicand: MomentumSquared, place: Any) -> bool:
+def has_period(radicand: MomentumSquared, place: Number) -> bool:
     """True when p² has period 2π (a wheel on a slope has not, though its coordinate is an angle).
 
     Args:

@@ -8,11 +8,12 @@ no integral depends on how well they are known.
 
 from __future__ import annotations
 
-from typing import Any, NamedTuple
+from typing import NamedTuple
 
 import numpy as np
 
 from hjsolve.arithmetic.floats import Float64, Multi, multiprecision
+from hjsolve.arithmetic.number_types import Mpf
 from hjsolve.arithmetic.work_counter import count
 from hjsolve.one_coordinate.momentum_squared import MomentumSquared
 
@@ -23,11 +24,11 @@ _STEPS = 40
 class ComplexZeroPair(NamedTuple):
     """A complex pair place ± i·gap of zeros or poles of p²."""
 
-    place: Any
-    gap: Any
+    place: Mpf
+    gap: Mpf
 
 
-def complex_zero_pairs(radicand: MomentumSquared, lower: Any, upper: Any, bits: int) -> list[ComplexZeroPair]:
+def complex_zero_pairs(radicand: MomentumSquared, lower: Mpf, upper: Mpf, bits: int) -> list[ComplexZeroPair]:
     """Return the pairs over a stretch of q, the closest to the real axis first.
 
     Args:
@@ -59,7 +60,7 @@ def _extrema(radicand: MomentumSquared, lower: float, upper: float) -> list[floa
     return [float(x) for x in q[1:-1][rise[:-1] * rise[1:] <= 0]]
 
 
-def _refined(radicand: MomentumSquared, q: Any, lower: Any, upper: Any, bits: int) -> ComplexZeroPair | None:
+def _refined(radicand: MomentumSquared, q: Mpf, lower: Mpf, upper: Mpf, bits: int) -> ComplexZeroPair | None:
     """Newton's method for F′ = 0; None where it leaves the stretch."""
     tiny = (upper - lower) * Multi(bits).context.mpf(2) ** (32 - bits)
     for _ in range(_STEPS):

@@ -4,11 +4,11 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 from functools import cached_property, lru_cache
-from typing import Any
 
 import numpy as np
 
 from hjsolve.arithmetic.floats import Multi, bits_for
+from hjsolve.arithmetic.number_types import Mpf
 from hjsolve.errors import NotConvergedError
 from hjsolve.one_coordinate.chebyshev_panels import EndMap, Growing, Panels
 from hjsolve.one_coordinate.momentum_squared import MomentumSquared
@@ -29,7 +29,7 @@ class Branch:
     digits: int
     bits: int
 
-    def integrands(self, y: Any, extra: int = 0) -> list[Any]:
+    def integrands(self, y: Mpf, extra: int = 0) -> list[Mpf]:
         """Return kernels kⱼ |dq/dy| / |p|, then |p|/|dq/dy| (times ``EndMap.rest``), at y, with so many bits more.
 
         Args:
@@ -47,7 +47,7 @@ class Branch:
         kernels = [0 * p if skip else w * abs(slope) / p for w, skip in zip(weights, self.skipped, strict=True)]
         return [*kernels, p / abs(slope) * self.way.rest(y, Multi(work))]
 
-    def cancelled(self, y: Any, extra: int) -> int:
+    def cancelled(self, y: Mpf, extra: int) -> int:
         """Return how many bits more than ``extra`` are needed at y, so that all digits are left of the integrands.
 
         Args:
@@ -69,7 +69,7 @@ class Branch:
             more += max(64, min(self.bits + more, lost + enough + 32))
             exact = self._seen(y, more + 2 * self.bits) if more >= extra + self.bits else exact
 
-    def _seen(self, y: Any, extra: int) -> list[Any] | None:
+    def _seen(self, y: Mpf, extra: int) -> list[Mpf] | None:
         """The integrands; None where p² is all rounding."""
         try:
             values = self.integrands(y, extra)
@@ -77,7 +77,7 @@ class Branch:
             return None
         return None if isinstance(values[-1], values[-1].context.mpc) else values
 
-    def around(self, y: Any, rest: float) -> Surrounding:
+    def around(self, y: Mpf, rest: float) -> Surrounding:
         """Return what is around the place y, ``rest`` before the greatest y; see ``one_coordinate.panel_length``.
 
         Args:
@@ -102,7 +102,7 @@ class Branch:
         return _panels(self, weights, int(np.ceil(_FINE * np.log2(max(abs(amount), 1e-290)))) + 1)
 
 
-def _disagreement(values: list[Any] | None, exact: list[Any] | None) -> int:
+def _disagreement(values: list[Mpf] | None, exact: list[Mpf] | None) -> int:
     """The largest relative difference, as a power of two."""
     if values is None or exact is None:
         return 0
@@ -131,7 +131,7 @@ def _panels(branch: Branch, weights: tuple[float, ...] | None, power: int) -> Pa
     limit = context.mpf(2) ** (context.mpf(power) / _FINE)
     far = Multi(branch.bits).context.mpf(2) ** 1000
 
-    def enough(y: Any, integrals: list[Any]) -> bool:
+    def enough(y: Mpf, integrals: list[Mpf]) -> bool:
         if branch.way.end in {"asymptote", "fall"} and y > farthest(branch.digits):
             return True
         if weights is None:

@@ -6,11 +6,12 @@ from typing import NamedTuple
 
 import numpy as np
 
-from hjsolve.arithmetic.complex_disks import Disk, Disks, tighter
+from hjsolve.arithmetic.complex_disks import Disk, Disks, single, tighter
+from hjsolve.arithmetic.number_types import Reals
 from hjsolve.one_coordinate.chebyshev_panels import EndMap
 
 _D = Disks()
-_ONE = Disk(np.complex128(1.0), np.float64(0.0))
+_ONE = single(1.0, 0.0)
 
 
 class Scale(NamedTuple):
@@ -79,8 +80,37 @@ def spots(way: EndMap, y: float, rest: float, z: Disk) -> Spots:
         rise, root = d.unary("tanh", here), d.inverse(d.unary("cosh", here))
         before = np.tanh(y) ** 2
         x = tighter(d.power(rise, 2), d.sub(_ONE, d.power(root, 2)))
-        moved = d.sub(x, Disk(np.complex128(before), np.float64(2.0**-50 * before)))
+        moved = d.sub(x, single(before, 2.0**-50 * before))
         return Spots(d.times(x, length), root, d.times(moved, length))
     root = d.unary("exp", d.times(here, -0.5))
-    moved = d.mul(d.unary("exp", Disk(np.complex128(-y), np.float64(0))), d.sub(_ONE, d.unary("exp", d.times(z, -1.0))))
+    moved = d.mul(d.unary("exp", single(-y, 0)), d.sub(_ONE, d.unary("exp", d.times(z, -1.0))))
     return Spots(d.times(d.sub(_ONE, d.power(root, 2)), length), root, d.times(moved, length))
+
+
+class RootBounds(NamedTuple):
+    """The least |r|, |r| at the centre, and the largest."""
+
+    low: Reals
+    middle: Reals
+    high: Reals
+
+
+def root_bounds(r: Disk, places: Spots) -> RootBounds:
+    """Return the sizes of r over disks.
+
+    Args:
+        r: one disk, or as many as there are places.
+        places: the disks.
+    """
+    shape = np.shape(places.moved.radius)
+    return RootBounds(*(np.broadcast_to(part, shape) for part in (r.least, np.abs(r.centre), r.largest)))
+
+
+def largest_power(low: Reals, high: Reals, k: int) -> Reals:
+    """Return the largest |r|ᵏ; infinite where r may be 0 and k is negative.
+
+    Args:
+        low, high: the least and the largest |r|.
+        k: exponent.
+    """
+    return high**k if k >= 0 else 1 / low**-k

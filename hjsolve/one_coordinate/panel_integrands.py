@@ -11,26 +11,27 @@ from __future__ import annotations
 from collections.abc import Callable
 from dataclasses import dataclass, replace
 from functools import cached_property
-from typing import TYPE_CHECKING, Any, NamedTuple
+from typing import TYPE_CHECKING, Literal
 
 import numpy as np
 
-from hjsolve.arithmetic.complex_disks import Disk, Disks, tighter
+from hjsolve.arithmetic.complex_disks import Disk, Disks, single, tighter
 from hjsolve.arithmetic.exponential_factor import EXPONENTIAL, Rates, largest
 from hjsolve.arithmetic.floats import Multi
 from hjsolve.arithmetic.local_expansion import ZERO, LocalExpansion, Locals, exponential_unit
+from hjsolve.arithmetic.number_types import Elementwise, Mask, Mpf, Reals
 from hjsolve.arithmetic.reciprocals import without_overflow
 from hjsolve.arithmetic.tape import BoundTape, Tape
 from hjsolve.errors import InvalidInputError
 from hjsolve.one_coordinate.chebyshev_panels import EndMap
-from hjsolve.one_coordinate.panel_images import Scale, Spots, scale, spots
+from hjsolve.one_coordinate.panel_images import RootBounds, Scale, Spots, largest_power, root_bounds, scale, spots
 from hjsolve.one_coordinate.panel_length import Sizes
 
 if TYPE_CHECKING:
     from hjsolve.one_coordinate.momentum_squared import MomentumSquared
 
 _D = Disks()
-_ONE = Disk(np.complex128(1.0), np.float64(0.0))
+_ONE = single(1.0, 0.0)
 _FAR, _FARTHER = 100, 116
 """Distances from an end, 2^−…, at which the orders of what vanishes there are taken."""
 _EXACT = 2048
@@ -40,12 +41,8 @@ _AWAY = 16.0
 """Distance from the start, in natural lengths of at most 1, from which on a way to infinity is far out."""
 
 
-class RootBounds(NamedTuple):
-    """The least |r|, |r| at the centre, and the largest."""
-
-    low: Any
-    middle: Any
-    high: Any
+Order = int | Literal["zero"] | None
+"""Of a slot of a tape at a place: of a zero or a pole, that it is 0, or that nothing is known."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -62,13 +59,13 @@ class View:
     way: EndMap
     rate: float
     length: float
-    orders: tuple[list[Any], ...] = ()
+    orders: tuple[list[Order], ...] = ()
 
     @property
-    def _finish(self) -> Any:
+    def _finish(self) -> Mpf:
         return self.way.start + self.way.side * self.way.length
 
-    def samples(self) -> list[Any]:
+    def samples(self) -> list[Mpf]:
         """Return q where u is 2^−``_FAR`` and 2^−``_FARTHER`` (of the length)."""
         context, way = Multi(_EXACT).context, self.way
         if way.end != "infinity":
@@ -78,13 +75,22 @@ class View:
         return [way.side * context.mpf(2) ** k for k in (_FAR, _FARTHER)]
 
     def offset(self, q: Disk, root: Disk) -> Disk:
-        """Return u."""
+        """Return u.
+
+        Args:
+            q: disks of positions.
+            root: disks of r.
+        """
         if self.way.end != "infinity":
             return _D.times(_D.power(root, 2), self.length)
         return _D.unary("exp", _D.times(q, self.rate)) if self.rate else _D.times(_D.inverse(q), float(self.way.side))
 
     def variable(self, local: Locals) -> LocalExpansion:
-        """Return q as it is seen."""
+        """Return q as it is seen.
+
+        Args:
+            local: the arithmetic in which it is used.
+        """
         side = float(self.way.side)
         if self.way.end == "infinity":
             return local.exponent() if self.rate else local.inverse_variable(side)
@@ -92,9 +98,14 @@ class View:
         return local.variable(_D.point(self._finish), -side, centred=centred)
 
     def root(self, q: Disk, places: Spots) -> RootBounds:
-        """Return |r|, the root of |u|/length."""
+        """Return |r|, the root of |u|/length.
+
+        Args:
+            q: disks of positions.
+            places: what else is known of them.
+        """
         if self.way.end != "infinity":
-            return _sizes_of(places.root, places)
+            return root_bounds(places.root, places)
         with np.errstate(all="ignore"):
             if self.rate:
                 middle, spread = self.rate * np.real(q.centre) / 2, abs(self.rate) * q.radius / 2
@@ -186,10 +197,10 @@ class Sight:
                     most.append(0 * least)
                     inside.append(0 * least)
                     continue
-                most.append(self.scale.rate * _power(low, high, k) * w.largest / least)
+                most.append(self.scale.rate * largest_power(low, high, k) * w.largest / least)
                 inside.append(self.scale.rate * middle**k * np.abs(w.centre) / centre)
             k = self.scale.b + order // 2
-            most.append(self.scale.pace * _power(low, high, k) * np.sqrt(squared.largest))
+            most.append(self.scale.pace * largest_power(low, high, k) * np.sqrt(squared.largest))
             inside.append(self.scale.pace * middle**k * centre)
             known = squared.known & (least > 0)
             rows = [np.where(known & np.isfinite(row), row, np.inf) for row in most]
@@ -197,28 +208,18 @@ class Sight:
             return Sizes(*(np.stack([np.broadcast_to(row, shape) for row in part]) for part in both))
 
 
-def _sizes_of(r: Disk, places: Spots) -> RootBounds:
-    shape = np.shape(places.moved.radius)
-    return RootBounds(*(np.broadcast_to(part, shape) for part in (r.least, np.abs(r.centre), r.largest)))
-
-
-def _numbers(rows: list[Any]) -> list[Any]:
+def _numbers(rows: list[Reals]) -> list[Reals]:
     return [np.nan_to_num(row, posinf=0.0) for row in rows]
 
 
-def _power(low: Any, high: Any, k: int) -> Any:
-    """The largest |r|ᵏ; infinite where r may be 0 and k is negative."""
-    return high**k if k >= 0 else 1 / low**-k
-
-
-def _orders(tape: Tape, places: list[Any], inputs: list[Any]) -> list[Any]:
+def _orders(tape: Tape, places: list[Mpf], inputs: list[Mpf]) -> list[Order]:
     """Orders of all slots, from their values at two places 2^16 times apart; empty where they cannot be had."""
     every = Tape(tape.inputs, tape.operations, tuple(range(len(tape.inputs), len(tape.inputs) + len(tape.operations))))
     try:
         far, near = (every.run(Multi(_EXACT), [q, *inputs]) for q in places)
     except (ArithmeticError, InvalidInputError, ValueError):
         return []
-    found: list[Any] = []
+    found: list[Order] = []
     for a, b in zip(far, near, strict=True):
         if not a and not b:
             found.append(ZERO)
@@ -239,7 +240,7 @@ class Surrounding:
     """
 
     sight: Sight
-    y: Any
+    y: Mpf
     rest: float
 
     def __call__(self, z: Disk, careful: bool) -> Sizes:
@@ -260,7 +261,8 @@ class Surrounding:
 
     def _others(self, careful: bool) -> list[Callable[[Spots], Sizes]]:
         """Other ways to look at disks about which the plain formula knows nothing, those that apply here."""
-        way, here = self.sight.way, []
+        way = self.sight.way
+        here: list[Callable[[Spots], Sizes]] = []
         if way.end != "infinity":
             here.append(self._from_end)
         elif self._far:
@@ -272,7 +274,8 @@ class Surrounding:
     def _far(self) -> bool:
         """True far from the start, where a place is seen best from infinity."""
         x, way = self.sight.way.distances(self.y, Multi(64))[0], self.sight.way
-        return bool(x > _AWAY * max(abs(way.start), min(way.length, 1)) and way.side * way.start > -x / 2)
+        natural: Elementwise = max(abs(way.start), min(way.length, 1))
+        return bool(x > _AWAY * natural and way.side * way.start > -x / 2)
 
     def _place(self, places: Spots) -> Disk:
         """q, from the start or from the end of the way."""
@@ -300,7 +303,7 @@ class Surrounding:
 
     def _plain_sizes(self, squared: Disk, q: Disk, places: Spots) -> Sizes:
         weights = self.sight.plain[1].run(q)
-        return self.sight.integrands(squared, weights, _sizes_of(places.root, places), [0] * len(weights), 0)
+        return self.sight.integrands(squared, weights, root_bounds(places.root, places), [0] * len(weights), 0)
 
     def _closely(self, places: Spots) -> Sizes:
         """p² from the place of the panel, where its value and slope are had in many digits."""
@@ -350,7 +353,7 @@ class Surrounding:
         squared, *weights = (f for tape in sight.tapes for f in tape.run(rates, inputs))
         factor = _full(squared.value, q)
         factor = _D.div(factor, places.x) if sight.way.turning else factor
-        root = _sizes_of(_ONE, places)
+        root = root_bounds(_ONE, places)
         sizes = sight.integrands(factor, [w.value for w in weights], root, [0] * len(weights), 0)
         growths = [*(w.rate - squared.rate / 2 for w in weights), squared.rate / 2]
         most = [row * np.exp(largest(q, rate)) for row, rate in zip(sizes.most, growths, strict=True)]
@@ -378,6 +381,6 @@ def _nothing(like: Disk, kernels: int) -> Sizes:
     return Sizes(np.full(shape, np.inf), np.zeros(shape))
 
 
-def _chosen(places: Spots, which: Any) -> Spots:
+def _chosen(places: Spots, which: Mask) -> Spots:
     """Some of the places."""
     return Spots(*(Disk(x.centre[which], x.radius[which]) if np.ndim(x.radius) else x for x in places))

@@ -11,11 +11,12 @@ from __future__ import annotations
 
 from collections.abc import Callable
 from dataclasses import dataclass
-from typing import Any, NamedTuple
+from typing import NamedTuple
 
 import numpy as np
 
 from hjsolve.arithmetic.complex_disks import Disk
+from hjsolve.arithmetic.number_types import Mask, Mpf, Reals
 from hjsolve.one_coordinate.panel_sectors import RHO, Sectors, around, joined, real_lengths
 
 _OCTAVES, _DEEPEST = 12, 12
@@ -41,8 +42,8 @@ class Sizes(NamedTuple):
     Both of shape (integrands, sectors).
     """
 
-    most: Any
-    inside: Any
+    most: Reals
+    inside: Reals
 
 
 Surroundings = Callable[[Disk, bool], Sizes]
@@ -54,10 +55,10 @@ class Reach:
     """A panel: its length, bounds of all integrands in the ellipse about it, and the nodes that are thought to do."""
 
     length: float
-    most: Any
+    most: Reals
     nodes: int
 
-    def nodes_for(self, sizes: list[Any], digits: int) -> int:
+    def nodes_for(self, sizes: list[Mpf], digits: int) -> int:
         """Return the nodes that miss no integrand by more than 10^−(digits + 1) of its size, proved.
 
         Args:
@@ -69,7 +70,7 @@ class Reach:
         return nodes_for(excess, digits)
 
 
-def _log(x: Any) -> float:
+def _log(x: Mpf) -> float:
     return float(x.context.log(x))
 
 
@@ -125,7 +126,7 @@ def _within(surroundings: Surroundings, most: float, digits: int) -> Reach | Non
     return _best(sectors, sizes, length, digits) if length > 0 else None
 
 
-def _again(surroundings: Surroundings, sectors: Sectors, sizes: Sizes, which: Any) -> Sizes:
+def _again(surroundings: Surroundings, sectors: Sectors, sizes: Sizes, which: Mask) -> Sizes:
     """The same with all care taken over some sectors."""
     again = surroundings(sectors.chosen(which).disks(), True)
     most, inside = sizes.most.copy(), sizes.inside.copy()

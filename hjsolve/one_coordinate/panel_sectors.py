@@ -13,11 +13,11 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 from functools import lru_cache
-from typing import Any
 
 import numpy as np
 
 from hjsolve.arithmetic.complex_disks import Disk
+from hjsolve.arithmetic.number_types import Elementwise, Mask, Reals
 
 RHO = 5.0
 """Parameter of the ellipses: a series of degree n is right to about ρ^(−n)."""
@@ -32,10 +32,10 @@ _PARTS = ("inner", "outer", "first", "last")
 class Sectors:
     """Sectors inner ≤ |z| ≤ outer, first ≤ arg z ≤ last, arrays of one shape; the core has inner radius 0."""
 
-    inner: Any
-    outer: Any
-    first: Any
-    last: Any
+    inner: Reals
+    outer: Reals
+    first: Reals
+    last: Reals
 
     def disks(self) -> Disk:
         """Return the disk about each: through its corners, or through the outer ones where it is a half disk."""
@@ -46,14 +46,24 @@ class Sectors:
         radius = np.where(core, 1.0, np.maximum(corner, 1 - away))
         return Disk(self.outer * away * np.exp(1j * (self.first + half)), self.outer * radius * (1 + 1e-12))
 
-    def lengths(self) -> Any:
+    def lengths(self) -> Reals:
         """Return the length of the panel whose ellipse begins to meet each sector: λ is least at a corner."""
         return 2 * self.inner * (_R - np.cos(self.first)) / (_R * _R - 1)
 
-    def chosen(self, which: Any) -> Sectors:
+    def chosen(self, which: Mask) -> Sectors:
+        """Return some of the sectors.
+
+        Args:
+            which: True for those to be kept.
+        """
         return Sectors(self.inner[which], self.outer[which], self.first[which], self.last[which])
 
     def scaled(self, by: float) -> Sectors:
+        """Return sectors whose radii are multiplied.
+
+        Args:
+            by: the factor.
+        """
         return Sectors(by * self.inner, by * self.outer, self.first, self.last)
 
     def quartered(self) -> Sectors:
@@ -84,11 +94,19 @@ def around(octaves: int) -> Sectors:
     return kept.chosen(kept.lengths() < 1)
 
 
-def real_lengths(steps: Any) -> Any:
-    """Return the length of the panel whose ellipse begins to meet the real place at each step."""
+def real_lengths(steps: Elementwise) -> Elementwise:
+    """Return the length of the panel whose ellipse begins to meet the real place at each step.
+
+    Args:
+        steps: distances from the beginning of the panel.
+    """
     return 2 * steps / (_R + 1)
 
 
 def joined(x: Sectors, y: Sectors) -> Sectors:
-    """Return the sectors of both."""
+    """Return the sectors of both.
+
+    Args:
+        x, y: sectors, those of x first.
+    """
     return Sectors(*(np.concatenate([getattr(x, part), getattr(y, part)]) for part in _PARTS))

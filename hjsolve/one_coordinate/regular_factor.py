@@ -13,16 +13,24 @@ out once; the rest runs over disks, or over points in complex doubles where a fe
 
 from __future__ import annotations
 
-from abc import ABC, abstractmethod
 from collections.abc import Sequence
 from dataclasses import dataclass
-from typing import Any, NamedTuple
 
 import numpy as np
 
-from hjsolve.arithmetic.complex_disks import Disk, Disks, hull, tighter
+from hjsolve.arithmetic.complex_disks import Disk, Disks, single, tighter
 from hjsolve.arithmetic.floats import Float64
+from hjsolve.arithmetic.number_types import Complexes, Integers, N
 from hjsolve.arithmetic.tape import Operation, Tape
+from hjsolve.one_coordinate.difference_rules import (
+    AtPoints,
+    DifferenceRules,
+    DividedValues,
+    EndValues,
+    OverDisks,
+    ProgramLine,
+    first_disk,
+)
 
 _DISKS = Disks()
 _ONE = _DISKS.rational(1, 1)
@@ -31,7 +39,13 @@ _ONE = _DISKS.rational(1, 1)
 class ComplexPoints(Float64):
     """Complex doubles, where a few digits are enough."""
 
-    def unary(self, name: str, x: Any) -> Any:
+    def unary(self, name: str, x: Complexes) -> Complexes:
+        """Return a function of one variable.
+
+        Args:
+            name: of the function; ``turned`` is i times the number, ``abs`` the analytic function ±z.
+            x: complex, shape (m,).
+        """
         if name == "turned":
             return 1j * x
         if name == "abs":  # the analytic function ±z
@@ -41,38 +55,14 @@ class ComplexPoints(Float64):
             return 2 * decay / (1 + decay * decay)
         return Float64().unary(name, np.asarray(x, dtype=complex))
 
-    def power(self, x: Any, n: int) -> Any:
+    def power(self, x: Complexes, n: int) -> Complexes:
+        """Return xⁿ.
+
+        Args:
+            x: complex, shape (m,).
+            n: exponent of either sign.
+        """
         return x**n
-
-
-_CLOSE = 1e-4
-"""Relative distance of two points below which a quotient of differences loses more than a mean value leaves out."""
-
-
-class EndValues(NamedTuple):
-    """f(a), f(b) and f[a, b] as disks; a constant has only the first."""
-
-    lower: Disk
-    upper: Disk
-    chord: Disk | None = None
-
-
-class DividedValues(NamedTuple):
-    """f(q), f[a, b, q], f[b, q] and f[a, q]."""
-
-    here: Any
-    second: Any
-    from_upper: Any
-    from_lower: Any
-
-
-class ProgramLine(NamedTuple):
-    """One operation of the program, ``add``, ``mul``, ``inverse`` or a function: the slot it fills, what it takes."""
-
-    code: str
-    target: int
-    first: int
-    other: int = -1
 
 
 @dataclass(frozen=True)
@@ -89,7 +79,7 @@ class Deflated:
     lines: tuple[ProgramLine, ...]
     output: int
 
-    def over(self, q: Disk, from_lower: Disk, from_upper: Disk) -> tuple[Disk, Any]:
+    def over(self, q: Disk, from_lower: Disk | None, from_upper: Disk | None) -> tuple[Disk, Integers | int]:
         """Enclose R over disks that hold q, q − a and q − b.
 
         Args:
@@ -99,7 +89,9 @@ class Deflated:
         Returns:
             The disks, and which of ``ways`` gave each of them: the one that is known best.
         """
-        result = self._run(_OverDisks(), q)
+        assert from_lower is not None
+        assert from_upper is not None
+        result = self._run(OverDisks(), q)
         best, way = result.second, np.zeros(np.shape(result.second.radius), dtype=int)
         for number, (above, below) in enumerate(
             ((result.from_upper, from_lower), (result.from_lower, from_upper), (result.here, None)), 1
@@ -110,7 +102,9 @@ class Deflated:
             way = np.where(better, number, way)
         return Disk(-best.centre, best.radius), way
 
-    def at(self, q: Any, from_lower: Any, from_upper: Any, way: Any = 0) -> Any:
+    def at(
+        self, q: Complexes, from_lower: Complexes | None, from_upper: Complexes | None, way: Integers | int = 0
+    ) -> Complexes:
         """Return R at complex places, in doubles, in one of the ``ways``.
 
         Args:
@@ -118,183 +112,32 @@ class Deflated:
             from_lower, from_upper: q − a and q − b, known better than by subtraction.
             way: position among the ``ways``; one for all places, or one for each.
         """
-        return np.choose(way, np.broadcast_arrays(*self.ways(q, from_lower, from_upper)))
+        found: Complexes = np.choose(way, np.broadcast_arrays(*self.ways(q, from_lower, from_upper)))
+        return found
 
-    def ways(self, q: Any, from_lower: Any, from_upper: Any) -> tuple[Any, Any, Any, Any]:
+    def ways(self, q: Complexes, from_lower: Complexes | None, from_upper: Complexes | None) -> tuple[Complexes, ...]:
         """Return R at complex places as −F[a, b, q], −F[b, q]/(q − a), −F[a, q]/(q − b), −F(q)/((q − a)(q − b)).
 
         They are the same, and each of them may have lost all digits where another one has not.
+
+        Args:
+            q: complex, shape (m,).
+            from_lower, from_upper: q − a and q − b, known better than by subtraction.
         """
-        found = self._run(_AtPoints(), q)
+        assert from_lower is not None
+        assert from_upper is not None
+        found = self._run(AtPoints(), q)
         quotients = found.from_upper / from_lower, found.from_lower / from_upper, found.here / (from_lower * from_upper)
         return -found.second, -quotients[0], -quotients[1], -quotients[2]
 
-    def _run(self, on: _Rules, q: Any) -> DividedValues:
-        one, zero = on.fixed(_ONE), on.fixed(Disk(np.complex128(0), np.float64(0)))
-        slots: list[DividedValues | None] = [None] * len(self.ends)
+    def _run(self, on: DifferenceRules[N], q: N) -> DividedValues[N]:
+        one, zero = on.fixed(_ONE), on.fixed(single(0, 0))
+        slots: list[DividedValues[N] | None] = [None] * len(self.ends)
         slots[0] = DividedValues(q, zero, one, one)
         for line in self.lines:
             slots[line.target] = on.step(line, self.ends, slots)
         found = slots[self.output]
         return DividedValues(zero, zero, zero, zero) if found is None else found
-
-
-class _Rules(ABC):
-    """The rules for second differences, over some kind of numbers."""
-
-    @abstractmethod
-    def fixed(self, disk: Any) -> Any:
-        """Return what is known at a and b as a number of this kind."""
-
-    @abstractmethod
-    def plus(self, x: Any, y: Any) -> Any:
-        """Return x + y."""
-
-    @abstractmethod
-    def times(self, x: Any, y: Any) -> Any:
-        """Return x·y."""
-
-    @abstractmethod
-    def reciprocal(self, x: Any) -> Any:
-        """Return 1/x."""
-
-    @abstractmethod
-    def call(self, name: str, x: Any) -> Any:
-        """Return Φ(x)."""
-
-    @abstractmethod
-    def chord(self, name: str, x: Any, y: Any, at_x: Any, at_y: Any) -> Any:
-        """Return Φ[x, y]."""
-
-    @abstractmethod
-    def bend(self, name: str, places: tuple[Any, Any, Any], chord: Any, near_a: Any, near_b: Any) -> Any:
-        """Return Φ[a, b, q] from Φ[a, b], Φ[a, q] and Φ[b, q]."""
-
-    def step(self, line: ProgramLine, ends: tuple[EndValues, ...], slots: list[DividedValues | None]) -> DividedValues:
-        """Return f(q) and the differences of one line."""
-        x, y, f, g = ends[line.first], ends[line.other], slots[line.first], slots[line.other]
-        if line.code in {"add", "mul"}:
-            if f is None or g is None:
-                constant, other = (x, g) if f is None else (y, f)
-                assert other is not None
-                return self._with_constant(line.code, self.fixed(constant.lower), other)
-            return self._sum(f, g) if line.code == "add" else self._product(x, f, g)
-        assert f is not None
-        return self._inverse(x, f) if line.code == "inverse" else self._unary(line.code, x, f)
-
-    def _with_constant(self, code: str, constant: Any, f: DividedValues) -> DividedValues:
-        if code == "add":
-            return f._replace(here=self.plus(constant, f.here))
-        return DividedValues(*(self.times(constant, part) for part in f))
-
-    def _sum(self, f: DividedValues, g: DividedValues) -> DividedValues:
-        return DividedValues(*(self.plus(*parts) for parts in zip(f, g, strict=True)))
-
-    def _product(self, x: EndValues, f: DividedValues, g: DividedValues) -> DividedValues:
-        lower, upper, chord = self.fixed(x.lower), self.fixed(x.upper), self.fixed(x.chord)
-        outer = self.plus(self.times(lower, g.second), self.times(chord, g.from_upper))
-        return DividedValues(
-            self.times(f.here, g.here),
-            self.plus(outer, self.times(f.second, g.here)),
-            self.plus(self.times(upper, g.from_upper), self.times(f.from_upper, g.here)),
-            self.plus(self.times(lower, g.from_lower), self.times(f.from_lower, g.here)),
-        )
-
-    def _inverse(self, x: EndValues, f: DividedValues) -> DividedValues:
-        """(1/f)[a, b, q] = (f[a, b] f[a, q] − f(a) f[a, b, q])/(f(a) f(b) f(q)), (1/f)[b, q] = −f[b, q]/(f(b) f(q))."""
-        here = self.reciprocal(f.here)
-        ends = self.fixed(_DISKS.mul(_DISKS.inverse(x.lower), _DISKS.inverse(x.upper)))
-        minus = self.fixed(Disk(-x.lower.centre, x.lower.radius))
-        inner = self.plus(self.times(self.fixed(x.chord), f.from_lower), self.times(minus, f.second))
-        upper, lower = (
-            self.times(self.fixed(Disk(-part.centre, part.radius)), here)
-            for part in (_DISKS.inverse(x.upper), _DISKS.inverse(x.lower))
-        )
-        return DividedValues(
-            here,
-            self.times(self.times(ends, here), inner),
-            self.times(upper, f.from_upper),
-            self.times(lower, f.from_lower),
-        )
-
-    def _unary(self, name: str, x: EndValues, f: DividedValues) -> DividedValues:
-        a, b, q = self.fixed(x.lower), self.fixed(x.upper), f.here
-        at_a, at_b = (self.fixed(_DISKS.unary(name, end)) for end in (x.lower, x.upper))
-        here = self.call(name, q)
-        near_a, near_b = self.chord(name, a, q, at_a, here), self.chord(name, b, q, at_b, here)
-        twice = self.bend(name, (a, b, q), self.fixed(_first_disk(name, x.lower, x.upper)), near_a, near_b)
-        inner = self.times(self.times(self.fixed(x.chord), f.from_lower), twice)
-        second = self.plus(self.times(near_b, f.second), inner)
-        return DividedValues(here, second, self.times(near_b, f.from_upper), self.times(near_a, f.from_lower))
-
-
-class _OverDisks(_Rules):
-    def fixed(self, disk: Any) -> Any:
-        return disk
-
-    def plus(self, x: Any, y: Any) -> Any:
-        return _DISKS.add(x, y)
-
-    def times(self, x: Any, y: Any) -> Any:
-        return _DISKS.mul(x, y)
-
-    def reciprocal(self, x: Any) -> Any:
-        return _DISKS.inverse(x)
-
-    def call(self, name: str, x: Any) -> Any:
-        return _DISKS.unary(name, x)
-
-    def chord(self, name: str, x: Any, y: Any, at_x: Any, at_y: Any) -> Any:
-        """The quotient, or the mean of Φ′ over the hull: the smaller disk."""
-        quotient = _DISKS.div(_DISKS.sub(at_y, at_x), _DISKS.sub(y, x))
-        return tighter(quotient, _DISKS.derivative(name, hull(x, y)))
-
-    def bend(self, name: str, places: tuple[Any, Any, Any], chord: Any, near_a: Any, near_b: Any) -> Any:
-        """One of two quotients, or half the mean of Φ″ over the hull: the smallest disk."""
-        a, b, q = places
-        one = _DISKS.div(_DISKS.sub(near_b, chord), _DISKS.sub(q, a))
-        other = _DISKS.div(_DISKS.sub(near_b, near_a), _DISKS.sub(b, a))
-        mean = _DISKS.times(_DISKS.bend(name, hull(hull(a, b), q)), 0.5)
-        return tighter(tighter(one, other), mean)
-
-
-class _AtPoints(_Rules):
-    def fixed(self, disk: Any) -> Any:
-        return disk.centre
-
-    def plus(self, x: Any, y: Any) -> Any:
-        return x + y
-
-    def times(self, x: Any, y: Any) -> Any:
-        return x * y
-
-    def reciprocal(self, x: Any) -> Any:
-        return 1 / x
-
-    def call(self, name: str, x: Any) -> Any:
-        return _DISKS.unary(name, Disk(x, 0.0)).centre
-
-    def chord(self, name: str, x: Any, y: Any, at_x: Any, at_y: Any) -> Any:
-        apart = y - x
-        close = np.abs(apart) < _CLOSE * np.maximum(np.abs(x), 1e-3)
-        quotient = (at_y - at_x) / np.where(close, 1, apart)
-        if not np.any(close):
-            return quotient
-        return np.where(close, _DISKS.derivative(name, Disk((x + y) / 2, 0.0)).centre, quotient)
-
-    def bend(self, name: str, places: tuple[Any, Any, Any], chord: Any, near_a: Any, near_b: Any) -> Any:
-        a, b, q = places
-        one, other = np.broadcast_arrays(q - a, b - a + 0 * q)
-        widest = np.maximum(np.abs(one), np.abs(other))
-        quotient = np.where(np.abs(one) > np.abs(other), (near_b - chord) / one, (near_b - near_a) / other)
-        close = widest < _CLOSE * np.maximum(np.abs(a), 1e-3)
-        if not np.any(close):
-            return quotient
-        return np.where(close, _DISKS.bend(name, Disk((a + b + q) / 3, 0.0)).centre / 2, quotient)
-
-
-def _first_disk(name: str, x: Disk, y: Disk) -> Disk:
-    return _OverDisks().chord(name, x, y, _DISKS.unary(name, x), _DISKS.unary(name, y))
 
 
 def deflated(tape: Tape, inputs: Sequence[Disk], lower: Disk, upper: Disk, width: Disk) -> Deflated:
@@ -383,7 +226,7 @@ class _Builder:
 
     def _chord(self, code: str, f: EndValues, g: EndValues, at: tuple[Disk, Disk]) -> Disk:
         """The first difference on a and b, by rule or as a quotient."""
-        zero, d = Disk(np.complex128(0), np.float64(0)), _DISKS
+        zero, d = single(0, 0), _DISKS
         first, second = f.chord or zero, g.chord or zero
         match code:
             case "add":
@@ -393,5 +236,5 @@ class _Builder:
             case "inverse":
                 found = d.mul(d.mul(*at), Disk(-first.centre, first.radius))
             case _:
-                found = d.mul(_first_disk(code, f.lower, f.upper), first)
+                found = d.mul(first_disk(code, f.lower, f.upper), first)
         return tighter(found, d.div(d.sub(at[1], at[0]), self.width))

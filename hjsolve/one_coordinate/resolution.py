@@ -19,13 +19,15 @@ from typing import Any, NamedTuple
 import numpy as np
 
 from hjsolve.arithmetic.complex_disks import Disk, Disks
+from hjsolve.arithmetic.number_types import Complexes, Elementwise, Integers, Mask, Reals
 from hjsolve.arithmetic.reciprocals import without_overflow
 from hjsolve.arithmetic.tape import BoundTape
 from hjsolve.arithmetic.work_counter import count
 from hjsolve.one_coordinate.complex_anomaly import ComplexPlace, complex_place
 from hjsolve.one_coordinate.momentum_squared import MomentumSquared
 from hjsolve.one_coordinate.regular_factor import ComplexPoints, Deflated, deflated
-from hjsolve.one_coordinate.stretched_anomaly import Stretched
+from hjsolve.one_coordinate.stretched_anomaly import Inner, Stretched
+from hjsolve.one_coordinate.strip_squares import StripSquares, in_a_cone, straight_above
 
 _DISKS, _POINTS = Disks(), ComplexPoints()
 _CIRCLE = np.exp(2j * np.pi * np.arange(20) / 20)
@@ -76,6 +78,45 @@ class Strip(NamedTuple):
 
 
 @dataclass(frozen=True)
+class AsItStands:
+    """p² of a rotation, which has no turning points to be divided by: R = p².
+
+    Attributes:
+        disks, points: its tape with all but q known, over disks and at points.
+    """
+
+    disks: BoundTape[Disk]
+    points: BoundTape[Complexes]
+
+    def over(self, q: Disk, *_: Disk | None) -> tuple[Disk, int]:
+        """Enclose R over disks, as ``Deflated.over`` does; there is one way to have it.
+
+        Args:
+            q: disks, shape (m,).
+            *_: for q − a and q − b, which a rotation has not.
+        """
+        return self.disks.run(q)[0], 0
+
+    def at(self, q: Complexes, *_: Complexes | Integers | int | None) -> Complexes:
+        """Return R at complex places, in doubles.
+
+        Args:
+            q: complex, shape (m,).
+            *_: for q − a, q − b and the way to have R.
+        """
+        return self.points.run(q)[0]
+
+    def ways(self, q: Complexes, *_: Complexes | None) -> tuple[Complexes, ...]:
+        """Return R at complex places in all the ways there are: one.
+
+        Args:
+            q: complex, shape (m,).
+            *_: for q − a and q − b, which a rotation has not.
+        """
+        return (self.points.run(q)[0],)
+
+
+@dataclass(frozen=True)
 class Integrands:
     """What is to be resolved, bound to the constants of a motion.
 
@@ -85,45 +126,40 @@ class Integrands:
         kernels: those that are integrated, in disks; and in complex doubles.
     """
 
-    anomaly: Any
-    squared: Deflated | tuple[BoundTape, BoundTape]
-    kernels: tuple[BoundTape, BoundTape]
+    anomaly: Inner | Stretched
+    squared: Deflated | AsItStands
+    kernels: tuple[BoundTape[Disk], BoundTape[Complexes]]
 
-    def over(self, seen: _Image) -> tuple[list[Disk], Any]:
-        """Enclose R and the kernels over disks; and tell how R is known best, see ``Deflated.over``."""
-        way: Any = 0
-        if isinstance(self.squared, Deflated):
-            factor, way = self.squared.over(seen.q, seen.from_lower, seen.from_upper)
-        else:
-            factor = self.squared[0].run(seen.q)[0]
+    def over(self, seen: _Image) -> tuple[list[Disk], Integers | int]:
+        """Enclose R and the kernels over disks; and tell how R is known best, see ``Deflated.over``.
+
+        Args:
+            seen: disks that hold q, q − a and q − b.
+        """
+        factor, way = self.squared.over(seen.q, seen.from_lower, seen.from_upper)
         return [factor, *self.kernels[0].run(seen.q)], way
 
-    def at(self, seen: ComplexPlace, way: Any = 0) -> list[Any]:
+    def at(self, seen: ComplexPlace, way: Integers | int = 0) -> list[Complexes]:
         """Return R and the kernels at points.
 
         Args:
             seen: complex places.
             way: which of the ways to have R, see ``Deflated.ways``.
         """
-        if isinstance(self.squared, Deflated):
-            factor = self.squared.at(seen.q, seen.from_lower, -seen.to_upper, way)
-        else:
-            factor = self.squared[1].run(seen.q)[0]
+        factor = self.squared.at(seen.q, seen.from_lower, seen.from_upper, way)
         return [factor, *self.kernels[1].run(seen.q)]
 
-    def factors(self, seen: ComplexPlace) -> tuple[Any, ...]:
+    def factors(self, seen: ComplexPlace) -> tuple[Complexes, ...]:
         """Return R at points in every way it can be had; where terms cancel one of them may be nothing but rounding.
 
         Args:
             seen: complex places.
         """
-        if isinstance(self.squared, Deflated):
-            return self.squared.ways(seen.q, seen.from_lower, -seen.to_upper)
-        return (self.squared[1].run(seen.q)[0],)
+        return self.squared.ways(seen.q, seen.from_lower, seen.from_upper)
 
 
 def integrands_to_resolve(
-    anomaly: Any, radicand: MomentumSquared, skipped: tuple[bool, ...], parts: frozenset[str], bits: int
+    anomaly: Inner | Stretched, radicand: MomentumSquared, skipped: tuple[bool, ...], parts: frozenset[str], bits: int
 ) -> Integrands:
     """Bind the formulas of a motion to its constants.
 
@@ -135,46 +171,17 @@ def integrands_to_resolve(
         bits: of the constants.
     """
     exact = radicand.inputs(bits)
-    points, numbers = [_DISKS.point(x) for x in exact], [float(x) for x in exact]
+    points: list[Disk] = [_DISKS.point(x) for x in exact]
+    numbers: list[Elementwise] = [float(x) for x in exact]
     squared, kernels = (without_overflow(tape, packets=True) for tape in (radicand.squared, radicand.kernels))
     kernels = kernels.only(*(j for j, skip in enumerate(skipped) if not skip and "time" in parts))
     with np.errstate(all="ignore"):
         both = kernels.bind(_DISKS, points), kernels.bind(_POINTS, numbers)
         if not anomaly.even:
-            return Integrands(anomaly, (squared.bind(_DISKS, points), squared.bind(_POINTS, numbers)), both)
-        inner = getattr(anomaly, "inner", anomaly)
+            return Integrands(anomaly, AsItStands(squared.bind(_DISKS, points), squared.bind(_POINTS, numbers)), both)
+        inner: Any = getattr(anomaly, "inner", anomaly)
         ends = (_DISKS.point(x) for x in (inner.lower, inner.upper, inner.width))
         return Integrands(anomaly, deflated(squared, points, *ends), both)
-
-
-class StripSquares(NamedTuple):
-    """Squares of the strip [x, x + side] × i[y, y + side], arrays of one shape."""
-
-    x: Any
-    y: Any
-    side: Any
-
-    @property
-    def top(self) -> Any:
-        return self.y + self.side
-
-    @staticmethod
-    def none() -> StripSquares:
-        return StripSquares(*(np.zeros(0) for _ in range(3)))
-
-    def beside(self, others: StripSquares) -> StripSquares:
-        return StripSquares(*(np.concatenate(pair) for pair in zip(self, others, strict=True)))
-
-    def chosen(self, which: Any) -> StripSquares:
-        return StripSquares(*(part[which] for part in self))
-
-    def divided(self) -> StripSquares:
-        half = self.side / 2
-        return StripSquares(
-            np.concatenate([self.x, self.x + half, self.x, self.x + half]),
-            np.concatenate([self.y, self.y, self.y + half, self.y + half]),
-            np.concatenate([half] * 4),
-        )
 
 
 def strip(subject: Integrands, digits: int, coarse: float = _COARSE, *, zeros: bool = True) -> Strip | None:
@@ -191,22 +198,25 @@ def strip(subject: Integrands, digits: int, coarse: float = _COARSE, *, zeros: b
     Returns:
         The strip that needs the fewest nodes; None where no strip could be proved in doubles.
     """
+    # points say how wide the strip may be; where it is wide, a part of it is enough, for the nodes are few
     cap = _foreseen(subject) if zeros else _HIGHEST / 2
     high = _HIGH * cap if cap > _WIDE and coarse == _COARSE else cap
-    done: list[tuple[Any, Any]] = []
+    done: list[tuple[Reals, Reals]] = []
     size, work = np.zeros(len(subject.kernels[0].outputs) + (2 if zeros else 1)), 0
     todo, waiting = _covering(subject, cap), StripSquares.none()
     while todo.x.size and cap > 0:
         work += todo.x.size
         logs, here = _sizes(subject, todo, zeros=zeros)
-        fine = np.isfinite(logs).all(axis=0)
+        fine = np.all(np.isfinite(logs), axis=0)
         size = np.maximum(size, here)
         done.append((todo.y[fine], logs[:, fine]))
+        # a square that will not be decided any more bounds the strip from above; whatever lies higher is dropped
         left = todo.chosen(~fine)
         hopeless = _hopeless(left, coarse) | ((left.y >= high) & (len(done) > 1)) | (work > _MOST)
         cap = min([cap, *left.y[hopeless]])
         left = left.chosen(~hopeless).beside(waiting)
         left = left.chosen(left.y < cap)
+        # the lowest rows go first, since they may lower the cap; squares that are above the cap then need not be seen
         low = left.y < 2 * np.min(left.top, initial=cap)
         todo, waiting = left.chosen(low).divided(), left.chosen(~low)
         todo = todo.chosen(todo.y < cap)
@@ -221,6 +231,9 @@ def obstacles(subject: Integrands) -> list[tuple[float, float]] | None:
     A square that cannot be decided and is small against its height is an obstacle; what lies straight above a square
     that is not decided either waits, and what lies above the cone over an obstacle is not looked at.
 
+    Args:
+        subject: the integrands.
+
     Returns:
         (Re χ, Im χ) of obstacles, the lowest first; None where they are too many, or one is as good as real.
     """
@@ -228,52 +241,27 @@ def obstacles(subject: Integrands) -> list[tuple[float, float]] | None:
     todo, waiting = _covering(subject, _HIGHEST / 4), StripSquares.none()
     while todo.x.size:
         work += todo.x.size
-        fine = np.isfinite(_sizes(subject, todo)[0]).all(axis=0)
+        fine = np.all(np.isfinite(_sizes(subject, todo)[0]), axis=0)
         left = todo.chosen(~fine).beside(waiting)
-        above = _straight_above(left)
+        above = straight_above(left)
         left, waiting = left.chosen(~above), left.chosen(above)
         hopeless = _hopeless(left)
         if work > _MOST_SEARCHED or found.shape[1] > _MOST_FOUND or np.any(left.y[hopeless] == 0):
             return None
         found = np.concatenate([found, np.stack([left.x + left.side / 2, left.y])[:, hopeless]], axis=1)
         todo = left.chosen(~hopeless).divided()
-        todo, waiting = (part.chosen(~_in_a_cone(part, found)) for part in (todo, waiting))
+        todo, waiting = (part.chosen(~in_a_cone(part, found)) for part in (todo, waiting))
         if not todo.x.size:
             todo, waiting = waiting, StripSquares.none()
     order = np.argsort(found[1])
     return [(float(x), float(y)) for x, y in found[:, order].T]
 
 
-def _straight_above(squares: StripSquares) -> Any:
-    """True for squares that have another one of them straight below."""
-    if not squares.x.size:
-        return np.zeros(0, dtype=bool)
-    unit = np.min(squares.side)
-    left = np.rint((squares.x - np.min(squares.x)) / unit).astype(np.int64)
-    edges = np.unique(np.concatenate([left, left + np.rint(squares.side / unit).astype(np.int64)]))
-    first = np.searchsorted(edges, left)
-    last = np.searchsorted(edges, left + np.rint(squares.side / unit).astype(np.int64))
-    spans = last - first  # of columns between neighbouring edges
-    columns = np.repeat(first - np.cumsum(spans) + spans, spans) + np.arange(np.sum(spans))
-    lowest = np.full(len(edges), np.inf)
-    np.minimum.at(lowest, columns, np.repeat(squares.y, spans))
-    return squares.y > np.minimum.reduceat(lowest, np.stack([first, last], axis=1).ravel())[::2]
-
-
-def _in_a_cone(squares: StripSquares, found: Any) -> Any:
-    """True for squares that lie in the cone over one of the obstacles found: y − yₖ > |x − xₖ|."""
-    if not found.shape[1]:
-        return np.zeros(squares.x.shape, dtype=bool)
-    x, y = found[:, np.argsort(found[0])]
-    rising = np.concatenate([[np.inf], np.minimum.accumulate(y - x)])
-    falling = np.concatenate([np.minimum.accumulate((y + x)[::-1])[::-1], [np.inf]])
-    middle = squares.x + squares.side / 2
-    at = np.searchsorted(x, middle)
-    return squares.y > np.minimum(rising[at] + middle, falling[at] - middle)
-
-
 def rough_places(subject: Integrands) -> list[tuple[float, float]] | None:
     """Choose the obstacles that explain all others: what lies as high as half its distance from one of them is its.
+
+    Args:
+        subject: the integrands.
 
     Returns:
         (χₖ, δₖ), the distance from the real axis below 1; None where they are too many or cannot be told in doubles.
@@ -285,7 +273,7 @@ def rough_places(subject: Integrands) -> list[tuple[float, float]] | None:
     return list(zip(x.tolist(), y.tolist(), strict=True)) if len(x) <= _MOST_PLACES else None
 
 
-def _apart(x: Any, subject: Integrands) -> Any:
+def _apart(x: Reals, subject: Integrands) -> Reals:
     """The distance of two phases of a circle."""
     return np.abs(x) if subject.anomaly.even else np.abs(np.remainder(x + np.pi, 2 * np.pi) - np.pi)
 
@@ -299,7 +287,7 @@ def _covering(subject: Integrands, height: float) -> StripSquares:
     return StripSquares(x.ravel(), y.ravel(), np.full(x.size, side))
 
 
-def _hopeless(squares: StripSquares, coarse: float = _COARSE) -> Any:
+def _hopeless(squares: StripSquares, coarse: float = _COARSE) -> Mask:
     return squares.side <= np.maximum(coarse * squares.y, _LOWEST)
 
 
@@ -317,9 +305,10 @@ def _foreseen(subject: Integrands) -> float:
     return found * _FIRST if found > _WIDE else found
 
 
-def _cheapest(cap: float, y: Any, logs: Any, size: Any, digits: int) -> Strip:
+def _cheapest(cap: float, y: Reals, logs: Reals, size: Reals, digits: int) -> Strip:
     """The strip, of all that are proved, that needs the fewest nodes."""
     with np.errstate(all="ignore"):
+        # ln(M/size) of the worst integrand on every square; a strip is as bad as the worst square in it
         excess = np.max(np.where(size[:, None] > 0, logs - np.log(size)[:, None], -np.inf), axis=0, initial=0.0)
     order = np.argsort(y)
     heights, growths = y[order], np.maximum.accumulate(excess[order])
@@ -328,7 +317,7 @@ def _cheapest(cap: float, y: Any, logs: Any, size: Any, digits: int) -> Strip:
     return min(found, key=lambda s: s.nodes(digits))
 
 
-def _sizes(subject: Integrands, squares: StripSquares, *, zeros: bool = True) -> tuple[Any, Any]:
+def _sizes(subject: Integrands, squares: StripSquares, *, zeros: bool = True) -> tuple[Reals, Reals]:
     """The logarithm of the greatest size of each integrand over squares, not finite where unknown; sizes on the axis.
 
     A square lies in a disk of radius ρ; over that of radius ``_WIDER``·ρ the formulas are enclosed as they
@@ -342,6 +331,7 @@ def _sizes(subject: Integrands, squares: StripSquares, *, zeros: bool = True) ->
     with np.errstate(all="ignore"):
         disks, way = subject.over(_image(subject.anomaly, χ, _WIDER * radius))
         bounds = [x.largest + 0 * radius for x in disks]
+        # power series from values on circles: |f| at the centres, and what f varies by on the smaller disks
         points = complex_place(subject.anomaly, χ + radius * _CIRCLE[:, None])
         (centre, spread), *weights = (
             _series(values, bound) for values, bound in zip(subject.at(points, way), bounds, strict=True)
@@ -351,9 +341,10 @@ def _sizes(subject: Integrands, squares: StripSquares, *, zeros: bool = True) ->
             axis = np.isfinite(logs).all(axis=0) & (squares.y == 0)
             usual = np.stack([np.broadcast_to(c, radius.shape) for c in (centre, *(c for c, _ in weights))])
             return logs, np.max(np.where(axis & np.isfinite(usual), usual, 0.0), axis=1, initial=0.0)
+        # R has no zero on a disk where its variation is below its value at the centre
         least, most = centre - spread, centre + spread
         known = np.isfinite(np.stack(bounds)).all(axis=0) & (least > 0)
-        product = 1.0 if points.from_lower is None else np.max(np.abs(points.from_lower * points.to_upper), axis=0)
+        product = _product(points)
         stretch = np.max(points.stretch, axis=0)
         sizes = _rows([c + s for c, s in weights], least, most, product, stretch)
         usual = _rows([c for c, _ in weights], centre, centre, product, stretch)
@@ -361,15 +352,23 @@ def _sizes(subject: Integrands, squares: StripSquares, *, zeros: bool = True) ->
     return logs, np.max(np.where(known & (squares.y == 0), usual, 0.0), axis=1, initial=0.0)
 
 
-def _series(values: Any, bound: Any) -> tuple[Any, Any]:
+def _product(points: ComplexPlace) -> Elementwise:
+    """The greatest |(q − a)(b − q)| of each square; 1 for a rotation."""
+    if points.from_lower is None or points.to_upper is None:
+        return 1.0
+    return np.max(np.abs(points.from_lower * points.to_upper), axis=0)
+
+
+def _series(values: Complexes, bound: Reals) -> tuple[Reals, Reals]:
     """|f(centre)| and the greatest |f(z) − f(centre)| of a function that is known at points of circles."""
     values = np.broadcast_to(values, (len(_CIRCLE), *bound.shape))
+    # |aₖ|ρᵏ from n values; aliasing and the rest of the series are below 2B t^n/(1 − t), t = 1/_WIDER (Cauchy)
     powers = np.abs(np.fft.fft(values, axis=0)) / len(_CIRCLE)
     rest = 2 * bound * (_WIDER ** -len(_CIRCLE) / (1 - 1 / _WIDER) + _ROUNDING)
     return powers[0], np.sum(powers[1:], axis=0) + rest
 
 
-def _rows(weights: list[Any], least: Any, most: Any, product: Any, stretch: Any) -> Any:
+def _rows(weights: list[Reals], least: Reals, most: Reals, product: Elementwise, stretch: Reals) -> Reals:
     """Sizes of the kernels' integrands, of ln(p/(dq/dχ)) (at least 1) and of p dq, where √R lies between two sizes."""
     angle = 4.0  # the argument of R on the way from the real axis
     low, high = (np.abs(np.log(x) / 2 - np.log(stretch)) for x in (least, most))
@@ -381,20 +380,21 @@ class _Image(NamedTuple):
     """Disks that hold q, q − a and q − b; the last two None for a rotation."""
 
     q: Disk
-    from_lower: Any
-    from_upper: Any
+    from_lower: Disk | None
+    from_upper: Disk | None
 
 
-def _image(anomaly: Any, χ: Any, radius: Any) -> _Image:
+def _image(anomaly: Inner | Stretched, χ: Complexes, radius: Reals) -> _Image:
     """Disks that hold the images of disks of the phase: the distance is greatest on the edge (maximum principle)."""
     points = np.concatenate([χ[None], χ + radius * _EDGE[:, None]])
     found = complex_place(anomaly, points)
 
-    def disk(values: Any) -> Disk:
+    def disk(values: Complexes) -> Disk:
         apart = np.max(np.abs(values[1:] - values[0]), axis=0)
         return Disk(values[0], _MARGIN * apart + 1e-15 * np.abs(values[0]))
 
     if found.from_lower is None:
         across = np.real(found.q - found.q[0]) + np.pi
         return _Image(disk(found.q[0] + across % (2 * np.pi) - np.pi + 1j * np.imag(found.q - found.q[0])), None, None)
-    return _Image(disk(found.q), disk(found.from_lower), disk(-found.to_upper))
+    assert found.from_upper is not None
+    return _Image(disk(found.q), disk(found.from_lower), disk(found.from_upper))

@@ -16,17 +16,18 @@ are, so it need not be known better than that.
 from __future__ import annotations
 
 from collections.abc import Iterator
-from dataclasses import dataclass, fields, replace
+from dataclasses import dataclass, replace
 from fractions import Fraction
 from functools import cached_property, lru_cache
-from typing import Any
 
 import numpy as np
 
 from hjsolve.arithmetic.floats import Float64, Multi
 from hjsolve.arithmetic.fourier import at_midpoints
-from hjsolve.one_coordinate.anomaly import BarrierAnomaly, Libration, Place, Rotation, TwoBarrierAnomaly, as_float
+from hjsolve.arithmetic.number_types import Mpf, Numeric, Reals
+from hjsolve.one_coordinate.anomaly import BarrierAnomaly, Libration, Rotation, TwoBarrierAnomaly
 from hjsolve.one_coordinate.fourier_series import FourierSeries, midpoints
+from hjsolve.one_coordinate.phase_map import Place
 
 _SAMPLES, _MOST_SAMPLES = 4096, 32768
 _STEPS, _ORDERS = 12, 12
@@ -61,11 +62,11 @@ class Stretched:
         return self.inner.direction
 
     @property
-    def lower(self) -> Any:
+    def lower(self) -> Mpf:
         return self.inner.lower  # type: ignore[union-attr]
 
     @property
-    def upper(self) -> Any:
+    def upper(self) -> Mpf:
         return self.inner.upper  # type: ignore[union-attr]
 
     @cached_property
@@ -84,7 +85,7 @@ class Stretched:
     def _fixed(self, bits: int) -> list[tuple[int, int]]:
         return [(int(c * 2**bits), int(s * 2**bits)) for c, s in self._waves]
 
-    def place(self, ψ: Any, arithmetic: Float64 | Multi) -> Place:
+    def place(self, ψ: Numeric, arithmetic: Float64 | Multi) -> Place:
         """Return the place at ψ, |ψ| ≤ 2π.
 
         Args:
@@ -111,7 +112,7 @@ class Stretched:
             place = self.inner.place(ψ + context.mpf(v + shift) * context.mpf(2) ** -bits, arithmetic)
             yield place._replace(rate=1 + context.mpf(du) * context.mpf(2) ** -bits)
 
-    def unstretched(self, ψ: Any, arithmetic: Float64 | Multi) -> tuple[Any, Any]:
+    def unstretched(self, ψ: Numeric, arithmetic: Float64 | Multi) -> tuple[Numeric, Numeric]:
         """Return χ(ψ) and dχ/dψ.
 
         Args:
@@ -122,7 +123,7 @@ class Stretched:
             return ψ + (self.slope.ripple(ψ) - self._shift), self.slope.value(ψ)
         return self._in_fixed_point(ψ, arithmetic)
 
-    def _in_fixed_point(self, ψ: Any, arithmetic: Multi) -> tuple[Any, Any]:
+    def _in_fixed_point(self, ψ: Numeric, arithmetic: Multi) -> tuple[Numeric, Numeric]:
         """χ = ψ + Im Σ (cₖ − i sₖ) e^{ikψ} + Σ (−1)ᵏ sₖ and its derivative by Horner's rule in integers."""
         bits, context = arithmetic.bits + 32, arithmetic.context
         one = context.mpf(2) ** bits
@@ -136,7 +137,7 @@ class Stretched:
             shift += s if k % 2 == 0 else -s
         return ψ + context.mpf(v + shift) / one, 1 + context.mpf(du) / one
 
-    def phase(self, q: Any, forward: int, arithmetic: Multi) -> Any:
+    def phase(self, q: Mpf, forward: int, arithmetic: Multi) -> Mpf:
         """Return ψ in (−π, π] of a position: Newton's method kept inside a bracket.
 
         Args:
@@ -157,6 +158,34 @@ class Stretched:
             ψ = new
         return ψ
 
+    def slope_at(self, ψ: Reals) -> Reals:
+        """Return dχ/dψ.
+
+        Args:
+            ψ: phases in doubles, shape (m,).
+        """
+        return self.unstretched(ψ, Float64())[1]  # type: ignore[return-value]
+
+    def rounding(self, ψ: Reals) -> Reals:
+        """Return the rounding of χ(ψ) as an uncertainty of ψ.
+
+        Args:
+            ψ: phases in doubles, shape (m,).
+        """
+        return 8 * 2.0**-52 * np.pi / np.abs(self.slope.value(ψ))
+
+    def in_doubles(self) -> Stretched:
+        """Return the same with its constants rounded to doubles, for vectorised use."""
+        return replace(self, inner=self.inner.in_doubles())
+
+    def lowered(self, arithmetic: Multi) -> Stretched:
+        """Return the same with its constants rounded to fewer digits.
+
+        Args:
+            arithmetic: with fewer.
+        """
+        return replace(self, inner=self.inner.lowered(arithmetic))
+
 
 def map_in_doubles(anomaly: Inner | Stretched) -> Inner | Stretched:
     """Round the constants of a map to doubles, for vectorised use.
@@ -164,7 +193,7 @@ def map_in_doubles(anomaly: Inner | Stretched) -> Inner | Stretched:
     Args:
         anomaly: with constants of many digits.
     """
-    return replace(anomaly, inner=as_float(anomaly.inner)) if isinstance(anomaly, Stretched) else as_float(anomaly)
+    return anomaly.in_doubles()
 
 
 def lowered(anomaly: Inner | Stretched, arithmetic: Multi) -> Inner | Stretched:
@@ -174,15 +203,7 @@ def lowered(anomaly: Inner | Stretched, arithmetic: Multi) -> Inner | Stretched:
         anomaly: with constants of many digits.
         arithmetic: with fewer.
     """
-    if isinstance(anomaly, Stretched):
-        return replace(anomaly, inner=_lowered(anomaly.inner, arithmetic))
-    return _lowered(anomaly, arithmetic)
-
-
-def _lowered(anomaly: Inner, arithmetic: Multi) -> Inner:
-    values = {f.name: getattr(anomaly, f.name) for f in fields(anomaly)}
-    numbers = {n: arithmetic.convert(v) for n, v in values.items() if not isinstance(v, int | float | None)}
-    return replace(anomaly, **numbers)
+    return anomaly.lowered(arithmetic)
 
 
 def stretched(inner: Inner, places: list[tuple[float, float]]) -> Stretched | None:
@@ -212,13 +233,16 @@ def _inverse_slope(places: list[tuple[float, float]], *, even: bool) -> FourierS
     samples = _SAMPLES
     while samples <= _MOST_SAMPLES:
         share = np.arange(samples) / samples
+        # dχ/dψ at equal steps of ψ from −π, and its Fourier coefficients
         values = growth.rate(share)
         waves = np.fft.rfft(np.roll(values, samples // 2)) / samples
         size = np.abs(waves[1:])
+        # the coefficients that matter for the least value; there must be samples enough for them
         top = int(np.max(np.nonzero(size > _LAST * np.min(values))[0], initial=0)) + 1
         if top <= samples // 4:
             cosines, sines = 2 * waves.real[1 : top + 1], -2 * waves.imag[1 : top + 1]
             slope = FourierSeries(1, cosines, None if even else sines, samples, 0.0)
+            # cut off, the polynomial is still near dχ/dψ > 0 everywhere, so it is positive itself
             good = np.abs(slope.value(2 * np.pi * share - np.pi) - values) < values / 4
             return slope if np.all(good) else None
         samples *= 2
@@ -235,9 +259,9 @@ class _Growth:
         rates: dψ/dχ on each piece, coefficients of Legendre polynomials, shape (pieces, orders).
     """
 
-    edges: Any
-    levels: Any
-    rates: Any
+    edges: Reals
+    levels: Reals
+    rates: Reals
 
     @classmethod
     def through(cls, places: list[tuple[float, float]]) -> _Growth:
@@ -249,13 +273,15 @@ class _Growth:
         rates = (values * weights) @ np.polynomial.legendre.legvander(nodes, _ORDERS - 1) * (k + 0.5)
         return cls(edges, np.concatenate([[0.0], np.cumsum(2 * half * rates[:, 0])]), rates)
 
-    def rate(self, share: Any) -> Any:
+    def rate(self, share: Reals) -> Reals:
         """dχ/dψ where a share of ψ's whole turn is reached, by Newton steps within a piece."""
+        # the piece that holds the goal, and what is left of it there in units of half the piece
         goal = share * self.levels[-1]
         piece = np.clip(np.searchsorted(self.levels, goal, side="right") - 1, 0, len(self.rates) - 1)
         half = (self.edges[piece + 1] - self.edges[piece]) / 2
         goal = (goal - self.levels[piece]) / half
         rates = self.rates[piece].T
+        # Newton's method for ∫ rate = goal on [−1, t], from the place where a constant rate would come to
         areas = np.polynomial.legendre.legint(rates, lbnd=-1)
         t = goal / rates[0] - 1
         for _ in range(_STEPS):
@@ -266,7 +292,7 @@ class _Growth:
         return self.levels[-1] / (2 * np.pi) / np.polynomial.legendre.legval(t, rates, tensor=False)
 
 
-def _edges(places: list[tuple[float, float]]) -> Any:
+def _edges(places: list[tuple[float, float]]) -> Reals:
     """Phases between which ψ grows by about 1: closer to each other than to the rough places."""
     near = [χ + side * δ * 2.0 ** np.arange(-2, 4 - np.log2(δ), 0.5) for χ, δ in places for side in (-1, 1)]
     points = np.concatenate([np.linspace(-np.pi, np.pi, 65), [χ for χ, _ in places], *near])
@@ -277,7 +303,7 @@ def _edges(places: list[tuple[float, float]]) -> Any:
     return np.concatenate([[-np.pi], inner, [np.pi]])
 
 
-def _density(χ: Any, places: list[tuple[float, float]]) -> Any:
+def _density(χ: Reals, places: list[tuple[float, float]]) -> Reals:
     """dψ/dχ, up to a constant."""
     total = np.full_like(χ, _BASE**4)
     for place, width in places:

@@ -10,20 +10,21 @@ overflow, by how F grows towards infinity (``asymptotic_expansion``). A zero of 
 from __future__ import annotations
 
 import itertools
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
 from functools import partial
-from typing import Any, Literal, NamedTuple
+from typing import Literal, NamedTuple
 
 import numpy as np
 
 from hjsolve.arithmetic.floats import multiprecision
+from hjsolve.arithmetic.number_types import Mpf, Numeric, Reals
 from hjsolve.arithmetic.root_finding import bracketed_root, leading_power
-from hjsolve.errors import InvalidInputError, NotConvergedError
-from hjsolve.one_coordinate.momentum_squared import MomentumSquared, Number
+from hjsolve.errors import NotConvergedError
+from hjsolve.one_coordinate.momentum_squared import Number
+from hjsolve.one_coordinate.ray import Ray, SimpleZero
 
 EndKind = Literal["turning", "asymptote", "boundary", "fall", "infinity", "round"]
 _LAST_BITS = 2048
-_MOST_BITS = 65536
 _DEPTH = 40
 _MOST_WORK, _DEARER = 2000, 10
 """Divisions of cells before a search is given up; what one costs in many digits, in doubles 1."""
@@ -50,50 +51,6 @@ class End:
     kind: EndKind
     place: Number | None = None
     power: float = 1.0
-
-
-@dataclass(frozen=True)
-class Ray:
-    """A half line q = origin + side·x, 0 ≤ x < reach.
-
-    Attributes:
-        reach: distance to the end of the domain at any precision; None where there is none.
-        turns: True where the reach is a full turn of an angle, not an end.
-    """
-
-    radicand: MomentumSquared
-    origin: Number
-    side: int
-    reach: Number | None
-    turns: bool = False
-
-    def place(self, x: Any, bits: int) -> Any:
-        work = bits + self.radicand.guard
-        return self.origin(work) + self.side * multiprecision(work).convert(x)
-
-    def fixed(self, bits: int) -> Ray:
-        """Return the ray from an origin that is not asked for ever more bits: it may be a turning point itself."""
-        origin = self.origin(bits)
-        return replace(self, origin=lambda _: origin)
-
-    def jet(self, x: Any, bits: int) -> tuple[Any, Any, Any]:
-        """Return F, dF/dx and d²F/dx²."""
-        value, first, second = self.radicand.jet(self.place(x, bits), bits)
-        return value, self.side * first, second
-
-    def enclose(self, x0: Any, x1: Any, bits: int) -> tuple[Any, Any, Any]:
-        """Enclose the same over cells [x0, x1]."""
-        if bits == 53:
-            q0 = float(self.origin(128))
-            slack = 2.0**-52 * (abs(q0) + abs(x1))
-            ends = q0 + self.side * x0, q0 + self.side * x1
-        else:
-            work = bits + self.radicand.guard
-            convert = np.frompyfunc(multiprecision(work).convert, 1, 1)
-            q0, slack = self.origin(work), 0
-            ends = q0 + self.side * convert(x0), q0 + self.side * convert(x1)
-        value, first, second = self.radicand.enclose(np.minimum(*ends) - slack, np.maximum(*ends) + slack, bits)
-        return value, first if self.side > 0 else type(first)(-first.high, -first.low), second
 
 
 def first_end(ray: Ray, *, digits: int) -> End:
@@ -126,14 +83,14 @@ def _within_doubles(ray: Ray) -> bool:
     return 1e-250 < max(abs(part) * length**k for k, part in enumerate(jet)) < 1e250
 
 
-def _cells(ray: Ray) -> Any:
+def _cells(ray: Ray) -> Reals:
     """Edges growing geometrically from the origin and, where the domain ends, shrinking towards its end."""
     if ray.reach is None:
         edges = np.ldexp(_scale(ray), np.arange(-50, min(120, 1023 - int(np.frexp(_scale(ray))[1]))))
         return np.concatenate([[0.0], edges])
     reach = float(ray.reach(128))
     outward = reach * 2.0 ** np.arange(-50, 0)
-    inward: Any = [] if ray.turns else reach * (1 - 2.0 ** -np.arange(2, 41))
+    inward = np.zeros(0) if ray.turns else reach * (1 - 2.0 ** -np.arange(2, 41))
     return np.concatenate([[0.0], outward, inward, [reach] if ray.turns else []])
 
 
@@ -147,10 +104,14 @@ def _scale(ray: Ray) -> float:
     return max(guesses) or 1.0
 
 
-def _enclose(ray: Ray, cells: list[tuple[float, float]], bits: int) -> list[Any]:
+def _enclose(ray: Ray, cells: list[tuple[float, float]], bits: int) -> list[_Enclosure]:
     x0, x1 = (np.array(ends) for ends in zip(*cells, strict=True))
     value, first, second = ray.enclose(x0, x1, bits)
     return list(zip(value.low, value.high, first.low, first.high, second.low, second.high, strict=True))
+
+
+_Enclosure = tuple[Numeric, Numeric, Numeric, Numeric, Numeric, Numeric]
+"""Both ends of the enclosures of F, F′ and F″."""
 
 
 class _Cell(NamedTuple):
@@ -161,7 +122,7 @@ class _Cell(NamedTuple):
     """
 
     ends: tuple[float, float]
-    enclosure: Any
+    enclosure: _Enclosure
     depth: int
     blurred: bool = False
     singular: bool = False
@@ -241,7 +202,7 @@ def _exactly(ray: Ray, cell: _Cell) -> _Cell:
     return _Cell(cell.ends, enclosure, cell.depth, blurred=_finite(enclosure), singular=not _finite(enclosure))
 
 
-def _finite(enclosure: Any) -> bool:
+def _finite(enclosure: _Enclosure) -> bool:
     return bool(abs(enclosure[0]) < np.inf and abs(enclosure[1]) < np.inf)
 
 
@@ -309,67 +270,36 @@ def _settle(ray: Ray, cell: tuple[float, float], digits: int) -> End | None:
         bits *= 2
 
 
-def _at(ray: Ray, x: Any, bits: int) -> Any:
+def _at(ray: Ray, x: float | Mpf, bits: int) -> Mpf:
     return ray.place(x, bits + 32)
 
 
-def _at_critical(ray: Ray, x0: Any, x1: Any, bits: int) -> Any:
+def _at_critical(ray: Ray, x0: float | Mpf, x1: float | Mpf, bits: int) -> Mpf:
     return _at(ray, _critical(ray, x0, x1, bits + 32), bits)
 
 
-def _at_reach(ray: Ray, bits: int) -> Any:
+def _at_reach(ray: Ray, bits: int) -> Mpf:
     assert ray.reach is not None
     return _at(ray, ray.reach(bits + 32), bits)
 
 
-def _critical(ray: Ray, x0: Any, x1: Any, bits: int) -> Any:
+def _critical(ray: Ray, x0: float | Mpf, x1: float | Mpf, bits: int) -> Mpf:
     """The zero of F′ in a cell where F′ is monotone."""
     return bracketed_root(lambda x: ray.jet(x, bits)[1:], x0, x1, bits)
 
 
-def _turning(ray: Ray, x0: Any, x1: Any, digits: int) -> End:
+def _turning(ray: Ray, x0: float | Mpf, x1: float | Mpf, digits: int) -> End:
     """A simple zero of F in a cell where F is monotone."""
-    return End("turning", _Zero(ray, x0, x1, digits))
-
-
-class _Zero:
-    """The place of a simple zero of F in a cell where F is monotone, at any precision.
-
-    Its place is checked by F itself with twice the digits, F/F′ being the error left; what cancellation took away (a
-    small amplitude about a deep minimum, close zeros) is made up by more digits. What is known is not worked out again.
-    """
-
-    def __init__(self, ray: Ray, x0: Any, x1: Any, digits: int):
-        self.ray, self.cell, self.digits = ray, (x0, x1), digits
-        self.best: tuple[int, Any] = (0, None)
-
-    def __call__(self, bits: int) -> Any:
-        if self.best[0] < bits:
-            self.best = bits, self._found(bits)
-        return self.best[1]
-
-    def _found(self, bits: int) -> Any:
-        ray, (x0, x1), extra = self.ray, self.cell, bits + 64
-        while extra <= _MOST_BITS:
-            fixed = ray.fixed(extra + 64)
-            try:
-                x = bracketed_root(lambda y, fixed=fixed, extra=extra: fixed.jet(y, extra)[:2], x0, x1, extra)
-            except InvalidInputError:  # far from here and next to a pole, which is hit where these bits do not tell
-                extra *= 2
-                continue
-            f, slope, _ = fixed.jet(x, 2 * extra)
-            if not f or abs(f) <= abs(slope * x) * multiprecision(64).mpf(2) ** -(bits + 32):
-                return fixed.place(x, 2 * extra)
-            left = float(multiprecision(64).log(abs(f / (slope * x)), 2)) if slope else 0.0
-            extra += max(64, int(bits + 48 + left))
-        raise NotConvergedError(
-            f"the turning point near q = {float(ray.place(x1, 128)):.15g} could not be had to {self.digits} digits: "
-            "p² is too flat there"
-        )
+    return End("turning", SimpleZero(ray, x0, x1, digits))
 
 
 def end_of(ray: Ray, inside: float, outside: float) -> End:
-    """Return the only zero of F between two distances, a simple one; at the origin if both are 0."""
+    """Return the only zero of F between two distances, a simple one; at the origin if both are 0.
+
+    Args:
+        ray: the half line.
+        inside, outside: the distances.
+    """
     return _turning(ray, inside, outside, 15) if outside else End("turning", ray.origin)
 
 

@@ -13,6 +13,8 @@ from typing import Any, TypeVar
 import numba
 import numpy as np
 
+from hjsolve.arithmetic.number_types import Integers, Reals
+
 F = TypeVar("F", bound=Callable[..., Any])
 
 _SPLITTER = 134217729.0
@@ -30,7 +32,7 @@ def _kernel(function: F) -> F:
 
 
 @_kernel
-def relative(times: Any, high: float, low: float, upper: Any, lower: Any) -> None:
+def relative(times: Reals, high: float, low: float, upper: Reals, lower: Reals) -> None:
     """Fill ``upper`` + ``lower`` with times − (high + low).
 
     Args:
@@ -47,7 +49,9 @@ def relative(times: Any, high: float, low: float, upper: Any, lower: Any) -> Non
 
 
 @_kernel
-def turns(rate: Any, upper: Any, lower: Any, start: Any, whole: Any, rest: Any) -> None:
+def turns(
+    rate: tuple[float, float], upper: Reals, lower: Reals, start: tuple[float, float], whole: Reals, rest: Reals
+) -> None:
     """Fill whole turns and rest of start + rate·time; see ``phase_reduction.turns_and_rest``.
 
     Args:
@@ -79,7 +83,7 @@ def turns(rate: Any, upper: Any, lower: Any, start: Any, whole: Any, rest: Any) 
 
 
 @_kernel
-def _place(argument: Any, edges: Any, guide: Any, parity: int, panels: Any, places: Any) -> None:
+def _place(argument: Reals, edges: Reals, guide: Integers, parity: int, panels: Integers, places: Reals) -> None:
     """Fill the panel of each argument, and its place x in [−1, 1] there."""
     last, cells = edges.size - 2, guide.size - 1
     first, scale = edges[0], cells / (edges[last + 1] - edges[0])
@@ -102,7 +106,7 @@ def _place(argument: Any, edges: Any, guide: Any, parity: int, panels: Any, plac
 
 
 @_kernel
-def _polynomial(panels: Any, places: Any, rows: Any, out: Any) -> None:
+def _polynomial(panels: Integers, places: Reals, rows: Reals, out: Reals) -> None:
     """Horner's rule of degree ``table.DEGREE``, written out so that it becomes vector instructions."""
     for i in range(panels.size):
         k, x = panels[i], places[i]
@@ -115,7 +119,7 @@ def _polynomial(panels: Any, places: Any, rows: Any, out: Any) -> None:
 
 
 @_kernel
-def look_up(argument: Any, edges: Any, guide: Any, rows: Any, parity: int, out: Any) -> None:
+def look_up(argument: Reals, edges: Reals, guide: Integers, rows: Reals, parity: int, out: Reals) -> None:
     """Fill ``out`` with a tabulated quantity; see ``table.InterpolationTable``.
 
     First the panel and the place x in it, then the polynomial, block by block: a loop of its own with a fixed degree
@@ -141,7 +145,7 @@ def look_up(argument: Any, edges: Any, guide: Any, rows: Any, parity: int, out: 
 
 
 @_kernel
-def principal(angle: Any, value: Any, count: Any) -> None:
+def principal(angle: Reals, value: Reals, count: Reals) -> None:
     """Fill ``value`` in (−π, π] and the turns taken away.
 
     Args:

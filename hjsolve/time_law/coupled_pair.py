@@ -15,11 +15,12 @@ from __future__ import annotations
 from collections.abc import Sequence
 from dataclasses import dataclass
 from functools import cached_property
-from typing import Any
+from typing import cast
 
 import numpy as np
 
 from hjsolve.arithmetic.floats import EPS
+from hjsolve.arithmetic.number_types import Elementwise, Mask, Reals
 from hjsolve.one_coordinate.coordinate_motion import CoordinateMotion, Periodic, Unbounded
 from hjsolve.time_law.one_phase import solve_alone
 
@@ -55,10 +56,10 @@ class CoupledPhases:
         short: True where panels do not reach far enough to say.
     """
 
-    χ: Any
-    errors: Any
-    ended: Any
-    short: Any
+    χ: Reals
+    errors: Reals
+    ended: Mask
+    short: Mask
 
 
 def choose_pair(
@@ -84,7 +85,7 @@ def choose_pair(
     return None
 
 
-def _kernels(course: CoordinateMotion, n: int) -> Any:
+def _kernels(course: CoordinateMotion, n: int) -> Reals:
     """Rows of kernels at phases all along a course, shape (phases, n)."""
     if isinstance(course, Unbounded):
         edges = course.edges()
@@ -94,7 +95,7 @@ def _kernels(course: CoordinateMotion, n: int) -> Any:
     return np.stack([np.broadcast_to(course.rate(j, χ), χ.shape) for j in range(n)], axis=1)
 
 
-def _sign(course: CoordinateMotion, rows: Any, level: Weights) -> int:
+def _sign(course: CoordinateMotion, rows: Reals, level: Weights) -> int:
     """The sign of a combination of kernels all along a course, 0 where it has none.
 
     Beside a pole in a coordinate a kernel may be smaller than the rounding of its series: that counts as zero.
@@ -105,7 +106,7 @@ def _sign(course: CoordinateMotion, rows: Any, level: Weights) -> int:
     return side if np.all(side * values >= -noise) and np.any(values) and (noise or np.all(values)) else 0
 
 
-def solve_pair(couple: CoupledPair, goals: Any, noise: Any, time: Any) -> CoupledPhases:
+def solve_pair(couple: CoupledPair, goals: Reals, noise: Reals, time: Reals) -> CoupledPhases:
     """Solve for both phases.
 
     Args:
@@ -127,7 +128,7 @@ def solve_pair(couple: CoupledPair, goals: Any, noise: Any, time: Any) -> Couple
     return found
 
 
-def _one_way(couple: CoupledPair, side: int, goals: Any, noise: Any) -> CoupledPhases:
+def _one_way(couple: CoupledPair, side: int, goals: Reals, noise: Reals) -> CoupledPhases:
     """Times on one side of t₀."""
     gains = [_gain(c, couple.level, side) for c in couple.courses]
     k = int(gains[1] < gains[0])
@@ -147,8 +148,6 @@ def _one_way(couple: CoupledPair, side: int, goals: Any, noise: Any) -> CoupledP
 
 def _gain(course: CoordinateMotion, level: Weights, side: int) -> float:
     """How much the first equation can still grow along a course; infinite where it goes on for ever."""
-    if not isinstance(course, Unbounded):
-        return np.inf
     limit = course.limits()[side > 0]
     if not np.isfinite(limit):
         return np.inf
@@ -163,7 +162,7 @@ def _finished(course: CoordinateMotion, side: int) -> bool:
     return branch.way.end in {"boundary", "fall"} or branch.panels(*course.reach).finished
 
 
-def _stations(course: CoordinateMotion, side: int) -> Any:
+def _stations(course: CoordinateMotion, side: int) -> Reals:
     """Phases from the start outward, between which a search may begin; the last one is the farthest there is."""
     start = float(course.start)
     doublings = 2.0 ** np.arange(-2, 61)
@@ -175,16 +174,16 @@ def _stations(course: CoordinateMotion, side: int) -> Any:
     return stations if np.isfinite(limit) else np.concatenate([stations, stations[-1] + side * doublings])
 
 
-def _start(course: CoordinateMotion) -> Any:
+def _start(course: CoordinateMotion) -> Reals:
     return np.array([float(course.start)])
 
 
-def _amount(course: CoordinateMotion, weights: Weights, χ: Any) -> Any:
-    return sum(w * course.integral(j, χ) for j, w in enumerate(weights) if w)
+def _amount(course: CoordinateMotion, weights: Weights, χ: Reals) -> Reals:
+    return cast("Reals", sum(w * course.integral(j, χ) for j, w in enumerate(weights) if w))
 
 
-def _pace(course: CoordinateMotion, weights: Weights, χ: Any) -> Any:
-    return sum(w * course.rate(j, χ) for j, w in enumerate(weights) if w)
+def _pace(course: CoordinateMotion, weights: Weights, χ: Reals) -> Reals:
+    return cast("Reals", sum(w * course.rate(j, χ) for j, w in enumerate(weights) if w))
 
 
 @dataclass(frozen=True)
@@ -194,9 +193,9 @@ class _Search:
     couple: CoupledPair
     outer: CoordinateMotion
     inner: CoordinateMotion
-    goals: Any
+    goals: Reals
 
-    def other(self, x: Any) -> tuple[Any, Any]:
+    def other(self, x: Reals) -> tuple[Reals, Mask]:
         """The other phase, and where the other coordinate would have ended."""
         never = (np.zeros_like(x), np.zeros_like(x))
         level = self.couple.level
@@ -205,18 +204,18 @@ class _Search:
         )
         return y + 2 * np.pi * whole, ended
 
-    def late(self, x: Any) -> Any:
+    def late(self, x: Reals) -> Reals:
         """Left side less right side of the second equation, made to grow with x."""
         return self._equation(x)[0]
 
-    def _equation(self, x: Any) -> tuple[Any, Any]:
+    def _equation(self, x: Reals) -> tuple[Reals, Reals]:
         y, ended = self.other(x)
         clock = self.couple.clock
         off = _amount(self.outer, clock, x) + _amount(self.inner, clock, y) - self.goals[1]
         outward = np.where(x >= float(self.outer.start), np.inf, -np.inf)
         return np.where(ended, outward, self._sign * off), self._sign * self._slope(x, y)
 
-    def _slope(self, x: Any, y: Any) -> Any:
+    def _slope(self, x: Reals, y: Reals) -> Reals:
         """Growth of the left side of the second equation along the first one's curve."""
         level, clock = self.couple.level, self.couple.clock
         with np.errstate(all="ignore"):
@@ -227,9 +226,10 @@ class _Search:
     def _sign(self) -> float:
         return -1.0 if self._slope(_start(self.outer), _start(self.inner))[0] < 0 else 1.0
 
-    def between(self, stations: Any, side: int) -> Any:
+    def between(self, stations: Reals, side: int) -> Reals:
         """The phase: first between which stations, then by Newton's method in that bracket."""
         shape = self.goals.shape[1:]
+        # bisection over the stations, for all times at once
         first, last = np.zeros(shape, dtype=int), np.full(shape, len(stations) - 1)
         while np.any(last - first > 1):
             middle = (first + last) // 2
@@ -237,6 +237,7 @@ class _Search:
             first, last = np.where(beyond, first, middle), np.where(beyond, middle, last)
         ends = stations[first], stations[last]
         low, high = np.minimum(*ends), np.maximum(*ends)
+        # Newton's method in the bracket; every fourth step halves it where Newton's steps do not
         x, width = (low + high) / 2, high - low
         for count in range(_STEPS):
             off, slope = self._equation(x)
@@ -252,7 +253,7 @@ class _Search:
         return x
 
 
-def _polished(couple: CoupledPair, goals: Any, χ: Any) -> Any:
+def _polished(couple: CoupledPair, goals: Reals, χ: Reals) -> Reals:
     """Newton's method for both, from nearby: what one search leaves of an ill conditioned phase the other takes up."""
     for _ in range(_POLISH):
         residual, ((a, b), (c, d)) = _residual(couple, goals, χ), _slopes(couple, χ)
@@ -261,18 +262,17 @@ def _polished(couple: CoupledPair, goals: Any, χ: Any) -> Any:
             small = np.all(np.abs(step) <= 1e-3 * np.abs(χ) + 1e-8, axis=0)
         trial = np.where(small, χ + step, χ)
         for row, course in enumerate(couple.courses):
-            if isinstance(course, Unbounded):
-                trial[row] = np.clip(trial[row], *course.limits())
+            trial[row] = np.clip(trial[row], *course.limits())
         χ = trial
     return χ
 
 
-def _residual(couple: CoupledPair, goals: Any, χ: Any) -> Any:
+def _residual(couple: CoupledPair, goals: Reals, χ: Reals) -> Reals:
     sums = [sum(_amount(c, w, x) for c, x in zip(couple.courses, χ, strict=True)) for w in (couple.level, couple.clock)]
     return np.stack(sums) - goals
 
 
-def _slopes(couple: CoupledPair, χ: Any) -> Any:
+def _slopes(couple: CoupledPair, χ: Reals) -> Reals:
     """Rows: equations; columns: coordinates; shape (2, 2, m)."""
     return np.stack(
         [
@@ -282,7 +282,7 @@ def _slopes(couple: CoupledPair, χ: Any) -> Any:
     )
 
 
-def _bound(couple: CoupledPair, goals: Any, noise: Any, χ: Any) -> Any:
+def _bound(couple: CoupledPair, goals: Reals, noise: Reals, χ: Reals) -> Reals:
     """Bound the errors of the phases from the residuals and the rounding of the sums."""
     (a, b), (c, d) = _slopes(couple, χ)
     sizes = [
@@ -295,16 +295,22 @@ def _bound(couple: CoupledPair, goals: Any, noise: Any, χ: Any) -> Any:
     return np.sum(inverse * left[None, :], axis=1) + 2 * EPS * np.abs(χ)
 
 
-def _size(course: CoordinateMotion, weights: Weights, χ: Any) -> Any:
+def _phase_times(growth: Elementwise, χ: Reals) -> Reals:
+    """|growth·χ| in doubles, of a growth in many digits."""
+    size: Elementwise = np.abs(growth * np.abs(χ))
+    return size.astype(float)
+
+
+def _size(course: CoordinateMotion, weights: Weights, χ: Reals) -> Reals:
     """What the rounding of Σ wⱼ Gⱼ(χ) is relative to: a panel's series is rounded like its greatest value."""
     used = [(j, abs(w)) for j, w in enumerate(weights) if w]
     if isinstance(course, Unbounded):
         edges = course.edges()
-        summed = sum(w * np.abs(course.integral(j, edges)) for j, w in used)
+        summed: Elementwise = sum(w * np.abs(course.integral(j, edges)) for j, w in used)
         position = np.clip(np.searchsorted(edges, χ) - 1, 0, len(edges) - 2)
         tail = sum(w * np.abs(course.integral(j, χ)) for j, w in used)
         return np.maximum(np.maximum(summed[position], summed[position + 1]), tail)
-    size = sum(w * np.abs(course.growth(j) * np.abs(χ)).astype(float) for j, w in used)
+    size = cast("Reals", sum(w * _phase_times(course.growth(j), χ) for j, w in used))
     if isinstance(course, Periodic):
         for j, w in used:
             waves = course.kernels[j].cosines.astype(float)

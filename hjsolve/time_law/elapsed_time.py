@@ -3,16 +3,16 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Sequence
-from typing import Any
 
 import numpy as np
 
 from hjsolve.arithmetic.error_free import split
+from hjsolve.arithmetic.number_types import Mpf, Reals
 from hjsolve.time_law.compiled import kernels
 from hjsolve.time_law.phase_reduction import CHUNK
 
 
-def relative(times: Any, start: Callable[[int], Any]) -> tuple[Any, Any]:
+def relative(times: Reals, start: Callable[[int], Mpf]) -> tuple[Reals, Reals]:
     """Return t − t₀ as two doubles for float times.
 
     Args:
@@ -35,7 +35,7 @@ def relative(times: Any, start: Callable[[int], Any]) -> tuple[Any, Any]:
     return upper, lower
 
 
-def relative_exact(times: Sequence[Callable[[int], Any]], start: Callable[[int], Any], bits: int) -> list[Any]:
+def relative_exact(times: Sequence[Callable[[int], Mpf]], start: Callable[[int], Mpf], bits: int) -> list[Mpf]:
     """Return t − t₀ in many digits.
 
     Args:
@@ -46,7 +46,7 @@ def relative_exact(times: Sequence[Callable[[int], Any]], start: Callable[[int],
     return [t(bits) - start(bits) for t in times]
 
 
-def halves(numbers: Sequence[Any]) -> tuple[Any, Any]:
+def halves(numbers: Sequence[Mpf]) -> tuple[Reals, Reals]:
     """Return many-digit numbers as two double arrays.
 
     Args:

@@ -2,12 +2,13 @@
 
 from __future__ import annotations
 
-from typing import Any
+from typing import cast
 
 import numpy as np
 
 from hjsolve.arithmetic.error_free import split
 from hjsolve.arithmetic.floats import EPS, multiprecision
+from hjsolve.arithmetic.number_types import Elementwise, Mask, Reals
 from hjsolve.one_coordinate.coordinate_motion import AtRest, CoordinateMotion, Periodic, Unbounded
 from hjsolve.one_coordinate.fourier_series import combine
 from hjsolve.time_law.phase_reduction import turns_and_rest
@@ -15,8 +16,13 @@ from hjsolve.time_law.torus import _alone, bracketed
 
 
 def solve_alone(
-    course: CoordinateMotion, weights: tuple[float, ...], value: Any, slack: Any, own: float, time: tuple[Any, Any]
-) -> tuple[Any, Any, Any, Any]:
+    course: CoordinateMotion,
+    weights: tuple[float, ...],
+    value: Reals,
+    slack: Reals,
+    own: float,
+    time: tuple[Reals, Reals],
+) -> tuple[Reals, Reals, Reals, Mask]:
     """Solve Σ wⱼ Gⱼ(χ) = value for one coordinate.
 
     Args:
@@ -48,10 +54,12 @@ def solve_alone(
     return _solve_open(course, weights, value, slack)
 
 
-def _solve_open(course: Unbounded, weights: tuple[float, ...], value: Any, slack: Any) -> tuple[Any, Any, Any, Any]:
-    def function(χ: Any) -> tuple[Any, Any]:
+def _solve_open(
+    course: Unbounded, weights: tuple[float, ...], value: Reals, slack: Reals
+) -> tuple[Reals, Reals, Reals, Mask]:
+    def function(χ: Reals) -> tuple[Reals, Reals]:
         pairs = [(w * course.integral(j, χ), w * course.rate(j, χ)) for j, w in enumerate(weights) if w]
-        return sum(p[0] for p in pairs), sum(p[1] for p in pairs)
+        return cast("Reals", sum(p[0] for p in pairs)), cast("Reals", sum(p[1] for p in pairs))
 
     sign = 1.0 if function(np.array([0.1]))[1][0] > 0 else -1.0
     edges = course.edges()
@@ -74,12 +82,12 @@ def _solve_open(course: Unbounded, weights: tuple[float, ...], value: Any, slack
         )
     ended = ((goal > levels[-1]) & np.isfinite(ceiling)) | ((goal < levels[0]) & np.isfinite(floor))
 
-    def equation(χ: Any) -> tuple[Any, Any]:
+    def equation(χ: Reals) -> tuple[Reals, Reals]:
         f, slope = function(χ)
         return sign * f - goal, sign * slope
 
     χ, residual, slope = bracketed(equation, (low + high) / 2, low, high)
-    summed = sum(np.abs(w * course.integral(j, edges)) for j, w in enumerate(weights) if w)
+    summed: Elementwise = sum(np.abs(w * course.integral(j, edges)) for j, w in enumerate(weights) if w)
     rounding = np.maximum(summed[position], summed[position + 1])  # a panel's series is rounded like its greatest value
     noise = slack + 4 * EPS * np.abs(goal) + 2 * EPS * rounding + np.where(ended, 0.0, np.abs(residual))
     return χ, 0.0 * value, noise / np.maximum(np.abs(slope), 1e-300) + 2 * EPS * np.abs(χ), ended

@@ -14,6 +14,7 @@ from typing import Any
 import numpy as np
 
 from hjsolve.arithmetic.floats import EPS
+from hjsolve.arithmetic.number_types import Reals
 from hjsolve.errors import NotConvergedError
 from hjsolve.one_coordinate.coordinate_motion import CoordinateMotion, Periodic, Unbounded
 from hjsolve.time_law.coupled_pair import CoupledPair, choose_pair, solve_pair
@@ -70,7 +71,7 @@ def plan(courses: Sequence[CoordinateMotion]) -> TriangularScheme:
     return TriangularScheme(tuple(courses), n, tuple(steps), tuple(left))
 
 
-def _sample(course: CoordinateMotion, n: int) -> Any:
+def _sample(course: CoordinateMotion, n: int) -> Reals:
     """Rows of kernels at a few phases, each scaled to unit size; without those that are rounding.
 
     A periodic series is rounded like its greatest value, panels each like their own.
@@ -87,7 +88,7 @@ def _sample(course: CoordinateMotion, n: int) -> Any:
     return rows[told] / sizes[told]
 
 
-def _own(i: int, left: list[int], samples: list[Any]) -> DecoupledStep | None:
+def _own(i: int, left: list[int], samples: list[Reals]) -> DecoupledStep | None:
     n = samples[i].shape[1]
     others = np.concatenate([samples[l] for l in left if l != i] or [np.zeros((1, n))])
     for j in range(n):
@@ -105,7 +106,7 @@ def _own(i: int, left: list[int], samples: list[Any]) -> DecoupledStep | None:
     return DecoupledStep(i, tuple(float(w) for w in weights)) if np.min(np.abs(seen)) > 1e-6 else None
 
 
-def open_phases(scheme: TriangularScheme, time: tuple[Any, Any]) -> tuple[list[Any], list[Any], list[Any], Any]:
+def open_phases(scheme: TriangularScheme, time: tuple[Reals, Reals]) -> tuple[list[Any], list[Any], list[Any], Any]:
     """Solve for the phases at times relative to t₀.
 
     Args:
@@ -125,7 +126,7 @@ def open_phases(scheme: TriangularScheme, time: tuple[Any, Any]) -> tuple[list[A
 
 
 def _phases(
-    scheme: TriangularScheme, time: tuple[Any, Any], span: float
+    scheme: TriangularScheme, time: tuple[Reals, Reals], span: float
 ) -> tuple[list[Any], list[Any], list[Any], Any, Any]:
     """The same with panels that reach so far; True last where that is not far enough."""
     t = time[0] + time[1]
@@ -163,7 +164,7 @@ def _phases(
     return χ, whole, errors, ended, short
 
 
-def _one_way(course: CoordinateMotion, step: DecoupledStep, times: Any) -> CoordinateMotion:
+def _one_way(course: CoordinateMotion, step: DecoupledStep, times: Reals) -> CoordinateMotion:
     """A course that is a clock by itself and starts at the phase 0, with panels on the side where there are times.
 
     Its phase has the sign of the time.
@@ -188,10 +189,10 @@ def _right_sides(
     courses: list[CoordinateMotion],
     scheme: TriangularScheme,
     targets: list[float],
-    t: Any,
+    t: Reals,
     known: list[Any],
     errors: list[Any],
-) -> tuple[Any, Any]:
+) -> tuple[Reals, Reals]:
     """Right sides of all equations for the coupled coordinates and bounds on their errors, shape (equations, m)."""
     goals = np.array(targets)[:, None] + 0 * t
     goals[0] += t
@@ -243,8 +244,8 @@ def _right_side(
     known: list[tuple[int, CoordinateMotion]],
     χ: list[Any],
     errors: list[Any],
-    t: Any,
-) -> tuple[Any, Any]:
+    t: Reals,
+) -> tuple[Reals, Reals]:
     value = sum(w * c for w, c in zip(step.weights, targets, strict=True)) + step.weights[0] * t
     size = sum(abs(w * c) for w, c in zip(step.weights, targets, strict=True)) + np.abs(step.weights[0] * t)
     slack = 0.0 * t
@@ -263,16 +264,16 @@ def _march(
     courses: list[CoordinateMotion],
     scheme: TriangularScheme,
     targets: list[float],
-    t: Any,
+    t: Reals,
     known: list[Any],
     χ: list[Any],
     errors: list[Any],
-    ended: Any,
+    ended: Reals,
 ) -> None:
     """Follow the coupled coordinates from t₀ through the sorted times, Newton's method at every step."""
     block = scheme.coupled
     begin = np.array([float(courses[i].start) for i in block])
-    limits = [c.limits() if isinstance(c, Unbounded) else (-np.inf, np.inf) for c in (courses[i] for i in block)]
+    limits = [courses[i].limits() for i in block]
     found = np.empty((len(block), len(t)))
     bounds = np.empty_like(found)
     for direction in (1, -1):
@@ -299,7 +300,7 @@ class _Equations:
     targets: list[float]
     known: dict[int, float]
 
-    def _evaluate(self, x: Any, t: float) -> tuple[Any, Any]:
+    def _evaluate(self, x: Reals, t: float) -> tuple[Reals, Reals]:
         n = self.scheme.equations
         residual = -np.array(self.targets)
         residual[0] -= t
@@ -312,7 +313,7 @@ class _Equations:
             jacobian[:, column] = [float(np.ravel(self.courses[i].rate(j, place))[0]) for j in range(n)]
         return residual, jacobian
 
-    def advance(self, x: Any, now: float, goal: float, limits: list[tuple[float, float]]) -> tuple[Any, float]:
+    def advance(self, x: Reals, now: float, goal: float, limits: list[tuple[float, float]]) -> tuple[Reals, float]:
         """Walk from one time to another; stop early where a coordinate reaches the end of its domain."""
         step = goal - now
         while now != goal:
@@ -329,7 +330,7 @@ class _Equations:
                 step /= 4
         return x, now
 
-    def _newton(self, x: Any, t: float, limits: list[tuple[float, float]]) -> tuple[Any, bool]:
+    def _newton(self, x: Reals, t: float, limits: list[tuple[float, float]]) -> tuple[Reals, bool]:
         last = np.inf
         for _ in range(12):
             residual, jacobian = self._evaluate(x, t)
@@ -344,7 +345,7 @@ class _Equations:
                 return x, True
         return x, last < 1e-12
 
-    def bound(self, x: Any, t: float) -> Any:
+    def bound(self, x: Reals, t: float) -> Reals:
         """Bound the error of a solution from its residual and the rounding of the sums."""
         residual, jacobian = self._evaluate(x, t)
         noise = np.abs(residual) + 4 * EPS * (

@@ -7,11 +7,10 @@ as the sum of two doubles (32 digits) and t as one or two; the product is exact 
 
 from __future__ import annotations
 
-from typing import Any
-
 import numpy as np
 
 from hjsolve.arithmetic.error_free import two_product, two_sum
+from hjsolve.arithmetic.number_types import Elementwise, Reals
 from hjsolve.time_law.compiled import kernels
 
 CHUNK = 8192
@@ -19,8 +18,8 @@ CHUNK = 8192
 
 
 def turns_and_rest(
-    rate: tuple[float, float], time: tuple[Any, Any], start: tuple[float, float] = (0.0, 0.0)
-) -> tuple[Any, Any]:
+    rate: tuple[float, float], time: tuple[Elementwise, Elementwise], start: tuple[float, float] = (0.0, 0.0)
+) -> tuple[Elementwise, Elementwise]:
     """Return the whole turns and the rest, in [−½, ½], of start + rate·time.
 
     The rest keeps its relative accuracy when it is small: a perihelion passage is not blurred.
@@ -46,7 +45,9 @@ def turns_and_rest(
     return whole, rest
 
 
-def _turns(rate: tuple[float, float], upper: Any, lower: Any, start: tuple[float, float]) -> tuple[Any, Any]:
+def _turns(
+    rate: tuple[float, float], upper: Elementwise, lower: Elementwise, start: tuple[float, float]
+) -> tuple[Elementwise, Elementwise]:
     p, e = two_product(rate[0], upper)
     e = e + (rate[0] * lower + rate[1] * upper)
     whole = np.rint(p)
@@ -56,7 +57,7 @@ def _turns(rate: tuple[float, float], upper: Any, lower: Any, start: tuple[float
     return whole + more, (s - more) + low
 
 
-def principal(angle: Any) -> tuple[Any, Any]:
+def principal(angle: Reals) -> tuple[Reals, Reals]:
     """Reduce to (−π, π], and count the turns taken away; float array of shape (m,).
 
     Args:

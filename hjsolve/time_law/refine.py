@@ -5,8 +5,10 @@ from __future__ import annotations
 from typing import Any
 
 import numpy as np
+from numpy.typing import NDArray
 
 from hjsolve.arithmetic.floats import multiprecision
+from hjsolve.arithmetic.number_types import Context, Mpf, Numbers, Reals
 from hjsolve.errors import NotConvergedError
 from hjsolve.one_coordinate.coordinate_motion import CoordinateMotion
 from hjsolve.one_coordinate.fourier_series import FourierSeries
@@ -14,8 +16,8 @@ from hjsolve.time_law.torus import TorusEquations
 
 
 def on_torus(
-    system: TorusEquations, χ: list[Any], whole: list[Any], time: list[Any], bits: int
-) -> tuple[list[Any], list[Any]]:
+    system: TorusEquations, χ: list[Reals], whole: list[Reals], time: list[Mpf], bits: int
+) -> tuple[list[Numbers], list[Numbers]]:
     """Refine phases of a bounded motion.
 
     Args:
@@ -35,7 +37,7 @@ def on_torus(
     for m, t in enumerate(time):
         goal = [system.starts[k] + system.rates[k] * t - turn * context.convert(float(whole[k][m])) for k in range(n)]
 
-        def equations(x: Any, goal: list[Any] = goal) -> tuple[Any, Any]:
+        def equations(x: Any, goal: list[Mpf] = goal) -> tuple[Any, Any]:
             residual = context.matrix(
                 [x[k] - goal[k] + sum(_ripple(system, k, i, x[i]) for i in range(n)) for k in range(n)]
             )
@@ -49,27 +51,27 @@ def on_torus(
     return result, bounds
 
 
-def _left_out(series: FourierSeries) -> Any:
+def _left_out(series: FourierSeries) -> Mpf | int:
     """The terms that a series lacks; where dt/dχ is far below its mean they move the phase by much more."""
     if not len(series.cosines):
         return 0
-    sines = series.sines if series.sines is not None else []
+    sines: Numbers = series.sines if series.sines is not None else np.zeros(0)
     return 2 * series.tail * (abs(series.mean) + sum(map(abs, series.cosines)) + sum(map(abs, sines)))
 
 
-def _ripple(system: TorusEquations, k: int, i: int, x: Any) -> Any:
+def _ripple(system: TorusEquations, k: int, i: int, x: Mpf) -> Mpf | int:
     series = system.ripples[k][i]
     return series.ripple(x) if len(series.cosines) else 0
 
 
-def _slope(system: TorusEquations, k: int, i: int, x: Any) -> Any:
+def _slope(system: TorusEquations, k: int, i: int, x: Mpf) -> Mpf | int:
     series = system.ripples[k][i]
     return series.value(x) - series.mean if len(series.cosines) else 0
 
 
 def unbounded(
-    courses: list[CoordinateMotion], equations: int, χ: list[Any], time: list[Any], bits: int
-) -> tuple[list[Any], list[Any]]:
+    courses: list[CoordinateMotion], equations: int, χ: list[Reals], time: list[Mpf], bits: int
+) -> tuple[list[Numbers], list[Numbers]]:
     """Refine phases where some coordinate does not come back; arguments as in ``on_torus``.
 
     Args:
@@ -82,7 +84,7 @@ def unbounded(
     context = multiprecision(bits)
     n = len(courses)
 
-    def single(value: Any) -> Any:
+    def single(value: object) -> NDArray[np.object_]:
         return np.array([value], dtype=object)
 
     targets = [sum(c.integral(j, single(c.start))[0] for c in courses) for j in range(equations)]
@@ -90,7 +92,7 @@ def unbounded(
     bounds = [np.empty(len(time), dtype=object) for _ in range(n)]
     for m, t in enumerate(time):
 
-        def system(x: Any, t: Any = t) -> tuple[Any, Any]:
+        def system(x: Any, t: Mpf = t) -> tuple[Any, Any]:
             residual = context.matrix(
                 [
                     sum(c.integral(j, single(x[i]))[0] for i, c in enumerate(courses))
@@ -110,7 +112,7 @@ def unbounded(
     return result, bounds
 
 
-def _newton(equations: Any, x: list[Any], context: Any, bits: int) -> tuple[list[Any], Any]:
+def _newton(equations: Any, x: list[Mpf], context: Context, bits: int) -> tuple[list[Mpf], Mpf]:
     """Newton's method from a start good to doubles.
 
     Raises:

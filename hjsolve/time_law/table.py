@@ -15,6 +15,7 @@ from typing import Any
 
 import numpy as np
 
+from hjsolve.arithmetic.number_types import Elementwise, Integers, Mask, Numbers, Reals
 from hjsolve.errors import NotConvergedError
 from hjsolve.time_law.compiled import kernels
 from hjsolve.time_law.phase_reduction import CHUNK
@@ -40,19 +41,19 @@ class InterpolationTable:
         doubts: what the rounding of the phase may do to the argument, one a panel.
     """
 
-    edges: Any
-    coefficients: tuple[Any, ...]
+    edges: Reals
+    coefficients: tuple[Reals, ...]
     even: tuple[bool, ...]
-    bounds: tuple[Any, ...]
-    doubts: Any
+    bounds: tuple[Reals, ...]
+    doubts: Reals
 
     @cached_property
-    def guide(self) -> Any:
+    def guide(self) -> Integers:
         """Last panel that begins at or before each of equally spaced places from the first edge to the last."""
         places = np.linspace(self.edges[0], self.edges[-1], _CELLS * (len(self.edges) - 1) + 1)
         return np.clip(np.searchsorted(self.edges, places, side="right") - 1, 0, len(self.edges) - 2)
 
-    def panels(self, u: Any) -> Any:
+    def panels(self, u: Reals) -> Integers:
         """Return the panel of each argument (not negative where the table is folded).
 
         The guide gives it where at most one edge lies in a cell; only the rest is searched for. At the end of a cell
@@ -74,7 +75,7 @@ class InterpolationTable:
             panel[crowded] = np.clip(found, 0, len(self.edges) - 2)
         return panel
 
-    def sizes(self, quantity: int, θ: Any) -> Any:
+    def sizes(self, quantity: int, θ: Reals) -> Reals:
         """Return the size each value is accurate against: the largest of its quantity on its panel.
 
         Args:
@@ -83,7 +84,7 @@ class InterpolationTable:
         """
         return np.take(self.bounds[quantity], self.panels(np.abs(θ) if self.even else θ))
 
-    def doubt(self, θ: Any) -> Any:
+    def doubt(self, θ: Reals) -> Reals:
         """Return the doubt in the argument that comes from the rounding of phases when the table was made.
 
         Args:
@@ -91,7 +92,7 @@ class InterpolationTable:
         """
         return np.take(self.doubts, self.panels(np.abs(θ) if self.even else θ))
 
-    def evaluate(self, quantities: Sequence[int], θ: Any) -> list[Any]:
+    def evaluate(self, quantities: Sequence[int], θ: Reals) -> list[Reals]:
         """Return the quantities at arguments inside the table, shape (m,).
 
         Args:
@@ -110,7 +111,7 @@ class InterpolationTable:
             self._chunk(quantities, θ[part], [r[part] for r in results])
         return results
 
-    def _chunk(self, quantities: Sequence[int], θ: Any, out: list[Any]) -> None:
+    def _chunk(self, quantities: Sequence[int], θ: Reals, out: list[Reals]) -> None:
         folded = bool(self.even)
         u = np.abs(θ) if folded else θ
         panel = self.panels(u)
@@ -130,16 +131,16 @@ class InterpolationTable:
 
 
 def tabulate(
-    starts: Any,
-    growth: Callable[[Any], Any],
-    outputs: Callable[[Any], list[Any]],
+    starts: Reals,
+    growth: Callable[[Reals], Numbers],
+    outputs: Callable[[Reals], list[Elementwise]],
     scales: Sequence[float | None],
     *,
     even: Sequence[bool] = (),
     origin: float = 0.0,
     total: float | None = None,
-    known: Callable[[Any], Any] | None = None,
-    grains: Callable[[Any], list[Any]] | None = None,
+    known: Callable[[Reals], Numbers] | None = None,
+    grains: Callable[[Reals], list[Elementwise]] | None = None,
 ) -> InterpolationTable:
     """Build a table.
 
@@ -161,7 +162,7 @@ def tabulate(
     """
     left, right = np.asarray(starts[:-1], dtype=float), np.asarray(starts[1:], dtype=float)
     done: list[tuple[Any, Any, Any, Any]] = []
-    tables: tuple[Any, ...]
+    tables: tuple[Reals, ...]
     while len(left):
         lengths, parts, good = _panels(left, right, growth, outputs, scales)
         small = (right - left) <= 1e-13 * np.maximum(np.abs(left), np.abs(right))
@@ -185,7 +186,7 @@ def tabulate(
         np.ascontiguousarray(np.concatenate([d[2][k] for d in done], axis=1)[:, order]) for k in range(len(scales))
     )
     begins, ends = (np.concatenate([d[k] for d in done])[order] for k in (0, 3))
-    floors = grains(begins) if grains else [0.0] * len(scales)
+    floors: list[Elementwise] = grains(begins) if grains else [0.0] * len(scales)
     bounds = tuple(
         np.maximum(np.sum(np.abs(rows), axis=0), np.maximum(scale or 0.0, floor))
         for rows, scale, floor in zip(tables, scales, floors)
@@ -194,14 +195,14 @@ def tabulate(
     return InterpolationTable(edges, tables, tuple(even), bounds, doubts)
 
 
-def _halfway(left: Any, right: Any) -> Any:
+def _halfway(left: Reals, right: Reals) -> Reals:
     """Middle of a panel; nearer to zero where zero is one of its ends, since the rough places lie there."""
     at_zero = (left == 0) | (right == 0)
     return np.where(at_zero, 0.125 * (left + right), 0.5 * (left + right))
 
 
 @cache
-def _chebyshev(n: int) -> tuple[Any, Any]:
+def _chebyshev(n: int) -> tuple[Reals, Reals]:
     """Chebyshev points of [−1, 1], increasing, and the matrix from values to Chebyshev coefficients."""
     angles = np.pi * (np.arange(n)[::-1] + 0.5) / n
     matrix = 2 / n * np.cos(np.outer(np.arange(n), angles))
@@ -210,7 +211,7 @@ def _chebyshev(n: int) -> tuple[Any, Any]:
 
 
 @cache
-def _to_powers(n: int) -> Any:
+def _to_powers(n: int) -> Reals:
     """Matrix from Chebyshev coefficients to powers."""
     return np.stack(
         [np.polynomial.chebyshev.cheb2poly(np.eye(n)[k]).tolist() + [0.0] * (n - 1 - k) for k in range(n)], axis=1
@@ -218,15 +219,19 @@ def _to_powers(n: int) -> Any:
 
 
 def _panels(
-    left: Any, right: Any, growth: Any, outputs: Any, scales: Sequence[float | None]
-) -> tuple[Any, list[Any], Any]:
+    left: Reals,
+    right: Reals,
+    growth: Callable[[Reals], Numbers],
+    outputs: Callable[[Reals], list[Elementwise]],
+    scales: Sequence[float | None],
+) -> tuple[Reals, list[Reals], Mask]:
     """Try panels: their lengths in θ, power coefficients of every quantity, and which panels are fine enough."""
     points, matrix = _chebyshev(_GROWTH_NODES)
     half = (right - left) / 2
-    values = np.reshape(growth((left + half + half * points[:, None]).ravel()), (_GROWTH_NODES, -1))
+    values: Elementwise = np.reshape(growth((left + half + half * points[:, None]).ravel()), (_GROWTH_NODES, -1))
     series = matrix @ values
     good = np.max(np.abs(series[-2:]), axis=0) <= 2 * _TOLERANCE * np.abs(series[0])
-    integral = np.polynomial.chebyshev.chebint(series * half, lbnd=-1)
+    integral: Reals = np.polynomial.chebyshev.chebint(series * half, lbnd=-1)
     length = np.sum(integral, axis=0)
     nodes, transform = _chebyshev(DEGREE + 1)
     goal = length * (1 + nodes[:, None]) / 2
@@ -245,13 +250,13 @@ def _panels(
     return length, tables, good
 
 
-def _chopped(coefficients: Any, size: Any) -> Any:
+def _chopped(coefficients: Reals, size: Reals) -> Reals:
     """Chebyshev coefficients without their last ones, where these are the rounding of the samples."""
     largest = np.maximum.accumulate(np.abs(coefficients[::-1]), axis=0)[::-1]
     return np.where(largest > 1e-16 * size, coefficients, 0.0)
 
 
-def _local(integral: Any, series: Any, goal: Any, s: Any) -> Any:
+def _local(integral: Reals, series: Reals, goal: Reals, s: Reals) -> Reals:
     """Solve ∫ growth = goal on each panel by Newton's method in the panel's own variable."""
     for _ in range(14):
         value, slope = _clenshaw(integral, s), _clenshaw(series, s)
@@ -262,7 +267,7 @@ def _local(integral: Any, series: Any, goal: Any, s: Any) -> Any:
     return s
 
 
-def _clenshaw(coefficients: Any, x: Any) -> Any:
+def _clenshaw(coefficients: Reals, x: Reals) -> Reals:
     """Chebyshev series, one a panel, at points of shape (points, panels)."""
     twice, last, before = 2 * x, np.zeros_like(x), np.zeros_like(x)
     for row in coefficients[:0:-1]:

@@ -9,17 +9,18 @@ the rest together. With unbounded coordinates the equations are solved as they s
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass
-from typing import Any
+from typing import Any, cast
 
 import numpy as np
 
 from hjsolve.arithmetic.error_free import split
 from hjsolve.arithmetic.floats import EPS, multiprecision
+from hjsolve.arithmetic.number_types import Context, Elementwise, Mpf, Reals
 from hjsolve.errors import NotConvergedError
-from hjsolve.one_coordinate.coordinate_motion import AtRest, CoordinateMotion, Periodic
-from hjsolve.one_coordinate.fourier_series import FourierSeries, combine, zero
+from hjsolve.one_coordinate.coordinate_motion import AtRest, Periodic
+from hjsolve.one_coordinate.fourier_series import FourierSeries, combine
 from hjsolve.time_law.phase_reduction import turns_and_rest
 
 
@@ -39,9 +40,9 @@ class TorusEquations:
     """
 
     courses: tuple[Periodic | AtRest, ...]
-    rates: tuple[Any, ...]
-    starts: tuple[Any, ...]
-    growth: tuple[tuple[Any, ...], ...]
+    rates: tuple[Mpf, ...]
+    starts: tuple[Mpf, ...]
+    growth: tuple[tuple[Mpf, ...], ...]
     ripples: tuple[tuple[FourierSeries, ...], ...]
     order: tuple[int, ...]
     coupled: tuple[int, ...]
@@ -79,14 +80,14 @@ def torus_equations(courses: Sequence[Periodic | AtRest], bits: int) -> TorusEqu
     return TorusEquations(tuple(courses), rates, tuple(starts), growth, ripples, order, coupled, tuple(blurs))
 
 
-def mean_rate(system: TorusEquations, j: int) -> Any:
+def mean_rate(system: TorusEquations, j: int) -> Mpf:
     """Return the mean growth of the coordinate that belongs to the j-th constant, an ignorable momentum.
 
     Args:
         system: the equations in angle form.
         j: position of the constant.
     """
-    return -sum(rate * course.growth(j) for rate, course in zip(system.rates, system.courses, strict=True))
+    return -cast("Mpf", sum(rate * course.growth(j) for rate, course in zip(system.rates, system.courses, strict=True)))
 
 
 def oscillation(system: TorusEquations, i: int, j: int) -> FourierSeries:
@@ -98,20 +99,20 @@ def oscillation(system: TorusEquations, i: int, j: int) -> FourierSeries:
         j: position of the constant, an ignorable momentum.
     """
     course = system.courses[i]
-    own = combine([-1], [course.kernels[j]]) if isinstance(course, Periodic) else zero()
+    own = combine([-1], [course.kernels[j]])
     return combine([1, *(c.growth(j) for c in system.courses)], [own, *(row[i] for row in system.ripples)])
 
 
-def _ripple(weights: Sequence[Any], course: CoordinateMotion, n: int) -> FourierSeries:
-    return combine(list(weights), course.kernels[:n]) if isinstance(course, Periodic) else zero()
+def _ripple(weights: Sequence[Mpf], course: Periodic | AtRest, n: int) -> FourierSeries:
+    return combine(list(weights), course.kernels[:n])
 
 
-def _at(series: FourierSeries, χ: Any, context: Any) -> Any:
+def _at(series: FourierSeries, χ: Mpf | int, context: Context) -> Mpf | int:
     """Ripple at one many-digit phase; nothing at a turning point, exactly."""
     return series.ripple(context.mpf(χ)) if len(series.cosines) else 0
 
 
-def _blur(series: FourierSeries, χ: Any, context: Any) -> float:
+def _blur(series: FourierSeries, χ: Mpf | int, context: Context) -> float:
     """What rounded coefficients leave open of the ripple at one phase; nothing at a turning point."""
     if not len(series.cosines) or series.cosines.dtype == object:
         return 0.0
@@ -132,7 +133,7 @@ def _ordering(needs: list[list[int]]) -> tuple[tuple[int, ...], tuple[int, ...]]
     return tuple(order), tuple(sorted(left))
 
 
-def torus_phases(system: TorusEquations, time: tuple[Any, Any]) -> tuple[list[Any], list[Any], list[Any]]:
+def torus_phases(system: TorusEquations, time: tuple[Reals, Reals]) -> tuple[list[Reals], list[Reals], list[Reals]]:
     """Solve for the phases at times given as two doubles each, relative to t₀.
 
     Args:
@@ -159,7 +160,9 @@ def torus_phases(system: TorusEquations, time: tuple[Any, Any]) -> tuple[list[An
     return χ, whole, errors
 
 
-def _of_others(system: TorusEquations, k: int, χ: list[Any], errors: list[Any]) -> tuple[Any, Any]:
+def _of_others(
+    system: TorusEquations, k: int, χ: list[Reals | None], errors: list[Reals | None]
+) -> tuple[Elementwise, Elementwise]:
     """Ripples of θₖ beside the phases known by now, and what their errors and rounding do to that sum."""
     total, slack = 0.0, 0.0
     for i in system.order:
@@ -175,11 +178,12 @@ def _size(ripple: FourierSeries) -> float:
     return float(np.sum(np.abs(ripple.cosines.astype(float) / np.arange(1, len(ripple.cosines) + 1))))
 
 
-def _alone(ripple: FourierSeries, goal: Any, slack: Any) -> tuple[Any, Any]:
+def _alone(ripple: FourierSeries, goal: Reals, slack: Reals) -> tuple[Reals, Reals]:
     """Solve χ + D(χ) = θ, monotone in χ; the start comes from a table of the inverse."""
     noise = EPS * (np.abs(goal) + np.pi) + slack
     if not len(ripple.cosines):
         return goal, noise
+    # the goal is brought into the turn of the table, and bracketed between two of its places
     grid = np.linspace(-np.pi, np.pi, 1025)
     shift = 2 * np.pi * np.rint(goal / (2 * np.pi))
     goal = goal - shift
@@ -187,6 +191,7 @@ def _alone(ripple: FourierSeries, goal: Any, slack: Any) -> tuple[Any, Any]:
     offset = np.where(goal > table[-1], 2 * np.pi, np.where(goal < table[0], -2 * np.pi, 0.0))
     position = np.clip(np.searchsorted(table, goal - offset) - 1, 0, len(grid) - 2)
     low, high = grid[position] + offset, grid[position + 1] + offset
+    # start by interpolation, then Newton's method that never leaves the bracket
     share = (goal - offset - table[position]) / np.maximum(table[position + 1] - table[position], 1e-300)
     χ = low + (high - low) * np.clip(share, 0, 1)
     χ, residual, slope = bracketed(
@@ -196,7 +201,9 @@ def _alone(ripple: FourierSeries, goal: Any, slack: Any) -> tuple[Any, Any]:
     return χ + shift, noise / np.maximum(slope, EPS) + EPS * np.pi
 
 
-def bracketed(function: Any, x: Any, low: Any, high: Any) -> tuple[Any, Any, Any]:
+def bracketed(
+    function: Callable[[Reals], tuple[Reals, Reals]], x: Reals, low: Reals, high: Reals
+) -> tuple[Reals, Reals, Reals]:
     """Newton's method for an increasing function, element by element, never leaving its bracket.
 
     Args:
@@ -222,11 +229,12 @@ def bracketed(function: Any, x: Any, low: Any, high: Any) -> tuple[Any, Any, Any
     return x, f, slope
 
 
-def _together(system: TorusEquations, angles: list[Any], χ: list[Any], errors: list[Any]) -> None:
+def _together(system: TorusEquations, angles: list[Reals], χ: list[Reals | None], errors: list[Reals | None]) -> None:
     """Solve the coupled coordinates by Newton's method, following the torus from the start where it fails."""
     block = system.coupled
     beside = [_of_others(system, k, χ, errors) for k in block]
     goal = np.stack([angles[k] - ripples for k, (ripples, _) in zip(block, beside, strict=True)])
+    # Newton's method from the angles themselves, which differ from the phases by the periodic parts only
     found = _newton(system, goal, goal.copy(), 40)
     bad = ~(np.max(np.abs(_residual(system, goal, found)), axis=0) < 1e-9)
     if bad.any():
@@ -241,7 +249,7 @@ def _together(system: TorusEquations, angles: list[Any], χ: list[Any], errors: 
         χ[k], errors[k] = found[row], bound[:, row] + EPS * np.pi
 
 
-def _residual(system: TorusEquations, goal: Any, x: Any) -> Any:
+def _residual(system: TorusEquations, goal: Reals, x: Reals) -> Reals:
     block = system.coupled
     return np.stack(
         [
@@ -251,7 +259,7 @@ def _residual(system: TorusEquations, goal: Any, x: Any) -> Any:
     )
 
 
-def _jacobian(system: TorusEquations, x: Any) -> Any:
+def _jacobian(system: TorusEquations, x: Reals) -> Reals:
     block = system.coupled
     return np.stack(
         [
@@ -266,7 +274,7 @@ def _jacobian(system: TorusEquations, x: Any) -> Any:
     )
 
 
-def _newton(system: TorusEquations, goal: Any, x: Any, steps: int) -> Any:
+def _newton(system: TorusEquations, goal: Reals, x: Reals, steps: int) -> Reals:
     residual = _residual(system, goal, x)
     for _ in range(steps):
         jacobian = _jacobian(system, x).transpose(2, 0, 1)
@@ -285,7 +293,7 @@ def _newton(system: TorusEquations, goal: Any, x: Any, steps: int) -> Any:
     return x
 
 
-def _follow(system: TorusEquations, goal: Any) -> Any:
+def _follow(system: TorusEquations, goal: Reals) -> Reals:
     """Walk on the torus from the start to each goal: the map is one to one, so small steps cannot fail.
 
     Raises:
@@ -311,7 +319,7 @@ def _follow(system: TorusEquations, goal: Any) -> Any:
     return result
 
 
-def sum_ripples(system: TorusEquations, x: Any) -> Any:
+def sum_ripples(system: TorusEquations, x: Reals) -> Reals:
     """Return Σᵢ Dₖᵢ(χᵢ) over the coupled block; shapes (coordinates, m).
 
     Args:

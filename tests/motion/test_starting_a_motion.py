@@ -14,7 +14,8 @@ from hjsolve.arithmetic.interval import Interval, Intervals
 from hjsolve.arithmetic.jet import Jet, Jets
 from hjsolve.lowering import lower
 from hjsolve.one_coordinate.momentum_squared import MomentumSquared
-from hjsolve.one_coordinate.turning_points import Ray, first_end
+from hjsolve.one_coordinate.ray import Ray
+from hjsolve.one_coordinate.turning_points import first_end
 
 q, E, k = sp.symbols("q E k")
 FORMULAS = (

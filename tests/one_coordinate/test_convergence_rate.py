@@ -10,7 +10,8 @@ import pytest
 import hjsolve
 from hjsolve.arithmetic.floats import Multi
 from hjsolve.one_coordinate.anomaly import libration_anomaly
-from hjsolve.one_coordinate.coordinate_motion import PARTS, integrands
+from hjsolve.one_coordinate.coordinate_motion import PARTS
+from hjsolve.one_coordinate.cycle_integrals import integrands
 from hjsolve.one_coordinate.fourier_series import fit, midpoints
 
 

@@ -11,7 +11,7 @@ import hjsolve
 from hjsolve.arithmetic.floats import Float64
 from hjsolve.arithmetic.interval import Interval, Intervals
 from hjsolve.motion.initial_data import expanded, number_is_zero
-from hjsolve.one_coordinate.turning_points import Ray
+from hjsolve.one_coordinate.ray import Ray
 
 
 def test_what_overflows_is_large_not_unknown():

@@ -125,21 +125,40 @@ class JetWalk:
         return rational(int(x.p), int(x.q), self.precision)
 
     def plus(self, a: Slope, b: Slope) -> Slope:
-        """The sum."""
+        """The sum.
+
+        Args:
+            a: an interval jet.
+            b: an interval jet.
+        """
         if a is None or b is None:
             return b if a is None else a
         return libmp.mpi_add(a, b, self.precision)
 
     def times(self, a: Slope, b: Slope) -> Slope:
-        """The product."""
+        """The product.
+
+        Args:
+            a: an interval jet.
+            b: an interval jet.
+        """
         return None if a is None or b is None else libmp.mpi_mul(a, b, self.precision)
 
     def over(self, a: Slope, b: Interval) -> Slope:
-        """The quotient."""
+        """The quotient.
+
+        Args:
+            a: an interval jet.
+            b: an interval jet.
+        """
         return None if a is None else libmp.mpi_mul(a, enclose_inverse(b, self.precision), self.precision)
 
     def negative(self, a: Slope) -> Slope:
-        """The negative."""
+        """The negative.
+
+        Args:
+            a: an interval jet.
+        """
         return None if a is None else libmp.mpi_neg(a)
 
 

@@ -1,0 +1,233 @@
+"""The rules for second divided differences on two fixed places, over disks and at points in complex doubles.
+
+The formulas are those at the head of ``one_coordinate.regular_factor``.
+"""
+
+from __future__ import annotations
+
+from abc import ABC, abstractmethod
+from typing import Generic, NamedTuple
+
+import numpy as np
+
+from hjsolve.arithmetic.complex_disks import Disk, Disks, hull, tighter
+from hjsolve.arithmetic.number_types import Complexes, N
+
+_DISKS = Disks()
+_CLOSE = 1e-4
+"""Relative distance of two points below which a quotient of differences loses more than a mean value leaves out."""
+
+
+class EndValues(NamedTuple):
+    """f(a), f(b) and f[a, b] as disks; a constant has only the first."""
+
+    lower: Disk
+    upper: Disk
+    chord: Disk | None = None
+
+
+class DividedValues(NamedTuple, Generic[N]):
+    """f(q), f[a, b, q], f[b, q] and f[a, q]."""
+
+    here: N
+    second: N
+    from_upper: N
+    from_lower: N
+
+
+class ProgramLine(NamedTuple):
+    """One operation of the program, ``add``, ``mul``, ``inverse`` or a function: the slot it fills, what it takes."""
+
+    code: str
+    target: int
+    first: int
+    other: int = -1
+
+
+class DifferenceRules(ABC, Generic[N]):
+    """The rules for second differences, over some kind of numbers."""
+
+    @abstractmethod
+    def fixed(self, disk: Disk) -> N:
+        """Return what is known at a and b as a number of this kind."""
+
+    @abstractmethod
+    def plus(self, x: N, y: N) -> N:
+        """Return x + y."""
+
+    @abstractmethod
+    def times(self, x: N, y: N) -> N:
+        """Return x·y."""
+
+    @abstractmethod
+    def reciprocal(self, x: N) -> N:
+        """Return 1/x."""
+
+    @abstractmethod
+    def call(self, name: str, x: N) -> N:
+        """Return Φ(x)."""
+
+    @abstractmethod
+    def chord(self, name: str, x: N, y: N, at_x: N, at_y: N) -> N:
+        """Return Φ[x, y]."""
+
+    @abstractmethod
+    def bend(self, name: str, places: tuple[N, N, N], chord: N, near_a: N, near_b: N) -> N:
+        """Return Φ[a, b, q] from Φ[a, b], Φ[a, q] and Φ[b, q]."""
+
+    def step(
+        self, line: ProgramLine, ends: tuple[EndValues, ...], slots: list[DividedValues[N] | None]
+    ) -> DividedValues[N]:
+        """Return f(q) and the differences of one line.
+
+        Args:
+            line: the line of the program.
+            ends: what is known of each slot at a and b.
+            slots: what is known of the slots that are filled; None for a constant.
+        """
+        x, y, f, g = ends[line.first], ends[line.other], slots[line.first], slots[line.other]
+        if line.code in {"add", "mul"}:
+            if f is None or g is None:
+                constant, other = (x, g) if f is None else (y, f)
+                assert other is not None
+                return self._with_constant(line.code, self.fixed(constant.lower), other)
+            return self._sum(f, g) if line.code == "add" else self._product(x, f, g)
+        assert f is not None
+        return self._inverse(x, f) if line.code == "inverse" else self._unary(line.code, x, f)
+
+    def _with_constant(self, code: str, constant: N, f: DividedValues[N]) -> DividedValues[N]:
+        if code == "add":
+            return f._replace(here=self.plus(constant, f.here))
+        return DividedValues(*(self.times(constant, part) for part in f))
+
+    def _sum(self, f: DividedValues[N], g: DividedValues[N]) -> DividedValues[N]:
+        return DividedValues(*(self.plus(*parts) for parts in zip(f, g, strict=True)))
+
+    def _product(self, x: EndValues, f: DividedValues[N], g: DividedValues[N]) -> DividedValues[N]:
+        assert x.chord is not None
+        lower, upper, chord = self.fixed(x.lower), self.fixed(x.upper), self.fixed(x.chord)
+        # (fg)[a, b, q] = f(a) g[a, b, q] + f[a, b] g[b, q] + f[a, b, q] g(q)
+        outer = self.plus(self.times(lower, g.second), self.times(chord, g.from_upper))
+        return DividedValues(
+            self.times(f.here, g.here),
+            self.plus(outer, self.times(f.second, g.here)),
+            self.plus(self.times(upper, g.from_upper), self.times(f.from_upper, g.here)),
+            self.plus(self.times(lower, g.from_lower), self.times(f.from_lower, g.here)),
+        )
+
+    def _inverse(self, x: EndValues, f: DividedValues[N]) -> DividedValues[N]:
+        """(1/f)[a, b, q] = (f[a, b] f[a, q] − f(a) f[a, b, q])/(f(a) f(b) f(q)), (1/f)[b, q] = −f[b, q]/(f(b) f(q))."""
+        assert x.chord is not None
+        here = self.reciprocal(f.here)
+        ends = self.fixed(_DISKS.mul(_DISKS.inverse(x.lower), _DISKS.inverse(x.upper)))
+        minus = self.fixed(Disk(-x.lower.centre, x.lower.radius))
+        inner = self.plus(self.times(self.fixed(x.chord), f.from_lower), self.times(minus, f.second))
+        upper, lower = (
+            self.times(self.fixed(Disk(-part.centre, part.radius)), here)
+            for part in (_DISKS.inverse(x.upper), _DISKS.inverse(x.lower))
+        )
+        return DividedValues(
+            here,
+            self.times(self.times(ends, here), inner),
+            self.times(upper, f.from_upper),
+            self.times(lower, f.from_lower),
+        )
+
+    def _unary(self, name: str, x: EndValues, f: DividedValues[N]) -> DividedValues[N]:
+        assert x.chord is not None
+        a, b, q = self.fixed(x.lower), self.fixed(x.upper), f.here
+        at_a, at_b = (self.fixed(_DISKS.unary(name, end)) for end in (x.lower, x.upper))
+        here = self.call(name, q)
+        # Φ[f(a), f(q)], Φ[f(b), f(q)] and Φ[f(a), f(b), f(q)]
+        near_a, near_b = self.chord(name, a, q, at_a, here), self.chord(name, b, q, at_b, here)
+        twice = self.bend(name, (a, b, q), self.fixed(first_disk(name, x.lower, x.upper)), near_a, near_b)
+        # (Φ∘f)[a, b, q] = Φ[f(b), f(q)] f[a, b, q] + f[a, b] f[a, q] Φ[f(a), f(b), f(q)]
+        inner = self.times(self.times(self.fixed(x.chord), f.from_lower), twice)
+        second = self.plus(self.times(near_b, f.second), inner)
+        return DividedValues(here, second, self.times(near_b, f.from_upper), self.times(near_a, f.from_lower))
+
+
+class OverDisks(DifferenceRules[Disk]):
+    """The rules over disks: of several ways to have a difference the narrowest is taken."""
+
+    def fixed(self, disk: Disk) -> Disk:
+        return disk
+
+    def plus(self, x: Disk, y: Disk) -> Disk:
+        return _DISKS.add(x, y)
+
+    def times(self, x: Disk, y: Disk) -> Disk:
+        return _DISKS.mul(x, y)
+
+    def reciprocal(self, x: Disk) -> Disk:
+        return _DISKS.inverse(x)
+
+    def call(self, name: str, x: Disk) -> Disk:
+        return _DISKS.unary(name, x)
+
+    def chord(self, name: str, x: Disk, y: Disk, at_x: Disk, at_y: Disk) -> Disk:
+        """The quotient, or the mean of Φ′ over the hull: the smaller disk."""
+        quotient = _DISKS.div(_DISKS.sub(at_y, at_x), _DISKS.sub(y, x))
+        return tighter(quotient, _DISKS.derivative(name, hull(x, y)))
+
+    def bend(self, name: str, places: tuple[Disk, Disk, Disk], chord: Disk, near_a: Disk, near_b: Disk) -> Disk:
+        """One of two quotients, or half the mean of Φ″ over the hull: the smallest disk."""
+        a, b, q = places
+        one = _DISKS.div(_DISKS.sub(near_b, chord), _DISKS.sub(q, a))
+        other = _DISKS.div(_DISKS.sub(near_b, near_a), _DISKS.sub(b, a))
+        mean = _DISKS.times(_DISKS.bend(name, hull(hull(a, b), q)), 0.5)
+        return tighter(tighter(one, other), mean)
+
+
+class AtPoints(DifferenceRules[Complexes]):
+    """The rules at points in complex doubles."""
+
+    def fixed(self, disk: Disk) -> Complexes:
+        return disk.centre
+
+    def plus(self, x: Complexes, y: Complexes) -> Complexes:
+        return x + y
+
+    def times(self, x: Complexes, y: Complexes) -> Complexes:
+        return x * y
+
+    def reciprocal(self, x: Complexes) -> Complexes:
+        return 1 / x
+
+    def call(self, name: str, x: Complexes) -> Complexes:
+        return _DISKS.unary(name, Disk(x, np.zeros(()))).centre
+
+    def chord(self, name: str, x: Complexes, y: Complexes, at_x: Complexes, at_y: Complexes) -> Complexes:
+        apart = y - x
+        close = np.abs(apart) < _CLOSE * np.maximum(np.abs(x), 1e-3)
+        quotient = (at_y - at_x) / np.where(close, 1, apart)
+        if not np.any(close):
+            return quotient
+        return np.where(close, _DISKS.derivative(name, Disk((x + y) / 2, np.zeros(()))).centre, quotient)
+
+    def bend(
+        self,
+        name: str,
+        places: tuple[Complexes, Complexes, Complexes],
+        chord: Complexes,
+        near_a: Complexes,
+        near_b: Complexes,
+    ) -> Complexes:
+        a, b, q = places
+        one, other = np.broadcast_arrays(q - a, b - a + 0 * q)
+        widest = np.maximum(np.abs(one), np.abs(other))
+        quotient = np.where(np.abs(one) > np.abs(other), (near_b - chord) / one, (near_b - near_a) / other)
+        close = widest < _CLOSE * np.maximum(np.abs(a), 1e-3)
+        if not np.any(close):
+            return quotient
+        return np.where(close, _DISKS.bend(name, Disk((a + b + q) / 3, np.zeros(()))).centre / 2, quotient)
+
+
+def first_disk(name: str, x: Disk, y: Disk) -> Disk:
+    """Enclose Φ[x, y] for an elementary function Φ.
+
+    Args:
+        name: of the function, such as ``sqrt``.
+        x, y: the two places.
+    """
+    return OverDisks().chord(name, x, y, _DISKS.unary(name, x), _DISKS.unary(name, y))
