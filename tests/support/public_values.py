@@ -33,6 +33,7 @@ def made(folder: Path) -> dict[str, Any]:
     scene = hjsolve.Scene.load(SCENES / "precessing-ellipse.toml")
     return {
         "closed forms": hjsolve.closed_forms(kepler)[0],
+        "estimates": motion.characteristic_function([1, 2]),
         "system": load("kepler-planar"), "a system without a name": hjsolve.System({"x": "line"}, "dot(x)**2/2", "x**4"),
         "a wide system": load("kerr"), "separation": kepler.separation, "obstruction": hjsolve.separate("henon-heiles"),
         "undecided": hjsolve.separate("triaxial-geodesics", budget=0.0),
