@@ -71,7 +71,8 @@ def reached(values: Mapping[str, Any]) -> Iterator[tuple[str, Any]]:
             waiting += [(f"{path}[{i}]", item) for i, item in enumerate(value[:4])]
         kind = type(value)
         where = kind.__module__.removeprefix("hjsolve.")
-        if kind.__module__ == where or callable(value) or (where.startswith(MACHINERY) and kind is not hjsolve.Estimate):
+        inside = where.startswith(MACHINERY) and kind not in (hjsolve.Estimate, hjsolve.EstimateArray)
+        if kind.__module__ == where or callable(value) or inside:
             continue
         if path in values or kind not in seen:
             seen.add(kind)
