@@ -12,8 +12,8 @@ from mpmath import mp, mpf
 from hjsolve.functions import modules
 from hjsolve.functions.elliptic import (
     BranchPoints,
-    Fractions,
     NoForm,
+    PartialFractions,
     complete,
     incomplete,
     inverse,
@@ -22,7 +22,7 @@ from hjsolve.functions.elliptic import (
 )
 
 X, U = sp.symbols("x u", real=True)
-FIRST = Fractions(((0, sp.S.One),))
+FIRST = PartialFractions(((0, sp.S.One),))
 
 
 def number(rng, reach=9):
@@ -47,7 +47,7 @@ def random_integral(rng):
         if (low is not None and place < low) or (high is not None and place > high):
             poles.append((place, rng.choice([1, 1, 2, 3]), number(rng)))
     powers = tuple((k, number(rng)) for k in rng.sample(range(5), rng.choice([1, 2])))
-    return P, interval, low, high, Fractions(powers, tuple(poles))
+    return P, interval, low, high, PartialFractions(powers, tuple(poles))
 
 
 def random_place(rng, low, high):
@@ -104,7 +104,7 @@ def test_ten_random_integrals_are_right_to_thirty_digits(seed):
             P, interval, low, high, R = random_integral(rng)
             if rng.random() < 0.5:
                 if None in interval:
-                    R = Fractions(((0, sp.Integer(2)),), tuple((place, 1, c) for place, _, c in R.poles))
+                    R = PartialFractions(((0, sp.Integer(2)),), tuple((place, 1, c) for place, _, c in R.poles))
                 agree(complete(R, P, interval), by_quadrature(R, P, low, high, interval))
                 continue
             x = random_place(rng, low, high)
@@ -180,7 +180,10 @@ def test_symbolic_roots_stay_symbols():
 @pytest.mark.parametrize(
     ("call", "says"),
     [
-        (lambda: complete(Fractions(((1, sp.S.One),)), BranchPoints(sp.S.One, (0, 1, 2)), (2, None)), "diverges"),
+        (
+            lambda: complete(PartialFractions(((1, sp.S.One),)), BranchPoints(sp.S.One, (0, 1, 2)), (2, None)),
+            "diverges",
+        ),
         (lambda: complete(FIRST, BranchPoints(sp.S.One, (0, 1)), (1, None)), "degree 2"),
         (
             lambda: incomplete(FIRST, BranchPoints(sp.S.One, (), ((0, 1), (2, 1))), (None, None), X, "lower"),
@@ -188,15 +191,19 @@ def test_symbolic_roots_stay_symbols():
         ),
         (lambda: incomplete(FIRST, BranchPoints(sp.S.One, (0, 1, 2)), (2, None), X, "upper"), "begin at a root"),
         (
-            lambda: complete(Fractions((), ((sp.S.Zero, 1, sp.S.One),)), BranchPoints(sp.S.One, (0, 1, 2)), (0, 1)),
+            lambda: complete(
+                PartialFractions((), ((sp.S.Zero, 1, sp.S.One),)), BranchPoints(sp.S.One, (0, 1, 2)), (0, 1)
+            ),
             "pole",
         ),
         (
-            lambda: complete(Fractions((), ((sp.S.One, 1, sp.S.One),)), BranchPoints(sp.S.One, (0, 1, 2)), (0, 1)),
+            lambda: complete(
+                PartialFractions((), ((sp.S.One, 1, sp.S.One),)), BranchPoints(sp.S.One, (0, 1, 2)), (0, 1)
+            ),
             "pole",
         ),
         (
-            lambda: complete(Fractions((), (), ((0, 1, 0, 1),)), BranchPoints(sp.S.One, (0, 1, 2)), (0, 1)),
+            lambda: complete(PartialFractions((), (), ((0, 1, 0, 1),)), BranchPoints(sp.S.One, (0, 1, 2)), (0, 1)),
             "complex poles",
         ),
     ],

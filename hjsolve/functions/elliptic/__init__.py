@@ -6,11 +6,17 @@ the regime that the order of the real roots describes. Read ``branch_points.py``
 
 from __future__ import annotations
 
-from hjsolve.functions.elliptic.branch_points import BranchPoints, Fractions, NoForm
+from hjsolve.functions.elliptic.branch_points import BranchPoints, NoForm, PartialFractions
 from hjsolve.functions.elliptic.carlson_forms import complete, incomplete
 from hjsolve.functions.elliptic.jacobi_forms import inverse, legendre_complete, legendre_incomplete
 
 __all__ = [
-    "BranchPoints", "Fractions", "NoForm", "complete", "incomplete", "inverse", "legendre_complete",
+    "BranchPoints",
+    "NoForm",
+    "PartialFractions",
+    "complete",
+    "incomplete",
+    "inverse",
+    "legendre_complete",
     "legendre_incomplete",
 ]  # fmt: skip

@@ -75,7 +75,7 @@ class BranchPoints:
 
 
 @dataclass(frozen=True)
-class Fractions:
+class PartialFractions:
     """A rational function in partial fractions: Σ coefficient·xᵏ + Σ coefficient/(x − place)^power.
 
     Attributes:

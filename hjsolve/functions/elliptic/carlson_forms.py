@@ -27,11 +27,11 @@ from functools import cached_property, partial
 import sympy as sp
 
 from hjsolve.functions.carlson import CarlsonRC, CarlsonRD, CarlsonRF, CarlsonRJ
-from hjsolve.functions.elliptic.branch_points import BranchPoints, Fractions, Interval
+from hjsolve.functions.elliptic.branch_points import BranchPoints, Interval, PartialFractions
 from hjsolve.functions.elliptic.moments import INFINITY, Kinds, Way, integrated, refuse, whole_way
 
 
-def complete(R: Fractions, P: BranchPoints, interval: Interval) -> sp.Expr:
+def complete(R: PartialFractions, P: BranchPoints, interval: Interval) -> sp.Expr:
     """∫ R dx/√P over the whole interval.
 
     Args:
@@ -47,7 +47,7 @@ def complete(R: Fractions, P: BranchPoints, interval: Interval) -> sp.Expr:
     return integrated(R, way, _kinds(way))
 
 
-def incomplete(R: Fractions, P: BranchPoints, interval: Interval, x: sp.Expr, start: str) -> sp.Expr:
+def incomplete(R: PartialFractions, P: BranchPoints, interval: Interval, x: sp.Expr, start: str) -> sp.Expr:
     """∫ R dx/√P from the lower root of the interval to x, or from x to the upper one.
 
     Args:

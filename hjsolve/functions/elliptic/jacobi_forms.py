@@ -17,7 +17,7 @@ from functools import cached_property
 
 import sympy as sp
 
-from hjsolve.functions.elliptic.branch_points import BranchPoints, Fractions, Interval, NoForm
+from hjsolve.functions.elliptic.branch_points import BranchPoints, Interval, NoForm, PartialFractions
 from hjsolve.functions.elliptic.moments import INFINITY, Kinds, Way, integrated, refuse, whole_way
 from hjsolve.functions.jacobi import JacobiCN, JacobiSN
 
@@ -34,7 +34,7 @@ def inverse(P: BranchPoints, interval: Interval, u: sp.Expr, start: str = "lower
     Raises:
         NoForm: P has no real root to begin at.
     """
-    refuse(Fractions(()), P)
+    refuse(PartialFractions(()), P)
     way = Way(P, interval, start, None, whole=False)
     if P.pairs:
         (α, β), (r, *_) = P.pairs[0], way.others
@@ -48,7 +48,7 @@ def inverse(P: BranchPoints, interval: Interval, u: sp.Expr, start: str = "lower
     return way.e + way.σ * s2 / (_ζ(way, order.points[2]) * s2 + order.span)
 
 
-def legendre_complete(R: Fractions, P: BranchPoints, interval: Interval) -> sp.Expr | None:
+def legendre_complete(R: PartialFractions, P: BranchPoints, interval: Interval) -> sp.Expr | None:
     """∫ R dx/√P over the whole interval in Legendre's integrals; None where P has complex roots.
 
     Args:
@@ -63,7 +63,9 @@ def legendre_complete(R: Fractions, P: BranchPoints, interval: Interval) -> sp.E
     return None if P.pairs else _legendre(R, whole_way(P, interval))
 
 
-def legendre_incomplete(R: Fractions, P: BranchPoints, interval: Interval, x: sp.Expr, start: str) -> sp.Expr | None:
+def legendre_incomplete(
+    R: PartialFractions, P: BranchPoints, interval: Interval, x: sp.Expr, start: str
+) -> sp.Expr | None:
     """∫ R dx/√P from or to a root in Legendre's integrals; None where P has complex roots.
 
     Args:
@@ -113,7 +115,7 @@ class _Order:
         return self.span * self.way.S**2 / self.way.v(self.points[2])
 
 
-def _legendre(R: Fractions, way: Way) -> sp.Expr:
+def _legendre(R: PartialFractions, way: Way) -> sp.Expr:
     order = _Order(way)
     m, s2, scale = order.m, order.sine2, 2 / sp.sqrt(way.q * order.span)
     whole = s2 == 1

@@ -8,7 +8,7 @@ from functools import cached_property
 
 import sympy as sp
 
-from hjsolve.functions.elliptic.branch_points import BranchPoints, Fractions, Interval, NoForm
+from hjsolve.functions.elliptic.branch_points import BranchPoints, Interval, NoForm, PartialFractions
 
 INFINITY = None
 """The branch point of a cubic that is no root."""
@@ -95,7 +95,7 @@ class Kinds:
     at_other_end: Callable[[sp.Expr], tuple[sp.Expr, sp.Expr]] | None = None
 
 
-def integrated(R: Fractions, way: Way, kinds: Kinds) -> sp.Expr:
+def integrated(R: PartialFractions, way: Way, kinds: Kinds) -> sp.Expr:
     """∫ R dx/√P along a way.
 
     Args:
@@ -124,7 +124,7 @@ def whole_way(P: BranchPoints, interval: Interval) -> Way:
     return Way(P, interval, start, None if other is None else P.real[other], whole=True)
 
 
-def refuse(R: Fractions, P: BranchPoints) -> None:
+def refuse(R: PartialFractions, P: BranchPoints) -> None:
     """Raise where nothing is known.
 
     Args:
