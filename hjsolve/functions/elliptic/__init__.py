@@ -1,0 +1,22 @@
+"""Real elliptic integrals of rational functions over √P(x), deg P = 3 or 4, in Carlson's functions, and their inverses.
+
+In: roots of P and partial fractions as sympy expressions. Out: sympy expressions, real and positive under every root in
+the regime that the order of the real roots describes. Read ``branch_points.py`` first, then ``carlson_forms.py``.
+"""
+
+from __future__ import annotations
+
+from hjsolve.functions.elliptic.branch_points import BranchPoints, NoForm, PartialFractions
+from hjsolve.functions.elliptic.carlson_forms import complete, incomplete
+from hjsolve.functions.elliptic.jacobi_forms import inverse, legendre_complete, legendre_incomplete
+
+__all__ = [
+    "BranchPoints",
+    "NoForm",
+    "PartialFractions",
+    "complete",
+    "incomplete",
+    "inverse",
+    "legendre_complete",
+    "legendre_incomplete",
+]  # fmt: skip

@@ -1,0 +1,152 @@
+"""∫ R(x) dx/√P(x) from a real root e of P, in Carlson's R_F, R_D, R_J, R_C of positive arguments.
+
+With σ = ±1 the side of e on which the interval lies, x′ = e + σ/z sends e to infinity and P to a cubic, and with
+
+    v(ρ) = (x − ρ)/(e − ρ),   v(∞) = 1,   S² = σ (x − e),   q = σ P′(e) > 0
+
+(v is 1 at e, positive on the interval, zero at its other end), the sum over the three other branch points r₁, r₂, r₃
+(∞ among them where P is cubic) gives, exactly and up to both ends,
+
+    ∫ dx/√P = (2S/√q) R_F(v(r₁), v(r₂), v(r₃)),
+    ∫ dx/((x − ρ)√P) = [∫ dx/√P − σ/(e − ρ) · (2S³/(3√q)) R_J(v(r₁), v(r₂), v(r₃), v(ρ))]/(e − ρ),
+    ∫ (x − e) dx/√P = σ (2S³/(3√q)) R_J(v(r₁), v(r₂), v(r₃), v(∞))
+
+(Carlson, Math. Comp. 49 (1987) 595; DLMF 19.29). Higher powers follow from d[(x − ρ)ⁿ √P]. A complex pair is
+brought to real arguments by Gauss' transformation (DLMF 19.22.18–19.22.20) with
+
+    a² = (|v₁| + Re v₁)/2,   z₊² = (v₃ + |v₁| + |v₃ − v₁|)/2,   z₋² = a² v₃/z₊²,   p₊² = (p² + |v₁| + |p² − v₁|)/2.
+
+Where the interval ends at infinity and the whole of it is meant, x = ∞: v(ρ) = σ/(e − ρ), v(∞) = 0 and S = 1.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from functools import cached_property, partial
+
+import sympy as sp
+
+from hjsolve.functions.carlson import CarlsonRC, CarlsonRD, CarlsonRF, CarlsonRJ
+from hjsolve.functions.elliptic.branch_points import BranchPoints, Interval, PartialFractions
+from hjsolve.functions.elliptic.moments import INFINITY, Kinds, Way, integrated, refuse, whole_way
+
+
+def complete(R: PartialFractions, P: BranchPoints, interval: Interval) -> sp.Expr:
+    """∫ R dx/√P over the whole interval.
+
+    Args:
+        R: the rational function.
+        P: the branch points.
+        interval: where.
+
+    Raises:
+        NoForm: it diverges, or no form is known here; the text says why.
+    """
+    refuse(R, P)
+    way = whole_way(P, interval)
+    return integrated(R, way, _kinds(way))
+
+
+def incomplete(R: PartialFractions, P: BranchPoints, interval: Interval, x: sp.Expr, start: str) -> sp.Expr:
+    """∫ R dx/√P from the lower root of the interval to x, or from x to the upper one.
+
+    Args:
+        R: the rational function.
+        P: the branch points.
+        interval: where.
+        x: the other end, within the interval.
+        start: "lower" or "upper": the root at which the integral is zero.
+
+    Raises:
+        NoForm: no form is known here; the text says why.
+    """
+    refuse(R, P)
+    way = Way(P, interval, start, x, whole=False)
+    return integrated(R, way, _kinds(way))
+
+
+@dataclass(frozen=True)
+class _Pair:
+    """What a complex pair α ± iβ among the three other branch points is replaced by."""
+
+    way: Way
+
+    @cached_property
+    def pair(self) -> tuple[sp.Expr, sp.Expr]:
+        return self.way.P.pairs[0]
+
+    def distance(self, place: sp.Expr) -> sp.Expr:
+        """|place − (α + iβ)|."""
+        α, β = self.pair
+        return sp.sqrt((place - α) ** 2 + β**2)
+
+    def κ(self, place: sp.Expr | None) -> sp.Expr:
+        """|v(place) − v₁|/S²."""
+        e = self.way.e
+        if place is INFINITY:
+            return 1 / self.distance(e)
+        return self.distance(place) / (sp.sqrt((e - place) ** 2) * self.distance(e))
+
+    @cached_property
+    def size(self) -> sp.Expr:
+        """|v₁|."""
+        return (1 if self.way.x is None else self.distance(self.way.x)) / self.distance(self.way.e)
+
+    @cached_property
+    def a2(self) -> sp.Expr:
+        (α, β), e, x = self.pair, self.way.e, self.way.x
+        along = self.way.σ * (e - α) if x is None else (x - α) * (e - α) + β**2
+        return (self.size + along / ((e - α) ** 2 + β**2)) / 2
+
+    @cached_property
+    def third(self) -> sp.Expr | None:
+        """The real branch point beside e and the pair."""
+        return self.way.others[0]
+
+    def p2(self, place: sp.Expr | None) -> sp.Expr:
+        return (self.way.v(place) + self.size + self.way.S**2 * self.κ(place)) / 2
+
+    @cached_property
+    def z2(self) -> tuple[sp.Expr, sp.Expr]:
+        """z₊² and z₋²."""
+        above = self.p2(self.third)
+        return above, self.a2 * self.way.v(self.third) / above
+
+
+def _first(way: Way) -> sp.Expr:
+    """∫ dx/√P."""
+    if way.P.pairs:
+        pair = _Pair(way)
+        return 2 * way.S / sp.sqrt(way.q) * CarlsonRF(pair.a2, *pair.z2)
+    return 2 * way.S / sp.sqrt(way.q) * CarlsonRF(*(way.v(r) for r in way.others))
+
+
+def _third(way: Way, place: sp.Expr | None) -> sp.Expr:
+    """(2S³/(3√q)) R_J(v(r₁), v(r₂), v(r₃), v(place))."""
+    if not way.P.pairs:
+        return 2 * way.S**3 / (3 * sp.sqrt(way.q)) * CarlsonRJ(*(way.v(r) for r in way.others), way.v(place))
+    pair = _Pair(way)
+    moved = pair.p2(place)
+    inner = 2 * (moved - pair.a2) * CarlsonRJ(pair.a2, *pair.z2, moved) + 3 * CarlsonRC(way.v(pair.third), way.v(place))
+    return (2 * way.S * inner / sp.sqrt(way.q) - 3 * _first(way)) / (3 * pair.κ(place))
+
+
+def _at_other_end(way: Way, r: sp.Expr) -> tuple[sp.Expr, sp.Expr]:
+    """√P/(x − r) and ∫ dx/((x − r)√P) where x may reach r, by Gauss' R_D; see ``moments.Kinds``.
+
+    What is left over of both is σ√(L(x − e)(x − r)) (x + r − 2α)/(|x − r₁| + |r − r₁|).
+    """
+    pair, first, h = _Pair(way), _first(way), way.e - r
+    α, _ = pair.pair
+    part = CarlsonRD(pair.a2, pair.z2[1], pair.z2[0])
+    regular = (4 * way.S * (pair.z2[0] - pair.a2) * part / sp.sqrt(way.q) - 3 * first) / (3 * pair.κ(r))
+    inverse = (first - way.σ / h * regular) / h
+    if way.whole:
+        return sp.S.Zero, inverse
+    x = way.x
+    root = sp.sqrt(way.P.leading * (x - way.e) * (x - r))
+    return way.σ * root * (x + r - 2 * α) / (pair.distance(x) + pair.distance(r)), inverse
+
+
+def _kinds(way: Way) -> Kinds:
+    return Kinds(_first(way), partial(_third, way), partial(_at_other_end, way))

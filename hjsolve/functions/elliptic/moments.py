@@ -1,0 +1,236 @@
+"""An integral over √P that begins at a real root, and its reduction to three kinds: moments of x − ρ by recurrence."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from dataclasses import dataclass
+from functools import cached_property
+
+import sympy as sp
+
+from hjsolve.functions.elliptic.branch_points import BranchPoints, Interval, NoForm, PartialFractions
+
+INFINITY = None
+"""The branch point of a cubic that is no root."""
+
+
+@dataclass(frozen=True)
+class Way:
+    """From the root e of P to x, all of it between two roots or from a root to infinity.
+
+    Attributes:
+        P: the branch points.
+        interval: where.
+        start: "lower" or "upper": which end of the interval e is.
+        x: the other end; None for infinity.
+        whole: whether the integral is over the whole interval.
+    """
+
+    P: BranchPoints
+    interval: Interval
+    start: str
+    x: sp.Expr | None
+    whole: bool
+
+    @cached_property
+    def index(self) -> int:
+        """Place of e among the real roots."""
+        if not self.P.real:
+            raise NoForm("P has no real root to begin at")
+        index = self.interval[0] if self.start == "lower" else self.interval[1]
+        if index is None:
+            raise NoForm("the interval does not begin at a root")
+        return index
+
+    @cached_property
+    def e(self) -> sp.Expr:
+        """The root at which the way begins."""
+        return self.P.real[self.index]
+
+    @cached_property
+    def σ(self) -> int:
+        """The side of e on which the interval lies."""
+        return 1 if self.start == "lower" else -1
+
+    @cached_property
+    def others(self) -> tuple[sp.Expr | None, ...]:
+        """The other real branch points, ∞ among them where P is cubic."""
+        roots = tuple(r for k, r in enumerate(self.P.real) if k != self.index)
+        return (*roots, INFINITY) if self.P.degree == 3 else roots
+
+    @cached_property
+    def S(self) -> sp.Expr:
+        """√(σ(x − e)); 1 for infinity."""
+        return sp.S.One if self.x is None else sp.sqrt(self.σ * (self.x - self.e))
+
+    @cached_property
+    def q(self) -> sp.Expr:
+        """σ P′(e) > 0."""
+        return self.σ * self.P.slope(self.e)
+
+    def v(self, place: sp.Expr | None) -> sp.Expr:
+        """Return v of ``carlson_forms`` at a place, positive.
+
+        Args:
+            place: outside the interval, or one of its ends; None for infinity.
+        """
+        if self.x is None:
+            return sp.S.Zero if place is INFINITY else self.σ / (self.e - place)
+        return sp.S.One if place is INFINITY else (self.x - place) / (self.e - place)
+
+
+@dataclass(frozen=True)
+class Kinds:
+    """The basic integrals along a way, in the functions of some author.
+
+    Attributes:
+        first: ∫ dx/√P.
+        third: place ↦ (2S³/(3√q)) R_J(v(r₁), v(r₂), v(r₃), v(place)), the place a pole, a branch point or ∞.
+        at_other_end: for a quartic whose only other real root r is the end of the interval: r ↦ √P/(x − r) and
+            ∫ dx/((x − r)√P), without what is infinite in each and cancels between them; None where it is not needed.
+    """
+
+    first: sp.Expr
+    third: Callable[[sp.Expr | None], sp.Expr]
+    at_other_end: Callable[[sp.Expr], tuple[sp.Expr, sp.Expr]] | None = None
+
+
+def integrated(R: PartialFractions, way: Way, kinds: Kinds) -> sp.Expr:
+    """∫ R dx/√P along a way.
+
+    Args:
+        R: the rational function.
+        way: from where to where.
+        kinds: the basic integrals.
+
+    Raises:
+        NoForm: it diverges, or no form is known here; the text says why.
+    """
+    moments = _Moments(way, kinds)
+    terms = [c * moments.power(k) for k, c in R.powers] + [c * moments.pole(place, m) for place, m, c in R.poles]
+    return sp.Add(*terms)
+
+
+def whole_way(P: BranchPoints, interval: Interval) -> Way:
+    """The way through the whole interval, from its lower end if that is a root.
+
+    Args:
+        P: the branch points.
+        interval: where.
+    """
+    lower, upper = interval
+    start = "lower" if lower is not None else "upper"
+    other = upper if lower is not None else lower
+    return Way(P, interval, start, None if other is None else P.real[other], whole=True)
+
+
+def refuse(R: PartialFractions, P: BranchPoints) -> None:
+    """Raise where nothing is known.
+
+    Args:
+        R: the rational function.
+        P: the branch points.
+
+    Raises:
+        NoForm: why.
+    """
+    if P.degree not in {3, 4}:
+        raise NoForm(f"P has degree {P.degree}, not 3 or 4")
+    if len(P.pairs) > 1:
+        raise NoForm("P has no real root to begin at")
+    if R.complex_poles:
+        raise NoForm("the integrand has complex poles")
+
+
+@dataclass(frozen=True)
+class _Moments:
+    """A_n(ρ) = ∫ (x − ρ)ⁿ dx/√P, all from A₀, A₁ and A₋₁."""
+
+    way: Way
+    kinds: Kinds
+
+    @cached_property
+    def zeroth(self) -> sp.Expr:
+        return self.kinds.first
+
+    @cached_property
+    def first(self) -> sp.Expr:
+        """∫ (x − e) dx/√P."""
+        self._converges("a power of x")
+        return self.way.σ * self.kinds.third(INFINITY)
+
+    def _converges(self, what: str) -> None:
+        if self.way.x is None:
+            raise NoForm(f"the integral of {what} to infinity diverges, or is not known here")
+
+    def _boundary(self, place: sp.Expr, n: int) -> sp.Expr:
+        """(x − place)ⁿ √P between the ends, in the direction of the integral; zero at roots."""
+        self._converges("a higher pole")
+        if self.way.whole:
+            return sp.S.Zero
+        return self.way.σ * (self.way.x - place) ** n * sp.sqrt(self.way.P.value(self.way.x))
+
+    def power(self, k: int) -> sp.Expr:
+        """∫ xᵏ dx/√P.
+
+        Args:
+            k: from 0 on.
+        """
+        e = self.way.e
+        return sp.Add(*(sp.binomial(k, m) * e ** (k - m) * self._about_start(m) for m in range(k + 1)))
+
+    def _about_start(self, n: int) -> sp.Expr:
+        """A_n(e), n ≥ 0, by d[(x − e)ᵐ √P] = Σₖ Pₖ (m + k/2) (x − e)^(m+k−1) dx/√P."""
+        if n < 2:
+            return (self.zeroth, self.first)[n] if n else self.zeroth
+        degree = self.way.P.degree
+        if n == 2 and degree == 4:
+            return self._second_of_quartic
+        P, m = self.way.P.taylor(self.way.e), n - degree + 1
+        lower = [P[k] * (m + sp.Rational(k, 2)) * self._about_start(m + k - 1) for k in range(1, degree)]
+        return (self._boundary(self.way.e, m) - sp.Add(*lower)) / ((m + sp.Rational(degree, 2)) * P[degree])
+
+    @cached_property
+    def _second_of_quartic(self) -> sp.Expr:
+        """∫ (x − e)² dx/√P from d[√P/(x − r)] about another root r, where P has no constant term."""
+        self._converges("a power of x")
+        way, ends = self.way, {self.way.P.real[k] for k in self.way.interval if k is not None}
+        free = [r for r in way.others if r not in ends]
+        r = free[0] if free else way.others[0]
+        P, h = way.P.taylor(r), way.e - r
+        first = self.first + h * self.zeroth
+        if free:
+            edge, inverse = self._boundary(r, -1), self.pole(r, 1)
+        else:
+            assert self.kinds.at_other_end is not None
+            edge, inverse = self.kinds.at_other_end(r)
+        second = (edge - P[3] * first / 2 + P[1] * inverse / 2) / P[4]
+        return second - 2 * h * self.first - h**2 * self.zeroth
+
+    def pole(self, place: sp.Expr, m: int) -> sp.Expr:
+        """A₋ₘ(place), by the same identity about the pole.
+
+        Args:
+            place: of the pole.
+            m: its order.
+        """
+        way = self.way
+        if place in {way.P.real[k] for k in way.interval if k is not None}:
+            raise NoForm("the integrand has a pole at an end of the interval")
+        if m == 1:
+            h = way.e - place
+            return (self.zeroth - way.σ / h * self.kinds.third(place)) / h
+        P = way.P.taylor(place)
+        if P[0] == 0:  # a root of P
+            lower = [P[k] * (sp.Rational(k, 2) - m) * self._about(place, k - m - 1) for k in range(2, way.P.degree + 1)]
+            return (self._boundary(place, -m) - sp.Add(*lower)) / ((sp.Rational(1, 2) - m) * P[1])
+        n = m - 1
+        lower = [P[k] * (sp.Rational(k, 2) - n) * self._about(place, k - n - 1) for k in range(1, way.P.degree + 1)]
+        return (sp.Add(*lower) - self._boundary(place, -n)) / (n * P[0])
+
+    def _about(self, place: sp.Expr, n: int) -> sp.Expr:
+        """A_n(place)."""
+        if n < 0:
+            return self.pole(place, -n)
+        h = self.way.e - place
+        return sp.Add(*(sp.binomial(n, k) * h ** (n - k) * self._about_start(k) for k in range(n + 1)))
