@@ -311,6 +311,15 @@ def start(
         >>> motion.kinds["r"], round(motion.periods["r"].value, 9)
         ('libration', 14.99332061)
     """
+    if solution.chart is not None:
+        from hjsolve.motion.charted.charted_motion import start_charted
+
+        if constants is not None or signs is not None:
+            raise InvalidInputError("constants, signs: with coordinates that were found, give velocity={…} or p={…}")
+        return start_charted(
+            solution, q=q, velocity=velocity, p=p, parameters=parameters, t0=t0, digits=digits, certified=certified,
+            want=want,
+        )  # fmt: skip
     digits = arguments.digits(digits)
     arguments.refuse_other(certified, bool, "certified", "True or False is needed")
     initial = read_initial_data(
@@ -322,11 +331,29 @@ def start(
         "q": q, "velocity": velocity, "p": p, "constants": constants, "signs": signs, "parameters": parameters,
     }  # fmt: skip
     given = {name: None if group is None else dict(group) for name, group in groups.items()}
-    if certified:
-        motion = _certified(solution, initial, exact_t0, max(digits, FLOAT_DIGITS), parts)
-    else:
-        motion = _move(solution, initial, exact_t0, max(digits, FLOAT_DIGITS), parts)
+    motion = started(solution, initial, exact_t0, digits, parts, certified=certified)
     return replace(motion, given=given, again=partial(_again, solution, given, exact_t0, wanted))
+
+
+def started(
+    solution: Solution, initial: Initial, t0: sp.Expr, digits: int, parts: frozenset[str], *, certified: bool = False
+) -> Motion:
+    """Start a motion from data that were read before.
+
+    Args:
+        solution: of the system.
+        initial: the exact initial data and constants.
+        t0: time of the initial data.
+        digits: relative digits wanted.
+        parts: what is integrated, from ``parts_of``.
+        certified: as in ``start``.
+
+    Raises:
+        ForbiddenMotionError: no real motion has these constants.
+        NotConvergedError: a turning point or an integral could not be had to the digits asked.
+    """
+    make = _certified if certified else _move
+    return make(solution, initial, t0, max(digits, FLOAT_DIGITS), parts)
 
 
 def _again(

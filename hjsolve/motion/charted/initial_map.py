@@ -1,0 +1,107 @@
+"""Initial data carried from the user's coordinates to the separated ones: u by the inverse chart, p_u = (∂X/∂u)ᵀ P.
+
+Everything is worked out twice, to ``_BITS`` and to half as many; what is no larger than the difference is zero (a
+coordinate plane, a turning point, no angular momentum), the rest is rounded to a rational number that is right to far
+more digits than any computation here asks for. The energy is exact: it is that of the user's own coordinates.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from typing import Any
+
+import sympy as sp
+
+from hjsolve.arithmetic.floats import Multi
+from hjsolve.coordinates.chart import Chart
+from hjsolve.errors import InvalidInputError
+from hjsolve.mechanics.system import hamiltonian
+from hjsolve.motion.charted.inverse_charts import inverse_chart
+from hjsolve.motion.exact_numbers import to_bits
+from hjsolve.motion.initial_data import Initial, all_exact, clean, put, read_phase_point
+from hjsolve.motion.positions import tape_of
+from hjsolve.solution.quadratures import Solution
+
+_BITS = 4800
+Values = Mapping[str, Any]
+
+
+def carried(
+    solution: Solution, chart: Chart, *, q: Values, velocity: Values | None, p: Values | None, parameters: Values | None
+) -> Initial:
+    """Read initial data in the user's coordinates and carry them to the separated ones.
+
+    Args:
+        solution: in the separated coordinates.
+        chart: how they are tied to the user's.
+        q, velocity, p: every one of the user's coordinates → number; velocity or p.
+        parameters: name → number, where it differs from the default.
+
+    Raises:
+        InvalidInputError: unknown or missing names, or a place where the separated coordinates are singular.
+        MissingValueError: a value is missing.
+    """
+    if (velocity is None) == (p is None):
+        raise InvalidInputError(
+            "initial data: give either velocity={…} or p={…}, each a number for every coordinate as the system was given"
+        )
+    given = read_phase_point(chart.original, q, velocity, p, parameters)
+    far, near = (_numbers(solution, chart, given, bits) for bits in (_BITS, _BITS // 2))
+    exact = [_rational(a, b) for a, b in zip(far, near, strict=True)]
+    system, n = solution.system, len(chart.symbols)
+    values = {s.symbol: given[s.symbol] for s in system.parameters}
+    values |= {c.symbol: x for c, x in zip(system.coordinates, exact[:n], strict=True)}
+    values |= {c.momentum: x for c, x in zip(system.coordinates, exact[n : 2 * n], strict=True)}
+    constants = dict(zip(solution.constants, exact[2 * n :], strict=True))
+    if "E" in constants:
+        constants["E"] = clean(put(hamiltonian(chart.original), given))
+    return Initial(values, constants, all_exact(q, velocity, p, parameters))
+
+
+def _numbers(solution: Solution, chart: Chart, given: Mapping[sp.Symbol, sp.Expr], bits: int) -> list[Any]:
+    """u, p_u and the constants of the motion, to so many bits."""
+    field = Multi(bits)
+    c = field.context
+
+    def value(e: sp.Expr) -> Any:
+        return to_bits(e.xreplace(given))(bits)
+
+    old = chart.original.coordinates
+    frame = c.matrix([[value(e) for e in row] for row in chart.frame.tolist()])
+    moved = c.matrix([value(x.symbol) - value(o) for x, o in zip(old, chart.origin, strict=True)])
+    X, P = c.lu_solve(frame, moved), frame.T * c.matrix([value(x.momentum) for x in old])
+    lengths = {name: value(length) for name, length in chart.lengths.items()}
+    u = inverse_chart(chart.kind, list(X), list(P), lengths, c)
+    _refuse_singular(chart, given, u, field)
+    fixed = {s.symbol: value(s.symbol) for s in chart.system.parameters}
+    J = sp.Matrix(chart.place).jacobian(chart.symbols)
+    slopes = tape_of(tuple(J), (*chart.symbols, *fixed)).run(field, [*u, *fixed.values()])
+    n = len(u)
+    lifted = [c.fsum(slopes[i * n + k] * P[i] for i in range(n)) for k in range(n)]
+    momenta = [q.momentum for q in solution.system.coordinates]
+    formulas = tuple(constant.expression for constant in solution.constants.values())
+    constants = tape_of(formulas, (*chart.symbols, *momenta, *fixed)).run(field, [*u, *lifted, *fixed.values()])
+    return [*u, *lifted, *constants]
+
+
+def _refuse_singular(chart: Chart, given: Mapping[sp.Symbol, sp.Expr], u: list[Any], field: Multi) -> None:
+    """Refuse a place where an h² is zero: a focus, an axis of rotation, the pole."""
+    fixed = {s.symbol: to_bits(given[s.symbol])(field.bits) for s in chart.system.parameters}
+    scale = tape_of(chart.scale, (*chart.symbols, *fixed)).run(field, [*u, *fixed.values()])
+    least = field.context.mpf(2) ** (-field.bits // 4)
+    if all(h > least for h in scale):
+        return
+    place = ", ".join(f"{q.name} = {given[q.symbol]}" for q in chart.original.coordinates)
+    raise InvalidInputError(
+        f"q: {place} is a singular point of the {chart.kind} coordinates in which the system separates (a focus, an "
+        "axis or the centre), where momenta do not tell where the motion goes; start it at a place a little before"
+    )
+
+
+def _rational(far: Any, near: Any) -> sp.Rational:
+    """The number as a fraction; 0 where it is no more than the rounding of the lower precision."""
+    if abs(far) <= abs(far - near):
+        return sp.S.Zero
+    sign, mantissa, exponent, _ = far._mpf_
+    whole = int(mantissa) * (-1 if sign else 1)
+    return sp.Integer(whole << exponent) if exponent >= 0 else sp.Rational(whole, 1 << -exponent)
