@@ -21,7 +21,9 @@ from hjsolve.mechanics.coordinates_and_parameters import Parameter
 from hjsolve.mechanics.system import System, momenta, refuse_turns_that_differ
 from hjsolve.motion.exact_numbers import ZERO_BITS as ZERO_BITS
 from hjsolve.motion.exact_numbers import InBits as InBits
-from hjsolve.motion.exact_numbers import expanded, number_is_zero, sign
+from hjsolve.motion.exact_numbers import expanded as expanded
+from hjsolve.motion.exact_numbers import number_is_zero as number_is_zero
+from hjsolve.motion.exact_numbers import sign as sign
 from hjsolve.motion.exact_numbers import to_bits as to_bits
 from hjsolve.motion.rational_values import rational_value
 from hjsolve.shown import Shown

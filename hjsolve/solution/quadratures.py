@@ -200,9 +200,7 @@ def solve(system: System | Separation | str | Path, coordinates: str = "as given
             f'coordinates: "{AS_GIVEN}" or "{FIND}" is needed, not {arguments.described(coordinates)}'
         )
     if isinstance(system, (Separation, Obstruction, Undecided)):
-        if isinstance(system, Separation) or coordinates == AS_GIVEN:
-            return _solved(system)
-        system = system.system
+        return _solved(system)
     return _remembered(system_of(system, "solve"), coordinates == FIND)
 
 

@@ -43,7 +43,7 @@ def carried(
     """
     if (velocity is None) == (p is None):
         raise InvalidInputError(
-            "initial data: give either velocity={…} or p={…}, each a number for every coordinate as the system was given"
+            "initial data: give either velocity={…} or p={…}, a number for every coordinate of the system as given"
         )
     given = read_phase_point(chart.original, q, velocity, p, parameters)
     far, near = (_numbers(solution, chart, given, bits) for bits in (_BITS, _BITS // 2))

@@ -107,9 +107,7 @@ def _conical(X: Sequence[Any], lengths: Lengths, c: Any) -> list[Any]:
         return [c.zero, c.zero, c.zero]
     n = [x / r for x in X]
     first, second = e2 - e1, e3 - e2
-    high, low = _two_roots(
-        (e3 - e1) * n[0] ** 2 - first + second * n[1] ** 2, first * second * n[1] ** 2, c
-    )
+    high, low = _two_roots((e3 - e1) * n[0] ** 2 - first + second * n[1] ** 2, first * second * n[1] ** 2, c)
     cosine = _root(low / first, c.one, c)
     sine = n[1] / cosine if cosine else _root(high / second, c.one, c)
     scale = c.sqrt(e3 - e1)
@@ -146,9 +144,7 @@ def _paraboloidal(X: Sequence[Any], lengths: Lengths, c: Any) -> list[Any]:
     """The roots u < v < w of (s − 2x)(s − b)(s − c) − y²(s − c) − z²(s − b), (x, y, z) = X/a."""
     a, b, e = (lengths[name] for name in ("a", "b", "c"))
     x, y, z = (value / a for value in X)
-    u, v, w = _three_roots(
-        2 * x + b + e, 2 * x * (b + e) + b * e - y**2 - z**2, 2 * x * b * e - y**2 * e - z**2 * b, c
-    )
+    u, v, w = _three_roots(2 * x + b + e, 2 * x * (b + e) + b * e - y**2 - z**2, 2 * x * b * e - y**2 * e - z**2 * b, c)
     d = e - b
     size = d + abs(x) + abs(y) + abs(z)
     low = _root((b - u) / d, size / d, c)
