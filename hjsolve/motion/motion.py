@@ -314,11 +314,9 @@ def start(
     if solution.chart is not None:
         from hjsolve.motion.charted.charted_motion import start_charted
 
-        if constants is not None or signs is not None:
-            raise InvalidInputError("constants, signs: with coordinates that were found, give velocity={…} or p={…}")
         return start_charted(
-            solution, q=q, velocity=velocity, p=p, parameters=parameters, t0=t0, digits=digits, certified=certified,
-            want=want,
+            solution, q=q, velocity=velocity, p=p, constants=constants, signs=signs, parameters=parameters, t0=t0,
+            digits=digits, certified=certified, want=want,
         )  # fmt: skip
     digits = arguments.digits(digits)
     arguments.refuse_other(certified, bool, "certified", "True or False is needed")

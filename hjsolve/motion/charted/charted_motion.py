@@ -108,6 +108,8 @@ def start_charted(
     q: Mapping[str, Any],
     velocity: Mapping[str, Any] | None = None,
     p: Mapping[str, Any] | None = None,
+    constants: Mapping[str, Any] | None = None,
+    signs: Mapping[str, int] | None = None,
     parameters: Mapping[str, Any] | None = None,
     t0: Any = 0,
     digits: int = 15,
@@ -119,6 +121,7 @@ def start_charted(
     Args:
         solution: with a chart.
         q, velocity, p: every one of the user's coordinates → number; velocity or p.
+        constants, signs: refused; a motion is started in the user's coordinates.
         parameters: name → value, where it differs from the default.
         t0: time of the initial data.
         digits: relative digits wanted.
@@ -133,6 +136,8 @@ def start_charted(
     chart = solution.chart
     if chart is None:
         raise InternalError("a charted motion of a solution without a chart")
+    if constants is not None or signs is not None:
+        raise InvalidInputError("constants, signs: with coordinates that were found, give velocity={…} or p={…}")
     digits = arguments.digits(digits)
     arguments.refuse_other(certified, bool, "certified", "True or False is needed")
     wanted = None if want is None else arguments.words(want, "want", '["actions", "periods"]')
