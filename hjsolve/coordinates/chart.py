@@ -8,17 +8,18 @@ u are the separated coordinates, X those of the web in its own frame, x the user
 from __future__ import annotations
 
 from collections.abc import Mapping
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 
 import sympy as sp
 
 from hjsolve.coordinates.charts.transform import Cartesian, chart_and_axes, web_of
+from hjsolve.coordinates.charts.validity import valid_everywhere
 from hjsolve.coordinates.find import cartesian_form, find_coordinates
 from hjsolve.coordinates.results import Vector, Web
 from hjsolve.coordinates.small_oscillations import normal_modes
 from hjsolve.errors import InvalidSystemError, NotSeparableError
 from hjsolve.mechanics.system import System, linear_terms
-from hjsolve.separation import Separation
+from hjsolve.separation import Separation, separate
 from hjsolve.separation.obstruction.advice import small_oscillations
 
 _BY_COST = (
@@ -113,7 +114,8 @@ def find_chart(system: System, refused: object, *, budget: float = 20.0) -> Char
         chart = _charted(web, cartesian, f"{why}; {web.kind} coordinates do{several}", budget)
         if chart is not None:
             return chart
-    raise NotSeparableError(f"{why}. {found.advice}", refused)
+    lacking = "\nNone of these could be certified on all of its domain." if found.webs else ""
+    raise NotSeparableError(f"{why}. {found.advice}{lacking}", refused)
 
 
 def _cost(web: Web) -> tuple[int, bool, int]:
@@ -123,8 +125,13 @@ def _cost(web: Web) -> tuple[int, bool, int]:
 
 def _charted(web: Web, cartesian: Cartesian, reason: str, budget: float) -> Chart | None:
     """The chart of a web, in coordinates without ends; None where ``separate`` does not certify it."""
-    covering = web.kind in _WITHOUT_ENDS
-    web = web_of(web, cartesian, budget=budget, covering=True) if covering else web
+    if web.kind in _WITHOUT_ENDS:
+        web = web_of(web, cartesian, budget=budget, covering=True)
+    system = valid_everywhere(web, cartesian)
+    if system is None:
+        return None
+    if system != web.system:
+        web = replace(web, system=system, verdict=separate(system, budget=budget))
     if not isinstance(web.verdict, Separation):
         return None
     local, axes = chart_and_axes(web, cartesian, covering=True)

@@ -47,7 +47,9 @@ def start(n: int, seed: str) -> tuple[dict[str, str], dict[str, str]]:
 
 def truth(system: hjsolve.System, q: dict[str, str], v: dict[str, str], t: float) -> list:
     places, momenta = [c.symbol for c in system.coordinates], [c.momentum for c in system.coordinates]
-    H = sum(p**2 for p in momenta) / 2 + system.potential
+    V = system.potential.replace(sp.acosh, lambda x: sp.log(x + sp.sqrt(x**2 - 1)))
+    V = V.replace(sp.acos, lambda x: sp.pi / 2 - sp.atan(x / sp.sqrt(1 - x**2)))
+    H = sum(p**2 for p in momenta) / 2 + V
     begin = [mp.mpf(sp.Rational(x).p) / sp.Rational(x).q for x in (*q.values(), *v.values())]
     return Flow(H, places, momenta, {}, begin, digits=22).at(mp.mpf(t))
 
@@ -70,6 +72,28 @@ def test_states_in_x_y_z_agree_with_the_integrated_equations_within_their_errors
                 assert abs(mp.mpf(state.q[c.name]) - exact[i]) <= state.error.q[c.name] <= 1e-11
                 assert abs(mp.mpf(state.velocity[c.name]) - exact[n + i]) <= state.error.velocity[c.name] <= 1e-11
                 assert state.p[c.name] == state.velocity[c.name]
+
+
+LENS = "(x**2 + y**2)/2 - (A*sqrt(A**2 - 1)*acosh(A) + B*sqrt(1 - B**2)*(acos(B) - pi/2))/(A**2 - B**2)/5"
+"""Danilov, Nagaitsev, PRST-AB 13, 084002 (2010), eq. (29), c = 1; A, B: half the sum and difference of the distances."""
+
+
+@pytest.mark.slow
+def test_a_lens_with_cuts_is_written_without_inverse_functions_and_ends_at_the_cuts() -> None:
+    near, far = "sqrt((x - 1)**2 + y**2)", "sqrt((x + 1)**2 + y**2)"
+    potential = LENS.replace("A", f"(({far} + {near})/2)").replace("B", f"(({far} - {near})/2)")
+    system = hjsolve.System({"x": "line", "y": "line"}, "(dot(x)**2 + dot(y)**2)/2", potential)
+    solution = hjsolve.solve(system, coordinates="find")
+    assert not solution.system.potential.has(sp.acos, sp.acosh, sp.sqrt)
+    assert [c.domain.written(c.name) for c in solution.system.coordinates] == ["line", "0 < nu < pi"]
+    q, v = {"x": "0.3", "y": "-0.1"}, {"x": "0.1", "y": "0.4"}  # through the segment between the foci
+    state = solution.motion(q=q, velocity=v).at([0, "1.5"])
+    with mp.workdps(40):
+        exact = truth(system, q, v, 1.5)
+        assert exact[1] > 0
+        for i, name in enumerate("xy"):
+            assert abs(mp.mpf(state.q[name][1]) - exact[i]) <= state.error.q[name][1] <= 1e-12
+            assert abs(mp.mpf(state.velocity[name][1]) - exact[2 + i]) <= state.error.velocity[name][1] <= 1e-12
 
 
 def test_many_digits_are_right_to_all_of_them() -> None:

@@ -8,7 +8,7 @@ from random import Random
 
 import sympy as sp
 
-from hjsolve.coordinates.charts.charts import CoordinateRange, SeparableChart, chart
+from hjsolve.coordinates.charts.charts import MERIDIAN, CoordinateRange, SeparableChart, chart
 from hjsolve.coordinates.charts.covering import covering_chart
 from hjsolve.coordinates.charts.simplify_potential import ChangeOfVariables, flattened
 from hjsolve.coordinates.results import Geometry, Vector, Web
@@ -78,8 +78,9 @@ def web_of(geometry: Geometry | Web, cartesian: Cartesian, *, budget: float, cov
     potential = carrier.carry(in_frame)
     speeds = [sp.Symbol(f"dot({name})", real=True) for name in names]
     kinetic = cartesian.mass / 2 * sp.Add(*(h * v**2 for h, v in zip(local.scale, speeds, strict=True)))
+    ranges = [_range(s, where, potential) for s, where in zip(local.symbols, local.ranges, strict=True)]
     transformed = System(
-        {name: where.text(name) for name, where in zip(names, local.ranges, strict=True)},
+        {name: where.text(name) for name, where in zip(names, ranges, strict=True)},
         kinetic,
         potential,
         {p.name: p for p in cartesian.system.parameters},
@@ -103,6 +104,15 @@ def web_of(geometry: Geometry | Web, cartesian: Cartesian, *, budget: float, cov
         separate(transformed, budget=budget),
         _remark(geometry, local, carrier.assumed),
     )
+
+
+def _range(symbol: sp.Symbol, where: CoordinateRange, potential: sp.Expr) -> CoordinateRange:
+    """The range of a coordinate; half a turn of an angle that V holds itself, which acos(cos ν) has become there."""
+    if not where.periodic:
+        return where
+    circular = (sp.sin, sp.cos, sp.tan)
+    rest = potential.replace(lambda e: isinstance(e, circular) and e.args[0] == symbol, lambda _: sp.S.One)
+    return MERIDIAN if rest.has(symbol) else where
 
 
 def _adapted(

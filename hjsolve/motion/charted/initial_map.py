@@ -71,7 +71,7 @@ def _numbers(solution: Solution, chart: Chart, given: Mapping[sp.Symbol, sp.Expr
     moved = c.matrix([value(x.symbol) - value(o) for x, o in zip(old, chart.origin, strict=True)])
     X, P = c.lu_solve(frame, moved), frame.T * c.matrix([value(x.momentum) for x in old])
     lengths = {name: value(length) for name, length in chart.lengths.items()}
-    u = inverse_chart(chart.kind, list(X), list(P), lengths, c)
+    u = _inside(chart, inverse_chart(chart.kind, list(X), list(P), lengths, c))
     _refuse_singular(chart, given, u, field)
     fixed = {s.symbol: value(s.symbol) for s in chart.system.parameters}
     J = sp.Matrix(chart.place).jacobian(chart.symbols)
@@ -82,6 +82,24 @@ def _numbers(solution: Solution, chart: Chart, given: Mapping[sp.Symbol, sp.Expr
     formulas = tuple(constant.expression for constant in solution.constants.values())
     constants = tape_of(formulas, (*chart.symbols, *momenta, *fixed)).run(field, [*u, *lifted, *fixed.values()])
     return [*u, *lifted, *constants]
+
+
+def _inside(chart: Chart, u: list[Any]) -> list[Any]:
+    """The coordinates of the point that are in their ranges: (−u, −v) for (u, v) where one of them has to be positive.
+
+    Raises:
+        InvalidInputError: the point is on the edge, where V has a crease.
+    """
+    domains = [c.domain for c in chart.system.coordinates]
+    for k in (0, 1):
+        if chart.kind.startswith(("elliptic", "parabolic")) and domains[k].lower == 0:
+            if u[k] == 0 or (domains[k].upper is not None and abs(u[k]) == u[k].context.pi):
+                raise InvalidInputError(
+                    f"q: V is not smooth there ({chart.coordinates[k]} = 0, an edge of the {chart.kind} coordinates)"
+                )
+            if u[k] < 0:
+                return [-u[0], -u[1], *u[2:]]
+    return u
 
 
 def _refuse_singular(chart: Chart, given: Mapping[sp.Symbol, sp.Expr], u: list[Any], field: Multi) -> None:
