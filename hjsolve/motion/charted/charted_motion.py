@@ -14,10 +14,13 @@ from hjsolve.arithmetic.estimate import Estimate
 from hjsolve.coordinates.chart import Chart
 from hjsolve.errors import InternalError, InvalidInputError
 from hjsolve.formulas.read import number
+from hjsolve.motion.charted.collisions import Ends, between, collisions
 from hjsolve.motion.charted.initial_map import carried
 from hjsolve.motion.charted.state_map import state_in
-from hjsolve.motion.motion import Motion, parts_of, started
+from hjsolve.motion.initial_data import Initial
+from hjsolve.motion.motion import Motion, parts_of
 from hjsolve.motion.state import State
+from hjsolve.motion.through_poles.continued_motion import ContinuedMotion, begun
 from hjsolve.solution.quadratures import Solution
 
 
@@ -29,14 +32,27 @@ class ChartedMotion(Motion):
 
     Attributes:
         within: the motion in the separated coordinates.
+        ends: times of the collisions with a focus before and after t₀, between which the motion is told.
     """
 
     within: Motion | None = field(default=None, repr=False)
+    ends: Ends = (None, None)
+
+    @property
+    def solution(self) -> Solution:
+        """What is solved, in the separated coordinates."""
+        return self._inner.solution
+
+    @property
+    def initial(self) -> Initial:
+        """The initial data and constants, in the separated coordinates."""
+        return self._inner.initial
 
     @property
     def chart(self) -> Chart:
         """How the separated coordinates are tied to the user's."""
-        assert self.solution.chart is not None
+        if self.solution.chart is None:
+            raise InternalError("a charted motion of a solution without a chart")
         return self.solution.chart
 
     def at(self, t: Any) -> State:
@@ -51,7 +67,12 @@ class ChartedMotion(Motion):
         Raises:
             InvalidInputError: a time that is no finite real number.
         """
-        return state_in(self.chart, self.initial.values, self._inner.at(t))
+        inner, values = self._inner, self._inner.initial.values
+        if isinstance(inner, ContinuedMotion):
+            state = state_in(self.chart, values, inner.unfolded(t), inner.dropped)
+        else:
+            state = state_in(self.chart, values, inner.at(t))
+        return state if self.ends == (None, None) else between(self.ends, state)
 
     def time_at(self, name: str, value: Any, passage: int = 0) -> Estimate:
         """Return the time of the passage-th crossing of a position of a separated coordinate, counted from t₀ on.
@@ -143,13 +164,18 @@ def start_charted(
     wanted = None if want is None else arguments.words(want, "want", '["actions", "periods"]')
     parts, exact_t0 = parts_of(wanted), number(t0, source="t0")
     initial = carried(solution, chart, q=q, velocity=velocity, p=p, parameters=parameters)
-    within = started(solution, initial, exact_t0, digits, parts, certified=certified)
+    within = begun(solution, initial, exact_t0, digits, parts, certified=certified)
     given = {
         name: None if group is None else dict(group)
         for name, group in (("q", q), ("velocity", velocity), ("p", p), ("parameters", parameters))
     }
-    own = {f.name: getattr(within, f.name) for f in fields(within)}
+    own = {f.name: getattr(within, f.name) for f in fields(Motion)}
     motion = ChartedMotion(**own, within=within)
+    if "time" in parts and (found := collisions(chart, within)) is not None:
+        name, ends = found
+        times = {} if ends[1] is None else {name: ends[1]}
+        kinds = {**motion.kinds, name: "boundary"}
+        motion = replace(motion, ends=ends, kinds=kinds, boundary_times=times, frequencies={}, periods={})
     return replace(motion, given=given, again=partial(_again, solution, given, exact_t0, wanted))
 
 

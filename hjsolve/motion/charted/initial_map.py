@@ -23,6 +23,11 @@ from hjsolve.motion.positions import tape_of
 from hjsolve.solution.quadratures import Solution
 
 _BITS = 4800
+_ANGLES = {
+    "polar": (1,), "circular cylinder": (1,), "spherical": (1, 2), "rotational parabolic": (2,),
+    "prolate spheroidal": (2,), "oblate spheroidal": (2,),
+}  # fmt: skip
+"""Coordinates that are angles about an axis or at a pole, by kind of chart."""
 Values = Mapping[str, Any]
 
 
@@ -52,8 +57,8 @@ def carried(
     values = {s.symbol: given[s.symbol] for s in system.parameters}
     values |= {c.symbol: x for c, x in zip(system.coordinates, exact[:n], strict=True)}
     values |= {c.momentum: x for c, x in zip(system.coordinates, exact[n : 2 * n], strict=True)}
-    constants = dict(zip(solution.constants, exact[2 * n :], strict=True))
-    if "E" in constants:
+    constants = dict(zip(solution.constants, exact[2 * n :], strict=False))
+    if "E" in solution.constants:
         constants["E"] = clean(put(hamiltonian(chart.original), given))
     return Initial(values, constants, all_exact(q, velocity, p, parameters))
 
@@ -80,7 +85,10 @@ def _numbers(solution: Solution, chart: Chart, given: Mapping[sp.Symbol, sp.Expr
     lifted = [c.fsum(slopes[i * n + k] * P[i] for i in range(n)) for k in range(n)]
     momenta = [q.momentum for q in solution.system.coordinates]
     formulas = tuple(constant.expression for constant in solution.constants.values())
-    constants = tape_of(formulas, (*chart.symbols, *momenta, *fixed)).run(field, [*u, *lifted, *fixed.values()])
+    try:
+        constants = tape_of(formulas, (*chart.symbols, *momenta, *fixed)).run(field, [*u, *lifted, *fixed.values()])
+    except InvalidInputError:  # 0/0 on an axis; they are taken from the coordinates that go on there
+        constants = []
     return [*u, *lifted, *constants]
 
 
@@ -103,16 +111,19 @@ def _inside(chart: Chart, u: list[Any]) -> list[Any]:
 
 
 def _refuse_singular(chart: Chart, given: Mapping[sp.Symbol, sp.Expr], u: list[Any], field: Multi) -> None:
-    """Refuse a place where an h² is zero: a focus, an axis of rotation, the pole."""
+    """Refuse a place where an h² is zero that is not that of an angle: a focus, or the centre of conical coordinates.
+
+    On an axis and at r = 0 the angle is that of the velocity; ``through_poles`` decides whether the motion goes on.
+    """
     fixed = {s.symbol: to_bits(given[s.symbol])(field.bits) for s in chart.system.parameters}
     scale = tape_of(chart.scale, (*chart.symbols, *fixed)).run(field, [*u, *fixed.values()])
     least = field.context.mpf(2) ** (-field.bits // 4)
-    if all(h > least for h in scale):
+    if all(h > least for k, h in enumerate(scale) if k not in _ANGLES.get(chart.kind, ())):
         return
     place = ", ".join(f"{q.name} = {given[q.symbol]}" for q in chart.original.coordinates)
     raise InvalidInputError(
-        f"q: {place} is a singular point of the {chart.kind} coordinates in which the system separates (a focus, an "
-        "axis or the centre), where momenta do not tell where the motion goes; start it at a place a little before"
+        f"q: {place} is a singular point of the {chart.kind} coordinates in which the system separates (a focus or "
+        "the centre), where momenta do not tell where the motion goes; start it at a place a little before"
     )
 
 

@@ -41,6 +41,8 @@ def inverse_chart(kind: str, X: Sequence[Any], aside: Sequence[Any], lengths: Le
     if kind.endswith("cylinder"):
         flat = _FLAT_OR_OCTANT[kind.split(maxsplit=1)[0]]
         return [*flat(X[:2], lengths, context), X[2]]
+    if kind == "spherical" and not ρ and not X[2]:
+        return [ρ, context.atan2(context.hypot(aside[0], aside[1]), aside[2]), azimuth]
     if kind in _MERIDIAN:
         return [*_MERIDIAN[kind]((ρ, X[2]), lengths, context), azimuth]
     if kind not in _FLAT_OR_OCTANT:
@@ -78,7 +80,7 @@ def _elliptic(X: Sequence[Any], lengths: Lengths, c: Any) -> list[Any]:
 
 
 def _spherical(X: Sequence[Any], _: Lengths, c: Any) -> list[Any]:
-    return [c.hypot(X[0], X[1]), c.atan2(X[0], X[1]) if any(X) else c.pi / 2]
+    return [c.hypot(X[0], X[1]), c.atan2(X[0], X[1])]
 
 
 def _rotational_parabolic(X: Sequence[Any], _: Lengths, c: Any) -> list[Any]:
