@@ -54,11 +54,11 @@ def _made() -> dict[str, str]:
         "elliptic cylinder": (
             ((near + far) ** 3 - (near - far) ** 3 + 5 * (near - far)) / (near * far) + sp.expand(Z**4)
         ),
-        "parabolic cylinder": ((ρ + X) ** 3 + (ρ - X) ** 3) / ρ + sp.expand(Z**4),
+        "parabolic cylinder": ((ρ + X) ** 4 + (ρ - X) ** 3) / ρ + sp.expand(Z**4),
         "spherical": sp.expand(r2**2) + Z / r**3 + wall,
         "prolate": ((low + high) ** 3 + 5 * (low - high)) / (low * high) + wall,
         "oblate (Vinti)": -sp.sqrt((r2 - 1 + spread) / 2) / spread,
-        "rotational parabolic": ((r + Z) ** 3 + (r - Z) ** 3) / r + wall,
+        "rotational parabolic": ((r + Z) ** 4 + (r - Z) ** 3) / r + wall,
         "conical": sp.expand(r2**2) + (cone1**2 - cone2) / r2,
         "ellipsoidal, degree 6": sp.expand(ell1**3 - 2 * ell1 * ell2 + ell3),
         "paraboloidal, degree 4": sp.expand(par1**4 - 3 * par1**2 * par2 + par2**2 + 2 * par1 * par3),

@@ -260,6 +260,10 @@ def _add_solve(kinds: _Commands) -> None:
     solve = _add(kinds, "solve", "W, momenta, time law and orbit equations", about)
     _system_arguments(solve)
     solve.add_argument(
+        "--find", action="store_true",
+        help="where the coordinates do not separate: normal modes, or the simplest ones that are found",
+    )  # fmt: skip
+    solve.add_argument(
         "--closed", action="store_true",
         help="closed forms first: the integrals done, by regime, each verified (takes seconds)",
     )  # fmt: skip
@@ -283,6 +287,10 @@ def _add_report(kinds: _Commands) -> None:
     )
     report = _add(kinds, "report", "all of that in a file, with drawings and numbers", about)
     _system_arguments(report)
+    report.add_argument(
+        "--find", action="store_true",
+        help="where the coordinates do not separate: normal modes, or the simplest ones that are found",
+    )  # fmt: skip
     report.add_argument(
         "-o", "--output", required=True, metavar="FILE", help='an existing file is replaced; "-" prints plain text'
     )

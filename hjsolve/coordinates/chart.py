@@ -21,6 +21,7 @@ from hjsolve.errors import InvalidSystemError, NotSeparableError
 from hjsolve.mechanics.system import System, linear_terms
 from hjsolve.separation import Separation, separate
 from hjsolve.separation.obstruction.advice import small_oscillations
+from hjsolve.shown import Shown
 
 _BY_COST = (
     "cartesian", "circular cylinder", "polar", "spherical", "parabolic", "parabolic cylinder", "rotational parabolic",
@@ -32,8 +33,8 @@ _WITHOUT_ENDS = ("conical", "paraboloidal", "ellipsoidal")
 """Kinds whose usual chart covers one octant."""
 
 
-@dataclass(frozen=True)
-class Chart:
+@dataclass(frozen=True, repr=False)
+class Chart(Shown):
     """Separated coordinates of a system given in others; motions are started and told in the user's own.
 
     Attributes:

@@ -11,6 +11,7 @@ import sympy as sp
 
 from hjsolve import arguments
 from hjsolve.arithmetic.estimate import Estimate
+from hjsolve.arithmetic.estimate_array import EstimateArray
 from hjsolve.coordinates.chart import Chart
 from hjsolve.errors import InternalError, InvalidInputError
 from hjsolve.formulas.read import number
@@ -18,13 +19,14 @@ from hjsolve.motion.charted.collisions import Ends, between, collisions
 from hjsolve.motion.charted.initial_map import carried
 from hjsolve.motion.charted.state_map import state_in
 from hjsolve.motion.initial_data import Initial
-from hjsolve.motion.motion import Motion, parts_of
+from hjsolve.motion.motion import Motion
 from hjsolve.motion.state import State
 from hjsolve.motion.through_poles.continued_motion import ContinuedMotion, begun
+from hjsolve.motion.wanted import parts_of
 from hjsolve.solution.quadratures import Solution
 
 
-@dataclass(frozen=True, eq=False)
+@dataclass(frozen=True, eq=False, repr=False)
 class ChartedMotion(Motion):
     """A motion of a system that separates in coordinates found for it (``solve(..., coordinates="find")``).
 
@@ -47,6 +49,11 @@ class ChartedMotion(Motion):
     def initial(self) -> Initial:
         """The initial data and constants, in the separated coordinates."""
         return self._inner.initial
+
+    @property
+    def as_solved(self) -> Motion:
+        """The same motion told in the separated coordinates."""
+        return self._inner
 
     @property
     def chart(self) -> Chart:
@@ -73,6 +80,34 @@ class ChartedMotion(Motion):
         else:
             state = state_in(self.chart, values, inner.at(t))
         return state if self.ends == (None, None) else between(self.ends, state)
+
+    def characteristic_function(self, t: Any) -> Estimate | EstimateArray:
+        """Return W = ∫ p·dq from t₀ to a time or times; it is the same in all coordinates.
+
+        Args:
+            t: number (int, float, decimal or rational string, Fraction, mpf) or an array or list of them.
+
+        Raises:
+            InvalidInputError: a time that is no finite real number, or a motion that ends in a collision.
+        """
+        self._refuse_collision()
+        return self._inner.characteristic_function(t)
+
+    def principal_function(self, t: Any) -> Estimate | EstimateArray:
+        """Return S = W − E (t − t₀) at a time or times; it is the same in all coordinates.
+
+        Args:
+            t: number (int, float, decimal or rational string, Fraction, mpf) or an array or list of them.
+
+        Raises:
+            InvalidInputError: a time that is no finite real number, or a motion that ends in a collision.
+        """
+        self._refuse_collision()
+        return self._inner.principal_function(t)
+
+    def _refuse_collision(self) -> None:
+        if self.ends != (None, None):
+            raise InvalidInputError("W and S: not given for a motion that ends in a collision with a focus")
 
     def time_at(self, name: str, value: Any, passage: int = 0) -> Estimate:
         """Return the time of the passage-th crossing of a position of a separated coordinate, counted from t₀ on.

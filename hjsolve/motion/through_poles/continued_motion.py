@@ -15,8 +15,9 @@ from hjsolve.errors import InternalError, InvalidInputError, NotConvergedError, 
 from hjsolve.motion import quantities
 from hjsolve.motion.exact_numbers import to_bits
 from hjsolve.motion.initial_data import Initial, clean, domain_ends, put
-from hjsolve.motion.motion import Motion, started
+from hjsolve.motion.motion import Motion
 from hjsolve.motion.quantities import FLOAT_DIGITS
+from hjsolve.motion.starting import started
 from hjsolve.motion.state import Errors, State
 from hjsolve.motion.through_poles.continuation import Continuation, Fold, continuation
 from hjsolve.solution.quadratures import Solution, solve
@@ -25,7 +26,7 @@ _NOISE_BITS = 2000
 """A constant that is so small and a fraction of so many digits is the rounding of 0 (``charted.initial_map``)."""
 
 
-@dataclass(frozen=True, eq=False)
+@dataclass(frozen=True, eq=False, repr=False)
 class ContinuedMotion(Motion):
     """A motion that passes poles of its coordinates: p_φ = 0, and nothing but the coordinates ends there.
 
