@@ -160,6 +160,16 @@ def test_what_cannot_be_done_is_told(call, says: str) -> None:
         call()
 
 
+@pytest.mark.parametrize("c", [-1, 0])
+def test_parameters_for_which_the_coordinates_do_not_hold_are_refused(c: int) -> None:
+    potential = "-1/sqrt((x - c)**2 + y**2) - 3/sqrt((x + c)**2 + y**2)"
+    system = hjsolve.System({"x": "line", "y": "line"}, "(dot(x)**2 + dot(y)**2)/2", potential, {"c": 1})
+    solution, start = hjsolve.solve(system, "find"), {"q": {"x": 1, "y": 1}, "velocity": {"x": 0, "y": "1/5"}}
+    assert abs(solution.motion(**start, parameters={"c": 2}).at(0).q["x"] - 1) <= 1e-14
+    with pytest.raises(hjsolve.InvalidInputError, match="found for the default values"):
+        solution.motion(**start, parameters={"c": c})
+
+
 @pytest.mark.parametrize(
     ("coordinates", "potential", "says"),
     [

@@ -7,7 +7,8 @@ more digits than any computation here asks for. The energy is exact: it is that 
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Callable, Mapping
+from itertools import pairwise
 from typing import Any
 
 import sympy as sp
@@ -23,6 +24,8 @@ from hjsolve.motion.positions import tape_of
 from hjsolve.solution.quadratures import Solution
 
 _BITS = 4800
+_RISING = ("a1", "a2", "a3", "e1", "e2", "e3", "b", "c")
+"""Lengths of a chart, of one kind each, that rise in this order."""
 _ANGLES = {
     "polar": (1,), "circular cylinder": (1,), "spherical": (1, 2), "rotational parabolic": (2,),
     "prolate spheroidal": (2,), "oblate spheroidal": (2,),
@@ -59,8 +62,48 @@ def carried(
     values |= {c.momentum: x for c, x in zip(system.coordinates, exact[n : 2 * n], strict=True)}
     constants = dict(zip(solution.constants, exact[2 * n :], strict=False))
     if "E" in solution.constants:
-        constants["E"] = clean(put(hamiltonian(chart.original), given))
+        energy = clean(put(hamiltonian(chart.original), given))
+        if "E" in constants:
+            _same_energy(chart, energy, far[2 * n + list(solution.constants).index("E")])
+        constants["E"] = energy
     return Initial(values, constants, all_exact(q, velocity, p, parameters))
+
+
+def _same_energy(chart: Chart, exact: sp.Expr, found: Any) -> None:
+    """Refuse values of parameters for which V in the coordinates found is not the V given.
+
+    Roots and logarithms were written with the signs that they have at the default values.
+    """
+    energy = to_bits(exact)(_BITS)
+    if abs(energy - found) > (1 + abs(energy)) * energy.context.mpf(2) ** (-_BITS // 8):
+        raise _other_parameters(chart)
+
+
+def _other_parameters(chart: Chart) -> InvalidInputError:
+    return InvalidInputError(
+        f"parameters: the {chart.kind} coordinates were found for the default values and do not hold for these; make "
+        "these the defaults, System(…, parameters={name: value}), and solve again"
+    )
+
+
+def _local(chart: Chart, value: Callable[[sp.Expr], Any], c: Any) -> tuple[list[Any], list[Any], dict[str, Any]]:
+    """X and P in the frame of the web, and its lengths.
+
+    Raises:
+        InvalidInputError: the web is none with these values of the parameters.
+    """
+    old = chart.original.coordinates
+    try:
+        frame = c.matrix([[value(e) for e in row] for row in chart.frame.tolist()])
+        moved = c.matrix([value(x.symbol) - value(o) for x, o in zip(old, chart.origin, strict=True)])
+        X, P = c.lu_solve(frame, moved), frame.T * c.matrix([value(x.momentum) for x in old])
+        lengths = {name: value(length) for name, length in chart.lengths.items()}
+    except (InvalidInputError, ZeroDivisionError):
+        raise _other_parameters(chart) from None
+    rising = [lengths[name] for name in _RISING if name in lengths]
+    if lengths.get("a", 1) <= 0 or any(one >= other for one, other in pairwise(rising)):
+        raise _other_parameters(chart)
+    return list(X), list(P), lengths
 
 
 def _numbers(solution: Solution, chart: Chart, given: Mapping[sp.Symbol, sp.Expr], bits: int) -> list[Any]:
@@ -71,12 +114,8 @@ def _numbers(solution: Solution, chart: Chart, given: Mapping[sp.Symbol, sp.Expr
     def value(e: sp.Expr) -> Any:
         return to_bits(e.xreplace(given))(bits)
 
-    old = chart.original.coordinates
-    frame = c.matrix([[value(e) for e in row] for row in chart.frame.tolist()])
-    moved = c.matrix([value(x.symbol) - value(o) for x, o in zip(old, chart.origin, strict=True)])
-    X, P = c.lu_solve(frame, moved), frame.T * c.matrix([value(x.momentum) for x in old])
-    lengths = {name: value(length) for name, length in chart.lengths.items()}
-    u = _inside(chart, inverse_chart(chart.kind, list(X), list(P), lengths, c))
+    X, P, lengths = _local(chart, value, c)
+    u = _inside(chart, inverse_chart(chart.kind, X, P, lengths, c))
     _refuse_singular(chart, given, u, field)
     fixed = {s.symbol: value(s.symbol) for s in chart.system.parameters}
     J = sp.Matrix(chart.place).jacobian(chart.symbols)
