@@ -31,14 +31,16 @@ class RunningError(Generic[N]):
     Attributes:
         plain: arithmetic of values and bounds.
         own: units of rounding of an elementary function.
+        bits: binary digits of the values bounded; those of the plain arithmetic may be fewer.
     """
 
     plain: Arithmetic[N]
     own: int = 2
+    bits: int = 53
 
     def _scaled(self, value: N, units: int = 1) -> N:
         a = self.plain
-        return a.mul(a.rational(units, 2**53), a.unary("abs", value))
+        return a.mul(a.rational(units, 2**self.bits), a.unary("abs", value))
 
     def _sum(self, *parts: N | None) -> N | None:
         total: N | None = None

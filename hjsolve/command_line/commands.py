@@ -69,6 +69,7 @@ def solve(options: Namespace) -> int:
     """
     from hjsolve.reports.sections import solution as quadratures
     from hjsolve.reports.sections import system_and_verdict
+    from hjsolve.reports.sections.chart import chart_section
     from hjsolve.reports.sections.laws import laws_section
     from hjsolve.separation import Separation, separate
     from hjsolve.solution import quadratures as solution
@@ -76,12 +77,13 @@ def solve(options: Namespace) -> int:
     if (problem := arguments_read.given_hamiltonian(options)) is not None:
         return _print_hamiltonian(problem, solved=True)
     system = arguments_read.system(options)
-    verdict = separate(system)
+    verdict = solution.solve(system, "find").separation if options.find else separate(system)
     if isinstance(verdict, Separation):
-        solved = solution.solve(verdict)
+        solved = solution.solve(system, "find") if options.find else solution.solve(verdict)
         _print(
-            system,
+            solved.system,
             [
+                *(() if solved.chart is None else (chart_section(solved.chart),)),
                 *(_closed(solved) if options.closed else ()),
                 arguments_read.frame(options, solved),
                 *quadratures.solution_sections(solved),
@@ -187,8 +189,21 @@ def _reported(options: Namespace, target: Path) -> tuple[int, Path]:
         subject = arguments_read.system(options)
     if initial is None and options.system is not None:
         initial = arguments_read.own_motion(options)
+    if options.find:
+        subject, initial = _found(options, initial)
     material = gather(arguments_read.located(subject), initial=initial, motion=options.motion, digits=options.digits)
     return _status(material.verdict), save(material, target, options.cost, progress_bar())
+
+
+def _found(options: Namespace, initial: Any) -> tuple[Solution, Any]:
+    """The solution in coordinates that are found, and the motion given or that of the catalog entry."""
+    from hjsolve import catalog
+    from hjsolve.reports.content import initial_of
+    from hjsolve.solution.quadratures import solve
+
+    system = arguments_read.system(options)
+    data, _ = initial_of(catalog.entry_of(system), initial, options.motion)
+    return solve(system, "find"), data
 
 
 def cost(options: Namespace) -> int:

@@ -159,6 +159,7 @@ def _add_solve(kinds: _Commands) -> None:
     )
     solve = _add(kinds, "solve", "W, momenta, time law and orbit equations", about)
     _system_arguments(solve)
+    _find_argument(solve)
     solve.add_argument(
         "--closed", action="store_true",
         help="closed forms first: the integrals done, by regime, each verified (takes seconds)",
@@ -183,6 +184,7 @@ def _add_report(kinds: _Commands) -> None:
     )
     report = _add(kinds, "report", "all of that in a file, with drawings and numbers", about)
     _system_arguments(report)
+    _find_argument(report)
     report.add_argument(
         "-o", "--output", required=True, metavar="FILE", help='an existing file is replaced; "-" prints plain text'
     )
@@ -193,6 +195,13 @@ def _add_report(kinds: _Commands) -> None:
     report.add_argument("--format", choices=["html", "md", "json", "txt", "tex"], help='of "-o -" (default: txt)')
     _motion_arguments(report)
     report.add_argument("--digits", type=int, default=15, metavar="N", help="digits of the numbers (default 15)")
+
+
+def _find_argument(command: argparse.ArgumentParser) -> None:
+    command.add_argument(
+        "--find", action="store_true",
+        help="where the coordinates do not separate: normal modes, or the simplest ones that are found",
+    )  # fmt: skip
 
 
 def _motion_arguments(command: argparse.ArgumentParser) -> None:

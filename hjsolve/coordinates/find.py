@@ -81,7 +81,7 @@ def find_coordinates(
     """
     system = system_of(system, "find_coordinates")
     start, budget = time.monotonic(), arguments.seconds(budget, "budget")
-    cartesian = _cartesian(system)
+    cartesian = cartesian_form(system)
     full, reduced = _kernels(cartesian)
     geometries, webs = _webs(reduced, cartesian, budget)
     values: tuple[ParameterValues, ...] = ()
@@ -231,8 +231,15 @@ def _advice(
     return "\n".join(lines if full.complete else [*lines, _INCOMPLETE])
 
 
-def _cartesian(system: System) -> Cartesian:
-    """Read a system as a particle of one mass in the plane or in space; scale the coordinates where masses differ."""
+def cartesian_form(system: System) -> Cartesian:
+    """Read a system as a particle of one mass in the plane or in space; scale the coordinates where masses differ.
+
+    Args:
+        system: natural, in Cartesian coordinates.
+
+    Raises:
+        InvalidSystemError: it is not.
+    """
     n = len(system.coordinates)
     if n not in (2, 3):
         raise InvalidSystemError(f"find_coordinates: {n} coordinates; the plane (2) and space (3) are supported")

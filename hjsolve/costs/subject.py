@@ -40,6 +40,8 @@ def scene_of(subject: Subject, motion: str = "default") -> tuple[Scene, Solution
         NotSeparableError: the system does not separate.
     """
     if isinstance(subject, Motion):
+        if subject.as_solved is not subject:
+            raise InvalidInputError("cost: a motion in coordinates that were found is not measured; give motion.within")
         return _usual(_scene_of_motion(subject), subject.solution), subject.solution
     if isinstance(subject, Mapping) or (isinstance(subject, str | Path) and is_scene(subject)):
         subject = Scene.load(subject)

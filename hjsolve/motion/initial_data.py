@@ -7,7 +7,6 @@ them is zero (a parabolic orbit, a motion through the axis) is decided with ``ZE
 
 from __future__ import annotations
 
-import math
 from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass, replace
 from numbers import Integral
@@ -16,19 +15,19 @@ from typing import Any
 import sympy as sp
 
 from hjsolve import arguments
-from hjsolve.arithmetic.floats import Multi, multiprecision
 from hjsolve.errors import InvalidInputError, MissingValueError
 from hjsolve.formulas.read import number
-from hjsolve.lowering import lower
 from hjsolve.mechanics.coordinates_and_parameters import Parameter
 from hjsolve.mechanics.system import System, momenta, refuse_turns_that_differ
+from hjsolve.motion.exact_numbers import ZERO_BITS as ZERO_BITS
+from hjsolve.motion.exact_numbers import InBits as InBits
+from hjsolve.motion.exact_numbers import expanded as expanded
+from hjsolve.motion.exact_numbers import number_is_zero as number_is_zero
+from hjsolve.motion.exact_numbers import sign as sign
+from hjsolve.motion.exact_numbers import to_bits as to_bits
 from hjsolve.motion.rational_values import rational_value
 from hjsolve.shown import Shown
 from hjsolve.solution.quadratures import Solution
-
-ZERO_BITS = 2048
-_SHORT, _MOST_TERMS = 12, 400
-"""Terms up to which a number is short, and up to which it is multiplied out."""
 
 Values = Mapping[str, Any]
 
@@ -46,106 +45,6 @@ class Initial(Shown):
     values: Mapping[sp.Symbol, sp.Expr]
     constants: Mapping[str, sp.Expr]
     exact: bool
-
-
-class InBits:
-    """An exact number as a rule: binary digits asked ↦ its value; made by ``to_bits``, and pickled as the number."""
-
-    __slots__ = ("_known", "_tape", "value")
-
-    def __init__(self, value: sp.Expr):
-        self.value, self._known = value, dict[int, Any]()
-        self._tape = None if value.is_Rational else lower([value], [])
-
-    def __call__(self, bits: int) -> Any:
-        """Return the number, to (about) so many bits."""
-        if bits not in self._known:
-            more = Multi(bits + 64)
-            if self._tape is None:
-                exact = more.rational(int(self.value.p), int(self.value.q))
-            else:
-                exact = self._tape.run(more, [])[0]
-            self._known[bits] = multiprecision(bits).convert(exact)
-        return self._known[bits]
-
-    def __reduce__(self) -> tuple[Any, ...]:
-        return to_bits, (self.value,)
-
-
-def to_bits(value: sp.Expr) -> InBits:
-    """Return a rule that gives an exact number to any binary precision.
-
-    Args:
-        value: exact number of sympy.
-    """
-    return InBits(value)
-
-
-def number_is_zero(value: sp.Expr) -> bool:
-    """Decide whether an exact number is zero.
-
-    A long one that two precisions agree on is not; else by sympy's own rules, which take their time, or to 2048 bits:
-    it is zero where it is that small against its largest term, or where two precisions find nothing but rounding.
-
-    Args:
-        value: exact number of sympy.
-    """
-    if value.is_Rational:
-        return bool(value == 0)
-    short = _terms(value) <= _SHORT
-    if (not short and _agreed(value, 128)) or (short and value.is_zero is False):
-        return False
-    if value.is_zero is not None:
-        return bool(value.is_zero)
-    if value.is_Mul:
-        return any(number_is_zero(factor) for factor in value.args)
-    if value.is_Pow and value.exp.is_positive:
-        return number_is_zero(value.base)
-    size = max(abs(to_bits(term)(64)) for term in sp.Add.make_args(value))
-    tiny = abs(to_bits(value)(ZERO_BITS)) <= size * multiprecision(64).mpf(2) ** (64 - ZERO_BITS)
-    return bool(tiny or not _agreed(value, ZERO_BITS // 2))
-
-
-def _agreed(value: sp.Expr, bits: int) -> bool:
-    """True where a number is the same, and not zero, at a precision and at twice as much."""
-    near, far = (to_bits(value)(b) for b in (bits, 2 * bits))
-    return bool(far and abs(near - far) <= abs(far) * multiprecision(64).mpf(2) ** -64)
-
-
-def expanded(value: sp.Expr) -> sp.Expr:
-    """Multiply an exact number out where that leaves it short; what is left as it is, is only worked out in digits.
-
-    Args:
-        value: exact number of sympy.
-    """
-    if value.is_Rational:
-        return value
-    return sp.expand(value) if _terms(value) <= _MOST_TERMS else value
-
-
-def _terms(value: sp.Expr) -> int:
-    """At least as many terms as the number multiplied out, counted up to a little beyond ``_MOST_TERMS``."""
-    if value.is_Add:
-        return min(_MOST_TERMS + 1, sum(_terms(part) for part in value.args))
-    if value.is_Mul:
-        return min(_MOST_TERMS + 1, math.prod(_terms(part) for part in value.args))
-    if value.is_Pow:
-        power = int(abs(value.exp)) if value.exp.is_Integer else 1
-        return min(_MOST_TERMS + 1, _terms(value.base) ** min(power, 64))
-    return 1
-
-
-def sign(value: sp.Expr) -> int:
-    """Return −1, 0 or 1.
-
-    Args:
-        value: exact real number of sympy.
-    """
-    if value.is_Rational:
-        return (value.p > 0) - (value.p < 0)
-    if number_is_zero(value):
-        return 0
-    return 1 if to_bits(value)(ZERO_BITS) > 0 else -1
 
 
 def parameter_values(system: System, given: Values) -> dict[sp.Symbol, sp.Expr]:
@@ -226,29 +125,59 @@ def read_initial_data(
         MissingValueError: a value is missing.
     """
     system = solution.system
-    values = parameter_values(system, arguments.table(parameters, "parameters", '{"m": 1}'))
     if sum(given is not None for given in (velocity, p, constants)) != 1:
         raise InvalidInputError(
             "initial data: give either velocity={…} or p={…}, each a number for every coordinate, or constants={…}"
         )
     if signs is not None and constants is None:
         raise InvalidInputError("signs: they go with constants={…}; velocity={…} and p={…} have signs already")
-    places = _complete(system, q, "q")
     if constants is not None:
-        values |= {c.symbol: places[c.name] for c in system.coordinates}
-        _inside_domains(system, values)
-        return _from_constants(solution, values, constants, signs or {}, _all_exact(q, constants, parameters))
-    rates = _complete(system, velocity if p is None else p, "velocity" if p is None else "p")  # type: ignore[arg-type]
+        values = read_places(system, q, parameters)
+        return _from_constants(solution, values, constants, signs or {}, all_exact(q, constants, parameters))
+    values = read_phase_point(system, q, velocity, p, parameters)
+    constants = {name: clean(put(c.expression, values)) for name, c in solution.constants.items()}
+    return Initial(values, constants, all_exact(q, velocity, p, parameters))
+
+
+def read_places(system: System, q: Values, parameters: Values | None) -> dict[sp.Symbol, sp.Expr]:
+    """Read parameters and places, inside the domains.
+
+    Args:
+        system: whose coordinates and parameters are meant.
+        q: every coordinate → number.
+        parameters: name → number, where it differs from the default.
+
+    Raises:
+        InvalidInputError: unknown names, or a place outside the domain.
+        MissingValueError: a value is missing.
+    """
+    values = parameter_values(system, arguments.table(parameters, "parameters", '{"m": 1}'))
+    places = _complete(system, q, "q")
     values |= {c.symbol: places[c.name] for c in system.coordinates}
     _inside_domains(system, values)
-    if p is None:
-        motion = {c.velocity: rates[c.name] for c in system.coordinates}
-        formulas = momenta(system)
-        values |= {c.momentum: expanded(_put(formulas[c.name], {**values, **motion})) for c in system.coordinates}
-    else:
-        values |= {c.momentum: rates[c.name] for c in system.coordinates}
-    constants = {name: _clean(_put(c.expression, values)) for name, c in solution.constants.items()}
-    return Initial(values, constants, _all_exact(q, velocity, p, parameters))
+    return values
+
+
+def read_phase_point(
+    system: System, q: Values, velocity: Values | None, p: Values | None, parameters: Values | None
+) -> dict[sp.Symbol, sp.Expr]:
+    """Read parameters, places and momenta, these from the velocities where p is None.
+
+    Args:
+        system: whose coordinates and parameters are meant.
+        q, velocity, p: every coordinate → number.
+        parameters: name → number, where it differs from the default.
+
+    Raises:
+        InvalidInputError: unknown names, or a place outside the domain.
+        MissingValueError: a value is missing.
+    """
+    values = read_places(system, q, parameters)
+    rates = _complete(system, velocity if p is None else p, "velocity" if p is None else "p")  # type: ignore[arg-type]
+    if p is not None:
+        return values | {c.momentum: rates[c.name] for c in system.coordinates}
+    motion, formulas = {c.velocity: rates[c.name] for c in system.coordinates}, momenta(system)
+    return values | {c.momentum: expanded(put(formulas[c.name], {**values, **motion})) for c in system.coordinates}
 
 
 def _from_constants(
@@ -272,7 +201,7 @@ def _from_constants(
         values[solution.system.coordinate(name).momentum] = root - solution.shift[name].subs(values)
     if unsigned:
         raise MissingValueError(f"signs: no sign for {_listed(unsigned)}; write signs={{{unsigned[0]!r}: 1}} or -1")
-    return Initial(values, {name: _clean(value) for name, value in constants.items()}, exact)
+    return Initial(values, {name: clean(value) for name, value in constants.items()}, exact)
 
 
 def _only_known(given: Values, names: Iterable[str], what: str) -> None:
@@ -291,8 +220,15 @@ def _sign_given(name: str, value: Any) -> sp.Integer:
     return sp.Integer(int(value))
 
 
-def _put(formula: sp.Expr, values: Mapping[sp.Symbol, sp.Expr]) -> sp.Expr:
-    """A formula with numbers for its symbols; ``subs`` takes longer, and cares for what is 0/0 to ``xreplace``."""
+def put(formula: sp.Expr, values: Mapping[sp.Symbol, sp.Expr]) -> sp.Expr:
+    """Return a formula with numbers for its symbols.
+
+    ``subs`` takes longer, and cares for what is 0/0 to ``xreplace``.
+
+    Args:
+        formula: of sympy.
+        values: symbol → exact number.
+    """
     rational = rational_value(formula, values)
     if rational is not None:
         return rational
@@ -303,8 +239,15 @@ def _put(formula: sp.Expr, values: Mapping[sp.Symbol, sp.Expr]) -> sp.Expr:
     return formula.subs(values) if result.has(sp.nan, sp.zoo) else result
 
 
-def _clean(value: sp.Expr) -> sp.Expr:
-    """Expand, and turn a number that is zero into 0."""
+def clean(value: sp.Expr) -> sp.Expr:
+    """Expand, and turn a number that is zero into 0.
+
+    Args:
+        value: exact number of sympy.
+
+    Raises:
+        InvalidInputError: it is infinite.
+    """
     value = expanded(value)
     if value.is_Rational:
         return value
@@ -369,7 +312,12 @@ def domain_ends(
     return lower_end, upper_end
 
 
-def _all_exact(*groups: Values | None) -> bool:
+def all_exact(*groups: Values | None) -> bool:
+    """Tell whether no number given is a float.
+
+    Args:
+        groups: name → number each, or None.
+    """
     return not any(isinstance(value, float) for group in groups if group for value in group.values())
 
 

@@ -18,17 +18,15 @@ import sympy as sp
 from hjsolve import arguments
 from hjsolve.arithmetic.estimate import Estimate
 from hjsolve.arithmetic.estimate_array import EstimateArray
-from hjsolve.arithmetic.floats import bits_for
 from hjsolve.errors import InternalError, InvalidInputError
 from hjsolve.formulas.read import number
 from hjsolve.motion import quantities
-from hjsolve.motion.initial_data import Initial, read_initial_data, to_bits
+from hjsolve.motion.initial_data import Initial, read_initial_data
 from hjsolve.motion.quantities import FLOAT_DIGITS
-from hjsolve.motion.separated import SeparatedMotion, checked, coordinate_start, separated_motion
+from hjsolve.motion.separated import SeparatedMotion, coordinate_start
 from hjsolve.motion.state import State
 from hjsolve.motion.wanted import QUANTITIES, parts_of
 from hjsolve.one_coordinate.allowed_regions import others
-from hjsolve.one_coordinate.classify import Located, locate
 from hjsolve.shown import ShownMotion
 from hjsolve.solution.quadratures import Solution
 
@@ -72,6 +70,11 @@ class Motion(ShownMotion):
     def initial(self) -> Initial:
         """The exact initial data and constants."""
         return self.separated.initial
+
+    @property
+    def as_solved(self) -> Motion:
+        """The same motion told in the coordinates of its solution; itself, where those are the given ones."""
+        return self
 
     @property
     def t0(self) -> sp.Expr:
@@ -251,7 +254,7 @@ class Motion(ShownMotion):
         """
         result = {}
         for name, place in self.separated.located.items():
-            begin = coordinate_start(self.solution, self.initial, name)
+            begin = coordinate_start(self.separated.solution, self.separated.initial, name)
             found = others(begin, place.lower, place.upper, self.digits)
             result[name] = tuple(quantities.turning_points_of(region, self.digits) for region in found)
         return result
@@ -311,6 +314,15 @@ def start(
         >>> motion.kinds["r"], round(motion.periods["r"].value, 9)
         ('libration', 14.99332061)
     """
+    if solution.chart is not None:
+        from hjsolve.motion.charted.charted_motion import start_charted
+
+        return start_charted(
+            solution, q=q, velocity=velocity, p=p, constants=constants, signs=signs, parameters=parameters, t0=t0,
+            digits=digits, certified=certified, want=want,
+        )  # fmt: skip
+    from hjsolve.motion.through_poles.continued_motion import begun
+
     digits = arguments.digits(digits)
     arguments.refuse_other(certified, bool, "certified", "True or False is needed")
     initial = read_initial_data(
@@ -322,10 +334,7 @@ def start(
         "q": q, "velocity": velocity, "p": p, "constants": constants, "signs": signs, "parameters": parameters,
     }  # fmt: skip
     given = {name: None if group is None else dict(group) for name, group in groups.items()}
-    if certified:
-        motion = _certified(solution, initial, exact_t0, max(digits, FLOAT_DIGITS), parts)
-    else:
-        motion = _move(solution, initial, exact_t0, max(digits, FLOAT_DIGITS), parts)
+    motion = begun(solution, initial, exact_t0, digits, parts, certified=certified)
     return replace(motion, given=given, again=partial(_again, solution, given, exact_t0, wanted))
 
 
@@ -335,66 +344,3 @@ def _again(
 ) -> Motion:  # fmt: skip
     """Start a motion anew from what was given, with other digits or changed input."""
     return start(solution, **{**given, **change}, t0=t0, digits=digits, want=want)
-
-
-def _move(solution: Solution, initial: Initial, t0: sp.Expr, digits: int, parts: frozenset[str]) -> Motion:
-    found = separated_motion(solution, initial, t0, digits, parts)
-    bits = bits_for(digits, 128)
-    motion = Motion(
-        found, _kinds(solution, found.located), found.turning_points,
-        {name: quantities.rounded(to_bits(value)(bits), digits) for name, value in initial.constants.items()},
-        quantities.actions(solution, initial, found.located, digits) if "action" in parts else {}, found.frequencies,
-        {name: quantities.period(f) for name, f in found.frequencies.items() if f.value}, {},
-    )  # fmt: skip
-    if "boundary" not in motion.kinds.values() or "time" not in parts:
-        return motion
-    from hjsolve.motion.crossings import boundary_times
-    return replace(motion, boundary_times=boundary_times(found))
-
-
-def _certified(solution: Solution, initial: Initial, t0: sp.Expr, digits: int, parts: frozenset[str]) -> Motion:
-    """Make a motion of proved numbers; states come from a motion at full digits, when asked.
-
-    The proof needs kinds and guesses, in few digits and without an integral.
-    """
-    from hjsolve.motion.certified import enclosed_numbers, lines, proved_libration, work_bits
-
-    begins = {
-        name: replace(coordinate_start(solution, initial, name), parts=frozenset[str]())
-        for name in solution.coordinates
-    }
-    radicands = {name: begin.radicand for name, begin in begins.items()}
-    known = lines(radicands, initial, solution, work_bits(digits))
-    located = {
-        name: proved_libration(begin, initial, solution, known[name]) or locate(checked(begin), FLOAT_DIGITS)
-        for name, begin in begins.items()
-    }
-    taken_apart = SeparatedMotion(solution, initial, t0, digits, parts, located, None, {}, {})
-    proved = enclosed_numbers(taken_apart, digits, known)
-    return Motion(
-        taken_apart, _kinds(solution, located), proved.turning_points, proved.constants, proved.actions,
-        proved.frequencies, proved.periods, {}, states=_States(solution, initial, t0, digits, parts),
-    )  # fmt: skip
-
-
-class _States:
-    """What the states of a certified motion are read from, made when it is first asked for."""
-
-    def __init__(self, *arguments: Any):
-        self.arguments = arguments
-        self.motion: SeparatedMotion | None = None
-
-    def __call__(self) -> SeparatedMotion:
-        if self.motion is None:
-            self.motion = separated_motion(*self.arguments)
-        return self.motion
-
-    def __reduce__(self) -> tuple[Any, ...]:
-        return _States, self.arguments
-
-
-def _kinds(solution: Solution, located: Mapping[str, Located]) -> dict[str, str]:
-    return {
-        c.name: str(located[c.name].course.kind) if c.name in located else "ignorable"
-        for c in solution.system.coordinates
-    }

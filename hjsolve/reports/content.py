@@ -19,6 +19,7 @@ from hjsolve.reports.drawings import orbit_paths
 from hjsolve.reports.sections import motion as numerical
 from hjsolve.reports.sections import solution as quadratures
 from hjsolve.reports.sections import system_and_verdict
+from hjsolve.reports.sections.chart import chart_section
 from hjsolve.reports.sections.laws import laws_section
 from hjsolve.reports.sections.literature import literature_section
 from hjsolve.reports.sections.moving_frame import frame_section
@@ -74,7 +75,7 @@ def gather(
     clock: dict[str, float] = {}
     if isinstance(subject, Motion):
         return Material(
-            subject.solution.separation, subject.solution, subject, catalog.entry_of(subject.solution.system),
+            subject.solution.separation, subject.solution, subject.as_solved, catalog.entry_of(subject.solution.system),
             clock=clock,
         )  # fmt: skip
     named = subject if isinstance(subject, str | Path) else None
@@ -96,7 +97,7 @@ def gather(
     if data:
         try:
             started = _timed(
-                clock, "turning points, integrals, time law", lambda: solution.motion(**data, digits=digits)
+                clock, "turning points, integrals, time law", lambda: solution.motion(**data, digits=digits).as_solved
             )
         except NotConvergedError as error:
             failure = told(error)
@@ -172,7 +173,9 @@ def document(material: Material) -> Document:
     """
     verdict, entry = material.verdict, material.entry
     system, clock = verdict.system, dict(material.clock)
+    chart = material.solution.chart if material.solution is not None else None
     sections: list[Section | None] = [
+        chart_section(chart) if chart is not None else None,
         system_and_verdict.system_section(system, entry.meanings if entry else {}, entry.summary if entry else ""),
         frame_section(material.frame, material.solution) if material.frame is not None else None,
         system_and_verdict.reduction_section(verdict),

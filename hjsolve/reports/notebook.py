@@ -63,7 +63,7 @@ def blocks_of(value: Any) -> tuple[Block, ...]:
         case Solution():
             return (_title(value.system), *(block for part in solution_sections(value) for block in _of(part)))
         case Motion():
-            return _motion(value)
+            return _motion(value.as_solved)
         case SeparableCoordinates():
             return (_title(value.system), Paragraph(found_answer(value)), *_all(found_sections(value)))
         case NormalModes():

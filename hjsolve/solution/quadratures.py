@@ -23,6 +23,7 @@ import sympy as sp
 
 from hjsolve import arguments
 from hjsolve.algebra.addition_theorems import rejoined
+from hjsolve.coordinates.chart import Chart, find_chart
 from hjsolve.errors import InvalidInputError, NotSeparableError
 from hjsolve.mechanics.coordinates_and_parameters import free_name
 from hjsolve.mechanics.energy_shell import time_name
@@ -35,6 +36,9 @@ from hjsolve.shown import ShownSolution
 
 if TYPE_CHECKING:
     from hjsolve.motion.motion import Motion
+
+AS_GIVEN, FIND = "as given", "find"
+"""What ``solve`` takes for ``coordinates``."""
 
 Separated = list[tuple[sp.Symbol, sp.Expr, sp.Symbol]]
 """Of every separated coordinate: q, the root √Pᵢ² (the momentum itself where null), the lower limit."""
@@ -60,6 +64,8 @@ class Solution(ShownSolution):
             None where every coordinate is ignorable (then E is a function of the other constants
             and the orbit equations carry the time).
         orbit_equations: name of a constant → −β = ∂W/∂(constant); for all constants but E.
+        chart: how the coordinates were found and are tied to the user's own, which motions are started and told in;
+            None where they are the user's own.
     """
 
     system: System
@@ -74,6 +80,7 @@ class Solution(ShownSolution):
     characteristic_function: sp.Expr
     time_law: sp.Eq | None
     orbit_equations: Mapping[str, sp.Eq]
+    chart: Chart | None = None
 
     @property
     def principal_function(self) -> sp.Expr:
@@ -103,7 +110,7 @@ class Solution(ShownSolution):
         "1.2", "1/24", "pi/3", "sqrt(2)", which is taken exactly.
 
         Args:
-            q: coordinate → position at t0, every one.
+            q: coordinate → position at t0, every one; with ``chart`` the coordinates as the system was given in.
             velocity: coordinate → velocity at t0, every one; or
             p: coordinate → canonical momentum at t0, every one; or
             constants: name of a constant of the motion (``Solution.constants``) → value, every one, with
@@ -160,13 +167,15 @@ def refuse_null(solution: Solution) -> None:
         )
 
 
-def solve(system: System | Separation | str | Path) -> Solution:
+def solve(system: System | Separation | str | Path, coordinates: str = "as given") -> Solution:
     """Solve a system by quadratures.
 
     A system that was solved before in this process is not solved again: equal systems share one solution.
 
     Args:
         system: a system, or the ``Separation`` it already gave; or the id or file of a catalog entry.
+        coordinates: ``as given``; or ``find``: the given ones if they separate, else normal modes, else the simplest
+            certified web of ``find_coordinates``. Motions are then started and told in the given ones all the same.
 
     Returns:
         The solution; every integral stays unevaluated.
@@ -174,20 +183,35 @@ def solve(system: System | Separation | str | Path) -> Solution:
     Raises:
         NotSeparableError: the system does not separate in its coordinates, or that could not be decided; the error
             carries the verdict.
-        InvalidInputError: neither a system nor a verdict.
+        InvalidInputError: neither a system nor a verdict; ``coordinates`` is neither of the two words.
+
+    Example:
+        >>> from hjsolve import System
+        >>> V = "-1/sqrt((x - 1)**2 + (y - 2)**2) - 2/sqrt((x - 3)**2 + (y + 1)**2)"
+        >>> solution = solve(System({"x": "line", "y": "line"}, "(dot(x)**2 + dot(y)**2)/2", V), coordinates="find")
+        >>> solution.chart.kind, solution.coordinates
+        ('elliptic', ('mu', 'nu'))
 
     References:
         Greenwood, Classical Dynamics (1977), (5-65)–(5-83), (5-142); Jacobi's theorem (5-53)–(5-62).
     """
+    if coordinates not in (AS_GIVEN, FIND):
+        raise InvalidInputError(
+            f'coordinates: "{AS_GIVEN}" or "{FIND}" is needed, not {arguments.described(coordinates)}'
+        )
     if isinstance(system, (Separation, Obstruction, Undecided)):
         return _solved(system)
-    return _remembered(system_of(system, "solve"))
+    return _remembered(system_of(system, "solve"), coordinates == FIND)
 
 
 @lru_cache(maxsize=128)
-def _remembered(system: System) -> Solution:
+def _remembered(system: System, find: bool) -> Solution:
     """The solution of a system; a refusal raises and is not remembered, more time may decide it."""
-    return _solved(separate(system))
+    verdict = separate(system)
+    if isinstance(verdict, Separation) or not find:
+        return _solved(verdict)
+    chart = find_chart(system, verdict)
+    return replace(_solved(chart.separation), chart=chart)
 
 
 def _solved(verdict: Verdict) -> Solution:

@@ -7,7 +7,7 @@ import sympy as sp
 
 from hjsolve import InvalidSystemError, Obstruction, Separation, System, find_coordinates
 from hjsolve.coordinates.charts.transform import web_of
-from hjsolve.coordinates.find import _cartesian
+from hjsolve.coordinates.find import cartesian_form
 from hjsolve.coordinates.killing.killing_tensors import concircular_basis, kernel, killing_basis, killing_tensor
 from hjsolve.coordinates.results import Geometry
 from hjsolve.coordinates.webs.concircular_families import family
@@ -120,7 +120,7 @@ def test_the_whole_family_of_Kepler_separates_and_its_neighbours_do_not(geometry
     system = particle(2, f"-1/{r}")
     exact = Geometry(geometry.kind, tuple(map(sp.sympify, geometry.centre)),
                      tuple(tuple(map(sp.sympify, axis)) for axis in geometry.axes), (), geometry.lengths)  # fmt: skip
-    web = web_of(exact, _cartesian(system), budget=20)
+    web = web_of(exact, cartesian_form(system), budget=20)
     assert isinstance(web.verdict, Separation if separates else Obstruction)
     same_motion(system, web)
 

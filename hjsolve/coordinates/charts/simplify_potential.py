@@ -71,7 +71,23 @@ class ChangeOfVariables:
         arguments = [self._visit(argument) for argument in node.args]
         if isinstance(node, sp.Subs | sp.Derivative) or node.is_Mul or node.is_Add:
             return node.func(*arguments)
-        return node.func(*(short(argument) for argument in arguments))
+        return self._undone(node.func(*(short(argument) for argument in arguments)))
+
+    def _undone(self, f: sp.Expr) -> sp.Expr:
+        """Write acosh(cosh μ) = |μ| and, where sin ν > 0, acos(cos ν) = π/2 − asin(cos ν) = ν; of −cos ν likewise."""
+        inner = f.args[0] if f.args else sp.S.Zero
+        turned = inner.could_extract_minus_sign()
+        inverse = -inner if turned else inner
+        if isinstance(f, sp.acosh) and isinstance(inverse, sp.cosh) and not turned:
+            return self._size(inverse.args[0])
+        if isinstance(f, sp.acos | sp.asin) and isinstance(inverse, sp.cos) and inverse.args[0].is_Symbol:
+            ν = inverse.args[0]
+            if self.sign(sp.sin(ν)) < 0:
+                return f
+            self._size(sp.sin(ν))
+            angle = sp.pi - ν if turned else ν
+            return angle if isinstance(f, sp.acos) else sp.pi / 2 - angle
+        return f
 
     def _power(self, base: sp.Expr, exponent: sp.Expr) -> sp.Expr:
         base = short(base)

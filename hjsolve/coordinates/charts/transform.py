@@ -8,7 +8,8 @@ from random import Random
 
 import sympy as sp
 
-from hjsolve.coordinates.charts.charts import CoordinateRange, SeparableChart, chart
+from hjsolve.coordinates.charts.charts import MERIDIAN, CoordinateRange, SeparableChart, chart
+from hjsolve.coordinates.charts.covering import covering_chart
 from hjsolve.coordinates.charts.simplify_potential import ChangeOfVariables, flattened
 from hjsolve.coordinates.results import Geometry, Vector, Web
 from hjsolve.coordinates.webs.orthonormal_frames import norm_squared, tidy_constant
@@ -39,16 +40,32 @@ class Cartesian:
     values: Mapping[sp.Symbol, sp.Expr]
 
 
-def web_of(geometry: Geometry, cartesian: Cartesian, *, budget: float) -> Web:
+def chart_and_axes(
+    geometry: Geometry | Web, cartesian: Cartesian, *, covering: bool
+) -> tuple[SeparableChart, tuple[Vector, ...]]:
+    """Return the local chart of a web, and the axes its X, Y, Z are counted along.
+
+    Args:
+        geometry: kind, centre, axes and constants of the web.
+        cartesian: the system in Cartesian coordinates of equal mass.
+        covering: the chart without ends (``covering``) instead of the usual one.
+    """
+    make = covering_chart if covering else chart
+    n, symbol = len(cartesian.x), _symbol_maker(cartesian)
+    return _adapted(make(geometry.kind, geometry.lengths, n, symbol), geometry, cartesian)
+
+
+def web_of(geometry: Geometry | Web, cartesian: Cartesian, *, budget: float, covering: bool = False) -> Web:
     """Build the transformed system of a web and let ``separate`` judge it.
 
     Args:
         geometry: kind, centre, axes and constants of the web.
         cartesian: the system in Cartesian coordinates of equal mass.
         budget: seconds for ``separate``.
+        covering: in coordinates without ends (``covering``) instead of the usual ones.
     """
     n = len(cartesian.x)
-    local, axes = _adapted(chart(geometry.kind, geometry.lengths, n, _symbol_maker(cartesian)), geometry, cartesian)
+    local, axes = chart_and_axes(geometry, cartesian, covering=covering)
     names = tuple(s.name for s in local.symbols)
     L = sp.symbols(f"X0:{n}", real=True)
     centre = geometry.centre
@@ -61,8 +78,9 @@ def web_of(geometry: Geometry, cartesian: Cartesian, *, budget: float) -> Web:
     potential = carrier.carry(in_frame)
     speeds = [sp.Symbol(f"dot({name})", real=True) for name in names]
     kinetic = cartesian.mass / 2 * sp.Add(*(h * v**2 for h, v in zip(local.scale, speeds, strict=True)))
+    ranges = [_range(s, where, potential) for s, where in zip(local.symbols, local.ranges, strict=True)]
     transformed = System(
-        {name: where.text(name) for name, where in zip(names, local.ranges, strict=True)},
+        {name: where.text(name) for name, where in zip(names, ranges, strict=True)},
         kinetic,
         potential,
         {p.name: p for p in cartesian.system.parameters},
@@ -88,8 +106,17 @@ def web_of(geometry: Geometry, cartesian: Cartesian, *, budget: float) -> Web:
     )
 
 
+def _range(symbol: sp.Symbol, where: CoordinateRange, potential: sp.Expr) -> CoordinateRange:
+    """The range of a coordinate; half a turn of an angle that V holds itself, which acos(cos ν) has become there."""
+    if not where.periodic:
+        return where
+    circular = (sp.sin, sp.cos, sp.tan)
+    rest = potential.replace(lambda e: isinstance(e, circular) and e.args[0] == symbol, lambda _: sp.S.One)
+    return MERIDIAN if rest.has(symbol) else where
+
+
 def _adapted(
-    local: SeparableChart, geometry: Geometry, cartesian: Cartesian
+    local: SeparableChart, geometry: Geometry | Web, cartesian: Cartesian
 ) -> tuple[SeparableChart, tuple[Vector, ...]]:
     """Return the chart and the axes to use.
 
@@ -166,7 +193,7 @@ def _inside(where: CoordinateRange, values: Mapping[sp.Symbol, sp.Expr], random:
     )
 
 
-def _remark(geometry: Geometry, local: SeparableChart, assumed: Iterable[sp.Expr]) -> str:
+def _remark(geometry: Geometry | Web, local: SeparableChart, assumed: Iterable[sp.Expr]) -> str:
     """Say what the chart covers and what was taken to be positive."""
     radicands = {
         p.base

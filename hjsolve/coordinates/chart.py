@@ -1,0 +1,166 @@
+"""The simplest coordinates in which a system separates, and how they are tied to the user's own.
+
+    x = origin + frame · X(u),     T = m/2 Σ h_k²(u) u̇_k²
+
+u are the separated coordinates, X those of the web in its own frame, x the user's.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from dataclasses import dataclass, field, replace
+
+import sympy as sp
+
+from hjsolve.coordinates.charts.transform import Cartesian, chart_and_axes, web_of
+from hjsolve.coordinates.charts.validity import valid_everywhere
+from hjsolve.coordinates.find import cartesian_form, find_coordinates
+from hjsolve.coordinates.results import Vector, Web
+from hjsolve.coordinates.small_oscillations import normal_modes
+from hjsolve.errors import InvalidSystemError, NotSeparableError
+from hjsolve.mechanics.system import System, linear_terms
+from hjsolve.separation import Separation, separate
+from hjsolve.separation.obstruction.advice import small_oscillations
+from hjsolve.shown import Shown
+
+_BY_COST = (
+    "cartesian", "circular cylinder", "polar", "spherical", "parabolic", "parabolic cylinder", "rotational parabolic",
+    "elliptic", "elliptic cylinder", "prolate spheroidal", "oblate spheroidal", "conical", "paraboloidal",
+    "ellipsoidal",
+)  # fmt: skip
+"""Kinds of webs, those first whose separated equations are the simplest."""
+_WITHOUT_ENDS = ("conical", "paraboloidal", "ellipsoidal")
+"""Kinds whose usual chart covers one octant."""
+
+
+@dataclass(frozen=True, repr=False)
+class Chart(Shown):
+    """Separated coordinates of a system given in others; motions are started and told in the user's own.
+
+    Attributes:
+        kind: as in ``Geometry.kind``, or ``normal modes``.
+        coordinates: names of the separated coordinates.
+        transformation: the user's coordinate → expression in the separated ones.
+        remark: what the reader should know: which coordinates are the same point, what was taken to be positive.
+        reason: why these coordinates.
+        original: the user's system.
+        system: the system in the separated coordinates.
+        separation: the certificate of that system.
+        origin: of x = origin + frame · X(u).
+        frame: of x = origin + frame · X(u).
+        symbols: u, the separated coordinates.
+        place: X(u).
+        scale: h_k²(u) of T = m/2 Σ h_k² u̇_k², without differences that cancel.
+        mass: m.
+        lengths: named constants of X(u).
+    """
+
+    kind: str
+    coordinates: tuple[str, ...]
+    transformation: Mapping[str, sp.Expr]
+    remark: str
+    reason: str
+    original: System
+    system: System = field(repr=False)
+    separation: Separation = field(repr=False)
+    origin: Vector = field(repr=False)
+    frame: sp.ImmutableMatrix = field(repr=False)
+    symbols: tuple[sp.Symbol, ...] = field(repr=False)
+    place: Vector = field(repr=False)
+    scale: Vector = field(repr=False)
+    mass: sp.Expr = field(repr=False)
+    lengths: Mapping[str, sp.Expr] = field(repr=False)
+
+
+def find_chart(system: System, refused: object, *, budget: float = 20.0) -> Chart:
+    """Find the simplest coordinates in which a system separates that does not in its own.
+
+    Normal modes where T and V are quadratic with constant coefficients, else the web of ``find_coordinates`` whose
+    equations are the simplest: by kind, a single web before one of a family, plain numbers before roots.
+
+    Args:
+        system: natural, in Cartesian coordinates where it is not quadratic.
+        refused: what ``separate`` said of it in its own coordinates.
+        budget: seconds that ``separate`` may take for one web.
+
+    Raises:
+        NotSeparableError: there are none, or none could be certified; the error carries the verdict.
+    """
+    why = "the given coordinates do not separate"
+    for c in system.coordinates:
+        if c.domain.kind != "line":
+            raise NotSeparableError(
+                f"{why}, and others are looked for only where all coordinates run along the whole line; "
+                f'{c.name} has the domain "{c.domain.written(c.name)}"',
+                refused,
+            )
+    if any(a != 0 for a in linear_terms(system)):
+        raise NotSeparableError(
+            f"{why}, and others are looked for only where T has no terms linear in the velocities; "
+            "where all coefficients are constant, see gyroscopic_modes",
+            refused,
+        )
+    if small_oscillations(system):
+        try:
+            return _modal(system, f"{why}; T and V are quadratic with constant coefficients", budget)
+        except InvalidSystemError as reason:
+            raise NotSeparableError(f"{why}, and normal modes are not to be had: {reason}", refused) from None
+    try:
+        found = find_coordinates(system, special=False, budget=budget)
+    except InvalidSystemError as reason:
+        raise NotSeparableError(f"{why}, and others are not looked for: {reason}", refused) from None
+    cartesian = cartesian_form(system)
+    several = f", the simplest of {len(found.webs)} webs" if len(found.webs) > 1 else ", the only web"
+    for web in sorted(found.webs, key=_cost):
+        chart = _charted(web, cartesian, f"{why}; {web.kind} coordinates do{several}", budget)
+        if chart is not None:
+            return chart
+    lacking = "\nNone of these could be certified on all of its domain." if found.webs else ""
+    raise NotSeparableError(f"{why}. {found.advice}{lacking}", refused)
+
+
+def _cost(web: Web) -> tuple[int, bool, int]:
+    size = sum(int(sp.count_ops(e)) for e in web.transformation.values())
+    return _BY_COST.index(web.kind), web.freedom > 0, size
+
+
+def _charted(web: Web, cartesian: Cartesian, reason: str, budget: float) -> Chart | None:
+    """The chart of a web, in coordinates without ends; None where ``separate`` does not certify it."""
+    if web.kind in _WITHOUT_ENDS:
+        web = web_of(web, cartesian, budget=budget, covering=True)
+    system = valid_everywhere(web, cartesian)
+    if system is None:
+        return None
+    if system != web.system:
+        web = replace(web, system=system, verdict=separate(system, budget=budget))
+    if not isinstance(web.verdict, Separation):
+        return None
+    local, axes = chart_and_axes(web, cartesian, covering=True)
+    own = dict(zip(local.symbols, (web.system.symbols[name] for name in web.coordinates), strict=True))
+    frame = cartesian.stretch * sp.Matrix([list(axis) for axis in axes]).T
+    origin = cartesian.stretch * sp.Matrix(web.centre)
+    return Chart(
+        web.kind, web.coordinates, web.transformation, web.remark, reason + _freedom(web), cartesian.system,
+        web.system, web.verdict, tuple(origin), sp.ImmutableMatrix(frame), tuple(own.values()),
+        tuple(x.xreplace(own) for x in local.place), tuple(h.xreplace(own) for h in local.scale), cartesian.mass,
+        web.lengths,
+    )  # fmt: skip
+
+
+def _freedom(web: Web) -> str:
+    if not web.freedom:
+        return ""
+    return f"; one of a family ({web.family}): the motion has more integrals than it needs, and frequencies that agree"
+
+
+def _modal(system: System, reason: str, budget: float) -> Chart:
+    modes = normal_modes(system, budget=budget)
+    if not isinstance(modes.verdict, Separation):
+        raise InvalidSystemError("the modes could not be certified")
+    names = tuple(mode.name for mode in modes.modes)
+    symbols = tuple(modes.system.symbols[name] for name in names)
+    return Chart(
+        "normal modes", names, modes.transformation, modes.remark, reason, system, modes.system, modes.verdict,
+        tuple(modes.equilibrium.values()), modes.matrix, symbols, symbols, tuple(mode.mass for mode in modes.modes),
+        sp.S.One, {},
+    )  # fmt: skip

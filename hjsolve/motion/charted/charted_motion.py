@@ -1,0 +1,222 @@
+"""A motion told in the user's coordinates and computed in the separated ones that were found for it."""
+
+from __future__ import annotations
+
+from collections.abc import Iterable, Mapping
+from dataclasses import dataclass, field, fields, replace
+from functools import partial
+from typing import Any
+
+import sympy as sp
+
+from hjsolve import arguments
+from hjsolve.arithmetic.estimate import Estimate
+from hjsolve.arithmetic.estimate_array import EstimateArray
+from hjsolve.coordinates.chart import Chart
+from hjsolve.errors import InternalError, InvalidInputError
+from hjsolve.formulas.read import number
+from hjsolve.motion.charted.collisions import Ends, between, collisions
+from hjsolve.motion.charted.initial_map import carried
+from hjsolve.motion.charted.state_map import state_in
+from hjsolve.motion.initial_data import Initial
+from hjsolve.motion.motion import Motion
+from hjsolve.motion.state import State
+from hjsolve.motion.through_poles.continued_motion import ContinuedMotion, begun
+from hjsolve.motion.wanted import parts_of
+from hjsolve.solution.quadratures import Solution
+
+
+@dataclass(frozen=True, eq=False, repr=False)
+class ChartedMotion(Motion):
+    """A motion of a system that separates in coordinates found for it (``solve(..., coordinates="find")``).
+
+    ``at`` gives q, p and velocity in the user's coordinates; everything else is keyed by the separated ones.
+
+    Attributes:
+        within: the motion in the separated coordinates.
+        ends: times of the collisions with a focus before and after t₀, between which the motion is told.
+    """
+
+    within: Motion | None = field(default=None, repr=False)
+    ends: Ends = (None, None)
+
+    @property
+    def solution(self) -> Solution:
+        """What is solved, in the separated coordinates."""
+        return self._inner.solution
+
+    @property
+    def initial(self) -> Initial:
+        """The initial data and constants, in the separated coordinates."""
+        return self._inner.initial
+
+    @property
+    def as_solved(self) -> Motion:
+        """The same motion told in the separated coordinates."""
+        return self._inner
+
+    @property
+    def chart(self) -> Chart:
+        """How the separated coordinates are tied to the user's."""
+        if self.solution.chart is None:
+            raise InternalError("a charted motion of a solution without a chart")
+        return self.solution.chart
+
+    def at(self, t: Any) -> State:
+        """Return the state at a time or times, in the user's coordinates.
+
+        Args:
+            t: number (int, float, decimal or rational string, Fraction, mpf) or an array or list of them.
+
+        Returns:
+            The state; float64 up to 15 digits, mpf above.
+
+        Raises:
+            InvalidInputError: a time that is no finite real number.
+        """
+        inner, values = self._inner, self._inner.initial.values
+        if isinstance(inner, ContinuedMotion):
+            state = state_in(self.chart, values, inner.unfolded(t), inner.dropped)
+        else:
+            state = state_in(self.chart, values, inner.at(t))
+        return state if self.ends == (None, None) else between(self.ends, state)
+
+    def characteristic_function(self, t: Any) -> Estimate | EstimateArray:
+        """Return W = ∫ p·dq from t₀ to a time or times; it is the same in all coordinates.
+
+        Args:
+            t: number (int, float, decimal or rational string, Fraction, mpf) or an array or list of them.
+
+        Raises:
+            InvalidInputError: a time that is no finite real number, or a motion that ends in a collision.
+        """
+        self._refuse_collision()
+        return self._inner.characteristic_function(t)
+
+    def principal_function(self, t: Any) -> Estimate | EstimateArray:
+        """Return S = W − E (t − t₀) at a time or times; it is the same in all coordinates.
+
+        Args:
+            t: number (int, float, decimal or rational string, Fraction, mpf) or an array or list of them.
+
+        Raises:
+            InvalidInputError: a time that is no finite real number, or a motion that ends in a collision.
+        """
+        self._refuse_collision()
+        return self._inner.principal_function(t)
+
+    def _refuse_collision(self) -> None:
+        if self.ends != (None, None):
+            raise InvalidInputError("W and S: not given for a motion that ends in a collision with a focus")
+
+    def time_at(self, name: str, value: Any, passage: int = 0) -> Estimate:
+        """Return the time of the passage-th crossing of a position of a separated coordinate, counted from t₀ on.
+
+        Args:
+            name: separated coordinate.
+            value: position; for an angle modulo 2π.
+            passage: 0 for the first crossing at t ≥ t₀, 1 for the next, −1 for the last before t₀ …
+
+        Raises:
+            InvalidInputError: an unknown coordinate, a value that is no number, or a passage that is not whole.
+            OutsideMotionError: the motion never reaches that position, or not that often.
+        """
+        self._refuse_given(name)
+        return self._inner.time_at(name, value, passage)
+
+    def orbit(self, name: str, *, along: str, values: Any) -> Any:
+        """Return one separated coordinate where another passes given values for the first time after t₀.
+
+        Args:
+            name: separated coordinate wanted; unwrapped if it is an angle.
+            along: separated coordinate whose values are given.
+            values: positions of ``along``, shape (m,).
+
+        Returns:
+            Array of shape (m,).
+
+        Raises:
+            InvalidInputError: an unknown coordinate, or a value that is no number.
+            OutsideMotionError: the motion never reaches a value.
+        """
+        for coordinate in (name, along):
+            self._refuse_given(coordinate)
+        return self._inner.orbit(name, along=along, values=values)
+
+    @property
+    def _inner(self) -> Motion:
+        if self.within is None:
+            raise InternalError("a charted motion without the motion it is computed from")
+        return self.within
+
+    def _refuse_given(self, name: str) -> None:
+        own = self.chart.coordinates
+        if name not in own and name in (q.name for q in self.chart.original.coordinates):
+            raise InvalidInputError(
+                f"{name}: passages are those of the separated coordinates, {', '.join(own)}; at(t).q[{name!r}] gives "
+                f"{name} at any time"
+            )
+
+
+def start_charted(
+    solution: Solution,
+    *,
+    q: Mapping[str, Any],
+    velocity: Mapping[str, Any] | None = None,
+    p: Mapping[str, Any] | None = None,
+    constants: Mapping[str, Any] | None = None,
+    signs: Mapping[str, int] | None = None,
+    parameters: Mapping[str, Any] | None = None,
+    t0: Any = 0,
+    digits: int = 15,
+    certified: bool = False,
+    want: Iterable[str] | None = None,
+) -> ChartedMotion:
+    """Start a motion from initial data in the user's coordinates.
+
+    Args:
+        solution: with a chart.
+        q, velocity, p: every one of the user's coordinates → number; velocity or p.
+        constants, signs: refused; a motion is started in the user's coordinates.
+        parameters: name → value, where it differs from the default.
+        t0: time of the initial data.
+        digits: relative digits wanted.
+        certified: prove constants, turning points, actions, frequencies and periods.
+        want: which of ``QUANTITIES`` will be asked; None for all.
+
+    Raises:
+        InvalidInputError: initial data that are no numbers, incomplete, or where the coordinates found are singular.
+        MissingValueError: a parameter or an initial value is missing.
+        NotConvergedError: a turning point or an integral could not be had to the digits asked.
+    """
+    chart = solution.chart
+    if chart is None:
+        raise InternalError("a charted motion of a solution without a chart")
+    if constants is not None or signs is not None:
+        raise InvalidInputError("constants, signs: with coordinates that were found, give velocity={…} or p={…}")
+    digits = arguments.digits(digits)
+    arguments.refuse_other(certified, bool, "certified", "True or False is needed")
+    wanted = None if want is None else arguments.words(want, "want", '["actions", "periods"]')
+    parts, exact_t0 = parts_of(wanted), number(t0, source="t0")
+    initial = carried(solution, chart, q=q, velocity=velocity, p=p, parameters=parameters)
+    within = begun(solution, initial, exact_t0, digits, parts, certified=certified)
+    given = {
+        name: None if group is None else dict(group)
+        for name, group in (("q", q), ("velocity", velocity), ("p", p), ("parameters", parameters))
+    }
+    own = {f.name: getattr(within, f.name) for f in fields(Motion)}
+    motion = ChartedMotion(**own, within=within)
+    if "time" in parts and (found := collisions(chart, within)) is not None:
+        name, ends = found
+        times = {} if ends[1] is None else {name: ends[1]}
+        kinds = {**motion.kinds, name: "boundary"}
+        motion = replace(motion, ends=ends, kinds=kinds, boundary_times=times, frequencies={}, periods={})
+    return replace(motion, given=given, again=partial(_again, solution, given, exact_t0, wanted))
+
+
+def _again(
+    solution: Solution, given: Mapping[str, Any], t0: sp.Expr, want: frozenset[str] | None, digits: int,
+    change: Mapping[str, Any],
+) -> ChartedMotion:  # fmt: skip
+    """Start a motion anew from what was given, with other digits or changed input."""
+    return start_charted(solution, **{**given, **change}, t0=t0, digits=digits, want=want)

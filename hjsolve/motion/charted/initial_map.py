@@ -1,0 +1,175 @@
+"""Initial data carried from the user's coordinates to the separated ones: u by the inverse chart, p_u = (∂X/∂u)ᵀ P.
+
+Everything is worked out twice, to ``_BITS`` and to half as many; what is no larger than the difference is zero (a
+coordinate plane, a turning point, no angular momentum), the rest is rounded to a rational number that is right to far
+more digits than any computation here asks for. The energy is exact: it is that of the user's own coordinates.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Mapping
+from itertools import pairwise
+from typing import Any
+
+import sympy as sp
+
+from hjsolve.arithmetic.floats import Multi
+from hjsolve.coordinates.chart import Chart
+from hjsolve.errors import InvalidInputError
+from hjsolve.mechanics.system import hamiltonian
+from hjsolve.motion.charted.inverse_charts import inverse_chart
+from hjsolve.motion.exact_numbers import to_bits
+from hjsolve.motion.initial_data import Initial, all_exact, clean, put, read_phase_point
+from hjsolve.motion.positions import tape_of
+from hjsolve.solution.quadratures import Solution
+
+_BITS = 4800
+_RISING = ("a1", "a2", "a3", "e1", "e2", "e3", "b", "c")
+"""Lengths of a chart, of one kind each, that rise in this order."""
+_ANGLES = {
+    "polar": (1,), "circular cylinder": (1,), "spherical": (1, 2), "rotational parabolic": (2,),
+    "prolate spheroidal": (2,), "oblate spheroidal": (2,),
+}  # fmt: skip
+"""Coordinates that are angles about an axis or at a pole, by kind of chart."""
+Values = Mapping[str, Any]
+
+
+def carried(
+    solution: Solution, chart: Chart, *, q: Values, velocity: Values | None, p: Values | None, parameters: Values | None
+) -> Initial:
+    """Read initial data in the user's coordinates and carry them to the separated ones.
+
+    Args:
+        solution: in the separated coordinates.
+        chart: how they are tied to the user's.
+        q, velocity, p: every one of the user's coordinates → number; velocity or p.
+        parameters: name → number, where it differs from the default.
+
+    Raises:
+        InvalidInputError: unknown or missing names, or a place where the separated coordinates are singular.
+        MissingValueError: a value is missing.
+    """
+    if (velocity is None) == (p is None):
+        raise InvalidInputError(
+            "initial data: give either velocity={…} or p={…}, a number for every coordinate of the system as given"
+        )
+    given = read_phase_point(chart.original, q, velocity, p, parameters)
+    far, near = (_numbers(solution, chart, given, bits) for bits in (_BITS, _BITS // 2))
+    exact = [_rational(a, b) for a, b in zip(far, near, strict=True)]
+    system, n = solution.system, len(chart.symbols)
+    values = {s.symbol: given[s.symbol] for s in system.parameters}
+    values |= {c.symbol: x for c, x in zip(system.coordinates, exact[:n], strict=True)}
+    values |= {c.momentum: x for c, x in zip(system.coordinates, exact[n : 2 * n], strict=True)}
+    constants = dict(zip(solution.constants, exact[2 * n :], strict=False))
+    if "E" in solution.constants:
+        energy = clean(put(hamiltonian(chart.original), given))
+        if "E" in constants:
+            _same_energy(chart, energy, far[2 * n + list(solution.constants).index("E")])
+        constants["E"] = energy
+    return Initial(values, constants, all_exact(q, velocity, p, parameters))
+
+
+def _same_energy(chart: Chart, exact: sp.Expr, found: Any) -> None:
+    """Refuse values of parameters for which V in the coordinates found is not the V given.
+
+    Roots and logarithms were written with the signs that they have at the default values.
+    """
+    energy = to_bits(exact)(_BITS)
+    if abs(energy - found) > (1 + abs(energy)) * energy.context.mpf(2) ** (-_BITS // 8):
+        raise _other_parameters(chart)
+
+
+def _other_parameters(chart: Chart) -> InvalidInputError:
+    return InvalidInputError(
+        f"parameters: the {chart.kind} coordinates were found for the default values and do not hold for these; make "
+        "these the defaults, System(…, parameters={name: value}), and solve again"
+    )
+
+
+def _local(chart: Chart, value: Callable[[sp.Expr], Any], c: Any) -> tuple[list[Any], list[Any], dict[str, Any]]:
+    """X and P in the frame of the web, and its lengths.
+
+    Raises:
+        InvalidInputError: the web is none with these values of the parameters.
+    """
+    old = chart.original.coordinates
+    try:
+        frame = c.matrix([[value(e) for e in row] for row in chart.frame.tolist()])
+        moved = c.matrix([value(x.symbol) - value(o) for x, o in zip(old, chart.origin, strict=True)])
+        X, P = c.lu_solve(frame, moved), frame.T * c.matrix([value(x.momentum) for x in old])
+        lengths = {name: value(length) for name, length in chart.lengths.items()}
+    except (InvalidInputError, ZeroDivisionError):
+        raise _other_parameters(chart) from None
+    rising = [lengths[name] for name in _RISING if name in lengths]
+    if lengths.get("a", 1) <= 0 or any(one >= other for one, other in pairwise(rising)):
+        raise _other_parameters(chart)
+    return list(X), list(P), lengths
+
+
+def _numbers(solution: Solution, chart: Chart, given: Mapping[sp.Symbol, sp.Expr], bits: int) -> list[Any]:
+    """u, p_u and the constants of the motion, to so many bits."""
+    field = Multi(bits)
+    c = field.context
+
+    def value(e: sp.Expr) -> Any:
+        return to_bits(e.xreplace(given))(bits)
+
+    X, P, lengths = _local(chart, value, c)
+    u = _inside(chart, inverse_chart(chart.kind, X, P, lengths, c))
+    _refuse_singular(chart, given, u, field)
+    fixed = {s.symbol: value(s.symbol) for s in chart.system.parameters}
+    J = sp.Matrix(chart.place).jacobian(chart.symbols)
+    slopes = tape_of(tuple(J), (*chart.symbols, *fixed)).run(field, [*u, *fixed.values()])
+    n = len(u)
+    lifted = [c.fsum(slopes[i * n + k] * P[i] for i in range(n)) for k in range(n)]
+    momenta = [q.momentum for q in solution.system.coordinates]
+    formulas = tuple(constant.expression for constant in solution.constants.values())
+    try:
+        constants = tape_of(formulas, (*chart.symbols, *momenta, *fixed)).run(field, [*u, *lifted, *fixed.values()])
+    except InvalidInputError:  # 0/0 on an axis; they are taken from the coordinates that go on there
+        constants = []
+    return [*u, *lifted, *constants]
+
+
+def _inside(chart: Chart, u: list[Any]) -> list[Any]:
+    """The coordinates of the point that are in their ranges: (−u, −v) for (u, v) where one of them has to be positive.
+
+    Raises:
+        InvalidInputError: the point is on the edge, where V has a crease.
+    """
+    domains = [c.domain for c in chart.system.coordinates]
+    for k in (0, 1):
+        if chart.kind.startswith(("elliptic", "parabolic")) and domains[k].lower == 0:
+            if u[k] == 0 or (domains[k].upper is not None and abs(u[k]) == u[k].context.pi):
+                raise InvalidInputError(
+                    f"q: V is not smooth there ({chart.coordinates[k]} = 0, an edge of the {chart.kind} coordinates)"
+                )
+            if u[k] < 0:
+                return [-u[0], -u[1], *u[2:]]
+    return u
+
+
+def _refuse_singular(chart: Chart, given: Mapping[sp.Symbol, sp.Expr], u: list[Any], field: Multi) -> None:
+    """Refuse a place where an h² is zero that is not that of an angle: a focus, or the centre of conical coordinates.
+
+    On an axis and at r = 0 the angle is that of the velocity; ``through_poles`` decides whether the motion goes on.
+    """
+    fixed = {s.symbol: to_bits(given[s.symbol])(field.bits) for s in chart.system.parameters}
+    scale = tape_of(chart.scale, (*chart.symbols, *fixed)).run(field, [*u, *fixed.values()])
+    least = field.context.mpf(2) ** (-field.bits // 4)
+    if all(h > least for k, h in enumerate(scale) if k not in _ANGLES.get(chart.kind, ())):
+        return
+    place = ", ".join(f"{q.name} = {given[q.symbol]}" for q in chart.original.coordinates)
+    raise InvalidInputError(
+        f"q: {place} is a singular point of the {chart.kind} coordinates in which the system separates (a focus or "
+        "the centre), where momenta do not tell where the motion goes; start it at a place a little before"
+    )
+
+
+def _rational(far: Any, near: Any) -> sp.Rational:
+    """The number as a fraction; 0 where it is no more than the rounding of the lower precision."""
+    if abs(far) <= abs(far - near):
+        return sp.S.Zero
+    sign, mantissa, exponent, _ = far._mpf_
+    whole = int(mantissa) * (-1 if sign else 1)
+    return sp.Integer(whole << exponent) if exponent >= 0 else sp.Rational(whole, 1 << -exponent)

@@ -1,0 +1,339 @@
+"""A motion computed in coordinates continued through poles, told in the given ones."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from dataclasses import dataclass, field, fields, replace
+from typing import Any
+
+import numpy as np
+import sympy as sp
+
+from hjsolve.arithmetic.estimate import Estimate
+from hjsolve.arithmetic.floats import EPS, bits_for, multiprecision
+from hjsolve.errors import InternalError, InvalidInputError, NotConvergedError, NotSeparableError
+from hjsolve.motion import quantities
+from hjsolve.motion.exact_numbers import to_bits
+from hjsolve.motion.initial_data import Initial, clean, domain_ends, put
+from hjsolve.motion.motion import Motion
+from hjsolve.motion.quantities import FLOAT_DIGITS
+from hjsolve.motion.starting import started
+from hjsolve.motion.state import Errors, State
+from hjsolve.motion.through_poles.continuation import Continuation, Fold, continuation
+from hjsolve.solution.quadratures import Solution, solve
+
+_NOISE_BITS = 2000
+"""A constant that is so small and a fraction of so many digits is the rounding of 0 (``charted.initial_map``)."""
+
+
+@dataclass(frozen=True, eq=False, repr=False)
+class ContinuedMotion(Motion):
+    """A motion that passes poles of its coordinates: p_φ = 0, and nothing but the coordinates ends there.
+
+    Kinds, turning points, actions and frequencies are those of the continued coordinates: r < 0 is the place −r with
+    φ + π, θ beyond its end the place before it with φ + π. States are told in the given coordinates.
+
+    Attributes:
+        given_solution: of the system as given.
+        given_initial: initial data and constants as given.
+        continued: how the coordinates run on.
+        within: the motion in the continued coordinates.
+    """
+
+    given_solution: Solution | None = field(default=None, repr=False)
+    given_initial: Initial | None = field(default=None, repr=False)
+    continued: Continuation | None = field(default=None, repr=False)
+    within: Motion | None = field(default=None, repr=False)
+
+    @property
+    def solution(self) -> Solution:
+        """What is solved: the system as given."""
+        return _there(self.given_solution)
+
+    @property
+    def initial(self) -> Initial:
+        """The exact initial data and constants, as given."""
+        return _there(self.given_initial)
+
+    def at(self, t: Any) -> State:
+        """Return the state at a time or times, in the given coordinates.
+
+        Args:
+            t: number (int, float, decimal or rational string, Fraction, mpf) or an array or list of them.
+
+        Returns:
+            The state; float64 up to 15 digits, mpf above.
+
+        Raises:
+            InvalidInputError: a time that is no finite real number.
+        """
+        return folded(_there(self.continued), self.initial, _there(self.within).at(t), self.solution)
+
+    @property
+    def dropped(self) -> tuple[str, ...]:
+        """The angles whose momentum is zero and that the continued coordinates do without."""
+        within = _there(self.within)
+        more = within.dropped if isinstance(within, ContinuedMotion) else ()
+        return (_there(self.continued).dropped, *more)
+
+    def unfolded(self, t: Any) -> State:
+        """Return the state with coordinates that run on through the poles, and the dropped angles as they were at t₀.
+
+        Places are smooth functions of these where x, y, z are smooth functions of the coordinates.
+
+        Args:
+            t: a time or an array of times.
+        """
+        within, name = _there(self.within), _there(self.continued).dropped
+        state = within.unfolded(t) if isinstance(within, ContinuedMotion) else within.at(t)
+        some = next(iter(state.p.values()))
+        many = np.asarray(some).dtype == object
+        begin = to_bits(self.initial.values[self.solution.system.coordinate(name).symbol])(256)
+        angle, nothing = begin if many else float(begin), 0 * some
+
+        def errors() -> Errors:
+            own = state.error
+            blank = 0 * np.asarray(next(iter(own.q.values())), dtype=float)
+            return Errors(
+                {**own.q, name: blank + _unit(state) * abs(float(begin))}, {**own.p, name: blank},
+                {**own.velocity, name: blank},
+            )  # fmt: skip
+
+        return State(
+            state.t, {**state.q, name: angle + nothing}, {**state.p, name: nothing},
+            {**state.velocity, name: nothing}, {}, state.status, errors,
+        )  # fmt: skip
+
+    def time_at(self, name: str, value: Any, passage: int = 0) -> Estimate:
+        """Return the time of the passage-th crossing of a position, counted from t₀ on.
+
+        Args:
+            name: coordinate; of one that is continued the position is that of the continued one.
+            value: position; for an angle modulo 2π.
+            passage: 0 for the first crossing at t ≥ t₀, 1 for the next, −1 for the last before t₀ …
+
+        Raises:
+            InvalidInputError: an unknown coordinate, the angle that jumps, a value that is no number.
+            OutsideMotionError: the motion never reaches that position, or not that often.
+        """
+        self._refuse_dropped(name)
+        return _there(self.within).time_at(name, value, passage)
+
+    def orbit(self, name: str, *, along: str, values: Any) -> Any:
+        """Return one continued coordinate where another passes given values for the first time after t₀.
+
+        Args:
+            name: coordinate wanted; unwrapped if it is an angle.
+            along: coordinate whose values are given.
+            values: positions of ``along``, shape (m,).
+
+        Returns:
+            Array of shape (m,).
+
+        Raises:
+            InvalidInputError: an unknown coordinate, the angle that jumps, or a value that is no number.
+            OutsideMotionError: the motion never reaches a value.
+        """
+        for coordinate in (name, along):
+            self._refuse_dropped(coordinate)
+        return _there(self.within).orbit(name, along=along, values=values)
+
+    def _refuse_dropped(self, name: str) -> None:
+        if name == _there(self.continued).dropped:
+            raise InvalidInputError(
+                f"{name}: is constant in this motion but for jumps by pi at the poles; at(t).q[{name!r}] gives it"
+            )
+
+
+def _there(part: Any) -> Any:
+    if part is None:
+        raise InternalError("a continued motion without its parts")
+    return part
+
+
+def begun(
+    solution: Solution, initial: Initial, t0: sp.Expr, digits: int, parts: frozenset[str], *, certified: bool = False
+) -> Motion:
+    """Start a motion from data that were read before; where it ends at a pole of the coordinates only, it goes on.
+
+    Args:
+        solution: of the system.
+        initial: the exact initial data and constants.
+        t0: time of the initial data.
+        digits: relative digits wanted.
+        parts: what is integrated, from ``parts_of``.
+        certified: as in ``start``.
+
+    Raises:
+        ForbiddenMotionError: no real motion has these constants.
+        InvalidInputError: it starts at a pole that is more than one of the coordinates.
+        NotConvergedError: a turning point or an integral could not be had to the digits asked.
+    """
+    angles = [
+        c.name
+        for c in solution.separation.shell.ignorable
+        if initial.values[c.momentum] == 0 and c.domain.kind == "angle"
+    ]
+    at_end = _at_an_end(solution, initial)
+    motion: Motion | None = None
+    if not at_end:
+        try:
+            motion = started(solution, initial, t0, digits, parts, certified=certified)
+        except NotConvergedError:
+            if not angles:
+                raise
+    if motion is not None and "boundary" not in motion.kinds.values():
+        return motion
+    for name in angles:
+        way = continuation(solution.system, name)
+        on = None if way is None else _continued(way, solution, initial, t0, digits, parts, certified=certified)
+        if on is not None:
+            return on
+    if at_end:
+        raise InvalidInputError(
+            f"q: the motion starts where {at_end} is at an end of its domain, and T or V is singular there; start it "
+            "at a place a little before"
+        )
+    return motion or started(solution, initial, t0, digits, parts, certified=certified)
+
+
+def _at_an_end(solution: Solution, initial: Initial) -> str:
+    for c in solution.system.coordinates:
+        if initial.values[c.symbol] in domain_ends(solution.system, c.name, initial.values):
+            return c.name
+    return ""
+
+
+def _continued(
+    way: Continuation, solution: Solution, initial: Initial, t0: sp.Expr, digits: int, parts: frozenset[str], *,
+    certified: bool,
+) -> ContinuedMotion | None:  # fmt: skip
+    """The motion in the continued coordinates; None where it does not come from them."""
+    try:
+        other = solve(way.system)
+        within = begun(other, _carried(other, solution, initial), t0, digits, parts, certified=certified)
+    except (NotSeparableError, NotConvergedError):
+        return None
+    own = {f.name: getattr(within, f.name) for f in fields(Motion)}
+    kinds = {c.name: within.kinds.get(c.name, "ignorable") for c in solution.system.coordinates}
+    bits = bits_for(max(digits, FLOAT_DIGITS), 128)
+    constants = {
+        n: quantities.rounded(to_bits(x)(bits), max(digits, FLOAT_DIGITS)) for n, x in initial.constants.items()
+    }
+    motion = ContinuedMotion(**own, given_solution=solution, given_initial=initial, continued=way, within=within)
+    return replace(motion, kinds=kinds, constants={**within.constants, **constants})
+
+
+def _carried(other: Solution, solution: Solution, initial: Initial) -> Initial:
+    """The initial data without the dropped angle, and the constants of the continued system."""
+    values = {p.symbol: initial.values[p.symbol] for p in other.system.parameters}
+    for c in other.system.coordinates:
+        old = solution.system.coordinate(c.name)
+        values |= {c.symbol: initial.values[old.symbol], c.momentum: initial.values[old.momentum]}
+    constants = {name: _without_noise(clean(put(c.expression, values))) for name, c in other.constants.items()}
+    if "E" in constants and "E" in initial.constants:
+        constants["E"] = initial.constants["E"]
+    return Initial(values, constants, initial.exact)
+
+
+def _without_noise(value: sp.Expr) -> sp.Expr:
+    if value.is_Rational and value.q.bit_length() > 2 * _NOISE_BITS and abs(value.p) << _NOISE_BITS < value.q:
+        return sp.S.Zero
+    return value
+
+
+def folded(way: Continuation, initial: Initial, state: State, solution: Solution) -> State:
+    """Return a state in the given coordinates.
+
+    Args:
+        way: how the coordinates were continued.
+        initial: data as given.
+        state: in the continued coordinates.
+        solution: of the system as given.
+    """
+    dropped = solution.system.coordinate(way.dropped)
+    q, p, v = dict(state.q), dict(state.p), dict(state.velocity)
+    odd = np.zeros(np.shape(state.status), dtype=bool)
+    for name, fold in way.folds.items():
+        q[name], turned = _fold(fold, initial, q[name])
+        p[name], v[name] = (
+            np.where(turned, -x, x) if np.shape(turned) else (-x if turned else x) for x in (p[name], v[name])
+        )
+        odd = odd ^ turned
+    some = next(iter(p.values()))
+    many = np.asarray(some).dtype == object
+    begin = to_bits(initial.values[dropped.symbol])(256 if many else 64)
+    π = multiprecision(256).pi if many else np.pi
+    low, high = _principal(begin if many else float(begin), π), _principal((begin if many else float(begin)) + π, π)
+    angle = np.where(odd, high, low) if np.shape(odd) else (high if odd else low)
+    nothing = 0 * some
+    q[dropped.name] = angle + nothing
+    p[dropped.name] = v[dropped.name] = nothing
+    names = [c.name for c in solution.system.coordinates]
+
+    def errors() -> Errors:
+        return _errors(way, state, initial, names)
+
+    def ordered(group: Mapping[str, Any]) -> dict[str, Any]:
+        return {name: group[name] for name in names}
+
+    turns = {name: n for name, n in state.turns.items() if name not in way.folds}
+    return State(state.t, ordered(q), ordered(p), ordered(v), turns, state.status, errors)
+
+
+def _principal(angle: Any, π: Any) -> Any:
+    return angle - 2 * π if angle > π else angle
+
+
+def _fold(fold: Fold, initial: Initial, s: Any) -> tuple[Any, Any]:
+    """The given coordinate, and where it was reached through an odd number of poles."""
+    low, high = (None if end is None else _number(end, initial, s) for end in (fold.lower, fold.upper))
+    if low is not None and high is not None:  # s is an angle in (−π, π]
+        turn = 2 * (high - low)
+        below, above = s < low, s > high
+        inside = np.where(below, 2 * low - s, np.where(above, 2 * high - s, s))
+        far = np.where(inside > high, inside - turn, np.where(inside < low, inside + turn, inside))
+        turned = below | above
+        return (far if np.shape(s) else far.item()), turned
+    end: Any = low if low is not None else high
+    turned = s < end if low is not None else s > end
+    return (np.where(turned, 2 * end - s, s) if np.shape(s) else (2 * end - s if turned else s)), turned
+
+
+def _number(end: sp.Expr, initial: Initial, like: Any) -> Any:
+    bits = next((x.context.prec for x in np.ravel(np.asarray(like, dtype=object)) if hasattr(x, "context")), 0)
+    value = to_bits(end.subs(initial.values))(bits or 64)
+    return value if bits else float(value)
+
+
+def _unit(state: State) -> float:
+    """Relative rounding of the numbers of a state."""
+    some = np.ravel(np.asarray(next(iter(state.q.values()))))
+    if some.dtype != object:
+        return EPS
+    return float(2.0 ** -max((x.context.prec for x in some if hasattr(x, "context")), default=53))
+
+
+def _errors(way: Continuation, state: State, initial: Initial, names: list[str]) -> Errors:
+    """Those of the continued state; at a pole itself the side of the axis and the sign of momenta are open."""
+    q, p, v = dict(state.error.q), dict(state.error.p), dict(state.error.velocity)
+    unit = _unit(state)
+    angle = 4 * unit * np.pi + 0 * np.asarray(next(iter(q.values())), dtype=float)
+    for name, fold in way.folds.items():
+        near = np.zeros(np.shape(state.status), dtype=bool)
+        for end in (fold.lower, fold.upper):
+            if end is not None:
+                value = float(to_bits(end.subs(initial.values))(64))
+                away = np.abs(np.asarray(state.q[name], dtype=float) - value)
+                near = near | (np.minimum(away, np.abs(away - 2 * np.pi)) <= q[name])
+        angle = np.where(near, np.pi, angle)
+        for group, values in ((p, state.p), (v, state.velocity)):
+            group[name] = group[name] + np.where(near, 2 * np.abs(np.asarray(values[name], dtype=float)), 0.0)
+        q[name] = q[name] + 4 * unit * np.pi
+    q[way.dropped] = angle
+    p[way.dropped] = v[way.dropped] = 0 * angle
+
+    def ordered(group: Mapping[str, Any]) -> dict[str, Any]:
+        return {n: group[n] if np.shape(group[n]) else float(group[n]) for n in names}
+
+    return Errors(ordered(q), ordered(p), ordered(v))
