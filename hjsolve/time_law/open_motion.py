@@ -79,13 +79,13 @@ def _sample(course: CoordinateMotion, n: int) -> Reals:
     χ = np.array([0.37, 0.81, 1.23, 1.77, 2.41, 2.93]) * (0.3 if isinstance(course, Unbounded) else 1.0)
     rows = np.stack([np.broadcast_to(course.rate(j, χ), χ.shape) for j in range(n)], axis=1)
     sizes = np.max(np.abs(rows), axis=1, keepdims=True)
-    told = sizes[:, 0] > 1e-12 * (float(np.max(sizes)) if isinstance(course, Periodic) else 0.0)
-    if not (told.any() and np.isfinite(sizes).all()):
+    significant = sizes[:, 0] > 1e-12 * (float(np.max(sizes)) if isinstance(course, Periodic) else 0.0)
+    if not (significant.any() and np.isfinite(sizes).all()):
         raise NotConvergedError(
             "the times of this motion are beyond doubles, 1e-308 to 1e308; write lengths and times in other "
             'units, or leave them out with want=["constants", "turning_points"]'
         )
-    return rows[told] / sizes[told]
+    return rows[significant] / sizes[significant]
 
 
 def _own(i: int, left: list[int], samples: list[Reals]) -> DecoupledStep | None:
@@ -143,21 +143,21 @@ def _phases(
     for step in scheme.steps:
         known = [(l, c) for l, c in enumerate(courses) if χ[l] is not None]
         full = [None if x is None else x + 2 * np.pi * n for x, n in zip(χ, whole, strict=True)]
-        value, slack = _right_side(step, targets, known, full, errors, t)
+        value, error_bound = _right_side(step, targets, known, full, errors, t)
         own = step.weights[0] if not known else 0.0
-        χ[step.index], whole[step.index], errors[step.index], gone = solve_alone(
-            courses[step.index], step.weights, value, slack, own, time
+        χ[step.index], whole[step.index], errors[step.index], ended_here = solve_alone(
+            courses[step.index], step.weights, value, error_bound, own, time
         )
-        ended |= gone
+        ended |= ended_here
     short = np.zeros(t.shape, dtype=bool)
     if scheme.coupled:
         full = [None if x is None else x + 2 * np.pi * n for x, n in zip(χ, whole, strict=True)]
-        couple = _couple(courses, scheme)
-        if couple is None:
+        pair = _couple(courses, scheme)
+        if pair is None:
             _march(courses, scheme, targets, t, full, χ, errors, ended)
         else:
-            goals, noise = _right_sides(courses, scheme, targets, t, full, errors)
-            both = solve_pair(couple, goals, noise, t)
+            goals, error_bounds = _right_sides(courses, scheme, targets, t, full, errors)
+            both = solve_pair(pair, goals, error_bounds, t)
             for row, i in enumerate(scheme.coupled):
                 χ[i], errors[i] = both.χ[row], both.errors[row]
             ended, short = ended | both.ended, both.short
@@ -198,14 +198,14 @@ def _right_sides(
     goals[0] += t
     starts = [sum(abs(float(np.ravel(c.integral(j, np.array([float(c.start)])))[0])) for c in courses)
               for j in range(scheme.equations)]  # fmt: skip
-    noise = 4 * EPS * (np.array(starts)[:, None] + np.abs(goals))
+    error_bounds = 4 * EPS * (np.array(starts)[:, None] + np.abs(goals))
     for l, χ in enumerate(known):
         if χ is not None:
             for j in range(scheme.equations):
                 part = courses[l].integral(j, χ)
                 goals[j] -= part
-                noise[j] += np.abs(courses[l].rate(j, χ)) * errors[l] + 4 * EPS * np.abs(part)
-    return goals, noise
+                error_bounds[j] += np.abs(courses[l].rate(j, χ)) * errors[l] + 4 * EPS * np.abs(part)
+    return goals, error_bounds
 
 
 def reaching(course: CoordinateMotion, scheme: TriangularScheme, span: float, i: int) -> CoordinateMotion:
@@ -248,7 +248,7 @@ def _right_side(
 ) -> tuple[Reals, Reals]:
     value = sum(w * c for w, c in zip(step.weights, targets, strict=True)) + step.weights[0] * t
     size = sum(abs(w * c) for w, c in zip(step.weights, targets, strict=True)) + np.abs(step.weights[0] * t)
-    slack = 0.0 * t
+    error_bound = 0.0 * t
     for l, course in known:
         start = np.array([float(course.start)])
         for j, w in enumerate(step.weights):
@@ -256,8 +256,8 @@ def _right_side(
                 part = w * course.integral(j, χ[l])
                 value = value - part
                 size = size + np.abs(part) + 2 * np.abs(w * course.integral(j, start))
-                slack = slack + np.abs(w * course.rate(j, χ[l]) * errors[l])
-    return value, slack + 2 * EPS * size
+                error_bound = error_bound + np.abs(w * course.rate(j, χ[l]) * errors[l])
+    return value, error_bound + 2 * EPS * size
 
 
 def _march(
@@ -348,7 +348,7 @@ class _Equations:
     def bound(self, x: Reals, t: float) -> Reals:
         """Bound the error of a solution from its residual and the rounding of the sums."""
         residual, jacobian = self._evaluate(x, t)
-        noise = np.abs(residual) + 4 * EPS * (
+        error_bounds = np.abs(residual) + 4 * EPS * (
             np.abs(self.targets) + abs(t) * (np.arange(len(residual)) == 0) + np.abs(jacobian) @ np.abs(x)
         )
-        return np.abs(np.linalg.pinv(jacobian)) @ noise + 2 * EPS * np.abs(x)
+        return np.abs(np.linalg.pinv(jacobian)) @ error_bounds + 2 * EPS * np.abs(x)
