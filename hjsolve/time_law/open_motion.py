@@ -14,7 +14,7 @@ from typing import Any
 import numpy as np
 
 from hjsolve.arithmetic.floats import EPS
-from hjsolve.arithmetic.number_types import Reals
+from hjsolve.arithmetic.number_types import Mask, Reals
 from hjsolve.errors import NotConvergedError
 from hjsolve.one_coordinate.coordinate_motion import CoordinateMotion, Periodic, Unbounded
 from hjsolve.time_law.coupled_pair import CoupledPair, choose_pair, solve_pair
@@ -106,7 +106,9 @@ def _own(i: int, left: list[int], samples: list[Reals]) -> DecoupledStep | None:
     return DecoupledStep(i, tuple(float(w) for w in weights)) if np.min(np.abs(seen)) > 1e-6 else None
 
 
-def open_phases(scheme: TriangularScheme, time: tuple[Reals, Reals]) -> tuple[list[Any], list[Any], list[Any], Any]:
+def open_phases(
+    scheme: TriangularScheme, time: tuple[Reals, Reals]
+) -> tuple[list[Reals], list[Reals], list[Reals], Mask]:
     """Solve for the phases at times relative to t₀.
 
     Args:
@@ -119,15 +121,15 @@ def open_phases(scheme: TriangularScheme, time: tuple[Reals, Reals]) -> tuple[li
     """
     span = float(np.max(np.abs(time[0]), initial=0.0)) * (1 + 1e-9) + 1e-290
     for attempt in range(_REACHES):
-        *found, short = _phases(scheme, time, span * 8.0**attempt)
+        χ, whole, errors, ended, short = _phases(scheme, time, span * 8.0**attempt)
         if not short.any():
             break
-    return found[0], found[1], found[2], found[3] | short
+    return χ, whole, errors, ended | short
 
 
 def _phases(
     scheme: TriangularScheme, time: tuple[Reals, Reals], span: float
-) -> tuple[list[Any], list[Any], list[Any], Any, Any]:
+) -> tuple[list[Reals], list[Reals], list[Reals], Mask, Mask]:
     """The same with panels that reach so far; True last where that is not far enough."""
     t = time[0] + time[1]
     courses = [reaching(c, scheme, span, i) for i, c in enumerate(scheme.courses)]
@@ -190,7 +192,7 @@ def _right_sides(
     scheme: TriangularScheme,
     targets: list[float],
     t: Reals,
-    known: list[Any],
+    known: Sequence[Reals | None],
     errors: list[Any],
 ) -> tuple[Reals, Reals]:
     """Right sides of all equations for the coupled coordinates and bounds on their errors, shape (equations, m)."""
@@ -265,7 +267,7 @@ def _march(
     scheme: TriangularScheme,
     targets: list[float],
     t: Reals,
-    known: list[Any],
+    known: Sequence[Reals | None],
     χ: list[Any],
     errors: list[Any],
     ended: Reals,
