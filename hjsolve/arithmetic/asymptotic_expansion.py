@@ -383,8 +383,8 @@ def _range(monomial: Monomial, low: float, high: float) -> Remainder:
     """A remainder, widened by rounding."""
     if not (math.isfinite(low) and math.isfinite(high)):
         raise UnknownGrowthError
-    slack = _SLACK * max(abs(low), abs(high)) + 1e-300
-    return Remainder(monomial, low - slack, high + slack)
+    widening = _SLACK * max(abs(low), abs(high)) + 1e-300
+    return Remainder(monomial, low - widening, high + widening)
 
 
 def _product(x: Remainder, y: Remainder) -> Remainder:

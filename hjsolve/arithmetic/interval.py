@@ -163,16 +163,16 @@ class Intervals:
     def _sine(self, x: Interval, name: str) -> Interval:
         """Range of sin or cos: the values at the ends, and ±1 where a crest lies inside."""
         turn, quarter = 2 * self.plain.pi(), self.plain.pi() / 2
-        crest = quarter if name == "sin" else 0 * quarter
+        maximum = quarter if name == "sin" else 0 * quarter
         a, b = self._call(name, x.low), self._call(name, x.high)
-        slack = 8 * self.unit * (1 + np.maximum(abs(x.low), abs(x.high)))
+        widening = 8 * self.unit * (1 + np.maximum(abs(x.low), abs(x.high)))
 
         def contains(point: float | Mpf) -> Truth:
             with np.errstate(all="ignore"):
-                return _floor((x.high - point + slack) / turn) >= _floor((x.low - point - slack) / turn) + 1
+                return _floor((x.high - point + widening) / turn) >= _floor((x.low - point - widening) / turn) + 1
 
         everything = np.logical_not((x.high - x.low) < turn) | (a != a) | (b != b)  # one number has a Python bool here
-        top, bottom = everything | contains(crest), everything | contains(crest + turn / 2)
+        top, bottom = everything | contains(maximum), everything | contains(maximum + turn / 2)
         low, high = self._wide(np.minimum(a, b), np.maximum(a, b))
         return Interval(np.where(bottom, -1, low), np.where(top, 1, high))
 

@@ -43,9 +43,9 @@ _BITS, _SURE = 64, 40
 _MOST_NODES = 12
 """Nodes for each bit beyond which Arb's own quadrature is the better way."""
 _SPREAD = 2.0
-"""How much wider a strip must be to be worth the dearer map."""
+"""How much wider a strip must be to be worth the costlier map."""
 _PARTS, _LARGEST_PART = ((100, 0.3), (400, 0.4), (1500, 0.5)), 0.6
-"""Half width of the strip of a spread map, in units of π/κ, by the bits wanted: a wider one is dearer to prove, and
+"""Half width of the strip of a spread map, in units of π/κ, by the bits wanted: a wider one is costlier to prove, and
 q = ∞ comes at √½ in the middle."""
 _NEAR = 0.35
 """Distance from a turning point, in units of b − a, up to which p² is taken from there."""

@@ -36,7 +36,7 @@ from hjsolve.one_coordinate.turning_points import EndKind
 _MAX_PANELS = 1600
 _GROWTH, _LONGEST, _FIRST = 4.0, 8.0, 2.0
 """The longest panel thought of: so many times the last one, at most this on the way to an asymptote; the first one."""
-_DEAREST = 4
+_COSTLIEST = 4
 """Nodes of one panel, over those for integrands that are no larger in the ellipse than on the panel."""
 _RETRIES = 8
 """How often a panel is shortened whose integrands are smaller than their bounds made them look."""
@@ -326,7 +326,7 @@ class Growing:
             count, most = reach.nodes, reach.length / 2
             ends = [y + self.step] if self.last is None or y + self.step < self.last else []
             extra = max([self.extra, *(self.course.cancelled(end, self.extra) for end in ends)])
-            while count <= _DEAREST * nodes_for(0.0, self.digits):
+            while count <= _COSTLIEST * nodes_for(0.0, self.digits):
                 points = chebyshev_points(smooth(count), self.bits)
                 rows = _expand(self.course, y, self.step, points, self.bits, extra)
                 nodes += len(points)

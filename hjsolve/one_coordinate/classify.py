@@ -81,8 +81,8 @@ def _push(start: CoordinateStart) -> int:
     for bits in (256, 1024, 2048):
         q = start.place(bits)
         value, slope, bend = start.radicand.jet(q, bits)
-        noise = multiprecision(bits).mpf(2) ** (32 - bits) * (abs(bend) * max(abs(q), 1) + abs(value) + 1e-300)
-        if abs(slope) > noise:
+        rounding = multiprecision(bits).mpf(2) ** (32 - bits) * (abs(bend) * max(abs(q), 1) + abs(value) + 1e-300)
+        if abs(slope) > rounding:
             return 1 if slope > 0 else -1
     return 0
 

@@ -39,14 +39,14 @@ def complex_zero_pairs(radicand: MomentumSquared, lower: Mpf, upper: Mpf, bits: 
     context = multiprecision(bits)
     width = upper - lower
     found = [
-        crest
+        pair
         for q in _extrema(radicand, float(lower), float(upper))
-        if (crest := _refined(radicand, context.convert(q), lower, upper, bits)) and crest.gap < width / 4
+        if (pair := _refined(radicand, context.convert(q), lower, upper, bits)) and pair.gap < width / 4
     ]
     distinct: list[ComplexZeroPair] = []
-    for crest in sorted(found, key=lambda c: c.gap):
-        if all(abs(crest.place - other.place) > width / _SAMPLES for other in distinct):
-            distinct.append(crest)
+    for pair in sorted(found, key=lambda c: c.gap):
+        if all(abs(pair.place - other.place) > width / _SAMPLES for other in distinct):
+            distinct.append(pair)
     return distinct
 
 

@@ -147,6 +147,6 @@ def _best(sectors: Sectors, sizes: Sizes, length: float, digits: int) -> Reach:
         excess = np.nan_to_num(np.log(most[:, outer] / inside[:, inner]), nan=0.0, posinf=700.0, neginf=0.0)
     excess[most[:, outer] < _NOTHING] = 0.0
     nodes = np.array([nodes_for(x, digits) for x in np.max(excess, axis=0)])
-    dear = nodes > _MOST_NODES * nodes_for(0.0, digits)
-    best = int(np.argmin(np.where(dear, 1e3, 1.0) * nodes / steps))
+    costly = nodes > _MOST_NODES * nodes_for(0.0, digits)
+    best = int(np.argmin(np.where(costly, 1e3, 1.0) * nodes / steps))
     return Reach(float(steps[best]), most[:, outer[best]], int(nodes[best]))

@@ -73,14 +73,14 @@ class Ray:
         """
         if bits == 53:
             near = float(self.origin(128))
-            slack: Elementwise = 2.0**-52 * (abs(near) + abs(x1))
+            widening: Elementwise = 2.0**-52 * (abs(near) + abs(x1))
             ends: tuple[Numbers, Numbers] = near + self.side * x0, near + self.side * x1
         else:
             work = bits + self.radicand.guard
             convert = np.frompyfunc(multiprecision(work).convert, 1, 1)
             origin: Elementwise = self.origin(work)
-            slack, ends = 0, (origin + self.side * convert(x0), origin + self.side * convert(x1))
-        value, first, second = self.radicand.enclose(np.minimum(*ends) - slack, np.maximum(*ends) + slack, bits)
+            widening, ends = 0, (origin + self.side * convert(x0), origin + self.side * convert(x1))
+        value, first, second = self.radicand.enclose(np.minimum(*ends) - widening, np.maximum(*ends) + widening, bits)
         return value, first if self.side > 0 else type(first)(-first.high, -first.low), second
 
 

@@ -26,7 +26,7 @@ from hjsolve.one_coordinate.ray import Ray, SimpleZero
 EndKind = Literal["turning", "asymptote", "boundary", "fall", "infinity", "round"]
 _LAST_BITS = 2048
 _DEPTH = 40
-_MOST_WORK, _DEARER = 2000, 10
+_MOST_WORK, _COST_OF_MANY_DIGITS = 2000, 10
 """Divisions of cells before a search is given up; what one costs in many digits, in doubles 1."""
 _EXACT = 6
 _STUBBORN = 3
@@ -156,11 +156,11 @@ def _search(ray: Ray, cells: list[_Cell], digits: int) -> End | None:
         if (first.overflowed or stubborn) and outlook.clear(first.ends[0]):
             return None
         if first.overflowed:
-            work += _DEARER
+            work += _COST_OF_MANY_DIGITS
             cells = [_exactly(ray, first), *cells[1:]]
             continue
         if first.undecided and _pieces(ray, first):
-            work += 1 if first.depth < _EXACT else _DEARER
+            work += 1 if first.depth < _EXACT else _COST_OF_MANY_DIGITS
             if work > _MOST_WORK:
                 raise NotConvergedError(
                     f"p² could not be decided near q = {float(ray.place(first.ends[0], 128)):.15g}: its terms vary by "
@@ -255,15 +255,15 @@ def _settle(ray: Ray, cell: tuple[float, float], digits: int) -> End | None:
     if d0 * d1 >= 0:
         return _turning(ray, x0, x1, digits) if f1 < 0 else None
     if d0 > 0:
-        crest = _critical(ray, x0, x1, bits)
-        return _turning(ray, crest, x1, digits) if f1 < 0 else None
+        maximum = _critical(ray, x0, x1, bits)
+        return _turning(ray, maximum, x1, digits) if f1 < 0 else None
     while True:
-        bottom = _critical(ray, x0, x1, bits)
-        value, _, bend = ray.jet(bottom, bits)
-        noise = max(abs(f0), abs(f1), abs(bend) * (x1 - x0) ** 2) * multiprecision(bits).mpf(2) ** (24 - bits)
-        if value < -noise:
-            return _turning(ray, x0, bottom, digits)
-        if value > noise:
+        minimum = _critical(ray, x0, x1, bits)
+        value, _, bend = ray.jet(minimum, bits)
+        rounding = max(abs(f0), abs(f1), abs(bend) * (x1 - x0) ** 2) * multiprecision(bits).mpf(2) ** (24 - bits)
+        if value < -rounding:
+            return _turning(ray, x0, minimum, digits)
+        if value > rounding:
             return None
         if bits >= _LAST_BITS:
             return End("asymptote", partial(_at_critical, ray, x0, x1), 2.0)

@@ -101,9 +101,9 @@ def _sign(course: CoordinateMotion, rows: Reals, level: Weights) -> int:
     Beside a pole in a coordinate a kernel may be smaller than the rounding of its series: that counts as zero.
     """
     values = rows @ np.array(level)
-    noise = _BLUR * float(np.max(np.abs(rows) @ np.abs(level))) if isinstance(course, Periodic) else 0.0
+    error_bounds = _BLUR * float(np.max(np.abs(rows) @ np.abs(level))) if isinstance(course, Periodic) else 0.0
     side = 1 if values[int(np.argmax(np.abs(values)))] > 0 else -1
-    return side if np.all(side * values >= -noise) and np.any(values) and (noise or np.all(values)) else 0
+    return side if np.all(side * values >= -error_bounds) and np.any(values) and (error_bounds or np.all(values)) else 0
 
 
 def solve_pair(couple: CoupledPair, goals: Reals, noise: Reals, time: Reals) -> CoupledPhases:
@@ -128,21 +128,21 @@ def solve_pair(couple: CoupledPair, goals: Reals, noise: Reals, time: Reals) -> 
     return found
 
 
-def _one_way(couple: CoupledPair, side: int, goals: Reals, noise: Reals) -> CoupledPhases:
+def _one_way(pair: CoupledPair, side: int, goals: Reals, error_bounds: Reals) -> CoupledPhases:
     """Times on one side of t₀."""
-    gains = [_gain(c, couple.level, side) for c in couple.courses]
+    gains = [_gain(c, pair.level, side) for c in pair.courses]
     k = int(gains[1] < gains[0])
-    outer, inner = couple.courses[k], couple.courses[1 - k]
-    search = _Search(couple, outer, inner, goals)
-    stations = _stations(outer, side)
-    last = search.late(np.broadcast_to(stations[-1:], goals.shape[1:]))
+    outer, inner = pair.courses[k], pair.courses[1 - k]
+    search = _Search(pair, outer, inner, goals)
+    places = _stations(outer, side)
+    last = search.late(np.broadcast_to(places[-1:], goals.shape[1:]))
     passed = side * last < 0
-    x = search.between(stations, side)
+    x = search.between(places, side)
     χ = np.empty_like(goals)
     χ[k], χ[1 - k] = x, search.other(x)[0]
-    χ = _polished(couple, goals, χ)
+    χ = _polished(pair, goals, χ)
     finished = _finished(outer, side)
-    errors = np.where(passed, 0.0, _bound(couple, goals, noise, χ))
+    errors = np.where(passed, 0.0, _bound(pair, goals, error_bounds, χ))
     return CoupledPhases(χ, errors, passed & finished, passed & (not finished))
 
 
@@ -170,8 +170,8 @@ def _stations(course: CoordinateMotion, side: int) -> Reals:
         return np.concatenate([[start], start + side * doublings])
     edges, limit = course.edges(), course.limits()[side > 0]
     beyond = edges[edges > start] if side > 0 else edges[edges < start][::-1]
-    stations = np.concatenate([[start], beyond])
-    return stations if np.isfinite(limit) else np.concatenate([stations, stations[-1] + side * doublings])
+    places = np.concatenate([[start], beyond])
+    return places if np.isfinite(limit) else np.concatenate([places, places[-1] + side * doublings])
 
 
 def _start(course: CoordinateMotion) -> Reals:
@@ -190,7 +190,7 @@ def _pace(course: CoordinateMotion, weights: Weights, χ: Reals) -> Reals:
 class _Search:
     """The search in one phase, the other one being a function of it."""
 
-    couple: CoupledPair
+    pair: CoupledPair
     outer: CoordinateMotion
     inner: CoordinateMotion
     goals: Reals
@@ -198,7 +198,7 @@ class _Search:
     def other(self, x: Reals) -> tuple[Reals, Mask]:
         """The other phase, and where the other coordinate would have ended."""
         never = (np.zeros_like(x), np.zeros_like(x))
-        level = self.couple.level
+        level = self.pair.level
         y, whole, _, ended = solve_alone(
             self.inner, level, self.goals[0] - _amount(self.outer, level, x), 0 * x, 0.0, never
         )
@@ -210,14 +210,14 @@ class _Search:
 
     def _equation(self, x: Reals) -> tuple[Reals, Reals]:
         y, ended = self.other(x)
-        clock = self.couple.clock
+        clock = self.pair.clock
         off = _amount(self.outer, clock, x) + _amount(self.inner, clock, y) - self.goals[1]
         outward = np.where(x >= float(self.outer.start), np.inf, -np.inf)
         return np.where(ended, outward, self._sign * off), self._sign * self._slope(x, y)
 
     def _slope(self, x: Reals, y: Reals) -> Reals:
         """Growth of the left side of the second equation along the first one's curve."""
-        level, clock = self.couple.level, self.couple.clock
+        level, clock = self.pair.level, self.pair.clock
         with np.errstate(all="ignore"):
             ratio = -_pace(self.outer, level, x) / _pace(self.inner, level, y)
         return _pace(self.outer, clock, x) + _pace(self.inner, clock, y) * ratio
@@ -253,43 +253,42 @@ class _Search:
         return x
 
 
-def _polished(couple: CoupledPair, goals: Reals, χ: Reals) -> Reals:
+def _polished(pair: CoupledPair, goals: Reals, χ: Reals) -> Reals:
     """Newton's method for both, from nearby: what one search leaves of an ill conditioned phase the other takes up."""
     for _ in range(_POLISH):
-        residual, ((a, b), (c, d)) = _residual(couple, goals, χ), _slopes(couple, χ)
+        residual, ((a, b), (c, d)) = _residual(pair, goals, χ), _slopes(pair, χ)
         with np.errstate(all="ignore"):
             step = np.stack([b * residual[1] - d * residual[0], c * residual[0] - a * residual[1]]) / (a * d - b * c)
             small = np.all(np.abs(step) <= 1e-3 * np.abs(χ) + 1e-8, axis=0)
         trial = np.where(small, χ + step, χ)
-        for row, course in enumerate(couple.courses):
+        for row, course in enumerate(pair.courses):
             trial[row] = np.clip(trial[row], *course.limits())
         χ = trial
     return χ
 
 
-def _residual(couple: CoupledPair, goals: Reals, χ: Reals) -> Reals:
-    sums = [sum(_amount(c, w, x) for c, x in zip(couple.courses, χ, strict=True)) for w in (couple.level, couple.clock)]
+def _residual(pair: CoupledPair, goals: Reals, χ: Reals) -> Reals:
+    sums = [sum(_amount(c, w, x) for c, x in zip(pair.courses, χ, strict=True)) for w in (pair.level, pair.clock)]
     return np.stack(sums) - goals
 
 
-def _slopes(couple: CoupledPair, χ: Reals) -> Reals:
+def _slopes(pair: CoupledPair, χ: Reals) -> Reals:
     """Rows: equations; columns: coordinates; shape (2, 2, m)."""
     return np.stack(
         [
-            np.stack([_pace(c, w, x) + 0 * x for c, x in zip(couple.courses, χ, strict=True)])
-            for w in (couple.level, couple.clock)
+            np.stack([_pace(c, w, x) + 0 * x for c, x in zip(pair.courses, χ, strict=True)])
+            for w in (pair.level, pair.clock)
         ]
     )
 
 
-def _bound(couple: CoupledPair, goals: Reals, noise: Reals, χ: Reals) -> Reals:
+def _bound(pair: CoupledPair, goals: Reals, error_bounds: Reals, χ: Reals) -> Reals:
     """Bound the errors of the phases from the residuals and the rounding of the sums."""
-    (a, b), (c, d) = _slopes(couple, χ)
+    (a, b), (c, d) = _slopes(pair, χ)
     sizes = [
-        sum(_size(course, w, x) for course, x in zip(couple.courses, χ, strict=True))
-        for w in (couple.level, couple.clock)
+        sum(_size(course, w, x) for course, x in zip(pair.courses, χ, strict=True)) for w in (pair.level, pair.clock)
     ]
-    left = np.abs(_residual(couple, goals, χ)) + noise + 4 * EPS * np.stack(sizes)
+    left = np.abs(_residual(pair, goals, χ)) + error_bounds + 4 * EPS * np.stack(sizes)
     with np.errstate(all="ignore"):
         inverse = np.abs(np.stack([np.stack([d, -b]), np.stack([-c, a])]) / (a * d - b * c))
     return np.sum(inverse * left[None, :], axis=1) + 2 * EPS * np.abs(χ)

@@ -55,7 +55,7 @@ def solve_alone(
 
 
 def _solve_open(
-    course: Unbounded, weights: tuple[float, ...], value: Reals, slack: Reals
+    course: Unbounded, weights: tuple[float, ...], value: Reals, error_bound: Reals
 ) -> tuple[Reals, Reals, Reals, Mask]:
     def function(χ: Reals) -> tuple[Reals, Reals]:
         pairs = [(w * course.integral(j, χ), w * course.rate(j, χ)) for j, w in enumerate(weights) if w]
@@ -89,5 +89,7 @@ def _solve_open(
     χ, residual, slope = bracketed(equation, (low + high) / 2, low, high)
     summed: Elementwise = sum(np.abs(w * course.integral(j, edges)) for j, w in enumerate(weights) if w)
     rounding = np.maximum(summed[position], summed[position + 1])  # a panel's series is rounded like its greatest value
-    noise = slack + 4 * EPS * np.abs(goal) + 2 * EPS * rounding + np.where(ended, 0.0, np.abs(residual))
-    return χ, 0.0 * value, noise / np.maximum(np.abs(slope), 1e-300) + 2 * EPS * np.abs(χ), ended
+    rounding_and_error = (
+        error_bound + 4 * EPS * np.abs(goal) + 2 * EPS * rounding + np.where(ended, 0.0, np.abs(residual))
+    )
+    return χ, 0.0 * value, rounding_and_error / np.maximum(np.abs(slope), 1e-300) + 2 * EPS * np.abs(χ), ended

@@ -14,7 +14,7 @@ from typing import Any
 import numpy as np
 
 from hjsolve.arithmetic.floats import EPS
-from hjsolve.arithmetic.number_types import Reals
+from hjsolve.arithmetic.number_types import Mask, Reals
 from hjsolve.errors import NotConvergedError
 from hjsolve.one_coordinate.coordinate_motion import CoordinateMotion, Periodic, Unbounded
 from hjsolve.time_law.coupled_pair import CoupledPair, choose_pair, solve_pair
@@ -79,13 +79,13 @@ def _sample(course: CoordinateMotion, n: int) -> Reals:
     χ = np.array([0.37, 0.81, 1.23, 1.77, 2.41, 2.93]) * (0.3 if isinstance(course, Unbounded) else 1.0)
     rows = np.stack([np.broadcast_to(course.rate(j, χ), χ.shape) for j in range(n)], axis=1)
     sizes = np.max(np.abs(rows), axis=1, keepdims=True)
-    told = sizes[:, 0] > 1e-12 * (float(np.max(sizes)) if isinstance(course, Periodic) else 0.0)
-    if not (told.any() and np.isfinite(sizes).all()):
+    significant = sizes[:, 0] > 1e-12 * (float(np.max(sizes)) if isinstance(course, Periodic) else 0.0)
+    if not (significant.any() and np.isfinite(sizes).all()):
         raise NotConvergedError(
             "the times of this motion are beyond doubles, 1e-308 to 1e308; write lengths and times in other "
             'units, or leave them out with want=["constants", "turning_points"]'
         )
-    return rows[told] / sizes[told]
+    return rows[significant] / sizes[significant]
 
 
 def _own(i: int, left: list[int], samples: list[Reals]) -> DecoupledStep | None:
@@ -106,7 +106,9 @@ def _own(i: int, left: list[int], samples: list[Reals]) -> DecoupledStep | None:
     return DecoupledStep(i, tuple(float(w) for w in weights)) if np.min(np.abs(seen)) > 1e-6 else None
 
 
-def open_phases(scheme: TriangularScheme, time: tuple[Reals, Reals]) -> tuple[list[Any], list[Any], list[Any], Any]:
+def open_phases(
+    scheme: TriangularScheme, time: tuple[Reals, Reals]
+) -> tuple[list[Reals], list[Reals], list[Reals], Mask]:
     """Solve for the phases at times relative to t₀.
 
     Args:
@@ -119,15 +121,15 @@ def open_phases(scheme: TriangularScheme, time: tuple[Reals, Reals]) -> tuple[li
     """
     span = float(np.max(np.abs(time[0]), initial=0.0)) * (1 + 1e-9) + 1e-290
     for attempt in range(_REACHES):
-        *found, short = _phases(scheme, time, span * 8.0**attempt)
+        χ, whole, errors, ended, short = _phases(scheme, time, span * 8.0**attempt)
         if not short.any():
             break
-    return found[0], found[1], found[2], found[3] | short
+    return χ, whole, errors, ended | short
 
 
 def _phases(
     scheme: TriangularScheme, time: tuple[Reals, Reals], span: float
-) -> tuple[list[Any], list[Any], list[Any], Any, Any]:
+) -> tuple[list[Reals], list[Reals], list[Reals], Mask, Mask]:
     """The same with panels that reach so far; True last where that is not far enough."""
     t = time[0] + time[1]
     courses = [reaching(c, scheme, span, i) for i, c in enumerate(scheme.courses)]
@@ -143,21 +145,21 @@ def _phases(
     for step in scheme.steps:
         known = [(l, c) for l, c in enumerate(courses) if χ[l] is not None]
         full = [None if x is None else x + 2 * np.pi * n for x, n in zip(χ, whole, strict=True)]
-        value, slack = _right_side(step, targets, known, full, errors, t)
+        value, error_bound = _right_side(step, targets, known, full, errors, t)
         own = step.weights[0] if not known else 0.0
-        χ[step.index], whole[step.index], errors[step.index], gone = solve_alone(
-            courses[step.index], step.weights, value, slack, own, time
+        χ[step.index], whole[step.index], errors[step.index], ended_here = solve_alone(
+            courses[step.index], step.weights, value, error_bound, own, time
         )
-        ended |= gone
+        ended |= ended_here
     short = np.zeros(t.shape, dtype=bool)
     if scheme.coupled:
         full = [None if x is None else x + 2 * np.pi * n for x, n in zip(χ, whole, strict=True)]
-        couple = _couple(courses, scheme)
-        if couple is None:
+        pair = _couple(courses, scheme)
+        if pair is None:
             _march(courses, scheme, targets, t, full, χ, errors, ended)
         else:
-            goals, noise = _right_sides(courses, scheme, targets, t, full, errors)
-            both = solve_pair(couple, goals, noise, t)
+            goals, error_bounds = _right_sides(courses, scheme, targets, t, full, errors)
+            both = solve_pair(pair, goals, error_bounds, t)
             for row, i in enumerate(scheme.coupled):
                 χ[i], errors[i] = both.χ[row], both.errors[row]
             ended, short = ended | both.ended, both.short
@@ -190,7 +192,7 @@ def _right_sides(
     scheme: TriangularScheme,
     targets: list[float],
     t: Reals,
-    known: list[Any],
+    known: Sequence[Reals | None],
     errors: list[Any],
 ) -> tuple[Reals, Reals]:
     """Right sides of all equations for the coupled coordinates and bounds on their errors, shape (equations, m)."""
@@ -198,14 +200,14 @@ def _right_sides(
     goals[0] += t
     starts = [sum(abs(float(np.ravel(c.integral(j, np.array([float(c.start)])))[0])) for c in courses)
               for j in range(scheme.equations)]  # fmt: skip
-    noise = 4 * EPS * (np.array(starts)[:, None] + np.abs(goals))
+    error_bounds = 4 * EPS * (np.array(starts)[:, None] + np.abs(goals))
     for l, χ in enumerate(known):
         if χ is not None:
             for j in range(scheme.equations):
                 part = courses[l].integral(j, χ)
                 goals[j] -= part
-                noise[j] += np.abs(courses[l].rate(j, χ)) * errors[l] + 4 * EPS * np.abs(part)
-    return goals, noise
+                error_bounds[j] += np.abs(courses[l].rate(j, χ)) * errors[l] + 4 * EPS * np.abs(part)
+    return goals, error_bounds
 
 
 def reaching(course: CoordinateMotion, scheme: TriangularScheme, span: float, i: int) -> CoordinateMotion:
@@ -248,7 +250,7 @@ def _right_side(
 ) -> tuple[Reals, Reals]:
     value = sum(w * c for w, c in zip(step.weights, targets, strict=True)) + step.weights[0] * t
     size = sum(abs(w * c) for w, c in zip(step.weights, targets, strict=True)) + np.abs(step.weights[0] * t)
-    slack = 0.0 * t
+    error_bound = 0.0 * t
     for l, course in known:
         start = np.array([float(course.start)])
         for j, w in enumerate(step.weights):
@@ -256,8 +258,8 @@ def _right_side(
                 part = w * course.integral(j, χ[l])
                 value = value - part
                 size = size + np.abs(part) + 2 * np.abs(w * course.integral(j, start))
-                slack = slack + np.abs(w * course.rate(j, χ[l]) * errors[l])
-    return value, slack + 2 * EPS * size
+                error_bound = error_bound + np.abs(w * course.rate(j, χ[l]) * errors[l])
+    return value, error_bound + 2 * EPS * size
 
 
 def _march(
@@ -265,7 +267,7 @@ def _march(
     scheme: TriangularScheme,
     targets: list[float],
     t: Reals,
-    known: list[Any],
+    known: Sequence[Reals | None],
     χ: list[Any],
     errors: list[Any],
     ended: Reals,
@@ -348,7 +350,7 @@ class _Equations:
     def bound(self, x: Reals, t: float) -> Reals:
         """Bound the error of a solution from its residual and the rounding of the sums."""
         residual, jacobian = self._evaluate(x, t)
-        noise = np.abs(residual) + 4 * EPS * (
+        error_bounds = np.abs(residual) + 4 * EPS * (
             np.abs(self.targets) + abs(t) * (np.arange(len(residual)) == 0) + np.abs(jacobian) @ np.abs(x)
         )
-        return np.abs(np.linalg.pinv(jacobian)) @ noise + 2 * EPS * np.abs(x)
+        return np.abs(np.linalg.pinv(jacobian)) @ error_bounds + 2 * EPS * np.abs(x)

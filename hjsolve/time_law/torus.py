@@ -153,8 +153,8 @@ def torus_phases(system: TorusEquations, time: tuple[Reals, Reals]) -> tuple[lis
     χ: list[Any] = [None] * n
     errors: list[Any] = [None] * n
     for k in system.order:
-        beside, slack = _of_others(system, k, χ, errors)
-        χ[k], errors[k] = _alone(system.ripples[k][k], angles[k] - beside, slack)
+        others, error_bound = _of_others(system, k, χ, errors)
+        χ[k], errors[k] = _alone(system.ripples[k][k], angles[k] - others, error_bound)
     if system.coupled:
         _together(system, angles, χ, errors)
     return χ, whole, errors
@@ -164,13 +164,15 @@ def _of_others(
     system: TorusEquations, k: int, χ: list[Reals | None], errors: list[Reals | None]
 ) -> tuple[Elementwise, Elementwise]:
     """Ripples of θₖ beside the phases known by now, and what their errors and rounding do to that sum."""
-    total, slack = 0.0, 0.0
+    total, error_bound = 0.0, 0.0
     for i in system.order:
         ripple = system.ripples[k][i]
         if i != k and χ[i] is not None and len(ripple.cosines):
             total = total + ripple.ripple(χ[i])
-            slack = slack + np.abs(ripple.value(χ[i]) - float(ripple.mean)) * errors[i] + 2 * EPS * _size(ripple)
-    return total, slack
+            error_bound = (
+                error_bound + np.abs(ripple.value(χ[i]) - float(ripple.mean)) * errors[i] + 2 * EPS * _size(ripple)
+            )
+    return total, error_bound
 
 
 def _size(ripple: FourierSeries) -> float:
@@ -178,11 +180,11 @@ def _size(ripple: FourierSeries) -> float:
     return float(np.sum(np.abs(ripple.cosines.astype(float) / np.arange(1, len(ripple.cosines) + 1))))
 
 
-def _alone(ripple: FourierSeries, goal: Reals, slack: Reals) -> tuple[Reals, Reals]:
+def _alone(ripple: FourierSeries, goal: Reals, error_bound: Reals) -> tuple[Reals, Reals]:
     """Solve χ + D(χ) = θ, monotone in χ; the start comes from a table of the inverse."""
-    noise = EPS * (np.abs(goal) + np.pi) + slack
+    rounding = EPS * (np.abs(goal) + np.pi) + error_bound
     if not len(ripple.cosines):
-        return goal, noise
+        return goal, rounding
     # the goal is brought into the turn of the table, and bracketed between two of its places
     grid = np.linspace(-np.pi, np.pi, 1025)
     shift = 2 * np.pi * np.rint(goal / (2 * np.pi))
@@ -197,8 +199,8 @@ def _alone(ripple: FourierSeries, goal: Reals, slack: Reals) -> tuple[Reals, Rea
     χ, residual, slope = bracketed(
         lambda x: (x + ripple.ripple(x) - goal, 1 + ripple.value(x) - float(ripple.mean)), χ, low, high
     )
-    noise = noise + 2 * EPS * (_size(ripple) + np.pi) + np.abs(residual)
-    return χ + shift, noise / np.maximum(slope, EPS) + EPS * np.pi
+    rounding = rounding + 2 * EPS * (_size(ripple) + np.pi) + np.abs(residual)
+    return χ + shift, rounding / np.maximum(slope, EPS) + EPS * np.pi
 
 
 def bracketed(
@@ -232,8 +234,8 @@ def bracketed(
 def _together(system: TorusEquations, angles: list[Reals], χ: list[Reals | None], errors: list[Reals | None]) -> None:
     """Solve the coupled coordinates by Newton's method, following the torus from the start where it fails."""
     block = system.coupled
-    beside = [_of_others(system, k, χ, errors) for k in block]
-    goal = np.stack([angles[k] - ripples for k, (ripples, _) in zip(block, beside, strict=True)])
+    others = [_of_others(system, k, χ, errors) for k in block]
+    goal = np.stack([angles[k] - ripples for k, (ripples, _) in zip(block, others, strict=True)])
     # Newton's method from the angles themselves, which differ from the phases by the periodic parts only
     found = _newton(system, goal, goal.copy(), 40)
     bad = ~(np.max(np.abs(_residual(system, goal, found)), axis=0) < 1e-9)
@@ -242,9 +244,9 @@ def _together(system: TorusEquations, angles: list[Reals], χ: list[Reals | None
     residual = _residual(system, goal, found)
     inverse = np.linalg.inv(_jacobian(system, found).transpose(2, 0, 1))
     size = sum(float(np.sum(np.abs(system.ripples[k][i].cosines.astype(float)))) for k in block for i in block)
-    noise = np.max(np.abs(residual), axis=0) + 2 * EPS * (np.max(np.abs(goal), axis=0) + size + np.pi)
-    noise = noise + np.max(np.stack([0 * noise + slack for _, slack in beside]), axis=0)
-    bound = np.sum(np.abs(inverse), axis=2) * noise[:, None]
+    rounding = np.max(np.abs(residual), axis=0) + 2 * EPS * (np.max(np.abs(goal), axis=0) + size + np.pi)
+    rounding = rounding + np.max(np.stack([0 * rounding + error_bound for _, error_bound in others]), axis=0)
+    bound = np.sum(np.abs(inverse), axis=2) * rounding[:, None]
     for row, k in enumerate(block):
         χ[k], errors[k] = found[row], bound[:, row] + EPS * np.pi
 

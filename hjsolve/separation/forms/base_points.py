@@ -4,7 +4,7 @@ A separable system satisfies its axis-line formula identically in the base point
 and cosine become a rational point of the circle, an exponential or a logarithm a rational number, an undetermined
 function zero; a coordinate is put where its square roots are rational. Any substitution that respects the relations of
 the field will do, and the result is verified afterwards in any case. Irrational constants such as √5 and log 3 would
-be generators of the field for good, and make every later step dearer.
+be generators of the field for good, and make every later step costlier.
 """
 
 from __future__ import annotations
