@@ -28,8 +28,11 @@ def test_every_section_heading_is_visible(page):
     assert all(h.is_displayed() and h.text.strip() for h in headings)
 
 
-def test_formulas_and_drawings_have_a_size(page):
-    formulas = page.find_elements("css selector", "math")
+@pytest.mark.parametrize(("width", "other"), [(1200, ".narrow math"), (500, ".wide math, .stack thead math")])
+def test_formulas_and_drawings_have_a_size(page, width, other):
+    """But for those that are meant for the other width."""
+    page.set_window_size(width, 900)
+    formulas = page.find_elements("css selector", f"math:not({other})")
     assert len(formulas) >= 5
     assert all(f.size["width"] > 0 and f.size["height"] > 0 for f in formulas)
     drawings = page.find_elements("css selector", "figure svg")

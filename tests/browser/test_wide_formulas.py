@@ -36,6 +36,20 @@ def test_no_formula_and_no_table_is_cut_on_a_screen(page):
     assert page.execute_script(COVERED) == []
 
 
+@pytest.mark.parametrize("width", [500, 800])
+def test_on_narrow_screens_formulas_take_shorter_lines_and_tables_stand_in_one_column(page, width):
+    page.execute_cdp_cmd(
+        "Emulation.setDeviceMetricsOverride", {"width": width, "height": 900, "deviceScaleFactor": 1, "mobile": False}
+    )
+    try:
+        assert page.execute_script(CUT) == []
+        assert page.execute_script("return document.documentElement.scrollWidth <= window.innerWidth")
+        shown = "return [...document.querySelectorAll('.formula')].map(f => [...f.querySelectorAll('.scroll')].filter(e => e.offsetWidth).length)"
+        assert set(page.execute_script(shown)) == {1}
+    finally:
+        page.execute_cdp_cmd("Emulation.clearDeviceMetricsOverride", {})
+
+
 def test_on_paper_labels_stand_beside_their_formulas_and_nothing_leaves_the_page(page):
     page.execute_cdp_cmd("Emulation.setEmulatedMedia", {"media": "print"})
     page.execute_cdp_cmd(

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import re
 import xml.etree.ElementTree as ET
 
 import pytest
@@ -12,7 +13,7 @@ from hypothesis import strategies as st
 from hjsolve.reports.formulas.from_sympy import box, constants_outside
 from hjsolve.reports.formulas.latex import latex_of
 from hjsolve.reports.formulas.layout import Glyph, Grid, width
-from hjsolve.reports.formulas.line_breaks import display
+from hjsolve.reports.formulas.line_breaks import display, narrowed
 from hjsolve.reports.formulas.mathml import mathml_of
 from hjsolve.reports.formulas.names import name_box
 from hjsolve.reports.formulas.one_line_text import plain
@@ -155,3 +156,15 @@ def test_every_expression_is_well_formed_in_every_format(expression: sp.Expr) ->
 def test_every_name_has_a_box(name: str) -> None:
     ET.fromstring(mathml_of(name_box(name)))
     assert plain(name_box(name))
+
+
+@pytest.mark.parametrize("line", [34.0, 20.0])
+def test_a_formula_that_was_broken_is_broken_anew_for_shorter_lines_and_keeps_every_letter(line: float) -> None:
+    x = sp.Symbol("x")
+    sums = sp.Add(*(sp.Symbol(f"a_{i}") * x**i for i in range(12)), evaluate=False)
+    for whole in (sp.Eq(sp.Symbol("W"), sums, evaluate=False), sums, sp.Eq(sums, sums + 1, evaluate=False)):
+        wide = display(whole)
+        shown = narrowed(wide, line)
+        assert width(shown) < max(width(wide), line)
+        letters = lambda box: sorted(re.findall(r">([^<>]+)<", mathml_of(box)))  # noqa: E731
+        assert letters(shown) == letters(wide)

@@ -25,13 +25,14 @@ from hjsolve.reports.document import (
 )
 from hjsolve.reports.drawings.svg import STYLE
 from hjsolve.reports.formats.stylesheet import CSS
-from hjsolve.reports.formulas.layout import width
-from hjsolve.reports.formulas.line_breaks import LINE
+from hjsolve.reports.formats.text import line
+from hjsolve.reports.formulas.layout import Box, width
+from hjsolve.reports.formulas.line_breaks import LINE, NARROW, narrowed
 from hjsolve.reports.formulas.mathml import mathml_of
 
-_FULL_LINE = 1.05 * LINE
-_MOST_ROWS_UNBROKEN = 8
-_SCROLL = 'class="scroll" tabindex="0" role="group"'
+_FULL, _CLOSING = 1.05, tuple(",.;:)")
+_MOST_ROWS_UNBROKEN, _SIDE_BY_SIDE = 8, 2
+_REACHED = 'tabindex="0" role="group"'
 
 
 def html_page(document: Document) -> str:
@@ -105,15 +106,22 @@ def block_html(block: Block) -> str:
 
 
 def _formula(formula: Formula) -> str:
+    """The formula; a long one twice, with shorter lines for narrow screens, of which the style sheet shows one."""
     tag = f'<span class="tag">{escape(formula.tag)}</span>' if formula.tag else ""
-    small = _smaller(width(formula.box))
-    box = f'<div {_SCROLL} aria-label="Formula"{small}>{mathml_of(formula.box, block=True)}</div>'
-    return f'<div class="formula">{box}{tag}</div>'
+    if width(formula.box) <= _FULL * NARROW:
+        return f'<div class="formula">{_set(formula.box, LINE, "scroll")}{tag}</div>'
+    both = _set(formula.box, LINE, "scroll wide") + _set(narrowed(formula.box), NARROW, "scroll narrow")
+    return f'<div class="formula">{both}{tag}</div>'
 
 
-def _smaller(letters: float) -> str:
+def _set(box: Box, letters: float, names: str) -> str:
+    small = _smaller(width(box), letters)
+    return f'<div class="{names}" {_REACHED} aria-label="Formula"{small}>{mathml_of(box, block=True)}</div>'
+
+
+def _smaller(letters: float, room: float) -> str:
     """A formula that is still too long for a line when it is broken is set smaller, down to three fifths."""
-    scale = max(0.6, _FULL_LINE / letters) if letters > _FULL_LINE else 1.0
+    scale = max(0.6, _FULL * room / letters) if letters > _FULL * room else 1.0
     return f' style="font-size:{100 * scale:.0f}%"' if scale < 1 else ""
 
 
@@ -124,11 +132,14 @@ def _step(step: ArgumentStep) -> str:
 
 def _table(table: Table) -> str:
     numeric = [any(_is_number(row[i]) for row in table.rows) for i in range(len(table.header))]
+    heads_said = [escape(line(cell), quote=True) for cell in table.header]
     heads = "".join(f'<th scope="col"{_class(n)}>{_text(cell)}</th>' for cell, n in zip(table.header, numeric))
     rows = "".join(
         "<tr>"
         + "".join(
-            f'<th scope="row">{_text(cell)}</th>' if i == 0 else f"<td{_class(numeric[i])}>{_text(cell)}</td>"
+            f'<th scope="row">{_text(cell)}</th>'
+            if i == 0
+            else f'<td{_class(numeric[i])} data-label="{heads_said[i]}">{_text(cell)}</td>'
             for i, cell in enumerate(row)
         )
         + "</tr>"
@@ -136,15 +147,19 @@ def _table(table: Table) -> str:
     )
     caption = f"<caption>{escape(table.caption)}</caption>" if table.caption else ""
     label = escape(table.caption or "Table", quote=True)
-    long = ' class="long"' if len(table.rows) > _MOST_ROWS_UNBROKEN else ""
+    names = _classes("long" * (len(table.rows) > _MOST_ROWS_UNBROKEN), "stack" * (len(table.header) > _SIDE_BY_SIDE))
     return (
-        f'<div {_SCROLL} aria-label="{label}"><table{long}>{caption}<thead><tr>{heads}</tr></thead>'
+        f'<div class="scroll" {_REACHED} aria-label="{label}"><table{names}>{caption}<thead><tr>{heads}</tr></thead>'
         f"<tbody>{rows}</tbody></table></div>"
     )
 
 
 def _is_number(cell: Text) -> bool:
     return any(isinstance(piece, Number) for piece in cell)
+
+
+def _classes(*names: str) -> str:
+    return f' class="{given}"' if (given := " ".join(filter(None, names))) else ""
 
 
 def _class(numeric: bool) -> str:
@@ -156,7 +171,14 @@ def _figure(figure: Figure) -> str:
 
 
 def _text(text: Text) -> str:
-    return "".join(map(_inline, text))
+    """The pieces; a sign that follows a formula stays on its line."""
+    parts: list[str] = []
+    for piece in text:
+        if parts and isinstance(piece, str) and piece[:1] in _CLOSING and parts[-1].endswith("</math>"):
+            parts[-1] = f'<span class="together">{parts[-1]}{piece[0]}</span>'
+            piece = piece[1:]
+        parts.append(_inline(piece))
+    return "".join(parts)
 
 
 def _inline(piece: Inline) -> str:

@@ -48,7 +48,7 @@ th,td{text-align:left;vertical-align:baseline;padding:.42rem 1.3rem .42rem 0;fon
 thead th{font-size:.82rem;color:var(--soft);border-bottom:1px solid var(--ink);padding-top:0;white-space:nowrap}
 tbody tr+tr{border-top:1px solid var(--rule)}
 td math{math-style:normal}
-td.num,.value{white-space:nowrap}
+td.num,.value,.together{white-space:nowrap}
 td .error{display:block}
 .value{font-variant-numeric:tabular-nums}
 .error{color:var(--soft);font-size:.9em}
@@ -59,6 +59,13 @@ figure{margin:0;min-width:0}
 figure svg{display:block;width:100%;height:auto;max-width:34rem}
 figcaption{font:.84rem/1.45 var(--sans);color:var(--soft);margin-top:.45rem}
 figcaption math{font-size:1em}
+.narrow{display:none}
+@media screen and (max-width:56rem){.wide{display:none}.narrow{display:block}
+table.stack,table.stack tbody,table.stack tr,table.stack th,table.stack td,table.stack caption{display:block}
+table.stack thead{display:none}table.stack tbody tr{padding:.45rem 0}table.stack td math{font-size:.8em}
+table.stack th,table.stack td{padding:.1rem 0;overflow-wrap:anywhere}table.stack td::before{content:attr(data-label);
+display:inline-block;min-width:7.2rem;padding-right:.6rem;font-size:.8rem;color:var(--soft)}
+table.stack td:empty{display:none}}
 @media (max-width:34rem){body{padding:1.5rem 1rem 3rem;font-size:1rem}
 .formula{padding-left:.3rem;flex-wrap:wrap;gap:.1rem}
 .formula .scroll{flex-basis:100%}.tag{max-width:none;text-align:left}th,td{padding-right:.9rem}}
@@ -92,6 +99,7 @@ NOTEBOOK_CSS = (
 .hjsolve th,.hjsolve td{text-align:left!important;padding:.25em 1.1em .25em 0;font-weight:400;background:none;border:0}
 .hjsolve thead th{color:var(--soft);border-bottom:1px solid var(--ink)}
 .hjsolve tbody tr{background:none!important}
+.hjsolve .narrow{display:none}
 .hjsolve .scroll{overflow-x:auto;overflow-y:hidden;padding:.2em 0}
 .hjsolve .value{white-space:nowrap}
 .hjsolve .formula{display:flex;align-items:center;gap:1em;margin:.4em 0;padding-left:1.2em}

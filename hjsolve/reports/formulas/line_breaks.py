@@ -9,8 +9,8 @@ import sympy as sp
 from hjsolve.reports.formulas.from_sympy import box
 from hjsolve.reports.formulas.layout import Box, Glyph, Grid, RowBox, row, width
 
-LINE = 60.0
-"""Letters that fit on a line of a page."""
+LINE, NARROW = 60.0, 34.0
+"""Letters that fit on a line of a page, and of a narrow screen."""
 _BREAKS = frozenset({"+", "−", "="})
 _EMPTY = Glyph("", "text")
 _NOTHING = Glyph("", "identifier")
@@ -56,6 +56,26 @@ def broken(whole: Box, line: float = LINE) -> Box:
         return Grid(tuple((row(*terms),) for terms in lines), "", "", "l")
     head = row(*left)
     return Grid(tuple((_EMPTY if i else head, row(*terms)) for i, terms in enumerate(lines)), "", "", "rl")
+
+
+def narrowed(shown: Box, line: float = NARROW) -> Box:
+    """Break a formula anew for shorter lines.
+
+    Args:
+        shown: a formula that ``broken`` has seen.
+        line: letters that fit on a line.
+
+    Returns:
+        The box; lines that have nothing to break at stay as long as they are.
+    """
+    if not isinstance(shown, Grid) or shown.left or shown.right:
+        return broken(shown, line)
+    lines = [row(*(cell for cell in cells if cell != _EMPTY)) for cells in shown.rows]
+    if shown.align == "rl":
+        items = [item for one in lines for item in (one.items if isinstance(one, RowBox) else (one,))]
+        return broken(row(*(item for item in items if item != _NOTHING)), line)
+    grown = (cells for one in lines for cells in _rows(broken(one, line)))
+    return Grid(tuple((row(*(cell for cell in cells if cell != _EMPTY)),) for cells in grown), "", "", "l")
 
 
 def _rows(shown: Box) -> tuple[tuple[Box, ...], ...]:
