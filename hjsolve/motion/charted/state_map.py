@@ -117,7 +117,8 @@ def _bounds(chart: Chart, made: Made, values: Mapping[sp.Symbol, sp.Expr], state
     bits = _bits([found[0]]) if many else 53
     field, unit = RunningError(Float64(), bits=bits), 2.0**-bits
     inputs = [WithErrorBound(x, e) for x, e in zip(places, doubts, strict=True)]
-    inputs += [WithErrorBound(x, unit * abs(x)) for x in (float(to_bits(values[s])(64)) for s in fixed)]
+    numbers = (np.asarray(float(to_bits(values[s])(64))) for s in fixed)
+    inputs += [WithErrorBound(x, unit * np.abs(x)) for x in numbers]
     with np.errstate(all="ignore"):
         outputs = tape.run(field, inputs)
         result = [np.broadcast_to(0.0 if x.error is None else _SAFETY * x.error, places[0].shape) for x in outputs]
