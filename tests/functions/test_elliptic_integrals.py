@@ -9,7 +9,7 @@ import pytest
 import sympy as sp
 from mpmath import mp, mpf
 
-from hjsolve.functions import modules
+from hjsolve.functions import CarlsonRC, CarlsonRF, modules
 from hjsolve.functions.elliptic import (
     BranchPoints,
     NoForm,
@@ -48,6 +48,18 @@ def random_integral(rng):
             poles.append((place, rng.choice([1, 1, 2, 3]), number(rng)))
     powers = tuple((k, number(rng)) for k in rng.sample(range(5), rng.choice([1, 2])))
     return P, interval, low, high, PartialFractions(powers, tuple(poles))
+
+
+def with_double_root(rng):
+    """The same with two real roots beside the interval in one place; then the integral is elementary."""
+    while True:
+        P, interval, low, high, R = random_integral(rng)
+        beside = [k for k in range(len(P.real)) if k not in interval]
+        if len(beside) > 1 and beside[1] == beside[0] + 1:
+            roots = list(P.real)
+            roots[beside[1]] = roots[beside[0]]
+            moved = [(roots[beside[0]] if place == P.real[beside[1]] else place, m, c) for place, m, c in R.poles]
+            return BranchPoints(P.leading, tuple(roots)), interval, low, high, PartialFractions(R.powers, tuple(moved))
 
 
 def random_place(rng, low, high):
@@ -114,6 +126,25 @@ def test_ten_random_integrals_are_right_to_thirty_digits(seed):
                 agree(form, by_quadrature(R, P, low, x, (interval[0], None)))
             else:
                 agree(form, by_quadrature(R, P, x, high, (None, interval[1])))
+
+
+@pytest.mark.parametrize("seed", range(300, 304))
+def test_double_roots_give_elementary_integrals(seed):
+    rng = random.Random(seed)
+    with mp.workdps(42):
+        for _ in range(8):
+            P, interval, low, high, R = with_double_root(rng)
+            x = random_place(rng, low, high)
+            start = "lower" if interval[0] is not None else "upper"
+            form = incomplete(R, P, interval, X, start)
+            assert incomplete(FIRST, P, interval, X, start).has(CarlsonRC)
+            assert not incomplete(FIRST, P, interval, X, start).has(CarlsonRF)
+            if start == "lower":
+                agree(form.xreplace({X: x}), by_quadrature(R, P, low, x, (interval[0], None)))
+            else:
+                agree(form.xreplace({X: x}), by_quadrature(R, P, x, high, (None, interval[1])))
+            u = sp.N(incomplete(FIRST, P, interval, x, start), 45)
+            assert abs(sp.N(inverse(P, interval, U, start).xreplace({U: u}), 40) - x) <= 1e-30 * (1 + abs(x))
 
 
 @pytest.mark.parametrize("seed", range(100, 104))

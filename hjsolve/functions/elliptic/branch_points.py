@@ -16,7 +16,9 @@ class NoForm(Exception):  # noqa: N818 - an answer, not a fault: it says why the
 
 @dataclass(frozen=True)
 class BranchPoints:
-    """P(x) = leading · Π (x − rₖ) · Π ((x − α)² + β²), of degree 3 or 4, all of its roots simple.
+    """P(x) = leading · Π (x − rₖ) · Π ((x − α)² + β²), of degree 3 or 4; the ends of the interval are simple roots.
+
+    Another root may be double, the same expression twice: the integrals are elementary then, R_C.
 
     Attributes:
         leading: the leading coefficient; its sign follows from the interval and the roots.

@@ -221,6 +221,9 @@ class _Moments:
             h = way.e - place
             return (self.zeroth - way.σ / h * self.kinds.third(place)) / h
         P = way.P.taylor(place)
+        if P[0] == 0 and P[1] == 0:  # a double root
+            lower = [P[k] * (sp.Rational(k, 2) - m - 1) * self._about(place, k - m - 2) for k in range(3, len(P))]
+            return (self._boundary(place, -m - 1) - sp.Add(*lower)) / (-m * P[2])
         if P[0] == 0:  # a root of P
             lower = [P[k] * (sp.Rational(k, 2) - m) * self._about(place, k - m - 1) for k in range(2, way.P.degree + 1)]
             return (self._boundary(place, -m) - sp.Add(*lower)) / ((sp.Rational(1, 2) - m) * P[1])
