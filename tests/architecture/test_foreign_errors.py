@@ -34,6 +34,8 @@ DOORS = {
     "ensemble: compiled": lambda value: value is True or hjsolve.ensemble(SOLUTION, **START, compiled=value),
     "at": MOTION.at,
     "angles": MOTION.angles,
+    "characteristic_function": MOTION.characteristic_function,
+    "principal_function": MOTION.principal_function,
     "time_at": lambda value: MOTION.time_at(value, 1),
     "time_at: value": lambda value: MOTION.time_at("r", value),
     "time_at: passage": lambda value: MOTION.time_at("r", 1, value),
