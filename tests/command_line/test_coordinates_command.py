@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import shlex
+from pathlib import Path
 
 import pytest
 import sympy as sp
@@ -104,3 +105,22 @@ def test_a_positive_parameter_as_a_pivot_is_no_fault() -> None:
     free = sp.Symbol("mu", real=True)
     found = exceptional_values(V.subs(λ, free), (x, y), basis, kernel(V.subs(λ, free), (x, y), basis))
     assert [(dict(one.conditions), one.dimension) for one in found] == [({free: 0}, 4)]
+
+
+def test_solve_and_report_go_on_in_the_coordinates_found(capsys: Capture, tmp_path: Path) -> None:
+    assert main(["solve", "--find", *PLANE, "-V", TWO_CENTRES, "--parameter", "m=2"]) == 0
+    out = capsys.readouterr().out
+    for line in ("Coordinates found: elliptic", "T = ½ m (ẋ² + ẏ²)", "the only web", "x = (3/2) sin ν sinh μ"):
+        assert line in out
+    start = ["--q", "x=0.3", "--q", "y=0.4", "--velocity", "x=0", "--velocity", "y=0.1"]
+    target = tmp_path / "found.md"
+    assert main(["report", "--find", *PLANE, "-V", TWO_CENTRES, "--parameter", "m=2", *start, "-o", str(target)]) == 0
+    text = target.read_text(encoding="utf-8")
+    assert "Coordinates found: elliptic" in text
+    assert "periodic in $\\mu$ and $\\nu$" in text
+
+
+def test_find_of_what_separates_nowhere_ends_with_1(capsys: Capture) -> None:
+    potential = "(x**2 + y**2)/2 + x**2*y - y**3/3"
+    assert main(["solve", "--find", *PLANE, "-V", potential, "--parameter", "m=1"]) == 1
+    assert "not separable by a point transformation" in "".join(capsys.readouterr())

@@ -11,6 +11,8 @@ import sympy as sp
 from mpmath import mp
 
 import hjsolve
+from hjsolve.mechanics.system import hamiltonian
+from hjsolve.mechanics.system import momenta as canonical_momenta
 from tests.reference.taylor import Flow
 
 R2, R3 = "sqrt(x**2 + y**2)", "sqrt(x**2 + y**2 + z**2)"
@@ -119,6 +121,37 @@ def test_at_the_start_the_state_is_the_one_given_in_every_octant() -> None:
         for n in "xyz":
             assert abs(state.q[n] - q[n]) <= state.error.q[n] <= 1e-13
             assert abs(state.velocity[n] - v[n]) <= state.error.velocity[n] <= 1e-12
+
+
+@pytest.mark.parametrize(
+    ("kinetic", "potential"),
+    [
+        ("dot(x)**2 + 9*dot(y)**2/2", "-1/sqrt(2*x**2 + 9*y**2) + x/50"),  # masses 2 and 9
+        ("m/2*(dot(x)**2 + dot(y)**2 + dot(x)*dot(y))", "(x - 2*y)**2 + y"),
+        ("m/2*(dot(x)**2 + dot(y)**2)", "-1/sqrt((x - 1)**2 + y**2) - 2/sqrt((x + 1)**2 + (y - 1)**2)"),
+    ],
+)
+def test_masses_of_any_kind_are_in_velocities_momenta_and_the_motion(kinetic: str, potential: str) -> None:
+    parameters = {"m": "7/3"} if "m" in kinetic else {}
+    system = hjsolve.System({"x": "line", "y": "line"}, kinetic, potential, parameters)
+    motion = hjsolve.solve(system, "find").motion(q={"x": "0.3", "y": "0.4"}, velocity={"x": "0.2", "y": "-0.1"})
+    places, momenta = [c.symbol for c in system.coordinates], [c.momentum for c in system.coordinates]
+    H = hamiltonian(system).subs(system.defaults)
+    with mp.workdps(40):
+        speeds = dict(
+            zip([c.velocity for c in system.coordinates], (sp.Rational(1, 5), sp.Rational(-1, 10)), strict=True)
+        )
+        p0 = [p.subs(speeds) for p in canonical_momenta(system).values()]
+        begin = [mp.mpf(3) / 10, mp.mpf(2) / 5, *(mp.mpf(sp.N(p.subs(system.defaults), 38)) for p in p0)]
+        flow = Flow(H, places, momenta, {}, begin, digits=22)
+        for t in (0.0, 1.3):
+            state, exact = motion.at(t), flow.at(mp.mpf(t))
+            values = dict(zip([*places, *momenta], exact, strict=True))
+            for k, c in enumerate(system.coordinates):
+                speed = mp.mpf(sp.N(sp.diff(H, c.momentum).subs(values), 30))
+                assert abs(mp.mpf(state.q[c.name]) - exact[k]) <= state.error.q[c.name] <= 1e-11
+                assert abs(mp.mpf(state.p[c.name]) - exact[2 + k]) <= state.error.p[c.name] <= 1e-11
+                assert abs(mp.mpf(state.velocity[c.name]) - speed) <= state.error.velocity[c.name] <= 1e-11
 
 
 def test_arrays_of_times_pickling_and_the_given_coordinates_where_they_separate() -> None:

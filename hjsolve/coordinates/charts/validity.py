@@ -19,8 +19,8 @@ from hjsolve.mechanics.system import Coordinate, System
 _DIGITS = 30
 _OFFSETS = (sp.Rational(37, 101), sp.Rational(53, 97), sp.Rational(41, 89))
 """Where in its range each coordinate is looked at."""
-_PAIRED = ("elliptic", "elliptic cylinder", "parabolic", "parabolic cylinder")
-"""Kinds in which (u, v) and (−u, −v) are one point, so that half of the range of one of them is enough."""
+_PAIRED = ("elliptic", "elliptic cylinder", "parabolic", "parabolic cylinder", "oblate spheroidal")
+"""Kinds in which (u, v) and (−u, −v), or (−u, π − v), are one point: half of the range of one of them is enough."""
 
 Point = tuple[sp.Expr, ...]
 
