@@ -50,7 +50,7 @@ class Engine:
 
         A first pass works in doubles with plain anomalies. Orbits whose errors come out too large go through a second
         one, with 32-digit constants, slopes for small amplitudes, and stretched anomalies, and if that is not enough
-        (a separatrix) through a third one with 32-digit radicands.
+        (a separatrix) through a third one with 32-digit radicands, if it is doubles that do not know them.
 
         Args:
             q, p: every coordinate → positions and canonical momenta, float64 arrays of shape (n,).
@@ -73,7 +73,7 @@ class Engine:
             self._deeper(columns, everything[columns.status != Status.OK], places, momenta, 0)
         hard = columns.status != Status.OK
         self._deeper(columns, everything[hard], places, momenta, 1)
-        rough = (columns.status != Status.OK) | (worst(columns) > GOOD)
+        rough = (columns.status != Status.OK) | (columns.vague & (worst(columns) > GOOD))
         self._deeper(columns, everything[hard & rough], places, momenta, 2)
         return columns
 

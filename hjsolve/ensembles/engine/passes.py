@@ -14,7 +14,7 @@ from hjsolve.ensembles.engine.lowered_solution import Model, Separated
 from hjsolve.ensembles.engine.midpoint_rule import Sums, empty, integrate
 from hjsolve.ensembles.engine.programs import Compiled
 from hjsolve.ensembles.engine.radicand_views import DifferenceEvaluation, DirectEvaluation, second_slope
-from hjsolve.ensembles.engine.regions import LocatedRegions, locate_regions
+from hjsolve.ensembles.engine.regions import LocatedRegions, ill_known, locate_regions
 from hjsolve.ensembles.status import UNDECIDED, Status
 
 TOLERANCE = 1e-10
@@ -61,6 +61,8 @@ def run_pass(
                 directions[k, found.index] = np.sign(start.P[k, found.index])
             if "turning_points" in names:
                 _ends(columns, coordinate, found)
+            if depth == 1 and found.region.turning and isinstance(found.region.below, DirectEvaluation):
+                columns.vague[found.index] |= ill_known(found.region)
             spared[found.index] |= isinstance(found.region.below, DirectEvaluation)
             small[found.index] |= isinstance(found.region.below, DifferenceEvaluation)
         sums.append(total)
@@ -68,8 +70,10 @@ def run_pass(
     if ripples and any(c.shifted for c in model.separated):
         status[status == Status.OK] = UNDECIDED
     _settle(columns, status, tolerance)
+    spoilt = spared & ~small & (worst(columns) > _SPOILT)
+    columns.vague[:] |= spoilt
     if depth == 2:
-        again = np.flatnonzero(spared & ~small & (worst(columns) > _SPOILT))
+        again = np.flatnonzero(spoilt)
         if len(again):
             part = run_pass(model, names, q[:, again], p[:, again], depth=3, tolerance=tolerance)
             fine = part.status == Status.OK

@@ -215,18 +215,23 @@ def _librations(group: Group) -> list[LocatedRegions]:
     found = _libration(replace(group, depth=min(group.depth, 1)))
     if group.depth < 2:
         return [found]
-    vague = _vague(found.region) | (found.status != Status.OK) | (group.depth > 2)
+    vague = ill_known(found.region) | (found.status != Status.OK) | (group.depth > 2)
     parts = [found.take(np.flatnonzero(~vague))] if not vague.all() else []
     return parts + ([_libration(group.take(np.flatnonzero(vague)))] if vague.any() else [])
 
 
-def _vague(region: OrbitRegions) -> Any:
-    """True where the error of p² in doubles, next to the turning points and between them, is not small beside p²."""
+def ill_known(region: OrbitRegions) -> Any:
+    """Tell where the error of p² in doubles, next to the turning points and between them, is not small beside p².
+
+    Args:
+        region: of librations, p² being evaluated as it is written.
+    """
     worst = np.zeros(len(region.width))
     for view, end, side in ((region.below, region.lower, 1), (region.above, region.upper, -1)):
         for share in (0.02, 0.2, 0.5):
             x = end + side * view.sign * share * region.width
-            worst = np.maximum(worst, view.errors(x, kernels=False)[0] / np.abs(view.value(x)))
+            with np.errstate(all="ignore"):
+                worst = np.maximum(worst, view.errors(x, kernels=False)[0] / np.abs(view.value(x)))
     return ~(worst <= _CLEAR)
 
 
