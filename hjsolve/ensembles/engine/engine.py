@@ -48,7 +48,8 @@ class Engine:
     def run(self, q: Mapping[str, Any], p: Mapping[str, Any]) -> Columns:
         """Compute what is wanted for many orbits.
 
-        A first pass works in doubles with plain anomalies. Orbits whose errors come out too large go through a second
+        A first pass works in doubles with plain anomalies; where it is compiled, again with 32-digit constants where
+        these are to blame. Orbits whose errors come out too large go through a second
         one, with 32-digit constants, slopes for small amplitudes, and stretched anomalies, and if that is not enough
         (a separatrix) through a third one with 32-digit radicands, if it is doubles that do not know them.
 
@@ -68,7 +69,8 @@ class Engine:
         everything = np.arange(count)
         if self.compiled:
             made = compiled(self.model, kernels=bool(TIMED & self.want))
-            self._deeper(columns, everything, places, momenta, -1, made)
+            self._deeper(columns, everything, places, momenta, -2, made)
+            self._deeper(columns, everything[columns.vague], places, momenta, -1, made)
         if not self.compiled or any(c.periodic for c in self.model.separated):
             self._deeper(columns, everything[columns.status != Status.OK], places, momenta, 0)
         hard = columns.status != Status.OK
@@ -84,7 +86,7 @@ class Engine:
             index = orbits[first : first + size]
             chunk = self.model, dict(self.names), q[:, index], p[:, index]
             part = (
-                run_compiled(*chunk, made=made, tolerance=tolerance)
+                run_compiled(*chunk, made=made, tolerance=tolerance, precise=depth == -1)
                 if made is not None
                 else run_pass(*chunk, depth=depth, tolerance=tolerance)
             )

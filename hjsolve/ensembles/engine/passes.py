@@ -82,8 +82,9 @@ def run_pass(
 
 
 def run_compiled(
-    model: Model, names: dict[str, tuple[str, ...]], q: Any, p: Any, *, made: Compiled, tolerance: float
-) -> Columns:
+    model: Model, names: dict[str, tuple[str, ...]], q: Any, p: Any, *, made: Compiled, tolerance: float,
+    precise: bool = False,
+) -> Columns:  # fmt: skip
     """Compute everything for those orbits that are easy librations; as ``run_pass`` with depth 0.
 
     Args:
@@ -92,12 +93,13 @@ def run_compiled(
         q, p: of all coordinates, shape (coordinates, n).
         made: the compiled programs.
         tolerance: largest claimed error of an orbit that is ``OK``.
+        precise: with 32-digit constants. Without, orbits that may gain by them come back as ``vague``.
     """
     from hjsolve.ensembles.engine.compiled_pass import begin_compiled, librations
 
     count = q.shape[1]
     columns = blank(names, count)
-    start = begin_compiled(model, made, q, p)
+    start = initial_constants(model, q, p, precise=True) if precise else begin_compiled(model, made, q, p)
     ripples = "angles" in names
     status = np.full(count, Status.OK, dtype=np.uint8)
     sums = []
@@ -110,7 +112,9 @@ def run_compiled(
     _results(model, names, columns, sums, np.ones((len(sums), count)), start, q)
     if ripples and any(c.shifted for c in model.separated):
         status[status == Status.OK] = UNDECIDED
+    resolved = status == Status.OK
     _settle(columns, status, tolerance)
+    columns.vague[:] = resolved & (columns.status != Status.OK)
     return columns
 
 
