@@ -134,12 +134,12 @@ def _phase(buffer, weights, noise, drift, a, b, x0, P, n, low, high, warp, fold,
 
 
 @njit(**OPTIONS)
-def _shifts(buffer, scratch, n, residue, low, E, i, squares, slopes, found):
+def _shifts(buffer, scratch, n, residue, E, i, rules, found):
     """Add to the bounds what small shifts of F do: constants 2 kⱼ δcⱼ and the residues; see ``nodes.shifts``.
 
     Below the middle F is seen from the lower turning point and has its residue, above it that of the upper one.
     """
-    constants = E.shape[0]
+    constants, (low, squares, slopes) = E.shape[0], rules
     for j in range(n):
         scratch[0, j] = squares[j] / buffer[2, j]
         scratch[1, j] = scratch[0, j] / buffer[1, j]
@@ -247,9 +247,8 @@ def orbits(chords, kernels, ripples, q, P, C, E, lower, upper, least, first, tab
         good[i], action[i], action_error[i] = True, found[0, 0], found[1, 0]
         n, fold = counts[size], 2 if warp >= _EVEN else 1
         if kernels:
-            _shifts(
-                buffer, scratch, n, residue, low[warp, size], E, i, squares[fold - 1, size], slopes[fold - 1, size], found
-            )  # fmt: skip
+            rules = low[warp, size], squares[fold - 1, size], slopes[fold - 1, size]
+            _shifts(buffer, scratch, n, residue, E, i, rules, found)
             for k in range(constants):
                 means[k, i], mean_errors[k, i] = found[0, 1 + k], found[1, 1 + k]
         if ripples:

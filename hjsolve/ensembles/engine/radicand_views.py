@@ -164,7 +164,7 @@ class DifferenceEvaluation:
     def errors(self, δ: Any, *, kernels: bool) -> list[Any]:
         """Return bounds on the errors of F and of the kernels."""
         size = with_node_axis(self.momentum, δ) ** 2 + 2 * np.abs(δ * with_node_axis(self.first, δ))
-        own = 4 * UNIT * size + δ**2 * with_node_axis(self.doubt, δ)
+        own = 6 * UNIT * size + δ**2 * with_node_axis(self.doubt, δ)
         if not kernels:
             return [own]
         return [
