@@ -158,7 +158,7 @@ def velocity(count: int, repeats: int) -> None:
     q = {"u": u, "w": w, "phi": 0.3}
     rates = dict(zip(("u", "w", "phi"), stars.velocities(rows).T[2:], strict=True))
     table("wanted | engine | `p=`, µs | `velocity=`, µs | ratio | claim, `p=` | claim, `velocity=` | ok, %")
-    for compiled in (False, True):
+    for compiled in (True, False):
         for want in WANTS:
             how = {"want": want, "compiled": compiled, "threads": 1}
             calls: dict[str, Call] = {

@@ -12,6 +12,7 @@ from hjsolve.ensembles.engine.columns import QUANTITIES, Columns, blank, put
 from hjsolve.ensembles.engine.lowered_solution import Model, lowered_model
 from hjsolve.ensembles.engine.passes import TIMED, TOLERANCE, run_compiled, run_pass, worst
 from hjsolve.ensembles.engine.programs import Compiled, available, compiled, is_kept
+from hjsolve.ensembles.engine.regions import hopeless_in_doubles
 from hjsolve.ensembles.engine.starts import MomentumRule, Starts, from_velocities, given_momenta
 from hjsolve.ensembles.status import Status
 from hjsolve.errors import InvalidInputError
@@ -96,7 +97,9 @@ class Engine:
             self._deeper(columns, everything, starts, -2, made)
             self._deeper(columns, everything[columns.vague], starts, -1, made)
         if not self.compiled or any(c.periodic for c in self.model.separated):
-            self._deeper(columns, everything[columns.status != Status.OK], starts, 0)
+            left = everything[columns.status != Status.OK]
+            lost = hopeless_in_doubles(self.model, starts.take(left), kernels=bool(TIMED & self.want))
+            self._deeper(columns, left[~lost], starts, 0)
         hard = columns.status != Status.OK
         self._deeper(columns, everything[hard], starts, 1)
         rough = (columns.status != Status.OK) | (columns.vague & (worst(columns) > GOOD))

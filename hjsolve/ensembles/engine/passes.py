@@ -25,6 +25,9 @@ _RADIANS = 10.0
 _SPOILT = 8e-12
 """Above this claim all coordinates get p² to 32 digits; small amplitudes would not gain by it."""
 
+_WIDE = 1e-11
+"""Above this claim more digits are tried, whatever is to blame."""
+
 TIMED = frozenset({"frequencies", "periods", "angles"})
 
 
@@ -72,8 +75,9 @@ def run_pass(
     if ripples and any(c.shifted for c in model.separated):
         status[status == Status.OK] = UNDECIDED
     _settle(columns, status, tolerance)
-    spoilt = spared & ~small & (worst(columns) > _SPOILT)
-    columns.vague[:] |= spoilt
+    claimed = worst(columns)
+    spoilt = spared & ~small & (claimed > _SPOILT)
+    columns.vague[:] |= spoilt | (claimed > _WIDE)
     if depth == 2:
         again = np.flatnonzero(spoilt)
         if len(again):

@@ -10,7 +10,7 @@ import numpy as np
 from hjsolve.arithmetic.double_double import DoubleDouble
 from hjsolve.arithmetic.error_free import Pair, two_sum
 from hjsolve.arithmetic.second_differences import FUNCTIONS
-from hjsolve.ensembles.engine.constants import InitialConstants, slope
+from hjsolve.ensembles.engine.constants import InitialConstants, initial_constants, slope
 from hjsolve.ensembles.engine.lowered_solution import LoweredFormula, Model, Separated
 from hjsolve.ensembles.engine.nodes import EVEN, MOST
 from hjsolve.ensembles.engine.radicand_views import (
@@ -22,12 +22,16 @@ from hjsolve.ensembles.engine.radicand_views import (
     second_slope,
 )
 from hjsolve.ensembles.engine.region import OrbitRegions
+from hjsolve.ensembles.engine.starts import Starts
 from hjsolve.ensembles.engine.turning_points import bracket, first_step, kept_inside, refine
 from hjsolve.ensembles.status import EQUILIBRIUM, UNDECIDED, Status
 
 _SMALL = 3e-14
 _CLEAR = 1e-12
 """Claimed relative error of p² a fiftieth of the way from a turning point; the integrals are far better."""
+
+_LOST, _LOST_ACTIONS = 2e-13, 4e-12
+"""Above these a first pass in doubles would come out worse than it may."""
 
 _TINY = 1e-4
 """With 32 digits a motion is small only where doubles hardly see it."""
@@ -117,8 +121,7 @@ def locate_regions(
         )  # fmt: skip
         found, left = [], np.ones(len(q), dtype=bool)
         if depth and _has_slopes(coordinate.plain):
-            noise = raw.errors(q, kernels=False)[0]
-            crest = P * P + np.where(second < 0, first * first / (-2 * second), np.inf)
+            noise, crest = _noise_and_crest(raw, q, P, first, second)
             small = np.flatnonzero(noise > (_SMALL if depth < 2 else _TINY) * crest)
             if len(small):
                 near = _near(group.take(small))
@@ -130,6 +133,35 @@ def locate_regions(
         if len(rest):
             found += _wide(group.take(rest))
     return found
+
+
+def hopeless_in_doubles(model: Model, starts: Starts, *, kernels: bool) -> Any:
+    """Tell which orbits have a motion so small that doubles would not do: p² is hardly larger than its rounding.
+
+    Args:
+        model: of the system.
+        starts: of n orbits.
+        kernels: whether ∂J/∂c are wanted, which suffer most next to the turning points.
+
+    Returns:
+        Array of booleans, shape (n,).
+    """
+    start = initial_constants(model, starts, precise=False)
+    found = np.zeros(starts.q.shape[1], dtype=bool)
+    with np.errstate(all="ignore"):
+        for k, coordinate in enumerate(model.separated):
+            if _has_slopes(coordinate.plain):
+                view = DirectEvaluation(coordinate.plain, start.knowns)
+                _, first, second = view.jet(start.q[k])
+                noise, crest = _noise_and_crest(view, start.q[k], start.P[k], first, second)
+                found |= noise > (_LOST if kernels else _LOST_ACTIONS) * crest
+    return found
+
+
+def _noise_and_crest(view: DirectEvaluation, q: Any, P: Any, first: Any, second: Any) -> tuple[Any, Any]:
+    """The error of p² at the start, and about how large p² becomes."""
+    crest = P * P + np.where(second < 0, first * first / (-2 * second), np.inf)
+    return view.errors(q, kernels=False)[0], crest
 
 
 def _has_slopes(formula: LoweredFormula) -> bool:
