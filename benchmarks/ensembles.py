@@ -18,6 +18,7 @@ import sys
 import tempfile
 import time
 from collections.abc import Callable, Iterator
+from pathlib import Path
 from typing import Any
 
 import numpy as np
@@ -61,7 +62,7 @@ def galpy_rule() -> Any | None:
 
 
 def galpy_call(rule: Any, want: tuple[str, ...], rows: Any) -> Call:
-    """The same by galpy: rows of numbers, J_R, J_φ, J_z, Ω_R, Ω_φ, Ω_z, …"""
+    """The same by galpy: rows J_R, J_φ, J_z, Ω_R, Ω_φ, Ω_z and angles."""
     R, vR, vT, z, vz = rows.T
     if want == WANTS[0]:
         return lambda: rule(R, vR, vT, z, vz)
@@ -111,7 +112,8 @@ def galpy_quality(found: Any, references: dict[str, Any]) -> tuple[float, float]
         for row, k in ((0, 0), (2, 1))
         if references
     ]
-    return float(np.nanmedian(np.where(lost[-40:], np.nan, errors))) if references else np.nan, float(lost.mean())
+    kept = np.array(errors)[:, ~lost[-40:]] if references else np.empty(0)
+    return float(np.median(kept)) if kept.size else np.nan, float(lost.mean())
 
 
 def table(head: str) -> None:
@@ -119,10 +121,18 @@ def table(head: str) -> None:
     print(f"\n| {head} |\n|{'---|' * (head.count('|') + 1)}", flush=True)
 
 
+def row(*cells: str) -> None:
+    """One line of it."""
+    print(f"| {' | '.join(cells)} |", flush=True)
+
+
 def families(count: int, repeats: int, *, compiled: bool) -> None:
     """Times and errors of all kinds of orbits."""
     solution, rule = stars.galaxy(), galpy_rule() if compiled else None
-    table("orbits | wanted | hjsolve, µs | galpy C, µs | ratio | error/limit | error/claim | claim | ok, % | galpy: error, lost")
+    table(
+        "orbits | wanted | hjsolve, µs | galpy C, µs | ratio | error/limit | error/claim | claim | ok, % "
+        "| galpy: error, lost"
+    )
     for family in (*stars.FAMILIES, "disc and halo"):
         rows, references = sample(family, count)
         carried = stars.prolate(rows)
@@ -139,7 +149,16 @@ def families(count: int, repeats: int, *, compiled: bool) -> None:
             errors = " | ".join(f"{x:.1g}" for x in quality(batch, references))
             rival = "{:.0e}, {:.0%}".format(*galpy_quality(given["galpy"], references)) if rule is not None else "–"
             good = 100 * batch.summary().get("ok", 0) / len(rows)
-            print(f"| {family} | {SHORT[want]} | {ours:.1f} | {theirs:.1f} | {ours / theirs:.2f} | {errors} | {good:.2f} | {rival} |", flush=True)  # fmt: skip
+            row(
+                family,
+                SHORT[want],
+                f"{ours:.1f}",
+                f"{theirs:.1f}",
+                f"{ours / theirs:.2f}",
+                errors,
+                f"{good:.2f}",
+                rival,
+            )
 
 
 def velocity(count: int, repeats: int) -> None:
@@ -173,7 +192,9 @@ def velocity(count: int, repeats: int) -> None:
                 for quantity, name in (("actions", "u"),)
             ]
             good = 100 * given["v"].summary().get("ok", 0) / count
-            print(f"| {SHORT[want]} | {'compiled' if compiled else 'numpy'} | {one:.1f} | {other:.1f} | {other / one:.2f} | {claims[0]:.0e} | {claims[1]:.0e} | {good:.2f} |", flush=True)  # fmt: skip
+            engine = "compiled" if compiled else "numpy"
+            numbers = (f"{one:.1f}", f"{other:.1f}", f"{other / one:.2f}", f"{claims[0]:.0e}", f"{claims[1]:.0e}")
+            row(SHORT[want], engine, *numbers, f"{good:.2f}")
 
 
 _FRESH = """
@@ -196,9 +217,9 @@ for call in range(2):
 
 def fresh() -> None:
     """1 000 orbits of a new system: import, compilation and all, and the second call."""
-    table("1 000 orbits of a new system in a fresh process | `compiled` | first call with import, s | (wall) | second call, ms")
+    table("1 000 orbits of a new system | `compiled` | fresh process, first call, s | (wall) | second call, ms")
     with tempfile.TemporaryDirectory() as folder:
-        os.chmod(folder, 0o700)
+        Path(folder).chmod(0o700)
         surroundings = {**os.environ, "HJSOLVE_CACHE_DIR": folder, "OMP_NUM_THREADS": "1"}
         for number, compiled in enumerate((None, True)):
             for want in (WANTS[0], WANTS[2]):
@@ -206,10 +227,12 @@ def fresh() -> None:
                     if attempt == 0 and not compiled:
                         continue
                     code = _FRESH.format(a=f"1.{number}{attempt}37", b=3 + len(want), want=want, compiled=compiled)
-                    done = subprocess.run([sys.executable, "-c", code], env=surroundings, capture_output=True, text=True, check=True)  # fmt: skip
+                    done = subprocess.run(
+                        [sys.executable, "-c", code], env=surroundings, capture_output=True, text=True, check=True
+                    )
                     lines = [[float(x) for x in line.split()] for line in done.stdout.splitlines()]
                 (first, wall), (second, _) = lines
-                print(f"| {SHORT[want]} | {compiled} | {first:.1f} | {wall:.1f} | {1e3 * second:.0f} |", flush=True)
+                row(SHORT[want], str(compiled), f"{first:.1f}", f"{wall:.1f}", f"{1e3 * second:.0f}")
 
 
 def others(count: int, repeats: int) -> None:
@@ -217,15 +240,15 @@ def others(count: int, repeats: int) -> None:
     table("what | orbits | µs an orbit | statuses")
     for what, call, number in _others(count):
         seconds, given = in_turn({"ours": call}, repeats)
-        print(f"| {what} | {number} | {1e6 * seconds['ours'] / number:.0f} | {given['ours'].summary()} |", flush=True)
+        row(what, str(number), f"{1e6 * seconds['ours'] / number:.0f}", str(given["ours"].summary()))
 
 
 def _others(count: int) -> Iterator[tuple[str, Call, int]]:
     rng = np.random.default_rng(6)
     rows = stars.family("generic", 40)
-    rows[:, [1, 2, 4]] *= 1.2 / np.sqrt(
-        (rows[:, [1, 2, 4]] ** 2).sum(axis=1) / (-2 * stars.potential(rows[:, 0], rows[:, 3]))
-    )[:, None]  # speeds of 1.2 times the speed of escape
+    rows[:, [1, 2, 4]] *= (
+        1.2 / np.sqrt((rows[:, [1, 2, 4]] ** 2).sum(axis=1) / (-2 * stars.potential(rows[:, 0], rows[:, 3])))[:, None]
+    )  # speeds of 1.2 times the speed of escape
     yield "unbounded, actions", our_call(stars.galaxy(), stars.prolate(rows), want="actions"), 40
     kerr, n = hjsolve.solve(hjsolve.catalog.load("kerr")), min(count, 2000)
     r, spin = rng.uniform(8, 14, n), rng.uniform(2.9, 3.6, n)

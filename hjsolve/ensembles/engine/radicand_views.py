@@ -98,7 +98,7 @@ class DirectEvaluation:
         """Return F and the kernels (which may be scalars)."""
         return self.formula.full.run(Float64(), [x, *self.knowns.plain(x)])
 
-    def errors(self, x: Any, *, kernels: bool) -> list[Any]:
+    def errors(self, x: Any, *, kernels: bool, known: Any = None) -> list[Any]:  # noqa: ARG002
         """Return bounds on the errors of F and of the kernels, those of x and of the constants included."""
         place = WithErrorBound(x, _PLACE * UNIT * np.abs(x))
         tape = self.formula.full if kernels else self.formula.squared
@@ -161,7 +161,7 @@ class DifferenceEvaluation:
         q = with_node_axis(self.start, δ) + δ
         return [self.value(δ), *self.formula.full.run(Float64(), [q, *self.knowns.plain(δ)])[1:]]
 
-    def errors(self, δ: Any, *, kernels: bool) -> list[Any]:
+    def errors(self, δ: Any, *, kernels: bool, known: Any = None) -> list[Any]:  # noqa: ARG002
         """Return bounds on the errors of F and of the kernels."""
         size = with_node_axis(self.momentum, δ) ** 2 + 2 * np.abs(δ * with_node_axis(self.first, δ))
         own = 6 * UNIT * size + δ**2 * with_node_axis(self.doubt, δ)
@@ -234,10 +234,17 @@ class DoubleDoubleEvaluation:
         offset = with_node_axis(self.base.high, x) + x
         return [self.value(x), *self.raw.full(offset)[1:]]
 
-    def errors(self, x: Any, *, kernels: bool) -> list[Any]:
-        """Return bounds on the errors of F (relative, but for 2⁻⁴⁴ of those in doubles) and of the kernels."""
+    def errors(self, x: Any, *, kernels: bool, known: Any = None) -> list[Any]:
+        """Return bounds on the errors of F (relative, but for 2⁻⁴⁴ of those in doubles) and of the kernels.
+
+        Args:
+            x: offsets.
+            kernels: whether they are wanted.
+            known: F there, where it has been worked out.
+        """
         rough = self.raw.errors(with_node_axis(self.base.high, x) + x, kernels=kernels)
-        return [4 * UNIT * np.abs(self.value(x)) + 2.0**-44 * rough[0], *rough[1:]]
+        value = self.value(x) if known is None else known
+        return [4 * UNIT * np.abs(value) + 2.0**-44 * rough[0], *rough[1:]]
 
     def drift(self, kernels: Sequence[Any], x: Any) -> Any:  # noqa: ARG002
         """Return what of the error of F comes smoothly from the constants: none is told apart here."""
