@@ -29,9 +29,7 @@ def test_claims_hold_for_velocities(compiled: bool) -> None:
     data = galaxy.load()
     chosen = np.array([np.flatnonzero(data["family"] == k)[3] for k in range(5)])
     q, v = _rates(data["prolate"][chosen])
-    batch = hjsolve.ensemble(
-        galaxy.solution(), q, velocity=v, want=WANT, compiled=compiled, threads=1, fallback=False
-    )
+    batch = hjsolve.ensemble(galaxy.solution(), q, velocity=v, want=WANT, compiled=compiled, threads=1, fallback=False)
     assert (batch.status == "ok").all()
     for k, orbit in enumerate(chosen):
         truth = galaxy.solution().motion(
@@ -40,7 +38,9 @@ def test_claims_hold_for_velocities(compiled: bool) -> None:
         for quantity in WANT:
             for name in NAMES:
                 exact = getattr(truth, quantity)[name].value
-                value, claim = (float(x[quantity][name][k]) for x in ({quantity: getattr(batch, quantity)}, batch.error))
+                value, claim = (
+                    float(x[quantity][name][k]) for x in ({quantity: getattr(batch, quantity)}, batch.error)
+                )
                 assert abs(mpf(value) - exact) <= claim + 2.0**-53 * abs(exact), (orbit, quantity, name)
                 assert claim <= 4e-11 * abs(value), (orbit, quantity, name)
 

@@ -312,11 +312,11 @@ def _fine(group: Group, region: OrbitRegions) -> OrbitRegions:
         assert isinstance(view, DirectEvaluation)
         base, slope_ = Pair(x, 0.0 * x), x
         for step in range(_NEWTON + _CHORD):
-            here = DoubleDoubleEvaluation(view, group.pairs, group.numbers, base)
+            near = DoubleDoubleEvaluation(view, group.pairs, group.numbers, base)
             if step < _NEWTON:
-                value, slope_, _ = here.jet(0.0 * x)
+                value, slope_, _ = near.jet(0.0 * x)
             else:
-                value = here.value(0.0 * x)
+                value = near.value(0.0 * x)
             base = arithmetic.sub(base, Pair(value / slope_, 0.0 * x))
         s, e = two_sum(group.q, -view.formula.origin.high)
         here = Pair(view.sign * s, view.sign * (e - view.formula.origin.low))
