@@ -4,9 +4,12 @@ from __future__ import annotations
 
 import numpy as np
 import pytest
+import sympy as sp
 from mpmath import mp, mpf
 
 import hjsolve
+from hjsolve.ensembles.engine.starts import MomentumRule, from_velocities
+from hjsolve.lowering import lower
 from tests.support import kuzmin_kutuzov as galaxy
 
 NAMES = ("u", "w", "phi")
@@ -64,3 +67,16 @@ def test_momenta_that_are_exact_stay_so() -> None:
     other = hjsolve.ensemble(system, q, velocity=v, threads=1)
     for name in one.columns:
         assert one.columns[name].tobytes() == other.columns[name].tobytes(), name
+
+
+def test_a_momentum_that_cancels_has_an_error_of_the_size_of_its_terms() -> None:
+    """p = (sin²q + cos²q − 1) v is zero; two doubles make it 1e-33 or so."""
+    q, v = sp.symbols("q v")
+    rule = MomentumRule(lower([v * (sp.sin(q) ** 2 + sp.cos(q) ** 2 - 1)], [q, v]), ())
+    starts = from_velocities(rule, np.linspace(0.1, 3, 40)[None], np.full((1, 40), 0.7))
+    assert (np.abs(starts.p) <= starts.doubt).all()
+    assert (starts.doubt < 1e-14).all()
+    finer = starts.precise()
+    assert (np.abs(finer.p + finer.low) <= finer.doubt - np.abs(finer.low)).all()
+    assert (finer.p != 0).any()
+    assert (finer.doubt < 1e-28).all()

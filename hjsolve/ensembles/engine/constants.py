@@ -70,7 +70,7 @@ def initial_constants(model: Model, starts: Starts, *, precise: bool) -> Initial
     shape = q.shape[1:]
     with np.errstate(all="ignore"):
         bounded = [WithErrorBound(x) for x in q]
-        bounded += [WithErrorBound(x, e if e.any() else None) for x, e in zip(p, starts.doubt, strict=True)]
+        bounded += [WithErrorBound(x, e if e.any() else None) for x, e in zip(p, starts.spread, strict=True)]
         bounded += [WithErrorBound(x, UNIT * abs(x)) for x in numbers]
         running = model.rule.run(RunningError(Float64()), bounded)
         doubts = [np.broadcast_to((0.0 if r.error is None else r.error), shape) for r in running]

@@ -28,6 +28,8 @@ _SPOILT = 8e-12
 _WIDE = 1e-11
 """Above this claim more digits are tried, whatever is to blame."""
 
+_BLURRED = 2.0**-51
+
 TIMED = frozenset({"frequencies", "periods", "angles"})
 
 
@@ -48,7 +50,9 @@ def run_pass(
     columns = blank(names, count)
     start = initial_constants(model, starts, precise=depth > 0)
     kernels, ripples = bool(TIMED & names.keys()), "angles" in names
-    status = np.full(count, Status.OK, dtype=np.uint8)
+    # p² at the start is P² next to a turning point: a P that 32 digits do not know well is for the engine of one motion
+    unknown = (start.blur > _BLURRED).any(axis=0) if depth else np.zeros(count, dtype=bool)
+    status = np.where(unknown, UNDECIDED, Status.OK).astype(np.uint8)
     sums: list[Sums] = []
     directions = np.ones((len(model.separated), count))
     spared, small = np.zeros(count, dtype=bool), np.zeros(count, dtype=bool)

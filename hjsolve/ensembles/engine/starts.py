@@ -18,6 +18,7 @@ from hjsolve.arithmetic.running_error import RunningError, WithErrorBound
 from hjsolve.arithmetic.tape import Tape
 
 _UNIT = 2.0**-53
+_FINER = 2.0**-44
 
 
 @dataclass(frozen=True)
@@ -63,8 +64,9 @@ class Starts:
 
     Attributes:
         q, p: all places and canonical momenta.
-        doubt: bounds on the errors of p.
+        doubt: bounds on the errors of p, ``low`` being left out.
         low: what is to be added to p.
+        spread: bounds on the errors that p has in doubles; in two doubles it has 2^−44 of them at most.
         velocity: what p comes from, None where p was given.
         rule: how.
     """
@@ -73,12 +75,13 @@ class Starts:
     p: Any
     doubt: Any
     low: Any
+    spread: Any
     velocity: Any = None
     rule: MomentumRule | None = None
 
     def take(self, index: Any) -> Starts:
         """Return those of some of the orbits."""
-        arrays = {name: getattr(self, name)[:, index] for name in ("q", "p", "doubt", "low")}
+        arrays = {name: getattr(self, name)[:, index] for name in ("q", "p", "doubt", "low", "spread")}
         return replace(self, velocity=None if self.velocity is None else self.velocity[:, index], **arrays)
 
     def precise(self) -> Starts:
@@ -86,7 +89,7 @@ class Starts:
         if self.rule is None:
             return self
         p, low = self.rule.exactly(self.q, self.velocity)
-        return replace(self, p=p, low=low, doubt=np.abs(low))
+        return replace(self, p=p, low=low, doubt=np.abs(low) + _FINER * self.spread)
 
 
 def given_momenta(q: Any, p: Any) -> Starts:
@@ -96,7 +99,7 @@ def given_momenta(q: Any, p: Any) -> Starts:
         q, p: of all coordinates, shape (coordinates, n).
     """
     zero = np.zeros_like(p)
-    return Starts(q, p, zero, zero)
+    return Starts(q, p, zero, zero, zero)
 
 
 def from_velocities(rule: MomentumRule, q: Any, velocity: Any) -> Starts:
@@ -107,4 +110,4 @@ def from_velocities(rule: MomentumRule, q: Any, velocity: Any) -> Starts:
         q, velocity: of all coordinates, shape (coordinates, n).
     """
     p, doubt = rule.rounded(q, velocity)
-    return Starts(q, p, doubt, np.zeros_like(p), velocity, rule)
+    return Starts(q, p, doubt, np.zeros_like(p), doubt, velocity, rule)
