@@ -259,11 +259,11 @@ View = DirectEvaluation | DifferenceEvaluation | DoubleDoubleEvaluation
 
 
 def second_slope(formula: LoweredFormula, knowns: Knowns, q: Any) -> tuple[Any, Any]:
-    """Return ½F″ at q, and four times the running error of it: a bound for slopes nearby."""
+    """Return ½F″ at q, and three times the running error of it: a bound for slopes nearby."""
     jets = Jets(RunningError(Float64()))
     inputs = [jets.variable(WithErrorBound(q)), *(Jet(k) for k in knowns.bounded(q))]
     bend = formula.squared.run(jets, inputs)[0].second
     if bend is None:
         return 0.0 * q, 0.0 * q
     error = 0.0 if bend.error is None else bend.error
-    return 0.5 * bend.value + 0.0 * q, 2.0 * (error + 4 * UNIT * np.abs(bend.value)) + 0.0 * q
+    return 0.5 * bend.value + 0.0 * q, 1.5 * (error + 4 * UNIT * np.abs(bend.value)) + 0.0 * q

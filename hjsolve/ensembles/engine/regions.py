@@ -39,7 +39,7 @@ _TINY = 1e-4
 _NEAR = 3.0
 _FAR = 0.5
 _ALIKE = 2.0
-"""How much larger the doubt of ½F″ may be at the turning points of a small motion; it was counted twice over."""
+"""How much larger the doubt of ½F″ may be at the turning points of a small motion; three times of it are counted."""
 
 _WARPED = 5
 _GRID = 32
