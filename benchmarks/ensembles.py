@@ -1,91 +1,300 @@
-"""Actions and frequencies in a Kuzmin–Kutuzov galaxy, five families of orbits, against 32-digit references.
+"""What many orbits cost: the whole public call, over all kinds of orbits, hjsolve and galpy's C taking turns.
 
-    python benchmarks/ensembles.py [copies]
+    python -m benchmarks.ensembles [PART …] [--orbits N] [--repeats N]      PART: families numpy velocity fresh others
 
-Error stands beside time. Inputs are prolate momenta, or cylindrical velocities carried over here: with Δ = 1,
-sinh(u + iw) = R + iz, improved by a Newton step in 32 digits, and p_u, p_w from the Jacobian in 32 digits; the result
-is rounded once, so the conversion adds half an ulp of each prolate number. Times are CPU seconds of the calling thread,
-medians of five, so that a busy machine disturbs them less. ``peers.py`` has the rivals.
+Times are processor time of the process (one thread), medians of the second and later calls of all contestants in turn;
+a busy machine changes the ratios little. Every sample ends with 40 orbits of the same family whose actions and
+frequencies are known to 32 digits; the errors and claims beside the times are of those. "error/limit" is the largest
+error over max(1e-12, 20 times what half an ulp of the input does). The tables are Markdown, for ``docs/ensembles.md``.
 """
 
 from __future__ import annotations
 
+import argparse
+import os
 import statistics
+import subprocess
 import sys
+import tempfile
 import time
+from collections.abc import Callable, Iterator
 from pathlib import Path
 from typing import Any
 
 import numpy as np
 
 import hjsolve
-from hjsolve.arithmetic.double_double import DoubleDouble
-from hjsolve.arithmetic.error_free import Pair
-from hjsolve.ensembles import engine as batch
-from hjsolve.ensembles.engine.programs import available
+from benchmarks import galaxy_families as stars
 
-DATA = Path(__file__).resolve().parents[1] / "tests" / "support" / "kuzmin_kutuzov.npz"
+WANTS = (("actions",), ("actions", "frequencies"), ("actions", "frequencies", "angles"))
+SHORT = {WANTS[0]: "actions", WANTS[1]: "+ frequencies", WANTS[2]: "+ angles"}
 COLUMNS = (("actions", "u"), ("actions", "w"), ("frequencies", "u"), ("frequencies", "phi"), ("frequencies", "w"))
+_ALONE = 6
+"""Orbits of the disc and halo whose references are computed here; their limit is 1e-12."""
+Call = Callable[[], Any]
 
 
-def prolate(cylindrical: Any) -> Any:
-    """Carry rows R, v_R, v_T, z, v_z over to u, w, p_u, p_w, p_φ."""
-    D = DoubleDouble()
-    R, vR, vT, z, vz = (Pair(x, 0.0 * x) for x in cylindrical.T)
-    first = np.arcsinh(cylindrical[:, 0] + 1j * cylindrical[:, 3])
-    u, w = Pair(first.real, 0.0 * first.real), Pair(first.imag, 0.0 * first.imag)
-    for _ in range(2):
-        s, c, sn, cn = D.unary("sinh", u), D.unary("cosh", u), D.unary("sin", w), D.unary("cos", w)
-        A, B = D.mul(c, cn), D.mul(s, sn)
-        f, g = D.sub(D.mul(s, cn), R), D.sub(D.mul(c, sn), z)
-        size = D.add(D.mul(A, A), D.mul(B, B))
-        u = D.sub(u, D.div(D.add(D.mul(A, f), D.mul(B, g)), size))
-        w = D.sub(w, D.div(D.sub(D.mul(A, g), D.mul(B, f)), size))
-    s, c, sn, cn = D.unary("sinh", u), D.unary("cosh", u), D.unary("sin", w), D.unary("cos", w)
-    A, B = D.mul(c, cn), D.mul(s, sn)
-    pu, pw = D.add(D.mul(A, vR), D.mul(B, vz)), D.sub(D.mul(A, vz), D.mul(B, vR))
-    return np.stack([x.high for x in (u, w, pu, pw, D.mul(R, vT))], axis=1)
+def in_turn(calls: dict[str, Call], repeats: int) -> tuple[dict[str, float], dict[str, Any]]:
+    """Median processor seconds of each call, after one that does not count; and what the calls gave."""
+    spent: dict[str, list[float]] = {name: [] for name in calls}
+    given = {name: call() for name, call in calls.items()}
+    for _ in range(repeats):
+        for name, call in calls.items():
+            begin = time.process_time()
+            call()
+            spent[name].append(time.process_time() - begin)
+    return {name: statistics.median(times) for name, times in spent.items()}, given
 
 
-def timed(run: Any) -> tuple[float, Any]:
-    result, seconds = run(), []
-    for _ in range(5):
-        begin = time.thread_time()
-        result = run()
-        seconds.append(time.thread_time() - begin)
-    return statistics.median(seconds), result
+def known() -> dict[str, Any]:
+    """The orbits with references; see ``tests/support/kuzmin_kutuzov``."""
+    with np.load(stars.DATA / "kuzmin_kutuzov.npz") as file:
+        return dict(file)
 
 
-def main(copies: int) -> None:
-    solution = hjsolve.solve(hjsolve.catalog.load("kuzmin-kutuzov"))
-    with np.load(DATA) as file:
-        data = dict(file)
-    print(f"{copies} copies of 40 orbits a family")
-    print("input       family         want                    µs/orbit  ok %  max error/limit  max error/claim")
-    for kind in ("prolate", "cylindrical"):
-        rows = data["prolate"] if kind == "prolate" else prolate(data["cylindrical"])
-        for want in (("actions",), ("actions", "frequencies"), ("actions", "frequencies", "angles")):
-            engine = batch.build(solution, frozenset(want), compiled=available())
-            for family, title in enumerate(data["family_names"]):
-                chosen = np.flatnonzero(data["family"] == family)
-                u, w, pu, pw, pφ = np.tile(rows[chosen], (copies, 1)).T
-                q, p = {"u": u, "w": w, "phi": 0 * u}, {"u": pu, "w": pw, "phi": pφ}
-                seconds, columns = timed(lambda: engine.run(q, p))
-                shares, claims = [], []
-                for k, (quantity, name) in enumerate(COLUMNS):
-                    if quantity in want:
-                        high, low, floor = (
-                            data[f"{part}_{kind}{tail}"][chosen, k]
-                            for part, tail in (("reference", "_high"), ("reference", "_low"), ("floor", ""))
-                        )
-                        error = np.abs((columns.group(quantity)[name][: len(chosen)] - high) - low)
-                        shares.append(np.nanmax(error / np.abs(high) / np.maximum(1e-12, 20 * floor)))
-                        claims.append(np.nanmax(error / columns.error[f"{quantity}.{name}"][: len(chosen)]))
-                good = 100 * np.mean(columns.status == batch.Status.OK)
-                claim = max(claims) if kind == "prolate" else float("nan")
-                title_ = f"{kind:11} {title:14} {'+'.join(want):24}{seconds / len(u) * 1e6:8.1f}"
-                print(f"{title_} {good:6.1f} {max(shares):12.2g} {claim:15.2g}", flush=True)
+def galpy_rule() -> Any | None:
+    """Galpy's actionAngleStaeckel in C at order 20; None where it is not installed."""
+    try:
+        from galpy.actionAngle import actionAngleStaeckel
+        from galpy.potential import KuzminKutuzovStaeckelPotential
+    except ImportError:
+        return None
+    potential = KuzminKutuzovStaeckelPotential(amp=1.0, ac=5.0, Delta=1.0)
+    return actionAngleStaeckel(pot=potential, delta=1.0, c=True, order=20)
+
+
+def galpy_call(rule: Any, want: tuple[str, ...], rows: Any) -> Call:
+    """The same by galpy: rows J_R, J_φ, J_z, Ω_R, Ω_φ, Ω_z and angles."""
+    R, vR, vT, z, vz = rows.T
+    if want == WANTS[0]:
+        return lambda: rule(R, vR, vT, z, vz)
+    if want == WANTS[1]:
+        return lambda: rule.actionsFreqs(R, vR, vT, z, vz)
+    return lambda: rule.actionsFreqsAngles(R, vR, vT, z, vz, 0.0 * R)
+
+
+def by_single_motions(rows: Any) -> dict[str, Any]:
+    """References for prolate rows by the engine of single motions, in 30 digits."""
+    high, low, names = [], [], ("u", "w", "phi")
+    for u, w, *momenta in rows.tolist():
+        motion = stars.galaxy().motion(
+            q=dict(zip(names, (u, w, 0.3), strict=True)),
+            p=dict(zip(names, momenta, strict=True)),
+            digits=30,
+            want=WANTS[1],
+        )
+        exact = [getattr(motion, quantity)[name].value for quantity, name in COLUMNS]
+        high.append([float(x) for x in exact])
+        low.append([float(x - float(x)) for x in exact])
+    found = {"reference_prolate_high": np.array(high), "reference_prolate_low": np.array(low)}
+    return {**found, "floor_prolate": np.zeros((len(high), len(COLUMNS)))}
+
+
+def sample(family: str, count: int) -> tuple[Any, dict[str, Any]]:
+    """Cylindrical rows, those with references at the end, and the references."""
+    if family not in stars.FAMILIES:
+        return stars.disc_and_halo(count), {}
+    data = known()
+    chosen = data["family"] == stars.FAMILIES.index(family)
+    rows = np.concatenate([stars.family(family, count - chosen.sum()), data["cylindrical"][chosen]])
+    return rows, {key: value[chosen] for key, value in data.items() if len(value) == len(chosen)}
+
+
+def our_call(solution: Any, rows: Any, **how: Any) -> Call:
+    """The public call, everything from arrays to a batch."""
+    u, w, pu, pw, pφ = rows.T
+    q, p = {"u": u, "w": w, "phi": 0.3}, {"u": pu, "w": pw, "phi": pφ}
+    return lambda: hjsolve.ensemble(solution, q, p, threads=1, **how)
+
+
+def quality(batch: hjsolve.Batch, references: dict[str, Any]) -> tuple[float, float, float]:
+    """Largest error over its limit, over its claim, and largest relative claim."""
+    found = []
+    for k, (quantity, name) in enumerate(COLUMNS):
+        if references and quantity in batch.layout.want:
+            high, low, floor = (
+                references[key][:, k] for key in ("reference_prolate_high", "reference_prolate_low", "floor_prolate")
+            )
+            error = np.abs((getattr(batch, quantity)[name][-len(high) :] - high) - low)
+            claim = batch.error[quantity][name][-len(high) :]
+            limit = np.maximum(1e-12, 20 * floor) * np.abs(high)
+            found.append((np.max(error / limit), np.max(error / claim), np.max(claim / np.abs(high))))
+    return tuple(np.max(found, axis=0)) if found else (np.nan,) * 3
+
+
+def galpy_quality(found: Any, references: dict[str, Any]) -> tuple[float, float]:
+    """Median relative error of galpy's actions, and the share of orbits that are lost (NaN, or 9999.99)."""
+    values = np.stack([np.asarray(x, float) for x in found])
+    lost = (~np.isfinite(values) | (np.abs(values - 9999.99) < 0.01)).any(axis=0)
+    errors = [
+        np.abs(values[row][-40:] / references["reference_cylindrical_high"][:, k] - 1)
+        for row, k in ((0, 0), (2, 1))
+        if references
+    ]
+    kept = np.array(errors)[:, ~lost[-40:]] if references else np.empty(0)
+    return float(np.median(kept)) if kept.size else np.nan, float(lost.mean())
+
+
+def table(head: str) -> None:
+    """Begin a table."""
+    print(f"\n| {head} |\n|{'---|' * (head.count('|') + 1)}", flush=True)
+
+
+def row(*cells: str) -> None:
+    """One line of it."""
+    print(f"| {' | '.join(cells)} |", flush=True)
+
+
+def families(count: int, repeats: int, *, compiled: bool) -> None:
+    """Times and errors of all kinds of orbits."""
+    solution, rule = stars.galaxy(), galpy_rule() if compiled else None
+    table(
+        "orbits | wanted | hjsolve, µs | galpy C, µs | ratio | error/limit | error/claim | claim | ok, % "
+        "| galpy: error, lost"
+    )
+    for family in (*stars.FAMILIES, "disc and halo"):
+        rows, references = sample(family, count)
+        carried = stars.prolate(rows)
+        if references:
+            carried[-40:] = references["prolate"]
+        ours_alone = references or by_single_motions(carried[-_ALONE:])
+        for want in WANTS:
+            calls = {"ours": our_call(solution, carried, want=want, compiled=compiled)}
+            if rule is not None:
+                calls["galpy"] = galpy_call(rule, want, rows)
+            with np.errstate(all="ignore"):
+                seconds, given = in_turn(calls, repeats)
+            batch = given["ours"]
+            ours, theirs = (1e6 * seconds.get(name, np.nan) / len(rows) for name in ("ours", "galpy"))
+            errors = " | ".join(f"{x:.1g}" for x in quality(batch, ours_alone))
+            rival = "{:.0e}, {:.0%}".format(*galpy_quality(given["galpy"], references)) if rule is not None else "–"
+            good = 100 * batch.summary().get("ok", 0) / len(rows)
+            row(
+                family,
+                SHORT[want],
+                f"{ours:.1f}",
+                f"{theirs:.1f}",
+                f"{ours / theirs:.2f}",
+                errors,
+                f"{good:.2f}",
+                rival,
+            )
+
+
+def velocity(count: int, repeats: int) -> None:
+    """Velocities instead of momenta, of the disc and halo, in the potential as it is typed."""
+    solution, rows = stars.galaxy(), stars.prolate(stars.disc_and_halo(count))
+    q = {"u": rows[:, 0], "w": rows[:, 1], "phi": 0.3}
+    rates = dict(zip(("u", "w", "phi"), stars.velocities(rows).T[2:], strict=True))
+    table("wanted | engine | `p=`, µs | `velocity=`, µs | ratio | claim, `p=` | claim, `velocity=` | ok, %")
+    for compiled in (True, False):
+        for want in WANTS:
+            how = {"want": want, "compiled": compiled, "threads": 1}
+            calls: dict[str, Call] = {
+                "p": our_call(solution, rows, want=want, compiled=compiled),
+                "v": lambda how=how: hjsolve.ensemble(solution, q, velocity=rates, **how),
+            }
+            seconds, given = in_turn(calls, repeats)
+            one, other = (1e6 * seconds[name] / count for name in "pv")
+            claims = [
+                np.nanmax(np.abs(batch.error[quantity][name] / getattr(batch, quantity)[name]))
+                for batch in given.values()
+                for quantity, name in (("actions", "u"),)
+            ]
+            good = 100 * given["v"].summary().get("ok", 0) / count
+            engine = "compiled" if compiled else "numpy"
+            numbers = (f"{one:.1f}", f"{other:.1f}", f"{other / one:.2f}", f"{claims[0]:.0e}", f"{claims[1]:.0e}")
+            row(SHORT[want], engine, *numbers, f"{good:.2f}")
+
+
+_FRESH = """
+import time
+begin = time.process_time(), time.perf_counter()
+import numpy as np
+import hjsolve
+system = hjsolve.System(
+    {{"x": "line", "y": "line"}}, "dot(x)**2/2 + dot(y)**2/2", "{a}*x**2/2 + x**4/4 + cosh({a}*y) + y**4/{b}"
+)
+rng = np.random.default_rng(3)
+q = {{"x": rng.uniform(0.5, 1.5, 1000), "y": rng.uniform(-0.5, 0.5, 1000)}}
+p = {{"x": rng.uniform(-1, 1, 1000), "y": rng.uniform(0.1, 1, 1000)}}
+for call in range(2):
+    batch = hjsolve.ensemble(system, q, p, want={want!r}, threads=1, compiled={compiled!r})
+    print(time.process_time() - begin[0], time.perf_counter() - begin[1])
+    begin = time.process_time(), time.perf_counter()
+"""
+
+
+def fresh() -> None:
+    """1 000 orbits of a new system: import, compilation and all, and the second call."""
+    table("1 000 orbits of a new system | `compiled` | fresh process, first call, s | (wall) | second call, ms")
+    with tempfile.TemporaryDirectory() as folder:
+        Path(folder).chmod(0o700)
+        surroundings = {**os.environ, "HJSOLVE_CACHE_DIR": folder, "OMP_NUM_THREADS": "1"}
+        for number, compiled in enumerate((None, True)):
+            for want in (WANTS[0], WANTS[2]):
+                for attempt in range(2):  # the first one fills what is kept for all systems
+                    if attempt == 0 and not compiled:
+                        continue
+                    code = _FRESH.format(a=f"1.{number}{attempt}37", b=3 + len(want), want=want, compiled=compiled)
+                    done = subprocess.run(
+                        [sys.executable, "-c", code], env=surroundings, capture_output=True, text=True, check=True
+                    )
+                    lines = [[float(x) for x in line.split()] for line in done.stdout.splitlines()]
+                (first, wall), (second, _) = lines
+                row(SHORT[want], str(compiled), f"{first:.1f}", f"{wall:.1f}", f"{1e3 * second:.0f}")
+
+
+def others(count: int, repeats: int) -> None:
+    """Unbounded orbits, and Kerr's frequencies."""
+    table("what | orbits | µs an orbit | statuses")
+    for what, call, number in _others(count):
+        seconds, given = in_turn({"ours": call}, repeats)
+        row(what, str(number), f"{1e6 * seconds['ours'] / number:.0f}", str(given["ours"].summary()))
+
+
+def _others(count: int) -> Iterator[tuple[str, Call, int]]:
+    rng = np.random.default_rng(6)
+    rows = stars.family("generic", 40)
+    rows[:, [1, 2, 4]] *= (
+        1.2 / np.sqrt((rows[:, [1, 2, 4]] ** 2).sum(axis=1) / (-2 * stars.potential(rows[:, 0], rows[:, 3])))[:, None]
+    )  # speeds of 1.2 times the speed of escape
+    yield "unbounded, actions", our_call(stars.galaxy(), stars.prolate(rows), want="actions"), 40
+    kerr, n = hjsolve.solve(hjsolve.catalog.load("kerr")), min(count, 2000)
+    r, spin = rng.uniform(8, 14, n), rng.uniform(2.9, 3.6, n)
+    q = {"t": 0.0, "r": r, "theta": np.full(n, np.pi / 2), "phi": 0.0}
+    Δ = r**2 - 2 * r + 0.81
+    E = np.sqrt((1 - 2 / r) * (1 + spin**2 / r**2))
+    p = {"t": -E, "r": 0.02 * rng.normal(size=n) * r**2 / Δ, "theta": rng.uniform(0.3, 1.5, n), "phi": spin}
+    yield (
+        "Kerr (a = 0.9), frequencies",
+        lambda: hjsolve.ensemble(kerr, q, p, parameters={"a": "9/10"}, want="frequencies", threads=1, fallback=False),
+        n,
+    )
+
+
+def main() -> None:
+    parts = ("families", "numpy", "velocity", "fresh", "others")
+    parser = argparse.ArgumentParser(description=__doc__.split("\n")[0])
+    parser.add_argument("parts", nargs="*", metavar="PART", help=", ".join(parts))
+    parser.add_argument("--orbits", type=int, default=20_000)
+    parser.add_argument("--repeats", type=int, default=3)
+    given = parser.parse_args()
+    load = " ".join(f"{x:.1f}" for x in os.getloadavg())
+    print(f"{given.orbits} orbits, medians of {given.repeats}; load of the machine {load}, {os.cpu_count()} cores")
+    for part in given.parts or parts:
+        match part:
+            case "families" | "numpy":
+                families(given.orbits, given.repeats, compiled=part == "families")
+            case "velocity":
+                velocity(given.orbits, given.repeats)
+            case "fresh":
+                fresh()
+            case "others":
+                others(given.orbits, given.repeats)
+            case _:
+                parser.error(f"{part}: known are {', '.join(parts)}")
 
 
 if __name__ == "__main__":
-    main(int(sys.argv[1]) if len(sys.argv) > 1 else 250)
+    main()

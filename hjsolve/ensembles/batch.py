@@ -3,12 +3,16 @@
 from __future__ import annotations
 
 import warnings
-from collections.abc import Callable, Mapping
+from collections.abc import Callable, Iterator, Mapping
 from dataclasses import dataclass
+from os import PathLike
+from pathlib import Path
 from typing import Any
 
 import numpy as np
 
+from hjsolve.ensembles.batch_html import batch_as_html
+from hjsolve.ensembles.export import arrow_table, pandas_frame, write_parquet, xarray_dataset
 from hjsolve.ensembles.layout import ERROR, QUANTITIES, RECOMPUTED, STATUS, Layout
 from hjsolve.ensembles.status import Status
 from hjsolve.errors import InvalidInputError
@@ -22,10 +26,12 @@ class Batch:
 
     ``actions``, ``frequencies``, ``periods``, ``angles``, ``constants`` map names to arrays, ``turning_points`` to
     pairs (lower, upper); ``error`` maps a quantity to bounds on its errors in the same form. Only what was wanted is
-    there. A number that does not exist is NaN, and ``status`` says why.
+    there. A number that does not exist is NaN, and ``status`` says why. ``batch[i]``, ``batch[2:5]``, ``batch[mask]``
+    are the batches of some of the orbits, ``for orbit in batch`` goes along the first axis.
 
     Attributes:
-        columns: flat name (``actions.r``, ``error.actions.r``, ``status``, ``recomputed``) → array.
+        columns: flat name → array: ``actions.r``, ``turning_points.r.lower``, … of what was wanted, ``error.actions.r``
+            beside each, ``status`` (a ``Status`` as int8) and ``recomputed``.
         layout: which quantities and names there are.
         shape: of every array, that of the initial conditions.
     """
@@ -127,6 +133,73 @@ class Batch:
         (columns,) = compute(dict(self.columns), **options)
         return Batch(columns, self.layout, self.shape)
 
+    def __len__(self) -> int:
+        """Orbits along the first axis."""
+        if not self.shape:
+            raise TypeError("a batch of one orbit has no length")
+        return self.shape[0]
+
+    def __getitem__(self, key: Any) -> Batch:
+        """The batch of some of the orbits.
+
+        Args:
+            key: an index, slice, mask or array of indices, as of a numpy array of this shape.
+
+        Raises:
+            InvalidInputError: a name; columns have names, orbits have none.
+        """
+        if isinstance(key, str):
+            raise InvalidInputError(f"batch[{key!r}]: orbits are picked by place; batch.columns[{key!r}] is a column")
+        if isinstance(key, Batch):
+            raise InvalidInputError("batch[…]: a batch is no index; give a mask such as batch.codes == 0")
+        columns = {name: column[key] for name, column in self.columns.items()}
+        if not self.lazy:
+            columns = {name: np.asarray(column) for name, column in columns.items()}
+        return Batch(columns, self.layout, tuple(columns[STATUS].shape))
+
+    def __iter__(self) -> Iterator[Batch]:
+        """The orbits along the first axis, each as a batch."""
+        return (self[k] for k in range(len(self)))
+
+    def to_pandas(self) -> Any:
+        """Return a ``pandas.DataFrame``: one row an orbit, the columns of ``columns``, the status as words.
+
+        Raises:
+            MissingExtraError: pandas is not installed (extra ``tables``).
+        """
+        return pandas_frame(self.compute())
+
+    def to_arrow(self) -> Any:
+        """Return a ``pyarrow.Table``: one row an orbit, the columns of ``columns``, the status as words.
+
+        Raises:
+            MissingExtraError: pyarrow is not installed (extra ``tables``).
+        """
+        return arrow_table(self.compute())
+
+    def to_xarray(self) -> Any:
+        """Return an ``xarray.Dataset`` over the axes of the batch; a lazy batch stays lazy.
+
+        Raises:
+            MissingExtraError: xarray is not installed (extra ``tables``).
+        """
+        return xarray_dataset(self)
+
+    def save(self, path: str | PathLike[str]) -> Path:
+        """Write a Parquet file: one row an orbit, the columns of ``columns``, the status as words.
+
+        Args:
+            path: where to, ending in ``.parquet``; a file that is there is replaced.
+
+        Returns:
+            The path.
+
+        Raises:
+            InvalidInputError: another ending.
+            MissingExtraError: pyarrow is not installed (extra ``tables``).
+        """
+        return write_parquet(self.compute(), path)
+
     def _quantity(self, quantity: str, prefix: str = "") -> dict[str, Any]:
         if quantity not in self.layout.names:
             raise InvalidInputError(f'"{quantity}" was not computed; add it to want')
@@ -141,6 +214,10 @@ class Batch:
         """Shape, quantities and, once computed, the statuses."""
         counts = "" if self.lazy else f", {', '.join(f'{n} {word}' for word, n in self.summary().items())}"
         return f"<Batch of {self.shape} orbits: {', '.join(self.layout.want)}{', lazy' if self.lazy else counts}>"
+
+    def _repr_html_(self) -> str:
+        """What a notebook shows: statuses, and a histogram of every number."""
+        return batch_as_html(self)
 
 
 def _words(codes: Any) -> Any:

@@ -12,7 +12,6 @@ import numpy as np
 
 from hjsolve.ensembles.fallback import single_orbit
 from hjsolve.ensembles.layout import ERROR, RECOMPUTED, STATUS, Layout
-from hjsolve.ensembles.momenta import run_from_velocities, value_of
 from hjsolve.ensembles.status import Status
 from hjsolve.ensembles.task import EnsembleTask, TaskContext, context_of
 
@@ -98,10 +97,15 @@ def _fill(
     if not len(good):
         return
     places, speeds = ({name: np.ascontiguousarray(x[good]) for name, x in group.items()} for group in (places, speeds))
-    found = tools.engine.run(places, speeds) if recipe.kind == "p" else run_from_velocities(tools, places, speeds)
+    found = (
+        tools.engine.run(places, speeds)
+        if recipe.kind == "p"
+        else tools.engine.run_velocities(places, speeds, tools.momenta)
+    )
     fine = found.status == Status.OK
     for name in tools.layout.values():
-        columns[name][window][good] = np.where(fine, value_of(found, name), np.nan)
+        quantity, _, key = name.partition(".")
+        columns[name][window][good] = np.where(fine, found.group(quantity)[key], np.nan)
         columns[ERROR + name][window][good] = np.where(fine, found.error[name], np.nan)
     if not recipe.fallback:
         codes[good] = np.where(fine, Status.OK, Status.NOT_CONVERGED)  # what doubles say of the others is not proved

@@ -82,13 +82,30 @@ def _doubles(value: Any, source: str) -> Any:
         return _checked_kind(value, source).astype(np.float64)
     if isinstance(value, np.ma.MaskedArray):
         raise InvalidInputError(f"{source}: is {_MASKED}")
-    try:
-        array = np.asarray(value)
-    except ValueError as error:
-        raise InvalidInputError(f"{source}: is no array: its rows have different lengths") from error
+    array = _as_numpy(value, source)
     if array.shape == () and array.dtype.kind not in "fiu":
         return np.asarray(float(number(value, source=source)), dtype=np.float64)
     return _checked_kind(array, source).astype(np.float64)
+
+
+def _as_numpy(value: Any, source: str) -> Any:
+    """A numpy array of what other libraries call an array: by ``__array__``, or by DLPack where that is refused."""
+    shared = hasattr(value, "__dlpack__") and hasattr(value, "__dlpack_device__")
+    try:
+        if not shared or hasattr(value, "__array__"):
+            return np.asarray(value)
+    except (TypeError, RuntimeError) as error:
+        if not shared:
+            raise InvalidInputError(f"{source}: {_kind(value)} gives no numpy array: {error}") from error
+    except ValueError as error:
+        raise InvalidInputError(f"{source}: is no array: its rows have different lengths") from error
+    try:
+        return np.from_dlpack(value)
+    except (TypeError, ValueError, RuntimeError, BufferError) as error:
+        raise InvalidInputError(
+            f"{source}: is {_kind(value)} that gives no numbers to the processor; "
+            "bring it there first (torch: .detach().cpu(), cupy: .get(), jax: jax.device_get)"
+        ) from error
 
 
 def _checked_kind(array: Any, source: str) -> Any:

@@ -8,8 +8,7 @@ from functools import lru_cache
 
 import sympy as sp
 
-from hjsolve.arithmetic.error_free import Pair, split
-from hjsolve.arithmetic.tape import Tape
+from hjsolve.arithmetic.error_free import split
 from hjsolve.ensembles import engine as batch
 from hjsolve.ensembles.layout import Layout, layout_of
 from hjsolve.lowering import lower
@@ -76,16 +75,14 @@ class TaskContext:
         layout: of the columns.
         engine: the vectorised one.
         bounds: of the domains.
-        momenta: from places, velocities and parameters, in this order.
-        numbers: the parameters, as two doubles.
+        momenta: from places and velocities.
     """
 
     solution: Solution
     layout: Layout
     engine: batch.Engine
     bounds: tuple[DomainEnd, ...]
-    momenta: Tape
-    numbers: tuple[Pair, ...]
+    momenta: batch.MomentumRule
 
 
 def context_of(recipe: EnsembleTask) -> TaskContext:
@@ -114,10 +111,10 @@ def _tools(recipe: EnsembleTask) -> TaskContext:
             compiled=None if recipe.compiled else False,
         ),
         bounds=tuple(_bounds(recipe)),
-        momenta=lower(
-            [formulas[c.name] for c in system.coordinates], [*arguments, *(system.symbols[name] for name in names)]
+        momenta=batch.MomentumRule(
+            lower([formulas[c.name] for c in system.coordinates], [*arguments, *(system.symbols[n] for n in names)]),
+            tuple(split(to_bits(value)(128)) for _, value in recipe.parameters),
         ),
-        numbers=tuple(split(to_bits(value)(128)) for _, value in recipe.parameters),
     )
 
 

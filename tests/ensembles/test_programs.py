@@ -15,7 +15,7 @@ from hjsolve.ensembles.engine.programs import _coordinate_text, _start_text, com
 from hjsolve.motion.initial_data import parameter_values
 
 WORDS = {
-    "def", "return", "for", "in", "range", "if", "else", "x", "c", "e", "q", "p", "i", "j", "r", "a", "b", "W", "C", "E",
+    "def", "return", "for", "in", "range", "if", "else", "x", "c", "e", "q", "p", "i", "j", "r", "a", "b", "W", "C", "E", "doubt",
     "P", "value", "slope", "bend", "fill", "doubts", "pack", "start", "buffer", "low", "high", "pace", "count", "shape",
     "anchor", "relative", "first", "last", "lower", "d", "abs", "out", "place", "mask", "base", "offset", "g",
     "search", "ends", "loop", "orbits", "True", "False",

@@ -11,4 +11,5 @@ from hjsolve.ensembles.engine.columns import Columns as Columns
 from hjsolve.ensembles.engine.engine import Engine as Engine
 from hjsolve.ensembles.engine.engine import build as build
 from hjsolve.ensembles.engine.engine import ready as ready
+from hjsolve.ensembles.engine.starts import MomentumRule as MomentumRule
 from hjsolve.ensembles.status import Status as Status

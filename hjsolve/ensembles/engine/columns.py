@@ -24,6 +24,7 @@ class Columns:
         turning_points: ``"r.lower"``, ``"r.upper"`` → positions; NaN for a rotation.
         error: ``"actions.r"``, ``"turning_points.r.lower"``, … → claimed absolute error.
         status: ``Status`` as uint8.
+        vague: True where doubles did not know p² well enough somewhere, so that more digits would help.
     """
 
     actions: Mapping[str, Any]
@@ -34,6 +35,7 @@ class Columns:
     turning_points: Mapping[str, Any]
     error: Mapping[str, Any]
     status: Any
+    vague: Any
 
     def group(self, quantity: str) -> Mapping[str, Any]:
         """Return the columns of one of ``QUANTITIES``.
@@ -54,7 +56,8 @@ class Columns:
             index: of numpy, of which orbits.
         """
         groups = {q: {name: v[index] for name, v in self.group(q).items()} for q in QUANTITIES}
-        return Columns(**groups, error={k: v[index] for k, v in self.error.items()}, status=self.status[index])
+        error = {k: v[index] for k, v in self.error.items()}
+        return Columns(**groups, error=error, status=self.status[index], vague=self.vague[index])
 
 
 def blank(names: Mapping[str, tuple[str, ...]], count: int) -> Columns:
@@ -66,7 +69,8 @@ def blank(names: Mapping[str, tuple[str, ...]], count: int) -> Columns:
     """
     groups = {q: {name: np.full(count, np.nan) for name in names.get(q, ())} for q in QUANTITIES}
     error = {f"{q}.{name}": np.full(count, np.nan) for q in names for name in names[q]}
-    return Columns(**groups, error=error, status=np.full(count, UNDECIDED, dtype=np.uint8))
+    status = np.full(count, UNDECIDED, dtype=np.uint8)
+    return Columns(**groups, error=error, status=status, vague=np.zeros(count, dtype=bool))
 
 
 def put(columns: Columns, index: Any, part: Columns) -> None:
@@ -77,7 +81,7 @@ def put(columns: Columns, index: Any, part: Columns) -> None:
         index: of numpy, of which orbits.
         part: what is written.
     """
-    columns.status[index] = part.status
+    columns.status[index], columns.vague[index] = part.status, part.vague
     for key, error in part.error.items():
         quantity, name = key.split(".", 1)
         columns.error[key][index] = error

@@ -134,18 +134,21 @@ def _phase(buffer, weights, noise, drift, a, b, x0, P, n, low, high, warp, fold,
 
 
 @njit(**OPTIONS)
-def _shifts(buffer, scratch, n, residue, E, i, squares, slopes, found):
-    """Add to the bounds what small shifts of F do: constants 2 kⱼ δcⱼ and the residue; see ``nodes.shifts``."""
-    constants = E.shape[0]
+def _shifts(buffer, scratch, n, residue, E, i, rules, found):
+    """Add to the bounds what small shifts of F do: constants 2 kⱼ δcⱼ and the residues; see ``nodes.shifts``.
+
+    Below the middle F is seen from the lower turning point and has its residue, above it that of the upper one.
+    """
+    constants, (low, squares, slopes) = E.shape[0], rules
     for j in range(n):
         scratch[0, j] = squares[j] / buffer[2, j]
         scratch[1, j] = scratch[0, j] / buffer[1, j]
     for k in range(constants):
         row = buffer[3 + k]
-        if residue != 0.0:
+        if residue[0] != 0.0 or residue[1] != 0.0:
             for j in range(n):
-                scratch[2, j] = row[j] * scratch[0, j]
-            total = residue * _swing(scratch[2], slopes, n)
+                scratch[2, j] = row[j] * scratch[0, j] * (residue[0] if low[j] <= 0.5 else residue[1])
+            total = _swing(scratch[2], slopes, n)
             found[1, 1 + k] += total
             found[2, 1 + k] += 0.5 * total
         for m in range(k + 1):
@@ -173,10 +176,10 @@ def _swing(g: Any, slopes: Any, n: int) -> float:
 def _samples(a, b, c, e, lanes, bounds, noise, drift, chords, kernels):
     """Rounding errors of F and of the kernels at a few places, and what the constants add to the first.
 
-    The first of them is relative where F comes from chords. Returns F's rounding at the turning points, if so.
+    The first of them is relative where F comes from chords. Returns F's rounding at either turning point, if so.
     """
     x, mask, base, offset = lanes[0], lanes[1], lanes[2], lanes[3]
-    W, rows, residue = b - a, noise.shape[0], 0.0
+    W, rows, below, above = b - a, noise.shape[0], 0.0, 0.0
     for g in range(SAMPLES):
         x[g], mask[g] = a + W * _PLACES[g], 1.0
         if kernels and not chords:
@@ -187,20 +190,21 @@ def _samples(a, b, c, e, lanes, bounds, noise, drift, chords, kernels):
         x[SAMPLES], x[SAMPLES + 1], mask[SAMPLES], mask[SAMPLES + 1] = a, b, 0.0, 0.0
     doubts(bounds, x, mask, c, e)
     if chords:  # F less its rounding at the turning points, which shifts it as a constant does
-        residue = max(
-            abs(bounds[rows, SAMPLES]) + bounds[0, SAMPLES], abs(bounds[rows, SAMPLES + 1]) + bounds[0, SAMPLES + 1]
-        )
+        below = abs(bounds[rows, SAMPLES]) + bounds[0, SAMPLES]
+        above = abs(bounds[rows, SAMPLES + 1]) + bounds[0, SAMPLES + 1]
         relative(bounds[rows], base, offset, c)
     for g in range(SAMPLES):
         for k in range(rows):
             noise[k, g] = bounds[k, g]
         drift[g] = 0.0
         if chords:
-            noise[0, g], drift[g] = bounds[rows, g], bounds[0, g] + residue
+            noise[0, g], drift[g] = bounds[rows, g], bounds[0, g] + (below if 2 * g < SAMPLES else above)
+            if 2 * g == SAMPLES + 1:  # the first place seen from above stands for those between it and the middle
+                drift[g] = max(bounds[0, g - 1], bounds[0, g]) + above
         elif kernels:
             noise[0, g] = bounds[0, _LANES + g]
             drift[g] = bounds[0, g] - noise[0, g]
-    return residue
+    return below, above
 
 
 def orbits(chords, kernels, ripples, q, P, C, E, lower, upper, least, first, tables, results):
@@ -243,7 +247,8 @@ def orbits(chords, kernels, ripples, q, P, C, E, lower, upper, least, first, tab
         good[i], action[i], action_error[i] = True, found[0, 0], found[1, 0]
         n, fold = counts[size], 2 if warp >= _EVEN else 1
         if kernels:
-            _shifts(buffer, scratch, n, residue, E, i, squares[fold - 1, size], slopes[fold - 1, size], found)
+            rules = low[warp, size], squares[fold - 1, size], slopes[fold - 1, size]
+            _shifts(buffer, scratch, n, residue, E, i, rules, found)
             for k in range(constants):
                 means[k, i], mean_errors[k, i] = found[0, 1 + k], found[1, 1 + k]
         if ripples:

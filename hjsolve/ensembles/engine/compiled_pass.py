@@ -14,12 +14,13 @@ import numpy as np
 
 from hjsolve.ensembles.engine import nodes as tables
 from hjsolve.ensembles.engine.clearance import Clearance
-from hjsolve.ensembles.engine.constants import InitialConstants
+from hjsolve.ensembles.engine.constants import InitialConstants, blurs
 from hjsolve.ensembles.engine.lowered_solution import Model, Separated
 from hjsolve.ensembles.engine.midpoint_rule import Sums, empty
 from hjsolve.ensembles.engine.programs import Compiled
 from hjsolve.ensembles.engine.radicand_views import Knowns
 from hjsolve.ensembles.engine.resolution import room
+from hjsolve.ensembles.engine.starts import Starts
 from hjsolve.ensembles.engine.strips_of_analyticity import across, covered_strip
 
 _COUNTS = (16, 24, 32, 40, 48, 56, 64, 72, 80, 96, 112, 128)
@@ -60,19 +61,21 @@ def _tables() -> tuple[Any, ...]:
     )  # fmt: skip
 
 
-def begin_compiled(model: Model, made: Compiled, q: Any, p: Any) -> InitialConstants:
+def begin_compiled(model: Model, made: Compiled, starts: Starts) -> InitialConstants:
     """Work out the constants in doubles; see ``constants.initial_constants``.
 
     Args:
         model: the lowered solution.
         made: its programs.
-        q, p: of all coordinates, shape (coordinates, n).
+        starts: of n orbits.
     """
+    q, p = starts.q, starts.p
     count, m = q.shape[1], len(model.constants)
     C, E, P = np.empty((m, count)), np.empty((m, count)), np.empty((len(model.separated), count))
-    made.start(q, p, C, E, P)
+    made.start(q, p, starts.doubt, C, E, P)
     numbers = tuple(pair.high for pair in model.numbers)
-    return InitialConstants(q[[c.index for c in model.separated]], P, p, Knowns(tuple(C), tuple(E), numbers), None)
+    places = q[[c.index for c in model.separated]]
+    return InitialConstants(places, P, starts, Knowns(tuple(C), tuple(E), numbers), None, blurs(model, starts))
 
 
 def librations(coordinate: Separated, made: Compiled, start: InitialConstants, k: int, *, ripples: bool) -> Sums:

@@ -18,6 +18,7 @@ from hjsolve.arithmetic.jet import Jet, Jets
 from hjsolve.arithmetic.running_error import RunningError, WithErrorBound
 from hjsolve.ensembles.engine.lowered_solution import LoweredFormula, Model
 from hjsolve.ensembles.engine.radicand_views import UNIT, Knowns
+from hjsolve.ensembles.engine.starts import Starts
 
 
 @dataclass(frozen=True)
@@ -27,56 +28,76 @@ class InitialConstants:
     Attributes:
         q: positions of the separated coordinates.
         P: their shell momenta.
-        momenta: p of all coordinates; shape (…, n).
+        starts: as they were taken, of all coordinates.
         knowns: constants and parameters.
         pairs: the constants in two doubles, None where they were computed in doubles.
+        blur: bounds on the relative errors of P where p comes from velocities, shape of P. Next to a turning point χ is
+            read off P and grows no faster.
     """
 
     q: Any
     P: Any
-    momenta: Any
+    starts: Starts
     knowns: Knowns
     pairs: tuple[Pair, ...] | None
+    blur: Any
 
 
-def initial_constants(model: Model, q: Any, p: Any, *, precise: bool) -> InitialConstants:
+def blurs(model: Model, starts: Starts) -> Any:
+    """Bounds on the relative errors of the momenta of the separated coordinates, shape (separated, n).
+
+    Args:
+        model: of the system.
+        starts: of n orbits.
+    """
+    places = [c.index for c in model.separated]
+    doubt, p = starts.doubt[places], starts.p[places]
+    with np.errstate(all="ignore"):
+        return np.where(doubt > 0, doubt / np.abs(p), 0.0)
+
+
+def initial_constants(model: Model, starts: Starts, *, precise: bool) -> InitialConstants:
     """Work out the constants.
 
     Args:
         model: of the system.
-        q, p: all coordinates, shape (coordinates, n).
+        starts: of n orbits.
         precise: with 32 digits.
     """
+    starts = starts.precise() if precise else starts
+    q, p = starts.q, starts.p
     numbers = [pair.high for pair in model.numbers]
     shape = q.shape[1:]
     with np.errstate(all="ignore"):
-        bounded = [WithErrorBound(x) for x in (*q, *p)] + [WithErrorBound(x, UNIT * abs(x)) for x in numbers]
+        bounded = [WithErrorBound(x) for x in q]
+        bounded += [WithErrorBound(x, e if e.any() else None) for x, e in zip(p, starts.spread, strict=True)]
+        bounded += [WithErrorBound(x, UNIT * abs(x)) for x in numbers]
         running = model.rule.run(RunningError(Float64()), bounded)
         doubts = [np.broadcast_to((0.0 if r.error is None else r.error), shape) for r in running]
         values = [np.broadcast_to(r.value, shape) for r in running]
         places = [c.index for c in model.separated]
         pairs = None
         if precise:
-            inputs = [Pair(x, 0.0 * x) for x in (*q, *p)] + list(model.numbers)
+            inputs = [Pair(x, 0.0 * x) for x in q]
+            inputs += [Pair(x, low) for x, low in zip(p, starts.low, strict=True)] + list(model.numbers)
             pairs = tuple(_full(pair, shape) for pair in model.rule.run(DoubleDouble(), inputs))
             values = [pair.high for pair in pairs]
             doubts = [UNIT * np.abs(v) + 2.0**-44 * e for v, e in zip(values, doubts, strict=True)]
             shifts = model.shift.run(DoubleDouble(), inputs)
-            P = [_sum(p[k], shift) for k, shift in zip(places, shifts, strict=True)]
+            P = [_sum(Pair(p[k], starts.low[k]), shift) for k, shift in zip(places, shifts, strict=True)]
         else:
             shifts = model.shift.run(Float64(), [*q, *p, *numbers])
             P = [p[k] + shift for k, shift in zip(places, shifts, strict=True)]
     knowns = Knowns(tuple(values), tuple(doubts), tuple(numbers))
-    return InitialConstants(q[places], np.stack(P) if P else p[:0], p, knowns, pairs)
+    return InitialConstants(q[places], np.stack(P) if P else p[:0], starts, knowns, pairs, blurs(model, starts))
 
 
 def _full(pair: Pair, shape: tuple[int, ...]) -> Pair:
     return Pair(np.broadcast_to(pair.high, shape), np.broadcast_to(pair.low, shape))
 
 
-def _sum(p: Any, shift: Pair) -> Any:
-    total = DoubleDouble().add(Pair(p, 0.0 * p), shift)
-    return total.high + 0.0 * p
+def _sum(p: Pair, shift: Pair) -> Any:
+    return DoubleDouble().add(p, shift).high + 0.0 * p.high
 
 
 def slope(formula: LoweredFormula, pairs: tuple[Pair, ...], parameters: tuple[Pair, ...], q: Any) -> Any:

@@ -12,6 +12,8 @@ from hjsolve.ensembles.engine.columns import QUANTITIES, Columns, blank, put
 from hjsolve.ensembles.engine.lowered_solution import Model, lowered_model
 from hjsolve.ensembles.engine.passes import TIMED, TOLERANCE, run_compiled, run_pass, worst
 from hjsolve.ensembles.engine.programs import Compiled, available, compiled, is_kept
+from hjsolve.ensembles.engine.regions import hopeless_in_doubles
+from hjsolve.ensembles.engine.starts import MomentumRule, Starts, from_velocities, given_momenta
 from hjsolve.ensembles.status import Status
 from hjsolve.errors import InvalidInputError
 from hjsolve.motion.initial_data import parameter_values
@@ -46,11 +48,7 @@ class Engine:
     compiled: bool
 
     def run(self, q: Mapping[str, Any], p: Mapping[str, Any]) -> Columns:
-        """Compute what is wanted for many orbits.
-
-        A first pass works in doubles with plain anomalies. Orbits whose errors come out too large go through a second
-        one, with 32-digit constants, slopes for small amplitudes, and stretched anomalies, and if that is not enough
-        (a separatrix) through a third one with 32-digit radicands.
+        """Compute what is wanted for many orbits, from places and momenta.
 
         Args:
             q, p: every coordinate → positions and canonical momenta, float64 arrays of shape (n,).
@@ -58,33 +56,64 @@ class Engine:
         Returns:
             Columns of shape (n,).
         """
-        places, momenta = (
-            np.stack([np.asarray(given[name], dtype=float) for name in self.model.names]) for given in (q, p)
-        )
-        count = places.shape[1]
+        return self.run_starts(given_momenta(self._rows(q), self._rows(p)))
+
+    def run_velocities(self, q: Mapping[str, Any], velocity: Mapping[str, Any], rule: MomentumRule) -> Columns:
+        """Compute what is wanted for many orbits, from places and velocities; the rounding of momenta is counted.
+
+        Args:
+            q, velocity: every coordinate → positions and velocities, float64 arrays of shape (n,).
+            rule: the momenta.
+
+        Returns:
+            Columns of shape (n,).
+        """
+        return self.run_starts(from_velocities(rule, self._rows(q), self._rows(velocity)))
+
+    def _rows(self, given: Mapping[str, Any]) -> Any:
+        return np.stack([np.asarray(given[name], dtype=float) for name in self.model.names])
+
+    def run_starts(self, starts: Starts) -> Columns:
+        """Compute what is wanted.
+
+        A first pass works in doubles with plain anomalies; where it is compiled, again with 32-digit constants where
+        these are to blame. Orbits whose errors come out too large go through a second
+        one, with 32-digit constants, slopes for small amplitudes, and stretched anomalies, and if that is not enough
+        (a separatrix) through a third one with 32-digit radicands, if it is doubles that do not know them.
+
+        Args:
+            starts: of n orbits.
+
+        Returns:
+            Columns of shape (n,).
+        """
+        count = starts.q.shape[1]
         columns = blank(self.names, count)
         if not self.model.separated:
             return columns
         everything = np.arange(count)
         if self.compiled:
             made = compiled(self.model, kernels=bool(TIMED & self.want))
-            self._deeper(columns, everything, places, momenta, -1, made)
+            self._deeper(columns, everything, starts, -2, made)
+            self._deeper(columns, everything[columns.vague], starts, -1, made)
         if not self.compiled or any(c.periodic for c in self.model.separated):
-            self._deeper(columns, everything[columns.status != Status.OK], places, momenta, 0)
+            left = everything[columns.status != Status.OK]
+            lost = hopeless_in_doubles(self.model, starts.take(left), kernels=bool(TIMED & self.want))
+            self._deeper(columns, left[~lost], starts, 0)
         hard = columns.status != Status.OK
-        self._deeper(columns, everything[hard], places, momenta, 1)
-        rough = (columns.status != Status.OK) | (worst(columns) > GOOD)
-        self._deeper(columns, everything[hard & rough], places, momenta, 2)
+        self._deeper(columns, everything[hard], starts, 1)
+        rough = (columns.status != Status.OK) | (columns.vague & (worst(columns) > GOOD))
+        self._deeper(columns, everything[hard & rough], starts, 2)
         return columns
 
-    def _deeper(self, columns: Columns, orbits: Any, q: Any, p: Any, depth: int, made: Compiled | None = None) -> None:
+    def _deeper(self, columns: Columns, orbits: Any, starts: Starts, depth: int, made: Compiled | None = None) -> None:
         """Run a pass over some orbits, and keep what it makes good."""
         size, tolerance = (CHUNK, FAST if depth < 0 else GOOD) if depth <= 0 else (CHUNK // 4, TOLERANCE)
         for first in range(0, len(orbits), size):
             index = orbits[first : first + size]
-            chunk = self.model, dict(self.names), q[:, index], p[:, index]
+            chunk = self.model, dict(self.names), starts.take(index)
             part = (
-                run_compiled(*chunk, made=made, tolerance=tolerance)
+                run_compiled(*chunk, made=made, tolerance=tolerance, precise=depth == -1)
                 if made is not None
                 else run_pass(*chunk, depth=depth, tolerance=tolerance)
             )

@@ -9,8 +9,9 @@ nodes which they do not show is proved (``resolution``); a region that holds a p
 
 from __future__ import annotations
 
+from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
-from typing import Any
+from typing import Any, NamedTuple
 
 import numpy as np
 
@@ -26,6 +27,8 @@ _SAFETY = 1.5
 _GOAL = 4e-16
 _PLACES = 5
 _ELEMENTS = 1 << 18
+_FEW = 1 << 13
+"""Nodes of all orbits of a task below which it shares its evaluations with others."""
 
 
 @dataclass(frozen=True)
@@ -88,12 +91,17 @@ def integrate(region: OrbitRegions, constants: int, *, kernels: bool, ripples: b
             return sums
         needed[:] = np.inf
         codes = np.where(size > 0, (size * 64 + region.level) * 8 + region.warp, -1)
-        for code in np.unique(codes[size > 0]):
-            group, table = np.flatnonzero(codes == code), _table(region, int(code))
-            for part in np.array_split(group, len(group) * len(table.χ) // _ELEMENTS + 1):
-                result, more = _rule(region.take(part), constants, table, kernels=kernels, ripples=ripples)
-                needed[part] = np.where(result.good, np.inf, more)
-                sums.put(part, result)
+        tasks = [
+            _Task.of(region, part, table)
+            for code in np.unique(codes[size > 0])
+            for group, table in [(np.flatnonzero(codes == code), _table(region, int(code)))]
+            for part in np.array_split(group, len(group) * len(table.χ) // _ELEMENTS + 1)
+        ]
+        for together in _companies(tasks):
+            for task, seen in zip(together, _integrands(region, together, kernels), strict=True):
+                result, more = _rule(task, seen, constants, kernels=kernels, ripples=ripples)
+                needed[task.orbits] = np.where(result.good, np.inf, more)
+                sums.put(task.orbits, result)
 
 
 def _table(region: OrbitRegions, code: int) -> tables.Nodes:
@@ -101,15 +109,59 @@ def _table(region: OrbitRegions, code: int) -> tables.Nodes:
     return tables.node_table(region.turning, count, level, warp)
 
 
-def _rule(
-    region: OrbitRegions, constants: int, table: tables.Nodes, *, kernels: bool, ripples: bool
-) -> tuple[Sums, Any]:
+@dataclass(frozen=True)
+class _Task:
+    """Orbits that share their nodes.
+
+    Attributes:
+        orbits: which they are.
+        region: of these.
+        table: their nodes.
+        places: offsets in the two views, and (dq/dχ)², at the nodes; arrays (n, nodes).
+    """
+
+    orbits: Any
+    region: OrbitRegions
+    table: tables.Nodes
+    places: tuple[Any, Any, Any]
+
+    @staticmethod
+    def of(region: OrbitRegions, orbits: Any, table: tables.Nodes) -> _Task:
+        """Some of the orbits of a region."""
+        own = region.take(orbits)
+        with np.errstate(all="ignore"):
+            return _Task(orbits, own, table, _librating(own, table) if region.turning else _rotating(own, table))
+
+    @property
+    def smooth(self) -> bool:
+        """Whether nodes are nowhere crowded."""
+        return self.table.complement == 1.0 and self.table.warp == (0.0, 0.0)
+
+
+def _companies(tasks: list[_Task]) -> Iterator[list[_Task]]:
+    """Small tasks are evaluated together: numpy's price is by the call."""
+    together: list[_Task] = []
+    total = 0
+    for task in tasks:
+        size = len(task.orbits) * len(task.table.χ)
+        if size > _FEW:
+            yield [task]
+            continue
+        if total + size > _ELEMENTS:
+            yield together
+            together, total = [], 0
+        together.append(task)
+        total += size
+    if together:
+        yield together
+
+
+def _rule(task: _Task, seen: tuple[Any, ...], constants: int, *, kernels: bool, ripples: bool) -> tuple[Sums, Any]:
     """Apply the rule with a number of nodes; also return how many would be needed."""
+    region, table = task.region, task.table
     count = len(table.χ) if region.turning else len(table.χ) // 2
     with np.errstate(all="ignore"):
-        places = _librating(region, table) if region.turning else _rotating(region, table)
-        smooth = table.complement == 1.0 and table.warp == (0.0, 0.0)
-        F, ratio, weights, doubts, drift = _integrands(region, places, kernels, smooth)
+        F, ratio, weights, doubts, drift = seen
         n = len(F)
         rows = [F * ratio, *(w * ratio for w in weights)]
         noise = [0.5 * ratio * doubts[0]]
@@ -188,44 +240,88 @@ def _rotating(region: OrbitRegions, table: tables.Nodes) -> tuple[Any, Any, Any]
     return q[:, :half], q[:, half:], scale
 
 
-def _integrands(region: OrbitRegions, places: tuple[Any, Any, Any], kernels: bool, smooth: bool) -> tuple[Any, ...]:
+def _integrands(region: OrbitRegions, tasks: list[_Task], kernels: bool) -> Iterator[tuple[Any, ...]]:
     """F, r = |dq/dχ|/√F, the kernels, bounds on the errors of F and kernels, and the smooth part of the first."""
-    below, above, scale = places
-    if region.below is region.above:
-        whole = np.concatenate([below, above], axis=1)
-        results = [_results(region.below, whole, kernels, smooth)]
-    else:
-        results = [_results(region.below, below, kernels, smooth), _results(region.above, above, kernels, smooth)]
-    joined = [results[0][k] if len(results) == 1 else np.concatenate([r[k] for r in results], axis=1)
-              for k in range(len(results[0]))]  # fmt: skip
-    m = len(joined) // 2
-    F = joined[0]
-    return F, np.sqrt(scale / F), joined[1:m], joined[m:-1], joined[-1]
+    with np.errstate(all="ignore"):
+        if region.below is region.above:
+            blocks = [_Block(t.orbits, np.concatenate(t.places[:2], axis=1), t.smooth) for t in tasks]
+            found = _evaluated(region.below, blocks, kernels)
+        else:
+            halves = [
+                _evaluated(view, [_Block(t.orbits, t.places[side], t.smooth) for t in tasks], kernels)
+                for side, view in enumerate((region.below, region.above))
+            ]
+            found = [
+                [np.concatenate(both, axis=1) for both in zip(*parts, strict=True)]
+                for parts in zip(*halves, strict=True)
+            ]
+        for task, joined in zip(tasks, found, strict=True):
+            m, F = len(joined) // 2, joined[0]
+            yield F, np.sqrt(task.places[2] / F), joined[1:m], joined[m:-1], joined[-1]
 
 
-def _results(view: View, x: Any, kernels: bool, smooth: bool) -> list[Any]:
-    values = [np.broadcast_to(v, x.shape) for v in (view.full(x) if kernels else [view.value(x)])]
-    return values + [np.broadcast_to(e, x.shape) for e in _doubts(view, x, values, smooth)]
+class _Block(NamedTuple):
+    """Places at which p² is wanted: of which orbits, offsets (n, nodes), and whether nodes are nowhere crowded."""
+
+    orbits: Any
+    x: Any
+    smooth: bool
+
+    @property
+    def few(self) -> Any:
+        """The nodes at which errors are worked out: they vary slowly where nodes are nowhere crowded."""
+        count = self.x.shape[1]
+        few = np.unique(np.linspace(0, count - 1, _PLACES).astype(int))
+        return few if self.smooth and count >= 2 * len(few) else np.arange(count)
 
 
-def _doubts(view: View, x: Any, values: list[Any], smooth: bool) -> list[Any]:
-    """Bounds on the errors of F and of the kernels, and the smooth part of the first.
+def _evaluated(view: View, blocks: list[_Block], kernels: bool) -> list[list[Any]]:
+    """For each block F, kernels, bounds on their errors, and the smooth part of the first, all of shape (n, nodes)."""
+    if len(blocks) == 1:
+        (block,) = blocks
+        seen, x, few = view.take(block.orbits), block.x, block.few
+        values = [np.broadcast_to(v, x.shape) for v in _values(seen, x, kernels)]
+        return [values + _doubts(block, few, _bounds(seen, x[:, few], [v[:, few] for v in values]))]
+    seen = view.take(np.concatenate([np.repeat(b.orbits, b.x.shape[1]) for b in blocks]))
+    x = np.concatenate([b.x.ravel() for b in blocks])
+    values = [np.broadcast_to(v, x.shape) for v in _values(seen, x, kernels)]
+    starts = np.cumsum([0, *(b.x.size for b in blocks)])
+    chosen = [
+        (first + np.arange(len(b.x))[:, None] * b.x.shape[1] + b.few).ravel()
+        for first, b in zip(starts, blocks, strict=False)
+    ]
+    some = np.concatenate(chosen)
+    bounds = _bounds(seen.take(some), x[some], [v[some] for v in values])
+    ends = np.cumsum([len(c) for c in chosen])[:-1]
+    found = []
+    for k, block in enumerate(blocks):
+        own = [v[starts[k] : starts[k + 1]].reshape(block.x.shape) for v in values]
+        few = block.few
+        found.append(own + _doubts(block, few, [np.split(e, ends)[k].reshape(len(block.x), len(few)) for e in bounds]))
+    return found
 
-    Where nodes are nowhere crowded these vary slowly: a few nodes stand for those between them, the larger for both.
-    """
-    few = np.unique(np.linspace(0, x.shape[1] - 1, _PLACES).astype(int))
-    if not smooth or x.shape[1] < 2 * len(few):
-        few = np.arange(x.shape[1])
-    some = x if len(few) == x.shape[1] else np.ascontiguousarray(x[:, few])
-    first, *others = view.errors(some, kernels=len(values) > 1)
-    drift = view.drift([v[:, few] for v in values[1:]], some) if others else 0.0 * first
-    if some is x:
-        return [first, *others, drift]
-    after = np.searchsorted(few, np.arange(x.shape[1]))
+
+def _values(view: View, x: Any, kernels: bool) -> Sequence[Any]:
+    return view.full(x) if kernels else [view.value(x)]
+
+
+def _bounds(view: View, x: Any, values: list[Any]) -> list[Any]:
+    """Bounds on the errors of F and of the kernels, and the smooth part of the first, all of the shape of x."""
+    x = np.ascontiguousarray(x)
+    first, *others = view.errors(x, kernels=len(values) > 1, known=values[0])
+    drift = view.drift(values[1:], x) if others else 0.0 * first
+    return [np.broadcast_to(e, x.shape) for e in (first, *others, drift)]
+
+
+def _doubts(block: _Block, few: Any, bounds: list[Any]) -> list[Any]:
+    """The same at all nodes: a few stand for those between them, the larger for both."""
+    first, *others, drift = bounds
+    count = block.x.shape[1]
+    if len(few) == count:
+        return bounds
+    after = np.searchsorted(few, np.arange(count))
     before = np.maximum(after - 1, 0)
-    noise, drift, *others = (
-        np.maximum(e[:, after], e[:, before]) if np.ndim(e) == 2 else e for e in (first - drift, drift, *others)
-    )
+    noise, drift, *others = (np.maximum(e[:, after], e[:, before]) for e in (first - drift, drift, *others))
     return [noise + drift, *others, drift]
 
 

@@ -14,7 +14,8 @@ from hjsolve.ensembles.engine.lowered_solution import Model, Separated
 from hjsolve.ensembles.engine.midpoint_rule import Sums, empty, integrate
 from hjsolve.ensembles.engine.programs import Compiled
 from hjsolve.ensembles.engine.radicand_views import DifferenceEvaluation, DirectEvaluation, second_slope
-from hjsolve.ensembles.engine.regions import LocatedRegions, locate_regions
+from hjsolve.ensembles.engine.regions import LocatedRegions, ill_known, locate_regions
+from hjsolve.ensembles.engine.starts import Starts
 from hjsolve.ensembles.status import UNDECIDED, Status
 
 TOLERANCE = 1e-10
@@ -24,27 +25,34 @@ _RADIANS = 10.0
 _SPOILT = 8e-12
 """Above this claim all coordinates get p² to 32 digits; small amplitudes would not gain by it."""
 
+_WIDE = 1e-11
+"""Above this claim more digits are tried, whatever is to blame."""
+
+_BLURRED = 2.0**-51
+
 TIMED = frozenset({"frequencies", "periods", "angles"})
 
 
 def run_pass(
-    model: Model, names: dict[str, tuple[str, ...]], q: Any, p: Any, *, depth: int, tolerance: float = TOLERANCE
+    model: Model, names: dict[str, tuple[str, ...]], starts: Starts, *, depth: int, tolerance: float = TOLERANCE
 ) -> Columns:
     """Compute everything for some orbits.
 
     Args:
         model: of the system.
         names: quantity → columns wanted.
-        q, p: all coordinates, shape (coordinates, n).
+        starts: of n orbits.
         depth: 0 in doubles; 1 with 32-digit constants, slopes for small amplitudes, stretched anomalies; 2 with p² to
             32 digits where doubles do not know it well; 3 with 32 digits for all librations.
         tolerance: largest claimed error of an orbit that is ``OK``.
     """
-    count = q.shape[1]
+    count = starts.q.shape[1]
     columns = blank(names, count)
-    start = initial_constants(model, q, p, precise=depth > 0)
+    start = initial_constants(model, starts, precise=depth > 0)
     kernels, ripples = bool(TIMED & names.keys()), "angles" in names
-    status = np.full(count, Status.OK, dtype=np.uint8)
+    # p² at the start is P² next to a turning point: a P that 32 digits do not know well is for the engine of one motion
+    unknown = (start.blur > _BLURRED).any(axis=0) if depth else np.zeros(count, dtype=bool)
+    status = np.where(unknown, UNDECIDED, Status.OK).astype(np.uint8)
     sums: list[Sums] = []
     directions = np.ones((len(model.separated), count))
     spared, small = np.zeros(count, dtype=bool), np.zeros(count, dtype=bool)
@@ -61,39 +69,47 @@ def run_pass(
                 directions[k, found.index] = np.sign(start.P[k, found.index])
             if "turning_points" in names:
                 _ends(columns, coordinate, found)
+            if depth == 1 and found.region.turning and isinstance(found.region.below, DirectEvaluation):
+                columns.vague[found.index] |= ill_known(found.region)
             spared[found.index] |= isinstance(found.region.below, DirectEvaluation)
             small[found.index] |= isinstance(found.region.below, DifferenceEvaluation)
+        total.phase_error[:] += start.blur[k]
         sums.append(total)
-    _results(model, names, columns, sums, directions, start, q)
+    _results(model, names, columns, sums, directions, start)
     if ripples and any(c.shifted for c in model.separated):
         status[status == Status.OK] = UNDECIDED
     _settle(columns, status, tolerance)
+    claimed = worst(columns)
+    spoilt = spared & ~small & (claimed > _SPOILT)
+    columns.vague[:] |= spoilt | (claimed > _WIDE)
     if depth == 2:
-        again = np.flatnonzero(spared & ~small & (worst(columns) > _SPOILT))
+        again = np.flatnonzero(spoilt)
         if len(again):
-            part = run_pass(model, names, q[:, again], p[:, again], depth=3, tolerance=tolerance)
+            part = run_pass(model, names, starts.take(again), depth=3, tolerance=tolerance)
             fine = part.status == Status.OK
             put(columns, again[fine], part.take(fine))
     return columns
 
 
 def run_compiled(
-    model: Model, names: dict[str, tuple[str, ...]], q: Any, p: Any, *, made: Compiled, tolerance: float
-) -> Columns:
+    model: Model, names: dict[str, tuple[str, ...]], starts: Starts, *, made: Compiled, tolerance: float,
+    precise: bool = False,
+) -> Columns:  # fmt: skip
     """Compute everything for those orbits that are easy librations; as ``run_pass`` with depth 0.
 
     Args:
         model: the lowered solution.
         names: quantity → names of its columns.
-        q, p: of all coordinates, shape (coordinates, n).
+        starts: of n orbits.
         made: the compiled programs.
         tolerance: largest claimed error of an orbit that is ``OK``.
+        precise: with 32-digit constants. Without, orbits that may gain by them come back as ``vague``.
     """
     from hjsolve.ensembles.engine.compiled_pass import begin_compiled, librations
 
-    count = q.shape[1]
+    count = starts.q.shape[1]
     columns = blank(names, count)
-    start = begin_compiled(model, made, q, p)
+    start = initial_constants(model, starts, precise=True) if precise else begin_compiled(model, made, starts)
     ripples = "angles" in names
     status = np.full(count, Status.OK, dtype=np.uint8)
     sums = []
@@ -102,11 +118,14 @@ def run_compiled(
         status[~total.good] = UNDECIDED
         if "turning_points" in names:
             status[:] = UNDECIDED
+        total.phase_error[:] += start.blur[k]
         sums.append(total)
-    _results(model, names, columns, sums, np.ones((len(sums), count)), start, q)
+    _results(model, names, columns, sums, np.ones((len(sums), count)), start)
     if ripples and any(c.shifted for c in model.separated):
         status[status == Status.OK] = UNDECIDED
+    resolved = status == Status.OK
     _settle(columns, status, tolerance)
+    columns.vague[:] = resolved & (columns.status != Status.OK)
     return columns
 
 
@@ -117,14 +136,13 @@ def _results(
     sums: list[Sums],
     directions: Any,
     start: InitialConstants,
-    q: Any,
 ) -> None:
     if "constants" in names:
         for j, name in enumerate(model.constants):
             _fill(columns, "constants", name, start.knowns.constants[j], start.knowns.doubt[j])
     _actions(model, names, columns, sums, directions, start)
     if TIMED & names.keys():
-        _timed(model, names, columns, sums, directions, q)
+        _timed(model, names, columns, sums, directions, start.starts.q)
 
 
 def _integrated(total: Sums, found: LocatedRegions, left: Any, constants: int, *, kernels: bool, ripples: bool) -> None:
@@ -178,8 +196,8 @@ def _actions(
     for k, coordinate in enumerate(model.separated):
         _fill(columns, "actions", coordinate.name, directions[k] * sums[k].action, sums[k].action_error)
     for name in model.angles:
-        value = start.momenta[model.names.index(name)]
-        columns.actions[name][:], columns.error[f"actions.{name}"][:] = value, 0.0
+        k = model.names.index(name)
+        columns.actions[name][:], columns.error[f"actions.{name}"][:] = start.starts.p[k], start.starts.doubt[k]
 
 
 def _timed(

@@ -202,12 +202,14 @@ def _doubts_text(tape: Tape, constants: int, numbers: tuple[float, ...]) -> str:
 
 
 def _start_text(model: Model) -> str:
-    """The constants, their doubts, and the shell momenta, of every orbit."""
+    """The constants, their doubts, and the shell momenta, of every orbit; the momenta may be in doubt."""
     n = len(model.names)
     source = PythonSource()
     names = [f"q[{k}, i]" for k in range(n)] + [f"p[{k}, i]" for k in range(n)]
     numbers = [WithErrorBound(f"({x.high!r})", f"({abs(x.high) * 2.0**-53!r})") for x in model.numbers]
-    results = model.rule.run(RunningError(source, own=_OWN), [*(WithErrorBound(x) for x in names), *numbers])
+    given = [WithErrorBound(x) for x in names[:n]]
+    given += [WithErrorBound(x, f"doubt[{k}, i]") for k, x in enumerate(names[n:])]
+    results = model.rule.run(RunningError(source, own=_OWN), [*given, *numbers])
     shifts = model.shift.run(source, [*names, *(x.value for x in numbers)])
     lines = list(source.lines)
     for j, result in enumerate(results):
@@ -215,7 +217,7 @@ def _start_text(model: Model) -> str:
     for k, (coordinate, shift) in enumerate(zip(model.separated, shifts, strict=True)):
         lines.append(f"P[{k}, i] = p[{coordinate.index}, i] + {shift}")
     body = "".join(f"        {line}\n" for line in lines)
-    return f"def start(q, p, C, E, P):\n    for i in range(q.shape[1]):\n{body}"
+    return f"def start(q, p, doubt, C, E, P):\n    for i in range(q.shape[1]):\n{body}"
 
 
 _PARTS = ("slope", "bend", "anchor", "fill", "doubts", "relative", "pack", "value")

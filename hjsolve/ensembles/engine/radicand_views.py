@@ -98,7 +98,7 @@ class DirectEvaluation:
         """Return F and the kernels (which may be scalars)."""
         return self.formula.full.run(Float64(), [x, *self.knowns.plain(x)])
 
-    def errors(self, x: Any, *, kernels: bool) -> list[Any]:
+    def errors(self, x: Any, *, kernels: bool, known: Any = None) -> list[Any]:  # noqa: ARG002
         """Return bounds on the errors of F and of the kernels, those of x and of the constants included."""
         place = WithErrorBound(x, _PLACE * UNIT * np.abs(x))
         tape = self.formula.full if kernels else self.formula.squared
@@ -161,10 +161,10 @@ class DifferenceEvaluation:
         q = with_node_axis(self.start, δ) + δ
         return [self.value(δ), *self.formula.full.run(Float64(), [q, *self.knowns.plain(δ)])[1:]]
 
-    def errors(self, δ: Any, *, kernels: bool) -> list[Any]:
+    def errors(self, δ: Any, *, kernels: bool, known: Any = None) -> list[Any]:  # noqa: ARG002
         """Return bounds on the errors of F and of the kernels."""
         size = with_node_axis(self.momentum, δ) ** 2 + 2 * np.abs(δ * with_node_axis(self.first, δ))
-        own = 4 * UNIT * size + δ**2 * with_node_axis(self.doubt, δ)
+        own = 6 * UNIT * size + δ**2 * with_node_axis(self.doubt, δ)
         if not kernels:
             return [own]
         return [
@@ -234,10 +234,17 @@ class DoubleDoubleEvaluation:
         offset = with_node_axis(self.base.high, x) + x
         return [self.value(x), *self.raw.full(offset)[1:]]
 
-    def errors(self, x: Any, *, kernels: bool) -> list[Any]:
-        """Return bounds on the errors of F (relative, but for 2⁻⁴⁴ of those in doubles) and of the kernels."""
+    def errors(self, x: Any, *, kernels: bool, known: Any = None) -> list[Any]:
+        """Return bounds on the errors of F (relative, but for 2⁻⁴⁴ of those in doubles) and of the kernels.
+
+        Args:
+            x: offsets.
+            kernels: whether they are wanted.
+            known: F there, where it has been worked out.
+        """
         rough = self.raw.errors(with_node_axis(self.base.high, x) + x, kernels=kernels)
-        return [4 * UNIT * np.abs(self.value(x)) + 2.0**-44 * rough[0], *rough[1:]]
+        value = self.value(x) if known is None else known
+        return [4 * UNIT * np.abs(value) + 2.0**-44 * rough[0], *rough[1:]]
 
     def drift(self, kernels: Sequence[Any], x: Any) -> Any:  # noqa: ARG002
         """Return what of the error of F comes smoothly from the constants: none is told apart here."""
@@ -252,11 +259,11 @@ View = DirectEvaluation | DifferenceEvaluation | DoubleDoubleEvaluation
 
 
 def second_slope(formula: LoweredFormula, knowns: Knowns, q: Any) -> tuple[Any, Any]:
-    """Return ½F″ at q and a bound on the error of slopes nearby."""
+    """Return ½F″ at q, and three times the running error of it: a bound for slopes nearby."""
     jets = Jets(RunningError(Float64()))
     inputs = [jets.variable(WithErrorBound(q)), *(Jet(k) for k in knowns.bounded(q))]
     bend = formula.squared.run(jets, inputs)[0].second
     if bend is None:
         return 0.0 * q, 0.0 * q
     error = 0.0 if bend.error is None else bend.error
-    return 0.5 * bend.value + 0.0 * q, 4.0 * (error + 4 * UNIT * np.abs(bend.value)) + 0.0 * q
+    return 0.5 * bend.value + 0.0 * q, 1.5 * (error + 4 * UNIT * np.abs(bend.value)) + 0.0 * q

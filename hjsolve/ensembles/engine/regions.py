@@ -10,7 +10,7 @@ import numpy as np
 from hjsolve.arithmetic.double_double import DoubleDouble
 from hjsolve.arithmetic.error_free import Pair, two_sum
 from hjsolve.arithmetic.second_differences import FUNCTIONS
-from hjsolve.ensembles.engine.constants import InitialConstants, slope
+from hjsolve.ensembles.engine.constants import InitialConstants, initial_constants, slope
 from hjsolve.ensembles.engine.lowered_solution import LoweredFormula, Model, Separated
 from hjsolve.ensembles.engine.nodes import EVEN, MOST
 from hjsolve.ensembles.engine.radicand_views import (
@@ -22,6 +22,7 @@ from hjsolve.ensembles.engine.radicand_views import (
     second_slope,
 )
 from hjsolve.ensembles.engine.region import OrbitRegions
+from hjsolve.ensembles.engine.starts import Starts
 from hjsolve.ensembles.engine.turning_points import bracket, first_step, kept_inside, refine
 from hjsolve.ensembles.status import EQUILIBRIUM, UNDECIDED, Status
 
@@ -29,16 +30,22 @@ _SMALL = 3e-14
 _CLEAR = 1e-12
 """Claimed relative error of p² a fiftieth of the way from a turning point; the integrals are far better."""
 
+_LOST, _LOST_ACTIONS = 2e-13, 4e-12
+"""Above these a first pass in doubles would come out worse than it may."""
+
 _TINY = 1e-4
 """With 32 digits a motion is small only where doubles hardly see it."""
 
 _NEAR = 3.0
 _FAR = 0.5
 _ALIKE = 2.0
-"""How much larger the doubt of ½F″ may be at the turning points of a small motion; it was counted twice over."""
+"""How much larger the doubt of ½F″ may be at the turning points of a small motion; three times of it are counted."""
 
 _WARPED = 5
 _GRID = 32
+_NEWTON, _CHORD = 2, 3
+"""Steps that improve a turning point in 32 digits: with slopes of their own, and with the last one, for a third of the
+price. A step with relative error ρ of its slope leaves ρ of the error; Newton's ρ falls from step to step."""
 _ARITHMETIC = frozenset({"add", "sub", "mul", "div", "power", "rational", "pi"})
 
 
@@ -117,8 +124,7 @@ def locate_regions(
         )  # fmt: skip
         found, left = [], np.ones(len(q), dtype=bool)
         if depth and _has_slopes(coordinate.plain):
-            noise = raw.errors(q, kernels=False)[0]
-            crest = P * P + np.where(second < 0, first * first / (-2 * second), np.inf)
+            noise, crest = _noise_and_crest(raw, q, P, first, second)
             small = np.flatnonzero(noise > (_SMALL if depth < 2 else _TINY) * crest)
             if len(small):
                 near = _near(group.take(small))
@@ -130,6 +136,35 @@ def locate_regions(
         if len(rest):
             found += _wide(group.take(rest))
     return found
+
+
+def hopeless_in_doubles(model: Model, starts: Starts, *, kernels: bool) -> Any:
+    """Tell which orbits have a motion so small that doubles would not do: p² is hardly larger than its rounding.
+
+    Args:
+        model: of the system.
+        starts: of n orbits.
+        kernels: whether ∂J/∂c are wanted, which suffer most next to the turning points.
+
+    Returns:
+        Array of booleans, shape (n,).
+    """
+    start = initial_constants(model, starts, precise=False)
+    found = np.zeros(starts.q.shape[1], dtype=bool)
+    with np.errstate(all="ignore"):
+        for k, coordinate in enumerate(model.separated):
+            if _has_slopes(coordinate.plain):
+                view = DirectEvaluation(coordinate.plain, start.knowns)
+                _, first, second = view.jet(start.q[k])
+                noise, crest = _noise_and_crest(view, start.q[k], start.P[k], first, second)
+                found |= noise > (_LOST if kernels else _LOST_ACTIONS) * crest
+    return found
+
+
+def _noise_and_crest(view: DirectEvaluation, q: Any, P: Any, first: Any, second: Any) -> tuple[Any, Any]:
+    """The error of p² at the start, and about how large p² becomes."""
+    crest = P * P + np.where(second < 0, first * first / (-2 * second), np.inf)
+    return view.errors(q, kernels=False)[0], crest
 
 
 def _has_slopes(formula: LoweredFormula) -> bool:
@@ -215,18 +250,23 @@ def _librations(group: Group) -> list[LocatedRegions]:
     found = _libration(replace(group, depth=min(group.depth, 1)))
     if group.depth < 2:
         return [found]
-    vague = _vague(found.region) | (found.status != Status.OK) | (group.depth > 2)
+    vague = ill_known(found.region) | (found.status != Status.OK) | (group.depth > 2)
     parts = [found.take(np.flatnonzero(~vague))] if not vague.all() else []
     return parts + ([_libration(group.take(np.flatnonzero(vague)))] if vague.any() else [])
 
 
-def _vague(region: OrbitRegions) -> Any:
-    """True where the error of p² in doubles, next to the turning points and between them, is not small beside p²."""
+def ill_known(region: OrbitRegions) -> Any:
+    """Tell where the error of p² in doubles, next to the turning points and between them, is not small beside p².
+
+    Args:
+        region: of librations, p² being evaluated as it is written.
+    """
     worst = np.zeros(len(region.width))
     for view, end, side in ((region.below, region.lower, 1), (region.above, region.upper, -1)):
         for share in (0.02, 0.2, 0.5):
             x = end + side * view.sign * share * region.width
-            worst = np.maximum(worst, view.errors(x, kernels=False)[0] / np.abs(view.value(x)))
+            with np.errstate(all="ignore"):
+                worst = np.maximum(worst, view.errors(x, kernels=False)[0] / np.abs(view.value(x)))
     return ~(worst <= _CLEAR)
 
 
@@ -270,9 +310,13 @@ def _fine(group: Group, region: OrbitRegions) -> OrbitRegions:
     arithmetic, seen = DoubleDouble(), []
     for view, x in ((region.below, region.lower), (region.above, region.upper)):
         assert isinstance(view, DirectEvaluation)
-        base = Pair(x, 0.0 * x)
-        for _ in range(5):
-            value, slope_, _ = DoubleDoubleEvaluation(view, group.pairs, group.numbers, base).jet(0.0 * x)
+        base, slope_ = Pair(x, 0.0 * x), x
+        for step in range(_NEWTON + _CHORD):
+            near = DoubleDoubleEvaluation(view, group.pairs, group.numbers, base)
+            if step < _NEWTON:
+                value, slope_, _ = near.jet(0.0 * x)
+            else:
+                value = near.value(0.0 * x)
             base = arithmetic.sub(base, Pair(value / slope_, 0.0 * x))
         s, e = two_sum(group.q, -view.formula.origin.high)
         here = Pair(view.sign * s, view.sign * (e - view.formula.origin.low))

@@ -1,0 +1,113 @@
+"""Places and momenta that orbits start with; momenta that velocities give are known to 32 digits on demand.
+
+p = M(q) v in doubles is rounded. What that does is known at once by a running error; a pass that wants more takes p as
+two doubles, and nothing is rounded.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, replace
+from typing import Any
+
+import numpy as np
+
+from hjsolve.arithmetic.double_double import DoubleDouble
+from hjsolve.arithmetic.error_free import Pair
+from hjsolve.arithmetic.floats import Float64
+from hjsolve.arithmetic.running_error import RunningError, WithErrorBound
+from hjsolve.arithmetic.tape import Tape
+
+_UNIT = 2.0**-53
+_FINER = 2.0**-44
+
+
+@dataclass(frozen=True)
+class MomentumRule:
+    """p from q and v.
+
+    Attributes:
+        tape: inputs all q, all v, parameters.
+        numbers: the parameters in two doubles.
+    """
+
+    tape: Tape
+    numbers: tuple[Pair, ...]
+
+    def rounded(self, q: Any, velocity: Any) -> tuple[Any, Any]:
+        """Return p in doubles and bounds on its errors, arrays like q.
+
+        Args:
+            q, velocity: of all coordinates, shape (coordinates, n).
+        """
+        exact = [WithErrorBound(x) for x in (*q, *velocity)]
+        known = [WithErrorBound(x.high, _UNIT * abs(x.high)) for x in self.numbers]
+        with np.errstate(all="ignore"):
+            found = self.tape.run(RunningError(Float64()), exact + known)
+        errors = [0.0 if x.error is None else x.error for x in found]
+        return _rows([x.value for x in found], q), _rows(errors, q)
+
+    def exactly(self, q: Any, velocity: Any) -> tuple[Any, Any]:
+        """Return p in two doubles, arrays like q; arguments as before."""
+        inputs = [Pair(x, 0.0 * x) for x in (*q, *velocity)]
+        with np.errstate(all="ignore"):
+            found = self.tape.run(DoubleDouble(), [*inputs, *self.numbers])
+        return _rows([x.high for x in found], q), _rows([x.low for x in found], q)
+
+
+def _rows(parts: list[Any], like: Any) -> Any:
+    return np.stack([np.broadcast_to(part, like.shape[1:]) for part in parts])
+
+
+@dataclass(frozen=True)
+class Starts:
+    """Starts of n orbits; arrays (coordinates, n).
+
+    Attributes:
+        q, p: all places and canonical momenta.
+        doubt: bounds on the errors of p, ``low`` being left out.
+        low: what is to be added to p.
+        spread: bounds on the errors that p has in doubles; in two doubles it has 2^−44 of them at most.
+        velocity: what p comes from, None where p was given.
+        rule: how.
+    """
+
+    q: Any
+    p: Any
+    doubt: Any
+    low: Any
+    spread: Any
+    velocity: Any = None
+    rule: MomentumRule | None = None
+
+    def take(self, index: Any) -> Starts:
+        """Return those of some of the orbits."""
+        arrays = {name: getattr(self, name)[:, index] for name in ("q", "p", "doubt", "low", "spread")}
+        return replace(self, velocity=None if self.velocity is None else self.velocity[:, index], **arrays)
+
+    def precise(self) -> Starts:
+        """Return the same with momenta in two doubles."""
+        if self.rule is None:
+            return self
+        p, low = self.rule.exactly(self.q, self.velocity)
+        return replace(self, p=p, low=low, doubt=np.abs(low) + _FINER * self.spread)
+
+
+def given_momenta(q: Any, p: Any) -> Starts:
+    """Starts of orbits whose momenta are the doubles they are.
+
+    Args:
+        q, p: of all coordinates, shape (coordinates, n).
+    """
+    zero = np.zeros_like(p)
+    return Starts(q, p, zero, zero, zero)
+
+
+def from_velocities(rule: MomentumRule, q: Any, velocity: Any) -> Starts:
+    """Starts of orbits whose velocities are given.
+
+    Args:
+        rule: of the system.
+        q, velocity: of all coordinates, shape (coordinates, n).
+    """
+    p, doubt = rule.rounded(q, velocity)
+    return Starts(q, p, doubt, np.zeros_like(p), doubt, velocity, rule)
