@@ -13,6 +13,7 @@ import mpmath
 import sympy as sp
 
 from hjsolve.closed_form.pieces import CoordinateIntegrals, PieceIntegral
+from hjsolve.functions import modules
 
 DIGITS, WORK = 40, 60
 _MOST = 4096
@@ -29,8 +30,8 @@ def flaw(piece: CoordinateIntegrals, key: sp.Symbol) -> str | None:
     if integral.law is not None and integral.law.residual(integral.rational) != 0:
         return "not verified: its derivative was not proved to be the integrand"
     q = integral.curve.coordinate.symbol
-    values = dict(piece.sample.values)
     with mpmath.workdps(WORK):
+        values = sample_numbers(piece)
         square = _function(integral.curve.substitution_square, q, values)
         numerator = _function(integral.numerator, q, values)
         form = _function(integral.value, q, values)
@@ -52,10 +53,26 @@ def flaw(piece: CoordinateIntegrals, key: sp.Symbol) -> str | None:
         if integral.cycle is None:
             return None
         expected, size = _cycle(piece, integral, square, numerator)
-        got = mpmath.mpf(sp.N(integral.cycle.xreplace(values), WORK))
+        got = _function(integral.cycle, q, values)(low)
         if not _close(got, expected, size):
             return f"not verified: a cycle gives {mpmath.nstr(got, 20)}, the quadrature {mpmath.nstr(expected, 20)}"
     return None
+
+
+def sample_numbers(piece: CoordinateIntegrals) -> dict[sp.Symbol, mpmath.mpf]:
+    """The parameters, constants and named roots of the sample as numbers.
+
+    Args:
+        piece: with the sample.
+    """
+    exact = piece.sample.values
+    numbers = {s: mpmath.mpf(int(v.p)) / int(v.q) for s, v in exact.items()}
+    for symbol, (polynomial, index) in piece.where.items():
+        coefficients = [mpmath.mpf(sp.N(c.xreplace(dict(exact)), WORK + 20)) for c in polynomial.all_coeffs()]
+        roots = mpmath.polyroots(coefficients, maxsteps=300, extraprec=600)
+        size = max(abs(r) for r in roots) * mpmath.mpf(10) ** -25
+        numbers[symbol] = sorted(r.real for r in roots if abs(r.imag) <= size)[index]
+    return numbers
 
 
 def _close(one: mpmath.mpf, other: mpmath.mpf, size: mpmath.mpf) -> bool:
@@ -65,11 +82,13 @@ def _close(one: mpmath.mpf, other: mpmath.mpf, size: mpmath.mpf) -> bool:
 
 
 def _function(
-    expression: sp.Expr, q: sp.Symbol, values: dict[sp.Symbol, sp.Expr]
+    expression: sp.Expr, q: sp.Symbol, values: dict[sp.Symbol, mpmath.mpf]
 ) -> Callable[[mpmath.mpf], mpmath.mpf]:  # fmt: skip
+    if expression.has(sp.zoo, sp.nan, sp.oo, -sp.oo):
+        return lambda _: mpmath.nan
     symbols = [s for s in expression.free_symbols if s in values]
-    compiled = sp.lambdify([q, *symbols], expression, modules="mpmath", cse=True)
-    numbers = [mpmath.mpf(int(values[s].p)) / int(values[s].q) for s in symbols]
+    compiled = sp.lambdify([q, *symbols], expression, modules=modules("mpmath"), cse=True)
+    numbers = [values[s] for s in symbols]
 
     def function(place: mpmath.mpf) -> mpmath.mpf:
         try:
