@@ -10,13 +10,10 @@ from __future__ import annotations
 import sys
 import time
 
-import sympy as sp
-
 import hjsolve
 from hjsolve.closed_form.derive import forms_of_solution
 from hjsolve.closed_form.forms import RegimeForms
-
-_ELLIPTIC = (sp.elliptic_k, sp.elliptic_f, sp.elliptic_e, sp.elliptic_pi)
+from hjsolve.closed_form.tidy import elliptic
 
 
 def described(form: RegimeForms) -> str:
@@ -28,7 +25,7 @@ def described(form: RegimeForms) -> str:
         return "none"
     if wanted:
         return "partly"
-    return "elliptic" if any(e.has(*_ELLIPTIC) for e in form.named().values()) else "elementary"
+    return "elliptic" if any(elliptic(e) for e in form.named().values()) else "elementary"
 
 
 def main(names: list[str]) -> None:

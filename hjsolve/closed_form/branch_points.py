@@ -29,7 +29,7 @@ class NamedRoots:
     leading: sp.Expr
     real: tuple[sp.Expr, ...]
     pairs: tuple[tuple[sp.Expr, sp.Expr], ...]
-    where: dict[sp.Symbol, tuple[sp.Poly, int]]
+    where: dict[sp.Symbol, sp.Expr | tuple[sp.Poly, int]]
     interval: tuple[int | None, int | None]
 
 
@@ -46,7 +46,7 @@ def named_roots(curve: MomentumCurve, region: RootInterval, signs: Signs, prefix
         NoFormError: the roots in radicals could not be told apart.
     """
     radicals = _radicals(curve, signs)
-    where: dict[sp.Symbol, tuple[sp.Poly, int]] = {}
+    where: dict[sp.Symbol, sp.Expr | tuple[sp.Poly, int]] = {}
     P, x = curve.polynomial, curve.x
     if radicals is None:
         symbols = [sp.Symbol(f"{prefix}_{k + 1}", real=True) for k in range(len(region.roots))]

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import time
 from collections.abc import Iterator, Mapping
 from dataclasses import dataclass
 
@@ -20,6 +21,8 @@ from hjsolve.closed_form.verification import flaw
 from hjsolve.solution.quadratures import Solution
 
 MOST_REGIMES = 16
+MOST_SECONDS = 15.0
+"""Of processor time, after which no further regime is begun."""
 _SAMPLES, _SPECIAL_SAMPLES, _SEED = 100, 30, 1
 Stratum = Mapping[sp.Symbol, sp.Expr]
 
@@ -80,13 +83,13 @@ def forms_of_solution(solution: Solution) -> tuple[RegimeForms, ...]:
     Args:
         solution: what is solved.
     """
-    shop, found = workshop(solution), list[RegimeForms]()
+    shop, found, begin = workshop(solution), list[RegimeForms](), time.process_time()
     specials: list[Stratum] = [{}, *strata(shop.curves, shop.constants)]
     for special in specials:
         count = _SPECIAL_SAMPLES if special else _SAMPLES
         local = shop.at(special)
         for sample in samples(solution, count, _SEED, special):
-            if len(found) >= MOST_REGIMES:
+            if len(found) >= MOST_REGIMES or time.process_time() - begin > MOST_SECONDS:
                 return _ordered(found)
             if any(_alike(form, sample) for form in found):
                 continue

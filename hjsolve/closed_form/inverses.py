@@ -8,13 +8,14 @@ from typing import TYPE_CHECKING
 import mpmath
 import sympy as sp
 
+from hjsolve.closed_form.carlson import CarlsonMap, carlson_inverse
 from hjsolve.closed_form.elementary import Antiderivative
 from hjsolve.closed_form.even_curves import EvenMap, even_inverse
 from hjsolve.closed_form.fractions import NoFormError
 from hjsolve.closed_form.pieces import CoordinateIntegrals, PieceIntegral, principal
 from hjsolve.closed_form.real_branch_points import elliptic_inverse
 from hjsolve.closed_form.tidy import tidy
-from hjsolve.closed_form.verification import sample_numbers, span
+from hjsolve.closed_form.verification import sample_numbers, span, value_at
 from hjsolve.functions import JacobiAM, JacobiSN
 
 if TYPE_CHECKING:
@@ -155,7 +156,13 @@ def _elliptic(own: CoordinateIntegrals, integral: PieceIntegral, value: sp.Expr,
         raise NoFormError(f"t({own.name}) holds elliptic integrals of the second or third kind: they have no inverse")
     amount, begin = sp.expand(value / integral.first), s.place.subs(q, start)
     way = integral.way
-    x = even_inverse(way, amount, begin) if isinstance(way, EvenMap) else elliptic_inverse(way, amount, begin)
+    match way:
+        case EvenMap():
+            x = even_inverse(way, amount, begin)
+        case CarlsonMap():
+            x = carlson_inverse(way, amount, begin)
+        case _:
+            x = elliptic_inverse(way, amount, begin)
     place = tidy(s.inverse.subs(s.x, x)).replace(
         lambda e: isinstance(e, sp.asin) and isinstance(e.args[0], JacobiSN), lambda e: JacobiAM(*e.args[0].args)
     )
@@ -201,20 +208,22 @@ def verified_inverse(
     Raises:
         NoFormError: it does not.
     """
-    q, values = integral.curve.coordinate.symbol, dict(own.sample.values)
+    q = integral.curve.coordinate.symbol
     begin, stop = own.sample.places[own.name], _nearby(own, integral)
-    free = sorted(value.free_symbols - set(values), key=str)
     with mpmath.workdps(_DIGITS + 20):
-        values |= {s: sp.Float(v, _DIGITS + 20) for s, v in sample_numbers(own).items() if s in own.where}
-        difference = integral.value.subs(q, stop) - integral.value.subs(q, begin)
-        fixed = {s: sp.Rational(k + 2, 7) for k, s in enumerate(free[1:])} | {start: begin}
-        unknown = free[0]
-        slope = sp.diff(value, unknown).xreplace(values)
-        rest = value.subs(unknown, 0).xreplace(fixed).xreplace(values)
-        at = sp.N((sp.N(difference.xreplace(values), 60) - rest) / slope, 60)
-        got = sp.N(place.xreplace({**values, **fixed, unknown: at}), 55)
-        if not got.is_real or abs(got - stop) > abs(stop) * sp.Float(10) ** -_DIGITS + sp.Float(10) ** (-_DIGITS - 5):
-            raise NoFormError(f"not verified: the inverse gives {sp.N(got, 15)} for {sp.N(stop, 15)}")
+        numbers = sample_numbers(own)
+        free = sorted(value.free_symbols - set(numbers), key=str)
+        numbers |= {s: mpmath.mpf(k + 2) / 7 for k, s in enumerate(free)}
+        numbers[start] = mpmath.mpf(int(begin.p)) / int(begin.q)
+        target = mpmath.mpf(int(stop.p)) / int(stop.q)
+        difference = value_at(integral.value, numbers | {q: target}) - value_at(
+            integral.value, numbers | {q: numbers[start]}
+        )
+        unknown, offset = free[0], value_at(value, numbers)
+        numbers[unknown] += (difference - offset) / value_at(sp.diff(value, unknown), numbers)
+        got = value_at(place, numbers)
+        if not abs(got - target) <= (abs(target) + mpmath.mpf(10) ** -5) * mpmath.mpf(10) ** -_DIGITS:
+            raise NoFormError(f"not verified: the inverse gives {mpmath.nstr(got, 15)} for {mpmath.nstr(target, 15)}")
     return place
 
 

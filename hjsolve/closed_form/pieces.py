@@ -8,6 +8,7 @@ from dataclasses import dataclass, field
 import sympy as sp
 
 from hjsolve.closed_form.branch_points import NamedRoots, named_roots
+from hjsolve.closed_form.carlson import CarlsonMap, carlson_integral, carlson_map
 from hjsolve.closed_form.curves import MomentumCurve, W, why_no_curve
 from hjsolve.closed_form.elementary import Antiderivative, antiderivative, root
 from hjsolve.closed_form.even_curves import EvenMap, even_integral, even_map
@@ -18,6 +19,8 @@ from hjsolve.closed_form.sampling import Sample
 from hjsolve.closed_form.signs import Signs
 from hjsolve.closed_form.strata import deciders
 
+LONGEST_FORM = 6000
+"""Operations above which a form is no use."""
 LONGEST_CONDITION = 40
 """Operations of a condition that is still worth stating beside the order of the roots."""
 
@@ -44,7 +47,7 @@ class PieceIntegral:
     law: Antiderivative | None
     curve: MomentumCurve
     first: sp.Expr | None = None
-    way: EvenMap | LegendreMap | None = None
+    way: EvenMap | LegendreMap | CarlsonMap | None = None
 
 
 @dataclass
@@ -73,7 +76,7 @@ class CoordinateIntegrals:
     integrals: dict[sp.Symbol, PieceIntegral] = field(default_factory=dict)
     roots: tuple[sp.Expr, ...] | None = None
     why_not: dict[sp.Symbol, str] = field(default_factory=dict)
-    where: dict[sp.Symbol, tuple[sp.Poly, int]] = field(default_factory=dict)
+    where: dict[sp.Symbol, sp.Expr | tuple[sp.Poly, int]] = field(default_factory=dict)
 
     @property
     def kind(self) -> str:
@@ -94,8 +97,10 @@ class CoordinateIntegrals:
         self.conditions |= task.conditions([key for key in self.numerators if key != W])
         self.integrals |= done
         self.why_not = {key: reason for key, reason in self.why_not.items() if key not in self.integrals}
-        if task.roots is not None:
-            self.where |= task.roots.where
+        held = {s for found in done.values() for s in (found.value + (found.cycle or 0)).free_symbols}
+        for roots in (task.roots, *(way.roots for way in task.ways if isinstance(way, CarlsonMap))):
+            if roots is not None:
+                self.where |= {s: meaning for s, meaning in roots.where.items() if s in held | _inside(roots)}
 
     def refuse(self, flaws: Mapping[sp.Symbol, str]) -> None:
         """Take integrals out that failed.
@@ -156,7 +161,9 @@ class _Task:
         if curve.degree > 4:
             raise NoFormError(why_no_curve([curve]))
         self.roots = named_roots(curve, region, signs, prefix) if curve.degree > 2 else None
-        self.ways: list[EvenMap | LegendreMap] = [] if self.roots is None else _maps(curve, self.roots, signs)
+        self.ways: list[EvenMap | LegendreMap | CarlsonMap] = (
+            [] if self.roots is None else _maps(curve, self.roots, signs, prefix)
+        )
 
     def integral(self, key: sp.Symbol, numerator: sp.Expr) -> PieceIntegral:
         """∫ N dq/√P² = ε ∫ N dx/(S √P)."""
@@ -174,10 +181,14 @@ class _Task:
         if whole is not None:
             cycle = whole * (2 if region.kind == "libration" else 1) * (1 if s.increasing else -1)
         value = principal(value)
+        if sp.count_ops(value) > LONGEST_FORM:
+            raise NoFormError(f"the form has more than {LONGEST_FORM} operations")
         first = None if R.has(curve.x) else R
         return PieceIntegral(numerator, value, cycle, R, law, curve, first, way)
 
-    def _elliptic(self, R: sp.Expr, *, cyclic: bool) -> tuple[sp.Expr, sp.Expr | None, EvenMap | LegendreMap]:
+    def _elliptic(
+        self, R: sp.Expr, *, cyclic: bool
+    ) -> tuple[sp.Expr, sp.Expr | None, EvenMap | LegendreMap | CarlsonMap]:
         """The integral by the first map that reaches it; over the whole interval too, where the motion has cycles."""
         reason = "P has complex roots in this regime"
         for way in self.ways:
@@ -186,6 +197,9 @@ class _Task:
                     value = even_integral(R, way, self.curve.x, complete=False)
                     return value, even_integral(R, way, self.curve.x, complete=True) if cyclic else None, way
                 parts = fractions(R, self.curve.x)
+                if isinstance(way, CarlsonMap):
+                    value = carlson_integral(parts, way, self.curve.x)
+                    return value, carlson_integral(parts, way, None) if cyclic else None, way
                 value = elliptic_integral(parts, way, self.curve.x)
                 return value, elliptic_integral(parts, way, None) if cyclic else None, way
             except NoFormError as error:
@@ -221,17 +235,23 @@ def principal(value: sp.Expr) -> sp.Expr:
     )
 
 
+def _inside(roots: NamedRoots) -> set[sp.Symbol]:
+    """The named roots that other names, and turning points, are written in."""
+    return {s for s, meaning in roots.where.items() if isinstance(meaning, tuple)}
+
+
 def _maps(
-    curve: MomentumCurve, roots: NamedRoots, signs: Signs
-) -> list[EvenMap | LegendreMap]:  # fmt: skip
+    curve: MomentumCurve, roots: NamedRoots, signs: Signs, prefix: str
+) -> list[EvenMap | LegendreMap | CarlsonMap]:  # fmt: skip
     """The maps to Legendre's integrals, the plainest first."""
-    found: list[EvenMap | LegendreMap] = []
+    found: list[EvenMap | LegendreMap | CarlsonMap] = []
     P = curve.polynomial
     if P.degree() == 4 and P.coeff_monomial(curve.x**3) == 0 and P.coeff_monomial(curve.x) == 0:
         even = even_map(roots)
         found += [even] if even is not None else []
     if not roots.pairs:
         found.append(legendre_map(roots, signs))
+    found.append(carlson_map(roots, prefix))
     return found
 
 

@@ -205,6 +205,8 @@ def over_s(R: Fractions, way: LegendreMap, own: LegendreIntegrals, *, pole_at_c:
     Raises:
         NoFormError: a pole that these integrals do not reach.
     """
+    if R.complex_poles:
+        raise NoFormError("the integrand has poles at complex places")
     total = sp.S.Zero
     for k, weight in R.powers:
         if k == 0:
@@ -242,6 +244,8 @@ def _polynomial(line: tuple[sp.Expr, sp.Expr], k: int, own: LegendreIntegrals) -
 def _fraction(line: tuple[sp.Expr, sp.Expr], n: sp.Expr, k: int, own: LegendreIntegrals) -> sp.Expr:
     """∫ (α + β/(1 − ns))ᵏ dφ/Δ."""
     α, β = line
+    if k > 1 and sp.cancel(sp.together(n - own.m)) == 0:
+        raise NoFormError("a multiple pole at a branch point")
     return sp.Add(*(sp.binomial(k, j) * α ** (k - j) * β**j * own.third(n, j) for j in range(k + 1)))
 
 

@@ -4,6 +4,12 @@ from __future__ import annotations
 
 import sympy as sp
 
+from hjsolve.functions import CarlsonRC, CarlsonRD, CarlsonRF, CarlsonRJ
+
+ELLIPTIC = (
+    sp.elliptic_k, sp.elliptic_f, sp.elliptic_e, sp.elliptic_pi, CarlsonRC, CarlsonRD, CarlsonRF, CarlsonRJ,
+)  # fmt: skip
+"""The integrals that occur in forms."""
 LONGEST = 150
 """Operations above which a form with elliptic integrals is left as it is."""
 
@@ -14,7 +20,7 @@ def elliptic(expression: sp.Expr) -> bool:
     Args:
         expression: of a form.
     """
-    return bool(expression.has(sp.elliptic_k, sp.elliptic_f, sp.elliptic_e, sp.elliptic_pi))
+    return bool(expression.has(*ELLIPTIC))
 
 
 def tidy(expression: sp.Expr) -> sp.Expr:
