@@ -135,10 +135,10 @@ def _turning_points(pieces: Integrals, made: Regime) -> dict[str, tuple[sp.Expr 
     """The roots of P between which each coordinate moves, as places q."""
     found = dict[str, tuple[sp.Expr | None, sp.Expr | None]]()
     for name, own in pieces.items():
-        curve, region = own.regions[0] if own.regions else (own.region.curve, own.region)
-        s, roots = curve.substitution, own.roots
-        if roots is None:
+        if not own.regions or own.roots is None:
             continue
+        (curve, region), roots = own.regions[0], own.roots
+        s = curve.substitution
         ends = [
             settled(made, tidy(s.inverse.subs(s.x, roots[k]))) if what == "root" else None
             for what, k in (region.lower, region.upper)

@@ -101,3 +101,12 @@ def test_functions_of_numpy() -> None:
     for energy, value in zip(energies[:3], values[:3], strict=True):
         far = form.evaluate("periods.theta", {"E": sp.Rational(str(energy))}, 30).value
         assert abs(value - float(far)) <= 4e-15 * float(far)
+
+
+@pytest.mark.parametrize(("name", "q", "velocity"), [
+    ("dumbbell-in-bowl", {"theta": "0.9"}, {"theta": "0.2"}),
+    ("cone", {"r": "1.1", "phi": 0}, {"r": "0.3", "phi": "1.2"}),
+])  # fmt: skip
+def test_forms_with_complex_roots_and_double_poles(name: str, q: dict, velocity: dict) -> None:
+    """Carlson's integrals: a complex pair beside two real roots, and a double pole at infinity."""
+    test_numbers_agree_with_the_engine_to_36_digits(name, q, velocity, {})
