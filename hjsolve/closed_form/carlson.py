@@ -70,7 +70,7 @@ def carlson_integral(R: Fractions, way: CarlsonMap, x: sp.Expr | None) -> sp.Exp
     Raises:
         NoFormError: it diverges, or no form is known.
     """
-    parts = elliptic.Fractions(R.powers, R.poles, R.complex_poles)
+    parts = elliptic.PartialFractions(R.powers, R.poles, R.complex_poles)
     try:
         if x is None:
             return elliptic.complete(parts, way.points, way.roots.interval)
@@ -90,7 +90,7 @@ def carlson_inverse(way: CarlsonMap, value: sp.Expr, begin: sp.Expr) -> sp.Expr:
     Raises:
         NoFormError: P has no real root to begin at.
     """
-    first = elliptic.Fractions(((0, sp.S.One),))
+    first = elliptic.PartialFractions(((0, sp.S.One),))
     try:
         passed = elliptic.incomplete(first, way.points, way.roots.interval, begin, way.start)
         return elliptic.inverse(way.points, way.roots.interval, passed + way.direction * sp.expand(value), way.start)
