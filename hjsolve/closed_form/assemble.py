@@ -13,7 +13,7 @@ from hjsolve.closed_form.forms import RegimeForms
 from hjsolve.closed_form.inverses import inverses, orbits
 from hjsolve.closed_form.pieces import CoordinateIntegrals
 from hjsolve.closed_form.regime import Regime, positive_in, settled
-from hjsolve.closed_form.tidy import tidy
+from hjsolve.closed_form.tidy import elliptic, tidy
 from hjsolve.solution.quadratures import Solution
 
 if TYPE_CHECKING:
@@ -106,16 +106,16 @@ def _numbers(
     """Actions, frequencies, periods and mean velocities, where they exist."""
     solution = shop.solution
     actions, frequencies, velocities = dict[str, sp.Expr](), dict[str, sp.Expr](), dict[str, sp.Expr]()
-    cyclic = [n for n in solution.coordinates if n in pieces and pieces[n].region.kind in ("libration", "rotation")]
+    cyclic = [n for n in solution.coordinates if n in pieces and pieces[n].kind in ("libration", "rotation")]
     for c in solution.system.coordinates:
         if c.name in cyclic:
             J = _cycle(pieces[c.name], W)
-            if pieces[c.name].region.kind == "rotation" and solution.shift[c.name] != 0:
+            if pieces[c.name].kind == "rotation" and solution.shift[c.name] != 0:
                 J = "the mean of A in p = P − A over a turn has no form here"
             if isinstance(J, str):
                 why_not[f"actions.{c.name}"] = J
             else:
-                actions[c.name] = tidy(sp.expand(J / (2 * sp.pi)))
+                actions[c.name] = tidy(J / (2 * sp.pi) if elliptic(J) else sp.expand(J / (2 * sp.pi)))
         elif c.name not in solution.coordinates and c.domain.kind == "angle":
             actions[c.name] = c.momentum.subs(dict(special))
     if len(cyclic) == len(solution.coordinates) and solution.coordinates:
@@ -135,10 +135,10 @@ def _turning_points(pieces: Integrals, made: Regime) -> dict[str, tuple[sp.Expr 
     """The roots of P between which each coordinate moves, as places q."""
     found = dict[str, tuple[sp.Expr | None, sp.Expr | None]]()
     for name, own in pieces.items():
-        curve, region = own.regions[0] if own.regions else (own.region.curve, own.region)
-        s, roots = curve.substitution, own.roots
-        if roots is None:
+        if not own.regions or own.roots is None:
             continue
+        (curve, region), roots = own.regions[0], own.roots
+        s = curve.substitution
         ends = [
             settled(made, tidy(s.inverse.subs(s.x, roots[k]))) if what == "root" else None
             for what, k in (region.lower, region.upper)
@@ -184,7 +184,9 @@ def _rates(
     M = sp.Matrix(rows) / (2 * sp.pi)
     determinant = M.det(method="berkowitz")
     top = [M.cofactor(i, 0) / determinant for i in range(len(names))] if len(names) > 1 else [1 / M[0, 0]]
-    Ω = {name: tidy(sp.cancel(sp.together(value)) if len(names) > 1 else value) for name, value in zip(names, top)}
+    if len(names) > 1:
+        top = [value if elliptic(value) else sp.cancel(sp.together(value)) for value in top]
+    Ω = {name: tidy(value) for name, value in zip(names, top, strict=True)}
     for c in solution.system.coordinates:
         if c.name in Ω:
             frequencies[c.name] = Ω[c.name]
@@ -196,4 +198,4 @@ def _rates(
                 why_not[f"{group}.{c.name}"] = missing
             continue
         rate = tidy(sp.Add(*(-Ω[n] * part / (2 * sp.pi) for n, part in zip(names, parts, strict=True))))
-        (frequencies if c.domain.kind == "angle" else velocities)[c.name] = sp.factor(rate)
+        (frequencies if c.domain.kind == "angle" else velocities)[c.name] = rate if elliptic(rate) else sp.factor(rate)

@@ -2,8 +2,9 @@
 
 from __future__ import annotations
 
+import time
 from collections.abc import Iterator, Mapping
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
 
 import sympy as sp
 
@@ -20,7 +21,9 @@ from hjsolve.closed_form.verification import flaw
 from hjsolve.solution.quadratures import Solution
 
 MOST_REGIMES = 16
-_SAMPLES, _SPECIAL_SAMPLES, _SEED = 160, 60, 1
+MOST_SECONDS = 15.0
+"""Of processor time, after which no further regime is begun."""
+_SAMPLES, _SPECIAL_SAMPLES, _SEED = 100, 30, 1
 Stratum = Mapping[sp.Symbol, sp.Expr]
 
 
@@ -80,13 +83,13 @@ def forms_of_solution(solution: Solution) -> tuple[RegimeForms, ...]:
     Args:
         solution: what is solved.
     """
-    shop, found = workshop(solution), list[RegimeForms]()
+    shop, found, begin = workshop(solution), list[RegimeForms](), time.process_time()
     specials: list[Stratum] = [{}, *strata(shop.curves, shop.constants)]
     for special in specials:
         count = _SPECIAL_SAMPLES if special else _SAMPLES
         local = shop.at(special)
         for sample in samples(solution, count, _SEED, special):
-            if len(found) >= MOST_REGIMES:
+            if len(found) >= MOST_REGIMES or time.process_time() - begin > MOST_SECONDS:
                 return _ordered(found)
             if any(_alike(form, sample) for form in found):
                 continue
@@ -141,9 +144,21 @@ def form_of_sample(
     for name, own in pieces.items():
         conditions |= own.conditions
         regions += own.regions
-        kinds[name] = own.region.kind
-    made = regime(kinds, special, conditions, tuple(regions), sample.values, "")  # type: ignore[arg-type]
+        kinds[name] = own.kind
+    ordering = "; ".join(filter(None, (_ordering(own) for own in pieces.values())))
+    made = regime(kinds, special, conditions, tuple(regions), sample.values, ordering)  # type: ignore[arg-type]
     return assembled(shop, pieces, made, special)
+
+
+def _ordering(own: CoordinateIntegrals) -> str:
+    """Between which of its real roots a coordinate moves, where P has named ones."""
+    if not own.regions or own.regions[0][0].degree <= 2:
+        return ""
+    curve, region = own.regions[0]
+    if (not own.where and len(region.roots) <= 2) or curve.substitution.closed:
+        return ""
+    ends = [f"root {k + 1}" if what == "root" else "the end" for what, k in (region.lower, region.upper)]
+    return f"{curve.substitution.place} between {ends[0]} and {ends[1]} of {len(region.roots)} real roots of P"
 
 
 def _piece(
@@ -156,13 +171,11 @@ def _piece(
             return known
     numerators = {k: n.subs(dict(special)) for k, n in shop.numerators[name].items()}
     numerators = {k: n for k, n in numerators.items() if n != 0}
-    made = piece(name, numerators, own, sample)
+    prefix = "x" if len(shop.curves) == 1 else f"x_{name}"
+    made = piece(name, numerators, own, sample, prefix)
     if made is None:
         return None
-    flaws = {k: reason for k in made.integrals if (reason := flaw(made, k)) is not None}
-    made = replace(
-        made, integrals={k: v for k, v in made.integrals.items() if k not in flaws}, why_not={**made.why_not, **flaws}
-    )
+    made.refuse({k: reason for k in made.integrals if (reason := flaw(made, k)) is not None})
     shop.pieces[key].append(made)
     return made
 

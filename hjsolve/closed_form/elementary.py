@@ -14,7 +14,7 @@ from dataclasses import dataclass
 
 import sympy as sp
 
-from hjsolve.closed_form.fractions import Fractions
+from hjsolve.closed_form.fractions import Fractions, NoFormError
 from hjsolve.closed_form.signs import Signs
 
 
@@ -182,6 +182,8 @@ def antiderivative(R: Fractions, P: sp.Poly, signs: Signs, side_of: Callable[[sp
         signs: decides between the real forms, and keeps what it decided.
         side_of: r ↦ the sign of x − r on the piece.
     """
+    if R.complex_poles:
+        raise NoFormError("the integrand has poles at complex places: no real form of it is known here")
     (x,) = P.gens
     C, B, A = (P.coeff_monomial(x**k) for k in range(3))
     algebraic, terms = sp.S.Zero, dict[sp.Expr | None, list[sp.Expr]]()

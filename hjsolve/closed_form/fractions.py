@@ -20,10 +20,12 @@ class Fractions:
     Attributes:
         powers: (k, c), k ≥ 0.
         poles: (r, k, c), k ≥ 1; r real.
+        complex_poles: (α, β, A, B) of (A x + B)/((x − α)² + β²).
     """
 
     powers: tuple[tuple[int, sp.Expr], ...]
     poles: tuple[tuple[sp.Expr, int, sp.Expr], ...] = ()
+    complex_poles: tuple[tuple[sp.Expr, sp.Expr, sp.Expr, sp.Expr], ...] = ()
 
     def by_place(self) -> dict[sp.Expr, list[tuple[int, sp.Expr]]]:
         """R → (k, c) of the poles there."""
@@ -41,7 +43,7 @@ def fractions(R: sp.Expr, x: sp.Symbol) -> Fractions:
         x: the variable.
 
     Raises:
-        NoFormError: a denominator of degree above 2 that does not factor, or without real zeros for sure.
+        NoFormError: a denominator of degree above 2 that does not factor, or with multiple complex zeros.
     """
     bare, back = named_constants(R, x)
     top, bottom = sp.fraction(sp.cancel(sp.together(bare)))
@@ -49,10 +51,19 @@ def fractions(R: sp.Expr, x: sp.Symbol) -> Fractions:
     powers = tuple((int(k), sp.factor(c).xreplace(back)) for (k,), c in whole.terms() if c != 0)
     if rest is None or rest.is_zero:
         return Fractions(powers)
-    poles = []
+    poles, complex_poles = [], []
     constant, factors = sp.factor_list(bottom, x)
     for factor, power in factors:
         others = constant * sp.Mul(*(f**n for f, n in factors if f != factor))
+        if (square := _without_real_zeros(factor, x)) is not None:
+            if power > 1:
+                raise NoFormError(f"the integrand has multiple poles at complex places, where {factor} = 0")
+            re, im, leading = square
+            inverse = sp.invert(sp.Poly(others, x), sp.Poly(factor, x)) if others.has(x) else sp.Poly(1 / others, x)
+            line = sp.rem(rest * inverse, sp.Poly(factor, x))
+            A, B = (sp.factor(line.coeff_monomial(x**k) / leading).xreplace(back) for k in (1, 0))
+            complex_poles.append((re.xreplace(back), im.xreplace(back), A, B))
+            continue
         for place, cofactor in _zeros(factor, x):
             g = rest.as_expr() / (others * cofactor**power)
             for order in range(power):
@@ -60,7 +71,16 @@ def fractions(R: sp.Expr, x: sp.Symbol) -> Fractions:
                 weight = sp.factor(sp.cancel(sp.together(weight)))
                 if weight != 0:
                     poles.append((place.xreplace(back), power - order, weight.xreplace(back)))
-    return Fractions(powers, tuple(poles))
+    return Fractions(powers, tuple(poles), tuple(complex_poles))
+
+
+def _without_real_zeros(factor: sp.Expr, x: sp.Symbol) -> tuple[sp.Expr, sp.Expr, sp.Expr] | None:
+    """α, β and a of a((x − α)² + β²); None where the factor may have real zeros."""
+    if sp.degree(factor, x) != 2:
+        return None
+    a, b, c = sp.Poly(factor, x).all_coeffs()
+    D = sp.factor(4 * a * c - b**2)
+    return (-b / (2 * a), sp.sqrt(D) / (2 * sp.sqrt(a**2)), a) if D.is_positive else None
 
 
 def _zeros(factor: sp.Expr, x: sp.Symbol) -> list[tuple[sp.Expr, sp.Expr]]:
@@ -72,8 +92,6 @@ def _zeros(factor: sp.Expr, x: sp.Symbol) -> list[tuple[sp.Expr, sp.Expr]]:
     if len(coefficients) == 3:
         a, b, c = coefficients
         D = sp.factor(b**2 - 4 * a * c)
-        if D.is_negative:
-            raise NoFormError(f"the integrand has poles at complex places, where {factor} = 0")
         low, high = ((-b + s * sp.sqrt(D)) / (2 * a) for s in (-1, 1))
         return [(low, a * (x - high)), (high, a * (x - low))]
     raise NoFormError(f"the integrand has poles at the roots of a polynomial of degree {len(coefficients) - 1}")

@@ -8,10 +8,15 @@ from typing import TYPE_CHECKING
 import mpmath
 import sympy as sp
 
+from hjsolve.closed_form.carlson import CarlsonMap, carlson_inverse
 from hjsolve.closed_form.elementary import Antiderivative
+from hjsolve.closed_form.even_curves import EvenMap, even_inverse
 from hjsolve.closed_form.fractions import NoFormError
-from hjsolve.closed_form.pieces import CoordinateIntegrals, PieceIntegral
+from hjsolve.closed_form.pieces import CoordinateIntegrals, PieceIntegral, principal
+from hjsolve.closed_form.real_branch_points import elliptic_inverse
 from hjsolve.closed_form.tidy import tidy
+from hjsolve.closed_form.verification import sample_numbers, span, value_at
+from hjsolve.functions import JacobiAM, JacobiSN
 
 if TYPE_CHECKING:
     from hjsolve.closed_form.derive import Workshop
@@ -131,7 +136,7 @@ def inverted(own: CoordinateIntegrals, integral: PieceIntegral, value: sp.Expr, 
         NoFormError: it holds more than one function of q.
     """
     if integral.law is None:
-        raise NoFormError("no elementary inverse")
+        return _elliptic(own, integral, value, start)
     law, q = integral.law, integral.curve.coordinate.symbol
     s = integral.curve.substitution
     if not law.terms and law.algebraic != 0:
@@ -142,6 +147,26 @@ def inverted(own: CoordinateIntegrals, integral: PieceIntegral, value: sp.Expr, 
     begin = basic.written(s.place.subs(q, start))
     x = basic.solved(sp.expand(value / weight) + begin)
     return verified_inverse(own, integral, tidy(s.inverse.subs(s.x, x)), value, start)
+
+
+def _elliptic(own: CoordinateIntegrals, integral: PieceIntegral, value: sp.Expr, start: sp.Symbol) -> sp.Expr:
+    """sn² of an integral of the first kind."""
+    s, q = integral.curve.substitution, integral.curve.coordinate.symbol
+    if integral.first is None or integral.way is None:
+        raise NoFormError(f"t({own.name}) holds elliptic integrals of the second or third kind: they have no inverse")
+    amount, begin = sp.expand(value / integral.first), s.place.subs(q, start)
+    way = integral.way
+    match way:
+        case EvenMap():
+            x = even_inverse(way, amount, begin)
+        case CarlsonMap():
+            x = carlson_inverse(way, amount, begin)
+        case _:
+            x = elliptic_inverse(way, amount, begin)
+    place = tidy(s.inverse.subs(s.x, x)).replace(
+        lambda e: isinstance(e, sp.asin) and isinstance(e.args[0], JacobiSN), lambda e: JacobiAM(*e.args[0].args)
+    )
+    return verified_inverse(own, integral, principal(place), value, start)
 
 
 def _algebraic(own: CoordinateIntegrals, integral: PieceIntegral, value: sp.Expr, start: sp.Symbol) -> sp.Expr:
@@ -159,7 +184,7 @@ def _algebraic(own: CoordinateIntegrals, integral: PieceIntegral, value: sp.Expr
 
 def _why_not_inverted(own: CoordinateIntegrals, law: Antiderivative) -> str:
     kinds = [term.kind for _, term in law.terms]
-    if law.algebraic != 0 and len(kinds) == 1 and own.region.kind in ("libration", "escape", "boundary"):
+    if law.algebraic != 0 and len(kinds) == 1 and own.kind in ("libration", "escape", "boundary"):
         what = {"arcsine": "Kepler's equation", "area cosine right": "Kepler's equation of the hyperbola"}.get(kinds[0])
         if what is not None:
             return f"t({own.name}) is {what}: {own.name}(t) has no closed form"
@@ -183,27 +208,27 @@ def verified_inverse(
     Raises:
         NoFormError: it does not.
     """
-    q, values = integral.curve.coordinate.symbol, dict(own.sample.values)
-    begin = own.sample.places[own.name]
-    stop = _nearby(own, integral)
-    difference = (integral.value.subs(q, stop) - integral.value.subs(q, begin)).xreplace(values)
-    free = sorted(value.free_symbols - set(values), key=str)
+    q = integral.curve.coordinate.symbol
+    begin, stop = own.sample.places[own.name], _nearby(own, integral)
     with mpmath.workdps(_DIGITS + 20):
-        fixed = {s: sp.Rational(k + 2, 7) for k, s in enumerate(free[1:])} | {start: begin}
-        unknown = free[0]
-        slope = sp.diff(value, unknown)
-        rest = value.subs(unknown, 0).xreplace(fixed).xreplace(values)
-        at = sp.N((sp.N(difference, 70) - rest) / slope.xreplace(values), 70)
-        got = sp.N(place.xreplace(values).xreplace({**fixed, unknown: at}), 60)
-        if not got.is_real or abs(got - stop) > abs(stop) * sp.Float(10) ** -_DIGITS + sp.Float(10) ** (-_DIGITS - 5):
-            raise NoFormError(f"not verified: the inverse gives {sp.N(got, 15)} for {sp.N(stop, 15)}")
+        numbers = sample_numbers(own)
+        free = sorted(value.free_symbols - set(numbers), key=str)
+        numbers |= {s: mpmath.mpf(k + 2) / 7 for k, s in enumerate(free)}
+        numbers[start] = mpmath.mpf(int(begin.p)) / int(begin.q)
+        target = mpmath.mpf(int(stop.p)) / int(stop.q)
+        difference = value_at(integral.value, numbers | {q: target}) - value_at(
+            integral.value, numbers | {q: numbers[start]}
+        )
+        unknown, offset = free[0], value_at(value, numbers)
+        numbers[unknown] += (difference - offset) / value_at(sp.diff(value, unknown), numbers)
+        got = value_at(place, numbers)
+        if not abs(got - target) <= (abs(target) + mpmath.mpf(10) ** -5) * mpmath.mpf(10) ** -_DIGITS:
+            raise NoFormError(f"not verified: the inverse gives {mpmath.nstr(got, 15)} for {mpmath.nstr(target, 15)}")
     return place
 
 
 def _nearby(own: CoordinateIntegrals, integral: PieceIntegral) -> sp.Expr:
     """Another place of the same region, on the same side of the turning points."""
-    from hjsolve.closed_form.verification import span
-
     low, high = span(own, integral)
     return sp.Rational(str(mpmath.nstr(low + (high - low) * mpmath.mpf("0.64"), 15)))
 

@@ -2,17 +2,27 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Iterable, Mapping
 from dataclasses import dataclass, field
 
 import sympy as sp
 
-from hjsolve.closed_form.curves import MomentumCurve
+from hjsolve.closed_form.branch_points import NamedRoots, named_roots
+from hjsolve.closed_form.carlson import CarlsonMap, carlson_integral, carlson_map
+from hjsolve.closed_form.curves import MomentumCurve, W, why_no_curve
 from hjsolve.closed_form.elementary import Antiderivative, antiderivative, root
+from hjsolve.closed_form.even_curves import EvenMap, even_integral, even_map
 from hjsolve.closed_form.fractions import NoFormError, fractions
+from hjsolve.closed_form.real_branch_points import LegendreMap, elliptic_integral, legendre_map
 from hjsolve.closed_form.regions import RootInterval, region_of
 from hjsolve.closed_form.sampling import Sample
 from hjsolve.closed_form.signs import Signs
+from hjsolve.closed_form.strata import deciders
+
+LONGEST_FORM = 6000
+"""Operations above which a form is no use."""
+LONGEST_CONDITION = 40
+"""Operations of a condition that is still worth stating beside the order of the roots."""
 
 
 @dataclass(frozen=True)
@@ -26,6 +36,8 @@ class PieceIntegral:
         rational: R(x) of ∫ R dx/√P.
         law: the elementary antiderivative in x; None of an elliptic one.
         curve: the curve it was found on.
+        first: R, where it is a constant: the integral of the first kind; else None.
+        way: the map to Legendre's integrals; None of an elementary one.
     """
 
     numerator: sp.Expr
@@ -34,18 +46,20 @@ class PieceIntegral:
     rational: sp.Expr
     law: Antiderivative | None
     curve: MomentumCurve
+    first: sp.Expr | None = None
+    way: EvenMap | LegendreMap | CarlsonMap | None = None
 
 
-@dataclass(frozen=True)
+@dataclass
 class CoordinateIntegrals:
     """A coordinate in a regime.
 
     Attributes:
         name: of the coordinate.
         sample: the motion it was found with.
+        numerators: W or a constant → N(q), none zero.
         region: where the motion is on the x-axis of the first curve.
         regions: all curves used, with the region on each.
-        numerators: W or a constant → N(q), none zero.
         conditions: expression in the constants → its sign.
         integrals: W or a constant → its integral; no key where the coordinate does not contribute.
         roots: the real roots of P of the first curve, ascending; None where they have no names.
@@ -55,18 +69,51 @@ class CoordinateIntegrals:
 
     name: str
     sample: Sample
-    region: RootInterval
-    regions: tuple[tuple[MomentumCurve, RootInterval], ...]
     numerators: Mapping[sp.Symbol, sp.Expr]
-    conditions: Mapping[sp.Expr, int]
-    integrals: Mapping[sp.Symbol, PieceIntegral]
-    roots: tuple[sp.Expr, ...] | None
-    why_not: Mapping[sp.Symbol, str]
-    where: Mapping[sp.Symbol, object] = field(default_factory=dict)
+    region: RootInterval | None = None
+    regions: list[tuple[MomentumCurve, RootInterval]] = field(default_factory=list)
+    conditions: dict[sp.Expr, int] = field(default_factory=dict)
+    integrals: dict[sp.Symbol, PieceIntegral] = field(default_factory=dict)
+    roots: tuple[sp.Expr, ...] | None = None
+    why_not: dict[sp.Symbol, str] = field(default_factory=dict)
+    where: dict[sp.Symbol, sp.Expr | tuple[sp.Poly, int]] = field(default_factory=dict)
+
+    @property
+    def kind(self) -> str:
+        """Libration, rotation, escape or boundary."""
+        assert self.region is not None
+        return self.region.kind
+
+    def add(self, done: Mapping[sp.Symbol, PieceIntegral], task: _Task) -> None:
+        """Take over what was integrated on a curve.
+
+        Args:
+            done: W or a constant → its integral.
+            task: the curve and the interval.
+        """
+        if not self.regions:
+            self.roots = task.real_roots()
+        self.regions.append((task.curve, task.region))
+        self.conditions |= task.conditions([key for key in self.numerators if key != W])
+        self.integrals |= done
+        self.why_not = {key: reason for key, reason in self.why_not.items() if key not in self.integrals}
+        held = {s for found in done.values() for s in (found.value + (found.cycle or 0)).free_symbols}
+        for roots in (task.roots, *(way.roots for way in task.ways if isinstance(way, CarlsonMap))):
+            if roots is not None:
+                self.where |= {s: meaning for s, meaning in roots.where.items() if s in held | _inside(roots)}
+
+    def refuse(self, flaws: Mapping[sp.Symbol, str]) -> None:
+        """Take integrals out that failed.
+
+        Args:
+            flaws: W or a constant → what is wrong with it.
+        """
+        self.integrals = {key: value for key, value in self.integrals.items() if key not in flaws}
+        self.why_not |= flaws
 
 
 def piece(
-    name: str, numerators: Mapping[sp.Symbol, sp.Expr], found: list[MomentumCurve], sample: Sample
+    name: str, numerators: Mapping[sp.Symbol, sp.Expr], found: list[MomentumCurve], sample: Sample, prefix: str = "x"
 ) -> CoordinateIntegrals | None:  # fmt: skip
     """Integrate a coordinate in the regime of a sample.
 
@@ -75,60 +122,137 @@ def piece(
         numerators: W or a constant → N(q), none that is zero.
         found: its curves, the simplest first, in the stratum of the sample.
         sample: a motion.
+        prefix: of the names of roots.
 
     Returns:
         The piece; None where the motion is at rest or asymptotic in this coordinate.
     """
-    integrals, why_not, regions = dict[sp.Symbol, PieceIntegral](), dict[sp.Symbol, str](), []
-    conditions, first = dict[sp.Expr, int](), None
+    made = CoordinateIntegrals(name, sample, numerators)
     for curve in found:
-        missing = [key for key in numerators if key not in integrals]
+        missing = [key for key in numerators if key not in made.integrals]
         if not missing:
             break
         region = region_of(curve, sample)
         if region is None or not region.whole:
             continue
-        first = first or region
+        made.region = made.region or region
         signs = Signs(sample.values, region.place)
-        used = False
+        try:
+            task = _Task(curve, region, signs, prefix)
+        except NoFormError as error:
+            made.why_not |= {key: str(error) for key in missing if key not in made.why_not}
+            continue
+        done = dict[sp.Symbol, PieceIntegral]()
         for key in missing:
             try:
-                integrals[key] = _integral(curve, region, key, numerators[key], signs)
-                used = True
+                done[key] = task.integral(key, numerators[key])
             except NoFormError as error:
-                why_not.setdefault(key, str(error))
-        if used:
-            regions.append((curve, region))
-            conditions |= signs.decided | region.conditions(signs)
-    if first is None:
-        return None
-    return CoordinateIntegrals(
-        name, sample, first, tuple(regions), numerators, conditions, integrals,
-        _roots(regions[0][0], Signs(sample.values, first.place)) if regions else None,
-        {key: reason for key, reason in why_not.items() if key not in integrals},
-    )  # fmt: skip
+                made.why_not.setdefault(key, str(error))
+        if done:
+            made.add(done, task)
+    return made if made.region is not None else None
 
 
-def _integral(
-    curve: MomentumCurve, region: RootInterval, key: sp.Symbol, numerator: sp.Expr, signs: Signs
-) -> PieceIntegral:
-    """∫ N dq/√P² = ε ∫ N dx/(S √P)."""
-    if curve.degree > 2:
-        raise NoFormError(
-            f"y² = P({curve.substitution.place}) has degree {curve.degree}: no closed form in elementary functions"
+class _Task:
+    """One curve and the interval of it that a motion is on."""
+
+    def __init__(self, curve: MomentumCurve, region: RootInterval, signs: Signs, prefix: str):
+        self.curve, self.region, self.signs = curve, region, signs
+        if curve.degree > 4:
+            raise NoFormError(why_no_curve([curve]))
+        self.roots = named_roots(curve, region, signs, prefix) if curve.degree > 2 else None
+        self.ways: list[EvenMap | LegendreMap | CarlsonMap] = (
+            [] if self.roots is None else _maps(curve, self.roots, signs, prefix)
         )
-    s, x = curve.substitution, curve.x
-    R = region.orientation(signs) * curve.numerator(key) / curve.square
-    law = antiderivative(
-        fractions(R, x), curve.polynomial, signs, lambda r: 1 if region.place > signs.number(r) else -1
+
+    def integral(self, key: sp.Symbol, numerator: sp.Expr) -> PieceIntegral:
+        """∫ N dq/√P² = ε ∫ N dx/(S √P)."""
+        curve, s, region = self.curve, self.curve.substitution, self.region
+        R = sp.cancel(sp.together(region.orientation(self.signs) * curve.numerator(key) / curve.square))
+        cyclic, way = region.kind in ("libration", "rotation"), None
+        law: Antiderivative | None = None
+        if self.roots is not None:
+            value, whole, way = self._elliptic(R, cyclic=cyclic)
+            value = value.subs(curve.x, s.place)
+        else:
+            law = antiderivative(fractions(R, curve.x), curve.polynomial, self.signs, self.side)
+            value, whole = law.written(s.place), law.complete() if region.kind == "libration" else None
+        cycle = None
+        if whole is not None:
+            cycle = whole * (2 if region.kind == "libration" else 1) * (1 if s.increasing else -1)
+        value = principal(value)
+        if sp.count_ops(value) > LONGEST_FORM:
+            raise NoFormError(f"the form has more than {LONGEST_FORM} operations")
+        first = None if R.has(curve.x) else R
+        return PieceIntegral(numerator, value, cycle, R, law, curve, first, way)
+
+    def _elliptic(
+        self, R: sp.Expr, *, cyclic: bool
+    ) -> tuple[sp.Expr, sp.Expr | None, EvenMap | LegendreMap | CarlsonMap]:
+        """The integral by the first map that reaches it; over the whole interval too, where the motion has cycles."""
+        reason = "P has complex roots in this regime"
+        for way in self.ways:
+            try:
+                if isinstance(way, EvenMap):
+                    value = even_integral(R, way, self.curve.x, complete=False)
+                    return value, even_integral(R, way, self.curve.x, complete=True) if cyclic else None, way
+                parts = fractions(R, self.curve.x)
+                if isinstance(way, CarlsonMap):
+                    value = carlson_integral(parts, way, self.curve.x)
+                    return value, carlson_integral(parts, way, None) if cyclic else None, way
+                value = elliptic_integral(parts, way, self.curve.x)
+                return value, elliptic_integral(parts, way, None) if cyclic else None, way
+            except NoFormError as error:
+                reason = str(error)
+        raise NoFormError(reason)
+
+    def side(self, r: sp.Expr) -> int:
+        """The sign of x − r on the interval."""
+        return 1 if self.region.place > self.signs.number(r) else -1
+
+    def real_roots(self) -> tuple[sp.Expr, ...] | None:
+        """The real roots of P, ascending."""
+        return _roots(self.curve, self.signs) if self.roots is None else self.roots.real
+
+    def conditions(self, constants: Iterable[sp.Symbol]) -> dict[sp.Expr, int]:
+        """What the regime rests on."""
+        if self.roots is not None:
+            for decider in deciders(self.curve, constants):
+                if sp.count_ops(decider) <= LONGEST_CONDITION:
+                    self.signs.sign(decider)
+        return self.signs.decided | self.region.conditions(self.signs)
+
+
+def principal(value: sp.Expr) -> sp.Expr:
+    """arcsin(sin w) is w, and so on: the variable is monotone on the domain, where w is the principal value.
+
+    Args:
+        value: what holds them.
+    """
+    return value.replace(
+        lambda e: isinstance(e, (sp.asin, sp.acos, sp.atan)) and e.args[0].func is e.inverse(),
+        lambda e: e.args[0].args[0],
     )
-    cycle = None
-    if region.kind == "libration":
-        whole = law.complete()
-        cycle = None if whole is None else 2 * whole
-        if cycle is not None and not s.increasing:
-            cycle = -cycle
-    return PieceIntegral(numerator, law.written(s.place), cycle, R, law, curve)
+
+
+def _inside(roots: NamedRoots) -> set[sp.Symbol]:
+    """The named roots that other names, and turning points, are written in."""
+    return {s for s, meaning in roots.where.items() if isinstance(meaning, tuple)}
+
+
+def _maps(
+    curve: MomentumCurve, roots: NamedRoots, signs: Signs, prefix: str
+) -> list[EvenMap | LegendreMap | CarlsonMap]:  # fmt: skip
+    """The maps to Legendre's integrals, the plainest first."""
+    found: list[EvenMap | LegendreMap | CarlsonMap] = []
+    P = curve.polynomial
+    if P.degree() == 4 and P.coeff_monomial(curve.x**3) == 0 and P.coeff_monomial(curve.x) == 0:
+        even = even_map(roots)
+        found += [even] if even is not None else []
+    if not roots.pairs:
+        found.append(legendre_map(roots, signs))
+    found.append(carlson_map(roots, prefix))
+    return found
 
 
 def _roots(curve: MomentumCurve, signs: Signs) -> tuple[sp.Expr, ...] | None:

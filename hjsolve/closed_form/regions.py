@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
+from functools import lru_cache
 
 import mpmath
 import sympy as sp
@@ -24,9 +25,10 @@ class RootInterval(Shown):
         curve: whose x.
         place: the x of the sample.
         roots: the real roots of P, ascending, numbers at the sample.
-        lower: its lower end: ("root", index among the real roots) or ("end", 0).
+        lower: its lower end: ("root", index among the real roots), ("rest", index) where the motion would never arrive,
+            or ("end", 0).
         upper: its upper end, likewise.
-        kind: libration, rotation, escape or boundary.
+        kind: libration, rotation, escape, boundary or asymptotic.
         whole: whether the motion stays on it; False where it goes on through the place at which the variable is cut.
     """
 
@@ -84,15 +86,46 @@ def real_roots(curve: MomentumCurve, values: dict[sp.Symbol, sp.Expr]) -> tuple[
     """
     with mpmath.workdps(DIGITS):
         coefficients = [mpmath.mpf(sp.N(c.xreplace(values), DIGITS)) for c in curve.polynomial.all_coeffs()]
-        size = max(abs(c) for c in coefficients)
-        while coefficients and abs(coefficients[0]) < size * _SAME:
-            coefficients.pop(0)
-        if len(coefficients) < 2:
-            return [], False
-        roots = mpmath.polyroots(coefficients, maxsteps=200, extraprec=400)
+    real, double = _roots_of(tuple(coefficients))
+    return [*real], double
+
+
+@lru_cache(maxsize=1024)
+def _roots_of(coefficients: tuple[mpmath.mpf, ...]) -> tuple[tuple[mpmath.mpf, ...], bool]:
+    """The real roots of a polynomial, ascending, and whether two roots are the same."""
+    with mpmath.workdps(DIGITS):
+        size, first = max(abs(c) for c in coefficients), 0
+        while first < len(coefficients) and abs(coefficients[first]) < size * _SAME:
+            first += 1
+        if len(coefficients) - first < 2:
+            return (), False
+        roots = _complex_roots(coefficients[first:])
         scale = max(abs(r) for r in roots) or mpmath.mpf(1)
         double = any(abs(a - b) < scale * _SAME for k, a in enumerate(roots) for b in roots[:k])
-        return sorted(r.real for r in roots if abs(r.imag) <= scale * _SAME), double
+        return tuple(sorted(r.real for r in roots if abs(r.imag) <= scale * _SAME)), double
+
+
+def _complex_roots(coefficients: tuple[mpmath.mpf, ...]) -> list[mpmath.mpc]:
+    """All roots; in doubles first, and from there by Newton's rule: simple roots are soon had."""
+    import numpy as np
+
+    starts = np.roots([complex(c / coefficients[0]) for c in coefficients])
+    found = []
+    for start in starts:
+        z = mpmath.mpmathify(complex(start))
+        for _ in range(12):
+            value, slope = mpmath.polyval(coefficients, z, derivative=True)
+            step = value / slope if slope else mpmath.mpf(1)
+            z -= step
+            if abs(step) <= abs(z) * mpmath.mpf(10) ** (-DIGITS + 4) or value == 0:
+                break
+        else:
+            return list(mpmath.polyroots([*coefficients], maxsteps=300, extraprec=400))
+        found.append(z)
+    gaps = [abs(a - b) for k, a in enumerate(found) for b in found[:k]]
+    if gaps and min(gaps) < max(abs(z) for z in found) * mpmath.mpf(10) ** -6:
+        return list(mpmath.polyroots([*coefficients], maxsteps=300, extraprec=400))
+    return found
 
 
 def region_of(curve: MomentumCurve, sample: Sample) -> RootInterval | None:
@@ -112,18 +145,15 @@ def region_of(curve: MomentumCurve, sample: Sample) -> RootInterval | None:
         if double or curve.polynomial.as_expr().xreplace(values).subs(curve.x, sp.Float(place, DIGITS)) <= 0:
             return None
         low, high = (_number(end, values) for end in (s.lower, s.upper))
-        below = [k for k, r in enumerate(roots) if r < place]
-        above = [k for k, r in enumerate(roots) if r > place]
-        lower = (
-            ("root", below[-1])
-            if below and roots[below[-1]] > low + _SAME * (1 + abs(roots[below[-1]]))
-            else ("end", 0)
-        )
-        upper = (
-            ("root", above[0]) if above and roots[above[0]] < high - _SAME * (1 + abs(roots[above[0]])) else ("end", 0)
-        )
+        marks = _marks(curve, roots, values, low, high)
+        below = [mark for mark in marks if mark[0] < place]
+        above = [mark for mark in marks if mark[0] > place]
+        lower = below[-1][1] if below else ("end", 0)
+        upper = above[0][1] if above else ("end", 0)
     both = {lower[0], upper[0]}
-    if both == {"root"}:
+    if "rest" in both:
+        kind = "asymptotic"
+    elif both == {"root"}:
         kind = "libration"
     elif s.closed:
         kind = "rotation"
@@ -131,7 +161,38 @@ def region_of(curve: MomentumCurve, sample: Sample) -> RootInterval | None:
         ends = [end for end, (what, _) in ((low, lower), (high, upper)) if what == "end"]
         far = [_number_of_q(curve, end, values) for end in ends]
         kind = "escape" if any(mpmath.isinf(f) for f in far) else "boundary"
-    return RootInterval(curve, place, tuple(roots), lower, upper, kind, not (s.closed and len(both) == 2))
+    return RootInterval(curve, place, tuple(roots), lower, upper, kind, not (s.closed and both == {"root", "end"}))
+
+
+def _marks(
+    curve: MomentumCurve, roots: list[mpmath.mpf], values: dict[sp.Symbol, sp.Expr], low: mpmath.mpf, high: mpmath.mpf
+) -> list[tuple[mpmath.mpf, tuple[str, int]]]:  # fmt: skip
+    """Where a motion turns, at roots of P inside the domain, or comes to rest, at zeros of S at finite q; ascending."""
+
+    def inside(r: mpmath.mpf) -> bool:
+        gap = _SAME * (1 + abs(r))
+        return bool(low + gap < r < high - gap)
+
+    found = [(r, ("root", k)) for k, r in enumerate(roots) if inside(r)]
+    top = sp.numer(sp.together(curve.square))
+    if top.has(curve.x):
+        zeros = _polynomial_roots(sp.Poly(top, curve.x), values)
+        rests = sorted({mpmath.nstr(z, 30): z for z in zeros}.values())
+        for k, z in enumerate(rests):
+            edge = abs(z - low) <= _SAME * (1 + abs(z)) or abs(z - high) <= _SAME * (1 + abs(z))
+            if inside(z) or (edge and curve.substitution.closed):
+                found.append((z, ("rest", k)))
+    return sorted(found)
+
+
+def _polynomial_roots(polynomial: sp.Poly, values: dict[sp.Symbol, sp.Expr]) -> list[mpmath.mpf]:
+    """The real roots of any polynomial, at numbers."""
+    coefficients = [mpmath.mpf(sp.N(c.xreplace(values), DIGITS)) for c in polynomial.all_coeffs()]
+    if len(coefficients) < 2:
+        return []
+    roots = mpmath.polyroots(coefficients, maxsteps=300, extraprec=600)
+    scale = max(abs(r) for r in roots) or mpmath.mpf(1)
+    return [r.real for r in roots if abs(r.imag) <= scale * mpmath.mpf(10) ** -12]
 
 
 def _number(end: sp.Expr, values: dict[sp.Symbol, sp.Expr]) -> mpmath.mpf:
@@ -161,13 +222,11 @@ def region_exists(curve: MomentumCurve, like: RootInterval, values: dict[sp.Symb
         if double or len(roots) != len(like.roots):
             return False
         low, high = (_number(end, values) for end in (curve.substitution.lower, curve.substitution.upper))
-        inside = [k for k, r in enumerate(roots) if low + _SAME * (1 + abs(r)) < r < high - _SAME * (1 + abs(r))]
-        for side, _end in ((like.lower, low), (like.upper, high)):
-            if side[0] == "root" and side[1] not in inside:
-                return False
-        start = roots[like.lower[1]] if like.lower[0] == "root" else low
-        stop = roots[like.upper[1]] if like.upper[0] == "root" else high
-        if any(start < roots[k] < stop for k in inside):
+        marks = {key: value for value, key in _marks(curve, roots, values, low, high)}
+        if any(side[0] != "end" and side not in marks for side in (like.lower, like.upper)):
+            return False
+        start, stop = marks.get(like.lower, low), marks.get(like.upper, high)
+        if any(start < value < stop for value in marks.values()):
             return False
         place = _between(start, stop)
         value = curve.polynomial.as_expr().xreplace(values).subs(curve.x, sp.Float(place, DIGITS))

@@ -21,6 +21,7 @@ class Signs:
     def __init__(self, values: Mapping[sp.Symbol, sp.Expr], place: sp.Expr):
         self.values, self.place = dict(values), place
         self.decided: dict[sp.Expr, int] = {}
+        self.named = set[sp.Symbol]()
 
     def number(self, expression: sp.Expr) -> mpmath.mpf:
         """The value of an expression at the sample.
@@ -43,9 +44,18 @@ class Signs:
             return known
         value = self.number(expression)
         found = 0 if abs(value) < 1e-40 else 1 if value > 0 else -1
-        if found:
+        if found and not expression.free_symbols & self.named:
             self.decided[sp.factor_terms(expression)] = found
         return found
+
+    def name(self, numbers: Mapping[sp.Symbol, sp.Expr]) -> None:
+        """Learn the values of named roots; signs of what holds them follow from the order of the roots.
+
+        Args:
+            numbers: symbol → value.
+        """
+        self.values |= numbers
+        self.named |= set(numbers)
 
     def slope_sign(self, A: sp.Expr, B: sp.Expr, place: sp.Expr | None) -> int:
         """The sign of 2Au + B at the sample, u = x or 1/(x − r).

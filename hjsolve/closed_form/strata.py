@@ -25,6 +25,9 @@ def deciders(curve: MomentumCurve, constants: Iterable[sp.Symbol]) -> list[sp.Ex
     for k, f in enumerate(factors):
         if 2 <= sp.degree(f, x) <= 3:
             found.append(sp.discriminant(f, x).xreplace(back))
+        if sp.degree(f, x) == 4 and f.coeff(x, 3) == 0 and f.coeff(x, 1) == 0:
+            a, b, c = (f.expand().coeff(x, n) for n in (4, 2, 0))
+            found += [c.xreplace(back), (b**2 - 4 * a * c).xreplace(back)]
         found += [sp.resultant(f, g, x).xreplace(back) for g in factors[:k]]
     found += [P.as_expr().subs(x, end) for end in (s.lower, s.upper) if end.is_finite]
     result = list[sp.Expr]()

@@ -202,10 +202,13 @@ def _half_sine(function: sp.Expr, q: sp.Symbol, x: sp.Symbol) -> Iterator[Substi
         d = common * sp.sqrt(sp.expand(sp.cancel(c / common) ** 2 + sp.cancel(b / common) ** 2))
     if d.is_negative:
         δ, d = δ + sp.pi, -d
-    x_of_q = sp.sin((q - δ) / 2)
-    yield Substitution(
-        x, x_of_q, δ + 2 * sp.asin(x), (1 - x**2) / 4, a + d * (1 - 2 * x**2), -sp.S.One, sp.S.One, True, closed=True
-    )
+    for middle, size in ((δ, d), (δ + sp.pi, -d)):  # about either place of rest
+        yield _about(q, x, middle, a + size * (1 - 2 * x**2))
+
+
+def _about(q: sp.Symbol, x: sp.Symbol, δ: sp.Expr, function: sp.Expr) -> Substitution:
+    slope, inverse = (1 - x**2) / 4, δ + 2 * sp.asin(x)
+    return Substitution(x, sp.sin((q - δ) / 2), inverse, slope, function, -sp.S.One, sp.S.One, True, closed=True)
 
 
 def _base(

@@ -4,6 +4,24 @@ from __future__ import annotations
 
 import sympy as sp
 
+from hjsolve.functions import CarlsonRC, CarlsonRD, CarlsonRF, CarlsonRJ
+
+ELLIPTIC = (
+    sp.elliptic_k, sp.elliptic_f, sp.elliptic_e, sp.elliptic_pi, CarlsonRC, CarlsonRD, CarlsonRF, CarlsonRJ,
+)  # fmt: skip
+"""The integrals that occur in forms."""
+LONGEST = 150
+"""Operations above which a form with elliptic integrals is left as it is."""
+
+
+def elliptic(expression: sp.Expr) -> bool:
+    """Whether an expression holds elliptic integrals: such are not multiplied out, which takes for ever.
+
+    Args:
+        expression: of a form.
+    """
+    return bool(expression.has(*ELLIPTIC))
+
 
 def tidy(expression: sp.Expr) -> sp.Expr:
     """Write products of powers of s, −s and |s| shorter.
@@ -11,6 +29,8 @@ def tidy(expression: sp.Expr) -> sp.Expr:
     Args:
         expression: real, of real symbols.
     """
+    if elliptic(expression) and sp.count_ops(expression) > LONGEST:
+        return expression
     return expression.replace(lambda e: e.is_Mul, _product)
 
 

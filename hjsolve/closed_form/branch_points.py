@@ -1,0 +1,122 @@
+"""The roots of P, deg P = 3 or 4, by name: rational or in radicals where they are, else as ordered real roots of P."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import mpmath
+import sympy as sp
+
+from hjsolve.closed_form.curves import MomentumCurve, named_constants
+from hjsolve.closed_form.fractions import NoFormError
+from hjsolve.closed_form.regions import RootInterval
+from hjsolve.closed_form.signs import Signs
+from hjsolve.closed_form.tidy import tidy
+
+
+@dataclass(frozen=True)
+class NamedRoots:
+    """The roots of P as expressions, in order at the sample.
+
+    Attributes:
+        leading: the leading coefficient of P.
+        real: ascending.
+        pairs: real and imaginary part of each complex pair, the latter positive.
+        where: symbol → (P, index of the real root), of those without radicals.
+        interval: indices of the real roots around the motion; None where there is none on that side.
+    """
+
+    leading: sp.Expr
+    real: tuple[sp.Expr, ...]
+    pairs: tuple[tuple[sp.Expr, sp.Expr], ...]
+    where: dict[sp.Symbol, sp.Expr | tuple[sp.Poly, int]]
+    interval: tuple[int | None, int | None]
+
+
+def named_roots(curve: MomentumCurve, region: RootInterval, signs: Signs, prefix: str) -> NamedRoots:
+    """Name the roots of P.
+
+    Args:
+        curve: of degree 3 or 4.
+        region: where the motion is.
+        signs: of the sample.
+        prefix: of new names.
+
+    Raises:
+        NoFormError: the roots in radicals could not be told apart.
+    """
+    radicals = _radicals(curve, signs)
+    where: dict[sp.Symbol, sp.Expr | tuple[sp.Poly, int]] = {}
+    P, x = curve.polynomial, curve.x
+    if radicals is None:
+        symbols = [sp.Symbol(f"{prefix}_{k + 1}", real=True) for k in range(len(region.roots))]
+        where = {symbol: (P, k) for k, symbol in enumerate(symbols)}
+        signs.name({symbol: sp.Float(r, 50) for symbol, r in zip(symbols, region.roots, strict=True)})
+        real, pairs = tuple(symbols), _remaining_pair(P, symbols)
+    else:
+        found, pairs = radicals
+        real = tuple(sorted(found, key=lambda e: mpmath.mpf(signs.number(e))))
+    if len(real) != len(region.roots) or len(real) + 2 * len(pairs) != P.degree():
+        raise NoFormError(f"the roots of {P.as_expr()} in {x} could not be told apart")
+    with mpmath.workdps(30):
+        below = [k for k, r in enumerate(region.roots) if r < region.place]
+        above = [k for k, r in enumerate(region.roots) if r > region.place]
+    return NamedRoots(P.LC(), real, pairs, where, (below[-1] if below else None, above[0] if above else None))
+
+
+def _remaining_pair(P: sp.Poly, real: list[sp.Symbol]) -> tuple[tuple[sp.Expr, sp.Expr], ...]:
+    """The complex pair that is left beside named real roots: x² + βx + γ by Vieta."""
+    if len(real) == P.degree():
+        return ()
+    if len(real) != P.degree() - 2:
+        raise NoFormError("P has no real root")
+    A, b, c = P.all_coeffs()[:3]
+    total = sp.Add(*real)
+    β = b / A + total
+    γ = c / A - (real[0] * real[1] if len(real) == 2 else 0) + β * total
+    return ((-β / 2, sp.sqrt(γ - β**2 / 4)),)
+
+
+def _radicals(
+    curve: MomentumCurve, signs: Signs
+) -> tuple[list[sp.Expr], tuple[tuple[sp.Expr, sp.Expr], ...]] | None:  # fmt: skip
+    """Real roots and complex pairs of products of linear, quadratic and biquadratic factors; None of any other."""
+    x = curve.x
+    bare, back = named_constants(curve.polynomial.as_expr(), x)
+    real, pairs = list[sp.Expr](), list[tuple[sp.Expr, sp.Expr]]()
+    for factor, _ in sp.factor_list(sp.numer(sp.together(bare)), x)[1]:
+        coefficients = [c.xreplace(back) for c in sp.Poly(factor, x).all_coeffs()]
+        match len(coefficients):
+            case 2:
+                real.append(sp.cancel(-coefficients[1] / coefficients[0]))
+            case 3:
+                _quadratic(coefficients, signs, real, pairs)
+            case 5 if coefficients[1] == 0 and coefficients[3] == 0:
+                squares, complex_squares = list[sp.Expr](), list[tuple[sp.Expr, sp.Expr]]()
+                _quadratic(coefficients[::2], signs, squares, complex_squares)
+                for square in squares:
+                    if signs.sign(square) > 0:
+                        real += [-sp.sqrt(square), sp.sqrt(square)]
+                    else:
+                        pairs.append((sp.S.Zero, sp.sqrt(-square)))
+                for re, im in complex_squares:
+                    size = sp.sqrt(re**2 + im**2)
+                    part = (sp.sqrt((size + re) / 2), sp.sqrt((size - re) / 2))
+                    pairs += [part, (-part[0], part[1])]
+            case _:
+                return None
+    return [tidy(r) for r in real], tuple(pairs)
+
+
+def _quadratic(
+    coefficients: list[sp.Expr], signs: Signs, real: list[sp.Expr], pairs: list[tuple[sp.Expr, sp.Expr]]
+) -> None:  # fmt: skip
+    a, b, c = coefficients
+    D = sp.factor(b**2 / 4 - a * c)
+    if signs.sign(D) > 0:
+        ratio = sp.factor(sp.cancel(-c / a))
+        sides = (-1, 1)
+        real += [s * sp.sqrt(ratio) for s in sides] if b == 0 else [(-b / 2 + s * sp.sqrt(D)) / a for s in sides]
+    else:
+        size = a if signs.sign(a) > 0 else -a
+        pairs.append((sp.cancel(-b / (2 * a)), sp.sqrt(-D) / size))

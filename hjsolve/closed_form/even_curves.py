@@ -1,0 +1,128 @@
+"""∫ R(x²) dx/√P for P = A (x² − X₁)(x² − X₂): the forms of the pendulum and of Duffing's oscillator.
+
+With X = x² linear in s = sin² φ, ∫ dx/√P = ± (1/Ω) F(φ|m). By where x is:
+
+    X₁ > X₂ > 0, |x| < √X₂:  x = √X₂ sn,  Ω² = A X₁,          m = X₂/X₁
+    X₁ > X₂ > 0, √X₂ < x < √X₁:  x = √X₁ dn,  Ω² = −A X₁,     m = 1 − X₂/X₁
+    X₁ > 0 > X₂, |x| < √X₁:  x = √X₁ cn,  Ω² = −A (X₁ − X₂),  m = X₁/(X₁ − X₂)
+
+Byrd and Friedman, Handbook of elliptic integrals (1971), 219, 218, 213.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import sympy as sp
+
+from hjsolve.closed_form.branch_points import NamedRoots
+from hjsolve.closed_form.fractions import NoFormError, fractions
+from hjsolve.closed_form.real_branch_points import FAR, LegendreIntegrals, LegendreMap, over_s
+from hjsolve.functions import JacobiCN, JacobiDN, JacobiSN
+
+
+@dataclass(frozen=True)
+class EvenMap:
+    """The map of a piece of the x-axis, P even.
+
+    Attributes:
+        kind: sn, dn or cn.
+        side: the sign of x on the piece, dn; else 1.
+        scale: |x| is this times sn, dn or |cn|; positive.
+        line: X = x² as a linear function of s: its value at s = 0 and at s = 1.
+        m: the parameter.
+        Ω: the factor of the argument.
+    """
+
+    kind: str
+    side: int
+    scale: sp.Expr
+    line: tuple[sp.Expr, sp.Expr]
+    m: sp.Expr
+    Ω: sp.Expr
+
+    @property
+    def direction(self) -> int:
+        """1 where φ grows with x, else −1."""
+        return 1 if self.kind == "sn" or self.side < 0 else -1
+
+    @property
+    def quarters(self) -> int:
+        """How many K the argument grows by from the lower end to the upper."""
+        return 1 if self.kind == "dn" else 2
+
+    def amplitude(self, x: sp.Expr) -> tuple[sp.Expr, sp.Expr, sp.Expr]:
+        """φ, sin φ and cos φ at x.
+
+        Args:
+            x: the variable.
+        """
+        y = x / self.scale
+        if self.kind == "sn":
+            return sp.asin(y), y, sp.sqrt(1 - y**2)
+        if self.kind == "cn":
+            return sp.acos(y), sp.sqrt(1 - y**2), y
+        X0, X1 = self.line
+        s = (X0 - x**2) / (X0 - X1)
+        return sp.asin(sp.sqrt(s)), sp.sqrt(s), sp.sqrt(1 - s)
+
+
+def even_map(roots: NamedRoots) -> EvenMap | None:
+    """The map of an even P; None where there is none of these.
+
+    Args:
+        roots: of P.
+    """
+    A = roots.leading
+    squares = [sp.factor(sp.expand(r**2)) for r in roots.real]
+    if len(squares) == 4 and roots.interval == (1, 2):
+        X1, X2 = squares[3], squares[2]
+        return EvenMap("sn", 1, sp.sqrt(X2), (sp.S.Zero, X2), _short(X2 / X1), sp.sqrt(_short(A * X1)))
+    if len(squares) == 4 and roots.interval in ((0, 1), (2, 3)):
+        X1, X2 = squares[3], squares[2]
+        side = 1 if roots.interval == (2, 3) else -1
+        return EvenMap("dn", side, sp.sqrt(X1), (X1, X2), _short(1 - X2 / X1), sp.sqrt(_short(-A * X1)))
+    if len(squares) == 2 and roots.interval == (0, 1) and roots.pairs[0][0] == 0:
+        X1, X2 = squares[1], -sp.factor(sp.expand(roots.pairs[0][1] ** 2))
+        gap = _short(X1 - X2)
+        return EvenMap("cn", 1, sp.sqrt(X1), (X1, sp.S.Zero), _short(X1 / gap), sp.sqrt(_short(-A * gap)))
+    return None
+
+
+def _short(expression: sp.Expr) -> sp.Expr:
+    return sp.factor(sp.cancel(sp.together(expression)))
+
+
+def even_integral(R: sp.Expr, way: EvenMap, x: sp.Symbol, *, complete: bool) -> sp.Expr:
+    """∫ R dx/√P: up to x, from x = 0 (sn) or from the upper end (dn, cn); or over the whole piece.
+
+    Args:
+        R: rational in x.
+        way: the map.
+        x: the variable.
+        complete: whether over the whole piece.
+
+    Raises:
+        NoFormError: R is not even, or has a pole that these integrals do not reach.
+    """
+    if sp.cancel(R - R.subs(x, -x)) != 0:
+        raise NoFormError("the integrand is not even in x")
+    X = sp.Symbol(x.name, positive=True)
+    parts = fractions(sp.cancel(sp.powdenest(R.subs(x, sp.sqrt(X)), force=True)), X)
+    own = LegendreIntegrals(way.m, None if complete else way.amplitude(x))
+    low, high = way.line
+    linear = LegendreMap(low, high, FAR, FAR, 1, sp.S.One)
+    total = over_s(parts, linear, own, pole_at_c=low + (high - low) / way.m) / way.Ω
+    return way.quarters * total if complete else way.direction * total
+
+
+def even_inverse(way: EvenMap, value: sp.Expr, start: sp.Expr) -> sp.Expr:
+    """The x at which ∫ dx/√P from a place has a value.
+
+    Args:
+        way: the map.
+        value: of the integral.
+        start: the place, an x.
+    """
+    argument = sp.elliptic_f(way.amplitude(start)[0], way.m) + way.direction * sp.expand(way.Ω * value)
+    return way.side * way.scale * {"sn": JacobiSN, "dn": JacobiDN, "cn": JacobiCN}[way.kind](argument, way.m)

@@ -1,0 +1,262 @@
+"""∫ R(x) dx/√P(x), deg P = 3 or 4, all roots real, in Legendre's integrals; and x as a function of ∫ dx/√P.
+
+The four branch points, ∞ among them for a cubic, lie on a circle. From a root a the motion goes towards the next, b;
+beyond it lie c and d. Then s = (x − a)(b − d)/((x − d)(b − a)) runs from 0 at a to 1 at b, 1/m at c and ∞ at d, and
+
+    ∫ dx/√P = (1/Ω) F(φ|m),   s = sin² φ = sn²(Ω ∫dx/√P | m),   4Ω² = |A (c − a)(b − d)|,
+
+m = (c − d)(b − a)/((c − a)(b − d)), 0 < m < 1; factors with ∞ are left out. Powers of x and 1/(x − r) become powers of
+s or of 1/(1 − n s).
+
+Byrd and Friedman, Handbook of elliptic integrals (1971), 251–258 (the map), 310 (powers of sn²), 336 (third kind).
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import sympy as sp
+
+from hjsolve.closed_form.branch_points import NamedRoots
+from hjsolve.closed_form.fractions import Fractions, NoFormError
+from hjsolve.closed_form.signs import Signs
+from hjsolve.functions import JacobiSN
+
+FAR = sp.zoo
+"""The branch point at infinity of a cubic."""
+
+
+@dataclass(frozen=True)
+class LegendreMap:
+    """The map of a piece of the x-axis to 0 ≤ s ≤ 1.
+
+    Attributes:
+        a: the root at which s = 0.
+        b: where s = 1; ``FAR`` for ∞.
+        c: where s = 1/m.
+        d: where s = ∞.
+        direction: 1 where x > a on the piece, else −1.
+        Ω: the factor of the argument.
+    """
+
+    a: sp.Expr
+    b: sp.Expr
+    c: sp.Expr
+    d: sp.Expr
+    direction: int
+    Ω: sp.Expr
+
+    @property
+    def m(self) -> sp.Expr:
+        """The parameter of the elliptic integrals."""
+        return _ratio((self.c, self.d), (self.b, self.a), (self.c, self.a), (self.b, self.d))
+
+    def s(self, x: sp.Expr) -> sp.Expr:
+        """sin² φ at x.
+
+        Args:
+            x: the variable.
+        """
+        return _ratio((x, self.a), (self.b, self.d), (x, self.d), (self.b, self.a))
+
+    def place(self, s: sp.Expr) -> sp.Expr:
+        """The x at s.
+
+        Args:
+            s: sin² φ.
+        """
+        if self.d is FAR:
+            return self.a + (self.b - self.a) * s
+        if self.b is FAR:
+            return (self.a - self.d * s) / (1 - s)
+        n = self.pole(FAR)
+        return (self.a - n * self.d * s) / (1 - n * s)
+
+    def pole(self, r: sp.Expr) -> sp.Expr:
+        """n, with s = 1/n at x = r.
+
+        Args:
+            r: a place, or ``FAR``.
+        """
+        return _ratio((self.d, r), (self.b, self.a), (self.a, r), (self.b, self.d))
+
+
+def _ratio(*pairs: tuple[sp.Expr, sp.Expr]) -> sp.Expr:
+    """(p₁)(p₂)/((p₃)(p₄)) of differences, those with ∞ left out, which come in twos."""
+    value = sp.S.One
+    for k, (p, q) in enumerate(pairs):
+        if p is FAR or q is FAR:
+            continue
+        value = value * (p - q) if k < 2 else value / (p - q)
+    far = [(-1 if q is FAR else 1) for p, q in pairs if FAR in (p, q)]
+    return sp.factor(sp.cancel(value * sp.Mul(*far)))
+
+
+def legendre_map(roots: NamedRoots, signs: Signs) -> LegendreMap:
+    """The map that belongs to the piece of the x-axis a motion is on.
+
+    Args:
+        roots: all real.
+        signs: of the sample.
+
+    Raises:
+        NoFormError: P has complex roots.
+    """
+    if roots.pairs:
+        raise NoFormError("P has complex roots in this regime")
+    circle = [*roots.real] if len(roots.real) == 4 else [*roots.real, FAR]
+    low, high = roots.interval
+    start = low if low is not None else high
+    assert start is not None
+    direction = 1 if low is not None else -1
+    a, b, c, d = (circle[(start + direction * k) % 4] for k in range(4))
+    size = roots.leading
+    for p, q in ((c, a), (b, d)):
+        if FAR not in (p, q):
+            size = size * (p - q)
+    size = sp.factor(size)
+    size = size if signs.number(size) > 0 else -size
+    return LegendreMap(a, b, c, d, direction, sp.sqrt(sp.factor_terms(size)) / 2)
+
+
+class LegendreIntegrals:
+    """∫ sᵏ dφ/Δ and ∫ dφ/((1 − ns)ᵏ Δ), from 0 to φ, or to π/2.
+
+    Args:
+        m: the parameter.
+        amplitude: φ, sin φ and cos φ; None for π/2.
+    """
+
+    def __init__(self, m: sp.Expr, amplitude: tuple[sp.Expr, sp.Expr, sp.Expr] | None):
+        self.m = m
+        if amplitude is None:
+            self.φ, self.s, self.edge, self.edge_at_c = None, None, sp.S.Zero, sp.S.Zero
+            self.F, self.E = sp.elliptic_k(m), sp.elliptic_e(m)
+            return
+        self.φ, sine, cosine = amplitude
+        self.s = sine**2
+        Δ = sp.sqrt(1 - m * self.s)
+        self.edge, self.edge_at_c = sine * cosine * Δ, m * sine * cosine / Δ
+        self.F, self.E = sp.elliptic_f(self.φ, m), sp.elliptic_e(self.φ, m)
+
+    def power(self, k: int) -> sp.Expr:
+        """∫ sᵏ dφ/Δ; Byrd and Friedman 310.05."""
+        if k == 0:
+            return self.F
+        if k == 1:
+            return (self.F - self.E) / self.m
+        edge = self.edge * (sp.S.One if self.s is None else self.s ** (k - 2))
+        first = (2 * k - 2) * (1 + self.m) * self.power(k - 1)
+        return (edge + first - (2 * k - 3) * self.power(k - 2)) / ((2 * k - 1) * self.m)
+
+    def third(self, n: sp.Expr, k: int) -> sp.Expr:
+        """∫ dφ/((1 − ns)ᵏ Δ); Byrd and Friedman 336.03."""
+        m = self.m
+        if k == -1:
+            return self.F - n * self.power(1)
+        if k == 0:
+            return self.F
+        if k == 1:
+            return sp.elliptic_pi(n, m) if self.s is None else sp.elliptic_pi(n, self.φ, m)
+        p = k - 3
+        edge = sp.S.Zero if self.s is None else n**2 * self.edge / (1 - n * self.s) ** (p + 2)
+        total = edge + (2 * p + 3) * (n**2 - 2 * n * m - 2 * n + 3 * m) * self.third(n, p + 2)
+        total += (2 * p + 1) * m * self.third(n, p)
+        if p != -1:
+            total += 2 * (p + 1) * (n * m + n - 3 * m) * self.third(n, p + 1)
+        return total / (2 * (p + 2) * (1 - n) * (m - n))
+
+    def at_c(self, k: int) -> sp.Expr:
+        """∫ dφ/((1 − ms)ᵏ Δ), k = 1: a pole at the branch point c; Byrd and Friedman 315.02."""
+        if k != 1:
+            raise NoFormError("a multiple pole at a branch point")
+        return (self.E - self.edge_at_c) / (1 - self.m)
+
+
+def elliptic_integral(R: Fractions, way: LegendreMap, x: sp.Expr | None) -> sp.Expr:
+    """∫ R dx/√P, increasing x: from a to x, or to a from x where the motion is below a; complete where x is None.
+
+    Args:
+        R: in partial fractions.
+        way: the map.
+        x: the upper end; None for b.
+
+    Raises:
+        NoFormError: a pole that these integrals do not reach.
+    """
+    amplitude = None
+    if x is not None:
+        s = way.s(x)
+        amplitude = (sp.asin(sp.sqrt(s)), sp.sqrt(s), sp.sqrt(1 - s))
+    own = LegendreIntegrals(way.m, amplitude)
+    value = over_s(R, way, own, pole_at_c=way.c) / way.Ω
+    return value if x is None else way.direction * value
+
+
+def over_s(R: Fractions, way: LegendreMap, own: LegendreIntegrals, *, pole_at_c: sp.Expr) -> sp.Expr:
+    """∫ R dφ/Δ.
+
+    Args:
+        R: in partial fractions.
+        way: the map to s.
+        own: the integrals.
+        pole_at_c: the place at which s = 1/m.
+
+    Raises:
+        NoFormError: a pole that these integrals do not reach.
+    """
+    if R.complex_poles:
+        raise NoFormError("the integrand has poles at complex places")
+    total = sp.S.Zero
+    for k, weight in R.powers:
+        if k == 0:
+            total += weight * own.F
+        elif way.d is FAR:
+            total += weight * _polynomial((way.a, way.b - way.a), k, own)
+        elif way.b is FAR:
+            raise NoFormError("the integral is infinite at the end of the motion")
+        else:
+            total += weight * _fraction((way.d, way.a - way.d), way.pole(FAR), k, own)
+    for r, k, weight in R.poles:
+        gap = sp.cancel(r - way.d) if way.d is not FAR else sp.S.One
+        if gap == 0:
+            n = way.pole(FAR) if way.b is not FAR else sp.S.One
+            total += weight * _polynomial((1 / (way.a - way.d), -n / (way.a - way.d)), k, own)
+            continue
+        constant = sp.S.Zero if way.d is FAR else 1 / (way.d - r)
+        rest = sp.factor(sp.cancel(1 / (way.a - r) - constant))
+        n = way.pole(r)
+        if pole_at_c is not FAR and sp.cancel(sp.together(r - pole_at_c)) == 0:
+            if k != 1:
+                raise NoFormError("a multiple pole at a branch point")
+            total += weight * (constant * own.F + rest * own.at_c(1))
+            continue
+        total += weight * _fraction((constant, rest), n, k, own)
+    return total
+
+
+def _polynomial(line: tuple[sp.Expr, sp.Expr], k: int, own: LegendreIntegrals) -> sp.Expr:
+    """∫ (α + βs)ᵏ dφ/Δ."""
+    α, β = line
+    return sp.Add(*(sp.binomial(k, j) * α ** (k - j) * β**j * own.power(j) for j in range(k + 1)))
+
+
+def _fraction(line: tuple[sp.Expr, sp.Expr], n: sp.Expr, k: int, own: LegendreIntegrals) -> sp.Expr:
+    """∫ (α + β/(1 − ns))ᵏ dφ/Δ."""
+    α, β = line
+    if k > 1 and sp.cancel(sp.together(n - own.m)) == 0:
+        raise NoFormError("a multiple pole at a branch point")
+    return sp.Add(*(sp.binomial(k, j) * α ** (k - j) * β**j * own.third(n, j) for j in range(k + 1)))
+
+
+def elliptic_inverse(way: LegendreMap, value: sp.Expr, start: sp.Expr) -> sp.Expr:
+    """The x at which ∫ dx/√P from a place has a value.
+
+    Args:
+        way: the map.
+        value: of the integral.
+        start: the place, an x.
+    """
+    φ = sp.asin(sp.sqrt(way.s(start)))
+    argument = sp.expand(way.direction * way.Ω * value) + sp.elliptic_f(φ, way.m)
+    return way.place(JacobiSN(argument, way.m) ** 2)
