@@ -36,6 +36,7 @@ def animated(motion: Motion, seconds: float, frames: int, ax: Any) -> Any:
     refuse_other(frames, int, "frames", "a whole number is needed, such as 240")
     if not (seconds > 0 and 2 <= frames <= _MOST_FRAMES):
         raise InvalidInputError(f"animate: seconds > 0 and 2 to {_MOST_FRAMES} frames, not {seconds} and {frames}")
+    motion = motion.as_solved
     with style.drawing():
         from matplotlib.animation import FuncAnimation
 

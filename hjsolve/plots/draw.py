@@ -53,6 +53,7 @@ def plotted(motion: Motion, kind: str, name: str | None, ax: Any) -> Any:
         raise InvalidInputError(f'plot: kind is one of {", ".join(KINDS)}, not "{kind}"')
     if ax is not None and not hasattr(ax, "plot"):
         raise InvalidInputError(f"plot: ax must be axes of matplotlib, not {type(ax).__name__}")
+    motion = motion.as_solved
     where = embedding(motion.solution.system)
     with style.drawing() as pyplot:
         if kind == "orbit" and where.shape != "line":

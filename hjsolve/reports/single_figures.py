@@ -34,6 +34,7 @@ def figures(motion: Motion) -> dict[str, Figure]:
     """
     if not isinstance(motion, Motion):
         raise InvalidInputError(f"figures: a Motion is needed, from solution.motion(…), not {described(motion)}")
+    motion = motion.as_solved
     drawn: dict[str, Figure] = {}
     names = motion.solution.coordinates
     for name in names:

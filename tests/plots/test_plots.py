@@ -156,3 +156,16 @@ def test_single_figures_are_files_of_their_own(tmp_path: Path) -> None:
         figures["orbit"].save(tmp_path / "orbit.png")
     with pytest.raises(hjsolve.InvalidInputError, match="a Motion is needed"):
         hjsolve.figures("kerr")
+
+
+def test_a_motion_in_found_coordinates_draws_its_orbit_in_space() -> None:
+    plane = hjsolve.System({"x": "line", "y": "line"}, "(dot(x)**2 + dot(y)**2)/2", "-1/sqrt(x**2 + y**2)")
+    motion = hjsolve.solve(plane, coordinates="find").motion(q={"x": 1, "y": 0}, velocity={"x": 0, "y": "1.2"})
+    x, y = of_motion(motion.plot()).get_data()
+    assert np.abs(np.hypot(x, y) + 0.44 * x - 1.44).max() < 1e-12
+    assert list(hjsolve.figures(motion)) == ["potential.r", "phase.r", "orbit", "time"]
+    assert motion.plot("time").get_ylabel() == "$r$"
+    animation = motion.animate(frames=5)
+    (point,) = animation._func(2)
+    assert point.get_xdata()[0] == pytest.approx(float(motion.at(2 * motion.periods["r"].value / 5).q["x"]), rel=1e-9)
+    animation._draw_was_started = True

@@ -379,3 +379,13 @@ def test_every_entry_of_the_catalog_can_be_reported(name: str) -> None:
         page = write_html(document(gather(name, motion=motion)))
         ET.fromstring(page.partition("\n")[2])
         assert "nan" not in re.sub(r"<style>.*?</style>", "", page, flags=re.DOTALL).lower().replace("dominant", "")
+
+
+def test_the_number_of_an_equation_and_the_comma_after_a_formula_stay_on_their_line() -> None:
+    from hjsolve.reports.document import Mathematics, Paragraph
+    from hjsolve.reports.formats.html import block_html
+    from hjsolve.reports.formulas.layout import Glyph
+
+    shown = block_html(Paragraph(("By Greenwood (5-142) and ", Mathematics(Glyph("θ")), ", so.")))
+    assert '<span class="together">(5-142)</span>' in shown
+    assert '</math>,</span> so.' in shown

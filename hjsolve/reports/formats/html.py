@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import re
 from html import escape
 
 from hjsolve.reports.document import (
@@ -31,6 +32,7 @@ from hjsolve.reports.formulas.line_breaks import LINE, NARROW, narrowed
 from hjsolve.reports.formulas.mathml import mathml_of
 
 _FULL, _CLOSING = 1.05, tuple(",.;:)")
+_NUMBER_OF_EQUATION = re.compile(r"\(\d+-\d+\)")
 _MOST_ROWS_UNBROKEN, _SIDE_BY_SIDE = 8, 2
 _REACHED = 'tabindex="0" role="group"'
 
@@ -184,7 +186,7 @@ def _text(text: Text) -> str:
 def _inline(piece: Inline) -> str:
     match piece:
         case str():
-            return escape(piece)
+            return _NUMBER_OF_EQUATION.sub(r'<span class="together">\g<0></span>', escape(piece))
         case Mathematics(box):
             return mathml_of(box)
         case Code(text):
