@@ -7,7 +7,7 @@ from dataclasses import dataclass
 from typing import TYPE_CHECKING, Any
 
 from hjsolve.arithmetic.estimate import Estimate
-from hjsolve.shown import Shown
+from hjsolve.display.shown import Shown
 
 if TYPE_CHECKING:
     import numpy as np

@@ -9,7 +9,7 @@ from functools import cache
 from unicodedata import normalize
 
 from hjsolve import catalog
-from hjsolve.shown import Shown
+from hjsolve.display.shown import Shown
 
 GREENWOOD = "greenwood1977"
 """The book whose equation numbers stand at the formulas of a report."""

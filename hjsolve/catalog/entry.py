@@ -7,9 +7,9 @@ from dataclasses import dataclass, field
 from typing import Any
 
 from hjsolve.catalog import outside
+from hjsolve.display.shown import Shown
 from hjsolve.extended.linear_hamiltonian import LinearHamiltonian
 from hjsolve.mechanics.system import System
-from hjsolve.shown import Shown
 
 
 @dataclass(frozen=True, repr=False)

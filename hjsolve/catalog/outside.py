@@ -11,7 +11,7 @@ from dataclasses import dataclass, field
 from typing import Any
 
 from hjsolve.catalog.schema import Key
-from hjsolve.shown import Shown
+from hjsolve.display.shown import Shown
 
 REFUSALS = (
     "nonholonomic", "dissipative", "unilateral", "impulsive", "explicit time", "variable mass", "collision",

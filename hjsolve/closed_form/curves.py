@@ -12,8 +12,8 @@ from dataclasses import dataclass, field, replace
 import sympy as sp
 
 from hjsolve.closed_form.substitutions import Substitution, ends, substitutions
+from hjsolve.display.shown import Shown
 from hjsolve.mechanics.coordinates_and_parameters import Coordinate
-from hjsolve.shown import Shown
 
 W = sp.Symbol("W")
 """The key of ∫ p dq among the integrals of a coordinate; the others are ∫ ∂p/∂c dq by their constant c."""

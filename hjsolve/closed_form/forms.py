@@ -9,7 +9,7 @@ from typing import Any
 import sympy as sp
 
 from hjsolve.closed_form.regime import Regime
-from hjsolve.shown import Shown
+from hjsolve.display.shown import Shown
 from hjsolve.solution.quadratures import Solution
 
 

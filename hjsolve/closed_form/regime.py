@@ -10,7 +10,7 @@ import sympy as sp
 from hjsolve.closed_form.curves import MomentumCurve
 from hjsolve.closed_form.regions import RootInterval, region_exists
 from hjsolve.closed_form.signs import Signs
-from hjsolve.shown import Shown
+from hjsolve.display.shown import Shown
 
 _OPPOSITE = {sp.StrictGreaterThan: sp.StrictLessThan, sp.StrictLessThan: sp.StrictGreaterThan}
 

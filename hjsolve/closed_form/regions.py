@@ -11,7 +11,7 @@ import sympy as sp
 from hjsolve.closed_form.curves import MomentumCurve
 from hjsolve.closed_form.sampling import Sample
 from hjsolve.closed_form.signs import Signs
-from hjsolve.shown import Shown
+from hjsolve.display.shown import Shown
 
 DIGITS = 50
 _SAME = mpmath.mpf(10) ** -25

@@ -13,8 +13,8 @@ from dataclasses import dataclass
 
 import sympy as sp
 
+from hjsolve.display.shown import Shown
 from hjsolve.mechanics.coordinates_and_parameters import Coordinate
-from hjsolve.shown import Shown
 
 S, C, X = sp.Symbol("_S", real=True), sp.Symbol("_C", real=True), sp.Symbol("_X", positive=True)
 HYPERBOLIC = {

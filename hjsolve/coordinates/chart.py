@@ -17,11 +17,11 @@ from hjsolve.coordinates.charts.validity import valid_everywhere
 from hjsolve.coordinates.find import cartesian_form, find_coordinates
 from hjsolve.coordinates.results import Vector, Web
 from hjsolve.coordinates.small_oscillations import normal_modes
+from hjsolve.display.shown import Shown
 from hjsolve.errors import InvalidSystemError, NotSeparableError
 from hjsolve.mechanics.system import System, linear_terms
 from hjsolve.separation import Separation, separate
 from hjsolve.separation.obstruction.advice import small_oscillations
-from hjsolve.shown import Shown
 
 _BY_COST = (
     "cartesian", "circular cylinder", "polar", "spherical", "parabolic", "parabolic cylinder", "rotational parabolic",

@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING, Any
 
 import sympy as sp
 
-from hjsolve.shown import Shown
+from hjsolve.display.shown import Shown
 
 if TYPE_CHECKING:
     from hjsolve.mechanics.system import System

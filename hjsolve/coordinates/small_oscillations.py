@@ -18,12 +18,12 @@ import sympy as sp
 
 from hjsolve import arguments
 from hjsolve.coordinates.webs.orthonormal_frames import Sign, sign_by, tidy_constant
+from hjsolve.display.shown import Shown
 from hjsolve.errors import InvalidSystemError
 from hjsolve.formulas.read import number
 from hjsolve.mechanics.subjects import system_of
 from hjsolve.mechanics.system import System, kinetic_rest, linear_terms, mass_matrix
 from hjsolve.separation import separate
-from hjsolve.shown import Shown
 
 _MOST_TRIAL_COLUMNS = 6
 

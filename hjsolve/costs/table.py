@@ -5,7 +5,7 @@ from __future__ import annotations
 import math
 from dataclasses import dataclass
 
-from hjsolve.shown import Shown
+from hjsolve.display.shown import Shown
 
 STATUSES = ("ok", "extrapolated", "lost", "claim broken", "not converged", "too slow", "not applicable", "missing")
 """What may become of a method: ``lost`` where its error is as large as the quantity, ``extrapolated`` where the time

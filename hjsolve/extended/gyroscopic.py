@@ -22,6 +22,7 @@ import sympy as sp
 from hjsolve import arguments
 from hjsolve.arithmetic.estimate import Estimate
 from hjsolve.arithmetic.floats import bits_for, multiprecision
+from hjsolve.display.shown import Shown
 from hjsolve.errors import InvalidInputError, InvalidSystemError, NotConvergedError
 from hjsolve.formulas.read import number
 from hjsolve.mechanics.subjects import system_of
@@ -29,7 +30,6 @@ from hjsolve.mechanics.system import System, hamiltonian, kinetic_rest, linear_t
 from hjsolve.motion.initial_data import parameter_values, to_bits
 from hjsolve.motion.motion import Motion
 from hjsolve.motion.state import Errors, State
-from hjsolve.shown import Shown
 from hjsolve.solution.quadratures import solve
 
 LAMBDA = sp.Symbol("lambda")

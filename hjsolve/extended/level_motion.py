@@ -18,6 +18,7 @@ from hjsolve import arguments
 from hjsolve.arithmetic.estimate import Estimate
 from hjsolve.arithmetic.floats import Multi, bits_for, multiprecision
 from hjsolve.arithmetic.tape import BoundTape
+from hjsolve.display.shown import Shown
 from hjsolve.errors import InvalidInputError, MissingValueError, NotConvergedError
 from hjsolve.extended.linear_hamiltonian import GeneralHamiltonian
 from hjsolve.formulas.read import number
@@ -26,7 +27,6 @@ from hjsolve.motion.initial_data import InBits, number_is_zero, to_bits, values_
 from hjsolve.motion.state import Errors, State
 from hjsolve.motion.times import exact_numbers, whole_numbers
 from hjsolve.one_coordinate.level_curve import Curve, Orbit, followed
-from hjsolve.shown import Shown
 
 _FLOAT_DIGITS, _GUARDS, _SPARE = 15, (96, 192, 384, 768), 64
 

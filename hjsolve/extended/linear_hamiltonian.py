@@ -20,11 +20,11 @@ from typing import TYPE_CHECKING, Any
 import sympy as sp
 
 from hjsolve import arguments
+from hjsolve.display.shown import Shown
 from hjsolve.errors import InvalidSystemError
 from hjsolve.formulas.read import parse
 from hjsolve.mechanics.periodicity import is_periodic
 from hjsolve.mechanics.system import Coordinate, Parameter, System
-from hjsolve.shown import Shown
 
 if TYPE_CHECKING:
     from hjsolve.extended.level_motion import LevelMotion

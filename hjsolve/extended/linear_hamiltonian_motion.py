@@ -17,6 +17,7 @@ import sympy as sp
 from hjsolve import arguments
 from hjsolve.arithmetic.estimate import Estimate
 from hjsolve.arithmetic.floats import Multi, bits_for, multiprecision
+from hjsolve.display.shown import Shown
 from hjsolve.errors import InvalidInputError, MissingValueError, NotConvergedError, OutsideMotionError
 from hjsolve.extended.linear_hamiltonian import LinearHamiltonian
 from hjsolve.formulas.read import number
@@ -24,7 +25,6 @@ from hjsolve.lowering import lower
 from hjsolve.motion.initial_data import to_bits, values_of
 from hjsolve.motion.state import Errors, State
 from hjsolve.motion.times import exact_numbers
-from hjsolve.shown import Shown
 
 _FLOAT_DIGITS, _GUARD_BITS, _LOST_BITS = 15, 96, 48
 _MOST_STEPS, _FIRST_STEPS = 2000, 64

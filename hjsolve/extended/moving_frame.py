@@ -16,11 +16,11 @@ from typing import TYPE_CHECKING, Any
 import sympy as sp
 
 from hjsolve import arguments
+from hjsolve.display.shown import Shown
 from hjsolve.errors import InvalidSystemError
 from hjsolve.formulas.read import number
 from hjsolve.mechanics.system import System, hamiltonian, momenta
 from hjsolve.separation.zero_test.zero_test import Zero, is_zero
-from hjsolve.shown import Shown
 from hjsolve.solution.quadratures import Solution, solve
 
 if TYPE_CHECKING:

@@ -12,6 +12,7 @@ import sympy as sp
 from hjsolve import arguments
 from hjsolve.arithmetic.estimate import Estimate
 from hjsolve.arithmetic.floats import Float64, Multi, bits_for
+from hjsolve.display.shown import Shown
 from hjsolve.errors import InvalidInputError, MissingValueError
 from hjsolve.extended.moving_frame import Frame, carried_initial_data
 from hjsolve.formulas.read import number
@@ -21,7 +22,6 @@ from hjsolve.motion.initial_data import parameter_values, to_bits
 from hjsolve.motion.motion import Motion
 from hjsolve.motion.state import Errors, State
 from hjsolve.motion.times import exact_numbers
-from hjsolve.shown import Shown
 
 
 @dataclass(frozen=True, eq=False, repr=False)

@@ -11,13 +11,13 @@ from typing import Literal, get_args
 import sympy as sp
 
 from hjsolve import arguments
+from hjsolve.display.shown import Shown
 from hjsolve.errors import InvalidSystemError
 from hjsolve.formulas.parser import RESERVED
 from hjsolve.formulas.point_values import CONTEXT, evaluate
 from hjsolve.formulas.read import number
 from hjsolve.formulas.tokens import nearest_name, printable
 from hjsolve.mechanics.domains import Domain, read_domain
-from hjsolve.shown import Shown
 
 Assumption = Literal["real", "positive", "negative", "nonnegative", "nonzero", "integer"]
 _ASSUMPTIONS: tuple[Assumption, ...] = get_args(Assumption)

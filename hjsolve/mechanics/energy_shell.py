@@ -25,12 +25,12 @@ from hjsolve.algebra.poly import Budget
 from hjsolve.algebra.readable import shortest_form
 from hjsolve.algebra.reader import Reader
 from hjsolve.algebra.signs import Bounds
+from hjsolve.display.shown import Shown
 from hjsolve.errors import InvalidSystemError
 from hjsolve.mechanics.coordinates_and_parameters import free_name
 from hjsolve.mechanics.ignorable_coordinates import Eliminated, eliminate
 from hjsolve.mechanics.kinetic_energy import mass_as_written
 from hjsolve.mechanics.system import Coordinate, System, kinetic_rest, linear_terms
-from hjsolve.shown import Shown
 
 
 @dataclass(frozen=True, repr=False)

@@ -16,6 +16,7 @@ import sympy as sp
 from sympy.core.function import AppliedUndef
 
 from hjsolve import arguments
+from hjsolve.display.shown import Shown, as_call, cut
 from hjsolve.errors import InvalidSystemError, MissingValueError
 from hjsolve.formulas.point_values import NoValueError, evaluate
 from hjsolve.formulas.read import admit, number, parse
@@ -41,7 +42,6 @@ from hjsolve.mechanics.periodicity import check_periodic
 from hjsolve.mechanics.positive_definite import check_mass_matrix, end_values
 from hjsolve.mechanics.relativity import Relativity
 from hjsolve.mechanics.relativity import read as read_relativity
-from hjsolve.shown import Shown, as_call, cut
 
 __all__ = [
     "Coordinate", "Domain", "Parameter", "System", "hamiltonian", "inverse_mass_matrix", "kinetic_rest", "linear_terms",

@@ -15,6 +15,7 @@ from typing import Any
 import sympy as sp
 
 from hjsolve import arguments
+from hjsolve.display.shown import Shown
 from hjsolve.errors import InvalidInputError, MissingValueError
 from hjsolve.formulas.read import number
 from hjsolve.mechanics.coordinates_and_parameters import Parameter
@@ -26,7 +27,6 @@ from hjsolve.motion.exact_numbers import number_is_zero as number_is_zero
 from hjsolve.motion.exact_numbers import sign as sign
 from hjsolve.motion.exact_numbers import to_bits as to_bits
 from hjsolve.motion.rational_values import rational_value
-from hjsolve.shown import Shown
 from hjsolve.solution.quadratures import Solution
 
 Values = Mapping[str, Any]

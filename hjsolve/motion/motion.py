@@ -18,6 +18,7 @@ import sympy as sp
 from hjsolve import arguments
 from hjsolve.arithmetic.estimate import Estimate
 from hjsolve.arithmetic.estimate_array import EstimateArray
+from hjsolve.display.shown import ShownMotion
 from hjsolve.errors import InternalError, InvalidInputError
 from hjsolve.formulas.read import number
 from hjsolve.motion import quantities
@@ -27,7 +28,6 @@ from hjsolve.motion.separated import SeparatedMotion, coordinate_start
 from hjsolve.motion.state import State
 from hjsolve.motion.wanted import QUANTITIES, parts_of
 from hjsolve.one_coordinate.allowed_regions import others
-from hjsolve.shown import ShownMotion
 from hjsolve.solution.quadratures import Solution
 
 

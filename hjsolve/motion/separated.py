@@ -11,6 +11,7 @@ import sympy as sp
 
 from hjsolve.arithmetic.estimate import Estimate
 from hjsolve.arithmetic.floats import bits_for
+from hjsolve.display.shown import Shown
 from hjsolve.errors import NotConvergedError
 from hjsolve.lowering import momentum_squared_tapes
 from hjsolve.motion import quantities
@@ -20,7 +21,6 @@ from hjsolve.one_coordinate.classify import Located, locate
 from hjsolve.one_coordinate.coordinate_motion import Unbounded
 from hjsolve.one_coordinate.coordinate_start import CoordinateStart
 from hjsolve.one_coordinate.momentum_squared import MomentumSquared, has_period
-from hjsolve.shown import Shown
 from hjsolve.solution.quadratures import Solution
 from hjsolve.time_law.open_motion import TriangularScheme, plan
 from hjsolve.time_law.torus import TorusEquations, torus_equations

@@ -7,7 +7,7 @@ from dataclasses import dataclass, field
 from typing import Any, Protocol, runtime_checkable
 
 from hjsolve.arithmetic.estimate import Estimate
-from hjsolve.shown import Shown
+from hjsolve.display.shown import Shown
 
 
 @dataclass(frozen=True, repr=False)

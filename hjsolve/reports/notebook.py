@@ -10,6 +10,7 @@ import sympy as sp
 
 from hjsolve.coordinates import NormalModes, SeparableCoordinates
 from hjsolve.costs.table import Cost
+from hjsolve.display.shown import Shown, brief, fields_of
 from hjsolve.errors import NotConvergedError
 from hjsolve.mechanics.system import System
 from hjsolve.motion.motion import Motion
@@ -25,7 +26,6 @@ from hjsolve.reports.sections.solution import forms_section, solution_sections
 from hjsolve.reports.sections.system_and_verdict import math, refusal_section, system_section
 from hjsolve.scenes import Run
 from hjsolve.separation import Obstruction, Separation, Undecided
-from hjsolve.shown import Shown, brief, fields_of
 from hjsolve.solution.quadratures import Solution
 
 _ROOM, _MOST_ROWS, _LARGEST = 90, 18, 60

@@ -15,10 +15,10 @@ from typing import Any
 import sympy as sp
 
 from hjsolve.catalog.schema import nearest
+from hjsolve.display.shown import Shown
 from hjsolve.errors import CatalogError, InvalidInputError
 from hjsolve.formulas.read import number
 from hjsolve.mechanics.system import System, inverse_mass_matrix, linear_terms, mass_matrix, momenta, velocities
-from hjsolve.shown import Shown
 
 Momenta = dict[str, sp.Expr]
 

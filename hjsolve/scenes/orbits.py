@@ -7,11 +7,11 @@ from typing import Any
 
 import numpy as np
 
+from hjsolve.display.shown import Shown
 from hjsolve.errors import InvalidInputError
 from hjsolve.motion.initial_data import to_bits
 from hjsolve.motion.motion import Motion
 from hjsolve.scenes.question import OrbitAsked
-from hjsolve.shown import Shown
 
 _PLACES = 33
 

@@ -9,10 +9,10 @@ from typing import Any
 
 import sympy as sp
 
+from hjsolve.display.shown import Shown
 from hjsolve.mechanics.system import System
 from hjsolve.scenes.events import Event
 from hjsolve.scenes.initial_grid import Varied
-from hjsolve.shown import Shown
 
 INTEGRATED_DIGITS, MOST_INTEGRATED_DIGITS = 10, 12
 

@@ -17,12 +17,12 @@ import sympy as sp
 
 from hjsolve.arithmetic.estimate import Estimate
 from hjsolve.arithmetic.floats import Multi, bits_for
+from hjsolve.display.shown import Shown
 from hjsolve.lowering import lower
 from hjsolve.mechanics.system import System, hamiltonian, velocities
 from hjsolve.motion.initial_data import to_bits
 from hjsolve.scenes.events import Event, Pending, once
 from hjsolve.scenes.question import Question
-from hjsolve.shown import Shown
 
 _COLUMNS, _FEWEST, _SAFETY = 40, 4, 8
 

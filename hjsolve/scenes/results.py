@@ -8,13 +8,13 @@ from typing import Any
 
 from hjsolve.arithmetic.estimate import Estimate
 from hjsolve.arithmetic.work_counter import WorkCount
+from hjsolve.display.shown import Shown
 from hjsolve.errors import InvalidInputError
 from hjsolve.motion.motion import Motion
 from hjsolve.motion.state import Errors, KnownErrors, State
 from hjsolve.scenes.events import Event
 from hjsolve.scenes.question import Question
 from hjsolve.scenes.resting_contact import Rest
-from hjsolve.shown import Shown
 from hjsolve.solution.quadratures import Solution
 
 

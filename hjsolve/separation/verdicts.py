@@ -7,10 +7,10 @@ from dataclasses import dataclass
 import mpmath
 import sympy as sp
 
+from hjsolve.display.shown import Shown
 from hjsolve.mechanics.energy_shell import ReductionStep, Shell
 from hjsolve.mechanics.system import System
 from hjsolve.separation.zero_test.interval_evaluation import Witness
-from hjsolve.shown import Shown
 
 
 @dataclass(frozen=True, repr=False)

@@ -13,12 +13,12 @@ from typing import Literal
 
 import sympy as sp
 
+from hjsolve.display.shown import Shown
 from hjsolve.mechanics.energy_shell import domain_bounds
 from hjsolve.mechanics.kinetic_energy import degree, velocity_coefficients
 from hjsolve.mechanics.system import hamiltonian
 from hjsolve.separation.zero_test.interval_evaluation import Region
 from hjsolve.separation.zero_test.zero_test import NonZero, Unproved, Zero, free_region, is_zero
-from hjsolve.shown import Shown
 from hjsolve.solution.quadratures import Solution
 
 NUMERIC_ZERO = sp.Float("1e-35")

@@ -24,6 +24,7 @@ import sympy as sp
 from hjsolve import arguments
 from hjsolve.algebra.addition_theorems import rejoined
 from hjsolve.coordinates.chart import Chart, find_chart
+from hjsolve.display.shown import ShownSolution
 from hjsolve.errors import InvalidInputError, NotSeparableError
 from hjsolve.mechanics.coordinates_and_parameters import free_name
 from hjsolve.mechanics.energy_shell import time_name
@@ -32,7 +33,6 @@ from hjsolve.mechanics.system import System
 from hjsolve.separation import Constant, Obstruction, Separation, Undecided, separate
 from hjsolve.separation.relativistic import shell_energy
 from hjsolve.separation.verdicts import Verdict
-from hjsolve.shown import ShownSolution
 
 if TYPE_CHECKING:
     from hjsolve.motion.motion import Motion

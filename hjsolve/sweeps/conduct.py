@@ -8,12 +8,12 @@ from pathlib import Path
 from typing import Any
 
 from hjsolve import arguments
+from hjsolve.display.shown import Shown
 from hjsolve.ensembles.layout import wanted
 from hjsolve.ensembles.orbits import recipe_for
 from hjsolve.ensembles.task import WORTH_COMPILING
 from hjsolve.errors import MissingExtraError
 from hjsolve.scenes import Scene
-from hjsolve.shown import Shown
 from hjsolve.solution.quadratures import solve
 from hjsolve.sweeps.identity import code, sweep_digest
 from hjsolve.sweeps.points import points_of

@@ -10,7 +10,7 @@ from xml.etree import ElementTree as ET
 import pytest
 
 import hjsolve
-from hjsolve.shown import MOST_LINES, WIDEST, Shown, brief
+from hjsolve.display.shown import MOST_LINES, WIDEST, Shown, brief
 from tests.support.public_values import made, reached
 
 

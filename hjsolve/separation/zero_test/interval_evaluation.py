@@ -17,7 +17,7 @@ import sympy as sp
 from hjsolve.algebra.intervals import Interval, NoEnclosureError, Walk, enclose, enclose_inverse, finite, rational
 from hjsolve.algebra.poly import Budget
 from hjsolve.algebra.signs import Bounds
-from hjsolve.shown import Shown
+from hjsolve.display.shown import Shown
 
 PRECISIONS = (64, 160, 400)
 POINTS = 24
