@@ -10,10 +10,10 @@ import sympy as sp
 from hjsolve.closed_form.curves import W, why_no_curve
 from hjsolve.closed_form.energy_from_actions import energy_from_actions
 from hjsolve.closed_form.forms import RegimeForms
-from hjsolve.closed_form.inverses import inverses, orbits
+from hjsolve.closed_form.inverses import inverses, orbit_formulas
 from hjsolve.closed_form.pieces import CoordinateIntegrals
 from hjsolve.closed_form.regime import Regime, positive_in, settled
-from hjsolve.closed_form.tidy import elliptic, tidy
+from hjsolve.closed_form.tidy import elliptic, shortened_powers
 from hjsolve.solution.quadratures import Solution
 
 if TYPE_CHECKING:
@@ -49,7 +49,7 @@ def assembled(shop: Workshop, pieces: Integrals, made: Regime, special: Stratum)
         why_not["characteristic_function"], function = function, None
     numbers = _numbers(shop, pieces, special, made, why_not)
     inverse = inverses(shop, pieces, special, why_not)
-    orbit = orbits(shop, pieces, special)
+    orbit = orbit_formulas(shop, pieces, special)
     where = {symbol: meaning for own in pieces.values() for symbol, meaning in own.where.items()}
     energy = energy_from_actions(shop, numbers["actions"], made, why_not)
 
@@ -91,7 +91,7 @@ def _closed(
         if own is None:
             return f"{name}: {reasons.get(name, 'its momentum enters H to first degree')}"
         if key in own.integrals:
-            value = tidy(own.integrals[key].value)
+            value = shortened_powers(own.integrals[key].value)
             table[integral] = value.subs(q, end) - value.subs(q, start)
         elif integral.function.subs(dict(special)) == 0:
             table[integral] = sp.S.Zero
@@ -115,7 +115,7 @@ def _numbers(
             if isinstance(J, str):
                 why_not[f"actions.{c.name}"] = J
             else:
-                actions[c.name] = tidy(J / (2 * sp.pi) if elliptic(J) else sp.expand(J / (2 * sp.pi)))
+                actions[c.name] = shortened_powers(J / (2 * sp.pi) if elliptic(J) else sp.expand(J / (2 * sp.pi)))
         elif c.name not in solution.coordinates and c.domain.kind == "angle":
             actions[c.name] = c.momentum.subs(dict(special))
     if len(cyclic) == len(solution.coordinates) and solution.coordinates:
@@ -124,7 +124,9 @@ def _numbers(
         for c in solution.system.coordinates:
             rate = sp.diff(solution.separation.shell.potential, c.momentum)
             (frequencies if c.domain.kind == "angle" else velocities)[c.name] = rate
-    periods = {name: tidy(2 * sp.pi / _size(rate, pieces.get(name), made)) for name, rate in frequencies.items()}
+    periods = {
+        name: shortened_powers(2 * sp.pi / _size(rate, pieces.get(name), made)) for name, rate in frequencies.items()
+    }
     return {
         "actions": actions, "frequencies": frequencies, "mean_velocities": velocities,
         "periods": {name: value for name, value in periods.items() if not value.has(sp.zoo)},
@@ -140,7 +142,7 @@ def _turning_points(pieces: Integrals, made: Regime) -> dict[str, tuple[sp.Expr 
         (curve, region), roots = own.regions[0], own.roots
         s = curve.substitution
         ends = [
-            settled(made, tidy(s.inverse.subs(s.x, roots[k]))) if what == "root" else None
+            settled(made, shortened_powers(s.inverse.subs(s.x, roots[k]))) if what == "root" else None
             for what, k in (region.lower, region.upper)
         ]
         if any(end is not None for end in ends):
@@ -186,7 +188,7 @@ def _rates(
     top = [M.cofactor(i, 0) / determinant for i in range(len(names))] if len(names) > 1 else [1 / M[0, 0]]
     if len(names) > 1:
         top = [value if elliptic(value) else sp.cancel(sp.together(value)) for value in top]
-    Ω = {name: tidy(value) for name, value in zip(names, top, strict=True)}
+    Ω = {name: shortened_powers(value) for name, value in zip(names, top, strict=True)}
     for c in solution.system.coordinates:
         if c.name in Ω:
             frequencies[c.name] = Ω[c.name]
@@ -197,5 +199,5 @@ def _rates(
             for group in ("frequencies", "periods"):
                 why_not[f"{group}.{c.name}"] = missing
             continue
-        rate = tidy(sp.Add(*(-Ω[n] * part / (2 * sp.pi) for n, part in zip(names, parts, strict=True))))
+        rate = shortened_powers(sp.Add(*(-Ω[n] * part / (2 * sp.pi) for n, part in zip(names, parts, strict=True))))
         (frequencies if c.domain.kind == "angle" else velocities)[c.name] = rate if elliptic(rate) else sp.factor(rate)

@@ -11,7 +11,7 @@ from hjsolve.closed_form.curves import MomentumCurve, named_constants
 from hjsolve.closed_form.fractions import NoFormError
 from hjsolve.closed_form.regions import RootInterval
 from hjsolve.closed_form.signs import Signs
-from hjsolve.closed_form.tidy import tidy
+from hjsolve.closed_form.tidy import shortened_powers
 
 
 @dataclass(frozen=True)
@@ -105,7 +105,7 @@ def _radicals(
                     pairs += [part, (-part[0], part[1])]
             case _:
                 return None
-    return [tidy(r) for r in real], tuple(pairs)
+    return [shortened_powers(r) for r in real], tuple(pairs)
 
 
 def _quadratic(

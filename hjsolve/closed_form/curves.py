@@ -11,7 +11,7 @@ from dataclasses import dataclass, field, replace
 
 import sympy as sp
 
-from hjsolve.closed_form.substitutions import Substitution, ends, substitutions
+from hjsolve.closed_form.substitutions import Substitution, domain_ends, substitutions
 from hjsolve.display.shown import Shown
 from hjsolve.mechanics.coordinates_and_parameters import Coordinate
 
@@ -49,7 +49,7 @@ class MomentumCurve(Shown):
     @property
     def ends(self) -> tuple[sp.Expr, sp.Expr]:
         """The ends of the domain of q."""
-        return ends(self.coordinate)
+        return domain_ends(self.coordinate)
 
     def numerator(self, key: sp.Symbol) -> sp.Expr:
         """N as a function of x, of ∫ N dq/√P²: P² itself for W, ½ ∂P²/∂c for a constant c.
@@ -68,7 +68,7 @@ class MomentumCurve(Shown):
             stratum: constant → what it is.
         """
         special = replace(self.substitution, function=self.substitution.function.subs(dict(stratum)))
-        found = curve_of(special, self.coordinate, self.momentum_squared)
+        found = momentum_curve(special, self.coordinate, self.momentum_squared)
         return None if found is None else replace(found, generic=self.generic, stratum=dict(stratum))
 
     @property
@@ -91,7 +91,8 @@ def curves(square: sp.Expr, coordinate: Coordinate, x: sp.Symbol) -> list[Moment
         x: the symbol of the variable.
     """
     found = [
-        curve for s in substitutions(square, coordinate, x) if (curve := curve_of(s, coordinate, square)) is not None
+        curve for s in substitutions(square, coordinate, x)
+        if (curve := momentum_curve(s, coordinate, square)) is not None
     ]
     return sorted(found, key=lambda c: (genus(c.degree), c.degree, sp.count_ops(c.substitution.place)))
 
@@ -105,7 +106,7 @@ def genus(degree: int) -> int:
     return max(0, (degree - 1) // 2)
 
 
-def curve_of(substitution: Substitution, coordinate: Coordinate, square: sp.Expr) -> MomentumCurve | None:
+def momentum_curve(substitution: Substitution, coordinate: Coordinate, square: sp.Expr) -> MomentumCurve | None:
     """The curve in a given variable; None where P² is not rational in it.
 
     Args:

@@ -13,10 +13,10 @@ from hjsolve.closed_form.curves import MomentumCurve, W, curves
 from hjsolve.closed_form.forms import RegimeForms
 from hjsolve.closed_form.pieces import CoordinateIntegrals, piece
 from hjsolve.closed_form.regime import regime
-from hjsolve.closed_form.regions import region_of
+from hjsolve.closed_form.regions import root_interval_of
 from hjsolve.closed_form.sampling import Sample, samples
 from hjsolve.closed_form.signs import Signs
-from hjsolve.closed_form.strata import deciders, solved, strata
+from hjsolve.closed_form.strata import deciders, fixed_constant, strata
 from hjsolve.closed_form.verification import flaw
 from hjsolve.solution.quadratures import Solution
 
@@ -114,7 +114,7 @@ def _alike(form: RegimeForms, sample: Sample) -> bool:
     if not form.regime.holds(sample.values):
         return False
     for curve, region in form.regime.regions:
-        there = region_of(curve, sample)
+        there = root_interval_of(curve, sample)
         if there is None or there.key != region.key:
             return False
     return True
@@ -187,7 +187,7 @@ def _same_piece(known: CoordinateIntegrals, sample: Sample) -> bool:
         if abs(value) < 1e-40 or (value > 0) != (sign > 0):
             return False
     for curve, region in known.regions:
-        there = region_of(curve, sample)
+        there = root_interval_of(curve, sample)
         if there is None or there.key != region.key:
             return False
     return True
@@ -206,6 +206,6 @@ def special_of(shop: Workshop, exact: Mapping[sp.Symbol, sp.Expr]) -> Iterator[t
         for curve in own[:1]:
             for decider in deciders(curve, shop.constants):
                 if number_is_zero(decider.xreplace(dict(exact))):
-                    special = solved(decider, shop.constants)
+                    special = fixed_constant(decider, shop.constants)
                     if special is not None:
                         yield from special.items()

@@ -53,19 +53,19 @@ class BasicIntegral:
         slope, D = _halved(A, B, C, sp.Dummy("u"), u)
         match self.kind:
             case "arcsine":
-                value = sp.asin(-slope / root(D)) / root(-A)
+                value = sp.asin(-slope / positive_root(D)) / positive_root(-A)
             case "area sine":
-                value = sp.asinh(slope / root(-D)) / root(A)
+                value = sp.asinh(slope / positive_root(-D)) / positive_root(A)
             case "area cosine right":
-                value = sp.acosh(slope / root(D)) / root(A)
+                value = sp.acosh(slope / positive_root(D)) / positive_root(A)
             case "area cosine left":
-                value = -sp.acosh(-slope / root(D)) / root(A)
+                value = -sp.acosh(-slope / positive_root(D)) / positive_root(A)
             case "root":
-                value = 2 * root(B * u + C) / B
+                value = 2 * positive_root(B * u + C) / B
             case "line":
-                value = u / root(C)
+                value = u / positive_root(C)
             case _:
-                value = self.sign_of_u * sp.log(self.sign_of_u * u) / root(A)
+                value = self.sign_of_u * sp.log(self.sign_of_u * u) / positive_root(A)
         return -self.side * value
 
     @property
@@ -83,19 +83,19 @@ class BasicIntegral:
         D, w = sp.factor_terms(sp.expand(B**2 / 4 - A * C)), -self.side * value
         match self.kind:
             case "arcsine":
-                u = -(B / 2 + root(D) * sp.sin(sp.expand(root(-A) * w))) / A
+                u = -(B / 2 + positive_root(D) * sp.sin(sp.expand(positive_root(-A) * w))) / A
             case "area sine":
-                u = (root(-D) * sp.sinh(sp.expand(root(A) * w)) - B / 2) / A
+                u = (positive_root(-D) * sp.sinh(sp.expand(positive_root(A) * w)) - B / 2) / A
             case "area cosine right":
-                u = (root(D) * sp.cosh(sp.expand(root(A) * w)) - B / 2) / A
+                u = (positive_root(D) * sp.cosh(sp.expand(positive_root(A) * w)) - B / 2) / A
             case "area cosine left":
-                u = -(root(D) * sp.cosh(sp.expand(root(A) * w)) + B / 2) / A
+                u = -(positive_root(D) * sp.cosh(sp.expand(positive_root(A) * w)) + B / 2) / A
             case "root":
                 u = ((B * w / 2) ** 2 - C) / B
             case "line":
-                u = root(C) * w
+                u = positive_root(C) * w
             case _:
-                u = self.sign_of_u * sp.exp(self.sign_of_u * root(A) * w)
+                u = self.sign_of_u * sp.exp(self.sign_of_u * positive_root(A) * w)
         return u if self.place is None else self.place + 1 / u
 
     def complete(self) -> sp.Expr | None:
@@ -103,7 +103,7 @@ class BasicIntegral:
         A = self.quadratic[0]
         if self.kind != "arcsine":
             return None
-        return (1 if self.place is None else self.side) * sp.pi / root(-A)
+        return (1 if self.place is None else self.side) * sp.pi / positive_root(-A)
 
 
 @dataclass(frozen=True)
@@ -129,7 +129,7 @@ class Antiderivative:
             x: what is put for the variable; the variable itself by default.
         """
         place = self.x if x is None else x
-        algebraic = sp.factor(self.algebraic) * root(self.polynomial) if self.algebraic != 0 else sp.S.Zero
+        algebraic = sp.factor(self.algebraic) * positive_root(self.polynomial) if self.algebraic != 0 else sp.S.Zero
         return algebraic.subs(self.x, place) + sp.Add(*(c * term.written(place) for c, term in self.terms))
 
     def complete(self) -> sp.Expr | None:
@@ -164,7 +164,7 @@ def _halved(
     return slope, sp.factor_terms(sp.expand(sp.cancel(D / common**2)))
 
 
-def root(radicand: sp.Expr) -> sp.Expr:
+def positive_root(radicand: sp.Expr) -> sp.Expr:
     """√ of what is positive, with squares and common factors taken out.
 
     Args:
@@ -173,7 +173,9 @@ def root(radicand: sp.Expr) -> sp.Expr:
     return sp.sqrt(sp.factor_terms(radicand))
 
 
-def antiderivative(R: Fractions, P: sp.Poly, signs: Signs, side_of: Callable[[sp.Expr], int]) -> Antiderivative:
+def elementary_antiderivative(
+    R: Fractions, P: sp.Poly, signs: Signs, side_of: Callable[[sp.Expr], int]
+) -> Antiderivative:
     """Integrate R/√P, deg P ≤ 2, real on the piece of the x-axis that a motion is on.
 
     Args:

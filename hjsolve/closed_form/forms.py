@@ -91,9 +91,9 @@ class RegimeForms(Shown):
         Raises:
             InvalidInputError: an unknown name, a value that is missing, or constants that are not of this regime.
         """
-        from hjsolve.closed_form.numbers import evaluated
+        from hjsolve.closed_form.numbers import form_at_numbers
 
-        return evaluated(self, name, values, digits)
+        return form_at_numbers(self, name, values, digits)
 
     def lambdify(self, module: str = "numpy") -> dict[str, Callable[..., Any]]:
         """Functions of numbers: of keyword arguments by the names of the symbols.

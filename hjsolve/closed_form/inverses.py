@@ -12,10 +12,10 @@ from hjsolve.closed_form.carlson import CarlsonMap, carlson_inverse
 from hjsolve.closed_form.elementary import Antiderivative
 from hjsolve.closed_form.even_curves import EvenMap, even_inverse
 from hjsolve.closed_form.fractions import NoFormError
-from hjsolve.closed_form.pieces import CoordinateIntegrals, PieceIntegral, principal
+from hjsolve.closed_form.pieces import CoordinateIntegrals, PieceIntegral, monotone_inverse
 from hjsolve.closed_form.real_branch_points import elliptic_inverse
-from hjsolve.closed_form.tidy import tidy
-from hjsolve.closed_form.verification import sample_numbers, span, value_at
+from hjsolve.closed_form.tidy import shortened_powers
+from hjsolve.closed_form.verification import monotone_span, sample_numbers, value_at
 from hjsolve.functions import JacobiAM, JacobiSN
 
 if TYPE_CHECKING:
@@ -65,7 +65,7 @@ def inverses(
             why_not[f"inverse.{c.name}"] = "the shift of the momenta enters its equation, and with it q(t) of another"
             continue
         constant = constant.xreplace({q: place for q, place in along.items() if place is not None})
-        found[c.name] = tidy(sp.expand(equation.lhs - constant.subs(dict(special)) - moved))
+        found[c.name] = shortened_powers(sp.expand(equation.lhs - constant.subs(dict(special)) - moved))
     return found
 
 
@@ -146,7 +146,7 @@ def inverted(own: CoordinateIntegrals, integral: PieceIntegral, value: sp.Expr, 
     weight, basic = law.terms[0]
     begin = basic.written(s.place.subs(q, start))
     x = basic.solved(sp.expand(value / weight) + begin)
-    return verified_inverse(own, integral, tidy(s.inverse.subs(s.x, x)), value, start)
+    return verified_inverse(own, integral, shortened_powers(s.inverse.subs(s.x, x)), value, start)
 
 
 def _elliptic(own: CoordinateIntegrals, integral: PieceIntegral, value: sp.Expr, start: sp.Symbol) -> sp.Expr:
@@ -163,10 +163,10 @@ def _elliptic(own: CoordinateIntegrals, integral: PieceIntegral, value: sp.Expr,
             x = carlson_inverse(way, amount, begin)
         case _:
             x = elliptic_inverse(way, amount, begin)
-    place = tidy(s.inverse.subs(s.x, x)).replace(
+    place = shortened_powers(s.inverse.subs(s.x, x)).replace(
         lambda e: isinstance(e, sp.asin) and isinstance(e.args[0], JacobiSN), lambda e: JacobiAM(*e.args[0].args)
     )
-    return verified_inverse(own, integral, principal(place), value, start)
+    return verified_inverse(own, integral, monotone_inverse(place), value, start)
 
 
 def _algebraic(own: CoordinateIntegrals, integral: PieceIntegral, value: sp.Expr, start: sp.Symbol) -> sp.Expr:
@@ -179,7 +179,7 @@ def _algebraic(own: CoordinateIntegrals, integral: PieceIntegral, value: sp.Expr
     B, C = P.all_coeffs()
     w = value / law.algebraic + sp.sqrt(law.polynomial).subs(law.x, s.place.subs(q, start))
     x = sp.expand((w**2 - C) / B)
-    return verified_inverse(own, integral, tidy(s.inverse.subs(s.x, x)), value, start)
+    return verified_inverse(own, integral, shortened_powers(s.inverse.subs(s.x, x)), value, start)
 
 
 def _why_not_inverted(own: CoordinateIntegrals, law: Antiderivative) -> str:
@@ -229,11 +229,11 @@ def verified_inverse(
 
 def _nearby(own: CoordinateIntegrals, integral: PieceIntegral) -> sp.Expr:
     """Another place of the same region, on the same side of the turning points."""
-    low, high = span(own, integral)
+    low, high = monotone_span(own, integral)
     return sp.Rational(str(mpmath.nstr(low + (high - low) * mpmath.mpf("0.64"), 15)))
 
 
-def orbits(shop: Workshop, pieces: Mapping[str, CoordinateIntegrals], special: Stratum) -> dict[str, sp.Expr]:
+def orbit_formulas(shop: Workshop, pieces: Mapping[str, CoordinateIntegrals], special: Stratum) -> dict[str, sp.Expr]:
     """Q as a function of an ignorable coordinate, from its orbit equation −β = θ + ∫ ∂p/∂c dq.
 
     Args:

@@ -21,7 +21,7 @@ _GUARD, _FLOAT_DIGITS = 20, 15
 _SPECIAL = 1e-12
 
 
-def evaluated(form: RegimeForms, name: str, values: Mapping[str, Any], digits: int) -> Estimate:
+def form_at_numbers(form: RegimeForms, name: str, values: Mapping[str, Any], digits: int) -> Estimate:
     """One form at numbers; see ``RegimeForms.evaluate``.
 
     Args:

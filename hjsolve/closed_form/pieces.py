@@ -10,11 +10,11 @@ import sympy as sp
 from hjsolve.closed_form.branch_points import NamedRoots, named_roots
 from hjsolve.closed_form.carlson import CarlsonMap, carlson_integral, carlson_map
 from hjsolve.closed_form.curves import MomentumCurve, W, why_no_curve
-from hjsolve.closed_form.elementary import Antiderivative, antiderivative, root
+from hjsolve.closed_form.elementary import Antiderivative, elementary_antiderivative, positive_root
 from hjsolve.closed_form.even_curves import EvenMap, even_integral, even_map
 from hjsolve.closed_form.fractions import NoFormError, fractions
 from hjsolve.closed_form.real_branch_points import LegendreMap, elliptic_integral, legendre_map
-from hjsolve.closed_form.regions import RootInterval, region_of
+from hjsolve.closed_form.regions import RootInterval, root_interval_of
 from hjsolve.closed_form.sampling import Sample
 from hjsolve.closed_form.signs import Signs
 from hjsolve.closed_form.strata import deciders
@@ -132,7 +132,7 @@ def piece(
         missing = [key for key in numerators if key not in made.integrals]
         if not missing:
             break
-        region = region_of(curve, sample)
+        region = root_interval_of(curve, sample)
         if region is None or not region.whole:
             continue
         made.region = made.region or region
@@ -175,12 +175,12 @@ class _Task:
             value, whole, way = self._elliptic(R, cyclic=cyclic)
             value = value.subs(curve.x, s.place)
         else:
-            law = antiderivative(fractions(R, curve.x), curve.polynomial, self.signs, self.side)
+            law = elementary_antiderivative(fractions(R, curve.x), curve.polynomial, self.signs, self.side)
             value, whole = law.written(s.place), law.complete() if region.kind == "libration" else None
         cycle = None
         if whole is not None:
             cycle = whole * (2 if region.kind == "libration" else 1) * (1 if s.increasing else -1)
-        value = principal(value)
+        value = monotone_inverse(value)
         if sp.count_ops(value) > LONGEST_FORM:
             raise NoFormError(f"the form has more than {LONGEST_FORM} operations")
         first = None if R.has(curve.x) else R
@@ -223,7 +223,7 @@ class _Task:
         return self.signs.decided | self.region.conditions(self.signs)
 
 
-def principal(value: sp.Expr) -> sp.Expr:
+def monotone_inverse(value: sp.Expr) -> sp.Expr:
     """arcsin(sin w) is w, and so on: the variable is monotone on the domain, where w is the principal value.
 
     Args:
@@ -266,4 +266,4 @@ def _roots(curve: MomentumCurve, signs: Signs) -> tuple[sp.Expr, ...] | None:
     if signs.sign(D) < 0:
         return ()
     order = (-1, 1) if signs.sign(A) > 0 else (1, -1)
-    return tuple((-B / 2 + side * root(D)) / A for side in order)
+    return tuple((-B / 2 + side * positive_root(D)) / A for side in order)

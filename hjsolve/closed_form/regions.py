@@ -128,7 +128,7 @@ def _complex_roots(coefficients: tuple[mpmath.mpf, ...]) -> list[mpmath.mpc]:
     return found
 
 
-def region_of(curve: MomentumCurve, sample: Sample) -> RootInterval | None:
+def root_interval_of(curve: MomentumCurve, sample: Sample) -> RootInterval | None:
     """Where a motion is; None where P is not positive there, or has a double root.
 
     Args:

@@ -42,7 +42,7 @@ def deciders(curve: MomentumCurve, constants: Iterable[sp.Symbol]) -> list[sp.Ex
     return result
 
 
-def solved(decider: sp.Expr, constants: Iterable[sp.Symbol]) -> dict[sp.Symbol, sp.Expr] | None:
+def fixed_constant(decider: sp.Expr, constants: Iterable[sp.Symbol]) -> dict[sp.Symbol, sp.Expr] | None:
     """The constant that a decider fixes where it is zero, the first that it holds to first degree.
 
     Args:
@@ -69,7 +69,7 @@ def strata(curves: Mapping[str, list[MomentumCurve]], constants: list[sp.Symbol]
     for own in curves.values():
         for curve in own[:1]:
             for decider in deciders(curve, constants):
-                special = solved(decider, constants)
+                special = fixed_constant(decider, constants)
                 if special is not None and special not in found:
                     found.append(special)
     return found

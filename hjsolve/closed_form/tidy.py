@@ -23,7 +23,7 @@ def elliptic(expression: sp.Expr) -> bool:
     return bool(expression.has(*ELLIPTIC))
 
 
-def tidy(expression: sp.Expr) -> sp.Expr:
+def shortened_powers(expression: sp.Expr) -> sp.Expr:
     """Write products of powers of s, −s and |s| shorter.
 
     Args:

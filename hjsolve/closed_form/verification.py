@@ -37,7 +37,7 @@ def flaw(piece: CoordinateIntegrals, key: sp.Symbol) -> str | None:
         numerator = _function(integral.numerator, q, values)
         form = _function(integral.value, q, values)
         slope = _slope(integral, form, values)
-        low, high = span(piece, integral)
+        low, high = monotone_span(piece, integral)
 
         def integrand(place: mpmath.mpf) -> mpmath.mpf:
             return numerator(place) / mpmath.sqrt(square(place))
@@ -144,7 +144,7 @@ def _function(
     return function
 
 
-def span(piece: CoordinateIntegrals, integral: PieceIntegral) -> tuple[mpmath.mpf, mpmath.mpf]:
+def monotone_span(piece: CoordinateIntegrals, integral: PieceIntegral) -> tuple[mpmath.mpf, mpmath.mpf]:
     """Two places between which the motion is free of turning points, inside the region.
 
     Args:

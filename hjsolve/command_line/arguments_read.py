@@ -232,7 +232,7 @@ def own_motion(options: Namespace) -> dict[str, Any] | None:
     return {**data, "parameters": {**data.get("parameters", {}), **_given_values(options)}}
 
 
-def started(options: Namespace, digits: int) -> Motion:
+def motion_meant(options: Namespace, digits: int) -> Motion:
     """The motion that is meant: of initial data given, else the entry's own.
 
     Args:

@@ -219,7 +219,7 @@ def cost(options: Namespace) -> int:
 
     changed = options.effect or options.parameter or options.q or options.velocity or options.momentum
     if options.system is None or options.coordinate or changed:
-        subject: Any = arguments_read.started(options, 15)
+        subject: Any = arguments_read.motion_meant(options, 15)
     else:
         subject = arguments_read.located(options.system)
     measured(options, subject)
@@ -240,7 +240,7 @@ def motion(options: Namespace) -> int:
     if (scene := arguments_read.scene(options)) is not None:
         print_run(scene.run(), options)
     else:
-        print_motion(arguments_read.started(options, options.digits), options)
+        print_motion(arguments_read.motion_meant(options, options.digits), options)
     return ANSWER
 
 

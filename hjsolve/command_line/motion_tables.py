@@ -36,7 +36,7 @@ def print_motion(motion: Motion, options: Namespace) -> None:
     Raises:
         InvalidInputError: times that cannot be read.
     """
-    times = None if options.times is None else read_times(options.times, options.digits)
+    times = None if options.times is None else times_from_text(options.times, options.digits)
     state = None if times is None else motion.at(times)
     if options.json:
         _print_json({"kinds": dict(motion.kinds), **_plain_numbers(motion), **_plain_states(times, state)})
@@ -67,7 +67,7 @@ def print_run(run: Run, options: Namespace) -> None:
         _print_csv(*_state_table(times, run.trajectory))
 
 
-def read_times(text: str, digits: int) -> list[Any]:
+def times_from_text(text: str, digits: int) -> list[Any]:
     """Read times: ``start:stop:count``, both ends included, or numbers with commas between them.
 
     Args:

@@ -23,7 +23,7 @@ if TYPE_CHECKING:
 SUFFIX = ".parquet"
 
 
-def axes(shape: tuple[int, ...]) -> tuple[str, ...]:
+def axis_names(shape: tuple[int, ...]) -> tuple[str, ...]:
     """Names of the axes of a batch: ``orbit``, or ``axis_0``, ``axis_1``, … where there are several.
 
     Args:
@@ -59,7 +59,7 @@ def pandas_frame(batch: Batch) -> Any:
         MissingExtraError: pandas is not installed.
     """
     pd = _library("pandas")
-    names = axes(batch.shape)
+    names = axis_names(batch.shape)
     index = (
         pd.RangeIndex(batch.shape[0], name=names[0])
         if len(names) == 1
@@ -95,7 +95,7 @@ def xarray_dataset(batch: Batch) -> Any:
         MissingExtraError: xarray is not installed.
     """
     xr = _library("xarray")
-    names = axes(batch.shape)
+    names = axis_names(batch.shape)
     return xr.Dataset({name: (names, column) for name, column in with_words(batch).items()})
 
 

@@ -135,7 +135,7 @@ def read_initial_data(
         values = read_places(system, q, parameters)
         return _from_constants(solution, values, constants, signs or {}, all_exact(q, constants, parameters))
     values = read_phase_point(system, q, velocity, p, parameters)
-    constants = {name: clean(put(c.expression, values)) for name, c in solution.constants.items()}
+    constants = {name: clean(with_numbers(c.expression, values)) for name, c in solution.constants.items()}
     return Initial(values, constants, all_exact(q, velocity, p, parameters))
 
 
@@ -177,7 +177,8 @@ def read_phase_point(
     if p is not None:
         return values | {c.momentum: rates[c.name] for c in system.coordinates}
     motion, formulas = {c.velocity: rates[c.name] for c in system.coordinates}, momenta(system)
-    return values | {c.momentum: expanded(put(formulas[c.name], {**values, **motion})) for c in system.coordinates}
+    known = {**values, **motion}
+    return values | {c.momentum: expanded(with_numbers(formulas[c.name], known)) for c in system.coordinates}
 
 
 def _from_constants(
@@ -220,7 +221,7 @@ def _sign_given(name: str, value: Any) -> sp.Integer:
     return sp.Integer(int(value))
 
 
-def put(formula: sp.Expr, values: Mapping[sp.Symbol, sp.Expr]) -> sp.Expr:
+def with_numbers(formula: sp.Expr, values: Mapping[sp.Symbol, sp.Expr]) -> sp.Expr:
     """Return a formula with numbers for its symbols.
 
     ``subs`` takes longer, and cares for what is 0/0 to ``xreplace``.

@@ -14,7 +14,7 @@ import numpy as np
 
 from hjsolve.ensembles.engine import nodes as tables
 from hjsolve.ensembles.engine.clearance import Clearance
-from hjsolve.ensembles.engine.constants import InitialConstants, blurs
+from hjsolve.ensembles.engine.constants import InitialConstants, momentum_errors
 from hjsolve.ensembles.engine.lowered_solution import Model, Separated
 from hjsolve.ensembles.engine.midpoint_rule import Sums, empty
 from hjsolve.ensembles.engine.programs import Compiled
@@ -75,7 +75,8 @@ def begin_compiled(model: Model, made: Compiled, starts: Starts) -> InitialConst
     made.start(q, p, starts.doubt, C, E, P)
     numbers = tuple(pair.high for pair in model.numbers)
     places = q[[c.index for c in model.separated]]
-    return InitialConstants(places, P, starts, Knowns(tuple(C), tuple(E), numbers), None, blurs(model, starts))
+    knowns = Knowns(tuple(C), tuple(E), numbers)
+    return InitialConstants(places, P, starts, knowns, None, momentum_errors(model, starts))
 
 
 def librations(coordinate: Separated, made: Compiled, start: InitialConstants, k: int, *, ripples: bool) -> Sums:

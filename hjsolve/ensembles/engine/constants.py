@@ -43,7 +43,7 @@ class InitialConstants:
     blur: Any
 
 
-def blurs(model: Model, starts: Starts) -> Any:
+def momentum_errors(model: Model, starts: Starts) -> Any:
     """Bounds on the relative errors of the momenta of the separated coordinates, shape (separated, n).
 
     Args:
@@ -89,7 +89,8 @@ def initial_constants(model: Model, starts: Starts, *, precise: bool) -> Initial
             shifts = model.shift.run(Float64(), [*q, *p, *numbers])
             P = [p[k] + shift for k, shift in zip(places, shifts, strict=True)]
     knowns = Knowns(tuple(values), tuple(doubts), tuple(numbers))
-    return InitialConstants(q[places], np.stack(P) if P else p[:0], starts, knowns, pairs, blurs(model, starts))
+    lost = momentum_errors(model, starts)
+    return InitialConstants(q[places], np.stack(P) if P else p[:0], starts, knowns, pairs, lost)
 
 
 def _full(pair: Pair, shape: tuple[int, ...]) -> Pair:

@@ -28,7 +28,7 @@ import sympy as sp
 
 from hjsolve.functions.carlson import CarlsonRC, CarlsonRD, CarlsonRF, CarlsonRJ
 from hjsolve.functions.elliptic.branch_points import BranchPoints, Interval, PartialFractions
-from hjsolve.functions.elliptic.moments import INFINITY, Kinds, Way, integrated, refuse, whole_way
+from hjsolve.functions.elliptic.moments import INFINITY, Kinds, Way, first_and_other_kinds, refuse, whole_way
 
 
 def complete(R: PartialFractions, P: BranchPoints, interval: Interval) -> sp.Expr:
@@ -44,7 +44,7 @@ def complete(R: PartialFractions, P: BranchPoints, interval: Interval) -> sp.Exp
     """
     refuse(R, P)
     way = whole_way(P, interval)
-    return integrated(R, way, _kinds(way))
+    return first_and_other_kinds(R, way, _kinds(way))
 
 
 def incomplete(R: PartialFractions, P: BranchPoints, interval: Interval, x: sp.Expr, start: str) -> sp.Expr:
@@ -62,7 +62,7 @@ def incomplete(R: PartialFractions, P: BranchPoints, interval: Interval, x: sp.E
     """
     refuse(R, P)
     way = Way(P, interval, start, x, whole=False)
-    return integrated(R, way, _kinds(way))
+    return first_and_other_kinds(R, way, _kinds(way))
 
 
 @dataclass(frozen=True)

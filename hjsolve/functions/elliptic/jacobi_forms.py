@@ -18,7 +18,7 @@ from functools import cached_property
 import sympy as sp
 
 from hjsolve.functions.elliptic.branch_points import BranchPoints, Interval, NoForm, PartialFractions
-from hjsolve.functions.elliptic.moments import INFINITY, Kinds, Way, integrated, refuse, whole_way
+from hjsolve.functions.elliptic.moments import INFINITY, Kinds, Way, first_and_other_kinds, refuse, whole_way
 from hjsolve.functions.jacobi import JacobiCN, JacobiSN
 
 
@@ -138,4 +138,4 @@ def _legendre(R: PartialFractions, way: Way) -> sp.Expr:
             inner = ((sp.elliptic_pi(n, m) if whole else sp.elliptic_pi(n, φ, m)) - F) / n
         return scale * inner / order.span
 
-    return integrated(R, way, Kinds(scale * F, third))
+    return first_and_other_kinds(R, way, Kinds(scale * F, third))

@@ -95,7 +95,7 @@ class Kinds:
     at_other_end: Callable[[sp.Expr], tuple[sp.Expr, sp.Expr]] | None = None
 
 
-def integrated(R: PartialFractions, way: Way, kinds: Kinds) -> sp.Expr:
+def first_and_other_kinds(R: PartialFractions, way: Way, kinds: Kinds) -> sp.Expr:
     """∫ R dx/√P along a way.
 
     Args:

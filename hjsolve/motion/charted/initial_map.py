@@ -19,7 +19,7 @@ from hjsolve.errors import InvalidInputError
 from hjsolve.mechanics.system import hamiltonian
 from hjsolve.motion.charted.inverse_charts import inverse_chart
 from hjsolve.motion.exact_numbers import to_bits
-from hjsolve.motion.initial_data import Initial, all_exact, clean, put, read_phase_point
+from hjsolve.motion.initial_data import Initial, all_exact, clean, read_phase_point, with_numbers
 from hjsolve.motion.positions import tape_of
 from hjsolve.solution.quadratures import Solution
 
@@ -62,7 +62,7 @@ def carried(
     values |= {c.momentum: x for c, x in zip(system.coordinates, exact[n : 2 * n], strict=True)}
     constants = dict(zip(solution.constants, exact[2 * n :], strict=False))
     if "E" in solution.constants:
-        energy = clean(put(hamiltonian(chart.original), given))
+        energy = clean(with_numbers(hamiltonian(chart.original), given))
         if "E" in constants:
             _same_energy(chart, energy, far[2 * n + list(solution.constants).index("E")])
         constants["E"] = energy

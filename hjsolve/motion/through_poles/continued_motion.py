@@ -14,7 +14,7 @@ from hjsolve.arithmetic.floats import EPS, bits_for, multiprecision
 from hjsolve.errors import InternalError, InvalidInputError, NotConvergedError, NotSeparableError
 from hjsolve.motion import quantities
 from hjsolve.motion.exact_numbers import to_bits
-from hjsolve.motion.initial_data import Initial, clean, domain_ends, put
+from hjsolve.motion.initial_data import Initial, clean, domain_ends, with_numbers
 from hjsolve.motion.motion import Motion
 from hjsolve.motion.quantities import FLOAT_DIGITS
 from hjsolve.motion.starting import started
@@ -230,7 +230,7 @@ def _carried(other: Solution, solution: Solution, initial: Initial) -> Initial:
     for c in other.system.coordinates:
         old = solution.system.coordinate(c.name)
         values |= {c.symbol: initial.values[old.symbol], c.momentum: initial.values[old.momentum]}
-    constants = {name: _without_noise(clean(put(c.expression, values))) for name, c in other.constants.items()}
+    constants = {name: _without_noise(clean(with_numbers(c.expression, values))) for name, c in other.constants.items()}
     if "E" in constants and "E" in initial.constants:
         constants["E"] = initial.constants["E"]
     return Initial(values, constants, initial.exact)
