@@ -27,7 +27,7 @@ class RegimeForms(Shown):
         orbit_equations: constant → −β = ….
         characteristic_function: W; None where there is no such form.
         turning_points: coordinate → (lower, upper), None where the motion does not turn; no key where it never turns.
-        periods: coordinate → 2π/|Ω|.
+        periods: coordinate → 2π/abs(Ω).
         actions: coordinate → J = (1/2π) ∮ p dq.
         frequencies: coordinate → Ω = ∂H/∂J.
         mean_velocities: ignorable coordinate that is no angle → ⟨dq/dt⟩.
