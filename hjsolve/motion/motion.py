@@ -321,7 +321,7 @@ def start(
             solution, q=q, velocity=velocity, p=p, constants=constants, signs=signs, parameters=parameters, t0=t0,
             digits=digits, certified=certified, want=want,
         )  # fmt: skip
-    from hjsolve.motion.through_poles.continued_motion import begun
+    from hjsolve.motion.through_poles.continued_motion import motion_through_poles
 
     digits = arguments.digits(digits)
     arguments.refuse_other(certified, bool, "certified", "True or False is needed")
@@ -334,7 +334,7 @@ def start(
         "q": q, "velocity": velocity, "p": p, "constants": constants, "signs": signs, "parameters": parameters,
     }  # fmt: skip
     given = {name: None if group is None else dict(group) for name, group in groups.items()}
-    motion = begun(solution, initial, exact_t0, digits, parts, certified=certified)
+    motion = motion_through_poles(solution, initial, exact_t0, digits, parts, certified=certified)
     return replace(motion, given=given, again=partial(_again, solution, given, exact_t0, wanted))
 
 

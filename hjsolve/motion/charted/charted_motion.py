@@ -21,7 +21,7 @@ from hjsolve.motion.charted.state_map import state_in
 from hjsolve.motion.initial_data import Initial
 from hjsolve.motion.motion import Motion
 from hjsolve.motion.state import State
-from hjsolve.motion.through_poles.continued_motion import ContinuedMotion, begun
+from hjsolve.motion.through_poles.continued_motion import ContinuedMotion, motion_through_poles
 from hjsolve.motion.wanted import parts_of
 from hjsolve.solution.quadratures import Solution
 
@@ -199,7 +199,7 @@ def start_charted(
     wanted = None if want is None else arguments.words(want, "want", '["actions", "periods"]')
     parts, exact_t0 = parts_of(wanted), number(t0, source="t0")
     initial = carried(solution, chart, q=q, velocity=velocity, p=p, parameters=parameters)
-    within = begun(solution, initial, exact_t0, digits, parts, certified=certified)
+    within = motion_through_poles(solution, initial, exact_t0, digits, parts, certified=certified)
     given = {
         name: None if group is None else dict(group)
         for name, group in (("q", q), ("velocity", velocity), ("p", p), ("parameters", parameters))

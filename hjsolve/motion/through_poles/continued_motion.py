@@ -151,7 +151,7 @@ def _there(part: Any) -> Any:
     return part
 
 
-def begun(
+def motion_through_poles(
     solution: Solution, initial: Initial, t0: sp.Expr, digits: int, parts: frozenset[str], *, certified: bool = False
 ) -> Motion:
     """Start a motion from data that were read before; where it ends at a pole of the coordinates only, it goes on.
@@ -211,7 +211,7 @@ def _continued(
     """The motion in the continued coordinates; None where it does not come from them."""
     try:
         other = solve(way.system)
-        within = begun(other, _carried(other, solution, initial), t0, digits, parts, certified=certified)
+        within = motion_through_poles(other, _carried(other, solution, initial), t0, digits, parts, certified=certified)
     except (NotSeparableError, NotConvergedError):
         return None
     own = {f.name: getattr(within, f.name) for f in fields(Motion)}
