@@ -12,7 +12,7 @@ from hjsolve.arithmetic.reproducible_products import rowwise
 
 if TYPE_CHECKING:
     from hjsolve.ensembles.engine.nodes import Nodes
-    from hjsolve.ensembles.engine.region import OrbitRegions
+    from hjsolve.ensembles.engine.orbit_regions import OrbitRegions
 
 _CLOSE = 0.05
 

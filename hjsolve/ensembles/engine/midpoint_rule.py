@@ -19,8 +19,8 @@ from hjsolve.arithmetic.floats import EPS
 from hjsolve.arithmetic.reproducible_products import rowwise
 from hjsolve.ensembles.engine import nodes as tables
 from hjsolve.ensembles.engine.initial_phase import EndNodes, phase_of_libration, phase_of_rotation
+from hjsolve.ensembles.engine.orbit_regions import OrbitRegions
 from hjsolve.ensembles.engine.radicand_views import View
-from hjsolve.ensembles.engine.region import OrbitRegions
 from hjsolve.ensembles.engine.resolution import least
 
 _SAFETY = 1.5

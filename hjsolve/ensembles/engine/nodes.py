@@ -222,12 +222,3 @@ def shifts(count: int, fold: int) -> tuple[Any, Any]:
     if fold == 1:
         slopes[-1] *= 1.5
     return np.sin(χ) ** 2, slopes
-
-
-def next_count(needed: float) -> int:
-    """Return the least number of nodes in use that is enough, 0 where none is.
-
-    Args:
-        needed: how many nodes would be enough.
-    """
-    return next((count for count in COUNTS if count >= needed), 0)

@@ -13,6 +13,7 @@ from hjsolve.arithmetic.second_differences import FUNCTIONS
 from hjsolve.ensembles.engine.constants import InitialConstants, initial_constants, slope
 from hjsolve.ensembles.engine.lowered_solution import LoweredFormula, Model, Separated
 from hjsolve.ensembles.engine.nodes import EVEN, MOST
+from hjsolve.ensembles.engine.orbit_regions import OrbitRegions
 from hjsolve.ensembles.engine.radicand_views import (
     DifferenceEvaluation,
     DirectEvaluation,
@@ -21,7 +22,6 @@ from hjsolve.ensembles.engine.radicand_views import (
     View,
     second_slope,
 )
-from hjsolve.ensembles.engine.region import OrbitRegions
 from hjsolve.ensembles.engine.starts import Starts
 from hjsolve.ensembles.engine.turning_points import bracket, first_step, kept_inside, refine
 from hjsolve.ensembles.status import EQUILIBRIUM, UNDECIDED, Status

@@ -24,7 +24,7 @@ from hjsolve.ensembles.engine.radicand_views import DifferenceEvaluation, Double
 from hjsolve.ensembles.engine.strips_of_analyticity import SAFETY, CoveredStrip, across, covered_strip
 
 if TYPE_CHECKING:
-    from hjsolve.ensembles.engine.region import OrbitRegions
+    from hjsolve.ensembles.engine.orbit_regions import OrbitRegions
 
 _UNKNOWN, _CAUTIOUS, _HOPELESS = 0.3, 0.7, 2.0
 """The nodes needed grow nearly like the share of the radius that is missing, at least with this power; for stretched
