@@ -118,7 +118,8 @@ class _Cell(NamedTuple):
     """A piece of the ray, its enclosures of F, F′ and F″ (two ends each), and how often it was divided.
 
     ``blurred``: its enclosure of F is no narrower than that of what it is a part of, so it is all rounding, or doubles
-    do not reach that far. ``singular``: F has no bounds there in any precision.
+    do not reach that far. ``singular``: F has no bounds there in any precision. ``rounded``: no part of it has a
+    narrower enclosure in doubles than it has itself; it waits for many digits, undivided.
     """
 
     ends: tuple[float, float]
@@ -126,6 +127,7 @@ class _Cell(NamedTuple):
     depth: int
     blurred: bool = False
     singular: bool = False
+    rounded: bool = False
 
     @property
     def overflowed(self) -> bool:
@@ -155,8 +157,8 @@ def _search(ray: Ray, cells: list[_Cell], digits: int) -> End | None:
         stubborn = first.undecided and (first.blurred or first.depth >= _STUBBORN)
         if (first.overflowed or stubborn) and outlook.clear(first.ends[0]):
             return None
-        if first.overflowed:
-            work += _COST_OF_MANY_DIGITS
+        if first.overflowed or first.rounded:
+            work += 1 if first.rounded else _COST_OF_MANY_DIGITS
             cells = [_exactly(ray, first), *cells[1:]]
             continue
         if first.undecided and _pieces(ray, first):
@@ -218,7 +220,11 @@ def _divided(ray: Ray, cells: list[_Cell]) -> list[_Cell]:
     result: list[_Cell] = []
     for cell, parts in zip(cells[:together], pieces, strict=True):
         inner = [next(enclosures) for _ in parts]
-        blurred = bool(parts) and not max(e[1] - e[0] for e in inner) < 0.6 * (cell.enclosure[1] - cell.enclosure[0])
+        widths, enough = [e[1] - e[0] for e in inner], 0.6 * (cell.enclosure[1] - cell.enclosure[0])
+        if parts and not exact and enough <= min(widths) <= max(widths) < np.inf:
+            result.append(cell._replace(rounded=True))
+            continue
+        blurred = bool(parts) and not max(widths) < enough
         blurred = cell.blurred or (depth > 0 and blurred)
         result += [_Cell(part, e, depth + 1, blurred, cell.singular) for part, e in zip(parts, inner, strict=True)] or [
             cell
