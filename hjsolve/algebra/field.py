@@ -270,6 +270,10 @@ class Field:
     def power(self, x: Element, n: int) -> Element:
         """xⁿ; the numerator becomes a factor when n is negative or large.
 
+        Args:
+            x: an element of the field.
+            n: the exponent, a whole number of either sign.
+
         Raises:
             ZeroDivisionError: x is zero and n is negative.
         """

@@ -9,9 +9,8 @@ each of its derivatives.
 
 from __future__ import annotations
 
-from collections.abc import Callable, Collection, Iterable, Mapping
+from collections.abc import Callable, Iterable, Mapping
 from fractions import Fraction
-from math import gcd
 
 import sympy as sp
 
@@ -20,6 +19,7 @@ from hjsolve.algebra.constants import constant_is_zero
 from hjsolve.algebra.elementary import INVERSE_CIRCULAR, INVERSE_HYPERBOLIC, at_one_place, circular_pair, composed
 from hjsolve.algebra.field import MAX_POWER, Element, Field, Generator, RootRelation
 from hjsolve.algebra.intervals import NoEnclosureError, enclose
+from hjsolve.algebra.linear_arguments import is_shifted, linear_terms, rational_gcd
 from hjsolve.algebra.logarithms import Logarithms
 from hjsolve.algebra.poly import Budget, Poly, WorkLimitError
 from hjsolve.algebra.relations import dependent
@@ -80,7 +80,7 @@ class Reader:
             self._note("rapidity", node.args[0])
         for node in expression.atoms(sp.exp):
             self._note("rapidity", node.args[0])
-            self._exponential |= {m for m, _ in _linear_terms(node.args[0])}
+            self._exponential |= {m for m, _ in linear_terms(node.args[0])}
         for node in expression.atoms(sp.Pow, sp.log):
             inside = node.args[0]
             even = isinstance(node, sp.log) or (node.exp.is_Rational and node.exp.q % 2 == 0)
@@ -89,11 +89,11 @@ class Reader:
 
     def _note(self, kind: str, argument: sp.Expr) -> None:
         for monomial, c in self._terms(kind, argument):
-            self._units[kind, monomial] = _rational_gcd(self._units.get((kind, monomial), abs(c)), c)
+            self._units[kind, monomial] = rational_gcd(self._units.get((kind, monomial), abs(c)), c)
 
     def _terms(self, kind: str, argument: sp.Expr) -> list[tuple[sp.Expr, Fraction]]:
         """The argument as Σ coefficient · monomial; a shifted one is a monomial itself where it is kept whole."""
-        terms = _linear_terms(argument)
+        terms = linear_terms(argument)
         if self._whole and kind == "rapidity" and is_shifted(argument, set(self.bounds)):
             c = next(c for m, c in terms if not m.free_symbols.isdisjoint(self.bounds))
             return [(sp.Add(*(sp.Rational(d.numerator, d.denominator) * m / c for m, d in terms)), c)]
@@ -194,7 +194,7 @@ class Reader:
         if exponent.is_Rational:
             return root(self, self.element(base), int(exponent.p), int(exponent.q))
         result = self.field.one
-        for monomial, c in _linear_terms(exponent):
+        for monomial, c in linear_terms(exponent):
             if monomial == 1:
                 result = result * self._power(base, sp.Rational(c.numerator, c.denominator))
                 continue
@@ -268,7 +268,12 @@ class Reader:
         return self.field.total(self.diff_terms(x, symbol))
 
     def diff_terms(self, x: Element, symbol: sp.Symbol) -> list[Element]:
-        """∂x/∂symbol as a sum that is left as it is: one term for each factor that holds the symbol."""
+        """∂x/∂symbol as a sum that is left as it is: one term for each factor that holds the symbol.
+
+        Args:
+            x: an element of the field.
+            symbol: what to differentiate by.
+        """
         field = self.field
         slope = self._poly_diff(x.numerator, symbol)
         kept = Element(field, x.coefficient, {0: 1}, x.factors)
@@ -282,11 +287,21 @@ class Reader:
         return terms
 
     def log_diff(self, x: Element, symbol: sp.Symbol) -> Element:
-        """∂ ln x/∂symbol: only the factors that hold the symbol enter."""
+        """∂ ln x/∂symbol: only the factors that hold the symbol enter.
+
+        Args:
+            x: an element that is not zero.
+            symbol: what to differentiate by.
+        """
         return self.field.total(self.log_diff_terms(x, symbol))
 
     def log_diff_terms(self, x: Element, symbol: sp.Symbol) -> list[Element]:
-        """∂ ln x/∂symbol as a sum that is left as it is."""
+        """∂ ln x/∂symbol as a sum that is left as it is.
+
+        Args:
+            x: an element that is not zero.
+            symbol: what to differentiate by.
+        """
         field = self.field
         terms = []
         for b, e in field.factored(x).factors.items():
@@ -305,7 +320,12 @@ class Reader:
         return field.total(terms)
 
     def generator_diff(self, k: int, symbol: sp.Symbol) -> Element:
-        """∂(generator k)/∂symbol."""
+        """∂(generator k)/∂symbol.
+
+        Args:
+            k: the index of a generator of the field.
+            symbol: what to differentiate by.
+        """
         if (k, symbol) not in self._derivatives:
             atom = self.field.generators[k].atom
             depends = symbol in atom.free_symbols
@@ -340,28 +360,6 @@ def _is_zero(x: sp.Expr) -> bool:
     except NoEnclosureError:
         return False
     return lower <= 0 <= upper and constant_is_zero(at_one_place(x)) is True
-
-
-def is_shifted(argument: sp.Expr, coordinates: Collection[sp.Symbol]) -> bool:
-    """Whether an argument is that of one coordinate, moved by something that holds none.
-
-    Args:
-        argument: of a function.
-        coordinates: of the system.
-    """
-    parts = [part.free_symbols.intersection(coordinates) for part in sp.Add.make_args(sp.expand(argument))]
-    return len(parts) > 1 and not all(parts) and len(set().union(*parts)) == 1
-
-
-def _linear_terms(x: sp.Expr) -> list[tuple[sp.Expr, Fraction]]:
-    """The expression as Σ coefficient · monomial with rational coefficients."""
-    pairs = sp.expand(x).as_coefficients_dict().items()
-    return [(m, Fraction(int(c.p), int(c.q))) for m, c in pairs if c.is_Rational and c != 0]
-
-
-def _rational_gcd(a: Fraction, b: Fraction) -> Fraction:
-    """Greatest rational number of which both are integer multiples."""
-    return Fraction(gcd(a.numerator * b.denominator, b.numerator * a.denominator), a.denominator * b.denominator)
 
 
 def _pair_handler(kind: str, combine: Callable[[Element, Element], Element]) -> Callable[[Reader, sp.Expr], Element]:

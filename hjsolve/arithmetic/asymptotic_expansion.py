@@ -16,17 +16,14 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from hjsolve.arithmetic.asymptotic_scale import Growth, Monomial, Remainder, UnknownGrowthError
+from hjsolve.arithmetic.asymptotic_scale import WIDENING, Growth, Monomial, Remainder, UnknownGrowthError, remainder
 from hjsolve.arithmetic.floats import Float64, Multi, by_squaring
 from hjsolve.arithmetic.interval import Interval, Intervals
 from hjsolve.arithmetic.jet import Jet, Jets
 from hjsolve.arithmetic.number_types import Mpf
-from hjsolve.arithmetic.tape import Tape
-from hjsolve.errors import InvalidInputError
 
 BITS = 1024
 _TERMS = 6
-_SLACK = 2.0**-40
 _INTERVALS = Jets(Intervals(Float64()))
 
 
@@ -66,6 +63,11 @@ class Growths:
         return Growth(((Monomial(0.0, 1.0, 0.0), self.plain.context.mpf(sign)),))
 
     def rational(self, numerator: int, denominator: int) -> Growth:
+        """Return a fraction: one term that does not grow.
+
+        Args:
+            numerator, denominator: whole numbers, the second not zero.
+        """
         return self.constant(self.plain.rational(numerator, denominator))
 
     def pi(self) -> Growth:
@@ -88,7 +90,7 @@ class Growths:
         falling = rate + (max(power, 0.0) + max(logs, 0.0) / l) / q if rate else falling
         if m > _CONSTANT or falling > 0:
             raise UnknownGrowthError
-        return math.exp(min(rate * q + power * l + logs * math.log(l), 700.0)) * (1 + _SLACK) + 1e-300
+        return math.exp(min(rate * q + power * l + logs * math.log(l), 700.0)) * (1 + WIDENING) + 1e-300
 
     def range_of(self, f: Growth, over: Monomial) -> Remainder:
         """Return f as a remainder over a monomial that grows no slower.
@@ -107,7 +109,7 @@ class Growths:
             bound, same = self.largest(f.rest.monomial.times(over, -1.0)), f.rest.monomial == over
             low += f.rest.low if same else min(f.rest.low * bound, 0.0)
             high += f.rest.high if same else max(f.rest.high * bound, 0.0)
-        return _range(over, low, high)
+        return remainder(over, low, high)
 
     def _made(self, terms: Iterable[tuple[Monomial, Mpf]], rests: Iterable[Growth]) -> Growth:
         """Collect equal terms, drop those that cancelled, and put what is beyond the first few into the remainder."""
@@ -124,35 +126,61 @@ class Growths:
             return Growth(tuple(left))
         top = max(heads)
         ranges = [self.range_of(part, top) for part in parts]
-        rest = _range(top, sum(r.low for r in ranges), sum(r.high for r in ranges))
+        rest = remainder(top, sum(r.low for r in ranges), sum(r.high for r in ranges))
         return Growth(tuple(left[:_TERMS]), rest)
 
     def add(self, x: Growth, y: Growth) -> Growth:
+        """Return x + y; terms that cancel are dropped, the remainders are added.
+
+        Args:
+            x, y: expansions for s ≥ Q.
+        """
         return self._made([*x.terms, *y.terms], [Growth((), part.rest) for part in (x, y) if part.rest])
 
     def sub(self, x: Growth, y: Growth) -> Growth:
+        """Return x − y, as a sum.
+
+        Args:
+            x, y: expansions for s ≥ Q.
+        """
         return self.add(x, self._times(y, -1))
 
     def _times(self, x: Growth, c: Mpf | int) -> Growth:
         terms = tuple((m, c * value) for m, value in x.terms)
-        rest = x.rest and _range(x.rest.monomial, *sorted((float(c) * x.rest.low, float(c) * x.rest.high)))
+        rest = x.rest and remainder(x.rest.monomial, *sorted((float(c) * x.rest.low, float(c) * x.rest.high)))
         return Growth(terms, rest)
 
     def mul(self, x: Growth, y: Growth) -> Growth:
+        """Return x·y, every term by every term; what meets a remainder becomes part of the remainder.
+
+        Args:
+            x, y: expansions for s ≥ Q.
+        """
         terms = [(m.times(n), a * b) for m, a in x.terms for n, b in y.terms]
         rests = []
         for one, other in ((x, y), (y, x)):
             if one.rest is not None and other.terms:
                 whole = self.range_of(Growth(other.terms), other.terms[0][0])
-                rests.append(Growth((), _product(one.rest, whole)))
+                rests.append(Growth((), one.rest.times(whole)))
         if x.rest is not None and y.rest is not None:
-            rests.append(Growth((), _product(x.rest, y.rest)))
+            rests.append(Growth((), x.rest.times(y.rest)))
         return self._made(terms, rests)
 
     def div(self, x: Growth, y: Growth) -> Growth:
+        """Return x/y, by the binomial series of 1/y about its leading term.
+
+        Args:
+            x, y: expansions for s ≥ Q; of y the leading term or the sign of the remainder is known.
+        """
         return self.mul(x, self.power(y, -1))
 
     def power(self, x: Growth, n: int) -> Growth:
+        """Return xⁿ; for n < 0 by the binomial series about the leading term.
+
+        Args:
+            x: an expansion for s ≥ Q.
+            n: the exponent, of either sign.
+        """
         if n == 0:
             return self.rational(1, 1)
         if n > 0:
@@ -160,7 +188,7 @@ class Growths:
             return result
         if not x.terms and x.rest is not None and x.rest.low * x.rest.high > 0:
             ends = sorted((1 / x.rest.low, 1 / x.rest.high))
-            return self.power(Growth((), _range(_CONSTANT.times(x.rest.monomial, -1.0), *ends)), -n)
+            return self.power(Growth((), remainder(_CONSTANT.times(x.rest.monomial, -1.0), *ends)), -n)
         return self._binomial(x, -1.0) if n == -1 else self.power(self._binomial(x, -1.0), -n)
 
     def _split(self, x: Growth) -> tuple[Monomial, Mpf, Growth, float]:
@@ -169,7 +197,7 @@ class Growths:
             raise UnknownGrowthError
         (monomial, c), others = x.terms[0], x.terms[1:]
         inverse = 1 / c
-        rest = x.rest and _range(
+        rest = x.rest and remainder(
             x.rest.monomial.times(monomial, -1.0), *sorted((float(inverse) * x.rest.low, float(inverse) * x.rest.high))
         )
         ε = Growth(tuple((m.times(monomial, -1.0), inverse * value) for m, value in others), rest)
@@ -203,10 +231,16 @@ class Growths:
         top = max([ε.terms[0][0]] * bool(ε.terms) + ([ε.rest.monomial] if ε.rest else []))
         n = len(coefficients)
         size = tail * self.range_of(ε, top).size ** n
-        rests = (result.rest, _range(_power(top, n), -size, size))
+        rests = (result.rest, remainder(_CONSTANT.times(top, n), -size, size))
         return self._made(result.terms, [Growth((), r) for r in rests if r])
 
     def unary(self, name: str, x: Growth) -> Growth:
+        """Return a function of x: by its own rule, as of something that grows, or by Taylor's series.
+
+        Args:
+            name: of the function, one of ``tape.UNARY``.
+            x: an expansion for s ≥ Q.
+        """
         if name == "neg":
             return self._times(x, -1)
         if name in _OWN:
@@ -256,7 +290,7 @@ class Growths:
         if ε.rest is not None and ε.rest.monomial == _CONSTANT:
             whole = self.range_of(ε, _CONSTANT)
             low, high = (math.exp(min(end, 700.0)) for end in (whole.low, whole.high))
-            extra = Growth((), _range(_CONSTANT, low, high))
+            extra = Growth((), remainder(_CONSTANT, low, high))
         else:
             size = self.range_of(ε, _CONSTANT).size
             if size > 1:
@@ -273,7 +307,7 @@ class Growths:
             raise UnknownGrowthError
         above = monomial.times(Monomial(0.0, 1.0, 0.0), -1.0)
         least = 1 / self.largest(_CONSTANT.times(above, -1.0))  # of M/s on s ≥ Q
-        return Growth((), _range(Monomial(float(c) / 2 * least * (1 - _SLACK), 0.0, 0.0), 0.0, 1.0))
+        return Growth((), remainder(Monomial(float(c) / 2 * least * (1 - WIDENING), 0.0, 0.0), 0.0, 1.0))
 
     def _tanh(self, x: Growth) -> Growth:
         """1 − 2/(1 + e^{2f})."""
@@ -316,7 +350,7 @@ class Growths:
         whole = self.range_of(x, _CONSTANT)
         if ε.rest is not None and ε.rest.monomial == _CONSTANT:
             found = _INTERVALS.unary(name, _jet(whole.low, whole.high))
-            return Growth((), _range(_CONSTANT, float(found.value.low[0]), float(found.value.high[0])))
+            return Growth((), remainder(_CONSTANT, float(found.value.low[0]), float(found.value.high[0])))
         at = Jets(self.plain).unary(name, Jet(c, context.mpf(1), context.mpf(0)))
         bend = _INTERVALS.unary(name, _jet(whole.low, whole.high)).second
         assert bend is not None  # the jet of a function of the variable itself
@@ -332,7 +366,8 @@ class Growths:
             return first
         top = max([ε.terms[0][0]] * bool(ε.terms) + ([ε.rest.monomial] if ε.rest else []))
         size = most * self.range_of(ε, top).size ** 2
-        return self._made(first.terms, [Growth((), r) for r in (first.rest, _range(_power(top, 2), -size, size)) if r])
+        beyond = remainder(_CONSTANT.times(top, 2), -size, size)
+        return self._made(first.terms, [Growth((), r) for r in (first.rest, beyond) if r])
 
     def sign(self, x: Growth) -> int:
         """Return the sign that f has for all s ≥ Q.
@@ -348,48 +383,12 @@ class Growths:
         return 1 if self._split(x)[1] > 0 else -1
 
 
-def sign_beyond(tape: Tape, inputs: list[Mpf], side: int, start: float, bits: int = BITS) -> int:
-    """Return the sign that a formula has for all side·q ≥ start; 0 where that is not known.
-
-    Args:
-        tape: of the formula, one output; inputs q, then numbers.
-        inputs: these numbers, to so many bits.
-        side: 1 towards +∞, −1 towards −∞.
-        start: at least 3, for nothing is known below.
-        bits: of the coefficients.
-    """
-    if not 3 <= start < 1e300:
-        return 0
-    growths = Growths(start, bits)
-    try:
-        return growths.sign(tape.run(growths, [growths.variable(side), *map(growths.constant, inputs)])[0])
-    except (UnknownGrowthError, InvalidInputError, ArithmeticError):
-        return 0
-
-
 _OWN: dict[str, Callable[[Growths, Growth], Growth]] = {
     "abs": Growths._abs, "sqrt": Growths._sqrt, "log": Growths._log, "exp": Growths._exp, "tanh": Growths._tanh,
     "sech": Growths._sech,
     "sinh": lambda g, x: g._hyperbolic(x, -1) if g._grows(x) else g._smooth("sinh", x),
     "cosh": lambda g, x: g._hyperbolic(x, 1) if g._grows(x) else g._smooth("cosh", x),
 }  # fmt: skip
-
-
-def _power(m: Monomial, n: int) -> Monomial:
-    return Monomial(*(n * part for part in m))
-
-
-def _range(monomial: Monomial, low: float, high: float) -> Remainder:
-    """A remainder, widened by rounding."""
-    if not (math.isfinite(low) and math.isfinite(high)):
-        raise UnknownGrowthError
-    widening = _SLACK * max(abs(low), abs(high)) + 1e-300
-    return Remainder(monomial, low - widening, high + widening)
-
-
-def _product(x: Remainder, y: Remainder) -> Remainder:
-    ends = [a * b for a in (x.low, x.high) for b in (y.low, y.high)]
-    return _range(x.monomial.times(y.monomial), min(ends), max(ends))
 
 
 def _jet(low: float, high: float) -> Jet[Interval]:

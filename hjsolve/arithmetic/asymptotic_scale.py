@@ -2,9 +2,13 @@
 
 from __future__ import annotations
 
+import math
 from typing import NamedTuple
 
 from hjsolve.arithmetic.number_types import Mpf
+
+WIDENING = 2.0**-40
+"""What bounds in doubles are widened by, relatively: far more than the rounding of all that is done with one."""
 
 
 class UnknownGrowthError(Exception):
@@ -39,9 +43,37 @@ class Remainder(NamedTuple):
     def size(self) -> float:
         return max(abs(self.low), abs(self.high))
 
+    def times(self, other: Remainder) -> Remainder:
+        """Return the product.
+
+        Args:
+            other: another one.
+
+        Raises:
+            UnknownGrowthError: the product is beyond doubles.
+        """
+        ends = [a * b for a in (self.low, self.high) for b in (other.low, other.high)]
+        return remainder(self.monomial.times(other.monomial), min(ends), max(ends))
+
 
 class Growth(NamedTuple):
     """Terms, the fastest first, and the remainder."""
 
     terms: tuple[tuple[Monomial, Mpf], ...]
     rest: Remainder | None = None
+
+
+def remainder(monomial: Monomial, low: float, high: float) -> Remainder:
+    """Return a remainder, widened by rounding.
+
+    Args:
+        monomial: how fast it grows.
+        low, high: what the monomial is multiplied by.
+
+    Raises:
+        UnknownGrowthError: an end is not finite.
+    """
+    if not (math.isfinite(low) and math.isfinite(high)):
+        raise UnknownGrowthError
+    widening = WIDENING * max(abs(low), abs(high)) + 1e-300
+    return Remainder(monomial, low - widening, high + widening)

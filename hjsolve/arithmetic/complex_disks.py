@@ -107,6 +107,11 @@ class Disks:
         return single(nearest, 0.0 if nearest == x else abs(nearest) * 2.0**-52)
 
     def rational(self, numerator: int, denominator: int) -> Disk:
+        """Return a disk about a fraction; its radius is zero where a double holds it exactly.
+
+        Args:
+            numerator, denominator: whole numbers, the second not zero.
+        """
         value = Float64().rational(numerator, denominator)
         exact = denominator & (denominator - 1) == 0 and abs(numerator) < 2**53
         return single(value, 0.0 if exact else abs(value) * 2.0**-52)
@@ -115,18 +120,38 @@ class Disks:
         return single(np.pi, 2.0**-52)
 
     def add(self, x: Disk, y: Disk) -> Disk:
+        """Return a disk that holds every x + y.
+
+        Args:
+            x, y: disks, arrays that broadcast together.
+        """
         centre = x.centre + y.centre
         return Disk(centre, x.radius + y.radius + _UNIT * np.abs(centre))
 
     def sub(self, x: Disk, y: Disk) -> Disk:
+        """Return a disk that holds every x − y.
+
+        Args:
+            x, y: disks, arrays that broadcast together.
+        """
         centre = x.centre - y.centre
         return Disk(centre, x.radius + y.radius + _UNIT * np.abs(centre))
 
     def mul(self, x: Disk, y: Disk) -> Disk:
+        """Return a disk that holds every x·y.
+
+        Args:
+            x, y: disks, arrays that broadcast together.
+        """
         a, b = np.abs(x.centre), np.abs(y.centre)
         return Disk(x.centre * y.centre, a * (y.radius + _UNIT * b) + x.radius * (b + y.radius))
 
     def div(self, x: Disk, y: Disk) -> Disk:
+        """Return a disk that holds every x/y; nothing is known where y holds zero.
+
+        Args:
+            x, y: disks, arrays that broadcast together.
+        """
         return self.mul(x, self.inverse(y))
 
     def inverse(self, x: Disk) -> Disk:
@@ -142,6 +167,12 @@ class Disks:
         return Disk(x.centre.conj() / room, np.where(room > 0, share + _UNIT * (share + 1 / size), np.inf))
 
     def power(self, x: Disk, n: int) -> Disk:
+        """Return a disk that holds every xⁿ, narrower than a product of n different disks.
+
+        Args:
+            x: disks.
+            n: the exponent, of either sign.
+        """
         if n < 0:
             return self.inverse(self.power(x, -n))
         if n == 0:
@@ -151,6 +182,12 @@ class Disks:
         return Disk(value, grown + n * _UNIT * (size + x.radius) ** n)
 
     def unary(self, name: str, x: Disk) -> Disk:
+        """Return a disk that holds every value of a function; nothing is known where x meets a singularity or a cut.
+
+        Args:
+            name: of the function, one of ``tape.UNARY``.
+            x: disks.
+        """
         result: Disk = _FUNCTIONS[name](self, x)
         return result
 

@@ -48,12 +48,22 @@ class Rates:
     side: int
 
     def constant(self, value: Disk) -> Rated:
+        """Return a number that does not depend on q.
+
+        Args:
+            value: the disk it lies in.
+        """
         return Rated(0.0, value, (_ZERO, value))
 
     def variable(self) -> Rated:
         return Rated(0.0, self.q, (_ONE, _ZERO))
 
     def rational(self, numerator: int, denominator: int) -> Rated:
+        """Return a fraction.
+
+        Args:
+            numerator, denominator: whole numbers, the second not zero.
+        """
         return self.constant(_D.rational(numerator, denominator))
 
     def pi(self) -> Rated:
@@ -71,6 +81,11 @@ class Rates:
         return x.value if x.rate == 0 else _D.mul(self._power_of_e(x.rate), x.value)
 
     def add(self, x: Rated, y: Rated) -> Rated:
+        """Return x + y: the one that grows faster keeps its λ, the other enters its φ.
+
+        Args:
+            x, y: numbers e^{λq} φ over the same disks.
+        """
         line = None
         if x.line and y.line:
             line = _D.add(x.line[0], y.line[0]), _D.add(x.line[1], y.line[1])
@@ -81,9 +96,19 @@ class Rates:
         return Rated(x.rate, _D.add(x.value, y.value), line)
 
     def sub(self, x: Rated, y: Rated) -> Rated:
+        """Return x − y, in the same way.
+
+        Args:
+            x, y: numbers e^{λq} φ over the same disks.
+        """
         return self.add(x, self.unary("neg", y))
 
     def mul(self, x: Rated, y: Rated) -> Rated:
+        """Return x·y; the λ are added.
+
+        Args:
+            x, y: numbers e^{λq} φ over the same disks.
+        """
         line = None
         if x.line and y.line:
             for one, other in ((x.line, y.line), (y.line, x.line)):
@@ -92,14 +117,31 @@ class Rates:
         return Rated(x.rate + y.rate, _D.mul(x.value, y.value), line)
 
     def div(self, x: Rated, y: Rated) -> Rated:
+        """Return x/y; the λ are subtracted.
+
+        Args:
+            x, y: numbers e^{λq} φ over the same disks.
+        """
         return self.mul(x, self.power(y, -1))
 
     def power(self, x: Rated, n: int) -> Rated:
+        """Return xⁿ; λ is multiplied by n.
+
+        Args:
+            x: a number e^{λq} φ.
+            n: the exponent, of either sign.
+        """
         value = _D.power(x.value, n)
         constant = x.line is not None and x.line[0] is _ZERO
         return Rated(n * x.rate, value, (_ZERO, value) if constant else None)
 
     def unary(self, name: str, x: Rated) -> Rated:
+        """Return a function of x; an exponential of a q + b becomes a factor e^{aq}.
+
+        Args:
+            name: of the function, one of ``tape.UNARY``.
+            x: a number e^{λq} φ.
+        """
         if name == "neg":
             line = x.line and (x.line[0] if x.line[0] is _ZERO else _negative(x.line[0]), _negative(x.line[1]))
             return Rated(x.rate, _negative(x.value), line)

@@ -76,28 +76,66 @@ class Float64(ByOperators):
     """More than any operation rounds by, relatively."""
 
     def rational(self, numerator: int, denominator: int) -> Elementwise:
+        """Return the double next to a fraction.
+
+        Args:
+            numerator, denominator: whole numbers, the second not zero.
+        """
         return float(Fraction(numerator, denominator))
 
     def pi(self) -> Elementwise:
         return np.pi
 
     def power(self, x: Elementwise, n: int) -> Elementwise:
+        """Return xⁿ, elementwise; small powers are products.
+
+        Args:
+            x: a double or an array of doubles.
+            n: the exponent, of either sign.
+        """
         return np.float_power(x, n) if abs(n) > 3 else _small_power(x, n)
 
     def unary(self, name: str, x: Elementwise) -> Elementwise:
+        """Return a function of x, elementwise; nan outside its domain.
+
+        Args:
+            name: of the function, one of ``tape.UNARY``.
+            x: a double or an array of doubles.
+        """
         return sech(x) if name == "sech" else getattr(np, _NUMPY_NAMES.get(name, name))(x)
 
     def where(self, condition: Truth, x: Elementwise, y: Elementwise) -> Elementwise:
+        """Return x where a condition holds, y elsewhere.
+
+        Args:
+            condition: one truth value or an array of them.
+            x, y: doubles or arrays of doubles that broadcast with it.
+        """
         chosen: Elementwise = np.where(condition, x, y)
         return chosen[()]  # one number stays a number
 
     def rint(self, x: Elementwise) -> Elementwise:
+        """Return the nearest whole number, elementwise.
+
+        Args:
+            x: a double or an array of doubles.
+        """
         return np.rint(x)
 
     def atan2(self, y: Elementwise, x: Elementwise) -> Elementwise:
+        """Return the angle of the point (x, y) in radians, −π … π.
+
+        Args:
+            y, x: doubles or arrays of doubles.
+        """
         return np.arctan2(y, x)
 
     def copysign(self, size: Elementwise, sign: Elementwise) -> Elementwise:
+        """Return a size with the sign of another number, that of a zero included.
+
+        Args:
+            size, sign: doubles or arrays of doubles.
+        """
         return np.copysign(size, sign)
 
 
@@ -216,12 +254,23 @@ class Multi(ByOperators):
         return +self.context.convert(value)
 
     def rational(self, numerator: int, denominator: int) -> Mpf:
+        """Return a fraction, rounded to the precision.
+
+        Args:
+            numerator, denominator: whole numbers, the second not zero.
+        """
         return self.context.mpf(numerator) / denominator
 
     def pi(self) -> Mpf:
         return +self.context.pi
 
     def power(self, x: Numeric, n: int) -> Mpf:
+        """Return xⁿ.
+
+        Args:
+            x: a number of many digits.
+            n: the exponent, of either sign.
+        """
         return cast("Mpf", x**n)
 
     def unary(self, name: str, x: Numeric) -> Mpf:
@@ -244,14 +293,35 @@ class Multi(ByOperators):
         return cast("Mpf", value)
 
     def where(self, condition: Truth, x: X, y: X) -> X:
+        """Return x where a condition holds, y elsewhere.
+
+        Args:
+            condition: one truth value.
+            x, y: what to choose from.
+        """
         return x if condition else y
 
     def rint(self, x: Numeric) -> Mpf:
+        """Return the nearest whole number.
+
+        Args:
+            x: a number of many digits.
+        """
         return self.context.nint(x)
 
     def atan2(self, y: Numeric, x: Numeric) -> Mpf:
+        """Return the angle of the point (x, y) in radians, −π … π.
+
+        Args:
+            y, x: numbers of many digits.
+        """
         return self.context.atan2(y, x)
 
     def copysign(self, size: X, sign: Numeric) -> X:
-        """Return a size with the sign of another number; a zero counts as positive."""
+        """Return a size with the sign of another number; a zero counts as positive.
+
+        Args:
+            size: a number that is not negative.
+            sign: the number whose sign is taken.
+        """
         return -size if sign < 0 else size

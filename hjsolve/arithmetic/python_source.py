@@ -36,26 +36,57 @@ class PythonSource:
         return self._known[text]
 
     def rational(self, numerator: int, denominator: int) -> str:
+        """Return the literal of a fraction, rounded to a double.
+
+        Args:
+            numerator, denominator: whole numbers, the second not zero.
+        """
         return f"({float(Fraction(numerator, denominator))!r})"
 
     def pi(self) -> str:
         return f"({pi!r})"
 
     def add(self, x: str, y: str) -> str:
+        """Write a line with x + y and return the name of its variable.
+
+        Args:
+            x, y: names of variables, or literals.
+        """
         return self._assigned(f"{x} + {y}")[0]
 
     def sub(self, x: str, y: str) -> str:
+        """Write a line with x − y and return the name of its variable.
+
+        Args:
+            x, y: names of variables, or literals.
+        """
         return self._assigned(f"{x} - {y}")[0]
 
     def mul(self, x: str, y: str) -> str:
+        """Write a line with x·y and return the name of its variable; none for a factor 1.
+
+        Args:
+            x, y: names of variables, or literals.
+        """
         if "(1.0)" in (x, y):
             return y if x == "(1.0)" else x
         return self._assigned(f"{x} * {y}")[0]
 
     def div(self, x: str, y: str) -> str:
+        """Write a line with x/y and return the name of its variable.
+
+        Args:
+            x, y: names of variables, or literals.
+        """
         return self._assigned(f"{x} / {y}")[0]
 
     def power(self, x: str, n: int) -> str:
+        """Write xⁿ as products and return the name of the last variable.
+
+        Args:
+            x: a name of a variable, or a literal.
+            n: the exponent, of either sign.
+        """
         if n <= 0:
             return "(1.0)" if n == 0 else self.div("(1.0)", self.power(x, -n))
         result: str = by_squaring(self.mul, x, n)

@@ -43,18 +43,32 @@ def add(c: Any, x: Range, y: Range) -> Range:
 
 
 def subtract(c: Any, x: Range, y: Range) -> Range:
-    """Return the range of x − y; arguments as of ``add``."""
+    """Return the range of x − y.
+
+    Args:
+        c: mpmath's context, in whose precision the ends are rounded.
+        x, y: intervals.
+    """
     return c.fsub(x[0], y[1], rounding="f"), c.fsub(x[1], y[0], rounding="c")
 
 
 def multiply(c: Any, x: Range, y: Range) -> Range:
-    """Return the range of x·y; arguments as of ``add``."""
+    """Return the range of x·y.
+
+    Args:
+        c: mpmath's context, in whose precision the ends are rounded.
+        x, y: intervals.
+    """
     pairs = [(a, b) for a in x for b in y]
     return min(c.fmul(a, b, rounding="f") for a, b in pairs), max(c.fmul(a, b, rounding="c") for a, b in pairs)
 
 
 def divide(c: Any, x: Range, y: Range) -> Range:
-    """Return the range of x/y; arguments as of ``add``.
+    """Return the range of x/y.
+
+    Args:
+        c: mpmath's context, in whose precision the ends are rounded.
+        x, y: intervals.
 
     Raises:
         InvalidInputError: y may be 0.
@@ -66,7 +80,12 @@ def divide(c: Any, x: Range, y: Range) -> Range:
 
 
 def power(c: Any, x: Range, y: Range) -> Range:
-    """Return the range of x^y; arguments as of ``add``.
+    """Return the range of x^y.
+
+    Args:
+        c: mpmath's context, in whose precision the ends are rounded.
+        x: interval of the base.
+        y: interval of the exponent.
 
     Raises:
         InvalidInputError: x may be 0 or negative where the power then has no bound or is not real.
@@ -99,18 +118,32 @@ def _whole_power(c: Any, x: Range, n: int) -> Range:
 
 
 def absolute(c: Any, x: Range) -> Range:
-    """Return the range of |x|; arguments as of ``add``."""
+    """Return the range of |x|.
+
+    Args:
+        c: mpmath's context.
+        x: interval.
+    """
     size = sorted(abs_exact(c, end) for end in x)
     return (c.zero if x[0] < 0 < x[1] else size[0]), size[1]
 
 
 def abs_exact(c: Any, x: Any) -> Any:
-    """|x| with every digit of x, whatever the precision."""
+    """Return |x| with every digit of x, whatever the precision.
+
+    Args:
+        c: mpmath's context.
+        x: a number of it.
+    """
     return c.fneg(x, exact=True) if x < 0 else x
 
 
 def root(c: Any, x: Range) -> Range:
-    """Return the range of √x, of what is not negative of x; arguments as of ``add``.
+    """Return the range of √x, of what is not negative of x.
+
+    Args:
+        c: mpmath's context, in whose precision the ends are rounded.
+        x: interval.
 
     Raises:
         InvalidInputError: x is negative.
@@ -245,7 +278,11 @@ FUNCTIONS = frozenset({*_RISING, *_OTHERS})
 
 # ------------------------------------------------------------------------------------------------ of two
 def angle_of(c: Any, y: Range, x: Range) -> Range:
-    """Return the range of atan2(y, x); arguments as of ``add``.
+    """Return the range of atan2(y, x), in radians.
+
+    Args:
+        c: mpmath's context, in whose precision the ends are rounded.
+        y, x: intervals.
 
     Raises:
         InvalidInputError: (x, y) may lie on the cut, x ≤ 0 with y = 0, where the angle jumps.
@@ -263,12 +300,21 @@ def angle_of(c: Any, y: Range, x: Range) -> Range:
 
 
 def hypotenuse(c: Any, x: Range, y: Range) -> Range:
-    """Return the range of √(x² + y²); arguments as of ``add``."""
+    """Return the range of √(x² + y²).
+
+    Args:
+        c: mpmath's context, in whose precision the ends are rounded.
+        x, y: intervals.
+    """
     return root(c, add(c, _whole_power(c, x, 2), _whole_power(c, y, 2)))
 
 
 def whole_quotient(c: Any, x: Range, y: Range) -> Range:
-    """Return ⌊x/y⌋; arguments as of ``add``.
+    """Return ⌊x/y⌋, as an interval of length zero.
+
+    Args:
+        c: mpmath's context.
+        x, y: intervals.
 
     Raises:
         InvalidInputError: y may be 0, or two whole numbers are possible.
@@ -282,7 +328,11 @@ def whole_quotient(c: Any, x: Range, y: Range) -> Range:
 
 
 def remainder(c: Any, x: Range, y: Range) -> Range:
-    """Return the range of x − y⌊x/y⌋; arguments as of ``add``.
+    """Return the range of x − y⌊x/y⌋.
+
+    Args:
+        c: mpmath's context, in whose precision the ends are rounded.
+        x, y: intervals.
 
     Raises:
         InvalidInputError: y may be 0, or two whole numbers ⌊x/y⌋ are possible.
@@ -291,12 +341,22 @@ def remainder(c: Any, x: Range, y: Range) -> Range:
 
 
 def greater(c: Any, x: Range, y: Range) -> Range:  # noqa: ARG001
-    """Return the range of the greater of two; arguments as of ``add``."""
+    """Return the range of the greater of two.
+
+    Args:
+        c: mpmath's context; not used, all operations are called alike.
+        x, y: intervals.
+    """
     return max(x[0], y[0]), max(x[1], y[1])
 
 
 def less(c: Any, x: Range, y: Range) -> Range:  # noqa: ARG001
-    """Return the range of the lesser of two; arguments as of ``add``."""
+    """Return the range of the lesser of two.
+
+    Args:
+        c: mpmath's context; not used, all operations are called alike.
+        x, y: intervals.
+    """
     return min(x[0], y[0]), min(x[1], y[1])
 
 

@@ -28,6 +28,11 @@ class Rationals(ByOperators):
     """
 
     def rational(self, numerator: int, denominator: int) -> Fraction:
+        """Return a fraction.
+
+        Args:
+            numerator, denominator: whole numbers, the second not zero.
+        """
         return Fraction(numerator, denominator)
 
     def pi(self) -> Fraction:
@@ -39,6 +44,12 @@ class Rationals(ByOperators):
         raise IrrationalError
 
     def power(self, x: Fraction, n: int) -> Fraction:
+        """Return xⁿ.
+
+        Args:
+            x: a fraction.
+            n: the exponent, of either sign.
+        """
         return x**n
 
     def unary(self, name: str, x: Fraction) -> Fraction:

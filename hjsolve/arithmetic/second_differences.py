@@ -60,12 +60,22 @@ class SecondDifferences:
         return SecondDifference(base, first, second, slope, base + self.offset * slope)
 
     def rational(self, numerator: int, denominator: int) -> SecondDifference:
+        """Return a constant: it has no differences.
+
+        Args:
+            numerator, denominator: whole numbers, the second not zero.
+        """
         return SecondDifference(Float64().rational(numerator, denominator))
 
     def pi(self) -> SecondDifference:
         return SecondDifference(np.pi)
 
     def add(self, x: SecondDifference, y: SecondDifference) -> SecondDifference:
+        """Return x + y; differences are added.
+
+        Args:
+            x, y: functions between q₀ and q₀ + δ.
+        """
         if x.first is None or y.first is None:
             other = y if x.first is None else x
             if other.first is None:
@@ -74,9 +84,19 @@ class SecondDifferences:
         return self._made(x.base + y.base, x.first + y.first, x.second + y.second)
 
     def sub(self, x: SecondDifference, y: SecondDifference) -> SecondDifference:
+        """Return x − y; differences are subtracted.
+
+        Args:
+            x, y: functions between q₀ and q₀ + δ.
+        """
         return self.add(x, self.unary("neg", y))
 
     def mul(self, x: SecondDifference, y: SecondDifference) -> SecondDifference:
+        """Return x·y, by (xy)[q₀, q₀, q] = x₀ y[q₀, q₀, q] + x′₀ y[q₀, q] + x[q₀, q₀, q] y.
+
+        Args:
+            x, y: functions between q₀ and q₀ + δ.
+        """
         if x.first is None or y.first is None:
             constant, other = (x, y) if x.first is None else (y, x)
             if other.first is None:
@@ -86,7 +106,11 @@ class SecondDifferences:
         return self._made(x.base * y.base, x.first * y.base + x.base * y.first, second)
 
     def div(self, x: SecondDifference, y: SecondDifference) -> SecondDifference:
-        """Solve x = h y for h = x/y: x[q₀,q₀,q] = h₀ y[q₀,q₀,q] + h′₀ y[q₀,q] + h[q₀,q₀,q] y."""
+        """Solve x = h y for h = x/y: x[q₀,q₀,q] = h₀ y[q₀,q₀,q] + h′₀ y[q₀,q] + h[q₀,q₀,q] y.
+
+        Args:
+            x, y: functions between q₀ and q₀ + δ.
+        """
         if y.first is None:
             return self.mul(x, SecondDifference(1.0 / y.base))
         base = x.base / y.base
@@ -95,12 +119,24 @@ class SecondDifferences:
         return self._made(base, first, second)
 
     def power(self, x: SecondDifference, n: int) -> SecondDifference:
+        """Return xⁿ, by squaring.
+
+        Args:
+            x: a function between q₀ and q₀ + δ.
+            n: the exponent, of either sign.
+        """
         if n < 0:
             return self.div(SecondDifference(1.0), self.power(x, -n))
         result: SecondDifference = by_squaring(self.mul, x, n)
         return result
 
     def unary(self, name: str, x: SecondDifference) -> SecondDifference:
+        """Return Φ(x), by the addition theorem of Φ.
+
+        Args:
+            name: of the function Φ, one of ``tape.UNARY``.
+            x: a function between q₀ and q₀ + δ.
+        """
         if x.first is None:
             return SecondDifference(Float64().unary(name, x.base))
         if name == "neg":

@@ -27,19 +27,70 @@ UNARY = ("neg", "sqrt", "exp", "log", "sin", "cos", "tan", "asin", "acos", "atan
 class Arithmetic(Protocol[N]):
     """Where a tape is run: constants, the four operations, powers and the elementary functions.
 
-    Every arithmetic has these methods, on numbers x, y of its own kind: ``rational`` and ``pi`` make constants;
-    ``add``, ``sub``, ``mul``, ``div`` are x + y, x − y, x·y, x/y; ``power`` is xⁿ for an integer n of either sign;
-    ``unary`` is a function of one variable by its name, such as ``sqrt``, ``neg``, ``abs``.
+    Every arithmetic has these methods, on numbers x, y of its own kind: ``rational`` and ``pi`` make constants.
     """
 
-    def rational(self, numerator: int, denominator: int) -> N: ...
-    def pi(self) -> N: ...
-    def add(self, x: N, y: N, /) -> N: ...
-    def sub(self, x: N, y: N, /) -> N: ...
-    def mul(self, x: N, y: N, /) -> N: ...
-    def div(self, x: N, y: N, /) -> N: ...
-    def power(self, x: N, n: int) -> N: ...
-    def unary(self, name: str, x: N) -> N: ...
+    def rational(self, numerator: int, denominator: int) -> N:
+        """Return a fraction as a number of this arithmetic.
+
+        Args:
+            numerator, denominator: whole numbers, the second not zero.
+        """
+        ...
+
+    def pi(self) -> N:
+        """Return π."""
+        ...
+
+    def add(self, x: N, y: N, /) -> N:
+        """Return x + y.
+
+        Args:
+            x, y: numbers of this arithmetic.
+        """
+        ...
+
+    def sub(self, x: N, y: N, /) -> N:
+        """Return x − y.
+
+        Args:
+            x, y: numbers of this arithmetic.
+        """
+        ...
+
+    def mul(self, x: N, y: N, /) -> N:
+        """Return x·y.
+
+        Args:
+            x, y: numbers of this arithmetic.
+        """
+        ...
+
+    def div(self, x: N, y: N, /) -> N:
+        """Return x/y.
+
+        Args:
+            x, y: numbers of this arithmetic.
+        """
+        ...
+
+    def power(self, x: N, n: int) -> N:
+        """Return xⁿ.
+
+        Args:
+            x: a number of this arithmetic.
+            n: the exponent, a whole number of either sign.
+        """
+        ...
+
+    def unary(self, name: str, x: N) -> N:
+        """Return a function of one variable.
+
+        Args:
+            name: of the function, one of ``UNARY``.
+            x: a number of this arithmetic.
+        """
+        ...
 
 
 @dataclass(frozen=True, slots=True)

@@ -140,7 +140,11 @@ class LegendreIntegrals:
         self.F, self.E = sp.elliptic_f(self.φ, m), sp.elliptic_e(self.φ, m)
 
     def power(self, k: int) -> sp.Expr:
-        """∫ sᵏ dφ/Δ; Byrd and Friedman 310.05."""
+        """Return ∫ sᵏ dφ/Δ; Byrd and Friedman 310.05.
+
+        Args:
+            k: the exponent, not negative.
+        """
         if k == 0:
             return self.F
         if k == 1:
@@ -150,7 +154,12 @@ class LegendreIntegrals:
         return (edge + first - (2 * k - 3) * self.power(k - 2)) / ((2 * k - 1) * self.m)
 
     def third(self, n: sp.Expr, k: int) -> sp.Expr:
-        """∫ dφ/((1 − ns)ᵏ Δ); Byrd and Friedman 336.03."""
+        """Return ∫ dφ/((1 − ns)ᵏ Δ); Byrd and Friedman 336.03.
+
+        Args:
+            n: the characteristic, neither 0, 1 nor m.
+            k: the order of the pole, from −1 on.
+        """
         m = self.m
         if k == -1:
             return self.F - n * self.power(1)
@@ -167,7 +176,11 @@ class LegendreIntegrals:
         return total / (2 * (p + 2) * (1 - n) * (m - n))
 
     def at_c(self, k: int) -> sp.Expr:
-        """∫ dφ/((1 − ms)ᵏ Δ), k = 1: a pole at the branch point c; Byrd and Friedman 315.02."""
+        """Return ∫ dφ/((1 − ms)ᵏ Δ) for a pole at the branch point c; Byrd and Friedman 315.02.
+
+        Args:
+            k: the order of the pole, 1.
+        """
         if k != 1:
             raise NoFormError("a multiple pole at a branch point")
         return (self.E - self.edge_at_c) / (1 - self.m)

@@ -16,7 +16,11 @@ class ScalarFloat(ByOperators):
     """Double precision for scalars; what leaves the domain of a function is not a number."""
 
     def rational(self, numerator: int, denominator: int) -> float:
-        """Give a rational."""
+        """Return the float next to a fraction.
+
+        Args:
+            numerator, denominator: whole numbers, the second not zero.
+        """
         return numerator / denominator
 
     def pi(self) -> float:
@@ -24,15 +28,29 @@ class ScalarFloat(ByOperators):
         return math.pi
 
     def div(self, x: Any, y: Any) -> Any:
-        """The quotient."""
+        """Return x/y; nan for a zero y.
+
+        Args:
+            x, y: floats.
+        """
         return x / y if y else math.nan
 
     def power(self, x: Any, n: int) -> Any:
-        """A whole power."""
+        """Return xⁿ; nan for a pole.
+
+        Args:
+            x: a float.
+            n: the exponent, of either sign.
+        """
         return x**n if x or n > 0 else math.nan
 
     def unary(self, name: str, x: Any) -> Any:
-        """An elementary function."""
+        """Return a function of x; nan outside its domain.
+
+        Args:
+            name: of the function, one of ``tape.UNARY``.
+            x: a float.
+        """
         if name == "neg":
             return -x
         try:

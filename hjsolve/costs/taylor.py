@@ -72,7 +72,11 @@ class Program:
         return self.plain.context.ldexp(self.plain.context.mpf(value), -self.bits)
 
     def rational(self, numerator: int, denominator: int) -> Slot:
-        """Give an exact number."""
+        """Return a fraction: a series of one term.
+
+        Args:
+            numerator, denominator: whole numbers, the second not zero.
+        """
         return ConstantSeries(self.plain.rational(numerator, denominator))
 
     def pi(self) -> Slot:
@@ -80,11 +84,19 @@ class Program:
         return ConstantSeries(self.plain.pi())
 
     def add(self, x: Slot, y: Slot) -> Slot:
-        """Return x + y."""
+        """Return x + y.
+
+        Args:
+            x, y: constants or series of this program.
+        """
         return self._sum(x, y, 1)
 
     def sub(self, x: Slot, y: Slot) -> Slot:
-        """Return x − y."""
+        """Return x − y.
+
+        Args:
+            x, y: constants or series of this program.
+        """
         return self._sum(x, y, -1)
 
     def _sum(self, x: Slot, y: Slot, sign: int) -> Slot:
@@ -106,7 +118,11 @@ class Program:
         return x.__getitem__
 
     def mul(self, x: Slot, y: Slot) -> Slot:
-        """The product; Cauchy's where both change."""
+        """Return x·y, by Cauchy's product where both change.
+
+        Args:
+            x, y: constants or series of this program.
+        """
         bits = self.bits
         if isinstance(x, ConstantSeries) and isinstance(y, ConstantSeries):
             return ConstantSeries(x.value * y.value)
@@ -122,7 +138,11 @@ class Program:
         return out
 
     def div(self, x: Slot, y: Slot) -> Slot:
-        """The quotient: w₀ = x₀/y₀, y₀ wₖ = xₖ − Σ yⱼ wₖ₋ⱼ."""
+        """Return w = x/y, by w₀ = x₀/y₀ and y₀ wₖ = xₖ − Σ yⱼ wₖ₋ⱼ.
+
+        Args:
+            x, y: constants or series of this program.
+        """
         if isinstance(y, ConstantSeries):
             return self.mul(x, ConstantSeries(1 / y.value))
         a, out, bits = self.coefficients(x), self.new(), self.bits

@@ -33,7 +33,11 @@ def axis_names(shape: tuple[int, ...]) -> tuple[str, ...]:
 
 
 def with_words(batch: Batch) -> dict[str, Any]:
-    """The columns of a batch, the status as words."""
+    """Return the columns of a batch, the status as words.
+
+    Args:
+        batch: results of orbits.
+    """
     return {name: batch.status if name == "status" else column for name, column in batch.columns.items()}
 
 

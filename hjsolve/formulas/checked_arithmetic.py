@@ -106,7 +106,11 @@ def literal(text: str, fail: Fail) -> Node:
 
 
 def negative(node: Node) -> Node:
-    """−a."""
+    """Return −a.
+
+    Args:
+        node: a, with its value where it has one.
+    """
     return node._replace(expression=-node.expression, value=None if node.value is None else -node.value)
 
 

@@ -8,11 +8,12 @@ from functools import cached_property
 
 import numpy as np
 
-from hjsolve.arithmetic import asymptotic_expansion
+from hjsolve.arithmetic.asymptotic_expansion import BITS
 from hjsolve.arithmetic.floats import Float64, Multi, multiprecision
 from hjsolve.arithmetic.interval import Interval, Intervals
 from hjsolve.arithmetic.jet import Derivatives, Jet, Jets
 from hjsolve.arithmetic.number_types import Mpf, Numbers, Numeric
+from hjsolve.arithmetic.sign_at_infinity import sign_beyond
 from hjsolve.arithmetic.tape import BoundTape, Tape
 from hjsolve.arithmetic.work_counter import count
 
@@ -80,8 +81,8 @@ class MomentumSquared:
             side: +1 towards +∞, −1 towards −∞.
             start: distance from zero.
         """
-        bits = asymptotic_expansion.BITS + 2 * self.guard
-        return asymptotic_expansion.sign_beyond(self.squared, self.inputs(bits), side, start, bits)
+        bits = BITS + 2 * self.guard
+        return sign_beyond(self.squared, self.inputs(bits), side, start, bits)
 
     def guarded(self, place: Number, squared: Number) -> MomentumSquared:
         """Return the same with as many bits more as its terms lose at a place where it is known.

@@ -27,8 +27,9 @@ from hjsolve.scenes.crossing import as_rational, bits_of, crossings
 from hjsolve.scenes.events import Event, Pending, changed, once
 from hjsolve.scenes.question import Question
 from hjsolve.scenes.reflecting_walls import Mirrors, mirrors
-from hjsolve.scenes.reflections import Flight, Free, walk
+from hjsolve.scenes.reflections import Flight, Free
 from hjsolve.scenes.resting_contact import Rest, Settling, acceleration
+from hjsolve.scenes.walk_along_bounces import walk
 from hjsolve.solution.quadratures import Solution
 
 GUARD = 10

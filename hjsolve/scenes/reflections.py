@@ -11,27 +11,24 @@ direction d, σ the sign of pᵩ, c changed at each bounce such that φ does not
 from __future__ import annotations
 
 from collections.abc import Callable, Mapping, Sequence
-from dataclasses import dataclass, field, replace
+from dataclasses import dataclass, field
 from functools import cached_property
 from typing import Any
 
 import sympy as sp
 
 from hjsolve.arithmetic.floats import multiprecision
-from hjsolve.errors import NotConvergedError
 from hjsolve.mechanics.system import velocities
 from hjsolve.motion.initial_data import to_bits
 from hjsolve.motion.motion import Motion
 from hjsolve.motion.positions import constant_index
 from hjsolve.one_coordinate.coordinate_motion import AtRest, Periodic, Unbounded
 from hjsolve.scenes.crossing import bits_of
-from hjsolve.scenes.events import Event, Pending, once
+from hjsolve.scenes.events import Event, Pending
 from hjsolve.scenes.passage_times import Carried, Passes, passes
 from hjsolve.scenes.reflecting_walls import Mirrors
 from hjsolve.time_law.torus import TorusEquations, mean_rate
 
-_LOOK = 1000
-"""Bounces after which it is judged how many there will be."""
 Candidate = tuple[Any, Pending, Callable[["Now"], None]]
 
 
@@ -128,7 +125,11 @@ class Free:
         return {name: Carried(self.motion, name, c) for name, c in bounded.items()}
 
     def serves(self, events: Sequence[Event]) -> bool:
-        """Whether the clocks never end and every place that events stand at can be looked up."""
+        """Tell whether the clocks never end and every place that events stand at can be looked up.
+
+        Args:
+            events: all that may happen.
+        """
         for place in self.motion.separated.located.values():
             branches = (place.course.ahead, place.course.behind) if isinstance(place.course, Unbounded) else ()
             if any(branch.way.end in {"boundary", "fall"} for branch in branches):
@@ -137,18 +138,33 @@ class Free:
         return all(name in self.carried and self.carried[name].monotone for name in placed)
 
     def passes(self, name: str, value: sp.Expr) -> Passes:
-        """When the free motion has a separated coordinate at a place; looked up the second time."""
+        """Return when the free motion has a separated coordinate at a place; looked up the second time.
+
+        Args:
+            name: of the coordinate.
+            value: the place, exact.
+        """
         key = (name, value)
         if key not in self._passes:
             self._passes[key] = passes(self.motion, name, value)
         return self._passes[key]
 
     def angle(self, name: str, clock: Any) -> Any:
-        """A carried coordinate of the free motion at a clock, with its whole turns."""
+        """Return a carried coordinate of the free motion at a clock, in radians with its whole turns.
+
+        Args:
+            name: of the coordinate.
+            clock: time of the free motion.
+        """
         return self.context.convert(self.motion.at(clock).unwrapped(name))
 
     def angle_landed(self, name: str, landed: tuple[Passes, int, int]) -> Any:
-        """The same at a passage; the state is looked up the second time."""
+        """Return the same at a passage; the state is looked up the second time.
+
+        Args:
+            name: of the coordinate.
+            landed: the passages of its carrier, which of them, and whole turns to be added.
+        """
         found, index, turns = landed
         key = (name, found, index)
         if key not in self._angles:
@@ -156,7 +172,11 @@ class Free:
         return self._angles[key] + (turns * self.turn(name) if turns else 0)
 
     def start(self, time: Any) -> Now:
-        """The beginning: all clocks at zero."""
+        """Return the beginning: all clocks at zero.
+
+        Args:
+            time: of the scene.
+        """
         values, system = self.motion.initial.values, self.motion.solution.system
         zero = self.context.mpf(0)
         place = {
@@ -167,7 +187,11 @@ class Free:
         return Now(self.context.convert(time), dict.fromkeys(self.separated, zero), place, sign)
 
     def back(self, flight: Flight) -> Now:
-        """The beginning of a flight."""
+        """Return the beginning of a flight.
+
+        Args:
+            flight: one arc of the motion.
+        """
         clock = dict(zip(self.separated, flight.clocks, strict=True))
         place = dict(zip(self.ignorable, flight.places, strict=True))
         sign = dict(zip((*self.separated, *self.ignorable), flight.signs, strict=True))
@@ -175,7 +199,13 @@ class Free:
 
     # ------------------------------------------------------------------------------------------ what comes next
     def candidate(self, now: Now, pending: Pending, slack: Any) -> Candidate | None:
-        """When an event at a place is next met, and how to be exactly there."""
+        """Find when an event at a place is next met, and how to be exactly there.
+
+        Args:
+            now: where the walk is.
+            pending: the event, and how many passages it still lets by.
+            slack: times closer than this to now do not count.
+        """
         name, value = pending.event.coordinate, pending.event.value
         assert name is not None
         assert value is not None
@@ -247,7 +277,12 @@ class Free:
 
     # ------------------------------------------------------------------------------------------ what happens
     def advance(self, now: Now, time: Any) -> None:
-        """Let all clocks run until a time."""
+        """Let all clocks run until a time.
+
+        Args:
+            now: where the walk is; changed.
+            time: of the scene, later than now.
+        """
         step = time - now.time
         for name in now.clock:
             now.clock[name] += now.sign[name] * step
@@ -257,7 +292,12 @@ class Free:
         now.doubt += self.unit * abs(step)
 
     def reflect(self, now: Now, name: str) -> None:
-        """Turn a coordinate round where it stands, after ``advance`` and its landing."""
+        """Turn a coordinate round where it stands, after ``advance`` and its landing.
+
+        Args:
+            now: where the walk is; changed.
+            name: of the coordinate.
+        """
         if name in now.clock:
             for other, carrier in self.carrier.items():
                 if carrier == name:
@@ -315,82 +355,6 @@ class Free:
                     turns[c.name] = int(self.context.ceil((q[c.name] - pi) / (2 * pi)))
                     q[c.name] -= 2 * pi * turns[c.name]
         return q, p, turns
-
-
-@dataclass(frozen=True, eq=False)
-class Flown:
-    """A walk along a bouncing motion.
-
-    Attributes:
-        arcs: with the times and events that end them.
-        pending: what is still to come, the last events among it.
-        stopped: True where the last events change more than signs and are still to be carried out.
-    """
-
-    arcs: list[tuple[Flight, Any, tuple[Event, ...]]]
-    pending: list[Pending]
-    stopped: bool
-
-
-def walk(free: Free, now: Now, pending: list[Pending], horizon: Any | None, most: int) -> Flown:
-    """Follow a bouncing motion until an event that changes more than signs, or until nothing more happens.
-
-    Args:
-        free: the free motion.
-        now: the beginning; left just before the last event, or after it where the walk is over.
-        pending: what is to come.
-        horizon: the last time of interest.
-        most: arcs.
-
-    Raises:
-        NotConvergedError: many more bounces than ``most`` would come before the horizon.
-    """
-    found: list[tuple[Flight, Any, tuple[Event, ...]]] = []
-    flight, begin = now.flight(), now.time
-    while len(found) < most:
-        if len(found) == _LOOK and horizon is not None and (horizon - begin) * _LOOK > 2 * most * (now.time - begin):
-            raise NotConvergedError(
-                f"{_LOOK} bounces came before t = {float(now.time):.6g}; up to t = {float(horizon):.6g} there would be "
-                f"more than {most}: shorten the scene"
-            )
-        slack = free.context.mpf(10) ** (8 - free.motion.digits) * max(1, abs(now.time))
-        ahead = _ahead(free, now, pending, slack)
-        first = min((time for time, _, _ in ahead), default=None)
-        if first is None or (horizon is not None and first > horizon):
-            break
-        free.advance(now, first)
-        hits = [(p, land) for time, p, land in ahead if time - first <= slack]
-        now.doubt += max(time - first for time, _, _ in ahead if time - first <= slack)
-        for _, land in hits:
-            land(now)
-        happening = [p for p, _ in hits if not p.left]
-        passed = [p for p, _ in hits if p.left]
-        pending = [replace(p, left=p.left - 1) if p in passed else p for p in pending]
-        if not happening:
-            continue
-        events = tuple(p.event for p in happening)
-        exact = next((e.time for e in events if e.time is not None), first)
-        found.append((flight, exact, events))
-        if not all(e.elastic and e.coordinate in free.mirrors.even for e in once(events)):
-            return Flown(found, pending, True)
-        for name in dict.fromkeys(e.coordinate for e in events):
-            assert name is not None
-            free.reflect(now, name)
-        free.reduce(now)
-        flight = now.flight()
-    return Flown(found, pending, False)
-
-
-def _ahead(free: Free, now: Now, pending: list[Pending], slack: Any) -> list[Candidate]:
-    """Every event to come with its time."""
-    ahead: list[Candidate] = []
-    for p in pending:
-        if p.event.time is not None:
-            time = free.context.convert(to_bits(p.event.time)(free.context.prec))
-            ahead.append((max(time, now.time), p, lambda _: None))
-        elif (candidate := free.candidate(now, p, slack)) is not None:
-            ahead.append(candidate)
-    return ahead
 
 
 def signed(free: Free, signs: Sequence[int]) -> Mapping[str, int]:

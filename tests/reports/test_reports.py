@@ -17,7 +17,8 @@ import pytest
 import hjsolve
 from hjsolve.reports.content import Material, document, gather
 from hjsolve.reports.document import Document
-from hjsolve.reports.drawings import orbit_paths, phase_portrait, svg
+from hjsolve.reports.drawings import orbit_paths, phase_portrait
+from hjsolve.reports.drawings.axis_ticks import ticks
 from hjsolve.reports.drawings.cartesian_picture import embedding, place
 from hjsolve.reports.drawings.effective_potential import effective_potential_of
 from hjsolve.reports.formats.html import html_page as write_html
@@ -327,15 +328,15 @@ def test_a_periodic_orbit_is_drawn_over_one_period(materials: dict[str, Material
     ],
 )
 def test_ticks_are_round_numbers(low: float, high: float, labels: list[str]) -> None:
-    assert [label for _, label in svg.ticks(low, high)] == labels
+    assert [label for _, label in ticks(low, high)] == labels
 
 
 def test_ticks_of_an_angle_are_parts_of_pi() -> None:
-    assert [label for _, label in svg.ticks(-math.pi, math.pi, angle=True)] == ["−π", "−π/2", "0", "π/2", "π"]
+    assert [label for _, label in ticks(-math.pi, math.pi, angle=True)] == ["−π", "−π/2", "0", "π/2", "π"]
 
 
 def test_ticks_far_from_zero_are_told_apart() -> None:
-    labels = [label for _, label in svg.ticks(1e8, 1e8 + 10)]
+    labels = [label for _, label in ticks(1e8, 1e8 + 10)]
     assert len(set(labels)) == len(labels) >= 3
 
 

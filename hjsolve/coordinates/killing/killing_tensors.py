@@ -22,11 +22,11 @@ from typing import Any
 
 import sympy as sp
 
+from hjsolve.coordinates.killing.constant_field import Ground
 from hjsolve.coordinates.killing.fraction_free_elimination import echelon_over_ring
 from hjsolve.coordinates.killing.numerical_rank import derivatives, rank_in_numbers, reconstructed_kernel
 from hjsolve.coordinates.killing.radical_algebra import (
     Generators,
-    Ground,
     PointAlgebra,
     ZeroDivisorError,
     collected_generators,

@@ -10,7 +10,7 @@ random numbers at every point.
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Mapping, Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from fractions import Fraction
 from functools import reduce
@@ -21,8 +21,8 @@ from typing import Any
 
 import sympy as sp
 from sympy.core.function import AppliedUndef
-from sympy.polys.constructor import construct_domain
 
+from hjsolve.coordinates.killing.constant_field import Ground, ground_field
 from hjsolve.errors import InvalidSystemError
 
 Key = tuple[tuple[int, Fraction], ...]
@@ -33,60 +33,6 @@ _CIRCULAR = (sp.sin, sp.cos, sp.tan, sp.cot, sp.sec, sp.csc)
 
 class ZeroDivisorError(Exception):
     """The point chosen is not regular; another one is taken."""
-
-
-@dataclass(frozen=True)
-class Ground:
-    """The field of constants: Q(algebraic numbers)(parameters and opaque constants)."""
-
-    field: Any
-    parameters: tuple[sp.Symbol, ...]
-    opaque: Mapping[sp.Expr, sp.Symbol]
-
-    @property
-    def numbers(self) -> Any:
-        """The algebraic numbers of the field."""
-        return self.field.domain if self.parameters else self.field
-
-    def convert(self, constant: sp.Expr) -> Any:
-        """Return the field element of an expression without coordinates."""
-        return self.field.from_sympy(sp.together(constant.xreplace(dict(self.opaque))))
-
-    def restore(self, element: Any) -> sp.Expr:
-        """Return the expression of a field element."""
-        expression = self.field.to_sympy(element)
-        return expression.xreplace({dummy: constant for constant, dummy in self.opaque.items()})
-
-
-def ground_field(expressions: Iterable[sp.Expr], coordinates: Sequence[sp.Symbol]) -> Ground:
-    """Find the field that the constants of some expressions live in."""
-    inside = set(coordinates)
-    parameters: set[sp.Symbol] = set()
-    numbers: set[sp.Expr] = set()
-    opaque: dict[sp.Expr, sp.Symbol] = {}
-
-    compound = (AppliedUndef, sp.Subs, sp.Derivative, sp.Add, sp.Mul)
-
-    def visit(node: sp.Expr) -> None:
-        if node.is_Symbol:
-            if node not in inside:
-                parameters.add(node)
-        elif node.is_Rational:
-            return
-        elif node.free_symbols & inside or isinstance(node, compound) or (node.is_Pow and node.exp.is_Integer):
-            for argument in node.args:
-                visit(argument)
-        elif not node.free_symbols and node.is_algebraic and node.is_real:
-            numbers.add(node)
-        elif node not in opaque:
-            opaque[node] = sp.Dummy(f"c{len(opaque)}", real=True)
-
-    for expression in expressions:
-        visit(expression)
-    base = construct_domain(sorted(numbers, key=str), extension=True)[0] if numbers else sp.QQ
-    base = base if base.is_Field else base.get_field()
-    symbols = tuple(sorted(parameters, key=str)) + tuple(opaque.values())
-    return Ground(base.frac_field(*symbols) if symbols else base, symbols, opaque)
 
 
 def _terms(argument: sp.Expr) -> list[tuple[sp.Rational, sp.Expr]]:
@@ -135,7 +81,12 @@ class Generators:
 
 
 def collected_generators(expressions: Sequence[sp.Expr], coordinates: Sequence[sp.Symbol]) -> Generators:
-    """Collect the exponentials, angles and symbolic powers of some prepared expressions."""
+    """Collect the exponentials, angles and symbolic powers of some prepared expressions.
+
+    Args:
+        expressions: as ``prepared`` leaves them.
+        coordinates: the symbols that are no constants.
+    """
     found: dict[tuple[str, sp.Expr], int] = {}
 
     def note(kind: str, argument: sp.Expr) -> None:
@@ -179,11 +130,19 @@ class PointAlgebra:
 
     # ---- arithmetic -------------------------------------------------------------------------------------------
     def constant(self, number: Any) -> Element:
-        """Embed the field."""
+        """Return an element of the field as one of the algebra.
+
+        Args:
+            number: an element of the field.
+        """
         return {(): number} if number else {}
 
     def add(self, a: Element, b: Element) -> Element:
-        """Return a + b."""
+        """Return a + b.
+
+        Args:
+            a, b: elements of the algebra.
+        """
         total = dict(a)
         for key, value in b.items():
             new = total.get(key, self.field.zero) + value
@@ -194,11 +153,20 @@ class PointAlgebra:
         return total
 
     def scale(self, number: Any, a: Element) -> Element:
-        """Return number·a for a field element."""
+        """Return number·a for a field element.
+
+        Args:
+            number: an element of the field.
+            a: an element of the algebra.
+        """
         return {key: number * value for key, value in a.items()} if number else {}
 
     def multiply(self, a: Element, b: Element) -> Element:
-        """Return a·b, reduced by g^q = ρ."""
+        """Return a·b, reduced by g^q = ρ.
+
+        Args:
+            a, b: elements of the algebra.
+        """
         total: Element = {}
         for (k1, v1), (k2, v2) in product(a.items(), b.items()):
             total = self.add(total, self.scale(v1 * v2, self._monomial(k1, k2)))
@@ -217,7 +185,12 @@ class PointAlgebra:
         return result
 
     def power(self, a: Element, n: int) -> Element:
-        """Return aⁿ for an integer n."""
+        """Return aⁿ for an integer n.
+
+        Args:
+            a: an element of the algebra, with an inverse where n is negative.
+            n: the exponent.
+        """
         if n < 0:
             return self.power(self.inverse(a), -n)
         result = self.constant(self.field.one)
@@ -264,7 +237,11 @@ class PointAlgebra:
 
     # ---- evaluation -------------------------------------------------------------------------------------------
     def evaluate(self, expression: sp.Expr) -> Element:
-        """Return the value of a prepared expression at the point."""
+        """Return the value of a prepared expression at the point.
+
+        Args:
+            expression: as ``prepared`` leaves it.
+        """
         if expression not in self.values:
             self.values[expression] = self._value(expression)
         return self.values[expression]
@@ -353,5 +330,10 @@ def _solve(rows: list[list[Any]], right: list[Any]) -> list[Any]:
 
 
 def prepared(expressions: Sequence[sp.Expr], coordinates: Sequence[sp.Symbol]) -> list[sp.Expr]:
-    """Rewrite expressions so that only the functions known to ``PointAlgebra`` occur."""
+    """Rewrite expressions so that only the functions known to ``PointAlgebra`` occur.
+
+    Args:
+        expressions: in the coordinates and parameters.
+        coordinates: the symbols that are no constants.
+    """
     return [_prepare(expression, coordinates) for expression in expressions]

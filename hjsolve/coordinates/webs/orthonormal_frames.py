@@ -63,7 +63,11 @@ def real_root(square: sp.Expr) -> sp.Expr:
 
 
 def norm_squared(v: Sequence[sp.Expr]) -> sp.Expr:
-    """Return v·v."""
+    """Return v·v.
+
+    Args:
+        v: Cartesian components.
+    """
     return sp.factor(sp.Add(*(c**2 for c in v)))
 
 
@@ -87,13 +91,21 @@ def unit(v: Sequence[sp.Expr]) -> Vector:
 
 
 def cross(a: Vector, b: Vector) -> Vector:
-    """Return a × b."""
+    """Return a × b.
+
+    Args:
+        a, b: Cartesian components.
+    """
     (a1, a2, a3), (b1, b2, b3) = a, b
     return tidy_constant(a2 * b3 - a3 * b2), tidy_constant(a3 * b1 - a1 * b3), tidy_constant(a1 * b2 - a2 * b1)
 
 
 def scalar_product(a: Sequence[sp.Expr], b: Sequence[sp.Expr]) -> sp.Expr:
-    """Return a·b."""
+    """Return a·b.
+
+    Args:
+        a, b: Cartesian components, equally many.
+    """
     return sp.expand(sp.Add(*(p * q for p, q in zip(a, b, strict=True))))
 
 

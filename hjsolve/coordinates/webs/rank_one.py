@@ -37,7 +37,12 @@ def annihilators(forms: Sequence[sp.MatrixBase]) -> list[sp.Matrix]:
 
 
 def trace_product(φ: sp.MatrixBase, F: sp.MatrixBase) -> sp.Expr:
-    """Return tr(φ F)."""
+    """Return tr(φ F).
+
+    Args:
+        φ: a square matrix.
+        F: one of the same size.
+    """
     return sp.expand((φ * F).trace())
 
 

@@ -178,7 +178,20 @@ def _rule(buffer, shares, noise, drift, found, a, b, n, low, high, pace, last, m
 def choose(
     buffer, shares, noise, drift, found, a, b, first, size, counts, low, high, pace, last, middle, c, chords, ripples,
 ):  # fmt: skip
-    """As many nodes as needed, from ``size`` on, crowded where that helps; −1 where the tables do not suffice."""
+    """As many nodes as needed, from ``size`` on, crowded where that helps; −1 where the tables do not suffice.
+
+    Args:
+        buffer, shares: scratch for the integrands at the nodes, shape (integrands + 2, nodes) and (nodes,).
+        noise, drift: errors of F and of the kernels at ``SAMPLES`` places between the turning points.
+        found: the means, their errors, last coefficients, rounding errors and wanted numbers of nodes, filled here,
+            shape (5, integrands).
+        a, b: turning points.
+        first, size: crowding and place in the tables to begin with.
+        counts, low, high, pace, last, middle: tables of nodes, by crowding and size; see ``nodes.Nodes``.
+        c: constants of the orbit.
+        chords: whether the formula gives slopes of p² from the turning points.
+        ripples: whether running integrals are wanted besides means.
+    """
     warp = first
     for attempt in range(_TRIES):
         more, crowded = _rule(

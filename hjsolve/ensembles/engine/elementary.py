@@ -42,7 +42,11 @@ as_bits: Any = intrinsic(_recast)
 
 @njit(**OPTIONS)
 def exp_(x: float) -> float:
-    """Return the exponential; 0 below −708 and infinity above 709."""
+    """Return the exponential; 0 below −708 and infinity above 709.
+
+    Args:
+        x: any double.
+    """
     y = min(max(x, -708.0), 709.0)
     k = np.floor(y * 1.4426950408889634 + 0.5)
     r = (y - k * 0.693147180369123816490) - k * 1.90821492927058770002e-10
@@ -57,7 +61,11 @@ def exp_(x: float) -> float:
 
 @njit(**OPTIONS)
 def sincos(x: float) -> tuple[float, float]:
-    """Return sin x and cos x."""
+    """Return sin x and cos x.
+
+    Args:
+        x: angle in radians, |x| < 10⁵; beyond that both are nan.
+    """
     k = np.floor(x * 0.6366197723675814 + 0.5)
     r = ((x - k * 1.5707963267341256) - k * 6.077100506303966e-11) - k * 2.0222662487959506e-21
     s = r * r
@@ -79,7 +87,11 @@ def sincos(x: float) -> tuple[float, float]:
 
 @njit(**OPTIONS)
 def sinhcosh(x: float) -> tuple[float, float]:
-    """Return sinh x and cosh x."""
+    """Return sinh x and cosh x.
+
+    Args:
+        x: any double; beyond ±709 the values are infinite.
+    """
     e = 0.5 * exp_(x)
     other = 0.25 / e
     s = x * x
@@ -92,76 +104,124 @@ def sinhcosh(x: float) -> tuple[float, float]:
 
 @njit(**OPTIONS)
 def sqrt_(x: float) -> float:
-    """Return the square root."""
+    """Return the square root.
+
+    Args:
+        x: a double; nan where it is negative.
+    """
     return np.sqrt(x)
 
 
 @njit(**OPTIONS)
 def abs_(x: float) -> float:
-    """Return |x|."""
+    """Return |x|.
+
+    Args:
+        x: a double.
+    """
     return abs(x)
 
 
 @njit(**OPTIONS)
 def tan_(x: float) -> float:
-    """Return sin x/cos x."""
+    """Return sin x/cos x.
+
+    Args:
+        x: angle in radians, |x| < 10⁵.
+    """
     s, c = sincos(x)
     return s / c
 
 
 @njit(**OPTIONS)
 def tanh_(x: float) -> float:
-    """Return sinh x/cosh x."""
+    """Return sinh x/cosh x.
+
+    Args:
+        x: any double.
+    """
     s, c = sinhcosh(max(min(x, 40.0), -40.0))
     return s / c
 
 
 @njit(**OPTIONS)
 def sech_(x: float) -> float:
-    """Return 1/cosh x."""
+    """Return 1/cosh x.
+
+    Args:
+        x: any double.
+    """
     decay = exp_(-min(abs(x), 700.0))
     return 2.0 * decay / (1.0 + decay * decay)
 
 
 @njit(**OPTIONS)
 def log_(x: float) -> float:
-    """Return the logarithm."""
+    """Return the logarithm.
+
+    Args:
+        x: a double; nan where it is not positive.
+    """
     return math.log(x) if x > 0 else np.nan
 
 
 @njit(**OPTIONS)
 def asin_(x: float) -> float:
-    """Return arcsin."""
+    """Return arcsin.
+
+    Args:
+        x: a double; nan beyond −1 … 1.
+    """
     return math.asin(x) if abs(x) <= 1 else np.nan
 
 
 @njit(**OPTIONS)
 def acos_(x: float) -> float:
-    """Return arccos."""
+    """Return arccos.
+
+    Args:
+        x: a double; nan beyond −1 … 1.
+    """
     return math.acos(x) if abs(x) <= 1 else np.nan
 
 
 @njit(**OPTIONS)
 def atan_(x: float) -> float:
-    """Return arctan."""
+    """Return arctan.
+
+    Args:
+        x: any double.
+    """
     return math.atan(x)
 
 
 @njit(**OPTIONS)
 def asinh_(x: float) -> float:
-    """Return arsinh."""
+    """Return arsinh.
+
+    Args:
+        x: any double.
+    """
     return math.asinh(x)
 
 
 @njit(**OPTIONS)
 def acosh_(x: float) -> float:
-    """Return arcosh."""
+    """Return arcosh.
+
+    Args:
+        x: a double; nan below 1.
+    """
     return math.acosh(x) if x >= 1 else np.nan
 
 
 @njit(**OPTIONS)
 def atanh_(x: float) -> float:
-    """Return artanh."""
+    """Return artanh.
+
+    Args:
+        x: a double; nan where it is not between −1 and 1.
+    """
     return math.atanh(x) if abs(x) < 1 else np.nan
 
 

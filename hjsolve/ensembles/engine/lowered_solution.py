@@ -189,7 +189,12 @@ def _parts(F: sp.Expr, constants: list[sp.Symbol]) -> list[sp.Expr] | None:
 
 
 def multiplied_out(expression: sp.Expr, x: sp.Symbol) -> sp.Expr:
-    """Multiply out sums that hold x as polynomials, so that what cancels at x = 0 is gone."""
+    """Multiply out sums that hold x as polynomials, so that what cancels at x = 0 is gone.
+
+    Args:
+        expression: a formula in x and other symbols.
+        x: the symbol that tends to zero.
+    """
     expression = expression.rewrite(sp.tan) if expression.has(sp.cot) else expression
 
     def expanded(e: sp.Expr) -> sp.Expr:
@@ -204,7 +209,14 @@ def multiplied_out(expression: sp.Expr, x: sp.Symbol) -> sp.Expr:
 def periodic(
     squared: Tape, values: Mapping[sp.Symbol, sp.Expr], constants: list[sp.Symbol], parameters: list[sp.Symbol]
 ) -> bool:
-    """Tell whether p² has period 2π in q, at three places with arbitrary constants."""
+    """Tell whether p² has period 2π in q, at three places with arbitrary constants.
+
+    Args:
+        squared: tape of p²; its inputs are q, constants, parameters.
+        values: numbers of the parameters.
+        constants: symbols of the constants of the motion, in the order of the inputs.
+        parameters: symbols of the parameters, in the order of the inputs.
+    """
     arithmetic = Multi(160)
     turn = 2 * arithmetic.pi()
     inputs = [arithmetic.convert(Fraction(7 + 3 * k, 5)) for k in range(len(constants))]

@@ -57,14 +57,24 @@ class Sums:
     good: Any
 
     def put(self, index: Any, other: Sums) -> None:
-        """Write the results of some orbits."""
+        """Write the results of some orbits into these.
+
+        Args:
+            index: the places of the orbits, positions or a mask.
+            other: their results, in the same order.
+        """
         for name in self.__dataclass_fields__:
             mine, theirs = getattr(self, name), getattr(other, name)
             mine[..., index] = theirs
 
 
 def empty(constants: int, count: int) -> Sums:
-    """Return sums that hold nothing."""
+    """Return sums that hold nothing: nan, and ``good`` nowhere true.
+
+    Args:
+        constants: how many constants of the motion there are.
+        count: how many orbits.
+    """
     row, block = (lambda: np.full(count, np.nan)), (lambda: np.full((constants, count), np.nan))
     return Sums(row(), row(), block(), block(), block(), block(), row(), row(), block(), np.zeros(count, dtype=bool))
 

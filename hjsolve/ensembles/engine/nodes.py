@@ -213,6 +213,10 @@ def shifts(count: int, fold: int) -> tuple[Any, Any]:
     The change is the finite part −½ ∫ g/sin²χ dχ/π = −½ ∫ g′ cot χ dχ/π, at most ½ Σ |Δg| cot χ/π from node to node,
     the first step half as much again because g′ vanishes at a turning point. The bound is twice that, for safety.
 
+    Args:
+        count: number of nodes.
+        fold: 2 for an even motion, else 1.
+
     Returns:
         sin²χ at the nodes, shape (count,); |cot χ| fold/π half way between, shape (count − 1,).
     """

@@ -38,7 +38,11 @@ class OrbitRegions:
     turning: bool = True
 
     def take(self, index: Any) -> OrbitRegions:
-        """Return the region of some of the orbits."""
+        """Return the region of some of the orbits.
+
+        Args:
+            index: which, positions or a mask.
+        """
         arrays = ("lower", "upper", "width", "near_lower", "near_upper", "level", "warp", "momentum", "left", "right")
         below = self.below.take(index)
         above = below if self.above is self.below else self.above.take(index)
@@ -46,3 +50,28 @@ class OrbitRegions:
             below, above, **{name: getattr(self, name)[index] for name in arrays},
             turning=self.turning,
         )  # fmt: skip
+
+
+@dataclass(frozen=True)
+class LocatedRegions:
+    """Regions of some orbits.
+
+    Attributes:
+        index: which orbits.
+        region: where they move.
+        status: of each.
+        rest: True where the coordinate stays at a stable double zero of p².
+    """
+
+    index: Any
+    region: OrbitRegions
+    status: Any
+    rest: Any
+
+    def take(self, index: Any) -> LocatedRegions:
+        """Return some of them.
+
+        Args:
+            index: which, positions or a mask.
+        """
+        return LocatedRegions(self.index[index], self.region.take(index), self.status[index], self.rest[index])

@@ -12,9 +12,10 @@ from hjsolve.ensembles.engine.columns import Columns, blank, put
 from hjsolve.ensembles.engine.constants import InitialConstants, initial_constants
 from hjsolve.ensembles.engine.lowered_solution import Model, Separated
 from hjsolve.ensembles.engine.midpoint_rule import Sums, empty, integrate
+from hjsolve.ensembles.engine.orbit_regions import LocatedRegions
 from hjsolve.ensembles.engine.programs import Compiled
 from hjsolve.ensembles.engine.radicand_views import DifferenceEvaluation, DirectEvaluation, second_slope
-from hjsolve.ensembles.engine.regions import LocatedRegions, ill_known, locate_regions
+from hjsolve.ensembles.engine.regions import ill_known, locate_regions
 from hjsolve.ensembles.engine.starts import Starts
 from hjsolve.ensembles.status import UNDECIDED, Status
 

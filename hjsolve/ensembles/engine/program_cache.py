@@ -32,7 +32,11 @@ _OTHERS = 0o022
 
 
 def fingerprint(text: str) -> str:
-    """A name for a program that no other text, version of numba or of Python, or state of our loops has."""
+    """Return a name for a program that no other text, version of numba or of Python, or state of our loops has.
+
+    Args:
+        text: the program.
+    """
     return sha256(f"{_surroundings()}\n{text}".encode()).hexdigest()[:32]
 
 
@@ -45,7 +49,11 @@ def _surroundings() -> str:
 
 
 def path_for(text: str) -> Path | None:
-    """Return the file that stands for a program, written where it is not there yet; None where nothing is kept."""
+    """Return the file that stands for a program, written where it is not there yet; None where nothing is kept.
+
+    Args:
+        text: the program.
+    """
     folder = _folder()
     if folder is None:
         return None
@@ -63,7 +71,12 @@ def path_for(text: str) -> Path | None:
 
 
 def is_cached(text: str, names: tuple[str, ...]) -> bool:
-    """Tell whether the machine code of these functions of a program is there already; nothing is written."""
+    """Tell whether the machine code of these functions of a program is there already; nothing is written.
+
+    Args:
+        text: the program.
+        names: functions of it.
+    """
     folder = _folder()
     if folder is None:
         return False

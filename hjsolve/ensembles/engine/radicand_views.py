@@ -44,24 +44,41 @@ class Knowns:
     parameters: tuple[float, ...]
 
     def take(self, index: Any) -> Knowns:
-        """Return those of some of the orbits."""
+        """Return those of some of the orbits.
+
+        Args:
+            index: which, positions or a mask.
+        """
         return replace(
             self, constants=tuple(c[index] for c in self.constants), doubt=tuple(e[index] for e in self.doubt)
         )
 
     def plain(self, like: Any) -> list[Any]:
-        """Return constants that broadcast against an array (n, …), and parameters."""
+        """Return constants that broadcast against an array (n, …), and parameters.
+
+        Args:
+            like: an array (n,) or (n, nodes).
+        """
         return [with_node_axis(c, like) for c in self.constants] + list(self.parameters)
 
     def bounded(self, like: Any) -> list[WithErrorBound]:
-        """Return the same with their error bounds."""
+        """Return the same with their error bounds.
+
+        Args:
+            like: an array (n,) or (n, nodes).
+        """
         pairs = zip(self.constants, self.doubt, strict=True)
         known = [WithErrorBound(with_node_axis(c, like), with_node_axis(e, like)) for c, e in pairs]
         return known + [WithErrorBound(p, UNIT * abs(p)) for p in self.parameters]
 
 
 def with_node_axis(array: Any, like: Any) -> Any:
-    """Add an axis to an array (n,) where the other has nodes."""
+    """Add an axis to an array (n,) where the other has nodes.
+
+    Args:
+        array: shape (n,).
+        like: shape (n,) or (n, nodes).
+    """
     return array[:, None] if np.ndim(like) == 2 else array
 
 
@@ -69,7 +86,11 @@ _ARITHMETIC = frozenset({"add", "sub", "mul", "div", "power", "rational", "pi"})
 
 
 def has_chords(formula: LoweredFormula) -> bool:
-    """Tell whether F[b, q] can be had without cancellation."""
+    """Tell whether F[b, q] can be had without cancellation.
+
+    Args:
+        formula: of p².
+    """
     codes = {operation.code for operation in formula.squared.operations}
     return bool(formula.squared.operations) and codes <= CHORDS | _ARITHMETIC
 
@@ -87,37 +108,68 @@ class DirectEvaluation:
         return self.formula.sign
 
     def take(self, index: Any) -> DirectEvaluation:
-        """Return the view of some of the orbits."""
+        """Return the view of some of the orbits.
+
+        Args:
+            index: which, positions or a mask.
+        """
         return replace(self, knowns=self.knowns.take(index))
 
     def value(self, x: Any) -> Any:
-        """Return F."""
+        """Return F.
+
+        Args:
+            x: offsets from the origin, shape (n,) or (n, nodes).
+        """
         return self.formula.squared.run(Float64(), [x, *self.knowns.plain(x)])[0] + 0.0 * x
 
     def full(self, x: Any) -> Sequence[Any]:
-        """Return F and the kernels (which may be scalars)."""
+        """Return F and the kernels (which may be scalars).
+
+        Args:
+            x: offsets from the origin, shape (n,) or (n, nodes).
+        """
         return self.formula.full.run(Float64(), [x, *self.knowns.plain(x)])
 
     def errors(self, x: Any, *, kernels: bool, known: Any = None) -> list[Any]:  # noqa: ARG002
-        """Return bounds on the errors of F and of the kernels, those of x and of the constants included."""
+        """Return bounds on the errors of F and of the kernels, those of x and of the constants included.
+
+        Args:
+            x: offsets from the origin, shape (n,) or (n, nodes).
+            kernels: whether bounds for the kernels are wanted, too.
+            known: F there; not used by this view.
+        """
         place = WithErrorBound(x, _PLACE * UNIT * np.abs(x))
         tape = self.formula.full if kernels else self.formula.squared
         results = tape.run(RunningError(Float64()), [place, *self.knowns.bounded(x)])
         return [0.0 if result.error is None else result.error for result in results]
 
     def drift(self, kernels: Sequence[Any], x: Any) -> Any:
-        """Return what of the error of F comes from the constants: it is smooth in x. Σ |∂F/∂c| δc, ∂F/∂c = 2k."""
+        """Return what of the error of F comes from the constants: it is smooth in x. Σ |∂F/∂c| δc, ∂F/∂c = 2k.
+
+        Args:
+            kernels: ½ ∂F/∂c at x, one array a constant.
+            x: offsets from the origin, shape (n,) or (n, nodes).
+        """
         return sum(2 * np.abs(k) * with_node_axis(e, x) for k, e in zip(kernels, self.knowns.doubt, strict=True))
 
     def jet(self, x: Any) -> tuple[Any, Any, Any]:
-        """Return F, dF/dx, d²F/dx²."""
+        """Return F, dF/dx, d²F/dx².
+
+        Args:
+            x: offsets from the origin, shape (n,) or (n, nodes).
+        """
         jets = Jets(Float64())
         parts = self.formula.squared.run(jets, [jets.variable(x), *(Jet(k) for k in self.knowns.plain(x))])[0]
         value, first, second = (0.0 * x if part is None else part + 0.0 * x for part in parts)
         return value, first, second
 
     def place(self, x: Any) -> Any:
-        """Return q."""
+        """Return q.
+
+        Args:
+            x: offsets from the origin, shape (n,) or (n, nodes).
+        """
         return self.formula.origin.high + (self.formula.origin.low + self.formula.sign * x)
 
 
@@ -144,12 +196,20 @@ class DifferenceEvaluation:
     sign = 1
 
     def take(self, index: Any) -> DifferenceEvaluation:
-        """Return the view of some of the orbits."""
+        """Return the view of some of the orbits.
+
+        Args:
+            index: which, positions or a mask.
+        """
         own = (self.start, self.momentum, self.first, self.doubt)
         return DifferenceEvaluation(self.formula, self.knowns.take(index), *(part[index] for part in own))
 
     def value(self, δ: Any) -> Any:
-        """Return F."""
+        """Return F.
+
+        Args:
+            δ: q − q₀, shape (n,) or (n, nodes).
+        """
         slopes = SecondDifferences(δ)
         known = [SecondDifference(k) for k in self.knowns.plain(δ)]
         result = self.formula.squared.run(slopes, [slopes.variable(with_node_axis(self.start, δ)), *known])[0]
@@ -157,12 +217,22 @@ class DifferenceEvaluation:
         return with_node_axis(self.momentum, δ) ** 2 + δ * (with_node_axis(self.first, δ) + δ * second)
 
     def full(self, δ: Any) -> Sequence[Any]:
-        """Return F and the kernels."""
+        """Return F and the kernels.
+
+        Args:
+            δ: q − q₀, shape (n,) or (n, nodes).
+        """
         q = with_node_axis(self.start, δ) + δ
         return [self.value(δ), *self.formula.full.run(Float64(), [q, *self.knowns.plain(δ)])[1:]]
 
     def errors(self, δ: Any, *, kernels: bool, known: Any = None) -> list[Any]:  # noqa: ARG002
-        """Return bounds on the errors of F and of the kernels."""
+        """Return bounds on the errors of F and of the kernels.
+
+        Args:
+            δ: q − q₀, shape (n,) or (n, nodes).
+            kernels: whether bounds for the kernels are wanted, too.
+            known: F there; not used by this view.
+        """
         size = with_node_axis(self.momentum, δ) ** 2 + 2 * np.abs(δ * with_node_axis(self.first, δ))
         own = 6 * UNIT * size + δ**2 * with_node_axis(self.doubt, δ)
         if not kernels:
@@ -173,11 +243,20 @@ class DifferenceEvaluation:
         ]
 
     def drift(self, kernels: Sequence[Any], x: Any) -> Any:  # noqa: ARG002
-        """Return what of the error of F comes smoothly from the constants: none is told apart here."""
+        """Return what of the error of F comes smoothly from the constants: none is told apart here.
+
+        Args:
+            kernels: ½ ∂F/∂c at x; not used by this view.
+            x: q − q₀, shape (n,) or (n, nodes).
+        """
         return 0.0 * x
 
     def place(self, δ: Any) -> Any:
-        """Return q."""
+        """Return q.
+
+        Args:
+            δ: q − q₀, shape (n,) or (n, nodes).
+        """
         return with_node_axis(self.start, δ) + δ
 
 
@@ -202,7 +281,11 @@ class DoubleDoubleEvaluation:
         return self.raw.sign
 
     def take(self, index: Any) -> DoubleDoubleEvaluation:
-        """Return the view of some of the orbits."""
+        """Return the view of some of the orbits.
+
+        Args:
+            index: which, positions or a mask.
+        """
         pairs = tuple(Pair(c.high[index], c.low[index]) for c in self.pairs)
         return DoubleDoubleEvaluation(
             self.raw.take(index), pairs, self.numbers, Pair(self.base.high[index], self.base.low[index])
@@ -217,12 +300,20 @@ class DoubleDoubleEvaluation:
         )
 
     def value(self, x: Any) -> Any:
-        """Return F."""
+        """Return F.
+
+        Args:
+            x: distances from the base, shape (n,) or (n, nodes).
+        """
         place, known = self._inputs(x)
         return self.raw.formula.squared.run(DoubleDouble(), [place, *known])[0].high + 0.0 * x
 
     def jet(self, x: Any) -> tuple[Any, Any, Any]:
-        """Return F, dF/dx, d²F/dx²."""
+        """Return F, dF/dx, d²F/dx².
+
+        Args:
+            x: distances from the base, shape (n,) or (n, nodes).
+        """
         place, known = self._inputs(x)
         jets = Jets(DoubleDouble())
         parts = self.raw.formula.squared.run(jets, [jets.variable(place), *(Jet(k) for k in known)])[0]
@@ -230,7 +321,11 @@ class DoubleDoubleEvaluation:
         return value, first, second
 
     def full(self, x: Any) -> Sequence[Any]:
-        """Return F and the kernels."""
+        """Return F and the kernels.
+
+        Args:
+            x: distances from the base, shape (n,) or (n, nodes).
+        """
         offset = with_node_axis(self.base.high, x) + x
         return [self.value(x), *self.raw.full(offset)[1:]]
 
@@ -247,11 +342,20 @@ class DoubleDoubleEvaluation:
         return [4 * UNIT * np.abs(value) + 2.0**-44 * rough[0], *rough[1:]]
 
     def drift(self, kernels: Sequence[Any], x: Any) -> Any:  # noqa: ARG002
-        """Return what of the error of F comes smoothly from the constants: none is told apart here."""
+        """Return what of the error of F comes smoothly from the constants: none is told apart here.
+
+        Args:
+            kernels: ½ ∂F/∂c at x; not used by this view.
+            x: distances from the base, shape (n,) or (n, nodes).
+        """
         return 0.0 * x
 
     def place(self, x: Any) -> Any:
-        """Return q."""
+        """Return q.
+
+        Args:
+            x: distances from the base, shape (n,) or (n, nodes).
+        """
         return self.raw.place(self.base.high + (self.base.low + x))
 
 
@@ -259,7 +363,13 @@ View = DirectEvaluation | DifferenceEvaluation | DoubleDoubleEvaluation
 
 
 def second_slope(formula: LoweredFormula, knowns: Knowns, q: Any) -> tuple[Any, Any]:
-    """Return ½F″ at q, and three times the running error of it: a bound for slopes nearby."""
+    """Return ½F″ at q, and three times the running error of it: a bound for slopes nearby.
+
+    Args:
+        formula: of p²(q).
+        knowns: constants and parameters of n orbits.
+        q: places, shape (n,).
+    """
     jets = Jets(RunningError(Float64()))
     inputs = [jets.variable(WithErrorBound(q)), *(Jet(k) for k in knowns.bounded(q))]
     bend = formula.squared.run(jets, inputs)[0].second

@@ -13,7 +13,7 @@ from hjsolve.arithmetic.second_differences import FUNCTIONS
 from hjsolve.ensembles.engine.constants import InitialConstants, initial_constants, slope
 from hjsolve.ensembles.engine.lowered_solution import LoweredFormula, Model, Separated
 from hjsolve.ensembles.engine.nodes import EVEN, MOST
-from hjsolve.ensembles.engine.orbit_regions import OrbitRegions
+from hjsolve.ensembles.engine.orbit_regions import LocatedRegions, OrbitRegions
 from hjsolve.ensembles.engine.radicand_views import (
     DifferenceEvaluation,
     DirectEvaluation,
@@ -50,27 +50,6 @@ _ARITHMETIC = frozenset({"add", "sub", "mul", "div", "power", "rational", "pi"})
 
 
 @dataclass(frozen=True)
-class LocatedRegions:
-    """Regions of some orbits.
-
-    Attributes:
-        index: which orbits.
-        region: where they move.
-        status: of each.
-        rest: True where the coordinate stays at a stable double zero of p².
-    """
-
-    index: Any
-    region: OrbitRegions
-    status: Any
-    rest: Any
-
-    def take(self, index: Any) -> LocatedRegions:
-        """Return some of them."""
-        return LocatedRegions(self.index[index], self.region.take(index), self.status[index], self.rest[index])
-
-
-@dataclass(frozen=True)
 class Group:
     """Some orbits of one coordinate.
 
@@ -95,7 +74,11 @@ class Group:
     depth: int
 
     def take(self, index: Any) -> Group:
-        """Return some of them."""
+        """Return some of them.
+
+        Args:
+            index: which, positions or a mask.
+        """
         arrays = {name: getattr(self, name)[index] for name in ("index", "q", "P", "first", "bend")}
         pairs = tuple(Pair(c.high[index], c.low[index]) for c in self.pairs)
         return replace(self, knowns=self.knowns.take(index), pairs=pairs, **arrays)

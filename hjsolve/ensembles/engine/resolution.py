@@ -64,6 +64,10 @@ def least(region: OrbitRegions, first: int) -> Any:
     """Return the least number of nodes, from the first one on, that is proved to resolve each orbit; inf for none.
 
     What is proved for a number of nodes is proved for more: the strip is narrower.
+
+    Args:
+        region: where the orbits move.
+        first: number of nodes to begin with, one of ``COUNTS``.
     """
     needed, hint = np.full(len(region.width), np.inf), np.full(len(region.width), float(first))
     codes = region.level * 8 + region.warp

@@ -47,7 +47,11 @@ class MomentumRule:
         return _rows([x.value for x in found], q), _rows(errors, q)
 
     def exactly(self, q: Any, velocity: Any) -> tuple[Any, Any]:
-        """Return p in two doubles, arrays like q; arguments as before."""
+        """Return p in two doubles, arrays like q.
+
+        Args:
+            q, velocity: of all coordinates, shape (coordinates, n).
+        """
         inputs = [Pair(x, 0.0 * x) for x in (*q, *velocity)]
         with np.errstate(all="ignore"):
             found = self.tape.run(DoubleDouble(), [*inputs, *self.numbers])
@@ -80,7 +84,11 @@ class Starts:
     rule: MomentumRule | None = None
 
     def take(self, index: Any) -> Starts:
-        """Return those of some of the orbits."""
+        """Return those of some of the orbits.
+
+        Args:
+            index: which, positions or a mask.
+        """
         arrays = {name: getattr(self, name)[:, index] for name in ("q", "p", "doubt", "low", "spread")}
         return replace(self, velocity=None if self.velocity is None else self.velocity[:, index], **arrays)
 

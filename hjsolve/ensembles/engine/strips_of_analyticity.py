@@ -55,7 +55,12 @@ class CoveredStrip:
 
 
 def half_width(count: int, fold: int) -> float:
-    """Return a for N nodes over half a period (over a quarter: fold 2)."""
+    """Return a for N nodes over half a period (over a quarter: fold 2).
+
+    Args:
+        count: N.
+        fold: 2 for an even motion, else 1.
+    """
     return EXPONENT / (2 * fold * count)
 
 
@@ -64,6 +69,11 @@ def across(count: int, warp: tuple[float, float], fold: int) -> float:
     """Return the radius of a disk about the middle of the motion that holds the strip, in units of (b − a)/2.
 
     For plain anomalies: q = m − h cos φ, φ = χ + γ sin χ + ½ δ sin 2χ; the image of |Im φ| ≤ y is an ellipse.
+
+    Args:
+        count: number of nodes.
+        warp: γ and δ, the crowding of the nodes.
+        fold: 2 for an even motion, else 1.
     """
     a = half_width(count, fold)
     γ, δ = warp
@@ -72,7 +82,12 @@ def across(count: int, warp: tuple[float, float], fold: int) -> float:
 
 @cache
 def covered_strip(table: Nodes, turning: bool) -> CoveredStrip:
-    """Return the strip over which functions are to be known for a table of nodes."""
+    """Return the strip over which functions are to be known for a table of nodes.
+
+    Args:
+        table: of nodes.
+        turning: True between two turning points, False for a rotation.
+    """
     nodes = len(table.χ) if turning else len(table.χ) // 2
     a, length = half_width(nodes, table.fold), np.pi / table.fold if turning else 2 * np.pi
     rows = _ROWS if table.complement == 1.0 else _STRETCHED_ROWS

@@ -74,7 +74,13 @@ def bracket(function: Function, start: Any, step: Any, side: int, *, floor: Any,
 
 
 def kept_inside(x: Any, inner: Any, floor: Any) -> Any:
-    """Return x, or three quarters of the way to the floor where x lies beyond that."""
+    """Return x, or three quarters of the way to the floor where x lies beyond that.
+
+    Args:
+        x: places searched, shape (n,).
+        inner: places inside the motion.
+        floor: ends of the domain beyond x.
+    """
     with np.errstate(invalid="ignore"):
         limit = floor + 0.25 * (inner - floor)
         return np.where((x - inner) / (floor - inner) > 0.75, limit, x)

@@ -1,0 +1,28 @@
+"""The sign that a formula has from some place to infinity, proved by its asymptotic expansion."""
+
+from __future__ import annotations
+
+from hjsolve.arithmetic.asymptotic_expansion import BITS, Growths
+from hjsolve.arithmetic.asymptotic_scale import UnknownGrowthError
+from hjsolve.arithmetic.number_types import Mpf
+from hjsolve.arithmetic.tape import Tape
+from hjsolve.errors import InvalidInputError
+
+
+def sign_beyond(tape: Tape, inputs: list[Mpf], side: int, start: float, bits: int = BITS) -> int:
+    """Return the sign that a formula has for all side·q ≥ start; 0 where that is not known.
+
+    Args:
+        tape: of the formula, one output; inputs q, then numbers.
+        inputs: these numbers, to so many bits.
+        side: 1 towards +∞, −1 towards −∞.
+        start: at least 3, for nothing is known below.
+        bits: of the coefficients.
+    """
+    if not 3 <= start < 1e300:
+        return 0
+    growths = Growths(start, bits)
+    try:
+        return growths.sign(tape.run(growths, [growths.variable(side), *map(growths.constant, inputs)])[0])
+    except (UnknownGrowthError, InvalidInputError, ArithmeticError):
+        return 0

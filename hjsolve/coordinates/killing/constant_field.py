@@ -1,0 +1,78 @@
+"""The field that the constants of some expressions live in: algebraic numbers, parameters, opaque constants."""
+
+from __future__ import annotations
+
+from collections.abc import Iterable, Mapping, Sequence
+from dataclasses import dataclass
+from typing import Any
+
+import sympy as sp
+from sympy.core.function import AppliedUndef
+from sympy.polys.constructor import construct_domain
+
+
+@dataclass(frozen=True)
+class Ground:
+    """The field of constants: Q(algebraic numbers)(parameters and opaque constants)."""
+
+    field: Any
+    parameters: tuple[sp.Symbol, ...]
+    opaque: Mapping[sp.Expr, sp.Symbol]
+
+    @property
+    def numbers(self) -> Any:
+        """The algebraic numbers of the field."""
+        return self.field.domain if self.parameters else self.field
+
+    def convert(self, constant: sp.Expr) -> Any:
+        """Return the field element of an expression without coordinates.
+
+        Args:
+            constant: an expression in the parameters and opaque constants.
+        """
+        return self.field.from_sympy(sp.together(constant.xreplace(dict(self.opaque))))
+
+    def restore(self, element: Any) -> sp.Expr:
+        """Return the expression of a field element.
+
+        Args:
+            element: of ``field``.
+        """
+        expression = self.field.to_sympy(element)
+        return expression.xreplace({dummy: constant for constant, dummy in self.opaque.items()})
+
+
+def ground_field(expressions: Iterable[sp.Expr], coordinates: Sequence[sp.Symbol]) -> Ground:
+    """Find the field that the constants of some expressions live in.
+
+    Args:
+        expressions: whatever will be computed with.
+        coordinates: the symbols that are no constants.
+    """
+    inside = set(coordinates)
+    parameters: set[sp.Symbol] = set()
+    numbers: set[sp.Expr] = set()
+    opaque: dict[sp.Expr, sp.Symbol] = {}
+
+    compound = (AppliedUndef, sp.Subs, sp.Derivative, sp.Add, sp.Mul)
+
+    def visit(node: sp.Expr) -> None:
+        if node.is_Symbol:
+            if node not in inside:
+                parameters.add(node)
+        elif node.is_Rational:
+            return
+        elif node.free_symbols & inside or isinstance(node, compound) or (node.is_Pow and node.exp.is_Integer):
+            for argument in node.args:
+                visit(argument)
+        elif not node.free_symbols and node.is_algebraic and node.is_real:
+            numbers.add(node)
+        elif node not in opaque:
+            opaque[node] = sp.Dummy(f"c{len(opaque)}", real=True)
+
+    for expression in expressions:
+        visit(expression)
+    base = construct_domain(sorted(numbers, key=str), extension=True)[0] if numbers else sp.QQ
+    base = base if base.is_Field else base.get_field()
+    symbols = tuple(sorted(parameters, key=str)) + tuple(opaque.values())
+    return Ground(base.frac_field(*symbols) if symbols else base, symbols, opaque)
