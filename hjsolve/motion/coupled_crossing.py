@@ -13,8 +13,7 @@ import numpy as np
 
 from hjsolve.arithmetic.floats import bits_for, multiprecision
 from hjsolve.errors import OutsideMotionError
-from hjsolve.motion.phases import with_reach
-from hjsolve.one_coordinate.coordinate_motion import CoordinateMotion, Periodic, Unbounded
+from hjsolve.one_coordinate.coordinate_motion import CoordinateMotion
 from hjsolve.time_law.open_motion import TriangularScheme
 
 if TYPE_CHECKING:
@@ -62,14 +61,14 @@ def coupled_crossing_time(motion: SeparatedMotion, k: int, phase: Any) -> tuple[
 
 
 def _falling(course: CoordinateMotion) -> bool:
-    return isinstance(course, Unbounded) and "fall" in (course.ahead.way.end, course.behind.way.end)
+    return "fall" in (course.ends(1), course.ends(-1))
 
 
 class _Values:
     """Integrals of a course at single phases up to a largest one."""
 
     def __init__(self, course: CoordinateMotion, kind: type, largest: Any):
-        self.course, self.kind = with_reach(course, np.array([float(largest)])), kind
+        self.course, self.kind = course.with_reach(abs(float(largest))), kind
 
     def integral(self, j: int, χ: Any) -> Any:
         return np.ravel(self.course.integral(j, np.array([χ], dtype=self.kind)))[0]
@@ -85,7 +84,7 @@ def _solved(
     reach, step, gains = abs(start) + 1, start * 0 + 1, [start * 0]
     while True:
         values = _Values(course, kind, reach + step)
-        floor, ceiling = values.course.limits() if isinstance(values.course, Unbounded) else (-np.inf, np.inf)
+        floor, ceiling = values.course.limits()
         last = start + side * step
         ended = not floor <= last <= ceiling
         last = last if not ended else (ceiling if side > 0 else floor) + 0 * start
@@ -129,8 +128,5 @@ def _fading(gains: list[Any]) -> bool:
 def _monotone(values: _Values, first: Any, last: Any) -> bool:
     """True where the second integral is; at the end of a domain its rate may vanish, beside a pole be all rounding."""
     rates = [values.rate(1, first + (last - first) * k / 16) for k in range(16)]
-    noise = 0.0
-    if values.kind is float and isinstance(values.course, Periodic):
-        series = values.course.kernels[1]
-        noise = 2.0**-48 * (abs(float(series.mean)) + float(np.sum(np.abs(series.cosines.astype(float)))))
+    noise = values.course.rate_noise(1) if values.kind is float else 0.0
     return all(r > -noise for r in rates) or all(r < noise for r in rates)

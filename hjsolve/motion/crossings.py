@@ -17,11 +17,11 @@ from hjsolve.errors import InvalidInputError, NotConvergedError, OutsideMotionEr
 from hjsolve.formulas.read import number
 from hjsolve.motion.coupled_crossing import coupled_crossing_time
 from hjsolve.motion.initial_data import to_bits
-from hjsolve.motion.phases import phases_at, solve_phases, with_reach
+from hjsolve.motion.phases import phases_at, solve_phases
 from hjsolve.motion.positions import constant_index, principal_values
 from hjsolve.motion.state_at import shaped, state_at_times
 from hjsolve.motion.times import exact_numbers, read_times, whole_numbers
-from hjsolve.one_coordinate.coordinate_motion import AtRest, CoordinateMotion, Periodic, Unbounded
+from hjsolve.one_coordinate.coordinate_motion import CoordinateMotion, Periodic
 from hjsolve.one_coordinate.open_branch import farthest
 from hjsolve.time_law.open_motion import DecoupledStep, TriangularScheme
 from hjsolve.time_law.phase_reduction import turns_and_rest
@@ -85,13 +85,13 @@ def _phase_of(
     """Phase of the passage-th crossing, counted from the start."""
     bits = bits_for(motion.digits, 128)
     place, arithmetic = target(bits), Multi(bits)
-    if isinstance(course, AtRest):
-        raise OutsideMotionError(f"{name} rests at {float(course.rest):.12g}: it crosses nothing")
-    if isinstance(course, Periodic):
-        χ = course.anomaly.phase(_between(motion, name, course, place), 1, arithmetic)
+    if course.rests:
+        raise OutsideMotionError(f"{name} rests at {float(course.place(np.zeros(1))[0][0]):.12g}: it crosses nothing")
+    if (cycle := course.cycle) is not None:
+        χ = cycle.anomaly.phase(_between(motion, name, cycle, place), 1, arithmetic)
         turn = 2 * arithmetic.pi()
-        around = {float(x % turn): x % turn for x in ((χ, -χ) if course.anomaly.even else (χ,))}
-        start = course.start
+        around = {float(x % turn): x % turn for x in ((χ,) if cycle.rotates else (χ, -χ))}
+        start = cycle.start
         first = sorted(x + turn * arithmetic.context.ceil((start - x) / turn) for x in around.values())
         return first[passage % len(first)] + turn * (passage // len(first))
     phases = sorted(x for x in _open_phases(name, course, place, bits))
@@ -110,9 +110,9 @@ def _between(motion: SeparatedMotion, name: str, course: Periodic, place: Any) -
     Raises:
         OutsideMotionError: it lies beyond.
     """
-    if not course.anomaly.even:
+    if course.rotates:
         return place
-    a, b = course.anomaly.lower, course.anomaly.upper  # type: ignore[union-attr]
+    a, b = course.turning_points
     blur = (abs(a) + abs(b)) * multiprecision(64).mpf(2) ** -(bits_for(motion.digits, 96))
     if not a - blur <= place <= b + blur:
         low, high = motion.turning_points[name]
@@ -120,10 +120,10 @@ def _between(motion: SeparatedMotion, name: str, course: Periodic, place: Any) -
     return min(max(place, a), b)
 
 
-def _open_phases(name: str, course: Unbounded, place: Any, bits: int) -> list[Any]:
+def _open_phases(name: str, course: CoordinateMotion, place: Any, bits: int) -> list[Any]:
     """Phases of an unbounded course at a place: one on a branch, two where the branch turns."""
     found = []
-    for sign, branch in ((1, course.ahead), (-1, course.behind)):
+    for sign, branch in zip((1, -1), course.branches, strict=True):
         way = branch.way
         x = way.side * (place - way.start) / way.length
         if x < 0 or (way.end != "infinity" and x >= 1):
@@ -177,7 +177,7 @@ def _own_time(motion: SeparatedMotion, course: CoordinateMotion, step: Decoupled
     """Time of a coordinate whose equation holds no other."""
     kind = object if motion.digits > 15 else float
     here, start = np.array([phase], dtype=kind), np.array([course.start], dtype=kind)
-    course = with_reach(course, np.array([float(phase)]))
+    course = course.with_reach(abs(float(phase)))
     total, size = 0, 0
     for j, w in enumerate(step.weights):
         if w:
@@ -292,9 +292,9 @@ def boundary_times(motion: SeparatedMotion) -> dict[str, Estimate]:
     result = {}
     for k, name in enumerate(motion.solution.coordinates):
         course = motion.located[name].course
-        if isinstance(course, Unbounded) and course.ahead.way.end in {"boundary", "fall"}:
+        if course.ends(1) in {"boundary", "fall"}:
             context = multiprecision(bits_for(motion.digits, 64))
-            phase = course.ahead.way.last(context) or context.mpf(farthest(motion.digits))
+            phase = course.branches[0].way.last(context) or context.mpf(farthest(motion.digits))
             with suppress(OutsideMotionError):  # the others run away before, in a time of its own that ends
                 result[name] = _shifted(motion, *_elapsed(motion, k, phase))
     return result

@@ -6,7 +6,6 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from hjsolve.one_coordinate.coordinate_motion import Unbounded
 from hjsolve.time_law.open_motion import TriangularScheme, reaching
 
 if TYPE_CHECKING:
@@ -40,11 +39,9 @@ def _ends(motion: SeparatedMotion, direction: int, span: float) -> bool:
     scheme = motion.equations
     assert isinstance(scheme, TriangularScheme)
     for i, course in enumerate(scheme.courses):
-        if isinstance(course, Unbounded):
-            whole = reaching(course, scheme, span, i)
-            assert isinstance(whole, Unbounded)
-            branch = whole.ahead if direction > 0 else whole.behind
-            ends = branch.way.end in {"boundary", "fall"} or branch.panels(*whole.reach).finished
-            if ends or (branch.way.end == "asymptote" and np.isfinite(whole.limits()[direction > 0])):
-                return True
+        whole = reaching(course, scheme, span, i)
+        if whole.finished(direction) or (
+            whole.ends(direction) == "asymptote" and np.isfinite(whole.limits()[direction > 0])
+        ):
+            return True
     return False

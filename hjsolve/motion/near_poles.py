@@ -15,16 +15,14 @@ import numpy as np
 import sympy as sp
 
 from hjsolve.arithmetic.double_double import DoubleDouble
-from hjsolve.arithmetic.error_free import Pair, split, two_sum
+from hjsolve.arithmetic.error_free import Pair, split
 from hjsolve.arithmetic.floats import Float64
 from hjsolve.arithmetic.running_error import RunningError
 from hjsolve.arithmetic.running_error import WithErrorBound as Rounded
 from hjsolve.mechanics.system import velocities
 from hjsolve.motion.initial_data import to_bits
 from hjsolve.motion.positions import tape_of
-from hjsolve.one_coordinate.anomaly import BarrierAnomaly, Libration
-from hjsolve.one_coordinate.coordinate_motion import AtRest, CoordinateMotion, Periodic, Unbounded, float_way
-from hjsolve.one_coordinate.stretched_anomaly import Stretched, map_in_doubles
+from hjsolve.one_coordinate.coordinate_motion import CoordinateMotion
 
 if TYPE_CHECKING:
     from hjsolve.motion.separated import SeparatedMotion
@@ -66,7 +64,7 @@ def blurs(motion: SeparatedMotion, course: CoordinateMotion) -> bool:
         course: of its separated coordinate.
     """
     system, name = motion.solution.system, motion.solution.coordinates[0]
-    χ = np.linspace(0, np.pi, 65) if isinstance(course, Periodic) else np.linspace(-1, 1, 65)
+    χ = np.linspace(0, np.pi, 65) if course.cycle else np.linspace(-1, 1, 65)
     q, p = {}, {}
     q[name], p[name] = course.place(χ)
     for c in system.coordinates:
@@ -99,80 +97,8 @@ def places(
     q, shell = {}, {}
     for name, course, phase in zip(motion.solution.coordinates, courses, χ, strict=True):
         rough, shell[name] = course.place(phase)
-        q[name] = _place(course, phase, rough)
+        q[name] = course.place_in_two_doubles(phase, rough.astype(float))
     return q, shell
-
-
-def _place(course: CoordinateMotion, χ: Any, rough: Any) -> Pair:
-    if isinstance(course, AtRest):
-        rest = split(course.rest)
-        return Pair(rest.high + 0 * χ, rest.low + 0 * χ)
-    if isinstance(course, Unbounded):
-        return _open_place(course, χ)
-    if not course.anomaly.even:
-        return Pair(rough, 0 * rough)
-    return beside(course, *distances(course, χ))
-
-
-def distances(course: Periodic, χ: Any) -> tuple[Any, Any]:
-    """Distances from the lower and from the upper turning point of a libration, each with its relative accuracy.
-
-    Args:
-        course: of the libration.
-        χ: phases in doubles, shape (m,).
-    """
-    place = map_in_doubles(course.anomaly).place(χ - 2 * np.pi * np.rint(χ / (2 * np.pi)), Float64())
-    return place.below, place.above
-
-
-def grain(course: CoordinateMotion, χ: Any) -> Any:
-    """The size that the rounding of a place in two doubles refers to.
-
-    Args:
-        course: of one coordinate.
-        χ: phases in doubles, shape (m,).
-    """
-    if isinstance(course, AtRest):
-        return 0.0 * χ
-    if isinstance(course, Unbounded):
-        return np.abs(course.place(χ)[0] - float(course.ahead.way.start))
-    return np.minimum(*distances(course, χ)) if course.anomaly.even else np.abs(course.place(χ)[0]) + np.pi
-
-
-def beside(course: Periodic, below: Any, above: Any) -> Pair:
-    """The place at these distances from the turning points, in two doubles: the nearer one and its distance.
-
-    Args:
-        course: of the libration.
-        below, above: distances from the lower and from the upper turning point, shape (m,).
-    """
-    anomaly = course.anomaly
-    assert isinstance(anomaly, (Libration, BarrierAnomaly, Stretched))
-    a, b, low = split(anomaly.lower), split(anomaly.upper), below < above
-    end = Pair(np.where(low, a.high, b.high), np.where(low, a.low, b.low))
-    return _sum(end, np.where(low, below, -above))
-
-
-def _sum(base: Pair, more: Any) -> Pair:
-    s, e = two_sum(base.high, more)
-    return Pair(*two_sum(s, e + base.low))
-
-
-def _open_place(course: Unbounded, χ: Any) -> Pair:
-    """Start or end of a branch and the distance from it."""
-    pairs = []
-    for branch in (course.ahead, course.behind):
-        way = float_way(branch.way)
-        x, left, _ = way.distances(np.abs(χ), Float64())
-        start, end = split(branch.way.start), split(branch.way.start + branch.way.side * branch.way.length)
-        from_start = _sum(Pair(start.high + 0 * χ, start.low + 0 * χ), way.side * x)
-        if left is None:
-            pairs.append(from_start)
-            continue
-        from_end = _sum(Pair(end.high + 0 * χ, end.low + 0 * χ), -way.side * left)
-        pairs.append(Pair(*(np.where(left < x, e, s) for s, e in zip(from_start, from_end, strict=True))))
-    ahead, behind = pairs
-    return Pair(*(np.where(χ >= 0, a, b) for a, b in zip(ahead, behind, strict=True)))
 
 
 def sharpened_velocities(
@@ -237,10 +163,10 @@ def from_table(motion: SeparatedMotion, table: DenseOutput, θ: Any) -> tuple[di
     """
     assert table.ends is not None
     name = motion.solution.coordinates[0]
-    course = motion.located[name].course
-    assert isinstance(course, Periodic)
+    course = motion.located[name].course.cycle
+    assert course is not None
     below, above, shell = table.table.evaluate([*table.ends, 1], θ)
-    return {name: beside(course, below, above)}, {name: shell}
+    return {name: course.beside(below, above)}, {name: shell}
 
 
 def worked_out(

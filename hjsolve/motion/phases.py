@@ -11,7 +11,7 @@ import numpy as np
 from hjsolve.arithmetic.floats import bits_for, multiprecision
 from hjsolve.motion.initial_data import to_bits
 from hjsolve.motion.times import whole_numbers, within_doubles
-from hjsolve.one_coordinate.coordinate_motion import CoordinateMotion, Unbounded
+from hjsolve.one_coordinate.coordinate_motion import CoordinateMotion
 from hjsolve.time_law import open_motion, refine, torus
 from hjsolve.time_law.elapsed_time import halves, relative, relative_exact
 
@@ -120,37 +120,10 @@ def _refined(
     if isinstance(motion.equations, torus.TorusEquations):
         return refine.on_torus(motion.equations, χ, whole, precise, bits)
     full = [phase + 2 * np.pi * n for phase, n in zip(χ, whole, strict=True)]
-    courses = [_with_reaches(c, x) for c, x in zip(motion.equations.courses, full, strict=True)]
+    courses = [c.covering(x) for c, x in zip(motion.equations.courses, full, strict=True)]
     found, errors = refine.unbounded(courses, motion.equations.equations, full, precise, bits)
     turn = 2 * multiprecision(bits).pi
     return [x - turn * n.astype(int) for x, n in zip(found, whole, strict=True)], errors
-
-
-def with_reach(course: CoordinateMotion, χ: Any) -> CoordinateMotion:
-    """Return an open course that holds enough panels for some phases, on either side of 0; others as they are.
-
-    Args:
-        course: of one coordinate.
-        χ: phases, shape (m,).
-    """
-    return _with_reach(course, float(np.max(np.abs(χ), initial=0)), None)
-
-
-def _with_reach(course: CoordinateMotion, ahead: float, back: float | None) -> CoordinateMotion:
-    if not isinstance(course, Unbounded):
-        return course
-    least = max(1.0, abs(float(course.start)))
-    return Unbounded(
-        course.kind, course.ahead, course.behind, course.start, (None, 1.001 * max(least, ahead)),
-        None if back is None else 1.001 * max(least, back),
-    )  # fmt: skip
-
-
-def _with_reaches(course: CoordinateMotion, χ: Any) -> CoordinateMotion:
-    """The same, with panels on each side as far as there are phases."""
-    alone = isinstance(course, Unbounded) and course.ahead is course.behind
-    back = None if alone else float(np.max(-χ, initial=0))
-    return _with_reach(course, float(np.max(np.abs(χ) if alone else χ, initial=0)), back)
 
 
 def courses_of(motion: SeparatedMotion, phases: Phases) -> list[CoordinateMotion]:
@@ -165,7 +138,7 @@ def courses_of(motion: SeparatedMotion, phases: Phases) -> list[CoordinateMotion
     """
     if motion.equations is None:
         return []
-    return [_with_reaches(c, x) for c, x in zip(motion.equations.courses, phases.χ, strict=True)]
+    return [c.covering(x) for c, x in zip(motion.equations.courses, phases.χ, strict=True)]
 
 
 def _rule(x: float) -> Callable[[int], Any]:

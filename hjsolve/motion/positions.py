@@ -19,7 +19,7 @@ from hjsolve.lowering import lower
 from hjsolve.mechanics.system import velocities
 from hjsolve.motion.initial_data import to_bits
 from hjsolve.motion.phases import Phases, courses_of
-from hjsolve.one_coordinate.coordinate_motion import Periodic, arithmetic_of
+from hjsolve.one_coordinate.coordinate_motion import arithmetic_of
 from hjsolve.one_coordinate.fourier_series import FourierSeries
 from hjsolve.time_law.phase_reduction import principal as principal_of_doubles
 from hjsolve.time_law.phase_reduction import turns_and_rest
@@ -54,8 +54,7 @@ def positions_at(motion: SeparatedMotion, phases: Phases) -> tuple[dict[str, Any
         motion.solution.coordinates, courses_of(motion, phases), phases.χ, phases.whole, strict=True
     ):
         q[name], shell[name] = course.place(χ)
-        rotating = isinstance(course, Periodic) and not course.anomaly.even
-        whole[name] = course.anomaly.direction * n if rotating else 0 * n  # type: ignore[union-attr]
+        whole[name] = course.direction * n if course.rotates else 0 * n
     for coordinate in motion.solution.system.coordinates:
         if coordinate.name not in q:
             q[coordinate.name], whole[coordinate.name] = _ignorable(motion, phases, coordinate.name, q)
@@ -236,9 +235,9 @@ def _grown_from(
     for course, χ, n in zip(courses_of(motion, phases), phases.χ, phases.whole, strict=True):
         first = np.array([course.start], dtype=object) if χ.dtype == object else np.array([float(course.start)])
         total = total - (course.integral(j, χ) - course.integral(j, first)[0])
-        if isinstance(course, Periodic) and n.any():
+        if course.cycle is not None and n.any():
             turn = 2 * multiprecision(bits_for(motion.digits, 96)).pi if χ.dtype == object else 2 * np.pi
-            growth = course.growth(j) if χ.dtype == object else float(course.growth(j))
+            growth = course.cycle.growth(j) if χ.dtype == object else float(course.cycle.growth(j))
             total = total - n.astype(int) * (turn * growth)
     return grown(begin, 0, phases.time, phases.exact, angle, total)
 

@@ -15,7 +15,6 @@ from hjsolve.lowering import lower
 from hjsolve.motion.initial_data import Initial, to_bits
 from hjsolve.one_coordinate.allowed_regions import AllowedRegion
 from hjsolve.one_coordinate.classify import Located
-from hjsolve.one_coordinate.coordinate_motion import AtRest, Periodic
 from hjsolve.solution.quadratures import Solution
 from hjsolve.time_law.open_motion import TriangularScheme
 from hjsolve.time_law.torus import TorusEquations, mean_rate
@@ -77,15 +76,6 @@ def _blurred(estimate: Estimate, blur: Any) -> Estimate:
     return replace(estimate, error=estimate.error + (float(blur) if isinstance(estimate.value, float) else blur))
 
 
-def nodes_of(course: Any) -> int:
-    """Return the quadrature nodes behind a course.
-
-    Args:
-        course: of one coordinate; 0 for one that is not periodic.
-    """
-    return max((s.nodes for s in course.kernels), default=0) if isinstance(course, Periodic) else 0
-
-
 def actions(solution: Solution, initial: Initial, located: Mapping[str, Located], digits: int) -> dict[str, Estimate]:
     """Return J of every coordinate that has one: signed like p for a rotation, p itself for an ignorable angle.
 
@@ -107,14 +97,11 @@ def actions(solution: Solution, initial: Initial, located: Mapping[str, Located]
                 )
             continue
         course = located[coordinate.name].course
-        if isinstance(course, AtRest) and course.stable:
-            result[coordinate.name] = rounded(0, digits)
-        elif isinstance(course, Periodic):
-            assert course.action is not None  # it was asked for
-            value = course.action * course.anomaly.direction
-            if not course.anomaly.even:
+        value = course.signed_action
+        if value is not None:
+            if course.rotates:
                 value -= _mean_shift(solution, initial, coordinate, digits)
-            result[coordinate.name] = rounded(value, digits, nodes_of(course))
+            result[coordinate.name] = rounded(value, digits, course.nodes)
     return result
 
 
@@ -148,20 +135,15 @@ def frequencies(solution: Solution, initial: Initial, equations: Any, digits: in
     if isinstance(equations, TorusEquations):
         for k, name in enumerate(names):
             course = equations.courses[k]
-            if not (isinstance(course, AtRest) and not course.stable):
-                direction = course.anomaly.direction if isinstance(course, Periodic) else 1
-                result[name] = rounded(direction * equations.rates[k], digits, nodes_of(course))
+            if course.stable:
+                result[name] = rounded(course.direction * equations.rates[k], digits, course.nodes)
         result |= _ignorable_rates(solution, equations, digits, angles=True)
         return {c.name: result[c.name] for c in system.coordinates if c.name in result}
     for step in equations.steps:
-        course = equations.courses[step.index]
-        if (isinstance(course, Periodic) and step == equations.steps[0]) or (
-            isinstance(course, Periodic) and step.weights[0] and _alone(equations, step)
-        ):
-            mean = sum(w * series.mean for w, series in zip(step.weights, course.kernels, strict=False))
-            result[names[step.index]] = rounded(
-                course.anomaly.direction * step.weights[0] / mean, digits, nodes_of(course)
-            )
+        cycle = equations.courses[step.index].cycle
+        if cycle is not None and (step == equations.steps[0] or (step.weights[0] and _alone(equations, step))):
+            mean = sum(w * series.mean for w, series in zip(step.weights, cycle.kernels, strict=False))
+            result[names[step.index]] = rounded(cycle.direction * step.weights[0] / mean, digits, cycle.nodes)
     return {name: f for name, f in result.items() if f.value}
 
 
@@ -196,19 +178,11 @@ def _ignorable_rates(
 def _ignorable_rate(equations: TorusEquations, j: int, digits: int) -> Estimate:
     """The mean growth of an ignorable angle, a sum that may cancel: what is below the noise of its terms is zero."""
     value = mean_rate(equations, j)
-    sizes = [abs(rate) * _swing(c, j) for rate, c in zip(equations.rates, equations.courses, strict=True)]
+    sizes = [abs(rate) * c.swing(j) for rate, c in zip(equations.rates, equations.courses, strict=True)]
     noise = sum(sizes) * multiprecision(64).mpf(10) ** (-2 * digits)
-    nodes = max(nodes_of(x) for x in equations.courses)
+    nodes = max(c.nodes for c in equations.courses)
     plain = rounded(value if abs(value) > noise else 0, digits, nodes)
     return Estimate(plain.value, plain.error + (noise if digits > FLOAT_DIGITS else float(noise)), nodes=nodes)
-
-
-def _swing(course: Any, j: int) -> Any:
-    """Size of the values whose mean a growth is, or of the terms it is the sum of."""
-    if isinstance(course, AtRest):
-        return course.sizes[j]
-    waves: Any = abs(course.kernels[j].cosines) if isinstance(course, Periodic) else []
-    return abs(course.growth(j)) + sum(waves)
 
 
 def _alone(scheme: TriangularScheme, step: Any) -> bool:

@@ -18,7 +18,6 @@ from hjsolve.motion import quantities
 from hjsolve.motion.initial_data import ZERO_BITS, InBits, Initial, domain_ends, expanded, sign, to_bits
 from hjsolve.one_coordinate.allowed_regions import forbidden
 from hjsolve.one_coordinate.classify import Located, locate
-from hjsolve.one_coordinate.coordinate_motion import Unbounded
 from hjsolve.one_coordinate.coordinate_start import CoordinateStart
 from hjsolve.one_coordinate.momentum_squared import MomentumSquared, has_period
 from hjsolve.solution.quadratures import Solution
@@ -76,7 +75,7 @@ def separated_motion(
     begins = {name: replace(coordinate_start(solution, initial, name), parts=parts) for name in solution.coordinates}
     located = {name: locate(checked(begin), digits) for name, begin in begins.items()}
     courses = [located[name].course for name in solution.coordinates]
-    bounded = [c for c in courses if not isinstance(c, Unbounded)]
+    bounded = [stays for c in courses if (stays := c.bounded) is not None]
     equations: TorusEquations | TriangularScheme | None = None
     if courses and "time" in parts:
         equations = torus_equations(bounded, bits_for(digits, 128)) if len(bounded) == len(courses) else plan(courses)

@@ -30,7 +30,6 @@ from hjsolve.motion.state import Errors, State
 from hjsolve.motion.state_errors import errors_of_state, table_errors
 from hjsolve.motion.tabulated import FEWEST, DenseOutput, OnDemand, dense_output, needs_table
 from hjsolve.motion.times import read_times, whole_numbers, within_doubles
-from hjsolve.one_coordinate.coordinate_motion import Periodic
 from hjsolve.time_law.elapsed_time import halves, relative, relative_exact
 from hjsolve.time_law.torus import TorusEquations, mean_rate
 
@@ -112,8 +111,8 @@ def _tabulated(
         if name == separated:
             value, count = table.table.evaluate([0], θ)[0], 0.0
             course = motion.located[name].course
-            if isinstance(course, Periodic) and not course.anomaly.even:
-                count = course.anomaly.direction * whole
+            if course.rotates:
+                count = course.direction * whole
         else:
             index, begin = table.waves[name]
             wave = table.table.evaluate([index], θ)[0] - begin

@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 from collections.abc import Mapping
-from dataclasses import replace
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
@@ -11,12 +10,11 @@ import sympy as sp
 
 from hjsolve.arithmetic.floats import EPS, Multi, multiprecision
 from hjsolve.mechanics.system import hamiltonian, velocities
-from hjsolve.motion.near_poles import from_table, grain, lost_in_two_doubles, places, worked_out
+from hjsolve.motion.near_poles import from_table, lost_in_two_doubles, places, worked_out
 from hjsolve.motion.phases import Phases, courses_of
 from hjsolve.motion.positions import constant_index, evaluate_along, rounding
 from hjsolve.motion.tabulated import DenseOutput
-from hjsolve.one_coordinate.coordinate_motion import CoordinateMotion, Periodic, Unbounded
-from hjsolve.one_coordinate.fourier_series import FourierSeries
+from hjsolve.one_coordinate.coordinate_motion import CoordinateMotion
 from hjsolve.time_law.torus import TorusEquations, oscillation
 
 if TYPE_CHECKING:
@@ -63,7 +61,7 @@ def errors_of_state(
         dq[name] = slope_q * e + 4 * unit * size_q + _LEAST
         moved, shift = _shifted(motion, name, q)
         size_p = size_p + shift
-        dp[name] = slope_p * e + moved * dq[name] + (16 + _waves(course, x)) * unit * size_p + _LEAST
+        dp[name] = slope_p * e + moved * dq[name] + (16 + course.momentum_noise(x)) * unit * size_p + _LEAST
     for coordinate in motion.solution.system.coordinates:
         name = coordinate.name
         if name not in dq:
@@ -98,8 +96,8 @@ def _sharp_errors(
         c = motion.solution.system.coordinate(name)
         slope_q, slope_p = _slopes(course, x, e)
         moved, _ = _shifted(motion, name, {n: values[where] for n, values in q.items()})
-        doubts[c.symbol] = slope_q * e + 16 * EPS * grain(course, x) + _LEAST
-        own = slope_p * e + (16 + _waves(course, x)) * EPS * np.abs(shell[name]) + _LEAST
+        doubts[c.symbol] = slope_q * e + 16 * EPS * course.place_grain(x) + _LEAST
+        own = slope_p * e + (16 + course.momentum_noise(x)) * EPS * np.abs(shell[name]) + _LEAST
         doubts[c.momentum] = own + moved * doubts[c.symbol]
     return _by_doubts(motion, doubts, exact, shell, q, where)
 
@@ -191,17 +189,12 @@ def _shifted(motion: SeparatedMotion, name: str, q: Mapping[str, Any]) -> tuple[
     return np.abs(np.asarray(slope, dtype=float)), np.abs(np.asarray(value, dtype=float)) + own
 
 
-def _blur(course: CoordinateMotion, χ: Any, unit: float) -> Any:
-    """Rounding of a stretched anomaly as an uncertainty of its phase."""
-    return course.blur(χ) * (unit / EPS) if isinstance(course, Periodic) else 0.0
-
-
 def _unreduced(course: CoordinateMotion, q: Any, whole: Any | None) -> Any:
     """The size of q before whole turns were taken from it: that is what was rounded."""
     if whole is None:
         return np.abs(q.astype(float))
-    if isinstance(course, Periodic) and not course.anomaly.even:  # whole turns of its phase were never added
-        middle = course.anomaly.place(multiprecision(64).zero, Multi(64)).q
+    if course.cycle is not None and course.rotates:  # whole turns of its phase were never added
+        middle = course.cycle.anomaly.place(multiprecision(64).zero, Multi(64)).q
         return np.abs(q.astype(float)) + (abs(float(middle)) + np.pi) / 4
     return np.abs(q.astype(float) + 2 * np.pi * whole.astype(float))
 
@@ -217,30 +210,13 @@ def _width(motion: SeparatedMotion, name: str) -> float:
 
 def _slopes(course: CoordinateMotion, χ: Any, error: Any) -> tuple[Any, Any]:
     """|dq/dχ| and |dp/dχ| by differences over the error of χ, or small ones; generous where they vary."""
-    course = _rounded(course) if isinstance(course, Periodic) else course
-    scale = np.maximum(1.0, np.abs(χ)) if isinstance(course, Unbounded) else 1.0  # far out, steps must be seen
+    course = course.in_doubles()
+    scale = np.maximum(1.0, np.abs(χ)) if course.branches else 1.0  # far out, steps must be seen
     h, rest = np.clip(error, 1e-6 * scale, 0.5 * scale), 1e-6 / scale
     (q1, p1), (q0, p0), (q2, p2) = (course.place(χ + s) for s in (-h, 0.0, h))
     return 2 * np.maximum(np.abs(q2 - q0), np.abs(q0 - q1)) / h + rest * np.abs(q2 - q1), 2 * np.maximum(
         np.abs(p2 - p0), np.abs(p0 - p1)
     ) / h + rest * np.abs(p2 - p1)
-
-
-def _waves(course: CoordinateMotion, χ: Any) -> Any:
-    """Terms of ln(p/(dq/dχ)), which are rounded one by one, and what the rounding of χ does to it."""
-    if not isinstance(course, Periodic):
-        return 0.0
-    return 2 * np.sum(np.abs(course.momentum.cosines.astype(float))) + 4 * _rounded(course).crowding(χ)
-
-
-def _rounded(course: Periodic) -> Periodic:
-    series = course.momentum
-    if series.cosines.dtype != object:
-        return course
-    sines = None if series.sines is None else series.sines.astype(float)
-    return replace(
-        course, momentum=FourierSeries(series.mean, series.cosines.astype(float), sines, series.nodes, series.tail)
-    )
 
 
 def phase_slack(motion: SeparatedMotion, phases: Phases, unit: float) -> list[Any]:
@@ -252,7 +228,7 @@ def phase_slack(motion: SeparatedMotion, phases: Phases, unit: float) -> list[An
         unit: relative rounding of the arithmetic.
     """
     together = zip(phases.errors, courses_of(motion, phases), phases.χ, strict=True)
-    return [np.asarray(e, dtype=float) + _blur(c, x.astype(float), unit) for e, c, x in together]
+    return [np.asarray(e, dtype=float) + c.blur(x.astype(float)) * (unit / EPS) for e, c, x in together]
 
 
 def ignorable_error(motion: SeparatedMotion, phases: Phases, slack: list[Any], name: str, unit: float) -> Any:
@@ -274,15 +250,15 @@ def ignorable_error(motion: SeparatedMotion, phases: Phases, slack: list[Any], n
     for i, course in enumerate(courses_of(motion, phases)):
         rate = np.abs(np.asarray(course.rate(j, χ[i] if phases.exact is None else phases.χ[i]), dtype=float))
         total = total + rate * slack[i]
-        if isinstance(course, Unbounded):
+        if isinstance(equations, TorusEquations):
+            total = total + 4 * unit * float(np.sum(np.abs(oscillation(equations, i, j).cosines.astype(float))))
+        elif course.branches:
             begin = np.array([float(course.start)])
             total = total + 4 * unit * (course.grain(j, χ[i]) + course.grain(j, begin)[0])
-        elif not isinstance(equations, TorusEquations):
-            total = total + 4 * unit * np.abs(np.asarray(course.integral(j, phases.χ[i]), dtype=float))
-            if isinstance(course, Periodic):
-                total = total + 4 * unit * 2 * np.pi * np.abs(phases.whole[i] * float(course.growth(j)))
-        elif isinstance(course, Periodic):
-            total = total + 4 * unit * float(np.sum(np.abs(oscillation(equations, i, j).cosines.astype(float))))
+        else:
+            total = total + 4 * unit * course.grain(j, phases.χ[i])
+            if course.cycle is not None:
+                total = total + 4 * unit * 2 * np.pi * np.abs(phases.whole[i] * float(course.cycle.growth(j)))
     return total
 
 

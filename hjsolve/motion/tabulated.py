@@ -15,9 +15,9 @@ import numpy as np
 
 from hjsolve.arithmetic.error_free import split
 from hjsolve.errors import NotConvergedError
-from hjsolve.motion.near_poles import blurs, distances
+from hjsolve.motion.near_poles import blurs
 from hjsolve.motion.positions import constant_index
-from hjsolve.one_coordinate.coordinate_motion import Periodic, Unbounded
+from hjsolve.one_coordinate.coordinate_motion import Unbounded
 from hjsolve.one_coordinate.fourier_series import FourierSeries
 from hjsolve.time_law.open_motion import TriangularScheme, reaching
 from hjsolve.time_law.phase_reduction import turns_and_rest
@@ -129,8 +129,8 @@ def needs_table(motion: SeparatedMotion) -> bool:
     equations = motion.equations
     if not isinstance(equations, TorusEquations) or len(equations.courses) != 1 or "place" not in motion.parts:
         return False
-    course = equations.courses[0]
-    if not isinstance(course, Periodic):
+    course = equations.courses[0].cycle
+    if course is None:
         return False
     pace = np.abs(course.pace((1.0,), np.linspace(0.0 if course.anomaly.even else -np.pi, np.pi, 129)))
     return bool(np.min(pace) < 0.05 * float(course.kernels[0].mean))
@@ -146,16 +146,11 @@ def dense_output(motion: SeparatedMotion, span: float) -> DenseOutput | None:
     equations = motion.equations
     if motion.digits > 15 or equations is None or len(equations.courses) != 1:
         return None
+    course = equations.courses[0]
     try:
-        if isinstance(equations, TorusEquations):
-            return _bounded(motion) if isinstance(equations.courses[0], Periodic) else _resting(motion)
-        if isinstance(equations.courses[0], Unbounded) and blurs(motion, equations.courses[0]):
-            return None
-        return (
-            _open(motion, int(np.ceil(np.log2(max(span, 1e-290)))))
-            if isinstance(equations.courses[0], Unbounded)
-            else None
-        )
+        if course.branches:
+            return None if blurs(motion, course) else _open(motion, int(np.ceil(np.log2(max(span, 1e-290)))))
+        return _resting(motion) if course.rests else _bounded(motion)
     except NotConvergedError:
         return None
 
@@ -164,8 +159,8 @@ def dense_output(motion: SeparatedMotion, span: float) -> DenseOutput | None:
 def _bounded(motion: SeparatedMotion) -> DenseOutput:
     equations = motion.equations
     assert isinstance(equations, TorusEquations)
-    course = equations.courses[0]
-    assert isinstance(course, Periodic)
+    course = equations.courses[0].cycle
+    assert course is not None
     mean = float(course.kernels[0].mean)
     names = [c.name for c in motion.solution.system.coordinates if c.name not in motion.located]
     series = [oscillation(equations, 0, constant_index(motion, n)) for n in names]
@@ -184,7 +179,7 @@ def _bounded(motion: SeparatedMotion) -> DenseOutput:
     )
 
     def outputs(χ: Any) -> list[Any]:
-        return [*course.place(χ), *(_wave(s, χ) for s in series), *(distances(course, χ) if ends else ())]
+        return [*course.place(χ), *(_wave(s, χ) for s in series), *(course.distances(χ) if ends else ())]
 
     table = tabulate(
         edges,
@@ -238,8 +233,8 @@ def _scale(motion: SeparatedMotion) -> float:
         return 0.0
     if values:
         return max(abs(v) for v in values)
-    course = motion.located[name].course
-    return float(course.ahead.way.length) if isinstance(course, Unbounded) else float(np.pi)
+    ways = [branch.way for branch in motion.located[name].course.branches]
+    return float(ways[0].length) if ways else float(np.pi)
 
 
 @lru_cache(maxsize=8)
@@ -248,7 +243,7 @@ def _open(motion: SeparatedMotion, power: int) -> DenseOutput:
     assert isinstance(equations, TriangularScheme)
     course = reaching(equations.courses[0], equations, 2.0**power, 0)
     assert isinstance(course, Unbounded)
-    folded = course.ahead is course.behind
+    folded = not course.two_ways
     edges = course.edges()
     names = [c.name for c in motion.solution.system.coordinates if c.name not in motion.located]
     indices = [constant_index(motion, n) for n in names]

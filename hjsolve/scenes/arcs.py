@@ -22,7 +22,6 @@ from hjsolve.errors import InvalidInputError, NotConvergedError
 from hjsolve.mechanics.system import velocities
 from hjsolve.motion.initial_data import number_is_zero, read_initial_data, to_bits
 from hjsolve.motion.motion import Motion
-from hjsolve.one_coordinate.coordinate_motion import AtRest
 from hjsolve.scenes.crossing import as_rational, bits_of, crossings
 from hjsolve.scenes.events import Event, Pending, changed, once
 from hjsolve.scenes.question import Question
@@ -219,7 +218,7 @@ def _one_arc(solution: Solution, leg: Leg, pending: list[Pending], horizon: Any,
     if not all(x.context.isfinite(x) for x in (*state.q.values(), *state.p.values())):
         raise NotConvergedError(f"the motion ends, or is too far out for its numbers, before {events[0]}")
     given, system = motion.initial.values, solution.system
-    resting = {name for name, place in motion.separated.located.items() if isinstance(place.course, AtRest)}
+    resting = {name for name, place in motion.separated.located.items() if place.course.rests}
     q = {c.name: given[c.symbol] if c.name in resting else state.q[c.name] for c in system.coordinates}
     p = {c.name: given[c.momentum] if c.name in resting or c.name not in motion.separated.located else state.p[c.name]
          for c in system.coordinates}  # fmt: skip

@@ -22,7 +22,6 @@ from hjsolve.mechanics.system import velocities
 from hjsolve.motion.initial_data import to_bits
 from hjsolve.motion.motion import Motion
 from hjsolve.motion.positions import constant_index
-from hjsolve.one_coordinate.coordinate_motion import AtRest, Periodic, Unbounded
 from hjsolve.scenes.crossing import bits_of
 from hjsolve.scenes.events import Event, Pending
 from hjsolve.scenes.passage_times import Carried, Passes, passes
@@ -96,7 +95,7 @@ class Free:
         """Ignorable coordinate → the one that carries it, where that does not rest."""
         located = self.motion.separated.located
         pairs = ((n, c) for n, c in self.mirrors.carrier.items() if c is not None)
-        return {name: c for name, c in pairs if not isinstance(located[c].course, AtRest)}
+        return {name: c for name, c in pairs if not located[c].course.rests}
 
     @cached_property
     def rates(self) -> dict[str, Any]:
@@ -119,9 +118,7 @@ class Free:
         """Ignorable coordinates that walls may stand at, as functions of their carriers' phases."""
         if not isinstance(self.motion.separated.equations, TorusEquations):
             return {}
-        bounded = {
-            n: c for n, c in self.carrier.items() if isinstance(self.motion.separated.located[c].course, Periodic)
-        }
+        bounded = {n: c for n, c in self.carrier.items() if self.motion.separated.located[c].course.cycle is not None}
         return {name: Carried(self.motion, name, c) for name, c in bounded.items()}
 
     def serves(self, events: Sequence[Event]) -> bool:
@@ -131,8 +128,7 @@ class Free:
             events: all that may happen.
         """
         for place in self.motion.separated.located.values():
-            branches = (place.course.ahead, place.course.behind) if isinstance(place.course, Unbounded) else ()
-            if any(branch.way.end in {"boundary", "fall"} for branch in branches):
+            if any(place.course.ends(side) in {"boundary", "fall"} for side in (1, -1)):
                 return False
         placed = {e.coordinate for e in events if e.coordinate in self.carrier}
         return all(name in self.carried and self.carried[name].monotone for name in placed)
@@ -323,8 +319,8 @@ class Free:
 
     def turn(self, name: str) -> Any:
         """What a carried coordinate gains in a period of the one that carries it."""
-        course = self.motion.separated.located[self.carrier[name]].course
-        assert isinstance(course, Periodic)
+        course = self.motion.separated.located[self.carrier[name]].course.cycle
+        assert course is not None
         return -2 * self.context.pi * self.context.convert(course.growth(constant_index(self.motion.separated, name)))
 
     def state(self, now: Now) -> tuple[dict[str, Any], dict[str, Any], dict[str, int]]:
@@ -336,7 +332,7 @@ class Free:
         for name in self.separated:
             c = system.coordinate(name)
             q[name], p[name] = values[c.symbol], values[c.momentum]
-            if not isinstance(self.motion.separated.located[name].course, AtRest):
+            if not self.motion.separated.located[name].course.rests:
                 state = self.motion.at(now.clock[name])
                 q[name], p[name] = state.q[name], now.sign[name] * state.p[name]
                 if name in state.turns:
