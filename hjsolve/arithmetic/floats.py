@@ -8,7 +8,7 @@ from collections.abc import Callable
 from dataclasses import dataclass, field
 from fractions import Fraction
 from functools import cache
-from typing import Any, ClassVar, cast
+from typing import Any, ClassVar, TypeVar, cast
 
 import mpmath
 import numpy as np
@@ -16,6 +16,8 @@ import numpy as np
 from hjsolve.arithmetic.number_types import Context, Elementwise, Mpc, Mpf, N, Numeric, Truth, X
 from hjsolve.errors import InvalidInputError
 
+A = TypeVar("A")
+"""Whatever there is to choose from."""
 _NUMPY_NAMES = {
     "asin": "arcsin",
     "acos": "arccos",
@@ -30,6 +32,8 @@ _NUMPY_NAMES = {
 
 EPS = 2.0**-52
 """From 1 to the next double; rounding of a result is half of it, relatively."""
+GREATEST = float(np.finfo(float).max)
+"""The greatest double."""
 FARTHEST = 1024
 """Binary digits before the point of the largest argument of an exponential; many more of a circular function."""
 CIRCULAR = ("sin", "cos", "tan")
@@ -69,9 +73,11 @@ class Float64(ByOperators):
 
     Beside what every arithmetic has, the plain ones choose between two numbers (``where``), round to whole numbers
     (``rint``), and have the angle of a point (``atan2``) and the size of one number with the sign of another.
+    ``minimum_keeps_nan``: whether the lesser of nan and a number is nan in an array of theirs.
     """
 
     bits: ClassVar[int] = 53
+    minimum_keeps_nan: ClassVar[bool] = True
     few_units: ClassVar[float] = 4 * 2.0**-52
     """More than any operation rounds by, relatively."""
 
@@ -138,6 +144,42 @@ class Float64(ByOperators):
         """
         return np.copysign(size, sign)
 
+    def choose(self, doubles: Callable[[Float64], A], many: Callable[[Multi], A]) -> A:  # noqa: ARG002
+        """Return what a rule for doubles gives, where the algorithm for many digits is another one.
+
+        Args:
+            doubles: rule for arrays of doubles.
+            many: rule for numbers of many digits.
+        """
+        return doubles(self)
+
+    def held(self, x: float | Mpf) -> tuple[Elementwise, bool]:
+        """Return a number as arrays hold it, and whether nothing was rounded.
+
+        Args:
+            x: a float, or a number of many digits.
+        """
+        nearest = float(x)
+        return np.float64(nearest), nearest == x
+
+    def widened(self, low: Elementwise, high: Elementwise) -> tuple[Elementwise, Elementwise]:
+        """Return ends moved outward by more than the rounding of an operation; what overflowed is finite.
+
+        Args:
+            low, high: doubles or arrays of them.
+        """
+        low, high = np.minimum(low, GREATEST), np.maximum(high, -GREATEST)
+        return low - (self.few_units * abs(low) + 1e-300), high + (self.few_units * abs(high) + 1e-300)
+
+    def over_array(self, name: str, x: Elementwise) -> Elementwise:
+        """Return a function elementwise, nan where it is not real.
+
+        Args:
+            name: of the function, such as ``sqrt``.
+            x: a double or an array of doubles.
+        """
+        return self.unary(name, x)
+
 
 def sech(x: Elementwise) -> Elementwise:
     """Return 1/cosh x of doubles, which does not overflow.
@@ -177,6 +219,15 @@ def multiprecision(bits: int) -> Context:
         copyreg.pickle(kind, _reduced)
     copyreg.pickle(context.matrix, _reduced_matrix)
     return context
+
+
+def context_of(x: Elementwise) -> Context | None:
+    """Return where a number of many digits is computed with; None of doubles and arrays of them.
+
+    Args:
+        x: one number of any plain arithmetic, or an array of doubles.
+    """
+    return getattr(x, "context", None)
 
 
 def _reduced(x: Mpf | Mpc) -> tuple[Callable[..., Mpf | Mpc], tuple[object, ...]]:
@@ -230,6 +281,7 @@ class Multi(ByOperators):
     """
 
     bits: int
+    minimum_keeps_nan: ClassVar[bool] = False
     context: Context = field(init=False, repr=False, compare=False)
 
     def __post_init__(self) -> None:
@@ -325,3 +377,44 @@ class Multi(ByOperators):
             sign: the number whose sign is taken.
         """
         return -size if sign < 0 else size
+
+    def choose(self, doubles: Callable[[Float64], A], many: Callable[[Multi], A]) -> A:  # noqa: ARG002
+        """Return what a rule for many digits gives, where the algorithm for doubles is another one.
+
+        Args:
+            doubles: rule for arrays of doubles.
+            many: rule for numbers of many digits.
+        """
+        return many(self)
+
+    def held(self, x: float | Mpf) -> tuple[Elementwise, bool]:
+        """Return a number as arrays hold it, and whether nothing was rounded.
+
+        Args:
+            x: a number of this context.
+        """
+        return np.array(x, dtype=object), True
+
+    def widened(self, low: Elementwise, high: Elementwise) -> tuple[Elementwise, Elementwise]:
+        """Return ends moved outward by more than the rounding of an operation.
+
+        Args:
+            low, high: numbers, or arrays that hold them.
+        """
+        return low - abs(low) * self.few_units, high + abs(high) * self.few_units
+
+    def over_array(self, name: str, x: Elementwise) -> Elementwise:
+        """Return a function elementwise, nan where it is not real or too large to be known.
+
+        Args:
+            name: of the function, such as ``sqrt``.
+            x: an array of numbers.
+        """
+        return np.frompyfunc(lambda v: self._real_or_nan(name, v), 1, 1)(x)
+
+    def _real_or_nan(self, name: str, v: Mpf) -> Mpf:
+        context = self.context
+        if name in {"sin", "cos"} and (context.isinf(v) or context.mag(v) > 16 * FARTHEST):
+            return context.nan
+        value = getattr(context, name)(within_reach(name, v, context))
+        return cast("Mpf", value) if isinstance(value, context.mpf) else context.nan

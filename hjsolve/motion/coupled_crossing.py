@@ -14,7 +14,6 @@ import numpy as np
 from hjsolve.arithmetic.floats import bits_for, multiprecision
 from hjsolve.errors import OutsideMotionError
 from hjsolve.one_coordinate.coordinate_motion import CoordinateMotion
-from hjsolve.time_law.open_motion import TriangularScheme
 
 if TYPE_CHECKING:
     from hjsolve.motion.separated import SeparatedMotion
@@ -36,8 +35,8 @@ def coupled_crossing_time(motion: SeparatedMotion, k: int, phase: Any) -> tuple[
     Raises:
         OutsideMotionError: the other coordinate ends, or runs away, before.
     """
-    scheme = motion.equations
-    if not isinstance(scheme, TriangularScheme) or len(scheme.courses) != 2:
+    scheme = motion.scheme
+    if scheme is None or len(scheme.courses) != 2:
         return None
     own, other = scheme.courses[k], scheme.courses[1 - k]
     kind = object if motion.digits > 15 else float

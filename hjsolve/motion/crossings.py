@@ -23,9 +23,9 @@ from hjsolve.motion.state_at import shaped, state_at_times
 from hjsolve.motion.times import exact_numbers, read_times, whole_numbers
 from hjsolve.one_coordinate.coordinate_motion import CoordinateMotion, Periodic
 from hjsolve.one_coordinate.open_branch import farthest
-from hjsolve.time_law.open_motion import DecoupledStep, TriangularScheme
+from hjsolve.time_law.open_motion import DecoupledStep
 from hjsolve.time_law.phase_reduction import turns_and_rest
-from hjsolve.time_law.torus import TorusEquations, mean_rate, oscillation
+from hjsolve.time_law.torus import mean_rate, oscillation
 
 if TYPE_CHECKING:
     from hjsolve.motion.separated import SeparatedMotion
@@ -143,12 +143,9 @@ def _open_phases(name: str, course: CoordinateMotion, place: Any, bits: int) -> 
 
 def _elapsed(motion: SeparatedMotion, k: int, phase: Any) -> tuple[Any, Any]:
     """Time from t₀ until coordinate k has a phase, and a bound on its error."""
-    equations = motion.equations
-    many = motion.digits > 15
-    if isinstance(equations, TorusEquations) and all(
-        not len(s.cosines) for i, s in enumerate(equations.ripples[k]) if i != k
-    ):
-        ripple = equations.ripples[k][k]
+    torus, scheme, many = motion.torus, motion.scheme, motion.digits > 15
+    if torus is not None and all(not len(s.cosines) for i, s in enumerate(torus.ripples[k]) if i != k):
+        ripple = torus.ripples[k][k]
         wave = (
             0
             if not len(ripple.cosines)
@@ -156,16 +153,16 @@ def _elapsed(motion: SeparatedMotion, k: int, phase: Any) -> tuple[Any, Any]:
             if many
             else float(ripple.ripple(np.array([float(phase)]))[0])
         )
-        time = (phase + wave - equations.starts[k]) / equations.rates[k]
+        time = (phase + wave - torus.starts[k]) / torus.rates[k]
         size = float(np.sum(np.abs(ripple.cosines.astype(float)))) + 4.0
-        return time, _noise(motion) * size / abs(equations.rates[k])
+        return time, _noise(motion) * size / abs(torus.rates[k])
     if (
-        isinstance(equations, TriangularScheme)
-        and (step := next((s for s in equations.steps if s.index == k), None))
-        and step is equations.steps[0]
+        scheme is not None
+        and (step := next((s for s in scheme.steps if s.index == k), None))
+        and step is scheme.steps[0]
         and step.weights[0]
     ):
-        return _own_time(motion, equations.courses[k], step, phase)
+        return _own_time(motion, scheme.courses[k], step, phase)
     return coupled_crossing_time(motion, k, phase) or _sought(motion, k, float(phase))
 
 
@@ -307,22 +304,22 @@ def angle_variables(motion: SeparatedMotion, t: Any) -> dict[str, Any]:
         motion: the one looked at.
         t: a time or an array of times.
     """
-    equations = motion.equations
+    torus = motion.torus
     shape, floats, exact = read_times(t)
     phases = phases_at(motion, floats, exact)
     result = {}
     for name, frequency in motion.frequencies.items():
-        if not isinstance(equations, TorusEquations):
+        if torus is None:
             continue
         if name in motion.located:
             k = list(motion.solution.coordinates).index(name)
-            rate, start = equations.rates[k], equations.starts[k]
+            rate, start = torus.rates[k], torus.starts[k]
         else:
             j = constant_index(motion, name)
-            rate = mean_rate(equations, j)
+            rate = mean_rate(torus, j)
             start = to_bits(motion.initial.values[motion.solution.system.coordinate(name).symbol])(160)
-            for i, course in enumerate(equations.courses):
-                series = oscillation(equations, i, j)
+            for i, course in enumerate(torus.courses):
+                series = oscillation(torus, i, j)
                 start -= float(series.ripple(np.array([float(course.start)]))[0]) if len(series.cosines) else 0
         whole, rest = turns_and_rest(split(rate / (2 * multiprecision(160).pi)), phases.time)
         whole_numbers(whole)

@@ -6,7 +6,7 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from hjsolve.time_law.open_motion import TriangularScheme, reaching
+from hjsolve.time_law.open_motion import reaching
 
 if TYPE_CHECKING:
     from hjsolve.motion.separated import SeparatedMotion
@@ -36,8 +36,9 @@ def end_statuses(motion: SeparatedMotion, time: tuple[Any, Any], ended: Any) -> 
 
 def _ends(motion: SeparatedMotion, direction: int, span: float) -> bool:
     """True where some coordinate has an end in that direction of time."""
-    scheme = motion.equations
-    assert isinstance(scheme, TriangularScheme)
+    scheme = motion.scheme
+    if scheme is None:
+        return False
     for i, course in enumerate(scheme.courses):
         whole = reaching(course, scheme, span, i)
         if whole.finished(direction) or (

@@ -80,11 +80,9 @@ def solve_phases(motion: SeparatedMotion, time: tuple[Any, Any]) -> tuple[list[A
         time: t − t₀ as two doubles, shape (m,).
     """
     never = np.zeros(time[0].shape, dtype=bool)
-    if motion.equations is None:
-        return [], [], [], never
-    if isinstance(motion.equations, torus.TorusEquations):
-        return *torus.torus_phases(motion.equations, time), never
-    return open_motion.open_phases(motion.equations, time)
+    if motion.torus is not None:
+        return *torus.torus_phases(motion.torus, time), never
+    return ([], [], [], never) if motion.scheme is None else open_motion.open_phases(motion.scheme, time)
 
 
 def _courses(motion: SeparatedMotion) -> Sequence[CoordinateMotion]:
@@ -115,13 +113,13 @@ def _refined_where(
 def _refined(
     motion: SeparatedMotion, χ: list[Any], whole: list[Any], precise: list[Any], bits: int
 ) -> tuple[list[Any], list[Any]]:
-    if motion.equations is None:
+    if motion.torus is not None:
+        return refine.on_torus(motion.torus, χ, whole, precise, bits)
+    if motion.scheme is None:
         return χ, []
-    if isinstance(motion.equations, torus.TorusEquations):
-        return refine.on_torus(motion.equations, χ, whole, precise, bits)
     full = [phase + 2 * np.pi * n for phase, n in zip(χ, whole, strict=True)]
-    courses = [c.covering(x) for c, x in zip(motion.equations.courses, full, strict=True)]
-    found, errors = refine.unbounded(courses, motion.equations.equations, full, precise, bits)
+    courses = [c.covering(x) for c, x in zip(motion.scheme.courses, full, strict=True)]
+    found, errors = refine.unbounded(courses, motion.scheme.equations, full, precise, bits)
     turn = 2 * multiprecision(bits).pi
     return [x - turn * n.astype(int) for x, n in zip(found, whole, strict=True)], errors
 

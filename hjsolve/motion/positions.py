@@ -23,7 +23,7 @@ from hjsolve.one_coordinate.coordinate_motion import arithmetic_of
 from hjsolve.one_coordinate.fourier_series import FourierSeries
 from hjsolve.time_law.phase_reduction import principal as principal_of_doubles
 from hjsolve.time_law.phase_reduction import turns_and_rest
-from hjsolve.time_law.torus import TorusEquations, mean_rate, oscillation
+from hjsolve.time_law.torus import mean_rate, oscillation
 
 if TYPE_CHECKING:
     from hjsolve.motion.separated import SeparatedMotion
@@ -79,8 +79,10 @@ def principal_values(angle: Any) -> tuple[Any, Any]:
         The angle in (−π, π], and the turns taken away; shape (m,) each.
     """
     arithmetic = arithmetic_of(angle)
-    if isinstance(arithmetic, Float64):
-        return principal_of_doubles(angle)
+    return arithmetic.choose(lambda _: principal_of_doubles(angle), lambda many: _principal_of_digits(angle, many))
+
+
+def _principal_of_digits(angle: Any, arithmetic: Multi) -> tuple[Any, Any]:
     context, turn = arithmetic.context, 2 * arithmetic.pi()
     n = np.array([int(context.ceil((x - context.pi) / turn)) for x in angle])
     return np.array([x - turn * int(k) for x, k in zip(angle, n, strict=True)], dtype=object), n
@@ -215,22 +217,22 @@ def _grown_from(
     motion: SeparatedMotion, phases: Phases, name: str, q: Mapping[str, Any], begin: Any, *, angle: bool
 ) -> tuple[Any, Any]:
     """φ(t) = φ₀ − Σᵢ [Gᵢ(χᵢ) − Gᵢ(χᵢ⁰)] + ∂χ/∂c: Greenwood (5-83). On a torus the mean growth is reduced exactly."""
-    solution, equations = motion.solution, motion.equations
+    solution, torus = motion.solution, motion.torus
     coordinate = solution.system.coordinate(name)
-    if equations is None:
+    if motion.equations is None:
         rate = to_bits(sp.diff(solution.separation.shell.potential, coordinate.momentum).subs(motion.initial.values))(
             256
         )
         return grown(begin, rate, phases.time, phases.exact, angle, 0)
     j = constant_index(motion, name)
     gauge = gauge_angle(motion, coordinate.momentum, q)
-    if isinstance(equations, TorusEquations):
+    if torus is not None:
         wave = gauge
-        for i, bounded in enumerate(equations.courses):
-            series = oscillation(equations, i, j)
+        for i, bounded in enumerate(torus.courses):
+            series = oscillation(torus, i, j)
             if len(series.cosines):
                 wave = wave + _rise(series, phases.χ[i], bounded.start)
-        return grown(begin, mean_rate(equations, j), phases.time, phases.exact, angle, wave)
+        return grown(begin, mean_rate(torus, j), phases.time, phases.exact, angle, wave)
     total = gauge
     for course, χ, n in zip(courses_of(motion, phases), phases.χ, phases.whole, strict=True):
         first = np.array([course.start], dtype=object) if χ.dtype == object else np.array([float(course.start)])

@@ -16,9 +16,11 @@ from hjsolve.motion.initial_data import Initial, to_bits
 from hjsolve.one_coordinate.allowed_regions import AllowedRegion
 from hjsolve.one_coordinate.classify import Located
 from hjsolve.solution.quadratures import Solution
-from hjsolve.time_law.open_motion import TriangularScheme
+from hjsolve.time_law.open_motion import DecoupledStep, TriangularScheme
 from hjsolve.time_law.torus import TorusEquations, mean_rate
 
+Equations = TorusEquations | TriangularScheme
+"""Jacobi's equations made ready for inversion."""
 FLOAT_DIGITS = 15
 _NORMAL, _LEAST = 2.0**-1022, 2.0**-1074
 """Doubles below the first have fewer digits; the second is the smallest."""
@@ -116,7 +118,7 @@ def _mean_shift(solution: Solution, initial: Initial, coordinate: Any, digits: i
     return context.fsum(tape.run(Multi(bits), [2 * context.pi * k / nodes])[0] for k in range(nodes)) / nodes
 
 
-def frequencies(solution: Solution, initial: Initial, equations: Any, digits: int) -> dict[str, Estimate]:
+def frequencies(solution: Solution, initial: Initial, equations: Equations | None, digits: int) -> dict[str, Estimate]:
     """Ω = ∂H/∂J: the growth of the phases, and of the ignorable angles with them.
 
     Args:
@@ -132,22 +134,26 @@ def frequencies(solution: Solution, initial: Initial, equations: Any, digits: in
     if equations is None:
         return _free_rates(solution, initial, digits, angles=True)
     result = {}
-    if isinstance(equations, TorusEquations):
+    if (torus := equations.torus) is not None:
         for k, name in enumerate(names):
-            course = equations.courses[k]
+            course = torus.courses[k]
             if course.stable:
-                result[name] = rounded(course.direction * equations.rates[k], digits, course.nodes)
-        result |= _ignorable_rates(solution, equations, digits, angles=True)
+                result[name] = rounded(course.direction * torus.rates[k], digits, course.nodes)
+        result |= _ignorable_rates(solution, torus, digits, angles=True)
         return {c.name: result[c.name] for c in system.coordinates if c.name in result}
-    for step in equations.steps:
-        cycle = equations.courses[step.index].cycle
-        if cycle is not None and (step == equations.steps[0] or (step.weights[0] and _alone(equations, step))):
+    scheme = equations.scheme
+    assert scheme is not None
+    for step in scheme.steps:
+        cycle = scheme.courses[step.index].cycle
+        if cycle is not None and (step == scheme.steps[0] or (step.weights[0] and _alone(scheme, step))):
             mean = sum(w * series.mean for w, series in zip(step.weights, cycle.kernels, strict=False))
             result[names[step.index]] = rounded(cycle.direction * step.weights[0] / mean, digits, cycle.nodes)
     return {name: f for name, f in result.items() if f.value}
 
 
-def mean_velocities(solution: Solution, initial: Initial, equations: Any, digits: int) -> dict[str, Estimate]:
+def mean_velocities(
+    solution: Solution, initial: Initial, equations: Equations | None, digits: int
+) -> dict[str, Estimate]:
     """⟨dq/dt⟩ = ∂H/∂c, at constant actions, of the ignorable coordinates that are no angles (Greenwood (5-83)).
 
     Args:
@@ -161,7 +167,8 @@ def mean_velocities(solution: Solution, initial: Initial, equations: Any, digits
     """
     if equations is None:
         return _free_rates(solution, initial, digits, angles=False)
-    return _ignorable_rates(solution, equations, digits, angles=False) if isinstance(equations, TorusEquations) else {}
+    torus = equations.torus
+    return {} if torus is None else _ignorable_rates(solution, torus, digits, angles=False)
 
 
 def _ignorable_rates(
@@ -185,7 +192,7 @@ def _ignorable_rate(equations: TorusEquations, j: int, digits: int) -> Estimate:
     return Estimate(plain.value, plain.error + (noise if digits > FLOAT_DIGITS else float(noise)), nodes=nodes)
 
 
-def _alone(scheme: TriangularScheme, step: Any) -> bool:
+def _alone(scheme: TriangularScheme, step: DecoupledStep) -> bool:
     """True when a coordinate's equation holds none of the other coordinates."""
     others = [c for i, c in enumerate(scheme.courses) if i != step.index]
     phase = np.array([0.7])

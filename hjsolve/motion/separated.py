@@ -55,6 +55,16 @@ class SeparatedMotion(Shown):
     turning_points: Mapping[str, tuple[Estimate | None, Estimate | None]]
     frequencies: Mapping[str, Estimate]
 
+    @property
+    def torus(self) -> TorusEquations | None:
+        """The equations in angle form, where every coordinate is bounded."""
+        return None if self.equations is None else self.equations.torus
+
+    @property
+    def scheme(self) -> TriangularScheme | None:
+        """The equations as they stand, where some coordinate does not come back."""
+        return None if self.equations is None else self.equations.scheme
+
 
 def separated_motion(
     solution: Solution, initial: Initial, t0: sp.Expr, digits: int, parts: frozenset[str]

@@ -31,7 +31,7 @@ from hjsolve.motion.state_errors import errors_of_state, table_errors
 from hjsolve.motion.tabulated import FEWEST, DenseOutput, OnDemand, dense_output, needs_table
 from hjsolve.motion.times import read_times, whole_numbers, within_doubles
 from hjsolve.time_law.elapsed_time import halves, relative, relative_exact
-from hjsolve.time_law.torus import TorusEquations, mean_rate
+from hjsolve.time_law.torus import mean_rate
 
 
 def state_at_times(motion: SeparatedMotion, t: Any, digits: int | None = None) -> State:
@@ -118,8 +118,7 @@ def _tabulated(
             wave = table.table.evaluate([index], θ)[0] - begin
             coordinate = system.coordinate(name)
             gauge = gauge_angle(motion, coordinate.momentum, q) if motion.solution.shift_potential != 0 else 0.0
-            equations = motion.equations
-            rate = mean_rate(equations, constant_index(motion, name)) if isinstance(equations, TorusEquations) else 0
+            rate = 0 if motion.torus is None else mean_rate(motion.torus, constant_index(motion, name))
             value, count = grown(
                 to_bits(motion.initial.values[coordinate.symbol]), rate, time, None, name in angles, wave + gauge
             )

@@ -15,7 +15,7 @@ from hjsolve.motion.phases import Phases, courses_of
 from hjsolve.motion.positions import constant_index, evaluate_along, rounding
 from hjsolve.motion.tabulated import DenseOutput
 from hjsolve.one_coordinate.coordinate_motion import CoordinateMotion
-from hjsolve.time_law.torus import TorusEquations, oscillation
+from hjsolve.time_law.torus import oscillation
 
 if TYPE_CHECKING:
     from hjsolve.motion.separated import SeparatedMotion
@@ -144,9 +144,9 @@ def table_errors(
         As ``errors_of_state``.
     """
     system = motion.solution.system
-    equations = motion.equations
-    if isinstance(equations, TorusEquations):
-        delay = (3 * EPS * np.abs(θ) + equations.blurs[0] + table.table.doubt(θ)) / abs(float(equations.rates[0]))
+    torus = motion.torus
+    if torus is not None:
+        delay = (3 * EPS * np.abs(θ) + torus.blurs[0] + table.table.doubt(θ)) / abs(float(torus.rates[0]))
     else:
         delay = 3 * EPS * (np.abs(θ) + abs(table.begin))
         delay = delay + table.table.doubt(θ)
@@ -242,16 +242,15 @@ def ignorable_error(motion: SeparatedMotion, phases: Phases, slack: list[Any], n
         unit: relative rounding of the arithmetic.
     """
     χ = [x.astype(float) for x in phases.χ]
-    equations = motion.equations
     total = 0.0 * phases.time[0]
-    if equations is None:
+    if motion.equations is None:
         return total
     j = constant_index(motion, name)
     for i, course in enumerate(courses_of(motion, phases)):
         rate = np.abs(np.asarray(course.rate(j, χ[i] if phases.exact is None else phases.χ[i]), dtype=float))
         total = total + rate * slack[i]
-        if isinstance(equations, TorusEquations):
-            total = total + 4 * unit * float(np.sum(np.abs(oscillation(equations, i, j).cosines.astype(float))))
+        if motion.torus is not None:
+            total = total + 4 * unit * float(np.sum(np.abs(oscillation(motion.torus, i, j).cosines.astype(float))))
         elif course.branches:
             begin = np.array([float(course.start)])
             total = total + 4 * unit * (course.grain(j, χ[i]) + course.grain(j, begin)[0])

@@ -17,12 +17,11 @@ from hjsolve.arithmetic.error_free import split
 from hjsolve.errors import NotConvergedError
 from hjsolve.motion.near_poles import blurs
 from hjsolve.motion.positions import constant_index
-from hjsolve.one_coordinate.coordinate_motion import Unbounded
 from hjsolve.one_coordinate.fourier_series import FourierSeries
-from hjsolve.time_law.open_motion import TriangularScheme, reaching
+from hjsolve.time_law.open_motion import reaching
 from hjsolve.time_law.phase_reduction import turns_and_rest
 from hjsolve.time_law.table import DEGREE, InterpolationTable, tabulate
-from hjsolve.time_law.torus import TorusEquations, oscillation
+from hjsolve.time_law.torus import oscillation
 
 if TYPE_CHECKING:
     from hjsolve.motion.separated import SeparatedMotion
@@ -66,7 +65,6 @@ class DenseOutput:
     Attributes:
         table: quantities 0: q, 1: shell momentum, then the oscillation of each ignorable coordinate.
         waves: ignorable coordinates in the table's order, and their oscillation at the start.
-        period: True where the argument is an angle variable, to be reduced to one turn.
         first: least argument of a table that is not folded.
         begin: argument at t₀ where it is no angle variable.
         ends: quantities that hold the distances from the lower and the upper turning point, where velocities need them.
@@ -74,7 +72,6 @@ class DenseOutput:
 
     table: InterpolationTable
     waves: Mapping[str, tuple[int, float]]
-    period: bool
     first: float
     begin: float = 0.0
     ends: tuple[int, int] | None = None
@@ -86,11 +83,10 @@ class DenseOutput:
             motion: the one the table was made of.
             time: t − t₀ as two doubles, shape (m,).
         """
-        equations = motion.equations
-        if self.period:
-            assert isinstance(equations, TorusEquations)
-            turn = 2 * equations.rates[0].context.pi
-            whole, rest = turns_and_rest(split(equations.rates[0] / turn), time, split(equations.starts[0] / turn))
+        torus, scheme = motion.torus, motion.scheme
+        if torus is not None:
+            turn = 2 * torus.rates[0].context.pi
+            whole, rest = turns_and_rest(split(torus.rates[0] / turn), time, split(torus.starts[0] / turn))
             θ = rest
             θ *= 2 * np.pi
             if not self.table.even:
@@ -100,8 +96,8 @@ class DenseOutput:
                     θ += 2 * np.pi * shift
                     whole -= shift
             return θ, whole, np.zeros(θ.shape, dtype=bool)
-        assert isinstance(equations, TriangularScheme)
-        course = equations.courses[0]
+        assert scheme is not None
+        course = scheme.courses[0]
         value = (time[0] + self.begin) + time[1]
         low = -self.table.edges[-1] if self.table.even else self.table.edges[0]
         return (
@@ -126,10 +122,10 @@ def needs_table(motion: SeparatedMotion) -> bool:
     Args:
         motion: the one looked at.
     """
-    equations = motion.equations
-    if not isinstance(equations, TorusEquations) or len(equations.courses) != 1 or "place" not in motion.parts:
+    torus = motion.torus
+    if torus is None or len(torus.courses) != 1 or "place" not in motion.parts:
         return False
-    course = equations.courses[0].cycle
+    course = torus.courses[0].cycle
     if course is None:
         return False
     pace = np.abs(course.pace((1.0,), np.linspace(0.0 if course.anomaly.even else -np.pi, np.pi, 129)))
@@ -157,8 +153,8 @@ def dense_output(motion: SeparatedMotion, span: float) -> DenseOutput | None:
 
 @lru_cache(maxsize=8)
 def _bounded(motion: SeparatedMotion) -> DenseOutput:
-    equations = motion.equations
-    assert isinstance(equations, TorusEquations)
+    equations = motion.torus
+    assert equations is not None
     course = equations.courses[0].cycle
     assert course is not None
     mean = float(course.kernels[0].mean)
@@ -194,7 +190,7 @@ def _bounded(motion: SeparatedMotion) -> DenseOutput:
     )
     begin = np.array([float(course.start)])
     waves = {name: (2 + k, float(_wave(s, begin)[0])) for k, (name, s) in enumerate(zip(names, series, strict=True))}
-    return DenseOutput(table, waves, True, first, ends=ends)
+    return DenseOutput(table, waves, first, ends=ends)
 
 
 def _resting(motion: SeparatedMotion) -> DenseOutput:
@@ -206,7 +202,7 @@ def _resting(motion: SeparatedMotion) -> DenseOutput:
     table = InterpolationTable(
         np.array([-np.pi, np.pi]), tuple(rows), (), tuple(np.abs(row[0]) for row in rows), np.zeros(1)
     )
-    return DenseOutput(table, {name: (2 + k, 0.0) for k, name in enumerate(names)}, True, -np.pi)
+    return DenseOutput(table, {name: (2 + k, 0.0) for k, name in enumerate(names)}, -np.pi)
 
 
 def _angle(ripple: FourierSeries, χ: Any) -> Any:
@@ -239,10 +235,9 @@ def _scale(motion: SeparatedMotion) -> float:
 
 @lru_cache(maxsize=8)
 def _open(motion: SeparatedMotion, power: int) -> DenseOutput:
-    equations = motion.equations
-    assert isinstance(equations, TriangularScheme)
-    course = reaching(equations.courses[0], equations, 2.0**power, 0)
-    assert isinstance(course, Unbounded)
+    scheme = motion.scheme
+    assert scheme is not None
+    course = reaching(scheme.courses[0], scheme, 2.0**power, 0)
     folded = not course.two_ways
     edges = course.edges()
     names = [c.name for c in motion.solution.system.coordinates if c.name not in motion.located]
@@ -268,4 +263,4 @@ def _open(motion: SeparatedMotion, power: int) -> DenseOutput:
         name: (2 + k, float(-np.ravel(course.integral(j, begin))[0]))
         for k, (name, j) in enumerate(zip(names, indices, strict=True))
     }
-    return DenseOutput(table, waves, False, first, float(np.ravel(course.integral(0, begin))[0]))
+    return DenseOutput(table, waves, first, float(np.ravel(course.integral(0, begin))[0]))

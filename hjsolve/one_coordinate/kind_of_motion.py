@@ -190,6 +190,10 @@ class KindOfMotion(ABC):
         """Return the least and greatest phase there is: it goes on for ever."""
         return -np.inf, np.inf
 
+    def edges(self) -> Reals:
+        """Return the phases at all panel ends, increasing; there are none of a motion that is not open."""
+        return np.zeros(0)
+
     def ends(self, side: int) -> str:
         """Return how an open motion ends, ``boundary``, ``fall``, ``asymptote`` or ``infinity``; "" without an end.
 

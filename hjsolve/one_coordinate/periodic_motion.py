@@ -8,7 +8,7 @@ from typing import cast
 import numpy as np
 
 from hjsolve.arithmetic.error_free import Pair, moved, split
-from hjsolve.arithmetic.floats import Float64, multiprecision
+from hjsolve.arithmetic.floats import Float64, context_of, multiprecision
 from hjsolve.arithmetic.number_types import Elementwise, Mpf, Numbers, Reals
 from hjsolve.arithmetic.work_counter import count
 from hjsolve.one_coordinate.anomaly import BarrierAnomaly, Libration, Rotation, TwoBarrierAnomaly
@@ -255,8 +255,8 @@ class Periodic(KindOfMotion):
         Args:
             χ: phase.
         """
-        if not isinstance(χ, np.ndarray):
-            return χ.context.exp(self.momentum.value(χ))
+        if (context := context_of(χ)) is not None:
+            return context.exp(self.momentum.value(χ))
         rest = replace(self.momentum, mean=0.0)
         return float(multiprecision(96).exp(self.momentum.mean)) * np.exp(rest.value(χ))
 
@@ -279,7 +279,7 @@ class Periodic(KindOfMotion):
         """
         count(places=χ.size)
         arithmetic = arithmetic_of(χ)
-        anomaly = self.anomaly.in_doubles() if isinstance(arithmetic, Float64) else self.anomaly
+        anomaly = arithmetic.choose(lambda _: self.anomaly.in_doubles(), lambda _: self.anomaly)
         turn = (
             np.rint(χ / (2 * np.pi))
             if χ.dtype == float

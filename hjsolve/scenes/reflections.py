@@ -26,7 +26,7 @@ from hjsolve.scenes.crossing import bits_of
 from hjsolve.scenes.events import Event, Pending
 from hjsolve.scenes.passage_times import Carried, Passes, passes
 from hjsolve.scenes.reflecting_walls import Mirrors
-from hjsolve.time_law.torus import TorusEquations, mean_rate
+from hjsolve.time_law.torus import mean_rate
 
 Candidate = tuple[Any, Pending, Callable[["Now"], None]]
 
@@ -104,10 +104,9 @@ class Free:
         for name in self.ignorable:
             if name in self.carrier:
                 continue
-            if self.mirrors.carrier[name] is not None and isinstance(motion.separated.equations, TorusEquations):
-                found[name] = self.context.convert(
-                    mean_rate(motion.separated.equations, constant_index(motion.separated, name))
-                )
+            torus = motion.separated.torus
+            if self.mirrors.carrier[name] is not None and torus is not None:
+                found[name] = self.context.convert(mean_rate(torus, constant_index(motion.separated, name)))
             else:
                 value = velocities(motion.solution.system)[name].xreplace(dict(motion.initial.values))
                 found[name] = self.context.convert(to_bits(value)(self.context.prec))
@@ -116,7 +115,7 @@ class Free:
     @cached_property
     def carried(self) -> dict[str, Carried]:
         """Ignorable coordinates that walls may stand at, as functions of their carriers' phases."""
-        if not isinstance(self.motion.separated.equations, TorusEquations):
+        if self.motion.separated.torus is None:
             return {}
         bounded = {n: c for n, c in self.carrier.items() if self.motion.separated.located[c].course.cycle is not None}
         return {name: Carried(self.motion, name, c) for name, c in bounded.items()}

@@ -259,9 +259,7 @@ def _slopes(pair: CoupledPair, χ: Reals) -> Reals:
 def _bound(pair: CoupledPair, goals: Reals, error_bounds: Reals, χ: Reals) -> Reals:
     """Bound the errors of the phases from the residuals and the rounding of the sums."""
     (a, b), (c, d) = _slopes(pair, χ)
-    sizes = [
-        sum(c.rounding_size(w, x) for c, x in zip(pair.courses, χ, strict=True)) for w in (pair.level, pair.clock)
-    ]
+    sizes = [sum(c.rounding_size(w, x) for c, x in zip(pair.courses, χ, strict=True)) for w in (pair.level, pair.clock)]
     left = np.abs(_residual(pair, goals, χ)) + error_bounds + 4 * EPS * np.stack(sizes)
     with np.errstate(all="ignore"):
         inverse = np.abs(np.stack([np.stack([d, -b]), np.stack([-c, a])]) / (a * d - b * c))

@@ -48,6 +48,16 @@ class TriangularScheme:
     steps: tuple[DecoupledStep, ...]
     coupled: tuple[int, ...]
 
+    @property
+    def torus(self) -> None:
+        """None: there are no angle variables."""
+        return None
+
+    @property
+    def scheme(self) -> TriangularScheme:
+        """These equations."""
+        return self
+
 
 def plan(courses: Sequence[CoordinateMotion]) -> TriangularScheme:
     """Find which coordinates have a time of their own.
