@@ -81,7 +81,7 @@ def _characteristic(motion: SeparatedMotion, phases: Phases) -> tuple[Any, Any]:
     q, _, whole = positions_at(motion, phases)
     for coordinate in solution.system.coordinates:
         if coordinate.name not in solution.coordinates:
-            c = to_bits(motion.initial.values[coordinate.momentum])(bits_for(motion.digits, 96))
+            c: Any = to_bits(motion.initial.values[coordinate.momentum])(bits_for(motion.digits, 96))
             c = c if many else float(c)
             way = travelled(motion, phases, coordinate.name, q)
             value = value + c * way

@@ -12,6 +12,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from hjsolve.arithmetic.floats import bits_for, multiprecision
+from hjsolve.arithmetic.number_types import Elementwise, Mpf
 from hjsolve.errors import OutsideMotionError
 from hjsolve.one_coordinate.coordinate_motion import CoordinateMotion
 
@@ -21,13 +22,13 @@ if TYPE_CHECKING:
 _TREND, _STEEP, _MOST = 24, 5, 400
 
 
-def coupled_crossing_time(motion: SeparatedMotion, k: int, phase: Any) -> tuple[Any, Any] | None:
+def coupled_crossing_time(motion: SeparatedMotion, k: int, target: Mpf) -> tuple[Elementwise, Elementwise] | None:
     """Return the time from t₀ until one of two coupled coordinates has a phase, and a bound on its error.
 
     Args:
         motion: the motion.
         k: index of the coordinate.
-        phase: its phase.
+        target: its phase.
 
     Returns:
         None where this way is not open: other than two coordinates, or an integral that is not monotone.
@@ -42,7 +43,8 @@ def coupled_crossing_time(motion: SeparatedMotion, k: int, phase: Any) -> tuple[
     kind = object if motion.digits > 15 else float
     noise = 2.0**-50 if kind is float else multiprecision(64).mpf(10) ** (1 - motion.digits)
     convert = float if kind is float else multiprecision(bits_for(motion.digits, 64)).convert
-    phase, begin, start = convert(phase), convert(own.start), convert(other.start)
+    ends: list[Elementwise] = [convert(target), convert(own.start), convert(other.start)]
+    phase, begin, start = ends
     here = _Values(own, kind, max(abs(phase), abs(begin)))
     if _falling(own) and any(abs(here.rate(j, phase)) > noise * abs(here.integral(j, phase)) for j in (0, 1)):
         return None

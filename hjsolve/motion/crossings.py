@@ -5,7 +5,7 @@ from __future__ import annotations
 import itertools
 from collections.abc import Callable
 from contextlib import suppress
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING
 
 import numpy as np
 
@@ -13,6 +13,7 @@ from hjsolve import arguments
 from hjsolve.arithmetic.error_free import split
 from hjsolve.arithmetic.estimate import Estimate
 from hjsolve.arithmetic.floats import EPS, Multi, bits_for, multiprecision
+from hjsolve.arithmetic.number_types import Mpf, Numbers
 from hjsolve.errors import InvalidInputError, NotConvergedError, OutsideMotionError
 from hjsolve.formulas.read import number
 from hjsolve.motion.coupled_crossing import coupled_crossing_time
@@ -30,11 +31,13 @@ from hjsolve.time_law.torus import mean_rate, oscillation
 if TYPE_CHECKING:
     from hjsolve.motion.separated import SeparatedMotion
 
+Time = float | Mpf
+"""A time or a phase, in doubles or in many digits."""
 _SCAN, _TREND, _MOST_PASSAGES = 200_000, 16, 2**60
 """Steps of a scan along the motion; doublings of the time over which a trend is taken for the rule."""
 
 
-def crossing_time(motion: SeparatedMotion, name: str, value: Any, passage: int) -> Estimate:
+def crossing_time(motion: SeparatedMotion, name: str, value: object, passage: int) -> Estimate:
     """Return the time of a crossing; see ``Motion.time_at``.
 
     Args:
@@ -58,7 +61,7 @@ def crossing_time(motion: SeparatedMotion, name: str, value: Any, passage: int) 
     return _shifted(motion, elapsed, error)
 
 
-def crossing_times(motion: SeparatedMotion, name: str, values: Any) -> Any:
+def crossing_times(motion: SeparatedMotion, name: str, values: object) -> Numbers:
     """Return the times of the first crossings after t₀, array of shape (m,).
 
     Args:
@@ -69,19 +72,19 @@ def crossing_times(motion: SeparatedMotion, name: str, values: Any) -> Any:
     return np.array([crossing_time(motion, name, v, 0).value for v in exact_numbers(values, "values")[1]])
 
 
-def _shifted(motion: SeparatedMotion, elapsed: Any, error: Any) -> Estimate:
+def _shifted(motion: SeparatedMotion, elapsed: Time, error: Time) -> Estimate:
     """t₀ + elapsed time."""
     if motion.digits > 15:
         bits = bits_for(motion.digits, 32)
         value = to_bits(motion.t0)(bits) + elapsed
         return Estimate(value, abs(error) + abs(value) * multiprecision(bits).mpf(10) ** -motion.digits)
-    value = float(to_bits(motion.t0)(160) + elapsed)
-    return Estimate(value, float(error) + EPS * abs(value))
+    rough = float(to_bits(motion.t0)(160) + elapsed)
+    return Estimate(rough, float(error) + EPS * abs(rough))
 
 
 def _phase_of(
-    motion: SeparatedMotion, name: str, course: CoordinateMotion, target: Callable[[int], Any], passage: int
-) -> Any:
+    motion: SeparatedMotion, name: str, course: CoordinateMotion, target: Callable[[int], Mpf], passage: int
+) -> Mpf:
     """Phase of the passage-th crossing, counted from the start."""
     bits = bits_for(motion.digits, 128)
     place, arithmetic = target(bits), Multi(bits)
@@ -104,7 +107,7 @@ def _phase_of(
     return later[index]
 
 
-def _between(motion: SeparatedMotion, name: str, course: Periodic, place: Any) -> Any:
+def _between(motion: SeparatedMotion, name: str, course: Periodic, place: Mpf) -> Mpf:
     """A place that is passed; a turning point itself where it is that, but for the rounding of both.
 
     Raises:
@@ -120,7 +123,7 @@ def _between(motion: SeparatedMotion, name: str, course: Periodic, place: Any) -
     return min(max(place, a), b)
 
 
-def _open_phases(name: str, course: CoordinateMotion, place: Any, bits: int) -> list[Any]:
+def _open_phases(name: str, course: CoordinateMotion, place: Mpf, bits: int) -> list[Mpf]:
     """Phases of an unbounded course at a place: one on a branch, two where the branch turns."""
     found = []
     for sign, branch in zip((1, -1), course.branches, strict=True):
@@ -141,7 +144,7 @@ def _open_phases(name: str, course: CoordinateMotion, place: Any, bits: int) -> 
     return found
 
 
-def _elapsed(motion: SeparatedMotion, k: int, phase: Any) -> tuple[Any, Any]:
+def _elapsed(motion: SeparatedMotion, k: int, phase: Mpf) -> tuple[Time, Time]:
     """Time from t₀ until coordinate k has a phase, and a bound on its error."""
     torus, scheme, many = motion.torus, motion.scheme, motion.digits > 15
     if torus is not None and all(not len(s.cosines) for i, s in enumerate(torus.ripples[k]) if i != k):
@@ -166,11 +169,11 @@ def _elapsed(motion: SeparatedMotion, k: int, phase: Any) -> tuple[Any, Any]:
     return coupled_crossing_time(motion, k, phase) or _sought(motion, k, float(phase))
 
 
-def _noise(motion: SeparatedMotion) -> Any:
+def _noise(motion: SeparatedMotion) -> Time:
     return 4 * EPS if motion.digits <= 15 else multiprecision(64).mpf(10) ** -motion.digits
 
 
-def _own_time(motion: SeparatedMotion, course: CoordinateMotion, step: DecoupledStep, phase: Any) -> tuple[Any, Any]:
+def _own_time(motion: SeparatedMotion, course: CoordinateMotion, step: DecoupledStep, phase: Mpf) -> tuple[Time, Time]:
     """Time of a coordinate whose equation holds no other."""
     kind = object if motion.digits > 15 else float
     here, start = np.array([phase], dtype=kind), np.array([course.start], dtype=kind)
@@ -183,7 +186,7 @@ def _own_time(motion: SeparatedMotion, course: CoordinateMotion, step: Decoupled
     return total / step.weights[0], _noise(motion) * size / abs(step.weights[0])
 
 
-def _sought(motion: SeparatedMotion, k: int, goal: float) -> tuple[Any, Any]:
+def _sought(motion: SeparatedMotion, k: int, goal: float) -> tuple[float, float]:
     """Time at which χₖ(t), increasing, passes a phase; by bracketing and the secant rule."""
     assert motion.equations is not None
 
@@ -297,7 +300,7 @@ def boundary_times(motion: SeparatedMotion) -> dict[str, Estimate]:
     return result
 
 
-def angle_variables(motion: SeparatedMotion, t: Any) -> dict[str, Any]:
+def angle_variables(motion: SeparatedMotion, t: object) -> dict[str, Numbers | float | Mpf]:
     """Return θ = θ₀ + Ω (t − t₀) in (−π, π]; see ``Motion.angles``.
 
     Args:

@@ -2,17 +2,19 @@
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING
 
 import numpy as np
+from numpy.typing import NDArray
 
+from hjsolve.arithmetic.number_types import Mask, Reals
 from hjsolve.time_law.open_motion import reaching
 
 if TYPE_CHECKING:
     from hjsolve.motion.separated import SeparatedMotion
 
 
-def end_statuses(motion: SeparatedMotion, time: tuple[Any, Any], ended: Any) -> Any:
+def end_statuses(motion: SeparatedMotion, time: tuple[Reals, Reals], ended: Mask) -> NDArray[np.str_]:
     """Return the status of a motion at times.
 
     Args:

@@ -4,11 +4,12 @@ from __future__ import annotations
 
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING
 
 import numpy as np
 
 from hjsolve.arithmetic.floats import bits_for, multiprecision
+from hjsolve.arithmetic.number_types import Elementwise, Mask, Mpf, Numbers, Reals
 from hjsolve.motion.initial_data import to_bits
 from hjsolve.motion.times import whole_numbers, within_doubles
 from hjsolve.one_coordinate.coordinate_motion import CoordinateMotion
@@ -30,16 +31,19 @@ class Phases:
         ended: True where the motion has ended before.
     """
 
-    time: tuple[Any, Any]
-    exact: list[Any] | None
-    χ: list[Any]
-    whole: list[Any]
-    errors: list[Any]
-    ended: Any
+    time: tuple[Reals, Reals]
+    exact: list[Mpf] | None
+    χ: Sequence[Numbers]
+    whole: Sequence[Reals]
+    errors: Sequence[Numbers]
+    ended: Mask
 
 
 def phases_at(
-    motion: SeparatedMotion, floats: Any | None, exact: list[Any], time: tuple[Any, Any] | None = None
+    motion: SeparatedMotion,
+    floats: Reals | None,
+    exact: Sequence[Callable[[int], Mpf]],
+    time: tuple[Reals, Reals] | None = None,
 ) -> Phases:
     """Solve Jacobi's equations at the times t (or at times relative to t₀ already).
 
@@ -68,11 +72,14 @@ def phases_at(
         whole_numbers(cycles)
     χ = [_where_it_goes_on(ended, x, c) for x, c in zip(χ, _courses(motion), strict=True)]
     if many and precise is not None:
-        χ, errors = _refined_where(~ended, motion, χ, whole, precise, bits)
+        refined, errors_left = _refined_where(~ended, motion, χ, whole, precise, bits)
+        return Phases(time, precise, refined, whole, errors_left, ended)
     return Phases(time, precise if many else None, χ, whole, errors, ended)
 
 
-def solve_phases(motion: SeparatedMotion, time: tuple[Any, Any]) -> tuple[list[Any], list[Any], list[Any], Any]:
+def solve_phases(
+    motion: SeparatedMotion, time: tuple[Reals, Reals]
+) -> tuple[list[Reals], list[Reals], list[Reals], Mask]:
     """Return phases, whole turns, error bounds and "has ended" at times relative to t₀ (two doubles, shape (m,)).
 
     Args:
@@ -89,14 +96,14 @@ def _courses(motion: SeparatedMotion) -> Sequence[CoordinateMotion]:
     return motion.equations.courses if motion.equations is not None else ()
 
 
-def _where_it_goes_on(ended: Any, χ: Any, course: CoordinateMotion) -> Any:
+def _where_it_goes_on(ended: Mask, χ: Reals, course: CoordinateMotion) -> Reals:
     """Phases, and that of the start where the motion has ended: at an end itself momenta may be infinite."""
     return np.where(ended, float(course.start), χ) if ended.any() else χ
 
 
 def _refined_where(
-    going: Any, motion: SeparatedMotion, χ: list[Any], whole: list[Any], precise: list[Any], bits: int
-) -> tuple[list[Any], list[Any]]:
+    going: Mask, motion: SeparatedMotion, χ: list[Reals], whole: list[Reals], precise: list[Mpf], bits: int
+) -> tuple[Sequence[Numbers], Sequence[Numbers]]:
     """Phases in many digits where the motion goes on; where it has ended there is nothing to refine."""
     if going.all():
         return _refined(motion, χ, whole, precise, bits)
@@ -111,16 +118,16 @@ def _refined_where(
 
 
 def _refined(
-    motion: SeparatedMotion, χ: list[Any], whole: list[Any], precise: list[Any], bits: int
-) -> tuple[list[Any], list[Any]]:
+    motion: SeparatedMotion, χ: list[Reals], whole: list[Reals], precise: list[Mpf], bits: int
+) -> tuple[Sequence[Numbers], Sequence[Numbers]]:
     if motion.torus is not None:
         return refine.on_torus(motion.torus, χ, whole, precise, bits)
     if motion.scheme is None:
         return χ, []
-    full = [phase + 2 * np.pi * n for phase, n in zip(χ, whole, strict=True)]
+    full: list[Reals] = [phase + 2 * np.pi * n for phase, n in zip(χ, whole, strict=True)]
     courses = [c.covering(x) for c, x in zip(motion.scheme.courses, full, strict=True)]
     found, errors = refine.unbounded(courses, motion.scheme.equations, full, precise, bits)
-    turn = 2 * multiprecision(bits).pi
+    turn: Elementwise = 2 * multiprecision(bits).pi
     return [x - turn * n.astype(int) for x, n in zip(found, whole, strict=True)], errors
 
 
@@ -139,6 +146,6 @@ def courses_of(motion: SeparatedMotion, phases: Phases) -> list[CoordinateMotion
     return [c.covering(x) for c, x in zip(motion.equations.courses, phases.χ, strict=True)]
 
 
-def _rule(x: float) -> Callable[[int], Any]:
+def _rule(x: float) -> Callable[[int], Mpf]:
     """A float as the exact number it is."""
     return lambda bits: multiprecision(bits).convert(float(x))

@@ -4,14 +4,15 @@ from __future__ import annotations
 
 from collections.abc import Mapping
 from dataclasses import replace
-from typing import Any
 
 import numpy as np
 import sympy as sp
 
 from hjsolve.arithmetic.estimate import Estimate
 from hjsolve.arithmetic.floats import Multi, bits_for, multiprecision
+from hjsolve.arithmetic.number_types import Mpf
 from hjsolve.lowering import lower
+from hjsolve.mechanics.coordinates_and_parameters import Coordinate
 from hjsolve.motion.initial_data import Initial, to_bits
 from hjsolve.one_coordinate.allowed_regions import AllowedRegion
 from hjsolve.one_coordinate.classify import Located
@@ -27,7 +28,7 @@ _NORMAL, _LEAST = 2.0**-1022, 2.0**-1074
 """Up to here results are doubles, above they are ``mpf``."""
 
 
-def rounded(value: Any, digits: int, nodes: int = 0) -> Estimate:
+def rounded(value: float | Mpf, digits: int, nodes: int = 0) -> Estimate:
     """Round a number computed with many digits to spare.
 
     Args:
@@ -74,7 +75,7 @@ def turning_points_of(place: Located | AllowedRegion, digits: int) -> tuple[Esti
     return lower_end, upper_end
 
 
-def _blurred(estimate: Estimate, blur: Any) -> Estimate:
+def _blurred(estimate: Estimate, blur: float | Mpf) -> Estimate:
     return replace(estimate, error=estimate.error + (float(blur) if isinstance(estimate.value, float) else blur))
 
 
@@ -107,7 +108,7 @@ def actions(solution: Solution, initial: Initial, located: Mapping[str, Located]
     return result
 
 
-def _mean_shift(solution: Solution, initial: Initial, coordinate: Any, digits: int) -> Any:
+def _mean_shift(solution: Solution, initial: Initial, coordinate: Coordinate, digits: int) -> Mpf | int:
     """(1/2π) ∫ A dq over a turn: what the shift p = P − A adds to the action of a rotation."""
     A = solution.shift[coordinate.name]
     if A == 0:

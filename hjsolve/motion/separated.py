@@ -5,12 +5,12 @@ from __future__ import annotations
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass, replace
 from functools import partial
-from typing import Any
 
 import sympy as sp
 
 from hjsolve.arithmetic.estimate import Estimate
 from hjsolve.arithmetic.floats import bits_for
+from hjsolve.arithmetic.number_types import Mpf
 from hjsolve.display.shown import Shown
 from hjsolve.errors import NotConvergedError
 from hjsolve.lowering import momentum_squared_tapes
@@ -135,11 +135,11 @@ def coordinate_start(solution: Solution, initial: Initial, name: str) -> Coordin
     return CoordinateStart(name, radicand, place, forward, ends[0], ends[1], angle, absent)
 
 
-def _at_bits(rules: list[InBits], bits: int) -> list[Any]:
+def _at_bits(rules: list[InBits], bits: int) -> list[Mpf]:
     return [rule(bits) for rule in rules]
 
 
-def _square(root: Callable[[int], Any]) -> Callable[[int], Any]:
+def _square(root: Callable[[int], Mpf]) -> Callable[[int], Mpf]:
     """The square p² of a root that may be what two large numbers leave."""
     return lambda bits: root(bits + ZERO_BITS) ** 2
 

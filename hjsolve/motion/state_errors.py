@@ -3,12 +3,14 @@
 from __future__ import annotations
 
 from collections.abc import Mapping
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING, cast
 
 import numpy as np
 import sympy as sp
 
+from hjsolve.arithmetic.error_free import Pair
 from hjsolve.arithmetic.floats import EPS, Multi, multiprecision
+from hjsolve.arithmetic.number_types import Mask, Numbers, Reals
 from hjsolve.mechanics.system import hamiltonian, velocities
 from hjsolve.motion.near_poles import from_table, lost_in_two_doubles, places, worked_out
 from hjsolve.motion.phases import Phases, courses_of
@@ -29,11 +31,11 @@ _TABLE = 1e-14
 def errors_of_state(
     motion: SeparatedMotion,
     phases: Phases,
-    q: Mapping[str, Any],
-    p: Mapping[str, Any],
-    whole: Mapping[str, Any],
-    sharp: Any = None,
-) -> tuple[dict[str, Any], dict[str, Any], dict[str, Any]]:
+    q: Mapping[str, Numbers],
+    p: Mapping[str, Numbers],
+    whole: Mapping[str, Numbers],
+    sharp: Mask | None = None,
+) -> tuple[dict[str, Reals], dict[str, Reals], dict[str, Reals]]:
     """Bounds on q, p and velocity from the bounds on the phases.
 
     ``sharp``: where velocities were not worked out from rounded places (``near_poles.blurred``); None where all were.
@@ -75,7 +77,7 @@ def errors_of_state(
     return dq, dp, dv
 
 
-def _put_in(errors: dict[str, Any], better: Mapping[str, Any], where: Any) -> None:
+def _put_in(errors: dict[str, Reals], better: Mapping[str, Numbers], where: Mask) -> None:
     for name, values in better.items():
         errors[name] = np.array(np.broadcast_to(errors[name], where.shape))
         errors[name][where] = values
@@ -84,14 +86,14 @@ def _put_in(errors: dict[str, Any], better: Mapping[str, Any], where: Any) -> No
 def _sharp_errors(
     motion: SeparatedMotion,
     courses: list[CoordinateMotion],
-    χ: list[Any],
-    slack: list[Any],
-    q: Mapping[str, Any],
-    where: Any,
-) -> dict[str, Any]:
+    χ: list[Reals],
+    slack: list[Reals],
+    q: Mapping[str, Numbers],
+    where: Mask,
+) -> dict[str, Reals]:
     """Bounds on velocities worked out in two doubles: what the phases leave open, and the last rounding."""
     exact, shell = places(motion, courses, χ)
-    doubts: dict[sp.Symbol, Any] = {}
+    doubts: dict[sp.Symbol, Reals] = {}
     for name, course, x, e in zip(motion.solution.coordinates, courses, χ, slack, strict=True):
         c = motion.solution.system.coordinate(name)
         slope_q, slope_p = _slopes(course, x, e)
@@ -103,32 +105,32 @@ def _sharp_errors(
 
 
 def _by_doubts(
-    motion: SeparatedMotion, doubts: Mapping[sp.Symbol, Any], exact: Mapping[str, Any], shell: Mapping[str, Any],
-    q: Mapping[str, Any], where: Any,
-) -> dict[str, Any]:  # fmt: skip
+    motion: SeparatedMotion, doubts: Mapping[sp.Symbol, Reals], exact: Mapping[str, Pair], shell: Mapping[str, Numbers],
+    q: Mapping[str, Numbers], where: Mask,
+) -> dict[str, Reals]:  # fmt: skip
     """What doubts of separated coordinates and momenta leave open of the velocities, and the last rounding."""
     rest = {name: values[where] for name, values in q.items() if name not in exact}
     formulas = velocities(motion.solution.system)
     gradients = tuple(sp.diff(f, s) for f in formulas.values() for s in doubts)
     found = worked_out(motion, (*gradients, *formulas.values()), exact, shell, rest)
     lost = lost_in_two_doubles(motion, tuple(formulas.values()), exact, shell, rest)
-    result = {}
+    result: dict[str, Reals] = {}
     for row, name in enumerate(formulas):
         parts = zip(found[row * len(doubts) :], doubts.values(), strict=False)
-        result[name] = sum(np.abs(slope) * doubt for slope, doubt in parts)
-        result[name] = result[name] + lost[row] + 4 * EPS * np.abs(found[len(gradients) + row]) + _LEAST
+        summed = cast("Reals", sum(np.abs(slope) * doubt for slope, doubt in parts))
+        result[name] = summed + lost[row] + 4 * EPS * np.abs(found[len(gradients) + row]) + _LEAST
     return result
 
 
 def table_errors(
     motion: SeparatedMotion,
     table: DenseOutput,
-    θ: Any,
-    q: Mapping[str, Any],
-    p: Mapping[str, Any],
-    v: Mapping[str, Any],
-    sharp: Any = None,
-) -> tuple[dict[str, Any], dict[str, Any], dict[str, Any]]:
+    θ: Reals,
+    q: Mapping[str, Numbers],
+    p: Mapping[str, Numbers],
+    v: Mapping[str, Numbers],
+    sharp: Mask | None = None,
+) -> tuple[dict[str, Reals], dict[str, Reals], dict[str, Reals]]:
     """Bounds on q, p and velocity read from a table: its own accuracy, and the rounding of its argument as a delay.
 
     ``sharp`` as in ``errors_of_state``.
@@ -178,7 +180,7 @@ def table_errors(
     return dq, dp, dv
 
 
-def _shifted(motion: SeparatedMotion, name: str, q: Mapping[str, Any]) -> tuple[Any, Any]:
+def _shifted(motion: SeparatedMotion, name: str, q: Mapping[str, Numbers]) -> tuple[Reals | float, Reals | float]:
     """|∂A/∂q| of the shift between the canonical momentum and the root, p = P − A(q), and the size A is rounded to."""
     A = motion.solution.shift.get(name, sp.Integer(0))
     if A == 0:
@@ -189,7 +191,7 @@ def _shifted(motion: SeparatedMotion, name: str, q: Mapping[str, Any]) -> tuple[
     return np.abs(np.asarray(slope, dtype=float)), np.abs(np.asarray(value, dtype=float)) + own
 
 
-def _unreduced(course: CoordinateMotion, q: Any, whole: Any | None) -> Any:
+def _unreduced(course: CoordinateMotion, q: Numbers, whole: Numbers | None) -> Reals:
     """The size of q before whole turns were taken from it: that is what was rounded."""
     if whole is None:
         return np.abs(q.astype(float))
@@ -208,7 +210,7 @@ def _width(motion: SeparatedMotion, name: str) -> float:
     return sum(abs(float(end.value)) for end in motion.turning_points[name] if end is not None)
 
 
-def _slopes(course: CoordinateMotion, χ: Any, error: Any) -> tuple[Any, Any]:
+def _slopes(course: CoordinateMotion, χ: Reals, error: Reals) -> tuple[Reals, Reals]:
     """|dq/dχ| and |dp/dχ| by differences over the error of χ, or small ones; generous where they vary."""
     course = course.in_doubles()
     scale = np.maximum(1.0, np.abs(χ)) if course.branches else 1.0  # far out, steps must be seen
@@ -219,7 +221,7 @@ def _slopes(course: CoordinateMotion, χ: Any, error: Any) -> tuple[Any, Any]:
     ) / h + rest * np.abs(p2 - p1)
 
 
-def phase_slack(motion: SeparatedMotion, phases: Phases, unit: float) -> list[Any]:
+def phase_slack(motion: SeparatedMotion, phases: Phases, unit: float) -> list[Reals]:
     """Return the bounds on the phases, with the rounding of stretched anomalies; one array a separated coordinate.
 
     Args:
@@ -231,7 +233,7 @@ def phase_slack(motion: SeparatedMotion, phases: Phases, unit: float) -> list[An
     return [np.asarray(e, dtype=float) + c.blur(x.astype(float)) * (unit / EPS) for e, c, x in together]
 
 
-def ignorable_error(motion: SeparatedMotion, phases: Phases, slack: list[Any], name: str, unit: float) -> Any:
+def ignorable_error(motion: SeparatedMotion, phases: Phases, slack: list[Reals], name: str, unit: float) -> Reals:
     """Return what the phases leave open of an ignorable coordinate, without the rounding of the last sum.
 
     Args:
@@ -263,12 +265,12 @@ def ignorable_error(motion: SeparatedMotion, phases: Phases, slack: list[Any], n
 
 def velocity_errors(
     motion: SeparatedMotion,
-    q: Mapping[str, Any],
-    p: Mapping[str, Any],
-    dq: Mapping[str, Any],
-    dp: Mapping[str, Any],
+    q: Mapping[str, Numbers],
+    p: Mapping[str, Numbers],
+    dq: Mapping[str, Numbers],
+    dp: Mapping[str, Numbers],
     unit: float,
-) -> dict[str, Any]:
+) -> dict[str, Reals]:
     """Return bounds on the errors of the velocities, from those of places and momenta and their own rounding.
 
     Args:

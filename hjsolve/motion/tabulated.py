@@ -9,14 +9,16 @@ from __future__ import annotations
 from collections.abc import Callable, Iterator, Mapping
 from dataclasses import dataclass
 from functools import lru_cache
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING, TypeVar
 
 import numpy as np
 
 from hjsolve.arithmetic.error_free import split
+from hjsolve.arithmetic.number_types import Mask, Numbers, Reals
 from hjsolve.errors import NotConvergedError
 from hjsolve.motion.near_poles import blurs
 from hjsolve.motion.positions import constant_index
+from hjsolve.one_coordinate.coordinate_motion import CoordinateMotion
 from hjsolve.one_coordinate.fourier_series import FourierSeries
 from hjsolve.time_law.open_motion import reaching
 from hjsolve.time_law.phase_reduction import turns_and_rest
@@ -26,19 +28,21 @@ from hjsolve.time_law.torus import oscillation
 if TYPE_CHECKING:
     from hjsolve.motion.separated import SeparatedMotion
 
+T = TypeVar("T")
+"""What is worked out."""
 _FINE = 22
 """The crowding of a phase (``Periodic.crowding``) from which on a table of momenta is as exact as it is rounded."""
 FEWEST = 2048
 """Below this many times a table does not pay."""
 
 
-class OnDemand(Mapping[str, Any]):
+class OnDemand(Mapping[str, T]):
     """A mapping whose values are worked out when they are first read."""
 
-    def __init__(self, names: tuple[str, ...], compute: Callable[[str], Any]):
-        self._names, self._compute, self._known = names, compute, dict[str, Any]()
+    def __init__(self, names: tuple[str, ...], compute: Callable[[str], T]):
+        self._names, self._compute, self._known = names, compute, dict[str, T]()
 
-    def __getitem__(self, name: str) -> Any:
+    def __getitem__(self, name: str) -> T:
         if name not in self._names:
             raise KeyError(name)
         if name not in self._known:
@@ -51,7 +55,7 @@ class OnDemand(Mapping[str, Any]):
     def __len__(self) -> int:
         return len(self._names)
 
-    def __reduce__(self) -> tuple[Any, ...]:
+    def __reduce__(self) -> tuple[type, tuple[dict[str, T]]]:
         return dict, (dict(self),)
 
     def __repr__(self) -> str:
@@ -76,7 +80,7 @@ class DenseOutput:
     begin: float = 0.0
     ends: tuple[int, int] | None = None
 
-    def argument(self, motion: SeparatedMotion, time: tuple[Any, Any]) -> tuple[Any, Any, Any]:
+    def argument(self, motion: SeparatedMotion, time: tuple[Reals, Reals]) -> tuple[Reals, Reals, Mask]:
         """Return the table's argument, the whole turns, and where the motion has ended, at times relative to t₀.
 
         Args:
@@ -107,7 +111,7 @@ class DenseOutput:
         )
 
 
-def _ended(course: Any, value: Any, low: float, high: float) -> Any:
+def _ended(course: CoordinateMotion, value: Reals, low: float, high: float) -> Mask:
     floor, ceiling = course.limits()
     return ((value > high) & np.isfinite(ceiling)) | ((value < low) & np.isfinite(floor))
 
@@ -174,7 +178,7 @@ def _bounded(motion: SeparatedMotion) -> DenseOutput:
         )
     )
 
-    def outputs(χ: Any) -> list[Any]:
+    def outputs(χ: Reals) -> list[Numbers]:
         return [*course.place(χ), *(_wave(s, χ) for s in series), *(course.distances(χ) if ends else ())]
 
     table = tabulate(
@@ -205,14 +209,14 @@ def _resting(motion: SeparatedMotion) -> DenseOutput:
     return DenseOutput(table, {name: (2 + k, 0.0) for k, name in enumerate(names)}, -np.pi)
 
 
-def _angle(ripple: FourierSeries, χ: Any) -> Any:
+def _angle(ripple: FourierSeries, χ: Reals) -> Reals:
     """χ + D(χ), the sum taken in extended precision."""
     if not len(ripple.cosines):
         return χ
     return (χ.astype(np.longdouble) + ripple.ripple(χ.astype(np.longdouble))).astype(float)
 
 
-def _wave(series: FourierSeries, χ: Any) -> Any:
+def _wave(series: FourierSeries, χ: Reals) -> Reals:
     return series.ripple(χ) if len(series.cosines) else 0 * χ
 
 
@@ -244,7 +248,7 @@ def _open(motion: SeparatedMotion, power: int) -> DenseOutput:
     indices = [constant_index(motion, n) for n in names]
     even = (True, False, *(False for _ in names)) if folded else ()
 
-    def outputs(y: Any) -> list[Any]:
+    def outputs(y: Reals) -> list[Numbers]:
         return [*course.place(y), *(-course.integral(j, y) for j in indices)]
 
     used = edges[edges >= 0] if folded else edges
