@@ -19,7 +19,7 @@ from hjsolve.arithmetic.number_types import Mpf, Numeric, Reals
 def quarter_period(complement: float, arithmetic: Float64) -> float: ...
 @overload
 def quarter_period(complement: Mpf, arithmetic: Multi) -> Mpf: ...
-def quarter_period(complement: Numeric, arithmetic: Float64 | Multi) -> Numeric:
+def quarter_period(complement: float | Mpf, arithmetic: Float64 | Multi) -> Numeric:
     """Return K for the complementary parameter k′², 0 < k′² ≤ 1.
 
     Args:
@@ -30,15 +30,9 @@ def quarter_period(complement: Numeric, arithmetic: Float64 | Multi) -> Numeric:
     return arithmetic.pi() / (2 * means[-1][0])
 
 
-def _means(complement: Numeric, arithmetic: Float64 | Multi) -> list[tuple[Numeric, Numeric]]:
-    """The sequence of means, kept from one argument to the next where that is one number."""
-    if isinstance(complement, np.ndarray):
-        return _landen(complement, arithmetic)
-    return _kept(complement, arithmetic)  # type: ignore[arg-type]  # one number, which has a hash
-
-
-def _landen(complement: Numeric, arithmetic: Float64 | Multi) -> list[tuple[Numeric, Numeric]]:
-    """The sequence of arithmetic and geometric means from (1, k′)."""
+@lru_cache(maxsize=64)
+def _means(complement: float | Mpf, arithmetic: Float64 | Multi) -> list[tuple[Numeric, Numeric]]:
+    """The sequence of arithmetic and geometric means from (1, k′), kept from one argument to the next."""
     a: Numeric = arithmetic.rational(1, 1)
     b: Numeric = arithmetic.unary("sqrt", complement)
     pairs = [(a, b)]
@@ -53,17 +47,14 @@ def _landen(complement: Numeric, arithmetic: Float64 | Multi) -> list[tuple[Nume
     return pairs
 
 
-_kept = lru_cache(maxsize=64)(_landen)
-
-
 @overload
 def jacobi(u: Reals, complement: float, quarter: float, arithmetic: Float64) -> tuple[Reals, Reals, Reals]: ...
 @overload
 def jacobi(
-    u: Numeric, complement: Numeric, quarter: Numeric, arithmetic: Float64 | Multi
+    u: Numeric, complement: float | Mpf, quarter: float | Mpf, arithmetic: Float64 | Multi
 ) -> tuple[Numeric, Numeric, Numeric]: ...
 def jacobi(
-    u: Numeric, complement: Numeric, quarter: Numeric, arithmetic: Float64 | Multi
+    u: Numeric, complement: float | Mpf, quarter: float | Mpf, arithmetic: Float64 | Multi
 ) -> tuple[Numeric, Numeric, Numeric]:
     """Return sn u, cn u, dn u for −2K ≤ u ≤ 2K (or just beyond), cn with full relative accuracy near its zeros ±K.
 
@@ -73,8 +64,15 @@ def jacobi(
         quarter: K, see ``quarter_period``.
         arithmetic: where to compute.
     """
-    if isinstance(arithmetic, Float64):
-        return _jacobi_array(np.asarray(u, dtype=float), float(complement), float(quarter), arithmetic)
+    return arithmetic.choose(
+        lambda doubles: _jacobi_array(np.asarray(u, dtype=float), float(complement), float(quarter), doubles),
+        lambda many: _jacobi_number(u, complement, quarter, many),
+    )
+
+
+def _jacobi_number(
+    u: Numeric, complement: float | Mpf, quarter: float | Mpf, arithmetic: Multi
+) -> tuple[Numeric, Numeric, Numeric]:
     size = abs(u)
     folded = size > quarter
     v = 2 * quarter - size if folded else size
@@ -99,7 +97,7 @@ def _jacobi_array(u: Reals, complement: float, quarter: float, arithmetic: Float
     return np.where(beyond, -1, 1) * np.copysign(sn, u), np.where(folded, -cn, cn), dn
 
 
-def _bulirsch(u: Any, complement: Numeric, arithmetic: Float64 | Multi) -> tuple[Any, Any, Any]:
+def _bulirsch(u: Any, complement: float | Mpf, arithmetic: Float64 | Multi) -> tuple[Any, Any, Any]:
     """sn, cn, dn for 0 ≤ u ≤ K/2."""
     dn = 0 * u + 1
     if complement == 1:
@@ -108,10 +106,9 @@ def _bulirsch(u: Any, complement: Numeric, arithmetic: Float64 | Multi) -> tuple
     c: Any = pairs[-1][0] * u
     sine: Any = arithmetic.unary("sin", c)
     cosine: Any = arithmetic.unary("cos", c)
-    if isinstance(arithmetic, Multi) and not sine:
-        return sine, cosine, dn
+    none, unit = sine == 0, dn
     with np.errstate(all="ignore"):
-        a = cosine / sine
+        a = cosine / arithmetic.where(none, unit, sine)
         c = pairs[-1][0] * a
         for high, low in reversed(pairs[:-1]):
             a = c * a
@@ -121,7 +118,4 @@ def _bulirsch(u: Any, complement: Numeric, arithmetic: Float64 | Multi) -> tuple
         root: Any = arithmetic.unary("sqrt", c * c + 1)
         sn = 1 / root
         cn = c * sn
-    if isinstance(arithmetic, Float64):
-        zero = sine == 0
-        return np.where(zero, 0.0, sn), np.where(zero, 1.0, cn), np.where(zero, 1.0, dn)
-    return sn, cn, dn
+    return arithmetic.where(none, sine, sn), arithmetic.where(none, cosine, cn), arithmetic.where(none, unit, dn)

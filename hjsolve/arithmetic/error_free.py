@@ -52,6 +52,17 @@ def two_sum(a: Elementwise, b: Elementwise) -> Pair:
     return Pair(s, (a - (s - part)) + (b - part))
 
 
+def moved(base: Pair, more: Elementwise) -> Pair:
+    """Return base + more in two doubles.
+
+    Args:
+        base: in two doubles.
+        more: a double, or an array.
+    """
+    s, e = two_sum(base.high, more)
+    return Pair(*two_sum(s, e + base.low))
+
+
 def quick_two_sum(a: Elementwise, b: Elementwise) -> Pair:
     """Return a + b exactly, where |a| ≥ |b| (Dekker).
 

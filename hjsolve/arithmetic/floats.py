@@ -2,20 +2,21 @@
 
 from __future__ import annotations
 
-import copyreg
 import operator
 from collections.abc import Callable
 from dataclasses import dataclass, field
 from fractions import Fraction
-from functools import cache
-from typing import Any, ClassVar, cast
+from typing import ClassVar, TypeVar, cast
 
-import mpmath
 import numpy as np
 
-from hjsolve.arithmetic.number_types import Context, Elementwise, Mpc, Mpf, N, Numeric, Truth, X
+from hjsolve.arithmetic.contexts import context_of as context_of
+from hjsolve.arithmetic.contexts import multiprecision as multiprecision
+from hjsolve.arithmetic.number_types import Context, Elementwise, Mpf, N, Numeric, Truth, X
 from hjsolve.errors import InvalidInputError
 
+A = TypeVar("A")
+"""Whatever there is to choose from."""
 _NUMPY_NAMES = {
     "asin": "arcsin",
     "acos": "arccos",
@@ -30,6 +31,8 @@ _NUMPY_NAMES = {
 
 EPS = 2.0**-52
 """From 1 to the next double; rounding of a result is half of it, relatively."""
+GREATEST = float(np.finfo(float).max)
+"""The greatest double."""
 FARTHEST = 1024
 """Binary digits before the point of the largest argument of an exponential; many more of a circular function."""
 CIRCULAR = ("sin", "cos", "tan")
@@ -69,9 +72,11 @@ class Float64(ByOperators):
 
     Beside what every arithmetic has, the plain ones choose between two numbers (``where``), round to whole numbers
     (``rint``), and have the angle of a point (``atan2``) and the size of one number with the sign of another.
+    ``minimum_keeps_nan``: whether the lesser of nan and a number is nan in an array of theirs.
     """
 
     bits: ClassVar[int] = 53
+    minimum_keeps_nan: ClassVar[bool] = True
     few_units: ClassVar[float] = 4 * 2.0**-52
     """More than any operation rounds by, relatively."""
 
@@ -138,6 +143,42 @@ class Float64(ByOperators):
         """
         return np.copysign(size, sign)
 
+    def choose(self, doubles: Callable[[Float64], A], many: Callable[[Multi], A]) -> A:  # noqa: ARG002
+        """Return what a rule for doubles gives, where the algorithm for many digits is another one.
+
+        Args:
+            doubles: rule for arrays of doubles.
+            many: rule for numbers of many digits.
+        """
+        return doubles(self)
+
+    def held(self, x: float | Mpf) -> tuple[Elementwise, bool]:
+        """Return a number as arrays hold it, and whether nothing was rounded.
+
+        Args:
+            x: a float, or a number of many digits.
+        """
+        nearest = float(x)
+        return np.float64(nearest), nearest == x
+
+    def widened(self, low: Elementwise, high: Elementwise) -> tuple[Elementwise, Elementwise]:
+        """Return ends moved outward by more than the rounding of an operation; what overflowed is finite.
+
+        Args:
+            low, high: doubles or arrays of them.
+        """
+        low, high = np.minimum(low, GREATEST), np.maximum(high, -GREATEST)
+        return low - (self.few_units * abs(low) + 1e-300), high + (self.few_units * abs(high) + 1e-300)
+
+    def over_array(self, name: str, x: Elementwise) -> Elementwise:
+        """Return a function elementwise, nan where it is not real.
+
+        Args:
+            name: of the function, such as ``sqrt``.
+            x: a double or an array of doubles.
+        """
+        return self.unary(name, x)
+
 
 def sech(x: Elementwise) -> Elementwise:
     """Return 1/cosh x of doubles, which does not overflow.
@@ -162,41 +203,6 @@ def bits_for(digits: int, guard: int) -> int:
         guard: bits to spare.
     """
     return int(3.33 * digits) + guard
-
-
-@cache
-def multiprecision(bits: int) -> Context:
-    """Return an mpmath context of its own with this precision, so that no global is touched.
-
-    Args:
-        bits: binary digits.
-    """
-    context = mpmath.ctx_mp.MPContext()
-    context.prec = bits
-    for kind in (context.mpf, context.mpc):  # classes of their own, which pickle does not find by their names
-        copyreg.pickle(kind, _reduced)
-    copyreg.pickle(context.matrix, _reduced_matrix)
-    return context
-
-
-def _reduced(x: Mpf | Mpc) -> tuple[Callable[..., Mpf | Mpc], tuple[object, ...]]:
-    """What a number of one of our contexts is pickled as: its precision and its parts."""
-    parts = (x._mpf_,) if hasattr(x, "_mpf_") else x._mpc_
-    return _restored, (x.context.prec, *(tuple(int(part) for part in number) for number in parts))
-
-
-def _reduced_matrix(matrix: Any) -> tuple[Callable[..., Any], tuple[int, list[list[Mpf]]]]:
-    return _restored_matrix, (matrix.ctx.prec, matrix.tolist())
-
-
-def _restored_matrix(bits: int, rows: list[list[Mpf]]) -> Any:
-    return multiprecision(bits).matrix(rows)
-
-
-def _restored(bits: int, *parts: tuple[int, ...]) -> Mpf | Mpc:
-    context = multiprecision(bits)
-    numbers = tuple((sign, mpmath.libmp.MPZ(whole), exponent, count) for sign, whole, exponent, count in parts)
-    return context.make_mpf(numbers[0]) if len(parts) == 1 else context.make_mpc(numbers)
 
 
 def within_reach(name: str, x: Numeric, context: Context) -> Numeric:
@@ -230,6 +236,7 @@ class Multi(ByOperators):
     """
 
     bits: int
+    minimum_keeps_nan: ClassVar[bool] = False
     context: Context = field(init=False, repr=False, compare=False)
 
     def __post_init__(self) -> None:
@@ -325,3 +332,44 @@ class Multi(ByOperators):
             sign: the number whose sign is taken.
         """
         return -size if sign < 0 else size
+
+    def choose(self, doubles: Callable[[Float64], A], many: Callable[[Multi], A]) -> A:  # noqa: ARG002
+        """Return what a rule for many digits gives, where the algorithm for doubles is another one.
+
+        Args:
+            doubles: rule for arrays of doubles.
+            many: rule for numbers of many digits.
+        """
+        return many(self)
+
+    def held(self, x: float | Mpf) -> tuple[Elementwise, bool]:
+        """Return a number as arrays hold it, and whether nothing was rounded.
+
+        Args:
+            x: a number of this context.
+        """
+        return np.array(x, dtype=object), True
+
+    def widened(self, low: Elementwise, high: Elementwise) -> tuple[Elementwise, Elementwise]:
+        """Return ends moved outward by more than the rounding of an operation.
+
+        Args:
+            low, high: numbers, or arrays that hold them.
+        """
+        return low - abs(low) * self.few_units, high + abs(high) * self.few_units
+
+    def over_array(self, name: str, x: Elementwise) -> Elementwise:
+        """Return a function elementwise, nan where it is not real or too large to be known.
+
+        Args:
+            name: of the function, such as ``sqrt``.
+            x: an array of numbers.
+        """
+        return np.frompyfunc(lambda v: self._real_or_nan(name, v), 1, 1)(x)
+
+    def _real_or_nan(self, name: str, v: Mpf) -> Mpf:
+        context = self.context
+        if name in {"sin", "cos"} and (context.isinf(v) or context.mag(v) > 16 * FARTHEST):
+            return context.nan
+        value = getattr(context, name)(within_reach(name, v, context))
+        return cast("Mpf", value) if isinstance(value, context.mpf) else context.nan

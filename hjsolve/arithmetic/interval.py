@@ -11,14 +11,13 @@ from __future__ import annotations
 from collections.abc import Callable
 from dataclasses import dataclass
 from functools import cached_property
-from typing import NamedTuple, cast
+from typing import NamedTuple
 
 import numpy as np
 
-from hjsolve.arithmetic.floats import FARTHEST, Float64, Multi, within_reach
+from hjsolve.arithmetic.floats import Float64, Multi
 from hjsolve.arithmetic.number_types import Elementwise, Mpf, Truth
 
-_GREATEST = float(np.finfo(float).max)
 _RISING = {"exp", "sinh", "tanh", "asinh", "atan"}
 _RISING_ON = {
     "sqrt": (0.0, np.inf),
@@ -57,23 +56,12 @@ class Intervals:
         Args:
             x: a float, or a number of many digits.
         """
-        if isinstance(self.plain, Multi):
-            number = np.array(x, dtype=object)
-            return Interval(number, number)
-        nearest = float(x)
-        return (
-            Interval(*(np.float64(nearest),) * 2)
-            if nearest == x
-            else self._wide(np.float64(nearest), np.float64(nearest))
-        )
+        number, exact = self.plain.held(x)
+        return Interval(number, number) if exact else self._wide(number, number)
 
     def _wide(self, low: Elementwise, high: Elementwise) -> Interval:
         with np.errstate(all="ignore"):
-            if isinstance(self.plain, Float64):  # what overflowed is beyond the greatest double, and it is finite
-                low, high = np.minimum(low, _GREATEST), np.maximum(high, -_GREATEST)
-                low, high = low - (self.unit * abs(low) + 1e-300), high + (self.unit * abs(high) + 1e-300)
-            else:
-                low, high = low - abs(low) * self.unit, high + abs(high) * self.unit
+            low, high = self.plain.widened(low, high)
             both = low + high
         if not np.any(both != both):
             return Interval(low, high)
@@ -119,7 +107,7 @@ class Intervals:
             x, y: intervals, arrays that broadcast together.
         """
         with np.errstate(all="ignore"):
-            if isinstance(self.plain, Float64):
+            if self.plain.minimum_keeps_nan:
                 products = [a * b for a in x for b in y]
                 low = _least(products)
                 if not np.any(low != low):
@@ -176,17 +164,7 @@ class Intervals:
 
     def _call(self, name: str, x: Elementwise) -> Elementwise:
         with np.errstate(all="ignore"):
-            if isinstance(self.plain, Float64):
-                return self.plain.unary(name, x)
-            return np.frompyfunc(lambda v: self._scalar(name, v), 1, 1)(x)
-
-    def _scalar(self, name: str, v: Mpf) -> Mpf:
-        assert isinstance(self.plain, Multi)
-        context = self.plain.context
-        if name in {"sin", "cos"} and (context.isinf(v) or context.mag(v) > 16 * FARTHEST):
-            return context.nan
-        value = getattr(context, name)(within_reach(name, v, context))
-        return cast("Mpf", value) if isinstance(value, context.mpf) else context.nan
+            return self.plain.over_array(name, x)
 
     def _rising(self, name: str, x: Interval, left: float, right: float) -> Interval:
         outside = (x.low < left) | (x.high > right)

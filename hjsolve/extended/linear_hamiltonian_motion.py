@@ -192,7 +192,7 @@ def start_linear_motion(
     at = {**values, problem.coordinate.symbol: place, problem.coordinate.momentum: momentum}
     energy = to_bits(problem.hamiltonian.xreplace(at))(bits)
     rests = not to_bits(problem.rate.xreplace(at))(bits)
-    E = float(energy) if digits <= _FLOAT_DIGITS else energy
+    E: Any = float(energy) if digits <= _FLOAT_DIGITS else energy
     error = (2.0**-52 if digits <= _FLOAT_DIGITS else energy.context.mpf(2) ** (_LOST_BITS - bits)) * (1 + abs(E))
     kinds = {name: "equilibrium" if rests else "escape"}
     return LinearMotion(

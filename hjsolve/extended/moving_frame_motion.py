@@ -78,8 +78,8 @@ class FramedMotion(Shown):
         fixed = {s: v for s, v in self.motion.initial.values.items() if s not in variables}
         tape = lower([formula], [*variables, *fixed])
         if self.motion.digits <= 15:
-            numbers = [float(to_bits(v)(64)) for v in fixed.values()]
-            value = np.broadcast_to(tape.run(Float64(), [*map(np.asarray, arrays), *numbers])[0], np.shape(times))
+            rough = [float(to_bits(v)(64)) for v in fixed.values()]
+            value = np.broadcast_to(tape.run(Float64(), [*map(np.asarray, arrays), *rough])[0], np.shape(times))
             return value if np.shape(times) else float(value)
         bits = bits_for(self.motion.digits, 64)
         numbers = [to_bits(v)(bits) for v in fixed.values()]

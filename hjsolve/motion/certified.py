@@ -100,7 +100,7 @@ def enclosed_numbers(motion: SeparatedMotion, digits: int, known: Mapping[str, B
         InvalidInputError: a coordinate neither librates nor rotates; that is not certified yet.
         NotConvergedError: an enclosure stayed wider than asked.
     """
-    unfit = [name for name, place in motion.located.items() if not isinstance(place.course, Periodic)]
+    unfit = [name for name, place in motion.located.items() if place.course.cycle is None]
     if unfit:
         raise InvalidInputError(
             f"certified=True encloses librations and rotations; {unfit[0]} is in {motion.located[unfit[0]].course.kind}"
@@ -173,8 +173,8 @@ def proved_libration(
 
 def _cycle(motion: SeparatedMotion, name: str, line: BallMomentumSquared) -> CycleIntegrand:
     """Prove the turning points and set up the integrands of one coordinate."""
-    solution, course = motion.solution, motion.located[name].course
-    assert isinstance(course, Periodic)
+    solution, course = motion.solution, motion.located[name].course.cycle
+    assert course is not None  # ``enclosed_numbers`` has looked
     anomaly = course.anomaly
     F = solution.momentum_squared[name]
     held = [j for j, c in enumerate(solution.constants.values()) if c.symbol in F.free_symbols]
@@ -187,8 +187,7 @@ def _cycle(motion: SeparatedMotion, name: str, line: BallMomentumSquared) -> Cyc
         fold = 1 if centre is None else 2
         slow = slow if centre is None else centre
         return CycleIntegrand(line, None, None, slow, wanted, spread=_spread_round(anomaly), fold=fold)
-    guesses = (anomaly.lower, anomaly.upper)  # type: ignore[union-attr]
-    a, b = (turning_point(line, from_mpf(guess), line.bits) for guess in guesses)
+    a, b = (turning_point(line, from_mpf(guess), line.bits) for guess in course.turning_points)
     centre = _centre(F, q, (a + b) / 2, turns=False)
     mirrored = centre is not None and a < centre < b  # p² > 0 between: what is mirrored is the same region
     below = _near(line, a, b - a)
@@ -235,8 +234,7 @@ def _actions(motion: SeparatedMotion, found: Mapping[str, Mapping[int, Any]]) ->
     result = {}
     for c in motion.solution.system.coordinates:
         if c.name in found:
-            course = motion.located[c.name].course
-            direction = course.anomaly.direction if isinstance(course, Periodic) else 1
+            direction = motion.located[c.name].course.direction
             if -1 in found[c.name]:
                 result[c.name] = direction * found[c.name][-1]
         elif c.name not in motion.located and c.domain.kind == "angle":
@@ -255,8 +253,7 @@ def _frequencies(motion: SeparatedMotion, growths: Mapping[str, list[Any]]) -> d
     result = {}
     for c in motion.solution.system.coordinates:
         if c.name in names:
-            course = motion.located[c.name].course
-            direction = course.anomaly.direction if isinstance(course, Periodic) else 1
+            direction = motion.located[c.name].course.direction
             result[c.name] = direction * rates[names.index(c.name)]
         elif c.domain.kind == "angle":
             j = list(motion.solution.constants).index(c.momentum.name)

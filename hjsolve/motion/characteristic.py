@@ -17,7 +17,7 @@ from hjsolve.arithmetic.estimate import Estimate
 from hjsolve.arithmetic.estimate_array import EstimateArray
 from hjsolve.arithmetic.floats import EPS, bits_for, multiprecision
 from hjsolve.motion.initial_data import to_bits
-from hjsolve.motion.phases import Phases, courses_of, phases_at, with_reach
+from hjsolve.motion.phases import Phases, courses_of, phases_at
 from hjsolve.motion.positions import evaluate_along, positions_at, travelled
 from hjsolve.motion.quantities import FLOAT_DIGITS, rounded
 from hjsolve.motion.separated import SeparatedMotion, separated_motion
@@ -25,9 +25,8 @@ from hjsolve.motion.state_at import shaped
 from hjsolve.motion.state_errors import ignorable_error, phase_slack
 from hjsolve.motion.tabulated import needs_table
 from hjsolve.motion.times import read_times
-from hjsolve.one_coordinate.coordinate_motion import AtRest, CoordinateMotion, Periodic
+from hjsolve.one_coordinate.coordinate_motion import CoordinateMotion
 from hjsolve.one_coordinate.fourier_series import FourierSeries
-from hjsolve.one_coordinate.momentum_integral import momentum_integral
 
 _FINER = 26
 """Digits of the phases where doubles leave too much of them open (``tabulated.needs_table``)."""
@@ -82,7 +81,7 @@ def _characteristic(motion: SeparatedMotion, phases: Phases) -> tuple[Any, Any]:
     q, _, whole = positions_at(motion, phases)
     for coordinate in solution.system.coordinates:
         if coordinate.name not in solution.coordinates:
-            c = to_bits(motion.initial.values[coordinate.momentum])(bits_for(motion.digits, 96))
+            c: Any = to_bits(motion.initial.values[coordinate.momentum])(bits_for(motion.digits, 96))
             c = c if many else float(c)
             way = travelled(motion, phases, coordinate.name, q)
             value = value + c * way
@@ -102,14 +101,12 @@ def _zeros(motion: SeparatedMotion, phases: Phases) -> Any:
 
 def _swept(course: CoordinateMotion, χ: Any, whole: Any, many: bool) -> tuple[Any, Any, Any]:
     """∫ P dq from the start to χ + 2π·whole, its slope by χ, and the size that rounding refers to."""
-    if isinstance(course, AtRest):
-        return 0 * χ, 0 * χ, 0 * χ
     start = np.array([course.start], dtype=object) if many else np.array([float(course.start)])
-    there, slope, size = momentum_integral(course, χ)
-    begin, _, first = momentum_integral(course, start)
+    there, slope, size = course.momentum_integral(χ)
+    begin, _, first = course.momentum_integral(start)
     value, size = there - begin[0], size + first[0]
-    if isinstance(course, Periodic) and whole.any():
-        context = course.density.mean.context  # type: ignore[union-attr]
+    if course.cycle is not None and whole.any():
+        context = course.cycle.density.mean.context  # type: ignore[union-attr]
         cycle = 2 * context.pi * course.action
         turned = whole.astype(int) * (cycle if many else float(cycle))
         value, size = value + turned, size + abs(turned)
@@ -171,25 +168,25 @@ def _integrals_at_start(motion: SeparatedMotion, j: int) -> tuple[Any, float, in
     total, size, nodes = multiprecision(bits_for(motion.digits, 96)).zero, 0.0, 0
     for place in motion.located.values():
         course = place.course
-        if isinstance(course, AtRest) or not _turns(course):
+        if course.rests or not _turns(course):
             continue
-        if isinstance(course, Periodic):
-            series = course.kernels[j]
+        if (cycle := course.cycle) is not None:
+            series = cycle.kernels[j]
             ripple = series.ripple(course.start) if len(series.cosines) else 0
             part, nodes = series.mean * course.start + ripple, max(nodes, series.nodes)
             size += abs(float(series.mean * course.start)) + _wave_size(series, course.start)
         else:
             begin = np.array([course.start], dtype=object if motion.digits > FLOAT_DIGITS else float)
-            reaching = with_reach(course, begin.astype(float))
+            reaching = course.with_reach(abs(float(course.start)))
             part = reaching.integral(j, begin)[0]
-            size += float(reaching.grain(j, begin.astype(float))[0])  # type: ignore[union-attr]
+            size += float(reaching.grain(j, begin.astype(float))[0])
         total += part
     return total, size, nodes
 
 
 def _turns(course: CoordinateMotion) -> bool:
     """Whether phase 0 is a turning point; else the lower limit is the place at t₀ itself, and nothing is integrated."""
-    return course.anomaly.even if isinstance(course, Periodic) else course.ahead.way.turning  # type: ignore[union-attr]
+    return all(branch.way.turning for branch in course.branches[:1]) and not course.rotates
 
 
 def _wave_size(series: FourierSeries, χ: Any) -> float:
@@ -229,14 +226,14 @@ def lower_limits(motion: SeparatedMotion) -> dict[str, Estimate]:
     result = {}
     for name, place in motion.located.items():
         course, bits = place.course, bits_for(motion.digits, 96)
-        if isinstance(course, AtRest):
-            value = course.rest
+        if course.rests:
+            value = course.place(np.zeros(1, dtype=object))[0][0]
         elif not _turns(course):
             value = to_bits(motion.initial.values[motion.solution.system.coordinate(name).symbol])(bits)
-        elif isinstance(course, Periodic):
-            value = course.anomaly.lower  # type: ignore[union-attr]
+        elif course.cycle is not None:
+            value = course.cycle.turning_points[0]
         else:
-            value = course.ahead.way.start
+            value = course.branches[0].way.start
         result[name] = rounded(value, motion.digits)
     return result
 

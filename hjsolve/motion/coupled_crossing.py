@@ -12,10 +12,9 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from hjsolve.arithmetic.floats import bits_for, multiprecision
+from hjsolve.arithmetic.number_types import Elementwise, Mpf
 from hjsolve.errors import OutsideMotionError
-from hjsolve.motion.phases import with_reach
-from hjsolve.one_coordinate.coordinate_motion import CoordinateMotion, Periodic, Unbounded
-from hjsolve.time_law.open_motion import TriangularScheme
+from hjsolve.one_coordinate.coordinate_motion import CoordinateMotion
 
 if TYPE_CHECKING:
     from hjsolve.motion.separated import SeparatedMotion
@@ -23,13 +22,13 @@ if TYPE_CHECKING:
 _TREND, _STEEP, _MOST = 24, 5, 400
 
 
-def coupled_crossing_time(motion: SeparatedMotion, k: int, phase: Any) -> tuple[Any, Any] | None:
+def coupled_crossing_time(motion: SeparatedMotion, k: int, target: Mpf) -> tuple[Elementwise, Elementwise] | None:
     """Return the time from t₀ until one of two coupled coordinates has a phase, and a bound on its error.
 
     Args:
         motion: the motion.
         k: index of the coordinate.
-        phase: its phase.
+        target: its phase.
 
     Returns:
         None where this way is not open: other than two coordinates, or an integral that is not monotone.
@@ -37,14 +36,15 @@ def coupled_crossing_time(motion: SeparatedMotion, k: int, phase: Any) -> tuple[
     Raises:
         OutsideMotionError: the other coordinate ends, or runs away, before.
     """
-    scheme = motion.equations
-    if not isinstance(scheme, TriangularScheme) or len(scheme.courses) != 2:
+    scheme = motion.scheme
+    if scheme is None or len(scheme.courses) != 2:
         return None
     own, other = scheme.courses[k], scheme.courses[1 - k]
     kind = object if motion.digits > 15 else float
     noise = 2.0**-50 if kind is float else multiprecision(64).mpf(10) ** (1 - motion.digits)
     convert = float if kind is float else multiprecision(bits_for(motion.digits, 64)).convert
-    phase, begin, start = convert(phase), convert(own.start), convert(other.start)
+    ends: list[Elementwise] = [convert(target), convert(own.start), convert(other.start)]
+    phase, begin, start = ends
     here = _Values(own, kind, max(abs(phase), abs(begin)))
     if _falling(own) and any(abs(here.rate(j, phase)) > noise * abs(here.integral(j, phase)) for j in (0, 1)):
         return None
@@ -62,14 +62,14 @@ def coupled_crossing_time(motion: SeparatedMotion, k: int, phase: Any) -> tuple[
 
 
 def _falling(course: CoordinateMotion) -> bool:
-    return isinstance(course, Unbounded) and "fall" in (course.ahead.way.end, course.behind.way.end)
+    return "fall" in (course.ends(1), course.ends(-1))
 
 
 class _Values:
     """Integrals of a course at single phases up to a largest one."""
 
     def __init__(self, course: CoordinateMotion, kind: type, largest: Any):
-        self.course, self.kind = with_reach(course, np.array([float(largest)])), kind
+        self.course, self.kind = course.with_reach(abs(float(largest))), kind
 
     def integral(self, j: int, χ: Any) -> Any:
         return np.ravel(self.course.integral(j, np.array([χ], dtype=self.kind)))[0]
@@ -85,7 +85,7 @@ def _solved(
     reach, step, gains = abs(start) + 1, start * 0 + 1, [start * 0]
     while True:
         values = _Values(course, kind, reach + step)
-        floor, ceiling = values.course.limits() if isinstance(values.course, Unbounded) else (-np.inf, np.inf)
+        floor, ceiling = values.course.limits()
         last = start + side * step
         ended = not floor <= last <= ceiling
         last = last if not ended else (ceiling if side > 0 else floor) + 0 * start
@@ -129,8 +129,5 @@ def _fading(gains: list[Any]) -> bool:
 def _monotone(values: _Values, first: Any, last: Any) -> bool:
     """True where the second integral is; at the end of a domain its rate may vanish, beside a pole be all rounding."""
     rates = [values.rate(1, first + (last - first) * k / 16) for k in range(16)]
-    noise = 0.0
-    if values.kind is float and isinstance(values.course, Periodic):
-        series = values.course.kernels[1]
-        noise = 2.0**-48 * (abs(float(series.mean)) + float(np.sum(np.abs(series.cosines.astype(float)))))
+    noise = values.course.rate_noise(1) if values.kind is float else 0.0
     return all(r > -noise for r in rates) or all(r < noise for r in rates)

@@ -5,7 +5,7 @@ from __future__ import annotations
 import itertools
 from collections.abc import Callable
 from contextlib import suppress
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING
 
 import numpy as np
 
@@ -13,28 +13,31 @@ from hjsolve import arguments
 from hjsolve.arithmetic.error_free import split
 from hjsolve.arithmetic.estimate import Estimate
 from hjsolve.arithmetic.floats import EPS, Multi, bits_for, multiprecision
+from hjsolve.arithmetic.number_types import Mpf, Numbers
 from hjsolve.errors import InvalidInputError, NotConvergedError, OutsideMotionError
 from hjsolve.formulas.read import number
 from hjsolve.motion.coupled_crossing import coupled_crossing_time
 from hjsolve.motion.initial_data import to_bits
-from hjsolve.motion.phases import phases_at, solve_phases, with_reach
+from hjsolve.motion.phases import phases_at, solve_phases
 from hjsolve.motion.positions import constant_index, principal_values
 from hjsolve.motion.state_at import shaped, state_at_times
 from hjsolve.motion.times import exact_numbers, read_times, whole_numbers
-from hjsolve.one_coordinate.coordinate_motion import AtRest, CoordinateMotion, Periodic, Unbounded
+from hjsolve.one_coordinate.coordinate_motion import CoordinateMotion, Periodic
 from hjsolve.one_coordinate.open_branch import farthest
-from hjsolve.time_law.open_motion import DecoupledStep, TriangularScheme
+from hjsolve.time_law.open_motion import DecoupledStep
 from hjsolve.time_law.phase_reduction import turns_and_rest
-from hjsolve.time_law.torus import TorusEquations, mean_rate, oscillation
+from hjsolve.time_law.torus import mean_rate, oscillation
 
 if TYPE_CHECKING:
     from hjsolve.motion.separated import SeparatedMotion
 
+Time = float | Mpf
+"""A time or a phase, in doubles or in many digits."""
 _SCAN, _TREND, _MOST_PASSAGES = 200_000, 16, 2**60
 """Steps of a scan along the motion; doublings of the time over which a trend is taken for the rule."""
 
 
-def crossing_time(motion: SeparatedMotion, name: str, value: Any, passage: int) -> Estimate:
+def crossing_time(motion: SeparatedMotion, name: str, value: object, passage: int) -> Estimate:
     """Return the time of a crossing; see ``Motion.time_at``.
 
     Args:
@@ -58,7 +61,7 @@ def crossing_time(motion: SeparatedMotion, name: str, value: Any, passage: int) 
     return _shifted(motion, elapsed, error)
 
 
-def crossing_times(motion: SeparatedMotion, name: str, values: Any) -> Any:
+def crossing_times(motion: SeparatedMotion, name: str, values: object) -> Numbers:
     """Return the times of the first crossings after t₀, array of shape (m,).
 
     Args:
@@ -69,29 +72,29 @@ def crossing_times(motion: SeparatedMotion, name: str, values: Any) -> Any:
     return np.array([crossing_time(motion, name, v, 0).value for v in exact_numbers(values, "values")[1]])
 
 
-def _shifted(motion: SeparatedMotion, elapsed: Any, error: Any) -> Estimate:
+def _shifted(motion: SeparatedMotion, elapsed: Time, error: Time) -> Estimate:
     """t₀ + elapsed time."""
     if motion.digits > 15:
         bits = bits_for(motion.digits, 32)
         value = to_bits(motion.t0)(bits) + elapsed
         return Estimate(value, abs(error) + abs(value) * multiprecision(bits).mpf(10) ** -motion.digits)
-    value = float(to_bits(motion.t0)(160) + elapsed)
-    return Estimate(value, float(error) + EPS * abs(value))
+    rough = float(to_bits(motion.t0)(160) + elapsed)
+    return Estimate(rough, float(error) + EPS * abs(rough))
 
 
 def _phase_of(
-    motion: SeparatedMotion, name: str, course: CoordinateMotion, target: Callable[[int], Any], passage: int
-) -> Any:
+    motion: SeparatedMotion, name: str, course: CoordinateMotion, target: Callable[[int], Mpf], passage: int
+) -> Mpf:
     """Phase of the passage-th crossing, counted from the start."""
     bits = bits_for(motion.digits, 128)
     place, arithmetic = target(bits), Multi(bits)
-    if isinstance(course, AtRest):
-        raise OutsideMotionError(f"{name} rests at {float(course.rest):.12g}: it crosses nothing")
-    if isinstance(course, Periodic):
-        χ = course.anomaly.phase(_between(motion, name, course, place), 1, arithmetic)
+    if course.rests:
+        raise OutsideMotionError(f"{name} rests at {float(course.place(np.zeros(1))[0][0]):.12g}: it crosses nothing")
+    if (cycle := course.cycle) is not None:
+        χ = cycle.anomaly.phase(_between(motion, name, cycle, place), 1, arithmetic)
         turn = 2 * arithmetic.pi()
-        around = {float(x % turn): x % turn for x in ((χ, -χ) if course.anomaly.even else (χ,))}
-        start = course.start
+        around = {float(x % turn): x % turn for x in ((χ,) if cycle.rotates else (χ, -χ))}
+        start = cycle.start
         first = sorted(x + turn * arithmetic.context.ceil((start - x) / turn) for x in around.values())
         return first[passage % len(first)] + turn * (passage // len(first))
     phases = sorted(x for x in _open_phases(name, course, place, bits))
@@ -104,15 +107,15 @@ def _phase_of(
     return later[index]
 
 
-def _between(motion: SeparatedMotion, name: str, course: Periodic, place: Any) -> Any:
+def _between(motion: SeparatedMotion, name: str, course: Periodic, place: Mpf) -> Mpf:
     """A place that is passed; a turning point itself where it is that, but for the rounding of both.
 
     Raises:
         OutsideMotionError: it lies beyond.
     """
-    if not course.anomaly.even:
+    if course.rotates:
         return place
-    a, b = course.anomaly.lower, course.anomaly.upper  # type: ignore[union-attr]
+    a, b = course.turning_points
     blur = (abs(a) + abs(b)) * multiprecision(64).mpf(2) ** -(bits_for(motion.digits, 96))
     if not a - blur <= place <= b + blur:
         low, high = motion.turning_points[name]
@@ -120,10 +123,10 @@ def _between(motion: SeparatedMotion, name: str, course: Periodic, place: Any) -
     return min(max(place, a), b)
 
 
-def _open_phases(name: str, course: Unbounded, place: Any, bits: int) -> list[Any]:
+def _open_phases(name: str, course: CoordinateMotion, place: Mpf, bits: int) -> list[Mpf]:
     """Phases of an unbounded course at a place: one on a branch, two where the branch turns."""
     found = []
-    for sign, branch in ((1, course.ahead), (-1, course.behind)):
+    for sign, branch in zip((1, -1), course.branches, strict=True):
         way = branch.way
         x = way.side * (place - way.start) / way.length
         if x < 0 or (way.end != "infinity" and x >= 1):
@@ -141,14 +144,11 @@ def _open_phases(name: str, course: Unbounded, place: Any, bits: int) -> list[An
     return found
 
 
-def _elapsed(motion: SeparatedMotion, k: int, phase: Any) -> tuple[Any, Any]:
+def _elapsed(motion: SeparatedMotion, k: int, phase: Mpf) -> tuple[Time, Time]:
     """Time from t₀ until coordinate k has a phase, and a bound on its error."""
-    equations = motion.equations
-    many = motion.digits > 15
-    if isinstance(equations, TorusEquations) and all(
-        not len(s.cosines) for i, s in enumerate(equations.ripples[k]) if i != k
-    ):
-        ripple = equations.ripples[k][k]
+    torus, scheme, many = motion.torus, motion.scheme, motion.digits > 15
+    if torus is not None and all(not len(s.cosines) for i, s in enumerate(torus.ripples[k]) if i != k):
+        ripple = torus.ripples[k][k]
         wave = (
             0
             if not len(ripple.cosines)
@@ -156,28 +156,28 @@ def _elapsed(motion: SeparatedMotion, k: int, phase: Any) -> tuple[Any, Any]:
             if many
             else float(ripple.ripple(np.array([float(phase)]))[0])
         )
-        time = (phase + wave - equations.starts[k]) / equations.rates[k]
+        time = (phase + wave - torus.starts[k]) / torus.rates[k]
         size = float(np.sum(np.abs(ripple.cosines.astype(float)))) + 4.0
-        return time, _noise(motion) * size / abs(equations.rates[k])
+        return time, _noise(motion) * size / abs(torus.rates[k])
     if (
-        isinstance(equations, TriangularScheme)
-        and (step := next((s for s in equations.steps if s.index == k), None))
-        and step is equations.steps[0]
+        scheme is not None
+        and (step := next((s for s in scheme.steps if s.index == k), None))
+        and step is scheme.steps[0]
         and step.weights[0]
     ):
-        return _own_time(motion, equations.courses[k], step, phase)
+        return _own_time(motion, scheme.courses[k], step, phase)
     return coupled_crossing_time(motion, k, phase) or _sought(motion, k, float(phase))
 
 
-def _noise(motion: SeparatedMotion) -> Any:
+def _noise(motion: SeparatedMotion) -> Time:
     return 4 * EPS if motion.digits <= 15 else multiprecision(64).mpf(10) ** -motion.digits
 
 
-def _own_time(motion: SeparatedMotion, course: CoordinateMotion, step: DecoupledStep, phase: Any) -> tuple[Any, Any]:
+def _own_time(motion: SeparatedMotion, course: CoordinateMotion, step: DecoupledStep, phase: Mpf) -> tuple[Time, Time]:
     """Time of a coordinate whose equation holds no other."""
     kind = object if motion.digits > 15 else float
     here, start = np.array([phase], dtype=kind), np.array([course.start], dtype=kind)
-    course = with_reach(course, np.array([float(phase)]))
+    course = course.with_reach(abs(float(phase)))
     total, size = 0, 0
     for j, w in enumerate(step.weights):
         if w:
@@ -186,7 +186,7 @@ def _own_time(motion: SeparatedMotion, course: CoordinateMotion, step: Decoupled
     return total / step.weights[0], _noise(motion) * size / abs(step.weights[0])
 
 
-def _sought(motion: SeparatedMotion, k: int, goal: float) -> tuple[Any, Any]:
+def _sought(motion: SeparatedMotion, k: int, goal: float) -> tuple[float, float]:
     """Time at which χₖ(t), increasing, passes a phase; by bracketing and the secant rule."""
     assert motion.equations is not None
 
@@ -292,37 +292,37 @@ def boundary_times(motion: SeparatedMotion) -> dict[str, Estimate]:
     result = {}
     for k, name in enumerate(motion.solution.coordinates):
         course = motion.located[name].course
-        if isinstance(course, Unbounded) and course.ahead.way.end in {"boundary", "fall"}:
+        if course.ends(1) in {"boundary", "fall"}:
             context = multiprecision(bits_for(motion.digits, 64))
-            phase = course.ahead.way.last(context) or context.mpf(farthest(motion.digits))
+            phase = course.branches[0].way.last(context) or context.mpf(farthest(motion.digits))
             with suppress(OutsideMotionError):  # the others run away before, in a time of its own that ends
                 result[name] = _shifted(motion, *_elapsed(motion, k, phase))
     return result
 
 
-def angle_variables(motion: SeparatedMotion, t: Any) -> dict[str, Any]:
+def angle_variables(motion: SeparatedMotion, t: object) -> dict[str, Numbers | float | Mpf]:
     """Return θ = θ₀ + Ω (t − t₀) in (−π, π]; see ``Motion.angles``.
 
     Args:
         motion: the one looked at.
         t: a time or an array of times.
     """
-    equations = motion.equations
+    torus = motion.torus
     shape, floats, exact = read_times(t)
     phases = phases_at(motion, floats, exact)
     result = {}
     for name, frequency in motion.frequencies.items():
-        if not isinstance(equations, TorusEquations):
+        if torus is None:
             continue
         if name in motion.located:
             k = list(motion.solution.coordinates).index(name)
-            rate, start = equations.rates[k], equations.starts[k]
+            rate, start = torus.rates[k], torus.starts[k]
         else:
             j = constant_index(motion, name)
-            rate = mean_rate(equations, j)
+            rate = mean_rate(torus, j)
             start = to_bits(motion.initial.values[motion.solution.system.coordinate(name).symbol])(160)
-            for i, course in enumerate(equations.courses):
-                series = oscillation(equations, i, j)
+            for i, course in enumerate(torus.courses):
+                series = oscillation(torus, i, j)
                 start -= float(series.ripple(np.array([float(course.start)]))[0]) if len(series.cosines) else 0
         whole, rest = turns_and_rest(split(rate / (2 * multiprecision(160).pi)), phases.time)
         whole_numbers(whole)

@@ -2,18 +2,19 @@
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING
 
 import numpy as np
+from numpy.typing import NDArray
 
-from hjsolve.one_coordinate.coordinate_motion import Unbounded
-from hjsolve.time_law.open_motion import TriangularScheme, reaching
+from hjsolve.arithmetic.number_types import Mask, Reals
+from hjsolve.time_law.open_motion import reaching
 
 if TYPE_CHECKING:
     from hjsolve.motion.separated import SeparatedMotion
 
 
-def end_statuses(motion: SeparatedMotion, time: tuple[Any, Any], ended: Any) -> Any:
+def end_statuses(motion: SeparatedMotion, time: tuple[Reals, Reals], ended: Mask) -> NDArray[np.str_]:
     """Return the status of a motion at times.
 
     Args:
@@ -37,14 +38,13 @@ def end_statuses(motion: SeparatedMotion, time: tuple[Any, Any], ended: Any) -> 
 
 def _ends(motion: SeparatedMotion, direction: int, span: float) -> bool:
     """True where some coordinate has an end in that direction of time."""
-    scheme = motion.equations
-    assert isinstance(scheme, TriangularScheme)
+    scheme = motion.scheme
+    if scheme is None:
+        return False
     for i, course in enumerate(scheme.courses):
-        if isinstance(course, Unbounded):
-            whole = reaching(course, scheme, span, i)
-            assert isinstance(whole, Unbounded)
-            branch = whole.ahead if direction > 0 else whole.behind
-            ends = branch.way.end in {"boundary", "fall"} or branch.panels(*whole.reach).finished
-            if ends or (branch.way.end == "asymptote" and np.isfinite(whole.limits()[direction > 0])):
-                return True
+        whole = reaching(course, scheme, span, i)
+        if whole.finished(direction) or (
+            whole.ends(direction) == "asymptote" and np.isfinite(whole.limits()[direction > 0])
+        ):
+            return True
     return False

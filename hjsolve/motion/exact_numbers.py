@@ -3,11 +3,12 @@
 from __future__ import annotations
 
 import math
-from typing import Any
+from collections.abc import Callable
 
 import sympy as sp
 
 from hjsolve.arithmetic.floats import Multi, multiprecision
+from hjsolve.arithmetic.number_types import Mpf
 from hjsolve.lowering import lower
 
 ZERO_BITS = 2048
@@ -22,10 +23,10 @@ class InBits:
     __slots__ = ("_known", "_tape", "value")
 
     def __init__(self, value: sp.Expr):
-        self.value, self._known = value, dict[int, Any]()
+        self.value, self._known = value, dict[int, Mpf]()
         self._tape = None if value.is_Rational else lower([value], [])
 
-    def __call__(self, bits: int) -> Any:
+    def __call__(self, bits: int) -> Mpf:
         """Return the number, to (about) so many bits."""
         if bits not in self._known:
             more = Multi(bits + 64)
@@ -36,7 +37,7 @@ class InBits:
             self._known[bits] = multiprecision(bits).convert(exact)
         return self._known[bits]
 
-    def __reduce__(self) -> tuple[Any, ...]:
+    def __reduce__(self) -> tuple[Callable[[sp.Expr], InBits], tuple[sp.Expr]]:
         return to_bits, (self.value,)
 
 

@@ -89,7 +89,7 @@ class Motion(ShownMotion):
     @property
     def nodes(self) -> int:
         """Quadrature nodes of the dearest coordinate."""
-        return max((quantities.nodes_of(place.course) for place in self.separated.located.values()), default=0)
+        return max((place.course.nodes for place in self.separated.located.values()), default=0)
 
     @property
     def mean_velocities(self) -> dict[str, Estimate]:

@@ -7,24 +7,24 @@ turning point to any precision: their sum in two doubles is worked out in two do
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Callable, Mapping
 from functools import lru_cache
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING
 
 import numpy as np
 import sympy as sp
 
 from hjsolve.arithmetic.double_double import DoubleDouble
-from hjsolve.arithmetic.error_free import Pair, split, two_sum
+from hjsolve.arithmetic.error_free import Pair, split
 from hjsolve.arithmetic.floats import Float64
+from hjsolve.arithmetic.number_types import Elementwise, Mask, N, Numbers, Reals
 from hjsolve.arithmetic.running_error import RunningError
 from hjsolve.arithmetic.running_error import WithErrorBound as Rounded
+from hjsolve.arithmetic.tape import Arithmetic
 from hjsolve.mechanics.system import velocities
 from hjsolve.motion.initial_data import to_bits
 from hjsolve.motion.positions import tape_of
-from hjsolve.one_coordinate.anomaly import BarrierAnomaly, Libration
-from hjsolve.one_coordinate.coordinate_motion import AtRest, CoordinateMotion, Periodic, Unbounded, float_way
-from hjsolve.one_coordinate.stretched_anomaly import Stretched, map_in_doubles
+from hjsolve.one_coordinate.coordinate_motion import CoordinateMotion
 
 if TYPE_CHECKING:
     from hjsolve.motion.separated import SeparatedMotion
@@ -37,7 +37,7 @@ _IN_TWO_DOUBLES = 2.0**-47
 Places = Mapping[str, Pair]
 
 
-def blurred(motion: SeparatedMotion, q: Mapping[str, Any], p: Mapping[str, Any]) -> Any:
+def blurred(motion: SeparatedMotion, q: Mapping[str, Numbers], p: Mapping[str, Numbers]) -> Mask:
     """Where some velocity in doubles is far from rounded well, because of the rounding of places and constants.
 
     Args:
@@ -50,6 +50,7 @@ def blurred(motion: SeparatedMotion, q: Mapping[str, Any], p: Mapping[str, Any])
     formulas = tuple(velocities(motion.solution.system).values())
     variables, arrays, fixed = _arguments(motion, q, p)
     places = len(arrays) - len(p)
+    inputs: list[Rounded[Elementwise]]
     inputs = [Rounded(x, 2.0**-53 * np.abs(x) if k < places else None) for k, x in enumerate(arrays)]
     inputs += [Rounded(float(x), 2.0**-53 * abs(float(x))) for x in (to_bits(value)(64) for value in fixed.values())]
     with np.errstate(all="ignore"):
@@ -66,7 +67,7 @@ def blurs(motion: SeparatedMotion, course: CoordinateMotion) -> bool:
         course: of its separated coordinate.
     """
     system, name = motion.solution.system, motion.solution.coordinates[0]
-    χ = np.linspace(0, np.pi, 65) if isinstance(course, Periodic) else np.linspace(-1, 1, 65)
+    χ = np.linspace(0, np.pi, 65) if course.cycle else np.linspace(-1, 1, 65)
     q, p = {}, {}
     q[name], p[name] = course.place(χ)
     for c in system.coordinates:
@@ -77,8 +78,8 @@ def blurs(motion: SeparatedMotion, course: CoordinateMotion) -> bool:
 
 
 def _arguments(
-    motion: SeparatedMotion, q: Mapping[str, Any], p: Mapping[str, Any]
-) -> tuple[list[sp.Symbol], list[Any], dict[sp.Symbol, sp.Expr]]:
+    motion: SeparatedMotion, q: Mapping[str, N], p: Mapping[str, N]
+) -> tuple[list[sp.Symbol], list[N], dict[sp.Symbol, sp.Expr]]:
     """Symbols and arrays of what varies, places before momenta, and exact values of the rest."""
     coordinates = motion.solution.system.coordinates
     variables = [c.symbol for c in coordinates if c.name in q] + [c.momentum for c in coordinates if c.name in p]
@@ -87,8 +88,8 @@ def _arguments(
 
 
 def places(
-    motion: SeparatedMotion, courses: list[CoordinateMotion], χ: list[Any]
-) -> tuple[dict[str, Pair], dict[str, Any]]:
+    motion: SeparatedMotion, courses: list[CoordinateMotion], χ: list[Reals]
+) -> tuple[dict[str, Pair], dict[str, Numbers]]:
     """Separated coordinates in two doubles, and their shell momenta, at phases in doubles.
 
     Args:
@@ -99,90 +100,18 @@ def places(
     q, shell = {}, {}
     for name, course, phase in zip(motion.solution.coordinates, courses, χ, strict=True):
         rough, shell[name] = course.place(phase)
-        q[name] = _place(course, phase, rough)
+        q[name] = course.place_in_two_doubles(phase, rough.astype(float))
     return q, shell
-
-
-def _place(course: CoordinateMotion, χ: Any, rough: Any) -> Pair:
-    if isinstance(course, AtRest):
-        rest = split(course.rest)
-        return Pair(rest.high + 0 * χ, rest.low + 0 * χ)
-    if isinstance(course, Unbounded):
-        return _open_place(course, χ)
-    if not course.anomaly.even:
-        return Pair(rough, 0 * rough)
-    return beside(course, *distances(course, χ))
-
-
-def distances(course: Periodic, χ: Any) -> tuple[Any, Any]:
-    """Distances from the lower and from the upper turning point of a libration, each with its relative accuracy.
-
-    Args:
-        course: of the libration.
-        χ: phases in doubles, shape (m,).
-    """
-    place = map_in_doubles(course.anomaly).place(χ - 2 * np.pi * np.rint(χ / (2 * np.pi)), Float64())
-    return place.below, place.above
-
-
-def grain(course: CoordinateMotion, χ: Any) -> Any:
-    """The size that the rounding of a place in two doubles refers to.
-
-    Args:
-        course: of one coordinate.
-        χ: phases in doubles, shape (m,).
-    """
-    if isinstance(course, AtRest):
-        return 0.0 * χ
-    if isinstance(course, Unbounded):
-        return np.abs(course.place(χ)[0] - float(course.ahead.way.start))
-    return np.minimum(*distances(course, χ)) if course.anomaly.even else np.abs(course.place(χ)[0]) + np.pi
-
-
-def beside(course: Periodic, below: Any, above: Any) -> Pair:
-    """The place at these distances from the turning points, in two doubles: the nearer one and its distance.
-
-    Args:
-        course: of the libration.
-        below, above: distances from the lower and from the upper turning point, shape (m,).
-    """
-    anomaly = course.anomaly
-    assert isinstance(anomaly, (Libration, BarrierAnomaly, Stretched))
-    a, b, low = split(anomaly.lower), split(anomaly.upper), below < above
-    end = Pair(np.where(low, a.high, b.high), np.where(low, a.low, b.low))
-    return _sum(end, np.where(low, below, -above))
-
-
-def _sum(base: Pair, more: Any) -> Pair:
-    s, e = two_sum(base.high, more)
-    return Pair(*two_sum(s, e + base.low))
-
-
-def _open_place(course: Unbounded, χ: Any) -> Pair:
-    """Start or end of a branch and the distance from it."""
-    pairs = []
-    for branch in (course.ahead, course.behind):
-        way = float_way(branch.way)
-        x, left, _ = way.distances(np.abs(χ), Float64())
-        start, end = split(branch.way.start), split(branch.way.start + branch.way.side * branch.way.length)
-        from_start = _sum(Pair(start.high + 0 * χ, start.low + 0 * χ), way.side * x)
-        if left is None:
-            pairs.append(from_start)
-            continue
-        from_end = _sum(Pair(end.high + 0 * χ, end.low + 0 * χ), -way.side * left)
-        pairs.append(Pair(*(np.where(left < x, e, s) for s, e in zip(from_start, from_end, strict=True))))
-    ahead, behind = pairs
-    return Pair(*(np.where(χ >= 0, a, b) for a, b in zip(ahead, behind, strict=True)))
 
 
 def sharpened_velocities(
     motion: SeparatedMotion,
     courses: list[CoordinateMotion],
-    χ: list[Any],
-    q: Mapping[str, Any],
-    v: Mapping[str, Any],
-    where: Any,
-) -> dict[str, Any]:
+    χ: list[Reals],
+    q: Mapping[str, Numbers],
+    v: Mapping[str, Numbers],
+    where: Mask,
+) -> dict[str, Numbers]:
     """Velocities, those of some times worked out in two doubles.
 
     Args:
@@ -197,8 +126,13 @@ def sharpened_velocities(
 
 
 def sharpened_from_table(
-    motion: SeparatedMotion, table: DenseOutput, θ: Any, q: Mapping[str, Any], v: Mapping[str, Any], where: Any
-) -> dict[str, Any]:
+    motion: SeparatedMotion,
+    table: DenseOutput,
+    θ: Reals,
+    q: Mapping[str, Numbers],
+    v: Mapping[str, Numbers],
+    where: Mask,
+) -> dict[str, Numbers]:
     """As ``sharpened_velocities``, from a table that holds the distances from both turning points; θ its argument.
 
     Args:
@@ -214,20 +148,20 @@ def sharpened_from_table(
 def _put(
     motion: SeparatedMotion,
     exact: Places,
-    shell: Mapping[str, Any],
-    q: Mapping[str, Any],
-    v: Mapping[str, Any],
-    where: Any,
-) -> dict[str, Any]:
+    shell: Mapping[str, Numbers],
+    q: Mapping[str, Numbers],
+    v: Mapping[str, Numbers],
+    where: Mask,
+) -> dict[str, Numbers]:
     rest = {name: values[where] for name, values in q.items() if name not in exact}
     chosen = {name: f for name, f in velocities(motion.solution.system).items() if name in v}
-    result = {name: np.array(values) for name, values in v.items()}
+    result: dict[str, Numbers] = {name: values.copy() for name, values in v.items()}
     for name, values in zip(chosen, worked_out(motion, tuple(chosen.values()), exact, shell, rest), strict=True):
         result[name][where] = values
     return result
 
 
-def from_table(motion: SeparatedMotion, table: DenseOutput, θ: Any) -> tuple[dict[str, Pair], dict[str, Any]]:
+def from_table(motion: SeparatedMotion, table: DenseOutput, θ: Reals) -> tuple[dict[str, Pair], dict[str, Numbers]]:
     """As ``places``, from a table that holds the distances from both turning points; θ its argument.
 
     Args:
@@ -237,19 +171,19 @@ def from_table(motion: SeparatedMotion, table: DenseOutput, θ: Any) -> tuple[di
     """
     assert table.ends is not None
     name = motion.solution.coordinates[0]
-    course = motion.located[name].course
-    assert isinstance(course, Periodic)
+    course = motion.located[name].course.cycle
+    assert course is not None
     below, above, shell = table.table.evaluate([*table.ends, 1], θ)
-    return {name: beside(course, below, above)}, {name: shell}
+    return {name: course.beside(below, above)}, {name: shell}
 
 
 def worked_out(
     motion: SeparatedMotion,
     formulas: tuple[sp.Expr, ...],
     q: Places,
-    shell: Mapping[str, Any],
-    ignorable: Mapping[str, Any],
-) -> list[Any]:
+    shell: Mapping[str, Numbers],
+    ignorable: Mapping[str, Numbers],
+) -> list[Reals]:
     """Formulas in coordinates and momenta in two doubles, rounded once.
 
     Args:
@@ -263,7 +197,7 @@ def worked_out(
         One array a formula, of the shape of the places.
     """
     pairs, p, shape = _in_two_doubles(motion, q, shell, ignorable)
-    found = _run(motion, formulas, pairs, p, DoubleDouble())
+    found = _run(motion, formulas, pairs, p, DoubleDouble(), _constant)
     return [np.broadcast_to(v.high, shape) for v in found]
 
 
@@ -271,9 +205,9 @@ def lost_in_two_doubles(
     motion: SeparatedMotion,
     formulas: tuple[sp.Expr, ...],
     q: Places,
-    shell: Mapping[str, Any],
-    ignorable: Mapping[str, Any],
-) -> list[Any]:
+    shell: Mapping[str, Numbers],
+    ignorable: Mapping[str, Numbers],
+) -> list[Reals]:
     """Bounds on what ``worked_out`` loses before its last rounding: terms may cancel to less than two doubles know.
 
     Places count as exact: what they leave open is the same in all terms, and counted by the slopes of the whole.
@@ -287,7 +221,7 @@ def lost_in_two_doubles(
     pairs, p, shape = _in_two_doubles(motion, q, shell, ignorable)
     places = {name: Rounded(x) for name, x in pairs.items()}
     momenta = {name: Rounded(x, _rounding(x)) for name, x in p.items()}
-    found = _run(motion, formulas, places, momenta, RunningError(DoubleDouble()))
+    found = _run(motion, formulas, places, momenta, RunningError(DoubleDouble()), _rounded_constant)
     none = Pair(0.0, 0.0)
     return [np.broadcast_to(np.abs((v.error or none).high) * _IN_TWO_DOUBLES, shape) for v in found]
 
@@ -297,18 +231,18 @@ def _rounding(x: Pair) -> Pair:
 
 
 def _in_two_doubles(
-    motion: SeparatedMotion, q: Places, shell: Mapping[str, Any], ignorable: Mapping[str, Any]
+    motion: SeparatedMotion, q: Places, shell: Mapping[str, Numbers], ignorable: Mapping[str, Numbers]
 ) -> tuple[dict[str, Pair], dict[str, Pair], tuple[int, ...]]:
     """Coordinates and momenta, and the shape of the places."""
     solution = motion.solution
     pairs = {**q, **{name: Pair(x, 0 * x) for name, x in ignorable.items()}}
     some = next(iter(pairs.values())).high
-    p = {}
+    p: dict[str, Pair] = {}
     for c in solution.system.coordinates:
         if c.name in shell:
             p[c.name] = Pair(shell[c.name], 0 * shell[c.name])
             if solution.shift[c.name] != 0:
-                moved = _run(motion, (solution.shift[c.name],), pairs, {}, DoubleDouble())[0]
+                moved = _run(motion, (solution.shift[c.name],), pairs, {}, DoubleDouble(), _constant)[0]
                 p[c.name] = DoubleDouble().sub(p[c.name], moved)
         else:
             constant = _constant(motion.initial.values[c.momentum])
@@ -317,14 +251,23 @@ def _in_two_doubles(
 
 
 def _run(
-    motion: SeparatedMotion, formulas: tuple[sp.Expr, ...], q: Mapping[str, Any], p: Mapping[str, Any], arithmetic: Any
-) -> list[Any]:
+    motion: SeparatedMotion,
+    formulas: tuple[sp.Expr, ...],
+    q: Mapping[str, N],
+    p: Mapping[str, N],
+    arithmetic: Arithmetic[N],
+    constant: Callable[[sp.Expr], N],
+) -> list[N]:
+    """Formulas in an arithmetic, their constants brought into it by a rule."""
     variables, numbers, fixed = _arguments(motion, q, p)
-    constants: list[Any] = [_constant(value) for value in fixed.values()]
-    if isinstance(arithmetic, RunningError):
-        constants = [Rounded(x, _rounding(x)) for x in constants]
+    constants = [constant(value) for value in fixed.values()]
     with np.errstate(all="ignore"):
         return tape_of(formulas, (*variables, *fixed)).run(arithmetic, [*numbers, *constants])
+
+
+def _rounded_constant(value: sp.Expr) -> Rounded[Pair]:
+    exact = _constant(value)
+    return Rounded(exact, _rounding(exact))
 
 
 @lru_cache(maxsize=256)

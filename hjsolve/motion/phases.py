@@ -4,14 +4,15 @@ from __future__ import annotations
 
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING
 
 import numpy as np
 
 from hjsolve.arithmetic.floats import bits_for, multiprecision
+from hjsolve.arithmetic.number_types import Elementwise, Mask, Mpf, Numbers, Reals
 from hjsolve.motion.initial_data import to_bits
 from hjsolve.motion.times import whole_numbers, within_doubles
-from hjsolve.one_coordinate.coordinate_motion import CoordinateMotion, Unbounded
+from hjsolve.one_coordinate.coordinate_motion import CoordinateMotion
 from hjsolve.time_law import open_motion, refine, torus
 from hjsolve.time_law.elapsed_time import halves, relative, relative_exact
 
@@ -30,16 +31,19 @@ class Phases:
         ended: True where the motion has ended before.
     """
 
-    time: tuple[Any, Any]
-    exact: list[Any] | None
-    χ: list[Any]
-    whole: list[Any]
-    errors: list[Any]
-    ended: Any
+    time: tuple[Reals, Reals]
+    exact: list[Mpf] | None
+    χ: Sequence[Numbers]
+    whole: Sequence[Reals]
+    errors: Sequence[Numbers]
+    ended: Mask
 
 
 def phases_at(
-    motion: SeparatedMotion, floats: Any | None, exact: list[Any], time: tuple[Any, Any] | None = None
+    motion: SeparatedMotion,
+    floats: Reals | None,
+    exact: Sequence[Callable[[int], Mpf]],
+    time: tuple[Reals, Reals] | None = None,
 ) -> Phases:
     """Solve Jacobi's equations at the times t (or at times relative to t₀ already).
 
@@ -68,11 +72,14 @@ def phases_at(
         whole_numbers(cycles)
     χ = [_where_it_goes_on(ended, x, c) for x, c in zip(χ, _courses(motion), strict=True)]
     if many and precise is not None:
-        χ, errors = _refined_where(~ended, motion, χ, whole, precise, bits)
+        refined, errors_left = _refined_where(~ended, motion, χ, whole, precise, bits)
+        return Phases(time, precise, refined, whole, errors_left, ended)
     return Phases(time, precise if many else None, χ, whole, errors, ended)
 
 
-def solve_phases(motion: SeparatedMotion, time: tuple[Any, Any]) -> tuple[list[Any], list[Any], list[Any], Any]:
+def solve_phases(
+    motion: SeparatedMotion, time: tuple[Reals, Reals]
+) -> tuple[list[Reals], list[Reals], list[Reals], Mask]:
     """Return phases, whole turns, error bounds and "has ended" at times relative to t₀ (two doubles, shape (m,)).
 
     Args:
@@ -80,25 +87,23 @@ def solve_phases(motion: SeparatedMotion, time: tuple[Any, Any]) -> tuple[list[A
         time: t − t₀ as two doubles, shape (m,).
     """
     never = np.zeros(time[0].shape, dtype=bool)
-    if motion.equations is None:
-        return [], [], [], never
-    if isinstance(motion.equations, torus.TorusEquations):
-        return *torus.torus_phases(motion.equations, time), never
-    return open_motion.open_phases(motion.equations, time)
+    if motion.torus is not None:
+        return *torus.torus_phases(motion.torus, time), never
+    return ([], [], [], never) if motion.scheme is None else open_motion.open_phases(motion.scheme, time)
 
 
 def _courses(motion: SeparatedMotion) -> Sequence[CoordinateMotion]:
     return motion.equations.courses if motion.equations is not None else ()
 
 
-def _where_it_goes_on(ended: Any, χ: Any, course: CoordinateMotion) -> Any:
+def _where_it_goes_on(ended: Mask, χ: Reals, course: CoordinateMotion) -> Reals:
     """Phases, and that of the start where the motion has ended: at an end itself momenta may be infinite."""
     return np.where(ended, float(course.start), χ) if ended.any() else χ
 
 
 def _refined_where(
-    going: Any, motion: SeparatedMotion, χ: list[Any], whole: list[Any], precise: list[Any], bits: int
-) -> tuple[list[Any], list[Any]]:
+    going: Mask, motion: SeparatedMotion, χ: list[Reals], whole: list[Reals], precise: list[Mpf], bits: int
+) -> tuple[Sequence[Numbers], Sequence[Numbers]]:
     """Phases in many digits where the motion goes on; where it has ended there is nothing to refine."""
     if going.all():
         return _refined(motion, χ, whole, precise, bits)
@@ -113,44 +118,17 @@ def _refined_where(
 
 
 def _refined(
-    motion: SeparatedMotion, χ: list[Any], whole: list[Any], precise: list[Any], bits: int
-) -> tuple[list[Any], list[Any]]:
-    if motion.equations is None:
+    motion: SeparatedMotion, χ: list[Reals], whole: list[Reals], precise: list[Mpf], bits: int
+) -> tuple[Sequence[Numbers], Sequence[Numbers]]:
+    if motion.torus is not None:
+        return refine.on_torus(motion.torus, χ, whole, precise, bits)
+    if motion.scheme is None:
         return χ, []
-    if isinstance(motion.equations, torus.TorusEquations):
-        return refine.on_torus(motion.equations, χ, whole, precise, bits)
-    full = [phase + 2 * np.pi * n for phase, n in zip(χ, whole, strict=True)]
-    courses = [_with_reaches(c, x) for c, x in zip(motion.equations.courses, full, strict=True)]
-    found, errors = refine.unbounded(courses, motion.equations.equations, full, precise, bits)
-    turn = 2 * multiprecision(bits).pi
+    full: list[Reals] = [phase + 2 * np.pi * n for phase, n in zip(χ, whole, strict=True)]
+    courses = [c.covering(x) for c, x in zip(motion.scheme.courses, full, strict=True)]
+    found, errors = refine.unbounded(courses, motion.scheme.equations, full, precise, bits)
+    turn: Elementwise = 2 * multiprecision(bits).pi
     return [x - turn * n.astype(int) for x, n in zip(found, whole, strict=True)], errors
-
-
-def with_reach(course: CoordinateMotion, χ: Any) -> CoordinateMotion:
-    """Return an open course that holds enough panels for some phases, on either side of 0; others as they are.
-
-    Args:
-        course: of one coordinate.
-        χ: phases, shape (m,).
-    """
-    return _with_reach(course, float(np.max(np.abs(χ), initial=0)), None)
-
-
-def _with_reach(course: CoordinateMotion, ahead: float, back: float | None) -> CoordinateMotion:
-    if not isinstance(course, Unbounded):
-        return course
-    least = max(1.0, abs(float(course.start)))
-    return Unbounded(
-        course.kind, course.ahead, course.behind, course.start, (None, 1.001 * max(least, ahead)),
-        None if back is None else 1.001 * max(least, back),
-    )  # fmt: skip
-
-
-def _with_reaches(course: CoordinateMotion, χ: Any) -> CoordinateMotion:
-    """The same, with panels on each side as far as there are phases."""
-    alone = isinstance(course, Unbounded) and course.ahead is course.behind
-    back = None if alone else float(np.max(-χ, initial=0))
-    return _with_reach(course, float(np.max(np.abs(χ) if alone else χ, initial=0)), back)
 
 
 def courses_of(motion: SeparatedMotion, phases: Phases) -> list[CoordinateMotion]:
@@ -165,9 +143,9 @@ def courses_of(motion: SeparatedMotion, phases: Phases) -> list[CoordinateMotion
     """
     if motion.equations is None:
         return []
-    return [_with_reaches(c, x) for c, x in zip(motion.equations.courses, phases.χ, strict=True)]
+    return [c.covering(x) for c, x in zip(motion.equations.courses, phases.χ, strict=True)]
 
 
-def _rule(x: float) -> Callable[[int], Any]:
+def _rule(x: float) -> Callable[[int], Mpf]:
     """A float as the exact number it is."""
     return lambda bits: multiprecision(bits).convert(float(x))

@@ -2,16 +2,16 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Callable, Mapping
 from functools import lru_cache
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING
 
 import numpy as np
 import sympy as sp
 
 from hjsolve.arithmetic.error_free import split
 from hjsolve.arithmetic.floats import Float64, Multi, bits_for, multiprecision
-from hjsolve.arithmetic.number_types import Elementwise
+from hjsolve.arithmetic.number_types import Elementwise, Mpf, Numbers, Reals
 from hjsolve.arithmetic.running_error import RunningError
 from hjsolve.arithmetic.running_error import WithErrorBound as Rounded
 from hjsolve.arithmetic.tape import Tape
@@ -19,11 +19,11 @@ from hjsolve.lowering import lower
 from hjsolve.mechanics.system import velocities
 from hjsolve.motion.initial_data import to_bits
 from hjsolve.motion.phases import Phases, courses_of
-from hjsolve.one_coordinate.coordinate_motion import Periodic, arithmetic_of
+from hjsolve.one_coordinate.coordinate_motion import arithmetic_of
 from hjsolve.one_coordinate.fourier_series import FourierSeries
 from hjsolve.time_law.phase_reduction import principal as principal_of_doubles
 from hjsolve.time_law.phase_reduction import turns_and_rest
-from hjsolve.time_law.torus import TorusEquations, mean_rate, oscillation
+from hjsolve.time_law.torus import mean_rate, oscillation
 
 if TYPE_CHECKING:
     from hjsolve.motion.separated import SeparatedMotion
@@ -39,7 +39,9 @@ def constant_index(motion: SeparatedMotion, name: str) -> int:
     return list(motion.solution.constants).index(motion.solution.system.coordinate(name).momentum.name)
 
 
-def positions_at(motion: SeparatedMotion, phases: Phases) -> tuple[dict[str, Any], dict[str, Any], dict[str, Any]]:
+def positions_at(
+    motion: SeparatedMotion, phases: Phases
+) -> tuple[dict[str, Numbers], dict[str, Numbers], dict[str, Numbers]]:
     """Return q, canonical p, and whole turns of the angles.
 
     Args:
@@ -49,13 +51,14 @@ def positions_at(motion: SeparatedMotion, phases: Phases) -> tuple[dict[str, Any
     Returns:
         Coordinate → array of shape (m,), three times; turns of angles only.
     """
-    q, shell, whole = {}, {}, {}
+    q: dict[str, Numbers] = {}
+    shell: dict[str, Numbers] = {}
+    whole: dict[str, Numbers] = {}
     for name, course, χ, n in zip(
         motion.solution.coordinates, courses_of(motion, phases), phases.χ, phases.whole, strict=True
     ):
         q[name], shell[name] = course.place(χ)
-        rotating = isinstance(course, Periodic) and not course.anomaly.even
-        whole[name] = course.anomaly.direction * n if rotating else 0 * n  # type: ignore[union-attr]
+        whole[name] = course.direction * n if course.rotates else 0 * n
     for coordinate in motion.solution.system.coordinates:
         if coordinate.name not in q:
             q[coordinate.name], whole[coordinate.name] = _ignorable(motion, phases, coordinate.name, q)
@@ -70,7 +73,7 @@ def positions_at(motion: SeparatedMotion, phases: Phases) -> tuple[dict[str, Any
     return {n: q[n] for n in names}, p, {n: whole[n] for n in names if n in whole}
 
 
-def principal_values(angle: Any) -> tuple[Any, Any]:
+def principal_values(angle: Numbers) -> tuple[Numbers, Numbers]:
     """Reduce to (−π, π] and count the turns taken away.
 
     Args:
@@ -80,16 +83,20 @@ def principal_values(angle: Any) -> tuple[Any, Any]:
         The angle in (−π, π], and the turns taken away; shape (m,) each.
     """
     arithmetic = arithmetic_of(angle)
-    if isinstance(arithmetic, Float64):
-        return principal_of_doubles(angle)
+    return arithmetic.choose(
+        lambda _: principal_of_doubles(angle.astype(float, copy=False)), lambda many: _principal_of_digits(angle, many)
+    )
+
+
+def _principal_of_digits(angle: Numbers, arithmetic: Multi) -> tuple[Numbers, Numbers]:
     context, turn = arithmetic.context, 2 * arithmetic.pi()
     n = np.array([int(context.ceil((x - context.pi) / turn)) for x in angle])
     return np.array([x - turn * int(k) for x, k in zip(angle, n, strict=True)], dtype=object), n
 
 
 def canonical_momenta(
-    motion: SeparatedMotion, q: Mapping[str, Any], shell: Mapping[str, Any], wanted: list[str]
-) -> dict[str, Any]:
+    motion: SeparatedMotion, q: Mapping[str, Numbers], shell: Mapping[str, Numbers], wanted: list[str]
+) -> dict[str, Numbers]:
     """Canonical momenta: p = P − A for separated coordinates, the constants for ignorable ones.
 
     Args:
@@ -114,7 +121,9 @@ def canonical_momenta(
     return result
 
 
-def coordinate_velocities(motion: SeparatedMotion, q: Mapping[str, Any], p: Mapping[str, Any]) -> dict[str, Any]:
+def coordinate_velocities(
+    motion: SeparatedMotion, q: Mapping[str, Numbers], p: Mapping[str, Numbers]
+) -> dict[str, Numbers]:
     """Return dq/dt of every coordinate.
 
     Args:
@@ -137,8 +146,8 @@ def tape_of(formulas: tuple[sp.Expr, ...], arguments: tuple[sp.Symbol, ...]) -> 
 
 
 def evaluate_along(
-    motion: SeparatedMotion, formulas: tuple[sp.Expr, ...], q: Mapping[str, Any], p: Mapping[str, Any]
-) -> list[Any]:
+    motion: SeparatedMotion, formulas: tuple[sp.Expr, ...], q: Mapping[str, Numbers], p: Mapping[str, Numbers]
+) -> list[Numbers]:
     """Evaluate formulas in coordinates, momenta, constants and parameters along the motion.
 
     Args:
@@ -158,19 +167,20 @@ def evaluate_along(
     ]
     fixed = {s: v for s, v in motion.initial.values.items() if s not in variables}
     tape = tape_of(tuple(formulas), tuple(variables) + tuple(fixed))
-    many = arrays[0].dtype == object
-    bits = arrays[0].flat[0].context.prec if many else 64
-    numbers = [to_bits(v)(bits) if many else float(to_bits(v)(64)) for v in fixed.values()]
-    if many:
-        rows = [tape.run(Multi(bits), [*row, *numbers]) for row in zip(*arrays, strict=True)]
+    if arrays[0].dtype == object:
+        some: Elementwise = arrays[0].flat[0]
+        bits = some.context.prec
+        constants = [to_bits(v)(bits) for v in fixed.values()]
+        rows = [tape.run(Multi(bits), [*row, *constants]) for row in zip(*arrays, strict=True)]
         return [np.array(column, dtype=object) for column in zip(*rows, strict=True)]
+    numbers = [float(to_bits(v)(64)) for v in fixed.values()]
     with np.errstate(all="ignore"):
         return [np.broadcast_to(value, arrays[0].shape) for value in tape.run(Float64(), [*arrays, *numbers])]
 
 
 def rounding(
-    motion: SeparatedMotion, formulas: tuple[sp.Expr, ...], q: Mapping[str, Any], p: Mapping[str, Any]
-) -> list[Any]:
+    motion: SeparatedMotion, formulas: tuple[sp.Expr, ...], q: Mapping[str, Numbers], p: Mapping[str, Numbers]
+) -> list[Reals | float]:
     """Bound what evaluating formulas in doubles loses, cancellation included (``arithmetic.running_error``).
 
     Args:
@@ -193,7 +203,7 @@ def rounding(
     return [2 * (0.0 if x.error is None else x.error) for x in found]
 
 
-def travelled(motion: SeparatedMotion, phases: Phases, name: str, q: Mapping[str, Any]) -> Any:
+def travelled(motion: SeparatedMotion, phases: Phases, name: str, q: Mapping[str, Numbers]) -> Numbers:
     """Return how far an ignorable coordinate has come since t₀; an angle with all its turns.
 
     Args:
@@ -205,7 +215,7 @@ def travelled(motion: SeparatedMotion, phases: Phases, name: str, q: Mapping[str
     return _grown_from(motion, phases, name, q, to_bits(sp.S.Zero), angle=False)[0]
 
 
-def _ignorable(motion: SeparatedMotion, phases: Phases, name: str, q: Mapping[str, Any]) -> tuple[Any, Any]:
+def _ignorable(motion: SeparatedMotion, phases: Phases, name: str, q: Mapping[str, Numbers]) -> tuple[Numbers, Numbers]:
     """An ignorable coordinate, and the whole turns taken from it."""
     coordinate = motion.solution.system.coordinate(name)
     begin = to_bits(motion.initial.values[coordinate.symbol])
@@ -213,44 +223,50 @@ def _ignorable(motion: SeparatedMotion, phases: Phases, name: str, q: Mapping[st
 
 
 def _grown_from(
-    motion: SeparatedMotion, phases: Phases, name: str, q: Mapping[str, Any], begin: Any, *, angle: bool
-) -> tuple[Any, Any]:
+    motion: SeparatedMotion,
+    phases: Phases,
+    name: str,
+    q: Mapping[str, Numbers],
+    begin: Callable[[int], Mpf],
+    *,
+    angle: bool,
+) -> tuple[Numbers, Numbers]:
     """φ(t) = φ₀ − Σᵢ [Gᵢ(χᵢ) − Gᵢ(χᵢ⁰)] + ∂χ/∂c: Greenwood (5-83). On a torus the mean growth is reduced exactly."""
-    solution, equations = motion.solution, motion.equations
+    solution, torus = motion.solution, motion.torus
     coordinate = solution.system.coordinate(name)
-    if equations is None:
+    if motion.equations is None:
         rate = to_bits(sp.diff(solution.separation.shell.potential, coordinate.momentum).subs(motion.initial.values))(
             256
         )
         return grown(begin, rate, phases.time, phases.exact, angle, 0)
     j = constant_index(motion, name)
     gauge = gauge_angle(motion, coordinate.momentum, q)
-    if isinstance(equations, TorusEquations):
+    if torus is not None:
         wave = gauge
-        for i, bounded in enumerate(equations.courses):
-            series = oscillation(equations, i, j)
+        for i, bounded in enumerate(torus.courses):
+            series = oscillation(torus, i, j)
             if len(series.cosines):
                 wave = wave + _rise(series, phases.χ[i], bounded.start)
-        return grown(begin, mean_rate(equations, j), phases.time, phases.exact, angle, wave)
+        return grown(begin, mean_rate(torus, j), phases.time, phases.exact, angle, wave)
     total = gauge
     for course, χ, n in zip(courses_of(motion, phases), phases.χ, phases.whole, strict=True):
         first = np.array([course.start], dtype=object) if χ.dtype == object else np.array([float(course.start)])
         total = total - (course.integral(j, χ) - course.integral(j, first)[0])
-        if isinstance(course, Periodic) and n.any():
+        if course.cycle is not None and n.any():
             turn = 2 * multiprecision(bits_for(motion.digits, 96)).pi if χ.dtype == object else 2 * np.pi
-            growth = course.growth(j) if χ.dtype == object else float(course.growth(j))
+            growth = course.cycle.growth(j) if χ.dtype == object else float(course.cycle.growth(j))
             total = total - n.astype(int) * (turn * growth)
     return grown(begin, 0, phases.time, phases.exact, angle, total)
 
 
-def _rise(series: FourierSeries, χ: Any, start: Any) -> Any:
+def _rise(series: FourierSeries, χ: Numbers, start: Mpf | int) -> Numbers:
     """Ripple at χ minus ripple at the start."""
     if χ.dtype == object:
         return np.array([series.ripple(x) for x in χ], dtype=object) - series.ripple(start)
     return series.ripple(χ) - series.ripple(np.array([float(start)]))
 
 
-def gauge_angle(motion: SeparatedMotion, constant: sp.Symbol, q: Mapping[str, Any]) -> Any:
+def gauge_angle(motion: SeparatedMotion, constant: sp.Symbol, q: Mapping[str, Numbers]) -> Numbers | int:
     """∂χ/∂c at q minus its value at the start; 0 where no shift was made.
 
     Args:
@@ -261,14 +277,19 @@ def gauge_angle(motion: SeparatedMotion, constant: sp.Symbol, q: Mapping[str, An
     formula = sp.diff(motion.solution.shift_potential, constant)
     if formula == 0:
         return 0
-    begin = to_bits(formula.subs(motion.initial.values))(bits_for(motion.digits, 64))
+    begin: Elementwise = to_bits(formula.subs(motion.initial.values))(bits_for(motion.digits, 64))
     values = evaluate_along(motion, (formula,), q, {})[0]
     return values - (float(begin) if values.dtype != object else begin)
 
 
 def grown(
-    begin: Any, rate: Any, time: tuple[Any, Any], exact: list[Any] | None, angle: bool, wave: Any
-) -> tuple[Any, Any]:
+    begin: Callable[[int], Mpf],
+    rate: Mpf | int,
+    time: tuple[Reals, Reals],
+    exact: list[Mpf] | None,
+    angle: bool,
+    wave: Numbers | float,
+) -> tuple[Numbers, Numbers]:
     """Return begin + rate·(t − t₀) + wave, with whole turns of the growth taken out.
 
     Args:

@@ -4,29 +4,31 @@ from __future__ import annotations
 
 from collections.abc import Mapping
 from dataclasses import replace
-from typing import Any
 
 import numpy as np
 import sympy as sp
 
 from hjsolve.arithmetic.estimate import Estimate
 from hjsolve.arithmetic.floats import Multi, bits_for, multiprecision
+from hjsolve.arithmetic.number_types import Mpf
 from hjsolve.lowering import lower
+from hjsolve.mechanics.coordinates_and_parameters import Coordinate
 from hjsolve.motion.initial_data import Initial, to_bits
 from hjsolve.one_coordinate.allowed_regions import AllowedRegion
 from hjsolve.one_coordinate.classify import Located
-from hjsolve.one_coordinate.coordinate_motion import AtRest, Periodic
 from hjsolve.solution.quadratures import Solution
-from hjsolve.time_law.open_motion import TriangularScheme
+from hjsolve.time_law.open_motion import DecoupledStep, TriangularScheme
 from hjsolve.time_law.torus import TorusEquations, mean_rate
 
+Equations = TorusEquations | TriangularScheme
+"""Jacobi's equations made ready for inversion."""
 FLOAT_DIGITS = 15
 _NORMAL, _LEAST = 2.0**-1022, 2.0**-1074
 """Doubles below the first have fewer digits; the second is the smallest."""
 """Up to here results are doubles, above they are ``mpf``."""
 
 
-def rounded(value: Any, digits: int, nodes: int = 0) -> Estimate:
+def rounded(value: float | Mpf, digits: int, nodes: int = 0) -> Estimate:
     """Round a number computed with many digits to spare.
 
     Args:
@@ -73,17 +75,8 @@ def turning_points_of(place: Located | AllowedRegion, digits: int) -> tuple[Esti
     return lower_end, upper_end
 
 
-def _blurred(estimate: Estimate, blur: Any) -> Estimate:
+def _blurred(estimate: Estimate, blur: float | Mpf) -> Estimate:
     return replace(estimate, error=estimate.error + (float(blur) if isinstance(estimate.value, float) else blur))
-
-
-def nodes_of(course: Any) -> int:
-    """Return the quadrature nodes behind a course.
-
-    Args:
-        course: of one coordinate; 0 for one that is not periodic.
-    """
-    return max((s.nodes for s in course.kernels), default=0) if isinstance(course, Periodic) else 0
 
 
 def actions(solution: Solution, initial: Initial, located: Mapping[str, Located], digits: int) -> dict[str, Estimate]:
@@ -107,18 +100,15 @@ def actions(solution: Solution, initial: Initial, located: Mapping[str, Located]
                 )
             continue
         course = located[coordinate.name].course
-        if isinstance(course, AtRest) and course.stable:
-            result[coordinate.name] = rounded(0, digits)
-        elif isinstance(course, Periodic):
-            assert course.action is not None  # it was asked for
-            value = course.action * course.anomaly.direction
-            if not course.anomaly.even:
+        value = course.signed_action
+        if value is not None:
+            if course.rotates:
                 value -= _mean_shift(solution, initial, coordinate, digits)
-            result[coordinate.name] = rounded(value, digits, nodes_of(course))
+            result[coordinate.name] = rounded(value, digits, course.nodes)
     return result
 
 
-def _mean_shift(solution: Solution, initial: Initial, coordinate: Any, digits: int) -> Any:
+def _mean_shift(solution: Solution, initial: Initial, coordinate: Coordinate, digits: int) -> Mpf | int:
     """(1/2π) ∫ A dq over a turn: what the shift p = P − A adds to the action of a rotation."""
     A = solution.shift[coordinate.name]
     if A == 0:
@@ -129,7 +119,7 @@ def _mean_shift(solution: Solution, initial: Initial, coordinate: Any, digits: i
     return context.fsum(tape.run(Multi(bits), [2 * context.pi * k / nodes])[0] for k in range(nodes)) / nodes
 
 
-def frequencies(solution: Solution, initial: Initial, equations: Any, digits: int) -> dict[str, Estimate]:
+def frequencies(solution: Solution, initial: Initial, equations: Equations | None, digits: int) -> dict[str, Estimate]:
     """Ω = ∂H/∂J: the growth of the phases, and of the ignorable angles with them.
 
     Args:
@@ -145,27 +135,26 @@ def frequencies(solution: Solution, initial: Initial, equations: Any, digits: in
     if equations is None:
         return _free_rates(solution, initial, digits, angles=True)
     result = {}
-    if isinstance(equations, TorusEquations):
+    if (torus := equations.torus) is not None:
         for k, name in enumerate(names):
-            course = equations.courses[k]
-            if not (isinstance(course, AtRest) and not course.stable):
-                direction = course.anomaly.direction if isinstance(course, Periodic) else 1
-                result[name] = rounded(direction * equations.rates[k], digits, nodes_of(course))
-        result |= _ignorable_rates(solution, equations, digits, angles=True)
+            course = torus.courses[k]
+            if course.stable:
+                result[name] = rounded(course.direction * torus.rates[k], digits, course.nodes)
+        result |= _ignorable_rates(solution, torus, digits, angles=True)
         return {c.name: result[c.name] for c in system.coordinates if c.name in result}
-    for step in equations.steps:
-        course = equations.courses[step.index]
-        if (isinstance(course, Periodic) and step == equations.steps[0]) or (
-            isinstance(course, Periodic) and step.weights[0] and _alone(equations, step)
-        ):
-            mean = sum(w * series.mean for w, series in zip(step.weights, course.kernels, strict=False))
-            result[names[step.index]] = rounded(
-                course.anomaly.direction * step.weights[0] / mean, digits, nodes_of(course)
-            )
+    scheme = equations.scheme
+    assert scheme is not None
+    for step in scheme.steps:
+        cycle = scheme.courses[step.index].cycle
+        if cycle is not None and (step == scheme.steps[0] or (step.weights[0] and _alone(scheme, step))):
+            mean = sum(w * series.mean for w, series in zip(step.weights, cycle.kernels, strict=False))
+            result[names[step.index]] = rounded(cycle.direction * step.weights[0] / mean, digits, cycle.nodes)
     return {name: f for name, f in result.items() if f.value}
 
 
-def mean_velocities(solution: Solution, initial: Initial, equations: Any, digits: int) -> dict[str, Estimate]:
+def mean_velocities(
+    solution: Solution, initial: Initial, equations: Equations | None, digits: int
+) -> dict[str, Estimate]:
     """⟨dq/dt⟩ = ∂H/∂c, at constant actions, of the ignorable coordinates that are no angles (Greenwood (5-83)).
 
     Args:
@@ -179,7 +168,8 @@ def mean_velocities(solution: Solution, initial: Initial, equations: Any, digits
     """
     if equations is None:
         return _free_rates(solution, initial, digits, angles=False)
-    return _ignorable_rates(solution, equations, digits, angles=False) if isinstance(equations, TorusEquations) else {}
+    torus = equations.torus
+    return {} if torus is None else _ignorable_rates(solution, torus, digits, angles=False)
 
 
 def _ignorable_rates(
@@ -196,22 +186,14 @@ def _ignorable_rates(
 def _ignorable_rate(equations: TorusEquations, j: int, digits: int) -> Estimate:
     """The mean growth of an ignorable angle, a sum that may cancel: what is below the noise of its terms is zero."""
     value = mean_rate(equations, j)
-    sizes = [abs(rate) * _swing(c, j) for rate, c in zip(equations.rates, equations.courses, strict=True)]
+    sizes = [abs(rate) * c.swing(j) for rate, c in zip(equations.rates, equations.courses, strict=True)]
     noise = sum(sizes) * multiprecision(64).mpf(10) ** (-2 * digits)
-    nodes = max(nodes_of(x) for x in equations.courses)
+    nodes = max(c.nodes for c in equations.courses)
     plain = rounded(value if abs(value) > noise else 0, digits, nodes)
     return Estimate(plain.value, plain.error + (noise if digits > FLOAT_DIGITS else float(noise)), nodes=nodes)
 
 
-def _swing(course: Any, j: int) -> Any:
-    """Size of the values whose mean a growth is, or of the terms it is the sum of."""
-    if isinstance(course, AtRest):
-        return course.sizes[j]
-    waves: Any = abs(course.kernels[j].cosines) if isinstance(course, Periodic) else []
-    return abs(course.growth(j)) + sum(waves)
-
-
-def _alone(scheme: TriangularScheme, step: Any) -> bool:
+def _alone(scheme: TriangularScheme, step: DecoupledStep) -> bool:
     """True when a coordinate's equation holds none of the other coordinates."""
     others = [c for i, c in enumerate(scheme.courses) if i != step.index]
     phase = np.array([0.7])

@@ -5,12 +5,12 @@ from __future__ import annotations
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass, replace
 from functools import partial
-from typing import Any
 
 import sympy as sp
 
 from hjsolve.arithmetic.estimate import Estimate
 from hjsolve.arithmetic.floats import bits_for
+from hjsolve.arithmetic.number_types import Mpf
 from hjsolve.display.shown import Shown
 from hjsolve.errors import NotConvergedError
 from hjsolve.lowering import momentum_squared_tapes
@@ -18,7 +18,6 @@ from hjsolve.motion import quantities
 from hjsolve.motion.initial_data import ZERO_BITS, InBits, Initial, domain_ends, expanded, sign, to_bits
 from hjsolve.one_coordinate.allowed_regions import forbidden
 from hjsolve.one_coordinate.classify import Located, locate
-from hjsolve.one_coordinate.coordinate_motion import Unbounded
 from hjsolve.one_coordinate.coordinate_start import CoordinateStart
 from hjsolve.one_coordinate.momentum_squared import MomentumSquared, has_period
 from hjsolve.solution.quadratures import Solution
@@ -56,6 +55,16 @@ class SeparatedMotion(Shown):
     turning_points: Mapping[str, tuple[Estimate | None, Estimate | None]]
     frequencies: Mapping[str, Estimate]
 
+    @property
+    def torus(self) -> TorusEquations | None:
+        """The equations in angle form, where every coordinate is bounded."""
+        return None if self.equations is None else self.equations.torus
+
+    @property
+    def scheme(self) -> TriangularScheme | None:
+        """The equations as they stand, where some coordinate does not come back."""
+        return None if self.equations is None else self.equations.scheme
+
 
 def separated_motion(
     solution: Solution, initial: Initial, t0: sp.Expr, digits: int, parts: frozenset[str]
@@ -76,7 +85,7 @@ def separated_motion(
     begins = {name: replace(coordinate_start(solution, initial, name), parts=parts) for name in solution.coordinates}
     located = {name: locate(checked(begin), digits) for name, begin in begins.items()}
     courses = [located[name].course for name in solution.coordinates]
-    bounded = [c for c in courses if not isinstance(c, Unbounded)]
+    bounded = [stays for c in courses if (stays := c.bounded) is not None]
     equations: TorusEquations | TriangularScheme | None = None
     if courses and "time" in parts:
         equations = torus_equations(bounded, bits_for(digits, 128)) if len(bounded) == len(courses) else plan(courses)
@@ -126,11 +135,11 @@ def coordinate_start(solution: Solution, initial: Initial, name: str) -> Coordin
     return CoordinateStart(name, radicand, place, forward, ends[0], ends[1], angle, absent)
 
 
-def _at_bits(rules: list[InBits], bits: int) -> list[Any]:
+def _at_bits(rules: list[InBits], bits: int) -> list[Mpf]:
     return [rule(bits) for rule in rules]
 
 
-def _square(root: Callable[[int], Any]) -> Callable[[int], Any]:
+def _square(root: Callable[[int], Mpf]) -> Callable[[int], Mpf]:
     """The square p² of a root that may be what two large numbers leave."""
     return lambda bits: root(bits + ZERO_BITS) ** 2
 

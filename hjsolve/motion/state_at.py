@@ -7,8 +7,10 @@ from functools import cache
 from typing import Any
 
 import numpy as np
+from numpy.typing import NDArray
 
 from hjsolve.arithmetic.floats import multiprecision
+from hjsolve.arithmetic.number_types import Mask, Numbers, Reals
 from hjsolve.mechanics.system import velocities
 from hjsolve.motion.endings import end_statuses
 from hjsolve.motion.initial_data import to_bits
@@ -30,12 +32,11 @@ from hjsolve.motion.state import Errors, State
 from hjsolve.motion.state_errors import errors_of_state, table_errors
 from hjsolve.motion.tabulated import FEWEST, DenseOutput, OnDemand, dense_output, needs_table
 from hjsolve.motion.times import read_times, whole_numbers, within_doubles
-from hjsolve.one_coordinate.coordinate_motion import Periodic
 from hjsolve.time_law.elapsed_time import halves, relative, relative_exact
-from hjsolve.time_law.torus import TorusEquations, mean_rate
+from hjsolve.time_law.torus import mean_rate
 
 
-def state_at_times(motion: SeparatedMotion, t: Any, digits: int | None = None) -> State:
+def state_at_times(motion: SeparatedMotion, t: object, digits: int | None = None) -> State:
     """Return the state at a time or times; see ``Motion.at``.
 
     Args:
@@ -63,14 +64,14 @@ def state_at_times(motion: SeparatedMotion, t: Any, digits: int | None = None) -
     v = coordinate_velocities(motion, q, p)
     sharp = None if phases.exact is not None else blurred(motion, q, p)
     if sharp is not None and sharp.any():
-        v = sharpened_velocities(motion, courses_of(motion, phases), phases.χ, q, v, sharp)
+        v = sharpened_velocities(motion, courses_of(motion, phases), [x.astype(float) for x in phases.χ], q, v, sharp)
     status = end_statuses(motion, phases.time, phases.ended)
     turns = {name: whole_numbers(n) for name, n in whole.items()}
     for group in (q, p, v):
         for name, values in group.items():
             group[name] = np.where(phases.ended, np.nan, values) if phases.ended.any() else values
 
-    def reshaped(group: Mapping[str, Any]) -> dict[str, Any]:
+    def reshaped(group: Mapping[str, NDArray[Any]]) -> dict[str, Any]:
         return {name: shaped(values, shape) for name, values in group.items()}
 
     def errors() -> Errors:
@@ -98,7 +99,7 @@ def _lacking(motion: SeparatedMotion, phases: Phases, wanted: int) -> int:
 
 
 def _tabulated(
-    motion: SeparatedMotion, table: DenseOutput, t: Any, time: tuple[Any, Any], shape: tuple[int, ...] | None
+    motion: SeparatedMotion, table: DenseOutput, t: object, time: tuple[Reals, Reals], shape: tuple[int, ...] | None
 ) -> State:
     """The state from a table: every quantity is worked out when it is read."""
     system = motion.solution.system
@@ -108,53 +109,52 @@ def _tabulated(
     angles = tuple(c.name for c in system.coordinates if c.domain.kind == "angle")
     names = tuple(c.name for c in system.coordinates)
 
-    def place(name: str) -> tuple[Any, Any]:
+    def place(name: str) -> tuple[Numbers, Numbers]:
+        value: Numbers
+        count: Numbers
         if name == separated:
-            value, count = table.table.evaluate([0], θ)[0], 0.0
             course = motion.located[name].course
-            if isinstance(course, Periodic) and not course.anomaly.even:
-                count = course.anomaly.direction * whole
+            value, count = table.table.evaluate([0], θ)[0], course.direction * whole if course.rotates else 0.0 * whole
         else:
             index, begin = table.waves[name]
             wave = table.table.evaluate([index], θ)[0] - begin
             coordinate = system.coordinate(name)
             gauge = gauge_angle(motion, coordinate.momentum, q) if motion.solution.shift_potential != 0 else 0.0
-            equations = motion.equations
-            rate = mean_rate(equations, constant_index(motion, name)) if isinstance(equations, TorusEquations) else 0
+            rate = 0 if motion.torus is None else mean_rate(motion.torus, constant_index(motion, name))
             value, count = grown(
                 to_bits(motion.initial.values[coordinate.symbol]), rate, time, None, name in angles, wave + gauge
             )
         if ended.any():
             value = np.where(ended, np.nan, value)
         if name not in angles:
-            return value, None
+            return value, count
         value, more = principal_values(value)
         return value, count + more
 
     places = OnDemand(names, place)
     q = OnDemand(names, lambda name: places[name][0])
 
-    def momentum(name: str) -> Any:
+    def momentum(name: str) -> Numbers:
         shell = {separated: table.table.evaluate([1], θ)[0]} if name == separated else {}
         return canonical_momenta(motion, q, shell, [name])[name]
 
     p = OnDemand(names, momentum)
 
-    def velocity(name: str) -> Any:
+    def velocity(name: str) -> Numbers:
         value = evaluate_along(motion, (velocities(system)[name],), q, p)[0]
         if table.ends is None or not sharp().any():
             return value
         return sharpened_from_table(motion, table, θ, q, {name: value}, sharp())[name]
 
     @cache
-    def sharp() -> Any:
+    def sharp() -> Mask:
         return blurred(motion, q, p)
 
     def errors() -> Errors:
         groups = table_errors(motion, table, θ, q, p, v, None if table.ends is None else sharp())
         return Errors(*({n: shaped(values, shape) for n, values in group.items()} for group in groups))
 
-    def view(source: Mapping[str, Any], chosen: tuple[str, ...]) -> OnDemand:
+    def view(source: Mapping[str, Numbers], chosen: tuple[str, ...]) -> OnDemand[Any]:
         return OnDemand(chosen, lambda name: shaped(source[name], shape))
 
     counts = OnDemand(angles, lambda name: shaped(whole_numbers(places[name][1]), shape))
@@ -163,7 +163,7 @@ def _tabulated(
     return State(t, view(q, names), view(p, names), view(v, names), counts, shaped(status, shape), errors)
 
 
-def shaped(values: Any, shape: tuple[int, ...] | None) -> Any:
+def shaped(values: NDArray[Any], shape: tuple[int, ...] | None) -> Any:
     """Return values in the shape of the times; a plain number for a scalar time.
 
     Args:

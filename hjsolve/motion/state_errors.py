@@ -3,21 +3,21 @@
 from __future__ import annotations
 
 from collections.abc import Mapping
-from dataclasses import replace
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING, cast
 
 import numpy as np
 import sympy as sp
 
+from hjsolve.arithmetic.error_free import Pair
 from hjsolve.arithmetic.floats import EPS, Multi, multiprecision
+from hjsolve.arithmetic.number_types import Mask, Numbers, Reals
 from hjsolve.mechanics.system import hamiltonian, velocities
-from hjsolve.motion.near_poles import from_table, grain, lost_in_two_doubles, places, worked_out
+from hjsolve.motion.near_poles import from_table, lost_in_two_doubles, places, worked_out
 from hjsolve.motion.phases import Phases, courses_of
 from hjsolve.motion.positions import constant_index, evaluate_along, rounding
 from hjsolve.motion.tabulated import DenseOutput
-from hjsolve.one_coordinate.coordinate_motion import CoordinateMotion, Periodic, Unbounded
-from hjsolve.one_coordinate.fourier_series import FourierSeries
-from hjsolve.time_law.torus import TorusEquations, oscillation
+from hjsolve.one_coordinate.coordinate_motion import CoordinateMotion
+from hjsolve.time_law.torus import oscillation
 
 if TYPE_CHECKING:
     from hjsolve.motion.separated import SeparatedMotion
@@ -31,11 +31,11 @@ _TABLE = 1e-14
 def errors_of_state(
     motion: SeparatedMotion,
     phases: Phases,
-    q: Mapping[str, Any],
-    p: Mapping[str, Any],
-    whole: Mapping[str, Any],
-    sharp: Any = None,
-) -> tuple[dict[str, Any], dict[str, Any], dict[str, Any]]:
+    q: Mapping[str, Numbers],
+    p: Mapping[str, Numbers],
+    whole: Mapping[str, Numbers],
+    sharp: Mask | None = None,
+) -> tuple[dict[str, Reals], dict[str, Reals], dict[str, Reals]]:
     """Bounds on q, p and velocity from the bounds on the phases.
 
     ``sharp``: where velocities were not worked out from rounded places (``near_poles.blurred``); None where all were.
@@ -63,7 +63,7 @@ def errors_of_state(
         dq[name] = slope_q * e + 4 * unit * size_q + _LEAST
         moved, shift = _shifted(motion, name, q)
         size_p = size_p + shift
-        dp[name] = slope_p * e + moved * dq[name] + (16 + _waves(course, x)) * unit * size_p + _LEAST
+        dp[name] = slope_p * e + moved * dq[name] + (16 + course.momentum_noise(x)) * unit * size_p + _LEAST
     for coordinate in motion.solution.system.coordinates:
         name = coordinate.name
         if name not in dq:
@@ -77,7 +77,7 @@ def errors_of_state(
     return dq, dp, dv
 
 
-def _put_in(errors: dict[str, Any], better: Mapping[str, Any], where: Any) -> None:
+def _put_in(errors: dict[str, Reals], better: Mapping[str, Numbers], where: Mask) -> None:
     for name, values in better.items():
         errors[name] = np.array(np.broadcast_to(errors[name], where.shape))
         errors[name][where] = values
@@ -86,51 +86,51 @@ def _put_in(errors: dict[str, Any], better: Mapping[str, Any], where: Any) -> No
 def _sharp_errors(
     motion: SeparatedMotion,
     courses: list[CoordinateMotion],
-    χ: list[Any],
-    slack: list[Any],
-    q: Mapping[str, Any],
-    where: Any,
-) -> dict[str, Any]:
+    χ: list[Reals],
+    slack: list[Reals],
+    q: Mapping[str, Numbers],
+    where: Mask,
+) -> dict[str, Reals]:
     """Bounds on velocities worked out in two doubles: what the phases leave open, and the last rounding."""
     exact, shell = places(motion, courses, χ)
-    doubts: dict[sp.Symbol, Any] = {}
+    doubts: dict[sp.Symbol, Reals] = {}
     for name, course, x, e in zip(motion.solution.coordinates, courses, χ, slack, strict=True):
         c = motion.solution.system.coordinate(name)
         slope_q, slope_p = _slopes(course, x, e)
         moved, _ = _shifted(motion, name, {n: values[where] for n, values in q.items()})
-        doubts[c.symbol] = slope_q * e + 16 * EPS * grain(course, x) + _LEAST
-        own = slope_p * e + (16 + _waves(course, x)) * EPS * np.abs(shell[name]) + _LEAST
+        doubts[c.symbol] = slope_q * e + 16 * EPS * course.place_grain(x) + _LEAST
+        own = slope_p * e + (16 + course.momentum_noise(x)) * EPS * np.abs(shell[name]) + _LEAST
         doubts[c.momentum] = own + moved * doubts[c.symbol]
     return _by_doubts(motion, doubts, exact, shell, q, where)
 
 
 def _by_doubts(
-    motion: SeparatedMotion, doubts: Mapping[sp.Symbol, Any], exact: Mapping[str, Any], shell: Mapping[str, Any],
-    q: Mapping[str, Any], where: Any,
-) -> dict[str, Any]:  # fmt: skip
+    motion: SeparatedMotion, doubts: Mapping[sp.Symbol, Reals], exact: Mapping[str, Pair], shell: Mapping[str, Numbers],
+    q: Mapping[str, Numbers], where: Mask,
+) -> dict[str, Reals]:  # fmt: skip
     """What doubts of separated coordinates and momenta leave open of the velocities, and the last rounding."""
     rest = {name: values[where] for name, values in q.items() if name not in exact}
     formulas = velocities(motion.solution.system)
     gradients = tuple(sp.diff(f, s) for f in formulas.values() for s in doubts)
     found = worked_out(motion, (*gradients, *formulas.values()), exact, shell, rest)
     lost = lost_in_two_doubles(motion, tuple(formulas.values()), exact, shell, rest)
-    result = {}
+    result: dict[str, Reals] = {}
     for row, name in enumerate(formulas):
         parts = zip(found[row * len(doubts) :], doubts.values(), strict=False)
-        result[name] = sum(np.abs(slope) * doubt for slope, doubt in parts)
-        result[name] = result[name] + lost[row] + 4 * EPS * np.abs(found[len(gradients) + row]) + _LEAST
+        summed = cast("Reals", sum(np.abs(slope) * doubt for slope, doubt in parts))
+        result[name] = summed + lost[row] + 4 * EPS * np.abs(found[len(gradients) + row]) + _LEAST
     return result
 
 
 def table_errors(
     motion: SeparatedMotion,
     table: DenseOutput,
-    θ: Any,
-    q: Mapping[str, Any],
-    p: Mapping[str, Any],
-    v: Mapping[str, Any],
-    sharp: Any = None,
-) -> tuple[dict[str, Any], dict[str, Any], dict[str, Any]]:
+    θ: Reals,
+    q: Mapping[str, Numbers],
+    p: Mapping[str, Numbers],
+    v: Mapping[str, Numbers],
+    sharp: Mask | None = None,
+) -> tuple[dict[str, Reals], dict[str, Reals], dict[str, Reals]]:
     """Bounds on q, p and velocity read from a table: its own accuracy, and the rounding of its argument as a delay.
 
     ``sharp`` as in ``errors_of_state``.
@@ -146,9 +146,9 @@ def table_errors(
         As ``errors_of_state``.
     """
     system = motion.solution.system
-    equations = motion.equations
-    if isinstance(equations, TorusEquations):
-        delay = (3 * EPS * np.abs(θ) + equations.blurs[0] + table.table.doubt(θ)) / abs(float(equations.rates[0]))
+    torus = motion.torus
+    if torus is not None:
+        delay = (3 * EPS * np.abs(θ) + torus.blurs[0] + table.table.doubt(θ)) / abs(float(torus.rates[0]))
     else:
         delay = 3 * EPS * (np.abs(θ) + abs(table.begin))
         delay = delay + table.table.doubt(θ)
@@ -180,7 +180,7 @@ def table_errors(
     return dq, dp, dv
 
 
-def _shifted(motion: SeparatedMotion, name: str, q: Mapping[str, Any]) -> tuple[Any, Any]:
+def _shifted(motion: SeparatedMotion, name: str, q: Mapping[str, Numbers]) -> tuple[Reals | float, Reals | float]:
     """|∂A/∂q| of the shift between the canonical momentum and the root, p = P − A(q), and the size A is rounded to."""
     A = motion.solution.shift.get(name, sp.Integer(0))
     if A == 0:
@@ -191,17 +191,12 @@ def _shifted(motion: SeparatedMotion, name: str, q: Mapping[str, Any]) -> tuple[
     return np.abs(np.asarray(slope, dtype=float)), np.abs(np.asarray(value, dtype=float)) + own
 
 
-def _blur(course: CoordinateMotion, χ: Any, unit: float) -> Any:
-    """Rounding of a stretched anomaly as an uncertainty of its phase."""
-    return course.blur(χ) * (unit / EPS) if isinstance(course, Periodic) else 0.0
-
-
-def _unreduced(course: CoordinateMotion, q: Any, whole: Any | None) -> Any:
+def _unreduced(course: CoordinateMotion, q: Numbers, whole: Numbers | None) -> Reals:
     """The size of q before whole turns were taken from it: that is what was rounded."""
     if whole is None:
         return np.abs(q.astype(float))
-    if isinstance(course, Periodic) and not course.anomaly.even:  # whole turns of its phase were never added
-        middle = course.anomaly.place(multiprecision(64).zero, Multi(64)).q
+    if course.cycle is not None and course.rotates:  # whole turns of its phase were never added
+        middle = course.cycle.anomaly.place(multiprecision(64).zero, Multi(64)).q
         return np.abs(q.astype(float)) + (abs(float(middle)) + np.pi) / 4
     return np.abs(q.astype(float) + 2 * np.pi * whole.astype(float))
 
@@ -215,10 +210,10 @@ def _width(motion: SeparatedMotion, name: str) -> float:
     return sum(abs(float(end.value)) for end in motion.turning_points[name] if end is not None)
 
 
-def _slopes(course: CoordinateMotion, χ: Any, error: Any) -> tuple[Any, Any]:
+def _slopes(course: CoordinateMotion, χ: Reals, error: Reals) -> tuple[Reals, Reals]:
     """|dq/dχ| and |dp/dχ| by differences over the error of χ, or small ones; generous where they vary."""
-    course = _rounded(course) if isinstance(course, Periodic) else course
-    scale = np.maximum(1.0, np.abs(χ)) if isinstance(course, Unbounded) else 1.0  # far out, steps must be seen
+    course = course.in_doubles()
+    scale = np.maximum(1.0, np.abs(χ)) if course.branches else 1.0  # far out, steps must be seen
     h, rest = np.clip(error, 1e-6 * scale, 0.5 * scale), 1e-6 / scale
     (q1, p1), (q0, p0), (q2, p2) = (course.place(χ + s) for s in (-h, 0.0, h))
     return 2 * np.maximum(np.abs(q2 - q0), np.abs(q0 - q1)) / h + rest * np.abs(q2 - q1), 2 * np.maximum(
@@ -226,24 +221,7 @@ def _slopes(course: CoordinateMotion, χ: Any, error: Any) -> tuple[Any, Any]:
     ) / h + rest * np.abs(p2 - p1)
 
 
-def _waves(course: CoordinateMotion, χ: Any) -> Any:
-    """Terms of ln(p/(dq/dχ)), which are rounded one by one, and what the rounding of χ does to it."""
-    if not isinstance(course, Periodic):
-        return 0.0
-    return 2 * np.sum(np.abs(course.momentum.cosines.astype(float))) + 4 * _rounded(course).crowding(χ)
-
-
-def _rounded(course: Periodic) -> Periodic:
-    series = course.momentum
-    if series.cosines.dtype != object:
-        return course
-    sines = None if series.sines is None else series.sines.astype(float)
-    return replace(
-        course, momentum=FourierSeries(series.mean, series.cosines.astype(float), sines, series.nodes, series.tail)
-    )
-
-
-def phase_slack(motion: SeparatedMotion, phases: Phases, unit: float) -> list[Any]:
+def phase_slack(motion: SeparatedMotion, phases: Phases, unit: float) -> list[Reals]:
     """Return the bounds on the phases, with the rounding of stretched anomalies; one array a separated coordinate.
 
     Args:
@@ -252,10 +230,10 @@ def phase_slack(motion: SeparatedMotion, phases: Phases, unit: float) -> list[An
         unit: relative rounding of the arithmetic.
     """
     together = zip(phases.errors, courses_of(motion, phases), phases.χ, strict=True)
-    return [np.asarray(e, dtype=float) + _blur(c, x.astype(float), unit) for e, c, x in together]
+    return [np.asarray(e, dtype=float) + c.blur(x.astype(float)) * (unit / EPS) for e, c, x in together]
 
 
-def ignorable_error(motion: SeparatedMotion, phases: Phases, slack: list[Any], name: str, unit: float) -> Any:
+def ignorable_error(motion: SeparatedMotion, phases: Phases, slack: list[Reals], name: str, unit: float) -> Reals:
     """Return what the phases leave open of an ignorable coordinate, without the rounding of the last sum.
 
     Args:
@@ -266,34 +244,33 @@ def ignorable_error(motion: SeparatedMotion, phases: Phases, slack: list[Any], n
         unit: relative rounding of the arithmetic.
     """
     χ = [x.astype(float) for x in phases.χ]
-    equations = motion.equations
     total = 0.0 * phases.time[0]
-    if equations is None:
+    if motion.equations is None:
         return total
     j = constant_index(motion, name)
     for i, course in enumerate(courses_of(motion, phases)):
         rate = np.abs(np.asarray(course.rate(j, χ[i] if phases.exact is None else phases.χ[i]), dtype=float))
         total = total + rate * slack[i]
-        if isinstance(course, Unbounded):
+        if motion.torus is not None:
+            total = total + 4 * unit * float(np.sum(np.abs(oscillation(motion.torus, i, j).cosines.astype(float))))
+        elif course.branches:
             begin = np.array([float(course.start)])
             total = total + 4 * unit * (course.grain(j, χ[i]) + course.grain(j, begin)[0])
-        elif not isinstance(equations, TorusEquations):
-            total = total + 4 * unit * np.abs(np.asarray(course.integral(j, phases.χ[i]), dtype=float))
-            if isinstance(course, Periodic):
-                total = total + 4 * unit * 2 * np.pi * np.abs(phases.whole[i] * float(course.growth(j)))
-        elif isinstance(course, Periodic):
-            total = total + 4 * unit * float(np.sum(np.abs(oscillation(equations, i, j).cosines.astype(float))))
+        else:
+            total = total + 4 * unit * course.grain(j, phases.χ[i])
+            if course.cycle is not None:
+                total = total + 4 * unit * 2 * np.pi * np.abs(phases.whole[i] * float(course.cycle.growth(j)))
     return total
 
 
 def velocity_errors(
     motion: SeparatedMotion,
-    q: Mapping[str, Any],
-    p: Mapping[str, Any],
-    dq: Mapping[str, Any],
-    dp: Mapping[str, Any],
+    q: Mapping[str, Numbers],
+    p: Mapping[str, Numbers],
+    dq: Mapping[str, Numbers],
+    dp: Mapping[str, Numbers],
     unit: float,
-) -> dict[str, Any]:
+) -> dict[str, Reals]:
     """Return bounds on the errors of the velocities, from those of places and momenta and their own rounding.
 
     Args:

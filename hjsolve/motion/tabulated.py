@@ -9,37 +9,40 @@ from __future__ import annotations
 from collections.abc import Callable, Iterator, Mapping
 from dataclasses import dataclass
 from functools import lru_cache
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING, TypeVar
 
 import numpy as np
 
 from hjsolve.arithmetic.error_free import split
+from hjsolve.arithmetic.number_types import Mask, Numbers, Reals
 from hjsolve.errors import NotConvergedError
-from hjsolve.motion.near_poles import blurs, distances
+from hjsolve.motion.near_poles import blurs
 from hjsolve.motion.positions import constant_index
-from hjsolve.one_coordinate.coordinate_motion import Periodic, Unbounded
+from hjsolve.one_coordinate.coordinate_motion import CoordinateMotion
 from hjsolve.one_coordinate.fourier_series import FourierSeries
-from hjsolve.time_law.open_motion import TriangularScheme, reaching
+from hjsolve.time_law.open_motion import reaching
 from hjsolve.time_law.phase_reduction import turns_and_rest
 from hjsolve.time_law.table import DEGREE, InterpolationTable, tabulate
-from hjsolve.time_law.torus import TorusEquations, oscillation
+from hjsolve.time_law.torus import oscillation
 
 if TYPE_CHECKING:
     from hjsolve.motion.separated import SeparatedMotion
 
+T = TypeVar("T")
+"""What is worked out."""
 _FINE = 22
 """The crowding of a phase (``Periodic.crowding``) from which on a table of momenta is as exact as it is rounded."""
 FEWEST = 2048
 """Below this many times a table does not pay."""
 
 
-class OnDemand(Mapping[str, Any]):
+class OnDemand(Mapping[str, T]):
     """A mapping whose values are worked out when they are first read."""
 
-    def __init__(self, names: tuple[str, ...], compute: Callable[[str], Any]):
-        self._names, self._compute, self._known = names, compute, dict[str, Any]()
+    def __init__(self, names: tuple[str, ...], compute: Callable[[str], T]):
+        self._names, self._compute, self._known = names, compute, dict[str, T]()
 
-    def __getitem__(self, name: str) -> Any:
+    def __getitem__(self, name: str) -> T:
         if name not in self._names:
             raise KeyError(name)
         if name not in self._known:
@@ -52,7 +55,7 @@ class OnDemand(Mapping[str, Any]):
     def __len__(self) -> int:
         return len(self._names)
 
-    def __reduce__(self) -> tuple[Any, ...]:
+    def __reduce__(self) -> tuple[type, tuple[dict[str, T]]]:
         return dict, (dict(self),)
 
     def __repr__(self) -> str:
@@ -66,7 +69,6 @@ class DenseOutput:
     Attributes:
         table: quantities 0: q, 1: shell momentum, then the oscillation of each ignorable coordinate.
         waves: ignorable coordinates in the table's order, and their oscillation at the start.
-        period: True where the argument is an angle variable, to be reduced to one turn.
         first: least argument of a table that is not folded.
         begin: argument at t₀ where it is no angle variable.
         ends: quantities that hold the distances from the lower and the upper turning point, where velocities need them.
@@ -74,23 +76,21 @@ class DenseOutput:
 
     table: InterpolationTable
     waves: Mapping[str, tuple[int, float]]
-    period: bool
     first: float
     begin: float = 0.0
     ends: tuple[int, int] | None = None
 
-    def argument(self, motion: SeparatedMotion, time: tuple[Any, Any]) -> tuple[Any, Any, Any]:
+    def argument(self, motion: SeparatedMotion, time: tuple[Reals, Reals]) -> tuple[Reals, Reals, Mask]:
         """Return the table's argument, the whole turns, and where the motion has ended, at times relative to t₀.
 
         Args:
             motion: the one the table was made of.
             time: t − t₀ as two doubles, shape (m,).
         """
-        equations = motion.equations
-        if self.period:
-            assert isinstance(equations, TorusEquations)
-            turn = 2 * equations.rates[0].context.pi
-            whole, rest = turns_and_rest(split(equations.rates[0] / turn), time, split(equations.starts[0] / turn))
+        torus, scheme = motion.torus, motion.scheme
+        if torus is not None:
+            turn = 2 * torus.rates[0].context.pi
+            whole, rest = turns_and_rest(split(torus.rates[0] / turn), time, split(torus.starts[0] / turn))
             θ = rest
             θ *= 2 * np.pi
             if not self.table.even:
@@ -100,8 +100,8 @@ class DenseOutput:
                     θ += 2 * np.pi * shift
                     whole -= shift
             return θ, whole, np.zeros(θ.shape, dtype=bool)
-        assert isinstance(equations, TriangularScheme)
-        course = equations.courses[0]
+        assert scheme is not None
+        course = scheme.courses[0]
         value = (time[0] + self.begin) + time[1]
         low = -self.table.edges[-1] if self.table.even else self.table.edges[0]
         return (
@@ -111,7 +111,7 @@ class DenseOutput:
         )
 
 
-def _ended(course: Any, value: Any, low: float, high: float) -> Any:
+def _ended(course: CoordinateMotion, value: Reals, low: float, high: float) -> Mask:
     floor, ceiling = course.limits()
     return ((value > high) & np.isfinite(ceiling)) | ((value < low) & np.isfinite(floor))
 
@@ -126,11 +126,11 @@ def needs_table(motion: SeparatedMotion) -> bool:
     Args:
         motion: the one looked at.
     """
-    equations = motion.equations
-    if not isinstance(equations, TorusEquations) or len(equations.courses) != 1 or "place" not in motion.parts:
+    torus = motion.torus
+    if torus is None or len(torus.courses) != 1 or "place" not in motion.parts:
         return False
-    course = equations.courses[0]
-    if not isinstance(course, Periodic):
+    course = torus.courses[0].cycle
+    if course is None:
         return False
     pace = np.abs(course.pace((1.0,), np.linspace(0.0 if course.anomaly.even else -np.pi, np.pi, 129)))
     return bool(np.min(pace) < 0.05 * float(course.kernels[0].mean))
@@ -146,26 +146,21 @@ def dense_output(motion: SeparatedMotion, span: float) -> DenseOutput | None:
     equations = motion.equations
     if motion.digits > 15 or equations is None or len(equations.courses) != 1:
         return None
+    course = equations.courses[0]
     try:
-        if isinstance(equations, TorusEquations):
-            return _bounded(motion) if isinstance(equations.courses[0], Periodic) else _resting(motion)
-        if isinstance(equations.courses[0], Unbounded) and blurs(motion, equations.courses[0]):
-            return None
-        return (
-            _open(motion, int(np.ceil(np.log2(max(span, 1e-290)))))
-            if isinstance(equations.courses[0], Unbounded)
-            else None
-        )
+        if course.branches:
+            return None if blurs(motion, course) else _open(motion, int(np.ceil(np.log2(max(span, 1e-290)))))
+        return _resting(motion) if course.rests else _bounded(motion)
     except NotConvergedError:
         return None
 
 
 @lru_cache(maxsize=8)
 def _bounded(motion: SeparatedMotion) -> DenseOutput:
-    equations = motion.equations
-    assert isinstance(equations, TorusEquations)
-    course = equations.courses[0]
-    assert isinstance(course, Periodic)
+    equations = motion.torus
+    assert equations is not None
+    course = equations.courses[0].cycle
+    assert course is not None
     mean = float(course.kernels[0].mean)
     names = [c.name for c in motion.solution.system.coordinates if c.name not in motion.located]
     series = [oscillation(equations, 0, constant_index(motion, n)) for n in names]
@@ -183,8 +178,8 @@ def _bounded(motion: SeparatedMotion) -> DenseOutput:
         )
     )
 
-    def outputs(χ: Any) -> list[Any]:
-        return [*course.place(χ), *(_wave(s, χ) for s in series), *(distances(course, χ) if ends else ())]
+    def outputs(χ: Reals) -> list[Numbers]:
+        return [*course.place(χ), *(_wave(s, χ) for s in series), *(course.distances(χ) if ends else ())]
 
     table = tabulate(
         edges,
@@ -199,7 +194,7 @@ def _bounded(motion: SeparatedMotion) -> DenseOutput:
     )
     begin = np.array([float(course.start)])
     waves = {name: (2 + k, float(_wave(s, begin)[0])) for k, (name, s) in enumerate(zip(names, series, strict=True))}
-    return DenseOutput(table, waves, True, first, ends=ends)
+    return DenseOutput(table, waves, first, ends=ends)
 
 
 def _resting(motion: SeparatedMotion) -> DenseOutput:
@@ -211,17 +206,17 @@ def _resting(motion: SeparatedMotion) -> DenseOutput:
     table = InterpolationTable(
         np.array([-np.pi, np.pi]), tuple(rows), (), tuple(np.abs(row[0]) for row in rows), np.zeros(1)
     )
-    return DenseOutput(table, {name: (2 + k, 0.0) for k, name in enumerate(names)}, True, -np.pi)
+    return DenseOutput(table, {name: (2 + k, 0.0) for k, name in enumerate(names)}, -np.pi)
 
 
-def _angle(ripple: FourierSeries, χ: Any) -> Any:
+def _angle(ripple: FourierSeries, χ: Reals) -> Reals:
     """χ + D(χ), the sum taken in extended precision."""
     if not len(ripple.cosines):
         return χ
     return (χ.astype(np.longdouble) + ripple.ripple(χ.astype(np.longdouble))).astype(float)
 
 
-def _wave(series: FourierSeries, χ: Any) -> Any:
+def _wave(series: FourierSeries, χ: Reals) -> Reals:
     return series.ripple(χ) if len(series.cosines) else 0 * χ
 
 
@@ -238,23 +233,22 @@ def _scale(motion: SeparatedMotion) -> float:
         return 0.0
     if values:
         return max(abs(v) for v in values)
-    course = motion.located[name].course
-    return float(course.ahead.way.length) if isinstance(course, Unbounded) else float(np.pi)
+    ways = [branch.way for branch in motion.located[name].course.branches]
+    return float(ways[0].length) if ways else float(np.pi)
 
 
 @lru_cache(maxsize=8)
 def _open(motion: SeparatedMotion, power: int) -> DenseOutput:
-    equations = motion.equations
-    assert isinstance(equations, TriangularScheme)
-    course = reaching(equations.courses[0], equations, 2.0**power, 0)
-    assert isinstance(course, Unbounded)
-    folded = course.ahead is course.behind
+    scheme = motion.scheme
+    assert scheme is not None
+    course = reaching(scheme.courses[0], scheme, 2.0**power, 0)
+    folded = not course.two_ways
     edges = course.edges()
     names = [c.name for c in motion.solution.system.coordinates if c.name not in motion.located]
     indices = [constant_index(motion, n) for n in names]
     even = (True, False, *(False for _ in names)) if folded else ()
 
-    def outputs(y: Any) -> list[Any]:
+    def outputs(y: Reals) -> list[Numbers]:
         return [*course.place(y), *(-course.integral(j, y) for j in indices)]
 
     used = edges[edges >= 0] if folded else edges
@@ -273,4 +267,4 @@ def _open(motion: SeparatedMotion, power: int) -> DenseOutput:
         name: (2 + k, float(-np.ravel(course.integral(j, begin))[0]))
         for k, (name, j) in enumerate(zip(names, indices, strict=True))
     }
-    return DenseOutput(table, waves, False, first, float(np.ravel(course.integral(0, begin))[0]))
+    return DenseOutput(table, waves, first, float(np.ravel(course.integral(0, begin))[0]))

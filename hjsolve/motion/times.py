@@ -2,18 +2,18 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable
-from typing import Any
-
 import numpy as np
+import sympy as sp
+from numpy.typing import NDArray
 
 from hjsolve.arguments import described
+from hjsolve.arithmetic.number_types import Integers, Numbers, Reals
 from hjsolve.errors import InvalidInputError
 from hjsolve.formulas.read import number
-from hjsolve.motion.initial_data import to_bits
+from hjsolve.motion.initial_data import InBits, to_bits
 
 
-def grid(values: Any, source: str) -> Any:
+def grid(values: object, source: str) -> NDArray[np.generic]:
     """Numbers as an array; what they are is not looked at yet.
 
     Args:
@@ -37,7 +37,7 @@ def grid(values: Any, source: str) -> Any:
         ) from error
 
 
-def exact_numbers(values: Any, source: str) -> tuple[tuple[int, ...], list[Any]]:
+def exact_numbers(values: object, source: str) -> tuple[tuple[int, ...], list[sp.Expr]]:
     """Return the shape of an array of numbers and each of them exact, in order.
 
     Args:
@@ -51,7 +51,7 @@ def exact_numbers(values: Any, source: str) -> tuple[tuple[int, ...], list[Any]]
     return array.shape, [number(x.item() if hasattr(x, "item") else x, source=source) for x in array.ravel()]
 
 
-def read_times(t: Any) -> tuple[tuple[int, ...] | None, Any | None, list[Callable[[int], Any]]]:
+def read_times(t: object) -> tuple[tuple[int, ...] | None, Reals | None, list[InBits]]:
     """Return shape (None for a scalar), a float array where all times are finite floats, and exact rules otherwise.
 
     Args:
@@ -69,7 +69,7 @@ MOST_TURNS = 2.0**60
 """Of an angle, and cycles of a coordinate: beyond, two doubles do not tell a phase."""
 
 
-def whole_numbers(whole: Any) -> Any:
+def whole_numbers(whole: Numbers) -> Integers:
     """Whole turns as integers.
 
     Args:
@@ -86,7 +86,7 @@ def whole_numbers(whole: Any) -> Any:
     return whole.astype(int)
 
 
-def within_doubles(time: tuple[Any, Any]) -> tuple[Any, Any]:
+def within_doubles(time: tuple[Reals, Reals]) -> tuple[Reals, Reals]:
     """Times relative to t₀ as two doubles, once they and their products are finite.
 
     Args:

@@ -13,7 +13,7 @@ from typing import Any
 
 import numpy as np
 
-from hjsolve.arithmetic.floats import multiprecision
+from hjsolve.arithmetic.floats import context_of, multiprecision
 from hjsolve.arithmetic.fourier import waves
 from hjsolve.arithmetic.number_types import Elementwise, Mpf, Numbers
 
@@ -163,19 +163,19 @@ def _one(given: list[Mpf | None], even: bool, digits: int, bits: int, floor: flo
 
 def _horner(coefficients: Numbers, χ: Elementwise) -> tuple[Elementwise, Elementwise]:
     """Σ cₖ cos kχ and Σ cₖ sin kχ for k = 1, 2, …, by Horner's rule in e^{iχ}."""
-    if isinstance(χ, np.ndarray | float):
+    context = context_of(χ)
+    if context is None:
         wave = np.exp(1j * np.asarray(χ))
         total = np.zeros_like(wave)
         for c in coefficients[::-1].astype(float):
             total = (total + c) * wave
         return total.real, total.imag
-    context = χ.context
-    wave = context.expj(χ)
-    total = context.mpc(0)
+    turn = context.expj(χ)
+    number = context.mpc(0)
     for c in coefficients[::-1]:
-        total = (total + c) * wave
-    return total.real, total.imag
+        number = (number + c) * turn
+    return number.real, number.imag
 
 
 def _like(mean: Elementwise, χ: Elementwise) -> Elementwise:
-    return float(mean) if isinstance(χ, np.ndarray | float) else mean
+    return float(mean) if context_of(χ) is None else mean

@@ -14,9 +14,8 @@ import numpy as np
 
 from hjsolve.arithmetic.floats import Multi, multiprecision
 from hjsolve.arithmetic.fourier import smooth, waves
-from hjsolve.arithmetic.number_types import Elementwise, Mpf, Numbers
+from hjsolve.arithmetic.number_types import Mpf, Numbers
 from hjsolve.one_coordinate.chebyshev_panels import EndMap, Panels, antiderivative, chebyshev_points
-from hjsolve.one_coordinate.coordinate_motion import AtRest, CoordinateMotion, Periodic, Unbounded, elementwise
 from hjsolve.one_coordinate.open_branch import Branch
 
 _TERMS = 48
@@ -24,39 +23,15 @@ _TERMS = 48
 _HALVINGS = 200
 
 
-def momentum_integral(course: CoordinateMotion, χ: Numbers) -> tuple[Numbers, Numbers, Numbers]:
-    """Return ∫ P dq from the phase 0 to χ, |P dq/dχ|, and the size that rounding refers to; nan beyond the panels.
+@lru_cache(maxsize=32)
+def swept(branch: Branch, weights: tuple[float, ...] | None, amount: float) -> Panels:
+    """Return panels of |P dq/dy| that reach as far as ``branch.panels(weights, amount)``.
 
     Args:
-        course: of one coordinate; an open one with panels as far as the phases.
-        χ: phases, shape (m,); doubles or ``mpf``.
+        branch: one way of an open motion.
+        weights: wⱼ, one a constant; None where the phase itself is meant.
+        amount: how far.
     """
-    if isinstance(course, AtRest):
-        return 0 * χ, 0 * χ, 0 * χ
-    if isinstance(course, Periodic):
-        series = course.density
-        assert series is not None  # it was asked for
-        mean: Elementwise = float(series.mean) if χ.dtype == float else series.mean
-        size = abs(mean) * abs(χ) + float(np.sum(np.abs(series.cosines.astype(float))))
-        return mean * χ + elementwise(series.ripple, χ, 1), abs(elementwise(series.value, χ, 1)), size
-    return _open(course, χ)
-
-
-def _open(course: Unbounded, χ: Numbers) -> tuple[Numbers, Numbers, Numbers]:
-    weights, amount = course.reach
-    back = amount if course.back is None or course.behind is course.ahead else course.back
-    ahead, behind = _swept(course.ahead, weights, amount), _swept(course.behind, weights, back)
-    forward, y = χ >= 0, np.abs(χ)
-    values = np.where(forward, ahead.integral(0, y), -behind.integral(0, y))
-    slopes: Numbers = np.abs(np.where(forward, ahead.value(0, y), behind.value(0, y)))
-    beyond = np.where(forward, y > ahead.edges[-1], y > behind.edges[-1])
-    values = np.where(beyond, np.nan, values) if beyond.any() else values
-    return values, slopes, np.where(forward, ahead.grain(0, y), behind.grain(0, y))
-
-
-@lru_cache(maxsize=32)
-def _swept(branch: Branch, weights: tuple[float, ...] | None, amount: float) -> Panels:
-    """Panels of |P dq/dy| that reach as far as ``branch.panels(weights, amount)``."""
     way, bits, digits, panels = branch.way, branch.bits, branch.digits, branch.panels(weights, amount)
     context = multiprecision(bits)
     edges: list[Mpf] = [context.mpf(0)]

@@ -119,9 +119,11 @@ class Stretched:
             ψ: phase; a number of the arithmetic, or an array of doubles.
             arithmetic: in which χ is worked out.
         """
-        if isinstance(arithmetic, Float64):
-            return ψ + (self.slope.ripple(ψ) - self._shift), self.slope.value(ψ)
-        return self._in_fixed_point(ψ, arithmetic)
+        return arithmetic.choose(lambda _: self._by_series(ψ), lambda many: self._in_fixed_point(ψ, many))
+
+    def _by_series(self, ψ: Numeric) -> tuple[Numeric, Numeric]:
+        """The same in doubles."""
+        return ψ + (self.slope.ripple(ψ) - self._shift), self.slope.value(ψ)
 
     def _in_fixed_point(self, ψ: Numeric, arithmetic: Multi) -> tuple[Numeric, Numeric]:
         """χ = ψ + Im Σ (cₖ − i sₖ) e^{ikψ} + Σ (−1)ᵏ sₖ and its derivative by Horner's rule in integers."""

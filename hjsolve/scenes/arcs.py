@@ -22,7 +22,6 @@ from hjsolve.errors import InvalidInputError, NotConvergedError
 from hjsolve.mechanics.system import System, velocities
 from hjsolve.motion.initial_data import number_is_zero, read_initial_data, to_bits
 from hjsolve.motion.motion import Motion
-from hjsolve.one_coordinate.coordinate_motion import AtRest
 from hjsolve.scenes.crossing import as_rational, bits_of, crossings
 from hjsolve.scenes.events import Event, Pending, changed, once
 from hjsolve.scenes.question import Question
@@ -223,7 +222,7 @@ def _one_arc(solution: Solution, leg: Leg, pending: list[Pending], horizon: Any,
         q, p = (_known(group, bound) for group, bound in ((state.q, state.error.q), (state.p, state.error.p)))
         return Stretch([FreeArc(leg, time, events)], _later(motion, pending, happening, time),
                        Change(motion, time, events, q, p, {}))  # fmt: skip
-    resting = {name for name, place in motion.separated.located.items() if isinstance(place.course, AtRest)}
+    resting = {name for name, place in motion.separated.located.items() if place.course.rests}
     q = {c.name: given[c.symbol] if c.name in resting else state.q[c.name] for c in system.coordinates}
     p = {c.name: given[c.momentum] if c.name in resting or c.name not in motion.separated.located else state.p[c.name]
          for c in system.coordinates}  # fmt: skip

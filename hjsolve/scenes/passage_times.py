@@ -20,9 +20,7 @@ from hjsolve.motion.initial_data import to_bits
 from hjsolve.motion.motion import Motion
 from hjsolve.motion.positions import constant_index
 from hjsolve.one_coordinate.clenshaw import Fixed
-from hjsolve.one_coordinate.coordinate_motion import Periodic
 from hjsolve.scenes.crossing import bits_of, sharpened
-from hjsolve.time_law.torus import TorusEquations
 
 _GRID, _MOST_STEPS = 513, 12
 
@@ -118,9 +116,9 @@ class Carried:
     """
 
     def __init__(self, motion: Motion, name: str, carrier: str):
-        course, equations = motion.separated.located[carrier].course, motion.separated.equations
-        assert isinstance(course, Periodic)
-        assert isinstance(equations, TorusEquations)
+        course, equations = motion.separated.located[carrier].course.cycle, motion.separated.torus
+        assert course is not None
+        assert equations is not None
         j, k = constant_index(motion.separated, name), list(motion.solution.coordinates).index(carrier)
         self.digits, self.context = motion.digits, multiprecision(bits_of(motion.digits) + 64)
         bits, convert = self.context.prec, self.context.convert

@@ -22,12 +22,11 @@ from hjsolve.mechanics.system import velocities
 from hjsolve.motion.initial_data import to_bits
 from hjsolve.motion.motion import Motion
 from hjsolve.motion.positions import constant_index
-from hjsolve.one_coordinate.coordinate_motion import AtRest, Periodic, Unbounded
 from hjsolve.scenes.crossing import bits_of
 from hjsolve.scenes.events import Event, Pending
 from hjsolve.scenes.passage_times import Carried, Passes, passes
 from hjsolve.scenes.reflecting_walls import Mirrors
-from hjsolve.time_law.torus import TorusEquations, mean_rate
+from hjsolve.time_law.torus import mean_rate
 
 Candidate = tuple[Any, Pending, Callable[["Now"], None]]
 
@@ -96,7 +95,7 @@ class Free:
         """Ignorable coordinate → the one that carries it, where that does not rest."""
         located = self.motion.separated.located
         pairs = ((n, c) for n, c in self.mirrors.carrier.items() if c is not None)
-        return {name: c for name, c in pairs if not isinstance(located[c].course, AtRest)}
+        return {name: c for name, c in pairs if not located[c].course.rests}
 
     @cached_property
     def rates(self) -> dict[str, Any]:
@@ -105,10 +104,9 @@ class Free:
         for name in self.ignorable:
             if name in self.carrier:
                 continue
-            if self.mirrors.carrier[name] is not None and isinstance(motion.separated.equations, TorusEquations):
-                found[name] = self.context.convert(
-                    mean_rate(motion.separated.equations, constant_index(motion.separated, name))
-                )
+            torus = motion.separated.torus
+            if self.mirrors.carrier[name] is not None and torus is not None:
+                found[name] = self.context.convert(mean_rate(torus, constant_index(motion.separated, name)))
             else:
                 value = velocities(motion.solution.system)[name].xreplace(dict(motion.initial.values))
                 found[name] = self.context.convert(to_bits(value)(self.context.prec))
@@ -117,11 +115,9 @@ class Free:
     @cached_property
     def carried(self) -> dict[str, Carried]:
         """Ignorable coordinates that walls may stand at, as functions of their carriers' phases."""
-        if not isinstance(self.motion.separated.equations, TorusEquations):
+        if self.motion.separated.torus is None:
             return {}
-        bounded = {
-            n: c for n, c in self.carrier.items() if isinstance(self.motion.separated.located[c].course, Periodic)
-        }
+        bounded = {n: c for n, c in self.carrier.items() if self.motion.separated.located[c].course.cycle is not None}
         return {name: Carried(self.motion, name, c) for name, c in bounded.items()}
 
     def serves(self, events: Sequence[Event]) -> bool:
@@ -131,8 +127,7 @@ class Free:
             events: all that may happen.
         """
         for place in self.motion.separated.located.values():
-            branches = (place.course.ahead, place.course.behind) if isinstance(place.course, Unbounded) else ()
-            if any(branch.way.end in {"boundary", "fall"} for branch in branches):
+            if any(place.course.ends(side) in {"boundary", "fall"} for side in (1, -1)):
                 return False
         placed = {e.coordinate for e in events if e.coordinate in self.carrier}
         return all(name in self.carried and self.carried[name].monotone for name in placed)
@@ -323,8 +318,8 @@ class Free:
 
     def turn(self, name: str) -> Any:
         """What a carried coordinate gains in a period of the one that carries it."""
-        course = self.motion.separated.located[self.carrier[name]].course
-        assert isinstance(course, Periodic)
+        course = self.motion.separated.located[self.carrier[name]].course.cycle
+        assert course is not None
         return -2 * self.context.pi * self.context.convert(course.growth(constant_index(self.motion.separated, name)))
 
     def state(self, now: Now) -> tuple[dict[str, Any], dict[str, Any], dict[str, int]]:
@@ -336,7 +331,7 @@ class Free:
         for name in self.separated:
             c = system.coordinate(name)
             q[name], p[name] = values[c.symbol], values[c.momentum]
-            if not isinstance(self.motion.separated.located[name].course, AtRest):
+            if not self.motion.separated.located[name].course.rests:
                 state = self.motion.at(now.clock[name])
                 q[name], p[name] = state.q[name], now.sign[name] * state.p[name]
                 if name in state.turns:

@@ -119,7 +119,7 @@ def trajectory_of(
             result[places] = values
         return result
 
-    def view(pick: Callable[[_Part, str], Any], chosen: tuple[str, ...] = names) -> OnDemand:
+    def view(pick: Callable[[_Part, str], Any], chosen: tuple[str, ...] = names) -> OnDemand[Any]:
         return OnDemand(chosen, lambda name: joined(lambda part: pick(part, name)))
 
     def errors() -> Errors:

@@ -20,14 +20,12 @@ from typing import cast
 import numpy as np
 
 from hjsolve.arithmetic.floats import EPS
-from hjsolve.arithmetic.number_types import Elementwise, Mask, Reals
-from hjsolve.one_coordinate.coordinate_motion import CoordinateMotion, Periodic, Unbounded
+from hjsolve.arithmetic.number_types import Mask, Reals
+from hjsolve.one_coordinate.coordinate_motion import CoordinateMotion, Weights
 from hjsolve.time_law.one_phase import solve_alone
 
 _STEPS, _POLISH = 120, 3
 _NEAR, _BLUR = 1e-11, 1e-13
-
-Weights = tuple[float, ...]
 
 
 @dataclass(frozen=True)
@@ -87,11 +85,7 @@ def choose_pair(
 
 def _kernels(course: CoordinateMotion, n: int) -> Reals:
     """Rows of kernels at phases all along a course, shape (phases, n)."""
-    if isinstance(course, Unbounded):
-        edges = course.edges()
-        χ = np.concatenate([(edges[1:] + edges[:-1]) / 2, [float(course.start)]])
-    else:
-        χ = np.linspace(-3.1, 3.1, 33)
+    χ = course.probes()
     return np.stack([np.broadcast_to(course.rate(j, χ), χ.shape) for j in range(n)], axis=1)
 
 
@@ -101,7 +95,7 @@ def _sign(course: CoordinateMotion, rows: Reals, level: Weights) -> int:
     Beside a pole in a coordinate a kernel may be smaller than the rounding of its series: that counts as zero.
     """
     values = rows @ np.array(level)
-    error_bounds = _BLUR * float(np.max(np.abs(rows) @ np.abs(level))) if isinstance(course, Periodic) else 0.0
+    error_bounds = _BLUR * float(np.max(np.abs(rows) @ np.abs(level))) if course.one_scale else 0.0
     side = 1 if values[int(np.argmax(np.abs(values)))] > 0 else -1
     return side if np.all(side * values >= -error_bounds) and np.any(values) and (error_bounds or np.all(values)) else 0
 
@@ -134,14 +128,14 @@ def _one_way(pair: CoupledPair, side: int, goals: Reals, error_bounds: Reals) ->
     k = int(gains[1] < gains[0])
     outer, inner = pair.courses[k], pair.courses[1 - k]
     search = _Search(pair, outer, inner, goals)
-    places = _stations(outer, side)
+    places = outer.stations(side)
     last = search.late(np.broadcast_to(places[-1:], goals.shape[1:]))
     passed = side * last < 0
     x = search.between(places, side)
     χ = np.empty_like(goals)
     χ[k], χ[1 - k] = x, search.other(x)[0]
     χ = _polished(pair, goals, χ)
-    finished = _finished(outer, side)
+    finished = outer.finished(side)
     errors = np.where(passed, 0.0, _bound(pair, goals, error_bounds, χ))
     return CoupledPhases(χ, errors, passed & finished, passed & (not finished))
 
@@ -152,26 +146,6 @@ def _gain(course: CoordinateMotion, level: Weights, side: int) -> float:
     if not np.isfinite(limit):
         return np.inf
     return abs(float(_amount(course, level, np.array([float(limit)]))[0] - _amount(course, level, _start(course))[0]))
-
-
-def _finished(course: CoordinateMotion, side: int) -> bool:
-    """True where the last phase held is the end of the motion, not of the panels."""
-    if not isinstance(course, Unbounded):
-        return False
-    branch = course.ahead if side > 0 else course.behind
-    return branch.way.end in {"boundary", "fall"} or branch.panels(*course.reach).finished
-
-
-def _stations(course: CoordinateMotion, side: int) -> Reals:
-    """Phases from the start outward, between which a search may begin; the last one is the farthest there is."""
-    start = float(course.start)
-    doublings = 2.0 ** np.arange(-2, 61)
-    if not isinstance(course, Unbounded):
-        return np.concatenate([[start], start + side * doublings])
-    edges, limit = course.edges(), course.limits()[side > 0]
-    beyond = edges[edges > start] if side > 0 else edges[edges < start][::-1]
-    places = np.concatenate([[start], beyond])
-    return places if np.isfinite(limit) else np.concatenate([places, places[-1] + side * doublings])
 
 
 def _start(course: CoordinateMotion) -> Reals:
@@ -285,33 +259,8 @@ def _slopes(pair: CoupledPair, χ: Reals) -> Reals:
 def _bound(pair: CoupledPair, goals: Reals, error_bounds: Reals, χ: Reals) -> Reals:
     """Bound the errors of the phases from the residuals and the rounding of the sums."""
     (a, b), (c, d) = _slopes(pair, χ)
-    sizes = [
-        sum(_size(course, w, x) for course, x in zip(pair.courses, χ, strict=True)) for w in (pair.level, pair.clock)
-    ]
+    sizes = [sum(c.rounding_size(w, x) for c, x in zip(pair.courses, χ, strict=True)) for w in (pair.level, pair.clock)]
     left = np.abs(_residual(pair, goals, χ)) + error_bounds + 4 * EPS * np.stack(sizes)
     with np.errstate(all="ignore"):
         inverse = np.abs(np.stack([np.stack([d, -b]), np.stack([-c, a])]) / (a * d - b * c))
     return np.sum(inverse * left[None, :], axis=1) + 2 * EPS * np.abs(χ)
-
-
-def _phase_times(growth: Elementwise, χ: Reals) -> Reals:
-    """|growth·χ| in doubles, of a growth in many digits."""
-    size: Elementwise = np.abs(growth * np.abs(χ))
-    return size.astype(float)
-
-
-def _size(course: CoordinateMotion, weights: Weights, χ: Reals) -> Reals:
-    """What the rounding of Σ wⱼ Gⱼ(χ) is relative to: a panel's series is rounded like its greatest value."""
-    used = [(j, abs(w)) for j, w in enumerate(weights) if w]
-    if isinstance(course, Unbounded):
-        edges = course.edges()
-        summed: Elementwise = sum(w * np.abs(course.integral(j, edges)) for j, w in used)
-        position = np.clip(np.searchsorted(edges, χ) - 1, 0, len(edges) - 2)
-        tail = sum(w * np.abs(course.integral(j, χ)) for j, w in used)
-        return np.maximum(np.maximum(summed[position], summed[position + 1]), tail)
-    size = cast("Reals", sum(w * _phase_times(course.growth(j), χ) for j, w in used))
-    if isinstance(course, Periodic):
-        for j, w in used:
-            waves = course.kernels[j].cosines.astype(float)
-            size = size + w * float(np.sum(np.abs(waves) / np.arange(1, len(waves) + 1)))
-    return size

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from functools import singledispatch
 from typing import cast
 
 import numpy as np
@@ -9,7 +10,14 @@ import numpy as np
 from hjsolve.arithmetic.error_free import split
 from hjsolve.arithmetic.floats import EPS, multiprecision
 from hjsolve.arithmetic.number_types import Elementwise, Mask, Reals
-from hjsolve.one_coordinate.coordinate_motion import AtRest, CoordinateMotion, Periodic, Unbounded
+from hjsolve.one_coordinate.coordinate_motion import (
+    AtRest,
+    CoordinateMotion,
+    KindOfMotion,
+    Periodic,
+    Unbounded,
+    Weights,
+)
 from hjsolve.one_coordinate.fourier_series import combine
 from hjsolve.time_law.phase_reduction import turns_and_rest
 from hjsolve.time_law.torus import _alone, bracketed
@@ -17,7 +25,7 @@ from hjsolve.time_law.torus import _alone, bracketed
 
 def solve_alone(
     course: CoordinateMotion,
-    weights: tuple[float, ...],
+    weights: Weights,
     value: Reals,
     slack: Reals,
     own: float,
@@ -36,26 +44,49 @@ def solve_alone(
     Returns:
         χ, whole turns, a bound on the error of χ, and True where the coordinate has ended before; shape (m,).
     """
-    never = np.zeros(value.shape, dtype=bool)
-    if isinstance(course, Periodic):
-        total = combine(list(weights), course.kernels[: len(weights)])
-        scaled = combine([1 / total.mean], [total])
-        angle, whole = value / float(total.mean), 0.0 * value
-        if own:
-            count, rest = turns_and_rest(split(own / total.mean / (2 * multiprecision(160).pi)), time)
-            start = angle - own / float(total.mean) * (time[0] + time[1])
-            whole = count + np.rint(rest)
-            angle = 2 * np.pi * (rest - np.rint(rest)) + start
-        x, error = _alone(scaled, angle, slack / abs(float(total.mean)))
-        return x, whole, error, never
-    if isinstance(course, AtRest):
-        rate = float(sum(w * float(r) for w, r in zip(weights, course.rates, strict=False)))
-        return value / rate, 0.0 * value, slack / abs(rate) + EPS * np.abs(value / rate), never
-    return _solve_open(course, weights, value, slack)
+    found: tuple[Reals, Reals, Reals, Mask] = _solved(course, weights, value, slack, own, time)
+    return found
 
 
-def _solve_open(
-    course: Unbounded, weights: tuple[float, ...], value: Reals, error_bound: Reals
+@singledispatch
+def _solved(course: KindOfMotion, *_: object) -> tuple[Reals, Reals, Reals, Mask]:
+    """The same for each kind of motion."""
+    raise NotImplementedError(type(course))
+
+
+@_solved.register
+def _of_cycle(
+    course: Periodic,
+    weights: Weights,
+    value: Reals,
+    slack: Reals,
+    own: float,
+    time: tuple[Reals, Reals],
+) -> tuple[Reals, Reals, Reals, Mask]:
+    total = combine(list(weights), course.kernels[: len(weights)])
+    scaled = combine([1 / total.mean], [total])
+    angle, whole = value / float(total.mean), 0.0 * value
+    if own:
+        count, rest = turns_and_rest(split(own / total.mean / (2 * multiprecision(160).pi)), time)
+        start = angle - own / float(total.mean) * (time[0] + time[1])
+        whole = count + np.rint(rest)
+        angle = 2 * np.pi * (rest - np.rint(rest)) + start
+    x, error = _alone(scaled, angle, slack / abs(float(total.mean)))
+    return x, whole, error, np.zeros(value.shape, dtype=bool)
+
+
+@_solved.register
+def _of_rest(
+    course: AtRest, weights: Weights, value: Reals, slack: Reals, *_: object
+) -> tuple[Reals, Reals, Reals, Mask]:
+    rate = float(sum(w * float(r) for w, r in zip(weights, course.rates, strict=False)))
+    error = slack / abs(rate) + EPS * np.abs(value / rate)
+    return value / rate, 0.0 * value, error, np.zeros(value.shape, dtype=bool)
+
+
+@_solved.register
+def _of_open(
+    course: Unbounded, weights: Weights, value: Reals, error_bound: Reals, *_: object
 ) -> tuple[Reals, Reals, Reals, Mask]:
     def function(χ: Reals) -> tuple[Reals, Reals]:
         pairs = [(w * course.integral(j, χ), w * course.rate(j, χ)) for j, w in enumerate(weights) if w]

@@ -8,7 +8,7 @@ of its own). The rest is solved together, following the motion from its start in
 from __future__ import annotations
 
 from collections.abc import Sequence
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
 from typing import Any
 
 import numpy as np
@@ -16,7 +16,7 @@ import numpy as np
 from hjsolve.arithmetic.floats import EPS
 from hjsolve.arithmetic.number_types import Mask, Reals
 from hjsolve.errors import NotConvergedError
-from hjsolve.one_coordinate.coordinate_motion import CoordinateMotion, Periodic, Unbounded
+from hjsolve.one_coordinate.coordinate_motion import CoordinateMotion
 from hjsolve.time_law.coupled_pair import CoupledPair, choose_pair, solve_pair
 from hjsolve.time_law.one_phase import solve_alone
 
@@ -48,6 +48,16 @@ class TriangularScheme:
     steps: tuple[DecoupledStep, ...]
     coupled: tuple[int, ...]
 
+    @property
+    def torus(self) -> None:
+        """None: there are no angle variables."""
+        return None
+
+    @property
+    def scheme(self) -> TriangularScheme:
+        """These equations."""
+        return self
+
 
 def plan(courses: Sequence[CoordinateMotion]) -> TriangularScheme:
     """Find which coordinates have a time of their own.
@@ -76,10 +86,10 @@ def _sample(course: CoordinateMotion, n: int) -> Reals:
 
     A periodic series is rounded like its greatest value, panels each like their own.
     """
-    χ = np.array([0.37, 0.81, 1.23, 1.77, 2.41, 2.93]) * (0.3 if isinstance(course, Unbounded) else 1.0)
+    χ = np.array([0.37, 0.81, 1.23, 1.77, 2.41, 2.93]) * (0.3 if course.branches else 1.0)
     rows = np.stack([np.broadcast_to(course.rate(j, χ), χ.shape) for j in range(n)], axis=1)
     sizes = np.max(np.abs(rows), axis=1, keepdims=True)
-    significant = sizes[:, 0] > 1e-12 * (float(np.max(sizes)) if isinstance(course, Periodic) else 0.0)
+    significant = sizes[:, 0] > 1e-12 * (float(np.max(sizes)) if course.one_scale else 0.0)
     if not (significant.any() and np.isfinite(sizes).all()):
         raise NotConvergedError(
             "the times of this motion are beyond doubles, 1e-308 to 1e308; write lengths and times in other "
@@ -171,12 +181,9 @@ def _one_way(course: CoordinateMotion, step: DecoupledStep, times: Reals) -> Coo
 
     Its phase has the sign of the time.
     """
-    if not isinstance(course, Unbounded) or course.behind is course.ahead or course.start or not step.weights[0]:
+    if not course.two_ways or course.start or not step.weights[0]:
         return course
-    weights, amount = course.reach
-    back = amount if np.min(times, initial=0.0) < 0 else 1e-290
-    ahead = amount if np.max(times, initial=0.0) > 0 else 1e-290
-    return replace(course, reach=(weights, ahead), back=back)
+    return course.on_sides(ahead=bool(np.max(times, initial=0.0) > 0), back=bool(np.min(times, initial=0.0) < 0))
 
 
 def _couple(courses: list[CoordinateMotion], scheme: TriangularScheme) -> CoupledPair | None:
@@ -219,20 +226,18 @@ def reaching(course: CoordinateMotion, scheme: TriangularScheme, span: float, i:
         span: length of time, in the units of t.
         i: position of the coordinate.
     """
-    if not isinstance(course, Unbounded):
+    if not course.branches:
         return course
     weights = next(
         (s.weights for s in scheme.steps if s.index == i), tuple(float(j == 0) for j in range(scheme.equations))
     )
-    begin = replace(course, reach=(None, max(1.0, abs(float(course.start)))))
+    begin = course.with_amount(None, max(1.0, abs(float(course.start))))
     here = sum(
         abs(w * float(begin.integral(j, np.array([float(course.start)]))[0])) for j, w in enumerate(weights) if w
     )
     others = 1.0 if weights[0] or len(scheme.coupled) == 2 else 64.0
-    return replace(
-        course,
-        reach=(weights, here + others * span * max(abs(weights[0]), 1e-300) if weights[0] else here + others * span),
-    )
+    amount = here + others * span * max(abs(weights[0]), 1e-300) if weights[0] else here + others * span
+    return course.with_amount(weights, amount)
 
 
 def _targets(courses: list[CoordinateMotion], n: int) -> list[float]:

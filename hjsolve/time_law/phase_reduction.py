@@ -33,7 +33,7 @@ def turns_and_rest(
         Whole number (float array) and fraction; their sum is exact to about 1e-32 relative.
     """
     upper, lower = time
-    if not isinstance(upper, np.ndarray):
+    if not np.ndim(upper):
         return _turns(rate, upper, lower, start)
     whole, rest = np.empty(upper.shape), np.empty(upper.shape)
     if compiled := kernels(upper.size):

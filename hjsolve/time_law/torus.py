@@ -48,6 +48,16 @@ class TorusEquations:
     coupled: tuple[int, ...]
     blurs: tuple[float, ...]
 
+    @property
+    def torus(self) -> TorusEquations:
+        """These equations."""
+        return self
+
+    @property
+    def scheme(self) -> None:
+        """None: nothing is left as it stands."""
+        return None
+
 
 def torus_equations(courses: Sequence[Periodic | AtRest], bits: int) -> TorusEquations:
     """Set up the angle form of Jacobi's equations.

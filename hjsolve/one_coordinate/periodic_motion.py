@@ -1,0 +1,296 @@
+"""The motion of one coordinate that repeats itself: libration and rotation."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, replace
+from typing import cast
+
+import numpy as np
+
+from hjsolve.arithmetic.error_free import Pair, moved, split
+from hjsolve.arithmetic.floats import Float64, context_of, multiprecision
+from hjsolve.arithmetic.number_types import Elementwise, Mpf, Numbers, Reals
+from hjsolve.arithmetic.work_counter import count
+from hjsolve.one_coordinate.anomaly import BarrierAnomaly, Libration, Rotation, TwoBarrierAnomaly
+from hjsolve.one_coordinate.fourier_series import FourierSeries
+from hjsolve.one_coordinate.kind_of_motion import Kind, KindOfMotion, Weights, arithmetic_of, elementwise, phase_times
+from hjsolve.one_coordinate.momentum_squared import MomentumSquared
+from hjsolve.one_coordinate.stretched_anomaly import Stretched
+
+Anomaly = Libration | BarrierAnomaly | Rotation | TwoBarrierAnomaly | Stretched
+
+
+@dataclass(frozen=True)
+class Periodic(KindOfMotion):
+    """Libration or rotation: phases with period 2π.
+
+    Attributes:
+        kind: libration or rotation.
+        anomaly: the map χ ↦ q in many digits.
+        kernels: series of kⱼ (dq/dχ)/p.
+        momentum: series of ln(p/(dq/dχ)), which may vary by many orders of magnitude.
+        density: series of p dq/dχ; its mean is the action.
+        start: χ of the initial place.
+        radicand: p² and its kernels.
+    """
+
+    kind: Kind
+    anomaly: Anomaly
+    kernels: list[FourierSeries]
+    momentum: FourierSeries
+    density: FourierSeries | None
+    start: Mpf
+    radicand: MomentumSquared
+
+    stable = True
+    one_scale = True
+
+    @property
+    def cycle(self) -> Periodic:
+        """This motion."""
+        return self
+
+    @property
+    def bounded(self) -> Periodic:
+        """This motion."""
+        return self
+
+    @property
+    def direction(self) -> int:
+        """The sign of dq/dχ of a rotation; 1 of a libration."""
+        return self.anomaly.direction
+
+    @property
+    def rotates(self) -> bool:
+        """True of a rotation."""
+        return not self.anomaly.even
+
+    @property
+    def nodes(self) -> int:
+        """Quadrature nodes behind the integrals over a cycle."""
+        return max((s.nodes for s in self.kernels), default=0)
+
+    @property
+    def action(self) -> Mpf | float | None:
+        """(1/2π) ∮ p dq, positive; None where it was not integrated."""
+        return None if self.density is None else self.density.mean
+
+    @property
+    def tail(self) -> float:
+        """The largest of the last coefficients, relative to the size of its function."""
+        return max(float(s.tail) for s in (*self.kernels, self.momentum))
+
+    @property
+    def signed_action(self) -> Mpf | int:
+        """(1/2π) ∮ P dq, signed like P for a rotation."""
+        assert self.action is not None  # it was asked for
+        action: Elementwise = self.action
+        signed: Mpf = action * self.direction
+        return signed
+
+    def integral(self, j: int, χ: Numbers) -> Numbers:
+        """Return Gⱼ from 0 to χ.
+
+        Args:
+            j: position of the constant.
+            χ: phases, shape (m,).
+        """
+        mean = self.kernels[j].mean
+        return (float(mean) if χ.dtype == float else mean) * χ + elementwise(self.kernels[j].ripple, χ, 1)
+
+    def rate(self, j: int, χ: Numbers) -> Numbers:
+        """Return dGⱼ/dχ.
+
+        Args:
+            j: position of the constant.
+            χ: phases, shape (m,).
+        """
+        return elementwise(self.kernels[j].value, χ, 1)
+
+    def growth(self, j: int) -> float | Mpf:
+        """Return the growth of Gⱼ per unit phase, in the mean.
+
+        Args:
+            j: position of the constant.
+        """
+        return self.kernels[j].mean
+
+    def swing(self, j: int) -> float | Mpf:
+        """Return the size of the values whose mean the growth of Gⱼ is.
+
+        Args:
+            j: position of the constant.
+        """
+        growth: Elementwise = self.growth(j)
+        waves: Elementwise = abs(self.kernels[j].cosines)
+        size: float | Mpf = abs(growth) + sum(waves)
+        return size
+
+    @property
+    def turning_points(self) -> tuple[Mpf, Mpf]:
+        """Lower and upper, of a libration."""
+        assert isinstance(self.anomaly, Libration | BarrierAnomaly | Stretched)
+        return self.anomaly.lower, self.anomaly.upper
+
+    def momentum_integral(self, χ: Numbers) -> tuple[Numbers, Numbers, Numbers]:
+        """Return ∫ P dq from the phase 0 to χ, |P dq/dχ|, and the size that rounding refers to.
+
+        Args:
+            χ: phases, shape (m,); doubles or ``mpf``.
+        """
+        series = self.density
+        assert series is not None  # it was asked for
+        mean: Elementwise = float(series.mean) if χ.dtype == float else series.mean
+        size = abs(mean) * abs(χ) + float(np.sum(np.abs(series.cosines.astype(float))))
+        return mean * χ + elementwise(series.ripple, χ, 1), abs(elementwise(series.value, χ, 1)), size
+
+    def rounding_size(self, weights: Weights, χ: Reals) -> Reals:
+        """Return what the rounding of Σ wⱼ Gⱼ(χ) is relative to: the growth, and all the terms of the series.
+
+        Args:
+            weights: wⱼ, one a constant.
+            χ: phases in doubles, shape (m,).
+        """
+        used = [(j, abs(w)) for j, w in enumerate(weights) if w]
+        size = cast("Reals", sum(w * phase_times(self.growth(j), χ) for j, w in used))
+        for j, w in used:
+            waves = self.kernels[j].cosines.astype(float)
+            size = size + w * float(np.sum(np.abs(waves) / np.arange(1, len(waves) + 1)))
+        return size
+
+    def rate_noise(self, j: int) -> float:
+        """Return what rounding in doubles leaves open of dGⱼ/dχ where it is small.
+
+        Args:
+            j: position of the constant.
+        """
+        series = self.kernels[j]
+        return 2.0**-48 * (abs(float(series.mean)) + float(np.sum(np.abs(series.cosines.astype(float)))))
+
+    def distances(self, χ: Reals) -> tuple[Reals, Reals]:
+        """Return distances from the lower and from the upper turning point of a libration, each to relative accuracy.
+
+        Args:
+            χ: phases in doubles, shape (m,).
+        """
+        rest: Elementwise = χ - 2 * np.pi * np.rint(χ / (2 * np.pi))
+        place: Elementwise = self.anomaly.in_doubles().place(rest, Float64())
+        return place.below, place.above
+
+    def beside(self, below: Reals, above: Reals) -> Pair:
+        """Return the place at these distances from the turning points, in two doubles: the nearer one and its distance.
+
+        Args:
+            below, above: distances from the lower and from the upper turning point, shape (m,).
+        """
+        (a, b), low = map(split, self.turning_points), below < above
+        end = Pair(np.where(low, a.high, b.high), np.where(low, a.low, b.low))
+        return moved(end, np.where(low, below, -above))
+
+    def place_in_two_doubles(self, χ: Reals, rough: Reals) -> Pair:
+        """Return q in two doubles, at phases in doubles; the second is 0 of a rotation.
+
+        Args:
+            χ: phases, shape (m,).
+            rough: q in doubles.
+        """
+        if self.rotates:
+            return Pair(rough, 0 * rough)
+        return self.beside(*self.distances(χ))
+
+    def place_grain(self, χ: Reals) -> Reals:
+        """Return the size that the rounding of a place in two doubles refers to.
+
+        Args:
+            χ: phases in doubles, shape (m,).
+        """
+        if self.rotates:
+            return np.abs(cast("Reals", self.place(χ)[0])) + np.pi
+        return np.minimum(*self.distances(χ))
+
+    def in_doubles(self) -> Periodic:
+        """Return the motion with the series of its momentum rounded to doubles, for vectorised use."""
+        series = self.momentum
+        if series.cosines.dtype != object:
+            return self
+        sines = None if series.sines is None else series.sines.astype(float)
+        return replace(
+            self, momentum=FourierSeries(series.mean, series.cosines.astype(float), sines, series.nodes, series.tail)
+        )
+
+    def momentum_noise(self, χ: Reals) -> Reals:
+        """Return the terms of ln(p/(dq/dχ)), which are rounded one by one, and what the rounding of χ does to it.
+
+        Args:
+            χ: phases in doubles, shape (m,).
+        """
+        waves: float = 2 * np.sum(np.abs(self.momentum.cosines.astype(float)))
+        return waves + 4 * self.in_doubles().crowding(χ)
+
+    def blur(self, χ: Reals) -> Reals:
+        """Return the rounding of the anomaly itself as an uncertainty of χ in doubles; 0 where it has none.
+
+        Args:
+            χ: phases, shape (m,).
+        """
+        return self.anomaly.rounding(χ)
+
+    def pace(self, weights: tuple[float, ...], χ: Reals) -> Reals:
+        """Return Σ wⱼ dGⱼ/dχ for a float array |χ| ≤ π by the formula, not the series: small values keep digits.
+
+        Args:
+            weights: wⱼ, one a constant.
+            χ: phases in doubles, shape (m,).
+        """
+        q, _ = self.place(χ)
+        count(kernels=q.size)
+        numbers = [float(x) for x in self.radicand.inputs(64)]
+        kernels = self.radicand.kernels.run(Float64(), [q, *numbers])
+        total: Elementwise = sum(w * k for w, k in zip(weights, kernels, strict=False) if w)
+        return total / self.ratio(χ) * self.anomaly.slope_at(χ)
+
+    def ratio(self, χ: Elementwise) -> Elementwise:
+        """Return p/(dq/dχ) to full relative accuracy; χ a float array or one ``mpf``.
+
+        Args:
+            χ: phase.
+        """
+        if (context := context_of(χ)) is not None:
+            return context.exp(self.momentum.value(χ))
+        rest = replace(self.momentum, mean=0.0)
+        return float(multiprecision(96).exp(self.momentum.mean)) * np.exp(rest.value(χ))
+
+    def crowding(self, χ: Reals) -> Reals:
+        """Return |χ d ln(p/(dq/dχ))/dχ| for a float array: how the rounding of χ comes out in p, relative to p.
+
+        p is a product of two factors; next to a pole both change fast with χ, and p may not.
+
+        Args:
+            χ: phases in doubles, shape (m,).
+        """
+        h, series = 1e-5, replace(self.momentum, mean=0.0)
+        return np.abs(χ * (series.value(χ + h) - series.value(χ - h)) / (2 * h))
+
+    def place(self, χ: Numbers) -> tuple[Numbers, Numbers]:
+        """Return q (not reduced to one turn) and the shell momentum at χ.
+
+        Args:
+            χ: phases, shape (m,).
+        """
+        count(places=χ.size)
+        arithmetic = arithmetic_of(χ)
+        anomaly = arithmetic.choose(lambda _: self.anomaly.in_doubles(), lambda _: self.anomaly)
+        turn = (
+            np.rint(χ / (2 * np.pi))
+            if χ.dtype == float
+            else elementwise(lambda x: x.context.nint(x / (2 * x.context.pi)), χ, 1)
+        )
+        pi: Elementwise = arithmetic.pi()
+        rest: Numbers = χ - 2 * pi * turn
+
+        def at(x: Elementwise) -> tuple[Elementwise, Elementwise]:
+            place = anomaly.place(x, arithmetic)
+            return place.q, self.ratio(x) * place.speed
+
+        q, p = elementwise(at, rest, 2)
+        return (q, p) if self.anomaly.even else (q + self.anomaly.direction * 2 * pi * turn, p)

@@ -1,0 +1,277 @@
+"""The motion of one coordinate that does not come back: escape, asymptotic, or to an end of the domain."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, replace
+from typing import cast
+
+import numpy as np
+
+from hjsolve.arithmetic.error_free import Pair, moved, split
+from hjsolve.arithmetic.floats import Float64
+from hjsolve.arithmetic.number_types import Elementwise, Mask, Mpf, Numbers, Reals
+from hjsolve.arithmetic.work_counter import count
+from hjsolve.one_coordinate.chebyshev_panels import EndMap, Panels
+from hjsolve.one_coordinate.kind_of_motion import Kind, KindOfMotion, Weights, arithmetic_of, elementwise
+from hjsolve.one_coordinate.momentum_integral import swept
+from hjsolve.one_coordinate.open_branch import Branch
+
+
+@dataclass(frozen=True, eq=False)
+class Unbounded(KindOfMotion):
+    """Escape, asymptotic motion, or motion to an end of the domain.
+
+    Attributes:
+        kind: escape, asymptotic or boundary.
+        ahead: branch of the motion for χ ≥ 0.
+        behind: branch for χ ≤ 0, run backwards; the same branch where the motion turns at χ = 0.
+        start: χ of the initial place.
+        reach: how far the panels go: (weights, amount of the weighted sum of integrals), or (None, greatest phase).
+        back: the amount for the branch behind, where it is another; None for the same.
+    """
+
+    kind: Kind
+    ahead: Branch
+    behind: Branch
+    start: Mpf
+    reach: tuple[tuple[float, ...] | None, float] = (None, 1.0)
+    back: float | None = None
+
+    action = None
+    stable = True
+
+    @property
+    def branches(self) -> tuple[Branch, Branch]:
+        """Ahead and behind."""
+        return self.ahead, self.behind
+
+    @property
+    def two_ways(self) -> bool:
+        """False where the motion turns at χ = 0."""
+        return self.behind is not self.ahead
+
+    def _sides(self, χ: Numbers) -> tuple[Mask, Panels, Panels]:
+        weights, amount = self.reach
+        ahead = self.ahead.panels(weights, amount)
+        if not self.two_ways:
+            return χ >= 0, ahead, ahead
+        return χ >= 0, ahead, self.behind.panels(weights, amount if self.back is None else self.back)
+
+    def finished(self, side: int) -> bool:
+        """Return whether the last phase held is the end of the motion, not of the panels.
+
+        Args:
+            side: 1 ahead, −1 behind.
+        """
+        branch = self.branches[side < 0]
+        return branch.way.end in {"boundary", "fall"} or branch.panels(*self.reach).finished
+
+    def covering(self, χ: Numbers) -> Unbounded:
+        """Return the motion with enough panels for some phases, on each side as far as there are any.
+
+        Args:
+            χ: phases, shape (m,).
+        """
+        if not self.two_ways:
+            return self.with_reach(float(np.max(np.abs(χ), initial=0)))
+        return self.with_reach(float(np.max(χ, initial=0)), float(np.max(-χ, initial=0)))
+
+    def with_reach(self, ahead: float, back: float | None = None) -> Unbounded:
+        """Return the motion with enough panels for phases up to a size.
+
+        Args:
+            ahead: greatest phase.
+            back: greatest −χ where panels behind shall reach elsewhere.
+        """
+        least = max(1.0, abs(float(self.start)))
+        behind = None if back is None else 1.001 * max(least, back)
+        return replace(self, reach=(None, 1.001 * max(least, ahead)), back=behind)
+
+    def with_amount(self, weights: Weights | None, amount: float) -> Unbounded:
+        """Return the motion with panels as far as |Σ wⱼ Gⱼ| reaches an amount.
+
+        Args:
+            weights: wⱼ, one a constant; None where the phase itself is meant.
+            amount: how far.
+        """
+        return replace(self, reach=(weights, amount))
+
+    def on_sides(self, *, ahead: bool, back: bool) -> Unbounded:
+        """Return the motion with panels on those sides only.
+
+        Args:
+            ahead, back: False where there are no phases.
+        """
+        weights, amount = self.reach
+        return replace(self, reach=(weights, amount if ahead else 1e-290), back=amount if back else 1e-290)
+
+    def probes(self) -> Reals:
+        """Return phases in all panels, and that of the start."""
+        edges = self.edges()
+        return np.concatenate([(edges[1:] + edges[:-1]) / 2, [float(self.start)]])
+
+    def stations(self, side: int) -> Reals:
+        """Return the ends of the panels from the start outward, and doublings beyond where the motion goes on for ever.
+
+        Args:
+            side: 1 ahead, −1 behind.
+        """
+        start = float(self.start)
+        edges, limit = self.edges(), self.limits()[side > 0]
+        beyond = edges[edges > start] if side > 0 else edges[edges < start][::-1]
+        places = np.concatenate([[start], beyond])
+        doublings = 2.0 ** np.arange(-2, 61)
+        return places if np.isfinite(limit) else np.concatenate([places, places[-1] + side * doublings])
+
+    def rounding_size(self, weights: Weights, χ: Reals) -> Reals:
+        """Return what the rounding of Σ wⱼ Gⱼ(χ) is relative to: a panel's series is rounded like its greatest value.
+
+        Args:
+            weights: wⱼ, one a constant.
+            χ: phases in doubles, shape (m,).
+        """
+        used = [(j, abs(w)) for j, w in enumerate(weights) if w]
+        edges = self.edges()
+        summed: Elementwise = sum(w * np.abs(self.integral(j, edges)) for j, w in used)
+        position = np.clip(np.searchsorted(edges, χ) - 1, 0, len(edges) - 2)
+        tail = sum(w * np.abs(self.integral(j, χ)) for j, w in used)
+        return np.maximum(np.maximum(summed[position], summed[position + 1]), tail)
+
+    def momentum_integral(self, χ: Numbers) -> tuple[Numbers, Numbers, Numbers]:
+        """Return ∫ P dq from the phase 0 to χ, |P dq/dχ|, and the size that rounding refers to; nan beyond the panels.
+
+        Args:
+            χ: phases, shape (m,); doubles or ``mpf``.
+        """
+        weights, amount = self.reach
+        back = amount if self.back is None or not self.two_ways else self.back
+        ahead, behind = swept(self.ahead, weights, amount), swept(self.behind, weights, back)
+        forward, y = χ >= 0, np.abs(χ)
+        values = np.where(forward, ahead.integral(0, y), -behind.integral(0, y))
+        slopes: Numbers = np.abs(np.where(forward, ahead.value(0, y), behind.value(0, y)))
+        beyond = np.where(forward, y > ahead.edges[-1], y > behind.edges[-1])
+        values = np.where(beyond, np.nan, values) if beyond.any() else values
+        return values, slopes, np.where(forward, ahead.grain(0, y), behind.grain(0, y))
+
+    def place_in_two_doubles(self, χ: Reals, rough: Reals) -> Pair:  # noqa: ARG002
+        """Return start or end of a branch and the distance from it.
+
+        Args:
+            χ: phases, shape (m,).
+            rough: q in doubles.
+        """
+        pairs = []
+        for branch in self.branches:
+            way = float_way(branch.way)
+            x, left, _ = cast("tuple[Elementwise, Elementwise, Elementwise]", way.distances(np.abs(χ), Float64()))
+            start, end = split(branch.way.start), split(branch.way.start + branch.way.side * branch.way.length)
+            from_start = moved(Pair(start.high + 0 * χ, start.low + 0 * χ), way.side * x)
+            if left is None:
+                pairs.append(from_start)
+                continue
+            from_end = moved(Pair(end.high + 0 * χ, end.low + 0 * χ), -way.side * left)
+            pairs.append(Pair(*(np.where(left < x, e, s) for s, e in zip(from_start, from_end, strict=True))))
+        ahead, behind = pairs
+        return Pair(*(np.where(χ >= 0, a, b) for a, b in zip(ahead, behind, strict=True)))
+
+    def place_grain(self, χ: Reals) -> Reals:
+        """Return the size that the rounding of a place in two doubles refers to: its distance from the start.
+
+        Args:
+            χ: phases in doubles, shape (m,).
+        """
+        return np.abs(cast("Reals", self.place(χ)[0]) - float(self.ahead.way.start))
+
+    def integral(self, j: int, χ: Numbers) -> Numbers:
+        """Return Gⱼ from 0 to χ.
+
+        Args:
+            j: position of the constant.
+            χ: phases, shape (m,).
+        """
+        forward, ahead, behind = self._sides(χ)
+        return np.where(forward, ahead.integral(j, np.abs(χ)), -behind.integral(j, np.abs(χ)))
+
+    def grain(self, j: int, χ: Numbers) -> Reals:
+        """Return the size that the rounding of an integral in doubles refers to.
+
+        Args:
+            j: position of the constant.
+            χ: phases, shape (m,).
+        """
+        forward, ahead, behind = self._sides(χ)
+        return np.where(forward, ahead.grain(j, np.abs(χ)), behind.grain(j, np.abs(χ)))
+
+    def rate(self, j: int, χ: Numbers) -> Numbers:
+        """Return dGⱼ/dχ.
+
+        Args:
+            j: position of the constant.
+            χ: phases, shape (m,).
+        """
+        forward, ahead, behind = self._sides(χ)
+        return np.where(forward, ahead.value(j, np.abs(χ)), behind.value(j, np.abs(χ)))
+
+    def edges(self) -> Reals:
+        """Return the phases at all panel ends, increasing."""
+        _, ahead, behind = self._sides(np.zeros(1))
+        return np.concatenate([-behind.edges[:0:-1], ahead.edges]).astype(float)
+
+    def rate_sum(self, weights: tuple[float, ...], χ: Reals) -> Reals:
+        """Return Σ wⱼ dGⱼ/dχ.
+
+        Args:
+            weights: wⱼ, one a constant.
+            χ: phases, shape (m,).
+        """
+        return cast("Reals", sum(w * self.rate(j, χ) for j, w in enumerate(weights) if w))
+
+    def limits(self) -> tuple[float, float]:
+        """Return the least and greatest phase the panels hold; infinite along an asymptote, whose tail is known.
+
+        Not where it is reached in a finite time all the same, at a place where the kinetic energy vanishes.
+        """
+        _, ahead, behind = self._sides(np.zeros(1))
+        ends = [
+            np.inf if b.way.end == "asymptote" and not self._settled(p) else float(p.edges[-1])
+            for b, p in ((self.behind, behind), (self.ahead, ahead))
+        ]
+        return -ends[0], ends[1]
+
+    def _settled(self, panels: Panels) -> bool:
+        """True where the time that the panels were made for no longer grows with the phase."""
+        weights, _ = self.reach
+        if weights is None or not any(weights):
+            return False
+        last = np.array([float(panels.edges[-1])])
+        rate, total = (
+            abs(sum(w * float(part(j, last)[0]) for j, w in enumerate(weights) if w))
+            for part in (panels.value, panels.integral)
+        )
+        return bool(last[0] * rate <= 10.0**-self.ahead.digits * total)
+
+    def place(self, χ: Numbers) -> tuple[Numbers, Numbers]:
+        """Return q and the shell momentum at χ.
+
+        Args:
+            χ: phases, shape (m,).
+        """
+        count(places=χ.size)
+        forward, ahead, behind = self._sides(χ)
+        (q1, p1), (q2, p2) = self._on(self.ahead, ahead, χ, 1), self._on(self.behind, behind, χ, -1)
+        return np.where(forward, q1, q2), np.where(forward, p1, p2)
+
+    def _on(self, branch: Branch, panels: Panels, χ: Numbers, sign: int) -> tuple[Numbers, Numbers]:
+        y, arithmetic = np.abs(χ), arithmetic_of(χ)
+        way = branch.way if χ.dtype == object else float_way(branch.way)
+        q, slope = elementwise(lambda v: way.position(v, arithmetic), y, 2)
+        return q, sign * slope * panels.value(-1, y) / elementwise(lambda v: way.rest(v, arithmetic), y, 1)
+
+
+def float_way(way: EndMap) -> EndMap:
+    """Round the constants of a map to doubles.
+
+    Args:
+        way: with constants of many digits.
+    """
+    return replace(way, start=float(way.start), length=float(way.length))  # type: ignore[arg-type]  # as many digits
