@@ -21,7 +21,7 @@ ANSWER, REFUSED, BAD_INPUT, UNSETTLED, INTERRUPTED = 0, 1, 2, 3, 130
 """Exit statuses; see ``hjsolve.command_line.main``."""
 
 
-def check(options: Namespace) -> int:
+def check_command(options: Namespace) -> int:
     """Decide and print the evidence.
 
     Args:
@@ -58,7 +58,7 @@ def check(options: Namespace) -> int:
     return _status(verdict)
 
 
-def solve(options: Namespace) -> int:
+def solve_command(options: Namespace) -> int:
     """Solve by quadratures and print the formulas.
 
     Args:
@@ -107,7 +107,7 @@ def _closed(solved: Solution) -> list[Section]:
     return closed_form_sections(closed_forms(solved))
 
 
-def coordinates(options: Namespace) -> int:
+def coordinates_command(options: Namespace) -> int:
     """Find the coordinates in which a system separates, and print them.
 
     Args:
@@ -145,7 +145,7 @@ def _modes(system: System) -> NormalModes | None:
         return None
 
 
-def report(options: Namespace) -> int:
+def report_command(options: Namespace) -> int:
     """Write a report to a file, or to the standard output where the file is "-".
 
     Args:
@@ -206,7 +206,7 @@ def _found(options: Namespace, initial: Any) -> tuple[Solution, Any]:
     return solve(system, "find"), data
 
 
-def cost(options: Namespace) -> int:
+def cost_command(options: Namespace) -> int:
     """Measure accuracy against time, and print the table.
 
     Args:
@@ -226,7 +226,7 @@ def cost(options: Namespace) -> int:
     return ANSWER
 
 
-def motion(options: Namespace) -> int:
+def motion_command(options: Namespace) -> int:
     """Compute a motion, and print its numbers or its states.
 
     Args:
@@ -244,7 +244,7 @@ def motion(options: Namespace) -> int:
     return ANSWER
 
 
-def completion(options: Namespace) -> int:
+def completion_command(options: Namespace) -> int:
     """Print the completion script of a shell.
 
     Args:
@@ -259,7 +259,7 @@ def completion(options: Namespace) -> int:
     return ANSWER
 
 
-def sweep(options: Namespace) -> int:
+def sweep_command(options: Namespace) -> int:
     """Compute the orbits that a scene declares into a folder.
 
     Args:
@@ -273,7 +273,7 @@ def sweep(options: Namespace) -> int:
     return run_sweep(options)
 
 
-def catalog(options: Namespace) -> int:
+def catalog_command(options: Namespace) -> int:
     """List the catalog, show an entry or check a file.
 
     Args:

@@ -208,7 +208,7 @@ def sharpened_from_table(
         q, v: coordinates and velocities in doubles, shape (m,).
         where: which of them to work out anew, shape (m,).
     """
-    return _put(motion, *from_table(motion, table, θ[where]), q, v, where)
+    return _put(motion, *places_from_table(motion, table, θ[where]), q, v, where)
 
 
 def _put(
@@ -227,7 +227,7 @@ def _put(
     return result
 
 
-def from_table(motion: SeparatedMotion, table: DenseOutput, θ: Any) -> tuple[dict[str, Pair], dict[str, Any]]:
+def places_from_table(motion: SeparatedMotion, table: DenseOutput, θ: Any) -> tuple[dict[str, Pair], dict[str, Any]]:
     """As ``places``, from a table that holds the distances from both turning points; θ its argument.
 
     Args:
