@@ -30,6 +30,8 @@ _NUMPY_NAMES = {
 
 EPS = 2.0**-52
 """From 1 to the next double; rounding of a result is half of it, relatively."""
+UNIT = 2.0**-53
+"""The unit roundoff: half of ``EPS``, the relative error of one rounding to the nearest double at most."""
 FARTHEST = 1024
 """Binary digits before the point of the largest argument of an exponential; many more of a circular function."""
 CIRCULAR = ("sin", "cos", "tan")
@@ -72,7 +74,7 @@ class Float64(ByOperators):
     """
 
     bits: ClassVar[int] = 53
-    few_units: ClassVar[float] = 4 * 2.0**-52
+    few_units: ClassVar[float] = 4 * EPS
     """More than any operation rounds by, relatively."""
 
     def rational(self, numerator: int, denominator: int) -> Elementwise:

@@ -16,7 +16,7 @@ import sympy as sp
 
 from hjsolve.arithmetic.double_double import DoubleDouble
 from hjsolve.arithmetic.error_free import Pair, split, two_sum
-from hjsolve.arithmetic.floats import Float64
+from hjsolve.arithmetic.floats import UNIT, Float64
 from hjsolve.arithmetic.running_error import RunningError
 from hjsolve.arithmetic.running_error import WithErrorBound as Rounded
 from hjsolve.mechanics.system import velocities
@@ -30,7 +30,7 @@ if TYPE_CHECKING:
     from hjsolve.motion.separated import SeparatedMotion
     from hjsolve.motion.tabulated import DenseOutput
 
-_LOST = 16 * 2.0**-53
+_LOST = 16 * UNIT
 """What the rounding of a place may do to a velocity, relative to it, before it is worked out in two doubles."""
 _IN_TWO_DOUBLES = 2.0**-47
 """What operations in two doubles lose, in units of what they would lose in doubles (``arithmetic/double_double``)."""
@@ -50,8 +50,8 @@ def blurred(motion: SeparatedMotion, q: Mapping[str, Any], p: Mapping[str, Any])
     formulas = tuple(velocities(motion.solution.system).values())
     variables, arrays, fixed = _arguments(motion, q, p)
     places = len(arrays) - len(p)
-    inputs = [Rounded(x, 2.0**-53 * np.abs(x) if k < places else None) for k, x in enumerate(arrays)]
-    inputs += [Rounded(float(x), 2.0**-53 * abs(float(x))) for x in (to_bits(value)(64) for value in fixed.values())]
+    inputs = [Rounded(x, UNIT * np.abs(x) if k < places else None) for k, x in enumerate(arrays)]
+    inputs += [Rounded(float(x), UNIT * abs(float(x))) for x in (to_bits(value)(64) for value in fixed.values())]
     with np.errstate(all="ignore"):
         found = tape_of(formulas, (*variables, *fixed)).run(RunningError(Float64()), inputs)
         lost = [0.0 if x.error is None else x.error > _LOST * np.abs(x.value) for x in found]
@@ -293,7 +293,7 @@ def lost_in_two_doubles(
 
 
 def _rounding(x: Pair) -> Pair:
-    return Pair(2.0**-53 * np.abs(x.high), 0 * x.high)
+    return Pair(UNIT * np.abs(x.high), 0 * x.high)
 
 
 def _in_two_doubles(
