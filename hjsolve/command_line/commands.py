@@ -170,13 +170,14 @@ def report_command(options: Namespace) -> int:
 
 def _reported(options: Namespace, target: Path) -> tuple[int, Path]:
     """Write the report; the exit status and the file."""
-    from hjsolve.command_line.cost import progress_bar
+    from hjsolve.display.progress import ProgressBar
     from hjsolve.reports.content import gather
     from hjsolve.reports.sections.outside import outside_document
     from hjsolve.reports.write import outside_entry, save, save_hamiltonian, save_scene, write_document
 
     if (scene := arguments_read.scene(options)) is not None:
-        return ANSWER, save_scene(scene, target, options.cost, progress_bar())
+        with ProgressBar() as progress:
+            return ANSWER, save_scene(scene, target, options.cost, progress)
     if not options.coordinate and (outside := outside_entry(arguments_read.located(options.system))) is not None:
         return REFUSED, write_document(outside_document(outside), target)
     initial = arguments_read.initial(options)
@@ -192,7 +193,8 @@ def _reported(options: Namespace, target: Path) -> tuple[int, Path]:
     if options.find:
         subject, initial = _found(options, initial)
     material = gather(arguments_read.located(subject), initial=initial, motion=options.motion, digits=options.digits)
-    return _status(material.verdict), save(material, target, options.cost, progress_bar())
+    with ProgressBar() as progress:
+        return _status(material.verdict), save(material, target, options.cost, progress)
 
 
 def _found(options: Namespace, initial: Any) -> tuple[Solution, Any]:
