@@ -20,7 +20,7 @@ def is_shifted(argument: sp.Expr, coordinates: Collection[sp.Symbol]) -> bool:
     return len(parts) > 1 and not all(parts) and len(set().union(*parts)) == 1
 
 
-def linear_terms(x: sp.Expr) -> list[tuple[sp.Expr, Fraction]]:
+def rational_multiples(x: sp.Expr) -> list[tuple[sp.Expr, Fraction]]:
     """Return an expression as Σ coefficient · monomial with rational coefficients.
 
     Args:

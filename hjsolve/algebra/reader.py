@@ -19,7 +19,7 @@ from hjsolve.algebra.constants import constant_is_zero
 from hjsolve.algebra.elementary import INVERSE_CIRCULAR, INVERSE_HYPERBOLIC, at_one_place, circular_pair, composed
 from hjsolve.algebra.field import MAX_POWER, Element, Field, Generator, RootRelation
 from hjsolve.algebra.intervals import NoEnclosureError, enclose
-from hjsolve.algebra.linear_arguments import is_shifted, linear_terms, rational_gcd
+from hjsolve.algebra.linear_arguments import is_shifted, rational_gcd, rational_multiples
 from hjsolve.algebra.logarithms import Logarithms
 from hjsolve.algebra.poly import Budget, Poly, WorkLimitError
 from hjsolve.algebra.relations import dependent
@@ -80,7 +80,7 @@ class Reader:
             self._note("rapidity", node.args[0])
         for node in expression.atoms(sp.exp):
             self._note("rapidity", node.args[0])
-            self._exponential |= {m for m, _ in linear_terms(node.args[0])}
+            self._exponential |= {m for m, _ in rational_multiples(node.args[0])}
         for node in expression.atoms(sp.Pow, sp.log):
             inside = node.args[0]
             even = isinstance(node, sp.log) or (node.exp.is_Rational and node.exp.q % 2 == 0)
@@ -93,7 +93,7 @@ class Reader:
 
     def _terms(self, kind: str, argument: sp.Expr) -> list[tuple[sp.Expr, Fraction]]:
         """The argument as Σ coefficient · monomial; a shifted one is a monomial itself where it is kept whole."""
-        terms = linear_terms(argument)
+        terms = rational_multiples(argument)
         if self._whole and kind == "rapidity" and is_shifted(argument, set(self.bounds)):
             c = next(c for m, c in terms if not m.free_symbols.isdisjoint(self.bounds))
             return [(sp.Add(*(sp.Rational(d.numerator, d.denominator) * m / c for m, d in terms)), c)]
@@ -194,7 +194,7 @@ class Reader:
         if exponent.is_Rational:
             return root(self, self.element(base), int(exponent.p), int(exponent.q))
         result = self.field.one
-        for monomial, c in linear_terms(exponent):
+        for monomial, c in rational_multiples(exponent):
             if monomial == 1:
                 result = result * self._power(base, sp.Rational(c.numerator, c.denominator))
                 continue

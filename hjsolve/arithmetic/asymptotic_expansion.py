@@ -16,7 +16,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from hjsolve.arithmetic.asymptotic_scale import WIDENING, Growth, Monomial, Remainder, UnknownGrowthError, remainder
+from hjsolve.arithmetic.asymptotic_scale import WIDENING, Growth, Monomial, Remainder, UnknownGrowthError, widened
 from hjsolve.arithmetic.floats import Float64, Multi, by_squaring
 from hjsolve.arithmetic.interval import Interval, Intervals
 from hjsolve.arithmetic.jet import Jet, Jets
@@ -109,7 +109,7 @@ class Growths:
             bound, same = self.largest(f.rest.monomial.times(over, -1.0)), f.rest.monomial == over
             low += f.rest.low if same else min(f.rest.low * bound, 0.0)
             high += f.rest.high if same else max(f.rest.high * bound, 0.0)
-        return remainder(over, low, high)
+        return widened(over, low, high)
 
     def _made(self, terms: Iterable[tuple[Monomial, Mpf]], rests: Iterable[Growth]) -> Growth:
         """Collect equal terms, drop those that cancelled, and put what is beyond the first few into the remainder."""
@@ -126,7 +126,7 @@ class Growths:
             return Growth(tuple(left))
         top = max(heads)
         ranges = [self.range_of(part, top) for part in parts]
-        rest = remainder(top, sum(r.low for r in ranges), sum(r.high for r in ranges))
+        rest = widened(top, sum(r.low for r in ranges), sum(r.high for r in ranges))
         return Growth(tuple(left[:_TERMS]), rest)
 
     def add(self, x: Growth, y: Growth) -> Growth:
@@ -147,7 +147,7 @@ class Growths:
 
     def _times(self, x: Growth, c: Mpf | int) -> Growth:
         terms = tuple((m, c * value) for m, value in x.terms)
-        rest = x.rest and remainder(x.rest.monomial, *sorted((float(c) * x.rest.low, float(c) * x.rest.high)))
+        rest = x.rest and widened(x.rest.monomial, *sorted((float(c) * x.rest.low, float(c) * x.rest.high)))
         return Growth(terms, rest)
 
     def mul(self, x: Growth, y: Growth) -> Growth:
@@ -188,7 +188,7 @@ class Growths:
             return result
         if not x.terms and x.rest is not None and x.rest.low * x.rest.high > 0:
             ends = sorted((1 / x.rest.low, 1 / x.rest.high))
-            return self.power(Growth((), remainder(_CONSTANT.times(x.rest.monomial, -1.0), *ends)), -n)
+            return self.power(Growth((), widened(_CONSTANT.times(x.rest.monomial, -1.0), *ends)), -n)
         return self._binomial(x, -1.0) if n == -1 else self.power(self._binomial(x, -1.0), -n)
 
     def _split(self, x: Growth) -> tuple[Monomial, Mpf, Growth, float]:
@@ -197,7 +197,7 @@ class Growths:
             raise UnknownGrowthError
         (monomial, c), others = x.terms[0], x.terms[1:]
         inverse = 1 / c
-        rest = x.rest and remainder(
+        rest = x.rest and widened(
             x.rest.monomial.times(monomial, -1.0), *sorted((float(inverse) * x.rest.low, float(inverse) * x.rest.high))
         )
         ε = Growth(tuple((m.times(monomial, -1.0), inverse * value) for m, value in others), rest)
@@ -231,7 +231,7 @@ class Growths:
         top = max([ε.terms[0][0]] * bool(ε.terms) + ([ε.rest.monomial] if ε.rest else []))
         n = len(coefficients)
         size = tail * self.range_of(ε, top).size ** n
-        rests = (result.rest, remainder(_CONSTANT.times(top, n), -size, size))
+        rests = (result.rest, widened(_CONSTANT.times(top, n), -size, size))
         return self._made(result.terms, [Growth((), r) for r in rests if r])
 
     def unary(self, name: str, x: Growth) -> Growth:
@@ -290,7 +290,7 @@ class Growths:
         if ε.rest is not None and ε.rest.monomial == _CONSTANT:
             whole = self.range_of(ε, _CONSTANT)
             low, high = (math.exp(min(end, 700.0)) for end in (whole.low, whole.high))
-            extra = Growth((), remainder(_CONSTANT, low, high))
+            extra = Growth((), widened(_CONSTANT, low, high))
         else:
             size = self.range_of(ε, _CONSTANT).size
             if size > 1:
@@ -307,7 +307,7 @@ class Growths:
             raise UnknownGrowthError
         above = monomial.times(Monomial(0.0, 1.0, 0.0), -1.0)
         least = 1 / self.largest(_CONSTANT.times(above, -1.0))  # of M/s on s ≥ Q
-        return Growth((), remainder(Monomial(float(c) / 2 * least * (1 - WIDENING), 0.0, 0.0), 0.0, 1.0))
+        return Growth((), widened(Monomial(float(c) / 2 * least * (1 - WIDENING), 0.0, 0.0), 0.0, 1.0))
 
     def _tanh(self, x: Growth) -> Growth:
         """1 − 2/(1 + e^{2f})."""
@@ -350,7 +350,7 @@ class Growths:
         whole = self.range_of(x, _CONSTANT)
         if ε.rest is not None and ε.rest.monomial == _CONSTANT:
             found = _INTERVALS.unary(name, _jet(whole.low, whole.high))
-            return Growth((), remainder(_CONSTANT, float(found.value.low[0]), float(found.value.high[0])))
+            return Growth((), widened(_CONSTANT, float(found.value.low[0]), float(found.value.high[0])))
         at = Jets(self.plain).unary(name, Jet(c, context.mpf(1), context.mpf(0)))
         bend = _INTERVALS.unary(name, _jet(whole.low, whole.high)).second
         assert bend is not None  # the jet of a function of the variable itself
@@ -366,7 +366,7 @@ class Growths:
             return first
         top = max([ε.terms[0][0]] * bool(ε.terms) + ([ε.rest.monomial] if ε.rest else []))
         size = most * self.range_of(ε, top).size ** 2
-        beyond = remainder(_CONSTANT.times(top, 2), -size, size)
+        beyond = widened(_CONSTANT.times(top, 2), -size, size)
         return self._made(first.terms, [Growth((), r) for r in (first.rest, beyond) if r])
 
     def sign(self, x: Growth) -> int:

@@ -53,7 +53,7 @@ class Remainder(NamedTuple):
             UnknownGrowthError: the product is beyond doubles.
         """
         ends = [a * b for a in (self.low, self.high) for b in (other.low, other.high)]
-        return remainder(self.monomial.times(other.monomial), min(ends), max(ends))
+        return widened(self.monomial.times(other.monomial), min(ends), max(ends))
 
 
 class Growth(NamedTuple):
@@ -63,7 +63,7 @@ class Growth(NamedTuple):
     rest: Remainder | None = None
 
 
-def remainder(monomial: Monomial, low: float, high: float) -> Remainder:
+def widened(monomial: Monomial, low: float, high: float) -> Remainder:
     """Return a remainder, widened by rounding.
 
     Args:

@@ -10,10 +10,11 @@ from __future__ import annotations
 import numpy as np
 from numpy.typing import NDArray
 
+from hjsolve.arithmetic.floats import EPS
+
 Doubles = NDArray[np.float64]
 Numbers = float | Doubles
 
-_EPS = float(np.finfo(float).eps)
 _MOST = 60
 """Duplications: each divides the spread of the arguments by four."""
 
@@ -35,7 +36,7 @@ def carlson_rf(x: Numbers, y: Numbers, z: Numbers) -> Doubles:
     x, y, z = _broadcast(x, y, z)
     with np.errstate(all="ignore"):
         A = (x + y + z) / 3
-        bound = np.max([abs(A - x), abs(A - y), abs(A - z)], axis=0) / (3 * _EPS) ** (1 / 6)
+        bound = np.max([abs(A - x), abs(A - y), abs(A - z)], axis=0) / (3 * EPS) ** (1 / 6)
         for _ in range(_MOST):
             open_ = bound > A
             if not open_.any():
@@ -76,7 +77,7 @@ def carlson_rd(x: Numbers, y: Numbers, z: Numbers) -> Doubles:
     x, y, z = _broadcast(x, y, z)
     with np.errstate(all="ignore"):
         A = (x + y + 3 * z) / 5
-        bound = np.max([abs(A - x), abs(A - y), abs(A - z)], axis=0) / (_EPS / 4) ** (1 / 6)
+        bound = np.max([abs(A - x), abs(A - y), abs(A - z)], axis=0) / (EPS / 4) ** (1 / 6)
         total, weight = np.zeros_like(A), np.ones_like(A)
         for _ in range(_MOST):
             open_ = bound > A
@@ -122,7 +123,7 @@ def _rj(x: Doubles, y: Doubles, z: Doubles, p: Doubles) -> Doubles:
     """For p > 0, by the terms of DLMF 19.26.18, of positive numbers; Carlson's R_C(1, 1 + e) loses digits at e → −1."""
     with np.errstate(all="ignore"):
         A = (x + y + z + 2 * p) / 5
-        bound = np.max([abs(A - x), abs(A - y), abs(A - z), abs(A - p)], axis=0) / (_EPS / 4) ** (1 / 6)
+        bound = np.max([abs(A - x), abs(A - y), abs(A - z), abs(A - p)], axis=0) / (EPS / 4) ** (1 / 6)
         total, weight = np.zeros_like(A), np.ones_like(A)
         for _ in range(_MOST):
             open_ = bound > A

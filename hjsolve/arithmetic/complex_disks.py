@@ -17,10 +17,10 @@ from typing import NamedTuple
 
 import numpy as np
 
-from hjsolve.arithmetic.floats import Float64
+from hjsolve.arithmetic.floats import EPS, Float64
 from hjsolve.arithmetic.number_types import Complexes, Mask, Numeric, Reals
 
-_UNIT = 4 * 2.0**-52
+_UNIT = 4 * EPS
 """Relative rounding of one operation on complex doubles, more than it is."""
 _NUMPY: dict[str, Callable[[Complexes], Complexes]] = {
     "asin": np.arcsin, "acos": np.arccos, "atan": np.arctan, "asinh": np.arcsinh, "acosh": np.arccosh,
@@ -104,7 +104,7 @@ class Disks:
             x: a float, or a number of many digits.
         """
         nearest = float(x)
-        return single(nearest, 0.0 if nearest == x else abs(nearest) * 2.0**-52)
+        return single(nearest, 0.0 if nearest == x else abs(nearest) * EPS)
 
     def rational(self, numerator: int, denominator: int) -> Disk:
         """Return a disk about a fraction; its radius is zero where a double holds it exactly.
@@ -114,10 +114,10 @@ class Disks:
         """
         value = Float64().rational(numerator, denominator)
         exact = denominator & (denominator - 1) == 0 and abs(numerator) < 2**53
-        return single(value, 0.0 if exact else abs(value) * 2.0**-52)
+        return single(value, 0.0 if exact else abs(value) * EPS)
 
     def pi(self) -> Disk:
-        return single(np.pi, 2.0**-52)
+        return single(np.pi, EPS)
 
     def add(self, x: Disk, y: Disk) -> Disk:
         """Return a disk that holds every x + y.

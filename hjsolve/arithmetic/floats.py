@@ -33,6 +33,8 @@ EPS = 2.0**-52
 """From 1 to the next double; rounding of a result is half of it, relatively."""
 GREATEST = float(np.finfo(float).max)
 """The greatest double."""
+UNIT = 2.0**-53
+"""The unit roundoff: half of ``EPS``, the relative error of one rounding to the nearest double at most."""
 FARTHEST = 1024
 """Binary digits before the point of the largest argument of an exponential; many more of a circular function."""
 CIRCULAR = ("sin", "cos", "tan")
@@ -77,7 +79,7 @@ class Float64(ByOperators):
 
     bits: ClassVar[int] = 53
     minimum_keeps_nan: ClassVar[bool] = True
-    few_units: ClassVar[float] = 4 * 2.0**-52
+    few_units: ClassVar[float] = 4 * EPS
     """More than any operation rounds by, relatively."""
 
     def rational(self, numerator: int, denominator: int) -> Elementwise:

@@ -128,3 +128,17 @@ def with_last_digits(value: Any, error: Any) -> tuple[str, int]:
 __all__ = [
     "LARGE", "WIDE", "decimal", "plain_text", "rounded_pair", "scientific", "shortest", "special", "with_last_digits",
 ]  # fmt: skip
+
+
+def raised(text: str) -> str:
+    """Write a number's exponent with raised figures.
+
+    Args:
+        text: digits with ``e`` before the exponent.
+
+    Returns:
+        Unicode text.
+    """
+    mantissa, _, exponent = text.replace("-", "−").partition("e")
+    figures = exponent.translate(str.maketrans("0123456789−", "⁰¹²³⁴⁵⁶⁷⁸⁹⁻"))
+    return f"{mantissa}×10{figures}" if exponent else mantissa

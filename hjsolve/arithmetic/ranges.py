@@ -93,7 +93,7 @@ def power(c: Any, x: Range, y: Range) -> Range:
     if y[0] == y[1] and c.isint(y[0]):
         return _whole_power(c, x, int(y[0]))
     if y[0] == y[1] == c.mpf(0.5):
-        return root(c, x)
+        return square_root(c, x)
     if x[1] < 0 or (x[0] <= 0 and y[0] <= 0):
         raise InvalidInputError(f"power of {_told(c, x)}: for an exponent that is not whole the base must be above 0")
     if x[1] == 0:
@@ -136,7 +136,7 @@ def abs_exact(c: Any, x: Any) -> Any:
     return c.fneg(x, exact=True) if x < 0 else x
 
 
-def root(c: Any, x: Range) -> Range:
+def square_root(c: Any, x: Range) -> Range:
     """Return the range of √x, of what is not negative of x.
 
     Args:
@@ -262,7 +262,7 @@ _OTHERS: dict[str, Function] = {
     "tan": _tangent,
     "cosh": _cosh,
     "acos": _acos,
-    "sqrt": root,
+    "sqrt": square_root,
     "abs": absolute,
     "neg": lambda c, x: (c.fneg(x[1], exact=True), c.fneg(x[0], exact=True)),
     "square": lambda c, x: _whole_power(c, x, 2),
@@ -304,7 +304,7 @@ def hypotenuse(c: Any, x: Range, y: Range) -> Range:
         c: mpmath's context, in whose precision the ends are rounded.
         x, y: intervals.
     """
-    return root(c, add(c, _whole_power(c, x, 2), _whole_power(c, y, 2)))
+    return square_root(c, add(c, _whole_power(c, x, 2), _whole_power(c, y, 2)))
 
 
 def whole_quotient(c: Any, x: Range, y: Range) -> Range:

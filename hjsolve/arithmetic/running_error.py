@@ -14,8 +14,6 @@ from typing import Generic, NamedTuple
 from hjsolve.arithmetic.number_types import N
 from hjsolve.arithmetic.tape import Arithmetic
 
-_UNIT = 2.0**-53
-
 
 class WithErrorBound(NamedTuple, Generic[N]):
     """A value and a bound on its error; None for an exact value."""

@@ -51,7 +51,7 @@ def titles(*, book: str | None = None) -> dict[str, str]:
     Args:
         book: only the entries that are this row of the table of Greenwood's systems, such as ``C28``.
     """
-    tables = {name: toml_file.read(*_locate(name)) for name in ids()}
+    tables = {name: toml_file.exact_table(*_locate(name)) for name in ids()}
     return {n: str(t["title"]) for n, t in tables.items() if book is None or book in t.get("book", ())}
 
 
@@ -286,7 +286,7 @@ def _kind(expect: Mapping[str, Any], outside: refusals.Refusal | None) -> str:
 
 def _checked(entry: str | Path) -> tuple[dict[str, Any], str]:
     file, source = _locate(entry)
-    table = toml_file.read(file, source)
+    table = toml_file.exact_table(file, source)
     keys = schema.optional(_ENTRY, "kinetic") if "hamiltonian" in table else _ENTRY
     if "refused_because" in table and "kinetic" not in table:
         keys = schema.optional(_ENTRY, "kinetic", "coordinates")

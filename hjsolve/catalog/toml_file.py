@@ -12,7 +12,7 @@ from hjsolve.errors import CatalogError
 LONGEST = 1_000_000
 
 
-def read(file: Traversable, source: str) -> dict[str, Any]:
+def exact_table(file: Traversable, source: str) -> dict[str, Any]:
     """Read a file whole; decimals stay exact.
 
     Args:

@@ -9,6 +9,7 @@ import mpmath
 import sympy as sp
 
 from hjsolve.arithmetic.estimate import Estimate
+from hjsolve.arithmetic.floats import EPS
 from hjsolve.closed_form.regions import region_exists
 from hjsolve.errors import InvalidInputError, MissingValueError
 from hjsolve.formulas.read import number
@@ -47,7 +48,7 @@ def form_at_numbers(form: RegimeForms, name: str, values: Mapping[str, Any], dig
         value, again = mpmath.mpf(sp.re(near)), mpmath.mpf(sp.re(far))
         lost = 2 * abs(value - again)
     if digits <= _FLOAT_DIGITS:
-        return Estimate(float(again), float(lost) + abs(float(again)) * 2.0**-52)
+        return Estimate(float(again), float(lost) + abs(float(again)) * EPS)
     context = mpmath.mp.clone()
     context.dps = digits + 2
     return Estimate(context.mpf(again), context.mpf(lost) + abs(context.mpf(again)) * context.mpf(10) ** -digits)

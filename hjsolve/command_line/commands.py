@@ -21,7 +21,7 @@ ANSWER, REFUSED, BAD_INPUT, UNSETTLED, INTERRUPTED = 0, 1, 2, 3, 130
 """Exit statuses; see ``hjsolve.command_line.main``."""
 
 
-def check(options: Namespace) -> int:
+def check_command(options: Namespace) -> int:
     """Decide and print the evidence.
 
     Args:
@@ -58,7 +58,7 @@ def check(options: Namespace) -> int:
     return _status(verdict)
 
 
-def solve(options: Namespace) -> int:
+def solve_command(options: Namespace) -> int:
     """Solve by quadratures and print the formulas.
 
     Args:
@@ -107,7 +107,7 @@ def _closed(solved: Solution) -> list[Section]:
     return closed_form_sections(closed_forms(solved))
 
 
-def coordinates(options: Namespace) -> int:
+def coordinates_command(options: Namespace) -> int:
     """Find the coordinates in which a system separates, and print them.
 
     Args:
@@ -145,7 +145,7 @@ def _modes(system: System) -> NormalModes | None:
         return None
 
 
-def report(options: Namespace) -> int:
+def report_command(options: Namespace) -> int:
     """Write a report to a file, or to the standard output where the file is "-".
 
     Args:
@@ -170,13 +170,14 @@ def report(options: Namespace) -> int:
 
 def _reported(options: Namespace, target: Path) -> tuple[int, Path]:
     """Write the report; the exit status and the file."""
-    from hjsolve.command_line.cost import progress_bar
+    from hjsolve.display.progress import ProgressBar
     from hjsolve.reports.content import gather
     from hjsolve.reports.sections.outside import outside_document
     from hjsolve.reports.write import outside_entry, save, save_hamiltonian, save_scene, write_document
 
     if (scene := arguments_read.scene(options)) is not None:
-        return ANSWER, save_scene(scene, target, options.cost, progress_bar())
+        with ProgressBar() as progress:
+            return ANSWER, save_scene(scene, target, options.cost, progress)
     if not options.coordinate and (outside := outside_entry(arguments_read.located(options.system))) is not None:
         return REFUSED, write_document(outside_document(outside), target)
     initial = arguments_read.initial(options)
@@ -192,7 +193,8 @@ def _reported(options: Namespace, target: Path) -> tuple[int, Path]:
     if options.find:
         subject, initial = _found(options, initial)
     material = gather(arguments_read.located(subject), initial=initial, motion=options.motion, digits=options.digits)
-    return _status(material.verdict), save(material, target, options.cost, progress_bar())
+    with ProgressBar() as progress:
+        return _status(material.verdict), save(material, target, options.cost, progress)
 
 
 def _found(options: Namespace, initial: Any) -> tuple[Solution, Any]:
@@ -206,7 +208,7 @@ def _found(options: Namespace, initial: Any) -> tuple[Solution, Any]:
     return solve(system, "find"), data
 
 
-def cost(options: Namespace) -> int:
+def cost_command(options: Namespace) -> int:
     """Measure accuracy against time, and print the table.
 
     Args:
@@ -226,7 +228,7 @@ def cost(options: Namespace) -> int:
     return ANSWER
 
 
-def motion(options: Namespace) -> int:
+def motion_command(options: Namespace) -> int:
     """Compute a motion, and print its numbers or its states.
 
     Args:
@@ -244,7 +246,7 @@ def motion(options: Namespace) -> int:
     return ANSWER
 
 
-def completion(options: Namespace) -> int:
+def completion_command(options: Namespace) -> int:
     """Print the completion script of a shell.
 
     Args:
@@ -259,7 +261,7 @@ def completion(options: Namespace) -> int:
     return ANSWER
 
 
-def sweep(options: Namespace) -> int:
+def sweep_command(options: Namespace) -> int:
     """Compute the orbits that a scene declares into a folder.
 
     Args:
@@ -273,7 +275,7 @@ def sweep(options: Namespace) -> int:
     return run_sweep(options)
 
 
-def catalog(options: Namespace) -> int:
+def catalog_command(options: Namespace) -> int:
     """List the catalog, show an entry or check a file.
 
     Args:

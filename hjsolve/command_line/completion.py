@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import argparse
 
-from hjsolve.command_line.parser import parser
+from hjsolve.command_line.parser import command_parser
 from hjsolve.errors import MissingExtraError
 
 _FILES = ("output", "scene")
@@ -30,7 +30,7 @@ def completion_script(shell: str) -> str:
         ) from error
     from hjsolve import catalog
 
-    top = parser()
+    top = command_parser()
     for command in _commands(top):
         for action in command._actions:
             if action.dest in _FILES:

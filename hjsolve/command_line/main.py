@@ -13,7 +13,7 @@ from collections.abc import Sequence
 
 from hjsolve.command_line import commands
 from hjsolve.command_line.commands import ANSWER, BAD_INPUT, INTERRUPTED, REFUSED, UNSETTLED
-from hjsolve.command_line.parser import parser
+from hjsolve.command_line.parser import command_parser
 from hjsolve.errors import (
     ClusterError,
     HJSolveError,
@@ -52,7 +52,7 @@ def main(arguments: Sequence[str] | None = None) -> int:
         if hasattr(stream, "reconfigure"):
             stream.reconfigure(errors="backslashreplace")
     try:
-        top = parser()
+        top = command_parser()
         given = _joined(sys.argv[1:] if arguments is None else arguments, top)
         if not given:
             top.print_help()
@@ -100,7 +100,7 @@ def _valued(top: argparse.ArgumentParser) -> dict[str, str]:
 
 
 def _run(options: argparse.Namespace) -> int:
-    return int(getattr(commands, options.command.replace("-", "_"))(options))
+    return int(getattr(commands, f"{options.command}_command")(options))
 
 
 def _complain(message: str, status: int) -> int:

@@ -11,7 +11,7 @@ from typing import Any
 
 import sympy as sp
 
-from hjsolve.arithmetic.floats import Multi, bits_for
+from hjsolve.arithmetic.floats import EPS, Multi, bits_for
 from hjsolve.arithmetic.tape import Tape
 from hjsolve.costs.answers import Answer
 from hjsolve.costs.trial import Task, Trial
@@ -184,5 +184,5 @@ def _rounded(value: Any, again: Any, digits: int) -> tuple[Any, Any]:
     difference = 2 * abs(again - value)
     if digits <= 15:
         number = float(again)
-        return number, float(difference) + abs(number) * 2.0**-52
+        return number, float(difference) + abs(number) * EPS
     return again, difference + abs(again) * context.mpf(10) ** -digits

@@ -15,9 +15,9 @@ from hjsolve.costs.answers import Answer, Ruler
 from hjsolve.costs.reference import SPARE, TrueValues
 from hjsolve.costs.table import Row, duration
 from hjsolve.costs.trial import Task, Trial
+from hjsolve.display.progress import Progress
 from hjsolve.errors import HJSolveError, InvalidInputError, MissingExtraError, NotConvergedError
 
-Progress = Callable[[float, str], None]
 _SAMPLE = 12
 _GROWTH = 1.6
 

@@ -7,13 +7,14 @@ from collections.abc import Sequence
 from contextlib import suppress
 
 from hjsolve.costs.closed_forms import closed_trials
-from hjsolve.costs.measure import Clock, Progress, measured
+from hjsolve.costs.measure import Clock, measured
 from hjsolve.costs.own_methods import own_trials
 from hjsolve.costs.reference import SPARE, TrueValues, true_values
 from hjsolve.costs.rivals import rival_trials
 from hjsolve.costs.subject import Subject, scene_of
 from hjsolve.costs.table import Cost
 from hjsolve.costs.trial import Task, Trial
+from hjsolve.display.progress import Progress
 from hjsolve.errors import InvalidInputError, NotConvergedError
 from hjsolve.motion.initial_data import to_bits
 from hjsolve.scenes import Scene

@@ -2,5 +2,5 @@
 
 In: any public value. Out: its text, at most twenty short lines made of its fields; a notebook's HTML is asked of
 ``hjsolve.reports.notebook`` when a notebook asks for it. Everything imports this room, and it imports nothing. Read
-``shown.py`` first.
+``shown.py`` first; ``progress.py`` is the bar on a terminal.
 """

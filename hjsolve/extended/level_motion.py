@@ -16,7 +16,7 @@ import sympy as sp
 
 from hjsolve import arguments
 from hjsolve.arithmetic.estimate import Estimate
-from hjsolve.arithmetic.floats import Multi, bits_for, multiprecision
+from hjsolve.arithmetic.floats import EPS, Multi, bits_for, multiprecision
 from hjsolve.arithmetic.tape import BoundTape
 from hjsolve.display.shown import Shown
 from hjsolve.errors import InvalidInputError, MissingValueError, NotConvergedError
@@ -111,7 +111,7 @@ class LevelMotion(Shown):
             small = context.mpf(10) ** -self.digits
             return q, p, rate, turns, *(e + small * abs(x) for e, x in zip(errors, (q, p, rate), strict=True))
         plain = [float(x) for x in (q, p, rate)]
-        return *plain, turns, *(float(e) + 2.0**-52 * abs(x) for e, x in zip(errors, plain, strict=True))
+        return *plain, turns, *(float(e) + EPS * abs(x) for e, x in zip(errors, plain, strict=True))
 
     def _errors(self, doubt: Any, slopes: tuple[Any, ...], grain: Any) -> tuple[Any, Any, Any]:
         """What a doubt of the time leaves open of q, p and q̇, to second order, and the grain of the curve itself."""
@@ -213,7 +213,7 @@ def _numbers(name: str, orbit: Orbit | None, E: Any, digits: int, bits: int) -> 
     def estimate(value: Any, error: Any = 0) -> Estimate:
         if digits > _FLOAT_DIGITS:
             return Estimate(value, error + abs(value) * context.mpf(10) ** -digits, nodes=nodes)
-        return Estimate(float(value), float(error) + abs(float(value)) * 2.0**-52, nodes=nodes)
+        return Estimate(float(value), float(error) + abs(float(value)) * EPS, nodes=nodes)
 
     nodes = 0 if orbit is None else sum(piece.nodes for piece in orbit.pieces)
     energy = {"E": estimate(E)}

@@ -16,7 +16,7 @@ import sympy as sp
 
 from hjsolve import arguments
 from hjsolve.arithmetic.estimate import Estimate
-from hjsolve.arithmetic.floats import Multi, bits_for, multiprecision
+from hjsolve.arithmetic.floats import EPS, Multi, bits_for, multiprecision
 from hjsolve.display.shown import Shown
 from hjsolve.errors import InvalidInputError, MissingValueError, NotConvergedError, OutsideMotionError
 from hjsolve.extended.linear_hamiltonian import LinearHamiltonian
@@ -108,7 +108,7 @@ class LinearMotion(Shown):
         small = context.mpf(2) ** (_LOST_BITS - bits)
         if self.digits > _FLOAT_DIGITS:
             return (place, p, v, turns, "ok", *(small * size for size in sizes))
-        errors = (float(small * s) + 2.0**-52 * abs(float(x)) for s, x in zip(sizes, (place, p, v), strict=True))
+        errors = (float(small * s) + EPS * abs(float(x)) for s, x in zip(sizes, (place, p, v), strict=True))
         return (float(place), float(p), float(v), turns, "ok", *errors)
 
     def _reached(self, t: sp.Expr, bits: int, context: Any) -> tuple[Any, Any, Any, tuple[Any, Any, Any]]:
@@ -193,7 +193,7 @@ def start_linear_motion(
     energy = to_bits(problem.hamiltonian.xreplace(at))(bits)
     rests = not to_bits(problem.rate.xreplace(at))(bits)
     E: Any = float(energy) if digits <= _FLOAT_DIGITS else energy
-    error = (2.0**-52 if digits <= _FLOAT_DIGITS else energy.context.mpf(2) ** (_LOST_BITS - bits)) * (1 + abs(E))
+    error = (EPS if digits <= _FLOAT_DIGITS else energy.context.mpf(2) ** (_LOST_BITS - bits)) * (1 + abs(E))
     kinds = {name: "equilibrium" if rests else "escape"}
     return LinearMotion(
         problem, kinds, {"E": Estimate(E, error)}, digits, place, momentum, number(t0, source="t0"), values

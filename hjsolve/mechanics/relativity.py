@@ -54,7 +54,7 @@ class Relativity:
         return [a + γ * p for a, p in zip(linear, classical)]
 
 
-def read(given: Mapping[str, str] | None, parameters: Sequence[Parameter]) -> Relativity | None:
+def relativity_of(given: Mapping[str, str] | None, parameters: Sequence[Parameter]) -> Relativity | None:
     """Read ``{"mass": name, "light": name}``.
 
     Args:

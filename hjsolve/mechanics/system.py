@@ -40,8 +40,7 @@ from hjsolve.mechanics.kinetic_energy import (
 )
 from hjsolve.mechanics.periodicity import check_periodic
 from hjsolve.mechanics.positive_definite import check_mass_matrix, end_values
-from hjsolve.mechanics.relativity import Relativity
-from hjsolve.mechanics.relativity import read as read_relativity
+from hjsolve.mechanics.relativity import Relativity, relativity_of
 
 __all__ = [
     "Coordinate", "Domain", "Parameter", "System", "hamiltonian", "inverse_mass_matrix", "kinetic_rest", "linear_terms",
@@ -103,7 +102,7 @@ class System(Shown):
         constants = read_parameters({} if parameters is None else parameters)
         places = read_coordinates(coordinates, constants)
         _set(self, coordinates=places, parameters=constants, title=str(title), id=str(id))
-        _set(self, relativity=read_relativity(relativity, constants))
+        _set(self, relativity=relativity_of(relativity, constants))
         _set(self, signature=_read_signature(signature))
         unknowns = read_functions(functions, (c.name for c in places), self.symbols)
         _set(self, kinetic=_read_kinetic(self, kinetic, unknowns), potential=_read_potential(self, potential, unknowns))

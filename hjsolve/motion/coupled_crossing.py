@@ -11,7 +11,7 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from hjsolve.arithmetic.floats import bits_for, multiprecision
+from hjsolve.arithmetic.floats import UNIT, bits_for, multiprecision
 from hjsolve.arithmetic.number_types import Elementwise, Mpf
 from hjsolve.errors import OutsideMotionError
 from hjsolve.one_coordinate.coordinate_motion import CoordinateMotion
@@ -116,7 +116,7 @@ def _solved(
         new = χ - off / (values.rate(1, χ) or 1)
         if not low <= new <= high or count % 8 == 7:
             new = (low + high) / 2
-        if new == χ or high - low <= abs(high) * (2.0**-53 if kind is float else abs(χ) * 0 + 2.0**-200):
+        if new == χ or high - low <= abs(high) * (UNIT if kind is float else abs(χ) * 0 + 2.0**-200):
             return values, new
         χ = new
     return values, χ

@@ -16,7 +16,7 @@ import sympy as sp
 
 from hjsolve.arithmetic.double_double import DoubleDouble
 from hjsolve.arithmetic.error_free import Pair, split
-from hjsolve.arithmetic.floats import Float64
+from hjsolve.arithmetic.floats import UNIT, Float64
 from hjsolve.arithmetic.number_types import Elementwise, Mask, N, Numbers, Reals
 from hjsolve.arithmetic.running_error import RunningError
 from hjsolve.arithmetic.running_error import WithErrorBound as Rounded
@@ -30,7 +30,7 @@ if TYPE_CHECKING:
     from hjsolve.motion.separated import SeparatedMotion
     from hjsolve.motion.tabulated import DenseOutput
 
-_LOST = 16 * 2.0**-53
+_LOST = 16 * UNIT
 """What the rounding of a place may do to a velocity, relative to it, before it is worked out in two doubles."""
 _IN_TWO_DOUBLES = 2.0**-47
 """What operations in two doubles lose, in units of what they would lose in doubles (``arithmetic/double_double``)."""
@@ -51,8 +51,8 @@ def blurred(motion: SeparatedMotion, q: Mapping[str, Numbers], p: Mapping[str, N
     variables, arrays, fixed = _arguments(motion, q, p)
     places = len(arrays) - len(p)
     inputs: list[Rounded[Elementwise]]
-    inputs = [Rounded(x, 2.0**-53 * np.abs(x) if k < places else None) for k, x in enumerate(arrays)]
-    inputs += [Rounded(float(x), 2.0**-53 * abs(float(x))) for x in (to_bits(value)(64) for value in fixed.values())]
+    inputs = [Rounded(x, UNIT * np.abs(x) if k < places else None) for k, x in enumerate(arrays)]
+    inputs += [Rounded(float(x), UNIT * abs(float(x))) for x in (to_bits(value)(64) for value in fixed.values())]
     with np.errstate(all="ignore"):
         found = tape_of(formulas, (*variables, *fixed)).run(RunningError(Float64()), inputs)
         lost = [0.0 if x.error is None else x.error > _LOST * np.abs(x.value) for x in found]
@@ -142,7 +142,7 @@ def sharpened_from_table(
         q, v: coordinates and velocities in doubles, shape (m,).
         where: which of them to work out anew, shape (m,).
     """
-    return _put(motion, *from_table(motion, table, θ[where]), q, v, where)
+    return _put(motion, *places_from_table(motion, table, θ[where]), q, v, where)
 
 
 def _put(
@@ -161,7 +161,9 @@ def _put(
     return result
 
 
-def from_table(motion: SeparatedMotion, table: DenseOutput, θ: Reals) -> tuple[dict[str, Pair], dict[str, Numbers]]:
+def places_from_table(
+    motion: SeparatedMotion, table: DenseOutput, θ: Reals
+) -> tuple[dict[str, Pair], dict[str, Numbers]]:
     """As ``places``, from a table that holds the distances from both turning points; θ its argument.
 
     Args:
@@ -227,7 +229,7 @@ def lost_in_two_doubles(
 
 
 def _rounding(x: Pair) -> Pair:
-    return Pair(2.0**-53 * np.abs(x.high), 0 * x.high)
+    return Pair(UNIT * np.abs(x.high), 0 * x.high)
 
 
 def _in_two_doubles(

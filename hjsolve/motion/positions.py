@@ -10,7 +10,7 @@ import numpy as np
 import sympy as sp
 
 from hjsolve.arithmetic.error_free import split
-from hjsolve.arithmetic.floats import Float64, Multi, bits_for, multiprecision
+from hjsolve.arithmetic.floats import UNIT, Float64, Multi, bits_for, multiprecision
 from hjsolve.arithmetic.number_types import Elementwise, Mpf, Numbers, Reals
 from hjsolve.arithmetic.running_error import RunningError
 from hjsolve.arithmetic.running_error import WithErrorBound as Rounded
@@ -196,7 +196,7 @@ def rounding(
     places |= {c.momentum: p[c.name] for c in system.coordinates if c.name in p}
     fixed = {s: float(to_bits(v)(64)) for s, v in motion.initial.values.items() if s not in places}
     inputs: list[Rounded[Elementwise]] = [Rounded(np.asarray(x).astype(float)) for x in places.values()]
-    inputs += [Rounded(x, 2.0**-53 * abs(x)) for x in fixed.values()]
+    inputs += [Rounded(x, UNIT * abs(x)) for x in fixed.values()]
     tape = tape_of(tuple(formulas), (*places, *fixed))
     with np.errstate(all="ignore"):
         found = tape.run(RunningError(Float64()), inputs)

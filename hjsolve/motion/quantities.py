@@ -9,7 +9,7 @@ import numpy as np
 import sympy as sp
 
 from hjsolve.arithmetic.estimate import Estimate
-from hjsolve.arithmetic.floats import Multi, bits_for, multiprecision
+from hjsolve.arithmetic.floats import EPS, Multi, bits_for, multiprecision
 from hjsolve.arithmetic.number_types import Mpf
 from hjsolve.lowering import lower
 from hjsolve.mechanics.coordinates_and_parameters import Coordinate
@@ -38,7 +38,7 @@ def rounded(value: float | Mpf, digits: int, nodes: int = 0) -> Estimate:
     """
     if digits <= FLOAT_DIGITS:
         near = float(value)
-        return Estimate(near, abs(near) * 2.0**-52 + (_LEAST if value and abs(near) < _NORMAL else 0.0), nodes=nodes)
+        return Estimate(near, abs(near) * EPS + (_LEAST if value and abs(near) < _NORMAL else 0.0), nodes=nodes)
     context = multiprecision(bits_for(digits, 16))
     return Estimate(context.convert(value), abs(context.convert(value)) * context.mpf(10) ** -digits, nodes=nodes)
 
@@ -52,7 +52,7 @@ def period(frequency: Estimate) -> Estimate:
     pi = np.pi if isinstance(frequency.value, float) else frequency.value.context.pi
     value = 2 * pi / abs(frequency.value)
     relative = abs(frequency.error / frequency.value)
-    return Estimate(value, value * (relative + 2.0**-52 * isinstance(value, float)), nodes=frequency.nodes)
+    return Estimate(value, value * (relative + EPS * isinstance(value, float)), nodes=frequency.nodes)
 
 
 def turning_points_of(place: Located | AllowedRegion, digits: int) -> tuple[Estimate | None, Estimate | None]:

@@ -294,7 +294,7 @@ class Growing:
             raise self.failed
         context, y = self.context, self.edges[-1] + self.step
         before = self.totals[-1] if self.totals else [context.mpf(0)] * len(rows)
-        integrated = [antiderivative(row, self.step / 2, total) for row, total in zip(rows, before, strict=True)]
+        integrated = [integrated_row(row, self.step / 2, total) for row, total in zip(rows, before, strict=True)]
         after = [context.fsum(row) for row in integrated]
         self.values.append(rows)
         self.sums.append(integrated)
@@ -380,7 +380,7 @@ def _expand(course: Integrated, y: Mpf, step: Mpf, points: list[Mpf], bits: int,
     return rows
 
 
-def antiderivative(row: list[Mpf], half: Mpf, start: Mpf) -> list[Mpf]:
+def integrated_row(row: list[Mpf], half: Mpf, start: Mpf) -> list[Mpf]:
     """Coefficients of the integral, equal to ``start`` at the left edge (Mason & Handscomb 2003, (2.43)).
 
     Args:

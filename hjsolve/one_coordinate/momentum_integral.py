@@ -15,7 +15,7 @@ import numpy as np
 from hjsolve.arithmetic.floats import Multi, multiprecision
 from hjsolve.arithmetic.fourier import smooth, waves
 from hjsolve.arithmetic.number_types import Mpf, Numbers
-from hjsolve.one_coordinate.chebyshev_panels import EndMap, Panels, antiderivative, chebyshev_points
+from hjsolve.one_coordinate.chebyshev_panels import EndMap, Panels, chebyshev_points, integrated_row
 from hjsolve.one_coordinate.open_branch import Branch
 
 _TERMS = 48
@@ -51,7 +51,7 @@ def swept(branch: Branch, weights: tuple[float, ...] | None, amount: float) -> P
                 continue
             if product is None:
                 return _assembled(edges, values, sums, panels.nodes, digits)
-            integral = antiderivative(product, (high - low) / 2, total)
+            integral = integrated_row(product, (high - low) / 2, total)
             total = context.fsum(integral)
             edges.append(high)
             values.append(product)

@@ -26,7 +26,7 @@ class Scale(NamedTuple):
     b: int
 
 
-def scale(way: EndMap) -> Scale:
+def scale_along(way: EndMap) -> Scale:
     """Return how dx/dy goes along a way; see ``EndMap.distances`` and ``EndMap.rest``.
 
     Args:

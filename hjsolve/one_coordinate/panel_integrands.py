@@ -24,7 +24,7 @@ from hjsolve.arithmetic.reciprocals import without_overflow
 from hjsolve.arithmetic.tape import BoundTape, Tape
 from hjsolve.errors import InvalidInputError
 from hjsolve.one_coordinate.chebyshev_panels import EndMap
-from hjsolve.one_coordinate.panel_images import RootBounds, Scale, Spots, largest_power, root_bounds, scale, spots
+from hjsolve.one_coordinate.panel_images import RootBounds, Scale, Spots, largest_power, root_bounds, scale_along, spots
 from hjsolve.one_coordinate.panel_length import Sizes
 
 if TYPE_CHECKING:
@@ -131,7 +131,7 @@ class Sight:
 
     @cached_property
     def scale(self) -> Scale:
-        return scale(self.way)
+        return scale_along(self.way)
 
     @cached_property
     def inputs(self) -> list[Disk]:

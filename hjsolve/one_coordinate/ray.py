@@ -7,7 +7,7 @@ from functools import partial
 
 import numpy as np
 
-from hjsolve.arithmetic.floats import multiprecision
+from hjsolve.arithmetic.floats import EPS, multiprecision
 from hjsolve.arithmetic.interval import Interval
 from hjsolve.arithmetic.number_types import Elementwise, Mpf, Numbers, Reals
 from hjsolve.arithmetic.root_finding import bracketed_root
@@ -73,7 +73,7 @@ class Ray:
         """
         if bits == 53:
             near = float(self.origin(128))
-            widening: Elementwise = 2.0**-52 * (abs(near) + abs(x1))
+            widening: Elementwise = EPS * (abs(near) + abs(x1))
             ends: tuple[Numbers, Numbers] = near + self.side * x0, near + self.side * x1
         else:
             work = bits + self.radicand.guard

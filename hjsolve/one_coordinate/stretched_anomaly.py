@@ -22,7 +22,7 @@ from functools import cached_property, lru_cache
 
 import numpy as np
 
-from hjsolve.arithmetic.floats import Float64, Multi
+from hjsolve.arithmetic.floats import EPS, Float64, Multi
 from hjsolve.arithmetic.fourier import at_midpoints
 from hjsolve.arithmetic.number_types import Mpf, Numeric, Reals
 from hjsolve.one_coordinate.anomaly import BarrierAnomaly, Libration, Rotation, TwoBarrierAnomaly
@@ -174,7 +174,7 @@ class Stretched:
         Args:
             ψ: phases in doubles, shape (m,).
         """
-        return 8 * 2.0**-52 * np.pi / np.abs(self.slope.value(ψ))
+        return 8 * EPS * np.pi / np.abs(self.slope.value(ψ))
 
     def in_doubles(self) -> Stretched:
         """Return the same with its constants rounded to doubles, for vectorised use."""

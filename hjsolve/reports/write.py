@@ -7,7 +7,7 @@ from pathlib import Path
 from typing import Any
 
 from hjsolve import catalog
-from hjsolve.costs.measure import Progress
+from hjsolve.display.progress import Progress
 from hjsolve.errors import NotConvergedError
 from hjsolve.extended.linear_hamiltonian import LinearHamiltonian
 from hjsolve.reports.content import Material, Subject, document, gather, initial_of

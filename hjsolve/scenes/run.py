@@ -8,6 +8,7 @@ import numpy as np
 import sympy as sp
 
 from hjsolve.arithmetic.estimate import Estimate
+from hjsolve.arithmetic.floats import EPS
 from hjsolve.arithmetic.work_counter import counted
 from hjsolve.errors import InvalidInputError, MissingValueError, NotSeparableError
 from hjsolve.motion.initial_data import to_bits
@@ -157,5 +158,5 @@ def _moment(time: Any, digits: int, doubt: Any = 0) -> Estimate:
     value = to_bits(time)(bits_of(max(digits, 15))) if isinstance(time, sp.Expr) else time
     if digits <= 15:
         known = isinstance(time, sp.Rational) and sp.Rational(float(value)) == time
-        return Estimate(float(value), 0.0 if known else abs(float(value)) * 2.0**-52 + float(doubt))
+        return Estimate(float(value), 0.0 if known else abs(float(value)) * EPS + float(doubt))
     return Estimate(value, abs(value) * value.context.mpf(10) ** -digits + doubt)

@@ -103,7 +103,7 @@ def _opened(scene: str | Path | System | Mapping[str, Any]) -> tuple[Mapping[str
     needed = "the path of a TOML file or its table, a System or a catalog id is needed"
     arguments.refuse_other(scene, (str, Path), "scene", needed)
     path, source = Path(scene), str(scene)
-    return toml_file.read(path, source), source, path.parent
+    return toml_file.exact_table(path, source), source, path.parent
 
 
 def name_or_table(system: System) -> str | dict[str, Any]:

@@ -9,7 +9,7 @@ from typing import Any
 import numpy as np
 import sympy as sp
 
-from hjsolve.arithmetic.floats import multiprecision
+from hjsolve.arithmetic.floats import EPS, multiprecision
 from hjsolve.mechanics.system import hamiltonian
 from hjsolve.motion.initial_data import to_bits
 from hjsolve.motion.motion import Motion
@@ -161,7 +161,7 @@ def _places(here: Along, states: dict[str, State]) -> tuple[dict[str, Any], dict
 def _errors(here: Along, clocks: Any, states: dict[str, State], q: Any, p: Any, velocity: Any) -> Errors:
     """Those of the free motion; what the clocks and places are in doubt; the rounding of their sums."""
     free, system = here.free, here.motion.solution.system
-    unit = 2.0**-52 if not here.many else float(multiprecision(64).mpf(10) ** (1 - here.motion.digits))
+    unit = EPS if not here.many else float(multiprecision(64).mpf(10) ** (1 - here.motion.digits))
     doubt, blur = here.floats(lambda f: f.doubt), here.floats(lambda f: f.blur)
     elapsed = np.abs(here.elapsed.astype(float))
     H = hamiltonian(system)

@@ -47,7 +47,7 @@ def is_scene(file: str | Path) -> bool:
     if not str(file).endswith(".toml"):
         return False
     try:
-        table = toml_file.read(Path(file), str(file))
+        table = toml_file.exact_table(Path(file), str(file))
     except CatalogError:
         return False  # the reader of entries says what is wrong with the file
     return not {"system", "want", "times", "events"}.isdisjoint(table)

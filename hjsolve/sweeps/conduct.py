@@ -8,6 +8,7 @@ from pathlib import Path
 from typing import Any
 
 from hjsolve import arguments
+from hjsolve.display.progress import ProgressBar
 from hjsolve.display.shown import Shown
 from hjsolve.ensembles.layout import wanted
 from hjsolve.ensembles.orbits import recipe_for
@@ -17,8 +18,7 @@ from hjsolve.scenes import Scene
 from hjsolve.solution.quadratures import solve
 from hjsolve.sweeps.identity import code, sweep_digest
 from hjsolve.sweeps.points import points_of
-from hjsolve.sweeps.progress import sweep_progress
-from hjsolve.sweeps.work import SweepWork, columns_of
+from hjsolve.sweeps.work import SweepWork, Tally, columns_of
 
 
 @dataclass(frozen=True, repr=False)
@@ -87,8 +87,8 @@ def sweep(
     with opened(Path(out), plan) as folder:
         left = folder.left()
         done = points.count - sum(end - begin for begin, end in map(plan.window, left))
-        with sweep_progress(points.count, done, shown=shown) as advance:
-            work = SweepWork(recipe, points, folder, tuple(left), advance)
+        with ProgressBar(stays=True, shown=shown) as progress:
+            work = SweepWork(recipe, points, folder, tuple(left), Tally(points.count, done, progress))
             if scheduler is None:
                 _on_threads(work, threads)
             else:

@@ -6,13 +6,36 @@ from collections.abc import Mapping
 from dataclasses import dataclass
 from typing import TYPE_CHECKING, Any
 
+from hjsolve.display.progress import Progress
 from hjsolve.ensembles.compute import compute_columns
 from hjsolve.ensembles.task import EnsembleTask
 from hjsolve.sweeps.points import SweepPoints
-from hjsolve.sweeps.progress import Advance
 
 if TYPE_CHECKING:
     from hjsolve.sweeps.folder import Folder
+
+
+class Tally:
+    """How many orbits are done, told to a progress bar.
+
+    Args:
+        total: orbits in all.
+        done: orbits that were there before.
+        progress: what is told.
+    """
+
+    def __init__(self, total: int, done: int, progress: Progress) -> None:
+        self._total, self._done, self._progress = total, 0, progress
+        self.add(done)
+
+    def add(self, more: int) -> None:
+        """Count orbits that were added, and tell.
+
+        Args:
+            more: how many.
+        """
+        self._done += more
+        self._progress(self._done / max(self._total, 1), f"{self._done} of {self._total} orbits")
 
 
 @dataclass(frozen=True, eq=False)
@@ -23,7 +46,7 @@ class SweepWork:
     points: SweepPoints
     folder: Folder
     left: tuple[int, ...]
-    advance: Advance
+    tally: Tally
 
     @property
     def names(self) -> list[str]:
@@ -48,7 +71,7 @@ class SweepWork:
         """
         self.folder.write(part, starts, columns)
         begin, end = self.folder.plan.window(part)
-        self.advance(end - begin)
+        self.tally.add(end - begin)
 
 
 def columns_of(recipe: EnsembleTask, starts: Mapping[str, Any], threads: int | None) -> dict[str, Any]:

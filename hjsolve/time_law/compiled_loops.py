@@ -32,7 +32,7 @@ def _kernel(function: F) -> F:
 
 
 @_kernel
-def relative(times: Reals, high: float, low: float, upper: Reals, lower: Reals) -> None:
+def fill_relative(times: Reals, high: float, low: float, upper: Reals, lower: Reals) -> None:
     """Fill ``upper`` + ``lower`` with times − (high + low).
 
     Args:
@@ -145,7 +145,7 @@ def look_up(argument: Reals, edges: Reals, guide: Integers, rows: Reals, parity:
 
 
 @_kernel
-def principal(angle: Reals, value: Reals, count: Reals) -> None:
+def fill_principal(angle: Reals, value: Reals, count: Reals) -> None:
     """Fill ``value`` in (−π, π] and the turns taken away.
 
     Args:

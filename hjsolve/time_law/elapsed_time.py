@@ -24,7 +24,7 @@ def relative(times: Reals, start: Callable[[int], Mpf]) -> tuple[Reals, Reals]:
         return times - high, 0.0 * times
     upper, lower = np.empty(times.shape), np.empty(times.shape)
     if compiled := kernels(times.size):
-        compiled.relative(times, high, low, upper, lower)
+        compiled.fill_relative(times, high, low, upper, lower)
         return upper, lower
     for begin in range(0, len(times), CHUNK):
         part = slice(begin, begin + CHUNK)

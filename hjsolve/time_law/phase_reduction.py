@@ -68,7 +68,7 @@ def principal(angle: Reals) -> tuple[Reals, Reals]:
     """
     value, count = np.empty(angle.shape), np.empty(angle.shape)
     if compiled := kernels(angle.size):
-        compiled.principal(np.ascontiguousarray(angle), value, count)
+        compiled.fill_principal(np.ascontiguousarray(angle), value, count)
         return value, count
     for begin in range(0, len(angle), CHUNK):
         part = slice(begin, begin + CHUNK)

@@ -15,6 +15,7 @@ from typing import Any
 
 import numpy as np
 
+from hjsolve.arithmetic.floats import EPS
 from hjsolve.arithmetic.number_types import Elementwise, Integers, Mask, Numbers, Reals
 from hjsolve.errors import NotConvergedError
 from hjsolve.time_law.compiled import kernels
@@ -191,7 +192,7 @@ def tabulate(
         np.maximum(np.sum(np.abs(rows), axis=0), np.maximum(scale or 0.0, floor))
         for rows, scale, floor in zip(tables, scales, floors)
     )
-    doubts = 2.0**-52 * np.maximum(np.abs(begins), np.abs(ends)) * np.diff(edges) / (ends - begins)
+    doubts = EPS * np.maximum(np.abs(begins), np.abs(ends)) * np.diff(edges) / (ends - begins)
     return InterpolationTable(edges, tables, tuple(even), bounds, doubts)
 
 
@@ -237,7 +238,7 @@ def _panels(
     goal = length * (1 + nodes[:, None]) / 2
     s = np.clip(_local(integral, series * half, goal, nodes[:, None] + 0 * goal), -1, 1)
     tables = []
-    argument = 2.0**-52 * np.maximum(np.abs(left), np.abs(right)) / half
+    argument = EPS * np.maximum(np.abs(left), np.abs(right)) / half
     for quantity, scale in zip(outputs((left + half + half * s).ravel()), scales, strict=True):
         rows = np.reshape(quantity, s.shape)
         middle = rows[len(rows) // 2]

@@ -257,7 +257,7 @@ def test_interrupt_is_one_line(tmp_path: Path) -> None:
 import signal, sys, time, hjsolve.command_line.commands as c
 from hjsolve.command_line.main import main
 signal.signal(signal.SIGINT, signal.default_int_handler)  # a job in the background inherits that it is ignored
-c.check = lambda options: (print('ready', flush=True), time.sleep(30))
+c.check_command = lambda options: (print('ready', flush=True), time.sleep(30))
 sys.exit(main(['check', 'x']))
 """
     process = subprocess.Popen([sys.executable, "-c", code], stdout=subprocess.PIPE, stderr=subprocess.PIPE, text=True)
@@ -289,7 +289,7 @@ def test_a_fault_of_ours_is_one_line_and_asks_for_a_report(monkeypatch: pytest.M
     def broken(options: object) -> int:
         raise ZeroDivisionError("division by zero")
 
-    monkeypatch.setattr("hjsolve.command_line.commands.check", broken)
+    monkeypatch.setattr("hjsolve.command_line.commands.check_command", broken)
     monkeypatch.delenv("HJSOLVE_TRACEBACK", raising=False)
     assert main(["check", "pendulum"]) == 3
     error = capsys.readouterr().err

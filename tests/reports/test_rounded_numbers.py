@@ -10,10 +10,10 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from hjsolve.arithmetic.estimate import Estimate
+from hjsolve.arithmetic.printed_digits import raised
 from hjsolve.reports.sections.rounded_numbers import (
     decimal,
     quantity,
-    raised,
     rounded_outward,
     shortest,
     written_duration,

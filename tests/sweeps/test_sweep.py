@@ -301,19 +301,23 @@ def test_an_interrupted_command_says_that_it_can_go_on(
 
 
 def test_progress_is_a_bar_a_line_or_nothing(monkeypatch: pytest.MonkeyPatch) -> None:
-    from hjsolve.sweeps.progress import sweep_progress
+    from hjsolve.display.progress import ProgressBar
+    from hjsolve.sweeps.work import Tally
 
-    def told(shown: bool | None) -> str:
+    def told(shown: bool | None, *, stays: bool = True) -> str:
         stream = io.StringIO()
-        with sweep_progress(10, 4, shown=shown, stream=stream) as advance:
-            advance(6)
+        with ProgressBar(stays=stays, shown=shown, stream=stream) as progress:
+            tally = Tally(10, 4, progress)
+            tally.add(6)
         return stream.getvalue()
 
     assert told(None) == told(False) == ""
     monkeypatch.setitem(sys.modules, "rich.console", None)
     plain = told(True)
-    assert plain.startswith("\r4 of 10 orbits (40 %)")
-    assert "10 of 10 orbits (100 %)" in plain
+    first, last = plain.removesuffix("\n").split("\r\x1b[2K")[1:]
+    assert first == f"[{10 * '#'}{14 * '.'}] 4 of 10 orbits (40 %)"
+    assert last == f"[{24 * '#'}] 10 of 10 orbits (100 %)"
+    assert told(True, stays=False).endswith("\r\x1b[2K")
     monkeypatch.undo()
     pytest.importorskip("rich")
-    assert "10/10" in told(True)
+    assert "10 of 10 orbits" in told(True)

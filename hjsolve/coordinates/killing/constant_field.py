@@ -4,27 +4,48 @@ from __future__ import annotations
 
 from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass
-from typing import Any
+from typing import Protocol, Self, TypeAlias
 
 import sympy as sp
 from sympy.core.function import AppliedUndef
 from sympy.polys.constructor import construct_domain
+from sympy.polys.domains.domain import Domain
+
+
+class FieldElement(Protocol):
+    """A number of some field: a rational, an algebraic number, or a quotient of polynomials in the parameters."""
+
+    def __add__(self, other: Self, /) -> Self: ...
+    def __sub__(self, other: Self, /) -> Self: ...
+    def __mul__(self, other: Self, /) -> Self: ...
+    def __truediv__(self, other: Self, /) -> Self: ...
+    def __rsub__(self, other: int, /) -> Self: ...
+    def __rmul__(self, other: int, /) -> Self: ...
+    def __pow__(self, exponent: int, /) -> Self: ...
+    def __neg__(self) -> Self: ...
+    def __bool__(self) -> bool: ...
+
+
+EquationTable: TypeAlias = list[list[list[tuple[int, list[tuple[tuple[int, ...], FieldElement]]]]]]
+"""[equation][tensor] = (derivative of V, its coefficient): a polynomial in x as exponents and numbers."""
+Rows: TypeAlias = list[list[FieldElement]]
+"""Linear equations, or vectors."""
 
 
 @dataclass(frozen=True)
 class Ground:
     """The field of constants: Q(algebraic numbers)(parameters and opaque constants)."""
 
-    field: Any
+    field: Domain
     parameters: tuple[sp.Symbol, ...]
     opaque: Mapping[sp.Expr, sp.Symbol]
 
     @property
-    def numbers(self) -> Any:
+    def numbers(self) -> Domain:
         """The algebraic numbers of the field."""
         return self.field.domain if self.parameters else self.field
 
-    def convert(self, constant: sp.Expr) -> Any:
+    def convert(self, constant: sp.Expr) -> FieldElement:
         """Return the field element of an expression without coordinates.
 
         Args:
@@ -32,7 +53,7 @@ class Ground:
         """
         return self.field.from_sympy(sp.together(constant.xreplace(dict(self.opaque))))
 
-    def restore(self, element: Any) -> sp.Expr:
+    def restore(self, element: FieldElement) -> sp.Expr:
         """Return the expression of a field element.
 
         Args:

@@ -3,12 +3,17 @@
 from __future__ import annotations
 
 from functools import reduce
-from typing import Any
 
 import sympy as sp
+from sympy.polys.domains.domain import Domain
+from sympy.polys.rings import PolyElement, PolyRing
+
+from hjsolve.coordinates.killing.constant_field import FieldElement
 
 
-def echelon_over_ring(rows: list[list[Any]], field: Any) -> tuple[dict[int, list[Any]], tuple[sp.Expr, ...]]:
+def echelon_over_ring(
+    rows: list[list[PolyElement]], field: Domain
+) -> tuple[dict[int, list[FieldElement]], tuple[sp.Expr, ...]]:
     """Bring rows of polynomials to reduced echelon form over their fraction field.
 
     Pivots are taken where they are simplest. The rank is the one found wherever none of the pivot factors vanishes;
@@ -22,9 +27,9 @@ def echelon_over_ring(rows: list[list[Any]], field: Any) -> tuple[dict[int, list
         {pivot column: row over the field}, and the irreducible factors of all pivots and contents.
     """
     ring = field.field.ring
-    factors: dict[Any, None] = {}
+    factors: dict[PolyElement, None] = {}
     remaining = [_primitive(row, ring, factors) for row in rows if any(row)]
-    done: list[tuple[int, list[Any]]] = []
+    done: list[tuple[int, list[PolyElement]]] = []
     while remaining:
         best = min(
             ((_size(entry), r, c) for r, row in enumerate(remaining) for c, entry in enumerate(row) if entry),
@@ -42,18 +47,18 @@ def echelon_over_ring(rows: list[list[Any]], field: Any) -> tuple[dict[int, list
     return _back_substituted(done, field), tuple(factor.as_expr() for factor in factors)
 
 
-def _size(entry: Any) -> tuple[int, int, int]:
+def _size(entry: PolyElement) -> tuple[int, int, int]:
     degree = max(sum(monomial) for monomial in entry.itermonoms())
     return degree, len(entry), sum(abs(int(getattr(c, "numerator", 1))) for c in entry.itercoeffs()).bit_length()
 
 
-def _note(polynomial: Any, factors: dict[Any, None]) -> None:
+def _note(polynomial: PolyElement, factors: dict[PolyElement, None]) -> None:
     if not polynomial.is_ground:
         for factor, _ in polynomial.factor_list()[1]:
             factors[factor.monic()] = None
 
 
-def _primitive(row: list[Any], ring: Any, factors: dict[Any, None]) -> list[Any]:
+def _primitive(row: list[PolyElement], ring: PolyRing, factors: dict[PolyElement, None]) -> list[PolyElement]:
     common = reduce(lambda a, b: a.gcd(b), (entry for entry in row if entry), ring.zero)
     if not common or common.is_ground:
         return row
@@ -61,7 +66,10 @@ def _primitive(row: list[Any], ring: Any, factors: dict[Any, None]) -> list[Any]
     return [entry.exquo(common) if entry else entry for entry in row]
 
 
-def _cleared(row: list[Any], pivot_row: list[Any], column: int, pivot: Any, ring: Any, factors: dict[Any, None]) -> Any:
+def _cleared(
+    row: list[PolyElement], pivot_row: list[PolyElement], column: int, pivot: PolyElement, ring: PolyRing,
+    factors: dict[PolyElement, None],
+) -> list[PolyElement]:  # fmt: skip
     if not row[column]:
         return row
     common = pivot.gcd(row[column])
@@ -69,8 +77,8 @@ def _cleared(row: list[Any], pivot_row: list[Any], column: int, pivot: Any, ring
     return _primitive([a * mine - b * its for mine, its in zip(row, pivot_row, strict=True)], ring, factors)
 
 
-def _back_substituted(done: list[tuple[int, list[Any]]], field: Any) -> dict[int, list[Any]]:
-    reduced: dict[int, list[Any]] = {}
+def _back_substituted(done: list[tuple[int, list[PolyElement]]], field: Domain) -> dict[int, list[FieldElement]]:
+    reduced: dict[int, list[FieldElement]] = {}
     for column, polynomials in reversed(done):
         lead = field(polynomials[column])
         row = [field(entry) / lead if entry else field.zero for entry in polynomials]

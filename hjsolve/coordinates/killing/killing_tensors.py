@@ -12,21 +12,24 @@ ten-dimensional subspace in space (Rajaratnam, McLenaghan, Valero, SIGMA 12 (201
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass
 from functools import cache, reduce
 from itertools import combinations, combinations_with_replacement
 from operator import mul
 from random import Random
-from typing import Any
 
 import sympy as sp
+from sympy.polys.domains.domain import Domain
+from sympy.polys.fields import FracElement
+from sympy.polys.rings import PolyElement
 
-from hjsolve.coordinates.killing.constant_field import Ground
+from hjsolve.coordinates.killing.constant_field import EquationTable, FieldElement, Ground, Rows
 from hjsolve.coordinates.killing.fraction_free_elimination import echelon_over_ring
 from hjsolve.coordinates.killing.numerical_rank import derivatives, rank_in_numbers, reconstructed_kernel
 from hjsolve.coordinates.killing.radical_algebra import (
     Generators,
+    Key,
     PointAlgebra,
     ZeroDivisorError,
     collected_generators,
@@ -115,7 +118,7 @@ class Kernel:
 
 
 @cache
-def _coefficients(tensors: tuple[sp.ImmutableMatrix, ...], x: tuple[sp.Symbol, ...]) -> list[Any]:
+def _coefficients(tensors: tuple[sp.ImmutableMatrix, ...], x: tuple[sp.Symbol, ...]) -> EquationTable:
     """Write d(K·dV)_ij = Σ_a c_a V_a + Σ_ab c_ab V_ab; returns [(i, j)][tensor] = {slot: polynomial terms}."""
     n = len(x)
     slots: list[tuple[int, ...]] = [(a,) for a in range(n)] + list(combinations_with_replacement(range(n), 2))
@@ -133,7 +136,7 @@ def _coefficients(tensors: tuple[sp.ImmutableMatrix, ...], x: tuple[sp.Symbol, .
     return table
 
 
-def _in_domain(table: list[Any], domain: Any) -> list[Any]:
+def _in_domain(table: EquationTable, domain: Domain) -> EquationTable:
     """Convert the rational coefficients of a table to the numbers of the field of constants, once for all points."""
     return [
         [
@@ -144,16 +147,16 @@ def _in_domain(table: list[Any], domain: Any) -> list[Any]:
     ]
 
 
-def _rows_at(algebra: PointAlgebra, values: Sequence[sp.Expr], table: list[Any], width: int) -> list[list[Any]]:
+def _rows_at(algebra: PointAlgebra, values: Sequence[sp.Expr], table: EquationTable, width: int) -> Rows:
     """Return the linear equations that one point gives."""
     field = algebra.field
     elements = [algebra.evaluate(value) for value in values]
     numbers = algebra.made_of.ground.numbers
     x = [numbers.convert(value) for value in algebra.plain.values()]
-    monomials: dict[tuple[int, ...], Any] = {}
-    rows: list[list[Any]] = []
+    monomials: dict[tuple[int, ...], FieldElement] = {}
+    rows: Rows = []
     for equation in table:
-        parts: dict[Any, list[Any]] = {}
+        parts: dict[Key, list[FieldElement]] = {}
         for column, tensor in enumerate(equation):
             for slot, terms in tensor:
                 if not elements[slot]:
@@ -170,7 +173,7 @@ def _rows_at(algebra: PointAlgebra, values: Sequence[sp.Expr], table: list[Any],
     return rows
 
 
-def _reduce(row: list[Any], echelon: dict[int, list[Any]]) -> int | None:
+def _reduce(row: list[FieldElement], echelon: dict[int, list[FieldElement]]) -> int | None:
     """Reduce a row against an echelon form; add it and return its pivot, or None where it was dependent."""
     for column, pivot_row in echelon.items():
         if row[column]:
@@ -188,7 +191,7 @@ def _reduce(row: list[Any], echelon: dict[int, list[Any]]) -> int | None:
     return pivot
 
 
-def _nullspace(echelon: dict[int, list[Any]], width: int, field: Any) -> list[list[Any]]:
+def _nullspace(echelon: Mapping[int, list[FieldElement]], width: int, field: Domain) -> Rows:
     """Return a basis of the kernel of an echelon form, itself in reduced echelon form."""
     vectors = []
     for free in (c for c in range(width) if c not in echelon):
@@ -197,13 +200,15 @@ def _nullspace(echelon: dict[int, list[Any]], width: int, field: Any) -> list[li
         for column, row in echelon.items():
             vector[column] = -row[free]
         vectors.append(vector)
-    reduced: dict[int, list[Any]] = {}
+    reduced: dict[int, list[FieldElement]] = {}
     for vector in vectors:
         _reduce(vector, reduced)
     return [reduced[column] for column in sorted(reduced)]
 
 
-def _points(made_of: Generators, values: Sequence[sp.Expr], table: list[Any], width: int, random: Random):  # type: ignore[no-untyped-def]
+def _points(
+    made_of: Generators, values: Sequence[sp.Expr], table: EquationTable, width: int, random: Random
+) -> Iterator[Rows]:
     """Yield the equations of one random regular point after another."""
     converted = _in_domain(table, made_of.ground.numbers)
     for _ in range(_MOST_POINTS):
@@ -214,21 +219,21 @@ def _points(made_of: Generators, values: Sequence[sp.Expr], table: list[Any], wi
     raise InternalError("find_coordinates: no regular points of the potential were found")
 
 
-def _span(point_rows: Any, ground: Ground, width: int) -> list[list[Any]] | None:
+def _span(point_rows: Iterable[list[list[FracElement]]], ground: Ground, width: int) -> list[list[PolyElement]] | None:
     """Return sparse equations over Q[parameters] that span those of all points, or None if not polynomial.
 
     The equations of different points are rational combinations of a few ones with polynomial coefficients (those of
     the monomials of the coordinates). They are found again by elimination over Q in the space of columns times
     parameter monomials, which makes them sparse and their pivots independent of the points.
     """
-    index: dict[Any, int] = {}
-    echelon: dict[int, dict[int, Any]] = {}
+    index: dict[tuple[int, ...], int] = {}
+    echelon: dict[int, dict[int, FieldElement]] = {}
     base, ring = ground.field.domain, ground.field.field.ring
     quiet = 0
     for rows in point_rows:
         news = False
         for row in rows:
-            flat: dict[int, Any] = {}
+            flat: dict[int, FieldElement] = {}
             for column, entry in enumerate(row):
                 if not entry.denom.is_ground:
                     return None
@@ -251,8 +256,8 @@ def _span(point_rows: Any, ground: Ground, width: int) -> list[list[Any]] | None
     return result
 
 
-def _reduce_sparse(row: dict[int, Any], echelon: dict[int, dict[int, Any]]) -> bool:
-    def subtract(a: dict[int, Any], factor: Any, b: dict[int, Any]) -> None:
+def _reduce_sparse(row: dict[int, FieldElement], echelon: dict[int, dict[int, FieldElement]]) -> bool:
+    def subtract(a: dict[int, FieldElement], factor: FieldElement, b: dict[int, FieldElement]) -> None:
         for key, value in b.items():
             new = a.get(key, 0) - factor * value
             if new:
@@ -322,8 +327,8 @@ def dimension_by_numbers(V: sp.Expr, x: Sequence[sp.Symbol], tensors: Sequence[s
     return len(tensors) - rank_in_numbers(V, tuple(x), _coefficients(tuple(tensors), tuple(x)), len(tensors))
 
 
-def _dense_echelon(stream: Any) -> dict[int, list[Any]]:
-    echelon: dict[int, list[Any]] = {}
+def _dense_echelon(stream: Iterable[Rows]) -> dict[int, list[FieldElement]]:
+    echelon: dict[int, list[FieldElement]] = {}
     quiet = 0
     for rows in stream:
         news = [row for row in rows if _reduce(row, echelon) is not None]

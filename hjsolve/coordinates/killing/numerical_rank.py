@@ -6,14 +6,15 @@ numerical rank bounds the dimension of the kernel from above; where the two meet
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Iterable, Sequence
 from itertools import combinations_with_replacement
 from random import Random
-from typing import Any
 
 import mpmath
 import sympy as sp
 from sympy.core.function import AppliedUndef
+
+from hjsolve.coordinates.killing.constant_field import EquationTable
 
 
 def derivatives(V: sp.Expr, x: Sequence[sp.Symbol]) -> list[sp.Expr]:
@@ -41,14 +42,14 @@ def _concrete(V: sp.Expr) -> sp.Expr:
     )
 
 
-def _numerical_rows(V: sp.Expr, x: Sequence[sp.Symbol], table: list[Any], width: int) -> list[list[Any]]:
+def _numerical_rows(V: sp.Expr, x: Sequence[sp.Symbol], table: EquationTable, width: int) -> list[list[mpmath.mpf]]:
     """Return equations at random real points, 60 digits, with random positive values of the parameters."""
     V = _concrete(V)
     random = Random(7)  # noqa: S311
     parameters = sorted(V.free_symbols - set(x), key=str)
     values = {p: sp.Rational(random.randint(3, 90), 37) * (-1 if p.is_negative else 1) for p in parameters}
     functions = sp.lambdify(list(x), [d.xreplace(values) for d in derivatives(V, x)], "mpmath", cse=True)
-    rows: list[list[Any]] = []
+    rows: list[list[mpmath.mpf]] = []
     while len(rows) < width + 8:
         point = [mpmath.mpf(random.randint(-99, 99) * 2 + 1) / 83 for _ in x]
         try:
@@ -59,7 +60,10 @@ def _numerical_rows(V: sp.Expr, x: Sequence[sp.Symbol], table: list[Any], width:
     return rows
 
 
-def _coefficient(tensor: Any, slots: Sequence[Any], point: Sequence[Any]) -> Any:
+def _coefficient(
+    tensor: Iterable[tuple[int, list[tuple[tuple[int, ...], sp.Rational]]]], slots: Sequence[mpmath.mpf],
+    point: Sequence[mpmath.mpf],
+) -> mpmath.mpf:  # fmt: skip
     """Return the coefficient of one tensor in an equation at a point."""
     total = mpmath.mpf(0)
     for slot, terms in tensor:
@@ -69,7 +73,7 @@ def _coefficient(tensor: Any, slots: Sequence[Any], point: Sequence[Any]) -> Any
     return total
 
 
-def _numerical_echelon(rows: list[list[Any]], width: int) -> tuple[list[list[Any]], list[int]]:
+def _numerical_echelon(rows: list[list[mpmath.mpf]], width: int) -> tuple[list[list[mpmath.mpf]], list[int]]:
     """Reduce with full pivoting; entries below 10⁻²⁵ of their row are zero."""
     rows = [[entry / scale for entry in row] for row in rows if (scale := max(abs(e) for e in row))]
     pivots: list[int] = []
@@ -91,7 +95,7 @@ def _numerical_echelon(rows: list[list[Any]], width: int) -> tuple[list[list[Any
     return rows[: len(pivots)], pivots
 
 
-def rank_in_numbers(V: sp.Expr, x: Sequence[sp.Symbol], table: list[Any], width: int) -> int:
+def rank_in_numbers(V: sp.Expr, x: Sequence[sp.Symbol], table: EquationTable, width: int) -> int:
     """Return the rank of d(K·dV) = 0 found by 60-digit numbers; it bounds the dimension of the kernel from above.
 
     Args:
@@ -104,7 +108,9 @@ def rank_in_numbers(V: sp.Expr, x: Sequence[sp.Symbol], table: list[Any], width:
         return len(_numerical_echelon(_numerical_rows(V, x, table, width), width)[1])
 
 
-def reconstructed_kernel(V: sp.Expr, x: Sequence[sp.Symbol], table: list[Any], width: int) -> Any:
+def reconstructed_kernel(
+    V: sp.Expr, x: Sequence[sp.Symbol], table: EquationTable, width: int
+) -> tuple[tuple[sp.Expr, ...], ...] | None:
     """Recover the kernel from numbers where the radicals of V depend on each other; None unless it verifies.
 
     Args:
@@ -136,6 +142,6 @@ def reconstructed_kernel(V: sp.Expr, x: Sequence[sp.Symbol], table: list[Any], w
     return tuple(tuple(row) for row in sp.Matrix(vectors).rref()[0].tolist())
 
 
-def _rational(number: Any) -> sp.Rational:
+def _rational(number: mpmath.mpf) -> sp.Rational:
     """Return the simplest rational number within 10⁻²⁵ of a real number."""
     return sp.nsimplify(sp.Float(str(mpmath.re(number)), 40), rational=True, tolerance=sp.Float("1e-25", 30))

@@ -17,16 +17,15 @@ from functools import reduce
 from itertools import product
 from math import floor, lcm
 from random import Random
-from typing import Any
 
 import sympy as sp
 from sympy.core.function import AppliedUndef
 
-from hjsolve.coordinates.killing.constant_field import Ground, ground_field
+from hjsolve.coordinates.killing.constant_field import FieldElement, Ground, Rows, ground_field
 from hjsolve.errors import InvalidSystemError
 
 Key = tuple[tuple[int, Fraction], ...]
-Element = dict[Key, Any]
+Element = dict[Key, FieldElement]
 _HYPERBOLIC = (sp.sinh, sp.cosh, sp.tanh, sp.coth, sp.sech, sp.csch)
 _CIRCULAR = (sp.sin, sp.cos, sp.tan, sp.cot, sp.sec, sp.csc)
 
@@ -50,7 +49,7 @@ def _prepare(expression: sp.Expr, coordinates: Sequence[sp.Symbol]) -> sp.Expr:
         expression = expression.replace(function, lambda u, f=function: f(u).rewrite(sp.cos, sp.sin).rewrite(sp.sin))
     expression = expression.replace(sp.DiracDelta, lambda *_: sp.S.Zero)
 
-    def split(function: Any) -> Any:
+    def split(function: sp.Function) -> sp.Expr:
         def apart(argument: sp.Expr) -> sp.Expr:
             phase, moving = sp.expand(argument).as_independent(*coordinates, as_Add=True)
             if phase == 0 or moving == 0:
@@ -115,21 +114,21 @@ class PointAlgebra:
         self.roots: dict[sp.Expr, int] = {}
         self.radicands: list[Element] = []
         self.values: dict[sp.Expr, Element] = {}
-        self.free: dict[tuple[str, sp.Expr], Any] = {}
+        self.free: dict[tuple[str, sp.Expr], FieldElement] = {}
 
     def _rational(self) -> sp.Rational:
         return sp.Rational(self.random.randint(-40, 40) * 2 + 1, self.random.choice((1, 2, 3)))
 
-    def _number(self) -> Any:
+    def _number(self) -> FieldElement:
         return self.field.convert(self._rational())
 
-    def _transcendental(self, kind: str, argument: sp.Expr) -> Any:
+    def _transcendental(self, kind: str, argument: sp.Expr) -> FieldElement:
         if (kind, argument) not in self.free:
             self.free[kind, argument] = self._number()
         return self.free[kind, argument]
 
     # ---- arithmetic -------------------------------------------------------------------------------------------
-    def constant(self, number: Any) -> Element:
+    def constant(self, number: FieldElement) -> Element:
         """Return an element of the field as one of the algebra.
 
         Args:
@@ -152,7 +151,7 @@ class PointAlgebra:
                 total.pop(key, None)
         return total
 
-    def scale(self, number: Any, a: Element) -> Element:
+    def scale(self, number: FieldElement, a: Element) -> Element:
         """Return number·a for a field element.
 
         Args:
@@ -285,7 +284,7 @@ class PointAlgebra:
             value *= base ** int(coefficient * self.made_of.denominators[kind, monomial])
         return self.constant(value)
 
-    def _circle(self, terms: list[tuple[sp.Rational, sp.Expr]]) -> tuple[Any, Any]:
+    def _circle(self, terms: list[tuple[sp.Rational, sp.Expr]]) -> tuple[FieldElement, FieldElement]:
         cosine, sine = self.field.one, self.field.zero
         for coefficient, monomial in terms:
             t = self._transcendental("angle", monomial)
@@ -312,7 +311,7 @@ class PointAlgebra:
         return self.multiply(result, {((self.roots[base], exponent - whole),): self.field.one})
 
 
-def _solve(rows: list[list[Any]], right: list[Any]) -> list[Any]:
+def _solve(rows: Rows, right: list[FieldElement]) -> list[FieldElement]:
     """Solve a square linear system over a field by elimination."""
     size = len(rows)
     table = [[*row, value] for row, value in zip(rows, right, strict=True)]

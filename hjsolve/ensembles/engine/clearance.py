@@ -21,7 +21,7 @@ import numpy as np
 from hjsolve.arithmetic.complex_disks import Disk
 from hjsolve.arithmetic.disks_with_logarithms import DisksInLogarithms
 from hjsolve.arithmetic.error_free import Pair
-from hjsolve.arithmetic.floats import Float64
+from hjsolve.arithmetic.floats import EPS, UNIT, Float64
 from hjsolve.arithmetic.tape import Tape
 
 GROWTH = 100.0
@@ -133,8 +133,8 @@ class Clearance:
         """The same for each of the disks."""
         with np.errstate(all="ignore"):
             sizes = self._parts.run(Float64(), [real, *self._known(constants)])
-            place = Disk(centres.astype(complex), radii + 4 * 2.0**-53 * np.abs(centres))
-            known = [Disk(np.asarray(c, complex), 2.0**-52 * np.abs(c)) for c in self._known(constants)]
+            place = Disk(centres.astype(complex), radii + 4 * UNIT * np.abs(centres))
+            known = [Disk(np.asarray(c, complex), EPS * np.abs(c)) for c in self._known(constants)]
             arithmetic = DisksInLogarithms()
             disks = self._parts.run(arithmetic, [arithmetic.variable(place), *map(arithmetic.constant, known)])
             good = np.isfinite(centres) & np.isfinite(radii)

@@ -13,11 +13,11 @@ import numpy as np
 
 from hjsolve.arithmetic.double_double import DoubleDouble
 from hjsolve.arithmetic.error_free import Pair
-from hjsolve.arithmetic.floats import Float64
+from hjsolve.arithmetic.floats import UNIT, Float64
 from hjsolve.arithmetic.jet import Jet, Jets
 from hjsolve.arithmetic.running_error import RunningError, WithErrorBound
 from hjsolve.ensembles.engine.lowered_solution import LoweredFormula, Model
-from hjsolve.ensembles.engine.radicand_views import UNIT, Knowns
+from hjsolve.ensembles.engine.radicand_views import Knowns
 from hjsolve.ensembles.engine.starts import Starts
 
 

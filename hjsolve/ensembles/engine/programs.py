@@ -19,6 +19,7 @@ from types import FunctionType, ModuleType
 from typing import Any
 
 from hjsolve.arithmetic.divided_differences import FirstDifferences
+from hjsolve.arithmetic.floats import UNIT
 from hjsolve.arithmetic.jet import Jet, Jets
 from hjsolve.arithmetic.python_source import PythonSource, function
 from hjsolve.arithmetic.running_error import RunningError, WithErrorBound
@@ -179,7 +180,7 @@ def _relative_text(formula: LoweredFormula, unpack: str, names: list[str], numbe
         chords.variable(WithErrorBound("b"), WithErrorBound(place, source.mul(_PLACE, source.unary("abs", place))))
     ]
     inputs += [chords.constant(WithErrorBound(c)) for c in names]
-    inputs += [chords.constant(WithErrorBound(f"({x!r})", f"({abs(x) * 2.0**-53!r})")) for x in numbers]
+    inputs += [chords.constant(WithErrorBound(f"({x!r})", f"({abs(x) * UNIT!r})")) for x in numbers]
     slope = formula.squared.run(chords, inputs)[0].slope
     head = f"def relative(out, base, offset, c):\n{unpack}    for g in range(out.shape[0]):\n"
     lines = ["b = base[g]", "d = offset[g]", *source.lines, f"out[g] = abs({slope.error}) / abs({slope.value})"]
@@ -191,7 +192,7 @@ def _doubts_text(tape: Tape, constants: int, numbers: tuple[float, ...]) -> str:
     source = PythonSource()
     place = source.mul(_PLACE, source.unary("abs", "x"))
     inputs = [WithErrorBound("x", place), *(WithErrorBound(f"c{j}", f"e{j}") for j in range(constants))]
-    inputs += [WithErrorBound(f"({x!r})", f"({abs(x) * 2.0**-53!r})") for x in numbers]
+    inputs += [WithErrorBound(f"({x!r})", f"({abs(x) * UNIT!r})") for x in numbers]
     results = tape.run(RunningError(source, own=_OWN), inputs)
     unpack = "".join(f"    c{j} = c[{j}]\n    s{j} = e[{j}]\n" for j in range(constants))
     head = f"def doubts(out, place, mask, c, e):\n{unpack}    for g in range(out.shape[1]):\n"
@@ -206,7 +207,7 @@ def _start_text(model: Model) -> str:
     n = len(model.names)
     source = PythonSource()
     names = [f"q[{k}, i]" for k in range(n)] + [f"p[{k}, i]" for k in range(n)]
-    numbers = [WithErrorBound(f"({x.high!r})", f"({abs(x.high) * 2.0**-53!r})") for x in model.numbers]
+    numbers = [WithErrorBound(f"({x.high!r})", f"({abs(x.high) * UNIT!r})") for x in model.numbers]
     given = [WithErrorBound(x) for x in names[:n]]
     given += [WithErrorBound(x, f"doubt[{k}, i]") for k, x in enumerate(names[n:])]
     results = model.rule.run(RunningError(source, own=_OWN), [*given, *numbers])

@@ -18,13 +18,12 @@ import numpy as np
 from hjsolve.arithmetic.divided_differences import FUNCTIONS as CHORDS
 from hjsolve.arithmetic.double_double import DoubleDouble
 from hjsolve.arithmetic.error_free import Pair
-from hjsolve.arithmetic.floats import Float64
+from hjsolve.arithmetic.floats import UNIT, Float64
 from hjsolve.arithmetic.jet import Jet, Jets
 from hjsolve.arithmetic.running_error import RunningError, WithErrorBound
 from hjsolve.arithmetic.second_differences import SecondDifference, SecondDifferences
 from hjsolve.ensembles.engine.lowered_solution import LoweredFormula
 
-UNIT = 2.0**-53
 _PLACE = 2.0
 """Roundings, in units, that made an offset at a node."""
 

@@ -13,11 +13,10 @@ import numpy as np
 
 from hjsolve.arithmetic.double_double import DoubleDouble
 from hjsolve.arithmetic.error_free import Pair
-from hjsolve.arithmetic.floats import Float64
+from hjsolve.arithmetic.floats import UNIT, Float64
 from hjsolve.arithmetic.running_error import RunningError, WithErrorBound
 from hjsolve.arithmetic.tape import Tape
 
-_UNIT = 2.0**-53
 _FINER = 2.0**-44
 
 
@@ -40,7 +39,7 @@ class MomentumRule:
             q, velocity: of all coordinates, shape (coordinates, n).
         """
         exact = [WithErrorBound(x) for x in (*q, *velocity)]
-        known = [WithErrorBound(x.high, _UNIT * abs(x.high)) for x in self.numbers]
+        known = [WithErrorBound(x.high, UNIT * abs(x.high)) for x in self.numbers]
         with np.errstate(all="ignore"):
             found = self.tape.run(RunningError(Float64()), exact + known)
         errors = [0.0 if x.error is None else x.error for x in found]

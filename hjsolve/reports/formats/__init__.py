@@ -1,4 +1,4 @@
 """Formats of a report: HTML, Markdown, JSON, LaTeX and plain text, each written from the same document.
 
-In: a ``Document``. Out: text of one file. Read ``html.py`` first; the others walk the same blocks.
+In: a ``Document``. Out: text of one file. Read ``block_writer.py`` first (the walk), then ``html.py``.
 """

@@ -5,26 +5,9 @@ from __future__ import annotations
 import re
 from html import escape
 
-from hjsolve.reports.document import (
-    ArgumentStep,
-    Block,
-    Code,
-    Document,
-    Figure,
-    Figures,
-    Formula,
-    Inline,
-    Mathematics,
-    Note,
-    Number,
-    Paragraph,
-    Section,
-    Steps,
-    Strong,
-    Table,
-    Text,
-)
+from hjsolve.reports.document import ArgumentStep, Block, Document, Figure, Formula, Number, Section, Steps, Table, Text
 from hjsolve.reports.drawings.svg import STYLE
+from hjsolve.reports.formats.block_writer import BlockWriter, PieceWriter
 from hjsolve.reports.formats.stylesheet import CSS
 from hjsolve.reports.formats.text import line
 from hjsolve.reports.formulas.layout import Box, width
@@ -64,7 +47,7 @@ def html_page(document: Document) -> str:
 <header>
 <h1>{title}</h1>
 {subtitle}
-<p class="answer {document.verdict}">{sign}{_text(document.answer)}</p>
+<p class="answer {document.verdict}">{sign}{_WRITER.text(document.answer)}</p>
 <nav aria-label="Contents"><ol>{entries}</ol></nav>
 </header>
 <main>
@@ -76,7 +59,7 @@ def html_page(document: Document) -> str:
 
 
 def _section(section: Section) -> str:
-    body = "\n".join(block_html(block) for block in section.blocks)
+    body = "\n".join(map(_WRITER.block, section.blocks))
     head = f'<h2 id="{section.key}-h">{escape(section.title)}</h2>'
     return f'<section id="{section.key}" aria-labelledby="{section.key}-h">\n{head}\n{body}\n</section>'
 
@@ -90,30 +73,91 @@ def block_html(block: Block) -> str:
     Returns:
         Its HTML, for a page that has the style sheet.
     """
-    match block:
-        case Paragraph(text):
-            return f"<p>{_text(text)}</p>"
-        case Note(text):
-            return f'<p class="note">{_text(text)}</p>'
-        case Formula():
-            return _formula(block)
-        case Table():
-            return _table(block)
-        case Steps(items):
-            return f'<ol class="steps">{"".join(map(_step, items))}</ol>'
-        case Figure():
-            return _figure(block)
-        case Figures(items):
-            return f'<div class="figures">{"".join(map(_figure, items))}</div>'
+    return _WRITER.block(block)
 
 
-def _formula(formula: Formula) -> str:
-    """The formula; a long one twice, with shorter lines for narrow screens, of which the style sheet shows one."""
-    tag = f'<span class="tag">{escape(formula.tag)}</span>' if formula.tag else ""
-    if width(formula.box) <= _FULL * NARROW:
-        return f'<div class="formula">{_set(formula.box, LINE, "scroll")}{tag}</div>'
-    both = _set(formula.box, LINE, "scroll wide") + _set(narrowed(formula.box), NARROW, "scroll narrow")
-    return f'<div class="formula">{both}{tag}</div>'
+class _HtmlWriter(PieceWriter, BlockWriter[str]):
+    def paragraph(self, text: Text) -> str:
+        return f"<p>{self.text(text)}</p>"
+
+    def note(self, text: Text) -> str:
+        return f'<p class="note">{self.text(text)}</p>'
+
+    def formula(self, formula: Formula) -> str:
+        """The formula; a long one twice, with shorter lines for narrow screens, of which the style sheet shows one."""
+        tag = f'<span class="tag">{escape(formula.tag)}</span>' if formula.tag else ""
+        if width(formula.box) <= _FULL * NARROW:
+            return f'<div class="formula">{_set(formula.box, LINE, "scroll")}{tag}</div>'
+        both = _set(formula.box, LINE, "scroll wide") + _set(narrowed(formula.box), NARROW, "scroll narrow")
+        return f'<div class="formula">{both}{tag}</div>'
+
+    def steps(self, steps: Steps) -> str:
+        return f'<ol class="steps">{"".join(map(self._step, steps.items))}</ol>'
+
+    def _step(self, step: ArgumentStep) -> str:
+        formula = self.formula(step.formula) if step.formula else ""
+        return f"<li><p><strong>{escape(step.title)}.</strong> {self.text(step.text)}</p>{formula}</li>"
+
+    def table(self, table: Table) -> str:
+        numeric = [any(_is_number(row[i]) for row in table.rows) for i in range(len(table.header))]
+        heads_said = [escape(line(cell), quote=True) for cell in table.header]
+        heads = "".join(f'<th scope="col"{_class(n)}>{self.text(cell)}</th>' for cell, n in zip(table.header, numeric))
+        rows = "".join(
+            "<tr>"
+            + "".join(
+                f'<th scope="row">{self.text(cell)}</th>'
+                if i == 0
+                else f'<td{_class(numeric[i])} data-label="{heads_said[i]}">{self.text(cell)}</td>'
+                for i, cell in enumerate(row)
+            )
+            + "</tr>"
+            for row in table.rows
+        )
+        caption = f"<caption>{escape(table.caption)}</caption>" if table.caption else ""
+        label = escape(table.caption or "Table", quote=True)
+        many, wide = len(table.rows) > _MOST_ROWS_UNBROKEN, len(table.header) > _SIDE_BY_SIDE
+        names = _classes("long" * many, "stack" * wide)
+        whole = f"<table{names}>{caption}<thead><tr>{heads}</tr></thead><tbody>{rows}</tbody></table>"
+        return f'<div class="scroll" {_REACHED} aria-label="{label}">{whole}</div>'
+
+    def figure(self, figure: Figure) -> str:
+        return f"<figure>{figure.svg}<figcaption>{self.text(figure.caption)}</figcaption></figure>"
+
+    def figures(self, figures: tuple[Figure, ...]) -> str:
+        return f'<div class="figures">{"".join(map(self.figure, figures))}</div>'
+
+    def text(self, text: Text) -> str:
+        """The pieces; a sign that follows a formula stays on its line."""
+        parts: list[str] = []
+        for piece in text:
+            if parts and isinstance(piece, str) and piece[:1] in _CLOSING and parts[-1].endswith("</math>"):
+                parts[-1] = f'<span class="together">{parts[-1]}{piece[0]}</span>'
+                piece = piece[1:]
+            parts.append(self.piece(piece))
+        return "".join(parts)
+
+    def words(self, text: str) -> str:
+        return _NUMBER_OF_EQUATION.sub(r'<span class="together">\g<0></span>', escape(text))
+
+    def mathematics(self, box: Box) -> str:
+        return mathml_of(box)
+
+    def code(self, text: str) -> str:
+        return f"<code>{escape(text)}</code>"
+
+    def strong(self, text: str) -> str:
+        return f"<strong>{escape(text)}</strong>"
+
+    def number(self, number: Number) -> str:
+        value = self.digits(number.value)
+        if not number.error:
+            return f'<span class="value">{value}</span>'
+        proof = ' <abbr title="the error is a proved bound">certified</abbr>' if number.certified else ""
+        return f'<span class="value">{value} <span class="error">± {self.digits(number.error)}</span>{proof}</span>'
+
+    def digits(self, text: str) -> str:
+        mantissa, _, exponent = text.replace("-", "−").partition("e")
+        return f"{mantissa}×10<sup>{exponent}</sup>" if exponent else mantissa
 
 
 def _set(box: Box, letters: float, names: str) -> str:
@@ -125,35 +169,6 @@ def _smaller(letters: float, room: float) -> str:
     """A formula that is still too long for a line when it is broken is set smaller, down to three fifths."""
     scale = max(0.6, _FULL * room / letters) if letters > _FULL * room else 1.0
     return f' style="font-size:{100 * scale:.0f}%"' if scale < 1 else ""
-
-
-def _step(step: ArgumentStep) -> str:
-    formula = _formula(step.formula) if step.formula else ""
-    return f"<li><p><strong>{escape(step.title)}.</strong> {_text(step.text)}</p>{formula}</li>"
-
-
-def _table(table: Table) -> str:
-    numeric = [any(_is_number(row[i]) for row in table.rows) for i in range(len(table.header))]
-    heads_said = [escape(line(cell), quote=True) for cell in table.header]
-    heads = "".join(f'<th scope="col"{_class(n)}>{_text(cell)}</th>' for cell, n in zip(table.header, numeric))
-    rows = "".join(
-        "<tr>"
-        + "".join(
-            f'<th scope="row">{_text(cell)}</th>'
-            if i == 0
-            else f'<td{_class(numeric[i])} data-label="{heads_said[i]}">{_text(cell)}</td>'
-            for i, cell in enumerate(row)
-        )
-        + "</tr>"
-        for row in table.rows
-    )
-    caption = f"<caption>{escape(table.caption)}</caption>" if table.caption else ""
-    label = escape(table.caption or "Table", quote=True)
-    names = _classes("long" * (len(table.rows) > _MOST_ROWS_UNBROKEN), "stack" * (len(table.header) > _SIDE_BY_SIDE))
-    return (
-        f'<div class="scroll" {_REACHED} aria-label="{label}"><table{names}>{caption}<thead><tr>{heads}</tr></thead>'
-        f"<tbody>{rows}</tbody></table></div>"
-    )
 
 
 def _is_number(cell: Text) -> bool:
@@ -168,43 +183,4 @@ def _class(numeric: bool) -> str:
     return ' class="num"' if numeric else ""
 
 
-def _figure(figure: Figure) -> str:
-    return f"<figure>{figure.svg}<figcaption>{_text(figure.caption)}</figcaption></figure>"
-
-
-def _text(text: Text) -> str:
-    """The pieces; a sign that follows a formula stays on its line."""
-    parts: list[str] = []
-    for piece in text:
-        if parts and isinstance(piece, str) and piece[:1] in _CLOSING and parts[-1].endswith("</math>"):
-            parts[-1] = f'<span class="together">{parts[-1]}{piece[0]}</span>'
-            piece = piece[1:]
-        parts.append(_inline(piece))
-    return "".join(parts)
-
-
-def _inline(piece: Inline) -> str:
-    match piece:
-        case str():
-            return _NUMBER_OF_EQUATION.sub(r'<span class="together">\g<0></span>', escape(piece))
-        case Mathematics(box):
-            return mathml_of(box)
-        case Code(text):
-            return f"<code>{escape(text)}</code>"
-        case Strong(text):
-            return f"<strong>{escape(text)}</strong>"
-        case Number():
-            return _number(piece)
-
-
-def _number(number: Number) -> str:
-    value = _digits(number.value)
-    if not number.error:
-        return f'<span class="value">{value}</span>'
-    proof = ' <abbr title="the error is a proved bound">certified</abbr>' if number.certified else ""
-    return f'<span class="value">{value} <span class="error">± {_digits(number.error)}</span>{proof}</span>'
-
-
-def _digits(text: str) -> str:
-    mantissa, _, exponent = text.replace("-", "−").partition("e")
-    return f"{mantissa}×10<sup>{exponent}</sup>" if exponent else mantissa
+_WRITER = _HtmlWriter()

@@ -3,28 +3,17 @@
 from __future__ import annotations
 
 import json
-from typing import Any
+from collections.abc import Mapping
+from typing import TypeAlias
 
-from hjsolve.reports.document import (
-    Block,
-    Code,
-    Document,
-    Figure,
-    Figures,
-    Formula,
-    Inline,
-    Mathematics,
-    Note,
-    Number,
-    Paragraph,
-    Steps,
-    Strong,
-    Table,
-    Text,
-)
+from hjsolve.reports.document import Document, Figure, Formula, Number, Steps, Table, Text
+from hjsolve.reports.formats.block_writer import BlockWriter
 from hjsolve.reports.formats.text import line
 from hjsolve.reports.formulas.latex import latex_of
 from hjsolve.reports.formulas.one_line_text import plain
+
+JsonTable: TypeAlias = Mapping[str, object]
+"""What ``json`` writes between braces."""
 
 
 def json_text(document: Document) -> str:
@@ -36,7 +25,7 @@ def json_text(document: Document) -> str:
     Returns:
         ``{"title", "id", "answer", "sections": {key: {"title", "blocks"}}}``, indented.
     """
-    sections = {s.key: {"title": s.title, "blocks": [_block(block) for block in s.blocks]} for s in document.sections}
+    sections = {s.key: {"title": s.title, "blocks": list(map(_WRITER.block, s.blocks))} for s in document.sections}
     whole = {
         "title": document.title, "id": document.subtitle, "answer": line(document.answer), "verdict": document.verdict,
         "sections": sections,
@@ -44,53 +33,49 @@ def json_text(document: Document) -> str:
     return json.dumps(whole, ensure_ascii=False, indent=1, allow_nan=False) + "\n"
 
 
-def _block(block: Block) -> dict[str, Any]:
-    match block:
-        case Paragraph(text) | Note(text):
-            return {"kind": "text", "text": line(text)}
-        case Formula():
-            return _formula(block)
-        case Table():
-            header = [line(cell) for cell in block.header]
-            return {
-                "kind": "table",
-                "caption": block.caption,
-                "header": header,
-                "rows": [[_cell(cell) for cell in row] for row in block.rows],
-            }
-        case Steps(items):
-            steps = [
-                {"title": s.title, "text": line(s.text), "formula": _formula(s.formula) if s.formula else None}
-                for s in items
-            ]
-            return {"kind": "steps", "steps": steps}
-        case Figure():
-            return {"kind": "figure", "title": block.title, "description": block.description, "data": block.data}
-        case Figures(items):
-            return {"kind": "figures", "figures": [_block(figure) for figure in items]}
+class _JsonWriter(BlockWriter[JsonTable]):
+    def paragraph(self, text: Text) -> JsonTable:
+        return {"kind": "text", "text": line(text)}
+
+    def note(self, text: Text) -> JsonTable:
+        return self.paragraph(text)
+
+    def formula(self, formula: Formula) -> JsonTable:
+        return {
+            "kind": "formula",
+            "sympy": formula.source,
+            "latex": latex_of(formula.box),
+            "text": plain(formula.box),
+            "tag": formula.tag,
+        }
+
+    def table(self, table: Table) -> JsonTable:
+        return {
+            "kind": "table",
+            "caption": table.caption,
+            "header": [line(cell) for cell in table.header],
+            "rows": [[_cell(cell) for cell in row] for row in table.rows],
+        }
+
+    def steps(self, steps: Steps) -> JsonTable:
+        told = [
+            {"title": s.title, "text": line(s.text), "formula": self.formula(s.formula) if s.formula else None}
+            for s in steps.items
+        ]
+        return {"kind": "steps", "steps": told}
+
+    def figure(self, figure: Figure) -> JsonTable:
+        return {"kind": "figure", "title": figure.title, "description": figure.description, "data": figure.data}
+
+    def figures(self, figures: tuple[Figure, ...]) -> JsonTable:
+        return {"kind": "figures", "figures": [self.figure(figure) for figure in figures]}
 
 
-def _formula(formula: Formula) -> dict[str, Any]:
-    return {
-        "kind": "formula",
-        "sympy": formula.source,
-        "latex": latex_of(formula.box),
-        "text": plain(formula.box),
-        "tag": formula.tag,
-    }
-
-
-def _cell(cell: Text) -> Any:
+def _cell(cell: Text) -> str | JsonTable:
     """A number keeps its value and error apart; everything else is text."""
     if len(cell) == 1 and isinstance(cell[0], Number):
         return {"value": cell[0].value, "error": cell[0].error or "0", "certified": cell[0].certified}
-    return "".join(map(_inline, cell))
+    return line(cell)
 
 
-def _inline(piece: Inline) -> str:
-    match piece:
-        case Mathematics(box):
-            return plain(box)
-        case Code(text) | Strong(text):
-            return text
-    return line((piece,))
+_WRITER = _JsonWriter()

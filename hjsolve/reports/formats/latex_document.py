@@ -5,27 +5,10 @@ from __future__ import annotations
 import re
 from unicodedata import decomposition, normalize
 
-from hjsolve.reports.document import (
-    ArgumentStep,
-    Block,
-    Code,
-    Document,
-    Figure,
-    Figures,
-    Formula,
-    Inline,
-    Mathematics,
-    Note,
-    Number,
-    Paragraph,
-    Section,
-    Steps,
-    Strong,
-    Table,
-    Text,
-)
+from hjsolve.reports.document import ArgumentStep, Document, Figure, Formula, Number, Section, Steps, Table, Text
+from hjsolve.reports.formats.block_writer import BlockWriter, PieceWriter
 from hjsolve.reports.formulas.latex import escape, latex_of
-from hjsolve.reports.formulas.layout import Grid
+from hjsolve.reports.formulas.layout import Box, Grid
 from hjsolve.reports.formulas.names import GREEK
 
 _PREAMBLE = r"""\documentclass[11pt,a4paper]{article}
@@ -85,78 +68,75 @@ def tex(document: Document) -> str:
         A file that pdflatex takes.
     """
     subtitle = rf"\\ \texttt{{{escape(document.subtitle)}}}" if document.subtitle else ""
-    answer = _SIGNS.get(document.verdict, "") + _text(document.answer)
+    answer = _SIGNS.get(document.verdict, "") + _WRITER.text(document.answer)
     head = rf"\section*{{{_plain(document.title)}{subtitle}}}" + "\n" + answer
     return _PREAMBLE + "\n\n".join([head, *map(_section, document.sections)]) + "\n\n\\end{document}\n"
 
 
 def _section(section: Section) -> str:
-    return "\n\n".join([rf"\subsection*{{{_plain(section.title)}}}", *map(_block, section.blocks)])
+    return "\n\n".join([rf"\subsection*{{{_plain(section.title)}}}", *map(_WRITER.block, section.blocks)])
 
 
-def _block(block: Block) -> str:
-    match block:
-        case Paragraph(text):
-            return _text(text)
-        case Note(text):
-            return rf"\begin{{quote}}\small {_text(text)}\end{{quote}}"
-        case Formula():
-            return _formula(block)
-        case Table():
-            return _table(block)
-        case Steps(items):
-            return "\\begin{enumerate}\n" + "\n".join(map(_step, items)) + "\n\\end{enumerate}"
-        case Figure():
-            return rf"\emph{{{_plain(block.description)}}}"
-        case Figures(items):
-            return "\n\n".join(map(_block, items))
+class _LatexWriter(PieceWriter, BlockWriter[str]):
+    def paragraph(self, text: Text) -> str:
+        return self.text(text)
 
+    def note(self, text: Text) -> str:
+        return rf"\begin{{quote}}\small {self.text(text)}\end{{quote}}"
 
-def _formula(formula: Formula) -> str:
-    tag = rf"\tag*{{\footnotesize {_plain(formula.tag)}}}" if formula.tag else ""
-    body = latex_of(formula.box)
-    if isinstance(formula.box, Grid) and not formula.box.left:
-        return f"\\begin{{equation*}}\n{body}{tag}\n\\end{{equation*}}"
-    fit = r"\resizebox{\ifdim\width>0.8\linewidth 0.8\linewidth\else\width\fi}{!}"
-    return f"\\begin{{equation*}}\n{fit}{{$\\displaystyle {body}$}}{tag}\n\\end{{equation*}}"
+    def formula(self, formula: Formula) -> str:
+        tag = rf"\tag*{{\footnotesize {_plain(formula.tag)}}}" if formula.tag else ""
+        body = latex_of(formula.box)
+        if isinstance(formula.box, Grid) and not formula.box.left:
+            return f"\\begin{{equation*}}\n{body}{tag}\n\\end{{equation*}}"
+        fit = r"\resizebox{\ifdim\width>0.8\linewidth 0.8\linewidth\else\width\fi}{!}"
+        return f"\\begin{{equation*}}\n{fit}{{$\\displaystyle {body}$}}{tag}\n\\end{{equation*}}"
 
+    def steps(self, steps: Steps) -> str:
+        return "\\begin{enumerate}\n" + "\n".join(map(self._step, steps.items)) + "\n\\end{enumerate}"
 
-def _step(step: ArgumentStep) -> str:
-    formula = "\n" + _formula(step.formula) if step.formula else ""
-    return rf"\item \textbf{{{_plain(step.title)}.}} {_text(step.text)}{formula}"
+    def _step(self, step: ArgumentStep) -> str:
+        formula = "\n" + self.formula(step.formula) if step.formula else ""
+        return rf"\item \textbf{{{_plain(step.title)}.}} {self.text(step.text)}{formula}"
 
+    def table(self, table: Table) -> str:
+        rows = " \\\\\n".join(" & ".join(map(self.text, row)) for row in table.rows)
+        head = " & ".join(map(self.text, table.header))
+        body = (
+            rf"\begin{{tabular}}{{{'l' * len(table.header)}}}\toprule {head} \\\midrule"
+            + f"\n{rows} \\\\\\bottomrule\\end{{tabular}}"
+        )
+        caption = rf"\par\smallskip {{\small {_plain(table.caption)}}}" if table.caption else ""
+        shrink = r"\resizebox{\ifdim\width>\linewidth\linewidth\else\width\fi}{!}"
+        return rf"\begin{{center}}{shrink}{{{body}}}{caption}\end{{center}}"
 
-def _table(table: Table) -> str:
-    rows = " \\\\\n".join(" & ".join(_text(cell) for cell in row) for row in table.rows)
-    head = " & ".join(_text(cell) for cell in table.header)
-    body = (
-        rf"\begin{{tabular}}{{{'l' * len(table.header)}}}\toprule {head} \\\midrule"
-        + f"\n{rows} \\\\\\bottomrule\\end{{tabular}}"
-    )
-    caption = rf"\par\smallskip {{\small {_plain(table.caption)}}}" if table.caption else ""
-    shrink = r"\resizebox{\ifdim\width>\linewidth\linewidth\else\width\fi}{!}"
-    return rf"\begin{{center}}{shrink}{{{body}}}{caption}\end{{center}}"
+    def figure(self, figure: Figure) -> str:
+        return rf"\emph{{{_plain(figure.description)}}}"
 
+    def figures(self, figures: tuple[Figure, ...]) -> str:
+        return "\n\n".join(map(self.figure, figures))
 
-def _text(text: Text) -> str:
-    return "".join(map(_inline, text))
+    def words(self, text: str) -> str:
+        return _plain(text)
 
+    def mathematics(self, box: Box) -> str:
+        return f"${latex_of(box)}$"
 
-def _inline(piece: Inline) -> str:
-    match piece:
-        case str():
-            return _plain(piece)
-        case Mathematics(box):
-            return f"${latex_of(box)}$"
-        case Code(text):
-            return rf"\texttt{{{_plain(text)}}}"
-        case Strong(text):
-            return rf"\textbf{{{_plain(text)}}}"
-        case Number():
-            proof = " (certified)" if piece.certified else ""
-            return (
-                f"${_digits(piece.value)} \\pm {_digits(piece.error)}$" if piece.error else f"${_digits(piece.value)}$"
-            ) + proof
+    def code(self, text: str) -> str:
+        return rf"\texttt{{{_plain(text)}}}"
+
+    def strong(self, text: str) -> str:
+        return rf"\textbf{{{_plain(text)}}}"
+
+    def number(self, number: Number) -> str:
+        value, proof = self.digits(number.value), " (certified)" if number.certified else ""
+        return (rf"${value} \pm {self.digits(number.error)}$" if number.error else f"${value}$") + proof
+
+    def digits(self, text: str) -> str:
+        mantissa, _, exponent = text.partition("e")
+        if mantissa in {"∞", "−∞"}:
+            return mantissa.replace("∞", r"\infty").replace("−", "-")
+        return rf"{mantissa}\times 10^{{{exponent}}}" if exponent else mantissa
 
 
 def _plain(text: str) -> str:
@@ -185,8 +165,4 @@ def _letter(letter: str) -> str:
     return letter
 
 
-def _digits(text: str) -> str:
-    mantissa, _, exponent = text.partition("e")
-    if mantissa in {"∞", "−∞"}:
-        return mantissa.replace("∞", r"\infty").replace("−", "-")
-    return rf"{mantissa}\times 10^{{{exponent}}}" if exponent else mantissa
+_WRITER = _LatexWriter()

@@ -5,27 +5,11 @@ from __future__ import annotations
 from itertools import zip_longest
 from textwrap import fill
 
-from hjsolve.reports.document import (
-    ArgumentStep,
-    Block,
-    Code,
-    Document,
-    Figure,
-    Figures,
-    Formula,
-    Inline,
-    Mathematics,
-    Note,
-    Number,
-    Paragraph,
-    Section,
-    Steps,
-    Strong,
-    Table,
-    Text,
-)
+from hjsolve.arithmetic.printed_digits import raised
+from hjsolve.reports.document import ArgumentStep, Document, Figure, Formula, Section, Steps, Table, Text
+from hjsolve.reports.formats.block_writer import BlockWriter, PieceWriter
+from hjsolve.reports.formulas.layout import Box
 from hjsolve.reports.formulas.one_line_text import plain
-from hjsolve.reports.sections.rounded_numbers import raised
 
 _WIDTH = 96
 
@@ -53,33 +37,53 @@ def section_text(section: Section) -> str:
     Returns:
         Its title, underlined, and its text.
     """
-    return "\n\n".join([f"{section.title}\n{'-' * len(section.title)}", *map(block_text, section.blocks)])
+    return "\n\n".join([f"{section.title}\n{'-' * len(section.title)}", *map(_WRITER.block, section.blocks)])
 
 
-def block_text(block: Block) -> str:
-    """Write one block.
+class _TextWriter(PieceWriter, BlockWriter[str]):
+    def paragraph(self, text: Text) -> str:
+        return wrapped(text)
 
-    Args:
-        block: the block.
+    def note(self, text: Text) -> str:
+        return wrapped(text, "  | ")
 
-    Returns:
-        Its text; a drawing is told in words.
-    """
-    match block:
-        case Paragraph(content):
-            return wrapped(content)
-        case Note(content):
-            return wrapped(content, "  | ")
-        case Formula():
-            return _formula(block, "    ")
-        case Table():
-            return _table(block)
-        case Steps(items):
-            return "\n\n".join(_step(i, step) for i, step in enumerate(items, 1))
-        case Figure():
-            return wrapped(("[Figure: ", block.description, "]"), "  ")
-        case Figures(items):
-            return "\n".join(map(block_text, items))
+    def formula(self, formula: Formula) -> str:
+        return _formula(formula, "    ")
+
+    def steps(self, steps: Steps) -> str:
+        return "\n\n".join(_step(i, step) for i, step in enumerate(steps.items, 1))
+
+    def table(self, table: Table) -> str:
+        cells = [[line(cell).split("\n") for cell in row] for row in (table.header, *table.rows)]
+        widths = [max(len(part) for row in cells for part in row[i]) for i in range(len(table.header))]
+        lines = [
+            "  " + "  ".join(part.ljust(w) for part, w in zip(parts, widths)).rstrip()
+            for row in cells
+            for parts in zip_longest(*row, fillvalue="")
+        ]
+        lines.insert(1, "  " + "  ".join("-" * w for w in widths))
+        return "\n".join([*([f"  {table.caption}:"] if table.caption else []), *lines])
+
+    def figure(self, figure: Figure) -> str:
+        return wrapped(("[Figure: ", figure.description, "]"), "  ")
+
+    def figures(self, figures: tuple[Figure, ...]) -> str:
+        return "\n".join(map(self.figure, figures))
+
+    def words(self, text: str) -> str:
+        return text
+
+    def mathematics(self, box: Box) -> str:
+        return plain(box)
+
+    def code(self, text: str) -> str:
+        return text
+
+    def strong(self, text: str) -> str:
+        return text
+
+    def digits(self, text: str) -> str:
+        return raised(text)
 
 
 def _formula(formula: Formula, indent: str) -> str:
@@ -90,18 +94,6 @@ def _formula(formula: Formula, indent: str) -> str:
 def _step(number: int, step: ArgumentStep) -> str:
     body = wrapped((f"{number}. {step.title}. ", *step.text), "  ")
     return body + ("\n" + _formula(step.formula, "       ") if step.formula else "")
-
-
-def _table(table: Table) -> str:
-    cells = [[line(cell).split("\n") for cell in row] for row in (table.header, *table.rows)]
-    widths = [max(len(part) for row in cells for part in row[i]) for i in range(len(table.header))]
-    lines = [
-        "  " + "  ".join(part.ljust(w) for part, w in zip(parts, widths)).rstrip()
-        for row in cells
-        for parts in zip_longest(*row, fillvalue="")
-    ]
-    lines.insert(1, "  " + "  ".join("-" * w for w in widths))
-    return "\n".join([*([f"  {table.caption}:"] if table.caption else []), *lines])
 
 
 def wrapped(content: Text, indent: str = "") -> str:
@@ -133,17 +125,7 @@ def line(content: Text) -> str:
     Returns:
         The line.
     """
-    return "".join(map(_inline, content))
+    return _WRITER.text(content)
 
 
-def _inline(piece: Inline) -> str:
-    match piece:
-        case str():
-            return piece
-        case Mathematics(box):
-            return plain(box)
-        case Code(words) | Strong(words):
-            return words
-        case Number():
-            proof = " (certified)" if piece.certified else ""
-            return (f"{raised(piece.value)} ± {raised(piece.error)}" if piece.error else raised(piece.value)) + proof
+_WRITER = _TextWriter()

@@ -8,8 +8,8 @@ from dataclasses import replace as replace_fields
 from typing import Any, TypeAlias
 
 from hjsolve.costs import Cost, cost
-from hjsolve.costs.measure import Progress
 from hjsolve.costs.table import cells_of
+from hjsolve.display.progress import Progress
 from hjsolve.errors import HJSolveError, InvalidInputError
 from hjsolve.motion.motion import Motion
 from hjsolve.reports.document import Block, Code, Document, Figures, Note, Paragraph, Section, Table, Text

@@ -12,6 +12,7 @@ from hjsolve.arithmetic.printed_digits import (
     WIDE,
     decimal,
     plain_text,
+    raised,
     rounded_pair,
     scientific,
     shortest,
@@ -100,17 +101,3 @@ def rounded_outward(value: Any, *, up: bool, digits: int = 10) -> str:
     """
     context = Context(prec=digits, rounding=ROUND_CEILING if up else ROUND_FLOOR)
     return raised(plain_text(context.plus(decimal(value)).normalize(WIDE)))
-
-
-def raised(text: str) -> str:
-    """Write a number's exponent with raised figures.
-
-    Args:
-        text: digits with ``e`` before the exponent.
-
-    Returns:
-        Unicode text.
-    """
-    mantissa, _, exponent = text.replace("-", "−").partition("e")
-    figures = exponent.translate(str.maketrans("0123456789−", "⁰¹²³⁴⁵⁶⁷⁸⁹⁻"))
-    return f"{mantissa}×10{figures}" if exponent else mantissa
