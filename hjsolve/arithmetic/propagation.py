@@ -147,9 +147,7 @@ def _exact(c: Any, x: Any) -> Range:
         x = x.item()
     if isinstance(x, int):
         return (c.convert(x),) * 2
-    top, bottom = (
-        (int(x.numerator), int(x.denominator)) if isinstance(x, numbers.Rational) else x.as_integer_ratio()
-    )
+    top, bottom = (int(x.numerator), int(x.denominator)) if isinstance(x, numbers.Rational) else x.as_integer_ratio()
     return c.fdiv(top, bottom, rounding="f"), c.fdiv(top, bottom, rounding="c")
 
 

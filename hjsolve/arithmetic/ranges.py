@@ -95,9 +95,7 @@ def power(c: Any, x: Range, y: Range) -> Range:
     if y[0] == y[1] == c.mpf(0.5):
         return root(c, x)
     if x[1] < 0 or (x[0] <= 0 and y[0] <= 0):
-        raise InvalidInputError(
-            f"power of {_told(c, x)}: for an exponent that is not whole the base must be above 0"
-        )
+        raise InvalidInputError(f"power of {_told(c, x)}: for an exponent that is not whole the base must be above 0")
     if x[1] == 0:
         return x[1], x[1]
     top = apply(c, "exp", multiply(c, y, apply(c, "log", (x[1], x[1]))))

@@ -91,7 +91,8 @@ def curves(square: sp.Expr, coordinate: Coordinate, x: sp.Symbol) -> list[Moment
         x: the symbol of the variable.
     """
     found = [
-        curve for s in substitutions(square, coordinate, x)
+        curve
+        for s in substitutions(square, coordinate, x)
         if (curve := momentum_curve(s, coordinate, square)) is not None
     ]
     return sorted(found, key=lambda c: (genus(c.degree), c.degree, sp.count_ops(c.substitution.place)))

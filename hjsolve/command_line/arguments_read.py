@@ -189,19 +189,20 @@ def own_motion(options: Namespace) -> dict[str, Any] | None:
     return {**data, "parameters": {**data.get("parameters", {}), **_given_values(options)}}
 
 
-def motion_meant(options: Namespace, digits: int) -> Motion:
+def motion_meant(options: Namespace, digits: int, *, find: bool = False) -> Motion:
     """The motion that is meant: of initial data given, else the entry's own.
 
     Args:
         options: the parsed arguments.
         digits: of the numbers.
+        find: other coordinates, where those given do not separate.
 
     Raises:
         InvalidInputError: there are no initial data.
         NotSeparableError: the system does not separate.
     """
     from hjsolve import catalog as entries
-    from hjsolve.solution.quadratures import solve
+    from hjsolve.solution.quadratures import AS_GIVEN, FIND, solve
 
     data = initial(options) or (own_motion(options) if options.system is not None else None)
     meant = system(options)
@@ -209,7 +210,7 @@ def motion_meant(options: Namespace, digits: int) -> Motion:
         data = dict(entry_motion(entry, options.motion))
     if data is None:
         raise InvalidInputError("which motion? give --q and --velocity (or --momentum) for every coordinate")
-    return solve(meant).motion(**data, digits=digits)
+    return solve(meant, FIND if find else AS_GIVEN).motion(**data, digits=digits)
 
 
 def entry_motion(entry: Entry, name: str) -> Mapping[str, Any]:

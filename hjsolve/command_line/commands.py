@@ -240,7 +240,7 @@ def motion(options: Namespace) -> int:
     if (scene := arguments_read.scene(options)) is not None:
         print_run(scene.run(), options)
     else:
-        print_motion(arguments_read.motion_meant(options, options.digits), options)
+        print_motion(arguments_read.motion_meant(options, options.digits, find=options.find), options)
     return ANSWER
 
 

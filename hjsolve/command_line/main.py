@@ -38,6 +38,7 @@ _FAULTS = (
     ValueError,
 )
 
+
 def main(arguments: Sequence[str] | None = None) -> int:
     """Run a command.
 

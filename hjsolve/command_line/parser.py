@@ -229,6 +229,7 @@ def _add_motion(kinds: _Commands) -> None:
     )
     motion = _add(kinds, "motion", "the numbers of a motion, and where it is at given times", about)
     _system_arguments(motion)
+    _find_argument(motion)
     _motion_arguments(motion)
     motion.add_argument("--times", metavar="TIMES", help="start:stop:count, both ends included, or a list: 0,1/2,1e3")
     motion.add_argument("--digits", type=int, default=15, metavar="N", help="digits of the numbers (default 15)")

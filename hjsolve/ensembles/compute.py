@@ -10,6 +10,7 @@ from typing import Any
 
 import numpy as np
 
+from hjsolve.ensembles.charted import run_charted
 from hjsolve.ensembles.fallback import single_orbit
 from hjsolve.ensembles.layout import ERROR, RECOMPUTED, STATUS, Layout
 from hjsolve.ensembles.status import Status
@@ -97,11 +98,12 @@ def _fill(
     if not len(good):
         return
     places, speeds = ({name: np.ascontiguousarray(x[good]) for name, x in group.items()} for group in (places, speeds))
-    found = (
-        tools.engine.run(places, speeds)
-        if recipe.kind == "p"
-        else tools.engine.run_velocities(places, speeds, tools.momenta)
-    )
+    if tools.chart is not None:
+        found = run_charted(tools.engine, tools.chart, places, speeds)
+    elif recipe.kind == "p":
+        found = tools.engine.run(places, speeds)
+    else:
+        found = tools.engine.run_velocities(places, speeds, tools.momenta)
     fine = found.status == Status.OK
     for name in tools.layout.values():
         quantity, _, key = name.partition(".")

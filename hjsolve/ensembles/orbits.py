@@ -22,7 +22,7 @@ from hjsolve.errors import InvalidInputError
 from hjsolve.mechanics.subjects import system_of
 from hjsolve.mechanics.system import System
 from hjsolve.motion.initial_data import parameter_values
-from hjsolve.solution.quadratures import Solution, refuse_null, solve
+from hjsolve.solution.quadratures import AS_GIVEN, Solution, refuse_null, solve
 
 
 def ensemble(
@@ -36,6 +36,7 @@ def ensemble(
     threads: int | None = None,
     fallback: bool = True,
     compiled: bool | None = None,
+    coordinates: str = AS_GIVEN,
 ) -> Batch:
     """Compute the actions, frequencies, … of many orbits of one system.
 
@@ -58,6 +59,8 @@ def ensemble(
         compiled: whether to compile the loops by numba (extra ``fast``), some seconds once for each system, want and
             parameters; None: from 100 000 orbits on, and from 20 000 on where they are on disk already. The last bits
             differ, within the errors.
+        coordinates: ``as given``, or ``find`` for others where the given ones do not separate, as of ``solve``: q, p
+            and velocity stay those of the system as given, and the columns are those of the separated coordinates.
 
     Returns:
         The batch; ``batch.actions["r"]`` has the shape of the initial conditions.
@@ -74,9 +77,9 @@ def ensemble(
     """
     arguments.refuse_other(fallback, bool, "fallback", "True or False is needed")
     arguments.refuse_other(compiled, (bool, type(None)), "compiled", "True, False or None (what is faster) is needed")
-    solution = _solution(system)
+    solution = _solution(system, coordinates)
     refuse_null(solution)
-    given = conditions(solution.system, q, p, velocity)
+    given = conditions(_users(solution), q, p, velocity)
     layout = layout_of(solution, want)
     recipe = recipe_for(solution, layout.want, parameters, given.kind, fallback=fallback, compiled=bool(compiled))
     if compiled is None:
@@ -115,21 +118,27 @@ def recipe_for(
     """
     exact = parameter_values(solution.system, _numbers(parameters))
     values = tuple((symbol.name, exact[symbol]) for symbol in sorted(exact, key=lambda s: s.name))
-    return EnsembleTask(solution.system, want, values, kind, fallback, compiled)
+    found = None if solution.chart is None else solution
+    return EnsembleTask(_users(solution), want, values, kind, fallback, compiled, found)
 
 
-def _solution(system: Any) -> Solution:
+def _users(solution: Solution) -> System:
+    """The system whose coordinates the user speaks."""
+    return solution.system if solution.chart is None else solution.chart.original
+
+
+def _solution(system: Any, coordinates: str) -> Solution:
     if isinstance(system, Solution):
         return system
     if isinstance(system, str) and not system.endswith(".toml"):
-        return _entry(system)
-    return solve(system_of(system, "ensemble"))
+        return _entry(system, coordinates)
+    return solve(system_of(system, "ensemble"), coordinates)
 
 
 @lru_cache(maxsize=16)
-def _entry(name: str) -> Solution:
+def _entry(name: str, coordinates: str) -> Solution:
     """The solution of a catalog entry: reading it takes as long as tens of thousands of orbits."""
-    return solve(catalog.load(name))
+    return solve(catalog.load(name), coordinates)
 
 
 def _numbers(parameters: Mapping[str, Any] | None) -> dict[str, Any]:

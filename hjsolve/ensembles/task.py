@@ -3,13 +3,14 @@
 from __future__ import annotations
 
 import threading
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from functools import lru_cache
 
 import sympy as sp
 
 from hjsolve.arithmetic.error_free import split
 from hjsolve.ensembles import engine as batch
+from hjsolve.ensembles.charted import ChartMap, chart_map
 from hjsolve.ensembles.layout import Layout, layout_of
 from hjsolve.lowering import lower
 from hjsolve.mechanics.system import System, momenta
@@ -39,6 +40,7 @@ class EnsembleTask:
         fallback: whether orbits that the vectorised engine hands back go to the engine of single motions.
         compiled: whether its first pass is compiled, where numba is installed; decided once for an ensemble, not for a
             block of it, because the last bits differ.
+        found: the solution in coordinates that were found for the system; None where its own separate.
     """
 
     system: System
@@ -47,6 +49,7 @@ class EnsembleTask:
     kind: str
     fallback: bool = True
     compiled: bool = False
+    found: Solution | None = field(default=None, compare=False)
 
 
 @dataclass(frozen=True)
@@ -76,6 +79,7 @@ class TaskContext:
         engine: the vectorised one.
         bounds: of the domains.
         momenta: from places and velocities.
+        chart: the map to the separated coordinates; None where they are the user's.
     """
 
     solution: Solution
@@ -83,6 +87,7 @@ class TaskContext:
     engine: batch.Engine
     bounds: tuple[DomainEnd, ...]
     momenta: batch.MomentumRule
+    chart: ChartMap | None = None
 
 
 def context_of(recipe: EnsembleTask) -> TaskContext:
@@ -97,25 +102,34 @@ def context_of(recipe: EnsembleTask) -> TaskContext:
 
 @lru_cache(maxsize=16)
 def _tools(recipe: EnsembleTask) -> TaskContext:
-    system, solution = recipe.system, solve(recipe.system)
+    system, solution = recipe.system, recipe.found or solve(recipe.system)
     names = [name for name, _ in recipe.parameters]
     formulas = momenta(system)
     arguments = [c.symbol for c in system.coordinates] + [c.velocity for c in system.coordinates]
+    engine = batch.build(
+        solution,
+        frozenset(recipe.want),
+        parameters=dict(recipe.parameters),
+        compiled=None if recipe.compiled else False,
+    )
     return TaskContext(
         solution=solution,
         layout=layout_of(solution, recipe.want),
-        engine=batch.build(
-            solution,
-            frozenset(recipe.want),
-            parameters=dict(recipe.parameters),
-            compiled=None if recipe.compiled else False,
-        ),
+        engine=engine,
         bounds=tuple(_bounds(recipe)),
         momenta=batch.MomentumRule(
             lower([formulas[c.name] for c in system.coordinates], [*arguments, *(system.symbols[n] for n in names)]),
             tuple(split(to_bits(value)(128)) for _, value in recipe.parameters),
         ),
+        chart=_chart(recipe, solution, engine),
     )
+
+
+def _chart(recipe: EnsembleTask, solution: Solution, engine: batch.Engine) -> ChartMap | None:
+    if solution.chart is None:
+        return None
+    values = {solution.system.symbols[name]: value for name, value in recipe.parameters}
+    return chart_map(solution, engine.model, values, recipe.kind)
 
 
 def _bounds(recipe: EnsembleTask) -> list[DomainEnd]:

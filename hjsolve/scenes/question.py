@@ -104,6 +104,8 @@ class Question(Shown):
         method: ``quadratures`` (Hamilton-Jacobi) or ``integrate`` (an ODE integrator).
         certified: constants, turning points, actions, frequencies and periods are proved.
         seconds: the time allowed, where the scene asks for the best that fits into it instead of digits.
+        coordinates: ``as given``, or ``find`` for others where those of the system do not separate; initial data,
+            events and the trajectory speak the system's own either way.
         sweep: many initial conditions in place of one; such a scene is for ``hjsolve.sweep``, not for ``run``.
     """
 
@@ -125,6 +127,7 @@ class Question(Shown):
     certified: bool = False
     seconds: float | None = None
     sweep: Varied | None = None
+    coordinates: str = "as given"
 
     @property
     def fixed(self) -> dict[str, Mapping[str, object] | None]:

@@ -92,7 +92,7 @@ def solved(scene: Question) -> Solution | None:
         verdict = dissipative(scene.system, scene.forces)
         raise NotSeparableError(force_words(verdict), verdict)
     try:
-        return solve(scene.system)
+        return solve(scene.system, scene.coordinates)
     except NotSeparableError as error:
         text = f'{error}; or write method = "integrate" in the scene'
         raise NotSeparableError(text, error.verdict) from error

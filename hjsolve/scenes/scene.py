@@ -132,7 +132,7 @@ def _built(table: Mapping[str, Any], source: str, folder: Path) -> Scene:
         events=tuple(read_event(e, system, f"events[{k}]") for k, e in enumerate(table.get("events", ()), start=1)),
         orbit=_orbit(table), method="integrate" if integrated else "quadratures",
         seconds=_seconds(table.get("accuracy", {}), source),
-        sweep=read_sweep(table.get("sweep"), folder),
+        sweep=read_sweep(table.get("sweep"), folder), coordinates=table.get("coordinates", "as given"),
     )  # fmt: skip
     problems = list(_disagreements(result))
     if problems:
@@ -222,12 +222,14 @@ def _disagreements(scene: Scene) -> Iterator[str]:
         yield "times: missing; a wall is met again and again, say until when"
     if scene.orbit is not None:
         for word in (scene.orbit.of, scene.orbit.along):
-            if word not in names:
+            if word not in names and scene.coordinates == "as given":
                 yield f'orbit: no coordinate "{word}"{nearest(word, names)}'
         if "orbit" not in scene.want:
             yield 'orbit: described but not wanted; add "orbit" to want'
     if scene.method == "integrate":
         yield from _integrated_faults(scene)
+    if scene.coordinates == "find":
+        yield from _found_faults(scene)
     if scene.events:
         yield from _out_of_proportion(scene)
     yield from _time_order(scene)
@@ -272,6 +274,16 @@ def _integrated_faults(scene: Scene) -> Iterator[str]:
         if event.kind == "wall" and not event.elastic:
             cure = "bounces that accumulate need quadratures; an integrated wall is elastic"
             yield f"events[{place}].restitution: {cure}"
+
+
+def _found_faults(scene: Scene) -> Iterator[str]:
+    """What is not done in coordinates that are found: there the times at which x has a value are not known."""
+    cure = 'give the impulse a time, at = {t = "…"}, or leave coordinates out and write method = "integrate"'
+    for place, event in enumerate(scene.events, start=1):
+        if event.time is None:
+            yield f"events[{place}]: with coordinates that are found, only impulses at given times are computed; {cure}"
+    if scene.method == "integrate":
+        yield 'coordinates: an integrator needs no others than the given ones; leave coordinates = "find" out'
 
 
 def _sweep_faults(scene: Scene, sweep: Varied, names: list[str]) -> Iterator[str]:

@@ -13,6 +13,7 @@ from hjsolve.errors import CatalogError
 from hjsolve.scenes.initial_grid import sweep_faults
 
 METHODS = ("quadratures", "integrate")
+COORDINATES = ("as given", "find")
 WANTED = (
     "constants", "kinds", "turning_points", "actions", "periods", "frequencies", "mean_velocities", "angles",
     "boundary_times", "orbit", "trajectory",
@@ -27,7 +28,7 @@ _TIMES = {"start": Key("number", True), "stop": Key("number", True), "count": Ke
 SCENE = {
     "title": _TEXT, "summary": _TEXT, "effects": Key("texts"), "parameters": _NUMBERS, "motion": _TEXT,
     "initial": Key("table", keys={"q": Key("numbers", True), "velocity": _NUMBERS, "p": _NUMBERS, "t": Key("number")}),
-    "want": Key("texts"), "method": Key("text", choices=METHODS),
+    "want": Key("texts"), "method": Key("text", choices=METHODS), "coordinates": Key("text", choices=COORDINATES),
     "accuracy": Key("table", keys={"digits": Key("number"), "seconds": Key("number")}),
     "orbit": Key("table", keys={"of": Key("text", True), "along": Key("text", True)}),
     "events": Key("tables", keys=_EVENT),

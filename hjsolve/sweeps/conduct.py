@@ -80,7 +80,9 @@ def sweep(
     points, table = points_of(scene)
     size = _checked_chunk(chunk) or scene.sweep.chunk  # type: ignore[union-attr] # points_of has seen it
     many = points.count >= WORTH_COMPILING
-    recipe = recipe_for(solve(scene.system), wanted(scene.want), dict(scene.parameters), points.kind, compiled=many)
+    recipe = recipe_for(
+        solve(scene.system, scene.coordinates), wanted(scene.want), dict(scene.parameters), points.kind, compiled=many
+    )
     plan = SweepPlan(sweep_digest(scene, table, size), code(), points.count, size, scene.title)
     with opened(Path(out), plan) as folder:
         left = folder.left()

@@ -14,6 +14,7 @@ from typing import Any
 from hjsolve._version import __version__
 from hjsolve.catalog import schema
 from hjsolve.scenes import Scene
+from hjsolve.solution.quadratures import FIND
 
 PARTS = ("system", "effects", "parameters", "initial", "want", "sweep", "table")
 """What of a scene decides the result."""
@@ -39,7 +40,12 @@ def sweep_digest(scene: Scene, table: str, chunk: int) -> dict[str, str]:
         "parameters": dict(scene.parameters),
         "initial": {group: dict(values) for group, values in scene.fixed.items() if values},
         "want": sorted(scene.want),
-        "sweep": [chunk, axes, sorted(sweep.columns.items())],
+        "sweep": [
+            chunk,
+            axes,
+            sorted(sweep.columns.items()),
+            *([scene.coordinates] if scene.coordinates == FIND else ()),
+        ],
         "table": table,
     }
     return {part: _digest(content[part]) for part in PARTS}

@@ -32,7 +32,13 @@ def test_nothing_is_computed_before_it_is_asked_for() -> None:
 def test_blocks_types_and_meta_are_right_before_and_after() -> None:
     r = da.from_array(R, chunks=(1, 2))
     batch = hjsolve.ensemble("kepler-planar", q={"r": r, "theta": 0}, p=P, want={"actions", "turning_points"})
-    for array in (batch.actions["r"], batch.error["turning_points"]["r"][1], batch.status, batch.codes, batch.recomputed):
+    for array in (
+        batch.actions["r"],
+        batch.error["turning_points"]["r"][1],
+        batch.status,
+        batch.codes,
+        batch.recomputed,
+    ):
         assert array.chunks == ((1, 1), (2, 1))
         assert isinstance(array._meta, np.ndarray)
         found = array.compute(scheduler="synchronous")

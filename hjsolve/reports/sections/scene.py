@@ -23,6 +23,7 @@ from hjsolve.reports.drawings.effective_potential import Array
 from hjsolve.reports.formulas.names import name_box
 from hjsolve.reports.formulas.one_line_text import spoken
 from hjsolve.reports.sections import solution, system_and_verdict
+from hjsolve.reports.sections.chart import chart_section
 from hjsolve.reports.sections.prose import typeset_prose
 from hjsolve.reports.sections.rounded_numbers import quantity
 from hjsolve.scenes import Run
@@ -52,6 +53,8 @@ def scene_document(run: Run) -> Document:
     scene = run.scene
     sections: list[Section | None] = [_asked(run), system_and_verdict.system_section(scene.system, {}, "")]
     if run.solution is not None:
+        if run.solution.chart is not None:
+            sections.append(chart_section(run.solution.chart))
         sections += [solution.forms_section(run.solution.separation), *solution.solution_sections(run.solution)]
         sections.append(_numbers(run))
         lead = system_and_verdict.answer(run.solution.separation)

@@ -1,0 +1,293 @@
+"""Starts of orbits in the separated coordinates, from places and momenta (or velocities) in the user's.
+
+The engine takes places as exact. So the place û is a double next to the true one, u, and the momenta given are those
+that *the same orbit* has at û: on its torus p_k is a function of u_k alone, and p̂_k² = p_k² + F_k(û_k) − F_k(u_k). What
+is not known of û becomes an error of p̂, |F′| δu/2|p|, and of the phase. Where that is too much (a start next to a
+turning point), û is moved a little into the motion, and p̂² = F(û) is had with 32 digits.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from dataclasses import dataclass, replace
+from typing import Any
+
+import numpy as np
+
+from hjsolve.arithmetic.double_double import DoubleDouble
+from hjsolve.arithmetic.error_free import Pair
+from hjsolve.arithmetic.floats import Float64
+from hjsolve.arithmetic.jet import Jet, Jets
+from hjsolve.arithmetic.running_error import RunningError, WithErrorBound
+from hjsolve.ensembles.charted.chart_map import ChartMap
+from hjsolve.ensembles.charted.inverse_arrays import inverse_arrays
+from hjsolve.ensembles.engine.columns import Columns, blank, put
+from hjsolve.ensembles.engine.engine import Engine
+from hjsolve.ensembles.engine.lowered_solution import LoweredFormula
+from hjsolve.ensembles.engine.starts import Starts
+from hjsolve.ensembles.status import UNDECIDED, Status
+
+_UNIT, _FINER = 2.0**-53, 2.0**-44
+_SAFETY = 2
+_STEPS = {"ellipsoidal": 3, "paraboloidal": 3, "conical": 3}
+"""Newton steps by kind, where it is not one."""
+_CONVERGED, _PHASE, _PART = 1e-6, 2.0, 16.0
+_LEAST, _MOST = 2.0**-49 * np.pi, 1e-9
+"""What the engine counts at least for a phase (``initial_phase``: 8 ε π), and the largest error of an angle let go."""
+_NEAR, _FAR = 64.0, 2.0**16
+"""A start is next to a turning point where p² is less than so many times what δu does to it; then it is moved by so
+many δu."""
+
+
+@dataclass(frozen=True)
+class ChartedStarts(Starts):
+    """Starts of n orbits; ``velocity`` holds what the user gave, rows x then p or v.
+
+    Attributes:
+        chart: the map.
+        off: bounds on what û is off from u, shape (coordinates, n).
+        rates: bounds on dχ/du of the phases χ of the separated coordinates, shape (coordinates, n); else 0.
+    """
+
+    chart: ChartMap | None = None
+    off: Any = None
+    rates: Any = None
+
+    def precise(self) -> Starts:
+        """Return the same with momenta in two doubles."""
+        assert self.chart is not None
+        return in_two_doubles(self.chart, self)
+
+
+def charted_starts(chart: ChartMap, x: Any, rates: Any) -> ChartedStarts:
+    """Carry places and momenta or velocities to the separated coordinates.
+
+    Args:
+        chart: the map.
+        x, rates: in the user's coordinates, shape (coordinates, n).
+
+    Returns:
+        Starts with rows in the order of the system; NaN where the coordinates are singular or could not be had.
+    """
+    with np.errstate(all="ignore"):
+        q, loss = _places(chart, x)
+        p, p_loss = _momenta(chart, q, loss, rates)
+        moved, slope, bend = _moved(chart, q, p, p_loss, loss)
+        q, loss = q + moved, loss + np.abs(moved)
+        spread, rates_of_phases = _SAFETY * p_loss, np.zeros_like(q)
+        for k, _ in _separated(chart):
+            shift = np.abs(slope[k]) * loss[k]
+            spread[k] += np.where(shift > 0, _SAFETY * shift / (2 * np.abs(p[k])), 0.0)
+            unitless = chart.unitless[chart.order[k]]
+            phase = _PHASE * _phase_rate(unitless, q[k], p[k], slope[k], bend[k])
+            rates_of_phases[k] = np.where(p[k] == 0, 0.0, phase)
+    fine = np.isfinite(q).all(axis=0) & np.isfinite(p).all(axis=0)
+    q, p = np.where(fine, q, np.nan), np.where(fine, p, np.nan)
+    given = np.concatenate([x, rates])
+    return ChartedStarts(q, p, spread, np.zeros_like(p), spread, given, chart=chart, off=loss, rates=rates_of_phases)
+
+
+def run_charted(engine: Engine, chart: ChartMap, q: Mapping[str, Any], rates: Mapping[str, Any]) -> Columns:
+    """Compute what is wanted for many orbits given in the user's coordinates.
+
+    Args:
+        engine: of the separated system.
+        chart: the map to it.
+        q, rates: the user's coordinate → places, and momenta or velocities, in the order of the system.
+
+    Returns:
+        Columns of shape (n,); orbits that the map is singular for, or loses too much of, are not ``OK``.
+    """
+    starts = charted_starts(chart, np.stack(list(q.values())), np.stack(list(rates.values())))
+    known = np.flatnonzero(np.isfinite(starts.q).all(axis=0) & np.isfinite(starts.doubt).all(axis=0))
+    columns = blank(engine.names, starts.q.shape[1])
+    if not len(known):
+        return columns
+    part = engine.run_starts(starts.take(known))
+    if "angles" in engine.want:
+        _shake(chart, engine, part, starts.take(known), starts.off[:, known], starts.rates[:, known])
+    put(columns, known, part)
+    return columns
+
+
+def _shake(chart: ChartMap, engine: Engine, columns: Columns, starts: Starts, off: Any, rates: Any) -> None:
+    """Add to the errors of the angles what û is off; where that is too much, û − u is worked out with 32 digits first.
+
+    The engine counts an error of ``_LEAST`` at least for every phase, so an error of an angle is at least ``_LEAST``
+    times the sum of its slopes by the phases. An ignorable angle moves with its coordinate besides.
+    """
+    errors = np.stack([columns.error[f"angles.{name}"] for name in engine.names["angles"]])
+    with np.errstate(invalid="ignore"):
+        shaken = np.sum(off * rates, axis=0)
+        doubtful = (errors * (1 + shaken / _LEAST)).max(axis=0) > _MOST
+        again = np.flatnonzero(doubtful & (columns.status == Status.OK))
+        if len(again):
+            q, given, n = starts.q[:, again], starts.velocity[:, again], len(off)
+            exact, _ = _exact_point(chart, q, given[:n], given[n:])
+            near = np.stack([np.abs((u.high - row) + u.low) for u, row in zip(exact, q, strict=True)])
+            shaken[again] = np.sum(near * rates[:, again], axis=0)
+        errors *= 1 + shaken / _LEAST
+        for name, error in zip(engine.names["angles"], errors, strict=True):
+            moved = off[chart.model.names.index(name)] if name in chart.model.angles else 0.0
+            columns.error[f"angles.{name}"][:] = error + moved
+        columns.status[(columns.status == Status.OK) & ~(errors.max(axis=0) <= _MOST)] = UNDECIDED
+
+
+def _separated(chart: ChartMap) -> list[tuple[int, LoweredFormula]]:
+    return [(c.index, c.plain) for c in chart.model.separated]
+
+
+def _numbers(chart: ChartMap) -> list[WithErrorBound[Any]]:
+    return [WithErrorBound(x.high, _UNIT * abs(x.high) if x.low else None) for x in chart.numbers]
+
+
+def _parameters(chart: ChartMap) -> list[WithErrorBound[Any]]:
+    return [WithErrorBound(x.high, _UNIT * abs(x.high) if x.low else None) for x in chart.model.numbers]
+
+
+def _bounds(results: list[WithErrorBound[Any]], shape: tuple[int, ...]) -> Any:
+    return np.stack([np.broadcast_to(0.0 if r.error is None else r.error, shape) for r in results])
+
+
+def _places(chart: ChartMap, x: Any) -> tuple[Any, Any]:
+    """û and a bound on its error: by the inverse formulas, then Newton's method, whose last step tells the error."""
+    shape, plain = x.shape[1:], [n.high for n in chart.numbers]
+    X = [np.broadcast_to(value, shape) for value in chart.local.run(Float64(), [*x, *plain])]
+    u = _inside(chart, [np.asarray(value) for value in inverse_arrays(chart.kind, X, chart.lengths)])
+    for _ in range(_STEPS.get(chart.kind, 1)):
+        u = [a + b for a, b in zip(u, chart.step.run(Float64(), [*u, *x, *plain]), strict=True)]
+    exact = [WithErrorBound(value) for value in (*u, *x)]
+    steps = chart.step.run(RunningError(Float64()), [*exact, *_numbers(chart)])
+    loss = _SAFETY * (np.abs(np.stack([np.broadcast_to(s.value, shape) for s in steps])) + _bounds(steps, shape))
+    q = np.where((loss < _CONVERGED * (1 + np.abs(u))).all(axis=0), np.stack(u), np.nan)
+    order = list(chart.order)
+    return q[order], loss[order]
+
+
+def _inside(chart: ChartMap, u: list[Any]) -> list[Any]:
+    """(−u, −v) for (u, v) where one of them has to be positive; NaN on the edge, where V has a crease."""
+    for k, (positive, half) in enumerate(chart.edges):
+        if positive and chart.kind.startswith(("elliptic", "parabolic")):
+            edge = (u[k] == 0) | (half & (np.abs(u[k]) >= np.pi))
+            sign = np.where(edge, np.nan, np.where(u[k] < 0, -1.0, 1.0))
+            return [sign * u[0], sign * u[1], *u[2:]]
+    return u
+
+
+def _given(chart: ChartMap, rows: Any) -> list[Any]:
+    """Rows of the system in the order of the chart."""
+    found: list[Any] = [None] * len(rows)
+    for row, k in zip(rows, chart.order, strict=True):
+        found[k] = row
+    return found
+
+
+def _momenta(chart: ChartMap, q: Any, loss: Any, rates: Any) -> tuple[Any, Any]:
+    """p_u at û as if X(û) were the place, and a bound on what it is off from p_u at u."""
+    shape, order = q.shape[1:], list(chart.order)
+    inputs = [WithErrorBound(a, e) for a, e in zip(_given(chart, q), _given(chart, loss), strict=True)]
+    inputs += [WithErrorBound(x) for x in rates]
+    found = chart.lifted.run(RunningError(Float64()), [*inputs, *_numbers(chart)])
+    values = np.stack([np.broadcast_to(r.value, shape) for r in found])
+    return values[order], _bounds(found, shape)[order]
+
+
+def _moved(chart: ChartMap, q: Any, p: Any, p_loss: Any, loss: Any) -> tuple[Any, Any, Any]:
+    """How far û is moved into the motion, and F′ and F″ there; p changes with it, in place."""
+    numbers = [n.high for n in chart.model.numbers]
+    constants = chart.model.rule.run(Float64(), [*q, *p, *numbers])
+    moved, slope, bend = (np.zeros_like(q) for _ in range(3))
+    for k, formula in _separated(chart):
+        slope[k], bend[k] = _derivatives(chart, formula, q[k], constants)
+        step = np.maximum(loss[k], np.spacing(np.abs(q[k])))
+        resting = (p[k] == 0) & (p_loss[k] == 0) & (slope[k] == 0)
+        near = (p[k] ** 2 < _NEAR * np.abs(slope[k]) * step) & ~resting
+        moved[k] = np.where(near, _FAR * np.sign(slope[k]) * step, 0.0)
+        p[k] = np.where(near, np.where(p[k] < 0, -1.0, 1.0) * np.sqrt(p[k] ** 2 + slope[k] * moved[k]), p[k])
+    return moved, slope, bend
+
+
+def _phase_rate(unitless: bool, u: Any, p: Any, slope: Any, bend: Any) -> Any:
+    """A bound on dχ/du of the phase χ of a coordinate, but for ``_PHASE``.
+
+    It is √S/|p| with p² = (u − a)(b − u) S, where S is about |F″|/2; where that is small, F′ over the width b − a,
+    which is larger than p²/F′ and taken to be no less than a part of the natural length of u. It is 1 for a rotation.
+    """
+    size, length = np.abs(p), (1.0 if unitless else np.abs(u)) / _PART
+    middle, end = np.sqrt(np.abs(bend) / 2) / size, np.abs(slope) / (2 * size**2)
+    end = np.where(slope != 0, np.minimum(end, np.sqrt(np.abs(slope) / length) / size), 0.0)
+    return middle + end + (1.0 if unitless else 0.0)
+
+
+def _rounding(chart: ChartMap, q: Any, x: Any, rates: Any) -> tuple[Any, list[Any]]:
+    """What doubles lose of p_u and of the constants at u; two doubles lose 2^−44 of it at most."""
+    order = list(chart.order)
+    inputs = [WithErrorBound(row) for row in (*_given(chart, q), *x)]
+    steps = chart.step.run(RunningError(Float64()), [*inputs, *_numbers(chart)])
+    place = _bounds(steps, q.shape[1:])[order]
+    p, lost = _momenta(chart, q, place, rates)
+    known = [WithErrorBound(a, e) for a, e in zip((*q, *p), (*place, *lost), strict=True)]
+    constants = chart.model.rule.run(RunningError(Float64()), [*known, *_parameters(chart)])
+    return lost, [0.0 if c.error is None else c.error for c in constants]
+
+
+def in_two_doubles(chart: ChartMap, starts: Starts) -> Starts:
+    """Return starts with momenta at û to 32 digits, the constants being those of the exact initial data.
+
+    Args:
+        chart: the map.
+        starts: made by it.
+    """
+    q, n = starts.q, len(starts.q)
+    x, rates = starts.velocity[:n], starts.velocity[n:]
+    with np.errstate(all="ignore"):
+        u, momenta = _exact_point(chart, q, x, rates)
+        constants = chart.model.rule.run(DoubleDouble(), [*u, *momenta, *chart.model.numbers])
+        lost, doubts = _rounding(chart, q, x, rates)
+        high, low = (np.stack([np.broadcast_to(part, q.shape[1:]) for part in parts]) for parts in zip(*momenta))
+        spread = _SAFETY * lost
+        for k, formula in _separated(chart):
+            still = (high[k] == 0) & (low[k] == 0) & (lost[k] == 0) & (starts.p[k] == 0)
+            sign = np.where(high[k] < 0, -1.0, 1.0)
+            root, error = _root_of(chart, formula, q[k], constants, doubts)
+            spread[k] = np.where(still, 0.0, error)
+            high[k], low[k] = np.where(still, 0.0, sign * root.high), np.where(still, 0.0, sign * root.low)
+        doubt = np.abs(low) + _FINER * spread
+        known = np.isfinite(doubt) & np.isfinite(high) & np.isfinite(low)
+        doubt, spread = np.where(known, doubt, np.inf), np.where(known, spread, np.inf)
+        high, low = np.where(known, high, starts.p), np.where(known, low, 0.0)
+    return replace(starts, p=high, low=low, spread=spread, doubt=doubt)
+
+
+def _exact_point(chart: ChartMap, q: Any, x: Any, rates: Any) -> tuple[list[Pair], list[Pair]]:
+    """The exact place and momenta, u and p_u, in two doubles, by Newton's method from û."""
+    arithmetic, order, numbers = DoubleDouble(), list(chart.order), list(chart.numbers)
+
+    def exactly(rows: Any) -> list[Pair]:
+        return [Pair(row, 0.0 * row) for row in rows]
+
+    u = exactly(_given(chart, q))
+    for _ in range(2):
+        steps = chart.step.run(arithmetic, [*u, *exactly(x), *numbers])
+        u = [arithmetic.add(a, b) for a, b in zip(u, steps, strict=True)]
+    momenta = chart.lifted.run(arithmetic, [*u, *exactly(rates), *numbers])
+    return [u[k] for k in order], [momenta[k] for k in order]
+
+
+def _root_of(
+    chart: ChartMap, formula: LoweredFormula, q: Any, constants: list[Pair], doubts: list[Any]
+) -> tuple[Pair, Any]:
+    """√F(û) in two doubles, and a bound on what doubles lose of it."""
+    F = formula.squared.run(DoubleDouble(), [Pair(q, 0.0 * q), *constants, *chart.model.numbers])[0]
+    root = DoubleDouble().unary("sqrt", F)
+    known = [WithErrorBound(q), *(WithErrorBound(c.high, e) for c, e in zip(constants, doubts, strict=True))]
+    error = formula.squared.run(RunningError(Float64()), [*known, *_parameters(chart)])[0].error
+    return root, _SAFETY * (0.0 if error is None else error) / (2 * root.high)
+
+
+def _derivatives(chart: ChartMap, formula: LoweredFormula, q: Any, constants: list[Any]) -> tuple[Any, Any]:
+    """F′ and F″ in doubles."""
+    jets, numbers = Jets(Float64()), [n.high for n in chart.model.numbers]
+    jet = formula.squared.run(jets, [jets.variable(q), *(Jet(v) for v in (*constants, *numbers))])[0]
+    first, second = (np.broadcast_to(0.0 if d is None else d, q.shape) for d in (jet.first, jet.second))
+    return first, second
