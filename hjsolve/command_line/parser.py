@@ -238,9 +238,9 @@ def _add_motion(kinds: _Commands) -> None:
 
 def _add_explore(kinds: _Commands) -> None:
     about = (
-        "Serve a page on this machine, at 127.0.0.1 alone: type a system and see at once whether it separates, drag the\n"
-        "initial point in a phase plane, read every number with its error, take a report or a scene away. It computes\n"
-        "until it is interrupted (extra explore)."
+        "Serve a page on this machine, at 127.0.0.1 alone: type a system and see at once whether it separates,\n"
+        "drag the initial point in a phase plane, read every number with its error, take a report or a scene\n"
+        "away. It computes until it is interrupted (extra explore)."
     )
     explore = _add(kinds, "explore", "a page where a system is typed and set in motion", about)
     explore.add_argument("system", nargs="?", metavar="SYSTEM", help="catalog id, or .toml file of an entry or a scene")

@@ -12,7 +12,7 @@ import sympy as sp
 
 from hjsolve import catalog
 from hjsolve.errors import HJSolveError, InvalidInputError, NotConvergedError, NotSeparableError
-from hjsolve.explorer.question import LONGEST, PageAnswer, Portrait, PageQuestion
+from hjsolve.explorer.question import LONGEST, PageAnswer, PageQuestion, Portrait
 from hjsolve.formulas.read import number
 from hjsolve.mechanics.system import System, momenta, velocities
 from hjsolve.mechanics.typed_texts import typed_coordinates, typed_parameters
@@ -156,8 +156,8 @@ def _told(question: PageQuestion, system: System) -> PageAnswer:
     if not any(text.strip() for text in question.q.values()):
         return told
     try:
-        motion = solution.motion(**_start(question))
-        return replace(told, **_moving(motion, draggable=solution.chart is None))
+        motion = solution.motion(q=question.q, velocity=question.velocity)
+        return _moving(told, motion, draggable=solution.chart is None)
     except HJSolveError as error:
         return replace(told, problem=_line(error))
 
@@ -184,17 +184,16 @@ def _start(question: PageQuestion) -> dict[str, dict[str, str]]:
     return {"q": dict(question.q), "velocity": dict(question.velocity)}
 
 
-def _moving(motion: Motion, *, draggable: bool) -> dict[str, object]:
+def _moving(told: PageAnswer, motion: Motion, *, draggable: bool) -> PageAnswer:
     motion = motion.as_solved
-    parts: dict[str, object] = {"numbers": _sections([numbers_section(motion)])}
-    parts["portraits"] = tuple(_portrait(motion, name, draggable=draggable) for name in motion.solution.coordinates)
+    planes = tuple(_portrait(motion, name, draggable=draggable) for name in motion.solution.coordinates)
+    told = replace(told, numbers=_sections([numbers_section(motion)]), portraits=planes)
     try:
         trace = orbit_paths.trace(motion)
         drawn = [orbit_paths.orbit(motion, trace, "orbit"), orbit_paths.history(motion, trace, "time")]
-        parts["drawings"] = _html(Figures(tuple(figure for figure in drawn if figure is not None)))
     except NotConvergedError as error:
-        parts["problem"] = _line(error)
-    return parts
+        return replace(told, problem=_line(error))
+    return replace(told, drawings=_html(Figures(tuple(figure for figure in drawn if figure is not None))))
 
 
 def _portrait(motion: Motion, name: str, *, draggable: bool) -> Portrait:

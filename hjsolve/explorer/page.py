@@ -140,7 +140,7 @@ class ExplorerPage:
             if isinstance(values, dict) and field.value != values.get(name, ""):
                 field.set_value(values.get(name, ""))
 
-    def _typed(self, _: events.ValueChangeEventArguments) -> None:
+    def _typed(self, _: events.EventArguments) -> None:
         if self._writing:
             return
         self.question = replace(self._read(), drag=None)
@@ -148,17 +148,17 @@ class ExplorerPage:
         self.answers.classes(add="waiting")
 
     def _read(self) -> PageQuestion:
-        groups = {
-            group: {name: str(self.inputs[group, name].value or "") for name in self._names}
-            for group in ("q", "velocity")
-        }
         return replace(
             self.question, coordinates=self.coordinates.value or "", kinetic=self.kinetic.value or "",
             potential=self.potential.value or "", parameters=self.parameters.value or "",
-            find=bool(self.find.value), wanted="answer", **groups,
+            find=bool(self.find.value), wanted="answer",
+            q=self._typed_start("q"), velocity=self._typed_start("velocity"),
         )  # fmt: skip
 
-    def _chosen(self, event: events.ValueChangeEventArguments) -> None:
+    def _typed_start(self, group: str) -> dict[str, str]:
+        return {name: str(self.inputs[group, name].value or "") for name in self._names}
+
+    def _chosen(self, event: events.ValueChangeEventArguments[object]) -> None:
         if not event.value:
             return
         try:

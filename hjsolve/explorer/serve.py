@@ -67,5 +67,5 @@ def _free(port: int) -> int:
         try:
             probe.bind((HOST, port))
         except OSError as taken:
-            raise InvalidInputError(f"--port {port}: it is taken; give another, or none for any that is free") from taken
+            raise InvalidInputError(f"--port {port}: it is taken; give another, or none for a free one") from taken
         return int(probe.getsockname()[1])

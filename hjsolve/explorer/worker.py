@@ -11,6 +11,7 @@ import multiprocessing
 import os
 from multiprocessing.connection import Connection
 from multiprocessing.process import BaseProcess
+from pathlib import Path
 
 from hjsolve.explorer.question import PageAnswer, PageQuestion
 
@@ -122,7 +123,8 @@ def _answer_all(connection: Connection, megabytes: int) -> None:
         except HJSolveError as error:
             answered = PageAnswer(problem=" ".join(str(error).split()))
         except Exception as error:  # noqa: BLE001 - a fault of ours must not end the page of who found it
-            answered = PageAnswer(problem=f"a fault of hjsolve itself, please report it: {type(error).__name__}: {error}")
+            fault = f"{type(error).__name__}: {error}"
+            answered = PageAnswer(problem=f"a fault of hjsolve itself, please report it: {fault}")
         connection.send(answered)
 
 
@@ -139,8 +141,7 @@ def _limit(megabytes: int) -> None:
     try:
         import resource
 
-        with open("/proc/self/statm") as pages:
-            used = int(pages.read().split()[0]) * resource.getpagesize()
+        used = int(Path("/proc/self/statm").read_text().split()[0]) * resource.getpagesize()
     except (ImportError, OSError):
         return
     most = used + megabytes * 2**20

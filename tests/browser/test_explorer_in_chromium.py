@@ -38,13 +38,16 @@ def address() -> Iterator[str]:
         server.wait(20)
 
 
+WebDriverException = pytest.importorskip("selenium.common").WebDriverException
+
+
 def until(condition: Callable[[], Any], what: str) -> Any:
     end = time.monotonic() + PATIENCE
     while time.monotonic() < end:
         try:
             if result := condition():
                 return result
-        except Exception as error:  # the page is being rebuilt
+        except (WebDriverException, StopIteration, ValueError, IndexError) as error:  # the page is being rebuilt
             what = f"{what} ({type(error).__name__})"[:200]
         time.sleep(0.1)
     raise AssertionError(f"waited in vain for: {what}")
