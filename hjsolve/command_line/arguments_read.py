@@ -8,7 +8,6 @@ from collections.abc import Mapping
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
-from hjsolve.arguments import ascii_name
 from hjsolve.errors import InvalidInputError, NotSeparableError
 
 if TYPE_CHECKING:
@@ -19,8 +18,6 @@ if TYPE_CHECKING:
     from hjsolve.reports.document import Section
     from hjsolve.scenes import Scene
     from hjsolve.solution.quadratures import Solution
-
-_NAME = re.compile(r"\s*(\w+)\s*")
 
 
 def given_hamiltonian(options: Namespace) -> LinearHamiltonian | None:
@@ -94,6 +91,7 @@ def system(options: Namespace) -> System:
 
 def _own_system(options: Namespace) -> System:
     from hjsolve.mechanics.system import System
+    from hjsolve.mechanics.typed_texts import typed_coordinates, typed_parameters
 
     if not options.coordinate or not options.kinetic:
         missing = "--coordinate" if not options.coordinate else "--kinetic"
@@ -105,57 +103,14 @@ def _own_system(options: Namespace) -> System:
         raise InvalidInputError(
             "--effect belongs to a catalog entry; write the term into --kinetic or --potential instead"
         )
-    coordinates: dict[str, str] = {}
-    for text in options.coordinate:
-        name, colon, domain = text.partition(":")
-        if not colon or not name.strip() or not domain.strip():
-            raise InvalidInputError(
-                f'--coordinate "{text}": write a name, a colon and a domain, e.g. "x: line" or "r: 0 < r"'
-            )
-        _once(coordinates, name.strip(), "--coordinate")
-        coordinates[ascii_name(name.strip())] = domain.strip()
     return System(
-        coordinates,
+        typed_coordinates(options.coordinate, "--coordinate"),
         options.kinetic,
         options.potential if options.potential is not None else "0",
-        _parameters(options.parameter),
+        typed_parameters(options.parameter, "--parameter"),
         functions=options.function,
         title=getattr(options, "title", None) or "",
     )
-
-
-def _parameters(texts: list[str]) -> dict[str, Any]:
-    """Each ``NAME``, ``NAME=VALUE``, ``NAME:ASSUMPTION`` or ``NAME=VALUE:ASSUMPTION``."""
-    from hjsolve.mechanics.system import parameter
-
-    found: dict[str, Any] = {}
-    for text in texts:
-        declared, colon, assume = text.partition(":")
-        name, equals, value = declared.partition("=")
-        if not _NAME.fullmatch(name) or (equals and not value.strip()) or (colon and not assume.strip()):
-            raise InvalidInputError(
-                f'--parameter "{text}": write a name, a value and an assumption as wanted, e.g. m, m=1 or m=1:positive'
-            )
-        _once(found, name.strip(), "--parameter")
-        plain = ascii_name(name.strip())
-        found[plain] = parameter(plain, value.strip() if equals else None, assume=assume.strip() or "real")
-    return found
-
-
-def _values(texts: list[str], option: str) -> dict[str, str]:
-    found: dict[str, str] = {}
-    for text in texts:
-        name, equals, value = text.partition("=")
-        if not equals or not _NAME.fullmatch(name) or not value.strip():
-            raise InvalidInputError(f'{option} "{text}": write a name, an equals sign and a value, e.g. {option} r=1')
-        _once(found, name.strip(), option)
-        found[ascii_name(name.strip())] = value.strip()
-    return found
-
-
-def _once(found: dict[str, Any], name: str, option: str) -> None:
-    if ascii_name(name) in found:
-        raise InvalidInputError(f'{option}: "{name}" is given twice')
 
 
 def scene(options: Namespace) -> Scene | None:
@@ -199,13 +154,15 @@ def initial(options: Namespace) -> dict[str, Any] | None:
     """
     if not (options.q or options.velocity or options.momentum):
         return None
+    from hjsolve.mechanics.typed_texts import typed_values
+
     if not options.q or bool(options.velocity) == bool(options.momentum):
         raise InvalidInputError("a motion needs --q and one of --velocity and --momentum, for every coordinate")
-    data: dict[str, Any] = {"q": _values(options.q, "--q")}
+    data: dict[str, Any] = {"q": typed_values(options.q, "--q")}
     if options.velocity:
-        data["velocity"] = _values(options.velocity, "--velocity")
+        data["velocity"] = typed_values(options.velocity, "--velocity")
     else:
-        data["p"] = _values(options.momentum, "--momentum")
+        data["p"] = typed_values(options.momentum, "--momentum")
     if options.system is not None and options.parameter:
         data["parameters"] = _given_values(options)
     return data
@@ -273,7 +230,9 @@ def entry_motion(entry: Entry, name: str) -> Mapping[str, Any]:
 
 
 def _given_values(options: Namespace) -> dict[str, str]:
-    return _values(options.parameter, "--parameter")
+    from hjsolve.mechanics.typed_texts import typed_values
+
+    return typed_values(options.parameter, "--parameter")
 
 
 def located(target: Any) -> Any:

@@ -246,6 +246,24 @@ def motion_command(options: Namespace) -> int:
     return ANSWER
 
 
+def explore_command(options: Namespace) -> int:
+    """Serve the explorer until it is interrupted.
+
+    Args:
+        options: the parsed arguments.
+
+    Returns:
+        The exit status.
+    """
+    from hjsolve.explorer.serve import serve
+
+    serve(
+        arguments_read.located(options.system) if options.system is not None else None,
+        port=options.port, show=not options.no_browser, seconds=options.seconds, megabytes=options.memory,
+    )  # fmt: skip
+    return ANSWER
+
+
 def completion_command(options: Namespace) -> int:
     """Print the completion script of a shell.
 

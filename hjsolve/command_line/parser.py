@@ -33,6 +33,7 @@ examples:
   hjsolve coordinates henon-heiles              in which coordinates would it separate
   hjsolve motion kepler-planar --times 0:15:31  its numbers, and where it is at these times
   hjsolve report kepler-planar -o kepler.html   all of that, a motion with drawings, and numbers
+  hjsolve explore kepler-planar                 a page on this machine: type, drag, read (extra explore)
   hjsolve cost kepler-planar                    what accuracy costs in time, measured
   hjsolve catalog                               what is in the catalog""",
     "check": """\
@@ -77,6 +78,11 @@ examples:
   hjsolve sweep orbits.toml -o orbits.parquet                      on all cores; killed, the same command goes on
   hjsolve sweep orbits.toml -o orbits.parquet --scheduler tcp://10.0.0.1:8786
                                  where `dask scheduler` runs, and `dask worker tcp://10.0.0.1:8786` on many machines""",
+    "explore": """\
+examples:
+  hjsolve explore                               begin with a double well
+  hjsolve explore spherical-pendulum
+  hjsolve explore scene.toml --port 8080 --no-browser""",
     "completion": """\
 examples:
   hjsolve completion bash > ~/.local/share/bash-completion/completions/hjsolve
@@ -125,6 +131,7 @@ def command_parser() -> argparse.ArgumentParser:
     _add_coordinates(kinds)
     _add_motion(kinds)
     _add_report(kinds)
+    _add_explore(kinds)
     _add_cost(kinds)
     _add_sweep(kinds)
     _add_catalog(kinds)
@@ -227,6 +234,20 @@ def _add_motion(kinds: _Commands) -> None:
     motion.add_argument("--times", metavar="TIMES", help="start:stop:count, both ends included, or a list: 0,1/2,1e3")
     motion.add_argument("--digits", type=int, default=15, metavar="N", help="digits of the numbers (default 15)")
     motion.add_argument("--json", action="store_true", help="numbers and states as one JSON object")
+
+
+def _add_explore(kinds: _Commands) -> None:
+    about = (
+        "Serve a page on this machine, at 127.0.0.1 alone: type a system and see at once whether it separates,\n"
+        "drag the initial point in a phase plane, read every number with its error, take a report or a scene\n"
+        "away. It computes until it is interrupted (extra explore)."
+    )
+    explore = _add(kinds, "explore", "a page where a system is typed and set in motion", about)
+    explore.add_argument("system", nargs="?", metavar="SYSTEM", help="catalog id, or .toml file of an entry or a scene")
+    explore.add_argument("--port", type=int, default=0, metavar="N", help="of the page (default: any that is free)")
+    explore.add_argument("--no-browser", action="store_true", help="print the address and open nothing")
+    explore.add_argument("--seconds", type=float, default=20.0, metavar="S", help="for one computation (default 20)")
+    explore.add_argument("--memory", type=int, default=1024, metavar="MB", help="for one computation (default 1024)")
 
 
 def _add_cost(kinds: _Commands) -> None:

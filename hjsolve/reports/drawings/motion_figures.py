@@ -120,11 +120,9 @@ def phase_portrait(well: EffectivePotential, key: str) -> Figure:
     Returns:
         The figure.
     """
-    own = own_loops(well)
-    others = [loop for level in portrait.levels(well) for loop in loops_at(well, level)]
+    own, others, frame = own_loops(well), _other_loops(well), phase_frame(well)
     hills = [(level, word) for level, word in portrait.hills(well) if loops_at(well, level)]
     edges = [loop for level, _ in hills for loop in loops_at(well, level)]
-    frame = svg.DrawingFrame(well.window, momenta_shown(well, own, others))
     inside = [svg.curve(frame, *loop, "level") for loop in others] + [svg.curve(frame, *loop, "edge") for loop in edges]
     inside += [
         svg.area(frame, q[: len(q) // 2], p[len(q) // 2 :][::-1], p[: len(q) // 2])
@@ -161,6 +159,19 @@ def phase_portrait(well: EffectivePotential, key: str) -> Figure:
         caption,
         {well.name: _list(q), f"p_{well.name}": _list(p)},
     )
+
+
+def phase_frame(well: EffectivePotential) -> svg.DrawingFrame:
+    """Give the part of the phase plane that ``phase_portrait`` shows, and where on the drawing.
+
+    Args:
+        well: the coordinate.
+    """
+    return svg.DrawingFrame(well.window, momenta_shown(well, own_loops(well), _other_loops(well)))
+
+
+def _other_loops(well: EffectivePotential) -> list[tuple[Array, Array]]:
+    return [loop for level in portrait.levels(well) for loop in loops_at(well, level)]
 
 
 # -------------------------------------------------------------------------------- what the motion covers

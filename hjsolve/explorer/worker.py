@@ -1,0 +1,148 @@
+"""A process that answers questions, with a limit on the time and the memory of each.
+
+Whatever a question does (a formula that fills the memory, an integral that does not end), it does there: the process is
+ended and another one begun, and who asked is told so in a line.
+"""
+
+from __future__ import annotations
+
+import asyncio
+import multiprocessing
+import os
+from multiprocessing.connection import Connection
+from multiprocessing.process import BaseProcess
+from pathlib import Path
+
+from hjsolve.explorer.question import PageAnswer, PageQuestion
+
+_BEGINNING = 60.0
+"""Seconds that the engine may take to be imported."""
+
+
+class Worker:
+    """One process.
+
+    Attributes:
+        seconds: one question may take.
+        megabytes: it may take beside what the engine itself needs.
+    """
+
+    def __init__(self, seconds: float, megabytes: int):
+        self.seconds, self.megabytes = seconds, megabytes
+        self._process: BaseProcess | None = None
+        self._connection: Connection | None = None
+
+    def begin(self) -> None:
+        """Start the process, and wait until it has imported the engine."""
+        context = multiprocessing.get_context("spawn")
+        here, there = context.Pipe()
+        process = context.Process(target=_answer_all, args=(there, self.megabytes), daemon=True)
+        process.start()
+        there.close()
+        self._process, self._connection = process, here
+        if not here.poll(_BEGINNING) or here.recv() != "ready":
+            self.end()
+
+    def ask(self, question: PageQuestion) -> PageAnswer:
+        """Answer, or say which limit it went over.
+
+        Args:
+            question: what was typed.
+        """
+        if self._process is None or not self._process.is_alive():
+            self.begin()
+        connection = self._connection
+        if connection is None:
+            return PageAnswer(problem="the process that computes could not be started")
+        try:
+            connection.send(question)
+            if connection.poll(self.seconds):
+                answered = connection.recv()
+                assert isinstance(answered, PageAnswer)
+                return answered
+        except (EOFError, OSError):
+            self.end()
+            return PageAnswer(problem=f"this took more than {self.megabytes} MB of memory, and was stopped")
+        self.end()
+        return PageAnswer(problem=f"this took more than {self.seconds:g} s, and was stopped; make it simpler")
+
+    def end(self) -> None:
+        """End the process, whatever it does."""
+        if self._process is not None:
+            self._process.kill()
+            self._process.join()
+        if self._connection is not None:
+            self._connection.close()
+        self._process = self._connection = None
+
+
+class Workers:
+    """Some processes, each asked one question at a time."""
+
+    def __init__(self, count: int, seconds: float, megabytes: int):
+        self._all = [Worker(seconds, megabytes) for _ in range(count)]
+        self._free: asyncio.Queue[Worker] = asyncio.Queue()
+        for worker in self._all:
+            self._free.put_nowait(worker)
+
+    async def ask(self, question: PageQuestion) -> PageAnswer:
+        """Answer as soon as a process is free.
+
+        Args:
+            question: what was typed.
+        """
+        worker = await self._free.get()
+        try:
+            return await asyncio.to_thread(worker.ask, question)
+        finally:
+            self._free.put_nowait(worker)
+
+    def end(self) -> None:
+        """End all processes."""
+        for worker in self._all:
+            worker.end()
+
+
+# ------------------------------------------------------------------------------------------- in the process itself
+def _answer_all(connection: Connection, megabytes: int) -> None:
+    from hjsolve.errors import HJSolveError
+    from hjsolve.explorer.answering import answer
+
+    _warm()
+    _limit(megabytes)
+    connection.send("ready")
+    while True:
+        try:
+            question = connection.recv()
+        except EOFError:
+            return
+        try:
+            answered = answer(question)
+        except MemoryError:
+            os._exit(1)
+        except HJSolveError as error:
+            answered = PageAnswer(problem=" ".join(str(error).split()))
+        except Exception as error:  # noqa: BLE001 - a fault of ours must not end the page of who found it
+            fault = f"{type(error).__name__}: {error}"
+            answered = PageAnswer(problem=f"a fault of hjsolve itself, please report it: {fault}")
+        connection.send(answered)
+
+
+def _warm() -> None:
+    """Import what the first question would wait for."""
+    from hjsolve.explorer.answering import answer
+    from hjsolve.explorer.question import question_about
+
+    answer(question_about(None))
+
+
+def _limit(megabytes: int) -> None:
+    """Limit the memory to what is in use now and so much more, where the system can."""
+    try:
+        import resource
+
+        used = int(Path("/proc/self/statm").read_text().split()[0]) * resource.getpagesize()
+    except (ImportError, OSError):
+        return
+    most = used + megabytes * 2**20
+    resource.setrlimit(resource.RLIMIT_AS, (most, most))

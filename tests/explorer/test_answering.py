@@ -1,0 +1,125 @@
+"""Questions of the page: what follows from them is what the public verbs give, and what is wrong is told in a line."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+
+import pytest
+
+import hjsolve
+from hjsolve.explorer.answering import answer, scene_text, system_of
+from hjsolve.explorer.question import Drag, PageQuestion, question_about
+
+
+def test_an_entry_is_answered_with_verdict_numbers_and_a_plane_to_drag_in() -> None:
+    told = answer(question_about("kepler-planar"))
+
+    assert told.verdict == "yes"
+    assert not told.problem
+    assert told.coordinates == ("r", "theta")
+    assert [p.name for p in told.portraits] == ["r"]
+    period = hjsolve.solve("kepler-planar").motion(q={"r": 1, "theta": 0}, velocity={"r": 0, "theta": "1.2"}).periods["r"]
+    assert f"{period.value:.12f}"[:12] in told.numbers
+
+
+@pytest.mark.parametrize("name", ["spherical-pendulum", "kerr", "relativistic-kepler", "lagrange-top", "henon-heiles"])
+def test_what_an_entry_says_is_the_system_of_the_entry(name: str) -> None:
+    question = question_about(name)
+
+    read = system_of(question)
+    entry = hjsolve.catalog.load(name)
+    assert without_words(read) == without_words(entry)
+    assert answer(question).verdict in {"yes", "no"}
+
+
+def without_words(system: hjsolve.System) -> hjsolve.System:
+    table = hjsolve.catalog.table_of(system)
+    for part in (*table["coordinates"], *table["parameters"]):
+        part.pop("unit", None), part.pop("meaning", None)
+    table.pop("title", None), table.pop("id", None)
+    return hjsolve.catalog.from_table(table)
+
+
+def test_a_drag_changes_one_momentum_and_keeps_the_others() -> None:
+    question = question_about("lagrange-top")
+    solution = hjsolve.solve("lagrange-top")
+    before = solution.motion(q=question.q, velocity=question.velocity).at(0)
+
+    dragged = answer(replace(question, drag=Drag("theta", 0.7, 0.25)))
+
+    after = solution.motion(q=dragged.q, velocity=dragged.velocity).at(0)
+    assert dragged.q["theta"] == "0.7"
+    assert float(after.p["theta"]) == pytest.approx(0.25, rel=1e-11)
+    for name in ("phi", "psi"):
+        assert float(after.p[name]) == pytest.approx(float(before.p[name]), rel=1e-11)
+
+
+def test_the_pixel_under_the_start_is_the_start() -> None:
+    portrait = answer(question_about("kepler-planar")).portraits[0]
+    left, right, top, bottom = portrait.box
+    x = left + (1 - portrait.q[0]) / (portrait.q[1] - portrait.q[0]) * (right - left)
+    y = bottom - (0 - portrait.p[0]) / (portrait.p[1] - portrait.p[0]) * (bottom - top)
+
+    assert portrait.at(x, y) == pytest.approx((1.0, 0.0))
+    assert f'cx="{x:.1f}'[:8] in portrait.svg
+    assert portrait.at(-1e9, 1e9) == pytest.approx((portrait.q[0], portrait.p[0]))
+
+
+def test_a_refused_system_shows_its_obstruction_and_coordinates_are_found_when_asked() -> None:
+    stark = PageQuestion(
+        "x: line; y: line", "(dot(x)**2 + dot(y)**2)/2", "-1/sqrt(x**2 + y**2) + y/20",
+        q={"x": "1", "y": "0.1"}, velocity={"x": "0", "y": "0.9"},
+    )  # fmt: skip
+
+    plain, found = answer(stark), answer(replace(stark, find=True))
+
+    assert plain.verdict == "no"
+    assert plain.details
+    assert not plain.numbers
+    assert found.verdict == "yes"
+    assert found.numbers
+    assert found.portraits
+
+
+@pytest.mark.parametrize(
+    ("changed", "words"),
+    [
+        ({"potential": "__import__('os')"}, "potential"),
+        ({"potential": "x*"}, "ends too early"),
+        ({"potential": "y"}, "not declared"),
+        ({"potential": "x" * 5000}, "at most 4000 letters"),
+        ({"coordinates": "x"}, "a name, a colon and a domain"),
+        ({"parameters": "k == 2"}, "parameter"),
+        ({"q": {"x": "a"}}, "x"),
+        ({"velocity": {"x": ""}}, "x"),
+        ({"kinetic": "<img src=x onerror=alert(1)>"}, "kinetic"),
+    ],
+)
+def test_what_cannot_be_read_is_told_in_one_line(changed: dict[str, object], words: str) -> None:
+    told = answer(replace(question_about(None), **changed))
+
+    assert words in told.problem
+    assert "\n" not in told.problem
+
+
+@pytest.mark.parametrize("name", [None, "kepler-planar", "kerr", "two-centres-plane"])
+def test_a_scene_taken_away_runs_to_the_same_numbers(name: str | None, tmp_path) -> None:
+    if name is not None and name not in hjsolve.catalog.ids():
+        pytest.skip("no such entry")
+    question = question_about(name)
+    path = tmp_path / "scene.toml"
+    path.write_text(scene_text(question, system_of(question)), encoding="utf-8")
+
+    constants = hjsolve.Scene.load(path).run().quantity("constants")
+
+    assert question_about(path).q == question.q
+    motion = hjsolve.solve(system_of(question)).motion(q=question.q, velocity=question.velocity)
+    for key, estimate in motion.constants.items():
+        assert abs(float(constants[key].value) - float(estimate.value)) <= estimate.error + constants[key].error
+
+
+def test_a_report_is_a_whole_page() -> None:
+    text = answer(replace(question_about("pendulum"), wanted="report")).file
+
+    assert text.startswith(("<!DOCTYPE html>", "<!doctype html>"))
+    assert "</html>" in text
