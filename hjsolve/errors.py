@@ -89,3 +89,18 @@ class MissingExtraError(HJSolveError, ImportError):
 
 class InternalError(HJSolveError, AssertionError):
     """A fault of hjsolve itself; please report it."""
+
+
+FAULTS = (
+    ArithmeticError,
+    AssertionError,
+    AttributeError,
+    LookupError,
+    MemoryError,
+    NameError,
+    NotImplementedError,
+    RecursionError,
+    TypeError,
+    ValueError,
+)
+"""Builtin errors that come out of a fault of ours; told as one where a user must never see a traceback."""

@@ -15,6 +15,7 @@ from hjsolve.command_line import commands
 from hjsolve.command_line.commands import ANSWER, BAD_INPUT, INTERRUPTED, REFUSED, UNSETTLED
 from hjsolve.command_line.parser import command_parser
 from hjsolve.errors import (
+    FAULTS,
     ClusterError,
     HJSolveError,
     InternalError,
@@ -25,18 +26,6 @@ from hjsolve.errors import (
 )
 
 BROKEN_PIPE = 141
-_FAULTS = (
-    ArithmeticError,
-    AssertionError,
-    AttributeError,
-    LookupError,
-    MemoryError,
-    NameError,
-    NotImplementedError,
-    RecursionError,
-    TypeError,
-    ValueError,
-)
 
 
 def main(arguments: Sequence[str] | None = None) -> int:
@@ -74,7 +63,7 @@ def main(arguments: Sequence[str] | None = None) -> int:
         return _complain(str(error), UNSETTLED)
     except OSError as error:
         return _complain(f"{error.filename or 'output'}: {error.strerror or type(error).__name__}", BAD_INPUT)
-    except (HJSolveError, *_FAULTS) as error:
+    except (HJSolveError, *FAULTS) as error:
         return _complain(_fault(error), UNSETTLED)
     return status
 

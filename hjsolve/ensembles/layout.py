@@ -8,9 +8,10 @@ from dataclasses import dataclass
 from hjsolve import arguments
 from hjsolve.catalog.schema import nearest
 from hjsolve.errors import InvalidInputError
+from hjsolve.motion.wanted import OF_MANY_ORBITS
 from hjsolve.solution.quadratures import Solution
 
-QUANTITIES = ("actions", "frequencies", "periods", "angles", "constants", "turning_points")
+QUANTITIES = OF_MANY_ORBITS
 """What may be asked of an ensemble."""
 
 STATUS, RECOMPUTED, ERROR = "status", "recomputed", "error."

@@ -105,7 +105,7 @@ class Workers:
 
 # ------------------------------------------------------------------------------------------- in the process itself
 def _answer_all(connection: Connection, megabytes: int) -> None:
-    from hjsolve.errors import HJSolveError
+    from hjsolve.errors import FAULTS, HJSolveError
     from hjsolve.explorer.answering import answer
 
     _warm()
@@ -122,7 +122,7 @@ def _answer_all(connection: Connection, megabytes: int) -> None:
             os._exit(1)
         except HJSolveError as error:
             answered = PageAnswer(problem=" ".join(str(error).split()))
-        except Exception as error:  # noqa: BLE001 - a fault of ours must not end the page of who found it
+        except FAULTS as error:  # a fault of ours must not end the page of who found it
             fault = f"{type(error).__name__}: {error}"
             answered = PageAnswer(problem=f"a fault of hjsolve itself, please report it: {fault}")
         connection.send(answered)

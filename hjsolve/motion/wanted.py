@@ -16,6 +16,9 @@ QUANTITIES: Mapping[str, frozenset[str]] = {
 }  # fmt: skip
 """What may be asked of a motion, and the integrals each needs (``one_coordinate.coordinate_motion.PARTS``)."""
 
+OF_MANY_ORBITS = ("actions", "frequencies", "periods", "angles", "constants", "turning_points")
+"""Those that may be asked of an ensemble or a sweep, in the order of its columns."""
+
 
 def parts_of(want: Iterable[str] | None) -> frozenset[str]:
     """The integrals that the quantities wanted need.

@@ -17,10 +17,10 @@ from hjsolve import arguments, catalog
 from hjsolve.catalog import toml_file
 from hjsolve.catalog.effects import forces, with_effects
 from hjsolve.catalog.schema import nearest
-from hjsolve.ensembles.layout import QUANTITIES
 from hjsolve.errors import CatalogError, InvalidInputError
 from hjsolve.formulas.read import number
 from hjsolve.mechanics.system import System
+from hjsolve.motion.wanted import OF_MANY_ORBITS
 from hjsolve.scenes.events import read_event
 from hjsolve.scenes.initial_grid import Varied, disagreements, read_sweep
 from hjsolve.scenes.question import (
@@ -289,8 +289,8 @@ def _found_faults(scene: Scene) -> Iterator[str]:
 def _sweep_faults(scene: Scene, sweep: Varied, names: list[str]) -> Iterator[str]:
     yield from disagreements(sweep, names, scene.fixed)
     for word in scene.want:
-        if word not in QUANTITIES:
-            yield f'want: "{word}" is not for a sweep, which has {", ".join(QUANTITIES)}'
+        if word not in OF_MANY_ORBITS:
+            yield f'want: "{word}" is not for a sweep, which has {", ".join(OF_MANY_ORBITS)}'
     if scene.digits > _SWEEP_DIGITS:
         yield f"accuracy.digits: a sweep is computed in doubles, {_SWEEP_DIGITS} digits at most, not {scene.digits}"
     if scene.seconds is not None or scene.certified:
