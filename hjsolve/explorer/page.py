@@ -28,6 +28,7 @@ margin:0 auto;padding:1.2rem;align-items:start}
 .explorer .lead.no{border-left:3px solid #b8402a;padding-left:.8rem}
 .explorer .lead.open{border-left:3px solid #8a6100;padding-left:.8rem}
 .explorer .waiting{opacity:.45}
+.explorer .hint{color:#666b72;font-size:.85rem}
 .explorer .drag svg{cursor:crosshair;touch-action:none}
 .explorer h1{font-size:1.3rem;line-height:1.3;font-weight:600;margin:0}
 """
@@ -88,8 +89,8 @@ class ExplorerPage:
         entries = ui.select(catalog.titles(), label="from the catalog", with_input=True, on_change=self._chosen)
         entries.props("dense clearable").mark("catalog")
         self.coordinates = self._area("coordinates, one a line: x: line, r: 0 < r, theta: angle")
-        self.kinetic = self._field("T, with dot(q) for a velocity")
-        self.potential = self._field("V")
+        self.kinetic = self._area("T, with dot(q) for a velocity")
+        self.potential = self._area("V")
         self.parameters = self._area("parameters, one a line: k = 1 : positive")
         self.start = ui.element("div").classes("start")
         self.inputs: dict[tuple[str, str], ui.input] = {}
@@ -149,8 +150,8 @@ class ExplorerPage:
 
     def _read(self) -> PageQuestion:
         return replace(
-            self.question, coordinates=self.coordinates.value or "", kinetic=self.kinetic.value or "",
-            potential=self.potential.value or "", parameters=self.parameters.value or "",
+            self.question, coordinates=self.coordinates.value or "", kinetic=_one_line(self.kinetic),
+            potential=_one_line(self.potential), parameters=self.parameters.value or "",
             find=bool(self.find.value), wanted="answer",
             q=self._typed_start("q"), velocity=self._typed_start("velocity"),
         )  # fmt: skip
@@ -176,6 +177,7 @@ class ExplorerPage:
         with self.answers:
             self.lead = ui.html("", sanitize=False).classes("lead").mark("lead")
             self.portraits = ui.element("div").classes("portraits")
+            self.hint = ui.label("The large red point is the start: drag it.").classes("hint")
             self.drawings = ui.html("", sanitize=False)
             self.numbers = ui.html("", sanitize=False).mark("numbers")
             with ui.expansion("why", value=True).props("dense"):
@@ -201,6 +203,7 @@ class ExplorerPage:
         self.formulas.set_content(answer.formulas)
         self.numbers.set_content(answer.numbers)
         self.drawings.set_content(answer.drawings)
+        self.hint.set_visibility(bool(answer.portraits) and not question.find)
         self._show_portraits(answer, draggable=not question.find)
         if question.drag is not None and answer.q:
             self._writing = True
@@ -239,3 +242,7 @@ class ExplorerPage:
             ui.download.content(answer.file, "report.html" if wanted == "report" else "scene.toml")
         else:
             self.problem.set_text(answer.problem or "there is nothing to write yet")
+
+
+def _one_line(area: ui.textarea) -> str:
+    return " ".join((area.value or "").split())
