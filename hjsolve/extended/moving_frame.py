@@ -100,8 +100,9 @@ class Frame(Shown):
 
     @arguments.by_name('motion(q={"q": "0.3"}, velocity={"q": "0.4"}, t0="0.5")')
     def motion(
-        self, *, q: Mapping[str, Any], velocity: Mapping[str, Any] | None = None, p: Mapping[str, Any] | None = None,
-        parameters: Mapping[str, Any] | None = None, t0: Any = 0, digits: int = 15,
+        self, *, q: Mapping[str, object], velocity: Mapping[str, object] | None = None,
+        p: Mapping[str, object] | None = None, parameters: Mapping[str, object] | None = None,
+        t0: object = 0, digits: int = 15,
     ) -> FramedMotion:  # fmt: skip
         """Start a motion from initial data of the original system.
 
@@ -155,8 +156,8 @@ def drift(frame: Frame, expression: sp.Expr) -> sp.Expr:
 
 
 def carried_initial_data(
-    frame: Frame, values: Mapping[sp.Symbol, sp.Expr], q: Mapping[str, Any], velocity: Mapping[str, Any] | None,
-    p: Mapping[str, Any] | None,
+    frame: Frame, values: Mapping[sp.Symbol, sp.Expr], q: Mapping[str, object], velocity: Mapping[str, object] | None,
+    p: Mapping[str, object] | None,
 ) -> dict[str, Any]:  # fmt: skip
     """Bring initial data over to the autonomous system, exactly: ``{"q": …, "p": …}``.
 

@@ -12,6 +12,7 @@ import sympy as sp
 from hjsolve import arguments
 from hjsolve.arithmetic.estimate import Estimate
 from hjsolve.arithmetic.floats import Float64, Multi, bits_for
+from hjsolve.arithmetic.number_types import Numbers
 from hjsolve.display.shown import Shown
 from hjsolve.errors import InvalidInputError, MissingValueError
 from hjsolve.extended.moving_frame import Frame, carried_initial_data
@@ -46,7 +47,7 @@ class FramedMotion(Shown):
         """The constants of the motion in the frame."""
         return self.motion.constants
 
-    def at(self, t: Any) -> State:
+    def at(self, t: object) -> State:
         """Return the state of the original system at a time or times; as ``Motion.at``, angles not counted in turns.
 
         Args:
@@ -70,7 +71,7 @@ class FramedMotion(Shown):
 
         return State(t, found[0], found[1], found[2], {}, state.status, errors)
 
-    def _evaluated(self, formula: sp.Expr, state: State, times: Any) -> Any:
+    def _evaluated(self, formula: sp.Expr, state: State, times: Numbers) -> Any:
         coordinates = self.frame.system.coordinates
         variables = [c.symbol for c in coordinates] + [c.velocity for c in coordinates] + [self.frame.time]
         arrays = [state.unwrapped(c.name) for c in coordinates]
@@ -87,7 +88,7 @@ class FramedMotion(Shown):
         found = [tape.run(Multi(bits), [*(Multi(bits).convert(x) for x in row), *numbers])[0] for row in rows]
         return np.array(found, dtype=object).reshape(np.shape(times)) if np.shape(times) else found[0]
 
-    def _bound(self, formula: sp.Expr, value: Any, state: State, times: Any) -> Any:
+    def _bound(self, formula: sp.Expr, value: Any, state: State, times: Numbers) -> Any:
         """Errors of Q and Q̇ carried over to first order, doubled, and the rounding of the formula."""
         total = 16 * 10.0 ** -max(self.motion.digits, 15) * (np.abs(value) + self._size(formula, state, times))
         for c in self.frame.system.coordinates:
@@ -97,7 +98,7 @@ class FramedMotion(Shown):
                     total = total + 2 * np.abs(self._evaluated(slope, state, times)) * error
         return total
 
-    def _size(self, formula: sp.Expr, state: State, times: Any) -> Any:
+    def _size(self, formula: sp.Expr, state: State, times: Numbers) -> Any:
         """The sum of the sizes of the terms: what cancellation is measured against."""
         terms = sp.Add.make_args(sp.expand(formula))
         return sum(np.abs(self._evaluated(term, state, times)) for term in terms)
@@ -110,8 +111,8 @@ def _numbers(t: Any, shape: tuple[int, ...], digits: int) -> Any:
 
 
 def start_framed_motion(
-    frame: Frame, *, q: Mapping[str, Any], velocity: Mapping[str, Any] | None, p: Mapping[str, Any] | None,
-    parameters: Mapping[str, Any], t0: Any, digits: int,
+    frame: Frame, *, q: Mapping[str, object], velocity: Mapping[str, object] | None, p: Mapping[str, object] | None,
+    parameters: Mapping[str, object], t0: object, digits: int,
 ) -> FramedMotion:  # fmt: skip
     """Start a motion; see ``Frame.motion``.
 

@@ -10,7 +10,6 @@ from __future__ import annotations
 from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass, replace
 from numbers import Integral
-from typing import Any
 
 import sympy as sp
 
@@ -29,7 +28,7 @@ from hjsolve.motion.exact_numbers import to_bits as to_bits
 from hjsolve.motion.rational_values import rational_value
 from hjsolve.solution.quadratures import Solution
 
-Values = Mapping[str, Any]
+Values = Mapping[str, object]
 
 
 @dataclass(frozen=True, repr=False)
@@ -215,7 +214,7 @@ def _only_known(given: Values, names: Iterable[str], what: str) -> None:
         raise MissingValueError(f"constants: no value for {_listed(missing)}; all of {_listed(names)} are needed")
 
 
-def _sign_given(name: str, value: Any) -> sp.Integer:
+def _sign_given(name: str, value: object) -> sp.Integer:
     if not isinstance(value, int | float | sp.Number | Integral) or value not in (1, -1):
         raise InvalidInputError(f"signs[{name}]: 1 or -1 is needed, not {arguments.described(value)}")
     return sp.Integer(int(value))
@@ -322,5 +321,5 @@ def all_exact(*groups: Values | None) -> bool:
     return not any(isinstance(value, float) for group in groups if group for value in group.values())
 
 
-def _listed(names: Any) -> str:
+def _listed(names: Iterable[str]) -> str:
     return ", ".join(str(name) for name in names) or "none"
