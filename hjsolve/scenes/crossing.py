@@ -10,6 +10,7 @@ import sympy as sp
 
 from hjsolve.arithmetic.floats import bits_for, multiprecision
 from hjsolve.arithmetic.number_types import Mpf, Reals
+from hjsolve.arithmetic.root_finding import bisected
 from hjsolve.errors import NotConvergedError, OutsideMotionError
 from hjsolve.formulas.read import number
 from hjsolve.motion.initial_data import to_bits
@@ -111,9 +112,7 @@ def _paces(motion: Motion, start: float, horizon: float | None) -> Iterator[Real
 
 def _halved(level: Callable[[Reals], Reals], low: float, high: float, before: float) -> float:
     """Bisect until Newton's method will do."""
-    for _ in range(24):
-        middle = (low + high) / 2
-        low, high = (middle, high) if level(np.array([middle]))[0] == before else (low, middle)
+    low, high = bisected(lambda x: bool(level(np.array([x]))[0] == before), low, high, 24)
     return (low + high) / 2
 
 
