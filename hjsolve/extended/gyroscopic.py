@@ -28,7 +28,7 @@ from hjsolve.errors import InvalidInputError, InvalidSystemError, NotConvergedEr
 from hjsolve.formulas.read import number
 from hjsolve.mechanics.subjects import system_of
 from hjsolve.mechanics.system import System, hamiltonian, kinetic_rest, linear_terms, mass_matrix, momenta, velocities
-from hjsolve.motion.initial_data import parameter_values, to_bits
+from hjsolve.motion.initial_data import complete_numbers, one_of_velocity_and_p, parameter_values, to_bits
 from hjsolve.motion.motion import Motion
 from hjsolve.motion.state import Errors, State
 from hjsolve.solution.quadratures import solve
@@ -86,8 +86,6 @@ class LinearModes(Shown):
         """
         if self.normal_form is None:
             raise InvalidInputError("this system has no modes that oscillate only: some exponent is not imaginary")
-        if (velocity is None) == (p is None):
-            raise InvalidInputError("initial data: give either velocity={…} or p={…}, a number for every coordinate")
         bits = _bits(self.digits)
         z = multiprecision(bits).matrix([to_bits(x)(bits) for x in _canonical(self, q, velocity, p)])
         modal = _inverse(self.matrix) * z
@@ -324,11 +322,10 @@ def _canonical(
 ) -> list[sp.Expr]:
     """(q, p) exact."""
     system = modes.system
-    at = dict(modes.values) | {c.symbol: number(q[c.name], source=f"q[{c.name}]") for c in system.coordinates}
-    if p is None:
-        assert velocity is not None
-        at |= {c.velocity: number(velocity[c.name], source=f"velocity[{c.name}]") for c in system.coordinates}
-        p = {name: formula.subs(at) for name, formula in momenta(system).items()}
-    return [at[c.symbol] for c in system.coordinates] + [
-        number(p[c.name], source=f"p[{c.name}]") for c in system.coordinates
-    ]
+    what, given = one_of_velocity_and_p(velocity, p)
+    places, rates = (complete_numbers(system.coordinates, group, name) for name, group in (("q", q), (what, given)))
+    if what == "velocity":
+        at = dict(modes.values) | {c.symbol: places[c.name] for c in system.coordinates}
+        at |= {c.velocity: rates[c.name] for c in system.coordinates}
+        rates = {name: formula.subs(at) for name, formula in momenta(system).items()}
+    return [*places.values(), *(number(rates[c.name], source=f"p[{c.name}]") for c in system.coordinates)]

@@ -20,11 +20,11 @@ from hjsolve.arithmetic.floats import EPS, Multi, bits_for, multiprecision
 from hjsolve.arithmetic.number_types import Mpf
 from hjsolve.arithmetic.tape import BoundTape
 from hjsolve.display.shown import Shown
-from hjsolve.errors import InvalidInputError, MissingValueError, NotConvergedError
+from hjsolve.errors import InvalidInputError, NotConvergedError
 from hjsolve.extended.linear_hamiltonian import GeneralHamiltonian
 from hjsolve.formulas.read import number
 from hjsolve.lowering import lower
-from hjsolve.motion.initial_data import InBits, number_is_zero, to_bits, values_of
+from hjsolve.motion.initial_data import InBits, complete_numbers, number_is_zero, to_bits, values_of
 from hjsolve.motion.state import Errors, State
 from hjsolve.motion.times import exact_numbers, whole_numbers
 from hjsolve.one_coordinate.level_curve import Curve, Orbit, followed
@@ -149,11 +149,9 @@ def start_on_level(
     name = coordinate.name
     if velocity is not None or p is None:
         raise InvalidInputError(f"initial data: give p={{{name!r}: …}}; several p may have the same dq/dt here")
-    for what, given in (("q", q), ("p", p)):
-        if set(arguments.table(given, what)) != {name}:
-            raise MissingValueError(f"{what}: needs a number for {name}, and nothing else")
+    places, momenta = complete_numbers([coordinate], q, "q"), complete_numbers([coordinate], p, "p")
     values = values_of(problem.parameters, arguments.table(parameters, "parameters"))
-    place, momentum = number(q[name], source=f"q.{name}"), number(p[name], source=f"p.{name}")
+    place, momentum = places[name], momenta[name]
     domain = coordinate.domain
     at = {**values, coordinate.symbol: place, coordinate.momentum: momentum}
     E = problem.hamiltonian.xreplace(at)

@@ -19,11 +19,11 @@ from hjsolve.arithmetic.estimate import Estimate
 from hjsolve.arithmetic.floats import EPS, Multi, bits_for, multiprecision
 from hjsolve.arithmetic.number_types import Context, Mpf
 from hjsolve.display.shown import Shown
-from hjsolve.errors import InvalidInputError, MissingValueError, NotConvergedError, OutsideMotionError
+from hjsolve.errors import InvalidInputError, NotConvergedError, OutsideMotionError
 from hjsolve.extended.linear_hamiltonian import LinearHamiltonian
 from hjsolve.formulas.read import number
 from hjsolve.lowering import lower
-from hjsolve.motion.initial_data import to_bits, values_of
+from hjsolve.motion.initial_data import complete_numbers, to_bits, values_of
 from hjsolve.motion.state import Errors, State
 from hjsolve.motion.times import exact_numbers
 
@@ -182,11 +182,9 @@ def start_linear_motion(
     if velocity is not None or p is None:
         raise InvalidInputError(f"initial data: give p={{{name!r}: …}}; dq/dt = a(q) says nothing about p here")
     digits = arguments.digits(digits)
-    for what, given in (("q", q), ("p", p)):
-        if set(arguments.table(given, what)) != {name}:
-            raise MissingValueError(f"{what}: needs a number for {name}, and nothing else")
+    places, momenta = (complete_numbers([problem.coordinate], group, what) for what, group in (("q", q), ("p", p)))
     values = values_of(problem.parameters, parameters)
-    place, momentum = number(q[name], source=f"q.{name}"), number(p[name], source=f"p.{name}")
+    place, momentum = places[name], momenta[name]
     bits = bits_for(digits, _GUARD_BITS)
     if not _Ends.of(problem, values, bits).hold(to_bits(place)(bits)):
         raise InvalidInputError(f"q.{name}: {place} is not inside the domain of {name}")

@@ -18,8 +18,8 @@ import sympy as sp
 from hjsolve import arguments
 from hjsolve.display.shown import Shown
 from hjsolve.errors import InvalidSystemError
-from hjsolve.formulas.read import number
 from hjsolve.mechanics.system import System, hamiltonian, momenta
+from hjsolve.motion.initial_data import complete_numbers, one_of_velocity_and_p
 from hjsolve.separation.zero_test.zero_test import Zero, is_zero
 from hjsolve.solution.quadratures import Solution, solve
 
@@ -167,15 +167,20 @@ def carried_initial_data(
         q: original positions.
         velocity: original velocities, or
         p: original momenta.
+
+    Raises:
+        InvalidInputError: velocity and p both or neither, or a name that is no original coordinate.
+        MissingValueError: a coordinate without a value.
     """
     old = frame.original.coordinates
-    at = dict(values) | {c.symbol: number(q[c.name], source=f"q[{c.name}]") for c in old}
-    if velocity is not None:
-        speeds = {c.velocity: number(velocity[c.name], source=f"velocity[{c.name}]") for c in old}
+    what, given = one_of_velocity_and_p(velocity, p)
+    places, rates = complete_numbers(old, q, "q"), complete_numbers(old, given, what)
+    at = dict(values) | {c.symbol: places[c.name] for c in old}
+    if what == "velocity":
+        speeds = {c.velocity: rates[c.name] for c in old}
         at |= {c.momentum: momenta(frame.original)[c.name].xreplace({**at, **speeds}) for c in old}
     else:
-        assert p is not None
-        at |= {c.momentum: number(p[c.name], source=f"p[{c.name}]") for c in old}
+        at |= {c.momentum: rates[c.name] for c in old}
     new = {symbol: formula.subs(at) for symbol, formula in frame.inverse().items()}
     P = {symbol: formula.subs({**at, **new}) for symbol, formula in frame.new_momenta().items()}
     return {

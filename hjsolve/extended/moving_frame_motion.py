@@ -9,12 +9,10 @@ from typing import Any
 import numpy as np
 import sympy as sp
 
-from hjsolve import arguments
 from hjsolve.arithmetic.estimate import Estimate
 from hjsolve.arithmetic.floats import Float64, Multi, bits_for
 from hjsolve.arithmetic.number_types import Numbers
 from hjsolve.display.shown import Shown
-from hjsolve.errors import InvalidInputError, MissingValueError
 from hjsolve.extended.moving_frame import Frame, carried_initial_data
 from hjsolve.formulas.read import number
 from hjsolve.lowering import lower
@@ -127,12 +125,6 @@ def start_framed_motion(
         InvalidInputError: velocity and p both or neither.
         MissingValueError: a coordinate without a value.
     """
-    if (velocity is None) == (p is None):
-        raise InvalidInputError("initial data: give either velocity={…} or p={…}, a number for every coordinate")
-    names = [c.name for c in frame.original.coordinates]
-    for what, given in (("q", q), ("velocity" if p is None else "p", velocity if p is None else p)):
-        if set(arguments.table(given, what)) != set(names):
-            raise MissingValueError(f"{what}: needs a number for each of {', '.join(names)}, and nothing else")
     time = number(t0, source="t0")
     values = {**parameter_values(frame.system, parameters), frame.time: time}
     data = carried_initial_data(frame, values, q, velocity, p)

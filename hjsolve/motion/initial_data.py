@@ -17,7 +17,7 @@ from hjsolve import arguments
 from hjsolve.display.shown import Shown
 from hjsolve.errors import InvalidInputError, MissingValueError
 from hjsolve.formulas.read import number
-from hjsolve.mechanics.coordinates_and_parameters import Parameter
+from hjsolve.mechanics.coordinates_and_parameters import Coordinate, Parameter
 from hjsolve.mechanics.system import System, momenta, refuse_turns_that_differ
 from hjsolve.motion.exact_numbers import ZERO_BITS as ZERO_BITS
 from hjsolve.motion.exact_numbers import InBits as InBits
@@ -151,7 +151,7 @@ def read_places(system: System, q: Values, parameters: Values | None) -> dict[sp
         MissingValueError: a value is missing.
     """
     values = parameter_values(system, arguments.table(parameters, "parameters", '{"m": 1}'))
-    places = _complete(system, q, "q")
+    places = complete_numbers(system.coordinates, q, "q")
     values |= {c.symbol: places[c.name] for c in system.coordinates}
     _inside_domains(system, values)
     return values
@@ -172,8 +172,9 @@ def read_phase_point(
         MissingValueError: a value is missing.
     """
     values = read_places(system, q, parameters)
-    rates = _complete(system, velocity if p is None else p, "velocity" if p is None else "p")  # type: ignore[arg-type]
-    if p is not None:
+    what, given = one_of_velocity_and_p(velocity, p)
+    rates = complete_numbers(system.coordinates, given, what)
+    if what == "p":
         return values | {c.momentum: rates[c.name] for c in system.coordinates}
     motion, formulas = {c.velocity: rates[c.name] for c in system.coordinates}, momenta(system)
     known = {**values, **motion}
@@ -258,8 +259,35 @@ def clean(value: sp.Expr) -> sp.Expr:
     return sp.Integer(0) if number_is_zero(value) else value
 
 
-def _complete(system: System, given: Values, what: str) -> dict[str, sp.Expr]:
-    names = [c.name for c in system.coordinates]
+def one_of_velocity_and_p(velocity: Values | None, p: Values | None) -> tuple[str, Values]:
+    """Return what was given of the two, and its name.
+
+    Args:
+        velocity, p: coordinate → number, or None.
+
+    Raises:
+        InvalidInputError: both or neither.
+    """
+    if velocity is not None and p is None:
+        return "velocity", velocity
+    if p is not None and velocity is None:
+        return "p", p
+    raise InvalidInputError("initial data: give either velocity={…} or p={…}, a number for every coordinate")
+
+
+def complete_numbers(coordinates: Sequence[Coordinate], given: Values, what: str) -> dict[str, sp.Expr]:
+    """Read one exact number for every coordinate, in their order.
+
+    Args:
+        coordinates: all that need one.
+        given: name → number.
+        what: the name of the argument.
+
+    Raises:
+        InvalidInputError: a name that is no coordinate, or no number.
+        MissingValueError: a coordinate without one.
+    """
+    names = [c.name for c in coordinates]
     given = arguments.table(given, what, f'{{"{names[0]}": 1}}')
     for name in given:
         if name not in names:
