@@ -61,7 +61,7 @@ class Estimate:
         """Lower and upper end of value ± error, rounded outward."""
         return propagation.interval((self.value, self.error))
 
-    def agrees(self, other: Any) -> bool:
+    def agrees(self, other: object) -> bool:
         """Whether this and another number may be the same: value ± error of the two meet.
 
         Args:
@@ -85,25 +85,25 @@ class Estimate:
     def __hash__(self) -> int:
         return hash(self.value)
 
-    def __lt__(self, other: Any) -> bool:
+    def __lt__(self, other: object) -> bool:
         return self._below(other, operator.lt)
 
-    def __le__(self, other: Any) -> bool:
+    def __le__(self, other: object) -> bool:
         return self._below(other, operator.le)
 
-    def __gt__(self, other: Any) -> bool:
+    def __gt__(self, other: object) -> bool:
         return self._above(other, operator.gt)
 
-    def __ge__(self, other: Any) -> bool:
+    def __ge__(self, other: object) -> bool:
         return self._above(other, operator.ge)
 
-    def _below(self, other: Any, compare: Callable[[Any, Any], bool]) -> bool:
+    def _below(self, other: object, compare: Callable[[Any, Any], bool]) -> bool:
         term = _term(other)
         if term is None:
             return NotImplemented
         return bool(compare(propagation.exact_ends((self.value, self.error))[1], propagation.exact_ends(term)[0]))
 
-    def _above(self, other: Any, compare: Callable[[Any, Any], bool]) -> bool:
+    def _above(self, other: object, compare: Callable[[Any, Any], bool]) -> bool:
         term = _term(other)
         if term is None:
             return NotImplemented
@@ -119,46 +119,46 @@ class Estimate:
     def __abs__(self) -> Estimate:
         return combined("abs", self)
 
-    def __add__(self, other: Any) -> Estimate:
+    def __add__(self, other: object) -> Estimate:
         return combined("add", self, other)
 
-    def __radd__(self, other: Any) -> Estimate:
+    def __radd__(self, other: object) -> Estimate:
         return combined("add", other, self)
 
-    def __sub__(self, other: Any) -> Estimate:
+    def __sub__(self, other: object) -> Estimate:
         return combined("subtract", self, other)
 
-    def __rsub__(self, other: Any) -> Estimate:
+    def __rsub__(self, other: object) -> Estimate:
         return combined("subtract", other, self)
 
-    def __mul__(self, other: Any) -> Estimate:
+    def __mul__(self, other: object) -> Estimate:
         return combined("multiply", self, other)
 
-    def __rmul__(self, other: Any) -> Estimate:
+    def __rmul__(self, other: object) -> Estimate:
         return combined("multiply", other, self)
 
-    def __truediv__(self, other: Any) -> Estimate:
+    def __truediv__(self, other: object) -> Estimate:
         return combined("divide", self, other)
 
-    def __rtruediv__(self, other: Any) -> Estimate:
+    def __rtruediv__(self, other: object) -> Estimate:
         return combined("divide", other, self)
 
-    def __floordiv__(self, other: Any) -> Estimate:
+    def __floordiv__(self, other: object) -> Estimate:
         return combined("floor_divide", self, other)
 
-    def __rfloordiv__(self, other: Any) -> Estimate:
+    def __rfloordiv__(self, other: object) -> Estimate:
         return combined("floor_divide", other, self)
 
-    def __mod__(self, other: Any) -> Estimate:
+    def __mod__(self, other: object) -> Estimate:
         return combined("remainder", self, other)
 
-    def __rmod__(self, other: Any) -> Estimate:
+    def __rmod__(self, other: object) -> Estimate:
         return combined("remainder", other, self)
 
-    def __pow__(self, other: Any) -> Estimate:
+    def __pow__(self, other: object) -> Estimate:
         return combined("power", self, other)
 
-    def __rpow__(self, other: Any) -> Estimate:
+    def __rpow__(self, other: object) -> Estimate:
         return combined("power", other, self)
 
     def __array__(self, dtype: Any = None, copy: Any = None) -> Any:
@@ -199,14 +199,14 @@ class Estimate:
         return f"${self:L}$"
 
 
-def _term(x: Any) -> propagation.Term | None:
+def _term(x: object) -> propagation.Term | None:
     """Value and error of an operand; None for what is no real number."""
     if isinstance(x, Estimate):
         return x.value, x.error
     return (x, 0.0) if propagation.is_real(x) else None
 
 
-def combined(name: str, *operands: Any) -> Estimate:
+def combined(name: str, *operands: object) -> Estimate:
     """Return a function of numbers, of which at least one is an Estimate.
 
     Args:

@@ -15,6 +15,8 @@ from typing import Any, TypeAlias
 
 from hjsolve.arithmetic import ranges
 from hjsolve.arithmetic.floats import multiprecision
+from hjsolve.arithmetic.number_types import Context as MpContext
+from hjsolve.arithmetic.number_types import Mpf
 from hjsolve.arithmetic.printed_digits import decimal
 from hjsolve.arithmetic.ranges import Range
 
@@ -25,7 +27,7 @@ _DOUBLE, _GUARD = 53, 75
 _TWO_DIGITS = Context(prec=2, rounding=ROUND_CEILING)
 
 
-def is_real(x: Any) -> bool:
+def is_real(x: object) -> bool:
     """Whether something is a real number: int, float, Fraction, Decimal, mpf, a numpy scalar, a rational of sympy.
 
     Args:
@@ -65,13 +67,13 @@ def propagated(name: str, terms: Sequence[Term]) -> Term:
     return value, target.fadd(_reach(c, spread, value), 0, rounding="c")
 
 
-def _reach(c: Any, spread: Range, value: Any) -> Any:
+def _reach(c: MpContext, spread: Range, value: float | Mpf) -> Mpf:
     """How far an interval extends from a number in it or beside it, rounded up."""
     below, above = c.fsub(value, spread[0], rounding="c"), c.fsub(spread[1], value, rounding="c")
     return max(below, above, c.zero)
 
 
-def interval(term: Term) -> Range:
+def interval(term: Term) -> tuple[float, float] | Range:
     """Lower and upper end, rounded outward to the precision of the value.
 
     Args:
@@ -85,7 +87,7 @@ def interval(term: Term) -> Range:
     return -_up(-low), _up(high)
 
 
-def exact_ends(term: Term) -> Range:
+def exact_ends(term: Term) -> tuple[float, float] | Range:
     """Lower and upper end as they are.
 
     Args:
@@ -106,7 +108,7 @@ def meet(one: Term, other: Term) -> bool:
     return bool(a <= d and c <= b)
 
 
-def short_bound(error: Any) -> str:
+def short_bound(error: float | Mpf) -> str:
     """Write an error with two digits, not below itself.
 
     Args:
@@ -122,7 +124,7 @@ def short_bound(error: Any) -> str:
 
 
 # ------------------------------------------------------------------------------------------------ one operand
-def _applied(c: Any, name: str, spreads: list[Range]) -> Range:
+def _applied(c: MpContext, name: str, spreads: list[Range]) -> Range:
     return ranges.apply(c, name, spreads[0]) if len(spreads) == 1 else ranges.OF_TWO[name](c, *spreads)
 
 
@@ -139,7 +141,7 @@ def _bits(x: Any) -> int:
     return max(int(x.context.prec), int(x._mpf_[3])) if hasattr(x, "_mpf_") else 0
 
 
-def _exact(c: Any, x: Any) -> Range:
+def _exact(c: MpContext, x: Any) -> Range:
     """A number as an interval: one number twice where it is a binary fraction."""
     if hasattr(x, "_mpf_"):
         return (c.convert(x),) * 2
@@ -151,12 +153,12 @@ def _exact(c: Any, x: Any) -> Range:
     return c.fdiv(top, bottom, rounding="f"), c.fdiv(top, bottom, rounding="c")
 
 
-def _ends(c: Any, value: Any, error: Any) -> Range:
+def _ends(c: MpContext, value: float | Mpf, error: float | Mpf) -> Range:
     (low, high), doubt = _exact(c, value), _exact(c, error)[1]
     return c.fsub(low, doubt, rounding="f"), c.fadd(high, doubt, rounding="c")
 
 
-def _double(x: Any) -> float | None:
+def _double(x: float | Mpf) -> float | None:
     """The nearest double; None beyond their range."""
     try:
         value = float(x)
@@ -165,7 +167,7 @@ def _double(x: Any) -> float | None:
     return value if math.isfinite(value) else None
 
 
-def _up(x: Any) -> float:
+def _up(x: float | Mpf) -> float:
     """The least double that is not below a number."""
     nearest = _double(x)
     if nearest is None:

@@ -10,14 +10,15 @@ from __future__ import annotations
 
 from collections.abc import Callable
 from functools import partial
-from typing import Any, TypeAlias
+from typing import TypeAlias
 
 from hjsolve.arithmetic.floats import CIRCULAR, FARTHEST, by_squaring
+from hjsolve.arithmetic.number_types import Context, Mpf
 from hjsolve.errors import InvalidInputError
 
-Range: TypeAlias = tuple[Any, Any]
+Range: TypeAlias = tuple[Mpf, Mpf]
 """Lower and upper end."""
-Function: TypeAlias = Callable[[Any, Range], Range]
+Function: TypeAlias = Callable[[Context, Range], Range]
 """(mpmath's context, interval) → interval."""
 
 _WIDER = 6
@@ -32,7 +33,7 @@ _POLES = {"log": (0,), "log2": (0,), "log10": (0,), "log1p": (-1,), "atanh": (-1
 """Ends at which a function is infinite."""
 
 
-def add(c: Any, x: Range, y: Range) -> Range:
+def add(c: Context, x: Range, y: Range) -> Range:
     """Return the range of x + y.
 
     Args:
@@ -42,7 +43,7 @@ def add(c: Any, x: Range, y: Range) -> Range:
     return c.fadd(x[0], y[0], rounding="f"), c.fadd(x[1], y[1], rounding="c")
 
 
-def subtract(c: Any, x: Range, y: Range) -> Range:
+def subtract(c: Context, x: Range, y: Range) -> Range:
     """Return the range of x − y.
 
     Args:
@@ -52,7 +53,7 @@ def subtract(c: Any, x: Range, y: Range) -> Range:
     return c.fsub(x[0], y[1], rounding="f"), c.fsub(x[1], y[0], rounding="c")
 
 
-def multiply(c: Any, x: Range, y: Range) -> Range:
+def multiply(c: Context, x: Range, y: Range) -> Range:
     """Return the range of x·y.
 
     Args:
@@ -63,7 +64,7 @@ def multiply(c: Any, x: Range, y: Range) -> Range:
     return min(c.fmul(a, b, rounding="f") for a, b in pairs), max(c.fmul(a, b, rounding="c") for a, b in pairs)
 
 
-def divide(c: Any, x: Range, y: Range) -> Range:
+def divide(c: Context, x: Range, y: Range) -> Range:
     """Return the range of x/y.
 
     Args:
@@ -79,7 +80,7 @@ def divide(c: Any, x: Range, y: Range) -> Range:
     return min(c.fdiv(a, b, rounding="f") for a, b in pairs), max(c.fdiv(a, b, rounding="c") for a, b in pairs)
 
 
-def power(c: Any, x: Range, y: Range) -> Range:
+def power(c: Context, x: Range, y: Range) -> Range:
     """Return the range of x^y.
 
     Args:
@@ -105,7 +106,7 @@ def power(c: Any, x: Range, y: Range) -> Range:
     return min(top[0], bottom[0]), max(top[1], bottom[1])
 
 
-def _whole_power(c: Any, x: Range, n: int) -> Range:
+def _whole_power(c: Context, x: Range, n: int) -> Range:
     if n < 0:
         return divide(c, (c.one, c.one), _whole_power(c, x, -n))
     if n == 0:
@@ -115,7 +116,7 @@ def _whole_power(c: Any, x: Range, n: int) -> Range:
     return (c.zero if inside else min(low for low, _ in ends)), max(high for _, high in ends)
 
 
-def absolute(c: Any, x: Range) -> Range:
+def absolute(c: Context, x: Range) -> Range:
     """Return the range of |x|.
 
     Args:
@@ -126,7 +127,7 @@ def absolute(c: Any, x: Range) -> Range:
     return (c.zero if x[0] < 0 < x[1] else size[0]), size[1]
 
 
-def abs_exact(c: Any, x: Any) -> Any:
+def abs_exact(c: Context, x: Mpf) -> Mpf:
     """Return |x| with every digit of x, whatever the precision.
 
     Args:
@@ -136,7 +137,7 @@ def abs_exact(c: Any, x: Any) -> Any:
     return c.fneg(x, exact=True) if x < 0 else x
 
 
-def square_root(c: Any, x: Range) -> Range:
+def square_root(c: Context, x: Range) -> Range:
     """Return the range of √x, of what is not negative of x.
 
     Args:
@@ -150,7 +151,7 @@ def square_root(c: Any, x: Range) -> Range:
     return c.sqrt(low, rounding="f"), c.sqrt(high, rounding="c")
 
 
-def apply(c: Any, name: str, x: Range) -> Range:
+def apply(c: Context, name: str, x: Range) -> Range:
     """Return the range of a function of one variable.
 
     Args:
@@ -168,7 +169,7 @@ def apply(c: Any, name: str, x: Range) -> Range:
     return _OTHERS[name](c, x)
 
 
-def _inside(c: Any, name: str, x: Range, left: float | None, right: float | None) -> Range:
+def _inside(c: Context, name: str, x: Range, left: float | None, right: float | None) -> Range:
     """The part of an interval where a function is real."""
     low = x[0] if left is None else max(x[0], c.mpf(left))
     high = x[1] if right is None else min(x[1], c.mpf(right))
@@ -179,7 +180,7 @@ def _inside(c: Any, name: str, x: Range, left: float | None, right: float | None
     return low, high
 
 
-def _wide(c: Any, name: str, x: Any, exact: int | None) -> Range:
+def _wide(c: Context, name: str, x: Mpf, exact: int | None) -> Range:
     """The value at one number, widened unless it is exact there."""
     value = _value(c, name, x)
     if exact is not None and x == exact:
@@ -188,7 +189,7 @@ def _wide(c: Any, name: str, x: Any, exact: int | None) -> Range:
     return c.fsub(value, slack, rounding="f"), c.fadd(value, slack, rounding="c")
 
 
-def _value(c: Any, name: str, x: Any) -> Any:
+def _value(c: Context, name: str, x: Mpf) -> Mpf:
     if name in CIRCULAR or name in {"exp", "expm1", "sinh", "cosh", "tanh"}:
         farthest = (16 if name in CIRCULAR else 1) * FARTHEST
         if c.mag(x) > farthest:
@@ -200,13 +201,13 @@ def _value(c: Any, name: str, x: Any) -> Any:
     return getattr(c, name)(x)
 
 
-def _told(c: Any, x: Range) -> str:
+def _told(c: Context, x: Range) -> str:
     middle, half = (x[0] + x[1]) / 2, (x[1] - x[0]) / 2
     return f"{c.nstr(middle, 6)} ± {c.nstr(half, 2)}"
 
 
 # ------------------------------------------------------------------------------------------------ not monotone
-def _wave(c: Any, name: str, x: Range) -> Range:
+def _wave(c: Context, name: str, x: Range) -> Range:
     """Range of sin or cos: the values at the ends, and ±1 where a crest or trough may lie inside."""
     if x[0] == x[1] == 0:
         return _wide(c, name, x[0], 0)
@@ -221,13 +222,13 @@ def _wave(c: Any, name: str, x: Range) -> Range:
     )
 
 
-def _meets(c: Any, low: Any, high: Any, offset: int) -> bool:
+def _meets(c: Context, low: Mpf, high: Mpf, offset: int) -> bool:
     """Whether a number offset + 4k may lie between two numbers, each good to the context's precision."""
     first, last = (low - offset) / 4, (high - offset) / 4
     return bool(c.ceil(first - 8 * c.eps * (1 + abs(low))) <= last + 8 * c.eps * (1 + abs(high)))
 
 
-def quarter_turns(c: Any, n: int) -> Range:
+def quarter_turns(c: Context, n: int) -> Range:
     """Return n π/2, rounded outward; n ≥ 0.
 
     Args:
@@ -239,19 +240,19 @@ def quarter_turns(c: Any, n: int) -> Range:
     return c.fsub(half, slack, rounding="f"), c.fadd(half, slack, rounding="c")
 
 
-def _tangent(c: Any, x: Range) -> Range:
+def _tangent(c: Context, x: Range) -> Range:
     first, last = (divide(c, (end, end), quarter_turns(c, 1)) for end in x)
     if _meets(c, first[0], last[1], 1) or _meets(c, first[0], last[1], 3):
         raise InvalidInputError(f"tan of {_told(c, x)}: a pole may lie in that, so there is no bound")
     return _wide(c, "tan", x[0], 0)[0], _wide(c, "tan", x[1], 0)[1]
 
 
-def _cosh(c: Any, x: Range) -> Range:
+def _cosh(c: Context, x: Range) -> Range:
     low, high = absolute(c, x)
     return max(_wide(c, "cosh", low, 0)[0], c.one), _wide(c, "cosh", high, 0)[1]
 
 
-def _acos(c: Any, x: Range) -> Range:
+def _acos(c: Context, x: Range) -> Range:
     low, high = _inside(c, "acos", x, -1, 1)
     return max(_wide(c, "acos", high, 1)[0], c.zero), _wide(c, "acos", low, 1)[1]
 
@@ -275,7 +276,7 @@ FUNCTIONS = frozenset({*_RISING, *_OTHERS})
 
 
 # ------------------------------------------------------------------------------------------------ of two
-def angle_of(c: Any, y: Range, x: Range) -> Range:
+def angle_of(c: Context, y: Range, x: Range) -> Range:
     """Return the range of atan2(y, x), in radians.
 
     Args:
@@ -297,7 +298,7 @@ def angle_of(c: Any, y: Range, x: Range) -> Range:
     )
 
 
-def hypotenuse(c: Any, x: Range, y: Range) -> Range:
+def hypotenuse(c: Context, x: Range, y: Range) -> Range:
     """Return the range of √(x² + y²).
 
     Args:
@@ -307,7 +308,7 @@ def hypotenuse(c: Any, x: Range, y: Range) -> Range:
     return square_root(c, add(c, _whole_power(c, x, 2), _whole_power(c, y, 2)))
 
 
-def whole_quotient(c: Any, x: Range, y: Range) -> Range:
+def whole_quotient(c: Context, x: Range, y: Range) -> Range:
     """Return ⌊x/y⌋, as an interval of length zero.
 
     Args:
@@ -325,7 +326,7 @@ def whole_quotient(c: Any, x: Range, y: Range) -> Range:
     return low, high
 
 
-def remainder(c: Any, x: Range, y: Range) -> Range:
+def remainder(c: Context, x: Range, y: Range) -> Range:
     """Return the range of x − y⌊x/y⌋.
 
     Args:
@@ -338,7 +339,7 @@ def remainder(c: Any, x: Range, y: Range) -> Range:
     return subtract(c, x, multiply(c, whole_quotient(c, x, y), y))
 
 
-def greater(c: Any, x: Range, y: Range) -> Range:  # noqa: ARG001
+def greater(c: Context, x: Range, y: Range) -> Range:  # noqa: ARG001
     """Return the range of the greater of two.
 
     Args:
@@ -348,7 +349,7 @@ def greater(c: Any, x: Range, y: Range) -> Range:  # noqa: ARG001
     return max(x[0], y[0]), max(x[1], y[1])
 
 
-def less(c: Any, x: Range, y: Range) -> Range:  # noqa: ARG001
+def less(c: Context, x: Range, y: Range) -> Range:  # noqa: ARG001
     """Return the range of the lesser of two.
 
     Args:
@@ -358,7 +359,7 @@ def less(c: Any, x: Range, y: Range) -> Range:  # noqa: ARG001
     return min(x[0], y[0]), min(x[1], y[1])
 
 
-OF_TWO: dict[str, Callable[[Any, Range, Range], Range]] = {
+OF_TWO: dict[str, Callable[[Context, Range, Range], Range]] = {
     "add": add, "subtract": subtract, "multiply": multiply, "divide": divide, "power": power, "arctan2": angle_of,
     "hypot": hypotenuse, "floor_divide": whole_quotient, "remainder": remainder,
     "maximum": greater, "minimum": less,

@@ -1,11 +1,18 @@
-"""A zero of a function of one real variable, kept in a bracket; the power that its values follow."""
+"""A zero of a function of one real variable, kept in a bracket; the power that its values follow.
+
+With a derivative in many digits ``bracketed_root``, for many equations at once in doubles ``bracketed_roots``; from
+values ``regula_falsi``; from the side alone ``bisected``. Searches that stop by another rule say so where they are
+(``coupled_pair``, ``coupled_crossing``, ``stretched_anomaly``, ``proved_turning_points``).
+"""
 
 from __future__ import annotations
 
 from collections.abc import Callable, Sequence
 
-from hjsolve.arithmetic.floats import multiprecision
-from hjsolve.arithmetic.number_types import Context, Mpf
+import numpy as np
+
+from hjsolve.arithmetic.floats import EPS, multiprecision
+from hjsolve.arithmetic.number_types import Context, Mpf, Reals, X
 
 
 def bracketed_root(function: Callable[[Mpf], Sequence[Mpf]], x0: float | Mpf, x1: float | Mpf, bits: int) -> Mpf:
@@ -45,6 +52,72 @@ def _polished(function: Callable[[Mpf], Sequence[Mpf]], x: Mpf, step: Mpf) -> Mp
         f, slope = function(x)
         step = f / slope if slope else 0 * x
     return x - step
+
+
+def bracketed_roots(
+    function: Callable[[Reals], tuple[Reals, Reals]], x: Reals, low: Reals, high: Reals
+) -> tuple[Reals, Reals, Reals]:
+    """Newton's method for an increasing function, element by element, never leaving its bracket.
+
+    Args:
+        function: x ↦ (f, f′), arrays of shape (m,).
+        x, low, high: start and bracket, shape (m,).
+
+    Returns:
+        The zero, the residual and the slope there.
+    """
+    for count in range(80):
+        f, slope = function(x)
+        low, high = np.where(f <= 0, np.maximum(low, x), low), np.where(f >= 0, np.minimum(high, x), high)
+        with np.errstate(all="ignore"):
+            new = x - f / slope
+        outside = ~((new >= low) & (new <= high))
+        if outside.any() or count > 8:
+            new = np.where(outside | ((count > 8) & (count % 4 == 3)), (low + high) / 2, new)
+        moved = np.abs(new - x)
+        x = new
+        if np.all(moved <= 4 * EPS * np.maximum(np.abs(x), 1e-290)) or (count > 3 and np.all(moved <= 16 * EPS)):
+            break
+    f, slope = function(x)
+    return x, f, slope
+
+
+def regula_falsi(function: Callable[[float], float], low: float, high: float) -> float:
+    """Return a zero in doubles from values alone, to the last bits: regula falsi, every third step a bisection.
+
+    Args:
+        function: f, not positive at one end and not negative at the other; infinite where there is no value.
+        low, high: where f ≤ 0, and where f ≥ 0.
+    """
+    f0, f1 = function(low), function(high)
+    for count in range(200):
+        if f0 == 0 or high - low <= 2 * EPS * max(abs(low), abs(high)):
+            return low
+        middle = (low + high) / 2 if count % 3 == 2 or not np.isfinite(f1 - f0) else low - f0 * (high - low) / (f1 - f0)
+        middle = min(max(middle, low + 0.001 * (high - low)), high - 0.001 * (high - low))
+        f = function(middle)
+        if f <= 0:
+            low, f0 = middle, f
+        else:
+            high, f1 = middle, f
+    return low
+
+
+def bisected(below: Callable[[X], bool], low: X, high: X, times: int) -> tuple[X, X]:
+    """Halve a bracket a number of times.
+
+    Args:
+        below: whether a place lies on the side of ``low``.
+        low, high: the ends, in either order.
+        times: how often.
+
+    Returns:
+        The ends of what is left.
+    """
+    for _ in range(times):
+        middle = (low + high) / 2
+        low, high = (middle, high) if below(middle) else (low, middle)
+    return low, high
 
 
 def leading_power(values: list[Mpf], context: Context) -> float:

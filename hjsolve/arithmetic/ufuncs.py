@@ -8,6 +8,7 @@ from functools import partial
 from typing import Any
 
 import numpy as np
+from numpy.typing import NDArray
 
 from hjsolve.arithmetic.estimate import Estimate, combined
 from hjsolve.arithmetic.ranges import OF_TWO
@@ -27,7 +28,7 @@ _QUESTIONS: Mapping[str, Callable[[float], bool]] = {
 }  # fmt: skip
 
 
-def of_estimates(ufunc: Any, method: str, inputs: tuple[Any, ...], options: Mapping[str, Any]) -> Any:
+def of_estimates(ufunc: np.ufunc, method: str, inputs: tuple[object, ...], options: Mapping[str, object]) -> Any:
     """Answer a function of numpy for operands of which at least one is an Estimate.
 
     Args:
@@ -47,7 +48,7 @@ def of_estimates(ufunc: Any, method: str, inputs: tuple[Any, ...], options: Mapp
     return np.frompyfunc(rule, len(inputs), 1)(*(x if isinstance(x, np.ndarray) else _boxed(x) for x in inputs))
 
 
-def _boxed(x: Any) -> Any:
+def _boxed(x: object) -> NDArray[np.object_]:
     """An array without axes that holds an object as it is."""
     box = np.empty((), dtype=object)
     box[()] = x
@@ -68,7 +69,7 @@ def _rule(name: str) -> Callable[..., Any] | None:
     return partial(_compared, name) if name in _COMPARISONS else None
 
 
-def _compared(name: str, x: Any, y: Any) -> Any:
+def _compared(name: str, x: object, y: object) -> Any:
     """Ask the Estimate, not numpy's number, which would ask here again."""
     forward, backward = (f"__{method}__" for method in _COMPARISONS[name].split())
     return getattr(x, forward)(y) if isinstance(x, Estimate) else getattr(y, backward)(x)

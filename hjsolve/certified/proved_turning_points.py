@@ -121,7 +121,7 @@ class _Walker:
 
     def _refined(self, side: int, x0: float, x1: float, part: float) -> flint.arb:
         """Newton's method kept inside a bracket, from a part of the way on."""
-        low, high = flint.arb(x0), flint.arb(x1)
+        low, high = flint.arb(x0), flint.arb(x1)  # centres of balls, to 25 bits: a guess, proved afterwards
         x = flint.arb(x0 + min(0.9, max(0.1, part)) * (x1 - x0))
         for _ in range(_NEWTON):
             value, slope = (part.mid() for part in self.line.taylor(self.origin.mid() + side * x, 2))

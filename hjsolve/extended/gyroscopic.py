@@ -22,12 +22,13 @@ import sympy as sp
 from hjsolve import arguments
 from hjsolve.arithmetic.estimate import Estimate
 from hjsolve.arithmetic.floats import bits_for, multiprecision
+from hjsolve.arithmetic.number_types import Context, Matrix, Mpc, Mpf
 from hjsolve.display.shown import Shown
 from hjsolve.errors import InvalidInputError, InvalidSystemError, NotConvergedError
 from hjsolve.formulas.read import number
 from hjsolve.mechanics.subjects import system_of
 from hjsolve.mechanics.system import System, hamiltonian, kinetic_rest, linear_terms, mass_matrix, momenta, velocities
-from hjsolve.motion.initial_data import parameter_values, to_bits
+from hjsolve.motion.initial_data import complete_numbers, one_of_velocity_and_p, parameter_values, to_bits
 from hjsolve.motion.motion import Motion
 from hjsolve.motion.state import Errors, State
 from hjsolve.solution.quadratures import solve
@@ -55,10 +56,10 @@ class LinearModes(Shown):
 
     system: System
     polynomial: sp.Expr
-    exponents: tuple[Any, ...]
+    exponents: tuple[Mpf | Mpc, ...]
     ratios: tuple[Mapping[str, Any], ...]
     stable: bool
-    frequencies: tuple[Any, ...]
+    frequencies: tuple[Mpf, ...]
     signs: tuple[int, ...]
     matrix: Any
     normal_form: System | None
@@ -67,7 +68,11 @@ class LinearModes(Shown):
 
     @arguments.by_name('motion(q={"q1": 1, "q2": 0}, velocity={"q1": 0, "q2": 0})')
     def motion(
-        self, *, q: Mapping[str, Any], velocity: Mapping[str, Any] | None = None, p: Mapping[str, Any] | None = None
+        self,
+        *,
+        q: Mapping[str, object],
+        velocity: Mapping[str, object] | None = None,
+        p: Mapping[str, object] | None = None,
     ) -> ModalMotion:
         """Start a motion from initial data of the system as posed.
 
@@ -81,8 +86,6 @@ class LinearModes(Shown):
         """
         if self.normal_form is None:
             raise InvalidInputError("this system has no modes that oscillate only: some exponent is not imaginary")
-        if (velocity is None) == (p is None):
-            raise InvalidInputError("initial data: give either velocity={…} or p={…}, a number for every coordinate")
         bits = _bits(self.digits)
         z = multiprecision(bits).matrix([to_bits(x)(bits) for x in _canonical(self, q, velocity, p)])
         modal = _inverse(self.matrix) * z
@@ -114,7 +117,7 @@ class ModalMotion(Shown):
         """The constants of the motion of the modes."""
         return self.motion.constants
 
-    def at(self, t: Any) -> State:
+    def at(self, t: object) -> State:
         """Return the state in the coordinates as posed at a time or at an array of times; as ``Motion.at``.
 
         q and p are N times those of the modes, and their errors |N| times theirs, N being good to far more digits.
@@ -135,17 +138,17 @@ class ModalMotion(Shown):
 
         return State(t, q, p, velocity, {}, state.status, bounds)
 
-    def _named(self, values: list[Any]) -> Iterator[dict[str, Any]]:
+    def _named(self, values: list[Mpf]) -> Iterator[dict[str, Mpf]]:
         """Values of q, p and velocity by coordinate."""
         names = [c.name for c in self.modes.system.coordinates]
         return (dict(zip(names, values[k * len(names) :], strict=False)) for k in range(3))
 
 
-def _converted(x: Any, context: Any) -> Any:
+def _converted(x: Any, context: Context) -> Any:
     return context.convert(x) if np.ndim(x) == 0 else np.frompyfunc(context.convert, 1, 1)(x)
 
 
-def _speeds(modes: LinearModes) -> list[list[Any]]:
+def _speeds(modes: LinearModes) -> list[list[Mpf]]:
     """q̇ = ∂H/∂p as rows of numbers times (Q, P)."""
     z = sp.Matrix([c.symbol for c in modes.system.coordinates] + [c.momentum for c in modes.system.coordinates])
     rates = sp.Matrix(list(velocities(modes.system).values())).jacobian(z).subs(modes.values)
@@ -155,7 +158,7 @@ def _speeds(modes: LinearModes) -> list[list[Any]]:
 
 
 def gyroscopic_modes(
-    system: System | str | Path, *, parameters: Mapping[str, Any] | None = None, digits: int = 30
+    system: System | str | Path, *, parameters: Mapping[str, object] | None = None, digits: int = 30
 ) -> LinearModes:
     """Bring a linear system to normal form by a linear symplectic map.
 
@@ -219,7 +222,7 @@ def _matrices(system: System) -> tuple[sp.Matrix, sp.Matrix, sp.Matrix]:
     return M, G - G.T, K
 
 
-def _squares(polynomial: sp.Expr, bits: int) -> tuple[list[Any], bool]:
+def _squares(polynomial: sp.Expr, bits: int) -> tuple[list[Mpf], bool]:
     """The roots of the characteristic equation in λ², and whether all are simple and none is zero."""
     context = multiprecision(bits)
     s = sp.Symbol("s")
@@ -235,8 +238,14 @@ def _squares(polynomial: sp.Expr, bits: int) -> tuple[list[Any], bool]:
 
 
 def _ratios(
-    system: System, M: sp.Matrix, Γ: sp.Matrix, K: sp.Matrix, values: Mapping[sp.Symbol, sp.Expr], λ: Any, context: Any
-) -> dict[str, Any]:
+    system: System,
+    M: sp.Matrix,
+    Γ: sp.Matrix,
+    K: sp.Matrix,
+    values: Mapping[sp.Symbol, sp.Expr],
+    λ: Mpf | Mpc,
+    context: Context,
+) -> dict[str, Mpf | Mpc]:
     """A_i/A_1 of the amplitudes with M λ² A + Γ λ A + K A = 0: the cofactors of one row."""
     n = M.rows
     numbers = [[[to_bits(sp.sympify(X[i, j]).subs(values))(context.prec) for j in range(n)] for i in range(n)]
@@ -250,7 +259,7 @@ def _ratios(
     return {c.name: best[i] / best[0] for i, c in enumerate(system.coordinates)}
 
 
-def _cofactors(A: Any, row: int, context: Any) -> list[Any]:
+def _cofactors(A: Matrix, row: int, context: Context) -> list[Mpf | Mpc]:
     n = A.rows
     found = []
     for j in range(n):
@@ -259,20 +268,20 @@ def _cofactors(A: Any, row: int, context: Any) -> list[Any]:
     return found
 
 
-def _hessian(system: System, values: Mapping[sp.Symbol, sp.Expr], context: Any) -> Any:
+def _hessian(system: System, values: Mapping[sp.Symbol, sp.Expr], context: Context) -> Matrix:
     z = [c.symbol for c in system.coordinates] + [c.momentum for c in system.coordinates]
     S = sp.hessian(sp.expand(hamiltonian(system)), z).subs(values)
     return context.matrix([[to_bits(S[i, j])(context.prec) for j in range(len(z))] for i in range(len(z))])
 
 
-def _symplectic(n: int, context: Any) -> Any:
-    J = context.matrix(2 * n, 2 * n)
+def _symplectic(n: int, context: Context) -> Matrix:
+    J: Matrix = context.matrix(2 * n, 2 * n)
     for i in range(n):
         J[i, n + i], J[n + i, i] = 1, -1
     return J
 
 
-def _pair(S: Any, ω: Any, context: Any) -> tuple[Any, Any, int]:
+def _pair(S: Matrix, ω: Mpf, context: Context) -> tuple[Matrix, Matrix, int]:
     """The columns of N that belong to one frequency, and the sign of the mode's energy."""
     n = S.rows // 2
     J = _symplectic(n, context)
@@ -286,18 +295,18 @@ def _pair(S: Any, ω: Any, context: Any) -> tuple[Any, Any, int]:
     return (u / scale, w / scale, 1) if κ > 0 else (w / scale, u / scale, -1)
 
 
-def _joined(first: list[Any], second: list[Any], context: Any) -> Any:
+def _joined(first: list[Matrix], second: list[Matrix], context: Context) -> Matrix:
     columns = [*first, *second]
     return context.matrix([[c[i] for c in columns] for i in range(len(columns))])
 
 
-def _inverse(N: Any) -> Any:
+def _inverse(N: Matrix) -> Matrix:
     """N⁻¹ = −J Nᵀ J of a symplectic matrix."""
     J = _symplectic(N.rows // 2, N.ctx)
     return -(J * N.T * J)
 
 
-def _oscillators(system: System, ω: tuple[Any, ...], signs: tuple[int, ...]) -> System:
+def _oscillators(system: System, ω: tuple[Mpf, ...], signs: tuple[int, ...]) -> System:
     """H = Σ σ ω (Q² + P²)/2 as T and V; T is indefinite where modes have negative energy."""
     names = [f"Q{k + 1}" for k in range(len(ω))]
     kinetic = " + ".join(f"({s})*dot({n})**2/(2*omega_{k + 1})" for k, (n, s) in enumerate(zip(names, signs)))
@@ -309,15 +318,14 @@ def _oscillators(system: System, ω: tuple[Any, ...], signs: tuple[int, ...]) ->
 
 
 def _canonical(
-    modes: LinearModes, q: Mapping[str, Any], velocity: Mapping[str, Any] | None, p: Mapping[str, Any] | None
+    modes: LinearModes, q: Mapping[str, object], velocity: Mapping[str, object] | None, p: Mapping[str, object] | None
 ) -> list[sp.Expr]:
     """(q, p) exact."""
     system = modes.system
-    at = dict(modes.values) | {c.symbol: number(q[c.name], source=f"q[{c.name}]") for c in system.coordinates}
-    if p is None:
-        assert velocity is not None
-        at |= {c.velocity: number(velocity[c.name], source=f"velocity[{c.name}]") for c in system.coordinates}
-        p = {name: formula.subs(at) for name, formula in momenta(system).items()}
-    return [at[c.symbol] for c in system.coordinates] + [
-        number(p[c.name], source=f"p[{c.name}]") for c in system.coordinates
-    ]
+    what, given = one_of_velocity_and_p(velocity, p)
+    places, rates = (complete_numbers(system.coordinates, group, name) for name, group in (("q", q), (what, given)))
+    if what == "velocity":
+        at = dict(modes.values) | {c.symbol: places[c.name] for c in system.coordinates}
+        at |= {c.velocity: rates[c.name] for c in system.coordinates}
+        rates = {name: formula.subs(at) for name, formula in momenta(system).items()}
+    return [*places.values(), *(number(rates[c.name], source=f"p[{c.name}]") for c in system.coordinates)]

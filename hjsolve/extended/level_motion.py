@@ -17,13 +17,14 @@ import sympy as sp
 from hjsolve import arguments
 from hjsolve.arithmetic.estimate import Estimate
 from hjsolve.arithmetic.floats import EPS, Multi, bits_for, multiprecision
+from hjsolve.arithmetic.number_types import Mpf
 from hjsolve.arithmetic.tape import BoundTape
 from hjsolve.display.shown import Shown
-from hjsolve.errors import InvalidInputError, MissingValueError, NotConvergedError
+from hjsolve.errors import InvalidInputError, NotConvergedError
 from hjsolve.extended.linear_hamiltonian import GeneralHamiltonian
 from hjsolve.formulas.read import number
 from hjsolve.lowering import lower
-from hjsolve.motion.initial_data import InBits, number_is_zero, to_bits, values_of
+from hjsolve.motion.initial_data import InBits, complete_numbers, number_is_zero, to_bits, values_of
 from hjsolve.motion.state import Errors, State
 from hjsolve.motion.times import exact_numbers, whole_numbers
 from hjsolve.one_coordinate.level_curve import Curve, Orbit, followed
@@ -62,7 +63,7 @@ class LevelMotion(Shown):
     orbit: Orbit | None
     rates: BoundTape
 
-    def at(self, t: Any) -> State:
+    def at(self, t: object) -> State:
         """Return the state at a time or at an array of times.
 
         Args:
@@ -113,7 +114,7 @@ class LevelMotion(Shown):
         plain = [float(x) for x in (q, p, rate)]
         return *plain, turns, *(float(e) + EPS * abs(x) for e, x in zip(errors, plain, strict=True))
 
-    def _errors(self, doubt: Any, slopes: tuple[Any, ...], grain: Any) -> tuple[Any, Any, Any]:
+    def _errors(self, doubt: Mpf, slopes: tuple[Mpf, ...], grain: Mpf) -> tuple[Mpf, Mpf, Mpf]:
         """What a doubt of the time leaves open of q, p and q̇, to second order, and the grain of the curve itself."""
         if self.orbit is None:
             return doubt, doubt, doubt
@@ -127,8 +128,8 @@ class LevelMotion(Shown):
 
 
 def start_on_level(
-    problem: GeneralHamiltonian, *, q: Mapping[str, Any], velocity: Mapping[str, Any] | None,
-    p: Mapping[str, Any] | None, parameters: Mapping[str, Any], t0: Any, digits: int,
+    problem: GeneralHamiltonian, *, q: Mapping[str, object], velocity: Mapping[str, object] | None,
+    p: Mapping[str, object] | None, parameters: Mapping[str, object], t0: object, digits: int,
 ) -> LevelMotion:  # fmt: skip
     """Start a motion; see ``GeneralHamiltonian.motion``.
 
@@ -148,11 +149,9 @@ def start_on_level(
     name = coordinate.name
     if velocity is not None or p is None:
         raise InvalidInputError(f"initial data: give p={{{name!r}: …}}; several p may have the same dq/dt here")
-    for what, given in (("q", q), ("p", p)):
-        if set(arguments.table(given, what)) != {name}:
-            raise MissingValueError(f"{what}: needs a number for {name}, and nothing else")
+    places, momenta = complete_numbers([coordinate], q, "q"), complete_numbers([coordinate], p, "p")
     values = values_of(problem.parameters, arguments.table(parameters, "parameters"))
-    place, momentum = number(q[name], source=f"q.{name}"), number(p[name], source=f"p.{name}")
+    place, momentum = places[name], momenta[name]
     domain = coordinate.domain
     at = {**values, coordinate.symbol: place, coordinate.momentum: momentum}
     E = problem.hamiltonian.xreplace(at)
@@ -192,7 +191,7 @@ def _curve(
     raise NotConvergedError("the terms of H cancel at the start beyond what any precision tried makes up for")
 
 
-def _in_bits(known: list[InBits], bits: int) -> list[Any]:
+def _in_bits(known: list[InBits], bits: int) -> list[Mpf]:
     return [value(bits) for value in known]
 
 
@@ -206,11 +205,11 @@ def _rates(
     return tape.bind(Multi(bits), [to_bits(v)(bits) for v in values.values()])
 
 
-def _numbers(name: str, orbit: Orbit | None, E: Any, digits: int, bits: int) -> tuple[Any, ...]:
+def _numbers(name: str, orbit: Orbit | None, E: Mpf, digits: int, bits: int) -> tuple[Any, ...]:
     """Kinds, constants, turning points, actions, periods and frequencies."""
     context = multiprecision(bits)
 
-    def estimate(value: Any, error: Any = 0) -> Estimate:
+    def estimate(value: Mpf | int, error: Mpf | float = 0) -> Estimate:
         if digits > _FLOAT_DIGITS:
             return Estimate(value, error + abs(value) * context.mpf(10) ** -digits, nodes=nodes)
         return Estimate(float(value), float(error) + abs(float(value)) * EPS, nodes=nodes)

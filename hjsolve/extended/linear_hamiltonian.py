@@ -82,8 +82,9 @@ class LinearHamiltonian(Shown):
 
     @arguments.by_name('motion(q={"q": "0.5"}, p={"q": 1})')
     def motion(
-        self, *, q: Mapping[str, Any], velocity: Mapping[str, Any] | None = None, p: Mapping[str, Any] | None = None,
-        parameters: Mapping[str, Any] | None = None, t0: Any = 0, digits: int = 15,
+        self, *, q: Mapping[str, object], velocity: Mapping[str, object] | None = None,
+        p: Mapping[str, object] | None = None, parameters: Mapping[str, object] | None = None,
+        t0: object = 0, digits: int = 15,
     ) -> LinearMotion:  # fmt: skip
         """Start a motion.
 
@@ -106,7 +107,7 @@ class LinearHamiltonian(Shown):
 
         return start_linear_motion(self, q=q, velocity=velocity, p=p, parameters=parameters or {}, t0=t0, digits=digits)
 
-    def at(self, t: Any, *, q: Any, p: Any, t0: Any = 0, digits: int = 15) -> tuple[Any, Any]:
+    def at(self, t: Any, *, q: Any, p: Any, t0: object = 0, digits: int = 15) -> tuple[Any, Any]:
         """Return (q, p) at one time; ``motion`` gives their errors as well.
 
         Args:
@@ -157,8 +158,9 @@ class GeneralHamiltonian(Shown):
 
     @arguments.by_name('motion(q={"q": 1}, p={"q": 0})')
     def motion(
-        self, *, q: Mapping[str, Any], velocity: Mapping[str, Any] | None = None, p: Mapping[str, Any] | None = None,
-        parameters: Mapping[str, Any] | None = None, t0: Any = 0, digits: int = 15,
+        self, *, q: Mapping[str, object], velocity: Mapping[str, object] | None = None,
+        p: Mapping[str, object] | None = None, parameters: Mapping[str, object] | None = None,
+        t0: object = 0, digits: int = 15,
     ) -> LevelMotion:  # fmt: skip
         """Start a motion.
 
@@ -185,7 +187,7 @@ class GeneralHamiltonian(Shown):
 
 
 def from_hamiltonian(
-    hamiltonian: str, coordinates: Mapping[str, str], parameters: Mapping[str, Any] | None = None, *,
+    hamiltonian: str, coordinates: Mapping[str, str], parameters: Mapping[str, object] | None = None, *,
     title: str = "", id: str = "",  # noqa: A002
 ) -> System | LinearHamiltonian | GeneralHamiltonian:  # fmt: skip
     """Take a system of one degree of freedom from H(q, p), written with ``p``.

@@ -7,7 +7,7 @@ quadrature, the inversion and the rounding.
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Callable, Mapping
 from dataclasses import dataclass
 from typing import Any
 
@@ -17,12 +17,13 @@ import sympy as sp
 from hjsolve import arguments
 from hjsolve.arithmetic.estimate import Estimate
 from hjsolve.arithmetic.floats import EPS, Multi, bits_for, multiprecision
+from hjsolve.arithmetic.number_types import Context, Mpf
 from hjsolve.display.shown import Shown
-from hjsolve.errors import InvalidInputError, MissingValueError, NotConvergedError, OutsideMotionError
+from hjsolve.errors import InvalidInputError, NotConvergedError, OutsideMotionError
 from hjsolve.extended.linear_hamiltonian import LinearHamiltonian
 from hjsolve.formulas.read import number
 from hjsolve.lowering import lower
-from hjsolve.motion.initial_data import to_bits, values_of
+from hjsolve.motion.initial_data import complete_numbers, to_bits, values_of
 from hjsolve.motion.state import Errors, State
 from hjsolve.motion.times import exact_numbers
 
@@ -54,7 +55,7 @@ class LinearMotion(Shown):
     t0: sp.Expr
     values: Mapping[sp.Symbol, sp.Expr]
 
-    def at(self, t: Any) -> State:
+    def at(self, t: object) -> State:
         """Return the state at a time or at an array of times; NaN where the motion has left its domain.
 
         Args:
@@ -72,7 +73,7 @@ class LinearMotion(Shown):
 
         return State(t, {name: q}, {name: p}, {name: v}, counts, status, bounds)
 
-    def reach(self, t: Any) -> tuple[Any, Any]:
+    def reach(self, t: object) -> tuple[Any, Any]:
         """Return (q, p) at one time, angles with all their turns.
 
         Args:
@@ -86,7 +87,7 @@ class LinearMotion(Shown):
         return (place, p) if self.digits > _FLOAT_DIGITS else (float(place), float(p))
 
     @staticmethod
-    def _shaped(column: tuple[Any, ...], shape: tuple[int, ...]) -> Any:
+    def _shaped(column: tuple[object, ...], shape: tuple[int, ...]) -> Any:
         if not shape:
             return column[0]
         plain = all(isinstance(x, (float, int, str)) for x in column)
@@ -111,14 +112,14 @@ class LinearMotion(Shown):
         errors = (float(small * s) + EPS * abs(float(x)) for s, x in zip(sizes, (place, p, v), strict=True))
         return (float(place), float(p), float(v), turns, "ok", *errors)
 
-    def _reached(self, t: sp.Expr, bits: int, context: Any) -> tuple[Any, Any, Any, tuple[Any, Any, Any]]:
+    def _reached(self, t: sp.Expr, bits: int, context: Context) -> tuple[Any, Any, Any, tuple[Any, Any, Any]]:
         """q, p, q̇ and the sizes of what was added up in them."""
         problem, name = self.problem, self.problem.coordinate.name
         start, first, elapsed = (to_bits(x)(bits) for x in (self.q, self.p, t - self.t0))
         tape = lower([problem.rate, problem.rest], [problem.coordinate.symbol, *self.values])
         numbers = [to_bits(value)(bits) for value in self.values.values()]
 
-        def run(x: Any) -> Any:
+        def run(x: Mpf) -> list[Mpf]:
             return tape.run(Multi(bits), [x, *numbers])
 
         a0, b0 = run(start)
@@ -131,7 +132,7 @@ class LinearMotion(Shown):
         sizes = (1 + abs(place), 1 + (abs(a0 * first) + abs(b0) + abs(b)) / abs(a), 1 + abs(a))
         return place, momentum, a, sizes
 
-    def _at_rest(self, start: Any, first: Any, elapsed: Any, bits: int, context: Any) -> tuple[Any, Any, Any]:
+    def _at_rest(self, start: Mpf, first: Mpf, elapsed: Mpf, bits: int, context: Context) -> tuple[Any, Any, Any]:
         """q̇ = a(q) = 0: q rests, while ṗ = −a′p − b′ with constant a′, b′."""
         q = self.problem.coordinate.symbol
         slopes = [sp.diff(f, q) for f in (self.problem.rate, self.problem.rest)]
@@ -145,8 +146,8 @@ class LinearMotion(Shown):
 
 @dataclass(frozen=True)
 class _Ends:
-    lower: Any
-    upper: Any
+    lower: Mpf | None
+    upper: Mpf | None
 
     @classmethod
     def of(cls, problem: LinearHamiltonian, values: Mapping[sp.Symbol, sp.Expr], bits: int) -> _Ends:
@@ -155,13 +156,13 @@ class _Ends:
         pair = (None, None) if domain.kind == "angle" else (domain.lower, domain.upper)
         return cls(*(None if end is None else to_bits(end.xreplace(dict(values)))(bits) for end in pair))
 
-    def hold(self, place: Any) -> bool:
+    def hold(self, place: Mpf) -> bool:
         return (self.lower is None or place > self.lower) and (self.upper is None or place < self.upper)
 
 
 def start_linear_motion(
-    problem: LinearHamiltonian, *, q: Mapping[str, Any], velocity: Mapping[str, Any] | None,
-    p: Mapping[str, Any] | None, parameters: Mapping[str, Any], t0: Any, digits: int,
+    problem: LinearHamiltonian, *, q: Mapping[str, object], velocity: Mapping[str, object] | None,
+    p: Mapping[str, object] | None, parameters: Mapping[str, object], t0: object, digits: int,
 ) -> LinearMotion:  # fmt: skip
     """Start a motion; see ``LinearHamiltonian.motion``.
 
@@ -181,11 +182,9 @@ def start_linear_motion(
     if velocity is not None or p is None:
         raise InvalidInputError(f"initial data: give p={{{name!r}: …}}; dq/dt = a(q) says nothing about p here")
     digits = arguments.digits(digits)
-    for what, given in (("q", q), ("p", p)):
-        if set(arguments.table(given, what)) != {name}:
-            raise MissingValueError(f"{what}: needs a number for {name}, and nothing else")
+    places, momenta = (complete_numbers([problem.coordinate], group, what) for what, group in (("q", q), ("p", p)))
     values = values_of(problem.parameters, parameters)
-    place, momentum = number(q[name], source=f"q.{name}"), number(p[name], source=f"p.{name}")
+    place, momentum = places[name], momenta[name]
     bits = bits_for(digits, _GUARD_BITS)
     if not _Ends.of(problem, values, bits).hold(to_bits(place)(bits)):
         raise InvalidInputError(f"q.{name}: {place} is not inside the domain of {name}")
@@ -200,7 +199,7 @@ def start_linear_motion(
     )
 
 
-def _moved(rate: Any, start: Any, elapsed: Any, context: Any, name: str, domain: _Ends) -> Any:
+def _moved(rate: Callable[[Mpf], Mpf], start: Mpf, elapsed: Mpf, context: Context, name: str, domain: _Ends) -> Any:
     """Solve ∫ dq/a = elapsed by Newton's method: the derivative of the left side is 1/a itself."""
     place, left, before, longest = start, elapsed, context.inf, context.inf
     for count in range(_MOST_STEPS):
@@ -224,7 +223,7 @@ def _moved(rate: Any, start: Any, elapsed: Any, context: Any, name: str, domain:
     )
 
 
-def _longest(rate: Any, place: Any, way: int, most: Any) -> Any:
+def _longest(rate: Callable[[Mpf], Mpf], place: Mpf, way: int, most: Mpf) -> Any:
     """A time, at most ``most``, in which 1 + |q| and dq/dt at most double or halve, as their values at its end tell."""
     here = rate(place)
     if not here:
@@ -237,7 +236,7 @@ def _longest(rate: Any, place: Any, way: int, most: Any) -> Any:
     return longest
 
 
-def _step(rate: Any, place: Any, step: Any, context: Any, name: str) -> Any:
+def _step(rate: Callable[[Mpf], Mpf], place: Mpf, step: Mpf, context: Context, name: str) -> Any:
     guess = place + rate(place) * step
     for _ in range(60):
         time = context.quad(lambda x: 1 / rate(x), [place, guess])

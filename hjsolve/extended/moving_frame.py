@@ -18,8 +18,8 @@ import sympy as sp
 from hjsolve import arguments
 from hjsolve.display.shown import Shown
 from hjsolve.errors import InvalidSystemError
-from hjsolve.formulas.read import number
 from hjsolve.mechanics.system import System, hamiltonian, momenta
+from hjsolve.motion.initial_data import complete_numbers, one_of_velocity_and_p
 from hjsolve.separation.zero_test.zero_test import Zero, is_zero
 from hjsolve.solution.quadratures import Solution, solve
 
@@ -100,8 +100,9 @@ class Frame(Shown):
 
     @arguments.by_name('motion(q={"q": "0.3"}, velocity={"q": "0.4"}, t0="0.5")')
     def motion(
-        self, *, q: Mapping[str, Any], velocity: Mapping[str, Any] | None = None, p: Mapping[str, Any] | None = None,
-        parameters: Mapping[str, Any] | None = None, t0: Any = 0, digits: int = 15,
+        self, *, q: Mapping[str, object], velocity: Mapping[str, object] | None = None,
+        p: Mapping[str, object] | None = None, parameters: Mapping[str, object] | None = None,
+        t0: object = 0, digits: int = 15,
     ) -> FramedMotion:  # fmt: skip
         """Start a motion from initial data of the original system.
 
@@ -155,8 +156,8 @@ def drift(frame: Frame, expression: sp.Expr) -> sp.Expr:
 
 
 def carried_initial_data(
-    frame: Frame, values: Mapping[sp.Symbol, sp.Expr], q: Mapping[str, Any], velocity: Mapping[str, Any] | None,
-    p: Mapping[str, Any] | None,
+    frame: Frame, values: Mapping[sp.Symbol, sp.Expr], q: Mapping[str, object], velocity: Mapping[str, object] | None,
+    p: Mapping[str, object] | None,
 ) -> dict[str, Any]:  # fmt: skip
     """Bring initial data over to the autonomous system, exactly: ``{"q": …, "p": …}``.
 
@@ -166,15 +167,20 @@ def carried_initial_data(
         q: original positions.
         velocity: original velocities, or
         p: original momenta.
+
+    Raises:
+        InvalidInputError: velocity and p both or neither, or a name that is no original coordinate.
+        MissingValueError: a coordinate without a value.
     """
     old = frame.original.coordinates
-    at = dict(values) | {c.symbol: number(q[c.name], source=f"q[{c.name}]") for c in old}
-    if velocity is not None:
-        speeds = {c.velocity: number(velocity[c.name], source=f"velocity[{c.name}]") for c in old}
+    what, given = one_of_velocity_and_p(velocity, p)
+    places, rates = complete_numbers(old, q, "q"), complete_numbers(old, given, what)
+    at = dict(values) | {c.symbol: places[c.name] for c in old}
+    if what == "velocity":
+        speeds = {c.velocity: rates[c.name] for c in old}
         at |= {c.momentum: momenta(frame.original)[c.name].xreplace({**at, **speeds}) for c in old}
     else:
-        assert p is not None
-        at |= {c.momentum: number(p[c.name], source=f"p[{c.name}]") for c in old}
+        at |= {c.momentum: rates[c.name] for c in old}
     new = {symbol: formula.subs(at) for symbol, formula in frame.inverse().items()}
     P = {symbol: formula.subs({**at, **new}) for symbol, formula in frame.new_momenta().items()}
     return {

@@ -9,11 +9,10 @@ from typing import Any
 import numpy as np
 import sympy as sp
 
-from hjsolve import arguments
 from hjsolve.arithmetic.estimate import Estimate
 from hjsolve.arithmetic.floats import Float64, Multi, bits_for
+from hjsolve.arithmetic.number_types import Numbers
 from hjsolve.display.shown import Shown
-from hjsolve.errors import InvalidInputError, MissingValueError
 from hjsolve.extended.moving_frame import Frame, carried_initial_data
 from hjsolve.formulas.read import number
 from hjsolve.lowering import lower
@@ -46,7 +45,7 @@ class FramedMotion(Shown):
         """The constants of the motion in the frame."""
         return self.motion.constants
 
-    def at(self, t: Any) -> State:
+    def at(self, t: object) -> State:
         """Return the state of the original system at a time or times; as ``Motion.at``, angles not counted in turns.
 
         Args:
@@ -70,7 +69,7 @@ class FramedMotion(Shown):
 
         return State(t, found[0], found[1], found[2], {}, state.status, errors)
 
-    def _evaluated(self, formula: sp.Expr, state: State, times: Any) -> Any:
+    def _evaluated(self, formula: sp.Expr, state: State, times: Numbers) -> Any:
         coordinates = self.frame.system.coordinates
         variables = [c.symbol for c in coordinates] + [c.velocity for c in coordinates] + [self.frame.time]
         arrays = [state.unwrapped(c.name) for c in coordinates]
@@ -87,7 +86,7 @@ class FramedMotion(Shown):
         found = [tape.run(Multi(bits), [*(Multi(bits).convert(x) for x in row), *numbers])[0] for row in rows]
         return np.array(found, dtype=object).reshape(np.shape(times)) if np.shape(times) else found[0]
 
-    def _bound(self, formula: sp.Expr, value: Any, state: State, times: Any) -> Any:
+    def _bound(self, formula: sp.Expr, value: Any, state: State, times: Numbers) -> Any:
         """Errors of Q and Q̇ carried over to first order, doubled, and the rounding of the formula."""
         total = 16 * 10.0 ** -max(self.motion.digits, 15) * (np.abs(value) + self._size(formula, state, times))
         for c in self.frame.system.coordinates:
@@ -97,7 +96,7 @@ class FramedMotion(Shown):
                     total = total + 2 * np.abs(self._evaluated(slope, state, times)) * error
         return total
 
-    def _size(self, formula: sp.Expr, state: State, times: Any) -> Any:
+    def _size(self, formula: sp.Expr, state: State, times: Numbers) -> Any:
         """The sum of the sizes of the terms: what cancellation is measured against."""
         terms = sp.Add.make_args(sp.expand(formula))
         return sum(np.abs(self._evaluated(term, state, times)) for term in terms)
@@ -110,8 +109,8 @@ def _numbers(t: Any, shape: tuple[int, ...], digits: int) -> Any:
 
 
 def start_framed_motion(
-    frame: Frame, *, q: Mapping[str, Any], velocity: Mapping[str, Any] | None, p: Mapping[str, Any] | None,
-    parameters: Mapping[str, Any], t0: Any, digits: int,
+    frame: Frame, *, q: Mapping[str, object], velocity: Mapping[str, object] | None, p: Mapping[str, object] | None,
+    parameters: Mapping[str, object], t0: object, digits: int,
 ) -> FramedMotion:  # fmt: skip
     """Start a motion; see ``Frame.motion``.
 
@@ -126,12 +125,6 @@ def start_framed_motion(
         InvalidInputError: velocity and p both or neither.
         MissingValueError: a coordinate without a value.
     """
-    if (velocity is None) == (p is None):
-        raise InvalidInputError("initial data: give either velocity={…} or p={…}, a number for every coordinate")
-    names = [c.name for c in frame.original.coordinates]
-    for what, given in (("q", q), ("velocity" if p is None else "p", velocity if p is None else p)):
-        if set(arguments.table(given, what)) != set(names):
-            raise MissingValueError(f"{what}: needs a number for each of {', '.join(names)}, and nothing else")
     time = number(t0, source="t0")
     values = {**parameter_values(frame.system, parameters), frame.time: time}
     data = carried_initial_data(frame, values, q, velocity, p)

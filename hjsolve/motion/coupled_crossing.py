@@ -109,6 +109,7 @@ def _solved(
     first = values.integral(1, start)
     low, high = (start, last) if side > 0 else (last, start)
     rising = (gains[-1] > 0) == (side > 0)
+    # in doubles or many digits alike, and the rate may be zero at an end: not ``bracketed_root``
     χ = (low + high) / 2
     for count in range(300):
         off = values.integral(1, χ) - first - goal

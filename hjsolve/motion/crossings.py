@@ -14,6 +14,7 @@ from hjsolve.arithmetic.error_free import split
 from hjsolve.arithmetic.estimate import Estimate
 from hjsolve.arithmetic.floats import EPS, Multi, bits_for, multiprecision
 from hjsolve.arithmetic.number_types import Mpf, Numbers
+from hjsolve.arithmetic.root_finding import regula_falsi
 from hjsolve.errors import InvalidInputError, NotConvergedError, OutsideMotionError
 from hjsolve.formulas.read import number
 from hjsolve.motion.coupled_crossing import coupled_crossing_time
@@ -206,7 +207,7 @@ def _sought(motion: SeparatedMotion, k: int, goal: float) -> tuple[float, float]
         while full(low)[0] > 0:
             low, high, step = low - step, low, 2 * step
             _limit(step, [])
-    return _root(lambda t: full(t)[0], low, high), _time_error(full, low, high)
+    return regula_falsi(lambda t: full(t)[0], low, high), _time_error(full, low, high)
 
 
 def _limit(step: float, left: list[float]) -> None:
@@ -224,22 +225,6 @@ def _time_error(full: Callable[[float], tuple[float, float]], low: float, high: 
     near = [phase for phase in (full(t + side * h)[0] for side in (-2, -1, 0, 1)) if np.isfinite(phase)]
     slope = min((abs(b - a) / h for a, b in itertools.pairwise(near)), default=0.0)
     return 4 * full(t)[1] / max(slope, 1e-300) + 4 * EPS * abs(t)
-
-
-def _root(function: Callable[[float], float], low: float, high: float) -> float:
-    """Regula falsi with bisection (Illinois), to the last bits."""
-    f0, f1 = function(low), function(high)
-    for count in range(200):
-        if f0 == 0 or high - low <= 2 * EPS * max(abs(low), abs(high)):
-            return low
-        middle = (low + high) / 2 if count % 3 == 2 or not np.isfinite(f1 - f0) else low - f0 * (high - low) / (f1 - f0)
-        middle = min(max(middle, low + 0.001 * (high - low)), high - 0.001 * (high - low))
-        f = function(middle)
-        if f <= 0:
-            low, f0 = middle, f
-        else:
-            high, f1 = middle, f
-    return low
 
 
 def _scanned(motion: SeparatedMotion, name: str, value: float, passage: int) -> Estimate:
@@ -269,7 +254,7 @@ def _scanned(motion: SeparatedMotion, name: str, value: float, passage: int) -> 
                 edge = 2 * np.pi * max(level(after), level(before)) if angle else 0.0
                 sign = 1.0 if after > before else -1.0
                 previous = start + k * step if rates else (start + step * 1.02 ** (k - 1) if k else start)
-                time = _root(lambda s, sign=sign, edge=edge: sign * (off(s) - edge), previous, t)  # type: ignore[misc]
+                time = regula_falsi(lambda s, sign=sign, edge=edge: sign * (off(s) - edge), previous, t)  # type: ignore[misc]
                 state = state_at_times(motion, time)
                 return Estimate(
                     time,

@@ -10,7 +10,6 @@ from __future__ import annotations
 from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass, replace
 from numbers import Integral
-from typing import Any
 
 import sympy as sp
 
@@ -18,7 +17,7 @@ from hjsolve import arguments
 from hjsolve.display.shown import Shown
 from hjsolve.errors import InvalidInputError, MissingValueError
 from hjsolve.formulas.read import number
-from hjsolve.mechanics.coordinates_and_parameters import Parameter
+from hjsolve.mechanics.coordinates_and_parameters import Coordinate, Parameter
 from hjsolve.mechanics.system import System, momenta, refuse_turns_that_differ
 from hjsolve.motion.exact_numbers import ZERO_BITS as ZERO_BITS
 from hjsolve.motion.exact_numbers import InBits as InBits
@@ -29,7 +28,7 @@ from hjsolve.motion.exact_numbers import to_bits as to_bits
 from hjsolve.motion.rational_values import rational_value
 from hjsolve.solution.quadratures import Solution
 
-Values = Mapping[str, Any]
+Values = Mapping[str, object]
 
 
 @dataclass(frozen=True, repr=False)
@@ -152,7 +151,7 @@ def read_places(system: System, q: Values, parameters: Values | None) -> dict[sp
         MissingValueError: a value is missing.
     """
     values = parameter_values(system, arguments.table(parameters, "parameters", '{"m": 1}'))
-    places = _complete(system, q, "q")
+    places = complete_numbers(system.coordinates, q, "q")
     values |= {c.symbol: places[c.name] for c in system.coordinates}
     _inside_domains(system, values)
     return values
@@ -173,8 +172,9 @@ def read_phase_point(
         MissingValueError: a value is missing.
     """
     values = read_places(system, q, parameters)
-    rates = _complete(system, velocity if p is None else p, "velocity" if p is None else "p")  # type: ignore[arg-type]
-    if p is not None:
+    what, given = one_of_velocity_and_p(velocity, p)
+    rates = complete_numbers(system.coordinates, given, what)
+    if what == "p":
         return values | {c.momentum: rates[c.name] for c in system.coordinates}
     motion, formulas = {c.velocity: rates[c.name] for c in system.coordinates}, momenta(system)
     known = {**values, **motion}
@@ -215,7 +215,7 @@ def _only_known(given: Values, names: Iterable[str], what: str) -> None:
         raise MissingValueError(f"constants: no value for {_listed(missing)}; all of {_listed(names)} are needed")
 
 
-def _sign_given(name: str, value: Any) -> sp.Integer:
+def _sign_given(name: str, value: object) -> sp.Integer:
     if not isinstance(value, int | float | sp.Number | Integral) or value not in (1, -1):
         raise InvalidInputError(f"signs[{name}]: 1 or -1 is needed, not {arguments.described(value)}")
     return sp.Integer(int(value))
@@ -259,8 +259,35 @@ def clean(value: sp.Expr) -> sp.Expr:
     return sp.Integer(0) if number_is_zero(value) else value
 
 
-def _complete(system: System, given: Values, what: str) -> dict[str, sp.Expr]:
-    names = [c.name for c in system.coordinates]
+def one_of_velocity_and_p(velocity: Values | None, p: Values | None) -> tuple[str, Values]:
+    """Return what was given of the two, and its name.
+
+    Args:
+        velocity, p: coordinate → number, or None.
+
+    Raises:
+        InvalidInputError: both or neither.
+    """
+    if velocity is not None and p is None:
+        return "velocity", velocity
+    if p is not None and velocity is None:
+        return "p", p
+    raise InvalidInputError("initial data: give either velocity={…} or p={…}, a number for every coordinate")
+
+
+def complete_numbers(coordinates: Sequence[Coordinate], given: Values, what: str) -> dict[str, sp.Expr]:
+    """Read one exact number for every coordinate, in their order.
+
+    Args:
+        coordinates: all that need one.
+        given: name → number.
+        what: the name of the argument.
+
+    Raises:
+        InvalidInputError: a name that is no coordinate, or no number.
+        MissingValueError: a coordinate without one.
+    """
+    names = [c.name for c in coordinates]
     given = arguments.table(given, what, f'{{"{names[0]}": 1}}')
     for name in given:
         if name not in names:
@@ -322,5 +349,5 @@ def all_exact(*groups: Values | None) -> bool:
     return not any(isinstance(value, float) for group in groups if group for value in group.values())
 
 
-def _listed(names: Any) -> str:
+def _listed(names: Iterable[str]) -> str:
     return ", ".join(str(name) for name in names) or "none"

@@ -18,6 +18,7 @@ import sympy as sp
 from hjsolve import arguments
 from hjsolve.arithmetic.estimate import Estimate
 from hjsolve.arithmetic.estimate_array import EstimateArray
+from hjsolve.arithmetic.number_types import Mpf, Numbers
 from hjsolve.display.shown import ShownMotion
 from hjsolve.errors import InternalError, InvalidInputError
 from hjsolve.formulas.read import number
@@ -123,7 +124,7 @@ class Motion(ShownMotion):
 
         return lower_limits(self._source)
 
-    def at(self, t: Any) -> State:
+    def at(self, t: object) -> State:
         """Return the state at a time or times.
 
         Args:
@@ -140,7 +141,7 @@ class Motion(ShownMotion):
         self._require("trajectory")
         return state_at_times(self._source, t)
 
-    def characteristic_function(self, t: Any) -> Estimate | EstimateArray:
+    def characteristic_function(self, t: object) -> Estimate | EstimateArray:
         """Return Hamilton's characteristic function along the motion, W = ∫ p·dq from t₀ to t; a cycle adds ∮ p·dq.
 
         Args:
@@ -157,7 +158,7 @@ class Motion(ShownMotion):
         self._require("characteristic_function")
         return waves_along(self._source, t, principal=False)
 
-    def principal_function(self, t: Any) -> Estimate | EstimateArray:
+    def principal_function(self, t: object) -> Estimate | EstimateArray:
         """Return Hamilton's principal function along the motion, S = W − E (t − t₀) = ∫ L dt from t₀ to t.
 
         Args:
@@ -168,7 +169,7 @@ class Motion(ShownMotion):
         self._require("characteristic_function")
         return waves_along(self._source, t, principal=True)
 
-    def time_at(self, name: str, value: Any, passage: int = 0) -> Estimate:
+    def time_at(self, name: str, value: object, passage: int = 0) -> Estimate:
         """Return the time of the passage-th crossing of a position, counted from t₀ on.
 
         Args:
@@ -186,7 +187,7 @@ class Motion(ShownMotion):
         self._require("periods" if name in self.separated.located else "trajectory")
         return crossing_time(self._source, name, value, passage)
 
-    def orbit(self, name: str, *, along: str, values: Any) -> Any:
+    def orbit(self, name: str, *, along: str, values: object) -> Numbers:
         """Return one coordinate where another passes given values for the first time after t₀ (orbit equation).
 
         Args:
@@ -208,7 +209,7 @@ class Motion(ShownMotion):
         times = crossing_times(self._source, along, values)
         return self.at(times).unwrapped(name)
 
-    def angles(self, t: Any) -> dict[str, Any]:
+    def angles(self, t: object) -> dict[str, Numbers | float | Mpf]:
         """Return the angle variables θ = θ₀ + Ω (t − t₀), in (−π, π], of every coordinate that has a frequency.
 
         θ of a libration is zero when all coordinates stand at their lower turning points.
@@ -271,13 +272,13 @@ class Motion(ShownMotion):
 def start(
     solution: Solution,
     *,
-    q: Mapping[str, Any],
-    velocity: Mapping[str, Any] | None = None,
-    p: Mapping[str, Any] | None = None,
-    constants: Mapping[str, Any] | None = None,
+    q: Mapping[str, object],
+    velocity: Mapping[str, object] | None = None,
+    p: Mapping[str, object] | None = None,
+    constants: Mapping[str, object] | None = None,
     signs: Mapping[str, int] | None = None,
-    parameters: Mapping[str, Any] | None = None,
-    t0: Any = 0,
+    parameters: Mapping[str, object] | None = None,
+    t0: object = 0,
     digits: int = FLOAT_DIGITS,
     certified: bool = False,
     want: Iterable[str] | None = None,

@@ -11,6 +11,7 @@ import numpy as np
 
 from hjsolve.arithmetic.floats import Float64, Multi, bits_for, multiprecision
 from hjsolve.arithmetic.number_types import Mpf, Numeric
+from hjsolve.arithmetic.root_finding import bisected
 from hjsolve.errors import NotConvergedError
 from hjsolve.one_coordinate.anomaly import Rotation, libration_anomaly, rotation_anomaly
 from hjsolve.one_coordinate.anomaly_choice import over_near_zeros, over_other_near_zeros, over_the_best_map
@@ -223,9 +224,7 @@ def _outside(start: CoordinateStart, end: Mpf, width: Mpf, side: int, bits: int)
     inner, step = context.mpf(0), width * context.mpf(2) ** -70
     while step < limit:
         if start.radicand.value(end + side * step, bits) > 0:
-            for _ in range(24):
-                middle = (inner + step) / 2
-                inner, step = (inner, middle) if start.radicand.value(end + side * middle, bits) > 0 else (middle, step)
+            _, step = bisected(lambda x: not start.radicand.value(end + side * x, bits) > 0, inner, step, 24)
             return end + side * step
         inner, step = step, 2 * step
     return domain(bits) if domain is not None else None

@@ -150,6 +150,7 @@ class Stretched:
         χ = self.inner.phase(q, forward, arithmetic)
         low, high, ψ = -arithmetic.pi(), arithmetic.pi(), χ
         close = arithmetic.context.mpf(2) ** (12 - arithmetic.bits)
+        # a start is known, and the error wanted is absolute: ``bracketed_root`` begins in the middle, and is relative
         for _ in range(4 * arithmetic.bits):
             value, rate = self.unstretched(ψ, arithmetic)
             low, high = (low, ψ) if value > χ else (ψ, high)

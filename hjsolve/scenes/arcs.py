@@ -181,7 +181,7 @@ def _digits(scene: Question, horizon: sp.Expr | None) -> int:
 
 # ------------------------------------------------------------------------------- bounces that change only signs
 def _flown(
-    solution: Solution, leg: Leg, pending: list[Pending], horizon: Any, digits: int, turning: Mirrors | None
+    solution: Solution, leg: Leg, pending: list[Pending], horizon: sp.Expr | None, digits: int, turning: Mirrors | None
 ) -> Stretch | None:
     """Walk along the bounces of one free motion; None where that does not serve."""
     if turning is None or not any(p.event.kind == "wall" for p in pending):
@@ -206,7 +206,7 @@ def _flown(
 
 
 # --------------------------------------------------------------------------------------------- one arc at a time
-def _one_arc(solution: Solution, leg: Leg, pending: list[Pending], horizon: Any, digits: int) -> Stretch:
+def _one_arc(solution: Solution, leg: Leg, pending: list[Pending], horizon: sp.Expr | None, digits: int) -> Stretch:
     """The arc up to the next event, whatever it is."""
     motion = solution.motion(**leg.arguments, digits=digits, want={"trajectory"})
     hit = _next(motion, pending, horizon)

@@ -2,13 +2,15 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator
+from collections.abc import Callable, Iterator
 from typing import Any
 
 import numpy as np
 import sympy as sp
 
 from hjsolve.arithmetic.floats import bits_for, multiprecision
+from hjsolve.arithmetic.number_types import Mpf, Reals
+from hjsolve.arithmetic.root_finding import bisected
 from hjsolve.errors import NotConvergedError, OutsideMotionError
 from hjsolve.formulas.read import number
 from hjsolve.motion.initial_data import to_bits
@@ -26,7 +28,7 @@ def bits_of(digits: int) -> int:
     return bits_for(digits, 32)
 
 
-def crossings(motion: Motion, name: str, value: sp.Expr, horizon: sp.Expr | None, skip: int = 0) -> Iterator[Any]:
+def crossings(motion: Motion, name: str, value: sp.Expr, horizon: sp.Expr | None, skip: int = 0) -> Iterator[Mpf]:
     """Give the times at which a coordinate passes a value after the start, one after the other.
 
     A passage at the very start does not count: that is where the last event happened. A surface that the motion only
@@ -60,7 +62,7 @@ def crossings(motion: Motion, name: str, value: sp.Expr, horizon: sp.Expr | None
             skip = max(skip - 1, 0)
 
 
-def _known(motion: Motion, name: str, value: sp.Expr, passage: int) -> Iterator[tuple[Any, Any]]:
+def _known(motion: Motion, name: str, value: sp.Expr, passage: int) -> Iterator[tuple[Mpf, Mpf]]:
     """From t(q), passage by passage, beginning with one of them."""
     while True:
         try:
@@ -71,14 +73,14 @@ def _known(motion: Motion, name: str, value: sp.Expr, passage: int) -> Iterator[
         passage += 1
 
 
-def _walked(motion: Motion, name: str, value: sp.Expr, horizon: sp.Expr | None) -> Iterator[tuple[Any, Any]]:
+def _walked(motion: Motion, name: str, value: sp.Expr, horizon: sp.Expr | None) -> Iterator[tuple[Mpf, Mpf]]:
     """From changes of sign along the motion; an ignorable coordinate need not be monotone."""
     quick = motion.solution.motion(**restart(motion), digits=15, want={"trajectory"})
     turning = motion.solution.system.coordinate(name).domain.kind == "angle"
     target, start = float(to_bits(value)(64)), float(to_bits(motion.t0)(64))
     context = multiprecision(bits_of(motion.digits))
 
-    def level(times: Any) -> Any:
+    def level(times: Reals) -> Reals:
         off = quick.at(times).unwrapped(name) - target
         return np.floor(off / (2 * np.pi)) if turning else (off >= 0).astype(float)
 
@@ -90,7 +92,7 @@ def _walked(motion: Motion, name: str, value: sp.Expr, horizon: sp.Expr | None) 
             return
 
 
-def _paces(motion: Motion, start: float, horizon: float | None) -> Iterator[Any]:
+def _paces(motion: Motion, start: float, horizon: float | None) -> Iterator[Reals]:
     """Times close enough to see every passage, in pieces that share their ends."""
     rates = [abs(float(f.value)) for f in motion.frequencies.values()]
     if rates:
@@ -99,7 +101,7 @@ def _paces(motion: Motion, start: float, horizon: float | None) -> Iterator[Any]
             first = start + n * _CHUNK * step
             if horizon is not None and first > horizon:
                 return
-            yield first + step * np.arange(_CHUNK + 1)
+            yield first + step * np.arange(_CHUNK + 1.0)
     elif horizon is not None:
         yield start + (horizon - start) * np.arange(4 * _CHUNK + 1) / (4 * _CHUNK)
         return
@@ -108,15 +110,13 @@ def _paces(motion: Motion, start: float, horizon: float | None) -> Iterator[Any]
     raise NotConvergedError("a surface was not passed in the time searched; give times, to say when the scene ends")
 
 
-def _halved(level: Any, low: float, high: float, before: float) -> float:
+def _halved(level: Callable[[Reals], Reals], low: float, high: float, before: float) -> float:
     """Bisect until Newton's method will do."""
-    for _ in range(24):
-        middle = (low + high) / 2
-        low, high = (middle, high) if level(np.array([middle]))[0] == before else (low, middle)
+    low, high = bisected(lambda x: bool(level(np.array([x]))[0] == before), low, high, 24)
     return (low + high) / 2
 
 
-def sharpened(motion: Motion, name: str, value: sp.Expr, time: Any) -> Any:
+def sharpened(motion: Motion, name: str, value: sp.Expr, time: Mpf) -> Mpf:
     """Newton's method on q(t) = value, q from the motion in all its digits.
 
     Args:
@@ -169,7 +169,7 @@ def restart(motion: Motion) -> dict[str, Any]:
     }
 
 
-def as_rational(value: Any, digits: int) -> sp.Expr:
+def as_rational(value: float | Mpf, digits: int) -> sp.Expr:
     """An ``mpf``, rounded to so many digits, as the rational number it is.
 
     Args:

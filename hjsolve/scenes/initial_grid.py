@@ -84,7 +84,7 @@ class Varied:
 
 
 # ------------------------------------------------------------------------------------------------ its shape
-def sweep_faults(given: Any, scene: Mapping[str, Any]) -> Iterator[str]:
+def sweep_faults(given: object, scene: Mapping[str, Any]) -> Iterator[str]:
     """Every way in which the table does not have the shape it must have, one line each.
 
     Args:
@@ -117,7 +117,7 @@ def sweep_faults(given: Any, scene: Mapping[str, Any]) -> Iterator[str]:
         yield "method: a sweep is computed by quadratures; leave it out"
 
 
-def _axis_faults(values: Any, where: str) -> Iterator[str]:
+def _axis_faults(values: object, where: str) -> Iterator[str]:
     if isinstance(values, Mapping):
         yield from schema.faults(values, _RANGE, where)
         count = values.get("count", 2)
@@ -133,7 +133,7 @@ def _axis_faults(values: Any, where: str) -> Iterator[str]:
         yield f"{where}: must be a number, a list of numbers, or {{start = …, stop = …, count = …}}, not {values}"
 
 
-def _is_count(value: Any, least: int) -> bool:
+def _is_count(value: object, least: int) -> bool:
     return isinstance(value, int) and not isinstance(value, bool) and least <= value <= _MOST
 
 
@@ -157,7 +157,7 @@ def read_sweep(given: Mapping[str, Any] | None, folder: Path) -> Varied | None:
     return Varied(given.get("chunk", CHUNK), axes, table, dict(given.get("columns", {})))
 
 
-def _axis(group: str, name: str, values: Any) -> Axis:
+def _axis(group: str, name: str, values: object) -> Axis:
     source = f"sweep.{group}.{name}"
     if isinstance(values, Mapping):
         start, stop = (number(values[key], source=f"{source}.{key}") for key in ("start", "stop"))

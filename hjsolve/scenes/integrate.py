@@ -12,13 +12,13 @@ from __future__ import annotations
 
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass
-from typing import Any
 
 import numpy as np
 import sympy as sp
 
 from hjsolve import catalog
 from hjsolve.arithmetic.floats import Float64
+from hjsolve.arithmetic.number_types import Integers, Reals
 from hjsolve.arithmetic.tape import Tape
 from hjsolve.arithmetic.work_counter import WorkCount
 from hjsolve.catalog.effects import with_effects
@@ -50,7 +50,7 @@ class Numbers:
 
     parameters: Mapping[sp.Symbol, sp.Expr]
     exact: tuple[sp.Expr, ...]
-    state: Any
+    state: Reals
     start: float
 
 
@@ -102,13 +102,13 @@ def numbers_of(scene: Question) -> Numbers:
     return Numbers(parameters, tuple(state), np.array([float(sp.N(x, 20)) for x in state]), float(sp.N(start.t, 20)))
 
 
-def _compiled(formulas: list[sp.Expr], scene: Question, numbers: Numbers) -> Callable[[Any], Any]:
+def _compiled(formulas: list[sp.Expr], scene: Question, numbers: Numbers) -> Callable[[Reals], Reals]:
     """Formulas of (q, p) as a function of the state: shape (2n,) or (2n, m) in, (number of formulas, …) out."""
     variables = [c.symbol for c in scene.system.coordinates] + [c.momentum for c in scene.system.coordinates]
     tape: Tape = lower(formulas, [*variables, *numbers.parameters])
     fixed = [float(sp.N(value, 20)) for value in numbers.parameters.values()]
 
-    def evaluate(state: Any) -> Any:
+    def evaluate(state: Reals) -> Reals:
         with np.errstate(all="ignore"):
             values = tape.run(Float64(), [*state, *fixed])
         return np.array([np.broadcast_to(v, np.shape(state)[1:]) for v in values])
@@ -144,7 +144,7 @@ def flow_of(scene: Question, numbers: Numbers) -> Flow:
     return Flow(scene.system, _compiled(slopes_of(scene), scene, numbers), dict(numbers.parameters))
 
 
-def _converged(scene: Question, flow: Flow, numbers: Numbers, times: Any) -> tuple[Sampled, Any]:
+def _converged(scene: Question, flow: Flow, numbers: Numbers, times: Reals) -> tuple[Sampled, Reals]:
     """Run with finer and finer tolerance until two runs agree to the digits asked."""
     digits = scene.digits
     tolerance = 10.0 ** -(digits - 1)
@@ -186,7 +186,7 @@ def former(scene: Question) -> tuple[Separation | None, tuple[str, ...]]:
     return found, kept
 
 
-def _drift(scene: Question, numbers: Numbers, states: Any) -> dict[str, Any]:
+def _drift(scene: Question, numbers: Numbers, states: Reals) -> dict[str, Reals]:
     """Former constant → its value minus its value at the start; ``E`` is that of the full system."""
     verdict, _ = former(scene)
     formulas = {"E": hamiltonian(scene.system)}
@@ -204,9 +204,9 @@ def _same_symbols(formula: sp.Expr, system: System) -> sp.Expr:
     return formula.xreplace({s: known[s.name] for s in formula.free_symbols if s.name in known})
 
 
-def _trajectory(scene: Question, flow: Flow, times: Any, best: Sampled, error: Any) -> Trajectory:
+def _trajectory(scene: Question, flow: Flow, times: Reals, best: Sampled, error: Reals) -> Trajectory:
     names = [c.name for c in scene.system.coordinates]
-    n, turns = len(names), dict[str, Any]()
+    n, turns = len(names), dict[str, Integers]()
     q = {name: best.states[i] for i, name in enumerate(names)}
     p = {name: best.states[n + i] for i, name in enumerate(names)}
     for c in scene.system.coordinates:

@@ -3,10 +3,10 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
-from typing import Any
 
 import numpy as np
 
+from hjsolve.arithmetic.number_types import Numbers
 from hjsolve.display.shown import Shown
 from hjsolve.errors import InvalidInputError
 from hjsolve.motion.initial_data import to_bits
@@ -28,8 +28,8 @@ class OrbitTable(Shown):
 
     of: str
     along: str
-    places: Any
-    values: Any
+    places: Numbers
+    values: Numbers
 
 
 def orbit_table(asked: OrbitAsked | None, motion: Motion) -> OrbitTable:

@@ -9,12 +9,12 @@ from __future__ import annotations
 
 import itertools
 from dataclasses import dataclass
-from typing import Any
 
 import numpy as np
 import sympy as sp
 
 from hjsolve.arithmetic.floats import multiprecision
+from hjsolve.arithmetic.number_types import Mpf
 from hjsolve.errors import NotConvergedError, OutsideMotionError
 from hjsolve.motion.initial_data import to_bits
 from hjsolve.motion.motion import Motion
@@ -35,11 +35,11 @@ class Passes:
         error: a bound for each of the times, and for the period.
     """
 
-    times: tuple[Any, ...]
-    period: Any | None
-    error: Any
+    times: tuple[Mpf, ...]
+    period: Mpf | None
+    error: Mpf | int
 
-    def beside(self, time: Any, direction: int, slack: Any) -> tuple[Any, int, int] | None:
+    def beside(self, time: Mpf, direction: int, slack: Mpf) -> tuple[Mpf, int, int] | None:
         """The next one in a direction (1 later, −1 earlier), which of ``times`` it is, and periods added to that.
 
         Args:
@@ -47,7 +47,7 @@ class Passes:
             direction: 1 for later, −1 for earlier.
             slack: passages no farther than this from ``time`` do not count.
         """
-        best: tuple[Any, int, int] | None = None
+        best: tuple[Mpf, int, int] | None = None
         for index, first in enumerate(self.times):
             turns, there = 0, first
             if self.period is not None:
@@ -90,11 +90,11 @@ def passes(motion: Motion, name: str, value: sp.Expr) -> Passes:
     return Passes(tuple(t for t, _ in several), None, max((e for _, e in several), default=0))
 
 
-def _slack(motion: Motion, time: Any) -> Any:
+def _slack(motion: Motion, time: Mpf) -> Mpf:
     return multiprecision(64).mpf(10) ** (8 - motion.digits) * max(1, abs(time))
 
 
-def _passage(motion: Motion, name: str, value: sp.Expr, passage: int) -> tuple[Any, Any] | None:
+def _passage(motion: Motion, name: str, value: sp.Expr, passage: int) -> tuple[Mpf, Mpf] | None:
     try:
         estimate = motion.time_at(name, value, passage)
     except OutsideMotionError:
@@ -135,10 +135,10 @@ class Carried:
         steps = np.diff(self.grid)
         self.monotone = bool(np.all(steps > 0) or np.all(steps < 0))
 
-    def _integral(self, χ: Any) -> Any:
+    def _integral(self, χ: Mpf) -> Mpf:
         return self.mean * χ + self.kernel.ripple(χ)
 
-    def angle(self, χ: Any) -> Any:
+    def angle(self, χ: Mpf) -> Mpf:
         """The coordinate, with its whole turns, at a phase of the carrier.
 
         Args:
@@ -146,7 +146,7 @@ class Carried:
         """
         return self.begin - (self._integral(χ) - self.origin)
 
-    def time_of(self, χ: Any) -> Any:
+    def time_of(self, χ: Mpf) -> Mpf:
         """The time of the free motion at a phase of the carrier, which has a clock of its own.
 
         Args:
@@ -154,7 +154,7 @@ class Carried:
         """
         return (χ + self.clock.ripple(χ) - self.start) / self.rate
 
-    def near(self, time: Any) -> Any:
+    def near(self, time: Mpf) -> Mpf:
         """The coordinate, with its whole turns, at a time of the free motion, to a few digits.
 
         Args:
@@ -164,7 +164,7 @@ class Carried:
         whole = self.context.floor((time - self.times[0]) / period)
         return self.begin + whole * self.turn + float(np.interp(float(time - whole * period), self.times, self.grid))
 
-    def time(self, angle: Any) -> tuple[Any, Any]:
+    def time(self, angle: Mpf) -> tuple[Mpf, Mpf]:
         """When the coordinate, with its whole turns, has a value; and a bound on the error.
 
         Args:

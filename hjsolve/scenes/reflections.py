@@ -18,6 +18,7 @@ from typing import Any
 import sympy as sp
 
 from hjsolve.arithmetic.floats import multiprecision
+from hjsolve.arithmetic.number_types import Mpf
 from hjsolve.mechanics.system import velocities
 from hjsolve.motion.initial_data import to_bits
 from hjsolve.motion.motion import Motion
@@ -28,7 +29,7 @@ from hjsolve.scenes.passage_times import Carried, Passes, passes
 from hjsolve.scenes.reflecting_walls import Mirrors
 from hjsolve.time_law.torus import mean_rate
 
-Candidate = tuple[Any, Pending, Callable[["Now"], None]]
+Candidate = tuple[Mpf, Pending, Callable[["Now"], None]]
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -44,11 +45,11 @@ class Flight:
         signs: of the clocks' directions, then of the ignorable momenta, against the free motion.
     """
 
-    begin: Any
-    doubt: Any
-    clocks: tuple[Any, ...]
-    places: tuple[Any, ...]
-    blur: Any
+    begin: Mpf
+    doubt: Mpf | int
+    clocks: tuple[Mpf, ...]
+    places: tuple[Mpf, ...]
+    blur: Mpf | int
     signs: tuple[int, ...]
 
 
@@ -56,12 +57,12 @@ class Flight:
 class Now:
     """Where the walk along a bouncing motion is; names as in ``Flight``, by coordinate."""
 
-    time: Any
-    clock: dict[str, Any]
-    place: dict[str, Any]
+    time: Mpf
+    clock: dict[str, Mpf]
+    place: dict[str, Mpf]
     sign: dict[str, int]
-    doubt: Any = 0
-    blur: Any = 0
+    doubt: Mpf | int = 0
+    blur: Mpf | int = 0
     landed: dict[str, Any] = field(default_factory=dict)
 
     def flight(self) -> Flight:
@@ -85,9 +86,9 @@ class Free:
         self.separated = tuple(motion.solution.coordinates)
         self.ignorable = tuple(n for n in mirrors.carrier)
         self._passes: dict[tuple[str, sp.Expr], Passes] = {}
-        self._angles: dict[tuple[str, Passes, int], Any] = {}
+        self._angles: dict[tuple[str, Passes, int], Mpf] = {}
 
-    def __reduce__(self) -> tuple[Any, ...]:
+    def __reduce__(self) -> tuple[type[Free], tuple[Motion, Mirrors]]:
         return Free, (self.motion, self.mirrors)
 
     @cached_property
@@ -98,7 +99,7 @@ class Free:
         return {name: c for name, c in pairs if not located[c].course.rests}
 
     @cached_property
-    def rates(self) -> dict[str, Any]:
+    def rates(self) -> dict[str, Mpf]:
         """The constant rates of ignorable coordinates."""
         found, motion = {}, self.motion
         for name in self.ignorable:
@@ -144,7 +145,7 @@ class Free:
             self._passes[key] = passes(self.motion, name, value)
         return self._passes[key]
 
-    def angle(self, name: str, clock: Any) -> Any:
+    def angle(self, name: str, clock: Mpf) -> Mpf:
         """Return a carried coordinate of the free motion at a clock, in radians with its whole turns.
 
         Args:
@@ -153,7 +154,7 @@ class Free:
         """
         return self.context.convert(self.motion.at(clock).unwrapped(name))
 
-    def angle_landed(self, name: str, landed: tuple[Passes, int, int]) -> Any:
+    def angle_landed(self, name: str, landed: tuple[Passes, int, int]) -> Mpf:
         """Return the same at a passage; the state is looked up the second time.
 
         Args:
@@ -166,7 +167,7 @@ class Free:
             self._angles[key] = self.angle(name, found.times[index])
         return self._angles[key] + (turns * self.turn(name) if turns else 0)
 
-    def start(self, time: Any) -> Now:
+    def start(self, time: Mpf) -> Now:
         """Return the beginning: all clocks at zero.
 
         Args:
@@ -193,7 +194,7 @@ class Free:
         return Now(flight.begin, clock, place, sign, flight.doubt, flight.blur)
 
     # ------------------------------------------------------------------------------------------ what comes next
-    def candidate(self, now: Now, pending: Pending, slack: Any) -> Candidate | None:
+    def candidate(self, now: Now, pending: Pending, slack: Mpf) -> Candidate | None:
         """Find when an event at a place is next met, and how to be exactly there.
 
         Args:
@@ -210,7 +211,7 @@ class Free:
         turn = 2 * self.context.pi if self.motion.solution.system.coordinate(name).domain.kind == "angle" else None
         return (self._uniform if name in self.rates else self._carried)(now, pending, name, target, turn, slack)
 
-    def _own(self, now: Now, pending: Pending, name: str, value: sp.Expr, slack: Any) -> Candidate | None:
+    def _own(self, now: Now, pending: Pending, name: str, value: sp.Expr, slack: Mpf) -> Candidate | None:
         found = self.passes(name, value)
         hit = found.beside(now.clock[name], now.sign[name], slack)
         if hit is None:
@@ -223,7 +224,9 @@ class Free:
 
         return now.time + abs(there - now.clock[name]), pending, land
 
-    def _uniform(self, now: Now, pending: Pending, name: str, target: Any, turn: Any, slack: Any) -> Candidate | None:
+    def _uniform(
+        self, now: Now, pending: Pending, name: str, target: Mpf, turn: Mpf | None, slack: Mpf
+    ) -> Candidate | None:
         rate = now.sign[name] * self.rates[name]
         if not rate:
             return None
@@ -241,7 +244,9 @@ class Free:
 
         return now.time + way, pending, land
 
-    def _carried(self, now: Now, pending: Pending, name: str, target: Any, turn: Any, slack: Any) -> Candidate | None:
+    def _carried(
+        self, now: Now, pending: Pending, name: str, target: Mpf, turn: Mpf | None, slack: Mpf
+    ) -> Candidate | None:
         carried, carrier = self.carried[name], self.carrier[name]
         side = now.sign[name] * now.sign[carrier]
         offset, clock = now.place[name], now.clock[carrier]
@@ -271,7 +276,7 @@ class Free:
         return now.time + abs(there - clock), pending, land
 
     # ------------------------------------------------------------------------------------------ what happens
-    def advance(self, now: Now, time: Any) -> None:
+    def advance(self, now: Now, time: Mpf) -> None:
         """Let all clocks run until a time.
 
         Args:
@@ -316,7 +321,7 @@ class Free:
                 if carrier == name:
                     now.place[other] += now.sign[other] * now.sign[name] * turns * self.turn(other)
 
-    def turn(self, name: str) -> Any:
+    def turn(self, name: str) -> Mpf:
         """What a carried coordinate gains in a period of the one that carries it."""
         course = self.motion.separated.located[self.carrier[name]].course.cycle
         assert course is not None

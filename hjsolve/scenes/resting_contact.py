@@ -11,12 +11,12 @@ from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
-from typing import Any
 
 import sympy as sp
 
 from hjsolve.arithmetic.estimate import Estimate
 from hjsolve.arithmetic.floats import Multi, bits_for
+from hjsolve.arithmetic.number_types import Mpf
 from hjsolve.display.shown import Shown
 from hjsolve.lowering import lower
 from hjsolve.mechanics.system import System, hamiltonian, velocities
@@ -48,10 +48,10 @@ class Rest(Shown):
     q: Mapping[str, Estimate]
     p: Mapping[str, Estimate]
     alone: bool
-    limit: Any
-    last: Any
-    speed: Any
-    push: Any
+    limit: Mpf
+    last: Mpf
+    speed: Mpf
+    push: Mpf
 
     def __str__(self) -> str:
         """Say what happened."""
@@ -65,8 +65,8 @@ class Rest(Shown):
 class Landing:
     """The state just after a bounce: time, positions and momenta in many digits, in the order of the coordinates."""
 
-    time: Any
-    values: tuple[Any, ...]
+    time: Mpf
+    values: tuple[Mpf, ...]
 
 
 def acceleration(system: System, name: str) -> sp.Expr:
@@ -101,7 +101,12 @@ class Settling:
         self.rows: list[_Limit] = []
 
     def landed(
-        self, events: Sequence[Event], time: sp.Expr, state: Mapping[str, Any], side: int, pending: Sequence[Pending]
+        self,
+        events: Sequence[Event],
+        time: sp.Expr,
+        state: Mapping[str, Mapping[str, sp.Expr]],
+        side: int,
+        pending: Sequence[Pending],
     ) -> Rest | None:
         """Take note of a bounce that costs energy, and say whether it is the end.
 
@@ -155,13 +160,13 @@ class Settling:
             return None
         return self._rest(Landing(time, tuple(v for v, _ in limits[1:])), [e for _, e in limits], len(self.landings))
 
-    def _asked(self, begin: Any, end: Any) -> bool:
+    def _asked(self, begin: Mpf, end: Mpf) -> bool:
         """Whether the state is wanted at some time between."""
         if self.times is None:
             return False
         return any(begin < to_bits(t)(self.arithmetic.bits) < end for t in self.times.between(float(begin), float(end)))
 
-    def _met(self, pending: Sequence[Pending], limits: Sequence[tuple[Any, Any]]) -> bool:
+    def _met(self, pending: Sequence[Pending], limits: Sequence[tuple[Mpf, Mpf]]) -> bool:
         """Whether another event comes before the limit."""
         names = [c.name for c in self.system.coordinates]
         for p in pending:
@@ -184,14 +189,14 @@ class Settling:
                 return True
         return False
 
-    def _evaluated(self, formula: sp.Expr) -> Any:
+    def _evaluated(self, formula: sp.Expr) -> Mpf:
         """A formula in coordinates and momenta just after the last bounce."""
         symbols = [c.symbol for c in self.system.coordinates] + [c.momentum for c in self.system.coordinates]
         tape = lower([formula], [*symbols, *self.parameters])
         fixed = [to_bits(value)(self.arithmetic.bits) for value in self.parameters.values()]
         return tape.run(self.arithmetic, [*self.landings[-1].values, *fixed])[0]
 
-    def _rest(self, at: Landing, errors: Sequence[Any], bounces: int) -> Rest:
+    def _rest(self, at: Landing, errors: Sequence[Mpf], bounces: int) -> Rest:
         assert self.wall is not None
         names, n = [c.name for c in self.system.coordinates], len(self.system.coordinates)
         found = [self._estimate(v, e) for v, e in zip((at.time, *at.values), errors, strict=True)]
@@ -203,11 +208,11 @@ class Settling:
         push = last.values[n + k] - at.values[n + k]
         return Rest(self.wall, bounces, found[0], q, p, n == 1, at.time, last.time, speed, push)
 
-    def _estimate(self, value: Any, error: Any) -> Estimate:
+    def _estimate(self, value: Mpf, error: Mpf | int) -> Estimate:
         if self.digits > 15:
             return Estimate(value, abs(error) + abs(value) * self.arithmetic.context.mpf(10) ** -self.digits)
         rounded = float(value)
-        return Estimate(rounded, float(abs(error)) + abs(float(value - rounded)))
+        return Estimate(rounded, abs(float(error)) + abs(float(value - rounded)))
 
 
 class _Limit:
@@ -218,13 +223,13 @@ class _Limit:
         work: digits of the values.
     """
 
-    def __init__(self, ratio: Any, work: int):
+    def __init__(self, ratio: Mpf, work: int):
         self.ratio, self.noise = ratio, ratio.context.mpf(10) ** (2 - work)
-        self.last: list[Any] = []
-        self.before: list[Any] = []
+        self.last: list[Mpf] = []
+        self.before: list[Mpf] = []
         self.size = 0 * ratio
 
-    def add(self, value: Any) -> None:
+    def add(self, value: Mpf) -> None:
         """One more bounce."""
         self.size = max(self.size, abs(value))
         row = [value]
@@ -233,9 +238,9 @@ class _Limit:
             row.append((row[-1] - power * old) / (1 - power))
         self.last, self.before = row, self.last
 
-    def limit(self) -> tuple[Any, Any]:
+    def limit(self) -> tuple[Mpf, Mpf]:
         """The best entry of the last row and a bound on its error."""
-        best: tuple[Any, Any] | None = None
+        best: tuple[Mpf, Mpf] | None = None
         grown = self.noise * self.size
         for j in range(1, len(self.before)):
             power = self.ratio**j

@@ -9,6 +9,7 @@ import sympy as sp
 
 from hjsolve.arithmetic.estimate import Estimate
 from hjsolve.arithmetic.floats import EPS
+from hjsolve.arithmetic.number_types import Mask, Mpf, Numbers
 from hjsolve.arithmetic.work_counter import counted
 from hjsolve.errors import InvalidInputError, MissingValueError, NotSeparableError
 from hjsolve.motion.initial_data import to_bits
@@ -146,14 +147,14 @@ def _quantity(scene: Question, piece: FreeArc, name: str, motion: Motion) -> Any
     return orbit_table(scene.orbit, motion) if name == "orbit" else getattr(motion, name)
 
 
-def _mask(array: Any, begins: Any, ends: Any) -> Any:
+def _mask(array: Numbers, begins: Any, ends: Any) -> Mask:
     """Which times lie in [begins, ends)."""
     low, high = (t if t is None or array.dtype != float else float(t) for t in (begins, ends))
     inside = (array >= low).astype(bool)
     return inside if high is None else inside & (array < high).astype(bool)
 
 
-def _moment(time: Any, digits: int, doubt: Any = 0) -> Estimate:
+def _moment(time: sp.Expr, digits: int, doubt: Mpf | int = 0) -> Estimate:
     """A time, exact or in many digits, as a number with its error."""
     value = to_bits(time)(bits_of(max(digits, 15))) if isinstance(time, sp.Expr) else time
     if digits <= 15:

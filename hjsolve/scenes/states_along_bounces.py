@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass
 from typing import Any
 
@@ -10,6 +10,7 @@ import numpy as np
 import sympy as sp
 
 from hjsolve.arithmetic.floats import EPS, multiprecision
+from hjsolve.arithmetic.number_types import Integers, Mpf, Numbers, Reals
 from hjsolve.mechanics.system import hamiltonian
 from hjsolve.motion.initial_data import to_bits
 from hjsolve.motion.motion import Motion
@@ -37,8 +38,8 @@ class Along:
     free: Free
     motion: Motion
     flights: Sequence[Flight]
-    which: Any
-    times: Any
+    which: Integers
+    times: Numbers
     elapsed: Any
 
     @property
@@ -46,7 +47,7 @@ class Along:
         """Whether numbers are of more digits than doubles."""
         return self.motion.digits > FLOAT_DIGITS
 
-    def gather(self, pick: Callable[[Flight], Any]) -> tuple[Any, Any]:
+    def gather(self, pick: Callable[[Flight], Mpf | int]) -> tuple[Numbers, Numbers | int]:
         """A number of every flight at the times, as a high part and what is left.
 
         Args:
@@ -62,7 +63,7 @@ class Along:
         low = np.array([float(x - h) for x, h in zip(numbers, high, strict=True)])
         return high[self.which], low[self.which]
 
-    def floats(self, pick: Callable[[Flight], Any]) -> Any:
+    def floats(self, pick: Callable[[Flight], Mpf | int]) -> Reals:
         """A number of every flight at the times, rounded.
 
         Args:
@@ -74,7 +75,7 @@ class Along:
         return np.array([float(pick(flight)) for flight in self.flights])[self.which]
 
 
-def along(free: Free, motion: Motion, flights: Sequence[Flight], which: Any, times: Any) -> State:
+def along(free: Free, motion: Motion, flights: Sequence[Flight], which: Integers, times: Numbers) -> State:
     """Work out the states at times on the flights of a free motion.
 
     Args:
@@ -109,19 +110,19 @@ def along(free: Free, motion: Motion, flights: Sequence[Flight], which: Any, tim
     return State(times, q, p, velocity, turns, status, errors)
 
 
-def _clock(here: Along, k: int) -> Any:
+def _clock(here: Along, k: int) -> Numbers:
     """Times of the free motion for one separated coordinate."""
     high, low = here.gather(lambda f: f.clocks[k])
     sign = np.array([f.signs[k] for f in here.flights])[here.which]
     return high + (sign * here.elapsed + low)
 
 
-def _places(here: Along, states: dict[str, State]) -> tuple[dict[str, Any], dict[str, Any], dict[str, Any]]:
+def _places(here: Along, states: dict[str, State]) -> tuple[dict[str, Numbers], dict[str, Numbers], dict[str, Numbers]]:
     """Positions, momenta, whole turns."""
     free, system, n = here.free, here.motion.solution.system, len(here.free.separated)
-    q: dict[str, Any] = {}
-    p: dict[str, Any] = {}
-    turns: dict[str, Any] = {}
+    q: dict[str, Numbers] = {}
+    p: dict[str, Numbers] = {}
+    turns: dict[str, Numbers] = {}
     signs = {name: np.array([f.signs[k] for f in here.flights])[here.which]
              for k, name in enumerate((*free.separated, *free.ignorable))}  # fmt: skip
     for name in free.separated:
@@ -158,7 +159,14 @@ def _places(here: Along, states: dict[str, State]) -> tuple[dict[str, Any], dict
     return {k: q[k] for k in names}, {k: p[k] for k in names}, {k: turns[k] for k in names if k in turns}
 
 
-def _errors(here: Along, clocks: Any, states: dict[str, State], q: Any, p: Any, velocity: Any) -> Errors:
+def _errors(
+    here: Along,
+    clocks: Mapping[str, Numbers],
+    states: dict[str, State],
+    q: Mapping[str, Numbers],
+    p: Mapping[str, Numbers],
+    velocity: Mapping[str, Numbers],
+) -> Errors:
     """Those of the free motion; what the clocks and places are in doubt; the rounding of their sums."""
     free, system = here.free, here.motion.solution.system
     unit = EPS if not here.many else float(multiprecision(64).mpf(10) ** (1 - here.motion.digits))
@@ -169,8 +177,8 @@ def _errors(here: Along, clocks: Any, states: dict[str, State], q: Any, p: Any, 
     force = dict(zip(q, (np.abs(np.asarray(f, dtype=float)) for f in forces), strict=True))
     speed = {name: np.abs(np.asarray(v, dtype=float)) for name, v in velocity.items()}
     late = {name: doubt + unit * (elapsed + np.abs(clock.astype(float))) for name, clock in clocks.items()}
-    dq: dict[str, Any] = {}
-    dp: dict[str, Any] = {}
+    dq: dict[str, Numbers] = {}
+    dp: dict[str, Numbers] = {}
     for name in free.separated:
         error = states[name].error
         dq[name] = np.asarray(error.q[name], dtype=float) + speed[name] * late[name]

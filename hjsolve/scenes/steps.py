@@ -9,6 +9,7 @@ from typing import Any
 import numpy as np
 import sympy as sp
 
+from hjsolve.arithmetic.number_types import Integers, Reals
 from hjsolve.errors import NotConvergedError
 from hjsolve.formulas.read import number
 from hjsolve.mechanics.system import System
@@ -29,11 +30,11 @@ class Flow:
     """
 
     system: System
-    slopes: Callable[[Any], Any]
+    slopes: Callable[[Reals], Any]
     parameters: Mapping[sp.Symbol, sp.Expr]
     calls: int = field(default=0)
 
-    def __call__(self, _: float, state: Any) -> Any:
+    def __call__(self, _: float, state: Reals) -> Any:
         """Evaluate, counted."""
         self.calls += 1
         return self.slopes(state)
@@ -43,8 +44,8 @@ class Flow:
 class Sampled:
     """States at given times, shape (2n, m), and the number of events before each."""
 
-    states: Any
-    arcs: Any
+    states: Reals
+    arcs: Integers
 
 
 @dataclass
@@ -57,14 +58,14 @@ class _Surface:
     turning: bool
     left: int
 
-    def level(self, state: Any) -> float:
+    def level(self, state: Reals) -> float:
         """Signed distance; for an angle, of the half turn around the surface."""
         off = state[self.index] - self.value
         return float(off - 2 * np.pi * np.rint(off / (2 * np.pi))) if self.turning else float(off)
 
 
 def integrate_steps(
-    flow: Flow, events: Sequence[Event], start: float, state: Any, times: Any, tolerance: float
+    flow: Flow, events: Sequence[Event], start: float, state: Reals, times: Reals, tolerance: float
 ) -> Sampled:
     """Integrate from the start through all times.
 
@@ -110,7 +111,7 @@ def integrate_steps(
     return Sampled(states, arcs)
 
 
-def _changed(flow: Flow, event: Event, state: Any) -> Any:
+def _changed(flow: Flow, event: Event, state: Reals) -> Reals:
     n = len(flow.system.coordinates)
     values = dict(flow.parameters)
     for i, c in enumerate(flow.system.coordinates):
@@ -120,8 +121,8 @@ def _changed(flow: Flow, event: Event, state: Any) -> Any:
 
 
 def _advance(
-    flow: Flow, surfaces: list[_Surface], t: float, state: Any, stop: float, tolerance: float
-) -> tuple[float, Any, list[Event], int]:
+    flow: Flow, surfaces: list[_Surface], t: float, state: Reals, stop: float, tolerance: float
+) -> tuple[float, Reals, list[Event], int]:
     """Go on to ``stop`` or to the first event at a place, whichever comes first."""
     from scipy.integrate import DOP853
 
@@ -150,7 +151,7 @@ def _advance(
     return solver.t, solver.y, [], steps
 
 
-def _crosses(surface: _Surface, before: Any, after: Any, leaving: bool) -> bool:
+def _crosses(surface: _Surface, before: Reals, after: Reals, leaving: bool) -> bool:
     """A change of sign; a motion that is just leaving the surface has not crossed it."""
     old, new = surface.level(before), surface.level(after)
     if leaving or (surface.turning and abs(old - new) > np.pi):
@@ -158,15 +159,15 @@ def _crosses(surface: _Surface, before: Any, after: Any, leaving: bool) -> bool:
     return old * new < 0 or (new == 0 and old != 0)
 
 
-def _root(dense: Any, surface: _Surface, low: float, high: float) -> float:
+def _root(dense: Callable[[float], Reals], surface: _Surface, low: float, high: float) -> float:
     from scipy.optimize import brentq
 
     return float(brentq(lambda t: surface.level(dense(t)), low, high, xtol=1e-300, rtol=1e-14))
 
 
 def _reached(
-    flow: Flow, surface: _Surface, t: float, state: Any, when: float, tolerance: float, scale: float
-) -> tuple[float, Any]:
+    flow: Flow, surface: _Surface, t: float, state: Reals, when: float, tolerance: float, scale: float
+) -> tuple[float, Reals]:
     """Integrate to the event itself, the time corrected by Newton's method: steps are better than dense output."""
     from scipy.integrate import DOP853
 

@@ -117,7 +117,7 @@ def _time_faults(times: Any) -> Iterator[str]:
         yield "times: must be a list of times, or {start = …, stop = …, count = …}"
 
 
-def _list_faults(values: Any, where: str) -> Iterator[str]:
+def _list_faults(values: object, where: str) -> Iterator[str]:
     if not isinstance(values, list) or not values:
         yield f"{where}: must be a list of numbers, and not empty"
         return

@@ -11,6 +11,7 @@ from typing import Any
 import numpy as np
 import sympy as sp
 
+from hjsolve.arithmetic.number_types import Integers, Mpf, Numbers, Reals
 from hjsolve.errors import InvalidInputError
 from hjsolve.motion.initial_data import to_bits
 from hjsolve.motion.motion import Motion
@@ -30,12 +31,12 @@ from hjsolve.scenes.states_along_bounces import along
 class _Part:
     """Some of the times: a slice of them, whole turns made before, and the states."""
 
-    places: Any
+    places: Integers
     turns: Mapping[str, int]
     state: State
 
 
-def sampled(times: Times, digits: int) -> Any:
+def sampled(times: Times, digits: int) -> Numbers:
     """The times as an array: doubles where they are evenly spaced and 15 digits serve, exact numbers otherwise.
 
     Args:
@@ -56,7 +57,7 @@ def sampled(times: Times, digits: int) -> Any:
     return np.array(times.exact(), dtype=object)
 
 
-def belongings(times: Any, pieces: Sequence[FreeArc], rest: Rest | None) -> Any:
+def belongings(times: Numbers, pieces: Sequence[FreeArc], rest: Rest | None) -> Integers:
     """The arc of each time, which is in [begin, end); −1 from the last bounce on where a wall keeps the body.
 
     Args:
@@ -80,7 +81,7 @@ def belongings(times: Any, pieces: Sequence[FreeArc], rest: Rest | None) -> Any:
     return found
 
 
-def _ratio(value: Any) -> tuple[int, int]:
+def _ratio(value: Mpf) -> tuple[int, int]:
     """An ``mpf`` as a fraction."""
     sign, mantissa, exponent, _ = value._mpf_
     top = int(-mantissa if sign else mantissa)
@@ -136,7 +137,7 @@ def trajectory_of(
 
 
 def _parts(
-    times: Any, number: Any, arcs: Sequence[Arc], pieces: Sequence[FreeArc], whole: Callable[[FreeArc], Motion]
+    times: Numbers, number: Integers, arcs: Sequence[Arc], pieces: Sequence[FreeArc], whole: Callable[[FreeArc], Motion]
 ) -> list[_Part]:
     """The flights of one free motion together, other arcs one by one; those without a time are left out."""
     order = np.argsort(number, kind="stable")
@@ -162,7 +163,7 @@ def _parts(
     return found
 
 
-def _resting(scene: Question, rest: Rest, times: Any) -> State:
+def _resting(scene: Question, rest: Rest, times: Numbers) -> State:
     """The state of a body that a wall keeps; not a number where other coordinates still move."""
     kind = object if scene.digits > FLOAT_DIGITS else float
     missing = rest.limit.context.nan if kind is object else np.nan
@@ -188,7 +189,7 @@ def _resting(scene: Question, rest: Rest, times: Any) -> State:
         speed, push = (abs(float(x)) * share for x in (rest.speed, rest.push))
         height = speed * np.maximum(left, 0.0)
 
-        def bound(own: Any, more: Any) -> Any:
+        def bound(own: float | Mpf, more: Reals) -> Reals:
             return np.where(rest.alone, float(own) + more, np.nan)
 
         return Errors(
@@ -200,7 +201,7 @@ def _resting(scene: Question, rest: Rest, times: Any) -> State:
     return State(times, q, p, velocity, turns, np.full(len(times), "at_rest" if rest.alone else "ended"), errors)
 
 
-def _numbers(times: Any, digits: int) -> Any:
+def _numbers(times: Numbers, digits: int) -> Numbers:
     if times.dtype == float:
         return times
     if digits <= FLOAT_DIGITS:

@@ -3,8 +3,8 @@
 from __future__ import annotations
 
 from dataclasses import dataclass, replace
-from typing import Any
 
+from hjsolve.arithmetic.number_types import Mpf
 from hjsolve.errors import NotConvergedError
 from hjsolve.motion.initial_data import to_bits
 from hjsolve.scenes.events import Event, Pending, once
@@ -24,12 +24,12 @@ class Flown:
         stopped: True where the last events change more than signs and are still to be carried out.
     """
 
-    arcs: list[tuple[Flight, Any, tuple[Event, ...]]]
+    arcs: list[tuple[Flight, Mpf, tuple[Event, ...]]]
     pending: list[Pending]
     stopped: bool
 
 
-def walk(free: Free, now: Now, pending: list[Pending], horizon: Any | None, most: int) -> Flown:
+def walk(free: Free, now: Now, pending: list[Pending], horizon: Mpf | None, most: int) -> Flown:
     """Follow a bouncing motion until an event that changes more than signs, or until nothing more happens.
 
     Args:
@@ -42,7 +42,7 @@ def walk(free: Free, now: Now, pending: list[Pending], horizon: Any | None, most
     Raises:
         NotConvergedError: many more bounces than ``most`` would come before the horizon.
     """
-    found: list[tuple[Flight, Any, tuple[Event, ...]]] = []
+    found: list[tuple[Flight, Mpf, tuple[Event, ...]]] = []
     flight, begin = now.flight(), now.time
     while len(found) < most:
         if len(found) == _LOOK and horizon is not None and (horizon - begin) * _LOOK > 2 * most * (now.time - begin):
@@ -78,7 +78,7 @@ def walk(free: Free, now: Now, pending: list[Pending], horizon: Any | None, most
     return Flown(found, pending, False)
 
 
-def _ahead(free: Free, now: Now, pending: list[Pending], slack: Any) -> list[Candidate]:
+def _ahead(free: Free, now: Now, pending: list[Pending], slack: Mpf) -> list[Candidate]:
     """Every event to come with its time."""
     ahead: list[Candidate] = []
     for p in pending:

@@ -211,7 +211,8 @@ class _Search:
             first, last = np.where(beyond, first, middle), np.where(beyond, middle, last)
         ends = stations[first], stations[last]
         low, high = np.minimum(*ends), np.maximum(*ends)
-        # Newton's method in the bracket; every fourth step halves it where Newton's steps do not
+        # Newton's method in the bracket; every fourth step halves it where Newton's steps do not: an equation whose
+        # slope is itself from a search is too rough for ``bracketed_roots``, which goes to the last bits
         x, width = (low + high) / 2, high - low
         for count in range(_STEPS):
             off, slope = self._equation(x)

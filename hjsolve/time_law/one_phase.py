@@ -10,6 +10,7 @@ import numpy as np
 from hjsolve.arithmetic.error_free import split
 from hjsolve.arithmetic.floats import EPS, multiprecision
 from hjsolve.arithmetic.number_types import Elementwise, Mask, Reals
+from hjsolve.arithmetic.root_finding import bracketed_roots
 from hjsolve.one_coordinate.coordinate_motion import (
     AtRest,
     CoordinateMotion,
@@ -20,7 +21,7 @@ from hjsolve.one_coordinate.coordinate_motion import (
 )
 from hjsolve.one_coordinate.fourier_series import combine
 from hjsolve.time_law.phase_reduction import turns_and_rest
-from hjsolve.time_law.torus import _alone, bracketed
+from hjsolve.time_law.torus import _alone
 
 
 def solve_alone(
@@ -117,7 +118,7 @@ def _of_open(
         f, slope = function(χ)
         return sign * f - goal, sign * slope
 
-    χ, residual, slope = bracketed(equation, (low + high) / 2, low, high)
+    χ, residual, slope = bracketed_roots(equation, (low + high) / 2, low, high)
     summed: Elementwise = sum(np.abs(w * course.integral(j, edges)) for j, w in enumerate(weights) if w)
     rounding = np.maximum(summed[position], summed[position + 1])  # a panel's series is rounded like its greatest value
     rounding_and_error = (

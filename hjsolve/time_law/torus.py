@@ -9,7 +9,7 @@ the rest together. With unbounded coordinates the equations are solved as they s
 
 from __future__ import annotations
 
-from collections.abc import Callable, Sequence
+from collections.abc import Sequence
 from dataclasses import dataclass
 from typing import Any, cast
 
@@ -18,6 +18,7 @@ import numpy as np
 from hjsolve.arithmetic.error_free import split
 from hjsolve.arithmetic.floats import EPS, multiprecision
 from hjsolve.arithmetic.number_types import Context, Elementwise, Mpf, Reals
+from hjsolve.arithmetic.root_finding import bracketed_roots
 from hjsolve.errors import NotConvergedError
 from hjsolve.one_coordinate.coordinate_motion import AtRest, Periodic
 from hjsolve.one_coordinate.fourier_series import FourierSeries, combine
@@ -206,39 +207,11 @@ def _alone(ripple: FourierSeries, goal: Reals, error_bound: Reals) -> tuple[Real
     # start by interpolation, then Newton's method that never leaves the bracket
     share = (goal - offset - table[position]) / np.maximum(table[position + 1] - table[position], 1e-300)
     χ = low + (high - low) * np.clip(share, 0, 1)
-    χ, residual, slope = bracketed(
+    χ, residual, slope = bracketed_roots(
         lambda x: (x + ripple.ripple(x) - goal, 1 + ripple.value(x) - float(ripple.mean)), χ, low, high
     )
     rounding = rounding + 2 * EPS * (_size(ripple) + np.pi) + np.abs(residual)
     return χ + shift, rounding / np.maximum(slope, EPS) + EPS * np.pi
-
-
-def bracketed(
-    function: Callable[[Reals], tuple[Reals, Reals]], x: Reals, low: Reals, high: Reals
-) -> tuple[Reals, Reals, Reals]:
-    """Newton's method for an increasing function, element by element, never leaving its bracket.
-
-    Args:
-        function: x ↦ (f, f′), arrays of shape (m,).
-        x, low, high: start and bracket, shape (m,).
-
-    Returns:
-        The zero, the residual and the slope there.
-    """
-    for count in range(80):
-        f, slope = function(x)
-        low, high = np.where(f <= 0, np.maximum(low, x), low), np.where(f >= 0, np.minimum(high, x), high)
-        with np.errstate(all="ignore"):
-            new = x - f / slope
-        outside = ~((new >= low) & (new <= high))
-        if outside.any() or count > 8:
-            new = np.where(outside | ((count > 8) & (count % 4 == 3)), (low + high) / 2, new)
-        moved = np.abs(new - x)
-        x = new
-        if np.all(moved <= 4 * EPS * np.maximum(np.abs(x), 1e-290)) or (count > 3 and np.all(moved <= 16 * EPS)):
-            break
-    f, slope = function(x)
-    return x, f, slope
 
 
 def _together(system: TorusEquations, angles: list[Reals], χ: list[Reals | None], errors: list[Reals | None]) -> None:

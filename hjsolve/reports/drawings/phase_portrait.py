@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import numpy as np
 
+from hjsolve.arithmetic.root_finding import bisected
 from hjsolve.reports.drawings.effective_potential import Array, EffectivePotential
 
 _SCAN = 1200
@@ -127,8 +128,5 @@ def levels(well: EffectivePotential) -> list[float]:
 
 def _root(well: EffectivePotential, level: float, low: float, high: float) -> float:
     inside = bool(well.momentum_squared(np.array([low]), level)[0] > 0)
-    for _ in range(50):
-        middle = (low + high) / 2
-        same = bool(well.momentum_squared(np.array([middle]), level)[0] > 0) == inside
-        low, high = (middle, high) if same else (low, middle)
+    low, high = bisected(lambda q: bool(well.momentum_squared(np.array([q]), level)[0] > 0) == inside, low, high, 50)
     return (low + high) / 2
