@@ -14,6 +14,7 @@ from hjsolve.errors import InvalidInputError, NotSeparableError
 if TYPE_CHECKING:
     from hjsolve.catalog import Entry
     from hjsolve.extended.linear_hamiltonian import LinearHamiltonian
+    from hjsolve.mechanics.coordinates_and_parameters import Parameter
     from hjsolve.mechanics.system import System
     from hjsolve.motion.motion import Motion
     from hjsolve.reports.document import Section
@@ -124,11 +125,11 @@ def _own_system(options: Namespace) -> System:
     )
 
 
-def _parameters(texts: list[str]) -> dict[str, Any]:
+def _parameters(texts: list[str]) -> dict[str, Parameter]:
     """Each ``NAME``, ``NAME=VALUE``, ``NAME:ASSUMPTION`` or ``NAME=VALUE:ASSUMPTION``."""
     from hjsolve.mechanics.system import parameter
 
-    found: dict[str, Any] = {}
+    found: dict[str, Parameter] = {}
     for text in texts:
         declared, colon, assume = text.partition(":")
         name, equals, value = declared.partition("=")
@@ -153,7 +154,7 @@ def _values(texts: list[str], option: str) -> dict[str, str]:
     return found
 
 
-def _once(found: dict[str, Any], name: str, option: str) -> None:
+def _once(found: Mapping[str, object], name: str, option: str) -> None:
     if ascii_name(name) in found:
         raise InvalidInputError(f'{option}: "{name}" is given twice')
 
