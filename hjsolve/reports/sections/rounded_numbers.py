@@ -3,11 +3,10 @@
 from __future__ import annotations
 
 from decimal import ROUND_CEILING, ROUND_FLOOR, Context, Decimal, Inexact
-from typing import Protocol
+from typing import TYPE_CHECKING, Protocol
 
 import sympy as sp
 
-from hjsolve.arithmetic.number_types import Mpf
 from hjsolve.arithmetic.printed_digits import (
     LARGE,
     WIDE,
@@ -20,6 +19,9 @@ from hjsolve.arithmetic.printed_digits import (
     special,
 )
 from hjsolve.reports.document import Number
+
+if TYPE_CHECKING:
+    from hjsolve.arithmetic.number_types import Mpf
 
 
 class WithError(Protocol):
