@@ -59,7 +59,7 @@ def by_name(example: str) -> Callable[[Callable[_P, _R]], Callable[_P, _R]]:
     return decorate
 
 
-def refuse_other(value: Any, kinds: type | tuple[type, ...], source: str, needed: str) -> None:
+def refuse_other(value: object, kinds: type | tuple[type, ...], source: str, needed: str) -> None:
     """Raise unless a value is of these kinds.
 
     Args:
@@ -75,7 +75,7 @@ def refuse_other(value: Any, kinds: type | tuple[type, ...], source: str, needed
         raise InvalidInputError(f"{source}: {needed}, not {described(value)}")
 
 
-def table(value: Any, source: str, example: str = '{"r": 1}') -> Mapping[str, Any]:
+def table(value: object, source: str, example: str = '{"r": 1}') -> Mapping[str, Any]:
     """A table name → value, None counting as empty; Greek letters in names are spelled.
 
     Args:
@@ -89,6 +89,7 @@ def table(value: Any, source: str, example: str = '{"r": 1}') -> Mapping[str, An
     if value is None:
         return {}
     refuse_other(value, Mapping, source, f"a table name → value is needed, such as {example}")
+    assert isinstance(value, Mapping)
     if all(not isinstance(name, str) or name.isascii() for name in value):
         return value
     return {ascii_name(name): item for name, item in value.items()}
@@ -115,7 +116,7 @@ def _spelled_letter(letter: str) -> str:
     return name if match[1] == "SMALL" else {"lam": "Lambda"}.get(name, name.capitalize())
 
 
-def words(value: Any, source: str, example: str) -> frozenset[str]:
+def words(value: object, source: str, example: str) -> frozenset[str]:
     """One word or several.
 
     Args:
@@ -128,13 +129,14 @@ def words(value: Any, source: str, example: str) -> frozenset[str]:
     """
     if isinstance(value, str):
         return frozenset({value})
-    found = list(value) if isinstance(value, Iterable) else [value]
-    if not all(isinstance(word, str) for word in found):
+    found: list[object] = list(value) if isinstance(value, Iterable) else [value]
+    texts = [word for word in found if isinstance(word, str)]
+    if len(texts) < len(found):
         raise InvalidInputError(f"{source}: words are needed, such as {example}, not {described(value)}")
-    return frozenset(found)
+    return frozenset(texts)
 
 
-def whole(value: Any, source: str, lowest: int | None = None, highest: int | None = None) -> int:
+def whole(value: object, source: str, lowest: int | None = None, highest: int | None = None) -> int:
     """A whole number; ``True`` is none.
 
     Args:
@@ -145,14 +147,13 @@ def whole(value: Any, source: str, lowest: int | None = None, highest: int | Non
     Raises:
         InvalidInputError: not whole, or out of bounds.
     """
-    inside = type(value) is int and (lowest is None or lowest <= value) and (highest is None or value <= highest)
-    if not inside:
-        bounds = "" if lowest is None else f" from {lowest} on" if highest is None else f" from {lowest} to {highest}"
-        raise InvalidInputError(f"{source}: a whole number{bounds} is needed, not {described(value)}")
-    return value
+    if type(value) is int and (lowest is None or lowest <= value) and (highest is None or value <= highest):
+        return value
+    bounds = "" if lowest is None else f" from {lowest} on" if highest is None else f" from {lowest} to {highest}"
+    raise InvalidInputError(f"{source}: a whole number{bounds} is needed, not {described(value)}")
 
 
-def digits(value: Any) -> int:
+def digits(value: object) -> int:
     """How many digits are asked.
 
     Args:
@@ -164,7 +165,7 @@ def digits(value: Any) -> int:
     return whole(value, "digits", 1, MOST_DIGITS)
 
 
-def seconds(value: Any, source: str) -> float:
+def seconds(value: object, source: str) -> float:
     """A number of seconds, from 0 on; ``math.inf`` is one.
 
     Args:
@@ -182,7 +183,7 @@ def seconds(value: Any, source: str) -> float:
         return math.inf
 
 
-def described(value: Any) -> str:
+def described(value: object) -> str:
     """A value as a message shows it: itself where that is short, else its kind.
 
     Args:

@@ -5,17 +5,17 @@ One line each, ``key: what is wrong``; ``hjsolve.catalog`` puts the file before 
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Mapping
-from typing import Any
+from collections.abc import Iterator
 
 from hjsolve.catalog import schema
+from hjsolve.catalog.toml_file import Toml
 from hjsolve.errors import ExpressionError
 from hjsolve.formulas.read import number
 
 _OF_ENERGIES = ("kinetic", "potential", "effects", "relativity", "signature", "frame")
 
 
-def motion_faults(where: str, data: Mapping[str, Any], names: list[str], declared: list[str]) -> Iterator[str]:
+def motion_faults(where: str, data: Toml, names: list[str], declared: list[str]) -> Iterator[str]:
     """Initial data: every coordinate once, velocity or p, numbers that parse, kinds that are known.
 
     Args:
@@ -40,7 +40,7 @@ def motion_faults(where: str, data: Mapping[str, Any], names: list[str], declare
         yield from schema.unknown([kind], schema.KINDS, f"{where}.kinds.{name}", "kind")
 
 
-def reference_faults(reference: Mapping[str, Any], where: str, names: list[str], motions: set[str]) -> Iterator[str]:
+def reference_faults(reference: Toml, where: str, names: list[str], motions: set[str]) -> Iterator[str]:
     """A reference value: a quantity that is known, of a coordinate and a motion that exist, with a time or without.
 
     Args:
@@ -65,7 +65,7 @@ def reference_faults(reference: Mapping[str, Any], where: str, names: list[str],
     yield from _numbers({"value": reference["value"]}, where)
 
 
-def _numbers(table: Mapping[str, Any], where: str) -> Iterator[str]:
+def _numbers(table: Toml, where: str) -> Iterator[str]:
     for name, value in table.items():
         try:
             number(value, source=f"{where}.{name}")
@@ -73,7 +73,7 @@ def _numbers(table: Mapping[str, Any], where: str) -> Iterator[str]:
             yield " ".join(str(error).split())
 
 
-def form_faults(table: Mapping[str, Any]) -> Iterator[str]:
+def form_faults(table: Toml) -> Iterator[str]:
     """An entry gives T and V, or H(q, p) in their place; then its motions start from momenta.
 
     Args:

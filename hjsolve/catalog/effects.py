@@ -2,18 +2,18 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping, Sequence
-from typing import Any
+from collections.abc import Sequence
 
 import sympy as sp
 
 from hjsolve.catalog import schema
+from hjsolve.catalog.toml_file import Toml, TomlTable
 from hjsolve.errors import CatalogError
 from hjsolve.formulas.read import parse
 from hjsolve.mechanics.system import System
 
 
-def with_effects(table: Mapping[str, Any], names: Sequence[str], source: str) -> dict[str, Any]:
+def with_effects(table: Toml, names: Sequence[str], source: str) -> TomlTable:
     """Give a table whose T and V have the terms of the effects added; texts, so that what is absent was never parsed.
 
     Args:
@@ -38,7 +38,7 @@ def with_effects(table: Mapping[str, Any], names: Sequence[str], source: str) ->
     return result
 
 
-def forces(table: Mapping[str, Any], names: Sequence[str], system: System, *, source: str) -> dict[str, sp.Expr]:
+def forces(table: Toml, names: Sequence[str], system: System, *, source: str) -> dict[str, sp.Expr]:
     """Give the generalized forces Q(q, q̇) that effects bring, by coordinate; those that have none are left out.
 
     Args:
@@ -50,7 +50,7 @@ def forces(table: Mapping[str, Any], names: Sequence[str], system: System, *, so
     Raises:
         ExpressionError: a force is not a formula of coordinates, velocities and parameters.
     """
-    speeds, total = {c.name: c.velocity for c in system.coordinates}, dict[str, Any]()
+    speeds, total = {c.name: c.velocity for c in system.coordinates}, TomlTable()
     for name in names:
         for coordinate, text in table["effects"][name].get("force", {}).items():
             force = parse(text, system.symbols, velocities=speeds, source=f"{source}: force.{coordinate}")

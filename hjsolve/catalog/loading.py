@@ -7,7 +7,7 @@ inline ``[system]`` table go through the same door.
 from __future__ import annotations
 
 import difflib
-from collections.abc import Iterable, Iterator, Mapping
+from collections.abc import Iterable, Iterator
 from importlib.resources import files
 from importlib.resources.abc import Traversable
 from pathlib import Path
@@ -21,6 +21,7 @@ from hjsolve.catalog.entry import Effect as Effect
 from hjsolve.catalog.entry import Entry as Entry
 from hjsolve.catalog.entry import InitialData as InitialData
 from hjsolve.catalog.entry import Reference as Reference
+from hjsolve.catalog.toml_file import Toml, TomlTable
 from hjsolve.errors import CatalogError, InvalidInputError, NotSeparableError
 from hjsolve.extended.linear_hamiltonian import GeneralHamiltonian, LinearHamiltonian, from_hamiltonian
 from hjsolve.formulas.tokens import printable
@@ -94,7 +95,7 @@ def load(entry: str | Path, *, effects: Iterable[str] = ()) -> System:
     return from_table(with_effects(table, names, source), source=source)
 
 
-def read(entry: str | Path) -> tuple[dict[str, Any], str]:
+def read(entry: str | Path) -> tuple[TomlTable, str]:
     """Give the table of an entry as it stands in its file, its schema checked, and what it is called in errors.
 
     Args:
@@ -141,7 +142,7 @@ def describe(entry: str | Path) -> Entry:
     )  # fmt: skip
 
 
-def from_table(table: Mapping[str, Any], *, source: str = "system") -> System:
+def from_table(table: Toml, *, source: str = "system") -> System:
     """Build a system from an inline ``[system]`` table or the table of an entry.
 
     Args:
@@ -173,7 +174,7 @@ def entry_of(system: System) -> Entry | None:
     return entry if entry.system == system else None
 
 
-def table_of(system: System) -> dict[str, Any]:
+def table_of(system: System) -> TomlTable:
     """Give a system as the table ``[system]`` that ``from_table`` reads back.
 
     Args:
@@ -183,7 +184,7 @@ def table_of(system: System) -> dict[str, Any]:
         >>> from_table(table_of(load("kepler-planar"))) == load("kepler-planar")
         True
     """
-    table: dict[str, Any] = {
+    table: TomlTable = {
         "coordinates": [{"name": c.name, "domain": c.domain.written(c.name)} for c in system.coordinates],
         "kinetic": str(system.kinetic), "potential": str(system.potential),
         "parameters": [
@@ -216,7 +217,7 @@ def hamiltonian(entry: str | Path) -> LinearHamiltonian | None:
     return built if isinstance(built, LinearHamiltonian) else None
 
 
-def _built(table: Mapping[str, Any], source: str) -> System | LinearHamiltonian:
+def _built(table: Toml, source: str) -> System | LinearHamiltonian:
     own = {key: value for key, value in table.items() if key not in _ENTRY or key in schema.SYSTEM}
     keys = schema.optional(schema.SYSTEM, "kinetic") if "hamiltonian" in own else schema.SYSTEM
     problems = list(schema.faults(own, keys)) or list(form_faults(own))
@@ -278,13 +279,13 @@ def _alike(word: str) -> str:
     return f"; the nearest are {', '.join(near[:5])}; `hjsolve catalog` (hjsolve.catalog.ids()) lists all {len(known)}"
 
 
-def _kind(expect: Mapping[str, Any], outside: refusals.Refusal | None) -> str:
+def _kind(expect: Toml, outside: refusals.Refusal | None) -> str:
     if outside:
         return "outside"
     return "unchecked" if not expect else "refused" if expect["verdict"] == "refused" else "separable"
 
 
-def _checked(entry: str | Path) -> tuple[dict[str, Any], str]:
+def _checked(entry: str | Path) -> tuple[TomlTable, str]:
     file, source = _locate(entry)
     table = toml_file.exact_table(file, source)
     keys = schema.optional(_ENTRY, "kinetic") if "hamiltonian" in table else _ENTRY
@@ -298,30 +299,30 @@ def _checked(entry: str | Path) -> tuple[dict[str, Any], str]:
     return table, source
 
 
-def _effects(table: Mapping[str, Any]) -> dict[str, Effect]:
+def _effects(table: Toml) -> dict[str, Effect]:
     return {name: Effect(name=name, **_frozen(effect)) for name, effect in table.get("effects", {}).items()}
 
 
-def _initial(name: str, table: Mapping[str, Any]) -> InitialData:
+def _initial(name: str, table: Toml) -> InitialData:
     return InitialData(name=name, **table)
 
 
-def _reference(table: Mapping[str, Any]) -> Reference:
+def _reference(table: Toml) -> Reference:
     return Reference(**_frozen(table))
 
 
-def _frozen(table: Mapping[str, Any]) -> dict[str, Any]:
+def _frozen(table: Toml) -> TomlTable:
     return {key: tuple(value) if isinstance(value, list) else value for key, value in table.items()}
 
 
-def _parameter(table: Mapping[str, Any]) -> Any:
+def _parameter(table: Toml) -> Any:
     return parameter(
         table["name"], value=table.get("value"), assume=table.get("assume", "real"), unit=table.get("unit", ""),
         meaning=table.get("meaning", ""),
     )  # fmt: skip
 
 
-def _entry_faults(table: Mapping[str, Any], system: System | LinearHamiltonian) -> Iterator[str]:
+def _entry_faults(table: Toml, system: System | LinearHamiltonian) -> Iterator[str]:
     """What the schema cannot see: names that must agree, numbers that must parse, references that must make sense."""
     names, declared = [c.name for c in system.coordinates], [p.name for p in system.parameters]
     motions = {"initial": table["initial"]} if "initial" in table else {}
@@ -343,7 +344,7 @@ def _entry_faults(table: Mapping[str, Any], system: System | LinearHamiltonian) 
         yield from reference_faults(reference, f"reference[{place}]", names, known | set(table.get("motions", {})))
 
 
-def _effect_faults(table: Mapping[str, Any], name: str) -> Iterator[str]:
+def _effect_faults(table: Toml, name: str) -> Iterator[str]:
     try:
         system = from_table(with_effects(table, (name,), ""), source=f"effects.{name}")
         forces(table, (name,), system, source=f"effects.{name}")

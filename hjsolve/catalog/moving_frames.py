@@ -2,13 +2,12 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
 from pathlib import Path
-from typing import Any
 
 import sympy as sp
 
 from hjsolve.catalog import loading
+from hjsolve.catalog.toml_file import Toml, TomlTable
 from hjsolve.errors import CatalogError, InvalidSystemError
 from hjsolve.extended.moving_frame import TIME as TIME
 from hjsolve.extended.moving_frame import Frame as Frame
@@ -50,7 +49,7 @@ def of(entry: str | Path) -> Frame | None:
     return load(entry) if "frame" in table else None
 
 
-def from_table(table: Mapping[str, Any], system: System, source: str) -> Frame:
+def from_table(table: Toml, system: System, source: str) -> Frame:
     """Build and verify the frame that an entry's table declares for its system.
 
     Args:
@@ -59,7 +58,7 @@ def from_table(table: Mapping[str, Any], system: System, source: str) -> Frame:
         source: what the entry is called in errors.
     """
     given = table["frame"]
-    parameters: dict[str, Any] = {p.name: p for p in system.parameters}
+    parameters: TomlTable = {p.name: p for p in system.parameters}
     clock = Parameter(TIME, sp.Symbol(TIME, real=True), None, "real", "", "time")
     original = System(
         coordinates={c["name"]: c["domain"] for c in given["coordinates"]}, kinetic=given["kinetic"],

@@ -8,9 +8,9 @@ from __future__ import annotations
 
 from collections.abc import Iterator, Mapping
 from dataclasses import dataclass, field
-from typing import Any
 
 from hjsolve.catalog.schema import Key
+from hjsolve.catalog.toml_file import Toml
 from hjsolve.display.shown import Shown
 
 REFUSALS = (
@@ -89,7 +89,7 @@ class Stated(Shown):
     summary: str = ""
 
 
-def refusal(table: Mapping[str, Any]) -> Refusal | None:
+def refusal(table: Toml) -> Refusal | None:
     """The refusal of an entry that is no T and V; None for every other entry.
 
     Args:
@@ -104,7 +104,7 @@ def refusal(table: Mapping[str, Any]) -> Refusal | None:
     return Refusal(table["id"], because["kind"], table.get("reason", ""), table.get("instead", ""), tuple(formulas))
 
 
-def constraints(table: Mapping[str, Any]) -> tuple[Constraint, ...]:
+def constraints(table: Toml) -> tuple[Constraint, ...]:
     """The constraints of an entry.
 
     Args:
@@ -113,7 +113,7 @@ def constraints(table: Mapping[str, Any]) -> tuple[Constraint, ...]:
     return tuple(Constraint(**{**c, "coordinates": tuple(c["coordinates"])}) for c in table.get("constraint", []))
 
 
-def stated(table: Mapping[str, Any]) -> Stated | None:
+def stated(table: Toml) -> Stated | None:
     """The system as the literature states it, or None.
 
     Args:
@@ -124,7 +124,7 @@ def stated(table: Mapping[str, Any]) -> Stated | None:
     return Stated(**{**table["stated"], "coordinates": tuple(table["stated"].get("coordinates", ()))})
 
 
-def outside_faults(table: Mapping[str, Any]) -> Iterator[str]:
+def outside_faults(table: Toml) -> Iterator[str]:
     """What is missing in an entry without T and V, one line each.
 
     Args:

@@ -3,16 +3,22 @@
 from __future__ import annotations
 
 import tomllib
+from collections.abc import Mapping
 from decimal import Decimal
 from importlib.resources.abc import Traversable
-from typing import Any
+from typing import Any, TypeAlias
 
 from hjsolve.errors import CatalogError
 
 LONGEST = 1_000_000
+"""Bytes of a file: far more than any entry or scene has."""
+TomlTable: TypeAlias = dict[str, Any]
+"""A table of a TOML file: texts, whole numbers, ``Decimal``, truth values, lists, tables; ``schema`` checks them."""
+Toml: TypeAlias = Mapping[str, Any]
+"""The same, to be read only."""
 
 
-def exact_table(file: Traversable, source: str) -> dict[str, Any]:
+def exact_table(file: Traversable, source: str) -> TomlTable:
     """Read a file whole; decimals stay exact.
 
     Args:

@@ -8,22 +8,26 @@ import sys
 from argparse import Namespace
 from collections.abc import Iterator, Mapping, Sequence
 from fractions import Fraction
-from typing import Any
+from typing import Any, TypeAlias
 
 import numpy as np
 
 from hjsolve.arithmetic.estimate import Estimate
+from hjsolve.arithmetic.number_types import Mpf
 from hjsolve.arithmetic.propagation import short_bound
 from hjsolve.errors import InvalidInputError
 from hjsolve.formulas.read import number
 from hjsolve.motion.motion import Motion
+from hjsolve.motion.state import State
 from hjsolve.scenes import Run
+from hjsolve.scenes.results import Trajectory
 
 _MOST_TIMES = 1_000_000
 _NUMBERS = ("constants", "turning_points", "actions", "frequencies", "periods", "boundary_times")
 _GROUPS = ("q", "p", "velocity")
 _DOUBLES = 15
 Rows = Iterator[Sequence[object]]
+Json: TypeAlias = "str | float | list[Json] | dict[str, Json] | None"
 
 
 def print_motion(motion: Motion, options: Namespace) -> None:
@@ -37,13 +41,13 @@ def print_motion(motion: Motion, options: Namespace) -> None:
         InvalidInputError: times that cannot be read.
     """
     times = None if options.times is None else times_from_text(options.times, options.digits)
-    state = None if times is None else motion.at(times)
     if options.json:
-        _print_json({"kinds": dict(motion.kinds), **_plain_numbers(motion), **_plain_states(times, state)})
+        states = {} if times is None else _plain_states(times, motion.at(times))
+        _print_json({"kinds": dict(motion.kinds), **_plain_numbers(motion), **states})
     elif times is None:
         _print_csv(("quantity", "name", "value", "error"), _number_rows(motion))
     else:
-        _print_csv(*_state_table(times, state))
+        _print_csv(*_state_table(times, motion.at(times)))
 
 
 def print_run(run: Run, options: Namespace) -> None:
@@ -67,7 +71,7 @@ def print_run(run: Run, options: Namespace) -> None:
         _print_csv(*_state_table(times, run.trajectory))
 
 
-def times_from_text(text: str, digits: int) -> list[Any]:
+def times_from_text(text: str, digits: int) -> list[str | float]:
     """Read times: ``start:stop:count``, both ends included, or numbers with commas between them.
 
     Args:
@@ -85,7 +89,7 @@ def times_from_text(text: str, digits: int) -> list[Any]:
         times = [part.strip() for part in text.split(",")]
         for part in times:
             number(part, source="--times")
-        return times
+        return [*times]
     if len(parts) != 3 or not parts[2].strip().isdigit() or not 2 <= int(parts[2]) <= _MOST_TIMES:
         raise InvalidInputError(
             f'--times "{text}": write start:stop:count with a count from 2 to {_MOST_TIMES}, such as 0:10:101, or a '
@@ -96,7 +100,7 @@ def times_from_text(text: str, digits: int) -> list[Any]:
         raise InvalidInputError(f'--times "{text}": start and stop must be rational, such as 0, 2.5 or 1/3')
     first, last, count = Fraction(int(start.p), int(start.q)), Fraction(int(stop.p), int(stop.q)), int(parts[2])
     exact = [first + (last - first) * k / (count - 1) for k in range(count)]
-    return [float(t) for t in exact] if digits <= _DOUBLES else [str(t) for t in exact]
+    return [float(t) if digits <= _DOUBLES else str(t) for t in exact]
 
 
 # ------------------------------------------------------------------------------------------------ numbers
@@ -113,18 +117,18 @@ def _number_rows(motion: Motion) -> Rows:
                         yield quantity, f"{name}.{side}", _written(end.value), short_bound(end.error)
 
 
-def _plain_numbers(motion: Motion) -> dict[str, Any]:
+def _plain_numbers(motion: Motion) -> dict[str, Json]:
     return {quantity: {name: _plain(x) for name, x in getattr(motion, quantity).items()} for quantity in _NUMBERS}
 
 
-def _plain(found: Any) -> Any:
+def _plain(found: Estimate | tuple[Estimate | None, ...] | None) -> Json:
     if isinstance(found, Estimate):
         return {"value": _json_number(found.value), "error": _bound(found.error), "certified": found.certified}
     return None if found is None else [_plain(end) for end in found]
 
 
 # ------------------------------------------------------------------------------------------------ states
-def _columns(state: Any) -> dict[str, Any]:
+def _columns(state: State | Trajectory) -> dict[str, object]:
     """Column → array: values, whole turns, errors, status."""
     columns = {f"{group}.{name}": x for group in _GROUPS for name, x in getattr(state, group).items()}
     columns |= {f"turns.{name}": x for name, x in state.turns.items()}
@@ -135,39 +139,38 @@ def _columns(state: Any) -> dict[str, Any]:
     return {**columns, "status": state.status}
 
 
-def _state_table(times: Sequence[Any], state: Any) -> tuple[Sequence[str], Rows]:
+def _state_table(times: Sequence[str | float], state: State | Trajectory) -> tuple[Sequence[str], Rows]:
     columns = _columns(state)
     count = len(times)
     arrays = [np.broadcast_to(np.asarray(column, dtype=object), (count,)) for column in columns.values()]
     return ("t", *columns), ((t, *map(_written, row)) for t, *row in zip(times, *arrays))
 
 
-def _plain_states(times: Sequence[Any] | None, state: Any) -> dict[str, Any]:
-    if times is None:
-        return {}
+def _plain_states(times: Sequence[str | float], state: State | Trajectory) -> dict[str, Json]:
     count = len(times)
     arrays = {name: np.broadcast_to(np.asarray(x, dtype=object), (count,)) for name, x in _columns(state).items()}
     return {"t": list(times), **{name: [_json_number(x) for x in array] for name, array in arrays.items()}}
 
 
 # ------------------------------------------------------------------------------------------------ writing
-def _written(x: Any) -> str:
+def _written(x: object) -> str:
     """A number with all its digits; empty where there is none."""
     if x is None:
         return ""
     if hasattr(x, "_mpf_"):
-        return "" if x != x else str(x.context.nstr(x, int(x.context.prec / 3.32), strip_zeros=True))
+        context: Any = getattr(x, "context", None)
+        return "" if x != x else str(context.nstr(x, int(context.prec / 3.32), strip_zeros=True))
     if isinstance(x, (float, np.floating)):
         return "" if x != x else repr(float(x))
     return str(x)
 
 
-def _bound(error: Any) -> float | None:
+def _bound(error: Mpf | float | None) -> float | None:
     """An error with two digits, not below itself; None where there is none."""
     return None if error is None or not np.isfinite(float(error)) else float(short_bound(error))
 
 
-def _json_number(x: Any) -> Any:
+def _json_number(x: Mpf | float | str | None) -> Json:
     """Doubles and integers as numbers; more digits as text; None where there is no number."""
     if x is None:
         return None
@@ -186,6 +189,6 @@ def _print_csv(header: Sequence[str], rows: Rows) -> None:
     writer.writerows(rows)
 
 
-def _print_json(content: Mapping[str, Any]) -> None:
+def _print_json(content: Mapping[str, Json]) -> None:
     json.dump(content, sys.stdout, ensure_ascii=False, indent=1, allow_nan=False)
     sys.stdout.write("\n")

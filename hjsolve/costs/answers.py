@@ -4,13 +4,16 @@ from __future__ import annotations
 
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass
-from typing import Any
+from typing import TypeAlias
 
 from hjsolve.arithmetic.estimate import Estimate
 from hjsolve.arithmetic.floats import bits_for, multiprecision
+from hjsolve.arithmetic.number_types import Mpf
 from hjsolve.scenes.run import Run
 
-Numbers = Mapping[str, tuple[tuple[Any, Any], ...]]
+Value: TypeAlias = float | Mpf
+"""A number of a method: a double, or one of many digits."""
+Numbers = Mapping[str, tuple[tuple[Value, Value | None], ...]]
 """Name → (value, error claimed or None), one pair for each time compared; a single pair for a number of the motion."""
 _SCALARS = ("constants", "turning_points", "actions", "frequencies", "periods", "boundary_times")
 
@@ -36,7 +39,7 @@ def scalars(run: Run) -> Numbers:
     Args:
         run: of the scene.
     """
-    found: dict[str, tuple[tuple[Any, Any], ...]] = {}
+    found: dict[str, tuple[tuple[Value, Value | None], ...]] = {}
     for place, arc in enumerate(run.arcs):
         suffix = f"@{place}" if place else ""
         for quantity in _SCALARS:
@@ -69,7 +72,7 @@ class Ruler:
         turning: names whose values are angles, compared modulo 2π.
     """
 
-    truth: Mapping[str, tuple[Any, ...]]
+    truth: Mapping[str, tuple[Value, ...]]
     digits: int
     sizes: Mapping[str, float]
     turning: frozenset[str]
@@ -103,7 +106,7 @@ class Ruler:
         return Comparison(max(claimed, default=None), max(error, default=None), all(held) if held else None)
 
 
-def _float(value: Any) -> float:
+def _float(value: Value) -> float:
     """A double; what is not a number counts as infinite."""
     result = float(value)
     return result if result == result else float("inf")

@@ -12,8 +12,9 @@ from typing import Any
 import sympy as sp
 
 from hjsolve.arithmetic.floats import EPS, Multi, bits_for
+from hjsolve.arithmetic.number_types import Mpf
 from hjsolve.arithmetic.tape import Tape
-from hjsolve.costs.answers import Answer
+from hjsolve.costs.answers import Answer, Value
 from hjsolve.costs.trial import Task, Trial
 from hjsolve.errors import HJSolveError, NotConvergedError
 from hjsolve.formulas.read import parse
@@ -50,7 +51,7 @@ class ClosedForm:
     start: sp.Expr
     left: tuple[str, ...]
 
-    def values(self, bits: int, moments: Sequence[sp.Expr]) -> list[list[Any]]:
+    def values(self, bits: int, moments: Sequence[sp.Expr]) -> list[list[Mpf]]:
         """Evaluate.
 
         Args:
@@ -155,7 +156,7 @@ def _trial(task: Task, form: ClosedForm, digits: int) -> Trial:
     bits = bits_for(digits, _GUARD)
     angles = {f"q.{c.name}" for c in task.scene.system.coordinates if c.domain.kind == "angle"}
 
-    def compute(times: Times | None, _: float) -> dict[str, list[tuple[Any, Any]]]:
+    def compute(times: Times | None, _: float) -> dict[str, list[tuple[Value, Value]]]:
         moments = task.every if times is None else times.listed
         try:
             pairs = zip(form.values(bits, moments), form.values(bits + _GUARD, moments))
@@ -163,7 +164,7 @@ def _trial(task: Task, form: ClosedForm, digits: int) -> Trial:
             raise NotConvergedError(f"the closed form fails here: {error}") from error
         return {n: [_rounded(x, y, digits) for x, y in zip(*both)] for n, both in zip(form.names, pairs)}
 
-    def read(result: Any, places: Sequence[int]) -> Answer:
+    def read(result: Mapping[str, list[tuple[Value, Value]]], places: Sequence[int]) -> Answer:
         numbers = {
             name: tuple(values[k] for k in places) if len(values) > 1 else tuple(values)
             for name, values in result.items()
@@ -178,7 +179,7 @@ def _trial(task: Task, form: ClosedForm, digits: int) -> Trial:
                  note=note if form.left else "")  # fmt: skip
 
 
-def _rounded(value: Any, again: Any, digits: int) -> tuple[Any, Any]:
+def _rounded(value: Mpf, again: Mpf, digits: int) -> tuple[Value, Value]:
     """The value to the digits asked, and what it claims."""
     context = again.context
     difference = 2 * abs(again - value)

@@ -11,12 +11,12 @@ import time
 from collections.abc import Sequence
 from dataclasses import dataclass, replace
 from itertools import pairwise
-from typing import Any
 
 import sympy as sp
 
+from hjsolve.arithmetic.number_types import Mpf
 from hjsolve.arithmetic.tape import Tape
-from hjsolve.costs.answers import Numbers, Ruler
+from hjsolve.costs.answers import Numbers, Ruler, Value
 from hjsolve.costs.own_methods import numbers_read, result_of
 from hjsolve.costs.taylor import follow
 from hjsolve.costs.trial import Task
@@ -29,7 +29,7 @@ from hjsolve.scenes.integrate import Numbers as Start
 from hjsolve.scenes.integrate import numbers_of, slopes_of
 
 SPARE = 15
-Values = dict[str, tuple[Any, ...]]
+Values = dict[str, tuple[Value, ...]]
 
 
 @dataclass(frozen=True)
@@ -135,17 +135,19 @@ def _series(task: Task, digits: int, deadline: float) -> Values:
     return {name: tuple(state[i] for state in found) for i, name in enumerate(names)} if found else {}
 
 
-def _followed(task: Task, tape: Tape, start: Start, events: Sequence[Event], digits: int, deadline: float) -> list[Any]:
+def _followed(
+    task: Task, tape: Tape, start: Start, events: Sequence[Event], digits: int, deadline: float
+) -> list[list[Mpf]]:
     """States at the moments compared, on both sides of the start."""
     bits = int(3.4 * digits) + 256
     begin = task.scene.initial.t if task.scene.initial is not None else sp.S.Zero
     constants = [to_bits(value)(bits) for value in start.parameters.values()]
     moments = list(task.moments)
-    reached: dict[int, Any] = {}
+    reached: dict[int, list[Mpf]] = {}
     after = sorted((k for k, t in enumerate(moments) if not (t - begin).is_negative), key=lambda k: float(moments[k]))
     before = sorted((k for k in range(len(moments)) if k not in after), key=lambda k: -float(moments[k]))
 
-    def go(now: sp.Expr, state: list[Any], places: list[int], stop: list[sp.Expr]) -> list[Any]:
+    def go(now: sp.Expr, state: list[Mpf], places: list[int], stop: list[sp.Expr]) -> list[Mpf]:
         goals = [*(moments[k] for k in places), *stop]
         states = follow(tape, to_bits(now)(bits), state, constants, [to_bits(t)(bits) for t in goals], digits,
                         deadline=deadline)  # fmt: skip
@@ -166,7 +168,7 @@ def _followed(task: Task, tape: Tape, start: Start, events: Sequence[Event], dig
     return [reached[k] for k in range(len(moments))]
 
 
-def _struck(event: Event, task: Task, start: Start, state: list[Any], digits: int) -> list[Any]:
+def _struck(event: Event, task: Task, start: Start, state: list[Mpf], digits: int) -> list[Mpf]:
     """The state just after an event."""
     system, values = task.scene.system, dict(start.parameters)
     for i, c in enumerate(system.coordinates):

@@ -12,11 +12,13 @@ import time
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 from functools import cache, partial
-from typing import Any
+from types import ModuleType
+from typing import Any, TypeAlias
 
 import numpy as np
 import sympy as sp
 
+from hjsolve.arithmetic.number_types import Integers, Reals
 from hjsolve.arithmetic.tape import Tape
 from hjsolve.costs.answers import Answer
 from hjsolve.costs.scalar_floats import ScalarFloat
@@ -37,8 +39,12 @@ TOLERANCES = (1e-4, 1e-6, 1e-8, 1e-10, 1e-12, 2.3e-14)
 class States:
     """States at times, shape (2n, m), and what they took."""
 
-    values: Any
+    values: Reals
     count: int
+
+
+Compute: TypeAlias = Callable[[Times | None, float], States]
+"""(times or None for the scene's own, the moment by which to be done) ↦ states."""
 
 
 def rival_trials(task: Task) -> list[Trial]:
@@ -54,7 +60,7 @@ def rival_trials(task: Task) -> list[Trial]:
         return []
     more = task.solution is not None and set(task.scene.want) - {"trajectory", "kinds"}
     covers, note = ("states", "states alone") if more else ("all", "")
-    kinds: tuple[tuple[str, str, Callable[[Task, float], Any], Sequence[float]], ...] = (
+    kinds: tuple[tuple[str, str, Callable[[Task, float], Compute], Sequence[float]], ...] = (
         ("DOP853", "right-hand sides", _dop853, TOLERANCES),
         ("heyoka", "Taylor steps", _heyoka, (1e-6, 1e-9, 1e-12, 2.3e-16)),
     )
@@ -91,13 +97,13 @@ def _slopes(task: Task, numbers: Numbers) -> tuple[Tape, list[float]]:
     return tape, [float(sp.N(value, 20)) for value in numbers.parameters.values()]
 
 
-def _when(task: Task, times: Times | None) -> Any:
+def _when(task: Task, times: Times | None) -> Reals:
     chosen = times or task.scene.times
     assert chosen is not None
     return np.array([float(t) for t in sampled(chosen, 15)])
 
 
-def _sides(when: Any, start: float) -> list[tuple[Any, Any]]:
+def _sides(when: Reals, start: float) -> list[tuple[Integers, Reals]]:
     """Places of the times after the start and before it, each in the order in which they are reached."""
     found = []
     for side in (when >= start, when < start):
@@ -108,7 +114,7 @@ def _sides(when: Any, start: float) -> list[tuple[Any, Any]]:
     return found
 
 
-def _piecewise(task: Task, numbers: Numbers, when: Any, carried: Callable[[float, Any, Any], Any]) -> Any:
+def _piecewise(task: Task, numbers: Numbers, when: Reals, carried: Callable[[float, Reals, Reals], Reals]) -> Reals:
     """States at all times, the impulses given at their times in between.
 
     Args:
@@ -132,7 +138,7 @@ def _piecewise(task: Task, numbers: Numbers, when: Any, carried: Callable[[float
     return values
 
 
-def _struck(task: Task, numbers: Numbers, event: Event, state: Any) -> Any:
+def _struck(task: Task, numbers: Numbers, event: Event, state: Reals) -> Reals:
     """The state just after an event, in double precision."""
     coordinates = task.scene.system.coordinates
     symbols = [c.symbol for c in coordinates] + [c.momentum for c in coordinates]
@@ -141,7 +147,7 @@ def _struck(task: Task, numbers: Numbers, event: Event, state: Any) -> Any:
     return np.array([*state[: len(coordinates)], *(float(sp.N(p[c.name], 20)) for c in coordinates)])
 
 
-def _dop853(task: Task, tolerance: float) -> Callable[[Times | None, float], States]:
+def _dop853(task: Task, tolerance: float) -> Compute:
     try:
         from scipy.integrate import solve_ivp
     except ImportError as missing:
@@ -154,7 +160,7 @@ def _dop853(task: Task, tolerance: float) -> Callable[[Times | None, float], Sta
     def compute(times: Times | None, deadline: float) -> States:
         calls, arithmetic, when = 0, ScalarFloat(), _when(task, times)
 
-        def slopes(_: float, state: Any) -> list[float]:
+        def slopes(_: float, state: Reals) -> list[float]:
             nonlocal calls
             calls += 1
             if time.perf_counter() > deadline:
@@ -166,7 +172,7 @@ def _dop853(task: Task, tolerance: float) -> Callable[[Times | None, float], Sta
             done = integrate_steps(flow, scene.events, numbers.start, numbers.state, when, relative)
             return States(done.states, calls)
 
-        def carried(begin: float, state: Any, goal: Any) -> Any:
+        def carried(begin: float, state: Reals, goal: Reals) -> Reals:
             with np.errstate(all="ignore"):
                 whole = solve_ivp(slopes, (begin, goal[-1]), state, "DOP853", goal, rtol=relative, atol=absolute)
             if not whole.success:
@@ -182,7 +188,7 @@ def _dop853(task: Task, tolerance: float) -> Callable[[Times | None, float], Sta
 class _Symbols(ScalarFloat):
     """A tape run over heyoka's expressions."""
 
-    library: Any
+    library: ModuleType
 
     def div(self, x: Any, y: Any) -> Any:
         return x / y
@@ -196,7 +202,7 @@ class _Symbols(ScalarFloat):
         return -x if name == "neg" else getattr(self.library, name)(x)
 
 
-def _heyoka(task: Task, tolerance: float) -> Callable[[Times | None, float], States]:
+def _heyoka(task: Task, tolerance: float) -> Compute:
     try:
         import heyoka
     except ImportError as missing:

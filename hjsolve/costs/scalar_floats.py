@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import math
 from dataclasses import dataclass
-from typing import Any
 
 from hjsolve.arithmetic.floats import ByOperators
 
@@ -27,7 +26,7 @@ class ScalarFloat(ByOperators):
         """Give π."""
         return math.pi
 
-    def div(self, x: Any, y: Any) -> Any:
+    def div(self, x: float, y: float) -> float:
         """Return x/y; nan for a zero y.
 
         Args:
@@ -35,7 +34,7 @@ class ScalarFloat(ByOperators):
         """
         return x / y if y else math.nan
 
-    def power(self, x: Any, n: int) -> Any:
+    def power(self, x: float, n: int) -> float:
         """Return xⁿ; nan for a pole.
 
         Args:
@@ -44,7 +43,7 @@ class ScalarFloat(ByOperators):
         """
         return x**n if x or n > 0 else math.nan
 
-    def unary(self, name: str, x: Any) -> Any:
+    def unary(self, name: str, x: float) -> float:
         """Return a function of x; nan outside its domain.
 
         Args:
@@ -54,6 +53,6 @@ class ScalarFloat(ByOperators):
         if name == "neg":
             return -x
         try:
-            return getattr(math, _NAMES.get(name, name))(x)
+            return float(getattr(math, _NAMES.get(name, name))(x))
         except (ValueError, OverflowError):
             return math.nan

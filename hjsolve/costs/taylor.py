@@ -13,9 +13,9 @@ import time
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass, field
 from operator import mul
-from typing import Any
 
 from hjsolve.arithmetic.floats import Multi
+from hjsolve.arithmetic.number_types import Mpf
 from hjsolve.arithmetic.tape import Tape
 from hjsolve.errors import InvalidInputError, NotConvergedError
 
@@ -27,7 +27,7 @@ _LONGEST_STRETCH, _MOST_TRIALS, _TAIL, _PATIENCE = 1.25, 200, 8, 0.4
 class ConstantSeries:
     """A slot that does not change along the motion."""
 
-    value: Any
+    value: Mpf
 
 
 Slot = Series | ConstantSeries
@@ -55,7 +55,7 @@ class Program:
         self.series.append([])
         return self.series[-1]
 
-    def fixed(self, value: Any) -> int:
+    def fixed(self, value: Mpf) -> int:
         """Round a number to a multiple of 2^−P.
 
         Args:
@@ -63,7 +63,7 @@ class Program:
         """
         return int(self.plain.context.nint(self.plain.context.ldexp(value, self.bits)))
 
-    def real(self, value: int) -> Any:
+    def real(self, value: int) -> Mpf:
         """The number that a fixed-point integer means, as an mpf.
 
         Args:
@@ -265,8 +265,8 @@ class Program:
         return out
 
 
-def follow(slopes: Tape, start: Any, state: Sequence[Any], constants: Sequence[Any], times: Sequence[Any], digits: int,
-           *, deadline: float = math.inf) -> list[list[Any]]:  # fmt: skip
+def follow(slopes: Tape, start: Mpf, state: Sequence[Mpf], constants: Sequence[Mpf], times: Sequence[Mpf], digits: int,
+           *, deadline: float = math.inf) -> list[list[Mpf]]:  # fmt: skip
     """Solve y′ = f(y) and give y at given times.
 
     Args:
@@ -293,7 +293,7 @@ def follow(slopes: Tape, start: Any, state: Sequence[Any], constants: Sequence[A
     slots: list[Slot] = [*inputs, *(ConstantSeries(program.plain.convert(c)) for c in constants)]
     rates = slopes.run(program, slots)
     derivatives = [program.coefficients(rate) for rate in rates]
-    values, now, found = [program.fixed(y) for y in state], program.plain.convert(start), list[list[Any]]()
+    values, now, found = [program.fixed(y) for y in state], program.plain.convert(start), list[list[Mpf]]()
     step = _first_step(program, times, now)
     begun, far = time.perf_counter(), max((abs(t - now) for t in times), default=0)
     for goal in times:
@@ -306,13 +306,13 @@ def follow(slopes: Tape, start: Any, state: Sequence[Any], constants: Sequence[A
     return found
 
 
-def _first_step(program: Program, times: Sequence[Any], now: Any) -> Any:
+def _first_step(program: Program, times: Sequence[Mpf], now: Mpf) -> Mpf:
     ahead = [t - now for t in times if t != now]
     return program.plain.context.convert(ahead[0] / 1024) if ahead else program.plain.context.mpf(1)
 
 
 def _stepped(program: Program, inputs: list[Series], derivatives: list[Callable[[int], int]], order: int, digits: int,
-             values: Series, now: Any, goal: Any, step: Any) -> tuple[Series, Any, Any]:  # fmt: skip
+             values: Series, now: Mpf, goal: Mpf, step: Mpf) -> tuple[Series, Mpf, Mpf]:  # fmt: skip
     """One step towards the goal, as long as the series of the state allows."""
     left = goal - now
     for _ in range(_MOST_TRIALS):

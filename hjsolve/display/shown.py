@@ -101,7 +101,7 @@ class ShownSolution(Shown):
         return importlib.import_module("hjsolve.plots").plotted_solution(self, kind, name, ax, initial)
 
 
-def fields_of(value: Any) -> Iterator[tuple[str, Any]]:
+def fields_of(value: Any) -> Iterator[tuple[str, object]]:
     """Give the fields of a value that are shown: those that hold data.
 
     Args:
@@ -114,11 +114,11 @@ def fields_of(value: Any) -> Iterator[tuple[str, Any]]:
                 yield field.name, content
 
 
-def _is_empty(content: Any) -> bool:
+def _is_empty(content: object) -> bool:
     return isinstance(content, (Mapping, tuple, list, str)) and not content
 
 
-def as_text(value: Any) -> str:
+def as_text(value: object) -> str:
     """Write a value in at most ``MOST_LINES`` lines of at most ``WIDEST`` letters; in one where it fits.
 
     Args:
@@ -133,7 +133,7 @@ def as_text(value: Any) -> str:
     return "\n".join([name, *lines, *(["  …"] if len(rows) > MOST_LINES - 2 else [])])
 
 
-def as_call(name: str, arguments: Mapping[str, Any]) -> str:
+def as_call(name: str, arguments: Mapping[str, object]) -> str:
     """Write the call that makes a value, broken into lines where it is long; Python can read it.
 
     Args:
@@ -146,7 +146,7 @@ def as_call(name: str, arguments: Mapping[str, Any]) -> str:
     return f"{name}(\n" + "".join(f"    {key}={_broken(content)},\n" for key, content in arguments.items()) + ")"
 
 
-def _broken(content: Any) -> str:
+def _broken(content: object) -> str:
     """A text in pieces that Python joins again; anything else between its items."""
     if isinstance(content, str):
         return "\n        ".join(repr(piece) for piece in wrap(content, _PIECE, drop_whitespace=False)) or "''"

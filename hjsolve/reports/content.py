@@ -3,10 +3,10 @@
 from __future__ import annotations
 
 import time
-from collections.abc import Mapping
+from collections.abc import Callable, Mapping
 from dataclasses import dataclass, field
 from pathlib import Path
-from typing import Any, TypeAlias
+from typing import Any, TypeAlias, TypeVar
 
 from hjsolve import catalog
 from hjsolve.catalog import moving_frames
@@ -14,7 +14,7 @@ from hjsolve.errors import InvalidInputError, NotConvergedError, NotSeparableErr
 from hjsolve.extended.moving_frame import Frame
 from hjsolve.mechanics.system import System
 from hjsolve.motion.motion import Motion
-from hjsolve.reports.document import Code, Document, Note, Section, Text
+from hjsolve.reports.document import Code, Document, Inline, Note, Section, Text
 from hjsolve.reports.drawings import orbit_paths
 from hjsolve.reports.sections import motion as numerical
 from hjsolve.reports.sections import solution as quadratures
@@ -26,6 +26,8 @@ from hjsolve.reports.sections.moving_frame import frame_section
 from hjsolve.reports.sections.prose import heading
 from hjsolve.separation import Obstruction, Separation, Undecided, separate
 from hjsolve.solution.quadratures import Solution, solve
+
+T = TypeVar("T")
 
 Subject: TypeAlias = System | Separation | Obstruction | Undecided | Solution | Motion | str | Path
 
@@ -114,7 +116,9 @@ def told(error: NotConvergedError) -> str:
     return f"{' '.join(str(error).split())}{reached}"
 
 
-def _decided(subject: Any, clock: dict[str, float]) -> tuple[Any, Solution | None]:
+def _decided(
+    subject: object, clock: dict[str, float]
+) -> tuple[Separation | Obstruction | Undecided, Solution | None]:
     match subject:
         case System():
             return _timed(clock, "reduction and test", lambda: separate(subject)), None
@@ -151,7 +155,7 @@ def initial_of(
     return chosen.arguments, chosen.summary
 
 
-def _timed(clock: dict[str, float], part: str, work: Any) -> Any:
+def _timed(clock: dict[str, float], part: str, work: Callable[[], T]) -> T:
     begin = time.perf_counter()
     result = work()
     clock[part] = time.perf_counter() - begin
@@ -191,7 +195,7 @@ def document(material: Material) -> Document:
         sections.append(_timed(clock, "laws the solution must obey", lambda: laws_section(solved)))
     trace, failures = None, [material.failure] if material.failure else []
     if material.motion is not None:
-        trace = _add_numbers(material, sections, failures, clock)
+        trace = _add_numbers(material.motion, material.summary, sections, failures, clock)
     elif material.solution is not None and not failures:
         sections.append(_no_numbers(system))
     if failures:
@@ -204,14 +208,13 @@ def document(material: Material) -> Document:
 
 
 def _add_numbers(
-    material: Material, sections: list[Section | None], failures: list[str], clock: dict[str, float]
+    motion: Motion, summary: str, sections: list[Section | None], failures: list[str], clock: dict[str, float]
 ) -> orbit_paths.Trace | None:
     """Add the drawings and the numbers of the motion, as far as they can be had; the rest is told."""
-    motion, trace = material.motion, None
+    trace = None
     try:
-        trace = _timed(clock, "where it is at the times drawn", lambda: orbit_paths.trace(motion))
-        drawn = _timed(clock, "drawings", lambda: numerical.motion_section(motion, trace, material.summary))
-        sections.append(drawn)
+        trace = drawn = _timed(clock, "where it is at the times drawn", lambda: orbit_paths.trace(motion))
+        sections.append(_timed(clock, "drawings", lambda: numerical.motion_section(motion, drawn, summary)))
     except NotConvergedError as error:
         failures.append(told(error))
     try:
@@ -237,7 +240,7 @@ def _lead(material: Material) -> Text:
     from hjsolve.reports.sections.prose import listed
     from hjsolve.reports.sections.rounded_numbers import quantity
 
-    pieces: list[Any] = [" The motion shown is periodic in ", *listed(names), ", with period "]
+    pieces: list[Inline] = [" The motion shown is periodic in ", *listed(names), ", with period "]
     for i, name in enumerate(names):
         pieces += [" and " if i == len(names) - 1 else ", "] if i else []
         pieces.append(quantity(motion.periods[name]))

@@ -3,18 +3,17 @@
 from __future__ import annotations
 
 from collections.abc import Mapping
-from typing import Any
 from zlib import crc32
 
 import sympy as sp
 
 from hjsolve.coordinates import NormalModes, SeparableCoordinates
 from hjsolve.costs.table import Cost
-from hjsolve.display.shown import Shown, brief, fields_of
+from hjsolve.display.shown import brief, fields_of
 from hjsolve.errors import NotConvergedError
 from hjsolve.mechanics.system import System
 from hjsolve.motion.motion import Motion
-from hjsolve.reports.document import Block, Code, Figures, Mathematics, Paragraph, Section, Strong, Table, Text
+from hjsolve.reports.document import Block, Code, Figures, Inline, Mathematics, Paragraph, Section, Strong, Table, Text
 from hjsolve.reports.formats.html import block_html
 from hjsolve.reports.formats.stylesheet import NOTEBOOK_CSS
 from hjsolve.reports.formulas.names import name_box
@@ -31,7 +30,7 @@ from hjsolve.solution.quadratures import Solution
 _ROOM, _MOST_ROWS, _LARGEST = 90, 18, 60
 
 
-def html_of(value: Any) -> str:
+def html_of(value: object) -> str:
     """Write a value as a piece of HTML that stands alone.
 
     Args:
@@ -44,7 +43,7 @@ def html_of(value: Any) -> str:
     return f'<div class="hjsolve"><style>{NOTEBOOK_CSS}</style>\n{body}\n</div>'
 
 
-def blocks_of(value: Any) -> tuple[Block, ...]:
+def blocks_of(value: object) -> tuple[Block, ...]:
     """Choose what is shown of a value.
 
     Args:
@@ -101,7 +100,7 @@ def _motion(motion: Motion) -> tuple[Block, ...]:
     from hjsolve.reports.drawings import orbit_paths
     from hjsolve.reports.sections.motion import numbers_section
 
-    kinds: list[Any] = []
+    kinds: list[Inline] = []
     for name, kind in motion.kinds.items():
         kinds += [", " if kinds else "", Mathematics(name_box(name)), f" {kind}"]
     shown = (_title(motion.solution.system), Paragraph(tuple(kinds)), *numbers_section(motion).blocks)
@@ -115,18 +114,18 @@ def _motion(motion: Motion) -> tuple[Block, ...]:
 
 
 # ------------------------------------------------------------------------------------------------ every other value
-def _fields(value: Shown) -> Table:
+def _fields(value: object) -> Table:
     rows = tuple(((name.replace("_", " "),), _cell(content)) for name, content in fields_of(value))
     return Table(((type(value).__name__,), ("",)), rows[:_MOST_ROWS])
 
 
-def _cell(content: Any) -> Text:
+def _cell(content: object) -> Text:
     if isinstance(content, sp.Basic) and content.count(sp.Basic) <= _LARGEST:
         return (math(content),)
-    if hasattr(content, "error") and hasattr(content, "certified"):
+    if hasattr(content, "value") and hasattr(content, "error") and hasattr(content, "certified"):
         return (quantity(content),)
     if isinstance(content, Mapping) and all(hasattr(x, "certified") for x in content.values()):
-        pieces: list[Any] = []
+        pieces: list[Inline] = []
         for name, estimate in content.items():
             pieces += ["; " if pieces else "", Mathematics(name_box(str(name))), " = ", quantity(estimate)]
         return tuple(pieces)

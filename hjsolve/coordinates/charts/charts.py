@@ -16,7 +16,7 @@ from dataclasses import dataclass, replace
 
 import sympy as sp
 
-from hjsolve.coordinates.results import Vector
+from hjsolve.coordinates.webs.web import Vector
 from hjsolve.errors import InternalError
 
 

@@ -14,8 +14,8 @@ from dataclasses import replace
 import sympy as sp
 
 from hjsolve.coordinates.charts.transform import Cartesian
-from hjsolve.coordinates.results import Vector, Web
 from hjsolve.coordinates.webs.orthonormal_frames import tidy_constant
+from hjsolve.coordinates.webs.web import Vector, Web
 from hjsolve.mechanics.system import System, parameter
 from hjsolve.separation import separate
 

@@ -13,7 +13,7 @@ from itertools import product
 import sympy as sp
 
 from hjsolve.coordinates.charts.transform import Cartesian
-from hjsolve.coordinates.results import Web
+from hjsolve.coordinates.webs.web import Web
 from hjsolve.mechanics.system import Coordinate, System
 
 _DIGITS = 30

@@ -13,7 +13,6 @@ from dataclasses import replace
 import sympy as sp
 
 from hjsolve.coordinates.killing.killing_tensors import concircular_basis, kernel, killing_tensor
-from hjsolve.coordinates.results import Geometry, Vector
 from hjsolve.coordinates.webs.concircular_families import family, representatives
 from hjsolve.coordinates.webs.describe import in_words
 from hjsolve.coordinates.webs.orthonormal_frames import (
@@ -29,6 +28,7 @@ from hjsolve.coordinates.webs.orthonormal_frames import (
 from hjsolve.coordinates.webs.piecewise_conditions import SolutionPiece
 from hjsolve.coordinates.webs.plane import plane_webs
 from hjsolve.coordinates.webs.rank_one import directions, members
+from hjsolve.coordinates.webs.web import Geometry, Vector
 
 _CYLINDER = {"polar": "circular cylinder", "parabolic": "parabolic cylinder", "elliptic": "elliptic cylinder"}
 _ORIGIN: Vector = (sp.S.Zero, sp.S.Zero, sp.S.Zero)

@@ -7,9 +7,9 @@ from dataclasses import replace
 
 import sympy as sp
 
-from hjsolve.coordinates.results import Geometry, Vector
 from hjsolve.coordinates.webs.concircular_families import FamilyMember
 from hjsolve.coordinates.webs.orthonormal_frames import TooHardError, scalar_product
+from hjsolve.coordinates.webs.web import Geometry, Vector
 
 _PLACE = {"polar": "pole", "parabolic": "focus", "rotational parabolic": "focus", "parabolic cylinder": "focal line"}
 

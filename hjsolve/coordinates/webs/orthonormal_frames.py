@@ -6,7 +6,7 @@ from collections.abc import Callable, Mapping, Sequence
 
 import sympy as sp
 
-from hjsolve.coordinates.results import Geometry, Vector
+from hjsolve.coordinates.webs.web import Geometry, Vector
 
 Sign = Callable[[sp.Expr], int]
 

@@ -12,11 +12,11 @@ from functools import reduce
 
 import sympy as sp
 
-from hjsolve.coordinates.results import Geometry, Vector
 from hjsolve.coordinates.webs.concircular_families import Family, combination, representatives, tensor_parts
 from hjsolve.coordinates.webs.describe import in_words
 from hjsolve.coordinates.webs.orthonormal_frames import Sign, attempt, moved, real_root, tidy_constant, unit
 from hjsolve.coordinates.webs.piecewise_conditions import real_pieces
+from hjsolve.coordinates.webs.web import Geometry, Vector
 
 Lift = Callable[[Geometry], Geometry]
 _ORIGIN: Vector = (sp.S.Zero, sp.S.Zero)

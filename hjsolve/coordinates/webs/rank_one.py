@@ -11,10 +11,10 @@ from collections.abc import Sequence
 
 import sympy as sp
 
-from hjsolve.coordinates.results import Vector
 from hjsolve.coordinates.webs.concircular_families import small_values
 from hjsolve.coordinates.webs.orthonormal_frames import unit
 from hjsolve.coordinates.webs.piecewise_conditions import SolutionPiece, real_pieces
+from hjsolve.coordinates.webs.web import Vector
 
 PAIRS = ((0, 0), (0, 1), (0, 2), (1, 1), (1, 2), (2, 2))
 V = sp.symbols("v0:3", real=True)

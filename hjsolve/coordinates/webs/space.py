@@ -19,7 +19,6 @@ from dataclasses import dataclass, replace
 
 import sympy as sp
 
-from hjsolve.coordinates.results import Geometry, Vector
 from hjsolve.coordinates.webs.concircular_families import Family, combination, representatives, tensor_parts
 from hjsolve.coordinates.webs.cylinders import cylinder_webs
 from hjsolve.coordinates.webs.describe import in_words
@@ -38,6 +37,7 @@ from hjsolve.coordinates.webs.orthonormal_frames import (
 from hjsolve.coordinates.webs.piecewise_conditions import SolutionPiece, real_pieces
 from hjsolve.coordinates.webs.rank_one import V, annihilators, trace_product
 from hjsolve.coordinates.webs.spheres import sphere_webs
+from hjsolve.coordinates.webs.web import Geometry, Vector
 
 _ZERO = sp.S.Zero
 _STANDARD: tuple[Vector, ...] = tuple(tuple(sp.Integer(int(i == j)) for j in range(3)) for i in range(3))

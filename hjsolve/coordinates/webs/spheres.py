@@ -14,7 +14,6 @@ from itertools import combinations_with_replacement
 import sympy as sp
 
 from hjsolve.coordinates.killing.killing_tensors import kernel
-from hjsolve.coordinates.results import Geometry, Vector
 from hjsolve.coordinates.webs.concircular_families import representatives
 from hjsolve.coordinates.webs.describe import in_words
 from hjsolve.coordinates.webs.orthonormal_frames import (
@@ -27,6 +26,7 @@ from hjsolve.coordinates.webs.orthonormal_frames import (
 )
 from hjsolve.coordinates.webs.piecewise_conditions import SolutionPiece
 from hjsolve.coordinates.webs.rank_one import direction, directions
+from hjsolve.coordinates.webs.web import Geometry, Vector
 
 _PAIRS = tuple(combinations_with_replacement(range(3), 2))
 

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Mapping
 from dataclasses import dataclass
-from typing import Any, Literal
+from typing import Literal
 
 import numpy as np
 import sympy as sp
@@ -106,7 +106,7 @@ def _up(system: System, polar: Coordinate) -> int:
     return 1 if slope == 0 else -outward if slope.is_positive else outward
 
 
-def place(where: Embedding, q: Mapping[str, Any]) -> tuple[Array, ...]:
+def place(where: Embedding, q: Mapping[str, Array]) -> tuple[Array, ...]:
     """Turn coordinates into Cartesian places.
 
     Args:

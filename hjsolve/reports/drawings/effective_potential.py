@@ -4,7 +4,6 @@ from __future__ import annotations
 
 from collections.abc import Mapping
 from dataclasses import dataclass
-from typing import Any
 
 import numpy as np
 import sympy as sp
@@ -13,7 +12,10 @@ from numpy.typing import NDArray
 from hjsolve.arithmetic.floats import Float64
 from hjsolve.arithmetic.tape import Tape
 from hjsolve.lowering import lower
+from hjsolve.mechanics.coordinates_and_parameters import Coordinate
+from hjsolve.motion.motion import Motion
 from hjsolve.reports.formulas.from_sympy import compact
+from hjsolve.solution.quadratures import Solution
 
 Array = NDArray[np.float64]
 
@@ -95,7 +97,7 @@ class EffectivePotential:
             return np.asarray(self.weight(q) * (level - self.potential(q)))
 
 
-def effective_potential_of(motion: Any, name: str) -> EffectivePotential:
+def effective_potential_of(motion: Motion, name: str) -> EffectivePotential:
     """Look at one separated coordinate of a motion.
 
     Args:
@@ -139,12 +141,12 @@ def effective_potential_of(motion: Any, name: str) -> EffectivePotential:
     )
 
 
-def _direction(solution: Any, coordinate: Any, exact: Mapping[sp.Symbol, sp.Expr]) -> int:
+def _direction(solution: Solution, coordinate: Coordinate, exact: Mapping[sp.Symbol, sp.Expr]) -> int:
     P = sp.N(coordinate.momentum.subs(exact) + solution.shift[coordinate.name].subs(exact), 30)
     return int(np.sign(float(P)))
 
 
-def exact_values_of(motion: Any) -> dict[sp.Symbol, sp.Expr]:
+def exact_values_of(motion: Motion) -> dict[sp.Symbol, sp.Expr]:
     """Give every symbol of a motion its exact value: parameters, initial place, constants.
 
     Args:
@@ -158,7 +160,7 @@ def exact_values_of(motion: Any) -> dict[sp.Symbol, sp.Expr]:
 
 
 def _level(
-    solution: Any, F: sp.Expr, q: sp.Symbol, exact: Mapping[sp.Symbol, sp.Expr], window: tuple[float, float]
+    solution: Solution, F: sp.Expr, q: sp.Symbol, exact: Mapping[sp.Symbol, sp.Expr], window: tuple[float, float]
 ) -> tuple[str, int, sp.Expr, sp.Expr]:
     """Find the constant that P² is linear in, with a weight that keeps away from zero, E first: F = A·(level − V)."""
     low, high = window
@@ -193,7 +195,7 @@ def readable_quotient(expression: sp.Expr) -> sp.Expr:
     return compact(whole)
 
 
-def _end(end: Any, exact: Mapping[sp.Symbol, sp.Expr]) -> float | None:
+def _end(end: sp.Expr | None, exact: Mapping[sp.Symbol, sp.Expr]) -> float | None:
     return None if end is None else float(sp.N(sp.sympify(end).subs(exact), 30))
 
 

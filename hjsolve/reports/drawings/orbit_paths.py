@@ -3,11 +3,12 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
-from typing import Any
 
 import numpy as np
 
 from hjsolve.mechanics.energy_shell import time_name
+from hjsolve.motion.motion import Motion
+from hjsolve.motion.state import State
 from hjsolve.reports.document import Figure, Mathematics, Text
 from hjsolve.reports.drawings import svg
 from hjsolve.reports.drawings.cartesian_picture import Embedding, embedding, place, projected
@@ -31,11 +32,11 @@ class Trace:
     """
 
     t: Array
-    state: Any
+    state: State
     closed: bool
 
 
-def trace(motion: Any) -> Trace:
+def trace(motion: Motion) -> Trace:
     """Follow a motion over a time worth showing.
 
     Args:
@@ -48,7 +49,7 @@ def trace(motion: Any) -> Trace:
     return Trace(t, motion.at(t), closed)
 
 
-def span(motion: Any) -> tuple[float, float, bool]:
+def span(motion: Motion) -> tuple[float, float, bool]:
     """Choose the time to show: a few cycles of a bounded motion, the passage of an unbounded one.
 
     Args:
@@ -77,7 +78,7 @@ def span(motion: Any) -> tuple[float, float, bool]:
     return t0, t0 + 12 * max(essential or periods), False
 
 
-def _reach(motion: Any, t0: float) -> float:
+def _reach(motion: Motion, t0: float) -> float:
     """Double the time until the running coordinates have gone several times their own size."""
     names = [n for n in motion.solution.coordinates if motion.kinds[n] in {"escape", "asymptotic"}]
     start = motion.at(t0)
@@ -90,20 +91,20 @@ def _reach(motion: Any, t0: float) -> float:
     return reach
 
 
-def _size(motion: Any, name: str, start: float) -> tuple[float, float]:
+def _size(motion: Motion, name: str, start: float) -> tuple[float, float]:
     """Where a running coordinate starts from, and the length it should be measured by."""
     turning = [float(e.value) for e in motion.turning_points.get(name, ()) if e is not None]
     anchor = turning[0] if turning else start
     return anchor, max(abs(anchor), abs(start - anchor), 0.3)
 
 
-def _natural_time(motion: Any, name: str, state: Any) -> float:
+def _natural_time(motion: Motion, name: str, state: State) -> float:
     speed = abs(float(state.velocity[name]))
     size = _size(motion, name, float(state.unwrapped(name)))[1]
     return size / speed if speed > 1e-3 * size else 1.0
 
 
-def _gone(motion: Any, name: str, state: Any, start: float) -> bool:
+def _gone(motion: Motion, name: str, state: State, start: float) -> bool:
     anchor, size = _size(motion, name, start)
     distances = np.abs(np.asarray(state.unwrapped(name), float) - anchor)
     if motion.kinds[name] == "asymptotic":
@@ -111,7 +112,7 @@ def _gone(motion: Any, name: str, state: Any, start: float) -> bool:
     return bool(np.nanmax(distances) > 4.5 * size)
 
 
-def times(motion: Any) -> tuple[Array, bool]:
+def times(motion: Motion) -> tuple[Array, bool]:
     """Sample the time shown densely enough for smooth curves.
 
     Args:
@@ -127,7 +128,7 @@ def times(motion: Any) -> tuple[Array, bool]:
     return np.linspace(start, stop, count), closed
 
 
-def orbit(motion: Any, trace: Trace, key: str) -> Figure | None:
+def orbit(motion: Motion, trace: Trace, key: str) -> Figure | None:
     """Draw the path in space; None for one coordinate, whose path is its graph against time.
 
     Args:
@@ -147,7 +148,7 @@ def orbit(motion: Any, trace: Trace, key: str) -> Figure | None:
     return draw(motion, where, trace.t, path, trace.closed, key)
 
 
-def first_cycle(motion: Any, t: Array, closed: bool) -> int:
+def first_cycle(motion: Motion, t: Array, closed: bool) -> int:
     """Count the samples of the first cycle, which is drawn strong; the rest is faint.
 
     Args:
@@ -161,7 +162,7 @@ def first_cycle(motion: Any, t: Array, closed: bool) -> int:
     return int(np.searchsorted(t, t[0] + 1.5 * max(periods))) + 1
 
 
-def _plane(motion: Any, where: Embedding, t: Array, path: tuple[Array, ...], closed: bool, key: str) -> Figure:
+def _plane(motion: Motion, where: Embedding, t: Array, path: tuple[Array, ...], closed: bool, key: str) -> Figure:
     x, y = path[:2]
     centred = where.kind in {"polar", "parabolic"}
     xs, ys = (np.append(x, 0.0), np.append(y, 0.0)) if centred else (x, y)
@@ -187,7 +188,7 @@ def _plane(motion: Any, where: Embedding, t: Array, path: tuple[Array, ...], clo
     )
 
 
-def _space(motion: Any, where: Embedding, t: Array, path: tuple[Array, ...], closed: bool, key: str) -> Figure:
+def _space(motion: Motion, where: Embedding, t: Array, path: tuple[Array, ...], closed: bool, key: str) -> Figure:
     across, up, _ = projected(*path)
     reach = 1.08 * float(np.max(np.hypot(across, up)))
     frame = svg.square(
@@ -215,7 +216,7 @@ def _space(motion: Any, where: Embedding, t: Array, path: tuple[Array, ...], clo
     )
 
 
-def _sphere(motion: Any, where: Embedding, t: Array, path: tuple[Array, ...], closed: bool, key: str) -> Figure:
+def _sphere(motion: Motion, where: Embedding, t: Array, path: tuple[Array, ...], closed: bool, key: str) -> Figure:
     """Draw a path of directions on the unit sphere; the far side is faint."""
     frame = svg.square(svg.DrawingFrame((-1.12, 1.12), (-1.08, 1.2), height=360.0, left=16, top=16, bottom=16))
     turn = np.linspace(0.0, 2 * np.pi, 181)
@@ -253,7 +254,7 @@ def _sphere(motion: Any, where: Embedding, t: Array, path: tuple[Array, ...], cl
     )
 
 
-def time_box(motion: Any) -> Box:
+def time_box(motion: Motion) -> Box:
     """The letter of the parameter of a motion.
 
     Args:
@@ -262,19 +263,19 @@ def time_box(motion: Any) -> Box:
     return name_box(time_name(motion.solution.system))
 
 
-def _from_to(motion: Any, t: Array) -> str:
+def _from_to(motion: Motion, t: Array) -> str:
     letter = plain(time_box(motion))
     return f"from {letter} = {t[0]:.6g} to {letter} = {t[-1]:.6g}"
 
 
-def _caption(motion: Any, t: Array, closed: bool, faint: bool, *, sphere: bool = False) -> Text:
+def _caption(motion: Motion, t: Array, closed: bool, faint: bool, *, sphere: bool = False) -> Text:
     ends = f" = {t[0]:.4g} to {t[-1]:.4g}".replace("-", "−")
     start: Text = ("Orbit over one period",) if closed else ("Orbit from ", Mathematics(time_box(motion)), ends)
     side = "; the far side of the sphere is faint" if sphere else "; the first cycle is drawn strong" if faint else ""
     return (*start, "; the ring is the start", side, ".")
 
 
-def history(motion: Any, trace: Trace, key: str) -> Figure:
+def history(motion: Motion, trace: Trace, key: str) -> Figure:
     """Draw the separated coordinates against time, each in its own band.
 
     Args:
@@ -319,7 +320,7 @@ def history(motion: Any, trace: Trace, key: str) -> Figure:
     )
 
 
-def few_cycles(motion: Any, t: Array) -> slice:
+def few_cycles(motion: Motion, t: Array) -> slice:
     """Choose the times of the first few cycles.
 
     Args:

@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import re
 from collections.abc import Callable
-from typing import Any
 
 import sympy as sp
 from sympy.core.function import AppliedUndef
@@ -326,7 +325,7 @@ def _tuple(expression: sp.Tuple) -> Box:
     return Fence(row(*items) if items else Glyph("", "text"))
 
 
-_METHODS: tuple[tuple[Any, Callable[[Any], Box]], ...] = (
+_METHODS: tuple[tuple[type | tuple[type, ...], Callable[[sp.Basic], Box]], ...] = (
     (sp.Symbol, lambda e: name_box(e.name)),
     (sp.Rational, _rational),
     (sp.Float, _float),

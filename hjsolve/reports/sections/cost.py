@@ -5,7 +5,7 @@ from __future__ import annotations
 import math
 from dataclasses import asdict
 from dataclasses import replace as replace_fields
-from typing import Any, TypeAlias
+from typing import TypeAlias
 
 from hjsolve.costs import Cost, cost
 from hjsolve.costs.table import cells_of
@@ -143,7 +143,7 @@ def cost_document(table: Cost) -> Document:
     return Document(table.title, table.id, answer, (cost_section(table),))
 
 
-def plain_rows(table: Cost) -> dict[str, Any]:
+def plain_rows(table: Cost) -> dict[str, object]:
     """The table as plain data, for JSON.
 
     Args:
@@ -153,12 +153,11 @@ def plain_rows(table: Cost) -> dict[str, Any]:
         Its attributes; what is infinite is None.
     """
 
-    def clean(value: Any) -> Any:
+    def clean(value: object) -> object:
         if isinstance(value, dict):
             return {key: clean(item) for key, item in value.items()}
         if isinstance(value, (list, tuple)):
             return [clean(item) for item in value]
         return None if isinstance(value, float) and not math.isfinite(value) else value
 
-    result: dict[str, Any] = clean(asdict(table))
-    return result
+    return {key: clean(item) for key, item in asdict(table).items()}

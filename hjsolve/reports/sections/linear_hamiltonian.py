@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Mapping
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING
 
 import sympy as sp
 
@@ -101,7 +101,7 @@ def hamiltonian_motion_section(motion: LinearMotion, summary: str) -> Section:
     from hjsolve.reports.sections.rounded_numbers import quantity
 
     c = motion.problem.coordinate
-    told: Any = (": ", *typeset_prose(summary, motion.problem)) if summary else ()
+    told: Text = (": ", *typeset_prose(summary, motion.problem)) if summary else ()
     times = [motion.t0 + sp.Rational(k, 2) for k in range(_SHOWN)]
     rows: list[tuple[Text, ...]] = []
     for t in times:

@@ -5,22 +5,24 @@ from __future__ import annotations
 import platform
 from collections.abc import Mapping
 from importlib.metadata import PackageNotFoundError, version
-from typing import Any
 
 import mpmath
 import numpy as np
 import sympy as sp
 
 from hjsolve._version import __version__
+from hjsolve.arithmetic.estimate import Estimate
 from hjsolve.arithmetic.floats import Float64
 from hjsolve.lowering import lower
 from hjsolve.mechanics.energy_shell import time_name
 from hjsolve.mechanics.system import hamiltonian
+from hjsolve.motion.motion import Motion
 from hjsolve.reports.document import (
     Block,
     Code,
     Figure,
     Figures,
+    Inline,
     Mathematics,
     Note,
     Paragraph,
@@ -41,7 +43,7 @@ from hjsolve.reports.sections.system_and_verdict import exactly, formula
 DASH: Text = ("–",)
 
 
-def motion_section(motion: Any, trace: orbit_paths.Trace, summary: str) -> Section:
+def motion_section(motion: Motion, trace: orbit_paths.Trace, summary: str) -> Section:
     """Say which motion is shown and draw it.
 
     Args:
@@ -73,7 +75,7 @@ def motion_section(motion: Any, trace: orbit_paths.Trace, summary: str) -> Secti
     return Section("motion", "A motion", (*blocks, Figures(drawings)))
 
 
-def _initial(motion: Any) -> Table:
+def _initial(motion: Motion) -> Table:
     values = exact_values_of(motion)
     rows = tuple(
         (
@@ -88,12 +90,12 @@ def _initial(motion: Any) -> Table:
     return Table(header, rows, _at_the_start(motion))
 
 
-def _at_the_start(motion: Any) -> str:
+def _at_the_start(motion: Motion) -> str:
     letter = spoken(time_name(motion.solution.system))
     return f"Initial data at {letter} = {motion.t0}, exact, and the kind of motion they lead to"
 
 
-def _turning_points(motion: Any) -> Table:
+def _turning_points(motion: Motion) -> Table:
     rows = tuple(
         ((Mathematics(name_box(name)),), *(_end(motion, name, end) for end in ends))
         for name, ends in motion.turning_points.items()
@@ -101,7 +103,7 @@ def _turning_points(motion: Any) -> Table:
     return Table((("Coordinate",), ("Lower",), ("Upper",)), rows, "Turning points")
 
 
-def _end(motion: Any, name: str, end: Any | None) -> Text:
+def _end(motion: Motion, name: str, end: Estimate | None) -> Text:
     """A turning point; exactly the place of the start where the motion starts there at rest."""
     if end is None:
         return DASH
@@ -113,18 +115,18 @@ def _end(motion: Any, name: str, end: Any | None) -> Text:
     return _known(here if same else None, end)
 
 
-def _known(exact: sp.Expr | None, estimate: Any) -> Text:
+def _known(exact: sp.Expr | None, estimate: Estimate) -> Text:
     """The exact decimal where a number has one, else the estimate."""
     ending = terminating(exact) if exact is not None else None
     return _number(estimate) if ending is None else (ending,)
 
 
-def _number(estimate: Any | None) -> Text:
+def _number(estimate: Estimate | None) -> Text:
     return DASH if estimate is None else (quantity(estimate),)
 
 
 # ------------------------------------------------------------------------------------------------ numbers
-def numbers_section(motion: Any) -> Section:
+def numbers_section(motion: Motion) -> Section:
     """Give constants, actions, frequencies, periods and boundary times, each with its error.
 
     Args:
@@ -137,7 +139,7 @@ def numbers_section(motion: Any) -> Section:
         (Mathematics(name_box(p.name)), " = ", *exactly(motion.initial.values[p.symbol]), ", ")
         for p in motion.solution.system.parameters
     ]
-    pieces: list[Any] = [piece for group in values for piece in group][:-1]
+    pieces: list[Inline] = [piece for group in values for piece in group][:-1]
     blocks: list[Block] = [Paragraph(("With ", *pieces, ". "))] if pieces else []
     exact = motion.initial.constants
     rows = tuple(((Mathematics(name_box(name)),), _known(exact.get(name), e)) for name, e in motion.constants.items())
@@ -161,10 +163,10 @@ def numbers_section(motion: Any) -> Section:
     return Section("numbers", "Numbers with their errors", tuple(blocks))
 
 
-def _cycles(motion: Any, names: list[str]) -> Table:
+def _cycles(motion: Motion, names: list[str]) -> Table:
     letter = time_name(motion.solution.system)
     unit = "time" if letter == "t" else f"of {spoken(letter)}"
-    quantities: tuple[tuple[str, Mapping[str, Any]], ...] = (
+    quantities: tuple[tuple[str, Mapping[str, Estimate]], ...] = (
         ("J", motion.actions),
         ("Ω", motion.frequencies),
         ("T", motion.periods),
@@ -187,7 +189,7 @@ def _cycles(motion: Any, names: list[str]) -> Table:
 
 
 # ------------------------------------------------------------------------------------------------ how it was computed
-def how_section(clock: Mapping[str, float], motion: Any | None, trace: orbit_paths.Trace | None) -> Section:
+def how_section(clock: Mapping[str, float], motion: Motion | None, trace: orbit_paths.Trace | None) -> Section:
     """Say with what the report was computed and how long each part took.
 
     Args:
@@ -215,7 +217,7 @@ def how_section(clock: Mapping[str, float], motion: Any | None, trace: orbit_pat
     return Section("how", "How this was computed", tuple(blocks))
 
 
-def _effort(motion: Any) -> Paragraph:
+def _effort(motion: Motion) -> Paragraph:
     digits, nodes = motion.digits, motion.nodes
     arithmetic = "double precision" if digits <= 15 else "multiple precision"
     used = f", from {nodes} quadrature nodes at most per coordinate" if nodes else ""
@@ -228,7 +230,7 @@ def _effort(motion: Any) -> Paragraph:
     )
 
 
-def energy_drift(motion: Any, trace: orbit_paths.Trace) -> float | None:
+def energy_drift(motion: Motion, trace: orbit_paths.Trace) -> float | None:
     """Evaluate H along the path that is drawn and compare it with E.
 
     Args:

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from decimal import ROUND_CEILING, ROUND_FLOOR, Context, Decimal, Inexact
-from typing import Any
+from typing import TYPE_CHECKING, Protocol
 
 import sympy as sp
 
@@ -20,8 +20,27 @@ from hjsolve.arithmetic.printed_digits import (
 )
 from hjsolve.reports.document import Number
 
+if TYPE_CHECKING:
+    from hjsolve.arithmetic.number_types import Mpf
 
-def quantity(estimate: Any) -> Number:
+
+class WithError(Protocol):
+    """A number with a bound on its error: ``Estimate``, or what is like one."""
+
+    @property
+    def value(self) -> float | Mpf:
+        """The number."""
+
+    @property
+    def error(self) -> float | Mpf:
+        """At least how far the truth may be from it."""
+
+    @property
+    def certified(self) -> bool:
+        """Whether that is proved."""
+
+
+def quantity(estimate: WithError) -> Number:
     """Write an estimate: the error rounded up to one digit (two if the first is a 1), the value to the same last place.
 
     A reader may take every printed digit of the value as meant, and the interval value ± error as holding the truth.
@@ -88,7 +107,7 @@ def written_duration(value: float) -> str:
     return f"{value * 1e3:.0f} ms" if value < 0.9995 else f"{value:.2g} s" if value < 9.95 else f"{value:.0f} s"
 
 
-def rounded_outward(value: Any, *, up: bool, digits: int = 10) -> str:
+def rounded_outward(value: float | Mpf, *, up: bool, digits: int = 10) -> str:
     """Write an end of an enclosure, rounded outward.
 
     Args:

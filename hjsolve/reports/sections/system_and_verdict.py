@@ -3,18 +3,19 @@
 from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
-from typing import Any
 
 import mpmath
 import sympy as sp
 
 from hjsolve.arithmetic.printed_digits import shortest
+from hjsolve.mechanics.energy_shell import ReductionStep
 from hjsolve.mechanics.system import System, hamiltonian, linear_terms, mass_matrix, momenta
 from hjsolve.reports.document import (
     ArgumentStep,
     Block,
     Code,
     Formula,
+    Inline,
     Mathematics,
     Note,
     Number,
@@ -193,7 +194,7 @@ def _parameters(system: System) -> Table:
 
 
 # -------------------------------------------------------------------------------- the reduction and the test
-def steps_block(steps: Sequence[Any], system: System) -> Steps:
+def steps_block(steps: Sequence[ReductionStep], system: System) -> Steps:
     """Write an argument of the symbolic half.
 
     Args:
@@ -380,8 +381,8 @@ def refusal_section(verdict: Obstruction | Undecided) -> Section:
     return Section("obstruction", title, tuple(blocks))
 
 
-def _point(point: Mapping[str, Any]) -> Text:
-    pieces: list[Any] = []
+def _point(point: Mapping[str, sp.Expr]) -> Text:
+    pieces: list[Inline] = []
     for i, (name, value) in enumerate(point.items()):
         pieces += ([", "] if i else []) + [Mathematics(row(name_box(name), EQUALS, box(sp.sympify(value))))]
     return tuple(pieces)

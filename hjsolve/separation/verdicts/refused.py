@@ -1,4 +1,4 @@
-"""The three verdicts and what they carry; every one is a frozen value with its evidence."""
+"""The verdicts that a system does not separate, and that it is not known."""
 
 from __future__ import annotations
 
@@ -11,93 +11,6 @@ from hjsolve.display.shown import Shown
 from hjsolve.mechanics.energy_shell import ReductionStep, Shell
 from hjsolve.mechanics.system import System
 from hjsolve.separation.zero_test.interval_evaluation import Witness
-
-
-@dataclass(frozen=True, repr=False)
-class Liouville(Shown):
-    """A system of Liouville's form: T = Σ Rᵢpᵢ²/(2Σf), V = Σv/Σf (Greenwood (5-125), (5-126)).
-
-    Attributes:
-        coordinates: names, in order.
-        f: fᵢ(qᵢ); their sum is positive.
-        R: Rᵢ(qᵢ), positive.
-        v: vᵢ(qᵢ).
-    """
-
-    coordinates: tuple[str, ...]
-    f: tuple[sp.Expr, ...]
-    R: tuple[sp.Expr, ...]
-    v: tuple[sp.Expr, ...]
-
-
-@dataclass(frozen=True, repr=False)
-class Stackel(Shown):
-    """A system of Stäckel's form: cᵀΦ = (1, 0, …, 0), cᵀψ = V (Greenwood (5-139), (5-140)).
-
-    Attributes:
-        coordinates: names, in order.
-        matrix: Φ; row i depends on coordinate i only. The separated momenta are Pᵢ² = 2(Σⱼ Φᵢⱼ αⱼ − ψᵢ) with α₁ = E;
-            for a null coordinate (``Shell.null``) pᵢ = Σⱼ Φᵢⱼ αⱼ − ψᵢ.
-        column: ψ; entry i depends on coordinate i only.
-        inverse_metric: c, the coefficients of ½pᵢ² in H.
-    """
-
-    coordinates: tuple[str, ...]
-    matrix: sp.ImmutableMatrix
-    column: tuple[sp.Expr, ...]
-    inverse_metric: tuple[sp.Expr, ...]
-
-
-@dataclass(frozen=True, repr=False)
-class Reduced(Shown):
-    """The forms of the shell over the essential coordinates; None where it is not of that form."""
-
-    liouville: Liouville | None
-    stackel: Stackel | None
-
-
-@dataclass(frozen=True, repr=False)
-class Constant(Shown):
-    """A constant of the motion.
-
-    Attributes:
-        name: ``E``, ``alpha_2`` …, or the name of an ignorable momentum.
-        symbol: its symbol in Φ, ψ and W.
-        expression: the constant as a function of coordinates and momenta.
-        meaning: what it is, in a physicist's words.
-    """
-
-    name: str
-    symbol: sp.Symbol
-    expression: sp.Expr
-    meaning: str
-
-
-@dataclass(frozen=True, repr=False)
-class Separation(Shown):
-    """The system separates in the coordinates given.
-
-    Attributes:
-        system: the system.
-        shell: its energy shell.
-        ignorable: names of the ignorable coordinates.
-        constants: constants of the motion by name: E, the separation constants, the ignorable momenta.
-        liouville: Liouville's functions of the full system, or None.
-        stackel: Stäckel's matrix of the full system, or None (T not diagonal, or terms linear in the velocities).
-        reduced: the same for the shell over the essential coordinates.
-        evidence: the argument, step by step.
-        seconds: how long the decision took.
-    """
-
-    system: System
-    shell: Shell
-    ignorable: tuple[str, ...]
-    constants: dict[str, Constant]
-    liouville: Liouville | None
-    stackel: Stackel | None
-    reduced: Reduced
-    evidence: tuple[ReductionStep, ...]
-    seconds: float
 
 
 @dataclass(frozen=True, repr=False)
@@ -164,6 +77,3 @@ class Undecided(Shown):
     value: mpmath.mpf | None
     advice: str
     evidence: tuple[ReductionStep, ...]
-
-
-Verdict = Separation | Obstruction | Undecided
