@@ -11,7 +11,6 @@ import sys
 import time
 
 import hjsolve
-from hjsolve.closed_form.derive import forms_of_solution
 from hjsolve.closed_form.forms import RegimeForms
 from hjsolve.closed_form.tidy import elliptic
 
@@ -38,7 +37,7 @@ def main(names: list[str]) -> None:
     print("| Entry | Regime | Forms | Inverses | Without |\n|---|---|---|---|---|")
     for name in names or hjsolve.catalog.ids("separable"):
         solution, begin = hjsolve.solve(name), time.process_time()
-        forms = forms_of_solution(solution)
+        forms = hjsolve.closed_forms(solution)
         seconds.append(time.process_time() - begin)
         for form in forms:
             kind = described(form)

@@ -151,6 +151,13 @@ def _turning_points(pieces: Integrals, made: Regime) -> dict[str, tuple[sp.Expr 
     return found
 
 
+def _cofactor(M: list[list[sp.Expr]], row: int) -> sp.Expr:
+    """The cofactor of a row and the first column, written as it stands: no zero test, nothing multiplied out."""
+    rest = [line[1:] for k, line in enumerate(M) if k != row]
+    value = sp.Add(*(line[0] * _cofactor(rest, k) for k, line in enumerate(rest))) if rest else sp.S.One
+    return -value if row % 2 else value
+
+
 def _size(rate: sp.Expr, own: CoordinateIntegrals | None, made: Regime) -> sp.Expr:
     """|Ω|: a separated coordinate's is positive on the branch p > 0."""
     if own is not None or rate.is_positive:
@@ -183,9 +190,10 @@ def _rates(
         for name in (*names, *(c.name for c in ignorable.values() if c.domain.kind == "angle")):
             why_not[f"frequencies.{name}"] = why_not[f"periods.{name}"] = missing
         return
-    M = sp.Matrix(rows) / (2 * sp.pi)
-    determinant = M.det(method="berkowitz")
-    top = [M.cofactor(i, 0) / determinant for i in range(len(names))] if len(names) > 1 else [1 / M[0, 0]]
+    M = [[value / (2 * sp.pi) for value in row] for row in rows]
+    cofactors = [_cofactor(M, i) for i in range(len(names))]
+    determinant = sp.Add(*(row[0] * cofactor for row, cofactor in zip(M, cofactors, strict=True)))
+    top = [cofactor / determinant for cofactor in cofactors]
     if len(names) > 1:
         top = [value if elliptic(value) else sp.cancel(sp.together(value)) for value in top]
     Ω = {name: shortened_powers(value) for name, value in zip(names, top, strict=True)}

@@ -7,7 +7,8 @@ from dataclasses import dataclass
 import sympy as sp
 
 from hjsolve.closed_form.branch_points import NamedRoots
-from hjsolve.closed_form.fractions import Fractions, NoFormError
+from hjsolve.closed_form.fractions import Fractions
+from hjsolve.closed_form.no_form import NoFormError
 from hjsolve.functions import elliptic
 
 

@@ -14,7 +14,8 @@ from dataclasses import dataclass
 
 import sympy as sp
 
-from hjsolve.closed_form.fractions import Fractions, NoFormError
+from hjsolve.closed_form.fractions import Fractions
+from hjsolve.closed_form.no_form import NoFormError
 from hjsolve.closed_form.signs import Signs
 
 

@@ -7,10 +7,7 @@ from dataclasses import dataclass
 import sympy as sp
 
 from hjsolve.closed_form.curves import named_constants
-
-
-class NoFormError(Exception):
-    """These functions do not hold the integral; the message says why. Never leaves the room."""
+from hjsolve.closed_form.no_form import NoFormError
 
 
 @dataclass(frozen=True)

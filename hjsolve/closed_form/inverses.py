@@ -11,10 +11,11 @@ import sympy as sp
 from hjsolve.closed_form.carlson import CarlsonMap, carlson_inverse
 from hjsolve.closed_form.elementary import Antiderivative
 from hjsolve.closed_form.even_curves import EvenMap, even_inverse
-from hjsolve.closed_form.fractions import NoFormError
+from hjsolve.closed_form.no_form import NoFormError
 from hjsolve.closed_form.pieces import CoordinateIntegrals, PieceIntegral, monotone_inverse
 from hjsolve.closed_form.real_branch_points import elliptic_inverse
 from hjsolve.closed_form.tidy import shortened_powers
+from hjsolve.closed_form.time_limit import check_time
 from hjsolve.closed_form.verification import monotone_span, sample_numbers, value_at
 from hjsolve.functions import JacobiAM, JacobiSN
 
@@ -208,6 +209,7 @@ def verified_inverse(
     Raises:
         NoFormError: it does not.
     """
+    check_time()
     q = integral.curve.coordinate.symbol
     begin, stop = own.sample.places[own.name], _nearby(own, integral)
     with mpmath.workdps(_DIGITS + 20):

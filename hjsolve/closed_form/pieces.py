@@ -12,12 +12,14 @@ from hjsolve.closed_form.carlson import CarlsonMap, carlson_integral, carlson_ma
 from hjsolve.closed_form.curves import MomentumCurve, W, why_no_curve
 from hjsolve.closed_form.elementary import Antiderivative, elementary_antiderivative, positive_root
 from hjsolve.closed_form.even_curves import EvenMap, even_integral, even_map
-from hjsolve.closed_form.fractions import NoFormError, fractions
+from hjsolve.closed_form.fractions import Fractions, fractions
+from hjsolve.closed_form.no_form import NoFormError
 from hjsolve.closed_form.real_branch_points import LegendreMap, elliptic_integral, legendre_map
 from hjsolve.closed_form.regions import RootInterval, root_interval_of
 from hjsolve.closed_form.sampling import Sample
 from hjsolve.closed_form.signs import Signs
 from hjsolve.closed_form.strata import deciders
+from hjsolve.closed_form.time_limit import check_time
 
 LONGEST_FORM = 6000
 """Operations above which a form is no use."""
@@ -138,6 +140,7 @@ def piece(
         made.region = made.region or region
         signs = Signs(sample.values, region.place)
         try:
+            check_time()
             task = _Task(curve, region, signs, prefix)
         except NoFormError as error:
             made.why_not |= {key: str(error) for key in missing if key not in made.why_not}
@@ -145,6 +148,7 @@ def piece(
         done = dict[sp.Symbol, PieceIntegral]()
         for key in missing:
             try:
+                check_time()
                 done[key] = task.integral(key, numerators[key])
             except NoFormError as error:
                 made.why_not.setdefault(key, str(error))
@@ -197,6 +201,8 @@ class _Task:
                     value = even_integral(R, way, self.curve.x, complete=False)
                     return value, even_integral(R, way, self.curve.x, complete=True) if cyclic else None, way
                 parts = fractions(R, self.curve.x)
+                if isinstance(way, LegendreMap) and self._passes_a_pole(parts, way):
+                    raise NoFormError("the integral passes a pole on the way from the root")
                 if isinstance(way, CarlsonMap):
                     value = carlson_integral(parts, way, self.curve.x)
                     return value, carlson_integral(parts, way, None) if cyclic else None, way
@@ -205,6 +211,12 @@ class _Task:
             except NoFormError as error:
                 reason = str(error)
         raise NoFormError(reason)
+
+    def _passes_a_pole(self, parts: Fractions, way: LegendreMap) -> bool:
+        """Whether a pole lies between the motion and the root from which the integrals are taken."""
+        start, here = self.signs.number(way.a), self.region.place
+        low, high = min(start, here), max(start, here)
+        return any(low < self.signs.number(r) < high for r, _, _ in parts.poles)
 
     def side(self, r: sp.Expr) -> int:
         """The sign of x − r on the interval."""
