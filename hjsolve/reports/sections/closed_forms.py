@@ -66,8 +66,9 @@ def closed_form_sections(forms: Sequence[RegimeForms]) -> list[Section]:
 
 
 def _section(form: RegimeForms, number: int) -> Section:
+    system = form.solution.system
     intro: Text = (
-        "Holds for: ", *typeset_prose(form.regime.words, form.solution.system), ". Each form was differentiated back "
+        "Holds for: ", *typeset_prose(form.regime.words, system), ". Each form was differentiated back "
         "to its integrand and compared with the quadrature to 40 digits; the separated momenta are positive.",
     )  # fmt: skip
     blocks: list[Block] = [Paragraph(intro)]
@@ -87,14 +88,14 @@ def _section(form: RegimeForms, number: int) -> Section:
     if form.energy is not None:
         blocks.append(_shown("energy", form.energy, partial(formula, name_box("E"))))
     rows = [
-        ((f"{word} of {q}",), _number(f"{group}.{q}", value))
+        (typeset_prose(f"{word} of {q}", system), _number(f"{group}.{q}", value))
         for group, word in _GROUPS.items()
         for q, value in getattr(form, group).items()
     ]
     if rows:
         blocks.append(Table((("Quantity",), ("Closed form",)), tuple(rows), "Numbers of the motion"))
     if form.why_not:
-        missing = tuple(((Code(name),), (reason,)) for name, reason in form.why_not.items())
+        missing = tuple(((Code(name),), typeset_prose(reason, system)) for name, reason in form.why_not.items())
         blocks.append(Table((("Without a form",), ("Why",)), missing, "What has no closed form"))
     suffix = f"-{number}" if number else ""
     title = f"Closed forms, regime {number}" if number else "Closed forms"
