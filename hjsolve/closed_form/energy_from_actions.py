@@ -8,6 +8,7 @@ from typing import TYPE_CHECKING
 import mpmath
 import sympy as sp
 
+from hjsolve.closed_form.curves import named_constants
 from hjsolve.closed_form.evaluation import many_digits, number
 from hjsolve.closed_form.regime import Regime
 
@@ -107,7 +108,10 @@ def _solved(
 def _roots(polynomial: sp.Expr, unknown: sp.Symbol) -> list[sp.Expr]:
     """The roots of factors of the first and second degree."""
     found = list[sp.Expr]()
-    for factor, _ in sp.factor_list(polynomial, unknown)[1]:
+    bare, back = named_constants(sp.expand(polynomial), unknown)
+    if not bare.is_polynomial(unknown):
+        return []
+    for factor, _ in sp.factor_list(sp.numer(sp.together(bare)), unknown)[1]:
         coefficients = sp.Poly(factor, unknown).all_coeffs()
         if len(coefficients) == 2:
             found.append(-coefficients[1] / coefficients[0])
@@ -115,4 +119,4 @@ def _roots(polynomial: sp.Expr, unknown: sp.Symbol) -> list[sp.Expr]:
             a, b, c = coefficients
             root = sp.sqrt(sp.factor(b**2 - 4 * a * c))
             found += [(-b + root) / (2 * a), (-b - root) / (2 * a)]
-    return found
+    return [root.xreplace(back) for root in found]
