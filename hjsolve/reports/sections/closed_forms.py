@@ -34,10 +34,10 @@ def closed_form_report(subject: Motion | Solution) -> list[Section]:
         subject: a motion, or a solution where no motion is known.
     """
     if isinstance(subject, Motion):
-        form = own_form(subject, seconds=SECONDS)
-        solution, forms = subject.solution, () if form is None else (form,)
+        solution, own = subject.solution, own_form(subject, seconds=SECONDS)
+        forms = [] if own is None else [own]
     else:
-        solution, forms = subject, closed_forms(subject, seconds=SECONDS)[:_MOST_REGIMES]
+        solution, forms = subject, [*closed_forms(subject, seconds=SECONDS)[:_MOST_REGIMES]]
     if not solution.coordinates:
         return []
     sections = closed_form_sections(forms)
