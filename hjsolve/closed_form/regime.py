@@ -120,7 +120,7 @@ def plain_relation(expression: sp.Expr, sign: int) -> sp.Basic | None:
         return None
     if rest.is_nonnegative and sign > 0:
         base = rest.as_base_exp()[0]
-        return sp.Ne(base, 0)
+        return sp.Ne(base.args[0] if isinstance(base, sp.Abs) else base, 0)
     left, right = _sides(rest)
     return sp.Gt(left, right) if sign > 0 else sp.Lt(left, right)
 
