@@ -22,7 +22,7 @@ _GUARD, _FLOAT_DIGITS = 20, 15
 _SPECIAL = 1e-12
 
 
-def form_at_numbers(form: RegimeForms, name: str, values: Mapping[str, Any], digits: int) -> Estimate:
+def form_at_numbers(form: RegimeForms, name: str, values: Mapping[str, object], digits: int) -> Estimate:
     """One form at numbers; see ``RegimeForms.evaluate``.
 
     Args:
@@ -83,7 +83,7 @@ def _wanted(form: RegimeForms, name: str) -> sp.Expr:
     return named[name]
 
 
-def _exact(form: RegimeForms, expression: sp.Expr, values: Mapping[str, Any]) -> dict[sp.Symbol, sp.Expr]:
+def _exact(form: RegimeForms, expression: sp.Expr, values: Mapping[str, object]) -> dict[sp.Symbol, sp.Expr]:
     """Symbol → exact value, of everything the regime and the expression need."""
     exact = {p.symbol: p.value for p in form.solution.system.parameters if p.value is not None}
     needed = {s.name: s for s in (*form.regime.example, *expression.free_symbols) if s not in form.where}

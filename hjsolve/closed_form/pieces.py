@@ -12,7 +12,7 @@ from hjsolve.closed_form.carlson import CarlsonMap, carlson_integral, carlson_ma
 from hjsolve.closed_form.curves import MomentumCurve, W, why_no_curve
 from hjsolve.closed_form.elementary import Antiderivative, elementary_antiderivative, positive_root
 from hjsolve.closed_form.even_curves import EvenMap, even_integral, even_map
-from hjsolve.closed_form.fractions import Fractions, fractions
+from hjsolve.closed_form.fractions import fractions
 from hjsolve.closed_form.no_form import NoFormError
 from hjsolve.closed_form.real_branch_points import LegendreMap, elliptic_integral, legendre_map
 from hjsolve.closed_form.regions import RootInterval, root_interval_of
@@ -21,6 +21,7 @@ from hjsolve.closed_form.signs import Signs
 from hjsolve.closed_form.square_curves import reduces, square_curve
 from hjsolve.closed_form.strata import deciders
 from hjsolve.closed_form.time_limit import check_time
+from hjsolve.functions.elliptic import PartialFractions
 
 LONGEST_FORM = 6000
 """Operations above which a form is no use."""
@@ -222,7 +223,7 @@ class _Task:
                 reason = str(error)
         raise NoFormError(reason)
 
-    def _passes_a_pole(self, parts: Fractions, way: LegendreMap) -> bool:
+    def _passes_a_pole(self, parts: PartialFractions, way: LegendreMap) -> bool:
         """Whether a pole lies between the motion and the root from which the integrals are taken."""
         start, here = self.signs.number(way.a), self.region.place if self.squared is None else self.squared.place
         low, high = min(start, here), max(start, here)
