@@ -13,7 +13,7 @@ from hjsolve.closed_form.forms import RegimeForms
 from hjsolve.closed_form.inverses import inverses, orbit_formulas
 from hjsolve.closed_form.pieces import CoordinateIntegrals
 from hjsolve.closed_form.regime import Regime, positive_in, settled
-from hjsolve.closed_form.tidy import elliptic, shortened_powers
+from hjsolve.closed_form.tidy import LONGEST, elliptic, shortened_powers
 from hjsolve.solution.quadratures import Solution
 
 if TYPE_CHECKING:
@@ -21,6 +21,7 @@ if TYPE_CHECKING:
 
 Stratum = Mapping[sp.Symbol, sp.Expr]
 Integrals = Mapping[str, CoordinateIntegrals]
+Where = dict[sp.Symbol, sp.Expr | tuple[sp.Poly, int]]
 
 
 def assembled(shop: Workshop, pieces: Integrals, made: Regime, special: Stratum) -> RegimeForms:
@@ -47,10 +48,10 @@ def assembled(shop: Workshop, pieces: Integrals, made: Regime, special: Stratum)
     function = _closed(solution, solution.characteristic_function, W, pieces, special, reasons)
     if isinstance(function, str):
         why_not["characteristic_function"], function = function, None
-    numbers = _numbers(shop, pieces, special, made, why_not)
+    where = {symbol: meaning for own in pieces.values() for symbol, meaning in own.where.items()}
+    numbers = _numbers(shop, pieces, special, made, why_not, where)
     inverse = inverses(shop, pieces, special, why_not)
     orbit = orbit_formulas(shop, pieces, special)
-    where = {symbol: meaning for own in pieces.values() for symbol, meaning in own.where.items()}
     energy = energy_from_actions(shop, numbers["actions"], made, why_not)
 
     def plain(group: Mapping[str, sp.Expr]) -> dict[str, sp.Expr]:
@@ -101,9 +102,9 @@ def _closed(
 
 
 def _numbers(
-    shop: Workshop, pieces: Integrals, special: Stratum, made: Regime, why_not: dict[str, str]
+    shop: Workshop, pieces: Integrals, special: Stratum, made: Regime, why_not: dict[str, str], where: Where
 ) -> dict[str, dict[str, sp.Expr]]:  # fmt: skip
-    """Actions, frequencies, periods and mean velocities, where they exist."""
+    """Actions, frequencies, periods and mean velocities, where they exist; long frequencies are named in ``where``."""
     solution = shop.solution
     actions, frequencies, velocities = dict[str, sp.Expr](), dict[str, sp.Expr](), dict[str, sp.Expr]()
     cyclic = [n for n in solution.coordinates if n in pieces and pieces[n].kind in ("libration", "rotation")]
@@ -125,7 +126,8 @@ def _numbers(
             rate = sp.diff(solution.separation.shell.potential, c.momentum)
             (frequencies if c.domain.kind == "angle" else velocities)[c.name] = rate
     periods = {
-        name: shortened_powers(2 * sp.pi / _size(rate, pieces.get(name), made)) for name, rate in frequencies.items()
+        name: shortened_powers(2 * sp.pi / _size(name, rate, pieces.get(name), made, where))
+        for name, rate in frequencies.items()
     }
     return {
         "actions": actions, "frequencies": frequencies, "mean_velocities": velocities,
@@ -151,9 +153,22 @@ def _turning_points(pieces: Integrals, made: Regime) -> dict[str, tuple[sp.Expr 
     return found
 
 
-def _size(rate: sp.Expr, own: CoordinateIntegrals | None, made: Regime) -> sp.Expr:
-    """|Ω|: a separated coordinate's is positive on the branch p > 0."""
-    if own is not None or rate.is_positive:
+def _cofactor(M: list[list[sp.Expr]], row: int) -> sp.Expr:
+    """The cofactor of a row and the first column, written as it stands: no zero test, nothing multiplied out."""
+    rest = [line[1:] for k, line in enumerate(M) if k != row]
+    value = sp.Add(*(line[0] * _cofactor(rest, k) for k, line in enumerate(rest))) if rest else sp.S.One
+    return -value if row % 2 else value
+
+
+def _size(name: str, rate: sp.Expr, own: CoordinateIntegrals | None, made: Regime, where: Where) -> sp.Expr:
+    """|Ω|: a separated coordinate's is positive on the branch p > 0; of a long formula by a name."""
+    if own is not None:
+        return rate
+    if sp.count_ops(rate) > LONGEST:
+        symbol = sp.Symbol(f"Omega_{name}", real=True)
+        where[symbol] = rate
+        return sp.Abs(symbol)
+    if rate.is_positive:
         return rate
     plain = sp.Mul(*(f for f in sp.Mul.make_args(rate) if not isinstance(f, sp.sign)))
     return plain if positive_in(made, plain) else sp.Abs(rate)
@@ -183,9 +198,10 @@ def _rates(
         for name in (*names, *(c.name for c in ignorable.values() if c.domain.kind == "angle")):
             why_not[f"frequencies.{name}"] = why_not[f"periods.{name}"] = missing
         return
-    M = sp.Matrix(rows) / (2 * sp.pi)
-    determinant = M.det(method="berkowitz")
-    top = [M.cofactor(i, 0) / determinant for i in range(len(names))] if len(names) > 1 else [1 / M[0, 0]]
+    M = [[value / (2 * sp.pi) for value in row] for row in rows]
+    cofactors = [_cofactor(M, i) for i in range(len(names))]
+    determinant = sp.Add(*(row[0] * cofactor for row, cofactor in zip(M, cofactors, strict=True)))
+    top = [cofactor / determinant for cofactor in cofactors]
     if len(names) > 1:
         top = [value if elliptic(value) else sp.cancel(sp.together(value)) for value in top]
     Ω = {name: shortened_powers(value) for name, value in zip(names, top, strict=True)}

@@ -8,7 +8,7 @@ import mpmath
 import sympy as sp
 
 from hjsolve.closed_form.curves import MomentumCurve, named_constants
-from hjsolve.closed_form.fractions import NoFormError
+from hjsolve.closed_form.no_form import NoFormError
 from hjsolve.closed_form.regions import RootInterval
 from hjsolve.closed_form.signs import Signs
 from hjsolve.closed_form.tidy import shortened_powers

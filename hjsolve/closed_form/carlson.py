@@ -7,7 +7,7 @@ from dataclasses import dataclass
 import sympy as sp
 
 from hjsolve.closed_form.branch_points import NamedRoots
-from hjsolve.closed_form.fractions import Fractions, NoFormError
+from hjsolve.closed_form.no_form import NoFormError
 from hjsolve.functions import elliptic
 
 
@@ -59,7 +59,7 @@ def carlson_map(roots: NamedRoots, prefix: str) -> CarlsonMap:
     return CarlsonMap(NamedRoots(roots.leading, tuple(real), tuple(pairs), where, roots.interval))
 
 
-def carlson_integral(R: Fractions, way: CarlsonMap, x: sp.Expr | None) -> sp.Expr:
+def carlson_integral(R: elliptic.PartialFractions, way: CarlsonMap, x: sp.Expr | None) -> sp.Expr:
     """∫ R dx/√P, from an end of the interval to x; over all of it where x is None.
 
     Args:
@@ -70,11 +70,10 @@ def carlson_integral(R: Fractions, way: CarlsonMap, x: sp.Expr | None) -> sp.Exp
     Raises:
         NoFormError: it diverges, or no form is known.
     """
-    parts = elliptic.PartialFractions(R.powers, R.poles, R.complex_poles)
     try:
         if x is None:
-            return elliptic.complete(parts, way.points, way.roots.interval)
-        return way.direction * elliptic.incomplete(parts, way.points, way.roots.interval, x, way.start)
+            return elliptic.complete(R, way.points, way.roots.interval)
+        return way.direction * elliptic.incomplete(R, way.points, way.roots.interval, x, way.start)
     except elliptic.NoForm as error:
         raise NoFormError(str(error)) from error
 

@@ -6,34 +6,42 @@ from pathlib import Path
 
 import sympy as sp
 
-from hjsolve.closed_form.derive import form_of_sample, forms_of_solution, special_of, workshop
+from hjsolve.closed_form.derive import Workshop, form_of_sample, forms_of_solution, special_of, workshop
 from hjsolve.closed_form.forms import RegimeForms
 from hjsolve.closed_form.sampling import Sample
+from hjsolve.closed_form.time_limit import allowed
+from hjsolve.closed_form.verification import DIGITS
 from hjsolve.errors import InvalidInputError
 from hjsolve.mechanics.system import System
 from hjsolve.motion.motion import Motion
 from hjsolve.separation import Separation
 from hjsolve.solution.quadratures import Solution, solve
 
-_DIGITS = 80
+SECONDS = 20.0
+_FEWEST, _MOST_DIGITS = 15, 200
 
 
-def closed_forms(subject: Solution | Motion | System | Separation | str | Path) -> tuple[RegimeForms, ...]:
+def closed_forms(
+    subject: Solution | Motion | System | Separation | str | Path, *, digits: int = DIGITS, seconds: float = SECONDS
+) -> tuple[RegimeForms, ...]:  # fmt: skip
     """Derive closed forms of the quadratures, regime by regime; each is verified before it is given.
 
-    A form is differentiated back to its integrand, and compared with the quadrature to 40 digits at a motion of its
-    regime; what fails, or has no form in elementary and elliptic functions, is missing, and ``why_not`` says why.
+    A form is differentiated back to its integrand, and compared with the quadrature to so many digits at a motion of
+    its regime; what fails, or has no form in elementary and elliptic functions, is missing, and ``why_not`` says why.
 
     Args:
         subject: a solution, or what ``solve`` takes; or a motion.
+        digits: to which the forms are compared with the quadratures, 15 to 200.
+        seconds: of processor time that may be spent. What is not done by then is missing: integrals that were begun
+            say so in ``why_not``, regimes that were not are not listed.
 
     Returns:
         The forms of a solution: one for each regime that a search among random motions meets, those of general
         constants before those of special ones (E = 0, a separatrix), bounded ones first. Of a motion: its own regime
-        first; then the others of its solution. Empty where every motion found is at rest or asymptotic.
+        first; then the others of its solution. Empty where every motion found is at rest.
 
     Raises:
-        InvalidInputError: something else.
+        InvalidInputError: something else; digits out of range, seconds that are not positive.
         NotSeparableError: a system that does not separate.
 
     Example:
@@ -42,26 +50,40 @@ def closed_forms(subject: Solution | Motion | System | Separation | str | Path) 
         >>> form.regime.words, form.periods["x"]
         ('x: libration; E > 0', 2*pi*sqrt(m)/sqrt(k))
     """
-    if isinstance(subject, Motion):
-        own = own_form(subject)
-        others = forms_of_solution(subject.solution)
-        if own is None:
-            return others
-        return (own, *(form for form in others if form.regime.words != own.regime.words))
-    if not isinstance(subject, (Solution, System, Separation, str, Path)):
+    if type(digits) is not int or not _FEWEST <= digits <= _MOST_DIGITS:
+        raise InvalidInputError(
+            f"closed_forms: digits must be a whole number from {_FEWEST} to {_MOST_DIGITS}, not {digits!r}"
+        )
+    if not seconds > 0:
+        raise InvalidInputError(f"closed_forms: seconds must be positive, not {seconds!r}")
+    if not isinstance(subject, (Motion, Solution, System, Separation, str, Path)):
         raise InvalidInputError(
             f"closed_forms: expected a solution, a motion, a system or a catalog id, got {type(subject).__name__}"
         )
-    return forms_of_solution(subject if isinstance(subject, Solution) else solve(subject))
+    if isinstance(subject, Motion):
+        with allowed(seconds):
+            shop = workshop(subject.solution, digits)
+            own = [form for form in (_own_form(shop, subject),) if form is not None]
+            return (*own, *forms_of_solution(shop, own))
+    solution = subject if isinstance(subject, Solution) else solve(subject)
+    with allowed(seconds):
+        return forms_of_solution(workshop(solution, digits))
 
 
-def own_form(motion: Motion) -> RegimeForms | None:
-    """The closed forms of a motion's own regime; None of one at rest or asymptotic.
+def own_form(motion: Motion, *, digits: int = DIGITS, seconds: float | None = SECONDS) -> RegimeForms | None:
+    """The closed forms of a motion's own regime; None of one at rest.
 
     Args:
         motion: started, in any digits.
+        digits: to which the forms are compared with the quadratures.
+        seconds: of processor time that may be spent; None for no limit.
     """
-    solution, shop = motion.solution, workshop(motion.solution)
+    with allowed(seconds):
+        return _own_form(workshop(motion.solution, digits), motion)
+
+
+def _own_form(shop: Workshop, motion: Motion) -> RegimeForms | None:
+    solution = motion.solution
     exact = {p.symbol: motion.initial.values[p.symbol] for p in solution.system.parameters}
     exact |= {c.symbol: motion.initial.constants[name] for name, c in solution.constants.items()}
     special = dict(special_of(shop, exact))
@@ -76,8 +98,8 @@ def own_form(motion: Motion) -> RegimeForms | None:
 
 
 def _rational(value: sp.Expr) -> sp.Expr:
-    """A number by one with 80 digits; a rational number by itself."""
-    return value if value.is_Rational else sp.Rational(str(sp.N(value, _DIGITS)))
+    """A number by one with 260 digits; a rational number by itself."""
+    return value if value.is_Rational else sp.Rational(str(sp.N(value, _MOST_DIGITS + 60)))
 
 
 def _moved_inside(motion: Motion, name: str, place: sp.Expr) -> sp.Expr:

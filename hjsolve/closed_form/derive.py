@@ -2,10 +2,10 @@
 
 from __future__ import annotations
 
-import time
-from collections.abc import Iterator, Mapping
+from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass
 
+import mpmath
 import sympy as sp
 
 from hjsolve.closed_form.assemble import assembled
@@ -15,14 +15,13 @@ from hjsolve.closed_form.pieces import CoordinateIntegrals, piece
 from hjsolve.closed_form.regime import regime
 from hjsolve.closed_form.regions import root_interval_of
 from hjsolve.closed_form.sampling import Sample, samples
-from hjsolve.closed_form.signs import Signs
+from hjsolve.closed_form.signs import Signs, sign_of
 from hjsolve.closed_form.strata import deciders, fixed_constant, strata
-from hjsolve.closed_form.verification import flaw
+from hjsolve.closed_form.time_limit import OutOfTimeError, out_of_time
+from hjsolve.closed_form.verification import DIGITS, flaws
 from hjsolve.solution.quadratures import Solution
 
 MOST_REGIMES = 16
-MOST_SECONDS = 15.0
-"""Of processor time, after which no further regime is begun."""
 _SAMPLES, _SPECIAL_SAMPLES, _SEED = 100, 30, 1
 Stratum = Mapping[sp.Symbol, sp.Expr]
 
@@ -36,12 +35,14 @@ class Workshop:
         curves: separated coordinate → its curves, for general constants.
         numerators: separated coordinate → W or constant → N(q), none zero.
         pieces: pieces found so far, by coordinate and stratum.
+        digits: to which forms are compared with the quadratures.
     """
 
     solution: Solution
     curves: dict[str, list[MomentumCurve]]
     numerators: dict[str, dict[sp.Symbol, sp.Expr]]
     pieces: dict[tuple[str, tuple[object, ...]], list[CoordinateIntegrals]]
+    digits: int
 
     @property
     def constants(self) -> list[sp.Symbol]:
@@ -59,11 +60,12 @@ class Workshop:
         return {name: [c for curve in own if (c := curve.at(special)) is not None] for name, own in self.curves.items()}
 
 
-def workshop(solution: Solution) -> Workshop:
+def workshop(solution: Solution, digits: int = DIGITS) -> Workshop:
     """Find the curves of every separated coordinate.
 
     Args:
         solution: what is solved.
+        digits: to which forms are to be compared with the quadratures.
     """
     own, numerators = dict[str, list[MomentumCurve]](), dict[str, dict[sp.Symbol, sp.Expr]]()
     taken = {s.name for s in solution.characteristic_function.free_symbols}
@@ -74,29 +76,30 @@ def workshop(solution: Solution) -> Workshop:
         own[name] = curves(square, solution.system.coordinate(name), sp.Symbol(letter, real=True))
         slopes = {c.symbol: sp.diff(square, c.symbol) / 2 for c in solution.constants.values()}
         numerators[name] = {W: square} | {c: slope for c, slope in slopes.items() if slope != 0}
-    return Workshop(solution, own, numerators, {})
+    return Workshop(solution, own, numerators, {}, digits)
 
 
-def forms_of_solution(solution: Solution) -> tuple[RegimeForms, ...]:
-    """The forms of every regime that samples meet, those of general constants first.
+def forms_of_solution(shop: Workshop, known: Sequence[RegimeForms] = ()) -> tuple[RegimeForms, ...]:
+    """The forms of every regime that samples meet, those of general constants first, as far as the time goes.
 
     Args:
-        solution: what is solved.
+        shop: of the solution.
+        known: forms that need not be found again.
     """
-    shop, found, begin = workshop(solution), list[RegimeForms](), time.process_time()
+    solution, found = shop.solution, [*known]
     specials: list[Stratum] = [{}, *strata(shop.curves, shop.constants)]
     for special in specials:
         count = _SPECIAL_SAMPLES if special else _SAMPLES
         local = shop.at(special)
         for sample in samples(solution, count, _SEED, special):
-            if len(found) >= MOST_REGIMES or time.process_time() - begin > MOST_SECONDS:
-                return _ordered(found)
+            if len(found) >= MOST_REGIMES or out_of_time():
+                return _ordered(found[len(known) :])
             if any(_alike(form, sample) for form in found):
                 continue
             form = form_of_sample(shop, local, special, sample)
             if form is not None:
                 found.append(form)
-    return _ordered(found)
+    return _ordered(found[len(known) :])
 
 
 def _ordered(found: list[RegimeForms]) -> tuple[RegimeForms, ...]:
@@ -175,17 +178,18 @@ def _piece(
     made = piece(name, numerators, own, sample, prefix)
     if made is None:
         return None
-    made.refuse({k: reason for k in made.integrals if (reason := flaw(made, k)) is not None})
+    try:
+        made.refuse(flaws(made, list(made.integrals), shop.digits))
+    except OutOfTimeError as error:
+        made.refuse(dict.fromkeys(made.integrals, f"not verified: {error}"))
     shop.pieces[key].append(made)
     return made
 
 
 def _same_piece(known: CoordinateIntegrals, sample: Sample) -> bool:
-    at = Signs(sample.values, sp.S.Zero)
-    for expression, sign in known.conditions.items():
-        value = at.number(expression)
-        if abs(value) < 1e-40 or (value > 0) != (sign > 0):
-            return False
+    at = Signs(sample.values, mpmath.mpf(0))
+    if any(sign_of(at.number(expression)) != sign for expression, sign in known.conditions.items()):
+        return False
     for curve, region in known.regions:
         there = root_interval_of(curve, sample)
         if there is None or there.key != region.key:

@@ -14,8 +14,9 @@ from dataclasses import dataclass
 
 import sympy as sp
 
-from hjsolve.closed_form.fractions import Fractions, NoFormError
+from hjsolve.closed_form.no_form import NoFormError
 from hjsolve.closed_form.signs import Signs
+from hjsolve.functions.elliptic import PartialFractions
 
 
 @dataclass(frozen=True)
@@ -174,7 +175,7 @@ def positive_root(radicand: sp.Expr) -> sp.Expr:
 
 
 def elementary_antiderivative(
-    R: Fractions, P: sp.Poly, signs: Signs, side_of: Callable[[sp.Expr], int]
+    R: PartialFractions, P: sp.Poly, signs: Signs, side_of: Callable[[sp.Expr], int]
 ) -> Antiderivative:
     """Integrate R/√P, deg P ≤ 2, real on the piece of the x-axis that a motion is on.
 
@@ -192,7 +193,7 @@ def elementary_antiderivative(
     a, c = _powers(list(R.powers), (A, B, C), x, signs)
     algebraic += a
     terms.setdefault(None, []).append(c)
-    for place, weights in R.by_place().items():
+    for place, weights in _by_place(R).items():
         Q = (sp.factor(P.as_expr().subs(x, place)), sp.factor(sp.diff(P.as_expr(), x).subs(x, place)), A)
         Q = (_short(Q[0]), _short(Q[1]), A)
         side, u = side_of(place), sp.Dummy("u")
@@ -210,6 +211,14 @@ def elementary_antiderivative(
         side = -1 if place is None else side_of(place)
         kept.append((weight, BasicIntegral(_kind(quadratic, signs, place), quadratic, place, side)))
     return Antiderivative(x, P.as_expr(), algebraic, tuple(kept))
+
+
+def _by_place(R: PartialFractions) -> dict[sp.Expr, list[tuple[int, sp.Expr]]]:
+    """Place → (power, weight) of the poles there."""
+    found = dict[sp.Expr, list[tuple[int, sp.Expr]]]()
+    for place, power, weight in R.poles:
+        found.setdefault(place, []).append((power, weight))
+    return found
 
 
 def _short(expression: sp.Expr) -> sp.Expr:

@@ -5,14 +5,18 @@ from __future__ import annotations
 from collections.abc import Mapping
 from typing import TYPE_CHECKING
 
+import mpmath
 import sympy as sp
 
+from hjsolve.closed_form.curves import named_constants
+from hjsolve.closed_form.evaluation import many_digits, number
 from hjsolve.closed_form.regime import Regime
 
 if TYPE_CHECKING:
     from hjsolve.closed_form.derive import Workshop
 
 MOST_OPERATIONS = 120
+_DIGITS, _AGREE = 60, 40
 
 
 def energy_from_actions(
@@ -69,7 +73,6 @@ def _solved(
     """The root of J = action(unknown) that is right at the regime's example, to 30 digits."""
     if action == unknown:
         return J
-    value = made.example[unknown]
     radicals = [p for p in action.atoms(sp.Pow) if p.has(unknown) and p.exp.is_Rational and not p.exp.is_Integer]
     bases = {p.base for p in radicals}
     if action.atoms(sp.Function) - action.atoms(sp.Abs, sp.sign) or any(
@@ -80,7 +83,7 @@ def _solved(
     if not bases:
         if not action.is_rational_function(unknown):
             return None
-        found = sp.roots(sp.numer(sp.together(action - J)), unknown, multiple=True)
+        found = _roots(sp.numer(sp.together(action - J)), unknown)
     elif len(bases) == 1:
         (base,) = bases
         if sp.Poly(base, unknown).degree() != 1:
@@ -91,21 +94,29 @@ def _solved(
         plain = action.xreplace({p: z ** (step * p.exp) for p in radicals}).subs(unknown, back)
         if not plain.is_rational_function(z):
             return None
-        numerator = sp.numer(sp.together(plain - J))
-        if sp.degree(numerator, z) > 2:
-            return None
-        found = [back.subs(z, root) for root in sp.roots(numerator, z, multiple=True)]
-    numbers = dict(made.example)
-    numbers[J] = sp.N(action.xreplace(_actions_at(made, actions, named)).xreplace(numbers), 50)
-    numbers |= _actions_at(made, actions, named)
-    for root in found:
-        got = sp.N(root.xreplace(numbers), 40)
-        if got.is_real and abs(got - value) <= abs(value) * sp.Float(10) ** -30:
-            return sp.factor(root)
+        found = [back.subs(z, root) for root in _roots(sp.numer(sp.together(plain - J)), z)]
+    numbers = many_digits(made.example, _DIGITS)
+    with mpmath.workdps(_DIGITS):
+        numbers |= {named[name]: number(other, numbers) for name, other in actions.items()}
+        for root in found:
+            got = number(root, numbers)
+            if mpmath.isfinite(got) and abs(got - numbers[unknown]) <= abs(got) * mpmath.mpf(10) ** -_AGREE:
+                return sp.factor(root)
     return None
 
 
-def _actions_at(
-    made: Regime, actions: Mapping[str, sp.Expr], named: Mapping[str, sp.Symbol]
-) -> dict[sp.Symbol, sp.Expr]:  # fmt: skip
-    return {named[name]: sp.N(action.xreplace(dict(made.example)), 60) for name, action in actions.items()}
+def _roots(polynomial: sp.Expr, unknown: sp.Symbol) -> list[sp.Expr]:
+    """The roots of factors of the first and second degree."""
+    found = list[sp.Expr]()
+    bare, back = named_constants(sp.expand(polynomial), unknown)
+    if not bare.is_polynomial(unknown):
+        return []
+    for factor, _ in sp.factor_list(sp.numer(sp.together(bare)), unknown)[1]:
+        coefficients = sp.Poly(factor, unknown).all_coeffs()
+        if len(coefficients) == 2:
+            found.append(-coefficients[1] / coefficients[0])
+        elif len(coefficients) == 3:
+            a, b, c = coefficients
+            root = sp.sqrt(sp.factor(b**2 - 4 * a * c))
+            found += [(-b + root) / (2 * a), (-b - root) / (2 * a)]
+    return [root.xreplace(back) for root in found]

@@ -16,7 +16,8 @@ from dataclasses import dataclass
 import sympy as sp
 
 from hjsolve.closed_form.branch_points import NamedRoots
-from hjsolve.closed_form.fractions import NoFormError, fractions
+from hjsolve.closed_form.fractions import fractions
+from hjsolve.closed_form.no_form import NoFormError
 from hjsolve.closed_form.real_branch_points import FAR, LegendreIntegrals, LegendreMap, over_s
 from hjsolve.functions import JacobiCN, JacobiDN, JacobiSN
 

@@ -8,6 +8,7 @@ from typing import Any
 
 import sympy as sp
 
+from hjsolve.arithmetic.estimate import Estimate
 from hjsolve.closed_form.regime import Regime
 from hjsolve.display.shown import Shown
 from hjsolve.solution.quadratures import Solution
@@ -51,7 +52,7 @@ class RegimeForms(Shown):
     inverse: Mapping[str, sp.Expr]
     orbit: Mapping[str, sp.Expr]
     energy: sp.Expr | None
-    where: Mapping[sp.Symbol, object]
+    where: Mapping[sp.Symbol, sp.Expr | tuple[sp.Poly, int]]
     why_not: Mapping[str, str]
 
     def named(self) -> dict[str, sp.Expr]:
@@ -76,7 +77,7 @@ class RegimeForms(Shown):
             found["energy"] = self.energy
         return found
 
-    def evaluate(self, name: str, values: Mapping[str, Any], digits: int = 15) -> Any:
+    def evaluate(self, name: str, values: Mapping[str, object], digits: int = 15) -> Estimate:
         """One form at numbers.
 
         Args:

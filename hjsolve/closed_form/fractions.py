@@ -2,40 +2,14 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
-
 import sympy as sp
 
 from hjsolve.closed_form.curves import named_constants
+from hjsolve.closed_form.no_form import NoFormError
+from hjsolve.functions.elliptic import PartialFractions
 
 
-class NoFormError(Exception):
-    """These functions do not hold the integral; the message says why. Never leaves the room."""
-
-
-@dataclass(frozen=True)
-class Fractions:
-    """R(x) = Σ c x^k + Σ c/(x − r)^k.
-
-    Attributes:
-        powers: (k, c), k ≥ 0.
-        poles: (r, k, c), k ≥ 1; r real.
-        complex_poles: (α, β, A, B) of (A x + B)/((x − α)² + β²).
-    """
-
-    powers: tuple[tuple[int, sp.Expr], ...]
-    poles: tuple[tuple[sp.Expr, int, sp.Expr], ...] = ()
-    complex_poles: tuple[tuple[sp.Expr, sp.Expr, sp.Expr, sp.Expr], ...] = ()
-
-    def by_place(self) -> dict[sp.Expr, list[tuple[int, sp.Expr]]]:
-        """R → (k, c) of the poles there."""
-        found = dict[sp.Expr, list[tuple[int, sp.Expr]]]()
-        for place, power, weight in self.poles:
-            found.setdefault(place, []).append((power, weight))
-        return found
-
-
-def fractions(R: sp.Expr, x: sp.Symbol) -> Fractions:
+def fractions(R: sp.Expr, x: sp.Symbol) -> PartialFractions:
     """Partial fractions.
 
     Args:
@@ -50,7 +24,7 @@ def fractions(R: sp.Expr, x: sp.Symbol) -> Fractions:
     whole, rest = sp.div(sp.Poly(top, x), sp.Poly(bottom, x)) if bottom.has(x) else (sp.Poly(top / bottom, x), None)
     powers = tuple((int(k), sp.factor(c).xreplace(back)) for (k,), c in whole.terms() if c != 0)
     if rest is None or rest.is_zero:
-        return Fractions(powers)
+        return PartialFractions(powers)
     poles, complex_poles = [], []
     constant, factors = sp.factor_list(bottom, x)
     for factor, power in factors:
@@ -71,7 +45,7 @@ def fractions(R: sp.Expr, x: sp.Symbol) -> Fractions:
                 weight = sp.factor(sp.cancel(sp.together(weight)))
                 if weight != 0:
                     poles.append((place.xreplace(back), power - order, weight.xreplace(back)))
-    return Fractions(powers, tuple(poles), tuple(complex_poles))
+    return PartialFractions(powers, tuple(poles), tuple(complex_poles))
 
 
 def _without_real_zeros(factor: sp.Expr, x: sp.Symbol) -> tuple[sp.Expr, sp.Expr, sp.Expr] | None:

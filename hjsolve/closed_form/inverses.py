@@ -11,10 +11,11 @@ import sympy as sp
 from hjsolve.closed_form.carlson import CarlsonMap, carlson_inverse
 from hjsolve.closed_form.elementary import Antiderivative
 from hjsolve.closed_form.even_curves import EvenMap, even_inverse
-from hjsolve.closed_form.fractions import NoFormError
+from hjsolve.closed_form.no_form import NoFormError
 from hjsolve.closed_form.pieces import CoordinateIntegrals, PieceIntegral, monotone_inverse
 from hjsolve.closed_form.real_branch_points import elliptic_inverse
 from hjsolve.closed_form.tidy import shortened_powers
+from hjsolve.closed_form.time_limit import check_time
 from hjsolve.closed_form.verification import monotone_span, sample_numbers, value_at
 from hjsolve.functions import JacobiAM, JacobiSN
 
@@ -123,7 +124,12 @@ def _multiple(own: CoordinateIntegrals, key: sp.Symbol, reference: PieceIntegral
     return ratio
 
 
-def inverted(own: CoordinateIntegrals, integral: PieceIntegral, value: sp.Expr, start: sp.Symbol) -> sp.Expr:
+Numbers = Mapping[sp.Symbol, mpmath.mpf]
+
+
+def inverted(
+    own: CoordinateIntegrals, integral: PieceIntegral, value: sp.Expr, start: sp.Symbol, others: Numbers | None = None
+) -> sp.Expr:  # fmt: skip
     """The q at which an integral from a lower limit has a value.
 
     Args:
@@ -131,27 +137,32 @@ def inverted(own: CoordinateIntegrals, integral: PieceIntegral, value: sp.Expr, 
         integral: ∫ N dq/P.
         value: what it is to be.
         start: the lower limit, a symbol.
+        others: numbers for other symbols of the value, to try the inverse with.
 
     Raises:
         NoFormError: it holds more than one function of q.
     """
     if integral.law is None:
-        return _elliptic(own, integral, value, start)
+        return _elliptic(own, integral, value, start, others)
     law, q = integral.law, integral.curve.coordinate.symbol
     s = integral.curve.substitution
     if not law.terms and law.algebraic != 0:
-        return _algebraic(own, integral, value, start)
+        return _algebraic(own, integral, value, start, others)
     if law.algebraic != 0 or len(law.terms) != 1:
         raise NoFormError(_why_not_inverted(own, law))
     weight, basic = law.terms[0]
     begin = basic.written(s.place.subs(q, start))
     x = basic.solved(sp.expand(value / weight) + begin)
-    return verified_inverse(own, integral, shortened_powers(s.inverse.subs(s.x, x)), value, start)
+    return verified_inverse(own, integral, shortened_powers(s.inverse.subs(s.x, x)), value, start, others)
 
 
-def _elliptic(own: CoordinateIntegrals, integral: PieceIntegral, value: sp.Expr, start: sp.Symbol) -> sp.Expr:
+def _elliptic(
+    own: CoordinateIntegrals, integral: PieceIntegral, value: sp.Expr, start: sp.Symbol, others: Numbers | None
+) -> sp.Expr:  # fmt: skip
     """sn² of an integral of the first kind."""
     s, q = integral.curve.substitution, integral.curve.coordinate.symbol
+    if integral.curve.degree > 4:
+        raise NoFormError(f"t({own.name}) is an integral on a curve of genus 2: its inverse is not given")
     if integral.first is None or integral.way is None:
         raise NoFormError(f"t({own.name}) holds elliptic integrals of the second or third kind: they have no inverse")
     amount, begin = sp.expand(value / integral.first), s.place.subs(q, start)
@@ -166,10 +177,12 @@ def _elliptic(own: CoordinateIntegrals, integral: PieceIntegral, value: sp.Expr,
     place = shortened_powers(s.inverse.subs(s.x, x)).replace(
         lambda e: isinstance(e, sp.asin) and isinstance(e.args[0], JacobiSN), lambda e: JacobiAM(*e.args[0].args)
     )
-    return verified_inverse(own, integral, monotone_inverse(place), value, start)
+    return verified_inverse(own, integral, monotone_inverse(place), value, start, others)
 
 
-def _algebraic(own: CoordinateIntegrals, integral: PieceIntegral, value: sp.Expr, start: sp.Symbol) -> sp.Expr:
+def _algebraic(
+    own: CoordinateIntegrals, integral: PieceIntegral, value: sp.Expr, start: sp.Symbol, others: Numbers | None
+) -> sp.Expr:  # fmt: skip
     """C √(Bx + C) = w: the uniformly accelerated motion."""
     law, s, q = integral.law, integral.curve.substitution, integral.curve.coordinate.symbol
     assert law is not None
@@ -179,7 +192,7 @@ def _algebraic(own: CoordinateIntegrals, integral: PieceIntegral, value: sp.Expr
     B, C = P.all_coeffs()
     w = value / law.algebraic + sp.sqrt(law.polynomial).subs(law.x, s.place.subs(q, start))
     x = sp.expand((w**2 - C) / B)
-    return verified_inverse(own, integral, shortened_powers(s.inverse.subs(s.x, x)), value, start)
+    return verified_inverse(own, integral, shortened_powers(s.inverse.subs(s.x, x)), value, start, others)
 
 
 def _why_not_inverted(own: CoordinateIntegrals, law: Antiderivative) -> str:
@@ -194,7 +207,8 @@ def _why_not_inverted(own: CoordinateIntegrals, law: Antiderivative) -> str:
 
 
 def verified_inverse(
-    own: CoordinateIntegrals, integral: PieceIntegral, place: sp.Expr, value: sp.Expr, start: sp.Symbol
+    own: CoordinateIntegrals, integral: PieceIntegral, place: sp.Expr, value: sp.Expr, start: sp.Symbol,
+    others: Numbers | None,
 ) -> sp.Expr:  # fmt: skip
     """An inverse, once it gives back a place from the integral there, to 40 digits.
 
@@ -204,18 +218,19 @@ def verified_inverse(
         place: the inverse, q as a function of the value.
         value: what the integral from the lower limit is to be, an expression of t and β.
         start: the lower limit.
+        others: numbers for other symbols of the value.
 
     Raises:
         NoFormError: it does not.
     """
+    check_time()
     q = integral.curve.coordinate.symbol
     begin, stop = own.sample.places[own.name], _nearby(own, integral)
     with mpmath.workdps(_DIGITS + 20):
-        numbers = sample_numbers(own)
+        numbers = {**sample_numbers(own), **(others or {})}
         free = sorted(value.free_symbols - set(numbers), key=str)
         numbers |= {s: mpmath.mpf(k + 2) / 7 for k, s in enumerate(free)}
-        numbers[start] = mpmath.mpf(int(begin.p)) / int(begin.q)
-        target = mpmath.mpf(int(stop.p)) / int(stop.q)
+        numbers[start], target = _fraction(begin), _fraction(stop)
         difference = value_at(integral.value, numbers | {q: target}) - value_at(
             integral.value, numbers | {q: numbers[start]}
         )
@@ -234,7 +249,10 @@ def _nearby(own: CoordinateIntegrals, integral: PieceIntegral) -> sp.Expr:
 
 
 def orbit_formulas(shop: Workshop, pieces: Mapping[str, CoordinateIntegrals], special: Stratum) -> dict[str, sp.Expr]:
-    """Q as a function of an ignorable coordinate, from its orbit equation −β = θ + ∫ ∂p/∂c dq.
+    """A coordinate as a function of another one, from an orbit equation −β = ….
+
+    That of an ignorable momentum, θ + ∫ ∂p/∂c dq, gives q(θ); that of a separation constant over two coordinates,
+    ∫ ∂p₁/∂α dq₁ + ∫ ∂p₂/∂α dq₂, gives q₁(q₂), as for two centres.
 
     Args:
         shop: of the solution.
@@ -242,20 +260,42 @@ def orbit_formulas(shop: Workshop, pieces: Mapping[str, CoordinateIntegrals], sp
         special: constant → what it is.
     """
     solution, found = shop.solution, dict[str, sp.Expr]()
-    for c in solution.separation.shell.ignorable:
-        if c.momentum in special:
+    ignorable = {c.momentum for c in solution.separation.shell.ignorable}
+    keys = [(name, solution.constants[name].symbol) for name in solution.orbit_equations]
+    for name, key in sorted(keys, key=lambda pair: pair[1] not in ignorable):
+        held = [n for n in solution.coordinates if n in pieces and key in pieces[n].numerators]
+        wanted = 1 if key in ignorable else 2
+        if key in special or len(held) != wanted or any(key not in pieces[n].integrals for n in held):
             continue
-        key, equation = c.momentum, solution.orbit_equations[c.momentum.name]
-        held = [name for name in solution.coordinates if name in pieces and key in pieces[name].numerators]
-        if len(held) != 1 or held[0] in found or key not in pieces[held[0]].integrals:
-            continue
-        own, name = pieces[held[0]], held[0]
-        rest = equation.rhs.replace(lambda e: isinstance(e, sp.Integral), lambda _: sp.S.Zero)
-        if rest.has(own.integrals[key].curve.coordinate.symbol):
-            continue
-        try:
-            value = sp.expand(equation.lhs - rest)
-            found[name] = inverted(own, own.integrals[key], value, solution.lower_limits[name])
-        except NoFormError:
-            continue
+        for target in held:
+            try:
+                check_time()
+                found.setdefault(target, _along(shop, pieces, name, key, target, held))
+            except NoFormError:
+                continue
     return found
+
+
+def _along(
+    shop: Workshop, pieces: Mapping[str, CoordinateIntegrals], name: str, key: sp.Symbol, target: str, held: list[str]
+) -> sp.Expr:  # fmt: skip
+    """One coordinate from an orbit equation."""
+    solution, own = shop.solution, pieces[target]
+    equation = solution.orbit_equations[name]
+    rest = equation.rhs.replace(lambda e: isinstance(e, sp.Integral), lambda _: sp.S.Zero)
+    if rest.has(own.integrals[key].curve.coordinate.symbol):
+        raise NoFormError("the shift of the momenta enters the orbit equation")
+    value, numbers = sp.expand(equation.lhs - rest), dict[sp.Symbol, mpmath.mpf]()
+    for other in held:
+        if other != target:
+            more, along = pieces[other], pieces[other].integrals[key]
+            q, start = along.curve.coordinate.symbol, solution.lower_limits[other]
+            value -= along.value - along.value.subs(q, start)
+            with mpmath.workdps(_DIGITS + 20):
+                numbers |= sample_numbers(more)
+                numbers |= {q: _fraction(_nearby(more, along)), start: _fraction(more.sample.places[other])}
+    return inverted(own, own.integrals[key], value, solution.lower_limits[target], numbers)
+
+
+def _fraction(value: sp.Expr) -> mpmath.mpf:
+    return mpmath.mpf(int(value.p)) / int(value.q)

@@ -10,9 +10,10 @@ import sympy as sp
 
 from hjsolve.arithmetic.estimate import Estimate
 from hjsolve.arithmetic.floats import EPS
-from hjsolve.closed_form.regions import region_exists
+from hjsolve.closed_form.evaluation import many_digits, number
+from hjsolve.closed_form.regions import ordered_real_roots, region_exists
 from hjsolve.errors import InvalidInputError, MissingValueError
-from hjsolve.formulas.read import number
+from hjsolve.formulas.read import number as read_number
 from hjsolve.functions import modules
 
 if TYPE_CHECKING:
@@ -22,7 +23,7 @@ _GUARD, _FLOAT_DIGITS = 20, 15
 _SPECIAL = 1e-12
 
 
-def form_at_numbers(form: RegimeForms, name: str, values: Mapping[str, Any], digits: int) -> Estimate:
+def form_at_numbers(form: RegimeForms, name: str, values: Mapping[str, object], digits: int) -> Estimate:
     """One form at numbers; see ``RegimeForms.evaluate``.
 
     Args:
@@ -38,15 +39,18 @@ def form_at_numbers(form: RegimeForms, name: str, values: Mapping[str, Any], dig
     expression = _wanted(form, name)
     exact = _exact(form, expression, values)
     refuse_outside(form, exact)
-    with mpmath.workdps(2 * (digits + _GUARD)):
-        table = exact | root_values(form, exact, 2 * (digits + _GUARD))
-        near, far = (sp.N(expression.xreplace(table), n) for n in (digits + _GUARD, 2 * (digits + _GUARD)))
-        if far.has(sp.zoo, sp.oo, -sp.oo, sp.nan):
+    working = 2 * (digits + _GUARD)
+    table = many_digits(exact, working) | root_values(form, exact, working)
+    with mpmath.workdps(digits + _GUARD):
+        near = number(expression, table)
+    with mpmath.workdps(working):
+        far = number(expression, table)
+        if not mpmath.isfinite(far) or not mpmath.isfinite(near):
             raise InvalidInputError(f"{name} is infinite there")
-        if not far.is_number or (not sp.im(far).is_zero and abs(sp.im(far)) > abs(far) * sp.Float(10) ** -digits):
+        if abs(mpmath.im(far)) > abs(far) * mpmath.mpf(10) ** -digits:
             raise InvalidInputError(f"{name} has no real value there: the place is not one the motion reaches")
-        value, again = mpmath.mpf(sp.re(near)), mpmath.mpf(sp.re(far))
-        lost = 2 * abs(value - again)
+        again = mpmath.re(far)
+        lost = 2 * abs(mpmath.re(near) - again)
     if digits <= _FLOAT_DIGITS:
         return Estimate(float(again), float(lost) + abs(float(again)) * EPS)
     context = mpmath.mp.clone()
@@ -80,7 +84,7 @@ def _wanted(form: RegimeForms, name: str) -> sp.Expr:
     return named[name]
 
 
-def _exact(form: RegimeForms, expression: sp.Expr, values: Mapping[str, Any]) -> dict[sp.Symbol, sp.Expr]:
+def _exact(form: RegimeForms, expression: sp.Expr, values: Mapping[str, object]) -> dict[sp.Symbol, sp.Expr]:
     """Symbol → exact value, of everything the regime and the expression need."""
     exact = {p.symbol: p.value for p in form.solution.system.parameters if p.value is not None}
     needed = {s.name: s for s in (*form.regime.example, *expression.free_symbols) if s not in form.where}
@@ -89,7 +93,7 @@ def _exact(form: RegimeForms, expression: sp.Expr, values: Mapping[str, Any]) ->
             raise InvalidInputError(
                 f"{name!r} occurs neither in the form nor in its regime; they hold {', '.join(needed)}"
             )
-        exact[needed[name]] = number(value, source=name)
+        exact[needed[name]] = read_number(value, source=name)
     for constant, meaning in form.regime.special.items():
         if constant not in exact:
             exact[constant] = meaning.xreplace(exact)
@@ -99,7 +103,9 @@ def _exact(form: RegimeForms, expression: sp.Expr, values: Mapping[str, Any]) ->
     return exact
 
 
-def root_values(form: RegimeForms, exact: Mapping[sp.Symbol, sp.Expr], digits: int) -> dict[sp.Symbol, sp.Expr]:
+def root_values(
+    form: RegimeForms, exact: Mapping[sp.Symbol, sp.Expr], digits: int
+) -> dict[sp.Symbol, mpmath.mpf]:  # fmt: skip
     """Values of the symbols that ``where`` defines.
 
     Args:
@@ -107,18 +113,15 @@ def root_values(form: RegimeForms, exact: Mapping[sp.Symbol, sp.Expr], digits: i
         exact: symbol → exact value.
         digits: to which roots are found.
     """
-    found = dict[sp.Symbol, sp.Expr]()
+    known = many_digits(exact, digits)
     with mpmath.workdps(digits):
         for symbol, meaning in form.where.items():
             if isinstance(meaning, tuple):
                 polynomial, index = meaning
-                coefficients = [mpmath.mpf(sp.N(c.xreplace(dict(exact)), digits)) for c in polynomial.all_coeffs()]
-                roots = mpmath.polyroots(coefficients, maxsteps=300, extraprec=2 * digits + 200)
-                size = max(abs(r) for r in roots) * mpmath.mpf(10) ** (-digits // 2)
-                found[symbol] = sp.Float(sorted(r.real for r in roots if abs(r.imag) <= size)[index], digits)
+                known[symbol] = ordered_real_roots(polynomial, known, digits)[index]
             else:
-                found[symbol] = sp.N(sp.sympify(meaning).xreplace({**exact, **found}), digits)
-    return found
+                known[symbol] = mpmath.re(number(meaning, known))
+    return {symbol: known[symbol] for symbol in form.where}
 
 
 def functions(form: RegimeForms, module: str) -> dict[str, Callable[..., Any]]:
@@ -147,7 +150,7 @@ def _function(form: RegimeForms, expression: sp.Expr, module: str) -> Callable[.
 
 
 def _exactly(value: Any) -> Any:
-    return mpmath.mpmathify(number(value, source="value") if isinstance(value, str) else value)
+    return mpmath.mpmathify(read_number(value, source="value") if isinstance(value, str) else value)
 
 
 class _CompiledForm:
@@ -186,7 +189,7 @@ class _CompiledForm:
             return self.plain(*numbers)
         exact = {s: sp.sympify(v) for s, v in zip(self.symbols, numbers, strict=True)}
         table = root_values(self.form, exact, mpmath.mp.dps + 5)
-        return self.plain(*numbers, *(mpmath.mpmathify(table[s]) for s in self.roots))
+        return self.plain(*numbers, *(table[s] for s in self.roots))
 
     def _inside(self, numbers: list[Any]) -> bool:
         if any(abs(test(*numbers)) > _SPECIAL for test in self.equal):
@@ -194,8 +197,8 @@ class _CompiledForm:
         if any(not test(*numbers) > 0 for test in self.tests):
             return False
         pairs = zip(self.symbols, numbers, strict=True)
-        exact = {s: sp.sympify(mpmath.mpmathify(v)) for s, v in pairs} if self.curves else {}
-        return all(region_exists(c, r, exact) for c, r in self.curves)
+        given = {s: mpmath.mpmathify(v) for s, v in pairs} if self.curves else {}
+        return all(region_exists(c, r, given) for c, r in self.curves)
 
     def arrays(self, given: Mapping[str, Any]) -> Any:
         """At arrays of doubles; nan outside the regime."""

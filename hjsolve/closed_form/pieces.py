@@ -12,12 +12,16 @@ from hjsolve.closed_form.carlson import CarlsonMap, carlson_integral, carlson_ma
 from hjsolve.closed_form.curves import MomentumCurve, W, why_no_curve
 from hjsolve.closed_form.elementary import Antiderivative, elementary_antiderivative, positive_root
 from hjsolve.closed_form.even_curves import EvenMap, even_integral, even_map
-from hjsolve.closed_form.fractions import NoFormError, fractions
+from hjsolve.closed_form.fractions import fractions
+from hjsolve.closed_form.no_form import NoFormError
 from hjsolve.closed_form.real_branch_points import LegendreMap, elliptic_integral, legendre_map
 from hjsolve.closed_form.regions import RootInterval, root_interval_of
 from hjsolve.closed_form.sampling import Sample
 from hjsolve.closed_form.signs import Signs
+from hjsolve.closed_form.square_curves import reduces, square_curve
 from hjsolve.closed_form.strata import deciders
+from hjsolve.closed_form.time_limit import check_time
+from hjsolve.functions.elliptic import PartialFractions
 
 LONGEST_FORM = 6000
 """Operations above which a form is no use."""
@@ -138,6 +142,7 @@ def piece(
         made.region = made.region or region
         signs = Signs(sample.values, region.place)
         try:
+            check_time()
             task = _Task(curve, region, signs, prefix)
         except NoFormError as error:
             made.why_not |= {key: str(error) for key in missing if key not in made.why_not}
@@ -145,6 +150,7 @@ def piece(
         done = dict[sp.Symbol, PieceIntegral]()
         for key in missing:
             try:
+                check_time()
                 done[key] = task.integral(key, numerators[key])
             except NoFormError as error:
                 made.why_not.setdefault(key, str(error))
@@ -158,12 +164,16 @@ class _Task:
 
     def __init__(self, curve: MomentumCurve, region: RootInterval, signs: Signs, prefix: str):
         self.curve, self.region, self.signs = curve, region, signs
-        if curve.degree > 4:
+        self.squared = square_curve(curve, region, signs, prefix) if reduces(curve) else None
+        if curve.degree > 4 and self.squared is None:
             raise NoFormError(why_no_curve([curve]))
-        self.roots = named_roots(curve, region, signs, prefix) if curve.degree > 2 else None
-        self.ways: list[EvenMap | LegendreMap | CarlsonMap] = (
-            [] if self.roots is None else _maps(curve, self.roots, signs, prefix)
-        )
+        self.ways: list[EvenMap | LegendreMap | CarlsonMap] = []
+        if self.squared is not None:
+            self.roots: NamedRoots | None = self.squared.roots
+            self.ways = _maps(self.squared.inner, self.squared.roots, signs, prefix)
+        else:
+            self.roots = named_roots(curve, region, signs, prefix) if curve.degree > 2 else None
+            self.ways = [] if self.roots is None else _maps(curve, self.roots, signs, prefix)
 
     def integral(self, key: sp.Symbol, numerator: sp.Expr) -> PieceIntegral:
         """∫ N dq/√P² = ε ∫ N dx/(S √P)."""
@@ -171,7 +181,11 @@ class _Task:
         R = sp.cancel(sp.together(region.orientation(self.signs) * curve.numerator(key) / curve.square))
         cyclic, way = region.kind in ("libration", "rotation"), None
         law: Antiderivative | None = None
-        if self.roots is not None:
+        if self.squared is not None:
+            found, whole, _ = self._elliptic(self.squared.integrand(R, curve.x), cyclic=cyclic)
+            value = self.squared.in_x(found, curve.x).subs(curve.x, s.place)
+            whole = 2 * whole if self.squared.passes and whole is not None else whole
+        elif self.roots is not None:
             value, whole, way = self._elliptic(R, cyclic=cyclic)
             value = value.subs(curve.x, s.place)
         else:
@@ -183,7 +197,7 @@ class _Task:
         value = monotone_inverse(value)
         if sp.count_ops(value) > LONGEST_FORM:
             raise NoFormError(f"the form has more than {LONGEST_FORM} operations")
-        first = None if R.has(curve.x) else R
+        first = None if R.has(curve.x) or self.squared is not None else R
         return PieceIntegral(numerator, value, cycle, R, law, curve, first, way)
 
     def _elliptic(
@@ -191,20 +205,29 @@ class _Task:
     ) -> tuple[sp.Expr, sp.Expr | None, EvenMap | LegendreMap | CarlsonMap]:
         """The integral by the first map that reaches it; over the whole interval too, where the motion has cycles."""
         reason = "P has complex roots in this regime"
+        x = self.curve.x if self.squared is None else self.squared.X
         for way in self.ways:
             try:
                 if isinstance(way, EvenMap):
-                    value = even_integral(R, way, self.curve.x, complete=False)
-                    return value, even_integral(R, way, self.curve.x, complete=True) if cyclic else None, way
-                parts = fractions(R, self.curve.x)
+                    value = even_integral(R, way, x, complete=False)
+                    return value, even_integral(R, way, x, complete=True) if cyclic else None, way
+                parts = fractions(R, x)
+                if isinstance(way, LegendreMap) and self._passes_a_pole(parts, way):
+                    raise NoFormError("the integral passes a pole on the way from the root")
                 if isinstance(way, CarlsonMap):
-                    value = carlson_integral(parts, way, self.curve.x)
+                    value = carlson_integral(parts, way, x)
                     return value, carlson_integral(parts, way, None) if cyclic else None, way
-                value = elliptic_integral(parts, way, self.curve.x)
+                value = elliptic_integral(parts, way, x)
                 return value, elliptic_integral(parts, way, None) if cyclic else None, way
             except NoFormError as error:
                 reason = str(error)
         raise NoFormError(reason)
+
+    def _passes_a_pole(self, parts: PartialFractions, way: LegendreMap) -> bool:
+        """Whether a pole lies between the motion and the root from which the integrals are taken."""
+        start, here = self.signs.number(way.a), self.region.place if self.squared is None else self.squared.place
+        low, high = min(start, here), max(start, here)
+        return any(low < self.signs.number(r) < high for r, _, _ in parts.poles)
 
     def side(self, r: sp.Expr) -> int:
         """The sign of x − r on the interval."""
@@ -212,12 +235,14 @@ class _Task:
 
     def real_roots(self) -> tuple[sp.Expr, ...] | None:
         """The real roots of P, ascending."""
+        if self.squared is not None:
+            return self.squared.turning_points(self.signs)
         return _roots(self.curve, self.signs) if self.roots is None else self.roots.real
 
     def conditions(self, constants: Iterable[sp.Symbol]) -> dict[sp.Expr, int]:
         """What the regime rests on."""
         if self.roots is not None:
-            for decider in deciders(self.curve, constants):
+            for decider in deciders(self.curve if self.squared is None else self.squared.inner, constants):
                 if sp.count_ops(decider) <= LONGEST_CONDITION:
                     self.signs.sign(decider)
         return self.signs.decided | self.region.conditions(self.signs)

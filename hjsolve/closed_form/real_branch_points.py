@@ -18,9 +18,10 @@ from dataclasses import dataclass
 import sympy as sp
 
 from hjsolve.closed_form.branch_points import NamedRoots
-from hjsolve.closed_form.fractions import Fractions, NoFormError
+from hjsolve.closed_form.no_form import NoFormError
 from hjsolve.closed_form.signs import Signs
 from hjsolve.functions import JacobiSN
+from hjsolve.functions.elliptic import PartialFractions
 
 FAR = sp.zoo
 """The branch point at infinity of a cubic."""
@@ -186,7 +187,7 @@ class LegendreIntegrals:
         return (self.E - self.edge_at_c) / (1 - self.m)
 
 
-def elliptic_integral(R: Fractions, way: LegendreMap, x: sp.Expr | None) -> sp.Expr:
+def elliptic_integral(R: PartialFractions, way: LegendreMap, x: sp.Expr | None) -> sp.Expr:
     """∫ R dx/√P, increasing x: from a to x, or to a from x where the motion is below a; complete where x is None.
 
     Args:
@@ -206,7 +207,7 @@ def elliptic_integral(R: Fractions, way: LegendreMap, x: sp.Expr | None) -> sp.E
     return value if x is None else way.direction * value
 
 
-def over_s(R: Fractions, way: LegendreMap, own: LegendreIntegrals, *, pole_at_c: sp.Expr) -> sp.Expr:
+def over_s(R: PartialFractions, way: LegendreMap, own: LegendreIntegrals, *, pole_at_c: sp.Expr) -> sp.Expr:
     """∫ R dφ/Δ.
 
     Args:

@@ -5,11 +5,12 @@ from __future__ import annotations
 from collections.abc import Mapping
 from dataclasses import dataclass, field
 
+import mpmath
 import sympy as sp
 
 from hjsolve.closed_form.curves import MomentumCurve
 from hjsolve.closed_form.regions import RootInterval, region_exists
-from hjsolve.closed_form.signs import Signs
+from hjsolve.closed_form.signs import Signs, sign_of
 from hjsolve.display.shown import Shown
 
 _OPPOSITE = {sp.StrictGreaterThan: sp.StrictLessThan, sp.StrictLessThan: sp.StrictGreaterThan}
@@ -49,16 +50,14 @@ class Regime(Shown):
         Args:
             values: symbol → exact number, of every parameter and constant.
         """
-        at = Signs(values, sp.S.Zero)
+        at = Signs(values, mpmath.mpf(0))
         for constant, expression in self.special.items():
-            size = 1 + abs(at.number(expression))
-            if abs(at.number(constant) - at.number(expression)) > size * sp.Float(10) ** -30:
+            meant = at.number(expression)
+            if abs(at.number(constant) - meant) > (1 + abs(meant)) * mpmath.mpf(10) ** -30:
                 return False
-        for expression, sign in self.conditions.items():
-            value = at.number(expression)
-            if not value.is_real or abs(value) < 1e-40 or (value > 0) != (sign > 0):
-                return False
-        return all(region_exists(curve, region, dict(values)) for curve, region in self.regions)
+        if any(sign_of(at.number(expression)) != sign for expression, sign in self.conditions.items()):
+            return False
+        return all(region_exists(curve, region, at.numbers) for curve, region in self.regions)
 
 
 def regime(
@@ -121,7 +120,7 @@ def plain_relation(expression: sp.Expr, sign: int) -> sp.Basic | None:
         return None
     if rest.is_nonnegative and sign > 0:
         base = rest.as_base_exp()[0]
-        return sp.Ne(base, 0)
+        return sp.Ne(base.args[0] if isinstance(base, sp.Abs) else base, 0)
     left, right = _sides(rest)
     return sp.Gt(left, right) if sign > 0 else sp.Lt(left, right)
 

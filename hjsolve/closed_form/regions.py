@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Mapping
 from dataclasses import dataclass
 from functools import lru_cache
 
@@ -9,11 +10,13 @@ import mpmath
 import sympy as sp
 
 from hjsolve.closed_form.curves import MomentumCurve
+from hjsolve.closed_form.evaluation import evaluator, many_digits, number
 from hjsolve.closed_form.sampling import Sample
 from hjsolve.closed_form.signs import Signs
 from hjsolve.display.shown import Shown
 
 DIGITS = 50
+Numbers = Mapping[sp.Symbol, mpmath.mpf]
 _SAME = mpmath.mpf(10) ** -25
 
 
@@ -51,7 +54,8 @@ class RootInterval(Shown):
         Args:
             signs: of the sample.
         """
-        value = signs.number(self.curve.square.subs(self.curve.x, sp.Float(self.place, DIGITS)))
+        with mpmath.workdps(DIGITS):
+            value = number(self.curve.square, {**signs.numbers, self.curve.x: self.place})
         return (1 if value > 0 else -1) * (1 if self.curve.substitution.increasing else -1)
 
     def conditions(self, signs: Signs) -> dict[sp.Expr, int]:
@@ -77,47 +81,65 @@ class RootInterval(Shown):
         return own.decided
 
 
-def real_roots(curve: MomentumCurve, values: dict[sp.Symbol, sp.Expr]) -> tuple[list[mpmath.mpf], bool]:
-    """The real roots of P inside the domain's closure, ascending, and whether two roots are the same.
+def real_roots(curve: MomentumCurve, numbers: Numbers) -> tuple[list[mpmath.mpf], bool]:
+    """The real roots of P, ascending, and whether two roots are the same.
 
     Args:
         curve: whose P.
-        values: of the constants.
+        numbers: symbol → value, of the constants.
     """
-    with mpmath.workdps(DIGITS):
-        coefficients = [mpmath.mpf(sp.N(c.xreplace(values), DIGITS)) for c in curve.polynomial.all_coeffs()]
-    real, double = _roots_of(tuple(coefficients))
+    real, double = _roots_of(_coefficients(curve.polynomial, numbers, DIGITS), DIGITS)
     return [*real], double
 
 
-@lru_cache(maxsize=1024)
-def _roots_of(coefficients: tuple[mpmath.mpf, ...]) -> tuple[tuple[mpmath.mpf, ...], bool]:
+def ordered_real_roots(polynomial: sp.Poly, numbers: Numbers, digits: int) -> tuple[mpmath.mpf, ...]:
+    """The real roots of a polynomial, ascending.
+
+    Args:
+        polynomial: with coefficients in the constants.
+        numbers: symbol → value, with as many digits and more.
+        digits: to which they are found.
+    """
+    return _roots_of(_coefficients(polynomial, numbers, digits + 10), digits + 10)[0]
+
+
+def _coefficients(polynomial: sp.Poly, numbers: Numbers, digits: int) -> tuple[mpmath.mpf, ...]:
+    with mpmath.workdps(digits):
+        return tuple(evaluator(*polynomial.all_coeffs()).at(numbers))
+
+
+@lru_cache(maxsize=4096)
+def _roots_of(coefficients: tuple[mpmath.mpf, ...], digits: int) -> tuple[tuple[mpmath.mpf, ...], bool]:
     """The real roots of a polynomial, ascending, and whether two roots are the same."""
-    with mpmath.workdps(DIGITS):
+    if any(isinstance(c, mpmath.mpc) or not mpmath.isfinite(c) for c in coefficients):
+        return (), True
+    with mpmath.workdps(digits):
         size, first = max(abs(c) for c in coefficients), 0
-        while first < len(coefficients) and abs(coefficients[first]) < size * _SAME:
+        while first < len(coefficients) and abs(coefficients[first]) <= size * _SAME:
             first += 1
         if len(coefficients) - first < 2:
             return (), False
-        roots = _complex_roots(coefficients[first:])
+        roots = _complex_roots(coefficients[first:], digits)
         scale = max(abs(r) for r in roots) or mpmath.mpf(1)
         double = any(abs(a - b) < scale * _SAME for k, a in enumerate(roots) for b in roots[:k])
         return tuple(sorted(r.real for r in roots if abs(r.imag) <= scale * _SAME)), double
 
 
-def _complex_roots(coefficients: tuple[mpmath.mpf, ...]) -> list[mpmath.mpc]:
+def _complex_roots(coefficients: tuple[mpmath.mpf, ...], digits: int) -> list[mpmath.mpc]:
     """All roots; in doubles first, and from there by Newton's rule: simple roots are soon had."""
     import numpy as np
 
+    if len(coefficients) <= 3:
+        return _quadratic_roots(coefficients)
     starts = np.roots([complex(c / coefficients[0]) for c in coefficients])
     found = []
     for start in starts:
         z = mpmath.mpmathify(complex(start))
-        for _ in range(12):
+        for _ in range(14):
             value, slope = mpmath.polyval(coefficients, z, derivative=True)
             step = value / slope if slope else mpmath.mpf(1)
             z -= step
-            if abs(step) <= abs(z) * mpmath.mpf(10) ** (-DIGITS + 4) or value == 0:
+            if abs(step) <= abs(z) * mpmath.mpf(10) ** (4 - digits) or value == 0:
                 break
         else:
             return list(mpmath.polyroots([*coefficients], maxsteps=300, extraprec=400))
@@ -128,6 +150,16 @@ def _complex_roots(coefficients: tuple[mpmath.mpf, ...]) -> list[mpmath.mpc]:
     return found
 
 
+def _quadratic_roots(coefficients: tuple[mpmath.mpf, ...]) -> list[mpmath.mpc]:
+    if len(coefficients) == 2:
+        return [mpmath.mpc(-coefficients[1] / coefficients[0])]
+    a, b, c = coefficients
+    with mpmath.extradps(30):
+        root = mpmath.sqrt(mpmath.mpc(b * b - 4 * a * c))
+        far = -(b + (root if b >= 0 else -root)) / 2
+        return [far / a, c / far if far != 0 else far]
+
+
 def root_interval_of(curve: MomentumCurve, sample: Sample) -> RootInterval | None:
     """Where a motion is; None where P is not positive there, or has a double root.
 
@@ -135,17 +167,17 @@ def root_interval_of(curve: MomentumCurve, sample: Sample) -> RootInterval | Non
         curve: of the coordinate.
         sample: the motion.
     """
-    s, q, values = curve.substitution, curve.coordinate.symbol, dict(sample.values)
-    if curve.polynomial.has_free(*(k for k in values)) and any(c.has(sp.nan) for c in curve.polynomial.coeffs()):
+    s, q, numbers = curve.substitution, curve.coordinate.symbol, many_digits(sample.values, DIGITS)
+    if any(c.has(sp.nan) for c in curve.polynomial.coeffs()):
         return None
     with mpmath.workdps(DIGITS):
         start = sample.places[curve.coordinate.name]
-        place = mpmath.mpf(sp.N(s.place.subs(q, start).xreplace(values), DIGITS))
-        roots, double = real_roots(curve, values)
-        if double or curve.polynomial.as_expr().xreplace(values).subs(curve.x, sp.Float(place, DIGITS)) <= 0:
+        place = number(s.place, {**numbers, q: mpmath.mpf(int(start.p)) / int(start.q)})
+        roots, double = real_roots(curve, numbers)
+        if double or not _value(curve, place, numbers) > 0:
             return None
-        low, high = (_number(end, values) for end in (s.lower, s.upper))
-        marks = _marks(curve, roots, values, low, high)
+        low, high = (number(end, numbers) for end in (s.lower, s.upper))
+        marks = _marks(curve, roots, numbers, low, high)
         below = [mark for mark in marks if mark[0] < place]
         above = [mark for mark in marks if mark[0] > place]
         lower = below[-1][1] if below else ("end", 0)
@@ -159,13 +191,18 @@ def root_interval_of(curve: MomentumCurve, sample: Sample) -> RootInterval | Non
         kind = "rotation"
     else:
         ends = [end for end, (what, _) in ((low, lower), (high, upper)) if what == "end"]
-        far = [_number_of_q(curve, end, values) for end in ends]
+        far = [_number_of_q(curve, end, numbers) for end in ends]
         kind = "escape" if any(mpmath.isinf(f) for f in far) else "boundary"
     return RootInterval(curve, place, tuple(roots), lower, upper, kind, not (s.closed and both == {"root", "end"}))
 
 
+def _value(curve: MomentumCurve, place: mpmath.mpf, numbers: Numbers) -> mpmath.mpf:
+    """P at a place."""
+    return mpmath.polyval(_coefficients(curve.polynomial, numbers, DIGITS), place)
+
+
 def _marks(
-    curve: MomentumCurve, roots: list[mpmath.mpf], values: dict[sp.Symbol, sp.Expr], low: mpmath.mpf, high: mpmath.mpf
+    curve: MomentumCurve, roots: list[mpmath.mpf], numbers: Numbers, low: mpmath.mpf, high: mpmath.mpf
 ) -> list[tuple[mpmath.mpf, tuple[str, int]]]:  # fmt: skip
     """Where a motion turns, at roots of P inside the domain, or comes to rest, at zeros of S at finite q; ascending."""
 
@@ -174,10 +211,9 @@ def _marks(
         return bool(low + gap < r < high - gap)
 
     found = [(r, ("root", k)) for k, r in enumerate(roots) if inside(r)]
-    top = sp.numer(sp.together(curve.square))
-    if top.has(curve.x):
-        zeros = _polynomial_roots(sp.Poly(top, curve.x), values)
-        rests = sorted({mpmath.nstr(z, 30): z for z in zeros}.values())
+    top = _numerator(curve.square, curve.x)
+    if top is not None:
+        rests = sorted({mpmath.nstr(z, 30): z for z in _polynomial_roots(top, numbers)}.values())
         for k, z in enumerate(rests):
             edge = abs(z - low) <= _SAME * (1 + abs(z)) or abs(z - high) <= _SAME * (1 + abs(z))
             if inside(z) or (edge and curve.substitution.closed):
@@ -185,9 +221,16 @@ def _marks(
     return sorted(found)
 
 
-def _polynomial_roots(polynomial: sp.Poly, values: dict[sp.Symbol, sp.Expr]) -> list[mpmath.mpf]:
+@lru_cache(maxsize=512)
+def _numerator(square: sp.Expr, x: sp.Symbol) -> sp.Poly | None:
+    """The numerator of S as a polynomial; None where it is free of x."""
+    top = sp.numer(sp.together(square))
+    return sp.Poly(top, x) if top.has(x) else None
+
+
+def _polynomial_roots(polynomial: sp.Poly, numbers: Numbers) -> list[mpmath.mpf]:
     """The real roots of any polynomial, at numbers."""
-    coefficients = [mpmath.mpf(sp.N(c.xreplace(values), DIGITS)) for c in polynomial.all_coeffs()]
+    coefficients = _coefficients(polynomial, numbers, DIGITS)
     if len(coefficients) < 2:
         return []
     roots = mpmath.polyroots(coefficients, maxsteps=300, extraprec=600)
@@ -195,42 +238,34 @@ def _polynomial_roots(polynomial: sp.Poly, values: dict[sp.Symbol, sp.Expr]) -> 
     return [r.real for r in roots if abs(r.imag) <= scale * mpmath.mpf(10) ** -12]
 
 
-def _number(end: sp.Expr, values: dict[sp.Symbol, sp.Expr]) -> mpmath.mpf:
-    if end in (sp.oo, -sp.oo):
-        return mpmath.inf if end is sp.oo else -mpmath.inf
-    return mpmath.mpf(sp.N(end.xreplace(values), DIGITS))
-
-
-def _number_of_q(curve: MomentumCurve, end: mpmath.mpf, values: dict[sp.Symbol, sp.Expr]) -> mpmath.mpf:
+def _number_of_q(curve: MomentumCurve, end: mpmath.mpf, numbers: Numbers) -> mpmath.mpf:
     """The q at an end of the domain."""
     lower, upper = curve.ends
     s = curve.substitution
-    at_lower = (end == _number(s.lower, values)) == s.increasing
-    return _number(lower if at_lower else upper, values)
+    at_lower = (end == number(s.lower, numbers)) == s.increasing
+    return number(lower if at_lower else upper, numbers)
 
 
-def region_exists(curve: MomentumCurve, like: RootInterval, values: dict[sp.Symbol, sp.Expr]) -> bool:
+def region_exists(curve: MomentumCurve, like: RootInterval, numbers: Numbers) -> bool:
     """Whether P has, for other constants, as many real roots and a region between the same of them in the domain.
 
     Args:
         curve: whose P.
         like: the region.
-        values: of the constants.
+        numbers: symbol → value, of the constants.
     """
     with mpmath.workdps(DIGITS):
-        roots, double = real_roots(curve, values)
+        roots, double = real_roots(curve, numbers)
         if double or len(roots) != len(like.roots):
             return False
-        low, high = (_number(end, values) for end in (curve.substitution.lower, curve.substitution.upper))
-        marks = {key: value for value, key in _marks(curve, roots, values, low, high)}
+        low, high = (number(end, numbers) for end in (curve.substitution.lower, curve.substitution.upper))
+        marks = {key: value for value, key in _marks(curve, roots, numbers, low, high)}
         if any(side[0] != "end" and side not in marks for side in (like.lower, like.upper)):
             return False
         start, stop = marks.get(like.lower, low), marks.get(like.upper, high)
         if any(start < value < stop for value in marks.values()):
             return False
-        place = _between(start, stop)
-        value = curve.polynomial.as_expr().xreplace(values).subs(curve.x, sp.Float(place, DIGITS))
-        return bool(sp.N(value, DIGITS) > 0)
+        return bool(_value(curve, _between(start, stop), numbers) > 0)
 
 
 def _between(start: mpmath.mpf, stop: mpmath.mpf) -> mpmath.mpf:

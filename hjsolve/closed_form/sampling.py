@@ -6,9 +6,12 @@ import random
 from collections.abc import Iterator, Mapping
 from dataclasses import dataclass
 
+import mpmath
 import sympy as sp
 
+from hjsolve.closed_form.evaluation import many_digits, number
 from hjsolve.mechanics.coordinates_and_parameters import Coordinate, Parameter
+from hjsolve.motion.rational_values import rational_value
 from hjsolve.solution.quadratures import Solution
 
 
@@ -37,8 +40,8 @@ def samples(
         fixed: constants that are functions of the others: constant → what it is.
     """
     system, draw = solution.system, random.Random(seed)  # noqa: S311
-    for number in range(count):
-        parameters = {p.symbol: _parameter(p, draw, own=number % 2 == 0) for p in system.parameters}
+    for turn in range(count):
+        parameters = {p.symbol: _parameter(p, draw, own=turn % 2 == 0) for p in system.parameters}
         phase = dict(parameters)
         drawn = {c: _place(c, parameters, draw) for c in system.coordinates}
         if any(place is None for place in drawn.values()):
@@ -48,18 +51,24 @@ def samples(
             phase[c.momentum] = sp.Rational(draw.choice((-1, 1)) * draw.randint(1, 60), draw.choice((6, 20, 60)))
         values = dict(parameters)
         for constant in solution.constants.values():
-            values[constant.symbol] = near(constant.expression.xreplace(phase))
+            exact = rational_value(constant.expression, phase)
+            values[constant.symbol] = near(constant.expression.xreplace(phase)) if exact is None else exact
         if not all(value.is_Rational for value in values.values()):
             continue
         for symbol, expression in (fixed or {}).items():
             values[symbol] = near(expression.xreplace(values))
         places = {name: phase[system.coordinate(name).symbol] for name in solution.coordinates}
-        squares = [
-            sp.N(solution.momentum_squared[name].xreplace(values).subs(system.coordinate(name).symbol, place), 30)
-            for name, place in places.items()
-        ]
-        if all(square.is_real and square > 0 for square in squares):
+        if _moves(solution, values, places):
             yield Sample(values, places)
+
+
+def _moves(solution: Solution, values: Mapping[sp.Symbol, sp.Expr], places: Mapping[str, sp.Expr]) -> bool:
+    """Whether every squared momentum is positive."""
+    where = {solution.system.coordinate(name).symbol: place for name, place in places.items()}
+    numbers = many_digits({**values, **where}, 30)
+    with mpmath.workdps(30):
+        squares = [number(solution.momentum_squared[name], numbers) for name in places]
+    return all(not isinstance(square, mpmath.mpc) and square > 0 for square in squares)
 
 
 def near(value: sp.Expr) -> sp.Expr:

@@ -7,7 +7,10 @@ from collections.abc import Mapping
 import mpmath
 import sympy as sp
 
+from hjsolve.closed_form.evaluation import many_digits, number
+
 DIGITS = 60
+_NOTHING = mpmath.mpf(10) ** -40
 
 
 class Signs:
@@ -18,8 +21,9 @@ class Signs:
         place: the x of the sample, on the piece of the x-axis that the motion is on.
     """
 
-    def __init__(self, values: Mapping[sp.Symbol, sp.Expr], place: sp.Expr):
+    def __init__(self, values: Mapping[sp.Symbol, sp.Expr], place: mpmath.mpf):
         self.values, self.place = dict(values), place
+        self.numbers = many_digits(values, DIGITS)
         self.decided: dict[sp.Expr, int] = {}
         self.named = set[sp.Symbol]()
 
@@ -29,7 +33,8 @@ class Signs:
         Args:
             expression: of parameters and constants.
         """
-        return sp.N(expression.xreplace(self.values), DIGITS)
+        with mpmath.workdps(DIGITS):
+            return number(expression, self.numbers)
 
     def sign(self, expression: sp.Expr) -> int:
         """The sign at the sample; kept as a condition where the symbols do not imply it.
@@ -42,8 +47,7 @@ class Signs:
         known = 1 if expression.is_positive else -1 if expression.is_negative else None
         if known is not None:
             return known
-        value = self.number(expression)
-        found = 0 if abs(value) < 1e-40 else 1 if value > 0 else -1
+        found = sign_of(self.number(expression))
         if found and not expression.free_symbols & self.named:
             self.decided[sp.factor_terms(expression)] = found
         return found
@@ -55,6 +59,7 @@ class Signs:
             numbers: symbol → value.
         """
         self.values |= numbers
+        self.numbers |= many_digits(numbers, DIGITS)
         self.named |= set(numbers)
 
     def slope_sign(self, A: sp.Expr, B: sp.Expr, place: sp.Expr | None) -> int:
@@ -64,6 +69,17 @@ class Signs:
             A, B: coefficients.
             place: r; None where u = x.
         """
-        x = self.place
-        u = x if place is None else 1 / (x - self.number(place))
-        return 1 if 2 * self.number(A) * u + self.number(B) > 0 else -1
+        with mpmath.workdps(DIGITS):
+            u = self.place if place is None else 1 / (self.place - self.number(place))
+            return 1 if 2 * self.number(A) * u + self.number(B) > 0 else -1
+
+
+def sign_of(value: mpmath.mpf) -> int:
+    """The sign of a number that is exact to more than 40 digits; 0 also of what is not real.
+
+    Args:
+        value: the number.
+    """
+    if isinstance(value, mpmath.mpc) or mpmath.isnan(value):
+        return 0
+    return 0 if abs(value) < _NOTHING else 1 if value > 0 else -1

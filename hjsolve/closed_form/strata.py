@@ -14,6 +14,8 @@ Stratum = Mapping[sp.Symbol, sp.Expr]
 def deciders(curve: MomentumCurve, constants: Iterable[sp.Symbol]) -> list[sp.Expr]:
     """Factors of the leading coefficient, the discriminant and the values of P at the ends that depend on constants.
 
+    A factor that enters to an even power is given squared: its sign says nothing.
+
     Args:
         curve: of a coordinate.
         constants: of the motion.
@@ -35,8 +37,9 @@ def deciders(curve: MomentumCurve, constants: Iterable[sp.Symbol]) -> list[sp.Ex
     for expression in found:
         bare, back = named_constants(sp.together(expression), x)
         top = sp.fraction(sp.cancel(bare))[0]
-        for factor, _ in sp.factor_list(top)[1]:
+        for factor, power in sp.factor_list(top)[1]:
             plain = factor.xreplace(back)
+            plain = plain if power % 2 else plain**2  # of which only it is known that it is not zero
             if plain.free_symbols & wanted and plain not in result:
                 result.append(plain)
     return result
@@ -49,10 +52,11 @@ def fixed_constant(decider: sp.Expr, constants: Iterable[sp.Symbol]) -> dict[sp.
         decider: zero in the stratum.
         constants: of the motion, in the order of preference.
     """
+    base = decider.base if decider.is_Pow else decider
     for constant in constants:
-        if not decider.has(constant) or not decider.is_polynomial(constant):
+        if not base.has(constant) or not base.is_polynomial(constant):
             continue
-        p = sp.Poly(decider, constant)
+        p = sp.Poly(base, constant)
         if p.degree() == 1:
             return {constant: sp.factor(sp.cancel(-p.coeff_monomial(1) / p.LC()))}
     return None

@@ -152,6 +152,9 @@ def _trigonometric(square: sp.Expr, coordinate: Coordinate, x: sp.Symbol) -> Ite
     even_s, even_c = _even(function, S, C), _even(function, C, S)
     if turn:
         yield from _half_sine(function, q, x)
+        if even_s is not None and (not even_s.is_polynomial(C) or sp.degree(even_s, C) > 1):
+            for middle, sign in ((sp.S.Zero, 1), (sp.pi, -1)):
+                yield _about(q, x, middle, even_s.subs(C, sign * (1 - 2 * x**2)))
     elif _inside(w0, w1, sp.S.Zero, sp.pi) and even_s is not None:
         yield Substitution(
             x, sp.cos(w), sp.acos(x) / κ, κ**2 * (1 - x**2), even_s.subs(C, x), sp.cos(w1), sp.cos(w0), False

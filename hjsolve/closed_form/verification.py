@@ -2,146 +2,222 @@
 
 The quadrature is of N(q)/√P²(q) in the user's own coordinate, at exact constants of the regime; it knows nothing of
 variables, roots or regimes. Between turning points q = m − h cos χ makes the integrand smooth and periodic, and equally
-spaced nodes converge geometrically; inside, Gauss's rule on pieces.
+spaced nodes converge geometrically; inside, Gauss's rule, halved until it no longer moves. The integrals of a
+coordinate are verified together: they share the momentum, the nodes and the elliptic functions.
 """
 
 from __future__ import annotations
 
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
 
 import mpmath
 import sympy as sp
 
+from hjsolve.closed_form.curves import MomentumCurve
+from hjsolve.closed_form.evaluation import Evaluator, many_digits, number
 from hjsolve.closed_form.pieces import CoordinateIntegrals, PieceIntegral
-from hjsolve.functions import modules
+from hjsolve.closed_form.regions import RootInterval, ordered_real_roots
+from hjsolve.closed_form.time_limit import check_time
 
-DIGITS, WORK = 40, 60
-_MOST = 4096
-_SHORT = 250
+DIGITS, GUARD = 40, 24
+_MOST, _NODES, _HALVINGS = 4096, 4, 5
+_PARTS = ("0.31", "0.52", "0.77")
+Values = Callable[[mpmath.mpf], list[mpmath.mpf]]
 
 
-def flaw(piece: CoordinateIntegrals, key: sp.Symbol) -> str | None:
+def flaw(piece: CoordinateIntegrals, key: sp.Symbol, digits: int = DIGITS) -> str | None:
     """What is wrong with an integral; None where it passes.
 
     Args:
         piece: the coordinate's integrals in a regime, with the sample they are tried at.
         key: which of them.
+        digits: to which it is compared.
     """
-    integral = piece.integrals[key]
-    if integral.law is not None and integral.law.residual(integral.rational) != 0:
-        return "not verified: its derivative was not proved to be the integrand"
-    q = integral.curve.coordinate.symbol
-    with mpmath.workdps(WORK):
-        values = sample_numbers(piece)
-        square = _function(integral.curve.substitution_square, q, values)
-        numerator = _function(integral.numerator, q, values)
-        form = _function(integral.value, q, values)
-        slope = _slope(integral, form, values)
-        low, high = monotone_span(piece, integral)
-
-        def integrand(place: mpmath.mpf) -> mpmath.mpf:
-            return numerator(place) / mpmath.sqrt(square(place))
-
-        places = [low + (high - low) * mpmath.mpf(part) for part in ("0.31", "0.52", "0.77")]
-        size = max(abs(integrand(place)) for place in places)
-        if any(not _close(slope(place), integrand(place), size) for place in places):
-            return "not verified: its derivative is not the integrand at a place tried"
-        expected = mpmath.quad(integrand, mpmath.linspace(places[0], places[2], 5))
-        got = form(places[2]) - form(places[0])
-        size = max(abs(form(places[2])), abs(form(places[0])), abs(expected))
-        if not _close(got, expected, size):
-            return f"not verified: it is {mpmath.nstr(got, 20)} where the quadrature is {mpmath.nstr(expected, 20)}"
-        if integral.cycle is None:
-            return None
-        expected, size = _cycle(piece, integral, square, numerator)
-        got = _function(integral.cycle, q, values)(low)
-        if not _close(got, expected, size):
-            return f"not verified: a cycle gives {mpmath.nstr(got, 20)}, the quadrature {mpmath.nstr(expected, 20)}"
-    return None
+    return flaws(piece, [key], digits).get(key)
 
 
-def _slope(
-    integral: PieceIntegral, form: Callable[[mpmath.mpf], mpmath.mpf], values: dict[sp.Symbol, mpmath.mpf]
-) -> Callable[[mpmath.mpf], mpmath.mpf]:  # fmt: skip
-    """The derivative of a form: by rules where it is elementary; of a long elliptic one the difference quotient.
+def flaws(piece: CoordinateIntegrals, keys: Sequence[sp.Symbol], digits: int = DIGITS) -> dict[sp.Symbol, str]:
+    """What is wrong with integrals of a coordinate: no key of one that passes.
 
-    At a distance of 1e-24 and with 115 digits it is right to 45.
+    Args:
+        piece: the coordinate's integrals in a regime, with the sample they are tried at.
+        keys: which of them.
+        digits: to which they are compared.
     """
-    q = integral.curve.coordinate.symbol
-    if integral.law is not None or sp.count_ops(integral.value) < _SHORT:
-        return _function(sp.diff(integral.value, q), q, values)
+    found, left = dict[sp.Symbol, str](), dict[int, list[sp.Symbol]]()
+    for key in keys:
+        check_time()
+        integral = piece.integrals[key]
+        if integral.law is not None and integral.law.residual(integral.rational) != 0:
+            found[key] = "not verified: its derivative was not proved to be the integrand"
+            continue
+        left.setdefault(id(integral.curve), []).append(key)
+    for own in left.values():
+        with mpmath.workdps(digits + GUARD):
+            found |= _Trial(piece, piece.integrals[own[0]].curve, own, digits).flaws()
+    return found
 
-    def quotient(place: mpmath.mpf) -> mpmath.mpf:
-        with mpmath.workdps(115):
-            step = mpmath.mpf(10) ** -24
-            return (form(place + step) - form(place - step)) / (2 * step)
 
-    return quotient
+class _Trial:
+    """The integrals of one curve, at the sample."""
+
+    def __init__(self, piece: CoordinateIntegrals, curve: MomentumCurve, keys: list[sp.Symbol], digits: int):
+        self.piece, self.curve, self.keys, self.digits = piece, curve, keys, digits
+        self.integrals = [piece.integrals[key] for key in keys]
+        self.region = next(r for c, r in piece.regions if c is curve)
+        q, self.numbers = curve.coordinate.symbol, sample_numbers(piece, digits + GUARD)
+        bare = Evaluator([curve.substitution_square, *(i.numerator for i in self.integrals)])
+        self.bare = bare.along(self.numbers, q)
+        self.forms = Evaluator([i.value for i in self.integrals], q).along(self.numbers, q)
+
+    def integrands(self, place: mpmath.mpf) -> list[mpmath.mpf]:
+        """N/√P² of every integral."""
+        square, *numerators = self.bare(place)
+        root = mpmath.sqrt(square)
+        return [N / root for N in numerators]
+
+    def flaws(self) -> dict[sp.Symbol, str]:
+        low, high = monotone_span(self.piece, self.integrals[0])
+        places = [low + (high - low) * mpmath.mpf(part) for part in _PARTS]
+        found = dict[sp.Symbol, str]()
+        integrands = [self.integrands(place) for place in places]
+        forms = [self.forms(place) for place in places]
+        expected = self._between(places[0], places[2])
+        for k, key in enumerate(self.keys):
+            size = max(abs(values[k]) for values in integrands)
+            slopes = [values[len(self.keys) + k] for values in forms]
+            if not all(self._close(s, f[k], size) for s, f in zip(slopes, integrands, strict=True)):
+                found[key] = "not verified: its derivative is not the integrand at a place tried"
+                continue
+            begin, end = _real(forms[0][k]), _real(forms[2][k])
+            size = max(abs(begin), abs(end), abs(expected[k]))
+            if not self._close(end - begin, expected[k], size):
+                found[key] = f"not verified: it is {_few(end - begin)} where the quadrature is {_few(expected[k])}"
+        return found | self._cycles([key for key in self.keys if key not in found])
+
+    def _close(self, one: mpmath.mpf, other: mpmath.mpf, size: mpmath.mpf) -> bool:
+        one = _real(one)
+        if not (mpmath.isfinite(one) and mpmath.isfinite(other)) or isinstance(other, mpmath.mpc):
+            return False
+        return bool(abs(one - other) <= size * mpmath.mpf(10) ** (-self.digits))
+
+    def _between(self, start: mpmath.mpf, stop: mpmath.mpf) -> list[mpmath.mpf]:
+        """The quadratures between two places, by Gauss's rule; nan where it does not settle."""
+        rule = mpmath.calculus.quadrature.GaussLegendre(mpmath.mp)
+        nodes = rule.get_nodes(-1, 1, _NODES, mpmath.mp.prec)
+
+        def whole(a: mpmath.mpf, b: mpmath.mpf) -> list[mpmath.mpf]:
+            middle, half = (a + b) / 2, (b - a) / 2
+            rows = [(w, self.integrands(middle + half * x)) for x, w in nodes]
+            return [half * mpmath.fsum(w * row[k] for w, row in rows) for k in range(len(self.keys))]
+
+        def settled(a: mpmath.mpf, b: mpmath.mpf, once: list[mpmath.mpf], left: int) -> list[mpmath.mpf]:
+            check_time()
+            c = (a + b) / 2
+            lower, upper = whole(a, c), whole(c, b)
+            twice = [x + y for x, y in zip(lower, upper, strict=True)]
+            if all(self._settled(x, y) for x, y in zip(once, twice, strict=True)):
+                return twice
+            if left == 0:
+                return [mpmath.nan] * len(once)
+            parts = settled(a, c, lower, left - 1), settled(c, b, upper, left - 1)
+            return [x + y for x, y in zip(*parts, strict=True)]
+
+        return settled(start, stop, whole(start, stop), _HALVINGS)
+
+    def _settled(self, once: mpmath.mpf, twice: mpmath.mpf) -> bool:
+        tiny = mpmath.mpf(10) ** (-self.digits - 2)
+        return not mpmath.isfinite(once) or bool(abs(once - twice) <= (abs(twice) + abs(once)) * tiny)
+
+    def _cycles(self, keys: list[sp.Symbol]) -> dict[sp.Symbol, str]:
+        """What is wrong with integrals over cycles."""
+        keys = [key for key in keys if self.piece.integrals[key].cycle is not None]
+        if not keys:
+            return {}
+        found = dict[sp.Symbol, str]()
+        given = Evaluator([self.piece.integrals[key].cycle for key in keys]).at(self.numbers)
+        expected = self._around()
+        for key, got in zip(keys, given, strict=True):
+            value, size = expected[self.keys.index(key)]
+            if not self._close(got, value, size):
+                found[key] = f"not verified: a cycle gives {_few(got)}, the quadrature {_few(value)}"
+        return found
+
+    def _around(self) -> list[tuple[mpmath.mpf, mpmath.mpf]]:
+        """∮ N dq/P by the midpoint rule, trebled until it no longer moves; and ∮ |N| dq/P."""
+        whole = self.region.kind == "rotation"
+        if whole:
+            middle, half = mpmath.mpf(0), mpmath.pi
+        else:
+            sides = (self.region.lower, self.region.upper)
+            roots = ordered_real_roots(self.curve.polynomial, self.numbers, mpmath.mp.dps)
+            low, high = sorted(_place(self.integrals[0], roots[index], self.numbers) for _, index in sides)
+            middle, half = (low + high) / 2, (high - low) / 2
+
+        def terms(χ: mpmath.mpf) -> list[mpmath.mpf]:
+            if whole:
+                return self.integrands(middle + χ - half)
+            cosine, sine = mpmath.cos_sin(χ)
+            return [half * sine * f for f in self.integrands(middle - half * cosine)]
+
+        turn, count, step = (2 * mpmath.pi if whole else mpmath.pi), 16, mpmath.mpf(1) / 2
+        rows = [terms(turn * (k + step) / count) for k in range(count)]
+        sums = _sums(rows, turn / count)
+        while count < _MOST:
+            check_time()
+            sixth = step / 3
+            rows += [terms(turn * (k + part) / count) for k in range(count) for part in (sixth, 5 * sixth)]
+            count, former = 3 * count, sums
+            sums = _sums(rows, turn / count)
+            tiny = mpmath.mpf(10) ** (-self.digits - 2)
+            if all(abs(a[0] - b[0]) <= a[1] * tiny for a, b in zip(sums, former, strict=True)):
+                break
+        return sums if whole else [(2 * value, 2 * size) for value, size in sums]
+
+
+def _sums(rows: list[list[mpmath.mpf]], weight: mpmath.mpf) -> list[tuple[mpmath.mpf, mpmath.mpf]]:
+    columns = list(zip(*rows, strict=True))
+    return [(weight * mpmath.fsum(c), weight * mpmath.fsum(c, absolute=True)) for c in columns]
+
+
+def _few(value: mpmath.mpf) -> str:
+    return str(mpmath.nstr(value, 20))
+
+
+def _real(value: mpmath.mpf) -> mpmath.mpf:
+    """A value without the imaginary rounding of a root; nan where it is more than that."""
+    if not isinstance(value, mpmath.mpc):
+        return value
+    tiny = mpmath.mpf(10) ** -(mpmath.mp.dps - 12)
+    return value.real if abs(value.imag) <= tiny * (1 + abs(value.real)) else mpmath.nan
 
 
 def value_at(expression: sp.Expr, numbers: dict[sp.Symbol, mpmath.mpf]) -> mpmath.mpf:
-    """An expression at numbers, by mpmath, in the precision that it works in.
+    """An expression at numbers, by mpmath, in the precision that it works in; nan where it is not real.
 
     Args:
         expression: of a form.
         numbers: symbol → number, of every symbol.
     """
-    symbols = sorted(expression.free_symbols, key=str)
-    value = sp.lambdify(symbols, expression, modules=modules("mpmath"))(*(numbers[s] for s in symbols))
-    value = mpmath.mpmathify(value)
-    small = mpmath.mpf(10) ** -45
-    real = not isinstance(value, mpmath.mpc) or abs(value.imag) <= small * (1 + abs(value.real))
-    return mpmath.mpf(value.real) if real else mpmath.nan
+    return _real(Evaluator([expression]).at(numbers)[0])
 
 
-def sample_numbers(piece: CoordinateIntegrals) -> dict[sp.Symbol, mpmath.mpf]:
+def sample_numbers(piece: CoordinateIntegrals, digits: int = DIGITS + GUARD) -> dict[sp.Symbol, mpmath.mpf]:
     """The parameters, constants and named roots of the sample as numbers.
 
     Args:
         piece: with the sample.
+        digits: of each.
     """
-    exact = piece.sample.values
-    with mpmath.workdps(125):
-        numbers = {s: mpmath.mpf(int(v.p)) / int(v.q) for s, v in exact.items()}
-    for symbol, meaning in piece.where.items():
-        if not isinstance(meaning, tuple):
-            with mpmath.workdps(125):
-                numbers[symbol] = value_at(meaning, numbers)
-            continue
-        polynomial, index = meaning
-        with mpmath.workdps(125):
-            coefficients = [mpmath.mpf(sp.N(c.xreplace(dict(exact)), 130)) for c in polynomial.all_coeffs()]
-            roots = mpmath.polyroots(coefficients, maxsteps=300, extraprec=900)
-            size = max(abs(r) for r in roots) * mpmath.mpf(10) ** -25
-            numbers[symbol] = sorted(r.real for r in roots if abs(r.imag) <= size)[index]
+    numbers = many_digits(piece.sample.values, digits)
+    with mpmath.workdps(digits + GUARD):
+        for symbol, meaning in piece.where.items():
+            if isinstance(meaning, tuple):
+                polynomial, index = meaning
+                numbers[symbol] = ordered_real_roots(polynomial, numbers, digits)[index]
+            else:
+                numbers[symbol] = _real(number(meaning, numbers))
     return numbers
-
-
-def _close(one: mpmath.mpf, other: mpmath.mpf, size: mpmath.mpf) -> bool:
-    if not (mpmath.isfinite(one) and mpmath.isfinite(other)) or isinstance(one, mpmath.mpc):
-        return False
-    return bool(abs(one - other) <= size * mpmath.mpf(10) ** (-DIGITS))
-
-
-def _function(
-    expression: sp.Expr, q: sp.Symbol, values: dict[sp.Symbol, mpmath.mpf]
-) -> Callable[[mpmath.mpf], mpmath.mpf]:  # fmt: skip
-    if expression.has(sp.zoo, sp.nan, sp.oo, -sp.oo):
-        return lambda _: mpmath.nan
-    symbols = [s for s in expression.free_symbols if s in values]
-    compiled = sp.lambdify([q, *symbols], expression, modules=modules("mpmath"), cse=sp.count_ops(expression) < _SHORT)
-    numbers = [values[s] for s in symbols]
-
-    def function(place: mpmath.mpf) -> mpmath.mpf:
-        try:
-            value = mpmath.mpmathify(compiled(place, *numbers))
-        except ZeroDivisionError:
-            return mpmath.nan
-        if isinstance(value, mpmath.mpc):
-            return value.real if abs(value.imag) <= abs(value.real) * mpmath.mpf(10) ** -50 else mpmath.nan
-        return value
-
-    return function
 
 
 def monotone_span(piece: CoordinateIntegrals, integral: PieceIntegral) -> tuple[mpmath.mpf, mpmath.mpf]:
@@ -152,57 +228,25 @@ def monotone_span(piece: CoordinateIntegrals, integral: PieceIntegral) -> tuple[
         integral: with the curve on which the region is meant.
     """
     region = next(r for c, r in piece.regions if c is integral.curve)
+    numbers = many_digits(piece.sample.values, mpmath.mp.dps)
     ends = [_end(region, side) for side in (region.lower, region.upper)]
     if ends[0] is None and ends[1] is None:
         x = [region.place - 1, region.place + 1]
-        low, high = (
-            mpmath.mpf(sp.N(e.xreplace(dict(piece.sample.values)), WORK)) if e.is_finite else None
-            for e in (integral.curve.substitution.lower, integral.curve.substitution.upper)
-        )
+        s = integral.curve.substitution
+        low, high = (number(e, numbers) if e.is_finite else None for e in (s.lower, s.upper))
         x[0] = x[0] if low is None else (low + region.place) / 2
         x[1] = x[1] if high is None else (high + region.place) / 2
     else:
         other = region.place
         x = [ends[0] if ends[0] is not None else other, ends[1] if ends[1] is not None else other]
-    q = sorted(_place(integral, end, piece) for end in x)
+    q = sorted(_place(integral, end, numbers) for end in x)
     return q[0], q[1]
 
 
-def _end(region: object, side: tuple[str, int]) -> mpmath.mpf | None:
-    return region.roots[side[1]] if side[0] == "root" else None  # type: ignore[attr-defined]
+def _end(region: RootInterval, side: tuple[str, int]) -> mpmath.mpf | None:
+    return region.roots[side[1]] if side[0] == "root" else None
 
 
-def _place(integral: PieceIntegral, x: mpmath.mpf, piece: CoordinateIntegrals) -> mpmath.mpf:
+def _place(integral: PieceIntegral, x: mpmath.mpf | None, numbers: dict[sp.Symbol, mpmath.mpf]) -> mpmath.mpf:
     s = integral.curve.substitution
-    value = sp.N(s.inverse.subs(s.x, sp.Float(x, WORK)).xreplace(dict(piece.sample.values)), WORK)
-    return mpmath.mpf(sp.re(value))
-
-
-def _cycle(
-    piece: CoordinateIntegrals, integral: PieceIntegral, square: Callable[[mpmath.mpf], mpmath.mpf],
-    numerator: Callable[[mpmath.mpf], mpmath.mpf],
-) -> tuple[mpmath.mpf, mpmath.mpf]:  # fmt: skip
-    """∮ N dq/P by the midpoint rule, doubled until it no longer moves; and ∮ |N| dq/P."""
-    region = next(r for c, r in piece.regions if c is integral.curve)
-    if region.kind == "rotation":
-        middle, half, whole = mpmath.mpf(0), mpmath.pi, True
-    else:
-        low, high = sorted(_place(integral, _end(region, side), piece) for side in (region.lower, region.upper))
-        middle, half, whole = (low + high) / 2, (high - low) / 2, False
-
-    def term(χ: mpmath.mpf) -> mpmath.mpf:
-        if whole:
-            q = middle + χ - half
-            return numerator(q) / mpmath.sqrt(square(q))
-        q = middle - half * mpmath.cos(χ)
-        return numerator(q) * half * mpmath.sin(χ) / mpmath.sqrt(square(q))
-
-    turn = 2 * mpmath.pi if whole else mpmath.pi
-    count, last = 32, None
-    while count <= _MOST:
-        terms = [term(turn * (k + mpmath.mpf("0.5")) / count) for k in range(count)]
-        value, size = (turn * mpmath.fsum(terms, absolute=absolute) / count for absolute in (False, True))
-        if last is not None and abs(value - last) <= size * mpmath.mpf(10) ** (-DIGITS - 2):
-            break
-        count, last = 2 * count, value
-    return (value, size) if whole else (2 * value, 2 * size)
+    return mpmath.re(number(s.inverse, {**numbers, s.x: x}))

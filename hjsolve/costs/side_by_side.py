@@ -7,6 +7,7 @@ from collections.abc import Sequence
 from contextlib import suppress
 
 from hjsolve.costs.closed_forms import closed_trials
+from hjsolve.costs.derived_forms import derived_trials
 from hjsolve.costs.measure import Clock, measured
 from hjsolve.costs.own_methods import own_trials
 from hjsolve.costs.reference import SPARE, TrueValues, true_values
@@ -38,9 +39,9 @@ def cost(
     """Measure what accuracy costs in time.
 
     Every method that applies computes the scene's own quantities: double precision, mpmath at rising digits, ball
-    arithmetic with proof, the closed form where the catalog has one, and, for states, integrators of Hamilton's
-    equations. They run in turn, several times; errors are true ones, against a reference that another backend computed
-    with more digits.
+    arithmetic with proof, the closed form that the catalog has or that can be derived, and, for states, integrators of
+    Hamilton's equations. They run in turn, several times; errors are true ones, against a reference that another
+    backend computed with more digits.
 
     Args:
         subject: a ``Scene``, its table or its file; a catalog id or an entry's file; a ``Motion``; a
@@ -70,7 +71,8 @@ def cost(
     clock = Clock(time.perf_counter(), seconds, progress)
     scene, solution = scene_of(subject, motion)
     task = Task(scene, solution, _places(scene))
-    trials = [*own_trials(task, levels), *closed_trials(task, levels), *(rival_trials(task) if rivals else [])]
+    closed = closed_trials(task, levels) or derived_trials(task, levels, seconds)
+    trials = [*own_trials(task, levels), *closed, *(rival_trials(task) if rivals else [])]
     truth = _truth(task, trials[0], levels, clock)
     rows = measured(task, trials, truth, clock, repeats)
     clock.tell("")

@@ -20,6 +20,7 @@ from hjsolve.reports.sections import motion as numerical
 from hjsolve.reports.sections import solution as quadratures
 from hjsolve.reports.sections import system_and_verdict
 from hjsolve.reports.sections.chart import chart_section
+from hjsolve.reports.sections.closed_forms import closed_form_report
 from hjsolve.reports.sections.laws import laws_section
 from hjsolve.reports.sections.literature import literature_section
 from hjsolve.reports.sections.moving_frame import frame_section
@@ -192,6 +193,8 @@ def document(material: Material) -> Document:
     if material.solution is not None:
         solved = material.solution
         sections += quadratures.solution_sections(solved)
+        forms_of = material.motion if material.motion is not None else solved
+        sections += _timed(clock, "closed forms, derived and verified", lambda: closed_form_report(forms_of))
         sections.append(_timed(clock, "laws the solution must obey", lambda: laws_section(solved)))
     trace, failures = None, [material.failure] if material.failure else []
     if material.motion is not None:

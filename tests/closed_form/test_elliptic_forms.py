@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+import random
 from functools import cache
 
 import numpy as np
@@ -101,6 +102,37 @@ def test_functions_of_numpy() -> None:
     for energy, value in zip(energies[:3], values[:3], strict=True):
         far = form.evaluate("periods.theta", {"E": sp.Rational(str(energy))}, 30).value
         assert abs(value - float(far)) <= 4e-15 * float(far)
+
+
+@pytest.mark.parametrize("name", ["two-centres-plane", "double-pendulum-small"])
+def test_motions_of_the_catalog(name: str) -> None:
+    """A rotation over a cosine squared, on a curve of genus 2 that X = sin² makes elliptic; radicals within radicals."""
+    data = hjsolve.catalog.describe(name).motions["default"].arguments
+    test_numbers_agree_with_the_engine_to_36_digits(name, data["q"], data["velocity"], {})
+
+
+@pytest.mark.parametrize("seed", [1, 2, 3, pytest.param(4, marks=pytest.mark.nightly)])
+def test_angles_with_a_squared_cosine(seed: int) -> None:
+    """Rotations and librations about either place of rest, in potentials nobody chose."""
+    draw = random.Random(seed)
+    a, b = (sp.Rational(draw.randint(-30, 30), 10) for _ in range(2))
+    system = hjsolve.System(
+        coordinates={"theta": "angle"}, kinetic="dot(theta)**2/2", potential="a*cos(theta) + b*cos(theta)**2",
+        parameters={"a": a, "b": b},
+    )  # fmt: skip
+    for place, speed in ((draw.randint(-31, 31), draw.randint(1, 9)), (draw.randint(-31, 31), draw.randint(40, 60))):
+        q, v = {"theta": sp.Rational(place, 10)}, {"theta": sp.Rational(speed, 10)}
+        motion = hjsolve.solve(system).motion(q=q, velocity=v, digits=40)
+        form = own_form(motion)
+        assert form is not None
+        exact = {"a": a, "b": b, "E": motion.initial.constants["E"]}
+        for group in ("actions", "frequencies", "periods"):
+            derived, known = getattr(form, group), getattr(motion, group)
+            assert set(derived) == set(known), form.why_not
+            for key, expression in derived.items():
+                held = {s.name for s in (*form.regime.example, *expression.free_symbols)}
+                value = form.evaluate(f"{group}.{key}", {n: w for n, w in exact.items() if n in held}, 40)
+                assert abs(value.value - known[key].value) <= 1e-36 * abs(known[key].value)
 
 
 @pytest.mark.parametrize(("name", "q", "velocity"), [

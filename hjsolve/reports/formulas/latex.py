@@ -24,6 +24,8 @@ _LETTERS = {
     "ο": "o",
     "∞": r"\infty",
     "π": r"\pi",
+    "Π": r"\Pi",
+    "ℰ": r"\mathcal{E}",
 }
 _OPERATORS = {
     "−": "-",
@@ -83,7 +85,9 @@ def _glyph(glyph: Glyph) -> str:
         case "text":
             return rf"\text{{{escape(glyph.text)}}}" if glyph.text else ""
         case "function":
-            return rf"\{glyph.text}" if glyph.text in _NAMED else rf"\operatorname{{{escape(glyph.text)}}}"
+            if glyph.text in _NAMED:
+                return rf"\{glyph.text}"
+            return rf"\operatorname{{{_LETTERS.get(glyph.text, escape(glyph.text))}}}"
         case "constant" | "differential" if glyph.text.isalpha():
             return rf"\mathrm{{{glyph.text}}}"
         case "differential":

@@ -2,21 +2,54 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
+from dataclasses import replace
+from functools import partial
+from typing import Any
 
 import sympy as sp
 
+from hjsolve.closed_form.closed_forms import closed_forms, own_form
 from hjsolve.closed_form.forms import RegimeForms
+from hjsolve.motion.motion import Motion
 from hjsolve.reports.document import Block, Code, Paragraph, Section, Table, Text
 from hjsolve.reports.formulas.layout import Glyph, row
 from hjsolve.reports.formulas.names import name_box
 from hjsolve.reports.sections.prose import typeset_prose
 from hjsolve.reports.sections.system_and_verdict import equation, formula, math
+from hjsolve.solution.quadratures import Solution
 
-_GROUPS = {
-    "periods": ("Period", "T_{}"), "frequencies": ("Frequency", "Omega_{}"), "actions": ("Action", "J_{}"),
-    "mean_velocities": ("Mean velocity", "v_{}"),
-}  # fmt: skip
+_GROUPS = {"periods": "Period", "frequencies": "Frequency", "actions": "Action", "mean_velocities": "Mean velocity"}
+_MOST_REGIMES = 3
+LONGEST_SHOWN = 250
+"""Operations of a formula that a reader can still take in."""
+SECONDS = 2.5
+"""Of processor time, for the forms of a report, which as a whole is to take less than eight."""
+
+
+def closed_form_report(subject: Motion | Solution) -> list[Section]:
+    """The forms of a motion's own regime, or of the regimes of a solution, as far as a report has time for them.
+
+    Args:
+        subject: a motion, or a solution where no motion is known.
+    """
+    if isinstance(subject, Motion):
+        solution, own = subject.solution, own_form(subject, seconds=SECONDS)
+        forms = [] if own is None else [own]
+    else:
+        solution, forms = subject, [*closed_forms(subject, seconds=SECONDS)[:_MOST_REGIMES]]
+    if not solution.coordinates:
+        return []
+    sections = closed_form_sections(forms)
+    more = "python -c 'import hjsolve; hjsolve.closed_forms(…)'"
+    which = "the regime of this motion" if isinstance(subject, Motion) else "the first regimes found"
+    name = solution.system.id
+    told: Text = (
+        f"Shown is {which}; ", Code(f"hjsolve solve {name} --closed" if name else more), " derives every regime, "
+        f"without the {SECONDS:g} s of processor time that a report allows itself.",
+    )  # fmt: skip
+    last = sections[-1]
+    return [*sections[:-1], replace(last, blocks=(*last.blocks, Paragraph(told)))]
 
 
 def closed_form_sections(forms: Sequence[RegimeForms]) -> list[Section]:
@@ -33,35 +66,53 @@ def closed_form_sections(forms: Sequence[RegimeForms]) -> list[Section]:
 
 
 def _section(form: RegimeForms, number: int) -> Section:
+    system = form.solution.system
     intro: Text = (
-        "Holds for: ", *typeset_prose(form.regime.words, form.solution.system), ". Each form was differentiated back "
+        "Holds for: ", *typeset_prose(form.regime.words, system), ". Each form was differentiated back "
         "to its integrand and compared with the quadrature to 40 digits; the separated momenta are positive.",
     )  # fmt: skip
     blocks: list[Block] = [Paragraph(intro)]
     for symbol, meaning in form.where.items():
         blocks.append(Paragraph((math(symbol), *_meaning(meaning))))
     if form.time_law is not None:
-        blocks.append(equation(form.time_law, "Greenwood (5-71)"))
-    blocks += [formula(row(name_box(q), Glyph("(t) ", "text")), e) for q, e in form.inverse.items()]
-    blocks += [equation(e, "Greenwood (5-70)") for e in form.orbit_equations.values()]
-    blocks += [formula(row(name_box(q), Glyph(" along the orbit ", "text")), e) for q, e in form.orbit.items()]
+        blocks.append(_shown("time_law", form.time_law, lambda e: equation(e, "Greenwood (5-71)")))
+    for q, e in form.inverse.items():
+        blocks.append(_shown(f"inverse.{q}", e, partial(formula, row(name_box(q), Glyph("(t) ", "text")))))
+    for name, law in form.orbit_equations.items():
+        blocks.append(_shown(f"orbit_equations.{name}", law, lambda e: equation(e, "Greenwood (5-70)")))
+    for q, e in form.orbit.items():
+        blocks.append(_shown(f"orbit.{q}", e, partial(formula, row(name_box(q), Glyph(" along the orbit ", "text")))))
     if form.characteristic_function is not None:
-        blocks.append(formula(Glyph("W"), form.characteristic_function, "Greenwood (5-65)"))
+        W = form.characteristic_function
+        blocks.append(_shown("characteristic_function", W, lambda e: formula(Glyph("W"), e, "Greenwood (5-65)")))
     if form.energy is not None:
-        blocks.append(formula(name_box("E"), form.energy))
+        blocks.append(_shown("energy", form.energy, partial(formula, name_box("E"))))
     rows = [
-        ((f"{word} of {q}",), (math(value),))
-        for group, (word, _) in _GROUPS.items()
+        (typeset_prose(f"{word} of {q}", system), _number(f"{group}.{q}", value))
+        for group, word in _GROUPS.items()
         for q, value in getattr(form, group).items()
     ]
     if rows:
         blocks.append(Table((("Quantity",), ("Closed form",)), tuple(rows), "Numbers of the motion"))
     if form.why_not:
-        missing = tuple(((Code(name),), (reason,)) for name, reason in form.why_not.items())
+        missing = tuple(((Code(name),), typeset_prose(reason, system)) for name, reason in form.why_not.items())
         blocks.append(Table((("Without a form",), ("Why",)), missing, "What has no closed form"))
     suffix = f"-{number}" if number else ""
     title = f"Closed forms, regime {number}" if number else "Closed forms"
     return Section(f"closed-forms{suffix}", title, tuple(blocks))
+
+
+def _shown(name: str, e: sp.Basic, write: Callable[[Any], Block]) -> Block:
+    """A formula; of a long one its name and length."""
+    return write(e) if sp.count_ops(e) <= LONGEST_SHOWN else Paragraph(_too_long(name, e))
+
+
+def _number(name: str, e: sp.Expr) -> Text:
+    return (math(e),) if sp.count_ops(e) <= LONGEST_SHOWN else _too_long(name, e)
+
+
+def _too_long(name: str, e: sp.Basic) -> Text:
+    return (Code(name), f" has a form of {sp.count_ops(e)} operations: ", Code("form.code()"), " writes it.")
 
 
 def _meaning(meaning: object) -> Text:

@@ -1,0 +1,239 @@
+"""Values of formulas in mpmath's numbers: every part once, what does not vary once for all places, slopes by rules.
+
+The elliptic functions of long forms occur many times, and several integrals of a coordinate share them. A formula
+becomes a list of lines, one for each different part, evaluated in order; derivatives are more lines of the same list.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Mapping, Sequence
+from fractions import Fraction
+from functools import lru_cache
+
+import mpmath
+import sympy as sp
+
+from hjsolve.functions import modules
+
+GUARD = 20
+"""Digits beyond those asked of a constant."""
+Rule = Callable[..., mpmath.mpf]
+Line = tuple[Rule, tuple[int, ...]]
+
+
+class Evaluator:
+    """Formulas made ready for numbers.
+
+    Args:
+        expressions: the formulas.
+        slopes: by which symbol each is differentiated as well; None for no derivatives.
+    """
+
+    def __init__(self, expressions: Sequence[sp.Expr], slopes: sp.Symbol | None = None):
+        self.lines: list[Line] = []
+        self.symbols: dict[int, sp.Symbol] = {}
+        self._known: dict[sp.Expr, int] = {}
+        self._slopes: dict[sp.Expr, int | None] = {}
+        self.outputs = [self._line(e) for e in map(sp.sympify, expressions)]
+        if slopes is not None:
+            found = [self._slope(e, slopes) for e in map(sp.sympify, expressions)]
+            self.outputs += [self._line(sp.S.Zero) if k is None else k for k in found]
+
+    def at(self, numbers: Mapping[sp.Symbol, mpmath.mpf]) -> list[mpmath.mpf]:
+        """The values, in mpmath's present precision; nan where a part is infinite or has no value.
+
+        Args:
+            numbers: symbol → number, of every symbol.
+        """
+        return self.along(numbers, None)(mpmath.mpf(0))
+
+    def along(
+        self, numbers: Mapping[sp.Symbol, mpmath.mpf], free: sp.Symbol | None
+    ) -> Callable[[mpmath.mpf], list[mpmath.mpf]]:  # fmt: skip
+        """The values as a function of one symbol; parts free of it are worked out now, in the present precision.
+
+        Args:
+            numbers: symbol → number, of the other symbols.
+            free: the symbol that varies; None for none.
+        """
+        slots: list[mpmath.mpf] = [mpmath.nan] * len(self.lines)
+        varying, moving = set[int](), list[tuple[int, Rule, tuple[int, ...]]]()
+        for place, (rule, operands) in enumerate(self.lines):
+            if (symbol := self.symbols.get(place)) is not None:
+                if symbol == free:
+                    varying.add(place)
+                else:
+                    slots[place] = mpmath.mpmathify(numbers[symbol])
+            elif varying.isdisjoint(operands):
+                slots[place] = _applied(rule, [slots[k] for k in operands])
+            else:
+                varying.add(place)
+                moving.append((place, rule, operands))
+        starts = [place for place, symbol in self.symbols.items() if symbol == free]
+
+        def values(there: mpmath.mpf) -> list[mpmath.mpf]:
+            own = [*slots]
+            for place in starts:
+                own[place] = there
+            for place, rule, operands in moving:
+                own[place] = _applied(rule, [own[k] for k in operands])
+            return [own[k] for k in self.outputs]
+
+        return values
+
+    def _emit(self, rule: Rule, *operands: int) -> int:
+        self.lines.append((rule, operands))
+        return len(self.lines) - 1
+
+    def _line(self, e: sp.Expr) -> int:
+        if e not in self._known:
+            self._known[e] = self._write(e)
+        return self._known[e]
+
+    def _write(self, e: sp.Expr) -> int:
+        if e.is_Symbol:
+            place = self._emit(_nothing)
+            self.symbols[place] = e
+            return place
+        if e.is_Add or e.is_Mul:
+            return self._emit(_sum if e.is_Add else _product, *map(self._line, e.args))
+        if e.is_Pow:
+            return self._power(e.base, e.exp)
+        if not e.args:
+            return self._emit(_constant(e))
+        return self._emit(_function(e.func), *map(self._line, e.args))
+
+    def _power(self, base: sp.Expr, exponent: sp.Expr) -> int:
+        if base is sp.E:
+            return self._emit(mpmath.exp, self._line(exponent))
+        if exponent.is_Integer:
+            return self._emit(_integer_power(int(exponent)), self._line(base))
+        if exponent.is_Rational and exponent.q == 2:
+            root = self._emit(mpmath.sqrt, self._line(base))
+            return root if exponent.p == 1 else self._emit(_integer_power(int(exponent.p)), root)
+        return self._emit(mpmath.power, self._line(base), self._line(exponent))
+
+    def _slope(self, e: sp.Expr, q: sp.Symbol) -> int | None:
+        if e not in self._slopes:
+            self._slopes[e] = self._differentiated(e, q)
+        return self._slopes[e]
+
+    def _differentiated(self, e: sp.Expr, q: sp.Symbol) -> int | None:
+        """The line of ∂e/∂q; None where e does not hold q."""
+        if e == q:
+            return self._line(sp.S.One)
+        parts = [(k, slope) for k, a in enumerate(e.args) if (slope := self._slope(a, q)) is not None]
+        if not parts:
+            return None
+        if e.is_Add:
+            return self._emit(_sum, *(slope for _, slope in parts))
+        terms = []
+        for k, slope in parts:
+            if e.is_Mul:
+                terms.append(self._emit(_product, slope, *(self._line(a) for j, a in enumerate(e.args) if j != k)))
+            elif e.is_Pow:
+                by = e.exp * e.base ** (e.exp - 1) if k == 0 else e * sp.log(e.base)
+                terms.append(self._emit(_product, slope, self._line(by)))
+            else:
+                terms.append(self._emit(_product, slope, self._line(_partial(e, k))))
+        return terms[0] if len(terms) == 1 else self._emit(_sum, *terms)
+
+
+def number(expression: sp.Expr, numbers: Mapping[sp.Symbol, mpmath.mpf]) -> mpmath.mpf:
+    """One formula at numbers, in mpmath's present precision.
+
+    Args:
+        expression: of parameters and constants.
+        numbers: symbol → number, of every symbol.
+    """
+    return evaluator(expression).at(numbers)[0]
+
+
+@lru_cache(maxsize=2048)
+def evaluator(*expressions: sp.Expr) -> Evaluator:
+    """Formulas made ready for numbers, kept for the next time.
+
+    Args:
+        *expressions: the formulas.
+    """
+    return Evaluator(expressions)
+
+
+def many_digits(values: Mapping[sp.Symbol, sp.Expr], digits: int) -> dict[sp.Symbol, mpmath.mpf]:
+    """Exact values as numbers with so many digits, and some to spare.
+
+    Args:
+        values: symbol → sympy number.
+        digits: of each.
+    """
+    with mpmath.workdps(digits + GUARD):
+        return {symbol: _constant(value)() for symbol, value in values.items()}
+
+
+def _partial(e: sp.Expr, k: int) -> sp.Expr:
+    return e.diff(e.args[0]) if not isinstance(e, sp.Function) else e.fdiff(k + 1)
+
+
+def _applied(rule: Rule, operands: list[mpmath.mpf]) -> mpmath.mpf:
+    try:
+        return rule(*operands)
+    except (ZeroDivisionError, ValueError):
+        return mpmath.nan
+
+
+def _nothing() -> mpmath.mpf:
+    return mpmath.nan
+
+
+def _sum(*terms: mpmath.mpf) -> mpmath.mpf:
+    total = terms[0]
+    for term in terms[1:]:
+        total = total + term
+    return total
+
+
+def _product(*factors: mpmath.mpf) -> mpmath.mpf:
+    value = factors[0]
+    for factor in factors[1:]:
+        value = value * factor
+    return value
+
+
+@lru_cache(maxsize=64)
+def _integer_power(n: int) -> Rule:
+    def power(x: mpmath.mpf) -> mpmath.mpf:
+        return x**n
+
+    return power
+
+
+def _constant(e: sp.Expr) -> Rule:
+    """A constant in the precision that is asked then."""
+    if e.is_Rational:
+        part = Fraction(int(e.p), int(e.q))
+        return lambda: mpmath.mpf(part.numerator) / part.denominator
+    if e.is_Float:
+        return lambda: mpmath.mp.make_mpf(e._mpf_)
+    if e in (sp.oo, -sp.oo, sp.zoo, sp.nan):
+        return lambda: mpmath.inf if e is sp.oo else -mpmath.inf if e is -sp.oo else mpmath.nan
+    return lambda: mpmath.mpmathify(sp.N(e, mpmath.mp.dps + 5))
+
+
+@lru_cache(maxsize=256)
+def _function(function: type[sp.Function]) -> Rule:
+    """The function of mpmath's numbers."""
+    table, _ = modules("mpmath")
+    assert isinstance(table, dict)
+    name = function.__name__
+    if name in table:
+        return table[name]
+    if name in _SAME:
+        return getattr(mpmath, name)
+    arguments = sp.symbols(f"a:{1 if not function.nargs else max(function.nargs)}")
+    return sp.lambdify(arguments, function(*arguments), modules=modules("mpmath"))
+
+
+_SAME = (
+    "exp", "log", "sin", "cos", "tan", "asin", "acos", "atan", "atan2", "sinh", "cosh", "tanh", "asinh", "acosh",
+    "atanh", "sign",
+)  # fmt: skip

@@ -1,0 +1,117 @@
+"""∫ R(x²) dx/√P(x²), deg P = 6: a curve of genus 2 that x ↦ −x maps to itself, and that X = x² makes elliptic.
+
+    ∫ R(x²) dx/√P(x²) = ± ½ ∫ R(X) dX/√(X P(X)),   + for x > 0,
+
+of degree 4 in X. Where the motion passes x = 0 the integral is taken from the root X = 0, and is odd in x: every
+square root of X is written as x. So rotates the angle of two centres, whose squared momentum is quadratic in the
+cosine.
+
+Jacobi's reduction; Byrd and Friedman, Handbook of elliptic integrals (1971), 575.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, replace
+
+import mpmath
+import sympy as sp
+
+from hjsolve.closed_form.branch_points import NamedRoots, named_roots
+from hjsolve.closed_form.curves import MomentumCurve
+from hjsolve.closed_form.no_form import NoFormError
+from hjsolve.closed_form.regions import RootInterval, real_roots
+from hjsolve.closed_form.signs import Signs
+
+
+@dataclass(frozen=True)
+class SquareCurve:
+    """The curve in X = x², and how the motion lies on it.
+
+    Attributes:
+        X: the variable, positive.
+        inner: the curve y² = X P(X).
+        roots: of X P(X), by name.
+        side: the sign of x where the motion does not pass x = 0; 1 where it does.
+        passes: whether it passes x = 0.
+        place: X of the sample.
+    """
+
+    X: sp.Symbol
+    inner: MomentumCurve
+    roots: NamedRoots
+    side: int
+    passes: bool
+    place: mpmath.mpf
+
+    def integrand(self, R: sp.Expr, x: sp.Symbol) -> sp.Expr:
+        """± ½ R in X.
+
+        Args:
+            R: rational in x.
+            x: the variable of the curve.
+
+        Raises:
+            NoFormError: R is not even.
+        """
+        if sp.cancel(sp.together(R - R.subs(x, -x))) != 0:
+            raise NoFormError("the integrand on a curve of genus 2 is not even in x")
+        return self.side * sp.cancel(sp.powdenest(R.subs(x, sp.sqrt(self.X)), force=True)) / 2
+
+    def in_x(self, value: sp.Expr, x: sp.Symbol) -> sp.Expr:
+        """An integral over X as a function of x, odd where the motion passes x = 0.
+
+        Args:
+            value: of the integral.
+            x: the variable of the curve.
+        """
+        if not self.passes:
+            return value.subs(self.X, x**2)
+        y = sp.Dummy("y", positive=True)
+        return value.subs(self.X, y**2).xreplace({y: x})
+
+    def turning_points(self, signs: Signs) -> tuple[sp.Expr, ...]:
+        """The real roots of P(x²) in x, ascending.
+
+        Args:
+            signs: of the sample.
+        """
+        positive = [sp.sqrt(r) for r in self.roots.real if signs.number(r) > mpmath.mpf(10) ** -30]
+        return (*(-r for r in reversed(positive)), *positive)
+
+
+def square_curve(curve: MomentumCurve, region: RootInterval, signs: Signs, prefix: str) -> SquareCurve:
+    """The curve in X of an even P of degree 6.
+
+    Args:
+        curve: of degree 6.
+        region: where the motion is.
+        signs: of the sample.
+        prefix: of the names of roots.
+
+    Raises:
+        NoFormError: P is not even, or the roots have no names.
+    """
+    P, x = curve.polynomial, curve.x
+    X = sp.Symbol(x.name, positive=True)
+    polynomial = sp.Poly(sum(c * X ** (n // 2 + 1) for (n,), c in P.terms()), X)
+    end = curve.substitution.upper
+    squares = replace(curve.substitution, x=X, lower=sp.S.Zero, upper=end**2 if end.is_finite else sp.oo)
+    inner = replace(curve, polynomial=polynomial, substitution=squares)
+    below = [r for r in region.roots if r < region.place]
+    above = [r for r in region.roots if r > region.place]
+    passes = (not below or below[-1] < 0) and (not above or above[0] > 0)
+    real, double = real_roots(inner, signs.numbers)
+    if double:
+        raise NoFormError("two roots of the curve in x² meet")
+    there = replace(region, curve=inner, place=region.place**2, roots=tuple(real))
+    named = named_roots(inner, there, signs, prefix)
+    return SquareCurve(X, inner, named, 1 if passes or region.place > 0 else -1, passes, region.place**2)
+
+
+def reduces(curve: MomentumCurve) -> bool:
+    """Whether a curve of genus 2 is one of these.
+
+    Args:
+        curve: of any degree.
+    """
+    return curve.degree == 6 and all(n % 2 == 0 for (n,) in curve.polynomial.monoms())
