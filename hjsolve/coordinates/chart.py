@@ -19,7 +19,7 @@ from hjsolve.coordinates.results import Vector, Web
 from hjsolve.coordinates.small_oscillations import normal_modes
 from hjsolve.display.shown import Shown
 from hjsolve.errors import InvalidSystemError, NotSeparableError
-from hjsolve.mechanics.system import System, linear_terms
+from hjsolve.mechanics.system import System, linear_terms, placed
 from hjsolve.separation import Separation, separate
 from hjsolve.separation.obstruction.advice import small_oscillations
 
@@ -136,15 +136,22 @@ def _charted(web: Web, cartesian: Cartesian, reason: str, budget: float) -> Char
     if not isinstance(web.verdict, Separation):
         return None
     local, axes = chart_and_axes(web, cartesian, covering=True)
+    there = _there(cartesian.system, web.transformation, web.system)
     own = dict(zip(local.symbols, (web.system.symbols[name] for name in web.coordinates), strict=True))
     frame = cartesian.stretch * sp.Matrix([list(axis) for axis in axes]).T
     origin = cartesian.stretch * sp.Matrix(web.centre)
     return Chart(
         web.kind, web.coordinates, web.transformation, web.remark, reason + _freedom(web), cartesian.system,
-        web.system, web.verdict, tuple(origin), sp.ImmutableMatrix(frame), tuple(own.values()),
+        there, replace(web.verdict, system=there), tuple(origin), sp.ImmutableMatrix(frame), tuple(own.values()),
         tuple(x.xreplace(own) for x in local.place), tuple(h.xreplace(own) for h in local.scale), cartesian.mass,
         web.lengths,
     )  # fmt: skip
+
+
+def _there(original: System, transformation: Mapping[str, sp.Expr], found: System) -> System:
+    """The system found, with the place that the given one has, as a function of its own coordinates."""
+    at = {original.coordinate(name).symbol: e for name, e in transformation.items()}
+    return placed(found, tuple((axis, formula.xreplace(at)) for axis, formula in original.place.items()))
 
 
 def _freedom(web: Web) -> str:
@@ -159,8 +166,10 @@ def _modal(system: System, reason: str, budget: float) -> Chart:
         raise InvalidSystemError("the modes could not be certified")
     names = tuple(mode.name for mode in modes.modes)
     symbols = tuple(modes.system.symbols[name] for name in names)
+    there = _there(system, modes.transformation, modes.system)
     return Chart(
-        "normal modes", names, modes.transformation, modes.remark, reason, system, modes.system, modes.verdict,
+        "normal modes", names, modes.transformation, modes.remark, reason, system, there,
+        replace(modes.verdict, system=there),
         tuple(modes.equilibrium.values()), modes.matrix, symbols, symbols, tuple(mode.mass for mode in modes.modes),
         sp.S.One, {},
     )  # fmt: skip
