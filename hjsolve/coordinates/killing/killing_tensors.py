@@ -12,10 +12,10 @@ ten-dimensional subspace in space (Rajaratnam, McLenaghan, Valero, SIGMA 12 (201
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
-from functools import cache, reduce
-from itertools import combinations, combinations_with_replacement
+from functools import cache, lru_cache, reduce
+from itertools import combinations, combinations_with_replacement, count
 from operator import mul
 from random import Random
 from typing import Any
@@ -26,7 +26,6 @@ from hjsolve.coordinates.killing.constant_field import Ground
 from hjsolve.coordinates.killing.fraction_free_elimination import echelon_over_ring
 from hjsolve.coordinates.killing.numerical_rank import derivatives, rank_in_numbers, reconstructed_kernel
 from hjsolve.coordinates.killing.radical_algebra import (
-    Generators,
     PointAlgebra,
     ZeroDivisorError,
     collected_generators,
@@ -144,12 +143,54 @@ def _in_domain(table: list[Any], domain: Any) -> list[Any]:
     ]
 
 
-def _rows_at(algebra: PointAlgebra, values: Sequence[sp.Expr], table: list[Any], width: int) -> list[list[Any]]:
+class Samples:
+    """The derivatives of V at one random regular point after another, worked out when they are first asked for.
+
+    Attributes:
+        values: the derivatives, prepared.
+        made_of: what they are made of.
+    """
+
+    def __init__(self, V: sp.Expr, x: tuple[sp.Symbol, ...]):
+        self.values = prepared(derivatives(V, x), x)
+        self.made_of = collected_generators(self.values, x)
+        self._random, self._left = Random(20161), _MOST_POINTS  # noqa: S311
+        self._known: list[tuple[list[Any], list[Any]]] = []
+
+    def at(self, k: int) -> tuple[list[Any], list[Any]]:
+        """Return the k-th point, in numbers of the field of constants, and the derivatives there.
+
+        Args:
+            k: from 0 on.
+
+        Raises:
+            InternalError: there are no regular points.
+        """
+        while len(self._known) <= k:
+            if not self._left:
+                raise InternalError("find_coordinates: no regular points of the potential were found")
+            self._left -= 1
+            algebra = PointAlgebra(self.made_of, self._random)
+            try:
+                elements = [algebra.evaluate(value) for value in self.values]
+            except (ZeroDivisorError, ZeroDivisionError):
+                continue
+            numbers = self.made_of.ground.numbers
+            self._known.append(([numbers.convert(value) for value in algebra.plain.values()], elements))
+        return self._known[k]
+
+
+@lru_cache(maxsize=8)
+def _samples(V: sp.Expr, x: tuple[sp.Symbol, ...]) -> Samples:
+    """The samples of a potential, the same for every family of tensors."""
+    return Samples(V, x)
+
+
+def _rows_at(
+    ground: Ground, x: Sequence[Any], elements: Sequence[Any], table: list[Any], width: int
+) -> list[list[Any]]:
     """Return the linear equations that one point gives."""
-    field = algebra.field
-    elements = [algebra.evaluate(value) for value in values]
-    numbers = algebra.made_of.ground.numbers
-    x = [numbers.convert(value) for value in algebra.plain.values()]
+    field, numbers = ground.field, ground.numbers
     monomials: dict[tuple[int, ...], Any] = {}
     rows: list[list[Any]] = []
     for equation in table:
@@ -203,15 +244,12 @@ def _nullspace(echelon: dict[int, list[Any]], width: int, field: Any) -> list[li
     return [reduced[column] for column in sorted(reduced)]
 
 
-def _points(made_of: Generators, values: Sequence[sp.Expr], table: list[Any], width: int, random: Random):  # type: ignore[no-untyped-def]
+def _points(samples: Samples, table: list[Any], width: int) -> Iterator[list[list[Any]]]:
     """Yield the equations of one random regular point after another."""
-    converted = _in_domain(table, made_of.ground.numbers)
-    for _ in range(_MOST_POINTS):
-        try:
-            yield _rows_at(PointAlgebra(made_of, random), values, converted, width)
-        except (ZeroDivisorError, ZeroDivisionError):
-            continue
-    raise InternalError("find_coordinates: no regular points of the potential were found")
+    ground = samples.made_of.ground
+    converted = _in_domain(table, ground.numbers)
+    for k in count():
+        yield _rows_at(ground, *samples.at(k), converted, width)
 
 
 def _span(point_rows: Any, ground: Ground, width: int) -> list[list[Any]] | None:
@@ -287,12 +325,13 @@ def kernel(V: sp.Expr, x: Sequence[sp.Symbol], tensors: Sequence[sp.ImmutableMat
     Returns:
         A ``Kernel``; the parameters are taken as independent (generic) quantities.
     """
-    x, width = tuple(x), len(tensors)
-    values = prepared(derivatives(V, x), x)
-    made_of = collected_generators(values, x)
-    ground, random = made_of.ground, Random(20161)  # noqa: S311
-    table = _coefficients(tuple(tensors), x)
-    stream = _points(made_of, values, table, width, random)
+    return _kernel(V, tuple(x), tuple(tensors), check)
+
+
+@lru_cache(maxsize=16)
+def _kernel(V: sp.Expr, x: tuple[sp.Symbol, ...], tensors: tuple[sp.ImmutableMatrix, ...], check: bool) -> Kernel:
+    width, samples, table = len(tensors), _samples(V, x), _coefficients(tensors, x)
+    ground, stream = samples.made_of.ground, _points(samples, table, width)
     sparse = _span(stream, ground, width) if ground.parameters else None
     pivots: tuple[sp.Expr, ...] = ()
     if sparse is not None:
