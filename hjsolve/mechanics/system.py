@@ -68,7 +68,8 @@ class System(Shown):
         functions: functions left undetermined in the texts of T and V, such as ``["v1(r)", "f(x, y)"]``; the solution
             is then one of formulas, numbers cannot be asked of it.
         place: where the coordinates are in space, for drawings and tables: ``{"x": "r*cos(phi)", "y": "r*sin(phi)"}``;
-            known by itself of coordinates called x, y, z. T need not be that of this point.
+            known by itself of coordinates called x, y, z. T need not be that of this point. ``places`` is what was
+            declared.
 
     Raises:
         InvalidSystemError: the parts do not make a mechanical system; the message says which and why.

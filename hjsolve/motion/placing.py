@@ -11,6 +11,7 @@ import sympy as sp
 
 from hjsolve.arithmetic.floats import Float64, Multi
 from hjsolve.arithmetic.running_error import RunningError, WithErrorBound
+from hjsolve.display.shown import Shown
 from hjsolve.mechanics.system import System
 from hjsolve.motion.exact_numbers import to_bits
 from hjsolve.motion.positions import tape_of
@@ -19,8 +20,8 @@ from hjsolve.motion.state import Errors, State
 _SAFETY = 2
 
 
-@dataclass(frozen=True)
-class PlaceFormulas:
+@dataclass(frozen=True, repr=False)
+class PlaceFormulas(Shown):
     """Formulas of a place, and the numbers in them.
 
     Attributes:

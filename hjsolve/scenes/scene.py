@@ -48,7 +48,8 @@ class Scene(Question):
     """A question that can be read from a file and run.
 
     Its attributes are those of ``Question``, where each is explained: source, title, summary, table, effects, system,
-    forces, parameters, initial, want, times, digits, events, orbit, method, certified, seconds, sweep.
+    forces, parameters, initial, want, times, digits, events, orbit, method, certified, seconds, sweep,
+    coordinates.
     """
 
     @staticmethod
