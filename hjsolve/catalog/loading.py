@@ -194,6 +194,8 @@ def table_of(system: System) -> TomlTable:
         ],
         "signature": system.signature, "title": system.title, "id": system.id,
     }  # fmt: skip
+    if system.places:
+        table["place"] = {axis: str(formula) for axis, formula in system.places}
     if system.relativity is not None:
         table["relativity"] = {"mass": str(system.relativity.mass), "light": str(system.relativity.light)}
     return {key: value for key, value in table.items() if value not in ("", [])}
@@ -241,7 +243,7 @@ def _built(table: Toml, source: str) -> System | LinearHamiltonian:
         return System(
             coordinates, own["kinetic"], own.get("potential", "0"), parameters,
             signature=own.get("signature", "definite"), title=own.get("title", ""), id=own.get("id", ""),
-            relativity=own.get("relativity"), functions=own.get("functions", ()),
+            relativity=own.get("relativity"), functions=own.get("functions", ()), place=own.get("place"),
         )  # fmt: skip
     except InvalidInputError as error:
         raise CatalogError(f"{source}: {_one_line(error)}") from error

@@ -133,7 +133,10 @@ def _columns(state: State | Trajectory) -> dict[str, object]:
     columns = {f"{group}.{name}": x for group in _GROUPS for name, x in getattr(state, group).items()}
     columns |= {f"turns.{name}": x for name, x in state.turns.items()}
     error = state.error
-    for group in _GROUPS:
+    elsewhere = state.place if isinstance(state, State) and state.placing is not None else {}
+    if any(name not in state.q for name in elsewhere):  # not the coordinates themselves
+        columns |= {f"place.{name}": x for name, x in elsewhere.items()}
+    for group in (*_GROUPS, *(("place",) if any(key.startswith("place.") for key in columns) else ())):
         for name, found in getattr(error, group).items():
             columns[f"error.{group}.{name}"] = np.frompyfunc(_bound, 1, 1)(np.asarray(found, dtype=object))
     return {**columns, "status": state.status}

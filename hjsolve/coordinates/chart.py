@@ -17,9 +17,10 @@ from hjsolve.coordinates.charts.validity import valid_everywhere
 from hjsolve.coordinates.find import cartesian_form, find_coordinates
 from hjsolve.coordinates.results import Vector, Web
 from hjsolve.coordinates.small_oscillations import normal_modes
+from hjsolve.coordinates.superintegrable import independent_integrals, told, told_of_modes
 from hjsolve.display.shown import Shown
 from hjsolve.errors import InvalidSystemError, NotSeparableError
-from hjsolve.mechanics.system import System, linear_terms
+from hjsolve.mechanics.system import System, linear_terms, placed
 from hjsolve.separation import Separation, separate
 from hjsolve.separation.obstruction.advice import small_oscillations
 
@@ -53,6 +54,8 @@ class Chart(Shown):
         scale: h_k²(u) of T = m/2 Σ h_k² u̇_k², without differences that cancel.
         mass: m.
         lengths: named constants of X(u).
+        independent: number of independent integrals quadratic in the momenta, energy included, that were found; more
+            than coordinates: frequencies obey relations with whole numbers (``superintegrable.py``). 0: not counted.
     """
 
     kind: str
@@ -70,6 +73,7 @@ class Chart(Shown):
     scale: Vector = field(repr=False)
     mass: sp.Expr = field(repr=False)
     lengths: Mapping[str, sp.Expr] = field(repr=False)
+    independent: int = 0
 
 
 def find_chart(system: System, refused: object, *, budget: float = 20.0) -> Chart:
@@ -114,9 +118,15 @@ def find_chart(system: System, refused: object, *, budget: float = 20.0) -> Char
     for web in sorted(found.webs, key=_cost):
         chart = _charted(web, cartesian, f"{why}; {web.kind} coordinates do{several}", budget)
         if chart is not None:
-            return chart
+            independent = independent_integrals(found, cartesian)
+            more = told(found, cartesian, web.kind, independent)
+            return replace(chart, remark=_remarks(chart.remark, more), independent=independent)
     lacking = "\nNone of these could be certified on all of its domain." if found.webs else ""
     raise NotSeparableError(f"{why}. {found.advice}{lacking}", refused)
+
+
+def _remarks(*parts: str) -> str:
+    return "; ".join(part for part in parts if part)
 
 
 def _cost(web: Web) -> tuple[int, bool, int]:
@@ -136,15 +146,22 @@ def _charted(web: Web, cartesian: Cartesian, reason: str, budget: float) -> Char
     if not isinstance(web.verdict, Separation):
         return None
     local, axes = chart_and_axes(web, cartesian, covering=True)
+    there = _there(cartesian.system, web.transformation, web.system)
     own = dict(zip(local.symbols, (web.system.symbols[name] for name in web.coordinates), strict=True))
     frame = cartesian.stretch * sp.Matrix([list(axis) for axis in axes]).T
     origin = cartesian.stretch * sp.Matrix(web.centre)
     return Chart(
         web.kind, web.coordinates, web.transformation, web.remark, reason + _freedom(web), cartesian.system,
-        web.system, web.verdict, tuple(origin), sp.ImmutableMatrix(frame), tuple(own.values()),
+        there, replace(web.verdict, system=there), tuple(origin), sp.ImmutableMatrix(frame), tuple(own.values()),
         tuple(x.xreplace(own) for x in local.place), tuple(h.xreplace(own) for h in local.scale), cartesian.mass,
         web.lengths,
     )  # fmt: skip
+
+
+def _there(original: System, transformation: Mapping[str, sp.Expr], found: System) -> System:
+    """The system found, with the place that the given one has, as a function of its own coordinates."""
+    at = {original.coordinate(name).symbol: e for name, e in transformation.items()}
+    return placed(found, tuple((axis, formula.xreplace(at)) for axis, formula in original.place.items()))
 
 
 def _freedom(web: Web) -> str:
@@ -159,8 +176,10 @@ def _modal(system: System, reason: str, budget: float) -> Chart:
         raise InvalidSystemError("the modes could not be certified")
     names = tuple(mode.name for mode in modes.modes)
     symbols = tuple(modes.system.symbols[name] for name in names)
+    there, remark = _there(system, modes.transformation, modes.system), _remarks(modes.remark, told_of_modes(modes))
     return Chart(
-        "normal modes", names, modes.transformation, modes.remark, reason, system, modes.system, modes.verdict,
+        "normal modes", names, modes.transformation, remark, reason, system, there,
+        replace(modes.verdict, system=there),
         tuple(modes.equilibrium.values()), modes.matrix, symbols, symbols, tuple(mode.mass for mode in modes.modes),
         sp.S.One, {},
     )  # fmt: skip

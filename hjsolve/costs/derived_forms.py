@@ -10,10 +10,13 @@ from __future__ import annotations
 import time
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
+from typing import TypeAlias
 
 import mpmath
 import sympy as sp
 
+from hjsolve.arithmetic.floats import EPS
+from hjsolve.arithmetic.number_types import Mpf
 from hjsolve.closed_form.closed_forms import own_form
 from hjsolve.closed_form.evaluation import Evaluator, many_digits
 from hjsolve.closed_form.forms import RegimeForms
@@ -25,6 +28,7 @@ from hjsolve.motion.motion import Motion
 from hjsolve.scenes.question import Times
 from hjsolve.scenes.run import first_arguments
 
+Claimed: TypeAlias = float | Mpf
 _GUARD, _SHARE, _MOST = 20, 0.25, 5.0
 _NUMBERS = ("turning_points", "actions", "frequencies", "periods")
 
@@ -151,14 +155,14 @@ def _rational(moment: sp.Expr) -> sp.Rational:
 def _trial(task: Task, form: DerivedForm, digits: int, spent: float) -> Trial:
     angles = {f"q.{c.name}" for c in task.scene.system.coordinates if c.domain.kind == "angle"}
 
-    def compute(times: Times | None, _: float) -> dict[str, list[tuple[object, object]]]:
+    def compute(times: Times | None, _: float) -> dict[str, list[tuple[Claimed, Claimed]]]:
         moments = task.every if times is None else times.listed
         near, far = form.values(digits + _GUARD, moments), form.values(2 * (digits + _GUARD), moments)
         return {n: [_rounded(x, y, digits) for x, y in zip(near[n], far[n], strict=True)] for n in far}
 
-    def read(result: dict[str, list[tuple[object, object]]], places: Sequence[int]) -> Answer:
+    def read(result: dict[str, list[tuple[Claimed, Claimed]]], places: Sequence[int]) -> Answer:
         numbers = {n: tuple(v[k] for k in places) if n in form.states else tuple(v) for n, v in result.items()}
-        sizes = {n: max(abs(float(v)) for v, _ in result[n]) for n in form.states}  # type: ignore[arg-type]
+        sizes = {n: max(abs(float(v)) for v, _ in result[n]) for n in form.states}
         count = 2 * sum(len(values) for values in result.values())
         return Answer(numbers, count, {n: size for n, size in sizes.items() if n not in angles})
 
@@ -168,10 +172,10 @@ def _trial(task: Task, form: DerivedForm, digits: int, spent: float) -> Trial:
     return Trial("closed form", digits, compute, read, "formulas", own=True, covers=covers, note=note)
 
 
-def _rounded(value: mpmath.mpf, again: mpmath.mpf, digits: int) -> tuple[object, object]:
+def _rounded(value: mpmath.mpf, again: mpmath.mpf, digits: int) -> tuple[Claimed, Claimed]:
     """The value to the digits asked, and what it claims."""
     with mpmath.workdps(2 * (digits + _GUARD)):
         difference = 2 * abs(again - value)
         if digits <= 15:
-            return float(again), float(difference) + abs(float(again)) * 2.0**-52
+            return float(again), float(difference) + abs(float(again)) * EPS
         return again, difference + abs(again) * mpmath.mpf(10) ** -digits

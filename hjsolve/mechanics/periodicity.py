@@ -94,7 +94,7 @@ def _message(
     source: str, f: sp.Expr, c: Coordinate, difference: tuple[sp.Expr, object], parameters: Sequence[Parameter]
 ) -> str:
     place, change = (CONTEXT.nstr(x, 4) for x in difference)
-    letter = "T" if source == "kinetic" else "V"
+    letter = {"kinetic": "T", "potential": "V"}.get(source, "it")
     free = [p.name for p in parameters if p.symbol in f.free_symbols and p.assume != "integer"]
     hint = f', or declare {free[0]} integer, parameter("{free[0]}", assume="integer")' if free else ""
     return (

@@ -19,7 +19,7 @@ from hjsolve import arguments
 from hjsolve.display.shown import Shown, as_call, cut
 from hjsolve.errors import InvalidSystemError, MissingValueError
 from hjsolve.formulas.point_values import NoValueError, evaluate
-from hjsolve.formulas.read import admit, number, parse
+from hjsolve.formulas.read import number
 from hjsolve.mechanics.coordinates_and_parameters import (
     Coordinate,
     Parameter,
@@ -31,14 +31,15 @@ from hjsolve.mechanics.coordinates_and_parameters import (
     unknown_names,
 )
 from hjsolve.mechanics.domains import Domain
+from hjsolve.mechanics.kinetic_and_potential import Formulas, read_signature
 from hjsolve.mechanics.kinetic_energy import (
-    check_quadratic,
     half_inverse_form,
     inverse_of_mass_matrix,
     mass_entries,
     velocity_coefficients,
 )
 from hjsolve.mechanics.periodicity import check_periodic
+from hjsolve.mechanics.place import Places, place_of, read_place
 from hjsolve.mechanics.positive_definite import check_mass_matrix, end_values
 from hjsolve.mechanics.relativity import Relativity, relativity_of
 
@@ -65,6 +66,9 @@ class System(Shown):
             relativistic particle; ``kinetic`` is then the classical T, whose metric it shares.
         functions: functions left undetermined in the texts of T and V, such as ``["v1(r)", "f(x, y)"]``; the solution
             is then one of formulas, numbers cannot be asked of it.
+        place: where the coordinates are in space, for drawings and tables: ``{"x": "r*cos(phi)", "y": "r*sin(phi)"}``;
+            known by itself of coordinates called x, y, z. T need not be that of this point. ``places`` is what was
+            declared.
 
     Raises:
         InvalidSystemError: the parts do not make a mechanical system; the message says which and why.
@@ -85,6 +89,7 @@ class System(Shown):
     title: str
     id: str
     relativity: Relativity | None
+    places: Places
 
     def __init__(
         self,
@@ -98,15 +103,18 @@ class System(Shown):
         id: str = "",  # noqa: A002 - the catalog's word
         relativity: Mapping[str, str] | None = None,
         functions: Iterable[str] = (),
+        place: Mapping[str, object] | None = None,
     ):
         constants = read_parameters({} if parameters is None else parameters)
         places = read_coordinates(coordinates, constants)
         _set(self, coordinates=places, parameters=constants, title=str(title), id=str(id))
         _set(self, relativity=relativity_of(relativity, constants))
-        _set(self, signature=_read_signature(signature))
+        _set(self, signature=read_signature(signature))
         unknowns = read_functions(functions, (c.name for c in places), self.symbols)
-        _set(self, kinetic=_read_kinetic(self, kinetic, unknowns), potential=_read_potential(self, potential, unknowns))
+        formulas = Formulas(places, self.symbols, unknowns)
+        _set(self, kinetic=formulas.kinetic(kinetic), potential=formulas.potential(potential))
         _check_values(self)
+        _set(self, places=read_place(place, self.symbols, places, constants))
         if self.relativity is not None and kinetic_rest(self) != 0:
             raise InvalidSystemError("relativity: the classical T may have no part without velocities; put it into V")
 
@@ -119,6 +127,11 @@ class System(Shown):
     def defaults(self) -> dict[sp.Symbol, sp.Expr]:
         """Exact default values by symbol, of the parameters that have one."""
         return {p.symbol: p.value for p in self.parameters if p.value is not None}
+
+    @property
+    def place(self) -> dict[str, sp.Expr]:
+        """Where the system is in space: x, y, z → function of the coordinates; empty where nothing is known of it."""
+        return place_of(self.coordinates, self.places)
 
     @property
     def functions(self) -> tuple[str, ...]:
@@ -152,6 +165,8 @@ class System(Shown):
             parts["functions"] = list(self.functions)
         if self.signature != "definite":
             parts["signature"] = self.signature
+        if self.places:
+            parts["place"] = {axis: str(formula) for axis, formula in self.places}
         parts |= {key: getattr(self, key) for key in ("title", "id") if getattr(self, key)}
         return as_call("System", parts)
 
@@ -162,42 +177,6 @@ class System(Shown):
 def _set(system: System, **fields: object) -> None:
     for name, value in fields.items():
         object.__setattr__(system, name, value)
-
-
-def _read_signature(signature: str) -> Literal["definite", "indefinite"]:
-    if signature == "definite":
-        return "definite"
-    if signature == "indefinite":
-        return "indefinite"
-    raise InvalidSystemError(f"signature: {signature!r} is unknown; write definite or indefinite")
-
-
-def _read(system: System, given: object, source: str, functions: Mapping[str, sp.Expr]) -> sp.Expr:
-    speeds = {c.name: c.velocity for c in system.coordinates}
-    if isinstance(given, str):
-        return parse(given, system.symbols, velocities=speeds, functions=functions, source=source)
-    if isinstance(given, sp.Expr):
-        return admit(given, system.symbols, velocities=speeds, source=source)
-    if isinstance(given, (int, float)):
-        return number(given, source=source)
-    raise InvalidSystemError(
-        f"{source}: expected a formula as text or as a sympy expression, got {type(given).__name__}"
-    )
-
-
-def _read_kinetic(system: System, given: object, functions: Mapping[str, sp.Expr]) -> sp.Expr:
-    return check_quadratic(_read(system, given, "kinetic", functions), [c.velocity for c in system.coordinates])
-
-
-def _read_potential(system: System, given: object, functions: Mapping[str, sp.Expr]) -> sp.Expr:
-    potential = _read(system, given, "potential", functions)
-    for c in system.coordinates:
-        if c.velocity in potential.free_symbols:
-            raise InvalidSystemError(
-                f"potential: V depends on {c.velocity}; V may depend on coordinates only. A term linear in velocities "
-                "belongs into kinetic, with the opposite sign (L = T − V)"
-            )
-    return potential
 
 
 def _check_values(system: System) -> None:
@@ -234,6 +213,18 @@ def _check_ends(coordinate: Coordinate, defaults: Mapping[sp.Symbol, sp.Expr]) -
         raise InvalidSystemError(f"{written}: an end is not a finite real number with the values given") from None
     if lower is not None and upper is not None and lower >= upper:
         raise InvalidSystemError(f"{written} is empty with the values given; the lower end must be below the upper")
+
+
+def placed(system: System, places: Places) -> System:
+    """The same system with another place in space, taken as it is.
+
+    Args:
+        system: a system.
+        places: axis and formula.
+    """
+    other = object.__new__(System)
+    _set(other, **{**vars(system), "places": places})
+    return other
 
 
 def with_values(system: System, values: Mapping[str, object]) -> System:

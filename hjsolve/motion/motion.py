@@ -136,10 +136,11 @@ class Motion(ShownMotion):
         Raises:
             InvalidInputError: a time that is no finite real number.
         """
+        from hjsolve.motion.placing import with_place
         from hjsolve.motion.state_at import state_at_times
 
         self._require("trajectory")
-        return state_at_times(self._source, t)
+        return with_place(self.solution.system, self.initial.values, state_at_times(self._source, t))
 
     def characteristic_function(self, t: object) -> Estimate | EstimateArray:
         """Return Hamilton's characteristic function along the motion, W = ∫ p·dq from t₀ to t; a cycle adds ∮ p·dq.

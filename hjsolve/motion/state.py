@@ -3,11 +3,12 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Mapping
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 from typing import Any, Protocol, runtime_checkable
 
 from hjsolve.arithmetic.estimate import Estimate
 from hjsolve.display.shown import Shown
+from hjsolve.errors import InvalidInputError
 
 
 @dataclass(frozen=True, repr=False)
@@ -17,9 +18,29 @@ class Errors(Shown):
     q: Mapping[str, Any]
     p: Mapping[str, Any]
     velocity: Mapping[str, Any]
+    place: Mapping[str, Any] = field(default_factory=dict)
 
     def __reduce__(self) -> tuple[Any, ...]:
-        return Errors, tuple(dict(group) for group in (self.q, self.p, self.velocity))
+        return Errors, tuple(dict(group) for group in (self.q, self.p, self.velocity, self.place))
+
+
+class Placing(Protocol):
+    """Where a state is in space; ``motion.placing`` makes one."""
+
+    def values(self, state: State) -> dict[str, Any]:
+        """Return axis → value.
+
+        Args:
+            state: in the coordinates that the place is a function of.
+        """
+
+    def bounds(self, state: State, errors: Errors) -> dict[str, Any]:
+        """Return axis → bound on the error.
+
+        Args:
+            state: in the coordinates that the place is a function of.
+            errors: of its numbers.
+        """
 
 
 @dataclass(frozen=True)
@@ -46,6 +67,7 @@ class State(Shown):
         status: for each time ``ok``, ``reaches_boundary`` (the motion has ended), or ``not_converged`` (an unbounded
             motion is too far out for the numbers); the numbers are NaN where it is not ``ok``.
         errors: the rule behind ``error``.
+        placing: the rule behind ``place``; None where the system says nothing about it.
     """
 
     t: Any
@@ -55,15 +77,30 @@ class State(Shown):
     turns: Mapping[str, Any]
     status: Any
     errors: Callable[[], Errors] = field(repr=False, compare=False)
+    placing: Placing | None = field(default=None, repr=False, compare=False)
 
     def __reduce__(self) -> tuple[Any, ...]:
         tables = (dict(group) for group in (self.q, self.p, self.velocity, self.turns))
-        return type(self), (self.t, *tables, self.status, KnownErrors(self.error))
+        return type(self), (self.t, *tables, self.status, KnownErrors(self.errors()), self.placing)
 
     @property
     def error(self) -> Errors:
-        """Bounds on the errors of q, p and velocity, worked out when asked for."""
-        return self.errors()
+        """Bounds on the errors of q, p and velocity (and place, where it is known), worked out when asked for."""
+        found = self.errors()
+        return found if self.placing is None else replace(found, place=self.placing.bounds(self, found))
+
+    @property
+    def place(self) -> dict[str, Any]:
+        """Where the system is in space: x, y, z (those there are) → value.
+
+        Raises:
+            InvalidInputError: nothing was said about it.
+        """
+        if self.placing is None:
+            raise InvalidInputError(
+                'place: the system does not say where its coordinates are; System(…, place={"x": "r*cos(phi)", …})'
+            )
+        return self.placing.values(self)
 
     def unwrapped(self, name: str) -> Any:
         """Return q plus its whole turns, the angle that grows without jumps; q itself for other coordinates.

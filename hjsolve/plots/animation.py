@@ -12,7 +12,7 @@ from hjsolve.motion.motion import Motion
 from hjsolve.plots import style
 from hjsolve.plots.draw import plotted
 from hjsolve.reports.drawings import orbit_paths
-from hjsolve.reports.drawings.cartesian_picture import embedding, place
+from hjsolve.reports.drawings.cartesian_picture import embedding, path_of
 
 _MOST_FRAMES = 5000
 
@@ -65,5 +65,5 @@ def _places(motion: Motion, frames: int, flat: bool, *, solid: bool) -> tuple[An
         name = motion.solution.system.coordinates[0].name
         return np.asarray(state.q[name], float), np.asarray(state.p[name], float)
     where = embedding(motion.solution.system)
-    path = place(where, {name: np.asarray(state.unwrapped(name), float) for name in where.names})
+    path = path_of(where, state)
     return path[: 3 if solid else 2]

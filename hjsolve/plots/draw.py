@@ -15,7 +15,7 @@ from hjsolve.motion.motion import Motion
 from hjsolve.plots import style
 from hjsolve.reports.drawings import orbit_paths
 from hjsolve.reports.drawings import phase_portrait as portrait
-from hjsolve.reports.drawings.cartesian_picture import Embedding, embedding, place
+from hjsolve.reports.drawings.cartesian_picture import Embedding, embedding, path_of
 from hjsolve.reports.drawings.effective_potential import Array, EffectivePotential, effective_potential_of
 from hjsolve.reports.drawings.motion_figures import (
     is_angle,
@@ -106,7 +106,7 @@ def _separated(motion: Motion, name: str | None) -> str:
 # ------------------------------------------------------------------------------------------------ where it goes
 def _orbit(motion: Motion, where: Embedding, ax: Any) -> Any:
     trace = orbit_paths.trace(motion)
-    path = place(where, {name: np.asarray(trace.state.unwrapped(name), float) for name in where.names})
+    path = path_of(where, trace.state)
     path = path[: 3 if hasattr(ax, "get_zlim") else 2]
     cut = orbit_paths.first_cycle(motion, trace.t, trace.closed)
     if cut < len(trace.t):

@@ -180,7 +180,7 @@ def document(material: Material) -> Document:
     system, clock = verdict.system, dict(material.clock)
     chart = material.solution.chart if material.solution is not None else None
     sections: list[Section | None] = [
-        chart_section(chart) if chart is not None else None,
+        chart_section(chart, material.motion) if chart is not None else None,
         system_and_verdict.system_section(system, entry.meanings if entry else {}, entry.summary if entry else ""),
         frame_section(material.frame, material.solution) if material.frame is not None else None,
         system_and_verdict.reduction_section(verdict),

@@ -59,7 +59,9 @@ In a file itself its name is that of a value.
 
 def places(name: str) -> list[Path]:
     """Files and rooms of this name."""
-    return [path.parent if path.name == "__init__.py" else path for path in SOURCES if name in (path.stem, path.parent.name)]
+    return [
+        path.parent if path.name == "__init__.py" else path for path in SOURCES if name in (path.stem, path.parent.name)
+    ]
 
 
 def defined(path: Path, name: str) -> bool:

@@ -106,5 +106,8 @@ def test_the_name_of_a_public_class_is_used_once_in_the_package() -> None:
 
 
 def test_a_second_class_of_the_same_name_is_found() -> None:
-    trees = {"a.py": ast.parse("class Torus: ...\nclass _Own: ..."), "b.py": ast.parse("class Torus: ...\nclass _Own: ...")}
+    trees = {
+        "a.py": ast.parse("class Torus: ...\nclass _Own: ..."),
+        "b.py": ast.parse("class Torus: ...\nclass _Own: ..."),
+    }
     assert used_twice(trees) == {"Torus": ["a.py", "b.py"]}

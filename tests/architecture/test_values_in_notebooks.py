@@ -21,7 +21,8 @@ def values(tmp_path_factory: pytest.TempPathFactory) -> dict[str, Any]:
 
 def test_one_value_of_every_public_class_is_looked_at(values: dict[str, Any]) -> None:
     classes = {
-        value for name in hjsolve.__all__
+        value
+        for name in hjsolve.__all__
         if inspect.isclass(value := getattr(hjsolve, name)) and not issubclass(value, Exception)
     } - {hjsolve.AnyMotion, hjsolve.Status}  # a protocol, and a number with a name
     assert not classes - {type(value) for value in values.values()} - {hjsolve.Batch}
@@ -68,7 +69,7 @@ def test_what_is_long_is_cut_and_counted() -> None:
 
 @pytest.mark.parametrize("name", ["kepler-planar", "kerr", "top-of-nothing"])
 def test_the_text_of_a_system_makes_it_again(name: str) -> None:
-    functions: dict[str, Any] = {"functions": ["v1(x)", "v2(y)"], "title": "It's \"free\""}
+    functions: dict[str, Any] = {"functions": ["v1(x)", "v2(y)"], "title": 'It\'s "free"'}
     free = hjsolve.System({"x": "line", "y": "0 < y"}, "(dot(x)**2 + dot(y)**2)/2", "v1(x) + v2(y)", **functions)
     system = free if name == "top-of-nothing" else hjsolve.catalog.load(name)
     again = eval(repr(system), {"System": hjsolve.System})

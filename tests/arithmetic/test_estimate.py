@@ -100,7 +100,12 @@ def test_the_error_of_a_power_bounds_the_true_one(exponent: float | None) -> Non
     for i in range(200):
         (a, x), (b, y) = drawn(source, many=i % 4 == 0, wide=5), drawn(source, wide=1)
         if exponent is not None:
-            b, y = exponent, MANY.mpf(exponent.numerator) / exponent.denominator if isinstance(exponent, Fraction) else MANY.convert(exponent)
+            b, y = (
+                exponent,
+                MANY.mpf(exponent.numerator) / exponent.denominator
+                if isinstance(exponent, Fraction)
+                else MANY.convert(exponent),
+            )
         try:
             result = a**b
         except InvalidInputError:
@@ -118,7 +123,12 @@ def test_the_error_is_no_larger_than_its_first_order_and_a_rounding() -> None:
     for _ in range(300):
         value, error = source.uniform(0.3, 1.2), 10.0 ** source.uniform(-14, -9)
         e = Estimate(value, error)
-        for name, slope in (("sin", np.cos(value)), ("log", 1 / value), ("sqrt", 0.5 / np.sqrt(value)), ("exp", np.exp(value))):
+        for name, slope in (
+            ("sin", np.cos(value)),
+            ("log", 1 / value),
+            ("sqrt", 0.5 / np.sqrt(value)),
+            ("exp", np.exp(value)),
+        ):
             result = getattr(np, name)(e)
             assert result.error <= 1.0001 * slope * error + abs(result.value) * 2.0**-53 + 1e2 * error**2
 

@@ -24,4 +24,12 @@ def test_every_kind_of_motion_answers_at_kinds_and_constants(name):
     assert list(state.status) == ["ok", "ok"]
     assert state.q.keys() == state.p.keys() == state.velocity.keys() == state.error.q.keys()
     assert all(isinstance(constant, hjsolve.Estimate) for constant in motion.constants.values())
-    assert set(motion.kinds.values()) <= {"libration", "rotation", "escape", "equilibrium", "ignorable", "boundary", "asymptotic"}
+    assert set(motion.kinds.values()) <= {
+        "libration",
+        "rotation",
+        "escape",
+        "equilibrium",
+        "ignorable",
+        "boundary",
+        "asymptotic",
+    }

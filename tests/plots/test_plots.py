@@ -18,7 +18,16 @@ mpl = pytest.importorskip("matplotlib", reason="needs the extra report")
 mpl.use("Agg")
 from matplotlib import pyplot as plt  # noqa: E402
 
-PLOTTED = ("kepler-planar", "pendulum", "spherical-pendulum", "kepler-spherical", "kerr", "stark", "projectile", "double-well")
+PLOTTED = (
+    "kepler-planar",
+    "pendulum",
+    "spherical-pendulum",
+    "kepler-spherical",
+    "kerr",
+    "stark",
+    "projectile",
+    "double-well",
+)
 
 
 @pytest.fixture(autouse=True)
@@ -75,7 +84,10 @@ def test_the_graph_in_time_passes_its_turning_points() -> None:
 @pytest.mark.parametrize("name", PLOTTED)
 def test_every_kind_is_drawn_for_every_separated_coordinate(name: str) -> None:
     motion = default_motion(name)
-    for kind, coordinate in [("orbit", None), *((k, q) for k in ("time", "phase", "potential") for q in motion.solution.coordinates)]:
+    for kind, coordinate in [
+        ("orbit", None),
+        *((k, q) for k in ("time", "phase", "potential") for q in motion.solution.coordinates),
+    ]:
         ax = motion.plot(kind, coordinate)
         assert of_motion(ax) is not None
         ax.figure.canvas.draw()  # labels are mathematics that matplotlib understands

@@ -78,6 +78,8 @@ def test_two_doubles_give_the_same_velocities_as_one_where_nothing_cancels():
     motion, times = TOP.motion(**start), np.linspace(0, 9, 40)
     state, phases = motion.at(times), phases_at(motion.separated, times, [])
     everywhere = np.ones(len(times), dtype=bool)
-    sharp = sharpened_velocities(motion.separated, courses_of(motion.separated, phases), phases.χ, state.q, state.velocity, everywhere)
+    sharp = sharpened_velocities(
+        motion.separated, courses_of(motion.separated, phases), phases.χ, state.q, state.velocity, everywhere
+    )
     for name, values in sharp.items():
         assert np.all(np.abs(values - state.velocity[name]) <= 2 * state.error.velocity[name])

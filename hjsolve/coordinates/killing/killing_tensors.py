@@ -14,8 +14,8 @@ from __future__ import annotations
 
 from collections.abc import Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass
-from functools import cache, reduce
-from itertools import combinations, combinations_with_replacement
+from functools import cache, lru_cache, reduce
+from itertools import combinations, combinations_with_replacement, count
 from operator import mul
 from random import Random
 
@@ -28,7 +28,7 @@ from hjsolve.coordinates.killing.constant_field import EquationTable, FieldEleme
 from hjsolve.coordinates.killing.fraction_free_elimination import echelon_over_ring
 from hjsolve.coordinates.killing.numerical_rank import derivatives, rank_in_numbers, reconstructed_kernel
 from hjsolve.coordinates.killing.radical_algebra import (
-    Generators,
+    Element,
     Key,
     PointAlgebra,
     ZeroDivisorError,
@@ -147,12 +147,54 @@ def _in_domain(table: EquationTable, domain: Domain) -> EquationTable:
     ]
 
 
-def _rows_at(algebra: PointAlgebra, values: Sequence[sp.Expr], table: EquationTable, width: int) -> Rows:
+class Samples:
+    """The derivatives of V at one random regular point after another, worked out when they are first asked for.
+
+    Attributes:
+        values: the derivatives, prepared.
+        made_of: what they are made of.
+    """
+
+    def __init__(self, V: sp.Expr, x: tuple[sp.Symbol, ...]):
+        self.values = prepared(derivatives(V, x), x)
+        self.made_of = collected_generators(self.values, x)
+        self._random, self._left = Random(20161), _MOST_POINTS  # noqa: S311
+        self._known: list[tuple[list[FieldElement], list[Element]]] = []
+
+    def at(self, k: int) -> tuple[list[FieldElement], list[Element]]:
+        """Return the k-th point, in numbers of the field of constants, and the derivatives there.
+
+        Args:
+            k: from 0 on.
+
+        Raises:
+            InternalError: there are no regular points.
+        """
+        while len(self._known) <= k:
+            if not self._left:
+                raise InternalError("find_coordinates: no regular points of the potential were found")
+            self._left -= 1
+            algebra = PointAlgebra(self.made_of, self._random)
+            try:
+                elements = [algebra.evaluate(value) for value in self.values]
+            except (ZeroDivisorError, ZeroDivisionError):
+                continue
+            numbers = self.made_of.ground.numbers
+            self._known.append(([numbers.convert(value) for value in algebra.plain.values()], elements))
+        return self._known[k]
+
+
+@lru_cache(maxsize=8)
+def _samples(V: sp.Expr, x: tuple[sp.Symbol, ...]) -> Samples:
+    """The samples of a potential, the same for every family of tensors."""
+    return Samples(V, x)
+
+
+def _rows_at(
+    ground: Ground, x: Sequence[FieldElement], elements: Sequence[Element], table: EquationTable, width: int
+) -> Rows:
     """Return the linear equations that one point gives."""
-    field = algebra.field
-    elements = [algebra.evaluate(value) for value in values]
-    numbers = algebra.made_of.ground.numbers
-    x = [numbers.convert(value) for value in algebra.plain.values()]
+    field, numbers = ground.field, ground.numbers
     monomials: dict[tuple[int, ...], FieldElement] = {}
     rows: Rows = []
     for equation in table:
@@ -206,17 +248,12 @@ def _nullspace(echelon: Mapping[int, list[FieldElement]], width: int, field: Dom
     return [reduced[column] for column in sorted(reduced)]
 
 
-def _points(
-    made_of: Generators, values: Sequence[sp.Expr], table: EquationTable, width: int, random: Random
-) -> Iterator[Rows]:
+def _points(samples: Samples, table: EquationTable, width: int) -> Iterator[Rows]:
     """Yield the equations of one random regular point after another."""
-    converted = _in_domain(table, made_of.ground.numbers)
-    for _ in range(_MOST_POINTS):
-        try:
-            yield _rows_at(PointAlgebra(made_of, random), values, converted, width)
-        except (ZeroDivisorError, ZeroDivisionError):
-            continue
-    raise InternalError("find_coordinates: no regular points of the potential were found")
+    ground = samples.made_of.ground
+    converted = _in_domain(table, ground.numbers)
+    for k in count():
+        yield _rows_at(ground, *samples.at(k), converted, width)
 
 
 def _span(point_rows: Iterable[list[list[FracElement]]], ground: Ground, width: int) -> list[list[PolyElement]] | None:
@@ -292,12 +329,13 @@ def kernel(V: sp.Expr, x: Sequence[sp.Symbol], tensors: Sequence[sp.ImmutableMat
     Returns:
         A ``Kernel``; the parameters are taken as independent (generic) quantities.
     """
-    x, width = tuple(x), len(tensors)
-    values = prepared(derivatives(V, x), x)
-    made_of = collected_generators(values, x)
-    ground, random = made_of.ground, Random(20161)  # noqa: S311
-    table = _coefficients(tuple(tensors), x)
-    stream = _points(made_of, values, table, width, random)
+    return _kernel(V, tuple(x), tuple(tensors), check)
+
+
+@lru_cache(maxsize=16)
+def _kernel(V: sp.Expr, x: tuple[sp.Symbol, ...], tensors: tuple[sp.ImmutableMatrix, ...], check: bool) -> Kernel:
+    width, samples, table = len(tensors), _samples(V, x), _coefficients(tensors, x)
+    ground, stream = samples.made_of.ground, _points(samples, table, width)
     sparse = _span(stream, ground, width) if ground.parameters else None
     pivots: tuple[sp.Expr, ...] = ()
     if sparse is not None:

@@ -20,6 +20,7 @@ from hjsolve.motion.charted.initial_map import carried
 from hjsolve.motion.charted.state_map import state_in
 from hjsolve.motion.initial_data import Initial
 from hjsolve.motion.motion import Motion
+from hjsolve.motion.placing import with_place
 from hjsolve.motion.state import State
 from hjsolve.motion.through_poles.continued_motion import ContinuedMotion, motion_through_poles
 from hjsolve.motion.wanted import parts_of
@@ -79,7 +80,8 @@ class ChartedMotion(Motion):
             state = state_in(self.chart, values, inner.unfolded(t), inner.dropped)
         else:
             state = state_in(self.chart, values, inner.at(t))
-        return state if self.ends == (None, None) else between(self.ends, state)
+        state = state if self.ends == (None, None) else between(self.ends, state)
+        return with_place(self.chart.original, values, state)
 
     def characteristic_function(self, t: Any) -> Estimate | EstimateArray:
         """Return W = ∫ p·dq from t₀ to a time or times; it is the same in all coordinates.

@@ -16,6 +16,7 @@ from hjsolve.motion import quantities
 from hjsolve.motion.exact_numbers import to_bits
 from hjsolve.motion.initial_data import Initial, clean, domain_ends, with_numbers
 from hjsolve.motion.motion import Motion
+from hjsolve.motion.placing import with_place
 from hjsolve.motion.quantities import FLOAT_DIGITS
 from hjsolve.motion.starting import started
 from hjsolve.motion.state import Errors, State
@@ -67,7 +68,8 @@ class ContinuedMotion(Motion):
         Raises:
             InvalidInputError: a time that is no finite real number.
         """
-        return folded(_there(self.continued), self.initial, _there(self.within).at(t), self.solution)
+        state = folded(_there(self.continued), self.initial, _there(self.within).at(t), self.solution)
+        return with_place(self.solution.system, self.initial.values, state)
 
     @property
     def dropped(self) -> tuple[str, ...]:

@@ -1,4 +1,4 @@
-"""Where a motion happens in space, read off the kinetic energy: plane, sphere, or only the coordinates themselves."""
+"""Where a motion happens in space: read off the kinetic energy, or as ``System.place`` says; else the coordinates."""
 
 from __future__ import annotations
 
@@ -10,6 +10,7 @@ import numpy as np
 import sympy as sp
 
 from hjsolve.mechanics.system import Coordinate, System, mass_matrix
+from hjsolve.motion.state import State
 from hjsolve.reports.drawings.effective_potential import Array
 
 Shape = Literal["line", "plane", "space", "sphere", "coordinates"]
@@ -22,7 +23,8 @@ class Embedding:
     Attributes:
         shape: ``line`` (one coordinate against time), ``plane``, ``space``, ``sphere`` (directions), or
             ``coordinates``.
-        kind: ``cartesian``, ``polar``, ``spherical``, ``parabolic``, ``colatitude``, ``elevation`` or empty.
+        kind: ``cartesian``, ``polar``, ``spherical``, ``parabolic``, ``colatitude``, ``elevation``, ``place`` (as the
+            system says) or empty.
         names: the coordinates used, in the order the kind wants.
         axes: names of the axes of the drawing.
         up: +1, or −1 where a polar angle is counted from the lowest point.
@@ -48,7 +50,34 @@ def embedding(system: System) -> Embedding:
     if len(names) == 1:
         return Embedding("line", "", names, ("t", names[0]))
     M = mass_matrix(system)
-    return _sphere(system, M) or _flat(system, M) or Embedding("coordinates", "", names[:2], names[:2])
+    found = _sphere(system, M) or _flat(system, M)
+    if found is not None and _agrees(found, system):
+        return found
+    axes = tuple(system.place)
+    if len(axes) > 1:
+        return Embedding("plane" if len(axes) == 2 else "space", "place", names, axes)
+    return found or Embedding("coordinates", "", names[:2], names[:2])
+
+
+def _agrees(found: Embedding, system: System) -> bool:
+    """Whether the usual place of such coordinates is the one that the system says, if it says one."""
+    if not system.places or found.shape == "sphere":
+        return True
+    usual = _usual(found.kind, *(system.coordinate(name).symbol for name in found.names))
+    return usual == tuple(formula for _, formula in system.places)
+
+
+def _usual(kind: str, *q: sp.Symbol) -> tuple[sp.Expr, ...]:
+    match kind:
+        case "polar":
+            return q[0] * sp.cos(q[1]), q[0] * sp.sin(q[1])
+        case "parabolic":
+            return q[0] ** 2 / 2 - q[1] ** 2 / 2, q[0] * q[1]
+        case "spherical":
+            ρ = q[0] * sp.sin(q[1])
+            return ρ * sp.cos(q[2]), ρ * sp.sin(q[2]), q[0] * sp.cos(q[1])
+        case _:
+            return q
 
 
 def _diagonal(M: sp.Matrix) -> list[sp.Expr] | None:
@@ -135,6 +164,22 @@ def place(where: Embedding, q: Mapping[str, Array]) -> tuple[Array, ...]:
             return np.cos(θ) * np.cos(φ), np.cos(θ) * np.sin(φ), where.up * np.sin(θ)
         case _:
             return tuple(values)
+
+
+def path_of(where: Embedding, state: State) -> tuple[Array, ...]:
+    """Return the places of a state.
+
+    Args:
+        where: the embedding.
+        state: at n times.
+
+    Returns:
+        One array of shape (n,) for each axis.
+    """
+    if where.kind == "place":
+        there = state.place
+        return tuple(np.asarray(there[axis], float) for axis in where.axes)
+    return place(where, {name: np.asarray(state.unwrapped(name), float) for name in where.names})
 
 
 def projected(

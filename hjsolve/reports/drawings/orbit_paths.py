@@ -11,7 +11,7 @@ from hjsolve.motion.motion import Motion
 from hjsolve.motion.state import State
 from hjsolve.reports.document import Figure, Mathematics, Text
 from hjsolve.reports.drawings import svg
-from hjsolve.reports.drawings.cartesian_picture import Embedding, embedding, place, projected
+from hjsolve.reports.drawings.cartesian_picture import Embedding, embedding, path_of, projected
 from hjsolve.reports.drawings.effective_potential import Array
 from hjsolve.reports.formulas.layout import Box, Glyph
 from hjsolve.reports.formulas.names import name_box
@@ -142,8 +142,7 @@ def orbit(motion: Motion, trace: Trace, key: str) -> Figure | None:
     where = embedding(motion.solution.system)
     if where.shape == "line":
         return None
-    q = {name: np.asarray(trace.state.unwrapped(name), float) for name in where.names}
-    path = place(where, q)
+    path = path_of(where, trace.state)
     draw = {"plane": _plane, "coordinates": _plane, "space": _space, "sphere": _sphere}[where.shape]
     return draw(motion, where, trace.t, path, trace.closed, key)
 

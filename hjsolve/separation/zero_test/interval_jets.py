@@ -7,6 +7,7 @@ millions; its value at a point costs no more than a few evaluations of the shell
 from __future__ import annotations
 
 from collections.abc import Callable, Mapping
+from functools import lru_cache
 from typing import TypeAlias
 
 import mpmath
@@ -59,6 +60,12 @@ def enclose_condition(
     return finite(value)
 
 
+@lru_cache(maxsize=16384)
+def _moves(x: sp.Expr, pair: tuple[sp.Symbol, sp.Symbol]) -> bool:
+    """Whether an expression depends on one of two coordinates; asked of the same parts at every point."""
+    return not x.free_symbols.isdisjoint(pair)
+
+
 class JetWalk:
     """One evaluation of jets; None is a derivative that is identically zero."""
 
@@ -76,7 +83,7 @@ class JetWalk:
         one = rational(1, 1, self.precision)
         if x in self.pair:
             return self.plain(x), one if x == self.pair[0] else None, one if x == self.pair[1] else None, None
-        if x.free_symbols.isdisjoint(self.pair):
+        if not _moves(x, self.pair):
             return self.plain(x), None, None, None
         if x.is_Add or x.is_Mul:
             combine = self._sum if x.is_Add else self._product
