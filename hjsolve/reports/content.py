@@ -20,6 +20,7 @@ from hjsolve.reports.sections import motion as numerical
 from hjsolve.reports.sections import solution as quadratures
 from hjsolve.reports.sections import system_and_verdict
 from hjsolve.reports.sections.chart import chart_section
+from hjsolve.reports.sections.energy_momentum import energy_momentum_section
 from hjsolve.reports.sections.laws import laws_section
 from hjsolve.reports.sections.literature import literature_section
 from hjsolve.reports.sections.moving_frame import frame_section
@@ -192,6 +193,7 @@ def document(material: Material) -> Document:
     trace, failures = None, [material.failure] if material.failure else []
     if material.motion is not None:
         trace = _add_numbers(material, sections, failures, clock)
+        sections.append(_timed(clock, "map of all motions", lambda: energy_momentum_section(material.motion)))
     elif material.solution is not None and not failures:
         sections.append(_no_numbers(system))
     if failures:
