@@ -9,6 +9,7 @@ import numpy as np
 import sympy as sp
 from numpy.typing import NDArray
 
+from hjsolve.display.shown import Shown
 from hjsolve.energy_momentum.exact_regions import exact_regions, start_at
 from hjsolve.energy_momentum.isolation import Reals
 from hjsolve.energy_momentum.momentum_polynomial import MomentumPolynomial
@@ -22,8 +23,8 @@ _MARGIN = 1e-9
 """A start nearer to a turning point than this part of the domain counts as at it."""
 
 
-@dataclass(frozen=True)
-class CoordinateKinds:
+@dataclass(frozen=True, repr=False)
+class CoordinateKinds(Shown):
     """One separated coordinate, with every constant and parameter known but two.
 
     Attributes:
@@ -36,13 +37,13 @@ class CoordinateKinds:
         words: signature → kinds, of what was decided before.
     """
 
-    solution: Solution
+    solution: Solution = field(repr=False)
     name: str
-    values: Mapping[sp.Symbol, sp.Expr]
+    values: Mapping[sp.Symbol, sp.Expr] = field(repr=False)
     constants: tuple[sp.Symbol, sp.Symbol]
-    polynomial: MomentumPolynomial | None
-    place: sp.Expr
-    words: dict[tuple[int, int], Kinds] = field(default_factory=dict)
+    polynomial: MomentumPolynomial | None = field(repr=False)
+    place: sp.Expr = field(repr=False)
+    words: dict[tuple[int, int], Kinds] = field(default_factory=dict, repr=False)
 
     def at(self, x: Reals, y: Reals, *, every: bool = True) -> Regions:
         """Find the regions at many points.
@@ -218,13 +219,43 @@ class Regions:
         lower[turning], upper[turning] = -np.pi, np.pi
         return lower, upper
 
+    def well_round(self, q: float) -> tuple[Reals, Reals]:
+        """Return the turning points of the region round a place, or of the one nearest to it, for every point.
+
+        Args:
+            q: the place.
+
+        Returns:
+            Lower and upper, shape (m,); NaN where it does not lie between two turning points.
+        """
+        polynomial = self.coordinate.polynomial
+        assert polynomial is not None
+        m = len(self.x)
+        lower, upper, nearest = np.full(m, np.nan), np.full(m, np.nan), np.full(m, np.inf)
+        for j in range(int(self.count.max(initial=0)) - 1):
+            here = np.flatnonzero(~self.doubtful & (j + 1 < self.count) & (self.sign * (-1) ** j < 0))
+            a, b = (self._root(self.first[here] + j + k, here, 0 * here + j + k) for k in (0, 1))
+            gap = np.maximum(np.maximum(a - q, q - b), 0.0)
+            closer = gap < nearest[here]
+            best = here[closer]
+            lower[best], upper[best], nearest[best] = a[closer], b[closer], gap[closer]
+        if polynomial.closed:  # the region that reaches across the opposite place
+            here = np.flatnonzero(~self.doubtful & (self.sign > 0) & (self.count > 0))
+            last = self.count[here] - 1
+            b = self._root(self.first[here], here, 0 * here)
+            a = self._root(self.first[here] + last, here, last) - 2 * np.pi
+            turn = 2 * np.pi * np.round((q - (a + b) / 2) / (2 * np.pi))
+            closer = (a + turn <= q) & (q <= b + turn)
+            lower[here[closer]], upper[here[closer]] = (a + turn)[closer], (b + turn)[closer]
+        return lower, upper
+
     def _root(self, index: NDArray[np.int64], point: NDArray[np.int64], rank: NDArray[np.int64]) -> Reals:
         """Roots as places, by halving their intervals."""
         polynomial = self.coordinate.polynomial
         assert polynomial is not None
         low, high = self.low[index].copy(), self.high[index].copy()
         before = self.sign[point] * (-1.0) ** rank
-        for _ in range(30):
+        for _ in range(54):
             middle = (low + high) / 2
             same = polynomial.value(self.x[point], self.y[point], middle)[0] * before > 0
             low, high = np.where(same, middle, low), np.where(same, high, middle)

@@ -5,7 +5,7 @@ from __future__ import annotations
 import importlib
 from collections.abc import Mapping
 from dataclasses import dataclass, field
-from typing import Any
+from typing import Any, Literal
 
 import numpy as np
 import sympy as sp
@@ -17,6 +17,7 @@ from hjsolve.display.shown import Shown
 from hjsolve.energy_momentum.coordinate_kinds import CoordinateKinds
 from hjsolve.energy_momentum.critical_curves import CriticalCurve, Window, critical_curves, equations
 from hjsolve.energy_momentum.isolation import Reals
+from hjsolve.energy_momentum.kinds_of_motion import KindsOfMotion
 from hjsolve.energy_momentum.momentum_polynomial import momentum_polynomial, with_domain
 from hjsolve.energy_momentum.monodromy import IsolatedCriticalValue, Monodromy, isolated_values, monodromy_round
 from hjsolve.energy_momentum.orbits import bounded_orbits
@@ -28,50 +29,8 @@ from hjsolve.motion.initial_data import domain_ends, parameter_values
 from hjsolve.motion.motion import Motion
 from hjsolve.solution.quadratures import Solution
 
-_WORDS = {
-    "libration": "librates", "rotation": "turns round", "escape": "escapes", "boundary": "reaches an end of its domain",
-    "asymptotic": "is asymptotic", "equilibrium": "rests", "undecided": "is undecided",
-}  # fmt: skip
 _ACROSS, _UP = 90, 66
 _FEW = (18, 13)
-
-
-@dataclass(frozen=True, repr=False)
-class KindsOfMotion(Shown):
-    """One colour of the map: points at which the same kinds of motion are possible.
-
-    Attributes:
-        kinds: separated coordinate → the kinds of its regions, in order of q; none where it cannot move.
-        example: a point (x, y).
-        share: part of the window.
-    """
-
-    kinds: Mapping[str, tuple[str, ...]]
-    example: tuple[float, float]
-    share: float
-
-    @property
-    def name(self) -> str:
-        """The kinds in words."""
-        if not all(self.kinds.values()):
-            return "no real motion"
-        return ", ".join(f"{name} {self.name_of(name)}" for name in self.kinds)
-
-    def name_of(self, coordinate: str) -> str:
-        """Return the kinds of one coordinate in words.
-
-        Args:
-            coordinate: a separated one.
-        """
-        return _told(self.kinds[coordinate])
-
-
-def _told(kinds: tuple[str, ...]) -> str:
-    told = []
-    for kind in dict.fromkeys(kinds):
-        many = kinds.count(kind)
-        told.append(_WORDS[kind] + (f" in {many} regions" if many > 1 else ""))
-    return " or ".join(told)
 
 
 @dataclass(frozen=True, repr=False)
@@ -308,7 +267,7 @@ def energy_momentum_map(
     others = {n: _other(n, constants, known.constants) for n in names if n not in (x, y)}
     symbols = (solved.constants[x].symbol, solved.constants[y].symbol)
     values = {**known.parameters, **{solved.constants[n].symbol: value for n, value in others.items()}}
-    own = tuple(_coordinate(solved, name, values, symbols, known.places) for name in solved.coordinates)
+    own = tuple(coordinate_kinds(solved, name, values, symbols, known.places) for name in solved.coordinates)
     point = None
     if all(name in known.constants for name in (x, y)):
         point = (float(sp.N(known.constants[x], 20)), float(sp.N(known.constants[y], 20)))
@@ -371,14 +330,23 @@ def _other(name: str, given: Mapping[str, Any] | None, known: Mapping[str, sp.Ex
     raise MissingValueError(f"energy_momentum_map: no value for {name}; write constants={{{name!r}: …}}")
 
 
-def _coordinate(
+def coordinate_kinds(
     solution: Solution, name: str, values: Mapping[sp.Symbol, sp.Expr], symbols: tuple[sp.Symbol, sp.Symbol],
     places: Mapping[str, sp.Expr],
 ) -> CoordinateKinds:  # fmt: skip
+    """Make one separated coordinate ready for many points of the plane of two constants.
+
+    Args:
+        solution: of the system.
+        name: the coordinate.
+        values: symbol → exact number, of the parameters and the other constants.
+        symbols: of the two constants.
+        places: coordinate → a place inside its domain, as far as known.
+    """
     coordinate = solution.system.coordinate(name)
     low, high = domain_ends(solution.system, name, values)
     F = solution.momentum_squared[name].subs(dict(values))
-    kind: str = coordinate.domain.kind
+    kind: Literal["line", "angle", "interval"] = coordinate.domain.kind
     if kind == "angle" and sp.simplify(F.subs(coordinate.symbol, coordinate.symbol + 2 * sp.pi) - F) != 0:
         kind = "line"
     place = places.get(name, _middle(low, high))

@@ -8,7 +8,7 @@ coefficients there are, for all points (x, y) at once, one matrix times the mono
 
 from __future__ import annotations
 
-from dataclasses import dataclass, replace
+from dataclasses import dataclass, field, replace
 from typing import Literal
 
 import mpmath
@@ -18,6 +18,7 @@ import sympy as sp
 from hjsolve.arithmetic.floats import EPS, Float64
 from hjsolve.arithmetic.tape import Tape
 from hjsolve.closed_form.substitutions import Substitution, substitutions
+from hjsolve.display.shown import Shown
 from hjsolve.energy_momentum.isolation import IsolatedRoots, Reals, isolated_roots, value_at
 from hjsolve.lowering import lower
 from hjsolve.mechanics.coordinates_and_parameters import Coordinate
@@ -27,8 +28,8 @@ _LOW_ENOUGH, _HIGHEST = 6, 24
 """Degree in t up to which no other variable is tried, and above which doubles tell little in Bernstein's form."""
 
 
-@dataclass(frozen=True)
-class _Piece:
+@dataclass(frozen=True, repr=False)
+class _Piece(Shown):
     """A part of the domain of t, and N on it.
 
     Attributes:
@@ -40,7 +41,7 @@ class _Piece:
     start: float
     end: float
     length: float
-    table: Reals
+    table: Reals = field(repr=False)
 
     def share(self, t: Reals) -> Reals:
         """The s in (0, 1) of t; outside of it where t is outside of the part."""
@@ -60,8 +61,8 @@ class _Piece:
             return self.start + side * self.length * (s / (1 - s) if np.isinf(self.end) else s)
 
 
-@dataclass(frozen=True)
-class MomentumPolynomial:
+@dataclass(frozen=True, repr=False)
+class MomentumPolynomial(Shown):
     """N(t; x, y) of one coordinate.
 
     Attributes:
@@ -73,13 +74,13 @@ class MomentumPolynomial:
         forward, backward: tapes of φ and of its inverse.
     """
 
-    substitution: Substitution
+    substitution: Substitution = field(repr=False)
     polynomial: sp.Expr
     monomials: tuple[tuple[int, int], ...]
-    pieces: tuple[_Piece, ...]
+    pieces: tuple[_Piece, ...] = field(repr=False)
     closed: bool
-    forward: Tape
-    backward: Tape
+    forward: Tape = field(repr=False)
+    backward: Tape = field(repr=False)
 
     def roots(self, x: Reals, y: Reals) -> tuple[IsolatedRoots, ...]:
         """Isolate the zeros of P² at many points; one result for each piece.

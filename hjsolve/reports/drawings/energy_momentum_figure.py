@@ -9,7 +9,8 @@ import numpy as np
 from numpy.typing import NDArray
 
 from hjsolve.energy_momentum.critical_curves import CriticalCurve
-from hjsolve.energy_momentum.energy_momentum_map import EnergyMomentumMap, KindsOfMotion
+from hjsolve.energy_momentum.energy_momentum_map import EnergyMomentumMap
+from hjsolve.energy_momentum.kinds_of_motion import KindsOfMotion
 from hjsolve.energy_momentum.orbits import drawn_actions
 from hjsolve.reports.document import Figure, Inline, Mathematics, Text
 from hjsolve.reports.drawings import svg
