@@ -56,8 +56,9 @@ def test_a_slider_moves_orbit_point_and_numbers_to_those_of_the_engine(page, p, 
         ν = 2 * math.atan2(math.sqrt(1 + e) * math.sin(u / 2), math.sqrt(1 - e) * math.cos(u / 2))
         turned = shown["angles"]["theta"] - ν
         assert abs(turned - 2 * math.pi * round(turned / (2 * math.pi))) <= bounds["theta"]
-    row = page.find_element("id", "live-numbers").text
-    assert f"{T:.4g}" in row.replace("\n", " ")
+    rows = dict(line.rsplit(" ", 1) for line in page.find_element("id", "live-numbers").text.splitlines())
+    assert abs(float(rows["lower turning point of r"]) - low) <= bounds["r"] + 1e-6  # seven digits are shown
+    assert abs(float(rows["period"]) - T) <= bounds["r"] * T / (high - low) + 1e-5
 
 
 def test_play_and_pause_by_the_keyboard(page):

@@ -86,9 +86,10 @@ def live_tables(motion: Motion) -> LiveTables:
     quadrature = _Quadrature(motion, own, len(names))
     for size in _SIZES:
         columns = _fitted(quadrature, sliders, size)
-        bounds = _bounds(motion, quadrature, sliders, columns)
+        bounds = _bounds(motion, quadrature, sliders, columns, 0)
         if max(bounds[n] / quadrature.sizes[n] for n in bounds) <= _GOOD or size == _SIZES[-1]:
             break
+    bounds = _bounds(motion, quadrature, sliders, columns, _MOTIONS)
     if max(bounds[n] / quadrature.sizes[n] for n in bounds) > _COARSE:
         raise NotConvergedError("live: the tables of this motion stay too coarse; report it without live=True")
     return LiveTables(own.name, quadrature.angles, sliders, _short(columns), bounds)
@@ -268,9 +269,9 @@ def state_from(series: Mapping[str, float], names: Sequence[str], coordinate: st
 
 # ------------------------------------------------------------------------------------------------ the bound
 def _bounds(
-    motion: Motion, quadrature: _Quadrature, sliders: Sequence[SliderRange], columns: Mapping[str, Array]
+    motion: Motion, quadrature: _Quadrature, sliders: Sequence[SliderRange], columns: Mapping[str, Array], motions: int
 ) -> dict[str, float]:
-    """Twice the largest difference seen, of what the page shows in two cycles."""
+    """Twice the largest difference seen, of what the page shows in two cycles; from so many motions of the engine."""
     own, short = quadrature.own.name, _short(columns)
     rng = np.random.default_rng(12345)
     corners = np.array(np.meshgrid(*([0, 1] for _ in sliders))).reshape(len(sliders), -1).T
@@ -283,7 +284,7 @@ def _bounds(
         t = np.linspace(0, 4 * np.pi * series["t.0"], _TIMES)
         shown = state_from(evaluated(short, sliders, values), quadrature.angles, own, t)
         true = state_from(series, quadrature.angles, own, t)
-        if i < _MOTIONS:
+        if i < motions:
             true = _by_the_engine(motion, sliders, values, series, t)
         for name, column in shown.items():
             worst[name] = max(worst.get(name, 0.0), float(np.abs(column - true[name]).max()))
