@@ -29,6 +29,8 @@ if TYPE_CHECKING:
     from hjsolve.coordinates import normal_modes as normal_modes
     from hjsolve.costs import Cost as Cost
     from hjsolve.costs import cost as cost
+    from hjsolve.energy_momentum.energy_momentum_map import EnergyMomentumMap as EnergyMomentumMap
+    from hjsolve.energy_momentum.energy_momentum_map import energy_momentum_map as energy_momentum_map
     from hjsolve.ensembles import Batch as Batch
     from hjsolve.ensembles import Status as Status
     from hjsolve.ensembles import ensemble as ensemble
@@ -74,6 +76,7 @@ _PUBLIC = {
     "closed_form.regime": "Regime",
     "separation": "separate Separation Obstruction Undecided",
     "solution.quadratures": "solve Solution",
+    "energy_momentum.energy_momentum_map": "energy_momentum_map EnergyMomentumMap",
     "ensembles": "ensemble Batch Status",
     "sweeps": "sweep SweepResult",
     "motion.motion": "Motion",

@@ -172,16 +172,21 @@ def _reported(options: Namespace, target: Path) -> tuple[int, Path]:
     """Write the report; the exit status and the file."""
     from hjsolve.display.progress import ProgressBar
     from hjsolve.reports.content import gather
+    from hjsolve.reports.files import SUFFIXES, checked_path
     from hjsolve.reports.sections.outside import outside_document
-    from hjsolve.reports.write import outside_entry, save, save_hamiltonian, save_scene, write_document
+    from hjsolve.reports.write import outside_entry, refuse_live, save, save_hamiltonian, save_scene, write_document
 
+    checked_path(target, (".html",) if options.live else SUFFIXES)
     if (scene := arguments_read.scene(options)) is not None:
+        refuse_live(options.live)
         with ProgressBar() as progress:
             return ANSWER, save_scene(scene, target, options.cost, progress)
     if not options.coordinate and (outside := outside_entry(arguments_read.located(options.system))) is not None:
+        refuse_live(options.live)
         return REFUSED, write_document(outside_document(outside), target)
     initial = arguments_read.initial(options)
     if arguments_read.given_hamiltonian(options) is not None:
+        refuse_live(options.live)
         initial = initial or arguments_read.own_motion(options)
         told = {"initial": initial, "motion": options.motion, "digits": options.digits}
         return ANSWER, save_hamiltonian(arguments_read.located(options.system), target, **told)
@@ -194,7 +199,7 @@ def _reported(options: Namespace, target: Path) -> tuple[int, Path]:
         subject, initial = _found(options, initial)
     material = gather(arguments_read.located(subject), initial=initial, motion=options.motion, digits=options.digits)
     with ProgressBar() as progress:
-        return _status(material.verdict), save(material, target, options.cost, progress)
+        return _status(material.verdict), save(material, target, options.cost, progress, live=options.live)
 
 
 def _found(options: Namespace, initial: Any) -> tuple[Solution, Any]:

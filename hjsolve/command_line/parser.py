@@ -62,6 +62,7 @@ examples:
     "report": """\
 examples:
   hjsolve report kepler-planar -o kepler.html
+  hjsolve report kepler-planar --live -o live.html
   hjsolve report kepler-planar -o hyperbola.html --motion hyperbolic
   hjsolve report kepler-planar -o - --format md | less
   hjsolve report pendulum -o swing.md --q theta=3.1 --velocity theta=0 --parameter g=1.62
@@ -198,6 +199,10 @@ def _add_report(kinds: _Commands) -> None:
     report.add_argument(
         "--cost", action=argparse.BooleanOptionalAction, default=False,
         help="add a section that measures accuracy against time, in three seconds (default: no)",
+    )  # fmt: skip
+    report.add_argument(
+        "--live", action="store_true",
+        help="a page with sliders and a point that moves: one file, .html, for one separated coordinate that librates",
     )  # fmt: skip
     report.add_argument("--format", choices=["html", "md", "json", "txt", "tex"], help='of "-o -" (default: txt)')
     _motion_arguments(report)

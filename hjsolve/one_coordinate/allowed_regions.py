@@ -62,6 +62,31 @@ def others(start: CoordinateStart, lower: End, upper: End, digits: int) -> list[
     return _along(start, lower, -1, digits)[::-1] + _along(start, upper, 1, digits)
 
 
+def every_region(start: CoordinateStart, digits: int) -> list[AllowedRegion]:
+    """Return every region of a coordinate, in order of q.
+
+    Args:
+        start: any place in its domain with p² ≠ 0.
+        digits: relative digits wanted of their ends.
+
+    Raises:
+        NotConvergedError: p² could not be decided somewhere.
+    """
+    if start.radicand.value(start.place(256), 256) > 0:
+        upper = first_end(ray(start, 1), digits=digits)
+        if upper.kind == "round":
+            return [AllowedRegion(upper, upper)]
+        lower = first_end(ray(start, -1), digits=digits)
+        own = AllowedRegion(lower, upper)
+        if start.angle:
+            return [own, *_along(start, upper, 1, digits, last=lower)]
+        return [*_along(start, lower, -1, digits)[::-1], own, *_along(start, upper, 1, digits)]
+    here = End("turning", start.place)
+    if start.angle:
+        return _along(start, here, 1, digits, last=here)
+    return [*_along(start, here, -1, digits)[::-1], *_along(start, here, 1, digits)]
+
+
 def _along(
     start: CoordinateStart, end: End, side: int, digits: int, last: End | None = None, most: int = MOST
 ) -> list[AllowedRegion]:

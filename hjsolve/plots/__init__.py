@@ -12,9 +12,10 @@ if TYPE_CHECKING:
     from hjsolve.plots.animation import animated as animated
     from hjsolve.plots.draw import plotted as plotted
     from hjsolve.plots.draw import plotted_solution as plotted_solution
+    from hjsolve.plots.energy_momentum import plotted_map as plotted_map
 
-_HOMES = {"animated": "animation", "plotted": "draw", "plotted_solution": "draw"}
-__all__ = ["animated", "plotted", "plotted_solution"]
+_HOMES = {"animated": "animation", "plotted": "draw", "plotted_map": "energy_momentum", "plotted_solution": "draw"}
+__all__ = ["animated", "plotted", "plotted_map", "plotted_solution"]
 
 
 def __getattr__(name: str) -> Any:

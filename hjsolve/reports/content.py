@@ -21,6 +21,7 @@ from hjsolve.reports.sections import solution as quadratures
 from hjsolve.reports.sections import system_and_verdict
 from hjsolve.reports.sections.chart import chart_section
 from hjsolve.reports.sections.closed_forms import closed_form_report
+from hjsolve.reports.sections.energy_momentum import energy_momentum_section
 from hjsolve.reports.sections.laws import laws_section
 from hjsolve.reports.sections.literature import literature_section
 from hjsolve.reports.sections.moving_frame import frame_section
@@ -198,7 +199,9 @@ def document(material: Material) -> Document:
         sections.append(_timed(clock, "laws the solution must obey", lambda: laws_section(solved)))
     trace, failures = None, [material.failure] if material.failure else []
     if material.motion is not None:
-        trace = _add_numbers(material.motion, material.summary, sections, failures, clock)
+        given = material.motion
+        trace = _add_numbers(given, material.summary, sections, failures, clock)
+        sections.append(_timed(clock, "map of all motions", lambda: energy_momentum_section(given)))
     elif material.solution is not None and not failures:
         sections.append(_no_numbers(system))
     if failures:

@@ -8,11 +8,12 @@ from typing import Any
 
 from hjsolve import catalog
 from hjsolve.display.progress import Progress
-from hjsolve.errors import NotConvergedError
+from hjsolve.errors import InvalidInputError, NotConvergedError
 from hjsolve.extended.linear_hamiltonian import LinearHamiltonian
+from hjsolve.motion.motion import Motion
 from hjsolve.reports.content import Material, Subject, document, gather, initial_of
 from hjsolve.reports.document import Document
-from hjsolve.reports.files import checked_path, readable_errors, replace
+from hjsolve.reports.files import SUFFIXES, checked_path, readable_errors, replace
 from hjsolve.reports.formats.html import html_page
 from hjsolve.reports.sections.outside import outside_document
 from hjsolve.scenes import Scene
@@ -59,6 +60,7 @@ def report(
     motion: str = "default",
     digits: int = 15,
     cost: bool | float = False,
+    live: bool = False,
 ) -> Path:
     """Write a report about a system, a verdict, a solution or a motion.
 
@@ -75,6 +77,8 @@ def report(
         digits: of the numbers.
         cost: whether the report has a section that measures what accuracy costs, in 3 seconds; or the seconds it may
             take, at most 10.
+        live: whether the page has sliders for the constants of the motion and a point that moves (.html only; for a
+            motion with one separated coordinate, which librates). It is one file that asks nothing of the net.
 
     Returns:
         The path written.
@@ -87,16 +91,32 @@ def report(
         >>> report("kepler-planar", "kepler.html")  # doctest: +SKIP
         PosixPath('kepler.html')
     """
-    target = checked_path(path)
+    target = checked_path(path, (".html",) if live else SUFFIXES)
     if isinstance(subject, Scene):
+        refuse_live(live)
         return save_scene(subject, target, cost)
     if (outside := outside_entry(subject)) is not None:
+        refuse_live(live)
         return write_document(outside_document(outside), target)
     if isinstance(subject, LinearHamiltonian) or (
         isinstance(subject, str | Path) and catalog.hamiltonian(subject) is not None
     ):
+        refuse_live(live)
         return save_hamiltonian(subject, target, initial=initial, motion=motion, digits=digits)
-    return save(gather(subject, initial=initial, motion=motion, digits=digits), target, cost)
+    return save(gather(subject, initial=initial, motion=motion, digits=digits), target, cost, live=live)
+
+
+def refuse_live(live: bool) -> None:
+    """Refuse a live report of what is not the motion of a system.
+
+    Args:
+        live: whether one is asked.
+
+    Raises:
+        InvalidInputError: it is.
+    """
+    if live:
+        raise InvalidInputError("live: only the report of one motion can be live, not this; leave live=True out")
 
 
 def save_scene(scene: Scene, target: Path, cost: bool | float = False, progress: Progress | None = None) -> Path:
@@ -154,19 +174,23 @@ def save_hamiltonian(
     return write_document(hamiltonian_document(problem, meanings, summary, started, about), target)
 
 
-def save(material: Material, target: Path, cost: bool | float = False, progress: Progress | None = None) -> Path:
+def save(
+    material: Material, target: Path, cost: bool | float = False, progress: Progress | None = None, *,
+    live: bool = False,
+) -> Path:  # fmt: skip
     """Write what was gathered.
 
     Args:
         material: what there is to tell.
         target: a path that ``checked_path`` has passed.
         cost, progress: as in ``sections.cost.with_cost``.
+        live: as in ``report``.
 
     Returns:
         The path.
 
     Raises:
-        InvalidInputError: the file cannot be written.
+        InvalidInputError: the file cannot be written, or there is no motion that could be live.
         NotConvergedError: a number fell short; the report is written all the same.
     """
     from hjsolve.reports.sections.cost import with_cost
@@ -174,7 +198,9 @@ def save(material: Material, target: Path, cost: bool | float = False, progress:
     content = document(material)
     if material.motion is not None:
         content = with_cost(content, material.motion, cost, progress)
-    path = write_document(content, target)
+    if live and material.motion is None:
+        refuse_live(live)
+    path = write_document(content, target, material.motion if live else None)
     if content.unsettled:
         raise NotConvergedError(f"{content.unsettled}; everything else was written to {path}")
     return path
@@ -192,12 +218,13 @@ def outside_entry(subject: object) -> catalog.Entry | None:
     return entry if entry.refusal is not None else None
 
 
-def write_document(content: Document, target: Path) -> Path:
+def write_document(content: Document, target: Path, live: Motion | None = None) -> Path:
     """Write a document in the format of its suffix.
 
     Args:
         content: the document.
         target: a path that ``checked_path`` has passed.
+        live: the motion of a live page; None for a page that stands still.
 
     Returns:
         The path.
@@ -206,6 +233,10 @@ def write_document(content: Document, target: Path) -> Path:
         InvalidInputError: the file cannot be written.
     """
     text = _WRITERS[target.suffix.lower()](content)
+    if live is not None:
+        from hjsolve.reports.live.page import live_page
+
+        text = live_page(text, live)
     with readable_errors(target):
         replace(target, text)
     return target

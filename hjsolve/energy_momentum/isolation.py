@@ -1,0 +1,140 @@
+"""Real roots of many polynomials on (0, 1), counted and kept apart: Descartes' rule in Bernstein form, in doubles.
+
+The number of sign changes of the Bernstein coefficients of a polynomial on an interval is the number of its roots there
+or more by an even number (Lane and Riesenfeld, BIT 21 (1981) 112); none and one are exact, and anything else is halved.
+Halving is by convex combinations (de Casteljau), so that a bound on the error of the coefficients stays one: where a
+sign is not proved by it, the polynomial is called doubtful and nothing is said of it.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+
+from hjsolve.arithmetic.floats import EPS
+
+Reals = NDArray[np.float64]
+_DEEPEST = 60
+_SHARES = (0.5, 0.4609375, 0.5703125, 0.390625)
+"""Where an interval is divided: at its middle, or beside it where the polynomial may vanish there."""
+
+
+@dataclass(frozen=True)
+class IsolatedRoots:
+    """The roots of m polynomials on (0, 1), all simple.
+
+    Attributes:
+        sign: of each polynomial right of 0, shape (m,).
+        count: of its roots, shape (m,).
+        doubtful: True where neither is known, shape (m,).
+        owner: which polynomial each root belongs to, in order, shape (k,).
+        low, high: an interval round each root that holds no other, in order of place for each polynomial.
+    """
+
+    sign: NDArray[np.int64]
+    count: NDArray[np.int64]
+    doubtful: NDArray[np.bool_]
+    owner: NDArray[np.int64]
+    low: Reals
+    high: Reals
+
+
+def isolated_roots(coefficients: Reals, errors: Reals) -> IsolatedRoots:
+    """Isolate the roots of many polynomials on (0, 1).
+
+    Args:
+        coefficients: Bernstein coefficients of degree n, shape (m, n + 1).
+        errors: bounds on their errors, of the same shape.
+    """
+    m = len(coefficients)
+    b, e, owner = coefficients, errors, np.arange(m)
+    low, high = np.zeros(m), np.ones(m)
+    first = _signs(b[:, 0], e[:, 0])
+    doubtful = (first == 0) | (_signs(b[:, -1], e[:, -1]) == 0)
+    found: list[tuple[NDArray[np.int64], Reals, Reals]] = []
+    for _ in range(_DEEPEST):
+        changes, proved = _variations(b, e)
+        one = proved & (changes == 1)
+        found.append((owner[one], low[one], high[one]))
+        left = ~(proved & (changes <= 1)) & ~doubtful[owner]
+        if not left.any():
+            break
+        b, e, owner, low, high = b[left], e[left], owner[left], low[left], high[left]
+        b, e, owner, low, high, lost = _halves(b, e, owner, low, high)
+        doubtful[lost] = True
+    else:
+        doubtful[owner] = True
+    which, begin, end = (np.concatenate(parts) for parts in zip(*found, strict=True))
+    kept = ~doubtful[which]
+    which, begin, end = which[kept], begin[kept], end[kept]
+    order = np.lexsort((begin, which))
+    return IsolatedRoots(
+        first, np.bincount(which, minlength=m), doubtful, which[order], begin[order], end[order]
+    )  # fmt: skip
+
+
+def value_at(coefficients: Reals, errors: Reals, place: Reals) -> tuple[Reals, Reals]:
+    """Evaluate polynomials in Bernstein form.
+
+    Args:
+        coefficients, errors: as for ``isolated_roots``.
+        place: one of (0, 1) for each, shape (m,).
+
+    Returns:
+        The values and bounds on their errors, shape (m,).
+    """
+    (left, _), (doubt, _) = _divided(coefficients, errors, place)
+    return left[:, -1], doubt[:, -1]
+
+
+def _signs(b: Reals, e: Reals) -> NDArray[np.int64]:
+    return np.where(b > e, 1, np.where(b < -e, -1, 0))
+
+
+def _variations(b: Reals, e: Reals) -> tuple[NDArray[np.int64], NDArray[np.bool_]]:
+    """Sign changes along each row, and whether that is their number whatever the signs not proved are."""
+    signs = _signs(b, e)
+    forward, backward = signs.copy(), signs.copy()
+    for k in range(1, signs.shape[1]):
+        forward[:, k] = np.where(forward[:, k] == 0, forward[:, k - 1], forward[:, k])
+        backward[:, -1 - k] = np.where(backward[:, -1 - k] == 0, backward[:, -k], backward[:, -1 - k])
+    open_ = ((signs == 0) & (forward == backward)) | (forward == 0) | (backward == 0)
+    return (np.diff(forward, axis=1) != 0).sum(axis=1), ~open_.any(axis=1)
+
+
+def _divided(b: Reals, e: Reals, share: Reals) -> tuple[tuple[Reals, Reals], tuple[Reals, Reals]]:
+    """Both parts of each polynomial, and of the bounds on their errors."""
+    n = b.shape[1] - 1
+    return _parts(b, share), _parts(e + 4 * (n + 1) * EPS * np.abs(b).max(axis=1, keepdims=True), share)
+
+
+def _parts(b: Reals, share: Reals) -> tuple[Reals, Reals]:
+    left, right, row, s = [b[:, 0]], [b[:, -1]], b, share[:, None]
+    while row.shape[1] > 1:
+        row = (1 - s) * row[:, :-1] + s * row[:, 1:]
+        left.append(row[:, 0])
+        right.append(row[:, -1])
+    return np.stack(left, axis=1), np.stack(right[::-1], axis=1)
+
+
+def _halves(
+    b: Reals, e: Reals, owner: NDArray[np.int64], low: Reals, high: Reals
+) -> tuple[Reals, Reals, NDArray[np.int64], Reals, Reals, NDArray[np.int64]]:
+    """Divide every interval where the polynomial is proved not to vanish; the owners of those with no such place."""
+    share = np.full(len(b), _SHARES[0])
+    for other in (*_SHARES[1:], None):
+        value, doubt = value_at(b, e, share)
+        vague = ~(np.abs(value) > doubt)
+        if other is None or not vague.any():
+            break
+        share = np.where(vague, other, share)
+    lost, kept = owner[vague], ~vague
+    b, e, owner, low, high, share = b[kept], e[kept], owner[kept], low[kept], high[kept], share[kept]
+    (b0, b1), (e0, e1) = _divided(b, e, share)
+    middle = low + share * (high - low)
+    return (
+        np.concatenate([b0, b1]), np.concatenate([e0, e1]), np.concatenate([owner, owner]),
+        np.concatenate([low, middle]), np.concatenate([middle, high]), lost,
+    )  # fmt: skip

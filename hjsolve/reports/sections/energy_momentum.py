@@ -1,0 +1,50 @@
+"""The section that shows where among all motions of its system a motion lies: the energy–momentum map."""
+
+from __future__ import annotations
+
+from typing import Any
+
+from hjsolve.energy_momentum.energy_momentum_map import EnergyMomentumMap, energy_momentum_map
+from hjsolve.errors import HJSolveError
+from hjsolve.reports.document import Block, Figures, Inline, Mathematics, Paragraph, Section
+from hjsolve.reports.drawings.energy_momentum_figure import energy_momentum_figure
+from hjsolve.reports.formulas.names import name_box
+
+_FEWEST_CONSTANTS = 2
+
+
+def energy_momentum_section(motion: Any) -> Section | None:
+    """Draw the map of a motion's system with the motion on it.
+
+    Args:
+        motion: a ``Motion``.
+
+    Returns:
+        The section; None for systems with one constant, and where no map could be drawn.
+    """
+    if len(motion.solution.constants) < _FEWEST_CONSTANTS or not motion.solution.coordinates:
+        return None
+    try:
+        found = energy_momentum_map(motion)
+        blocks: list[Block] = [Figures((energy_momentum_figure(found, "energy-momentum"),))]
+        blocks += _monodromy(found)
+    except HJSolveError:
+        return None
+    return Section("energy-momentum", "Every motion of this system", tuple(blocks))
+
+
+def _monodromy(found: EnergyMomentumMap) -> list[Block]:
+    if not found.isolated or len(found.coordinates) != 1:
+        return []
+    value, turned = found.isolated[0], found.monodromy()
+    (a, b), (c, d) = turned.matrix
+    x, y = Mathematics(name_box(found.x)), Mathematics(name_box(found.y))
+    gained = [f"{n} gains {abs(k)} turn{'s' if abs(k) > 1 else ''}" for n, k in turned.winding.items() if k]
+    text: list[Inline] = [
+        "At ", x, f" = {value.x:.6g}, ", y, f" = {value.y:.6g} lies an isolated critical value: the system can rest "
+        "there, and the same kind of motion is all round it. Followed once round it the tori come back with the "
+        f"monodromy matrix (({a}, {b}), ({c}, {d})): {', '.join(gained) or 'no angle gains a turn'} per cycle. ",
+    ]  # fmt: skip
+    if not turned.trivial:
+        text.append("So no choice of actions is smooth on all of that region (Duistermaat; Cushman).")
+    return [Paragraph(tuple(text))]
