@@ -22,7 +22,7 @@ import sympy as sp
 from hjsolve import arguments
 from hjsolve.arithmetic.estimate import Estimate
 from hjsolve.arithmetic.floats import bits_for, multiprecision
-from hjsolve.arithmetic.number_types import Context, Matrix, Mpc, Mpf
+from hjsolve.arithmetic.number_types import Context, Mpc, Mpf, MpfMatrix
 from hjsolve.display.shown import Shown
 from hjsolve.errors import InvalidInputError, InvalidSystemError, NotConvergedError
 from hjsolve.formulas.read import number
@@ -259,7 +259,7 @@ def _ratios(
     return {c.name: best[i] / best[0] for i, c in enumerate(system.coordinates)}
 
 
-def _cofactors(A: Matrix, row: int, context: Context) -> list[Mpf | Mpc]:
+def _cofactors(A: MpfMatrix, row: int, context: Context) -> list[Mpf | Mpc]:
     n = A.rows
     found = []
     for j in range(n):
@@ -268,20 +268,20 @@ def _cofactors(A: Matrix, row: int, context: Context) -> list[Mpf | Mpc]:
     return found
 
 
-def _hessian(system: System, values: Mapping[sp.Symbol, sp.Expr], context: Context) -> Matrix:
+def _hessian(system: System, values: Mapping[sp.Symbol, sp.Expr], context: Context) -> MpfMatrix:
     z = [c.symbol for c in system.coordinates] + [c.momentum for c in system.coordinates]
     S = sp.hessian(sp.expand(hamiltonian(system)), z).subs(values)
     return context.matrix([[to_bits(S[i, j])(context.prec) for j in range(len(z))] for i in range(len(z))])
 
 
-def _symplectic(n: int, context: Context) -> Matrix:
-    J: Matrix = context.matrix(2 * n, 2 * n)
+def _symplectic(n: int, context: Context) -> MpfMatrix:
+    J: MpfMatrix = context.matrix(2 * n, 2 * n)
     for i in range(n):
         J[i, n + i], J[n + i, i] = 1, -1
     return J
 
 
-def _pair(S: Matrix, ω: Mpf, context: Context) -> tuple[Matrix, Matrix, int]:
+def _pair(S: MpfMatrix, ω: Mpf, context: Context) -> tuple[MpfMatrix, MpfMatrix, int]:
     """The columns of N that belong to one frequency, and the sign of the mode's energy."""
     n = S.rows // 2
     J = _symplectic(n, context)
@@ -295,12 +295,12 @@ def _pair(S: Matrix, ω: Mpf, context: Context) -> tuple[Matrix, Matrix, int]:
     return (u / scale, w / scale, 1) if κ > 0 else (w / scale, u / scale, -1)
 
 
-def _joined(first: list[Matrix], second: list[Matrix], context: Context) -> Matrix:
+def _joined(first: list[MpfMatrix], second: list[MpfMatrix], context: Context) -> MpfMatrix:
     columns = [*first, *second]
     return context.matrix([[c[i] for c in columns] for i in range(len(columns))])
 
 
-def _inverse(N: Matrix) -> Matrix:
+def _inverse(N: MpfMatrix) -> MpfMatrix:
     """N⁻¹ = −J Nᵀ J of a symplectic matrix."""
     J = _symplectic(N.rows // 2, N.ctx)
     return -(J * N.T * J)

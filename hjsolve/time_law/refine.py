@@ -8,7 +8,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from hjsolve.arithmetic.floats import multiprecision
-from hjsolve.arithmetic.number_types import Context, Matrix, Mpf, Numbers, Reals
+from hjsolve.arithmetic.number_types import Context, Mpf, MpfMatrix, Numbers, Reals
 from hjsolve.errors import NotConvergedError
 from hjsolve.one_coordinate.coordinate_motion import CoordinateMotion
 from hjsolve.one_coordinate.fourier_series import FourierSeries
@@ -37,7 +37,7 @@ def on_torus(
     for m, t in enumerate(time):
         goal = [system.starts[k] + system.rates[k] * t - turn * context.convert(float(whole[k][m])) for k in range(n)]
 
-        def equations(x: list[Mpf], goal: list[Mpf] = goal) -> tuple[Matrix, Matrix]:
+        def equations(x: list[Mpf], goal: list[Mpf] = goal) -> tuple[MpfMatrix, MpfMatrix]:
             residual = context.matrix(
                 [x[k] - goal[k] + sum(_ripple(system, k, i, x[i]) for i in range(n)) for k in range(n)]
             )
@@ -92,7 +92,7 @@ def unbounded(
     bounds = [np.empty(len(time), dtype=object) for _ in range(n)]
     for m, t in enumerate(time):
 
-        def system(x: list[Mpf], t: Mpf = t) -> tuple[Matrix, Matrix]:
+        def system(x: list[Mpf], t: Mpf = t) -> tuple[MpfMatrix, MpfMatrix]:
             residual = context.matrix(
                 [
                     sum(c.integral(j, single(x[i]))[0] for i, c in enumerate(courses))
@@ -113,7 +113,7 @@ def unbounded(
 
 
 def _newton(
-    equations: Callable[[list[Mpf]], tuple[Matrix, Matrix]], x: list[Mpf], context: Context, bits: int
+    equations: Callable[[list[Mpf]], tuple[MpfMatrix, MpfMatrix]], x: list[Mpf], context: Context, bits: int
 ) -> tuple[list[Mpf], Mpf]:
     """Newton's method from a start good to doubles.
 
