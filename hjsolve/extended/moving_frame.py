@@ -19,7 +19,6 @@ from hjsolve import arguments
 from hjsolve.display.shown import Shown
 from hjsolve.errors import InvalidSystemError
 from hjsolve.mechanics.system import System, hamiltonian, momenta
-from hjsolve.motion.initial_data import complete_numbers, one_of_velocity_and_p
 from hjsolve.separation.zero_test.zero_test import Zero, is_zero
 from hjsolve.solution.quadratures import Solution, solve
 
@@ -172,6 +171,8 @@ def carried_initial_data(
         InvalidInputError: velocity and p both or neither, or a name that is no original coordinate.
         MissingValueError: a coordinate without a value.
     """
+    from hjsolve.motion.initial_data import complete_numbers, one_of_velocity_and_p  # numpy: not to check a system
+
     old = frame.original.coordinates
     what, given = one_of_velocity_and_p(velocity, p)
     places, rates = complete_numbers(old, q, "q"), complete_numbers(old, given, what)

@@ -118,9 +118,7 @@ def told(error: NotConvergedError) -> str:
     return f"{' '.join(str(error).split())}{reached}"
 
 
-def _decided(
-    subject: object, clock: dict[str, float]
-) -> tuple[Separation | Obstruction | Undecided, Solution | None]:
+def _decided(subject: object, clock: dict[str, float]) -> tuple[Separation | Obstruction | Undecided, Solution | None]:
     match subject:
         case System():
             return _timed(clock, "reduction and test", lambda: separate(subject)), None

@@ -10,7 +10,7 @@ import sympy as sp
 from mpmath import mp, mpf
 
 from hjsolve import catalog
-from hjsolve.errors import InvalidInputError, InvalidSystemError
+from hjsolve.errors import InvalidInputError, InvalidSystemError, MissingValueError
 from hjsolve.extended.gyroscopic import LAMBDA, gyroscopic_modes
 from hjsolve.mechanics.system import System, hamiltonian
 from hjsolve.separation import Obstruction, separate
@@ -140,3 +140,15 @@ def test_without_gyroscopic_terms_the_modes_are_the_usual_ones() -> None:
     assert modes.signs == (1, 1)
     assert abs(modes.frequencies[0] - 1) < mpmath.mpf(10) ** -29
     assert abs(modes.frequencies[1] ** 2 - 3) < mpmath.mpf(10) ** -28
+
+
+def test_initial_data_are_checked_as_those_of_any_motion() -> None:
+    modes = gyroscopic_modes("gyroscopic-three")
+    names = [c.name for c in modes.system.coordinates]
+    rest = dict.fromkeys(names, 0)
+    with pytest.raises(InvalidInputError, match="either velocity"):
+        modes.motion(q=rest)
+    with pytest.raises(MissingValueError, match=f"velocity: no value for {names[-1]}"):
+        modes.motion(q=rest, velocity=dict.fromkeys(names[:-1], 0))
+    with pytest.raises(InvalidInputError, match="'height' is not a coordinate"):
+        modes.motion(q={**rest, "height": 1}, p=rest)

@@ -81,7 +81,7 @@ def test_states_carry_errors_and_the_motion_ends_at_its_domain() -> None:
     for given, error in (
         ({"q": {"q": 5}, "p": {"q": 1}, "parameters": {"w": 1}}, "not inside the domain"),
         ({"q": {"q": 1}, "velocity": {"q": 1}, "parameters": {"w": 1}}, "says nothing about p"),
-        ({"q": {"x": 1}, "p": {"q": 1}, "parameters": {"w": 1}}, "a number for q"),
+        ({"q": {"x": 1}, "p": {"q": 1}, "parameters": {"w": 1}}, "'x' is not a coordinate of this system; it has q"),
         ({"q": {"q": 1}, "p": {"q": 1}}, "no value for w"),
     ):
         with pytest.raises(InvalidInputError, match=error):

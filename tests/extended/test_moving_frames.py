@@ -105,5 +105,5 @@ def test_initial_data_are_checked() -> None:
     frame = frames.load("spring-turning-anchor")
     with pytest.raises(InvalidInputError, match="either velocity"):
         frame.motion(q={"x": 0, "y": 0})
-    with pytest.raises(MissingValueError, match="each of x, y"):
+    with pytest.raises(MissingValueError, match="q: no value for y; every coordinate needs one"):
         frame.motion(q={"x": 0}, velocity={"x": 0, "y": 0})
