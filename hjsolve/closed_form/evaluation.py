@@ -225,12 +225,22 @@ def _function(function: type[sp.Function]) -> Rule:
     table, _ = modules("mpmath")
     assert isinstance(table, dict)
     name = function.__name__
+    if name == "elliptic_pi":
+        return _third_kind
     if name in table:
         return table[name]
     if name in _SAME:
         return getattr(mpmath, name)
     arguments = sp.symbols(f"a:{1 if not function.nargs else max(function.nargs)}")
     return sp.lambdify(arguments, function(*arguments), modules=modules("mpmath"))
+
+
+def _third_kind(n: mpmath.mpf, *rest: mpmath.mpf) -> mpmath.mpf:
+    """Π(n; φ|m) or Π(n|m); nan beyond the pole and of complex arguments, where mpmath integrates numerically."""
+    if any(isinstance(x, mpmath.mpc) for x in (n, *rest)):
+        return mpmath.nan
+    sine = mpmath.sin(rest[0]) if len(rest) == 2 else mpmath.mpf(1)
+    return mpmath.ellippi(n, *rest) if n * sine**2 < 1 else mpmath.nan
 
 
 _SAME = (
