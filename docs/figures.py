@@ -6,7 +6,8 @@ from pathlib import Path
 
 import hjsolve
 from hjsolve.reports.document import Figure
-from hjsolve.reports.drawings import orbit_paths, svg
+from hjsolve.reports.document.drawing_style import standalone
+from hjsolve.reports.drawings import orbit_paths
 from hjsolve.reports.drawings.effective_potential import effective_potential_of
 from hjsolve.reports.drawings.motion_figures import effective_potential, phase_portrait
 
@@ -24,7 +25,7 @@ def side_by_side(figures: list[Figure], title: str, description: str) -> str:
     head = (
         f'<svg xmlns="http://www.w3.org/2000/svg" viewBox="0 0 {total:g} {height:g}" role="img"><title>{title}</title>'
     )
-    return svg.standalone(f"{head}<desc>{description}</desc>{''.join(parts)}</svg>")
+    return standalone(f"{head}<desc>{description}</desc>{''.join(parts)}</svg>")
 
 
 def kepler() -> str:

@@ -10,7 +10,7 @@ from pathlib import Path
 
 import hjsolve
 from hjsolve import catalog
-from hjsolve.reports.drawings import svg
+from hjsolve.reports.document.drawing_style import standalone
 
 CATALOG = Path(__file__).resolve().parents[1] / "catalog" / "README.md"
 GROUPS = {
@@ -74,7 +74,7 @@ def card_of(name: str, report: str) -> Card:
     found = {match[1]: match[0] for match in DRAWING.finditer(report)}
     chosen = next((found[key] for key in SHOWN if key in found), "")
     words = DESCRIPTION.search(chosen)
-    return Card(name, entry.title, entry.summary or entry.reason, svg.standalone(chosen) if chosen else "",
+    return Card(name, entry.title, entry.summary or entry.reason, standalone(chosen) if chosen else "",
                 unescape(words[1]) if words else "")  # fmt: skip
 
 

@@ -154,7 +154,7 @@ def report_command(options: Namespace) -> int:
     Returns:
         The exit status.
     """
-    from hjsolve.reports.files import checked_path
+    from hjsolve.reports.document.files import checked_path
 
     if options.format and options.output != "-":
         raise InvalidInputError(f"--format: goes with -o -; the suffix of {options.output} says the format")
@@ -172,7 +172,7 @@ def _reported(options: Namespace, target: Path) -> tuple[int, Path]:
     """Write the report; the exit status and the file."""
     from hjsolve.display.progress import ProgressBar
     from hjsolve.reports.content import gather
-    from hjsolve.reports.files import SUFFIXES, checked_path
+    from hjsolve.reports.document.files import SUFFIXES, checked_path
     from hjsolve.reports.sections.outside import outside_document
     from hjsolve.reports.write import outside_entry, refuse_live, save, save_hamiltonian, save_scene, write_document
 

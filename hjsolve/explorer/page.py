@@ -11,7 +11,7 @@ from hjsolve import catalog
 from hjsolve.errors import HJSolveError
 from hjsolve.explorer.question import LONGEST, Drag, PageAnswer, PageQuestion, Portrait, Wanted, question_about
 from hjsolve.explorer.worker import Workers
-from hjsolve.reports.drawings.svg import STYLE
+from hjsolve.reports.document.drawing_style import STYLE
 from hjsolve.reports.formats.stylesheet import NOTEBOOK_CSS
 
 _CSS = """

@@ -13,7 +13,7 @@ from hjsolve.extended.linear_hamiltonian import LinearHamiltonian
 from hjsolve.motion.motion import Motion
 from hjsolve.reports.content import Material, Subject, document, gather, initial_of
 from hjsolve.reports.document import Document
-from hjsolve.reports.files import SUFFIXES, checked_path, readable_errors, replace
+from hjsolve.reports.document.files import SUFFIXES, checked_path, readable_errors, replace
 from hjsolve.reports.formats.html import html_page
 from hjsolve.reports.sections.outside import outside_document
 from hjsolve.scenes import Scene

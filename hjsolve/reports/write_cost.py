@@ -7,9 +7,9 @@ from pathlib import Path
 
 from hjsolve.costs import Cost
 from hjsolve.errors import InvalidInputError
-from hjsolve.reports.drawings import svg
+from hjsolve.reports.document.drawing_style import standalone
+from hjsolve.reports.document.files import SUFFIXES, checked_path, replace
 from hjsolve.reports.drawings.work_precision import figure
-from hjsolve.reports.files import SUFFIXES, checked_path, replace
 from hjsolve.reports.sections.cost import cost_document, plain_rows
 from hjsolve.reports.write import write_document
 
@@ -43,7 +43,7 @@ def save_cost(table: Cost, target: Path) -> Path:
     """
     suffix = target.suffix.lower()
     if suffix == ".svg":
-        replace(target, svg.standalone(figure(table, "cost-figure").svg))
+        replace(target, standalone(figure(table, "cost-figure").svg))
     elif suffix == ".json":
         replace(target, json.dumps(plain_rows(table), ensure_ascii=False, indent=1, allow_nan=False) + "\n")
     else:

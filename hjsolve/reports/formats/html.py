@@ -6,7 +6,7 @@ import re
 from html import escape
 
 from hjsolve.reports.document import ArgumentStep, Block, Document, Figure, Formula, Number, Section, Steps, Table, Text
-from hjsolve.reports.drawings.svg import STYLE
+from hjsolve.reports.document.drawing_style import STYLE
 from hjsolve.reports.formats.block_writer import BlockWriter, PieceWriter
 from hjsolve.reports.formats.stylesheet import CSS
 from hjsolve.reports.formats.text import line

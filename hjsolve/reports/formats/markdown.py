@@ -6,7 +6,7 @@ from base64 import b64encode
 
 from hjsolve.arithmetic.printed_digits import raised
 from hjsolve.reports.document import ArgumentStep, Document, Figure, Formula, Section, Steps, Table, Text
-from hjsolve.reports.drawings.svg import standalone
+from hjsolve.reports.document.drawing_style import standalone
 from hjsolve.reports.formats.block_writer import BlockWriter, PieceWriter
 from hjsolve.reports.formulas.latex import latex_of
 from hjsolve.reports.formulas.layout import Box

@@ -1,6 +1,6 @@
 """How an HTML report looks: one column of text, drawings side by side, light and dark, screen and paper."""
 
-from hjsolve.reports.drawings.svg import STYLE
+from hjsolve.reports.document.drawing_style import STYLE
 
 CSS = """
 :root{--paper:#fffdf8;--ink:#22262b;--soft:#666b72;--rule:#d9d5cc;--blue:#2f5f8f;--red:#b8402a;--wash:#f5f1e8;--green:#2e7044;--amber:#8a6100;

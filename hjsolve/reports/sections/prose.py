@@ -9,10 +9,10 @@ from hjsolve.extended.linear_hamiltonian import LinearHamiltonian
 from hjsolve.mechanics.system import Domain, System
 from hjsolve.reports.document import Code, Inline, Mathematics, Text
 from hjsolve.reports.formulas.from_sympy import box
-from hjsolve.reports.formulas.inside_text import formulas, typeset_name
 from hjsolve.reports.formulas.layout import Box, Glyph, row
 from hjsolve.reports.formulas.names import GREEK, name_box
 from hjsolve.reports.formulas.one_line_text import plain
+from hjsolve.reports.sections.inside_text import formulas, typeset_name
 
 _PHRASES = (
     ("c^T Phi = (1, 0, ..., 0)", "cᵀΦ = (1, 0, …, 0)"),

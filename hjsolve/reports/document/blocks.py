@@ -125,7 +125,7 @@ class Figure:
 
     def _repr_svg_(self) -> str:
         """What a notebook shows."""
-        from hjsolve.reports.drawings.svg import standalone
+        from hjsolve.reports.document.drawing_style import standalone
 
         return standalone(self.svg)
 
@@ -141,8 +141,8 @@ class Figure:
         Raises:
             InvalidInputError: another suffix, or a place that cannot be written to.
         """
-        from hjsolve.reports.drawings.svg import standalone
-        from hjsolve.reports.files import checked_path, replace
+        from hjsolve.reports.document.drawing_style import standalone
+        from hjsolve.reports.document.files import checked_path, replace
 
         target = checked_path(path, (".svg",))
         replace(target, standalone(self.svg))
