@@ -216,3 +216,22 @@ def test_systems_that_separate_nowhere_are_refused_with_the_verdict(coordinates,
     with pytest.raises(hjsolve.NotSeparableError, match=says) as caught:
         hjsolve.solve(system, coordinates="find")
     assert caught.value.verdict.pair
+
+
+@pytest.mark.parametrize(
+    ("potential", "says"),
+    [
+        ("-1/sqrt(x**2 + y**2 + (1 + sqrt(z**2 + 1))**2)", "quadratic"),
+        ("-1/sqrt(x**2 + y**2 + (z - 1)**2) - 2/sqrt(x**2 + y**2 + (z + 1)**2) + x/10", "quadratic"),
+    ],
+    ids=["Miyamoto-Nagai", "two centres in a transverse field"],
+)
+def test_potentials_of_space_that_separate_nowhere_are_refused_with_what_was_looked_for(
+    potential: str, says: str
+) -> None:
+    system = hjsolve.System(
+        dict.fromkeys("xyz", "line"), "(dot(x)**2 + dot(y)**2 + dot(z)**2)/2", potential
+    )  # fmt: skip
+    with pytest.raises(hjsolve.NotSeparableError, match=says) as caught:
+        hjsolve.solve(system, coordinates="find")
+    assert caught.value.verdict.pair
