@@ -92,6 +92,9 @@ def symmetric_curves(own: CoordinateKinds, window: Window) -> list[CriticalCurve
             exact = sp.nsimplify(sp.re(t), rational=True, tolerance=1e-25)
             place = float(sp.N(s.inverse.subs(s.x, exact)))
             found += _resting(own, sp.diff(N, s.x, 2).subs(s.x, exact), sp.expand(N.subs(s.x, exact)), place, window)
+    if own.polynomial.closed and s.upper.is_finite:  # t has its largest value at the opposite place: t = sin q/2
+        bend, level = -sp.diff(N, s.x).subs(s.x, s.upper), sp.expand(N.subs(s.x, s.upper))
+        found += _resting(own, bend, level, float(sp.N(s.inverse.subs(s.x, s.upper))), window)
     if own.polynomial.closed and s.upper is sp.oo:
         top, slope, bend = (sp.Poly(N, s.x).nth(sp.degree(N, s.x) - k) for k in range(3))
         if slope == 0:
