@@ -9,7 +9,7 @@ import sympy as sp
 from hjsolve.closed_form.derive import Workshop, form_of_sample, forms_of_solution, special_of, workshop
 from hjsolve.closed_form.forms import RegimeForms
 from hjsolve.closed_form.sampling import Sample
-from hjsolve.closed_form.time_limit import allowed
+from hjsolve.closed_form.time_limit import within_seconds
 from hjsolve.closed_form.verification import DIGITS
 from hjsolve.errors import InvalidInputError
 from hjsolve.mechanics.system import System
@@ -61,12 +61,12 @@ def closed_forms(
             f"closed_forms: expected a solution, a motion, a system or a catalog id, got {type(subject).__name__}"
         )
     if isinstance(subject, Motion):
-        with allowed(seconds):
+        with within_seconds(seconds):
             shop = workshop(subject.solution, digits)
             own = [form for form in (_own_form(shop, subject),) if form is not None]
             return (*own, *forms_of_solution(shop, own))
     solution = subject if isinstance(subject, Solution) else solve(subject)
-    with allowed(seconds):
+    with within_seconds(seconds):
         return forms_of_solution(workshop(solution, digits))
 
 
@@ -78,7 +78,7 @@ def own_form(motion: Motion, *, digits: int = DIGITS, seconds: float | None = SE
         digits: to which the forms are compared with the quadratures.
         seconds: of processor time that may be spent; None for no limit.
     """
-    with allowed(seconds):
+    with within_seconds(seconds):
         return _own_form(workshop(motion.solution, digits), motion)
 
 

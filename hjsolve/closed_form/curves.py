@@ -11,7 +11,7 @@ from dataclasses import dataclass, field, replace
 
 import sympy as sp
 
-from hjsolve.closed_form.substitutions import Substitution, domain_ends, substitutions
+from hjsolve.closed_form.substitutions import Substitution, extended_domain_ends, substitutions
 from hjsolve.display.shown import Shown
 from hjsolve.mechanics.coordinates_and_parameters import Coordinate
 
@@ -49,7 +49,7 @@ class MomentumCurve(Shown):
     @property
     def ends(self) -> tuple[sp.Expr, sp.Expr]:
         """The ends of the domain of q."""
-        return domain_ends(self.coordinate)
+        return extended_domain_ends(self.coordinate)
 
     def numerator(self, key: sp.Symbol) -> sp.Expr:
         """N as a function of x, of ∫ N dq/√P²: P² itself for W, ½ ∂P²/∂c for a constant c.

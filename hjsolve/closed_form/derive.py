@@ -15,7 +15,7 @@ from hjsolve.closed_form.pieces import CoordinateIntegrals, piece
 from hjsolve.closed_form.regime import regime
 from hjsolve.closed_form.regions import root_interval_of
 from hjsolve.closed_form.sampling import Sample, samples
-from hjsolve.closed_form.signs import Signs, sign_of
+from hjsolve.closed_form.signs import Signs, sign_of_many_digits
 from hjsolve.closed_form.strata import deciders, fixed_constant, strata
 from hjsolve.closed_form.time_limit import OutOfTimeError, out_of_time
 from hjsolve.closed_form.verification import DIGITS, flaws
@@ -188,7 +188,7 @@ def _piece(
 
 def _same_piece(known: CoordinateIntegrals, sample: Sample) -> bool:
     at = Signs(sample.values, mpmath.mpf(0))
-    if any(sign_of(at.number(expression)) != sign for expression, sign in known.conditions.items()):
+    if any(sign_of_many_digits(at.number(expression)) != sign for expression, sign in known.conditions.items()):
         return False
     for curve, region in known.regions:
         there = root_interval_of(curve, sample)

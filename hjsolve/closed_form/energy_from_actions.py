@@ -9,7 +9,7 @@ import mpmath
 import sympy as sp
 
 from hjsolve.closed_form.curves import named_constants
-from hjsolve.closed_form.evaluation import many_digits, number
+from hjsolve.closed_form.evaluation import many_digits, number_of
 from hjsolve.closed_form.regime import Regime
 
 if TYPE_CHECKING:
@@ -97,9 +97,9 @@ def _solved(
         found = [back.subs(z, root) for root in _roots(sp.numer(sp.together(plain - J)), z)]
     numbers = many_digits(made.example, _DIGITS)
     with mpmath.workdps(_DIGITS):
-        numbers |= {named[name]: number(other, numbers) for name, other in actions.items()}
+        numbers |= {named[name]: number_of(other, numbers) for name, other in actions.items()}
         for root in found:
-            got = number(root, numbers)
+            got = number_of(root, numbers)
             if mpmath.isfinite(got) and abs(got - numbers[unknown]) <= abs(got) * mpmath.mpf(10) ** -_AGREE:
                 return sp.factor(root)
     return None

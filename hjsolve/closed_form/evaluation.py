@@ -139,7 +139,7 @@ class Evaluator:
         return terms[0] if len(terms) == 1 else self._emit(_sum, *terms)
 
 
-def number(expression: sp.Expr, numbers: Mapping[sp.Symbol, mpmath.mpf]) -> mpmath.mpf:
+def number_of(expression: sp.Expr, numbers: Mapping[sp.Symbol, mpmath.mpf]) -> mpmath.mpf:
     """One formula at numbers, in mpmath's present precision.
 
     Args:

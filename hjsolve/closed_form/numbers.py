@@ -10,7 +10,7 @@ import sympy as sp
 
 from hjsolve.arithmetic.estimate import Estimate
 from hjsolve.arithmetic.floats import EPS
-from hjsolve.closed_form.evaluation import many_digits, number
+from hjsolve.closed_form.evaluation import many_digits, number_of
 from hjsolve.closed_form.regions import ordered_real_roots, region_exists
 from hjsolve.errors import InvalidInputError, MissingValueError
 from hjsolve.formulas.read import number as read_number
@@ -42,9 +42,9 @@ def form_at_numbers(form: RegimeForms, name: str, values: Mapping[str, object], 
     working = 2 * (digits + _GUARD)
     table = many_digits(exact, working) | root_values(form, exact, working)
     with mpmath.workdps(digits + _GUARD):
-        near = number(expression, table)
+        near = number_of(expression, table)
     with mpmath.workdps(working):
-        far = number(expression, table)
+        far = number_of(expression, table)
         if not mpmath.isfinite(far) or not mpmath.isfinite(near):
             raise InvalidInputError(f"{name} is infinite there")
         if abs(mpmath.im(far)) > abs(far) * mpmath.mpf(10) ** -digits:
@@ -120,7 +120,7 @@ def root_values(
                 polynomial, index = meaning
                 known[symbol] = ordered_real_roots(polynomial, known, digits)[index]
             else:
-                known[symbol] = mpmath.re(number(meaning, known))
+                known[symbol] = mpmath.re(number_of(meaning, known))
     return {symbol: known[symbol] for symbol in form.where}
 
 

@@ -10,7 +10,7 @@ import sympy as sp
 
 from hjsolve.closed_form.curves import MomentumCurve
 from hjsolve.closed_form.regions import RootInterval, region_exists
-from hjsolve.closed_form.signs import Signs, sign_of
+from hjsolve.closed_form.signs import Signs, sign_of_many_digits
 from hjsolve.display.shown import Shown
 
 _OPPOSITE = {sp.StrictGreaterThan: sp.StrictLessThan, sp.StrictLessThan: sp.StrictGreaterThan}
@@ -55,7 +55,7 @@ class Regime(Shown):
             meant = at.number(expression)
             if abs(at.number(constant) - meant) > (1 + abs(meant)) * mpmath.mpf(10) ** -30:
                 return False
-        if any(sign_of(at.number(expression)) != sign for expression, sign in self.conditions.items()):
+        if any(sign_of_many_digits(at.number(expression)) != sign for expression, sign in self.conditions.items()):
             return False
         return all(region_exists(curve, region, at.numbers) for curve, region in self.regions)
 

@@ -10,7 +10,7 @@ import mpmath
 import sympy as sp
 
 from hjsolve.closed_form.curves import MomentumCurve
-from hjsolve.closed_form.evaluation import evaluator, many_digits, number
+from hjsolve.closed_form.evaluation import evaluator, many_digits, number_of
 from hjsolve.closed_form.sampling import Sample
 from hjsolve.closed_form.signs import Signs
 from hjsolve.display.shown import Shown
@@ -55,7 +55,7 @@ class RootInterval(Shown):
             signs: of the sample.
         """
         with mpmath.workdps(DIGITS):
-            value = number(self.curve.square, {**signs.numbers, self.curve.x: self.place})
+            value = number_of(self.curve.square, {**signs.numbers, self.curve.x: self.place})
         return (1 if value > 0 else -1) * (1 if self.curve.substitution.increasing else -1)
 
     def conditions(self, signs: Signs) -> dict[sp.Expr, int]:
@@ -172,11 +172,11 @@ def root_interval_of(curve: MomentumCurve, sample: Sample) -> RootInterval | Non
         return None
     with mpmath.workdps(DIGITS):
         start = sample.places[curve.coordinate.name]
-        place = number(s.place, {**numbers, q: mpmath.mpf(int(start.p)) / int(start.q)})
+        place = number_of(s.place, {**numbers, q: mpmath.mpf(int(start.p)) / int(start.q)})
         roots, double = real_roots(curve, numbers)
         if double or not _value(curve, place, numbers) > 0:
             return None
-        low, high = (number(end, numbers) for end in (s.lower, s.upper))
+        low, high = (number_of(end, numbers) for end in (s.lower, s.upper))
         marks = _marks(curve, roots, numbers, low, high)
         below = [mark for mark in marks if mark[0] < place]
         above = [mark for mark in marks if mark[0] > place]
@@ -242,8 +242,8 @@ def _number_of_q(curve: MomentumCurve, end: mpmath.mpf, numbers: Numbers) -> mpm
     """The q at an end of the domain."""
     lower, upper = curve.ends
     s = curve.substitution
-    at_lower = (end == number(s.lower, numbers)) == s.increasing
-    return number(lower if at_lower else upper, numbers)
+    at_lower = (end == number_of(s.lower, numbers)) == s.increasing
+    return number_of(lower if at_lower else upper, numbers)
 
 
 def region_exists(curve: MomentumCurve, like: RootInterval, numbers: Numbers) -> bool:
@@ -258,7 +258,7 @@ def region_exists(curve: MomentumCurve, like: RootInterval, numbers: Numbers) ->
         roots, double = real_roots(curve, numbers)
         if double or len(roots) != len(like.roots):
             return False
-        low, high = (number(end, numbers) for end in (curve.substitution.lower, curve.substitution.upper))
+        low, high = (number_of(end, numbers) for end in (curve.substitution.lower, curve.substitution.upper))
         marks = {key: value for value, key in _marks(curve, roots, numbers, low, high)}
         if any(side[0] != "end" and side not in marks for side in (like.lower, like.upper)):
             return False

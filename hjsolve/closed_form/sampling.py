@@ -9,7 +9,7 @@ from dataclasses import dataclass
 import mpmath
 import sympy as sp
 
-from hjsolve.closed_form.evaluation import many_digits, number
+from hjsolve.closed_form.evaluation import many_digits, number_of
 from hjsolve.mechanics.coordinates_and_parameters import Coordinate, Parameter
 from hjsolve.motion.rational_values import rational_value
 from hjsolve.solution.quadratures import Solution
@@ -67,7 +67,7 @@ def _moves(solution: Solution, values: Mapping[sp.Symbol, sp.Expr], places: Mapp
     where = {solution.system.coordinate(name).symbol: place for name, place in places.items()}
     numbers = many_digits({**values, **where}, 30)
     with mpmath.workdps(30):
-        squares = [number(solution.momentum_squared[name], numbers) for name in places]
+        squares = [number_of(solution.momentum_squared[name], numbers) for name in places]
     return all(not isinstance(square, mpmath.mpc) and square > 0 for square in squares)
 
 

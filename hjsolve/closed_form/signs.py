@@ -7,7 +7,7 @@ from collections.abc import Mapping
 import mpmath
 import sympy as sp
 
-from hjsolve.closed_form.evaluation import many_digits, number
+from hjsolve.closed_form.evaluation import many_digits, number_of
 
 DIGITS = 60
 _NOTHING = mpmath.mpf(10) ** -40
@@ -34,7 +34,7 @@ class Signs:
             expression: of parameters and constants.
         """
         with mpmath.workdps(DIGITS):
-            return number(expression, self.numbers)
+            return number_of(expression, self.numbers)
 
     def sign(self, expression: sp.Expr) -> int:
         """The sign at the sample; kept as a condition where the symbols do not imply it.
@@ -47,7 +47,7 @@ class Signs:
         known = 1 if expression.is_positive else -1 if expression.is_negative else None
         if known is not None:
             return known
-        found = sign_of(self.number(expression))
+        found = sign_of_many_digits(self.number(expression))
         if found and not expression.free_symbols & self.named:
             self.decided[sp.factor_terms(expression)] = found
         return found
@@ -74,7 +74,7 @@ class Signs:
             return 1 if 2 * self.number(A) * u + self.number(B) > 0 else -1
 
 
-def sign_of(value: mpmath.mpf) -> int:
+def sign_of_many_digits(value: mpmath.mpf) -> int:
     """The sign of a number that is exact to more than 40 digits; 0 also of what is not real.
 
     Args:

@@ -60,7 +60,7 @@ def substitutions(square: sp.Expr, coordinate: Coordinate, x: sp.Symbol) -> Iter
         x: the symbol to use for the variable.
     """
     q = coordinate.symbol
-    lower, upper = domain_ends(coordinate)
+    lower, upper = extended_domain_ends(coordinate)
     inner = [a for a in square.atoms(sp.Function, sp.Pow) if a.has(q) and not _plain(a)]
     if not inner:
         yield from _algebraic(square, q, lower, upper, x)
@@ -72,7 +72,7 @@ def substitutions(square: sp.Expr, coordinate: Coordinate, x: sp.Symbol) -> Iter
         yield from _hyperbolic(square, q, lower, upper, x)
 
 
-def domain_ends(coordinate: Coordinate) -> tuple[sp.Expr, sp.Expr]:
+def extended_domain_ends(coordinate: Coordinate) -> tuple[sp.Expr, sp.Expr]:
     """The ends of a domain as extended real numbers; one turn about zero of an angle.
 
     Args:
@@ -141,7 +141,7 @@ def _with_root(
 # -------------------------------------------------------------------------------------------- circular functions
 def _trigonometric(square: sp.Expr, coordinate: Coordinate, x: sp.Symbol) -> Iterator[Substitution]:
     q = coordinate.symbol
-    lower, upper = domain_ends(coordinate)
+    lower, upper = extended_domain_ends(coordinate)
     found = _base(square, q, (sp.sin, sp.cos, sp.tan))
     if found is None:
         return

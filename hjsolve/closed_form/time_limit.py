@@ -19,7 +19,7 @@ class OutOfTimeError(NoFormError):
 
 
 @contextmanager
-def allowed(seconds: float | None) -> Iterator[None]:
+def within_seconds(seconds: float | None) -> Iterator[None]:
     """Allow what is done inside so many seconds of processor time; less where an outer limit ends before.
 
     Args:

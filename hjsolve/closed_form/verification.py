@@ -14,7 +14,7 @@ import mpmath
 import sympy as sp
 
 from hjsolve.closed_form.curves import MomentumCurve
-from hjsolve.closed_form.evaluation import Evaluator, many_digits, number
+from hjsolve.closed_form.evaluation import Evaluator, many_digits, number_of
 from hjsolve.closed_form.pieces import CoordinateIntegrals, PieceIntegral
 from hjsolve.closed_form.regions import RootInterval, ordered_real_roots
 from hjsolve.closed_form.time_limit import check_time
@@ -216,7 +216,7 @@ def sample_numbers(piece: CoordinateIntegrals, digits: int = DIGITS + GUARD) -> 
                 polynomial, index = meaning
                 numbers[symbol] = ordered_real_roots(polynomial, numbers, digits)[index]
             else:
-                numbers[symbol] = _real(number(meaning, numbers))
+                numbers[symbol] = _real(number_of(meaning, numbers))
     return numbers
 
 
@@ -233,7 +233,7 @@ def monotone_span(piece: CoordinateIntegrals, integral: PieceIntegral) -> tuple[
     if ends[0] is None and ends[1] is None:
         x = [region.place - 1, region.place + 1]
         s = integral.curve.substitution
-        low, high = (number(e, numbers) if e.is_finite else None for e in (s.lower, s.upper))
+        low, high = (number_of(e, numbers) if e.is_finite else None for e in (s.lower, s.upper))
         x[0] = x[0] if low is None else (low + region.place) / 2
         x[1] = x[1] if high is None else (high + region.place) / 2
     else:
@@ -249,4 +249,4 @@ def _end(region: RootInterval, side: tuple[str, int]) -> mpmath.mpf | None:
 
 def _place(integral: PieceIntegral, x: mpmath.mpf | None, numbers: dict[sp.Symbol, mpmath.mpf]) -> mpmath.mpf:
     s = integral.curve.substitution
-    return mpmath.re(number(s.inverse, {**numbers, s.x: x}))
+    return mpmath.re(number_of(s.inverse, {**numbers, s.x: x}))

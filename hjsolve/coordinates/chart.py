@@ -17,7 +17,7 @@ from hjsolve.coordinates.charts.validity import valid_everywhere
 from hjsolve.coordinates.find import cartesian_form, find_coordinates
 from hjsolve.coordinates.results import Vector, Web
 from hjsolve.coordinates.small_oscillations import normal_modes
-from hjsolve.coordinates.superintegrable import independent_integrals, told, told_of_modes
+from hjsolve.coordinates.superintegrable import independent_integrals, told_of_modes, webs_in_words
 from hjsolve.display.shown import Shown
 from hjsolve.errors import InvalidSystemError, NotSeparableError
 from hjsolve.mechanics.system import System, linear_terms, placed
@@ -119,7 +119,7 @@ def find_chart(system: System, refused: object, *, budget: float = 20.0) -> Char
         chart = _charted(web, cartesian, f"{why}; {web.kind} coordinates do{several}", budget)
         if chart is not None:
             independent = independent_integrals(found, cartesian)
-            more = told(found, cartesian, web.kind, independent)
+            more = webs_in_words(found, cartesian, web.kind, independent)
             return replace(chart, remark=_remarks(chart.remark, more), independent=independent)
     lacking = "\nNone of these could be certified on all of its domain." if found.webs else ""
     raise NotSeparableError(f"{why}. {found.advice}{lacking}", refused)

@@ -43,7 +43,7 @@ def _leading(K: sp.MatrixBase, p: Sequence[sp.Expr]) -> sp.Expr:
     return sp.expand((column.T * K * column)[0, 0])
 
 
-def told(found: SeparableCoordinates, cartesian: Cartesian, chosen: str, independent: int) -> str:
+def webs_in_words(found: SeparableCoordinates, cartesian: Cartesian, chosen: str, independent: int) -> str:
     """Say which webs there are, why one was taken, and what more integrals than needed do; empty for a single web.
 
     Args:

@@ -183,7 +183,7 @@ class _Solved:
         known = [table[:, i, j] for table in (F, G) for i, j in self.traced.powers]
         with np.errstate(all="ignore"):
             rows = np.stack([np.broadcast_to(c, t.shape) for c in self.tape.run(Float64(), known)], axis=1)
-        x = real_roots(rows)
+        x = real_roots_of_rows(rows)
         y = np.full(x.shape, np.nan)
         F, G = F[:, :: self.even[0], :: self.even[1]], G[:, :: self.even[0], :: self.even[1]]
         for k in range(x.shape[1]):
@@ -196,7 +196,7 @@ class _Solved:
         return np.stack([np.where(np.isfinite(y), x, np.nan), np.where(np.isfinite(x), y, np.nan)], axis=2)
 
 
-def real_roots(rows: Reals, close: float = 1e-9) -> Reals:
+def real_roots_of_rows(rows: Reals, close: float = 1e-9) -> Reals:
     """Real roots of many polynomials in increasing order, then NaN.
 
     Args:
@@ -210,7 +210,7 @@ def real_roots(rows: Reals, close: float = 1e-9) -> Reals:
     if n < 1:
         return result
     if (lower_degree := np.isfinite(rows).all(axis=1) & ~good & (size > 0)).any() and n > 1:
-        result[lower_degree, : n - 1] = real_roots(rows[lower_degree, 1:], close)
+        result[lower_degree, : n - 1] = real_roots_of_rows(rows[lower_degree, 1:], close)
     companion = np.zeros((int(good.sum()), n, n))
     companion[:, 0] = -rows[good, 1:] / rows[good, :1]
     companion[:, np.arange(1, n), np.arange(n - 1)] = 1.0
@@ -226,7 +226,7 @@ def _other(F: Reals, G: Reals, x: Reals) -> Reals:
     with np.errstate(all="ignore"):
         if f.shape[1] == 2:
             return np.where(np.abs(f[:, 1]) > 0, -f[:, 0] / f[:, 1], -g[:, 0] / g[:, 1])
-        zeros = real_roots(np.where(np.isfinite(f), f, np.nan)[:, ::-1], 1e-7)
+        zeros = real_roots_of_rows(np.where(np.isfinite(f), f, np.nan)[:, ::-1], 1e-7)
         powers = zeros[:, :, None] ** np.arange(g.shape[1])
         values = np.abs((powers * g[:, None, :]).sum(axis=2)) / np.abs(powers * g[:, None, :]).sum(axis=2)
         values = np.where(np.isfinite(values), values, np.inf)
@@ -321,7 +321,7 @@ def _lines(own: CoordinateKinds, traced: _Traced, which: int, window: Window) ->
     """Critical values of a coordinate whose P² holds only one of the two constants."""
     t = traced.places(np.linspace(-_FARTHEST, _FARTHEST, 8 * _FIRST))
     F, G = (np.moveaxis(traced.tables(t, k), 1 + which, 1)[:, :, 0] for k in (0, 1))
-    levels = real_roots(F[:, ::-1], 1e-12)
+    levels = real_roots_of_rows(F[:, ::-1], 1e-12)
     found = []
     for k in range(levels.shape[1]):
         slope = np.sign((G * levels[:, k, None] ** np.arange(G.shape[1])).sum(axis=1))

@@ -7,7 +7,7 @@ import sympy as sp
 
 from hjsolve.arithmetic.floats import Float64
 from hjsolve.energy_momentum.coordinate_kinds import CoordinateKinds
-from hjsolve.energy_momentum.critical_curves import CriticalCurve, Window, real_roots
+from hjsolve.energy_momentum.critical_curves import CriticalCurve, Window, real_roots_of_rows
 from hjsolve.lowering import lower
 
 
@@ -62,7 +62,7 @@ def _zeros_of(own: CoordinateKinds, kind: str, factor: sp.Expr, window: Window) 
     across = np.linspace(*window[0], 401)
     rows = lower(sp.Poly(factor, y).all_coeffs(), [x]).run(Float64(), [across])
     table = np.stack([np.broadcast_to(c, across.shape) for c in rows], axis=1)
-    heights = real_roots(table)
+    heights = real_roots_of_rows(table)
     return [
         CriticalCurve(kind, own.name, across[good], column[good], none, factor)
         for column in heights.T if (good := np.isfinite(column)).sum() > 1

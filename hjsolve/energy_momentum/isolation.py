@@ -75,7 +75,7 @@ def isolated_roots(coefficients: Reals, errors: Reals) -> IsolatedRoots:
     )  # fmt: skip
 
 
-def value_at(coefficients: Reals, errors: Reals, place: Reals) -> tuple[Reals, Reals]:
+def bernstein_value(coefficients: Reals, errors: Reals, place: Reals) -> tuple[Reals, Reals]:
     """Evaluate polynomials in Bernstein form.
 
     Args:
@@ -125,7 +125,7 @@ def _halves(
     """Divide every interval where the polynomial is proved not to vanish; the owners of those with no such place."""
     share = np.full(len(b), _SHARES[0])
     for other in (*_SHARES[1:], None):
-        value, doubt = value_at(b, e, share)
+        value, doubt = bernstein_value(b, e, share)
         vague = ~(np.abs(value) > doubt)
         if other is None or not vague.any():
             break

@@ -19,7 +19,7 @@ from hjsolve.arithmetic.floats import EPS, Float64
 from hjsolve.arithmetic.tape import Tape
 from hjsolve.closed_form.substitutions import Substitution, substitutions
 from hjsolve.display.shown import Shown
-from hjsolve.energy_momentum.isolation import IsolatedRoots, Reals, isolated_roots, value_at
+from hjsolve.energy_momentum.isolation import IsolatedRoots, Reals, bernstein_value, isolated_roots
 from hjsolve.lowering import lower
 from hjsolve.mechanics.coordinates_and_parameters import Coordinate
 
@@ -100,7 +100,7 @@ class MomentumPolynomial(Shown):
         value, error = np.empty(len(s)), np.empty(len(s))
         for k, piece in enumerate(self.pieces):
             here = (s >= k) & ((s < k + 1) | (k == len(self.pieces) - 1))
-            value[here], error[here] = value_at(*self._coefficients(piece, x[here], y[here]), s[here] - k)
+            value[here], error[here] = bernstein_value(*self._coefficients(piece, x[here], y[here]), s[here] - k)
         return value, error
 
     def shares(self, q: Reals) -> Reals:

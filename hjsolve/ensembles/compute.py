@@ -14,7 +14,7 @@ from hjsolve.ensembles.charted import run_charted
 from hjsolve.ensembles.fallback import single_orbit
 from hjsolve.ensembles.layout import ERROR, RECOMPUTED, STATUS, Layout
 from hjsolve.ensembles.status import Status
-from hjsolve.ensembles.task import EnsembleTask, TaskContext, context_of
+from hjsolve.ensembles.task import EnsembleTask, TaskContext, tools_of
 
 CHUNK = 16384
 """Orbits that one thread treats at a time, as many as the engine works on together."""
@@ -46,7 +46,7 @@ def compute_columns(recipe: EnsembleTask, q: list[Any], rates: list[Any], *, thr
     Returns:
         Column name → array of shape (n,).
     """
-    n, tools = len(q[0]), context_of(recipe)
+    n, tools = len(q[0]), tools_of(recipe)
     columns: Columns = {name: _empty(n, dtype) for name, dtype in dtypes(tools.layout).items()}
 
     stop = threading.Event()

@@ -90,7 +90,7 @@ class TaskContext:
     chart: ChartMap | None = None
 
 
-def context_of(recipe: EnsembleTask) -> TaskContext:
+def tools_of(recipe: EnsembleTask) -> TaskContext:
     """The tools of a recipe; made when a process first asks, and kept for the newest recipes.
 
     Args:

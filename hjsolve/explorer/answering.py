@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import json
+import re
 import tempfile
 from collections.abc import Iterable, Mapping
 from dataclasses import replace
@@ -13,6 +14,7 @@ import sympy as sp
 from hjsolve import catalog
 from hjsolve.errors import HJSolveError, InvalidInputError, NotConvergedError, NotSeparableError
 from hjsolve.explorer.question import LONGEST, PageAnswer, PageQuestion, Portrait
+from hjsolve.formulas.checked_arithmetic import FUNCTIONS
 from hjsolve.formulas.read import number
 from hjsolve.mechanics.system import System, momenta, velocities
 from hjsolve.mechanics.typed_texts import typed_coordinates, typed_parameters
@@ -36,14 +38,14 @@ _CARRIED = 12
 """Digits of velocities that follow from it."""
 
 
-def answer(question: PageQuestion) -> PageAnswer:
+def answer_question(question: PageQuestion) -> PageAnswer:
     """PageAnswer a question as far as it goes; what is wrong is told in ``problem``, never raised.
 
     Args:
         question: what was typed.
     """
     try:
-        system = system_of(question)
+        system = typed_system(question)
     except HJSolveError as error:
         return PageAnswer(problem=_line(error))
     names = tuple(c.name for c in system.coordinates)
@@ -56,7 +58,7 @@ def answer(question: PageQuestion) -> PageAnswer:
     return replace(told, coordinates=names, q=question.q, velocity=question.velocity)
 
 
-def system_of(question: PageQuestion) -> System:
+def typed_system(question: PageQuestion) -> System:
     """Read the system.
 
     Args:
@@ -68,16 +70,25 @@ def system_of(question: PageQuestion) -> System:
     for field in ("coordinates", "kinetic", "potential", "parameters", "title"):
         if len(getattr(question, field)) > LONGEST:
             raise InvalidInputError(f"{field}: at most {LONGEST} letters; this has {len(getattr(question, field))}")
+    coordinates = typed_coordinates(_lines(question.coordinates), "coordinate")
+    parameters = typed_parameters(_lines(question.parameters), "parameter")
     return System(
-        typed_coordinates(_lines(question.coordinates), "coordinate"),
+        coordinates,
         question.kinetic,
         question.potential.strip() or "0",
-        typed_parameters(_lines(question.parameters), "parameter"),
+        parameters,
         signature=question.signature,
         relativity=question.relativity,
         functions=question.functions,
+        place=_place(question, {*coordinates, *parameters}),
         title=question.title,
     )
+
+
+def _place(question: PageQuestion, names: set[str]) -> Mapping[str, str]:
+    """The entry's place, as long as it speaks of what the system has."""
+    spoken_of = {name for text in question.place.values() for name in re.findall(r"[^\W\d]\w*", text)}
+    return question.place if spoken_of <= names | FUNCTIONS.keys() | {"pi"} else {}
 
 
 def velocities_of(question: PageQuestion, p: Mapping[str, object]) -> PageQuestion:
@@ -90,7 +101,7 @@ def velocities_of(question: PageQuestion, p: Mapping[str, object]) -> PageQuesti
     Returns:
         The question with its velocities.
     """
-    system = system_of(question)
+    system = typed_system(question)
     places = {c.symbol: number(question.q[c.name], source=c.name) for c in system.coordinates}
     given = {c.momentum: number(p[c.name], source=c.name) for c in system.coordinates}
     return replace(question, velocity=_rates(system, places, given))

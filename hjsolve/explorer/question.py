@@ -36,7 +36,7 @@ class PageQuestion:
         parameters: one a line, such as ``k = 1:positive``.
         q, velocity: the start, name → text; empty texts where there is none.
         find: look for coordinates that separate where the given ones do not.
-        signature, relativity, functions: as ``System`` takes them.
+        signature, relativity, functions, place: as ``System`` takes them.
         title: for display.
         wanted: an answer for the page, or a whole file: a report, a scene.
         drag: the initial point was moved there before asking.
@@ -52,6 +52,7 @@ class PageQuestion:
     signature: str = "definite"
     relativity: Mapping[str, str] | None = None
     functions: tuple[str, ...] = ()
+    place: Mapping[str, str] = field(default_factory=dict)
     title: str = ""
     wanted: Wanted = "answer"
     drag: Drag | None = None
@@ -162,6 +163,7 @@ def _written(
         {name: str(text) for name, text in start.get("q", {}).items()},
         {name: str(text) for name, text in start.get("velocity", {}).items()},
         signature=system.signature, functions=tuple(map(str, system.functions)), title=title,
+        place={axis: str(there) for axis, there in system.places},
         relativity=None if relativity is None else {"mass": str(relativity.mass), "light": str(relativity.light)},
     )  # fmt: skip
     if question.q and not question.velocity:

@@ -106,7 +106,7 @@ class Workers:
 # ------------------------------------------------------------------------------------------- in the process itself
 def _answer_all(connection: Connection, megabytes: int) -> None:
     from hjsolve.errors import FAULTS, HJSolveError
-    from hjsolve.explorer.answering import answer
+    from hjsolve.explorer.answering import answer_question
 
     _warm()
     _limit(megabytes)
@@ -117,7 +117,7 @@ def _answer_all(connection: Connection, megabytes: int) -> None:
         except EOFError:
             return
         try:
-            answered = answer(question)
+            answered = answer_question(question)
         except MemoryError:
             os._exit(1)
         except HJSolveError as error:
@@ -130,10 +130,10 @@ def _answer_all(connection: Connection, megabytes: int) -> None:
 
 def _warm() -> None:
     """Import what the first question would wait for."""
-    from hjsolve.explorer.answering import answer
+    from hjsolve.explorer.answering import answer_question
     from hjsolve.explorer.question import question_about
 
-    answer(question_about(None))
+    answer_question(question_about(None))
 
 
 def _limit(megabytes: int) -> None:

@@ -217,7 +217,7 @@ def _one_arc(solution: Solution, leg: Leg, pending: list[Pending], horizon: sp.E
     state = motion.at(to_bits(time)(bits_of(motion.digits)))
     if not all(x.context.isfinite(x) for x in (*state.q.values(), *state.p.values())):
         raise NotConvergedError(f"the motion ends, or is too far out for its numbers, before {events[0]}")
-    given, system = motion.initial.values, spoken(solution)
+    given, system = motion.initial.values, system_as_given(solution)
     if solution.chart is not None:
         q, p = (_known(group, bound) for group, bound in ((state.q, state.error.q), (state.p, state.error.p)))
         return Stretch([FreeArc(leg, time, events)], _later(motion, pending, happening, time),
@@ -230,7 +230,7 @@ def _one_arc(solution: Solution, leg: Leg, pending: list[Pending], horizon: sp.E
     return Stretch([FreeArc(leg, time, events)], _later(motion, pending, happening, time), change)
 
 
-def spoken(solution: Solution) -> System:
+def system_as_given(solution: Solution) -> System:
     """The system in whose coordinates a scene speaks: as it was given.
 
     Args:
@@ -287,7 +287,7 @@ def _later(motion: Motion, pending: list[Pending], happening: list[Pending], tim
 # ----------------------------------------------------------------------------------------------- after an event
 def _after(change: Change, before: Turns) -> Leg:
     """The state just after the events, exact where it can be."""
-    system, given = spoken(change.motion.solution), change.motion.initial.values
+    system, given = system_as_given(change.motion.solution), change.motion.initial.values
     digits = change.motion.digits
     surfaces = {e.coordinate: e.value for e in change.events if e.coordinate is not None}
     q, values, turns = {}, dict(given), dict(before)

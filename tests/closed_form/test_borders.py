@@ -15,7 +15,7 @@ import sympy as sp
 
 import hjsolve
 from hjsolve.closed_form.derive import Workshop, workshop
-from hjsolve.closed_form.evaluation import many_digits, number
+from hjsolve.closed_form.evaluation import many_digits, number_of
 from hjsolve.closed_form.forms import RegimeForms
 from hjsolve.closed_form.regions import root_interval_of
 from hjsolve.closed_form.sampling import Sample, samples
@@ -56,7 +56,7 @@ def _across_borders(shop: Workshop) -> Iterator[Sample]:
                 moved = dict(sample.values) | {constant: sample.values[constant] + step}
                 numbers = many_digits(moved, 60)
                 squares = [
-                    number(square, {**numbers, system.coordinate(n).symbol: mpmath.mpf(int(q.p)) / int(q.q)})
+                    number_of(square, {**numbers, system.coordinate(n).symbol: mpmath.mpf(int(q.p)) / int(q.q)})
                     for (n, square), q in zip(
                         shop.solution.momentum_squared.items(), sample.places.values(), strict=True
                     )
@@ -88,7 +88,7 @@ def _compared(form: RegimeForms, sample: Sample) -> int:
             square = solution.momentum_squared[c.name]
             ends = [mpmath.mpf(int(e.p)) / int(e.q) for e in (begin, end)]
             path = mpmath.quad(
-                lambda q, s=square, n=numbers, c=c: mpmath.sqrt(number(s, {**n, c.symbol: q})), ends, maxdegree=4
+                lambda q, s=square, n=numbers, c=c: mpmath.sqrt(number_of(s, {**n, c.symbol: q})), ends, maxdegree=4
             )
             expected += path
     got = form.evaluate("characteristic_function", {s.name: v for s, v in _held(form, values).items()}, 30)

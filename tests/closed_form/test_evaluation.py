@@ -8,7 +8,7 @@ import mpmath
 import pytest
 import sympy as sp
 
-from hjsolve.closed_form.evaluation import Evaluator, many_digits, number
+from hjsolve.closed_form.evaluation import Evaluator, many_digits, number_of
 from hjsolve.functions import CarlsonRC, CarlsonRD, CarlsonRF, CarlsonRJ, JacobiAM, JacobiCN, JacobiSN
 
 x, m, a = sp.symbols("x m a", real=True)
@@ -35,6 +35,6 @@ def test_values_and_slopes_are_those_of_sympy(formula: sp.Expr) -> None:
 
 def test_what_is_no_number_is_nan_or_complex() -> None:
     with mpmath.workdps(30):
-        assert mpmath.isnan(number(1 / (x - 1), {x: mpmath.mpf(1)}))
-        assert isinstance(number(sp.sqrt(x), {x: mpmath.mpf(-1)}), mpmath.mpc)
+        assert mpmath.isnan(number_of(1 / (x - 1), {x: mpmath.mpf(1)}))
+        assert isinstance(number_of(sp.sqrt(x), {x: mpmath.mpf(-1)}), mpmath.mpc)
     assert Evaluator([sp.S(3)], x).at({})[1] == 0

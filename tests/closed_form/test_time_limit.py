@@ -9,11 +9,11 @@ import pytest
 import hjsolve
 from hjsolve.closed_form.closed_forms import own_form
 from hjsolve.closed_form.no_form import NoFormError
-from hjsolve.closed_form.time_limit import allowed, check_time, out_of_time
+from hjsolve.closed_form.time_limit import check_time, out_of_time, within_seconds
 
 
 def test_the_inner_limit_never_outlasts_the_outer() -> None:
-    with allowed(1e-9), allowed(100):
+    with within_seconds(1e-9), within_seconds(100):
         assert out_of_time()
         with pytest.raises(NoFormError, match="longer than 1e-09 s"):
             check_time()

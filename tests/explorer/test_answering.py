@@ -7,12 +7,12 @@ from dataclasses import replace
 import pytest
 
 import hjsolve
-from hjsolve.explorer.answering import answer, scene_text, system_of
+from hjsolve.explorer.answering import answer_question, scene_text, typed_system
 from hjsolve.explorer.question import Drag, PageQuestion, question_about
 
 
 def test_an_entry_is_answered_with_verdict_numbers_and_a_plane_to_drag_in() -> None:
-    told = answer(question_about("kepler-planar"))
+    told = answer_question(question_about("kepler-planar"))
 
     assert told.verdict == "yes"
     assert not told.problem
@@ -26,10 +26,10 @@ def test_an_entry_is_answered_with_verdict_numbers_and_a_plane_to_drag_in() -> N
 def test_what_an_entry_says_is_the_system_of_the_entry(name: str) -> None:
     question = question_about(name)
 
-    read = system_of(question)
+    read = typed_system(question)
     entry = hjsolve.catalog.load(name)
     assert without_words(read) == without_words(entry)
-    assert answer(question).verdict in {"yes", "no"}
+    assert answer_question(question).verdict in {"yes", "no"}
 
 
 def without_words(system: hjsolve.System) -> hjsolve.System:
@@ -45,7 +45,7 @@ def test_a_drag_changes_one_momentum_and_keeps_the_others() -> None:
     solution = hjsolve.solve("lagrange-top")
     before = solution.motion(q=question.q, velocity=question.velocity).at(0)
 
-    dragged = answer(replace(question, drag=Drag("theta", 0.7, 0.25)))
+    dragged = answer_question(replace(question, drag=Drag("theta", 0.7, 0.25)))
 
     after = solution.motion(q=dragged.q, velocity=dragged.velocity).at(0)
     assert dragged.q["theta"] == "0.7"
@@ -55,7 +55,7 @@ def test_a_drag_changes_one_momentum_and_keeps_the_others() -> None:
 
 
 def test_the_pixel_under_the_start_is_the_start() -> None:
-    portrait = answer(question_about("kepler-planar")).portraits[0]
+    portrait = answer_question(question_about("kepler-planar")).portraits[0]
     left, right, top, bottom = portrait.box
     x = left + (1 - portrait.q[0]) / (portrait.q[1] - portrait.q[0]) * (right - left)
     y = bottom - (0 - portrait.p[0]) / (portrait.p[1] - portrait.p[0]) * (bottom - top)
@@ -71,7 +71,7 @@ def test_a_refused_system_shows_its_obstruction_and_coordinates_are_found_when_a
         q={"x": "1", "y": "0.1"}, velocity={"x": "0", "y": "0.9"},
     )  # fmt: skip
 
-    plain, found = answer(stark), answer(replace(stark, find=True))
+    plain, found = answer_question(stark), answer_question(replace(stark, find=True))
 
     assert plain.verdict == "no"
     assert plain.details
@@ -96,7 +96,7 @@ def test_a_refused_system_shows_its_obstruction_and_coordinates_are_found_when_a
     ],
 )
 def test_what_cannot_be_read_is_told_in_one_line(changed: dict[str, object], words: str) -> None:
-    told = answer(replace(question_about(None), **changed))
+    told = answer_question(replace(question_about(None), **changed))
 
     assert words in told.problem
     assert "\n" not in told.problem
@@ -108,18 +108,18 @@ def test_a_scene_taken_away_runs_to_the_same_numbers(name: str | None, tmp_path)
         pytest.skip("no such entry")
     question = question_about(name)
     path = tmp_path / "scene.toml"
-    path.write_text(scene_text(question, system_of(question)), encoding="utf-8")
+    path.write_text(scene_text(question, typed_system(question)), encoding="utf-8")
 
     constants = hjsolve.Scene.load(path).run().quantity("constants")
 
     assert question_about(path).q == question.q
-    motion = hjsolve.solve(system_of(question)).motion(q=question.q, velocity=question.velocity)
+    motion = hjsolve.solve(typed_system(question)).motion(q=question.q, velocity=question.velocity)
     for key, estimate in motion.constants.items():
         assert abs(float(constants[key].value) - float(estimate.value)) <= estimate.error + constants[key].error
 
 
 def test_a_report_is_a_whole_page() -> None:
-    text = answer(replace(question_about("pendulum"), wanted="report")).file
+    text = answer_question(replace(question_about("pendulum"), wanted="report")).file
 
     assert text.startswith(("<!DOCTYPE html>", "<!doctype html>"))
     assert "</html>" in text

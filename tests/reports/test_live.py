@@ -10,7 +10,7 @@ import pytest
 
 import hjsolve
 from hjsolve.command_line.main import main
-from hjsolve.reports.live.tables import evaluated, live_tables, state_from
+from hjsolve.reports.live.tables import evaluated_as_the_page_does, live_tables, state_from
 
 MOTION = {
     "kepler-planar": (["0.7", "-0.2"], 1.37), "spherical-pendulum": (["1.5", "-1.2"], 0.6), "pendulum": (["0.37"], 0.9),
@@ -23,7 +23,7 @@ def test_tables_are_within_their_bound_of_motions_of_the_engine(name: str) -> No
     tables = live_tables(solution.motion(**entry.motions["default"].arguments))
     values, t = MOTION[name]
     q = tables.coordinate
-    series = evaluated(tables.columns, tables.sliders, [float(v) for v in values])
+    series = evaluated_as_the_page_does(tables.columns, tables.sliders, [float(v) for v in values])
     constants = dict.fromkeys(solution.constants, 0) | dict(zip((s.name for s in tables.sliders), values))
     middle = (series["a"] + series["b"]) / 2
     other = solution.motion(

@@ -19,10 +19,10 @@ from hjsolve.coordinates.webs.orthonormal_frames import (
     Sign,
     attempt,
     eigenframe,
-    moved,
     perpendicular_frame,
     righted,
     sort_frame,
+    stepped,
     tidy_constant,
 )
 from hjsolve.coordinates.webs.piecewise_conditions import SolutionPiece
@@ -100,7 +100,7 @@ def _plane_webs(V: sp.Expr, x: Sequence[sp.Symbol], frame: tuple[Vector, Vector,
     p, q = sp.symbols("p_ q_", real=True)
     y = (p, q)
     for height in (0, 1, sp.Rational(3, 7), -2):
-        place = moved(_ORIGIN, [(p, frame[0]), (q, frame[1]), (sp.sympify(height), frame[2])])
+        place = stepped(_ORIGIN, [(p, frame[0]), (q, frame[1]), (sp.sympify(height), frame[2])])
         U = V.subs(dict(zip(x, place, strict=True)), simultaneous=True)
         if not U.has(sp.zoo, sp.nan, sp.oo):
             break
@@ -114,7 +114,7 @@ def _lifted(web: Geometry, frame: tuple[Vector, Vector, Vector]) -> Geometry:
     """Put a plane web into space, its axes first and the direction of the cylinder last."""
 
     def lift(v: Vector) -> Vector:
-        return moved(_ORIGIN, [(v[0], frame[0]), (v[1], frame[1])])
+        return stepped(_ORIGIN, [(v[0], frame[0]), (v[1], frame[1])])
 
     first, second = (lift(v) for v in web.axes)
     return replace(

@@ -109,7 +109,7 @@ def scalar_product(a: Sequence[sp.Expr], b: Sequence[sp.Expr]) -> sp.Expr:
     return sp.expand(sp.Add(*(p * q for p, q in zip(a, b, strict=True))))
 
 
-def moved(origin: Vector, terms: Sequence[tuple[sp.Expr, Vector]]) -> Vector:
+def stepped(origin: Vector, terms: Sequence[tuple[sp.Expr, Vector]]) -> Vector:
     """Return origin + Σ length·direction.
 
     Args:

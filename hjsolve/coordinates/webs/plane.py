@@ -14,7 +14,7 @@ import sympy as sp
 
 from hjsolve.coordinates.webs.concircular_families import Family, combination, representatives, tensor_parts
 from hjsolve.coordinates.webs.describe import in_words
-from hjsolve.coordinates.webs.orthonormal_frames import Sign, attempt, moved, real_root, tidy_constant, unit
+from hjsolve.coordinates.webs.orthonormal_frames import Sign, attempt, real_root, stepped, tidy_constant, unit
 from hjsolve.coordinates.webs.piecewise_conditions import real_pieces
 from hjsolve.coordinates.webs.web import Geometry, Vector
 
@@ -64,7 +64,7 @@ def _central(A: sp.MatrixBase, w: sp.MatrixBase, sign: Sign) -> Geometry:
         return Geometry("polar", centre, _STANDARD)
     gap, axis = _low_direction(rest, sign)
     k = real_root(gap)
-    foci = (moved(centre, [(k, axis)]), moved(centre, [(-k, axis)]))
+    foci = (stepped(centre, [(k, axis)]), stepped(centre, [(-k, axis)]))
     return Geometry("elliptic", centre, _turned(axis), foci, {"a": k})
 
 

@@ -26,11 +26,11 @@ from hjsolve.coordinates.webs.orthonormal_frames import (
     Sign,
     attempt,
     eigenframe,
-    moved,
     perpendicular_frame,
     real_root,
     righted,
     sort_frame,
+    stepped,
     tidy_constant,
     unit,
 )
@@ -86,7 +86,7 @@ def _axial(A: sp.MatrixBase, w: sp.MatrixBase, sign: Sign) -> Geometry:
     shifted = A - low * sp.eye(3)
     push = [-tidy_constant((sp.Matrix(e).T * shifted * sp.Matrix(d))[0]) for e in axes]
     along = -tidy_constant((sp.Matrix(d).T * shifted * sp.Matrix(d))[0]) / 2
-    focus = moved((_ZERO,) * 3, [(push[0], axes[0]), (push[1], axes[1]), (along, d)])
+    focus = stepped((_ZERO,) * 3, [(push[0], axes[0]), (push[1], axes[1]), (along, d)])
     gap = tidy_constant(high - low)
     if gap == 0:
         return Geometry("rotational parabolic", focus, perpendicular_frame(d), (focus,))
@@ -94,7 +94,7 @@ def _axial(A: sp.MatrixBase, w: sp.MatrixBase, sign: Sign) -> Geometry:
         "paraboloidal",
         focus,
         righted(d, axes[0]),
-        (focus, moved(focus, [(gap / 2, d)])),
+        (focus, stepped(focus, [(gap / 2, d)])),
         dict(zip(("a", "b", "c"), (_scaled(gap)[0], _ZERO, *_scaled(gap)[1]), strict=True)),
     )
 
@@ -199,7 +199,8 @@ def _spheroids(family: Family, kind: str) -> list[Geometry]:
 
 def _spheroid(kind: str, centre: Vector, axis: Vector) -> Geometry:
     a = tidy_constant(sp.sqrt(sp.Add(*(c**2 for c in axis)))).replace(sp.Abs, lambda u: u)
-    foci = (moved(centre, [(sp.S.One, axis)]), moved(centre, [(-sp.S.One, axis)])) if kind.startswith("prolate") else ()
+    ends = (stepped(centre, [(sp.S.One, axis)]), stepped(centre, [(-sp.S.One, axis)]))
+    foci = ends if kind.startswith("prolate") else ()
     return Geometry(kind, centre, perpendicular_frame(unit(axis)), foci, {"a": a})
 
 
@@ -217,7 +218,7 @@ def _with_foci(web: Geometry) -> Geometry:
         (a * real_root(a3), web.axes[0]),
         (a * real_root(tidy_constant(a3 - a2)), web.axes[1]),
     )
-    return replace(web, foci=tuple(moved(web.centre, [(s * k, e)]) for k, e in ends for s in (1, -1)))
+    return replace(web, foci=tuple(stepped(web.centre, [(s * k, e)]) for k, e in ends for s in (1, -1)))
 
 
 def _sampled(member: Callable[[tuple[sp.Expr, ...]], Geometry | None], count: int, freedom: int) -> list[Geometry]:

@@ -32,7 +32,9 @@ _VULGAR = {
     ("1", "6"): "⅙",
 }
 _APPLY = Glyph("\u2061", "operator")
-_CALLED = frozenset({*FUNCTION_NAMES.values(), *FUNCTION_NAMES, *FUNCTIONS, "exp", "abs"})
+_LETTERS = {"K", "F", "E", "Π"}
+"""Legendre's functions, which a formula calls by letters that are names of constants far more often."""
+_CALLED = frozenset({*FUNCTION_NAMES.values(), *FUNCTION_NAMES, *FUNCTIONS, "exp", "abs"} - _LETTERS)
 _SPACED = {"=", "+", "−", "<", ">", "≤", "≥", "≠"}
 
 

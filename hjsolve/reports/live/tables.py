@@ -225,7 +225,7 @@ def _fitted(quadrature: _Quadrature, sliders: Sequence[SliderRange], size: int) 
     return {name: transform @ values.reshape(shape) @ transform.T for name, values in found.items()}
 
 
-def evaluated(
+def evaluated_as_the_page_does(
     columns: Mapping[str, Array], sliders: Sequence[SliderRange], values: Sequence[float]
 ) -> dict[str, float]:
     """Evaluate the tables at a setting of the sliders, as the page does.
@@ -282,7 +282,7 @@ def _bounds(
     for i, values in enumerate(points):
         series = {name: float(column[i]) for name, column in exact.items()}
         t = np.linspace(0, 4 * np.pi * series["t.0"], _TIMES)
-        shown = state_from(evaluated(short, sliders, values), quadrature.angles, own, t)
+        shown = state_from(evaluated_as_the_page_does(short, sliders, values), quadrature.angles, own, t)
         true = state_from(series, quadrature.angles, own, t)
         if i < motions:
             true = _by_the_engine(motion, sliders, values, series, t)

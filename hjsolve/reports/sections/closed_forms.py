@@ -12,17 +12,22 @@ import sympy as sp
 from hjsolve.closed_form.closed_forms import closed_forms, own_form
 from hjsolve.closed_form.forms import RegimeForms
 from hjsolve.motion.motion import Motion
-from hjsolve.reports.document import Block, Code, Paragraph, Section, Table, Text
-from hjsolve.reports.formulas.layout import Glyph, row
+from hjsolve.reports.document import Block, Code, Formula, Paragraph, Section, Table, Text
+from hjsolve.reports.formulas.layout import Glyph, row, width
+from hjsolve.reports.formulas.line_breaks import NARROW, display, narrowed
 from hjsolve.reports.formulas.names import name_box
 from hjsolve.reports.sections.prose import typeset_prose
-from hjsolve.reports.sections.system_and_verdict import equation, formula, math
+from hjsolve.reports.sections.system_and_verdict import IN_A_CELL, equation, formula, math
 from hjsolve.solution.quadratures import Solution
 
 _GROUPS = {"periods": "Period", "frequencies": "Frequency", "actions": "Action", "mean_velocities": "Mean velocity"}
 _MOST_REGIMES = 3
 LONGEST_SHOWN = 250
 """Operations of a formula that a reader can still take in."""
+_WIDEST = NARROW / 0.65
+"""Letters of the longest piece of a formula that cannot be broken; it is set smaller on a narrow screen."""
+_WIDEST_CELL = 1.2 * IN_A_CELL
+"""And in a table, where it is not."""
 SECONDS = 2.5
 """Of processor time, for the forms of a report, which as a whole is to take less than eight."""
 
@@ -87,13 +92,15 @@ def _section(form: RegimeForms, number: int) -> Section:
         blocks.append(_shown("characteristic_function", W, lambda e: formula(Glyph("W"), e, "Greenwood (5-65)")))
     if form.energy is not None:
         blocks.append(_shown("energy", form.energy, partial(formula, name_box("E"))))
-    rows = [
-        (typeset_prose(f"{word} of {q}", system), _number(f"{group}.{q}", value))
-        for group, word in _GROUPS.items()
-        for q, value in getattr(form, group).items()
-    ]
-    if rows:
-        blocks.append(Table((("Quantity",), ("Closed form",)), tuple(rows), "Numbers of the motion"))
+    numbers = [(group, q, e) for group in _GROUPS for q, e in getattr(form, group).items()]
+    narrow = [one for one in numbers if width(display(one[2], IN_A_CELL)) <= _WIDEST_CELL]
+    if narrow:
+        rows = tuple((typeset_prose(f"{_GROUPS[group]} of {q}", system), (math(e),)) for group, q, e in narrow)
+        blocks.append(Table((("Quantity",), ("Closed form",)), rows, "Numbers of the motion"))
+    for group, q, e in numbers:
+        if (group, q, e) not in narrow:
+            left = row(Glyph(f"{_GROUPS[group]} of ", "text"), name_box(q))
+            blocks.append(_shown(f"{group}.{q}", e, partial(formula, left)))
     if form.why_not:
         missing = tuple(((Code(name),), typeset_prose(reason, system)) for name, reason in form.why_not.items())
         blocks.append(Table((("Without a form",), ("Why",)), missing, "What has no closed form"))
@@ -102,13 +109,11 @@ def _section(form: RegimeForms, number: int) -> Section:
     return Section(f"closed-forms{suffix}", title, tuple(blocks))
 
 
-def _shown(name: str, e: sp.Basic, write: Callable[[Any], Block]) -> Block:
-    """A formula; of a long one its name and length."""
-    return write(e) if sp.count_ops(e) <= LONGEST_SHOWN else Paragraph(_too_long(name, e))
-
-
-def _number(name: str, e: sp.Expr) -> Text:
-    return (math(e),) if sp.count_ops(e) <= LONGEST_SHOWN else _too_long(name, e)
+def _shown(name: str, e: sp.Basic, write: Callable[[Any], Formula]) -> Block:
+    """A formula; of one that is long, or cannot be broken, its name and length."""
+    if sp.count_ops(e) > LONGEST_SHOWN or width(narrowed((shown := write(e)).box)) > _WIDEST:
+        return Paragraph(_too_long(name, e))
+    return shown
 
 
 def _too_long(name: str, e: sp.Basic) -> Text:
