@@ -10,7 +10,8 @@ import pytest
 from hjsolve.explorer.question import question_about
 from hjsolve.explorer.worker import Worker
 
-ENDLESS = "x**x**x**x"
+ENDLESS = "exp(x)*sin(3000*x)/10000 + x**2/2 + sin(2500*x)/10000"
+"""Tens of thousands of nodes, and no end of their proof in sight."""
 
 
 @pytest.fixture(scope="module")

@@ -12,10 +12,12 @@ import sympy as sp
 from hjsolve.closed_form.closed_forms import closed_forms, own_form
 from hjsolve.closed_form.forms import RegimeForms
 from hjsolve.motion.motion import Motion
-from hjsolve.reports.document import Block, Code, Formula, Paragraph, Section, Table, Text
+from hjsolve.reports.document import Block, Code, Formula, Inline, Mathematics, Paragraph, Section, Table, Text
+from hjsolve.reports.formulas.from_sympy import box
 from hjsolve.reports.formulas.layout import Glyph, row, width
-from hjsolve.reports.formulas.line_breaks import NARROW, display, narrowed
+from hjsolve.reports.formulas.line_breaks import NARROW, broken, display, narrowed
 from hjsolve.reports.formulas.names import name_box
+from hjsolve.reports.formulas.one_line_text import plain
 from hjsolve.reports.sections.prose import typeset_prose
 from hjsolve.reports.sections.system_and_verdict import IN_A_CELL, equation, formula, math
 from hjsolve.solution.quadratures import Solution
@@ -72,13 +74,14 @@ def closed_form_sections(forms: Sequence[RegimeForms]) -> list[Section]:
 
 def _section(form: RegimeForms, number: int) -> Section:
     system = form.solution.system
+    words, conditions = _conditions(typeset_prose(form.regime.words, system))
     intro: Text = (
-        "Holds for: ", *typeset_prose(form.regime.words, system), ". Each form was differentiated back "
+        "Holds for: ", *words, ". Each form was differentiated back "
         "to its integrand and compared with the quadrature to 40 digits; the separated momenta are positive.",
     )  # fmt: skip
-    blocks: list[Block] = [Paragraph(intro)]
+    blocks: list[Block] = [Paragraph(intro), *conditions]
     for symbol, meaning in form.where.items():
-        blocks.append(Paragraph((math(symbol), *_meaning(meaning))))
+        blocks += _meaning(symbol, meaning)
     if form.time_law is not None:
         blocks.append(_shown("time_law", form.time_law, lambda e: equation(e, "Greenwood (5-71)")))
     for q, e in form.inverse.items():
@@ -109,6 +112,20 @@ def _section(form: RegimeForms, number: int) -> Section:
     return Section(f"closed-forms{suffix}", title, tuple(blocks))
 
 
+def _conditions(words: Text) -> tuple[Text, list[Formula]]:
+    """The words of a regime, and the conditions that are too long for a sentence, displayed."""
+    kept: list[Inline] = []
+    displayed: list[Formula] = []
+    for piece in words:
+        if isinstance(piece, Mathematics) and width(piece.box) > NARROW:
+            tag = f"condition ({len(displayed) + 1})"
+            displayed.append(Formula(broken(piece.box), plain(piece.box), tag))
+            kept.append(tag)
+        else:
+            kept.append(piece)
+    return tuple(kept), displayed
+
+
 def _shown(name: str, e: sp.Basic, write: Callable[[Any], Formula]) -> Block:
     """A formula; of one that is long, or cannot be broken, its name and length."""
     if sp.count_ops(e) > LONGEST_SHOWN or width(narrowed((shown := write(e)).box)) > _WIDEST:
@@ -120,8 +137,15 @@ def _too_long(name: str, e: sp.Basic) -> Text:
     return (Code(name), f" has a form of {sp.count_ops(e)} operations: ", Code("form.code()"), " writes it.")
 
 
-def _meaning(meaning: object) -> Text:
+def _meaning(symbol: sp.Symbol, meaning: object) -> list[Block]:
+    """What a symbol of a form stands for: in a sentence where it is short, else displayed."""
     if isinstance(meaning, tuple):
         polynomial, index = meaning
-        return (f": root number {index + 1}, counted upwards, of the real roots of ", math(polynomial.as_expr()))
-    return (" = ", math(sp.sympify(meaning)))
+        e, words = polynomial.as_expr(), f": root number {index + 1}, counted upwards, of the real roots of "
+        if width(display(e, IN_A_CELL)) <= IN_A_CELL:
+            return [Paragraph((math(symbol), words, math(e)))]
+        return [Paragraph((math(symbol), words)), _shown(str(symbol), e, equation)]
+    e = sp.sympify(meaning)
+    if width(display(e, IN_A_CELL)) <= NARROW:
+        return [Paragraph((math(symbol), " = ", math(e)))]
+    return [_shown(str(symbol), e, partial(formula, box(symbol)))]

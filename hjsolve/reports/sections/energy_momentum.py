@@ -39,11 +39,15 @@ def _monodromy(found: EnergyMomentumMap) -> list[Block]:
     value, turned = found.isolated[0], found.monodromy()
     (a, b), (c, d) = turned.matrix
     x, y = Mathematics(name_box(found.x)), Mathematics(name_box(found.y))
-    gained = [f"{n} gains {abs(k)} turn{'s' if abs(k) > 1 else ''}" for n, k in turned.winding.items() if k]
+    gained: list[Inline] = []
+    for name, turns in turned.winding.items():
+        if turns:
+            words = f" gains {abs(turns)} turn{'s' if abs(turns) > 1 else ''}"
+            gained += [*([", "] if gained else []), Mathematics(name_box(name)), words]
     text: list[Inline] = [
         "At ", x, f" = {value.x:.6g}, ", y, f" = {value.y:.6g} lies an isolated critical value: the system can rest "
         "there, and the same kind of motion is all round it. Followed once round it the tori come back with the "
-        f"monodromy matrix (({a}, {b}), ({c}, {d})): {', '.join(gained) or 'no angle gains a turn'} per cycle. ",
+        f"monodromy matrix (({a}, {b}), ({c}, {d})): ", *(gained or ["no angle gains a turn"]), " per cycle. ",
     ]  # fmt: skip
     if not turned.trivial:
         text.append("So no choice of actions is smooth on all of that region (Duistermaat; Cushman).")
