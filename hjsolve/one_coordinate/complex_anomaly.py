@@ -11,13 +11,17 @@ from typing import NamedTuple, cast
 
 import numpy as np
 
+from hjsolve.arithmetic.complex_disks import Disk
 from hjsolve.arithmetic.elliptic import jacobi, quarter_period
 from hjsolve.arithmetic.floats import Float64
 from hjsolve.arithmetic.number_types import Complexes, Reals
 from hjsolve.one_coordinate.anomaly import BarrierAnomaly, Libration, Rotation, TwoBarrierAnomaly
-from hjsolve.one_coordinate.stretched_anomaly import Stretched
+from hjsolve.one_coordinate.stretched_anomaly import Inner, Stretched
 
 _FLOAT = Float64()
+_EDGE = np.exp(2j * np.pi * (np.arange(8) + 0.5) / 8)
+_MARGIN = 1.2
+"""The radius of a map's image over the greatest distance seen at eight points of the edge."""
 
 
 class ComplexPlace(NamedTuple):
@@ -170,3 +174,34 @@ def _power_sums(coefficients: Complexes, z: Complexes) -> Complexes:
 def _nearer(anomaly: Libration | BarrierAnomaly, from_lower: Complexes, to_upper: Complexes) -> Complexes:
     lower = np.abs(from_lower) < np.abs(to_upper)
     return np.where(lower, float(anomaly.lower) + from_lower, float(anomaly.upper) - to_upper)
+
+
+class PlaceDisks(NamedTuple):
+    """Disks that hold q, q − a and q − b; the last two None for a rotation."""
+
+    q: Disk
+    from_lower: Disk | None
+    from_upper: Disk | None
+
+
+def place_disks(anomaly: Inner | Stretched, χ: Complexes, radius: Reals) -> PlaceDisks:
+    """Enclose the images of disks of the phase: the distance is greatest on the edge (maximum principle).
+
+    Args:
+        anomaly: the map.
+        χ: centres, complex, shape (m,).
+        radius: of the disks, shape (m,).
+    """
+    points = np.concatenate([χ[None], χ + radius * _EDGE[:, None]])
+    found = complex_place(anomaly, points)
+
+    def disk(values: Complexes) -> Disk:
+        apart = np.max(np.abs(values[1:] - values[0]), axis=0)
+        return Disk(values[0], _MARGIN * apart + 1e-15 * np.abs(values[0]))
+
+    if found.from_lower is None:
+        across = np.real(found.q - found.q[0]) + np.pi
+        turned = found.q[0] + across % (2 * np.pi) - np.pi + 1j * np.imag(found.q - found.q[0])
+        return PlaceDisks(disk(turned), None, None)
+    assert found.from_upper is not None
+    return PlaceDisks(disk(found.q), disk(found.from_lower), disk(found.from_upper))

@@ -23,7 +23,7 @@ from hjsolve.arithmetic.number_types import Complexes, Elementwise, Integers, Ma
 from hjsolve.arithmetic.reciprocals import without_overflow
 from hjsolve.arithmetic.tape import BoundTape
 from hjsolve.arithmetic.work_counter import count
-from hjsolve.one_coordinate.complex_anomaly import ComplexPlace, complex_place
+from hjsolve.one_coordinate.complex_anomaly import ComplexPlace, PlaceDisks, complex_place, place_disks
 from hjsolve.one_coordinate.momentum_squared import MomentumSquared
 from hjsolve.one_coordinate.regular_factor import ComplexPoints, Deflated, deflated
 from hjsolve.one_coordinate.stretched_anomaly import Inner, Stretched
@@ -33,9 +33,6 @@ _DISKS, _POINTS = Disks(), ComplexPoints()
 _CIRCLE = np.exp(2j * np.pi * np.arange(20) / 20)
 _WIDER = 1.7
 """The disk over which a formula is enclosed, in units of the one over which its series is taken."""
-_EDGE = np.exp(2j * np.pi * (np.arange(8) + 0.5) / 8)
-_MARGIN = 1.2
-"""The radius of a map's image over the greatest distance seen at eight points of the edge."""
 _ROUNDING = 2.0**-40
 """Rounding of a value at a point, relative to the bound of the formula as it stands, with room to spare."""
 _HIGHEST, _LOWEST = 3.2, 1e-9
@@ -54,6 +51,8 @@ _MOST_PLACES = 300
 """Rough places through which a phase is stretched; where there are more, the nodes are spaced evenly."""
 _MOST, _MOST_SEARCHED, _MOST_FOUND = 40000, 40000, 4000
 """Squares evaluated before a strip is taken as it is, or a search for obstacles is given up; most obstacles."""
+_BLOCK = 512
+"""Squares evaluated at once: a square is twenty points of every operation of a formula, some 50 kB."""
 
 
 class Strip(NamedTuple):
@@ -130,7 +129,7 @@ class Integrands:
     squared: Deflated | AsItStands
     kernels: tuple[BoundTape[Disk], BoundTape[Complexes]]
 
-    def over(self, seen: _Image) -> tuple[list[Disk], Integers | int]:
+    def over(self, seen: PlaceDisks) -> tuple[list[Disk], Integers | int]:
         """Enclose R and the kernels over disks; and tell how R is known best, see ``Deflated.over``.
 
         Args:
@@ -318,6 +317,13 @@ def _cheapest(cap: float, y: Reals, logs: Reals, size: Reals, digits: int) -> St
 
 
 def _sizes(subject: Integrands, squares: StripSquares, *, zeros: bool = True) -> tuple[Reals, Reals]:
+    """What ``_sizes_of_block`` tells, of any number of squares."""
+    blocks = (squares.chosen(slice(k, k + _BLOCK)) for k in range(0, squares.x.size, _BLOCK))
+    logs, sizes = zip(*(_sizes_of_block(subject, block, zeros) for block in blocks), strict=True)
+    return np.hstack(logs), np.max(sizes, axis=0)
+
+
+def _sizes_of_block(subject: Integrands, squares: StripSquares, zeros: bool) -> tuple[Reals, Reals]:
     """The logarithm of the greatest size of each integrand over squares, not finite where unknown; sizes on the axis.
 
     A square lies in a disk of radius ρ; over that of radius ``_WIDER``·ρ the formulas are enclosed as they
@@ -329,7 +335,7 @@ def _sizes(subject: Integrands, squares: StripSquares, *, zeros: bool = True) ->
     radius = squares.side * 0.7072
     count(squares=χ.size * (len(_CIRCLE) + 1))
     with np.errstate(all="ignore"):
-        disks, way = subject.over(_image(subject.anomaly, χ, _WIDER * radius))
+        disks, way = subject.over(place_disks(subject.anomaly, χ, _WIDER * radius))
         bounds = [x.largest + 0 * radius for x in disks]
         # power series from values on circles: |f| at the centres, and what f varies by on the smaller disks
         points = complex_place(subject.anomaly, χ + radius * _CIRCLE[:, None])
@@ -374,27 +380,3 @@ def _rows(weights: list[Reals], least: Reals, most: Reals, product: Elementwise,
     low, high = (np.abs(np.log(x) / 2 - np.log(stretch)) for x in (least, most))
     rows = [w * stretch / np.sqrt(least) for w in weights]
     return np.stack([*rows, 1.0 + angle + np.maximum(low, high), product * np.sqrt(most) * stretch])
-
-
-class _Image(NamedTuple):
-    """Disks that hold q, q − a and q − b; the last two None for a rotation."""
-
-    q: Disk
-    from_lower: Disk | None
-    from_upper: Disk | None
-
-
-def _image(anomaly: Inner | Stretched, χ: Complexes, radius: Reals) -> _Image:
-    """Disks that hold the images of disks of the phase: the distance is greatest on the edge (maximum principle)."""
-    points = np.concatenate([χ[None], χ + radius * _EDGE[:, None]])
-    found = complex_place(anomaly, points)
-
-    def disk(values: Complexes) -> Disk:
-        apart = np.max(np.abs(values[1:] - values[0]), axis=0)
-        return Disk(values[0], _MARGIN * apart + 1e-15 * np.abs(values[0]))
-
-    if found.from_lower is None:
-        across = np.real(found.q - found.q[0]) + np.pi
-        return _Image(disk(found.q[0] + across % (2 * np.pi) - np.pi + 1j * np.imag(found.q - found.q[0])), None, None)
-    assert found.from_upper is not None
-    return _Image(disk(found.q), disk(found.from_lower), disk(found.from_upper))

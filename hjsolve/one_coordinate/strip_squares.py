@@ -32,11 +32,11 @@ class StripSquares(NamedTuple):
         """
         return StripSquares(*(np.concatenate(pair) for pair in zip(self, others, strict=True)))
 
-    def chosen(self, which: Mask) -> StripSquares:
+    def chosen(self, which: Mask | slice) -> StripSquares:
         """Return some of the squares.
 
         Args:
-            which: True for those to be kept.
+            which: True for those to be kept, or a range of them.
         """
         return StripSquares(*(part[which] for part in self))
 

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import cmath
 import math
+import tracemalloc
 
 import numpy as np
 import pytest
@@ -20,6 +21,7 @@ from hjsolve.one_coordinate import resolution
 from hjsolve.one_coordinate.anomaly import libration_anomaly
 from hjsolve.one_coordinate.momentum_squared import MomentumSquared
 from hjsolve.one_coordinate.regular_factor import deflated
+from hjsolve.one_coordinate.strip_squares import StripSquares
 from tests.support.random_features import Draw, Feature, draw, truth
 
 x = sp.Symbol("x")
@@ -107,17 +109,35 @@ def test_the_regular_factor_over_disks_holds_the_second_difference_in_many_digit
         assert abs(exact - point[0]) <= 1e-5 * abs(exact)
 
 
+def to_resolve(motion):
+    place = motion.separated.located["theta"]
+    plain = libration_anomaly(place.lower.place(200), place.upper.place(200), None, None, Multi(200))
+    return resolution.integrands_to_resolve(plain, place.course.radicand, (False,), motion.separated.parts, 200)
+
+
 @pytest.mark.parametrize("amplitude", ["0.3", "1.5", "2.6"])
 def test_a_proved_strip_ends_below_the_nearest_zero_and_not_far_below(amplitude):
     """The pendulum's p² is zero next at θ = 2π − A, where cosh Im χ = 2π/A − 1."""
-    motion = swinging(amplitude)
-    course, place = motion.separated.located["theta"].course, motion.separated.located["theta"]
-    arithmetic = Multi(200)
-    plain = libration_anomaly(place.lower.place(200), place.upper.place(200), None, None, arithmetic)
-    subject = resolution.integrands_to_resolve(plain, course.radicand, (False,), motion.separated.parts, 200)
+    subject = to_resolve(swinging(amplitude))
     found = resolution.strip(subject, 1000)
     nearest = math.acosh(2 * math.pi / float(amplitude) - 1)
     assert 0.5 * min(nearest, 3.2) < found.width < nearest
+
+
+def test_many_squares_take_no_more_memory_than_a_block_of_them():
+    subject, count = to_resolve(swinging("1.5")), 8000
+    squares = StripSquares(np.linspace(0.1, 3, count), np.zeros(count), np.full(count, 1e-3))
+    logs, sizes = resolution._sizes(subject, squares)
+    tracemalloc.start()
+    again = resolution._sizes(subject, squares)
+    most = tracemalloc.get_traced_memory()[1]
+    tracemalloc.stop()
+    assert most < 1e7  # 4e7 all at once
+    assert np.array_equal(again[0], logs)
+    for part in (0, count - 1):
+        alone, _ = resolution._sizes(subject, squares.chosen(slice(part, part + 1)))
+        np.testing.assert_allclose(alone[:, 0], logs[:, part], rtol=1e-9, atol=0)
+    assert np.all(sizes > 0)
 
 
 def test_few_values_of_p_squared_are_worked_out_twice(monkeypatch):
