@@ -2,18 +2,16 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from dataclasses import dataclass
 from fractions import Fraction
 from functools import cached_property
-from typing import TYPE_CHECKING
+from typing import Protocol
 
 import sympy as sp
 
 from hjsolve.algebra import poly
 from hjsolve.algebra.poly import Poly
-
-if TYPE_CHECKING:
-    from hjsolve.algebra.field import Field
 
 
 @dataclass(frozen=True)
@@ -44,11 +42,35 @@ class Generator:
     high: Fraction | None = None
 
 
+class ElementArithmetic(Protocol):
+    """What an element asks of the field that it belongs to; ``field.Field`` is it.
+
+    Attributes:
+        bases: polynomials that are factors of elements, by number.
+        generators: by number.
+    """
+
+    bases: list[Poly]
+    generators: list[Generator]
+
+    def coerce(self, value: Element | int | Fraction) -> Element:
+        """A number as an element."""
+
+    def total(self, elements: Sequence[Element]) -> Element:
+        """Sum."""
+
+    def product(self, elements: Sequence[Element]) -> Element:
+        """Product."""
+
+    def power(self, x: Element, n: int) -> Element:
+        """xⁿ."""
+
+
 @dataclass(frozen=True, eq=False)
 class Element:
     """An element of a ``Field``; made by a reader, by the field and by arithmetic."""
 
-    field: Field
+    field: ElementArithmetic
     coefficient: Fraction
     numerator: Poly
     factors: dict[int, int]

@@ -1,4 +1,4 @@
-"""What roots and logarithms need of the reader that calls them."""
+"""What roots, logarithms and relations need of the reader that calls them."""
 
 from __future__ import annotations
 
@@ -11,10 +11,17 @@ from hjsolve.algebra.signs import Bounds
 
 
 class FieldReader(Protocol):
-    """A field that grows while expressions are read into it; ``reader.Reader`` is one."""
+    """A field that grows while expressions are read into it; ``reader.Reader`` is one.
+
+    Attributes:
+        field: what is read into.
+        bounds: lower and upper end of the range of a symbol; None is infinite.
+        seconds_for_relations: processor time left for finding relations between generators.
+    """
 
     field: Field
     bounds: dict[sp.Symbol, Bounds]
+    seconds_for_relations: float
 
     def element(self, expression: sp.Expr) -> Element:
         """Read an expression.

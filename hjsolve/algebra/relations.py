@@ -13,7 +13,6 @@ from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
 from fractions import Fraction
 from itertools import product
-from typing import TYPE_CHECKING
 
 import mpmath
 import sympy as sp
@@ -23,11 +22,9 @@ from hjsolve.algebra.elementary import PRIMITIVES, at_one_place
 from hjsolve.algebra.field import Element, Generator
 from hjsolve.algebra.one_variable import vanishes
 from hjsolve.algebra.poly import WorkLimitError
+from hjsolve.algebra.reading import FieldReader
 from hjsolve.algebra.several_variables import constant_zero
 from hjsolve.algebra.signs import Bounds
-
-if TYPE_CHECKING:
-    from hjsolve.algebra.reader import Reader
 
 DIGITS, MAX_DENOMINATOR, MAX_BASIS, MAX_NEIGHBOURS = 60, 720, 20, 5
 MAX_OPERATIONS, MAX_NUMBER, MAX_VARIABLES = 60, 10**9, 3
@@ -45,7 +42,7 @@ class _Term:
     expression: sp.Expr
 
 
-def dependent(reader: Reader, g: Generator) -> Element | None:
+def dependent(reader: FieldReader, g: Generator) -> Element | None:
     """The element of the field that equals a new generator on the domain, proved; None where none was found.
 
     Args:
@@ -58,7 +55,7 @@ def dependent(reader: Reader, g: Generator) -> Element | None:
     return found
 
 
-def _dependent(reader: Reader, g: Generator) -> Element | None:
+def _dependent(reader: FieldReader, g: Generator) -> Element | None:
     symbols = sorted(g.atom.free_symbols, key=str)
     inverse = isinstance(g.atom, PRIMITIVES) and not isinstance(g.atom, sp.log)
     if not (inverse or (g.kind == "root" and len(symbols) <= 1)):
@@ -88,7 +85,7 @@ def _dependent(reader: Reader, g: Generator) -> Element | None:
     return None
 
 
-def _worth_while(reader: Reader, g: Generator, neighbours: Sequence[int]) -> bool:
+def _worth_while(reader: FieldReader, g: Generator, neighbours: Sequence[int]) -> bool:
     """Whether a relation may be hoped for, and seconds are left for looking.
 
     Roots of different primes are independent; numbers of many digits come from places, not from users.
@@ -105,7 +102,7 @@ def _is_nested(g: Generator) -> bool:
     return g.root is not None and any(g.root.radicand)
 
 
-def _neighbours(reader: Reader, symbols: set[sp.Symbol], *, inverse: bool) -> list[int]:
+def _neighbours(reader: FieldReader, symbols: set[sp.Symbol], *, inverse: bool) -> list[int]:
     """The generators that a new one may depend on, newest first: of the same variable, inverse ones of any of them."""
     found = []
     for k, g in enumerate(reader.field.generators):
@@ -119,7 +116,7 @@ def _neighbours(reader: Reader, symbols: set[sp.Symbol], *, inverse: bool) -> li
 
 
 def _bases(
-    reader: Reader, g: Generator, neighbours: Sequence[int], *, inverse: bool
+    reader: FieldReader, g: Generator, neighbours: Sequence[int], *, inverse: bool
 ) -> Iterator[tuple[_Term, list[_Term]]]:
     """Factors and bases to try: g·factor as a combination of the basis."""
     field, one = reader.field, _Term(reader.field.one, sp.S.One)
@@ -147,13 +144,13 @@ def _bases(
             yield t, basis
 
 
-def _places(reader: Reader, symbols: Sequence[sp.Symbol], count: int) -> list[tuple[sp.Rational, ...]]:
+def _places(reader: FieldReader, symbols: Sequence[sp.Symbol], count: int) -> list[tuple[sp.Rational, ...]]:
     """Rational places of the domain; more than are asked for, since some may be refused."""
     columns = [_column(reader, s, 3 * count, k) for k, s in enumerate(symbols)]
     return list(zip(*columns, strict=True))
 
 
-def _column(reader: Reader, symbol: sp.Symbol, count: int, k: int) -> list[sp.Rational]:
+def _column(reader: FieldReader, symbol: sp.Symbol, count: int, k: int) -> list[sp.Rational]:
     low, high = _ends(reader, symbol)
     if any(e is not None and e.free_symbols for e in (low, high)):
         return []
@@ -166,7 +163,7 @@ def _column(reader: Reader, symbol: sp.Symbol, count: int, k: int) -> list[sp.Ra
     return [a + 4 * share if a is not None else b - 4 * share for share in shares]
 
 
-def _ends(reader: Reader, symbol: sp.Symbol) -> Bounds:
+def _ends(reader: FieldReader, symbol: sp.Symbol) -> Bounds:
     low, high = reader.bounds.get(symbol, (None, None))
     low = sp.S.Zero if low is None and symbol.is_nonnegative else low
     high = sp.S.Zero if high is None and symbol.is_nonpositive else high
@@ -226,7 +223,7 @@ def _integer_relation(g: sp.Expr, basis: Sequence[_Term]) -> list[sp.Rational] |
     return [sp.Rational(-c, relation[0]) for c in relation[1:]]
 
 
-def _proved(reader: Reader, difference: sp.Expr, symbols: Sequence[sp.Symbol], places: Sequence[Place]) -> bool:
+def _proved(reader: FieldReader, difference: sp.Expr, symbols: Sequence[sp.Symbol], places: Sequence[Place]) -> bool:
     if not symbols:
         return constant_is_zero(at_one_place(difference)) is True
     if len(symbols) > 1:

@@ -9,7 +9,6 @@ decides.
 from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
-from typing import TYPE_CHECKING
 
 import sympy as sp
 
@@ -17,14 +16,12 @@ from hjsolve.algebra import poly
 from hjsolve.algebra.constants import constant_is_zero
 from hjsolve.algebra.elementary import PRIMITIVES, at_one_place, composed
 from hjsolve.algebra.poly import WorkLimitError
+from hjsolve.algebra.reading import FieldReader
 from hjsolve.algebra.signs import sign_of
-
-if TYPE_CHECKING:
-    from hjsolve.algebra.reader import Reader
 
 
 def constant_zero(
-    reader: Reader, f: sp.Expr, symbols: Sequence[sp.Symbol], place: Mapping[sp.Symbol, sp.Rational]
+    reader: FieldReader, f: sp.Expr, symbols: Sequence[sp.Symbol], place: Mapping[sp.Symbol, sp.Rational]
 ) -> bool:
     """Proof that f is zero on its domain.
 
@@ -60,7 +57,7 @@ def _watched(f: sp.Expr) -> list[sp.Expr]:
     return [w for w in found if w.free_symbols]
 
 
-def _is_signed(reader: Reader, x: sp.Expr) -> bool:
+def _is_signed(reader: FieldReader, x: sp.Expr) -> bool:
     """Whether every factor is a polynomial in the variables that keeps its sign on the box."""
     field = reader.field
     y = field.factored(reader.element(x))

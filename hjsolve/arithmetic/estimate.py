@@ -6,11 +6,14 @@ import operator
 import sys
 from collections.abc import Callable
 from dataclasses import dataclass
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 from hjsolve.arithmetic import propagation
 from hjsolve.arithmetic.printed_digits import decimal, with_last_digits
 from hjsolve.errors import InvalidInputError
+
+if TYPE_CHECKING:
+    import numpy as np
 
 
 @dataclass(frozen=True, slots=True, eq=False, repr=False)
@@ -167,10 +170,10 @@ class Estimate:
 
         return np.array(self.value, dtype=dtype)
 
-    def __array_ufunc__(self, ufunc: Any, method: str, *inputs: Any, **options: Any) -> Any:
+    def __array_ufunc__(self, ufunc: np.ufunc, method: str, *inputs: object, **options: object) -> object:
         from hjsolve.arithmetic.ufuncs import of_estimates
 
-        return of_estimates(ufunc, method, inputs, options)
+        return of_estimates(Estimate, combined, ufunc, method, inputs, options)
 
     def _sympy_(self) -> Any:
         """Decline to become sympy's number, which would lose the error: sympy's rationals then ask ``__radd__``."""

@@ -5,12 +5,11 @@ from __future__ import annotations
 import operator
 from collections.abc import Callable, Mapping
 from functools import partial
-from typing import Any
+from typing import Protocol
 
 import numpy as np
 from numpy.typing import NDArray
 
-from hjsolve.arithmetic.estimate import Estimate, combined
 from hjsolve.arithmetic.ranges import OF_TWO
 
 _OF_ONE = {
@@ -28,10 +27,23 @@ _QUESTIONS: Mapping[str, Callable[[float], bool]] = {
 }  # fmt: skip
 
 
-def of_estimates(ufunc: np.ufunc, method: str, inputs: tuple[object, ...], options: Mapping[str, object]) -> Any:
+
+class Combined(Protocol):
+    """How a function of numbers is worked out, of which at least one is an Estimate; ``estimate.combined``."""
+
+    def __call__(self, name: str, /, *operands: object) -> object:
+        """Return an Estimate; ``NotImplemented`` where an operand is no real number."""
+
+
+def of_estimates(
+    kind: type, combined: Combined, ufunc: np.ufunc, method: str, inputs: tuple[object, ...],
+    options: Mapping[str, object],
+) -> object:  # fmt: skip
     """Answer a function of numpy for operands of which at least one is an Estimate.
 
     Args:
+        kind: the class of Estimates.
+        combined: gives a function of numbers of which one is an Estimate; ``estimate.combined``.
         ufunc: the function.
         method: how it was called; only the plain call is answered.
         inputs: operands; arrays are gone through element by element.
@@ -40,7 +52,7 @@ def of_estimates(ufunc: np.ufunc, method: str, inputs: tuple[object, ...], optio
     Returns:
         An Estimate, or an array of them; of a comparison, bool. ``NotImplemented`` for what has no answer here.
     """
-    rule = _rule(ufunc.__name__)
+    rule = _rule(kind, combined, ufunc.__name__)
     if rule is None or method != "__call__" or options:
         return NotImplemented
     if not any(isinstance(x, np.ndarray) and x.ndim for x in inputs):
@@ -55,7 +67,7 @@ def _boxed(x: object) -> NDArray[np.object_]:
     return box
 
 
-def _rule(name: str) -> Callable[..., Any] | None:
+def _rule(kind: type, combined: Combined, name: str) -> Callable[..., object] | None:
     if name in _OF_ONE:
         return partial(combined, _OF_ONE[name])
     if name in OF_TWO:
@@ -65,11 +77,11 @@ def _rule(name: str) -> Callable[..., Any] | None:
     if name in _QUESTIONS:
         return lambda x: bool(_QUESTIONS[name](float(x)))
     if name == "not_equal":
-        return lambda x, y: not _compared("equal", x, y)
-    return partial(_compared, name) if name in _COMPARISONS else None
+        return lambda x, y: not _compared(kind, "equal", x, y)
+    return partial(_compared, kind, name) if name in _COMPARISONS else None
 
 
-def _compared(name: str, x: object, y: object) -> Any:
+def _compared(kind: type, name: str, x: object, y: object) -> object:
     """Ask the Estimate, not numpy's number, which would ask here again."""
     forward, backward = (f"__{method}__" for method in _COMPARISONS[name].split())
-    return getattr(x, forward)(y) if isinstance(x, Estimate) else getattr(y, backward)(x)
+    return getattr(x, forward)(y) if isinstance(x, kind) else getattr(y, backward)(x)

@@ -9,11 +9,11 @@ import sympy as sp
 from hjsolve.catalog import loading
 from hjsolve.catalog.toml_file import Toml, TomlTable
 from hjsolve.errors import CatalogError, InvalidSystemError
-from hjsolve.extended.moving_frame import TIME as TIME
+from hjsolve.extended.change_of_frame import TIME as TIME
+from hjsolve.extended.change_of_frame import carried_initial_data as carried_initial_data
+from hjsolve.extended.change_of_frame import drift as drift
+from hjsolve.extended.change_of_frame import verified as verified
 from hjsolve.extended.moving_frame import Frame as Frame
-from hjsolve.extended.moving_frame import carried_initial_data as carried_initial_data
-from hjsolve.extended.moving_frame import drift as drift
-from hjsolve.extended.moving_frame import verified as verified
 from hjsolve.formulas.read import parse
 from hjsolve.mechanics.system import Parameter, System
 

@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 from collections.abc import Mapping
-from typing import TYPE_CHECKING
 
 import sympy as sp
 
@@ -14,12 +13,9 @@ from hjsolve.closed_form.inverses import inverses, orbit_formulas
 from hjsolve.closed_form.pieces import CoordinateIntegrals
 from hjsolve.closed_form.regime import Regime, positive_in, settled
 from hjsolve.closed_form.tidy import LONGEST, elliptic, shortened_powers
+from hjsolve.closed_form.workshop import Stratum, Workshop
 from hjsolve.solution.quadratures import Solution
 
-if TYPE_CHECKING:
-    from hjsolve.closed_form.derive import Workshop
-
-Stratum = Mapping[sp.Symbol, sp.Expr]
 Integrals = Mapping[str, CoordinateIntegrals]
 Where = dict[sp.Symbol, sp.Expr | tuple[sp.Poly, int]]
 

@@ -6,11 +6,12 @@ from pathlib import Path
 
 import sympy as sp
 
-from hjsolve.closed_form.derive import Workshop, form_of_sample, forms_of_solution, special_of, workshop
+from hjsolve.closed_form.derive import form_of_sample, forms_of_solution, special_of
 from hjsolve.closed_form.forms import RegimeForms
 from hjsolve.closed_form.sampling import Sample
 from hjsolve.closed_form.time_limit import within_seconds
 from hjsolve.closed_form.verification import DIGITS
+from hjsolve.closed_form.workshop import Workshop, workshop_of
 from hjsolve.errors import InvalidInputError
 from hjsolve.mechanics.system import System
 from hjsolve.motion.motion import Motion
@@ -62,12 +63,12 @@ def closed_forms(
         )
     if isinstance(subject, Motion):
         with within_seconds(seconds):
-            shop = workshop(subject.solution, digits)
+            shop = workshop_of(subject.solution, digits)
             own = [form for form in (_own_form(shop, subject),) if form is not None]
             return (*own, *forms_of_solution(shop, own))
     solution = subject if isinstance(subject, Solution) else solve(subject)
     with within_seconds(seconds):
-        return forms_of_solution(workshop(solution, digits))
+        return forms_of_solution(workshop_of(solution, digits))
 
 
 def own_form(motion: Motion, *, digits: int = DIGITS, seconds: float | None = SECONDS) -> RegimeForms | None:
@@ -79,7 +80,7 @@ def own_form(motion: Motion, *, digits: int = DIGITS, seconds: float | None = SE
         seconds: of processor time that may be spent; None for no limit.
     """
     with within_seconds(seconds):
-        return _own_form(workshop(motion.solution, digits), motion)
+        return _own_form(workshop_of(motion.solution, digits), motion)
 
 
 def _own_form(shop: Workshop, motion: Motion) -> RegimeForms | None:

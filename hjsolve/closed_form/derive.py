@@ -3,13 +3,12 @@
 from __future__ import annotations
 
 from collections.abc import Iterator, Mapping, Sequence
-from dataclasses import dataclass
 
 import mpmath
 import sympy as sp
 
 from hjsolve.closed_form.assemble import assembled
-from hjsolve.closed_form.curves import MomentumCurve, W, curves
+from hjsolve.closed_form.curves import MomentumCurve
 from hjsolve.closed_form.forms import RegimeForms
 from hjsolve.closed_form.pieces import CoordinateIntegrals, piece
 from hjsolve.closed_form.regime import regime
@@ -18,65 +17,11 @@ from hjsolve.closed_form.sampling import Sample, samples
 from hjsolve.closed_form.signs import Signs, sign_of_many_digits
 from hjsolve.closed_form.strata import deciders, fixed_constant, strata
 from hjsolve.closed_form.time_limit import OutOfTimeError, out_of_time
-from hjsolve.closed_form.verification import DIGITS, flaws
-from hjsolve.solution.quadratures import Solution
+from hjsolve.closed_form.verification import flaws
+from hjsolve.closed_form.workshop import Stratum, Workshop
 
 MOST_REGIMES = 16
 _SAMPLES, _SPECIAL_SAMPLES, _SEED = 100, 30, 1
-Stratum = Mapping[sp.Symbol, sp.Expr]
-
-
-@dataclass
-class Workshop:
-    """What is shared by the regimes of one solution.
-
-    Attributes:
-        solution: what is solved.
-        curves: separated coordinate → its curves, for general constants.
-        numerators: separated coordinate → W or constant → N(q), none zero.
-        pieces: pieces found so far, by coordinate and stratum.
-        digits: to which forms are compared with the quadratures.
-    """
-
-    solution: Solution
-    curves: dict[str, list[MomentumCurve]]
-    numerators: dict[str, dict[sp.Symbol, sp.Expr]]
-    pieces: dict[tuple[str, tuple[object, ...]], list[CoordinateIntegrals]]
-    digits: int
-
-    @property
-    def constants(self) -> list[sp.Symbol]:
-        """E, the separation constants, the ignorable momenta."""
-        return [c.symbol for c in self.solution.constants.values()]
-
-    def at(self, special: Stratum) -> dict[str, list[MomentumCurve]]:
-        """The curves where some constants are special.
-
-        Args:
-            special: constant → what it is.
-        """
-        if not special:
-            return self.curves
-        return {name: [c for curve in own if (c := curve.at(special)) is not None] for name, own in self.curves.items()}
-
-
-def workshop(solution: Solution, digits: int = DIGITS) -> Workshop:
-    """Find the curves of every separated coordinate.
-
-    Args:
-        solution: what is solved.
-        digits: to which forms are to be compared with the quadratures.
-    """
-    own, numerators = dict[str, list[MomentumCurve]](), dict[str, dict[sp.Symbol, sp.Expr]]()
-    taken = {s.name for s in solution.characteristic_function.free_symbols}
-    for name, square in solution.momentum_squared.items():
-        letter = "x" if "x" not in taken else "z"
-        while letter in taken:
-            letter += "_"
-        own[name] = curves(square, solution.system.coordinate(name), sp.Symbol(letter, real=True))
-        slopes = {c.symbol: sp.diff(square, c.symbol) / 2 for c in solution.constants.values()}
-        numerators[name] = {W: square} | {c: slope for c, slope in slopes.items() if slope != 0}
-    return Workshop(solution, own, numerators, {}, digits)
 
 
 def forms_of_solution(shop: Workshop, known: Sequence[RegimeForms] = ()) -> tuple[RegimeForms, ...]:

@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 from collections.abc import Mapping
-from typing import TYPE_CHECKING
 
 import mpmath
 import sympy as sp
@@ -11,9 +10,7 @@ import sympy as sp
 from hjsolve.closed_form.curves import named_constants
 from hjsolve.closed_form.evaluation import many_digits, number_of
 from hjsolve.closed_form.regime import Regime
-
-if TYPE_CHECKING:
-    from hjsolve.closed_form.derive import Workshop
+from hjsolve.closed_form.workshop import Workshop
 
 MOST_OPERATIONS = 120
 _DIGITS, _AGREE = 60, 40

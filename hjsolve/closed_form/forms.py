@@ -9,7 +9,9 @@ from typing import Any
 import sympy as sp
 
 from hjsolve.arithmetic.estimate import Estimate
+from hjsolve.closed_form.numbers import form_at_numbers, functions
 from hjsolve.closed_form.regime import Regime
+from hjsolve.closed_form.source_code import source
 from hjsolve.display.shown import Shown
 from hjsolve.solution.quadratures import Solution
 
@@ -92,8 +94,6 @@ class RegimeForms(Shown):
         Raises:
             InvalidInputError: an unknown name, a value that is missing, or constants that are not of this regime.
         """
-        from hjsolve.closed_form.numbers import form_at_numbers
-
         return form_at_numbers(self, name, values, digits)
 
     def lambdify(self, module: str = "numpy") -> dict[str, Callable[..., Any]]:
@@ -108,8 +108,6 @@ class RegimeForms(Shown):
         Raises:
             InvalidInputError: another module.
         """
-        from hjsolve.closed_form.numbers import functions
-
         return functions(self, module)
 
     def code(self, language: str = "python") -> str:
@@ -121,6 +119,4 @@ class RegimeForms(Shown):
         Raises:
             InvalidInputError: another language.
         """
-        from hjsolve.closed_form.source_code import source
-
         return source(self, language)

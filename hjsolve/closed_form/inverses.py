@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 from collections.abc import Mapping
-from typing import TYPE_CHECKING
 
 import mpmath
 import sympy as sp
@@ -17,12 +16,9 @@ from hjsolve.closed_form.real_branch_points import elliptic_inverse
 from hjsolve.closed_form.tidy import shortened_powers
 from hjsolve.closed_form.time_limit import check_time
 from hjsolve.closed_form.verification import monotone_span, sample_numbers, value_at
+from hjsolve.closed_form.workshop import Stratum, Workshop
 from hjsolve.functions import JacobiAM, JacobiSN
 
-if TYPE_CHECKING:
-    from hjsolve.closed_form.derive import Workshop
-
-Stratum = Mapping[sp.Symbol, sp.Expr]
 _DIGITS = 40
 
 

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Mapping
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 import mpmath
 import sympy as sp
@@ -11,19 +11,17 @@ import sympy as sp
 from hjsolve.arithmetic.estimate import Estimate
 from hjsolve.arithmetic.floats import EPS
 from hjsolve.closed_form.evaluation import many_digits, number_of
+from hjsolve.closed_form.named_forms import NamedForms
 from hjsolve.closed_form.regions import ordered_real_roots, region_exists
 from hjsolve.errors import InvalidInputError, MissingValueError
 from hjsolve.formulas.read import number as read_number
 from hjsolve.functions import modules
 
-if TYPE_CHECKING:
-    from hjsolve.closed_form.forms import RegimeForms
-
 _GUARD, _FLOAT_DIGITS = 20, 15
 _SPECIAL = 1e-12
 
 
-def form_at_numbers(form: RegimeForms, name: str, values: Mapping[str, object], digits: int) -> Estimate:
+def form_at_numbers(form: NamedForms, name: str, values: Mapping[str, object], digits: int) -> Estimate:
     """One form at numbers; see ``RegimeForms.evaluate``.
 
     Args:
@@ -58,7 +56,7 @@ def form_at_numbers(form: RegimeForms, name: str, values: Mapping[str, object], 
     return Estimate(context.mpf(again), context.mpf(lost) + abs(context.mpf(again)) * context.mpf(10) ** -digits)
 
 
-def refuse_outside(form: RegimeForms, exact: Mapping[sp.Symbol, sp.Expr]) -> None:
+def refuse_outside(form: NamedForms, exact: Mapping[sp.Symbol, sp.Expr]) -> None:
     """Refuse constants that are not of a form's regime.
 
     Args:
@@ -75,7 +73,7 @@ def refuse_outside(form: RegimeForms, exact: Mapping[sp.Symbol, sp.Expr]) -> Non
         )
 
 
-def _wanted(form: RegimeForms, name: str) -> sp.Expr:
+def _wanted(form: NamedForms, name: str) -> sp.Expr:
     named = form.named()
     if name not in named:
         reason = form.why_not.get(name)
@@ -84,7 +82,7 @@ def _wanted(form: RegimeForms, name: str) -> sp.Expr:
     return named[name]
 
 
-def _exact(form: RegimeForms, expression: sp.Expr, values: Mapping[str, object]) -> dict[sp.Symbol, sp.Expr]:
+def _exact(form: NamedForms, expression: sp.Expr, values: Mapping[str, object]) -> dict[sp.Symbol, sp.Expr]:
     """Symbol → exact value, of everything the regime and the expression need."""
     exact = {p.symbol: p.value for p in form.solution.system.parameters if p.value is not None}
     needed = {s.name: s for s in (*form.regime.example, *expression.free_symbols) if s not in form.where}
@@ -104,7 +102,7 @@ def _exact(form: RegimeForms, expression: sp.Expr, values: Mapping[str, object])
 
 
 def root_values(
-    form: RegimeForms, exact: Mapping[sp.Symbol, sp.Expr], digits: int
+    form: NamedForms, exact: Mapping[sp.Symbol, sp.Expr], digits: int
 ) -> dict[sp.Symbol, mpmath.mpf]:  # fmt: skip
     """Values of the symbols that ``where`` defines.
 
@@ -124,7 +122,7 @@ def root_values(
     return {symbol: known[symbol] for symbol in form.where}
 
 
-def functions(form: RegimeForms, module: str) -> dict[str, Callable[..., Any]]:
+def functions(form: NamedForms, module: str) -> dict[str, Callable[..., Any]]:
     """Functions of numbers; see ``RegimeForms.lambdify``.
 
     Args:
@@ -139,7 +137,7 @@ def functions(form: RegimeForms, module: str) -> dict[str, Callable[..., Any]]:
     return {name: _function(form, expression, module) for name, expression in form.named().items()}
 
 
-def _function(form: RegimeForms, expression: sp.Expr, module: str) -> Callable[..., Any]:
+def _function(form: NamedForms, expression: sp.Expr, module: str) -> Callable[..., Any]:
     compiled = _CompiledForm(form, expression, module)
 
     def function(**given: Any) -> Any:
@@ -156,7 +154,7 @@ def _exactly(value: Any) -> Any:
 class _CompiledForm:
     """A form and the conditions of its regime, compiled for numbers."""
 
-    def __init__(self, form: RegimeForms, expression: sp.Expr, module: str):
+    def __init__(self, form: NamedForms, expression: sp.Expr, module: str):
         made, where = form.regime, form.where
         self.form, self.roots = form, [s for s in expression.free_symbols if s in where]
         self.curves = [(c, r) for c, r in made.regions if c.degree > 2]

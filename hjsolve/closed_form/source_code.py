@@ -2,19 +2,15 @@
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING
-
 import sympy as sp
 from sympy.printing.c import C99CodePrinter
 from sympy.printing.pycode import PythonCodePrinter
 
+from hjsolve.closed_form.named_forms import NamedForms
 from hjsolve.errors import InvalidInputError
 
-if TYPE_CHECKING:
-    from hjsolve.closed_form.forms import RegimeForms
 
-
-def source(form: RegimeForms, language: str) -> str:
+def source(form: NamedForms, language: str) -> str:
     """One function for each form; see ``RegimeForms.code``.
 
     Args:

@@ -23,7 +23,9 @@ from hjsolve.energy_momentum.isolation import Reals
 from hjsolve.lowering import lower
 
 Window = tuple[tuple[float, float], tuple[float, float]]
-_FIRST, _MOST, _ROUNDS = 241, 4000, 9
+_FIRST, _MOST = 241, 4000
+ROUNDS = 9
+"""How often places are put between those that lie far apart."""
 _STEP = 0.006
 """Longest step along a curve, as part of the window."""
 _FARTHEST = 18.0
@@ -54,19 +56,6 @@ class CriticalCurve(Shown):
 
     def _label(self) -> str:
         return f"{self.kind} of {self.coordinate}"
-
-
-def critical_curves(own: CoordinateKinds, window: Window, rounds: int = _ROUNDS) -> list[CriticalCurve]:
-    """Trace the critical curves of one coordinate in a window of the plane.
-
-    Args:
-        own: the coordinate.
-        window: ranges of x and y.
-        rounds: how often places are put between those that lie far apart.
-    """
-    from hjsolve.energy_momentum.end_curves import end_curves, symmetric_curves
-
-    return [*_double_zeros(own, window, rounds), *symmetric_curves(own, window), *end_curves(own, window)]
 
 
 # ------------------------------------------------------------------------------------------------ double zeros
@@ -122,7 +111,14 @@ def _traced(own: CoordinateKinds) -> _Traced:
     return _Traced(tapes, powers, float(ends[0]), float(ends[1]), length)
 
 
-def _double_zeros(own: CoordinateKinds, window: Window, rounds: int) -> list[CriticalCurve]:
+def double_zeros(own: CoordinateKinds, window: Window, rounds: int = ROUNDS) -> list[CriticalCurve]:
+    """Trace the curves on which P² has a double zero that moves along them.
+
+    Args:
+        own: the coordinate.
+        window: ranges of x and y.
+        rounds: how often places are put between those that lie far apart.
+    """
     traced = _traced(own)
     top = [max(p[k] for p in traced.powers) for k in (0, 1)]
     if not any(top):

@@ -14,8 +14,9 @@ from numpy.typing import NDArray
 from hjsolve import arguments, catalog
 from hjsolve.arithmetic.estimate_array import EstimateArray
 from hjsolve.display.shown import Shown
+from hjsolve.energy_momentum.all_curves import critical_curves
 from hjsolve.energy_momentum.coordinate_kinds import CoordinateKinds
-from hjsolve.energy_momentum.critical_curves import CriticalCurve, Window, critical_curves, equations
+from hjsolve.energy_momentum.critical_curves import CriticalCurve, Window, equations
 from hjsolve.energy_momentum.isolation import Reals
 from hjsolve.energy_momentum.kinds_of_motion import KindsOfMotion
 from hjsolve.energy_momentum.momentum_polynomial import momentum_polynomial, with_domain

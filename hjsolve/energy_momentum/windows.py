@@ -6,8 +6,9 @@ from collections.abc import Mapping, Sequence
 
 import numpy as np
 
+from hjsolve.energy_momentum.all_curves import critical_curves
 from hjsolve.energy_momentum.coordinate_kinds import CoordinateKinds
-from hjsolve.energy_momentum.critical_curves import CriticalCurve, Window, critical_curves
+from hjsolve.energy_momentum.critical_curves import CriticalCurve, Window
 from hjsolve.energy_momentum.monodromy import rests_at_ends
 from hjsolve.errors import InvalidInputError, MissingValueError
 

@@ -9,7 +9,8 @@ from nicegui import background_tasks, events, ui
 
 from hjsolve import catalog
 from hjsolve.errors import HJSolveError
-from hjsolve.explorer.question import LONGEST, Drag, PageAnswer, PageQuestion, Portrait, Wanted, question_about
+from hjsolve.explorer.first_question import question_about
+from hjsolve.explorer.question import LONGEST, Drag, PageAnswer, PageQuestion, Portrait, Wanted
 from hjsolve.explorer.worker import Workers
 from hjsolve.reports.document.drawing_style import STYLE
 from hjsolve.reports.formats.stylesheet import NOTEBOOK_CSS

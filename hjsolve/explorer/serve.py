@@ -6,7 +6,7 @@ import socket
 from pathlib import Path
 
 from hjsolve.errors import InvalidInputError, MissingExtraError
-from hjsolve.explorer.question import question_about
+from hjsolve.explorer.first_question import question_about
 
 HOST = "127.0.0.1"
 

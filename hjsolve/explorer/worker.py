@@ -131,7 +131,7 @@ def _answer_all(connection: Connection, megabytes: int) -> None:
 def _warm() -> None:
     """Import what the first question would wait for."""
     from hjsolve.explorer.answering import answer_question
-    from hjsolve.explorer.question import question_about
+    from hjsolve.explorer.first_question import question_about
 
     answer_question(question_about(None))
 

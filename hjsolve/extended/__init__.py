@@ -2,5 +2,5 @@
 
 In: a frame that moves, a Hamiltonian linear in p, a linear gyroscopic system. Out: their solutions and motions, told in
 the original variables with the same ``State``.
-Read ``moving_frame.py`` first; ``linear_hamiltonian.py`` and ``gyroscopic.py`` stand on their own.
+Read ``change_of_frame.py`` first; ``linear_hamiltonian.py`` and ``gyroscopic.py`` stand on their own.
 """

@@ -21,7 +21,7 @@ from hjsolve.arithmetic.number_types import Mpf
 from hjsolve.arithmetic.tape import BoundTape
 from hjsolve.display.shown import Shown
 from hjsolve.errors import InvalidInputError, NotConvergedError
-from hjsolve.extended.linear_hamiltonian import GeneralHamiltonian
+from hjsolve.extended.one_freedom import NonlinearInMomentum
 from hjsolve.formulas.read import number
 from hjsolve.lowering import lower
 from hjsolve.motion.initial_data import InBits, complete_numbers, number_is_zero, to_bits, values_of
@@ -49,7 +49,7 @@ class LevelMotion(Shown):
         rates: H_q, H_p and their derivatives along the motion, at the precision worked in.
     """
 
-    problem: GeneralHamiltonian
+    problem: NonlinearInMomentum
     digits: int
     kinds: Mapping[str, str]
     constants: Mapping[str, Estimate]
@@ -128,7 +128,7 @@ class LevelMotion(Shown):
 
 
 def start_on_level(
-    problem: GeneralHamiltonian, *, q: Mapping[str, object], velocity: Mapping[str, object] | None,
+    problem: NonlinearInMomentum, *, q: Mapping[str, object], velocity: Mapping[str, object] | None,
     p: Mapping[str, object] | None, parameters: Mapping[str, object], t0: object, digits: int,
 ) -> LevelMotion:  # fmt: skip
     """Start a motion; see ``GeneralHamiltonian.motion``.
@@ -175,7 +175,7 @@ def start_on_level(
 
 
 def _curve(
-    problem: GeneralHamiltonian, slopes: list[sp.Expr], values: Mapping[sp.Symbol, sp.Expr], E: sp.Expr,
+    problem: NonlinearInMomentum, slopes: list[sp.Expr], values: Mapping[sp.Symbol, sp.Expr], E: sp.Expr,
     point: tuple[sp.Expr, sp.Expr], digits: int,
 ) -> Curve:  # fmt: skip
     """H = E, in enough binary digits for what cancels in H."""
@@ -196,7 +196,7 @@ def _in_bits(known: list[InBits], bits: int) -> list[Mpf]:
 
 
 def _rates(
-    problem: GeneralHamiltonian, slopes: list[sp.Expr], values: Mapping[sp.Symbol, sp.Expr], bits: int
+    problem: NonlinearInMomentum, slopes: list[sp.Expr], values: Mapping[sp.Symbol, sp.Expr], bits: int
 ) -> BoundTape:
     """H_q, H_p, and their derivatives along the motion."""
     q, p = problem.coordinate.symbol, problem.coordinate.momentum

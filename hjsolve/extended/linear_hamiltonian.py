@@ -20,65 +20,20 @@ from typing import TYPE_CHECKING, Any
 import sympy as sp
 
 from hjsolve import arguments
-from hjsolve.display.shown import Shown
 from hjsolve.errors import InvalidSystemError
+from hjsolve.extended.one_freedom import LinearInMomentum, NonlinearInMomentum
 from hjsolve.formulas.read import parse
 from hjsolve.mechanics.periodicity import is_periodic
-from hjsolve.mechanics.system import Coordinate, Parameter, System
+from hjsolve.mechanics.system import System
 
 if TYPE_CHECKING:
     from hjsolve.extended.level_motion import LevelMotion
     from hjsolve.extended.linear_hamiltonian_motion import LinearMotion
 
-ENERGY = sp.Symbol("E", real=True)
-TIME = sp.Symbol("t", real=True)
-
 
 @dataclass(frozen=True, repr=False)
-class LinearHamiltonian(Shown):
-    """H = a(q) p + b(q), solved.
-
-    Attributes:
-        coordinate: q.
-        hamiltonian: H.
-        rate: a(q), which is dq/dt.
-        rest: b(q).
-        parameters: with their default values.
-        title, id: for display.
-    """
-
-    coordinate: Coordinate
-    hamiltonian: sp.Expr
-    rate: sp.Expr
-    rest: sp.Expr
-    parameters: tuple[Parameter, ...] = ()
-    title: str = ""
-    id: str = ""
-
-    @property
-    def coordinates(self) -> tuple[Coordinate]:
-        """The one coordinate, as a ``System`` has them."""
-        return (self.coordinate,)
-
-    @property
-    def momentum(self) -> sp.Expr:
-        """p(q; E) = (E − b)/a."""
-        return (ENERGY - self.rest) / self.rate
-
-    @property
-    def characteristic_function(self) -> sp.Expr:
-        """W(q; E) = ∫ p dq, by quadrature."""
-        return sp.expand(sp.integrate(sp.expand(self.momentum), self.coordinate.symbol))
-
-    @property
-    def principal_function(self) -> sp.Expr:
-        """S(q, t; E) = W − E t."""
-        return self.characteristic_function - ENERGY * TIME
-
-    @property
-    def time_law(self) -> sp.Expr:
-        """∂W/∂E = t − β as a function of q: the integral of dq/a, without a constant of integration."""
-        return sp.integrate(1 / self.rate, self.coordinate.symbol)
+class LinearHamiltonian(LinearInMomentum):
+    """H = a(q) p + b(q), solved; its fields and formulas are those of ``LinearInMomentum``."""
 
     @arguments.by_name('motion(q={"q": "0.5"}, p={"q": 1})')
     def motion(
@@ -125,36 +80,8 @@ class LinearHamiltonian(Shown):
 
 
 @dataclass(frozen=True, repr=False)
-class GeneralHamiltonian(Shown):
-    """H(q, p) of one degree of freedom that is no polynomial of first or second degree in p.
-
-    Attributes:
-        coordinate: q.
-        hamiltonian: H.
-        parameters: with their default values.
-        title, id: for display.
-    """
-
-    coordinate: Coordinate
-    hamiltonian: sp.Expr
-    parameters: tuple[Parameter, ...] = ()
-    title: str = ""
-    id: str = ""
-
-    @property
-    def coordinates(self) -> tuple[Coordinate]:
-        """The one coordinate, as a ``System`` has them."""
-        return (self.coordinate,)
-
-    @property
-    def velocity(self) -> sp.Expr:
-        """dq/dt = ∂H/∂p, in q and p."""
-        return sp.diff(self.hamiltonian, self.coordinate.momentum)
-
-    @property
-    def force(self) -> sp.Expr:
-        """dp/dt = −∂H/∂q, in q and p."""
-        return -sp.diff(self.hamiltonian, self.coordinate.symbol)
+class GeneralHamiltonian(NonlinearInMomentum):
+    """H(q, p) that is of neither first nor second degree in p; its fields are those of ``NonlinearInMomentum``."""
 
     @arguments.by_name('motion(q={"q": 1}, p={"q": 0})')
     def motion(

@@ -20,7 +20,7 @@ from hjsolve.arithmetic.floats import EPS, Multi, bits_for, multiprecision
 from hjsolve.arithmetic.number_types import Context, Mpf
 from hjsolve.display.shown import Shown
 from hjsolve.errors import InvalidInputError, NotConvergedError, OutsideMotionError
-from hjsolve.extended.linear_hamiltonian import LinearHamiltonian
+from hjsolve.extended.one_freedom import LinearInMomentum
 from hjsolve.formulas.read import number
 from hjsolve.lowering import lower
 from hjsolve.motion.initial_data import complete_numbers, to_bits, values_of
@@ -46,7 +46,7 @@ class LinearMotion(Shown):
         values: parameter → exact value.
     """
 
-    problem: LinearHamiltonian
+    problem: LinearInMomentum
     kinds: Mapping[str, str]
     constants: Mapping[str, Estimate]
     digits: int
@@ -150,7 +150,7 @@ class _Ends:
     upper: Mpf | None
 
     @classmethod
-    def of(cls, problem: LinearHamiltonian, values: Mapping[sp.Symbol, sp.Expr], bits: int) -> _Ends:
+    def of(cls, problem: LinearInMomentum, values: Mapping[sp.Symbol, sp.Expr], bits: int) -> _Ends:
         coordinate = problem.coordinate
         domain = coordinate.domain
         pair = (None, None) if domain.kind == "angle" else (domain.lower, domain.upper)
@@ -161,7 +161,7 @@ class _Ends:
 
 
 def start_linear_motion(
-    problem: LinearHamiltonian, *, q: Mapping[str, object], velocity: Mapping[str, object] | None,
+    problem: LinearInMomentum, *, q: Mapping[str, object], velocity: Mapping[str, object] | None,
     p: Mapping[str, object] | None, parameters: Mapping[str, object], t0: object, digits: int,
 ) -> LinearMotion:  # fmt: skip
     """Start a motion; see ``LinearHamiltonian.motion``.

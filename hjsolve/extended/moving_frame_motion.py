@@ -13,7 +13,7 @@ from hjsolve.arithmetic.estimate import Estimate
 from hjsolve.arithmetic.floats import Float64, Multi, bits_for
 from hjsolve.arithmetic.number_types import Numbers
 from hjsolve.display.shown import Shown
-from hjsolve.extended.moving_frame import Frame, carried_initial_data
+from hjsolve.extended.change_of_frame import ChangeOfFrame, carried_initial_data
 from hjsolve.formulas.read import number
 from hjsolve.lowering import lower
 from hjsolve.mechanics.system import momenta
@@ -32,7 +32,7 @@ class FramedMotion(Shown):
         motion: of the autonomous system; its kinds, periods and actions are those of the new coordinates.
     """
 
-    frame: Frame
+    frame: ChangeOfFrame
     motion: Motion
 
     @property
@@ -109,8 +109,8 @@ def _numbers(t: Any, shape: tuple[int, ...], digits: int) -> Any:
 
 
 def start_framed_motion(
-    frame: Frame, *, q: Mapping[str, object], velocity: Mapping[str, object] | None, p: Mapping[str, object] | None,
-    parameters: Mapping[str, object], t0: object, digits: int,
+    frame: ChangeOfFrame, *, q: Mapping[str, object], velocity: Mapping[str, object] | None,
+    p: Mapping[str, object] | None, parameters: Mapping[str, object], t0: object, digits: int,
 ) -> FramedMotion:  # fmt: skip
     """Start a motion; see ``Frame.motion``.
 

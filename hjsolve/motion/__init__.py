@@ -2,5 +2,6 @@
 
 In: a ``Solution``, initial data, parameters. Out: a frozen ``Motion``: kinds, turning points, actions, periods,
 frequencies, and ``State`` at any times.
-Read ``motion.py`` first, then ``initial_data.py`` (exact constants) and ``state_at.py`` (time to state).
+Read ``motion.py`` first, then ``charted/begin.py`` (how it starts), ``initial_data.py`` (exact constants) and
+``state_at.py`` (time to state).
 """

@@ -28,7 +28,6 @@ from hjsolve.one_coordinate.coordinate_motion import CoordinateMotion
 
 if TYPE_CHECKING:
     from hjsolve.motion.separated import SeparatedMotion
-    from hjsolve.motion.tabulated import DenseOutput
 
 _LOST = 16 * UNIT
 """What the rounding of a place may do to a velocity, relative to it, before it is worked out in two doubles."""
@@ -122,30 +121,10 @@ def sharpened_velocities(
         where: which of them to work out anew, shape (m,).
     """
     exact, shell = places(motion, courses, [x[where] for x in χ])
-    return _put(motion, exact, shell, q, v, where)
+    return sharpened(motion, exact, shell, q, v, where)
 
 
-def sharpened_from_table(
-    motion: SeparatedMotion,
-    table: DenseOutput,
-    θ: Reals,
-    q: Mapping[str, Numbers],
-    v: Mapping[str, Numbers],
-    where: Mask,
-) -> dict[str, Numbers]:
-    """As ``sharpened_velocities``, from a table that holds the distances from both turning points; θ its argument.
-
-    Args:
-        motion: the one looked at.
-        table: what the distances are read from.
-        θ: its argument, shape (m,).
-        q, v: coordinates and velocities in doubles, shape (m,).
-        where: which of them to work out anew, shape (m,).
-    """
-    return _put(motion, *places_from_table(motion, table, θ[where]), q, v, where)
-
-
-def _put(
+def sharpened(
     motion: SeparatedMotion,
     exact: Places,
     shell: Mapping[str, Numbers],
@@ -153,30 +132,21 @@ def _put(
     v: Mapping[str, Numbers],
     where: Mask,
 ) -> dict[str, Numbers]:
+    """As ``sharpened_velocities``, from separated coordinates in two doubles.
+
+    Args:
+        motion: the motion.
+        exact: its separated coordinates in two doubles, at the times chosen.
+        shell: their shell momenta there.
+        q, v: coordinates and velocities in doubles at all times, shape (m,).
+        where: which of these times are chosen, shape (m,).
+    """
     rest = {name: values[where] for name, values in q.items() if name not in exact}
     chosen = {name: f for name, f in velocities(motion.solution.system).items() if name in v}
     result: dict[str, Numbers] = {name: values.copy() for name, values in v.items()}
     for name, values in zip(chosen, worked_out(motion, tuple(chosen.values()), exact, shell, rest), strict=True):
         result[name][where] = values
     return result
-
-
-def places_from_table(
-    motion: SeparatedMotion, table: DenseOutput, θ: Reals
-) -> tuple[dict[str, Pair], dict[str, Numbers]]:
-    """As ``places``, from a table that holds the distances from both turning points; θ its argument.
-
-    Args:
-        motion: the one looked at.
-        table: what the distances are read from.
-        θ: its argument, shape (m,).
-    """
-    assert table.ends is not None
-    name = motion.solution.coordinates[0]
-    course = motion.located[name].course.cycle
-    assert course is not None
-    below, above, shell = table.table.evaluate([*table.ends, 1], θ)
-    return {name: course.beside(below, above)}, {name: shell}
 
 
 def worked_out(

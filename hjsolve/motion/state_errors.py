@@ -12,7 +12,7 @@ from hjsolve.arithmetic.error_free import Pair
 from hjsolve.arithmetic.floats import EPS, Multi, multiprecision
 from hjsolve.arithmetic.number_types import Mask, Numbers, Reals
 from hjsolve.mechanics.system import hamiltonian, velocities
-from hjsolve.motion.near_poles import lost_in_two_doubles, places, places_from_table, worked_out
+from hjsolve.motion.near_poles import lost_in_two_doubles, places, worked_out
 from hjsolve.motion.phases import Phases, courses_of
 from hjsolve.motion.positions import constant_index, evaluate_along, rounding
 from hjsolve.motion.tabulated import DenseOutput
@@ -176,7 +176,7 @@ def table_errors(
         dq_inner = np.abs(v[separated]) * delay + _TABLE * grain_q + _LEAST
         dp_inner = np.abs(forces[list(dq).index(separated)]) * delay + _TABLE * table.table.sizes(1, θ) + _LEAST
         doubts = {c.symbol: dq_inner[sharp], c.momentum: (dp_inner + moved * dq_inner)[sharp]}
-        _put_in(dv, _by_doubts(motion, doubts, *places_from_table(motion, table, θ[sharp]), q, sharp), sharp)
+        _put_in(dv, _by_doubts(motion, doubts, *table.places(motion, θ[sharp]), q, sharp), sharp)
     return dq, dp, dv
 
 

@@ -13,7 +13,7 @@ from typing import TYPE_CHECKING, TypeVar
 
 import numpy as np
 
-from hjsolve.arithmetic.error_free import split
+from hjsolve.arithmetic.error_free import Pair, split
 from hjsolve.arithmetic.number_types import Mask, Numbers, Reals
 from hjsolve.errors import NotConvergedError
 from hjsolve.motion.near_poles import blurs
@@ -79,6 +79,20 @@ class DenseOutput:
     first: float
     begin: float = 0.0
     ends: tuple[int, int] | None = None
+
+    def places(self, motion: SeparatedMotion, θ: Reals) -> tuple[dict[str, Pair], dict[str, Numbers]]:
+        """Return the separated coordinate in two doubles and its shell momentum, where ``ends`` are held.
+
+        Args:
+            motion: the one the table was made of.
+            θ: argument, shape (m,).
+        """
+        assert self.ends is not None
+        name = motion.solution.coordinates[0]
+        course = motion.located[name].course.cycle
+        assert course is not None
+        below, above, shell = self.table.evaluate([*self.ends, 1], θ)
+        return {name: course.beside(below, above)}, {name: shell}
 
     def argument(self, motion: SeparatedMotion, time: tuple[Reals, Reals]) -> tuple[Reals, Reals, Mask]:
         """Return the table's argument, the whole turns, and where the motion has ended, at times relative to t₀.

@@ -19,8 +19,6 @@ from hjsolve.arithmetic.number_types import Elementwise, Mpf, Numbers, Reals
 
 if TYPE_CHECKING:
     from hjsolve.one_coordinate.open_branch import Branch
-    from hjsolve.one_coordinate.periodic_motion import Periodic
-    from hjsolve.one_coordinate.resting_motion import AtRest
 
 Kind = Literal["libration", "rotation", "escape", "equilibrium", "asymptotic", "boundary"]
 Weights = tuple[float, ...]
@@ -67,8 +65,9 @@ def phase_times(growth: Elementwise, χ: Reals) -> Reals:
 class KindOfMotion(ABC):
     """A motion of one coordinate as a function of its phase.
 
-    The questions with an answer here are those that one kind alone answers otherwise: a ``Periodic`` has a cycle and a
-    direction, an ``AtRest`` rests, an ``Unbounded`` has branches and ends.
+    The questions with an answer here are those that one kind alone answers otherwise: a ``Periodic`` has a direction,
+    an ``AtRest`` rests, an ``Unbounded`` has branches and ends. Each kind gives itself, or None, as its ``cycle`` (a
+    libration or rotation) and as ``bounded`` (it stays between two places).
 
     Attributes:
         kind: as in ``Motion.kinds``.
@@ -145,16 +144,6 @@ class KindOfMotion(ABC):
         Args:
             χ: phases in doubles, shape (m,).
         """
-
-    @property
-    def cycle(self) -> Periodic | None:
-        """The motion itself where it is a libration or rotation."""
-        return None
-
-    @property
-    def bounded(self) -> Periodic | AtRest | None:
-        """The motion itself where it stays between two places."""
-        return None
 
     @property
     def branches(self) -> tuple[Branch, ...]:

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
-from typing import cast
+from typing import ClassVar, cast
 
 from hjsolve.arithmetic.error_free import Pair, split
 from hjsolve.arithmetic.number_types import Elementwise, Mpf, Numbers, Reals
@@ -32,6 +32,7 @@ class AtRest(KindOfMotion):
     start: Mpf | int = 0
     action: Mpf | int | None = 0
     rests = True
+    cycle: ClassVar[None] = None
 
     @property
     def bounded(self) -> AtRest:

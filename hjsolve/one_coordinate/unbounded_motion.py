@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from dataclasses import dataclass, replace
-from typing import cast
+from typing import ClassVar, cast
 
 import numpy as np
 
@@ -39,6 +39,8 @@ class Unbounded(KindOfMotion):
 
     action = None
     stable = True
+    cycle: ClassVar[None] = None
+    bounded: ClassVar[None] = None
 
     @property
     def branches(self) -> tuple[Branch, Branch]:

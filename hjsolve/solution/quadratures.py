@@ -141,7 +141,7 @@ class Solution(ShownSolution):
             ('libration', 14.99332061)
         """
         # the one call from the symbolic half up into the numeric half: solving loads no numerical library
-        from hjsolve.motion.motion import start
+        from hjsolve.motion.charted.begin import start
 
         refuse_null(self)
         return start(

@@ -25,7 +25,7 @@ def test_the_signature_names_its_arguments(door):
 
 
 def test_the_arguments_of_the_method_are_those_of_start():
-    from hjsolve.motion.motion import start
+    from hjsolve.motion.charted.begin import start
 
     method, function = (inspect.signature(f).parameters for f in (LINE.motion, start))
     told = {name: argument.default for name, argument in function.items() if name != "solution"}

@@ -14,12 +14,12 @@ import pytest
 import sympy as sp
 
 import hjsolve
-from hjsolve.closed_form.derive import Workshop, workshop
 from hjsolve.closed_form.evaluation import many_digits, number_of
 from hjsolve.closed_form.forms import RegimeForms
 from hjsolve.closed_form.regions import root_interval_of
 from hjsolve.closed_form.sampling import Sample, samples
 from hjsolve.closed_form.strata import strata
+from hjsolve.closed_form.workshop import Workshop, workshop_of
 
 STEPS = [sp.Rational(sign, 10**k) for k in (1, 5, 12) for sign in (-1, 1)] + [sp.S.Zero]
 
@@ -33,7 +33,7 @@ STEPS = [sp.Rational(sign, 10**k) for k in (1, 5, 12) for sign in (-1, 1)] + [sp
 ])  # fmt: skip
 def test_the_right_form_or_none_on_both_sides_of_every_border(name: str, fewest: int) -> None:
     solution = hjsolve.solve(name)
-    forms, shop, compared = hjsolve.closed_forms(solution), workshop(solution), 0
+    forms, shop, compared = hjsolve.closed_forms(solution), workshop_of(solution), 0
     for sample in _across_borders(shop):
         holding = [form for form in forms if form.regime.holds(sample.values) and _on_its_piece(form, sample)]
         kinds = {tuple(form.regime.kinds.items()) for form in holding}

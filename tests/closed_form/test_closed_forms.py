@@ -14,11 +14,11 @@ import sympy as sp
 import hjsolve
 from hjsolve.closed_form.closed_forms import own_form
 from hjsolve.closed_form.curves import W
-from hjsolve.closed_form.derive import workshop
 from hjsolve.closed_form.forms import RegimeForms
 from hjsolve.closed_form.pieces import piece
 from hjsolve.closed_form.sampling import Sample, samples
 from hjsolve.closed_form.verification import flaw
+from hjsolve.closed_form.workshop import workshop_of
 
 NUMBERS = [
     "kepler-planar", "kepler-spherical", "kepler-parabolic", "isochrone", "isotropic-oscillator-polar", "morse",
@@ -114,7 +114,7 @@ def test_a_wrong_integral_is_not_shown() -> None:
     from dataclasses import replace
 
     solution = hjsolve.solve("kepler-planar")
-    shop = workshop(solution)
+    shop = workshop_of(solution)
     sample = next(s for s in samples(solution, 20, seed=3) if s.values[shop.constants[0]] < 0)
     found = piece("r", shop.numerators["r"], shop.curves["r"], sample)
     assert found is not None

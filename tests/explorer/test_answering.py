@@ -8,7 +8,8 @@ import pytest
 
 import hjsolve
 from hjsolve.explorer.answering import answer_question, scene_text, typed_system
-from hjsolve.explorer.question import Drag, PageQuestion, question_about
+from hjsolve.explorer.first_question import question_about
+from hjsolve.explorer.question import Drag, PageQuestion
 
 
 def test_an_entry_is_answered_with_verdict_numbers_and_a_plane_to_drag_in() -> None:

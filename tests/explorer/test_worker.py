@@ -7,7 +7,7 @@ from dataclasses import replace
 
 import pytest
 
-from hjsolve.explorer.question import question_about
+from hjsolve.explorer.first_question import question_about
 from hjsolve.explorer.worker import Worker
 
 ENDLESS = "x**2/2 + exp(x)*(" + " + ".join(f"sin({2500 + 37 * k}*x)" for k in range(12)) + ")/100000"

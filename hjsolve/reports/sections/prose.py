@@ -5,7 +5,7 @@ from __future__ import annotations
 import re
 from collections.abc import Collection
 
-from hjsolve.extended.linear_hamiltonian import LinearHamiltonian
+from hjsolve.extended.one_freedom import LinearInMomentum
 from hjsolve.mechanics.system import Domain, System
 from hjsolve.reports.document import Code, Inline, Mathematics, Text
 from hjsolve.reports.formulas.from_sympy import box
@@ -29,7 +29,7 @@ _PHRASES = (
 )
 
 
-def typeset_prose(text: str, system: System | LinearHamiltonian) -> Text:
+def typeset_prose(text: str, system: System | LinearInMomentum) -> Text:
     """Set the names and the plain formulas of a sentence as mathematics.
 
     Args:

@@ -1,0 +1,98 @@
+"""How a motion starts: in the coordinates it is solved in, or in the user's where these were changed to solve it.
+
+``Solution.motion`` calls ``start``: read the initial data, start in coordinates that run on through poles where the
+motion meets some, and keep the input, so that the motion can be started anew.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterable, Mapping
+from dataclasses import replace
+from functools import partial
+from typing import Any
+
+import sympy as sp
+
+from hjsolve import arguments
+from hjsolve.formulas.read import number
+from hjsolve.motion.charted.charted_motion import start_charted
+from hjsolve.motion.initial_data import read_initial_data
+from hjsolve.motion.motion import Motion
+from hjsolve.motion.quantities import FLOAT_DIGITS
+from hjsolve.motion.through_poles.continued_motion import motion_through_poles
+from hjsolve.motion.wanted import parts_of
+from hjsolve.solution.quadratures import Solution
+
+
+def start(
+    solution: Solution,
+    *,
+    q: Mapping[str, object],
+    velocity: Mapping[str, object] | None = None,
+    p: Mapping[str, object] | None = None,
+    constants: Mapping[str, object] | None = None,
+    signs: Mapping[str, int] | None = None,
+    parameters: Mapping[str, object] | None = None,
+    t0: object = 0,
+    digits: int = FLOAT_DIGITS,
+    certified: bool = False,
+    want: Iterable[str] | None = None,
+) -> Motion:
+    """Start a motion from initial data.
+
+    Args:
+        solution: of the system.
+        q: coordinate → position, every one.
+        velocity: coordinate → velocity, every one; or
+        p: coordinate → canonical momentum, every one; or
+        constants: name of a constant of the motion (``Solution.constants``) → value, every one, with
+        signs: separated coordinate → 1 or −1, the sign its root P = √P² starts with; needless where P = 0.
+        parameters: name → value, where it differs from the default.
+        t0: time of the initial data.
+        digits: relative digits wanted, at least 1; float64 up to 15.
+        certified: prove constants, turning points, actions, frequencies and periods (needs the extra ``certified``);
+            states stay estimates, at the digits asked.
+        want: which of ``QUANTITIES`` will be asked; nothing else is integrated. None for all.
+
+    Returns:
+        The motion.
+
+    Raises:
+        InvalidInputError: initial data that are no numbers, incomplete, or outside the domain.
+        MissingValueError: a parameter or an initial value is missing.
+        ForbiddenMotionError: no real motion has these constants.
+        NotConvergedError: a turning point or an integral could not be had to the digits asked.
+
+    Example:
+        >>> import hjsolve
+        >>> kepler = hjsolve.solve(hjsolve.catalog.load("kepler-planar"))
+        >>> motion = kepler.motion(q={"r": 1, "theta": 0}, velocity={"r": 0, "theta": "1.2"})
+        >>> motion.kinds["r"], round(motion.periods["r"].value, 9)
+        ('libration', 14.99332061)
+    """
+    if solution.chart is not None:
+        return start_charted(
+            solution, q=q, velocity=velocity, p=p, constants=constants, signs=signs, parameters=parameters, t0=t0,
+            digits=digits, certified=certified, want=want,
+        )  # fmt: skip
+    digits = arguments.digits(digits)
+    arguments.refuse_other(certified, bool, "certified", "True or False is needed")
+    initial = read_initial_data(
+        solution, q=q, velocity=velocity, p=p, constants=constants, signs=signs, parameters=parameters
+    )
+    wanted = None if want is None else arguments.words(want, "want", '["actions", "periods"]')
+    parts, exact_t0 = parts_of(wanted), number(t0, source="t0")
+    groups = {
+        "q": q, "velocity": velocity, "p": p, "constants": constants, "signs": signs, "parameters": parameters,
+    }  # fmt: skip
+    given = {name: None if group is None else dict(group) for name, group in groups.items()}
+    motion = motion_through_poles(solution, initial, exact_t0, digits, parts, certified=certified)
+    return replace(motion, given=given, again=partial(_again, solution, given, exact_t0, wanted))
+
+
+def _again(
+    solution: Solution, given: Mapping[str, Any], t0: sp.Expr, want: frozenset[str] | None, digits: int,
+    change: Mapping[str, Any],
+) -> Motion:  # fmt: skip
+    """Start a motion anew from what was given, with other digits or changed input."""
+    return start(solution, **{**given, **change}, t0=t0, digits=digits, want=want)

@@ -1,0 +1,111 @@
+"""No circle of imports between files, nor between rooms and sub-rooms: also none for types, and none inside functions."""
+
+from __future__ import annotations
+
+import ast
+from collections.abc import Iterable, Mapping
+from functools import cache
+from pathlib import Path
+
+ROOT = Path(__file__).resolve().parents[2]
+UPWARD = {
+    ("hjsolve.solution.quadratures", "hjsolve.motion.charted.begin"),
+    ("hjsolve.solution.quadratures", "hjsolve.motion.motion"),
+}
+"""``Solution.motion`` calls up, and names what it gives: solving loads no numerical library."""
+KNOWN_ROOMS = {frozenset({"ensembles", "ensembles.charted", "ensembles.engine"})}
+KNOWN_FILES = {frozenset({"hjsolve.ensembles.batch", "hjsolve.ensembles.batch_html", "hjsolve.ensembles.export"})}
+Graph = Mapping[str, set[str]]
+
+
+@cache
+def files() -> dict[str, Path]:
+    """Module → file."""
+    found = {}
+    for path in sorted((ROOT / "hjsolve").rglob("*.py")):
+        parts = path.relative_to(ROOT).with_suffix("").parts
+        found[".".join(parts[:-1] if path.stem == "__init__" else parts)] = path
+    return found
+
+
+def home(base: str, name: str) -> str | None:
+    """The file that ``from base import name`` takes a name from: through the rooms' own re-exports."""
+    if f"{base}.{name}" in files():
+        return f"{base}.{name}"
+    if base in files() and files()[base].stem == "__init__":
+        for node in ast.walk(ast.parse(files()[base].read_text(encoding="utf-8"))):
+            if isinstance(node, ast.ImportFrom) and node.module and name in {a.asname or a.name for a in node.names}:
+                return home(node.module, name)
+    return base if base in files() else None
+
+
+@cache
+def imports() -> dict[str, set[str]]:
+    """File → files it imports at any depth of the text, types included; ``__init__`` of a room left out."""
+    graph: dict[str, set[str]] = {}
+    for module, path in files().items():
+        if path.stem != "__init__":
+            taken = {
+                home(node.module, alias.name)
+                for node in ast.walk(ast.parse(path.read_text(encoding="utf-8")))
+                if isinstance(node, ast.ImportFrom) and node.module and node.module.startswith("hjsolve")
+                for alias in node.names
+            }
+            graph[module] = {m for m in taken if m and m != module and files()[m].stem != "__init__"}
+    return graph
+
+
+def reached(graph: Graph, begin: str) -> set[str]:
+    """All nodes that arrows lead to."""
+    seen, left = set[str](), [begin]
+    while left:
+        for node in graph.get(left.pop(), set()) - seen:
+            seen.add(node)
+            left.append(node)
+    return seen
+
+
+def circles(graph: Graph) -> set[frozenset[str]]:
+    """Sets of nodes that lead to each other."""
+    far = {node: reached(graph, node) for node in graph}
+    return {
+        frozenset(other for other in far[node] if node in far.get(other, set())) for node in graph if node in far[node]
+    }
+
+
+def without(graph: Graph, arrows: Iterable[tuple[str, str]]) -> dict[str, set[str]]:
+    """The graph less some arrows."""
+    left_out = set(arrows)
+    return {node: {other for other in taken if (node, other) not in left_out} for node, taken in graph.items()}
+
+
+def room(module: str) -> str:
+    """The room or sub-room of a file, or the file itself where it lies beside the rooms."""
+    inner = module.split(".")[1:]
+    return ".".join(inner[:-1] if len(inner) > 1 else inner)
+
+
+def rooms(graph: Graph) -> dict[str, set[str]]:
+    """Room or sub-room → those it imports from."""
+    found: dict[str, set[str]] = {}
+    for module, taken in graph.items():
+        found.setdefault(room(module), set()).update({room(m) for m in taken} - {room(module)})
+    return found
+
+
+def test_no_circle_of_files() -> None:
+    assert circles(without(imports(), UPWARD)) == KNOWN_FILES
+
+
+def test_no_circle_of_rooms_and_sub_rooms() -> None:
+    assert circles(rooms(without(imports(), UPWARD))) == KNOWN_ROOMS
+
+
+def test_the_upward_calls_are_there() -> None:
+    assert all(above in imports()[below] for below, above in UPWARD)
+
+
+def test_a_circle_is_found() -> None:
+    graph = {"a.x": {"b.y"}, "b.y": {"c.z"}, "c.z": {"b.y"}, "d": {"a.x"}}
+    assert circles(graph) == {frozenset({"b.y", "c.z"})}
+    assert circles(without(graph, [("c.z", "b.y")])) == set()
