@@ -15,11 +15,12 @@ from __future__ import annotations
 
 from collections.abc import Mapping
 from dataclasses import dataclass
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING
 
 import sympy as sp
 
 from hjsolve import arguments
+from hjsolve.arithmetic.number_types import Mpf
 from hjsolve.errors import InvalidSystemError
 from hjsolve.extended.one_freedom import LinearInMomentum, NonlinearInMomentum
 from hjsolve.formulas.read import parse
@@ -62,7 +63,9 @@ class LinearHamiltonian(LinearInMomentum):
 
         return start_linear_motion(self, q=q, velocity=velocity, p=p, parameters=parameters or {}, t0=t0, digits=digits)
 
-    def at(self, t: Any, *, q: Any, p: Any, t0: object = 0, digits: int = 15) -> tuple[Any, Any]:
+    def at(
+        self, t: object, *, q: object, p: object, t0: object = 0, digits: int = 15
+    ) -> tuple[float | Mpf, float | Mpf]:
         """Return (q, p) at one time; ``motion`` gives their errors as well.
 
         Args:

@@ -32,6 +32,9 @@ _MOST_STEPS, _FIRST_STEPS = 2000, 64
 """Steps at most, and after which it is asked whether they will do; in each q or dq/dt changes by a factor."""
 _MOST_HALVINGS = 8192
 
+Sizes = tuple[Mpf, Mpf, Mpf]
+"""What the roundings of q, p and dq/dt are relative to."""
+
 
 @dataclass(frozen=True, eq=False, repr=False)
 class LinearMotion(Shown):
@@ -73,7 +76,7 @@ class LinearMotion(Shown):
 
         return State(t, {name: q}, {name: p}, {name: v}, counts, status, bounds)
 
-    def reach(self, t: object) -> tuple[Any, Any]:
+    def reach(self, t: object) -> tuple[float | Mpf, float | Mpf]:
         """Return (q, p) at one time, angles with all their turns.
 
         Args:
@@ -112,7 +115,7 @@ class LinearMotion(Shown):
         errors = (float(small * s) + EPS * abs(float(x)) for s, x in zip(sizes, (place, p, v), strict=True))
         return (float(place), float(p), float(v), turns, "ok", *errors)
 
-    def _reached(self, t: sp.Expr, bits: int, context: Context) -> tuple[Any, Any, Any, tuple[Any, Any, Any]]:
+    def _reached(self, t: sp.Expr, bits: int, context: Context) -> tuple[Mpf, Mpf, Mpf, Sizes]:
         """q, p, q̇ and the sizes of what was added up in them."""
         problem, name = self.problem, self.problem.coordinate.name
         start, first, elapsed = (to_bits(x)(bits) for x in (self.q, self.p, t - self.t0))
@@ -132,7 +135,7 @@ class LinearMotion(Shown):
         sizes = (1 + abs(place), 1 + (abs(a0 * first) + abs(b0) + abs(b)) / abs(a), 1 + abs(a))
         return place, momentum, a, sizes
 
-    def _at_rest(self, start: Mpf, first: Mpf, elapsed: Mpf, bits: int, context: Context) -> tuple[Any, Any, Any]:
+    def _at_rest(self, start: Mpf, first: Mpf, elapsed: Mpf, bits: int, context: Context) -> tuple[Mpf, Mpf, Sizes]:
         """q̇ = a(q) = 0: q rests, while ṗ = −a′p − b′ with constant a′, b′."""
         q = self.problem.coordinate.symbol
         slopes = [sp.diff(f, q) for f in (self.problem.rate, self.problem.rest)]
@@ -191,15 +194,17 @@ def start_linear_motion(
     at = {**values, problem.coordinate.symbol: place, problem.coordinate.momentum: momentum}
     energy = to_bits(problem.hamiltonian.xreplace(at))(bits)
     rests = not to_bits(problem.rate.xreplace(at))(bits)
-    E: Any = float(energy) if digits <= _FLOAT_DIGITS else energy
-    error = (EPS if digits <= _FLOAT_DIGITS else energy.context.mpf(2) ** (_LOST_BITS - bits)) * (1 + abs(E))
+    if digits <= _FLOAT_DIGITS:
+        E = Estimate(float(energy), EPS * (1 + abs(float(energy))))
+    else:
+        E = Estimate(energy, energy.context.mpf(2) ** (_LOST_BITS - bits) * (1 + abs(energy)))
     kinds = {name: "equilibrium" if rests else "escape"}
     return LinearMotion(
-        problem, kinds, {"E": Estimate(E, error)}, digits, place, momentum, number(t0, source="t0"), values
+        problem, kinds, {"E": E}, digits, place, momentum, number(t0, source="t0"), values
     )
 
 
-def _moved(rate: Callable[[Mpf], Mpf], start: Mpf, elapsed: Mpf, context: Context, name: str, domain: _Ends) -> Any:
+def _moved(rate: Callable[[Mpf], Mpf], start: Mpf, elapsed: Mpf, context: Context, name: str, domain: _Ends) -> Mpf:
     """Solve ∫ dq/a = elapsed by Newton's method: the derivative of the left side is 1/a itself."""
     place, left, before, longest = start, elapsed, context.inf, context.inf
     for count in range(_MOST_STEPS):
@@ -223,7 +228,7 @@ def _moved(rate: Callable[[Mpf], Mpf], start: Mpf, elapsed: Mpf, context: Contex
     )
 
 
-def _longest(rate: Callable[[Mpf], Mpf], place: Mpf, way: int, most: Mpf) -> Any:
+def _longest(rate: Callable[[Mpf], Mpf], place: Mpf, way: int, most: Mpf) -> Mpf:
     """A time, at most ``most``, in which 1 + |q| and dq/dt at most double or halve, as their values at its end tell."""
     here = rate(place)
     if not here:
@@ -236,7 +241,7 @@ def _longest(rate: Callable[[Mpf], Mpf], place: Mpf, way: int, most: Mpf) -> Any
     return longest
 
 
-def _step(rate: Callable[[Mpf], Mpf], place: Mpf, step: Mpf, context: Context, name: str) -> Any:
+def _step(rate: Callable[[Mpf], Mpf], place: Mpf, step: Mpf, context: Context, name: str) -> Mpf:
     guess = place + rate(place) * step
     for _ in range(60):
         time = context.quad(lambda x: 1 / rate(x), [place, guess])

@@ -11,7 +11,7 @@ from __future__ import annotations
 from collections.abc import Mapping
 from dataclasses import dataclass
 from functools import lru_cache
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING
 
 import sympy as sp
 
@@ -19,6 +19,7 @@ from hjsolve.arithmetic import ball
 from hjsolve.arithmetic.ball import Balls, flint, from_mpf, working
 from hjsolve.arithmetic.estimate import Estimate
 from hjsolve.arithmetic.floats import bits_for, multiprecision
+from hjsolve.arithmetic.number_types import Mpf
 from hjsolve.certified.ball_radicand import BallMomentumSquared, turning_point
 from hjsolve.certified.integrands import AnomalyMap, CycleIntegrand, all_round, between_turns
 from hjsolve.certified.proved_turning_points import prove_turning_points
@@ -28,7 +29,7 @@ from hjsolve.lowering import lower
 from hjsolve.motion.initial_data import Initial
 from hjsolve.one_coordinate.anomaly import Libration, Rotation
 from hjsolve.one_coordinate.classify import Located, ray
-from hjsolve.one_coordinate.coordinate_motion import Periodic
+from hjsolve.one_coordinate.coordinate_motion import Anomaly, Periodic
 from hjsolve.one_coordinate.coordinate_start import CoordinateStart
 from hjsolve.one_coordinate.fourier_series import zero
 from hjsolve.one_coordinate.momentum_squared import MomentumSquared
@@ -122,14 +123,14 @@ def _enclose(motion: SeparatedMotion, digits: int, known: Mapping[str, BallMomen
     cycles = {name: _cycle(motion, name, line) for name, line in known.items()}
     constants = {name: exact_ball(value) for name, value in motion.initial.constants.items()}
     bits = bits_for(digits, 12)
-    ends = {n: (f.lower, f.upper) for n, f in cycles.items() if f.lower is not None}
+    ends = {n: (f.lower, f.upper) for n, f in cycles.items() if f.lower is not None and f.upper is not None}
     found = {n: dict(zip(f.wanted, certified_means(f, bits), strict=True)) for n, f in cycles.items() if f.wanted}
     count = len(motion.solution.constants)
     growths = {n: [row.get(j, flint.arb(0)) for j in range(count)] for n, row in found.items()}
     actions = _actions(motion, found) if "action" in motion.parts else {}
     frequencies = _frequencies(motion, growths) if growths and "time" in motion.parts else {}
 
-    def rounded(balls: Mapping[str, Any]) -> dict[str, Estimate]:
+    def rounded(balls: Mapping[str, flint.arb]) -> dict[str, Estimate]:
         return {key: estimate(value, digits) for key, value in balls.items()}
 
     periods = {n: 2 * flint.arb.pi() / abs(f) for n, f in frequencies.items() if not f.contains(0)}
@@ -137,7 +138,7 @@ def _enclose(motion: SeparatedMotion, digits: int, known: Mapping[str, BallMomen
     return Enclosed(rounded(constants), pairs, rounded(actions), rounded(frequencies), rounded(periods))
 
 
-def exact_ball(value: sp.Expr) -> Any:
+def exact_ball(value: sp.Expr) -> flint.arb:
     """Enclose an exact number at the current precision.
 
     Args:
@@ -196,13 +197,13 @@ def _cycle(motion: SeparatedMotion, name: str, line: BallMomentumSquared) -> Cyc
     return CycleIntegrand(line, a, b, flint.arb(0), wanted, spread=spread, near=max(near), fold=4 if mirrored else 2)
 
 
-def _near(line: BallMomentumSquared, end: Any, inward: Any) -> float:
+def _near(line: BallMomentumSquared, end: flint.arb, inward: flint.arb) -> float:
     """The width over the distance of the next zero or pole of R = p²/((q−a)(b−q)) from a turning point: W|R′/R|."""
     _, slope, half = line.taylor(end, 3)
     return abs(float((inward * half / slope).mid()) + 1)
 
 
-def _centre(F: sp.Expr, q: sp.Symbol, near: Any, *, turns: bool) -> Any | None:
+def _centre(F: sp.Expr, q: sp.Symbol, near: flint.arb, *, turns: bool) -> flint.arb | None:
     """A place nπ/2 about which p² is an even function by its form, if there is one at the place given."""
     n = near * 2 / flint.arb.pi()
     if not n.is_finite() or abs(n) > _FARTHEST:
@@ -223,14 +224,14 @@ def _even_about(F: sp.Expr, q: sp.Symbol, n: int, turns: bool) -> bool:
     return same(n * sp.pi - q) and (not turns or same(q + 2 * sp.pi))
 
 
-def _spread_round(anomaly: Any) -> AnomalyMap | None:
+def _spread_round(anomaly: Anomaly) -> AnomalyMap | None:
     """The map of a rotation that is slow at one place, from k′² = (gap/2)²/(1 + (gap/2)²)."""
     if not isinstance(anomaly, Rotation) or anomaly.complement > 0.1:
         return None
     return all_round(2 * float(anomaly.complement) ** 0.5)
 
 
-def _actions(motion: SeparatedMotion, found: Mapping[str, Mapping[int, Any]]) -> dict[str, Any]:
+def _actions(motion: SeparatedMotion, found: Mapping[str, Mapping[int, flint.arb]]) -> dict[str, flint.arb]:
     result = {}
     for c in motion.solution.system.coordinates:
         if c.name in found:
@@ -242,7 +243,7 @@ def _actions(motion: SeparatedMotion, found: Mapping[str, Mapping[int, Any]]) ->
     return result
 
 
-def _frequencies(motion: SeparatedMotion, growths: Mapping[str, list[Any]]) -> dict[str, Any]:
+def _frequencies(motion: SeparatedMotion, growths: Mapping[str, list[flint.arb]]) -> dict[str, flint.arb]:
     """Ω from the growths: first row of the inverse, and −Σ Ωᵢ·growth for ignorable angles."""
     names = list(motion.solution.coordinates)
     n = len(names)
@@ -261,7 +262,7 @@ def _frequencies(motion: SeparatedMotion, growths: Mapping[str, list[Any]]) -> d
     return result
 
 
-def estimate(value: Any, digits: int) -> Estimate:
+def estimate(value: flint.arb, digits: int) -> Estimate:
     """Return a ball as an estimate whose error holds the radius and the rounding of its centre.
 
     Args:
@@ -273,19 +274,21 @@ def estimate(value: Any, digits: int) -> Estimate:
     """
     middle = value.mid()
     if digits <= 15:
-        number: Any = float(middle)
-        error: Any = float((value - flint.arb(number)).abs_upper()) * (1 + 2.0**-50)
-        widest = abs(number) * 10.0 ** (1 - digits)
+        rough = float(middle)
+        number: float | Mpf = rough
+        error: float | Mpf = float((value - flint.arb(rough)).abs_upper()) * (1 + 2.0**-50)
+        widest: float | Mpf = abs(rough) * 10.0 ** (1 - digits)
     else:
-        number = to_mpf(middle, bits_for(digits, 16))
-        error = to_mpf((value - from_mpf(number)).abs_upper(), 64) * (1 + 2.0**-50)
-        widest = abs(number) * multiprecision(64).mpf(10) ** (1 - digits)
+        fine = to_mpf(middle, bits_for(digits, 16))
+        number = fine
+        error = to_mpf((value - from_mpf(fine)).abs_upper(), 64) * (1 + 2.0**-50)
+        widest = abs(fine) * multiprecision(64).mpf(10) ** (1 - digits)
     if not value.is_finite() or error > widest:
         raise NotConvergedError("an enclosure stayed wider than the digits asked")
     return Estimate(number, error, certified=True)
 
 
-def to_mpf(x: Any, bits: int) -> Any:
+def to_mpf(x: flint.arb, bits: int) -> Mpf:
     """Round the centre of a ball to an mpf.
 
     Args:

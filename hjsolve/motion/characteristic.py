@@ -12,16 +12,18 @@ from typing import Any
 
 import numpy as np
 import sympy as sp
+from numpy.typing import NDArray
 
 from hjsolve.arithmetic.estimate import Estimate
 from hjsolve.arithmetic.estimate_array import EstimateArray
 from hjsolve.arithmetic.floats import EPS, bits_for, multiprecision
+from hjsolve.arithmetic.number_types import Mpf, Numbers, Reals
 from hjsolve.motion.initial_data import to_bits
 from hjsolve.motion.phases import Phases, courses_of, phases_at
 from hjsolve.motion.positions import evaluate_along, positions_at, travelled
 from hjsolve.motion.quantities import FLOAT_DIGITS, rounded
 from hjsolve.motion.separated import SeparatedMotion, separated_motion
-from hjsolve.motion.state_at import shaped
+from hjsolve.motion.shapes import shaped
 from hjsolve.motion.state_errors import ignorable_error, phase_slack
 from hjsolve.motion.tabulated import needs_table
 from hjsolve.motion.times import read_times
@@ -32,7 +34,7 @@ _FINER = 26
 """Digits of the phases where doubles leave too much of them open (``tabulated.needs_table``)."""
 
 
-def waves_along(motion: SeparatedMotion, t: Any, *, principal: bool) -> Estimate | EstimateArray:
+def waves_along(motion: SeparatedMotion, t: object, *, principal: bool) -> Estimate | EstimateArray:
     """Return W, or S = W − E (t − t₀), at times; see ``Motion.characteristic_function``.
 
     Args:
@@ -55,8 +57,9 @@ def waves_along(motion: SeparatedMotion, t: Any, *, principal: bool) -> Estimate
     if motion.digits <= FLOAT_DIGITS and value.dtype == object:
         value = value.astype(float)
         error = error.astype(float) + EPS * np.abs(value)
-    value, error = shaped(value, shape), shaped(error, shape)
-    return EstimateArray(value, error) if shape else Estimate(value, error)
+    if shape:
+        return EstimateArray(value.reshape(shape), error.reshape(shape))
+    return Estimate(shaped(value, shape), shaped(error, shape))
 
 
 @lru_cache(maxsize=16)
@@ -68,7 +71,7 @@ def _unit(motion: SeparatedMotion) -> float:
     return EPS if motion.digits <= FLOAT_DIGITS else float(multiprecision(64).mpf(10) ** (1 - motion.digits))
 
 
-def _characteristic(motion: SeparatedMotion, phases: Phases) -> tuple[Any, Any]:
+def _characteristic(motion: SeparatedMotion, phases: Phases) -> tuple[Numbers, Reals]:
     """W and a bound on its error, shape (m,)."""
     solution, unit = motion.solution, _unit(motion)
     many = phases.exact is not None
@@ -81,8 +84,8 @@ def _characteristic(motion: SeparatedMotion, phases: Phases) -> tuple[Any, Any]:
     q, _, whole = positions_at(motion, phases)
     for coordinate in solution.system.coordinates:
         if coordinate.name not in solution.coordinates:
-            c: Any = to_bits(motion.initial.values[coordinate.momentum])(bits_for(motion.digits, 96))
-            c = c if many else float(c)
+            exact = to_bits(motion.initial.values[coordinate.momentum])(bits_for(motion.digits, 96))
+            c: Any = exact if many else float(exact)
             way = travelled(motion, phases, coordinate.name, q)
             value = value + c * way
             doubt = ignorable_error(motion, phases, slack, coordinate.name, unit)
@@ -93,13 +96,13 @@ def _characteristic(motion: SeparatedMotion, phases: Phases) -> tuple[Any, Any]:
     return value, error + unit * abs(value).astype(float)
 
 
-def _zeros(motion: SeparatedMotion, phases: Phases) -> Any:
+def _zeros(motion: SeparatedMotion, phases: Phases) -> Numbers:
     if phases.exact is None:
         return 0.0 * phases.time[0]
     return np.array([multiprecision(bits_for(motion.digits, 96)).zero] * len(phases.exact), dtype=object)
 
 
-def _swept(course: CoordinateMotion, χ: Any, whole: Any, many: bool) -> tuple[Any, Any, Any]:
+def _swept(course: CoordinateMotion, χ: Numbers, whole: Numbers, many: bool) -> tuple[Numbers, Numbers, Numbers]:
     """∫ P dq from the start to χ + 2π·whole, its slope by χ, and the size that rounding refers to."""
     start = np.array([course.start], dtype=object) if many else np.array([float(course.start)])
     there, slope, size = course.momentum_integral(χ)
@@ -113,7 +116,7 @@ def _swept(course: CoordinateMotion, χ: Any, whole: Any, many: bool) -> tuple[A
     return value, slope, size
 
 
-def _gauge(motion: SeparatedMotion, q: dict[str, Any], whole: dict[str, Any]) -> tuple[Any, Any]:
+def _gauge(motion: SeparatedMotion, q: dict[str, Numbers], whole: dict[str, Numbers]) -> tuple[Numbers, Reals]:
     """Δχ from the start, χ(q) the potential of the shift with angles not reduced, and its rounding."""
     formula = motion.solution.shift_potential
     begin = to_bits(formula.subs(motion.initial.values))(bits_for(motion.digits, 96))
@@ -126,14 +129,15 @@ def _gauge(motion: SeparatedMotion, q: dict[str, Any], whole: dict[str, Any]) ->
     doubt = 8 * unit * (abs(now).astype(float) + abs(float(begin)))
     for values, slope in zip(full.values(), slopes, strict=True):
         doubt = doubt + 4 * unit * abs(values * slope).astype(float)
-    return now - (begin if now.dtype == object else float(begin)), doubt
+    first: Any = begin if now.dtype == object else float(begin)
+    return now - first, doubt
 
 
-def _pi(values: Any) -> Any:
+def _pi(values: NDArray[Any]) -> Any:
     return values.flat[0].context.pi if values.dtype == object and values.size else np.pi
 
 
-def _energy_term(motion: SeparatedMotion, phases: Phases) -> tuple[Any, Any]:
+def _energy_term(motion: SeparatedMotion, phases: Phases) -> tuple[Numbers, Reals]:
     """E (t − t₀) and the rounding of it."""
     bits = bits_for(motion.digits, 96)
     E = to_bits(energy_of(motion))(bits)
@@ -163,7 +167,7 @@ def betas(motion: SeparatedMotion) -> dict[str, Estimate]:
     return result
 
 
-def _integrals_at_start(motion: SeparatedMotion, j: int) -> tuple[Any, float, int]:
+def _integrals_at_start(motion: SeparatedMotion, j: int) -> tuple[Mpf, float, int]:
     """Σᵢ Gᵢⱼ from the lower limits to the place at t₀, the size its rounding refers to, and the nodes behind it."""
     total, size, nodes = multiprecision(bits_for(motion.digits, 96)).zero, 0.0, 0
     for place in motion.located.values():
@@ -189,7 +193,7 @@ def _turns(course: CoordinateMotion) -> bool:
     return all(branch.way.turning for branch in course.branches[:1]) and not course.rotates
 
 
-def _wave_size(series: FourierSeries, χ: Any) -> float:
+def _wave_size(series: FourierSeries, χ: Mpf | int) -> float:
     """What the rounding of a ripple at χ refers to; nothing at a turning point."""
     parts = ((series.cosines, np.sin), (series.sines, lambda x: 1 - np.cos(x)))
     return float(
@@ -202,7 +206,7 @@ def _wave_size(series: FourierSeries, χ: Any) -> float:
     )
 
 
-def _outside_integrals(motion: SeparatedMotion, name: str) -> tuple[Any, float]:
+def _outside_integrals(motion: SeparatedMotion, name: str) -> tuple[Mpf, float]:
     """What stands beside the integrals: t₀ for E; q − ∂χ/∂c at t₀ for the momentum of an ignorable coordinate."""
     solution, values, bits = motion.solution, motion.initial.values, bits_for(motion.digits, 96)
     constant = solution.constants[name].symbol
@@ -214,7 +218,7 @@ def _outside_integrals(motion: SeparatedMotion, name: str) -> tuple[Any, float]:
         if not solution.coordinates:
             terms.append(-motion.t0 * sp.diff(solution.separation.shell.potential, constant).subs(values))
     numbers = [to_bits(term)(bits) for term in terms]
-    return sum(numbers), float(sum(abs(number) for number in numbers))
+    return sum(numbers, multiprecision(bits).zero), float(sum(abs(number) for number in numbers))
 
 
 def lower_limits(motion: SeparatedMotion) -> dict[str, Estimate]:

@@ -7,12 +7,13 @@ of the energy then gives the time (Greenwood (5-70), (5-71)).
 from __future__ import annotations
 
 import itertools
-from typing import TYPE_CHECKING, Any
+from collections.abc import Sequence
+from typing import TYPE_CHECKING, Generic
 
 import numpy as np
 
 from hjsolve.arithmetic.floats import UNIT, bits_for, multiprecision
-from hjsolve.arithmetic.number_types import Elementwise, Mpf
+from hjsolve.arithmetic.number_types import Elementwise, Mpf, X
 from hjsolve.errors import OutsideMotionError
 from hjsolve.one_coordinate.coordinate_motion import CoordinateMotion
 
@@ -65,22 +66,22 @@ def _falling(course: CoordinateMotion) -> bool:
     return "fall" in (course.ends(1), course.ends(-1))
 
 
-class _Values:
+class _Values(Generic[X]):
     """Integrals of a course at single phases up to a largest one."""
 
-    def __init__(self, course: CoordinateMotion, kind: type, largest: Any):
+    def __init__(self, course: CoordinateMotion, kind: type, largest: X):
         self.course, self.kind = course.with_reach(abs(float(largest))), kind
 
-    def integral(self, j: int, χ: Any) -> Any:
+    def integral(self, j: int, χ: X) -> X:
         return np.ravel(self.course.integral(j, np.array([χ], dtype=self.kind)))[0]
 
-    def rate(self, j: int, χ: Any) -> Any:
+    def rate(self, j: int, χ: X) -> X:
         return np.ravel(self.course.rate(j, np.array([χ], dtype=self.kind)))[0]
 
 
 def _solved(
-    course: CoordinateMotion, kind: type, start: Any, goal: Any, side: int, noise: Any
-) -> tuple[_Values, Any] | None:
+    course: CoordinateMotion, kind: type, start: X, goal: X, side: int, noise: float | Mpf
+) -> tuple[_Values[X], X] | None:
     """The phase at which the second integral has grown by ``goal``, on one side of the start; None if not monotone."""
     reach, step, gains = abs(start) + 1, start * 0 + 1, [start * 0]
     while True:
@@ -123,11 +124,11 @@ def _solved(
     return values, χ
 
 
-def _fading(gains: list[Any]) -> bool:
+def _fading(gains: Sequence[X]) -> bool:
     return all(b <= 0.7 * a for a, b in itertools.pairwise(gains))
 
 
-def _monotone(values: _Values, first: Any, last: Any) -> bool:
+def _monotone(values: _Values[X], first: X, last: X) -> bool:
     """True where the second integral is; at the end of a domain its rate may vanish, beside a pole be all rounding."""
     rates = [values.rate(1, first + (last - first) * k / 16) for k in range(16)]
     noise = values.course.rate_noise(1) if values.kind is float else 0.0

@@ -21,7 +21,8 @@ from hjsolve.motion.coupled_crossing import coupled_crossing_time
 from hjsolve.motion.initial_data import to_bits
 from hjsolve.motion.phases import phases_at, solve_phases
 from hjsolve.motion.positions import constant_index, principal_values
-from hjsolve.motion.state_at import shaped, state_at_times
+from hjsolve.motion.shapes import shaped
+from hjsolve.motion.state_at import state_at_times
 from hjsolve.motion.times import exact_numbers, read_times, whole_numbers
 from hjsolve.one_coordinate.coordinate_motion import CoordinateMotion, Periodic
 from hjsolve.one_coordinate.open_branch import farthest

@@ -4,17 +4,19 @@ from __future__ import annotations
 
 from collections.abc import Mapping
 from dataclasses import dataclass, replace
-from typing import Any
 
 import numpy as np
 import sympy as sp
 
 from hjsolve.arithmetic.floats import Float64, Multi
+from hjsolve.arithmetic.number_types import AtTimes, Numbers
 from hjsolve.arithmetic.running_error import RunningError, WithErrorBound
+from hjsolve.arithmetic.tape import Tape
 from hjsolve.display.shown import Shown
 from hjsolve.mechanics.system import System
 from hjsolve.motion.exact_numbers import to_bits
 from hjsolve.motion.positions import tape_of
+from hjsolve.motion.shapes import shaped
 from hjsolve.motion.state import Errors, State
 
 _SAFETY = 2
@@ -36,7 +38,7 @@ class PlaceFormulas(Shown):
     coordinates: tuple[tuple[str, sp.Symbol], ...]
     parameters: tuple[tuple[sp.Symbol, sp.Expr], ...]
 
-    def values(self, state: State) -> dict[str, Any]:
+    def values(self, state: State) -> dict[str, AtTimes]:
         """Return axis → value, shaped like the times.
 
         Args:
@@ -44,9 +46,9 @@ class PlaceFormulas(Shown):
         """
         arrays = [np.ravel(np.asarray(state.q[name])) for name, _ in self.coordinates]
         shape = np.shape(state.status)
-        return {axis: _shaped(x, shape) for axis, x in zip(self.axes, self._run(arrays), strict=True)}
+        return {axis: shaped(x, shape) for axis, x in zip(self.axes, self._run(arrays), strict=True)}
 
-    def bounds(self, state: State, errors: Errors) -> dict[str, Any]:
+    def bounds(self, state: State, errors: Errors) -> dict[str, AtTimes]:
         """Return axis → bound on the error, shaped like the times.
 
         Args:
@@ -64,12 +66,12 @@ class PlaceFormulas(Shown):
             found = self._tape().run(RunningError(Float64(), bits=bits), inputs)
             size = arrays[0].shape
             parts = [np.broadcast_to(0.0 if x.error is None else _SAFETY * x.error, size) for x in found]
-        return {a: _shaped(x, np.shape(state.status)) for a, x in zip(self.axes, parts, strict=True)}
+        return {a: shaped(x, np.shape(state.status)) for a, x in zip(self.axes, parts, strict=True)}
 
-    def _tape(self) -> Any:
+    def _tape(self) -> Tape:
         return tape_of(self.formulas, (*(s for _, s in self.coordinates), *(s for s, _ in self.parameters)))
 
-    def _run(self, arrays: list[Any]) -> list[Any]:
+    def _run(self, arrays: list[Numbers]) -> list[Numbers]:
         tape, size = self._tape(), arrays[0].shape
         if arrays[0].dtype != object:
             numbers = [float(to_bits(value)(64)) for _, value in self.parameters]
@@ -86,16 +88,11 @@ class PlaceFormulas(Shown):
         return [np.array(column, dtype=object) for column in zip(*rows, strict=True)]
 
 
-def _bits(arrays: list[Any]) -> int:
+def _bits(arrays: list[Numbers]) -> int:
     if arrays[0].dtype != object:
         return 53
     return max((x.context.prec for x in arrays[0] if hasattr(x, "context")), default=128)
 
-
-def _shaped(values: Any, shape: tuple[int, ...]) -> Any:
-    if shape:
-        return values.reshape(shape)
-    return values[0].item() if hasattr(values[0], "item") else values[0]
 
 
 def with_place(system: System, values: Mapping[sp.Symbol, sp.Expr], state: State) -> State:

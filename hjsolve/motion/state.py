@@ -4,11 +4,14 @@ from __future__ import annotations
 
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass, field, replace
-from typing import Any, Protocol, runtime_checkable
+from typing import TYPE_CHECKING, Any, Protocol, runtime_checkable
 
 from hjsolve.arithmetic.estimate import Estimate
 from hjsolve.display.shown import Shown
 from hjsolve.errors import InvalidInputError
+
+if TYPE_CHECKING:
+    from hjsolve.arithmetic.number_types import AtTimes
 
 
 @dataclass(frozen=True, repr=False)
@@ -20,21 +23,21 @@ class Errors(Shown):
     velocity: Mapping[str, Any]
     place: Mapping[str, Any] = field(default_factory=dict)
 
-    def __reduce__(self) -> tuple[Any, ...]:
+    def __reduce__(self) -> tuple[object, ...]:
         return Errors, tuple(dict(group) for group in (self.q, self.p, self.velocity, self.place))
 
 
 class Placing(Protocol):
     """Where a state is in space; ``motion.placing`` makes one."""
 
-    def values(self, state: State) -> dict[str, Any]:
+    def values(self, state: State) -> dict[str, AtTimes]:
         """Return axis → value.
 
         Args:
             state: in the coordinates that the place is a function of.
         """
 
-    def bounds(self, state: State, errors: Errors) -> dict[str, Any]:
+    def bounds(self, state: State, errors: Errors) -> dict[str, AtTimes]:
         """Return axis → bound on the error.
 
         Args:
@@ -70,7 +73,7 @@ class State(Shown):
         placing: the rule behind ``place``; None where the system says nothing about it.
     """
 
-    t: Any
+    t: object
     q: Mapping[str, Any]
     p: Mapping[str, Any]
     velocity: Mapping[str, Any]
@@ -79,7 +82,7 @@ class State(Shown):
     errors: Callable[[], Errors] = field(repr=False, compare=False)
     placing: Placing | None = field(default=None, repr=False, compare=False)
 
-    def __reduce__(self) -> tuple[Any, ...]:
+    def __reduce__(self) -> tuple[object, ...]:
         tables = (dict(group) for group in (self.q, self.p, self.velocity, self.turns))
         return type(self), (self.t, *tables, self.status, KnownErrors(self.errors()), self.placing)
 
@@ -90,7 +93,7 @@ class State(Shown):
         return found if self.placing is None else replace(found, place=self.placing.bounds(self, found))
 
     @property
-    def place(self) -> dict[str, Any]:
+    def place(self) -> Mapping[str, Any]:
         """Where the system is in space: x, y, z (those there are) → value.
 
         Raises:
@@ -137,7 +140,7 @@ class AnyMotion(Protocol):
     def constants(self) -> Mapping[str, Estimate]:
         """Name of a constant of the motion → its value and error."""
 
-    def at(self, t: Any) -> State:
+    def at(self, t: object) -> State:
         """Return the state at a time or at an array of times, in the coordinates as posed.
 
         Args:

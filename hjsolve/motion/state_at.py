@@ -4,13 +4,11 @@ from __future__ import annotations
 
 from collections.abc import Mapping
 from functools import cache
-from typing import Any
 
 import numpy as np
-from numpy.typing import NDArray
 
 from hjsolve.arithmetic.floats import multiprecision
-from hjsolve.arithmetic.number_types import Mask, Numbers, Reals
+from hjsolve.arithmetic.number_types import AtTimes, Mask, Numbers, Reals
 from hjsolve.mechanics.system import velocities
 from hjsolve.motion.endings import end_statuses
 from hjsolve.motion.initial_data import to_bits
@@ -28,6 +26,7 @@ from hjsolve.motion.positions import (
 )
 from hjsolve.motion.quantities import FLOAT_DIGITS
 from hjsolve.motion.separated import SeparatedMotion, separated_motion
+from hjsolve.motion.shapes import shaped
 from hjsolve.motion.state import Errors, State
 from hjsolve.motion.state_errors import errors_of_state, table_errors
 from hjsolve.motion.tabulated import FEWEST, DenseOutput, OnDemand, dense_output, needs_table
@@ -71,7 +70,7 @@ def state_at_times(motion: SeparatedMotion, t: object, digits: int | None = None
         for name, values in group.items():
             group[name] = np.where(phases.ended, np.nan, values) if phases.ended.any() else values
 
-    def reshaped(group: Mapping[str, NDArray[Any]]) -> dict[str, Any]:
+    def reshaped(group: Mapping[str, Numbers]) -> dict[str, AtTimes]:
         return {name: shaped(values, shape) for name, values in group.items()}
 
     def errors() -> Errors:
@@ -82,7 +81,7 @@ def state_at_times(motion: SeparatedMotion, t: object, digits: int | None = None
         reshaped(q),
         reshaped(p),
         reshaped(v),
-        reshaped(turns),
+        {name: shaped(n, shape) for name, n in turns.items()},
         shaped(status, shape),
         errors,
     )
@@ -154,22 +153,10 @@ def _tabulated(
         groups = table_errors(motion, table, θ, q, p, v, None if table.ends is None else sharp())
         return Errors(*({n: shaped(values, shape) for n, values in group.items()} for group in groups))
 
-    def view(source: Mapping[str, Numbers], chosen: tuple[str, ...]) -> OnDemand[Any]:
+    def view(source: Mapping[str, Numbers], chosen: tuple[str, ...]) -> OnDemand[AtTimes]:
         return OnDemand(chosen, lambda name: shaped(source[name], shape))
 
     counts = OnDemand(angles, lambda name: shaped(whole_numbers(places[name][1]), shape))
     v = OnDemand(names, velocity)
     status = end_statuses(motion, time, ended) if ended.any() else np.broadcast_to(np.array("ok"), ended.shape)
     return State(t, view(q, names), view(p, names), view(v, names), counts, shaped(status, shape), errors)
-
-
-def shaped(values: NDArray[Any], shape: tuple[int, ...] | None) -> Any:
-    """Return values in the shape of the times; a plain number for a scalar time.
-
-    Args:
-        values: shape (m,).
-        shape: of the times; None for a scalar.
-    """
-    if shape is None:
-        return values[0].item() if hasattr(values[0], "item") else values[0]
-    return values.reshape(shape)

@@ -10,11 +10,11 @@ from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
-from typing import Any
 
 import sympy as sp
 
 from hjsolve.catalog.schema import nearest
+from hjsolve.catalog.toml_file import Toml
 from hjsolve.display.shown import Shown
 from hjsolve.errors import CatalogError, InvalidInputError
 from hjsolve.formulas.read import number
@@ -66,7 +66,7 @@ class Pending:
     left: int
 
 
-def read_event(table: Mapping[str, Any], system: System, where: str) -> Event:
+def read_event(table: Toml, system: System, where: str) -> Event:
     """Read one table of ``events``, its shape checked already.
 
     Args:
@@ -100,7 +100,7 @@ def read_event(table: Mapping[str, Any], system: System, where: str) -> Event:
     return event
 
 
-def _restitution(table: Mapping[str, Any], where: str) -> sp.Expr:
+def _restitution(table: Toml, where: str) -> sp.Expr:
     value = number(table.get("restitution", 1), source=f"{where}.restitution")
     if value.is_negative or (value - 1).is_positive:
         raise CatalogError(f"{where}.restitution: must be from 0 (nothing bounces back) to 1 (elastic), not {value}")
@@ -120,7 +120,7 @@ def once(events: Sequence[Event]) -> list[Event]:
     return found
 
 
-def _jumps(table: Mapping[str, Any], key: str, where: str) -> dict[str, sp.Expr] | None:
+def _jumps(table: Toml, key: str, where: str) -> dict[str, sp.Expr] | None:
     if key not in table:
         return None
     return {name: number(value, source=f"{where}.{key}.{name}") for name, value in table[key].items()}

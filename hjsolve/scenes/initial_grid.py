@@ -14,13 +14,13 @@ from __future__ import annotations
 from collections.abc import Iterable, Iterator, Mapping
 from dataclasses import dataclass
 from pathlib import Path
-from typing import Any
 
 import sympy as sp
 
 from hjsolve import arguments
 from hjsolve.catalog import schema
 from hjsolve.catalog.schema import Key, nearest
+from hjsolve.catalog.toml_file import Toml
 from hjsolve.formulas.read import number
 
 GROUPS = ("q", "p", "velocity")
@@ -84,7 +84,7 @@ class Varied:
 
 
 # ------------------------------------------------------------------------------------------------ its shape
-def sweep_faults(given: object, scene: Mapping[str, Any]) -> Iterator[str]:
+def sweep_faults(given: object, scene: Toml) -> Iterator[str]:
     """Every way in which the table does not have the shape it must have, one line each.
 
     Args:
@@ -138,7 +138,7 @@ def _is_count(value: object, least: int) -> bool:
 
 
 # ------------------------------------------------------------------------------------------------ its content
-def read_sweep(given: Mapping[str, Any] | None, folder: Path) -> Varied | None:
+def read_sweep(given: Toml | None, folder: Path) -> Varied | None:
     """Read a table that has no ``sweep_faults``; a file is looked for beside the scene first.
 
     Args:

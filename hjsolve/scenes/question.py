@@ -5,10 +5,10 @@ from __future__ import annotations
 import math
 from collections.abc import Mapping
 from dataclasses import dataclass
-from typing import Any
 
 import sympy as sp
 
+from hjsolve.catalog.toml_file import Toml
 from hjsolve.display.shown import Shown
 from hjsolve.mechanics.system import System
 from hjsolve.scenes.events import Event
@@ -112,7 +112,7 @@ class Question(Shown):
     source: str
     title: str
     summary: str
-    table: Mapping[str, Any]
+    table: Toml
     effects: tuple[str, ...]
     system: System
     forces: Mapping[str, sp.Expr]

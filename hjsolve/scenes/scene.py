@@ -9,7 +9,7 @@ from __future__ import annotations
 from collections.abc import Iterator, Mapping
 from dataclasses import dataclass
 from pathlib import Path
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING
 
 import sympy as sp
 
@@ -17,6 +17,7 @@ from hjsolve import arguments, catalog
 from hjsolve.catalog import toml_file
 from hjsolve.catalog.effects import forces, with_effects
 from hjsolve.catalog.schema import nearest
+from hjsolve.catalog.toml_file import Toml
 from hjsolve.errors import CatalogError, InvalidInputError
 from hjsolve.formulas.read import number
 from hjsolve.mechanics.system import System
@@ -52,7 +53,7 @@ class Scene(Question):
     """
 
     @staticmethod
-    def load(scene: str | Path | System | Mapping[str, Any]) -> Scene:
+    def load(scene: str | Path | System | Toml) -> Scene:
         """Read a scene.
 
         Args:
@@ -94,7 +95,7 @@ class Scene(Question):
         return run_chosen(self)
 
 
-def _opened(scene: str | Path | System | Mapping[str, Any]) -> tuple[Mapping[str, Any], str, Path]:
+def _opened(scene: str | Path | System | Toml) -> tuple[Toml, str, Path]:
     if isinstance(scene, System) or (isinstance(scene, str) and not scene.endswith(".toml") and scene in catalog.ids()):
         scene = {"system": scene}
     if isinstance(scene, Mapping):
@@ -106,7 +107,7 @@ def _opened(scene: str | Path | System | Mapping[str, Any]) -> tuple[Mapping[str
     return toml_file.exact_table(path, source), source, path.parent
 
 
-def name_or_table(system: System) -> str | dict[str, Any]:
+def name_or_table(system: System) -> str | Toml:
     """What the key ``system`` says for a system: the id of its entry, which knows motions and effects, or its table.
 
     Args:
@@ -115,7 +116,7 @@ def name_or_table(system: System) -> str | dict[str, Any]:
     return system.id if catalog.entry_of(system) is not None else catalog.table_of(system)
 
 
-def _built(table: Mapping[str, Any], source: str, folder: Path) -> Scene:
+def _built(table: Toml, source: str, folder: Path) -> Scene:
     entry, origin = _entry(table["system"], source, folder)
     names = tuple(dict.fromkeys(table.get("effects", ())))
     changed = with_effects(entry, names, f"{source}: effects")
@@ -140,7 +141,7 @@ def _built(table: Mapping[str, Any], source: str, folder: Path) -> Scene:
     return result
 
 
-def _entry(system: str | Mapping[str, Any], source: str, folder: Path) -> tuple[Mapping[str, Any], str]:
+def _entry(system: str | Toml, source: str, folder: Path) -> tuple[Toml, str]:
     """The table of the system, from the catalog, a file beside the scene, or the scene itself."""
     if isinstance(system, Mapping):
         return system, f"{source}: system"
@@ -150,7 +151,7 @@ def _entry(system: str | Mapping[str, Any], source: str, folder: Path) -> tuple[
     return catalog.read(system)
 
 
-def _motion_table(table: Mapping[str, Any], entry: Mapping[str, Any], source: str) -> Mapping[str, Any]:
+def _motion_table(table: Toml, entry: Toml, source: str) -> Toml:
     """The motion of the entry that the scene starts from; empty where it has its own or there is none."""
     if "motion" not in table:
         return {} if "initial" in table else entry.get("initial", {})
@@ -160,16 +161,16 @@ def _motion_table(table: Mapping[str, Any], entry: Mapping[str, Any], source: st
     known |= entry.get("motions", {})
     if table["motion"] not in known:
         raise CatalogError(f'{source}: motion: no motion "{table["motion"]}"{nearest(table["motion"], known)}')
-    chosen: Mapping[str, Any] = known[table["motion"]]
+    chosen: Toml = known[table["motion"]]
     return chosen
 
 
-def _parameters(table: Mapping[str, Any], entry: Mapping[str, Any], source: str) -> dict[str, object]:
+def _parameters(table: Toml, entry: Toml, source: str) -> dict[str, object]:
     own = _motion_table(table, entry, source).get("parameters", {})
     return {**own, **table.get("parameters", {})}
 
 
-def _initial(table: Mapping[str, Any], entry: Mapping[str, Any], source: str) -> InitialGroups | None:
+def _initial(table: Toml, entry: Toml, source: str) -> InitialGroups | None:
     data = table.get("initial") or _motion_table(table, entry, source)
     if not data:
         return None
@@ -178,7 +179,7 @@ def _initial(table: Mapping[str, Any], entry: Mapping[str, Any], source: str) ->
     )
 
 
-def _times(given: Any) -> Times | None:
+def _times(given: Toml | list[object] | None) -> Times | None:
     if given is None:
         return None
     if isinstance(given, list):
@@ -187,7 +188,7 @@ def _times(given: Any) -> Times | None:
     return Times(start=start, stop=stop, count=given["count"])
 
 
-def _seconds(accuracy: Mapping[str, Any], source: str) -> float | None:
+def _seconds(accuracy: Toml, source: str) -> float | None:
     if "seconds" not in accuracy:
         return None
     value = float(number(accuracy["seconds"], source=f"{source}: accuracy.seconds"))
@@ -196,7 +197,7 @@ def _seconds(accuracy: Mapping[str, Any], source: str) -> float | None:
     return value
 
 
-def _orbit(table: Mapping[str, Any]) -> OrbitAsked | None:
+def _orbit(table: Toml) -> OrbitAsked | None:
     if "orbit" not in table:
         return None
     asked = table["orbit"]

@@ -9,6 +9,7 @@ from typing import Any
 from hjsolve import arguments
 from hjsolve.catalog import schema, toml_file
 from hjsolve.catalog.schema import Key
+from hjsolve.catalog.toml_file import Toml
 from hjsolve.errors import CatalogError
 from hjsolve.scenes.initial_grid import sweep_faults
 
@@ -53,7 +54,7 @@ def is_scene(file: str | Path) -> bool:
     return not {"system", "want", "times", "events"}.isdisjoint(table)
 
 
-def scene_faults(table: Mapping[str, Any]) -> Iterator[str]:
+def scene_faults(table: Toml) -> Iterator[str]:
     """Every way in which a scene does not have the shape it must have, one line each.
 
     Args:
@@ -88,12 +89,12 @@ def scene_faults(table: Mapping[str, Any]) -> Iterator[str]:
                 yield from _event_faults(event, f"events[{place}]")
 
 
-def _events(table: Mapping[str, Any]) -> list[Mapping[str, Any]]:
+def _events(table: Toml) -> list[Toml]:
     events = table.get("events")
     return [e if isinstance(e, Mapping) else {} for e in events] if isinstance(events, list) else []
 
 
-def _system_faults(table: Mapping[str, Any]) -> Iterator[str]:
+def _system_faults(table: Toml) -> Iterator[str]:
     system = table.get("system")
     if system is None:
         yield "system: missing; write a catalog id, the path of a .toml file, or a table [system]"
@@ -126,7 +127,7 @@ def _list_faults(values: object, where: str) -> Iterator[str]:
             yield f'{where}[{place}]: must be a number, best as a text such as "1.2", not {value!r:.40}'
 
 
-def _event_faults(event: Mapping[str, Any], where: str) -> Iterator[str]:
+def _event_faults(event: Toml, where: str) -> Iterator[str]:
     at = event.get("at")
     if isinstance(at, Mapping):
         if ("t" in at) == ("coordinate" in at):
@@ -146,7 +147,7 @@ def _event_faults(event: Mapping[str, Any], where: str) -> Iterator[str]:
         yield from _wall_faults(event, where)
 
 
-def _wall_faults(event: Mapping[str, Any], where: str) -> Iterator[str]:
+def _wall_faults(event: Toml, where: str) -> Iterator[str]:
     at = event.get("at")
     if isinstance(at, Mapping) and ("t" in at or "passage" in at):
         yield f"{where}.at: a wall stands at a coordinate and its value, at all times"

@@ -129,7 +129,7 @@ def trajectory_of(
         return Errors(q, p, view(lambda part, n: bounds[id(part)].velocity[n]))
 
     return Trajectory(
-        joined(lambda part: _numbers(part.state.t, scene.digits)), view(lambda part, n: part.state.q[n]),
+        joined(lambda part: _numbers(np.asarray(part.state.t), scene.digits)), view(lambda part, n: part.state.q[n]),
         view(lambda part, n: part.state.p[n]), view(lambda part, n: part.state.velocity[n]),
         view(lambda part, n: part.state.turns[n] + part.turns.get(n, 0), angles),
         joined(lambda part: part.state.status), number, errors,

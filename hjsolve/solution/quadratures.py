@@ -17,7 +17,7 @@ from collections.abc import Iterable, Mapping
 from dataclasses import dataclass, replace
 from functools import lru_cache
 from pathlib import Path
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING
 
 import sympy as sp
 
@@ -93,13 +93,13 @@ class Solution(ShownSolution):
     def motion(
         self,
         *,
-        q: Mapping[str, Any],
-        velocity: Mapping[str, Any] | None = None,
-        p: Mapping[str, Any] | None = None,
-        constants: Mapping[str, Any] | None = None,
+        q: Mapping[str, object],
+        velocity: Mapping[str, object] | None = None,
+        p: Mapping[str, object] | None = None,
+        constants: Mapping[str, object] | None = None,
         signs: Mapping[str, int] | None = None,
-        parameters: Mapping[str, Any] | None = None,
-        t0: Any = 0,
+        parameters: Mapping[str, object] | None = None,
+        t0: object = 0,
         digits: int = 15,
         certified: bool = False,
         want: Iterable[str] | None = None,

@@ -12,6 +12,7 @@ import sympy as sp
 from hjsolve import arguments
 from hjsolve.arithmetic.estimate import Estimate
 from hjsolve.arithmetic.estimate_array import EstimateArray
+from hjsolve.arithmetic.number_types import Numbers
 from hjsolve.coordinates.chart import Chart
 from hjsolve.errors import InternalError, InvalidInputError
 from hjsolve.formulas.read import number
@@ -63,7 +64,7 @@ class ChartedMotion(Motion):
             raise InternalError("a charted motion of a solution without a chart")
         return self.solution.chart
 
-    def at(self, t: Any) -> State:
+    def at(self, t: object) -> State:
         """Return the state at a time or times, in the user's coordinates.
 
         Args:
@@ -83,7 +84,7 @@ class ChartedMotion(Motion):
         state = state if self.ends == (None, None) else between(self.ends, state)
         return with_place(self.chart.original, values, state)
 
-    def characteristic_function(self, t: Any) -> Estimate | EstimateArray:
+    def characteristic_function(self, t: object) -> Estimate | EstimateArray:
         """Return W = ∫ p·dq from t₀ to a time or times; it is the same in all coordinates.
 
         Args:
@@ -95,7 +96,7 @@ class ChartedMotion(Motion):
         self._refuse_collision()
         return self._inner.characteristic_function(t)
 
-    def principal_function(self, t: Any) -> Estimate | EstimateArray:
+    def principal_function(self, t: object) -> Estimate | EstimateArray:
         """Return S = W − E (t − t₀) at a time or times; it is the same in all coordinates.
 
         Args:
@@ -111,7 +112,7 @@ class ChartedMotion(Motion):
         if self.ends != (None, None):
             raise InvalidInputError("W and S: not given for a motion that ends in a collision with a focus")
 
-    def time_at(self, name: str, value: Any, passage: int = 0) -> Estimate:
+    def time_at(self, name: str, value: object, passage: int = 0) -> Estimate:
         """Return the time of the passage-th crossing of a position of a separated coordinate, counted from t₀ on.
 
         Args:
@@ -126,7 +127,7 @@ class ChartedMotion(Motion):
         self._refuse_given(name)
         return self._inner.time_at(name, value, passage)
 
-    def orbit(self, name: str, *, along: str, values: Any) -> Any:
+    def orbit(self, name: str, *, along: str, values: object) -> Numbers:
         """Return one separated coordinate where another passes given values for the first time after t₀.
 
         Args:
@@ -163,13 +164,13 @@ class ChartedMotion(Motion):
 def start_charted(
     solution: Solution,
     *,
-    q: Mapping[str, Any],
-    velocity: Mapping[str, Any] | None = None,
-    p: Mapping[str, Any] | None = None,
-    constants: Mapping[str, Any] | None = None,
+    q: Mapping[str, object],
+    velocity: Mapping[str, object] | None = None,
+    p: Mapping[str, object] | None = None,
+    constants: Mapping[str, object] | None = None,
     signs: Mapping[str, int] | None = None,
-    parameters: Mapping[str, Any] | None = None,
-    t0: Any = 0,
+    parameters: Mapping[str, object] | None = None,
+    t0: object = 0,
     digits: int = 15,
     certified: bool = False,
     want: Iterable[str] | None = None,

@@ -7,12 +7,13 @@ at its value there while the other passes its own: along the axis. There it ends
 
 from __future__ import annotations
 
-from typing import Any
+from collections.abc import Mapping
 
 import numpy as np
 
 from hjsolve.arithmetic.estimate import Estimate
 from hjsolve.arithmetic.floats import Multi
+from hjsolve.arithmetic.number_types import AtTimes, Mpf
 from hjsolve.coordinates.chart import Chart
 from hjsolve.errors import HJSolveError
 from hjsolve.motion.exact_numbers import to_bits
@@ -62,7 +63,7 @@ def collisions(chart: Chart, motion: Motion) -> tuple[str, Ends] | None:
     )  # fmt: skip
 
 
-def _infinite(chart: Chart, motion: Motion, place: list[Any], field: Multi) -> bool:
+def _infinite(chart: Chart, motion: Motion, place: list[Mpf], field: Multi) -> bool:
     """Whether h² V does not vanish at a focus, where h² does."""
     values, system = motion.initial.values, chart.system
     rest = [system.coordinate(name).symbol for name in chart.coordinates[2:]]
@@ -73,7 +74,7 @@ def _infinite(chart: Chart, motion: Motion, place: list[Any], field: Multi) -> b
     return bool(abs(V * h2) > field.context.mpf(2) ** (-_CLOSE // 2))
 
 
-def _times(motion: Motion, name: str, place: Any) -> Ends:
+def _times(motion: Motion, name: str, place: Mpf) -> Ends:
     """When a coordinate is at ±place last before and first after t₀; None where it never is."""
     ends: list[Estimate | None] = []
     for passage in (-1, 0):
@@ -102,8 +103,8 @@ def between(ends: Ends, state: State) -> State:
         if end is not None:
             over |= side * (times - float(end.value)) >= -float(end.error)
 
-    def cut(group: Any) -> dict[str, Any]:
-        cleared = {name: np.where(over, np.nan, x) for name, x in group.items()}
+    def cut(group: Mapping[str, AtTimes]) -> dict[str, AtTimes]:
+        cleared = {name: np.where(over, np.nan, np.asarray(x)) for name, x in group.items()}
         return {name: x if shape else x.item() for name, x in cleared.items()}
 
     status = np.where(over, "reaches_boundary", state.status)

@@ -9,11 +9,11 @@ from __future__ import annotations
 
 from collections.abc import Callable, Mapping
 from itertools import pairwise
-from typing import Any
 
 import sympy as sp
 
 from hjsolve.arithmetic.floats import Multi
+from hjsolve.arithmetic.number_types import Context, Mpf
 from hjsolve.coordinates.chart import Chart
 from hjsolve.errors import InvalidInputError
 from hjsolve.mechanics.system import hamiltonian
@@ -31,7 +31,7 @@ _ANGLES = {
     "prolate spheroidal": (2,), "oblate spheroidal": (2,),
 }  # fmt: skip
 """Coordinates that are angles about an axis or at a pole, by kind of chart."""
-Values = Mapping[str, Any]
+Values = Mapping[str, object]
 
 
 def carried(
@@ -69,7 +69,7 @@ def carried(
     return Initial(values, constants, all_exact(q, velocity, p, parameters))
 
 
-def _same_energy(chart: Chart, exact: sp.Expr, found: Any) -> None:
+def _same_energy(chart: Chart, exact: sp.Expr, found: Mpf) -> None:
     """Refuse values of parameters for which V in the coordinates found is not the V given.
 
     Roots and logarithms were written with the signs that they have at the default values.
@@ -86,7 +86,7 @@ def _other_parameters(chart: Chart) -> InvalidInputError:
     )
 
 
-def _local(chart: Chart, value: Callable[[sp.Expr], Any], c: Any) -> tuple[list[Any], list[Any], dict[str, Any]]:
+def _local(chart: Chart, value: Callable[[sp.Expr], Mpf], c: Context) -> tuple[list[Mpf], list[Mpf], dict[str, Mpf]]:
     """X and P in the frame of the web, and its lengths.
 
     Raises:
@@ -106,12 +106,12 @@ def _local(chart: Chart, value: Callable[[sp.Expr], Any], c: Any) -> tuple[list[
     return list(X), list(P), lengths
 
 
-def _numbers(solution: Solution, chart: Chart, given: Mapping[sp.Symbol, sp.Expr], bits: int) -> list[Any]:
+def _numbers(solution: Solution, chart: Chart, given: Mapping[sp.Symbol, sp.Expr], bits: int) -> list[Mpf]:
     """u, p_u and the constants of the motion, to so many bits."""
     field = Multi(bits)
     c = field.context
 
-    def value(e: sp.Expr) -> Any:
+    def value(e: sp.Expr) -> Mpf:
         return to_bits(e.xreplace(given))(bits)
 
     X, P, lengths = _local(chart, value, c)
@@ -131,7 +131,7 @@ def _numbers(solution: Solution, chart: Chart, given: Mapping[sp.Symbol, sp.Expr
     return [*u, *lifted, *constants]
 
 
-def _inside(chart: Chart, u: list[Any]) -> list[Any]:
+def _inside(chart: Chart, u: list[Mpf]) -> list[Mpf]:
     """The coordinates of the point that are in their ranges: (−u, −v) for (u, v) where one of them has to be positive.
 
     Raises:
@@ -149,7 +149,7 @@ def _inside(chart: Chart, u: list[Any]) -> list[Any]:
     return u
 
 
-def _refuse_singular(chart: Chart, given: Mapping[sp.Symbol, sp.Expr], u: list[Any], field: Multi) -> None:
+def _refuse_singular(chart: Chart, given: Mapping[sp.Symbol, sp.Expr], u: list[Mpf], field: Multi) -> None:
     """Refuse a place where an h² is zero that is not that of an angle: a focus, or the centre of conical coordinates.
 
     On an axis and at r = 0 the angle is that of the velocity; ``through_poles`` decides whether the motion goes on.
@@ -166,7 +166,7 @@ def _refuse_singular(chart: Chart, given: Mapping[sp.Symbol, sp.Expr], u: list[A
     )
 
 
-def _rational(far: Any, near: Any) -> sp.Rational:
+def _rational(far: Mpf, near: Mpf) -> sp.Rational:
     """The number as a fraction; 0 where it is no more than the rounding of the lower precision."""
     if abs(far) <= abs(far - near):
         return sp.S.Zero

@@ -9,16 +9,17 @@ is paid for in digits: the input is exact, and callers take enough of them.
 from __future__ import annotations
 
 from collections.abc import Callable, Mapping, Sequence
-from typing import Any
 
+from hjsolve.arithmetic.number_types import Context, Mpf
 from hjsolve.errors import InternalError
 
-Lengths = Mapping[str, Any]
+Lengths = Mapping[str, Mpf]
+"""Named constants of a chart."""
 _NOISE = 3
 """What is below 2^(−precision/3) of its surroundings is zero: a place on a coordinate plane."""
 
 
-def inverse_chart(kind: str, X: Sequence[Any], aside: Sequence[Any], lengths: Lengths, context: Any) -> list[Any]:
+def inverse_chart(kind: str, X: Sequence[Mpf], aside: Sequence[Mpf], lengths: Lengths, context: Context) -> list[Mpf]:
     """Return the coordinates of a point.
 
     Args:
@@ -50,12 +51,12 @@ def inverse_chart(kind: str, X: Sequence[Any], aside: Sequence[Any], lengths: Le
     return _FLAT_OR_OCTANT[kind](X, lengths, context)
 
 
-def _root(x: Any, size: Any, c: Any) -> Any:
+def _root(x: Mpf, size: Mpf, c: Context) -> Mpf:
     """√x of what is no smaller than 0 but for its rounding; 0 where it is rounding."""
     return c.zero if x <= size * c.mpf(2) ** (-c.prec // _NOISE) else c.sqrt(x)
 
 
-def _two_roots(total: Any, product: Any, c: Any) -> tuple[Any, Any]:
+def _two_roots(total: Mpf, product: Mpf, c: Context) -> tuple[Mpf, Mpf]:
     """Return (s, k) ≥ 0 with s − k = total, s·k = product ≥ 0; neither cancels."""
     width = c.sqrt(total**2 + 4 * product)
     larger = (abs(total) + width) / 2
@@ -63,14 +64,14 @@ def _two_roots(total: Any, product: Any, c: Any) -> tuple[Any, Any]:
     return (larger, smaller) if total >= 0 else (smaller, larger)
 
 
-def _parabolic(X: Sequence[Any], _: Lengths, c: Any) -> list[Any]:
+def _parabolic(X: Sequence[Mpf], _: Lengths, c: Context) -> list[Mpf]:
     """X = (u² − v²)/2, Y = uv, so that u² − v² = 2X, u²v² = Y²."""
     u2, v2 = _two_roots(2 * X[0], X[1] ** 2, c)
     u = c.sqrt(u2)
     return [u, X[1] / u if u else c.sqrt(v2)]
 
 
-def _elliptic(X: Sequence[Any], lengths: Lengths, c: Any) -> list[Any]:
+def _elliptic(X: Sequence[Mpf], lengths: Lengths, c: Context) -> list[Mpf]:
     """sinh²μ − sin²ν = (X² + Y²)/a² − 1, sinh²μ sin²ν = Y²/a²."""
     x, y = X[0] / lengths["a"], X[1] / lengths["a"]
     s2, k2 = _two_roots(x**2 + y**2 - 1, y**2, c)
@@ -79,21 +80,21 @@ def _elliptic(X: Sequence[Any], lengths: Lengths, c: Any) -> list[Any]:
     return [c.asinh(s), c.atan2(sine, x / c.sqrt(1 + s2))]
 
 
-def _spherical(X: Sequence[Any], _: Lengths, c: Any) -> list[Any]:
+def _spherical(X: Sequence[Mpf], _: Lengths, c: Context) -> list[Mpf]:
     return [c.hypot(X[0], X[1]), c.atan2(X[0], X[1])]
 
 
-def _rotational_parabolic(X: Sequence[Any], _: Lengths, c: Any) -> list[Any]:
+def _rotational_parabolic(X: Sequence[Mpf], _: Lengths, c: Context) -> list[Mpf]:
     """ρ = uv, z = (u² − v²)/2."""
     return [c.sqrt(s) for s in _two_roots(2 * X[1], X[0] ** 2, c)]
 
 
-def _prolate(X: Sequence[Any], lengths: Lengths, c: Any) -> list[Any]:
+def _prolate(X: Sequence[Mpf], lengths: Lengths, c: Context) -> list[Mpf]:
     """ρ = a sinh μ sin ν, z = a cosh μ cos ν."""
     return _elliptic((X[1], X[0]), lengths, c)
 
 
-def _oblate(X: Sequence[Any], lengths: Lengths, c: Any) -> list[Any]:
+def _oblate(X: Sequence[Mpf], lengths: Lengths, c: Context) -> list[Mpf]:
     """ρ = a cosh μ sin ν, z = a sinh μ cos ν; sinh²μ − cos²ν = (ρ² + z²)/a² − 1."""
     ρ, z = X[0] / lengths["a"], X[1] / lengths["a"]
     s2, k2 = _two_roots(ρ**2 + z**2 - 1, z**2, c)
@@ -101,7 +102,7 @@ def _oblate(X: Sequence[Any], lengths: Lengths, c: Any) -> list[Any]:
     return [c.asinh(s), c.atan2(ρ / c.sqrt(1 + s2), z / s if s else c.sqrt(k2))]
 
 
-def _conical(X: Sequence[Any], lengths: Lengths, c: Any) -> list[Any]:
+def _conical(X: Sequence[Mpf], lengths: Lengths, c: Context) -> list[Mpf]:
     """With n = X/r: high − low = (e₃ − e₁)n₁² − (e₂ − e₁) + (e₃ − e₂)n₂², high·low = (e₂ − e₁)(e₃ − e₂)n₂²."""
     e1, e2, e3 = (lengths[f"e{i}"] for i in (1, 2, 3))
     r = c.sqrt(sum(x**2 for x in X))
@@ -117,7 +118,7 @@ def _conical(X: Sequence[Any], lengths: Lengths, c: Any) -> list[Any]:
     return [r, χ, c.atan2(sine, n[2] * scale / c.sqrt(second + low))]
 
 
-def _ellipsoidal(X: Sequence[Any], lengths: Lengths, c: Any) -> list[Any]:
+def _ellipsoidal(X: Sequence[Mpf], lengths: Lengths, c: Context) -> list[Mpf]:
     """The roots u < v < w of Π(s − aᵢ) − Σ xᵢ² Π_{j≠i}(s − aⱼ), x = X/a."""
     a, b = lengths["a"], [lengths[f"a{i}"] for i in (1, 2, 3)]
     x = [value / a for value in X]
@@ -125,7 +126,7 @@ def _ellipsoidal(X: Sequence[Any], lengths: Lengths, c: Any) -> list[Any]:
     pairs = [b[1] + b[2], b[0] + b[2], b[0] + b[1]]
     products = [b[1] * b[2], b[0] * b[2], b[0] * b[1]]
     u, v, w = _three_roots(
-        sum(b) + sum(squares),
+        sum(b, c.zero) + sum(squares, c.zero),
         b[0] * b[1] + b[0] * b[2] + b[1] * b[2] + sum(s * p for s, p in zip(squares, pairs, strict=True)),
         b[0] * b[1] * b[2] + sum(s * p for s, p in zip(squares, products, strict=True)),
         c,
@@ -142,7 +143,7 @@ def _ellipsoidal(X: Sequence[Any], lengths: Lengths, c: Any) -> list[Any]:
     return [χ, c.atan2(sine, other), c.asinh(x[2] / (other * rest) if other else c.sqrt(high))]
 
 
-def _paraboloidal(X: Sequence[Any], lengths: Lengths, c: Any) -> list[Any]:
+def _paraboloidal(X: Sequence[Mpf], lengths: Lengths, c: Context) -> list[Mpf]:
     """The roots u < v < w of (s − 2x)(s − b)(s − c) − y²(s − c) − z²(s − b), (x, y, z) = X/a."""
     a, b, e = (lengths[name] for name in ("a", "b", "c"))
     x, y, z = (value / a for value in X)
@@ -159,7 +160,7 @@ def _paraboloidal(X: Sequence[Any], lengths: Lengths, c: Any) -> list[Any]:
     ]  # fmt: skip
 
 
-def _three_roots(total: Any, pairs: Any, product: Any, c: Any) -> list[Any]:
+def _three_roots(total: Mpf, pairs: Mpf, product: Mpf, c: Context) -> list[Mpf]:
     """The real roots of s³ − total·s² + pairs·s − product in rising order, by the cosine of a third of an angle."""
     middle = total / 3
     width2 = max(total**2 - 3 * pairs, c.zero)
@@ -171,7 +172,7 @@ def _three_roots(total: Any, pairs: Any, product: Any, c: Any) -> list[Any]:
     return [middle + 2 * width / 3 * c.cos((angle + shift * 2 * c.pi) / 3) for shift in (1, 2, 0)]
 
 
-_Inverse = Callable[[Sequence[Any], Lengths, Any], list[Any]]
+_Inverse = Callable[[Sequence[Mpf], Lengths, Context], list[Mpf]]
 _FLAT_OR_OCTANT: Mapping[str, _Inverse] = {
     "parabolic": _parabolic, "elliptic": _elliptic, "conical": _conical, "ellipsoidal": _ellipsoidal,
     "paraboloidal": _paraboloidal,

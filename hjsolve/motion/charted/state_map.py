@@ -7,20 +7,21 @@ order (``arithmetic.running_error``) and doubled.
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from functools import cache
-from typing import Any
 
 import numpy as np
 import sympy as sp
 
 from hjsolve.arithmetic.floats import Float64, Multi
+from hjsolve.arithmetic.number_types import AtTimes, Mpf, Numbers, Reals
 from hjsolve.arithmetic.running_error import RunningError, WithErrorBound
 from hjsolve.arithmetic.tape import Tape
 from hjsolve.coordinates.chart import Chart
 from hjsolve.mechanics.system import mass_matrix
 from hjsolve.motion.exact_numbers import to_bits
 from hjsolve.motion.positions import tape_of
+from hjsolve.motion.shapes import shaped
 from hjsolve.motion.state import Errors, State
 
 Made = tuple[Tape, tuple[sp.Symbol, ...]]
@@ -47,7 +48,7 @@ def formulas_of(chart: Chart, resting: tuple[str, ...] = ()) -> tuple[sp.Expr, .
     return (*x, *v, *_times(mass_matrix(chart.original), v), *scale)
 
 
-def _times(matrix: sp.MatrixBase, vector: Any) -> list[sp.Expr]:
+def _times(matrix: sp.MatrixBase, vector: Sequence[sp.Expr]) -> list[sp.Expr]:
     return [sp.Add(*(a * b for a, b in zip(row, vector, strict=True))) for row in matrix.tolist()]
 
 
@@ -66,8 +67,8 @@ def state_in(chart: Chart, values: Mapping[sp.Symbol, sp.Expr], state: State, re
     found = _evaluated(chart, tape, values, state)
     n = len(names)
 
-    def group(columns: Any, k: int) -> dict[str, Any]:
-        return {name: _shaped(columns[k * n + i], shape) for i, name in enumerate(names)}
+    def group(columns: Sequence[Numbers], k: int) -> dict[str, AtTimes]:
+        return {name: shaped(columns[k * n + i], shape) for i, name in enumerate(names)}
 
     @cache
     def errors() -> Errors:
@@ -77,12 +78,12 @@ def state_in(chart: Chart, values: Mapping[sp.Symbol, sp.Expr], state: State, re
     return State(state.t, group(found, 0), group(found, 2), group(found, 1), {}, state.status, errors)
 
 
-def _inputs(chart: Chart, group: Mapping[str, Any], other: Mapping[str, Any]) -> list[Any]:
+def _inputs(chart: Chart, group: Mapping[str, AtTimes], other: Mapping[str, AtTimes]) -> list[Numbers]:
     """The arrays of two groups in the order of the formulas, flat."""
     return [np.ravel(np.asarray(g[name])) for g in (group, other) for name in chart.coordinates]
 
 
-def _evaluated(chart: Chart, made: Made, values: Mapping[sp.Symbol, sp.Expr], state: State) -> list[Any]:
+def _evaluated(chart: Chart, made: Made, values: Mapping[sp.Symbol, sp.Expr], state: State) -> list[Numbers]:
     tape, fixed = made
     arrays = _inputs(chart, state.q, state.p)
     if arrays[0].dtype != object:
@@ -95,11 +96,11 @@ def _evaluated(chart: Chart, made: Made, values: Mapping[sp.Symbol, sp.Expr], st
     return [np.array(column, dtype=object) for column in zip(*rows, strict=True)]
 
 
-def _bits(arrays: list[Any]) -> int:
+def _bits(arrays: list[Numbers]) -> int:
     return max((x.context.prec for x in arrays[0] if hasattr(x, "context")), default=128)
 
 
-def _in_many_digits(tape: Any, bits: int, row: tuple[Any, ...], numbers: list[Any]) -> list[Any]:
+def _in_many_digits(tape: Tape, bits: int, row: tuple[Mpf | float, ...], numbers: list[Mpf]) -> list[Mpf]:
     """One row; NaN where the motion has ended."""
     field = Multi(bits)
     inputs = [field.convert(x) for x in row]
@@ -108,7 +109,9 @@ def _in_many_digits(tape: Any, bits: int, row: tuple[Any, ...], numbers: list[An
     return list(tape.run(field, [*inputs, *numbers]))
 
 
-def _bounds(chart: Chart, made: Made, values: Mapping[sp.Symbol, sp.Expr], state: State, found: list[Any]) -> list[Any]:
+def _bounds(
+    chart: Chart, made: Made, values: Mapping[sp.Symbol, sp.Expr], state: State, found: list[Numbers]
+) -> list[Reals]:
     """Error bounds of the formulas, each of the shape of its values."""
     tape, fixed = made
     places = [np.asarray(x, dtype=float) for x in _inputs(chart, state.q, state.p)]
@@ -133,9 +136,3 @@ def _tape(chart: Chart, resting: tuple[str, ...]) -> Made:
     fixed = tuple(s.symbol for s in chart.system.parameters)
     momenta = tuple(chart.system.coordinate(name).momentum for name in chart.coordinates)
     return tape_of(formulas_of(chart, resting), (*chart.symbols, *momenta, *fixed)), fixed
-
-
-def _shaped(values: Any, shape: tuple[int, ...]) -> Any:
-    if shape:
-        return values.reshape(shape)
-    return values[0].item() if hasattr(values[0], "item") else values[0]

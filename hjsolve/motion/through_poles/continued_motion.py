@@ -4,13 +4,14 @@ from __future__ import annotations
 
 from collections.abc import Mapping
 from dataclasses import dataclass, field, fields, replace
-from typing import Any
+from typing import Any, TypeVar
 
 import numpy as np
 import sympy as sp
 
 from hjsolve.arithmetic.estimate import Estimate
 from hjsolve.arithmetic.floats import EPS, bits_for, multiprecision
+from hjsolve.arithmetic.number_types import AtTimes, Numbers, Reals
 from hjsolve.errors import InternalError, InvalidInputError, NotConvergedError, NotSeparableError
 from hjsolve.motion import quantities
 from hjsolve.motion.exact_numbers import to_bits
@@ -23,6 +24,7 @@ from hjsolve.motion.state import Errors, State
 from hjsolve.motion.through_poles.continuation import Continuation, Fold, continuation
 from hjsolve.solution.quadratures import Solution, solve
 
+Part = TypeVar("Part")
 _NOISE_BITS = 2000
 """A constant that is so small and a fraction of so many digits is the rounding of 0 (``charted.initial_map``)."""
 
@@ -56,7 +58,7 @@ class ContinuedMotion(Motion):
         """The exact initial data and constants, as given."""
         return _there(self.given_initial)
 
-    def at(self, t: Any) -> State:
+    def at(self, t: object) -> State:
         """Return the state at a time or times, in the given coordinates.
 
         Args:
@@ -78,7 +80,7 @@ class ContinuedMotion(Motion):
         more = within.dropped if isinstance(within, ContinuedMotion) else ()
         return (_there(self.continued).dropped, *more)
 
-    def unfolded(self, t: Any) -> State:
+    def unfolded(self, t: object) -> State:
         """Return the state with coordinates that run on through the poles, and the dropped angles as they were at t₀.
 
         Places are smooth functions of these where x, y, z are smooth functions of the coordinates.
@@ -106,7 +108,7 @@ class ContinuedMotion(Motion):
             {**state.velocity, name: nothing}, {}, state.status, errors,
         )  # fmt: skip
 
-    def time_at(self, name: str, value: Any, passage: int = 0) -> Estimate:
+    def time_at(self, name: str, value: object, passage: int = 0) -> Estimate:
         """Return the time of the passage-th crossing of a position, counted from t₀ on.
 
         Args:
@@ -121,7 +123,7 @@ class ContinuedMotion(Motion):
         self._refuse_dropped(name)
         return _there(self.within).time_at(name, value, passage)
 
-    def orbit(self, name: str, *, along: str, values: Any) -> Any:
+    def orbit(self, name: str, *, along: str, values: object) -> Numbers:
         """Return one continued coordinate where another passes given values for the first time after t₀.
 
         Args:
@@ -147,7 +149,7 @@ class ContinuedMotion(Motion):
             )
 
 
-def _there(part: Any) -> Any:
+def _there(part: object) -> Any:
     if part is None:
         raise InternalError("a continued motion without its parts")
     return part
@@ -276,7 +278,7 @@ def folded(way: Continuation, initial: Initial, state: State, solution: Solution
     def errors() -> Errors:
         return _errors(way, state, initial, names)
 
-    def ordered(group: Mapping[str, Any]) -> dict[str, Any]:
+    def ordered(group: Mapping[str, AtTimes]) -> dict[str, AtTimes]:
         return {name: group[name] for name in names}
 
     turns = {name: n for name, n in state.turns.items() if name not in way.folds}
@@ -335,7 +337,7 @@ def _errors(way: Continuation, state: State, initial: Initial, names: list[str])
     q[way.dropped] = angle
     p[way.dropped] = v[way.dropped] = 0 * angle
 
-    def ordered(group: Mapping[str, Any]) -> dict[str, Any]:
+    def ordered(group: Mapping[str, Reals]) -> dict[str, AtTimes]:
         return {n: group[n] if np.shape(group[n]) else float(group[n]) for n in names}
 
     return Errors(ordered(q), ordered(p), ordered(v))
