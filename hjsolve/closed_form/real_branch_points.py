@@ -14,6 +14,7 @@ Byrd and Friedman, Handbook of elliptic integrals (1971), 251–258 (the map), 3
 from __future__ import annotations
 
 from dataclasses import dataclass
+from functools import lru_cache
 
 import sympy as sp
 
@@ -82,6 +83,7 @@ class LegendreMap:
         return _ratio((self.d, r), (self.b, self.a), (self.a, r), (self.b, self.d))
 
 
+@lru_cache(maxsize=256)
 def _ratio(*pairs: tuple[sp.Expr, sp.Expr]) -> sp.Expr:
     """(p₁)(p₂)/((p₃)(p₄)) of differences, those with ∞ left out, which come in twos."""
     value = sp.S.One

@@ -172,23 +172,24 @@ def _reported(options: Namespace, target: Path) -> tuple[int, Path]:
     """Write the report; the exit status and the file."""
     from hjsolve.display.progress import ProgressBar
     from hjsolve.reports.content import gather
-    from hjsolve.reports.document.files import SUFFIXES, checked_path
+    from hjsolve.reports.document.files import SUFFIXES, checked_path, checked_title
     from hjsolve.reports.sections.outside import outside_document
     from hjsolve.reports.write import outside_entry, refuse_live, save, save_hamiltonian, save_scene, write_document
 
     checked_path(target, (".html",) if options.live else SUFFIXES)
+    title = checked_title(options.title or "") if options.system is not None else ""
     if (scene := arguments_read.scene(options)) is not None:
         refuse_live(options.live)
         with ProgressBar() as progress:
-            return ANSWER, save_scene(scene, target, options.cost, progress)
+            return ANSWER, save_scene(scene, target, options.cost, progress, title=title)
     if not options.coordinate and (outside := outside_entry(arguments_read.located(options.system))) is not None:
         refuse_live(options.live)
-        return REFUSED, write_document(outside_document(outside), target)
+        return REFUSED, write_document(outside_document(outside), target, title=title)
     initial = arguments_read.initial(options)
     if arguments_read.given_hamiltonian(options) is not None:
         refuse_live(options.live)
         initial = initial or arguments_read.own_motion(options)
-        told = {"initial": initial, "motion": options.motion, "digits": options.digits}
+        told: dict[str, Any] = {"initial": initial, "motion": options.motion, "digits": options.digits, "title": title}
         return ANSWER, save_hamiltonian(arguments_read.located(options.system), target, **told)
     subject: Any = options.system
     if options.coordinate or options.effect or options.system is None:
@@ -199,7 +200,8 @@ def _reported(options: Namespace, target: Path) -> tuple[int, Path]:
         subject, initial = _found(options, initial)
     material = gather(arguments_read.located(subject), initial=initial, motion=options.motion, digits=options.digits)
     with ProgressBar() as progress:
-        return _status(material.verdict), save(material, target, options.cost, progress, live=options.live)
+        told = {"live": options.live, "brief": options.brief, "title": title}
+        return _status(material.verdict), save(material, target, options.cost, progress, **told)
 
 
 def _found(options: Namespace, initial: Any) -> tuple[Solution, Any]:

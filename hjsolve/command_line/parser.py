@@ -204,6 +204,10 @@ def _add_report(kinds: _Commands) -> None:
         "--live", action="store_true",
         help="a page with sliders and a point that moves: one file, .html, for one separated coordinate that librates",
     )  # fmt: skip
+    report.add_argument(
+        "--brief", action="store_true",
+        help="without closed forms and the map of all motions, which take most of the time",
+    )  # fmt: skip
     report.add_argument("--format", choices=["html", "md", "json", "txt", "tex"], help='of "-o -" (default: txt)')
     _motion_arguments(report)
     report.add_argument("--digits", type=int, default=15, metavar="N", help="digits of the numbers (default 15)")

@@ -240,11 +240,12 @@ def _followed(points: Reals) -> Reals:
             continue
         left = [k for k in range(len(here)) if np.isfinite(here[k, 0])]
         order: list[int | None] = [None] * len(here)
-        pairs = sorted(
-            (float(np.hypot(*((here[k] - before[j]) / (np.abs(before[j]) + 1e-9)))), j, k)
-            for j in range(len(here)) if np.isfinite(before[j, 0]) for k in left
-        )  # fmt: skip
-        for _, j, k in pairs:
+        steps = (here[None] - before[:, None]) / (np.abs(before[:, None]) + 1e-9)
+        distances = np.hypot(steps[:, :, 0], steps[:, :, 1])
+        nearest = np.argsort(distances, axis=None, kind="stable")
+        for j, k in zip(*(v.tolist() for v in np.unravel_index(nearest, distances.shape))):
+            if not np.isfinite(distances[j, k]):
+                break
             if order[j] is None and k in left:
                 order[j] = k
                 left.remove(k)

@@ -166,11 +166,12 @@ def _timed(clock: dict[str, float], part: str, work: Callable[[], T]) -> T:
 _ANSWERS = {Separation: "yes", Obstruction: "no", Undecided: "open"}
 
 
-def document(material: Material) -> Document:
+def document(material: Material, *, brief: bool = False) -> Document:
     """Write the document.
 
     Args:
         material: what there is to tell.
+        brief: whether closed forms and the map of all motions are left out.
 
     Returns:
         The document, the same for every format.
@@ -193,19 +194,21 @@ def document(material: Material) -> Document:
         solved = material.solution
         sections += quadratures.solution_sections(solved)
         forms_of = material.motion if material.motion is not None else solved
-        sections += _timed(clock, "closed forms, derived and verified", lambda: closed_form_report(forms_of))
+        if not brief:
+            sections += _timed(clock, "closed forms, derived and verified", lambda: closed_form_report(forms_of))
         sections.append(_timed(clock, "laws the solution must obey", lambda: laws_section(solved)))
     trace, failures = None, [material.failure] if material.failure else []
     if material.motion is not None:
         given = material.motion
         trace = _add_numbers(given, material.summary, sections, failures, clock)
-        sections.append(_timed(clock, "map of all motions", lambda: energy_momentum_section(given)))
+        if not brief:
+            sections.append(_timed(clock, "map of all motions", lambda: energy_momentum_section(given)))
     elif material.solution is not None and not failures:
         sections.append(_no_numbers(system))
     if failures:
         sections.append(_fell_short(failures))
     sections += [literature_section(sections, entry)]
-    sections.append(numerical.how_section(clock, material.motion, trace))
+    sections.append(numerical.how_section(clock, material.motion, trace, brief=brief))
     title = heading(system.title, system.symbols) if system.title else "A mechanical system"
     shown = tuple(s for s in sections if s is not None)
     return Document(title, system.id, _lead(material), shown, _ANSWERS[type(verdict)], "; ".join(failures))

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Mapping
+from dataclasses import replace
 from pathlib import Path
 from typing import Any
 
@@ -12,8 +13,8 @@ from hjsolve.errors import InvalidInputError, NotConvergedError
 from hjsolve.extended.linear_hamiltonian import LinearHamiltonian
 from hjsolve.motion.motion import Motion
 from hjsolve.reports.content import Material, Subject, document, gather, initial_of
-from hjsolve.reports.document import Document
-from hjsolve.reports.document.files import SUFFIXES, checked_path, readable_errors, replace
+from hjsolve.reports.document import Document, files
+from hjsolve.reports.document.files import SUFFIXES, checked_path, checked_title, readable_errors
 from hjsolve.reports.formats.html import html_page
 from hjsolve.reports.sections.outside import outside_document
 from hjsolve.scenes import Scene
@@ -61,6 +62,8 @@ def report(
     digits: int = 15,
     cost: bool | float = False,
     live: bool = False,
+    brief: bool = False,
+    title: str = "",
 ) -> Path:
     """Write a report about a system, a verdict, a solution or a motion.
 
@@ -79,6 +82,8 @@ def report(
             take, at most 10.
         live: whether the page has sliders for the constants of the motion and a point that moves (.html only; for a
             motion with one separated coordinate, which librates). It is one file that asks nothing of the net.
+        brief: whether closed forms and the map of all motions are left out, which take most of the time.
+        title: in place of the system's own.
 
     Returns:
         The path written.
@@ -91,19 +96,20 @@ def report(
         >>> report("kepler-planar", "kepler.html")  # doctest: +SKIP
         PosixPath('kepler.html')
     """
-    target = checked_path(path, (".html",) if live else SUFFIXES)
+    target, title = checked_path(path, (".html",) if live else SUFFIXES), checked_title(title)
     if isinstance(subject, Scene):
         refuse_live(live)
-        return save_scene(subject, target, cost)
+        return save_scene(subject, target, cost, title=title)
     if (outside := outside_entry(subject)) is not None:
         refuse_live(live)
-        return write_document(outside_document(outside), target)
+        return write_document(outside_document(outside), target, title=title)
     if isinstance(subject, LinearHamiltonian) or (
         isinstance(subject, str | Path) and catalog.hamiltonian(subject) is not None
     ):
         refuse_live(live)
-        return save_hamiltonian(subject, target, initial=initial, motion=motion, digits=digits)
-    return save(gather(subject, initial=initial, motion=motion, digits=digits), target, cost, live=live)
+        return save_hamiltonian(subject, target, initial=initial, motion=motion, digits=digits, title=title)
+    material = gather(subject, initial=initial, motion=motion, digits=digits)
+    return save(material, target, cost, live=live, brief=brief, title=title)
 
 
 def refuse_live(live: bool) -> None:
@@ -119,13 +125,16 @@ def refuse_live(live: bool) -> None:
         raise InvalidInputError("live: only the report of one motion can be live, not this; leave live=True out")
 
 
-def save_scene(scene: Scene, target: Path, cost: bool | float = False, progress: Progress | None = None) -> Path:
+def save_scene(
+    scene: Scene, target: Path, cost: bool | float = False, progress: Progress | None = None, *, title: str = ""
+) -> Path:
     """Run a scene and write its report.
 
     Args:
         scene: what is asked.
         target: a path that ``checked_path`` has passed.
         cost, progress: as in ``sections.cost.with_cost``.
+        title: in place of the scene's own.
 
     Returns:
         The path.
@@ -137,7 +146,7 @@ def save_scene(scene: Scene, target: Path, cost: bool | float = False, progress:
     from hjsolve.reports.sections.cost import with_cost
     from hjsolve.reports.sections.scene import scene_document
 
-    return write_document(with_cost(scene_document(scene.run()), scene, cost, progress), target)
+    return write_document(with_cost(scene_document(scene.run()), scene, cost, progress), target, title=title)
 
 
 def save_hamiltonian(
@@ -147,6 +156,7 @@ def save_hamiltonian(
     initial: Mapping[str, Any] | None,
     motion: str,
     digits: int,
+    title: str = "",
 ) -> Path:
     """Solve H = a(q) p + b(q) and write its report.
 
@@ -156,6 +166,7 @@ def save_hamiltonian(
         initial: keyword arguments for ``problem.motion``, in place of the catalog's initial data.
         motion: which of the entry's motions.
         digits: of the numbers.
+        title: in place of the entry's own.
 
     Returns:
         The path.
@@ -171,12 +182,12 @@ def save_hamiltonian(
     data, about = initial_of(entry, initial, motion)
     started = problem.motion(**data, digits=digits) if data else None
     meanings, summary = (entry.meanings, entry.summary) if entry else ({}, "")
-    return write_document(hamiltonian_document(problem, meanings, summary, started, about), target)
+    return write_document(hamiltonian_document(problem, meanings, summary, started, about), target, title=title)
 
 
 def save(
     material: Material, target: Path, cost: bool | float = False, progress: Progress | None = None, *,
-    live: bool = False,
+    live: bool = False, brief: bool = False, title: str = "",
 ) -> Path:  # fmt: skip
     """Write what was gathered.
 
@@ -184,7 +195,7 @@ def save(
         material: what there is to tell.
         target: a path that ``checked_path`` has passed.
         cost, progress: as in ``sections.cost.with_cost``.
-        live: as in ``report``.
+        live, brief, title: as in ``report``.
 
     Returns:
         The path.
@@ -195,12 +206,12 @@ def save(
     """
     from hjsolve.reports.sections.cost import with_cost
 
-    content = document(material)
+    content = document(material, brief=brief)
     if material.motion is not None:
         content = with_cost(content, material.motion, cost, progress)
     if live and material.motion is None:
         refuse_live(live)
-    path = write_document(content, target, material.motion if live else None)
+    path = write_document(content, target, material.motion if live else None, title=title)
     if content.unsettled:
         raise NotConvergedError(f"{content.unsettled}; everything else was written to {path}")
     return path
@@ -218,13 +229,14 @@ def outside_entry(subject: object) -> catalog.Entry | None:
     return entry if entry.refusal is not None else None
 
 
-def write_document(content: Document, target: Path, live: Motion | None = None) -> Path:
+def write_document(content: Document, target: Path, live: Motion | None = None, *, title: str = "") -> Path:
     """Write a document in the format of its suffix.
 
     Args:
         content: the document.
         target: a path that ``checked_path`` has passed.
         live: the motion of a live page; None for a page that stands still.
+        title: in place of the document's own.
 
     Returns:
         The path.
@@ -232,11 +244,11 @@ def write_document(content: Document, target: Path, live: Motion | None = None) 
     Raises:
         InvalidInputError: the file cannot be written.
     """
-    text = _WRITERS[target.suffix.lower()](content)
+    text = _WRITERS[target.suffix.lower()](replace(content, title=title or content.title))
     if live is not None:
         from hjsolve.reports.live.page import live_page
 
         text = live_page(text, live)
     with readable_errors(target):
-        replace(target, text)
+        files.replace(target, text)
     return target

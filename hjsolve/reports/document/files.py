@@ -12,6 +12,7 @@ from hjsolve import arguments
 from hjsolve.errors import InvalidInputError
 
 SUFFIXES = (".html", ".md", ".json", ".txt", ".tex")
+_LONGEST_TITLE = 200
 
 
 def checked_path(path: str | Path, suffixes: tuple[str, ...] = SUFFIXES) -> Path:
@@ -41,6 +42,25 @@ def checked_path(path: str | Path, suffixes: tuple[str, ...] = SUFFIXES) -> Path
         if not os.access(folder, os.W_OK) or (target.exists() and not os.access(target, os.W_OK)):
             raise InvalidInputError(f"{target}: cannot be written here; choose another place")
     return target
+
+
+def checked_title(title: str) -> str:
+    """Check the title of a report.
+
+    Args:
+        title: one line; empty for the system's own.
+
+    Returns:
+        The title, without room at its ends.
+
+    Raises:
+        InvalidInputError: no text, more than one line, or letters that cannot be printed.
+    """
+    arguments.refuse_other(title, str, "title", 'a line of text is needed, such as "Exercise 3"')
+    plain = title.strip()
+    if len(plain) > _LONGEST_TITLE or not plain.isprintable():
+        raise InvalidInputError(f"title: write one line of at most {_LONGEST_TITLE} letters that can be printed")
+    return plain
 
 
 def replace(target: Path, content: str) -> None:

@@ -189,13 +189,16 @@ def _cycles(motion: Motion, names: list[str]) -> Table:
 
 
 # ------------------------------------------------------------------------------------------------ how it was computed
-def how_section(clock: Mapping[str, float], motion: Motion | None, trace: orbit_paths.Trace | None) -> Section:
+def how_section(
+    clock: Mapping[str, float], motion: Motion | None, trace: orbit_paths.Trace | None, *, brief: bool = False
+) -> Section:
     """Say with what the report was computed and how long each part took.
 
     Args:
         clock: part → seconds, in the order they ran.
         motion: a ``Motion``, or None where nothing numerical was done.
         trace: where it is at the times shown, or None.
+        brief: whether closed forms and the map of all motions were left out.
 
     Returns:
         The section.
@@ -210,6 +213,8 @@ def how_section(clock: Mapping[str, float], motion: Motion | None, trace: orbit_
                 "drawn above; it differs from E by at most "
             )
             blocks.append(Paragraph((text, Code(f"{drift:.1e}"), ".")))
+    if brief:
+        blocks.append(Paragraph(("Closed forms and the map of all motions were left out: a brief report was asked.",)))
     spent = tuple(((part,), (written_duration(time),)) for part, time in clock.items())
     blocks.append(Table((("Part",), ("Time",)), spent, "Time spent"))
     versions = tuple(((name,), (number,)) for name, number in _versions().items())
