@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Iterator, Mapping, Sequence
+from dataclasses import replace
 
 import mpmath
 import sympy as sp
@@ -116,7 +117,7 @@ def _piece(
     key = (name, tuple(special.items()))
     for known in shop.pieces.setdefault(key, []):
         if _same_piece(known, sample):
-            return known
+            return moved_to(known, sample)
     numerators = {k: n.subs(dict(special)) for k, n in shop.numerators[name].items()}
     numerators = {k: n for k, n in numerators.items() if n != 0}
     prefix = "x" if len(shop.curves) == 1 else f"x_{name}"
@@ -129,6 +130,17 @@ def _piece(
         made.refuse(dict.fromkeys(made.integrals, f"not verified: {error}"))
     shop.pieces[key].append(made)
     return made
+
+
+def moved_to(known: CoordinateIntegrals, sample: Sample) -> CoordinateIntegrals:
+    """A piece that was found with another motion of its regime, at this one: all pieces of a form share one motion.
+
+    Args:
+        known: the piece.
+        sample: the motion.
+    """
+    regions = [(curve, found) for curve, _ in known.regions if (found := root_interval_of(curve, sample)) is not None]
+    return replace(known, sample=sample, region=regions[0][1] if regions else known.region, regions=regions)
 
 
 def _same_piece(known: CoordinateIntegrals, sample: Sample) -> bool:

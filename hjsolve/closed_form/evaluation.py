@@ -175,6 +175,8 @@ def _partial(e: sp.Expr, k: int) -> sp.Expr:
 
 
 def _applied(rule: Rule, operands: list[mpmath.mpf]) -> mpmath.mpf:
+    if any(isinstance(x, mpmath.mpc) and not mpmath.isfinite(x) for x in operands):
+        return mpmath.nan  # of which mpmath's arc functions raise a TypeError
     try:
         return rule(*operands)
     except (ZeroDivisionError, ValueError):

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Mapping
+from collections.abc import Callable, Mapping, Sequence
 from typing import Any
 
 import mpmath
@@ -10,6 +10,7 @@ import sympy as sp
 
 from hjsolve.arithmetic.estimate import Estimate
 from hjsolve.arithmetic.floats import EPS
+from hjsolve.closed_form.doubles import NamedRoot, named_root, region_test
 from hjsolve.closed_form.evaluation import many_digits, number_of
 from hjsolve.closed_form.named_forms import NamedForms
 from hjsolve.closed_form.regions import ordered_real_roots, region_exists
@@ -164,10 +165,12 @@ class _CompiledForm:
         self.symbols = sorted(held, key=str)
         self.names = tuple(s.name for s in self.symbols)
         self.defaults = {p.name: p.value for p in form.solution.system.parameters if p.value is not None}
-        known = modules(module)
+        self.numpy, known = module == "numpy", modules(module)
         self.plain = sp.lambdify([*self.symbols, *self.roots], expression, modules=known, cse=True)
         self.tests = [sp.lambdify(self.symbols, sign * e, modules=known) for e, sign in made.conditions.items()]
         self.equal = [sp.lambdify(self.symbols, c - e, modules=known) for c, e in made.special.items()]
+        self.regions = [region_test(c, r, self.symbols) for c, r in self.curves] if self.numpy else []
+        self.named = self._definitions() if self.roots and self.numpy else []
 
     def values(self, given: Mapping[str, Any]) -> list[Any]:
         """The arguments in order."""
@@ -187,7 +190,8 @@ class _CompiledForm:
             return self.plain(*numbers)
         exact = {s: sp.sympify(v) for s, v in zip(self.symbols, numbers, strict=True)}
         table = root_values(self.form, exact, mpmath.mp.dps + 5)
-        return self.plain(*numbers, *(table[s] for s in self.roots))
+        kind = float if self.numpy else mpmath.mpmathify
+        return self.plain(*numbers, *(kind(table[s]) for s in self.roots))
 
     def _inside(self, numbers: list[Any]) -> bool:
         if any(abs(test(*numbers)) > _SPECIAL for test in self.equal):
@@ -210,10 +214,50 @@ class _CompiledForm:
                 good &= np.asarray(test(*places)) > 0
             for test in self.equal:
                 good &= np.abs(test(*places)) <= _SPECIAL
-            if self.curves or self.roots:
-                result = np.full(good.shape, np.nan)
-                for place in np.argwhere(good):
-                    result[tuple(place)] = float(self.one([float(a[tuple(place)]) for a in places]))
-            else:
-                result = np.where(good, self.plain(*places), np.nan)
+            good, unsure = self._in_regions(places, good)
+            tables, doubtful = self._root_arrays(places, good.shape)
+            result = np.where(good & ~unsure & ~doubtful, self.plain(*places, *tables), np.nan)
+            for place in np.argwhere(good & (unsure | doubtful)):
+                result[tuple(place)] = float(self.one([float(a[tuple(place)]) for a in places]))
         return result[()]
+
+    def _in_regions(self, places: Sequence[Any], good: Any) -> tuple[Any, Any]:
+        """Where the regions exist, or may exist, of those; and where that is not certain in doubles."""
+        import numpy as np
+
+        unsure = np.zeros(good.shape, dtype=bool)
+        for test in self.regions:
+            if test is None:
+                return good, np.ones(good.shape, dtype=bool)
+            exists, doubtful = test(places, good.shape)
+            good, unsure = good & (exists | doubtful), unsure | doubtful
+        return good, unsure
+
+    def _definitions(self) -> list[tuple[sp.Symbol, Any]]:
+        """Every symbol that ``where`` defines with its value for arrays, in order."""
+        known, found = list(self.symbols), list[tuple[sp.Symbol, Any]]()
+        for symbol, meaning in self.form.where.items():
+            definition = meaning[0] if isinstance(meaning, tuple) else meaning
+            held = definition.free_symbols - ({definition.gen} if isinstance(definition, sp.Poly) else set())
+            if not held <= set(known):
+                continue
+            if isinstance(meaning, tuple):
+                found.append((symbol, named_root(meaning[0], meaning[1], known)))
+            else:
+                found.append((symbol, sp.lambdify(known, meaning, modules=modules("numpy"), cse=True)))
+            known.append(symbol)
+        return found
+
+    def _root_arrays(self, places: Sequence[Any], shape: tuple[int, ...]) -> tuple[list[Any], Any]:
+        """The values of the named symbols of the form, and where a root is not certain in doubles."""
+        import numpy as np
+
+        known, table, unsure = list(places), dict[sp.Symbol, Any](), np.zeros(shape, dtype=bool)
+        for symbol, value in self.named:
+            if isinstance(value, NamedRoot):
+                table[symbol], doubtful = value(known, shape)
+                unsure = unsure | doubtful
+            else:
+                table[symbol] = np.broadcast_to(value(*known), shape)
+            known.append(table[symbol])
+        return [table[s] for s in self.roots], unsure

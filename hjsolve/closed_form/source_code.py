@@ -2,12 +2,26 @@
 
 from __future__ import annotations
 
+import re
+
 import sympy as sp
-from sympy.printing.c import C99CodePrinter
+from sympy.printing.c import C99CodePrinter, get_math_macros
 from sympy.printing.pycode import PythonCodePrinter
 
 from hjsolve.closed_form.named_forms import NamedForms
 from hjsolve.errors import InvalidInputError
+from hjsolve.functions.c_source import c_source, in_c
+from hjsolve.functions.printing import DOUBLES, Printable
+from hjsolve.functions.tables import LEGENDRE
+
+
+class _PythonPrinter(PythonCodePrinter):
+    """Python, with the elliptic functions by their plain names."""
+
+    def _print_Function(self, expr: sp.Function) -> str:
+        if isinstance(expr, Printable):
+            return expr._called(self, expr.code_name())
+        return str(super()._print_Function(expr))
 
 
 def source(form: NamedForms, language: str) -> str:
@@ -25,11 +39,23 @@ def source(form: NamedForms, language: str) -> str:
     mark = "#" if language == "python" else "//"
     head = [f"{mark} {form.solution.system.id or 'closed forms'}: {form.regime.words}"]
     head += [f"{mark} {symbol}: {_meaning(meaning)}" for symbol, meaning in form.where.items()]
-    head.append("import math" if language == "python" else "#include <math.h>")
+    named = form.named()
+    every = sp.Tuple(*named.values())
     write = _python if language == "python" else _c
-    return (
-        "\n\n".join(["\n".join(head), *(write(name.replace(".", "_"), e) for name, e in form.named().items())]) + "\n"
-    )
+    functions = [write(name.replace(".", "_"), e) for name, e in named.items()]
+    if language == "python":
+        head += _python_head(every)
+    else:
+        head += ["#include <math.h>", *_macros("".join(functions)), c_source(every).rstrip()]
+    return "\n\n".join(["\n".join(head).rstrip(), *functions]) + "\n"
+
+
+def _python_head(every: sp.Tuple) -> list[str]:
+    """What the functions import: the standard library, and this package for elliptic functions."""
+    own = sorted({f"{f.code_name()}" for f in every.atoms(Printable)})
+    used = [name for name in LEGENDRE if every.has(getattr(sp, name))]
+    needed = [*own, *(f"{name.replace('elliptic', 'legendre')} as {name}" for name in used)]
+    return ["import math", *([f"from {DOUBLES} import {', '.join(needed)}"] if needed else [])]
 
 
 def _meaning(meaning: object) -> str:
@@ -42,15 +68,36 @@ def _symbols(expression: sp.Expr) -> list[str]:
     return sorted(s.name for s in expression.free_symbols)
 
 
+def _lines(expression: sp.Expr) -> tuple[list[tuple[sp.Symbol, sp.Expr]], sp.Expr]:
+    """Parts that occur more than once, by names that the form does not use, and what is left."""
+    taken = set(_symbols(expression))
+    names = (s for s in sp.numbered_symbols("part", start=1) if s.name not in taken)
+    parts, (rest,) = sp.cse(_without_signs(expression), symbols=names)
+    return parts, rest
+
+
 def _python(name: str, expression: sp.Expr) -> str:
-    printer = PythonCodePrinter({"fully_qualified_modules": True, "allow_unknown_functions": True})
-    return f"def {name}({', '.join(_symbols(expression))}):\n    return {printer.doprint(_without_signs(expression))}"
+    printer = _PythonPrinter({"fully_qualified_modules": True, "allow_unknown_functions": True})
+    parts, rest = _lines(expression)
+    lines = [f"    {part} = {printer.doprint(value)}" for part, value in parts]
+    return "\n".join([f"def {name}({', '.join(_symbols(expression))}):", *lines, f"    return {printer.doprint(rest)}"])
 
 
 def _c(name: str, expression: sp.Expr) -> str:
     printer = C99CodePrinter({"allow_unknown_functions": True})
+    parts, rest = _lines(expression)
     arguments = ", ".join(f"double {s}" for s in _symbols(expression)) or "void"
-    return f"double {name}({arguments}) {{\n    return {printer.doprint(_without_signs(expression))};\n}}"
+    lines = [f"    const double {part} = {printer.doprint(in_c(value))};" for part, value in parts]
+    return "\n".join([f"double {name}({arguments}) {{", *lines, f"    return {printer.doprint(in_c(rest))};", "}"])
+
+
+def _macros(text: str) -> list[str]:
+    """The constants of <math.h> that a text uses: C99 by itself does not have them."""
+    known = {name: value for value, name in get_math_macros().items()}
+    return [
+        f"#ifndef {name}\n#define {name} {sp.N(sp.expand_func(known[name]), 20)}\n#endif"
+        for name in sorted(set(re.findall(r"\bM_\w+", text)) & set(known))
+    ]
 
 
 def _without_signs(expression: sp.Expr) -> sp.Expr:

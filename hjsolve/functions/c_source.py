@@ -95,14 +95,72 @@ _PARTS = {
     letter: f"static double jacobi_{letter}(double u, double m) {{ return jacobi_part(u, m, {i}); }}\n"
     for i, letter in enumerate(("am", "sn", "cn", "dn", "epsilon"))
 }
+_FOLDED = """
+static double legendre_folded(double phi, double m, double f[4]) { /* sin, cos^2, 1 - m sin^2 within a half turn */
+    double turns = rint(phi / 3.14159265358979323846);
+    f[0] = sin(phi) * (fmod(turns, 2) == 0 ? 1 : -1); f[1] = cos(phi); f[1] *= f[1];
+    f[2] = 1 - m + m * f[1]; f[3] = f[0] * f[0] * f[0] / 3;
+    return turns;
+}
+"""
+_K = """
+static double legendre_k(double m) { return carlson_rf(0, 1 - m, 1); }
+"""
+_F = """
+static double legendre_f(double phi, double m) {
+    double f[4], turns = legendre_folded(phi, m, f), value = f[0] * carlson_rf(f[1], f[2], 1);
+    return turns == 0 ? value : value + 2 * turns * carlson_rf(0, 1 - m, 1);
+}
+"""
+_E = """
+static double legendre_e(double phi, double m) {
+    double f[4], turns = legendre_folded(phi, m, f);
+    double value = f[0] * carlson_rf(f[1], f[2], 1) - m * f[3] * carlson_rd(f[1], f[2], 1);
+    return turns == 0 ? value : value + 2 * turns * (carlson_rf(0, 1 - m, 1) - m * carlson_rd(0, 1 - m, 1) / 3);
+}
+"""
+_PI = """
+static double legendre_pi(double n, double phi, double m) {
+    double f[4], turns = legendre_folded(phi, m, f);
+    double value = f[0] * carlson_rf(f[1], f[2], 1) + n * f[3] * carlson_rj(f[1], f[2], 1, 1 - n * f[0] * f[0]);
+    return turns == 0 ? value : value + 2 * turns * (carlson_rf(0, 1 - m, 1) + n * carlson_rj(0, 1 - m, 1, 1 - n) / 3);
+}
+"""
+_LEGENDRE = {
+    sp.elliptic_k: ("legendre_k", (_RF, _K)),
+    sp.elliptic_f: ("legendre_f", (_RF, _FOLDED, _F)),
+    sp.elliptic_e: ("legendre_e", (_RF, _RC, _RJ_POSITIVE, _RD, _FOLDED, _E)),
+    sp.elliptic_pi: ("legendre_pi", (_RF, _RC, _RJ_POSITIVE, _RJ, _FOLDED, _PI)),
+}
+"""sympy's function → its name in C, and what it needs; complete integrals are those up to π/2."""
 _NEEDED = {
     "R_F": (_RF,), "R_C": (_RC,), "R_D": (_RC, _RJ_POSITIVE, _RD), "R_J": (_RF, _RC, _RJ_POSITIVE, _RJ),
     **{letter: (_JACOBI, text) for letter, text in _PARTS.items()},
 }  # fmt: skip
 
 
+def in_c(expression: sp.Basic) -> sp.Basic:
+    """An expression that ``sympy.ccode(…, allow_unknown_functions=True)`` can write: Legendre's integrals by name.
+
+    Args:
+        expression: any sympy object.
+    """
+    for function, (name, _) in _LEGENDRE.items():
+        full = max(function.nargs)
+        expression = expression.replace(
+            function,
+            lambda *given, name=name, full=full: sp.Function(name)(
+                *(given if len(given) == full else (*given[:-1], sp.pi / 2, given[-1]))
+            ),
+        )
+    return expression
+
+
 def c_source(expression: sp.Basic) -> str:
     """The C functions that ``sympy.ccode(expression)`` calls, each once, in the order a compiler wants.
+
+    Those of Legendre's integrals, which sympy does not write in C, are ``legendre_k(m)``, ``legendre_f(phi, m)``,
+    ``legendre_e(phi, m)`` and ``legendre_pi(n, phi, m)``.
 
     Args:
         expression: any sympy object; functions that are not of this package are left to the C library.
@@ -117,4 +175,8 @@ def c_source(expression: sp.Basic) -> str:
         raise InvalidInputError(f"c_source: a sympy expression is needed, not {expression!r}")
     letters = {function.letter for function in expression.atoms(Printable)}
     wanted = {part for letter in letters for part in _NEEDED[letter]}
-    return "".join(part for part in (_RF, _RC, _RJ_POSITIVE, _RD, _RJ, _JACOBI, *_PARTS.values()) if part in wanted)
+    wanted |= {part for function, (_, parts) in _LEGENDRE.items() if expression.has(function) for part in parts}
+    return "".join(part for part in _ORDER if part in wanted)
+
+
+_ORDER = (_RF, _RC, _RJ_POSITIVE, _RD, _RJ, _FOLDED, _K, _F, _E, _PI, _JACOBI, *_PARTS.values())

@@ -14,7 +14,8 @@ from hjsolve.functions.jacobi import JacobiAM, JacobiCN, JacobiDN, JacobiEpsilon
 from hjsolve.functions.printing import DOUBLES, MANY_DIGITS
 
 _OWN = (CarlsonRF, CarlsonRC, CarlsonRD, CarlsonRJ, JacobiAM, JacobiSN, JacobiCN, JacobiDN, JacobiEpsilon)
-_LEGENDRE = ("elliptic_k", "elliptic_f", "elliptic_e", "elliptic_pi")
+LEGENDRE = ("elliptic_k", "elliptic_f", "elliptic_e", "elliptic_pi")
+"""sympy's names of Legendre's integrals."""
 
 
 def modules(backend: str) -> list[dict[str, Callable[..., Any]] | str]:
@@ -38,10 +39,10 @@ def modules(backend: str) -> list[dict[str, Callable[..., Any]] | str]:
     """
     if backend == "mpmath":
         home = importlib.import_module(MANY_DIGITS)
-        table = dict(zip(_LEGENDRE, (mpmath.ellipk, mpmath.ellipf, mpmath.ellipe, mpmath.ellippi), strict=True))
+        table = dict(zip(LEGENDRE, (mpmath.ellipk, mpmath.ellipf, mpmath.ellipe, mpmath.ellippi), strict=True))
     elif backend == "numpy":
         home = importlib.import_module(DOUBLES)
-        table = {name: getattr(home, name.replace("elliptic", "legendre")) for name in _LEGENDRE}
+        table = {name: getattr(home, name.replace("elliptic", "legendre")) for name in LEGENDRE}
     else:
         raise InvalidInputError(f'modules: "numpy" or "mpmath" is needed, not {backend!r}')
     return [{own.__name__: getattr(home, own.code_name()) for own in _OWN} | table, backend]

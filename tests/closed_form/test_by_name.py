@@ -80,3 +80,11 @@ def test_schwarzschilds_orbit() -> None:
     assert {s.name for s in form.orbit["r"].free_symbols} >= {"theta", "theta_0", "r_0"}
     assert {"r", "theta", "phi"} <= set(form.actions)
     assert {"r", "theta", "phi"} <= set(form.frequencies)
+
+
+@pytest.mark.parametrize(("name", "count"), [("kepler-parabolic", 6), ("liouville-p5-6", 8)])
+def test_every_general_regime_has_its_orbit(name: str, count: int) -> None:
+    """The pieces of a regime are tried at one motion, whichever motions they were found with."""
+    found = [form for form in hjsolve.closed_forms(name) if not form.regime.special]
+    assert len(found) >= count
+    assert all(set(form.orbit) == set(form.solution.coordinates) for form in found)

@@ -37,4 +37,6 @@ def test_what_is_no_number_is_nan_or_complex() -> None:
     with mpmath.workdps(30):
         assert mpmath.isnan(number_of(1 / (x - 1), {x: mpmath.mpf(1)}))
         assert isinstance(number_of(sp.sqrt(x), {x: mpmath.mpf(-1)}), mpmath.mpc)
+        for arc in (sp.acos, sp.asin):
+            assert mpmath.isnan(number_of(arc(x), {x: mpmath.mpc(mpmath.nan, 1)}))
     assert Evaluator([sp.S(3)], x).at({})[1] == 0

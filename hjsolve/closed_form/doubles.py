@@ -1,0 +1,203 @@
+"""The regime of many constants at once, in doubles: how the real roots of P lie in the domain, by Sturm's sequences.
+
+A sequence counts the real roots between two places from signs alone, for whole arrays. Where a sign is not certain in
+doubles the element is left to ``regions.region_exists``, which has 50 digits. Roots that P has at an end of the domain
+for all constants (cos θ = ±1) are divided out exactly.
+
+Basu, Pollack, Roy, Algorithms in real algebraic geometry (2006), theorem 2.50 (Sturm).
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Sequence
+from dataclasses import dataclass
+from itertools import pairwise
+
+import numpy as np
+import sympy as sp
+from numpy.typing import NDArray
+
+from hjsolve.closed_form.curves import MomentumCurve
+from hjsolve.closed_form.regions import RootInterval
+from hjsolve.functions import modules
+
+Doubles = NDArray[np.float64]
+Booleans = NDArray[np.bool_]
+_UNSURE = 1e-8
+"""Below this part of what it is a sum of, a number has no certain sign."""
+_MEETING = 1e-3
+"""Roots nearer than this part of their size are found with more digits."""
+
+
+@dataclass(frozen=True)
+class RegionTest:
+    """Whether a region between roots exists, for arrays of constants.
+
+    Attributes:
+        numbers: arrays of the symbols ↦ the coefficients of what is left of P, and the ends of the domain.
+        at_ends: whether P has a root at the lower end, and at the upper, for all constants.
+        region: the region.
+    """
+
+    numbers: Callable[..., list[Doubles]]
+    at_ends: tuple[bool, bool]
+    region: RootInterval
+
+    def __call__(self, places: Sequence[Doubles], shape: tuple[int, ...]) -> tuple[Booleans, Booleans]:
+        """Where the region exists, and where that is not certain in doubles.
+
+        Args:
+            places: arrays of the symbols.
+            shape: of the arrays.
+        """
+        *coefficients, low, high = (np.broadcast_to(np.asarray(v, dtype=float), shape) for v in self.numbers(*places))
+        coefficients, unit = _of_size_one(coefficients)
+        low, high = low / unit, high / unit
+        sequence, unsure = _sturm(coefficients)
+        everywhere = [np.full(shape, -np.inf), low, high, np.full(shape, np.inf)]
+        changes = []
+        for there in everywhere:
+            count, doubtful = _changes(sequence, there)
+            changes.append(count)
+            unsure = unsure | doubtful
+        below, inside, above = (a - b for a, b in pairwise(changes))
+        first = below + self.at_ends[0]
+        total = first + inside + self.at_ends[1] + above
+        start = self.region.lower[1] if self.region.lower[0] == "root" else first - 1
+        stop = self.region.upper[1] if self.region.upper[0] == "root" else first + inside
+        exists = (total == len(self.region.roots)) & (stop == start + 1)
+        if self.region.lower[0] == "root":
+            exists = exists & (start >= first) & (start < first + inside)
+        if self.region.upper[0] == "root":
+            exists = exists & (stop >= first) & (stop < first + inside)
+        # the leading coefficient of the whole of P, and the roots above the region, give its sign there
+        sign = np.sign(coefficients[0]) * np.where((total - 1 - start) % 2 == 0, 1, -1)
+        return exists & (sign > 0), unsure
+
+
+def region_test(curve: MomentumCurve, region: RootInterval, symbols: Sequence[sp.Symbol]) -> RegionTest | None:
+    """Prepare the test; None where the coordinate may come to rest between roots, which it does not look for.
+
+    Args:
+        curve: whose P.
+        region: the region.
+        symbols: in the order of the arrays.
+    """
+    x, s = curve.x, curve.substitution
+    if sp.numer(sp.together(curve.square)).has(x):
+        return None
+    rest, at_ends = curve.polynomial, []
+    for end in (s.lower, s.upper):
+        there = bool(end.is_finite and sp.cancel(sp.together(curve.polynomial.as_expr().subs(x, end))) == 0)
+        if there:
+            rest = sp.quo(rest, sp.Poly(x - end, x))
+        at_ends.append(there)
+    formulas = [*rest.all_coeffs(), s.lower, s.upper]
+    numbers = sp.lambdify(list(symbols), formulas, modules=modules("numpy"), cse=True)
+    return RegionTest(numbers, (at_ends[0], at_ends[1]), region)
+
+
+@dataclass(frozen=True)
+class NamedRoot:
+    """A named root for arrays of constants.
+
+    Attributes:
+        coefficients: arrays of the symbols ↦ coefficients of its polynomial.
+        index: of the real root, ascending.
+    """
+
+    coefficients: Callable[..., list[Doubles]]
+    index: int
+
+    def __call__(self, places: Sequence[Doubles], shape: tuple[int, ...]) -> tuple[Doubles, Booleans]:
+        """The root, and where it is not certain which of the roots are real.
+
+        Args:
+            places: arrays of the symbols.
+            shape: of the arrays.
+        """
+        given = [np.broadcast_to(np.asarray(c, dtype=float), shape) for c in self.coefficients(*places)]
+        coefficients, unit = _of_size_one(given)
+        degree = len(coefficients) - 1
+        companion = np.zeros((*shape, degree, degree))
+        companion[..., range(1, degree), range(degree - 1)] = 1.0
+        for k, c in enumerate(coefficients[1:]):
+            companion[..., 0, k] = -c / coefficients[0]
+        unsure = np.asarray(~np.isfinite(companion).all(axis=(-1, -2)))
+        roots = np.linalg.eigvals(np.where(unsure[..., None, None], 0.0, companion)).astype(complex)
+        size = np.max(abs(roots), axis=-1, keepdims=True)
+        real = abs(roots.imag) <= _UNSURE * size
+        gaps = abs(roots[..., :, None] - roots[..., None, :]) + size[..., None] * np.eye(degree)
+        unsure = unsure | (gaps.min(axis=(-1, -2)) <= _MEETING * size[..., 0]) | (real.sum(axis=-1) <= self.index)
+        found = np.sort(np.where(real, roots.real, np.inf), axis=-1)[..., self.index]
+        for _ in range(2):  # Newton's rule
+            value, slope = np.zeros(shape), np.zeros(shape)
+            for c in coefficients:
+                value, slope = value * found + c, slope * found + value
+            found = found - np.where(slope == 0, 0.0, value / slope)
+        return found * unit, unsure
+
+
+def named_root(polynomial: sp.Poly, index: int, symbols: Sequence[sp.Symbol]) -> NamedRoot:
+    """Prepare a named root.
+
+    Args:
+        polynomial: whose root.
+        index: among the real ones, ascending.
+        symbols: in the order of the arrays.
+    """
+    return NamedRoot(sp.lambdify(list(symbols), polynomial.all_coeffs(), modules=modules("numpy"), cse=True), index)
+
+
+def _of_size_one(coefficients: list[Doubles]) -> tuple[list[Doubles], Doubles]:
+    """The polynomial in x/λ, whose roots are about 1 in size; and λ."""
+    degree, last = len(coefficients) - 1, coefficients[-1]
+    ratio = abs(last / np.where(coefficients[0] == 0, 1.0, coefficients[0]))
+    unit = np.where((ratio > 0) & np.isfinite(ratio), ratio, 1.0) ** (1 / degree)
+    return [c * unit ** (degree - k) for k, c in enumerate(coefficients)], unit
+
+
+def _sturm(coefficients: list[Doubles]) -> tuple[list[list[Doubles]], Booleans]:
+    """P, P′ and the remainders with signs, each of size 1; and where one of them is too small to be sure of."""
+    degree = len(coefficients) - 1
+    size = np.max([abs(c) for c in coefficients], axis=0)
+    first, unsure = _scaled([c / size for c in coefficients])
+    second, doubtful = _scaled([(degree - k) * c for k, c in enumerate(first[:-1])])
+    sequence, unsure = [first, second], unsure | doubtful
+    while len(sequence[-1]) > 1:
+        above, below = [*sequence[-2]], sequence[-1]
+        for k in range(len(above) - len(below) + 1):
+            factor = above[k] / below[0]
+            for j, c in enumerate(below):
+                above[k + j] = above[k + j] - factor * c
+        remainder, doubtful = _scaled([-c for c in above[len(sequence[-2]) - len(below) + 1 :]])
+        sequence.append(remainder)
+        unsure = unsure | doubtful
+    return sequence, unsure
+
+
+def _scaled(coefficients: list[Doubles]) -> tuple[list[Doubles], Booleans]:
+    """Coefficients by the greatest of them; where the leading one is nearly nothing."""
+    size = np.max([abs(c) for c in coefficients], axis=0)
+    scaled = [c / size for c in coefficients]
+    return scaled, ~(abs(scaled[0]) > _UNSURE) | ~(size > _UNSURE)
+
+
+def _changes(sequence: list[list[Doubles]], there: Doubles) -> tuple[NDArray[np.int64], Booleans]:
+    """How often the sign changes along a sequence at a place, and where a sign is not certain."""
+    finite = np.isfinite(there)
+    place = np.where(finite, there, 0.0)
+    count, former = np.zeros(there.shape, dtype=np.int64), None
+    unsure = np.zeros(there.shape, dtype=bool)
+    for polynomial in sequence:
+        value, size = np.zeros(there.shape), np.zeros(there.shape)
+        for c in polynomial:
+            value, size = value * place + c, size * abs(place) + abs(c)
+        odd = (len(polynomial) - 1) % 2 == 1
+        far = polynomial[0] * np.where(there < 0, -1.0 if odd else 1.0, 1.0)
+        unsure = unsure | (finite & ~(abs(value) > _UNSURE * size))
+        sign = np.sign(np.where(finite, value, far))
+        if former is not None:
+            count = count + (sign != former)
+        former = sign
+    return count, unsure

@@ -1,0 +1,96 @@
+"""Forms at arrays of doubles: the regime and the named roots are those that 50 digits find, element by element."""
+
+from __future__ import annotations
+
+import random
+import time
+
+import mpmath
+import numpy as np
+import pytest
+import sympy as sp
+
+import hjsolve
+from hjsolve.closed_form.doubles import region_test
+
+ENTRIES = ["pendulum", "double-well", "spherical-pendulum", "bead-on-turning-wire", "cone", "ladder"]
+
+
+def _spread(value: sp.Expr, draw: random.Random) -> float:
+    """A number about another one: near it, of the other sign, ten times as large, nothing."""
+    size = abs(float(value)) or 1.0
+    return draw.choice(
+        [float(value) * draw.uniform(0.9, 1.1), draw.uniform(-3, 3) * size, draw.uniform(-30, 30) * size]
+    )
+
+
+@pytest.mark.parametrize("name", ENTRIES)
+def test_arrays_of_constants_are_sorted_as_by_fifty_digits(name: str) -> None:
+    draw, inside, outside = random.Random(name), 0, 0
+    for form in hjsolve.closed_forms(name):
+        key = next(iter({**form.periods, **form.turning_points}), None)
+        key = (
+            f"periods.{key}"
+            if key in form.periods
+            else next((n for n in form.named() if n.startswith("turning")), None)
+        )
+        if key is None:
+            continue
+        doubles, exact = form.lambdify("numpy")[key], form.lambdify("mpmath")[key]
+        constants = {s.name for s in form.solution.constants.values() for s in [s.symbol]}
+        example = {s.name: v for s, v in form.regime.example.items() if s.name in doubles.names}
+        fixed = {s.name for s in form.regime.special}
+        places = []
+        for _ in range(60):
+            at = {n: _spread(v, draw) if n in constants else float(v) for n, v in example.items()}
+            if fixed:
+                meant = {s: sp.Float(at[s.name]) if s.name in at else v for s, v in form.regime.example.items()}
+                at |= {s.name: float(e.xreplace(meant)) for s, e in form.regime.special.items() if s.name in at}
+            places.append(at)
+        got = doubles(**{n: np.array([at[n] for at in places]) for n in example})
+        for value, at in zip(got, places, strict=True):
+            with mpmath.workdps(40):
+                truth = exact(**{n: mpmath.mpf(v) for n, v in at.items()})
+            if fixed:
+                continue  # doubles are seldom exactly on a border
+            assert bool(np.isnan(value)) == bool(mpmath.isnan(truth)), (form.regime.words, at, value, truth)
+            if not np.isnan(value):
+                inside += 1
+                assert abs(value - float(truth)) <= 1e-9 * abs(float(truth)), (key, at)
+            else:
+                outside += 1
+    assert inside >= 20
+    assert outside >= 20
+
+
+def test_a_polynomial_without_doubt_is_decided_in_doubles() -> None:
+    """The test of a region settles nearly all of a spread of energies; the separatrix itself is not certain."""
+    form = next(f for f in hjsolve.closed_forms("pendulum") if f.regime.kinds["theta"] == "libration")
+    symbols = sorted(form.regime.example, key=str)
+    ((curve, region),) = form.regime.regions
+    test = region_test(curve, region, symbols)
+    assert test is not None
+    (top,) = (float(r.lhs.subs(form.regime.example)) for r in form.regime.relations[1:])
+    energies = np.array([-0.9, -0.1, 0.4, 0.999, 1.0, 1.001, 2.0]) * top
+    places = [energies if s.name == "E" else np.full(7, float(form.regime.example[s])) for s in symbols]
+    exists, unsure = test(places, (7,))
+    assert unsure.tolist() == [False] * 4 + [True] + [False] * 2
+    assert (exists & ~unsure).tolist() == [True] * 4 + [False] * 3
+
+
+@pytest.mark.parametrize("name", ["pendulum", "double-well"])
+def test_a_period_takes_about_a_microsecond(name: str) -> None:
+    """Of the first kind with roots in radicals, beside 100 sines of the same array: about a hundred of them a point."""
+    form = hjsolve.closed_forms(name)[0]
+    key = next(iter(form.periods))
+    function = form.lambdify("numpy")[f"periods.{key}"]
+    energies = np.full(20000, float(form.regime.example[next(s for s in form.regime.example if s.name == "E")]))
+    best = reference = 9.0
+    for _ in range(5):
+        begin = time.process_time()
+        function(E=energies)
+        middle = time.process_time()
+        for _ in range(100):
+            np.sin(energies)
+        best, reference = min(best, middle - begin), min(reference, time.process_time() - middle)
+    assert best <= 3 * reference
