@@ -17,7 +17,7 @@ from typing import Any
 import numpy as np
 
 import hjsolve
-from benchmarks.charts import PLANE, SPACE, _made, system_named
+from benchmarks.charted_systems import PLANE, SPACE, centre_of, system_named
 from hjsolve.ensembles.charted import chart_map
 from hjsolve.ensembles.charted.charted_starts import charted_starts
 from hjsolve.ensembles.engine import build
@@ -48,8 +48,7 @@ def measure(name: str, count: int) -> str:
     if solution.chart is None:
         return f"{name} | as given"
     dice, names = np.random.default_rng(1), [c.name for c in system.coordinates]
-    centre = (1, -2, 3) if name in _made() else (0, 0, 0)
-    q = {c: dice.uniform(-1, 1, count) + o for c, o in zip(names, centre, strict=False)}
+    q = {c: dice.uniform(-1, 1, count) + o for c, o in zip(names, centre_of(name), strict=False)}
     v = {c: dice.uniform(-0.5, 0.5, count) for c in names}
     engine = build(solution, frozenset(_WANT), compiled=False)
     chart = chart_map(solution, engine.model, parameter_values(solution.system, {}), "velocity")

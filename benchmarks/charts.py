@@ -1,22 +1,31 @@
 """From x, y, z to x(t), y(t), z(t): motions in coordinates that were found, against Hamilton's equations in x, y, z.
 
-    python benchmarks/charts.py [STARTS] [PERIODS] [NAME …]
+    python -m benchmarks.charts --starts 50 --out charts.jsonl [--followed 4] [--seconds 3600] [--only NAME] [--print]
 
-For every system: random starts; the state after one and after PERIODS of its longest periods (10 and 10·PERIODS units
-of time where it has none) against heyoka's Taylor integration in quadruple precision. A state is right where
-|x − reference| and |v − reference| are at most the errors claimed. Printed: how many states were compared, how many are
-right, the largest error against its claim, the largest claimed and true errors against the size of the orbit, the kinds
-of motion, refusals, seconds to solve and for a motion with its states.
+Every system of ``charted_systems``, random starts; x and v after 1, 10² and 10⁴ of the longest periods (10, 10³, 10⁵
+units of time where there is none), each with the error claimed. Truth is the same motion at 30 digits, and its own
+truth is heyoka's Taylor series of Hamilton's equations in x, y, z, which share nothing with it: after one period in
+quadruple precision, after 10² in extended double precision (where close encounters cost it its digits, in quadruple),
+and after 10⁴ for the first ``--followed`` starts in extended double precision. A state of 30 digits that is right after
+a period to 10⁻²⁵ holds frequencies that are right after 10⁴ to 10⁻²⁰. Results go to a file, a line a motion, so that a
+run can be stopped and goes on. Printed: one row a system, and every motion that is not
+right, ends, is refused, is not a number or took more than 10 s.
 """
 
 from __future__ import annotations
 
+import argparse
+import json
+import math
 import random
-import sys
+import signal
 import time
+import warnings
 from collections import Counter
-from collections.abc import Mapping
-from dataclasses import dataclass, field
+from collections.abc import Iterator, Mapping, Sequence
+from dataclasses import asdict, dataclass, field
+from functools import cache
+from pathlib import Path
 from typing import Any
 
 import heyoka as hy
@@ -25,211 +34,290 @@ import numpy as np
 import sympy as sp
 
 import hjsolve
-from benchmarks.quad_twin import _FUNCTIONS, Quad, _built, quad
+from benchmarks.charted_systems import PLANE, SMALL, SPACE, centre_of, system_named
+from benchmarks.quad_twin import _FUNCTIONS, Quad, quad
 
-_FUNCTIONS |= {sp.acos: hy.acos, sp.acosh: hy.acosh}
-_MOST_STEPS = 20_000
-_SMALL = {"Hénon–Heiles, KdV": 0.15, "Hénon–Heiles, Sawada–Kotera": 0.25, "KdV with a bound z": 0.15}
-"""Half-width of the box of starts where it is not 1: a well that is left at a small energy."""
-R2, R3 = "sqrt(x**2 + y**2)", "sqrt(x**2 + y**2 + z**2)"
-T2, T3 = "(dot(x)**2 + dot(y)**2)/2", "(dot(x)**2 + dot(y)**2 + dot(z)**2)/2"
-
-
-def _made() -> dict[str, str]:
-    """One potential for each web of space, in a frame turned and shifted; written by hand, no chart is used."""
-    x, y, z = sp.symbols("x y z", real=True)
-    X, Y, Z = sp.Matrix([[2, 1, 2], [1, 2, -2], [-2, 2, 1]]) / 3 * sp.Matrix([x - 1, y + 2, z - 3])
-    r2, p2 = sp.expand(X**2 + Y**2 + Z**2), sp.expand(X**2 + Y**2)
-    r, ρ = sp.sqrt(r2), sp.sqrt(p2)
-    wall = (ρ + X) / ρ**3
-    near, far = (sp.sqrt(sp.expand((X + s) ** 2 + Y**2)) for s in (-1, 1))
-    low, high = (sp.sqrt(sp.expand(p2 + (Z + s) ** 2)) for s in (-1, 1))
-    cone1, cone2 = sp.expand(4 * X**2 + 3 * Y**2 + Z**2) / r2, sp.expand(3 * X**2) / r2
-    ell1, ell2, ell3 = 4 + r2, 3 + 4 * X**2 + 3 * Y**2 + Z**2, 3 * X**2
-    par1, par2, par3 = 2 * X + 2, 4 * X - Y**2 - Z**2, -2 * Y**2
-    spread = sp.sqrt((r2 - 1) ** 2 + 4 * sp.expand(Z**2))
-    return {
-        "cartesian, turned": sp.expand(X**4 + Y**4 + Z**2),
-        "circular cylinder": sp.expand(p2**2 + Z**4) + wall,
-        "elliptic cylinder": (
-            ((near + far) ** 3 - (near - far) ** 3 + 5 * (near - far)) / (near * far) + sp.expand(Z**4)
-        ),
-        "parabolic cylinder": ((ρ + X) ** 4 + (ρ - X) ** 3) / ρ + sp.expand(Z**4),
-        "spherical": sp.expand(r2**2) + Z / r**3 + wall,
-        "prolate": ((low + high) ** 3 + 5 * (low - high)) / (low * high) + wall,
-        "oblate (Vinti)": -sp.sqrt((r2 - 1 + spread) / 2) / spread,
-        "rotational parabolic": ((r + Z) ** 4 + (r - Z) ** 3) / r + wall,
-        "conical": sp.expand(r2**2) + (cone1**2 - cone2) / r2,
-        "ellipsoidal, degree 6": sp.expand(ell1**3 - 2 * ell1 * ell2 + ell3),
-        "paraboloidal, degree 4": sp.expand(par1**4 - 3 * par1**2 * par2 + par2**2 + 2 * par1 * par3),
-    }
+PERIODS = (1, 100, 10_000)
+_DIGITS, _LIMIT, _SLOW = 30, 60, 10.0
+_MOST_STEPS = {"quad": 20_000, "long": 2_000_000}
+_LOOKS = 60
+"""Further times at which it is looked which octants a motion visits, and whether a number is missing."""
+_AGREE = {0: 1e-20, 1: 1e-11, 2: 1e-7}
+"""How far the two truths may be apart after 1, 10² and 10⁴ periods, in units of the orbit."""
 
 
-PLANE = {
-    "two centres, turned": "-1/sqrt((x-1)**2 + (y-2)**2) - 3/sqrt((x-3)**2 + (y+1)**2)",
-    "two centres, one repels": "-2/sqrt((x-1)**2 + y**2) + 1/sqrt((x+1)**2 + y**2)",
-    "Kepler": f"-1/{R2}",
-    "Stark, tilted": f"-1/{R2} + x/50 + y/100",
-    "Hénon–Heiles, KdV": "(x**2 + 4*y**2)/2 + x**2*y + 2*y**3",
-    "Hénon–Heiles, Sawada–Kotera": "(x**2 + y**2)/2 + x**2*y + y**3/3",
-    "quartic 1:6:1": "x**4 + 6*x**2*y**2 + y**4 + (x**2 + y**2)/2",
-    "quartic 1:12:16": "x**4 + 12*x**2*y**2 + 16*y**4",
-    "oscillator 1:2, sheared": "(x**2 + 4*y**2)/2 + 3/10*x*y",
-    "oscillator 1:2 with 1/x²": "(x**2 + y**2)/2 + 3*(4*x + 3*y)**2/50 + 1/(3*x - 4*y)**2",
-    "Garnier, turned": "(x**2 + y**2)**2 + (3*x - 4*y)**2/25 + 3*(4*x + 3*y)**2/50",
-    "dipole in a spring": f"(x**2 + y**2)/2 + (3/2*{R2} + x + y)/{R2}**3",
-    "lens (Danilov–Nagaitsev)": ("(x**2 + y**2)/2 - 1/5*re_lens"),
-}
-SPACE = {
-    "two centres": "-1/sqrt(x**2 + (y-1)**2 + (z-2)**2) - 2/sqrt((x-2)**2 + y**2 + (z+1)**2)",
-    "Kepler 3D": f"-1/{R3}",
-    "Stark, tilted 3D": f"-1/{R3} + x/100 + y/50 + z/50",
-    "Calogero–Moser": "1/(x - y)**2 + 1/(y - z)**2 + 1/(z - x)**2 + (x**2 + y**2 + z**2)/2",
-    "Garnier 3D": "(x**2 + y**2 + z**2)**2 + x**2 + 2*y**2 + 5*z**2",
-    "KdV with a bound z": "(x**2 + 4*y**2)/2 + x**2*y + 2*y**3 + z**4",
-    "springs with a zero mode": "(x - y)**2/2 + (y - z)**2/2",
-    **_made(),
-}
+@dataclass
+class Finding:
+    """What one motion showed; lists run over PERIODS.
 
-
-def _lens() -> str:
-    """The integrable lens of Danilov and Nagaitsev, PRST-AB 13, 084002 (2010), eq. (29), in x and y.
-
-    (ξ√(ξ² − 1) acosh ξ + η√(1 − η²)(acos η − π/2))/(ξ² − η²); ξ, η are half the sum and difference of the distances.
+    Attributes:
+        outcome: ok, or the error's name and words.
+        status: of the states.
+        over: the largest true error over its claim, of x and v.
+        claim, error: the largest, in units of the orbit.
+        apart: how far the two truths are apart in units of the orbit; None where they were not compared.
+        visited: signs of x, y, z, as text, about the middle of the box of starts.
+        missing: states with the status ok that hold no number or claim no finite error.
     """
-    r1, r2 = "sqrt((x+1)**2 + y**2)", "sqrt((x-1)**2 + y**2)"
-    ξ, η = f"(({r1} + {r2})/2)", f"(({r1} - {r2})/2)"
-    return f"({ξ}*sqrt({ξ}**2 - 1)*acosh({ξ}) + {η}*sqrt(1 - {η}**2)*(acos({η}) - pi/2))/({ξ}**2 - {η}**2)"
+
+    system: str
+    start: int
+    given: dict[str, dict[str, str]]
+    outcome: str = "ok"
+    kinds: str = ""
+    status: list[str] = field(default_factory=list)
+    over: list[float] = field(default_factory=list)
+    claim: list[float] = field(default_factory=list)
+    error: list[float] = field(default_factory=list)
+    apart: list[float | None] = field(default_factory=list)
+    visited: list[str] = field(default_factory=list)
+    missing: int = 0
+    seconds: float = 0.0
 
 
-def _text(V: Any) -> Any:
-    return V.replace("re_lens", _lens()) if isinstance(V, str) else V
+class _TooLongError(Exception):
+    pass
 
 
-def system_named(name: str) -> hjsolve.System:
-    """The system of a row."""
-    n = 2 if name in PLANE else 3
-    potential = _text({**PLANE, **SPACE}[name])
-    return hjsolve.System(dict.fromkeys("xyz"[:n], "line"), (T2, T3)[n - 2], potential, title=name)
+@cache
+def solved(name: str) -> tuple[hjsolve.Solution, float]:
+    """The solution of a system, and the seconds it took."""
+    begin = time.process_time()
+    solution = hjsolve.solve(system_named(name), coordinates="find")
+    return solution, time.process_time() - begin
+
+
+def _extended(x: Any) -> Any:
+    with mpmath.workdps(45):
+        return np.longdouble(mpmath.nstr(mpmath.mpf(x), 30))
 
 
 class Twin:
-    """Hamilton's equations in x, y, z, in quadruple precision."""
+    """Hamilton's equations in x, y, z, in quadruple or extended double precision."""
 
-    def __init__(self, system: hjsolve.System):
-        names = [c.name for c in system.coordinates]
+    def __init__(self, system: hjsolve.System, precision: str):
+        self.rounded, kind = {"quad": (quad, Quad), "long": (_extended, np.longdouble)}[precision]
+        self.most = _MOST_STEPS[precision]
         places = [c.symbol for c in system.coordinates]
         known: dict[sp.Symbol, Any] = {s: hy.make_vars(f"x{k}") for k, s in enumerate(places)}
         speeds = [hy.make_vars(f"v{k}") for k in range(len(places))]
         equations = [(known[s], v) for s, v in zip(places, speeds, strict=True)]
-        equations += [(v, _built(-sp.diff(system.potential, s), known)) for s, v in zip(places, speeds, strict=True)]
-        self.names = names
-        self.flow = hy.taylor_adaptive(
-            equations, np.array([Quad("0.3")] * len(equations), dtype=Quad), fp_type=Quad, compact_mode=True
-        )
+        slopes = [self._built(-sp.diff(system.potential, s), known) for s in places]
+        equations += list(zip(speeds, slopes, strict=True))
+        begin = np.array([self.rounded("0.3")] * len(equations), dtype=kind)
+        self.flow = hy.taylor_adaptive(equations, begin, fp_type=kind, compact_mode=True)
 
-    def states(self, start: list[str], times: list[float]) -> list[list[Any] | None]:
+    def _built(self, expr: sp.Expr, known: Mapping[sp.Symbol, Any]) -> Any:
+        if expr in known:
+            return known[expr]
+        if not expr.free_symbols:
+            return hy.expression(self.rounded(sp.N(expr, 45)))
+        parts = [self._built(a, known) for a in expr.args]
+        if expr.is_Add:
+            return hy.sum(parts)
+        if expr.is_Mul:
+            return hy.prod(parts)
+        if expr.is_Pow:
+            return hy.sqrt(parts[0]) if expr.exp == sp.Rational(1, 2) else parts[0] ** parts[1]
+        return {**_FUNCTIONS, sp.acos: hy.acos, sp.acosh: hy.acosh}[expr.func](parts[0])
+
+    def states(self, start: Sequence[str], times: Sequence[float]) -> Iterator[list[Any] | None]:
         """Places and velocities at rising times; None where the integration did not get there."""
         with mpmath.workdps(45):
-            self.flow.state[:] = [quad(mpmath.mpf(sp.Rational(x).p) / sp.Rational(x).q) for x in start]
-        self.flow.time = Quad("0")
-        found: list[list[Any] | None] = []
+            self.flow.state[:] = [self.rounded(mpmath.mpf(x.p) / x.q) for x in map(sp.Rational, start)]
+        self.flow.time = self.rounded(0)
         for t in times:
-            outcome = self.flow.propagate_until(Quad(t), max_steps=_MOST_STEPS)[0]
+            outcome = self.flow.propagate_until(self.rounded(t), max_steps=self.most)[0]
             if outcome != hy.taylor_outcome.time_limit:
-                return [*found, *[None] * (len(times) - len(found))]
+                return
             with mpmath.workdps(45):
-                found.append([mpmath.mpf(str(x)) for x in self.flow.state])
-        return found
+                yield [mpmath.mpf(str(x)) for x in self.flow.state]
 
 
-@dataclass
-class Row:
-    """What was measured of one system."""
-
-    solve: float = 0.0
-    chart: str = ""
-    compared: int = 0
-    right: int = 0
-    worst: float = 0.0
-    claim: float = 0.0
-    error: float = 0.0
-    seconds: list[float] = field(default_factory=list)
-    kinds: Counter[str] = field(default_factory=Counter)
-    others: Counter[str] = field(default_factory=Counter)
-    octants: set[tuple[bool, ...]] = field(default_factory=set)
+@cache
+def twin(name: str, precision: str) -> Twin:
+    """The integration of a system, compiled once."""
+    return Twin(system_named(name), precision)
 
 
-def measure(name: str, starts: int, periods: float, seed: int = 1) -> Row:
-    """Run one system."""
-    system, row, dice = system_named(name), Row(), random.Random(f"{name} {seed}")
-    begin = time.process_time()
-    solution = hjsolve.solve(system, coordinates="find")
-    row.solve = time.process_time() - begin
-    row.chart = solution.chart.kind if solution.chart else "as given"
-    twin = Twin(system)
-    centre = (1, -2, 3) if name in _made() else (0, 0, 0)
-    size = _SMALL.get(name, 1.0)
-    for _ in range(starts):
-        q = {c.name: f"{dice.uniform(-size, size) + o:.3f}" for c, o in zip(system.coordinates, centre, strict=False)}
-        v = {c.name: f"{dice.uniform(-0.8, 0.8) * size:.3f}" for c in system.coordinates}
-        _one(row, solution, twin, q, v, periods)
-    return row
+def start_of(name: str, index: int, seed: int) -> dict[str, dict[str, str]]:
+    """The index-th random start of a system."""
+    dice, size = random.Random(f"{name} {index} {seed}"), SMALL.get(name, 1.0)
+    names = [c.name for c in system_named(name).coordinates]
+    return {
+        "q": {c: f"{dice.uniform(-size, size) + o:.3f}" for c, o in zip(names, centre_of(name), strict=False)},
+        "velocity": {c: f"{dice.uniform(-0.8, 0.8) * size:.3f}" for c in names},
+    }
 
 
-def _one(row: Row, solution: hjsolve.Solution, twin: Twin, q: Mapping[str, str], v: Mapping[str, str], periods: float):
+def judged(name: str, index: int, seed: int, *, followed: bool) -> Finding:
+    """Compute a motion and compare it."""
+    finding = Finding(name, index, start_of(name, index, seed))
+    solution, _ = solved(name)
+    for precision in ("quad", "long"):
+        twin(name, precision)
+    signal.signal(signal.SIGPROF, _give_up)
+    signal.setitimer(signal.ITIMER_PROF, _LIMIT)
     begin = time.process_time()
     try:
-        motion = solution.motion(q=q, velocity=v)
-        lengths = [p.value for p in motion.periods.values()]
-        unit = max(lengths) if lengths and len(motion.periods) else 10.0
-        times = [unit, periods * unit]
-        state = motion.at(times)
-        claims = [state.error.q, state.error.velocity]
-    except hjsolve.HJSolveError as error:
-        row.others[f"{type(error).__name__}: {str(error)[:90]}"] += 1
-        return
-    row.seconds.append(time.process_time() - begin)
-    row.kinds[", ".join(motion.kinds.values())] += 1
-    truths = twin.states([*q.values(), *v.values()], times)
-    for k, truth in enumerate(truths):
-        if str(state.status[k]) != "ok" or truth is None:
-            row.others[f"{state.status[k]}{'' if truth else ', twin ended'}"] += 1
-            continue
-        row.compared += 1
-        n, fine = len(twin.names), True
+        with warnings.catch_warnings():
+            warnings.simplefilter("error")
+            motion = solution.motion(**finding.given)
+            unit = max((float(p.value) for p in motion.periods.values()), default=10.0)
+            times = [unit * n for n in PERIODS]
+            state = motion.at(times)
+            claims = state.error
+        finding.seconds = time.process_time() - begin
+        finding.kinds = ", ".join(f"{q} {kind}" for q, kind in motion.kinds.items())
+        _look_around(finding, motion, unit)
+        better = solution.motion(**finding.given, digits=_DIGITS).at(times)
+    except _TooLongError:
+        finding.outcome, finding.seconds = "too long", time.process_time() - begin
+        return finding
+    except Exception as error:  # noqa: BLE001  (a crash is what a table like this is for)
+        finding.outcome = f"{type(error).__name__}: {str(error)[:200]}"
+        return finding
+    finally:
+        signal.setitimer(signal.ITIMER_PROF, 0)
+    _compare(finding, state, claims, better)
+    _compare_truths(finding, better, times, followed=followed)
+    return finding
+
+
+def _give_up(*_: Any) -> None:
+    raise _TooLongError
+
+
+def _look_around(finding: Finding, motion: hjsolve.Motion, unit: float) -> None:
+    """Take down the octants visited, and states without numbers."""
+    dice = random.Random(f"{finding.system} {finding.start} looks")
+    state = motion.at([unit * dice.uniform(0, PERIODS[-1]) for _ in range(_LOOKS)])
+    names = list(finding.given["q"])
+    good = np.asarray([str(s) == "ok" for s in state.status])
+    for group in (state.q, state.velocity, state.error.q, state.error.velocity):
+        finding.missing += sum(int(np.sum(good & ~np.isfinite(np.asarray(group[c], dtype=float)))) for c in names)
+    signs = zip(*(np.asarray(state.q[c], dtype=float)[good] > o
+                  for c, o in zip(names, centre_of(finding.system), strict=False)), strict=True)  # fmt: skip
+    finding.visited = sorted({"".join("-+"[int(s)] for s in place) for place in signs})
+
+
+def _numbers(state: Any, names: Sequence[str], k: int) -> list[Any]:
+    return [mpmath.mpf(group[c][k]) for group in (state.q, state.velocity) for c in names]
+
+
+def _compare(finding: Finding, state: Any, claims: Any, better: Any) -> None:
+    """The state in doubles against the one of 30 digits."""
+    names = list(finding.given["q"])
+    with mpmath.workdps(45):
+        for k in range(len(PERIODS)):
+            pair = str(state.status[k]), str(better.status[k])
+            finding.status.append(pair[0] if pair[0] == pair[1] else f"{pair[0]} but {pair[1]} at {_DIGITS} digits")
+            if pair != ("ok", "ok"):
+                continue
+            mine, truth = _numbers(state, names, k), _numbers(better, names, k)
+            bounds = [mpmath.mpf(g[c][k]) for g in (claims.q, claims.velocity) for c in names]
+            off = [abs(a - b) for a, b in zip(mine, truth, strict=True)]
+            size = max(abs(x) for x in truth)
+            over = [float(e / b) if b else (math.inf if e else 0.0) for e, b in zip(off, bounds, strict=True)]
+            finding.over.append(max(over) if all(x == x for x in over) else math.inf)
+            finding.claim.append(float(max(bounds) / size))
+            finding.error.append(float(max(off) / size))
+
+
+def _compare_truths(finding: Finding, better: Any, times: Sequence[float], *, followed: bool) -> None:
+    """The state of 30 digits against Taylor series."""
+    start = [*finding.given["q"].values(), *finding.given["velocity"].values()]
+    far = twin(finding.system, "long").states(start, times if followed else times[:2])
+    near = twin(finding.system, "quad").states(start, times[:2])
+    others = [next(near, None), *list(far)[1:]]
+    names = list(finding.given["q"])
+    finding.apart = [_apart(better, other, names, k) for k, other in enumerate(others)]
+    if len(finding.apart) > 1 and not (finding.apart[1] or 0) <= _AGREE[1]:
+        finding.apart[1] = _apart(better, next(near, None), names, 1)
+
+
+def _apart(better: Any, other: Sequence[Any] | None, names: Sequence[str], k: int) -> float | None:
+    if other is None or str(better.status[k]) != "ok":
+        return None
+    with mpmath.workdps(45):
+        truth = _numbers(better, names, k)
         size = max(abs(x) for x in truth)
-        row.octants.add(tuple(x > 0 for x in truth[:n]))
-        for group, values, bounds in ((0, state.q, claims[0]), (1, state.velocity, claims[1])):
-            for i, c in enumerate(twin.names):
-                with mpmath.workdps(45):
-                    off = abs(mpmath.mpf(float(values[c][k])) - truth[group * n + i])
-                fine &= bool(off <= bounds[c][k])
-                row.worst = max(row.worst, float(off / bounds[c][k]))
-                row.claim, row.error = max(row.claim, float(bounds[c][k] / size)), max(row.error, float(off / size))
-        row.right += fine
+        return float(max(abs(a - b) for a, b in zip(truth, other, strict=True)) / size)
+
+
+def fault_of(finding: Mapping[str, Any]) -> str:
+    """What is not right about a motion; empty where all is."""
+    if finding["outcome"] != "ok":
+        return str(finding["outcome"])
+    faults = [s for s in finding["status"] if s != "ok"]
+    over = zip(PERIODS, finding["over"], strict=False)
+    faults += [f"error/claim {x:.3g} after {n} periods" for n, x in over if not x <= 1]
+    faults += [
+        f"truths {x:.1e} apart after {PERIODS[k]} periods"
+        for k, x in enumerate(finding["apart"])
+        if x is not None and not x <= _AGREE[k]
+    ]
+    faults += [f"{finding['missing']} numbers missing"] if finding["missing"] else []
+    faults += [f"{finding['seconds']:.0f} s"] if finding["seconds"] > _SLOW else []
+    return "; ".join(faults)
+
+
+def _row(name: str, found: Sequence[Mapping[str, Any]]) -> str:
+    """A row of the table."""
+    solution, spent = solved(name)
+    web = solution.chart.kind if solution.chart else "as given"
+    seconds = sorted(f["seconds"] for f in found)
+    claims = [c for f in found for c in f["over"]]
+    right = sum(x <= 1 for x in claims)
+    by_time = [[f["claim"][k] for f in found if len(f["claim"]) > k] for k in range(len(PERIODS))]
+    errors = [[f["error"][k] for f in found if len(f["error"]) > k] for k in range(len(PERIODS))]
+    pairs = ", ".join(f"{max(c, default=math.nan):.0e}/{max(e, default=math.nan):.0e}"
+                      for c, e in zip(by_time, errors, strict=True))  # fmt: skip
+    octants = len({o for f in found for o in f["visited"]})
+    compared = Counter(k for f in found for k, x in enumerate(f["apart"]) if x is not None)
+    return (
+        f"| {name} | {web} | {spent:.1f} | {seconds[len(seconds) // 2]:.2f}, {seconds[-1]:.1f} | {len(found)} | "
+        f"{right} of {len(claims)} | {max(claims, default=math.nan):.2f} | {pairs} | {octants} | "
+        f"{'/'.join(str(compared[k]) for k in range(3))} |"
+    )
+
+
+def table(findings: Sequence[Mapping[str, Any]]) -> None:
+    """Print the rows, then what is not right."""
+    columns = "system web solve,_s motion,_s starts states_right error/claim claim/error octants heyoka"
+    print("| " + " | ".join(c.replace("_", " ") for c in columns.split()) + " |")
+    print("|" + "---|" * 10)
+    for name in (*PLANE, *SPACE):
+        if found := [f for f in findings if f["system"] == name]:
+            print(_row(name, found), flush=True)
+    for f in findings:
+        if fault := fault_of(f):
+            print(f"{f['system']} {f['start']}: {fault} ({f['kinds']})")
 
 
 def main() -> None:
-    """Print the table."""
-    arguments = sys.argv[1:]
-    starts = int(arguments[0]) if arguments else 10
-    periods = float(arguments[1]) if len(arguments) > 1 else 100.0
-    names = [n for n in [*PLANE, *SPACE] if len(arguments) < 3 or any(a in n for a in arguments[2:])]
-    print("system | web | solve s | motion s median, most | states | right | error/claim | claim | error | octants")
-    for name in names:
-        try:
-            row = measure(name, starts, periods)
-        except hjsolve.HJSolveError as error:
-            print(f"{name} | {type(error).__name__}: {str(error)[:300]}", flush=True)
-            continue
-        spent = sorted(row.seconds) or [float("nan")]
-        print(
-            f"{name} | {row.chart} | {row.solve:.1f} | {spent[len(spent) // 2]:.2f}, {spent[-1]:.2f} | "
-            f"{row.compared} | {row.right} | {row.worst:.2g} | {row.claim:.1e} | {row.error:.1e} | {len(row.octants)}",
-            flush=True,
-        )
-        print("    kinds:", dict(row.kinds), "others:", dict(row.others), flush=True)
+    """Run or resume, then print the table."""
+    parser = argparse.ArgumentParser(description=__doc__.splitlines()[0])
+    parser.add_argument("--starts", type=int, default=50)
+    parser.add_argument("--followed", type=int, default=4, help="starts a system that heyoka follows for 10⁴ periods")
+    parser.add_argument("--out", type=Path, default=Path("charts.jsonl"), help="a line a motion; resumed if there")
+    parser.add_argument("--seed", type=int, default=1)
+    parser.add_argument("--seconds", type=float, default=math.inf, help="stop after this time")
+    parser.add_argument("--only", help="systems whose name holds this")
+    parser.add_argument("--print", action="store_true", help="print the table of what is there")
+    given = parser.parse_args()
+    known = [json.loads(line) for line in given.out.read_text().splitlines()] if given.out.exists() else []
+    done, begin = {(f["system"], f["start"]) for f in known}, time.monotonic()
+    names = [n for n in (*PLANE, *SPACE) if not given.only or given.only in n]
+    todo = [(n, k) for k in range(given.starts) for n in names if (n, k) not in done]
+    with given.out.open("a") as file:
+        for name, k in todo if not given.print else []:
+            if time.monotonic() - begin > given.seconds:
+                break
+            known.append(asdict(judged(name, k, given.seed, followed=k < given.followed)))
+            file.write(json.dumps(known[-1], ensure_ascii=False) + "\n")
+            file.flush()
+    table([f for f in known if f["system"] in names])
 
 
 if __name__ == "__main__":

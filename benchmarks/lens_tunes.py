@@ -20,7 +20,7 @@ import heyoka as hy
 import numpy as np
 
 import hjsolve
-from benchmarks.charts import system_named
+from benchmarks.charted_systems import system_named
 
 _STRENGTH, _PER_PERIOD, _WINDOW = -0.2, 24, 4
 

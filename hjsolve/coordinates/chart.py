@@ -142,7 +142,7 @@ def _charted(web: Web, cartesian: Cartesian, reason: str, budget: float) -> Char
     if system is None:
         return None
     if system != web.system:
-        web = replace(web, system=system, verdict=separate(system, budget=budget))
+        web = _with(web, system, budget)
     if not isinstance(web.verdict, Separation):
         return None
     local, axes = chart_and_axes(web, cartesian, covering=True)
@@ -156,6 +156,13 @@ def _charted(web: Web, cartesian: Cartesian, reason: str, budget: float) -> Char
         tuple(x.xreplace(own) for x in local.place), tuple(h.xreplace(own) for h in local.scale), cartesian.mass,
         web.lengths,
     )  # fmt: skip
+
+
+def _with(web: Web, system: System, budget: float) -> Web:
+    """A web whose coordinates have other ranges, so that their symbols are other ones."""
+    new = {web.system.symbols[name]: system.symbols[name] for name in web.coordinates}
+    there = {name: formula.xreplace(new) for name, formula in web.transformation.items()}
+    return replace(web, system=system, verdict=separate(system, budget=budget), transformation=there)
 
 
 def _there(original: System, transformation: Mapping[str, sp.Expr], found: System) -> System:
