@@ -20,7 +20,6 @@ from typing import TYPE_CHECKING
 import sympy as sp
 
 from hjsolve import arguments
-from hjsolve.arithmetic.number_types import Mpf
 from hjsolve.errors import InvalidSystemError
 from hjsolve.extended.one_freedom import LinearInMomentum, NonlinearInMomentum
 from hjsolve.formulas.read import parse
@@ -28,6 +27,7 @@ from hjsolve.mechanics.periodicity import is_periodic
 from hjsolve.mechanics.system import System
 
 if TYPE_CHECKING:
+    from hjsolve.arithmetic.number_types import Mpf
     from hjsolve.extended.level_motion import LevelMotion
     from hjsolve.extended.linear_hamiltonian_motion import LinearMotion
 
