@@ -16,6 +16,8 @@ from hjsolve.ensembles.engine.compiled_rule import REDUCING, Fill, choose, dot, 
 from hjsolve.ensembles.engine.compiled_types import Modes, Motions, Results, Scratch, Tables
 from hjsolve.ensembles.engine.elementary import INLINED
 
+_VECTOR = 8
+_FARTHEST = 6
 Doubts = Callable[[Reals, Reals, Reals, Reals, Reals], None]
 Relative = Callable[[Reals, Reals, Reals, Reals], None]
 
@@ -27,7 +29,7 @@ def _shifts(work: Scratch, residue: tuple[float, float], motions: Motions, i: in
     Below the middle F is seen from the lower turning point and has its residue, above it that of the upper one.
     """
     (m, size), E, buffer, scratch, found = place, motions.doubt[i], work.buffer, work.rows, work.found
-    n, split, fold = tables.counts[size], tables.split[m, size], int(tables.maps[m, 6])
+    n, split, fold = tables.counts[size], tables.split[m, size, motions.share[i]], int(tables.maps[m, 6])
     squares, slopes = tables.squares[fold - 1, size], tables.slopes[fold - 1, size]
     constants = buffer.shape[0] - 3
     for j in range(n):
@@ -64,24 +66,24 @@ def _swing(g: Reals, slopes: Reals, n: int) -> float:
 
 
 @njit(**INLINED)
-def _seen(doubts: Doubts, relative: Relative, b: float, s: float, W: float, places: Reals, span: tuple[int, int],
-          c: Reals, e: Reals, work: Scratch, modes: Modes) -> float:  # fmt: skip
-    """Rounding errors at some places of one view and half way, and F's at the turning point where that is used.
+def _seen(doubts: Doubts, relative: Relative, b: float, s: float, W: float, places: Reals,
+          span: tuple[int, int, int], c: Reals, e: Reals, work: Scratch, modes: Modes) -> float:  # fmt: skip
+    """Rounding errors at some places of one view, and F's at the turning point where that is used.
 
     They are left in ``bounds``: F and the kernels, then F's relative error or its rounding without the constants. The
-    lanes are the places, the middle, and the turning point.
+    lanes are the places, the farthest one, and the turning point.
     """
-    lanes, bounds, (start, count) = work.lanes, work.bounds, span
+    lanes, bounds, (start, count, farthest) = work.lanes, work.bounds, span
     x, mask, rows = lanes[0], lanes[1], work.noise.shape[0]
     for g in range(count + 1):
-        x[g], mask[g] = b + s * W * (places[start + g] if g < count else 0.5), 1.0
+        x[g], mask[g] = b + s * W * places[start + g if g < count else farthest], 1.0
     x[count + 1], mask[count + 1] = b, 0.0
     total, end = count + 2, 0.0
     if modes.kernels:
         for g in range(count + 1):
             x[count + 2 + g], mask[count + 2 + g] = x[g], 0.0
         total = 2 * count + 3
-    while total % 4:  # whole vectors
+    while total % _VECTOR:
         x[total], mask[total] = x[0], 0.0
         total += 1
     doubts(bounds, x[:total], mask[:total], c, e)
@@ -98,47 +100,50 @@ def _seen(doubts: Doubts, relative: Relative, b: float, s: float, W: float, plac
 
 
 @njit(**INLINED)
-def _noted(work: Scratch, span: tuple[int, int], places: Reals, W: float, end: float, modes: Modes) -> None:
-    """Note what one view says of some samples; the middle adds to the sample next to it.
+def _noted(work: Scratch, span: tuple[int, int, int], both: tuple[int, int], places: Reals, W: float, end: float,
+           modes: Modes) -> None:  # fmt: skip
+    """Note what one view says of its samples; and of all between which both are used, by its farthest place.
 
     F and its errors vary along the motion like F/sin²χ, and errors of kernels like 1/r: so they are noted by these.
     """
-    rows, bounds, noise, drift, (start, count) = work.noise.shape[0], work.bounds, work.noise, work.drift, span
-    for g in range(start, start + count):
-        noise[:, g] = 0.0
-        drift[g] = 0.0
-    inner = start + count - 1 if start == 0 else start
+    bounds, noise, drift, rows = work.bounds, work.noise, work.drift, work.noise.shape[0]
+    start, count, farthest = span
     for g in range(count + 1):
-        to = inner if g == count else start + g
-        at = places.shape[1] - 1 if g == count else to
+        first, last = (start + g, start + g) if g < count else both
+        at = start + g if g < count else farthest
         x, y, pace, square = places[0, at], places[1, at], places[2, at], places[3, at]
         F = max(abs(bounds[rows, g]), 1e-300)
         r, share = pace * W * np.sqrt(x * y / F), square / F
-        for k in range(1, rows):
-            noise[k, to] = max(noise[k, to], bounds[k, g] * r)
         own = bounds[rows + 1, g] * (1.0 if modes.chords else share)
         moved = (end + bounds[0, g] - bounds[0, count + 2 + g]) * share if modes.kernels else bounds[0, g]
-        noise[0, to], drift[to] = max(noise[0, to], own), max(drift[to], moved)
+        for to in range(first, last + 1):
+            for k in range(1, rows):
+                noise[k, to] = max(noise[k, to], bounds[k, g] * r)
+            noise[0, to], drift[to] = max(noise[0, to], own), max(drift[to], moved)
 
 
 @njit(**INLINED)
 def _samples(below: tuple[Doubts, Relative], above: tuple[Doubts, Relative], motions: Motions, i: int, tables: Tables,
              work: Scratch, modes: Modes) -> tuple[float, float]:  # fmt: skip
-    """Bounds on the errors of F and of the kernels at a few places, each seen from the nearer turning point.
+    """Bounds on the errors of F and of the kernels at a few places, each seen as the nodes beside it.
 
     Returns F's error at either turning point, where F comes from chords.
     """
-    m = motions.first[i]
-    samples, inside, places = tables.samples[m, 0], tables.samples[m, 1], tables.places[m]
+    m, share = motions.first[i], motions.share[i]
+    samples, places = tables.samples[m], tables.places[m]
+    inside, first, last = tables.spans[m, share, 0], tables.spans[m, share, 1], tables.spans[m, share, 2]
     c, e, W = motions.known[i], motions.doubt[i], motions.width[i]
-    span = (0, inside)
+    work.noise[:] = 0.0
+    work.drift[:] = 0.0
+    farthest = places.shape[1] - _FARTHEST + 2 * share
+    span = (0, inside, farthest)
     lower = _seen(below[0], below[1], motions.lower[i], motions.signs[0], W, places[0], span, c, e, work, modes)
-    _noted(work, span, places, W, lower, modes)
+    _noted(work, span, (first, last), places, W, lower, modes)
     if inside == samples:
         return lower, lower
-    span = (inside, samples - inside)
+    span = (inside, samples - inside, farthest + 1)
     upper = _seen(above[0], above[1], motions.upper[i], motions.signs[1], W, places[1], span, c, e, work, modes)
-    _noted(work, span, places, W, upper, modes)
+    _noted(work, span, (first, last), places, W, upper, modes)
     return lower, upper
 
 
@@ -158,8 +163,8 @@ def integrals(fill_below: Fill, fill_above: Fill, doubts_below: Doubts, doubts_a
     """
     constants, widest = results.means.shape[0], tables.low.shape[2]
     rows = constants if modes.kernels else 0
-    most = tables.places.shape[2] - 1
-    lanes = 4 * ((2 * most + 6) // 4)
+    most = tables.places.shape[2] - _FARTHEST
+    lanes = _VECTOR * ((2 * most + 2 + _VECTOR) // _VECTOR)
     work = Scratch(
         np.empty((3 + rows, widest)), np.empty(widest), np.empty((3, widest)), np.empty((1 + rows, most)),
         np.empty(most), np.empty((5, 1 + rows)), np.empty((4, lanes)), np.empty((3 + rows, lanes)),
@@ -178,7 +183,7 @@ def integrals(fill_below: Fill, fill_above: Fill, doubts_below: Doubts, doubts_a
         results.good[i], results.action[i], results.action_error[i] = True, found[0, 0], found[1, 0]
         if modes.kernels:
             if modes.shifts:
-                split = tables.split[m, size]
+                split = tables.split[m, size, motions.share[i]]
                 results.action_error[i] += shifted_action(work, residue, motions.doubt[i], n, split)
                 _shifts(work, residue, motions, i, (m, size), tables)
             for k in range(constants):

@@ -13,13 +13,13 @@ from typing import Any
 import numpy as np
 
 from hjsolve.arithmetic.error_free import Pair
-from hjsolve.arithmetic.number_types import Integers, Reals
+from hjsolve.arithmetic.number_types import Integers, Mask, Reals
 from hjsolve.ensembles.engine.clearance import Clearance
 from hjsolve.ensembles.engine.compiled_types import Clearances, Modes, Motions, Results
 from hjsolve.ensembles.engine.constants import InitialConstants, momentum_errors, slope
 from hjsolve.ensembles.engine.lowered_solution import Model, Separated
 from hjsolve.ensembles.engine.midpoint_rule import Sums, empty
-from hjsolve.ensembles.engine.node_maps import COUNTS, fitting, node_maps
+from hjsolve.ensembles.engine.node_maps import COUNTS, fitting, node_maps, views
 from hjsolve.ensembles.engine.nodes import EVEN
 from hjsolve.ensembles.engine.programs import Compiled, CoordinatePrograms, Loops, sides
 from hjsolve.ensembles.engine.radicand_views import Knowns
@@ -37,7 +37,7 @@ _STRETCHED = 16.0
 
 _NARROW = 0.03
 _ALONG = np.linspace(-0.5, 0.5, 5)
-_HELD = 4
+_HELD = COUNTS.index(40)
 """Size of the tables for which a small motion gets a disk of its own."""
 
 
@@ -143,10 +143,11 @@ class CompiledCoordinate:
         width = distances[0] + distances[1]
         even = self.coordinate.even & (np.abs(distances[0] - distances[1] - 2 * self.q) <= 1e-13 * width)
         signs = np.array([float(below.sign), -float(above.sign)])
+        first, share = self._maps(width, bends, signs, even)
         motions = Motions(
             momentum=self.P, left=distances[0], right=distances[1], width=width, lower=places[0], upper=places[1],
-            signs=signs, known=known, doubt=np.ascontiguousarray(self.doubt.T),
-            first=self._maps(width, bends, signs, even), least=np.zeros(n, dtype=np.int64),
+            signs=signs, known=known, doubt=np.ascontiguousarray(self.doubt.T), first=first,
+            least=np.zeros(n, dtype=np.int64), share=share,
         )  # fmt: skip
         proof = _Proof(self.loops, motions, below.clearance, above.clearance)
         span = np.stack([np.zeros(n, dtype=np.int64), np.full(n, len(COUNTS))])
@@ -158,8 +159,8 @@ class CompiledCoordinate:
             sums.good[crowded] = proof.least(crowded, map_, np.stack([size, size + 1])) >= 0
         return sums
 
-    def _maps(self, width: Reals, bends: Reals, signs: Reals, even: Any) -> Integers:
-        """The maps: W·|S′/S| at an end is W over the distance of the zero or pole next to it."""
+    def _maps(self, width: Reals, bends: Reals, signs: Reals, even: Mask) -> tuple[Integers, Integers]:
+        """The maps, and shares: W·|S′/S| at an end is W over the distance of the zero or pole next to it."""
         nearby = []
         with np.errstate(all="ignore"):
             for (first, bend), sign in zip(bends, signs, strict=True):
@@ -171,7 +172,8 @@ class CompiledCoordinate:
         some = np.flatnonzero(stretched)
         if len(some):
             index[some] = node_maps().index(fitting(lower[some], upper[some], even[some]))
-        return index
+        share = np.where(stretched & ~even, views(bends[0, 0], bends[1, 0], (lower, upper)), 0)
+        return index, share
 
     def _integrated(self, motions: Motions, modes: Modes, programs: tuple[Any, Any]) -> tuple[Sums, Integers]:
         below, above = programs
@@ -210,6 +212,7 @@ class CompiledCoordinate:
         motions = Motions(
             momentum=self.P, left=-low, right=high, width=width, lower=low, upper=high, signs=np.array([1.0, -1.0]),
             known=known, doubt=doubt, first=np.zeros(n, dtype=np.int64), least=least,
+            share=np.zeros(n, dtype=np.int64),
         )  # fmt: skip
         return self._integrated(motions, modes, (made, made))[0]
 

@@ -151,7 +151,7 @@ def phase(work: Scratch, motions: Motions, i: int, place: tuple[int, int], table
     weights, buffer = work.shares, work.buffer
     W, P, fold = motions.width[i], motions.momentum[i], map_[6]
     x, y = motions.left[i] / W, motions.right[i] / W
-    end, tip, squares = tables.samples[motions.first[i], 0] - 1, n - 1, tables.squares[int(fold) - 1, size]
+    end, tip, squares = tables.samples[motions.first[i]] - 1, n - 1, tables.squares[int(fold) - 1, size]
     low, high = tables.low[m, size, 0], tables.high[m, size, tip]
     blur = work.drift[0] / squares[0] + work.noise[0, 0] / (1.0 if chords else squares[0])
     blurred = work.drift[end] / squares[tip] + work.noise[0, end] / (1.0 if chords else squares[tip])

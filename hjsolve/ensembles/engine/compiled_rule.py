@@ -181,7 +181,7 @@ def _fill(below: Fill, above: Fill, motions: Motions, i: int, place: tuple[int, 
           buffer: Reals) -> None:  # fmt: skip
     """Fill the buffer at the nodes of a map and a size, each seen from the nearer turning point."""
     m, size = place
-    n, split, known = tables.counts[size], tables.split[m, size], motions.known[i]
+    n, split, known = tables.counts[size], tables.split[m, size, motions.share[i]], motions.known[i]
     low, high, pace, W = tables.low[m, size], tables.high[m, size], tables.pace[m, size], motions.width[i]
     below(buffer, motions.lower[i], motions.signs[0], W, low, high, pace, 0, split, known)
     if split < n:
@@ -209,7 +209,7 @@ def _rule(work: Scratch, tables: Tables, size: int, modes: Modes, first: int) ->
     if more > 0.0:
         return more, warp
     squares = tables.squares[int(tables.maps[first, 6]) - 1, size]
-    _blurs(work, squares, tables.samples[first, 0], n, integrands, modes.chords)
+    _blurs(work, squares, tables.samples[first], n, integrands, modes.chords)
     for k in range(integrands):
         scale, tail = found[1, k], found[2, k]
         blur = _SAFETY * found[3, k] / n + 8.0 * EPS * scale

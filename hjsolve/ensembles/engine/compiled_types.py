@@ -18,10 +18,12 @@ class Tables(NamedTuple):
         counts: numbers of nodes, shape (sizes,).
         low, high: (q − a)/W and (b − q)/W at the nodes, shape (maps, sizes, widest).
         pace: |dq/dχ| over the root of (q − a)(b − q), the same shape.
-        split: how many nodes lie in the lower half of the motion, shape (maps, sizes).
-        places: (q − a)/W, (b − q)/W, ``pace`` and sin²χ where errors are looked at, equally spaced in χ, and in the
-            middle of the motion last, shape (maps, 4, most + 1).
-        samples: how many of them, and how many lie in the lower half, shape (maps, 2).
+        split: how many nodes are seen from the lower end, shape (maps, sizes, 3); see ``node_maps.views``.
+        places: (q − a)/W, (b − q)/W, ``pace`` and sin²χ where errors are looked at, equally spaced in χ; and for every
+            share the farthest that nodes are seen, from below and from above; shape (maps, 4, most + 6).
+        samples: how many of them, shape (maps,).
+        spans: how many of them are seen from below, and the first and last beside which nodes are seen in both ways,
+            shape (maps, 3, 3).
         last, middle: cosines of the convergence test, shape (sizes, 5 or 3, widest).
         cosines: all of them, shape (sizes, widest, widest).
         squares, slopes: ``nodes.shifts``, plain and folded, shape (2, sizes, widest).
@@ -35,6 +37,7 @@ class Tables(NamedTuple):
     split: Integers
     places: Reals
     samples: Integers
+    spans: Integers
     last: Reals
     middle: Reals
     cosines: Reals
@@ -54,6 +57,7 @@ class Motions(NamedTuple):
         known: constants, and what else a program knows, shape (n, known).
         doubt: bounds on the errors of the constants, shape (n, constants).
         first, least: the map, and the size in the tables, to begin with; a negative size leaves the orbit out.
+        share: how much is seen from below; see ``node_maps.views``.
     """
 
     momentum: Reals
@@ -67,6 +71,7 @@ class Motions(NamedTuple):
     doubt: Reals
     first: Integers
     least: Integers
+    share: Integers
 
 
 class Results(NamedTuple):

@@ -14,13 +14,14 @@ from typing import Any, NamedTuple
 import numpy as np
 
 from hjsolve.arithmetic.error_free import Pair
+from hjsolve.arithmetic.number_types import Integers, Reals
 from hjsolve.ensembles.engine import nodes
 from hjsolve.ensembles.engine.compiled_types import Strips, Tables
 from hjsolve.ensembles.engine.nodes import EVEN, MOST, WARPS
 from hjsolve.ensembles.engine.strips_of_analyticity import SAFETY, across, covered_strip
 
-COUNTS = (12, 16, 24, 32, 40, 48, 56, 64, 72, 80, 96, 112, 128, 160, 192, 256)
-"""Numbers of nodes: whole vectors."""
+COUNTS = (16, 24, 32, 40, 48, 56, 64, 72, 80, 96, 112, 128, 160, 192, 256)
+"""Numbers of nodes: whole vectors of eight."""
 
 SAMPLES, STRETCHED_SAMPLES = 4, 12
 """Places at which rounding errors are looked at, beside the middle."""
@@ -28,6 +29,10 @@ SAMPLES, STRETCHED_SAMPLES = 4, 12
 _WIDEST = COUNTS[-1]
 _WARPED = 5
 _MARGIN = 0.04
+_VECTOR = 8
+_FROM_MIDDLE, _FROM_BELOW, _FROM_ABOVE = 0, 1, 2
+_TALL = 100.0
+"""How much larger p² may be next to one end than next to the other before that end is only seen from close by."""
 
 
 class NodeMap(NamedTuple):
@@ -51,6 +56,11 @@ class NodeMap(NamedTuple):
     def fold(self) -> int:
         """2 for an even motion, else 1."""
         return 2 if self.warp >= EVEN else 1
+
+    def dividing(self, share: int) -> float:
+        """(q − a)/W up to which a motion is seen from its lower end; see ``views``."""
+        lower, upper = 2.0**self.lower, 2.0**self.upper
+        return (0.5, 1.0 - 1.0 / (1.0 + upper), 1.0 / (1.0 + lower))[share]
 
     def stretched(self, sn2: Any, cn2: Any) -> tuple[Any, Any]:
         """Return (q − a)/W and (b − q)/W where sn² and cn² are these."""
@@ -77,6 +87,20 @@ def fitting(lower: Any, upper: Any, even: Any) -> Any:
     where = np.rint(4 * i / np.maximum(i + j, 1)).astype(np.int64)
     far = i + j >= 2 * _WARPED
     return np.stack([np.where(even, EVEN + far, np.where(far, 1 + where, 0)), i, j], axis=1)
+
+
+def views(lower: Reals, upper: Reals, nearby: tuple[Reals, Reals]) -> Integers:
+    """Tell how some motions are divided: 0 in the middle, 1 next to the upper and 2 next to the lower end.
+
+    What is lost at a turning point is small beside p² there, and not where p² is smaller by far. Near escape p² is
+    large far out: only what is nearer to that end than its own scale, W over ``nearby``, is seen from it.
+
+    Args:
+        lower, upper: slopes of p² at the ends.
+        nearby: 1 + ρ_d and 1 + ρ_c.
+    """
+    low, high = (np.abs(slope) / near for slope, near in zip((lower, upper), nearby, strict=True))
+    return np.where(high > _TALL * low, _FROM_BELOW, np.where(low > _TALL * high, _FROM_ABOVE, _FROM_MIDDLE))
 
 
 class NodeMaps:
@@ -162,7 +186,7 @@ def _shared_tables() -> Tables:
     none, counted = np.empty(0), np.empty(0, dtype=np.int64)
     return Tables(
         maps=none, counts=np.array(COUNTS), low=none, high=none, pace=none, split=counted, places=none,
-        samples=counted, last=last, middle=middle, cosines=cosines, squares=squares, slopes=slopes,
+        samples=counted, spans=counted, last=last, middle=middle, cosines=cosines, squares=squares, slopes=slopes,
     )  # fmt: skip
 
 
@@ -170,8 +194,10 @@ def _rows(key: NodeMap) -> dict[str, Any]:
     """The rows of one map in the tables."""
     samples = SAMPLES if key.level == 0 else STRETCHED_SAMPLES
     parts = [nodes.equal_anomalies(count, key.fold * count) for count in COUNTS]
-    among = (np.arange(samples) + _MARGIN) * (np.pi / key.fold) / (samples - 1 + 2 * _MARGIN)
-    among = np.append(among, _half_way(key))
+    share = np.pi / key.fold / (samples - 1 + 2 * _MARGIN)
+    equal = np.array([(k + _MARGIN) * share for k in range(samples)])
+    split, farthest = _divided(key)
+    among = np.concatenate([equal, farthest])
     χ = Pair(
         np.concatenate([*(part.high for part in parts), among]),
         np.concatenate([*(part.low for part in parts), 0.0 * among]),
@@ -183,31 +209,62 @@ def _rows(key: NodeMap) -> dict[str, Any]:
         pace = (2 * quarter / np.pi * pace) * np.sqrt(complement * (1 + c * y) * (1 + d * x))
     low, high, paces = (np.zeros((len(COUNTS), _WIDEST)) for _ in range(3))
     for part, values in ((low, x), (high, y), (paces, pace)):
-        for k, row in enumerate(np.split(values[: -samples - 1], np.cumsum(COUNTS)[:-1])):
+        for k, row in enumerate(np.split(values[: -len(among)], np.cumsum(COUNTS)[:-1])):
             part[k, : len(row)] = row
-    places = np.zeros((4, STRETCHED_SAMPLES + 1))
-    seen = np.stack([x, y, pace, np.sin(χ.high) ** 2])[:, -samples - 1 :]
-    places[:, :samples], places[:, -1] = seen[:, :-1], seen[:, -1]
-    inside = int((seen[0, :-1] <= 0.5).sum())
+    places = np.zeros((4, STRETCHED_SAMPLES + len(farthest)))
+    seen = np.stack([x, y, pace, np.sin(χ.high) ** 2])[:, -len(among) :]
+    places[:, :samples], places[:, STRETCHED_SAMPLES:] = seen[:, :samples], seen[:, samples:]
     return {
         "maps": np.array([*WARPS[key.warp], quarter, complement, d, c, key.fold]),
         "low": low,
         "high": high,
         "pace": paces,
-        "split": np.array([int((row[:count] <= 0.5).sum()) for row, count in zip(low, COUNTS, strict=True)]),
+        "split": split,
         "places": places,
-        "samples": np.array([samples, samples if key.fold == 2 else inside]),
+        "samples": np.array(samples),
+        "spans": np.array([_spans(key, equal, share, *farthest[2 * share : 2 * share + 2]) for share in range(3)]),
     }
 
 
-def _half_way(key: NodeMap) -> float:
-    """χ in the middle of the motion, nearly."""
+def _divided(key: NodeMap) -> tuple[Integers, Reals]:
+    """How many nodes of every size are seen from below, in every share; and the farthest that is, seen from either end.
+
+    Whole vectors are, where that moves no more than a few nodes.
+    """
+    split, farthest = np.empty((len(COUNTS), 3), dtype=np.int64), np.empty(6)
+    for share in range(3):
+        if key.fold == 2:
+            split[:, share], farthest[2 * share : 2 * share + 2] = COUNTS, 0.5 * np.pi
+            continue
+        middle = _half_way(key, key.dividing(share))
+        for k, count in enumerate(COUNTS):
+            part = middle / np.pi * count
+            whole = {_FROM_MIDDLE: np.rint, _FROM_BELOW: np.ceil, _FROM_ABOVE: np.floor}[share](part / _VECTOR)
+            rounded = _VECTOR * int(whole)
+            fits = _VECTOR <= rounded <= count - _VECTOR and not (key.warp and not key.level)
+            split[k, share] = rounded if fits else min(max(round(part), 1), count - 1)
+        last = (split[:, share] - 0.5) * np.pi / COUNTS
+        farthest[2 * share] = max(last.max(), middle)
+        farthest[2 * share + 1] = min((last + np.pi / np.array(COUNTS)).min(), middle)
+    return split, farthest
+
+
+def _spans(key: NodeMap, equal: Reals, share: int, below: float, above: float) -> tuple[int, int, int]:
+    """How many samples are seen from below, and between which ones both views are used: at χ from above to below."""
     if key.fold == 2:
-        return 0.5 * float(np.pi)
+        return len(equal), len(equal) - 1, len(equal) - 1
+    inside = int((equal <= _half_way(key, key.dividing(share))).sum())
+    first = int((equal <= above).sum()) - 1
+    last = len(equal) - int((equal >= below).sum())
+    return inside, min(max(first, 0), inside - 1), max(min(last, len(equal) - 1), inside)
+
+
+def _half_way(key: NodeMap, goal: float) -> float:
+    """χ where (q − a)/W has some value, nearly."""
     χ = np.linspace(0.0, np.pi, 514)[1:-1]
     _, _, sn2, cn2, _ = nodes.libration_places(Pair(χ, 0.0 * χ), key.level, key.warp)
     x, y = key.stretched(sn2, cn2)
-    return float(np.interp(0.0, np.log(x / y), χ))
+    return float(np.interp(np.log(goal / (1.0 - goal)), np.log(x / y), χ))
 
 
 def _disks(key: NodeMap, count: int) -> tuple[Any, Any, Any, int]:

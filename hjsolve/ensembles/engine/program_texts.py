@@ -114,16 +114,18 @@ def _fill_text(formula: LoweredFormula, unpack: str, known: list[str], kernels: 
 
 def _filled(source: PythonSource, unpack: str, places: list[str], square: str, weights: list[str]) -> str:
     fixed, moving = _divided(source.lines)
+    rows = [square + " * r", "r", square, *(f"{w} * r" for w in weights)]
     lines = [
         *places,
         *moving,
         f"r = pace[j] * sqrt_((W * near[j]) * (W * far[j]) / {square})",
-        f"buffer[0, j] = {square} * r",
-        "buffer[1, j] = r",
-        f"buffer[2, j] = {square}",
-        *(f"buffer[{3 + k}, j] = {w} * r" for k, w in enumerate(weights)),
+        *(f"b{k}[j] = {row}" for k, row in enumerate(rows)),
     ]
-    return _loop(_FILL, unpack + "".join(f"    {line}\n" for line in fixed), "j in range(start, stop)", lines)
+    # slices, because LLVM makes vectors only of loops that begin at 0
+    sliced = [f"{name} = {name}[start:stop]" for name in ("near", "far", "pace")]
+    sliced += [f"b{k} = buffer[{k}, start:stop]" for k in range(len(rows))]
+    before = unpack + "".join(f"    {line}\n" for line in (*fixed, *sliced))
+    return _loop(_FILL, before, "j in range(near.shape[0])", lines)
 
 
 def _divided(lines: list[str]) -> tuple[list[str], list[str]]:
