@@ -118,14 +118,14 @@ class CompiledCoordinate:
         return found
 
     def _walk(self, upper: int, known: Reals) -> Any:
-        from hjsolve.ensembles.engine.compiled_turning_points import Walk
+        from hjsolve.ensembles.engine.compiled_turning_points import SearchSide
 
         formula = sides(self.coordinate)[upper]
         side = (2.0 * upper - 1.0) * formula.sign
         origin = (self.coordinate.lower, self.coordinate.upper)[upper]
         floor = side * np.inf if origin is None else 0.0
         reach = 2 * np.pi if self.coordinate.periodic else np.inf
-        return Walk(offset(formula, self.q), self.P, known, self.constants, floor, side, reach)
+        return SearchSide(offset(formula, self.q), self.P, known, self.constants, floor, side, reach)
 
     def wide(self, modes: Modes) -> Sums:
         """Integrate motions seen from zero, or from the ends of the domain; good only where this pass was enough.

@@ -30,7 +30,7 @@ Bounds = Callable[[Reals, Reals, Reals, Reals], None]
 Doubts = Callable[[Reals, Reals, Reals, Reals, Reals], None]
 
 
-class Walk(NamedTuple):
+class SearchSide(NamedTuple):
     """Where turning points are looked for in one view, on one side.
 
     Attributes:
@@ -65,8 +65,8 @@ def _first_step(P: float, outward: float, bend: float, size: float) -> float:
 
 
 @njit(**INLINED)
-def _bracket(value: Value, walk: Walk, x0: float, step: float, c: Reals) -> tuple[float, float]:
-    """Walk outward: the last place with F ≥ 0 and the first with F < 0; see ``turning_points.bracket``."""
+def _bracket(value: Value, walk: SearchSide, x0: float, step: float, c: Reals) -> tuple[float, float]:
+    """SearchSide outward: the last place with F ≥ 0 and the first with F < 0; see ``turning_points.bracket``."""
     inner, side, floor = x0, walk.side, walk.floor
     for _ in range(_STEPS):
         x = inner + side * step
@@ -86,7 +86,7 @@ def _bracket(value: Value, walk: Walk, x0: float, step: float, c: Reals) -> tupl
 
 
 @njit(**INLINED)
-def ends(value: Value, bend: Bend, slopes: Slopes, walk: Walk, places: Reals, bends: Reals) -> None:
+def ends(value: Value, bend: Bend, slopes: Slopes, walk: SearchSide, places: Reals, bends: Reals) -> None:
     """Turning points on one side: brackets orbit by orbit, then Newton's method for all at once.
 
     Args:
@@ -151,7 +151,7 @@ def _finish(bend: Bend, x: float, x0: float, span: tuple[float, float], c: Reals
 
 
 @njit(**INLINED)
-def crests(bend: Bend, doubts: Doubts, walk: Walk, doubt: Reals, kernels: int, small: Reals) -> None:
+def crests(bend: Bend, doubts: Doubts, walk: SearchSide, doubt: Reals, kernels: int, small: Reals) -> None:
     """The error of p² at the start over about how large p² becomes; see ``regions.hopeless_in_doubles``.
 
     Args:
