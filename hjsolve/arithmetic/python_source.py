@@ -28,6 +28,19 @@ class PythonSource:
     lines: list[str] = field(default_factory=list)
     _known: dict[str, tuple[str, ...]] = field(default_factory=dict)
 
+    def called(self, name: str, *arguments: str, results: int) -> tuple[str, ...]:
+        """Write the line that calls a function of ours.
+
+        Args:
+            name: of the function.
+            arguments: names of variables, or literals.
+            results: how many values it returns.
+
+        Returns:
+            The names of the variables that hold them.
+        """
+        return self._assigned(f"{name}({', '.join(arguments)})", results)
+
     def _assigned(self, text: str, results: int = 1) -> tuple[str, ...]:
         if text not in self._known:
             names = tuple(f"t{len(self._known)}_{k}" for k in range(results))
@@ -47,11 +60,13 @@ class PythonSource:
         return f"({pi!r})"
 
     def add(self, x: str, y: str) -> str:
-        """Write a line with x + y and return the name of its variable.
+        """Write a line with x + y and return the name of its variable; none for a term 0.
 
         Args:
             x, y: names of variables, or literals.
         """
+        if "(0.0)" in (x, y):
+            return y if x == "(0.0)" else x
         return self._assigned(f"{x} + {y}")[0]
 
     def sub(self, x: str, y: str) -> str:
@@ -60,16 +75,20 @@ class PythonSource:
         Args:
             x, y: names of variables, or literals.
         """
+        if x == "(0.0)":
+            return self.unary("neg", y)
         return self._assigned(f"{x} - {y}")[0]
 
     def mul(self, x: str, y: str) -> str:
-        """Write a line with x·y and return the name of its variable; none for a factor 1.
+        """Write a line with x·y and return the name of its variable; none for a factor 1 or 0.
 
         Args:
             x, y: names of variables, or literals.
         """
         if "(1.0)" in (x, y):
             return y if x == "(1.0)" else x
+        if "(0.0)" in (x, y):
+            return "(0.0)"
         return self._assigned(f"{x} * {y}")[0]
 
     def div(self, x: str, y: str) -> str:

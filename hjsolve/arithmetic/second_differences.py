@@ -11,14 +11,16 @@ SIAM J. Numer. Anal. 22 (1985) 604). However small δ is, t keeps its relative a
 
 from __future__ import annotations
 
+from collections.abc import Callable
 from dataclasses import dataclass
 from math import factorial
-from typing import NamedTuple
+from typing import Any, Generic, NamedTuple
 
 import numpy as np
 
 from hjsolve.arithmetic.floats import Float64, by_squaring
-from hjsolve.arithmetic.number_types import Elementwise
+from hjsolve.arithmetic.number_types import Elementwise, N
+from hjsolve.arithmetic.tape import Arithmetic
 
 FUNCTIONS = frozenset({"neg", "sqrt", "exp", "log", "sin", "cos", "tan", "sinh", "cosh", "tanh", "sech", "abs"})
 """Elementary functions that have a rule."""
@@ -27,63 +29,70 @@ _SERIES = 0.7
 _TERMS = 11
 
 
-class SecondDifference(NamedTuple):
+class SecondDifference(NamedTuple, Generic[N]):
     """f(q₀), f′(q₀), f[q₀, q₀, q], f[q₀, q] and f(q); a constant has None but at the first."""
 
-    base: Elementwise
-    first: Elementwise = None
-    second: Elementwise = None
-    slope: Elementwise = None
-    value: Elementwise = None
+    base: N
+    first: Any = None
+    second: Any = None
+    slope: Any = None
+    value: Any = None
 
 
-@dataclass(frozen=True)
-class SecondDifferences:
+@dataclass(frozen=True, slots=True)
+class SecondDifferences(Generic[N]):
     """Arithmetic on ``SecondDifference`` values.
 
     Attributes:
-        offset: δ; base parts must broadcast against it.
+        plain: arithmetic of the parts.
+        offset: δ in it; base parts must broadcast against it.
+        elementary: (name, x, d) ↦ Φ(x), Φ′(x) and Φ[x, x, x + d] of exp, log, sin, cos, sinh, cosh.
+        sign: (x, y) ↦ the sign of x, NaN where that of y is another.
     """
 
-    offset: Elementwise
+    plain: Arithmetic[N]
+    offset: N
+    elementary: Callable[[str, N, N], tuple[N, N, N]]
+    sign: Callable[[N, N], N]
 
-    def variable(self, place: Elementwise) -> SecondDifference:
+    def variable(self, place: N) -> SecondDifference[N]:
         """Return the slope of q itself, q₀ = ``place``.
 
         Args:
             place: q₀.
         """
-        return self._made(place, 1.0, 0.0)
+        return self._made(place, self.plain.rational(1, 1), self.plain.rational(0, 1))
 
-    def _made(self, base: Elementwise, first: Elementwise, second: Elementwise) -> SecondDifference:
-        slope = first + self.offset * second
-        return SecondDifference(base, first, second, slope, base + self.offset * slope)
+    def _made(self, base: N, first: N, second: N) -> SecondDifference[N]:
+        a = self.plain
+        slope = a.add(first, a.mul(self.offset, second))
+        return SecondDifference(base, first, second, slope, a.add(base, a.mul(self.offset, slope)))
 
-    def rational(self, numerator: int, denominator: int) -> SecondDifference:
+    def rational(self, numerator: int, denominator: int) -> SecondDifference[N]:
         """Return a constant: it has no differences.
 
         Args:
             numerator, denominator: whole numbers, the second not zero.
         """
-        return SecondDifference(Float64().rational(numerator, denominator))
+        return SecondDifference(self.plain.rational(numerator, denominator))
 
-    def pi(self) -> SecondDifference:
-        return SecondDifference(np.pi)
+    def pi(self) -> SecondDifference[N]:
+        return SecondDifference(self.plain.pi())
 
-    def add(self, x: SecondDifference, y: SecondDifference) -> SecondDifference:
+    def add(self, x: SecondDifference[N], y: SecondDifference[N]) -> SecondDifference[N]:
         """Return x + y; differences are added.
 
         Args:
             x, y: functions between q₀ and q₀ + δ.
         """
+        a = self.plain
+        base = a.add(x.base, y.base)
         if x.first is None or y.first is None:
             other = y if x.first is None else x
-            if other.first is None:
-                return SecondDifference(x.base + y.base)
-            return self._made(x.base + y.base, other.first, other.second)
-        return self._made(x.base + y.base, x.first + y.first, x.second + y.second)
+            return SecondDifference(base) if other.first is None else self._made(base, other.first, other.second)
+        return self._made(base, a.add(x.first, y.first), a.add(x.second, y.second))
 
-    def sub(self, x: SecondDifference, y: SecondDifference) -> SecondDifference:
+    def sub(self, x: SecondDifference[N], y: SecondDifference[N]) -> SecondDifference[N]:
         """Return x − y; differences are subtracted.
 
         Args:
@@ -91,34 +100,38 @@ class SecondDifferences:
         """
         return self.add(x, self.unary("neg", y))
 
-    def mul(self, x: SecondDifference, y: SecondDifference) -> SecondDifference:
+    def mul(self, x: SecondDifference[N], y: SecondDifference[N]) -> SecondDifference[N]:
         """Return x·y, by (xy)[q₀, q₀, q] = x₀ y[q₀, q₀, q] + x′₀ y[q₀, q] + x[q₀, q₀, q] y.
 
         Args:
             x, y: functions between q₀ and q₀ + δ.
         """
+        a = self.plain
+        base = a.mul(x.base, y.base)
         if x.first is None or y.first is None:
             constant, other = (x, y) if x.first is None else (y, x)
             if other.first is None:
-                return SecondDifference(x.base * y.base)
-            return self._made(constant.base * other.base, constant.base * other.first, constant.base * other.second)
-        second = x.base * y.second + x.first * y.slope + x.second * y.value
-        return self._made(x.base * y.base, x.first * y.base + x.base * y.first, second)
+                return SecondDifference(base)
+            return self._made(base, a.mul(constant.base, other.first), a.mul(constant.base, other.second))
+        second = a.add(a.add(a.mul(x.base, y.second), a.mul(x.first, y.slope)), a.mul(x.second, y.value))
+        return self._made(base, a.add(a.mul(x.first, y.base), a.mul(x.base, y.first)), second)
 
-    def div(self, x: SecondDifference, y: SecondDifference) -> SecondDifference:
+    def div(self, x: SecondDifference[N], y: SecondDifference[N]) -> SecondDifference[N]:
         """Solve x = h y for h = x/y: x[q₀,q₀,q] = h₀ y[q₀,q₀,q] + h′₀ y[q₀,q] + h[q₀,q₀,q] y.
 
         Args:
             x, y: functions between q₀ and q₀ + δ.
         """
+        a = self.plain
         if y.first is None:
-            return self.mul(x, SecondDifference(1.0 / y.base))
-        base = x.base / y.base
-        first = ((0.0 if x.first is None else x.first) - base * y.first) / y.base
-        second = ((0.0 if x.second is None else x.second) - base * y.second - first * y.slope) / y.value
-        return self._made(base, first, second)
+            return self.mul(x, SecondDifference(a.div(a.rational(1, 1), y.base)))
+        zero = a.rational(0, 1)
+        base = a.div(x.base, y.base)
+        first = a.div(a.sub(zero if x.first is None else x.first, a.mul(base, y.first)), y.base)
+        rest = a.sub(zero if x.second is None else x.second, a.mul(base, y.second))
+        return self._made(base, first, a.div(a.sub(rest, a.mul(first, y.slope)), y.value))
 
-    def power(self, x: SecondDifference, n: int) -> SecondDifference:
+    def power(self, x: SecondDifference[N], n: int) -> SecondDifference[N]:
         """Return xⁿ, by squaring.
 
         Args:
@@ -126,37 +139,52 @@ class SecondDifferences:
             n: the exponent, of either sign.
         """
         if n < 0:
-            return self.div(SecondDifference(1.0), self.power(x, -n))
-        result: SecondDifference = by_squaring(self.mul, x, n)
+            return self.div(self.rational(1, 1), self.power(x, -n))
+        result: SecondDifference[N] = by_squaring(self.mul, x, n)
         return result
 
-    def unary(self, name: str, x: SecondDifference) -> SecondDifference:
+    def unary(self, name: str, x: SecondDifference[N]) -> SecondDifference[N]:
         """Return Φ(x), by the addition theorem of Φ.
 
         Args:
             name: of the function Φ, one of ``tape.UNARY``.
             x: a function between q₀ and q₀ + δ.
         """
+        a = self.plain
         if x.first is None:
-            return SecondDifference(Float64().unary(name, x.base))
+            return SecondDifference(a.unary(name, x.base))
         if name == "neg":
-            return SecondDifference(-x.base, -x.first, -x.second, -x.slope, -x.value)
+            return SecondDifference(*(a.unary("neg", part) for part in x))
         if name == "tan":
             return self.div(self.unary("sin", x), self.unary("cos", x))
         if name == "tanh":
             return self.div(self.unary("sinh", x), self.unary("cosh", x))
         if name == "sech":
-            return self.div(SecondDifference(1.0), self.unary("cosh", x))
+            return self.div(self.rational(1, 1), self.unary("cosh", x))
         if name == "abs":
-            sign = np.where(x.base * x.value > 0, np.sign(x.base), np.nan)
-            return self.mul(x, SecondDifference(sign))
+            return self.mul(x, SecondDifference(self.sign(x.base, x.value)))
         if name == "sqrt":
-            base, here = np.sqrt(x.base), np.sqrt(x.value)
-            first = x.first / (2 * base)
-            second = (x.second - first * x.slope / (base + here)) / (base + here)
+            base, here = a.unary("sqrt", x.base), a.unary("sqrt", x.value)
+            total = a.add(base, here)
+            first = a.div(x.first, a.mul(a.rational(2, 1), base))
+            second = a.div(a.sub(x.second, a.div(a.mul(first, x.slope), total)), total)
             return self._made(base, first, second)
-        base, derivative, bend = _elementary(name, x.base, self.offset * x.slope)
-        return self._made(base, derivative * x.first, bend * x.slope**2 + derivative * x.second)
+        base, derivative, bend = self.elementary(name, x.base, a.mul(self.offset, x.slope))
+        second = a.add(a.mul(bend, a.mul(x.slope, x.slope)), a.mul(derivative, x.second))
+        return self._made(base, a.mul(derivative, x.first), second)
+
+
+def in_doubles(offset: Elementwise) -> SecondDifferences[Elementwise]:
+    """Return the arithmetic over doubles and arrays of them.
+
+    Args:
+        offset: δ.
+    """
+    return SecondDifferences(Float64(), offset, _elementary, _common_sign)
+
+
+def _common_sign(x: Elementwise, y: Elementwise) -> Elementwise:
+    return np.where(x * y > 0, np.sign(x), np.nan)
 
 
 def _elementary(name: str, x: Elementwise, d: Elementwise) -> tuple[Elementwise, Elementwise, Elementwise]:

@@ -11,8 +11,7 @@ import pytest
 
 from hjsolve.catalog import load
 from hjsolve.ensembles import engine, orbits
-from hjsolve.ensembles.engine import program_cache
-from hjsolve.ensembles.engine.programs import _careful
+from hjsolve.ensembles.engine import program_cache, programs
 from hjsolve.solution.quadratures import solve
 
 TEXT = "def start(q):\n    return (q, )\n"
@@ -101,11 +100,20 @@ def test_nothing_is_kept_where_nothing_can_be(tmp_path: Path, monkeypatch: pytes
         monkeypatch.delenv("HJSOLVE_CACHE_DIR", raising=False)
 
 
-def test_what_cannot_be_read_is_compiled_in_memory() -> None:
-    def broken(x: int) -> int:
-        raise EOFError(x)
+def test_what_cannot_be_read_is_compiled_in_memory(folder: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    pytest.importorskip("numba")
+    text, kept = "def start(q):\n    return q + 1\n", []
+    made = programs._functions
 
-    assert _careful(broken, lambda: lambda x: x + 1)(2) == 3
+    def broken(text: str, names: tuple[str, ...], path: Path | None, *, loops: bool) -> dict[str, programs.Function]:
+        kept.append(path is not None)
+        if path is not None:
+            raise EOFError(path)
+        return made(text, names, path, loops=loops)
+
+    monkeypatch.setattr(programs, "_functions", broken)
+    assert programs._module(text, ("start",), False)["start"](2) == 3
+    assert kept == [True, False]
 
 
 def test_kept_programs_serve_smaller_ensembles(monkeypatch: pytest.MonkeyPatch) -> None:

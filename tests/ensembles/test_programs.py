@@ -10,16 +10,19 @@ import pytest
 import hjsolve
 from hjsolve.arithmetic.floats import Float64
 from hjsolve.arithmetic.python_source import PythonSource
+from hjsolve.arithmetic.second_differences import SecondDifference, in_doubles
 from hjsolve.ensembles.engine.lowered_solution import lowered_model
-from hjsolve.ensembles.engine.programs import _coordinate_text, _start_text, compiled_programs
+from hjsolve.ensembles.engine.program_texts import small_text, start_text, view_text
+from hjsolve.ensembles.engine.programs import compiled, sides
+from hjsolve.ensembles.engine.regions import has_slopes
 from hjsolve.motion.initial_data import parameter_values
 
 WORDS = {
-    "def", "return", "for", "in", "range", "if", "else", "x", "c", "e", "q", "p", "i", "j", "r", "a", "b", "W", "C", "E", "doubt",
-    "P", "value", "slope", "bend", "fill", "doubts", "pack", "start", "buffer", "low", "high", "pace", "count", "shape",
-    "anchor", "relative", "first", "last", "lower", "d", "abs", "out", "place", "mask", "base", "offset", "g",
-    "search", "ends", "loop", "orbits", "True", "False",
+    "def", "return", "for", "in", "range", "x", "c", "e", "q", "p", "i", "j", "r", "b", "s", "d", "f", "W", "C", "E", "P", "g", "doubt",
+    "value", "bend", "slopes", "fill", "doubts", "relative", "bounds", "start", "buffer", "near", "far", "pace", "stop", "shape",
+    "abs", "out", "place", "mask", "base", "offset", "start0", "square0", "first0", "doubt0",
     "sincos", "sinhcosh", "sqrt_", "exp_", "log_", "abs_", "tan_", "tanh_", "atan_",
+    "sincos_bends", "sinhcosh_bends", "exp_bend", "log_bend", "common_sign",
 }  # fmt: skip
 
 
@@ -28,10 +31,14 @@ def test_a_program_has_only_our_words(name: str) -> None:
     solution = hjsolve.solve(hjsolve.catalog.load(name))
     model = lowered_model(solution, parameter_values(solution.system, {}))
     numbers = tuple(pair.high for pair in model.numbers)
-    texts = [_start_text(model)] + [_coordinate_text(c, len(model.constants), numbers, True) for c in model.separated]
+    count = len(model.constants)
+    texts = [start_text(model)]
+    for coordinate in model.separated:
+        texts += [view_text(formula, count, numbers, True) for formula in sides(coordinate)]
+        texts += [small_text(coordinate.plain, count, numbers, True)] if has_slopes(coordinate.plain) else []
     for text in texts:
         words = set(re.findall(r"[A-Za-z_]\w*", re.sub(r"\d+\.?\d*e[-+]?\d+", "0", text)))
-        assert {w for w in words if not re.fullmatch(r"((low|high)_)?(t\d+_\d|[cesx]\d+|b)", w)} <= WORDS
+        assert {w for w in words if not re.fullmatch(r"t\d+_\d|[bcesx]\d+", w)} <= WORDS
 
 
 def test_only_known_codes_are_written() -> None:
@@ -45,8 +52,17 @@ def test_a_program_computes_what_its_tape_computes(name: str) -> None:
     solution = hjsolve.solve(hjsolve.catalog.load(name))
     model = lowered_model(solution, parameter_values(solution.system, {}))
     numbers = tuple(pair.high for pair in model.numbers)
-    constants = tuple(-0.3 + 0.37 * k for k in range(len(model.constants)))
-    for coordinate in model.separated:
-        made = compiled_programs(coordinate, len(constants), numbers, True)
-        expected = coordinate.plain.squared.run(Float64(), [0.7, *constants, *numbers])[0]
-        assert np.isclose(made.value(0.7, constants)[0], expected, rtol=1e-14, atol=0)
+    constants = np.array([-0.3 + 0.37 * k for k in range(len(model.constants))])
+    made = compiled(model, kernels=True)
+    for coordinate, programs in zip(model.separated, made.coordinates, strict=True):
+        for formula, view in zip(sides(coordinate), (programs.below, programs.above), strict=True):
+            expected = formula.squared.run(Float64(), [0.7, *constants, *numbers])[0]
+            assert np.isclose(view.value(0.7, constants), expected, rtol=1e-14, atol=0)
+        if not has_slopes(coordinate.plain):
+            continue
+        for x in (-0.2, 1e-3, 0.3):
+            slopes = in_doubles(x)
+            inputs = [slopes.variable(0.7), *(SecondDifference(k) for k in (*constants, *numbers))]
+            expected = coordinate.plain.squared.run(slopes, inputs)[0].second
+            known = np.array([*constants, 0.7, 0.0, 0.0, 0.0])
+            assert np.isclose(programs.small().value(x, known), expected, rtol=1e-13, atol=0)

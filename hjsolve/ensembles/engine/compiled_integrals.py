@@ -1,145 +1,37 @@
-"""The loops of the compiled pass. Only imported where numba is.
+"""The loop over orbits of the compiled pass. Only imported where numba is.
 
-Functions that call a program of the coordinate know it by its global name; ``programs`` binds them to each.
+The programs of the coordinate come in as functions, so that the loop is compiled once for all systems.
 """
 
 from __future__ import annotations
 
-import math
-from typing import Any
+from collections.abc import Callable
 
 import numpy as np
 from numba import njit
 
-from hjsolve.arithmetic.floats import EPS
-from hjsolve.ensembles.engine.compiled_rule import REDUCING, SAMPLES, choose, dot
-from hjsolve.ensembles.engine.elementary import OPTIONS, sincos
-from hjsolve.ensembles.engine.nodes import EVEN
+from hjsolve.arithmetic.number_types import Reals
+from hjsolve.ensembles.engine.compiled_phase import phase, running_weights
+from hjsolve.ensembles.engine.compiled_rule import REDUCING, Fill, choose, dot, shifted_action
+from hjsolve.ensembles.engine.compiled_types import Modes, Motions, Results, Scratch, Tables
+from hjsolve.ensembles.engine.elementary import INLINED
 
-_EVEN = EVEN
-_CLOSE = 0.05
-_LANES = 8
-"""Places at which rounding errors are looked at: whole vectors."""
+_VECTOR = 8
+_FARTHEST = 6
+Doubts = Callable[[Reals, Reals, Reals, Reals, Reals], None]
+Relative = Callable[[Reals, Reals, Reals, Reals], None]
 
-doubts: Any = None
-relative: Any = None
-pack: Any = None
-"""Of the program; see ``programs``."""
-
-_PLACES = tuple(0.5 - 0.5 * math.cos(math.pi * (g + 0.04) / (SAMPLES - 1 + 0.08)) for g in range(SAMPLES))
-
-
-@njit(**OPTIONS)
-def _pace(χ, warp):
-    s, c = sincos(χ)
-    return 1.0 + warp[0] * c + warp[1] * (c * c - s * s)
-
-
-@njit(**OPTIONS)
-def _anomaly(x, y, warp):
-    """χ of a place; see ``initial_phase._unwarped``. Halley's steps inside a bracket."""
-    goal = 2.0 * math.atan2(np.sqrt(max(x, 0.0)), np.sqrt(max(y, 0.0)))
-    γ, δ = warp[0], warp[1]
-    if γ == 0.0 and δ == 0.0:
-        return goal
-    low, high, χ = 0.0, math.pi, goal
-    for _ in range(60):
-        s, c = sincos(χ)
-        f = χ + γ * s + δ * s * c - goal
-        slope, bend = 1.0 + γ * c + δ * (c * c - s * s), -s * (γ + 4.0 * δ * c)
-        if f <= 0.0:
-            low = χ
-        else:
-            high = χ
-        new = χ - f * slope / (slope * slope - 0.5 * f * bend)
-        inside = new >= low and new <= high
-        if not inside:
-            new = 0.5 * (low + high)
-        if abs(new - χ) <= (1e-6 if inside else 4.0 * EPS) * abs(new):  # the error falls with its third power
-            return new
-        χ = new
-    return χ
-
-
-@njit(**OPTIONS)
-def _interpolation(weights, χ, n, cosines):
-    """Weights by which values at the nodes give that at χ: the barycentric formula (Berrut & Trefethen 2004, §5.2)."""
-    place, nodes, signs, total = math.cos(χ), cosines[0], cosines[n - 2], 0.0
-    for j in range(n):
-        gap = place - nodes[j]
-        weights[j] = signs[j] / (gap if gap != 0.0 else 1e-30)
-    total = _total(weights, n)
-    for j in range(n):
-        weights[j] /= total
-
-
-@njit(**REDUCING)
-def _total(x: Any, n: int) -> float:
-    total = 0.0
-    for j in range(n):
-        total += x[j]
-    return total
-
-
-@njit(**OPTIONS)
-def _integration(weights, scratch, χ, n, cosines):
-    """Weights of the running integral less its mean growth, Σ cos kχⱼ sin kχ/k; odd k are odd about χ = π/2."""
-    half = n // 2
-    s1, c1 = sincos(χ)
-    s, c = s1, c1
-    s2, c2 = 2.0 * s1 * c1, c1 * c1 - s1 * s1
-    t, d = s2, c2
-    scratch[0, :half] = 0.0
-    scratch[1, :half] = 0.0
-    for k in range(1, n - 2, 4):
-        s3, c3 = s * c2 + c * s2, c * c2 - s * s2
-        t3, d3 = t * c2 + d * s2, d * c2 - t * s2
-        odd, even, odd3, even3 = s / k, t / (k + 1), s3 / (k + 2), (t3 / (k + 3) if k + 3 < n else 0.0)
-        first, second, third, fourth = cosines[k - 1], cosines[k], cosines[k + 1], cosines[min(k + 2, n - 2)]
-        for j in range(half):
-            scratch[0, j] += odd * first[j] + odd3 * third[j]
-            scratch[1, j] += even * second[j] + even3 * fourth[j]
-        s, c, t, d = s3 * c2 + c3 * s2, c3 * c2 - s3 * s2, t3 * c2 + d3 * s2, d3 * c2 - t3 * s2
-    for j in range(half):
-        weights[j] = scratch[1, j] + scratch[0, j]
-        weights[n - 1 - j] = scratch[1, j] - scratch[0, j]
-
-
-@njit(**OPTIONS)
-def _phase(buffer, weights, noise, drift, a, b, x0, P, n, low, high, warp, fold, cosines, chords):
-    """Phase of the start and a bound on its error; see ``initial_phase``. Leaves the weights of interpolation."""
-    W = b - a
-    x, y = (x0 - a) / W, (b - x0) / W
-    end, tip = SAMPLES - 1, n - 1
-    below, first = drift[0] / buffer[2, 0] + noise[0, 0] / (1.0 if chords else buffer[2, 0]), low[0]
-    above, last = drift[end] / buffer[2, tip] + noise[0, end] / (1.0 if chords else buffer[2, tip]), high[tip]
-    if fold == 2:
-        above, last = below, first
-    lower, upper = first * below, last * above
-    δ = y * lower + x * upper
-    if min(x, y) < _CLOSE:
-        for _ in range(2):
-            χ = _anomaly(x, y, warp)
-            _interpolation(weights, fold * χ, n, cosines)
-            r = dot(buffer[1], weights, n) / _pace(χ, warp)
-            small = (P * r / W) ** 2 / max(x, y)
-            x, y = (small, 1.0 - small) if x < y else (1.0 - small, small)
-        δ = min(x * below, lower) if x < y else min(y * above, upper)
-        δ += min(x, y) * (lower + upper)
-    χ = _anomaly(x, y, warp)
-    _interpolation(weights, fold * χ, n, cosines)
-    small, large = min(x, y), max(x, y)
-    doubt = (δ / np.sqrt(max(small, 1e-300)) + 4.0 * EPS * np.sqrt(small)) / np.sqrt(large) / _pace(χ, warp)
-    return (-χ if P < 0 else χ), 2.0 * doubt + 8.0 * EPS * math.pi
-
-
-@njit(**OPTIONS)
-def _shifts(buffer, scratch, n, residue, E, i, rules, found):
+@njit(**INLINED)
+def _shifts(work: Scratch, residue: tuple[float, float], motions: Motions, i: int, place: tuple[int, int],
+            tables: Tables) -> None:  # fmt: skip
     """Add to the bounds what small shifts of F do: constants 2 kⱼ δcⱼ and the residues; see ``nodes.shifts``.
 
     Below the middle F is seen from the lower turning point and has its residue, above it that of the upper one.
     """
-    constants, (low, squares, slopes) = E.shape[0], rules
+    (m, size), E, buffer, scratch, found = place, motions.doubt[i], work.buffer, work.rows, work.found
+    n, split, fold = tables.counts[size], tables.split[m, size, motions.share[i]], int(tables.maps[m, 6])
+    squares, slopes = tables.squares[fold - 1, size], tables.slopes[fold - 1, size]
+    constants = buffer.shape[0] - 3
     for j in range(n):
         scratch[0, j] = squares[j] / buffer[2, j]
         scratch[1, j] = scratch[0, j] / buffer[1, j]
@@ -147,25 +39,25 @@ def _shifts(buffer, scratch, n, residue, E, i, rules, found):
         row = buffer[3 + k]
         if residue[0] != 0.0 or residue[1] != 0.0:
             for j in range(n):
-                scratch[2, j] = row[j] * scratch[0, j] * (residue[0] if low[j] <= 0.5 else residue[1])
+                scratch[2, j] = row[j] * scratch[0, j] * (residue[0] if j < split else residue[1])
             total = _swing(scratch[2], slopes, n)
             found[1, 1 + k] += total
             found[2, 1 + k] += 0.5 * total
-        for m in range(k + 1):
-            if E[m, i] != 0.0 or E[k, i] != 0.0:
-                other = buffer[3 + m]
+        for l in range(k + 1):
+            if E[l] != 0.0 or E[k] != 0.0:
+                other = buffer[3 + l]
                 for j in range(n):
                     scratch[2, j] = row[j] * other[j] * scratch[1, j]
                 total = _swing(scratch[2], slopes, n)
-                found[1, 1 + k] += 2.0 * E[m, i] * total
-                found[2, 1 + k] += E[m, i] * total
-                if m < k:
-                    found[1, 1 + m] += 2.0 * E[k, i] * total
-                    found[2, 1 + m] += E[k, i] * total
+                found[1, 1 + k] += 2.0 * E[l] * total
+                found[2, 1 + k] += E[l] * total
+                if l < k:
+                    found[1, 1 + l] += 2.0 * E[k] * total
+                    found[2, 1 + l] += E[k] * total
 
 
 @njit(**REDUCING)
-def _swing(g: Any, slopes: Any, n: int) -> float:
+def _swing(g: Reals, slopes: Reals, n: int) -> float:
     """Σ |Δg| cot χ/π, from node to node."""
     total = 0.0
     for j in range(n - 1):
@@ -173,96 +65,134 @@ def _swing(g: Any, slopes: Any, n: int) -> float:
     return total
 
 
-def _samples(a, b, c, e, lanes, bounds, noise, drift, chords, kernels):
-    """Rounding errors of F and of the kernels at a few places, and what the constants add to the first.
+@njit(**INLINED)
+def _seen(doubts: Doubts, relative: Relative, b: float, s: float, W: float, places: Reals,
+          span: tuple[int, int, int], c: Reals, e: Reals, work: Scratch, modes: Modes) -> float:  # fmt: skip
+    """Rounding errors at some places of one view, and F's at the turning point where that is used.
 
-    The first of them is relative where F comes from chords. Returns F's rounding at either turning point, if so.
+    They are left in ``bounds``: F and the kernels, then F's relative error or its rounding without the constants. The
+    lanes are the places, the farthest one, and the turning point.
     """
-    x, mask, base, offset = lanes[0], lanes[1], lanes[2], lanes[3]
-    W, rows, below, above = b - a, noise.shape[0], 0.0, 0.0
-    for g in range(SAMPLES):
-        x[g], mask[g] = a + W * _PLACES[g], 1.0
-        if kernels and not chords:
-            x[_LANES + g], mask[_LANES + g] = x[g], 0.0
-        base[g] = a if 2 * g < SAMPLES else b
-        offset[g] = x[g] - base[g]
-    if chords:
-        x[SAMPLES], x[SAMPLES + 1], mask[SAMPLES], mask[SAMPLES + 1] = a, b, 0.0, 0.0
-    doubts(bounds, x, mask, c, e)
-    if chords:  # F less its rounding at the turning points, which shifts it as a constant does
-        below = abs(bounds[rows, SAMPLES]) + bounds[0, SAMPLES]
-        above = abs(bounds[rows, SAMPLES + 1]) + bounds[0, SAMPLES + 1]
-        relative(bounds[rows], base, offset, c)
-    for g in range(SAMPLES):
-        for k in range(rows):
-            noise[k, g] = bounds[k, g]
-        drift[g] = 0.0
-        if chords:
-            noise[0, g], drift[g] = bounds[rows, g], bounds[0, g] + (below if 2 * g < SAMPLES else above)
-            if 2 * g == SAMPLES + 1:  # the first place seen from above stands for those between it and the middle
-                drift[g] = max(bounds[0, g - 1], bounds[0, g]) + above
-        elif kernels:
-            noise[0, g] = bounds[0, _LANES + g]
-            drift[g] = bounds[0, g] - noise[0, g]
-    return below, above
+    lanes, bounds, (start, count, farthest) = work.lanes, work.bounds, span
+    x, mask, rows = lanes[0], lanes[1], work.noise.shape[0]
+    for g in range(count + 1):
+        x[g], mask[g] = b + s * W * places[start + g if g < count else farthest], 1.0
+    x[count + 1], mask[count + 1] = b, 0.0
+    total, end = count + 2, 0.0
+    if modes.kernels:
+        for g in range(count + 1):
+            x[count + 2 + g], mask[count + 2 + g] = x[g], 0.0
+        total = 2 * count + 3
+    while total % _VECTOR:
+        x[total], mask[total] = x[0], 0.0
+        total += 1
+    doubts(bounds, x[:total], mask[:total], c, e)
+    last = bounds[rows + 1]
+    if modes.chords:  # F less its rounding at the turning point, which shifts it as a constant does
+        end = abs(bounds[rows, count + 1]) + bounds[0, count + 1]
+        for g in range(total):
+            lanes[2, g], lanes[3, g] = b, x[g] - b
+        relative(last[:total], lanes[2, :total], lanes[3, :total], c)
+    else:
+        for g in range(count + 1):
+            last[g] = bounds[0, count + 2 + g] if modes.kernels else bounds[0, g]
+    return end
 
 
-def orbits(chords, kernels, ripples, q, P, C, E, lower, upper, least, first, tables, results):
-    """The integrals of one coordinate of many orbits; see ``compiled_pass.librations``.
+@njit(**INLINED)
+def _noted(work: Scratch, span: tuple[int, int, int], both: tuple[int, int], places: Reals, W: float, end: float,
+           modes: Modes) -> None:  # fmt: skip
+    """Note what one view says of its samples; and of all between which both are used, by its farthest place.
+
+    F and its errors vary along the motion like F/sin²χ, and errors of kernels like 1/r: so they are noted by these.
+    """
+    bounds, noise, drift, rows = work.bounds, work.noise, work.drift, work.noise.shape[0]
+    start, count, farthest = span
+    for g in range(count + 1):
+        first, last = (start + g, start + g) if g < count else both
+        at = start + g if g < count else farthest
+        x, y, pace, square = places[0, at], places[1, at], places[2, at], places[3, at]
+        F = max(abs(bounds[rows, g]), 1e-300)
+        r, share = pace * W * np.sqrt(x * y / F), square / F
+        own = bounds[rows + 1, g] * (1.0 if modes.chords else share)
+        moved = (end + bounds[0, g] - bounds[0, count + 2 + g]) * share if modes.kernels else bounds[0, g]
+        for to in range(first, last + 1):
+            for k in range(1, rows):
+                noise[k, to] = max(noise[k, to], bounds[k, g] * r)
+            noise[0, to], drift[to] = max(noise[0, to], own), max(drift[to], moved)
+
+
+@njit(**INLINED)
+def _samples(below: tuple[Doubts, Relative], above: tuple[Doubts, Relative], motions: Motions, i: int, tables: Tables,
+             work: Scratch, modes: Modes) -> tuple[float, float]:  # fmt: skip
+    """Bounds on the errors of F and of the kernels at a few places, each seen as the nodes beside it.
+
+    Returns F's error at either turning point, where F comes from chords.
+    """
+    m, share = motions.first[i], motions.share[i]
+    samples, places = tables.samples[m], tables.places[m]
+    inside, first, last = tables.spans[m, share, 0], tables.spans[m, share, 1], tables.spans[m, share, 2]
+    c, e, W = motions.known[i], motions.doubt[i], motions.width[i]
+    work.noise[:] = 0.0
+    work.drift[:] = 0.0
+    farthest = places.shape[1] - _FARTHEST + 2 * share
+    span = (0, inside, farthest)
+    lower = _seen(below[0], below[1], motions.lower[i], motions.signs[0], W, places[0], span, c, e, work, modes)
+    _noted(work, span, (first, last), places, W, lower, modes)
+    if inside == samples:
+        return lower, lower
+    span = (inside, samples - inside, farthest + 1)
+    upper = _seen(above[0], above[1], motions.upper[i], motions.signs[1], W, places[1], span, c, e, work, modes)
+    _noted(work, span, (first, last), places, W, upper, modes)
+    return lower, upper
+
+
+@njit(**INLINED)
+def integrals(fill_below: Fill, fill_above: Fill, doubts_below: Doubts, doubts_above: Doubts, relative_below: Relative,
+              relative_above: Relative, motions: Motions, tables: Tables, modes: Modes,
+              results: Results) -> None:  # fmt: skip
+    """The integrals of one coordinate of many orbits.
 
     Args:
-        chords, kernels, ripples: whether the formula is used as a slope, and whether ∂J/∂c and the running integrals
-            are wanted.
-        q, P: starts, shape (n,).
-        C, E: constants and bounds on their errors, shape (constants, n).
-        lower, upper: turning points, shape (n,).
-        least, first: size in the tables and crowding to begin with, shape (n,); a negative size leaves the orbit out.
-        tables: of the midpoint rules, as ``compiled_pass`` makes them.
+        fill_below, doubts_below, relative_below: programs of the view of the lower half; see ``program_texts``.
+        fill_above, doubts_above, relative_above: of the upper half.
+        motions: of n orbits.
+        tables: of nodes.
+        modes: what is wanted.
         results: arrays filled here.
     """
-    warps, counts, low, high, pace, last, middle, cosines, squares, slopes = tables
-    (
-        action, action_error, means, mean_errors, ripple, ripple_errors, phase, phase_error, speeds, good, chosen,
-    ) = results  # fmt: skip
-    constants, widest = C.shape[0], low.shape[2]
-    rows = constants if kernels else 0
-    buffer, weights, scratch = np.empty((3 + rows, widest)), np.empty(widest), np.empty((3, widest))
-    width = 2 * _LANES if kernels and not chords else _LANES
-    lanes, bounds = np.full((4, width), 0.5), np.empty((2 + rows, width))
-    noise, drift, found = np.empty((1 + rows, SAMPLES)), np.empty(SAMPLES), np.empty((5, 1 + rows))
-    for i in range(q.shape[0]):
-        a, b = lower[i], upper[i]
-        W = b - a
-        if not W > 0.0 or least[i] < 0:
+    constants, widest = results.means.shape[0], tables.low.shape[2]
+    rows = constants if modes.kernels else 0
+    most = tables.places.shape[2] - _FARTHEST
+    lanes = _VECTOR * ((2 * most + 2 + _VECTOR) // _VECTOR)
+    work = Scratch(
+        np.empty((3 + rows, widest)), np.empty(widest), np.empty((3, widest)), np.empty((1 + rows, most)),
+        np.empty(most), np.empty((5, 1 + rows)), np.empty((4, lanes)), np.empty((3 + rows, lanes)),
+    )  # fmt: skip
+    for i in range(motions.width.shape[0]):
+        if not motions.width[i] > 0.0 or motions.least[i] < 0:
             continue
-        c = pack(C, i)
-        residue = _samples(a, b, c, pack(E, i), lanes, bounds, noise, drift, chords, kernels)
-        size, warp = choose(
-            buffer, weights, noise, drift, found, a, b, first[i], least[i], counts, low, high, pace, last, middle, c,
-            chords, ripples,
-        )  # fmt: skip
+        residue = _samples(
+            (doubts_below, relative_below), (doubts_above, relative_above), motions, i, tables, work, modes
+        )
+        size, m = choose(fill_below, fill_above, motions, i, tables, work, modes)
         if size < 0:
             continue
-        chosen[0, i], chosen[1, i] = size, warp
-        good[i], action[i], action_error[i] = True, found[0, 0], found[1, 0]
-        n, fold = counts[size], 2 if warp >= _EVEN else 1
-        if kernels:
-            rules = low[warp, size], squares[fold - 1, size], slopes[fold - 1, size]
-            _shifts(buffer, scratch, n, residue, E, i, rules, found)
+        found, buffer, n, fold = work.found, work.buffer, tables.counts[size], tables.maps[m, 6]
+        results.chosen[0, i], results.chosen[1, i] = size, m
+        results.good[i], results.action[i], results.action_error[i] = True, found[0, 0], found[1, 0]
+        if modes.kernels:
+            if modes.shifts:
+                split = tables.split[m, size, motions.share[i]]
+                results.action_error[i] += shifted_action(work, residue, motions.doubt[i], n, split)
+                _shifts(work, residue, motions, i, (m, size), tables)
             for k in range(constants):
-                means[k, i], mean_errors[k, i] = found[0, 1 + k], found[1, 1 + k]
-        if ripples:
-            phase[i], phase_error[i] = _phase(
-                buffer, weights, noise, drift, a, b, q[i], P[i], n, low[warp, size], high[warp, size], warps[warp],
-                fold, cosines[size], chords,
-            )  # fmt: skip
+                results.means[k, i], results.mean_errors[k, i] = found[0, 1 + k], found[1, 1 + k]
+        if modes.ripples:
+            results.phase[i], results.phase_error[i] = phase(work, motions, i, (m, size), tables, modes.chords)
             for k in range(constants):
-                speeds[k, i] = dot(buffer[3 + k], weights, n)
-            _integration(weights, scratch, fold * phase[i], n, cosines[size])
+                results.speeds[k, i] = dot(buffer[3 + k], work.shares, n)
+            running_weights(work.shares, work.rows, fold * results.phase[i], n, tables.cosines[size])
             for k in range(constants):
-                ripple[k, i] = 2.0 / (n * fold) * dot(buffer[3 + k], weights, n)
-                ripple_errors[k, i] = 4.0 * found[2, 1 + k]
-
-
-BOUND = (_samples, orbits)
-"""See ``compiled_rule.BOUND``."""
+                results.ripples[k, i] = 2.0 / (n * fold) * dot(buffer[3 + k], work.shares, n)
+                results.ripple_errors[k, i] = 4.0 * found[2, 1 + k]

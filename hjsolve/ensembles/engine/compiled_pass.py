@@ -1,64 +1,44 @@
-"""The first pass over librations as compiled loops, orbit by orbit (extra ``fast``).
+"""The passes over librations as compiled loops, orbit by orbit (extra ``fast``).
 
-The same mathematics as ``regions``, ``turning_points`` and ``midpoint_rule`` in doubles with plain anomalies; an orbit
-that is not easy (a rotation, a start at rest, a slow series, a large claimed error) is left to those.
+The same mathematics as ``regions``, ``turning_points`` and ``midpoint_rule`` in doubles, with maps from ``node_maps``;
+an orbit that is no libration, or not easy (a slow series, a large claimed error), is left to those. Small motions are
+seen from the start, by second differences, where the constants are known to 32 digits.
 """
 
 from __future__ import annotations
 
-from dataclasses import dataclass
-from functools import cache
+from dataclasses import dataclass, replace
 from typing import Any
 
 import numpy as np
 
-from hjsolve.ensembles.engine import nodes as tables
+from hjsolve.arithmetic.error_free import Pair
+from hjsolve.arithmetic.number_types import Integers, Mask, Reals
 from hjsolve.ensembles.engine.clearance import Clearance
-from hjsolve.ensembles.engine.constants import InitialConstants, momentum_errors
+from hjsolve.ensembles.engine.compiled_types import Clearances, Modes, Motions, Results
+from hjsolve.ensembles.engine.constants import InitialConstants, momentum_errors, slope
 from hjsolve.ensembles.engine.lowered_solution import Model, Separated
 from hjsolve.ensembles.engine.midpoint_rule import Sums, empty
-from hjsolve.ensembles.engine.programs import Compiled
+from hjsolve.ensembles.engine.node_maps import COUNTS, fitting, node_maps, views
+from hjsolve.ensembles.engine.nodes import EVEN
+from hjsolve.ensembles.engine.programs import Compiled, CoordinatePrograms, Loops, sides
 from hjsolve.ensembles.engine.radicand_views import Knowns
+from hjsolve.ensembles.engine.regions import has_slopes, offset
 from hjsolve.ensembles.engine.resolution import room
 from hjsolve.ensembles.engine.starts import Starts
-from hjsolve.ensembles.engine.strips_of_analyticity import across, covered_strip
 
-_COUNTS = (16, 24, 32, 40, 48, 56, 64, 72, 80, 96, 112, 128)
-"""Numbers of nodes: whole vectors."""
-
-_WIDEST = _COUNTS[-1]
-_UNTOLD = -2
+_NOT_COVERED, _UNTOLD = -3, -2
 _FIRST = 64
 """Orbits for which a table of clearances is filled before the others are looked at again."""
 
+_NEAR = 3.0
+_STRETCHED = 16.0
+"""(1 + ρ_d)(1 + ρ_c) from which on nodes are stretched; below, crowded ones do as well."""
 
-@cache
-def _tables() -> tuple[Any, ...]:
-    """Nodes of all sizes side by side, padded.
-
-    Returns:
-        γ₁ and γ₂, shape (warps, 2). Sizes. ``Nodes.low``, ``high``, ``pace``, shape (warps, sizes, widest). Rows of
-        cosines of the convergence test, last ones and middle ones, shape (sizes, 5 or 3, widest). All of them, shape
-        (sizes, widest, widest). ``nodes.shifts``, plain and folded, shape (2, sizes, widest).
-    """
-    size = len(_COUNTS)
-    low, high, pace = (np.zeros((len(tables.WARPS), size, _WIDEST)) for _ in range(3))
-    last, middle = np.zeros((size, 5, _WIDEST)), np.zeros((size, 3, _WIDEST))
-    cosines = np.zeros((size, _WIDEST, _WIDEST))
-    squares, slopes = (np.zeros((2, size, _WIDEST)) for _ in range(2))
-    for warp in range(len(tables.WARPS)):
-        for part, places in zip((low, high, pace), tables.libration_places(_COUNTS, warp), strict=True):
-            for k, row in enumerate(np.split(places, np.cumsum(_COUNTS)[:-1])):
-                part[warp, k, : len(row)] = row
-    for k, count in enumerate(_COUNTS):
-        table = tables.libration_nodes(count, 0)
-        last[k, :, :count], middle[k, :, :count] = table.cosines[table.last], table.cosines[table.middle][1:-1]
-        cosines[k, : count - 1, :count] = table.cosines
-        for fold in (1, 2):
-            squares[fold - 1, k, :count], slopes[fold - 1, k, : count - 1] = tables.shifts(count, fold)
-    return (
-        np.array(tables.WARPS), np.array(_COUNTS), low, high, pace, last, middle, cosines, squares, slopes
-    )  # fmt: skip
+_NARROW = 0.03
+_ALONG = np.linspace(-0.5, 0.5, 5)
+_HELD = COUNTS.index(40)
+"""Size of the tables for which a small motion gets a disk of its own."""
 
 
 def begin_compiled(model: Model, made: Compiled, starts: Starts) -> InitialConstants:
@@ -79,108 +59,286 @@ def begin_compiled(model: Model, made: Compiled, starts: Starts) -> InitialConst
     return InitialConstants(places, P, starts, knowns, None, momentum_errors(model, starts))
 
 
-def librations(coordinate: Separated, made: Compiled, start: InitialConstants, k: int, *, ripples: bool) -> Sums:
+@dataclass(frozen=True)
+class CompiledCoordinate:
+    """One coordinate of n orbits.
+
+    Attributes:
+        coordinate: which.
+        programs: its own.
+        loops: ours.
+        q, P: starts, shape (n,).
+        constants, doubt: of the motion, shape (constants, n).
+    """
+
+    coordinate: Separated
+    programs: CoordinatePrograms
+    loops: Loops
+    q: Reals
+    P: Reals
+    constants: Reals
+    doubt: Reals
+
+    @staticmethod
+    def of(model: Model, made: Compiled, start: InitialConstants, k: int) -> CompiledCoordinate:
+        """Return the k-th separated one.
+
+        Args:
+            model: the lowered solution.
+            made: its programs.
+            start: of n orbits.
+            k: row.
+        """
+        rows = (np.stack(start.knowns.constants), np.stack(start.knowns.doubt))
+        q, P = (np.ascontiguousarray(x[k]) for x in (start.q, start.P))
+        return CompiledCoordinate(model.separated[k], made.coordinates[k], made.loops, q, P, *rows)
+
+    def take(self, index: Integers) -> CompiledCoordinate:
+        """Return some of the orbits.
+
+        Args:
+            index: which.
+        """
+        if len(index) == len(self.q):
+            return self
+        constants, doubt = (np.take(x, index, axis=1) for x in (self.constants, self.doubt))
+        return replace(self, q=self.q[index], P=self.P[index], constants=constants, doubt=doubt)
+
+    def smallness(self, *, kernels: bool) -> Reals:
+        """Return the error of p² at the start over about how large p² becomes; 0 where small motions have no view.
+
+        Args:
+            kernels: whether ∂J/∂c are wanted.
+        """
+        found = np.zeros(len(self.q))
+        if has_slopes(self.coordinate.plain):
+            view, walk = self.programs.below, self._walk(0, np.ascontiguousarray(self.constants.T))
+            doubt = np.ascontiguousarray(self.doubt.T)
+            self.loops.crests(view.bend, view.doubts, walk, doubt, len(self.constants) if kernels else 0, found)
+        return found
+
+    def _walk(self, upper: int, known: Reals) -> Any:
+        from hjsolve.ensembles.engine.compiled_turning_points import SearchSide
+
+        formula = sides(self.coordinate)[upper]
+        side = (2.0 * upper - 1.0) * formula.sign
+        origin = (self.coordinate.lower, self.coordinate.upper)[upper]
+        floor = side * np.inf if origin is None else 0.0
+        reach = 2 * np.pi if self.coordinate.periodic else np.inf
+        return SearchSide(offset(formula, self.q), self.P, known, self.constants, floor, side, reach)
+
+    def wide(self, modes: Modes) -> Sums:
+        """Integrate motions seen from zero, or from the ends of the domain; good only where this pass was enough.
+
+        Args:
+            modes: what is wanted.
+        """
+        known, n = np.ascontiguousarray(self.constants.T), len(self.q)
+        places, bends, distances = np.empty((2, n)), np.empty((2, 2, n)), []
+        for upper, view in enumerate((self.programs.below, self.programs.above)):
+            walk = self._walk(upper, known)
+            self.loops.ends(view.value, view.bend, view.slopes, walk, places[upper], bends[upper])
+            distances.append(walk.side * (places[upper] - walk.start))
+        below, above = sides(self.coordinate)
+        width = distances[0] + distances[1]
+        even = self.coordinate.even & (np.abs(distances[0] - distances[1] - 2 * self.q) <= 1e-13 * width)
+        signs = np.array([float(below.sign), -float(above.sign)])
+        first, share = self._maps(width, bends, signs, even)
+        motions = Motions(
+            momentum=self.P, left=distances[0], right=distances[1], width=width, lower=places[0], upper=places[1],
+            signs=signs, known=known, doubt=np.ascontiguousarray(self.doubt.T), first=first,
+            least=np.zeros(n, dtype=np.int64), share=share,
+        )  # fmt: skip
+        proof = _Proof(self.loops, motions, below.clearance, above.clearance)
+        span = np.stack([np.zeros(n, dtype=np.int64), np.full(n, len(COUNTS))])
+        motions.least[:] = proof.least(np.arange(n), motions.first, span)
+        sums, chosen = self._integrated(motions, modes, (self.programs.below, self.programs.above))
+        crowded = np.flatnonzero(sums.good & (chosen[1] != motions.first))
+        if len(crowded):
+            size, map_ = chosen[:, crowded]
+            sums.good[crowded] = proof.least(crowded, map_, np.stack([size, size + 1])) >= 0
+        return sums
+
+    def _maps(self, width: Reals, bends: Reals, signs: Reals, even: Mask) -> tuple[Integers, Integers]:
+        """The maps, and shares: W·|S′/S| at an end is W over the distance of the zero or pole next to it."""
+        nearby = []
+        with np.errstate(all="ignore"):
+            for (first, bend), sign in zip(bends, signs, strict=True):
+                ρ = np.abs(width * bend / (sign * first) + 1)
+                nearby.append(1 + np.where(np.isfinite(ρ) & (ρ > _NEAR), ρ, 0.0))
+        lower, upper = nearby
+        stretched = np.where(even, np.maximum(lower, upper) ** 2, lower * upper) >= _STRETCHED
+        index = np.where(even, EVEN, 0)
+        some = np.flatnonzero(stretched)
+        if len(some):
+            index[some] = node_maps().index(fitting(lower[some], upper[some], even[some]))
+        share = np.where(stretched & ~even, views(bends[0, 0], bends[1, 0], (lower, upper)), 0)
+        return index, share
+
+    def _integrated(self, motions: Motions, modes: Modes, programs: tuple[Any, Any]) -> tuple[Sums, Integers]:
+        below, above = programs
+        sums = empty(len(self.constants), len(motions.width))
+        chosen = np.zeros((2, len(motions.width)), dtype=np.int64)
+        results = Results(
+            sums.action, sums.action_error, sums.means, sums.mean_errors, sums.ripples, sums.ripple_errors, sums.phase,
+            sums.phase_error, sums.speeds, sums.good, chosen,
+        )  # fmt: skip
+        self.loops.integrals(
+            below.fill, above.fill, below.doubts, above.doubts, below.relative, above.relative, motions,
+            node_maps().tables, modes, results,
+        )  # fmt: skip
+        return sums, chosen
+
+    def small(self, first: Reals, modes: Modes) -> Sums:
+        """Integrate motions about a maximum of p² that is deep beside them.
+
+        Args:
+            first: F′ at the start, to full relative accuracy.
+            modes: what is wanted.
+        """
+        n, made, plain = len(self.q), self.programs.small(), self.coordinate.plain
+        known = np.ascontiguousarray(np.stack([*self.constants, self.q, self.P**2, first, 0 * self.q], axis=1))
+        doubt = np.ascontiguousarray(self.doubt.T)
+        floors = np.stack([np.full(n, -np.inf), np.full(n, np.inf)])
+        for k, formula in enumerate((self.coordinate.lower, self.coordinate.upper)):
+            if formula is not None:
+                floors[k] = -formula.sign * offset(formula, self.q)
+        places = np.empty((2, n))
+        self.loops.small_ends(made.value, made.bounds, known, doubt, floors, places)
+        low, high = places
+        width = high - low
+        with np.errstate(invalid="ignore"):
+            least = _least_at_a_glance(plain.clearance, tuple(self.constants), self.q + 0.5 * (low + high), width)
+        motions = Motions(
+            momentum=self.P, left=-low, right=high, width=width, lower=low, upper=high, signs=np.array([1.0, -1.0]),
+            known=known, doubt=doubt, first=np.zeros(n, dtype=np.int64), least=least,
+            share=np.zeros(n, dtype=np.int64),
+        )  # fmt: skip
+        return self._integrated(motions, modes, (made, made))[0]
+
+
+def _least_at_a_glance(clearance: Clearance, constants: tuple[Reals, ...], middle: Reals, width: Reals) -> Integers:
+    """The first size that one disk about the middle of a motion proves to be enough, −1 for none."""
+    known = np.nan_to_num(room(clearance, middle, width), nan=-1.0)
+    enough = node_maps().strips.enough[0]
+    least = np.searchsorted(-enough, -known)
+    some = np.flatnonzero((least > _HELD) & (width < _NARROW * np.abs(middle)))
+    if len(some):  # cells are too large for it
+        x, W = middle[some, None], width[some, None]
+        chosen = tuple(c[some] for c in constants)
+        held = clearance.holds(chosen, x, 0.5 * enough[_HELD] * W, x + W * _ALONG)
+        least[some[held]] = _HELD
+    least[least == len(COUNTS)] = -1
+    return least
+
+
+def librations(orbits: CompiledCoordinate, first: Any, small: Any, modes: Modes) -> Sums:
     """Integrate one coordinate of many orbits.
 
     Args:
-        coordinate: the k-th separated one.
-        made: the programs.
-        start: of n orbits.
-        k: its row.
-        ripples: as in ``midpoint_rule.integrate``; whether kernels are wanted, the programs know.
+        orbits: what is known of them.
+        first: None, or F′ at the start of orbits, by their places.
+        small: True where the motion is seen from the start.
+        modes: what is wanted; ``chords`` and ``shifts`` are not looked at.
 
     Returns:
         The sums, good only where this pass was enough.
     """
-    C, E = np.stack(start.knowns.constants), np.stack(start.knowns.doubt)
-    count = start.q.shape[1]
-    sums, ends = empty(len(C), count), np.empty((2, count))
-    floors = np.array(
-        [
-            side * np.inf if formula is None else formula.origin.high
-            for side, formula in ((-1, coordinate.lower), (1, coordinate.upper))
-        ]
-    )
-    made.coordinates[k].search(start.q[k], start.P[k], C, floors, np.pi if coordinate.periodic else np.inf, ends)
-    lower, upper = ends
-    proof = _Proof(coordinate.plain.clearance, made.glance, lower, upper)
-    even = coordinate.even & (np.abs(lower + upper) <= 1e-13 * (upper - lower))
-    warps = np.where(even, tables.EVEN, 0)
-    least = proof.least(np.arange(count), warps, np.zeros(count, dtype=np.int64), len(_COUNTS))
-    chosen = np.zeros((2, count), dtype=np.int64)
-    results = (
-        sums.action, sums.action_error, sums.means, sums.mean_errors, sums.ripples, sums.ripple_errors, sums.phase,
-        sums.phase_error, sums.speeds, sums.good, chosen,
-    )  # fmt: skip
-    made.coordinates[k].loop(ripples, start.q[k], start.P[k], C, E, lower, upper, least, warps, _tables(), results)
-    crowded = np.flatnonzero(sums.good & (chosen[1] != warps))
-    if len(crowded):
-        size, warp = chosen[:, crowded]
-        sums.good[crowded] = proof.least(crowded, warp, size, size + 1) >= 0
+    sums = empty(len(orbits.constants), len(orbits.q))
+    narrow = np.flatnonzero(small)
+    if len(narrow):
+        sums.put(narrow, orbits.take(narrow).small(first(narrow), modes._replace(chords=False, shifts=False)))
+    wide = np.flatnonzero(~sums.good)
+    if len(wide):
+        some = orbits.take(wide)
+        chords = some.programs.below.chords and some.programs.above.chords
+        sums.put(wide, some.wide(modes._replace(chords=chords, shifts=True)))
     return sums
 
 
-@cache
-def _strips() -> tuple[Any, ...]:
-    """Disks over the strips of all crowdings and sizes, padded; see ``compiled_clearance``."""
-    folds = [2 if warp >= tables.EVEN else 1 for warp in range(len(tables.WARPS))]
-    nodes = [[tables.libration_nodes(n, 0, warp) for n in _COUNTS] for warp in range(len(folds))]
-    rows = [[covered_strip(table, turning=True) for table in row] for row in nodes]
-    shape = (len(folds), len(_COUNTS))
-    low, high, spread = (np.zeros((*shape, max(len(one.low) for row in rows for one in row))) for _ in range(3))
-    counts = np.zeros(shape, dtype=np.int64)
-    for k, row in enumerate(rows):
-        for m, one in enumerate(row):
-            n = counts[k, m] = len(one.low)
-            low[k, m, :n], high[k, m, :n], spread[k, m, :n] = one.low.real, np.abs(one.low.imag), one.spread
-    enough = [[across(n, tables.WARPS[k], fold) for n in _COUNTS] for k, fold in enumerate(folds)]
-    return np.array(enough), low, high, spread, counts
+def slopes_at_start(model: Model, coordinate: Separated, start: InitialConstants, k: int) -> Any:
+    """Return a function: places of orbits ↦ F′ at their starts, from 32 digits.
+
+    Args:
+        model: the lowered solution.
+        coordinate: the k-th separated one.
+        start: of n orbits, precise.
+        k: row.
+    """
+    pairs = start.pairs
+    assert pairs is not None
+
+    def some(index: Integers) -> Reals:
+        taken = tuple(Pair(c.high[index], c.low[index]) for c in pairs)
+        found: Reals = slope(coordinate.plain, taken, model.numbers, start.q[k][index])
+        return np.ascontiguousarray(found)
+
+    return some
 
 
 @dataclass(frozen=True)
 class _Proof:
-    """How many nodes resolve motions between turning points, by glances at the table of clearances.
+    """How many nodes resolve motions between turning points, by glances at the tables of clearances.
 
     Attributes:
-        clearance: of p².
-        glance: the compiled loop.
-        lower, upper: turning points, arrays (n,).
+        loops: ours.
+        motions: of n orbits.
+        below, above: clearances in the views of the lower and of the upper half.
     """
 
-    clearance: Clearance
-    glance: Any
-    lower: Any
-    upper: Any
+    loops: Loops
+    motions: Motions
+    below: Clearance
+    above: Clearance
 
-    def least(self, left: Any, warps: Any, begin: Any, end: Any) -> Any:
-        """The first size that is proved to resolve some orbits, −1 for none; the table grows until it tells for all.
+    def least(self, left: Integers, maps: Integers, span: Integers) -> Integers:
+        """The first size that is proved to resolve some orbits, −1 for none; the tables grow until they tell for all.
 
         Args:
             left: which orbits.
-            warps: how their nodes are crowded.
-            begin, end: the sizes to look at.
+            maps: how their nodes are placed.
+            span: the sizes to look at, first and end, shape (2, len(left)).
         """
         least = np.full(len(left), -1, dtype=np.int64)
-        if self.clearance.table() is None:
+        if self.below.table() is None or self.above.table() is None:
             return least
-        lower, upper, end = self.lower[left], self.upper[left], np.broadcast_to(end, len(left))
-        known, todo, block = room(self.clearance, 0.5 * (lower + upper), upper - lower), np.arange(len(left)), _FIRST
+        lower, W = self.motions.lower[left], self.motions.width[left]
+        known = room(self.below, lower + 0.5 * self.motions.signs[0] * W, W)
+        todo, block = np.flatnonzero(W > 0), _FIRST
         while len(todo):
-            found = np.empty(len(todo), dtype=np.int64)
-            arrays = (x[todo] for x in (lower, upper, known, warps, begin, end))
-            self.glance(*arrays, *_strips(), self.clearance.table(), found)
-            least[todo] = found
-            todo = todo[found == _UNTOLD]
-            self._fill(lower, upper, todo[:block], warps, begin, end)
+            found, part = np.empty(len(todo), dtype=np.int64), np.ascontiguousarray(span[:, todo])
+            some = self._taken(left[todo], maps[todo])
+            low, high = (Clearances(*side.table()) for side in (self.below, self.above))  # type: ignore[misc]
+            self.loops.glances(some, known[todo], part, node_maps().strips, low, high, found)
+            least[todo], span[0, todo] = found, part[0]
+            bare = found == _NOT_COVERED
+            for map_, size in set(zip(some.first[bare].tolist(), part[0, bare].tolist(), strict=True)):
+                node_maps().cover(map_, size)
+            untold = todo[found == _UNTOLD][:block]
+            self._fill(left[untold], maps[untold], span[0, untold])
+            todo = todo[(found == _UNTOLD) | (found == _NOT_COVERED)]
             block *= 4
         return least
 
-    def _fill(self, lower: Any, upper: Any, some: Any, warps: Any, begin: Any, end: Any) -> None:
-        """Complete the table for all sizes that are looked at for some orbits."""
-        _, low, high, _, counts = _strips()
-        for size in range(len(_COUNTS)):
-            for warp in np.unique(warps[some]):
-                part = some[(warps[some] == warp) & (begin[some] <= size) & (size < end[some])]
-                n, W = counts[warp, size], (upper - lower)[part, None]
-                if len(part):
-                    self.clearance.radius(lower[part, None] + W * (low[warp, size, :n] + 1j * high[warp, size, :n]))
+    def _taken(self, index: Integers, maps: Integers) -> Motions:
+        all_ = self.motions
+        others = {"signs", "first", "known", "doubt"}
+        arrays = {name: getattr(all_, name)[index] for name in all_._fields if name not in others}
+        return Motions(**arrays, signs=all_.signs, first=maps, known=all_.known[:0], doubt=all_.doubt[:0])
+
+    def _fill(self, some: Integers, maps: Integers, sizes: Integers) -> None:
+        """Complete the tables for some orbits."""
+        strips, motions = node_maps().strips, self.motions
+        codes = maps * len(COUNTS) + sizes
+        for code in np.unique(codes):
+            part = some[codes == code]
+            count, below, start = strips.counts[:, code // len(COUNTS), code % len(COUNTS)]
+            window, W = slice(start, start + count), motions.width[part, None]
+            z = strips.along[window] + 1j * strips.away[window]
+            self.below.radius(motions.lower[part, None] + W * _seen(z[:below], motions.signs[0]))
+            if below < count:
+                self.above.radius(motions.upper[part, None] + W * _seen(z[below:], motions.signs[1]))
+
+
+def _seen(z: Any, sign: float) -> Any:
+    return sign * z.real + 1j * z.imag

@@ -8,19 +8,23 @@ tells how many nodes would do. And a singularity of the integrand beside χ = φ
 from __future__ import annotations
 
 import math
-from typing import Any
+from collections.abc import Callable
 
 import numpy as np
 from numba import njit
 
 from hjsolve.arithmetic.floats import EPS
-from hjsolve.ensembles.engine.elementary import OPTIONS
-from hjsolve.ensembles.engine.nodes import EVEN
+from hjsolve.arithmetic.number_types import Reals
+from hjsolve.ensembles.engine.compiled_types import Modes, Motions, Scratch, Tables
+from hjsolve.ensembles.engine.elementary import INLINED, OPTIONS
+from hjsolve.ensembles.engine.nodes import EVEN, WARPS
 
-SAMPLES = 5
 REDUCING = OPTIONS | {"fastmath": {"contract", "reassoc"}}
 _EVEN = EVEN
+_UNSTRETCHED = len(WARPS)
 _SAFETY = 1.5
+_SHIFTED = 3.0
+"""Bounds on what shifts do are sharp: claims leave as much room here as elsewhere."""
 _GOAL = 4e-16
 _TRIES = 6
 _MANY = 44.0
@@ -30,12 +34,12 @@ _STEEP = 0.75
 _ROUGH = 1e-5
 _RIPPLED = 1e-9
 
-fill: Any = None
-"""Of the program; see ``programs``."""
+Fill = Callable[[Reals, float, float, float, Reals, Reals, Reals, int, int, Reals], None]
+Last = tuple[float, float, float, float, float]
 
 
 @njit(**REDUCING)
-def dot(x: Any, y: Any, count: int) -> float:
+def dot(x: Reals, y: Reals, count: int) -> float:
     """Σ x y; the order of summation is the compiler's.
 
     Args:
@@ -49,7 +53,7 @@ def dot(x: Any, y: Any, count: int) -> float:
 
 
 @njit(**REDUCING)
-def _coefficients(rows, x, n):
+def _coefficients(rows: Reals, x: Reals, n: int) -> tuple[float, float, Last]:
     """Sum, sum of sizes, and n/2 times the last five coefficients of the cosine series."""
     total, size, p, q, r, s, t = 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0
     for j in range(n):
@@ -65,7 +69,7 @@ def _coefficients(rows, x, n):
 
 
 @njit(**REDUCING)
-def _middle(rows, x, n):
+def _middle(rows: Reals, x: Reals, n: int) -> float:
     """Size of the largest of three coefficients in the middle of the series."""
     p, q, r = 0.0, 0.0, 0.0
     for j in range(n):
@@ -77,7 +81,7 @@ def _middle(rows, x, n):
 
 
 @njit(**REDUCING)
-def _between(x, start, stop):
+def _between(x: Reals, start: int, stop: int) -> float:
     total = 0.0
     for j in range(start, stop):
         total += x[j]
@@ -85,7 +89,7 @@ def _between(x, start, stop):
 
 
 @njit(**REDUCING)
-def _weighted(x, y, n):
+def _weighted(x: Reals, y: Reals, n: int) -> float:
     """Σ x |y|."""
     total = 0.0
     for j in range(n):
@@ -93,8 +97,8 @@ def _weighted(x, y, n):
     return total
 
 
-@njit(**OPTIONS)
-def _needed(last, scale, n, wish):
+@njit(**INLINED)
+def _needed(last: Last, scale: float, n: int, wish: float) -> float:
     """How many nodes bring the last coefficients down to ``wish``: they fall geometrically."""
     late, early = max(abs(last[3]), abs(last[4])), max(abs(last[0]), abs(last[1]))
     excess = max(2.0 / n * late, 1e-300) / scale
@@ -105,9 +109,11 @@ def _needed(last, scale, n, wish):
     return min(max(more, n + 1.0), 8.0 * n)
 
 
-@njit(**OPTIONS)
-def _crowding(last, first):
+@njit(**INLINED)
+def _crowding(last: Last, first: int) -> int:
     """The crowding for a singularity beside χ = φ; cos φ and cos 2φ from correlations of the last coefficients."""
+    if first >= _UNSTRETCHED:
+        return first
     late, early = max(abs(last[3]), abs(last[4])), max(abs(last[0]), abs(last[1]))
     fall = (late / early) ** (1.0 / 3.0) if early > 0.0 else 1.0
     p, q, r, s, t = last[0], last[1] / fall, last[2] / fall**2, last[3] / fall**3, last[4] / fall**4
@@ -120,32 +126,75 @@ def _crowding(last, first):
     return (1 if once > 0.8 else 2) if once > 0.0 else (5 if once < -0.8 else 4)
 
 
-@njit(**OPTIONS)
-def _blurs(buffer, shares, noise, drift, n, integrands, chords, found):
-    """Write n times what the rounding errors of F and of the kernels do to the means into ``found[3]``."""
+@njit(**INLINED)
+def _blurs(work: Scratch, squares: Reals, samples: int, n: int, integrands: int, chords: bool) -> None:
+    """Write n times what the rounding errors of F and of the kernels do to the means into ``found[3]``.
+
+    Where there are no kernels F's errors are known as they are, too, and each segment takes what bounds it best.
+    """
+    buffer, shares, weights, found = work.buffer, work.shares, work.rows, work.found
+    noise, plain = work.noise, work.drift
     found[3, :integrands] = 0.0
-    segment = n // (SAMPLES - 1)
-    for g in range(SAMPLES - 1):
-        start, stop = g * segment, n if g == SAMPLES - 2 else (g + 1) * segment
-        plain, own = _between(buffer[1], start, stop), max(noise[0, g], noise[0, g + 1])
+    for j in range(n):
+        weights[0, j] = buffer[0, j] / squares[j]
+    for g in range(samples - 1):
+        start, stop = g * n // (samples - 1), (g + 1) * n // (samples - 1)
+        own = max(noise[0, g], noise[0, g + 1])
         shares[start:stop] = own
-        found[3, 0] += 0.5 * ((0.0 if chords else own) + max(drift[g], drift[g + 1])) * plain
+        if not chords:
+            moved = own * _between(weights[0], start, stop)
+            if integrands == 1:
+                moved = min(moved, max(plain[g], plain[g + 1]) * _between(buffer[1], start, stop))
+            found[3, 0] += 0.5 * moved
         for k in range(1, integrands):
-            found[3, k] += max(noise[k, g], noise[k, g + 1]) * plain
+            found[3, k] += max(noise[k, g], noise[k, g + 1]) * (stop - start)
     if chords:
         found[3, 0] += 0.5 * _weighted(shares, buffer[0], n)
     elif integrands > 1:
         for j in range(n):
-            shares[j] /= buffer[2, j]
+            shares[j] /= squares[j]
     for k in range(1, integrands):
         found[3, k] += 0.5 * _weighted(shares, buffer[2 + k], n)
 
 
-def _rule(buffer, shares, noise, drift, found, a, b, n, low, high, pace, last, middle, c, chords, ripples, first):
+@njit(**INLINED)
+def shifted_action(work: Scratch, residue: tuple[float, float], doubt: Reals, n: int, split: int) -> float:
+    """Return what the errors of the constants, and of F at the turning points, do to the mean of F r.
+
+    Args:
+        work: F r, r and the kernels times r at the nodes.
+        residue: bounds on F's errors at the turning points.
+        doubt: bounds on the errors of the constants.
+        n: number of nodes.
+        split: how many of them belong to the lower half.
+    """
+    total = 0.5 * (residue[0] * _between(work.buffer[1], 0, split) + residue[1] * _between(work.buffer[1], split, n))
+    for k in range(work.buffer.shape[0] - 3):
+        if doubt[k] != 0.0:
+            for j in range(n):
+                total += doubt[k] * abs(work.buffer[3 + k, j])
+    return _SHIFTED * total / n
+
+
+@njit(**INLINED)
+def _fill(below: Fill, above: Fill, motions: Motions, i: int, place: tuple[int, int], tables: Tables,
+          buffer: Reals) -> None:  # fmt: skip
+    """Fill the buffer at the nodes of a map and a size, each seen from the nearer turning point."""
+    m, size = place
+    n, split, known = tables.counts[size], tables.split[m, size, motions.share[i]], motions.known[i]
+    low, high, pace, W = tables.low[m, size], tables.high[m, size], tables.pace[m, size], motions.width[i]
+    below(buffer, motions.lower[i], motions.signs[0], W, low, high, pace, 0, split, known)
+    if split < n:
+        above(buffer, motions.upper[i], motions.signs[1], W, high, low, pace, split, n, known)
+
+
+@njit(**INLINED)
+def _rule(work: Scratch, tables: Tables, size: int, modes: Modes, first: int) -> tuple[float, int]:
     """The rule of one size; see ``midpoint_rule._rule``. How many nodes are needed (−1: these do), and where."""
-    fill(buffer, a, b, b - a, low, high, pace, n, c)
+    buffer, found, n = work.buffer, work.found, tables.counts[size]
+    last, middle = tables.last[size], tables.middle[size]
     integrands = buffer.shape[0] - 2
-    rough, wish = (_RIPPLED, 2e-15) if ripples else (_ROUGH, 1e-8)
+    rough, wish = (_RIPPLED, 2e-15) if modes.ripples else (_ROUGH, 1e-8)
     more, warp = -1.0, first
     for k in range(integrands):
         total, scale, ends = _coefficients(last, buffer[0] if k == 0 else buffer[2 + k], n)
@@ -159,7 +208,8 @@ def _rule(buffer, shares, noise, drift, found, a, b, n, low, high, pace, last, m
             more, warp = found[4, k], _crowding(ends, first)
     if more > 0.0:
         return more, warp
-    _blurs(buffer, shares, noise, drift, n, integrands, chords, found)
+    squares = tables.squares[int(tables.maps[first, 6]) - 1, size]
+    _blurs(work, squares, tables.samples[first], n, integrands, modes.chords)
     for k in range(integrands):
         scale, tail = found[1, k], found[2, k]
         blur = _SAFETY * found[3, k] / n + 8.0 * EPS * scale
@@ -168,36 +218,34 @@ def _rule(buffer, shares, noise, drift, found, a, b, n, low, high, pace, last, m
         alias = 4.0 * tail * share * np.sqrt(share)
         found[1, k], found[2, k] = blur + alias, 0.5 * blur + tail
         fits = alias <= max(_GOAL * scale, 0.25 * blur) or tail <= 0.5 * blur
-        if ripples:
+        if modes.ripples:
             fits = fits and tail <= max(4e-15 * scale, blur)
         if not fits and scale != 0.0:
             more = max(more, found[4, k])
     return more, warp
 
 
-def choose(
-    buffer, shares, noise, drift, found, a, b, first, size, counts, low, high, pace, last, middle, c, chords, ripples,
-):  # fmt: skip
-    """As many nodes as needed, from ``size`` on, crowded where that helps; −1 where the tables do not suffice.
+@njit(**INLINED)
+def choose(below: Fill, above: Fill, motions: Motions, i: int, tables: Tables, work: Scratch,
+           modes: Modes) -> tuple[int, int]:  # fmt: skip
+    """As many nodes as needed, from the least size on, crowded where that helps; −1 where the tables do not suffice.
 
     Args:
-        buffer, shares: scratch for the integrands at the nodes, shape (integrands + 2, nodes) and (nodes,).
-        noise, drift: errors of F and of the kernels at ``SAMPLES`` places between the turning points.
-        found: the means, their errors, last coefficients, rounding errors and wanted numbers of nodes, filled here,
-            shape (5, integrands).
-        a, b: turning points.
-        first, size: crowding and place in the tables to begin with.
-        counts, low, high, pace, last, middle: tables of nodes, by crowding and size; see ``nodes.Nodes``.
-        c: constants of the orbit.
-        chords: whether the formula gives slopes of p² from the turning points.
-        ripples: whether running integrals are wanted besides means.
+        below, above: programs of the views of the lower and of the upper half.
+        motions: of n orbits.
+        i: which one.
+        tables: of nodes.
+        work: errors are known in it; integrals and nodes are left there.
+        modes: what is wanted.
+
+    Returns:
+        The size and the map.
     """
+    first, size, counts = motions.first[i], motions.least[i], tables.counts
     warp = first
     for attempt in range(_TRIES):
-        more, crowded = _rule(
-            buffer, shares, noise, drift, found, a, b, counts[size], low[warp, size], high[warp, size],
-            pace[warp, size], last[size], middle[size], c, chords, ripples, first,
-        )  # fmt: skip
+        _fill(below, above, motions, i, (warp, size), tables, work.buffer)
+        more, crowded = _rule(work, tables, size, modes, first)
         if more < 0.0:
             return size, warp
         size += 1
@@ -208,7 +256,3 @@ def choose(
         while size + 1 < counts.shape[0] and counts[size] < more:
             size += 1
     return -1, 0
-
-
-BOUND = (_rule, choose)
-"""Functions that are compiled anew beside each program, whose functions are global names to them."""

@@ -15,6 +15,8 @@ from numba import njit, types
 from numba.extending import intrinsic
 
 OPTIONS: dict[str, Any] = {"error_model": "numpy", "fastmath": {"contract"}, "nogil": True}
+INLINED: dict[str, Any] = OPTIONS | {"forceinline": True}
+"""For functions that bundles of arrays are passed to."""
 _EXP = tuple(1.0 / math.factorial(k) for k in range(13))
 _SIN = tuple((-1.0) ** k / math.factorial(2 * k + 1) for k in range(9))
 _COS = tuple((-1.0) ** k / math.factorial(2 * k) for k in range(9))
@@ -40,7 +42,7 @@ as_bits: Any = intrinsic(_recast)
 """The bits of a double as an integer."""
 
 
-@njit(**OPTIONS)
+@njit(**INLINED)
 def exp_(x: float) -> float:
     """Return the exponential; 0 below −708 and infinity above 709.
 
@@ -59,7 +61,7 @@ def exp_(x: float) -> float:
     return value if x == x else x
 
 
-@njit(**OPTIONS)
+@njit(**INLINED)
 def sincos(x: float) -> tuple[float, float]:
     """Return sin x and cos x.
 
@@ -85,7 +87,7 @@ def sincos(x: float) -> tuple[float, float]:
     return (first if inside else np.nan), (second if inside else np.nan)
 
 
-@njit(**OPTIONS)
+@njit(**INLINED)
 def sinhcosh(x: float) -> tuple[float, float]:
     """Return sinh x and cosh x.
 
@@ -102,7 +104,7 @@ def sinhcosh(x: float) -> tuple[float, float]:
     return (small if s < 1.0 else e - other), e + other
 
 
-@njit(**OPTIONS)
+@njit(**INLINED)
 def sqrt_(x: float) -> float:
     """Return the square root.
 
@@ -112,7 +114,7 @@ def sqrt_(x: float) -> float:
     return np.sqrt(x)
 
 
-@njit(**OPTIONS)
+@njit(**INLINED)
 def abs_(x: float) -> float:
     """Return |x|.
 
@@ -122,7 +124,7 @@ def abs_(x: float) -> float:
     return abs(x)
 
 
-@njit(**OPTIONS)
+@njit(**INLINED)
 def tan_(x: float) -> float:
     """Return sin x/cos x.
 
@@ -133,7 +135,7 @@ def tan_(x: float) -> float:
     return s / c
 
 
-@njit(**OPTIONS)
+@njit(**INLINED)
 def tanh_(x: float) -> float:
     """Return sinh x/cosh x.
 
@@ -144,7 +146,7 @@ def tanh_(x: float) -> float:
     return s / c
 
 
-@njit(**OPTIONS)
+@njit(**INLINED)
 def sech_(x: float) -> float:
     """Return 1/cosh x.
 
@@ -155,7 +157,7 @@ def sech_(x: float) -> float:
     return 2.0 * decay / (1.0 + decay * decay)
 
 
-@njit(**OPTIONS)
+@njit(**INLINED)
 def log_(x: float) -> float:
     """Return the logarithm.
 
@@ -165,7 +167,7 @@ def log_(x: float) -> float:
     return math.log(x) if x > 0 else np.nan
 
 
-@njit(**OPTIONS)
+@njit(**INLINED)
 def asin_(x: float) -> float:
     """Return arcsin.
 
@@ -175,7 +177,7 @@ def asin_(x: float) -> float:
     return math.asin(x) if abs(x) <= 1 else np.nan
 
 
-@njit(**OPTIONS)
+@njit(**INLINED)
 def acos_(x: float) -> float:
     """Return arccos.
 
@@ -185,7 +187,7 @@ def acos_(x: float) -> float:
     return math.acos(x) if abs(x) <= 1 else np.nan
 
 
-@njit(**OPTIONS)
+@njit(**INLINED)
 def atan_(x: float) -> float:
     """Return arctan.
 
@@ -195,7 +197,7 @@ def atan_(x: float) -> float:
     return math.atan(x)
 
 
-@njit(**OPTIONS)
+@njit(**INLINED)
 def asinh_(x: float) -> float:
     """Return arsinh.
 
@@ -205,7 +207,7 @@ def asinh_(x: float) -> float:
     return math.asinh(x)
 
 
-@njit(**OPTIONS)
+@njit(**INLINED)
 def acosh_(x: float) -> float:
     """Return arcosh.
 
@@ -215,7 +217,7 @@ def acosh_(x: float) -> float:
     return math.acosh(x) if x >= 1 else np.nan
 
 
-@njit(**OPTIONS)
+@njit(**INLINED)
 def atanh_(x: float) -> float:
     """Return artanh.
 
@@ -225,10 +227,92 @@ def atanh_(x: float) -> float:
     return math.atanh(x) if abs(x) < 1 else np.nan
 
 
+_SERIES = 0.7
+_EVEN = tuple(1.0 / math.factorial(2 * k + 2) for k in range(9))
+_ODD = tuple(1.0 / math.factorial(2 * k + 3) for k in range(9))
+_WHOLE = tuple(1.0 / math.factorial(k + 2) for k in range(16))
+_ARTANH = tuple(2.0 / (2 * k + 3) for k in range(12))
+
+
+@njit(**INLINED)
+def _tails(square: float) -> tuple[float, float]:
+    """1/2! + s/4! + … and 1/3! + s/5! + …; NaN where the terms do not suffice."""
+    even, odd = _EVEN[8], _ODD[8]
+    for n in range(7, -1, -1):
+        even = even * square + _EVEN[n]
+        odd = odd * square + _ODD[n]
+    inside = abs(square) <= _SERIES * _SERIES
+    return (even if inside else np.nan), (odd if inside else np.nan)
+
+
+@njit(**INLINED)
+def sincos_bends(x: float, d: float) -> tuple[float, float, float, float]:
+    """Return sin x and cos x, and Φ[x, x, x + d] of both for |d| ≤ 0.7, NaN beyond; see ``second_differences``.
+
+    Args:
+        x, d: doubles.
+    """
+    s, c = sincos(x)
+    even, odd = _tails(-d * d)
+    return s, c, -s * even - c * (d * odd), s * (d * odd) - c * even
+
+
+@njit(**INLINED)
+def sinhcosh_bends(x: float, d: float) -> tuple[float, float, float, float]:
+    """Return the same of sinh and cosh.
+
+    Args:
+        x, d: doubles.
+    """
+    s, c = sinhcosh(x)
+    even, odd = _tails(d * d)
+    return s, c, s * even + c * (d * odd), c * even + s * (d * odd)
+
+
+@njit(**INLINED)
+def exp_bend(x: float, d: float) -> tuple[float, float]:
+    """Return the exponential and its Φ[x, x, x + d] for |d| ≤ 0.7.
+
+    Args:
+        x, d: doubles.
+    """
+    e, total = exp_(x), _WHOLE[15]
+    for n in range(14, -1, -1):
+        total = total * d + _WHOLE[n]
+    return e, (e * total if abs(d) <= _SERIES else np.nan)
+
+
+@njit(**INLINED)
+def log_bend(x: float, d: float) -> tuple[float, float, float]:
+    """Return the logarithm, 1/x and Φ[x, x, x + d], for |d| ≤ 0.35 x.
+
+    Args:
+        x, d: doubles, x > 0.
+    """
+    r = d / x
+    y = r / (2.0 + r)
+    square, total = y * y, _ARTANH[11]
+    for n in range(10, -1, -1):
+        total = total * square + _ARTANH[n]
+    bend = (y * total / (2.0 + r) ** 2 - 1.0 / (2.0 + r)) / (x * x)
+    return log_(x), 1.0 / x, (bend if abs(r) <= 0.5 * _SERIES else np.nan)
+
+
+@njit(**INLINED)
+def common_sign(x: float, y: float) -> float:
+    """Return the sign of x, NaN where that of y is another.
+
+    Args:
+        x, y: doubles.
+    """
+    return math.copysign(1.0, x) if x * y > 0.0 else np.nan
+
+
 NAMES: dict[str, Any] = {
     f.__name__: f
     for f in (
         exp_, sincos, sinhcosh, sqrt_, abs_, tan_, tanh_, sech_, log_, asin_, acos_, atan_, asinh_, acosh_, atanh_,
+        sincos_bends, sinhcosh_bends, exp_bend, log_bend, common_sign,
     )
 }  # fmt: skip
 """What generated programs call."""

@@ -76,10 +76,10 @@ class Engine:
     def run_starts(self, starts: Starts) -> Columns:
         """Compute what is wanted.
 
-        A first pass works in doubles with plain anomalies; where it is compiled, again with 32-digit constants where
-        these are to blame. Orbits whose errors come out too large go through a second
-        one, with 32-digit constants, slopes for small amplitudes, and stretched anomalies, and if that is not enough
-        (a separatrix) through a third one with 32-digit radicands, if it is doubles that do not know them.
+        A first pass works in doubles: by numpy with plain anomalies; as compiled loops with stretched ones, too, and
+        again for orbits that are left, with 32-digit constants and slopes for small amplitudes. Orbits whose errors
+        come out too large go through a second one by numpy, with all of these, and if that is not enough (a
+        separatrix) through a third one with 32-digit radicands, if it is doubles that do not know them.
 
         Args:
             starts: of n orbits.
@@ -95,7 +95,7 @@ class Engine:
         if self.compiled:
             made = compiled(self.model, kernels=bool(TIMED & self.want))
             self._deeper(columns, everything, starts, -2, made)
-            self._deeper(columns, everything[columns.vague], starts, -1, made)
+            self._deeper(columns, everything[columns.status != Status.OK], starts, -1, made)
         if not self.compiled or any(c.periodic for c in self.model.separated):
             left = everything[columns.status != Status.OK]
             lost = hopeless_in_doubles(self.model, starts.take(left), kernels=bool(TIMED & self.want))

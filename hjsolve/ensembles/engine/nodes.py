@@ -77,7 +77,7 @@ def libration_nodes(count: int, level: int, warp: int = 0) -> Nodes:
         warp: place in the table of crowdings.
     """
     fold = 2 if warp >= EVEN else 1
-    χ = _anomalies(count, fold * count)
+    χ = equal_anomalies(count, fold * count)
     complement, quarter, low, high, pace = _places(χ, level, warp)
     terms = np.arange(1, count)[:, None]
     exact = (terms * (2 * np.arange(count) + 1)) % (4 * count)
@@ -88,17 +88,15 @@ def libration_nodes(count: int, level: int, warp: int = 0) -> Nodes:
     )  # fmt: skip
 
 
-def libration_places(counts: tuple[int, ...], warp: int) -> tuple[Any, Any, Any]:
-    """Return ``low``, ``high``, ``pace`` of ``libration_nodes`` at level 0 for some numbers of nodes, in turn.
+def libration_places(χ: Pair, level: int, warp: int) -> tuple[float, float, Any, Any, Any]:
+    """Return k′² and K, and ``low``, ``high``, ``pace`` of ``libration_nodes`` at some anomalies.
 
     Args:
-        counts: numbers of nodes.
+        χ: in two doubles.
+        level: l in k′² = 4^−l.
         warp: place in the table of crowdings.
     """
-    fold = 2 if warp >= EVEN else 1
-    parts = [_anomalies(count, fold * count) for count in counts]
-    χ = Pair(np.concatenate([part.high for part in parts]), np.concatenate([part.low for part in parts]))
-    return _places(χ, 0, warp)[2:]
+    return _places(χ, level, warp)
 
 
 def _places(χ: Pair, level: int, warp: int) -> tuple[float, float, Any, Any, Any]:
@@ -120,7 +118,7 @@ def rotation_nodes(count: int, level: int) -> Nodes:
         count: nodes in a whole turn.
         level: l in k′² = 4^−l.
     """
-    χ = _anomalies(count, count // 2)
+    χ = equal_anomalies(count, count // 2)
     complement, quarter, sn, cn, dn = _functions(χ, level)
     terms = np.arange(1, count // 2)[:, None]
     exact = (terms * (2 * np.arange(count) + 1)) % (2 * count)
@@ -148,7 +146,7 @@ def _twice(x: Pair) -> Pair:
     return Pair(2 * x.high, 2 * x.low)
 
 
-def _anomalies(count: int, parts: int) -> Pair:
+def equal_anomalies(count: int, parts: int) -> Pair:
     """(j + ½) π/parts, j < count."""
     D = DoubleDouble()
     return D.div(D.mul(Pair(np.arange(count) + 0.5, 0.0), D.pi()), Pair(float(parts), 0.0))

@@ -9,6 +9,7 @@ import numpy as np
 from hjsolve.arithmetic.floats import EPS
 from hjsolve.ensembles.engine.actions_and_angles import combine_integrals
 from hjsolve.ensembles.engine.columns import Columns, blank, put
+from hjsolve.ensembles.engine.compiled_types import Modes
 from hjsolve.ensembles.engine.constants import InitialConstants, initial_constants
 from hjsolve.ensembles.engine.lowered_solution import Model, Separated
 from hjsolve.ensembles.engine.midpoint_rule import Sums, empty, integrate
@@ -28,6 +29,12 @@ _SPOILT = 8e-12
 
 _WIDE = 1e-11
 """Above this claim more digits are tried, whatever is to blame."""
+
+_BARE, _BARE_ACTIONS = 5e-12, 4e-11
+"""Error of p² at the start over its size above which a first compiled pass is not tried: few orbits would be done."""
+
+_SEEN_FROM_START = 1e-13
+"""The same above which the next one sees a motion from its start; where it is not small it is seen as others are."""
 
 _BLURRED = 2.0**-51
 
@@ -106,19 +113,32 @@ def run_compiled(
         tolerance: largest claimed error of an orbit that is ``OK``.
         precise: with 32-digit constants. Without, orbits that may gain by them come back as ``vague``.
     """
-    from hjsolve.ensembles.engine.compiled_pass import begin_compiled, librations
+    from hjsolve.ensembles.engine import compiled_pass
 
     count = starts.q.shape[1]
     columns = blank(names, count)
-    start = initial_constants(model, starts, precise=True) if precise else begin_compiled(model, made, starts)
-    ripples = "angles" in names
-    status = np.full(count, Status.OK, dtype=np.uint8)
+    if precise:
+        start = initial_constants(model, starts, precise=True)
+    else:
+        start = compiled_pass.begin_compiled(model, made, starts)
+    kernels, ripples = bool(TIMED & names.keys()), "angles" in names
+    modes = Modes(chords=False, kernels=kernels, ripples=ripples, shifts=False)
+    status = np.full(count, UNDECIDED if "turning_points" in names else Status.OK, dtype=np.uint8)
+    orbits = [compiled_pass.CompiledCoordinate.of(model, made, start, k) for k in range(len(model.separated))]
+    smallness = [one.smallness(kernels=kernels) for one in orbits]
+    hopeless = np.zeros(count, dtype=bool)
+    if not precise:
+        hopeless = np.max(smallness, axis=0) > (_BARE if kernels else _BARE_ACTIONS)
+    left = np.flatnonzero(~hopeless)
+    status[hopeless] = UNDECIDED
     sums = []
-    for k, coordinate in enumerate(model.separated):
-        total = librations(coordinate, made, start, k, ripples=ripples)
+    for k, one in enumerate(orbits):
+        small = (smallness[k] > _SEEN_FROM_START) & precise
+        first = compiled_pass.slopes_at_start(model, one.coordinate, start, k) if precise else None
+        total = empty(len(model.constants), count)
+        if len(left):
+            total.put(left, compiled_pass.librations(one.take(left), first, small[left], modes))
         status[~total.good] = UNDECIDED
-        if "turning_points" in names:
-            status[:] = UNDECIDED
         total.phase_error[:] += start.blur[k]
         sums.append(total)
     _results(model, names, columns, sums, np.ones((len(sums), count)), start)
@@ -126,7 +146,7 @@ def run_compiled(
         status[status == Status.OK] = UNDECIDED
     resolved = status == Status.OK
     _settle(columns, status, tolerance)
-    columns.vague[:] = resolved & (columns.status != Status.OK)
+    columns.vague[:] = (resolved & (columns.status != Status.OK)) | hopeless
     return columns
 
 

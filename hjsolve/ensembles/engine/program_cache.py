@@ -23,8 +23,10 @@ _CODE = (
     "clearance.py",
     "compiled_clearance.py",
     "compiled_integrals.py",
+    "compiled_phase.py",
     "compiled_rule.py",
     "compiled_turning_points.py",
+    "compiled_types.py",
     "elementary.py",
     "nodes.py",
 )

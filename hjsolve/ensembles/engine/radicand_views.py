@@ -21,7 +21,7 @@ from hjsolve.arithmetic.error_free import Pair
 from hjsolve.arithmetic.floats import UNIT, Float64
 from hjsolve.arithmetic.jet import Jet, Jets
 from hjsolve.arithmetic.running_error import RunningError, WithErrorBound
-from hjsolve.arithmetic.second_differences import SecondDifference, SecondDifferences
+from hjsolve.arithmetic.second_differences import SecondDifference, in_doubles
 from hjsolve.ensembles.engine.lowered_solution import LoweredFormula
 
 _PLACE = 2.0
@@ -209,7 +209,7 @@ class DifferenceEvaluation:
         Args:
             δ: q − q₀, shape (n,) or (n, nodes).
         """
-        slopes = SecondDifferences(δ)
+        slopes = in_doubles(δ)
         known = [SecondDifference(k) for k in self.knowns.plain(δ)]
         result = self.formula.squared.run(slopes, [slopes.variable(with_node_axis(self.start, δ)), *known])[0]
         second = 0.0 if result.second is None else result.second

@@ -106,7 +106,7 @@ def locate_regions(
             coordinate, everything, start.knowns, pairs, model.numbers, q, P, first, 0.5 * second, depth
         )  # fmt: skip
         found, left = [], np.ones(len(q), dtype=bool)
-        if depth and _has_slopes(coordinate.plain):
+        if depth and has_slopes(coordinate.plain):
             noise, crest = _noise_and_crest(raw, q, P, first, second)
             small = np.flatnonzero(noise > (_SMALL if depth < 2 else _TINY) * crest)
             if len(small):
@@ -136,7 +136,7 @@ def hopeless_in_doubles(model: Model, starts: Starts, *, kernels: bool) -> Any:
     found = np.zeros(starts.q.shape[1], dtype=bool)
     with np.errstate(all="ignore"):
         for k, coordinate in enumerate(model.separated):
-            if _has_slopes(coordinate.plain):
+            if has_slopes(coordinate.plain):
                 view = DirectEvaluation(coordinate.plain, start.knowns)
                 _, first, second = view.jet(start.q[k])
                 noise, crest = _noise_and_crest(view, start.q[k], start.P[k], first, second)
@@ -150,7 +150,12 @@ def _noise_and_crest(view: DirectEvaluation, q: Any, P: Any, first: Any, second:
     return view.errors(q, kernels=False)[0], crest
 
 
-def _has_slopes(formula: LoweredFormula) -> bool:
+def has_slopes(formula: LoweredFormula) -> bool:
+    """Tell whether small motions can be seen from their start, by second differences.
+
+    Args:
+        formula: of p².
+    """
     return {operation.code for operation in formula.squared.operations} <= FUNCTIONS | _ARITHMETIC
 
 
@@ -163,7 +168,7 @@ def _near(group: Group) -> LocatedRegions:
     zero = np.zeros_like(q)
     rest = (P == 0) & (np.abs(first) <= 2.0**-40 * doubt * np.maximum(np.abs(q), 2.0**-40))
     floors = [
-        np.full(len(q), side * np.inf) if formula is None else -formula.sign * _offset(formula, q)
+        np.full(len(q), side * np.inf) if formula is None else -formula.sign * offset(formula, q)
         for side, formula in ((-1, coordinate.lower), (1, coordinate.upper))
     ]
     size = np.minimum(np.abs(q) + 1.0, np.minimum(-floors[0], floors[1]))
@@ -263,8 +268,8 @@ def _libration(group: Group) -> LocatedRegions:
     outside = np.zeros(len(q), dtype=bool)
     for side, formula in ((-1, coordinate.lower), (1, coordinate.upper)):
         view = plain if formula is None or not group.depth else DirectEvaluation(formula, knowns)
-        start = _offset(view.formula, q)
-        distance = np.inf if formula is None else _offset(formula, q)
+        start = offset(view.formula, q)
+        distance = np.inf if formula is None else offset(formula, q)
         outside |= distance <= 0
         step_side = side * view.sign
         floor = start + step_side * distance
@@ -314,8 +319,13 @@ def _fine(group: Group, region: OrbitRegions) -> OrbitRegions:
     return _region(below, above, zero, zero, group.P, left, -right)
 
 
-def _offset(formula: LoweredFormula, q: Any) -> Any:
-    """Return x of a position: (q − origin)·sign with one rounding."""
+def offset(formula: LoweredFormula, q: Any) -> Any:
+    """Return x of a position: (q − origin)·sign with one rounding.
+
+    Args:
+        formula: with its origin.
+        q: positions, shape (n,).
+    """
     s, e = two_sum(q, -formula.origin.high)
     return formula.sign * (s + (e - formula.origin.low))
 

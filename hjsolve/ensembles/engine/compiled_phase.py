@@ -1,0 +1,176 @@
+"""The anomaly of the start in compiled loops; see ``initial_phase``. Only imported where numba is."""
+
+from __future__ import annotations
+
+import math
+
+import numpy as np
+from numba import njit
+
+from hjsolve.arithmetic.floats import EPS
+from hjsolve.arithmetic.number_types import Reals
+from hjsolve.ensembles.engine.compiled_rule import REDUCING, dot
+from hjsolve.ensembles.engine.compiled_types import Motions, Scratch, Tables
+from hjsolve.ensembles.engine.elementary import INLINED, sincos
+
+_CLOSE = 0.05
+
+
+@njit(**INLINED)
+def _pace(χ: float, map_: Reals) -> float:
+    s, c = sincos(χ)
+    return 1.0 + map_[0] * c + map_[1] * (c * c - s * s)
+
+
+@njit(**INLINED)
+def _stretch(χ: float, x: float, y: float, map_: Reals) -> float:
+    """(dq/dχ)²/(W² x y)."""
+    pace = _pace(χ, map_)
+    if map_[3] == 1.0:
+        return pace * pace
+    return (2.0 * map_[2] / math.pi * pace) ** 2 * map_[3] * (1.0 + map_[5] * y) * (1.0 + map_[4] * x)
+
+
+@njit(**INLINED)
+def _elliptic(s: float, c: float, map_: Reals) -> float:
+    """π F(φ | k²)/K, s = sin φ, c = cos φ ≥ 0: F = sin φ R_F(cos²φ, 1 − k² sin²φ, 1) (DLMF 19.25.5, 19.36.1)."""
+    x, y, z = max(c * c, 1e-300), c * c + map_[3] * s * s, 1.0
+    X, Y, A = 0.0, 0.0, 1.0
+    for _ in range(64):
+        λ = np.sqrt(x * y) + np.sqrt(y * z) + np.sqrt(z * x)
+        x, y, z = 0.25 * (x + λ), 0.25 * (y + λ), 0.25 * (z + λ)
+        A = (x + y + z) / 3.0
+        X, Y = 1.0 - x / A, 1.0 - y / A
+        if max(abs(X), abs(Y)) < 2e-3:
+            break
+    Z = -X - Y
+    e2, e3 = X * Y - Z * Z, X * Y * Z
+    R = (1.0 - e2 / 10.0 + e3 / 14.0 + e2 * e2 / 24.0 - 3.0 * e2 * e3 / 44.0) / np.sqrt(A)
+    return math.pi * s * R / map_[2]
+
+
+@njit(**INLINED)
+def _anomaly(x: float, y: float, map_: Reals) -> float:
+    """χ of a place. Halley's steps inside a bracket undo the crowding."""
+    x, y = max(x, 0.0), max(y, 0.0)
+    if map_[3] == 1.0:
+        goal = 2.0 * math.atan2(np.sqrt(x), np.sqrt(y))
+    else:
+        sine, cosine = np.sqrt(x * (1.0 + map_[4])), np.sqrt(y)
+        size = np.sqrt(sine * sine + cosine * cosine)
+        goal = _elliptic(sine / size, cosine / size, map_)
+    γ, δ = map_[0], map_[1]
+    if γ == 0.0 and δ == 0.0:
+        return goal
+    low, high, χ = 0.0, math.pi, goal
+    for _ in range(60):
+        s, c = sincos(χ)
+        f = χ + γ * s + δ * s * c - goal
+        slope, bend = 1.0 + γ * c + δ * (c * c - s * s), -s * (γ + 4.0 * δ * c)
+        if f <= 0.0:
+            low = χ
+        else:
+            high = χ
+        new = χ - f * slope / (slope * slope - 0.5 * f * bend)
+        inside = new >= low and new <= high
+        if not inside:
+            new = 0.5 * (low + high)
+        if abs(new - χ) <= (1e-6 if inside else 4.0 * EPS) * abs(new):  # the error falls with its third power
+            return new
+        χ = new
+    return χ
+
+
+@njit(**REDUCING)
+def _total(x: Reals, n: int) -> float:
+    total = 0.0
+    for j in range(n):
+        total += x[j]
+    return total
+
+
+@njit(**INLINED)
+def _interpolation(weights: Reals, χ: float, n: int, cosines: Reals) -> None:
+    """Weights by which values at the nodes give that at χ: the barycentric formula (Berrut & Trefethen 2004, §5.2)."""
+    place, nodes, signs = math.cos(χ), cosines[0], cosines[n - 2]
+    for j in range(n):
+        gap = place - nodes[j]
+        weights[j] = signs[j] / (gap if gap != 0.0 else 1e-30)
+    total = _total(weights, n)
+    for j in range(n):
+        weights[j] /= total
+
+
+@njit(**INLINED)
+def running_weights(weights: Reals, scratch: Reals, χ: float, n: int, cosines: Reals) -> None:
+    """Weights of the running integral less its mean growth, Σ cos kχⱼ sin kχ/k; odd k are odd about χ = π/2.
+
+    Args:
+        weights: filled.
+        scratch: two rows of the same length.
+        χ: where the integral ends.
+        n: number of nodes.
+        cosines: of the nodes, ``libration_nodes``.
+    """
+    half = n // 2
+    s1, c1 = sincos(χ)
+    s, c = s1, c1
+    s2, c2 = 2.0 * s1 * c1, c1 * c1 - s1 * s1
+    t, d = s2, c2
+    scratch[0, :half] = 0.0
+    scratch[1, :half] = 0.0
+    for k in range(1, n - 2, 4):
+        s3, c3 = s * c2 + c * s2, c * c2 - s * s2
+        t3, d3 = t * c2 + d * s2, d * c2 - t * s2
+        odd, even, odd3, even3 = s / k, t / (k + 1), s3 / (k + 2), (t3 / (k + 3) if k + 3 < n else 0.0)
+        first, second, third, fourth = cosines[k - 1], cosines[k], cosines[k + 1], cosines[min(k + 2, n - 2)]
+        for j in range(half):
+            scratch[0, j] += odd * first[j] + odd3 * third[j]
+            scratch[1, j] += even * second[j] + even3 * fourth[j]
+        s, c, t, d = s3 * c2 + c3 * s2, c3 * c2 - s3 * s2, t3 * c2 + d3 * s2, d3 * c2 - t3 * s2
+    for j in range(half):
+        weights[j] = scratch[1, j] + scratch[0, j]
+        weights[n - 1 - j] = scratch[1, j] - scratch[0, j]
+
+
+@njit(**INLINED)
+def phase(work: Scratch, motions: Motions, i: int, place: tuple[int, int], tables: Tables,
+          chords: bool) -> tuple[float, float]:  # fmt: skip
+    """Phase of the start and a bound on its error; leaves the weights of interpolation.
+
+    Args:
+        work: F and r at the nodes, and their errors.
+        motions: of n orbits.
+        i: which one.
+        place: map and size.
+        tables: of nodes.
+        chords: whether the rounding of F is known relatively.
+    """
+    m, size = place
+    map_, n, cosines = tables.maps[m], tables.counts[size], tables.cosines[size]
+    weights, buffer = work.shares, work.buffer
+    W, P, fold = motions.width[i], motions.momentum[i], map_[6]
+    x, y = motions.left[i] / W, motions.right[i] / W
+    end, tip, squares = tables.samples[motions.first[i]] - 1, n - 1, tables.squares[int(fold) - 1, size]
+    low, high = tables.low[m, size, 0], tables.high[m, size, tip]
+    blur = work.drift[0] / squares[0] + work.noise[0, 0] / (1.0 if chords else squares[0])
+    blurred = work.drift[end] / squares[tip] + work.noise[0, end] / (1.0 if chords else squares[tip])
+    if fold == 2.0:
+        blurred, high = blur, low
+    lower, upper = low * blur, high * blurred
+    δ = y * lower + x * upper
+    if min(x * (1.0 + map_[4]), y * (1.0 + map_[5])) < _CLOSE:  # beyond, a pole makes p² flat: it tells no place
+        for _ in range(2 if map_[3] == 1.0 else 3):
+            χ = _anomaly(x, y, map_)
+            _interpolation(weights, fold * χ, n, cosines)
+            r = dot(buffer[1], weights, n)
+            small = (P * r / W) ** 2 / _stretch(χ, x, y, map_) / max(x, y)
+            x, y = (small, 1.0 - small) if x < y else (1.0 - small, small)
+        δ = min(x * blur, lower) if x < y else min(y * blurred, upper)
+        δ += min(x, y) * (lower + upper)
+    χ = _anomaly(x, y, map_)
+    _interpolation(weights, fold * χ, n, cosines)
+    small, large = max(min(x, y), 0.0), max(x, y)
+    root = np.sqrt(max(_stretch(χ, x, y, map_) * large, 1e-300))
+    doubt = ((δ / np.sqrt(max(small, 1e-300)) if small > 0.0 else 0.0) + 4.0 * EPS * np.sqrt(small)) / root
+    return (-χ if P < 0 else χ), 2.0 * doubt + 8.0 * EPS * math.pi

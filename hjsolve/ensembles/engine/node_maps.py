@@ -1,0 +1,289 @@
+"""Maps from χ to the coordinate for the compiled pass: tables that grow as orbits need them.
+
+The anomalies are those of ``nodes``. There ρ_d and ρ_c, which say how near a pole or zero lies beyond an end, are the
+orbit's own; here 1 + ρ_d and 1 + ρ_c are powers of two. Where exactly they lie does not enter an integral, only its
+rate of convergence, and a map serves all orbits.
+"""
+
+from __future__ import annotations
+
+from functools import cache
+from threading import Lock
+from typing import Any, NamedTuple
+
+import numpy as np
+
+from hjsolve.arithmetic.error_free import Pair
+from hjsolve.arithmetic.number_types import Integers, Reals
+from hjsolve.ensembles.engine import nodes
+from hjsolve.ensembles.engine.compiled_types import Strips, Tables
+from hjsolve.ensembles.engine.nodes import EVEN, MOST, WARPS
+from hjsolve.ensembles.engine.strips_of_analyticity import SAFETY, across, covered_strip
+
+COUNTS = (16, 24, 32, 40, 48, 56, 64, 72, 80, 96, 112, 128, 160, 192, 256)
+"""Numbers of nodes: whole vectors of eight."""
+
+SAMPLES, STRETCHED_SAMPLES = 4, 12
+"""Places at which rounding errors are looked at, beside the middle."""
+
+_WIDEST = COUNTS[-1]
+_WARPED = 5
+_MARGIN = 0.04
+_VECTOR = 8
+_FROM_MIDDLE, _FROM_BELOW, _FROM_ABOVE = 0, 1, 2
+_TALL = 100.0
+"""How much larger p² may be next to one end than next to the other before that end is only seen from close by."""
+
+
+class NodeMap(NamedTuple):
+    """A map.
+
+    Attributes:
+        warp: place in the table of crowdings.
+        lower, upper: logarithms to base 2 of 1 + ρ_d and 1 + ρ_c; their sum is even.
+    """
+
+    warp: int
+    lower: int = 0
+    upper: int = 0
+
+    @property
+    def level(self) -> int:
+        """Of k′² = 4^−level."""
+        return (self.lower + self.upper) // 2
+
+    @property
+    def fold(self) -> int:
+        """2 for an even motion, else 1."""
+        return 2 if self.warp >= EVEN else 1
+
+    def dividing(self, share: int) -> float:
+        """(q − a)/W up to which a motion is seen from its lower end; see ``views``."""
+        lower, upper = 2.0**self.lower, 2.0**self.upper
+        return (0.5, 1.0 - 1.0 / (1.0 + upper), 1.0 / (1.0 + lower))[share]
+
+    def stretched(self, sn2: Any, cn2: Any) -> tuple[Any, Any]:
+        """Return (q − a)/W and (b − q)/W where sn² and cn² are these."""
+        d = 2.0**self.lower - 1
+        below = 1 + d * cn2
+        return sn2 / below, (1 + d) * cn2 / below
+
+
+def fitting(lower: Any, upper: Any, even: Any) -> Any:
+    """Return warp, ``lower`` and ``upper`` of the maps that serve some motions, shape (n, 3).
+
+    Args:
+        lower, upper: 1 + ρ_d and 1 + ρ_c, shape (n,).
+        even: True where the motion is even about its middle, ρ_d = ρ_c.
+    """
+    i, j = (np.rint(np.log2(x)).astype(np.int64) for x in (lower, upper))
+    i, j = np.where(even, np.maximum(i, j), i), np.where(even, np.maximum(i, j), j)
+    odd = (i + j) % 2
+    i, j = i + odd * (i >= j), j + odd * (i < j)
+    room = 2 * MOST
+    i, j = np.minimum(i, np.where(even, MOST, room)), np.minimum(j, np.where(even, MOST, room))
+    excess = np.maximum(i + j - room, 0)
+    i, j = np.where(i >= j, i - excess, i), np.where(i >= j, j, j - excess)
+    where = np.rint(4 * i / np.maximum(i + j, 1)).astype(np.int64)
+    far = i + j >= 2 * _WARPED
+    return np.stack([np.where(even, EVEN + far, np.where(far, 1 + where, 0)), i, j], axis=1)
+
+
+def views(lower: Reals, upper: Reals, nearby: tuple[Reals, Reals]) -> Integers:
+    """Tell how some motions are divided: 0 in the middle, 1 next to the upper and 2 next to the lower end.
+
+    What is lost at a turning point is small beside p² there, and not where p² is smaller by far. Near escape p² is
+    large far out: only what is nearer to that end than its own scale, W over ``nearby``, is seen from it.
+
+    Args:
+        lower, upper: slopes of p² at the ends.
+        nearby: 1 + ρ_d and 1 + ρ_c.
+    """
+    low, high = (np.abs(slope) / near for slope, near in zip((lower, upper), nearby, strict=True))
+    return np.where(high > _TALL * low, _FROM_BELOW, np.where(low > _TALL * high, _FROM_ABOVE, _FROM_MIDDLE))
+
+
+class NodeMaps:
+    """All maps that were ever needed, and their tables; several threads may ask for more at the same time."""
+
+    def __init__(self) -> None:
+        """Begin with the maps that stretch nothing, in the order of ``WARPS``."""
+        self._lock = Lock()
+        self._places: dict[NodeMap, int] = {}
+        self.tables, none = _shared_tables(), np.empty(0)
+        self.strips = Strips(none, none, none, none, np.full((3, 0, len(COUNTS)), -1))
+        self._add([NodeMap(warp) for warp in range(len(WARPS))])
+
+    def index(self, maps: Any) -> Any:
+        """Return the places of some maps in the tables, which grow where it must be.
+
+        Args:
+            maps: as ``fitting`` returns them.
+        """
+        with self._lock:
+            kinds, back = np.unique(maps, axis=0, return_inverse=True)
+            keys = [NodeMap(*map(int, kind)) for kind in kinds]
+            fresh = [key for key in keys if key not in self._places]
+            if fresh:
+                self._add(fresh)
+            return np.array([self._places[key] for key in keys], dtype=np.int64)[back.reshape(-1)]
+
+    def _add(self, keys: list[NodeMap]) -> None:
+        rows = [_rows(key) for key in keys]
+        grown = {
+            name: _joined(getattr(self.tables, name), np.stack([row[name] for row in rows])) for name in rows[0]
+        }
+        self.tables = self.tables._replace(**grown)
+        begin = len(self._places)
+        self._places |= {key: begin + k for k, key in enumerate(keys)}
+        shape = (len(keys), len(COUNTS))
+        plain = [[across(n, WARPS[k.warp], k.fold) if k.level == 0 else np.inf for n in COUNTS] for k in keys]
+        counts = np.concatenate([self.strips.counts, np.full((3, *shape), -1)], axis=1)
+        self.strips = self.strips._replace(enough=_joined(self.strips.enough, np.array(plain)), counts=counts)
+
+    def cover(self, map_: int, size: int) -> None:
+        """Work out the disks over the strip of a map and a size, where that was not done yet.
+
+        Args:
+            map_: place in the tables.
+            size: place in ``COUNTS``.
+        """
+        with self._lock:
+            strips = self.strips
+            if strips.counts[0, map_, size] >= 0:
+                return
+            key = next(key for key, place in self._places.items() if place == map_)
+            *parts, low = _disks(key, COUNTS[size])
+            flat = dict(zip(("along", "away", "spread"), parts, strict=True))
+            counts = strips.counts.copy()
+            counts[:, map_, size] = len(parts[0]), low, len(strips.along)
+            grown = {name: np.concatenate([getattr(strips, name), row]) for name, row in flat.items()}
+            self.strips = strips._replace(**grown, counts=counts)
+
+
+def _joined(old: Any, new: Any) -> Any:
+    return new if old.size == 0 else np.concatenate([old, new])
+
+
+@cache
+def node_maps() -> NodeMaps:
+    """Return the maps of this process."""
+    return NodeMaps()
+
+
+def _shared_tables() -> Tables:
+    """What depends on the sizes alone."""
+    size = len(COUNTS)
+    last, middle = np.zeros((size, 5, _WIDEST)), np.zeros((size, 3, _WIDEST))
+    cosines = np.zeros((size, _WIDEST, _WIDEST))
+    squares, slopes = (np.zeros((2, size, _WIDEST)) for _ in range(2))
+    for k, count in enumerate(COUNTS):
+        table = nodes.libration_nodes(count, 0)
+        last[k, :, :count], middle[k, :, :count] = table.cosines[table.last], table.cosines[table.middle][1:-1]
+        cosines[k, : count - 1, :count] = table.cosines
+        for fold in (1, 2):
+            squares[fold - 1, k, :count], slopes[fold - 1, k, : count - 1] = nodes.shifts(count, fold)
+    none, counted = np.empty(0), np.empty(0, dtype=np.int64)
+    return Tables(
+        maps=none, counts=np.array(COUNTS), low=none, high=none, pace=none, split=counted, places=none,
+        samples=counted, spans=counted, last=last, middle=middle, cosines=cosines, squares=squares, slopes=slopes,
+    )  # fmt: skip
+
+
+def _rows(key: NodeMap) -> dict[str, Any]:
+    """The rows of one map in the tables."""
+    samples = SAMPLES if key.level == 0 else STRETCHED_SAMPLES
+    parts = [nodes.equal_anomalies(count, key.fold * count) for count in COUNTS]
+    share = np.pi / key.fold / (samples - 1 + 2 * _MARGIN)
+    equal = np.array([(k + _MARGIN) * share for k in range(samples)])
+    split, farthest = _divided(key)
+    among = np.concatenate([equal, farthest])
+    χ = Pair(
+        np.concatenate([*(part.high for part in parts), among]),
+        np.concatenate([*(part.low for part in parts), 0.0 * among]),
+    )
+    complement, quarter, sn2, cn2, pace = nodes.libration_places(χ, key.level, key.warp)
+    x, y = key.stretched(sn2, cn2)
+    d, c = 2.0**key.lower - 1, 2.0**key.upper - 1
+    if key.level:
+        pace = (2 * quarter / np.pi * pace) * np.sqrt(complement * (1 + c * y) * (1 + d * x))
+    low, high, paces = (np.zeros((len(COUNTS), _WIDEST)) for _ in range(3))
+    for part, values in ((low, x), (high, y), (paces, pace)):
+        for k, row in enumerate(np.split(values[: -len(among)], np.cumsum(COUNTS)[:-1])):
+            part[k, : len(row)] = row
+    places = np.zeros((4, STRETCHED_SAMPLES + len(farthest)))
+    seen = np.stack([x, y, pace, np.sin(χ.high) ** 2])[:, -len(among) :]
+    places[:, :samples], places[:, STRETCHED_SAMPLES:] = seen[:, :samples], seen[:, samples:]
+    return {
+        "maps": np.array([*WARPS[key.warp], quarter, complement, d, c, key.fold]),
+        "low": low,
+        "high": high,
+        "pace": paces,
+        "split": split,
+        "places": places,
+        "samples": np.array(samples),
+        "spans": np.array([_spans(key, equal, share, *farthest[2 * share : 2 * share + 2]) for share in range(3)]),
+    }
+
+
+def _divided(key: NodeMap) -> tuple[Integers, Reals]:
+    """How many nodes of every size are seen from below, in every share; and the farthest that is, seen from either end.
+
+    Whole vectors are, where that moves no more than a few nodes.
+    """
+    split, farthest = np.empty((len(COUNTS), 3), dtype=np.int64), np.empty(6)
+    for share in range(3):
+        if key.fold == 2:
+            split[:, share], farthest[2 * share : 2 * share + 2] = COUNTS, 0.5 * np.pi
+            continue
+        middle = _half_way(key, key.dividing(share))
+        for k, count in enumerate(COUNTS):
+            part = middle / np.pi * count
+            whole = {_FROM_MIDDLE: np.rint, _FROM_BELOW: np.ceil, _FROM_ABOVE: np.floor}[share](part / _VECTOR)
+            rounded = _VECTOR * int(whole)
+            fits = _VECTOR <= rounded <= count - _VECTOR and not (key.warp and not key.level)
+            split[k, share] = rounded if fits else min(max(round(part), 1), count - 1)
+        last = (split[:, share] - 0.5) * np.pi / COUNTS
+        farthest[2 * share] = max(last.max(), middle)
+        farthest[2 * share + 1] = min((last + np.pi / np.array(COUNTS)).min(), middle)
+    return split, farthest
+
+
+def _spans(key: NodeMap, equal: Reals, share: int, below: float, above: float) -> tuple[int, int, int]:
+    """How many samples are seen from below, and between which ones both views are used: at χ from above to below."""
+    if key.fold == 2:
+        return len(equal), len(equal) - 1, len(equal) - 1
+    inside = int((equal <= _half_way(key, key.dividing(share))).sum())
+    first = int((equal <= above).sum()) - 1
+    last = len(equal) - int((equal >= below).sum())
+    return inside, min(max(first, 0), inside - 1), max(min(last, len(equal) - 1), inside)
+
+
+def _half_way(key: NodeMap, goal: float) -> float:
+    """χ where (q − a)/W has some value, nearly."""
+    χ = np.linspace(0.0, np.pi, 514)[1:-1]
+    _, _, sn2, cn2, _ = nodes.libration_places(Pair(χ, 0.0 * χ), key.level, key.warp)
+    x, y = key.stretched(sn2, cn2)
+    return float(np.interp(np.log(goal / (1.0 - goal)), np.log(x / y), χ))
+
+
+def _disks(key: NodeMap, count: int) -> tuple[Any, Any, Any, int]:
+    """Disks over the strip of a map: parts of the middles, radii, and how many belong to the lower half.
+
+    An infinite radius says that the strip holds a pole of the map.
+    """
+    table = nodes.libration_nodes(count, key.level, key.warp)
+    over = covered_strip(table, turning=True)
+    if key.level == 0:
+        low, high, spread = over.low, over.high, over.spread
+    else:
+        d = 2.0**key.lower - 1
+        low, high = key.stretched(over.low, over.high)
+        near, _ = key.stretched(over.near_low, over.near_high)
+        spread = SAFETY * np.abs(near - low[:, None]).max(axis=1)
+        if not (over.inside and 1 + d * over.tip > 0):
+            spread = np.full(len(low), np.inf)
+    below = (low.real <= 0.5) | (key.fold == 2)
+    order = np.argsort(~below, kind="stable")
+    seen = np.where(below, low, high)[order]
+    return seen.real, np.abs(seen.imag), spread[order], int(below.sum())

@@ -1,0 +1,300 @@
+"""The texts of the programs of one system, written from its tapes for numba (extra ``fast``).
+
+A program is straight-line Python over doubles, or the same inside a loop over places that LLVM vectorises. Its text
+comes from operation codes and numbers (``arithmetic/python_source.py``); nothing that a user wrote gets into it.
+
+Every view of p² (``radicand_views``) has the same functions, over offsets x in it and known numbers c:
+
+    value(x, c)                                  F; of small motions F[q₀, q₀, q₀ + x]
+    bend(x, c)                                   F, F′, F″; not of small motions
+    slopes(x, C, f, d)                           F and F′ of many orbits
+    fill(buffer, b, s, W, near, far, pace, start, stop, c)   F r, r, F and the kernels times r at nodes x = b + s W near
+    doubts(out, place, mask, c, e)               bounds on the errors of F and of the kernels, and F
+    relative(out, base, offset, c)               bounds on the relative error of F[b, b + d]
+"""
+
+from __future__ import annotations
+
+import re
+from collections.abc import Callable, Sequence
+
+from hjsolve.arithmetic.divided_differences import FirstDifferences
+from hjsolve.arithmetic.floats import UNIT
+from hjsolve.arithmetic.jet import Jet, Jets
+from hjsolve.arithmetic.python_source import PythonSource, function
+from hjsolve.arithmetic.running_error import RunningError, WithErrorBound
+from hjsolve.arithmetic.second_differences import SecondDifference, SecondDifferences
+from hjsolve.arithmetic.tape import Tape
+from hjsolve.ensembles.engine.lowered_solution import LoweredFormula, Model
+from hjsolve.ensembles.engine.radicand_views import has_chords
+
+_OWN = 4
+_PLACE = f"({2 * UNIT!r})"
+_ROUNDED = f"({6 * UNIT!r})"
+_NO_RELATIVE = "def relative(out, base, offset, c):\n    out[:] = 0.0\n"
+
+_MORE = ("start0", "square0", "first0", "doubt0")
+
+VIEW = ("value", "bend", "slopes", "fill", "doubts", "relative")
+SMALL = ("value", "bounds", "fill", "doubts", "relative")
+"""The functions of a view, and of small motions."""
+
+
+def view_text(formula: LoweredFormula, constants: int, numbers: tuple[float, ...], kernels: bool) -> str:
+    """Return the text of the functions of a view.
+
+    Args:
+        formula: p² as a function of x.
+        constants: how many there are.
+        numbers: values of the parameters, doubles.
+        kernels: whether ∂J/∂c are wanted.
+    """
+    names, literals = [f"c{j}" for j in range(constants)], [f"({x!r})" for x in numbers]
+    squared = formula.squared
+
+    def jet(source: PythonSource, order: int) -> list[str]:
+        jets = Jets(source)
+        inputs = [jets.variable("x"), *(Jet(k) for k in names + literals)]
+        parts = squared.run(jets, inputs)[0]
+        return ["(0.0)" if part is None else part for part in parts[: order + 1]]
+
+    unpack = _unpacked(names)
+    return "\n".join(
+        (
+            _plain("value", unpack, lambda s: squared.run(s, ["x", *names, *literals])[:1], single=True),
+            _plain("bend", unpack, lambda s: jet(s, 2)),
+            _slopes_text(constants, lambda s: jet(s, 1)),
+            _fill_text(formula, unpack, names + literals, kernels),
+            _doubts_text(formula.full if kernels else squared, constants, numbers),
+            _relative_text(formula, unpack, names, numbers) if has_chords(formula) else _NO_RELATIVE,
+        )
+    )
+
+
+def _unpacked(names: list[str], array: str = "c") -> str:
+    return "".join(f"    {name} = {array}[{j}]\n" for j, name in enumerate(names))
+
+
+def _plain(name: str, unpack: str, run: Callable[[PythonSource], Sequence[str]], *, single: bool = False) -> str:
+    source = PythonSource()
+    results = run(source)
+    head, body = function(name, ["x", "c"], source, results).split("\n", 1)
+    body = body.replace(f"return ({results[0]}, )", f"return {results[0]}") if single else body
+    return f"{head}\n{unpack}{body}"
+
+
+def _loop(head: str, before: str, over: str, lines: list[str]) -> str:
+    return f"def {head}:\n{before}    for {over}:\n" + "".join(f"        {line}\n" for line in lines)
+
+
+def _slopes_text(constants: int, run: Callable[[PythonSource], Sequence[str]]) -> str:
+    source = PythonSource()
+    value, slope = run(source)
+    lines = ["x = place[i]", *(f"c{j} = C[{j}, i]" for j in range(constants)), *source.lines]
+    lines += [f"f[i] = {value}", f"d[i] = {slope}"]
+    return _loop("slopes(place, C, f, d)", "", "i in range(place.shape[0])", lines)
+
+
+_FILL = "fill(buffer, b, s, W, near, far, pace, start, stop, c)"
+
+
+def _fill_text(formula: LoweredFormula, unpack: str, known: list[str], kernels: bool) -> str:
+    """Fill the buffer; with kernels F next to a turning point b is d F[b, b + d], which keeps its digits."""
+    source = PythonSource()
+    if kernels and has_chords(formula):
+        chords = FirstDifferences(source, "d")
+        inputs = [chords.variable("b", "x"), *(chords.constant(k) for k in known)]
+        (F,) = formula.squared.run(chords, inputs)
+        square = source.mul("d", F.slope)
+        _, *weights = formula.full.run(source, ["x", *known])
+    else:
+        square, *weights = (formula.full if kernels else formula.squared).run(source, ["x", *known])
+    return _filled(source, unpack, ["d = s * W * near[j]", "x = b + d"], square, weights)
+
+
+def _filled(source: PythonSource, unpack: str, places: list[str], square: str, weights: list[str]) -> str:
+    fixed, moving = _divided(source.lines)
+    rows = [square + " * r", "r", square, *(f"{w} * r" for w in weights)]
+    lines = [
+        *places,
+        *moving,
+        f"r = pace[j] * sqrt_((W * near[j]) * (W * far[j]) / {square})",
+        *(f"b{k}[j] = {row}" for k, row in enumerate(rows)),
+    ]
+    # slices, because LLVM makes vectors only of loops that begin at 0
+    sliced = [f"{name} = {name}[start:stop]" for name in ("near", "far", "pace")]
+    sliced += [f"b{k} = buffer[{k}, start:stop]" for k in range(len(rows))]
+    before = unpack + "".join(f"    {line}\n" for line in (*fixed, *sliced))
+    return _loop(_FILL, before, "j in range(near.shape[0])", lines)
+
+
+def _divided(lines: list[str]) -> tuple[list[str], list[str]]:
+    """Lines that depend on the turning point alone, and those that depend on the node."""
+    fixed, moving, depends = [], [], {"x", "d"}
+    for line in lines:
+        left, right = line.split(" = ", 1)
+        words = re.findall(r"[A-Za-z_]\w*", right)
+        if depends.isdisjoint(words):
+            fixed.append(line)
+        else:
+            moving.append(line)
+            depends.update(left.split(", "))
+    return fixed, moving
+
+
+def _relative_text(formula: LoweredFormula, unpack: str, names: list[str], numbers: tuple[float, ...]) -> str:
+    """Bounds on the relative error of F[b, b + d]."""
+    source = PythonSource()
+    chords = FirstDifferences(RunningError(source, own=_OWN), WithErrorBound("d"))
+    place = source.add("b", "d")
+    inputs = [
+        chords.variable(WithErrorBound("b"), WithErrorBound(place, source.mul(_PLACE, source.unary("abs", place))))
+    ]
+    inputs += [chords.constant(WithErrorBound(c)) for c in names]
+    inputs += [chords.constant(x) for x in _rounded(numbers)]
+    slope = formula.squared.run(chords, inputs)[0].slope
+    error = "(0.0)" if slope.error is None else slope.error
+    lines = ["b = base[g]", "d = offset[g]", *source.lines, f"out[g] = abs({error}) / abs({slope.value})"]
+    return _loop("relative(out, base, offset, c)", unpack, "g in range(out.shape[0])", lines)
+
+
+def _rounded(numbers: tuple[float, ...]) -> list[WithErrorBound]:
+    return [WithErrorBound(f"({x!r})", f"({abs(x) * UNIT!r})") for x in numbers]
+
+
+def _doubtful(tape: Tape, source: PythonSource, place: str, constants: int, numbers: tuple[float, ...]) -> list[str]:
+    """Lines that work out a tape's results with running errors, the constants being in doubt where the mask is 1."""
+    inputs = [WithErrorBound(place, source.mul(_PLACE, source.unary("abs", place)))]
+    inputs += [*(WithErrorBound(f"c{j}", f"e{j}") for j in range(constants)), *_rounded(numbers)]
+    results = tape.run(RunningError(source, own=_OWN), inputs)
+    lines = [f"out[{k}, g] = {'(0.0)' if r.error is None else r.error}" for k, r in enumerate(results)]
+    return [*lines, f"out[{len(results)}, g] = {results[0].value}"]
+
+
+def _doubts_text(tape: Tape, constants: int, numbers: tuple[float, ...]) -> str:
+    source = PythonSource()
+    results = _doubtful(tape, source, "x", constants, numbers)
+    lines = ["x = place[g]", *(f"e{j} = mask[g] * s{j}" for j in range(constants)), *source.lines, *results]
+    return _loop("doubts(out, place, mask, c, e)", _both(constants), "g in range(place.shape[0])", lines)
+
+
+def _both(constants: int) -> str:
+    return _unpacked([f"c{j}" for j in range(constants)]) + _unpacked([f"s{j}" for j in range(constants)], "e")
+
+
+def small_text(formula: LoweredFormula, constants: int, numbers: tuple[float, ...], kernels: bool) -> str:
+    """Return the text of the functions of small motions, F(q₀ + x) = P₀² + x (F′₀ + x F[q₀, q₀, q₀ + x]).
+
+    After the constants c has q₀, P₀², F′₀ and a bound on the error of F[q₀, q₀, q].
+
+    Args:
+        formula: p²(q).
+        constants: how many there are.
+        numbers: values of the parameters, doubles.
+        kernels: whether ∂J/∂c are wanted.
+    """
+    names, literals = [f"c{j}" for j in range(constants)], [f"({x!r})" for x in numbers]
+    unpack = _unpacked([*names, *_MORE])
+    values = PythonSource()
+    second = _second(formula, values, names + literals)
+    filled = PythonSource()
+    square = _square(filled, _second(formula, filled, names + literals))
+    place, weights = filled.add("start0", "x"), []
+    if kernels:
+        _, *weights = formula.full.run(filled, [place, *names, *literals])
+    return "\n".join(
+        (
+            _plain("value", unpack, lambda s: _taken(values, s, second), single=True),
+            _bounds_text(formula, constants, numbers),
+            _filled(filled, unpack, ["d = s * W * near[j]", "x = b + d"], square, weights),
+            _small_doubts_text(formula, constants, numbers, kernels),
+            _NO_RELATIVE,
+        )
+    )
+
+
+def _taken(values: PythonSource, source: PythonSource, result: str) -> list[str]:
+    source.lines[:] = values.lines
+    return [result]
+
+
+def _second(formula: LoweredFormula, source: PythonSource, known: list[str]) -> str:
+    """F[q₀, q₀, q₀ + x]."""
+
+    def elementary(name: str, x: str, d: str) -> tuple[str, str, str]:
+        if name in {"sin", "cos"}:
+            s, c, bend_s, bend_c = source.called("sincos_bends", x, d, results=4)
+            return (s, c, bend_s) if name == "sin" else (c, source.unary("neg", s), bend_c)
+        if name in {"sinh", "cosh"}:
+            s, c, bend_s, bend_c = source.called("sinhcosh_bends", x, d, results=4)
+            return (s, c, bend_s) if name == "sinh" else (c, s, bend_c)
+        if name == "exp":
+            e, bend = source.called("exp_bend", x, d, results=2)
+            return e, e, bend
+        value, slope, bend = source.called("log_bend", x, d, results=3)
+        return value, slope, bend
+
+    def sign(x: str, y: str) -> str:
+        return source.called("common_sign", x, y, results=1)[0]
+
+    slopes = SecondDifferences(source, "x", elementary, sign)
+    inputs = [slopes.variable("start0"), *(SecondDifference(k) for k in known)]
+    result = formula.squared.run(slopes, inputs)[0]
+    return "(0.0)" if result.second is None else result.second
+
+
+def _square(source: PythonSource, second: str) -> str:
+    return source.add("square0", source.mul("x", source.add("first0", source.mul("x", second))))
+
+
+def _bounds_text(formula: LoweredFormula, constants: int, numbers: tuple[float, ...]) -> str:
+    """½F″ at some places, and three times its running error; see ``radicand_views.second_slope``."""
+    source = PythonSource()
+    jets = Jets(RunningError(source, own=_OWN))
+    known = [*(WithErrorBound(f"c{j}", f"s{j}") for j in range(constants)), *_rounded(numbers)]
+    bend = formula.squared.run(jets, [jets.variable(WithErrorBound("x")), *(Jet(k) for k in known)])[0].second
+    half, error = "(0.0)", "(0.0)"
+    if bend is not None:
+        half = source.mul("(0.5)", bend.value)
+        size = source.mul(f"({4 * UNIT!r})", source.unary("abs", bend.value))
+        error = source.mul("(1.5)", size if bend.error is None else source.add(bend.error, size))
+    lines = ["x = place[g]", *source.lines, f"out[0, g] = {half}", f"out[1, g] = {error}"]
+    return _loop("bounds(out, place, c, e)", _both(constants), "g in range(place.shape[0])", lines)
+
+
+def _small_doubts_text(formula: LoweredFormula, constants: int, numbers: tuple[float, ...], kernels: bool) -> str:
+    source = PythonSource()
+    known = [f"c{j}" for j in range(constants)] + [f"({x!r})" for x in numbers]
+    value = _square(source, _second(formula, source, known))
+    wide = source.mul("(2.0)", source.unary("abs", source.mul("x", "first0")))
+    rounding = source.mul(_ROUNDED, source.add("square0", wide))
+    own = source.add(rounding, source.mul(source.mul("x", "x"), "doubt0"))
+    results = [f"out[0, g] = {own}", f"out[1, g] = {value}"]
+    if kernels:
+        weights = _doubtful(formula.full, source, source.add("start0", "x"), constants, numbers)[1:-1]
+        results = [results[0], *weights, f"out[{1 + len(weights)}, g] = {value}"]
+    lines = ["x = place[g]", *(f"e{j} = mask[g] * s{j}" for j in range(constants)), *source.lines, *results]
+    extra = "".join(f"    {name} = c[{constants + k}]\n" for k, name in enumerate(_MORE))
+    return _loop("doubts(out, place, mask, c, e)", _both(constants) + extra, "g in range(place.shape[0])", lines)
+
+
+def start_text(model: Model) -> str:
+    """Return the text of a function: constants, their doubts and shell momenta; the momenta may be in doubt.
+
+    Args:
+        model: the lowered solution.
+    """
+    n = len(model.names)
+    source = PythonSource()
+    names = [f"q[{k}, i]" for k in range(n)] + [f"p[{k}, i]" for k in range(n)]
+    numbers = [WithErrorBound(f"({x.high!r})", f"({abs(x.high) * UNIT!r})") for x in model.numbers]
+    given = [WithErrorBound(x) for x in names[:n]]
+    given += [WithErrorBound(x, f"doubt[{k}, i]") for k, x in enumerate(names[n:])]
+    results = model.rule.run(RunningError(source, own=_OWN), [*given, *numbers])
+    shifts = model.shift.run(source, [*names, *(x.value for x in numbers)])
+    lines = list(source.lines)
+    for j, result in enumerate(results):
+        lines += [f"C[{j}, i] = {result.value}", f"E[{j}, i] = {'(0.0)' if result.error is None else result.error}"]
+    for k, (coordinate, shift) in enumerate(zip(model.separated, shifts, strict=True)):
+        lines.append(f"P[{k}, i] = p[{coordinate.index}, i] + {shift}")
+    return _loop("start(q, p, doubt, C, E, P)", "", "i in range(q.shape[1])", lines)
