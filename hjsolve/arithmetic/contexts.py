@@ -5,11 +5,10 @@ from __future__ import annotations
 import copyreg
 from collections.abc import Callable
 from functools import cache
-from typing import Any
 
 import mpmath
 
-from hjsolve.arithmetic.number_types import Context, Elementwise, Mpc, Mpf
+from hjsolve.arithmetic.number_types import Context, Elementwise, Mpc, Mpf, MpfMatrix
 
 
 @cache
@@ -42,12 +41,16 @@ def _reduced(x: Mpf | Mpc) -> tuple[Callable[..., Mpf | Mpc], tuple[object, ...]
     return _restored, (x.context.prec, *(tuple(int(part) for part in number) for number in parts))
 
 
-def _reduced_matrix(matrix: Any) -> tuple[Callable[..., Any], tuple[int, list[list[Mpf]]]]:
+_Restoring = Callable[[int, list[list["Mpf"]]], "MpfMatrix"]
+
+
+def _reduced_matrix(matrix: MpfMatrix) -> tuple[_Restoring, tuple[int, list[list[Mpf]]]]:
     return _restored_matrix, (matrix.ctx.prec, matrix.tolist())
 
 
-def _restored_matrix(bits: int, rows: list[list[Mpf]]) -> Any:
-    return multiprecision(bits).matrix(rows)
+def _restored_matrix(bits: int, rows: list[list[Mpf]]) -> MpfMatrix:
+    matrix: MpfMatrix = multiprecision(bits).matrix(rows)
+    return matrix
 
 
 def _restored(bits: int, *parts: tuple[int, ...]) -> Mpf | Mpc:

@@ -7,6 +7,7 @@ from dataclasses import dataclass
 from typing import TYPE_CHECKING, Any
 
 from hjsolve.arithmetic.estimate import Estimate
+from hjsolve.arithmetic.number_types import Mpf
 from hjsolve.display.shown import Shown
 
 if TYPE_CHECKING:
@@ -48,6 +49,7 @@ class EstimateArray(Shown):
         return self.value.astype(dtype or self.value.dtype, copy=bool(copy))
 
 
-def _plain(x: Any) -> Any:
+def _plain(x: Any) -> float | Mpf:
     """A number of numpy as Python's own; others as they are."""
-    return x.item() if hasattr(x, "item") else x
+    number: float | Mpf = x.item() if hasattr(x, "item") else x
+    return number

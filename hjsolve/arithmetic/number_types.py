@@ -8,7 +8,7 @@ not typed: what they give is checked from here on.
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Iterator
+from collections.abc import Iterable, Iterator, Mapping
 from typing import TYPE_CHECKING, Any, Protocol, Self
 
 import numpy as np
@@ -36,6 +36,8 @@ Mask = NDArray[np.bool_]
 """An array of truth values."""
 Numbers = NDArray[np.float64] | NDArray[np.object_]
 """An array of doubles, or of ``mpf``."""
+Columns = Mapping[str, NDArray[np.generic]]
+"""Named columns of a table, each an array of shape (n,): numbers, words, truth values."""
 Truth = bool | Mask
 """What a comparison gives: of numbers or, element by element, of arrays."""
 Elementwise = Any

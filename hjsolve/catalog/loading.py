@@ -11,7 +11,6 @@ from collections.abc import Iterable, Iterator
 from importlib.resources import files
 from importlib.resources.abc import Traversable
 from pathlib import Path
-from typing import Any
 
 from hjsolve.catalog import outside as refusals
 from hjsolve.catalog import schema, toml_file
@@ -25,7 +24,7 @@ from hjsolve.catalog.toml_file import Toml, TomlTable
 from hjsolve.errors import CatalogError, InvalidInputError, NotSeparableError
 from hjsolve.extended.linear_hamiltonian import GeneralHamiltonian, LinearHamiltonian, from_hamiltonian
 from hjsolve.formulas.tokens import printable
-from hjsolve.mechanics.system import System, parameter
+from hjsolve.mechanics.system import Parameter, System, parameter
 
 _FOLDERS = {"separable": "systems", "extended": "extended", "refused": "refused", "outside": "outside"}
 _ENTRY = schema.ENTRY | refusals.KEYS
@@ -317,7 +316,7 @@ def _frozen(table: Toml) -> TomlTable:
     return {key: tuple(value) if isinstance(value, list) else value for key, value in table.items()}
 
 
-def _parameter(table: Toml) -> Any:
+def _parameter(table: Toml) -> Parameter:
     return parameter(
         table["name"], value=table.get("value"), assume=table.get("assume", "real"), unit=table.get("unit", ""),
         meaning=table.get("meaning", ""),

@@ -10,6 +10,7 @@ import sympy as sp
 
 from hjsolve.arithmetic.estimate import Estimate
 from hjsolve.arithmetic.floats import EPS
+from hjsolve.arithmetic.number_types import Mpf, Reals
 from hjsolve.closed_form.doubles import NamedRoot, named_root, region_test
 from hjsolve.closed_form.evaluation import many_digits, number_of
 from hjsolve.closed_form.named_forms import NamedForms
@@ -141,14 +142,14 @@ def functions(form: NamedForms, module: str) -> dict[str, Callable[..., Any]]:
 def _function(form: NamedForms, expression: sp.Expr, module: str) -> Callable[..., Any]:
     compiled = _CompiledForm(form, expression, module)
 
-    def function(**given: Any) -> Any:
+    def function(**given: object) -> Mpf | Reals | float:
         return compiled.arrays(given) if module == "numpy" else compiled.one([*map(_exactly, compiled.values(given))])
 
     function.names = compiled.names  # type: ignore[attr-defined]
     return function
 
 
-def _exactly(value: Any) -> Any:
+def _exactly(value: object) -> Mpf:
     return mpmath.mpmathify(read_number(value, source="value") if isinstance(value, str) else value)
 
 
@@ -172,7 +173,7 @@ class _CompiledForm:
         self.regions = [region_test(c, r, self.symbols) for c, r in self.curves] if self.numpy else []
         self.named = self._definitions() if self.roots and self.numpy else []
 
-    def values(self, given: Mapping[str, Any]) -> list[Any]:
+    def values(self, given: Mapping[str, object]) -> list[object]:
         """The arguments in order."""
         for name in given:
             if name not in self.names:
@@ -182,7 +183,7 @@ class _CompiledForm:
             raise MissingValueError(f"a value is missing for {', '.join(missing)}")
         return [given[name] if name in given else self.defaults[name] for name in self.names]
 
-    def one(self, numbers: list[Any]) -> Any:
+    def one(self, numbers: Sequence[Mpf | float]) -> Mpf:
         """At one place; nan outside the regime."""
         if not self._inside(numbers):
             return mpmath.nan
@@ -193,7 +194,7 @@ class _CompiledForm:
         kind = float if self.numpy else mpmath.mpmathify
         return self.plain(*numbers, *(kind(table[s]) for s in self.roots))
 
-    def _inside(self, numbers: list[Any]) -> bool:
+    def _inside(self, numbers: Sequence[Mpf | float]) -> bool:
         if any(abs(test(*numbers)) > _SPECIAL for test in self.equal):
             return False
         if any(not test(*numbers) > 0 for test in self.tests):
@@ -202,7 +203,7 @@ class _CompiledForm:
         given = {s: mpmath.mpmathify(v) for s, v in pairs} if self.curves else {}
         return all(region_exists(c, r, given) for c, r in self.curves)
 
-    def arrays(self, given: Mapping[str, Any]) -> Any:
+    def arrays(self, given: Mapping[str, object]) -> Reals | float:
         """At arrays of doubles; nan outside the regime."""
         import numpy as np
 

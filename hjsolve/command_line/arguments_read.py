@@ -6,7 +6,7 @@ import re
 from argparse import Namespace
 from collections.abc import Mapping
 from pathlib import Path
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING, Any, TypeVar
 
 from hjsolve.errors import InvalidInputError, NotSeparableError
 
@@ -235,7 +235,11 @@ def _given_values(options: Namespace) -> dict[str, str]:
     return typed_values(options.parameter, "--parameter")
 
 
-def located(target: Any) -> Any:
+T = TypeVar("T")
+"""What the user gave."""
+
+
+def located(target: T) -> T | Path:
     """A path for a file, the text itself for an id; a helpful word for other files.
 
     Args:

@@ -11,7 +11,11 @@ import importlib
 import re
 from collections.abc import Iterator, Mapping
 from textwrap import wrap
-from typing import Any
+from typing import TYPE_CHECKING, Any
+
+if TYPE_CHECKING:
+    from matplotlib.animation import FuncAnimation
+    from matplotlib.axes import Axes
 
 MOST_LINES, WIDEST = 20, 110
 _MOST_ITEMS, _DIGITS, _PIECE = 6, 17, 90
@@ -43,7 +47,7 @@ class ShownMotion(Shown):
 
     __slots__ = ()
 
-    def plot(self, kind: str = "orbit", name: str | None = None, *, ax: Any = None) -> Any:
+    def plot(self, kind: str = "orbit", name: str | None = None, *, ax: Axes | None = None) -> Axes:
         """Draw the motion with matplotlib (extra ``report``).
 
         Args:
@@ -61,7 +65,7 @@ class ShownMotion(Shown):
         """
         return importlib.import_module("hjsolve.plots").plotted(self, kind, name, ax)
 
-    def animate(self, *, seconds: float = 8.0, frames: int = 240, ax: Any = None) -> Any:
+    def animate(self, *, seconds: float = 8.0, frames: int = 240, ax: Axes | None = None) -> FuncAnimation:
         """Move a point along the orbit, at equal steps of time (extra ``report``).
 
         Args:
@@ -84,7 +88,7 @@ class ShownSolution(Shown):
 
     __slots__ = ()
 
-    def plot(self, kind: str = "phase", name: str | None = None, *, ax: Any = None, **initial: Any) -> Any:
+    def plot(self, kind: str = "phase", name: str | None = None, *, ax: Axes | None = None, **initial: object) -> Axes:
         """Start a motion and draw it with matplotlib (extra ``report``).
 
         Args:

@@ -5,7 +5,7 @@ from __future__ import annotations
 import importlib
 from collections.abc import Mapping
 from dataclasses import dataclass, field
-from typing import Any, Literal
+from typing import TYPE_CHECKING, Any, Literal
 
 import numpy as np
 import sympy as sp
@@ -29,6 +29,9 @@ from hjsolve.mechanics.energy_shell import time_name
 from hjsolve.motion.initial_data import domain_ends, parameter_values
 from hjsolve.motion.motion import Motion
 from hjsolve.solution.quadratures import Solution
+
+if TYPE_CHECKING:
+    from matplotlib.axes import Axes
 
 _ACROSS, _UP = 90, 66
 _FEW = (18, 13)
@@ -62,7 +65,7 @@ class EnergyMomentumMap(Shown):
     def _label(self) -> str:
         return f"map of {self.x} and {self.y}"
 
-    def kinds_at(self, x: Any, y: Any, q: Mapping[str, float] | None = None) -> dict[str, Any]:
+    def kinds_at(self, x: object, y: object, q: Mapping[str, float] | None = None) -> dict[str, Any]:
         """Return the kinds of motion at a point, or at many.
 
         Args:
@@ -128,7 +131,7 @@ class EnergyMomentumMap(Shown):
         quick = all(own.polynomial is not None for own in self.coordinates)
         return tuple(self.grid()[3] if quick else self.grid(*_FEW)[3])
 
-    def actions_at(self, x: Any, y: Any) -> dict[str, EstimateArray]:
+    def actions_at(self, x: object, y: object) -> dict[str, EstimateArray]:
         """Return the actions at many points, of the first region of each coordinate.
 
         Args:
@@ -197,7 +200,7 @@ class EnergyMomentumMap(Shown):
         named = [own[0], *(n for n in angles if n != own[0])]
         return monodromy_round(self.solution, self.coordinates, around, radius or 0.05, self.window, named)
 
-    def plot(self, *, ax: Any = None) -> Any:
+    def plot(self, *, ax: Axes | None = None) -> Axes:
         """Draw the map with matplotlib (extra ``report``).
 
         Args:
@@ -212,7 +215,7 @@ class EnergyMomentumMap(Shown):
         return importlib.import_module("hjsolve.plots").plotted_map(self, ax)
 
 
-def _points(x: Any, y: Any) -> tuple[Reals, Reals, tuple[int, ...]]:
+def _points(x: object, y: object) -> tuple[Reals, Reals, tuple[int, ...]]:
     try:
         xs, ys = np.broadcast_arrays(np.asarray(x, float), np.asarray(y, float))
     except (TypeError, ValueError):
@@ -227,8 +230,8 @@ def energy_momentum_map(
     x: str | None = None,
     y: str | None = None,
     *,
-    constants: Mapping[str, Any] | None = None,
-    parameters: Mapping[str, Any] | None = None,
+    constants: Mapping[str, object] | None = None,
+    parameters: Mapping[str, object] | None = None,
     window: Mapping[str, tuple[float, float]] | None = None,
 ) -> EnergyMomentumMap:
     """Map the kinds of motion over the plane of two constants of the motion.
@@ -297,7 +300,7 @@ class _Known:
     places: Mapping[str, sp.Expr]
 
 
-def _subject(subject: Solution | Motion, parameters: Mapping[str, Any] | None) -> tuple[Solution, _Known]:
+def _subject(subject: Solution | Motion, parameters: Mapping[str, object] | None) -> tuple[Solution, _Known]:
     given = dict(arguments.table(parameters, "parameters", '{"m": 1}'))
     if not isinstance(subject, (Solution, Motion)):
         raise InvalidInputError(
@@ -323,7 +326,7 @@ def _default(solution: Solution) -> Motion | None:
     return solution.motion(**initial)
 
 
-def _other(name: str, given: Mapping[str, Any] | None, known: Mapping[str, sp.Expr]) -> sp.Expr:
+def _other(name: str, given: Mapping[str, object] | None, known: Mapping[str, sp.Expr]) -> sp.Expr:
     if given is not None and name in given:
         return number(given[name], source=f"constants[{name}]")
     if name in known:

@@ -22,7 +22,7 @@ import sympy as sp
 from hjsolve import arguments
 from hjsolve.arithmetic.estimate import Estimate
 from hjsolve.arithmetic.floats import bits_for, multiprecision
-from hjsolve.arithmetic.number_types import Context, Mpc, Mpf, MpfMatrix
+from hjsolve.arithmetic.number_types import AtTimes, Context, Elementwise, Mpc, Mpf, MpfMatrix
 from hjsolve.display.shown import Shown
 from hjsolve.errors import InvalidInputError, InvalidSystemError, NotConvergedError
 from hjsolve.formulas.read import number
@@ -144,8 +144,9 @@ class ModalMotion(Shown):
         return (dict(zip(names, values[k * len(names) :], strict=False)) for k in range(3))
 
 
-def _converted(x: Any, context: Context) -> Any:
-    return context.convert(x) if np.ndim(x) == 0 else np.frompyfunc(context.convert, 1, 1)(x)
+def _converted(x: AtTimes, context: Context) -> Elementwise:
+    array = np.asarray(x)
+    return np.frompyfunc(context.convert, 1, 1)(array) if array.ndim else context.convert(x)
 
 
 def _speeds(modes: LinearModes) -> list[list[Mpf]]:

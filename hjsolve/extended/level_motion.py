@@ -25,6 +25,7 @@ from hjsolve.extended.one_freedom import NonlinearInMomentum
 from hjsolve.formulas.read import number
 from hjsolve.lowering import lower
 from hjsolve.motion.initial_data import InBits, complete_numbers, number_is_zero, to_bits, values_of
+from hjsolve.motion.shapes import gathered
 from hjsolve.motion.state import Errors, State
 from hjsolve.motion.times import exact_numbers, whole_numbers
 from hjsolve.one_coordinate.level_curve import Curve, Orbit, followed
@@ -76,7 +77,7 @@ class LevelMotion(Shown):
         name = self.problem.coordinate.name
         rows = [self._state(time) for time in times]
         columns = list(zip(*rows, strict=True)) or [()] * 7
-        q, p, v, turns, *errors = (self._shaped(column, shape) for column in columns)
+        q, p, v, turns, *errors = (gathered(column, shape) for column in columns)
         counts = {name: turns} if self.problem.coordinate.domain.kind == "angle" else {}
 
         def bounds() -> Errors:
@@ -84,12 +85,6 @@ class LevelMotion(Shown):
 
         status = np.full(shape, "ok") if shape else "ok"
         return State(t, {name: q}, {name: p}, {name: v}, counts, status, bounds)
-
-    def _shaped(self, column: tuple[Any, ...], shape: tuple[int, ...]) -> Any:
-        if not shape:
-            return column[0]
-        plain = all(isinstance(x, float | int) for x in column)
-        return np.array(column, dtype=None if plain else object).reshape(shape)
 
     def _state(self, t: sp.Expr) -> tuple[Any, ...]:
         """(q, p, q̇, turns, errors of the first three)."""

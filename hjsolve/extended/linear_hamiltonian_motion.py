@@ -11,7 +11,6 @@ from collections.abc import Callable, Mapping
 from dataclasses import dataclass
 from typing import Any
 
-import numpy as np
 import sympy as sp
 
 from hjsolve import arguments
@@ -24,6 +23,7 @@ from hjsolve.extended.one_freedom import LinearInMomentum
 from hjsolve.formulas.read import number
 from hjsolve.lowering import lower
 from hjsolve.motion.initial_data import complete_numbers, to_bits, values_of
+from hjsolve.motion.shapes import gathered
 from hjsolve.motion.state import Errors, State
 from hjsolve.motion.times import exact_numbers
 
@@ -67,7 +67,7 @@ class LinearMotion(Shown):
         shape, times = exact_numbers(t, "t")
         rows = [self._state(time) for time in times]
         name = self.problem.coordinate.name
-        columns = [self._shaped(column, shape) for column in (zip(*rows, strict=True) if rows else [()] * 8)]
+        columns = [gathered(column, shape) for column in (zip(*rows, strict=True) if rows else [()] * 8)]
         q, p, v, turns, status, *errors = columns
         counts = {name: turns} if self.problem.coordinate.domain.kind == "angle" else {}
 
@@ -88,13 +88,6 @@ class LinearMotion(Shown):
         bits = bits_for(self.digits, _GUARD_BITS)
         place, p, _, _ = self._reached(number(t, source="t"), bits, multiprecision(bits))
         return (place, p) if self.digits > _FLOAT_DIGITS else (float(place), float(p))
-
-    @staticmethod
-    def _shaped(column: tuple[object, ...], shape: tuple[int, ...]) -> Any:
-        if not shape:
-            return column[0]
-        plain = all(isinstance(x, (float, int, str)) for x in column)
-        return np.array(column, dtype=None if plain else object).reshape(shape)
 
     def _state(self, t: sp.Expr) -> tuple[Any, ...]:
         """(q, p, q̇, turns, status, errors of the first three)."""

@@ -4,14 +4,13 @@ from __future__ import annotations
 
 from collections.abc import Mapping
 from dataclasses import dataclass
-from typing import Any
 
 import numpy as np
 import sympy as sp
 
 from hjsolve.arithmetic.estimate import Estimate
 from hjsolve.arithmetic.floats import Float64, Multi, bits_for
-from hjsolve.arithmetic.number_types import Numbers
+from hjsolve.arithmetic.number_types import AtTimes, Numbers
 from hjsolve.display.shown import Shown
 from hjsolve.extended.change_of_frame import ChangeOfFrame, carried_initial_data
 from hjsolve.formulas.read import number
@@ -19,6 +18,7 @@ from hjsolve.lowering import lower
 from hjsolve.mechanics.system import momenta
 from hjsolve.motion.initial_data import parameter_values, to_bits
 from hjsolve.motion.motion import Motion
+from hjsolve.motion.shapes import shaped
 from hjsolve.motion.state import Errors, State
 from hjsolve.motion.times import exact_numbers
 
@@ -53,7 +53,7 @@ class FramedMotion(Shown):
         """
         state = self.motion.at(t)
         shape = np.shape(state.status)
-        times = _numbers(t, shape, self.motion.digits)
+        times = _numbers(t, self.motion.digits)
         old = self.frame.original.coordinates
         speeds = self.frame.velocity
         places = {o.symbol: self.frame.place[o.name] for o in old} | {o.velocity: speeds[o.name] for o in old}
@@ -61,51 +61,53 @@ class FramedMotion(Shown):
         groups = [{c.name: self.frame.place[c.name] for c in old}, p, speeds]
         found = [{name: self._evaluated(f, state, times) for name, f in group.items()} for group in groups]
 
-        def bounds(k: int) -> dict[str, Any]:
-            return {name: self._bound(f, found[k][name], state, times) for name, f in groups[k].items()}
+        def bounds(k: int) -> dict[str, AtTimes]:
+            rows = {name: self._bound(f, found[k][name], state, times) for name, f in groups[k].items()}
+            return {name: shaped(row, shape) for name, row in rows.items()}
 
         def errors() -> Errors:
             return Errors(bounds(0), bounds(1), bounds(2))
 
-        return State(t, found[0], found[1], found[2], {}, state.status, errors)
+        q, p, velocity = ({name: shaped(row, shape) for name, row in group.items()} for group in found)
+        return State(t, q, p, velocity, {}, state.status, errors)
 
-    def _evaluated(self, formula: sp.Expr, state: State, times: Numbers) -> Any:
+    def _evaluated(self, formula: sp.Expr, state: State, times: Numbers) -> Numbers:
+        """A formula at the times, shape (m,)."""
         coordinates = self.frame.system.coordinates
         variables = [c.symbol for c in coordinates] + [c.velocity for c in coordinates] + [self.frame.time]
-        arrays = [state.unwrapped(c.name) for c in coordinates]
-        arrays += [*(state.velocity[c.name] for c in coordinates), times]
+        told = [*(state.unwrapped(c.name) for c in coordinates), *(state.velocity[c.name] for c in coordinates), times]
+        arrays = [np.ravel(np.asarray(a)) for a in told]
         fixed = {s: v for s, v in self.motion.initial.values.items() if s not in variables}
         tape = lower([formula], [*variables, *fixed])
         if self.motion.digits <= 15:
             rough = [float(to_bits(v)(64)) for v in fixed.values()]
-            value = np.broadcast_to(tape.run(Float64(), [*map(np.asarray, arrays), *rough])[0], np.shape(times))
-            return value if np.shape(times) else float(value)
+            return np.broadcast_to(tape.run(Float64(), [*arrays, *rough])[0], times.shape)
         bits = bits_for(self.motion.digits, 64)
         numbers = [to_bits(v)(bits) for v in fixed.values()]
-        rows = zip(*(np.ravel(np.asarray(a, dtype=object)) for a in arrays), strict=True)
+        rows = zip(*arrays, strict=True)
         found = [tape.run(Multi(bits), [*(Multi(bits).convert(x) for x in row), *numbers])[0] for row in rows]
-        return np.array(found, dtype=object).reshape(np.shape(times)) if np.shape(times) else found[0]
+        return np.array(found, dtype=object)
 
-    def _bound(self, formula: sp.Expr, value: Any, state: State, times: Numbers) -> Any:
+    def _bound(self, formula: sp.Expr, value: Numbers, state: State, times: Numbers) -> Numbers:
         """Errors of Q and Q̇ carried over to first order, doubled, and the rounding of the formula."""
         total = 16 * 10.0 ** -max(self.motion.digits, 15) * (np.abs(value) + self._size(formula, state, times))
         for c in self.frame.system.coordinates:
             for symbol, error in ((c.symbol, state.error.q[c.name]), (c.velocity, state.error.velocity[c.name])):
                 slope = sp.diff(formula, symbol)
                 if slope != 0:
-                    total = total + 2 * np.abs(self._evaluated(slope, state, times)) * error
+                    total = total + 2 * np.abs(self._evaluated(slope, state, times)) * np.ravel(np.asarray(error))
         return total
 
-    def _size(self, formula: sp.Expr, state: State, times: Numbers) -> Any:
+    def _size(self, formula: sp.Expr, state: State, times: Numbers) -> Numbers:
         """The sum of the sizes of the terms: what cancellation is measured against."""
         terms = sp.Add.make_args(sp.expand(formula))
-        return sum(np.abs(self._evaluated(term, state, times)) for term in terms)
+        return sum((np.abs(self._evaluated(term, state, times)) for term in terms), 0 * times)
 
 
-def _numbers(t: Any, shape: tuple[int, ...], digits: int) -> Any:
+def _numbers(t: object, digits: int) -> Numbers:
+    """Times in a row."""
     exact = [to_bits(x)(bits_for(digits, 64)) for x in exact_numbers(t, "t")[1]]
-    values = np.array([float(x) for x in exact]) if digits <= 15 else np.array(exact, dtype=object)
-    return values.reshape(shape) if shape else values[0]
+    return np.array([float(x) for x in exact]) if digits <= 15 else np.array(exact, dtype=object)
 
 
 def start_framed_motion(

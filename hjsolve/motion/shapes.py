@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from typing import overload
 
 import numpy as np
@@ -29,3 +30,16 @@ def shaped(values: Numbers | Integers | NDArray[np.str_], shape: Shape) -> objec
     if shape:
         return values.reshape(shape)
     return values[0].item() if hasattr(values[0], "item") else values[0]
+
+
+def gathered(column: Sequence[object], shape: tuple[int, ...]) -> object:
+    """Return numbers or words that were worked out one by one in the shape of the times; one alone for one time.
+
+    Args:
+        column: one a time, in order; plain ones make an array of their own type, others one of objects.
+        shape: of the times; empty for one time.
+    """
+    if not shape:
+        return column[0]
+    plain = all(isinstance(x, (float, int, str)) for x in column)
+    return np.array(column, dtype=None if plain else object).reshape(shape)

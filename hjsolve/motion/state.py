@@ -11,7 +11,7 @@ from hjsolve.display.shown import Shown
 from hjsolve.errors import InvalidInputError
 
 if TYPE_CHECKING:
-    from hjsolve.arithmetic.number_types import AtTimes
+    from hjsolve.arithmetic.number_types import AtTimes, Mpf
 
 
 @dataclass(frozen=True, repr=False)
@@ -118,10 +118,11 @@ class State(Shown):
         return value + 2 * pi * self.turns[name]
 
 
-def _pi_of(value: Any) -> Any:
+def _pi_of(value: Any) -> float | Mpf:
     """π in the arithmetic of an array."""
     if getattr(value, "dtype", None) is not None and value.dtype.kind == "O" and value.size:
-        return +value.flat[0].context.pi
+        many: Mpf = +value.flat[0].context.pi
+        return many
     return 3.141592653589793
 
 

@@ -2,11 +2,12 @@
 
 from __future__ import annotations
 
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
 from hjsolve.arguments import refuse_other
+from hjsolve.arithmetic.number_types import Reals
 from hjsolve.errors import InvalidInputError
 from hjsolve.motion.motion import Motion
 from hjsolve.plots import style
@@ -14,10 +15,15 @@ from hjsolve.plots.draw import plotted
 from hjsolve.reports.drawings import orbit_paths
 from hjsolve.reports.drawings.cartesian_picture import embedding, path_of
 
+if TYPE_CHECKING:
+    from matplotlib.animation import FuncAnimation
+    from matplotlib.axes import Axes
+    from matplotlib.lines import Line2D
+
 _MOST_FRAMES = 5000
 
 
-def animated(motion: Motion, seconds: float, frames: int, ax: Any) -> Any:
+def animated(motion: Motion, seconds: float, frames: int, ax: Axes | None) -> FuncAnimation:
     """Move a point along the orbit of a motion; of one coordinate, along its curve in the phase plane.
 
     Args:
@@ -43,18 +49,20 @@ def animated(motion: Motion, seconds: float, frames: int, ax: Any) -> Any:
         flat = embedding(motion.solution.system).shape == "line"
         axes = plotted(motion, "phase" if flat else "orbit", None, ax)
         path = _places(motion, frames, flat, solid=hasattr(axes, "get_zlim"))
+        point: Any  # in three dimensions a class without types
         (point,) = axes.plot(*([float(x[0])] for x in path), **style.DOT)
 
-        def show(k: int) -> tuple[Any, ...]:
+        def show(k: int) -> tuple[Line2D]:
             point.set_data([path[0][k]], [path[1][k]])
             if len(path) == 3:
                 point.set_3d_properties([path[2][k]])
             return (point,)
 
-        return FuncAnimation(axes.figure, show, frames=frames, interval=1000 * seconds / frames, blit=False)
+        figure: Any = axes.figure  # or a part of one
+        return FuncAnimation(figure, show, frames=frames, interval=1000 * seconds / frames, blit=False)
 
 
-def _places(motion: Motion, frames: int, flat: bool, *, solid: bool) -> tuple[Any, ...]:
+def _places(motion: Motion, frames: int, flat: bool, *, solid: bool) -> tuple[Reals, ...]:
     """Where the point is in each picture."""
     start, stop, closed = orbit_paths.span(motion)
     if not closed:

@@ -3,7 +3,8 @@
 from __future__ import annotations
 
 from collections.abc import Mapping
-from typing import Any
+from types import ModuleType
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 import sympy as sp
@@ -30,10 +31,13 @@ from hjsolve.reports.drawings.motion_figures import (
 from hjsolve.reports.formulas.names import name_box
 from hjsolve.solution.quadratures import Solution
 
+if TYPE_CHECKING:
+    from matplotlib.axes import Axes
+
 KINDS = ("orbit", "time", "phase", "potential")
 
 
-def plotted(motion: Motion, kind: str, name: str | None, ax: Any) -> Any:
+def plotted(motion: Motion, kind: str, name: str | None, ax: Axes | None) -> Axes:
     """Draw a motion.
 
     Args:
@@ -65,7 +69,9 @@ def plotted(motion: Motion, kind: str, name: str | None, ax: Any) -> Any:
         return draw(motion, well, _axes(pyplot, ax))
 
 
-def plotted_solution(solution: Solution, kind: str, name: str | None, ax: Any, initial: Mapping[str, Any]) -> Any:
+def plotted_solution(
+    solution: Solution, kind: str, name: str | None, ax: Axes | None, initial: Mapping[str, Any]
+) -> Axes:
     """Start a motion and draw it.
 
     Args:
@@ -87,7 +93,7 @@ def plotted_solution(solution: Solution, kind: str, name: str | None, ax: Any, i
     return plotted(solution.motion(**initial), kind, name, ax)
 
 
-def _axes(pyplot: Any, ax: Any, *, solid: bool = False) -> Any:
+def _axes(pyplot: ModuleType, ax: Axes | None, *, solid: bool = False) -> Axes:
     return ax if ax is not None else pyplot.figure().add_subplot(projection="3d" if solid else None)
 
 
@@ -104,7 +110,7 @@ def _separated(motion: Motion, name: str | None) -> str:
 
 
 # ------------------------------------------------------------------------------------------------ where it goes
-def _orbit(motion: Motion, where: Embedding, ax: Any) -> Any:
+def _orbit(motion: Motion, where: Embedding, ax: Axes) -> Axes:
     trace = orbit_paths.trace(motion)
     path = path_of(where, trace.state)
     path = path[: 3 if hasattr(ax, "get_zlim") else 2]
@@ -137,7 +143,7 @@ def _spatial(ax: Any, *, sphere: bool) -> None:
         ax.set_aspect("equal")
 
 
-def _history(motion: Motion, name: str | None, ax: Any) -> Any:
+def _history(motion: Motion, name: str | None, ax: Axes) -> Axes:
     known = [c.name for c in motion.solution.system.coordinates]
     if name is not None and name not in known:
         raise InvalidInputError(f'plot: "{name}" is no coordinate; they are {", ".join(known)}')
@@ -151,7 +157,7 @@ def _history(motion: Motion, name: str | None, ax: Any) -> Any:
 
 
 # ------------------------------------------------------------------------------------------------ one coordinate
-def _potential(motion: Motion, well: EffectivePotential, ax: Any) -> Any:
+def _potential(motion: Motion, well: EffectivePotential, ax: Axes) -> Axes:
     several = len(motion.solution.coordinates) > 1
     plain = bool(sp.expand(well.formula - motion.solution.system.potential) == 0)
     q = portrait.window_places(well)
@@ -178,7 +184,7 @@ def _potential(motion: Motion, well: EffectivePotential, ax: Any) -> Any:
     return _labelled(ax, well, style.mathematics(potential_name(well, several=several, plain=plain)))
 
 
-def _phase(motion: Motion, well: EffectivePotential, ax: Any) -> Any:  # noqa: ARG001 - as the others
+def _phase(motion: Motion, well: EffectivePotential, ax: Axes) -> Axes:  # noqa: ARG001 - as the others
     own = own_loops(well)
     others = [loop for level in portrait.levels(well) for loop in loops_at(well, level)]
     for loop in others:
@@ -196,7 +202,7 @@ def _phase(motion: Motion, well: EffectivePotential, ax: Any) -> Any:  # noqa: A
     return _labelled(ax, well, style.mathematics(name_box(f"p_{well.name}")))
 
 
-def _labelled(ax: Any, well: EffectivePotential, upright: str) -> Any:
+def _labelled(ax: Axes, well: EffectivePotential, upright: str) -> Axes:
     ax.set_xlim(*well.window)
     ax.set_xlabel(style.mathematics(name_box(well.name)))
     ax.set_ylabel(upright)

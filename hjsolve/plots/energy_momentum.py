@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from typing import Any
+from typing import TYPE_CHECKING
 
 import numpy as np
 
@@ -10,18 +10,22 @@ from hjsolve.energy_momentum.energy_momentum_map import EnergyMomentumMap
 from hjsolve.errors import InvalidInputError
 from hjsolve.plots import style
 from hjsolve.reports.drawings.contours import spread_levels
-from hjsolve.reports.drawings.energy_momentum_figure import action_values, map_grid, visible
+from hjsolve.reports.drawings.energy_momentum_figure import MapGrid, action_values, map_grid, visible
 from hjsolve.reports.formulas.names import name_box
 
+if TYPE_CHECKING:
+    from matplotlib.axes import Axes
+    from matplotlib.colors import ListedColormap
+
 _FILLS = ("#e4ebf2", "#f7e6e2", "#e9e9ea", "#c6d5e3", "#eec5bc", "#cfd0d2")
-_LINES: dict[str, dict[str, Any]] = {
+_LINES: dict[str, style.Style] = {
     "relative equilibrium": style.CURVE, "separatrix": style.EDGE, "edge of escape": style.ENERGY,
     "end of the domain": {"color": style.RULE, "linewidth": 1.0, "zorder": 1},
 }  # fmt: skip
 _LEVELS = 9
 
 
-def plotted_map(found: EnergyMomentumMap, ax: Any) -> Any:
+def plotted_map(found: EnergyMomentumMap, ax: Axes | None) -> Axes:
     """Draw a map: regions filled, with their names in a legend, critical curves, equal actions, the motion.
 
     Args:
@@ -59,7 +63,7 @@ def plotted_map(found: EnergyMomentumMap, ax: Any) -> Any:
     return ax
 
 
-def _regions(ax: Any, grid: Any) -> None:
+def _regions(ax: Axes, grid: MapGrid) -> None:
     for k, region in enumerate(grid.regions):
         column, row = (int(np.argmin(np.abs(v - p))) for v, p in zip((grid.x, grid.y), region.example))
         mask = np.where(grid.numbers == grid.numbers[row, column], 1.0, np.nan)
@@ -68,7 +72,7 @@ def _regions(ax: Any, grid: Any) -> None:
     ax.legend(loc="best", fontsize=8, frameon=False)
 
 
-def _one_colour(colour: str) -> Any:
+def _one_colour(colour: str) -> ListedColormap:
     from matplotlib.colors import ListedColormap
 
     return ListedColormap([colour])

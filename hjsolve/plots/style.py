@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Iterator
 from contextlib import contextmanager
+from types import ModuleType
 from typing import Any
 
 from hjsolve.errors import MissingExtraError
@@ -11,17 +12,21 @@ from hjsolve.reports.formulas.latex import latex_of
 from hjsolve.reports.formulas.layout import Box
 
 INK, SOFT, RULE, BLUE, RED = "#22262b", "#666b72", "#d9d5cc", "#2f5f8f", "#b8402a"
-MOTION = {"color": RED, "linewidth": 2.0, "solid_joinstyle": "round", "solid_capstyle": "round", "zorder": 4}
-FAINT = {**MOTION, "linewidth": 1.0, "alpha": 0.35, "zorder": 3}
-LEVEL = {"color": BLUE, "linewidth": 1.0, "solid_capstyle": "round", "zorder": 2}
-EDGE = {"color": BLUE, "linewidth": 1.1, "linestyle": (0, (5, 4)), "zorder": 2}
-CURVE = {"color": INK, "linewidth": 1.6, "zorder": 3}
-ENERGY = {"color": SOFT, "linewidth": 1.0, "linestyle": (0, (2, 3)), "zorder": 2}
-AREA = {"color": RED, "alpha": 0.11, "linewidth": 0}
-DOT = {"color": RED, "marker": "o", "markersize": 6, "markeredgecolor": "white", "linestyle": "none", "zorder": 6}
-RING = {**DOT, "color": "white", "markeredgecolor": RED, "markeredgewidth": 1.6}
-GRID = {"color": RULE, "linewidth": 0.5, "rstride": 8, "cstride": 4, "zorder": 1}
-CENTRE = {"color": INK, "marker": "o", "markersize": 5, "linestyle": "none", "zorder": 5}
+Style = dict[str, Any]
+"""Keywords of a line or a patch of matplotlib."""
+MOTION: Style = {"color": RED, "linewidth": 2.0, "solid_joinstyle": "round", "solid_capstyle": "round", "zorder": 4}
+FAINT: Style = {**MOTION, "linewidth": 1.0, "alpha": 0.35, "zorder": 3}
+LEVEL: Style = {"color": BLUE, "linewidth": 1.0, "solid_capstyle": "round", "zorder": 2}
+EDGE: Style = {"color": BLUE, "linewidth": 1.1, "linestyle": (0, (5, 4)), "zorder": 2}
+CURVE: Style = {"color": INK, "linewidth": 1.6, "zorder": 3}
+ENERGY: Style = {"color": SOFT, "linewidth": 1.0, "linestyle": (0, (2, 3)), "zorder": 2}
+AREA: Style = {"color": RED, "alpha": 0.11, "linewidth": 0}
+DOT: Style = {
+    "color": RED, "marker": "o", "markersize": 6, "markeredgecolor": "white", "linestyle": "none", "zorder": 6,
+}  # fmt: skip
+RING: Style = {**DOT, "color": "white", "markeredgecolor": RED, "markeredgewidth": 1.6}
+GRID: Style = {"color": RULE, "linewidth": 0.5, "rstride": 8, "cstride": 4, "zorder": 1}
+CENTRE: Style = {"color": INK, "marker": "o", "markersize": 5, "linestyle": "none", "zorder": 5}
 
 _SETTINGS: dict[Any, Any] = {
     "axes.edgecolor": INK, "axes.labelcolor": INK, "axes.spines.top": False, "axes.spines.right": False,
@@ -32,7 +37,7 @@ _SETTINGS: dict[Any, Any] = {
 
 
 @contextmanager
-def drawing() -> Iterator[Any]:
+def drawing() -> Iterator[ModuleType]:
     """Give ``matplotlib.pyplot``, with our settings for what is made inside.
 
     Raises:

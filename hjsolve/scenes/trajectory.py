@@ -10,6 +10,7 @@ from typing import Any
 
 import numpy as np
 import sympy as sp
+from numpy.typing import NDArray
 
 from hjsolve.arithmetic.number_types import Integers, Mpf, Numbers, Reals
 from hjsolve.errors import InvalidInputError
@@ -168,7 +169,7 @@ def _resting(scene: Question, rest: Rest, times: Numbers) -> State:
     kind = object if scene.digits > FLOAT_DIGITS else float
     missing = rest.limit.context.nan if kind is object else np.nan
 
-    def spread(value: Any) -> Any:
+    def spread(value: float | Mpf) -> NDArray[Any]:
         return np.full(len(times), value if rest.alone else missing, dtype=kind)
 
     q = {name: spread(estimate.value) for name, estimate in rest.q.items()}

@@ -9,6 +9,7 @@ from __future__ import annotations
 from collections.abc import Iterator, Mapping
 from typing import Any
 
+from hjsolve.arithmetic.number_types import Columns
 from hjsolve.ensembles.task import EnsembleTask
 from hjsolve.errors import ClusterError, InvalidInputError, MissingExtraError
 from hjsolve.sweeps.identity import code
@@ -67,7 +68,7 @@ def _wait_for_workers(distributed: Any, client: Any, scheduler: str) -> None:
 
 def _hand_out(distributed: Any, client: Any, work: SweepWork) -> None:
     """Keep every thread of the cluster busy and take in what is done, in whatever order it comes."""
-    waiting: dict[Any, tuple[int, Mapping[str, Any]]] = {}
+    waiting: dict[object, tuple[int, Columns]] = {}
     parts = iter(work.left)
     done = distributed.as_completed(loop=client.loop)
     _refill(client, work, parts, waiting, done)
@@ -78,7 +79,9 @@ def _hand_out(distributed: Any, client: Any, work: SweepWork) -> None:
         _refill(client, work, parts, waiting, done)
 
 
-def _refill(client: Any, work: SweepWork, parts: Iterator[int], waiting: dict[Any, Any], done: Any) -> None:
+def _refill(
+    client: Any, work: SweepWork, parts: Iterator[int], waiting: dict[object, tuple[int, Columns]], done: Any
+) -> None:
     room = max(_AHEAD * sum(client.nthreads().values()), 1) - len(waiting)
     for _, part in zip(range(room), parts, strict=False):
         starts = work.starts(part)
@@ -87,7 +90,7 @@ def _refill(client: Any, work: SweepWork, parts: Iterator[int], waiting: dict[An
         done.add(future)
 
 
-def remote_part(recipe: EnsembleTask, expected: Mapping[str, str], starts: Mapping[str, Any]) -> dict[str, Any]:
+def remote_part(recipe: EnsembleTask, expected: Mapping[str, str], starts: Columns) -> Columns:
     """The columns of one part, on a worker.
 
     Args:

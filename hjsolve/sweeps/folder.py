@@ -16,12 +16,12 @@ import os
 from collections.abc import Iterator, Mapping
 from dataclasses import dataclass
 from pathlib import Path
-from typing import Any
 
 import numpy as np
 import pyarrow as pa
 import pyarrow.parquet as pq
 
+from hjsolve.arithmetic.number_types import Columns
 from hjsolve.ensembles.batch import WORDS
 from hjsolve.ensembles.layout import RECOMPUTED, STATUS
 from hjsolve.errors import InvalidInputError
@@ -62,7 +62,7 @@ class SweepPlan:
         return part * self.chunk, min((part + 1) * self.chunk, self.orbits)
 
     @property
-    def head(self) -> dict[str, Any]:
+    def head(self) -> dict[str, object]:
         """The manifest without what is known at the end only."""
         return {
             "format": FORMAT, "title": self.title, "scene": dict(self.scene), "code": dict(self.code),
@@ -96,7 +96,7 @@ class Folder:
         except (FileNotFoundError, pa.ArrowInvalid):
             return False
 
-    def write(self, number: int, starts: Mapping[str, Any], columns: Mapping[str, Any]) -> None:
+    def write(self, number: int, starts: Columns, columns: Columns) -> None:
         """Write one part, completely or not at all.
 
         Args:
@@ -192,7 +192,7 @@ def _alone(path: Path) -> Iterator[None]:
         yield
 
 
-def _write_manifest(path: Path, content: Mapping[str, Any]) -> None:
+def _write_manifest(path: Path, content: Mapping[str, object]) -> None:
     beside = path / f"{_WRITING}manifest-{os.getpid()}"
     beside.write_text(json.dumps(content, indent=1) + "\n", encoding="utf-8")
     _moved(beside, path / MANIFEST)

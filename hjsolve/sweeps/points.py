@@ -7,11 +7,12 @@ import io
 from collections.abc import Iterator, Mapping
 from dataclasses import dataclass
 from pathlib import Path
-from typing import Any
 
 import numpy as np
 import sympy as sp
+from numpy.typing import NDArray
 
+from hjsolve.arithmetic.number_types import Columns, Reals
 from hjsolve.catalog.schema import nearest
 from hjsolve.errors import InvalidInputError, MissingExtraError
 from hjsolve.formulas.read import number
@@ -35,10 +36,10 @@ class SweepPoints:
     kind: str
     count: int
     sizes: tuple[int, ...]
-    varied: Mapping[str, tuple[int, Any]]
+    varied: Mapping[str, tuple[int, Reals]]
     fixed: Mapping[str, float]
 
-    def window(self, names: list[str], begin: int, end: int) -> dict[str, Any]:
+    def window(self, names: list[str], begin: int, end: int) -> dict[str, Reals]:
         """The starts begin ≤ number < end: ``q.r`` … in the order of the coordinates, then ``p.r`` ….
 
         Args:
@@ -71,7 +72,7 @@ def points_of(scene: Scene) -> tuple[SweepPoints, str]:
     """
     if scene.sweep is None:
         raise InvalidInputError(f"{scene.source}: has no table [sweep] that says what to vary; see docs/ensembles.md")
-    varied: dict[str, tuple[int, Any]]
+    varied: dict[str, tuple[int, Reals]]
     if scene.sweep.table is None:
         axes, digest = scene.sweep.axes, ""
         varied = {f"{axis.group}.{axis.name}": (k, _values(axis)) for k, axis in enumerate(axes)}
@@ -90,7 +91,7 @@ def points_of(scene: Scene) -> tuple[SweepPoints, str]:
     return SweepPoints(kind, int(np.prod(sizes, dtype=np.int64)), sizes, varied, fixed), digest
 
 
-def _values(axis: Axis) -> Any:
+def _values(axis: Axis) -> Reals:
     def nearest_double(value: sp.Expr) -> float:
         return float(to_bits(value)(64))
 
@@ -101,7 +102,7 @@ def _values(axis: Axis) -> Any:
 
 
 # ------------------------------------------------------------------------------------------------ tables
-def _table(scene: Scene, sweep: Varied, path: Path) -> tuple[dict[str, Any], str]:
+def _table(scene: Scene, sweep: Varied, path: Path) -> tuple[dict[str, Reals], str]:
     try:
         digest = hashlib.sha256(path.read_bytes()).hexdigest()
         found = {".csv": _csv, ".npz": _npz, ".parquet": _parquet}[path.suffix](path)
@@ -116,7 +117,7 @@ def _table(scene: Scene, sweep: Varied, path: Path) -> tuple[dict[str, Any], str
 
 
 def _table_faults(
-    found: Mapping[str, Any], heading: Mapping[str, str], sweep: Varied, names: list[str], scene: Scene
+    found: Columns, heading: Mapping[str, str], sweep: Varied, names: list[str], scene: Scene
 ) -> Iterator[str]:
     for name in found:
         if name.partition(".")[0] in GROUPS and "." in name and name not in heading.values():
@@ -134,14 +135,14 @@ def _table_faults(
         yield "holds no rows"
 
 
-def _column(path: Path, name: str, values: Any) -> Any:
+def _column(path: Path, name: str, values: NDArray[np.generic]) -> Reals:
     array = np.asarray(values)
     if array.ndim != 1 or array.dtype.kind not in "fiu":
         raise InvalidInputError(f'{path}: column "{name}" must hold one number a row, not {array.dtype} {array.shape}')
     return array.astype(np.float64)
 
 
-def _csv(path: Path) -> dict[str, Any]:
+def _csv(path: Path) -> Columns:
     """Comma-separated numbers below a line of headings; an empty field is NaN."""
     try:
         head, _, body = path.read_text(encoding="utf-8-sig").partition("\n")
@@ -164,7 +165,7 @@ def _number(text: str) -> float:
     return float(text) if text.strip() else np.nan
 
 
-def _npz(path: Path) -> dict[str, Any]:
+def _npz(path: Path) -> Columns:
     try:
         with np.load(path, allow_pickle=False) as arrays:
             found = {name: arrays[name] for name in arrays.files}
@@ -176,7 +177,7 @@ def _npz(path: Path) -> dict[str, Any]:
     return found
 
 
-def _parquet(path: Path) -> dict[str, Any]:
+def _parquet(path: Path) -> Columns:
     try:
         import pyarrow as pa
         import pyarrow.parquet as pq

@@ -2,10 +2,10 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
 from dataclasses import dataclass
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING
 
+from hjsolve.arithmetic.number_types import Columns, Reals
 from hjsolve.display.progress import Progress
 from hjsolve.ensembles.compute import compute_columns
 from hjsolve.ensembles.task import EnsembleTask
@@ -53,7 +53,7 @@ class SweepWork:
         """The coordinates."""
         return [c.name for c in self.recipe.system.coordinates]
 
-    def starts(self, part: int) -> dict[str, Any]:
+    def starts(self, part: int) -> dict[str, Reals]:
         """The initial conditions of a part.
 
         Args:
@@ -61,7 +61,7 @@ class SweepWork:
         """
         return self.points.window(self.names, *self.folder.plan.window(part))
 
-    def keep(self, part: int, starts: Mapping[str, Any], columns: Mapping[str, Any]) -> None:
+    def keep(self, part: int, starts: Columns, columns: Columns) -> None:
         """Write a part that is done.
 
         Args:
@@ -74,7 +74,7 @@ class SweepWork:
         self.tally.add(end - begin)
 
 
-def columns_of(recipe: EnsembleTask, starts: Mapping[str, Any], threads: int | None) -> dict[str, Any]:
+def columns_of(recipe: EnsembleTask, starts: Columns, threads: int | None) -> Columns:
     """The columns of a part; runs here or on a worker.
 
     Args:

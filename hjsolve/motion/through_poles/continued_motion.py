@@ -149,7 +149,7 @@ class ContinuedMotion(Motion):
             )
 
 
-def _there(part: object) -> Any:
+def _there(part: Part | None) -> Part:
     if part is None:
         raise InternalError("a continued motion without its parts")
     return part
