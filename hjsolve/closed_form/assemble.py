@@ -7,9 +7,9 @@ from collections.abc import Mapping
 import sympy as sp
 
 from hjsolve.closed_form.curves import W, why_no_curve
-from hjsolve.closed_form.energy_from_actions import energy_from_actions
+from hjsolve.closed_form.energy_from_actions import solved_for_energy
 from hjsolve.closed_form.forms import RegimeForms
-from hjsolve.closed_form.inverses import inverses, orbit_formulas
+from hjsolve.closed_form.inverses import inverse_forms, orbit_formulas
 from hjsolve.closed_form.pieces import CoordinateIntegrals
 from hjsolve.closed_form.regime import Regime, positive_in, settled
 from hjsolve.closed_form.tidy import LONGEST, elliptic, shortened_powers
@@ -46,9 +46,9 @@ def assembled(shop: Workshop, pieces: Integrals, made: Regime, special: Stratum)
         why_not["characteristic_function"], function = function, None
     where = {symbol: meaning for own in pieces.values() for symbol, meaning in own.where.items()}
     numbers = _numbers(shop, pieces, special, made, why_not, where)
-    inverse = inverses(shop, pieces, special, why_not)
+    inverse = inverse_forms(shop, pieces, special, why_not)
     orbit = orbit_formulas(shop, pieces, special)
-    energy = energy_from_actions(shop, numbers["actions"], made, why_not)
+    energy = solved_for_energy(shop, numbers["actions"], made, why_not)
 
     def plain(group: Mapping[str, sp.Expr]) -> dict[str, sp.Expr]:
         return {name: settled(made, value) for name, value in group.items()}

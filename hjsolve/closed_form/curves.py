@@ -11,7 +11,7 @@ from dataclasses import dataclass, field, replace
 
 import sympy as sp
 
-from hjsolve.closed_form.substitutions import Substitution, extended_domain_ends, substitutions
+from hjsolve.closed_form.substitutions import Substitution, extended_domain_ends, known_substitutions
 from hjsolve.display.shown import Shown
 from hjsolve.mechanics.coordinates_and_parameters import Coordinate
 
@@ -82,7 +82,7 @@ class MomentumCurve(Shown):
         return self.substitution.x
 
 
-def curves(square: sp.Expr, coordinate: Coordinate, x: sp.Symbol) -> list[MomentumCurve]:
+def momentum_curves(square: sp.Expr, coordinate: Coordinate, x: sp.Symbol) -> list[MomentumCurve]:
     """The curves of a squared momentum in every variable that makes it algebraic, the simplest first.
 
     Args:
@@ -92,7 +92,7 @@ def curves(square: sp.Expr, coordinate: Coordinate, x: sp.Symbol) -> list[Moment
     """
     found = [
         curve
-        for s in substitutions(square, coordinate, x)
+        for s in known_substitutions(square, coordinate, x)
         if (curve := momentum_curve(s, coordinate, square)) is not None
     ]
     return sorted(found, key=lambda c: (genus(c.degree), c.degree, sp.count_ops(c.substitution.place)))

@@ -12,11 +12,11 @@ from hjsolve.closed_form.assemble import assembled
 from hjsolve.closed_form.curves import MomentumCurve
 from hjsolve.closed_form.forms import RegimeForms
 from hjsolve.closed_form.pieces import CoordinateIntegrals, piece
-from hjsolve.closed_form.regime import regime
+from hjsolve.closed_form.regime import described_regime
 from hjsolve.closed_form.regions import root_interval_of
 from hjsolve.closed_form.sampling import Sample, samples
 from hjsolve.closed_form.signs import Signs, sign_of_many_digits
-from hjsolve.closed_form.strata import deciders, fixed_constant, strata
+from hjsolve.closed_form.strata import deciders, fixed_constant, special_strata
 from hjsolve.closed_form.time_limit import OutOfTimeError, out_of_time
 from hjsolve.closed_form.verification import flaws
 from hjsolve.closed_form.workshop import Stratum, Workshop
@@ -33,7 +33,7 @@ def forms_of_solution(shop: Workshop, known: Sequence[RegimeForms] = ()) -> tupl
         known: forms that need not be found again.
     """
     solution, found = shop.solution, [*known]
-    specials: list[Stratum] = [{}, *strata(shop.curves, shop.constants)]
+    specials: list[Stratum] = [{}, *special_strata(shop.curves, shop.constants)]
     for special in specials:
         count = _SPECIAL_SAMPLES if special else _SAMPLES
         local = shop.at(special)
@@ -95,7 +95,7 @@ def form_of_sample(
         regions += own.regions
         kinds[name] = own.kind
     ordering = "; ".join(filter(None, (_ordering(own) for own in pieces.values())))
-    made = regime(kinds, special, conditions, tuple(regions), sample.values, ordering)  # type: ignore[arg-type]
+    made = described_regime(kinds, special, conditions, tuple(regions), sample.values, ordering)  # type: ignore[arg-type]
     return assembled(shop, pieces, made, special)
 
 

@@ -16,7 +16,7 @@ MOST_OPERATIONS = 120
 _DIGITS, _AGREE = 60, 40
 
 
-def energy_from_actions(
+def solved_for_energy(
     shop: Workshop, actions: Mapping[str, sp.Expr], made: Regime, why_not: dict[str, str]
 ) -> sp.Expr | None:  # fmt: skip
     """Solve J_i(E, α, c) one constant after the other, as far as each equation holds only one that is not known.

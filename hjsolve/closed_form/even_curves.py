@@ -16,7 +16,7 @@ from dataclasses import dataclass
 import sympy as sp
 
 from hjsolve.closed_form.branch_points import NamedRoots
-from hjsolve.closed_form.fractions import fractions
+from hjsolve.closed_form.fractions import partial_fractions
 from hjsolve.closed_form.no_form import NoFormError
 from hjsolve.closed_form.real_branch_points import FAR, LegendreIntegrals, LegendreMap, over_s
 from hjsolve.functions import JacobiCN, JacobiDN, JacobiSN
@@ -109,7 +109,7 @@ def even_integral(R: sp.Expr, way: EvenMap, x: sp.Symbol, *, complete: bool) -> 
     if sp.cancel(R - R.subs(x, -x)) != 0:
         raise NoFormError("the integrand is not even in x")
     X = sp.Symbol(x.name, positive=True)
-    parts = fractions(sp.cancel(sp.powdenest(R.subs(x, sp.sqrt(X)), force=True)), X)
+    parts = partial_fractions(sp.cancel(sp.powdenest(R.subs(x, sp.sqrt(X)), force=True)), X)
     own = LegendreIntegrals(way.m, None if complete else way.amplitude(x))
     low, high = way.line
     linear = LegendreMap(low, high, FAR, FAR, 1, sp.S.One)

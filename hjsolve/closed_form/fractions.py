@@ -9,7 +9,7 @@ from hjsolve.closed_form.no_form import NoFormError
 from hjsolve.functions.elliptic import PartialFractions
 
 
-def fractions(R: sp.Expr, x: sp.Symbol) -> PartialFractions:
+def partial_fractions(R: sp.Expr, x: sp.Symbol) -> PartialFractions:
     """Partial fractions.
 
     Args:

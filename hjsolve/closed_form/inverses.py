@@ -22,7 +22,7 @@ from hjsolve.functions import JacobiAM, JacobiSN
 _DIGITS = 40
 
 
-def inverses(
+def inverse_forms(
     shop: Workshop, pieces: Mapping[str, CoordinateIntegrals], special: Stratum, why_not: dict[str, str]
 ) -> dict[str, sp.Expr]:  # fmt: skip
     """q(t) of every coordinate that can be had.

@@ -12,7 +12,7 @@ from hjsolve.closed_form.carlson import CarlsonMap, carlson_integral, carlson_ma
 from hjsolve.closed_form.curves import MomentumCurve, W, why_no_curve
 from hjsolve.closed_form.elementary import Antiderivative, elementary_antiderivative, positive_root
 from hjsolve.closed_form.even_curves import EvenMap, even_integral, even_map
-from hjsolve.closed_form.fractions import fractions
+from hjsolve.closed_form.fractions import partial_fractions
 from hjsolve.closed_form.no_form import NoFormError
 from hjsolve.closed_form.real_branch_points import LegendreMap, elliptic_integral, legendre_map
 from hjsolve.closed_form.regions import RootInterval, root_interval_of
@@ -189,7 +189,7 @@ class _Task:
             value, whole, way = self._elliptic(R, cyclic=cyclic)
             value = value.subs(curve.x, s.place)
         else:
-            law = elementary_antiderivative(fractions(R, curve.x), curve.polynomial, self.signs, self.side)
+            law = elementary_antiderivative(partial_fractions(R, curve.x), curve.polynomial, self.signs, self.side)
             value, whole = law.written(s.place), law.complete() if region.kind == "libration" else None
         cycle = None
         if whole is not None:
@@ -211,7 +211,7 @@ class _Task:
                 if isinstance(way, EvenMap):
                     value = even_integral(R, way, x, complete=False)
                     return value, even_integral(R, way, x, complete=True) if cyclic else None, way
-                parts = fractions(R, x)
+                parts = partial_fractions(R, x)
                 if isinstance(way, LegendreMap) and self._passes_a_pole(parts, way):
                     raise NoFormError("the integral passes a pole on the way from the root")
                 if isinstance(way, CarlsonMap):

@@ -60,7 +60,7 @@ class Regime(Shown):
         return all(region_exists(curve, region, at.numbers) for curve, region in self.regions)
 
 
-def regime(
+def described_regime(
     kinds: Mapping[str, str], special: Mapping[sp.Symbol, sp.Expr], conditions: Mapping[sp.Expr, int],
     regions: tuple[tuple[MomentumCurve, RootInterval], ...], example: Mapping[sp.Symbol, sp.Expr], ordering: str,
 ) -> Regime:  # fmt: skip

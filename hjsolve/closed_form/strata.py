@@ -62,7 +62,9 @@ def fixed_constant(decider: sp.Expr, constants: Iterable[sp.Symbol]) -> dict[sp.
     return None
 
 
-def strata(curves: Mapping[str, list[MomentumCurve]], constants: list[sp.Symbol]) -> list[dict[sp.Symbol, sp.Expr]]:
+def special_strata(
+    curves: Mapping[str, list[MomentumCurve]], constants: list[sp.Symbol]
+) -> list[dict[sp.Symbol, sp.Expr]]:
     """Every stratum that fixes one constant.
 
     Args:

@@ -51,7 +51,7 @@ class Substitution(Shown):
     closed: bool = False
 
 
-def substitutions(square: sp.Expr, coordinate: Coordinate, x: sp.Symbol) -> Iterator[Substitution]:
+def known_substitutions(square: sp.Expr, coordinate: Coordinate, x: sp.Symbol) -> Iterator[Substitution]:
     """Every variable known here in which a squared momentum is rational.
 
     Args:

@@ -7,7 +7,7 @@ from dataclasses import dataclass
 
 import sympy as sp
 
-from hjsolve.closed_form.curves import MomentumCurve, W, curves
+from hjsolve.closed_form.curves import MomentumCurve, W, momentum_curves
 from hjsolve.closed_form.pieces import CoordinateIntegrals
 from hjsolve.closed_form.verification import DIGITS
 from hjsolve.solution.quadratures import Solution
@@ -63,7 +63,7 @@ def workshop_of(solution: Solution, digits: int = DIGITS) -> Workshop:
         letter = "x" if "x" not in taken else "z"
         while letter in taken:
             letter += "_"
-        own[name] = curves(square, solution.system.coordinate(name), sp.Symbol(letter, real=True))
+        own[name] = momentum_curves(square, solution.system.coordinate(name), sp.Symbol(letter, real=True))
         slopes = {c.symbol: sp.diff(square, c.symbol) / 2 for c in solution.constants.values()}
         numerators[name] = {W: square} | {c: slope for c, slope in slopes.items() if slope != 0}
     return Workshop(solution, own, numerators, {}, digits)

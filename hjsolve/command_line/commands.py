@@ -262,9 +262,9 @@ def explore_command(options: Namespace) -> int:
     Returns:
         The exit status.
     """
-    from hjsolve.explorer.serve import serve
+    from hjsolve.explorer.serve import serve_explorer
 
-    serve(
+    serve_explorer(
         arguments_read.located(options.system) if options.system is not None else None,
         port=options.port, show=not options.no_browser, seconds=options.seconds, megabytes=options.memory,
     )  # fmt: skip

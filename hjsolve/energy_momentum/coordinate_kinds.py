@@ -10,7 +10,7 @@ import sympy as sp
 from numpy.typing import NDArray
 
 from hjsolve.display.shown import Shown
-from hjsolve.energy_momentum.exact_regions import exact_regions, start_at
+from hjsolve.energy_momentum.exact_regions import regions_with_kinds, start_at
 from hjsolve.energy_momentum.isolation import Reals
 from hjsolve.energy_momentum.momentum_polynomial import MomentumPolynomial
 from hjsolve.errors import NotConvergedError
@@ -107,7 +107,7 @@ class CoordinateKinds(Shown):
         """The same with the doubtful points decided by the exact search."""
         for i in map(int, np.flatnonzero(found.doubtful)):
             try:
-                regions = exact_regions(self.solution, self.name, self.exactly(found.x[i], found.y[i]), self.place)
+                regions = regions_with_kinds(self.solution, self.name, self.exactly(found.x[i], found.y[i]), self.place)
                 found.kinds[i] = tuple(region.kind for region in regions)
             except NotConvergedError:
                 found.kinds[i] = (UNDECIDED,)
@@ -288,7 +288,7 @@ class Regions:
 
     def _kind_found_exactly(self, x: float, y: float, q: float) -> str:
         own, place = self.coordinate, sp.Rational(float(q))
-        for region in exact_regions(own.solution, own.name, own.exactly(x, y), own.place):
+        for region in regions_with_kinds(own.solution, own.name, own.exactly(x, y), own.place):
             low = -np.inf if region.low is None else region.low
             high = np.inf if region.high is None else region.high
             room = _MARGIN * (1 + abs(float(place)))

@@ -30,7 +30,7 @@ def end_polynomials(own: CoordinateKinds) -> list[tuple[str, sp.Expr]]:
     return found
 
 
-def end_curves(own: CoordinateKinds, window: Window) -> list[CriticalCurve]:
+def curves_at_ends(own: CoordinateKinds, window: Window) -> list[CriticalCurve]:
     """The curves on which P² vanishes at an end of the domain.
 
     Args:

@@ -19,7 +19,7 @@ from hjsolve.energy_momentum.coordinate_kinds import CoordinateKinds
 from hjsolve.energy_momentum.critical_curves import CriticalCurve, Window, equations
 from hjsolve.energy_momentum.isolation import Reals
 from hjsolve.energy_momentum.kinds_of_motion import KindsOfMotion
-from hjsolve.energy_momentum.momentum_polynomial import momentum_polynomial, with_domain
+from hjsolve.energy_momentum.momentum_polynomial import polynomial_of, with_domain
 from hjsolve.energy_momentum.monodromy import IsolatedCriticalValue, Monodromy, isolated_values, monodromy_round
 from hjsolve.energy_momentum.orbits import bounded_orbits
 from hjsolve.energy_momentum.windows import chosen_window, first_window
@@ -355,7 +355,7 @@ def coordinate_kinds(
         kind = "line"
     place = places.get(name, _middle(low, high))
     scale = abs(float(sp.N(place - low if low is not None else place))) or 1.0
-    polynomial = momentum_polynomial(F, with_domain(coordinate, low, high, kind), *symbols, scale)
+    polynomial = polynomial_of(F, with_domain(coordinate, low, high, kind), *symbols, scale)
     return CoordinateKinds(solution, name, values, symbols, polynomial, place)
 
 

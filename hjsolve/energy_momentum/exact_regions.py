@@ -40,7 +40,7 @@ class KindOfRegion(NamedTuple):
     high: float | None
 
 
-def exact_regions(
+def regions_with_kinds(
     solution: Solution, name: str, values: Mapping[sp.Symbol, sp.Expr], place: sp.Expr
 ) -> tuple[KindOfRegion, ...]:
     """Find every interval on which P² ≥ 0, in order of q, with the kind of its motions.

@@ -17,7 +17,7 @@ import sympy as sp
 
 from hjsolve.arithmetic.floats import EPS, Float64
 from hjsolve.arithmetic.tape import Tape
-from hjsolve.closed_form.substitutions import Substitution, substitutions
+from hjsolve.closed_form.substitutions import Substitution, known_substitutions
 from hjsolve.display.shown import Shown
 from hjsolve.energy_momentum.isolation import IsolatedRoots, Reals, bernstein_value, isolated_roots
 from hjsolve.lowering import lower
@@ -134,7 +134,7 @@ class MomentumPolynomial(Shown):
         return powers @ piece.table, (len(self.monomials) + degree + 4) * EPS * size + 1e-290
 
 
-def momentum_polynomial(
+def polynomial_of(
     square: sp.Expr, coordinate: Coordinate, x: sp.Symbol, y: sp.Symbol, scale: float
 ) -> MomentumPolynomial | None:
     """Write P² as a polynomial; None where no known variable makes it one.
@@ -148,7 +148,7 @@ def momentum_polynomial(
     t = sp.Symbol("_t", real=True)
     closed = coordinate.domain.kind == "angle"
     found = []
-    for candidate in substitutions(square, coordinate, t):
+    for candidate in known_substitutions(square, coordinate, t):
         if candidate.closed is closed and (N := _numerator(candidate, x, y)) is not None:
             found.append((sp.Poly(N, t).degree(), candidate, N))
             if found[-1][0] <= _LOW_ENOUGH:

@@ -11,7 +11,7 @@ from hjsolve.explorer.first_question import question_about
 HOST = "127.0.0.1"
 
 
-def serve(
+def serve_explorer(
     subject: str | Path | None = None,
     *,
     port: int = 0,

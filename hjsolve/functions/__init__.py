@@ -7,7 +7,7 @@ digits, derivatives by every argument, LaTeX, code for numpy, scipy, mpmath and 
 
 from __future__ import annotations
 
-from hjsolve.functions.c_source import c_source
+from hjsolve.functions.c_code import c_source
 from hjsolve.functions.carlson import CarlsonRC, CarlsonRD, CarlsonRF, CarlsonRJ
 from hjsolve.functions.jacobi import JacobiAM, JacobiCN, JacobiDN, JacobiEpsilon, JacobiSN
 from hjsolve.functions.tables import modules

@@ -111,3 +111,16 @@ def test_a_second_class_of_the_same_name_is_found() -> None:
         "b.py": ast.parse("class Torus: ...\nclass _Own: ..."),
     }
     assert used_twice(trees) == {"Torus": ["a.py", "b.py"]}
+
+
+NAMED_LIKE_THEIR_VERB = {"main", "closed_forms", "energy_momentum_map", "chart_map", "charted_starts", "inverse_arrays"}
+"""Files whose room exports no function of that name, or that are named after a public verb."""
+
+
+def test_a_file_does_not_bear_the_name_of_its_function() -> None:
+    """Else ``room.name`` is the file or the function by the order of imports."""
+    same = {
+        path.stem for path in SOURCES
+        if any(isinstance(f, FUNCTIONS) and f.name == path.stem for f in tree_of(path).body)
+    }  # fmt: skip
+    assert same <= NAMED_LIKE_THEIR_VERB

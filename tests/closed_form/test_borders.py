@@ -18,7 +18,7 @@ from hjsolve.closed_form.evaluation import many_digits, number_of
 from hjsolve.closed_form.forms import RegimeForms
 from hjsolve.closed_form.regions import root_interval_of
 from hjsolve.closed_form.sampling import Sample, samples
-from hjsolve.closed_form.strata import strata
+from hjsolve.closed_form.strata import special_strata
 from hjsolve.closed_form.workshop import Workshop, workshop_of
 
 STEPS = [sp.Rational(sign, 10**k) for k in (1, 5, 12) for sign in (-1, 1)] + [sp.S.Zero]
@@ -49,7 +49,7 @@ def test_the_right_form_or_none_on_both_sides_of_every_border(name: str, fewest:
 
 def _across_borders(shop: Workshop) -> Iterator[Sample]:
     system = shop.solution.system
-    for special in strata(shop.curves, shop.constants):
+    for special in special_strata(shop.curves, shop.constants):
         (constant,) = special
         for sample in list(samples(shop.solution, 12, 5, special))[:3]:
             for step in STEPS:

@@ -10,7 +10,7 @@ import sympy as sp
 from mpmath import mp, mpf
 
 import hjsolve
-from hjsolve.motion.through_poles.continuation import continuation
+from hjsolve.motion.through_poles.continuation import continued_coordinates
 from tests.reference.taylor import Flow
 from tests.support import hard_exact
 
@@ -167,7 +167,7 @@ def test_a_collision_stays_an_event() -> None:
     ],
 )  # fmt: skip
 def test_the_form_of_t_and_v_decides_what_is_a_pole(coordinates, kinetic, potential, angle, continued) -> None:
-    found = continuation(hjsolve.System(coordinates, kinetic, potential), angle)
+    found = continued_coordinates(hjsolve.System(coordinates, kinetic, potential), angle)
     if continued is None:
         assert found is None
     else:

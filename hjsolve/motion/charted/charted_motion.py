@@ -16,7 +16,7 @@ from hjsolve.arithmetic.number_types import Numbers
 from hjsolve.coordinates.chart import Chart
 from hjsolve.errors import InternalError, InvalidInputError
 from hjsolve.formulas.read import number
-from hjsolve.motion.charted.collisions import Ends, between, collisions
+from hjsolve.motion.charted.collisions import Ends, between, collision_times
 from hjsolve.motion.charted.initial_map import carried
 from hjsolve.motion.charted.state_map import state_in
 from hjsolve.motion.initial_data import Initial
@@ -209,7 +209,7 @@ def start_charted(
     }
     own = {f.name: getattr(within, f.name) for f in fields(Motion)}
     motion = ChartedMotion(**own, within=within)
-    if "time" in parts and (found := collisions(chart, within)) is not None:
+    if "time" in parts and (found := collision_times(chart, within)) is not None:
         name, ends = found
         times = {} if ends[1] is None else {name: ends[1]}
         kinds = {**motion.kinds, name: "boundary"}

@@ -31,7 +31,7 @@ _FOCI = {
 """Foci by kind: the first two coordinates, in units of 1 and π where they are (μ, ν)."""
 
 
-def collisions(chart: Chart, motion: Motion) -> tuple[str, Ends] | None:
+def collision_times(chart: Chart, motion: Motion) -> tuple[str, Ends] | None:
     """Return the coordinate that reaches a focus where V is infinite, and when: last before and first after t₀.
 
     Args:

@@ -46,7 +46,7 @@ class Continuation:
 
 
 @lru_cache(maxsize=128)
-def continuation(system: System, dropped: str) -> Continuation | None:
+def continued_coordinates(system: System, dropped: str) -> Continuation | None:
     """Continue the coordinates of a system through the poles of an angle.
 
     Args:

@@ -21,7 +21,7 @@ from hjsolve.motion.placing import with_place
 from hjsolve.motion.quantities import FLOAT_DIGITS
 from hjsolve.motion.starting import started
 from hjsolve.motion.state import Errors, State
-from hjsolve.motion.through_poles.continuation import Continuation, Fold, continuation
+from hjsolve.motion.through_poles.continuation import Continuation, Fold, continued_coordinates
 from hjsolve.solution.quadratures import Solution, solve
 
 Part = TypeVar("Part")
@@ -189,7 +189,7 @@ def motion_through_poles(
     if motion is not None and "boundary" not in motion.kinds.values():
         return motion
     for name in angles:
-        way = continuation(solution.system, name)
+        way = continued_coordinates(solution.system, name)
         on = None if way is None else _continued(way, solution, initial, t0, digits, parts, certified=certified)
         if on is not None:
             return on

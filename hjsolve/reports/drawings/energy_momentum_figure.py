@@ -72,7 +72,7 @@ def _deepest(mask: NDArray[np.bool_], x: Array, y: Array) -> tuple[float, float]
     return float(x[columns[k]]), float(y[rows[k]])
 
 
-def energy_momentum_figure(found: EnergyMomentumMap, key: str, *, actions: bool = True) -> Figure:
+def figure_of_map(found: EnergyMomentumMap, key: str, *, actions: bool = True) -> Figure:
     """Draw a map.
 
     Args:

@@ -7,7 +7,7 @@ from typing import Any
 from hjsolve.energy_momentum.energy_momentum_map import EnergyMomentumMap, energy_momentum_map
 from hjsolve.errors import HJSolveError
 from hjsolve.reports.document import Block, Figures, Inline, Mathematics, Paragraph, Section
-from hjsolve.reports.drawings.energy_momentum_figure import energy_momentum_figure
+from hjsolve.reports.drawings.energy_momentum_figure import figure_of_map
 from hjsolve.reports.formulas.names import name_box
 
 _FEWEST_CONSTANTS = 2
@@ -26,7 +26,7 @@ def energy_momentum_section(motion: Any) -> Section | None:
         return None
     try:
         found = energy_momentum_map(motion)
-        blocks: list[Block] = [Figures((energy_momentum_figure(found, "energy-momentum"),))]
+        blocks: list[Block] = [Figures((figure_of_map(found, "energy-momentum"),))]
         blocks += _monodromy(found)
     except HJSolveError:
         return None
