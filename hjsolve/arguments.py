@@ -1,4 +1,4 @@
-"""What an argument must be: wrong kinds are refused at the door, in the same words everywhere.
+"""What an argument must be: wrong kinds are refused when a call is made, in the same words everywhere.
 
 Values are checked where they are read (``formulas.read.number``, ``catalog.schema``); here is only what would otherwise
 end as an ``AttributeError`` or ``TypeError`` from deep inside.

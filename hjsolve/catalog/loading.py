@@ -1,7 +1,7 @@
 """The catalog: mechanical systems as data, each with its literature, initial data, effects and reference values.
 
 An entry is one TOML file (catalog/README.md). Loading checks it once and gives frozen values; a user's own file and an
-inline ``[system]`` table go through the same door.
+inline ``[system]`` table are read in the same way.
 """
 
 from __future__ import annotations

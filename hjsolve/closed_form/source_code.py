@@ -10,7 +10,7 @@ from sympy.printing.pycode import PythonCodePrinter
 
 from hjsolve.closed_form.named_forms import NamedForms
 from hjsolve.errors import InvalidInputError
-from hjsolve.functions.c_source import c_source, in_c
+from hjsolve.functions.c_code import c_source, in_c
 from hjsolve.functions.printing import DOUBLES, Printable
 from hjsolve.functions.tables import LEGENDRE
 

@@ -1,4 +1,4 @@
-"""The value of an expression at a point, at 80 digits; for checks at the door, not for results."""
+"""The value of an expression at a point, at 80 digits; for checks of input, not for results."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""Whatever names a system → the system: the one door of every verb that takes one."""
+"""Whatever names a system → the system: one reading for every verb that takes one."""
 
 from __future__ import annotations
 

@@ -85,7 +85,7 @@ class Motion(ShownMotion):
 
     @property
     def nodes(self) -> int:
-        """Quadrature nodes of the dearest coordinate."""
+        """Quadrature nodes of the coordinate that needs most."""
         return max((place.course.nodes for place in self.separated.located.values()), default=0)
 
     @property

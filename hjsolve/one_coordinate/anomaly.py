@@ -195,9 +195,9 @@ class Rotation(Unstretched):
 
 @dataclass(frozen=True)
 class TwoBarrierAnomaly(Unstretched):
-    """An angle that goes round over two crests; χ as in ``Rotation``, slow at both.
+    """An angle that goes round over two barriers; χ as in ``Rotation``, slow at both.
 
-    A Möbius map of the circle carries the two crests, as complex pairs, to w = 0 and w = π with equal gaps; there
+    A Möbius map of the circle carries the two barriers, as complex pairs, to w = 0 and w = π with equal gaps; there
     w = am(v + K) − π/2, v = 2K(χ − π)/π, is slow at both: cos w = cd v, sin w = k′ sd v.
 
     Attributes:
@@ -305,7 +305,7 @@ def rotation_anomaly(slow: Mpf, direction: int, gap: Mpf | None, arithmetic: Mul
 def two_barrier_anomaly(
     crest: Mpf, gap: Mpf, other: Mpf, other_gap: Mpf, direction: int, arithmetic: Multi
 ) -> TwoBarrierAnomaly:
-    """Make the anomaly of an angle that goes round over two crests.
+    """Make the anomaly of an angle that goes round over two barriers.
 
     In the upper half plane of tan((q − crest)/2) the pairs are z₁ = i tanh(gap/2) and z₂; the real Möbius map that
     takes iε to z₁ and i/ε to z₂ exists when both pairs have the same hyperbolic distance, 2 ln(1/ε).

@@ -116,7 +116,7 @@ def over_near_zeros(start: CoordinateStart, usual: Libration, bits: int) -> Iter
 
 
 def over_other_near_zeros(start: CoordinateStart, anomaly: Rotation, gap: Mpf | None, bits: int) -> Iterator[Anomaly]:
-    """Anomalies of a rotation that are slow at all crests, not only at the highest.
+    """Anomalies of a rotation that are slow at all barriers, not only at the highest.
 
     Args:
         start: the coordinate.

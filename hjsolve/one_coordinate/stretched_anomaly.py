@@ -1,7 +1,7 @@
 """A second change of variable where the elliptic anomaly alone would need too many nodes.
 
 The anomalies of ``one_coordinate.anomaly`` take care of the four branch points of p dq nearest to the motion. Where
-more come close (a wheel that just passes several crests, features of a potential) the new phase ψ grows like
+more come close (a wheel that just passes several barriers, features of a potential) the new phase ψ grows like
 
     dψ/dχ ~ (3⁴ + Σₖ (sin²((χ − χₖ)/2) + δₖ²/4)^−2)^¼
 

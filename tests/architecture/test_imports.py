@@ -55,3 +55,7 @@ def test_every_room_says_what_it_is_for() -> None:
         assert "In:" in text, room
         assert "Out:" in text, room
         assert "first" in text, room
+
+
+def test_every_room_has_its_tests() -> None:
+    assert rooms() <= {path.parent.name for path in (ROOT / "tests").glob("*/test_*.py")}
