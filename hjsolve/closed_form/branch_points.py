@@ -13,6 +13,9 @@ from hjsolve.closed_form.regions import RootInterval
 from hjsolve.closed_form.signs import Signs
 from hjsolve.closed_form.tidy import shortened_powers
 
+LONGEST_ROOT = 24
+"""Operations above which a root in radicals gets a name."""
+
 
 @dataclass(frozen=True)
 class NamedRoots:
@@ -56,12 +59,29 @@ def named_roots(curve: MomentumCurve, region: RootInterval, signs: Signs, prefix
     else:
         found, pairs = radicals
         real = tuple(sorted(found, key=lambda e: mpmath.mpf(signs.number(e))))
+        if max((sp.count_ops(r) for r in real), default=0) > LONGEST_ROOT:
+            real, where = _by_names(real, signs, prefix)
     if len(real) != len(region.roots) or len(real) + 2 * len(pairs) != P.degree():
         raise NoFormError(f"the roots of {P.as_expr()} in {x} could not be told apart")
     with mpmath.workdps(30):
         below = [k for k, r in enumerate(region.roots) if r < region.place]
         above = [k for k, r in enumerate(region.roots) if r > region.place]
     return NamedRoots(P.LC(), real, pairs, where, (below[-1] if below else None, above[0] if above else None))
+
+
+def _by_names(
+    real: tuple[sp.Expr, ...], signs: Signs, prefix: str
+) -> tuple[tuple[sp.Expr, ...], dict[sp.Symbol, sp.Expr | tuple[sp.Poly, int]]]:  # fmt: skip
+    """Names for the roots with radicals: their differences and ratios are not multiplied out."""
+    where: dict[sp.Symbol, sp.Expr | tuple[sp.Poly, int]] = {}
+    named = list[sp.Expr]()
+    for k, root in enumerate(real):
+        symbol = root if root.is_Rational else sp.Symbol(f"{prefix}_{k + 1}", real=True)
+        if symbol != root:
+            where[symbol] = root
+            signs.name({symbol: sp.Float(signs.number(root), 50)})
+        named.append(symbol)
+    return tuple(named), where
 
 
 def _remaining_pair(P: sp.Poly, real: list[sp.Symbol]) -> tuple[tuple[sp.Expr, sp.Expr], ...]:

@@ -95,7 +95,18 @@ def momentum_curves(square: sp.Expr, coordinate: Coordinate, x: sp.Symbol) -> li
         for s in known_substitutions(square, coordinate, x)
         if (curve := momentum_curve(s, coordinate, square)) is not None
     ]
-    return sorted(found, key=lambda c: (genus(c.degree), c.degree, sp.count_ops(c.substitution.place)))
+    return sorted(found, key=_plainness)
+
+
+def _plainness(curve: MomentumCurve) -> tuple[int, int, int, int]:
+    """Genus, whether a root of P has no radicals, degree, length of the variable."""
+    P, x = curve.polynomial, curve.x
+    plain = curve.degree <= 2
+    if 2 < curve.degree <= 4:
+        bare, _ = named_constants(P.as_expr(), x)
+        factors = [sp.Poly(f, x) for f, _ in sp.factor_list(sp.numer(sp.together(bare)), x)[1]]
+        plain = all(f.degree() <= 2 or not any(n % 2 for (n,) in f.monoms()) for f in factors)
+    return genus(curve.degree), int(not plain), curve.degree, int(sp.count_ops(curve.substitution.place))
 
 
 def genus(degree: int) -> int:

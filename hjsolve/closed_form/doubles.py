@@ -83,6 +83,16 @@ def region_test(curve: MomentumCurve, region: RootInterval, symbols: Sequence[sp
         region: the region.
         symbols: in the order of the arrays.
     """
+    prepared = _without_ends(curve)
+    if prepared is None:
+        return None
+    rest, at_ends = prepared
+    formulas = [*rest.all_coeffs(), curve.substitution.lower, curve.substitution.upper]
+    return RegionTest(sp.lambdify(list(symbols), formulas, modules=modules("numpy"), cse=True), at_ends, region)
+
+
+def _without_ends(curve: MomentumCurve) -> tuple[sp.Poly, tuple[bool, bool]] | None:
+    """P without the roots that it has at the ends of the domain for all constants, and whether it has those."""
     x, s = curve.x, curve.substitution
     if sp.numer(sp.together(curve.square)).has(x):
         return None
@@ -92,9 +102,66 @@ def region_test(curve: MomentumCurve, region: RootInterval, symbols: Sequence[sp
         if there:
             rest = sp.quo(rest, sp.Poly(x - end, x))
         at_ends.append(there)
-    formulas = [*rest.all_coeffs(), s.lower, s.upper]
-    numbers = sp.lambdify(list(symbols), formulas, modules=modules("numpy"), cse=True)
-    return RegionTest(numbers, (at_ends[0], at_ends[1]), region)
+    if rest.degree() == 0:
+        rest = sp.Poly(x**2 + 1, x)  # like a constant it has no real root
+    return rest, (at_ends[0], at_ends[1])
+
+
+@dataclass(frozen=True)
+class PlaceTest:
+    """Whether a place is in a region that exists, for arrays.
+
+    Attributes:
+        numbers: arrays of the symbols ↦ coefficients of what is left of P, the ends of the domain, x, and how far the
+            place is from the middle of the turn.
+        at_end: whether P has a root at the lower end for all constants.
+        region: the region.
+    """
+
+    numbers: Callable[..., list[Doubles]]
+    at_end: bool
+    region: RootInterval
+
+    def __call__(self, places: Sequence[Doubles], shape: tuple[int, ...]) -> tuple[Booleans, Booleans]:
+        """Where the place is in the region, and where that is not certain in doubles.
+
+        Args:
+            places: arrays of the symbols.
+            shape: of the arrays.
+        """
+        given = (np.broadcast_to(np.asarray(v, dtype=float), shape) for v in self.numbers(*places))
+        *coefficients, low, high, x, away = given
+        coefficients, unit = _of_size_one(coefficients)
+        sequence, unsure = _sturm(coefficients)
+        far, doubtful = _changes(sequence, np.full(shape, -np.inf))
+        here, beside = _changes(sequence, x / unit)
+        below, _ = _changes(sequence, low / unit)
+        start = self.region.lower[1] if self.region.lower[0] == "root" else far - below + self.at_end - 1
+        unsure = unsure | doubtful | beside | ~np.isfinite(x) | (abs(abs(away) - np.pi) < _UNSURE)
+        inside = (far - here + self.at_end == start + 1) & (low <= x) & (x <= high) & (abs(away) <= np.pi)
+        return inside, unsure
+
+
+def place_test(
+    curve: MomentumCurve, region: RootInterval, place: sp.Symbol, symbols: Sequence[sp.Symbol]
+) -> PlaceTest | None:  # fmt: skip
+    """Prepare the test; None where it is left to 50 digits.
+
+    Args:
+        curve: whose P.
+        region: the region.
+        place: the symbol of the place: a coordinate, or a lower limit.
+        symbols: in the order of the arrays.
+    """
+    prepared = _without_ends(curve)
+    if prepared is None:
+        return None
+    rest, at_ends = prepared
+    s = curve.substitution
+    x = s.place.subs(curve.coordinate.symbol, place)
+    away = place - s.inverse.subs(s.x, 0) if s.closed else sp.S.Zero
+    formulas = [*rest.all_coeffs(), s.lower, s.upper, x, away]
+    return PlaceTest(sp.lambdify(list(symbols), formulas, modules=modules("numpy"), cse=True), at_ends[0], region)
 
 
 @dataclass(frozen=True)

@@ -19,6 +19,7 @@ from hjsolve.closed_form.branch_points import NamedRoots
 from hjsolve.closed_form.fractions import partial_fractions
 from hjsolve.closed_form.no_form import NoFormError
 from hjsolve.closed_form.real_branch_points import FAR, LegendreIntegrals, LegendreMap, over_s
+from hjsolve.closed_form.signs import Signs
 from hjsolve.functions import JacobiCN, JacobiDN, JacobiSN
 
 
@@ -94,13 +95,14 @@ def _short(expression: sp.Expr) -> sp.Expr:
     return sp.factor(sp.cancel(sp.together(expression)))
 
 
-def even_integral(R: sp.Expr, way: EvenMap, x: sp.Symbol, *, complete: bool) -> sp.Expr:
+def even_integral(R: sp.Expr, way: EvenMap, x: sp.Symbol, signs: Signs, *, complete: bool) -> sp.Expr:
     """∫ R dx/√P: up to x, from x = 0 (sn) or from the upper end (dn, cn); or over the whole piece.
 
     Args:
         R: rational in x.
         way: the map.
         x: the variable.
+        signs: of the sample.
         complete: whether over the whole piece.
 
     Raises:
@@ -109,7 +111,7 @@ def even_integral(R: sp.Expr, way: EvenMap, x: sp.Symbol, *, complete: bool) -> 
     if sp.cancel(R - R.subs(x, -x)) != 0:
         raise NoFormError("the integrand is not even in x")
     X = sp.Symbol(x.name, positive=True)
-    parts = partial_fractions(sp.cancel(sp.powdenest(R.subs(x, sp.sqrt(X)), force=True)), X)
+    parts = partial_fractions(sp.cancel(sp.powdenest(R.subs(x, sp.sqrt(X)), force=True)), X, signs)
     own = LegendreIntegrals(way.m, None if complete else way.amplitude(x))
     low, high = way.line
     linear = LegendreMap(low, high, FAR, FAR, 1, sp.S.One)

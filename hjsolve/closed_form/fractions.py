@@ -6,15 +6,17 @@ import sympy as sp
 
 from hjsolve.closed_form.curves import named_constants
 from hjsolve.closed_form.no_form import NoFormError
+from hjsolve.closed_form.signs import Signs
 from hjsolve.functions.elliptic import PartialFractions
 
 
-def partial_fractions(R: sp.Expr, x: sp.Symbol) -> PartialFractions:
+def partial_fractions(R: sp.Expr, x: sp.Symbol, signs: Signs) -> PartialFractions:
     """Partial fractions.
 
     Args:
         R: rational in x.
         x: the variable.
+        signs: decides whether the zeros of a quadratic factor are real, and keeps what it decided.
 
     Raises:
         NoFormError: a denominator of degree above 2 that does not factor, or with multiple complex zeros.
@@ -29,7 +31,7 @@ def partial_fractions(R: sp.Expr, x: sp.Symbol) -> PartialFractions:
     constant, factors = sp.factor_list(bottom, x)
     for factor, power in factors:
         others = constant * sp.Mul(*(f**n for f, n in factors if f != factor))
-        if (square := _without_real_zeros(factor, x)) is not None:
+        if (square := _without_real_zeros(factor, x, back, signs)) is not None:
             if power > 1:
                 raise NoFormError(f"the integrand has multiple poles at complex places, where {factor} = 0")
             re, im, leading = square
@@ -48,13 +50,17 @@ def partial_fractions(R: sp.Expr, x: sp.Symbol) -> PartialFractions:
     return PartialFractions(powers, tuple(poles), tuple(complex_poles))
 
 
-def _without_real_zeros(factor: sp.Expr, x: sp.Symbol) -> tuple[sp.Expr, sp.Expr, sp.Expr] | None:
-    """α, β and a of a((x − α)² + β²); None where the factor may have real zeros."""
+def _without_real_zeros(
+    factor: sp.Expr, x: sp.Symbol, back: dict[sp.Symbol, sp.Expr], signs: Signs
+) -> tuple[sp.Expr, sp.Expr, sp.Expr] | None:  # fmt: skip
+    """α, β and a of a((x − α)² + β²); None where the factor has real zeros."""
     if sp.degree(factor, x) != 2:
         return None
     a, b, c = sp.Poly(factor, x).all_coeffs()
     D = sp.factor(4 * a * c - b**2)
-    return (-b / (2 * a), sp.sqrt(D) / (2 * sp.sqrt(a**2)), a) if D.is_positive else None
+    if signs.sign(D.xreplace(back)) < 0:
+        return None
+    return -b / (2 * a), sp.sqrt(D) / (2 * sp.sqrt(a**2)), a
 
 
 def _zeros(factor: sp.Expr, x: sp.Symbol) -> list[tuple[sp.Expr, sp.Expr]]:

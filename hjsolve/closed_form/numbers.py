@@ -2,7 +2,8 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Mapping, Sequence
+import math
+from collections.abc import Callable, Iterable, Mapping, Sequence
 from typing import Any
 
 import mpmath
@@ -11,10 +12,18 @@ import sympy as sp
 from hjsolve.arithmetic.estimate import Estimate
 from hjsolve.arithmetic.floats import EPS
 from hjsolve.arithmetic.number_types import Mpf, Reals
-from hjsolve.closed_form.doubles import NamedRoot, named_root, region_test
+from hjsolve.closed_form.curves import MomentumCurve
+from hjsolve.closed_form.doubles import NamedRoot, named_root, place_test, region_test
 from hjsolve.closed_form.evaluation import many_digits, number_of
 from hjsolve.closed_form.named_forms import NamedForms
-from hjsolve.closed_form.regions import ordered_real_roots, region_exists
+from hjsolve.closed_form.regions import (
+    DIGITS,
+    RootInterval,
+    holds_place,
+    middle_of,
+    ordered_real_roots,
+    region_exists,
+)  # fmt: skip
 from hjsolve.errors import InvalidInputError, MissingValueError
 from hjsolve.formulas.read import number as read_number
 from hjsolve.functions import modules
@@ -39,6 +48,7 @@ def form_at_numbers(form: NamedForms, name: str, values: Mapping[str, object], d
     expression = _wanted(form, name)
     exact = _exact(form, expression, values)
     refuse_outside(form, exact)
+    _refuse_places(form, exact)
     working = 2 * (digits + _GUARD)
     table = many_digits(exact, working) | root_values(form, exact, working)
     with mpmath.workdps(digits + _GUARD):
@@ -73,6 +83,35 @@ def refuse_outside(form: NamedForms, exact: Mapping[sp.Symbol, sp.Expr]) -> None
             f"these constants are not of the form's regime ({form.regime.words}); "
             "take the form of closed_forms(solution) whose regime holds, or closed_forms(motion)"
         )
+
+
+def _refuse_places(form: NamedForms, exact: Mapping[sp.Symbol, sp.Expr]) -> None:
+    """Refuse a coordinate, or a lower limit, at which the motion of the regime never is."""
+    for curve, region, symbol in placed(form, exact):
+        numbers = many_digits(exact, DIGITS)
+        if holds_place(curve, region, numbers[symbol], numbers):
+            continue
+        told = ""
+        if curve.substitution.closed:
+            middle = float(middle_of(curve, numbers))
+            told = f"; the form is that of one turn, {symbol} from {middle - math.pi:.3g} to {middle + math.pi:.3g}"
+        raise InvalidInputError(f"{symbol} = {float(numbers[symbol]):.6g} is no place of this regime's motion{told}")
+
+
+def placed(form: NamedForms, held: Iterable[sp.Symbol]) -> list[tuple[MomentumCurve, RootInterval, sp.Symbol]]:
+    """The curves of coordinates and lower limits that are among symbols.
+
+    Args:
+        form: of a regime.
+        held: the symbols.
+    """
+    known = set(held)
+    return [
+        (curve, region, symbol)
+        for curve, region in form.regime.regions
+        for symbol in (curve.coordinate.symbol, form.solution.lower_limits.get(curve.coordinate.name))
+        if symbol in known
+    ]
 
 
 def _wanted(form: NamedForms, name: str) -> sp.Expr:
@@ -170,6 +209,8 @@ class _CompiledForm:
         self.plain = sp.lambdify([*self.symbols, *self.roots], expression, modules=known, cse=True)
         self.tests = [sp.lambdify(self.symbols, sign * e, modules=known) for e, sign in made.conditions.items()]
         self.equal = [sp.lambdify(self.symbols, c - e, modules=known) for c, e in made.special.items()]
+        self.placed = placed(form, expression.free_symbols)
+        self.inside = [place_test(c, r, s, self.symbols) for c, r, s in self.placed] if self.numpy else []
         self.regions = [region_test(c, r, self.symbols) for c, r in self.curves] if self.numpy else []
         self.named = self._definitions() if self.roots and self.numpy else []
 
@@ -200,8 +241,10 @@ class _CompiledForm:
         if any(not test(*numbers) > 0 for test in self.tests):
             return False
         pairs = zip(self.symbols, numbers, strict=True)
-        given = {s: mpmath.mpmathify(v) for s, v in pairs} if self.curves else {}
-        return all(region_exists(c, r, given) for c, r in self.curves)
+        given = {s: mpmath.mpmathify(v) for s, v in pairs} if self.curves or self.placed else {}
+        if not all(region_exists(c, r, given) for c, r in self.curves):
+            return False
+        return all(holds_place(c, r, given[symbol], given) for c, r, symbol in self.placed)
 
     def arrays(self, given: Mapping[str, object]) -> Reals | float:
         """At arrays of doubles; nan outside the regime."""
@@ -232,6 +275,11 @@ class _CompiledForm:
                 return good, np.ones(good.shape, dtype=bool)
             exists, doubtful = test(places, good.shape)
             good, unsure = good & (exists | doubtful), unsure | doubtful
+        for there in self.inside:
+            if there is None:
+                return good, np.ones(good.shape, dtype=bool)
+            inside, doubtful = there(places, good.shape)
+            good, unsure = good & (inside | doubtful), unsure | doubtful
         return good, unsure
 
     def _definitions(self) -> list[tuple[sp.Symbol, Any]]:

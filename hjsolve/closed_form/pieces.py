@@ -102,6 +102,7 @@ class CoordinateIntegrals:
         self.integrals |= done
         self.why_not = {key: reason for key, reason in self.why_not.items() if key not in self.integrals}
         held = {s for found in done.values() for s in (found.value + (found.cycle or 0)).free_symbols}
+        held |= {s for root in self.roots or () for s in root.free_symbols}
         for roots in (task.roots, *(way.roots for way in task.ways if isinstance(way, CarlsonMap))):
             if roots is not None:
                 self.where |= {s: meaning for s, meaning in roots.where.items() if s in held | _inside(roots)}
@@ -189,8 +190,9 @@ class _Task:
             value, whole, way = self._elliptic(R, cyclic=cyclic)
             value = value.subs(curve.x, s.place)
         else:
-            law = elementary_antiderivative(partial_fractions(R, curve.x), curve.polynomial, self.signs, self.side)
-            value, whole = law.written(s.place), law.complete() if region.kind == "libration" else None
+            parts = partial_fractions(R, curve.x, self.signs)
+            law = elementary_antiderivative(parts, curve.polynomial, self.signs, self.side)
+            value, whole = law.written(s.place), law.complete() if self._from_root_to_root() else None
         cycle = None
         if whole is not None:
             cycle = whole * (2 if region.kind == "libration" else 1) * (1 if s.increasing else -1)
@@ -209,9 +211,9 @@ class _Task:
         for way in self.ways:
             try:
                 if isinstance(way, EvenMap):
-                    value = even_integral(R, way, x, complete=False)
-                    return value, even_integral(R, way, x, complete=True) if cyclic else None, way
-                parts = partial_fractions(R, x)
+                    value = even_integral(R, way, x, self.signs, complete=False)
+                    return value, even_integral(R, way, x, self.signs, complete=True) if cyclic else None, way
+                parts = partial_fractions(R, x, self.signs)
                 if isinstance(way, LegendreMap) and self._passes_a_pole(parts, way):
                     raise NoFormError("the integral passes a pole on the way from the root")
                 if isinstance(way, CarlsonMap):
@@ -228,6 +230,13 @@ class _Task:
         start, here = self.signs.number(way.a), self.region.place if self.squared is None else self.squared.place
         low, high = min(start, here), max(start, here)
         return any(low < self.signs.number(r) < high for r, _, _ in parts.poles)
+
+    def _from_root_to_root(self) -> bool:
+        """Whether a cycle goes over the piece between the two roots of P: a libration, or sin(q/2) from −1 to 1."""
+        if self.region.kind != "rotation":
+            return self.region.kind == "libration"
+        s, P = self.curve.substitution, self.curve.polynomial.as_expr()
+        return all(end.is_finite and P.subs(self.curve.x, end).expand() == 0 for end in (s.lower, s.upper))
 
     def side(self, r: sp.Expr) -> int:
         """The sign of x − r on the interval."""

@@ -268,6 +268,42 @@ def region_exists(curve: MomentumCurve, like: RootInterval, numbers: Numbers) ->
         return bool(_value(curve, _between(start, stop), numbers) > 0)
 
 
+def holds_place(curve: MomentumCurve, like: RootInterval, place: mpmath.mpf, numbers: Numbers) -> bool:
+    """Whether a place of the coordinate is in a region that exists, turning points among it.
+
+    Args:
+        curve: whose P.
+        like: the region.
+        place: the q.
+        numbers: symbol → value, of the constants.
+    """
+    s = curve.substitution
+    with mpmath.workdps(DIGITS):
+        slack = (1 + abs(place)) * mpmath.mpf(10) ** -12  # of ends that were given in doubles
+        if s.closed and abs(place - middle_of(curve, numbers)) > mpmath.pi + slack:
+            return False
+        roots, _ = real_roots(curve, numbers)
+        low, high = (number_of(end, numbers) for end in (s.lower, s.upper))
+        marks = {key: value for value, key in _marks(curve, roots, numbers, low, high)}
+        x = number_of(s.place, {**numbers, curve.coordinate.symbol: place})
+        if isinstance(x, mpmath.mpc) or mpmath.isnan(x):
+            return True  # at the place where the variable is infinite, an end of the domain
+        start, stop = marks.get(like.lower, low), marks.get(like.upper, high)
+        slack *= 1 + abs(x)
+        return bool(start - slack <= x <= stop + slack)
+
+
+def middle_of(curve: MomentumCurve, numbers: Numbers) -> mpmath.mpf:
+    """The angle in the middle of the turn on which the variable of a closed curve is monotone.
+
+    Args:
+        curve: of an angle.
+        numbers: symbol → value, of the constants.
+    """
+    s = curve.substitution
+    return number_of(s.inverse.subs(s.x, 0), numbers)
+
+
 def _between(start: mpmath.mpf, stop: mpmath.mpf) -> mpmath.mpf:
     if mpmath.isinf(start) and mpmath.isinf(stop):
         return mpmath.mpf("0.123")

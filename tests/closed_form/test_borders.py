@@ -16,7 +16,7 @@ import sympy as sp
 import hjsolve
 from hjsolve.closed_form.evaluation import many_digits, number_of
 from hjsolve.closed_form.forms import RegimeForms
-from hjsolve.closed_form.regions import root_interval_of
+from hjsolve.closed_form.regions import middle_of, root_interval_of
 from hjsolve.closed_form.sampling import Sample, samples
 from hjsolve.closed_form.strata import special_strata
 from hjsolve.closed_form.workshop import Workshop, workshop_of
@@ -80,7 +80,7 @@ def _compared(form: RegimeForms, sample: Sample) -> int:
         if c.name not in solution.coordinates:
             values |= {c.symbol: sp.S.Zero}
             continue
-        begin = sample.places[c.name]
+        begin = _in_the_turn(form, c.name, sample)
         end = begin + sp.Rational(1, 10**4)
         values |= {c.symbol: end, solution.lower_limits[c.name]: begin}
         numbers = many_digits(sample.values, 60)
@@ -91,9 +91,24 @@ def _compared(form: RegimeForms, sample: Sample) -> int:
                 lambda q, s=square, n=numbers, c=c: mpmath.sqrt(number_of(s, {**n, c.symbol: q})), ends, maxdegree=4
             )
             expected += path
+    beside = solution.characteristic_function.replace(lambda e: isinstance(e, sp.Integral), lambda _: sp.S.Zero)
+    with mpmath.workdps(50):
+        expected += mpmath.mpmathify(sp.N(beside.xreplace(values), 50))  # the potential of the shift p = P − A
     got = form.evaluate("characteristic_function", {s.name: v for s, v in _held(form, values).items()}, 30)
     assert abs(got.value - expected) <= 1e-25 * abs(expected) + abs(got.error), (form.regime.words, got, expected)
     return 1
+
+
+def _in_the_turn(form: RegimeForms, name: str, sample: Sample) -> sp.Expr:
+    """The place, an angle in the turn that the form is of: a libration about π is that from 0 to 2π."""
+    place = sample.places[name]
+    for curve, _ in form.regime.regions:
+        if curve.coordinate.name == name and curve.substitution.closed:
+            middle = middle_of(curve, many_digits(sample.values, 60))
+            return place + sp.Rational(
+                str(mpmath.nstr(2 * mpmath.pi * mpmath.nint((middle - float(place)) / (2 * mpmath.pi)), 30))
+            )
+    return place
 
 
 def _held(form: RegimeForms, values: Mapping[sp.Symbol, sp.Expr]) -> dict[sp.Symbol, sp.Expr]:

@@ -11,6 +11,7 @@ import pytest
 import sympy as sp
 
 import hjsolve
+from hjsolve.closed_form.closed_forms import own_form
 from hjsolve.closed_form.doubles import region_test
 
 ENTRIES = ["pendulum", "double-well", "spherical-pendulum", "bead-on-turning-wire", "cone", "ladder"]
@@ -94,3 +95,35 @@ def test_a_period_takes_about_a_microsecond(name: str) -> None:
             np.sin(energies)
         best, reference = min(best, middle - begin), min(reference, time.process_time() - middle)
     assert best <= 3 * reference
+
+
+@pytest.mark.parametrize(("name", "inside", "outside"), [
+    ("double-well", "1.1", "-1.1"), ("bead-on-turning-wire", "3.4", "-1.1831853071795865"), ("pendulum", "0.3", "6.5"),
+    ("kepler-planar", "0.9", "40"),
+])  # fmt: skip
+def test_a_place_of_another_well_or_turn_is_refused(name: str, inside: str, outside: str) -> None:
+    """There the formula may be real, and of the wrong sign."""
+    started = {
+        "double-well": ({"x": "1.1"}, {"x": "0.1"}),
+        "bead-on-turning-wire": ({"theta": "2.5"}, {"theta": "0.1"}),
+        "pendulum": ({"theta": "0.2"}, {"theta": 1}),
+        "kepler-planar": ({"r": 1, "theta": 0}, {"theta": "0.9"}),
+    }
+    q, velocity = started[name]
+    velocity = {c: velocity.get(c, 0) for c in q}
+    motion = hjsolve.solve(name).motion(q=q, velocity=velocity)
+    form = own_form(motion)
+    assert form is not None
+    (coordinate,) = form.solution.coordinates
+    first = {"pendulum": "0.1", "bead-on-turning-wire": "3"}.get(name, "1")
+    values = {s.name: v for s, v in motion.initial.values.items() if s in form.regime.example}
+    values |= dict(motion.initial.constants) | {f"{coordinate}_0": first}
+    rest = {s.name for s in form.characteristic_function.free_symbols} - {*values, coordinate}
+    values |= dict.fromkeys(rest, sp.S.Zero)
+    W = form.lambdify("numpy")["characteristic_function"]
+    values = {n: v for n, v in values.items() if n in W.names}
+    assert not np.isnan(float(form.evaluate("characteristic_function", values | {coordinate: inside}).value))
+    with pytest.raises(hjsolve.InvalidInputError, match="no place of this regime's motion"):
+        form.evaluate("characteristic_function", values | {coordinate: outside})
+    got = W(**{n: float(v) for n, v in values.items()}, **{coordinate: np.array([float(inside), float(outside)])})
+    assert np.isnan(got).tolist() == [False, True]
