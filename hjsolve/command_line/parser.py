@@ -206,7 +206,7 @@ def _add_report(kinds: _Commands) -> None:
     )  # fmt: skip
     report.add_argument(
         "--brief", action="store_true",
-        help="without closed forms and the map of all motions, which take most of the time",
+        help="without closed forms, map of all motions, surface of section, which take most of the time",
     )  # fmt: skip
     report.add_argument("--format", choices=["html", "md", "json", "txt", "tex"], help='of "-o -" (default: txt)')
     _motion_arguments(report)

@@ -26,6 +26,7 @@ from hjsolve.reports.sections.laws import laws_section
 from hjsolve.reports.sections.literature import literature_section
 from hjsolve.reports.sections.moving_frame import frame_section
 from hjsolve.reports.sections.prose import heading
+from hjsolve.reports.sections.refused_motion import other_coordinates, refused_motion
 from hjsolve.separation import Obstruction, Separation, Undecided, separate
 from hjsolve.solution.quadratures import Solution, solve
 
@@ -45,6 +46,7 @@ class Material:
         entry: the catalog's entry or None.
         summary: about the initial data.
         frame: of an entry whose system as posed contains the time; None for every other.
+        initial: of a motion of a system that is not solved; None where none is known.
         failure: why no motion could be started; empty where it could, or none was asked.
         clock: part → seconds.
     """
@@ -55,6 +57,7 @@ class Material:
     entry: catalog.Entry | None = None
     summary: str = ""
     frame: Frame | None = None
+    initial: Mapping[str, Any] | None = None
     failure: str = ""
     clock: Mapping[str, float] = field(default_factory=dict)
 
@@ -95,7 +98,7 @@ def gather(
         solution = _timed(clock, "solution by quadratures", lambda: solve(verdict))
     frame = moving_frames.of(named if named is not None else entry.id) if entry is not None else None
     if solution is None:
-        return Material(verdict, entry=entry, frame=frame, clock=clock)
+        return Material(verdict, entry=entry, frame=frame, initial=initial_of(entry, initial, motion)[0], clock=clock)
     data, summary = initial_of(entry, initial, motion)
     started, failure = None, ""
     if data:
@@ -105,7 +108,7 @@ def gather(
             )
         except NotConvergedError as error:
             failure = told(error)
-    return Material(verdict, solution, started, entry, summary, frame, failure, clock)
+    return Material(verdict, solution, started, entry, summary, frame, failure=failure, clock=clock)
 
 
 def told(error: NotConvergedError) -> str:
@@ -171,7 +174,7 @@ def document(material: Material, *, brief: bool = False) -> Document:
 
     Args:
         material: what there is to tell.
-        brief: whether closed forms and the map of all motions are left out.
+        brief: whether closed forms, the map of all motions and surfaces of section are left out.
 
     Returns:
         The document, the same for every format.
@@ -190,6 +193,9 @@ def document(material: Material, *, brief: bool = False) -> Document:
         sections.append(quadratures.forms_section(verdict))
     else:
         sections.append(system_and_verdict.refusal_section(verdict))
+        sections.append(_timed(clock, "other coordinates", lambda: other_coordinates(system)))
+        if (start := material.initial) is not None and not brief:
+            sections.append(_timed(clock, "surface of section", lambda: refused_motion(system, start)))
     if material.solution is not None:
         solved = material.solution
         sections += quadratures.solution_sections(solved)

@@ -82,7 +82,8 @@ def report(
             take, at most 10.
         live: whether the page has sliders for the constants of the motion and a point that moves (.html only; for a
             motion with one separated coordinate, which librates). It is one file that asks nothing of the net.
-        brief: whether closed forms and the map of all motions are left out, which take most of the time.
+        brief: whether closed forms, the map of all motions and surfaces of section are left out, which take most of
+            the time.
         title: in place of the system's own.
 
     Returns:

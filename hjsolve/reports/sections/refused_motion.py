@@ -1,0 +1,100 @@
+"""What is told of a system that does not separate beyond the obstruction: other coordinates, and how it moves."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from typing import Any
+
+import numpy as np
+
+from hjsolve.coordinates import find_coordinates
+from hjsolve.errors import HJSolveError
+from hjsolve.mechanics.system import System
+from hjsolve.motion.initial_data import read_phase_point
+from hjsolve.reports.document import Block, Code, Figures, Inline, Note, Paragraph, Section
+from hjsolve.reports.drawings.refused_figures import contour_figure, section_figure
+from hjsolve.reports.sections.coordinates import found_answer, found_sections
+from hjsolve.scenes.surface_of_section import (
+    AGREEMENT,
+    TOLERANCES,
+    SurfaceOfSection,
+    path,
+    plane_motion,
+    surface_of_section,
+)
+
+
+def other_coordinates(system: System) -> Section:
+    """Say what ``hjsolve coordinates`` answers.
+
+    Args:
+        system: one that does not separate as it is given.
+    """
+    blocks: list[Block]
+    try:
+        found = find_coordinates(system)
+    except HJSolveError as error:
+        asked = " ".join(str(error).removeprefix("find_coordinates: ").split())
+        blocks = [Paragraph((f"Not looked for: {asked}{'' if asked.endswith('.') else '.'}",))]
+        return Section("coordinates", "In which coordinates would it separate?", tuple(blocks))
+    blocks = [Paragraph(found_answer(found))]
+    for part in found_sections(found):
+        blocks += part.blocks
+    if found.webs and system.id:
+        solved = Code(f"hjsolve report {system.id} --find -o out.html")
+        blocks.append(Note(("The report of its solution in the first of them: ", solved, ".")))
+    return Section("coordinates", "In which coordinates would it separate?", tuple(blocks))
+
+
+def refused_motion(system: System, initial: Mapping[str, Any]) -> Section | None:
+    """Draw how a system moves that is not solved by quadratures, by integration with its error.
+
+    Args:
+        system: one that does not separate.
+        initial: keywords of ``Solution.motion``.
+
+    Returns:
+        The section; None where other than two coordinates are left when ignorable ones are gone, or the initial data
+        do not say a place and a velocity.
+    """
+    if system.relativity is not None or not {"q"} < set(initial) <= {"q", "velocity", "p", "parameters", "t0"}:
+        return None
+    start = (initial["q"], initial.get("velocity"), initial.get("p"), initial.get("parameters"))
+    plane = plane_motion(system, read_phase_point(system, *start))
+    if plane is None:
+        return None
+    times, states = path(plane)
+    if not np.isfinite(states).all() or times[-1] == 0:
+        return None
+    figures, found = [contour_figure(plane, times, states, "contours")], surface_of_section(plane)
+    E = float(plane.energy(plane.start))
+    lost = float(np.max(np.abs(plane.energy(states) - E)))
+    told: list[Inline] = [
+        "Without quadratures the motion is integrated step by step: by extrapolation of order 12, the error of each "
+        f"step below {TOLERANCES[0]:.0e} of what a variable reaches. Along the path drawn the energy keeps to within ",
+        Code(_upwards(lost)), ".",
+    ]  # fmt: skip
+    if found is not None:
+        figures.append(section_figure(plane, found, "surface-of-section"))
+        told += _validated(found)
+    else:
+        told.append(" It does not come back often enough to one surface for a section to be drawn.")
+    return Section("refused-motion", "How it moves", (Paragraph(tuple(told)), Figures(tuple(figures))))
+
+
+def _validated(found: SurfaceOfSection) -> list[Inline]:
+    """The evidence for a section: what the energy lost, and how long two runs agree."""
+    number = np.isfinite(found.points[0]).sum(axis=1)
+    least = int(np.min(found.settled))
+    share = "all of them" if (found.settled >= number).all() else f"the first {least} of each motion and more"
+    return [
+        " Of the surface of section every motion was followed twice, with tolerances a hundred times apart: the two "
+        f"agree to {AGREEMENT:g} of the figure in {share}, {int(np.minimum(found.settled, number).sum())} of "
+        f"{int(number.sum())} returns; at no return does the energy differ from E by more than ",
+        Code(_upwards(found.drift)), ".",
+    ]  # fmt: skip
+
+
+def _upwards(x: float) -> str:
+    """A bound in two digits, rounded up."""
+    return f"{x * 1.05:.1e}" if x else "0"
