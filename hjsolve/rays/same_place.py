@@ -20,6 +20,7 @@ from hjsolve.errors import HJSolveError, InvalidInputError
 from hjsolve.mechanics.system import mass_matrix
 from hjsolve.motion.motion import Motion
 from hjsolve.motion.state import Errors, Placing
+from hjsolve.motion.tabulated import needs_table
 from hjsolve.rays.family_curve import FamilyCurve
 from hjsolve.rays.same_constants import same_constants
 
@@ -27,8 +28,11 @@ _FEWEST = 16
 _TIMES, _ORBIT_POINTS = 129, 161
 _DOUBLINGS, _STEPS, _REFINEMENTS = 30, 12, 14
 _EIGHTH = np.array([4 / 5, -1 / 5, 4 / 105, -1 / 280])
+_FOURTH = np.array([2 / 3, -1 / 12, 0.0, 0.0])
 _SIXTH = np.array([3 / 4, -3 / 20, 1 / 60, 0.0])
 _SIDE = 4
+_SLOWEST = 0.25
+"""Where an order more does not make a difference that much smaller, the directions are too far apart to be believed."""
 _NOTHING = 1e-15
 """A component of a momentum that is rounding, as a part of the other: straight at a centre, not just beside it."""
 _UNCLEAR = 1e-4
@@ -103,28 +107,18 @@ class SamePlace:
         return first, second
 
     def _times_of(self, ray: Motion | None, values: Reals) -> tuple[Reals, Reals]:
-        """Times at which a ray has gained W, and how far they may be off; NaN where it never does."""
+        """Times at which a ray has gained W, and how far they may be off; NaN where it never does.
+
+        W of a ray that passes close to a centre takes many digits and a second a value: its points are left out.
+        """
         never = np.full(len(values), np.nan)
-        if ray is None:
+        if ray is None or needs_table(ray.separated):
             return never, never
-        reach, most = self.length, float(np.abs(values).max(initial=0.0))
-        sides = np.where(values < 0, -1.0, 1.0)
-        goal = np.abs(values)
-        for _ in range(_DOUBLINGS):
-            grid = np.linspace(0.0, reach, _TIMES)
-            ahead, _ = self._action(ray, grid, reach)
-            behind, _ = self._action(ray, -grid, reach)
-            last = min(float(np.nanmax(ahead)), float(np.nanmax(np.abs(behind))))
-            if last >= most or not np.isfinite(ahead[-1]) or not np.isfinite(behind[-1]):
-                break
-            reach *= 2
-        t = np.where(
-            sides > 0, np.interp(goal, ahead, grid, right=np.nan), -np.interp(goal, -behind, grid, right=np.nan)
-        )
+        t, reach = self._first_guess(ray, values)
+        known = np.isfinite(t)
         for _ in range(_STEPS):
             W, error = self._action(ray, t, reach)
-            state = ray.at(self.start + np.where(np.isfinite(t), t, 0.0))
-            speed = sum(np.asarray(state.p[n], float) * np.asarray(state.velocity[n], float) for n in self.names)
+            speed = self._growth(ray, np.where(known, t, 0.0))
             with np.errstate(all="ignore"):
                 step = (W - values) / speed
             t = t - np.clip(step, -reach / _TIMES, reach / _TIMES)
@@ -136,6 +130,29 @@ class SamePlace:
                 abs(self.start) + np.abs(t)
             )
         return t, doubt
+
+    def _growth(self, ray: Motion, t: Reals) -> Reals:
+        """dW/dt = p·dq/dt, twice the kinetic energy."""
+        state = ray.at(self.start + t)
+        first, second = (np.asarray(state.p[n], float) * np.asarray(state.velocity[n], float) for n in self.names)
+        return first + second
+
+    def _first_guess(self, ray: Motion, values: Reals) -> tuple[Reals, float]:
+        """Times at which W has about some values, by the trapezoidal rule, and the size of the greatest; NaN: never."""
+        t, reach = np.full(len(values), np.nan), self.length
+        for side in (-1, 1):
+            wanted = values < 0 if side < 0 else values >= 0
+            far = self.length
+            for _ in range(_DOUBLINGS if wanted.any() else 0):
+                grid = np.linspace(0.0, far, _TIMES)
+                growth = self._growth(ray, side * grid)
+                W = np.concatenate([[0.0], np.cumsum((growth[1:] + growth[:-1]) / 2) * grid[1]])
+                t[wanted] = side * np.interp(np.abs(values[wanted]), W, grid, right=np.nan)
+                if not np.isfinite(W[-1]) or W[-1] >= np.abs(values[wanted]).max():
+                    break
+                far *= 2
+            reach = max(reach, far)
+        return t, 1.1 * reach
 
     def _action(self, ray: Motion, t: Reals, reach: float) -> tuple[Reals, Reals]:
         """W at times within ±reach: asked together with the last of them, so that the integrals are made once."""
@@ -240,9 +257,14 @@ class SamePlace:
             q, noise = states.q[c], states.q_error[c] + 4 * EPS * np.abs(states.q[c])
             steps = [of_neighbour(q, k) - of_neighbour(q, -k) for k in range(1, _SIDE + 1)]
             doubts = [of_neighbour(noise, k) + of_neighbour(noise, -k) for k in range(1, _SIDE + 1)]
-            eighth, sixth = (sum(w * s for w, s in zip(weights, steps)) / h for weights in (_EIGHTH, _SIXTH))
-            slopes.append(np.asarray(eighth))
-            blurs.append(np.abs(eighth - sixth) + sum(abs(w) * d for w, d in zip(_EIGHTH, doubts)) / h)
+            fourth, sixth, eighth = (
+                np.asarray(sum(w * s for w, s in zip(weights, steps, strict=True))) / h
+                for weights in (_FOURTH, _SIXTH, _EIGHTH)
+            )
+            rounding = sum(abs(w) * d for w, d in zip(_EIGHTH, doubts, strict=True)) / h
+            last, before = np.abs(eighth - sixth), np.abs(sixth - fourth)
+            slopes.append(eighth)
+            blurs.append(np.where(last > _SLOWEST * before + rounding, np.inf, 2 * last + rounding))
         v = [of_neighbour(x, 0) for x in states.velocity]
         D = v[0] * slopes[1] - v[1] * slopes[0]
         blur = np.abs(v[0]) * blurs[1] + np.abs(v[1]) * blurs[0]
