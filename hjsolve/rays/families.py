@@ -38,6 +38,7 @@ class Wavefronts(Shown):
         orbits: of the family, each orthogonal to the fronts in the kinetic metric; the first is the motion itself.
         caustics: where orbits of the family pile up: turning curves, or the envelope.
         motion: the motion asked about.
+        maker: what the curves are made from.
     """
 
     family: str
