@@ -56,6 +56,9 @@ if TYPE_CHECKING:
     from hjsolve.motion.motion import Motion as Motion
     from hjsolve.motion.state import AnyMotion as AnyMotion
     from hjsolve.motion.state import State as State
+    from hjsolve.rays.families import Wavefronts as Wavefronts
+    from hjsolve.rays.families import wavefronts as wavefronts
+    from hjsolve.rays.family_curve import FamilyCurve as FamilyCurve
     from hjsolve.reports import report as report
     from hjsolve.reports.single_figures import figures as figures
     from hjsolve.scenes import Scene as Scene
@@ -77,6 +80,8 @@ _PUBLIC = {
     "separation": "separate Separation Obstruction Undecided",
     "solution.quadratures": "solve Solution",
     "energy_momentum.energy_momentum_map": "energy_momentum_map EnergyMomentumMap",
+    "rays.families": "wavefronts Wavefronts",
+    "rays.family_curve": "FamilyCurve",
     "ensembles": "ensemble Batch Status",
     "sweeps": "sweep SweepResult",
     "motion.motion": "Motion",

@@ -52,7 +52,7 @@ class ShownMotion(Shown):
 
         Args:
             kind: ``orbit`` in space; ``time``: a coordinate against time; ``phase``: the phase plane of a separated
-                coordinate; ``potential``: its effective potential.
+                coordinate; ``potential``: its effective potential; ``wavefronts``: lines of equal W and caustics.
             name: the coordinate, for time, phase and potential; None for the first.
             ax: axes to draw on; None for new ones.
 

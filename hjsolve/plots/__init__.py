@@ -13,9 +13,13 @@ if TYPE_CHECKING:
     from hjsolve.plots.draw import plotted as plotted
     from hjsolve.plots.draw import plotted_solution as plotted_solution
     from hjsolve.plots.energy_momentum import plotted_map as plotted_map
+    from hjsolve.plots.wavefronts import plotted_wavefronts as plotted_wavefronts
 
-_HOMES = {"animated": "animation", "plotted": "draw", "plotted_map": "energy_momentum", "plotted_solution": "draw"}
-__all__ = ["animated", "plotted", "plotted_map", "plotted_solution"]
+_HOMES = {
+    "animated": "animation", "plotted": "draw", "plotted_map": "energy_momentum", "plotted_solution": "draw",
+    "plotted_wavefronts": "wavefronts",
+}  # fmt: skip
+__all__ = ["animated", "plotted", "plotted_map", "plotted_solution", "plotted_wavefronts"]
 
 
 def __getattr__(name: str) -> Any:

@@ -14,6 +14,8 @@ from hjsolve.arguments import refuse_other
 from hjsolve.errors import InvalidInputError
 from hjsolve.motion.motion import Motion
 from hjsolve.plots import style
+from hjsolve.plots.wavefronts import plotted_wavefronts
+from hjsolve.rays.families import wavefronts
 from hjsolve.reports.drawings import orbit_paths
 from hjsolve.reports.drawings import phase_portrait as portrait
 from hjsolve.reports.drawings.cartesian_picture import Embedding, embedding, path_of
@@ -34,7 +36,7 @@ from hjsolve.solution.quadratures import Solution
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
 
-KINDS = ("orbit", "time", "phase", "potential")
+KINDS = ("orbit", "time", "phase", "potential", "wavefronts")
 
 
 def plotted(motion: Motion, kind: str, name: str | None, ax: Axes | None) -> Axes:
@@ -58,6 +60,8 @@ def plotted(motion: Motion, kind: str, name: str | None, ax: Axes | None) -> Axe
     if ax is not None and not hasattr(ax, "plot"):
         raise InvalidInputError(f"plot: ax must be axes of matplotlib, not {type(ax).__name__}")
     motion = motion.as_solved
+    if kind == "wavefronts":
+        return plotted_wavefronts(wavefronts(motion), ax)
     where = embedding(motion.solution.system)
     with style.drawing() as pyplot:
         if kind == "orbit" and where.shape != "line":

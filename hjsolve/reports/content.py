@@ -27,6 +27,7 @@ from hjsolve.reports.sections.literature import literature_section
 from hjsolve.reports.sections.moving_frame import frame_section
 from hjsolve.reports.sections.prose import heading
 from hjsolve.reports.sections.refused_motion import other_coordinates, refused_motion
+from hjsolve.reports.sections.wavefronts import wavefront_section
 from hjsolve.separation import Obstruction, Separation, Undecided, separate
 from hjsolve.solution.quadratures import Solution, solve
 
@@ -208,6 +209,7 @@ def document(material: Material, *, brief: bool = False) -> Document:
         given = material.motion
         trace = _add_numbers(given, material.summary, sections, failures, clock)
         if not brief:
+            sections.append(_timed(clock, "wavefronts", lambda: wavefront_section(given)))
             sections.append(_timed(clock, "map of all motions", lambda: energy_momentum_section(given)))
     elif material.solution is not None and not failures:
         sections.append(_no_numbers(system))

@@ -51,6 +51,7 @@ def made(folder: Path) -> dict[str, Any]:
         "linear": hjsolve.from_hamiltonian("q + p", {"q": "line"}).motion(q={"q": 1}, p={"q": 1}),
         "map": hjsolve.energy_momentum_map(motion), "turned": hjsolve.energy_momentum_map(motion).monodromy((1.2, -0.2), 0.05),
         "isolated": hjsolve.energy_momentum_map(solve("spherical-pendulum")).isolated[0],
+        "fronts": (fronts := hjsolve.wavefronts(motion, fronts=3, orbits=2)), "front": fronts.fronts[0],
         "scene": scene, "run": scene.run(), "rest": hjsolve.Scene.load(SCENES / "ball-that-stays.toml").run(),
         "cost": hjsolve.cost("kepler-planar", seconds=1), "sweep": hjsolve.sweep(sweep, folder / "out"),
         "batch": hjsolve.ensemble("kepler-planar", q={"r": [1, 2.0], "theta": [0, 0.0]}, p={"r": [0, 0.0], "theta": [1, 1.0]}),
