@@ -317,7 +317,7 @@ def start(
         ('libration', 14.99332061)
     """
     if solution.chart is not None:
-        from hjsolve.motion.charted.charted_motion import start_charted
+        from hjsolve.motion.charted.starting import start_charted
 
         return start_charted(
             solution, q=q, velocity=velocity, p=p, constants=constants, signs=signs, parameters=parameters, t0=t0,
