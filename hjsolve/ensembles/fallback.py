@@ -12,6 +12,7 @@ from hjsolve.ensembles.layout import ERROR, Layout
 from hjsolve.ensembles.status import Status
 from hjsolve.ensembles.task import ONE_AT_A_TIME
 from hjsolve.errors import ForbiddenMotionError, InvalidInputError, NotConvergedError
+from hjsolve.motion.charted.in_a_plane import MotionInPlane
 from hjsolve.motion.motion import Motion
 from hjsolve.motion.positions import constant_index
 from hjsolve.one_coordinate.coordinate_motion import AtRest
@@ -57,7 +58,12 @@ def single_orbit(
             return Status.OUTSIDE_DOMAIN, {}
         except NotConvergedError:
             return Status.NOT_CONVERGED, {}
-        return _status(motion), _row(motion, layout)
+        if isinstance(motion, MotionInPlane):  # it has no actions in the coordinates of the columns: h² vanishes on it
+            return Status.ASYMPTOTIC, {}
+        try:
+            return _status(motion), _row(motion, layout)
+        except NotConvergedError:  # angles, next to a separatrix
+            return Status.NOT_CONVERGED, {}
 
 
 def _status(motion: Motion) -> Status:

@@ -15,7 +15,7 @@ import sympy as sp
 
 from hjsolve import arguments
 from hjsolve.formulas.read import number
-from hjsolve.motion.charted.charted_motion import start_charted
+from hjsolve.motion.charted.starting import start_charted
 from hjsolve.motion.initial_data import read_initial_data
 from hjsolve.motion.motion import Motion
 from hjsolve.motion.quantities import FLOAT_DIGITS

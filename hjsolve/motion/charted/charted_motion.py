@@ -2,29 +2,20 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Mapping
-from dataclasses import dataclass, field, fields, replace
-from functools import partial
-from typing import Any
+from dataclasses import dataclass, field
 
-import sympy as sp
-
-from hjsolve import arguments
 from hjsolve.arithmetic.estimate import Estimate
 from hjsolve.arithmetic.estimate_array import EstimateArray
 from hjsolve.arithmetic.number_types import Numbers
 from hjsolve.coordinates.chart import Chart
 from hjsolve.errors import InternalError, InvalidInputError
-from hjsolve.formulas.read import number
-from hjsolve.motion.charted.collisions import Ends, between, collision_times
-from hjsolve.motion.charted.initial_map import carried
+from hjsolve.motion.charted.collisions import Ends, between
 from hjsolve.motion.charted.state_map import state_in
 from hjsolve.motion.initial_data import Initial
 from hjsolve.motion.motion import Motion
 from hjsolve.motion.placing import with_place
 from hjsolve.motion.state import State
-from hjsolve.motion.through_poles.continued_motion import ContinuedMotion, motion_through_poles
-from hjsolve.motion.wanted import parts_of
+from hjsolve.motion.through_poles.continued_motion import ContinuedMotion
 from hjsolve.solution.quadratures import Solution
 
 
@@ -159,67 +150,3 @@ class ChartedMotion(Motion):
                 f"{name}: passages are those of the separated coordinates, {', '.join(own)}; at(t).q[{name!r}] gives "
                 f"{name} at any time"
             )
-
-
-def start_charted(
-    solution: Solution,
-    *,
-    q: Mapping[str, object],
-    velocity: Mapping[str, object] | None = None,
-    p: Mapping[str, object] | None = None,
-    constants: Mapping[str, object] | None = None,
-    signs: Mapping[str, int] | None = None,
-    parameters: Mapping[str, object] | None = None,
-    t0: object = 0,
-    digits: int = 15,
-    certified: bool = False,
-    want: Iterable[str] | None = None,
-) -> ChartedMotion:
-    """Start a motion from initial data in the user's coordinates.
-
-    Args:
-        solution: with a chart.
-        q, velocity, p: every one of the user's coordinates → number; velocity or p.
-        constants, signs: refused; a motion is started in the user's coordinates.
-        parameters: name → value, where it differs from the default.
-        t0: time of the initial data.
-        digits: relative digits wanted.
-        certified: prove constants, turning points, actions, frequencies and periods.
-        want: which of ``QUANTITIES`` will be asked; None for all.
-
-    Raises:
-        InvalidInputError: initial data that are no numbers, incomplete, or where the coordinates found are singular.
-        MissingValueError: a parameter or an initial value is missing.
-        NotConvergedError: a turning point or an integral could not be had to the digits asked.
-    """
-    chart = solution.chart
-    if chart is None:
-        raise InternalError("a charted motion of a solution without a chart")
-    if constants is not None or signs is not None:
-        raise InvalidInputError("constants, signs: with coordinates that were found, give velocity={…} or p={…}")
-    digits = arguments.digits(digits)
-    arguments.refuse_other(certified, bool, "certified", "True or False is needed")
-    wanted = None if want is None else arguments.words(want, "want", '["actions", "periods"]')
-    parts, exact_t0 = parts_of(wanted), number(t0, source="t0")
-    initial = carried(solution, chart, q=q, velocity=velocity, p=p, parameters=parameters)
-    within = motion_through_poles(solution, initial, exact_t0, digits, parts, certified=certified)
-    given = {
-        name: None if group is None else dict(group)
-        for name, group in (("q", q), ("velocity", velocity), ("p", p), ("parameters", parameters))
-    }
-    own = {f.name: getattr(within, f.name) for f in fields(Motion)}
-    motion = ChartedMotion(**own, within=within)
-    if "time" in parts and (found := collision_times(chart, within)) is not None:
-        name, ends = found
-        times = {} if ends[1] is None else {name: ends[1]}
-        kinds = {**motion.kinds, name: "boundary"}
-        motion = replace(motion, ends=ends, kinds=kinds, boundary_times=times, frequencies={}, periods={})
-    return replace(motion, given=given, again=partial(_again, solution, given, exact_t0, wanted))
-
-
-def _again(
-    solution: Solution, given: Mapping[str, Any], t0: sp.Expr, want: frozenset[str] | None, digits: int,
-    change: Mapping[str, Any],
-) -> ChartedMotion:  # fmt: skip
-    """Start a motion anew from what was given, with other digits or changed input."""
-    return start_charted(solution, **{**given, **change}, t0=t0, digits=digits, want=want)

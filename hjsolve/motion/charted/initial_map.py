@@ -1,6 +1,6 @@
 """Initial data carried from the user's coordinates to the separated ones: u by the inverse chart, p_u = (∂X/∂u)ᵀ P.
 
-Everything is worked out twice, to ``_BITS`` and to half as many; what is no larger than the difference is zero (a
+Everything is worked out twice, to ``BITS`` and to half as many; what is no larger than the difference is zero (a
 coordinate plane, a turning point, no angular momentum), the rest is rounded to a rational number that is right to far
 more digits than any computation here asks for. The energy is exact: it is that of the user's own coordinates.
 """
@@ -23,7 +23,7 @@ from hjsolve.motion.initial_data import Initial, all_exact, clean, read_phase_po
 from hjsolve.motion.positions import tape_of
 from hjsolve.solution.quadratures import Solution
 
-_BITS = 4800
+BITS = 4800
 _RISING = ("a1", "a2", "a3", "e1", "e2", "e3", "b", "c")
 """Lengths of a chart, of one kind each, that rise in this order."""
 _ANGLES = {
@@ -32,6 +32,8 @@ _ANGLES = {
 }  # fmt: skip
 """Coordinates that are angles about an axis or at a pole, by kind of chart."""
 Values = Mapping[str, object]
+Frame = tuple[list[Mpf], list[Mpf], dict[str, Mpf]]
+"""X, P and the lengths of a web."""
 
 
 def carried(
@@ -54,8 +56,8 @@ def carried(
             "initial data: give either velocity={…} or p={…}, a number for every coordinate of the system as given"
         )
     given = read_phase_point(chart.original, q, velocity, p, parameters)
-    far, near = (_numbers(solution, chart, given, bits) for bits in (_BITS, _BITS // 2))
-    exact = [_rational(a, b) for a, b in zip(far, near, strict=True)]
+    far, near = (_numbers(solution, chart, given, bits) for bits in (BITS, BITS // 2))
+    exact = [rational(a, b) for a, b in zip(far, near, strict=True)]
     system, n = solution.system, len(chart.symbols)
     values = {s.symbol: given[s.symbol] for s in system.parameters}
     values |= {c.symbol: x for c, x in zip(system.coordinates, exact[:n], strict=True)}
@@ -74,8 +76,8 @@ def _same_energy(chart: Chart, exact: sp.Expr, found: Mpf) -> None:
 
     Roots and logarithms were written with the signs that they have at the default values.
     """
-    energy = to_bits(exact)(_BITS)
-    if abs(energy - found) > (1 + abs(energy)) * energy.context.mpf(2) ** (-_BITS // 8):
+    energy = to_bits(exact)(BITS)
+    if abs(energy - found) > (1 + abs(energy)) * energy.context.mpf(2) ** (-BITS // 8):
         raise _other_parameters(chart)
 
 
@@ -86,8 +88,13 @@ def _other_parameters(chart: Chart) -> InvalidInputError:
     )
 
 
-def _local(chart: Chart, value: Callable[[sp.Expr], Mpf], c: Context) -> tuple[list[Mpf], list[Mpf], dict[str, Mpf]]:
-    """X and P in the frame of the web, and its lengths.
+def point_in_frame(chart: Chart, value: Callable[[sp.Expr], Mpf], c: Context) -> Frame:
+    """Return X and P in the frame of the web, and its lengths.
+
+    Args:
+        chart: of the web.
+        value: of an expression, in numbers of the context.
+        c: context of mpmath.
 
     Raises:
         InvalidInputError: the web is none with these values of the parameters.
@@ -114,7 +121,7 @@ def _numbers(solution: Solution, chart: Chart, given: Mapping[sp.Symbol, sp.Expr
     def value(e: sp.Expr) -> Mpf:
         return to_bits(e.xreplace(given))(bits)
 
-    X, P, lengths = _local(chart, value, c)
+    X, P, lengths = point_in_frame(chart, value, c)
     u = _inside(chart, inverse_chart(chart.kind, X, P, lengths, c))
     _refuse_singular(chart, given, u, field)
     fixed = {s.symbol: value(s.symbol) for s in chart.system.parameters}
@@ -166,8 +173,13 @@ def _refuse_singular(chart: Chart, given: Mapping[sp.Symbol, sp.Expr], u: list[M
     )
 
 
-def _rational(far: Mpf, near: Mpf) -> sp.Rational:
-    """The number as a fraction; 0 where it is no more than the rounding of the lower precision."""
+def rational(far: Mpf, near: Mpf) -> sp.Rational:
+    """Return a number as a fraction; 0 where it is no more than the rounding of the lower precision.
+
+    Args:
+        far: to ``BITS``.
+        near: to half as many.
+    """
     if abs(far) <= abs(far - near):
         return sp.S.Zero
     sign, mantissa, exponent, _ = far._mpf_

@@ -125,7 +125,7 @@ def _bounds(
     with np.errstate(all="ignore"):
         outputs = tape.run(field, inputs)
         result = [np.broadcast_to(0.0 if x.error is None else _SAFETY * x.error, places[0].shape) for x in outputs]
-        n = len(chart.symbols)
+        n = len(chart.original.coordinates)
         lost = np.zeros(places[0].shape, dtype=bool)
         for h, error in zip(outputs[3 * n :], result[3 * n :], strict=True):
             lost |= ~(_LOST * error < h.value)

@@ -82,7 +82,7 @@ def terminating(value: sp.Basic, digits: int = 15) -> Number | None:
         >>> terminating(sp.Rational(-7, 25))
         Number(value='-0.28', error='', certified=False)
     """
-    if not isinstance(value, sp.Rational) or len(str(value.q)) > digits:
+    if not isinstance(value, sp.Rational) or value.q.bit_length() > 4 * digits or len(str(value.q)) > digits:
         return None
     context = Context(prec=4 * digits)
     context.clear_flags()
