@@ -1,11 +1,12 @@
 """What many orbits cost: the whole public call, over all kinds of orbits, hjsolve and galpy's C taking turns.
 
-    python -m benchmarks.ensembles [PART …] [--orbits N] [--repeats N]      PART: families numpy velocity fresh others
+    python -m benchmarks.ensembles [PART …] [--orbits N] [--repeats N] [--write]    PART: families velocity fresh others
 
 Times are processor time of the process (one thread), medians of the second and later calls of all contestants in turn;
 a busy machine changes the ratios little. Every sample ends with 40 orbits of the same family whose actions and
 frequencies are known to 32 digits; the errors and claims beside the times are of those. "error/limit" is the largest
-error over max(1e-12, 20 times what half an ulp of the input does). The tables are Markdown, for ``docs/ensembles.md``.
+error over max(1e-12, 20 times what half an ulp of the input does). The tables are Markdown; ``--write`` puts them, with
+what the machine was doing, into ``docs/ensembles.md`` between the comments that name the part.
 """
 
 from __future__ import annotations
@@ -29,6 +30,7 @@ from benchmarks import galaxy_families as stars
 WANTS = (("actions",), ("actions", "frequencies"), ("actions", "frequencies", "angles"))
 SHORT = {WANTS[0]: "actions", WANTS[1]: "+ frequencies", WANTS[2]: "+ angles"}
 COLUMNS = (("actions", "u"), ("actions", "w"), ("frequencies", "u"), ("frequencies", "phi"), ("frequencies", "w"))
+PAGE = Path(__file__).resolve().parents[1] / "docs" / "ensembles.md"
 _ALONE = 6
 """Orbits of the disc and halo whose references are computed here; their limit is 1e-12."""
 Call = Callable[[], Any]
@@ -135,22 +137,23 @@ def galpy_quality(found: Any, references: dict[str, Any]) -> tuple[float, float]
     return float(np.median(kept)) if kept.size else np.nan, float(lost.mean())
 
 
-def table(head: str) -> None:
-    """Begin a table."""
-    print(f"\n| {head} |\n|{'---|' * (head.count('|') + 1)}", flush=True)
+def head(text: str) -> Iterator[str]:
+    """The first two lines of a table."""
+    yield f"| {text} |"
+    yield f"|{'---|' * (text.count('|') + 1)}"
 
 
-def row(*cells: str) -> None:
+def row(*cells: str) -> str:
     """One line of it."""
-    print(f"| {' | '.join(cells)} |", flush=True)
+    return f"| {' | '.join(cells)} |"
 
 
-def families(count: int, repeats: int, *, compiled: bool) -> None:
-    """Times and errors of all kinds of orbits."""
-    solution, rule = stars.galaxy(), galpy_rule() if compiled else None
-    table(
-        "orbits | wanted | hjsolve, µs | galpy C, µs | ratio | error/limit | error/claim | claim | ok, % "
-        "| galpy: error, lost"
+def families(count: int, repeats: int) -> Iterator[str]:
+    """Times and errors of all kinds of orbits; numpy's passes do a quarter of them."""
+    solution, rule = stars.galaxy(), galpy_rule()
+    yield from head(
+        "orbits | wanted | `fast`, µs | numpy, µs | galpy C, µs | `fast`/galpy | error/limit | error/claim "
+        "| largest claim | ok, % | galpy: error of J, lost"
     )
     for family in (*stars.FAMILIES, "disc and halo"):
         rows, references = sample(family, count)
@@ -159,34 +162,31 @@ def families(count: int, repeats: int, *, compiled: bool) -> None:
             carried[-40:] = references["prolate"]
         ours_alone = references or by_single_motions(carried[-_ALONE:])
         for want in WANTS:
-            calls = {"ours": our_call(solution, carried, want=want, compiled=compiled)}
+            part = carried[-len(carried) // 4 :]
+            calls = {
+                "ours": our_call(solution, carried, want=want, compiled=True),
+                "numpy": our_call(solution, part, want=want, compiled=False),
+            }
             if rule is not None:
                 calls["galpy"] = galpy_call(rule, want, rows)
             with np.errstate(all="ignore"):
                 seconds, given = in_turn(calls, repeats)
             batch = given["ours"]
             ours, theirs = (1e6 * seconds.get(name, np.nan) / len(rows) for name in ("ours", "galpy"))
+            plain = 1e6 * seconds["numpy"] / len(part)
             errors = " | ".join(f"{x:.1g}" for x in quality(batch, ours_alone))
             rival = "{:.0e}, {:.0%}".format(*galpy_quality(given["galpy"], references)) if rule is not None else "–"
             good = 100 * batch.summary().get("ok", 0) / len(rows)
-            row(
-                family,
-                SHORT[want],
-                f"{ours:.1f}",
-                f"{theirs:.1f}",
-                f"{ours / theirs:.2f}",
-                errors,
-                f"{good:.2f}",
-                rival,
-            )
+            times = (f"{x:.1f}" for x in (ours, plain, theirs))
+            yield row(family, SHORT[want], *times, f"{ours / theirs:.2f}", errors, f"{good:.2f}", rival)
 
 
-def velocity(count: int, repeats: int) -> None:
+def velocity(count: int, repeats: int) -> Iterator[str]:
     """Velocities instead of momenta, of the disc and halo, in the potential as it is typed."""
     solution, rows = stars.galaxy(), stars.prolate(stars.disc_and_halo(count))
     q = {"u": rows[:, 0], "w": rows[:, 1], "phi": 0.3}
     rates = dict(zip(("u", "w", "phi"), stars.velocities(rows).T[2:], strict=True))
-    table("wanted | engine | `p=`, µs | `velocity=`, µs | ratio | claim, `p=` | claim, `velocity=` | ok, %")
+    yield from head("wanted | engine | `p=`, µs | `velocity=`, µs | ratio | claim, `p=` | claim, `velocity=` | ok, %")
     for compiled in (True, False):
         for want in WANTS:
             how = {"want": want, "compiled": compiled, "threads": 1}
@@ -204,7 +204,7 @@ def velocity(count: int, repeats: int) -> None:
             good = 100 * given["v"].summary().get("ok", 0) / count
             engine = "compiled" if compiled else "numpy"
             numbers = (f"{one:.1f}", f"{other:.1f}", f"{other / one:.2f}", f"{claims[0]:.0e}", f"{claims[1]:.0e}")
-            row(SHORT[want], engine, *numbers, f"{good:.2f}")
+            yield row(SHORT[want], engine, *numbers, f"{good:.2f}")
 
 
 _FRESH = """
@@ -225,9 +225,9 @@ for call in range(2):
 """
 
 
-def fresh() -> None:
+def fresh() -> Iterator[str]:
     """1 000 orbits of a new system: import, compilation and all, and the second call."""
-    table("1 000 orbits of a new system | `compiled` | fresh process, first call, s | (wall) | second call, ms")
+    yield from head("1 000 orbits, new system | `compiled` | fresh process, first call, s | (wall) | second call, ms")
     with tempfile.TemporaryDirectory() as folder:
         Path(folder).chmod(0o700)
         surroundings = {**os.environ, "HJSOLVE_CACHE_DIR": folder, "OMP_NUM_THREADS": "1"}
@@ -242,15 +242,15 @@ def fresh() -> None:
                     )
                     lines = [[float(x) for x in line.split()] for line in done.stdout.splitlines()]
                 (first, wall), (second, _) = lines
-                row(SHORT[want], str(compiled), f"{first:.1f}", f"{wall:.1f}", f"{1e3 * second:.0f}")
+                yield row(SHORT[want], str(compiled), f"{first:.1f}", f"{wall:.1f}", f"{1e3 * second:.0f}")
 
 
-def others(count: int, repeats: int) -> None:
+def others(count: int, repeats: int) -> Iterator[str]:
     """Unbounded orbits, and Kerr's frequencies."""
-    table("what | orbits | µs an orbit | statuses")
+    yield from head("what | orbits | µs an orbit | statuses")
     for what, call, number in _others(count):
         seconds, given = in_turn({"ours": call}, repeats)
-        row(what, str(number), f"{1e6 * seconds['ours'] / number:.0f}", str(given["ours"].summary()))
+        yield row(what, str(number), f"{1e6 * seconds['ours'] / number:.0f}", str(given["ours"].summary()))
 
 
 def _others(count: int) -> Iterator[tuple[str, Call, int]]:
@@ -273,27 +273,48 @@ def _others(count: int) -> Iterator[tuple[str, Call, int]]:
     )
 
 
+def write(part: str, lines: list[str]) -> None:
+    """Put the lines of a part into the page, in place of those that stand there."""
+    page = PAGE.read_text(encoding="utf-8")
+    begin, end = f"<!-- benchmarks.ensembles {part} -->\n", f"<!-- end of {part} -->\n"
+    before, rest = page.split(begin)
+    _, after = rest.split(end)
+    text = "\n".join(["", *lines, "", ""])
+    PAGE.write_text(f"{before}{begin}{text}{end}{after}", encoding="utf-8")
+
+
+def surroundings() -> str:
+    """What the machine is doing: its load over the last minute, and its cores."""
+    return f"load {os.getloadavg()[0]:.0f} on {os.cpu_count()} cores"
+
+
 def main() -> None:
-    parts = ("families", "numpy", "velocity", "fresh", "others")
+    """Run the parts that are asked for."""
     parser = argparse.ArgumentParser(description=__doc__.split("\n")[0])
-    parser.add_argument("parts", nargs="*", metavar="PART", help=", ".join(parts))
+    parser.add_argument("parts", nargs="*", metavar="PART", help="families, velocity, fresh, others; all of them")
     parser.add_argument("--orbits", type=int, default=20_000)
     parser.add_argument("--repeats", type=int, default=3)
+    parser.add_argument("--write", action="store_true", help="put the tables into docs/ensembles.md")
     given = parser.parse_args()
-    load = " ".join(f"{x:.1f}" for x in os.getloadavg())
-    print(f"{given.orbits} orbits, medians of {given.repeats}; load of the machine {load}, {os.cpu_count()} cores")
+    count, repeats = given.orbits, given.repeats
+    parts: dict[str, Callable[[], Iterator[str]]] = {
+        "families": lambda: families(count, repeats),
+        "velocity": lambda: velocity(count, repeats),
+        "fresh": fresh,
+        "others": lambda: others(count, repeats),
+    }
+    for unknown in set(given.parts) - parts.keys():
+        parser.error(f"{unknown}: known are {', '.join(parts)}")
     for part in given.parts or parts:
-        match part:
-            case "families" | "numpy":
-                families(given.orbits, given.repeats, compiled=part == "families")
-            case "velocity":
-                velocity(given.orbits, given.repeats)
-            case "fresh":
-                fresh()
-            case "others":
-                others(given.orbits, given.repeats)
-            case _:
-                parser.error(f"{part}: known are {', '.join(parts)}")
+        before, lines = surroundings(), []
+        for line in parts[part]():
+            print(line, flush=True)
+            lines.append(line)
+        orbits = "" if part == "fresh" else f"{count} orbits, medians of {repeats}; "
+        lines += ["", f"{orbits}{before} before, {surroundings()} after."]
+        print(*lines[-2:], "", sep="\n", flush=True)
+        if given.write:
+            write(part, lines)
 
 
 if __name__ == "__main__":

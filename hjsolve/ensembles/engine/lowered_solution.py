@@ -88,7 +88,7 @@ class Model:
     angles: tuple[str, ...]
     separated: tuple[Separated, ...]
     constants: tuple[str, ...]
-    ignorable: Mapping[str, int]
+    ignorable: Mapping[str, int] = field(hash=False)
     rule: Tape
     shift: Tape
     numbers: tuple[Pair, ...]

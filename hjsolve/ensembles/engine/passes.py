@@ -31,7 +31,8 @@ _WIDE = 1e-11
 """Above this claim more digits are tried, whatever is to blame."""
 
 _BARE, _BARE_ACTIONS = 5e-12, 4e-11
-"""Error of p² at the start over its size above which a first compiled pass is not tried: few orbits would be done."""
+"""Error of p² at the start over its size, or of a constant, above which a first compiled pass is not tried: few orbits
+would be done."""
 
 _SEEN_FROM_START = 1e-13
 """The same above which the next one sees a motion from its start; where it is not small it is seen as others are."""
@@ -128,7 +129,10 @@ def run_compiled(
     smallness = [one.smallness(kernels=kernels) for one in orbits]
     hopeless = np.zeros(count, dtype=bool)
     if not precise:
-        hopeless = np.max(smallness, axis=0) > (_BARE if kernels else _BARE_ACTIONS)
+        limit = _BARE if kernels else _BARE_ACTIONS
+        known = start.knowns
+        cancelled = [e > limit * np.abs(c) for c, e in zip(known.constants, known.doubt, strict=True)]
+        hopeless = (np.max(smallness, axis=0) > limit) | np.any(cancelled, axis=0)
     left = np.flatnonzero(~hopeless)
     status[hopeless] = UNDECIDED
     sums = []

@@ -10,7 +10,7 @@ import sys
 import warnings
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass
-from functools import cache
+from functools import cache, lru_cache
 from importlib.util import find_spec
 from pathlib import Path
 from pickle import PickleError
@@ -29,6 +29,7 @@ Function = Callable[..., Any]
 
 _UNREADABLE = (OSError, EOFError, PickleError)
 _ONE_AT_A_TIME = RLock()
+_MADE = 64
 
 _LOOPS = {
     "crests": (("bend", "doubts"), 4),
@@ -227,11 +228,21 @@ def _programs(coordinate: Separated, model: Model, kernels: bool) -> CoordinateP
     below, above = (_view(formula, model, kernels) for formula in sides(coordinate))
 
     def small() -> SmallPrograms:
-        text = small_text(coordinate.plain, len(model.constants), _numbers(model), kernels)
         with _ONE_AT_A_TIME:
-            return SmallPrograms(**_module(text, SMALL, False))
+            return _small(coordinate.plain, len(model.constants), _numbers(model), kernels)
 
     return CoordinatePrograms(below, above, small)
+
+
+@lru_cache(maxsize=_MADE)
+def _small(formula: LoweredFormula, constants: int, numbers: tuple[float, ...], kernels: bool) -> SmallPrograms:
+    return SmallPrograms(**_module(small_text(formula, constants, numbers, kernels), SMALL, False))
+
+
+@lru_cache(maxsize=_MADE)
+def _made(model: Model, kernels: bool) -> Compiled:
+    parts = tuple(_programs(c, model, kernels) for c in model.separated)
+    return Compiled(_module(start_text(model), ("start",), False)["start"], _loops(), parts)
 
 
 def compiled(model: Model, *, kernels: bool) -> Compiled:
@@ -242,8 +253,7 @@ def compiled(model: Model, *, kernels: bool) -> Compiled:
         kernels: True when ∂J/∂c are wanted.
     """
     with _ONE_AT_A_TIME:  # else several threads would compile the same
-        parts = tuple(_programs(c, model, kernels) for c in model.separated)
-        return Compiled(_module(start_text(model), ("start",), False)["start"], _loops(), parts)
+        return _made(model, kernels)
 
 
 def is_kept(model: Model, *, kernels: bool) -> bool:
