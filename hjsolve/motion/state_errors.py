@@ -38,7 +38,8 @@ def errors_of_state(
 ) -> tuple[dict[str, Reals], dict[str, Reals], dict[str, Reals]]:
     """Bounds on q, p and velocity from the bounds on the phases.
 
-    ``sharp``: where velocities were not worked out from rounded places (``near_poles.blurred``); None where all were.
+    ``sharp``: where velocities were not worked out from rounded places (``near_poles.badly_rounded``); None where all
+    were.
 
     Args:
         motion: the one looked at.
