@@ -111,14 +111,14 @@ def with_last_digits(value: Any, error: Any) -> tuple[str, int]:
     Returns:
         The digits, and the power of ten they are to be multiplied by; 0 where none is needed.
     """
-    exact, doubt = decimal(value), decimal(error)
-    if not exact.is_finite() or not doubt.is_finite():
+    exact, uncertainty = decimal(value), decimal(error)
+    if not exact.is_finite() or not uncertainty.is_finite():
         return (special(exact) if not exact.is_finite() else f"{shortest(value, 2)}(unknown)"), 0
-    if doubt == 0:
+    if uncertainty == 0:
         text = plain_text(Decimal(repr(float(value)))) if isinstance(value, float) else shortest(value, WIDE.prec)
         mantissa, _, power = text.partition("e")
         return mantissa, int(power or 0)
-    rounded, margin = rounded_pair(exact, doubt)
+    rounded, margin = rounded_pair(exact, uncertainty)
     last, size = int(rounded.as_tuple().exponent), max(rounded.adjusted() if rounded else -400, margin.adjusted())
     power_of_ten = 0 if _SMALL <= size < LARGE and last <= 0 else size
     units = int(margin.scaleb(-last, context=WIDE))

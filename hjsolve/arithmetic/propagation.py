@@ -154,8 +154,8 @@ def _exact(c: MpContext, x: Any) -> Range:
 
 
 def _ends(c: MpContext, value: float | Mpf, error: float | Mpf) -> Range:
-    (low, high), doubt = _exact(c, value), _exact(c, error)[1]
-    return c.fsub(low, doubt, rounding="f"), c.fadd(high, doubt, rounding="c")
+    (low, high), uncertainty = _exact(c, value), _exact(c, error)[1]
+    return c.fsub(low, uncertainty, rounding="f"), c.fadd(high, uncertainty, rounding="c")
 
 
 def _double(x: float | Mpf) -> float | None:

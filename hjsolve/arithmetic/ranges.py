@@ -185,8 +185,8 @@ def _wide(c: Context, name: str, x: Mpf, exact: int | None) -> Range:
     value = _value(c, name, x)
     if exact is not None and x == exact:
         return value, value
-    slack = c.ldexp(abs(value), _WIDER - c.prec)
-    return c.fsub(value, slack, rounding="f"), c.fadd(value, slack, rounding="c")
+    margin = c.ldexp(abs(value), _WIDER - c.prec)
+    return c.fsub(value, margin, rounding="f"), c.fadd(value, margin, rounding="c")
 
 
 def _value(c: Context, name: str, x: Mpf) -> Mpf:
@@ -236,8 +236,8 @@ def quarter_turns(c: Context, n: int) -> Range:
         n: how many.
     """
     half = c.pi * n / 2
-    slack = c.ldexp(abs(half), _WIDER - c.prec)
-    return c.fsub(half, slack, rounding="f"), c.fadd(half, slack, rounding="c")
+    margin = c.ldexp(abs(half), _WIDER - c.prec)
+    return c.fsub(half, margin, rounding="f"), c.fadd(half, margin, rounding="c")
 
 
 def _tangent(c: Context, x: Range) -> Range:

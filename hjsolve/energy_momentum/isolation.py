@@ -85,8 +85,8 @@ def bernstein_value(coefficients: Reals, errors: Reals, place: Reals) -> tuple[R
     Returns:
         The values and bounds on their errors, shape (m,).
     """
-    (left, _), (doubt, _) = _divided(coefficients, errors, place)
-    return left[:, -1], doubt[:, -1]
+    (left, _), (uncertainty, _) = _divided(coefficients, errors, place)
+    return left[:, -1], uncertainty[:, -1]
 
 
 def _signs(b: Reals, e: Reals) -> NDArray[np.int64]:
@@ -125,8 +125,8 @@ def _halves(
     """Divide every interval where the polynomial is proved not to vanish; the owners of those with no such place."""
     share = np.full(len(b), _SHARES[0])
     for other in (*_SHARES[1:], None):
-        value, doubt = bernstein_value(b, e, share)
-        vague = ~(np.abs(value) > doubt)
+        value, uncertainty = bernstein_value(b, e, share)
+        vague = ~(np.abs(value) > uncertainty)
         if other is None or not vague.any():
             break
         share = np.where(vague, other, share)

@@ -111,7 +111,7 @@ def _angle_error(motion: Motion, name: str) -> float:
     if not isinstance(torus, TorusEquations):
         return _ANGLE_ROUNDING
     if name in motion.separated.located:
-        ripples = torus.ripples[list(motion.solution.coordinates).index(name)]
+        ripples = torus.oscillations[list(motion.solution.coordinates).index(name)]
     else:
         j = constant_index(motion.separated, name)
         ripples = tuple(oscillation(torus, i, j) for i in range(len(torus.courses)))
@@ -120,6 +120,6 @@ def _angle_error(motion: Motion, name: str) -> float:
         if len(series.cosines):
             phase = float(course.start)
             step = 2.0**-50 * max(1.0, abs(phase))
-            moved = series.ripple(np.array([phase - step, phase, phase + step]))
+            moved = series.oscillation(np.array([phase - step, phase, phase + step]))
             error += 2 * float(np.ptp(moved)) + 2.0**-50 * float(np.sum(np.abs(series.cosines)))
     return error

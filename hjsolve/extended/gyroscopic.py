@@ -133,8 +133,9 @@ class ModalMotion(Shown):
         def bounds() -> Errors:
             unit = context.mpf(10) ** (1 - self.modes.digits)
             errors = [_converted(e, context) for e in (*state.error.q.values(), *state.error.p.values())]
-            doubts = [e + unit * np.abs(x) for e, x in zip(errors, modal, strict=True)]
-            return Errors(*self._named([sum(abs(a) * e for a, e in zip(row, doubts, strict=True)) for row in rows]))
+            uncertainties = [e + unit * np.abs(x) for e, x in zip(errors, modal, strict=True)]
+            sums = [sum(abs(a) * e for a, e in zip(row, uncertainties, strict=True)) for row in rows]
+            return Errors(*self._named(sums))
 
         return State(t, q, p, velocity, {}, state.status, bounds)
 

@@ -90,35 +90,35 @@ class LevelMotion(Shown):
         """(q, p, q̇, turns, errors of the first three)."""
         bits = self.rates.arithmetic.bits  # type: ignore[attr-defined]
         context = multiprecision(bits)
-        q, p, turns, doubt = to_bits(self.q)(bits), to_bits(self.p)(bits), 0, context.zero
+        q, p, turns, uncertainty = to_bits(self.q)(bits), to_bits(self.p)(bits), 0, context.zero
         if self.orbit is not None:
             T = self.orbit.period
             elapsed = to_bits(t - self.t0)(bits + 64)
             whole = int(whole_numbers(np.array([context.floor(elapsed / T)], dtype=object))[0])
             q, p = self.orbit.at(elapsed - whole * T)
             q += 2 * context.pi * whole * self.orbit.turns
-            doubt = (abs(whole) + 1) * (self.orbit.period_error + abs(T) * context.mpf(2) ** (_SPARE - bits))
+            uncertainty = (abs(whole) + 1) * (self.orbit.period_error + abs(T) * context.mpf(2) ** (_SPARE - bits))
         if self.problem.coordinate.domain.kind == "angle":
             turns = int(context.ceil((q - context.pi) / (2 * context.pi)))
             q -= 2 * context.pi * turns
         falls, rate, *second = self.rates.run(q, p)
-        errors = self._errors(doubt, (rate, falls, *second), context.mpf(2) ** (_SPARE - bits))
+        errors = self._errors(uncertainty, (rate, falls, *second), context.mpf(2) ** (_SPARE - bits))
         if self.digits > _FLOAT_DIGITS:
             small = context.mpf(10) ** -self.digits
             return q, p, rate, turns, *(e + small * abs(x) for e, x in zip(errors, (q, p, rate), strict=True))
         plain = [float(x) for x in (q, p, rate)]
         return *plain, turns, *(float(e) + EPS * abs(x) for e, x in zip(errors, plain, strict=True))
 
-    def _errors(self, doubt: Mpf, slopes: tuple[Mpf, ...], grain: Mpf) -> tuple[Mpf, Mpf, Mpf]:
+    def _errors(self, uncertainty: Mpf, slopes: tuple[Mpf, ...], grain: Mpf) -> tuple[Mpf, Mpf, Mpf]:
         """What a doubt of the time leaves open of q, p and q̇, to second order, and the grain of the curve itself."""
         if self.orbit is None:
-            return doubt, doubt, doubt
+            return uncertainty, uncertainty, uncertainty
         rate, falls, more, bend = (abs(slope) for slope in slopes)
         T, (wide, high) = self.orbit.period, self.orbit.extents
         return (
-            2 * (rate + bend * doubt) * doubt + grain * wide,
-            2 * (falls + more * doubt) * doubt + grain * high,
-            2 * bend * doubt + grain * (rate + bend * T + wide / T),
+            2 * (rate + bend * uncertainty) * uncertainty + grain * wide,
+            2 * (falls + more * uncertainty) * uncertainty + grain * high,
+            2 * bend * uncertainty + grain * (rate + bend * T + wide / T),
         )
 
 

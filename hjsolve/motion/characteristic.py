@@ -24,7 +24,7 @@ from hjsolve.motion.positions import evaluate_along, positions_at, travelled
 from hjsolve.motion.quantities import FLOAT_DIGITS, rounded
 from hjsolve.motion.separated import SeparatedMotion, separated_motion
 from hjsolve.motion.shapes import shaped
-from hjsolve.motion.state_errors import ignorable_error, phase_slack
+from hjsolve.motion.state_errors import ignorable_error, phase_errors
 from hjsolve.motion.tabulated import needs_table
 from hjsolve.motion.times import read_times
 from hjsolve.one_coordinate.coordinate_motion import CoordinateMotion
@@ -50,8 +50,8 @@ def waves_along(motion: SeparatedMotion, t: object, *, principal: bool) -> Estim
     phases = phases_at(source, floats, exact)
     value, error = _characteristic(source, phases)
     if principal:
-        term, doubt = _energy_term(source, phases)
-        value, error = value - term, error + doubt + _unit(source) * (abs(value) + abs(term)).astype(float)
+        term, uncertainty = _energy_term(source, phases)
+        value, error = value - term, error + uncertainty + _unit(source) * (abs(value) + abs(term)).astype(float)
     if phases.ended.any():
         value, error = np.where(phases.ended, np.nan, value), np.where(phases.ended, np.nan, error)
     if motion.digits <= FLOAT_DIGITS and value.dtype == object:
@@ -76,11 +76,11 @@ def _characteristic(motion: SeparatedMotion, phases: Phases) -> tuple[Numbers, R
     solution, unit = motion.solution, _unit(motion)
     many = phases.exact is not None
     value, error = _zeros(motion, phases), 0.0 * phases.time[0]
-    slack = phase_slack(motion, phases, unit)
+    phase_error = phase_errors(motion, phases, unit)
     for k, course in enumerate(courses_of(motion, phases)):
         part, slope, size = _swept(course, phases.χ[k], phases.whole[k], many)
         value = value + part
-        error = error + slope.astype(float) * slack[k] + 4 * unit * size.astype(float)
+        error = error + slope.astype(float) * phase_error[k] + 4 * unit * size.astype(float)
     q, _, whole = positions_at(motion, phases)
     for coordinate in solution.system.coordinates:
         if coordinate.name not in solution.coordinates:
@@ -88,11 +88,11 @@ def _characteristic(motion: SeparatedMotion, phases: Phases) -> tuple[Numbers, R
             c: Any = exact if many else float(exact)
             way = travelled(motion, phases, coordinate.name, q)
             value = value + c * way
-            doubt = ignorable_error(motion, phases, slack, coordinate.name, unit)
-            error = error + abs(float(c)) * (doubt + 4 * unit * abs(way).astype(float))
+            uncertainty = ignorable_error(motion, phases, phase_error, coordinate.name, unit)
+            error = error + abs(float(c)) * (uncertainty + 4 * unit * abs(way).astype(float))
     if solution.shift_potential != 0:
-        shift, doubt = _gauge(motion, q, whole)
-        value, error = value - shift, error + doubt
+        shift, uncertainty = _gauge(motion, q, whole)
+        value, error = value - shift, error + uncertainty
     return value, error + unit * abs(value).astype(float)
 
 
@@ -126,11 +126,11 @@ def _gauge(motion: SeparatedMotion, q: dict[str, Numbers], whole: dict[str, Numb
         motion, tuple(sp.diff(formula, c.symbol) for c in motion.solution.system.coordinates), full, {}
     )
     unit = _unit(motion)
-    doubt = 8 * unit * (abs(now).astype(float) + abs(float(begin)))
+    uncertainty = 8 * unit * (abs(now).astype(float) + abs(float(begin)))
     for values, slope in zip(full.values(), slopes, strict=True):
-        doubt = doubt + 4 * unit * abs(values * slope).astype(float)
+        uncertainty = uncertainty + 4 * unit * abs(values * slope).astype(float)
     first: Any = begin if now.dtype == object else float(begin)
-    return now - first, doubt
+    return now - first, uncertainty
 
 
 def _pi(values: NDArray[Any]) -> Any:
@@ -159,10 +159,10 @@ def betas(motion: SeparatedMotion) -> dict[str, Estimate]:
         if name == energy and not motion.solution.coordinates:
             continue  # a function of the other constants
         total, size, nodes = _integrals_at_start(motion, j)
-        here, doubt = _outside_integrals(motion, name)
+        here, uncertainty = _outside_integrals(motion, name)
         value = here - total if name == energy else -(here + total)
         plain = rounded(value, motion.digits, nodes)
-        noise = 4 * _unit(motion) * (size + doubt)
+        noise = 4 * _unit(motion) * (size + uncertainty)
         result[name] = Estimate(plain.value, plain.error + noise, nodes=nodes)
     return result
 
@@ -176,8 +176,8 @@ def _integrals_at_start(motion: SeparatedMotion, j: int) -> tuple[Mpf, float, in
             continue
         if (cycle := course.cycle) is not None:
             series = cycle.kernels[j]
-            ripple = series.ripple(course.start) if len(series.cosines) else 0
-            part, nodes = series.mean * course.start + ripple, max(nodes, series.nodes)
+            periodic = series.oscillation(course.start) if len(series.cosines) else 0
+            part, nodes = series.mean * course.start + periodic, max(nodes, series.nodes)
             size += abs(float(series.mean * course.start)) + _wave_size(series, course.start)
         else:
             begin = np.array([course.start], dtype=object if motion.digits > FLOAT_DIGITS else float)

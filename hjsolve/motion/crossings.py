@@ -118,8 +118,8 @@ def _between(motion: SeparatedMotion, name: str, course: Periodic, place: Mpf) -
     if course.rotates:
         return place
     a, b = course.turning_points
-    blur = (abs(a) + abs(b)) * multiprecision(64).mpf(2) ** -(bits_for(motion.digits, 96))
-    if not a - blur <= place <= b + blur:
+    phase_rounding = (abs(a) + abs(b)) * multiprecision(64).mpf(2) ** -(bits_for(motion.digits, 96))
+    if not a - phase_rounding <= place <= b + phase_rounding:
         low, high = motion.turning_points[name]
         raise OutsideMotionError(f"{name} never reaches {float(place):.12g}: it moves between {low} and {high}")
     return min(max(place, a), b)
@@ -149,17 +149,17 @@ def _open_phases(name: str, course: CoordinateMotion, place: Mpf, bits: int) -> 
 def _elapsed(motion: SeparatedMotion, k: int, phase: Mpf) -> tuple[Time, Time]:
     """Time from t₀ until coordinate k has a phase, and a bound on its error."""
     torus, scheme, many = motion.torus, motion.scheme, motion.digits > 15
-    if torus is not None and all(not len(s.cosines) for i, s in enumerate(torus.ripples[k]) if i != k):
-        ripple = torus.ripples[k][k]
+    if torus is not None and all(not len(s.cosines) for i, s in enumerate(torus.oscillations[k]) if i != k):
+        periodic = torus.oscillations[k][k]
         wave = (
             0
-            if not len(ripple.cosines)
-            else ripple.ripple(phase)
+            if not len(periodic.cosines)
+            else periodic.oscillation(phase)
             if many
-            else float(ripple.ripple(np.array([float(phase)]))[0])
+            else float(periodic.oscillation(np.array([float(phase)]))[0])
         )
         time = (phase + wave - torus.starts[k]) / torus.rates[k]
-        size = float(np.sum(np.abs(ripple.cosines.astype(float)))) + 4.0
+        size = float(np.sum(np.abs(periodic.cosines.astype(float)))) + 4.0
         return time, _noise(motion) * size / abs(torus.rates[k])
     if (
         scheme is not None
@@ -309,7 +309,7 @@ def angle_variables(motion: SeparatedMotion, t: object) -> dict[str, Numbers | f
             start = to_bits(motion.initial.values[motion.solution.system.coordinate(name).symbol])(160)
             for i, course in enumerate(torus.courses):
                 series = oscillation(torus, i, j)
-                start -= float(series.ripple(np.array([float(course.start)]))[0]) if len(series.cosines) else 0
+                start -= float(series.oscillation(np.array([float(course.start)]))[0]) if len(series.cosines) else 0
         whole, rest = turns_and_rest(split(rate / (2 * multiprecision(160).pi)), phases.time)
         whole_numbers(whole)
         direction = 1 if float(frequency.value) * float(rate) > 0 else -1

@@ -33,15 +33,15 @@ def input_sensitivities(
         at a separatrix) is in infinite doubt.
     """
     base = again(_DIGITS, {})
-    doubt = {quantity: dict.fromkeys(getattr(base, quantity), 0.0) for quantity in QUANTITIES}
+    uncertainty = {quantity: dict.fromkeys(getattr(base, quantity), 0.0) for quantity in QUANTITIES}
     for change in _changes(given):
         moved = again(_DIGITS, change)
-        for quantity, names in doubt.items():
+        for quantity, names in uncertainty.items():
             for name in names:
                 there = getattr(moved, quantity).get(name)
                 here = getattr(base, quantity)[name]
                 names[name] += float(abs(there.value - here.value)) if there is not None else math.inf
-    return doubt
+    return uncertainty
 
 
 def _changes(given: Mapping[str, Any]) -> list[dict[str, Any]]:

@@ -36,7 +36,7 @@ _IN_TWO_DOUBLES = 2.0**-47
 Places = Mapping[str, Pair]
 
 
-def blurred(motion: SeparatedMotion, q: Mapping[str, Numbers], p: Mapping[str, Numbers]) -> Mask:
+def badly_rounded(motion: SeparatedMotion, q: Mapping[str, Numbers], p: Mapping[str, Numbers]) -> Mask:
     """Where some velocity in doubles is far from rounded well, because of the rounding of places and constants.
 
     Args:
@@ -58,7 +58,7 @@ def blurred(motion: SeparatedMotion, q: Mapping[str, Numbers], p: Mapping[str, N
     return np.any(np.broadcast_arrays(*lost, np.zeros(arrays[0].shape, dtype=bool)), axis=0)
 
 
-def blurs(motion: SeparatedMotion, course: CoordinateMotion) -> bool:
+def roundings(motion: SeparatedMotion, course: CoordinateMotion) -> bool:
     """Whether a motion with one separated coordinate comes to places where its velocities are blurred.
 
     Args:
@@ -73,7 +73,7 @@ def blurs(motion: SeparatedMotion, course: CoordinateMotion) -> bool:
         if c.name != name:
             exact = (motion.initial.values[s] for s in (c.symbol, c.momentum))
             q[c.name], p[c.name] = (float(to_bits(value)(64)) + 0 * χ for value in exact)
-    return bool(blurred(motion, q, p).any())
+    return bool(badly_rounded(motion, q, p).any())
 
 
 def _arguments(

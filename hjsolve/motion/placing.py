@@ -56,9 +56,9 @@ class PlaceFormulas(Shown):
             errors: of its numbers.
         """
         arrays = [np.ravel(np.asarray(state.q[name])) for name, _ in self.coordinates]
-        doubts = [np.ravel(np.asarray(errors.q[name], dtype=float)) for name, _ in self.coordinates]
+        uncertainties = [np.ravel(np.asarray(errors.q[name], dtype=float)) for name, _ in self.coordinates]
         bits = _bits(arrays)
-        inputs = [WithErrorBound(x.astype(float), e) for x, e in zip(arrays, doubts, strict=True)]
+        inputs = [WithErrorBound(x.astype(float), e) for x, e in zip(arrays, uncertainties, strict=True)]
         for _, value in self.parameters:
             x = np.asarray(float(to_bits(value)(64)))
             inputs.append(WithErrorBound(x, 2.0**-bits * np.abs(x)))

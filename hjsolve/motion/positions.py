@@ -262,8 +262,8 @@ def _grown_from(
 def _rise(series: FourierSeries, χ: Numbers, start: Mpf | int) -> Numbers:
     """Ripple at χ minus ripple at the start."""
     if χ.dtype == object:
-        return np.array([series.ripple(x) for x in χ], dtype=object) - series.ripple(start)
-    return series.ripple(χ) - series.ripple(np.array([float(start)]))
+        return np.array([series.oscillation(x) for x in χ], dtype=object) - series.oscillation(start)
+    return series.oscillation(χ) - series.oscillation(np.array([float(start)]))
 
 
 def gauge_angle(motion: SeparatedMotion, constant: sp.Symbol, q: Mapping[str, Numbers]) -> Numbers | int:

@@ -70,13 +70,14 @@ def turning_points_of(place: Located | AllowedRegion, digits: int) -> tuple[Esti
     bits = bits_for(digits, 32)
     kinds = {"turning", "asymptote"} if isinstance(place, AllowedRegion) else {"turning"}
     places = [end.place(bits) if end.kind in kinds and end.place else None for end in (place.lower, place.upper)]
-    blur = max((abs(x) for x in places if x is not None), default=0) * multiprecision(64).mpf(2) ** -bits
-    lower_end, upper_end = (None if x is None else _blurred(rounded(x, digits), blur) for x in places)
+    rounding = max((abs(x) for x in places if x is not None), default=0) * multiprecision(64).mpf(2) ** -bits
+    lower_end, upper_end = (None if x is None else _less_exact(rounded(x, digits), rounding) for x in places)
     return lower_end, upper_end
 
 
-def _blurred(estimate: Estimate, blur: float | Mpf) -> Estimate:
-    return replace(estimate, error=estimate.error + (float(blur) if isinstance(estimate.value, float) else blur))
+def _less_exact(estimate: Estimate, rounding: float | Mpf) -> Estimate:
+    own = float(rounding) if isinstance(estimate.value, float) else rounding
+    return replace(estimate, error=estimate.error + own)
 
 
 def actions(solution: Solution, initial: Initial, located: Mapping[str, Located], digits: int) -> dict[str, Estimate]:

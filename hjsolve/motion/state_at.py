@@ -12,7 +12,7 @@ from hjsolve.arithmetic.number_types import AtTimes, Mask, Numbers, Reals
 from hjsolve.mechanics.system import velocities
 from hjsolve.motion.endings import end_statuses
 from hjsolve.motion.initial_data import to_bits
-from hjsolve.motion.near_poles import blurred, sharpened, sharpened_velocities
+from hjsolve.motion.near_poles import badly_rounded, sharpened, sharpened_velocities
 from hjsolve.motion.phases import Phases, courses_of, phases_at
 from hjsolve.motion.positions import (
     canonical_momenta,
@@ -61,7 +61,7 @@ def state_at_times(motion: SeparatedMotion, t: object, digits: int | None = None
         return state_at_times(more, t, wanted)
     q, p, whole = positions_at(motion, phases)
     v = coordinate_velocities(motion, q, p)
-    sharp = None if phases.exact is not None else blurred(motion, q, p)
+    sharp = None if phases.exact is not None else badly_rounded(motion, q, p)
     if sharp is not None and sharp.any():
         v = sharpened_velocities(motion, courses_of(motion, phases), [x.astype(float) for x in phases.χ], q, v, sharp)
     status = end_statuses(motion, phases.time, phases.ended)
@@ -147,7 +147,7 @@ def _tabulated(
 
     @cache
     def sharp() -> Mask:
-        return blurred(motion, q, p)
+        return badly_rounded(motion, q, p)
 
     def errors() -> Errors:
         groups = table_errors(motion, table, θ, q, p, v, None if table.ends is None else sharp())

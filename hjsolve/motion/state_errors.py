@@ -38,7 +38,8 @@ def errors_of_state(
 ) -> tuple[dict[str, Reals], dict[str, Reals], dict[str, Reals]]:
     """Bounds on q, p and velocity from the bounds on the phases.
 
-    ``sharp``: where velocities were not worked out from rounded places (``near_poles.blurred``); None where all were.
+    ``sharp``: where velocities were not worked out from rounded places (``near_poles.badly_rounded``); None where all
+    were.
 
     Args:
         motion: the one looked at.
@@ -54,8 +55,8 @@ def errors_of_state(
     dq, dp = {}, {}
     χ = [x.astype(float) for x in phases.χ]
     courses = courses_of(motion, phases)
-    slack = phase_slack(motion, phases, unit)
-    for name, course, x, e in zip(motion.solution.coordinates, courses, χ, slack, strict=True):
+    phase_error = phase_errors(motion, phases, unit)
+    for name, course, x, e in zip(motion.solution.coordinates, courses, χ, phase_error, strict=True):
         slope_q, slope_p = _slopes(course, x, e)
         size_q, size_p = _unreduced(course, q[name], whole.get(name)), np.abs(p[name].astype(float))
         if motion.turning_points.get(name, (None, None))[0] is not None and _straddles(motion, name):
@@ -67,13 +68,14 @@ def errors_of_state(
     for coordinate in motion.solution.system.coordinates:
         name = coordinate.name
         if name not in dq:
-            dq[name] = ignorable_error(motion, phases, slack, name, unit) + 4 * unit * (
+            dq[name] = ignorable_error(motion, phases, phase_error, name, unit) + 4 * unit * (
                 np.abs(q[name].astype(float)) + np.pi
             )
             dp[name] = unit * np.abs(p[name].astype(float))
     dv = velocity_errors(motion, q, p, dq, dp, unit)
     if sharp is not None and sharp.any():
-        _put_in(dv, _sharp_errors(motion, courses, [x[sharp] for x in χ], [s[sharp] for s in slack], q, sharp), sharp)
+        phases_there, errors_there = [x[sharp] for x in χ], [e[sharp] for e in phase_error]
+        _put_in(dv, _sharp_errors(motion, courses, phases_there, errors_there, q, sharp), sharp)
     return dq, dp, dv
 
 
@@ -87,37 +89,37 @@ def _sharp_errors(
     motion: SeparatedMotion,
     courses: list[CoordinateMotion],
     χ: list[Reals],
-    slack: list[Reals],
+    phase_error: list[Reals],
     q: Mapping[str, Numbers],
     where: Mask,
 ) -> dict[str, Reals]:
     """Bounds on velocities worked out in two doubles: what the phases leave open, and the last rounding."""
     exact, shell = places(motion, courses, χ)
-    doubts: dict[sp.Symbol, Reals] = {}
-    for name, course, x, e in zip(motion.solution.coordinates, courses, χ, slack, strict=True):
+    uncertainties: dict[sp.Symbol, Reals] = {}
+    for name, course, x, e in zip(motion.solution.coordinates, courses, χ, phase_error, strict=True):
         c = motion.solution.system.coordinate(name)
         slope_q, slope_p = _slopes(course, x, e)
         moved, _ = _shifted(motion, name, {n: values[where] for n, values in q.items()})
-        doubts[c.symbol] = slope_q * e + 16 * EPS * course.place_grain(x) + _LEAST
+        uncertainties[c.symbol] = slope_q * e + 16 * EPS * course.place_grain(x) + _LEAST
         own = slope_p * e + (16 + course.momentum_noise(x)) * EPS * np.abs(shell[name]) + _LEAST
-        doubts[c.momentum] = own + moved * doubts[c.symbol]
-    return _by_doubts(motion, doubts, exact, shell, q, where)
+        uncertainties[c.momentum] = own + moved * uncertainties[c.symbol]
+    return _by_doubts(motion, uncertainties, exact, shell, q, where)
 
 
 def _by_doubts(
-    motion: SeparatedMotion, doubts: Mapping[sp.Symbol, Reals], exact: Mapping[str, Pair], shell: Mapping[str, Numbers],
-    q: Mapping[str, Numbers], where: Mask,
+    motion: SeparatedMotion, uncertainties: Mapping[sp.Symbol, Reals], exact: Mapping[str, Pair],
+    shell: Mapping[str, Numbers], q: Mapping[str, Numbers], where: Mask,
 ) -> dict[str, Reals]:  # fmt: skip
     """What doubts of separated coordinates and momenta leave open of the velocities, and the last rounding."""
     rest = {name: values[where] for name, values in q.items() if name not in exact}
     formulas = velocities(motion.solution.system)
-    gradients = tuple(sp.diff(f, s) for f in formulas.values() for s in doubts)
+    gradients = tuple(sp.diff(f, s) for f in formulas.values() for s in uncertainties)
     found = worked_out(motion, (*gradients, *formulas.values()), exact, shell, rest)
     lost = lost_in_two_doubles(motion, tuple(formulas.values()), exact, shell, rest)
     result: dict[str, Reals] = {}
     for row, name in enumerate(formulas):
-        parts = zip(found[row * len(doubts) :], doubts.values(), strict=False)
-        summed = cast("Reals", sum(np.abs(slope) * doubt for slope, doubt in parts))
+        parts = zip(found[row * len(uncertainties) :], uncertainties.values(), strict=False)
+        summed = cast("Reals", sum(np.abs(slope) * uncertainty for slope, uncertainty in parts))
         result[name] = summed + lost[row] + 4 * EPS * np.abs(found[len(gradients) + row]) + _LEAST
     return result
 
@@ -148,10 +150,10 @@ def table_errors(
     system = motion.solution.system
     torus = motion.torus
     if torus is not None:
-        delay = (3 * EPS * np.abs(θ) + torus.blurs[0] + table.table.doubt(θ)) / abs(float(torus.rates[0]))
+        delay = (3 * EPS * np.abs(θ) + torus.roundings[0] + table.table.uncertainty(θ)) / abs(float(torus.rates[0]))
     else:
         delay = 3 * EPS * (np.abs(θ) + abs(table.begin))
-        delay = delay + table.table.doubt(θ)
+        delay = delay + table.table.uncertainty(θ)
     separated = motion.solution.coordinates[0]
     H = hamiltonian(system)
     forces = evaluate_along(motion, tuple(-sp.diff(H, c.symbol) for c in system.coordinates), q, p)
@@ -175,8 +177,8 @@ def table_errors(
         delay = np.broadcast_to(delay, θ.shape)
         dq_inner = np.abs(v[separated]) * delay + _TABLE * grain_q + _LEAST
         dp_inner = np.abs(forces[list(dq).index(separated)]) * delay + _TABLE * table.table.sizes(1, θ) + _LEAST
-        doubts = {c.symbol: dq_inner[sharp], c.momentum: (dp_inner + moved * dq_inner)[sharp]}
-        _put_in(dv, _by_doubts(motion, doubts, *table.places(motion, θ[sharp]), q, sharp), sharp)
+        uncertainties = {c.symbol: dq_inner[sharp], c.momentum: (dp_inner + moved * dq_inner)[sharp]}
+        _put_in(dv, _by_doubts(motion, uncertainties, *table.places(motion, θ[sharp]), q, sharp), sharp)
     return dq, dp, dv
 
 
@@ -221,7 +223,7 @@ def _slopes(course: CoordinateMotion, χ: Reals, error: Reals) -> tuple[Reals, R
     ) / h + rest * np.abs(p2 - p1)
 
 
-def phase_slack(motion: SeparatedMotion, phases: Phases, unit: float) -> list[Reals]:
+def phase_errors(motion: SeparatedMotion, phases: Phases, unit: float) -> list[Reals]:
     """Return the bounds on the phases, with the rounding of stretched anomalies; one array a separated coordinate.
 
     Args:
@@ -230,16 +232,16 @@ def phase_slack(motion: SeparatedMotion, phases: Phases, unit: float) -> list[Re
         unit: relative rounding of the arithmetic.
     """
     together = zip(phases.errors, courses_of(motion, phases), phases.χ, strict=True)
-    return [np.asarray(e, dtype=float) + c.blur(x.astype(float)) * (unit / EPS) for e, c, x in together]
+    return [np.asarray(e, dtype=float) + c.phase_rounding(x.astype(float)) * (unit / EPS) for e, c, x in together]
 
 
-def ignorable_error(motion: SeparatedMotion, phases: Phases, slack: list[Reals], name: str, unit: float) -> Reals:
+def ignorable_error(motion: SeparatedMotion, phases: Phases, phase_error: list[Reals], name: str, unit: float) -> Reals:
     """Return what the phases leave open of an ignorable coordinate, without the rounding of the last sum.
 
     Args:
         motion: the one looked at.
         phases: of its separated coordinates.
-        slack: bounds on them, one array of shape (m,) a separated coordinate.
+        phase_error: bounds on them, one array of shape (m,) a separated coordinate.
         name: of the ignorable coordinate.
         unit: relative rounding of the arithmetic.
     """
@@ -250,7 +252,7 @@ def ignorable_error(motion: SeparatedMotion, phases: Phases, slack: list[Reals],
     j = constant_index(motion, name)
     for i, course in enumerate(courses_of(motion, phases)):
         rate = np.abs(np.asarray(course.rate(j, χ[i] if phases.exact is None else phases.χ[i]), dtype=float))
-        total = total + rate * slack[i]
+        total = total + rate * phase_error[i]
         if motion.torus is not None:
             total = total + 4 * unit * float(np.sum(np.abs(oscillation(motion.torus, i, j).cosines.astype(float))))
         elif course.branches:

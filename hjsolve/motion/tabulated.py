@@ -16,7 +16,7 @@ import numpy as np
 from hjsolve.arithmetic.error_free import Pair, split
 from hjsolve.arithmetic.number_types import Mask, Numbers, Reals
 from hjsolve.errors import NotConvergedError
-from hjsolve.motion.near_poles import blurs
+from hjsolve.motion.near_poles import roundings
 from hjsolve.motion.positions import constant_index
 from hjsolve.one_coordinate.coordinate_motion import CoordinateMotion
 from hjsolve.one_coordinate.fourier_series import FourierSeries
@@ -163,7 +163,7 @@ def dense_output(motion: SeparatedMotion, span: float) -> DenseOutput | None:
     course = equations.courses[0]
     try:
         if course.branches:
-            return None if blurs(motion, course) else _open(motion, int(np.ceil(np.log2(max(span, 1e-290)))))
+            return None if roundings(motion, course) else _open(motion, int(np.ceil(np.log2(max(span, 1e-290)))))
         return _resting(motion) if course.rests else _bounded(motion)
     except NotConvergedError:
         return None
@@ -178,19 +178,14 @@ def _bounded(motion: SeparatedMotion) -> DenseOutput:
     mean = float(course.kernels[0].mean)
     names = [c.name for c in motion.solution.system.coordinates if c.name not in motion.located]
     series = [oscillation(equations, 0, constant_index(motion, n)) for n in names]
-    ends = (2 + len(names), 3 + len(names)) if course.anomaly.even and blurs(motion, course) else None
+    ends = (2 + len(names), 3 + len(names)) if course.anomaly.even and roundings(motion, course) else None
     more = [None, None] if ends else []
     even = (True, False, *(False for _ in names), *(True for _ in more)) if course.anomaly.even else ()
     flat = [0.0] * (len(names) + len(more))
     edges = np.linspace(0 if even else -np.pi, np.pi, 17)
-    first = (
-        0.0
-        if even
-        else float(
-            -np.pi
-            + (equations.ripples[0][0].ripple(np.array([-np.pi]))[0] if len(equations.ripples[0][0].cosines) else 0.0)
-        )
-    )
+    own = equations.oscillations[0][0]
+    moved = own.oscillation(np.array([-np.pi]))[0] if len(own.cosines) else 0.0
+    first = 0.0 if even else float(-np.pi + moved)
 
     def outputs(χ: Reals) -> list[Numbers]:
         return [*course.place(χ), *(_wave(s, χ) for s in series), *(course.distances(χ) if ends else ())]
@@ -203,7 +198,7 @@ def _bounded(motion: SeparatedMotion) -> DenseOutput:
         even=even,
         origin=first,
         total=np.pi if even else 2 * np.pi,
-        known=lambda χ: _angle(equations.ripples[0][0], χ),
+        known=lambda χ: _angle(equations.oscillations[0][0], χ),
         grains=lambda χ: [0.0, np.abs(course.place(χ)[1]) * course.crowding(χ) / _FINE, *flat],
     )
     begin = np.array([float(course.start)])
@@ -223,15 +218,15 @@ def _resting(motion: SeparatedMotion) -> DenseOutput:
     return DenseOutput(table, {name: (2 + k, 0.0) for k, name in enumerate(names)}, -np.pi)
 
 
-def _angle(ripple: FourierSeries, χ: Reals) -> Reals:
+def _angle(periodic: FourierSeries, χ: Reals) -> Reals:
     """χ + D(χ), the sum taken in extended precision."""
-    if not len(ripple.cosines):
+    if not len(periodic.cosines):
         return χ
-    return (χ.astype(np.longdouble) + ripple.ripple(χ.astype(np.longdouble))).astype(float)
+    return (χ.astype(np.longdouble) + periodic.oscillation(χ.astype(np.longdouble))).astype(float)
 
 
 def _wave(series: FourierSeries, χ: Reals) -> Reals:
-    return series.ripple(χ) if len(series.cosines) else 0 * χ
+    return series.oscillation(χ) if len(series.cosines) else 0 * χ
 
 
 def _scale(motion: SeparatedMotion) -> float:

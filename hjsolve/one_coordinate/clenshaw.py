@@ -77,7 +77,7 @@ class Fixed:
             total += self._total(sines, c)[0] * s >> self.work
         return self.series.mean + self._number(total)
 
-    def ripple(self, χ: Mpf) -> Mpf:
+    def oscillation(self, χ: Mpf) -> Mpf:
         """Return the periodic part of its integral from 0, as in ``FourierSeries``.
 
         Args:

@@ -46,7 +46,7 @@ class FourierSeries:
         total = _like(self.mean, χ) + real
         return total if self.sines is None else total + _horner(self.sines, χ)[1]
 
-    def ripple(self, χ: Elementwise) -> Elementwise:
+    def oscillation(self, χ: Elementwise) -> Elementwise:
         """Return the periodic part of the integral from 0 to χ, that is ∫₀^χ − c₀ χ.
 
         Args:

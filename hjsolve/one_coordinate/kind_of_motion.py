@@ -246,7 +246,7 @@ class KindOfMotion(ABC):
         start = float(self.start)
         return np.concatenate([[start], start + side * 2.0 ** np.arange(-2, 61)])
 
-    def blur(self, χ: Reals) -> Reals | float:  # noqa: ARG002
+    def phase_rounding(self, χ: Reals) -> Reals | float:  # noqa: ARG002
         """Return the rounding of the map from phases to places as an uncertainty of χ in doubles; 0 where it has none.
 
         Args:

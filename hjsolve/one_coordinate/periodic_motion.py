@@ -96,7 +96,7 @@ class Periodic(KindOfMotion):
             χ: phases, shape (m,).
         """
         mean = self.kernels[j].mean
-        return (float(mean) if χ.dtype == float else mean) * χ + elementwise(self.kernels[j].ripple, χ, 1)
+        return (float(mean) if χ.dtype == float else mean) * χ + elementwise(self.kernels[j].oscillation, χ, 1)
 
     def rate(self, j: int, χ: Numbers) -> Numbers:
         """Return dGⱼ/dχ.
@@ -142,7 +142,7 @@ class Periodic(KindOfMotion):
         assert series is not None  # it was asked for
         mean: Elementwise = float(series.mean) if χ.dtype == float else series.mean
         size = abs(mean) * abs(χ) + float(np.sum(np.abs(series.cosines.astype(float))))
-        return mean * χ + elementwise(series.ripple, χ, 1), abs(elementwise(series.value, χ, 1)), size
+        return mean * χ + elementwise(series.oscillation, χ, 1), abs(elementwise(series.value, χ, 1)), size
 
     def rounding_size(self, weights: Weights, χ: Reals) -> Reals:
         """Return what the rounding of Σ wⱼ Gⱼ(χ) is relative to: the growth, and all the terms of the series.
@@ -227,7 +227,7 @@ class Periodic(KindOfMotion):
         waves: float = 2 * np.sum(np.abs(self.momentum.cosines.astype(float)))
         return waves + 4 * self.in_doubles().crowding(χ)
 
-    def blur(self, χ: Reals) -> Reals:
+    def phase_rounding(self, χ: Reals) -> Reals:
         """Return the rounding of the anomaly itself as an uncertainty of χ in doubles; 0 where it has none.
 
         Args:

@@ -79,7 +79,7 @@ class Stretched:
     @cached_property
     def _shift(self) -> float:
         """What makes χ = π at ψ = π."""
-        return float(self.slope.ripple(np.array([np.pi]))[0])
+        return float(self.slope.oscillation(np.array([np.pi]))[0])
 
     @lru_cache(maxsize=8)  # noqa: B019
     def _fixed(self, bits: int) -> list[tuple[int, int]]:
@@ -123,7 +123,7 @@ class Stretched:
 
     def _by_series(self, ψ: Numeric) -> tuple[Numeric, Numeric]:
         """The same in doubles."""
-        return ψ + (self.slope.ripple(ψ) - self._shift), self.slope.value(ψ)
+        return ψ + (self.slope.oscillation(ψ) - self._shift), self.slope.value(ψ)
 
     def _in_fixed_point(self, ψ: Numeric, arithmetic: Multi) -> tuple[Numeric, Numeric]:
         """χ = ψ + Im Σ (cₖ − i sₖ) e^{ikψ} + Σ (−1)ᵏ sₖ and its derivative by Horner's rule in integers."""

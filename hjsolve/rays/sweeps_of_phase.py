@@ -118,8 +118,8 @@ class SeparatedSweep:
         """
         q, p = (cast("Reals", x) for x in self.course.place(χ))
         noise = 16 + np.asarray(self.course.momentum_noise(χ))
-        blur = np.asarray(self.course.blur(χ)) + 4 * EPS * np.abs(χ)
-        beside, steeper = (cast("Reals", x) for x in self.course.place(χ + blur))
+        rounding = np.asarray(self.course.phase_rounding(χ)) + 4 * EPS * np.abs(χ)
+        beside, steeper = (cast("Reals", x) for x in self.course.place(χ + rounding))
         return q, p, 8 * EPS * np.abs(q) + 2 * np.abs(beside - q), noise * EPS * np.abs(p) + 2 * np.abs(steeper - p)
 
     def phase_of(self, amount: Reals) -> Reals:

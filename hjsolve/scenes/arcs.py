@@ -254,8 +254,8 @@ def _next(motion: Motion, pending: list[Pending], horizon: sp.Expr | None) -> tu
     first = min((t for t, _ in ahead), key=lambda t: to_bits(t)(bits))
     if any(to_bits(first)(64) > end.value for end in motion.boundary_times.values()):
         return None
-    slack = multiprecision(64).mpf(10) ** (8 - motion.digits) * max(1, abs(to_bits(first)(64)))
-    return first, [p for t, p in ahead if abs(to_bits(t - first)(bits)) <= slack]
+    tolerance = multiprecision(64).mpf(10) ** (8 - motion.digits) * max(1, abs(to_bits(first)(64)))
+    return first, [p for t, p in ahead if abs(to_bits(t - first)(bits)) <= tolerance]
 
 
 def _time(motion: Motion, pending: Pending, horizon: sp.Expr | None) -> sp.Expr | None:
@@ -271,14 +271,14 @@ def _time(motion: Motion, pending: Pending, horizon: sp.Expr | None) -> sp.Expr 
 def _later(motion: Motion, pending: list[Pending], happening: list[Pending], time: sp.Expr) -> list[Pending]:
     """What is still to come: walls stay, impulses are spent, passages of the others are counted down."""
     result = []
-    slack = sp.Rational(10) ** (8 - motion.digits) * sp.Max(1, abs(time))
+    tolerance = sp.Rational(10) ** (8 - motion.digits) * sp.Max(1, abs(time))
     for p in pending:
         if p in happening:
             if p.event.kind == "wall":
                 result.append(p)
             continue
         if p.left and p.event.coordinate is not None and p.event.value is not None:
-            passed = sum(1 for _ in crossings(motion, p.event.coordinate, p.event.value, time + slack))
+            passed = sum(1 for _ in crossings(motion, p.event.coordinate, p.event.value, time + tolerance))
             p = replace(p, left=p.left - passed)
         result.append(p)
     return result

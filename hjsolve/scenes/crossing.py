@@ -45,18 +45,18 @@ def crossings(motion: Motion, name: str, value: sp.Expr, horizon: sp.Expr | None
         Times as ``mpf``.
     """
     start = to_bits(motion.t0)(bits_of(motion.digits))
-    slack = multiprecision(64).mpf(10) ** (8 - motion.digits) * max(1, abs(start))
+    tolerance = multiprecision(64).mpf(10) ** (8 - motion.digits) * max(1, abs(start))
     if name in motion.separated.located:
         first = next(_known(motion, name, value, 0), None)
-        at_start = first is not None and first[0] - start <= slack
+        at_start = first is not None and first[0] - start <= tolerance
         rough, skip = _known(motion, name, value, skip + at_start), 0
     else:
         rough = _walked(motion, name, value, horizon)
     for guess, error in rough:
-        time = guess if error < slack / 1000 else sharpened(motion, name, value, guess)
+        time = guess if error < tolerance / 1000 else sharpened(motion, name, value, guess)
         if horizon is not None and time > to_bits(horizon)(bits_of(motion.digits)):
             return
-        if time - start > slack:
+        if time - start > tolerance:
             if not skip:
                 yield time
             skip = max(skip - 1, 0)

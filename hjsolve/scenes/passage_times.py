@@ -39,22 +39,22 @@ class Passes:
     period: Mpf | None
     error: Mpf | int
 
-    def beside(self, time: Mpf, direction: int, slack: Mpf) -> tuple[Mpf, int, int] | None:
+    def beside(self, time: Mpf, direction: int, tolerance: Mpf) -> tuple[Mpf, int, int] | None:
         """The next one in a direction (1 later, −1 earlier), which of ``times`` it is, and periods added to that.
 
         Args:
             time: where the search begins.
             direction: 1 for later, −1 for earlier.
-            slack: passages no farther than this from ``time`` do not count.
+            tolerance: passages no farther than this from ``time`` do not count.
         """
         best: tuple[Mpf, int, int] | None = None
         for index, first in enumerate(self.times):
             turns, there = 0, first
             if self.period is not None:
-                away = direction * (time - first) + slack
+                away = direction * (time - first) + tolerance
                 turns = direction * (int(away.context.floor(away / self.period)) + 1)
                 there = first + turns * self.period
-            if direction * (there - time) > slack and (best is None or direction * (there - best[0]) < 0):
+            if direction * (there - time) > tolerance and (best is None or direction * (there - best[0]) < 0):
                 best = there, index, turns
         return best
 
@@ -100,10 +100,10 @@ def _passage(motion: Motion, name: str, value: sp.Expr, passage: int) -> tuple[M
     except OutsideMotionError:
         return None
     time = multiprecision(bits_of(motion.digits)).convert(estimate.value)
-    slack = _slack(motion, time) / 1000
-    if abs(estimate.error) <= slack:
+    tolerance = _slack(motion, time) / 1000
+    if abs(estimate.error) <= tolerance:
         return time, abs(estimate.error)
-    return sharpened(motion, name, value, time), slack
+    return sharpened(motion, name, value, time), tolerance
 
 
 class Carried:
@@ -124,7 +124,7 @@ class Carried:
         bits, convert = self.context.prec, self.context.convert
         self.begin = to_bits(motion.initial.values[motion.solution.system.coordinate(name).symbol])(bits)
         self.rate, self.start = convert(equations.rates[k]), convert(equations.starts[k])
-        self.kernel, self.clock = Fixed(course.kernels[j], bits), Fixed(equations.ripples[k][k], bits)
+        self.kernel, self.clock = Fixed(course.kernels[j], bits), Fixed(equations.oscillations[k][k], bits)
         self.mean, self.turn = convert(course.growth(j)), -2 * self.context.pi * convert(course.growth(j))
         self.origin = self._integral(convert(course.start))
         self.noise = self.context.mpf(10) ** -motion.digits * (4 + self.clock.size * _GRID) / abs(self.rate)
@@ -136,7 +136,7 @@ class Carried:
         self.monotone = bool(np.all(steps > 0) or np.all(steps < 0))
 
     def _integral(self, χ: Mpf) -> Mpf:
-        return self.mean * χ + self.kernel.ripple(χ)
+        return self.mean * χ + self.kernel.oscillation(χ)
 
     def angle(self, χ: Mpf) -> Mpf:
         """The coordinate, with its whole turns, at a phase of the carrier.
@@ -152,7 +152,7 @@ class Carried:
         Args:
             χ: phase of the carrier.
         """
-        return (χ + self.clock.ripple(χ) - self.start) / self.rate
+        return (χ + self.clock.oscillation(χ) - self.start) / self.rate
 
     def near(self, time: Mpf) -> Mpf:
         """The coordinate, with its whole turns, at a time of the free motion, to a few digits.
@@ -184,6 +184,6 @@ class Carried:
             χ += step
             if abs(step) <= goal:  # it converges quadratically: what is left is of the order of its square
                 left = abs(angle - self.angle(χ)) / abs(rate)
-                slack = (2 * left + self.noise) * (1 + abs(self.clock.size)) / abs(self.rate)
-                return self.time_of(χ), self.noise + slack
+                tolerance = (2 * left + self.noise) * (1 + abs(self.clock.size)) / abs(self.rate)
+                return self.time_of(χ), self.noise + tolerance
         raise NotConvergedError("the passage of an ignorable coordinate could not be found to the digits asked")

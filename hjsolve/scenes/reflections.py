@@ -5,7 +5,7 @@ backwards (``reflecting_walls``). At a wall the clock of the coordinate that hit
 others go on. So a bounce costs a few sums: when the free motion passes a wall is worked out once for all (``passes``).
 An ignorable coordinate φ carried by k is φ = c + σ d φ°(τₖ): φ° of the free motion at the clock τₖ that runs in the
 direction d, σ the sign of pᵩ, c changed at each bounce such that φ does not jump. Every sum adds what it leaves open to
-``doubt`` and ``blur``.
+``uncertainty`` and ``place_rounding``.
 """
 
 from __future__ import annotations
@@ -38,18 +38,18 @@ class Flight:
 
     Attributes:
         begin: its time.
-        doubt: a bound on the error of that and of the clocks.
+        uncertainty: a bound on the error of that and of the clocks.
         clocks: of the separated coordinates: times of the free motion.
         places: of the ignorable coordinates at ``begin``; the offset c for one that is carried.
-        blur: a bound on their error.
+        place_rounding: a bound on their error.
         signs: of the clocks' directions, then of the ignorable momenta, against the free motion.
     """
 
     begin: Mpf
-    doubt: Mpf | int
+    uncertainty: Mpf | int
     clocks: tuple[Mpf, ...]
     places: tuple[Mpf, ...]
-    blur: Mpf | int
+    place_rounding: Mpf | int
     signs: tuple[int, ...]
 
 
@@ -61,14 +61,15 @@ class Now:
     clock: dict[str, Mpf]
     place: dict[str, Mpf]
     sign: dict[str, int]
-    doubt: Mpf | int = 0
-    blur: Mpf | int = 0
+    uncertainty: Mpf | int = 0
+    place_rounding: Mpf | int = 0
     landed: dict[str, Any] = field(default_factory=dict)
 
     def flight(self) -> Flight:
         """Freeze it."""
         signs = (*(self.sign[n] for n in self.clock), *(self.sign[n] for n in self.place))
-        return Flight(self.time, self.doubt, tuple(self.clock.values()), tuple(self.place.values()), self.blur, signs)
+        clocks, places = tuple(self.clock.values()), tuple(self.place.values())
+        return Flight(self.time, self.uncertainty, clocks, places, self.place_rounding, signs)
 
 
 class Free:
@@ -191,41 +192,41 @@ class Free:
         clock = dict(zip(self.separated, flight.clocks, strict=True))
         place = dict(zip(self.ignorable, flight.places, strict=True))
         sign = dict(zip((*self.separated, *self.ignorable), flight.signs, strict=True))
-        return Now(flight.begin, clock, place, sign, flight.doubt, flight.blur)
+        return Now(flight.begin, clock, place, sign, flight.uncertainty, flight.place_rounding)
 
     # ------------------------------------------------------------------------------------------ what comes next
-    def candidate(self, now: Now, pending: Pending, slack: Mpf) -> Candidate | None:
+    def candidate(self, now: Now, pending: Pending, tolerance: Mpf) -> Candidate | None:
         """Find when an event at a place is next met, and how to be exactly there.
 
         Args:
             now: where the walk is.
             pending: the event, and how many passages it still lets by.
-            slack: times closer than this to now do not count.
+            tolerance: times closer than this to now do not count.
         """
         name, value = pending.event.coordinate, pending.event.value
         assert name is not None
         assert value is not None
         if name in now.clock:
-            return self._own(now, pending, name, value, slack)
+            return self._own(now, pending, name, value, tolerance)
         target = self.context.convert(to_bits(value)(self.context.prec))
         turn = 2 * self.context.pi if self.motion.solution.system.coordinate(name).domain.kind == "angle" else None
-        return (self._uniform if name in self.rates else self._carried)(now, pending, name, target, turn, slack)
+        return (self._uniform if name in self.rates else self._carried)(now, pending, name, target, turn, tolerance)
 
-    def _own(self, now: Now, pending: Pending, name: str, value: sp.Expr, slack: Mpf) -> Candidate | None:
+    def _own(self, now: Now, pending: Pending, name: str, value: sp.Expr, tolerance: Mpf) -> Candidate | None:
         found = self.passes(name, value)
-        hit = found.beside(now.clock[name], now.sign[name], slack)
+        hit = found.beside(now.clock[name], now.sign[name], tolerance)
         if hit is None:
             return None
         there, index, turns = hit
 
         def land(now: Now) -> None:
             now.clock[name], now.landed[name] = there, (found, index, turns)
-            now.doubt += 2 * (1 + abs(turns)) * found.error
+            now.uncertainty += 2 * (1 + abs(turns)) * found.error
 
         return now.time + abs(there - now.clock[name]), pending, land
 
     def _uniform(
-        self, now: Now, pending: Pending, name: str, target: Mpf, turn: Mpf | None, slack: Mpf
+        self, now: Now, pending: Pending, name: str, target: Mpf, turn: Mpf | None, tolerance: Mpf
     ) -> Candidate | None:
         rate = now.sign[name] * self.rates[name]
         if not rate:
@@ -233,19 +234,19 @@ class Free:
         way = (target - now.place[name]) / rate
         if turn is not None:
             each = turn / abs(rate)
-            way -= each * self.context.floor((way - slack) / each)
-        elif way <= slack:
+            way -= each * self.context.floor((way - tolerance) / each)
+        elif way <= tolerance:
             return None
         there = now.place[name] + way * rate if turn is not None else target
 
         def land(now: Now) -> None:
             now.place[name] = there
-            now.doubt += self.unit * way
+            now.uncertainty += self.unit * way
 
         return now.time + way, pending, land
 
     def _carried(
-        self, now: Now, pending: Pending, name: str, target: Mpf, turn: Mpf | None, slack: Mpf
+        self, now: Now, pending: Pending, name: str, target: Mpf, turn: Mpf | None, tolerance: Mpf
     ) -> Candidate | None:
         carried, carrier = self.carried[name], self.carrier[name]
         side = now.sign[name] * now.sign[carrier]
@@ -261,7 +262,7 @@ class Free:
             if now.landed.get(name) == goal:
                 continue
             there, error = carried.time(side * (goal - offset))
-            if now.sign[carrier] * (there - clock) > slack:
+            if now.sign[carrier] * (there - clock) > tolerance:
                 break
         else:
             return None
@@ -269,8 +270,8 @@ class Free:
         def land(now: Now) -> None:
             if carrier not in now.landed:
                 now.clock[carrier] = there
-            now.doubt += error
-            now.blur += self.unit * abs(goal)
+            now.uncertainty += error
+            now.place_rounding += self.unit * abs(goal)
             now.landed[name] = goal
 
         return now.time + abs(there - clock), pending, land
@@ -289,7 +290,7 @@ class Free:
         for name, rate in self.rates.items():
             now.place[name] += now.sign[name] * rate * step
         now.time, now.landed = time, {}
-        now.doubt += self.unit * abs(step)
+        now.uncertainty += self.unit * abs(step)
 
     def reflect(self, now: Now, name: str) -> None:
         """Turn a coordinate round where it stands, after ``advance`` and its landing.
@@ -303,7 +304,7 @@ class Free:
                 if carrier == name:
                     angle = self.angle_landed(other, now.landed[name])
                     now.place[other] += 2 * now.sign[other] * now.sign[name] * angle
-                    now.blur += 4 * self.unit * (1 + abs(angle))
+                    now.place_rounding += 4 * self.unit * (1 + abs(angle))
         elif name in self.carrier:
             now.place[name] = 2 * now.landed[name] - now.place[name]
         now.sign[name] = -now.sign[name]
@@ -316,7 +317,7 @@ class Free:
             if period is None or not turns:
                 continue
             now.clock[name] -= turns * period.value
-            now.doubt += abs(turns) * period.error
+            now.uncertainty += abs(turns) * period.error
             for other, carrier in self.carrier.items():
                 if carrier == name:
                     now.place[other] += now.sign[other] * now.sign[name] * turns * self.turn(other)

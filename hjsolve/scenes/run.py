@@ -129,7 +129,7 @@ def _arc(
         quantities = {n: _quantity(scene, piece, n, arc_motion() if n in _TIMED else source()) for n in names}
         return Arc(begins, ends, piece.events, piece.leg.turns, quantities, arc_motion)
     angles = tuple(c.name for c in scene.system.coordinates if c.domain.kind == "angle")
-    begins, turns = _moment(piece.flight.begin, scene.digits, piece.flight.doubt), TurnsBefore(arc_motion, angles)
+    begins, turns = _moment(piece.flight.begin, scene.digits, piece.flight.uncertainty), TurnsBefore(arc_motion, angles)
     if _OWN.isdisjoint(names):
         return Arc(begins, ends, piece.events, turns, free_motions.shared(piece, tuple(names)), arc_motion)
 
@@ -154,10 +154,10 @@ def _mask(array: Numbers, begins: Any, ends: Any) -> Mask:
     return inside if high is None else inside & (array < high).astype(bool)
 
 
-def _moment(time: sp.Expr, digits: int, doubt: Mpf | int = 0) -> Estimate:
+def _moment(time: sp.Expr, digits: int, uncertainty: Mpf | int = 0) -> Estimate:
     """A time, exact or in many digits, as a number with its error."""
     value = to_bits(time)(bits_of(max(digits, 15))) if isinstance(time, sp.Expr) else time
     if digits <= 15:
         known = isinstance(time, sp.Rational) and sp.Rational(float(value)) == time
-        return Estimate(float(value), 0.0 if known else abs(float(value)) * EPS + float(doubt))
-    return Estimate(value, abs(value) * value.context.mpf(10) ** -digits + doubt)
+        return Estimate(float(value), 0.0 if known else abs(float(value)) * EPS + float(uncertainty))
+    return Estimate(value, abs(value) * value.context.mpf(10) ** -digits + uncertainty)

@@ -170,13 +170,13 @@ def _errors(
     """Those of the free motion; what the clocks and places are in doubt; the rounding of their sums."""
     free, system = here.free, here.motion.solution.system
     unit = EPS if not here.many else float(multiprecision(64).mpf(10) ** (1 - here.motion.digits))
-    doubt, blur = here.floats(lambda f: f.doubt), here.floats(lambda f: f.blur)
+    uncertainty, place_rounding = here.floats(lambda f: f.uncertainty), here.floats(lambda f: f.place_rounding)
     elapsed = np.abs(here.elapsed.astype(float))
     H = hamiltonian(system)
     forces = evaluate_along(here.motion.separated, tuple(-sp.diff(H, c.symbol) for c in system.coordinates), q, p)
     force = dict(zip(q, (np.abs(np.asarray(f, dtype=float)) for f in forces), strict=True))
     speed = {name: np.abs(np.asarray(v, dtype=float)) for name, v in velocity.items()}
-    late = {name: doubt + unit * (elapsed + np.abs(clock.astype(float))) for name, clock in clocks.items()}
+    late = {name: uncertainty + unit * (elapsed + np.abs(clock.astype(float))) for name, clock in clocks.items()}
     dq: dict[str, Numbers] = {}
     dp: dict[str, Numbers] = {}
     for name in free.separated:
@@ -187,12 +187,12 @@ def _errors(
         size = np.abs(q[name].astype(float)) + here.floats(lambda f, j=j: abs(f.places[j]))  # type: ignore[misc]
         if system.coordinate(name).domain.kind == "angle":
             size = np.full(len(here.which), 3 * np.pi)
-        dq[name] = blur + 4 * unit * size
+        dq[name] = place_rounding + 4 * unit * size
         if name in free.carrier:
             carrier = free.carrier[name]
             dq[name] = dq[name] + np.asarray(states[carrier].error.q[name], dtype=float) + speed[name] * late[carrier]
         else:
-            dq[name] = dq[name] + speed[name] * (doubt + 4 * unit * elapsed)
+            dq[name] = dq[name] + speed[name] * (uncertainty + 4 * unit * elapsed)
         dp[name] = unit * np.abs(p[name].astype(float))
     names = list(q)
     dq, dp = {k: dq[k] for k in names}, {k: dp[k] for k in names}

@@ -50,14 +50,14 @@ def walk(free: Free, now: Now, pending: list[Pending], horizon: Mpf | None, most
                 f"{_LOOK} bounces came before t = {float(now.time):.6g}; up to t = {float(horizon):.6g} there would be "
                 f"more than {most}: shorten the scene"
             )
-        slack = free.context.mpf(10) ** (8 - free.motion.digits) * max(1, abs(now.time))
-        ahead = _ahead(free, now, pending, slack)
+        tolerance = free.context.mpf(10) ** (8 - free.motion.digits) * max(1, abs(now.time))
+        ahead = _ahead(free, now, pending, tolerance)
         first = min((time for time, _, _ in ahead), default=None)
         if first is None or (horizon is not None and first > horizon):
             break
         free.advance(now, first)
-        hits = [(p, land) for time, p, land in ahead if time - first <= slack]
-        now.doubt += max(time - first for time, _, _ in ahead if time - first <= slack)
+        hits = [(p, land) for time, p, land in ahead if time - first <= tolerance]
+        now.uncertainty += max(time - first for time, _, _ in ahead if time - first <= tolerance)
         for _, land in hits:
             land(now)
         happening = [p for p, _ in hits if not p.left]
@@ -78,13 +78,13 @@ def walk(free: Free, now: Now, pending: list[Pending], horizon: Mpf | None, most
     return Flown(found, pending, False)
 
 
-def _ahead(free: Free, now: Now, pending: list[Pending], slack: Mpf) -> list[Candidate]:
+def _ahead(free: Free, now: Now, pending: list[Pending], tolerance: Mpf) -> list[Candidate]:
     """Every event to come with its time."""
     ahead: list[Candidate] = []
     for p in pending:
         if p.event.time is not None:
             time = free.context.convert(to_bits(p.event.time)(free.context.prec))
             ahead.append((max(time, now.time), p, lambda _: None))
-        elif (candidate := free.candidate(now, p, slack)) is not None:
+        elif (candidate := free.candidate(now, p, tolerance)) is not None:
             ahead.append(candidate)
     return ahead

@@ -28,7 +28,7 @@ def solve_alone(
     course: CoordinateMotion,
     weights: Weights,
     value: Reals,
-    slack: Reals,
+    residual_bound: Reals,
     own: float,
     time: tuple[Reals, Reals],
 ) -> tuple[Reals, Reals, Reals, Mask]:
@@ -38,14 +38,14 @@ def solve_alone(
         course: of the coordinate.
         weights: w.
         value: right side at each time, shape (m,).
-        slack: a bound on its error, shape (m,).
+        residual_bound: a bound on its error, shape (m,).
         own: part of ``value`` that grows with the time, per unit; 0 where other coordinates have a share in it.
         time: high and low parts of the times, shape (m,).
 
     Returns:
         χ, whole turns, a bound on the error of χ, and True where the coordinate has ended before; shape (m,).
     """
-    found: tuple[Reals, Reals, Reals, Mask] = _solved(course, weights, value, slack, own, time)
+    found: tuple[Reals, Reals, Reals, Mask] = _solved(course, weights, value, residual_bound, own, time)
     return found
 
 
@@ -60,7 +60,7 @@ def _of_cycle(
     course: Periodic,
     weights: Weights,
     value: Reals,
-    slack: Reals,
+    residual_bound: Reals,
     own: float,
     time: tuple[Reals, Reals],
 ) -> tuple[Reals, Reals, Reals, Mask]:
@@ -72,16 +72,16 @@ def _of_cycle(
         start = angle - own / float(total.mean) * (time[0] + time[1])
         whole = count + np.rint(rest)
         angle = 2 * np.pi * (rest - np.rint(rest)) + start
-    x, error = _alone(scaled, angle, slack / abs(float(total.mean)))
+    x, error = _alone(scaled, angle, residual_bound / abs(float(total.mean)))
     return x, whole, error, np.zeros(value.shape, dtype=bool)
 
 
 @_solved.register
 def _of_rest(
-    course: AtRest, weights: Weights, value: Reals, slack: Reals, *_: object
+    course: AtRest, weights: Weights, value: Reals, residual_bound: Reals, *_: object
 ) -> tuple[Reals, Reals, Reals, Mask]:
     rate = float(sum(w * float(r) for w, r in zip(weights, course.rates, strict=False)))
-    error = slack / abs(rate) + EPS * np.abs(value / rate)
+    error = residual_bound / abs(rate) + EPS * np.abs(value / rate)
     return value / rate, 0.0 * value, error, np.zeros(value.shape, dtype=bool)
 
 

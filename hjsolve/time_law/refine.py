@@ -33,7 +33,7 @@ def on_torus(
     n, turn = len(system.courses), 2 * context.pi
     result = [np.empty(len(time), dtype=object) for _ in range(n)]
     bounds = [np.empty(len(time), dtype=object) for _ in range(n)]
-    cut = context.matrix([sum(_left_out(series) for series in row) for row in system.ripples])
+    cut = context.matrix([sum(_left_out(series) for series in row) for row in system.oscillations])
     for m, t in enumerate(time):
         goal = [system.starts[k] + system.rates[k] * t - turn * context.convert(float(whole[k][m])) for k in range(n)]
 
@@ -60,12 +60,12 @@ def _left_out(series: FourierSeries) -> Mpf | int:
 
 
 def _ripple(system: TorusEquations, k: int, i: int, x: Mpf) -> Mpf | int:
-    series = system.ripples[k][i]
-    return series.ripple(x) if len(series.cosines) else 0
+    series = system.oscillations[k][i]
+    return series.oscillation(x) if len(series.cosines) else 0
 
 
 def _slope(system: TorusEquations, k: int, i: int, x: Mpf) -> Mpf | int:
-    series = system.ripples[k][i]
+    series = system.oscillations[k][i]
     return series.value(x) - series.mean if len(series.cosines) else 0
 
 

@@ -39,14 +39,14 @@ class InterpolationTable:
         coefficients: for each quantity, powers of x ∈ [−1, 1] on each panel, lowest first, shape (degree + 1, panels).
         even: for each quantity of a table over [0, π]: True where f(−θ) = f(θ), False where f(−θ) = −f(θ).
         bounds: size that a quantity's accuracy refers to, one a panel.
-        doubts: what the rounding of the phase may do to the argument, one a panel.
+        uncertainties: what the rounding of the phase may do to the argument, one a panel.
     """
 
     edges: Reals
     coefficients: tuple[Reals, ...]
     even: tuple[bool, ...]
     bounds: tuple[Reals, ...]
-    doubts: Reals
+    uncertainties: Reals
 
     @cached_property
     def guide(self) -> Integers:
@@ -85,13 +85,13 @@ class InterpolationTable:
         """
         return np.take(self.bounds[quantity], self.panels(np.abs(θ) if self.even else θ))
 
-    def doubt(self, θ: Reals) -> Reals:
+    def uncertainty(self, θ: Reals) -> Reals:
         """Return the doubt in the argument that comes from the rounding of phases when the table was made.
 
         Args:
             θ: arguments inside the table, shape (m,).
         """
-        return np.take(self.doubts, self.panels(np.abs(θ) if self.even else θ))
+        return np.take(self.uncertainties, self.panels(np.abs(θ) if self.even else θ))
 
     def evaluate(self, quantities: Sequence[int], θ: Reals) -> list[Reals]:
         """Return the quantities at arguments inside the table, shape (m,).
@@ -192,8 +192,8 @@ def tabulate(
         np.maximum(np.sum(np.abs(rows), axis=0), np.maximum(scale or 0.0, floor))
         for rows, scale, floor in zip(tables, scales, floors)
     )
-    doubts = EPS * np.maximum(np.abs(begins), np.abs(ends)) * np.diff(edges) / (ends - begins)
-    return InterpolationTable(edges, tables, tuple(even), bounds, doubts)
+    uncertainties = EPS * np.maximum(np.abs(begins), np.abs(ends)) * np.diff(edges) / (ends - begins)
+    return InterpolationTable(edges, tables, tuple(even), bounds, uncertainties)
 
 
 def _halfway(left: Reals, right: Reals) -> Reals:

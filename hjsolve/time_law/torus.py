@@ -34,20 +34,20 @@ class TorusEquations:
         rates: Ωₖ in many digits.
         starts: θₖ⁰, the angle at t₀.
         growth: inverse of the matrix of mean growths, growth[k][j].
-        ripples: Dₖᵢ as series (their means are ignored).
+        oscillations: Dₖᵢ as series (their means are ignored).
         order: coordinates in the order in which they can be solved alone; the rest are coupled.
         coupled: coordinates to be solved together, last.
-        blurs: how far rounded series leave the angles at t₀ open; 0 where the motion starts at turning points.
+        roundings: how far rounded series leave the angles at t₀ open; 0 where the motion starts at turning points.
     """
 
     courses: tuple[Periodic | AtRest, ...]
     rates: tuple[Mpf, ...]
     starts: tuple[Mpf, ...]
     growth: tuple[tuple[Mpf, ...], ...]
-    ripples: tuple[tuple[FourierSeries, ...], ...]
+    oscillations: tuple[tuple[FourierSeries, ...], ...]
     order: tuple[int, ...]
     coupled: tuple[int, ...]
-    blurs: tuple[float, ...]
+    roundings: tuple[float, ...]
 
     @property
     def torus(self) -> TorusEquations:
@@ -78,17 +78,17 @@ def torus_equations(courses: Sequence[Periodic | AtRest], bits: int) -> TorusEqu
     except ZeroDivisionError:
         raise NotConvergedError("the separated integrals are dependent: this motion has no angle variables") from None
     growth = tuple(tuple(inverse[k, j] for j in range(n)) for k in range(n))
-    ripples = tuple(tuple(_ripple(growth[k], c, n) for c in courses) for k in range(n))
-    starts, blurs = [], []
+    oscillations = tuple(tuple(_ripple(growth[k], c, n) for c in courses) for k in range(n))
+    starts, roundings = [], []
     for k in range(n):
         total = context.mpf(0)
         for i, c in enumerate(courses):
-            total += (c.start if i == k else 0) + _at(ripples[k][i], c.start, context)
+            total += (c.start if i == k else 0) + _at(oscillations[k][i], c.start, context)
         starts.append(total)
-        blurs.append(sum(_blur(ripples[k][i], c.start, context) for i, c in enumerate(courses)))
-    order, coupled = _ordering([[i for i in range(n) if len(ripples[k][i].cosines)] for k in range(n)])
+        roundings.append(sum(_rounding(oscillations[k][i], c.start, context) for i, c in enumerate(courses)))
+    order, coupled = _ordering([[i for i in range(n) if len(oscillations[k][i].cosines)] for k in range(n)])
     rates = tuple(growth[k][0] for k in range(n))
-    return TorusEquations(tuple(courses), rates, tuple(starts), growth, ripples, order, coupled, tuple(blurs))
+    return TorusEquations(tuple(courses), rates, tuple(starts), growth, oscillations, order, coupled, tuple(roundings))
 
 
 def mean_rate(system: TorusEquations, j: int) -> Mpf:
@@ -111,7 +111,7 @@ def oscillation(system: TorusEquations, i: int, j: int) -> FourierSeries:
     """
     course = system.courses[i]
     own = combine([-1], [course.kernels[j]])
-    return combine([1, *(c.growth(j) for c in system.courses)], [own, *(row[i] for row in system.ripples)])
+    return combine([1, *(c.growth(j) for c in system.courses)], [own, *(row[i] for row in system.oscillations)])
 
 
 def _ripple(weights: Sequence[Mpf], course: Periodic | AtRest, n: int) -> FourierSeries:
@@ -120,10 +120,10 @@ def _ripple(weights: Sequence[Mpf], course: Periodic | AtRest, n: int) -> Fourie
 
 def _at(series: FourierSeries, χ: Mpf | int, context: Context) -> Mpf | int:
     """Ripple at one many-digit phase; nothing at a turning point, exactly."""
-    return series.ripple(context.mpf(χ)) if len(series.cosines) else 0
+    return series.oscillation(context.mpf(χ)) if len(series.cosines) else 0
 
 
-def _blur(series: FourierSeries, χ: Mpf | int, context: Context) -> float:
+def _rounding(series: FourierSeries, χ: Mpf | int, context: Context) -> float:
     """What rounded coefficients leave open of the ripple at one phase; nothing at a turning point."""
     if not len(series.cosines) or series.cosines.dtype == object:
         return 0.0
@@ -165,7 +165,7 @@ def torus_phases(system: TorusEquations, time: tuple[Reals, Reals]) -> tuple[lis
     errors: list[Any] = [None] * n
     for k in system.order:
         others, error_bound = _of_others(system, k, χ, errors)
-        χ[k], errors[k] = _alone(system.ripples[k][k], angles[k] - others, error_bound)
+        χ[k], errors[k] = _alone(system.oscillations[k][k], angles[k] - others, error_bound)
     if system.coupled:
         _together(system, angles, χ, errors)
     return χ, whole, errors
@@ -177,30 +177,29 @@ def _of_others(
     """Ripples of θₖ beside the phases known by now, and what their errors and rounding do to that sum."""
     total, error_bound = 0.0, 0.0
     for i in system.order:
-        ripple = system.ripples[k][i]
-        if i != k and χ[i] is not None and len(ripple.cosines):
-            total = total + ripple.ripple(χ[i])
-            error_bound = (
-                error_bound + np.abs(ripple.value(χ[i]) - float(ripple.mean)) * errors[i] + 2 * EPS * _size(ripple)
-            )
+        periodic = system.oscillations[k][i]
+        if i != k and χ[i] is not None and len(periodic.cosines):
+            total = total + periodic.oscillation(χ[i])
+            slope = np.abs(periodic.value(χ[i]) - float(periodic.mean))
+            error_bound = error_bound + slope * errors[i] + 2 * EPS * _size(periodic)
     return total, error_bound
 
 
-def _size(ripple: FourierSeries) -> float:
+def _size(periodic: FourierSeries) -> float:
     """What the rounding of a ripple is relative to."""
-    return float(np.sum(np.abs(ripple.cosines.astype(float) / np.arange(1, len(ripple.cosines) + 1))))
+    return float(np.sum(np.abs(periodic.cosines.astype(float) / np.arange(1, len(periodic.cosines) + 1))))
 
 
-def _alone(ripple: FourierSeries, goal: Reals, error_bound: Reals) -> tuple[Reals, Reals]:
+def _alone(periodic: FourierSeries, goal: Reals, error_bound: Reals) -> tuple[Reals, Reals]:
     """Solve χ + D(χ) = θ, monotone in χ; the start comes from a table of the inverse."""
     rounding = EPS * (np.abs(goal) + np.pi) + error_bound
-    if not len(ripple.cosines):
+    if not len(periodic.cosines):
         return goal, rounding
     # the goal is brought into the turn of the table, and bracketed between two of its places
     grid = np.linspace(-np.pi, np.pi, 1025)
     shift = 2 * np.pi * np.rint(goal / (2 * np.pi))
     goal = goal - shift
-    table = grid + ripple.ripple(grid)
+    table = grid + periodic.oscillation(grid)
     offset = np.where(goal > table[-1], 2 * np.pi, np.where(goal < table[0], -2 * np.pi, 0.0))
     position = np.clip(np.searchsorted(table, goal - offset) - 1, 0, len(grid) - 2)
     low, high = grid[position] + offset, grid[position + 1] + offset
@@ -208,9 +207,9 @@ def _alone(ripple: FourierSeries, goal: Reals, error_bound: Reals) -> tuple[Real
     share = (goal - offset - table[position]) / np.maximum(table[position + 1] - table[position], 1e-300)
     χ = low + (high - low) * np.clip(share, 0, 1)
     χ, residual, slope = bracketed_roots(
-        lambda x: (x + ripple.ripple(x) - goal, 1 + ripple.value(x) - float(ripple.mean)), χ, low, high
+        lambda x: (x + periodic.oscillation(x) - goal, 1 + periodic.value(x) - float(periodic.mean)), χ, low, high
     )
-    rounding = rounding + 2 * EPS * (_size(ripple) + np.pi) + np.abs(residual)
+    rounding = rounding + 2 * EPS * (_size(periodic) + np.pi) + np.abs(residual)
     return χ + shift, rounding / np.maximum(slope, EPS) + EPS * np.pi
 
 
@@ -218,7 +217,7 @@ def _together(system: TorusEquations, angles: list[Reals], χ: list[Reals | None
     """Solve the coupled coordinates by Newton's method, following the torus from the start where it fails."""
     block = system.coupled
     others = [_of_others(system, k, χ, errors) for k in block]
-    goal = np.stack([angles[k] - ripples for k, (ripples, _) in zip(block, others, strict=True)])
+    goal = np.stack([angles[k] - oscillations for k, (oscillations, _) in zip(block, others, strict=True)])
     # Newton's method from the angles themselves, which differ from the phases by the periodic parts only
     found = _newton(system, goal, goal.copy(), 40)
     bad = ~(np.max(np.abs(_residual(system, goal, found)), axis=0) < 1e-9)
@@ -226,7 +225,7 @@ def _together(system: TorusEquations, angles: list[Reals], χ: list[Reals | None
         found[:, bad] = _follow(system, goal[:, bad])
     residual = _residual(system, goal, found)
     inverse = np.linalg.inv(_jacobian(system, found).transpose(2, 0, 1))
-    size = sum(float(np.sum(np.abs(system.ripples[k][i].cosines.astype(float)))) for k in block for i in block)
+    size = sum(float(np.sum(np.abs(system.oscillations[k][i].cosines.astype(float)))) for k in block for i in block)
     rounding = np.max(np.abs(residual), axis=0) + 2 * EPS * (np.max(np.abs(goal), axis=0) + size + np.pi)
     rounding = rounding + np.max(np.stack([0 * rounding + error_bound for _, error_bound in others]), axis=0)
     bound = np.sum(np.abs(inverse), axis=2) * rounding[:, None]
@@ -238,7 +237,7 @@ def _residual(system: TorusEquations, goal: Reals, x: Reals) -> Reals:
     block = system.coupled
     return np.stack(
         [
-            x[row] - goal[row] + sum(system.ripples[k][i].ripple(x[c]) for c, i in enumerate(block))
+            x[row] - goal[row] + sum(system.oscillations[k][i].oscillation(x[c]) for c, i in enumerate(block))
             for row, k in enumerate(block)
         ]
     )
@@ -250,7 +249,7 @@ def _jacobian(system: TorusEquations, x: Reals) -> Reals:
         [
             np.stack(
                 [
-                    (row == c) + system.ripples[k][i].value(x[c]) - float(system.ripples[k][i].mean)
+                    (row == c) + system.oscillations[k][i].value(x[c]) - float(system.oscillations[k][i].mean)
                     for c, i in enumerate(block)
                 ]
             )
@@ -312,4 +311,4 @@ def sum_ripples(system: TorusEquations, x: Reals) -> Reals:
         x: phases χ, shape (coordinates, m).
     """
     block = system.coupled
-    return np.stack([sum(system.ripples[k][i].ripple(x[c]) for c, i in enumerate(block)) for k in block])
+    return np.stack([sum(system.oscillations[k][i].oscillation(x[c]) for c, i in enumerate(block)) for k in block])

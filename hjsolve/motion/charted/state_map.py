@@ -115,11 +115,11 @@ def _bounds(
     """Error bounds of the formulas, each of the shape of its values."""
     tape, fixed = made
     places = [np.asarray(x, dtype=float) for x in _inputs(chart, state.q, state.p)]
-    doubts = [np.asarray(x, dtype=float) for x in _inputs(chart, state.error.q, state.error.p)]
+    uncertainties = [np.asarray(x, dtype=float) for x in _inputs(chart, state.error.q, state.error.p)]
     many = found[0].dtype == object
     bits = _bits([found[0]]) if many else 53
     field, unit = RunningError(Float64(), bits=bits), 2.0**-bits
-    inputs = [WithErrorBound(x, e) for x, e in zip(places, doubts, strict=True)]
+    inputs = [WithErrorBound(x, e) for x, e in zip(places, uncertainties, strict=True)]
     numbers = (np.asarray(float(to_bits(values[s])(64))) for s in fixed)
     inputs += [WithErrorBound(x, unit * np.abs(x)) for x in numbers]
     with np.errstate(all="ignore"):

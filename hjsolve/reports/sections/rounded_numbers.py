@@ -64,8 +64,8 @@ def quantity(estimate: WithError) -> Number:
     if error == 0:
         return Number(shortest(estimate.value), "", bool(estimate.certified))
     rounded, margin = rounded_pair(value, error)
-    doubt = plain_text(margin) if -3 < margin.adjusted() < 3 else scientific(margin)
-    return Number(plain_text(rounded), doubt, bool(estimate.certified))
+    uncertainty = plain_text(margin) if -3 < margin.adjusted() < 3 else scientific(margin)
+    return Number(plain_text(rounded), uncertainty, bool(estimate.certified))
 
 
 def terminating(value: sp.Basic, digits: int = 15) -> Number | None:
