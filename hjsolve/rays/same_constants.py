@@ -16,6 +16,7 @@ import sympy as sp
 
 from hjsolve.arithmetic.floats import EPS, bits_for, multiprecision
 from hjsolve.arithmetic.number_types import Mask, Reals
+from hjsolve.display.shown import Shown
 from hjsolve.errors import InvalidInputError
 from hjsolve.motion.initial_data import to_bits
 from hjsolve.motion.motion import Motion
@@ -41,8 +42,8 @@ _FAR = 4.0
 _DOUBLINGS = 40
 
 
-@dataclass(frozen=True, eq=False)
-class SameConstants:
+@dataclass(frozen=True, eq=False, repr=False)
+class SameConstants(Shown):
     """What the curves of a family of motions with the same constants are made from.
 
     Attributes:

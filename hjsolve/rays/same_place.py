@@ -7,7 +7,7 @@ envelope. ∂q/∂ψ is a difference over the directions, of eighth order; the e
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from functools import partial
 
 import mpmath
@@ -16,6 +16,7 @@ import sympy as sp
 
 from hjsolve.arithmetic.floats import EPS
 from hjsolve.arithmetic.number_types import Reals
+from hjsolve.display.shown import Shown
 from hjsolve.errors import HJSolveError, InvalidInputError
 from hjsolve.mechanics.system import mass_matrix
 from hjsolve.motion.motion import Motion
@@ -50,8 +51,8 @@ class _States:
     p_error: tuple[Reals, Reals]
 
 
-@dataclass(frozen=True, eq=False)
-class SamePlace:
+@dataclass(frozen=True, eq=False, repr=False)
+class SamePlace(Shown):
     """What the curves of a family of motions from one place are made from.
 
     Attributes:
@@ -62,7 +63,7 @@ class SamePlace:
     """
 
     names: tuple[str, str]
-    rays: tuple[Motion | None, ...]
+    rays: tuple[Motion | None, ...] = field(repr=False)
     start: float
     length: float
     placing: Placing | None

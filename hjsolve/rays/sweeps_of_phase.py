@@ -2,21 +2,22 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from typing import cast
 
 import numpy as np
 
 from hjsolve.arithmetic.floats import EPS
 from hjsolve.arithmetic.number_types import Reals
+from hjsolve.display.shown import Shown
 from hjsolve.one_coordinate.coordinate_motion import CoordinateMotion
 
 _CELLS = 1024
 _STEPS, _WIDENINGS = 80, 70
 
 
-@dataclass(frozen=True)
-class IgnorableSweep:
+@dataclass(frozen=True, repr=False)
+class IgnorableSweep(Shown):
     """An ignorable coordinate: its phase is the coordinate itself, or minus it; W grows by |c| per unit.
 
     Attributes:
@@ -75,8 +76,8 @@ class IgnorableSweep:
         return χ if self.angle else np.where((χ >= self.low) & (χ <= self.high), χ, np.nan)
 
 
-@dataclass(frozen=True)
-class SeparatedSweep:
+@dataclass(frozen=True, repr=False, eq=False)
+class SeparatedSweep(Shown):
     """A separated coordinate: its phase is that of its course (``one_coordinate``).
 
     Attributes:
@@ -91,9 +92,9 @@ class SeparatedSweep:
     name: str
     low: float
     high: float
-    course: CoordinateMotion
+    course: CoordinateMotion = field(repr=False)
     turning: tuple[float, ...]
-    table: tuple[Reals, Reals]
+    table: tuple[Reals, Reals] = field(repr=False)
     begin: float
 
     @property

@@ -130,8 +130,16 @@ def test_an_animation_can_be_saved(tmp_path: Path) -> None:
         assert (tmp_path / f"{name}.gif").read_bytes()[:3] == b"GIF"
 
 
+def test_wavefronts_are_plotted_between_their_caustics() -> None:
+    axes = default_motion("kepler-planar").plot("wavefronts")
+    radii = [np.hypot(line.get_xdata(), line.get_ydata()) for line in axes.lines]
+    assert min(np.nanmin(r) for r in radii) == pytest.approx(1, rel=1e-12)
+    assert max(np.nanmax(r) for r in radii) == pytest.approx(18 / 7, rel=1e-12)
+    assert len(axes.lines) == 2 * 24 + 12 + 2  # two sheets of each front, orbits, two circles
+
+
 @pytest.mark.parametrize(("call", "said"), [
-    (lambda m: m.plot("wavefronts"), "kind is one of orbit, time, phase, potential"),
+    (lambda m: m.plot("rays"), "kind is one of orbit, time, phase, potential"),
     (lambda m: m.plot("phase", "theta"), '"theta" is not separated; r'),
     (lambda m: m.plot("time", "x"), "no coordinate; they are r, theta"),
     (lambda m: m.plot("orbit", ax=3), "axes of matplotlib"),
