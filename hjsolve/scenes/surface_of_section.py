@@ -267,13 +267,16 @@ def _grid(plane: PlaneMotion, along: int, level: float, E: float, seen: Reals) -
         q, p = (np.linspace(m - h, m + h, _GRID) for m, h in zip(middle, half))
         room = _crossing(plane, along, level, E, *np.meshgrid(q, p))[1]
         inside = _connected(room > 0, q, p, drawn[:, 0])
-        sides = (inside[:, [0, -1]].any(), inside[[0, -1]].any())
+        sides = (bool(inside[:, [0, -1]].any()), bool(inside[[0, -1]].any()))
         round_ = angle and half[0] == np.pi
         sides = (sides[0] and not round_, sides[1])
         if not any(sides):
             rows, columns = np.nonzero(inside)
             if len(rows) > 4 and min(_GRID if round_ else np.ptp(columns), np.ptp(rows)) < 0.75 * _GRID:
-                ends = [(v[max(min(n) - 1, 0)], v[min(max(n) + 1, _GRID - 1)]) for v, n in ((q, columns), (p, rows))]
+                ends = [
+                    (v[max(int(n.min()) - 1, 0)], v[min(int(n.max()) + 1, _GRID - 1)])
+                    for v, n in ((q, columns), (p, rows))
+                ]
                 middle, half = np.mean(ends, axis=1), 0.55 * np.ptp(ends, axis=1)
                 continue
             return q, p, np.where(_beside(_beside(inside)), room, np.nan)
