@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import importlib
 import warnings
 from collections.abc import Callable, Iterator, Mapping
 from dataclasses import dataclass
@@ -132,6 +133,23 @@ class Batch:
 
         (columns,) = compute(dict(self.columns), **options)
         return Batch(columns, self.layout, self.shape)
+
+    def plot(self, x: str | None = None, y: str | None = None, *, colour: str | None = None, ax: Any = None) -> Any:
+        """Draw one number of the orbits against another with matplotlib (extra ``report``), a point an orbit.
+
+        Args:
+            x, y: names of columns, such as ``"actions.r"``; None for the first two.
+            colour: name of the column that gives the points their colour.
+            ax: axes to draw on; None for new ones.
+
+        Returns:
+            The axes. Errors are drawn where they can be seen; orbits without the numbers are counted above.
+
+        Raises:
+            InvalidInputError: names that are no columns of numbers, or axes that are none.
+            MissingExtraError: matplotlib is not installed.
+        """
+        return importlib.import_module("hjsolve.plots").plotted_batch(self, x, y, colour, ax)
 
     def __len__(self) -> int:
         """Orbits along the first axis."""

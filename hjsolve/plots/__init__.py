@@ -1,6 +1,7 @@
 """Plots: a motion on axes of matplotlib, and moving (extra report).
 
-In: motions and solutions. Out: matplotlib's axes and animations, drawn with what the reports draw, in their colours.
+In: motions, solutions and batches. Out: matplotlib's axes and animations, drawn with what the reports draw, in their
+colours.
 Read ``draw.py`` first; ``style.py`` has the colours, ``animation.py`` the moving point.
 """
 
@@ -10,16 +11,17 @@ from typing import TYPE_CHECKING, Any
 
 if TYPE_CHECKING:
     from hjsolve.plots.animation import animated as animated
+    from hjsolve.plots.batch import plotted_batch as plotted_batch
     from hjsolve.plots.draw import plotted as plotted
     from hjsolve.plots.draw import plotted_solution as plotted_solution
     from hjsolve.plots.energy_momentum import plotted_map as plotted_map
     from hjsolve.plots.wavefronts import plotted_wavefronts as plotted_wavefronts
 
 _HOMES = {
-    "animated": "animation", "plotted": "draw", "plotted_map": "energy_momentum", "plotted_solution": "draw",
-    "plotted_wavefronts": "wavefronts",
+    "animated": "animation", "plotted": "draw", "plotted_batch": "batch", "plotted_map": "energy_momentum",
+    "plotted_solution": "draw", "plotted_wavefronts": "wavefronts",
 }  # fmt: skip
-__all__ = ["animated", "plotted", "plotted_map", "plotted_solution", "plotted_wavefronts"]
+__all__ = ["animated", "plotted", "plotted_batch", "plotted_map", "plotted_solution", "plotted_wavefronts"]
 
 
 def __getattr__(name: str) -> Any:

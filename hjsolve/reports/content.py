@@ -8,6 +8,8 @@ from dataclasses import dataclass, field
 from pathlib import Path
 from typing import Any, TypeAlias, TypeVar
 
+import sympy as sp
+
 from hjsolve import catalog
 from hjsolve.catalog import moving_frames
 from hjsolve.errors import InvalidInputError, NotConvergedError, NotSeparableError
@@ -16,6 +18,7 @@ from hjsolve.mechanics.system import System
 from hjsolve.motion.motion import Motion
 from hjsolve.reports.document import Code, Document, Inline, Note, Section, Text
 from hjsolve.reports.drawings import orbit_paths
+from hjsolve.reports.formulas.abbreviations import abbreviating
 from hjsolve.reports.sections import motion as numerical
 from hjsolve.reports.sections import solution as quadratures
 from hjsolve.reports.sections import system_and_verdict
@@ -180,12 +183,21 @@ def document(material: Material, *, brief: bool = False) -> Document:
     Returns:
         The document, the same for every format.
     """
+    squares = material.solution.momentum_squared if material.solution is not None else {}
+    letters = system_and_verdict.letters_of(material.verdict.system, squares)
+    with abbreviating(letters):
+        return _document(material, letters, brief=brief)
+
+
+def _document(material: Material, letters: Mapping[sp.Expr, sp.Symbol], *, brief: bool) -> Document:
     verdict, entry = material.verdict, material.entry
     system, clock = verdict.system, dict(material.clock)
     chart = material.solution.chart if material.solution is not None else None
     sections: list[Section | None] = [
         chart_section(chart, material.motion) if chart is not None else None,
-        system_and_verdict.system_section(system, entry.meanings if entry else {}, entry.summary if entry else ""),
+        system_and_verdict.system_section(
+            system, entry.meanings if entry else {}, entry.summary if entry else "", letters
+        ),
         frame_section(material.frame, material.solution) if material.frame is not None else None,
         system_and_verdict.reduction_section(verdict),
         system_and_verdict.evidence_section(verdict),

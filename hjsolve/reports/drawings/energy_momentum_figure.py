@@ -172,7 +172,9 @@ def action_values(found: EnergyMomentumMap) -> tuple[Array, Array, dict[str, Arr
     """
     x, y = (low + (high - low) * (np.arange(n) + 0.5) / n for (low, high), n in zip(found.window, _COARSE))
     X, Y = (v.ravel() for v in np.meshgrid(x, y))
-    return x, y, {own.name: drawn_actions(own, X, Y).reshape(len(y), len(x)) for own in found.coordinates}
+    values = {own.name: drawn_actions(own, X, Y).reshape(len(y), len(x)) for own in found.coordinates}
+    moving = np.all([np.isfinite(J) for J in values.values()], axis=0)  # one may have room where another has none
+    return x, y, {name: np.where(moving, J, np.nan) for name, J in values.items()}
 
 
 def action_lines(found: EnergyMomentumMap, frame: svg.DrawingFrame) -> list[str]:

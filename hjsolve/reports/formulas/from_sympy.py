@@ -9,6 +9,7 @@ import sympy as sp
 from sympy.core.function import AppliedUndef
 from sympy.core.relational import Relational
 
+from hjsolve.reports.formulas.abbreviations import abbreviated
 from hjsolve.reports.formulas.layout import (
     Box,
     Definite,
@@ -39,6 +40,10 @@ def box(expression: sp.Basic) -> Box:
     Returns:
         The box.
     """
+    return _box(abbreviated(expression))
+
+
+def _box(expression: sp.Basic) -> Box:
     for kind, method in _METHODS:
         if isinstance(expression, kind):
             return method(expression)
@@ -103,7 +108,7 @@ def _signed_terms(expression: sp.Add) -> list[Box]:
 
 
 def _operand(term: sp.Expr) -> Box:
-    return Fence(box(term)) if isinstance(term, sp.Add | Relational) else box(term)
+    return Fence(_box(term)) if isinstance(term, sp.Add | Relational) else _box(term)
 
 
 def _sum(expression: sp.Add) -> Box:
@@ -146,7 +151,7 @@ def _product(expression: sp.Mul) -> Box:
     if not isinstance(coefficient, sp.Rational):
         return _side_by_side([coefficient, *above], below)
     if coefficient.q != 1 and not below:
-        return row(box(coefficient), _side_by_side(above, []))
+        return row(_box(coefficient), _side_by_side(above, []))
     top = [sp.Integer(coefficient.p)] if coefficient.p != 1 or not above else []
     bottom = [sp.Integer(coefficient.q)] if coefficient.q != 1 else []
     loose = [f for f in above if isinstance(f, sp.Integral)]
@@ -158,10 +163,10 @@ def _side_by_side(above: list[sp.Expr], below: list[sp.Expr]) -> Box:
     if below:
         return Fraction(_side_by_side(above or [sp.Integer(1)], []), _side_by_side(below, []))
     if len(above) == 1:
-        return box(above[0])
+        return _box(above[0])
     boxes: list[Box] = []
     for factor in above:
-        item = Fence(box(factor)) if isinstance(factor, sp.Add | Relational) else box(factor)
+        item = Fence(_box(factor)) if isinstance(factor, sp.Add | Relational) else _box(factor)
         if boxes and isinstance(boxes[-1], Glyph) and boxes[-1].kind == "number" and _starts_with_number(item):
             boxes.append(Glyph(TIMES, "operator"))
         boxes.append(item)
@@ -177,17 +182,17 @@ def _starts_with_number(item: Box) -> bool:
 def _power(expression: sp.Pow) -> Box:
     base, exponent = expression.as_base_exp()
     if exponent.is_Rational and exponent.is_negative:
-        return Fraction(Glyph("1", "number"), box(base ** (-exponent)))
+        return Fraction(Glyph("1", "number"), _box(base ** (-exponent)))
     if exponent.is_Rational and exponent.p == 1 and exponent.q != 1:
-        return RadicalBox(box(base), None if exponent.q == 2 else Glyph(str(exponent.q), "number"))
+        return RadicalBox(_box(base), None if exponent.q == 2 else Glyph(str(exponent.q), "number"))
     if isinstance(base, sp.Function) and not isinstance(base, sp.exp | sp.Abs | AppliedUndef) and exponent.is_Integer:
-        return _call(base, box(exponent))
+        return _call(base, _box(exponent))
     if isinstance(base, sp.Symbol):
         inner = name_box(base.name)
-        power = on_a_line(box(exponent))
+        power = on_a_line(_box(exponent))
         return Script(inner.base, inner.sub, power) if isinstance(inner, Script) else Script(inner, sup=power)
     bare = isinstance(base, sp.NumberSymbol | sp.exp) or (base.is_Integer and base.is_nonnegative)
-    return Script(box(base) if bare else Fence(box(base)), sup=on_a_line(box(exponent)))
+    return Script(_box(base) if bare else Fence(_box(base)), sup=on_a_line(_box(exponent)))
 
 
 def on_a_line(inner: Box) -> Box:
@@ -229,7 +234,7 @@ def _call(expression: sp.Function, power: Box | None = None) -> Box:
     head = Script(head, sup=power) if power is not None else head
     arguments: list[Box] = []
     for i, argument in enumerate(expression.args):
-        arguments += ([Glyph(",", "operator")] if i else []) + [box(argument)]
+        arguments += ([Glyph(",", "operator")] if i else []) + [_box(argument)]
     if len(expression.args) == 1 and _simple(expression.args[0]) and not isinstance(expression, AppliedUndef):
         return row(head, Glyph(APPLY, "operator"), arguments[0])
     return row(head, Fence(row(*arguments)))
@@ -247,7 +252,7 @@ def _simple(argument: sp.Expr) -> bool:
 
 
 def _exponential(expression: sp.exp) -> Box:
-    inner = on_a_line(box(expression.args[0]))
+    inner = on_a_line(_box(expression.args[0]))
     if width(inner) > 14:
         return row(Glyph("exp", "function"), Fence(inner))
     return Script(EULER, sup=inner)
@@ -255,13 +260,13 @@ def _exponential(expression: sp.exp) -> Box:
 
 # ------------------------------------------------------------------------------------------------ calculus and the rest
 def _integral(expression: sp.Integral) -> Box:
-    inner = box(expression.function)
+    inner = _box(expression.function)
     if isinstance(expression.function, sp.Add):
         inner = Fence(inner)
     for limit in expression.limits:
-        lower = box(limit[1]) if len(limit) == 3 else None
-        upper = box(limit[-1]) if len(limit) > 1 else None
-        inner = Definite("∫", inner, lower, upper, box(limit[0]))
+        lower = _box(limit[1]) if len(limit) == 3 else None
+        upper = _box(limit[-1]) if len(limit) > 1 else None
+        inner = Definite("∫", inner, lower, upper, _box(limit[0]))
     return inner
 
 
@@ -271,7 +276,7 @@ def _derivative(expression: sp.Derivative) -> Box:
     d = Glyph("∂" if partial else "d", "differential")
     bottom: list[Box] = []
     for variable, count in expression.variable_count:
-        bottom += [d, Script(box(variable), sup=Glyph(str(count), "number")) if count != 1 else box(variable)]
+        bottom += [d, Script(_box(variable), sup=Glyph(str(count), "number")) if count != 1 else _box(variable)]
     top = d if order == 1 else Script(d, sup=Glyph(str(order), "number"))
     return Fraction(row(top, _operand(expression.expr)), row(*bottom))
 
@@ -288,24 +293,25 @@ def _float(expression: sp.Float) -> Box:
     sign = [Glyph(MINUS, "operator")] if mantissa.startswith("-") else []
     number: Box = Glyph(mantissa.lstrip("-"), "number")
     if exponent:
-        ten = Script(Glyph("10", "number"), sup=box(sp.Integer(int(exponent))))
+        ten = Script(Glyph("10", "number"), sup=_box(sp.Integer(int(exponent))))
         number = row(number, Glyph("×", "operator"), ten)
     return row(*sign, number)
 
 
 def _relation(expression: Relational) -> Box:
     sign = Glyph(RELATIONS[expression.rel_op], "operator")
-    return row(box(expression.lhs), sign, box(expression.rhs))
+    return row(_box(expression.lhs), sign, _box(expression.rhs))
 
 
 def _matrix(expression: sp.MatrixBase) -> Box:
-    rows = tuple(tuple(box(expression[i, j]) for j in range(expression.cols)) for i in range(expression.rows))
+    rows = tuple(tuple(_box(expression[i, j]) for j in range(expression.cols)) for i in range(expression.rows))
     return Grid(rows, "(", ")", "c" * expression.cols)
 
 
 def _piecewise(expression: sp.Piecewise) -> Box:
+    otherwise = Glyph("otherwise", "text")
     rows = tuple(
-        (box(value), Glyph("otherwise", "text") if condition == sp.true else row(Glyph("if ", "text"), box(condition)))
+        (_box(value), otherwise if condition == sp.true else row(Glyph("if ", "text"), _box(condition)))
         for value, condition in expression.args
     )
     return Grid(rows, "{", "", "ll")
@@ -321,7 +327,7 @@ def _constant(expression: sp.Basic) -> Box:
 def _tuple(expression: sp.Tuple) -> Box:
     items: list[Box] = []
     for i, item in enumerate(expression):
-        items += ([Glyph(",", "operator")] if i else []) + [box(item)]
+        items += ([Glyph(",", "operator")] if i else []) + [_box(item)]
     return Fence(row(*items) if items else Glyph("", "text"))
 
 
@@ -334,7 +340,7 @@ _METHODS: tuple[tuple[type | tuple[type, ...], Callable[[sp.Basic], Box]], ...] 
     (sp.Mul, _product),
     (sp.exp, _exponential),
     (sp.Pow, _power),
-    (sp.Abs, lambda e: Fence(box(e.args[0]), "|", "|")),
+    (sp.Abs, lambda e: Fence(_box(e.args[0]), "|", "|")),
     (sp.Piecewise, _piecewise),
     (sp.Function, _call),
     (sp.Integral, _integral),

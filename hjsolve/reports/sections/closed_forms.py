@@ -2,8 +2,8 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Sequence
-from dataclasses import replace
+from collections.abc import Callable, Mapping, Sequence
+from dataclasses import dataclass, replace
 from functools import partial
 from typing import Any
 
@@ -79,9 +79,9 @@ def _section(form: RegimeForms, number: int) -> Section:
         "Holds for: ", *words, ". Each form was differentiated back "
         "to its integrand and compared with the quadrature to 40 digits; the separated momenta are positive.",
     )  # fmt: skip
-    blocks: list[Block] = [Paragraph(intro), *conditions]
-    for symbol, meaning in form.where.items():
-        blocks += _meaning(symbol, meaning)
+    blocks: list[Block | _TooLong] = [Paragraph(intro), *conditions]
+    for meaning, symbols in _by_meaning(form.where):
+        blocks += _meaning(symbols, meaning)
     if form.time_law is not None:
         blocks.append(_shown("time_law", form.time_law, lambda e: equation(e, "Greenwood (5-71)")))
     for q, e in form.inverse.items():
@@ -104,12 +104,48 @@ def _section(form: RegimeForms, number: int) -> Section:
         if (group, q, e) not in narrow:
             left = row(Glyph(f"{_GROUPS[group]} of ", "text"), name_box(q))
             blocks.append(_shown(f"{group}.{q}", e, partial(formula, left)))
+    long = tuple(((Code(block.name),), (str(block.operations),)) for block in blocks if isinstance(block, _TooLong))
+    shown: list[Block] = [block for block in blocks if not isinstance(block, _TooLong)]
+    if long:
+        shown.append(Paragraph(("Forms too long to be read here; ", Code("form.code()"), " writes them.")))
+        shown.append(Table((("Form",), ("Operations",)), long, "Longer closed forms"))
     if form.why_not:
-        missing = tuple(((Code(name),), typeset_prose(reason, system)) for name, reason in form.why_not.items())
-        blocks.append(Table((("Without a form",), ("Why",)), missing, "What has no closed form"))
+        missing = tuple((_names(names), typeset_prose(reason, system)) for reason, names in _by_reason(form.why_not))
+        shown.append(Table((("Without a form",), ("Why",)), missing, "What has no closed form"))
     suffix = f"-{number}" if number else ""
     title = f"Closed forms, regime {number}" if number else "Closed forms"
-    return Section(f"closed-forms{suffix}", title, tuple(blocks))
+    return Section(f"closed-forms{suffix}", title, tuple(shown))
+
+
+@dataclass(frozen=True)
+class _TooLong:
+    """In place of a formula that is long, or cannot be broken: its name and length."""
+
+    name: str
+    operations: int
+
+
+def _by_meaning(where: Mapping[sp.Symbol, object]) -> list[tuple[object, list[tuple[sp.Symbol, int]]]]:
+    """Meanings in order, each with its symbols; the real roots of one polynomial together, with their numbers."""
+    groups: dict[tuple[bool, object], list[tuple[sp.Symbol, int]]] = {}
+    for symbol, meaning in where.items():
+        one: tuple[object, int] = meaning if isinstance(meaning, tuple) else (meaning, -1)
+        groups.setdefault((one[1] >= 0, one[0]), []).append((symbol, one[1]))
+    return [(key[1], symbols) for key, symbols in groups.items()]
+
+
+def _by_reason(why_not: Mapping[str, str]) -> list[tuple[str, list[str]]]:
+    groups: dict[str, list[str]] = {}
+    for name, reason in why_not.items():
+        groups.setdefault(reason, []).append(name)
+    return list(groups.items())
+
+
+def _names(names: list[str]) -> Text:
+    pieces: list[Inline] = []
+    for name in names:
+        pieces += [", " if pieces else "", Code(name)]
+    return tuple(pieces)
 
 
 def _conditions(words: Text) -> tuple[Text, list[Formula]]:
@@ -126,26 +162,35 @@ def _conditions(words: Text) -> tuple[Text, list[Formula]]:
     return tuple(kept), displayed
 
 
-def _shown(name: str, e: sp.Basic, write: Callable[[Any], Formula]) -> Block:
+def _shown(name: str, e: sp.Basic, write: Callable[[Any], Formula]) -> Formula | _TooLong:
     """A formula; of one that is long, or cannot be broken, its name and length."""
     if sp.count_ops(e) > LONGEST_SHOWN or width(narrowed((shown := write(e)).box)) > _WIDEST:
-        return Paragraph(_too_long(name, e))
+        return _TooLong(name, int(sp.count_ops(e)))
     return shown
 
 
-def _too_long(name: str, e: sp.Basic) -> Text:
-    return (Code(name), f" has a form of {sp.count_ops(e)} operations: ", Code("form.code()"), " writes it.")
-
-
-def _meaning(symbol: sp.Symbol, meaning: object) -> list[Block]:
-    """What a symbol of a form stands for: in a sentence where it is short, else displayed."""
-    if isinstance(meaning, tuple):
-        polynomial, index = meaning
-        e, words = polynomial.as_expr(), f": root number {index + 1}, counted upwards, of the real roots of "
+def _meaning(symbols: list[tuple[sp.Symbol, int]], meaning: object) -> list[Block | _TooLong]:
+    """What symbols of a form stand for: in a sentence where it is short, else displayed."""
+    if isinstance(meaning, sp.Poly) and symbols[0][1] >= 0:
+        e, words = meaning.as_expr(), _root_words(symbols)
         if width(display(e, IN_A_CELL)) <= IN_A_CELL:
-            return [Paragraph((math(symbol), words, math(e)))]
-        return [Paragraph((math(symbol), words)), _shown(str(symbol), e, equation)]
-    e = sp.sympify(meaning)
+            return [Paragraph((*words, math(e)))]
+        return [Paragraph(words), _shown(str(symbols[0][0]), e, equation)]
+    if len(symbols) > 1:
+        return [block for one in symbols for block in _meaning([one], meaning)]
+    symbol, e = symbols[0][0], sp.sympify(meaning)
     if width(display(e, IN_A_CELL)) <= NARROW:
         return [Paragraph((math(symbol), " = ", math(e)))]
     return [_shown(str(symbol), e, partial(formula, box(symbol)))]
+
+
+def _root_words(symbols: list[tuple[sp.Symbol, int]]) -> Text:
+    """Which of the real roots of one polynomial the symbols are."""
+    if len(symbols) == 1:
+        symbol, index = symbols[0]
+        return (math(symbol), f": root number {index + 1}, counted upwards, of the real roots of ")
+    pieces: list[Inline] = []
+    for symbol, _ in symbols:
+        pieces += [", " if pieces else "", math(symbol)]
+    numbers = ", ".join(str(index + 1) for _, index in symbols)
+    return (*pieces, f": roots number {numbers}, counted upwards, of the real roots of ")

@@ -21,7 +21,7 @@ _PHRASES = (
     ("S_ij(V)", "Sᵢⱼ(V)"),
     ("L_ij", "Lᵢⱼ"),
     ("S_ij", "Sᵢⱼ"),
-    ("T = sum(R_i p_i^2)/(2 sum f_i), V = sum(v_i)/sum(f_i)", "T = ΣRᵢpᵢ²/(2Σfᵢ), V = Σvᵢ/Σfᵢ"),
+    ("T = sum(R_i p_i^2)/(2 sum f_i), V = sum(v_i)/sum(f_i)", "T = ∑Rᵢpᵢ²/(2∑fᵢ), V = ∑vᵢ/∑fᵢ"),
     ("Staeckel", "Stäckel"),
     ("V' = V - T0", "V′ = V − T₀"),
     ("T2 - T0 + V", "T₂ − T₀ + V"),

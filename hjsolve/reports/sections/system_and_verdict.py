@@ -26,6 +26,7 @@ from hjsolve.reports.document import (
     Table,
     Text,
 )
+from hjsolve.reports.formulas.abbreviations import abbreviating, abbreviations
 from hjsolve.reports.formulas.from_sympy import box, constants_outside
 from hjsolve.reports.formulas.layout import Box, Fraction, Glyph, Script, row
 from hjsolve.reports.formulas.line_breaks import LINE, broken, display
@@ -103,13 +104,17 @@ def equation(relation: sp.Basic, tag: str = "") -> Formula:
 
 
 # -------------------------------------------------------------------------------- the system
-def system_section(system: System, meanings: Mapping[str, tuple[str, str]], summary: str) -> Section:
+def system_section(
+    system: System, meanings: Mapping[str, tuple[str, str]], summary: str,
+    letters: Mapping[sp.Expr, sp.Symbol] | None = None,
+) -> Section:  # fmt: skip
     """Write down what was given.
 
     Args:
         system: the system.
         meanings: coordinate → (unit, meaning); may be empty.
         summary: what the catalog says about it; may be empty.
+        letters: sums that are abbreviated → their letters.
 
     Returns:
         The section.
@@ -117,11 +122,30 @@ def system_section(system: System, meanings: Mapping[str, tuple[str, str]], summ
     blocks: list[Block] = [Paragraph(typeset_prose(summary, system))] if summary else []
     if system.relativity is not None:
         blocks.append(Paragraph((RELATIVISTIC,)))
-    blocks += [formula(Glyph("T"), system.kinetic), formula(Glyph("V"), system.potential)]
+    blocks += [formula(Glyph("T"), system.kinetic), formula(Glyph("V"), system.potential), *_letters(letters)]
     blocks.append(_coordinates(system, meanings))
     if system.parameters:
         blocks.append(_parameters(system))
     return Section("system", "The system", (*blocks, *_hamilton(system)))
+
+
+def letters_of(system: System, momentum_squared: Mapping[str, sp.Expr]) -> dict[sp.Expr, sp.Symbol]:
+    """Sums in the formulas of a system that are abbreviated in its report.
+
+    Args:
+        system: what is given.
+        momentum_squared: coordinate → P², of its solution; empty where there is none.
+    """
+    shown = [system.kinetic, system.potential, hamiltonian(system), *momentum_squared.values()]
+    return abbreviations(shown, [c.symbol for c in system.coordinates], [p.symbol for p in system.parameters])
+
+
+def _letters(letters: Mapping[sp.Expr, sp.Symbol] | None) -> list[Block]:
+    if not letters:
+        return []
+    with abbreviating({}):
+        defined = [formula(name_box(symbol.name), e) for e, symbol in letters.items()]
+    return [Paragraph(("Here and in everything that follows:",)), *defined]
 
 
 RELATIVISTIC = (
