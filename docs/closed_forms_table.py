@@ -46,7 +46,13 @@ def regime_row(name: str, form: RegimeForms) -> str:
     """
     kinds = ", ".join(f"{q}: {kind}" for q, kind in form.regime.kinds.items()) or "every motion"
     where = ", ".join(f"{c} = {e}" for c, e in form.regime.special.items())
-    inverses = ", ".join([*(f"{q}(t)" for q in form.inverse), *(f"{q} along the orbit" for q in form.orbit)])
+    inverses = ", ".join(
+        [
+            *(f"{q}(t)" for q in form.inverse),
+            *(f"{q} along the orbit" for q in form.orbit),
+            *(f"{q}(τ)" for q in form.parametric),
+        ]
+    )
     return f"| {name} | {kinds}{'; ' + where if where else ''} | {described(form)} | {inverses} |"
 
 

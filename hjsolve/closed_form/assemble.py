@@ -9,7 +9,7 @@ import sympy as sp
 from hjsolve.closed_form.curves import W, why_no_curve
 from hjsolve.closed_form.energy_from_actions import solved_for_energy
 from hjsolve.closed_form.forms import RegimeForms
-from hjsolve.closed_form.inverses import inverse_forms, orbit_formulas
+from hjsolve.closed_form.inverses import inverse_forms, orbit_formulas, parametric_formulas
 from hjsolve.closed_form.pieces import CoordinateIntegrals
 from hjsolve.closed_form.regime import Regime, positive_in, settled
 from hjsolve.closed_form.tidy import LONGEST, elliptic, shortened_powers
@@ -61,7 +61,7 @@ def assembled(shop: Workshop, pieces: Integrals, made: Regime, special: Stratum)
         {name: relation(equation) for name, equation in equations.items()},
         None if function is None else settled(made, function), _turning_points(pieces, made), plain(numbers["periods"]),
         plain(numbers["actions"]), plain(numbers["frequencies"]), plain(numbers["mean_velocities"]), plain(inverse),
-        plain(orbit), energy, where, why_not,
+        plain(orbit), plain(parametric_formulas(shop, pieces, special)), energy, where, why_not,
     )  # fmt: skip
 
 

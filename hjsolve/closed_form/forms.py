@@ -36,6 +36,8 @@ class RegimeForms(Shown):
         mean_velocities: ignorable coordinate that is no angle → ⟨dq/dt⟩.
         inverse: coordinate → q(t).
         orbit: coordinate → q as a function of another coordinate, the one that it holds.
+        parametric: coordinate → q(τ) of two separated coordinates, τ the common value of the integrals of first kind in
+            the orbit equation of the separation constant (Liouville's τ, Mino's time); zero at the lower limits.
         energy: E as a function of the actions J_<name>; None where it was not solved for.
         where: symbol → its definition: an expression, or (polynomial, index of the real root).
         why_not: quantity → why there is no form of it.
@@ -53,6 +55,7 @@ class RegimeForms(Shown):
     mean_velocities: Mapping[str, sp.Expr]
     inverse: Mapping[str, sp.Expr]
     orbit: Mapping[str, sp.Expr]
+    parametric: Mapping[str, sp.Expr]
     energy: sp.Expr | None
     where: Mapping[sp.Symbol, sp.Expr | tuple[sp.Poly, int]]
     why_not: Mapping[str, str]
@@ -69,7 +72,7 @@ class RegimeForms(Shown):
         if self.characteristic_function is not None:
             found["characteristic_function"] = self.characteristic_function
         found |= {f"orbit_equations.{name}": equation.rhs for name, equation in self.orbit_equations.items()}
-        for group in ("periods", "actions", "frequencies", "mean_velocities", "inverse", "orbit"):
+        for group in ("periods", "actions", "frequencies", "mean_velocities", "inverse", "orbit", "parametric"):
             found |= {f"{group}.{name}": value for name, value in getattr(self, group).items()}
         for name, ends in self.turning_points.items():
             for side, end in zip(("lower", "upper"), ends, strict=True):

@@ -17,7 +17,7 @@ from hjsolve.closed_form.tidy import shortened_powers
 from hjsolve.closed_form.time_limit import check_time
 from hjsolve.closed_form.verification import monotone_span, sample_numbers, value_at
 from hjsolve.closed_form.workshop import Stratum, Workshop
-from hjsolve.functions import JacobiAM, JacobiSN
+from hjsolve.functions import JacobiAM, JacobiCN, JacobiSN
 
 _DIGITS = 40
 
@@ -170,9 +170,14 @@ def _elliptic(
             x = carlson_inverse(way, amount, begin)
         case _:
             x = elliptic_inverse(way, amount, begin)
-    place = shortened_powers(s.inverse.subs(s.x, x)).replace(
-        lambda e: isinstance(e, sp.asin) and isinstance(e.args[0], JacobiSN), lambda e: JacobiAM(*e.args[0].args)
-    )
+    place = shortened_powers(s.inverse.subs(s.x, x))
+    if own.kind == "rotation":  # asin(sn u) turns back after a quarter of a turn, am u goes on
+        place = place.replace(
+            lambda e: isinstance(e, sp.asin) and isinstance(e.args[0], JacobiSN), lambda e: JacobiAM(*e.args[0].args)
+        ).replace(
+            lambda e: isinstance(e, sp.asin) and isinstance(e.args[0], JacobiCN),
+            lambda e: sp.pi / 2 - JacobiAM(*e.args[0].args),
+        )
     return verified_inverse(own, integral, monotone_inverse(place), value, start, others)
 
 
@@ -235,6 +240,11 @@ def verified_inverse(
         got = value_at(place, numbers)
         if not abs(got - target) <= (abs(target) + mpmath.mpf(10) ** -5) * mpmath.mpf(10) ** -_DIGITS:
             raise NoFormError(f"not verified: the inverse gives {mpmath.nstr(got, 15)} for {mpmath.nstr(target, 15)}")
+        if own.kind == "rotation" and integral.cycle is not None:
+            numbers[unknown] += value_at(integral.cycle, numbers) / value_at(sp.diff(value, unknown), numbers)
+            turned = mpmath.sin((value_at(place, numbers) - target) / 2)
+            if not abs(turned) <= mpmath.mpf(10) ** -_DIGITS:
+                raise NoFormError("the inverse that was found is right on one turn only")
     return place
 
 
@@ -291,6 +301,47 @@ def _along(
                 numbers |= sample_numbers(more)
                 numbers |= {q: _fraction(_nearby(more, along)), start: _fraction(more.sample.places[other])}
     return inverted(own, own.integrals[key], value, solution.lower_limits[target], numbers)
+
+
+def parametric_formulas(
+    shop: Workshop, pieces: Mapping[str, CoordinateIntegrals], special: Stratum
+) -> dict[str, sp.Expr]:  # fmt: skip
+    """q₁(τ) and q₂(τ) from ∫ ∂p₁/∂α dq₁ + ∫ ∂p₂/∂α dq₂ = −β: dτ = ±∂p₁/∂α dq₁ = ∓∂p₂/∂α dq₂, growing with both.
+
+    So the times of two centres and of Kerr's geodesics decouple (Greenwood (5-137); Mino, Phys. Rev. D 67, 084027).
+
+    Args:
+        shop: of the solution.
+        pieces: separated coordinate → its integrals.
+        special: constant → what it is.
+    """
+    solution, names = shop.solution, list(shop.solution.coordinates)
+    ignorable = {c.momentum for c in solution.separation.shell.ignorable}
+    taken = {s.name for s in solution.characteristic_function.free_symbols}
+    τ = sp.Symbol("tau" if "tau" not in taken else "tau_1", real=True)
+    if len(names) != 2 or any(name not in pieces for name in names):
+        return {}
+    for constant in solution.orbit_equations:
+        key, found = solution.constants[constant].symbol, dict[str, sp.Expr]()
+        if key in ignorable or key in special or any(key not in pieces[n].integrals for n in names):
+            continue
+        for name in names:
+            try:
+                found[name] = _on_branch(pieces[name], key, τ, solution.lower_limits[name])
+            except NoFormError:
+                continue
+        if found:
+            return found
+    return {}
+
+
+def _on_branch(own: CoordinateIntegrals, key: sp.Symbol, τ: sp.Symbol, start: sp.Symbol) -> sp.Expr:
+    """Q(τ) of a coordinate that grows with τ."""
+    integral, numbers = own.integrals[key], sample_numbers(own)
+    numerator = value_at(
+        integral.numerator, numbers | {integral.curve.coordinate.symbol: _fraction(own.sample.places[own.name])}
+    )
+    return inverted(own, integral, τ if numerator > 0 else -τ, start)
 
 
 def _fraction(value: sp.Expr) -> mpmath.mpf:

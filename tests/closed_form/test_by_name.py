@@ -6,6 +6,7 @@ the bead on a turning wire, the spherical pendulum and Lagrange's top: Whittaker
 
 from __future__ import annotations
 
+import math
 from collections.abc import Mapping
 
 import pytest
@@ -39,6 +40,7 @@ def _value(form: RegimeForms, name: str, values: Mapping[str, sp.Expr]) -> float
 @pytest.mark.parametrize(("name", "coordinate", "q", "velocity"), [
     ("double-well", "x", {"x": "1.1"}, {"x": "0.1"}), ("double-well", "x", {"x": "0.1"}, {"x": 2}),
     ("bead-on-turning-wire", "theta", {"theta": "0.3"}, {"theta": "0.2"}),
+    ("bead-on-turning-wire", "theta", {"theta": "0.3"}, {"theta": 3}), ("pendulum", "theta", {"theta": "0.3"}, {"theta": 9}),
     ("spherical-pendulum", "theta", {"theta": "0.7", "phi": 0}, {"theta": "0.2", "phi": "1.3"}),
     ("lagrange-top", "theta", {"theta": "0.7", "phi": 0, "psi": 0}, {"theta": "0.2", "phi": "0.4", "psi": "5"}),
 ])  # fmt: skip
@@ -50,7 +52,44 @@ def test_in_time(name: str, coordinate: str, q: dict, velocity: dict) -> None:
     for moment in TIMES:
         expected = motion.at(moment).q[coordinate]
         got = _value(form, f"inverse.{coordinate}", values | {"t": sp.Rational(moment)})
-        assert abs(got - expected) <= 2e-12 * max(abs(expected), 0.1), (moment, got, expected)
+        turned = (
+            math.remainder(got - expected, 2 * math.pi) if motion.kinds[coordinate] == "rotation" else got - expected
+        )
+        assert abs(turned) <= 2e-12 * max(abs(expected), abs(got), 0.1), (moment, got, expected)
+
+
+@pytest.mark.parametrize(("name", "q", "velocity"), [
+    ("two-centres-plane", {"xi": "0.9", "eta": "0.4"}, {"xi": "0.1", "eta": "0.1"}),
+    ("liouville-p5-6", {"q1": "0.3", "q2": "3"}, {"q1": "0.5", "q2": "0.4"}),
+    ("stark", {"u": "1.1", "v": "0.9", "phi": 0}, {"u": "0.1", "v": "0.1", "phi": "0.5"}),
+])  # fmt: skip
+def test_in_the_time_that_decouples(name: str, q: dict, velocity: dict) -> None:
+    """At one τ both coordinates are where a motion is at one time; of two centres ξ(τ) by the slope dξ/dτ = p/|∂p²/2∂α|."""
+    motion = hjsolve.solve(name).motion(q=q, velocity=velocity)
+    form = own_form(motion)
+    assert form is not None
+    values, solution = _constants(motion, form), motion.solution
+    key = next(c.symbol for n, c in solution.constants.items() if n.startswith("alpha"))
+    assert form.parametric
+    for moment in ("0.2", "0.35", "0.6"):
+        for coordinate in form.parametric:
+            there, step = sp.Rational(moment), sp.Rational(1, 1000)
+            a, b, c, d = (
+                sp.Float(_value(form, f"parametric.{coordinate}", values | {"tau": there + k * step}), 20)
+                for k in (-2, -1, 1, 2)
+            )
+            slope = float((a - 8 * b + 8 * c - d) / (12 * step))
+            place = _value(form, f"parametric.{coordinate}", values | {"tau": there})
+            square = solution.momentum_squared[coordinate]
+            at = {s: values[s.name] for s in square.free_symbols | {key} if s.name in values}
+            at[solution.system.coordinate(coordinate).symbol] = sp.Float(place, 25)
+            p2, N = (float(sp.N(e.xreplace(at), 20)) for e in (square, sp.diff(square, key) / 2))
+            assert abs(slope**2 - p2 / N**2) <= 1e-8 * (slope**2 + abs(p2 / N**2)), (coordinate, moment)
+    if len(form.parametric) == 2:
+        first, second = (_value(form, f"parametric.{n}", values | {"tau": sp.Rational("0.1")}) for n in form.parametric)
+        one, two = form.parametric
+        passed = motion.orbit(two, along=one, values=[first])
+        assert abs(float(passed[0]) - second) <= 1e-10 * abs(second)
 
 
 @pytest.mark.parametrize("potential", ["-k/r + b/r**2", "-k/r - b/r**3", "-k/r + b/r**3"])

@@ -90,6 +90,8 @@ def _section(form: RegimeForms, number: int) -> Section:
         blocks.append(_shown(f"orbit_equations.{name}", law, lambda e: equation(e, "Greenwood (5-70)")))
     for q, e in form.orbit.items():
         blocks.append(_shown(f"orbit.{q}", e, partial(formula, row(name_box(q), Glyph(" along the orbit ", "text")))))
+    for q, e in form.parametric.items():
+        blocks.append(_shown(f"parametric.{q}", e, partial(formula, row(name_box(q), Glyph("(τ) ", "text")))))
     if form.characteristic_function is not None:
         W = form.characteristic_function
         blocks.append(_shown("characteristic_function", W, lambda e: formula(Glyph("W"), e, "Greenwood (5-65)")))
