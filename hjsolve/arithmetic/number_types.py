@@ -34,6 +34,10 @@ Integers = NDArray[np.int64]
 """An array of whole numbers: positions, counts."""
 Mask = NDArray[np.bool_]
 """An array of truth values."""
+Codes = NDArray[np.uint8]
+"""An array of small codes: statuses."""
+Which = Integers | Mask
+"""Which of some rows: their positions, or True where they are meant."""
 Numbers = NDArray[np.float64] | NDArray[np.object_]
 """An array of doubles, or of ``mpf``."""
 Columns = Mapping[str, NDArray[np.generic]]

@@ -8,9 +8,8 @@ turning point), û is moved a little into the motion, and p̂² = F(û) is had w
 
 from __future__ import annotations
 
-from collections.abc import Mapping
-from dataclasses import dataclass, replace
-from typing import Any
+from collections.abc import Iterable, Mapping
+from dataclasses import dataclass, field, replace
 
 import numpy as np
 
@@ -18,6 +17,7 @@ from hjsolve.arithmetic.double_double import DoubleDouble
 from hjsolve.arithmetic.error_free import Pair
 from hjsolve.arithmetic.floats import Float64
 from hjsolve.arithmetic.jet import Jet, Jets
+from hjsolve.arithmetic.number_types import Elementwise, Reals
 from hjsolve.arithmetic.running_error import RunningError, WithErrorBound
 from hjsolve.ensembles.charted.chart_map import ChartMap
 from hjsolve.ensembles.charted.inverse_arrays import inverse_arrays
@@ -39,6 +39,10 @@ _NEAR, _FAR = 64.0, 2.0**16
 many δu."""
 
 
+def _none() -> Reals:
+    return np.empty((0, 0))
+
+
 @dataclass(frozen=True)
 class ChartedStarts(Starts):
     """Starts of n orbits; ``velocity`` holds what the user gave, rows x then p or v.
@@ -50,8 +54,8 @@ class ChartedStarts(Starts):
     """
 
     chart: ChartMap | None = None
-    off: Any = None
-    rates: Any = None
+    off: Reals = field(default_factory=_none)
+    rates: Reals = field(default_factory=_none)
 
     def precise(self) -> Starts:
         """Return the same with momenta in two doubles."""
@@ -59,7 +63,7 @@ class ChartedStarts(Starts):
         return in_two_doubles(self.chart, self)
 
 
-def charted_starts(chart: ChartMap, x: Any, rates: Any) -> ChartedStarts:
+def charted_starts(chart: ChartMap, x: Reals, rates: Reals) -> ChartedStarts:
     """Carry places and momenta or velocities to the separated coordinates.
 
     Args:
@@ -87,7 +91,7 @@ def charted_starts(chart: ChartMap, x: Any, rates: Any) -> ChartedStarts:
     return ChartedStarts(q, p, spread, np.zeros_like(p), spread, given, chart=chart, off=loss, rates=rates_of_phases)
 
 
-def run_charted(engine: Engine, chart: ChartMap, q: Mapping[str, Any], rates: Mapping[str, Any]) -> Columns:
+def run_charted(engine: Engine, chart: ChartMap, q: Mapping[str, Reals], rates: Mapping[str, Reals]) -> Columns:
     """Compute what is wanted for many orbits given in the user's coordinates.
 
     Args:
@@ -110,7 +114,7 @@ def run_charted(engine: Engine, chart: ChartMap, q: Mapping[str, Any], rates: Ma
     return columns
 
 
-def _shake(chart: ChartMap, engine: Engine, columns: Columns, starts: Starts, off: Any, rates: Any) -> None:
+def _shake(chart: ChartMap, engine: Engine, columns: Columns, starts: Starts, off: Reals, rates: Reals) -> None:
     """Add to the errors of the angles what û is off; where that is too much, û − u is worked out with 32 digits first.
 
     The engine counts an error of ``_LEAST`` at least for every phase, so an error of an angle is at least ``_LEAST``
@@ -122,6 +126,7 @@ def _shake(chart: ChartMap, engine: Engine, columns: Columns, starts: Starts, of
         doubtful = (errors * (1 + shaken / _LEAST)).max(axis=0) > _MOST
         again = np.flatnonzero(doubtful & (columns.status == Status.OK))
         if len(again):
+            assert starts.velocity is not None
             q, given, n = starts.q[:, again], starts.velocity[:, again], len(off)
             exact, _ = _exact_point(chart, q, given[:n], given[n:])
             near = np.stack([np.abs((u.high - row) + u.low) for u, row in zip(exact, q, strict=True)])
@@ -137,19 +142,19 @@ def _separated(chart: ChartMap) -> list[tuple[int, LoweredFormula]]:
     return [(c.index, c.plain) for c in chart.model.separated]
 
 
-def _numbers(chart: ChartMap) -> list[WithErrorBound[Any]]:
+def _numbers(chart: ChartMap) -> list[WithErrorBound[Reals]]:
     return [WithErrorBound(x.high, _UNIT * abs(x.high) if x.low else None) for x in chart.numbers]
 
 
-def _parameters(chart: ChartMap) -> list[WithErrorBound[Any]]:
+def _parameters(chart: ChartMap) -> list[WithErrorBound[Reals]]:
     return [WithErrorBound(x.high, _UNIT * abs(x.high) if x.low else None) for x in chart.model.numbers]
 
 
-def _bounds(results: list[WithErrorBound[Any]], shape: tuple[int, ...]) -> Any:
+def _bounds(results: list[WithErrorBound[Reals]], shape: tuple[int, ...]) -> Reals:
     return np.stack([np.broadcast_to(0.0 if r.error is None else r.error, shape) for r in results])
 
 
-def _places(chart: ChartMap, x: Any) -> tuple[Any, Any]:
+def _places(chart: ChartMap, x: Reals) -> tuple[Reals, Reals]:
     """û and a bound on its error: by the inverse formulas, then Newton's method, whose last step tells the error."""
     shape, plain = x.shape[1:], [n.high for n in chart.numbers]
     X = [np.broadcast_to(value, shape) for value in chart.local.run(Float64(), [*x, *plain])]
@@ -164,7 +169,7 @@ def _places(chart: ChartMap, x: Any) -> tuple[Any, Any]:
     return q[order], loss[order]
 
 
-def _inside(chart: ChartMap, u: list[Any]) -> list[Any]:
+def _inside(chart: ChartMap, u: list[Reals]) -> list[Reals]:
     """(−u, −v) for (u, v) where one of them has to be positive; NaN on the edge, where V has a crease."""
     for k, (positive, half) in enumerate(chart.edges):
         if positive and chart.kind.startswith(("elliptic", "parabolic")):
@@ -174,15 +179,15 @@ def _inside(chart: ChartMap, u: list[Any]) -> list[Any]:
     return u
 
 
-def _given(chart: ChartMap, rows: Any) -> list[Any]:
+def _given(chart: ChartMap, rows: Reals) -> list[Reals]:
     """Rows of the system in the order of the chart."""
-    found: list[Any] = [None] * len(rows)
+    found = list(rows)
     for row, k in zip(rows, chart.order, strict=True):
         found[k] = row
     return found
 
 
-def _momenta(chart: ChartMap, q: Any, loss: Any, rates: Any) -> tuple[Any, Any]:
+def _momenta(chart: ChartMap, q: Reals, loss: Reals, rates: Reals) -> tuple[Reals, Reals]:
     """p_u at û as if X(û) were the place, and a bound on what it is off from p_u at u."""
     shape, order = q.shape[1:], list(chart.order)
     inputs = [WithErrorBound(a, e) for a, e in zip(_given(chart, q), _given(chart, loss), strict=True)]
@@ -192,7 +197,7 @@ def _momenta(chart: ChartMap, q: Any, loss: Any, rates: Any) -> tuple[Any, Any]:
     return values[order], _bounds(found, shape)[order]
 
 
-def _moved(chart: ChartMap, q: Any, p: Any, p_loss: Any, loss: Any) -> tuple[Any, Any, Any]:
+def _moved(chart: ChartMap, q: Reals, p: Reals, p_loss: Reals, loss: Reals) -> tuple[Reals, Reals, Reals]:
     """How far û is moved into the motion, and F′ and F″ there; p changes with it, in place."""
     numbers = [n.high for n in chart.model.numbers]
     constants = chart.model.rule.run(Float64(), [*q, *p, *numbers])
@@ -207,7 +212,7 @@ def _moved(chart: ChartMap, q: Any, p: Any, p_loss: Any, loss: Any) -> tuple[Any
     return moved, slope, bend
 
 
-def _phase_rate(unitless: bool, u: Any, p: Any, slope: Any, bend: Any) -> Any:
+def _phase_rate(unitless: bool, u: Reals, p: Reals, slope: Reals, bend: Reals) -> Reals:
     """A bound on dχ/du of the phase χ of a coordinate, but for ``_PHASE``.
 
     It is √S/|p| with p² = (u − a)(b − u) S, where S is about |F″|/2; where that is small, F′ over the width b − a,
@@ -219,7 +224,7 @@ def _phase_rate(unitless: bool, u: Any, p: Any, slope: Any, bend: Any) -> Any:
     return middle + end + (1.0 if unitless else 0.0)
 
 
-def _rounding(chart: ChartMap, q: Any, x: Any, rates: Any) -> tuple[Any, list[Any]]:
+def _rounding(chart: ChartMap, q: Reals, x: Reals, rates: Reals) -> tuple[Reals, list[Elementwise]]:
     """What doubles lose of p_u and of the constants at u; two doubles lose 2^−44 of it at most."""
     order = list(chart.order)
     inputs = [WithErrorBound(row) for row in (*_given(chart, q), *x)]
@@ -238,6 +243,7 @@ def in_two_doubles(chart: ChartMap, starts: Starts) -> Starts:
         chart: the map.
         starts: made by it.
     """
+    assert starts.velocity is not None
     q, n = starts.q, len(starts.q)
     x, rates = starts.velocity[:n], starts.velocity[n:]
     with np.errstate(all="ignore"):
@@ -259,11 +265,11 @@ def in_two_doubles(chart: ChartMap, starts: Starts) -> Starts:
     return replace(starts, p=high, low=low, spread=spread, doubt=doubt)
 
 
-def _exact_point(chart: ChartMap, q: Any, x: Any, rates: Any) -> tuple[list[Pair], list[Pair]]:
+def _exact_point(chart: ChartMap, q: Reals, x: Reals, rates: Reals) -> tuple[list[Pair], list[Pair]]:
     """The exact place and momenta, u and p_u, in two doubles, by Newton's method from û."""
     arithmetic, order, numbers = DoubleDouble(), list(chart.order), list(chart.numbers)
 
-    def exactly(rows: Any) -> list[Pair]:
+    def exactly(rows: Iterable[Reals]) -> list[Pair]:
         return [Pair(row, 0.0 * row) for row in rows]
 
     u = exactly(_given(chart, q))
@@ -275,8 +281,8 @@ def _exact_point(chart: ChartMap, q: Any, x: Any, rates: Any) -> tuple[list[Pair
 
 
 def _root_of(
-    chart: ChartMap, formula: LoweredFormula, q: Any, constants: list[Pair], doubts: list[Any]
-) -> tuple[Pair, Any]:
+    chart: ChartMap, formula: LoweredFormula, q: Reals, constants: list[Pair], doubts: list[Elementwise]
+) -> tuple[Pair, Reals]:
     """√F(û) in two doubles, and a bound on what doubles lose of it."""
     F = formula.squared.run(DoubleDouble(), [Pair(q, 0.0 * q), *constants, *chart.model.numbers])[0]
     root = DoubleDouble().unary("sqrt", F)
@@ -285,7 +291,7 @@ def _root_of(
     return root, _SAFETY * (0.0 if error is None else error) / (2 * root.high)
 
 
-def _derivatives(chart: ChartMap, formula: LoweredFormula, q: Any, constants: list[Any]) -> tuple[Any, Any]:
+def _derivatives(chart: ChartMap, formula: LoweredFormula, q: Reals, constants: list[Reals]) -> tuple[Reals, Reals]:
     """F′ and F″ in doubles."""
     jets, numbers = Jets(Float64()), [n.high for n in chart.model.numbers]
     jet = formula.squared.run(jets, [jets.variable(q), *(Jet(v) for v in (*constants, *numbers))])[0]

@@ -7,16 +7,16 @@ cancels here is made good by Newton's method (``charted_starts``), so no digit o
 from __future__ import annotations
 
 from collections.abc import Callable, Mapping, Sequence
-from typing import Any
 
 import numpy as np
 
+from hjsolve.arithmetic.number_types import Elementwise, Reals
 from hjsolve.errors import InternalError
 
 Lengths = Mapping[str, float]
 
 
-def inverse_arrays(kind: str, X: Sequence[Any], lengths: Lengths) -> list[Any]:
+def inverse_arrays(kind: str, X: Sequence[Reals], lengths: Lengths) -> list[Reals]:
     """Return the coordinates of many points.
 
     Args:
@@ -43,54 +43,54 @@ def inverse_arrays(kind: str, X: Sequence[Any], lengths: Lengths) -> list[Any]:
         return _FLAT_OR_OCTANT[kind](X, lengths)
 
 
-def _root(x: Any) -> Any:
+def _root(x: Reals) -> Reals:
     return np.sqrt(np.maximum(x, 0.0))
 
 
-def _over(above: Any, below: Any, otherwise: Any) -> Any:
+def _over(above: Reals, below: Reals, otherwise: Reals | float) -> Reals:
     return np.where(below != 0, above / np.where(below != 0, below, 1.0), otherwise)
 
 
-def _two_roots(total: Any, product: Any) -> tuple[Any, Any]:
+def _two_roots(total: Reals, product: Reals) -> tuple[Reals, Reals]:
     """Return (s, k) ≥ 0 with s − k = total, s·k = product ≥ 0; neither cancels."""
     larger = (np.abs(total) + np.sqrt(total**2 + 4 * product)) / 2
     smaller = _over(product, larger, 0.0)
     return np.where(total >= 0, larger, smaller), np.where(total >= 0, smaller, larger)
 
 
-def _parabolic(X: Sequence[Any], _: Lengths) -> list[Any]:
+def _parabolic(X: Sequence[Reals], _: Lengths) -> list[Reals]:
     u2, v2 = _two_roots(2 * X[0], X[1] ** 2)
     u = np.sqrt(u2)
     return [u, _over(X[1], u, np.sqrt(v2))]
 
 
-def _elliptic(X: Sequence[Any], lengths: Lengths) -> list[Any]:
+def _elliptic(X: Sequence[Reals], lengths: Lengths) -> list[Reals]:
     x, y = X[0] / lengths["a"], X[1] / lengths["a"]
     s2, k2 = _two_roots(x**2 + y**2 - 1, y**2)
     s = np.sqrt(s2)
     return [np.arcsinh(s), np.arctan2(_over(y, s, np.sqrt(k2)), x / np.sqrt(1 + s2))]
 
 
-def _spherical(X: Sequence[Any], _: Lengths) -> list[Any]:
+def _spherical(X: Sequence[Reals], _: Lengths) -> list[Reals]:
     return [np.hypot(X[0], X[1]), np.arctan2(X[0], X[1])]
 
 
-def _rotational_parabolic(X: Sequence[Any], _: Lengths) -> list[Any]:
+def _rotational_parabolic(X: Sequence[Reals], _: Lengths) -> list[Reals]:
     return [np.sqrt(s) for s in _two_roots(2 * X[1], X[0] ** 2)]
 
 
-def _prolate(X: Sequence[Any], lengths: Lengths) -> list[Any]:
+def _prolate(X: Sequence[Reals], lengths: Lengths) -> list[Reals]:
     return _elliptic((X[1], X[0]), lengths)
 
 
-def _oblate(X: Sequence[Any], lengths: Lengths) -> list[Any]:
+def _oblate(X: Sequence[Reals], lengths: Lengths) -> list[Reals]:
     ρ, z = X[0] / lengths["a"], X[1] / lengths["a"]
     s2, k2 = _two_roots(ρ**2 + z**2 - 1, z**2)
     s = np.sqrt(s2)
     return [np.arcsinh(s), np.arctan2(ρ / np.sqrt(1 + s2), _over(z, s, np.sqrt(k2)))]
 
 
-def _conical(X: Sequence[Any], lengths: Lengths) -> list[Any]:
+def _conical(X: Sequence[Reals], lengths: Lengths) -> list[Reals]:
     e1, e2, e3 = (lengths[f"e{i}"] for i in (1, 2, 3))
     r = np.sqrt(X[0] ** 2 + X[1] ** 2 + X[2] ** 2)
     n = [x / r for x in X]
@@ -102,7 +102,7 @@ def _conical(X: Sequence[Any], lengths: Lengths) -> list[Any]:
     return [r, χ, np.arctan2(sine, n[2] * scale / np.sqrt(second + low))]
 
 
-def _ellipsoidal(X: Sequence[Any], lengths: Lengths) -> list[Any]:
+def _ellipsoidal(X: Sequence[Reals], lengths: Lengths) -> list[Reals]:
     a, b = lengths["a"], [lengths[f"a{i}"] for i in (1, 2, 3)]
     x = [value / a for value in X]
     squares = [value**2 for value in x]
@@ -122,7 +122,7 @@ def _ellipsoidal(X: Sequence[Any], lengths: Lengths) -> list[Any]:
     return [χ, np.arctan2(sine, other), np.arcsinh(_over(x[2], other * np.sqrt(second * below / whole), _root(high)))]
 
 
-def _paraboloidal(X: Sequence[Any], lengths: Lengths) -> list[Any]:
+def _paraboloidal(X: Sequence[Reals], lengths: Lengths) -> list[Reals]:
     a, b, e = (lengths[name] for name in ("a", "b", "c"))
     x, y, z = (value / a for value in X)
     u, v, w = _three_roots(2 * x + b + e, 2 * x * (b + e) + b * e - y**2 - z**2, 2 * x * b * e - y**2 * e - z**2 * b)
@@ -136,7 +136,7 @@ def _paraboloidal(X: Sequence[Any], lengths: Lengths) -> list[Any]:
     ]  # fmt: skip
 
 
-def _three_roots(total: Any, pairs: Any, product: Any) -> list[Any]:
+def _three_roots(total: Elementwise, pairs: Elementwise, product: Elementwise) -> list[Reals]:
     """The real roots of s³ − total·s² + pairs·s − product in rising order, by the cosine of a third of an angle."""
     middle, width = total / 3, _root(total**2 - 3 * pairs)
     cosine = _over(2 * total**3 - 9 * total * pairs + 27 * product, 2 * width**3, 1.0)
@@ -144,7 +144,7 @@ def _three_roots(total: Any, pairs: Any, product: Any) -> list[Any]:
     return [middle + 2 * width / 3 * np.cos((angle + shift * 2 * np.pi) / 3) for shift in (1, 2, 0)]
 
 
-_Inverse = Callable[[Sequence[Any], Lengths], list[Any]]
+_Inverse = Callable[[Sequence[Reals], Lengths], list[Reals]]
 _FLAT_OR_OCTANT: Mapping[str, _Inverse] = {
     "parabolic": _parabolic, "elliptic": _elliptic, "conical": _conical, "ellipsoidal": _ellipsoidal,
     "paraboloidal": _paraboloidal,

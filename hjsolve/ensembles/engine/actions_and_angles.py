@@ -8,11 +8,11 @@ angles are those of ``time_law/torus``: θₖ = Σⱼ (∂J/∂c)⁻¹ₖⱼ Σ�
 from __future__ import annotations
 
 from dataclasses import dataclass
-from typing import Any
 
 import numpy as np
 
 from hjsolve.arithmetic.floats import EPS
+from hjsolve.arithmetic.number_types import Mask, Reals
 from hjsolve.arithmetic.reproducible_products import stacked
 from hjsolve.ensembles.engine.lowered_solution import Model
 from hjsolve.ensembles.engine.midpoint_rule import Sums
@@ -22,11 +22,11 @@ from hjsolve.ensembles.engine.midpoint_rule import Sums
 class TorusNumbers:
     """Numbers of n orbits; coordinate → array (n,), and its error bound."""
 
-    frequencies: dict[str, tuple[Any, Any]]
-    angles: dict[str, tuple[Any, Any]]
+    frequencies: dict[str, tuple[Reals, Reals]]
+    angles: dict[str, tuple[Reals, Reals]]
 
 
-def combine_integrals(model: Model, sums: list[Sums], directions: Any, q: Any, *, angles: bool) -> TorusNumbers:
+def combine_integrals(model: Model, sums: list[Sums], directions: Reals, q: Reals, *, angles: bool) -> TorusNumbers:
     """Combine the integrals.
 
     With M the matrix ∂Jᵢ/∂cⱼ, δM⁻¹ = −M⁻¹ δM M⁻¹ to first order. It is multiplied out as far as signs are known, before
@@ -61,12 +61,12 @@ def combine_integrals(model: Model, sums: list[Sums], directions: Any, q: Any, *
     return TorusNumbers(ordered, found)
 
 
-def _applied(matrices: Any, vectors: Any) -> Any:
+def _applied(matrices: Reals, vectors: Reals) -> Reals:
     """Matrices (n, i, j) times vectors (j, n)."""
     return stacked(matrices, vectors.T[..., None])[..., 0].T
 
 
-def _inverse(matrix: Any) -> Any:
+def _inverse(matrix: Reals) -> Reals:
     """Inverses of a stack of small matrices; NaN where there is none."""
     n = matrix.shape[1]
     if n == 1:
@@ -75,7 +75,7 @@ def _inverse(matrix: Any) -> Any:
         a, b, c, d = matrix[:, 0, 0], matrix[:, 0, 1], matrix[:, 1, 0], matrix[:, 1, 1]
         det = a * d - b * c
         return np.stack([np.stack([d, -b], axis=-1), np.stack([-c, a], axis=-1)], axis=1) / det[:, None, None]
-    bad = ~np.isfinite(matrix).all(axis=(1, 2))
+    bad: Mask = ~np.all(np.isfinite(matrix), axis=(1, 2))
     safe = np.where(bad[:, None, None], np.eye(n), matrix)
     try:
         inverse = np.linalg.inv(safe)
@@ -85,16 +85,16 @@ def _inverse(matrix: Any) -> Any:
     return inverse
 
 
-def _one_inverse(matrix: Any) -> Any:
+def _one_inverse(matrix: Reals) -> Reals:
     try:
-        return np.linalg.inv(matrix)
+        return np.asarray(np.linalg.inv(matrix), dtype=np.float64)
     except np.linalg.LinAlgError:
         return np.full_like(matrix, np.nan)
 
 
 def _angles(
-    model: Model, sums: list[Sums], directions: Any, q: Any, inverse: Any, blur: Any
-) -> dict[str, tuple[Any, Any]]:
+    model: Model, sums: list[Sums], directions: Reals, q: Reals, inverse: Reals, blur: Reals
+) -> dict[str, tuple[Reals, Reals]]:
     """θ = χ + M⁻¹ (ripples); moving a phase moves G by ``speeds``, and an error of M⁻¹ acts on θ − χ only."""
     size = len(sums)
     means, ripples, blurs, speeds = (
@@ -123,7 +123,7 @@ def _angles(
     return {name: found[name] for name in model.names if name in found}
 
 
-def _principal(angle: Any, error: Any) -> tuple[Any, Any]:
+def _principal(angle: Reals, error: Reals) -> tuple[Reals, Reals]:
     """Reduce to (−π, π]."""
     turns = np.rint(angle / (2 * np.pi))
     reduced = angle - 2 * np.pi * turns

@@ -14,14 +14,15 @@ from __future__ import annotations
 
 from collections.abc import Callable
 from threading import Lock
-from typing import Any
 
 import numpy as np
+from numpy.typing import NDArray
 
 from hjsolve.arithmetic.complex_disks import Disk
 from hjsolve.arithmetic.disks_with_logarithms import DisksInLogarithms
 from hjsolve.arithmetic.error_free import Pair
 from hjsolve.arithmetic.floats import EPS, UNIT, Float64
+from hjsolve.arithmetic.number_types import Complexes, Elementwise, Integers, Mask, Reals
 from hjsolve.arithmetic.tape import Tape
 
 GROWTH = 100.0
@@ -43,9 +44,11 @@ _LONGEST = 40
 _REAL = np.array([0.8, 1.0, 1.25])
 """Where functions are looked at on the real axis, as far from the origin as the disk's centre."""
 _NONE, _UNKNOWN = -1.0, -(1 << 40)
+_Depths = NDArray[np.int8]
+_Often = int | Integers
 _ALL = 1
 """Where a cell is halved no more often, all of its parts are worked out at once."""
-RadiusAt = Callable[[Any, Any], Any]
+RadiusAt = Callable[[Complexes, Reals], Reals]
 
 
 class Clearance:
@@ -71,7 +74,7 @@ class Clearance:
         self._table = _Table() if alone else None
         self._one_at_a_time = Lock()
 
-    def radius(self, x: Any) -> Any:
+    def radius(self, x: Reals | Complexes) -> Reals:
         """Return the radius of a disk about every place in which all is known.
 
         Args:
@@ -93,12 +96,12 @@ class Clearance:
                 found = table.radii[place]
         return found
 
-    def table(self) -> tuple[Any, Any, Any] | None:
+    def table(self) -> tuple[_Depths, Integers, Reals] | None:
         """Return what is known so far: halvings, beginnings and radii of the cells; None where there is no table."""
         table = self._table
         return None if table is None else (table.depth, table.start, table.radii)
 
-    def _radius_at(self, centre: Any, smallest: Any) -> Any:
+    def _radius_at(self, centre: Complexes, smallest: Reals) -> Reals:
         """The largest radius about some places, at least the smallest, to a tenth or so; 0 for none.
 
         What holds in a disk is taken to hold in smaller ones; where it is not so, a smaller radius may be found.
@@ -119,7 +122,7 @@ class Clearance:
                     lowest = usable
             return np.where(lowest, smallest * 2**found, 0.0)
 
-    def holds(self, constants: tuple[Any, ...], centres: Any, radii: Any, real: Any) -> Any:
+    def holds(self, constants: tuple[Reals, ...], centres: Reals | Complexes, radii: Reals, real: Reals) -> Mask:
         """Tell for which orbits all functions are analytic in some disks, and do not grow much in them.
 
         Args:
@@ -127,9 +130,9 @@ class Clearance:
             centres, radii: the disks in terms of x, real or complex, shape (n, disks).
             real: places on the real axis at which the size of functions is taken, shape (n, places).
         """
-        return self._bounded(constants, centres, radii, real).all(axis=1)
+        return np.logical_and.reduce(self._bounded(constants, centres, radii, real), axis=1)
 
-    def _bounded(self, constants: tuple[Any, ...], centres: Any, radii: Any, real: Any) -> Any:
+    def _bounded(self, constants: tuple[Reals, ...], centres: Reals | Complexes, radii: Reals, real: Reals) -> Mask:
         """The same for each of the disks."""
         with np.errstate(all="ignore"):
             sizes = self._parts.run(Float64(), [real, *self._known(constants)])
@@ -144,7 +147,7 @@ class Clearance:
                 good = good & (value.largest <= GROWTH * scale[:, None])
         return good
 
-    def _known(self, constants: tuple[Any, ...]) -> list[Any]:
+    def _known(self, constants: tuple[Reals, ...]) -> list[Elementwise]:
         count = len(self._parts.inputs) - 1 - len(self._numbers)
         values = [0.0] * count if self._alone else [c[:, None] for c in constants]
         return [*values, *(pair.high for pair in self._numbers)]
@@ -165,7 +168,7 @@ class _Table:
         self.start = np.full(_CELLS, _UNKNOWN, dtype=np.int64)
         self.radii, self.owner = np.zeros(1), np.zeros(1, dtype=np.int64)  # the first stands for none
 
-    def place(self, re: Any, im: Any) -> Any:
+    def place(self, re: Reals, im: Reals) -> Integers:
         """Return where the radii of some places stand; negative where that is not known yet."""
         size, share = _shares(re, im)
         along, turn = _numbers(size, share, re < 0, 0)
@@ -179,7 +182,7 @@ class _Table:
         within = (1 << depth) - 1
         return start + ((along & within) << depth) + (turn & within)
 
-    def fill(self, places: Any, radius_at: RadiusAt) -> None:
+    def fill(self, places: Integers, radius_at: RadiusAt) -> None:
         """Work out radii that are not known; where a large cell has few parts, those of all of them."""
         places = np.unique(places[self.radii[places] == 0])
         if not len(places):
@@ -197,7 +200,7 @@ class _Table:
         radius = radius_at(centre, half)
         self.radii[fresh] = np.where(radius > half, radius - half, _NONE)
 
-    def divide(self, re: Any, im: Any, unknown: Any, radius_at: RadiusAt) -> None:
+    def divide(self, re: Reals, im: Reals, unknown: Mask, radius_at: RadiusAt) -> None:
         """Decide how often large cells are halved."""
         along, turn = _numbers(*_shares(re[unknown], im[unknown]), re[unknown] < 0, 0)
         cells = np.unique(along * (2 * QUARTER) + turn)
@@ -213,7 +216,7 @@ class _Table:
         self.start[cells] = first + np.cumsum(sizes) - sizes  # last: other threads may look
 
 
-def _depth(cells: Any, radius_at: RadiusAt) -> Any:
+def _depth(cells: Integers, radius_at: RadiusAt) -> Integers:
     """How often some large cells are to be halved; a function of each cell alone.
 
     Where the middle of a cell says that it is to be divided, the least radius about the middles of 16 parts decides.
@@ -234,7 +237,7 @@ def _depth(cells: Any, radius_at: RadiusAt) -> Any:
     return np.where(np.isfinite(centre), depth, 0).astype(np.int64)
 
 
-def _shares(re: Any, im: Any) -> tuple[Any, Any]:
+def _shares(re: Reals, im: Reals) -> tuple[Reals, Reals]:
     """|re| + im, and im/(|re| + im), which stands for an angle."""
     with np.errstate(all="ignore"):
         size = np.abs(re) + im
@@ -242,13 +245,13 @@ def _shares(re: Any, im: Any) -> tuple[Any, Any]:
     return np.ascontiguousarray(np.broadcast_to(size, np.shape(share))), np.where(size > 0, share, 0.0)
 
 
-def _numbers(size: Any, share: Any, left: Any, depth: Any) -> tuple[Any, Any]:
+def _numbers(size: Reals, share: Reals, left: Mask, depth: _Often) -> tuple[Integers, Integers]:
     """The cell of a place when all cells are halved ``depth`` times: along its size, and along the angle."""
     turn = np.minimum((share * (QUARTER << depth)).astype(np.int64), (QUARTER << depth) - 1)
     return size.view(np.int64) >> (DROPPED - depth), np.where(left, (2 * QUARTER << depth) - 1 - turn, turn)
 
 
-def _middle(along: Any, turn: Any, depth: Any) -> tuple[Any, Any]:
+def _middle(along: Integers, turn: Integers, depth: _Often) -> tuple[Complexes, Reals]:
     """A place within each cell, and the distance of its farthest corner."""
     left = turn >= (QUARTER << depth)
     turn = np.where(left, (2 * QUARTER << depth) - 1 - turn, turn)

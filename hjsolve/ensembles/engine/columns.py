@@ -4,10 +4,10 @@ from __future__ import annotations
 
 from collections.abc import Mapping
 from dataclasses import dataclass
-from typing import Any
 
 import numpy as np
 
+from hjsolve.arithmetic.number_types import Codes, Mask, Reals, Which
 from hjsolve.ensembles.status import UNDECIDED
 
 QUANTITIES = ("constants", "turning_points", "actions", "frequencies", "periods", "angles")
@@ -27,17 +27,17 @@ class Columns:
         vague: True where doubles did not know p² well enough somewhere, so that more digits would help.
     """
 
-    actions: Mapping[str, Any]
-    frequencies: Mapping[str, Any]
-    periods: Mapping[str, Any]
-    angles: Mapping[str, Any]
-    constants: Mapping[str, Any]
-    turning_points: Mapping[str, Any]
-    error: Mapping[str, Any]
-    status: Any
-    vague: Any
+    actions: Mapping[str, Reals]
+    frequencies: Mapping[str, Reals]
+    periods: Mapping[str, Reals]
+    angles: Mapping[str, Reals]
+    constants: Mapping[str, Reals]
+    turning_points: Mapping[str, Reals]
+    error: Mapping[str, Reals]
+    status: Codes
+    vague: Mask
 
-    def group(self, quantity: str) -> Mapping[str, Any]:
+    def group(self, quantity: str) -> Mapping[str, Reals]:
         """Return the columns of one of ``QUANTITIES``.
 
         Args:
@@ -46,10 +46,10 @@ class Columns:
         Returns:
             Coordinate or constant → array of shape (n,).
         """
-        columns: Mapping[str, Any] = getattr(self, quantity)
+        columns: Mapping[str, Reals] = getattr(self, quantity)
         return columns
 
-    def take(self, index: Any) -> Columns:
+    def take(self, index: Which) -> Columns:
         """Return some of the orbits.
 
         Args:
@@ -73,7 +73,7 @@ def blank(names: Mapping[str, tuple[str, ...]], count: int) -> Columns:
     return Columns(**groups, error=error, status=status, vague=np.zeros(count, dtype=bool))
 
 
-def put(columns: Columns, index: Any, part: Columns) -> None:
+def put(columns: Columns, index: Which, part: Columns) -> None:
     """Write the columns of some orbits.
 
     Args:

@@ -7,7 +7,6 @@ large numbers. In ``precise`` mode they are computed with 32 digits from the inp
 from __future__ import annotations
 
 from dataclasses import dataclass
-from typing import Any
 
 import numpy as np
 
@@ -15,6 +14,7 @@ from hjsolve.arithmetic.double_double import DoubleDouble
 from hjsolve.arithmetic.error_free import Pair
 from hjsolve.arithmetic.floats import UNIT, Float64
 from hjsolve.arithmetic.jet import Jet, Jets
+from hjsolve.arithmetic.number_types import Reals
 from hjsolve.arithmetic.running_error import RunningError, WithErrorBound
 from hjsolve.ensembles.engine.lowered_solution import LoweredFormula, Model
 from hjsolve.ensembles.engine.radicand_views import Knowns
@@ -35,15 +35,15 @@ class InitialConstants:
             read off P and grows no faster.
     """
 
-    q: Any
-    P: Any
+    q: Reals
+    P: Reals
     starts: Starts
     knowns: Knowns
     pairs: tuple[Pair, ...] | None
-    blur: Any
+    blur: Reals
 
 
-def momentum_errors(model: Model, starts: Starts) -> Any:
+def momentum_errors(model: Model, starts: Starts) -> Reals:
     """Bounds on the relative errors of the momenta of the separated coordinates, shape (separated, n).
 
     Args:
@@ -97,11 +97,11 @@ def _full(pair: Pair, shape: tuple[int, ...]) -> Pair:
     return Pair(np.broadcast_to(pair.high, shape), np.broadcast_to(pair.low, shape))
 
 
-def _sum(p: Pair, shift: Pair) -> Any:
+def _sum(p: Pair, shift: Pair) -> Reals:
     return DoubleDouble().add(p, shift).high + 0.0 * p.high
 
 
-def slope(formula: LoweredFormula, pairs: tuple[Pair, ...], parameters: tuple[Pair, ...], q: Any) -> Any:
+def slope(formula: LoweredFormula, pairs: tuple[Pair, ...], parameters: tuple[Pair, ...], q: Reals) -> Reals:
     """Return F′(q) to full relative accuracy, from 32 digits.
 
     Args:

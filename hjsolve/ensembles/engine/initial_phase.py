@@ -3,11 +3,12 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING
 
 import numpy as np
 
 from hjsolve.arithmetic.floats import EPS
+from hjsolve.arithmetic.number_types import Integers, Reals
 from hjsolve.arithmetic.reproducible_products import rowwise
 
 if TYPE_CHECKING:
@@ -26,13 +27,13 @@ class EndNodes:
         low_doubt, high_doubt: bounds on the relative error of F there.
     """
 
-    low: Any
-    high: Any
-    low_doubt: Any
-    high_doubt: Any
+    low: Reals
+    high: Reals
+    low_doubt: Reals
+    high_doubt: Reals
 
 
-def phase_of_libration(region: OrbitRegions, table: Nodes, ratio: Any, ends: EndNodes) -> tuple[Any, Any]:
+def phase_of_libration(region: OrbitRegions, table: Nodes, ratio: Reals, ends: EndNodes) -> tuple[Reals, Reals]:
     """Return χ₀ in (−π, π] and a bound on its error.
 
     The place x = (q₀ − a)/W moves with the turning points: an error δF of p² shifts a by δF/F′ = W x δF/F, taken at the
@@ -64,16 +65,18 @@ def phase_of_libration(region: OrbitRegions, table: Nodes, ratio: Any, ends: End
     return np.where(region.momentum < 0, -χ, χ), 2 * doubt + 8 * EPS * np.pi
 
 
-def _stretch(table: Nodes, χ: Any, x: Any, y: Any, d: Any, c: Any) -> Any:
+def _stretch(table: Nodes, χ: Reals, x: Reals, y: Reals, d: Reals, c: Reals) -> Reals:
     """(dq/dχ)²/(W² x y)."""
     pace = 1 + table.warp[0] * np.cos(χ) + table.warp[1] * np.cos(2 * χ)
     return (2 * table.quarter / np.pi * pace) ** 2 * table.complement * (1 + c * y) * (1 + d * x)
 
 
-def _from_momentum(region: OrbitRegions, table: Nodes, ratio: Any, part: Any, x: Any, y: Any) -> tuple[Any, Any]:
+def _from_momentum(
+    region: OrbitRegions, table: Nodes, ratio: Reals, part: Integers, x: Reals, y: Reals
+) -> tuple[Reals, Reals]:
     """Return x = (q₀ − a)/W and y = 1 − x near an end, from P₀² = W² x y S(q₀)."""
     W, P = region.width[part], region.momentum[part]
-    d, c = (region.near_lower[part], region.near_upper[part]) if table.complement < 1 else (0.0, 0.0)
+    d, c = (region.near_lower[part], region.near_upper[part]) if table.complement < 1 else (0.0 * x, 0.0 * x)
     χ = _place(x, y, d, table)
     terms = np.arange(1, len(table.cosines) + 1)
     weights = (1 + 2 * rowwise(np.cos(table.fold * terms * χ[:, None]), table.cosines)) / len(table.χ)
@@ -83,7 +86,7 @@ def _from_momentum(region: OrbitRegions, table: Nodes, ratio: Any, part: Any, x:
     return np.where(lower, small, 1 - small), np.where(lower, 1 - small, small)
 
 
-def phase_of_rotation(region: OrbitRegions, table: Nodes) -> tuple[Any, Any]:
+def phase_of_rotation(region: OrbitRegions, table: Nodes) -> tuple[Reals, Reals]:
     """Return χ₀ in (−π, π] of a rotation and a bound on its error; the slow place is χ = π.
 
     Args:
@@ -96,14 +99,14 @@ def phase_of_rotation(region: OrbitRegions, table: Nodes) -> tuple[Any, Any]:
     return χ, 16 * EPS * np.pi**2 / (2 * table.quarter * table.high.min()) + 0.0 * left
 
 
-def _place(x: Any, y: Any, d: Any, table: Nodes) -> Any:
+def _place(x: Reals, y: Reals, d: Reals, table: Nodes) -> Reals:
     """χ of x = (q − a)/W; sn and cn each keep their relative accuracy."""
     sine, cosine = np.sqrt(np.maximum(x * (1 + d), 0)), np.sqrt(np.maximum(y, 0))
     size = np.sqrt(sine * sine + cosine * cosine)
     return _anomaly(sine / size, cosine / size, table)
 
 
-def _anomaly(s: Any, c: Any, table: Nodes) -> Any:
+def _anomaly(s: Reals, c: Reals, table: Nodes) -> Reals:
     """χ = π F(φ | k²)/K from s = sin φ and c = cos φ ≥ 0: F = sin φ R_F(cos²φ, 1 − k² sin²φ, 1) (DLMF 19.25.5)."""
     if table.complement == 1.0:
         goal = 2 * np.arctan2(s, c)
@@ -127,7 +130,7 @@ def _anomaly(s: Any, c: Any, table: Nodes) -> Any:
     return goal if table.warp == (0.0, 0.0) else _unwarped(goal, *table.warp)
 
 
-def _unwarped(goal: Any, γ: float, δ: float) -> Any:
+def _unwarped(goal: Reals, γ: float, δ: float) -> Reals:
     """Solve χ + γ sin χ + ½ δ sin 2χ = goal, 0 ≤ goal ≤ π, by Newton's method inside a bracket."""
     low, high = np.zeros_like(goal), np.full_like(goal, np.pi)
     χ, done = goal.copy(), np.zeros(goal.shape, dtype=bool)

@@ -11,11 +11,12 @@ from __future__ import annotations
 
 from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
-from typing import Any, NamedTuple
+from typing import NamedTuple
 
 import numpy as np
 
 from hjsolve.arithmetic.floats import EPS
+from hjsolve.arithmetic.number_types import Integers, Mask, Reals, Which
 from hjsolve.arithmetic.reproducible_products import rowwise
 from hjsolve.ensembles.engine import nodes as tables
 from hjsolve.ensembles.engine.initial_phase import EndNodes, phase_of_libration, phase_of_rotation
@@ -45,18 +46,18 @@ class Sums:
         good: True where the nodes sufficed.
     """
 
-    action: Any
-    action_error: Any
-    means: Any
-    mean_errors: Any
-    ripples: Any
-    ripple_errors: Any
-    phase: Any
-    phase_error: Any
-    speeds: Any
-    good: Any
+    action: Reals
+    action_error: Reals
+    means: Reals
+    mean_errors: Reals
+    ripples: Reals
+    ripple_errors: Reals
+    phase: Reals
+    phase_error: Reals
+    speeds: Reals
+    good: Mask
 
-    def put(self, index: Any, other: Sums) -> None:
+    def put(self, index: Which, other: Sums) -> None:
         """Write the results of some orbits into these.
 
         Args:
@@ -119,6 +120,10 @@ def _table(region: OrbitRegions, code: int) -> tables.Nodes:
     return tables.node_table(region.turning, count, level, warp)
 
 
+_Seen = tuple[Reals, Reals, list[Reals], list[Reals], Reals]
+"""F, r, the kernels, bounds on errors of F and of them, and the smooth part of the first, at the nodes."""
+
+
 @dataclass(frozen=True)
 class _Task:
     """Orbits that share their nodes.
@@ -130,13 +135,13 @@ class _Task:
         places: offsets in the two views, and (dq/dχ)², at the nodes; arrays (n, nodes).
     """
 
-    orbits: Any
+    orbits: Integers
     region: OrbitRegions
     table: tables.Nodes
-    places: tuple[Any, Any, Any]
+    places: tuple[Reals, Reals, Reals]
 
     @staticmethod
-    def of(region: OrbitRegions, orbits: Any, table: tables.Nodes) -> _Task:
+    def of(region: OrbitRegions, orbits: Integers, table: tables.Nodes) -> _Task:
         """Some of the orbits of a region."""
         own = region.take(orbits)
         with np.errstate(all="ignore"):
@@ -166,7 +171,7 @@ def _companies(tasks: list[_Task]) -> Iterator[list[_Task]]:
         yield together
 
 
-def _rule(task: _Task, seen: tuple[Any, ...], constants: int, *, kernels: bool, ripples: bool) -> tuple[Sums, Any]:
+def _rule(task: _Task, seen: _Seen, constants: int, *, kernels: bool, ripples: bool) -> tuple[Sums, Reals]:
     """Apply the rule with a number of nodes; also return how many would be needed."""
     region, table = task.region, task.table
     count = len(table.χ) if region.turning else len(table.χ) // 2
@@ -206,7 +211,7 @@ def _rule(task: _Task, seen: tuple[Any, ...], constants: int, *, kernels: bool, 
     return sums, more
 
 
-def _ends(region: OrbitRegions, table: tables.Nodes, doubt: Any) -> EndNodes:
+def _ends(region: OrbitRegions, table: tables.Nodes, doubt: Reals) -> EndNodes:
     """The nodes next to the turning points; an even motion has only the first of them."""
     d = region.near_lower if table.complement < 1 else 0.0 * region.width
     low = table.low[0] / (1 + d * table.high[0])
@@ -215,7 +220,7 @@ def _ends(region: OrbitRegions, table: tables.Nodes, doubt: Any) -> EndNodes:
     return EndNodes(low, (1 + d) * table.high[-1] / (1 + d * table.high[-1]), doubt[:, 0], doubt[:, -1])
 
 
-def _largest(values: Any, table: tables.Nodes, rows: slice) -> Any:
+def _largest(values: Reals, table: tables.Nodes, rows: slice) -> Reals:
     """Largest coefficient of the discrete series among some rows, shape (integrands, n)."""
     parts = [2 / len(table.χ) * np.abs(rowwise(values, table.cosines[rows].T)).max(axis=2)]
     if table.low[0] < 0:
@@ -223,7 +228,7 @@ def _largest(values: Any, table: tables.Nodes, rows: slice) -> Any:
     return np.maximum.reduce(parts)
 
 
-def _librating(region: OrbitRegions, table: tables.Nodes) -> tuple[Any, Any, Any]:
+def _librating(region: OrbitRegions, table: tables.Nodes) -> tuple[Reals, Reals, Reals]:
     """Offsets in the two views, and (dq/dχ)², at the nodes: arrays (n, nodes)."""
     half = len(table.χ) if table.fold == 2 else len(table.χ) // 2
     W = region.width[:, None]
@@ -242,7 +247,7 @@ def _librating(region: OrbitRegions, table: tables.Nodes) -> tuple[Any, Any, Any
     return below, above, scale
 
 
-def _rotating(region: OrbitRegions, table: tables.Nodes) -> tuple[Any, Any, Any]:
+def _rotating(region: OrbitRegions, table: tables.Nodes) -> tuple[Reals, Reals, Reals]:
     half = len(table.χ) // 2
     direction = np.sign(region.momentum)[:, None]
     q = region.lower[:, None] + direction * table.low
@@ -250,7 +255,7 @@ def _rotating(region: OrbitRegions, table: tables.Nodes) -> tuple[Any, Any, Any]
     return q[:, :half], q[:, half:], scale
 
 
-def _integrands(region: OrbitRegions, tasks: list[_Task], kernels: bool) -> Iterator[tuple[Any, ...]]:
+def _integrands(region: OrbitRegions, tasks: list[_Task], kernels: bool) -> Iterator[_Seen]:
     """F, r = |dq/dχ|/√F, the kernels, bounds on the errors of F and kernels, and the smooth part of the first."""
     with np.errstate(all="ignore"):
         if region.below is region.above:
@@ -273,19 +278,19 @@ def _integrands(region: OrbitRegions, tasks: list[_Task], kernels: bool) -> Iter
 class _Block(NamedTuple):
     """Places at which p² is wanted: of which orbits, offsets (n, nodes), and whether nodes are nowhere crowded."""
 
-    orbits: Any
-    x: Any
+    orbits: Integers
+    x: Reals
     smooth: bool
 
     @property
-    def few(self) -> Any:
+    def few(self) -> Integers:
         """The nodes at which errors are worked out: they vary slowly where nodes are nowhere crowded."""
         count = self.x.shape[1]
-        few = np.unique(np.linspace(0, count - 1, _PLACES).astype(int))
+        few: Integers = np.unique(np.linspace(0, count - 1, _PLACES).astype(np.int64))
         return few if self.smooth and count >= 2 * len(few) else np.arange(count)
 
 
-def _evaluated(view: View, blocks: list[_Block], kernels: bool) -> list[list[Any]]:
+def _evaluated(view: View, blocks: list[_Block], kernels: bool) -> list[list[Reals]]:
     """For each block F, kernels, bounds on their errors, and the smooth part of the first, all of shape (n, nodes)."""
     if len(blocks) == 1:
         (block,) = blocks
@@ -311,11 +316,11 @@ def _evaluated(view: View, blocks: list[_Block], kernels: bool) -> list[list[Any
     return found
 
 
-def _values(view: View, x: Any, kernels: bool) -> Sequence[Any]:
+def _values(view: View, x: Reals, kernels: bool) -> Sequence[Reals]:
     return view.full(x) if kernels else [view.value(x)]
 
 
-def _bounds(view: View, x: Any, values: list[Any]) -> list[Any]:
+def _bounds(view: View, x: Reals, values: list[Reals]) -> list[Reals]:
     """Bounds on the errors of F and of the kernels, and the smooth part of the first, all of the shape of x."""
     x = np.ascontiguousarray(x)
     first, *others = view.errors(x, kernels=len(values) > 1, known=values[0])
@@ -323,7 +328,7 @@ def _bounds(view: View, x: Any, values: list[Any]) -> list[Any]:
     return [np.broadcast_to(e, x.shape) for e in (first, *others, drift)]
 
 
-def _doubts(block: _Block, few: Any, bounds: list[Any]) -> list[Any]:
+def _doubts(block: _Block, few: Integers, bounds: list[Reals]) -> list[Reals]:
     """The same at all nodes: a few stand for those between them, the larger for both."""
     first, *others, drift = bounds
     count = block.x.shape[1]
@@ -336,7 +341,7 @@ def _doubts(block: _Block, few: Any, bounds: list[Any]) -> list[Any]:
 
 
 def _running(
-    region: OrbitRegions, table: tables.Nodes, values: Any, ratio: Any, sums: Sums, noise: Any, ends: EndNodes
+    region: OrbitRegions, table: tables.Nodes, values: Reals, ratio: Reals, sums: Sums, noise: Reals, ends: EndNodes
 ) -> None:
     """Phase of the start, and the integrals from χ = 0 to it less their mean growth."""
     count = len(table.χ)

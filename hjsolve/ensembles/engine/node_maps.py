@@ -9,12 +9,12 @@ from __future__ import annotations
 
 from functools import cache
 from threading import Lock
-from typing import Any, NamedTuple
+from typing import NamedTuple
 
 import numpy as np
 
 from hjsolve.arithmetic.error_free import Pair
-from hjsolve.arithmetic.number_types import Integers, Reals
+from hjsolve.arithmetic.number_types import Elementwise, Integers, Mask, Reals
 from hjsolve.ensembles.engine import nodes
 from hjsolve.ensembles.engine.compiled_types import Strips, Tables
 from hjsolve.ensembles.engine.nodes import EVEN, MOST, WARPS
@@ -62,14 +62,14 @@ class NodeMap(NamedTuple):
         lower, upper = 2.0**self.lower, 2.0**self.upper
         return (0.5, 1.0 - 1.0 / (1.0 + upper), 1.0 / (1.0 + lower))[share]
 
-    def stretched(self, sn2: Any, cn2: Any) -> tuple[Any, Any]:
+    def stretched(self, sn2: Elementwise, cn2: Elementwise) -> tuple[Elementwise, Elementwise]:
         """Return (q − a)/W and (b − q)/W where sn² and cn² are these."""
         d = 2.0**self.lower - 1
         below = 1 + d * cn2
         return sn2 / below, (1 + d) * cn2 / below
 
 
-def fitting(lower: Any, upper: Any, even: Any) -> Any:
+def fitting(lower: Reals, upper: Reals, even: Mask) -> Integers:
     """Return warp, ``lower`` and ``upper`` of the maps that serve some motions, shape (n, 3).
 
     Args:
@@ -114,7 +114,7 @@ class NodeMaps:
         self.strips = Strips(none, none, none, none, np.full((3, 0, len(COUNTS)), -1))
         self._add([NodeMap(warp) for warp in range(len(WARPS))])
 
-    def index(self, maps: Any) -> Any:
+    def index(self, maps: Integers) -> Integers:
         """Return the places of some maps in the tables, which grow where it must be.
 
         Args:
@@ -161,7 +161,7 @@ class NodeMaps:
             self.strips = strips._replace(**grown, counts=counts)
 
 
-def _joined(old: Any, new: Any) -> Any:
+def _joined(old: Elementwise, new: Elementwise) -> Elementwise:
     return new if old.size == 0 else np.concatenate([old, new])
 
 
@@ -190,7 +190,7 @@ def _shared_tables() -> Tables:
     )  # fmt: skip
 
 
-def _rows(key: NodeMap) -> dict[str, Any]:
+def _rows(key: NodeMap) -> dict[str, Elementwise]:
     """The rows of one map in the tables."""
     samples = SAMPLES if key.level == 0 else STRETCHED_SAMPLES
     parts = [nodes.equal_anomalies(count, key.fold * count) for count in COUNTS]
@@ -267,7 +267,7 @@ def _half_way(key: NodeMap, goal: float) -> float:
     return float(np.interp(np.log(goal / (1.0 - goal)), np.log(x / y), χ))
 
 
-def _disks(key: NodeMap, count: int) -> tuple[Any, Any, Any, int]:
+def _disks(key: NodeMap, count: int) -> tuple[Reals, Reals, Reals, int]:
     """Disks over the strip of a map: parts of the middles, radii, and how many belong to the lower half.
 
     An infinite radius says that the strip holds a pole of the map.

@@ -15,12 +15,12 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 from functools import cache
-from typing import Any
 
 import numpy as np
 
 from hjsolve.arithmetic.double_double import DoubleDouble
 from hjsolve.arithmetic.error_free import Pair
+from hjsolve.arithmetic.number_types import Mask, Reals
 
 COUNTS = (12, 16, 20, 24, 32, 40, 48, 64, 80, 96, 128, 160, 192, 256, 320, 384)
 """Numbers of nodes in use, over half a period (librations) or over a period (rotations, twice as many)."""
@@ -53,16 +53,16 @@ class Nodes:
         last: rows of the series that tell whether the nodes suffice; middle: rows half way.
     """
 
-    χ: Any
-    low: Any
-    high: Any
+    χ: Reals
+    low: Reals
+    high: Reals
     fold: int
     complement: float
     quarter: float
-    pace: Any
+    pace: Reals
     warp: tuple[float, float]
-    cosines: Any
-    sines: Any
+    cosines: Reals
+    sines: Reals
     last: slice
     middle: slice
 
@@ -88,7 +88,7 @@ def libration_nodes(count: int, level: int, warp: int = 0) -> Nodes:
     )  # fmt: skip
 
 
-def libration_places(χ: Pair, level: int, warp: int) -> tuple[float, float, Any, Any, Any]:
+def libration_places(χ: Pair, level: int, warp: int) -> tuple[float, float, Reals, Reals, Reals]:
     """Return k′² and K, and ``low``, ``high``, ``pace`` of ``libration_nodes`` at some anomalies.
 
     Args:
@@ -99,7 +99,7 @@ def libration_places(χ: Pair, level: int, warp: int) -> tuple[float, float, Any
     return _places(χ, level, warp)
 
 
-def _places(χ: Pair, level: int, warp: int) -> tuple[float, float, Any, Any, Any]:
+def _places(χ: Pair, level: int, warp: int) -> tuple[float, float, Reals, Reals, Reals]:
     """k′² and K; sn², cn² and π/K du/dχ at crowded anomalies."""
     D = DoubleDouble()
     γ, δ = (Pair(c, 0.0) for c in WARPS[warp])
@@ -125,8 +125,8 @@ def rotation_nodes(count: int, level: int) -> Nodes:
     angle = exact * (np.pi / count)
     half = count // 2
     return Nodes(
-        χ.high, 2 * np.arctan2(-cn.high, sn.high), dn.high, 1, complement, quarter, 1.0, WARPS[0], np.cos(angle),
-        np.sin(angle), slice(-3, None), slice(half // 2 - 2, half // 2 + 1),
+        χ.high, 2 * np.arctan2(-cn.high, sn.high), dn.high, 1, complement, quarter, np.ones(count), WARPS[0],
+        np.cos(angle), np.sin(angle), slice(-3, None), slice(half // 2 - 2, half // 2 + 1),
     )  # fmt: skip
 
 
@@ -175,7 +175,7 @@ def _functions(χ: Pair, level: int) -> tuple[float, float, Pair, Pair, Pair]:
     return 4.0**-level, float(quarter.high), sn, Pair(sign * cn.high, sign * cn.low), dn
 
 
-def _where(chosen: Any, x: Pair, y: Pair) -> Pair:
+def _where(chosen: Mask, x: Pair, y: Pair) -> Pair:
     return Pair(np.where(chosen, x.high, y.high), np.where(chosen, x.low, y.low))
 
 
@@ -205,7 +205,7 @@ def _bulirsch(u: Pair, means: list[tuple[Pair, Pair]]) -> tuple[Pair, Pair, Pair
 
 
 @cache
-def shifts(count: int, fold: int) -> tuple[Any, Any]:
+def shifts(count: int, fold: int) -> tuple[Reals, Reals]:
     """What a shift δF of p² does to the mean of k r, in terms of g = k r δF sin²χ/F.
 
     The change is the finite part −½ ∫ g/sin²χ dχ/π = −½ ∫ g′ cot χ dχ/π, at most ½ Σ |Δg| cot χ/π from node to node,

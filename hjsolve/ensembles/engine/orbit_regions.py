@@ -3,8 +3,8 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
-from typing import Any
 
+from hjsolve.arithmetic.number_types import Codes, Integers, Mask, Reals, Which
 from hjsolve.ensembles.engine.radicand_views import View
 
 
@@ -25,19 +25,19 @@ class OrbitRegions:
 
     below: View
     above: View
-    lower: Any
-    upper: Any
-    width: Any
-    near_lower: Any
-    near_upper: Any
-    level: Any
-    warp: Any
-    momentum: Any
-    left: Any
-    right: Any
+    lower: Reals
+    upper: Reals
+    width: Reals
+    near_lower: Reals
+    near_upper: Reals
+    level: Integers
+    warp: Integers
+    momentum: Reals
+    left: Reals
+    right: Reals
     turning: bool = True
 
-    def take(self, index: Any) -> OrbitRegions:
+    def take(self, index: Which) -> OrbitRegions:
         """Return the region of some of the orbits.
 
         Args:
@@ -63,12 +63,12 @@ class LocatedRegions:
         rest: True where the coordinate stays at a stable double zero of p².
     """
 
-    index: Any
+    index: Integers
     region: OrbitRegions
-    status: Any
-    rest: Any
+    status: Codes
+    rest: Mask
 
-    def take(self, index: Any) -> LocatedRegions:
+    def take(self, index: Which) -> LocatedRegions:
         """Return some of them.
 
         Args:

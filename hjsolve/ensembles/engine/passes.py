@@ -2,18 +2,17 @@
 
 from __future__ import annotations
 
-from typing import Any
-
 import numpy as np
 
 from hjsolve.arithmetic.floats import EPS
+from hjsolve.arithmetic.number_types import Codes, Mask, Reals, Which
 from hjsolve.ensembles.engine.actions_and_angles import combine_integrals
 from hjsolve.ensembles.engine.columns import Columns, blank, put
 from hjsolve.ensembles.engine.compiled_types import Modes
 from hjsolve.ensembles.engine.constants import InitialConstants, initial_constants
 from hjsolve.ensembles.engine.lowered_solution import Model, Separated
 from hjsolve.ensembles.engine.midpoint_rule import Sums, empty, integrate
-from hjsolve.ensembles.engine.orbit_regions import LocatedRegions
+from hjsolve.ensembles.engine.orbit_regions import LocatedRegions, OrbitRegions
 from hjsolve.ensembles.engine.programs import Compiled
 from hjsolve.ensembles.engine.radicand_views import DifferenceEvaluation, DirectEvaluation, second_slope
 from hjsolve.ensembles.engine.regions import ill_known, locate_regions
@@ -159,7 +158,7 @@ def _results(
     names: dict[str, tuple[str, ...]],
     columns: Columns,
     sums: list[Sums],
-    directions: Any,
+    directions: Reals,
     start: InitialConstants,
 ) -> None:
     if "constants" in names:
@@ -170,7 +169,9 @@ def _results(
         _timed(model, names, columns, sums, directions, start.starts.q)
 
 
-def _integrated(total: Sums, found: LocatedRegions, left: Any, constants: int, *, kernels: bool, ripples: bool) -> None:
+def _integrated(
+    total: Sums, found: LocatedRegions, left: Mask, constants: int, *, kernels: bool, ripples: bool
+) -> None:
     """Integrate over the regions of the orbits that are left; coordinates at rest have their limit."""
     left = left & (found.status == Status.OK)
     index = np.flatnonzero(left & ~found.rest)
@@ -181,7 +182,7 @@ def _integrated(total: Sums, found: LocatedRegions, left: Any, constants: int, *
         total.put(found.index[index], _resting(found, index, constants))
 
 
-def _resting(found: LocatedRegions, index: Any, constants: int) -> Sums:
+def _resting(found: LocatedRegions, index: Which, constants: int) -> Sums:
     """A stable double zero of p²: J = 0 and ∂J/∂cⱼ = kⱼ/√(−½F″), the limit of a vanishing libration."""
     view = found.region.below.take(index)
     assert isinstance(view, DifferenceEvaluation)
@@ -203,7 +204,7 @@ def _resting(found: LocatedRegions, index: Any, constants: int) -> Sums:
     return sums
 
 
-def _fill(columns: Columns, quantity: str, name: str, value: Any, error: Any) -> None:
+def _fill(columns: Columns, quantity: str, name: str, value: Reals, error: Reals) -> None:
     columns.group(quantity)[name][:] = value
     columns.error[f"{quantity}.{name}"][:] = error if quantity == "constants" else error + EPS * np.abs(value)
 
@@ -213,7 +214,7 @@ def _actions(
     names: dict[str, tuple[str, ...]],
     columns: Columns,
     sums: list[Sums],
-    directions: Any,
+    directions: Reals,
     start: InitialConstants,
 ) -> None:
     if "actions" not in names:
@@ -226,7 +227,7 @@ def _actions(
 
 
 def _timed(
-    model: Model, names: dict[str, tuple[str, ...]], columns: Columns, sums: list[Sums], directions: Any, q: Any
+    model: Model, names: dict[str, tuple[str, ...]], columns: Columns, sums: list[Sums], directions: Reals, q: Reals
 ) -> None:
     torus = combine_integrals(model, sums, directions, q, angles="angles" in names)
     for name, (rate, error) in torus.frequencies.items():
@@ -256,13 +257,13 @@ def _ends(columns: Columns, coordinate: Separated, found: LocatedRegions) -> Non
         columns.error[f"turning_points.{name}"][found.index] = error
 
 
-def _slope(view: Any, region: Any) -> Any:
+def _slope(view: DifferenceEvaluation, region: OrbitRegions) -> Reals:
     """|F′| at the turning points of a small motion, W·S with S taken in the middle."""
     middle = 0.5 * (region.lower + region.upper)
     return 0.5 * view.value(middle) / (0.25 * region.width)
 
 
-def worst(columns: Columns) -> Any:
+def worst(columns: Columns) -> Reals:
     """Return the largest claimed error of every orbit: relative (of angles to 10 radians); NaN for none.
 
     Args:
@@ -280,7 +281,7 @@ def worst(columns: Columns) -> Any:
     return largest
 
 
-def _settle(columns: Columns, status: Any, tolerance: float) -> None:
+def _settle(columns: Columns, status: Codes, tolerance: float) -> None:
     """Keep the orbits whose errors are small enough; NaN for the others."""
     status[(status == Status.OK) & ~(worst(columns) <= tolerance)] = UNDECIDED
     columns.status[:] = status

@@ -11,7 +11,6 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import dataclass, replace
-from typing import Any
 
 import numpy as np
 
@@ -20,6 +19,7 @@ from hjsolve.arithmetic.double_double import DoubleDouble
 from hjsolve.arithmetic.error_free import Pair
 from hjsolve.arithmetic.floats import UNIT, Float64
 from hjsolve.arithmetic.jet import Jet, Jets
+from hjsolve.arithmetic.number_types import Elementwise, Reals, Which
 from hjsolve.arithmetic.running_error import RunningError, WithErrorBound
 from hjsolve.arithmetic.second_differences import SecondDifference, in_doubles
 from hjsolve.ensembles.engine.lowered_solution import LoweredFormula
@@ -38,11 +38,11 @@ class Knowns:
         parameters: numbers.
     """
 
-    constants: tuple[Any, ...]
-    doubt: tuple[Any, ...]
+    constants: tuple[Reals, ...]
+    doubt: tuple[Reals, ...]
     parameters: tuple[float, ...]
 
-    def take(self, index: Any) -> Knowns:
+    def take(self, index: Which) -> Knowns:
         """Return those of some of the orbits.
 
         Args:
@@ -52,7 +52,7 @@ class Knowns:
             self, constants=tuple(c[index] for c in self.constants), doubt=tuple(e[index] for e in self.doubt)
         )
 
-    def plain(self, like: Any) -> list[Any]:
+    def plain(self, like: Reals) -> list[Elementwise]:
         """Return constants that broadcast against an array (n, …), and parameters.
 
         Args:
@@ -60,7 +60,7 @@ class Knowns:
         """
         return [with_node_axis(c, like) for c in self.constants] + list(self.parameters)
 
-    def bounded(self, like: Any) -> list[WithErrorBound]:
+    def bounded(self, like: Reals) -> list[WithErrorBound]:
         """Return the same with their error bounds.
 
         Args:
@@ -71,7 +71,7 @@ class Knowns:
         return known + [WithErrorBound(p, UNIT * abs(p)) for p in self.parameters]
 
 
-def with_node_axis(array: Any, like: Any) -> Any:
+def with_node_axis(array: Reals, like: Reals) -> Reals:
     """Add an axis to an array (n,) where the other has nodes.
 
     Args:
@@ -106,7 +106,7 @@ class DirectEvaluation:
         """+1 where the offset grows with q, else −1."""
         return self.formula.sign
 
-    def take(self, index: Any) -> DirectEvaluation:
+    def take(self, index: Which) -> DirectEvaluation:
         """Return the view of some of the orbits.
 
         Args:
@@ -114,7 +114,7 @@ class DirectEvaluation:
         """
         return replace(self, knowns=self.knowns.take(index))
 
-    def value(self, x: Any) -> Any:
+    def value(self, x: Reals) -> Reals:
         """Return F.
 
         Args:
@@ -122,7 +122,7 @@ class DirectEvaluation:
         """
         return self.formula.squared.run(Float64(), [x, *self.knowns.plain(x)])[0] + 0.0 * x
 
-    def full(self, x: Any) -> Sequence[Any]:
+    def full(self, x: Reals) -> Sequence[Reals]:
         """Return F and the kernels (which may be scalars).
 
         Args:
@@ -130,7 +130,7 @@ class DirectEvaluation:
         """
         return self.formula.full.run(Float64(), [x, *self.knowns.plain(x)])
 
-    def errors(self, x: Any, *, kernels: bool, known: Any = None) -> list[Any]:  # noqa: ARG002
+    def errors(self, x: Reals, *, kernels: bool, known: Reals | None = None) -> list[Elementwise]:  # noqa: ARG002
         """Return bounds on the errors of F and of the kernels, those of x and of the constants included.
 
         Args:
@@ -143,16 +143,17 @@ class DirectEvaluation:
         results = tape.run(RunningError(Float64()), [place, *self.knowns.bounded(x)])
         return [0.0 if result.error is None else result.error for result in results]
 
-    def drift(self, kernels: Sequence[Any], x: Any) -> Any:
+    def drift(self, kernels: Sequence[Reals], x: Reals) -> Reals:
         """Return what of the error of F comes from the constants: it is smooth in x. Σ |∂F/∂c| δc, ∂F/∂c = 2k.
 
         Args:
             kernels: ½ ∂F/∂c at x, one array a constant.
             x: offsets from the origin, shape (n,) or (n, nodes).
         """
-        return sum(2 * np.abs(k) * with_node_axis(e, x) for k, e in zip(kernels, self.knowns.doubt, strict=True))
+        parts = (2 * np.abs(k) * with_node_axis(e, x) for k, e in zip(kernels, self.knowns.doubt, strict=True))
+        return sum(parts, np.zeros_like(x))
 
-    def jet(self, x: Any) -> tuple[Any, Any, Any]:
+    def jet(self, x: Reals) -> tuple[Reals, Reals, Reals]:
         """Return F, dF/dx, d²F/dx².
 
         Args:
@@ -163,7 +164,7 @@ class DirectEvaluation:
         value, first, second = (0.0 * x if part is None else part + 0.0 * x for part in parts)
         return value, first, second
 
-    def place(self, x: Any) -> Any:
+    def place(self, x: Reals) -> Reals:
         """Return q.
 
         Args:
@@ -187,14 +188,14 @@ class DifferenceEvaluation:
 
     formula: LoweredFormula
     knowns: Knowns
-    start: Any
-    momentum: Any
-    first: Any
-    doubt: Any
+    start: Reals
+    momentum: Reals
+    first: Reals
+    doubt: Reals
 
     sign = 1
 
-    def take(self, index: Any) -> DifferenceEvaluation:
+    def take(self, index: Which) -> DifferenceEvaluation:
         """Return the view of some of the orbits.
 
         Args:
@@ -203,7 +204,7 @@ class DifferenceEvaluation:
         own = (self.start, self.momentum, self.first, self.doubt)
         return DifferenceEvaluation(self.formula, self.knowns.take(index), *(part[index] for part in own))
 
-    def value(self, δ: Any) -> Any:
+    def value(self, δ: Reals) -> Reals:
         """Return F.
 
         Args:
@@ -215,7 +216,7 @@ class DifferenceEvaluation:
         second = 0.0 if result.second is None else result.second
         return with_node_axis(self.momentum, δ) ** 2 + δ * (with_node_axis(self.first, δ) + δ * second)
 
-    def full(self, δ: Any) -> Sequence[Any]:
+    def full(self, δ: Reals) -> Sequence[Reals]:
         """Return F and the kernels.
 
         Args:
@@ -224,7 +225,7 @@ class DifferenceEvaluation:
         q = with_node_axis(self.start, δ) + δ
         return [self.value(δ), *self.formula.full.run(Float64(), [q, *self.knowns.plain(δ)])[1:]]
 
-    def errors(self, δ: Any, *, kernels: bool, known: Any = None) -> list[Any]:  # noqa: ARG002
+    def errors(self, δ: Reals, *, kernels: bool, known: Reals | None = None) -> list[Elementwise]:  # noqa: ARG002
         """Return bounds on the errors of F and of the kernels.
 
         Args:
@@ -241,7 +242,7 @@ class DifferenceEvaluation:
             *DirectEvaluation(self.formula, self.knowns).errors(with_node_axis(self.start, δ) + δ, kernels=True)[1:],
         ]
 
-    def drift(self, kernels: Sequence[Any], x: Any) -> Any:  # noqa: ARG002
+    def drift(self, kernels: Sequence[Reals], x: Reals) -> Reals:  # noqa: ARG002
         """Return what of the error of F comes smoothly from the constants: none is told apart here.
 
         Args:
@@ -250,7 +251,7 @@ class DifferenceEvaluation:
         """
         return 0.0 * x
 
-    def place(self, δ: Any) -> Any:
+    def place(self, δ: Reals) -> Reals:
         """Return q.
 
         Args:
@@ -279,7 +280,7 @@ class DoubleDoubleEvaluation:
         """+1 where the offset grows with q, else −1."""
         return self.raw.sign
 
-    def take(self, index: Any) -> DoubleDoubleEvaluation:
+    def take(self, index: Which) -> DoubleDoubleEvaluation:
         """Return the view of some of the orbits.
 
         Args:
@@ -290,7 +291,7 @@ class DoubleDoubleEvaluation:
             self.raw.take(index), pairs, self.numbers, Pair(self.base.high[index], self.base.low[index])
         )
 
-    def _inputs(self, x: Any) -> tuple[Pair, list[Pair]]:
+    def _inputs(self, x: Reals) -> tuple[Pair, list[Pair]]:
         place = DoubleDouble().add(
             Pair(with_node_axis(self.base.high, x), with_node_axis(self.base.low, x)), Pair(x, 0.0 * x)
         )
@@ -298,7 +299,7 @@ class DoubleDoubleEvaluation:
             self.numbers
         )
 
-    def value(self, x: Any) -> Any:
+    def value(self, x: Reals) -> Reals:
         """Return F.
 
         Args:
@@ -307,7 +308,7 @@ class DoubleDoubleEvaluation:
         place, known = self._inputs(x)
         return self.raw.formula.squared.run(DoubleDouble(), [place, *known])[0].high + 0.0 * x
 
-    def jet(self, x: Any) -> tuple[Any, Any, Any]:
+    def jet(self, x: Reals) -> tuple[Reals, Reals, Reals]:
         """Return F, dF/dx, d²F/dx².
 
         Args:
@@ -319,7 +320,7 @@ class DoubleDoubleEvaluation:
         value, first, second = (0.0 * x if part is None else part.high + 0.0 * x for part in parts)
         return value, first, second
 
-    def full(self, x: Any) -> Sequence[Any]:
+    def full(self, x: Reals) -> Sequence[Reals]:
         """Return F and the kernels.
 
         Args:
@@ -328,7 +329,7 @@ class DoubleDoubleEvaluation:
         offset = with_node_axis(self.base.high, x) + x
         return [self.value(x), *self.raw.full(offset)[1:]]
 
-    def errors(self, x: Any, *, kernels: bool, known: Any = None) -> list[Any]:
+    def errors(self, x: Reals, *, kernels: bool, known: Reals | None = None) -> list[Elementwise]:
         """Return bounds on the errors of F (relative, but for 2⁻⁴⁴ of those in doubles) and of the kernels.
 
         Args:
@@ -340,7 +341,7 @@ class DoubleDoubleEvaluation:
         value = self.value(x) if known is None else known
         return [4 * UNIT * np.abs(value) + 2.0**-44 * rough[0], *rough[1:]]
 
-    def drift(self, kernels: Sequence[Any], x: Any) -> Any:  # noqa: ARG002
+    def drift(self, kernels: Sequence[Reals], x: Reals) -> Reals:  # noqa: ARG002
         """Return what of the error of F comes smoothly from the constants: none is told apart here.
 
         Args:
@@ -349,7 +350,7 @@ class DoubleDoubleEvaluation:
         """
         return 0.0 * x
 
-    def place(self, x: Any) -> Any:
+    def place(self, x: Reals) -> Reals:
         """Return q.
 
         Args:
@@ -361,7 +362,7 @@ class DoubleDoubleEvaluation:
 View = DirectEvaluation | DifferenceEvaluation | DoubleDoubleEvaluation
 
 
-def second_slope(formula: LoweredFormula, knowns: Knowns, q: Any) -> tuple[Any, Any]:
+def second_slope(formula: LoweredFormula, knowns: Knowns, q: Reals) -> tuple[Reals, Reals]:
     """Return ½F″ at q, and three times the running error of it: a bound for slopes nearby.
 
     Args:

@@ -3,12 +3,12 @@
 from __future__ import annotations
 
 from dataclasses import dataclass, replace
-from typing import Any
 
 import numpy as np
 
 from hjsolve.arithmetic.double_double import DoubleDouble
 from hjsolve.arithmetic.error_free import Pair, two_sum
+from hjsolve.arithmetic.number_types import Integers, Mask, Reals, Which
 from hjsolve.arithmetic.second_differences import FUNCTIONS
 from hjsolve.ensembles.engine.constants import InitialConstants, initial_constants, slope
 from hjsolve.ensembles.engine.lowered_solution import LoweredFormula, Model, Separated
@@ -63,17 +63,17 @@ class Group:
     """
 
     coordinate: Separated
-    index: Any
+    index: Integers
     knowns: Knowns
     pairs: tuple[Pair, ...]
     numbers: tuple[Pair, ...]
-    q: Any
-    P: Any
-    first: Any
-    bend: Any
+    q: Reals
+    P: Reals
+    first: Reals
+    bend: Reals
     depth: int
 
-    def take(self, index: Any) -> Group:
+    def take(self, index: Which) -> Group:
         """Return some of them.
 
         Args:
@@ -121,7 +121,7 @@ def locate_regions(
     return found
 
 
-def hopeless_in_doubles(model: Model, starts: Starts, *, kernels: bool) -> Any:
+def hopeless_in_doubles(model: Model, starts: Starts, *, kernels: bool) -> Mask:
     """Tell which orbits have a motion so small that doubles would not do: p² is hardly larger than its rounding.
 
     Args:
@@ -144,7 +144,7 @@ def hopeless_in_doubles(model: Model, starts: Starts, *, kernels: bool) -> Any:
     return found
 
 
-def _noise_and_crest(view: DirectEvaluation, q: Any, P: Any, first: Any, second: Any) -> tuple[Any, Any]:
+def _noise_and_crest(view: DirectEvaluation, q: Reals, P: Reals, first: Reals, second: Reals) -> tuple[Reals, Reals]:
     """The error of p² at the start, and about how large p² becomes."""
     crest = P * P + np.where(second < 0, first * first / (-2 * second), np.inf)
     return view.errors(q, kernels=False)[0], crest
@@ -187,8 +187,9 @@ def _near(group: Group) -> LocatedRegions:
 
 
 def _end(
-    view: View, start: Any, P: Any, outward: Any, bend: Any, side: int, size: Any, floor: Any, reach: float = np.inf
-) -> Any:
+    view: View, start: Reals, P: Reals, outward: Reals, bend: Reals, side: int, size: Reals, floor: Reals,
+    reach: float = np.inf,
+) -> Reals:  # fmt: skip
     """Offset of the turning point on one side; ``side`` and ``outward`` in terms of the view's offset."""
     step = first_step(P, outward, bend, size)
     below = P * P
@@ -208,7 +209,7 @@ def _end(
         step[todo[up]] = np.maximum(step[todo[up]] - np.abs(x[up] - start[todo[up]]), 0.25 * step[todo[up]])
     moved = inner.copy()
 
-    def value(x: Any, index: Any) -> Any:
+    def value(x: Reals, index: Integers) -> Reals:
         return view.take(index).value(x)
 
     inner, outer = bracket(value, moved, step, side, floor=floor, reach=reach)
@@ -243,7 +244,7 @@ def _librations(group: Group) -> list[LocatedRegions]:
     return parts + ([_libration(group.take(np.flatnonzero(vague)))] if vague.any() else [])
 
 
-def ill_known(region: OrbitRegions) -> Any:
+def ill_known(region: OrbitRegions) -> Mask:
     """Tell where the error of p² in doubles, next to the turning points and between them, is not small beside p².
 
     Args:
@@ -261,7 +262,7 @@ def ill_known(region: OrbitRegions) -> Any:
 def _libration(group: Group) -> LocatedRegions:
     coordinate, knowns, q, P = group.coordinate, group.knowns, group.q, group.P
     first, bend = group.first, group.bend
-    seen: list[tuple[View, Any, Any, Any]] = []
+    seen: list[tuple[View, Reals, Reals, Reals]] = []
     plain = DirectEvaluation(coordinate.plain, knowns)
     scale = np.sqrt(np.abs(P * P / bend))
     length = np.where(q != 0, np.abs(q), np.where(np.isfinite(scale) & (scale > 0), scale, 1.0))
@@ -319,7 +320,7 @@ def _fine(group: Group, region: OrbitRegions) -> OrbitRegions:
     return _region(below, above, zero, zero, group.P, left, -right)
 
 
-def offset(formula: LoweredFormula, q: Any) -> Any:
+def offset(formula: LoweredFormula, q: Reals) -> Reals:
     """Return x of a position: (q − origin)·sign with one rounding.
 
     Args:
@@ -330,7 +331,7 @@ def offset(formula: LoweredFormula, q: Any) -> Any:
     return formula.sign * (s + (e - formula.origin.low))
 
 
-def _region(below: View, above: View, lower: Any, upper: Any, P: Any, left: Any, right: Any) -> OrbitRegions:
+def _region(below: View, above: View, lower: Reals, upper: Reals, P: Reals, left: Reals, right: Reals) -> OrbitRegions:
     zero, none = np.zeros_like(P), np.zeros(len(P), dtype=int)
     return OrbitRegions(below, above, lower, upper, left + right, zero, zero, none, none, P, left, right)
 
@@ -357,7 +358,7 @@ def _stretched(region: OrbitRegions) -> OrbitRegions:
     return replace(region, near_lower=d, near_upper=c, level=level, warp=warp)
 
 
-def _rotation(group: Group, values: Any, grid: Any) -> LocatedRegions:
+def _rotation(group: Group, values: Reals, grid: Reals) -> LocatedRegions:
     """The slow place: the first least value on a grid, improved by Newton's method on F′."""
     q, P = group.q, group.P
     raw: DirectEvaluation | DoubleDoubleEvaluation = DirectEvaluation(group.coordinate.plain, group.knowns)

@@ -13,10 +13,11 @@ does so over several nodes, and the integrands, which go like S^(±½), then hav
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING, Any, NamedTuple
+from typing import TYPE_CHECKING, NamedTuple
 
 import numpy as np
 
+from hjsolve.arithmetic.number_types import Complexes, Elementwise, Integers, Reals
 from hjsolve.ensembles.engine.clearance import Clearance
 from hjsolve.ensembles.engine.lowered_solution import LoweredFormula
 from hjsolve.ensembles.engine.nodes import COUNTS, Nodes, node_table
@@ -43,12 +44,12 @@ class _Disks(NamedTuple):
         radii: both (n, disks).
     """
 
-    orbits: Any
-    centres: Any
-    radii: Any
+    orbits: Integers
+    centres: Reals | Complexes
+    radii: Reals
 
 
-def room(clearance: Clearance, middle: Any, width: Any) -> Any:
+def room(clearance: Clearance, middle: Reals, width: Reals) -> Reals:
     """Return the radius of the disk about the middle of a motion in which p² is known, in units of half its width.
 
     Args:
@@ -60,7 +61,7 @@ def room(clearance: Clearance, middle: Any, width: Any) -> Any:
         return clearance.radius(middle) / (0.5 * width)
 
 
-def least(region: OrbitRegions, first: int) -> Any:
+def least(region: OrbitRegions, first: int) -> Reals:
     """Return the least number of nodes, from the first one on, that is proved to resolve each orbit; inf for none.
 
     What is proved for a number of nodes is proved for more: the strip is narrower.
@@ -82,7 +83,7 @@ def least(region: OrbitRegions, first: int) -> Any:
     return needed
 
 
-def _shares(region: OrbitRegions, count: int, codes: Any) -> Any:
+def _shares(region: OrbitRegions, count: int, codes: Integers) -> Reals:
     """The least radius that is known over the one that is needed; only whether it is below 1 is exact."""
     share = np.zeros(len(region.width))
     below: list[_Disks] = []
@@ -103,7 +104,7 @@ def _shares(region: OrbitRegions, count: int, codes: Any) -> Any:
     return share
 
 
-def _looked_up(view: View, disks: list[_Disks], share: Any) -> None:
+def _looked_up(view: View, disks: list[_Disks], share: Reals) -> None:
     """Lower the shares to what is known of some disks, by one look at the table."""
     if not disks:
         return
@@ -117,7 +118,7 @@ def _looked_up(view: View, disks: list[_Disks], share: Any) -> None:
         share[one.orbits] = np.minimum(share[one.orbits], least_share)
 
 
-def _at_a_glance(region: OrbitRegions, table: Nodes) -> Any:
+def _at_a_glance(region: OrbitRegions, table: Nodes) -> Reals:
     """The same by one disk about the middle of each motion."""
     formula, knowns, base = _seen(region.below)
     middle = np.ravel(base) + region.lower + region.below.sign * 0.5 * region.width
@@ -130,7 +131,7 @@ def _at_a_glance(region: OrbitRegions, table: Nodes) -> Any:
     return share
 
 
-def _seen(view: View) -> tuple[LoweredFormula, Knowns, Any]:
+def _seen(view: View) -> tuple[LoweredFormula, Knowns, Elementwise]:
     """The formula of a view, what is known, and the offset in the formula of the view's zero."""
     if isinstance(view, DifferenceEvaluation):
         return view.formula, view.knowns, view.start[:, None]
@@ -139,7 +140,7 @@ def _seen(view: View) -> tuple[LoweredFormula, Knowns, Any]:
     return view.formula, view.knowns, 0.0
 
 
-def _disks(region: OrbitRegions, orbits: Any, table: Nodes, over: CoveredStrip) -> tuple[_Disks, _Disks | None]:
+def _disks(region: OrbitRegions, orbits: Integers, table: Nodes, over: CoveredStrip) -> tuple[_Disks, _Disks | None]:
     """The disks that cover the strip, seen from the lower and from the upper end; where one view has all, no second."""
     with np.errstate(all="ignore"):
         if not region.turning:
@@ -156,7 +157,7 @@ def _disks(region: OrbitRegions, orbits: Any, table: Nodes, over: CoveredStrip) 
         return _Disks(orbits, lower, W * spread[:, :half]), rest
 
 
-def _within(region: OrbitRegions, table: Nodes, over: CoveredStrip) -> tuple[Any, Any, Any]:
+def _within(region: OrbitRegions, table: Nodes, over: CoveredStrip) -> tuple[Complexes, Complexes, Reals]:
     """(q − a)/W and (b − q)/W of the centres, and the radii over W."""
     if table.complement == 1.0:
         one = np.ones((len(region.width), 1))

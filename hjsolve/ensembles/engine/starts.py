@@ -7,13 +7,13 @@ two doubles, and nothing is rounded.
 from __future__ import annotations
 
 from dataclasses import dataclass, replace
-from typing import Any
 
 import numpy as np
 
 from hjsolve.arithmetic.double_double import DoubleDouble
 from hjsolve.arithmetic.error_free import Pair
 from hjsolve.arithmetic.floats import UNIT, Float64
+from hjsolve.arithmetic.number_types import Elementwise, Reals, Which
 from hjsolve.arithmetic.running_error import RunningError, WithErrorBound
 from hjsolve.arithmetic.tape import Tape
 
@@ -32,7 +32,7 @@ class MomentumRule:
     tape: Tape
     numbers: tuple[Pair, ...]
 
-    def rounded(self, q: Any, velocity: Any) -> tuple[Any, Any]:
+    def rounded(self, q: Reals, velocity: Reals) -> tuple[Reals, Reals]:
         """Return p in doubles and bounds on its errors, arrays like q.
 
         Args:
@@ -45,7 +45,7 @@ class MomentumRule:
         errors = [0.0 if x.error is None else x.error for x in found]
         return _rows([x.value for x in found], q), _rows(errors, q)
 
-    def exactly(self, q: Any, velocity: Any) -> tuple[Any, Any]:
+    def exactly(self, q: Reals, velocity: Reals) -> tuple[Reals, Reals]:
         """Return p in two doubles, arrays like q.
 
         Args:
@@ -57,7 +57,7 @@ class MomentumRule:
         return _rows([x.high for x in found], q), _rows([x.low for x in found], q)
 
 
-def _rows(parts: list[Any], like: Any) -> Any:
+def _rows(parts: list[Elementwise], like: Reals) -> Reals:
     return np.stack([np.broadcast_to(part, like.shape[1:]) for part in parts])
 
 
@@ -74,15 +74,15 @@ class Starts:
         rule: how.
     """
 
-    q: Any
-    p: Any
-    doubt: Any
-    low: Any
-    spread: Any
-    velocity: Any = None
+    q: Reals
+    p: Reals
+    doubt: Reals
+    low: Reals
+    spread: Reals
+    velocity: Reals | None = None
     rule: MomentumRule | None = None
 
-    def take(self, index: Any) -> Starts:
+    def take(self, index: Which) -> Starts:
         """Return those of some of the orbits.
 
         Args:
@@ -93,13 +93,13 @@ class Starts:
 
     def precise(self) -> Starts:
         """Return the same with momenta in two doubles."""
-        if self.rule is None:
+        if self.rule is None or self.velocity is None:
             return self
         p, low = self.rule.exactly(self.q, self.velocity)
         return replace(self, p=p, low=low, doubt=np.abs(low) + _FINER * self.spread)
 
 
-def given_momenta(q: Any, p: Any) -> Starts:
+def given_momenta(q: Reals, p: Reals) -> Starts:
     """Starts of orbits whose momenta are the doubles they are.
 
     Args:
@@ -109,7 +109,7 @@ def given_momenta(q: Any, p: Any) -> Starts:
     return Starts(q, p, zero, zero, zero)
 
 
-def from_velocities(rule: MomentumRule, q: Any, velocity: Any) -> Starts:
+def from_velocities(rule: MomentumRule, q: Reals, velocity: Reals) -> Starts:
     """Starts of orbits whose velocities are given.
 
     Args:

@@ -11,12 +11,12 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 from functools import cache
-from typing import Any
 
 import numpy as np
 
 from hjsolve.arithmetic.elliptic import quarter_period
 from hjsolve.arithmetic.floats import Float64
+from hjsolve.arithmetic.number_types import Complexes, Reals
 from hjsolve.ensembles.engine.nodes import Nodes
 from hjsolve.one_coordinate.complex_anomaly import jacobi_complex
 
@@ -45,11 +45,11 @@ class CoveredStrip:
         inside: True where sn and cn have no poles in the strip.
     """
 
-    low: Any
-    high: Any
-    near_low: Any
-    near_high: Any
-    spread: Any
+    low: Complexes
+    high: Complexes
+    near_low: Complexes
+    near_high: Complexes
+    spread: Reals
     tip: float
     inside: bool
 
@@ -105,13 +105,13 @@ def covered_strip(table: Nodes, turning: bool) -> CoveredStrip:
     return CoveredStrip(low, high, near_low, near_high, spread, end, bool(inside))
 
 
-def _goal(χ: Any, table: Nodes) -> Any:
+def _goal(χ: Complexes, table: Nodes) -> Complexes:
     """The anomaly before nodes were crowded."""
     γ, δ = table.warp
     return χ + γ * np.sin(χ) + 0.5 * δ * np.sin(2 * χ)
 
 
-def _places(χ: Any, table: Nodes, turning: bool) -> tuple[Any, Any]:
+def _places(χ: Complexes, table: Nodes, turning: bool) -> tuple[Complexes, Complexes]:
     """sn² and cn² at complex anomalies; for rotations 2 am − π, to be continued from middle to edge, and cn²."""
     u = _goal(χ, table) * (table.quarter / np.pi) if table.complement < 1 else 0.5 * _goal(χ, table)
     sn, cn, _ = jacobi_complex(u, table.complement, table.quarter)

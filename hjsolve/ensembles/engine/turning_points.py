@@ -9,20 +9,20 @@ quadrature refuses those (``midpoint_rule``).
 from __future__ import annotations
 
 from collections.abc import Callable
-from typing import Any
 
 import numpy as np
 
 from hjsolve.arithmetic.floats import EPS
+from hjsolve.arithmetic.number_types import Integers, Reals
 
-Function = Callable[[Any, Any], Any]
+Function = Callable[[Reals, Integers], Reals]
 """(x, index of the orbits) ↦ F, arrays of shape (m,)."""
 
 _STEPS = 110
 _STRIDE = 0.2
 
 
-def first_step(momentum: Any, slope: Any, bend: Any, size: Any) -> Any:
+def first_step(momentum: Reals, slope: Reals, bend: Reals, size: Reals) -> Reals:
     """Distance at which P₀² + slope·d + bend·d² vanishes, a little more, at most ``size``; less where it never does.
 
     Args:
@@ -40,7 +40,9 @@ def first_step(momentum: Any, slope: Any, bend: Any, size: Any) -> Any:
     return np.where(found, np.minimum(1.0625 * down, size), np.where(crude > 0, crude, 0.25 * size))
 
 
-def bracket(function: Function, start: Any, step: Any, side: int, *, floor: Any, reach: float) -> tuple[Any, Any]:
+def bracket(
+    function: Function, start: Reals, step: Reals, side: int, *, floor: Reals, reach: float
+) -> tuple[Reals, Reals]:
     """Walk from the start until F < 0.
 
     Args:
@@ -73,7 +75,7 @@ def bracket(function: Function, start: Any, step: Any, side: int, *, floor: Any,
     return inner, outer
 
 
-def kept_inside(x: Any, inner: Any, floor: Any) -> Any:
+def kept_inside(x: Reals, inner: Reals, floor: Reals) -> Reals:
     """Return x, or three quarters of the way to the floor where x lies beyond that.
 
     Args:
@@ -86,7 +88,7 @@ def kept_inside(x: Any, inner: Any, floor: Any) -> Any:
         return np.where((x - inner) / (floor - inner) > 0.75, limit, x)
 
 
-def refine(function: Function, inner: Any, outer: Any, below: Any) -> Any:
+def refine(function: Function, inner: Reals, outer: Reals, below: Reals) -> Reals:
     """Return the zero between ``inner`` (F ≥ 0) and ``outer`` (F < 0), to the last bits of x; NaN stays NaN.
 
     Args:
@@ -123,7 +125,7 @@ def refine(function: Function, inner: Any, outer: Any, below: Any) -> Any:
     return result
 
 
-def _next(a: Any, fa: Any, b: Any, fb: Any, c: Any, fc: Any, limit: Any) -> Any:
+def _next(a: Reals, fa: Reals, b: Reals, fb: Reals, c: Reals, fc: Reals, limit: Reals) -> Reals:
     """Chandrupatla's choice of the next place, as a fraction of the way from a to b."""
     with np.errstate(all="ignore"):
         ξ, φ = (a - b) / (c - b), (fa - fb) / (fc - fb)
