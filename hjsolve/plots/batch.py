@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
@@ -12,6 +12,9 @@ from hjsolve.plots import style
 from hjsolve.reports.formulas.layout import Script
 from hjsolve.reports.formulas.names import name_box
 
+if TYPE_CHECKING:
+    from matplotlib.axes import Axes
+
 _LETTERS = {"actions": "J", "frequencies": "Omega", "periods": "T", "angles": "w"}
 _VISIBLE = 300
 """An error is drawn where it is more than this part of an axis."""
@@ -19,7 +22,7 @@ _SINGLE = 2000
 """Up to so many orbits the points are large."""
 
 
-def plotted_batch(batch: Batch, x: str | None, y: str | None, colour: str | None, ax: Any) -> Any:
+def plotted_batch(batch: Batch, x: str | None, y: str | None, colour: str | None, ax: Axes | None) -> Axes:
     """Draw one column of a batch against another, a point an orbit.
 
     Args:
@@ -53,7 +56,7 @@ def plotted_batch(batch: Batch, x: str | None, y: str | None, colour: str | None
     with style.drawing() as pyplot:
         ax = pyplot.subplots()[1] if ax is None else ax
         size = 14 if there.sum() <= _SINGLE else 2
-        look: dict[str, Any] = {"color": style.BLUE}
+        look: style.Style = {"color": style.BLUE}
         if colour is not None:
             look = {"c": np.ravel(batch.columns[colour])[there], "cmap": "viridis"}
         drawn = ax.scatter(values[0][there], values[1][there], s=size, linewidths=0, zorder=3, **look)
@@ -68,7 +71,7 @@ def plotted_batch(batch: Batch, x: str | None, y: str | None, colour: str | None
     return ax
 
 
-def _error_bars(ax: Any, values: list[Any], errors: list[Any]) -> None:
+def _error_bars(ax: Axes, values: list[Any], errors: list[Any]) -> None:
     """Draw the errors that can be seen."""
     seen = np.any([e * _VISIBLE > np.ptp(v) for v, e in zip(values, errors)], axis=0) & np.isfinite(errors).all(axis=0)
     seen &= np.any([e > 0 for e in errors], axis=0)

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from typing import Any
+from typing import TYPE_CHECKING
 
 import numpy as np
 
@@ -12,10 +12,13 @@ from hjsolve.rays.families import Wavefronts
 from hjsolve.reports.drawings.wavefront_figure import one_sheet, plane_axes, points_of
 from hjsolve.reports.formulas.names import name_box
 
+if TYPE_CHECKING:
+    from matplotlib.axes import Axes
+
 _MOST_ORBITS = 16
 
 
-def plotted_wavefronts(family: Wavefronts, ax: Any) -> Any:
+def plotted_wavefronts(family: Wavefronts, ax: Axes | None) -> Axes:
     """Draw a family: lines of W, orbits, caustics.
 
     Args:

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import importlib
 from dataclasses import dataclass, field
-from typing import Any
+from typing import TYPE_CHECKING
 
 import numpy as np
 import sympy as sp
@@ -21,6 +21,9 @@ from hjsolve.motion.wanted import QUANTITIES
 from hjsolve.rays.family_curve import FamilyCurve
 from hjsolve.rays.same_constants import SameConstants, momentum_shift, same_constants
 from hjsolve.rays.same_place import SamePlace, same_place
+
+if TYPE_CHECKING:
+    from matplotlib.axes import Axes
 
 FAMILIES = ("constants", "place")
 _MOST = 400
@@ -76,7 +79,7 @@ class Wavefronts(Shown):
         passed = _real(t, "t") - float(self.motion.t0)
         return self.maker.fronts(np.array([_real(S, "S") + float(E.value) * passed]))[0]
 
-    def plot(self, *, ax: Any = None) -> Any:
+    def plot(self, *, ax: Axes | None = None) -> Axes:
         """Draw fronts, orbits and caustics with matplotlib (extra ``report``).
 
         Args:
