@@ -61,6 +61,58 @@ def test_a_slider_moves_orbit_point_and_numbers_to_those_of_the_engine(page, p, 
     assert abs(float(rows["period"]) - T) <= bounds["r"] * T / (high - low) + 1e-5
 
 
+def pixel_of(page, momentum: float, energy: float) -> tuple[float, float]:
+    """Where on the map two constants are, from its window and the margins of its frame."""
+    return page.execute_script(
+        "const {map, sliders} = JSON.parse(document.getElementById('live-data').textContent);"
+        "const c = document.getElementById('live-map'), box = c.getBoundingClientRect(), [x, y] = map.window;"
+        "return [34 + (box.width - 42) * (arguments[0] - x[0]) / (x[1] - x[0]) + box.left,"
+        "18 + (box.height - 44) * (y[1] - arguments[1]) / (y[1] - y[0]) + box.top];", momentum, energy,
+    )  # fmt: skip
+
+
+def test_a_click_on_the_map_chooses_the_motion_there(page):
+    ranges = page.execute_script("return JSON.parse(document.getElementById('live-data').textContent).sliders")
+    wanted = [s["low"] + share * (s["high"] - s["low"]) for s, share in zip(ranges, (0.3, 0.6))]
+    page.execute_script("document.getElementById('live-map').scrollIntoView()")
+    x, y = pixel_of(page, *wanted)
+    page.execute_script(
+        "document.getElementById('live-map').dispatchEvent("
+        "new PointerEvent('pointerdown', {clientX: arguments[0], clientY: arguments[1], bubbles: true}))", x, y,
+    )  # fmt: skip
+    found = page.execute_script("return hjsolveLive.settings")
+    for value, goal, s in zip(found, wanted, ranges):
+        assert abs(value - goal) < 1e-9 * (s["high"] - s["low"])
+    shown = page.execute_script("return hjsolveLive.motion()")
+    motion = hjsolve.solve("kepler-planar").motion(
+        q={"r": found[0] ** 2, "theta": 0}, constants={"E": found[1], "p_theta": found[0]}, signs={"r": 1}
+    )
+    bounds = page.execute_script("return hjsolveLive.bounds")
+    for value, end in zip((shown["a"][0], shown["b"][0]), motion.turning_points["r"]):
+        assert abs(value - end.value) <= bounds["r"]
+
+
+def test_arrow_keys_on_the_map_move_the_constants_and_the_sliders(page):
+    before = page.execute_script("return [...hjsolveLive.settings]")
+    knob = page.find_element("id", "live-slider-1").get_attribute("value")
+    page.find_element("id", "live-map").send_keys("\ue013" * 4)  # the up arrow
+    after = page.execute_script("return hjsolveLive.settings")
+    assert after[1] > before[1]
+    assert after[0] == before[0]
+    assert page.find_element("id", "live-slider-1").get_attribute("value") != knob
+
+
+def test_nothing_beyond_the_tables_can_be_chosen_on_the_map(page):
+    ranges = page.execute_script("return JSON.parse(document.getElementById('live-data').textContent).sliders")
+    x, y = pixel_of(page, 10 * ranges[0]["high"], 10 * ranges[1]["high"])
+    page.execute_script(
+        "document.getElementById('live-map').dispatchEvent("
+        "new PointerEvent('pointerdown', {clientX: arguments[0], clientY: arguments[1], bubbles: true}))", x, y,
+    )  # fmt: skip
+    for value, s in zip(page.execute_script("return hjsolveLive.settings"), ranges):
+        assert s["low"] <= value <= s["high"]
+
+
 def test_play_and_pause_by_the_keyboard(page):
     page.execute_script("document.getElementById('live-play').focus()")
     button = page.find_element("id", "live-play")
@@ -103,3 +155,31 @@ def test_the_page_is_not_wider_than_the_window(page, width):
     page.set_window_size(width, 900)
     inner, scroll = page.execute_script("return [window.innerWidth, document.documentElement.scrollWidth]")
     assert scroll <= inner
+
+
+def test_the_point_on_the_torus_goes_by_the_frequencies_of_the_engine(tmp_path_factory, browser):
+    """Of the spherical pendulum: two frequencies; the page's angle variables against Ω (t − t₀)."""
+    path = hjsolve.report("spherical-pendulum", tmp_path_factory.mktemp("torus") / "live.html", live=True)
+    browser.get(path.as_uri())
+    momentum, energy = slide(browser, 0, 0.35)[0], slide(browser, 1, 0.7)[1]
+    shown, bounds = browser.execute_script("return [hjsolveLive.motion(), hjsolveLive.bounds]")
+    motion = hjsolve.solve("spherical-pendulum").motion(
+        q={"theta": (shown["a"][0] + shown["b"][0]) / 2, "phi": 0}, constants={"E": energy, "p_phi": momentum},
+        signs={"theta": 1},
+    )  # fmt: skip
+    T = motion.periods["theta"].value
+    for share in (0.2, 0.9, 1.9):
+        own, across = browser.execute_script("return hjsolveLive.phases(arguments[0])", share * T)
+        assert abs(own - 2 * math.pi * share) <= 4 * bounds["theta"] / (shown["b"][0] - shown["a"][0])
+        assert abs(across - motion.frequencies["phi"].value * share * T) <= 2 * bounds["phi"]
+    turned = [browser.execute_script("return document.getElementById('live-torus').toDataURL()")]
+    browser.find_element("id", "live-torus").send_keys("\ue014" * 5)
+    turned.append(browser.execute_script("return document.getElementById('live-torus').toDataURL()"))
+    assert turned[0] != turned[1]
+    spent = browser.execute_script(
+        "const begin = performance.now(); for (let k = 0; k < 60; k++) hjsolveLive.seek(k / 7);"
+        "return (performance.now() - begin) / 60;"
+    )
+    print(f"{spent:.2f} ms a frame of five boards")
+    assert spent < 16.7
+    assert [e for e in browser.get_log("browser") if e["level"] in {"SEVERE", "WARNING"}] == []

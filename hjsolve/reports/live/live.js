@@ -60,6 +60,8 @@
     return found;
   };
   const period = () => 2 * Math.PI * motion.t[0];
+  const phases = (t) => [(2 * Math.PI * t) / period(), (2 * Math.PI * motion[data.torus][0] * t) / period()];
+  const ring = (a, b) => [(1 + 0.42 * Math.cos(a)) * Math.cos(b), (1 + 0.42 * Math.cos(a)) * Math.sin(b), 0.42 * Math.sin(a)];
   const squared = (k, values) => {
     const [x, y] = values.length === 1 ? [0, values[0]] : values;
     let sum = 0;
@@ -82,8 +84,8 @@
   // ------------------------------------------------------------------ drawing
   let view = { azimuth: -0.9, elevation: 0.42 };
   const solid = ["spherical", "colatitude", "elevation"].includes(data.where.kind);
-  const project = ([x, y, z]) => {
-    if (!solid) return [x, y];
+  const project = ([x, y, z], turned = solid) => {
+    if (!turned) return [x, y];
     const { azimuth: a, elevation: e } = view;
     const forward = x * Math.cos(a) + y * Math.sin(a);
     return [-x * Math.sin(a) + y * Math.cos(a), z * Math.cos(e) - forward * Math.sin(e)];
@@ -196,7 +198,7 @@
     line(f, curves.loop, "red", 1.6);
     dot(f, s.q, s.p, "red", 5);
     labels(f, data.label, data.momentum, [motion.a[0], motion.b[0]]);
-    const flat = curves.path.map(project), now = project(place(s));
+    const flat = curves.path.map((p) => project(p)), now = project(place(s));
     const span = data.ball ? [-1.08, 1.08] : null;
     f = frame(at("orbit"), span || range(flat.map((p) => p[0]), data.centred), span || range(flat.map((p) => p[1]), data.centred), data.equal);
     const ring = [...Array(97).keys()].map((k) => [Math.cos((k * Math.PI) / 48), Math.sin((k * Math.PI) / 48)]);
@@ -205,7 +207,37 @@
     if (data.centred) dot(f, 0, 0, "ink", 3);
     dot(f, now[0], now[1], "red", 5);
     labels(f, data.axes[0], data.axes[1]);
+    if (data.torus) torus();
+    if (data.map) map();
     at("time").textContent = `${data.clock} = ${time.toPrecision(4)}`;
+  };
+
+  const torus = () => {
+    const f = frame(at("torus"), [-1.5, 1.5], [-1.5, 1.5], true);
+    const around = [...Array(61).keys()].map((k) => (k * Math.PI) / 30);
+    for (let k = 0; k < 12; k++) {
+      line(f, around.map((v) => project(ring((k * Math.PI) / 6, v), true)), "rule", 0.6);
+      line(f, around.map((v) => project(ring(v, (k * Math.PI) / 6), true)), "rule", 0.6);
+    }
+    const T = period();
+    const path = [...Array(601).keys()].map((k) => project(ring(...phases(time + (k / 60 - 10) * T)), true));
+    line(f, path, "red", 1.2);
+    dot(f, ...project(ring(...phases(time)), true), "red", 5);
+    labels(f, "", `torus: ${data.label} round the tube, ${data.labels[data.torus]} along`);
+  };
+  const map = () => {
+    const [x, y] = data.map.window, [a, b] = data.sliders;
+    const f = frame(at("map"), x, y);
+    f.pen.save();
+    f.pen.beginPath();
+    f.pen.rect(f.left, f.top, f.width - f.left, f.height - f.top - f.bottom);
+    f.pen.clip();
+    for (const curve of data.map.curves) line(f, curve.map((p) => p || [NaN, NaN]), "ink", 1.4);
+    line(f, [[a.low, b.low], [a.high, b.low], [a.high, b.high], [a.low, b.high], [a.low, b.low]], "soft", 1, [3, 3]);
+    f.pen.restore();
+    dot(f, settings[0], settings[1], "red", 5);
+    labels(f, a.label, `${b.label}, map of all motions`);
+    return f;
   };
 
   // ------------------------------------------------------------------ controls
@@ -237,17 +269,37 @@
     view = { azimuth: view.azimuth - dx / 120, elevation: Math.max(-1.5, Math.min(1.5, view.elevation + dy / 120)) };
     draw();
   };
-  if (solid) {
-    orbit.addEventListener("pointermove", (event) => { if (event.buttons) turn(event.movementX, event.movementY); });
-    orbit.addEventListener("keydown", (event) => {
-      const move = { ArrowLeft: [-12, 0], ArrowRight: [12, 0], ArrowUp: [0, -12], ArrowDown: [0, 12] }[event.key];
-      if (move) { event.preventDefault(); turn(...move); }
+  const arrows = (event, then) => {
+    const move = { ArrowLeft: [-1, 0], ArrowRight: [1, 0], ArrowUp: [0, -1], ArrowDown: [0, 1] }[event.key];
+    if (move) { event.preventDefault(); then(...move); }
+  };
+  for (const turning of [...(solid ? [orbit] : []), ...(data.torus ? [at("torus")] : [])]) {
+    turning.addEventListener("pointermove", (event) => { if (event.buttons) turn(event.movementX, event.movementY); });
+    turning.addEventListener("keydown", (event) => arrows(event, (x, y) => turn(12 * x, 12 * y)));
+  }
+  const choose = (values) => {
+    data.sliders.forEach((s, i) => {
+      settings[i] = Math.min(s.high, Math.max(s.low, values[i]));
+      at(`slider-${i}`).value = (1000 * (settings[i] - s.low)) / (s.high - s.low);
     });
+    change();
+  };
+  if (data.map) {
+    const clicked = (event) => {
+      const f = map(), box = at("map").getBoundingClientRect(), [x, y] = data.map.window;
+      const share = (v, low, high) => (v - low) / (high - low);
+      const across = share(event.clientX - box.left, f.px(x[0]), f.px(x[1])), up = share(event.clientY - box.top, f.py(y[0]), f.py(y[1]));
+      choose([x[0] + across * (x[1] - x[0]), y[0] + up * (y[1] - y[0])]);
+    };
+    at("map").addEventListener("pointerdown", clicked);
+    at("map").addEventListener("pointermove", (event) => { if (event.buttons) clicked(event); });
+    at("map").addEventListener("keydown", (event) => arrows(event, (x, y) =>
+      choose(data.sliders.map((s, i) => settings[i] + ((i ? -y : x) * (s.high - s.low)) / 100))));
   }
   window.addEventListener("resize", draw);
   window.matchMedia("(prefers-color-scheme: dark)").addEventListener("change", draw);
   window.hjsolveLive = {
-    state: (t) => state(motion, t), motion: () => motion, settings, bounds: data.bounds, draw,
+    state: (t) => state(motion, t), phases, motion: () => motion, settings, bounds: data.bounds, draw,
     set: (values) => { values.forEach((v, i) => { settings[i] = v; }); change(); }, seek: (t) => { time = t; draw(); },
   };
   root.hidden = false;

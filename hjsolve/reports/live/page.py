@@ -12,10 +12,13 @@ import numpy as np
 import sympy as sp
 
 from hjsolve.arithmetic.floats import Float64
+from hjsolve.energy_momentum.energy_momentum_map import energy_momentum_map
+from hjsolve.errors import HJSolveError
 from hjsolve.lowering import lower
 from hjsolve.mechanics.energy_shell import time_name
 from hjsolve.motion.motion import Motion
 from hjsolve.reports.drawings.cartesian_picture import embedding
+from hjsolve.reports.drawings.energy_momentum_figure import map_grid, visible
 from hjsolve.reports.drawings.svg import Array
 from hjsolve.reports.formulas.names import name_box
 from hjsolve.reports.formulas.one_line_text import plain
@@ -32,7 +35,10 @@ _STYLE = """
 .live table{margin-top:.6rem}.live td{text-align:right;font-variant-numeric:tabular-nums}
 @media print{.live{display:none}}
 """
-_POINTS = 400
+_POINTS, _TWO = 400, 2
+_TORUS = "Torus of the two angle variables with the moving point; arrow keys turn it"
+_CHOOSE = "A click on the map, or the arrow keys on it, choose the constants; the tables reach as far as the dashed lines."
+_MAP = "Map of all motions over the two constants, with the critical curves and the range of the sliders"
 
 
 def live_page(static: str, motion: Motion) -> str:
@@ -52,15 +58,16 @@ def live_page(static: str, motion: Motion) -> str:
     tables = live_tables(motion)
     head = f'<meta http-equiv="Content-Security-Policy" content="{_POLICY}"/>\n<style>{_STYLE}</style>\n</head>'
     script = resources.files("hjsolve.reports.live").joinpath("live.js").read_text(encoding="utf-8")
-    data = json.dumps(_data(motion, tables), separators=(",", ":")).replace("<", "\\u003c")
+    data = _data(motion, tables)
+    text = json.dumps(data, separators=(",", ":")).replace("<", "\\u003c")
     block = (
-        f'{_controls(tables, motion)}<script type="application/json" id="live-data">{data}</script>\n'
+        f'{_controls(tables, motion, data)}<script type="application/json" id="live-data">{text}</script>\n'
         f"<script>//<![CDATA[\n{script}//]]></script>\n"
     )
     return static.replace("</head>", head, 1).replace("<main>", f"<main>\n{block}", 1)
 
 
-def _controls(tables: LiveTables, motion: Motion) -> str:
+def _controls(tables: LiveTables, motion: Motion, data: Mapping[str, Any]) -> str:
     sliders = "".join(_slider(k, s) for k, s in enumerate(tables.sliders))
     q = escape(_label(tables.coordinate))
     boards = "".join(
@@ -69,6 +76,8 @@ def _controls(tables: LiveTables, motion: Motion) -> str:
             ("well", f"Effective potential of {q} with the moving point"),
             ("phase", f"Phase plane of {q} with the moving point"),
             ("orbit", "Orbit with the moving point; where it is in space, arrow keys turn it"),
+            *((("torus", _TORUS),) if data["torus"] else ()),
+            *((("map", f"{_MAP}; a click or the arrow keys choose them"),) if data["map"] else ()),
         )
     )
     speeds = "".join(
@@ -86,7 +95,7 @@ def _controls(tables: LiveTables, motion: Motion) -> str:
 <table aria-live="polite"><caption>Numbers of this motion</caption><tbody id="live-numbers"></tbody></table>
 <p class="note">Computed beforehand and interpolated between: during the first two periods the page differs from
 <code>Solution.motion</code> in {worst} at most: twice the largest difference found at test points of the range.
-It starts at the lower turning point of {q}. {_drag(motion)}</p>
+It starts at the lower turning point of {q}. {_drag(motion)} {_CHOOSE if data["map"] else ""}</p>
 </section>
 """  # noqa: S608 - a select of HTML
 
@@ -131,7 +140,29 @@ def _data(motion: Motion, tables: LiveTables) -> dict[str, Any]:
         "where": {"kind": known, "names": kept or [tables.coordinate], "up": where.up},
         "axes": axes, "equal": known != "" and where.shape != "coordinates",
         "ball": known in {"colatitude", "elevation"}, "centred": known in {"polar", "spherical", "parabolic"},
+        "torus": next((n for n in names if system.coordinate(n).domain.kind == "angle"), None),
+        "map": _map(motion, tables),
     }  # fmt: skip
+
+
+def _map(motion: Motion, tables: LiveTables) -> dict[str, Any] | None:
+    """The plane of the two constants: its window and its critical curves; None with one slider."""
+    if len(tables.sliders) != _TWO:
+        return None
+    try:
+        found = energy_momentum_map(motion, x=tables.sliders[0].name, y=tables.sliders[1].name)
+    except HJSolveError:
+        return None
+    grid = map_grid(found)
+    curves = []
+    for curve in found.curves:
+        points = zip(*visible(found, grid, curve), strict=True)
+        curves.append([[_short(x), _short(y)] if np.isfinite(x + y) else None for x, y in points])
+    return {"window": [list(map(float, side)) for side in found.window], "curves": curves}
+
+
+def _short(value: float) -> float:
+    return float(f"{value:.6g}")
 
 
 def _group(name: str, columns: Mapping[str, Array]) -> list[list[list[float]]]:
