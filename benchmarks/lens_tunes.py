@@ -6,7 +6,8 @@ The ensemble is given x, y and their velocities; its frequencies Ω_ν and Ω_μ
 particles are followed by heyoka's Taylor integration for PERIODS times 2π, by equations that know nothing of elliptic
 coordinates: with z = x + iy the lens is V = (x² + y²)/2 + Re(z f(z))/5, f = arcsin z/√(1 − z²), (1 − z²) f′ = z f + 1,
 and f is integrated along with z. The frequencies of x(t) and y(t) are the maxima of their Fourier integrals with a
-window cos⁸ (Laskar, Physica D 67 (1993) 257). Printed: the largest differences, and times.
+window cos⁸ (Laskar, Physica D 67 (1993) 257). Where another line is so near that the window does not part them, and the
+two differ by more than 10⁻¹⁰, the orbit is followed 16 times as long. Printed: the largest differences, and times.
 """
 
 from __future__ import annotations
@@ -14,6 +15,7 @@ from __future__ import annotations
 import cmath
 import sys
 import time
+from collections.abc import Sequence
 from typing import Any
 
 import heyoka as hy
@@ -23,6 +25,7 @@ import hjsolve
 from benchmarks.charted_systems import system_named
 
 _STRENGTH, _PER_PERIOD, _WINDOW = -0.2, 24, 4
+_CLOSE, _LONGER = 1e-10, 16
 
 
 def particles(count: int, seed: int = 1) -> Any:
@@ -91,16 +94,26 @@ def main() -> None:
     spent = time.process_time() - begin
     print(f"solved in {solved:.1f} s; {count} particles in {spent:.2f} s ({spent / count * 1e6:.0f} µs each)")
     print(batch.summary(), "largest claim", *(f"{np.nanmax(e):.1e}" for e in batch.error["frequencies"].values()))
-    flow, times = tracker(), np.arange(periods * _PER_PERIOD + 1) * 2 * np.pi / _PER_PERIOD
-    begin, off = time.process_time(), []
+    flow, begin, off, longer = tracker(), time.process_time(), [], 0
     for k in range(min(tracked, count)):
-        x, y = track(flow, starts[:, k], times)
         mine = [abs(batch.frequencies[name][k]) for name in ("nu", "mu")]
-        off.append([abs(frequency(x, times) - mine[0]), abs(frequency(y, times) - mine[1])])
+        apart = differences(flow, starts[:, k], periods, mine)
+        if max(apart) > _CLOSE:
+            longer += 1
+            print(f"particle {k}: {apart[0]:.1e}, {apart[1]:.1e} over {periods} periods", flush=True)
+            apart = differences(flow, starts[:, k], periods * _LONGER, mine)
+        off.append(apart)
     worst = np.array(off)
-    print(f"{len(off)} tracked over {periods} periods in {time.process_time() - begin:.1f} s")
+    print(f"{len(off)} tracked over {periods} periods, {longer} of them {_LONGER} times as long, "
+          f"in {time.process_time() - begin:.1f} s")  # fmt: skip
     print(f"largest difference of the tunes of x {worst[:, 0].max():.1e}, of y {worst[:, 1].max():.1e}")
     print(f"95 of 100 are below {np.quantile(worst, 0.95):.1e}; above 1e-9: {int((worst > 1e-9).sum())}")
+
+
+def differences(flow: Any, start: Any, periods: int, tunes: Sequence[float]) -> list[float]:
+    """How far the tunes are from the frequencies of the tracked orbit."""
+    times = np.arange(periods * _PER_PERIOD + 1) * 2 * np.pi / _PER_PERIOD
+    return [abs(frequency(z, times) - tune) for z, tune in zip(track(flow, start, times), tunes, strict=True)]
 
 
 if __name__ == "__main__":

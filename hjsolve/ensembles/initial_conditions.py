@@ -12,6 +12,7 @@ from hjsolve.catalog.schema import nearest
 from hjsolve.errors import InvalidInputError, MissingValueError
 from hjsolve.formulas.read import number
 from hjsolve.mechanics.system import System
+from hjsolve.separation import Zero, is_zero
 
 _MASKED = "a masked array; give NaN for what is missing (array.filled(nan)), such orbits get a status"
 
@@ -41,16 +42,18 @@ def conditions(
 
     Args:
         system: whose coordinates they are.
-        q: every coordinate → array, list or number.
-        p, velocity: the same, one of the two.
+        q: every coordinate → array, list or number; or the columns R and z of stars about the axis z.
+        p, velocity: the same, one of the two; with R and z the columns vR, vT and vz.
 
     Raises:
-        InvalidInputError: a name that is no coordinate, an array that does not hold real numbers, shapes that do not
-            broadcast against each other, p and velocity both or neither.
+        InvalidInputError: a name that is no coordinate, columns of a potential without that axis, an array that does
+            not hold real numbers, shapes that do not broadcast against each other, p and velocity both or neither.
         MissingValueError: a coordinate without values.
     """
     if (p is None) == (velocity is None):
         raise InvalidInputError("ensemble: give either p={…} or velocity={…}, values for every coordinate")
+    if isinstance(q, Mapping) and "R" in q and "R" not in {c.name for c in system.coordinates}:
+        q, velocity = _from_columns(system, q, velocity)
     kind, rates = ("p", p) if velocity is None else ("velocity", velocity)
     given = {("q", name): value for name, value in _complete(system, q, "q").items()}
     given |= {(kind, name): value for name, value in _complete(system, rates, kind).items()}
@@ -59,6 +62,23 @@ def conditions(
     places = {name: array for (group, name), array in arrays.items() if group == "q"}
     speeds = {name: array for (group, name), array in arrays.items() if group == kind}
     return InitialConditions(kind, places, speeds, shape, any(_is_dask(array) for array in arrays.values()))
+
+
+def _from_columns(system: System, q: Mapping[str, Any], velocity: Any) -> tuple[dict[str, Any], dict[str, Any]]:
+    """Places and velocities of stars about the axis z, taken to be where y = 0: there nothing is rounded."""
+    told = "q[R]: columns of stars are q={'R': …, 'z': …}, velocity={'vR': …, 'vT': …, 'vz': …}"
+    if {c.name for c in system.coordinates} != {"x", "y", "z"}:
+        raise InvalidInputError(f"{told}, for a system in x, y and z; this one is in {_listed(system)}")
+    if not isinstance(velocity, Mapping) or set(q) != {"R", "z"} or set(velocity) != {"vR", "vT", "vz"}:
+        raise InvalidInputError(f"{told}; no others, for with V symmetric about z the azimuth is only added to phi")
+    x, y = (system.coordinate(name).symbol for name in "xy")
+    if not isinstance(is_zero(x * system.potential.diff(y) - y * system.potential.diff(x)), Zero):
+        raise InvalidInputError(f"{told}, for a potential that is symmetric about z; give x, y and z")
+    return {"x": q["R"], "y": 0, "z": q["z"]}, {"x": velocity["vR"], "y": velocity["vT"], "z": velocity["vz"]}
+
+
+def _listed(system: System) -> str:
+    return ", ".join(c.name for c in system.coordinates)
 
 
 def _complete(system: System, given: Any, what: str) -> dict[str, Any]:

@@ -49,7 +49,8 @@ def ensemble(
         q: every coordinate → array of positions, any shape, any real type; numbers and arrays broadcast. Dask arrays
             make the result lazy, one task a block.
         p: every coordinate → canonical momentum, or
-        velocity: every coordinate → velocity.
+        velocity: every coordinate → velocity. A system in x, y, z that is symmetric about z takes columns of stars
+            as well: q with R and z, velocity with vR, vT and vz; the azimuth is 0.
         want: of ``actions``, ``frequencies``, ``periods``, ``angles``, ``constants``, ``turning_points``; nothing else
             is computed. None for all.
         parameters: name → number, where it differs from the default; the same for all orbits.

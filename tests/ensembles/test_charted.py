@@ -152,3 +152,41 @@ def test_blocks_of_dask_give_what_one_array_gives() -> None:
     plain = hjsolve.ensemble(solution, q=q, velocity=v, want="actions", fallback=False)
     for name in plain.actions:
         np.testing.assert_array_equal(lazy.actions[name], plain.actions[name])
+
+
+COLUMNS = {"q": {"R": [1.0, 0.8], "z": [0.1, -0.4]}, "velocity": {"vR": [0.1, -0.2], "vT": [0.7, -0.5], "vz": [0.2, 0.05]}}
+
+
+@pytest.mark.slow
+def test_columns_of_stars_are_those_of_the_same_stars_at_any_azimuth() -> None:
+    V = "-3/sqrt(x**2 + y**2 + z**2 + 5 + 2*sqrt(4 + x**2 + y**2 + 4*z**2))"  # Kuzmin and Kutuzov's galaxy
+    kinetic = "(dot(x)**2 + dot(y)**2 + dot(z)**2)/2"
+    solution = hjsolve.solve(hjsolve.System(dict.fromkeys("xyz", "line"), kinetic, V), coordinates="find")
+    batch = hjsolve.ensemble(solution, **COLUMNS, want="actions", fallback=False)
+    R, z, vR, vT, vz = (np.array(group[n]) for group in COLUMNS.values() for n in group)
+    c, s = np.cos(0.7), np.sin(0.7)
+    turned = hjsolve.ensemble(
+        solution, q={"x": R * c, "y": R * s, "z": z},
+        velocity={"x": vR * c - vT * s, "y": vR * s + vT * c, "z": vz}, want="actions", fallback=False,
+    )  # fmt: skip
+    assert batch.status.tolist() == turned.status.tolist() == ["ok", "ok"]
+    assert np.all(np.abs(batch.actions["phi"] - R * vT) <= batch.error["actions"]["phi"] + 1e-16)
+    for name in ("mu", "nu", "phi"):
+        off = np.abs(batch.actions[name] - turned.actions[name])
+        assert np.all(off <= batch.error["actions"][name] + turned.error["actions"][name] + 1e-15), name
+
+
+@pytest.mark.parametrize(
+    ("potential", "change", "says"),
+    [
+        ("x**2 + y**2 + z**4", {"q": {"R": 1.0, "z": 0.0, "phi": 0.3}}, "no others"),
+        ("x**2 + 2*y**2 + z**4", {}, "symmetric about z"),
+        ("x**2 + y**2", {}, "in x, y and z; this one is in x, y"),
+    ],
+)
+def test_columns_of_stars_are_refused_where_they_do_not_say_all(potential: str, change: dict, says: str) -> None:
+    names = "xyz" if "z" in potential else "xy"
+    kinetic = " + ".join(f"dot({q})**2/2" for q in names)
+    system = hjsolve.System(dict.fromkeys(names, "line"), kinetic, potential)
+    with pytest.raises(InvalidInputError, match=says):
+        hjsolve.ensemble(system, **{**COLUMNS, **change}, coordinates="find")
