@@ -52,7 +52,7 @@ def conditions(
     """
     if (p is None) == (velocity is None):
         raise InvalidInputError("ensemble: give either p={…} or velocity={…}, values for every coordinate")
-    if isinstance(q, Mapping) and "R" in q and "R" not in {c.name for c in system.coordinates}:
+    if _has_columns(system, q):
         q, velocity = _from_columns(system, q, velocity)
     kind, rates = ("p", p) if velocity is None else ("velocity", velocity)
     given = {("q", name): value for name, value in _complete(system, q, "q").items()}
@@ -62,6 +62,10 @@ def conditions(
     places = {name: array for (group, name), array in arrays.items() if group == "q"}
     speeds = {name: array for (group, name), array in arrays.items() if group == kind}
     return InitialConditions(kind, places, speeds, shape, any(_is_dask(array) for array in arrays.values()))
+
+
+def _has_columns(system: System, q: object) -> bool:
+    return isinstance(q, Mapping) and "R" in q and "R" not in {c.name for c in system.coordinates}
 
 
 def _from_columns(system: System, q: Mapping[str, Any], velocity: Any) -> tuple[dict[str, Any], dict[str, Any]]:

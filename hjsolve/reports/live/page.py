@@ -37,7 +37,7 @@ _STYLE = """
 """
 _POINTS, _TWO = 400, 2
 _TORUS = "Torus of the two angle variables with the moving point; arrow keys turn it"
-_CHOOSE = "A click on the map, or the arrow keys on it, choose the constants; the tables reach as far as the dashed lines."
+_CHOOSE = "A click on the map, or the arrow keys on it, choose the constants; the tables end at the dashed lines."
 _MAP = "Map of all motions over the two constants, with the critical curves and the range of the sliders"
 
 
