@@ -6,7 +6,7 @@ Times are processor time of the process (one thread), medians of the second and 
 a busy machine changes the ratios little. Every sample ends with 40 orbits of the same family whose actions and
 frequencies are known to 32 digits; the errors and claims beside the times are of those. "error/limit" is the largest
 error over max(1e-12, 20 times what half an ulp of the input does). The tables are Markdown; ``--write`` puts them, with
-what the machine was doing, into ``docs/ensembles.md`` between the comments that name the part.
+what the machine was doing, into ``docs/ensembles.md`` where comments name the part.
 """
 
 from __future__ import annotations
@@ -274,9 +274,11 @@ def _others(count: int) -> Iterator[tuple[str, Call, int]]:
 
 
 def write(part: str, lines: list[str]) -> None:
-    """Put the lines of a part into the page, in place of those that stand there."""
+    """Put the lines of a part into the page, in place of those that stand there, if they do."""
     page = PAGE.read_text(encoding="utf-8")
     begin, end = f"<!-- benchmarks.ensembles {part} -->\n", f"<!-- end of {part} -->\n"
+    if begin not in page:
+        return
     before, rest = page.split(begin)
     _, after = rest.split(end)
     text = "\n".join(["", *lines, "", ""])
