@@ -26,7 +26,7 @@ from hjsolve.reports.document import (
     Table,
     Text,
 )
-from hjsolve.reports.formulas.abbreviations import abbreviating, abbreviations
+from hjsolve.reports.formulas.abbreviations import abbreviating, letters_for_sums
 from hjsolve.reports.formulas.from_sympy import box, constants_outside
 from hjsolve.reports.formulas.layout import Box, Fraction, Glyph, Script, row
 from hjsolve.reports.formulas.line_breaks import LINE, broken, display
@@ -137,7 +137,7 @@ def letters_of(system: System, momentum_squared: Mapping[str, sp.Expr]) -> dict[
         momentum_squared: coordinate → P², of its solution; empty where there is none.
     """
     shown = [system.kinetic, system.potential, hamiltonian(system), *momentum_squared.values()]
-    return abbreviations(shown, [c.symbol for c in system.coordinates], [p.symbol for p in system.parameters])
+    return letters_for_sums(shown, [c.symbol for c in system.coordinates], [p.symbol for p in system.parameters])
 
 
 def _letters(letters: Mapping[sp.Expr, sp.Symbol] | None) -> list[Block]:
