@@ -87,7 +87,7 @@ def refuse_outside(form: NamedForms, exact: Mapping[sp.Symbol, sp.Expr]) -> None
 
 def _refuse_places(form: NamedForms, exact: Mapping[sp.Symbol, sp.Expr]) -> None:
     """Refuse a coordinate, or a lower limit, at which the motion of the regime never is."""
-    for curve, region, symbol in placed(form, exact):
+    for curve, region, symbol in curves_held(form, exact):
         numbers = many_digits(exact, DIGITS)
         if holds_place(curve, region, numbers[symbol], numbers):
             continue
@@ -98,7 +98,7 @@ def _refuse_places(form: NamedForms, exact: Mapping[sp.Symbol, sp.Expr]) -> None
         raise InvalidInputError(f"{symbol} = {float(numbers[symbol]):.6g} is no place of this regime's motion{told}")
 
 
-def placed(form: NamedForms, held: Iterable[sp.Symbol]) -> list[tuple[MomentumCurve, RootInterval, sp.Symbol]]:
+def curves_held(form: NamedForms, held: Iterable[sp.Symbol]) -> list[tuple[MomentumCurve, RootInterval, sp.Symbol]]:
     """The curves of coordinates and lower limits that are among symbols.
 
     Args:
@@ -209,7 +209,7 @@ class _CompiledForm:
         self.plain = sp.lambdify([*self.symbols, *self.roots], expression, modules=known, cse=True)
         self.tests = [sp.lambdify(self.symbols, sign * e, modules=known) for e, sign in made.conditions.items()]
         self.equal = [sp.lambdify(self.symbols, c - e, modules=known) for c, e in made.special.items()]
-        self.placed = placed(form, expression.free_symbols)
+        self.placed = curves_held(form, expression.free_symbols)
         self.inside = [place_test(c, r, s, self.symbols) for c, r, s in self.placed] if self.numpy else []
         self.regions = [region_test(c, r, self.symbols) for c, r in self.curves] if self.numpy else []
         self.named = self._definitions() if self.roots and self.numpy else []

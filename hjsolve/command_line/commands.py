@@ -31,8 +31,8 @@ def check_command(options: Namespace) -> int:
         The exit status.
     """
     from hjsolve.reports.formats.text import wrapped
+    from hjsolve.reports.sections import obstruction, system_and_verdict
     from hjsolve.reports.sections import solution as quadratures
-    from hjsolve.reports.sections import system_and_verdict
     from hjsolve.separation import Separation, separate
 
     if (problem := arguments_read.given_hamiltonian(options)) is not None:
@@ -52,7 +52,7 @@ def check_command(options: Namespace) -> int:
     sections.append(
         quadratures.forms_section(verdict)
         if isinstance(verdict, Separation)
-        else system_and_verdict.refusal_section(verdict)
+        else obstruction.refusal_section(verdict)
     )
     _print(system, sections, system_and_verdict.answer(verdict))
     return _status(verdict)
@@ -67,8 +67,8 @@ def solve_command(options: Namespace) -> int:
     Returns:
         The exit status.
     """
+    from hjsolve.reports.sections import obstruction, system_and_verdict
     from hjsolve.reports.sections import solution as quadratures
-    from hjsolve.reports.sections import system_and_verdict
     from hjsolve.reports.sections.chart import chart_section
     from hjsolve.reports.sections.laws import laws_section
     from hjsolve.separation import Separation, separate
@@ -93,7 +93,7 @@ def solve_command(options: Namespace) -> int:
     else:
         evidence = [
             system_and_verdict.evidence_section(verdict, lead=False),
-            system_and_verdict.refusal_section(verdict),
+            obstruction.refusal_section(verdict),
         ]
         _print(system, evidence, system_and_verdict.answer(verdict))
     return _status(verdict)

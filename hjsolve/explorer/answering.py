@@ -24,7 +24,7 @@ from hjsolve.reports.drawings import orbit_paths, svg
 from hjsolve.reports.drawings.effective_potential import effective_potential_of
 from hjsolve.reports.drawings.motion_figures import phase_frame, phase_portrait
 from hjsolve.reports.formats.html import block_html
-from hjsolve.reports.sections import system_and_verdict
+from hjsolve.reports.sections import obstruction, system_and_verdict
 from hjsolve.reports.sections.chart import chart_section
 from hjsolve.reports.sections.motion import numbers_section
 from hjsolve.reports.sections.solution import forms_section, solution_sections
@@ -188,7 +188,7 @@ def _refused(verdict: Separation | Obstruction | Undecided) -> PageAnswer:
     assert not isinstance(verdict, Separation)
     lead = _html(Paragraph(system_and_verdict.answer(verdict)))
     open_ = isinstance(verdict, Undecided)
-    return PageAnswer("open" if open_ else "no", lead, _sections([system_and_verdict.refusal_section(verdict)]))
+    return PageAnswer("open" if open_ else "no", lead, _sections([obstruction.refusal_section(verdict)]))
 
 
 def _start(question: PageQuestion) -> dict[str, dict[str, str]]:

@@ -121,10 +121,10 @@ def sharpened_velocities(
         where: which of them to work out anew, shape (m,).
     """
     exact, shell = places(motion, courses, [x[where] for x in χ])
-    return sharpened(motion, exact, shell, q, v, where)
+    return velocities_from_pairs(motion, exact, shell, q, v, where)
 
 
-def sharpened(
+def velocities_from_pairs(
     motion: SeparatedMotion,
     exact: Places,
     shell: Mapping[str, Numbers],

@@ -12,7 +12,7 @@ from hjsolve.arithmetic.number_types import AtTimes, Mask, Numbers, Reals
 from hjsolve.mechanics.system import velocities
 from hjsolve.motion.endings import end_statuses
 from hjsolve.motion.initial_data import to_bits
-from hjsolve.motion.near_poles import badly_rounded, sharpened, sharpened_velocities
+from hjsolve.motion.near_poles import badly_rounded, sharpened_velocities, velocities_from_pairs
 from hjsolve.motion.phases import Phases, courses_of, phases_at
 from hjsolve.motion.positions import (
     canonical_momenta,
@@ -143,7 +143,7 @@ def _tabulated(
         value = evaluate_along(motion, (velocities(system)[name],), q, p)[0]
         if table.ends is None or not sharp().any():
             return value
-        return sharpened(motion, *table.places(motion, θ[sharp()]), q, {name: value}, sharp())[name]
+        return velocities_from_pairs(motion, *table.places(motion, θ[sharp()]), q, {name: value}, sharp())[name]
 
     @cache
     def sharp() -> Mask:

@@ -9,7 +9,7 @@ import numpy as np
 from hjsolve.errors import InvalidInputError
 from hjsolve.plots import style
 from hjsolve.rays.families import Wavefronts
-from hjsolve.reports.drawings.wavefront_figure import one_sheet, plane_axes, points_of
+from hjsolve.reports.drawings.wavefront_figure import one_sheet, plane_axes, points_shown
 from hjsolve.reports.formulas.names import name_box
 
 if TYPE_CHECKING:
@@ -40,16 +40,16 @@ def plotted_wavefronts(family: Wavefronts, ax: Axes | None) -> Axes:
     with style.drawing() as pyplot:
         ax = pyplot.figure().add_subplot() if ax is None else ax
         for front in family.fronts:
-            x, y = points_of(family, front)
+            x, y = points_shown(family, front)
             strong = one_sheet(family, front) if family.family == "constants" else np.ones(len(x), dtype=bool)
             ax.plot(x, y, **{**style.LEVEL, "alpha": 0.3})
             ax.plot(np.where(strong, x, np.nan), y, **style.LEVEL)
         step = -(-len(family.orbits) // _MOST_ORBITS)
         for orbit in family.orbits[step::step]:
-            ax.plot(*points_of(family, orbit), **style.FAINT)
-        ax.plot(*points_of(family, family.orbits[0]), **style.MOTION)
+            ax.plot(*points_shown(family, orbit), **style.FAINT)
+        ax.plot(*points_shown(family, family.orbits[0]), **style.MOTION)
         for caustic in family.caustics:
-            ax.plot(*points_of(family, caustic), **style.CURVE)
+            ax.plot(*points_shown(family, caustic), **style.CURVE)
         ax.set_xlabel(style.mathematics(name_box(axes[0])))
         ax.set_ylabel(style.mathematics(name_box(axes[1])))
         ax.set_aspect("equal")

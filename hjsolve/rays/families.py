@@ -19,8 +19,8 @@ from hjsolve.motion.placing import PlaceFormulas
 from hjsolve.motion.state import Placing
 from hjsolve.motion.wanted import QUANTITIES
 from hjsolve.rays.family_curve import FamilyCurve
-from hjsolve.rays.same_constants import SameConstants, momentum_shift, same_constants
-from hjsolve.rays.same_place import SamePlace, same_place
+from hjsolve.rays.same_constants import SameConstants, momentum_shift, started_with_same_constants
+from hjsolve.rays.same_place import SamePlace, started_at_one_place
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
@@ -137,9 +137,9 @@ def wavefronts(motion: Motion, family: str = "constants", *, fronts: int = 24, o
         raise InvalidInputError("wavefronts: T has terms linear in the velocities, and orbits do not go along ∂W/∂q")
     maker: SameConstants | SamePlace
     if family == "place":
-        maker = same_place(motion, _placing(motion), counts[1])
+        maker = started_at_one_place(motion, _placing(motion), counts[1])
     else:
-        maker = same_constants(motion, _placing(motion))
+        maker = started_with_same_constants(motion, _placing(motion))
     lines = maker.fronts(maker.levels(counts[0]))
     return Wavefronts(family, lines, maker.orbits(counts[1]), maker.caustics(), motion, maker)
 

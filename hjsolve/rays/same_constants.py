@@ -279,7 +279,7 @@ def _beyond(sweep: SeparatedSweep, q: float) -> bool:
 
 
 # ------------------------------------------------------------------------------------------------ the two coordinates
-def same_constants(motion: Motion, placing: Placing | None) -> SameConstants:
+def started_with_same_constants(motion: Motion, placing: Placing | None) -> SameConstants:
     """Make the family of a motion's constants ready.
 
     Args:

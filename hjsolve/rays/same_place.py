@@ -23,7 +23,7 @@ from hjsolve.motion.motion import Motion
 from hjsolve.motion.state import Errors, Placing
 from hjsolve.motion.tabulated import needs_table
 from hjsolve.rays.family_curve import FamilyCurve
-from hjsolve.rays.same_constants import same_constants
+from hjsolve.rays.same_constants import started_with_same_constants
 
 _FEWEST = 16
 _TIMES, _ORBIT_POINTS = 129, 161
@@ -297,7 +297,7 @@ def _ray_states(ray: Motion | None, names: tuple[str, str], start: float, t: Rea
 
 
 # ------------------------------------------------------------------------------------------------ the rays
-def same_place(motion: Motion, placing: Placing | None, directions: int) -> SamePlace:
+def started_at_one_place(motion: Motion, placing: Placing | None, directions: int) -> SamePlace:
     """Start motions from the place of a motion with its energy, in directions at equal angles.
 
     Args:
@@ -347,4 +347,4 @@ def _length(motion: Motion) -> float:
     periods = [float(e.value) for n, e in motion.periods.items() if n in motion.solution.coordinates]
     if motion.separated.torus is not None and periods:
         return max(periods)
-    return float(same_constants(motion, None).times[-1]) - float(motion.t0)
+    return float(started_with_same_constants(motion, None).times[-1]) - float(motion.t0)

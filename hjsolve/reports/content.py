@@ -20,8 +20,8 @@ from hjsolve.reports.document import Code, Document, Inline, Note, Section, Text
 from hjsolve.reports.drawings import orbit_paths
 from hjsolve.reports.formulas.abbreviations import abbreviating
 from hjsolve.reports.sections import motion as numerical
+from hjsolve.reports.sections import obstruction, system_and_verdict
 from hjsolve.reports.sections import solution as quadratures
-from hjsolve.reports.sections import system_and_verdict
 from hjsolve.reports.sections.chart import chart_section
 from hjsolve.reports.sections.closed_forms import closed_form_report
 from hjsolve.reports.sections.energy_momentum import energy_momentum_section
@@ -29,7 +29,7 @@ from hjsolve.reports.sections.laws import laws_section
 from hjsolve.reports.sections.literature import literature_section
 from hjsolve.reports.sections.moving_frame import frame_section
 from hjsolve.reports.sections.prose import heading
-from hjsolve.reports.sections.refused_motion import other_coordinates, refused_motion
+from hjsolve.reports.sections.refused_motion import other_coordinates, section_of_refused_motion
 from hjsolve.reports.sections.wavefronts import wavefront_section
 from hjsolve.separation import Obstruction, Separation, Undecided, separate
 from hjsolve.solution.quadratures import Solution, solve
@@ -205,10 +205,10 @@ def _document(material: Material, letters: Mapping[sp.Expr, sp.Symbol], *, brief
     if isinstance(verdict, Separation):
         sections.append(quadratures.forms_section(verdict))
     else:
-        sections.append(system_and_verdict.refusal_section(verdict))
+        sections.append(obstruction.refusal_section(verdict))
         sections.append(_timed(clock, "other coordinates", lambda: other_coordinates(system)))
         if (start := material.initial) is not None and not brief:
-            sections.append(_timed(clock, "surface of section", lambda: refused_motion(system, start)))
+            sections.append(_timed(clock, "surface of section", lambda: section_of_refused_motion(system, start)))
     if material.solution is not None:
         solved = material.solution
         sections += quadratures.solution_sections(solved)

@@ -19,10 +19,11 @@ from hjsolve.reports.formats.stylesheet import NOTEBOOK_CSS
 from hjsolve.reports.formulas.names import name_box
 from hjsolve.reports.sections import system_and_verdict
 from hjsolve.reports.sections.coordinates import found_answer, found_sections, modes_answer, modes_section
+from hjsolve.reports.sections.obstruction import refusal_section
 from hjsolve.reports.sections.prose import heading
 from hjsolve.reports.sections.rounded_numbers import quantity
 from hjsolve.reports.sections.solution import forms_section, solution_sections
-from hjsolve.reports.sections.system_and_verdict import math, refusal_section, system_section
+from hjsolve.reports.sections.system_and_verdict import math, system_section
 from hjsolve.scenes import Run
 from hjsolve.separation import Obstruction, Separation, Undecided
 from hjsolve.solution.quadratures import Solution

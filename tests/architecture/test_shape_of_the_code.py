@@ -115,9 +115,9 @@ def test_a_second_class_of_the_same_name_is_found() -> None:
 
 NAMED_LIKE_THEIR_VERB = {
     "main", "closed_forms", "energy_momentum_map", "surface_of_section", "chart_map", "charted_starts", "inverse_arrays",
-    "node_maps", "wavefront_figure", "refused_motion", "same_place", "same_constants",
+    "node_maps",
 }  # fmt: skip
-"""Files named after a public verb, and those whose function is still to be renamed; their rooms export none of these."""
+"""Files named after a public verb, and four of the ensembles; their rooms export no function of these names."""
 
 
 def test_a_file_does_not_bear_the_name_of_its_function() -> None:

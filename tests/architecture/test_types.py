@@ -8,7 +8,7 @@ from pathlib import Path
 import pytest
 
 ROOT = Path(__file__).resolve().parents[2]
-MOST = {"ensembles": (640, 90), "elsewhere": (300, 28)}
+MOST = {"ensembles": (160, 35), "elsewhere": (300, 28)}
 """Part of the package → uses of ``Any``, and functions that return it.
 
 What has a type of its own is in ``arithmetic/number_types.py``: arrays, numbers of many digits, what is told at times.

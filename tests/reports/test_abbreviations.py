@@ -8,7 +8,7 @@ import pytest
 import sympy as sp
 
 import hjsolve
-from hjsolve.reports.formulas.abbreviations import abbreviated, abbreviating, abbreviations
+from hjsolve.reports.formulas.abbreviations import abbreviated, abbreviating, letters_for_sums
 from hjsolve.reports.formulas.from_sympy import box, constants_outside
 from hjsolve.reports.formulas.one_line_text import plain
 
@@ -18,7 +18,7 @@ r, θ, a, M, v = sp.symbols("r theta a M v", real=True)
 
 def test_kerrs_sums_are_found_with_their_signs_and_factors() -> None:
     shown = [v**2 * Σ / Δ + v * (Σ / 2) + sp.sqrt(Σ) * Δ**2 + sp.exp(Σ), Σ / (-Δ) + 1 / Δ + (3 * Δ) ** 2 + v * Σ]
-    table = abbreviations(shown, [r, θ], [a, M])
+    table = letters_for_sums(shown, [r, θ], [a, M])
     assert {letter.name: sp.expand(e) for e, letter in table.items()} == {"Sigma": sp.expand(Σ), "Delta": sp.expand(Δ)}
     letters = {letter.name: letter for letter in table.values()}
     with abbreviating(table):
@@ -32,16 +32,16 @@ def test_kerrs_sums_are_found_with_their_signs_and_factors() -> None:
 
 
 def test_what_comes_seldom_or_is_short_or_has_its_letter_taken_stays() -> None:
-    assert abbreviations([Σ**2, Σ], [r, θ], [a, M]) == {}
-    assert abbreviations([(r + a) ** k for k in range(2, 9)], [r, θ], [a, M]) == {}
+    assert letters_for_sums([Σ**2, Σ], [r, θ], [a, M]) == {}
+    assert letters_for_sums([(r + a) ** k for k in range(2, 9)], [r, θ], [a, M]) == {}
     taken = sp.Symbol("Delta", real=True)
-    assert abbreviations([taken * Δ**k for k in range(2, 9)], [r, θ], [a, M]) == {}
-    assert abbreviations([Σ**k * v for k in range(2, 9)], [r, θ], [a]) != {}
-    assert abbreviations([Σ**k * v for k in range(2, 9)], [r, θ], []) == {}  # a may not stand in it
+    assert letters_for_sums([taken * Δ**k for k in range(2, 9)], [r, θ], [a, M]) == {}
+    assert letters_for_sums([Σ**k * v for k in range(2, 9)], [r, θ], [a]) != {}
+    assert letters_for_sums([Σ**k * v for k in range(2, 9)], [r, θ], []) == {}  # a may not stand in it
 
 
 def test_a_letter_stays_under_the_integral_over_what_it_contains_and_gives_no_double_sign() -> None:
-    table = abbreviations([Δ**k * v for k in range(2, 9)], [r, θ], [a, M])
+    table = letters_for_sums([Δ**k * v for k in range(2, 9)], [r, θ], [a, M])
     lower = sp.Symbol("r_0")
     with abbreviating(table):
         assert plain(box(constants_outside(v - sp.Integral(3 * r / Δ, (r, lower, r))))) == "v − 3 ∫[r₀, r] r/Δ dr"

@@ -23,7 +23,7 @@ from hjsolve.coordinates.charts.simplify_potential import flattened
 from hjsolve.errors import HJSolveError, InternalError
 from hjsolve.mechanics.system import System
 from hjsolve.motion.charted.charted_motion import ChartedMotion
-from hjsolve.motion.charted.initial_map import BITS, point_in_frame, rational
+from hjsolve.motion.charted.initial_map import BITS, point_in_frame, rational_of
 from hjsolve.motion.exact_numbers import to_bits
 from hjsolve.motion.initial_data import read_phase_point
 from hjsolve.motion.motion import Motion
@@ -99,7 +99,7 @@ def _exact_point(chart: Chart, values: Mapping[sp.Symbol, sp.Expr]) -> tuple[lis
         return point_in_frame(chart, lambda e: to_bits(e.xreplace(dict(values)))(bits), Multi(bits).context)
 
     far, near = numbers(BITS), numbers(BITS // 2)
-    X, P = ([rational(a, b) for a, b in zip(far[k], near[k], strict=True)] for k in (0, 1))
+    X, P = ([rational_of(a, b) for a, b in zip(far[k], near[k], strict=True)] for k in (0, 1))
     return X, P
 
 

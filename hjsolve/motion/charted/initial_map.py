@@ -57,7 +57,7 @@ def carried(
         )
     given = read_phase_point(chart.original, q, velocity, p, parameters)
     far, near = (_numbers(solution, chart, given, bits) for bits in (BITS, BITS // 2))
-    exact = [rational(a, b) for a, b in zip(far, near, strict=True)]
+    exact = [rational_of(a, b) for a, b in zip(far, near, strict=True)]
     system, n = solution.system, len(chart.symbols)
     values = {s.symbol: given[s.symbol] for s in system.parameters}
     values |= {c.symbol: x for c, x in zip(system.coordinates, exact[:n], strict=True)}
@@ -173,7 +173,7 @@ def _refuse_singular(chart: Chart, given: Mapping[sp.Symbol, sp.Expr], u: list[M
     )
 
 
-def rational(far: Mpf, near: Mpf) -> sp.Rational:
+def rational_of(far: Mpf, near: Mpf) -> sp.Rational:
     """Return a number as a fraction; 0 where it is no more than the rounding of the lower precision.
 
     Args:

@@ -43,7 +43,7 @@ def _plane_of_three(system: System) -> dict[str, sp.Expr]:
     return moving if len(still) == 1 and len(moving) == _PLANE else {}
 
 
-def points_of(family: Wavefronts, curve: FamilyCurve) -> tuple[Array, Array]:
+def points_shown(family: Wavefronts, curve: FamilyCurve) -> tuple[Array, Array]:
     """Return the points of a curve in the plane.
 
     Args:
@@ -80,7 +80,7 @@ def one_sheet(family: Wavefronts, curve: FamilyCurve) -> Array:
     return kept
 
 
-def wavefront_figure(family: Wavefronts, key: str) -> Figure | None:
+def figure_of_wavefronts(family: Wavefronts, key: str) -> Figure | None:
     """Draw a family; None where its coordinates lie in no plane.
 
     Args:
@@ -90,12 +90,12 @@ def wavefront_figure(family: Wavefronts, key: str) -> Figure | None:
     axes = plane_axes(family.motion.solution.system)
     if not axes:
         return None
-    lines = [(c, *points_of(family, c)) for c in (*family.fronts, *family.orbits, *family.caustics)]
+    lines = [(c, *points_shown(family, c)) for c in (*family.fronts, *family.orbits, *family.caustics)]
     window = [np.concatenate([line[i] for line in lines]) for i in (1, 2)]
     frame = svg.square(svg.DrawingFrame(svg.spread(window[0], 0.03), svg.spread(window[1], 0.03), height=400.0))
     drawn = [_curves(family, frame, *line) for line in lines]
     inside = [part for layer in range(3) for parts in drawn for part in parts[layer]]
-    x0, y0 = points_of(family, family.orbits[0])
+    x0, y0 = points_shown(family, family.orbits[0])
     here = svg.disc(frame, float(x0[0]), float(y0[0]), "ring") if np.isfinite(x0[0] + y0[0]) else ""
     names = [svg.label(name_box(a)) for a in axes]
     title = "Wavefronts, orbits and caustics"

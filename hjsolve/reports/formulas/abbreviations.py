@@ -32,7 +32,7 @@ def abbreviating(table: Mapping[sp.Expr, sp.Symbol]) -> Iterator[None]:
         _TABLE.reset(token)
 
 
-def abbreviations(
+def letters_for_sums(
     expressions: Iterable[sp.Expr], coordinates: Iterable[sp.Symbol], parameters: Iterable[sp.Symbol]
 ) -> dict[sp.Expr, sp.Symbol]:
     """Find the sums that are worth a letter: Σ for one of several coordinates, Δ for one of a single one.

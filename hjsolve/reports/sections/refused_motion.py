@@ -46,7 +46,7 @@ def other_coordinates(system: System) -> Section:
     return Section("coordinates", "In which coordinates would it separate?", tuple(blocks))
 
 
-def refused_motion(system: System, initial: Mapping[str, Any]) -> Section | None:
+def section_of_refused_motion(system: System, initial: Mapping[str, Any]) -> Section | None:
     """Draw how a system moves that is not solved by quadratures, by integration with its error.
 
     Args:

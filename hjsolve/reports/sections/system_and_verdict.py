@@ -13,11 +13,8 @@ from hjsolve.mechanics.system import System, hamiltonian, linear_terms, mass_mat
 from hjsolve.reports.document import (
     ArgumentStep,
     Block,
-    Code,
     Formula,
-    Inline,
     Mathematics,
-    Note,
     Number,
     Paragraph,
     Section,
@@ -26,13 +23,13 @@ from hjsolve.reports.document import (
     Table,
     Text,
 )
-from hjsolve.reports.formulas.abbreviations import abbreviating, abbreviations
+from hjsolve.reports.formulas.abbreviations import abbreviating, letters_for_sums
 from hjsolve.reports.formulas.from_sympy import box, constants_outside
 from hjsolve.reports.formulas.layout import Box, Fraction, Glyph, Script, row
 from hjsolve.reports.formulas.line_breaks import LINE, broken, display
 from hjsolve.reports.formulas.names import name_box
 from hjsolve.reports.sections.prose import domain_text, listed, typeset, typeset_prose
-from hjsolve.reports.sections.rounded_numbers import rounded_outward, terminating
+from hjsolve.reports.sections.rounded_numbers import terminating
 from hjsolve.separation import Obstruction, Separation, Undecided
 from hjsolve.separation.zero_test.zero_test import Zero, is_zero
 
@@ -137,7 +134,7 @@ def letters_of(system: System, momentum_squared: Mapping[str, sp.Expr]) -> dict[
         momentum_squared: coordinate → P², of its solution; empty where there is none.
     """
     shown = [system.kinetic, system.potential, hamiltonian(system), *momentum_squared.values()]
-    return abbreviations(shown, [c.symbol for c in system.coordinates], [p.symbol for p in system.parameters])
+    return letters_for_sums(shown, [c.symbol for c in system.coordinates], [p.symbol for p in system.parameters])
 
 
 def _letters(letters: Mapping[sp.Expr, sp.Symbol] | None) -> list[Block]:
@@ -367,46 +364,3 @@ def _diagonal(system: System) -> bool:
     mass = mass_matrix(system)
     mixed = (mass[i, j] for i in range(mass.rows) for j in range(i))
     return all(entry == 0 or isinstance(is_zero(entry), Zero) for entry in mixed)
-
-
-# -------------------------------------------------------------------------------- a refusal
-def refusal_section(verdict: Obstruction | Undecided) -> Section:
-    """Show the obstruction: residual, witness, advice.
-
-    Args:
-        verdict: an obstruction or an open question.
-
-    Returns:
-        The section.
-    """
-    residual = Formula(display(verdict.residual), str(verdict.residual))
-    blocks: list[Block] = [Paragraph(("The expression that would have to vanish identically:",)), residual]
-    if isinstance(verdict, Obstruction):
-        point = verdict.witness.point
-        blocks.append(
-            Paragraph(
-                (
-                    "A witness that it does not: at ",
-                    *_point(point),
-                    " it is proved to lie between ",
-                    Code(rounded_outward(verdict.witness.lower, up=False)),
-                    " and ",
-                    Code(rounded_outward(verdict.witness.upper, up=True)),
-                    ".",
-                )
-            )
-        )
-    elif verdict.value is not None:
-        blocks.append(
-            Paragraph(("At ", *_point(verdict.point), " it is, to 40 digits, ", Code(shortest(verdict.value, 40)), "."))
-        )
-    blocks.append(Note(typeset_prose(verdict.advice, verdict.system)))
-    title = "The obstruction" if isinstance(verdict, Obstruction) else "What is left open"
-    return Section("obstruction", title, tuple(blocks))
-
-
-def _point(point: Mapping[str, sp.Expr]) -> Text:
-    pieces: list[Inline] = []
-    for i, (name, value) in enumerate(point.items()):
-        pieces += ([", "] if i else []) + [Mathematics(row(name_box(name), EQUALS, box(sp.sympify(value))))]
-    return tuple(pieces)

@@ -6,7 +6,7 @@ from hjsolve.errors import HJSolveError
 from hjsolve.motion.motion import Motion
 from hjsolve.rays.families import wavefronts
 from hjsolve.reports.document import Figures, Mathematics, Paragraph, Section, Text
-from hjsolve.reports.drawings.wavefront_figure import plane_axes, wavefront_figure
+from hjsolve.reports.drawings.wavefront_figure import figure_of_wavefronts, plane_axes
 from hjsolve.reports.formulas.layout import Glyph
 
 _COUNTS = {1: (16, 10), 2: (12, 6)}
@@ -29,7 +29,7 @@ def wavefront_section(motion: Motion) -> Section | None:
         return None
     fronts, orbits = _COUNTS[len(motion.solution.coordinates)]
     try:
-        figure = wavefront_figure(wavefronts(motion, fronts=fronts, orbits=orbits), "wavefronts-figure")
+        figure = figure_of_wavefronts(wavefronts(motion, fronts=fronts, orbits=orbits), "wavefronts-figure")
     except HJSolveError:
         return None
     if figure is None:
