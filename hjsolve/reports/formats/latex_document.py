@@ -34,6 +34,7 @@ _LETTERS = {
     "∞": r"$\infty$",
     "–": "--",
     "Σ": r"$\Sigma$",
+    "∑": r"$\sum$",
     "ᵢ": r"\textsubscript{i}",
     "ⱼ": r"\textsubscript{j}",
     "ʰ": r"\textsuperscript{h}",

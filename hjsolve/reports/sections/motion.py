@@ -214,7 +214,7 @@ def how_section(
             )
             blocks.append(Paragraph((text, Code(f"{drift:.1e}"), ".")))
     if brief:
-        left_out = "Closed forms, the map of all motions and surfaces of section were left out: "
+        left_out = "Closed forms, wavefronts, the map of all motions and surfaces of section were left out: "
         blocks.append(Paragraph((left_out, "a brief report was asked.")))
     spent = tuple(((part,), (written_duration(time),)) for part, time in clock.items())
     blocks.append(Table((("Part",), ("Time",)), spent, "Time spent"))

@@ -14,6 +14,7 @@ from hjsolve.motion.initial_data import read_phase_point
 from hjsolve.reports.document import Block, Code, Figures, Inline, Note, Paragraph, Section
 from hjsolve.reports.drawings.refused_figures import contour_figure, section_figure
 from hjsolve.reports.sections.coordinates import found_answer, found_sections
+from hjsolve.reports.sections.prose import typeset_prose
 from hjsolve.scenes.surface_of_section import (
     AGREEMENT,
     TOLERANCES,
@@ -35,7 +36,8 @@ def other_coordinates(system: System) -> Section:
         found = find_coordinates(system)
     except HJSolveError as error:
         asked = " ".join(str(error).removeprefix("find_coordinates: ").split())
-        blocks = [Paragraph((f"Not looked for: {asked}{'' if asked.endswith('.') else '.'}",))]
+        told = typeset_prose(f"Not looked for: {asked}{'' if asked.endswith('.') else '.'}", system)
+        blocks = [Paragraph(told)]
         return Section("coordinates", "In which coordinates would it separate?", tuple(blocks))
     blocks = [Paragraph(found_answer(found))]
     for part in found_sections(found):
