@@ -6,9 +6,9 @@ Every system of ``charted_systems``, random starts; x and v after 1, 10² and 10
 units of time where there is none), each with the error claimed. Truth is the same motion at 30 digits, and its own
 truth is heyoka's Taylor series of Hamilton's equations in x, y, z, which share nothing with it: after one period in
 quadruple precision, after 10² in extended double precision (where close encounters cost it its digits, in quadruple),
-and after 10⁴ for the first ``--followed`` starts in extended double precision. A state of 30 digits that is right after
-a period to 10⁻²⁵ holds frequencies that are right after 10⁴ to 10⁻²⁰. Results go to a file, a line a motion, so that a
-run can be stopped and goes on. Printed: one row a system, and every motion that is not
+and after 10⁴ for the first ``--followed`` starts in extended double precision, but for close encounters. A state of 30
+digits that is right after a period to 10⁻²⁵ holds frequencies that are right after 10⁴ to 10⁻²⁰. Results go to a file,
+a line a motion, so that a run can be stopped and goes on. Printed: one row a system, and every motion that is not
 right, ends, is refused, is not a number or took more than 10 s.
 """
 
@@ -227,13 +227,15 @@ def _compare(finding: Finding, state: Any, claims: Any, better: Any) -> None:
 def _compare_truths(finding: Finding, better: Any, times: Sequence[float], *, followed: bool) -> None:
     """The state of 30 digits against Taylor series."""
     start = [*finding.given["q"].values(), *finding.given["velocity"].values()]
-    far = twin(finding.system, "long").states(start, times if followed else times[:2])
-    near = twin(finding.system, "quad").states(start, times[:2])
-    others = [next(near, None), *list(far)[1:]]
     names = list(finding.given["q"])
-    finding.apart = [_apart(better, other, names, k) for k, other in enumerate(others)]
-    if len(finding.apart) > 1 and not (finding.apart[1] or 0) <= _AGREE[1]:
+    near = twin(finding.system, "quad").states(start, times[:2])
+    far = twin(finding.system, "long").states(start, times)
+    next(far, None)
+    finding.apart = [_apart(better, other, names, k) for k, other in enumerate((next(near, None), next(far, None)))]
+    if not (finding.apart[1] or 0) <= _AGREE[1]:
         finding.apart[1] = _apart(better, next(near, None), names, 1)
+    elif followed:
+        finding.apart.append(_apart(better, next(far, None), names, 2))
 
 
 def _apart(better: Any, other: Sequence[Any] | None, names: Sequence[str], k: int) -> float | None:

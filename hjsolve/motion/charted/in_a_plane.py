@@ -23,7 +23,7 @@ from hjsolve.coordinates.charts.simplify_potential import flattened
 from hjsolve.errors import HJSolveError, InternalError
 from hjsolve.mechanics.system import System
 from hjsolve.motion.charted.charted_motion import ChartedMotion
-from hjsolve.motion.charted.initial_map import BITS, point_in_frame, rational_of
+from hjsolve.motion.charted.initial_map import BITS, Frame, point_in_frame, rational_of
 from hjsolve.motion.exact_numbers import to_bits
 from hjsolve.motion.initial_data import read_phase_point
 from hjsolve.motion.motion import Motion
@@ -95,7 +95,7 @@ def _exact_point(chart: Chart, values: Mapping[sp.Symbol, sp.Expr]) -> tuple[lis
         exact = frame.inv() * (sp.Matrix([values[c.symbol] for c in old]) - origin)
         return list(exact), list(frame.T * sp.Matrix([values[c.momentum] for c in old]))
 
-    def numbers(bits: int) -> tuple[list[Any], list[Any], dict[str, Any]]:
+    def numbers(bits: int) -> Frame:
         return point_in_frame(chart, lambda e: to_bits(e.xreplace(dict(values)))(bits), Multi(bits).context)
 
     far, near = numbers(BITS), numbers(BITS // 2)
