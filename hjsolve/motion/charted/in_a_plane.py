@@ -99,8 +99,8 @@ def _exact_point(chart: Chart, values: Mapping[sp.Symbol, sp.Expr]) -> tuple[lis
         return point_in_frame(chart, lambda e: to_bits(e.xreplace(dict(values)))(bits), Multi(bits).context)
 
     far, near = numbers(BITS), numbers(BITS // 2)
-    X, P = ([rational_of(a, b) for a, b in zip(far[k], near[k], strict=True)] for k in (0, 1))
-    return X, P
+    X = [rational_of(a, b) for a, b in zip(far[0], near[0], strict=True)]
+    return X, [rational_of(a, b) for a, b in zip(far[1], near[1], strict=True)]
 
 
 def _plane(chart: Chart, kept: tuple[int, ...]) -> Chart | None:
