@@ -147,7 +147,7 @@ def test_double_roots_give_elementary_integrals(seed):
             assert abs(sp.N(inverse(P, interval, U, start).xreplace({U: u}), 40) - x) <= 1e-30 * (1 + abs(x))
 
 
-@pytest.mark.parametrize("seed", range(100, 104))
+@pytest.mark.parametrize("seed", [100, 101, *(pytest.param(seed, marks=pytest.mark.nightly) for seed in (102, 103))])
 def test_derivative_inverse_and_legendres_form(seed):
     rng = random.Random(seed)
     for _ in range(3):
