@@ -27,7 +27,6 @@ _QUESTIONS: Mapping[str, Callable[[float], bool]] = {
 }  # fmt: skip
 
 
-
 class Combined(Protocol):
     """How a function of numbers is worked out, of which at least one is an Estimate; ``estimate.combined``."""
 

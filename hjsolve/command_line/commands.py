@@ -50,9 +50,7 @@ def check_command(options: Namespace) -> int:
         evidence,
     ]
     sections.append(
-        quadratures.forms_section(verdict)
-        if isinstance(verdict, Separation)
-        else obstruction.refusal_section(verdict)
+        quadratures.forms_section(verdict) if isinstance(verdict, Separation) else obstruction.refusal_section(verdict)
     )
     _print(system, sections, system_and_verdict.answer(verdict))
     return _status(verdict)

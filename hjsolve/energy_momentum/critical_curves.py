@@ -273,9 +273,7 @@ def _wide_gaps(branches: Reals, window: Window) -> NDArray[np.int64]:
     return np.flatnonzero(wide.any(axis=1))
 
 
-def _pieces(
-    own: CoordinateKinds, traced: _Traced, t: Reals, points: Reals, window: Window
-) -> list[CriticalCurve]:
+def _pieces(own: CoordinateKinds, traced: _Traced, t: Reals, points: Reals, window: Window) -> list[CriticalCurve]:
     """The parts of one branch that lie in or near the window, each of one kind."""
     u = _scaled(points, window)
     shown = np.max(np.abs(u - 0.5), axis=1) < 1.5
@@ -330,6 +328,7 @@ def _lines(own: CoordinateKinds, traced: _Traced, which: int, window: Window) ->
 
 def _refined(traced: _Traced, which: int, a: float, b: float, level: float) -> tuple[float, float]:
     """The place between a and b where the level is stationary, and the level there: bisection along F = 0."""
+
     def at(t: float, near: float) -> tuple[float, float]:
         f, g = (np.moveaxis(traced.tables(np.array([t]), k), 1 + which, 1)[0, :, 0] for k in (0, 1))
         roots = np.roots(f[::-1])
@@ -344,9 +343,7 @@ def _refined(traced: _Traced, which: int, a: float, b: float, level: float) -> t
     return (a + b) / 2, level
 
 
-def _line(
-    own: CoordinateKinds, which: int, level: float, place: float, stable: bool, window: Window
-) -> CriticalCurve:
+def _line(own: CoordinateKinds, which: int, level: float, place: float, stable: bool, window: Window) -> CriticalCurve:
     q = place if own.polynomial is None else float(_inverse(own, np.array([place]))[0])
     along, across = np.linspace(*window[1 - which], 201), np.full(201, level)
     x, y = (across, along) if which == 0 else (along, across)

@@ -69,8 +69,6 @@ def _zeros_of(own: CoordinateKinds, kind: str, factor: sp.Expr, window: Window) 
     ]  # fmt: skip
 
 
-
-
 # ------------------------------------------------------------------------------------------------ symmetric places
 def symmetric_curves(own: CoordinateKinds, window: Window) -> list[CriticalCurve]:
     """The curves P²(q; x, y) = 0 of places q at which ∂P²/∂q = 0 for all x and y: an equator, the line of two centres.

@@ -70,9 +70,7 @@ def _room(solution: Solution, name: str) -> sp.Expr:
     return sp.S.One if domain.lower is None and domain.upper is None else sp.Rational(1, 64)
 
 
-def start_at(
-    solution: Solution, name: str, values: Mapping[sp.Symbol, sp.Expr], place: sp.Expr
-) -> CoordinateStart:
+def start_at(solution: Solution, name: str, values: Mapping[sp.Symbol, sp.Expr], place: sp.Expr) -> CoordinateStart:
     """Begin at a place of a coordinate, on its way up.
 
     Args:

@@ -5,7 +5,7 @@ Read ``orbits.py`` first (``ensemble``), then ``compute.py``; ``engine`` compute
 """
 
 from hjsolve.ensembles.batch import Batch
+from hjsolve.ensembles.engine.status import Status
 from hjsolve.ensembles.orbits import ensemble
-from hjsolve.ensembles.status import Status
 
 __all__ = ["Batch", "Status", "ensemble"]

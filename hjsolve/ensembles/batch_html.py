@@ -3,19 +3,18 @@
 from __future__ import annotations
 
 from html import escape
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 import numpy as np
 
-if TYPE_CHECKING:
-    from hjsolve.ensembles.batch import Batch
+from hjsolve.ensembles.orbit_columns import OrbitColumns
 
 _BINS, _WIDTH, _HEIGHT = 32, 160, 28
 _MOST = 24
 """Rows shown; the others are counted."""
 
 
-def batch_as_html(batch: Batch) -> str:
+def batch_as_html(batch: OrbitColumns) -> str:
     """The fragment that a notebook shows.
 
     Args:
@@ -32,7 +31,7 @@ def batch_as_html(batch: Batch) -> str:
     return f"{head}</p><p>{counts}</p><table><tr>{titles}</tr>{rows}</table>{more}"
 
 
-def _row(batch: Batch, name: str) -> str:
+def _row(batch: OrbitColumns, name: str) -> str:
     values = np.ravel(batch.columns[name])
     values, errors = values[np.isfinite(values)], np.ravel(batch.columns[f"error.{name}"])
     errors = errors[np.isfinite(errors)]

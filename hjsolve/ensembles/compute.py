@@ -11,9 +11,9 @@ from typing import Any
 import numpy as np
 
 from hjsolve.ensembles.charted import run_charted
+from hjsolve.ensembles.engine.status import Status
 from hjsolve.ensembles.fallback import single_orbit
 from hjsolve.ensembles.layout import ERROR, RECOMPUTED, STATUS, Layout
-from hjsolve.ensembles.status import Status
 from hjsolve.ensembles.task import EnsembleTask, TaskContext, tools_of
 
 CHUNK = 65536

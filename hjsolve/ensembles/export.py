@@ -11,14 +11,12 @@ from collections.abc import Mapping
 from importlib import import_module
 from os import PathLike
 from pathlib import Path
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 import numpy as np
 
+from hjsolve.ensembles.orbit_columns import OrbitColumns
 from hjsolve.errors import InvalidInputError, MissingExtraError
-
-if TYPE_CHECKING:
-    from hjsolve.ensembles.batch import Batch
 
 SUFFIX = ".parquet"
 
@@ -32,7 +30,7 @@ def axis_names(shape: tuple[int, ...]) -> tuple[str, ...]:
     return ("orbit",) if len(shape) == 1 else tuple(f"axis_{k}" for k in range(len(shape)))
 
 
-def with_words(batch: Batch) -> dict[str, Any]:
+def with_words(batch: OrbitColumns) -> dict[str, Any]:
     """Return the columns of a batch, the status as words.
 
     Args:
@@ -53,7 +51,7 @@ def _library(name: str) -> Any:
         raise MissingExtraError(f'{library} is not installed: pip install "hjsolve[tables]"') from error
 
 
-def pandas_frame(batch: Batch) -> Any:
+def pandas_frame(batch: OrbitColumns) -> Any:
     """A ``pandas.DataFrame``, one row an orbit; several axes become a MultiIndex.
 
     Args:
@@ -74,7 +72,7 @@ def pandas_frame(batch: Batch) -> Any:
     return pd.DataFrame(_flat(with_words(batch)), index=index)
 
 
-def arrow_table(batch: Batch) -> Any:
+def arrow_table(batch: OrbitColumns) -> Any:
     """A ``pyarrow.Table``, one row an orbit; the shape is in its metadata.
 
     Args:
@@ -89,7 +87,7 @@ def arrow_table(batch: Batch) -> Any:
     return pa.table(columns).replace_schema_metadata({"shape": json.dumps(list(batch.shape))})
 
 
-def xarray_dataset(batch: Batch) -> Any:
+def xarray_dataset(batch: OrbitColumns) -> Any:
     """An ``xarray.Dataset`` over the axes of the batch.
 
     Args:
@@ -103,7 +101,7 @@ def xarray_dataset(batch: Batch) -> Any:
     return xr.Dataset({name: (names, column) for name, column in with_words(batch).items()})
 
 
-def write_parquet(batch: Batch, path: str | PathLike[str]) -> Path:
+def write_parquet(batch: OrbitColumns, path: str | PathLike[str]) -> Path:
     """Write a Parquet file, completely or not at all.
 
     Args:

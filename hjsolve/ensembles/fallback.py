@@ -8,8 +8,8 @@ from typing import Any
 import numpy as np
 
 from hjsolve.arithmetic.estimate import Estimate
+from hjsolve.ensembles.engine.status import Status
 from hjsolve.ensembles.layout import ERROR, Layout
-from hjsolve.ensembles.status import Status
 from hjsolve.ensembles.task import ONE_AT_A_TIME
 from hjsolve.errors import ForbiddenMotionError, InvalidInputError, NotConvergedError
 from hjsolve.motion.charted.in_a_plane import MotionInPlane

@@ -192,9 +192,7 @@ def start_linear_motion(
     else:
         E = Estimate(energy, energy.context.mpf(2) ** (_LOST_BITS - bits) * (1 + abs(energy)))
     kinds = {name: "equilibrium" if rests else "escape"}
-    return LinearMotion(
-        problem, kinds, {"E": E}, digits, place, momentum, number(t0, source="t0"), values
-    )
+    return LinearMotion(problem, kinds, {"E": E}, digits, place, momentum, number(t0, source="t0"), values)
 
 
 def _moved(rate: Callable[[Mpf], Mpf], start: Mpf, elapsed: Mpf, context: Context, name: str, domain: _Ends) -> Mpf:

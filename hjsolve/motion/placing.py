@@ -94,7 +94,6 @@ def _bits(arrays: list[Numbers]) -> int:
     return max((x.context.prec for x in arrays[0] if hasattr(x, "context")), default=128)
 
 
-
 def with_place(system: System, values: Mapping[sp.Symbol, sp.Expr], state: State) -> State:
     """Return a state that knows where it is, if its system says so.
 

@@ -22,8 +22,8 @@ import pyarrow as pa
 import pyarrow.parquet as pq
 
 from hjsolve.arithmetic.number_types import Columns
-from hjsolve.ensembles.batch import WORDS
 from hjsolve.ensembles.layout import RECOMPUTED, STATUS
+from hjsolve.ensembles.orbit_columns import WORDS
 from hjsolve.errors import InvalidInputError
 
 MANIFEST, _LOCK, _WRITING = "_manifest.json", "_lock", "_writing-"

@@ -61,7 +61,9 @@ class Page:
         self.ready()
 
     def ready(self) -> None:
-        until(lambda: self.verdict().startswith(("Separates", "✓")) or "separates" in self.verdict().lower(), "a verdict")
+        until(
+            lambda: self.verdict().startswith(("Separates", "✓")) or "separates" in self.verdict().lower(), "a verdict"
+        )
 
     def field(self, label: str) -> Any:
         return self.driver.find_element("css selector", f'[aria-label^="{label}"]')
@@ -105,7 +107,9 @@ def test_what_is_typed_is_judged_and_moved_with_the_numbers_of_the_library(page:
     until(lambda: page.energy() == pytest.approx(0.72), "the energy of the oscillator")
 
     page.type("V", "x**4/4")
-    exact = hjsolve.solve(hjsolve.System({"x": "line"}, "dot(x)**2/2", "x**4/4")).motion(q={"x": "1.2"}, velocity={"x": 0})
+    exact = hjsolve.solve(hjsolve.System({"x": "line"}, "dot(x)**2/2", "x**4/4")).motion(
+        q={"x": "1.2"}, velocity={"x": 0}
+    )
     until(lambda: page.energy() == pytest.approx(float(exact.constants["E"].value)), "the energy of the quartic")
     assert f"{exact.periods['x'].value:.10f}"[:10] in page.text(".explorer")
 
@@ -145,7 +149,9 @@ def test_fifty_quick_changes_end_at_the_last(page: Page) -> None:
     until(lambda: page.energy() == pytest.approx(36.0), "the fiftieth energy")
 
 
-def test_two_tabs_do_not_know_of_each_other_and_a_computation_over_its_limit_ends_alone(page: Page, address: str) -> None:
+def test_two_tabs_do_not_know_of_each_other_and_a_computation_over_its_limit_ends_alone(
+    page: Page, address: str
+) -> None:
     driver = page.driver
     first = driver.current_window_handle
     driver.switch_to.new_window("tab")

@@ -31,11 +31,15 @@ def test_nothing_goes_wrong_and_no_request_leaves_the_page(page):
 
 @pytest.mark.parametrize(("p", "E"), [(0.2, 0.9), (0.71, 0.35)])
 def test_a_slider_moves_orbit_point_and_numbers_to_those_of_the_engine(page, p, E):
-    pictures = page.execute_script("return ['well', 'phase', 'orbit'].map(k => document.getElementById('live-' + k).toDataURL())")
+    pictures = page.execute_script(
+        "return ['well', 'phase', 'orbit'].map(k => document.getElementById('live-' + k).toDataURL())"
+    )
     told = page.find_element("id", "live-numbers").text
     slide(page, 0, p)
     momentum, energy = slide(page, 1, E)
-    after = page.execute_script("return ['well', 'phase', 'orbit'].map(k => document.getElementById('live-' + k).toDataURL())")
+    after = page.execute_script(
+        "return ['well', 'phase', 'orbit'].map(k => document.getElementById('live-' + k).toDataURL())"
+    )
     assert all(a != b for a, b in zip(pictures, after))
     assert page.find_element("id", "live-numbers").text != told
     bounds = page.execute_script("return hjsolveLive.bounds")

@@ -73,13 +73,14 @@ def test_roots_of_random_polynomials_are_counted_as_by_exact_algebra() -> None:
     found = isolated_roots(rows.astype(float), np.full(rows.shape, 1e-13))
     assert found.doubtful.sum() <= 1
     for i in np.flatnonzero(~found.doubtful):
-        exact = sum(
-            int(c) * sp.binomial(degree, k) * t**k * (1 - t) ** (degree - k) for k, c in enumerate(rows[i])
-        )
+        exact = sum(int(c) * sp.binomial(degree, k) * t**k * (1 - t) ** (degree - k) for k, c in enumerate(rows[i]))
         polynomial = sp.Poly(sp.expand(exact), t)
         assert found.count[i] == polynomial.count_roots(0, 1)
         mine = found.owner == i
-        assert all(polynomial.count_roots(sp.Rational(a), sp.Rational(b)) == 1 for a, b in zip(found.low[mine], found.high[mine]))
+        assert all(
+            polynomial.count_roots(sp.Rational(a), sp.Rational(b)) == 1
+            for a, b in zip(found.low[mine], found.high[mine])
+        )
 
 
 def test_a_double_root_is_called_doubtful() -> None:

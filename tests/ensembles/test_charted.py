@@ -154,7 +154,10 @@ def test_blocks_of_dask_give_what_one_array_gives() -> None:
         np.testing.assert_array_equal(lazy.actions[name], plain.actions[name])
 
 
-COLUMNS = {"q": {"R": [1.0, 0.8], "z": [0.1, -0.4]}, "velocity": {"vR": [0.1, -0.2], "vT": [0.7, -0.5], "vz": [0.2, 0.05]}}
+COLUMNS = {
+    "q": {"R": [1.0, 0.8], "z": [0.1, -0.4]},
+    "velocity": {"vR": [0.1, -0.2], "vT": [0.7, -0.5], "vz": [0.2, 0.05]},
+}
 
 
 @pytest.mark.slow

@@ -19,7 +19,9 @@ def test_an_entry_is_answered_with_verdict_numbers_and_a_plane_to_drag_in() -> N
     assert not told.problem
     assert told.coordinates == ("r", "theta")
     assert [p.name for p in told.portraits] == ["r"]
-    period = hjsolve.solve("kepler-planar").motion(q={"r": 1, "theta": 0}, velocity={"r": 0, "theta": "1.2"}).periods["r"]
+    period = (
+        hjsolve.solve("kepler-planar").motion(q={"r": 1, "theta": 0}, velocity={"r": 0, "theta": "1.2"}).periods["r"]
+    )
     assert f"{period.value:.12f}"[:12] in told.numbers
 
 

@@ -41,7 +41,10 @@ def start(place: str, speed: str) -> dict[str, dict[str, str]]:
         (KDV, "0 0", "0 -0.07", {"X": "libration"}),  # from the focus
         ("x**4 + 12*x**2*y**2 + 16*y**4", "-0.565 0", "0 0", {"Y": "libration"}),  # across the axis of the parabolas
         pytest.param(
-            f"{GARNIER} + z**4", "-0.849 0 -0.047", "0 0 -0.226", {"X": "libration", "Z": "libration"},
+            f"{GARNIER} + z**4",
+            "-0.849 0 -0.047",
+            "0 0 -0.226",
+            {"X": "libration", "Z": "libration"},
             marks=pytest.mark.slow,
         ),
         pytest.param(KUZMIN_KUTUZOV, "0 0 1", "0 0 1", {"Z": "libration"}, marks=pytest.mark.slow),

@@ -25,7 +25,7 @@ from hjsolve.ensembles.engine.columns import Columns, blank, put
 from hjsolve.ensembles.engine.engine import Engine
 from hjsolve.ensembles.engine.lowered_solution import LoweredFormula
 from hjsolve.ensembles.engine.starts import Starts
-from hjsolve.ensembles.status import UNDECIDED, Status
+from hjsolve.ensembles.engine.status import UNDECIDED, Status
 
 _UNIT, _FINER = 2.0**-53, 2.0**-44
 _SAFETY = 2

@@ -12,4 +12,4 @@ from hjsolve.ensembles.engine.engine import Engine as Engine
 from hjsolve.ensembles.engine.engine import build as build
 from hjsolve.ensembles.engine.engine import ready as ready
 from hjsolve.ensembles.engine.starts import MomentumRule as MomentumRule
-from hjsolve.ensembles.status import Status as Status
+from hjsolve.ensembles.engine.status import Status as Status

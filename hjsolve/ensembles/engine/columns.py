@@ -8,7 +8,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from hjsolve.arithmetic.number_types import Codes, Mask, Reals, Which
-from hjsolve.ensembles.status import UNDECIDED
+from hjsolve.ensembles.engine.status import UNDECIDED
 
 QUANTITIES = ("constants", "turning_points", "actions", "frequencies", "periods", "angles")
 """What may be wanted of a batch."""

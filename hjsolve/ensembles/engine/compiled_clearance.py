@@ -41,13 +41,9 @@ def _failing(motions: Motions, i: int, place: tuple[int, int], first: int, strip
     for _ in range(count):
         k = start + j
         if j < below:
-            radius = _radius(
-                motions.lower[i] + motions.signs[0] * W * strips.along[k], W * strips.away[k], low
-            )
+            radius = _radius(motions.lower[i] + motions.signs[0] * W * strips.along[k], W * strips.away[k], low)
         else:
-            radius = _radius(
-                motions.upper[i] + motions.signs[1] * W * strips.along[k], W * strips.away[k], high
-            )
+            radius = _radius(motions.upper[i] + motions.signs[1] * W * strips.along[k], W * strips.away[k], high)
         if radius == 0.0:
             return -1
         if not radius >= W * strips.spread[k]:

@@ -21,6 +21,7 @@ _FARTHEST = 6
 Doubts = Callable[[Reals, Reals, Reals, Reals, Reals], None]
 Relative = Callable[[Reals, Reals, Reals, Reals], None]
 
+
 @njit(**INLINED)
 def _shifts(work: Scratch, residue: tuple[float, float], motions: Motions, i: int, place: tuple[int, int],
             tables: Tables) -> None:  # fmt: skip

@@ -14,7 +14,7 @@ from hjsolve.ensembles.engine.passes import TIMED, TOLERANCE, run_compiled, run_
 from hjsolve.ensembles.engine.programs import Compiled, available, compiled, is_kept
 from hjsolve.ensembles.engine.regions import hopeless_in_doubles
 from hjsolve.ensembles.engine.starts import MomentumRule, Starts, from_velocities, given_momenta
-from hjsolve.ensembles.status import Status
+from hjsolve.ensembles.engine.status import Status
 from hjsolve.errors import InvalidInputError
 from hjsolve.motion.initial_data import parameter_values
 from hjsolve.solution.quadratures import Solution

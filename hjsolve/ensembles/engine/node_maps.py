@@ -130,9 +130,7 @@ class NodeMaps:
 
     def _add(self, keys: list[NodeMap]) -> None:
         rows = [_rows(key) for key in keys]
-        grown = {
-            name: _joined(getattr(self.tables, name), np.stack([row[name] for row in rows])) for name in rows[0]
-        }
+        grown = {name: _joined(getattr(self.tables, name), np.stack([row[name] for row in rows])) for name in rows[0]}
         self.tables = self.tables._replace(**grown)
         begin = len(self._places)
         self._places |= {key: begin + k for k, key in enumerate(keys)}

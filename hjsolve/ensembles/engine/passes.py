@@ -17,7 +17,7 @@ from hjsolve.ensembles.engine.programs import Compiled
 from hjsolve.ensembles.engine.radicand_views import DifferenceEvaluation, DirectEvaluation, second_slope
 from hjsolve.ensembles.engine.regions import ill_known, locate_regions
 from hjsolve.ensembles.engine.starts import Starts
-from hjsolve.ensembles.status import UNDECIDED, Status
+from hjsolve.ensembles.engine.status import UNDECIDED, Status
 
 TOLERANCE = 1e-10
 """Largest claimed relative error with which an orbit is called ``OK``; of an angle, relative to ten radians."""

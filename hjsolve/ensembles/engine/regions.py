@@ -23,8 +23,8 @@ from hjsolve.ensembles.engine.radicand_views import (
     second_slope,
 )
 from hjsolve.ensembles.engine.starts import Starts
+from hjsolve.ensembles.engine.status import EQUILIBRIUM, UNDECIDED, Status
 from hjsolve.ensembles.engine.turning_points import bracket, first_step, kept_inside, refine
-from hjsolve.ensembles.status import EQUILIBRIUM, UNDECIDED, Status
 
 _SMALL = 3e-14
 _CLEAR = 1e-12

@@ -80,9 +80,7 @@ def _controls(tables: LiveTables, motion: Motion, data: Mapping[str, Any]) -> st
             *((("map", f"{_MAP}; a click or the arrow keys choose them"),) if data["map"] else ()),
         )
     )
-    speeds = "".join(
-        f'<option value="{v}"{" selected" if v == 1 else ""}>{v} ×</option>' for v in (0.25, 0.5, 1, 2, 4)
-    )
+    speeds = "".join(f'<option value="{v}"{" selected" if v == 1 else ""}>{v} ×</option>' for v in (0.25, 0.5, 1, 2, 4))
     worst = "; ".join(f"{escape(_label(n))} by {v:.1e}" for n, v in tables.bounds.items())
     return f"""<section id="live" class="live" aria-labelledby="live-h" hidden="hidden">
 <h2 id="live-h">The motion, live</h2>
