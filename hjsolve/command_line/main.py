@@ -8,6 +8,7 @@ from __future__ import annotations
 
 import argparse
 import os
+import re
 import sys
 from collections.abc import Sequence
 
@@ -69,15 +70,25 @@ def main(arguments: Sequence[str] | None = None) -> int:
 
 
 def _joined(arguments: Sequence[str], top: argparse.ArgumentParser) -> list[str]:
-    """Join an option and its value, so that a value may begin with a minus sign: ``--potential -k/r``."""
+    """Join an option and its value, so that a value may begin with a minus sign: ``--potential -k/r``.
+
+    After ``--q r=1`` another ``theta=0`` is one more value of that option.
+    """
     valued = _valued(top)
     result: list[str] = []
     for argument in arguments:
-        if result and result[-1] in valued:
+        last = result[-1] if result else ""
+        if last in valued:
             result[-1] += f"={argument}"
+        elif last.startswith(_NAMED_VALUES) and _NAMED_VALUE.match(argument):
+            result.append(f"{last.partition('=')[0]}={argument}")
         else:
             result.append(valued.get(argument, argument))
     return result
+
+
+_NAMED_VALUES = ("--q=", "--velocity=", "--momentum=", "--parameter=")
+_NAMED_VALUE = re.compile(r"\w+\s*=")
 
 
 def _valued(top: argparse.ArgumentParser) -> dict[str, str]:

@@ -224,9 +224,9 @@ def _motion_arguments(command: argparse.ArgumentParser) -> None:
     motion = command.add_argument_group("the motion (a catalog entry brings its own)")
     motion.add_argument("--motion", default="default", metavar="NAME", help="another motion of the catalog entry")
     for option, what in (
-        ("--q", "initial coordinate, e.g. r=1 (repeat)"),
-        ("--velocity", "initial velocity, e.g. theta=1.2 (repeat)"),
-        ("--momentum", "initial momentum, in place of velocities (repeat)"),
+        ("--q", "initial coordinates, e.g. r=1 theta=0, or r=1,theta=0"),
+        ("--velocity", "initial velocities, in the same way"),
+        ("--momentum", "initial momenta, in place of velocities"),
     ):
         motion.add_argument(option, action="append", default=[], metavar="NAME=VALUE", help=what)
 

@@ -10,6 +10,8 @@ from hjsolve.errors import InvalidInputError
 from hjsolve.mechanics.coordinates_and_parameters import Parameter, parameter
 
 _NAME = re.compile(r"\s*(\w+)\s*")
+_NEXT_VALUE = re.compile(r",(?=\s*\w+\s*=)")
+"""The comma between two values: a name and an equals sign stand behind it."""
 
 
 def typed_coordinates(texts: Iterable[str], where: str) -> dict[str, str]:
@@ -68,7 +70,7 @@ def typed_values(texts: Iterable[str], where: str) -> dict[str, str]:
     """Read values, each a name, an equals sign and a number.
 
     Args:
-        texts: such as ``r=1`` or ``theta = pi/2``.
+        texts: such as ``r=1``, ``theta = pi/2`` or ``r=1, theta=pi/2``.
         where: what they were typed into, for messages.
 
     Returns:
@@ -78,7 +80,7 @@ def typed_values(texts: Iterable[str], where: str) -> dict[str, str]:
         InvalidInputError: one cannot be read, or a name comes twice.
     """
     found: dict[str, str] = {}
-    for text in texts:
+    for text in (part for written in texts for part in _NEXT_VALUE.split(written)):
         name, equals, value = text.partition("=")
         if not equals or not _NAME.fullmatch(name) or not value.strip():
             raise InvalidInputError(f'{where} "{text}": write a name, an equals sign and a value, e.g. {where} r=1')

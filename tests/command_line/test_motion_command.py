@@ -12,6 +12,7 @@ from pathlib import Path
 import mpmath
 import pytest
 
+import hjsolve
 from hjsolve.command_line.main import main
 
 Capture = pytest.CaptureFixture[str]
@@ -147,3 +148,21 @@ def test_other_shells_have_a_script_that_knows_the_catalog(shell: str, capsys: C
     pytest.importorskip("shtab", reason="needs the extra completion")
     assert main(["completion", shell]) == 0
     assert "kepler-planar" in capsys.readouterr().out
+
+
+@pytest.mark.parametrize("start", [
+    ["--q", "r=1", "--q", "theta=1-1", "--velocity", "r=0", "--velocity", "theta=-6/5"],
+    ["--q", "r=1", "theta=1-1", "--velocity", "r=0", "theta=-6/5"],
+    ["--q", "r=1, theta=1-1", "--velocity", "r=0,theta=-6/5"],
+])  # fmt: skip
+def test_initial_values_are_repeated_listed_or_parted_by_commas(start: list[str], capsys: Capture) -> None:
+    given = ["motion", "kepler-planar", *start, "--times", "1,2"]
+    assert main(given) == 0
+    motion = hjsolve.solve(hjsolve.catalog.load("kepler-planar")).motion(q={"r": 1, "theta": 0}, velocity={"r": 0, "theta": "-6/5"})
+    rows = list(csv.DictReader(capsys.readouterr().out.splitlines()))
+    assert [float(row["q.theta"]) for row in rows] == list(motion.at([1, 2]).q["theta"])
+
+
+def test_a_value_that_belongs_to_no_option_is_not_taken(capsys: Capture) -> None:
+    assert main(["motion", "kepler-planar", "--times", "0:1:2", "theta=1"]) == 2
+    assert "theta=1" in capsys.readouterr().err
