@@ -231,7 +231,7 @@ def test_tex_has_balanced_braces_and_only_letters_that_it_declares(name: str, do
 
 def test_markdown_embeds_its_drawings(documents: dict[str, Document]) -> None:
     page = markdown_page(documents["kepler-planar"])
-    assert page.count("data:image/svg+xml;base64,") == 5
+    assert page.count("data:image/svg+xml;base64,") == 6
     assert "http://" not in page.replace("http://www.w3.org", "")
 
 

@@ -14,7 +14,7 @@ from hjsolve.closed_form.forms import RegimeForms
 from hjsolve.motion.motion import Motion
 from hjsolve.reports.document import Block, Code, Formula, Inline, Mathematics, Paragraph, Section, Table, Text
 from hjsolve.reports.formulas.from_sympy import box
-from hjsolve.reports.formulas.layout import Glyph, row, width
+from hjsolve.reports.formulas.layout import Fence, Glyph, row, width
 from hjsolve.reports.formulas.line_breaks import NARROW, broken, display, narrowed
 from hjsolve.reports.formulas.names import name_box
 from hjsolve.reports.formulas.one_line_text import plain
@@ -91,7 +91,7 @@ def _section(form: RegimeForms, number: int) -> Section:
     for q, e in form.orbit.items():
         blocks.append(_shown(f"orbit.{q}", e, partial(formula, row(name_box(q), Glyph(" along the orbit ", "text")))))
     for q, e in form.parametric.items():
-        blocks.append(_shown(f"parametric.{q}", e, partial(formula, row(name_box(q), Glyph("(τ) ", "text")))))
+        blocks.append(_shown(f"parametric.{q}", e, partial(formula, row(name_box(q), Fence(name_box("tau"))))))
     if form.characteristic_function is not None:
         W = form.characteristic_function
         blocks.append(_shown("characteristic_function", W, lambda e: formula(Glyph("W"), e, "Greenwood (5-65)")))
