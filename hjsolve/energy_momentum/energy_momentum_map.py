@@ -35,6 +35,8 @@ if TYPE_CHECKING:
 
 _ACROSS, _UP = 90, 66
 _FEW = (18, 13)
+_IN_THE_CELL = 0.48661
+"""Where in its cell a point of a grid lies: a critical curve often goes through the middle of a window."""
 
 
 @dataclass(frozen=True, repr=False)
@@ -110,7 +112,8 @@ class EnergyMomentumMap(Shown):
             x, shape (across,); y, shape (up,); the number of the kinds at each point, shape (up, across); the kinds by
             number, those of most points first.
         """
-        xs, ys = (low + (high - low) * (np.arange(n) + 0.5) / n for (low, high), n in zip(self.window, (across, up)))
+        cells = zip(self.window, (across, up), strict=True)
+        xs, ys = (low + (high - low) * (np.arange(n) + _IN_THE_CELL) / n for (low, high), n in cells)
         X, Y = (v.ravel() for v in np.meshgrid(xs, ys))
         found = self.kinds_at(X, Y)
         keys = [tuple(found[own.name][i] for own in self.coordinates) for i in range(len(X))]

@@ -37,18 +37,7 @@ SEPARABLE = [
     "projectile",
 ]
 REFUSED = ["henon-heiles", "double-pendulum"]
-SECTIONS = [
-    "system",
-    "reduction",
-    "test",
-    "forms",
-    "characteristic-function",
-    "time-law",
-    "closed-forms",
-    "motion",
-    "numbers",
-    "how",
-]
+SECTIONS = ["system", "reduction", "test", "forms", "characteristic-function", "time-law", "closed-forms", "motion", "numbers", "how"]
 
 
 @pytest.fixture(scope="module")
