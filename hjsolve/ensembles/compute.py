@@ -35,24 +35,24 @@ def dtypes(layout: Layout) -> dict[str, np.dtype[Any]]:
     )
 
 
-def compute_columns(recipe: EnsembleTask, q: list[Any], rates: list[Any], *, threads: int | None = None) -> Columns:
+def compute_columns(task: EnsembleTask, q: list[Any], rates: list[Any], *, threads: int | None = None) -> Columns:
     """Compute the columns of n orbits.
 
     Args:
-        recipe: what to compute.
+        task: what to compute.
         q, rates: for every coordinate of the system, in its order, an array of shape (n,).
         threads: how many; None for the cores that this process may use. The result does not depend on it.
 
     Returns:
         Column name → array of shape (n,).
     """
-    n, tools = len(q[0]), tools_of(recipe)
+    n, tools = len(q[0]), tools_of(task)
     columns: Columns = {name: _empty(n, dtype) for name, dtype in dtypes(tools.layout).items()}
 
     stop = threading.Event()
 
     def part(window: slice) -> None:
-        _fill(recipe, tools, columns, window, [x[window] for x in q], [x[window] for x in rates], stop)
+        _fill(task, tools, columns, window, [x[window] for x in q], [x[window] for x in rates], stop)
 
     windows = list(_windows(n, threads or cores()))
     count = min(threads or cores(), len(windows))
@@ -86,11 +86,11 @@ def _windows(n: int, threads: int) -> Iterator[slice]:
 
 
 def _fill(
-    recipe: EnsembleTask, tools: TaskContext, columns: Columns, window: slice, q: list[Any], rates: list[Any],
+    task: EnsembleTask, tools: TaskContext, columns: Columns, window: slice, q: list[Any], rates: list[Any],
     stop: threading.Event,
 ) -> None:  # fmt: skip
     """Compute one chunk into its window of the columns."""
-    names = [c.name for c in recipe.system.coordinates]
+    names = [c.name for c in task.system.coordinates]
     places, speeds = dict(zip(names, q, strict=True)), dict(zip(names, rates, strict=True))
     codes = columns[STATUS][window]
     codes[:] = _at_the_door(tools, places, speeds)
@@ -100,7 +100,7 @@ def _fill(
     places, speeds = ({name: np.ascontiguousarray(x[good]) for name, x in group.items()} for group in (places, speeds))
     if tools.chart is not None:
         found = run_charted(tools.engine, tools.chart, places, speeds)
-    elif recipe.kind == "p":
+    elif task.kind == "p":
         found = tools.engine.run(places, speeds)
     else:
         found = tools.engine.run_velocities(places, speeds, tools.momenta)
@@ -109,15 +109,15 @@ def _fill(
         quantity, _, key = name.partition(".")
         columns[name][window][good] = np.where(fine, found.group(quantity)[key], np.nan)
         columns[ERROR + name][window][good] = np.where(fine, found.error[name], np.nan)
-    if not recipe.fallback:
+    if not task.fallback:
         codes[good] = np.where(fine, Status.OK, Status.NOT_CONVERGED)  # what doubles say of the others is not proved
         return
     for k in map(int, np.flatnonzero(~fine)):
         if stop.is_set():
             return
-        start = {"q": _picked(places, k), recipe.kind: _picked(speeds, k)}
+        start = {"q": _picked(places, k), task.kind: _picked(speeds, k)}
         endless = bool(found.status[k] == Status.UNBOUNDED)
-        _one(recipe, tools, columns, window.start + int(good[k]), start, endless)
+        _one(task, tools, columns, window.start + int(good[k]), start, endless)
 
 
 def _at_the_door(tools: TaskContext, q: Mapping[str, Any], rates: Mapping[str, Any]) -> Any:
@@ -136,7 +136,7 @@ def _picked(arrays: Mapping[str, Any], k: int) -> dict[str, float]:
 
 
 def _one(
-    recipe: EnsembleTask,
+    task: EnsembleTask,
     tools: TaskContext,
     columns: Columns,
     place: int,
@@ -144,7 +144,7 @@ def _one(
     endless: bool,
 ) -> None:
     """Compute one orbit by the engine of single motions into its row."""
-    status, row = single_orbit(tools.solution, tools.layout, start, dict(recipe.parameters), endless=endless)
+    status, row = single_orbit(tools.solution, tools.layout, start, dict(task.parameters), endless=endless)
     columns[STATUS][place], columns[RECOMPUTED][place] = status, True
     for column, value in row.items():
         columns[column][place] = value

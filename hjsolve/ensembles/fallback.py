@@ -103,20 +103,21 @@ def _angles(motion: Motion) -> dict[str, Estimate]:
 
 
 def _angle_error(motion: Motion, name: str) -> float:
-    """Rounding of the angle, and of the ripples between it and the phases, which are summed in doubles.
+    """Rounding of the angle, and of the oscillations between it and the phases, which are summed in doubles.
 
-    A ripple is a periodic series; its slope at the phase, found by moving it, multiplies the rounding of the phase.
+    An oscillation is a periodic series; its slope at the phase, found by moving it, multiplies the rounding of the
+    phase.
     """
     torus = motion.separated.equations
     if not isinstance(torus, TorusEquations):
         return _ANGLE_ROUNDING
     if name in motion.separated.located:
-        ripples = torus.oscillations[list(motion.solution.coordinates).index(name)]
+        oscillations = torus.oscillations[list(motion.solution.coordinates).index(name)]
     else:
         j = constant_index(motion.separated, name)
-        ripples = tuple(oscillation(torus, i, j) for i in range(len(torus.courses)))
+        oscillations = tuple(oscillation(torus, i, j) for i in range(len(torus.courses)))
     error = _ANGLE_ROUNDING
-    for series, course in zip(ripples, torus.courses, strict=True):
+    for series, course in zip(oscillations, torus.courses, strict=True):
         if len(series.cosines):
             phase = float(course.start)
             step = 2.0**-50 * max(1.0, abs(phase))

@@ -82,28 +82,28 @@ def ensemble(
     refuse_null(solution)
     given = conditions(_users(solution), q, p, velocity)
     layout = layout_of(solution, want)
-    recipe = recipe_for(solution, layout.want, parameters, given.kind, fallback=fallback, compiled=bool(compiled))
+    task = task_for(solution, layout.want, parameters, given.kind, fallback=fallback, compiled=bool(compiled))
     if compiled is None:
-        recipe = replace(recipe, compiled=_worth_compiling(math.prod(given.shape), recipe, solution))
+        task = replace(task, compiled=_worth_compiling(math.prod(given.shape), task, solution))
     if given.lazy:
         from hjsolve.ensembles.dask_blocks import lazily
 
-        return lazily(recipe, layout, given)
-    columns = _at_once(recipe, given, _thread_count(threads))
+        return lazily(task, layout, given)
+    columns = _at_once(task, given, _thread_count(threads))
     return Batch({name: column.reshape(given.shape) for name, column in columns.items()}, layout, given.shape)
 
 
-def _worth_compiling(count: int, recipe: EnsembleTask, solution: Solution) -> bool:
+def _worth_compiling(count: int, task: EnsembleTask, solution: Solution) -> bool:
     if WORTH_LOADING <= count < WORTH_COMPILING:
-        return engine.ready(solution, frozenset(recipe.want), dict(recipe.parameters))
+        return engine.ready(solution, frozenset(task.want), dict(task.parameters))
     return count >= WORTH_COMPILING
 
 
-def recipe_for(
+def task_for(
     solution: Solution, want: tuple[str, ...], parameters: Mapping[str, Any] | None, kind: str, *, compiled: bool,
     fallback: bool = True,
 ) -> EnsembleTask:  # fmt: skip
-    """Write the recipe of an ensemble: every parameter with its exact value.
+    """Write the task of an ensemble: every parameter with its exact value.
 
     Args:
         solution: of the system.
@@ -153,12 +153,12 @@ def _thread_count(threads: Any) -> int | None:
     return None if threads is None else arguments.whole(threads, "threads", 1)
 
 
-def _at_once(recipe: EnsembleTask, given: InitialConditions, threads: int | None) -> Columns:
-    names = [c.name for c in recipe.system.coordinates]
+def _at_once(task: EnsembleTask, given: InitialConditions, threads: int | None) -> Columns:
+    names = [c.name for c in task.system.coordinates]
 
     def flat(array: Any) -> Any:
         return np.broadcast_to(array, given.shape).reshape(-1)
 
     return compute_columns(
-        recipe, [flat(given.q[n]) for n in names], [flat(given.rates[n]) for n in names], threads=threads
+        task, [flat(given.q[n]) for n in names], [flat(given.rates[n]) for n in names], threads=threads
     )

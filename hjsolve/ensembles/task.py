@@ -1,4 +1,4 @@
-"""A recipe, that travels to other processes, and the tools that a process makes of it once."""
+"""A task, that travels to other processes, and the tools that a process makes of it once."""
 
 from __future__ import annotations
 
@@ -30,7 +30,7 @@ WORTH_LOADING = 20_000
 
 @dataclass(frozen=True)
 class EnsembleTask:
-    """Plain values; equal recipes give equal columns, in whatever process.
+    """Plain values; equal tasks give equal columns, in whatever process.
 
     Attributes:
         system: what moves.
@@ -71,7 +71,7 @@ class DomainEnd:
 
 @dataclass(frozen=True, eq=False)
 class TaskContext:
-    """What a process makes of a recipe.
+    """What a process makes of a task.
 
     Attributes:
         solution: of the system.
@@ -90,53 +90,53 @@ class TaskContext:
     chart: ChartMap | None = None
 
 
-def tools_of(recipe: EnsembleTask) -> TaskContext:
-    """The tools of a recipe; made when a process first asks, and kept for the newest recipes.
+def tools_of(task: EnsembleTask) -> TaskContext:
+    """The tools of a task; made when a process first asks, and kept for the newest tasks.
 
     Args:
-        recipe: what is to be computed of each orbit.
+        task: what is to be computed of each orbit.
     """
     with ONE_AT_A_TIME:
-        return _tools(recipe)
+        return _tools(task)
 
 
 @lru_cache(maxsize=16)
-def _tools(recipe: EnsembleTask) -> TaskContext:
-    system, solution = recipe.system, recipe.found or solve(recipe.system)
-    names = [name for name, _ in recipe.parameters]
+def _tools(task: EnsembleTask) -> TaskContext:
+    system, solution = task.system, task.found or solve(task.system)
+    names = [name for name, _ in task.parameters]
     formulas = momenta(system)
     arguments = [c.symbol for c in system.coordinates] + [c.velocity for c in system.coordinates]
     engine = batch.build(
         solution,
-        frozenset(recipe.want),
-        parameters=dict(recipe.parameters),
-        compiled=None if recipe.compiled else False,
+        frozenset(task.want),
+        parameters=dict(task.parameters),
+        compiled=None if task.compiled else False,
     )
     return TaskContext(
         solution=solution,
-        layout=layout_of(solution, recipe.want),
+        layout=layout_of(solution, task.want),
         engine=engine,
-        bounds=tuple(_bounds(recipe)),
+        bounds=tuple(_bounds(task)),
         momenta=batch.MomentumRule(
             lower([formulas[c.name] for c in system.coordinates], [*arguments, *(system.symbols[n] for n in names)]),
-            tuple(split(to_bits(value)(128)) for _, value in recipe.parameters),
+            tuple(split(to_bits(value)(128)) for _, value in task.parameters),
         ),
-        chart=_chart(recipe, solution, engine),
+        chart=_chart(task, solution, engine),
     )
 
 
-def _chart(recipe: EnsembleTask, solution: Solution, engine: batch.Engine) -> ChartMap | None:
+def _chart(task: EnsembleTask, solution: Solution, engine: batch.Engine) -> ChartMap | None:
     if solution.chart is None:
         return None
-    values = {solution.system.symbols[name]: value for name, value in recipe.parameters}
-    return chart_map(solution, engine.model, values, recipe.kind)
+    values = {solution.system.symbols[name]: value for name, value in task.parameters}
+    return chart_map(solution, engine.model, values, task.kind)
 
 
-def _bounds(recipe: EnsembleTask) -> list[DomainEnd]:
-    values = {recipe.system.symbols[name]: value for name, value in recipe.parameters}
+def _bounds(task: EnsembleTask) -> list[DomainEnd]:
+    values = {task.system.symbols[name]: value for name, value in task.parameters}
     found = []
-    for c in recipe.system.coordinates:
-        for end, side in zip(domain_ends(recipe.system, c.name, values), (1, -1), strict=True):
+    for c in task.system.coordinates:
+        for end, side in zip(domain_ends(task.system, c.name, values), (1, -1), strict=True):
             if end is not None:
                 number = float(to_bits(end)(128))
                 found.append(DomainEnd(c.name, side, number, side * sign(end - sp.Rational(number)) < 0))

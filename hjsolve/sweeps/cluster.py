@@ -85,16 +85,16 @@ def _refill(
     room = max(_AHEAD * sum(client.nthreads().values()), 1) - len(waiting)
     for _, part in zip(range(room), parts, strict=False):
         starts = work.starts(part)
-        future = client.submit(remote_part, work.recipe, code(), starts, pure=False)
+        future = client.submit(remote_part, work.task, code(), starts, pure=False)
         waiting[future] = (part, starts)
         done.add(future)
 
 
-def remote_part(recipe: EnsembleTask, expected: Mapping[str, str], starts: Columns) -> Columns:
+def remote_part(task: EnsembleTask, expected: Mapping[str, str], starts: Columns) -> Columns:
     """The columns of one part, on a worker.
 
     Args:
-        recipe: what is to be computed of each orbit.
+        task: what is to be computed of each orbit.
         expected: versions and digests of the code that the run began with.
         starts: initial conditions, name → array of shape (n,).
 
@@ -106,4 +106,4 @@ def remote_part(recipe: EnsembleTask, expected: Mapping[str, str], starts: Colum
     """
     if code() != dict(expected):
         raise ClusterError(f"a worker has other code ({code()}) than this process ({dict(expected)}); install the same")
-    return columns_of(recipe, starts, threads=1)
+    return columns_of(task, starts, threads=1)

@@ -11,7 +11,7 @@ from hjsolve import arguments
 from hjsolve.display.progress import ProgressBar
 from hjsolve.display.shown import Shown
 from hjsolve.ensembles.layout import wanted
-from hjsolve.ensembles.orbits import recipe_for
+from hjsolve.ensembles.orbits import task_for
 from hjsolve.ensembles.task import WORTH_COMPILING
 from hjsolve.errors import MissingExtraError
 from hjsolve.scenes import Scene
@@ -80,7 +80,7 @@ def sweep(
     points, table = points_of(scene)
     size = _checked_chunk(chunk) or scene.sweep.chunk  # type: ignore[union-attr] # points_of has seen it
     many = points.count >= WORTH_COMPILING
-    recipe = recipe_for(
+    task = task_for(
         solve(scene.system, scene.coordinates), wanted(scene.want), dict(scene.parameters), points.kind, compiled=many
     )
     plan = SweepPlan(sweep_digest(scene, table, size), code(), points.count, size, scene.title)
@@ -88,7 +88,7 @@ def sweep(
         left = folder.left()
         done = points.count - sum(end - begin for begin, end in map(plan.window, left))
         with ProgressBar(stays=True, shown=shown) as progress:
-            work = SweepWork(recipe, points, folder, tuple(left), Tally(points.count, done, progress))
+            work = SweepWork(task, points, folder, tuple(left), Tally(points.count, done, progress))
             if scheduler is None:
                 _on_threads(work, threads)
             else:
@@ -105,4 +105,4 @@ def _checked_chunk(chunk: Any) -> int | None:
 def _on_threads(work: SweepWork, threads: int | None) -> None:
     for part in work.left:
         starts = work.starts(part)
-        work.keep(part, starts, columns_of(work.recipe, starts, threads))
+        work.keep(part, starts, columns_of(work.task, starts, threads))

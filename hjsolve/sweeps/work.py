@@ -42,7 +42,7 @@ class Tally:
 class SweepWork:
     """What is left to do, and how; passed to whoever conducts it."""
 
-    recipe: EnsembleTask
+    task: EnsembleTask
     points: SweepPoints
     folder: Folder
     left: tuple[int, ...]
@@ -51,7 +51,7 @@ class SweepWork:
     @property
     def names(self) -> list[str]:
         """The coordinates."""
-        return [c.name for c in self.recipe.system.coordinates]
+        return [c.name for c in self.task.system.coordinates]
 
     def starts(self, part: int) -> dict[str, Reals]:
         """The initial conditions of a part.
@@ -74,14 +74,14 @@ class SweepWork:
         self.tally.add(end - begin)
 
 
-def columns_of(recipe: EnsembleTask, starts: Columns, threads: int | None) -> Columns:
+def columns_of(task: EnsembleTask, starts: Columns, threads: int | None) -> Columns:
     """The columns of a part; runs here or on a worker.
 
     Args:
-        recipe: what is to be computed of each orbit.
+        task: what is to be computed of each orbit.
         starts: initial conditions, name → array of shape (n,).
         threads: at most; None for as many as there are cores.
     """
-    names = [c.name for c in recipe.system.coordinates]
-    q, rates = ([starts[f"{group}.{name}"] for name in names] for group in ("q", recipe.kind))
-    return compute_columns(recipe, q, rates, threads=threads)
+    names = [c.name for c in task.system.coordinates]
+    q, rates = ([starts[f"{group}.{name}"] for name in names] for group in ("q", task.kind))
+    return compute_columns(task, q, rates, threads=threads)

@@ -51,7 +51,7 @@ def test_one_block_is_one_task_however_many_columns_are_computed(monkeypatch: py
 
     shapes = []
     compute = dask_blocks.compute_columns
-    monkeypatch.setattr(dask_blocks, "compute_columns", lambda recipe, q, *rest, **more: (shapes.append(q[0].shape), compute(recipe, q, *rest, **more))[1])  # fmt: skip
+    monkeypatch.setattr(dask_blocks, "compute_columns", lambda task, q, *rest, **more: (shapes.append(q[0].shape), compute(task, q, *rest, **more))[1])  # fmt: skip
     r = da.from_array(R, chunks=(1, 2))
     batch = hjsolve.ensemble("kepler-planar", q={"r": r, "theta": 0}, p=P, want={"actions", "constants"})
     batch.compute(scheduler="synchronous")

@@ -118,11 +118,9 @@ def test_what_cannot_be_read_is_compiled_in_memory(folder: Path, monkeypatch: py
 
 def test_kept_programs_serve_smaller_ensembles(monkeypatch: pytest.MonkeyPatch) -> None:
     solution = solve(load("harmonic-oscillator"))
-    recipe = orbits.recipe_for(solution, ("actions",), {}, "p", compiled=False)
+    task = orbits.task_for(solution, ("actions",), {}, "p", compiled=False)
     choice = {}
     for there in (False, True):
         monkeypatch.setattr(engine, "ready", lambda *_, there=there: there)
-        choice[there] = [
-            orbits._worth_compiling(count, recipe, solution) for count in (19_999, 20_000, 99_999, 100_000)
-        ]
+        choice[there] = [orbits._worth_compiling(count, task, solution) for count in (19_999, 20_000, 99_999, 100_000)]
     assert choice == {False: [False, False, False, True], True: [False, True, True, True]}

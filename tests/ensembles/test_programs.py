@@ -18,8 +18,8 @@ from hjsolve.ensembles.engine.regions import has_slopes
 from hjsolve.motion.initial_data import parameter_values
 
 WORDS = {
-    "def", "return", "for", "in", "range", "x", "c", "e", "q", "p", "i", "j", "r", "b", "s", "d", "f", "W", "C", "E", "P", "g", "doubt",
-    "value", "bend", "slopes", "fill", "doubts", "relative", "bounds", "start", "buffer", "near", "far", "pace", "stop", "shape",
+    "def", "return", "for", "in", "range", "x", "c", "e", "q", "p", "i", "j", "r", "b", "s", "d", "f", "W", "C", "E", "P", "g", "uncertainty",
+    "value", "bend", "slopes", "fill", "uncertainties", "relative", "bounds", "start", "buffer", "near", "far", "derivative", "stop", "shape",
     "abs", "out", "place", "mask", "base", "offset", "start0", "square0", "first0", "doubt0",
     "sincos", "sinhcosh", "sqrt_", "exp_", "log_", "abs_", "tan_", "tanh_", "atan_",
     "sincos_bends", "sinhcosh_bends", "exp_bend", "log_bend", "common_sign",

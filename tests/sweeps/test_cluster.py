@@ -139,12 +139,12 @@ def test_a_worker_dies_and_the_client_dies_and_every_orbit_is_there_once(
 
 
 def test_a_worker_with_other_code_is_refused() -> None:
-    from hjsolve.ensembles.orbits import recipe_for
+    from hjsolve.ensembles.orbits import task_for
     from hjsolve.sweeps.cluster import remote_part
 
-    recipe = recipe_for(hjsolve.solve(hjsolve.catalog.load("kepler-planar")), ("actions",), {}, "p", compiled=False)
+    task = task_for(hjsolve.solve(hjsolve.catalog.load("kepler-planar")), ("actions",), {}, "p", compiled=False)
     with pytest.raises(hjsolve.ClusterError, match="other code"):
-        remote_part(recipe, {"hjsolve": "0.0.1"}, {})
+        remote_part(task, {"hjsolve": "0.0.1"}, {})
 
 
 def test_an_address_where_nobody_answers_is_told_in_one_line(

@@ -103,7 +103,7 @@ def run_charted(engine: Engine, chart: ChartMap, q: Mapping[str, Reals], rates: 
         Columns of shape (n,); orbits that the map is singular for, or loses too much of, are not ``OK``.
     """
     starts = charted_starts(chart, np.stack(list(q.values())), np.stack(list(rates.values())))
-    known = np.flatnonzero(np.isfinite(starts.q).all(axis=0) & np.isfinite(starts.doubt).all(axis=0))
+    known = np.flatnonzero(np.isfinite(starts.q).all(axis=0) & np.isfinite(starts.uncertainty).all(axis=0))
     columns = blank(engine.names, starts.q.shape[1])
     if not len(known):
         return columns
@@ -249,20 +249,20 @@ def in_two_doubles(chart: ChartMap, starts: Starts) -> Starts:
     with np.errstate(all="ignore"):
         u, momenta = _exact_point(chart, q, x, rates)
         constants = chart.model.rule.run(DoubleDouble(), [*u, *momenta, *chart.model.numbers])
-        lost, doubts = _rounding(chart, q, x, rates)
+        lost, uncertainties = _rounding(chart, q, x, rates)
         high, low = (np.stack([np.broadcast_to(part, q.shape[1:]) for part in parts]) for parts in zip(*momenta))
         spread = _SAFETY * lost
         for k, formula in _separated(chart):
             still = (high[k] == 0) & (low[k] == 0) & (lost[k] == 0) & (starts.p[k] == 0)
             sign = np.where(high[k] < 0, -1.0, 1.0)
-            root, error = _root_of(chart, formula, q[k], constants, doubts)
+            root, error = _root_of(chart, formula, q[k], constants, uncertainties)
             spread[k] = np.where(still, 0.0, error)
             high[k], low[k] = np.where(still, 0.0, sign * root.high), np.where(still, 0.0, sign * root.low)
-        doubt = np.abs(low) + _FINER * spread
-        known = np.isfinite(doubt) & np.isfinite(high) & np.isfinite(low)
-        doubt, spread = np.where(known, doubt, np.inf), np.where(known, spread, np.inf)
+        uncertainty = np.abs(low) + _FINER * spread
+        known = np.isfinite(uncertainty) & np.isfinite(high) & np.isfinite(low)
+        uncertainty, spread = np.where(known, uncertainty, np.inf), np.where(known, spread, np.inf)
         high, low = np.where(known, high, starts.p), np.where(known, low, 0.0)
-    return replace(starts, p=high, low=low, spread=spread, doubt=doubt)
+    return replace(starts, p=high, low=low, spread=spread, uncertainty=uncertainty)
 
 
 def _exact_point(chart: ChartMap, q: Reals, x: Reals, rates: Reals) -> tuple[list[Pair], list[Pair]]:
@@ -281,12 +281,12 @@ def _exact_point(chart: ChartMap, q: Reals, x: Reals, rates: Reals) -> tuple[lis
 
 
 def _root_of(
-    chart: ChartMap, formula: LoweredFormula, q: Reals, constants: list[Pair], doubts: list[Elementwise]
+    chart: ChartMap, formula: LoweredFormula, q: Reals, constants: list[Pair], uncertainties: list[Elementwise]
 ) -> tuple[Pair, Reals]:
     """√F(û) in two doubles, and a bound on what doubles lose of it."""
     F = formula.squared.run(DoubleDouble(), [Pair(q, 0.0 * q), *constants, *chart.model.numbers])[0]
     root = DoubleDouble().unary("sqrt", F)
-    known = [WithErrorBound(q), *(WithErrorBound(c.high, e) for c, e in zip(constants, doubts, strict=True))]
+    known = [WithErrorBound(q), *(WithErrorBound(c.high, e) for c, e in zip(constants, uncertainties, strict=True))]
     error = formula.squared.run(RunningError(Float64()), [*known, *_parameters(chart)])[0].error
     return root, _SAFETY * (0.0 if error is None else error) / (2 * root.high)
 

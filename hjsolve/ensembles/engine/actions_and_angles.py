@@ -41,22 +41,22 @@ def combine_integrals(model: Model, sums: list[Sums], directions: Reals, q: Real
     """
     size = len(sums)
     means = np.stack([s.means for s in sums])
-    doubts = np.stack([s.mean_errors for s in sums])
+    uncertainties = np.stack([s.mean_errors for s in sums])
     with np.errstate(all="ignore"):
-        matrix, blur = (x[:, :size].transpose(2, 1, 0) for x in (means, doubts))  # (n, constant, coordinate)
+        matrix, rounding = (x[:, :size].transpose(2, 1, 0) for x in (means, uncertainties))  # (n, constant, coordinate)
         inverse = _inverse(matrix)
-        blur = blur + 4 * size * EPS * np.abs(matrix)
+        rounding = rounding + 4 * size * EPS * np.abs(matrix)
         rates = inverse[:, :, 0].T
-        shaken = _applied(blur, np.abs(rates))
+        shaken = _applied(rounding, np.abs(rates))
         rate_errors = _applied(np.abs(inverse), shaken) + 2 * EPS * np.abs(rates)
         frequencies = {c.name: (directions[k] * rates[k], rate_errors[k]) for k, c in enumerate(model.separated)}
         for name in model.angles:
             j = model.ignorable[name]
             value = -np.sum(rates * means[:, j], axis=0)
             error = np.sum(np.abs(_applied(inverse.transpose(0, 2, 1), means[:, j])) * shaken, axis=0)
-            error = error + np.sum(np.abs(rates) * doubts[:, j], axis=0)
+            error = error + np.sum(np.abs(rates) * uncertainties[:, j], axis=0)
             frequencies[name] = value, error + 8 * EPS * np.sum(np.abs(rates * means[:, j]), axis=0)
-        found = _angles(model, sums, directions, q, inverse, blur) if angles else {}
+        found = _angles(model, sums, directions, q, inverse, rounding) if angles else {}
     ordered = {name: frequencies[name] for name in model.names if name in frequencies}
     return TorusNumbers(ordered, found)
 
@@ -93,32 +93,34 @@ def _one_inverse(matrix: Reals) -> Reals:
 
 
 def _angles(
-    model: Model, sums: list[Sums], directions: Reals, q: Reals, inverse: Reals, blur: Reals
+    model: Model, sums: list[Sums], directions: Reals, q: Reals, inverse: Reals, rounding: Reals
 ) -> dict[str, tuple[Reals, Reals]]:
-    """θ = χ + M⁻¹ (ripples); moving a phase moves G by ``speeds``, and an error of M⁻¹ acts on θ − χ only."""
+    """θ = χ + M⁻¹ (oscillations); moving a phase moves G by ``speeds``, and an error of M⁻¹ acts on θ − χ only."""
     size = len(sums)
-    means, ripples, blurs, speeds = (
-        np.stack([getattr(s, part) for s in sums]) for part in ("means", "ripples", "ripple_errors", "speeds")
+    means, oscillations, roundings, speeds = (
+        np.stack([getattr(s, part) for s in sums]) for part in ("means", "oscillations", "oscillation_errors", "speeds")
     )
     phases, phase_errors = np.stack([s.phase for s in sums]), np.stack([s.phase_error for s in sums])
-    θ = _applied(inverse, ripples[:, :size].sum(axis=0))
-    shaken = _applied(blur, np.abs(θ)) + blurs[:, :size].sum(axis=0)
+    θ = _applied(inverse, oscillations[:, :size].sum(axis=0))
+    shaken = _applied(rounding, np.abs(θ)) + roundings[:, :size].sum(axis=0)
     moved = [_applied(inverse, speeds[i, :size]) for i in range(size)]  # ∂θ/∂χᵢ
     error = _applied(np.abs(inverse), shaken) + 4 * EPS * (np.pi + np.abs(phases) + np.abs(θ))
     error = error + sum(np.abs(moved[i]) * phase_errors[i] for i in range(size))
     found = {c.name: _principal(directions[k] * (phases[k] + θ[k]), error[k]) for k, c in enumerate(model.separated)}
     for name in model.angles:
         j = model.ignorable[name]
-        value = ripples[:, j].sum(axis=0) - np.sum(means[:, j] * θ, axis=0)
+        value = oscillations[:, j].sum(axis=0) - np.sum(means[:, j] * θ, axis=0)
         spread = np.sum(np.abs(_applied(inverse.transpose(0, 2, 1), means[:, j])) * shaken, axis=0)
         spread = (
-            spread + blurs[:, j].sum(axis=0) + np.sum(np.stack([s.mean_errors[j] for s in sums]) * np.abs(θ), axis=0)
+            spread
+            + roundings[:, j].sum(axis=0)
+            + np.sum(np.stack([s.mean_errors[j] for s in sums]) * np.abs(θ), axis=0)
         )
         for i in range(size):
             slope = speeds[i, j] - np.sum(means[:, j] * moved[i], axis=0)
             spread = spread + np.abs(slope) * phase_errors[i]
         place = q[model.names.index(name)]
-        size_ = np.abs(place) + np.pi + np.abs(ripples[:, j]).sum(axis=0) + np.sum(np.abs(means[:, j] * θ), axis=0)
+        size_ = np.abs(place) + np.pi + np.abs(oscillations[:, j]).sum(axis=0) + np.sum(np.abs(means[:, j] * θ), axis=0)
         found[name] = _principal(place + value, spread + 4 * EPS * size_)
     return {name: found[name] for name in model.names if name in found}
 

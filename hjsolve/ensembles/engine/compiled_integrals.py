@@ -18,7 +18,7 @@ from hjsolve.ensembles.engine.elementary import INLINED
 
 _VECTOR = 8
 _FARTHEST = 6
-Doubts = Callable[[Reals, Reals, Reals, Reals, Reals], None]
+Uncertainties = Callable[[Reals, Reals, Reals, Reals, Reals], None]
 Relative = Callable[[Reals, Reals, Reals, Reals], None]
 
 
@@ -29,9 +29,9 @@ def _shifts(work: Scratch, residue: tuple[float, float], motions: Motions, i: in
 
     Below the middle F is seen from the lower turning point and has its residue, above it that of the upper one.
     """
-    (m, size), E, buffer, scratch, found = place, motions.doubt[i], work.buffer, work.rows, work.found
-    n, split, fold = tables.counts[size], tables.split[m, size, motions.share[i]], int(tables.maps[m, 6])
-    squares, slopes = tables.squares[fold - 1, size], tables.slopes[fold - 1, size]
+    (m, size), E, buffer, scratch, found = place, motions.uncertainty[i], work.buffer, work.rows, work.found
+    n, split, symmetry = tables.counts[size], tables.split[m, size, motions.share[i]], int(tables.maps[m, 6])
+    squares, slopes = tables.squares[symmetry - 1, size], tables.slopes[symmetry - 1, size]
     constants = buffer.shape[0] - 3
     for j in range(n):
         scratch[0, j] = squares[j] / buffer[2, j]
@@ -67,7 +67,7 @@ def _swing(g: Reals, slopes: Reals, n: int) -> float:
 
 
 @njit(**INLINED)
-def _seen(doubts: Doubts, relative: Relative, b: float, s: float, W: float, places: Reals,
+def _seen(uncertainties: Uncertainties, relative: Relative, b: float, s: float, W: float, places: Reals,
           span: tuple[int, int, int], c: Reals, e: Reals, work: Scratch, modes: Modes) -> float:  # fmt: skip
     """Rounding errors at some places of one view, and F's at the turning point where that is used.
 
@@ -87,7 +87,7 @@ def _seen(doubts: Doubts, relative: Relative, b: float, s: float, W: float, plac
     while total % _VECTOR:
         x[total], mask[total] = x[0], 0.0
         total += 1
-    doubts(bounds, x[:total], mask[:total], c, e)
+    uncertainties(bounds, x[:total], mask[:total], c, e)
     last = bounds[rows + 1]
     if modes.chords:  # F less its rounding at the turning point, which shifts it as a constant does
         end = abs(bounds[rows, count + 1]) + bounds[0, count + 1]
@@ -112,9 +112,9 @@ def _noted(work: Scratch, span: tuple[int, int, int], both: tuple[int, int], pla
     for g in range(count + 1):
         first, last = (start + g, start + g) if g < count else both
         at = start + g if g < count else farthest
-        x, y, pace, square = places[0, at], places[1, at], places[2, at], places[3, at]
+        x, y, derivative, square = places[0, at], places[1, at], places[2, at], places[3, at]
         F = max(abs(bounds[rows, g]), 1e-300)
-        r, share = pace * W * np.sqrt(x * y / F), square / F
+        r, share = derivative * W * np.sqrt(x * y / F), square / F
         own = bounds[rows + 1, g] * (1.0 if modes.chords else share)
         moved = (end + bounds[0, g] - bounds[0, count + 2 + g]) * share if modes.kernels else bounds[0, g]
         for to in range(first, last + 1):
@@ -124,8 +124,8 @@ def _noted(work: Scratch, span: tuple[int, int, int], both: tuple[int, int], pla
 
 
 @njit(**INLINED)
-def _samples(below: tuple[Doubts, Relative], above: tuple[Doubts, Relative], motions: Motions, i: int, tables: Tables,
-             work: Scratch, modes: Modes) -> tuple[float, float]:  # fmt: skip
+def _samples(below: tuple[Uncertainties, Relative], above: tuple[Uncertainties, Relative], motions: Motions, i: int,
+             tables: Tables, work: Scratch, modes: Modes) -> tuple[float, float]:  # fmt: skip
     """Bounds on the errors of F and of the kernels at a few places, each seen as the nodes beside it.
 
     Returns F's error at either turning point, where F comes from chords.
@@ -133,7 +133,7 @@ def _samples(below: tuple[Doubts, Relative], above: tuple[Doubts, Relative], mot
     m, share = motions.first[i], motions.share[i]
     samples, places = tables.samples[m], tables.places[m]
     inside, first, last = tables.spans[m, share, 0], tables.spans[m, share, 1], tables.spans[m, share, 2]
-    c, e, W = motions.known[i], motions.doubt[i], motions.width[i]
+    c, e, W = motions.known[i], motions.uncertainty[i], motions.width[i]
     work.noise[:] = 0.0
     work.drift[:] = 0.0
     farthest = places.shape[1] - _FARTHEST + 2 * share
@@ -149,14 +149,14 @@ def _samples(below: tuple[Doubts, Relative], above: tuple[Doubts, Relative], mot
 
 
 @njit(**INLINED)
-def integrals(fill_below: Fill, fill_above: Fill, doubts_below: Doubts, doubts_above: Doubts, relative_below: Relative,
-              relative_above: Relative, motions: Motions, tables: Tables, modes: Modes,
-              results: Results) -> None:  # fmt: skip
+def integrals(fill_below: Fill, fill_above: Fill, uncertainties_below: Uncertainties,
+              uncertainties_above: Uncertainties, relative_below: Relative, relative_above: Relative,
+              motions: Motions, tables: Tables, modes: Modes, results: Results) -> None:  # fmt: skip
     """The integrals of one coordinate of many orbits.
 
     Args:
-        fill_below, doubts_below, relative_below: programs of the view of the lower half; see ``program_texts``.
-        fill_above, doubts_above, relative_above: of the upper half.
+        fill_below, uncertainties_below, relative_below: programs of the view of the lower half; see ``program_texts``.
+        fill_above, uncertainties_above, relative_above: of the upper half.
         motions: of n orbits.
         tables: of nodes.
         modes: what is wanted.
@@ -174,26 +174,32 @@ def integrals(fill_below: Fill, fill_above: Fill, doubts_below: Doubts, doubts_a
         if not motions.width[i] > 0.0 or motions.least[i] < 0:
             continue
         residue = _samples(
-            (doubts_below, relative_below), (doubts_above, relative_above), motions, i, tables, work, modes
+            (uncertainties_below, relative_below),
+            (uncertainties_above, relative_above),
+            motions,
+            i,
+            tables,
+            work,
+            modes,
         )
         size, m = choose(fill_below, fill_above, motions, i, tables, work, modes)
         if size < 0:
             continue
-        found, buffer, n, fold = work.found, work.buffer, tables.counts[size], tables.maps[m, 6]
+        found, buffer, n, symmetry = work.found, work.buffer, tables.counts[size], tables.maps[m, 6]
         results.chosen[0, i], results.chosen[1, i] = size, m
         results.good[i], results.action[i], results.action_error[i] = True, found[0, 0], found[1, 0]
         if modes.kernels:
             if modes.shifts:
                 split = tables.split[m, size, motions.share[i]]
-                results.action_error[i] += shifted_action(work, residue, motions.doubt[i], n, split)
+                results.action_error[i] += shifted_action(work, residue, motions.uncertainty[i], n, split)
                 _shifts(work, residue, motions, i, (m, size), tables)
             for k in range(constants):
                 results.means[k, i], results.mean_errors[k, i] = found[0, 1 + k], found[1, 1 + k]
-        if modes.ripples:
+        if modes.oscillations:
             results.phase[i], results.phase_error[i] = phase(work, motions, i, (m, size), tables, modes.chords)
             for k in range(constants):
                 results.speeds[k, i] = dot(buffer[3 + k], work.shares, n)
-            running_weights(work.shares, work.rows, fold * results.phase[i], n, tables.cosines[size])
+            running_weights(work.shares, work.rows, symmetry * results.phase[i], n, tables.cosines[size])
             for k in range(constants):
-                results.ripples[k, i] = 2.0 / (n * fold) * dot(buffer[3 + k], work.shares, n)
-                results.ripple_errors[k, i] = 4.0 * found[2, 1 + k]
+                results.oscillations[k, i] = 2.0 / (n * symmetry) * dot(buffer[3 + k], work.shares, n)
+                results.oscillation_errors[k, i] = 4.0 * found[2, 1 + k]

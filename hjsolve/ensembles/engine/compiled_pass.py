@@ -52,7 +52,7 @@ def begin_compiled(model: Model, made: Compiled, starts: Starts) -> InitialConst
     q, p = starts.q, starts.p
     count, m = q.shape[1], len(model.constants)
     C, E, P = np.empty((m, count)), np.empty((m, count)), np.empty((len(model.separated), count))
-    made.start(q, p, starts.doubt, C, E, P)
+    made.start(q, p, starts.uncertainty, C, E, P)
     numbers = tuple(pair.high for pair in model.numbers)
     places = q[[c.index for c in model.separated]]
     knowns = Knowns(tuple(C), tuple(E), numbers)
@@ -68,7 +68,7 @@ class CompiledCoordinate:
         programs: its own.
         loops: ours.
         q, P: starts, shape (n,).
-        constants, doubt: of the motion, shape (constants, n).
+        constants, uncertainty: of the motion, shape (constants, n).
     """
 
     coordinate: Separated
@@ -77,7 +77,7 @@ class CompiledCoordinate:
     q: Reals
     P: Reals
     constants: Reals
-    doubt: Reals
+    uncertainty: Reals
 
     @staticmethod
     def of(model: Model, made: Compiled, start: InitialConstants, k: int) -> CompiledCoordinate:
@@ -89,7 +89,7 @@ class CompiledCoordinate:
             start: of n orbits.
             k: row.
         """
-        rows = (np.stack(start.knowns.constants), np.stack(start.knowns.doubt))
+        rows = (np.stack(start.knowns.constants), np.stack(start.knowns.uncertainty))
         q, P = (np.ascontiguousarray(x[k]) for x in (start.q, start.P))
         return CompiledCoordinate(model.separated[k], made.coordinates[k], made.loops, q, P, *rows)
 
@@ -101,8 +101,8 @@ class CompiledCoordinate:
         """
         if len(index) == len(self.q):
             return self
-        constants, doubt = (np.take(x, index, axis=1) for x in (self.constants, self.doubt))
-        return replace(self, q=self.q[index], P=self.P[index], constants=constants, doubt=doubt)
+        constants, uncertainty = (np.take(x, index, axis=1) for x in (self.constants, self.uncertainty))
+        return replace(self, q=self.q[index], P=self.P[index], constants=constants, uncertainty=uncertainty)
 
     def smallness(self, *, kernels: bool) -> Reals:
         """Return the error of p² at the start over about how large p² becomes; 0 where small motions have no view.
@@ -113,8 +113,10 @@ class CompiledCoordinate:
         found = np.zeros(len(self.q))
         if has_slopes(self.coordinate.plain):
             view, walk = self.programs.below, self._walk(0, np.ascontiguousarray(self.constants.T))
-            doubt = np.ascontiguousarray(self.doubt.T)
-            self.loops.crests(view.bend, view.doubts, walk, doubt, len(self.constants) if kernels else 0, found)
+            uncertainty = np.ascontiguousarray(self.uncertainty.T)
+            self.loops.crests(
+                view.bend, view.uncertainties, walk, uncertainty, len(self.constants) if kernels else 0, found
+            )
         return found
 
     def _walk(self, upper: int, known: Reals) -> Any:
@@ -146,7 +148,7 @@ class CompiledCoordinate:
         first, share = self._maps(width, bends, signs, even)
         motions = Motions(
             momentum=self.P, left=distances[0], right=distances[1], width=width, lower=places[0], upper=places[1],
-            signs=signs, known=known, doubt=np.ascontiguousarray(self.doubt.T), first=first,
+            signs=signs, known=known, uncertainty=np.ascontiguousarray(self.uncertainty.T), first=first,
             least=np.zeros(n, dtype=np.int64), share=share,
         )  # fmt: skip
         proof = _Proof(self.loops, motions, below.clearance, above.clearance)
@@ -180,11 +182,11 @@ class CompiledCoordinate:
         sums = empty(len(self.constants), len(motions.width))
         chosen = np.zeros((2, len(motions.width)), dtype=np.int64)
         results = Results(
-            sums.action, sums.action_error, sums.means, sums.mean_errors, sums.ripples, sums.ripple_errors, sums.phase,
-            sums.phase_error, sums.speeds, sums.good, chosen,
+            sums.action, sums.action_error, sums.means, sums.mean_errors, sums.oscillations, sums.oscillation_errors,
+            sums.phase, sums.phase_error, sums.speeds, sums.good, chosen,
         )  # fmt: skip
         self.loops.integrals(
-            below.fill, above.fill, below.doubts, above.doubts, below.relative, above.relative, motions,
+            below.fill, above.fill, below.uncertainties, above.uncertainties, below.relative, above.relative, motions,
             node_maps().tables, modes, results,
         )  # fmt: skip
         return sums, chosen
@@ -198,20 +200,20 @@ class CompiledCoordinate:
         """
         n, made, plain = len(self.q), self.programs.small(), self.coordinate.plain
         known = np.ascontiguousarray(np.stack([*self.constants, self.q, self.P**2, first, 0 * self.q], axis=1))
-        doubt = np.ascontiguousarray(self.doubt.T)
+        uncertainty = np.ascontiguousarray(self.uncertainty.T)
         floors = np.stack([np.full(n, -np.inf), np.full(n, np.inf)])
         for k, formula in enumerate((self.coordinate.lower, self.coordinate.upper)):
             if formula is not None:
                 floors[k] = -formula.sign * offset(formula, self.q)
         places = np.empty((2, n))
-        self.loops.small_ends(made.value, made.bounds, known, doubt, floors, places)
+        self.loops.small_ends(made.value, made.bounds, known, uncertainty, floors, places)
         low, high = places
         width = high - low
         with np.errstate(invalid="ignore"):
             least = _least_at_a_glance(plain.clearance, tuple(self.constants), self.q + 0.5 * (low + high), width)
         motions = Motions(
             momentum=self.P, left=-low, right=high, width=width, lower=low, upper=high, signs=np.array([1.0, -1.0]),
-            known=known, doubt=doubt, first=np.zeros(n, dtype=np.int64), least=least,
+            known=known, uncertainty=uncertainty, first=np.zeros(n, dtype=np.int64), least=least,
             share=np.zeros(n, dtype=np.int64),
         )  # fmt: skip
         return self._integrated(motions, modes, (made, made))[0]
@@ -322,9 +324,9 @@ class _Proof:
 
     def _taken(self, index: Integers, maps: Integers) -> Motions:
         all_ = self.motions
-        others = {"signs", "first", "known", "doubt"}
+        others = {"signs", "first", "known", "uncertainty"}
         arrays = {name: getattr(all_, name)[index] for name in all_._fields if name not in others}
-        return Motions(**arrays, signs=all_.signs, first=maps, known=all_.known[:0], doubt=all_.doubt[:0])
+        return Motions(**arrays, signs=all_.signs, first=maps, known=all_.known[:0], uncertainty=all_.uncertainty[:0])
 
     def _fill(self, some: Integers, maps: Integers, sizes: Integers) -> None:
         """Complete the tables for some orbits."""

@@ -17,7 +17,7 @@ _CLOSE = 0.05
 
 
 @njit(**INLINED)
-def _pace(χ: float, map_: Reals) -> float:
+def _derivative(χ: float, map_: Reals) -> float:
     s, c = sincos(χ)
     return 1.0 + map_[0] * c + map_[1] * (c * c - s * s)
 
@@ -25,10 +25,10 @@ def _pace(χ: float, map_: Reals) -> float:
 @njit(**INLINED)
 def _stretch(χ: float, x: float, y: float, map_: Reals) -> float:
     """(dq/dχ)²/(W² x y)."""
-    pace = _pace(χ, map_)
+    derivative = _derivative(χ, map_)
     if map_[3] == 1.0:
-        return pace * pace
-    return (2.0 * map_[2] / math.pi * pace) ** 2 * map_[3] * (1.0 + map_[5] * y) * (1.0 + map_[4] * x)
+        return derivative * derivative
+    return (2.0 * map_[2] / math.pi * derivative) ** 2 * map_[3] * (1.0 + map_[5] * y) * (1.0 + map_[4] * x)
 
 
 @njit(**INLINED)
@@ -149,28 +149,28 @@ def phase(work: Scratch, motions: Motions, i: int, place: tuple[int, int], table
     m, size = place
     map_, n, cosines = tables.maps[m], tables.counts[size], tables.cosines[size]
     weights, buffer = work.shares, work.buffer
-    W, P, fold = motions.width[i], motions.momentum[i], map_[6]
+    W, P, symmetry = motions.width[i], motions.momentum[i], map_[6]
     x, y = motions.left[i] / W, motions.right[i] / W
-    end, tip, squares = tables.samples[motions.first[i]] - 1, n - 1, tables.squares[int(fold) - 1, size]
+    end, tip, squares = tables.samples[motions.first[i]] - 1, n - 1, tables.squares[int(symmetry) - 1, size]
     low, high = tables.low[m, size, 0], tables.high[m, size, tip]
-    blur = work.drift[0] / squares[0] + work.noise[0, 0] / (1.0 if chords else squares[0])
+    rounding = work.drift[0] / squares[0] + work.noise[0, 0] / (1.0 if chords else squares[0])
     blurred = work.drift[end] / squares[tip] + work.noise[0, end] / (1.0 if chords else squares[tip])
-    if fold == 2.0:
-        blurred, high = blur, low
-    lower, upper = low * blur, high * blurred
+    if symmetry == 2.0:
+        blurred, high = rounding, low
+    lower, upper = low * rounding, high * blurred
     δ = y * lower + x * upper
     if min(x * (1.0 + map_[4]), y * (1.0 + map_[5])) < _CLOSE:  # beyond, a pole makes p² flat: it tells no place
         for _ in range(2 if map_[3] == 1.0 else 3):
             χ = _anomaly(x, y, map_)
-            _interpolation(weights, fold * χ, n, cosines)
+            _interpolation(weights, symmetry * χ, n, cosines)
             r = dot(buffer[1], weights, n)
             small = (P * r / W) ** 2 / _stretch(χ, x, y, map_) / max(x, y)
             x, y = (small, 1.0 - small) if x < y else (1.0 - small, small)
-        δ = min(x * blur, lower) if x < y else min(y * blurred, upper)
+        δ = min(x * rounding, lower) if x < y else min(y * blurred, upper)
         δ += min(x, y) * (lower + upper)
     χ = _anomaly(x, y, map_)
-    _interpolation(weights, fold * χ, n, cosines)
+    _interpolation(weights, symmetry * χ, n, cosines)
     small, large = max(min(x, y), 0.0), max(x, y)
     root = np.sqrt(max(_stretch(χ, x, y, map_) * large, 1e-300))
-    doubt = ((δ / np.sqrt(max(small, 1e-300)) if small > 0.0 else 0.0) + 4.0 * EPS * np.sqrt(small)) / root
-    return (-χ if P < 0 else χ), 2.0 * doubt + 8.0 * EPS * math.pi
+    uncertainty = ((δ / np.sqrt(max(small, 1e-300)) if small > 0.0 else 0.0) + 4.0 * EPS * np.sqrt(small)) / root
+    return (-χ if P < 0 else χ), 2.0 * uncertainty + 8.0 * EPS * math.pi

@@ -127,7 +127,7 @@ def _crowding(last: Last, first: int) -> int:
 
 
 @njit(**INLINED)
-def _blurs(work: Scratch, squares: Reals, samples: int, n: int, integrands: int, chords: bool) -> None:
+def _roundings(work: Scratch, squares: Reals, samples: int, n: int, integrands: int, chords: bool) -> None:
     """Write n times what the rounding errors of F and of the kernels do to the means into ``found[3]``.
 
     Where there are no kernels F's errors are known as they are, too, and each segment takes what bounds it best.
@@ -158,21 +158,21 @@ def _blurs(work: Scratch, squares: Reals, samples: int, n: int, integrands: int,
 
 
 @njit(**INLINED)
-def shifted_action(work: Scratch, residue: tuple[float, float], doubt: Reals, n: int, split: int) -> float:
+def shifted_action(work: Scratch, residue: tuple[float, float], uncertainty: Reals, n: int, split: int) -> float:
     """Return what the errors of the constants, and of F at the turning points, do to the mean of F r.
 
     Args:
         work: F r, r and the kernels times r at the nodes.
         residue: bounds on F's errors at the turning points.
-        doubt: bounds on the errors of the constants.
+        uncertainty: bounds on the errors of the constants.
         n: number of nodes.
         split: how many of them belong to the lower half.
     """
     total = 0.5 * (residue[0] * _between(work.buffer[1], 0, split) + residue[1] * _between(work.buffer[1], split, n))
     for k in range(work.buffer.shape[0] - 3):
-        if doubt[k] != 0.0:
+        if uncertainty[k] != 0.0:
             for j in range(n):
-                total += doubt[k] * abs(work.buffer[3 + k, j])
+                total += uncertainty[k] * abs(work.buffer[3 + k, j])
     return _SHIFTED * total / n
 
 
@@ -182,10 +182,10 @@ def _fill(below: Fill, above: Fill, motions: Motions, i: int, place: tuple[int, 
     """Fill the buffer at the nodes of a map and a size, each seen from the nearer turning point."""
     m, size = place
     n, split, known = tables.counts[size], tables.split[m, size, motions.share[i]], motions.known[i]
-    low, high, pace, W = tables.low[m, size], tables.high[m, size], tables.pace[m, size], motions.width[i]
-    below(buffer, motions.lower[i], motions.signs[0], W, low, high, pace, 0, split, known)
+    low, high, derivative, W = tables.low[m, size], tables.high[m, size], tables.derivative[m, size], motions.width[i]
+    below(buffer, motions.lower[i], motions.signs[0], W, low, high, derivative, 0, split, known)
     if split < n:
-        above(buffer, motions.upper[i], motions.signs[1], W, high, low, pace, split, n, known)
+        above(buffer, motions.upper[i], motions.signs[1], W, high, low, derivative, split, n, known)
 
 
 @njit(**INLINED)
@@ -194,8 +194,8 @@ def _rule(work: Scratch, tables: Tables, size: int, modes: Modes, first: int) ->
     buffer, found, n = work.buffer, work.found, tables.counts[size]
     last, middle = tables.last[size], tables.middle[size]
     integrands = buffer.shape[0] - 2
-    rough, wish = (_RIPPLED, 2e-15) if modes.ripples else (_ROUGH, 1e-8)
-    more, warp = -1.0, first
+    rough, wish = (_RIPPLED, 2e-15) if modes.oscillations else (_ROUGH, 1e-8)
+    more, node_map = -1.0, first
     for k in range(integrands):
         total, scale, ends = _coefficients(last, buffer[0] if k == 0 else buffer[2 + k], n)
         if not math.isfinite(total):  # F ≤ 0 somewhere
@@ -205,24 +205,24 @@ def _rule(work: Scratch, tables: Tables, size: int, modes: Modes, first: int) ->
         if tail > 0.0 and scale > 0.0:
             found[4, k] = _needed(ends, scale / n, n, wish)
         if tail > rough * (scale / n) and found[4, k] > more:
-            more, warp = found[4, k], _crowding(ends, first)
+            more, node_map = found[4, k], _crowding(ends, first)
     if more > 0.0:
-        return more, warp
+        return more, node_map
     squares = tables.squares[int(tables.maps[first, 6]) - 1, size]
-    _blurs(work, squares, tables.samples[first], n, integrands, modes.chords)
+    _roundings(work, squares, tables.samples[first], n, integrands, modes.chords)
     for k in range(integrands):
         scale, tail = found[1, k], found[2, k]
-        blur = _SAFETY * found[3, k] / n + 8.0 * EPS * scale
+        rounding = _SAFETY * found[3, k] / n + 8.0 * EPS * scale
         half = _middle(middle, buffer[0] if k == 0 else buffer[2 + k], n)
         share = min(1.0, tail / max(half, 1e-300))
         alias = 4.0 * tail * share * np.sqrt(share)
-        found[1, k], found[2, k] = blur + alias, 0.5 * blur + tail
-        fits = alias <= max(_GOAL * scale, 0.25 * blur) or tail <= 0.5 * blur
-        if modes.ripples:
-            fits = fits and tail <= max(4e-15 * scale, blur)
+        found[1, k], found[2, k] = rounding + alias, 0.5 * rounding + tail
+        fits = alias <= max(_GOAL * scale, 0.25 * rounding) or tail <= 0.5 * rounding
+        if modes.oscillations:
+            fits = fits and tail <= max(4e-15 * scale, rounding)
         if not fits and scale != 0.0:
             more = max(more, found[4, k])
-    return more, warp
+    return more, node_map
 
 
 @njit(**INLINED)
@@ -242,17 +242,17 @@ def choose(below: Fill, above: Fill, motions: Motions, i: int, tables: Tables, w
         The size and the map.
     """
     first, size, counts = motions.first[i], motions.least[i], tables.counts
-    warp = first
+    node_map = first
     for attempt in range(_TRIES):
-        _fill(below, above, motions, i, (warp, size), tables, work.buffer)
+        _fill(below, above, motions, i, (node_map, size), tables, work.buffer)
         more, crowded = _rule(work, tables, size, modes, first)
         if more < 0.0:
-            return size, warp
+            return size, node_map
         size += 1
         if size >= counts.shape[0]:
             break
         if attempt == 0 and more > _MANY and crowded != first:
-            warp, more = crowded, max(_LEAST, _GAIN * more)
+            node_map, more = crowded, max(_LEAST, _GAIN * more)
         while size + 1 < counts.shape[0] and counts[size] < more:
             size += 1
     return -1, 0

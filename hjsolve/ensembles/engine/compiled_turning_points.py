@@ -27,7 +27,7 @@ Value = Callable[[float, Reals], float]
 Bend = Callable[[float, Reals], tuple[float, float, float]]
 Slopes = Callable[[Reals, Reals, Reals, Reals], None]
 Bounds = Callable[[Reals, Reals, Reals, Reals], None]
-Doubts = Callable[[Reals, Reals, Reals, Reals, Reals], None]
+Uncertainties = Callable[[Reals, Reals, Reals, Reals, Reals], None]
 
 
 class SearchSide(NamedTuple):
@@ -151,13 +151,15 @@ def _finish(bend: Bend, x: float, x0: float, span: tuple[float, float], c: Reals
 
 
 @njit(**INLINED)
-def crests(bend: Bend, doubts: Doubts, walk: SearchSide, doubt: Reals, kernels: int, small: Reals) -> None:
+def crests(
+    bend: Bend, uncertainties: Uncertainties, walk: SearchSide, uncertainty: Reals, kernels: int, small: Reals
+) -> None:
     """The error of p² at the start over about how large p² becomes; see ``regions.hopeless_in_doubles``.
 
     Args:
-        bend, doubts: programs of the view.
+        bend, uncertainties: programs of the view.
         walk: the starts; P₀ and constants.
-        doubt: bounds on the errors of the constants, shape (n, constants).
+        uncertainty: bounds on the errors of the constants, shape (n, constants).
         kernels: how many kernels the second program knows.
         small: where the results go, shape (n,).
     """
@@ -165,7 +167,7 @@ def crests(bend: Bend, doubts: Doubts, walk: SearchSide, doubt: Reals, kernels: 
     for i in range(small.shape[0]):
         c, P = walk.known[i], walk.momentum[i]
         place[:] = walk.start[i]
-        doubts(out, place, mask, c, doubt[i])
+        uncertainties(out, place, mask, c, uncertainty[i])
         _, first, second = bend(walk.start[i], c)
         crest = P * P + (first * first / (-2.0 * second) if second < 0.0 else np.inf)
         small[i] = out[0, 0] / crest
@@ -202,14 +204,14 @@ def _small_end(value: Value, c: Reals, side: float, start: tuple[float, float, f
 
 
 @njit(**INLINED)
-def small_ends(value: Value, bounds: Bounds, known: Reals, doubt: Reals, floors: Reals, places: Reals) -> None:
+def small_ends(value: Value, bounds: Bounds, known: Reals, uncertainty: Reals, floors: Reals, places: Reals) -> None:
     """Turning points of small motions as offsets from the start; NaN where the motion is not as small as that.
 
     Args:
         value, bounds: programs; see ``program_texts.small_text``.
         known: constants, q₀, P₀², F′₀, and room for a bound on the error of F[q₀, q₀, q], which is filled in;
             shape (n, constants + 4).
-        doubt: bounds on the errors of the constants, shape (n, constants).
+        uncertainty: bounds on the errors of the constants, shape (n, constants).
         floors: distances of the ends of the domain, shape (2, n), the first negative.
         places: where the results go, shape (2, n).
     """
@@ -223,9 +225,9 @@ def small_ends(value: Value, bounds: Bounds, known: Reals, doubt: Reals, floors:
             low = _small_end(value, c, -1.0, (square, first, bend))
             high = _small_end(value, c, 1.0, (square, first, bend))
         place[0], place[1], place[2], place[3] = q, q + low, q + high, q
-        bounds(out, place, c, doubt[i])
+        bounds(out, place, c, uncertainty[i])
         c[m + 3] = out[1, 0]
-        # the doubt of the slopes is known at the start: it has to hold at the turning points, too
+        # the uncertainty of the slopes is known at the start: it has to hold at the turning points, too
         alike = out[1, 1] <= _ALIKE * out[1, 0] and out[1, 2] <= _ALIKE * out[1, 0]
         near = low >= _FAR * floors[0, i] and high <= _FAR * floors[1, i]
         places[0, i], places[1, i] = (low, high) if alike and near else (np.nan, np.nan)

@@ -14,13 +14,13 @@ class Tables(NamedTuple):
     """Nodes of all maps and sizes side by side, padded; see ``node_maps``.
 
     Attributes:
-        maps: γ₁, γ₂, K, k′², ρ_d, ρ_c and the fold of every map, shape (maps, 7).
+        maps: γ₁, γ₂, K, k′², ρ_d, ρ_c and the symmetry of every map, shape (maps, 7).
         counts: numbers of nodes, shape (sizes,).
         low, high: (q − a)/W and (b − q)/W at the nodes, shape (maps, sizes, widest).
-        pace: |dq/dχ| over the root of (q − a)(b − q), the same shape.
+        derivative: |dq/dχ| over the root of (q − a)(b − q), the same shape.
         split: how many nodes are seen from the lower end, shape (maps, sizes, 3); see ``node_maps.views``.
-        places: (q − a)/W, (b − q)/W, ``pace`` and sin²χ where errors are looked at, equally spaced in χ; and for every
-            share the farthest that nodes are seen, from below and from above; shape (maps, 4, most + 6).
+        places: (q − a)/W, (b − q)/W, ``derivative`` and sin²χ where errors are looked at, equally spaced in χ; and for
+            every share the farthest that nodes are seen, from below and from above; shape (maps, 4, most + 6).
         samples: how many of them, shape (maps,).
         spans: how many of them are seen from below, and the first and last beside which nodes are seen in both ways,
             shape (maps, 3, 3).
@@ -33,7 +33,7 @@ class Tables(NamedTuple):
     counts: Integers
     low: Reals
     high: Reals
-    pace: Reals
+    derivative: Reals
     split: Integers
     places: Reals
     samples: Integers
@@ -55,7 +55,7 @@ class Motions(NamedTuple):
         lower, upper: offsets of the turning points in the views of the lower and of the upper half.
         signs: +1 or −1, how these offsets grow away from the turning points, shape (2,).
         known: constants, and what else a program knows, shape (n, known).
-        doubt: bounds on the errors of the constants, shape (n, constants).
+        uncertainty: bounds on the errors of the constants, shape (n, constants).
         first, least: the map, and the size in the tables, to begin with; a negative size leaves the orbit out.
         share: how much is seen from below; see ``node_maps.views``.
     """
@@ -68,7 +68,7 @@ class Motions(NamedTuple):
     upper: Reals
     signs: Reals
     known: Reals
-    doubt: Reals
+    uncertainty: Reals
     first: Integers
     least: Integers
     share: Integers
@@ -81,8 +81,8 @@ class Results(NamedTuple):
     action_error: Reals
     means: Reals
     mean_errors: Reals
-    ripples: Reals
-    ripple_errors: Reals
+    oscillations: Reals
+    oscillation_errors: Reals
     phase: Reals
     phase_error: Reals
     speeds: Reals
@@ -121,13 +121,13 @@ class Modes(NamedTuple):
     Attributes:
         chords: F comes from its slopes between a turning point and the node.
         kernels: ∂J/∂c are wanted.
-        ripples: the phase and the running integrals are, too.
+        oscillations: the phase and the running integrals are, too.
         shifts: the errors of the constants are counted apart.
     """
 
     chords: bool
     kernels: bool
-    ripples: bool
+    oscillations: bool
     shifts: bool
 
 
@@ -174,7 +174,7 @@ def signatures() -> dict[str, Any]:
         "bend": types.UniTuple(number, 3)(number, row),
         "slopes": types.void(row, block, row, row),
         "fill": types.void(block, number, number, number, row, row, row, count, count, row),
-        "doubts": types.void(block, row, row, row, row),
+        "uncertainties": types.void(block, row, row, row, row),
         "relative": types.void(row, row, row, row),
         "bounds": types.void(block, row, row, row),
     }

@@ -31,8 +31,8 @@ class InitialConstants:
         starts: as they were taken, of all coordinates.
         knowns: constants and parameters.
         pairs: the constants in two doubles, None where they were computed in doubles.
-        blur: bounds on the relative errors of P where p comes from velocities, shape of P. Next to a turning point χ is
-            read off P and grows no faster.
+        rounding: bounds on the relative errors of P where p comes from velocities, shape of P. Next to a turning point
+            χ is read off P and grows no faster.
     """
 
     q: Reals
@@ -40,7 +40,7 @@ class InitialConstants:
     starts: Starts
     knowns: Knowns
     pairs: tuple[Pair, ...] | None
-    blur: Reals
+    rounding: Reals
 
 
 def momentum_errors(model: Model, starts: Starts) -> Reals:
@@ -51,9 +51,9 @@ def momentum_errors(model: Model, starts: Starts) -> Reals:
         starts: of n orbits.
     """
     places = [c.index for c in model.separated]
-    doubt, p = starts.doubt[places], starts.p[places]
+    uncertainty, p = starts.uncertainty[places], starts.p[places]
     with np.errstate(all="ignore"):
-        return np.where(doubt > 0, doubt / np.abs(p), 0.0)
+        return np.where(uncertainty > 0, uncertainty / np.abs(p), 0.0)
 
 
 def initial_constants(model: Model, starts: Starts, *, precise: bool) -> InitialConstants:
@@ -73,7 +73,7 @@ def initial_constants(model: Model, starts: Starts, *, precise: bool) -> Initial
         bounded += [WithErrorBound(x, e if e.any() else None) for x, e in zip(p, starts.spread, strict=True)]
         bounded += [WithErrorBound(x, UNIT * abs(x)) for x in numbers]
         running = model.rule.run(RunningError(Float64()), bounded)
-        doubts = [np.broadcast_to((0.0 if r.error is None else r.error), shape) for r in running]
+        uncertainties = [np.broadcast_to((0.0 if r.error is None else r.error), shape) for r in running]
         values = [np.broadcast_to(r.value, shape) for r in running]
         places = [c.index for c in model.separated]
         pairs = None
@@ -82,13 +82,13 @@ def initial_constants(model: Model, starts: Starts, *, precise: bool) -> Initial
             inputs += [Pair(x, low) for x, low in zip(p, starts.low, strict=True)] + list(model.numbers)
             pairs = tuple(_full(pair, shape) for pair in model.rule.run(DoubleDouble(), inputs))
             values = [pair.high for pair in pairs]
-            doubts = [UNIT * np.abs(v) + 2.0**-44 * e for v, e in zip(values, doubts, strict=True)]
+            uncertainties = [UNIT * np.abs(v) + 2.0**-44 * e for v, e in zip(values, uncertainties, strict=True)]
             shifts = model.shift.run(DoubleDouble(), inputs)
             P = [_sum(Pair(p[k], starts.low[k]), shift) for k, shift in zip(places, shifts, strict=True)]
         else:
             shifts = model.shift.run(Float64(), [*q, *p, *numbers])
             P = [p[k] + shift for k, shift in zip(places, shifts, strict=True)]
-    knowns = Knowns(tuple(values), tuple(doubts), tuple(numbers))
+    knowns = Knowns(tuple(values), tuple(uncertainties), tuple(numbers))
     lost = momentum_errors(model, starts)
     return InitialConstants(q[places], np.stack(P) if P else p[:0], starts, knowns, pairs, lost)
 

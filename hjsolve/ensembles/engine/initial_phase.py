@@ -24,13 +24,13 @@ class EndNodes:
 
     Attributes:
         low, high: offsets (q − a)/W of the first node and (b − q)/W of the last one.
-        low_doubt, high_doubt: bounds on the relative error of F there.
+        low_uncertainty, high_uncertainty: bounds on the relative error of F there.
     """
 
     low: Reals
     high: Reals
-    low_doubt: Reals
-    high_doubt: Reals
+    low_uncertainty: Reals
+    high_uncertainty: Reals
 
 
 def phase_of_libration(region: OrbitRegions, table: Nodes, ratio: Reals, ends: EndNodes) -> tuple[Reals, Reals]:
@@ -47,7 +47,7 @@ def phase_of_libration(region: OrbitRegions, table: Nodes, ratio: Reals, ends: E
     """
     x, y = region.left / region.width, region.right / region.width
     d, c = (region.near_lower, region.near_upper) if table.complement < 1 else (0.0 * x, 0.0 * x)
-    lower, upper = ends.low * ends.low_doubt, ends.high * ends.high_doubt
+    lower, upper = ends.low * ends.low_uncertainty, ends.high * ends.high_uncertainty
     δ = y * lower + x * upper
     close = np.minimum(x * (1 + d), y * (1 + c)) < _CLOSE  # beyond, a pole makes p² flat: it tells no place
     if close.any():
@@ -55,20 +55,20 @@ def phase_of_libration(region: OrbitRegions, table: Nodes, ratio: Reals, ends: E
         part = np.flatnonzero(close)
         for _ in range(3):
             x[part], y[part] = _from_momentum(region, table, ratio, part, x[part], y[part])
-        near = np.minimum(x * ends.low_doubt, lower) + x * (lower + upper)
-        far = np.minimum(y * ends.high_doubt, upper) + y * (lower + upper)
+        near = np.minimum(x * ends.low_uncertainty, lower) + x * (lower + upper)
+        far = np.minimum(y * ends.high_uncertainty, upper) + y * (lower + upper)
         δ = np.where(close, np.where(x < y, near, far), δ)
     χ = _place(x, y, d, table)
     small, large = np.minimum(x, y), np.maximum(x, y)
     root = np.sqrt(np.maximum(_stretch(table, χ, x, y, d, c) * large, 1e-300))
-    doubt = (np.where(small > 0, δ / np.sqrt(np.maximum(small, 1e-300)), 0.0) + 4 * EPS * np.sqrt(small)) / root
-    return np.where(region.momentum < 0, -χ, χ), 2 * doubt + 8 * EPS * np.pi
+    uncertainty = (np.where(small > 0, δ / np.sqrt(np.maximum(small, 1e-300)), 0.0) + 4 * EPS * np.sqrt(small)) / root
+    return np.where(region.momentum < 0, -χ, χ), 2 * uncertainty + 8 * EPS * np.pi
 
 
 def _stretch(table: Nodes, χ: Reals, x: Reals, y: Reals, d: Reals, c: Reals) -> Reals:
     """(dq/dχ)²/(W² x y)."""
-    pace = 1 + table.warp[0] * np.cos(χ) + table.warp[1] * np.cos(2 * χ)
-    return (2 * table.quarter / np.pi * pace) ** 2 * table.complement * (1 + c * y) * (1 + d * x)
+    derivative = 1 + table.node_map[0] * np.cos(χ) + table.node_map[1] * np.cos(2 * χ)
+    return (2 * table.quarter / np.pi * derivative) ** 2 * table.complement * (1 + c * y) * (1 + d * x)
 
 
 def _from_momentum(
@@ -79,7 +79,7 @@ def _from_momentum(
     d, c = (region.near_lower[part], region.near_upper[part]) if table.complement < 1 else (0.0 * x, 0.0 * x)
     χ = _place(x, y, d, table)
     terms = np.arange(1, len(table.cosines) + 1)
-    weights = (1 + 2 * rowwise(np.cos(table.fold * terms * χ[:, None]), table.cosines)) / len(table.χ)
+    weights = (1 + 2 * rowwise(np.cos(table.symmetry * terms * χ[:, None]), table.cosines)) / len(table.χ)
     r = np.einsum("nj,nj->n", ratio[part], weights)
     small = (P * r / W) ** 2 / _stretch(table, χ, x, y, d, c) / np.maximum(x, y)
     lower = x < y
@@ -110,7 +110,7 @@ def _anomaly(s: Reals, c: Reals, table: Nodes) -> Reals:
     """χ = π F(φ | k²)/K from s = sin φ and c = cos φ ≥ 0: F = sin φ R_F(cos²φ, 1 − k² sin²φ, 1) (DLMF 19.25.5)."""
     if table.complement == 1.0:
         goal = 2 * np.arctan2(s, c)
-        return goal if table.warp == (0.0, 0.0) else _unwarped(goal, *table.warp)
+        return goal if table.node_map == (0.0, 0.0) else _unwarped(goal, *table.node_map)
     x, y, z = c * c, c * c + table.complement * s * s, 1.0 + 0.0 * s
     x = np.maximum(x, 1e-300)
     done = np.zeros(np.shape(s), dtype=bool)
@@ -127,7 +127,7 @@ def _anomaly(s: Reals, c: Reals, table: Nodes) -> Reals:
     e2, e3 = X * Y - Z * Z, X * Y * Z
     R = (1 - e2 / 10 + e3 / 14 + e2 * e2 / 24 - 3 * e2 * e3 / 44) / np.sqrt(A)
     goal = np.pi * s * R / table.quarter
-    return goal if table.warp == (0.0, 0.0) else _unwarped(goal, *table.warp)
+    return goal if table.node_map == (0.0, 0.0) else _unwarped(goal, *table.node_map)
 
 
 def _unwarped(goal: Reals, γ: float, δ: float) -> Reals:

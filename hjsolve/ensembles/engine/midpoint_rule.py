@@ -39,10 +39,10 @@ class Sums:
     Attributes:
         action: (1/2π) ∮ |p| dq.
         means: ∂J/∂cⱼ.
-        ripples: ∫₀^χ₀ kⱼ r dχ less its mean growth.
+        oscillations: ∫₀^χ₀ kⱼ r dχ less its mean growth.
         phase: χ of the start.
         speeds: kⱼ r there.
-        action_error, mean_errors, ripple_errors, phase_error: bounds.
+        action_error, mean_errors, oscillation_errors, phase_error: bounds.
         good: True where the nodes sufficed.
     """
 
@@ -50,8 +50,8 @@ class Sums:
     action_error: Reals
     means: Reals
     mean_errors: Reals
-    ripples: Reals
-    ripple_errors: Reals
+    oscillations: Reals
+    oscillation_errors: Reals
     phase: Reals
     phase_error: Reals
     speeds: Reals
@@ -80,14 +80,14 @@ def empty(constants: int, count: int) -> Sums:
     return Sums(row(), row(), block(), block(), block(), block(), row(), row(), block(), np.zeros(count, dtype=bool))
 
 
-def integrate(region: OrbitRegions, constants: int, *, kernels: bool, ripples: bool, first: int = 32) -> Sums:
+def integrate(region: OrbitRegions, constants: int, *, kernels: bool, oscillations: bool, first: int = 32) -> Sums:
     """Integrate with as many nodes as every orbit needs, and no fewer than are proved to resolve it.
 
     Args:
         region: of n orbits.
         constants: how many there are.
         kernels: True when ∂J/∂c are wanted.
-        ripples: True when the phase and the running integrals are, too.
+        oscillations: True when the phase and the running integrals are, too.
         first: number of nodes to begin with.
     """
     count = len(region.width)
@@ -101,7 +101,7 @@ def integrate(region: OrbitRegions, constants: int, *, kernels: bool, ripples: b
         if not size.any():
             return sums
         needed[:] = np.inf
-        codes = np.where(size > 0, (size * 64 + region.level) * 8 + region.warp, -1)
+        codes = np.where(size > 0, (size * 64 + region.level) * 8 + region.node_map, -1)
         tasks = [
             _Task.of(region, part, table)
             for code in np.unique(codes[size > 0])
@@ -110,14 +110,14 @@ def integrate(region: OrbitRegions, constants: int, *, kernels: bool, ripples: b
         ]
         for together in _companies(tasks):
             for task, seen in zip(together, _integrands(region, together, kernels), strict=True):
-                result, more = _rule(task, seen, constants, kernels=kernels, ripples=ripples)
+                result, more = _rule(task, seen, constants, kernels=kernels, oscillations=oscillations)
                 needed[task.orbits] = np.where(result.good, np.inf, more)
                 sums.put(task.orbits, result)
 
 
 def _table(region: OrbitRegions, code: int) -> tables.Nodes:
-    count, level, warp = code // 512, code // 8 % 64, code % 8
-    return tables.node_table(region.turning, count, level, warp)
+    count, level, node_map = code // 512, code // 8 % 64, code % 8
+    return tables.node_table(region.turning, count, level, node_map)
 
 
 _Seen = tuple[Reals, Reals, list[Reals], list[Reals], Reals]
@@ -150,7 +150,7 @@ class _Task:
     @property
     def smooth(self) -> bool:
         """Whether nodes are nowhere crowded."""
-        return self.table.complement == 1.0 and self.table.warp == (0.0, 0.0)
+        return self.table.complement == 1.0 and self.table.node_map == (0.0, 0.0)
 
 
 def _companies(tasks: list[_Task]) -> Iterator[list[_Task]]:
@@ -171,32 +171,32 @@ def _companies(tasks: list[_Task]) -> Iterator[list[_Task]]:
         yield together
 
 
-def _rule(task: _Task, seen: _Seen, constants: int, *, kernels: bool, ripples: bool) -> tuple[Sums, Reals]:
+def _rule(task: _Task, seen: _Seen, constants: int, *, kernels: bool, oscillations: bool) -> tuple[Sums, Reals]:
     """Apply the rule with a number of nodes; also return how many would be needed."""
     region, table = task.region, task.table
     count = len(table.χ) if region.turning else len(table.χ) // 2
     with np.errstate(all="ignore"):
-        F, ratio, weights, doubts, drift = seen
+        F, ratio, weights, uncertainties, drift = seen
         n = len(F)
         rows = [F * ratio, *(w * ratio for w in weights)]
-        noise = [0.5 * ratio * doubts[0]]
+        noise = [0.5 * ratio * uncertainties[0]]
         # a smooth error moves the turning points along: it is not magnified at the nodes next to them
         damping = np.minimum(1.0, 24 * np.abs(table.low * table.high)) if region.turning else 1.0
-        relative = 0.5 * (doubts[0] - (1 - damping) * drift) / F
-        noise += [ratio * (np.abs(w) * relative + e) for w, e in zip(weights, doubts[1:], strict=True)]
+        relative = 0.5 * (uncertainties[0] - (1 - damping) * drift) / F
+        noise += [ratio * (np.abs(w) * relative + e) for w, e in zip(weights, uncertainties[1:], strict=True)]
         values = np.stack([np.broadcast_to(row, F.shape) for row in rows])
         mean, size = values.mean(axis=2), np.abs(values).mean(axis=2)
-        blur = _SAFETY * np.stack([np.broadcast_to(e, F.shape).mean(axis=1) for e in noise]) + 8 * EPS * size
+        rounding = _SAFETY * np.stack([np.broadcast_to(e, F.shape).mean(axis=1) for e in noise]) + 8 * EPS * size
         tail, middle = (_largest(values, table, rows) for rows in (table.last, table.middle))
         alias = 4 * tail * np.minimum(1.0, tail / np.maximum(middle, 1e-300)) ** 1.5
-        mean_error = blur + alias
-        goal = np.maximum(_GOAL * size, 0.25 * blur)
+        mean_error = rounding + alias
+        goal = np.maximum(_GOAL * size, 0.25 * rounding)
         excess = np.where(tail > 0, tail, 1e-300) / size
-        wish = 1e-10 if not ripples else 1e-15
+        wish = 1e-10 if not oscillations else 1e-15
         more = np.max(2 + (count - 2) * np.log(wish) / np.log(np.minimum(excess, 0.5)), axis=0)
-    fits = (alias <= goal) | (tail <= 0.5 * blur)
-    if ripples:
-        fits &= tail <= np.maximum(4e-15 * size, blur)
+    fits = (alias <= goal) | (tail <= 0.5 * rounding)
+    if oscillations:
+        fits &= tail <= np.maximum(4e-15 * size, rounding)
     real = np.all(F > 0, axis=1) & np.isfinite(mean).all(axis=0)
     good = np.all(fits | (size == 0), axis=0) & real
     more = np.where(real, np.clip(more, count + 1, 3 * count), 2 * count)
@@ -204,20 +204,20 @@ def _rule(task: _Task, seen: _Seen, constants: int, *, kernels: bool, ripples: b
     sums.action[:], sums.action_error[:], sums.good[:] = mean[0], mean_error[0], good
     if kernels:
         sums.means[:], sums.mean_errors[:] = mean[1:], mean_error[1:]
-    if ripples:
+    if oscillations:
         with np.errstate(all="ignore"):
-            ends = _ends(region, table, doubts[0] / F)
-            _running(region, table, values[1:], ratio, sums, tail[1:] + 0.5 * blur[1:], ends)
+            ends = _ends(region, table, uncertainties[0] / F)
+            _running(region, table, values[1:], ratio, sums, tail[1:] + 0.5 * rounding[1:], ends)
     return sums, more
 
 
-def _ends(region: OrbitRegions, table: tables.Nodes, doubt: Reals) -> EndNodes:
+def _ends(region: OrbitRegions, table: tables.Nodes, uncertainty: Reals) -> EndNodes:
     """The nodes next to the turning points; an even motion has only the first of them."""
     d = region.near_lower if table.complement < 1 else 0.0 * region.width
     low = table.low[0] / (1 + d * table.high[0])
-    if table.fold == 2:
-        return EndNodes(low, low, doubt[:, 0], doubt[:, 0])
-    return EndNodes(low, (1 + d) * table.high[-1] / (1 + d * table.high[-1]), doubt[:, 0], doubt[:, -1])
+    if table.symmetry == 2:
+        return EndNodes(low, low, uncertainty[:, 0], uncertainty[:, 0])
+    return EndNodes(low, (1 + d) * table.high[-1] / (1 + d * table.high[-1]), uncertainty[:, 0], uncertainty[:, -1])
 
 
 def _largest(values: Reals, table: tables.Nodes, rows: slice) -> Reals:
@@ -230,17 +230,17 @@ def _largest(values: Reals, table: tables.Nodes, rows: slice) -> Reals:
 
 def _librating(region: OrbitRegions, table: tables.Nodes) -> tuple[Reals, Reals, Reals]:
     """Offsets in the two views, and (dq/dχ)², at the nodes: arrays (n, nodes)."""
-    half = len(table.χ) if table.fold == 2 else len(table.χ) // 2
+    half = len(table.χ) if table.symmetry == 2 else len(table.χ) // 2
     W = region.width[:, None]
     if table.complement == 1.0:
         low, high = W * table.low, W * table.high
-        scale = low * high * table.pace**2
+        scale = low * high * table.derivative**2
     else:
         d, c = region.near_lower[:, None], region.near_upper[:, None]
         D = 1 + d * table.high
         x, y = table.low / D, (1 + d) * table.high / D
         low, high = W * x, W * y
-        square = (2 * table.quarter / np.pi * table.pace) ** 2 * table.complement
+        square = (2 * table.quarter / np.pi * table.derivative) ** 2 * table.complement
         scale = square * (1 + c * y) * (1 + d * x) * (low * high)
     below = region.lower[:, None] + region.below.sign * low[:, :half]
     above = region.upper[:, None] - region.above.sign * high[:, half:]
@@ -296,7 +296,7 @@ def _evaluated(view: View, blocks: list[_Block], kernels: bool) -> list[list[Rea
         (block,) = blocks
         seen, x, few = view.take(block.orbits), block.x, block.few
         values = [np.broadcast_to(v, x.shape) for v in _values(seen, x, kernels)]
-        return [values + _doubts(block, few, _bounds(seen, x[:, few], [v[:, few] for v in values]))]
+        return [values + _uncertainties(block, few, _bounds(seen, x[:, few], [v[:, few] for v in values]))]
     seen = view.take(np.concatenate([np.repeat(b.orbits, b.x.shape[1]) for b in blocks]))
     x = np.concatenate([b.x.ravel() for b in blocks])
     values = [np.broadcast_to(v, x.shape) for v in _values(seen, x, kernels)]
@@ -312,7 +312,9 @@ def _evaluated(view: View, blocks: list[_Block], kernels: bool) -> list[list[Rea
     for k, block in enumerate(blocks):
         own = [v[starts[k] : starts[k + 1]].reshape(block.x.shape) for v in values]
         few = block.few
-        found.append(own + _doubts(block, few, [np.split(e, ends)[k].reshape(len(block.x), len(few)) for e in bounds]))
+        found.append(
+            own + _uncertainties(block, few, [np.split(e, ends)[k].reshape(len(block.x), len(few)) for e in bounds])
+        )
     return found
 
 
@@ -328,7 +330,7 @@ def _bounds(view: View, x: Reals, values: list[Reals]) -> list[Reals]:
     return [np.broadcast_to(e, x.shape) for e in (first, *others, drift)]
 
 
-def _doubts(block: _Block, few: Integers, bounds: list[Reals]) -> list[Reals]:
+def _uncertainties(block: _Block, few: Integers, bounds: list[Reals]) -> list[Reals]:
     """The same at all nodes: a few stand for those between them, the larger for both."""
     first, *others, drift = bounds
     count = block.x.shape[1]
@@ -346,14 +348,16 @@ def _running(
     """Phase of the start, and the integrals from χ = 0 to it less their mean growth."""
     count = len(table.χ)
     terms = np.arange(1, len(table.cosines) + 1)
-    phase, blur = phase_of_libration(region, table, ratio, ends) if region.turning else phase_of_rotation(region, table)
-    angle = table.fold * terms * phase[:, None]
+    phase, rounding = (
+        phase_of_libration(region, table, ratio, ends) if region.turning else phase_of_rotation(region, table)
+    )
+    angle = table.symmetry * terms * phase[:, None]
     sine, cosine = np.sin(angle), np.cos(angle)
     weights, delta = rowwise(sine / terms, table.cosines), 1 + 2 * rowwise(cosine, table.cosines)
     if not region.turning:
         weights += rowwise((1 - cosine) / terms, table.sines)
         delta += 2 * rowwise(sine, table.sines)
-    sums.ripples[:] = 2 / (count * table.fold) * np.einsum("knj,nj->kn", values, weights)
+    sums.oscillations[:] = 2 / (count * table.symmetry) * np.einsum("knj,nj->kn", values, weights)
     sums.speeds[:] = np.einsum("knj,nj->kn", values, delta) / count
-    sums.ripple_errors[:] = 4 * noise
-    sums.phase[:], sums.phase_error[:] = phase, blur
+    sums.oscillation_errors[:] = 4 * noise
+    sums.phase[:], sums.phase_error[:] = phase, rounding

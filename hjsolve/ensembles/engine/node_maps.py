@@ -39,11 +39,11 @@ class NodeMap(NamedTuple):
     """A map.
 
     Attributes:
-        warp: place in the table of crowdings.
+        node_map: place in the table of crowdings.
         lower, upper: logarithms to base 2 of 1 + ρ_d and 1 + ρ_c; their sum is even.
     """
 
-    warp: int
+    node_map: int
     lower: int = 0
     upper: int = 0
 
@@ -53,9 +53,9 @@ class NodeMap(NamedTuple):
         return (self.lower + self.upper) // 2
 
     @property
-    def fold(self) -> int:
+    def symmetry(self) -> int:
         """2 for an even motion, else 1."""
-        return 2 if self.warp >= EVEN else 1
+        return 2 if self.node_map >= EVEN else 1
 
     def dividing(self, share: int) -> float:
         """(q − a)/W up to which a motion is seen from its lower end; see ``views``."""
@@ -70,7 +70,7 @@ class NodeMap(NamedTuple):
 
 
 def fitting(lower: Reals, upper: Reals, even: Mask) -> Integers:
-    """Return warp, ``lower`` and ``upper`` of the maps that serve some motions, shape (n, 3).
+    """Return node_map, ``lower`` and ``upper`` of the maps that serve some motions, shape (n, 3).
 
     Args:
         lower, upper: 1 + ρ_d and 1 + ρ_c, shape (n,).
@@ -112,7 +112,7 @@ class NodeMaps:
         self._places: dict[NodeMap, int] = {}
         self.tables, none = _shared_tables(), np.empty(0)
         self.strips = Strips(none, none, none, none, np.full((3, 0, len(COUNTS)), -1))
-        self._add([NodeMap(warp) for warp in range(len(WARPS))])
+        self._add([NodeMap(node_map) for node_map in range(len(WARPS))])
 
     def index(self, maps: Integers) -> Integers:
         """Return the places of some maps in the tables, which grow where it must be.
@@ -135,7 +135,7 @@ class NodeMaps:
         begin = len(self._places)
         self._places |= {key: begin + k for k, key in enumerate(keys)}
         shape = (len(keys), len(COUNTS))
-        plain = [[across(n, WARPS[k.warp], k.fold) if k.level == 0 else np.inf for n in COUNTS] for k in keys]
+        plain = [[across(n, WARPS[k.node_map], k.symmetry) if k.level == 0 else np.inf for n in COUNTS] for k in keys]
         counts = np.concatenate([self.strips.counts, np.full((3, *shape), -1)], axis=1)
         self.strips = self.strips._replace(enough=_joined(self.strips.enough, np.array(plain)), counts=counts)
 
@@ -179,11 +179,11 @@ def _shared_tables() -> Tables:
         table = nodes.libration_nodes(count, 0)
         last[k, :, :count], middle[k, :, :count] = table.cosines[table.last], table.cosines[table.middle][1:-1]
         cosines[k, : count - 1, :count] = table.cosines
-        for fold in (1, 2):
-            squares[fold - 1, k, :count], slopes[fold - 1, k, : count - 1] = nodes.shifts(count, fold)
+        for symmetry in (1, 2):
+            squares[symmetry - 1, k, :count], slopes[symmetry - 1, k, : count - 1] = nodes.shifts(count, symmetry)
     none, counted = np.empty(0), np.empty(0, dtype=np.int64)
     return Tables(
-        maps=none, counts=np.array(COUNTS), low=none, high=none, pace=none, split=counted, places=none,
+        maps=none, counts=np.array(COUNTS), low=none, high=none, derivative=none, split=counted, places=none,
         samples=counted, spans=counted, last=last, middle=middle, cosines=cosines, squares=squares, slopes=slopes,
     )  # fmt: skip
 
@@ -191,8 +191,8 @@ def _shared_tables() -> Tables:
 def _rows(key: NodeMap) -> dict[str, Elementwise]:
     """The rows of one map in the tables."""
     samples = SAMPLES if key.level == 0 else STRETCHED_SAMPLES
-    parts = [nodes.equal_anomalies(count, key.fold * count) for count in COUNTS]
-    share = np.pi / key.fold / (samples - 1 + 2 * _MARGIN)
+    parts = [nodes.equal_anomalies(count, key.symmetry * count) for count in COUNTS]
+    share = np.pi / key.symmetry / (samples - 1 + 2 * _MARGIN)
     equal = np.array([(k + _MARGIN) * share for k in range(samples)])
     split, farthest = _divided(key)
     among = np.concatenate([equal, farthest])
@@ -200,23 +200,23 @@ def _rows(key: NodeMap) -> dict[str, Elementwise]:
         np.concatenate([*(part.high for part in parts), among]),
         np.concatenate([*(part.low for part in parts), 0.0 * among]),
     )
-    complement, quarter, sn2, cn2, pace = nodes.libration_places(χ, key.level, key.warp)
+    complement, quarter, sn2, cn2, derivative = nodes.libration_places(χ, key.level, key.node_map)
     x, y = key.stretched(sn2, cn2)
     d, c = 2.0**key.lower - 1, 2.0**key.upper - 1
     if key.level:
-        pace = (2 * quarter / np.pi * pace) * np.sqrt(complement * (1 + c * y) * (1 + d * x))
-    low, high, paces = (np.zeros((len(COUNTS), _WIDEST)) for _ in range(3))
-    for part, values in ((low, x), (high, y), (paces, pace)):
+        derivative = (2 * quarter / np.pi * derivative) * np.sqrt(complement * (1 + c * y) * (1 + d * x))
+    low, high, derivatives = (np.zeros((len(COUNTS), _WIDEST)) for _ in range(3))
+    for part, values in ((low, x), (high, y), (derivatives, derivative)):
         for k, row in enumerate(np.split(values[: -len(among)], np.cumsum(COUNTS)[:-1])):
             part[k, : len(row)] = row
     places = np.zeros((4, STRETCHED_SAMPLES + len(farthest)))
-    seen = np.stack([x, y, pace, np.sin(χ.high) ** 2])[:, -len(among) :]
+    seen = np.stack([x, y, derivative, np.sin(χ.high) ** 2])[:, -len(among) :]
     places[:, :samples], places[:, STRETCHED_SAMPLES:] = seen[:, :samples], seen[:, samples:]
     return {
-        "maps": np.array([*WARPS[key.warp], quarter, complement, d, c, key.fold]),
+        "maps": np.array([*WARPS[key.node_map], quarter, complement, d, c, key.symmetry]),
         "low": low,
         "high": high,
-        "pace": paces,
+        "derivative": derivatives,
         "split": split,
         "places": places,
         "samples": np.array(samples),
@@ -231,7 +231,7 @@ def _divided(key: NodeMap) -> tuple[Integers, Reals]:
     """
     split, farthest = np.empty((len(COUNTS), 3), dtype=np.int64), np.empty(6)
     for share in range(3):
-        if key.fold == 2:
+        if key.symmetry == 2:
             split[:, share], farthest[2 * share : 2 * share + 2] = COUNTS, 0.5 * np.pi
             continue
         middle = _half_way(key, key.dividing(share))
@@ -239,7 +239,7 @@ def _divided(key: NodeMap) -> tuple[Integers, Reals]:
             part = middle / np.pi * count
             whole = {_FROM_MIDDLE: np.rint, _FROM_BELOW: np.ceil, _FROM_ABOVE: np.floor}[share](part / _VECTOR)
             rounded = _VECTOR * int(whole)
-            fits = _VECTOR <= rounded <= count - _VECTOR and not (key.warp and not key.level)
+            fits = _VECTOR <= rounded <= count - _VECTOR and not (key.node_map and not key.level)
             split[k, share] = rounded if fits else min(max(round(part), 1), count - 1)
         last = (split[:, share] - 0.5) * np.pi / COUNTS
         farthest[2 * share] = max(last.max(), middle)
@@ -249,7 +249,7 @@ def _divided(key: NodeMap) -> tuple[Integers, Reals]:
 
 def _spans(key: NodeMap, equal: Reals, share: int, below: float, above: float) -> tuple[int, int, int]:
     """How many samples are seen from below, and between which ones both views are used: at χ from above to below."""
-    if key.fold == 2:
+    if key.symmetry == 2:
         return len(equal), len(equal) - 1, len(equal) - 1
     inside = int((equal <= _half_way(key, key.dividing(share))).sum())
     first = int((equal <= above).sum()) - 1
@@ -260,7 +260,7 @@ def _spans(key: NodeMap, equal: Reals, share: int, below: float, above: float) -
 def _half_way(key: NodeMap, goal: float) -> float:
     """χ where (q − a)/W has some value, nearly."""
     χ = np.linspace(0.0, np.pi, 514)[1:-1]
-    _, _, sn2, cn2, _ = nodes.libration_places(Pair(χ, 0.0 * χ), key.level, key.warp)
+    _, _, sn2, cn2, _ = nodes.libration_places(Pair(χ, 0.0 * χ), key.level, key.node_map)
     x, y = key.stretched(sn2, cn2)
     return float(np.interp(np.log(goal / (1.0 - goal)), np.log(x / y), χ))
 
@@ -270,7 +270,7 @@ def _disks(key: NodeMap, count: int) -> tuple[Reals, Reals, Reals, int]:
 
     An infinite radius says that the strip holds a pole of the map.
     """
-    table = nodes.libration_nodes(count, key.level, key.warp)
+    table = nodes.libration_nodes(count, key.level, key.node_map)
     over = covered_strip(table, turning=True)
     if key.level == 0:
         low, high, spread = over.low, over.high, over.spread
@@ -281,7 +281,7 @@ def _disks(key: NodeMap, count: int) -> tuple[Reals, Reals, Reals, int]:
         spread = SAFETY * np.abs(near - low[:, None]).max(axis=1)
         if not (over.inside and 1 + d * over.tip > 0):
             spread = np.full(len(low), np.inf)
-    below = (low.real <= 0.5) | (key.fold == 2)
+    below = (low.real <= 0.5) | (key.symmetry == 2)
     order = np.argsort(~below, kind="stable")
     seen = np.where(below, low, high)[order]
     return seen.real, np.abs(seen.imag), spread[order], int(below.sum())

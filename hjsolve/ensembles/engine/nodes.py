@@ -45,10 +45,10 @@ class Nodes:
     Attributes:
         χ: anomalies.
         low, high: sn² and cn²; for a rotation the angle 2 am − π and dn.
-        fold: 2 for an even motion, the series being in 2χ; else 1.
+        symmetry: 2 for an even motion, the series being in 2χ; else 1.
         complement, quarter: k′² and K.
-        pace: π/K du/dχ.
-        warp: γ₁, γ₂.
+        derivative: π/K du/dχ.
+        node_map: γ₁, γ₂.
         cosines, sines: cos kχ and sin kχ, shape (terms, count), k = 1, 2, …
         last: rows of the series that tell whether the nodes suffice; middle: rows half way.
     """
@@ -56,11 +56,11 @@ class Nodes:
     χ: Reals
     low: Reals
     high: Reals
-    fold: int
+    symmetry: int
     complement: float
     quarter: float
-    pace: Reals
-    warp: tuple[float, float]
+    derivative: Reals
+    node_map: tuple[float, float]
     cosines: Reals
     sines: Reals
     last: slice
@@ -68,46 +68,46 @@ class Nodes:
 
 
 @cache
-def libration_nodes(count: int, level: int, warp: int = 0) -> Nodes:
+def libration_nodes(count: int, level: int, node_map: int = 0) -> Nodes:
     """Return the nodes of half a period between turning points; k′² = 4^−level.
 
     Args:
         count: nodes in half a period.
         level: l in k′² = 4^−l; 0 for the circular functions.
-        warp: place in the table of crowdings.
+        node_map: place in the table of crowdings.
     """
-    fold = 2 if warp >= EVEN else 1
-    χ = equal_anomalies(count, fold * count)
-    complement, quarter, low, high, pace = _places(χ, level, warp)
+    symmetry = 2 if node_map >= EVEN else 1
+    χ = equal_anomalies(count, symmetry * count)
+    complement, quarter, low, high, derivative = _places(χ, level, node_map)
     terms = np.arange(1, count)[:, None]
     exact = (terms * (2 * np.arange(count) + 1)) % (4 * count)
     angle = exact * (np.pi / (2 * count))
     return Nodes(
-        χ.high, low, high, fold, complement, quarter, pace, WARPS[warp], np.cos(angle), np.sin(angle), slice(-5, None),
-        slice(count // 2 - 4, count // 2 + 1),
+        χ.high, low, high, symmetry, complement, quarter, derivative, WARPS[node_map], np.cos(angle), np.sin(angle),
+        slice(-5, None), slice(count // 2 - 4, count // 2 + 1),
     )  # fmt: skip
 
 
-def libration_places(χ: Pair, level: int, warp: int) -> tuple[float, float, Reals, Reals, Reals]:
-    """Return k′² and K, and ``low``, ``high``, ``pace`` of ``libration_nodes`` at some anomalies.
+def libration_places(χ: Pair, level: int, node_map: int) -> tuple[float, float, Reals, Reals, Reals]:
+    """Return k′² and K, and ``low``, ``high``, ``derivative`` of ``libration_nodes`` at some anomalies.
 
     Args:
         χ: in two doubles.
         level: l in k′² = 4^−l.
-        warp: place in the table of crowdings.
+        node_map: place in the table of crowdings.
     """
-    return _places(χ, level, warp)
+    return _places(χ, level, node_map)
 
 
-def _places(χ: Pair, level: int, warp: int) -> tuple[float, float, Reals, Reals, Reals]:
+def _places(χ: Pair, level: int, node_map: int) -> tuple[float, float, Reals, Reals, Reals]:
     """k′² and K; sn², cn² and π/K du/dχ at crowded anomalies."""
     D = DoubleDouble()
-    γ, δ = (Pair(c, 0.0) for c in WARPS[warp])
+    γ, δ = (Pair(c, 0.0) for c in WARPS[node_map])
     turned, twice = D.unary("sin", χ), D.unary("sin", _twice(χ))
     goal = D.add(χ, D.add(D.mul(γ, turned), D.mul(Pair(0.5 * δ.high, 0.0), twice)))
     complement, quarter, sn, cn, _ = _functions(goal, level)
-    pace = D.add(D.mul(γ, D.unary("cos", χ)), D.mul(δ, D.unary("cos", _twice(χ))))
-    return complement, quarter, D.mul(sn, sn).high, D.mul(cn, cn).high, D.add(Pair(1.0, 0.0), pace).high
+    derivative = D.add(D.mul(γ, D.unary("cos", χ)), D.mul(δ, D.unary("cos", _twice(χ))))
+    return complement, quarter, D.mul(sn, sn).high, D.mul(cn, cn).high, D.add(Pair(1.0, 0.0), derivative).high
 
 
 @cache
@@ -130,16 +130,16 @@ def rotation_nodes(count: int, level: int) -> Nodes:
     )  # fmt: skip
 
 
-def node_table(turning: bool, count: int, level: int, warp: int) -> Nodes:
+def node_table(turning: bool, count: int, level: int, node_map: int) -> Nodes:
     """Return the nodes for librations or rotations; ``count`` in half a period.
 
     Args:
         turning: True for librations.
         count: nodes in half a period.
         level: l in k′² = 4^−l.
-        warp: place in the table of crowdings; of librations only.
+        node_map: place in the table of crowdings; of librations only.
     """
-    return libration_nodes(count, level, warp) if turning else rotation_nodes(2 * count, level)
+    return libration_nodes(count, level, node_map) if turning else rotation_nodes(2 * count, level)
 
 
 def _twice(x: Pair) -> Pair:
@@ -205,7 +205,7 @@ def _bulirsch(u: Pair, means: list[tuple[Pair, Pair]]) -> tuple[Pair, Pair, Pair
 
 
 @cache
-def shifts(count: int, fold: int) -> tuple[Reals, Reals]:
+def shifts(count: int, symmetry: int) -> tuple[Reals, Reals]:
     """What a shift δF of p² does to the mean of k r, in terms of g = k r δF sin²χ/F.
 
     The change is the finite part −½ ∫ g/sin²χ dχ/π = −½ ∫ g′ cot χ dχ/π, at most ½ Σ |Δg| cot χ/π from node to node,
@@ -213,14 +213,14 @@ def shifts(count: int, fold: int) -> tuple[Reals, Reals]:
 
     Args:
         count: number of nodes.
-        fold: 2 for an even motion, else 1.
+        symmetry: 2 for an even motion, else 1.
 
     Returns:
-        sin²χ at the nodes, shape (count,); |cot χ| fold/π half way between, shape (count − 1,).
+        sin²χ at the nodes, shape (count,); |cot χ| symmetry/π half way between, shape (count − 1,).
     """
-    χ = (np.arange(count) + 0.5) * np.pi / (fold * count)
-    slopes = np.abs(1 / np.tan(χ[1:] - χ[0])) * fold / np.pi
+    χ = (np.arange(count) + 0.5) * np.pi / (symmetry * count)
+    slopes = np.abs(1 / np.tan(χ[1:] - χ[0])) * symmetry / np.pi
     slopes[0] *= 1.5
-    if fold == 1:
+    if symmetry == 1:
         slopes[-1] *= 1.5
     return np.sin(χ) ** 2, slopes

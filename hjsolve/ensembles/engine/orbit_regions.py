@@ -17,7 +17,7 @@ class OrbitRegions:
         lower, upper: offsets of the turning points in those views; for a rotation ``lower`` is the slow place.
         width: b − a.
         near_lower, near_upper, level: ρ_d, ρ_c and the modulus 4^−level (int array); see ``one_coordinate/anomaly``.
-        warp: which of ``nodes.WARPS`` (int array).
+        node_map: which of ``nodes.WARPS`` (int array).
         momentum: P₀ (signed).
         left, right: q₀ − a and b − q₀; for a rotation ``left`` is q₀ less the slow place.
         turning: False for rotations.
@@ -31,7 +31,7 @@ class OrbitRegions:
     near_lower: Reals
     near_upper: Reals
     level: Integers
-    warp: Integers
+    node_map: Integers
     momentum: Reals
     left: Reals
     right: Reals
@@ -43,7 +43,18 @@ class OrbitRegions:
         Args:
             index: which, positions or a mask.
         """
-        arrays = ("lower", "upper", "width", "near_lower", "near_upper", "level", "warp", "momentum", "left", "right")
+        arrays = (
+            "lower",
+            "upper",
+            "width",
+            "near_lower",
+            "near_upper",
+            "level",
+            "node_map",
+            "momentum",
+            "left",
+            "right",
+        )
         below = self.below.take(index)
         above = below if self.above is self.below else self.above.take(index)
         return OrbitRegions(

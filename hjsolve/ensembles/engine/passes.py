@@ -57,9 +57,9 @@ def run_pass(
     count = starts.q.shape[1]
     columns = blank(names, count)
     start = initial_constants(model, starts, precise=depth > 0)
-    kernels, ripples = bool(TIMED & names.keys()), "angles" in names
+    kernels, oscillations = bool(TIMED & names.keys()), "angles" in names
     # p² at the start is P² next to a turning point: a P that 32 digits do not know well is for the engine of one motion
-    unknown = (start.blur > _BLURRED).any(axis=0) if depth else np.zeros(count, dtype=bool)
+    unknown = (start.rounding > _BLURRED).any(axis=0) if depth else np.zeros(count, dtype=bool)
     status = np.where(unknown, UNDECIDED, Status.OK).astype(np.uint8)
     sums: list[Sums] = []
     directions = np.ones((len(model.separated), count))
@@ -68,7 +68,7 @@ def run_pass(
         total = empty(len(model.constants), count)
         for found in locate_regions(model, coordinate, start, k, depth):
             left = status[found.index] == Status.OK  # what is lost in one coordinate is lost
-            _integrated(total, found, left, len(model.constants), kernels=kernels, ripples=ripples)
+            _integrated(total, found, left, len(model.constants), kernels=kernels, oscillations=oscillations)
             fresh = np.where(
                 found.status == Status.OK, np.where(total.good[found.index], 0, Status.NOT_CONVERGED), found.status
             )
@@ -81,10 +81,10 @@ def run_pass(
                 columns.vague[found.index] |= ill_known(found.region)
             spared[found.index] |= isinstance(found.region.below, DirectEvaluation)
             small[found.index] |= isinstance(found.region.below, DifferenceEvaluation)
-        total.phase_error[:] += start.blur[k]
+        total.phase_error[:] += start.rounding[k]
         sums.append(total)
     _results(model, names, columns, sums, directions, start)
-    if ripples and any(c.shifted for c in model.separated):
+    if oscillations and any(c.shifted for c in model.separated):
         status[status == Status.OK] = UNDECIDED
     _settle(columns, status, tolerance)
     claimed = worst(columns)
@@ -121,8 +121,8 @@ def run_compiled(
         start = initial_constants(model, starts, precise=True)
     else:
         start = compiled_pass.begin_compiled(model, made, starts)
-    kernels, ripples = bool(TIMED & names.keys()), "angles" in names
-    modes = Modes(chords=False, kernels=kernels, ripples=ripples, shifts=False)
+    kernels, oscillations = bool(TIMED & names.keys()), "angles" in names
+    modes = Modes(chords=False, kernels=kernels, oscillations=oscillations, shifts=False)
     status = np.full(count, UNDECIDED if "turning_points" in names else Status.OK, dtype=np.uint8)
     orbits = [compiled_pass.CompiledCoordinate.of(model, made, start, k) for k in range(len(model.separated))]
     smallness = [one.smallness(kernels=kernels) for one in orbits]
@@ -130,7 +130,7 @@ def run_compiled(
     if not precise:
         limit = _BARE if kernels else _BARE_ACTIONS
         known = start.knowns
-        cancelled = [e > limit * np.abs(c) for c, e in zip(known.constants, known.doubt, strict=True)]
+        cancelled = [e > limit * np.abs(c) for c, e in zip(known.constants, known.uncertainty, strict=True)]
         hopeless = (np.max(smallness, axis=0) > limit) | np.any(cancelled, axis=0)
     left = np.flatnonzero(~hopeless)
     status[hopeless] = UNDECIDED
@@ -142,10 +142,10 @@ def run_compiled(
         if len(left):
             total.put(left, compiled_pass.librations(one.take(left), first, small[left], modes))
         status[~total.good] = UNDECIDED
-        total.phase_error[:] += start.blur[k]
+        total.phase_error[:] += start.rounding[k]
         sums.append(total)
     _results(model, names, columns, sums, np.ones((len(sums), count)), start)
-    if ripples and any(c.shifted for c in model.separated):
+    if oscillations and any(c.shifted for c in model.separated):
         status[status == Status.OK] = UNDECIDED
     resolved = status == Status.OK
     _settle(columns, status, tolerance)
@@ -163,20 +163,23 @@ def _results(
 ) -> None:
     if "constants" in names:
         for j, name in enumerate(model.constants):
-            _fill(columns, "constants", name, start.knowns.constants[j], start.knowns.doubt[j])
+            _fill(columns, "constants", name, start.knowns.constants[j], start.knowns.uncertainty[j])
     _actions(model, names, columns, sums, directions, start)
     if TIMED & names.keys():
         _timed(model, names, columns, sums, directions, start.starts.q)
 
 
 def _integrated(
-    total: Sums, found: LocatedRegions, left: Mask, constants: int, *, kernels: bool, ripples: bool
+    total: Sums, found: LocatedRegions, left: Mask, constants: int, *, kernels: bool, oscillations: bool
 ) -> None:
     """Integrate over the regions of the orbits that are left; coordinates at rest have their limit."""
     left = left & (found.status == Status.OK)
     index = np.flatnonzero(left & ~found.rest)
     if len(index):
-        total.put(found.index[index], integrate(found.region.take(index), constants, kernels=kernels, ripples=ripples))
+        total.put(
+            found.index[index],
+            integrate(found.region.take(index), constants, kernels=kernels, oscillations=oscillations),
+        )
     index = np.flatnonzero(left & found.rest)
     if len(index):
         total.put(found.index[index], _resting(found, index, constants))
@@ -186,7 +189,7 @@ def _resting(found: LocatedRegions, index: Which, constants: int) -> Sums:
     """A stable double zero of p²: J = 0 and ∂J/∂cⱼ = kⱼ/√(−½F″), the limit of a vanishing libration."""
     view = found.region.below.take(index)
     assert isinstance(view, DifferenceEvaluation)
-    bend, doubt = second_slope(view.formula, view.knowns, view.start)
+    bend, uncertainty = second_slope(view.formula, view.knowns, view.start)
     zero = np.zeros(len(index))
     rows = [np.broadcast_to(w, zero.shape) for w in view.full(zero)[1:]]
     errors = [np.broadcast_to(e, zero.shape) for e in view.errors(zero, kernels=True)[1:]]
@@ -195,10 +198,17 @@ def _resting(found: LocatedRegions, index: Which, constants: int) -> Sums:
         root = np.sqrt(-bend)
         sums.means[:] = np.stack([w / root for w in rows])
         sums.mean_errors[:] = np.stack(
-            [e / root + np.abs(w / root) * doubt / -bend for w, e in zip(rows, errors, strict=True)]
+            [e / root + np.abs(w / root) * uncertainty / -bend for w, e in zip(rows, errors, strict=True)]
         )
     sums.speeds[:] = sums.means
-    for part in (sums.action, sums.action_error, sums.ripples, sums.ripple_errors, sums.phase, sums.phase_error):
+    for part in (
+        sums.action,
+        sums.action_error,
+        sums.oscillations,
+        sums.oscillation_errors,
+        sums.phase,
+        sums.phase_error,
+    ):
         part[...] = 0.0
     sums.good[:] = np.isfinite(root)
     return sums
@@ -223,7 +233,7 @@ def _actions(
         _fill(columns, "actions", coordinate.name, directions[k] * sums[k].action, sums[k].action_error)
     for name in model.angles:
         k = model.names.index(name)
-        columns.actions[name][:], columns.error[f"actions.{name}"][:] = start.starts.p[k], start.starts.doubt[k]
+        columns.actions[name][:], columns.error[f"actions.{name}"][:] = start.starts.p[k], start.starts.uncertainty[k]
 
 
 def _timed(

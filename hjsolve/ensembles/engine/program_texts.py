@@ -8,8 +8,8 @@ Every view of p² (``radicand_views``) has the same functions, over offsets x in
     value(x, c)                                  F; of small motions F[q₀, q₀, q₀ + x]
     bend(x, c)                                   F, F′, F″; not of small motions
     slopes(x, C, f, d)                           F and F′ of many orbits
-    fill(buffer, b, s, W, near, far, pace, start, stop, c)   F r, r, F and the kernels times r at nodes x = b + s W near
-    doubts(out, place, mask, c, e)               bounds on the errors of F and of the kernels, and F
+    fill(buffer, b, s, W, near, far, derivative, start, stop, c)   F r, r, F, kernels times r at x = b + s W near
+    uncertainties(out, place, mask, c, e)               bounds on the errors of F and of the kernels, and F
     relative(out, base, offset, c)               bounds on the relative error of F[b, b + d]
 """
 
@@ -35,8 +35,8 @@ _NO_RELATIVE = "def relative(out, base, offset, c):\n    out[:] = 0.0\n"
 
 _MORE = ("start0", "square0", "first0", "doubt0")
 
-VIEW = ("value", "bend", "slopes", "fill", "doubts", "relative")
-SMALL = ("value", "bounds", "fill", "doubts", "relative")
+VIEW = ("value", "bend", "slopes", "fill", "uncertainties", "relative")
+SMALL = ("value", "bounds", "fill", "uncertainties", "relative")
 """The functions of a view, and of small motions."""
 
 
@@ -65,7 +65,7 @@ def view_text(formula: LoweredFormula, constants: int, numbers: tuple[float, ...
             _plain("bend", unpack, lambda s: jet(s, 2)),
             _slopes_text(constants, lambda s: jet(s, 1)),
             _fill_text(formula, unpack, names + literals, kernels),
-            _doubts_text(formula.full if kernels else squared, constants, numbers),
+            _uncertainties_text(formula.full if kernels else squared, constants, numbers),
             _relative_text(formula, unpack, names, numbers) if has_chords(formula) else _NO_RELATIVE,
         )
     )
@@ -95,7 +95,7 @@ def _slopes_text(constants: int, run: Callable[[PythonSource], Sequence[str]]) -
     return _loop("slopes(place, C, f, d)", "", "i in range(place.shape[0])", lines)
 
 
-_FILL = "fill(buffer, b, s, W, near, far, pace, start, stop, c)"
+_FILL = "fill(buffer, b, s, W, near, far, derivative, start, stop, c)"
 
 
 def _fill_text(formula: LoweredFormula, unpack: str, known: list[str], kernels: bool) -> str:
@@ -118,11 +118,11 @@ def _filled(source: PythonSource, unpack: str, places: list[str], square: str, w
     lines = [
         *places,
         *moving,
-        f"r = pace[j] * sqrt_((W * near[j]) * (W * far[j]) / {square})",
+        f"r = derivative[j] * sqrt_((W * near[j]) * (W * far[j]) / {square})",
         *(f"b{k}[j] = {row}" for k, row in enumerate(rows)),
     ]
     # slices, because LLVM makes vectors only of loops that begin at 0
-    sliced = [f"{name} = {name}[start:stop]" for name in ("near", "far", "pace")]
+    sliced = [f"{name} = {name}[start:stop]" for name in ("near", "far", "derivative")]
     sliced += [f"b{k} = buffer[{k}, start:stop]" for k in range(len(rows))]
     before = unpack + "".join(f"    {line}\n" for line in (*fixed, *sliced))
     return _loop(_FILL, before, "j in range(near.shape[0])", lines)
@@ -163,7 +163,7 @@ def _rounded(numbers: tuple[float, ...]) -> list[WithErrorBound]:
 
 
 def _doubtful(tape: Tape, source: PythonSource, place: str, constants: int, numbers: tuple[float, ...]) -> list[str]:
-    """Lines that work out a tape's results with running errors, the constants being in doubt where the mask is 1."""
+    """Lines that work out a tape's results with running errors, the constants being uncertain where the mask is 1."""
     inputs = [WithErrorBound(place, source.mul(_PLACE, source.unary("abs", place)))]
     inputs += [*(WithErrorBound(f"c{j}", f"e{j}") for j in range(constants)), *_rounded(numbers)]
     results = tape.run(RunningError(source, own=_OWN), inputs)
@@ -171,11 +171,11 @@ def _doubtful(tape: Tape, source: PythonSource, place: str, constants: int, numb
     return [*lines, f"out[{len(results)}, g] = {results[0].value}"]
 
 
-def _doubts_text(tape: Tape, constants: int, numbers: tuple[float, ...]) -> str:
+def _uncertainties_text(tape: Tape, constants: int, numbers: tuple[float, ...]) -> str:
     source = PythonSource()
     results = _doubtful(tape, source, "x", constants, numbers)
     lines = ["x = place[g]", *(f"e{j} = mask[g] * s{j}" for j in range(constants)), *source.lines, *results]
-    return _loop("doubts(out, place, mask, c, e)", _both(constants), "g in range(place.shape[0])", lines)
+    return _loop("uncertainties(out, place, mask, c, e)", _both(constants), "g in range(place.shape[0])", lines)
 
 
 def _both(constants: int) -> str:
@@ -207,7 +207,7 @@ def small_text(formula: LoweredFormula, constants: int, numbers: tuple[float, ..
             _plain("value", unpack, lambda s: _taken(values, s, second), single=True),
             _bounds_text(formula, constants, numbers),
             _filled(filled, unpack, ["d = s * W * near[j]", "x = b + d"], square, weights),
-            _small_doubts_text(formula, constants, numbers, kernels),
+            _small_uncertainties_text(formula, constants, numbers, kernels),
             _NO_RELATIVE,
         )
     )
@@ -262,7 +262,9 @@ def _bounds_text(formula: LoweredFormula, constants: int, numbers: tuple[float, 
     return _loop("bounds(out, place, c, e)", _both(constants), "g in range(place.shape[0])", lines)
 
 
-def _small_doubts_text(formula: LoweredFormula, constants: int, numbers: tuple[float, ...], kernels: bool) -> str:
+def _small_uncertainties_text(
+    formula: LoweredFormula, constants: int, numbers: tuple[float, ...], kernels: bool
+) -> str:
     source = PythonSource()
     known = [f"c{j}" for j in range(constants)] + [f"({x!r})" for x in numbers]
     value = _square(source, _second(formula, source, known))
@@ -275,11 +277,11 @@ def _small_doubts_text(formula: LoweredFormula, constants: int, numbers: tuple[f
         results = [results[0], *weights, f"out[{1 + len(weights)}, g] = {value}"]
     lines = ["x = place[g]", *(f"e{j} = mask[g] * s{j}" for j in range(constants)), *source.lines, *results]
     extra = "".join(f"    {name} = c[{constants + k}]\n" for k, name in enumerate(_MORE))
-    return _loop("doubts(out, place, mask, c, e)", _both(constants) + extra, "g in range(place.shape[0])", lines)
+    return _loop("uncertainties(out, place, mask, c, e)", _both(constants) + extra, "g in range(place.shape[0])", lines)
 
 
 def start_text(model: Model) -> str:
-    """Return the text of a function: constants, their doubts and shell momenta; the momenta may be in doubt.
+    """Return the text of a function: constants, their uncertainties and shell momenta; the momenta may be uncertain.
 
     Args:
         model: the lowered solution.
@@ -289,7 +291,7 @@ def start_text(model: Model) -> str:
     names = [f"q[{k}, i]" for k in range(n)] + [f"p[{k}, i]" for k in range(n)]
     numbers = [WithErrorBound(f"({x.high!r})", f"({abs(x.high) * UNIT!r})") for x in model.numbers]
     given = [WithErrorBound(x) for x in names[:n]]
-    given += [WithErrorBound(x, f"doubt[{k}, i]") for k, x in enumerate(names[n:])]
+    given += [WithErrorBound(x, f"uncertainty[{k}, i]") for k, x in enumerate(names[n:])]
     results = model.rule.run(RunningError(source, own=_OWN), [*given, *numbers])
     shifts = model.shift.run(source, [*names, *(x.value for x in numbers)])
     lines = list(source.lines)
@@ -297,4 +299,4 @@ def start_text(model: Model) -> str:
         lines += [f"C[{j}, i] = {result.value}", f"E[{j}, i] = {'(0.0)' if result.error is None else result.error}"]
     for k, (coordinate, shift) in enumerate(zip(model.separated, shifts, strict=True)):
         lines.append(f"P[{k}, i] = p[{coordinate.index}, i] + {shift}")
-    return _loop("start(q, p, doubt, C, E, P)", "", "i in range(q.shape[1])", lines)
+    return _loop("start(q, p, uncertainty, C, E, P)", "", "i in range(q.shape[1])", lines)

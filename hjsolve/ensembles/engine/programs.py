@@ -32,11 +32,11 @@ _ONE_AT_A_TIME = RLock()
 _MADE = 64
 
 _LOOPS = {
-    "crests": (("bend", "doubts"), 4),
+    "crests": (("bend", "uncertainties"), 4),
     "ends": (("value", "bend", "slopes"), 3),
     "small_ends": (("value", "bounds"), 4),
     "glances": ((), 7),
-    "integrals": (("fill", "fill", "doubts", "doubts", "relative", "relative"), 4),
+    "integrals": (("fill", "fill", "uncertainties", "uncertainties", "relative", "relative"), 4),
 }
 """Our loops: the programs that they take first, and the number of their other arguments."""
 
@@ -55,7 +55,7 @@ class ViewPrograms:
 
     Attributes:
         value, bend, slopes: F and its derivatives.
-        fill, doubts, relative: of the nodes, and bounds on errors.
+        fill, uncertainties, relative: of the nodes, and bounds on errors.
         chords: whether F comes from its slopes next to a turning point.
     """
 
@@ -63,7 +63,7 @@ class ViewPrograms:
     bend: Function
     slopes: Function
     fill: Function
-    doubts: Function
+    uncertainties: Function
     relative: Function
     chords: bool
 
@@ -75,13 +75,13 @@ class SmallPrograms:
     Attributes:
         value: F[q₀, q₀, q].
         bounds: ½F″ and a bound on the error of the former.
-        fill, doubts, relative: as of a view.
+        fill, uncertainties, relative: as of a view.
     """
 
     value: Function
     bounds: Function
     fill: Function
-    doubts: Function
+    uncertainties: Function
     relative: Function
 
 
@@ -141,7 +141,7 @@ class Compiled:
     """Compiled functions of a system.
 
     Attributes:
-        start: fills the constants, their doubts and the shell momenta.
+        start: fills the constants, their uncertainties and the shell momenta.
         loops: ours.
         coordinates: programs of the separated coordinates.
     """

@@ -34,12 +34,12 @@ class Knowns:
 
     Attributes:
         constants: one array (n,) a constant.
-        doubt: bounds on their errors.
+        uncertainty: bounds on their errors.
         parameters: numbers.
     """
 
     constants: tuple[Reals, ...]
-    doubt: tuple[Reals, ...]
+    uncertainty: tuple[Reals, ...]
     parameters: tuple[float, ...]
 
     def take(self, index: Which) -> Knowns:
@@ -49,7 +49,9 @@ class Knowns:
             index: which, positions or a mask.
         """
         return replace(
-            self, constants=tuple(c[index] for c in self.constants), doubt=tuple(e[index] for e in self.doubt)
+            self,
+            constants=tuple(c[index] for c in self.constants),
+            uncertainty=tuple(e[index] for e in self.uncertainty),
         )
 
     def plain(self, like: Reals) -> list[Elementwise]:
@@ -66,7 +68,7 @@ class Knowns:
         Args:
             like: an array (n,) or (n, nodes).
         """
-        pairs = zip(self.constants, self.doubt, strict=True)
+        pairs = zip(self.constants, self.uncertainty, strict=True)
         known = [WithErrorBound(with_node_axis(c, like), with_node_axis(e, like)) for c, e in pairs]
         return known + [WithErrorBound(p, UNIT * abs(p)) for p in self.parameters]
 
@@ -150,7 +152,7 @@ class DirectEvaluation:
             kernels: ½ ∂F/∂c at x, one array a constant.
             x: offsets from the origin, shape (n,) or (n, nodes).
         """
-        parts = (2 * np.abs(k) * with_node_axis(e, x) for k, e in zip(kernels, self.knowns.doubt, strict=True))
+        parts = (2 * np.abs(k) * with_node_axis(e, x) for k, e in zip(kernels, self.knowns.uncertainty, strict=True))
         return sum(parts, np.zeros_like(x))
 
     def jet(self, x: Reals) -> tuple[Reals, Reals, Reals]:
@@ -183,7 +185,7 @@ class DifferenceEvaluation:
         start: q₀.
         momentum: P₀.
         first: F′(q₀), to full relative accuracy.
-        doubt: bound on the error of F[q₀, q₀, q].
+        uncertainty: bound on the error of F[q₀, q₀, q].
     """
 
     formula: LoweredFormula
@@ -191,7 +193,7 @@ class DifferenceEvaluation:
     start: Reals
     momentum: Reals
     first: Reals
-    doubt: Reals
+    uncertainty: Reals
 
     sign = 1
 
@@ -201,7 +203,7 @@ class DifferenceEvaluation:
         Args:
             index: which, positions or a mask.
         """
-        own = (self.start, self.momentum, self.first, self.doubt)
+        own = (self.start, self.momentum, self.first, self.uncertainty)
         return DifferenceEvaluation(self.formula, self.knowns.take(index), *(part[index] for part in own))
 
     def value(self, δ: Reals) -> Reals:
@@ -234,7 +236,7 @@ class DifferenceEvaluation:
             known: F there; not used by this view.
         """
         size = with_node_axis(self.momentum, δ) ** 2 + 2 * np.abs(δ * with_node_axis(self.first, δ))
-        own = 6 * UNIT * size + δ**2 * with_node_axis(self.doubt, δ)
+        own = 6 * UNIT * size + δ**2 * with_node_axis(self.uncertainty, δ)
         if not kernels:
             return [own]
         return [

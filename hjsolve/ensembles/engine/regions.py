@@ -39,7 +39,7 @@ _TINY = 1e-4
 _NEAR = 3.0
 _FAR = 0.5
 _ALIKE = 2.0
-"""How much larger the doubt of ½F″ may be at the turning points of a small motion; three times of it are counted."""
+"""How much larger the uncertainty of ½F″ may be at the turning points of a small motion; three times of it count."""
 
 _WARPED = 5
 _GRID = 32
@@ -163,10 +163,10 @@ def _near(group: Group) -> LocatedRegions:
     """Small motions about a deep maximum of p²."""
     coordinate, knowns, q, P = group.coordinate, group.knowns, group.q, group.P
     first = slope(coordinate.plain, group.pairs, group.numbers, q)
-    bend, doubt = second_slope(coordinate.plain, knowns, q)
-    view = DifferenceEvaluation(coordinate.plain, knowns, q, P, first, doubt)
+    bend, uncertainty = second_slope(coordinate.plain, knowns, q)
+    view = DifferenceEvaluation(coordinate.plain, knowns, q, P, first, uncertainty)
     zero = np.zeros_like(q)
-    rest = (P == 0) & (np.abs(first) <= 2.0**-40 * doubt * np.maximum(np.abs(q), 2.0**-40))
+    rest = (P == 0) & (np.abs(first) <= 2.0**-40 * uncertainty * np.maximum(np.abs(q), 2.0**-40))
     floors = [
         np.full(len(q), side * np.inf) if formula is None else -formula.sign * offset(formula, q)
         for side, formula in ((-1, coordinate.lower), (1, coordinate.upper))
@@ -176,9 +176,9 @@ def _near(group: Group) -> LocatedRegions:
         _end(view, zero, P, side * first, bend, side, size, floor) for side, floor in zip((-1, 1), floors, strict=True)
     ]
     far = (ends[0] < _FAR * floors[0]) | (ends[1] > _FAR * floors[1])
-    # the doubt of the slopes is known at the start: it has to hold at the turning points, too
+    # the uncertainty of the slopes is known at the start: it has to hold at the turning points, too
     for end in ends:
-        far |= ~(second_slope(coordinate.plain, knowns, q + end)[1] <= _ALIKE * doubt)
+        far |= ~(second_slope(coordinate.plain, knowns, q + end)[1] <= _ALIKE * uncertainty)
     ends[0] = np.where(far, np.nan, ends[0])
     region = _region(view, view, ends[0], ends[1], P, -ends[0], ends[1])
     status = np.where(np.isfinite(region.width) & (region.width > 0), Status.OK, Status.UNBOUNDED)
@@ -286,7 +286,7 @@ def _libration(group: Group) -> LocatedRegions:
         region = _fine(group, region)
     if coordinate.even:
         same = np.abs(left - right - 2 * q) <= 1e-13 * region.width
-        region = replace(region, warp=np.where(same, EVEN, 0))
+        region = replace(region, node_map=np.where(same, EVEN, 0))
     if group.depth:
         region = _stretched(region)
     status = np.where(np.isfinite(region.width) & (region.width > 0), Status.OK, Status.UNBOUNDED)
@@ -345,7 +345,7 @@ def _stretched(region: OrbitRegions) -> OrbitRegions:
         inward = side * view.sign * first
         ρ = np.abs(region.width * second / (2 * inward) + 1)
         nearby.append(np.where(np.isfinite(ρ) & (ρ > _NEAR), ρ, 0.0))
-    even = region.warp >= EVEN
+    even = region.node_map >= EVEN
     d, c = (np.where(even, np.maximum(*nearby), ρ) for ρ in nearby)
     level = np.ceil(np.log2((1 + d) * (1 + c)) / 2)
     level = np.clip(level, 0, MOST).astype(int)
@@ -353,9 +353,9 @@ def _stretched(region: OrbitRegions) -> OrbitRegions:
     d, c = np.where(d >= c, goal / (1 + c) - 1, d), np.where(d >= c, c, goal / (1 + d) - 1)
     d, c = (np.where(even, np.sqrt(goal) - 1, ρ) for ρ in (d, c))
     where = np.log1p(d) / np.log((1 + d) * (1 + c))
-    warp = np.where(level >= _WARPED, 1 + np.rint(4 * np.nan_to_num(where)), 0).astype(int)
-    warp = np.where(even, EVEN + (level >= _WARPED), warp)
-    return replace(region, near_lower=d, near_upper=c, level=level, warp=warp)
+    node_map = np.where(level >= _WARPED, 1 + np.rint(4 * np.nan_to_num(where)), 0).astype(int)
+    node_map = np.where(even, EVEN + (level >= _WARPED), node_map)
+    return replace(region, near_lower=d, near_upper=c, level=level, node_map=node_map)
 
 
 def _rotation(group: Group, values: Reals, grid: Reals) -> LocatedRegions:

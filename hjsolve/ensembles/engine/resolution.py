@@ -71,7 +71,7 @@ def least(region: OrbitRegions, first: int) -> Reals:
         first: number of nodes to begin with, one of ``COUNTS``.
     """
     needed, hint = np.full(len(region.width), np.inf), np.full(len(region.width), float(first))
-    codes = region.level * 8 + region.warp
+    codes = region.level * 8 + region.node_map
     for count in COUNTS:
         left = np.flatnonzero(np.isinf(needed) & (hint <= count))
         if len(left):
@@ -122,7 +122,7 @@ def _at_a_glance(region: OrbitRegions, table: Nodes) -> Reals:
     """The same by one disk about the middle of each motion."""
     formula, knowns, base = _seen(region.below)
     middle = np.ravel(base) + region.lower + region.below.sign * 0.5 * region.width
-    radius = across(len(table.χ), table.warp, table.fold)
+    radius = across(len(table.χ), table.node_map, table.symmetry)
     share = room(formula.clearance, middle, region.width) / radius
     small = np.flatnonzero((share < 1) & (region.width < _SMALL * np.abs(middle)))
     if len(small):  # cells are too large for it
@@ -148,7 +148,7 @@ def _disks(region: OrbitRegions, orbits: Integers, table: Nodes, over: CoveredSt
             return _Disks(orbits, offset, over.spread + 0.0 * np.real(offset)), None
         W = region.width[:, None]
         low, high, spread = _within(region, table, over)
-        half = len(over.low) if table.fold == 2 else len(over.low) // 2
+        half = len(over.low) if table.symmetry == 2 else len(over.low) // 2
         lower = region.lower[:, None] + region.below.sign * W * low[:, :half]
         upper = region.upper[:, None] - region.above.sign * W * high[:, half:]
         if region.below is region.above:

@@ -67,7 +67,7 @@ class Starts:
 
     Attributes:
         q, p: all places and canonical momenta.
-        doubt: bounds on the errors of p, ``low`` being left out.
+        uncertainty: bounds on the errors of p, ``low`` being left out.
         low: what is to be added to p.
         spread: bounds on the errors that p has in doubles; in two doubles it has 2^−44 of them at most.
         velocity: what p comes from, None where p was given.
@@ -76,7 +76,7 @@ class Starts:
 
     q: Reals
     p: Reals
-    doubt: Reals
+    uncertainty: Reals
     low: Reals
     spread: Reals
     velocity: Reals | None = None
@@ -88,7 +88,7 @@ class Starts:
         Args:
             index: which, positions or a mask.
         """
-        arrays = {name: getattr(self, name)[:, index] for name in ("q", "p", "doubt", "low", "spread")}
+        arrays = {name: getattr(self, name)[:, index] for name in ("q", "p", "uncertainty", "low", "spread")}
         return replace(self, velocity=None if self.velocity is None else self.velocity[:, index], **arrays)
 
     def precise(self) -> Starts:
@@ -96,7 +96,7 @@ class Starts:
         if self.rule is None or self.velocity is None:
             return self
         p, low = self.rule.exactly(self.q, self.velocity)
-        return replace(self, p=p, low=low, doubt=np.abs(low) + _FINER * self.spread)
+        return replace(self, p=p, low=low, uncertainty=np.abs(low) + _FINER * self.spread)
 
 
 def given_momenta(q: Reals, p: Reals) -> Starts:
@@ -116,5 +116,5 @@ def from_velocities(rule: MomentumRule, q: Reals, velocity: Reals) -> Starts:
         rule: of the system.
         q, velocity: of all coordinates, shape (coordinates, n).
     """
-    p, doubt = rule.rounded(q, velocity)
-    return Starts(q, p, doubt, np.zeros_like(p), doubt, velocity, rule)
+    p, uncertainty = rule.rounded(q, velocity)
+    return Starts(q, p, uncertainty, np.zeros_like(p), uncertainty, velocity, rule)

@@ -54,29 +54,29 @@ class CoveredStrip:
     inside: bool
 
 
-def half_width(count: int, fold: int) -> float:
-    """Return a for N nodes over half a period (over a quarter: fold 2).
+def half_width(count: int, symmetry: int) -> float:
+    """Return a for N nodes over half a period (over a quarter: symmetry 2).
 
     Args:
         count: N.
-        fold: 2 for an even motion, else 1.
+        symmetry: 2 for an even motion, else 1.
     """
-    return EXPONENT / (2 * fold * count)
+    return EXPONENT / (2 * symmetry * count)
 
 
 @cache
-def across(count: int, warp: tuple[float, float], fold: int) -> float:
+def across(count: int, node_map: tuple[float, float], symmetry: int) -> float:
     """Return the radius of a disk about the middle of the motion that holds the strip, in units of (b − a)/2.
 
     For plain anomalies: q = m − h cos φ, φ = χ + γ sin χ + ½ δ sin 2χ; the image of |Im φ| ≤ y is an ellipse.
 
     Args:
         count: number of nodes.
-        warp: γ and δ, the crowding of the nodes.
-        fold: 2 for an even motion, else 1.
+        node_map: γ and δ, the crowding of the nodes.
+        symmetry: 2 for an even motion, else 1.
     """
-    a = half_width(count, fold)
-    γ, δ = warp
+    a = half_width(count, symmetry)
+    γ, δ = node_map
     return float(np.cosh(min(a + abs(γ) * np.sinh(a) + 0.5 * abs(δ) * np.sinh(2 * a), 700.0)))
 
 
@@ -89,7 +89,7 @@ def covered_strip(table: Nodes, turning: bool) -> CoveredStrip:
         turning: True between two turning points, False for a rotation.
     """
     nodes = len(table.χ) if turning else len(table.χ) // 2
-    a, length = half_width(nodes, table.fold), np.pi / table.fold if turning else 2 * np.pi
+    a, length = half_width(nodes, table.symmetry), np.pi / table.symmetry if turning else 2 * np.pi
     rows = _ROWS if table.complement == 1.0 else _STRETCHED_ROWS
     count = 2 * max(_LEAST, len(table.χ) * rows // 16)
     δ, ε = 0.5 * length / count, 0.5 * a / rows
@@ -107,7 +107,7 @@ def covered_strip(table: Nodes, turning: bool) -> CoveredStrip:
 
 def _goal(χ: Complexes, table: Nodes) -> Complexes:
     """The anomaly before nodes were crowded."""
-    γ, δ = table.warp
+    γ, δ = table.node_map
     return χ + γ * np.sin(χ) + 0.5 * δ * np.sin(2 * χ)
 
 
