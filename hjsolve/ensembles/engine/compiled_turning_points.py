@@ -133,8 +133,13 @@ def _improved(x: Reals, inner: Reals, outer: Reals, moved: Reals, f: Reals, d: R
 
 @njit(**INLINED)
 def _finish(bend: Bend, x: float, x0: float, span: tuple[float, float], c: Reals) -> float:
-    """The same until it stands still, for one orbit."""
+    """The same until it stands still, for one orbit: to the last bits of x, or as far as p² tells.
+
+    Next to an end of the domain x is small beside x₀ and has digits of its own, so that a step which is nothing beside
+    x₀ does not end the search while steps still shrink.
+    """
     inner, outer = span
+    before = np.inf
     for count in range(80):
         f, d, _ = bend(x, c)
         if f >= 0.0:
@@ -142,11 +147,14 @@ def _finish(bend: Bend, x: float, x0: float, span: tuple[float, float], c: Reals
         else:
             outer = x
         new = x - f / d
-        if not (new - inner) * (new - outer) <= 0.0 or count % 16 == 15:
+        halved = not (new - inner) * (new - outer) <= 0.0 or count % 16 == 15
+        if halved:
             new = 0.5 * (inner + outer)
-        if abs(new - x) <= 4.0 * EPS * max(abs(new), abs(x0)):
+        step = abs(new - x)
+        lost = step <= 4.0 * EPS * abs(x0) and step >= 0.25 * before and not halved
+        if step <= 4.0 * EPS * abs(new) or lost:
             return new
-        x = new
+        x, before = new, step
     return np.nan
 
 
