@@ -174,7 +174,7 @@ class CompiledCoordinate:
         some = np.flatnonzero(stretched)
         if len(some):
             index[some] = node_maps().index(fitting(lower[some], upper[some], even[some]))
-        share = np.where(stretched & ~even, views(bends[0, 0], bends[1, 0], (lower, upper)), 0)
+        share = np.where(~even, views(bends[0, 0], bends[1, 0], (lower, upper)), 0)
         return index, share
 
     def _integrated(self, motions: Motions, modes: Modes, programs: tuple[Any, Any]) -> tuple[Sums, Integers]:

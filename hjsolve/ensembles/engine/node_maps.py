@@ -33,6 +33,8 @@ _VECTOR = 8
 _FROM_MIDDLE, _FROM_BELOW, _FROM_ABOVE = 0, 1, 2
 _TALL = 100.0
 """How much larger p² may be next to one end than next to the other before that end is only seen from close by."""
+_PART = 0.125
+"""The part of the width that is seen from such an end where nothing beyond it gives a scale."""
 
 
 class NodeMap(NamedTuple):
@@ -59,6 +61,8 @@ class NodeMap(NamedTuple):
 
     def dividing(self, share: int) -> float:
         """(q − a)/W up to which a motion is seen from its lower end; see ``views``."""
+        if self.level == 0:
+            return (0.5, 1.0 - _PART, _PART)[share]
         lower, upper = 2.0**self.lower, 2.0**self.upper
         return (0.5, 1.0 - 1.0 / (1.0 + upper), 1.0 / (1.0 + lower))[share]
 

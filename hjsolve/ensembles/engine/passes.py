@@ -86,8 +86,8 @@ def run_pass(
     _results(model, names, columns, sums, directions, start)
     if oscillations and any(c.shifted for c in model.separated):
         status[status == Status.OK] = UNDECIDED
+    claimed = worst(columns)  # before those that are too large are gone: they gain most by more digits
     _settle(columns, status, tolerance)
-    claimed = worst(columns)
     spoilt = spared & ~small & (claimed > _SPOILT)
     columns.vague[:] |= spoilt | (claimed > _WIDE)
     if depth == 2:
