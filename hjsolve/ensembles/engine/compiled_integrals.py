@@ -23,15 +23,16 @@ Relative = Callable[[Reals, Reals, Reals, Reals], None]
 
 
 @njit(**INLINED)
-def _shifts(work: Scratch, residue: tuple[float, float], motions: Motions, i: int, place: tuple[int, int],
-            tables: Tables) -> None:  # fmt: skip
+def _shifts(work: Scratch, residue: tuple[float, float], E: Reals, place: tuple[int, int, int], tables: Tables,
+            tilted: bool) -> None:  # fmt: skip
     """Add to the bounds what small shifts of F do: constants 2 kⱼ δcⱼ and the residues; see ``nodes.shifts``.
 
-    Below the middle F is seen from the lower turning point and has its residue, above it that of the upper one.
+    Below the middle F is seen from the lower turning point and has its residue, above it that of the upper one; or it
+    lacks a linear function between the two, which is tilted by no more than twice the larger one.
     """
-    (m, size), E, buffer, scratch, found = place, motions.uncertainty[i], work.buffer, work.rows, work.found
-    n, split, symmetry = tables.counts[size], tables.split[m, size, motions.share[i]], int(tables.maps[m, 6])
-    squares, slopes = tables.squares[symmetry - 1, size], tables.slopes[symmetry - 1, size]
+    (m, size, share), buffer, scratch, found = place, work.buffer, work.rows, work.found
+    n, split, symmetry = tables.counts[size], tables.split[m, size, share], int(tables.maps[m, 6])
+    squares, slopes, low = tables.squares[symmetry - 1, size], tables.slopes[symmetry - 1, size], tables.low[m, size]
     constants = buffer.shape[0] - 3
     for j in range(n):
         scratch[0, j] = squares[j] / buffer[2, j]
@@ -42,6 +43,9 @@ def _shifts(work: Scratch, residue: tuple[float, float], motions: Motions, i: in
             for j in range(n):
                 scratch[2, j] = row[j] * scratch[0, j] * (residue[0] if j < split else residue[1])
             total = _swing(scratch[2], slopes, n)
+            if tilted:
+                for j in range(n - 1):
+                    total += 2.0 * abs(scratch[2, j]) * abs(low[j + 1] - low[j]) * slopes[j]
             found[1, 1 + k] += total
             found[2, 1 + k] += 0.5 * total
         for l in range(k + 1):
@@ -170,6 +174,7 @@ def integrals(fill_below: Fill, fill_above: Fill, uncertainties_below: Uncertain
         np.empty((3 + rows, widest)), np.empty(widest), np.empty((3, widest)), np.empty((1 + rows, most)),
         np.empty(most), np.empty((5, 1 + rows)), np.empty((4, lanes)), np.empty((3 + rows, lanes)),
     )  # fmt: skip
+    steady = np.zeros(constants)
     for i in range(motions.width.shape[0]):
         if not motions.width[i] > 0.0 or motions.least[i] < 0:
             continue
@@ -189,10 +194,15 @@ def integrals(fill_below: Fill, fill_above: Fill, uncertainties_below: Uncertain
         results.chosen[0, i], results.chosen[1, i] = size, m
         results.good[i], results.action[i], results.action_error[i] = True, found[0, 0], found[1, 0]
         if modes.kernels:
-            if modes.shifts:
-                split = tables.split[m, size, motions.share[i]]
-                results.action_error[i] += shifted_action(work, residue, motions.uncertainty[i], n, split)
-                _shifts(work, residue, motions, i, (m, size), tables)
+            if modes.shifts or modes.chords:
+                share, largest = motions.share[i], max(residue[0], residue[1])
+                if modes.shifts:
+                    shaken, steps = motions.uncertainty[i], residue
+                else:
+                    shaken, steps = steady, (largest, largest)
+                split = tables.split[m, size, share]
+                results.action_error[i] += shifted_action(work, steps, shaken, n, split)
+                _shifts(work, steps, shaken, (m, size, share), tables, not modes.shifts)
             for k in range(constants):
                 results.means[k, i], results.mean_errors[k, i] = found[0, 1 + k], found[1, 1 + k]
         if modes.oscillations:

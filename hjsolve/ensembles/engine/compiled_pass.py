@@ -199,7 +199,7 @@ class CompiledCoordinate:
             modes: what is wanted.
         """
         n, made, plain = len(self.q), self.programs.small(), self.coordinate.plain
-        known = np.ascontiguousarray(np.stack([*self.constants, self.q, self.P**2, first, 0 * self.q], axis=1))
+        known = np.ascontiguousarray(np.stack([*self.constants, self.q, self.P**2, first, 0 * self.q, 0 * self.q], axis=1))
         uncertainty = np.ascontiguousarray(self.uncertainty.T)
         floors = np.stack([np.full(n, -np.inf), np.full(n, np.inf)])
         for k, formula in enumerate((self.coordinate.lower, self.coordinate.upper)):
@@ -249,7 +249,7 @@ def librations(orbits: CompiledCoordinate, first: Any, small: Any, modes: Modes)
     sums = empty(len(orbits.constants), len(orbits.q))
     narrow = np.flatnonzero(small)
     if len(narrow):
-        sums.put(narrow, orbits.take(narrow).small(first(narrow), modes._replace(chords=False, shifts=False)))
+        sums.put(narrow, orbits.take(narrow).small(first(narrow), modes._replace(chords=modes.kernels, shifts=False)))
     wide = np.flatnonzero(~sums.good)
     if len(wide):
         some = orbits.take(wide)

@@ -217,13 +217,13 @@ def small_ends(value: Value, bounds: Bounds, known: Reals, uncertainty: Reals, f
 
     Args:
         value, bounds: programs; see ``program_texts.small_text``.
-        known: constants, q₀, P₀², F′₀, and room for a bound on the error of F[q₀, q₀, q], which is filled in;
-            shape (n, constants + 4).
+        known: constants, q₀, P₀², F′₀, and room for a bound on the error of F[b, b, q], b being the start or a turning
+            point, and for the width, which are filled in; shape (n, constants + 5).
         uncertainty: bounds on the errors of the constants, shape (n, constants).
         floors: distances of the ends of the domain, shape (2, n), the first negative.
         places: where the results go, shape (2, n).
     """
-    m = known.shape[1] - 4
+    m = known.shape[1] - 5
     out, place = np.empty((2, 4)), np.empty(4)
     for i in range(known.shape[0]):
         c = known[i]
@@ -234,7 +234,7 @@ def small_ends(value: Value, bounds: Bounds, known: Reals, uncertainty: Reals, f
             high = _small_end(value, c, 1.0, (square, first, bend))
         place[0], place[1], place[2], place[3] = q, q + low, q + high, q
         bounds(out, place, c, uncertainty[i])
-        c[m + 3] = out[1, 0]
+        c[m + 3], c[m + 4] = max(out[1, 0], out[1, 1], out[1, 2]), high - low
         # the uncertainty of the slopes is known at the start: it has to hold at the turning points, too
         alike = out[1, 1] <= _ALIKE * out[1, 0] and out[1, 2] <= _ALIKE * out[1, 0]
         near = low >= _FAR * floors[0, i] and high <= _FAR * floors[1, i]

@@ -119,10 +119,10 @@ class Modes(NamedTuple):
     """What is wanted.
 
     Attributes:
-        chords: F comes from its slopes between a turning point and the node.
+        chords: F comes from its slopes between a turning point and the node, of small motions from those of second order.
         kernels: ∂J/∂c are wanted.
         oscillations: the phase and the running integrals are, too.
-        shifts: the errors of the constants are counted apart.
+        shifts: the errors of the constants are counted apart; not of small motions, where slopes have them.
     """
 
     chords: bool

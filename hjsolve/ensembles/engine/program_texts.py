@@ -31,9 +31,12 @@ from hjsolve.ensembles.engine.radicand_views import has_chords
 _OWN = 4
 _PLACE = f"({2 * UNIT!r})"
 _ROUNDED = f"({6 * UNIT!r})"
+_OFFSETS = f"({16 * UNIT!r})"
+"""Roundings of distances from the turning points and of what they are multiplied with."""
 _NO_RELATIVE = "def relative(out, base, offset, c):\n    out[:] = 0.0\n"
 
-_MORE = ("start0", "square0", "first0", "doubt0")
+_MORE = ("start0", "square0", "first0", "doubt0", "width0")
+"""What programs of small motions know after the constants: q₀, P₀², F′₀, a bound on errors of F[q, q, q + x], and W."""
 
 VIEW = ("value", "bend", "slopes", "fill", "uncertainties", "relative")
 SMALL = ("value", "bounds", "fill", "uncertainties", "relative")
@@ -113,10 +116,9 @@ def _fill_text(formula: LoweredFormula, unpack: str, known: list[str], kernels: 
 
 
 def _filled(source: PythonSource, unpack: str, places: list[str], square: str, weights: list[str]) -> str:
-    fixed, moving = _divided(source.lines)
+    fixed, moving = _divided([*places, *source.lines])
     rows = [square + " * r", "r", square, *(f"{w} * r" for w in weights)]
     lines = [
-        *places,
         *moving,
         f"r = derivative[j] * sqrt_((W * near[j]) * (W * far[j]) / {square})",
         *(f"b{k}[j] = {row}" for k, row in enumerate(rows)),
@@ -130,7 +132,7 @@ def _filled(source: PythonSource, unpack: str, places: list[str], square: str, w
 
 def _divided(lines: list[str]) -> tuple[list[str], list[str]]:
     """Lines that depend on the turning point alone, and those that depend on the node."""
-    fixed, moving, depends = [], [], {"x", "d"}
+    fixed, moving, depends = [], [], {"near"}
     for line in lines:
         left, right = line.split(" = ", 1)
         words = re.findall(r"[A-Za-z_]\w*", right)
@@ -185,7 +187,9 @@ def _both(constants: int) -> str:
 def small_text(formula: LoweredFormula, constants: int, numbers: tuple[float, ...], kernels: bool) -> str:
     """Return the text of the functions of small motions, F(q₀ + x) = P₀² + x (F′₀ + x F[q₀, q₀, q₀ + x]).
 
-    After the constants c has q₀, P₀², F′₀ and a bound on the error of F[q₀, q₀, q].
+    With kernels F is seen from the turning points, where it keeps its digits: as F vanishes at both, a distance s W
+    apart, F(b + d) = d (d F[b, b, b + d] − s W F[b, b, b + s W]). What F is at the numbers that stand for the turning
+    points is left out by that, as a linear function.
 
     Args:
         formula: p²(q).
@@ -198,19 +202,39 @@ def small_text(formula: LoweredFormula, constants: int, numbers: tuple[float, ..
     values = PythonSource()
     second = _second(formula, values, names + literals)
     filled = PythonSource()
-    square = _square(filled, _second(formula, filled, names + literals))
-    place, weights = filled.add("start0", "x"), []
     if kernels:
-        _, *weights = formula.full.run(filled, [place, *names, *literals])
+        square = filled.mul("d", _from_end(formula, filled, names + literals)[0])
+        _, *weights = formula.full.run(filled, [filled.add("start0", "x"), *names, *literals])
+    else:
+        square, weights = _square(filled, _second(formula, filled, names + literals)), []
+    ends = ["base = start0 + b", "span = s * W"] if kernels else []
     return "\n".join(
         (
             _plain("value", unpack, lambda s: _taken(values, s, second), single=True),
             _bounds_text(formula, constants, numbers),
-            _filled(filled, unpack, ["d = s * W * near[j]", "x = b + d"], square, weights),
+            _filled(filled, unpack, [*ends, "d = s * W * near[j]", "x = b + d"], square, weights),
             _small_uncertainties_text(formula, constants, numbers, kernels),
-            _NO_RELATIVE,
+            _small_relative_text(formula, unpack, names + literals) if kernels else _NO_RELATIVE,
         )
     )
+
+
+def _from_end(formula: LoweredFormula, source: PythonSource, known: list[str]) -> tuple[str, str]:
+    """F[b, b + d] of a small motion, and the sizes of its two terms."""
+    here = source.mul("d", _second(formula, source, known, "base", "d"))
+    there = source.mul("span", _second(formula, source, known, "base", "span"))
+    return source.sub(here, there), source.add(source.unary("abs", here), source.unary("abs", there))
+
+
+def _small_relative_text(formula: LoweredFormula, unpack: str, known: list[str]) -> str:
+    """Bounds on the relative error of F[b, b + d] of small motions."""
+    source = PythonSource()
+    slope, terms = _from_end(formula, source, known)
+    doubt = source.mul("doubt0", source.add(source.unary("abs", "d"), "width0"))
+    error = source.div(source.add(doubt, source.mul(_OFFSETS, terms)), source.unary("abs", slope))
+    lines = ["b = base_[g]", "d = offset[g]", "base = start0 + b", "span = width0 if d > 0.0 else -width0"]
+    lines += [*source.lines, f"out[g] = {error}"]
+    return _loop("relative(out, base_, offset, c)", unpack, "g in range(out.shape[0])", lines)
 
 
 def _taken(values: PythonSource, source: PythonSource, result: str) -> list[str]:
@@ -218,8 +242,10 @@ def _taken(values: PythonSource, source: PythonSource, result: str) -> list[str]
     return [result]
 
 
-def _second(formula: LoweredFormula, source: PythonSource, known: list[str]) -> str:
-    """F[q₀, q₀, q₀ + x]."""
+def _second(
+    formula: LoweredFormula, source: PythonSource, known: list[str], start: str = "start0", offset: str = "x"
+) -> str:
+    """F[b, b, b + x]; of the start b = q₀."""
 
     def elementary(name: str, x: str, d: str) -> tuple[str, str, str]:
         if name in {"sin", "cos"}:
@@ -237,8 +263,8 @@ def _second(formula: LoweredFormula, source: PythonSource, known: list[str]) -> 
     def sign(x: str, y: str) -> str:
         return source.called("common_sign", x, y, results=1)[0]
 
-    slopes = SecondDifferences(source, "x", elementary, sign)
-    inputs = [slopes.variable("start0"), *(SecondDifference(k) for k in known)]
+    slopes = SecondDifferences(source, offset, elementary, sign)
+    inputs = [slopes.variable(start), *(SecondDifference(k) for k in known)]
     result = formula.squared.run(slopes, inputs)[0]
     return "(0.0)" if result.second is None else result.second
 
@@ -252,7 +278,8 @@ def _bounds_text(formula: LoweredFormula, constants: int, numbers: tuple[float, 
     source = PythonSource()
     jets = Jets(RunningError(source, own=_OWN))
     known = [*(WithErrorBound(f"c{j}", f"s{j}") for j in range(constants)), *_rounded(numbers)]
-    bend = formula.squared.run(jets, [jets.variable(WithErrorBound("x")), *(Jet(k) for k in known)])[0].second
+    place = WithErrorBound("x", source.mul(f"({UNIT!r})", source.unary("abs", "x")))
+    bend = formula.squared.run(jets, [jets.variable(place), *(Jet(k) for k in known)])[0].second
     half, error = "(0.0)", "(0.0)"
     if bend is not None:
         half = source.mul("(0.5)", bend.value)
