@@ -2,7 +2,7 @@
 
 The same mathematics as ``regions``, ``turning_points`` and ``midpoint_rule`` in doubles, with maps from ``node_maps``;
 an orbit that is no libration, or not easy (a slow series, a large claimed error), is left to those. Small motions are
-seen from the start, by second differences, where the constants are known to 32 digits.
+seen from the start, by second differences. The constants are known to 32 digits.
 """
 
 from __future__ import annotations
@@ -16,7 +16,7 @@ from hjsolve.arithmetic.error_free import Pair
 from hjsolve.arithmetic.number_types import Integers, Mask, Reals
 from hjsolve.ensembles.engine.clearance import Clearance
 from hjsolve.ensembles.engine.compiled_types import Clearances, Modes, Motions, Results
-from hjsolve.ensembles.engine.constants import InitialConstants, momentum_errors, slope
+from hjsolve.ensembles.engine.constants import InitialConstants, momentum_errors
 from hjsolve.ensembles.engine.lowered_solution import Model, Separated
 from hjsolve.ensembles.engine.midpoint_rule import Sums, empty
 from hjsolve.ensembles.engine.node_maps import COUNTS, fitting, node_maps, views
@@ -42,21 +42,22 @@ _HELD = COUNTS.index(40)
 
 
 def begin_compiled(model: Model, made: Compiled, starts: Starts) -> InitialConstants:
-    """Work out the constants in doubles; see ``constants.initial_constants``.
+    """Work out the constants to 32 digits; see ``constants.initial_constants``.
 
     Args:
         model: the lowered solution.
         made: its programs.
         starts: of n orbits.
     """
-    q, p = starts.q, starts.p
-    count, m = q.shape[1], len(model.constants)
-    C, E, P = np.empty((m, count)), np.empty((m, count)), np.empty((len(model.separated), count))
-    made.start(q, p, starts.uncertainty, C, E, P)
+    starts = starts.precise()
+    q, count, m = starts.q, starts.q.shape[1], len(model.constants)
+    C, L, E = (np.empty((m, count)) for _ in range(3))
+    P = np.empty((len(model.separated), count))
+    made.start(q, starts.p, starts.low, starts.spread, C, L, E, P)
     numbers = tuple(pair.high for pair in model.numbers)
     places = q[[c.index for c in model.separated]]
     knowns = Knowns(tuple(C), tuple(E), numbers)
-    return InitialConstants(places, P, starts, knowns, None, momentum_errors(model, starts))
+    return InitialConstants(places, P, starts, knowns, tuple(map(Pair, C, L)), momentum_errors(model, starts))
 
 
 @dataclass(frozen=True)
@@ -68,7 +69,7 @@ class CompiledCoordinate:
         programs: its own.
         loops: ours.
         q, P: starts, shape (n,).
-        constants, uncertainty: of the motion, shape (constants, n).
+        constants, low, uncertainty: of the motion, in two doubles, shape (constants, n).
     """
 
     coordinate: Separated
@@ -77,6 +78,7 @@ class CompiledCoordinate:
     q: Reals
     P: Reals
     constants: Reals
+    low: Reals
     uncertainty: Reals
 
     @staticmethod
@@ -89,7 +91,9 @@ class CompiledCoordinate:
             start: of n orbits.
             k: row.
         """
-        rows = (np.stack(start.knowns.constants), np.stack(start.knowns.uncertainty))
+        assert start.pairs is not None
+        low = np.stack([pair.low for pair in start.pairs])
+        rows = (np.stack(start.knowns.constants), low, np.stack(start.knowns.uncertainty))
         q, P = (np.ascontiguousarray(x[k]) for x in (start.q, start.P))
         return CompiledCoordinate(model.separated[k], made.coordinates[k], made.loops, q, P, *rows)
 
@@ -101,8 +105,8 @@ class CompiledCoordinate:
         """
         if len(index) == len(self.q):
             return self
-        constants, uncertainty = (np.take(x, index, axis=1) for x in (self.constants, self.uncertainty))
-        return replace(self, q=self.q[index], P=self.P[index], constants=constants, uncertainty=uncertainty)
+        rows = {name: np.take(getattr(self, name), index, axis=1) for name in ("constants", "low", "uncertainty")}
+        return replace(self, q=self.q[index], P=self.P[index], **rows)
 
     def smallness(self, *, kernels: bool) -> Reals:
         """Return the error of p² at the start over about how large p² becomes; 0 where small motions have no view.
@@ -191,15 +195,17 @@ class CompiledCoordinate:
         )  # fmt: skip
         return sums, chosen
 
-    def small(self, first: Reals, modes: Modes) -> Sums:
+    def small(self, modes: Modes) -> Sums:
         """Integrate motions about a maximum of p² that is deep beside them.
 
         Args:
-            first: F′ at the start, to full relative accuracy.
             modes: what is wanted.
         """
         n, made, plain = len(self.q), self.programs.small(), self.coordinate.plain
-        known = np.ascontiguousarray(np.stack([*self.constants, self.q, self.P**2, first, 0 * self.q, 0 * self.q], axis=1))
+        first = np.empty(n)
+        made.slope(self.q, np.concatenate([self.constants, self.low]), first)
+        rows = [*self.constants, self.q, self.P**2, first, 0 * self.q, 0 * self.q]
+        known = np.ascontiguousarray(np.stack(rows, axis=1))
         uncertainty = np.ascontiguousarray(self.uncertainty.T)
         floors = np.stack([np.full(n, -np.inf), np.full(n, np.inf)])
         for k, formula in enumerate((self.coordinate.lower, self.coordinate.upper)):
@@ -234,12 +240,11 @@ def _least_at_a_glance(clearance: Clearance, constants: tuple[Reals, ...], middl
     return least
 
 
-def librations(orbits: CompiledCoordinate, first: Any, small: Any, modes: Modes) -> Sums:
+def librations(orbits: CompiledCoordinate, small: Mask, modes: Modes) -> Sums:
     """Integrate one coordinate of many orbits.
 
     Args:
         orbits: what is known of them.
-        first: None, or F′ at the start of orbits, by their places.
         small: True where the motion is seen from the start.
         modes: what is wanted; ``chords`` and ``shifts`` are not looked at.
 
@@ -249,33 +254,13 @@ def librations(orbits: CompiledCoordinate, first: Any, small: Any, modes: Modes)
     sums = empty(len(orbits.constants), len(orbits.q))
     narrow = np.flatnonzero(small)
     if len(narrow):
-        sums.put(narrow, orbits.take(narrow).small(first(narrow), modes._replace(chords=modes.kernels, shifts=False)))
+        sums.put(narrow, orbits.take(narrow).small(modes._replace(chords=modes.kernels, shifts=False)))
     wide = np.flatnonzero(~sums.good)
     if len(wide):
         some = orbits.take(wide)
         chords = some.programs.below.chords and some.programs.above.chords
         sums.put(wide, some.wide(modes._replace(chords=chords, shifts=True)))
     return sums
-
-
-def slopes_at_start(model: Model, coordinate: Separated, start: InitialConstants, k: int) -> Any:
-    """Return a function: places of orbits ↦ F′ at their starts, from 32 digits.
-
-    Args:
-        model: the lowered solution.
-        coordinate: the k-th separated one.
-        start: of n orbits, precise.
-        k: row.
-    """
-    pairs = start.pairs
-    assert pairs is not None
-
-    def some(index: Integers) -> Reals:
-        taken = tuple(Pair(c.high[index], c.low[index]) for c in pairs)
-        found: Reals = slope(coordinate.plain, taken, model.numbers, start.q[k][index])
-        return np.ascontiguousarray(found)
-
-    return some
 
 
 @dataclass(frozen=True)

@@ -119,7 +119,7 @@ class Modes(NamedTuple):
     """What is wanted.
 
     Attributes:
-        chords: F comes from its slopes between a turning point and the node, of small motions from those of second order.
+        chords: F comes from its slopes between a turning point and the node; of small motions from second ones.
         kernels: ∂J/∂c are wanted.
         oscillations: the phase and the running integrals are, too.
         shifts: the errors of the constants are counted apart; not of small motions, where slopes have them.
@@ -177,4 +177,5 @@ def signatures() -> dict[str, Any]:
         "uncertainties": types.void(block, row, row, row, row),
         "relative": types.void(row, row, row, row),
         "bounds": types.void(block, row, row, row),
+        "slope": types.void(row, block, row),
     }

@@ -43,6 +43,16 @@ as_bits: Any = intrinsic(_recast)
 
 
 @njit(**INLINED)
+def power_of_two(k: float) -> float:
+    """Return 2ᵏ.
+
+    Args:
+        k: a whole number from −1021 to 1024.
+    """
+    return _as_float((np.int64(k) + 1022) << 52) * 2.0
+
+
+@njit(**INLINED)
 def exp_(x: float) -> float:
     """Return the exponential; 0 below −708 and infinity above 709.
 
@@ -55,7 +65,7 @@ def exp_(x: float) -> float:
     total = _EXP[12]
     for n in range(11, -1, -1):
         total = total * r + _EXP[n]
-    value = total * _as_float((np.int64(k) + 1022) << 52) * 2.0
+    value = total * power_of_two(k)
     value = 0.0 if x < -708.0 else value
     value = np.inf if x > 709.0 else value
     return value if x == x else x

@@ -76,10 +76,10 @@ class Engine:
     def run_starts(self, starts: Starts) -> Columns:
         """Compute what is wanted.
 
-        A first pass works in doubles: by numpy with plain anomalies; as compiled loops with stretched ones, too, and
-        again for orbits that are left, with 32-digit constants and slopes for small amplitudes. Orbits whose errors
-        come out too large go through a second one by numpy, with all of these, and if that is not enough (a
-        separatrix) through a third one with 32-digit radicands, if it is doubles that do not know them.
+        A first pass works in doubles: by numpy with plain anomalies; as compiled loops with stretched ones, 32-digit
+        constants and slopes for small amplitudes. Orbits whose errors come out too large go through a second one by
+        numpy, with all of these, and if that is not enough (a separatrix) through a third one with 32-digit radicands,
+        if it is doubles that do not know them.
 
         Args:
             starts: of n orbits.
@@ -94,8 +94,7 @@ class Engine:
         everything = np.arange(count)
         if self.compiled:
             made = compiled(self.model, kernels=bool(TIMED & self.want))
-            self._deeper(columns, everything, starts, -2, made)
-            self._deeper(columns, everything[columns.status != Status.OK], starts, -1, made)
+            self._deeper(columns, everything, starts, -1, made)
         if not self.compiled or any(c.periodic for c in self.model.separated):
             left = everything[columns.status != Status.OK]
             lost = hopeless_in_doubles(self.model, starts.take(left), kernels=bool(TIMED & self.want))
@@ -113,7 +112,7 @@ class Engine:
             index = orbits[first : first + size]
             chunk = self.model, dict(self.names), starts.take(index)
             part = (
-                run_compiled(*chunk, made=made, tolerance=tolerance, precise=depth == -1)
+                run_compiled(*chunk, made=made, tolerance=tolerance)
                 if made is not None
                 else run_pass(*chunk, depth=depth, tolerance=tolerance)
             )

@@ -29,12 +29,9 @@ _SPOILT = 8e-12
 _WIDE = 1e-11
 """Above this claim more digits are tried, whatever is to blame."""
 
-_BARE, _BARE_ACTIONS = 5e-12, 4e-11
-"""Error of p² at the start over its size, or of a constant, above which a first compiled pass is not tried: few orbits
-would be done."""
-
 _SEEN_FROM_START = 1e-13
-"""The same above which the next one sees a motion from its start; where it is not small it is seen as others are."""
+"""Error of p² at the start over its size above which a compiled pass sees a motion from its start; where it is not
+small it is seen as others are."""
 
 _BLURRED = 2.0**-51
 
@@ -100,10 +97,9 @@ def run_pass(
 
 
 def run_compiled(
-    model: Model, names: dict[str, tuple[str, ...]], starts: Starts, *, made: Compiled, tolerance: float,
-    precise: bool = False,
-) -> Columns:  # fmt: skip
-    """Compute everything for those orbits that are easy librations; as ``run_pass`` with depth 0.
+    model: Model, names: dict[str, tuple[str, ...]], starts: Starts, *, made: Compiled, tolerance: float
+) -> Columns:
+    """Compute everything for those orbits that are easy librations, with 32-digit constants; as ``run_pass``.
 
     Args:
         model: the lowered solution.
@@ -111,45 +107,26 @@ def run_compiled(
         starts: of n orbits.
         made: the compiled programs.
         tolerance: largest claimed error of an orbit that is ``OK``.
-        precise: with 32-digit constants. Without, orbits that may gain by them come back as ``vague``.
     """
     from hjsolve.ensembles.engine import compiled_pass
 
     count = starts.q.shape[1]
     columns = blank(names, count)
-    if precise:
-        start = initial_constants(model, starts, precise=True)
-    else:
-        start = compiled_pass.begin_compiled(model, made, starts)
+    start = compiled_pass.begin_compiled(model, made, starts)
     kernels, oscillations = bool(TIMED & names.keys()), "angles" in names
     modes = Modes(chords=False, kernels=kernels, oscillations=oscillations, shifts=False)
     status = np.full(count, UNDECIDED if "turning_points" in names else Status.OK, dtype=np.uint8)
-    orbits = [compiled_pass.CompiledCoordinate.of(model, made, start, k) for k in range(len(model.separated))]
-    smallness = [one.smallness(kernels=kernels) for one in orbits]
-    hopeless = np.zeros(count, dtype=bool)
-    if not precise:
-        limit = _BARE if kernels else _BARE_ACTIONS
-        known = start.knowns
-        cancelled = [e > limit * np.abs(c) for c, e in zip(known.constants, known.uncertainty, strict=True)]
-        hopeless = (np.max(smallness, axis=0) > limit) | np.any(cancelled, axis=0)
-    left = np.flatnonzero(~hopeless)
-    status[hopeless] = UNDECIDED
     sums = []
-    for k, one in enumerate(orbits):
-        small = (smallness[k] > _SEEN_FROM_START) & precise
-        first = compiled_pass.slopes_at_start(model, one.coordinate, start, k) if precise else None
-        total = empty(len(model.constants), count)
-        if len(left):
-            total.put(left, compiled_pass.librations(one.take(left), first, small[left], modes))
+    for k in range(len(model.separated)):
+        one = compiled_pass.CompiledCoordinate.of(model, made, start, k)
+        total = compiled_pass.librations(one, one.smallness(kernels=kernels) > _SEEN_FROM_START, modes)
         status[~total.good] = UNDECIDED
         total.phase_error[:] += start.rounding[k]
         sums.append(total)
     _results(model, names, columns, sums, np.ones((len(sums), count)), start)
     if oscillations and any(c.shifted for c in model.separated):
         status[status == Status.OK] = UNDECIDED
-    resolved = status == Status.OK
     _settle(columns, status, tolerance)
-    columns.vague[:] = (resolved & (columns.status != Status.OK)) | hopeless
     return columns
 
 

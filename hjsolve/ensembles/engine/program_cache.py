@@ -23,6 +23,7 @@ _CODE = (
     "clearance.py",
     "compiled_clearance.py",
     "compiled_integrals.py",
+    "compiled_pairs.py",
     "compiled_phase.py",
     "compiled_rule.py",
     "compiled_turning_points.py",

@@ -11,6 +11,7 @@ Every view of p² (``radicand_views``) has the same functions, over offsets x in
     fill(buffer, b, s, W, near, far, derivative, start, stop, c)   F r, r, F, kernels times r at x = b + s W near
     uncertainties(out, place, mask, c, e)               bounds on the errors of F and of the kernels, and F
     relative(out, base, offset, c)               bounds on the relative error of F[b, b + d]
+    slope(place, C, d)                           F′ to full relative accuracy, from 32 digits; of small motions only
 """
 
 from __future__ import annotations
@@ -19,8 +20,10 @@ import re
 from collections.abc import Callable, Sequence
 
 from hjsolve.arithmetic.divided_differences import FirstDifferences
+from hjsolve.arithmetic.error_free import Pair
 from hjsolve.arithmetic.floats import UNIT
 from hjsolve.arithmetic.jet import Jet, Jets
+from hjsolve.arithmetic.pair_source import NamedPair, PairSource, needed, written
 from hjsolve.arithmetic.python_source import PythonSource, function
 from hjsolve.arithmetic.running_error import RunningError, WithErrorBound
 from hjsolve.arithmetic.second_differences import SecondDifference, SecondDifferences
@@ -39,7 +42,7 @@ _MORE = ("start0", "square0", "first0", "doubt0", "width0")
 """What programs of small motions know after the constants: q₀, P₀², F′₀, a bound on errors of F[q, q, q + x], and W."""
 
 VIEW = ("value", "bend", "slopes", "fill", "uncertainties", "relative")
-SMALL = ("value", "bounds", "fill", "uncertainties", "relative")
+SMALL = ("value", "bounds", "fill", "uncertainties", "relative", "slope")
 """The functions of a view, and of small motions."""
 
 
@@ -184,7 +187,7 @@ def _both(constants: int) -> str:
     return _unpacked([f"c{j}" for j in range(constants)]) + _unpacked([f"s{j}" for j in range(constants)], "e")
 
 
-def small_text(formula: LoweredFormula, constants: int, numbers: tuple[float, ...], kernels: bool) -> str:
+def small_text(formula: LoweredFormula, constants: int, pairs: tuple[Pair, ...], kernels: bool) -> str:
     """Return the text of the functions of small motions, F(q₀ + x) = P₀² + x (F′₀ + x F[q₀, q₀, q₀ + x]).
 
     With kernels F is seen from the turning points, where it keeps its digits: as F vanishes at both, a distance s W
@@ -194,9 +197,10 @@ def small_text(formula: LoweredFormula, constants: int, numbers: tuple[float, ..
     Args:
         formula: p²(q).
         constants: how many there are.
-        numbers: values of the parameters, doubles.
+        pairs: values of the parameters, in two doubles.
         kernels: whether ∂J/∂c are wanted.
     """
+    numbers = tuple(float(pair.high) for pair in pairs)
     names, literals = [f"c{j}" for j in range(constants)], [f"({x!r})" for x in numbers]
     unpack = _unpacked([*names, *_MORE])
     values = PythonSource()
@@ -207,7 +211,7 @@ def small_text(formula: LoweredFormula, constants: int, numbers: tuple[float, ..
         _, *weights = formula.full.run(filled, [filled.add("start0", "x"), *names, *literals])
     else:
         square, weights = _square(filled, _second(formula, filled, names + literals)), []
-    ends = ["base = start0 + b", "span = s * W"] if kernels else []
+    ends = ["origin = start0 + b", "span = s * W"] if kernels else []
     return "\n".join(
         (
             _plain("value", unpack, lambda s: _taken(values, s, second), single=True),
@@ -215,14 +219,15 @@ def small_text(formula: LoweredFormula, constants: int, numbers: tuple[float, ..
             _filled(filled, unpack, [*ends, "d = s * W * near[j]", "x = b + d"], square, weights),
             _small_uncertainties_text(formula, constants, numbers, kernels),
             _small_relative_text(formula, unpack, names + literals) if kernels else _NO_RELATIVE,
+            _slope_text(formula, constants, pairs),
         )
     )
 
 
 def _from_end(formula: LoweredFormula, source: PythonSource, known: list[str]) -> tuple[str, str]:
     """F[b, b + d] of a small motion, and the sizes of its two terms."""
-    here = source.mul("d", _second(formula, source, known, "base", "d"))
-    there = source.mul("span", _second(formula, source, known, "base", "span"))
+    here = source.mul("d", _second(formula, source, known, "origin", "d"))
+    there = source.mul("span", _second(formula, source, known, "origin", "span"))
     return source.sub(here, there), source.add(source.unary("abs", here), source.unary("abs", there))
 
 
@@ -232,9 +237,9 @@ def _small_relative_text(formula: LoweredFormula, unpack: str, known: list[str])
     slope, terms = _from_end(formula, source, known)
     doubt = source.mul("doubt0", source.add(source.unary("abs", "d"), "width0"))
     error = source.div(source.add(doubt, source.mul(_OFFSETS, terms)), source.unary("abs", slope))
-    lines = ["b = base_[g]", "d = offset[g]", "base = start0 + b", "span = width0 if d > 0.0 else -width0"]
+    lines = ["b = base[g]", "d = offset[g]", "origin = start0 + b", "span = width0 if d > 0.0 else -width0"]
     lines += [*source.lines, f"out[g] = {error}"]
-    return _loop("relative(out, base_, offset, c)", unpack, "g in range(out.shape[0])", lines)
+    return _loop("relative(out, base, offset, c)", unpack, "g in range(out.shape[0])", lines)
 
 
 def _taken(values: PythonSource, source: PythonSource, result: str) -> list[str]:
@@ -308,22 +313,47 @@ def _small_uncertainties_text(
 
 
 def start_text(model: Model) -> str:
-    """Return the text of a function: constants, their uncertainties and shell momenta; the momenta may be uncertain.
+    """Return the text of a function: constants in two doubles, their uncertainties and the shell momenta.
+
+    Momenta come in two doubles; ``spread`` bounds the errors they had in one, of which 2⁻⁴⁴ count.
 
     Args:
         model: the lowered solution.
     """
     n = len(model.names)
     source = PythonSource()
-    names = [f"q[{k}, i]" for k in range(n)] + [f"p[{k}, i]" for k in range(n)]
-    numbers = [WithErrorBound(f"({x.high!r})", f"({abs(x.high) * UNIT!r})") for x in model.numbers]
-    given = [WithErrorBound(x) for x in names[:n]]
-    given += [WithErrorBound(x, f"uncertainty[{k}, i]") for k, x in enumerate(names[n:])]
-    results = model.rule.run(RunningError(source, own=_OWN), [*given, *numbers])
-    shifts = model.shift.run(source, [*names, *(x.value for x in numbers)])
-    lines = list(source.lines)
-    for j, result in enumerate(results):
-        lines += [f"C[{j}, i] = {result.value}", f"E[{j}, i] = {'(0.0)' if result.error is None else result.error}"]
-    for k, (coordinate, shift) in enumerate(zip(model.separated, shifts, strict=True)):
-        lines.append(f"P[{k}, i] = p[{coordinate.index}, i] + {shift}")
-    return _loop("start(q, p, uncertainty, C, E, P)", "", "i in range(q.shape[1])", lines)
+    places, momenta = [f"q[{k}, i]" for k in range(n)], [f"p[{k}, i]" for k in range(n)]
+    rounded = [WithErrorBound(f"({x.high!r})", f"({abs(x.high) * UNIT!r})") for x in model.numbers]
+    given = [WithErrorBound(x) for x in places]
+    given += [WithErrorBound(x, f"spread[{k}, i]") for k, x in enumerate(momenta)]
+    errors = [r.error or "(0.0)" for r in model.rule.run(RunningError(source, own=_OWN), [*given, *rounded])]
+    pairs = PairSource(source)
+    inputs = [NamedPair(x, "(0.0)") for x in places]
+    inputs += [NamedPair(x, f"low[{k}, i]") for k, x in enumerate(momenta)]
+    inputs += [written(x) for x in model.numbers]
+    constants = model.rule.run(pairs, inputs)
+    shifts = model.shift.run(pairs, inputs)
+    shell = [pairs.add(inputs[n + c.index], shift).high for c, shift in zip(model.separated, shifts, strict=True)]
+    results = [*errors, *(part for c in constants for part in c), *shell]
+    lines = needed(source.lines, results)
+    for j, (value, error) in enumerate(zip(constants, errors, strict=True)):
+        lines += [f"C[{j}, i] = {value.high}", f"L[{j}, i] = {value.low}"]
+        lines += [f"E[{j}, i] = ({UNIT!r}) * abs_({value.high}) + ({2.0**-44!r}) * {error}"]
+    lines += [f"P[{k}, i] = {value}" for k, value in enumerate(shell)]
+    return _loop("start(q, p, low, spread, C, L, E, P)", "", "i in range(q.shape[1])", lines)
+
+
+def _slope_text(formula: LoweredFormula, constants: int, numbers: tuple[Pair, ...]) -> str:
+    """F′ of many orbits to full relative accuracy; C has the high parts of the constants, then the low ones."""
+    source = PythonSource()
+    jets = Jets(PairSource(source))
+    names = [NamedPair(f"c{j}", f"e{j}") for j in range(constants)]
+    inputs = [jets.variable(NamedPair("x", "(0.0)")), *(Jet(k) for k in (*names, *map(written, numbers)))]
+    first = formula.squared.run(jets, inputs)[0].first
+    result = "(0.0)" if first is None else first.high
+    lines = ["x = place[i]", *(f"c{j} = C[{j}, i]" for j in range(constants))]
+    lines += [f"e{j} = C[{constants + j}, i]" for j in range(constants)]
+    return _loop(
+        "slope(place, C, d)", "", "i in range(place.shape[0])",
+        [*lines, *needed(source.lines, [result]), f"d[i] = {result}"],
+    )  # fmt: skip

@@ -18,6 +18,7 @@ from threading import RLock
 from types import ModuleType
 from typing import Any
 
+from hjsolve.arithmetic.error_free import Pair
 from hjsolve.ensembles.engine.compiled_types import signatures
 from hjsolve.ensembles.engine.lowered_solution import LoweredFormula, Model, Separated
 from hjsolve.ensembles.engine.program_cache import fingerprint, is_cached, path_for
@@ -76,6 +77,7 @@ class SmallPrograms:
         value: F[q₀, q₀, q].
         bounds: ½F″ and a bound on the error of the former.
         fill, uncertainties, relative: as of a view.
+        slope: F′ from 32 digits.
     """
 
     value: Function
@@ -83,6 +85,7 @@ class SmallPrograms:
     fill: Function
     uncertainties: Function
     relative: Function
+    slope: Function
 
 
 @dataclass(frozen=True)
@@ -141,7 +144,7 @@ class Compiled:
     """Compiled functions of a system.
 
     Attributes:
-        start: fills the constants, their uncertainties and the shell momenta.
+        start: fills the constants in two doubles, their uncertainties and the shell momenta.
         loops: ours.
         coordinates: programs of the separated coordinates.
     """
@@ -177,13 +180,14 @@ def _module(text: str, names: tuple[str, ...], loops: bool) -> dict[str, Any]:
 def _functions(text: str, names: Sequence[str], path: Path | None, *, loops: bool) -> dict[str, Any]:
     from numba import njit
 
+    from hjsolve.ensembles.engine.compiled_pairs import PAIRS
     from hjsolve.ensembles.engine.elementary import NAMES, OPTIONS
 
     known = {} if loops else signatures()
     name = fingerprint(text)
     module = ModuleType(f"hjsolve_program_{name}")
     space = module.__dict__
-    space.update(_our_loops() if loops else NAMES)
+    space.update(_our_loops() if loops else NAMES | PAIRS)
     sys.modules[module.__name__] = module  # where numba looks for the surroundings of kept functions
     # written by PythonSource from codes and numbers
     exec(compile(text, str(path or f"<{module.__name__}>"), "exec"), space)  # noqa: S102
@@ -229,13 +233,13 @@ def _programs(coordinate: Separated, model: Model, kernels: bool) -> CoordinateP
 
     def small() -> SmallPrograms:
         with _ONE_AT_A_TIME:
-            return _small(coordinate.plain, len(model.constants), _numbers(model), kernels)
+            return _small(coordinate.plain, len(model.constants), model.numbers, kernels)
 
     return CoordinatePrograms(below, above, small)
 
 
 @lru_cache(maxsize=_MADE)
-def _small(formula: LoweredFormula, constants: int, numbers: tuple[float, ...], kernels: bool) -> SmallPrograms:
+def _small(formula: LoweredFormula, constants: int, numbers: tuple[Pair, ...], kernels: bool) -> SmallPrograms:
     return SmallPrograms(**_module(small_text(formula, constants, numbers, kernels), SMALL, False))
 
 

@@ -1,0 +1,63 @@
+"""Numbers in two doubles in compiled programs: as many digits as those over arrays, against mpmath."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from typing import Any
+
+import mpmath
+import numpy as np
+import pytest
+
+pytest.importorskip("numba")
+
+from hjsolve.ensembles.engine.compiled_pairs import PAIRS
+
+CASES: list[tuple[str, tuple[float, float]]] = [
+    ("exp", (-30, 30)), ("sinhcosh", (-30, 30)), ("sincos", (-40, 40)), ("tan", (-1.5, 1.5)),
+    ("tanh", (-5, 5)), ("sech", (-20, 20)), ("log", (1e-3, 1e3)), ("asin", (-0.99, 0.99)),
+    ("acos", (-0.99, 0.99)), ("atan", (-9, 9)), ("asinh", (-9, 9)), ("acosh", (1.01, 9)),
+    ("atanh", (-0.99, 0.99)), ("sqrt", (1e-3, 1e3)), ("abs", (-3, 3)),
+]  # fmt: skip
+RULES: dict[str, tuple[Callable[..., Any], ...]] = {
+    "sinhcosh": (mpmath.sinh, mpmath.cosh),
+    "sincos": (mpmath.sin, mpmath.cos),
+    "abs": (abs,),
+}
+
+
+def pairs(rng: np.random.Generator, ends: tuple[float, float], count: int) -> list[tuple[float, float]]:
+    high = rng.uniform(*ends, count)
+    return [(float(x), float(x * y * 2.0**-54)) for x, y in zip(high, rng.uniform(-1, 1, count), strict=True)]
+
+
+@pytest.mark.parametrize(("name", "ends"), CASES, ids=lambda x: x if isinstance(x, str) else "")
+def test_functions_have_a_hundred_bits(name: str, ends: tuple[float, float]) -> None:
+    rng = np.random.default_rng(5)
+    with mpmath.workprec(300):
+        for x, low in pairs(rng, ends, 60):
+            found = PAIRS[f"pair_{name}"](x, low)
+            for k, rule in enumerate(RULES.get(name, (getattr(mpmath, name, None),))):
+                expected = rule(mpmath.mpf(x) + mpmath.mpf(low))
+                error = mpmath.mpf(found[2 * k]) + mpmath.mpf(found[2 * k + 1]) - expected
+                size = 1 if name in {"sincos", "tan", "acos", "log"} else abs(expected)
+                assert abs(error) <= mpmath.mpf(2) ** -98 * size, (x, low)
+
+
+def test_small_sines_keep_their_digits() -> None:
+    with mpmath.workprec(300):
+        for x in (1e-3, 1e-8, -1e-150):
+            for name, rule in (("sinhcosh", mpmath.sinh), ("sincos", mpmath.sin)):
+                high, low, *_ = PAIRS[f"pair_{name}"](x, 0.0)
+                assert abs(mpmath.mpf(high) + mpmath.mpf(low) - rule(x)) <= mpmath.mpf(2) ** -98 * abs(mpmath.mpf(x))
+
+
+@pytest.mark.parametrize("name", ["add", "mul", "div"])
+def test_operations_have_a_hundred_bits(name: str) -> None:
+    rng = np.random.default_rng(6)
+    rule = {"add": lambda a, b: a + b, "mul": lambda a, b: a * b, "div": lambda a, b: a / b}[name]
+    with mpmath.workprec(300):
+        for (x, x_low), (y, y_low) in zip(pairs(rng, (0.1, 9), 60), pairs(rng, (0.1, 9), 60), strict=True):
+            high, low = PAIRS[f"pair_{name}"](x, x_low, y, y_low)
+            expected = rule(mpmath.mpf(x) + mpmath.mpf(x_low), mpmath.mpf(y) + mpmath.mpf(y_low))
+            assert abs(mpmath.mpf(high) + mpmath.mpf(low) - expected) <= mpmath.mpf(2) ** -101 * abs(expected)
