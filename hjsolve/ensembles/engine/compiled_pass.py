@@ -222,6 +222,12 @@ class CompiledCoordinate:
             known=known, uncertainty=uncertainty, first=np.zeros(n, dtype=np.int64), least=least,
             share=np.zeros(n, dtype=np.int64),
         )  # fmt: skip
+        some = np.flatnonzero((least < 0) & (width > 0))
+        if len(some):
+            placed = motions._replace(lower=self.q + low, upper=self.q + high)
+            span = np.stack([np.zeros(len(some), dtype=np.int64), np.full(len(some), len(COUNTS))])
+            proof = _Proof(self.loops, placed, plain.clearance, plain.clearance)
+            least[some] = proof.least(some, motions.first[some], span)
         return self._integrated(motions, modes, (made, made))[0]
 
 

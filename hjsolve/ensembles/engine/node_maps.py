@@ -20,7 +20,7 @@ from hjsolve.ensembles.engine.compiled_types import Strips, Tables
 from hjsolve.ensembles.engine.nodes import EVEN, MOST, WARPS
 from hjsolve.ensembles.engine.strips_of_analyticity import SAFETY, across, covered_strip
 
-COUNTS = (16, 24, 32, 40, 48, 56, 64, 72, 80, 96, 112, 128, 160, 192, 256)
+COUNTS = (16, 24, 32, 40, 48, 56, 64, 72, 80, 96, 112, 128, 160, 192, 256, 320, 384)
 """Numbers of nodes: whole vectors of eight."""
 
 SAMPLES, STRETCHED_SAMPLES = 4, 12
