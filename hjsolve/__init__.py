@@ -18,6 +18,7 @@ if TYPE_CHECKING:
     from hjsolve import functions as functions
     from hjsolve.arithmetic.estimate import Estimate as Estimate
     from hjsolve.arithmetic.estimate_array import EstimateArray as EstimateArray
+    from hjsolve.arithmetic.measured import Measured as Measured
     from hjsolve.catalog import moving_frames as frames  # noqa: F401
     from hjsolve.closed_form.closed_forms import closed_forms as closed_forms
     from hjsolve.closed_form.forms import RegimeForms as RegimeForms
@@ -88,6 +89,7 @@ _PUBLIC = {
     "motion.state": "AnyMotion State",
     "arithmetic.estimate": "Estimate",
     "arithmetic.estimate_array": "EstimateArray",
+    "arithmetic.measured": "Measured",
     "reports": "report",
     "reports.single_figures": "figures",
     "costs": "cost Cost",

@@ -195,6 +195,9 @@ def table_of(system: System) -> TomlTable:
     }  # fmt: skip
     if system.places:
         table["place"] = {axis: str(formula) for axis, formula in system.places}
+    named = {p.name: p.unit for p in system.parameters}
+    if units := {name: unit for name, unit in system.declared_units if named.get(name) != unit}:
+        table["units"] = units
     if system.relativity is not None:
         table["relativity"] = {"mass": str(system.relativity.mass), "light": str(system.relativity.light)}
     return {key: value for key, value in table.items() if value not in ("", [])}
@@ -243,6 +246,7 @@ def _built(table: Toml, source: str) -> System | LinearHamiltonian:
             coordinates, own["kinetic"], own.get("potential", "0"), parameters,
             signature=own.get("signature", "definite"), title=own.get("title", ""), id=own.get("id", ""),
             relativity=own.get("relativity"), functions=own.get("functions", ()), place=own.get("place"),
+            units={c["name"]: c["unit"] for c in own["coordinates"] if c.get("unit")} | own.get("units", {}),
         )  # fmt: skip
     except InvalidInputError as error:
         raise CatalogError(f"{source}: {_one_line(error)}") from error

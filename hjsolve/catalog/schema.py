@@ -72,7 +72,7 @@ SYSTEM = {
     "id": _TEXT, "title": _TEXT, "coordinates": Key("tables", True, keys=_COORDINATE),
     "parameters": Key("tables", keys=_PARAMETER), "kinetic": Key("text", True), "potential": _TEXT,
     "signature": Key("text", choices=("definite", "indefinite")), "relativity": Key("table", keys=_RELATIVITY),
-    "hamiltonian": _TEXT, "functions": Key("texts"), "place": Key("formulas"),
+    "hamiltonian": _TEXT, "functions": Key("texts"), "place": Key("formulas"), "units": Key("formulas"),
 }  # fmt: skip
 """The keys of an inline ``[system]`` table."""
 ENTRY = SYSTEM | {

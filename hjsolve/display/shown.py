@@ -111,11 +111,11 @@ def fields_of(value: Any) -> Iterator[tuple[str, object]]:
     Args:
         value: a dataclass.
     """
-    for field in dataclasses.fields(value):
-        if field.repr:
-            content = getattr(value, field.name)
-            if not callable(content) and content is not None and not _is_empty(content):
-                yield field.name, content
+    names = getattr(value, "_shown_names", None) or [field.name for field in dataclasses.fields(value) if field.repr]
+    for name in names:
+        content = getattr(value, name)
+        if not callable(content) and content is not None and not _is_empty(content):
+            yield name, content
 
 
 def _is_empty(content: object) -> bool:

@@ -7,7 +7,7 @@ from collections.abc import Iterator
 from dataclasses import dataclass
 from os import PathLike
 from pathlib import Path
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
@@ -16,6 +16,9 @@ from hjsolve.ensembles.export import arrow_table, pandas_frame, write_parquet, x
 from hjsolve.ensembles.layout import STATUS
 from hjsolve.ensembles.orbit_columns import OrbitColumns
 from hjsolve.errors import InvalidInputError
+
+if TYPE_CHECKING:
+    from hjsolve.ensembles.in_units import BatchInUnits
 
 
 @dataclass(frozen=True, eq=False, repr=False)
@@ -49,6 +52,23 @@ class Batch(OrbitColumns):
 
         (columns,) = compute(dict(self.columns), **options)
         return Batch(columns, self.layout, self.shape)
+
+    def to_units(self, library: object) -> BatchInUnits:
+        """Tell the numbers as quantities of pint or astropy, in the units of the system.
+
+        Args:
+            library: ``"astropy"``, ``"pint"``, a registry of pint, or any unit of one of them.
+
+        Raises:
+            InvalidInputError: no library, or the system declares no units that fit T and V.
+            MissingExtraError: the library is not installed (extra ``units``).
+        """
+        from hjsolve.ensembles.in_units import BatchInUnits
+        from hjsolve.motion.in_units import measures_of
+
+        if self.layout.solution is None:
+            raise InvalidInputError('to_units: the system declares no units; System(…, units={"r": "kpc", "t": "Myr"})')
+        return BatchInUnits(self.compute(), measures_of(self.layout.solution, library))
 
     def plot(self, x: str | None = None, y: str | None = None, *, colour: str | None = None, ax: Any = None) -> Any:
         """Draw one number of the orbits against another with matplotlib (extra ``report``), a point an orbit.

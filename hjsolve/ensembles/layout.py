@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Iterable, Iterator, Mapping
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 
 from hjsolve import arguments
 from hjsolve.catalog.schema import nearest
@@ -24,9 +24,11 @@ class Layout:
 
     Attributes:
         names: wanted quantity → the coordinates (constants) it has values for; in the order of ``QUANTITIES``.
+        solution: of the system, where that declares units.
     """
 
     names: Mapping[str, tuple[str, ...]]
+    solution: Solution | None = field(default=None, repr=False, compare=False)
 
     @property
     def want(self) -> tuple[str, ...]:
@@ -81,4 +83,5 @@ def layout_of(solution: Solution, want: Iterable[str] | str | None) -> Layout:
     names = dict.fromkeys(QUANTITIES, cyclic)
     names["constants"] = tuple(solution.constants)
     names["turning_points"] = tuple(solution.coordinates)
-    return Layout({quantity: names[quantity] for quantity in wanted(want)})
+    system = solution.system if solution.chart is None else solution.chart.original
+    return Layout({quantity: names[quantity] for quantity in wanted(want)}, solution if system.declared_units else None)

@@ -19,6 +19,7 @@ from hjsolve.ensembles.initial_conditions import InitialConditions, conditions
 from hjsolve.ensembles.layout import layout_of
 from hjsolve.ensembles.task import WORTH_COMPILING, WORTH_LOADING, EnsembleTask
 from hjsolve.errors import InvalidInputError
+from hjsolve.mechanics.quantities_given import in_units
 from hjsolve.mechanics.subjects import system_of
 from hjsolve.mechanics.system import System
 from hjsolve.motion.initial_data import parameter_values
@@ -80,7 +81,10 @@ def ensemble(
     arguments.refuse_other(compiled, (bool, type(None)), "compiled", "True, False or None (what is faster) is needed")
     solution = _solution(system, coordinates)
     refuse_null(solution)
-    given = conditions(_users(solution), q, p, velocity)
+    users = _users(solution)
+    q, velocity = in_units(users, q, "q"), in_units(users, velocity, "velocity")
+    p, parameters = in_units(users, p, "p"), in_units(users, parameters, "parameters")
+    given = conditions(users, q, p, velocity)
     layout = layout_of(solution, want)
     task = task_for(solution, layout.want, parameters, given.kind, fallback=fallback, compiled=bool(compiled))
     if compiled is None:

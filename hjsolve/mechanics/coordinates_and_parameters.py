@@ -4,8 +4,8 @@ from __future__ import annotations
 
 import keyword
 import re
-from collections.abc import Iterable, Mapping
-from dataclasses import dataclass
+from collections.abc import Iterable, Iterator, Mapping
+from dataclasses import dataclass, replace
 from typing import Literal, get_args
 
 import sympy as sp
@@ -118,6 +118,25 @@ def check_value(declared: Parameter) -> None:
     allowed = {"positive": (1,), "negative": (-1,), "nonnegative": (0, 1), "nonzero": (-1, 1)}
     if sign not in allowed.get(declared.assume, (-1, 0, 1)):
         raise InvalidSystemError(f"parameter {declared.name} = {value}: it is declared {declared.assume}")
+
+
+def replaced(parameters: Iterable[Parameter], values: Mapping[str, object]) -> Iterator[Parameter]:
+    """Parameters with other values.
+
+    Args:
+        parameters: as declared.
+        values: name → number; None takes the default away.
+
+    Raises:
+        InvalidSystemError: a value contradicts an assumption.
+        ExpressionError: a value is not a number.
+    """
+    for p in parameters:
+        if p.name in values:
+            value = values[p.name]
+            p = replace(p, value=None if value is None else number(value, source=f"parameter {p.name}"))
+            check_value(p)
+        yield p
 
 
 def read_parameters(given: Mapping[str, object]) -> tuple[Parameter, ...]:
@@ -267,6 +286,16 @@ def free_name(name: str, taken: Iterable[str]) -> str:
     while _looks(name) in looks:
         name += "_"
     return name
+
+
+def time_letter(names: Iterable[str]) -> str:
+    """What the parameter of a motion is called: t, or another letter where that is taken.
+
+    Args:
+        names: of coordinates, parameters and momenta.
+    """
+    taken = list(names)
+    return next(name for name in ("t", "tau", "s", "sigma", "t_") if free_name(name, taken) == name)
 
 
 def _looks(name: str) -> tuple[str, int]:

@@ -27,7 +27,7 @@ from hjsolve.algebra.reader import Reader
 from hjsolve.algebra.signs import Bounds
 from hjsolve.display.shown import Shown
 from hjsolve.errors import InvalidSystemError
-from hjsolve.mechanics.coordinates_and_parameters import free_name
+from hjsolve.mechanics.coordinates_and_parameters import time_letter
 from hjsolve.mechanics.ignorable_coordinates import Eliminated, eliminate
 from hjsolve.mechanics.kinetic_energy import mass_as_written
 from hjsolve.mechanics.system import Coordinate, System, kinetic_rest, linear_terms
@@ -158,8 +158,7 @@ def time_name(system: System) -> str:
     Args:
         system: whose names are taken.
     """
-    taken = [*system.symbols, *(c.momentum.name for c in system.coordinates)]
-    return next(name for name in ("t", "tau", "s", "sigma", "t_") if free_name(name, taken) == name)
+    return time_letter([*system.symbols, *(c.momentum.name for c in system.coordinates)])
 
 
 def reduce(system: System, budget: Budget | None = None) -> Shell | Irreducible:

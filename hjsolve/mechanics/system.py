@@ -8,7 +8,7 @@ Everything else here is a pure function of a system.
 from __future__ import annotations
 
 from collections.abc import Iterable, Mapping, Sequence
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
 from functools import lru_cache
 from typing import Literal
 
@@ -19,15 +19,14 @@ from hjsolve import arguments
 from hjsolve.display.shown import Shown, as_call, cut
 from hjsolve.errors import InvalidSystemError, MissingValueError
 from hjsolve.formulas.point_values import NoValueError, evaluate
-from hjsolve.formulas.read import number
 from hjsolve.mechanics.coordinates_and_parameters import (
     Coordinate,
     Parameter,
-    check_value,
     parameter,
     read_coordinates,
     read_functions,
     read_parameters,
+    replaced,
     unknown_names,
 )
 from hjsolve.mechanics.domains import Domain
@@ -41,7 +40,9 @@ from hjsolve.mechanics.kinetic_energy import (
 from hjsolve.mechanics.periodicity import check_periodic
 from hjsolve.mechanics.place import Places, place_of, read_place
 from hjsolve.mechanics.positive_definite import check_mass_matrix, end_values
+from hjsolve.mechanics.quantities_given import in_units, without_quantities
 from hjsolve.mechanics.relativity import Relativity, relativity_of
+from hjsolve.mechanics.units import Units, check_units, names_and_units, read_units
 
 __all__ = [
     "Coordinate", "Domain", "Parameter", "System", "hamiltonian", "inverse_mass_matrix", "kinetic_rest", "linear_terms",
@@ -58,7 +59,8 @@ class System(Shown):
         kinetic: T, as text or as a sympy expression in which a velocity is ``Symbol("dot(q)")``. A polynomial of second
             degree in the velocities; terms linear in them (a charge in a magnetic field, a moving frame) belong here.
         potential: V, of the coordinates only.
-        parameters: name → default value, ``None`` for no default, or a ``parameter(...)`` with assumption and unit.
+        parameters: name → default value, ``None`` for no default, or a ``parameter(...)`` with assumption and unit;
+            with ``units`` a quantity as well.
         signature: ``definite``: T must be positive definite on the domain; ``indefinite``: not degenerate (relativity).
         title: for display.
         id: of the catalog entry.
@@ -69,6 +71,9 @@ class System(Shown):
         place: where the coordinates are in space, for drawings and tables: ``{"x": "r*cos(phi)", "y": "r*sin(phi)"}``;
             known by itself of coordinates called x, y, z. T need not be that of this point. ``places`` is what was
             declared.
+        units: in which units coordinates, the time and parameters are, ``{"r": "kpc", "t": "Myr", "m": "solMass"}``,
+            so that quantities of pint or astropy can be given; those that follow from T and V need not be said.
+            ``declared_units`` is what was declared.
 
     Raises:
         InvalidSystemError: the parts do not make a mechanical system; the message says which and why.
@@ -90,6 +95,7 @@ class System(Shown):
     id: str
     relativity: Relativity | None
     places: Places
+    declared_units: Units
 
     def __init__(
         self,
@@ -104,8 +110,10 @@ class System(Shown):
         relativity: Mapping[str, str] | None = None,
         functions: Iterable[str] = (),
         place: Mapping[str, object] | None = None,
+        units: Mapping[str, object] | None = None,
     ):
-        constants = read_parameters({} if parameters is None else parameters)
+        numbers, quantities = without_quantities({} if parameters is None else parameters)
+        constants = read_parameters(numbers)
         places = read_coordinates(coordinates, constants)
         _set(self, coordinates=places, parameters=constants, title=str(title), id=str(id))
         _set(self, relativity=relativity_of(relativity, constants))
@@ -113,8 +121,12 @@ class System(Shown):
         unknowns = read_functions(functions, (c.name for c in places), self.symbols)
         formulas = Formulas(places, self.symbols, unknowns)
         _set(self, kinetic=formulas.kinetic(kinetic), potential=formulas.potential(potential))
+        _set(self, declared_units=read_units(units, places, constants), places=())
+        if units or quantities:
+            check_units(self)
+            _set(self, parameters=tuple(replaced(constants, in_units(self, quantities, "parameters"))))
         _check_values(self)
-        _set(self, places=read_place(place, self.symbols, places, constants))
+        _set(self, places=read_place(place, self.symbols, places, self.parameters))
         if self.relativity is not None and kinetic_rest(self) != 0:
             raise InvalidSystemError("relativity: the classical T may have no part without velocities; put it into V")
 
@@ -132,6 +144,11 @@ class System(Shown):
     def place(self) -> dict[str, sp.Expr]:
         """Where the system is in space: x, y, z → function of the coordinates; empty where nothing is known of it."""
         return place_of(self.coordinates, self.places)
+
+    @property
+    def units(self) -> dict[str, str]:
+        """The units of coordinates, time and parameters, those that follow included; empty where none is declared."""
+        return names_and_units(self)
 
     @property
     def functions(self) -> tuple[str, ...]:
@@ -167,6 +184,8 @@ class System(Shown):
             parts["signature"] = self.signature
         if self.places:
             parts["place"] = {axis: str(formula) for axis, formula in self.places}
+        if self.declared_units:
+            parts["units"] = dict(self.declared_units)
         parts |= {key: getattr(self, key) for key in ("title", "id") if getattr(self, key)}
         return as_call("System", parts)
 
@@ -244,13 +263,7 @@ def with_values(system: System, values: Mapping[str, object]) -> System:
     for name in values:
         if name not in names:
             raise unknown_names(name, names, "parameter")
-    changed = []
-    for p in system.parameters:
-        if p.name in values:
-            value = values[p.name]
-            p = replace(p, value=None if value is None else number(value, source=f"parameter {p.name}"))
-            check_value(p)
-        changed.append(p)
+    changed = replaced(system.parameters, in_units(system, values, "parameters"))
     other = object.__new__(System)
     _set(other, **{**vars(system), "parameters": tuple(changed)})
     _check_values(other)

@@ -10,7 +10,7 @@ from __future__ import annotations
 import warnings
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass, field
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 import sympy as sp
 
@@ -26,6 +26,9 @@ from hjsolve.motion.state import State
 from hjsolve.motion.wanted import QUANTITIES
 from hjsolve.one_coordinate.allowed_regions import others
 from hjsolve.solution.quadratures import Solution
+
+if TYPE_CHECKING:
+    from hjsolve.motion.in_units import MotionInUnits
 
 
 @dataclass(frozen=True, eq=False, repr=False)
@@ -221,6 +224,20 @@ class Motion(ShownMotion):
 
         self._require("angles")
         return angle_variables(self._source, t)
+
+    def to_units(self, library: object) -> MotionInUnits:
+        """Tell the numbers as quantities of pint or astropy, in the units of the system.
+
+        Args:
+            library: ``"astropy"``, ``"pint"``, a registry of pint, or any unit of one of them.
+
+        Raises:
+            InvalidInputError: no library, or the system declares no units that fit T and V.
+            MissingExtraError: the library is not installed (extra ``units``).
+        """
+        from hjsolve.motion.in_units import MotionInUnits, measures_of
+
+        return MotionInUnits(self, measures_of(self.solution, library))
 
     def input_sensitivity(self) -> dict[str, dict[str, float]]:
         """Return how far each number can move when every float input moves by half an ulp.

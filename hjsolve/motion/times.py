@@ -11,6 +11,7 @@ from hjsolve.arithmetic.number_types import Integers, Numbers, Reals
 from hjsolve.errors import InvalidInputError
 from hjsolve.formulas.read import number
 from hjsolve.motion.initial_data import InBits, to_bits
+from hjsolve.units.libraries import library_of
 
 
 def grid(values: object, source: str) -> NDArray[np.generic]:
@@ -29,6 +30,8 @@ def grid(values: object, source: str) -> NDArray[np.generic]:
         return np.array(values, dtype=object)
     if isinstance(values, dict | set | frozenset) or hasattr(values, "__next__"):
         raise InvalidInputError(f"{source}: a number or an array of numbers is needed, not {described(values)}")
+    if (library := library_of(values)) is not None:
+        raise InvalidInputError(f'{source}: has a unit; motion.to_units("{library.name}").at(t) takes such times')
     try:
         return np.asarray(values)
     except (ValueError, TypeError, OverflowError) as error:

@@ -9,6 +9,7 @@ from pathlib import Path
 from typing import Any
 
 import numpy as np
+import pint
 
 import hjsolve
 
@@ -42,6 +43,8 @@ def made(folder: Path) -> dict[str, Any]:
         "kerr's motion": kerr.motion(**describe("kerr").motions["default"].arguments),
         "the top's motion": solve("lagrange-top").motion(**describe("lagrange-top").motions["default"].arguments),
         "state": motion.at(1), "states": motion.at(np.linspace(0, 9, 10_000)), "estimate": motion.periods["r"],
+        "measured": hjsolve.Measured.of(motion.periods["r"], (registry := pint.UnitRegistry()).s),
+        "in units": (told := motion.to_units(registry)), "state in units": told.at([1, 2]), "batch in units": hjsolve.ensemble(kepler, q={"r": [1.0], "theta": 0}, p={"r": 0, "theta": 1}).to_units(registry),
         "coordinates": hjsolve.find_coordinates(load("henon-heiles-separable")),
         "modes": hjsolve.normal_modes(load("small-oscillations")),
         "entry": describe("kepler-planar"), "outside": describe("skate"), "refused": describe("henon-heiles"),
@@ -74,7 +77,7 @@ def reached(values: Mapping[str, Any]) -> Iterator[tuple[str, Any]]:
             waiting += [(f"{path}[{i}]", item) for i, item in enumerate(value[:4])]
         kind = type(value)
         where = kind.__module__.removeprefix("hjsolve.")
-        inside = where.startswith(MACHINERY) and kind not in (hjsolve.Estimate, hjsolve.EstimateArray)
+        inside = where.startswith(MACHINERY) and kind not in (hjsolve.Estimate, hjsolve.EstimateArray, hjsolve.Measured)
         if kind.__module__ == where or callable(value) or inside:
             continue
         if path in values or kind not in seen:

@@ -15,6 +15,7 @@ import sympy as sp
 
 from hjsolve import arguments
 from hjsolve.formulas.read import number
+from hjsolve.mechanics.quantities_given import in_units
 from hjsolve.motion.charted.starting import start_charted
 from hjsolve.motion.initial_data import read_initial_data
 from hjsolve.motion.motion import Motion
@@ -70,11 +71,16 @@ def start(
         >>> motion.kinds["r"], round(motion.periods["r"].value, 9)
         ('libration', 14.99332061)
     """
+    system = solution.system if solution.chart is None else solution.chart.original
+    q, velocity = in_units(system, q, "q"), in_units(system, velocity, "velocity")
+    p, parameters = in_units(system, p, "p"), in_units(system, parameters, "parameters")
     if solution.chart is not None:
         return start_charted(
             solution, q=q, velocity=velocity, p=p, constants=constants, signs=signs, parameters=parameters, t0=t0,
             digits=digits, certified=certified, want=want,
         )  # fmt: skip
+    told = tuple((constant.symbol, constant.expression) for constant in solution.constants.values())
+    constants = in_units(system, constants, "constants", told)
     digits = arguments.digits(digits)
     arguments.refuse_other(certified, bool, "certified", "True or False is needed")
     initial = read_initial_data(

@@ -1,0 +1,82 @@
+"""A batch told in units: its columns as quantities of pint or astropy."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from dataclasses import dataclass
+
+from hjsolve.arithmetic.measured import Measured, measured_in
+from hjsolve.display.shown import Shown
+from hjsolve.ensembles.orbit_columns import OrbitColumns
+from hjsolve.mechanics.quantities_given import Measures
+from hjsolve.motion.in_units import told_of
+from hjsolve.units.libraries import Number
+
+_ROLES = {
+    "actions": "action", "frequencies": "frequency", "periods": "period", "angles": "angle", "constants": "constant",
+}  # fmt: skip
+
+
+@dataclass(frozen=True, repr=False)
+class BatchInUnits(Shown):
+    """The numbers of many orbits with their units, each a ``Measured`` of arrays.
+
+    Attributes:
+        batch: whose numbers they are; computed.
+        measures: the units of its system.
+    """
+
+    batch: OrbitColumns
+    measures: Measures
+
+    @property
+    def _shown_names(self) -> list[str]:
+        return told_of(self, self.batch.layout.want)
+
+    @property
+    def actions(self) -> dict[str, Measured]:
+        """J by coordinate."""
+        return self._quantity("actions")
+
+    @property
+    def frequencies(self) -> dict[str, Measured]:
+        """Ω by coordinate."""
+        return self._quantity("frequencies")
+
+    @property
+    def periods(self) -> dict[str, Measured]:
+        """2π/abs(Ω) by coordinate."""
+        return self._quantity("periods")
+
+    @property
+    def angles(self) -> dict[str, Measured]:
+        """Angle variables by coordinate, in radians."""
+        return self._quantity("angles")
+
+    @property
+    def constants(self) -> dict[str, Measured]:
+        """Constants of the motion by name."""
+        return self._quantity("constants")
+
+    @property
+    def turning_points(self) -> dict[str, tuple[Measured, Measured]]:
+        """(lower, upper) by separated coordinate."""
+        ends: Mapping[str, Number] = self.batch.turning_points
+        errors = self.batch.error["turning_points"]
+        return {
+            name: (self._numbers(low, errors[name][0], name, "q"), self._numbers(high, errors[name][1], name, "q"))
+            for name, (low, high) in ends.items()
+        }
+
+    @property
+    def status(self) -> Number:
+        """As of ``Batch``."""
+        return self.batch.status
+
+    def _quantity(self, quantity: str) -> dict[str, Measured]:
+        values: Mapping[str, Number] = getattr(self.batch, quantity)
+        errors = self.batch.error[quantity]
+        return {name: self._numbers(x, errors[name], name, _ROLES[quantity]) for name, x in values.items()}
+
+    def _numbers(self, value: Number, error: Number, name: str, role: str) -> Measured:
+        return measured_in(value, error, self.measures.unit(name, role), self.measures.library)

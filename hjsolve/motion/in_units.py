@@ -1,0 +1,189 @@
+"""A motion told in units: its numbers as quantities of pint or astropy, each with its error."""
+
+from __future__ import annotations
+
+from collections.abc import Iterable, Mapping
+from dataclasses import dataclass
+from typing import Protocol
+
+import sympy as sp
+
+from hjsolve.arithmetic.estimate import Estimate
+from hjsolve.arithmetic.measured import Measured, measured_in
+from hjsolve.display.shown import Shown
+from hjsolve.errors import InvalidInputError
+from hjsolve.mechanics.quantities_given import Measures, measures
+from hjsolve.motion.state import State
+from hjsolve.solution.quadratures import Solution
+from hjsolve.units.libraries import Number, Quantity, library, library_of
+
+_PLACE = "place of "
+_QUANTITIES = ("turning_points", "constants", "actions", "frequencies", "periods", "boundary_times")
+
+
+def told_of(value: object, names: Iterable[str]) -> list[str]:
+    """Return the names of quantities that a value has, and whose units follow from those declared.
+
+    Args:
+        value: whose properties they are.
+        names: of the properties.
+    """
+
+    def is_told(name: str) -> bool:
+        try:
+            return bool(getattr(value, name))
+        except InvalidInputError:
+            return False
+
+    return list(filter(is_told, names))
+
+
+def measures_of(solution: Solution, wanted: object) -> Measures:
+    """Return the units of everything that is told of a solution.
+
+    Args:
+        solution: of a system that declares units.
+        wanted: the library, as of ``units.libraries.library``.
+
+    Raises:
+        InvalidInputError: no library, or no units that fit T and V.
+        MissingExtraError: the library is not installed.
+    """
+    chart = solution.chart
+    system = solution.system if chart is None else chart.original
+    told = [(constant.symbol, constant.expression) for constant in solution.constants.values()]
+    told += [(sp.Symbol(_PLACE + axis), formula) for axis, formula in system.place.items()]
+    if chart is not None:
+        told += [(system.coordinate(name).symbol, formula) for name, formula in chart.transformation.items()]
+    return measures(system, library(wanted), tuple(told), None if chart is None else chart.system)
+
+
+class _Told(Protocol):
+    """What is told of a motion."""
+
+    @property
+    def constants(self) -> Mapping[str, Estimate]:
+        """As of ``Motion``."""
+
+    @property
+    def actions(self) -> Mapping[str, Estimate]:
+        """As of ``Motion``."""
+
+    @property
+    def frequencies(self) -> Mapping[str, Estimate]:
+        """As of ``Motion``."""
+
+    @property
+    def periods(self) -> Mapping[str, Estimate]:
+        """As of ``Motion``."""
+
+    @property
+    def boundary_times(self) -> Mapping[str, Estimate]:
+        """As of ``Motion``."""
+
+    @property
+    def turning_points(self) -> Mapping[str, tuple[Estimate | None, Estimate | None]]:
+        """As of ``Motion``."""
+
+    def at(self, t: object) -> State:
+        """As of ``Motion``."""
+
+
+@dataclass(frozen=True, repr=False)
+class StateInUnits(Shown):
+    """A state, every number a ``Measured``.
+
+    Attributes:
+        t: the times asked.
+        q, p, velocity: coordinate → value and error.
+        place: axis → value and error, where it is known.
+        status: as of ``State``.
+    """
+
+    t: Quantity
+    q: Mapping[str, Measured]
+    p: Mapping[str, Measured]
+    velocity: Mapping[str, Measured]
+    place: Mapping[str, Measured]
+    status: object
+
+
+@dataclass(frozen=True, repr=False)
+class MotionInUnits(Shown):
+    """The numbers of a motion with their units, each a ``Measured``: value and error are quantities.
+
+    Attributes:
+        motion: whose numbers they are.
+        measures: its units.
+    """
+
+    motion: _Told
+    measures: Measures
+
+    @property
+    def _shown_names(self) -> list[str]:
+        return told_of(self, _QUANTITIES)
+
+    @property
+    def constants(self) -> dict[str, Measured]:
+        """Name → value and error."""
+        return {name: self._told(x, name, "constant") for name, x in self.motion.constants.items()}
+
+    @property
+    def actions(self) -> dict[str, Measured]:
+        """Coordinate → J."""
+        return {name: self._told(x, name, "action") for name, x in self.motion.actions.items()}
+
+    @property
+    def frequencies(self) -> dict[str, Measured]:
+        """Coordinate → Ω, radians per unit time."""
+        return {name: self._told(x, name, "frequency") for name, x in self.motion.frequencies.items()}
+
+    @property
+    def periods(self) -> dict[str, Measured]:
+        """Coordinate → 2π/abs(Ω)."""
+        return {name: self._told(x, name, "period") for name, x in self.motion.periods.items()}
+
+    @property
+    def boundary_times(self) -> dict[str, Measured]:
+        """Coordinate → time at which it reaches an end of its domain."""
+        return {name: self._told(x, name, "time") for name, x in self.motion.boundary_times.items()}
+
+    @property
+    def turning_points(self) -> dict[str, tuple[Measured | None, Measured | None]]:
+        """Coordinate → (lower, upper)."""
+        return {
+            name: (self._end(name, ends[0]), self._end(name, ends[1]))
+            for name, ends in self.motion.turning_points.items()
+        }
+
+    def at(self, t: object) -> StateInUnits:
+        """Return the state at a time or times.
+
+        Args:
+            t: a quantity of time, or a number in the unit of time of the system; or an array of them.
+
+        Raises:
+            InvalidInputError: no time.
+        """
+        own = t if library_of(t) is None else self.measures.number(t, "t", "time", "t")
+        state = self.motion.at(own)
+        errors, place = state.error, state.place if state.placing else {}
+        return StateInUnits(
+            self.measures.library.quantity(own, self.measures.unit("t", "time")), self._group("q", state.q, errors.q),
+            self._group("p", state.p, errors.p), self._group("velocity", state.velocity, errors.velocity),
+            {axis: self._numbers(x, errors.place[axis], _PLACE + axis, "place") for axis, x in place.items()},
+            state.status,
+        )  # fmt: skip
+
+    def _group(self, role: str, values: Mapping[str, Number], errors: Mapping[str, Number]) -> dict[str, Measured]:
+        return {name: self._numbers(x, errors[name], name, role) for name, x in values.items()}
+
+    def _end(self, name: str, end: Estimate | None) -> Measured | None:
+        return None if end is None else self._told(end, name, "q")
+
+    def _told(self, number: Estimate, name: str, role: str) -> Measured:
+        return self._numbers(number.value, number.error, name, role)
+
+    def _numbers(self, value: Number, error: Number, name: str, role: str) -> Measured:
+        return measured_in(value, error, self.measures.unit(name, role), self.measures.library)
