@@ -54,7 +54,7 @@ def inverse_forms(
         try:
             moved = sp.Add(*(_multiple(pieces[n], c.momentum, i) * τ for n, (i, τ) in values.items()))
         except NoFormError:
-            why_not[f"inverse.{c.name}"] = "its equation holds another integral than the time law"
+            why_not[f"inverse.{c.name}"] = "its equation contains another integral than the time law"
             continue
         constant = equation.rhs.replace(lambda e: isinstance(e, sp.Integral), lambda _: sp.S.Zero) - c.symbol
         along = {solution.system.coordinate(n).symbol: found.get(n) for n in solution.coordinates}
@@ -114,7 +114,7 @@ def _multiple(own: CoordinateIntegrals, key: sp.Symbol, reference: PieceIntegral
     ratio = sp.cancel(sp.together(numerator / reference.numerator))
     if ratio.has(reference.curve.coordinate.symbol):
         raise NoFormError(
-            f"the time law and the orbit equations hold different integrals over {own.name}: "
+            f"the time law and the orbit equations contain different integrals over {own.name}: "
             "they must be solved together"
         )
     return ratio
@@ -136,7 +136,7 @@ def inverted(
         others: numbers for other symbols of the value, to try the inverse with.
 
     Raises:
-        NoFormError: it holds more than one function of q.
+        NoFormError: it contains more than one function of q.
     """
     if integral.law is None:
         return _elliptic(own, integral, value, start, others)
@@ -160,7 +160,9 @@ def _elliptic(
     if integral.curve.degree > 4:
         raise NoFormError(f"t({own.name}) is an integral on a curve of genus 2: its inverse is not given")
     if integral.first is None or integral.way is None:
-        raise NoFormError(f"t({own.name}) holds elliptic integrals of the second or third kind: they have no inverse")
+        raise NoFormError(
+            f"t({own.name}) contains elliptic integrals of the second or third kind: they have no inverse"
+        )
     amount, begin = sp.expand(value / integral.first), s.place.subs(q, start)
     way = integral.way
     match way:
@@ -204,7 +206,7 @@ def _why_not_inverted(own: CoordinateIntegrals, law: Antiderivative) -> str:
             return f"t({own.name}) is {what}: {own.name}(t) has no closed form"
     if not kinds:
         return f"t({own.name}) is algebraic, of higher degree in the root"
-    return f"t({own.name}) holds more than one transcendental function of {own.name}"
+    return f"t({own.name}) contains more than one transcendental function of {own.name}"
 
 
 def verified_inverse(

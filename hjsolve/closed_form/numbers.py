@@ -130,7 +130,7 @@ def _exact(form: NamedForms, expression: sp.Expr, values: Mapping[str, object]) 
     for name, value in values.items():
         if name not in needed:
             raise InvalidInputError(
-                f"{name!r} occurs neither in the form nor in its regime; they hold {', '.join(needed)}"
+                f"{name!r} occurs neither in the form nor in its regime; they contain {', '.join(needed)}"
             )
         exact[needed[name]] = read_number(value, source=name)
     for constant, meaning in form.regime.special.items():

@@ -354,7 +354,7 @@ def _shift_step(coordinates: tuple[Coordinate, ...], χ: sp.Expr) -> ReductionSt
 
 def _null_step(null: tuple[str, ...]) -> ReductionStep:
     text = (
-        f"T is indefinite and the ignorable coordinates left over are light-like: H holds the momentum of "
+        f"T is indefinite and the ignorable coordinates left over are light-like: H contains the momentum of "
         f"{', '.join(null)} to first degree, with the coefficient shown in the energy shell, so that no root is taken."
     )
     return ReductionStep("Null coordinates", text)

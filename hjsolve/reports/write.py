@@ -183,7 +183,7 @@ def save_hamiltonian(
     data, about = initial_of(entry, initial, motion)
     started = problem.motion(**data, digits=digits) if data else None
     meanings, summary = (entry.meanings, entry.summary) if entry else ({}, "")
-    return write_document(hamiltonian_document(problem, meanings, summary, started, about), target, title=title)
+    return write_document(hamiltonian_document(problem, meanings, summary, started, about, entry), target, title=title)
 
 
 def save(

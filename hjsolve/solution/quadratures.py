@@ -162,7 +162,7 @@ def refuse_null(solution: Solution) -> None:
     names = ", ".join(solution.separation.shell.null)
     if names:
         raise InvalidInputError(
-            f"H holds the momentum of {names} to first degree (T is indefinite): such a motion has no turning points "
+            f"H is linear in the momentum of {names} (T is indefinite): such a motion has no turning points "
             "and is not computed here; use the formulas, solution.momenta, time_law and orbit_equations"
         )
 

@@ -45,7 +45,7 @@ pr, pθ, vr = sp.symbols("p_r p_theta dot(r)")
         (sp.Abs(r - k), "|k − r|"),
         (sp.Derivative(sp.Function("W")(r, θ), r), "∂W(r, θ)/∂r"),
         (sp.Eq(E, m * r), "E = m r"),
-        (sp.pi / 2, "½ π"),
+        (sp.pi / 2, "π/2"),
         (sp.Float("0.5"), "0.5"),
         (sp.Float("1.5e-20"), "1.5×10⁻²⁰"),
         (-sp.oo, "−∞"),

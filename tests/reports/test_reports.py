@@ -389,5 +389,5 @@ def test_the_number_of_an_equation_and_the_comma_after_a_formula_stay_on_their_l
     from hjsolve.reports.formulas.layout import Glyph
 
     shown = block_html(Paragraph(("By Greenwood (5-142) and ", Mathematics(Glyph("θ")), ", so.")))
-    assert '<span class="together">(5-142)</span>' in shown
+    assert '<span class="together">Greenwood (5-142)</span>' in shown
     assert "</math>,</span> so." in shown

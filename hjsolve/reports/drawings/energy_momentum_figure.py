@@ -207,7 +207,7 @@ def _caption(found: EnergyMomentumMap, grid: MapGrid | None, *, actions: bool) -
             pieces.append(". ")
     kinds = dict.fromkeys(curve.kind for curve in found.curves)
     meanings = {
-        "relative equilibrium": "black: a coordinate rests", "separatrix": "dashed blue: separatrices",
+        "relative equilibrium": "heavy: a coordinate rests", "separatrix": "dashed blue: separatrices",
         "edge of escape": "dotted: edge of escape", "end of the domain": "thin: an end of the domain is reached",
     }  # fmt: skip
     told = [meaning for kind, meaning in meanings.items() if kind in kinds]

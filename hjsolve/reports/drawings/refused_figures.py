@@ -67,7 +67,7 @@ def contour_figure(plane: PlaneMotion, times: Array, states: Array, key: str) ->
     words = f"{title}; the motion at energy {E:.6g} stays inside one of them."
     caption: list[Inline] = [
         "Blue: equal least energy over ", names[0], " and ", names[1], ", that is V with what constant momenta add, ",
-        f"{step:.3g} from line to line. Black: ", Mathematics(Glyph("E")), f" = {E:.6g}, which no motion of this "
+        f"{step:.3g} from line to line. Heavy: ", Mathematics(Glyph("E")), f" = {E:.6g}, which no motion of this "
         "energy leaves. Red: the motion, from the ring.",
     ]  # fmt: skip
     data = {first.name: list(map(float, x)), second.name: list(map(float, y)), "E": [E]}
@@ -138,7 +138,7 @@ def section_figure(plane: PlaneMotion, found: SurfaceOfSection, key: str) -> Fig
     words = f"{title}: {counted}. Points on closed curves are regular motions, scattered ones chaotic."
     caption: list[Inline] = [
         f"Poincaré's surface of section: {counted}, where ", Mathematics(name_box(fixed.name)),
-        f" = {found.level:.6g} is passed upwards. Black: its edge. Red: the motion of this report.",
+        f" = {found.level:.6g} is passed upwards. Heavy: its edge. Red: the motion of this report.",
     ]  # fmt: skip
     if (~sure & np.isfinite(points[0])).any():
         caption.append(

@@ -135,8 +135,8 @@ def _weak(strong: Array) -> Array:
 def _caption(family: Wavefronts) -> Text:
     W = Mathematics(Glyph("W"))
     if family.family == "place":
-        return ("Blue: ", W, " = const from one place, at equal steps. Red: orbits. Black: their envelope.")
-    caustics = ". Black: turning curves, the caustics." if family.caustics else "."
+        return ("Blue: ", W, " = const from one place, at equal steps. Red: orbits. Heavy: their envelope.")
+    caustics = ". Heavy: turning curves, the caustics." if family.caustics else "."
     return (
         "Blue: ", W, " = const at equal steps, faint on the other sheets of ", W,
         ". Red: orbits with the same constants, where they cross the blue lines at right angles", caustics,

@@ -15,7 +15,7 @@ from hjsolve.reports.formulas.line_breaks import LINE, NARROW, narrowed
 from hjsolve.reports.formulas.mathml import mathml_of
 
 _FULL, _CLOSING = 1.05, tuple(",.;:)")
-_NUMBER_OF_EQUATION = re.compile(r"\(\d+-\d+\)")
+_NUMBER_OF_EQUATION = re.compile(r"(?:Greenwood )?\(\d+-\d+\)")
 _MOST_ROWS_UNBROKEN, _SIDE_BY_SIDE = 8, 2
 _REACHED = 'tabindex="0" role="group"'
 

@@ -38,6 +38,7 @@ def _monodromy(found: EnergyMomentumMap) -> list[Block]:
         return []
     value, turned = found.isolated[0], found.monodromy()
     (a, b), (c, d) = turned.matrix
+    matrix = f"(({a}, {b}), ({c}, {d}))".replace("-", "−")
     x, y = Mathematics(name_box(found.x)), Mathematics(name_box(found.y))
     gained: list[Inline] = []
     for name, turns in turned.winding.items():
@@ -47,7 +48,7 @@ def _monodromy(found: EnergyMomentumMap) -> list[Block]:
     text: list[Inline] = [
         "At ", x, f" = {value.x:.6g}, ", y, f" = {value.y:.6g} lies an isolated critical value: the system can rest "
         "there, and the same kind of motion is all round it. Followed once round it the tori come back with the "
-        f"monodromy matrix (({a}, {b}), ({c}, {d})): ", *(gained or ["no angle gains a turn"]), " per cycle. ",
+        f"monodromy matrix {matrix}: ", *(gained or ["no angle gains a turn"]), " per cycle. ",
     ]  # fmt: skip
     if not turned.trivial:
         text.append("So no choice of actions is smooth on all of that region (Duistermaat; Cushman).")

@@ -7,11 +7,13 @@ from typing import TYPE_CHECKING
 
 import sympy as sp
 
+from hjsolve.catalog.entry import Entry
 from hjsolve.extended.linear_hamiltonian import LinearHamiltonian
 from hjsolve.reports.document import Block, Document, Mathematics, Note, Paragraph, Section, Table, Text
 from hjsolve.reports.formulas.from_sympy import box
 from hjsolve.reports.formulas.layout import Glyph, Script, row
 from hjsolve.reports.formulas.names import name_box
+from hjsolve.reports.sections.literature import literature_section
 from hjsolve.reports.sections.prose import domain_text, typeset_prose
 from hjsolve.reports.sections.system_and_verdict import EQUALS, formula, math
 
@@ -125,7 +127,7 @@ def hamiltonian_motion_section(motion: LinearMotion, summary: str) -> Section:
 
 def hamiltonian_document(
     problem: LinearHamiltonian, meanings: Mapping[str, tuple[str, str]], summary: str, motion: LinearMotion | None,
-    about: str = "",
+    about: str = "", entry: Entry | None = None,
 ) -> Document:  # fmt: skip
     """Write the report.
 
@@ -135,9 +137,12 @@ def hamiltonian_document(
         summary: what the catalog says about it; may be empty.
         motion: one motion of it, or None.
         about: what the catalog says about that motion.
+        entry: of the catalog, whose literature is given; or None.
     """
     sections = [given_section(problem, meanings, summary), *hamiltonian_solution_sections(problem)]
     if motion is not None:
         sections.append(hamiltonian_motion_section(motion, about))
+    literature = literature_section(sections, entry)
+    sections += [literature] if literature is not None else []
     title = problem.title or "A Hamiltonian of one degree of freedom"
     return Document(title, problem.id, hamiltonian_answer(problem), tuple(sections), "yes")

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 import platform
 from collections.abc import Mapping
 from importlib.metadata import PackageNotFoundError, version
@@ -19,7 +20,6 @@ from hjsolve.mechanics.system import hamiltonian
 from hjsolve.motion.motion import Motion
 from hjsolve.reports.document import (
     Block,
-    Code,
     Figure,
     Figures,
     Inline,
@@ -37,10 +37,12 @@ from hjsolve.reports.formulas.layout import Glyph, Script
 from hjsolve.reports.formulas.names import name_box
 from hjsolve.reports.formulas.one_line_text import spoken
 from hjsolve.reports.sections.prose import typeset_prose
-from hjsolve.reports.sections.rounded_numbers import quantity, terminating, written_duration
+from hjsolve.reports.sections.rounded_numbers import bound, quantity, terminating, written_duration
 from hjsolve.reports.sections.system_and_verdict import exactly, formula
 
 DASH: Text = ("–",)
+_SHORT, _CLEAR = 9, 1000
+"""Digits of a decimal that a turning point may be; how much steeper than its error times its bend P² must be there."""
 
 
 def motion_section(motion: Motion, trace: orbit_paths.Trace, summary: str) -> Section:
@@ -104,7 +106,7 @@ def _turning_points(motion: Motion) -> Table:
 
 
 def _end(motion: Motion, name: str, end: Estimate | None) -> Text:
-    """A turning point; exactly the place of the start where the motion starts there at rest."""
+    """A turning point; exact where the motion starts there at rest, and where a short decimal is proved to be it."""
     if end is None:
         return DASH
     coordinate = motion.solution.system.coordinate(name)
@@ -112,7 +114,24 @@ def _end(motion: Motion, name: str, end: Estimate | None) -> Text:
     at_rest = (coordinate.momentum + motion.solution.shift[name]).xreplace(values) == 0
     here = values[coordinate.symbol]
     same = at_rest and abs(mpmath.mpf(sp.N(here, 40)) - mpmath.mpf(end.value)) <= mpmath.mpf(end.error)
-    return _known(here if same else None, end)
+    return _known(here if same else _short_root(motion, name, end), end)
+
+
+def _short_root(motion: Motion, name: str, end: Estimate) -> sp.Rational | None:
+    """A decimal of few digits within the error of a turning point, once it is a simple zero of P² exactly.
+
+    Another zero within the error would need P²′ to vanish in between, so |P²′| ≤ |P²″| times the error.
+    """
+    nearby = sp.Rational(f"{float(end.value):.{_SHORT}g}") if math.isfinite(end.value) else None
+    if nearby is None or abs(mpmath.mpf(sp.N(nearby, 40)) - mpmath.mpf(end.value)) > mpmath.mpf(end.error):
+        return None
+    q = motion.solution.system.coordinate(name).symbol
+    values = {symbol: value for symbol, value in exact_values_of(motion).items() if symbol != q}
+    square = motion.solution.momentum_squared[name].xreplace(values)
+    if square.free_symbols != {q} or square.subs(q, nearby) != 0:
+        return None
+    slope, bend = (abs(complex(square.diff(q, k).subs(q, nearby).evalf(20))) for k in (1, 2))
+    return nearby if slope > _CLEAR * float(end.error) * bend else None
 
 
 def _known(exact: sp.Expr | None, estimate: Estimate) -> Text:
@@ -182,9 +201,9 @@ def _cycles(motion: Motion, names: list[str]) -> Table:
     )
     heads = [
         (f"{word} ", Mathematics(Script(Glyph(letter), Glyph("i"))))
-        for word, (letter, _) in zip(("Action", "Frequency", "Period"), quantities)
+        for word, (letter, _) in zip(("Action", "Frequency"), quantities)
     ]
-    header: tuple[Text, ...] = (("Coordinate",), *heads)
+    header: tuple[Text, ...] = (("Coordinate",), *heads, ("Period",))  # no letter: T is the kinetic energy
     return Table(header, rows, f"Actions, frequencies (in radians per unit {unit}) and periods")
 
 
@@ -212,7 +231,7 @@ def how_section(
                 "As a check that shares nothing with the quadratures, H(q(t), p(t)) was evaluated along the path "
                 "drawn above; it differs from E by at most "
             )
-            blocks.append(Paragraph((text, Code(f"{drift:.1e}"), ".")))
+            blocks.append(Paragraph((text, bound(drift), ".")))
     if brief:
         left_out = "Closed forms, wavefronts, the map of all motions and surfaces of section were left out: "
         blocks.append(Paragraph((left_out, "a brief report was asked.")))

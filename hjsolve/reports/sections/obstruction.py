@@ -9,11 +9,11 @@ import sympy as sp
 from hjsolve.arithmetic.printed_digits import shortest
 from hjsolve.reports.document import (
     Block,
-    Code,
     Formula,
     Inline,
     Mathematics,
     Note,
+    Number,
     Paragraph,
     Section,
     Text,
@@ -47,17 +47,16 @@ def refusal_section(verdict: Obstruction | Undecided) -> Section:
                     "A witness that it does not: at ",
                     *_point(point),
                     " it is proved to lie between ",
-                    Code(rounded_outward(verdict.witness.lower, up=False)),
+                    Number(rounded_outward(verdict.witness.lower, up=False)),
                     " and ",
-                    Code(rounded_outward(verdict.witness.upper, up=True)),
+                    Number(rounded_outward(verdict.witness.upper, up=True)),
                     ".",
                 )
             )
         )
     elif verdict.value is not None:
-        blocks.append(
-            Paragraph(("At ", *_point(verdict.point), " it is, to 40 digits, ", Code(shortest(verdict.value, 40)), "."))
-        )
+        value = Number(shortest(verdict.value, 40))
+        blocks.append(Paragraph(("At ", *_point(verdict.point), " it is, to 40 digits, ", value, ".")))
     blocks.append(Note(typeset_prose(verdict.advice, verdict.system)))
     title = "The obstruction" if isinstance(verdict, Obstruction) else "What is left open"
     return Section("obstruction", title, tuple(blocks))

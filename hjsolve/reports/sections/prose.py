@@ -28,6 +28,8 @@ _PHRASES = (
     ("T2 + V", "T₂ + V"),
 )
 
+_WORDS_OF_ONE_LETTER = "aAI"
+
 
 def typeset_prose(text: str, system: System | LinearInMomentum) -> Text:
     """Set the names and the plain formulas of a sentence as mathematics.
@@ -77,13 +79,17 @@ def heading(title: str, names: Collection[str] = ()) -> str:
 
 def _named(text: str, names: Collection[str]) -> list[Inline]:
     """Words with the names that cannot be meant as words set as mathematics."""
+    letters = {n for n in names if len(n) == 1 and n not in _WORDS_OF_ONE_LETTER} | {"T", "V", "W", "H", "E"}
     telling = {n for n in names if n in GREEK or re.fullmatch(r"[A-Za-z]+\d+", n)} | {f"p_{n}" for n in names}
     spelled_names = "|".join(re.escape(n) for n in sorted(names, key=len, reverse=True))
     telling |= {f"dot({n})" for n in names} | {f"alpha_{i}" for i in range(2, 10)}
     spelled = rf"(?:{'|'.join(sorted(GREEK.keys() - {'iota', 'lam', 'lamda'}, key=len, reverse=True))})(?:_?\d+)?"
     indexed = [rf"[A-Z](?:_(?:{spelled_names}))+"] if names else []
+    indexed.append(r"[A-Za-z]_(?:\d|[a-z])[a-z0-9]*")
     pattern = "|".join([*(re.escape(n) for n in sorted(telling, key=len, reverse=True)), spelled, *indexed])
-    pieces = re.split(rf"(?<![\w.])({pattern})(?!\w)", text)
+    apart, after = r"(?<![\d’'-] )(?<![’'-])(?<![A-Z]\. )", r"(?![’'-]|\.\w|\. [A-Z]\.)"  # 5 m, d'Alembert, e.g., M. V.
+    alone = f"{apart}[{''.join(sorted(letters))}]{after}"
+    pieces = re.split(rf"(?<![\w.])({pattern}|{alone})(?!\w)", text)
     return [Mathematics(typeset_name(p, names)) if i % 2 else typeset(p) for i, p in enumerate(pieces) if p]
 
 

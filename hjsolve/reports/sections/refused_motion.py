@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from collections.abc import Mapping
 from typing import Any
 
@@ -11,10 +12,11 @@ from hjsolve.coordinates import find_coordinates
 from hjsolve.errors import HJSolveError
 from hjsolve.mechanics.system import System
 from hjsolve.motion.initial_data import read_phase_point
-from hjsolve.reports.document import Block, Code, Figures, Inline, Note, Paragraph, Section
+from hjsolve.reports.document import Block, Code, Figures, Inline, Note, Number, Paragraph, Section
 from hjsolve.reports.drawings.refused_figures import contour_figure, section_figure
 from hjsolve.reports.sections.coordinates import found_answer, found_sections
 from hjsolve.reports.sections.prose import typeset_prose
+from hjsolve.reports.sections.rounded_numbers import bound
 from hjsolve.scenes.surface_of_section import (
     AGREEMENT,
     TOLERANCES,
@@ -73,8 +75,9 @@ def section_of_refused_motion(system: System, initial: Mapping[str, Any]) -> Sec
     lost = float(np.max(np.abs(plane.energy(states) - E)))
     told: list[Inline] = [
         "Without quadratures the motion is integrated step by step: by extrapolation of order 12, the error of each "
-        f"step below {TOLERANCES[0]:.0e} of what a variable reaches. Along the path drawn the energy keeps to within ",
-        Code(_upwards(lost)), ".",
+        "step below ", Number(f"1e{round(math.log10(TOLERANCES[0]))}"),
+        " of what a variable reaches. Along the path drawn the energy keeps to within ",
+        bound(lost), ".",
     ]  # fmt: skip
     if found is not None:
         figures.append(section_figure(plane, found, "surface-of-section"))
@@ -93,10 +96,5 @@ def _validated(found: SurfaceOfSection) -> list[Inline]:
         " Of the surface of section every motion was followed twice, with tolerances a hundred times apart: the two "
         f"agree to {AGREEMENT:g} of the figure in {share}, {int(np.minimum(found.settled, number).sum())} of "
         f"{int(number.sum())} returns; at no return does the energy differ from E by more than ",
-        Code(_upwards(found.drift)), ".",
+        bound(found.drift), ".",
     ]  # fmt: skip
-
-
-def _upwards(x: float) -> str:
-    """A bound in two digits, rounded up."""
-    return f"{x * 1.05:.1e}" if x else "0"

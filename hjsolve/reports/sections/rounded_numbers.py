@@ -107,6 +107,22 @@ def written_duration(value: float) -> str:
     return f"{value * 1e3:.0f} ms" if value < 0.9995 else f"{value:.2g} s" if value < 9.95 else f"{value:.0f} s"
 
 
+def bound(value: float) -> Number:
+    """Write a bound in two digits, rounded up.
+
+    Args:
+        value: the bound, not negative.
+
+    Example:
+        >>> bound(8.8817841970012523e-16), bound(0.0)
+        (Number(value='8.9e-16', error='', certified=False), Number(value='0', error='', certified=False))
+    """
+    if not value:
+        return Number("0")
+    rounded = Context(prec=2, rounding=ROUND_CEILING).plus(decimal(value)).normalize(WIDE)
+    return Number(plain_text(rounded) if -3 < rounded.adjusted() < 3 else scientific(rounded))
+
+
 def rounded_outward(value: float | Mpf, *, up: bool, digits: int = 10) -> str:
     """Write an end of an enclosure, rounded outward.
 

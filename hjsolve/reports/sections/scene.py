@@ -13,6 +13,7 @@ from hjsolve.reports.document import (
     Figures,
     Mathematics,
     Note,
+    Number,
     Paragraph,
     Section,
     Table,
@@ -25,7 +26,7 @@ from hjsolve.reports.formulas.one_line_text import spoken
 from hjsolve.reports.sections import solution, system_and_verdict
 from hjsolve.reports.sections.chart import chart_section
 from hjsolve.reports.sections.prose import typeset_prose
-from hjsolve.reports.sections.rounded_numbers import quantity
+from hjsolve.reports.sections.rounded_numbers import bound, quantity
 from hjsolve.scenes import Run
 
 _METHODS = {
@@ -148,7 +149,7 @@ def _path(run: Run) -> Section:
     rows: list[tuple[Text, ...]] = []
     for name in trajectory.q:
         worst = max((float(x) for x in trajectory.error.q[name] if np.isfinite(float(x))), default=0.0)
-        rows.append(((Mathematics(name_box(name)),), (Code(f"{worst:.1e}"),)))
+        rows.append(((Mathematics(name_box(name)),), (bound(worst),)))
     table = Table((("Coordinate",), ("Largest error bound",)), tuple(rows), f"Accuracy over {len(t)} times")
     return Section("path", "Where it is", (Figures((figure,)), table))
 
@@ -162,7 +163,7 @@ def _drift(run: Run) -> Section:
     t = np.array([float(x) for x in run.scene.times.exact()])
     changes = {name: np.asarray(values, float) for name, values in run.drift.items()}
     figure = _graphs(t, changes, "drift", "Drift of the former constants", time_name(run.scene.system))
-    rows = tuple(((Mathematics(name_box(n)),), (Code(f"{np.max(np.abs(v)):.3e}"),)) for n, v in changes.items())
+    rows = tuple(((Mathematics(name_box(n)),), (Number(f"{np.max(np.abs(v)):.2g}"),)) for n, v in changes.items())
     table = Table((("Former constant",), ("Largest change",)), rows, "Drift over the whole scene")
     return Section("drift", "What became of the constants", (Paragraph((text,)), Figures((figure,)), table))
 

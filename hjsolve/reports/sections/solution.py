@@ -13,8 +13,7 @@ from hjsolve.reports.formulas.from_sympy import box, compact, constants_outside
 from hjsolve.reports.formulas.layout import Box, Fence, Fraction, Glyph, Script, row, width
 from hjsolve.reports.formulas.line_breaks import LINE, broken, display
 from hjsolve.reports.formulas.names import name_box
-from hjsolve.reports.formulas.one_line_text import spoken
-from hjsolve.reports.sections.prose import listed, typeset_prose
+from hjsolve.reports.sections.prose import listed, typeset_prose, with_names
 from hjsolve.reports.sections.system_and_verdict import EQUALS, equation, formula, math
 from hjsolve.separation import Liouville, Separation, Stackel
 from hjsolve.solution.quadratures import Solution
@@ -134,9 +133,10 @@ def solution_sections(solution: Solution) -> list[Section]:
             f"while it decreases; the lower limit fixes what the initial {what} means."
         )
         if letter != "t":
-            text += f" It is called {spoken(letter)}, for t is a coordinate here."
+            text += f" It is called {letter}, for t is a coordinate here."
         law = _jacobi(solution, solution.time_law, "Greenwood (5-71)")
-        sections.append(Section("time-law", "Time law", (Paragraph((text,)), law)))
+        told = with_names(text, () if letter == "t" else ("t",))
+        sections.append(Section("time-law", "Time law", (Paragraph(told), law)))
     passive = {c.momentum.name for c in solution.separation.shell.ignorable}
     equations = tuple(
         _jacobi(solution, e, "Greenwood (5-83)" if name in passive else "Greenwood (5-70)")

@@ -175,43 +175,32 @@ def _momentum_definition() -> Box:
 
 
 def _coordinates(system: System, meanings: Mapping[str, tuple[str, str]]) -> Table:
-    told = any(meanings.get(c.name, ("", ""))[1] for c in system.coordinates)
-    rows = tuple(
-        (
-            (Mathematics(name_box(c.name)),),
-            domain_text(c.domain, c.name),
-            *(_meaning(system, *meanings.get(c.name, ("", ""))) if told else ()),
-        )
-        for c in system.coordinates
-    )
-    header: tuple[Text, ...] = (("Coordinate",), ("Domain",), *((("Meaning",), ("Unit",)) if told else ()))
-    return Table(header, rows, "Coordinates")
+    rows = [((Mathematics(name_box(c.name)),), domain_text(c.domain, c.name)) for c in system.coordinates]
+    told = [meanings.get(c.name, ("", "")) for c in system.coordinates]
+    return _with_meanings((("Coordinate",), ("Domain",)), rows, told, system, "Coordinates")
 
 
-def _meaning(system: System, unit: str, meaning: str) -> tuple[Text, Text]:
-    return typeset_prose(meaning, system), (typeset(unit),)
+def _with_meanings(
+    header: tuple[Text, ...], rows: Sequence[tuple[Text, ...]], told: Sequence[tuple[str, str]], system: System,
+    caption: str,
+) -> Table:  # fmt: skip
+    """A table with columns for meanings and units, those that are not empty."""
+    columns: list[tuple[Text, list[Text]]] = [
+        (("Meaning",), [typeset_prose(meaning, system) for _, meaning in told]),
+        (("Unit",), [(typeset(unit),) if unit else () for unit, _ in told]),
+    ]
+    kept = [(head, cells) for head, cells in columns if any(cells)]
+    full = tuple(row + tuple(cells[k] for _, cells in kept) for k, row in enumerate(rows))
+    return Table((*header, *(head for head, _ in kept)), full, caption)
 
 
 def _parameters(system: System) -> Table:
-    told = any(p.meaning for p in system.parameters)
-    rows = []
-    for p in system.parameters:
-        value: Text = exactly(p.value) if p.value is not None else ("no default",)
-        rows.append(
-            (
-                (Mathematics(name_box(p.name)),),
-                value,
-                (p.assume,),
-                *(_meaning(system, p.unit, p.meaning) if told else ()),
-            )
-        )
-    header: tuple[Text, ...] = (
-        ("Parameter",),
-        ("Default",),
-        ("Assumed",),
-        *((("Meaning",), ("Unit",)) if told else ()),
-    )
-    return Table(header, tuple(rows), "Parameters")
+    rows: list[tuple[Text, ...]] = [
+        ((Mathematics(name_box(p.name)),), exactly(p.value) if p.value is not None else ("no default",), (p.assume,))
+        for p in system.parameters
+    ]
+    told = [(p.unit, p.meaning) for p in system.parameters]
+    return _with_meanings((("Parameter",), ("Default",), ("Assumed",)), rows, told, system, "Parameters")
 
 
 # -------------------------------------------------------------------------------- the reduction and the test

@@ -1,0 +1,51 @@
+"""Small things a reader sees at once: letters in italics, numbers typeset, columns that say something, exact places."""
+
+import pytest
+
+import hjsolve
+from hjsolve.reports.document import Code, Mathematics, Number, Table
+from hjsolve.reports.formulas.one_line_text import plain
+from hjsolve.reports.sections.motion import numbers_section
+from hjsolve.reports.sections.prose import with_names
+from hjsolve.reports.sections.rounded_numbers import bound
+from hjsolve.reports.sections.system_and_verdict import system_section
+
+
+def said(text, names=()):
+    return [plain(piece.box) for piece in with_names(text, names) if isinstance(piece, Mathematics)]
+
+
+def test_letters_of_the_system_are_formulas_and_words_are_not():
+    assert said("T and V do not contain t, phi, so W is linear in x", ("t", "phi", "x")) == ["T", "V", "t", "φ", "W", "x"]
+    assert said("a bound orbit, e.g. d'Alembert's; 5 m deep, a T-shaped beam; M. V. Berry", ("a", "e", "g", "d", "s", "m")) == []
+    assert said("L_1 and L_2 vanish, a_jt is not zero; hjsolve.find_coordinates") == ["L₁", "L₂", "aⱼₜ"]
+
+
+def test_a_bound_is_rounded_up():
+    assert [bound(x).value for x in (8.881e-16, 0.0, 0.5, 1.01e-13)] == ["8.9e-16", "0", "0.5", "1.1e-13"]
+
+
+def test_a_column_that_is_empty_is_left_out():
+    tables = [b for b in system_section(hjsolve.catalog.load("henon-heiles"), {}, "").blocks if isinstance(b, Table)]
+    assert [[head[0] for head in table.header] for table in tables] == [
+        ["Coordinate", "Domain"], ["Parameter", "Default", "Assumed", "Meaning"]
+    ]  # fmt: skip
+
+
+@pytest.mark.parametrize(
+    ("name", "expected"), [("harmonic-oscillator", ["-1", "1"]), ("parabola", ["-0.5", "0.5"]), ("kepler-planar", ["1", ""])]
+)
+def test_turning_points_that_are_short_decimals_are_exact(name, expected):
+    motion = hjsolve.solve(name).motion(**hjsolve.catalog.describe(name).initial.arguments)
+    table = next(b for b in numbers_section(motion).blocks if isinstance(b, Table) and b.caption == "Turning points")
+    ends = [piece for cell in table.rows[0][1:] for piece in cell]
+    assert [end.value if not end.error else "" for end in ends] == expected
+
+
+def test_an_estimate_beside_a_short_decimal_stays_one():
+    """V = x²/2 + 10⁻¹⁷·x: the ends are 1 − 10⁻¹⁷ and so on, not 1."""
+    system = hjsolve.System({"x": "line"}, "dot(x)**2/2", "x**2/2 + x/10**17")
+    motion = hjsolve.solve(system).motion(q={"x": 0}, velocity={"x": 1})
+    table = next(b for b in numbers_section(motion).blocks if isinstance(b, Table) and b.caption == "Turning points")
+    assert all(piece.error for cell in table.rows[0][1:] for piece in cell if isinstance(piece, Number))
+    assert not any(isinstance(piece, Code) for cell in table.rows[0] for piece in cell)
