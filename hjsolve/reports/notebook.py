@@ -7,12 +7,17 @@ from zlib import crc32
 
 import sympy as sp
 
+from hjsolve.arithmetic.estimate import Estimate
+from hjsolve.arithmetic.measured import Measured
+from hjsolve.catalog.entry import Entry
 from hjsolve.coordinates import NormalModes, SeparableCoordinates
 from hjsolve.costs.table import Cost
 from hjsolve.display.shown import brief, fields_of
+from hjsolve.energy_momentum.energy_momentum_map import EnergyMomentumMap
 from hjsolve.errors import NotConvergedError
 from hjsolve.mechanics.system import System
 from hjsolve.motion.motion import Motion
+from hjsolve.rays.families import Wavefronts
 from hjsolve.reports.document import Block, Code, Figures, Inline, Mathematics, Paragraph, Section, Strong, Table, Text
 from hjsolve.reports.formats.html import block_html
 from hjsolve.reports.formats.stylesheet import NOTEBOOK_CSS
@@ -68,6 +73,18 @@ def blocks_of(value: object) -> tuple[Block, ...]:
             return (_title(value.system), Paragraph(found_answer(value)), *_all(found_sections(value)))
         case NormalModes():
             return (_title(value.original), Paragraph(modes_answer(value)), *_of(modes_section(value)))
+        case Entry() if value.system is not None:
+            system = value.system
+            return (_title(system), *_of(system_section(system, value.meanings, value.summary)))
+        case EnergyMomentumMap():
+            from hjsolve.reports.drawings.energy_momentum_figure import figure_of_map
+
+            return (Figures((figure_of_map(value, _key("map", value)),)),)
+        case Wavefronts():
+            from hjsolve.reports.drawings.wavefront_figure import figure_of_wavefronts
+
+            drawn = figure_of_wavefronts(value, _key("fronts", value))
+            return (_fields(value),) if drawn is None else (Figures((drawn,)),)
         case Cost():
             from hjsolve.reports.sections.cost import cost_section
 
@@ -78,6 +95,11 @@ def blocks_of(value: object) -> tuple[Block, ...]:
             parts = [part for part in scene_document(value).sections if part.key in {"numbers", "path", "drift"}]
             return (Paragraph((Strong(value.scene.title or "A scene"),)), *_all(parts))
     return (_fields(value),)
+
+
+def _key(kind: str, value: object) -> str:
+    """What a drawing is called in a page that may have others: names inside drawings are those of the page."""
+    return f"{kind}-{crc32(repr(value).encode()):x}"
 
 
 def _title(system: System) -> Paragraph:
@@ -107,7 +129,7 @@ def _motion(motion: Motion) -> tuple[Block, ...]:
     shown = (_title(motion.solution.system), Paragraph(tuple(kinds)), *numbers_section(motion).blocks)
     try:
         trace = orbit_paths.trace(motion)
-        key = f"orbit-{crc32(repr((motion, trace.state)).encode()):x}"  # names inside drawings are those of the page
+        key = _key("orbit", (motion, trace.state))
         drawn = orbit_paths.orbit(motion, trace, key) or orbit_paths.history(motion, trace, key)
     except NotConvergedError:
         return shown
@@ -125,11 +147,30 @@ def _cell(content: object) -> Text:
         return (math(content),)
     if hasattr(content, "value") and hasattr(content, "error") and hasattr(content, "certified"):
         return (quantity(content),)
-    if isinstance(content, Mapping) and all(hasattr(x, "certified") for x in content.values()):
+    if isinstance(content, Mapping) and all(_is_number(x) for x in content.values()):
         pieces: list[Inline] = []
-        for name, estimate in content.items():
-            pieces += ["; " if pieces else "", Mathematics(name_box(str(name))), " = ", quantity(estimate)]
+        for name, number in content.items():
+            pieces += ["; " if pieces else "", Mathematics(name_box(str(name))), " = ", *_written(number)]
         return tuple(pieces)
     if isinstance(content, str):
         return (content,)
     return (Code(brief(content, _ROOM)),)
+
+
+def _is_number(content: object) -> bool:
+    """Whether it is one number with its error, with a unit or without, or the two ends of a libration."""
+    if isinstance(content, tuple):
+        return bool(content) and all(x is None or _is_number(x) for x in content)
+    if isinstance(content, Measured):
+        return isinstance(content.estimate(), Estimate)
+    return isinstance(content, Estimate)
+
+
+def _written(content: object) -> Text:
+    if isinstance(content, tuple):
+        ends = [("–",) if x is None else _written(x) for x in content]
+        return tuple(piece for k, end in enumerate(ends) for piece in ((" … " if k else ""), *end) if piece)
+    unit = f" {content.unit}" if isinstance(content, Measured) else ""
+    number = content.estimate() if isinstance(content, Measured) else content
+    assert isinstance(number, Estimate)
+    return (quantity(number), unit) if unit else (quantity(number),)

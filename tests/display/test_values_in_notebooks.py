@@ -76,3 +76,10 @@ def test_the_text_of_a_system_makes_it_again(name: str) -> None:
     for part in ("kinetic", "potential", "title", "id", "relativity", "signature"):
         assert str(getattr(again, part)) == str(getattr(system, part))
     assert [c.name for c in again.coordinates] == [c.name for c in system.coordinates]
+
+
+def test_maps_wavefronts_and_entries_are_shown_as_what_they_are(values: dict[str, Any]) -> None:
+    for name in ("map", "fronts"):
+        assert "<svg" in values[name]._repr_html_()
+    assert "<math" in values["entry"]._repr_html_()
+    assert re.search(r"±.* second<", values["in units"]._repr_html_())

@@ -60,6 +60,7 @@ figure svg{display:block;width:100%;height:auto;max-width:34rem}
 figcaption{font:.84rem/1.45 var(--sans);color:var(--soft);margin-top:.45rem}
 figcaption math{font-size:1em}
 .narrow{display:none}
+@media (min-width:57rem){caption{white-space:nowrap}}
 @media screen and (max-width:56rem){.wide{display:none}.narrow{display:block}
 table.stack,table.stack tbody,table.stack tr,table.stack th,table.stack td,table.stack caption{display:block}
 table.stack thead{display:none}table.stack tbody tr{padding:.45rem 0}table.stack td math{font-size:.88em}
@@ -96,13 +97,14 @@ NOTEBOOK_CSS = (
 .hjsolve p{margin:.5em 0}
 .hjsolve code{background:var(--wash);padding:.05em .3em;border-radius:3px}
 .hjsolve table{border-collapse:collapse;margin:.6em 0;font-variant-numeric:tabular-nums}
-.hjsolve caption{text-align:left;color:var(--soft);caption-side:top;padding:0 0 .3em}
+.hjsolve caption{text-align:left;color:var(--soft);caption-side:top;padding:0 0 .3em;white-space:nowrap}
 .hjsolve th,.hjsolve td{text-align:left!important;padding:.25em 1.1em .25em 0;font-weight:400;background:none;border:0}
 .hjsolve thead th{color:var(--soft);border-bottom:1px solid var(--ink)}
 .hjsolve tbody tr{background:none!important}
 .hjsolve .narrow{display:none}
 .hjsolve .scroll{overflow-x:auto;overflow-y:hidden;padding:.2em 0}
 .hjsolve .value{white-space:nowrap}
+.hjsolve td.num .error{display:block}
 .hjsolve .formula{display:flex;align-items:center;gap:1em;margin:.4em 0;padding-left:1.2em}
 .hjsolve .formula .scroll{flex:1 1 auto;min-width:0}
 .hjsolve .tag,.hjsolve .error,.hjsolve figcaption,.hjsolve .note{color:var(--soft);font-size:.88em}
