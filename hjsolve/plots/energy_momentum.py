@@ -68,8 +68,8 @@ def _regions(ax: Axes, grid: MapGrid) -> None:
         column, row = (int(np.argmin(np.abs(v - p))) for v, p in zip((grid.x, grid.y), region.example))
         mask = np.where(grid.numbers == grid.numbers[row, column], 1.0, np.nan)
         ax.pcolormesh(grid.x, grid.y, np.ma.masked_invalid(mask), cmap=_one_colour(_FILLS[k]), zorder=0)
-        ax.fill([], [], color=_FILLS[k], label=region.name)
-    ax.legend(loc="best", fontsize=8, frameon=False)
+        ax.fill([], [], facecolor=_FILLS[k], edgecolor=style.INK, linewidth=0.6, label=region.name)
+    ax.legend(loc="best", fontsize=8, frameon=True, framealpha=0.85, edgecolor="none")
 
 
 def _one_colour(colour: str) -> ListedColormap:
