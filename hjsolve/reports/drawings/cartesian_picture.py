@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Mapping
 from dataclasses import dataclass
+from functools import lru_cache
 from typing import Literal
 
 import numpy as np
@@ -37,6 +38,7 @@ class Embedding:
     up: int = 1
 
 
+@lru_cache(maxsize=64)
 def embedding(system: System) -> Embedding:
     """Recognise where a system lives.
 
