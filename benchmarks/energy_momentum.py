@@ -2,7 +2,8 @@
 
 For each system random points (x, y) of the map's window and random places q with P² > 0; ``map.kinds_at(x, y, q=…)``
 for all at once, and ``solution.motion(…).kinds`` for each. Where the map says that no motion passes, a motion must be
-refused. Run with ``python benchmarks/energy_momentum.py [points] [seed]``; exit status 1 where one differs.
+refused. Run with ``python benchmarks/energy_momentum.py [points] [seed] [systems]``: named, each has as many points
+as among all sixteen; exit status 1 where one differs.
 """
 
 from __future__ import annotations
@@ -83,11 +84,11 @@ def differing(name: str, points: int, rng: np.random.Generator) -> Iterator[tupl
     yield "\n".join(wrong), moved, refused, quick, time.process_time() - begin
 
 
-def main(points: int = 10_000, seed: int = 1) -> int:
+def main(points: int = 10_000, seed: int = 1, *names: str) -> int:
     rng = np.random.default_rng(seed)
     each, bad, total = -(-points // len(SYSTEMS)), 0, 0
     print("| system | motions | refused | differ | map, ms for all | motions, ms each |\n|---|---|---|---|---|---|")
-    for name in SYSTEMS:
+    for name in names or SYSTEMS:
         for wrong, moved, refused, quick, slow in differing(name, each, rng):
             count = len(wrong.splitlines())
             bad, total = bad + count, total + moved + refused
@@ -100,4 +101,4 @@ def main(points: int = 10_000, seed: int = 1) -> int:
 
 
 if __name__ == "__main__":
-    raise SystemExit(main(*map(int, sys.argv[1:])))
+    raise SystemExit(main(*map(int, sys.argv[1:3]), *sys.argv[3:]))

@@ -254,3 +254,27 @@ def located(target: T) -> T | Path:
         kind = "a directory" if Path(target).is_dir() else "a file, but its name does not end in .toml"
         raise InvalidInputError(f"{target}: is {kind}; give a catalog id or a .toml file")
     return target
+
+
+def sliders(options: Namespace) -> dict[str, tuple[float, float] | None]:
+    """The sliders asked of a live page: name → range, None for as far as it goes.
+
+    Args:
+        options: the parsed arguments.
+
+    Raises:
+        InvalidInputError: a range that cannot be read, or a page that is not live.
+    """
+    if options.slider and not options.live:
+        raise InvalidInputError("--slider: only a live report has sliders; add --live")
+    found: dict[str, tuple[float, float] | None] = {}
+    for text in options.slider:
+        name, given, span = text.partition("=")
+        low, colon, high = span.partition(":")
+        try:
+            found[name] = (float(low), float(high)) if given else None
+        except ValueError:
+            colon = ""
+        if given and not colon:
+            raise InvalidInputError(f"--slider {text}: write a name, or a name and a range, such as g=5:15")
+    return found

@@ -198,7 +198,8 @@ def _reported(options: Namespace, target: Path) -> tuple[int, Path]:
         subject, initial = _found(options, initial)
     material = gather(arguments_read.located(subject), initial=initial, motion=options.motion, digits=options.digits)
     with ProgressBar() as progress:
-        told = {"live": options.live, "brief": options.brief, "title": title}
+        sliders = arguments_read.sliders(options)
+        told = {"live": options.live, "sliders": sliders, "brief": options.brief, "title": title}
         return _status(material.verdict), save(material, target, options.cost, progress, **told)
 
 

@@ -202,7 +202,11 @@ def _add_report(kinds: _Commands) -> None:
     )  # fmt: skip
     report.add_argument(
         "--live", action="store_true",
-        help="a page with sliders and a point that moves: one file, .html, for one separated coordinate that librates",
+        help="a page with sliders and a point that moves: one file, .html, for motions that librate or rotate",
+    )  # fmt: skip
+    report.add_argument(
+        "--slider", action="append", default=[], metavar="NAME[=LOW:HIGH]",
+        help="of a live page: a slider for this constant or parameter, as far as it goes or in a range",
     )  # fmt: skip
     report.add_argument(
         "--brief", action="store_true",

@@ -2,6 +2,9 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
+from fractions import Fraction
+
 import numpy as np
 import sympy as sp
 
@@ -9,6 +12,8 @@ from hjsolve.arithmetic.floats import Float64
 from hjsolve.energy_momentum.coordinate_kinds import CoordinateKinds
 from hjsolve.energy_momentum.critical_curves import CriticalCurve, Window, real_roots_of_rows
 from hjsolve.lowering import lower
+
+_LARGEST = 10**7
 
 
 def end_polynomials(own: CoordinateKinds) -> list[tuple[str, sp.Expr]]:
@@ -100,13 +105,30 @@ def symmetric_curves(own: CoordinateKinds, window: Window) -> list[CriticalCurve
     return found
 
 
+def _scaled(level: sp.Expr, constants: Sequence[sp.Symbol]) -> sp.Expr:
+    """A multiple with short coefficients, where there is one: the place itself may be known to 30 digits only."""
+    polynomial = sp.Poly(level, *constants)
+    first = polynomial.LC()
+    if not all(c.is_Rational for c in polynomial.coeffs()):
+        return level
+    terms = {powers: _short(c / first) for powers, c in polynomial.terms()}
+    return sp.Poly(terms, *constants).as_expr()
+
+
+def _short(value: sp.Rational) -> sp.Rational:
+    """The fraction with a small denominator that a number is, to 20 digits; itself where it is none."""
+    near = Fraction(int(value.p), int(value.q)).limit_denominator(_LARGEST)
+    short = sp.Rational(near.numerator, near.denominator)
+    return short if abs(short - value) < sp.Rational(1, 10**20) * max(1, abs(value)) else value
+
+
 def _resting(own: CoordinateKinds, bend: sp.Expr, level: sp.Expr, place: float, window: Window) -> list[CriticalCurve]:
     """The zeros of a level, each part named by the sign of the bend there."""
     if not level.has(*own.constants):
         return []
     found = []
     tape = lower([bend], [*own.constants])
-    for factor, _ in sp.factor_list(level, *own.constants)[1]:
+    for factor, _ in sp.factor_list(_scaled(level, own.constants), *own.constants)[1]:
         for curve in _zeros_of(own, "separatrix", factor, window):
             x, y = (np.linspace(v[0], v[-1], 401) if len(v) == 2 else v for v in (curve.x, curve.y))
             with np.errstate(all="ignore"):

@@ -169,7 +169,7 @@ def dense_output(motion: SeparatedMotion, span: float) -> DenseOutput | None:
         return None
 
 
-@lru_cache(maxsize=8)
+@lru_cache(maxsize=64)
 def _bounded(motion: SeparatedMotion) -> DenseOutput:
     equations = motion.torus
     assert equations is not None

@@ -27,7 +27,10 @@ from hjsolve.rays.same_constants import started_with_same_constants
 
 _FEWEST = 16
 _TIMES, _ORBIT_POINTS = 129, 161
-_DOUBLINGS, _STEPS, _REFINEMENTS = 30, 12, 14
+_DOUBLINGS, _STEPS, _REFINEMENTS, _HALVINGS = 30, 12, 4, 60
+_CHEBYSHEV = np.cos(np.pi * (np.arange(8) + 0.5) / 8)
+_TO_TERMS = np.cos(np.outer(np.arccos(_CHEBYSHEV), np.arange(8))) * np.array([1, 2, 2, 2, 2, 2, 2, 2]) / 8
+_BESIDE = np.array([1 - 1e-4, 1.0, 1 + 1e-4])
 _EIGHTH = np.array([4 / 5, -1 / 5, 4 / 105, -1 / 280])
 _FOURTH = np.array([2 / 3, -1 / 12, 0.0, 0.0])
 _SIXTH = np.array([3 / 4, -3 / 20, 1 / 60, 0.0])
@@ -49,6 +52,11 @@ class _States:
     p: tuple[Reals, Reals]
     q_error: tuple[Reals, Reals]
     p_error: tuple[Reals, Reals]
+
+    def columns(self, begin: int, end: int) -> _States:
+        """The same at some of the times."""
+        groups = (self.q, self.velocity, self.p, self.q_error, self.p_error)
+        return _States(*((a[:, begin:end], b[:, begin:end]) for a, b in groups))
 
 
 @dataclass(frozen=True, eq=False, repr=False)
@@ -88,7 +96,7 @@ class SamePlace(Shown):
         """
         found = [self._times_of(ray, values) for ray in self.rays]
         times, doubts = (np.array(x) for x in zip(*found, strict=True))
-        states, forces = self._states(times), self._forces(times, doubts)
+        states, forces = self._states_and_forces(times, doubts)
         curves = []
         for i, value in enumerate(values):
             q, p, q_error, p_error = {}, {}, {}, {}
@@ -101,11 +109,19 @@ class SamePlace(Shown):
             )
         return tuple(curves)
 
-    def _forces(self, times: Reals, doubts: Reals) -> tuple[Reals, Reals]:
-        """How far p moves while the time does, from states beside."""
-        ahead, behind = self._states(times + doubts), self._states(times - doubts)
-        first, second = (np.abs(ahead.p[k] - behind.p[k]) + ahead.p_error[k] + behind.p_error[k] for k in range(2))
-        return first, second
+    def _states_and_forces(self, times: Reals, doubts: Reals) -> tuple[_States, tuple[Reals, Reals]]:
+        """States at times, and how far p moves while the time does, from states beside."""
+        m = times.shape[1]
+        far = np.where(np.isfinite(doubts), doubts, 0.0)
+        asked = self._states(np.concatenate([times, times + far, times - far], axis=1))
+        here, ahead, behind = (asked.columns(k * m, (k + 1) * m) for k in range(3))
+        first, second = (
+            np.where(
+                np.isfinite(doubts), np.abs(ahead.p[k] - behind.p[k]) + ahead.p_error[k] + behind.p_error[k], np.nan
+            )
+            for k in range(2)
+        )
+        return here, (first, second)
 
     def _times_of(self, ray: Motion | None, values: Reals) -> tuple[Reals, Reals]:
         """Times at which a ray has gained W, and how far they may be off; NaN where it never does.
@@ -117,15 +133,15 @@ class SamePlace(Shown):
             return never, never
         t, reach = self._first_guess(ray, values)
         known = np.isfinite(t)
-        for _ in range(_STEPS):
+        for left in reversed(range(_STEPS)):
             W, error = self._action(ray, t, reach)
             speed = self._growth(ray, np.where(known, t, 0.0))
             with np.errstate(all="ignore"):
                 step = (W - values) / speed
-            t = t - np.clip(step, -reach / _TIMES, reach / _TIMES)
-            if not (np.abs(step) > 4 * EPS * (np.abs(t) + abs(self.start))).any():
+                moving = np.abs(step) > 4 * EPS * (np.abs(t) + abs(self.start)) + error / np.abs(speed)
+            if not left or not moving.any():
                 break
-        W, error = self._action(ray, t, reach)
+            t = np.where(moving, t - np.clip(step, -reach / _TIMES, reach / _TIMES), t)
         with np.errstate(all="ignore"):
             doubt = 2 * (np.abs(W - values) + error + EPS * np.abs(values)) / speed + 2 * EPS * (
                 abs(self.start) + np.abs(t)
@@ -199,13 +215,10 @@ class SamePlace(Shown):
         first = change.argmax(axis=1)
         row = np.arange(rays)
         met = change[row, first]
-        low, high = grid[row, first], grid[row, first + 1]
-        at_low, at_high = D[row, first], D[row, first + 1]
-        t, doubt = self._roots(low, high, at_low, at_high)
+        t, doubt = self._roots(grid[row, first], grid[row, first + 1])
         t = np.where(met, t, np.nan)
-        states = self._states(t[:, None])
+        states, forces = self._states_and_forces(t[:, None], doubt[:, None])
         q, p, q_error, p_error = {}, {}, {}, {}
-        forces = self._forces(t[:, None], doubt[:, None])
         unclear = ~np.isfinite(doubt) | (doubt > _UNCLEAR * self.length)
         for k, name in enumerate(self.names):
             values = np.where(unclear, np.nan, states.q[k][:, 0])
@@ -216,28 +229,30 @@ class SamePlace(Shown):
             return ()
         return (FamilyCurve("caustic", np.nan, q, p, partial(_known, Errors(q_error, p_error, {})), self.placing),)
 
-    def _roots(self, low: Reals, high: Reals, at_low: Reals, at_high: Reals) -> tuple[Reals, Reals]:
-        """Zeros of the determinant between brackets (Illinois' rule), and how far they may be off."""
-        low, high, at_low, at_high = (x.copy() for x in (low, high, at_low, at_high))
-        slope = (at_high - at_low) / (high - low)
-        t, last = (low + high) / 2, np.zeros(len(low))
-        for _ in range(_REFINEMENTS):
-            with np.errstate(all="ignore"):
-                t = (low * at_high - high * at_low) / (at_high - at_low)
-            value, blur = (x[:, 0] for x in self._meeting(t[:, None]))
-            same = value * at_low > 0
-            with np.errstate(all="ignore"):
-                local = np.where(same, (at_high - value) / (high - t), (value - at_low) / (t - low))
-            slope = np.where(np.isfinite(local) & (local != 0), local, slope)
-            at_high = np.where(same, np.where(last > 0, at_high / 2, at_high), value)
-            at_low = np.where(same, value, np.where(last < 0, at_low / 2, at_low))
-            low, high = np.where(same, t, low), np.where(same, high, t)
-            last = np.where(same, 1.0, -1.0)
-            if not (np.abs(value) > blur).any():
-                break
+    def _roots(self, low: Reals, high: Reals) -> tuple[Reals, Reals]:
+        """Zeros of the determinant between brackets, and how far they may be off.
+
+        The zero of the polynomial through its values at Chebyshev's points, then Newton's steps with that slope: asking
+        many times of a ray at once costs little more than asking one.
+        """
+        middle, half = (low + high) / 2, (high - low) / 2
+        D, _ = self._meeting(middle[:, None] + half[:, None] * _CHEBYSHEV)
         with np.errstate(all="ignore"):
-            gap = (self._meeting((t * (1 + 1e-4))[:, None])[0] - self._meeting((t * (1 - 1e-4))[:, None])[0])[:, 0]
-            slope = gap / (2e-4 * t)
+            terms = D @ _TO_TERMS
+            begin, end = -np.ones(len(low)), np.ones(len(low))
+            rising = np.polynomial.chebyshev.chebval(1.0, terms.T) > 0
+            for _ in range(_HALVINGS):
+                u = (begin + end) / 2
+                above = (np.polynomial.chebyshev.chebval(u, terms.T, tensor=False) > 0) == rising
+                begin, end = np.where(above, begin, u), np.where(above, u, end)
+            t = middle + half * (begin + end) / 2
+            for _ in range(_REFINEMENTS):
+                D, blurs = self._meeting(t[:, None] * _BESIDE)
+                value, blur, slope = D[:, 1], blurs[:, 1], (D[:, 2] - D[:, 0]) / (t * (_BESIDE[2] - _BESIDE[0]))
+                step = value / slope
+                if not ((np.abs(value) > blur) & (np.abs(step) <= half)).any():
+                    break
+                t = np.where((np.abs(value) > blur) & (np.abs(step) <= half), t - step, t)
             return t, 2 * (np.abs(value) + blur) / np.abs(slope) + 4 * EPS * t
 
     def _meeting(self, t: Reals) -> tuple[Reals, Reals]:

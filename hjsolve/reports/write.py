@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Callable, Mapping
 from dataclasses import replace
+from functools import partial
 from pathlib import Path
 from typing import Any
 
@@ -62,6 +63,7 @@ def report(
     digits: int = 15,
     cost: bool | float = False,
     live: bool = False,
+    sliders: Mapping[str, tuple[float, float] | None] | None = None,
     brief: bool = False,
     title: str = "",
 ) -> Path:
@@ -81,7 +83,9 @@ def report(
         cost: whether the report has a section that measures what accuracy costs, in 3 seconds; or the seconds it may
             take, at most 10.
         live: whether the page has sliders for the constants of the motion and a point that moves (.html only; for a
-            motion with one separated coordinate, which librates). It is one file that asks nothing of the net.
+            motion whose separated coordinates all librate or rotate). It is one file that asks nothing of the net.
+        sliders: constants or parameters that a live page is to have sliders for, each with its range (low, high), or
+            None for as far as it goes; sliders beside them, up to four in all, are constants.
         brief: whether closed forms, the map of all motions and surfaces of section are left out, which take most of
             the time.
         title: in place of the system's own.
@@ -98,6 +102,8 @@ def report(
         PosixPath('kepler.html')
     """
     target, title = checked_path(path, (".html",) if live else SUFFIXES), checked_title(title)
+    if sliders and not live:
+        raise InvalidInputError("sliders: only a live report has them; write live=True")
     if isinstance(subject, Scene):
         refuse_live(live)
         return save_scene(subject, target, cost, title=title)
@@ -110,7 +116,7 @@ def report(
         refuse_live(live)
         return save_hamiltonian(subject, target, initial=initial, motion=motion, digits=digits, title=title)
     material = gather(subject, initial=initial, motion=motion, digits=digits)
-    return save(material, target, cost, live=live, brief=brief, title=title)
+    return save(material, target, cost, live=live, sliders=sliders, brief=brief, title=title)
 
 
 def refuse_live(live: bool) -> None:
@@ -188,7 +194,8 @@ def save_hamiltonian(
 
 def save(
     material: Material, target: Path, cost: bool | float = False, progress: Progress | None = None, *,
-    live: bool = False, brief: bool = False, title: str = "",
+    live: bool = False, sliders: Mapping[str, tuple[float, float] | None] | None = None, brief: bool = False,
+    title: str = "",
 ) -> Path:  # fmt: skip
     """Write what was gathered.
 
@@ -196,7 +203,7 @@ def save(
         material: what there is to tell.
         target: a path that ``checked_path`` has passed.
         cost, progress: as in ``sections.cost.with_cost``.
-        live, brief, title: as in ``report``.
+        live, sliders, brief, title: as in ``report``.
 
     Returns:
         The path.
@@ -212,7 +219,8 @@ def save(
         content = with_cost(content, material.motion, cost, progress)
     if live and material.motion is None:
         refuse_live(live)
-    path = write_document(content, target, material.motion if live else None, title=title)
+    moving = partial(with_live_part, motion=material.motion, sliders=sliders) if live and material.motion else None
+    path = write_document(content, target, moving, title=title)
     if content.unsettled:
         raise NotConvergedError(f"{content.unsettled}; everything else was written to {path}")
     return path
@@ -230,13 +238,28 @@ def outside_entry(subject: object) -> catalog.Entry | None:
     return entry if entry.refusal is not None else None
 
 
-def write_document(content: Document, target: Path, live: Motion | None = None, *, title: str = "") -> Path:
+def with_live_part(text: str, motion: Motion, sliders: Mapping[str, tuple[float, float] | None] | None = None) -> str:
+    """Put the part that moves into a page.
+
+    Args:
+        text: the static page.
+        motion: of it.
+        sliders: as in ``report``.
+    """
+    from hjsolve.reports.live.page import live_page
+
+    return live_page(text, motion, sliders)
+
+
+def write_document(
+    content: Document, target: Path, completed: Callable[[str], str] | None = None, *, title: str = ""
+) -> Path:
     """Write a document in the format of its suffix.
 
     Args:
         content: the document.
         target: a path that ``checked_path`` has passed.
-        live: the motion of a live page; None for a page that stands still.
+        completed: what becomes of the text; None for a page that stands still.
         title: in place of the document's own.
 
     Returns:
@@ -246,10 +269,7 @@ def write_document(content: Document, target: Path, live: Motion | None = None, 
         InvalidInputError: the file cannot be written.
     """
     text = _WRITERS[target.suffix.lower()](replace(content, title=title or content.title))
-    if live is not None:
-        from hjsolve.reports.live.page import live_page
-
-        text = live_page(text, live)
+    text = text if completed is None else completed(text)
     with readable_errors(target):
         files.replace(target, text)
     return target

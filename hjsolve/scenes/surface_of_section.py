@@ -73,10 +73,10 @@ def plane_motion(system: System, values: dict[sp.Symbol, sp.Expr]) -> PlaneMotio
 
 
 def _function(formulas: list[sp.Expr], variables: list[sp.Symbol]) -> Callable[[Reals], Reals]:
-    tape = lower(formulas, variables)
+    tape = lower(formulas, variables).bind(Float64(), [])
 
     def evaluate(state: Reals) -> Reals:
-        values = tape.run(Float64(), list(state))
+        values = tape.run(*state)
         result = np.empty((len(values), *state.shape[1:]))
         for k, value in enumerate(values):
             result[k] = value
@@ -151,12 +151,13 @@ def returns(
             halved = good & (_hidden(low, high, speed, speed_after, step[k]) | turned)
             good &= ~halved
             landing = np.flatnonzero(good & crossed)
-            on, off = extrapolated(by_place, after[:, landing], -high[landing])
-            fits = np.max(off / (tolerance[k[landing]] * size[:, landing]), axis=0) <= 1
-            halved[landing[~fits]], good[landing[~fits]] = True, False
-            j = k[landing[fits]]
-            found[:, j, done[j]] = on[:, fits]
-            done[j] += 1
+            if len(landing):
+                on, off = extrapolated(by_place, after[:, landing], -high[landing])
+                fits = np.max(off / (tolerance[k[landing]] * size[:, landing]), axis=0) <= 1
+                halved[landing[~fits]], good[landing[~fits]] = True, False
+                j = k[landing[fits]]
+                found[:, j, done[j]] = on[:, fits]
+                done[j] += 1
             grown = np.where(np.isfinite(ratio), np.clip(0.9 * ratio ** (-1 / (ORDER - 1)), 0.2, 2.0), 0.2)
         here[:, k[good]], reach[:, k[good]] = after[:, good], size[:, good]
         step[k] *= np.where(halved, 0.5, grown)
@@ -207,9 +208,9 @@ def surface_of_section(plane: PlaneMotion) -> SurfaceOfSection | None:
     Returns:
         The section; None where the motion does not come back to one.
     """
-    E = float(plane.energy(plane.start))
+    E, own = float(plane.energy(plane.start)), path(plane)[1]
     for along in (0, 1):
-        level = _level(plane, along)
+        level = _level(plane, along, own[along])
         one = plane.start[:, None]
         begin = returns(plane, one, along, level, _FEW_RETURNS, np.full(1, TOLERANCES[0]), _FEW_STEPS)[:, 0]
         if not np.isfinite(begin).all():
@@ -231,9 +232,8 @@ def surface_of_section(plane: PlaneMotion) -> SurfaceOfSection | None:
     return None
 
 
-def _level(plane: PlaneMotion, along: int) -> float:
-    """Where the section lies: at 0 where the motion passes it, else in the middle of its range."""
-    q = path(plane)[1][along]
+def _level(plane: PlaneMotion, along: int, q: Reals) -> float:
+    """Where the section lies: at 0 where the motion, which passes the places q, does; else in the middle of these."""
     if plane.coordinates[along].domain.kind == "angle" or np.sum((q[:-1] < 0) & (q[1:] >= 0)) >= 3:
         return 0.0
     return float((np.min(q) + np.max(q)) / 2)

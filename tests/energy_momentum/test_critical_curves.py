@@ -105,3 +105,24 @@ def test_the_map_is_drawn_and_stands_in_the_report(tmp_path) -> None:
     page = hjsolve.report("kepler-planar", tmp_path / "kepler.html").read_text(encoding="utf-8")
     assert 'id="energy-momentum"' in page
     assert "Map of the kinds of motion" in page
+
+
+@pytest.mark.parametrize(("name", "coordinate", "equation"), [
+    ("neumann", "beta", "3*E + alpha_2"), ("neumann", "alpha", "E + alpha_2 + 1"), ("garnier", "eta", "E + alpha_2"),
+])  # fmt: skip
+def test_curves_at_places_known_to_thirty_digits_only_have_exact_equations(name, coordinate, equation) -> None:
+    """At tan(θ/2) = √2 − 1 and the like; that P² and ∂P²/∂q vanish on them at q = ±π/2 is seen in the separated P²."""
+    solution = hjsolve.solve(name)
+    motion = solution.motion(**hjsolve.catalog.describe(name).motions["default"].arguments)
+    found = hjsolve.energy_momentum_map(motion)
+    curves = [c for c in found.curves if c.coordinate == coordinate and str(c.equation) == equation]
+    assert curves
+    q = solution.system.coordinate(coordinate).symbol
+    values = {p.symbol: motion.initial.values[p.symbol] for p in solution.system.parameters}
+    F = solution.momentum_squared[coordinate].subs(values)
+    for constants in ({"E": 2, "alpha_2": 0}, {"E": -1, "alpha_2": 3}):
+        point = {solution.constants[n].symbol: v for n, v in constants.items()}
+        level = curves[0].equation.subs(point)
+        for place in (sp.pi / 2, -sp.pi / 2):
+            assert sp.simplify(sp.diff(F, q).subs(q, place).subs(point)) == 0
+            assert (sp.simplify(F.subs(q, place).subs(point)) == 0) == (level == 0)

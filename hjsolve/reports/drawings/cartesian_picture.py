@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Mapping
 from dataclasses import dataclass
+from functools import lru_cache
 from typing import Literal
 
 import numpy as np
@@ -37,6 +38,7 @@ class Embedding:
     up: int = 1
 
 
+@lru_cache(maxsize=64)
 def embedding(system: System) -> Embedding:
     """Recognise where a system lives.
 
@@ -63,12 +65,24 @@ def _agrees(found: Embedding, system: System) -> bool:
     """Whether the usual place of such coordinates is the one that the system says, if it says one."""
     if not system.places or found.shape == "sphere":
         return True
-    usual = _usual(found.kind, *(system.coordinate(name).symbol for name in found.names))
-    return usual == tuple(formula for _, formula in system.places)
+    return usual_place(found, system) == tuple(formula for _, formula in system.places)
 
 
-def _usual(kind: str, *q: sp.Symbol) -> tuple[sp.Expr, ...]:
-    match kind:
+def usual_place(where: Embedding, system: System) -> tuple[sp.Expr, ...]:
+    """Return the place of a system's point, one formula in its coordinates for each axis.
+
+    Args:
+        where: of ``embedding``.
+        system: the same.
+    """
+    q = [system.coordinate(name).symbol for name in where.names]
+    match where.kind:
+        case "place":
+            return tuple(formula for _, formula in system.places)
+        case "colatitude":
+            return sp.sin(q[0]) * sp.cos(q[1]), sp.sin(q[0]) * sp.sin(q[1]), where.up * sp.cos(q[0])
+        case "elevation":
+            return sp.cos(q[0]) * sp.cos(q[1]), sp.cos(q[0]) * sp.sin(q[1]), where.up * sp.sin(q[0])
         case "polar":
             return q[0] * sp.cos(q[1]), q[0] * sp.sin(q[1])
         case "parabolic":
@@ -77,7 +91,7 @@ def _usual(kind: str, *q: sp.Symbol) -> tuple[sp.Expr, ...]:
             ρ = q[0] * sp.sin(q[1])
             return ρ * sp.cos(q[2]), ρ * sp.sin(q[2]), q[0] * sp.cos(q[1])
         case _:
-            return q
+            return tuple(q)
 
 
 def _diagonal(M: sp.Matrix) -> list[sp.Expr] | None:

@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from functools import lru_cache
+
 import numpy as np
 import sympy as sp
 
@@ -31,6 +33,7 @@ def plane_axes(system: System) -> tuple[str, ...]:
     return where.axes[:2] if len(system.coordinates) == _PLANE and where.shape == "plane" else ()
 
 
+@lru_cache(maxsize=64)
 def _plane_of_three(system: System) -> dict[str, sp.Expr]:
     """Axis → formula of a space in which the ignorable third coordinate turns the plane."""
     from hjsolve.mechanics.energy_shell import reduce

@@ -1,6 +1,7 @@
-"""The live report: one HTML file whose motion moves, with sliders for the constants of the motion.
+"""The live report: one HTML file whose motion moves, with sliders for the constants of the motion and parameters.
 
-In: a motion with one separated coordinate that librates. Out: tables that a few lines of JavaScript read, and the page.
-Read ``tables.py`` first (what is computed beforehand, and its bound); ``page.py`` puts them and the script beside it
-into a report.
+In: a motion whose separated coordinates librate or rotate. Out: tables that some JavaScript reads, and the page.
+Read ``tables.py`` first (what is computed beforehand), then ``neighbours.py`` (the series), ``ranges.py`` (how far the
+sliders reach), ``bounds.py`` (how far the page may be off) and ``page_numbers.py``, the twin of a script beside it;
+``data.py`` and ``page.py`` put it all and the scripts beside them into a report.
 """

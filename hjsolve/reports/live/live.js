@@ -6,84 +6,27 @@
   const root = document.getElementById("live");
   const at = (id) => document.getElementById(`live-${id}`);
   const settings = data.sliders.map((s) => s.value);
-  let motion, time = 0, playing = false, speed = 1, last = null, curves;
+  let motion, time = 0, playing = false, speed = 1, last = null, curves, samples;
 
   // ------------------------------------------------------------------ numbers
-  const chebyshev = (n, u) => {
-    const T = [1, u];
-    for (let k = 2; k < n; k++) T.push(2 * u * T[k - 1] - T[k - 2]);
-    return T;
-  };
-  const evaluate = (values) => {
-    const u = data.sliders.map((s, i) => Math.max(-1, Math.min(1, (2 * values[i] - s.low - s.high) / (s.high - s.low))));
-    const [X, Y] = (u.length === 1 ? [0, u[0]] : u).map((v) => chebyshev(data.size, v));
-    const found = {};
-    for (const name of Object.keys(data.columns)) {
-      found[name] = data.columns[name].map((table) => {
-        let sum = 0;
-        for (let i = 0; i < table.length; i++) {
-          let row = 0;
-          for (let j = 0; j < table[i].length; j++) row += table[i][j] * Y[j];
-          sum += X[i] * row;
-        }
-        return sum;
-      });
-    }
-    return found;
-  };
-  const sines = (c, chi) => {
-    let sum = c[0] * chi;
-    for (let k = 1; k < c.length; k++) sum += (c[k] / k) * Math.sin(k * chi);
-    return sum;
-  };
-  const cosines = (c, chi) => {
-    let sum = c[0];
-    for (let k = 1; k < c.length; k++) sum += c[k] * Math.cos(k * chi);
-    return sum;
-  };
-  const state = (m, t) => {
-    const mean = m.t[0];
-    const cycles = Math.floor(t / (2 * Math.PI * mean));
-    const rest = t - cycles * 2 * Math.PI * mean;
-    let low = 0, high = 2 * Math.PI, chi = rest / mean;
-    for (let n = 0; n < 60; n++) {
-      const miss = sines(m.t, chi) - rest;
-      if (miss > 0) high = chi; else low = chi;
-      const next = chi - miss / cosines(m.t, chi);
-      const step = (next > low && next < high ? next : (low + high) / 2) - chi;
-      chi += step;
-      if (Math.abs(step) < 1e-14) break;
-    }
-    const middle = (m.a[0] + m.b[0]) / 2, half = (m.b[0] - m.a[0]) / 2;
-    const found = { q: middle - half * Math.cos(chi), p: half * Math.sin(chi) * cosines(m.root, chi), angles: {} };
-    for (const name of data.angles) found.angles[name] = sines(m[name], chi + 2 * Math.PI * cycles);
-    return found;
-  };
-  const period = () => 2 * Math.PI * motion.t[0];
-  const phases = (t) => [(2 * Math.PI * t) / period(), (2 * Math.PI * motion[data.torus][0] * t) / period()];
+  const numbers = hjsolveNumbers(data), many = data.coordinates.length;
+  const state = (t) => numbers.state(motion, t);
+  const period = (k) => (2 * Math.PI) / Math.abs(motion.rates[k]);
+  const longest = () => Math.max(...data.coordinates.map((_, k) => period(k)));
+  const shortest = () => Math.min(...data.coordinates.map((_, k) => period(k)));
+  const turn = (x) => x - 2 * Math.PI * Math.round(x / (2 * Math.PI));
+  const phases = (t) => [motion.begin[0] + motion.rates[0] * t,
+    data.torus.ignorable ? motion.drift[data.torus.second] * t : motion.begin[data.torus.second] + motion.rates[data.torus.second] * t];
   const ring = (a, b) => [(1 + 0.42 * Math.cos(a)) * Math.cos(b), (1 + 0.42 * Math.cos(a)) * Math.sin(b), 0.42 * Math.sin(a)];
-  const squared = (k, values) => {
-    const [x, y] = values.length === 1 ? [0, values[0]] : values;
-    let sum = 0;
-    for (const term of data.well.terms) sum += term.values[k] * x ** term.i * y ** term.j;
-    return sum;
-  };
-  const place = (s) => {
-    const { kind, names, up } = data.where;
-    const v = (n) => (n === data.coordinate ? s.q : s.angles[n]);
-    const [a, b, c] = names.map(v);
-    if (kind === "polar") return [a * Math.cos(b), a * Math.sin(b), 0];
-    if (kind === "parabolic") return [(a * a - b * b) / 2, a * b, 0];
-    if (kind === "spherical")
-      return [a * Math.sin(b) * Math.cos(c), a * Math.sin(b) * Math.sin(c), a * Math.cos(b)];
-    if (kind === "colatitude") return [Math.sin(a) * Math.cos(b), Math.sin(a) * Math.sin(b), up * Math.cos(a)];
-    if (kind === "elevation") return [Math.cos(a) * Math.cos(b), Math.cos(a) * Math.sin(b), up * Math.sin(a)];
-    return [a, b === undefined ? s.p : b, 0];
+  const place = (s, t) => {
+    if (!data.where.tape) return [t, s.q[data.coordinates[0].name], 0];
+    const found = numbers.run(data.where.tape, [...data.where.names.map((name) => s.q[name]), ...motion.inputs]);
+    return found.length < 3 ? [...found, 0] : found;
   };
 
   // ------------------------------------------------------------------ drawing
   let view = { azimuth: -0.9, elevation: 0.42 };
-  const solid = ["spherical", "colatitude", "elevation"].includes(data.where.kind);
+  const solid = data.where.solid;
   const project = ([x, y, z], turned = solid) => {
     if (!turned) return [x, y];
     const { azimuth: a, elevation: e } = view;
@@ -146,24 +89,60 @@
       for (const v of ends) f.pen.fillText(v.toPrecision(4), f.px(v), f.height - 13);
     }
   };
-  const change = () => {
-    motion = evaluate(settings);
-    const T = period(), many = 240;
-    const loop = [...Array(many + 1).keys()].map((k) => state(motion, (k / many) * T));
-    const cycles = data.angles.length ? 6 : 1;
-    const path = [...Array(cycles * many + 1).keys()].map((k) => place(state(motion, (k / many) * T)));
-    const level = settings[settings.length - 1];
-    const V = data.well.q.map((q, k) => {
-      const P = squared(k, settings), slope = squared(k, [...settings.slice(0, -1), level + 1]) - P;
-      return [q, level - P / slope];
+  const well = (k) => {
+    const { tape, sign, level } = data.wells[k], part = motion.parts[k], own = data.coordinates[k];
+    const height = level === null ? 0 : sign * motion.inputs[level];
+    let [low, high] = [-Math.PI, Math.PI];
+    if (!own.direction) {
+      const room = 0.3 * (part.b - part.a), [first, last] = data.wells[k].domain;
+      low = Math.max(part.a - room, first ?? -Infinity);
+      high = Math.min(part.b + room, last ?? Infinity);
+    }
+    const points = [...Array(221).keys()].map((m) => {
+      const q = low + ((high - low) * (m + 0.5)) / 221, [F, A] = numbers.run(tape, [q, ...motion.inputs]);
+      return [q, level === null ? -F / 2 : height - F / Math.abs(A)];
     });
-    curves = { loop: loop.map((s) => [s.q, s.p]), path, V, level };
+    const inside = points.filter(([q]) => own.direction || (q >= part.a && q <= part.b)).map((p) => p[1]).filter(Number.isFinite);
+    return { points, height, low, high, bottom: Math.min(height, ...inside) };
+  };
+  const loop = (k) => {
+    const own = data.coordinates[k], f = motion.parts[k].root;
+    return [...Array(241).keys()].map((m) => {
+      const chi = (m * Math.PI) / 120 - Math.PI;
+      let root = 0;
+      for (let w = 0; w < f.many; w++) root += f.c[w] * Math.cos(w * chi) + f.s[w] * Math.sin(w * chi);
+      if (own.direction) return [own.direction * chi, own.direction * root];
+      const { a, b } = motion.parts[k];
+      return [(a + b) / 2 - ((b - a) / 2) * Math.cos(chi), ((b - a) / 2) * Math.sin(chi) * root];
+    });
+  };
+  const sample = (m, fine) => {
+    if (!samples.has(m)) samples.set(m, place(state(m / fine), m / fine));
+    return samples.get(m);
+  };
+  const lengthen = () => {
+    const mine = curves, stop = performance.now() + 6; // the rest of the path in the frames that follow
+    while (mine.path.length <= mine.steps && (mine.path.length < 2 || performance.now() < stop)) mine.path.push(sample(mine.path.length, mine.fine));
+    if (mine.path.length <= mine.steps) requestAnimationFrame(() => { if (curves === mine) { lengthen(); draw(); } });
+  };
+  const change = () => {
+    motion = numbers.evaluate(settings);
+    const cycles = many > 1 ? 14 : data.ignorable.length ? 6 : data.where.tape ? 1 : 2;
+    const fine = (many > 1 ? 60 : 240) / shortest(), steps = Math.min(1600, Math.round(cycles * longest() * fine));
+    samples = new Map();
+    curves = { path: [], steps, span: steps / fine, fine, wells: data.coordinates.map((_, k) => well(k)), loops: data.coordinates.map((_, k) => loop(k)) };
+    lengthen();
     at("numbers").innerHTML = "";
-    const rows = [
-      ...data.sliders.map((s, i) => [s.label, settings[i]]),
-      [`lower turning point of ${data.label}`, motion.a[0]], [`upper turning point of ${data.label}`, motion.b[0]],
-      ["period", T], ...data.angles.map((n) => [`gain of ${data.labels[n]} per period`, 2 * Math.PI * motion[n][0]]),
-    ];
+    const only = many === 1;
+    const rows = data.sliders.map((s, i) => [s.label, settings[i]]);
+    data.coordinates.forEach((own, k) => {
+      const { a, b } = motion.parts[k];
+      if (!own.direction) rows.push([`lower turning point of ${own.label}`, a], [`upper turning point of ${own.label}`, b]);
+      rows.push([only ? "period" : `period of ${own.label}`, period(k)]);
+    });
+    data.ignorable.forEach((own, l) => rows.push(
+      only ? [`gain of ${own.label} per period`, motion.drift[l] * period(0)] : [`mean velocity of ${own.label}`, motion.drift[l]]));
+    if (!only) rows.push([`periods of ${data.coordinates[1].label} in one of ${data.coordinates[0].label}`, period(0) / period(1)]);
     for (const [name, value] of rows) {
       const row = at("numbers").insertRow();
       const head = document.createElement("th");
@@ -178,35 +157,48 @@
     });
     draw();
   };
-  const draw = () => {
-    const s = state(motion, time);
-    const half = (motion.b[0] - motion.a[0]) / 2;
-    const wide = range([motion.a[0] - 0.35 * half, motion.b[0] + 0.35 * half]);
-    const inside = curves.V.filter(([q]) => q >= motion.a[0] && q <= motion.b[0]).map((p) => p[1]);
-    const bottom = Math.min(curves.level, ...inside), depth = curves.level - bottom || 1;
-    let f = frame(at("well"), wide, [bottom - 0.15 * depth, curves.level + 0.6 * depth]);
+  const drawWell = (k, s) => {
+    const own = data.coordinates[k], { points, height, low, high, bottom } = curves.wells[k];
+    const { a, b } = motion.parts[k], depth = height - bottom || 1, q = own.direction ? turn(s.q[own.name]) : s.q[own.name];
+    const f = frame(at(`well-${k}`), range([low, high]), [bottom - 0.15 * depth, height + 0.6 * depth]);
     f.pen.save();
     f.pen.beginPath();
     f.pen.rect(f.left, f.top, f.width - f.left, f.height - f.top - f.bottom);
     f.pen.clip();
-    line(f, curves.V.map(([q, v]) => [q, v < curves.level + 3 * depth ? v : NaN]), "ink", 1.6);
-    line(f, [[motion.a[0], curves.level], [motion.b[0], curves.level]], "red", 2);
+    line(f, points.map(([x, v]) => [x, v < height + 3 * depth ? v : NaN]), "ink", 1.6);
+    line(f, own.direction ? [[low, height], [high, height]] : [[a, height], [b, height]], "red", 2);
     f.pen.restore();
-    dot(f, s.q, curves.level, "red", 5);
-    labels(f, data.label, `effective potential, ${data.level}`, [motion.a[0], motion.b[0]]);
-    f = frame(at("phase"), range(curves.loop.map((p) => p[0])), range(curves.loop.map((p) => p[1])));
-    line(f, curves.loop, "red", 1.6);
-    dot(f, s.q, s.p, "red", 5);
-    labels(f, data.label, data.momentum, [motion.a[0], motion.b[0]]);
-    const flat = curves.path.map((p) => project(p)), now = project(place(s));
-    const span = data.ball ? [-1.08, 1.08] : null;
-    f = frame(at("orbit"), span || range(flat.map((p) => p[0]), data.centred), span || range(flat.map((p) => p[1]), data.centred), data.equal);
-    const ring = [...Array(97).keys()].map((k) => [Math.cos((k * Math.PI) / 48), Math.sin((k * Math.PI) / 48)]);
-    if (data.ball) line(f, ring, "rule", 1);
-    line(f, flat, "red", 1.2);
-    if (data.centred) dot(f, 0, 0, "ink", 3);
+    dot(f, q, height, "red", 5);
+    labels(f, own.label, data.wells[k].title, own.direction ? null : [a, b]);
+  };
+  const drawPhase = (k, s) => {
+    const own = data.coordinates[k], points = curves.loops[k], { a, b } = motion.parts[k];
+    const heights = points.map((p) => p[1]);
+    const f = frame(at(`phase-${k}`), range(points.map((p) => p[0])), range(own.direction ? [0, ...heights] : heights));
+    line(f, points, "red", 1.6);
+    dot(f, own.direction ? turn(s.q[own.name]) : s.q[own.name], s.p[own.name], "red", 5);
+    labels(f, own.label, own.momentum, own.direction ? null : [a, b]);
+  };
+  const drawOrbit = (s) => {
+    const loops = data.where.tape ? time : time % curves.span, now = project(place(s, loops));
+    const flat = curves.path.map((p) => project(p)), { ball, centred, equal } = data.where;
+    const span = ball ? [-1.08, 1.08] : null;
+    const f = frame(at("orbit"), span || range(flat.map((p) => p[0]), centred), span || range(flat.map((p) => p[1]), centred), equal);
+    const circle = [...Array(97).keys()].map((m) => [Math.cos((m * Math.PI) / 48), Math.sin((m * Math.PI) / 48)]);
+    if (ball) line(f, circle, "rule", 1);
+    line(f, flat, many > 1 ? "soft" : "red", many > 1 ? 0.5 : 1.2);
+    if (many > 1) {
+      const last = Math.floor(time * curves.fine), trail = [...Array(61).keys()].map((m) => last - 60 + m).filter((m) => m >= 0);
+      line(f, [...trail.map((m) => project(sample(m, curves.fine))), now], "red", 2);
+    }
+    if (centred) dot(f, 0, 0, "ink", 3);
     dot(f, now[0], now[1], "red", 5);
-    labels(f, data.axes[0], data.axes[1]);
+    labels(f, data.where.axes[0], data.where.axes[1]);
+  };
+  const draw = () => {
+    const s = state(time);
+    data.coordinates.forEach((_, k) => { drawWell(k, s); drawPhase(k, s); });
+    drawOrbit(s);
     if (data.torus) torus();
     if (data.map) map();
     at("time").textContent = `${data.clock} = ${time.toPrecision(4)}`;
@@ -219,31 +211,32 @@
       line(f, around.map((v) => project(ring((k * Math.PI) / 6, v), true)), "rule", 0.6);
       line(f, around.map((v) => project(ring(v, (k * Math.PI) / 6), true)), "rule", 0.6);
     }
-    const T = period();
+    const T = period(0);
     const path = [...Array(601).keys()].map((k) => project(ring(...phases(time + (k / 60 - 10) * T)), true));
     line(f, path, "red", 1.2);
     dot(f, ...project(ring(...phases(time)), true), "red", 5);
-    labels(f, "", `torus: ${data.label} round the tube, ${data.labels[data.torus]} along`);
+    labels(f, "", `torus: ${data.torus.labels[0]} round the tube, ${data.torus.labels[1]} along`);
   };
   const map = () => {
-    const [x, y] = data.map.window, [a, b] = data.sliders;
+    const [x, y] = data.map.window, [a, b] = data.map.sliders.map((i) => data.sliders[i]);
+    const held = data.sliders.every((s, i) => data.map.sliders.includes(i) || Math.abs(settings[i] - s.value) <= (s.high - s.low) / 1000);
     const f = frame(at("map"), x, y);
     f.pen.save();
     f.pen.beginPath();
     f.pen.rect(f.left, f.top, f.width - f.left, f.height - f.top - f.bottom);
     f.pen.clip();
-    for (const curve of data.map.curves) line(f, curve.map((p) => p || [NaN, NaN]), "ink", 1.4);
+    if (held) for (const curve of data.map.curves) line(f, curve.map((p) => p || [NaN, NaN]), "ink", 1.4);
     line(f, [[a.low, b.low], [a.high, b.low], [a.high, b.high], [a.low, b.high], [a.low, b.low]], "soft", 1, [3, 3]);
     f.pen.restore();
-    dot(f, settings[0], settings[1], "red", 5);
-    labels(f, a.label, `${b.label}, map of all motions`);
+    dot(f, settings[data.map.sliders[0]], settings[data.map.sliders[1]], "red", 5);
+    labels(f, a.label, held ? `${b.label}, map of all motions` : `${b.label}: the map holds for ${data.map.others}`);
     return f;
   };
 
   // ------------------------------------------------------------------ controls
   const step = (now) => {
     if (!playing) return;
-    if (last !== null) time += ((now - last) / 1000) * speed * (period() / 4);
+    if (last !== null) time += ((now - last) / 1000) * speed * (longest() / 4);
     last = now;
     draw();
     requestAnimationFrame(step);
@@ -265,7 +258,7 @@
   at("speed").addEventListener("change", (event) => { speed = Number(event.target.value); });
   at("start").addEventListener("click", () => { time = 0; draw(); });
   const orbit = at("orbit");
-  const turn = (dx, dy) => {
+  const rotate = (dx, dy) => {
     view = { azimuth: view.azimuth - dx / 120, elevation: Math.max(-1.5, Math.min(1.5, view.elevation + dy / 120)) };
     draw();
   };
@@ -274,8 +267,8 @@
     if (move) { event.preventDefault(); then(...move); }
   };
   for (const turning of [...(solid ? [orbit] : []), ...(data.torus ? [at("torus")] : [])]) {
-    turning.addEventListener("pointermove", (event) => { if (event.buttons) turn(event.movementX, event.movementY); });
-    turning.addEventListener("keydown", (event) => arrows(event, (x, y) => turn(12 * x, 12 * y)));
+    turning.addEventListener("pointermove", (event) => { if (event.buttons) rotate(event.movementX, event.movementY); });
+    turning.addEventListener("keydown", (event) => arrows(event, (x, y) => rotate(12 * x, 12 * y)));
   }
   const choose = (values) => {
     data.sliders.forEach((s, i) => {
@@ -289,17 +282,24 @@
       const f = map(), box = at("map").getBoundingClientRect(), [x, y] = data.map.window;
       const share = (v, low, high) => (v - low) / (high - low);
       const across = share(event.clientX - box.left, f.px(x[0]), f.px(x[1])), up = share(event.clientY - box.top, f.py(y[0]), f.py(y[1]));
-      choose([x[0] + across * (x[1] - x[0]), y[0] + up * (y[1] - y[0])]);
+      const values = [...settings];
+      values[data.map.sliders[0]] = x[0] + across * (x[1] - x[0]);
+      values[data.map.sliders[1]] = y[0] + up * (y[1] - y[0]);
+      choose(values);
     };
     at("map").addEventListener("pointerdown", clicked);
     at("map").addEventListener("pointermove", (event) => { if (event.buttons) clicked(event); });
     at("map").addEventListener("keydown", (event) => arrows(event, (x, y) =>
-      choose(data.sliders.map((s, i) => settings[i] + ((i ? -y : x) * (s.high - s.low)) / 100))));
+      choose(data.sliders.map((s, i) => {
+        const move = i === data.map.sliders[0] ? x : i === data.map.sliders[1] ? -y : 0;
+        return settings[i] + (move * (s.high - s.low)) / 100;
+      }))));
   }
   window.addEventListener("resize", draw);
   window.matchMedia("(prefers-color-scheme: dark)").addEventListener("change", draw);
   window.hjsolveLive = {
-    state: (t) => state(motion, t), phases, motion: () => motion, settings, bounds: data.bounds, draw,
+    state, phases, settings, bounds: data.bounds, draw, rates: () => motion.rates, drift: () => motion.drift,
+    ends: () => Object.fromEntries(data.coordinates.map((own, k) => [own.name, [motion.parts[k].a, motion.parts[k].b]])),
     set: (values) => { values.forEach((v, i) => { settings[i] = v; }); change(); }, seek: (t) => { time = t; draw(); },
   };
   root.hidden = false;
