@@ -20,7 +20,7 @@ from hjsolve.ensembles.engine.constants import InitialConstants, momentum_errors
 from hjsolve.ensembles.engine.lowered_solution import Model, Separated
 from hjsolve.ensembles.engine.midpoint_rule import Sums, empty
 from hjsolve.ensembles.engine.node_maps import COUNTS, fitting, node_maps, views
-from hjsolve.ensembles.engine.nodes import EVEN
+from hjsolve.ensembles.engine.nodes import EVEN, WARPS
 from hjsolve.ensembles.engine.programs import Compiled, CoordinatePrograms, Loops, sides
 from hjsolve.ensembles.engine.radicand_views import Knowns
 from hjsolve.ensembles.engine.regions import has_slopes, offset
@@ -169,7 +169,11 @@ class CompiledCoordinate:
         below, above = sides(self.coordinate)
         proof, n = _Proof(self.loops, motions, below.clearance, above.clearance), len(motions.width)
         span = np.stack([np.zeros(n, dtype=np.int64), np.full(n, len(COUNTS))])
-        motions.least[:] = proof.least(np.arange(n), motions.first, span)
+        least = proof.least(np.arange(n), motions.first, span)
+        if modes.oscillations:  # coefficients as they are, not nearly squared: never enough, of stretched maps by far
+            most = len(COUNTS) - 1
+            least = np.where(least < 0, least, np.minimum(least + np.where(motions.first < len(WARPS), 1, 2), most))
+        motions.least[:] = least
         sums, chosen = self._integrated(motions, modes, (self.programs.below, self.programs.above))
         crowded = np.flatnonzero(sums.good & (chosen[1] != motions.first))
         if len(crowded):
