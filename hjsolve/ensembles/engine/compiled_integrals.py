@@ -172,7 +172,7 @@ def integrals(fill_below: Fill, fill_above: Fill, uncertainties_below: Uncertain
     lanes = _VECTOR * ((2 * most + 2 + _VECTOR) // _VECTOR)
     work = Scratch(
         np.empty((3 + rows, widest)), np.empty(widest), np.empty((3, widest)), np.empty((1 + rows, most)),
-        np.empty(most), np.empty((5, 1 + rows)), np.empty((4, lanes)), np.empty((3 + rows, lanes)),
+        np.empty(most), np.empty((6, 1 + rows)), np.empty((4, lanes)), np.empty((3 + rows, lanes)),
     )  # fmt: skip
     steady = np.zeros(constants)
     for i in range(motions.width.shape[0]):

@@ -20,7 +20,7 @@ from hjsolve.ensembles.engine.constants import InitialConstants, momentum_errors
 from hjsolve.ensembles.engine.lowered_solution import Model, Separated
 from hjsolve.ensembles.engine.midpoint_rule import Sums, empty
 from hjsolve.ensembles.engine.node_maps import COUNTS, fitting, node_maps, views
-from hjsolve.ensembles.engine.nodes import EVEN
+from hjsolve.ensembles.engine.nodes import EVEN, WARPS
 from hjsolve.ensembles.engine.programs import Compiled, CoordinatePrograms, Loops, sides
 from hjsolve.ensembles.engine.radicand_views import Knowns
 from hjsolve.ensembles.engine.regions import has_slopes, offset
@@ -149,37 +149,37 @@ class CompiledCoordinate:
         width = distances[0] + distances[1]
         even = self.coordinate.even & (np.abs(distances[0] - distances[1] - 2 * self.q) <= 1e-13 * width)
         signs = np.array([float(below.sign), -float(above.sign)])
-        first, share = self._maps(width, bends, signs, even)
+        nearby, slopes = _nearby(width, bends, signs), (bends[0, 0], bends[1, 0])
+        first, share = _maps(nearby, slopes, even)
         motions = Motions(
             momentum=self.P, left=distances[0], right=distances[1], width=width, lower=places[0], upper=places[1],
             signs=signs, known=known, uncertainty=np.ascontiguousarray(self.uncertainty.T), first=first,
             least=np.zeros(n, dtype=np.int64), share=share,
         )  # fmt: skip
-        proof = _Proof(self.loops, motions, below.clearance, above.clearance)
+        sums = self._resolved(motions, modes)
+        again = np.flatnonzero(~sums.good & (width > 0) & ~even)
+        if len(again):  # a zero and a pole beyond an end may hide each other: both ends as if they were like the worse
+            largest = np.maximum(*nearby)[again]
+            first, share = _maps((largest, largest), (slopes[0][again], slopes[1][again]), even[again])
+            sums.put(again, self._resolved(_taken(motions, again)._replace(first=first, share=share), modes))
+        return sums
+
+    def _resolved(self, motions: Motions, modes: Modes) -> Sums:
+        """Integrate with as many nodes as are proved to resolve every motion."""
+        below, above = sides(self.coordinate)
+        proof, n = _Proof(self.loops, motions, below.clearance, above.clearance), len(motions.width)
         span = np.stack([np.zeros(n, dtype=np.int64), np.full(n, len(COUNTS))])
-        motions.least[:] = proof.least(np.arange(n), motions.first, span)
+        least = proof.least(np.arange(n), motions.first, span)
+        if modes.oscillations:  # coefficients as they are, not nearly squared: never enough, of stretched maps by far
+            most = len(COUNTS) - 1
+            least = np.where(least < 0, least, np.minimum(least + np.where(motions.first < len(WARPS), 1, 2), most))
+        motions.least[:] = least
         sums, chosen = self._integrated(motions, modes, (self.programs.below, self.programs.above))
         crowded = np.flatnonzero(sums.good & (chosen[1] != motions.first))
         if len(crowded):
             size, map_ = chosen[:, crowded]
             sums.good[crowded] = proof.least(crowded, map_, np.stack([size, size + 1])) >= 0
         return sums
-
-    def _maps(self, width: Reals, bends: Reals, signs: Reals, even: Mask) -> tuple[Integers, Integers]:
-        """The maps, and shares: W·|S′/S| at an end is W over the distance of the zero or pole next to it."""
-        nearby = []
-        with np.errstate(all="ignore"):
-            for (first, bend), sign in zip(bends, signs, strict=True):
-                ρ = np.abs(width * bend / (sign * first) + 1)
-                nearby.append(1 + np.where(np.isfinite(ρ) & (ρ > _NEAR), ρ, 0.0))
-        lower, upper = nearby
-        stretched = np.where(even, np.maximum(lower, upper) ** 2, lower * upper) >= _STRETCHED
-        index = np.where(even, EVEN, 0)
-        some = np.flatnonzero(stretched)
-        if len(some):
-            index[some] = node_maps().index(fitting(lower[some], upper[some], even[some]))
-        share = np.where(~even, views(bends[0, 0], bends[1, 0], (lower, upper)), 0)
-        return index, share
 
     def _integrated(self, motions: Motions, modes: Modes, programs: tuple[Any, Any]) -> tuple[Sums, Integers]:
         below, above = programs
@@ -244,6 +244,35 @@ def _least_at_a_glance(clearance: Clearance, constants: tuple[Reals, ...], middl
         least[some[held]] = _HELD
     least[least == len(COUNTS)] = -1
     return least
+
+
+def _nearby(width: Reals, bends: Reals, signs: Reals) -> tuple[Reals, Reals]:
+    """1 + ρ_d and 1 + ρ_c: W·|S′/S| at an end is W over the distance of the zero or pole next to it."""
+    found = []
+    with np.errstate(all="ignore"):
+        for (first, bend), sign in zip(bends, signs, strict=True):
+            ρ = np.abs(width * bend / (sign * first) + 1)
+            found.append(1 + np.where(np.isfinite(ρ) & (ρ > _NEAR), ρ, 0.0))
+    lower, upper = found
+    return lower, upper
+
+
+def _maps(nearby: tuple[Reals, Reals], slopes: tuple[Reals, Reals], even: Mask) -> tuple[Integers, Integers]:
+    """The maps of some motions, and how much is seen from below."""
+    lower, upper = nearby
+    stretched = np.where(even, np.maximum(lower, upper) ** 2, lower * upper) >= _STRETCHED
+    index = np.where(even, EVEN, 0)
+    some = np.flatnonzero(stretched)
+    if len(some):
+        index[some] = node_maps().index(fitting(lower[some], upper[some], even[some]))
+    with np.errstate(all="ignore"):
+        share = np.where(~even, views(*slopes, nearby), 0)
+    return index, share
+
+
+def _taken(motions: Motions, index: Integers) -> Motions:
+    arrays = {name: getattr(motions, name)[index] for name in motions._fields if name != "signs"}
+    return Motions(**arrays, signs=motions.signs)
 
 
 def librations(orbits: CompiledCoordinate, small: Mask, modes: Modes) -> Sums:

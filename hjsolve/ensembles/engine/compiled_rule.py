@@ -98,9 +98,8 @@ def _weighted(x: Reals, y: Reals, n: int) -> float:
 
 
 @njit(**INLINED)
-def _needed(last: Last, scale: float, n: int, wish: float) -> float:
+def _needed(late: float, early: float, scale: float, n: int, wish: float) -> float:
     """How many nodes bring the last coefficients down to ``wish``: they fall geometrically."""
-    late, early = max(abs(last[3]), abs(last[4])), max(abs(last[0]), abs(last[1]))
     excess = max(2.0 / n * late, 1e-300) / scale
     if late < _STEEP * early:
         more = n + 3.0 * math.log(wish / excess) / math.log(max(late / early, 1e-9))
@@ -201,11 +200,12 @@ def _rule(work: Scratch, tables: Tables, size: int, modes: Modes, first: int) ->
         if not math.isfinite(total):  # F ≤ 0 somewhere
             return 2.0 * n, first
         tail = 2.0 / n * max(abs(ends[0]), abs(ends[1]), abs(ends[2]), abs(ends[3]), abs(ends[4]))
-        found[0, k], found[1, k], found[2, k], found[4, k] = total / n, scale / n, tail, 0.0
-        if tail > 0.0 and scale > 0.0:
-            found[4, k] = _needed(ends, scale / n, n, wish)
-        if tail > rough * (scale / n) and found[4, k] > more:
-            more, node_map = found[4, k], _crowding(ends, first)
+        found[0, k], found[1, k], found[2, k] = total / n, scale / n, tail
+        found[4, k], found[5, k] = max(abs(ends[3]), abs(ends[4])), max(abs(ends[0]), abs(ends[1]))
+        if tail > rough * (scale / n):
+            wanted = _needed(found[4, k], found[5, k], scale / n, n, wish)
+            if wanted > more:
+                more, node_map = wanted, _crowding(ends, first)
     if more > 0.0:
         return more, node_map
     squares = tables.squares[int(tables.maps[first, 6]) - 1, size]
@@ -221,7 +221,7 @@ def _rule(work: Scratch, tables: Tables, size: int, modes: Modes, first: int) ->
         if modes.oscillations:
             fits = fits and tail <= max(4e-15 * scale, rounding)
         if not fits and scale != 0.0:
-            more = max(more, found[4, k])
+            more = max(more, _needed(found[4, k], found[5, k], scale, n, wish))
     return more, node_map
 
 

@@ -100,7 +100,8 @@ class Scratch(NamedTuple):
         noise: bounds on the rounding errors of F (times sin²χ/F; with chords relative ones) and of the kernels (times
             r), shape (1 + kernels, samples).
         drift: what the constants add to the first, times sin²χ/F; without kernels the first as it is; shape (samples,).
-        found: mean, its error, last coefficient, rounding and nodes needed of every integrand, shape (5, 1 + kernels).
+        found: mean, its error, last coefficient, rounding, and sizes of the last coefficients and of those before, of
+            every integrand, shape (6, 1 + kernels).
         lanes: where errors are looked at, and which of them count the constants, shape (2, lanes).
         bounds: what is found there, shape (2 + kernels, lanes).
     """

@@ -77,9 +77,9 @@ class Engine:
         """Compute what is wanted.
 
         A first pass works in doubles: by numpy with plain anomalies; as compiled loops with stretched ones, 32-digit
-        constants and slopes for small amplitudes. Orbits whose errors come out too large go through a second one by
-        numpy, with all of these, and if that is not enough (a separatrix) through a third one with 32-digit radicands,
-        if it is doubles that do not know them.
+        constants and slopes for small amplitudes. Orbits that it leaves go through a second one by numpy, with all of
+        these, and if errors come out too large (a separatrix) through a third one with 32-digit radicands, if it is
+        doubles that do not know them. Where compiled loops fail by their claims alone these come at once.
 
         Args:
             starts: of n orbits.
@@ -95,6 +95,7 @@ class Engine:
         if self.compiled:
             made = compiled(self.model, kernels=bool(TIMED & self.want))
             self._deeper(columns, everything, starts, -1, made)
+            self._deeper(columns, everything[columns.vague], starts, 3)
         if not self.compiled or any(c.periodic for c in self.model.separated):
             left = everything[columns.status != Status.OK]
             lost = hopeless_in_doubles(self.model, starts.take(left), kernels=bool(TIMED & self.want))

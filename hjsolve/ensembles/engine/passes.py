@@ -107,6 +107,9 @@ def run_compiled(
         starts: of n orbits.
         made: the compiled programs.
         tolerance: largest claimed error of an orbit that is ``OK``.
+
+    Returns:
+        Columns; ``vague`` where only the claim was too large.
     """
     from hjsolve.ensembles.engine import compiled_pass
 
@@ -126,7 +129,9 @@ def run_compiled(
     _results(model, names, columns, sums, np.ones((len(sums), count)), start)
     if oscillations and any(c.shifted for c in model.separated):
         status[status == Status.OK] = UNDECIDED
+    resolved = status == Status.OK
     _settle(columns, status, tolerance)
+    columns.vague[:] = resolved & (columns.status != Status.OK)
     return columns
 
 

@@ -338,7 +338,7 @@ def start_text(model: Model) -> str:
     lines = needed(source.lines, results)
     for j, (value, error) in enumerate(zip(constants, errors, strict=True)):
         lines += [f"C[{j}, i] = {value.high}", f"L[{j}, i] = {value.low}"]
-        lines += [f"E[{j}, i] = ({UNIT!r}) * abs_({value.high}) + ({2.0**-44!r}) * {error}"]
+        lines += [f"E[{j}, i] = abs_({value.low}) + ({2.0**-44!r}) * {error}"]
     lines += [f"P[{k}, i] = {value}" for k, value in enumerate(shell)]
     return _loop("start(q, p, low, spread, C, L, E, P)", "", "i in range(q.shape[1])", lines)
 
