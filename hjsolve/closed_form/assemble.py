@@ -107,8 +107,8 @@ def _numbers(
     for c in solution.system.coordinates:
         if c.name in cyclic:
             J = _cycle(pieces[c.name], W)
-            if pieces[c.name].kind == "rotation" and solution.shift[c.name] != 0:
-                J = "the mean of A in p = P − A over a turn has no form here"
+            if pieces[c.name].kind == "rotation" and not isinstance(J, str):
+                J = _without_shift(J, solution.shift[c.name].subs(dict(special)), c.symbol)
             if isinstance(J, str):
                 why_not[f"actions.{c.name}"] = J
             else:
@@ -129,6 +129,16 @@ def _numbers(
         "actions": actions, "frequencies": frequencies, "mean_velocities": velocities,
         "periods": {name: value for name, value in periods.items() if not value.has(sp.zoo)},
     }  # fmt: skip
+
+
+def _without_shift(cycle: sp.Expr, shift: sp.Expr, q: sp.Symbol) -> sp.Expr | str:
+    """∮ (P − A) dq over a turn, of a trigonometric polynomial A(q); why not, of any other."""
+    z = sp.Dummy("z")
+    laurent = sp.expand(sp.expand(shift.rewrite(sp.exp)).subs(q, sp.log(z) / sp.I))
+    terms = sp.Add.make_args(sp.expand(sp.powsimp(laurent)))
+    if any(not term.as_independent(z)[1].as_base_exp()[1].is_Integer for term in terms):
+        return "the mean of A in p = P − A over a turn has no form here"
+    return cycle - 2 * sp.pi * sp.Add(*(term for term in terms if not term.has(z)))
 
 
 def _turning_points(pieces: Integrals, made: Regime) -> dict[str, tuple[sp.Expr | None, sp.Expr | None]]:

@@ -84,9 +84,10 @@ class CoordinateIntegrals:
 
     @property
     def kind(self) -> str:
-        """Libration, rotation, escape or boundary."""
+        """Libration, rotation, escape, boundary or asymptotic."""
         assert self.region is not None
-        return self.region.kind
+        kinds = [region.kind for _, region in self.regions]  # a rest at the end of a turn is seen on one curve only
+        return "asymptotic" if "asymptotic" in kinds else self.region.kind
 
     def add(self, done: Mapping[sp.Symbol, PieceIntegral], task: _Task) -> None:
         """Take over what was integrated on a curve.
@@ -144,7 +145,7 @@ def piece(
         signs = Signs(sample.values, region.place)
         try:
             check_time()
-            task = _Task(curve, region, signs, prefix)
+            task = _Task(curve, region, signs, prefix + "b" * len(made.regions))  # roots of another P: other names
         except NoFormError as error:
             made.why_not |= {key: str(error) for key in missing if key not in made.why_not}
             continue
