@@ -12,7 +12,7 @@ from hjsolve.closed_form.forms import RegimeForms
 from hjsolve.closed_form.inverses import inverse_forms, orbit_formulas, parametric_formulas
 from hjsolve.closed_form.pieces import CoordinateIntegrals
 from hjsolve.closed_form.regime import Regime, positive_in, settled
-from hjsolve.closed_form.tidy import LONGEST, elliptic, shortened_powers
+from hjsolve.closed_form.tidy import LONGEST, elliptic, longer_than, shortened_powers
 from hjsolve.closed_form.workshop import Stratum, Workshop
 from hjsolve.solution.quadratures import Solution
 
@@ -89,12 +89,12 @@ def _closed(
             return f"{name}: {reasons.get(name, 'its momentum enters H to first degree')}"
         if key in own.integrals:
             value = shortened_powers(own.integrals[key].value)
-            table[integral] = value.subs(q, end) - value.subs(q, start)
+            table[integral] = value.xreplace({q: end}) - value.xreplace({q: start})
         elif integral.function.subs(dict(special)) == 0:
             table[integral] = sp.S.Zero
         else:
             return f"{name}: {own.why_not.get(key, 'no form was found')}"
-    return expression.xreplace(table).subs(dict(special))
+    return expression.xreplace(table).xreplace(dict(special))
 
 
 def _numbers(
@@ -170,7 +170,7 @@ def _size(name: str, rate: sp.Expr, own: CoordinateIntegrals | None, made: Regim
     """|Ω|: a separated coordinate's is positive on the branch p > 0; of a long formula by a name."""
     if own is not None:
         return rate
-    if sp.count_ops(rate) > LONGEST:
+    if longer_than(rate, LONGEST):
         symbol = sp.Symbol(f"Omega_{name}", real=True)
         where[symbol] = rate
         return sp.Abs(symbol)

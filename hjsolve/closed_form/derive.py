@@ -130,7 +130,7 @@ def _piece(
     numerators = {k: n.subs(dict(special)) for k, n in shop.numerators[name].items()}
     numerators = {k: n for k, n in numerators.items() if n != 0}
     prefix = "x" if len(shop.curves) == 1 else f"x_{name}"
-    made = piece(name, numerators, own, sample, prefix)
+    made = piece(name, numerators, own, sample, prefix, shop.solution.lower_limits[name])
     if made is None:
         return None
     try:

@@ -211,6 +211,9 @@ def sample_numbers(piece: CoordinateIntegrals, digits: int = DIGITS + GUARD) -> 
     """
     numbers = many_digits(piece.sample.values, digits)
     with mpmath.workdps(digits + GUARD):
+        if piece.start is not None:
+            begin = piece.sample.places[piece.name]
+            numbers[piece.start] = mpmath.mpf(int(begin.p)) / int(begin.q)
         for symbol, meaning in piece.where.items():
             if isinstance(meaning, tuple):
                 polynomial, index = meaning
