@@ -12,7 +12,7 @@ from hjsolve.closed_form.forms import RegimeForms
 from hjsolve.closed_form.inverses import inverse_forms, orbit_formulas, parametric_formulas
 from hjsolve.closed_form.pieces import CoordinateIntegrals
 from hjsolve.closed_form.regime import Regime, positive_in, settled
-from hjsolve.closed_form.tidy import LONGEST, elliptic, shortened_powers
+from hjsolve.closed_form.tidy import LONGEST, elliptic, longer_than, shortened_powers
 from hjsolve.closed_form.workshop import Stratum, Workshop
 from hjsolve.solution.quadratures import Solution
 
@@ -89,12 +89,12 @@ def _closed(
             return f"{name}: {reasons.get(name, 'its momentum enters H to first degree')}"
         if key in own.integrals:
             value = shortened_powers(own.integrals[key].value)
-            table[integral] = value.subs(q, end) - value.subs(q, start)
+            table[integral] = value.xreplace({q: end}) - value.xreplace({q: start})
         elif integral.function.subs(dict(special)) == 0:
             table[integral] = sp.S.Zero
         else:
             return f"{name}: {own.why_not.get(key, 'no form was found')}"
-    return expression.xreplace(table).subs(dict(special))
+    return expression.xreplace(table).xreplace(dict(special))
 
 
 def _numbers(
@@ -107,8 +107,8 @@ def _numbers(
     for c in solution.system.coordinates:
         if c.name in cyclic:
             J = _cycle(pieces[c.name], W)
-            if pieces[c.name].kind == "rotation" and solution.shift[c.name] != 0:
-                J = "the mean of A in p = P − A over a turn has no form here"
+            if pieces[c.name].kind == "rotation" and not isinstance(J, str):
+                J = _without_shift(J, solution.shift[c.name].subs(dict(special)), c.symbol)
             if isinstance(J, str):
                 why_not[f"actions.{c.name}"] = J
             else:
@@ -129,6 +129,16 @@ def _numbers(
         "actions": actions, "frequencies": frequencies, "mean_velocities": velocities,
         "periods": {name: value for name, value in periods.items() if not value.has(sp.zoo)},
     }  # fmt: skip
+
+
+def _without_shift(cycle: sp.Expr, shift: sp.Expr, q: sp.Symbol) -> sp.Expr | str:
+    """∮ (P − A) dq over a turn, of a trigonometric polynomial A(q); why not, of any other."""
+    z = sp.Dummy("z")
+    laurent = sp.expand(sp.expand(shift.rewrite(sp.exp)).subs(q, sp.log(z) / sp.I))
+    terms = sp.Add.make_args(sp.expand(sp.powsimp(laurent)))
+    if any(not term.as_independent(z)[1].as_base_exp()[1].is_Integer for term in terms):
+        return "the mean of A in p = P − A over a turn has no form here"
+    return cycle - 2 * sp.pi * sp.Add(*(term for term in terms if not term.has(z)))
 
 
 def _turning_points(pieces: Integrals, made: Regime) -> dict[str, tuple[sp.Expr | None, sp.Expr | None]]:
@@ -160,7 +170,7 @@ def _size(name: str, rate: sp.Expr, own: CoordinateIntegrals | None, made: Regim
     """|Ω|: a separated coordinate's is positive on the branch p > 0; of a long formula by a name."""
     if own is not None:
         return rate
-    if sp.count_ops(rate) > LONGEST:
+    if longer_than(rate, LONGEST):
         symbol = sp.Symbol(f"Omega_{name}", real=True)
         where[symbol] = rate
         return sp.Abs(symbol)

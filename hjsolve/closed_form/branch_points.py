@@ -9,7 +9,7 @@ import sympy as sp
 
 from hjsolve.closed_form.curves import MomentumCurve, named_constants
 from hjsolve.closed_form.no_form import NoFormError
-from hjsolve.closed_form.regions import RootInterval
+from hjsolve.closed_form.regions import RootInterval, ordered_real_roots
 from hjsolve.closed_form.signs import Signs
 from hjsolve.closed_form.tidy import shortened_powers
 
@@ -55,7 +55,10 @@ def named_roots(curve: MomentumCurve, region: RootInterval, signs: Signs, prefix
         symbols = [sp.Symbol(f"{prefix}_{k + 1}", real=True) for k in range(len(region.roots))]
         where = {symbol: (P, k) for k, symbol in enumerate(symbols)}
         signs.name({symbol: sp.Float(r, 50) for symbol, r in zip(symbols, region.roots, strict=True)})
-        real, pairs = tuple(symbols), _remaining_pair(P, symbols)
+        if symbols:
+            real, pairs = tuple(symbols), _remaining_pair(P, symbols)
+        else:
+            real, pairs = (), _two_pairs(P, signs, prefix, where)
     else:
         found, pairs = radicals
         real = tuple(sorted(found, key=lambda e: mpmath.mpf(signs.number(e))))
@@ -95,6 +98,34 @@ def _remaining_pair(P: sp.Poly, real: list[sp.Symbol]) -> tuple[tuple[sp.Expr, s
     β = b / A + total
     γ = c / A - (real[0] * real[1] if len(real) == 2 else 0) + β * total
     return ((-β / 2, sp.sqrt(γ - β**2 / 4)),)
+
+
+def _two_pairs(
+    P: sp.Poly, signs: Signs, prefix: str, where: dict[sp.Symbol, sp.Expr | tuple[sp.Poly, int]]
+) -> tuple[tuple[sp.Expr, sp.Expr], ...]:  # fmt: skip
+    """Both complex pairs of a quartic, by Ferrari: y = x + b/4a, y⁴ + py² + qy + r = (y² + sy + t)(y² − sy + u).
+
+    z = s² is a root of z³ + 2pz² + (p² − 4r)z − q², which for two complex pairs has three real roots, of which the
+    greatest is the positive one: ± √z/2 are the real parts.
+    """
+    a, b, c, d, e = P.all_coeffs()
+    b, c, d, e = (sp.cancel(k / a) for k in (b, c, d, e))
+    p, q = sp.factor(c - 3 * b**2 / 8), sp.factor(d - b * c / 2 + b**3 / 8)
+    r = sp.factor(e - b * d / 4 + b**2 * c / 16 - 3 * b**4 / 256)
+    if q == 0:
+        raise NoFormError("P is even about the middle of its roots, and they have no names")
+    symbol = sp.Symbol(f"{prefix}_z", positive=True)
+    z = sp.Symbol(f"{prefix}_y", real=True)
+    resolvent = sp.Poly(z**3 + 2 * p * z**2 + (p**2 - 4 * r) * z - q**2, z)
+    where[symbol] = (resolvent, 2)
+    values = ordered_real_roots(resolvent, signs.numbers, 50)
+    if len(values) != 3 or not values[2] > 0:
+        raise NoFormError("the complex roots of P could not be told apart")
+    signs.name({symbol: sp.Float(values[2], 50)})
+    s, found = sp.sqrt(symbol), list[tuple[sp.Expr, sp.Expr]]()
+    for side in (-1, 1):
+        found.append((side * s / 2 - b / 4, sp.sqrt(symbol / 4 + p / 2 + side * q / (2 * s))))
+    return tuple(found)
 
 
 def _radicals(

@@ -4,10 +4,13 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 
+import mpmath
 import sympy as sp
 
 from hjsolve.closed_form.branch_points import NamedRoots
 from hjsolve.closed_form.no_form import NoFormError
+from hjsolve.closed_form.signs import Signs
+from hjsolve.closed_form.tidy import multiplied_out
 from hjsolve.functions import elliptic
 
 
@@ -53,10 +56,52 @@ def carlson_map(roots: NamedRoots, prefix: str) -> CarlsonMap:
         real.append(name)
     for k, (re, im) in enumerate(roots.pairs):
         mark = "" if len(roots.pairs) == 1 else f"_{k + 1}"
-        names = (sp.Symbol(f"{prefix}_re{mark}", real=True), sp.Symbol(f"{prefix}_im{mark}", positive=True))
-        where |= {names[0]: re, names[1]: im}
-        pairs.append(names)
+        same = next((named for (other, _), (named, _) in zip(roots.pairs, pairs, strict=False) if other == re), None)
+        along = re if re.is_number else sp.Symbol(f"{prefix}_re{mark}", real=True) if same is None else same
+        across = im if im.is_number else sp.Symbol(f"{prefix}_im{mark}", positive=True)
+        where |= {name: meaning for name, meaning in ((along, re), (across, im)) if name.is_Symbol and name != meaning}
+        pairs.append((along, across))
     return CarlsonMap(NamedRoots(roots.leading, tuple(real), tuple(pairs), where, roots.interval))
+
+
+@dataclass(frozen=True)
+class PairsMap(CarlsonMap):
+    """The whole line, P without a real root: integrals are taken from where the motion begins.
+
+    Attributes:
+        begin: the x of the lower limit.
+        farther: the pair that is farther from the real axis once P is even, 0 or 1.
+    """
+
+    begin: sp.Expr
+    farther: int
+
+    @property
+    def direction(self) -> int:
+        """The integrals grow with x."""
+        return 1
+
+
+def pairs_map(roots: NamedRoots, signs: Signs, prefix: str, begin: sp.Expr) -> PairsMap:
+    """The map where P has two complex pairs.
+
+    Args:
+        roots: of P.
+        signs: of the sample.
+        prefix: of the names.
+        begin: the x of the lower limit.
+    """
+    named = carlson_map(roots, prefix).roots
+    (α1, β1), (α2, β2) = ((signs.number(α), signs.number(β)) for α, β in roots.pairs)
+    if α1 == α2:
+        farther = 0 if β1 > β2 else 1
+    else:
+        total = (α1**2 + β1**2 - α2**2 - β2**2) / (α1 - α2)
+        gap = mpmath.sqrt(total**2 / 4 - total * α1 + α1**2 + β1**2)
+        sizes = [abs((mpmath.mpc(α, β) - total / 2 - gap) / (mpmath.mpc(α, β) - total / 2 + gap)) for α, β in
+                 ((α1, β1), (α2, β2))]  # fmt: skip
+        farther = 0 if sizes[0] > sizes[1] else 1
+    return PairsMap(named, begin, farther)
 
 
 def carlson_integral(R: elliptic.PartialFractions, way: CarlsonMap, x: sp.Expr | None) -> sp.Expr:
@@ -71,6 +116,8 @@ def carlson_integral(R: elliptic.PartialFractions, way: CarlsonMap, x: sp.Expr |
         NoFormError: it diverges, or no form is known.
     """
     try:
+        if isinstance(way, PairsMap):
+            return elliptic.around(R, way.points) if x is None else elliptic.between(R, way.points, way.begin, x)
         if x is None:
             return elliptic.complete(R, way.points, way.roots.interval)
         return way.direction * elliptic.incomplete(R, way.points, way.roots.interval, x, way.start)
@@ -89,9 +136,13 @@ def carlson_inverse(way: CarlsonMap, value: sp.Expr, begin: sp.Expr) -> sp.Expr:
     Raises:
         NoFormError: P has no real root to begin at.
     """
+    if isinstance(way, PairsMap):
+        return elliptic.inverse_between(way.points, begin, multiplied_out(value), farther=way.farther)
     first = elliptic.PartialFractions(((0, sp.S.One),))
     try:
         passed = elliptic.incomplete(first, way.points, way.roots.interval, begin, way.start)
-        return elliptic.inverse(way.points, way.roots.interval, passed + way.direction * sp.expand(value), way.start)
+        return elliptic.inverse(
+            way.points, way.roots.interval, passed + way.direction * multiplied_out(value), way.start
+        )
     except elliptic.NoForm as error:
         raise NoFormError(str(error)) from error

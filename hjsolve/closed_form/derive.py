@@ -34,6 +34,7 @@ def forms_of_solution(shop: Workshop, known: Sequence[RegimeForms] = ()) -> tupl
     """
     solution, found = shop.solution, [*known]
     specials: list[Stratum] = [{}, *special_strata(shop.curves, shop.constants)]
+    special_values = [d for own in shop.curves.values() for c in own[:1] for d in deciders(c, shop.constants)]
     for special in specials:
         count = _SPECIAL_SAMPLES if special else _SAMPLES
         local = shop.at(special)
@@ -41,6 +42,8 @@ def forms_of_solution(shop: Workshop, known: Sequence[RegimeForms] = ()) -> tupl
             if len(found) >= MOST_REGIMES or out_of_time():
                 return _ordered(found[len(known) :])
             if any(_alike(form, sample) for form in found):
+                continue
+            if not special and _by_chance(special_values, sample):
                 continue
             form = form_of_sample(shop, local, special, sample)
             if form is not None:
@@ -56,6 +59,12 @@ def _ordered(found: list[RegimeForms]) -> tuple[RegimeForms, ...]:
         return len(form.regime.special), sum(kind not in ("libration", "rotation") for kind in kinds)
 
     return tuple(sorted(found, key=rank))
+
+
+def _by_chance(special_values: Sequence[sp.Expr], sample: Sample) -> bool:
+    """Whether random constants happen to be special ones, whose forms are not those of general constants."""
+    at = Signs(sample.values, mpmath.mpf(0))
+    return any(sign_of_many_digits(at.number(value)) == 0 for value in special_values)
 
 
 def _alike(form: RegimeForms, sample: Sample) -> bool:
@@ -121,7 +130,7 @@ def _piece(
     numerators = {k: n.subs(dict(special)) for k, n in shop.numerators[name].items()}
     numerators = {k: n for k, n in numerators.items() if n != 0}
     prefix = "x" if len(shop.curves) == 1 else f"x_{name}"
-    made = piece(name, numerators, own, sample, prefix)
+    made = piece(name, numerators, own, sample, prefix, shop.solution.lower_limits[name])
     if made is None:
         return None
     try:

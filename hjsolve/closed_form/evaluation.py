@@ -14,6 +14,7 @@ import mpmath
 import sympy as sp
 
 from hjsolve.functions import modules
+from hjsolve.functions.printing import Printable
 
 GUARD = 20
 """Digits beyond those asked of a constant."""
@@ -34,6 +35,7 @@ class Evaluator:
         self.symbols: dict[int, sp.Symbol] = {}
         self._known: dict[sp.Expr, int] = {}
         self._slopes: dict[sp.Expr, int | None] = {}
+        self._inlined: dict[sp.Expr, dict[sp.Expr, int]] = {}
         self.outputs = [self._line(e) for e in map(sp.sympify, expressions)]
         if slopes is not None:
             found = [self._slope(e, slopes) for e in map(sp.sympify, expressions)]
@@ -90,28 +92,45 @@ class Evaluator:
             self._known[e] = self._write(e)
         return self._known[e]
 
-    def _write(self, e: sp.Expr) -> int:
+    def _write(self, e: sp.Expr, line: Callable[[sp.Expr], int] | None = None) -> int:
+        line = self._line if line is None else line
         if e.is_Symbol:
             place = self._emit(_nothing)
             self.symbols[place] = e
             return place
         if e.is_Add or e.is_Mul:
-            return self._emit(_sum if e.is_Add else _product, *map(self._line, e.args))
+            return self._emit(_sum if e.is_Add else _product, *map(line, e.args))
         if e.is_Pow:
-            return self._power(e.base, e.exp)
+            return self._power(e.base, e.exp, line)
         if not e.args:
             return self._emit(_constant(e))
-        return self._emit(_function(e.func), *map(self._line, e.args))
+        return self._emit(_function(e.func), *map(line, e.args))
 
-    def _power(self, base: sp.Expr, exponent: sp.Expr) -> int:
+    def _power(self, base: sp.Expr, exponent: sp.Expr, line: Callable[[sp.Expr], int]) -> int:
         if base is sp.E:
-            return self._emit(mpmath.exp, self._line(exponent))
+            return self._emit(mpmath.exp, line(exponent))
         if exponent.is_Integer:
-            return self._emit(_integer_power(int(exponent)), self._line(base))
+            return self._emit(_integer_power(int(exponent)), line(base))
         if exponent.is_Rational and exponent.q == 2:
-            root = self._emit(mpmath.sqrt, self._line(base))
+            root = self._emit(mpmath.sqrt, line(base))
             return root if exponent.p == 1 else self._emit(_integer_power(int(exponent.p)), root)
-        return self._emit(mpmath.power, self._line(base), self._line(exponent))
+        return self._emit(mpmath.power, line(base), line(exponent))
+
+    def _partial_line(self, e: sp.Expr, k: int) -> int:
+        """∂e/∂(argument k), of Carlson's functions by a rule in names: sympy would order their long arguments."""
+        if not isinstance(e, Printable) or len(set(e.args)) != len(e.args):
+            return self._line(_partial(e, k))
+        names, function, slopes = _slopes_in_names(e.func, len(e.args))
+        if e not in self._inlined:
+            self._inlined[e] = dict(zip(names, map(self._line, e.args), strict=True)) | {function: self._line(e)}
+        known = self._inlined[e]
+
+        def line(part: sp.Expr) -> int:
+            if part not in known:
+                known[part] = self._write(part, line)
+            return known[part]
+
+        return line(slopes[k])
 
     def _slope(self, e: sp.Expr, q: sp.Symbol) -> int | None:
         if e not in self._slopes:
@@ -135,7 +154,7 @@ class Evaluator:
                 by = e.exp * e.base ** (e.exp - 1) if k == 0 else e * sp.log(e.base)
                 terms.append(self._emit(_product, slope, self._line(by)))
             else:
-                terms.append(self._emit(_product, slope, self._line(_partial(e, k))))
+                terms.append(self._emit(_product, slope, self._partial_line(e, k)))
         return terms[0] if len(terms) == 1 else self._emit(_sum, *terms)
 
 
@@ -172,6 +191,16 @@ def many_digits(values: Mapping[sp.Symbol, sp.Expr], digits: int) -> dict[sp.Sym
 
 def _partial(e: sp.Expr, k: int) -> sp.Expr:
     return e.diff(e.args[0]) if not isinstance(e, sp.Function) else e.fdiff(k + 1)
+
+
+@lru_cache(maxsize=32)
+def _slopes_in_names(
+    function: type[sp.Function], count: int
+) -> tuple[tuple[sp.Symbol, ...], sp.Expr, tuple[sp.Expr, ...]]:  # fmt: skip
+    """Names for the arguments of a function, the function of them, and its derivatives by each."""
+    names = tuple(sp.Dummy(f"a{k}", real=True) for k in range(count))
+    value = function(*names)
+    return names, value, tuple(sp.diff(value, name) for name in names)
 
 
 def _applied(rule: Rule, operands: list[mpmath.mpf]) -> mpmath.mpf:

@@ -20,6 +20,7 @@ from hjsolve.closed_form.fractions import partial_fractions
 from hjsolve.closed_form.no_form import NoFormError
 from hjsolve.closed_form.real_branch_points import FAR, LegendreIntegrals, LegendreMap, over_s
 from hjsolve.closed_form.signs import Signs
+from hjsolve.closed_form.tidy import multiplied_out
 from hjsolve.functions import JacobiCN, JacobiDN, JacobiSN
 
 
@@ -127,5 +128,5 @@ def even_inverse(way: EvenMap, value: sp.Expr, start: sp.Expr) -> sp.Expr:
         value: of the integral.
         start: the place, an x.
     """
-    argument = sp.elliptic_f(way.amplitude(start)[0], way.m) + way.direction * sp.expand(way.Ω * value)
+    argument = sp.elliptic_f(way.amplitude(start)[0], way.m) + way.direction * multiplied_out(way.Ω * value)
     return way.side * way.scale * {"sn": JacobiSN, "dn": JacobiDN, "cn": JacobiCN}[way.kind](argument, way.m)

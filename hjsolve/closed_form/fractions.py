@@ -2,6 +2,9 @@
 
 from __future__ import annotations
 
+from dataclasses import dataclass
+from functools import lru_cache
+
 import sympy as sp
 
 from hjsolve.closed_form.curves import named_constants
@@ -21,46 +24,95 @@ def partial_fractions(R: sp.Expr, x: sp.Symbol, signs: Signs) -> PartialFraction
     Raises:
         NoFormError: a denominator of degree above 2 that does not factor, or with multiple complex zeros.
     """
+    made = _split(R, x)
+    poles, complex_poles = list[tuple[sp.Expr, int, sp.Expr]](), list[tuple[sp.Expr, sp.Expr, sp.Expr, sp.Expr]]()
+    for k, (factor, power) in enumerate(made.factors):
+        D = _lacking(factor, x)
+        if D is None or signs.sign(D.xreplace(made.back)) < 0:
+            poles += _at_real_places(R, x, k)
+        elif power > 1:
+            raise NoFormError(f"the integrand has multiple poles at complex places, where {factor} = 0")
+        else:
+            complex_poles.append(_at_complex_places(R, x, k))
+    return PartialFractions(made.powers, tuple(poles), tuple(complex_poles))
+
+
+@dataclass(frozen=True)
+class _Split:
+    """A rational function as a polynomial and a proper fraction.
+
+    Attributes:
+        powers: exponent and coefficient of the polynomial.
+        rest: the numerator of the fraction.
+        constant: the constant factor of its denominator.
+        factors: the others, and their powers.
+        back: name → constant, of constants that are no rational functions.
+    """
+
+    powers: tuple[tuple[int, sp.Expr], ...]
+    rest: sp.Poly
+    constant: sp.Expr
+    factors: tuple[tuple[sp.Expr, int], ...]
+    back: dict[sp.Symbol, sp.Expr]
+
+    def others(self, k: int) -> sp.Expr:
+        """The denominator without a factor.
+
+        Args:
+            k: its number.
+        """
+        return self.constant * sp.Mul(*(f**n for j, (f, n) in enumerate(self.factors) if j != k))
+
+
+@lru_cache(maxsize=256)
+def _split(R: sp.Expr, x: sp.Symbol) -> _Split:
+    """The same integrands come back in every regime of a curve."""
     bare, back = named_constants(R, x)
     top, bottom = sp.fraction(sp.cancel(sp.together(bare)))
     whole, rest = sp.div(sp.Poly(top, x), sp.Poly(bottom, x)) if bottom.has(x) else (sp.Poly(top / bottom, x), None)
     powers = tuple((int(k), sp.factor(c).xreplace(back)) for (k,), c in whole.terms() if c != 0)
     if rest is None or rest.is_zero:
-        return PartialFractions(powers)
-    poles, complex_poles = [], []
+        return _Split(powers, sp.Poly(0, x), sp.S.One, (), back)
     constant, factors = sp.factor_list(bottom, x)
-    for factor, power in factors:
-        others = constant * sp.Mul(*(f**n for f, n in factors if f != factor))
-        if (square := _without_real_zeros(factor, x, back, signs)) is not None:
-            if power > 1:
-                raise NoFormError(f"the integrand has multiple poles at complex places, where {factor} = 0")
-            re, im, leading = square
-            inverse = sp.invert(sp.Poly(others, x), sp.Poly(factor, x)) if others.has(x) else sp.Poly(1 / others, x)
-            line = sp.rem(rest * inverse, sp.Poly(factor, x))
-            A, B = (sp.factor(line.coeff_monomial(x**k) / leading).xreplace(back) for k in (1, 0))
-            complex_poles.append((re.xreplace(back), im.xreplace(back), A, B))
-            continue
-        for place, cofactor in _zeros(factor, x):
-            g = rest.as_expr() / (others * cofactor**power)
-            for order in range(power):
-                weight = sp.diff(g, x, order).subs(x, place) / sp.factorial(order)
-                weight = sp.factor(sp.cancel(sp.together(weight)))
-                if weight != 0:
-                    poles.append((place.xreplace(back), power - order, weight.xreplace(back)))
-    return PartialFractions(powers, tuple(poles), tuple(complex_poles))
+    return _Split(powers, rest, constant, tuple(factors), back)
 
 
-def _without_real_zeros(
-    factor: sp.Expr, x: sp.Symbol, back: dict[sp.Symbol, sp.Expr], signs: Signs
-) -> tuple[sp.Expr, sp.Expr, sp.Expr] | None:  # fmt: skip
-    """α, β and a of a((x − α)² + β²); None where the factor has real zeros."""
+@lru_cache(maxsize=1024)
+def _at_real_places(R: sp.Expr, x: sp.Symbol, k: int) -> tuple[tuple[sp.Expr, int, sp.Expr], ...]:
+    """Place, order and weight of the poles at the zeros of a factor of the denominator."""
+    made, poles = _split(R, x), list[tuple[sp.Expr, int, sp.Expr]]()
+    (factor, power), others = made.factors[k], made.others(k)
+    for place, cofactor in _zeros(factor, x):
+        g = made.rest.as_expr() / (others * cofactor**power)
+        for order in range(power):
+            weight = sp.diff(g, x, order).subs(x, place) / sp.factorial(order)
+            weight = sp.factor(sp.cancel(sp.together(weight)))
+            if weight != 0:
+                poles.append((place.xreplace(made.back), power - order, weight.xreplace(made.back)))
+    return tuple(poles)
+
+
+@lru_cache(maxsize=1024)
+def _at_complex_places(R: sp.Expr, x: sp.Symbol, k: int) -> tuple[sp.Expr, sp.Expr, sp.Expr, sp.Expr]:
+    """α, β, A, B of (Ax + B)/((x − α)² + β²), from a quadratic factor a((x − α)² + β²) of the denominator."""
+    made = _split(R, x)
+    factor, others = made.factors[k][0], made.others(k)
+    a, b, _ = sp.Poly(factor, x).all_coeffs()
+    D = _lacking(factor, x)
+    assert D is not None
+    re, im = -b / (2 * a), sp.sqrt(D) / (2 * sp.sqrt(a**2))
+    inverse = sp.invert(sp.Poly(others, x), sp.Poly(factor, x)) if others.has(x) else sp.Poly(1 / others, x)
+    line = sp.rem(made.rest * inverse, sp.Poly(factor, x))
+    A, B = (sp.factor(line.coeff_monomial(x**k) / a).xreplace(made.back) for k in (1, 0))
+    return re.xreplace(made.back), im.xreplace(made.back), A, B
+
+
+def _lacking(factor: sp.Expr, x: sp.Symbol) -> sp.Expr | None:
+    """4ac − b² of a quadratic factor, positive where it has no real zeros; None of a linear one."""
     if sp.degree(factor, x) != 2:
         return None
     a, b, c = sp.Poly(factor, x).all_coeffs()
-    D = sp.factor(4 * a * c - b**2)
-    if signs.sign(D.xreplace(back)) < 0:
-        return None
-    return -b / (2 * a), sp.sqrt(D) / (2 * sp.sqrt(a**2)), a
+    return sp.factor(4 * a * c - b**2)
 
 
 def _zeros(factor: sp.Expr, x: sp.Symbol) -> list[tuple[sp.Expr, sp.Expr]]:

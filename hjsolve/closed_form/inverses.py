@@ -13,7 +13,7 @@ from hjsolve.closed_form.even_curves import EvenMap, even_inverse
 from hjsolve.closed_form.no_form import NoFormError
 from hjsolve.closed_form.pieces import CoordinateIntegrals, PieceIntegral, monotone_inverse
 from hjsolve.closed_form.real_branch_points import elliptic_inverse
-from hjsolve.closed_form.tidy import shortened_powers
+from hjsolve.closed_form.tidy import multiplied_out, shortened_powers
 from hjsolve.closed_form.time_limit import check_time
 from hjsolve.closed_form.verification import monotone_span, sample_numbers, value_at
 from hjsolve.closed_form.workshop import Stratum, Workshop
@@ -160,10 +160,8 @@ def _elliptic(
     if integral.curve.degree > 4:
         raise NoFormError(f"t({own.name}) is an integral on a curve of genus 2: its inverse is not given")
     if integral.first is None or integral.way is None:
-        raise NoFormError(
-            f"t({own.name}) contains elliptic integrals of the second or third kind: they have no inverse"
-        )
-    amount, begin = sp.expand(value / integral.first), s.place.subs(q, start)
+        raise NoFormError(f"t({own.name}) contains integrals of the second or third kind: they have no inverse")
+    amount, begin = multiplied_out(value / integral.first), s.place.subs(q, start)
     way = integral.way
     match way:
         case EvenMap():
@@ -293,12 +291,12 @@ def _along(
     rest = equation.rhs.replace(lambda e: isinstance(e, sp.Integral), lambda _: sp.S.Zero)
     if rest.has(own.integrals[key].curve.coordinate.symbol):
         raise NoFormError("the shift of the momenta enters the orbit equation")
-    value, numbers = sp.expand(equation.lhs - rest), dict[sp.Symbol, mpmath.mpf]()
+    value, numbers = multiplied_out(equation.lhs - rest), dict[sp.Symbol, mpmath.mpf]()
     for other in held:
         if other != target:
             more, along = pieces[other], pieces[other].integrals[key]
             q, start = along.curve.coordinate.symbol, solution.lower_limits[other]
-            value -= along.value - along.value.subs(q, start)
+            value -= along.value - along.value.xreplace({q: start})
             with mpmath.workdps(_DIGITS + 20):
                 numbers |= sample_numbers(more)
                 numbers |= {q: _fraction(_nearby(more, along)), start: _fraction(more.sample.places[other])}

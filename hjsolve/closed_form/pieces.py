@@ -5,10 +5,11 @@ from __future__ import annotations
 from collections.abc import Iterable, Mapping
 from dataclasses import dataclass, field
 
+import mpmath
 import sympy as sp
 
 from hjsolve.closed_form.branch_points import NamedRoots, named_roots
-from hjsolve.closed_form.carlson import CarlsonMap, carlson_integral, carlson_map
+from hjsolve.closed_form.carlson import CarlsonMap, carlson_integral, carlson_map, pairs_map
 from hjsolve.closed_form.curves import MomentumCurve, W, why_no_curve
 from hjsolve.closed_form.elementary import Antiderivative, elementary_antiderivative, positive_root
 from hjsolve.closed_form.even_curves import EvenMap, even_integral, even_map
@@ -20,11 +21,13 @@ from hjsolve.closed_form.sampling import Sample
 from hjsolve.closed_form.signs import Signs
 from hjsolve.closed_form.square_curves import reduces, square_curve
 from hjsolve.closed_form.strata import deciders
+from hjsolve.closed_form.tidy import longer_than
 from hjsolve.closed_form.time_limit import check_time
 from hjsolve.functions.elliptic import PartialFractions
 
-LONGEST_FORM = 6000
+LONGEST_FORM = 20000
 """Operations above which a form is no use."""
+_SAME = mpmath.mpf(10) ** -30
 LONGEST_CONDITION = 40
 """Operations of a condition that is still worth stating beside the order of the roots."""
 
@@ -69,6 +72,7 @@ class CoordinateIntegrals:
         roots: the real roots of P of the first curve, ascending; None where they have no names.
         why_not: W or a constant → why there is no form.
         where: named symbol → what it is.
+        start: the lower limit, in forms that are integrals from there.
     """
 
     name: str
@@ -81,12 +85,14 @@ class CoordinateIntegrals:
     roots: tuple[sp.Expr, ...] | None = None
     why_not: dict[sp.Symbol, str] = field(default_factory=dict)
     where: dict[sp.Symbol, sp.Expr | tuple[sp.Poly, int]] = field(default_factory=dict)
+    start: sp.Symbol | None = None
 
     @property
     def kind(self) -> str:
-        """Libration, rotation, escape or boundary."""
+        """Libration, rotation, escape, boundary or asymptotic."""
         assert self.region is not None
-        return self.region.kind
+        kinds = [region.kind for _, region in self.regions]  # a rest at the end of a turn is seen on one curve only
+        return "asymptotic" if "asymptotic" in kinds else self.region.kind
 
     def add(self, done: Mapping[sp.Symbol, PieceIntegral], task: _Task) -> None:
         """Take over what was integrated on a curve.
@@ -118,7 +124,8 @@ class CoordinateIntegrals:
 
 
 def piece(
-    name: str, numerators: Mapping[sp.Symbol, sp.Expr], found: list[MomentumCurve], sample: Sample, prefix: str = "x"
+    name: str, numerators: Mapping[sp.Symbol, sp.Expr], found: list[MomentumCurve], sample: Sample, prefix: str = "x",
+    start: sp.Symbol | None = None,
 ) -> CoordinateIntegrals | None:  # fmt: skip
     """Integrate a coordinate in the regime of a sample.
 
@@ -128,11 +135,12 @@ def piece(
         found: its curves, the simplest first, in the stratum of the sample.
         sample: a motion.
         prefix: of the names of roots.
+        start: the lower limit of its integrals.
 
     Returns:
         The piece; None where the motion is at rest or asymptotic in this coordinate.
     """
-    made = CoordinateIntegrals(name, sample, numerators)
+    made = CoordinateIntegrals(name, sample, numerators, start=start)
     for curve in found:
         missing = [key for key in numerators if key not in made.integrals]
         if not missing:
@@ -144,7 +152,9 @@ def piece(
         signs = Signs(sample.values, region.place)
         try:
             check_time()
-            task = _Task(curve, region, signs, prefix)
+            task = _Task(
+                curve, region, signs, prefix + "b" * len(made.regions), start
+            )  # roots of another P: other names
         except NoFormError as error:
             made.why_not |= {key: str(error) for key in missing if key not in made.why_not}
             continue
@@ -163,7 +173,7 @@ def piece(
 class _Task:
     """One curve and the interval of it that a motion is on."""
 
-    def __init__(self, curve: MomentumCurve, region: RootInterval, signs: Signs, prefix: str):
+    def __init__(self, curve: MomentumCurve, region: RootInterval, signs: Signs, prefix: str, start: sp.Symbol | None):
         self.curve, self.region, self.signs = curve, region, signs
         self.squared = square_curve(curve, region, signs, prefix) if reduces(curve) else None
         if curve.degree > 4 and self.squared is None:
@@ -174,7 +184,11 @@ class _Task:
             self.ways = _maps(self.squared.inner, self.squared.roots, signs, prefix)
         else:
             self.roots = named_roots(curve, region, signs, prefix) if curve.degree > 2 else None
-            self.ways = [] if self.roots is None else _maps(curve, self.roots, signs, prefix)
+            if self.roots is not None and not self.roots.real and start is not None:
+                begin = curve.substitution.place.subs(curve.coordinate.symbol, start)
+                self.ways = [pairs_map(self.roots, signs, prefix, begin)]
+            elif self.roots is not None:
+                self.ways = _maps(curve, self.roots, signs, prefix)
 
     def integral(self, key: sp.Symbol, numerator: sp.Expr) -> PieceIntegral:
         """∫ N dq/√P² = ε ∫ N dx/(S √P)."""
@@ -184,11 +198,11 @@ class _Task:
         law: Antiderivative | None = None
         if self.squared is not None:
             found, whole, _ = self._elliptic(self.squared.integrand(R, curve.x), cyclic=cyclic)
-            value = self.squared.in_x(found, curve.x).subs(curve.x, s.place)
+            value = self.squared.in_x(found, curve.x).xreplace({curve.x: s.place})
             whole = 2 * whole if self.squared.passes and whole is not None else whole
         elif self.roots is not None:
             value, whole, way = self._elliptic(R, cyclic=cyclic)
-            value = value.subs(curve.x, s.place)
+            value = value.xreplace({curve.x: s.place})
         else:
             parts = partial_fractions(R, curve.x, self.signs)
             law = elementary_antiderivative(parts, curve.polynomial, self.signs, self.side)
@@ -197,7 +211,7 @@ class _Task:
         if whole is not None:
             cycle = whole * (2 if region.kind == "libration" else 1) * (1 if s.increasing else -1)
         value = monotone_inverse(value)
-        if sp.count_ops(value) > LONGEST_FORM:
+        if longer_than(value, LONGEST_FORM):
             raise NoFormError(f"the form has more than {LONGEST_FORM} operations")
         first = None if R.has(curve.x) or self.squared is not None else R
         return PieceIntegral(numerator, value, cycle, R, law, curve, first, way)
@@ -216,6 +230,8 @@ class _Task:
                 parts = partial_fractions(R, x, self.signs)
                 if isinstance(way, LegendreMap) and self._passes_a_pole(parts, way):
                     raise NoFormError("the integral passes a pole on the way from the root")
+                if self._has_poles_at_roots(parts):
+                    raise NoFormError("the integrand has poles at complex roots of P")
                 if isinstance(way, CarlsonMap):
                     value = carlson_integral(parts, way, x)
                     return value, carlson_integral(parts, way, None) if cyclic else None, way
@@ -224,6 +240,15 @@ class _Task:
             except NoFormError as error:
                 reason = str(error)
         raise NoFormError(reason)
+
+    def _has_poles_at_roots(self, parts: PartialFractions) -> bool:
+        """Whether a complex pole is a branch point, as of W on curves that hold 1 + x²."""
+        if not parts.complex_poles or self.roots is None:
+            return False
+        at = self.signs.number
+        roots = [(at(re), at(im)) for re, im in self.roots.pairs]
+        poles = [(at(re), at(im)) for re, im, _, _ in parts.complex_poles]
+        return any(abs(a - c) + abs(b - d) < _SAME for a, b in poles for c, d in roots)
 
     def _passes_a_pole(self, parts: PartialFractions, way: LegendreMap) -> bool:
         """Whether a pole lies between the motion and the root from which the integrals are taken."""

@@ -21,6 +21,7 @@ import sympy as sp
 from hjsolve.closed_form.branch_points import NamedRoots
 from hjsolve.closed_form.no_form import NoFormError
 from hjsolve.closed_form.signs import Signs
+from hjsolve.closed_form.tidy import multiplied_out
 from hjsolve.functions import JacobiSN
 from hjsolve.functions.elliptic import PartialFractions
 
@@ -274,5 +275,5 @@ def elliptic_inverse(way: LegendreMap, value: sp.Expr, start: sp.Expr) -> sp.Exp
         start: the place, an x.
     """
     φ = sp.asin(sp.sqrt(way.s(start)))
-    argument = sp.expand(way.direction * way.Ω * value) + sp.elliptic_f(φ, way.m)
+    argument = multiplied_out(way.direction * way.Ω * value) + sp.elliptic_f(φ, way.m)
     return way.place(JacobiSN(argument, way.m) ** 2)

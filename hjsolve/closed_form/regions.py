@@ -196,6 +196,20 @@ def root_interval_of(curve: MomentumCurve, sample: Sample) -> RootInterval | Non
     return RootInterval(curve, place, tuple(roots), lower, upper, kind, not (s.closed and both == {"root", "end"}))
 
 
+def place_of_rest(curve: MomentumCurve, key: tuple[str, int], numbers: Numbers) -> mpmath.mpf:
+    """The x at which an asymptotic motion would come to rest.
+
+    Args:
+        curve: of the coordinate.
+        key: the end of a region, ("rest", index).
+        numbers: symbol → value, of the constants.
+    """
+    with mpmath.workdps(DIGITS):
+        roots, _ = real_roots(curve, numbers)
+        low, high = (number_of(end, numbers) for end in (curve.substitution.lower, curve.substitution.upper))
+        return next(value for value, mark in _marks(curve, roots, numbers, low, high) if mark == key)
+
+
 def _value(curve: MomentumCurve, place: mpmath.mpf, numbers: Numbers) -> mpmath.mpf:
     """P at a place."""
     return mpmath.polyval(_coefficients(curve.polynomial, numbers, DIGITS), place)

@@ -65,7 +65,7 @@ class SquareCurve:
             x: the variable of the curve.
         """
         if not self.passes:
-            return value.subs(self.X, x**2)
+            return value.xreplace({self.X: x**2})
         y = sp.Dummy("y", positive=True)
         return value.subs(self.X, y**2).xreplace({y: x})
 

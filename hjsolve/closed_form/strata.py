@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Iterable, Mapping
+from functools import lru_cache
 
 import sympy as sp
 
@@ -20,7 +21,15 @@ def deciders(curve: MomentumCurve, constants: Iterable[sp.Symbol]) -> list[sp.Ex
         curve: of a coordinate.
         constants: of the motion.
     """
-    P, s, x = curve.polynomial, curve.substitution, curve.x
+    ends = (curve.substitution.lower, curve.substitution.upper)
+    return list(_deciders(curve.polynomial, ends, frozenset(constants)))
+
+
+@lru_cache(maxsize=256)
+def _deciders(
+    P: sp.Poly, ends: tuple[sp.Expr, sp.Expr], constants: frozenset[sp.Symbol]
+) -> tuple[sp.Expr, ...]:  # fmt: skip
+    x = P.gen
     bare, back = named_constants(P.as_expr(), x)
     factors = [f for f, _ in sp.factor_list(sp.numer(sp.together(bare)), x)[1]]
     found: list[sp.Expr] = [P.LC()]
@@ -31,18 +40,17 @@ def deciders(curve: MomentumCurve, constants: Iterable[sp.Symbol]) -> list[sp.Ex
             a, b, c = (f.expand().coeff(x, n) for n in (4, 2, 0))
             found += [c.xreplace(back), (b**2 - 4 * a * c).xreplace(back)]
         found += [sp.resultant(f, g, x).xreplace(back) for g in factors[:k]]
-    found += [P.as_expr().subs(x, end) for end in (s.lower, s.upper) if end.is_finite]
+    found += [P.as_expr().subs(x, end) for end in ends if end.is_finite]
     result = list[sp.Expr]()
-    wanted = set(constants)
     for expression in found:
         bare, back = named_constants(sp.together(expression), x)
         top = sp.fraction(sp.cancel(bare))[0]
         for factor, power in sp.factor_list(top)[1]:
             plain = factor.xreplace(back)
             plain = plain if power % 2 else plain**2  # of which only it is known that it is not zero
-            if plain.free_symbols & wanted and plain not in result:
+            if plain.free_symbols & constants and plain not in result:
                 result.append(plain)
-    return result
+    return tuple(result)
 
 
 def fixed_constant(decider: sp.Expr, constants: Iterable[sp.Symbol]) -> dict[sp.Symbol, sp.Expr] | None:

@@ -4,10 +4,20 @@ from __future__ import annotations
 
 import sympy as sp
 
-from hjsolve.functions import CarlsonRC, CarlsonRD, CarlsonRF, CarlsonRJ
+from hjsolve.functions import (
+    CarlsonRC,
+    CarlsonRCIm,
+    CarlsonRCRe,
+    CarlsonRD,
+    CarlsonRF,
+    CarlsonRJ,
+    CarlsonRJIm,
+    CarlsonRJRe,
+)
 
 ELLIPTIC = (
     sp.elliptic_k, sp.elliptic_f, sp.elliptic_e, sp.elliptic_pi, CarlsonRC, CarlsonRD, CarlsonRF, CarlsonRJ,
+    CarlsonRCRe, CarlsonRCIm, CarlsonRJRe, CarlsonRJIm,
 )  # fmt: skip
 """The integrals that occur in forms."""
 LONGEST = 150
@@ -23,13 +33,37 @@ def elliptic(expression: sp.Expr) -> bool:
     return bool(expression.has(*ELLIPTIC))
 
 
+def longer_than(expression: sp.Expr, limit: int) -> bool:
+    """Whether a formula has more operations than a limit; sympy's count looks at every sign, and takes seconds.
+
+    Args:
+        expression: of a form.
+        limit: of operations.
+    """
+    count, waiting = 0, [expression]
+    while waiting and count <= limit:
+        one = waiting.pop()
+        count += max(len(one.args) - 1, 1) if one.args else 0
+        waiting.extend(one.args)
+    return count > limit
+
+
+def multiplied_out(expression: sp.Expr) -> sp.Expr:
+    """A product multiplied out, but not a long one.
+
+    Args:
+        expression: of a form.
+    """
+    return expression if longer_than(expression, LONGEST) else sp.expand(expression)
+
+
 def shortened_powers(expression: sp.Expr) -> sp.Expr:
     """Write products of powers of s, −s and |s| shorter.
 
     Args:
         expression: real, of real symbols.
     """
-    if elliptic(expression) and sp.count_ops(expression) > LONGEST:
+    if elliptic(expression) and longer_than(expression, LONGEST):
         return expression
     return expression.replace(lambda e: e.is_Mul, _product)
 

@@ -16,7 +16,7 @@ import sympy as sp
 from hjsolve.closed_form.curves import MomentumCurve
 from hjsolve.closed_form.evaluation import Evaluator, many_digits, number_of
 from hjsolve.closed_form.pieces import CoordinateIntegrals, PieceIntegral
-from hjsolve.closed_form.regions import RootInterval, ordered_real_roots
+from hjsolve.closed_form.regions import RootInterval, ordered_real_roots, place_of_rest
 from hjsolve.closed_form.time_limit import check_time
 
 DIGITS, GUARD = 40, 24
@@ -211,6 +211,9 @@ def sample_numbers(piece: CoordinateIntegrals, digits: int = DIGITS + GUARD) -> 
     """
     numbers = many_digits(piece.sample.values, digits)
     with mpmath.workdps(digits + GUARD):
+        if piece.start is not None:
+            begin = piece.sample.places[piece.name]
+            numbers[piece.start] = mpmath.mpf(int(begin.p)) / int(begin.q)
         for symbol, meaning in piece.where.items():
             if isinstance(meaning, tuple):
                 polynomial, index = meaning
@@ -229,7 +232,7 @@ def monotone_span(piece: CoordinateIntegrals, integral: PieceIntegral) -> tuple[
     """
     region = next(r for c, r in piece.regions if c is integral.curve)
     numbers = many_digits(piece.sample.values, mpmath.mp.dps)
-    ends = [_end(region, side) for side in (region.lower, region.upper)]
+    ends = [_end(region, side, numbers) for side in (region.lower, region.upper)]
     if ends[0] is None and ends[1] is None:
         x = [region.place - 1, region.place + 1]
         s = integral.curve.substitution
@@ -243,8 +246,11 @@ def monotone_span(piece: CoordinateIntegrals, integral: PieceIntegral) -> tuple[
     return q[0], q[1]
 
 
-def _end(region: RootInterval, side: tuple[str, int]) -> mpmath.mpf | None:
-    return region.roots[side[1]] if side[0] == "root" else None
+def _end(region: RootInterval, side: tuple[str, int], numbers: dict[sp.Symbol, mpmath.mpf]) -> mpmath.mpf | None:
+    """A root, or a place of rest; None for an end of the domain."""
+    if side[0] == "end":
+        return None
+    return region.roots[side[1]] if side[0] == "root" else place_of_rest(region.curve, side, numbers)
 
 
 def _place(integral: PieceIntegral, x: mpmath.mpf | None, numbers: dict[sp.Symbol, mpmath.mpf]) -> mpmath.mpf:

@@ -9,10 +9,12 @@ from __future__ import annotations
 
 from hjsolve.functions.c_code import c_source
 from hjsolve.functions.carlson import CarlsonRC, CarlsonRD, CarlsonRF, CarlsonRJ
+from hjsolve.functions.complex_pole import CarlsonRCIm, CarlsonRCRe, CarlsonRJIm, CarlsonRJRe
 from hjsolve.functions.jacobi import JacobiAM, JacobiCN, JacobiDN, JacobiEpsilon, JacobiSN
 from hjsolve.functions.tables import modules
 
 __all__ = [
-    "CarlsonRC", "CarlsonRD", "CarlsonRF", "CarlsonRJ", "JacobiAM", "JacobiCN", "JacobiDN", "JacobiEpsilon", "JacobiSN",
+    "CarlsonRC", "CarlsonRCIm", "CarlsonRCRe", "CarlsonRD", "CarlsonRF", "CarlsonRJ", "CarlsonRJIm", "CarlsonRJRe",
+    "JacobiAM", "JacobiCN", "JacobiDN", "JacobiEpsilon", "JacobiSN",
     "c_source", "modules",
 ]  # fmt: skip

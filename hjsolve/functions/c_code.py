@@ -65,6 +65,38 @@ static double carlson_rj(double x, double y, double z, double p) {
 _RD = """
 static double carlson_rd(double x, double y, double z) { return carlson_rj_positive(x, y, z, z); }
 """
+_COMPLEX_POLE = """
+#include <complex.h>
+static double complex carlson_arc(double complex w) { return cabs(w) == 0 ? 1 : catan(w) / w; }
+static double complex carlson_rc_complex(double x, double complex y) {
+    double complex w = csqrt(y - x);
+    double root = sqrt(x);
+    return cabs(w) < root ? carlson_arc(w / root) / root : (1.57079632679489661923 - catan(root / w)) / w;
+}
+static double complex carlson_rj_complex(double x, double y, double z, double complex p) {
+    double complex A = (x + y + z + 2 * p) / 5, total = 0, X, Y, Z, P, E2, E3, E4, E5;
+    double complex product = (p - x) * (p - y) * (p - z);
+    double weight = 1, bound = fmax(fmax(cabs(A - x), cabs(A - y)), fmax(cabs(A - z), cabs(A - p))) * 512.0;
+    for (int i = 0; i < 60 && bound > cabs(A); i++) {
+        double sx = sqrt(x), sy = sqrt(y), sz = sqrt(z), l = sx * sy + sx * sz + sy * sz;
+        double complex sp = csqrt(p), d = (sp + sx) * (sp + sy) * (sp + sz);
+        total += weight / d * carlson_arc(csqrt(product / (d * d)));
+        weight /= 4; product /= 64; bound /= 4;
+        x = (x + l) / 4; y = (y + l) / 4; z = (z + l) / 4; p = (p + l) / 4; A = (A + l) / 4;
+    }
+    X = (A - x) / A; Y = (A - y) / A; Z = (A - z) / A; P = -(X + Y + Z) / 2;
+    E2 = X * Y + X * Z + Y * Z - 3 * P * P; E3 = X * Y * Z + 2 * E2 * P + 4 * P * P * P;
+    E4 = (2 * X * Y * Z + E2 * P + 3 * P * P * P) * P; E5 = X * Y * Z * P * P;
+    return weight * (1 - 3 * E2 / 14 + E3 / 6 + 9 * E2 * E2 / 88 - 3 * E4 / 22 - 9 * E2 * E3 / 52 + 3 * E5 / 26)
+        / (A * csqrt(A)) + 6 * total;
+}
+"""
+_COMPLEX_PARTS = {
+    f"R_{kind}{part}": f"static double carlson_r{kind.lower()}{part}({given}, double a, double b) "
+    f"{{ return c{'real' if part == 're' else 'imag'}(carlson_r{kind.lower()}_complex({called}, a + b * I)); }}\n"
+    for kind, given, called in (("C", "double x", "x"), ("J", "double x, double y, double z", "x, y, z"))
+    for part in ("re", "im")
+}
 _JACOBI = """
 static void jacobi_all(double u, double m, double f[5]) { /* am, sn, cn, dn, epsilon */
     double k = m > 1 ? sqrt(m) : m < 0 ? sqrt(1 - m) : 1, v = k * u, phi, s, c, d, e, part[16], quotient[16];
@@ -135,6 +167,7 @@ _LEGENDRE = {
 """sympy's function → its name in C, and what it needs; complete integrals are those up to π/2."""
 _NEEDED = {
     "R_F": (_RF,), "R_C": (_RC,), "R_D": (_RC, _RJ_POSITIVE, _RD), "R_J": (_RF, _RC, _RJ_POSITIVE, _RJ),
+    **{letter: (_COMPLEX_POLE, text) for letter, text in _COMPLEX_PARTS.items()},
     **{letter: (_JACOBI, text) for letter, text in _PARTS.items()},
 }  # fmt: skip
 
@@ -179,4 +212,7 @@ def c_source(expression: sp.Basic) -> str:
     return "".join(part for part in _ORDER if part in wanted)
 
 
-_ORDER = (_RF, _RC, _RJ_POSITIVE, _RD, _RJ, _FOLDED, _K, _F, _E, _PI, _JACOBI, *_PARTS.values())
+_ORDER = (
+    _RF, _RC, _RJ_POSITIVE, _RD, _RJ, _FOLDED, _K, _F, _E, _PI,
+    _COMPLEX_POLE, *_COMPLEX_PARTS.values(), _JACOBI, *_PARTS.values(),
+)  # fmt: skip

@@ -24,11 +24,13 @@ class Printable(sp.Function):
         letter: how books write it.
         scipy_name: the function of ``scipy.special``, or nothing.
         value: the function of mpmath's numbers.
+        doubles: the module of the functions of numpy's arrays.
     """
 
     letter: ClassVar[str]
     scipy_name: ClassVar[str] = ""
     value: ClassVar[Callable[..., mpmath.mpf]]
+    doubles: ClassVar[str] = DOUBLES
 
     def _eval_evalf(self, prec: int) -> sp.Expr | None:
         return evaluated(type(self).value, self.args, prec)
@@ -54,7 +56,7 @@ class Printable(sp.Function):
 
     def _numpycode(self, printer: Any) -> str:
         if "SciPy" not in type(printer).__name__ or not self.scipy_name:
-            return self._called(printer, printer._module_format(f"{DOUBLES}.{self.code_name()}"))
+            return self._called(printer, printer._module_format(f"{self.doubles}.{self.code_name()}"))
         called = self._called(printer, printer._module_format(f"scipy.special.{self.scipy_name}"))
         return called + _FOURTH.get(self.letter, "")
 

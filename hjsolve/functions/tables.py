@@ -10,10 +10,14 @@ import mpmath
 
 from hjsolve.errors import InvalidInputError
 from hjsolve.functions.carlson import CarlsonRC, CarlsonRD, CarlsonRF, CarlsonRJ
+from hjsolve.functions.complex_pole import CarlsonRCIm, CarlsonRCRe, CarlsonRJIm, CarlsonRJRe
 from hjsolve.functions.jacobi import JacobiAM, JacobiCN, JacobiDN, JacobiEpsilon, JacobiSN
-from hjsolve.functions.printing import DOUBLES, MANY_DIGITS
+from hjsolve.functions.printing import DOUBLES, Printable
 
-_OWN = (CarlsonRF, CarlsonRC, CarlsonRD, CarlsonRJ, JacobiAM, JacobiSN, JacobiCN, JacobiDN, JacobiEpsilon)
+_OWN: tuple[type[Printable], ...] = (
+    CarlsonRF, CarlsonRC, CarlsonRD, CarlsonRJ, CarlsonRCRe, CarlsonRCIm, CarlsonRJRe, CarlsonRJIm,
+    JacobiAM, JacobiSN, JacobiCN, JacobiDN, JacobiEpsilon,
+)  # fmt: skip
 LEGENDRE = ("elliptic_k", "elliptic_f", "elliptic_e", "elliptic_pi")
 """sympy's names of Legendre's integrals."""
 
@@ -38,11 +42,12 @@ def modules(backend: str) -> list[dict[str, Callable[..., Any]] | str]:
         1.854074677301
     """
     if backend == "mpmath":
-        home = importlib.import_module(MANY_DIGITS)
+        own = {f.__name__: f.value for f in _OWN}
         table = dict(zip(LEGENDRE, (mpmath.ellipk, mpmath.ellipf, mpmath.ellipe, mpmath.ellippi), strict=True))
     elif backend == "numpy":
         home = importlib.import_module(DOUBLES)
+        own = {f.__name__: getattr(importlib.import_module(f.doubles), f.code_name()) for f in _OWN}
         table = {name: getattr(home, name.replace("elliptic", "legendre")) for name in LEGENDRE}
     else:
         raise InvalidInputError(f'modules: "numpy" or "mpmath" is needed, not {backend!r}')
-    return [{own.__name__: getattr(home, own.code_name()) for own in _OWN} | table, backend]
+    return [own | table, backend]

@@ -30,7 +30,7 @@ from hjsolve.motion.times import read_times
 from hjsolve.one_coordinate.coordinate_motion import CoordinateMotion
 from hjsolve.one_coordinate.fourier_series import FourierSeries
 
-_FINER = 26
+FINER = 26
 """Digits of the phases where doubles leave too much of them open (``tabulated.needs_table``)."""
 
 
@@ -51,7 +51,7 @@ def waves_along(motion: SeparatedMotion, t: object, *, principal: bool) -> Estim
     value, error = _characteristic(source, phases)
     if principal:
         term, uncertainty = _energy_term(source, phases)
-        value, error = value - term, error + uncertainty + _unit(source) * (abs(value) + abs(term)).astype(float)
+        value, error = value - term, error + uncertainty + unit_of(source) * (abs(value) + abs(term)).astype(float)
     if phases.ended.any():
         value, error = np.where(phases.ended, np.nan, value), np.where(phases.ended, np.nan, error)
     if motion.digits <= FLOAT_DIGITS and value.dtype == object:
@@ -64,21 +64,26 @@ def waves_along(motion: SeparatedMotion, t: object, *, principal: bool) -> Estim
 
 @lru_cache(maxsize=16)
 def _finer(motion: SeparatedMotion) -> SeparatedMotion:
-    return separated_motion(motion.solution, motion.initial, motion.t0, _FINER, motion.parts)
+    return separated_motion(motion.solution, motion.initial, motion.t0, FINER, motion.parts)
 
 
-def _unit(motion: SeparatedMotion) -> float:
+def unit_of(motion: SeparatedMotion) -> float:
+    """Return the rounding unit of a motion's numbers.
+
+    Args:
+        motion: in its digits.
+    """
     return EPS if motion.digits <= FLOAT_DIGITS else float(multiprecision(64).mpf(10) ** (1 - motion.digits))
 
 
 def _characteristic(motion: SeparatedMotion, phases: Phases) -> tuple[Numbers, Reals]:
     """W and a bound on its error, shape (m,)."""
-    solution, unit = motion.solution, _unit(motion)
+    solution, unit = motion.solution, unit_of(motion)
     many = phases.exact is not None
     value, error = _zeros(motion, phases), 0.0 * phases.time[0]
     phase_error = phase_errors(motion, phases, unit)
     for k, course in enumerate(courses_of(motion, phases)):
-        part, slope, size = _swept(course, phases.χ[k], phases.whole[k], many)
+        part, slope, size = swept_from_start(course, phases.χ[k], phases.whole[k], many=many)
         value = value + part
         error = error + slope.astype(float) * phase_error[k] + 4 * unit * size.astype(float)
     q, _, whole = positions_at(motion, phases)
@@ -91,7 +96,7 @@ def _characteristic(motion: SeparatedMotion, phases: Phases) -> tuple[Numbers, R
             uncertainty = ignorable_error(motion, phases, phase_error, coordinate.name, unit)
             error = error + abs(float(c)) * (uncertainty + 4 * unit * abs(way).astype(float))
     if solution.shift_potential != 0:
-        shift, uncertainty = _gauge(motion, q, whole)
+        shift, uncertainty = gauge(motion, q, whole)
         value, error = value - shift, error + uncertainty
     return value, error + unit * abs(value).astype(float)
 
@@ -102,8 +107,17 @@ def _zeros(motion: SeparatedMotion, phases: Phases) -> Numbers:
     return np.array([multiprecision(bits_for(motion.digits, 96)).zero] * len(phases.exact), dtype=object)
 
 
-def _swept(course: CoordinateMotion, χ: Numbers, whole: Numbers, many: bool) -> tuple[Numbers, Numbers, Numbers]:
-    """∫ P dq from the start to χ + 2π·whole, its slope by χ, and the size that rounding refers to."""
+def swept_from_start(
+    course: CoordinateMotion, χ: Numbers, whole: Numbers, *, many: bool
+) -> tuple[Numbers, Numbers, Numbers]:
+    """Return ∫ P dq from the start to χ + 2π·whole, its slope by χ, and the size that rounding refers to.
+
+    Args:
+        course: of a separated coordinate.
+        χ: phases, shape (m,).
+        whole: turns beside them, shape (m,).
+        many: whether they have many digits.
+    """
     start = np.array([course.start], dtype=object) if many else np.array([float(course.start)])
     there, slope, size = course.momentum_integral(χ)
     begin, _, first = course.momentum_integral(start)
@@ -116,8 +130,14 @@ def _swept(course: CoordinateMotion, χ: Numbers, whole: Numbers, many: bool) ->
     return value, slope, size
 
 
-def _gauge(motion: SeparatedMotion, q: dict[str, Numbers], whole: dict[str, Numbers]) -> tuple[Numbers, Reals]:
-    """Δχ from the start, χ(q) the potential of the shift with angles not reduced, and its rounding."""
+def gauge(motion: SeparatedMotion, q: dict[str, Numbers], whole: dict[str, Numbers]) -> tuple[Numbers, Reals]:
+    """Return Δχ from the start, χ(q) the potential of the shift with angles not reduced, and its rounding.
+
+    Args:
+        motion: the motion.
+        q: coordinate → places, shape (m,).
+        whole: angle → turns that are not in q.
+    """
     formula = motion.solution.shift_potential
     begin = to_bits(formula.subs(motion.initial.values))(bits_for(motion.digits, 96))
     full = {n: values + 2 * _pi(values) * whole[n].astype(int) if n in whole else values for n, values in q.items()}
@@ -125,7 +145,7 @@ def _gauge(motion: SeparatedMotion, q: dict[str, Numbers], whole: dict[str, Numb
     slopes = evaluate_along(
         motion, tuple(sp.diff(formula, c.symbol) for c in motion.solution.system.coordinates), full, {}
     )
-    unit = _unit(motion)
+    unit = unit_of(motion)
     uncertainty = 8 * unit * (abs(now).astype(float) + abs(float(begin)))
     for values, slope in zip(full.values(), slopes, strict=True):
         uncertainty = uncertainty + 4 * unit * abs(values * slope).astype(float)
@@ -145,7 +165,7 @@ def _energy_term(motion: SeparatedMotion, phases: Phases) -> tuple[Numbers, Real
         value = np.array([E * t for t in phases.exact], dtype=object)
     else:
         value = float(E) * phases.time[0]
-    return value, 2 * _unit(motion) * abs(value).astype(float)
+    return value, 2 * unit_of(motion) * abs(value).astype(float)
 
 
 def betas(motion: SeparatedMotion) -> dict[str, Estimate]:
@@ -162,7 +182,7 @@ def betas(motion: SeparatedMotion) -> dict[str, Estimate]:
         here, uncertainty = _outside_integrals(motion, name)
         value = here - total if name == energy else -(here + total)
         plain = rounded(value, motion.digits, nodes)
-        noise = 4 * _unit(motion) * (size + uncertainty)
+        noise = 4 * unit_of(motion) * (size + uncertainty)
         result[name] = Estimate(plain.value, plain.error + noise, nodes=nodes)
     return result
 

@@ -93,13 +93,13 @@ def _phase_of(
     if course.rests:
         raise OutsideMotionError(f"{name} rests at {float(course.place(np.zeros(1))[0][0]):.12g}: it crosses nothing")
     if (cycle := course.cycle) is not None:
-        χ = cycle.anomaly.phase(_between(motion, name, cycle, place), 1, arithmetic)
+        χ = cycle.anomaly.phase(between_turning_points(motion, name, cycle, place), 1, arithmetic)
         turn = 2 * arithmetic.pi()
         around = {float(x % turn): x % turn for x in ((χ,) if cycle.rotates else (χ, -χ))}
         start = cycle.start
         first = sorted(x + turn * arithmetic.context.ceil((start - x) / turn) for x in around.values())
         return first[passage % len(first)] + turn * (passage // len(first))
-    phases = sorted(x for x in _open_phases(name, course, place, bits))
+    phases = sorted(x for x in open_phases(name, course, place, bits))
     later = [x for x in phases if x >= course.start] if passage >= 0 else [x for x in phases if x < course.start][::-1]
     index = passage if passage >= 0 else -passage - 1
     if index >= len(later):
@@ -109,8 +109,14 @@ def _phase_of(
     return later[index]
 
 
-def _between(motion: SeparatedMotion, name: str, course: Periodic, place: Mpf) -> Mpf:
-    """A place that is passed; a turning point itself where it is that, but for the rounding of both.
+def between_turning_points(motion: SeparatedMotion, name: str, course: Periodic, place: Mpf) -> Mpf:
+    """Return a place that is passed; a turning point itself where it is that, but for the rounding of both.
+
+    Args:
+        motion: the motion.
+        name: of a separated coordinate.
+        course: its libration or rotation.
+        place: a position.
 
     Raises:
         OutsideMotionError: it lies beyond.
@@ -125,8 +131,18 @@ def _between(motion: SeparatedMotion, name: str, course: Periodic, place: Mpf) -
     return min(max(place, a), b)
 
 
-def _open_phases(name: str, course: CoordinateMotion, place: Mpf, bits: int) -> list[Mpf]:
-    """Phases of an unbounded course at a place: one on a branch, two where the branch turns."""
+def open_phases(name: str, course: CoordinateMotion, place: Mpf, bits: int) -> list[Mpf]:
+    """Return the phases of an unbounded course at a place: one on a branch, two where the branch turns.
+
+    Args:
+        name: of the coordinate.
+        course: its motion.
+        place: a position.
+        bits: of the phases.
+
+    Raises:
+        OutsideMotionError: the motion never has that place.
+    """
     found = []
     for sign, branch in zip((1, -1), course.branches, strict=True):
         way = branch.way

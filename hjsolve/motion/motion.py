@@ -141,21 +141,36 @@ class Motion(ShownMotion):
         self._require("trajectory")
         return with_place(self.solution.system, self.initial.values, state_at_times(self._source, t))
 
-    def characteristic_function(self, t: object) -> Estimate | EstimateArray:
-        """Return Hamilton's characteristic function along the motion, W = ∫ p·dq from t₀ to t; a cycle adds ∮ p·dq.
+    def characteristic_function(
+        self, t: object = None, *, q: Mapping[str, object] | None = None, branch: Mapping[str, int] | None = None
+    ) -> Estimate | EstimateArray:
+        """Return Hamilton's characteristic function W = ∫ p·dq from t₀: up to a time, or at a place on a branch.
+
+        Along the motion a cycle adds ∮ p·dq. At a place each separated coordinate is where q says, on the branch on
+        which its momentum (p + A of a shifted one) has the given sign: ∂W/∂q = p there. A libration is taken once
+        round from its lower turning point, up with +1 and down with −1; the angle of a rotation is not reduced.
 
         Args:
             t: number (int, float, decimal or rational string, Fraction, mpf) or an array or list of them.
+            q: instead of t: every coordinate → a place, or an array of places; arrays broadcast.
+            branch: separated coordinate → +1 or −1; +1 where left out and there are two.
 
         Returns:
-            The value and its error, each of the shape of t; nan where the motion has ended.
+            The value and its error, each of the shape of t or of the places; nan where the motion has ended.
 
         Raises:
-            InvalidInputError: a time that is no finite real number.
+            InvalidInputError: both t and q or neither, a time or place that is no finite real number, a coordinate that
+                is missing or has no branches.
+            OutsideMotionError: a place or a branch that the motion never has.
         """
         from hjsolve.motion.characteristic import waves_along
+        from hjsolve.motion.wave_at_places import wave_at
 
         self._require("characteristic_function")
+        if (t is None) == (q is None) or (q is None and branch is not None):
+            raise InvalidInputError("characteristic_function: give a time t, or places q (with their branch)")
+        if q is not None:
+            return wave_at(self.separated, q, branch or {})
         return waves_along(self._source, t, principal=False)
 
     def principal_function(self, t: object) -> Estimate | EstimateArray:

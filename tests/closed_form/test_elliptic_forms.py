@@ -23,6 +23,8 @@ MOTIONS = [
     ("spherical-pendulum", {"theta": "0.7", "phi": 0}, {"theta": "0.2", "phi": "1.3"}, {}),
     ("rod-spherical-pendulum", {"theta": "2", "phi": 0}, {"theta": "0.2", "phi": "1.3"}, {}),
     ("bead-on-turning-wire", {"theta": "2.9"}, {"theta": "0.2"}, {}),
+    ("bead-on-turning-wire", {"theta": "0.4"}, {"theta": "5.3"}, {}),
+    ("rod-against-moving-wall", {"theta": "0.4"}, {"theta": "7.3"}, {}),
     ("oblate-geodesics", {"beta": "0.3", "lambda_": 0}, {"beta": "0.5", "lambda_": "0.7"}, {}),
 ]  # fmt: skip
 
@@ -44,6 +46,22 @@ def test_numbers_agree_with_the_engine_to_36_digits(name: str, q: dict, velocity
             assert abs(value.value - known[key].value) <= 1e-36 * abs(known[key].value), (group, key)
             compared += 1
     assert compared >= 3
+
+
+@pytest.mark.parametrize(
+    ("name", "kind"),
+    [
+        ("turntable-slot", "asymptotic"), ("rod-against-moving-wall", "asymptotic"), ("torus-geodesics", "asymptotic"),
+        ("rod-against-moving-wall", "libration"), ("lagrange-top-turning-frame", "libration"),
+    ],
+)  # fmt: skip
+def test_every_integral_of_these_regimes_has_a_form(name: str, kind: str) -> None:
+    """Places of rest inside the domain or at the cut of an angle, and two curves of a coordinate with named roots."""
+    own = [f for f in forms(name) if kind in f.regime.kinds.values()]
+    assert own
+    for form in own:
+        assert [k for k in form.why_not if not k.startswith(("inverse", "energy"))] == []
+        assert form.time_law is not None
 
 
 @cache

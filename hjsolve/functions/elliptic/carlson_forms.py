@@ -27,6 +27,15 @@ from functools import cached_property, partial
 import sympy as sp
 
 from hjsolve.functions.carlson import CarlsonRC, CarlsonRD, CarlsonRF, CarlsonRJ
+from hjsolve.functions.complex_pole import (
+    CarlsonRCIm,
+    CarlsonRCRe,
+    CarlsonRJIm,
+    CarlsonRJRe,
+    Parts,
+    divided,
+    times,
+)
 from hjsolve.functions.elliptic.branch_points import BranchPoints, Interval, PartialFractions
 from hjsolve.functions.elliptic.moments import INFINITY, Kinds, Way, first_and_other_kinds, refuse, whole_way
 
@@ -42,7 +51,7 @@ def complete(R: PartialFractions, P: BranchPoints, interval: Interval) -> sp.Exp
     Raises:
         NoForm: it diverges, or no form is known here; the text says why.
     """
-    refuse(R, P)
+    refuse(R, P, complex_poles=True)
     way = whole_way(P, interval)
     return first_and_other_kinds(R, way, _kinds(way))
 
@@ -60,7 +69,7 @@ def incomplete(R: PartialFractions, P: BranchPoints, interval: Interval, x: sp.E
     Raises:
         NoForm: no form is known here; the text says why.
     """
-    refuse(R, P)
+    refuse(R, P, complex_poles=True)
     way = Way(P, interval, start, x, whole=False)
     return first_and_other_kinds(R, way, _kinds(way))
 
@@ -131,6 +140,36 @@ def _third(way: Way, place: sp.Expr | None) -> sp.Expr:
     return (2 * way.S * inner / sp.sqrt(way.q) - 3 * _first(way)) / (3 * pair.κ(place))
 
 
+def _complex_third(way: Way, ρ: Parts) -> Parts:
+    """The same of a complex place; with v(ρ) off the negative axis every argument is, see ``_third``.
+
+    Of the two values of a root in κ either will do: p₊² p₋² = a² v(ρ), and neither is ever negative.
+    """
+    away = divided((sp.Integer(way.σ), sp.S.Zero), (way.e - ρ[0], -ρ[1]))
+    v = away if way.x is None else (1 + (way.σ * (way.x - way.e)) * away[0], (way.σ * (way.x - way.e)) * away[1])
+    scale = 2 * way.S**3 / (3 * sp.sqrt(way.q))
+    if not way.P.pairs:
+        first = [way.v(r) for r in way.others]
+        return scale * CarlsonRJRe(*first, *v), scale * CarlsonRJIm(*first, *v)
+    pair = _Pair(way)
+    α, β = pair.pair
+    distance = _root((ρ[0] - α) ** 2 - ρ[1] ** 2 + β**2, 2 * (ρ[0] - α) * ρ[1])
+    κ = times(distance, (away[0] / pair.distance(way.e), away[1] / pair.distance(way.e)))
+    moved = ((v[0] + pair.size + way.S**2 * κ[0]) / 2, (v[1] + way.S**2 * κ[1]) / 2)
+    of_pair, third = (pair.a2, *pair.z2, *moved), way.v(pair.third)
+    inner = times((moved[0] - pair.a2, moved[1]), (2 * CarlsonRJRe(*of_pair), 2 * CarlsonRJIm(*of_pair)))
+    inner = (inner[0] + 3 * CarlsonRCRe(third, *v), inner[1] + 3 * CarlsonRCIm(third, *v))
+    size = 2 * way.S / sp.sqrt(way.q)
+    return divided((size * inner[0] - 3 * _first(way), size * inner[1]), (3 * κ[0], 3 * κ[1]))
+
+
+def _root(re: sp.Expr, im: sp.Expr) -> Parts:
+    """√(re + i im), the value with a positive real part where im ≠ 0."""
+    size = sp.sqrt(re**2 + im**2)
+    sign = sp.S.One if im == 0 else sp.sign(im)
+    return sp.sqrt((size + re) / 2), sign * sp.sqrt((size - re) / 2)
+
+
 def _at_other_end(way: Way, r: sp.Expr) -> tuple[sp.Expr, sp.Expr]:
     """√P/(x − r) and ∫ dx/((x − r)√P) where x may reach r, by Gauss' R_D; see ``moments.Kinds``.
 
@@ -149,4 +188,4 @@ def _at_other_end(way: Way, r: sp.Expr) -> tuple[sp.Expr, sp.Expr]:
 
 
 def _kinds(way: Way) -> Kinds:
-    return Kinds(_first(way), partial(_third, way), partial(_at_other_end, way))
+    return Kinds(_first(way), partial(_third, way), partial(_at_other_end, way), partial(_complex_third, way))

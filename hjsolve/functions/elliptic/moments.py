@@ -8,6 +8,7 @@ from functools import cached_property
 
 import sympy as sp
 
+from hjsolve.functions.complex_pole import Parts, divided
 from hjsolve.functions.elliptic.branch_points import BranchPoints, Interval, NoForm, PartialFractions
 
 INFINITY = None
@@ -88,11 +89,13 @@ class Kinds:
         third: place ↦ (2S³/(3√q)) R_J(v(r₁), v(r₂), v(r₃), v(place)), the place a pole, a branch point or ∞.
         at_other_end: for a quartic whose only other real root r is the end of the interval: r ↦ √P/(x − r) and
             ∫ dx/((x − r)√P), without what is infinite in each and cancels between them; None where it is not needed.
+        complex_third: the same as ``third`` of a complex place; None where it is not known.
     """
 
     first: sp.Expr
     third: Callable[[sp.Expr | None], sp.Expr]
     at_other_end: Callable[[sp.Expr], tuple[sp.Expr, sp.Expr]] | None = None
+    complex_third: Callable[[Parts], Parts] | None = None
 
 
 def first_and_other_kinds(R: PartialFractions, way: Way, kinds: Kinds) -> sp.Expr:
@@ -108,7 +111,7 @@ def first_and_other_kinds(R: PartialFractions, way: Way, kinds: Kinds) -> sp.Exp
     """
     moments = _Moments(way, kinds)
     terms = [c * moments.power(k) for k, c in R.powers] + [c * moments.pole(place, m) for place, m, c in R.poles]
-    return sp.Add(*terms)
+    return sp.Add(*terms, *(moments.complex_pole(pole) for pole in R.complex_poles))
 
 
 def whole_way(P: BranchPoints, interval: Interval) -> Way:
@@ -124,12 +127,13 @@ def whole_way(P: BranchPoints, interval: Interval) -> Way:
     return Way(P, interval, start, None if other is None else P.real[other], whole=True)
 
 
-def refuse(R: PartialFractions, P: BranchPoints) -> None:
+def refuse(R: PartialFractions, P: BranchPoints, *, complex_poles: bool = False) -> None:
     """Raise where nothing is known.
 
     Args:
         R: the rational function.
         P: the branch points.
+        complex_poles: whether poles at complex places are known.
 
     Raises:
         NoForm: why.
@@ -138,7 +142,7 @@ def refuse(R: PartialFractions, P: BranchPoints) -> None:
         raise NoForm(f"P has degree {P.degree}, not 3 or 4")
     if len(P.pairs) > 1:
         raise NoForm("P has no real root to begin at")
-    if R.complex_poles:
+    if R.complex_poles and not complex_poles:
         raise NoForm("the integrand has complex poles")
 
 
@@ -230,6 +234,20 @@ class _Moments:
         n = m - 1
         lower = [P[k] * (sp.Rational(k, 2) - n) * self._about(place, k - n - 1) for k in range(1, way.P.degree + 1)]
         return (sp.Add(*lower) - self._boundary(place, -n)) / (n * P[0])
+
+    def complex_pole(self, pole: tuple[sp.Expr, sp.Expr, sp.Expr, sp.Expr]) -> sp.Expr:
+        """∫ (Ax + B)/((x − re)² + im²) dx/√P = 2 Re c ∫ dx/((x − ρ)√P), ρ = re + i im, c = A/2 − i (A re + B)/(2 im).
+
+        Args:
+            pole: re, im, A, B.
+        """
+        re, im, A, B = pole
+        if self.kinds.complex_third is None:
+            raise NoForm("the integrand has complex poles")
+        h, third = (self.way.e - re, -im), self.kinds.complex_third((re, im))
+        away = divided((self.way.σ * third[0], self.way.σ * third[1]), h)
+        integral = divided((self.zeroth - away[0], -away[1]), h)
+        return A * integral[0] + (A * re + B) / im * integral[1]
 
     def _about(self, place: sp.Expr, n: int) -> sp.Expr:
         """A_n(place)."""

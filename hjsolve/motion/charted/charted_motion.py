@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Mapping
 from dataclasses import dataclass, field
 
 from hjsolve.arithmetic.estimate import Estimate
@@ -75,17 +76,21 @@ class ChartedMotion(Motion):
         state = state if self.ends == (None, None) else between(self.ends, state)
         return with_place(self.chart.original, values, state)
 
-    def characteristic_function(self, t: object) -> Estimate | EstimateArray:
-        """Return W = ∫ p·dq from t₀ to a time or times; it is the same in all coordinates.
+    def characteristic_function(
+        self, t: object = None, *, q: Mapping[str, object] | None = None, branch: Mapping[str, int] | None = None
+    ) -> Estimate | EstimateArray:
+        """Return W = ∫ p·dq from t₀ to a time or times, or at places; it is the same in all coordinates.
 
         Args:
             t: number (int, float, decimal or rational string, Fraction, mpf) or an array or list of them.
+            q: instead of t: separated coordinate → places; branches belong to separated coordinates.
+            branch: separated coordinate → +1 or −1.
 
         Raises:
-            InvalidInputError: a time that is no finite real number, or a motion that ends in a collision.
+            InvalidInputError: a time or place that is no finite real number, or a motion that ends in a collision.
         """
         self._refuse_collision()
-        return self._inner.characteristic_function(t)
+        return self._inner.characteristic_function(t, q=q, branch=branch)
 
     def principal_function(self, t: object) -> Estimate | EstimateArray:
         """Return S = W − E (t − t₀) at a time or times; it is the same in all coordinates.

@@ -1,0 +1,146 @@
+"""W as a function of place and branch: Hamilton's characteristic function on the torus of a motion.
+
+Each separated coordinate has two branches, P > 0 and P < 0, that meet at its turning points. From the place at t₀,
+W = Σᵢ ∫ Pᵢ dqᵢ + Σ c_k Δq_k − Δχ as along the motion (``characteristic.py``), with every coordinate brought to its own
+place on its own branch: ∂W/∂q = p there. A libration is taken once round from its lower turning point, up on P > 0
+and down on P < 0; more rounds add ∮ Pᵢ dqᵢ each.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+
+import numpy as np
+
+from hjsolve.arithmetic.estimate import Estimate
+from hjsolve.arithmetic.estimate_array import EstimateArray
+from hjsolve.arithmetic.floats import EPS, Multi, bits_for
+from hjsolve.arithmetic.number_types import Mpf, Numbers, Reals
+from hjsolve.errors import InvalidInputError, OutsideMotionError
+from hjsolve.motion.characteristic import FINER, gauge, swept_from_start, unit_of
+from hjsolve.motion.crossings import between_turning_points, open_phases
+from hjsolve.motion.initial_data import to_bits
+from hjsolve.motion.quantities import FLOAT_DIGITS
+from hjsolve.motion.separated import SeparatedMotion, separated_motion
+from hjsolve.motion.shapes import shaped
+from hjsolve.motion.times import exact_numbers
+from hjsolve.one_coordinate.coordinate_motion import CoordinateMotion, Periodic
+
+
+def wave_at(motion: SeparatedMotion, q: Mapping[str, object], branch: Mapping[str, int]) -> Estimate | EstimateArray:
+    """Return W at places and branches; see ``Motion.characteristic_function``.
+
+    Args:
+        motion: the motion.
+        q: every coordinate → a place, or an array of places; arrays broadcast.
+        branch: separated coordinate → sign of its momentum, +1 or −1; 1 where left out and there are two.
+
+    Raises:
+        InvalidInputError: a coordinate that is missing or unknown, a place that is no number, a branch that is no sign.
+        OutsideMotionError: a place, or a branch, that the motion never has.
+    """
+    solution = motion.solution
+    _check(motion, q, branch)
+    fine = motion if motion.digits > FLOAT_DIGITS else separated_motion(
+        solution, motion.initial, motion.t0, FINER, motion.parts
+    )  # fmt: skip
+    bits, unit = bits_for(fine.digits, 128), unit_of(fine)
+    given = {name: exact_numbers(values, f"place of {name}") for name, values in q.items()}
+    shape = np.broadcast_shapes(*(own for own, _ in given.values()))
+    places = {
+        name: np.broadcast_to(np.array([to_bits(x)(bits) for x in row], dtype=object).reshape(own), shape).ravel()
+        for name, (own, row) in given.items()
+    }
+    value, error = 0 * next(iter(places.values())), np.zeros(int(np.prod(shape)))
+    for name in solution.coordinates:
+        sign, slack = branch.get(name), 4 * EPS if fine is not motion else 0.0
+        found = [_phase(fine, name, _on_turning_point(fine, name, x, slack), sign) for x in places[name]]
+        χ, whole = np.array([x for x, _ in found], dtype=object), np.array([n for _, n in found], dtype=object)
+        part, slope, size = swept_from_start(fine.located[name].course, χ, whole, many=True)
+        value = value + part
+        error = error + unit * ((1 + abs(χ)) * abs(slope) + 4 * size).astype(float)
+    for coordinate in solution.system.coordinates:
+        if coordinate.name not in solution.coordinates:
+            c = to_bits(fine.initial.values[coordinate.momentum])(bits)
+            way = places[coordinate.name] - to_bits(fine.initial.values[coordinate.symbol])(bits)
+            value, error = value + c * way, error + 4 * unit * abs(c * way).astype(float)
+    if solution.shift_potential != 0:
+        moved, uncertainty = gauge(fine, places, {})
+        value, error = value - moved, error + uncertainty
+    return _given(value, error + unit * abs(value).astype(float), shape, motion.digits)
+
+
+def _given(value: Numbers, error: Reals, shape: tuple[int, ...], digits: int) -> Estimate | EstimateArray:
+    if digits <= FLOAT_DIGITS:
+        value = value.astype(float)
+        error = error.astype(float) + EPS * np.abs(value)
+    if shape:
+        return EstimateArray(value.reshape(shape), error.reshape(shape))
+    return Estimate(shaped(value, None), shaped(error, None))
+
+
+def _check(motion: SeparatedMotion, q: Mapping[str, object], branch: Mapping[str, int]) -> None:
+    names = [c.name for c in motion.solution.system.coordinates]
+    if not isinstance(q, Mapping) or set(q) != set(names):
+        raise InvalidInputError(
+            f"W at a place needs q of every coordinate: q={{{', '.join(f'{n!r}: …' for n in names)}}}"
+        )
+    for name, sign in branch.items():
+        if name not in motion.solution.coordinates:
+            raise InvalidInputError(
+                f"{name!r} has no branches; separated are {', '.join(motion.solution.coordinates) or 'none'}"
+            )
+        if isinstance(sign, bool) or sign not in (1, -1):
+            raise InvalidInputError(f"branch of {name}: +1 or -1, not {sign!r}")
+
+
+def _on_turning_point(motion: SeparatedMotion, name: str, place: Mpf, slack: float) -> Mpf:
+    """A place beyond a turning point by the rounding of a double is the turning point."""
+    cycle = motion.located[name].course.cycle
+    if cycle is None or cycle.rotates:
+        return place
+    low, high = cycle.turning_points
+    rounding = slack * (abs(low) + abs(high))
+    return min(max(place, low), high) if low - rounding <= place <= high + rounding else place
+
+
+def _phase(motion: SeparatedMotion, name: str, place: Mpf, sign: int | None) -> tuple[Mpf, int]:
+    """The phase of a place on a branch, and whole turns beside it."""
+    course, bits = motion.located[name].course, bits_for(motion.digits, 128)
+    if course.rests:
+        rest = course.place(np.array([0 * place], dtype=object))[0][0]
+        if abs(place - rest) > (1 + abs(rest)) * 10.0**-FLOAT_DIGITS:
+            raise OutsideMotionError(f"{name} rests at {float(rest):.12g}: it is nowhere else")
+        return 0 * place, 0
+    if course.cycle is not None:
+        return _on_cycle(motion, name, course.cycle, place, sign, Multi(bits))
+    phases = open_phases(name, course, place, bits)
+    signs = [_sign(course, phase) for phase in phases]
+    wanted = sign if sign is not None else 1 if 1 in signs else -1
+    if wanted not in signs:
+        raise OutsideMotionError(f"{name} has no branch {wanted:+d} at {float(place):.9g}")
+    return phases[signs.index(wanted)], 0
+
+
+def _on_cycle(
+    motion: SeparatedMotion, name: str, cycle: Periodic, place: Mpf, sign: int | None, arithmetic: Multi
+) -> tuple[Mpf, int]:
+    """Of a libration once round from its lower turning point; of a rotation as far as its angle goes, not reduced."""
+    turn = 2 * arithmetic.pi()
+    χ = cycle.anomaly.phase(between_turning_points(motion, name, cycle, place), 1, arithmetic)
+    if not cycle.rotates:
+        χ = abs(χ) if sign != -1 else turn - abs(χ)
+        begin = motion.located[name].course.start
+        return χ, int(arithmetic.context.floor(begin / turn))
+    if sign is not None and sign != cycle.direction:
+        raise OutsideMotionError(f"{name} goes round one way: it has no branch {sign:+d}")
+    start = to_bits(motion.initial.values[motion.solution.system.coordinate(name).symbol])(bits_for(motion.digits, 128))
+    there, first = cycle.place(np.array([χ, cycle.start], dtype=object))[0]
+    turns = [arithmetic.context.nint(cycle.direction * (x - y) / turn) for x, y in ((place, there), (start, first))]
+    return χ, int(turns[0] - turns[1])
+
+
+def _sign(course: CoordinateMotion, phase: Mpf) -> int:
+    """Of the momentum at a phase of an open course: one that turns comes back with the other sign."""
+    way = course.branches[0].way
+    return int(way.side) * (-1 if way.turning and phase < 0 else 1)
