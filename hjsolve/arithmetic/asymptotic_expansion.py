@@ -54,6 +54,19 @@ class Growths:
         """
         return Growth(((_CONSTANT, value),)) if value else Growth(())
 
+    def between(self, low: Mpf, high: Mpf) -> Growth:
+        """Return any number between two, the same or not at every s.
+
+        Args:
+            low, high: the numbers, in order.
+
+        Raises:
+            UnknownGrowthError: one of them is not finite.
+        """
+        middle = (low + high) / 2
+        reach = float(high - low)
+        return Growth(self.constant(middle).terms, widened(_CONSTANT, -reach, reach))
+
     def variable(self, sign: int) -> Growth:
         """Return ±s.
 
