@@ -16,7 +16,15 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from hjsolve.arithmetic.asymptotic_scale import WIDENING, Growth, Monomial, Remainder, UnknownGrowthError, widened
+from hjsolve.arithmetic.asymptotic_scale import (
+    CONSTANT,
+    WIDENING,
+    Growth,
+    Monomial,
+    Remainder,
+    UnknownGrowthError,
+    widened,
+)
 from hjsolve.arithmetic.floats import Float64, Multi, by_squaring
 from hjsolve.arithmetic.interval import Interval, Intervals
 from hjsolve.arithmetic.jet import Jet, Jets
@@ -25,9 +33,6 @@ from hjsolve.arithmetic.number_types import Mpf
 BITS = 1024
 _TERMS = 6
 _INTERVALS = Jets(Intervals(Float64()))
-
-
-_CONSTANT = Monomial(0.0, 0.0, 0.0)
 
 
 @dataclass(frozen=True)
@@ -52,20 +57,7 @@ class Growths:
         Args:
             value: the number.
         """
-        return Growth(((_CONSTANT, value),)) if value else Growth(())
-
-    def between(self, low: Mpf, high: Mpf) -> Growth:
-        """Return any number between two, the same or not at every s.
-
-        Args:
-            low, high: the numbers, in order.
-
-        Raises:
-            UnknownGrowthError: one of them is not finite.
-        """
-        middle = (low + high) / 2
-        reach = float(high - low)
-        return Growth(self.constant(middle).terms, widened(_CONSTANT, -reach, reach))
+        return Growth(((CONSTANT, value),)) if value else Growth(())
 
     def variable(self, sign: int) -> Growth:
         """Return ±s.
@@ -96,12 +88,12 @@ class Growths:
             UnknownGrowthError: the monomial grows, or does not fall from s = Q on.
         """
         q, l = self.start, math.log(self.start)
-        if m == _CONSTANT:
+        if m == CONSTANT:
             return 1.0
         rate, power, logs = (float(part) for part in m)
         falling = power + max(logs, 0.0) / l if power else logs
         falling = rate + (max(power, 0.0) + max(logs, 0.0) / l) / q if rate else falling
-        if m > _CONSTANT or falling > 0:
+        if m > CONSTANT or falling > 0:
             raise UnknownGrowthError
         return math.exp(min(rate * q + power * l + logs * math.log(l), 700.0)) * (1 + WIDENING) + 1e-300
 
@@ -201,7 +193,7 @@ class Growths:
             return result
         if not x.terms and x.rest is not None and x.rest.low * x.rest.high > 0:
             ends = sorted((1 / x.rest.low, 1 / x.rest.high))
-            return self.power(Growth((), widened(_CONSTANT.times(x.rest.monomial, -1.0), *ends)), -n)
+            return self.power(Growth((), widened(CONSTANT.times(x.rest.monomial, -1.0), *ends)), -n)
         return self._binomial(x, -1.0) if n == -1 else self.power(self._binomial(x, -1.0), -n)
 
     def _split(self, x: Growth) -> tuple[Monomial, Mpf, Growth, float]:
@@ -214,7 +206,7 @@ class Growths:
             x.rest.monomial.times(monomial, -1.0), *sorted((float(inverse) * x.rest.low, float(inverse) * x.rest.high))
         )
         ε = Growth(tuple((m.times(monomial, -1.0), inverse * value) for m, value in others), rest)
-        size = self.range_of(ε, _CONSTANT).size
+        size = self.range_of(ε, CONSTANT).size
         if not size < 0.5:
             raise UnknownGrowthError
         return monomial, c, ε, size
@@ -229,7 +221,7 @@ class Growths:
             coefficients.append(coefficients[-1] * (exponent - j) / (j + 1))
         tail = abs(coefficients[-1]) / (1 - size)  # the coefficients do not grow
         series = self._series(ε, coefficients[:-1], tail)
-        factor = Growth(((_CONSTANT.times(monomial, exponent), c**exponent if exponent != -1 else 1 / c),))
+        factor = Growth(((CONSTANT.times(monomial, exponent), c**exponent if exponent != -1 else 1 / c),))
         return self.mul(factor, series)
 
     def _series(self, ε: Growth, coefficients: list[float], tail: float) -> Growth:
@@ -241,10 +233,10 @@ class Growths:
             result = self.add(result, self._times(power, convert(a)))
         if not ε.terms and ε.rest is None:
             return result
-        top = max([ε.terms[0][0]] * bool(ε.terms) + ([ε.rest.monomial] if ε.rest else []))
+        top = ε.fastest
         n = len(coefficients)
         size = tail * self.range_of(ε, top).size ** n
-        rests = (result.rest, widened(_CONSTANT.times(top, n), -size, size))
+        rests = (result.rest, widened(CONSTANT.times(top, n), -size, size))
         return self._made(result.terms, [Growth((), r) for r in rests if r])
 
     def unary(self, name: str, x: Growth) -> Growth:
@@ -264,8 +256,8 @@ class Growths:
 
     def _grows(self, x: Growth) -> bool:
         if x.terms:
-            return x.terms[0][0] > _CONSTANT
-        if x.rest is not None and x.rest.monomial > _CONSTANT:
+            return x.terms[0][0] > CONSTANT
+        if x.rest is not None and x.rest.monomial > CONSTANT:
             raise UnknownGrowthError
         return False
 
@@ -283,7 +275,7 @@ class Growths:
         context = self.plain.context
         parts = [(Monomial(0.0, 1.0, 0.0), +context.convert(monomial.rate)),
                  (Monomial(0.0, 0.0, 1.0), +context.convert(monomial.power)),
-                 (_CONSTANT, context.log(c))]  # fmt: skip
+                 (CONSTANT, context.log(c))]  # fmt: skip
         coefficients = [0.0] + [(-1.0) ** (j + 1) / j for j in range(1, _TERMS)]
         small = self._series(ε, coefficients, 1 / (1 - size))
         return self.add(Growth(tuple(p for p in parts if p[1])), small)
@@ -291,21 +283,21 @@ class Growths:
     def _exp(self, x: Growth) -> Growth:
         """e^{λs + k log s + c + ε}; of what falls faster, e^{−s²}, a bound."""
         linear, logarithm = Monomial(0.0, 1.0, 0.0), Monomial(0.0, 0.0, 1.0)
-        if x.rest is not None and x.rest.monomial > _CONSTANT:
+        if x.rest is not None and x.rest.monomial > CONSTANT:
             raise UnknownGrowthError
         if x.terms and x.terms[0][0] > linear:
             return self._falling(x)
         known = dict(x.terms)
-        rate, power, c = (known.pop(m, self.plain.context.mpf(0)) for m in (linear, logarithm, _CONSTANT))
-        if any(m > _CONSTANT for m in known):
+        rate, power, c = (known.pop(m, self.plain.context.mpf(0)) for m in (linear, logarithm, CONSTANT))
+        if any(m > CONSTANT for m in known):
             raise UnknownGrowthError
         ε = Growth(tuple(known.items()), x.rest)
-        if ε.rest is not None and ε.rest.monomial == _CONSTANT:
-            whole = self.range_of(ε, _CONSTANT)
+        if ε.rest is not None and ε.rest.monomial == CONSTANT:
+            whole = self.range_of(ε, CONSTANT)
             low, high = (math.exp(min(end, 700.0)) for end in (whole.low, whole.high))
-            extra = Growth((), widened(_CONSTANT, low, high))
+            extra = Growth((), widened(CONSTANT, low, high))
         else:
-            size = self.range_of(ε, _CONSTANT).size
+            size = self.range_of(ε, CONSTANT).size
             if size > 1:
                 raise UnknownGrowthError
             coefficients = [1 / math.factorial(j) for j in range(_TERMS)]
@@ -319,7 +311,7 @@ class Growths:
         if c > 0 or monomial.rate > 0:
             raise UnknownGrowthError
         above = monomial.times(Monomial(0.0, 1.0, 0.0), -1.0)
-        least = 1 / self.largest(_CONSTANT.times(above, -1.0))  # of M/s on s ≥ Q
+        least = 1 / self.largest(CONSTANT.times(above, -1.0))  # of M/s on s ≥ Q
         return Growth((), widened(Monomial(float(c) / 2 * least * (1 - WIDENING), 0.0, 0.0), 0.0, 1.0))
 
     def _tanh(self, x: Growth) -> Growth:
@@ -344,7 +336,7 @@ class Growths:
         up = x.terms[0][1] > 0
         match name:
             case "sin" | "cos":
-                return Growth((), Remainder(_CONSTANT, -1.0, 1.0))
+                return Growth((), Remainder(CONSTANT, -1.0, 1.0))
             case "atan":
                 half = self._times(self.pi(), self.plain.rational(1 if up else -1, 2))
                 return self.sub(half, self._smooth("atan", self.power(x, -1)))
@@ -358,12 +350,12 @@ class Growths:
     def _smooth(self, name: str, x: Growth) -> Growth:
         """Φ(c + ε) = Φ(c) + Φ′(c) ε + ½Φ″ ε²."""
         context = self.plain.context
-        c = dict(x.terms).get(_CONSTANT, context.mpf(0))
-        ε = Growth(tuple(term for term in x.terms if term[0] != _CONSTANT), x.rest)
-        whole = self.range_of(x, _CONSTANT)
-        if ε.rest is not None and ε.rest.monomial == _CONSTANT:
+        c = dict(x.terms).get(CONSTANT, context.mpf(0))
+        ε = Growth(tuple(term for term in x.terms if term[0] != CONSTANT), x.rest)
+        whole = self.range_of(x, CONSTANT)
+        if ε.rest is not None and ε.rest.monomial == CONSTANT:
             found = _INTERVALS.unary(name, _jet(whole.low, whole.high))
-            return Growth((), widened(_CONSTANT, float(found.value.low[0]), float(found.value.high[0])))
+            return Growth((), widened(CONSTANT, float(found.value.low[0]), float(found.value.high[0])))
         at = Jets(self.plain).unary(name, Jet(c, context.mpf(1), context.mpf(0)))
         bend = _INTERVALS.unary(name, _jet(whole.low, whole.high)).second
         assert bend is not None  # the jet of a function of the variable itself
@@ -377,9 +369,9 @@ class Growths:
         first = self._times(ε, slope)
         if not ε.terms and ε.rest is None:
             return first
-        top = max([ε.terms[0][0]] * bool(ε.terms) + ([ε.rest.monomial] if ε.rest else []))
+        top = ε.fastest
         size = most * self.range_of(ε, top).size ** 2
-        beyond = widened(_CONSTANT.times(top, 2), -size, size)
+        beyond = widened(CONSTANT.times(top, 2), -size, size)
         return self._made(first.terms, [Growth((), r) for r in (first.rest, beyond) if r])
 
     def sign(self, x: Growth) -> int:
@@ -391,8 +383,10 @@ class Growths:
         Raises:
             UnknownGrowthError: it could not be decided.
         """
-        if not x.terms and x.rest is not None and x.rest.low * x.rest.high > 0:
-            return 1 if x.rest.low > 0 else -1
+        if x.rest is not None and (not x.terms or x.rest.monomial >= x.terms[0][0]):
+            whole = self.range_of(x, x.rest.monomial)
+            if whole.low * whole.high > 0:
+                return 1 if whole.low > 0 else -1
         return 1 if self._split(x)[1] > 0 else -1
 
 

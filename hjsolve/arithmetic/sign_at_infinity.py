@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Sequence
 
 from hjsolve.arithmetic.asymptotic_expansion import BITS, Growths
-from hjsolve.arithmetic.asymptotic_scale import UnknownGrowthError
+from hjsolve.arithmetic.asymptotic_scale import CONSTANT, Growth, UnknownGrowthError, widened
 from hjsolve.arithmetic.number_types import Mpf
 from hjsolve.arithmetic.tape import Tape
 from hjsolve.errors import InvalidInputError
@@ -48,7 +48,13 @@ def sign_beyond_for_all(
         return 0
     growths = Growths(start, bits)
     try:
-        numbers = [growths.constant(low) if low == high else growths.between(low, high) for low, high in ranges]
+        numbers = [growths.constant(low) if low == high else _between(low, high) for low, high in ranges]
         return growths.sign(tape.run(growths, [growths.variable(side), *numbers])[0])
     except (UnknownGrowthError, InvalidInputError, ArithmeticError):
         return 0
+
+
+def _between(low: Mpf, high: Mpf) -> Growth:
+    """Any number between two."""
+    middle, reach = (low + high) / 2, float(high - low)
+    return Growth(((CONSTANT, middle),) if middle else (), widened(CONSTANT, -reach, reach))

@@ -1,10 +1,10 @@
 """Proof that coordinates of many orbits run away: p² > 0 from the last turning point to infinity.
 
-That no turning point was met on the way out proves nothing: a narrow barrier may stand between two trials. Here interval
-arithmetic covers the way with cells over which p² is positive, up to a place X, for many orbits at once; beyond X the
-asymptotic expansion of p² is positive (``arithmetic/sign_at_infinity``), for all orbits whose constants lie in a box at
-once: few boxes hold them all. At a turning point F changes its sign between two places a rounding apart, and its slope
-does not vanish in the cell next to it. What is not proved is left to the engine of single motions.
+That no turning point was met on the way out proves nothing: a narrow barrier may stand between two trials. Here
+interval arithmetic covers the way with cells over which p² is positive, up to a place X, for many orbits at once;
+beyond X the asymptotic expansion of p² is positive (``arithmetic/sign_at_infinity``), for all orbits whose constants
+lie in a box at once: few boxes hold them all. At a turning point F changes its sign between two places a rounding
+apart, and its slope does not vanish in the cell next to it. What is not proved is left to the engine of single motions.
 """
 
 from __future__ import annotations
@@ -24,7 +24,7 @@ from hjsolve.ensembles.engine.orbit_regions import LocatedRegions
 from hjsolve.ensembles.engine.radicand_views import DirectEvaluation, Knowns
 
 _INTERVALS = Intervals(Float64())
-_FAR = (10, 30, 80)
+_FAR = (24, 80)
 """Powers of two, over the size of the orbit, at which the expansion at infinity is asked to hold."""
 
 _RATIO = 4.0
@@ -37,6 +37,7 @@ _CROWD = 64
 _TRIES = 10
 """Of the length of the cell next to a turning point, each a fourth of the last."""
 
+_MIXED = 0.5
 _BITS = 256
 _PAIR = 2.0**-100
 """Relative uncertainty of a parameter in two doubles, where it is not a double."""
@@ -258,22 +259,26 @@ def _for_box(way: Way, far: Reals, index: Integers, proved: Mask) -> None:
     if sign_beyond_for_all(way.formula.squared, _box(way, index), way.side, float(most), _BITS) > 0:
         proved[index], far[index] = True, most
         return
-    widths = [_spread(c[index]) for c in way.knowns.constants]
-    widest = int(np.argmax(widths)) if widths else 0
-    if len(index) == 1 or not widths or not widths[widest] > 0:
+    values = [c[index] for c in way.knowns.constants]
+    widths = [_spread(c) for c in values]
+    if len(index) == 1 or not any(widths):
         return
-    order = index[np.argsort(way.knowns.constants[widest][index], kind="stable")]
+    widest = widths.index(max(widths))
+    order = index[np.argsort(values[widest], kind="stable")]
     cut = _cut(way.knowns.constants[widest][order])
     _for_box(way, far, order[:cut], proved)
     _for_box(way, far, order[cut:], proved)
 
 
 def _spread(values: Reals) -> float:
-    """How many powers of two values span; without end where they have both signs."""
+    """How many powers of two values span; those with both signs come next to those that span half a power.
+
+    What leads p² at infinity is mostly a constant of one sign, the energy, and has to be known best.
+    """
     least, most = float(np.min(values)), float(np.max(values))
     if least == most:
         return 0.0
-    return float(abs(np.log2(most / least))) if least * most > 0 else np.inf
+    return float(abs(np.log2(most / least))) if least * most > 0 else _MIXED
 
 
 def _cut(values: Reals) -> int:

@@ -137,7 +137,7 @@ def run_compiled(
 
 
 def run_escapes(model: Model, names: dict[str, tuple[str, ...]], starts: Starts) -> Columns:
-    """Prove of some orbits that they run away, and fill what they have: constants, turning points, actions of the others.
+    """Prove of some orbits that they run away; fill their constants, turning points, and actions that they have.
 
     Args:
         model: of the system.

@@ -41,5 +41,5 @@ _MEANINGS = {
 
 
 UNDECIDED, EQUILIBRIUM, ENDLESS = len(Status), len(Status) + 1, len(Status) + 2
-"""Codes between the passes, never shown: not decided in doubles; at rest at a double zero of p²; no turning point was met
-on the way out, which proves nothing."""
+"""Codes between the passes, never shown: not decided in doubles; at rest at a double zero of p²; no turning
+point was met on the way out, which proves nothing."""
