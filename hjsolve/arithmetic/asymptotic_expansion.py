@@ -192,8 +192,8 @@ class Growths:
             result: Growth = by_squaring(self.mul, x, n)
             return result
         if not x.terms and x.rest is not None and x.rest.low * x.rest.high > 0:
-            ends = sorted((1 / x.rest.low, 1 / x.rest.high))
-            return self.power(Growth((), widened(CONSTANT.times(x.rest.monomial, -1.0), *ends)), -n)
+            inverse = widened(CONSTANT.times(x.rest.monomial, -1.0), *sorted((1 / x.rest.low, 1 / x.rest.high)))
+            return self.power(Growth((), inverse), -n)
         return self._binomial(x, -1.0) if n == -1 else self.power(self._binomial(x, -1.0), -n)
 
     def _split(self, x: Growth) -> tuple[Monomial, Mpf, Growth, float]:
@@ -221,8 +221,7 @@ class Growths:
             coefficients.append(coefficients[-1] * (exponent - j) / (j + 1))
         tail = abs(coefficients[-1]) / (1 - size)  # the coefficients do not grow
         series = self._series(ε, coefficients[:-1], tail)
-        factor = Growth(((CONSTANT.times(monomial, exponent), c**exponent if exponent != -1 else 1 / c),))
-        return self.mul(factor, series)
+        return self.mul(Growth(((CONSTANT.times(monomial, exponent), c**exponent if exponent != -1 else 1 / c),)), series)
 
     def _series(self, ε: Growth, coefficients: list[float], tail: float) -> Growth:
         """Σ aⱼ εʲ + R, |R| ≤ tail·|ε|ⁿ."""
@@ -233,10 +232,9 @@ class Growths:
             result = self.add(result, self._times(power, convert(a)))
         if not ε.terms and ε.rest is None:
             return result
-        top = ε.fastest
         n = len(coefficients)
-        size = tail * self.range_of(ε, top).size ** n
-        rests = (result.rest, widened(CONSTANT.times(top, n), -size, size))
+        size = tail * self.range_of(ε, ε.fastest).size ** n
+        rests = (result.rest, widened(CONSTANT.times(ε.fastest, n), -size, size))
         return self._made(result.terms, [Growth((), r) for r in rests if r])
 
     def unary(self, name: str, x: Growth) -> Growth:
@@ -369,9 +367,8 @@ class Growths:
         first = self._times(ε, slope)
         if not ε.terms and ε.rest is None:
             return first
-        top = ε.fastest
-        size = most * self.range_of(ε, top).size ** 2
-        beyond = widened(CONSTANT.times(top, 2), -size, size)
+        size = most * self.range_of(ε, ε.fastest).size ** 2
+        beyond = widened(CONSTANT.times(ε.fastest, 2), -size, size)
         return self._made(first.terms, [Growth((), r) for r in (first.rest, beyond) if r])
 
     def sign(self, x: Growth) -> int:
