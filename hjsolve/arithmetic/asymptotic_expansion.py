@@ -16,7 +16,15 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from hjsolve.arithmetic.asymptotic_scale import WIDENING, Growth, Monomial, Remainder, UnknownGrowthError, widened
+from hjsolve.arithmetic.asymptotic_scale import (
+    CONSTANT,
+    WIDENING,
+    Growth,
+    Monomial,
+    Remainder,
+    UnknownGrowthError,
+    widened,
+)
 from hjsolve.arithmetic.floats import Float64, Multi, by_squaring
 from hjsolve.arithmetic.interval import Interval, Intervals
 from hjsolve.arithmetic.jet import Jet, Jets
@@ -25,9 +33,6 @@ from hjsolve.arithmetic.number_types import Mpf
 BITS = 1024
 _TERMS = 6
 _INTERVALS = Jets(Intervals(Float64()))
-
-
-_CONSTANT = Monomial(0.0, 0.0, 0.0)
 
 
 @dataclass(frozen=True)
@@ -52,7 +57,7 @@ class Growths:
         Args:
             value: the number.
         """
-        return Growth(((_CONSTANT, value),)) if value else Growth(())
+        return Growth(((CONSTANT, value),)) if value else Growth(())
 
     def variable(self, sign: int) -> Growth:
         """Return ±s.
@@ -83,12 +88,12 @@ class Growths:
             UnknownGrowthError: the monomial grows, or does not fall from s = Q on.
         """
         q, l = self.start, math.log(self.start)
-        if m == _CONSTANT:
+        if m == CONSTANT:
             return 1.0
         rate, power, logs = (float(part) for part in m)
         falling = power + max(logs, 0.0) / l if power else logs
         falling = rate + (max(power, 0.0) + max(logs, 0.0) / l) / q if rate else falling
-        if m > _CONSTANT or falling > 0:
+        if m > CONSTANT or falling > 0:
             raise UnknownGrowthError
         return math.exp(min(rate * q + power * l + logs * math.log(l), 700.0)) * (1 + WIDENING) + 1e-300
 
@@ -187,8 +192,8 @@ class Growths:
             result: Growth = by_squaring(self.mul, x, n)
             return result
         if not x.terms and x.rest is not None and x.rest.low * x.rest.high > 0:
-            ends = sorted((1 / x.rest.low, 1 / x.rest.high))
-            return self.power(Growth((), widened(_CONSTANT.times(x.rest.monomial, -1.0), *ends)), -n)
+            inverse = widened(CONSTANT.times(x.rest.monomial, -1.0), *sorted((1 / x.rest.low, 1 / x.rest.high)))
+            return self.power(Growth((), inverse), -n)
         return self._binomial(x, -1.0) if n == -1 else self.power(self._binomial(x, -1.0), -n)
 
     def _split(self, x: Growth) -> tuple[Monomial, Mpf, Growth, float]:
@@ -201,7 +206,7 @@ class Growths:
             x.rest.monomial.times(monomial, -1.0), *sorted((float(inverse) * x.rest.low, float(inverse) * x.rest.high))
         )
         ε = Growth(tuple((m.times(monomial, -1.0), inverse * value) for m, value in others), rest)
-        size = self.range_of(ε, _CONSTANT).size
+        size = self.range_of(ε, CONSTANT).size
         if not size < 0.5:
             raise UnknownGrowthError
         return monomial, c, ε, size
@@ -216,8 +221,7 @@ class Growths:
             coefficients.append(coefficients[-1] * (exponent - j) / (j + 1))
         tail = abs(coefficients[-1]) / (1 - size)  # the coefficients do not grow
         series = self._series(ε, coefficients[:-1], tail)
-        factor = Growth(((_CONSTANT.times(monomial, exponent), c**exponent if exponent != -1 else 1 / c),))
-        return self.mul(factor, series)
+        return self.mul(Growth(((CONSTANT.times(monomial, exponent), c**exponent if exponent != -1 else 1 / c),)), series)
 
     def _series(self, ε: Growth, coefficients: list[float], tail: float) -> Growth:
         """Σ aⱼ εʲ + R, |R| ≤ tail·|ε|ⁿ."""
@@ -228,10 +232,9 @@ class Growths:
             result = self.add(result, self._times(power, convert(a)))
         if not ε.terms and ε.rest is None:
             return result
-        top = max([ε.terms[0][0]] * bool(ε.terms) + ([ε.rest.monomial] if ε.rest else []))
         n = len(coefficients)
-        size = tail * self.range_of(ε, top).size ** n
-        rests = (result.rest, widened(_CONSTANT.times(top, n), -size, size))
+        size = tail * self.range_of(ε, ε.fastest).size ** n
+        rests = (result.rest, widened(CONSTANT.times(ε.fastest, n), -size, size))
         return self._made(result.terms, [Growth((), r) for r in rests if r])
 
     def unary(self, name: str, x: Growth) -> Growth:
@@ -251,8 +254,8 @@ class Growths:
 
     def _grows(self, x: Growth) -> bool:
         if x.terms:
-            return x.terms[0][0] > _CONSTANT
-        if x.rest is not None and x.rest.monomial > _CONSTANT:
+            return x.terms[0][0] > CONSTANT
+        if x.rest is not None and x.rest.monomial > CONSTANT:
             raise UnknownGrowthError
         return False
 
@@ -270,7 +273,7 @@ class Growths:
         context = self.plain.context
         parts = [(Monomial(0.0, 1.0, 0.0), +context.convert(monomial.rate)),
                  (Monomial(0.0, 0.0, 1.0), +context.convert(monomial.power)),
-                 (_CONSTANT, context.log(c))]  # fmt: skip
+                 (CONSTANT, context.log(c))]  # fmt: skip
         coefficients = [0.0] + [(-1.0) ** (j + 1) / j for j in range(1, _TERMS)]
         small = self._series(ε, coefficients, 1 / (1 - size))
         return self.add(Growth(tuple(p for p in parts if p[1])), small)
@@ -278,21 +281,21 @@ class Growths:
     def _exp(self, x: Growth) -> Growth:
         """e^{λs + k log s + c + ε}; of what falls faster, e^{−s²}, a bound."""
         linear, logarithm = Monomial(0.0, 1.0, 0.0), Monomial(0.0, 0.0, 1.0)
-        if x.rest is not None and x.rest.monomial > _CONSTANT:
+        if x.rest is not None and x.rest.monomial > CONSTANT:
             raise UnknownGrowthError
         if x.terms and x.terms[0][0] > linear:
             return self._falling(x)
         known = dict(x.terms)
-        rate, power, c = (known.pop(m, self.plain.context.mpf(0)) for m in (linear, logarithm, _CONSTANT))
-        if any(m > _CONSTANT for m in known):
+        rate, power, c = (known.pop(m, self.plain.context.mpf(0)) for m in (linear, logarithm, CONSTANT))
+        if any(m > CONSTANT for m in known):
             raise UnknownGrowthError
         ε = Growth(tuple(known.items()), x.rest)
-        if ε.rest is not None and ε.rest.monomial == _CONSTANT:
-            whole = self.range_of(ε, _CONSTANT)
+        if ε.rest is not None and ε.rest.monomial == CONSTANT:
+            whole = self.range_of(ε, CONSTANT)
             low, high = (math.exp(min(end, 700.0)) for end in (whole.low, whole.high))
-            extra = Growth((), widened(_CONSTANT, low, high))
+            extra = Growth((), widened(CONSTANT, low, high))
         else:
-            size = self.range_of(ε, _CONSTANT).size
+            size = self.range_of(ε, CONSTANT).size
             if size > 1:
                 raise UnknownGrowthError
             coefficients = [1 / math.factorial(j) for j in range(_TERMS)]
@@ -306,7 +309,7 @@ class Growths:
         if c > 0 or monomial.rate > 0:
             raise UnknownGrowthError
         above = monomial.times(Monomial(0.0, 1.0, 0.0), -1.0)
-        least = 1 / self.largest(_CONSTANT.times(above, -1.0))  # of M/s on s ≥ Q
+        least = 1 / self.largest(CONSTANT.times(above, -1.0))  # of M/s on s ≥ Q
         return Growth((), widened(Monomial(float(c) / 2 * least * (1 - WIDENING), 0.0, 0.0), 0.0, 1.0))
 
     def _tanh(self, x: Growth) -> Growth:
@@ -331,7 +334,7 @@ class Growths:
         up = x.terms[0][1] > 0
         match name:
             case "sin" | "cos":
-                return Growth((), Remainder(_CONSTANT, -1.0, 1.0))
+                return Growth((), Remainder(CONSTANT, -1.0, 1.0))
             case "atan":
                 half = self._times(self.pi(), self.plain.rational(1 if up else -1, 2))
                 return self.sub(half, self._smooth("atan", self.power(x, -1)))
@@ -345,12 +348,12 @@ class Growths:
     def _smooth(self, name: str, x: Growth) -> Growth:
         """Φ(c + ε) = Φ(c) + Φ′(c) ε + ½Φ″ ε²."""
         context = self.plain.context
-        c = dict(x.terms).get(_CONSTANT, context.mpf(0))
-        ε = Growth(tuple(term for term in x.terms if term[0] != _CONSTANT), x.rest)
-        whole = self.range_of(x, _CONSTANT)
-        if ε.rest is not None and ε.rest.monomial == _CONSTANT:
+        c = dict(x.terms).get(CONSTANT, context.mpf(0))
+        ε = Growth(tuple(term for term in x.terms if term[0] != CONSTANT), x.rest)
+        whole = self.range_of(x, CONSTANT)
+        if ε.rest is not None and ε.rest.monomial == CONSTANT:
             found = _INTERVALS.unary(name, _jet(whole.low, whole.high))
-            return Growth((), widened(_CONSTANT, float(found.value.low[0]), float(found.value.high[0])))
+            return Growth((), widened(CONSTANT, float(found.value.low[0]), float(found.value.high[0])))
         at = Jets(self.plain).unary(name, Jet(c, context.mpf(1), context.mpf(0)))
         bend = _INTERVALS.unary(name, _jet(whole.low, whole.high)).second
         assert bend is not None  # the jet of a function of the variable itself
@@ -364,9 +367,8 @@ class Growths:
         first = self._times(ε, slope)
         if not ε.terms and ε.rest is None:
             return first
-        top = max([ε.terms[0][0]] * bool(ε.terms) + ([ε.rest.monomial] if ε.rest else []))
-        size = most * self.range_of(ε, top).size ** 2
-        beyond = widened(_CONSTANT.times(top, 2), -size, size)
+        size = most * self.range_of(ε, ε.fastest).size ** 2
+        beyond = widened(CONSTANT.times(ε.fastest, 2), -size, size)
         return self._made(first.terms, [Growth((), r) for r in (first.rest, beyond) if r])
 
     def sign(self, x: Growth) -> int:
@@ -378,8 +380,10 @@ class Growths:
         Raises:
             UnknownGrowthError: it could not be decided.
         """
-        if not x.terms and x.rest is not None and x.rest.low * x.rest.high > 0:
-            return 1 if x.rest.low > 0 else -1
+        if x.rest is not None and (not x.terms or x.rest.monomial >= x.terms[0][0]):
+            whole = self.range_of(x, x.rest.monomial)
+            if whole.low * whole.high > 0:
+                return 1 if whole.low > 0 else -1
         return 1 if self._split(x)[1] > 0 else -1
 
 

@@ -32,6 +32,9 @@ class Monomial(NamedTuple):
         return Monomial(*(a + n * b for a, b in zip(self, other, strict=True)))
 
 
+CONSTANT = Monomial(0.0, 0.0, 0.0)
+
+
 class Remainder(NamedTuple):
     """The remainder: a monomial and what it is multiplied by."""
 
@@ -61,6 +64,11 @@ class Growth(NamedTuple):
 
     terms: tuple[tuple[Monomial, Mpf], ...]
     rest: Remainder | None = None
+
+    @property
+    def fastest(self) -> Monomial:
+        """The greatest monomial; there is one unless it is exactly zero."""
+        return max([m for m, _ in self.terms[:1]] + ([self.rest.monomial] if self.rest else []))
 
 
 def widened(monomial: Monomial, low: float, high: float) -> Remainder:

@@ -2,11 +2,15 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
+
 from hjsolve.arithmetic.asymptotic_expansion import BITS, Growths
-from hjsolve.arithmetic.asymptotic_scale import UnknownGrowthError
+from hjsolve.arithmetic.asymptotic_scale import CONSTANT, Growth, UnknownGrowthError, widened
 from hjsolve.arithmetic.number_types import Mpf
 from hjsolve.arithmetic.tape import Tape
 from hjsolve.errors import InvalidInputError
+
+_FEWER_BITS = 256
 
 
 def sign_beyond(tape: Tape, inputs: list[Mpf], side: int, start: float, bits: int = BITS) -> int:
@@ -26,3 +30,31 @@ def sign_beyond(tape: Tape, inputs: list[Mpf], side: int, start: float, bits: in
         return growths.sign(tape.run(growths, [growths.variable(side), *map(growths.constant, inputs)])[0])
     except (UnknownGrowthError, InvalidInputError, ArithmeticError):
         return 0
+
+
+def sign_beyond_for_all(
+    tape: Tape, ranges: Sequence[tuple[Mpf, Mpf]], side: int, start: float, bits: int = _FEWER_BITS
+) -> int:
+    """Return the sign that a formula has for all side·q ≥ start, whatever its numbers are; 0 where that is not known.
+
+    Args:
+        tape: of the formula, one output; inputs q, then numbers.
+        ranges: the least and the greatest value of each number; equal for one that is known.
+        side: 1 towards +∞, −1 towards −∞.
+        start: at least 3, for nothing is known below.
+        bits: of the coefficients.
+    """
+    if not 3 <= start < 1e300:
+        return 0
+    growths = Growths(start, bits)
+    try:
+        numbers = [growths.constant(low) if low == high else _between(low, high) for low, high in ranges]
+        return growths.sign(tape.run(growths, [growths.variable(side), *numbers])[0])
+    except (UnknownGrowthError, InvalidInputError, ArithmeticError):
+        return 0
+
+
+def _between(low: Mpf, high: Mpf) -> Growth:
+    """Any number between two."""
+    middle, reach = (low + high) / 2, float(high - low)
+    return Growth(((CONSTANT, middle),) if middle else (), widened(CONSTANT, -reach, reach))

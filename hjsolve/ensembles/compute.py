@@ -11,7 +11,7 @@ from typing import Any
 import numpy as np
 
 from hjsolve.ensembles.charted import run_charted
-from hjsolve.ensembles.engine.status import Status
+from hjsolve.ensembles.engine.status import ENDLESS, Status
 from hjsolve.ensembles.fallback import single_orbit
 from hjsolve.ensembles.layout import ERROR, RECOMPUTED, STATUS, Layout
 from hjsolve.ensembles.task import EnsembleTask, TaskContext, tools_of
@@ -104,19 +104,19 @@ def _fill(
         found = tools.engine.run(places, speeds)
     else:
         found = tools.engine.run_velocities(places, speeds, tools.momenta)
-    fine = found.status == Status.OK
+    fine = (found.status == Status.OK) | (found.status == Status.UNBOUNDED)
     for name in tools.layout.values():
         quantity, _, key = name.partition(".")
         columns[name][window][good] = np.where(fine, found.group(quantity)[key], np.nan)
         columns[ERROR + name][window][good] = np.where(fine, found.error[name], np.nan)
+    codes[good] = np.where(fine, found.status, Status.NOT_CONVERGED)  # what doubles say of the others is not proved
     if not task.fallback:
-        codes[good] = np.where(fine, Status.OK, Status.NOT_CONVERGED)  # what doubles say of the others is not proved
         return
     for k in map(int, np.flatnonzero(~fine)):
         if stop.is_set():
             return
         start = {"q": _picked(places, k), task.kind: _picked(speeds, k)}
-        endless = bool(found.status[k] == Status.UNBOUNDED)
+        endless = bool(found.status[k] == ENDLESS)
         _one(task, tools, columns, window.start + int(good[k]), start, endless)
 
 

@@ -22,8 +22,6 @@ from hjsolve.time_law.torus import TorusEquations, oscillation
 _ANGLE_ROUNDING = 2.0**-48
 """An angle is reduced, summed and rounded in doubles of size up to 2π: a few 2⁻⁵⁰."""
 
-_PLACES = ("turning_points",)
-"""What tells the kind of a motion without an integral."""
 _TIMELESS = ("constants", "turning_points", "actions")
 _KINDS = {"escape": Status.UNBOUNDED, "asymptotic": Status.ASYMPTOTIC, "boundary": Status.REACHES_BOUNDARY}
 Row = dict[str, float]
@@ -49,9 +47,9 @@ def single_orbit(
     with ONE_AT_A_TIME:
         try:
             want = layout.want
-            if endless and _status(solution.motion(**start, parameters=parameters, want=_PLACES)) is Status.UNBOUNDED:
-                want = _TIMELESS
-            motion = solution.motion(**start, parameters=parameters, want=want)
+            motion = solution.motion(**start, parameters=parameters, want=_TIMELESS if endless else want)
+            if endless and _status(motion) is not Status.UNBOUNDED:
+                motion = solution.motion(**start, parameters=parameters, want=want)
         except ForbiddenMotionError:
             return Status.FORBIDDEN, {}
         except InvalidInputError:

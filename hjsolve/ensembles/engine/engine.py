@@ -8,13 +8,14 @@ from typing import Any
 
 import numpy as np
 
+from hjsolve.arithmetic.number_types import Integers
 from hjsolve.ensembles.engine.columns import QUANTITIES, Columns, blank, put
 from hjsolve.ensembles.engine.lowered_solution import Model, lowered_model
-from hjsolve.ensembles.engine.passes import TIMED, TOLERANCE, run_compiled, run_pass, worst
+from hjsolve.ensembles.engine.passes import TIMED, TOLERANCE, run_compiled, run_escapes, run_pass, worst
 from hjsolve.ensembles.engine.programs import Compiled, available, compiled, is_kept
 from hjsolve.ensembles.engine.regions import hopeless_in_doubles
 from hjsolve.ensembles.engine.starts import MomentumRule, Starts, from_velocities, given_momenta
-from hjsolve.ensembles.engine.status import Status
+from hjsolve.ensembles.engine.status import ENDLESS, Status
 from hjsolve.errors import InvalidInputError
 from hjsolve.motion.initial_data import parameter_values
 from hjsolve.solution.quadratures import Solution
@@ -56,7 +57,7 @@ class Engine:
         Returns:
             Columns of shape (n,).
         """
-        return self.run_starts(given_momenta(self._rows(q), self._rows(p)))
+        return self.run_starts(given_momenta(self._rows(q), self._rows(p)), escapes=True)
 
     def run_velocities(self, q: Mapping[str, Any], velocity: Mapping[str, Any], rule: MomentumRule) -> Columns:
         """Compute what is wanted for many orbits, from places and velocities; the rounding of momenta is counted.
@@ -68,12 +69,12 @@ class Engine:
         Returns:
             Columns of shape (n,).
         """
-        return self.run_starts(from_velocities(rule, self._rows(q), self._rows(velocity)))
+        return self.run_starts(from_velocities(rule, self._rows(q), self._rows(velocity)), escapes=True)
 
     def _rows(self, given: Mapping[str, Any]) -> Any:
         return np.stack([np.asarray(given[name], dtype=float) for name in self.model.names])
 
-    def run_starts(self, starts: Starts) -> Columns:
+    def run_starts(self, starts: Starts, *, escapes: bool = False) -> Columns:
         """Compute what is wanted.
 
         A first pass works in doubles: by numpy with plain anomalies; as compiled loops with stretched ones, 32-digit
@@ -83,9 +84,10 @@ class Engine:
 
         Args:
             starts: of n orbits.
+            escapes: whether to prove that orbits run away, from places that are exact.
 
         Returns:
-            Columns of shape (n,).
+            Columns of shape (n,); the status is ``UNBOUNDED`` where that is proved, ``ENDLESS`` where it is not.
         """
         count = starts.q.shape[1]
         columns = blank(self.names, count)
@@ -102,9 +104,26 @@ class Engine:
             self._deeper(columns, left[~lost], starts, 0)
         hard = columns.status != Status.OK
         self._deeper(columns, everything[hard], starts, 1)
+        proved = everything[:0]
+        if escapes:
+            proved = self._escapes(columns, everything[columns.status == Status.UNBOUNDED], starts)
+            hard[proved] = False
         rough = (columns.status != Status.OK) | (columns.vague & (worst(columns) > GOOD))
         self._deeper(columns, everything[hard & rough], starts, 2)
+        columns.status[columns.status == Status.UNBOUNDED] = ENDLESS
+        columns.status[proved] = Status.UNBOUNDED
         return columns
+
+    def _escapes(self, columns: Columns, orbits: Integers, starts: Starts) -> Integers:
+        """Prove of some orbits that they run away; return those of which it is proved."""
+        found = [orbits[:0]]
+        for first in range(0, len(orbits), CHUNK // 4):
+            index = orbits[first : first + CHUNK // 4]
+            part = run_escapes(self.model, dict(self.names), starts.take(index))
+            proved = part.status == Status.UNBOUNDED
+            put(columns, index[proved], part.take(proved))
+            found.append(index[proved])
+        return np.concatenate(found)
 
     def _deeper(self, columns: Columns, orbits: Any, starts: Starts, depth: int, made: Compiled | None = None) -> None:
         """Run a pass over some orbits, and keep what it makes good."""

@@ -10,6 +10,7 @@ from hjsolve.ensembles.engine.actions_and_angles import combine_integrals
 from hjsolve.ensembles.engine.columns import Columns, blank, put
 from hjsolve.ensembles.engine.compiled_types import Modes
 from hjsolve.ensembles.engine.constants import InitialConstants, initial_constants
+from hjsolve.ensembles.engine.escapes import escaping
 from hjsolve.ensembles.engine.lowered_solution import Model, Separated
 from hjsolve.ensembles.engine.midpoint_rule import Sums, empty, integrate
 from hjsolve.ensembles.engine.orbit_regions import LocatedRegions, OrbitRegions
@@ -132,6 +133,53 @@ def run_compiled(
     resolved = status == Status.OK
     _settle(columns, status, tolerance)
     columns.vague[:] = resolved & (columns.status != Status.OK)
+    return columns
+
+
+def run_escapes(model: Model, names: dict[str, tuple[str, ...]], starts: Starts) -> Columns:
+    """Prove of some orbits that they run away; fill their constants, turning points, and actions that they have.
+
+    Args:
+        model: of the system.
+        names: quantity → columns wanted.
+        starts: of n orbits.
+
+    Returns:
+        Columns; the status is ``UNBOUNDED`` where a coordinate runs away and every other one does or is known to
+        librate or to rotate, and ``UNDECIDED`` elsewhere.
+    """
+    count = starts.q.shape[1]
+    columns = blank(names, count)
+    start = initial_constants(model, starts, precise=True)
+    left = ~(start.rounding > _BLURRED).any(axis=0)
+    endless = np.zeros((len(model.separated), count), dtype=bool)
+    sums: list[Sums] = []
+    directions = np.ones(endless.shape)
+    for k, coordinate in enumerate(model.separated):
+        total = empty(len(model.constants), count)
+        for found in locate_regions(model, coordinate, start, k, 1):
+            _integrated(total, found, left[found.index], len(model.constants), kernels=False, oscillations=False)
+            if not found.region.turning:
+                directions[k, found.index] = np.sign(start.P[k, found.index])
+            if "turning_points" in names:
+                _ends(columns, coordinate, found)
+            out = found.take(np.flatnonzero(left[found.index] & (found.status == Status.UNBOUNDED)))
+            proved, errors = escaping(coordinate, model.numbers, out, start.q[k, out.index])
+            endless[k, out.index] = proved
+            if "turning_points" in names:
+                for side, error in zip(("lower", "upper"), errors, strict=True):
+                    columns.error[f"turning_points.{coordinate.name}.{side}"][out.index] = error
+        with np.errstate(all="ignore"):
+            fine = total.good & (total.action_error <= TOLERANCE * np.abs(total.action))
+        left &= fine | (total.good & (total.action_error == 0)) | endless[k]
+        sums.append(total)
+    _results(model, {q: columns_ for q, columns_ in names.items() if q not in TIMED}, columns, sums, directions, start)
+    if "actions" in names:
+        for k, coordinate in enumerate(model.separated):
+            for group in (columns.actions[coordinate.name], columns.error[f"actions.{coordinate.name}"]):
+                group[endless[k]] = np.nan
+    left &= endless.any(axis=0)
+    columns.status[:] = np.where(left, Status.UNBOUNDED, UNDECIDED)
     return columns
 
 

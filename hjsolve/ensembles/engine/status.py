@@ -40,5 +40,6 @@ _MEANINGS = {
 }
 
 
-UNDECIDED, EQUILIBRIUM = len(Status), len(Status) + 1
-"""Codes between the passes, never shown: not decided in doubles; at rest at a double zero of p²."""
+UNDECIDED, EQUILIBRIUM, ENDLESS = len(Status), len(Status) + 1, len(Status) + 2
+"""Codes between the passes, never shown: not decided in doubles; at rest at a double zero of p²; no turning
+point was met on the way out, which proves nothing."""

@@ -1,0 +1,301 @@
+"""Proof that coordinates of many orbits run away: p² > 0 from the last turning point to infinity.
+
+That no turning point was met on the way out proves nothing: a narrow barrier may stand between two trials. Here
+interval arithmetic covers the way with cells over which p² is positive, up to a place X, for many orbits at once;
+beyond X the asymptotic expansion of p² is positive (``arithmetic/sign_at_infinity``), for all orbits whose constants
+lie in a box at once: few boxes hold them all. At a turning point F changes its sign between two places a rounding
+apart, and its slope does not vanish in the cell next to it. What is not proved is left to the engine of single motions.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, replace
+
+import numpy as np
+
+from hjsolve.arithmetic.error_free import Pair
+from hjsolve.arithmetic.floats import EPS, Float64, Multi
+from hjsolve.arithmetic.interval import Interval, Intervals
+from hjsolve.arithmetic.jet import Jet, Jets
+from hjsolve.arithmetic.number_types import Integers, Mask, Mpf, Reals, Which
+from hjsolve.arithmetic.sign_at_infinity import sign_beyond_for_all
+from hjsolve.ensembles.engine.lowered_solution import LoweredFormula, Separated
+from hjsolve.ensembles.engine.orbit_regions import LocatedRegions
+from hjsolve.ensembles.engine.radicand_views import DirectEvaluation, Knowns
+
+_INTERVALS = Intervals(Float64())
+_FAR = (24, 80)
+"""Powers of two, over the size of the orbit, at which the expansion at infinity is asked to hold."""
+
+_RATIO = 4.0
+"""Of the distances at which a cell ends and begins, before it is divided."""
+
+_HALVINGS = 8
+_CROWD = 64
+"""Cells of one orbit that may wait to be divided."""
+
+_TRIES = 10
+"""Of the length of the cell next to a turning point, each a fourth of the last."""
+
+_MIXED = 0.5
+_BITS = 256
+_PAIR = 2.0**-100
+"""Relative uncertainty of a parameter in two doubles, where it is not a double."""
+
+
+@dataclass(frozen=True)
+class Way:
+    """The way of n orbits, from a place to infinity; arrays (n,).
+
+    Attributes:
+        formula: of p² as a function of x.
+        knowns: constants and parameters.
+        parameters: in two doubles.
+        side: +1 or −1, in which direction of x infinity lies.
+        start: x of the turning point, or of the orbit where there is none on the other side.
+        error: how far the turning point may be from there; 0 where there is none.
+        size: a length of the orbit.
+    """
+
+    formula: LoweredFormula
+    knowns: Knowns
+    parameters: tuple[Pair, ...]
+    side: int
+    start: Reals
+    error: Reals
+    size: Reals
+
+    def take(self, index: Which) -> Way:
+        """Return those of some of the orbits.
+
+        Args:
+            index: which, positions or a mask.
+        """
+        arrays = (self.start[index], self.error[index], self.size[index])
+        return Way(self.formula, self.knowns.take(index), self.parameters, self.side, *arrays)
+
+    def numbers(self, index: Integers) -> list[Interval]:
+        """Return enclosures of the constants of some orbits, and of the parameters.
+
+        Args:
+            index: which orbits, one for every cell.
+        """
+        parameters = []
+        for pair in self.parameters:
+            value, reach = np.array(pair.high), abs(pair.high) * EPS if pair.low else 0.0
+            parameters.append(Interval(value - reach, value + reach))
+        return self.constants(index) + parameters
+
+    def constants(self, index: Integers) -> list[Interval]:
+        """Return enclosures of the constants of some orbits.
+
+        Args:
+            index: which orbits.
+        """
+        pairs = zip(self.knowns.constants, self.knowns.uncertainty, strict=True)
+        wide = [(c[index], e[index] + EPS * np.abs(c[index])) for c, e in pairs]
+        return [Interval(c - e, c + e) for c, e in wide]
+
+    def radicand(self, index: Integers, x: Interval) -> Interval:
+        """Return an enclosure of F over cells.
+
+        Args:
+            index: the orbit of every cell.
+            x: the cells.
+        """
+        found = self.formula.squared.run(_INTERVALS, [x, *self.numbers(index)])[0]
+        return Interval(found.low + 0.0 * x.low, found.high + 0.0 * x.low)
+
+    def slope(self, index: Integers, x: Interval) -> Interval:
+        """Return an enclosure of F′ over cells.
+
+        Args:
+            index: the orbit of every cell.
+            x: the cells.
+        """
+        jets = Jets(_INTERVALS)
+        known = [Jet(number) for number in self.numbers(index)]
+        first = self.formula.squared.run(jets, [jets.variable(x), *known])[0].first
+        return Interval(0.0 * x.low, 0.0 * x.low) if first is None else first
+
+
+def escaping(
+    coordinate: Separated, parameters: tuple[Pair, ...], found: LocatedRegions, q: Reals
+) -> tuple[Mask, tuple[Reals, Reals]]:
+    """Prove that a coordinate runs away, of those that met no end on a side.
+
+    Args:
+        coordinate: which.
+        parameters: in two doubles.
+        found: its regions, an end of each being NaN.
+        q: where the orbits start, shape (n,).
+
+    Returns:
+        True where it is proved, shape (n,), and the errors of the lower and the upper turning point, NaN on a side
+        that has none.
+    """
+    region, count = found.region, len(q)
+    proved, errors = np.zeros(count, dtype=bool), (np.full(count, np.nan), np.full(count, np.nan))
+    endless = np.isnan(region.lower), np.isnan(region.upper)
+    for k, formula in enumerate((coordinate.lower, coordinate.upper)):
+        index = np.flatnonzero(endless[k] & ~endless[1 - k])
+        view, x = ((region.above, region.upper), (region.below, region.lower))[k]
+        if formula is None and len(index) and isinstance(view, DirectEvaluation):
+            outward = (2 * k - 1) * view.sign
+            way = _from_turning_point(view.take(index), parameters, x[index], q[index], outward)
+            proved[index] = _free(way)
+            errors[1 - k][index] = way.error + 2 * EPS * (np.abs(view.place(x)) + np.abs(x))[index]
+    both = np.flatnonzero(endless[0] & endless[1])
+    if coordinate.lower is None and coordinate.upper is None and len(both):
+        view = region.below
+        assert isinstance(view, DirectEvaluation)
+        ways = [
+            Way(view.formula, view.knowns, parameters, side, q, 0.0 * q, 1.0 + np.abs(q)).take(both) for side in (-1, 1)
+        ]
+        proved[both] = _free(ways[0]) & _free(ways[1])
+    return proved, errors
+
+
+def _from_turning_point(
+    view: DirectEvaluation, parameters: tuple[Pair, ...], x: Reals, q: Reals, outward: int
+) -> Way:
+    size = np.maximum(np.abs(x), np.abs(q - view.place(x)))
+    way = Way(view.formula, view.knowns, parameters, outward, x, np.zeros_like(x), size)
+    with np.errstate(all="ignore"):
+        here = way.radicand(np.arange(len(x)), Interval(x, x))
+        error = 2 * np.maximum(-here.low, here.high) / np.abs(view.jet(x)[1]) + 4 * EPS * np.abs(x) + 1e-300
+    return replace(way, error=error)
+
+
+def _free(way: Way) -> Mask:
+    """Whether F > 0 all the way, and the turning point is where it is said to be."""
+    with np.errstate(all="ignore"):
+        left = np.flatnonzero(np.isfinite(way.start) & np.isfinite(way.error) & np.isfinite(way.size))
+        proved, begin = np.zeros(len(way.start), dtype=bool), np.full(len(way.start), np.nan)
+        begin[left] = _begun(way.take(left))
+        left = left[np.isfinite(begin[left])]
+        for power in _FAR:
+            far = 2.0**power * np.maximum(way.size[left], 1.0)
+            good = _beyond(way.take(left), far)
+            clear = np.zeros(len(left), dtype=bool)
+            clear[good] = _positive(way.take(left[good]), begin[left[good]], far[good])
+            proved[left[clear]] = True
+            left = left[~good]
+            if not len(left):
+                break
+    return proved
+
+
+def _begun(way: Way) -> Reals:
+    """The distance up to which the first cell is settled, NaN where it is not."""
+    everything, side = np.arange(len(way.start)), way.side
+    turning = way.error > 0
+    outer, inner = way.start - side * way.error, way.start + side * way.error
+    sure = ~turning | (
+        (way.radicand(everything, Interval(outer, outer)).high < 0)
+        & (way.radicand(everything, Interval(inner, inner)).low > 0)
+    )
+    begin, length = np.full(len(way.start), np.nan), 0.5 * way.size
+    left = np.flatnonzero(sure)
+    for _ in range(_TRIES):
+        some = way.take(left)
+        first = np.where(turning[left], outer[left], some.start)
+        cell = _cell(first, some.start + side * length[left])
+        slope, value = some.slope(np.arange(len(left)), cell), some.radicand(np.arange(len(left)), cell)
+        rising = slope.low > 0 if side > 0 else slope.high < 0
+        good = np.where(turning[left], rising, value.low > 0) & (length[left] > 4 * way.error[left])
+        begin[left[good]] = length[left[good]]
+        left = left[~good]
+        length[left] *= 0.25
+        if not len(left):
+            break
+    return begin
+
+
+def _cell(one: Reals, other: Reals) -> Interval:
+    return Interval(np.minimum(one, other), np.maximum(one, other))
+
+
+def _positive(way: Way, begin: Reals, far: Reals) -> Mask:
+    """Whether F > 0 at all distances from ``begin`` to beyond x = ``far``."""
+    n, side = len(begin), way.side
+    end = far + np.abs(way.start)
+    steps = np.ceil(np.log(end / begin) / np.log(_RATIO)).astype(int)
+    orbit = np.repeat(np.arange(n), steps)
+    place = np.arange(len(orbit)) - np.repeat(np.cumsum(steps) - steps, steps)
+    near, away = (begin[orbit] * _RATIO ** (place + k) for k in (0.0, 1.0))
+    lost = np.zeros(n, dtype=bool)
+    for _ in range(_HALVINGS):
+        cell = _cell(way.start[orbit] + side * near, way.start[orbit] + side * away)
+        bad = ~(way.radicand(orbit, cell).low > 0)
+        orbit, near, away = orbit[bad], near[bad], away[bad]
+        lost |= np.bincount(orbit, minlength=n) > _CROWD
+        kept = ~lost[orbit]
+        orbit, near, away = orbit[kept], near[kept], away[kept]
+        if not len(orbit):
+            break
+        middle = np.sqrt(near * away)
+        orbit = np.concatenate([orbit, orbit])
+        near, away = np.concatenate([near, middle]), np.concatenate([middle, away])
+    lost[orbit] = True
+    return ~lost
+
+
+# ------------------------------------------------------------------------------------------------ to infinity
+def _beyond(way: Way, far: Reals) -> Mask:
+    """Whether F > 0 wherever side·x ≥ far."""
+    proved = np.zeros(len(far), dtype=bool)
+    if len(far):
+        _for_box(way, far, np.arange(len(far)), proved)
+    return proved
+
+
+def _for_box(way: Way, far: Reals, index: Integers, proved: Mask) -> None:
+    """Prove it for the box that holds the constants of some orbits, or for two halves of them.
+
+    ``far`` becomes the greatest of a box where it is proved.
+    """
+    most = far[index].max()
+    if sign_beyond_for_all(way.formula.squared, _box(way, index), way.side, float(most), _BITS) > 0:
+        proved[index], far[index] = True, most
+        return
+    values = [c[index] for c in way.knowns.constants]
+    widths = [_spread(c) for c in values]
+    if len(index) == 1 or not any(widths):
+        return
+    widest = widths.index(max(widths))
+    order = index[np.argsort(values[widest], kind="stable")]
+    cut = _cut(way.knowns.constants[widest][order])
+    _for_box(way, far, order[:cut], proved)
+    _for_box(way, far, order[cut:], proved)
+
+
+def _spread(values: Reals) -> float:
+    """How many powers of two values span; those with both signs come next to those that span half a power.
+
+    What leads p² at infinity is mostly a constant of one sign, the energy, and has to be known best.
+    """
+    least, most = float(np.min(values)), float(np.max(values))
+    if least == most:
+        return 0.0
+    return float(abs(np.log2(most / least))) if least * most > 0 else _MIXED
+
+
+def _cut(values: Reals) -> int:
+    """Where to divide sorted values: at a change of sign, else in the middle of their logarithms."""
+    negative = int(np.searchsorted(values, 0.0))
+    if 0 < negative < len(values):
+        return negative
+    level = np.sign(values[-1] or values[0]) * np.sqrt(values[0] * values[-1])
+    return int(np.clip(np.searchsorted(values, level), 1, len(values) - 1))
+
+
+def _box(way: Way, index: Integers) -> list[tuple[Mpf, Mpf]]:
+    convert = Multi(_BITS).convert
+    known = way.constants(index)
+    boxes = [(convert(float(np.min(c.low))), convert(float(np.max(c.high)))) for c in known]
+    for pair in way.parameters:
+        value = convert(pair.high) + convert(pair.low)
+        reach = abs(value) * _PAIR if pair.low else 0 * value
+        boxes.append((value - reach, value + reach))
+    return boxes
