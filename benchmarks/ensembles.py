@@ -255,11 +255,12 @@ def others(count: int, repeats: int) -> Iterator[str]:
 
 def _others(count: int) -> Iterator[tuple[str, Call, int]]:
     rng = np.random.default_rng(6)
-    rows = stars.family("generic", 40)
+    rows = stars.family("generic", 4000)
     rows[:, [1, 2, 4]] *= (
         1.2 / np.sqrt((rows[:, [1, 2, 4]] ** 2).sum(axis=1) / (-2 * stars.potential(rows[:, 0], rows[:, 3])))[:, None]
     )  # speeds of 1.2 times the speed of escape
-    yield "unbounded, actions", our_call(stars.galaxy(), stars.prolate(rows), want="actions"), 40
+    for number in (40, 4000):
+        yield "unbounded, actions", our_call(stars.galaxy(), stars.prolate(rows[:number]), want="actions"), number
     kerr, n = hjsolve.solve(hjsolve.catalog.load("kerr")), min(count, 2000)
     r, spin = rng.uniform(8, 14, n), rng.uniform(2.9, 3.6, n)
     q = {"t": 0.0, "r": r, "theta": np.full(n, np.pi / 2), "phi": 0.0}

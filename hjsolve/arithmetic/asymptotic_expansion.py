@@ -221,7 +221,8 @@ class Growths:
             coefficients.append(coefficients[-1] * (exponent - j) / (j + 1))
         tail = abs(coefficients[-1]) / (1 - size)  # the coefficients do not grow
         series = self._series(ε, coefficients[:-1], tail)
-        return self.mul(Growth(((CONSTANT.times(monomial, exponent), c**exponent if exponent != -1 else 1 / c),)), series)
+        leading = CONSTANT.times(monomial, exponent), c**exponent if exponent != -1 else 1 / c
+        return self.mul(Growth((leading,)), series)
 
     def _series(self, ε: Growth, coefficients: list[float], tail: float) -> Growth:
         """Σ aⱼ εʲ + R, |R| ≤ tail·|ε|ⁿ."""
@@ -274,8 +275,7 @@ class Growths:
         parts = [(Monomial(0.0, 1.0, 0.0), +context.convert(monomial.rate)),
                  (Monomial(0.0, 0.0, 1.0), +context.convert(monomial.power)),
                  (CONSTANT, context.log(c))]  # fmt: skip
-        coefficients = [0.0] + [(-1.0) ** (j + 1) / j for j in range(1, _TERMS)]
-        small = self._series(ε, coefficients, 1 / (1 - size))
+        small = self._series(ε, [0.0] + [(-1.0) ** (j + 1) / j for j in range(1, _TERMS)], 1 / (1 - size))
         return self.add(Growth(tuple(p for p in parts if p[1])), small)
 
     def _exp(self, x: Growth) -> Growth:

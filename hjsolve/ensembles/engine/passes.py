@@ -151,7 +151,7 @@ def run_escapes(model: Model, names: dict[str, tuple[str, ...]], starts: Starts)
     count = starts.q.shape[1]
     columns = blank(names, count)
     start = initial_constants(model, starts, precise=True)
-    left = ~(start.rounding > _BLURRED).any(axis=0)
+    left: Mask = np.logical_not((start.rounding > _BLURRED).any(axis=0))
     endless = np.zeros((len(model.separated), count), dtype=bool)
     sums: list[Sums] = []
     directions = np.ones(endless.shape)

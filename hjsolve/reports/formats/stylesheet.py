@@ -108,7 +108,8 @@ NOTEBOOK_CSS = (
 .hjsolve .formula{display:flex;align-items:center;gap:1em;margin:.4em 0;padding-left:1.2em}
 .hjsolve .formula .scroll{flex:1 1 auto;min-width:0}
 .hjsolve .tag,.hjsolve .error,.hjsolve figcaption,.hjsolve .note{color:var(--soft);font-size:.88em}
-.hjsolve math{font-family:"Latin Modern Math","STIX Two Math","Cambria Math","Libertinus Math","DejaVu Math TeX Gyre",math}
+.hjsolve math{font-family:"Latin Modern Math","STIX Two Math","Cambria Math","Libertinus Math",
+ "DejaVu Math TeX Gyre",math}
 .hjsolve mtd{padding:.5ex .4em}
 .hjsolve .lines>mtr>mtd{padding:.3em 0}
 .hjsolve math[display=block]{margin:0;text-align:left;width:max-content}
