@@ -105,8 +105,10 @@ class CompiledCoordinate:
         """
         if len(index) == len(self.q):
             return self
-        rows = {name: np.take(getattr(self, name), index, axis=1) for name in ("constants", "low", "uncertainty")}
-        return replace(self, q=self.q[index], P=self.P[index], **rows)
+        constants, low, uncertainty = (np.take(x, index, axis=1) for x in (self.constants, self.low, self.uncertainty))
+        return replace(
+            self, q=self.q[index], P=self.P[index], constants=constants, low=low, uncertainty=uncertainty
+        )  # fmt: skip
 
     def smallness(self, *, kernels: bool) -> Reals:
         """Return the error of p² at the start over about how large p² becomes; 0 where small motions have no view.
