@@ -33,8 +33,8 @@ _TURN_REST = tuple((-1.0) ** (k // 2) / math.factorial(k) for k in range(16, 30)
 Two = tuple[float, float]
 
 
-def _fused(_context: Any, _a: Any, _b: Any, _c: Any) -> Any:
-    def generate(_context: Any, builder: Any, _signature: Any, arguments: Any) -> Any:
+def _fused(_context: object, _a: object, _b: object, _c: object) -> Any:
+    def generate(_context: object, builder: Any, _signature: object, arguments: Any) -> Any:
         return builder.fma(*arguments)
 
     return types.float64(types.float64, types.float64, types.float64), generate
