@@ -120,17 +120,21 @@ class Folder:
         except (FileNotFoundError, pa.ArrowInvalid):
             return False
 
-    def write(self, number: int, starts: Columns, columns: Columns) -> None:
+    def write(
+        self, number: int, starts: Columns, columns: Columns, kept: Mapping[str, pa.ChunkedArray] | None = None
+    ) -> None:
         """Write one part, completely or not at all.
 
         Args:
             number: of the part, from 0 on.
             starts: initial conditions, name → array of shape (n,).
             columns: results, name → array of shape (n,).
+            kept: columns of the table of starts that are passed on.
         """
         begin, end = self.plan.window(number)
         words = pa.DictionaryArray.from_arrays(pa.array(columns[STATUS]), pa.array(WORDS.tolist()))
-        arrays = {"orbit": np.arange(begin, end), **starts, STATUS: words, RECOMPUTED: columns[RECOMPUTED]}
+        arrays = {"orbit": np.arange(begin, end), **(kept or {}), **starts, STATUS: words}
+        arrays[RECOMPUTED] = columns[RECOMPUTED]
         arrays |= {name: column for name, column in columns.items() if name not in arrays}
         beside = self.path / f"{_WRITING}{number:06d}-{os.getpid()}"
         pq.write_table(pa.table(arrays), beside)
