@@ -7,7 +7,7 @@ import io
 from collections.abc import Iterator, Mapping
 from dataclasses import dataclass, field
 from pathlib import Path
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING
 
 import numpy as np
 import sympy as sp
@@ -24,6 +24,8 @@ from hjsolve.scenes import Scene
 from hjsolve.scenes.initial_grid import GROUPS, Axis, Varied, keys, missing, varied_kind
 
 if TYPE_CHECKING:
+    import pyarrow as pa
+
     from hjsolve.sweeps.parquet_table import ParquetTable
 
 
@@ -51,7 +53,7 @@ class SweepPoints:
     heading: Mapping[str, str] = field(default_factory=dict)
     keep: tuple[str, ...] = ()
 
-    def kept(self, begin: int, end: int) -> dict[str, Any]:
+    def kept(self, begin: int, end: int) -> dict[str, pa.ChunkedArray]:
         """The columns passed on, of the starts begin ≤ number < end, as they are.
 
         Args:
