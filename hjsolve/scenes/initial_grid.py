@@ -3,7 +3,7 @@
     [sweep]                                     [sweep]
     chunk = 16384                               table = "starts.csv"          # .csv, .npz or .parquet
     q = {r = {start = "0.8", stop = "2",        columns = {"q.r" = "radius"}  # where the file names them otherwise
-              count = 100}}
+              count = 100}}                         keep = ["source_id"]        # of a .parquet: columns passed on
     p = {theta = ["0.9", "1.1"]}
 
 What a sweep does not vary stands in the scene's initial data.
@@ -35,7 +35,7 @@ _RANGE = {
     "spacing": Key("text", choices=_SPACINGS),
 }  # fmt: skip
 _SWEEP = {
-    "chunk": Key("number"), "table": Key("text"), "columns": Key("formulas"),
+    "chunk": Key("number"), "table": Key("text"), "columns": Key("formulas"), "keep": Key("texts"),
     "q": Key("table"), "p": Key("table"), "velocity": Key("table"),
 }  # fmt: skip
 _NOT_WITH = ("events", "times", "orbit")
@@ -75,12 +75,14 @@ class Varied:
         axes: of the grid; the last varies fastest.
         table: the file, in place of a grid.
         columns: initial condition, ``q.r``, → its column in the file, where that has another name.
+        keep: columns of the file that are written beside the results as they are.
     """
 
     chunk: int
     axes: tuple[Axis, ...]
     table: Path | None
     columns: Mapping[str, str]
+    keep: tuple[str, ...] = ()
 
 
 # ------------------------------------------------------------------------------------------------ its shape
@@ -106,6 +108,8 @@ def sweep_faults(given: object, scene: Toml) -> Iterator[str]:
         yield "sweep: give p or velocity, one of the two"
     if "columns" in given and "table" not in given:
         yield "sweep.columns: belongs to a table"
+    if "keep" in given and Path(str(given.get("table", ""))).suffix != ".parquet":
+        yield "sweep.keep: belongs to a table that is a .parquet"
     table = given.get("table")
     if isinstance(table, str) and Path(table).suffix not in SUFFIXES:
         yield f'sweep.table: "{table}" must end in {", ".join(SUFFIXES)}'
@@ -154,7 +158,7 @@ def read_sweep(given: Toml | None, folder: Path) -> Varied | None:
     table = Path(given["table"]) if "table" in given else None
     if table is not None and (folder / table).exists():
         table = folder / table
-    return Varied(given.get("chunk", CHUNK), axes, table, dict(given.get("columns", {})))
+    return Varied(given.get("chunk", CHUNK), axes, table, dict(given.get("columns", {})), tuple(given.get("keep", ())))
 
 
 def _axis(group: str, name: str, values: object) -> Axis:
@@ -184,7 +188,7 @@ def disagreements(sweep: Varied, names: list[str], fixed: Mapping[str, Mapping[s
             yield f'sweep.columns: "{key}" is no initial condition{nearest(key, keys(names))}'
     if sweep.table is None:
         yield from missing([f"{axis.group}.{axis.name}" for axis in sweep.axes], names, fixed)
-    elif not sweep.table.is_file():
+    elif not sweep.table.is_file() and not (sweep.table.suffix == ".parquet" and sweep.table.is_dir()):
         yield f"sweep.table: {sweep.table} is not there"
 
 

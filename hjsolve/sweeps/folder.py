@@ -3,8 +3,10 @@
     out.parquet/_manifest.json              what the sweep is, and, once it is complete, every part with its digest
     out.parquet/part-000000.parquet         orbits 0 … chunk − 1, and so on
     out.parquet/_writing-…                  a part on its way; readers skip names with an underscore
+    out.parquet/_journal.jsonl              size, digest and statuses of parts, a line each, as they came
 
-A part is written beside its place, brought to the disk, and renamed: the name is there only when the part is.
+A part is written beside its place, brought to the disk, and renamed: the name is there only when the part is. The
+journal saves looking into parts: going on with, and finishing, a sweep of 10⁵ parts lists the folder and opens none.
 """
 
 from __future__ import annotations
@@ -25,6 +27,7 @@ from hjsolve.arithmetic.number_types import Columns
 from hjsolve.ensembles.layout import RECOMPUTED, STATUS
 from hjsolve.ensembles.orbit_columns import WORDS
 from hjsolve.errors import InvalidInputError
+from hjsolve.sweeps.journal import JOURNAL, Journal, NotedPart
 
 MANIFEST, _LOCK, _WRITING = "_manifest.json", "_lock", "_writing-"
 FORMAT = 1
@@ -77,6 +80,11 @@ class Folder:
     path: Path
     plan: SweepPlan
 
+    @property
+    def journal(self) -> Journal:
+        """What is known of the parts without opening them."""
+        return Journal(self.path / JOURNAL)
+
     def part(self, number: int) -> Path:
         """The file of a part.
 
@@ -86,8 +94,24 @@ class Folder:
         return self.path / f"part-{number:06d}.parquet"
 
     def left(self) -> list[int]:
-        """The parts that are not there yet, in order; a file that is no whole part counts as not there."""
-        return [k for k in range(self.plan.parts) if not self._whole(k)]
+        """The parts that are not there yet, in order; a file that is no whole part counts as not there.
+
+        A part whose size is that in the journal is whole. Others, which a killed run had no time to note, or which were
+        changed, are looked into, and noted if they are whole.
+        """
+        sizes = _sizes(self.path)
+        noted = self.journal.parts()
+        missing = []
+        for number in range(self.plan.parts):
+            size = sizes.get(self.part(number).name)
+            if size is None:
+                missing.append(number)
+            elif number not in noted or noted[number].size != size:
+                if self._whole(number):
+                    self.journal.note(_looked_into(number, self.part(number)))
+                else:
+                    missing.append(number)
+        return missing
 
     def _whole(self, number: int) -> bool:
         begin, end = self.plan.window(number)
@@ -96,21 +120,27 @@ class Folder:
         except (FileNotFoundError, pa.ArrowInvalid):
             return False
 
-    def write(self, number: int, starts: Columns, columns: Columns) -> None:
+    def write(
+        self, number: int, starts: Columns, columns: Columns, kept: Mapping[str, pa.ChunkedArray] | None = None
+    ) -> None:
         """Write one part, completely or not at all.
 
         Args:
             number: of the part, from 0 on.
             starts: initial conditions, name → array of shape (n,).
             columns: results, name → array of shape (n,).
+            kept: columns of the table of starts that are passed on.
         """
         begin, end = self.plan.window(number)
         words = pa.DictionaryArray.from_arrays(pa.array(columns[STATUS]), pa.array(WORDS.tolist()))
-        arrays = {"orbit": np.arange(begin, end), **starts, STATUS: words, RECOMPUTED: columns[RECOMPUTED]}
+        arrays = {"orbit": np.arange(begin, end), **(kept or {}), **starts, STATUS: words}
+        arrays[RECOMPUTED] = columns[RECOMPUTED]
         arrays |= {name: column for name, column in columns.items() if name not in arrays}
         beside = self.path / f"{_WRITING}{number:06d}-{os.getpid()}"
         pq.write_table(pa.table(arrays), beside)
+        line = NotedPart(number, beside.stat().st_size, _digest(beside), _counts(columns))
         _moved(beside, self.part(number))
+        self.journal.note(line)
 
     def finish(self) -> dict[str, int]:
         """Write the complete manifest.
@@ -119,14 +149,12 @@ class Folder:
             Word of a status → orbits, and ``recomputed`` → orbits computed singly.
         """
         counts: dict[str, int] = {}
-        files = []
+        files, noted = [], self.journal.parts()
         for number in range(self.plan.parts):
-            path, (begin, end) = self.part(number), self.plan.window(number)
-            files.append({"file": path.name, "orbits": end - begin, "sha256": _digest(path)})
-            table = pq.read_table(path, columns=[STATUS, RECOMPUTED])
-            for entry in table[STATUS].value_counts().to_pylist():
-                counts[entry["values"]] = counts.get(entry["values"], 0) + entry["counts"]
-            counts[RECOMPUTED] = counts.get(RECOMPUTED, 0) + int(np.count_nonzero(table[RECOMPUTED].to_numpy()))
+            begin, end = self.plan.window(number)
+            files.append({"file": self.part(number).name, "orbits": end - begin, "sha256": noted[number].sha256})
+            for word, count in noted[number].statuses.items():
+                counts[word] = counts.get(word, 0) + count
         ordered = {word: counts[word] for word in [*WORDS.tolist(), RECOMPUTED] if word in counts}
         _write_manifest(self.path, {**self.plan.head, "complete": True, "statuses": ordered, "files": files})
         return ordered
@@ -203,6 +231,26 @@ def _moved(beside: Path, place: Path) -> None:
     with beside.open("rb+") as file:
         os.fsync(file.fileno())
     beside.replace(place)
+
+
+def _sizes(path: Path) -> dict[str, int]:
+    with os.scandir(path) as entries:
+        return {entry.name: entry.stat().st_size for entry in entries}
+
+
+def _counts(columns: Columns) -> dict[str, int]:
+    """Word of a status → orbits, and ``recomputed`` → orbits computed singly."""
+    codes, counts = np.unique(columns[STATUS], return_counts=True)
+    found = {str(WORDS[code]): int(count) for code, count in zip(codes, counts, strict=True)}
+    return {**found, RECOMPUTED: int(np.count_nonzero(columns[RECOMPUTED]))}
+
+
+def _looked_into(number: int, path: Path) -> NotedPart:
+    """What the journal would say of a part that is there."""
+    table = pq.read_table(path, columns=[STATUS, RECOMPUTED])
+    counts = {entry["values"]: entry["counts"] for entry in table[STATUS].value_counts().to_pylist()}
+    counts[RECOMPUTED] = int(np.count_nonzero(table[RECOMPUTED].to_numpy()))
+    return NotedPart(number, path.stat().st_size, _digest(path), counts)
 
 
 def _digest(path: Path) -> str:

@@ -45,6 +45,7 @@ def sweep_digest(scene: Scene, table: str, chunk: int) -> dict[str, str]:
             axes,
             sorted(sweep.columns.items()),
             *([scene.coordinates] if scene.coordinates == FIND else ()),
+            *([list(sweep.keep)] if sweep.keep else ()),
         ],
         "table": table,
     }

@@ -5,8 +5,9 @@ from __future__ import annotations
 import hashlib
 import io
 from collections.abc import Iterator, Mapping
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from pathlib import Path
+from typing import TYPE_CHECKING
 
 import numpy as np
 import sympy as sp
@@ -14,11 +15,18 @@ from numpy.typing import NDArray
 
 from hjsolve.arithmetic.number_types import Columns, Reals
 from hjsolve.catalog.schema import nearest
+from hjsolve.ensembles.layout import RECOMPUTED, STATUS
 from hjsolve.errors import InvalidInputError, MissingExtraError
 from hjsolve.formulas.read import number
 from hjsolve.motion.initial_data import to_bits
+from hjsolve.motion.wanted import OF_MANY_ORBITS
 from hjsolve.scenes import Scene
 from hjsolve.scenes.initial_grid import GROUPS, Axis, Varied, keys, missing, varied_kind
+
+if TYPE_CHECKING:
+    import pyarrow as pa
+
+    from hjsolve.sweeps.parquet_table import ParquetTable
 
 
 @dataclass(frozen=True, eq=False)
@@ -31,6 +39,9 @@ class SweepPoints:
         sizes: of the axes of a grid, the last varies fastest; (count,) for a table.
         varied: initial condition (``q.r``) → (its axis, its values along it).
         fixed: initial condition → the one number that it is in all orbits.
+        table: a Parquet table, of which every window is read when it is wanted.
+        heading: initial condition → its column in that table.
+        keep: columns of that table that are written beside the results.
     """
 
     kind: str
@@ -38,6 +49,23 @@ class SweepPoints:
     sizes: tuple[int, ...]
     varied: Mapping[str, tuple[int, Reals]]
     fixed: Mapping[str, float]
+    table: ParquetTable | None = None
+    heading: Mapping[str, str] = field(default_factory=dict)
+    keep: tuple[str, ...] = ()
+
+    def kept(self, begin: int, end: int) -> dict[str, pa.ChunkedArray]:
+        """The columns passed on, of the starts begin ≤ number < end, as they are.
+
+        Args:
+            begin, end: numbers of the first start and of the one after the last.
+
+        Returns:
+            Name → Arrow array of end − begin values.
+        """
+        if self.table is None or not self.keep:
+            return {}
+        rows = self.table.read(self.keep, begin, end)
+        return {name: rows[name] for name in self.keep}
 
     def window(self, names: list[str], begin: int, end: int) -> dict[str, Reals]:
         """The starts begin ≤ number < end: ``q.r`` … in the order of the coordinates, then ``p.r`` ….
@@ -50,11 +78,16 @@ class SweepPoints:
             Name → array of shape (end − begin,).
         """
         places = np.unravel_index(np.arange(begin, end), self.sizes)
+        columns: dict[str, Reals] = {}
+        if self.table is not None:
+            columns = self.table.doubles(tuple(dict.fromkeys(self.heading.values())), begin, end)
         result = {}
         for key in [f"{group}.{name}" for group in ("q", self.kind) for name in names]:
             if key in self.varied:
                 axis, values = self.varied[key]
                 result[key] = values[places[axis]]
+            elif key in self.heading:
+                result[key] = columns[self.heading[key]]
             else:
                 result[key] = np.full(end - begin, self.fixed[key])
         return result
@@ -72,23 +105,30 @@ def points_of(scene: Scene) -> tuple[SweepPoints, str]:
     """
     if scene.sweep is None:
         raise InvalidInputError(f"{scene.source}: has no table [sweep] that says what to vary; see docs/ensembles.md")
-    varied: dict[str, tuple[int, Reals]]
+    varied: dict[str, tuple[int, Reals]] = {}
+    rows: ParquetTable | None = None
+    heading: dict[str, str] = {}
     if scene.sweep.table is None:
         axes, digest = scene.sweep.axes, ""
         varied = {f"{axis.group}.{axis.name}": (k, _values(axis)) for k, axis in enumerate(axes)}
         sizes = tuple(axis.size for axis in axes)
+    elif scene.sweep.table.suffix == ".parquet":
+        rows, heading = _parquet(scene, scene.sweep, scene.sweep.table)
+        digest, sizes = rows.digest, (rows.rows,)
     else:
         columns, digest = _table(scene, scene.sweep, scene.sweep.table)
         varied = {key: (0, column) for key, column in columns.items()}
         sizes = (len(next(iter(columns.values()))),)
-    kind = varied_kind(varied, scene.fixed)
+    given = {*varied, *heading}
+    kind = varied_kind(given, scene.fixed)
     fixed = {
         f"{group}.{name}": float(to_bits(number(value, source=f"initial.{group}.{name}"))(64))
         for group in ("q", kind)
         for name, value in (scene.fixed.get(group) or {}).items()
-        if f"{group}.{name}" not in varied
+        if f"{group}.{name}" not in given
     }
-    return SweepPoints(kind, int(np.prod(sizes, dtype=np.int64)), sizes, varied, fixed), digest
+    count = int(np.prod(sizes, dtype=np.int64))
+    return SweepPoints(kind, count, sizes, varied, fixed, rows, heading, scene.sweep.keep), digest
 
 
 def _values(axis: Axis) -> Reals:
@@ -105,19 +145,23 @@ def _values(axis: Axis) -> Reals:
 def _table(scene: Scene, sweep: Varied, path: Path) -> tuple[dict[str, Reals], str]:
     try:
         digest = hashlib.sha256(path.read_bytes()).hexdigest()
-        found = {".csv": _csv, ".npz": _npz, ".parquet": _parquet}[path.suffix](path)
+        found = {".csv": _csv, ".npz": _npz}[path.suffix](path)
     except OSError as error:
         raise InvalidInputError(f"{path}: cannot be read ({error.strerror or type(error).__name__})") from error
     names = [c.name for c in scene.system.coordinates]
     heading = {key: sweep.columns.get(key, key) for key in keys(names)}
-    problems = list(_table_faults(found, heading, sweep, names, scene))
-    if problems:
-        raise InvalidInputError("\n".join(f"{path}: {problem}" for problem in problems))
+    rows = len(next(iter(found.values()), ()))
+    _refuse(path, _table_faults(list(found), rows, heading, sweep, names, scene))
     return {key: _column(path, name, found[name]) for key, name in heading.items() if name in found}, digest
 
 
+def _refuse(path: Path, problems: Iterator[str]) -> None:
+    if told := list(problems):
+        raise InvalidInputError("\n".join(f"{path}: {problem}" for problem in told))
+
+
 def _table_faults(
-    found: Columns, heading: Mapping[str, str], sweep: Varied, names: list[str], scene: Scene
+    found: list[str], rows: int, heading: Mapping[str, str], sweep: Varied, names: list[str], scene: Scene
 ) -> Iterator[str]:
     for name in found:
         if name.partition(".")[0] in GROUPS and "." in name and name not in heading.values():
@@ -131,7 +175,7 @@ def _table_faults(
     if {"p", "velocity"} <= {key.partition(".")[0] for key in present}:
         yield "columns of both p and velocity; give one of the two"
     yield from missing(present, names, scene.fixed)
-    if present and not len(found[heading[present[0]]]):
+    if present and not rows:
         yield "holds no rows"
 
 
@@ -177,14 +221,38 @@ def _npz(path: Path) -> Columns:
     return found
 
 
-def _parquet(path: Path) -> Columns:
+def _parquet(scene: Scene, sweep: Varied, path: Path) -> tuple[ParquetTable, dict[str, str]]:
+    """The table, of which only footers are read, and initial condition → its column."""
     try:
-        import pyarrow as pa
-        import pyarrow.parquet as pq
+        from hjsolve.sweeps.parquet_table import opened_table
     except ImportError as error:
         raise MissingExtraError(f'{path}: needs pyarrow: pip install "hjsolve[cluster]"') from error
     try:
-        table = pq.read_table(path)
-    except pa.ArrowInvalid as error:
-        raise InvalidInputError(f"{path}: is no Parquet file: {error}") from error
-    return {name: table[name].to_numpy(zero_copy_only=False) for name in table.column_names}
+        table = opened_table(path)
+    except OSError as error:
+        raise InvalidInputError(f"{path}: cannot be read ({error.strerror or type(error).__name__})") from error
+    names, found = [c.name for c in scene.system.coordinates], list(table.schema.names)
+    heading = {key: sweep.columns.get(key, key) for key in keys(names)}
+    _refuse(path, _table_faults(found, table.rows, heading, sweep, names, scene))
+    _refuse(path, _kept_faults(found, sweep))
+    present = {key: name for key, name in heading.items() if name in found}
+    for name in present.values():
+        if not table.numeric(name):
+            raise InvalidInputError(
+                f'{path}: column "{name}" must hold one number a row, not {table.schema.field(name).type}'
+            )
+    return table, present
+
+
+def _kept_faults(found: list[str], sweep: Varied) -> Iterator[str]:
+    for name in sweep.keep:
+        if name not in found:
+            yield f'no column "{name}" to keep{nearest(name, found)}'
+        if sweep.keep.count(name) > 1 or _is_written(name):
+            yield f'sweep.keep: "{name}" is a column of the results already; rename it'
+
+
+def _is_written(name: str) -> bool:
+    """Whether a name is, or looks like, one of a column that a sweep writes."""
+    first, dot, _ = name.partition(".")
+    return name in ("orbit", STATUS, RECOMPUTED) or bool(dot and first in (*GROUPS, *OF_MANY_ORBITS, "error"))

@@ -69,8 +69,8 @@ class SweepWork:
             starts: initial conditions, name → array of shape (n,).
             columns: results, name → array of shape (n,).
         """
-        self.folder.write(part, starts, columns)
         begin, end = self.folder.plan.window(part)
+        self.folder.write(part, starts, columns, self.points.kept(begin, end))
         self.tally.add(end - begin)
 
 

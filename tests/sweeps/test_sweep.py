@@ -60,7 +60,7 @@ def test_the_manifest_says_what_was_made(finished: Path) -> None:
     for file in held["files"]:
         assert hashlib.sha256((out / file["file"]).read_bytes()).hexdigest() == file["sha256"]
     assert sum(n for word, n in held["statuses"].items() if word != "recomputed") == 12
-    assert {path.name for path in out.iterdir()} - set(parts(out)) == {"_manifest.json", "_lock"}
+    assert {path.name for path in out.iterdir()} - set(parts(out)) == {"_manifest.json", "_lock", "_journal.jsonl"}
 
 
 @pytest.mark.parametrize("suffix", [".csv", ".npz", ".parquet"])
@@ -134,6 +134,37 @@ def test_a_damaged_part_is_computed_again(scene: Path, finished: Path) -> None:
     (out / "part-000004.parquet").unlink()
     assert hjsolve.sweep(scene, out).kept == 4
     assert parts(out) == whole
+
+
+def test_the_journal_saves_opening_parts_and_may_be_torn_or_lost(
+    scene: Path, finished: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    from hjsolve.sweeps import folder
+
+    journal, manifest = finished / "_journal.jsonl", (finished / "_manifest.json").read_bytes()
+    looked: list[str] = []
+    digest = folder._digest
+
+    def counted(path: Path) -> str:
+        looked.append(path.name)
+        return digest(path)
+
+    monkeypatch.setattr(folder, "_digest", counted)
+    lines = [line for line in journal.read_text().splitlines() if line]
+    for text, opened in [
+        ("\n".join(lines), []),
+        ("\n".join(lines)[:-20], ["part-000005.parquet"]),  # killed in the middle of the last line
+        ("\n".join(["0", "[1]", "{}", *lines[2:]]), ["part-000000.parquet", "part-000001.parquet"]),
+        ("", [f"part-00000{k}.parquet" for k in range(6)]),
+    ]:
+        journal.write_text(text)
+        looked.clear()
+        assert hjsolve.sweep(scene, finished).kept == 6
+        assert looked == opened
+        assert (finished / "_manifest.json").read_bytes() == manifest
+        looked.clear()
+        assert hjsolve.sweep(scene, finished).kept == 6
+        assert looked == []
 
 
 def test_a_complete_sweep_is_not_touched(scene: Path, finished: Path, monkeypatch: pytest.MonkeyPatch) -> None:
