@@ -203,8 +203,8 @@ def _instead_of_character(text: str, position: int) -> str:
     index = "₀₁₂₃₄₅₆₇₈₉".find(character)
     if index >= 0:
         before = re.search(r"[A-Za-z_\u0370-\u03ff\u00b5][A-Za-z0-9_\u0370-\u03ff\u00b5]*$", text[:position])
-        name = before.group() if before else "x"
-        return f"{shown} is not accepted; write the index as part of the name, {name}{index}"
+        stem = before.group() if before else "x"
+        return f"{shown} is not accepted; write the index as part of the name, {stem}{index}"
     return f"{shown} is not accepted; {_spelled(character)}"
 
 
