@@ -13,7 +13,7 @@ import sympy as sp
 from hjsolve.errors import ExpressionError
 from hjsolve.formulas import checked_arithmetic
 from hjsolve.formulas.checked_arithmetic import FUNCTIONS, Node
-from hjsolve.formulas.tokens import FormulaText, Token, instead_of_word, nearest_name
+from hjsolve.formulas.tokens import FormulaText, Token, instead_of_word, is_known_elsewhere, nearest_name
 
 MAX_DEPTH = 50
 RESERVED = frozenset({*FUNCTIONS, "pi", "dot"})
@@ -143,7 +143,8 @@ class Parser:
         names, speeds = ([near], []) if near else (list(self._names), list(self._velocities))
         message = instead_of_word(token.text, names, speeds, FUNCTIONS)
         argument, closing = ([*self._tokens, *self._tokens[-1:] * 2])[self._index + 1 : self._index + 3]
-        if opened and not near and self._velocities and argument.text in self._velocities and closing.text == ")":
+        free = opened and not near and not is_known_elsewhere(token.text)
+        if free and self._velocities and argument.text in self._velocities and closing.text == ")":
             applied = f"{token.text}({argument.text})"
             message += f'; for a function left undetermined declare functions=["{applied}"]'
         raise self._source.error(message, token.position)

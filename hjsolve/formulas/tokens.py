@@ -88,10 +88,24 @@ _INSTEAD_OF_WORD = {
     "oo": "a number must be finite",
     "infinity": "a number must be finite",
     "nan": "a number must be finite",
+    "max": "it has a crease where its arguments are equal; give each side its own domain",
+    "min": "it has a crease where its arguments are equal; give each side its own domain",
+    "Max": "it has a crease where its arguments are equal; give each side its own domain",
+    "Min": "it has a crease where its arguments are equal; give each side its own domain",
+    "Heaviside": "a step has no derivative; give each side its own domain",
+    "heaviside": "a step has no derivative; give each side its own domain",
+    "floor": "a step has no derivative; give each side its own domain",
+    "ceil": "a step has no derivative; give each side its own domain",
+    "Piecewise": "one formula for the whole domain; give each piece its own domain",
+    "interp": "a table is not accepted; write a formula that was fitted to it",
     "t": "an explicit time is not accepted; T and V may depend on coordinates and velocities only",
     "Pi": "write pi",
     "PI": "write pi",
 }
+_INSTEAD_OF_WORD |= dict.fromkeys(
+    ("erf", "erfc", "besselj", "besseli", "besselk", "hyp2f1"),
+    "only elementary functions are accepted; write it by them, or approximate it",
+)
 
 
 class Token(NamedTuple):
@@ -186,6 +200,11 @@ def _instead_of_character(text: str, position: int) -> str:
     shown = f"{character!r}" if character.isprintable() else ascii(character)
     if character in _INSTEAD_OF_CHARACTER:
         return f"{shown} is not accepted; {_INSTEAD_OF_CHARACTER[character]}"
+    index = "₀₁₂₃₄₅₆₇₈₉".find(character)
+    if index >= 0:
+        before = re.search(r"[A-Za-z_\u0370-\u03ff\u00b5][A-Za-z0-9_\u0370-\u03ff\u00b5]*$", text[:position])
+        stem = before.group() if before else "x"
+        return f"{shown} is not accepted; write the index as part of the name, {stem}{index}"
     return f"{shown} is not accepted; {_spelled(character)}"
 
 
@@ -198,8 +217,6 @@ def _spelled(character: str) -> str:
     if letter:
         name = {"LAMDA": "lam"}.get(letter[2], letter[2].lower())
         return f"write {name if letter[1] == 'SMALL' else name.capitalize()}"
-    if character in "₀₁₂₃₄₅₆₇₈₉":
-        return f"write the index as part of the name, x{plain}"
     if plain.isascii() and plain.isdecimal():
         return f"write **{plain}"
     fraction = plain.replace("⁄", "/")
@@ -220,6 +237,15 @@ def nearest_name(word: str, known: Iterable[str]) -> str:
     known = list(known)
     same = [name for name in known if name.lower() == word.lower()]
     return (same or difflib.get_close_matches(word, known, n=1, cutoff=0.6) or [""])[0]
+
+
+def is_known_elsewhere(word: str) -> bool:
+    """Whether the word has a meaning of its own in other programs, so that nobody left it undetermined.
+
+    Args:
+        word: what the user wrote.
+    """
+    return word in _INSTEAD_OF_WORD
 
 
 def instead_of_word(
