@@ -69,7 +69,8 @@ def _rc(x: Numbers, a: Numbers, b: Numbers) -> Complexes:
     with np.errstate(all="ignore"):
         w, root = np.sqrt(a - x + 1j * b), np.sqrt(x)
         value = np.where(abs(w) < root, _arc(w, root), (np.pi / 2 - np.arctan(root / w)) / w)
-        return np.where(x >= 0, value, np.nan)
+        inside: Complexes = np.where(x >= 0, value, complex(np.nan)).astype(complex)
+        return inside
 
 
 def _rj(x: Numbers, y: Numbers, z: Numbers, a: Numbers, b: Numbers) -> Complexes:
