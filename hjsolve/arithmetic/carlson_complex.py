@@ -60,16 +60,18 @@ def _broadcast(*arguments: Numbers) -> list[Doubles]:
 
 def _arc(w: Complexes, root: Doubles | float) -> Complexes:
     """arctan(w/root)/w; 1/root where w = 0."""
-    ratio = w / root
-    return np.where(ratio == 0, 1.0, np.arctan(ratio) / np.where(ratio == 0, 1.0, ratio)) / root
+    ratio = np.array(w / root, dtype=complex)
+    ratio[ratio == 0] = 1e-300  # where arctan is its argument
+    value: Complexes = np.arctan(ratio) / ratio / root
+    return value
 
 
 def _rc(x: Numbers, a: Numbers, b: Numbers) -> Complexes:
     x, a, b = _broadcast(x, a, b)
     with np.errstate(all="ignore"):
         w, root = np.sqrt(a - x + 1j * b), np.sqrt(x)
-        value = np.where(abs(w) < root, _arc(w, root), (np.pi / 2 - np.arctan(root / w)) / w)
-        return np.where(x >= 0, value, np.nan)
+        value: Complexes = np.where(abs(w) < root, _arc(w, root), (np.pi / 2 - np.arctan(root / w)) / w)
+        return value * np.where(x >= 0, 1.0, np.nan)
 
 
 def _rj(x: Numbers, y: Numbers, z: Numbers, a: Numbers, b: Numbers) -> Complexes:
@@ -93,7 +95,7 @@ def _rj(x: Numbers, y: Numbers, z: Numbers, a: Numbers, b: Numbers) -> Complexes
             p, A = (p + λ) * quarter, (A + λ) * quarter
         X, Y, Z = (A - x) / A, (A - y) / A, (A - z) / A
         value = weight * _series(X, Y, Z, -(X + Y + Z) / 2) / (A * np.sqrt(A)) + 6 * total
-        return np.where(good, value, np.nan)
+        return value * np.where(good, 1.0, np.nan)
 
 
 def _series(X: Complexes, Y: Complexes, Z: Complexes, P: Complexes) -> Complexes:

@@ -6,10 +6,11 @@ from collections.abc import Mapping
 
 import sympy as sp
 
-from hjsolve.closed_form.curves import W, why_no_curve
+from hjsolve.closed_form.curves import W
 from hjsolve.closed_form.energy_from_actions import solved_for_energy
 from hjsolve.closed_form.forms import RegimeForms
 from hjsolve.closed_form.inverses import inverse_forms, orbit_formulas, parametric_formulas
+from hjsolve.closed_form.involutions import why_no_form
 from hjsolve.closed_form.pieces import CoordinateIntegrals
 from hjsolve.closed_form.regime import Regime, positive_in, settled
 from hjsolve.closed_form.tidy import LONGEST, elliptic, longer_than, shortened_powers
@@ -30,7 +31,7 @@ def assembled(shop: Workshop, pieces: Integrals, made: Regime, special: Stratum)
         special: constant → what it is there.
     """
     solution, why_not = shop.solution, dict[str, str]()
-    reasons = {name: why_no_curve(own) for name, own in shop.curves.items()}
+    reasons = {name: why_no_form(own) for name, own in shop.curves.items()}
     time_law = _equation(solution, solution.time_law, shop.constants[0], pieces, special, reasons)
     if isinstance(time_law, str):
         time_law = why_not.setdefault("time_law", time_law) and None

@@ -6,7 +6,7 @@ x-axis the motion is on. The genus decides: deg P ≤ 2 elementary, 3 or 4 ellip
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Mapping
+from collections.abc import Mapping
 from dataclasses import dataclass, field, replace
 
 import sympy as sp
@@ -184,18 +184,3 @@ def named_constants(expression: sp.Expr, x: sp.Symbol) -> tuple[sp.Expr, dict[sp
             continue
         names[atom] = sp.Dummy(f"k{len(names)}", positive=atom.is_positive, real=True)
     return expression.xreplace(names), {name: atom for atom, name in names.items()}
-
-
-def why_no_curve(found: Iterable[MomentumCurve]) -> str:
-    """Why a coordinate has no form at all.
-
-    Args:
-        found: the curves of it, the simplest first.
-    """
-    best = next(iter(found), None)
-    if best is None:
-        return (
-            "p² is algebraic in none of the variables q, q², 1/q, cos, sin, tan half, exp, cosh, sinh, tanh, √(q² + c)"
-        )
-    g = genus(best.degree)
-    return f"y² = P({best.substitution.place}) of degree {best.degree} has genus {g}: no closed form in these functions"

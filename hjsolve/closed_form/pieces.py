@@ -10,10 +10,11 @@ import sympy as sp
 
 from hjsolve.closed_form.branch_points import NamedRoots, named_roots
 from hjsolve.closed_form.carlson import CarlsonMap, carlson_integral, carlson_map, pairs_map
-from hjsolve.closed_form.curves import MomentumCurve, W, why_no_curve
+from hjsolve.closed_form.curves import MomentumCurve, W
 from hjsolve.closed_form.elementary import Antiderivative, elementary_antiderivative, positive_root
 from hjsolve.closed_form.even_curves import EvenMap, even_integral, even_map
 from hjsolve.closed_form.fractions import partial_fractions
+from hjsolve.closed_form.involutions import why_no_form
 from hjsolve.closed_form.no_form import NoFormError
 from hjsolve.closed_form.real_branch_points import LegendreMap, elliptic_integral, legendre_map
 from hjsolve.closed_form.regions import RootInterval, root_interval_of
@@ -177,7 +178,7 @@ class _Task:
         self.curve, self.region, self.signs = curve, region, signs
         self.squared = square_curve(curve, region, signs, prefix) if reduces(curve) else None
         if curve.degree > 4 and self.squared is None:
-            raise NoFormError(why_no_curve([curve]))
+            raise NoFormError(why_no_form([curve]))
         self.ways: list[EvenMap | LegendreMap | CarlsonMap] = []
         if self.squared is not None:
             self.roots: NamedRoots | None = self.squared.roots

@@ -47,7 +47,7 @@ def _rj(x: mpmath.mpf, y: mpmath.mpf, z: mpmath.mpf, a: mpmath.mpf, b: mpmath.mp
     if any(mpmath.im(v) != 0 for v in (x, y, z, a, b)) or min(x, y, z) < 0:
         raise ValueError("R_J(x, y, z, a + ib) needs x, y, z ≥ 0 and real a, b")
     with mpmath.extraprec(20):
-        return _duplicated(*map(mpmath.mpf, (x, y, z)), mpmath.mpc(a, b))
+        return _duplicated(mpmath.mpf(x), mpmath.mpf(y), mpmath.mpf(z), mpmath.mpc(a, b))
 
 
 def _duplicated(x: mpmath.mpf, y: mpmath.mpf, z: mpmath.mpf, p: mpmath.mpc) -> mpmath.mpc:

@@ -12,6 +12,7 @@ from collections.abc import Mapping
 
 import numpy as np
 
+from hjsolve import arguments
 from hjsolve.arithmetic.estimate import Estimate
 from hjsolve.arithmetic.estimate_array import EstimateArray
 from hjsolve.arithmetic.floats import EPS, Multi, bits_for
@@ -40,6 +41,7 @@ def wave_at(motion: SeparatedMotion, q: Mapping[str, object], branch: Mapping[st
         OutsideMotionError: a place, or a branch, that the motion never has.
     """
     solution = motion.solution
+    q, branch = arguments.table(q, "q"), arguments.table(branch, "branch", '{"r": -1}')
     _check(motion, q, branch)
     fine = motion if motion.digits > FLOAT_DIGITS else separated_motion(
         solution, motion.initial, motion.t0, FINER, motion.parts
@@ -58,7 +60,7 @@ def wave_at(motion: SeparatedMotion, q: Mapping[str, object], branch: Mapping[st
         χ, whole = np.array([x for x, _ in found], dtype=object), np.array([n for _, n in found], dtype=object)
         part, slope, size = swept_from_start(fine.located[name].course, χ, whole, many=True)
         value = value + part
-        error = error + unit * ((1 + abs(χ)) * abs(slope) + 4 * size).astype(float)
+        error = error + unit * ((1 + abs(χ.astype(float))) * abs(slope.astype(float)) + 4 * size.astype(float))
     for coordinate in solution.system.coordinates:
         if coordinate.name not in solution.coordinates:
             c = to_bits(fine.initial.values[coordinate.momentum])(bits)
@@ -81,15 +83,13 @@ def _given(value: Numbers, error: Reals, shape: tuple[int, ...], digits: int) ->
 
 def _check(motion: SeparatedMotion, q: Mapping[str, object], branch: Mapping[str, int]) -> None:
     names = [c.name for c in motion.solution.system.coordinates]
-    if not isinstance(q, Mapping) or set(q) != set(names):
+    if set(q) != set(names):
         raise InvalidInputError(
             f"W at a place needs q of every coordinate: q={{{', '.join(f'{n!r}: …' for n in names)}}}"
         )
     for name, sign in branch.items():
         if name not in motion.solution.coordinates:
-            raise InvalidInputError(
-                f"{name!r} has no branches; separated are {', '.join(motion.solution.coordinates) or 'none'}"
-            )
+            raise InvalidInputError(f"{name!r} has no branches; separated are {', '.join(motion.solution.coordinates)}")
         if isinstance(sign, bool) or sign not in (1, -1):
             raise InvalidInputError(f"branch of {name}: +1 or -1, not {sign!r}")
 

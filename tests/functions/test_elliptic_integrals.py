@@ -234,7 +234,9 @@ def test_symbolic_roots_stay_symbols():
             "pole",
         ),
         (
-            lambda: complete(PartialFractions((), (), ((0, 1, 0, 1),)), BranchPoints(sp.S.One, (0, 1, 2)), (0, 1)),
+            lambda: legendre_complete(
+                PartialFractions((), (), ((0, 1, 0, 1),)), BranchPoints(sp.S.One, (0, 1, 2)), (0, 1)
+            ),
             "complex poles",
         ),
     ],

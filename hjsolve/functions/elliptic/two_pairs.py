@@ -14,6 +14,7 @@ d[(x − α₁) √(Q₂/Q₁)]; higher powers and poles from d[(x − ρ)ⁿ �
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from dataclasses import dataclass
 from functools import cached_property
 
@@ -23,7 +24,8 @@ from hjsolve.functions.carlson import CarlsonRC, CarlsonRD, CarlsonRF, CarlsonRJ
 from hjsolve.functions.elliptic.branch_points import BranchPoints, NoForm, PartialFractions
 from hjsolve.functions.jacobi import JacobiCN, JacobiSN
 
-HALF = sp.Rational(1, 2)
+_EDGE = -1
+"""The number of [√P] among the parts of a moment; integrals have 0, 1, 2."""
 
 
 def between(R: PartialFractions, P: BranchPoints, y: sp.Expr, x: sp.Expr) -> sp.Expr:
@@ -41,8 +43,7 @@ def between(R: PartialFractions, P: BranchPoints, y: sp.Expr, x: sp.Expr) -> sp.
     if R.complex_poles:
         raise NoForm("the integrand has complex poles, and P no real root")
     way = _Between(P, y, x)
-    terms = [c * way.power(k) for k, c in R.powers] + [c * way.pole(r, m) for r, m, c in R.poles]
-    return sp.Add(*terms)
+    return sp.Add(way.powers(R.powers), *(c * way.pole(r, m) for r, m, c in R.poles))
 
 
 def around(R: PartialFractions, P: BranchPoints) -> sp.Expr:
@@ -199,24 +200,36 @@ class _Between:
             value += δ11 * ψ / γ1**2 * d**3 * (CarlsonRJ(*self.Z, Ω) / 3 + CarlsonRC(a2, b2) / 2)
         return value
 
-    def power(self, k: int) -> sp.Expr:
-        """∫ xᵏ dx/√P.
+    def powers(self, wanted: Sequence[tuple[int, sp.Expr]]) -> sp.Expr:
+        """Σ c ∫ xᵏ dx/√P: all from three integrals and one edge, each once.
 
         Args:
-            k: from 0 on.
+            wanted: (k, c), k from 0 on.
         """
-        if k < 2:
-            return self.linear if k else self.first
-        α1 = self.P.pairs[0][0]
-        return sp.Add(*(sp.binomial(k, n) * α1 ** (k - n) * self._about_first(n) for n in range(k + 1)))
+        α1, total = self.P.pairs[0][0], dict[int, sp.Expr]()
+        for k, c in wanted:
+            for n in range(k + 1):
+                weight = c * sp.binomial(k, n) * α1 ** (k - n)
+                for j, part in self._reduced(n).items():
+                    total[j] = total.get(j, sp.S.Zero) + weight * part
+        if set(total) <= {0, 1}:  # no second kind
+            one = total.get(1, sp.S.Zero)
+            return (total.get(0, sp.S.Zero) - α1 * one) * self.first + one * self.linear
+        integrals = [total.pop(j, sp.S.Zero) * integral for j, integral in enumerate(self.about_first)]
+        return sp.Add(*integrals, *(part * self._edge(α1, _EDGE - j) for j, part in total.items()))
 
-    def _about_first(self, n: int) -> sp.Expr:
+    def _reduced(self, n: int) -> dict[int, sp.Expr]:
+        """∫ sⁿ dx/√P in those of n = 0, 1, 2, by their numbers, and in [sᵐ √P], by the number ``_EDGE`` − m."""
         if n < 3:
-            return self.about_first[n]
-        α1, m = self.P.pairs[0][0], n - 3
-        P = self.P.taylor(α1)
-        lower = [P[k] * (m + sp.Rational(k, 2)) * self._about_first(m + k - 1) for k in range(4) if m + k > 0]
-        return (self._edge(α1, m) - sp.Add(*lower)) / ((m + 2) * P[4])
+            return {n: sp.S.One}
+        m, found = n - 3, dict[int, sp.Expr]()
+        P = self.P.taylor(self.P.pairs[0][0])
+        size = (m + 2) * P[4]
+        found[_EDGE - m] = 1 / size
+        for k in range(4):
+            for j, part in self._reduced(m + k - 1).items() if m + k > 0 else ():
+                found[j] = found.get(j, sp.S.Zero) - P[k] * (m + sp.Rational(k, 2)) / size * part
+        return found
 
     def _edge(self, place: sp.Expr, n: int) -> sp.Expr:
         """(x − place)ⁿ √P from y to x."""
@@ -242,4 +255,4 @@ class _Between:
         """∫ (x − place)ⁿ dx/√P."""
         if n < 0:
             return self.pole(place, -n)
-        return sp.Add(*(sp.binomial(n, k) * (-place) ** (n - k) * self.power(k) for k in range(n + 1)))
+        return self.powers([(k, sp.binomial(n, k) * (-place) ** (n - k)) for k in range(n + 1)])

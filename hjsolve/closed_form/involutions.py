@@ -1,0 +1,115 @@
+"""What a hyperelliptic curve reduces to: the least genus on which integrals of a coordinate lie, and what was tried.
+
+An involution of the x-axis that maps P to itself divides the curve: x ↦ −x about the middle of the roots, x ↦ 1/x and
+x ↦ −1/x (the reflections of an angle, through the tangent of its half). Even integrands over y² = P(x²) are those over
+y² = X P(X), X = x², of about half the genus; so again and again. Of a curve of genus 2 every involution is looked for:
+six branch points are exchanged in three pairs by a Möbius map if the three quadratics that have the pairs as roots
+are linearly dependent (Bolza, Amer. J. Math. 10 (1887) 47).
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterable, Iterator
+
+import mpmath
+import sympy as sp
+
+from hjsolve.closed_form.curves import MomentumCurve, genus
+
+_DIGITS = 60
+_NOTHING = mpmath.mpf(10) ** -25
+
+
+def why_no_form(found: Iterable[MomentumCurve]) -> str:
+    """Why a coordinate has no form at all: the genus that is left, and which involutions were looked for.
+
+    Args:
+        found: its curves, the simplest first.
+    """
+    curves = list(found)
+    if not curves:
+        return (
+            "p² is algebraic in none of the variables q, q², 1/q, cos, sin, tan half, exp, cosh, sinh, tanh, √(q² + c)"
+        )
+    reduced = [(curve, *_reduced(_at_random(curve.polynomial))) for curve in curves]
+    curve, P, steps = min(reduced, key=lambda row: (genus(row[1].degree()), row[2]))
+    g, place = genus(P.degree()), curve.substitution.place
+    text = f"y² = P({place}) of degree {curve.degree} has genus {genus(curve.degree)}"
+    if steps:
+        text += f", by its reflections {g}"
+    if g == 2:
+        text += (
+            ", and reduces by a Möbius involution, which is not done here"
+            if _in_involution(P)
+            else ", and no Möbius involution reduces it"
+        )
+    return f"{text}: no closed form in these functions"
+
+
+def _at_random(P: sp.Poly) -> sp.Poly:
+    """P for rational constants that nobody chose: what is not special there is not special at all."""
+    symbols = sorted(set().union(*(c.free_symbols for c in P.all_coeffs())), key=str)
+    values = {s: sp.Rational(17 + 12 * k + k * k, 10 + 7 * k) for k, s in enumerate(symbols)}
+    given = [c.xreplace(values) for c in P.all_coeffs()]
+    return sp.Poly([c if c.is_Rational else sp.Rational(str(sp.N(c, _DIGITS))) for c in given], P.gen, domain="QQ")
+
+
+def _reduced(P: sp.Poly) -> tuple[sp.Poly, int]:
+    """P after all its reflections are divided out, and how many there were."""
+    steps = 0
+    while P.degree() > 4:
+        divided = next(_divided(P), None)
+        if divided is None or genus(divided.degree()) >= genus(P.degree()):
+            break
+        P, steps = divided, steps + 1
+    return P, steps
+
+
+def _divided(P: sp.Poly) -> Iterator[sp.Poly]:
+    """X P(X) of every reflection of P, X the square of a variable in which P is even."""
+    x, even = P.gen, P.degree() + P.degree() % 2
+    middle = -P.coeff_monomial(x ** (P.degree() - 1)) / (P.degree() * P.LC())
+    shifted = P.compose(sp.Poly(x + middle, x))
+    below, above = sp.Poly(1 - x, x), sp.Poly(1 + x, x)
+    parts = [c * above**n * below ** (even - n) for (n,), c in P.terms()]
+    turned = sum(parts[1:], parts[0])
+    for candidate in (shifted, turned):
+        terms = [(n, c) for (n,), c in candidate.terms() if c != 0]
+        if all(n % 2 == 0 for n, _ in terms):
+            more = 1 if candidate.degree() == even or candidate is shifted else 0
+            yield sp.Poly(sp.Add(*(c * x ** (n // 2 + more) for n, c in terms)), x)
+
+
+def _in_involution(P: sp.Poly) -> bool:
+    """Whether a Möbius involution exchanges the six branch points of a curve of genus 2."""
+    with mpmath.workdps(_DIGITS):
+        coefficients = [mpmath.mpf(int(c.p)) / int(c.q) for c in P.all_coeffs()]
+        roots = mpmath.polyroots(coefficients, maxsteps=400, extraprec=400)
+        points = [(root, mpmath.mpf(1)) for root in roots]
+        points += [(mpmath.mpf(1), mpmath.mpf(0))] * (6 - len(points))
+        return any(_dependent([_quadratic(*pair) for pair in pairs]) for pairs in _pairings(points))
+
+
+Point = tuple[mpmath.mpc, mpmath.mpf]
+"""Of the projective line: x = first/second."""
+
+
+def _quadratic(p: Point, q: Point) -> list[mpmath.mpc]:
+    row = [p[1] * q[1], -(p[0] * q[1] + p[1] * q[0]), p[0] * q[0]]
+    size = max(map(abs, row))
+    return [c / size for c in row]
+
+
+def _dependent(rows: list[list[mpmath.mpc]]) -> bool:
+    return bool(abs(mpmath.det(mpmath.matrix(rows))) < _NOTHING)
+
+
+def _pairings(points: list[Point]) -> Iterator[tuple[tuple[Point, Point], ...]]:
+    """The fifteen ways to part six points into pairs."""
+    if not points:
+        yield ()
+        return
+    first, *others = points
+    for k, partner in enumerate(others):
+        for rest in _pairings(others[:k] + others[k + 1 :]):
+            yield ((first, partner), *rest)
