@@ -68,8 +68,8 @@ def away_from_turns(page, span: float) -> float:
 
 
 @pytest.mark.parametrize(("name", "asked"), [
-    *((name, {}) for name in TYPED), ("kepler-planar", {}), ("spherical-pendulum", {}), ("two-centres-plane", {}),
-    ("kuzmin-kutuzov", {}), ("pendulum", {"g": (5.0, 15.0), "l": None}), ("kepler-planar", {"k": None}),
+    *((name, {}) for name in TYPED), ("kepler-planar", {}), ("spherical-pendulum", {}),
+    ("pendulum", {"g": (5.0, 15.0), "l": None}), ("kepler-planar", {"k": None}),
 ])  # fmt: skip
 def test_tables_are_within_their_bound_of_motions_of_the_engine(name: str, asked) -> None:
     """At random settings of the sliders; the engine starts where the page does, which may be off itself."""

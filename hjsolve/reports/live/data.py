@@ -26,9 +26,10 @@ from hjsolve.reports.live.neighbours import WAVES, LiveCoordinate, Neighbours
 from hjsolve.reports.live.tables import LiveTables
 
 _TWO, _SEEN = 2, 1 / 300
+Json = dict[str, Any]
 
 
-def live_data(tables: LiveTables) -> dict[str, Any]:
+def live_data(tables: LiveTables) -> Json:
     """Return everything that the script reads.
 
     Args:
@@ -64,7 +65,7 @@ def label(name: str) -> str:
     return plain(name_box(name))
 
 
-def _coordinate(tables: LiveTables, k: int, own: LiveCoordinate) -> dict[str, Any]:
+def _coordinate(tables: LiveTables, k: int, own: LiveCoordinate) -> Json:
     parts = {
         group: {"begin": begin, "ranks": tables.kept[i, group].tolist()}
         for (i, group), (begin, _) in tables.layout.items()
@@ -74,7 +75,7 @@ def _coordinate(tables: LiveTables, k: int, own: LiveCoordinate) -> dict[str, An
     return {**named, "direction": own.direction, "phase": own.phase, "parts": parts}
 
 
-def _tape(tape: Tape) -> dict[str, Any]:
+def _tape(tape: Tape) -> Json:
     return {
         "operations": [[o.code, *o.operands, *o.payload] for o in tape.operations],
         "outputs": list(tape.outputs),
@@ -86,7 +87,7 @@ def _symbols(motion: Motion) -> list[sp.Symbol]:
     return [*(c.symbol for c in solution.constants.values()), *(p.symbol for p in solution.system.parameters)]
 
 
-def _well(subject: Neighbours, own: LiveCoordinate) -> dict[str, Any]:
+def _well(subject: Neighbours, own: LiveCoordinate) -> Json:
     """P² and its derivative by the constant that plays the part of the energy: the effective potential."""
     motion = subject.motion
     solution = motion.solution
@@ -104,13 +105,13 @@ def _well(subject: Neighbours, own: LiveCoordinate) -> dict[str, Any]:
     }  # fmt: skip
 
 
-def _where(subject: Neighbours) -> dict[str, Any]:
+def _where(subject: Neighbours) -> Json:
     """The place of the moving point as a tape over the coordinates, and how it is drawn."""
     motion = subject.motion
     solution, system = motion.solution, motion.solution.system
     where, formulas = _drawn(motion)
     names = [c.name for c in system.coordinates]
-    shown: dict[str, Any] = {
+    shown: Json = {
         "names": names, "axes": [label(a) for a in where.axes[:2]], "solid": where.shape in ("space", "sphere"),
         "equal": where.shape in ("plane", "space", "sphere"), "ball": where.shape == "sphere",
         "centred": where.kind in ("polar", "spherical", "parabolic"), "tape": None,
@@ -149,7 +150,7 @@ def _drawn(motion: Motion) -> tuple[Embedding, list[sp.Expr]]:
     return where, formulas
 
 
-def _torus(subject: Neighbours) -> dict[str, Any] | None:
+def _torus(subject: Neighbours) -> Json | None:
     """Which two angle variables the torus has: of two separated coordinates, or of one and an ignorable angle."""
     names = [c.name for c in subject.coordinates]
     if len(names) >= _TWO:
@@ -163,7 +164,7 @@ def _torus(subject: Neighbours) -> dict[str, Any] | None:
     return {"ignorable": True, "second": k, "labels": [label(names[0]), label(subject.ignorable[k])]}
 
 
-def _map(tables: LiveTables) -> dict[str, Any] | None:
+def _map(tables: LiveTables) -> Json | None:
     """The map of the static report, where both of its constants have sliders: its window and its critical curves."""
     named = [s.name for s in tables.sliders]
     try:
