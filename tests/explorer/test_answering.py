@@ -39,7 +39,7 @@ def without_words(system: hjsolve.System) -> hjsolve.System:
     table = hjsolve.catalog.table_of(system)
     for part in (*table["coordinates"], *table["parameters"]):
         part.pop("unit", None), part.pop("meaning", None)
-    table.pop("title", None), table.pop("id", None)
+    table.pop("title", None), table.pop("id", None), table.pop("units", None)
     return hjsolve.catalog.from_table(table)
 
 

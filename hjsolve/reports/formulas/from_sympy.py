@@ -150,7 +150,7 @@ def _product(expression: sp.Mul) -> Box:
             above.append(factor)
     if not isinstance(coefficient, sp.Rational):
         return _side_by_side([coefficient, *above], below)
-    if coefficient.q != 1 and not below and not rest.is_number:
+    if coefficient.q != 1 and not below and (not rest.is_number or rest.has(sp.Function)):  # but π/2, √6/12
         return row(_box(coefficient), _side_by_side(above, []))
     top = [sp.Integer(coefficient.p)] if coefficient.p != 1 or not above else []
     bottom = [sp.Integer(coefficient.q)] if coefficient.q != 1 else []

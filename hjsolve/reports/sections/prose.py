@@ -87,7 +87,7 @@ def _named(text: str, names: Collection[str]) -> list[Inline]:
     indexed = [rf"[A-Z](?:_(?:{spelled_names}))+"] if names else []
     indexed.append(r"[A-Za-z]_(?:\d|[a-z])[a-z0-9]*")
     pattern = "|".join([*(re.escape(n) for n in sorted(telling, key=len, reverse=True)), spelled, *indexed])
-    apart, after = r"(?<![\d’'-] )(?<![’'-])(?<![A-Z]\. )", r"(?![’'-]|\.\w|\. [A-Z]\.)"  # 5 m, d'Alembert, e.g., M. V.
+    apart, after = r"(?<![\d’'-] )(?<![’'*/^(-])(?<![A-Z]\. )", r"(?![’'*/^(-]|\.\w|\. [A-Z]\.)"  # 5 m, d'Alembert
     alone = f"{apart}[{''.join(sorted(letters))}]{after}"
     pieces = re.split(rf"(?<![\w.])({pattern}|{alone})(?!\w)", text)
     return [Mathematics(typeset_name(p, names)) if i % 2 else typeset(p) for i, p in enumerate(pieces) if p]
