@@ -1,4 +1,4 @@
-"""``find_coordinates``: all orthogonal separable coordinate systems of a natural system in the plane or in space."""
+"""``find_coordinates``: all orthogonal separable coordinates of a natural system in plane, space or on a sphere."""
 
 from __future__ import annotations
 
@@ -11,6 +11,8 @@ import sympy as sp
 from hjsolve import arguments
 from hjsolve.coordinates.charts.named_constants import Values, restored, with_named_constants
 from hjsolve.coordinates.charts.transform import Cartesian, web_of
+from hjsolve.coordinates.curved.embedding import Sphere, sphere_of
+from hjsolve.coordinates.curved.sphere import on_sphere, sphere_kernel, webs_on_sphere
 from hjsolve.coordinates.killing.killing_tensors import (
     Kernel,
     concircular_basis,
@@ -52,12 +54,13 @@ _PARTIAL = ("split", "sphere", "unresolved")
 def find_coordinates(
     system: System | str | Path, *, special: bool = True, budget: float = 20.0
 ) -> SeparableCoordinates:
-    """Find every orthogonal coordinate system in which a natural system of the plane or of space separates.
+    """Find every orthogonal coordinate system in which a natural system of the plane, space or a sphere separates.
 
     The system must be given in Cartesian coordinates: T = ½ Σ m_i ẋ_i² with constant masses (a constant symmetric
     mass matrix is brought to this form), V(x) analytic. Solves d(K·dV) = 0 exactly for the constants of the Killing
     tensors K (6 in the plane, 20 in space), sorts the solutions that are concircular tensors into the 4 or 11 webs
     (Rajaratnam, McLenaghan, Valero, SIGMA 12 (2016) 117), transforms the system and lets ``separate`` certify it.
+    Two coordinates whose T has constant positive curvature are on a sphere: its webs are found (``curved``).
 
     Args:
         system: the system, or the id or file of a catalog entry; its parameters stay symbolic and count as generic.
@@ -81,24 +84,58 @@ def find_coordinates(
     """
     system = system_of(system, "find_coordinates")
     start, budget = time.monotonic(), arguments.seconds(budget, "budget")
+    sphere = _sphere(system)
+    if sphere is not None:
+        return _on_sphere(sphere, start, special=special, budget=budget)
     cartesian = cartesian_form(system)
     full, reduced = _kernels(cartesian)
     geometries, webs = _webs(reduced, cartesian, budget)
     values: tuple[ParameterValues, ...] = ()
     if special and full.pivots:
-        found = exceptional_values(cartesian.potential, cartesian.X, killing_basis(cartesian.X), full)
-        values = tuple(ParameterValues({s.name: e for s, e in one.conditions}, one.dimension) for one in found)
+        values = _special_values(cartesian, killing_basis(cartesian.X), full)
     return SeparableCoordinates(
         system,
         full.dimension,
         reduced.dimension,
-        _tensors(full, cartesian),
+        _combined(full, killing_basis(cartesian.X)),
         webs,
         values,
         full.complete and reduced.complete,
         _advice(full, geometries, webs, values),
         time.monotonic() - start,
     )
+
+
+def _sphere(system: System) -> Sphere | None:
+    """The sphere that a natural system of two coordinates moves on, if it does on one."""
+    if len(system.coordinates) != 2 or any(linear_terms(system)) or kinetic_rest(system) != 0:
+        return None
+    return sphere_of(system, sign_by(_sign_values(system)))
+
+
+def _on_sphere(sphere: Sphere, start: float, *, special: bool, budget: float) -> SeparableCoordinates:
+    given = on_sphere(sphere, _sign_values(sphere.system))
+    full, basis = sphere_kernel(given)
+    geometries, webs = webs_on_sphere(given, budget=budget)
+    values = _special_values(given.space, basis, full) if special and full.pivots else ()
+    return SeparableCoordinates(
+        sphere.system,
+        full.dimension,
+        full.dimension,
+        _combined(full, basis),
+        webs,
+        values,
+        full.complete,
+        _advice(full, [g for g in geometries if g.kind != "sphere"], webs, values),
+        time.monotonic() - start,
+    )
+
+
+def _special_values(
+    cartesian: Cartesian, basis: Sequence[sp.ImmutableMatrix], full: Kernel
+) -> tuple[ParameterValues, ...]:
+    found = exceptional_values(cartesian.potential, cartesian.X, basis, full)
+    return tuple(ParameterValues({s.name: e for s, e in one.conditions}, one.dimension) for one in found)
 
 
 def _kernels(cartesian: Cartesian) -> tuple[Kernel, Kernel]:
@@ -177,12 +214,9 @@ def _with_letters(
     return geometries, tuple(restored(web, values, cartesian, budget=budget) for web in webs)
 
 
-def _tensors(full: Kernel, cartesian: Cartesian) -> tuple[sp.ImmutableMatrix, ...]:
-    n = len(cartesian.X)
-    basis = killing_basis(cartesian.X)
-    return tuple(
-        sp.ImmutableMatrix(sum((c * K for c, K in zip(v, basis, strict=True)), sp.zeros(n, n))) for v in full.vectors
-    )
+def _combined(full: Kernel, basis: Sequence[sp.ImmutableMatrix]) -> tuple[sp.ImmutableMatrix, ...]:
+    zero = sp.zeros(*basis[0].shape)
+    return tuple(sp.ImmutableMatrix(sum((c * K for c, K in zip(v, basis, strict=True)), zero)) for v in full.vectors)
 
 
 def _geometries(reduced: Kernel, cartesian: Cartesian) -> list[Geometry]:

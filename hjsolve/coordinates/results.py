@@ -32,14 +32,15 @@ class ParameterValues(Shown):
 
 @dataclass(frozen=True, repr=False)
 class SeparableCoordinates(Shown):
-    """All orthogonal separable coordinate systems of a natural system in the plane or in space.
+    """All orthogonal separable coordinate systems of a natural system in the plane, in space or on a sphere.
 
     Attributes:
         system: the system asked about.
         kernel_dimension: number of independent Killing tensors K with d(K·dV) = 0, the metric included; the number of
             quadratic integrals, energy included.
         concircular_dimension: number of independent concircular tensors L whose K = (tr L) g − L is in the kernel.
-        killing_tensors: a basis of the kernel, matrices of polynomials in the coordinates of equal mass.
+        killing_tensors: a basis of the kernel, matrices of polynomials in the coordinates of equal mass (on a sphere:
+            those of space, quadratic in x × p).
         webs: the separable webs; a family is given by a representative.
         special: parameter values at which there are more.
         complete: whether the dimensions were confirmed by an independent count.

@@ -51,7 +51,7 @@ def chart_and_axes(
         covering: the chart without ends (``covering``) instead of the usual one.
     """
     make = covering_chart if covering else chart
-    n, symbol = len(cartesian.x), _symbol_maker(cartesian)
+    n, symbol = len(cartesian.x), symbol_maker(cartesian)
     return _adapted(make(geometry.kind, geometry.lengths, n, symbol), geometry, cartesian)
 
 
@@ -74,7 +74,7 @@ def web_of(geometry: Geometry | Web, cartesian: Cartesian, *, budget: float, cov
         for i, c in enumerate(centre)
     ]
     in_frame = flattened(cartesian.potential.subs(dict(zip(cartesian.X, moved, strict=True)), simultaneous=True), L)
-    carrier = ChangeOfVariables(dict(zip(L, local.place, strict=True)), _domain_sign(local, cartesian), set())
+    carrier = ChangeOfVariables(dict(zip(L, local.place, strict=True)), domain_sign(local, cartesian), set())
     potential = carrier.carry(in_frame)
     speeds = [sp.Symbol(f"dot({name})", real=True) for name in names]
     kinetic = cartesian.mass / 2 * sp.Add(*(h * v**2 for h, v in zip(local.scale, speeds, strict=True)))
@@ -102,7 +102,7 @@ def web_of(geometry: Geometry | Web, cartesian: Cartesian, *, budget: float, cov
         transformation,
         transformed,
         separate(transformed, budget=budget),
-        _remark(geometry, local, carrier.assumed),
+        remark_of(geometry, local, carrier.assumed),
     )
 
 
@@ -138,7 +138,7 @@ def _adapted(
     return replace(local, scale=tuple(sp.radsimp(sp.simplify(norm_squared(axis))) for axis in axes)), tuple(axes)
 
 
-def _symbol_maker(cartesian: Cartesian) -> Callable[[str, CoordinateRange], sp.Symbol]:
+def symbol_maker(cartesian: Cartesian) -> Callable[[str, CoordinateRange], sp.Symbol]:
     """Return a maker of coordinate symbols; a name that is a parameter's gets a number."""
     taken = {p.name for p in cartesian.system.parameters}
     taken |= {name[2:] for name in taken if name.startswith("p_")}
@@ -152,7 +152,7 @@ def _symbol_maker(cartesian: Cartesian) -> Callable[[str, CoordinateRange], sp.S
     return symbol
 
 
-def _domain_sign(local: SeparableChart, cartesian: Cartesian) -> Callable[[sp.Expr], int]:
+def domain_sign(local: SeparableChart, cartesian: Cartesian) -> Callable[[sp.Expr], int]:
     """Return the sign of an expression at random points of the domain; 0 where it changes or a parameter decides."""
     random = Random(11)  # noqa: S311
     points = [
@@ -193,7 +193,7 @@ def _inside(where: CoordinateRange, values: Mapping[sp.Symbol, sp.Expr], random:
     )
 
 
-def _remark(geometry: Geometry | Web, local: SeparableChart, assumed: Iterable[sp.Expr]) -> str:
+def remark_of(geometry: Geometry | Web, local: SeparableChart, assumed: Iterable[sp.Expr]) -> str:
     """Say what the chart covers and what was taken to be positive."""
     radicands = {
         p.base
