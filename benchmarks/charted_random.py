@@ -42,7 +42,8 @@ def _frame(dice: random.Random, count: int) -> list[sp.Expr]:
         turn = sp.eye(count)
         turn[k, k], turn[k, m], turn[m, k], turn[m, m] = (sp.Rational(e, c) for e in (a, b, -b, a))
         place = turn * place
-    return [sp.expand(sp.Rational(dice.randint(5, 15), 10) * e) for e in place]
+    unit = sp.Rational(dice.randint(5, 15), 10)
+    return [sp.expand(unit * e) for e in place]
 
 
 def _function(dice: random.Random, t: sp.Expr, closed: int = 0) -> sp.Expr:
