@@ -40,6 +40,8 @@ from benchmarks.charted_starts import Start, anywhere, solved, value_of, with_ze
 from benchmarks.charted_systems import PLANE, SPACE, centre_of, system_named
 from benchmarks.quad_twin import _FUNCTIONS, Quad, quad
 
+Row = Mapping[str, Any]
+"""A finding, as it is read from the file."""
 PERIODS = (1, 100, 10_000)
 _DIGITS, _LIMIT, _SLOW = 30, 60, 10.0
 _MOST_STEPS = {"quad": 20_000, "long": 2_000_000}
@@ -236,7 +238,7 @@ def _apart(better: Any, other: Sequence[Any] | None, names: Sequence[str], k: in
         return float(max(abs(a - b) for a, b in zip(truth, other, strict=True)) / size)
 
 
-def fault_of(finding: Mapping[str, Any]) -> str:
+def fault_of(finding: Row) -> str:
     """What is not right about a motion; empty where all is."""
     if finding["outcome"] != "ok":
         return str(finding["outcome"])
@@ -253,7 +255,7 @@ def fault_of(finding: Mapping[str, Any]) -> str:
     return "; ".join(faults)
 
 
-def _row(name: str, found: Sequence[Mapping[str, Any]]) -> str:
+def _row(name: str, found: Sequence[Row]) -> str:
     """A row of the table."""
     solution, spent = solved(name)
     web = solution.chart.kind if solution.chart else "as given"
@@ -273,20 +275,20 @@ def _row(name: str, found: Sequence[Mapping[str, Any]]) -> str:
     )
 
 
-def _crossed(name: str, found: Sequence[Mapping[str, Any]]) -> list[bool]:
+def _crossed(name: str, found: Sequence[Row]) -> list[bool]:
     """For every coordinate, whether a motion is seen on both sides of the plane through the middle of the starts."""
     count = len(without_wall(name))
     return [any(len({place[k] for place in f["visited"]}) == 2 for f in found) for k in range(count)]
 
 
-def _planes(name: str, found: Sequence[Mapping[str, Any]]) -> str:
+def _planes(name: str, found: Sequence[Row]) -> str:
     """Which of the planes without a wall are crossed."""
     pairs = zip("xyz", _crossed(name, found), without_wall(name), strict=False)
     told = [(c, crossed) for c, crossed, free in pairs if free]
     return f"{' '.join(c for c, crossed in told if crossed) or 'none'} of {' '.join(c for c, _ in told) or 'none'}"
 
 
-def table(findings: Sequence[Mapping[str, Any]], names: Sequence[str]) -> None:
+def table(findings: Sequence[Row], names: Sequence[str]) -> None:
     """Print the rows, then what is not right."""
     columns = "system web solve,_s motion,_s starts states_right error/claim claim/error octants planes_crossed heyoka"
     print("| " + " | ".join(c.replace("_", " ") for c in columns.split()) + " |")
