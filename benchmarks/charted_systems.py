@@ -12,6 +12,7 @@ from typing import Any
 import sympy as sp
 
 import hjsolve
+from benchmarks import charted_random
 
 R2, R3 = "sqrt(x**2 + y**2)", "sqrt(x**2 + y**2 + z**2)"
 T2, T3 = "(dot(x)**2 + dot(y)**2)/2", "(dot(x)**2 + dot(y)**2 + dot(z)**2)/2"
@@ -97,7 +98,10 @@ def _text(V: Any) -> Any:
 
 
 def system_named(name: str) -> hjsolve.System:
-    """The system of a row."""
+    """The system of a row; "random 17" is the seventeenth of ``charted_random``."""
+    if name.startswith("random "):
+        n, web, potential = charted_random.made(int(name.split()[1]))
+        return hjsolve.System(dict.fromkeys("xyz"[:n], "line"), (T2, T3)[n - 2], potential, title=f"{name}, {web}")
     n = 2 if name in PLANE else 3
     potential = _text({**PLANE, **SPACE}[name])
     return hjsolve.System(dict.fromkeys("xyz"[:n], "line"), (T2, T3)[n - 2], potential, title=name)

@@ -1,15 +1,17 @@
 """From x, y, z to x(t), y(t), z(t): motions in coordinates that were found, against Hamilton's equations in x, y, z.
 
-    python -m benchmarks.charts --starts 50 --out charts.jsonl [--followed 4] [--seconds 3600] [--only NAME] [--print]
+    python -m benchmarks.charts --starts 50 --out charts.jsonl [--zeros] [--followed 4] [--seconds 3600] [--only NAME]
+        [--random 100] [--print]
 
-Every system of ``charted_systems``, random starts; x and v after 1, 10² and 10⁴ of the longest periods (10, 10³, 10⁵
-units of time where there is none), each with the error claimed. Truth is the same motion at 30 digits, and its own
-truth is heyoka's Taylor series of Hamilton's equations in x, y, z, which share nothing with it: after one period in
-quadruple precision, after 10² in extended double precision (where close encounters cost it its digits, in quadruple),
-and after 10⁴ for the first ``--followed`` starts in extended double precision, but for close encounters. A state of 30
-digits that is right after a period to 10⁻²⁵ holds frequencies that are right after 10⁴ to 10⁻²⁰. Results go to a file,
-a line a motion, so that a run can be stopped and goes on. Printed: one row a system, and every motion that is not
-right, ends, is refused, is not a number or took more than 10 s.
+Every system of ``charted_systems``, random starts, or with ``--zeros`` starts on axes and planes and at rest; x and v
+after 1, 10² and 10⁴ of the longest periods (10, 10³, 10⁵ units of time where there is none), each with the error
+claimed. Truth is the same motion at 30 digits, and its own truth is heyoka's Taylor series of Hamilton's equations in
+x, y, z, which share nothing with it: after one period in quadruple precision, after 10² in extended double precision
+(where close encounters cost it its digits, in quadruple), and after 10⁴ for the first ``--followed`` starts in extended
+double precision, but for close encounters. A state of 30 digits that is right after a period to 10⁻²⁵ holds frequencies
+that are right after 10⁴ to 10⁻²⁰. Results go to a file, a line a motion, so that a run can be stopped and goes on.
+Printed: one row a system, every motion that is not right, ends, is refused, is not a number or took more than 10 s, and
+every coordinate plane through the middle of the starts that no motion crosses although V is finite there.
 """
 
 from __future__ import annotations
@@ -34,9 +36,12 @@ import numpy as np
 import sympy as sp
 
 import hjsolve
-from benchmarks.charted_systems import PLANE, SMALL, SPACE, centre_of, system_named
+from benchmarks.charted_starts import Start, anywhere, solved, value_of, with_zeros, without_wall
+from benchmarks.charted_systems import PLANE, SPACE, centre_of, system_named
 from benchmarks.quad_twin import _FUNCTIONS, Quad, quad
 
+Row = Mapping[str, Any]
+"""A finding, as it is read from the file."""
 PERIODS = (1, 100, 10_000)
 _DIGITS, _LIMIT, _SLOW = 30, 60, 10.0
 _MOST_STEPS = {"quad": 20_000, "long": 2_000_000}
@@ -79,14 +84,6 @@ class _TooLongError(Exception):
     pass
 
 
-@cache
-def solved(name: str) -> tuple[hjsolve.Solution, float]:
-    """The solution of a system, and the seconds it took."""
-    begin = time.process_time()
-    solution = hjsolve.solve(system_named(name), coordinates="find")
-    return solution, time.process_time() - begin
-
-
 def _extended(x: Any) -> Any:
     with mpmath.workdps(45):
         return np.longdouble(mpmath.nstr(mpmath.mpf(x), 30))
@@ -124,7 +121,7 @@ class Twin:
     def states(self, start: Sequence[str], times: Sequence[float]) -> Iterator[list[Any] | None]:
         """Places and velocities at rising times; None where the integration did not get there."""
         with mpmath.workdps(45):
-            self.flow.state[:] = [self.rounded(mpmath.mpf(x.p) / x.q) for x in map(sp.Rational, start)]
+            self.flow.state[:] = [self.rounded(value_of(x)) for x in start]
         self.flow.time = self.rounded(0)
         for t in times:
             outcome = self.flow.propagate_until(self.rounded(t), max_steps=self.most)[0]
@@ -140,20 +137,14 @@ def twin(name: str, precision: str) -> Twin:
     return Twin(system_named(name), precision)
 
 
-def start_of(name: str, index: int, seed: int) -> dict[str, dict[str, str]]:
-    """The index-th random start of a system."""
-    dice, size = random.Random(f"{name} {index} {seed}"), SMALL.get(name, 1.0)
-    names = [c.name for c in system_named(name).coordinates]
-    return {
-        "q": {c: f"{dice.uniform(-size, size) + o:.3f}" for c, o in zip(names, centre_of(name), strict=False)},
-        "velocity": {c: f"{dice.uniform(-0.8, 0.8) * size:.3f}" for c in names},
-    }
-
-
-def judged(name: str, index: int, seed: int, *, followed: bool) -> Finding:
+def judged(name: str, index: int, start: Start, *, followed: bool) -> Finding:
     """Compute a motion and compare it."""
-    finding = Finding(name, index, start_of(name, index, seed))
-    solution, _ = solved(name)
+    finding = Finding(name, index, start)
+    try:
+        solution, _ = solved(name)
+    except Exception as error:  # noqa: BLE001  (a crash is what a table like this is for)
+        finding.outcome = f"solve: {type(error).__name__}: {str(error)[:200]}"
+        return finding
     for precision in ("quad", "long"):
         twin(name, precision)
     signal.signal(signal.SIGPROF, _give_up)
@@ -247,7 +238,7 @@ def _apart(better: Any, other: Sequence[Any] | None, names: Sequence[str], k: in
         return float(max(abs(a - b) for a, b in zip(truth, other, strict=True)) / size)
 
 
-def fault_of(finding: Mapping[str, Any]) -> str:
+def fault_of(finding: Row) -> str:
     """What is not right about a motion; empty where all is."""
     if finding["outcome"] != "ok":
         return str(finding["outcome"])
@@ -264,7 +255,7 @@ def fault_of(finding: Mapping[str, Any]) -> str:
     return "; ".join(faults)
 
 
-def _row(name: str, found: Sequence[Mapping[str, Any]]) -> str:
+def _row(name: str, found: Sequence[Row]) -> str:
     """A row of the table."""
     solution, spent = solved(name)
     web = solution.chart.kind if solution.chart else "as given"
@@ -280,18 +271,34 @@ def _row(name: str, found: Sequence[Mapping[str, Any]]) -> str:
     return (
         f"| {name} | {web} | {spent:.1f} | {seconds[len(seconds) // 2]:.2f}, {seconds[-1]:.1f} | {len(found)} | "
         f"{right} of {len(claims)} | {max(claims, default=math.nan):.2f} | {pairs} | {octants} | "
-        f"{'/'.join(str(compared[k]) for k in range(3))} |"
+        f"{_planes(name, found)} | {'/'.join(str(compared[k]) for k in range(3))} |"
     )
 
 
-def table(findings: Sequence[Mapping[str, Any]]) -> None:
+def _crossed(name: str, found: Sequence[Row]) -> list[bool]:
+    """For every coordinate, whether a motion is seen on both sides of the plane through the middle of the starts."""
+    count = len(without_wall(name))
+    return [any(len({place[k] for place in f["visited"]}) == 2 for f in found) for k in range(count)]
+
+
+def _planes(name: str, found: Sequence[Row]) -> str:
+    """Which of the planes without a wall are crossed."""
+    pairs = zip("xyz", _crossed(name, found), without_wall(name), strict=False)
+    told = [(c, crossed) for c, crossed, free in pairs if free]
+    return f"{' '.join(c for c, crossed in told if crossed) or 'none'} of {' '.join(c for c, _ in told) or 'none'}"
+
+
+def table(findings: Sequence[Row], names: Sequence[str]) -> None:
     """Print the rows, then what is not right."""
-    columns = "system web solve,_s motion,_s starts states_right error/claim claim/error octants heyoka"
+    columns = "system web solve,_s motion,_s starts states_right error/claim claim/error octants planes_crossed heyoka"
     print("| " + " | ".join(c.replace("_", " ") for c in columns.split()) + " |")
-    print("|" + "---|" * 10)
-    for name in (*PLANE, *SPACE):
-        if found := [f for f in findings if f["system"] == name]:
+    print("|" + "---|" * 11)
+    for name in names:
+        if found := [f for f in findings if f["system"] == name and not f["outcome"].startswith("solve: ")]:
             print(_row(name, found), flush=True)
+            for c, crossed, free in zip("xyz", _crossed(name, found), without_wall(name), strict=False):
+                if free and not crossed:
+                    print(f"{name}: no motion crosses the plane across {c}, where V is finite")
     for f in findings:
         if fault := fault_of(f):
             print(f"{f['system']} {f['start']}: {fault} ({f['kinds']})")
@@ -303,6 +310,8 @@ def main() -> None:
     parser.add_argument("--starts", type=int, default=50)
     parser.add_argument("--followed", type=int, default=4, help="starts a system that heyoka follows for 10⁴ periods")
     parser.add_argument("--out", type=Path, default=Path("charts.jsonl"), help="a line a motion; resumed if there")
+    parser.add_argument("--zeros", action="store_true", help="starts with some of x, y, z and the velocities exactly 0")
+    parser.add_argument("--random", type=int, default=0, help="so many random potentials in place of the systems named")
     parser.add_argument("--seed", type=int, default=1)
     parser.add_argument("--seconds", type=float, default=math.inf, help="stop after this time")
     parser.add_argument("--only", help="systems whose name holds this")
@@ -310,16 +319,20 @@ def main() -> None:
     given = parser.parse_args()
     known = [json.loads(line) for line in given.out.read_text().splitlines()] if given.out.exists() else []
     done, begin = {(f["system"], f["start"]) for f in known}, time.monotonic()
-    names = [n for n in (*PLANE, *SPACE) if not given.only or given.only in n]
+    rows = [f"random {k}" for k in range(given.random)] or [*PLANE, *SPACE]
+    names = [n for n in rows if not given.only or given.only in n]
     todo = [(n, k) for k in range(given.starts) for n in names if (n, k) not in done]
     with given.out.open("a") as file:
         for name, k in todo if not given.print else []:
             if time.monotonic() - begin > given.seconds:
                 break
-            known.append(asdict(judged(name, k, given.seed, followed=k < given.followed)))
+            start = (with_zeros if given.zeros else anywhere)(name, k, given.seed)
+            if start is None:
+                continue
+            known.append(asdict(judged(name, k, start, followed=k < given.followed)))
             file.write(json.dumps(known[-1], ensure_ascii=False) + "\n")
             file.flush()
-    table([f for f in known if f["system"] in names])
+    table([f for f in known if f["system"] in names], names)
 
 
 if __name__ == "__main__":
