@@ -44,7 +44,7 @@ _PAIR = 2.0**-100
 
 
 @dataclass(frozen=True)
-class Way:
+class EscapeRoute:
     """The way of n orbits, from a place to infinity; arrays (n,).
 
     Attributes:
@@ -65,14 +65,14 @@ class Way:
     error: Reals
     size: Reals
 
-    def take(self, index: Which) -> Way:
+    def take(self, index: Which) -> EscapeRoute:
         """Return those of some of the orbits.
 
         Args:
             index: which, positions or a mask.
         """
         arrays = (self.start[index], self.error[index], self.size[index])
-        return Way(self.formula, self.knowns.take(index), self.parameters, self.side, *arrays)
+        return EscapeRoute(self.formula, self.knowns.take(index), self.parameters, self.side, *arrays)
 
     def numbers(self, index: Integers) -> list[Interval]:
         """Return enclosures of the constants of some orbits, and of the parameters.
@@ -149,25 +149,24 @@ def escaping(
     if coordinate.lower is None and coordinate.upper is None and len(both):
         view = region.below
         assert isinstance(view, DirectEvaluation)
-        ways = [
-            Way(view.formula, view.knowns, parameters, side, q, 0.0 * q, 1.0 + np.abs(q)).take(both) for side in (-1, 1)
-        ]
-        proved[both] = _free(ways[0]) & _free(ways[1])
+        size = 1.0 + np.abs(q)
+        ways = [EscapeRoute(view.formula, view.knowns, parameters, side, q, 0.0 * q, size) for side in (-1, 1)]
+        proved[both] = _free(ways[0].take(both)) & _free(ways[1].take(both))
     return proved, errors
 
 
 def _from_turning_point(
     view: DirectEvaluation, parameters: tuple[Pair, ...], x: Reals, q: Reals, outward: int
-) -> Way:
+) -> EscapeRoute:
     size = np.maximum(np.abs(x), np.abs(q - view.place(x)))
-    way = Way(view.formula, view.knowns, parameters, outward, x, np.zeros_like(x), size)
+    way = EscapeRoute(view.formula, view.knowns, parameters, outward, x, np.zeros_like(x), size)
     with np.errstate(all="ignore"):
         here = way.radicand(np.arange(len(x)), Interval(x, x))
         error = 2 * np.maximum(-here.low, here.high) / np.abs(view.jet(x)[1]) + 4 * EPS * np.abs(x) + 1e-300
     return replace(way, error=error)
 
 
-def _free(way: Way) -> Mask:
+def _free(way: EscapeRoute) -> Mask:
     """Whether F > 0 all the way, and the turning point is where it is said to be."""
     with np.errstate(all="ignore"):
         left = np.flatnonzero(np.isfinite(way.start) & np.isfinite(way.error) & np.isfinite(way.size))
@@ -186,7 +185,7 @@ def _free(way: Way) -> Mask:
     return proved
 
 
-def _begun(way: Way) -> Reals:
+def _begun(way: EscapeRoute) -> Reals:
     """The distance up to which the first cell is settled, NaN where it is not."""
     everything, side = np.arange(len(way.start)), way.side
     turning = way.error > 0
@@ -216,7 +215,7 @@ def _cell(one: Reals, other: Reals) -> Interval:
     return Interval(np.minimum(one, other), np.maximum(one, other))
 
 
-def _positive(way: Way, begin: Reals, far: Reals) -> Mask:
+def _positive(way: EscapeRoute, begin: Reals, far: Reals) -> Mask:
     """Whether F > 0 at all distances from ``begin`` to beyond x = ``far``."""
     n, side = len(begin), way.side
     end = far + np.abs(way.start)
@@ -242,7 +241,7 @@ def _positive(way: Way, begin: Reals, far: Reals) -> Mask:
 
 
 # ------------------------------------------------------------------------------------------------ to infinity
-def _beyond(way: Way, far: Reals) -> Mask:
+def _beyond(way: EscapeRoute, far: Reals) -> Mask:
     """Whether F > 0 wherever side·x ≥ far."""
     proved = np.zeros(len(far), dtype=bool)
     if len(far):
@@ -250,7 +249,7 @@ def _beyond(way: Way, far: Reals) -> Mask:
     return proved
 
 
-def _for_box(way: Way, far: Reals, index: Integers, proved: Mask) -> None:
+def _for_box(way: EscapeRoute, far: Reals, index: Integers, proved: Mask) -> None:
     """Prove it for the box that holds the constants of some orbits, or for two halves of them.
 
     ``far`` becomes the greatest of a box where it is proved.
@@ -290,7 +289,7 @@ def _cut(values: Reals) -> int:
     return int(np.clip(np.searchsorted(values, level), 1, len(values) - 1))
 
 
-def _box(way: Way, index: Integers) -> list[tuple[Mpf, Mpf]]:
+def _box(way: EscapeRoute, index: Integers) -> list[tuple[Mpf, Mpf]]:
     convert = Multi(_BITS).convert
     known = way.constants(index)
     boxes = [(convert(float(np.min(c.low))), convert(float(np.max(c.high)))) for c in known]
