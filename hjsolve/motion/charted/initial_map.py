@@ -57,6 +57,7 @@ def carried(
         )
     given = read_phase_point(chart.original, q, velocity, p, parameters)
     far, near = (_numbers(solution, chart, given, bits) for bits in (BITS, BITS // 2))
+    energy = clean(with_numbers(hamiltonian(chart.original), given))  # refuses an infinite V, which the map rounds away
     exact = [rational_of(a, b) for a, b in zip(far, near, strict=True)]
     system, n = solution.system, len(chart.symbols)
     values = {s.symbol: given[s.symbol] for s in system.parameters}
@@ -64,7 +65,6 @@ def carried(
     values |= {c.momentum: x for c, x in zip(system.coordinates, exact[n : 2 * n], strict=True)}
     constants = dict(zip(solution.constants, exact[2 * n :], strict=False))
     if "E" in solution.constants:
-        energy = clean(with_numbers(hamiltonian(chart.original), given))
         if "E" in constants:
             _same_energy(chart, energy, far[2 * n + list(solution.constants).index("E")])
         constants["E"] = energy
