@@ -65,7 +65,8 @@ figcaption math{font-size:1em}
 table.stack,table.stack tbody,table.stack tr,table.stack th,table.stack td,table.stack caption{display:block}
 table.stack thead{display:none}table.stack tbody tr{padding:.45rem 0}table.stack td math{font-size:.88em}
 table.stack td .error{display:inline}
-table.stack th,table.stack td{padding:.1rem 0;overflow-wrap:anywhere}table.stack td::before{content:attr(data-label);
+table.stack th,table.stack td{padding:.1rem 0;overflow-wrap:anywhere;white-space:normal}
+table.stack td::before{content:attr(data-label);
 display:inline-block;min-width:7.2rem;padding-right:.6rem;font-size:.8rem;color:var(--soft)}
 table.stack td:empty{display:none}}
 @media (max-width:34rem){body{padding:1.5rem 1rem 3rem;font-size:1rem}
