@@ -17,6 +17,7 @@ import numpy as np
 import sympy as sp
 from numpy.typing import NDArray
 
+from hjsolve.arithmetic.polynomial_roots import real_roots
 from hjsolve.closed_form.curves import MomentumCurve
 from hjsolve.closed_form.regions import RootInterval
 from hjsolve.functions import modules
@@ -25,8 +26,6 @@ Doubles = NDArray[np.float64]
 Booleans = NDArray[np.bool_]
 _UNSURE = 1e-8
 """Below this part of what it is a sum of, a number has no certain sign."""
-_MEETING = 1e-3
-"""Roots nearer than this part of their size are found with more digits."""
 
 
 @dataclass(frozen=True)
@@ -165,55 +164,34 @@ def place_test(
 
 
 @dataclass(frozen=True)
-class NamedRoot:
-    """A named root for arrays of constants.
+class RootsOfPolynomial:
+    """The real roots of a polynomial for arrays of constants.
 
     Attributes:
-        coefficients: arrays of the symbols ↦ coefficients of its polynomial.
-        index: of the real root, ascending.
+        coefficients: arrays of the symbols ↦ coefficients of the polynomial.
     """
 
     coefficients: Callable[..., list[Doubles]]
-    index: int
 
     def __call__(self, places: Sequence[Doubles], shape: tuple[int, ...]) -> tuple[Doubles, Booleans]:
-        """The root, and where it is not certain which of the roots are real.
+        """The real roots, ascending, inf after the last; and where they are not certain.
 
         Args:
             places: arrays of the symbols.
             shape: of the arrays.
         """
         given = [np.broadcast_to(np.asarray(c, dtype=float), shape) for c in self.coefficients(*places)]
-        coefficients, unit = _of_size_one(given)
-        degree = len(coefficients) - 1
-        companion = np.zeros((*shape, degree, degree))
-        companion[..., range(1, degree), range(degree - 1)] = 1.0
-        for k, c in enumerate(coefficients[1:]):
-            companion[..., 0, k] = -c / coefficients[0]
-        unsure = np.asarray(~np.isfinite(companion).all(axis=(-1, -2)))
-        roots = np.linalg.eigvals(np.where(unsure[..., None, None], 0.0, companion)).astype(complex)
-        size = np.max(abs(roots), axis=-1, keepdims=True)
-        real = abs(roots.imag) <= _UNSURE * size
-        gaps = abs(roots[..., :, None] - roots[..., None, :]) + size[..., None] * np.eye(degree)
-        unsure = unsure | (gaps.min(axis=(-1, -2)) <= _MEETING * size[..., 0]) | (real.sum(axis=-1) <= self.index)
-        found = np.sort(np.where(real, roots.real, np.inf), axis=-1)[..., self.index]
-        for _ in range(2):  # Newton's rule
-            value, slope = np.zeros(shape), np.zeros(shape)
-            for c in coefficients:
-                value, slope = value * found + c, slope * found + value
-            found = found - np.where(slope == 0, 0.0, value / slope)
-        return found * unit, unsure
+        return real_roots(given)
 
 
-def named_root(polynomial: sp.Poly, index: int, symbols: Sequence[sp.Symbol]) -> NamedRoot:
-    """Prepare a named root.
+def roots_of(polynomial: sp.Poly, symbols: Sequence[sp.Symbol]) -> RootsOfPolynomial:
+    """Prepare the roots of a polynomial.
 
     Args:
-        polynomial: whose root.
-        index: among the real ones, ascending.
+        polynomial: whose roots.
         symbols: in the order of the arrays.
     """
-    return NamedRoot(sp.lambdify(list(symbols), polynomial.all_coeffs(), modules=modules("numpy"), cse=True), index)
+    return RootsOfPolynomial(sp.lambdify(list(symbols), polynomial.all_coeffs(), modules=modules("numpy"), cse=True))
 
 
 def _of_size_one(coefficients: list[Doubles]) -> tuple[list[Doubles], Doubles]:

@@ -13,7 +13,7 @@ from hjsolve.arithmetic.estimate import Estimate
 from hjsolve.arithmetic.floats import EPS
 from hjsolve.arithmetic.number_types import Mpf, Reals
 from hjsolve.closed_form.curves import MomentumCurve
-from hjsolve.closed_form.doubles import NamedRoot, named_root, place_test, region_test
+from hjsolve.closed_form.doubles import RootsOfPolynomial, place_test, region_test, roots_of
 from hjsolve.closed_form.evaluation import many_digits, number_of
 from hjsolve.closed_form.named_forms import NamedForms
 from hjsolve.closed_form.regions import (
@@ -283,15 +283,18 @@ class _CompiledForm:
         return good, unsure
 
     def _definitions(self) -> list[tuple[sp.Symbol, Any]]:
-        """Every symbol that ``where`` defines with its value for arrays, in order."""
+        """Every symbol that ``where`` defines with its value for arrays, in order; of a root: polynomial and index."""
         known, found = list(self.symbols), list[tuple[sp.Symbol, Any]]()
+        polynomials = dict[sp.Poly, RootsOfPolynomial]()
         for symbol, meaning in self.form.where.items():
             definition = meaning[0] if isinstance(meaning, tuple) else meaning
             held = definition.free_symbols - ({definition.gen} if isinstance(definition, sp.Poly) else set())
             if not held <= set(known):
                 continue
             if isinstance(meaning, tuple):
-                found.append((symbol, named_root(meaning[0], meaning[1], known)))
+                if meaning[0] not in polynomials:
+                    polynomials[meaning[0]] = roots_of(meaning[0], known)
+                found.append((symbol, (polynomials[meaning[0]], meaning[1])))
             else:
                 found.append((symbol, sp.lambdify(known, meaning, modules=modules("numpy"), cse=True)))
             known.append(symbol)
@@ -302,10 +305,15 @@ class _CompiledForm:
         import numpy as np
 
         known, table, unsure = list(places), dict[sp.Symbol, Any](), np.zeros(shape, dtype=bool)
+        solved = dict[int, Any]()
         for symbol, value in self.named:
-            if isinstance(value, NamedRoot):
-                table[symbol], doubtful = value(known, shape)
-                unsure = unsure | doubtful
+            if isinstance(value, tuple):
+                polynomial, index = value
+                if id(polynomial) not in solved:
+                    solved[id(polynomial)] = polynomial(known, shape)
+                roots, doubtful = solved[id(polynomial)]
+                table[symbol] = roots[index]
+                unsure = unsure | doubtful | np.isinf(roots[index])
             else:
                 table[symbol] = np.broadcast_to(value(*known), shape)
             known.append(table[symbol])

@@ -135,7 +135,7 @@ def test_a_worker_dies_and_the_client_dies_and_every_orbit_is_there_once(
     assert (out / "_manifest.json").read_bytes() == (undisturbed / "_manifest.json").read_bytes()
     table = dataset.dataset(out).to_table()
     assert np.array_equal(np.sort(table["orbit"].to_numpy()), np.arange(orbits))
-    assert set(table["status"].to_pylist()) == {"ok"}
+    assert set(table["status"].to_pylist()) <= {"ok", "unbounded"}  # of the twelve, those with L = 1.9 escape
 
 
 def test_a_worker_with_other_code_is_refused() -> None:
