@@ -188,7 +188,7 @@ def _add_report(kinds: _Commands) -> None:
     about = (
         "Write a report: the system, its reduction, the test, W, time law and orbit, and one\n"
         "motion with drawings and numbers. "
-        f"The suffix of the output chooses the format:\n.html .md .json .txt .tex\n\n{_SYSTEMS}"
+        f"The suffix of the output chooses the format:\n.html .pdf .md .json .txt .tex\n\n{_SYSTEMS}"
     )
     report = _add(kinds, "report", "all of that in a file, with drawings and numbers", about)
     _system_arguments(report)
@@ -277,7 +277,7 @@ def _add_cost(kinds: _Commands) -> None:
     )
     cost.add_argument("--seconds", type=float, default=20.0, metavar="S", help="budget for everything (default 20)")
     cost.add_argument("--no-rivals", action="store_true", help="leave DOP853 and heyoka out")
-    cost.add_argument("-o", "--output", metavar="FILE", help="table and figure: .html .md .json .txt .tex, or .svg")
+    cost.add_argument("-o", "--output", metavar="FILE", help="document: .html .pdf .md .json .txt .tex, or .svg")
 
 
 def _add_sweep(kinds: _Commands) -> None:

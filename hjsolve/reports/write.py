@@ -14,7 +14,7 @@ from hjsolve.errors import InvalidInputError, NotConvergedError
 from hjsolve.extended.linear_hamiltonian import LinearHamiltonian
 from hjsolve.motion.motion import Motion
 from hjsolve.reports.content import Material, Subject, document, gather, initial_of
-from hjsolve.reports.document import Document, files
+from hjsolve.reports.document import Document, files, pdf
 from hjsolve.reports.document.files import SUFFIXES, checked_path, checked_title, readable_errors
 from hjsolve.reports.formats.html import html_page
 from hjsolve.reports.sections.outside import outside_document
@@ -47,6 +47,7 @@ def _tex(content: Document) -> str:
 
 _WRITERS: Mapping[str, Callable[[Document], str]] = {
     ".html": html_page,
+    ".pdf": html_page,
     ".md": _markdown,
     ".json": _json,
     ".txt": _text,
@@ -75,7 +76,7 @@ def report(
     Args:
         subject: a ``System``, ``Separation``, ``Obstruction``, ``Undecided``, ``Solution``, ``Motion``, ``Scene`` or
             ``LinearHamiltonian``; a catalog id, or the path of a TOML entry.
-        path: where to write; the suffix chooses the format: .html, .md, .json, .txt or .tex. An existing file is
+        path: where to write; the suffix chooses the format: .html, .pdf, .md, .json, .txt or .tex. An existing file is
             replaced, and only once the new one is complete.
         initial: keyword arguments for ``solution.motion``, in place of the catalog's initial data.
         motion: which of the catalog entry's motions.
@@ -266,10 +267,11 @@ def write_document(
         The path.
 
     Raises:
-        InvalidInputError: the file cannot be written.
+        InvalidInputError: the file cannot be written, or no browser prints the PDF.
     """
     text = _WRITERS[target.suffix.lower()](replace(content, title=title or content.title))
     text = text if completed is None else completed(text)
+    made = pdf.printed(text, target) if target.suffix.lower() == ".pdf" else text
     with readable_errors(target):
-        files.replace(target, text)
+        files.replace(target, made)
     return target

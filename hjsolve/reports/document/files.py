@@ -10,8 +10,9 @@ from pathlib import Path
 
 from hjsolve import arguments
 from hjsolve.errors import InvalidInputError
+from hjsolve.reports.document import pdf
 
-SUFFIXES = (".html", ".md", ".json", ".txt", ".tex")
+SUFFIXES = (".html", ".pdf", ".md", ".json", ".txt", ".tex")
 _LONGEST_TITLE = 200
 
 
@@ -26,7 +27,8 @@ def checked_path(path: str | Path, suffixes: tuple[str, ...] = SUFFIXES) -> Path
         The path.
 
     Raises:
-        InvalidInputError: unknown suffix, a directory, a folder that does not exist or cannot be written to.
+        InvalidInputError: unknown suffix, a directory, a folder that does not exist or cannot be written to; a PDF
+            where no browser prints it.
     """
     arguments.refuse_other(path, (str, os.PathLike), "path", 'the file to write is needed, such as "orbit.html"')
     target = Path(path)
@@ -41,6 +43,8 @@ def checked_path(path: str | Path, suffixes: tuple[str, ...] = SUFFIXES) -> Path
             raise InvalidInputError(f"{target}: the folder {folder} does not exist; create it first")
         if not os.access(folder, os.W_OK) or (target.exists() and not os.access(target, os.W_OK)):
             raise InvalidInputError(f"{target}: cannot be written here; choose another place")
+    if target.suffix.lower() == ".pdf":
+        pdf.browser(target)
     return target
 
 
@@ -63,20 +67,20 @@ def checked_title(title: str) -> str:
     return plain
 
 
-def replace(target: Path, content: str) -> None:
+def replace(target: Path, content: str | bytes) -> None:
     """Write a file completely and only then put it in its place.
 
     Args:
         target: the file.
-        content: its text, written as UTF-8.
+        content: its text, written as UTF-8, or its bytes.
 
     Raises:
         OSError: it cannot be written; then nothing has changed.
     """
     handle, name = tempfile.mkstemp(dir=target.parent, prefix=f".{target.name}.")
     try:
-        with os.fdopen(handle, "w", encoding="utf-8", newline="\n") as file:
-            file.write(content)
+        with os.fdopen(handle, "wb") as file:
+            file.write(content if isinstance(content, bytes) else content.encode())
         mask = os.umask(0)
         os.umask(mask)
         Path(name).chmod(target.stat().st_mode & 0o777 if target.exists() else 0o666 & ~mask)
