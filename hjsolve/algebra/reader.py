@@ -239,6 +239,9 @@ class Reader:
             return (e - e**-1) * Fraction(1, 2), (e + e**-1) * Fraction(1, 2)
         sine, cosine = (sp.sin, sp.cos) if kind == "angle" else (sp.sinh, sp.cosh)
         s_atom, c_atom = sine(unit), cosine(unit)
+        turned = isinstance(-s_atom, sine) and (-s_atom).args[0] == -unit  # sympy's own choice of the sign
+        if turned:
+            s_atom = -s_atom
         if not isinstance(s_atom, sine) or not isinstance(c_atom, cosine):
             return self.element(s_atom), self.element(c_atom)
         low, high = atom_bounds(c_atom, self.bounds)
@@ -248,7 +251,7 @@ class Reader:
         square = {2 << (poly.BITS * k): -1, 0: 1} if kind == "angle" else {2 << (poly.BITS * k): 1, 0: -1}
         low, high = atom_bounds(s_atom, self.bounds)
         s = self.adjoined(Generator(s_atom, s_atom.func.__name__, RootRelation(2, square), k, low, high))
-        return s, c
+        return (-s if turned else s), c
 
     def _log(self, argument: sp.Expr) -> Element:
         parts = sp.expand_log(sp.log(argument))

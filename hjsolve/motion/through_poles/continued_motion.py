@@ -78,7 +78,8 @@ class ContinuedMotion(Motion):
         """The angles whose momentum is zero and that the continued coordinates do without."""
         within = _there(self.within)
         more = within.dropped if isinstance(within, ContinuedMotion) else ()
-        return (_there(self.continued).dropped, *more)
+        way = _there(self.continued)
+        return more if way.carried else (way.angle, *more)
 
     def unfolded(self, t: object) -> State:
         """Return the state with coordinates that run on through the poles, and the dropped angles as they were at t₀.
@@ -88,8 +89,11 @@ class ContinuedMotion(Motion):
         Args:
             t: a time or an array of times.
         """
-        within, name = _there(self.within), _there(self.continued).dropped
+        within, way = _there(self.within), _there(self.continued)
         state = within.unfolded(t) if isinstance(within, ContinuedMotion) else within.at(t)
+        if way.carried:
+            return state
+        name = way.angle
         some = next(iter(state.p.values()))
         many = np.asarray(some).dtype == object
         begin = to_bits(self.initial.values[self.solution.system.coordinate(name).symbol])(256)
@@ -120,7 +124,7 @@ class ContinuedMotion(Motion):
             InvalidInputError: an unknown coordinate, the angle that jumps, a value that is no number.
             OutsideMotionError: the motion never reaches that position, or not that often.
         """
-        self._refuse_dropped(name)
+        self._refuse_angle(name)
         return _there(self.within).time_at(name, value, passage)
 
     def orbit(self, name: str, *, along: str, values: object) -> Numbers:
@@ -139,14 +143,14 @@ class ContinuedMotion(Motion):
             OutsideMotionError: the motion never reaches a value.
         """
         for coordinate in (name, along):
-            self._refuse_dropped(coordinate)
+            self._refuse_angle(coordinate)
         return _there(self.within).orbit(name, along=along, values=values)
 
-    def _refuse_dropped(self, name: str) -> None:
-        if name == _there(self.continued).dropped:
-            raise InvalidInputError(
-                f"{name}: is constant in this motion but for jumps by pi at the poles; at(t).q[{name!r}] gives it"
-            )
+    def _refuse_angle(self, name: str) -> None:
+        way = _there(self.continued)
+        if name == way.angle:
+            moves = "jumps" if way.carried else "is constant in this motion but for jumps"
+            raise InvalidInputError(f"{name}: {moves} by pi at the poles; at(t).q[{name!r}] gives it")
 
 
 def _there(part: Part | None) -> Part:
@@ -255,8 +259,7 @@ def folded(way: Continuation, initial: Initial, state: State, solution: Solution
         state: in the continued coordinates.
         solution: of the system as given.
     """
-    dropped = solution.system.coordinate(way.dropped)
-    q, p, v = dict(state.q), dict(state.p), dict(state.velocity)
+    q, p, v, turns = dict(state.q), dict(state.p), dict(state.velocity), dict(state.turns)
     odd = np.zeros(np.shape(state.status), dtype=bool)
     for name, fold in way.folds.items():
         q[name], turned = _fold(fold, initial, q[name])
@@ -264,15 +267,15 @@ def folded(way: Continuation, initial: Initial, state: State, solution: Solution
             np.where(turned, -x, x) if np.shape(turned) else (-x if turned else x) for x in (p[name], v[name])
         )
         odd = odd ^ turned
-    some = next(iter(p.values()))
-    many = np.asarray(some).dtype == object
-    begin = to_bits(initial.values[dropped.symbol])(256 if many else 64)
-    π = multiprecision(256).pi if many else np.pi
-    low, high = _principal(begin if many else float(begin), π), _principal((begin if many else float(begin)) + π, π)
-    angle = np.where(odd, high, low) if np.shape(odd) else (high if odd else low)
-    nothing = 0 * some
-    q[dropped.name] = angle + nothing
-    p[dropped.name] = v[dropped.name] = nothing
+        turns.pop(name, None)
+    angle = solution.system.coordinate(way.angle)
+    if way.carried:
+        q[angle.name], over = _half_a_turn_on(q[angle.name], odd)
+        turns[angle.name] = turns[angle.name] + over
+    else:
+        nothing = 0 * next(iter(p.values()))
+        q[angle.name] = _either_side(initial.values[angle.symbol], odd, nothing) + nothing
+        p[angle.name] = v[angle.name] = nothing
     names = [c.name for c in solution.system.coordinates]
 
     def errors() -> Errors:
@@ -281,8 +284,30 @@ def folded(way: Continuation, initial: Initial, state: State, solution: Solution
     def ordered(group: Mapping[str, AtTimes]) -> dict[str, AtTimes]:
         return {name: group[name] for name in names}
 
-    turns = {name: n for name, n in state.turns.items() if name not in way.folds}
     return State(state.t, ordered(q), ordered(p), ordered(v), turns, state.status, errors)
+
+
+def _either_side(begin: sp.Expr, odd: Any, like: Any) -> Any:
+    """An angle that stands still, and half a turn on where an odd number of poles was passed."""
+    many = np.asarray(like).dtype == object
+    π = multiprecision(256).pi if many else np.pi
+    start = to_bits(begin)(256 if many else 64)
+    low = start if many else float(start)
+    high = _principal(low + π, π)
+    low = _principal(low, π)
+    return np.where(odd, high, low) if np.shape(odd) else (high if odd else low)
+
+
+def _half_a_turn_on(angle: Any, odd: Any) -> tuple[Any, Any]:
+    """Angles in (−π, π] that go on by π where an odd number of poles was passed, and the whole turns that makes."""
+    some = np.ravel(np.asarray(angle, dtype=object))[:1]
+    context = next((x.context for x in some if hasattr(x, "context")), None)
+    π = np.pi if context is None else +context.pi
+    if not np.shape(angle):
+        once = bool(odd and angle > 0)
+        return (angle + (-π if once else π) if odd else angle), int(once)
+    over = np.asarray(odd & (np.asarray(angle) > 0), dtype=bool)
+    return angle + np.where(odd, np.where(over, -π, π), 0 * π), over.astype(np.int64)
 
 
 def _principal(angle: Any, π: Any) -> Any:
@@ -334,8 +359,11 @@ def _errors(way: Continuation, state: State, initial: Initial, names: list[str])
         for group, values in ((p, state.p), (v, state.velocity)):
             group[name] = group[name] + np.where(near, 2 * np.abs(np.asarray(values[name], dtype=float)), 0.0)
         q[name] = q[name] + 4 * unit * np.pi
-    q[way.dropped] = angle
-    p[way.dropped] = v[way.dropped] = 0 * angle
+    if way.carried:
+        q[way.angle] = q[way.angle] + angle
+    else:
+        q[way.angle] = angle
+        p[way.angle] = v[way.angle] = 0 * angle
 
     def ordered(group: Mapping[str, Reals]) -> dict[str, AtTimes]:
         return {n: group[n] if np.shape(group[n]) else float(group[n]) for n in names}
