@@ -18,28 +18,14 @@ The integrals are Chebyshev series on panels, each as long as its integrands are
 
 from __future__ import annotations
 
-from collections.abc import Callable
 from dataclasses import dataclass
 from functools import cached_property, lru_cache
-from threading import Lock
-from typing import Protocol
 
 import numpy as np
 
 from hjsolve.arithmetic.floats import Float64, Multi, multiprecision
-from hjsolve.arithmetic.fourier import smooth, waves
 from hjsolve.arithmetic.number_types import Context, Mpf, Numbers, Numeric, Reals
-from hjsolve.errors import NotConvergedError
-from hjsolve.one_coordinate.panel_length import Surroundings, longest, nodes_for
 from hjsolve.one_coordinate.turning_points import EndKind
-
-_MAX_PANELS = 1600
-_GROWTH, _LONGEST, _FIRST = 4.0, 8.0, 2.0
-"""The longest panel thought of: so many times the last one, at most this on the way to an asymptote; the first one."""
-_COSTLIEST = 4
-"""Nodes of one panel, over those for integrands that are no larger in the ellipse than on the panel."""
-_RETRIES = 8
-"""How often a panel is shortened whose integrands are smaller than their bounds made them look."""
 
 
 @dataclass(frozen=True)
@@ -200,156 +186,6 @@ class Panels:
         return x2 / 2 * b1 - b2 + rows[..., 0]
 
 
-class Integrated(Protocol):
-    """Functions of y in many digits, with what is known of them about a place; see ``open_branch.Branch``."""
-
-    def integrands(self, y: Mpf, extra: int = 0) -> list[Mpf]:
-        """Return the values of all functions at y (``mpf``), with so many bits more than usual.
-
-        Args:
-            y: place on the branch.
-            extra: bits above the working precision.
-        """
-        ...
-
-    def cancelled(self, y: Mpf, extra: int) -> int:
-        """Return the bits more than usual that the functions need at y, at least ``extra``.
-
-        Args:
-            y: place on the branch.
-            extra: bits above the working precision to begin with.
-        """
-        ...
-
-    def around(self, y: Mpf, rest: float) -> Surroundings:
-        """Return where the functions are analytic about y; ``rest`` is left from there to the greatest y.
-
-        Args:
-            y: place on the branch.
-            rest: what is left from there to the greatest y.
-        """
-        ...
-
-
-class Growing:
-    """The integrals along a branch, panel by panel, as far as they were asked for; what is there is never done again.
-
-    The panels do not depend on how far is asked for: a shorter reach has the first ones of a longer.
-    """
-
-    def __init__(self, way: EndMap, course: Integrated, *, digits: int, bits: int):
-        """Start at y = 0.
-
-        Args:
-            way: the branch.
-            course: what is integrated.
-            digits: relative digits wanted.
-            bits: working precision.
-        """
-        self.way, self.course, self.digits, self.bits, self.extra = way, course, digits, bits, 0
-        self.context = multiprecision(bits)
-        self.last = way.last(self.context)
-        self.step = self.context.mpf(_FIRST) / _GROWTH
-        self.edges, self.values, self.sums, self.totals = [self.context.mpf(0)], [], [], []  # type: ignore[var-annotated]
-        self.nodes: list[int] = []
-        self.over = self.blown = False
-        self.failed: NotConvergedError | None = None
-        self.lock = Lock()
-
-    def until(self, enough: Callable[[Mpf, list[Mpf]], bool]) -> Panels:
-        """Return the panels up to the first that is enough, or to the last there is.
-
-        Args:
-            enough: (y, integrals so far) ↦ True when the branch is long enough.
-
-        Raises:
-            NotConvergedError: too many panels; the integrand could not be shown to be analytic along the branch.
-        """
-        count = 0
-        with self.lock:
-            while count < len(self.values) or not self.over:
-                if count == len(self.values):
-                    self._grow()
-                count += 1
-                if enough(self.edges[count], self.totals[count - 1]):
-                    break
-        y, kind = self.edges[count], float if self.digits <= 15 else object
-        ends = self.over and count == len(self.values)
-        return Panels(
-            np.array(self.edges[: count + 1], dtype=kind),
-            np.array(_filled(self.values[:count]), dtype=kind).transpose(1, 0, 2),
-            np.array(_filled(self.sums[:count]), dtype=kind).transpose(1, 0, 2),
-            self.nodes[count - 1],
-            (ends and self.blown) or (self.last is not None and bool(y >= self.last * (1 - 2.0**-40))),
-        )
-
-    def _grow(self) -> None:
-        """Add one panel."""
-        if self.failed is None:
-            try:
-                rows, nodes = self._resolved()
-            except NotConvergedError as error:
-                self.failed = error
-        if self.failed is not None:
-            raise self.failed
-        context, y = self.context, self.edges[-1] + self.step
-        before = self.totals[-1] if self.totals else [context.mpf(0)] * len(rows)
-        integrated = [integrated_row(row, self.step / 2, total) for row, total in zip(rows, before, strict=True)]
-        after = [context.fsum(row) for row in integrated]
-        self.values.append(rows)
-        self.sums.append(integrated)
-        self.totals.append(after)
-        self.edges.append(y)
-        self.nodes.append(nodes)
-        self.blown = self.way.end == "infinity" and _settled(before, after, self.digits, context)
-        # the end; or, where it is not analytic there, near enough
-        self.over = self.blown or (
-            self.last is not None and self.last - y <= self.last * context.mpf(10) ** -self.digits
-        )
-
-    def _resolved(self) -> tuple[list[list[Mpf]], int]:
-        """Chebyshev coefficients over the next panel, proved to be enough, and the nodes used so far."""
-        y, nodes = self.edges[-1], self.nodes[-1] if self.nodes else 0
-        if len(self.values) > _MAX_PANELS:
-            raise NotConvergedError(f"more than {_MAX_PANELS} panels on the way to {self.way.end}; {self._reached(y)}")
-        rest = 0.0 if self.last is None else float(self.last - y)
-        around, most = self.course.around(y, rest), _GROWTH * float(self.step)
-        if self.last is not None:
-            most = min(most, rest) if most < rest / 2 else rest
-        elif self.way.end != "infinity":
-            most = min(most, _LONGEST)
-        for _ in range(_RETRIES):
-            reach = longest(around, most, self.digits)
-            if reach is None:
-                break
-            self.step = self.last - y if reach.length == rest else self.context.mpf(reach.length)
-            count, most = reach.nodes, reach.length / 2
-            ends = [y + self.step] if self.last is None or y + self.step < self.last else []
-            extra = max([self.extra, *(self.course.cancelled(end, self.extra) for end in ends)])
-            while count <= _COSTLIEST * nodes_for(0.0, self.digits):
-                points = chebyshev_points(smooth(count), self.bits)
-                rows = _expand(self.course, y, self.step, points, self.bits, extra)
-                nodes += len(points)
-                count = reach.nodes_for([max(abs(c) for c in row) for row in rows], self.digits)
-                if count <= len(points):
-                    self.extra = extra
-                    return rows, nodes
-        raise NotConvergedError(
-            f"the integrand could not be shown to be smooth near y = {float(y):.6g} on its way to {self.way.end}; "
-            + self._reached(y)
-        )
-
-    def _reached(self, y: Mpf) -> str:
-        q, _ = self.way.position(y, Multi(self.bits))
-        return f"the integrals are known up to q = {float(q):.9g}"
-
-
-def _filled(rows: list[list[list[Mpf]]]) -> list[list[list[Mpf]]]:
-    """Series of panels, all of the same length."""
-    longest_ = max(len(series) for panel in rows for series in panel)
-    return [[[*series, *[0 * series[0]] * (longest_ - len(series))] for series in panel] for panel in rows]
-
-
 @lru_cache(maxsize=64)
 def chebyshev_points(count: int, bits: int) -> list[Mpf]:
     """The zeros of a Chebyshev polynomial.
@@ -360,24 +196,6 @@ def chebyshev_points(count: int, bits: int) -> list[Mpf]:
     """
     context = multiprecision(bits)
     return [context.cos(context.pi * (2 * m + 1) / (2 * count)) for m in range(count)]
-
-
-def _settled(before: list[Mpf], after: list[Mpf], digits: int, context: Context) -> bool:
-    """True when the integrals (the momentum's apart) no longer grow: infinity is reached in a finite time."""
-    tiny = context.mpf(10) ** -(digits + 3)
-    return all(abs(b - a) <= tiny * abs(b) for a, b in zip(before[:-1], after[:-1], strict=True))
-
-
-def _expand(course: Integrated, y: Mpf, step: Mpf, points: list[Mpf], bits: int, extra: int) -> list[list[Mpf]]:
-    """Chebyshev coefficients on [y, y + step] from values at Chebyshev points."""
-    context, n = multiprecision(bits), len(points)
-    samples = [course.integrands(y + step * (1 + x) / 2, extra) for x in points]
-    rows = []
-    for column in zip(*samples, strict=True):
-        values = [context.convert(v) for v in column]
-        waves_ = waves(values, even=True, bits=bits)[0] if any(values) else [context.mpf(0)] * (n - 1)
-        rows.append([context.fsum(values) / n, *waves_])
-    return rows
 
 
 def integrated_row(row: list[Mpf], half: Mpf, start: Mpf) -> list[Mpf]:

@@ -216,14 +216,23 @@ class KindOfMotion(ABC):
         """
         return self
 
-    def with_amount(self, weights: Weights | None, amount: float) -> Self:  # noqa: ARG002
+    def with_amount(self, weights: Weights | None, amount: float, *, partly: bool = False) -> Self:  # noqa: ARG002
         """Return the motion with panels as far as |Σ wⱼ Gⱼ| reaches an amount.
 
         Args:
             weights: wⱼ, one a constant; None where the phase itself is meant.
             amount: how far.
+            partly: True where panels that do not reach so far will do.
         """
         return self
+
+    def carries(self, j: int) -> bool:  # noqa: ARG002  (asked of an open motion)
+        """Return False where the integral for a constant is zero all along.
+
+        Args:
+            j: position of the constant.
+        """
+        return True
 
     def on_sides(self, *, ahead: bool, back: bool) -> Self:  # noqa: ARG002
         """Return the motion with panels on those sides only.

@@ -10,7 +10,8 @@ import numpy as np
 from hjsolve.arithmetic.floats import Multi, bits_for
 from hjsolve.arithmetic.number_types import Mpf
 from hjsolve.errors import NotConvergedError
-from hjsolve.one_coordinate.chebyshev_panels import EndMap, Growing, Panels
+from hjsolve.one_coordinate.chebyshev_panels import EndMap, Panels
+from hjsolve.one_coordinate.growing_panels import Growing
 from hjsolve.one_coordinate.momentum_squared import MomentumSquared
 from hjsolve.one_coordinate.panel_integrands import Sight, Surrounding
 
@@ -90,16 +91,36 @@ class Branch:
     def _sight(self) -> Sight:
         return Sight(self.way, self.radicand, self.skipped, self.bits)
 
-    def panels(self, weights: tuple[float, ...] | None, amount: float) -> Panels:
+    def panels(self, weights: tuple[float, ...] | None, amount: float, *, partly: bool = False) -> Panels:
         """Return the integrals so far that |Σ wⱼ Gⱼ| reaches ``amount``; without weights, that y does.
 
         Args:
             weights: wⱼ, one a constant; None where y itself is meant.
             amount: how far the integrals must reach.
+            partly: True where less will do: on the way to infinity, or to the end of a domain, the integrals are given
+                as far as they can be had.
+
+        Raises:
+            NotConvergedError: they cannot be had so far.
         """
         if self.way.end == "fall":  # all of it, once
             return _panels(self, None, 1000 * _FINE)
-        return _panels(self, weights, int(np.ceil(_FINE * np.log2(max(abs(amount), 1e-290)))) + 1)
+        power = int(np.ceil(_FINE * np.log2(max(abs(amount), 1e-290)))) + 1
+        if partly and self.way.end != "asymptote":
+            return _as_far_as_known(self, weights, power)
+        if weights is None:  # powers go in steps: what they have too much may not be known
+            known = _as_far_as_known(self, weights, power)
+            if float(known.edges[-1]) >= amount:
+                return known
+        return _panels(self, weights, power)
+
+    def carries(self, j: int) -> bool:
+        """Return False where a kernel is zero all along.
+
+        Args:
+            j: position of the constant.
+        """
+        return not self.skipped[j]
 
 
 def _disagreement(values: list[Mpf] | None, exact: list[Mpf] | None) -> int:
@@ -139,3 +160,12 @@ def _panels(branch: Branch, weights: tuple[float, ...] | None, power: int) -> Pa
         return bool(abs(sum(w * g for w, g in zip(weights, integrals, strict=False))) > limit or y > far)
 
     return _growing(branch).until(enough)
+
+
+@lru_cache(maxsize=64)
+def _as_far_as_known(branch: Branch, weights: tuple[float, ...] | None, power: int) -> Panels:
+    """The same, or all panels there are."""
+    try:
+        return _panels(branch, weights, power)
+    except NotConvergedError:
+        return _growing(branch).known()

@@ -28,6 +28,7 @@ class Unbounded(KindOfMotion):
         start: χ of the initial place.
         reach: how far the panels go: (weights, amount of the weighted sum of integrals), or (None, greatest phase).
         back: the amount for the branch behind, where it is another; None for the same.
+        partly: True where panels that do not reach so far will do, as far as they can be had.
     """
 
     kind: Kind
@@ -36,6 +37,7 @@ class Unbounded(KindOfMotion):
     start: Mpf
     reach: tuple[tuple[float, ...] | None, float] = (None, 1.0)
     back: float | None = None
+    partly: bool = False
 
     action = None
     stable = True
@@ -54,10 +56,11 @@ class Unbounded(KindOfMotion):
 
     def _sides(self, χ: Numbers) -> tuple[Mask, Panels, Panels]:
         weights, amount = self.reach
-        ahead = self.ahead.panels(weights, amount)
+        ahead = self.ahead.panels(weights, amount, partly=self.partly)
         if not self.two_ways:
             return χ >= 0, ahead, ahead
-        return χ >= 0, ahead, self.behind.panels(weights, amount if self.back is None else self.back)
+        back = amount if self.back is None else self.back
+        return χ >= 0, ahead, self.behind.panels(weights, back, partly=self.partly)
 
     def finished(self, side: int) -> bool:
         """Return whether the last phase held is the end of the motion, not of the panels.
@@ -66,7 +69,7 @@ class Unbounded(KindOfMotion):
             side: 1 ahead, −1 behind.
         """
         branch = self.branches[side < 0]
-        return branch.way.end in {"boundary", "fall"} or branch.panels(*self.reach).finished
+        return branch.way.end == "fall" or branch.panels(*self.reach, partly=self.partly).finished
 
     def covering(self, χ: Numbers) -> Unbounded:
         """Return the motion with enough panels for some phases, on each side as far as there are any.
@@ -86,17 +89,26 @@ class Unbounded(KindOfMotion):
             back: greatest −χ where panels behind shall reach elsewhere.
         """
         least = max(1.0, abs(float(self.start)))
-        behind = None if back is None else 1.001 * max(least, back)
-        return replace(self, reach=(None, 1.001 * max(least, ahead)), back=behind)
+        behind = None if back is None else max(least, back)
+        return replace(self, reach=(None, max(least, ahead)), back=behind, partly=False)
 
-    def with_amount(self, weights: Weights | None, amount: float) -> Unbounded:
+    def with_amount(self, weights: Weights | None, amount: float, *, partly: bool = False) -> Unbounded:
         """Return the motion with panels as far as |Σ wⱼ Gⱼ| reaches an amount.
 
         Args:
             weights: wⱼ, one a constant; None where the phase itself is meant.
             amount: how far.
+            partly: True where panels that do not reach so far will do.
         """
-        return replace(self, reach=(weights, amount))
+        return replace(self, reach=(weights, amount), back=None, partly=partly)
+
+    def carries(self, j: int) -> bool:
+        """Return False where the integral for a constant is zero all along.
+
+        Args:
+            j: position of the constant.
+        """
+        return self.ahead.carries(j)
 
     def on_sides(self, *, ahead: bool, back: bool) -> Unbounded:
         """Return the motion with panels on those sides only.

@@ -21,7 +21,7 @@ from hjsolve.time_law.coupled_pair import CoupledPair, choose_pair, solve_pair
 from hjsolve.time_law.one_phase import solve_alone
 
 _REACHES = 12
-"""How often the panels of two coupled coordinates are made longer, 8 times each."""
+"""How often panels are made longer that were too short: for 8 times the time, or to the square of the distance."""
 
 
 @dataclass(frozen=True)
@@ -131,18 +131,18 @@ def open_phases(
     """
     span = float(np.max(np.abs(time[0]), initial=0.0)) * (1 + 1e-9) + 1e-290
     for attempt in range(_REACHES):
-        χ, whole, errors, ended, short = _phases(scheme, time, span * 8.0**attempt)
+        χ, whole, errors, ended, short = _phases(scheme, time, span, attempt)
         if not short.any():
             break
     return χ, whole, errors, ended | short
 
 
 def _phases(
-    scheme: TriangularScheme, time: tuple[Reals, Reals], span: float
+    scheme: TriangularScheme, time: tuple[Reals, Reals], span: float, attempt: int
 ) -> tuple[list[Reals], list[Reals], list[Reals], Mask, Mask]:
     """The same with panels that reach so far; True last where that is not far enough."""
     t = time[0] + time[1]
-    courses = [reaching(c, scheme, span, i) for i, c in enumerate(scheme.courses)]
+    courses = [reaching(c, scheme, span * 8.0**attempt, i, attempt) for i, c in enumerate(scheme.courses)]
     if scheme.steps:
         first = scheme.steps[0]
         courses[first.index] = _one_way(courses[first.index], first, time[0])
@@ -151,17 +151,19 @@ def _phases(
     χ: list[Any] = [None] * n
     whole: list[Any] = [np.zeros_like(t)] * n
     errors: list[Any] = [None] * n
-    ended = np.zeros(t.shape, dtype=bool)
+    ended, short = np.zeros(t.shape, dtype=bool), np.zeros(t.shape, dtype=bool)
     for step in scheme.steps:
         known = [(l, c) for l, c in enumerate(courses) if χ[l] is not None]
         full = [None if x is None else x + 2 * np.pi * n for x, n in zip(χ, whole, strict=True)]
         value, error_bound = _right_side(step, targets, known, full, errors, t)
         own = step.weights[0] if not known else 0.0
+        course = courses[step.index]
         χ[step.index], whole[step.index], errors[step.index], ended_here = solve_alone(
-            courses[step.index], step.weights, value, error_bound, own, time
+            course, step.weights, value, error_bound, own, time
         )
-        ended |= ended_here
-    short = np.zeros(t.shape, dtype=bool)
+        further = np.where(t >= 0, *(_goes_on(course, side) for side in (1, -1)))
+        short |= ended_here & further
+        ended |= ended_here & ~further
     if scheme.coupled:
         full = [None if x is None else x + 2 * np.pi * n for x, n in zip(χ, whole, strict=True)]
         pair = _couple(courses, scheme)
@@ -174,6 +176,11 @@ def _phases(
                 χ[i], errors[i] = both.χ[row], both.errors[row]
             ended, short = ended | both.ended, both.short
     return χ, whole, errors, ended, short
+
+
+def _goes_on(course: CoordinateMotion, side: int) -> bool:
+    """True where a course is longer than its panels."""
+    return course.ends(side) in {"infinity", "boundary"} and not course.finished(side)
 
 
 def _one_way(course: CoordinateMotion, step: DecoupledStep, times: Reals) -> CoordinateMotion:
@@ -217,27 +224,36 @@ def _right_sides(
     return goals, error_bounds
 
 
-def reaching(course: CoordinateMotion, scheme: TriangularScheme, span: float, i: int) -> CoordinateMotion:
+def reaching(
+    course: CoordinateMotion, scheme: TriangularScheme, span: float, i: int, attempt: int = _REACHES - 1
+) -> CoordinateMotion:
     """Let an open course hold enough panels for a time span: of its own clock, or of its part of the time.
+
+    A coordinate that has no part in the time (another one has it alone) is held up to a phase, which is squared with
+    every attempt. Where panels cannot be had so far, there are fewer.
 
     Args:
         course: of one coordinate; one that comes back is given back as it is.
         scheme: which coordinates have a time of their own.
         span: length of time, in the units of t.
         i: position of the coordinate.
+        attempt: how often panels have been too short.
     """
     if not course.branches:
         return course
     weights = next(
         (s.weights for s in scheme.steps if s.index == i), tuple(float(j == 0) for j in range(scheme.equations))
     )
-    begin = course.with_amount(None, max(1.0, abs(float(course.start))))
+    least = max(1.0, abs(float(course.start)))
+    if not any(w and course.carries(j) for j, w in enumerate(weights)):
+        return course.with_amount(None, min(4.0 * least * 2.0 ** min(2**attempt - 1, 1000), 1e300), partly=True)
+    begin = course.with_amount(None, least)
     here = sum(
         abs(w * float(begin.integral(j, np.array([float(course.start)]))[0])) for j, w in enumerate(weights) if w
     )
     others = 1.0 if weights[0] or len(scheme.coupled) == 2 else 64.0
     amount = here + others * span * max(abs(weights[0]), 1e-300) if weights[0] else here + others * span
-    return course.with_amount(weights, amount)
+    return course.with_amount(weights, amount, partly=True)
 
 
 def _targets(courses: list[CoordinateMotion], n: int) -> list[float]:
