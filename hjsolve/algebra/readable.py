@@ -28,7 +28,7 @@ def shortest_form(reader: Reader, x: Element) -> sp.Expr:
     if len(x.numerator) > MAX_TERMS or sum(len(base) for base, _ in x.bases) > 2 * MAX_TERMS:
         return reader.write(reader.field.cancelled(x))
     forms = [form for y in variants(reader, x) for form in _forms(reader, y)]
-    return min(forms, key=_length)
+    return min(forms, key=length_of)
 
 
 def variants(reader: Reader, x: Element) -> list[Element]:
@@ -117,13 +117,17 @@ def _with_falling_exponentials(reader: Reader, x: Element) -> list[sp.Expr]:
     return forms
 
 
-def _length(x: sp.Expr) -> int:
-    """Operations in an expression; sympy's count_ops takes seconds where this takes milliseconds."""
+def length_of(x: sp.Expr) -> int:
+    """Operations in an expression; sympy's count_ops takes seconds where this takes milliseconds.
+
+    Args:
+        x: any expression.
+    """
     if not x.args:
         return _digits(x) - 1 if x.is_Rational else 0
     if x.is_Pow:
-        return _length(x.base) + (1 + _length(x.exp) if x.exp != -1 else 1)
-    return max(len(x.args) - 1, 1) + sum(map(_length, x.args))
+        return length_of(x.base) + (1 + length_of(x.exp) if x.exp != -1 else 1)
+    return max(len(x.args) - 1, 1) + sum(map(length_of, x.args))
 
 
 def _digits(x: sp.Rational) -> int:

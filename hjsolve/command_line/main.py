@@ -89,6 +89,7 @@ def _joined(arguments: Sequence[str], top: argparse.ArgumentParser) -> list[str]
 
 _NAMED_VALUES = ("--q=", "--velocity=", "--momentum=", "--parameter=")
 _NAMED_VALUE = re.compile(r"\w+\s*=")
+_ENDLESS_WORD = re.compile(r"\S{300,}")
 
 
 def _valued(top: argparse.ArgumentParser) -> dict[str, str]:
@@ -104,7 +105,8 @@ def _run(options: argparse.Namespace) -> int:
 
 
 def _complain(message: str, status: int) -> int:
-    print(f"hjsolve: {message}", file=sys.stderr)
+    told = _ENDLESS_WORD.sub(lambda word: f"{word[0][:60]}...{word[0][-20:]}", message)
+    print(f"hjsolve: {told}", file=sys.stderr)
     return status
 
 

@@ -21,7 +21,7 @@ import sympy as sp
 
 from hjsolve.algebra.field import Element
 from hjsolve.algebra.modular import Filter, Products
-from hjsolve.algebra.readable import shortest_form
+from hjsolve.algebra.readable import length_of, shortest_form
 from hjsolve.algebra.reader import Reader
 from hjsolve.separation.forms import levi_civita
 from hjsolve.separation.forms.base_points import BasePoint, find_base_points
@@ -165,8 +165,16 @@ def finished(
     """
     entries = [[shortest_form(reader, x) for x in row] for row in matrix.rows]
     if len(names) == 1:
-        terms = [shortest_form(reader, reader.element(v) * matrix.rows[0][0]) for v in sp.Add.make_args(potential)]
-        column = (sp.Add(*terms),)
+        column = (_as_written(reader, potential, matrix.rows[0][0]),)
     else:
         column = tuple(shortest_form(reader, x) for x in matrix.column)
     return Stackel(tuple(names), sp.ImmutableMatrix(entries), column, tuple(metric))
+
+
+def _as_written(reader: Reader, potential: sp.Expr, factor: Element) -> sp.Expr:
+    """V times a factor, term by term; U·((x − c)² + …) too where that is shorter than what it is multiplied out."""
+    terms = sp.Add.make_args(potential)
+    sums = [a for a in potential.args if a.is_Add] if potential.is_Mul else []
+    ways = [terms, [potential / sums[0] * term for term in sums[0].args]] if len(sums) == 1 else [terms]
+    written = [sp.Add(*(shortest_form(reader, reader.element(v) * factor) for v in way)) for way in ways]
+    return min(written, key=length_of)
