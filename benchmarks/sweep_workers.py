@@ -3,13 +3,15 @@
     python -m benchmarks.sweep_workers [--parts 24] [--repeats 3]
 
 Prints wall times, what each process spent of the processor, and the load. On a machine with two cores the scheduler and
-the process that writes take part of them: the last line says what two workers do that have a core each.
+the process that writes take part of them: the ratio by processor time says what two workers do that have a core each.
+Then what 10⁹ such orbits cost on 1, 10 and 100 workers: arithmetic with what was measured.
 """
 
 from __future__ import annotations
 
 import argparse
 import os
+import resource
 import statistics
 import subprocess
 import sys
@@ -56,47 +58,68 @@ def main() -> None:
                 hjsolve.sweep(scene, Path(name) / f"warm-{address[-5:]}", scheduler=address)
             for k in range(options.repeats):
                 for address, processes in (one, two):
-                    runs[len(processes) - 1].append(
-                        measured(scene, Path(name) / f"{k}-{address[-5:]}", address, processes)
-                    )
+                    out = Path(name) / f"{k}-{address[-5:]}"
+                    runs[len(processes) - 1].append(measured(scene, out, address, processes))
+        size = sum(file.stat().st_size for file in out.iterdir()) / count
     print(f"{count} orbits in {options.parts} parts, load {os.getloadavg()[0]:.1f} on {os.cpu_count()} cores")
-    for number, found in runs.items():
-        told(number, found, count)
-    spent = {n: statistics.median(max(run.workers) for run in found) for n, found in runs.items()}
-    here = {n: statistics.median(run.here for run in found) for n, found in runs.items()}
-    limits = {n: max(spent[n], here[n]) for n in runs}
-    print(f"two over one, wall: {median_wall(runs[1]) / median_wall(runs[2]):.2f}")
-    print(f"two over one, by processor time of the busiest process: {limits[1] / limits[2]:.2f}")
+    prices = {number: priced(found, count) for number, found in runs.items()}
+    for number, price in prices.items():
+        print(
+            f"{number} workers: {price.wall:.1f} µs of wall time an orbit; processor: workers {sum(price.workers):.1f}"
+            f", scheduler {price.scheduler:.2f}, process that writes {price.here:.2f}"
+        )
+    print(f"two over one, wall: {prices[1].wall / prices[2].wall:.2f}")
+    print(f"two over one, by processor time of the busiest process: {busiest(prices[1]) / busiest(prices[2]):.2f}")
+    billion(prices[2], size, resource.getrusage(resource.RUSAGE_SELF).ru_maxrss / 1024)
 
 
-def median_wall(runs: list[Run]) -> float:
-    """The median of the wall times.
+def busiest(price: Run) -> float:
+    """Processor time of the busiest process: what a run takes where each has a core of its own.
 
     Args:
-        runs: that were measured.
+        price: of a run.
     """
-    return statistics.median(run.wall for run in runs)
+    return max(*price.workers, price.scheduler, price.here)
 
 
-def told(number: int, runs: list[Run], count: int) -> None:
-    """Print what one number of workers takes, µs an orbit.
+def billion(price: Run, size: float, memory: float) -> None:
+    """Print what 10⁹ orbits cost on 1, 10 and 100 workers, as a table.
 
     Args:
-        number: of workers.
-        runs: with so many.
+        price: measured, µs an orbit.
+        size: of the folder, bytes an orbit.
+        memory: of the process that writes, MB.
+    """
+    each, serial = sum(price.workers), max(price.here, price.scheduler)
+    print("\n| workers | hours | bound by | parts an hour | into the process that writes, MB/s |")
+    print("|---|---|---|---|---|")
+    for number in (1, 10, 100):
+        took = max(each / number, serial)
+        bound = "workers" if each / number > serial else "the process that writes"
+        print(f"| {number} | {took / 3.6:.1f} | {bound} | {3.6e9 / took / CHUNK:.0f} | {size / took:.0f} |")
+    print(
+        f"\n{1e9 / CHUNK:.0f} parts, {size:.0f} GB on the disk; the process that writes takes {memory:.0f} MB, "
+        f"and is busy with {each / serial:.0f} workers"
+    )
+
+
+def priced(runs: list[Run], count: int) -> Run:
+    """The medians over some runs, µs an orbit.
+
+    Args:
+        runs: with one number of workers.
         count: orbits of each.
     """
-    parts = (
-        median_wall(runs),
-        *(
-            statistics.median(x)
-            for x in ([sum(r.workers) for r in runs], [r.scheduler for r in runs], [r.here for r in runs])
-        ),
-    )
-    share = [part / count * 1e6 for part in parts]
-    print(
-        f"{number} workers: {share[0]:.1f} µs an orbit of wall time; processor: workers {share[1]:.1f}, "
-        f"scheduler {share[2]:.2f}, process that writes {share[3]:.2f}"
+
+    def median(times: list[float]) -> float:
+        return statistics.median(times) / count * 1e6
+
+    workers = [median(list(times)) for times in zip(*(sorted(run.workers) for run in runs), strict=True)]
+    return Run(
+        median([run.wall for run in runs]),
+        workers,
+        median([run.scheduler for run in runs]),
+        median([run.here for run in runs]),
     )
 
 
